@@ -1,0 +1,30 @@
+# One folder is one static library; what a module may use is written in one place, here as arguments.
+
+# hvi_module(solver mesh USES kernel LINKS ZLIB::ZLIB): library hvi_solver_mesh from solver/mesh/*.cpp
+function(hvi_module family name)
+  cmake_parse_arguments(ARG "" "" "USES;LINKS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/${family}/${name}/*.cpp)
+  set(target hvi_${family}_${name})
+  list(TRANSFORM ARG_USES PREPEND hvi_)
+  if(sources)
+    add_library(${target} STATIC ${sources})
+    target_link_libraries(${target} PUBLIC hvi_options hvi_headers ${ARG_USES} ${ARG_LINKS})
+  else()
+    add_library(${target} INTERFACE)
+    target_link_libraries(${target} INTERFACE hvi_options hvi_headers ${ARG_USES} ${ARG_LINKS})
+  endif()
+endfunction()
+
+# hvi_tests(FOLDER LABEL target...): one GoogleTest program from FOLDER/*.cpp, one ctest case per test
+function(hvi_tests folder label)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+  if(NOT sources)
+    return()
+  endif()
+  string(REPLACE "/" "_" program "test_${folder}")
+  add_executable(${program} ${sources})
+  target_link_libraries(${program} PRIVATE ${ARGN} GTest::gtest GTest::gtest_main GTest::gmock)
+  target_compile_definitions(${program} PRIVATE HVI_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  gtest_discover_tests(${program} TEST_PREFIX "${folder}:" DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS "${label}")
+endfunction()

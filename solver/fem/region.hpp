@@ -1,0 +1,29 @@
+// From the small tree that names a part to the entities of a mesh.
+#pragma once
+
+#include "solver/mesh/mesh.hpp"
+#include "solver/plan/plan.hpp"
+
+#include <vector>
+
+namespace hvi::solver {
+
+Mesh make_mesh(const MeshSpec& spec);
+
+/// A resolved part.
+struct Region {
+  Group::Kind kind = Group::Kind::cells;
+  std::vector<std::int32_t> entities; ///< cells, facets or nodes (for points), sorted, unique
+  int straddling = 0;                 ///< entities a predicate cut in two (left out); for a warning
+};
+
+/// `where` keeps an entity when its centroid and its corners, each moved by 1e-6 towards the
+/// centroid, satisfy the predicate. Throws Failure(unknown_group) naming the groups there are,
+/// Failure(empty_region) for a part without entities.
+Region resolve(const Mesh& mesh, const RegionSpec& spec);
+
+/// The nodes of a region's entities, sorted, unique.
+std::vector<std::int32_t> nodes_of(const Mesh& mesh, const Region& region);
+double measure_of(const Mesh& mesh, const Region& region);
+
+} // namespace hvi::solver

@@ -1,0 +1,91 @@
+// Memory: (R u)(t_n) = sum_{j<=n} int_{t_{j-1}}^{t_j} q(t_n, s) u(s) ds for one scalar kernel q and a
+// field of n values, with exact interval integrals. Four routes behind four calls.
+#pragma once
+
+#include "solver/common/failure.hpp"
+#include "solver/kernel/expr.hpp"
+
+#include <cstdint>
+#include <iosfwd>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace hvi::solver {
+
+/// A scalar kernel as data: an expression in slot::lag and slot::t (q(t, s) = expression(t, t - s)).
+struct KernelSpec {
+  std::string name;
+  Origin origin;
+  Expr expression;
+};
+
+enum class HistoryRoute { automatic, recursion, fit, tree, direct };
+
+struct HistoryOptions {
+  HistoryRoute route = HistoryRoute::automatic;
+  int order = 0;             ///< 0: u constant on a step (the paper's scheme); 1: u affine on a step
+  double tolerance = 1e-8;   ///< error of the memory term relative to ||q||_L1 max|u|
+  double shortest_step = 0;  ///< of the time grid (0: unknown)
+  double horizon = 0;        ///< T - t0 (0: unknown; the fitted route is then not chosen)
+  std::int64_t steps = 0;    ///< expected number of steps (0: unknown)
+};
+
+struct HistoryReport {
+  std::string route;         ///< "recursion", "fit", "tree", "direct"
+  std::string why;           ///< the reason for the route, a sentence
+  std::int64_t fields = 0;   ///< stored fields of n values now
+  double bytes = 0;
+  double error = 0;          ///< verified bound, relative to ||q||_L1 max|u|
+  bool verified = true;      ///< false: sampled evidence only
+};
+
+class History {
+public:
+  virtual ~History() = default;
+  /// Begins at t0 with u(t0) (used by order 1 only).
+  virtual void start(double t0, std::span<const double> u0) = 0;
+  /// out = the part of (R u)(t_new) that does not depend on u(t_new).
+  virtual void rhs(double t_new, std::span<double> out) = 0;
+  /// The exact weight of u(t_new): int over the current interval of q(t_new, s) [phi(s)] ds.
+  virtual double w0(double t_new) = 0;
+  /// Accepts u(t_new); until then nothing is remembered, so steps may be rejected and repeated.
+  virtual void commit(double t_new, std::span<const double> u_new) = 0;
+  virtual HistoryReport report() const = 0;
+  /// Exact state, bit for bit: a restored history continues with the same bits.
+  virtual void save(std::ostream& out) const = 0;
+  virtual void restore(std::istream& in) = 0;
+};
+
+/// What an expression in (t, lag) is: found symbolically, checked numerically.
+struct KernelTraits {
+  bool zero = false;
+  bool convolution = false;         ///< depends on the lag only
+  bool exponential_sum = false;     ///< sum of c lag^r exp(-a lag) cos/sin(b lag)
+  bool separable = false;           ///< sum g_i(t) h_i(s)
+  double singular_exponent = 0.0;   ///< ~ lag^-e near 0; 0: bounded; >= 1: not integrable
+  std::vector<double> breaks;       ///< lags where it has kinks or jumps, sorted
+  double max_lag = 0.0;             ///< it vanishes beyond (0: no such bound)
+  bool finite = true;               ///< finite on (0, horizon]
+  std::string description;          ///< "2 real exponentials", "singular, lag^-0.5", ...
+};
+KernelTraits kernel_traits(const Expr& expression, double horizon);
+/// sup |q|, the Lipschitz constant in t of H(q), int_0^T |q| for hypotheses (inf where infinite).
+struct KernelNorms {
+  double sup = 0, lipschitz = 0, l1 = 0;
+  bool exact = false;
+};
+KernelNorms kernel_norms(const Expr& expression, double t0, double t1);
+
+/// Integral over s in [t - lag_high, t - lag_low] of q(t, s) weight(s), order-0 weight 1.
+/// Adaptive to machine precision; integrable singularities at lag 0 included.
+/// moment = 0: 1; moment = 1: (lag - lag_low) / (lag_high - lag_low).
+double interval_integral(const Expr& expression, double t, double lag_low, double lag_high,
+                         int moment);
+
+/// Throws Failure(bad_kernel) for a kernel that is not integrable or not finite.
+std::unique_ptr<History> make_history(const KernelSpec& kernel, std::size_t n,
+                                      const HistoryOptions& options);
+
+} // namespace hvi::solver

@@ -1,0 +1,98 @@
+// The reduced inequality of one step: find c with
+//
+//     S c + sum_p w_p G_p^T xi_p = r,     xi_p in dj_p(z_p),   z_p = G_p c + g_p        (*)
+//
+// S is the Schur complement on the contact unknowns, p runs over the quadrature points of all laws,
+// G_p (1 to 3 rows) takes the contact unknowns to the law's argument, g_p is what is known of it.
+#pragma once
+
+#include "solver/law/law.hpp"
+#include "solver/linear/sparse.hpp"
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace hvi::solver {
+
+/// The operator of the reduced problem: a dense Schur complement, or a sparse matrix when the
+/// laws act in the whole domain. Symmetric unless `symmetric()` is false.
+class ReducedOperator {
+public:
+  virtual ~ReducedOperator() = default;
+  virtual int size() const = 0;
+  virtual bool symmetric() const = 0;
+  virtual void apply(const Vector& c, Vector& out) const = 0;
+  /// Factors S + H for a symmetric H = sum_p w_p G_p^T D_p G_p given as a sparse matrix with a
+  /// pattern inside that of G^T G. False when the result is not (positive definite and) regular.
+  virtual bool factor(const SparseMatrix& h) = 0;
+  virtual void solve(const Vector& b, Vector& x) const = 0; ///< with the last factor
+};
+std::unique_ptr<ReducedOperator> dense_operator(const DenseMatrix& s, bool symmetric);
+std::unique_ptr<ReducedOperator> sparse_operator(const SparseMatrix& k, bool symmetric);
+
+/// One quadrature point of one law.
+struct ContactPoint {
+  int law = 0;          ///< index into ReducedProblem::laws
+  int application = 0;  ///< which term of the form (for reports)
+  int first_row = 0;    ///< its rows of G: first_row .. first_row + rows
+  int rows = 1;
+  double weight = 0.0;  ///< quadrature weight times the factor before the integral, > 0
+  int graph = 0;        ///< index into ReducedProblem::graphs
+};
+
+struct ReducedProblem {
+  std::vector<const Law*> laws;
+  std::vector<LawGraph> graphs;       ///< shared by the points of a law that depends on neither x nor t
+  std::vector<ContactPoint> points;
+  SparseMatrix g;                     ///< rows of all points by contact unknowns
+  Vector offset;                      ///< known part of z, a row each: set before every step
+};
+
+enum class Branch { continuing, release, least_energy };
+
+struct InequalityOptions {
+  double tolerance = 1e-10;      ///< of the certificate
+  int max_iterations = 200;
+  Branch branch = Branch::continuing;
+  bool force_fallback = false;   ///< tests: the globally convergent method only
+};
+
+/// What a solve did. `events` counts points that crossed a downward jump (release).
+struct InequalityReport {
+  bool converged = false;
+  int iterations = 0, factorisations = 0;
+  bool used_fallback = false;
+  double inclusion = 0.0;        ///< worst scaled distance of (z_p, xi_p) to the graph
+  double residual = 0.0;         ///< componentwise backward error of the contact rows
+  int worst_point = -1;
+  int events = 0;
+  std::string verdict;           ///< a sentence when not converged
+};
+
+/// The state that is carried from step to step: warm start and multipliers.
+struct InequalityState {
+  Vector c;               ///< contact unknowns (of the equation above: total or increment)
+  Vector xi;              ///< multipliers, a row each
+  std::vector<int> state; ///< per point: 2 i for "inside piece i", 2 i + 1 for "at break i"
+};
+
+class InequalitySolver {
+public:
+  InequalitySolver(const ReducedProblem& problem, ReducedOperator& s, InequalityOptions options);
+  ~InequalitySolver();
+  /// Solves (*) from the warm start in `state`; on return `state` holds the solution.
+  InequalityReport solve(const Vector& r, InequalityState& state);
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// An independent slow method for tests: nonlinear Gauss-Seidel on the energy / proximal descent,
+/// sharing no code with the solver. Convex case only.
+bool reference_solve(const ReducedProblem& problem, const DenseMatrix& s, const Vector& r,
+                     double tolerance, InequalityState& state);
+
+} // namespace hvi::solver

@@ -1,0 +1,88 @@
+// Superpotentials j(r; x, t): value, Clarke subdifferential, and the numbers of hypothesis H(J).
+#pragma once
+
+#include "solver/common/failure.hpp"
+#include "solver/kernel/expr.hpp"
+#include "solver/mesh/mesh.hpp"
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace hvi::solver {
+
+/// A law as data. The argument is slot::argument(0): the scalar r, or for a radial law |xi| >= 0
+/// (a vector argument enters through its norm, paper H(j_tau)). May depend on x and t.
+struct LawSpec {
+  std::string name;
+  Origin origin;
+  bool radial = false;
+  bool by_slope = false; ///< `expression` is the slope j', else the potential j
+  Expr expression;
+};
+
+/// The graph of r -> dj(r) at one point of space and time, jumps filled in. Piece i is smooth on
+/// [breaks[i-1], breaks[i]]; at breaks[i] the subdifferential is the interval between the limits.
+/// For a radial law r >= 0 and at r = 0 the subdifferential is the ball of radius |slope(0+)|.
+struct LawGraph {
+  std::vector<double> breaks;
+  std::vector<int> functions;       ///< which smooth function of the law piece i uses
+  std::vector<double> left, right;  ///< slope limits at breaks[i]
+  std::vector<double> offsets;      ///< potential of piece i = its primitive + offsets[i]
+  Point x{};
+  double t = 0.0;
+  int pieces() const { return static_cast<int>(functions.size()); }
+};
+
+/// Where a law's numbers hold, and how they were found.
+struct LawConstants {
+  double m = 0.0;                ///< steepest descent of the slope, m_J of H(J)(iii); inf at a downward jump
+  double c = 0.0;                ///< growth: |xi| <= c (1 + |r|), c_J of H(J)(ii); inf if superlinear
+  double steepest_ascent = 0.0;  ///< sup of the slope's derivative; inf at an upward jump
+  double slope_scale = 0.0;      ///< a typical |xi|: scales the certificate
+  bool exact = false;            ///< by symbolic derivative and interval bound; else sampled
+  bool clarke_regular = true;    ///< j or -j regular (finite m: always, since j + m r^2/2 is convex)
+  bool convex = false;           ///< m == 0
+  double worst_at = 0.0;         ///< an argument where m is (nearly) attained
+};
+
+class Law {
+public:
+  /// Finds the switches (cases, abs, min, max) and compiles each smooth branch.
+  /// Throws Failure(bad_law) when the potential jumps or its slope is infinite at a finite point.
+  explicit Law(LawSpec spec);
+  ~Law();
+  Law(Law&&) noexcept;
+  Law& operator=(Law&&) noexcept;
+
+  const LawSpec& spec() const;
+  bool depends_on_x() const;
+  bool depends_on_t() const;
+
+  /// The graph at a point. Throws Failure(bad_law) as the constructor does, for this point.
+  LawGraph graph(const Point& x, double t) const;
+  double slope(const LawGraph& graph, int piece, double r) const;
+  double curvature(const LawGraph& graph, int piece, double r) const; ///< d slope / dr
+  double potential(const LawGraph& graph, int piece, double r) const;
+
+  LawConstants constants(const Point& x, double t) const;
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The piece that holds r (the lower one at a break).
+int piece_of(const LawGraph& graph, double r);
+/// dj(r) as an interval [low, high] (scalar laws; for radial laws at r > 0 the radial slope).
+struct Interval {
+  double low, high;
+};
+Interval clarke(const Law& law, const LawGraph& graph, double r, double snap = 0.0);
+/// Distance of (z, xi) to the graph of dj: min over the graph near z of the error in xi, where
+/// z within `snap` of a break counts as on it. z and xi have `rows` entries (1, or a radial law).
+double inclusion_distance(const Law& law, const LawGraph& graph, const double* z, const double* xi,
+                          int rows, double snap);
+
+} // namespace hvi::solver

@@ -1,0 +1,51 @@
+// Direct solvers behind one interface, with the contact unknowns condensed out.
+//
+// K x = b is split as  [K_II K_Ic; K_cI K_cc] with c the contact unknowns. The interface gives the
+// Schur complement S = K_cc - K_cI K_II^-1 K_Ic and the two sweeps around the reduced problem:
+//   reduce(b)      -> r   with  S c = r  equivalent to K x = b on c
+//   back(c)        -> x   the full solution whose contact part is c
+#pragma once
+
+#include "solver/linear/sparse.hpp"
+
+#include <memory>
+#include <span>
+#include <string>
+
+namespace hvi::solver {
+
+struct FactorStatistics {
+  double nonzeros = 0;      ///< of the factor(s)
+  double flops = 0;         ///< of one numeric factorisation
+  double bytes = 0;         ///< held by the factor
+  double seconds_analyse = 0, seconds_factor = 0;
+  double reciprocal_condition = 0; ///< a cheap estimate
+  int analyses = 0, factorisations = 0, sweeps = 0; ///< work counters; a sweep reads the factor once
+  std::string ordering;     ///< "METIS", "CAMD", ...
+};
+
+class Factorisation {
+public:
+  virtual ~Factorisation() = default;
+  /// Numeric factorisation of a matrix with the analysed pattern. Throws Failure(not_coercive)
+  /// with the offending unknown in the message when K is not positive definite / singular.
+  virtual void factor(const SparseMatrix& k) = 0;
+  /// First sweep. Keeps what `back` needs; r has one entry per contact unknown, in their order.
+  virtual void reduce(const Vector& b, Vector& r) = 0;
+  /// Second sweep, for the last `reduce`.
+  virtual void back(const Vector& c, Vector& x) = 0;
+  /// x = K^-1 b, both sweeps with S c = r solved exactly.
+  virtual void solve(const Vector& b, Vector& x) = 0;
+  /// The Schur complement S, n_c by n_c. For Cholesky it is L22 L22^T, read off the factor.
+  virtual const DenseMatrix& schur() const = 0;
+  /// Lower Cholesky factor L22 of S (empty for LU).
+  virtual const DenseMatrix& schur_factor() const = 0;
+  virtual const FactorStatistics& statistics() const = 0;
+};
+
+/// Analyses the pattern of K (symmetric pattern; `symmetric`: Cholesky through CHOLMOD, contact
+/// unknowns last; else UMFPACK). `contact` lists the contact unknowns, in the order of r and c.
+std::unique_ptr<Factorisation> analyse(const SparseMatrix& k, std::span<const int> contact,
+                                       bool symmetric);
+
+} // namespace hvi::solver

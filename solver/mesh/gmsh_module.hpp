@@ -1,0 +1,27 @@
+// Geometry and mesh generation through libgmsh, loaded only when a plan asks for it.
+#pragma once
+
+#include "solver/mesh/mesh.hpp"
+
+#include <string>
+#include <vector>
+
+namespace hvi::solver {
+
+/// The geometries we know: name, what the numbers mean, the groups made.
+struct GeometryInfo {
+  std::string name;                      ///< "disk", "annulus", "plate_with_hole", "bracket", ...
+  int dim;
+  std::vector<std::string> parameters;   ///< names of the numbers, in order; the last is mesh size
+  std::vector<double> defaults;
+  std::vector<std::string> groups;
+};
+const std::vector<GeometryInfo>& geometries();
+
+/// Meshes a known geometry. Throws Failure(bad_value) for impossible numbers,
+/// Failure(missing_file) when the gmsh module cannot be loaded.
+Mesh generate_geometry(const std::string& name, const std::vector<double>& numbers);
+/// Meshes a .geo file (it can run programs: only with the user's --allow-geo).
+Mesh mesh_geo_file(const std::string& path);
+
+} // namespace hvi::solver

@@ -1,0 +1,18 @@
+// Reader of gmsh's MSH 2.2 and 4.1 files, ascii and binary. Our own, because libgmsh executes what
+// it reads (docs/decisions). Knows no other format and opens no other file.
+#pragma once
+
+#include "solver/mesh/mesh.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace hvi::solver {
+
+/// Parses the bytes of an .msh file. Physical groups become groups; nodes of no cell are dropped.
+/// Throws Failure(broken_file) saying what was expected and where (line, or byte offset).
+Mesh parse_msh(std::string_view bytes, const std::string& name);
+/// Reads the file, then parse_msh. Throws Failure(missing_file).
+Mesh read_msh(const std::string& path);
+
+} // namespace hvi::solver
