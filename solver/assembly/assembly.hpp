@@ -1,0 +1,91 @@
+// From weak terms to matrices and vectors. All act on full vectors (free and eliminated dofs).
+#pragma once
+
+#include "solver/fem/space.hpp"
+#include "solver/linear/sparse.hpp"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace hvi::solver {
+
+/// K_ij = int_region sum_e C_e(x, nu) D_{trial_e}(phi_j) D_{test_e}(phi_i).
+/// `exact` integrates constant coefficients exactly and others with a rule of order 2 (order + 1).
+/// Throws Failure(bad_value) naming the point where a coefficient is not finite.
+SparseMatrix assemble_form(const Space& space, const Region& region, const FormTerm& term);
+
+/// The right-hand side as f(t) = sum_m g_m(t) F_m + terms that do not separate.
+class LoadAssembler {
+public:
+  LoadAssembler(const Space& space, std::span<const Region> parts, std::span<const LoadTerm> loads);
+  ~LoadAssembler();
+  LoadAssembler(LoadAssembler&&) noexcept;
+  /// f(t) added to `out` (full vector).
+  void add(double t, Vector& out) const;
+  /// The mean of f over [t0, t1]: exact for polynomials in t of degree 7, added to `out`.
+  void add_mean(double t0, double t1, Vector& out) const;
+  int separable_terms() const; ///< vectors F_m stored
+  bool separable() const;      ///< nothing is assembled again at each step
+  bool time_independent() const;
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The quadrature points of one law term on full dofs. Points on the same node with the same
+/// normal and the same rows are merged (weights added). Radial laws: rows reduced to an orthonormal
+/// basis of their range, kept in `frames` (dim x rows each) to turn xi back into the global frame.
+struct LawPoints {
+  int law_term = 0;
+  std::vector<Point> x;
+  std::vector<Point> normal;
+  std::vector<double> weight;          ///< quadrature weight times factor; positive
+  std::vector<std::int32_t> node;      ///< nodal rule: the node, else -1
+  std::vector<std::int32_t> facet;     ///< an entity (facet or cell) the point lies on
+  int rows = 1;
+  std::vector<DenseMatrix> frames;     ///< radial laws only
+  SparseMatrix g;                      ///< (points * rows) x n_dofs
+  bool offset_depends_on_t = false;
+};
+LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& term,
+                       int law_term, bool radial);
+/// Offsets of the argument rows at time t, points * rows.
+void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector& out);
+
+/// Gram matrices. V: eps : eps (vector) or grad . grad (scalar, plus the mass where nothing is
+/// eliminated). Mass: u . v. Boundary mass of a part with a rule.
+SparseMatrix gram_v(const Space& space, bool add_mass);
+SparseMatrix mass(const Space& space);
+
+/// Values of fields at points, for probes and output. fields[k] is the full vector of field k
+/// (slot::field numbering); absent fields may be empty.
+struct FieldValues {
+  std::span<const Vector* const> fields;
+  double t = 0.0;
+};
+/// Expression at a point given by cell and barycentric coordinates.
+double evaluate_at(const Space& space, const Expr& expression, int cell,
+                   const std::array<double, 4>& barycentric, const FieldValues& values);
+/// Integral of an expression over a region (cells: fields and gradients of the cell; facets: of the
+/// cell behind, with slot::normal). No multipliers. Prepared once, evaluated at many steps.
+class Integrator {
+public:
+  Integrator(const Space& space, const Region& region, Rule rule, std::vector<Expr> integrands);
+  ~Integrator();
+  Integrator(Integrator&&) noexcept;
+  void integrate(const FieldValues& values, std::span<double> out) const;
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+/// Cell averages (n_cells x components, component fastest) and nodal values of expressions;
+/// a nodal value of an expression with gradients is the measure-weighted mean over its cells.
+std::vector<double> cell_values(const Space& space, std::span<const Expr> components,
+                                const FieldValues& values);
+std::vector<double> nodal_values(const Space& space, std::span<const Expr> components,
+                                 const FieldValues& values);
+
+} // namespace hvi::solver

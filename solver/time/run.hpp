@@ -1,0 +1,95 @@
+// The run: from a plan to certified steps. What the language's driver and a C++ user call.
+#pragma once
+
+#include "solver/assembly/assembly.hpp"
+#include "solver/plan/plan.hpp"
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace hvi::solver {
+
+/// Mesh, parts and space of a plan, made once and shared by run, check and study.
+struct Discretisation {
+  Mesh mesh;
+  std::vector<Region> parts;
+  Space space; ///< points into `mesh`
+  DofMap dofs;
+  double seconds = 0;
+  Discretisation() = default;
+  Discretisation(const Discretisation&) = delete;
+  Discretisation& operator=(const Discretisation&) = delete;
+};
+/// All mesh and part mistakes of the plan at once (several missing groups: several failures).
+/// Includes: unknown groups, empty parts, a law or load on a clamped facet, a law twice on a part,
+/// a point that is no node, an initial state that contradicts the imposed values.
+std::vector<Failure> discretise(const Plan& plan, Discretisation& out);
+
+struct Certificate {
+  bool certified = false;
+  double inclusion = 0, equilibrium = 0, tolerance = 0; ///< worst over the steps
+  std::string mode = "full";                            ///< or "contact rows every step, ..."
+  int worst_step = 0;
+};
+
+/// Seconds of CPU time by phase.
+struct Timing {
+  double mesh = 0, assembly = 0, ordering = 0, factor = 0, history = 0, sweeps = 0, inequality = 0,
+         steps = 0, output = 0, total = 0;
+};
+
+/// Work done, counted: what the tests of "only the effects a scene calls for" compare.
+struct WorkCounters {
+  int matrices = 0, analyses = 0, factorisations = 0, sweeps = 0, products = 0, newton = 0,
+      history_fields = 0, fallback_steps = 0;
+  double bytes = 0;
+};
+
+struct StepNote {
+  int step;
+  double t;
+  std::string what; ///< "3 points released (downward jump)", "snap to a new branch"
+  Origin origin;
+};
+
+struct RunResult {
+  std::string script;
+  int unknowns = 0, contact_unknowns = 0, steps = 0;
+  std::vector<double> times;                          ///< of the table's rows
+  std::map<std::string, std::vector<double>> columns; ///< by probe name
+  std::vector<std::string> column_order;
+  std::map<std::string, double> final;                ///< every probe at the last step (or its time)
+  Certificate certificate;
+  Timing timing;
+  WorkCounters work;
+  std::vector<HistoryReport> histories;
+  std::vector<EffectNote> effects;                    ///< with asleep filled in
+  std::vector<StepNote> notes;
+  std::vector<std::string> files;                     ///< written, relative to the output folder
+  Vector u;                                           ///< full vector at the end
+};
+
+struct Progress {
+  int step, steps, newton;
+  double seconds;
+};
+struct RunSettings {
+  std::string output_folder; ///< empty: no files
+  std::string name = "result";
+  std::function<void(const Progress&)> progress;
+  /// Called after every accepted step with (n, t, u, xi of all law points).
+  std::function<void(int, double, const Vector&, const Vector&)> on_step;
+  const std::atomic<bool>* stop = nullptr; ///< set by Ctrl-C: ends with Failure(interrupted)
+  int checkpoint_every = 0;
+  bool resume = false;
+};
+
+/// Solves. Throws Failure(not_certified) at a step without certificate, with its number in the
+/// message and the law's origin; what was computed up to the last good step is in `partial`.
+RunResult run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
+              RunResult* partial = nullptr);
+
+} // namespace hvi::solver
