@@ -1,0 +1,431 @@
+// The syntax tree: what stands in the script, without meaning. Made by lang/syntax/parser.hpp, read
+// by lang/check. Every node knows its span; words and operators that a message may underline have
+// spans of their own. Parentheses are not nodes: they are counted (`parens`) and lie in the span.
+#pragma once
+
+#include "lang/diag/source.hpp"
+#include "lang/syntax/box.hpp"
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace hvi::lang::ast {
+
+/// A name as written, with its place.
+struct Name {
+  std::string text;
+  Span span;
+};
+
+/// Text between quotes, without them; the span includes them.
+struct Text {
+  std::string text;
+  Span span;
+};
+
+// --- expressions -------------------------------------------------------------------------------
+
+struct Expr;
+struct Condition;
+struct Argument;
+struct Case;
+
+struct Number {
+  double value = 0;
+};
+
+struct String {
+  std::string text;
+};
+
+/// A name used as a value: u, lag, pi, P1.
+struct Reference {
+  std::string name;
+};
+
+/// [a, b, ...]; a matrix is a list of lists.
+struct List {
+  std::vector<Expr> items;
+};
+
+/// -a
+struct Negate {
+  Span op;
+  Box<Expr> operand;
+};
+
+enum class BinaryOp { add, subtract, multiply, divide, contract, power }; // + - * / : ^
+
+/// a op b. Sums, products and contractions lean to the left, powers to the right.
+struct Binary {
+  BinaryOp op = BinaryOp::add;
+  Span op_span;
+  Box<Expr> left;
+  Box<Expr> right;
+};
+
+/// | condition -> value ... | otherwise -> value
+struct Cases {
+  std::vector<Case> cases; // at least one
+  Span otherwise_word;
+  Box<Expr> otherwise;
+};
+
+/// object.member: u.nu, slab.top, layer.xi
+struct Member {
+  Box<Expr> object;
+  Name member;
+};
+
+/// u'
+struct Prime {
+  Span op;
+  Box<Expr> operand;
+};
+
+/// f(a, name = b). The callee is a Reference or Members of one (slab.group).
+struct Call {
+  Box<Expr> callee;
+  Span open;  // "("
+  Span close; // ")"
+  std::vector<Argument> arguments;
+};
+
+/// law^0(at; direction): the generalised directional derivative of Clarke.
+struct Clarke {
+  Box<Expr> law;
+  Span op; // "^0("
+  Box<Expr> at;
+  Box<Expr> direction;
+};
+
+struct Expr {
+  using Node = std::variant<Number, String, Reference, List, Negate, Binary, Cases, Member, Prime,
+                            Call, Clarke>;
+  Span span;      // includes the parentheses around it
+  int parens = 0; // pairs of parentheses around it; they matter to the formatter only
+  int depth = 1;  // height of the tree below, limited so that recursion is safe
+  Node node;
+};
+
+struct Argument {
+  Span span;
+  std::optional<Name> name;
+  Expr value;
+};
+
+// --- conditions --------------------------------------------------------------------------------
+
+enum class CompareOp { less, less_equal, greater, greater_equal, equal, not_equal };
+
+struct Compare {
+  CompareOp op = CompareOp::less;
+  Span op_span;
+  Expr left;
+  Expr right;
+};
+
+/// inside(part)
+struct Inside {
+  Name part;
+};
+
+struct Not {
+  Span op;
+  Box<Condition> operand;
+};
+
+struct And {
+  std::vector<Condition> operands; // at least two
+};
+
+struct Or {
+  std::vector<Condition> operands; // at least two
+};
+
+struct Condition {
+  using Node = std::variant<Compare, Inside, Not, And, Or>;
+  Span span;
+  int parens = 0;
+  int depth = 1;
+  Node node;
+};
+
+struct Case {
+  Span span;  // from "|" on
+  Span arrow; // "->"
+  Condition condition;
+  Expr value;
+};
+
+// --- regions -----------------------------------------------------------------------------------
+
+struct Region;
+
+/// One term of a region with the sign before it.
+struct RegionTerm {
+  Span span;
+  bool minus = false;
+  Span op;                              // "+" or "-"; invalid for the first term
+  std::variant<Expr, Box<Region>> term; // a path such as slab.group("roof"), or (region)
+};
+
+struct Region {
+  Span span;
+  std::vector<RegionTerm> terms; // at least one, the first without a sign
+  std::optional<Condition> where;
+};
+
+// --- declarations ------------------------------------------------------------------------------
+// `keyword` is the statement word, `span` the whole statement.
+
+struct Import {
+  Span span;
+  Span keyword;
+  std::variant<Name, Text> module;
+};
+
+struct Param {
+  Span span;
+  Span keyword;
+  Name name;
+  Expr value;
+  std::optional<Expr> range; // a List
+  std::optional<Text> doc;
+};
+
+struct Mesh {
+  Span span;
+  Span keyword;
+  Name name;
+  Expr value; // a Call
+};
+
+struct Part {
+  Span span;
+  Span keyword;
+  Name name;
+  Region region;
+};
+
+struct Tensor {
+  Span span;
+  Span keyword;
+  Name name;
+  Expr value;
+};
+
+/// kernel C(lag) = ... or kernel C(t, s) = ...
+struct Kernel {
+  Span span;
+  Span keyword;
+  Name name;
+  std::vector<Name> parameters; // one or two
+  Expr value;
+};
+
+/// A parameter of a superpotential behind the first: mu or mu = 0.3.
+struct LawParameter {
+  Name name;
+  std::optional<Expr> value;
+};
+
+struct Superpotential {
+  Span span;
+  Span keyword;
+  Name name;
+  Name argument;
+  std::vector<LawParameter> parameters;
+  bool by_slope = false; // "with slope expr" instead of "= expr"
+  Expr value;
+};
+
+struct Fn {
+  Span span;
+  Span keyword;
+  Name name;
+  std::vector<Name> parameters; // may be empty
+  Expr value;
+};
+
+/// zero [.component] on part
+struct ZeroCondition {
+  Span span;
+  std::optional<Name> component;
+  Name part;
+};
+
+struct Space {
+  Span span;
+  Span keyword;
+  Name name;
+  bool vector = false;
+  Span shape_word; // "scalar" or "vector"
+  Name element;    // P1, P2
+  Name domain;
+  std::vector<ZeroCondition> zero;
+};
+
+// --- the inequality ----------------------------------------------------------------------------
+
+/// u[.component] = value on part
+struct ImposedValue {
+  Span span;
+  Name unknown;
+  std::optional<Name> component;
+  Expr value;
+  Name part;
+};
+
+/// from u = value
+struct InitialValue {
+  Span span;
+  Name unknown;
+  Expr value;
+};
+
+/// for t in [t0, T] by N steps from u = u0, or at [times]
+struct TimeClause {
+  Span span;
+  Expr range;           // a List
+  bool by_steps = true; // "by expr steps"; otherwise "at expr"
+  Expr steps;           // the number of steps, or the times
+  std::optional<InitialValue> initial;
+};
+
+/// name = value behind "using"
+struct Setting {
+  Span span;
+  Name name;
+  Expr value;
+};
+
+/// integral(domain, integrand, rule = ...)
+struct Integral {
+  Span span;
+  Span word; // "integral"
+  Name domain;
+  Expr integrand;
+  std::vector<Setting> options;
+};
+
+/// [sign] { factor * } integral(...), or [sign] 0
+struct FormTerm {
+  Span span; // without the sign
+  bool minus = false;
+  Span sign; // "+" or "-"; invalid when the first term has none
+  std::vector<Expr> factors;
+  std::optional<Integral> integral; // empty: the term is the literal 0
+};
+
+struct Form {
+  Span span;
+  std::vector<FormTerm> terms; // at least one
+};
+
+struct Find {
+  Span span;
+  Span keyword;
+  Name unknown;
+  Name space;
+  std::vector<ImposedValue> imposed;
+  std::optional<TimeClause> time;
+  std::vector<Setting> settings;
+  Span such_that;
+  Name test;
+  Name test_space;
+  Form left;
+  bool inequality = true; // ">="; otherwise "="
+  Span relation;          // the sign itself
+  Form right;
+};
+
+// --- results -----------------------------------------------------------------------------------
+
+/// name = value [at point] [at t = time]
+struct Binding {
+  Span span;
+  Name name;
+  Expr value;
+  std::optional<Expr> point; // a List
+  std::optional<Expr> time;
+};
+
+struct TableItem {
+  Span span;
+  Span keyword;
+  std::vector<Binding> columns;
+  std::optional<Expr> every; // steps
+  std::optional<Text> to;
+};
+
+struct FieldsItem {
+  Span span;
+  Span keyword;
+  std::vector<Expr> fields;
+  std::optional<Expr> every; // steps
+  std::optional<Text> to;
+};
+
+struct PictureItem {
+  Span span;
+  Span keyword;
+  Expr field;
+  std::optional<Expr> time;
+  std::optional<Text> to;
+};
+
+using ReportItem = std::variant<TableItem, FieldsItem, PictureItem>;
+
+struct Report {
+  Span span;
+  Span keyword;
+  std::vector<ReportItem> items;
+};
+
+/// expect probe [at t = time] = value within tolerance [relative] [when condition] ["source"]
+struct Expect {
+  Span span;
+  Span keyword;
+  Name probe;
+  std::optional<Expr> time;
+  Expr value;
+  Expr tolerance;
+  bool relative = false;
+  std::optional<Condition> when;
+  std::optional<Text> source;
+};
+
+/// name in [values]
+struct Ladder {
+  Span span;
+  Name parameter;
+  Expr values; // a List
+};
+
+enum class StudyReference { finest, richardson, exact };
+
+struct Study {
+  Span span;
+  Span keyword;
+  std::vector<Ladder> ladders;
+  StudyReference reference = StudyReference::finest;
+  Span reference_word;
+  std::optional<Expr> exact; // present for StudyReference::exact
+  std::optional<Name> norm;
+};
+
+using Statement = std::variant<Import, Param, Mesh, Part, Tensor, Kernel, Superpotential, Fn, Space,
+                               Find, Report, Expect, Study>;
+
+/// One file. A statement with a syntax error is left out (its declared name is in `broken`, so that
+/// later phases do not call it unknown).
+struct Program {
+  int file = no_file;
+  std::vector<Statement> statements;
+  std::vector<Name> broken;
+};
+
+} // namespace hvi::lang::ast
