@@ -11,6 +11,8 @@ inline constexpr Slot lag = 4;        ///< t - s, always formed as a lag, never 
 inline constexpr int first_field = 32;
 inline constexpr int field_stride = 16;
 inline constexpr int first_multiplier = 4096;
+inline constexpr int first_inside = 16384;
+inline constexpr int first_probe = 32768;
 
 inline constexpr Slot x(int i) { return i; }             ///< position, i < 3
 inline constexpr Slot normal(int i) { return 5 + i; }    ///< outward unit normal, i < 3
@@ -27,6 +29,10 @@ inline constexpr Slot field(int k, int derivative) {
 }
 /// Multiplier xi of the l-th law application, component c (in the global frame).
 inline constexpr Slot multiplier(int l, int c) { return first_multiplier + 4 * l + c; }
+/// 1 on part p of the plan, else 0 (a facet asks for itself, then for the cell behind it).
+inline constexpr Slot inside(int p) { return first_inside + p; }
+/// The value of probe i of the report (combinations of probes).
+inline constexpr Slot probe(int i) { return first_probe + i; }
 } // namespace slot
 
 } // namespace hvi::solver

@@ -170,11 +170,11 @@ struct SolverOptions {
 
 /// An expression of position, t, normal, fields (slot::field) and multipliers (slot::multiplier).
 struct Probe {
-  enum class Kind { at_point, integral, norm_v };
+  enum class Kind { at_point, integral, norm_v, combination };
   std::string name;
   Origin origin;
   Kind kind = Kind::at_point;
-  Expr expression;               ///< norm_v: unused, the V norm of u
+  Expr expression;               ///< norm_v: unused, the V norm of u; combination: of slot::probe, slot::t
   Point point{};                 ///< at_point
   int part = -1;                 ///< integral
   Rule rule = Rule::exact;       ///< integral; with a multiplier, the law's own rule
