@@ -6,8 +6,8 @@
 
 namespace hvi::solver {
 
-/// Groups: left (x low), right; in 2D and 3D also bottom (y low), top; in 3D also back (z low), front.
-/// `coordinates[a]` lists the grid lines of axis a, increasing. Throws Failure(limit) beyond
+/// Groups: left (x low), right; in 2D and 3D also bottom (y low), top; in 3D also back (z low),
+/// front. `coordinates[a]` lists the grid lines of axis a, increasing. Throws Failure(limit) beyond
 /// 50 million cells.
 Mesh structured_mesh(int dim, const std::array<std::vector<double>, 3>& coordinates);
 std::vector<double> uniform_coordinates(double low, double high, int cells);

@@ -10,9 +10,9 @@ namespace hvi::solver {
 
 /// The geometries we know: name, what the numbers mean, the groups made.
 struct GeometryInfo {
-  std::string name;                      ///< "disk", "annulus", "plate_with_hole", "bracket", ...
+  std::string name; ///< "disk", "annulus", "plate_with_hole", "bracket", ...
   int dim;
-  std::vector<std::string> parameters;   ///< names of the numbers, in order; the last is mesh size
+  std::vector<std::string> parameters; ///< names of the numbers, in order; the last is mesh size
   std::vector<double> defaults;
   std::vector<std::string> groups;
 };

@@ -13,9 +13,10 @@ using Point = std::array<double, 3>; ///< unused coordinates are 0
 
 /// A facet (point, edge or triangle) of the boundary, or of the interior when a group names it.
 struct Facet {
-  std::array<std::int32_t, 3> nodes{-1, -1, -1}; ///< dim of them
-  std::int32_t cell = -1;                        ///< the cell it bounds; its normal points out of it
-  std::int32_t other = -1;                       ///< the cell on the other side; -1: boundary
+  std::array<std::int32_t, 3> nodes{-1, -1,
+                                    -1}; ///< dim of them, ordered outwards (right-hand rule)
+  std::int32_t cell = -1;                ///< the cell it bounds; its normal points out of it
+  std::int32_t other = -1;               ///< the cell on the other side; -1: boundary
 };
 
 /// A named set of cells, facets, or points.
@@ -44,30 +45,55 @@ double facet_measure(const Mesh& mesh, int facet);
 Point facet_normal(const Mesh& mesh, int facet);
 
 /// Builds `facets`: keeps `named` facets (given by their nodes) and adds every boundary facet.
-/// Returns for each named facet its index. Throws Failure(bad_mesh) for a facet of no cell.
+/// Returns for each named facet its index. The node order of a named interior facet chooses which
+/// side is its `cell`: the one it points out of (1D: the left one). Throws Failure(bad_mesh) for a
+/// facet of no cell, a facet of three cells, and two cells on the same side of a facet.
 std::vector<std::int32_t> build_facets(Mesh& mesh,
                                        const std::vector<std::array<std::int32_t, 3>>& named);
 
-/// Finds the cell that holds a point and its barycentric coordinates there (-1: outside by more
-/// than a relative 1e-9). A uniform grid of buckets makes a look-up O(1).
+/// Corners of the smallest box around the mesh.
+struct Box {
+  Point low{}, high{};
+  double diagonal() const;
+};
+Box bounding_box(const Mesh& mesh);
+
+/// Finds the cell that holds a point and its barycentric coordinates there (-1: outside, some
+/// barycentric coordinate below -1e-9). On a common side of cells the answer is one of them, always
+/// the same. A tree of boxes: O(log cells) a look-up whatever the grading and the stretching of the
+/// cells, where a uniform grid of buckets degrades. Keeps a pointer to the mesh.
 class CellLocator {
 public:
   explicit CellLocator(const Mesh& mesh);
   int find(const Point& p, std::array<double, 4>& barycentric) const;
 
 private:
+  struct Node {
+    Box box;
+    std::int32_t first = 0,
+                 count = 0; ///< leaf: cells order_[first ...]; else count 0, child `first`
+  };
+  void build(std::int32_t node, std::int32_t first, std::int32_t past,
+             const std::vector<Point>& centres);
+
   const Mesh* mesh_;
-  Point low_{}, high_{};
-  std::array<int, 3> buckets_{1, 1, 1};
-  std::vector<std::vector<std::int32_t>> cells_;
+  std::vector<std::int32_t> order_;
+  std::vector<Node> nodes_;
 };
 
 struct MeshQuality {
   double shortest_edge, longest_edge, h; ///< h = largest cell diameter
-  double worst_aspect;                   ///< longest edge over inscribed diameter, scaled: 1 is best
-  double measure;                        ///< total length, area or volume
-  int pieces;                            ///< connected components
+  double worst_aspect; ///< longest edge over inscribed diameter, scaled: 1 is best
+  double measure;      ///< total length, area or volume
+  int pieces;          ///< connected components
 };
 MeshQuality mesh_quality(const Mesh& mesh);
+/// For each cell the number of its connected piece (0, 1, ...); cells that share a facet are
+/// connected, cells that share only a node or (3D) an edge are not.
+std::vector<std::int32_t> pieces_of(const Mesh& mesh);
+
+/// Groups with dimension, number of entities and measure; nodes, cells, sizes and quality; a few
+/// lines of text for `hvi-run mesh FILE`.
+std::string describe_mesh(const Mesh& mesh);
 
 } // namespace hvi::solver

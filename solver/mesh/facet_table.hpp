@@ -1,0 +1,62 @@
+// All facets of all cells, sorted so that the sides of one facet stand together. Internal to
+// solver/mesh: build_facets, refine and pieces_of are written with it.
+#pragma once
+
+#include "solver/mesh/mesh.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hvi::solver {
+
+/// Nodes of local facet `local` (opposite to node `local`) of a cell, ordered outwards.
+std::array<std::int32_t, 3> local_facet(int dim, const std::array<std::int32_t, 4>& cell,
+                                        int local);
+
+/// A facet's nodes sorted, and whether sorting them was an odd permutation.
+struct FacetKey {
+  std::array<std::int32_t, 3> nodes{-1, -1, -1};
+  bool odd = false;
+};
+FacetKey facet_key(int dim, std::array<std::int32_t, 3> nodes);
+
+class FacetTable {
+public:
+  /// One side of a facet. Its smallest node is the bucket it is in.
+  struct Side {
+    std::int32_t second, third; ///< the other sorted nodes, -1 where there are none
+    std::int32_t cell;
+    std::int8_t local;
+    bool odd; ///< orientation of the outward order; the two sides of a facet differ in it
+  };
+
+  explicit FacetTable(const Mesh& mesh);
+
+  const std::vector<Side>& sides() const { return sides_; }
+  /// The sides begin .. end of one facet.
+  struct Run {
+    std::size_t begin, end;
+  };
+  /// The run of a facet; empty if no cell has it.
+  Run find(const FacetKey& key) const;
+  /// Calls f(run) for every facet, ordered by its sorted nodes.
+  template <typename F>
+  void for_each(F&& f) const {
+    for (std::size_t n = 0; n + 1 < first_.size(); ++n) {
+      for (std::size_t begin = first_[n]; begin < first_[n + 1];) {
+        const Run run{begin, run_end(begin, first_[n + 1])};
+        f(run);
+        begin = run.end;
+      }
+    }
+  }
+
+private:
+  std::size_t run_end(std::size_t begin, std::size_t bucket_end) const;
+
+  std::vector<std::uint32_t> first_; ///< bucket of node i: sides first_[i] .. first_[i + 1]
+  std::vector<Side> sides_;
+};
+
+} // namespace hvi::solver

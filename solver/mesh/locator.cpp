@@ -1,0 +1,142 @@
+// Which cell holds a point: a tree of bounding boxes over the cells, halved at the median centre.
+#include "solver/mesh/mesh.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace hvi::solver {
+namespace {
+
+constexpr std::int32_t leaf_size = 8;
+constexpr double slack = 1e-9; // of barycentric coordinates, and of the boxes of the cells
+
+Box box_of(const Mesh& mesh, std::int32_t cell) {
+  const auto& c = mesh.cells[cell];
+  Box box{mesh.nodes[c[0]], mesh.nodes[c[0]]};
+  for (int i = 1; i <= mesh.dim; ++i) {
+    for (int a = 0; a < 3; ++a) {
+      box.low[a] = std::min(box.low[a], mesh.nodes[c[i]][a]);
+      box.high[a] = std::max(box.high[a], mesh.nodes[c[i]][a]);
+    }
+  }
+  // A point with barycentric coordinates above -slack is at most 3 slack diameters outside.
+  const double margin = 4 * slack * box.diagonal();
+  for (int a = 0; a < 3; ++a) {
+    box.low[a] -= margin;
+    box.high[a] += margin;
+  }
+  return box;
+}
+
+void include(Box& box, const Box& other) {
+  for (int a = 0; a < 3; ++a) {
+    box.low[a] = std::min(box.low[a], other.low[a]);
+    box.high[a] = std::max(box.high[a], other.high[a]);
+  }
+}
+
+bool holds(const Box& box, const Point& p) {
+  for (int a = 0; a < 3; ++a)
+    if (!(box.low[a] <= p[a] && p[a] <= box.high[a])) return false;
+  return true;
+}
+
+double det(const Point& a, const Point& b, const Point& c) {
+  return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+         a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+/// lambda_i = measure of the cell with corner i replaced by p, over the measure of the cell.
+std::array<double, 4> barycentric_of(const Mesh& mesh, std::int32_t cell, const Point& p) {
+  const auto& c = mesh.cells[cell];
+  std::array<Point, 4> r{}; // corners seen from p: the differences stay exact near a corner
+  for (int i = 0; i <= mesh.dim; ++i)
+    for (int a = 0; a < 3; ++a) r[i][a] = mesh.nodes[c[i]][a] - p[a];
+  std::array<double, 4> part{};
+  if (mesh.dim == 1) {
+    part = {r[1][0], -r[0][0], 0, 0};
+  } else if (mesh.dim == 2) {
+    for (int i = 0; i < 3; ++i) {
+      const Point &u = r[(i + 1) % 3], &v = r[(i + 2) % 3];
+      part[i] = u[0] * v[1] - u[1] * v[0];
+    }
+  } else {
+    part = {det(r[1], r[2], r[3]), -det(r[0], r[2], r[3]), det(r[0], r[1], r[3]),
+            -det(r[0], r[1], r[2])};
+  }
+  const double whole = part[0] + part[1] + part[2] + part[3];
+  for (double& x : part) x /= whole;
+  return part;
+}
+
+} // namespace
+
+CellLocator::CellLocator(const Mesh& mesh) : mesh_(&mesh), order_(mesh.cells.size()) {
+  std::iota(order_.begin(), order_.end(), 0);
+  std::vector<Point> centres(mesh.cells.size(), Point{});
+  for (std::size_t i = 0; i < mesh.cells.size(); ++i)
+    for (int k = 0; k <= mesh.dim; ++k)
+      for (int a = 0; a < 3; ++a) centres[i][a] += mesh.nodes[mesh.cells[i][k]][a];
+  if (order_.empty()) return;
+  nodes_.reserve(mesh.cells.size() / 2 + 2);
+  nodes_.emplace_back();
+  build(0, 0, static_cast<std::int32_t>(order_.size()), centres);
+}
+
+void CellLocator::build(std::int32_t node, std::int32_t first, std::int32_t past,
+                        const std::vector<Point>& centres) {
+  if (past - first <= leaf_size) {
+    Box box = box_of(*mesh_, order_[first]);
+    for (auto i = first + 1; i < past; ++i) include(box, box_of(*mesh_, order_[i]));
+    nodes_[node] = {box, first, past - first};
+    return;
+  }
+  Box spread{centres[order_[first]], centres[order_[first]]};
+  for (auto i = first; i < past; ++i) include(spread, {centres[order_[i]], centres[order_[i]]});
+  int axis = 0;
+  for (int a = 1; a < 3; ++a)
+    if (spread.high[a] - spread.low[a] > spread.high[axis] - spread.low[axis]) axis = a;
+  const auto middle = first + (past - first) / 2;
+  std::nth_element(
+      order_.begin() + first, order_.begin() + middle, order_.begin() + past,
+      [&](std::int32_t i, std::int32_t j) { return centres[i][axis] < centres[j][axis]; });
+  const auto child = static_cast<std::int32_t>(nodes_.size());
+  nodes_.resize(nodes_.size() + 2);
+  build(child, first, middle, centres);
+  build(child + 1, middle, past, centres);
+  Box box = nodes_[child].box;
+  include(box, nodes_[child + 1].box);
+  nodes_[node] = {box, child, 0};
+}
+
+int CellLocator::find(const Point& p, std::array<double, 4>& barycentric) const {
+  if (nodes_.empty()) return -1;
+  int best = -1;
+  double best_depth = -slack;         // depth: the smallest barycentric coordinate
+  std::array<std::int32_t, 64> stack; // the tree is balanced: depth below 32
+  int top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const Node& node = nodes_[stack[--top]];
+    if (!holds(node.box, p)) continue;
+    if (node.count == 0) {
+      stack[top++] = node.first;
+      stack[top++] = node.first + 1;
+      continue;
+    }
+    for (auto i = node.first; i < node.first + node.count; ++i) {
+      const auto lambda = barycentric_of(*mesh_, order_[i], p);
+      const double depth = *std::min_element(lambda.begin(), lambda.begin() + mesh_->dim + 1);
+      if (depth > best_depth || (depth == best_depth && best >= 0 && order_[i] < best)) {
+        best = order_[i];
+        best_depth = depth;
+        barycentric = lambda;
+      }
+    }
+  }
+  return best;
+}
+
+} // namespace hvi::solver
