@@ -24,7 +24,7 @@ struct CatalogueEntry {
   std::string_view right;
 };
 
-/// The tables by class; each is sorted by code.
+/// The tables by class.
 [[nodiscard]] std::span<const CatalogueEntry> catalogue_lexical();    // E01
 [[nodiscard]] std::span<const CatalogueEntry> catalogue_syntax();     // E02
 [[nodiscard]] std::span<const CatalogueEntry> catalogue_names();      // E03
@@ -34,7 +34,7 @@ struct CatalogueEntry {
 [[nodiscard]] std::span<const CatalogueEntry> catalogue_solve();      // E07, E09
 [[nodiscard]] std::span<const CatalogueEntry> catalogue_warnings();   // W
 
-/// Every entry, in the order above.
+/// Every entry, sorted by code.
 [[nodiscard]] std::vector<CatalogueEntry> catalogue();
 
 /// The entry of a code (upper or lower case); nothing when there is none.

@@ -5,8 +5,11 @@
 #include "lang/diag/source.hpp"
 
 #include <cstddef>
+#include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 namespace hvi::lang {
@@ -57,7 +60,9 @@ public:
   [[nodiscard]] std::vector<Diagnostic> sorted() const;
 
 private:
+  using Key = std::tuple<std::string, int, std::uint32_t, std::uint32_t, std::string>;
   std::vector<Diagnostic> items_;
+  std::set<Key> seen_;
   std::size_t n_errors_ = 0;
 };
 

@@ -84,7 +84,7 @@ private:
   std::deque<SourceFile> files_;
 };
 
-/// Reads a whole file; nothing when it cannot be opened or is larger than `limit` bytes + 1.
+/// Reads a whole file; nothing when it cannot be read (missing, a folder, no permission).
 /// A file above the limit is cut to limit + 1 bytes, which the lexer then reports as too large.
 [[nodiscard]] std::optional<std::string> read_text(const std::string& path,
                                                    std::size_t limit = max_script_bytes);

@@ -1,0 +1,65 @@
+// Edit distance and the nearest name, see suggest.hpp.
+#include "lang/diag/suggest.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <vector>
+
+namespace hvi::lang {
+namespace {
+
+// Names longer than this are not typed by hand; the distance is quadratic in the length.
+constexpr std::size_t longest = 64;
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+// Edits that are still a slip: none in one letter, a swap in two, then one in three letters.
+bool near(std::size_t distance, std::string_view wrong, std::string_view candidate) {
+  if (wrong.size() == 2 && candidate.size() == 2)
+    return wrong[0] == candidate[1] && wrong[1] == candidate[0];
+  return distance <= std::min<std::size_t>(3, std::max(wrong.size(), candidate.size()) / 3) &&
+         wrong.size() > 1;
+}
+
+} // namespace
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  // Three rows of the table d(i, j) = distance of the first i of a and the first j of b.
+  std::vector<std::size_t> before(b.size() + 1);
+  std::vector<std::size_t> last(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before.swap(last);
+    last.swap(row);
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t change = a[i - 1] == b[j - 1] ? 0 : 1;
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + change});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+  }
+  return row[b.size()];
+}
+
+void Suggestion::consider(std::string_view candidate) {
+  if (candidate == wrong_ || candidate.size() > longest || wrong_.size() > longest) return;
+  const std::string a = lower(wrong_);
+  const std::string b = lower(candidate);
+  const std::size_t distance = edit_distance(a, b);
+  if (distance > 0 && !near(distance, a, b)) return;
+  // A different first letter is the rarer slip, so it loses a tie.
+  const std::size_t cost = 2 * distance + (!a.empty() && !b.empty() && a[0] != b[0] ? 1 : 0);
+  if (best_ && best_cost_ <= cost) return;
+  best_ = candidate;
+  best_cost_ = cost;
+}
+
+std::string Suggestion::help() const { return best_ ? "did you mean `" + *best_ + "`?" : ""; }
+
+} // namespace hvi::lang
