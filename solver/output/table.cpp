@@ -1,0 +1,74 @@
+// The table of a run: on the terminal and as CSV. Last stage of the pipeline.
+#include "solver/output/table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+std::size_t rows_of(const ReportTable& table) {
+  return table.columns.empty() ? 0 : table.columns.front().size();
+}
+
+std::string csv_name(const std::string& name) {
+  if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
+  std::string out = "\"";
+  for (const char c : name) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+std::string padded_line(const std::vector<std::string>& cells,
+                        const std::vector<std::size_t>& widths) {
+  std::string line;
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    line += fmt::format("{}{:>{}}", c == 0 ? "" : "  ", cells[c], widths[c]);
+  return line + "\n";
+}
+
+} // namespace
+
+std::string csv_text(const ReportTable& table) {
+  std::string out;
+  for (std::size_t c = 0; c < table.names.size(); ++c)
+    out += (c == 0 ? "" : ",") + csv_name(table.names[c]);
+  out += '\n';
+  for (std::size_t r = 0; r < rows_of(table); ++r) {
+    for (std::size_t c = 0; c < table.columns.size(); ++c) {
+      const double value = table.columns[c][r];
+      if (c > 0) out += ',';
+      if (!std::isnan(value)) out += fmt::format("{:.17g}", value);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+std::string aligned_text(const ReportTable& table, std::size_t most_rows) {
+  const std::size_t rows = rows_of(table);
+  const std::size_t head = rows > most_rows ? most_rows / 2 : rows;
+  const std::size_t tail = rows > most_rows ? most_rows - head : 0;
+  std::vector<std::vector<std::string>> lines{table.names};
+  std::vector<std::size_t> widths;
+  for (const auto& name : table.names) widths.push_back(name.size());
+  for (std::size_t r = 0; r < rows; ++r) {
+    if (r >= head && r < rows - tail) continue;
+    std::vector<std::string> cells;
+    for (std::size_t c = 0; c < table.columns.size(); ++c) {
+      const double value = table.columns[c][r];
+      cells.push_back(std::isnan(value) ? "-" : fmt::format("{:.12g}", value));
+      widths[c] = std::max(widths[c], cells.back().size());
+    }
+    lines.push_back(std::move(cells));
+  }
+  std::string out;
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    if (tail > 0 && l == head + 1) out += fmt::format("... {} rows ...\n", rows - head - tail);
+    out += padded_line(lines[l], widths);
+  }
+  return out;
+}
+
+} // namespace hvi::solver
