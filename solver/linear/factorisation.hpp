@@ -6,6 +6,7 @@
 //   back(c)        -> x   the full solution whose contact part is c
 #pragma once
 
+#include "solver/common/failure.hpp"
 #include "solver/linear/sparse.hpp"
 
 #include <memory>
@@ -15,13 +16,22 @@
 namespace hvi::solver {
 
 struct FactorStatistics {
-  double nonzeros = 0;      ///< of the factor(s)
-  double flops = 0;         ///< of one numeric factorisation
-  double bytes = 0;         ///< held by the factor
+  double nonzeros = 0; ///< of the factor(s)
+  double flops = 0;    ///< of one numeric factorisation
+  double bytes = 0;    ///< held by the factor
   double seconds_analyse = 0, seconds_factor = 0;
   double reciprocal_condition = 0; ///< a cheap estimate
-  int analyses = 0, factorisations = 0, sweeps = 0; ///< work counters; a sweep reads the factor once
-  std::string ordering;     ///< "METIS", "CAMD", ...
+  int analyses = 0, factorisations = 0,
+      sweeps = 0;       ///< work counters; a sweep reads the factor once
+  std::string ordering; ///< "METIS", "CAMD", ...
+};
+
+/// The matrix has no (safe) factor: a rigid motion is left, or it is not positive definite.
+struct NotFactorable : Failure {
+  NotFactorable(int unknown_, double pivot_, const std::string& message)
+      : Failure(FailureKind::not_coercive, {}, message), unknown(unknown_), pivot(pivot_) {}
+  int unknown;  ///< where the elimination broke down, in the numbering of K; -1 if not known
+  double pivot; ///< the pivot relative to the diagonal entry of K; NaN if it was not finite
 };
 
 class Factorisation {

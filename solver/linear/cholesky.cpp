@@ -1,0 +1,217 @@
+// The symmetric factorisation: K = L L^T by CHOLMOD with the contact unknowns last, so that the
+// trailing block L22 of L gives the Schur complement S = L22 L22^T with no solve at all.
+#include "solver/linear/cholesky.hpp"
+
+#include "solver/linear/cholmod_session.hpp"
+#include "solver/linear/ordering.hpp"
+#include "solver/linear/supernodes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace hvi::solver {
+namespace {
+
+/// A pivot below this fraction of the diagonal entry is rounding: a rigid motion is left.
+constexpr double smallest_pivot = 1e-13;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+class Cholesky final : public Factorisation {
+public:
+  Cholesky(const SparseMatrix& k, std::span<const int> contact);
+  ~Cholesky() override { cholmod_l_free_factor(&l_, session_.common()); }
+  Cholesky(const Cholesky&) = delete;
+  Cholesky& operator=(const Cholesky&) = delete;
+
+  void factor(const SparseMatrix& k) override;
+  void reduce(const Vector& b, Vector& r) override;
+  void back(const Vector& c, Vector& x) override;
+  void solve(const Vector& b, Vector& x) override;
+  const DenseMatrix& schur() const override;
+  const DenseMatrix& schur_factor() const override { return l22_; }
+  const FactorStatistics& statistics() const override { return statistics_; }
+
+private:
+  void analyse_pattern();
+  void check_contact_last(std::span<const int> contact) const;
+  void check_pivots(const SparseMatrix& k);
+  void read_trailing_block();
+  [[noreturn]] void fail_at(int position, double pivot) const;
+  const double* values() const { return static_cast<const double*>(l_->x); }
+
+  std::chrono::steady_clock::time_point start_;
+  CholmodSession session_;
+  ContactLastOrder order_;
+  UpperTriangle a_;
+  cholmod_factor* l_ = nullptr;
+  int size_, interior_;
+  bool factored_ = false;
+  std::vector<int> permutation_; ///< position -> unknown
+  Supernodes supernodes_;
+  std::vector<double> inverse_diagonal_; ///< of L, interior
+  std::vector<double> y_, x_;            ///< the sweeps' vectors, in the order of elimination
+  DenseMatrix l22_;
+  mutable DenseMatrix schur_; ///< built at the first use after a factorisation
+  mutable bool schur_ready_ = false;
+  Vector reduced_; ///< workspace of `solve`
+  FactorStatistics statistics_;
+};
+
+Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact)
+    : start_(std::chrono::steady_clock::now()), order_(order_contact_last(k, contact, session_)),
+      a_(k, order_.links), size_(static_cast<int>(k.rows())),
+      interior_(size_ - static_cast<int>(contact.size())) {
+  analyse_pattern();
+  check_contact_last(contact);
+  supernodes_ = Supernodes(*l_, interior_);
+  inverse_diagonal_.resize(static_cast<std::size_t>(interior_));
+  y_.resize(static_cast<std::size_t>(size_));
+  x_.resize(static_cast<std::size_t>(size_));
+  reduced_.resize(size_ - interior_);
+  statistics_.nonzeros = order_.nonzeros;
+  statistics_.flops = order_.flops;
+  statistics_.ordering = order_.name;
+  statistics_.analyses = 1;
+  statistics_.bytes = static_cast<double>(l_->xsize) * sizeof(double) +
+                      static_cast<double>(l_->ssize) * (sizeof(Long) + sizeof(int));
+  statistics_.seconds_analyse = seconds_since(start_);
+}
+
+void Cholesky::analyse_pattern() {
+  cholmod_common* common = session_.common();
+  common->nmethods = 1;
+  common->method[0].ordering = CHOLMOD_GIVEN;
+  common->postorder = 1; // supernodes need it; the links of the order keep the contact last
+  cholmod_sparse view = a_.pattern();
+  l_ = cholmod_l_analyze_p(&view, order_.permutation.data(), nullptr, 0, common);
+  if (l_ == nullptr || l_->is_super == 0)
+    throw Failure(FailureKind::limit, {},
+                  fmt::format("no memory to analyse a matrix of {} unknowns", size_));
+  const auto* final_order = static_cast<const Long*>(l_->Perm);
+  permutation_.assign(final_order, final_order + size_);
+}
+
+void Cholesky::check_contact_last(std::span<const int> contact) const {
+  if (!std::equal(contact.begin(), contact.end(), permutation_.begin() + interior_))
+    throw std::logic_error("the postorder moved a contact unknown from the end of the elimination");
+}
+
+void Cholesky::factor(const SparseMatrix& k) {
+  const auto start = std::chrono::steady_clock::now();
+  const OneBlasThread one_thread;
+  factored_ = schur_ready_ = false;
+  a_.assign(k);
+  cholmod_sparse view = a_.view();
+  cholmod_common* common = session_.common();
+  cholmod_l_factorize(&view, l_, common);
+  if (common->status < CHOLMOD_OK)
+    throw Failure(FailureKind::limit, {},
+                  fmt::format("no memory to factor a matrix of {} unknowns ({:.2g} bytes)", size_,
+                              statistics_.bytes));
+  ++statistics_.factorisations;
+  if (common->status == CHOLMOD_NOT_POSDEF) fail_at(static_cast<int>(l_->minor), 0.0);
+  check_pivots(k);
+  read_trailing_block();
+  statistics_.reciprocal_condition = cholmod_l_rcond(l_, common);
+  statistics_.seconds_factor = seconds_since(start);
+  factored_ = true;
+}
+
+/// Reads the diagonal of L; throws where a pivot is not finite or is nothing but rounding.
+void Cholesky::check_pivots(const SparseMatrix& k) {
+  const Vector diagonal = k.diagonal();
+  const auto* super = static_cast<const Long*>(l_->super);
+  const auto* row_start = static_cast<const Long*>(l_->pi);
+  const auto* value_start = static_cast<const Long*>(l_->px);
+  double least = std::numeric_limits<double>::infinity();
+  int where = -1;
+  for (std::size_t s = 0; s < l_->nsuper; ++s) {
+    const Long stride = row_start[s + 1] - row_start[s];
+    for (Long position = super[s]; position < super[s + 1]; ++position) {
+      const double entry = values()[value_start[s] + (position - super[s]) * (stride + 1)];
+      const double pivot = entry * entry / diagonal[permutation_[position]];
+      if (!std::isfinite(pivot)) fail_at(static_cast<int>(position), pivot);
+      if (pivot < least) {
+        least = pivot;
+        where = static_cast<int>(position);
+      }
+      if (position < interior_) inverse_diagonal_[position] = 1.0 / entry;
+    }
+  }
+  if (least < smallest_pivot) fail_at(where, least);
+}
+
+void Cholesky::fail_at(int position, double pivot) const {
+  const bool known = position >= 0 && position < size_;
+  throw NotFactorable(known ? permutation_[position] : -1, pivot,
+                      "the matrix is not positive definite: the elimination breaks down");
+}
+
+/// Gathers the contact columns, which lie in one or several supernodes, into a dense L22.
+void Cholesky::read_trailing_block() {
+  const int contacts = size_ - interior_;
+  l22_.setZero(contacts, contacts);
+  const auto* super = static_cast<const Long*>(l_->super);
+  const auto* row_start = static_cast<const Long*>(l_->pi);
+  const auto* value_start = static_cast<const Long*>(l_->px);
+  const auto* row = static_cast<const Long*>(l_->s);
+  for (std::size_t s = 0; s < l_->nsuper; ++s) {
+    const Long stride = row_start[s + 1] - row_start[s];
+    for (Long column = std::max<Long>(super[s], interior_); column < super[s + 1]; ++column)
+      for (Long i = column - super[s]; i < stride; ++i)
+        l22_(row[row_start[s] + i] - interior_, column - interior_) =
+            values()[value_start[s] + (column - super[s]) * stride + i];
+  }
+}
+
+const DenseMatrix& Cholesky::schur() const {
+  if (!schur_ready_) {
+    const OneBlasThread one_thread;
+    schur_.setZero(l22_.rows(), l22_.rows());
+    schur_.selfadjointView<Eigen::Lower>().rankUpdate(l22_);
+    schur_.triangularView<Eigen::StrictlyUpper>() = schur_.transpose();
+    schur_ready_ = true;
+  }
+  return schur_;
+}
+
+void Cholesky::reduce(const Vector& b, Vector& r) {
+  if (!factored_) throw std::logic_error("reduce before a successful factorisation");
+  for (int position = 0; position < size_; ++position) y_[position] = b[permutation_[position]];
+  supernodes_.forward(values(), inverse_diagonal_.data(), y_.data());
+  r.resize(size_ - interior_);
+  std::copy(y_.begin() + interior_, y_.end(), r.data());
+  ++statistics_.sweeps;
+}
+
+void Cholesky::back(const Vector& c, Vector& x) {
+  if (!factored_) throw std::logic_error("back before a successful factorisation");
+  std::copy_n(c.data(), size_ - interior_, x_.begin() + interior_);
+  supernodes_.backward(values(), inverse_diagonal_.data(), y_.data(), x_.data());
+  x.resize(size_);
+  for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
+  ++statistics_.sweeps;
+}
+
+void Cholesky::solve(const Vector& b, Vector& x) {
+  reduce(b, reduced_);
+  l22_.triangularView<Eigen::Lower>().solveInPlace(reduced_);
+  l22_.transpose().triangularView<Eigen::Upper>().solveInPlace(reduced_);
+  back(reduced_, x);
+}
+
+} // namespace
+
+std::unique_ptr<Factorisation> analyse_cholesky(const SparseMatrix& k,
+                                                std::span<const int> contact) {
+  return std::make_unique<Cholesky>(k, contact);
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,12 @@
+// The symmetric factorisation: CHOLMOD's supernodal L L^T with the contact unknowns last.
+#pragma once
+
+#include "solver/linear/factorisation.hpp"
+
+namespace hvi::solver {
+
+/// Analyses the pattern; `analyse` (factorisation.hpp) calls this for a symmetric matrix.
+std::unique_ptr<Factorisation> analyse_cholesky(const SparseMatrix& k,
+                                                std::span<const int> contact);
+
+} // namespace hvi::solver

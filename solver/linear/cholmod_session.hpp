@@ -1,0 +1,62 @@
+// CHOLMOD behind RAII: the workspace, the matrix it reads and the factor it owns. Used by the
+// ordering and by the Cholesky factorisation; nothing outside this folder sees CHOLMOD.
+#pragma once
+
+#include "solver/linear/sparse.hpp"
+
+#include <cholmod.h>
+
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace hvi::solver {
+
+using Long = SuiteSparse_long;
+
+/// The workspace and options of CHOLMOD, set up for supernodal L L^T in 64-bit integers.
+class CholmodSession {
+public:
+  CholmodSession();
+  ~CholmodSession();
+  CholmodSession(const CholmodSession&) = delete;
+  CholmodSession& operator=(const CholmodSession&) = delete;
+  cholmod_common* common() { return &common_; }
+
+private:
+  cholmod_common common_{};
+};
+
+/// Holds OpenBLAS to one thread while it lives: the same bits whatever the number of cores.
+class OneBlasThread {
+public:
+  OneBlasThread();
+  ~OneBlasThread();
+  OneBlasThread(const OneBlasThread&) = delete;
+  OneBlasThread& operator=(const OneBlasThread&) = delete;
+
+private:
+  int before_;
+};
+
+/// The upper triangle of a symmetric matrix by columns, as CHOLMOD wants it.
+class UpperTriangle {
+public:
+  /// The pattern of K with the given extra entries (pairs of unknowns), whose value is zero.
+  UpperTriangle(const SparseMatrix& k, std::span<const std::pair<int, int>> extra);
+  /// Takes the values of a matrix with the same pattern; throws Failure(bad_value) otherwise.
+  void assign(const SparseMatrix& k);
+  /// CHOLMOD's view of it. Valid as long as this object stays where it is.
+  cholmod_sparse view();
+  /// The same without values, for the symbolic phase.
+  cholmod_sparse pattern();
+  std::size_t nonzeros() const { return row_.size(); }
+
+private:
+  std::size_t size_, entries_of_k_;
+  std::vector<Long> start_, row_;
+  std::vector<int> source_; ///< where in K's values an entry comes from; -1: an extra zero
+  std::vector<double> value_;
+};
+
+} // namespace hvi::solver

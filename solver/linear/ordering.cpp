@@ -1,0 +1,136 @@
+// See ordering.hpp.
+#include "solver/linear/ordering.hpp"
+
+#include "solver/common/failure.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <optional>
+
+namespace hvi::solver {
+namespace {
+
+/// METIS costs several times CAMD's time and wins only when there is something to dissect.
+constexpr int smallest_for_metis = 3000;
+
+bool has_entry(const SparseMatrix& k, int row, int column) {
+  const int* begin = k.innerIndexPtr() + k.outerIndexPtr()[row];
+  const int* end = k.innerIndexPtr() + k.outerIndexPtr()[row + 1];
+  return std::find(begin, end, column) != end;
+}
+
+using Links = std::vector<std::pair<int, int>>;
+
+/// Chains the contact unknowns: (c_i, c_i+1) for all i whose entry K does not have.
+Links chain(const SparseMatrix& k, std::span<const int> contact) {
+  Links links;
+  for (std::size_t i = 0; i + 1 < contact.size(); ++i)
+    if (!has_entry(k, contact[i], contact[i + 1])) links.emplace_back(contact[i], contact[i + 1]);
+  return links;
+}
+
+/// Joins the last eliminated unknown of each component of the interior to the first contact one:
+/// otherwise its subtree may hang on a later contact unknown, and be postordered behind the first.
+void join_components(const SparseMatrix& k, std::span<const int> contact,
+                     std::span<const char> is_contact, std::span<const Long> permutation,
+                     Links& links) {
+  std::vector<char> seen(is_contact.begin(), is_contact.end());
+  std::vector<int> stack;
+  for (auto unknown = permutation.rbegin(); unknown != permutation.rend(); ++unknown) {
+    const int root = static_cast<int>(*unknown);
+    if (std::exchange(seen[root], char{1}) != 0) continue;
+    if (!has_entry(k, root, contact.front())) links.emplace_back(root, contact.front());
+    for (stack.push_back(root); !stack.empty();) {
+      const int row = stack.back();
+      stack.pop_back();
+      for (int at = k.outerIndexPtr()[row]; at < k.outerIndexPtr()[row + 1]; ++at) {
+        const int column = k.innerIndexPtr()[at];
+        if (std::exchange(seen[column], char{1}) == 0) stack.push_back(column);
+      }
+    }
+  }
+}
+
+/// CAMD with two constraint sets, interior before contact.
+std::optional<std::vector<Long>> camd_order(UpperTriangle& a, std::span<const char> is_contact,
+                                            cholmod_common* common) {
+  std::vector<Long> member(is_contact.begin(), is_contact.end()), permutation(is_contact.size());
+  cholmod_sparse view = a.pattern();
+  if (cholmod_l_camd(&view, nullptr, 0, member.data(), permutation.data(), common) == 0) return {};
+  std::erase_if(permutation, [&](Long unknown) { return is_contact[unknown] != 0; });
+  return permutation;
+}
+
+/// METIS nested dissection of the interior's graph alone.
+std::optional<std::vector<Long>>
+metis_order(const SparseMatrix& k, std::span<const char> is_contact, cholmod_common* common) {
+  std::vector<Long> start{0}, row, interior, local(is_contact.size(), -1);
+  for (std::size_t unknown = 0; unknown < is_contact.size(); ++unknown)
+    if (is_contact[unknown] == 0) {
+      local[unknown] = static_cast<Long>(interior.size());
+      interior.push_back(static_cast<Long>(unknown));
+    }
+  row.reserve(static_cast<std::size_t>(k.nonZeros()) / 2 + interior.size());
+  for (const Long unknown : interior) {
+    for (int at = k.outerIndexPtr()[unknown]; at < k.outerIndexPtr()[unknown + 1]; ++at) {
+      const int other = k.innerIndexPtr()[at];
+      if (other <= unknown && local[other] >= 0) row.push_back(local[other]);
+    }
+    start.push_back(static_cast<Long>(row.size()));
+  }
+  cholmod_sparse a{};
+  a.nrow = a.ncol = interior.size();
+  a.nzmax = row.size();
+  a.p = start.data();
+  a.i = row.data();
+  a.stype = 1;
+  a.itype = CHOLMOD_LONG;
+  a.xtype = CHOLMOD_PATTERN;
+  a.packed = 1;
+  std::vector<Long> permutation(interior.size());
+  if (cholmod_l_metis(&a, nullptr, 0, 0, permutation.data(), common) == 0) return {};
+  for (Long& position : permutation) position = interior[position];
+  return permutation;
+}
+
+/// Counts the nonzeros of the factor for an order of the interior with the contact last.
+ContactLastOrder rate(UpperTriangle& a, std::vector<Long> interior, std::span<const int> contact,
+                      std::string name, cholmod_common* common) {
+  ContactLastOrder order{std::move(interior), {}, std::move(name), 0, 0};
+  order.permutation.insert(order.permutation.end(), contact.begin(), contact.end());
+  const std::size_t n = order.permutation.size();
+  std::vector<Long> parent(n), post(n), count(n), first(n), level(n);
+  cholmod_sparse view = a.pattern();
+  if (cholmod_l_analyze_ordering(&view, CHOLMOD_GIVEN, order.permutation.data(), nullptr, 0,
+                                 parent.data(), post.data(), count.data(), first.data(),
+                                 level.data(), common) == 0)
+    throw Failure(FailureKind::limit, {}, "the matrix is too large to analyse");
+  order.nonzeros = common->lnz;
+  order.flops = common->fl;
+  return order;
+}
+
+} // namespace
+
+ContactLastOrder order_contact_last(const SparseMatrix& k, std::span<const int> contact,
+                                    CholmodSession& session) {
+  std::vector<char> is_contact(static_cast<std::size_t>(k.rows()), 0);
+  for (int c : contact) is_contact[c] = 1;
+  auto links = chain(k, contact);
+  UpperTriangle a(k, links);
+  std::optional<ContactLastOrder> best;
+  const auto consider = [&](std::optional<std::vector<Long>> interior, const char* name) {
+    if (!interior) return;
+    auto rated = rate(a, std::move(*interior), contact, name, session.common());
+    if (!best || rated.nonzeros < best->nonzeros) best = std::move(rated);
+  };
+  consider(camd_order(a, is_contact, session.common()), "CAMD");
+  if (k.rows() - static_cast<int>(contact.size()) >= smallest_for_metis)
+    consider(metis_order(k, is_contact, session.common()), "METIS");
+  if (!best) throw Failure(FailureKind::limit, {}, "the matrix is too large to order");
+  best->links = std::move(links);
+  if (!contact.empty()) join_components(k, contact, is_contact, best->permutation, best->links);
+  return std::move(*best);
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,241 @@
+// See supernodes.hpp. The kernels take four columns of a panel at a time, so that the right-hand
+// side, which stays in the first cache, is read once for four columns of L from memory.
+#include "solver/linear/supernodes.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace hvi::solver {
+namespace {
+
+constexpr int lanes = 8;
+typedef double Pack __attribute__((vector_size(lanes * sizeof(double))));
+typedef float SinglePack __attribute__((vector_size(lanes * sizeof(float))));
+
+// The kernels are compiled for each instruction set by inlining them into functions that name it.
+#define HVI_INLINE __attribute__((always_inline)) inline
+
+HVI_INLINE void load(const double* from, Pack& to) { std::memcpy(&to, from, sizeof to); }
+HVI_INLINE void load(const float* from, Pack& to) {
+  SinglePack single;
+  std::memcpy(&single, from, sizeof single);
+  to = __builtin_convertvector(single, Pack);
+}
+
+/// w[0..count) -= sum_a column_a[0..count) t[a]
+template <int Width, class Real>
+HVI_INLINE void subtract_columns(const Real* column, std::size_t stride, int count, const double* t,
+                                 double* w) {
+  int i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    Pack sum, entry;
+    load(w + i, sum);
+    for (int a = 0; a < Width; ++a) {
+      load(column + a * stride + i, entry);
+      sum -= entry * t[a];
+    }
+    std::memcpy(w + i, &sum, sizeof sum);
+  }
+  for (; i < count; ++i)
+    for (int a = 0; a < Width; ++a) w[i] -= static_cast<double>(column[a * stride + i]) * t[a];
+}
+
+/// t[a] -= column_a[0..count) . w[0..count)
+template <int Width, class Real>
+HVI_INLINE void subtract_products(const Real* column, std::size_t stride, int count,
+                                  const double* w, double* t) {
+  Pack sum[Width] = {};
+  int i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    Pack other, entry;
+    load(w + i, other);
+    for (int a = 0; a < Width; ++a) {
+      load(column + a * stride + i, entry);
+      sum[a] += entry * other;
+    }
+  }
+  for (int a = 0; a < Width; ++a) {
+    double total = 0.0;
+    for (int lane = 0; lane < lanes; ++lane) total += sum[a][lane];
+    for (int rest = i; rest < count; ++rest)
+      total += static_cast<double>(column[a * stride + rest]) * w[rest];
+    t[a] -= total;
+  }
+}
+
+/// One block of `Width` columns from `j` on: solves with its triangle, updates the rows below.
+template <int Width, class Real>
+HVI_INLINE void forward_block(const Real* l, std::size_t stride, int j, int rows,
+                              const double* inverse, double* w) {
+  const Real* column = l + static_cast<std::size_t>(j) * stride;
+  double t[Width];
+  for (int a = 0; a < Width; ++a) {
+    double value = w[j + a];
+    for (int b = 0; b < a; ++b) value -= static_cast<double>(column[b * stride + j + a]) * t[b];
+    t[a] = value * inverse[j + a];
+    w[j + a] = t[a];
+  }
+  subtract_columns<Width>(column + j + Width, stride, rows - j - Width, t, w + j + Width);
+}
+
+template <int Width, class Real>
+HVI_INLINE void backward_block(const Real* l, std::size_t stride, int j, int rows,
+                               const double* inverse, double* w) {
+  const Real* column = l + static_cast<std::size_t>(j) * stride;
+  double* t = w + j;
+  subtract_products<Width>(column + j + Width, stride, rows - j - Width, w + j + Width, t);
+  for (int a = Width - 1; a >= 0; --a) {
+    for (int b = a + 1; b < Width; ++b)
+      t[a] -= static_cast<double>(column[a * stride + j + b]) * t[b];
+    t[a] *= inverse[j + a];
+  }
+}
+
+constexpr int width = 4;
+
+/// Forward through one panel; w is its part of the right-hand side with zeros below.
+template <class Real>
+HVI_INLINE void forward_panel(const Real* l, const Panel& panel, const double* inverse, double* w) {
+  const auto stride = static_cast<std::size_t>(panel.stride);
+  int j = 0;
+  for (; j + width <= panel.columns; j += width)
+    forward_block<width>(l, stride, j, panel.rows, inverse, w);
+  for (; j < panel.columns; ++j) forward_block<1>(l, stride, j, panel.rows, inverse, w);
+}
+
+template <class Real>
+HVI_INLINE void backward_panel(const Real* l, const Panel& panel, const double* inverse,
+                               double* w) {
+  const auto stride = static_cast<std::size_t>(panel.stride);
+  int j = panel.columns;
+  for (; j % width != 0; --j) backward_block<1>(l, stride, j - 1, panel.rows, inverse, w);
+  for (; j > 0; j -= width) backward_block<width>(l, stride, j - width, panel.rows, inverse, w);
+}
+
+/// What a sweep works on.
+template <class Real>
+struct Sweep {
+  std::span<const Panel> panels;
+  const int* below;
+  const Real* values;
+  const double* inverse_diagonal;
+  double* work;
+};
+
+template <class Real>
+HVI_INLINE void forward_sweep(const Sweep<Real>& sweep, double* y) {
+  for (const Panel& panel : sweep.panels) {
+    double* w = sweep.work;
+    const int beneath = panel.rows - panel.columns;
+    const int* row = sweep.below + panel.below;
+    std::memcpy(w, y + panel.first, sizeof(double) * static_cast<std::size_t>(panel.columns));
+    std::memset(w + panel.columns, 0, sizeof(double) * static_cast<std::size_t>(beneath));
+    forward_panel(sweep.values + panel.values, panel, sweep.inverse_diagonal + panel.first, w);
+    std::memcpy(y + panel.first, w, sizeof(double) * static_cast<std::size_t>(panel.columns));
+    for (int i = 0; i < beneath; ++i) y[row[i]] += w[panel.columns + i];
+  }
+}
+
+template <class Real>
+HVI_INLINE void backward_sweep(const Sweep<Real>& sweep, const double* y, double* x) {
+  for (auto panel = sweep.panels.rbegin(); panel != sweep.panels.rend(); ++panel) {
+    double* w = sweep.work;
+    const int beneath = panel->rows - panel->columns;
+    const int* row = sweep.below + panel->below;
+    std::memcpy(w, y + panel->first, sizeof(double) * static_cast<std::size_t>(panel->columns));
+    for (int i = 0; i < beneath; ++i) w[panel->columns + i] = x[row[i]];
+    backward_panel(sweep.values + panel->values, *panel, sweep.inverse_diagonal + panel->first, w);
+    std::memcpy(x + panel->first, w, sizeof(double) * static_cast<std::size_t>(panel->columns));
+  }
+}
+
+enum class InstructionSet { baseline, avx2, avx512 };
+
+InstructionSet detect() {
+  if (__builtin_cpu_supports("avx512f")) return InstructionSet::avx512;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return InstructionSet::avx2;
+  return InstructionSet::baseline;
+}
+
+#define HVI_AVX2 __attribute__((target("avx2,fma")))
+#define HVI_AVX512 __attribute__((target("avx512f,avx2,fma,prefer-vector-width=512")))
+
+template <class Real>
+HVI_AVX2 void forward_avx2(const Sweep<Real>& s, double* y) {
+  forward_sweep(s, y);
+}
+template <class Real>
+HVI_AVX512 void forward_avx512(const Sweep<Real>& s, double* y) {
+  forward_sweep(s, y);
+}
+template <class Real>
+HVI_AVX2 void backward_avx2(const Sweep<Real>& s, const double* y, double* x) {
+  backward_sweep(s, y, x);
+}
+template <class Real>
+HVI_AVX512 void backward_avx512(const Sweep<Real>& s, const double* y, double* x) {
+  backward_sweep(s, y, x);
+}
+
+} // namespace
+
+Supernodes::Supernodes(const cholmod_factor& l, int interior) {
+  using Index = SuiteSparse_long;
+  const auto* super = static_cast<const Index*>(l.super);
+  const auto* row_start = static_cast<const Index*>(l.pi);
+  const auto* value_start = static_cast<const Index*>(l.px);
+  const auto* row = static_cast<const Index*>(l.s);
+  int tallest = 0;
+  for (std::size_t s = 0; s < l.nsuper && super[s] < interior; ++s) {
+    const int first = static_cast<int>(super[s]);
+    const int last = static_cast<int>(std::min<Index>(super[s + 1], interior));
+    const int rows = static_cast<int>(row_start[s + 1] - row_start[s]);
+    panels_.push_back(
+        {first, last - first, rows, rows, static_cast<std::size_t>(value_start[s]), below_.size()});
+    for (Index at = row_start[s] + (last - first); at < row_start[s + 1]; ++at)
+      below_.push_back(static_cast<int>(row[at]));
+    tallest = std::max(tallest, rows);
+  }
+  work_.resize(static_cast<std::size_t>(tallest));
+}
+
+double Supernodes::nonzeros() const {
+  double sum = 0.0;
+  for (const Panel& panel : panels_)
+    sum += panel.columns * (panel.rows - 0.5 * (panel.columns - 1.0));
+  return sum;
+}
+
+template <class Real>
+void Supernodes::forward(const Real* values, const double* inverse_diagonal, double* y) {
+  const Sweep<Real> sweep{panels_, below_.data(), values, inverse_diagonal, work_.data()};
+  switch (detect()) {
+  case InstructionSet::avx512:
+    return forward_avx512(sweep, y);
+  case InstructionSet::avx2:
+    return forward_avx2(sweep, y);
+  case InstructionSet::baseline:
+    return forward_sweep(sweep, y);
+  }
+}
+
+template <class Real>
+void Supernodes::backward(const Real* values, const double* inverse_diagonal, const double* y,
+                          double* x) {
+  const Sweep<Real> sweep{panels_, below_.data(), values, inverse_diagonal, work_.data()};
+  switch (detect()) {
+  case InstructionSet::avx512:
+    return backward_avx512(sweep, y, x);
+  case InstructionSet::avx2:
+    return backward_avx2(sweep, y, x);
+  case InstructionSet::baseline:
+    return backward_sweep(sweep, y, x);
+  }
+}
+
+template void Supernodes::forward(const double*, const double*, double*);
+template void Supernodes::forward(const float*, const double*, double*);
+template void Supernodes::backward(const double*, const double*, const double*, double*);
+template void Supernodes::backward(const float*, const double*, const double*, double*);
+
+} // namespace hvi::solver

@@ -1,0 +1,49 @@
+// The two triangular sweeps over the interior columns of a supernodal Cholesky factor. A sweep is
+// bound by the memory it reads; this code reads every entry of L once and nothing else twice.
+#pragma once
+
+#include "solver/linear/sparse.hpp"
+
+#include <cholmod.h>
+
+#include <span>
+#include <vector>
+
+namespace hvi::solver {
+
+/// The columns [first, first + columns) of L: a dense panel of `rows` rows, by columns with leading
+/// dimension `stride`. Its first `columns` rows are a lower triangle, row i of the rest is `below`.
+struct Panel {
+  int first, columns, rows, stride;
+  std::size_t values; ///< offset of its top left entry
+  std::size_t below;  ///< offset of its row indices (rows - columns of them)
+};
+
+/// The structure of the interior part of L; the values stay with whoever owns the factor.
+class Supernodes {
+public:
+  Supernodes() = default;
+  /// The structure of the first `interior` columns. A supernode that holds both interior and
+  /// contact columns is cut: its interior columns see the contact ones as rows below.
+  Supernodes(const cholmod_factor& l, int interior);
+
+  /// y := forward sweep of y: y_I = L_II^-1 y_I and y_c = y_c - L_cI y_I. `inverse_diagonal` has an
+  /// entry per interior column. Real is double, or float for a factor stored in single precision;
+  /// the arithmetic is double in both cases.
+  template <class Real>
+  void forward(const Real* values, const double* inverse_diagonal, double* y);
+  /// x_I := L_II^-T (y_I - L_cI^T x_c), where x_c is given in x; y is not changed.
+  template <class Real>
+  void backward(const Real* values, const double* inverse_diagonal, const double* y, double* x);
+
+  std::span<const Panel> panels() const { return panels_; }
+  /// Entries of L that a sweep reads.
+  double nonzeros() const;
+
+private:
+  std::vector<Panel> panels_;
+  std::vector<int> below_;
+  std::vector<double> work_; ///< as long as the tallest panel
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,151 @@
+// The direct solvers against dense linear algebra: S, the two sweeps, all kinds of contact sets.
+#include "matrices.hpp"
+#include "solver/linear/factorisation.hpp"
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+namespace hvi::solver::test {
+namespace {
+
+Vector random_vector(Eigen::Index n, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> value(-1.0, 1.0);
+  return Vector::NullaryExpr(n, [&] { return value(random); });
+}
+
+/// K_cc - K_cI K_II^-1 K_Ic by dense LU, and what reduce must return for b.
+struct DenseReduction {
+  DenseMatrix s;
+  Vector r;
+};
+
+DenseReduction reduce_densely(const SparseMatrix& k, const std::vector<int>& contact,
+                              const Vector& b) {
+  const DenseMatrix full(k);
+  std::vector<int> interior;
+  for (int i = 0; i < k.rows(); ++i)
+    if (std::ranges::find(contact, i) == contact.end()) interior.push_back(i);
+  DenseReduction result{full(contact, contact), b(contact)};
+  if (interior.empty()) return result;
+  const Eigen::PartialPivLU<DenseMatrix> lu(full(interior, interior));
+  result.s -= full(contact, interior) * lu.solve(DenseMatrix(full(interior, contact)));
+  result.r -= full(contact, interior) * lu.solve(Vector(b(interior)));
+  return result;
+}
+
+/// Everything a factorisation promises, for one matrix and contact set.
+void check_against_dense(const SparseMatrix& k, const std::vector<int>& contact, bool symmetric) {
+  SCOPED_TRACE("unknowns " + std::to_string(k.rows()) + ", contact " +
+               std::to_string(contact.size()));
+  const auto factorisation = analyse(k, contact, symmetric);
+  factorisation->factor(k);
+  const Vector b = random_vector(k.rows(), 7);
+  const DenseReduction dense = reduce_densely(k, contact, b);
+  const double scale = DenseMatrix(k).cwiseAbs().maxCoeff();
+  const DenseMatrix& s = factorisation->schur();
+  ASSERT_EQ(s.rows(), static_cast<Eigen::Index>(contact.size()));
+  EXPECT_LT((s - dense.s).cwiseAbs().sum(), 1e-11 * scale * static_cast<double>(s.size() + 1));
+  if (symmetric) {
+    const DenseMatrix& l = factorisation->schur_factor();
+    EXPECT_EQ(l.triangularView<Eigen::StrictlyUpper>().toDenseMatrix().cwiseAbs().sum(), 0.0);
+    EXPECT_LT((l * l.transpose() - dense.s).cwiseAbs().sum(),
+              1e-11 * scale * static_cast<double>(s.size() + 1));
+  }
+  Vector r, x;
+  factorisation->reduce(b, r);
+  EXPECT_LT((r - dense.r).cwiseAbs().sum(), 1e-10 * (1.0 + dense.r.cwiseAbs().sum()));
+
+  // A contact part that is not the solution: the interior rows hold all the same.
+  const Vector c = random_vector(s.rows(), 8);
+  factorisation->back(c, x);
+  Vector residual = b - k * x;
+  EXPECT_EQ((x(contact) - c).cwiseAbs().sum(), 0.0);
+  residual(contact).setZero();
+  EXPECT_LT(residual.cwiseAbs().maxCoeff(), 1e-11 * (1.0 + scale * x.cwiseAbs().maxCoeff()));
+
+  const Vector exact = DenseMatrix(k).partialPivLu().solve(b);
+  factorisation->solve(b, x);
+  EXPECT_LT((x - exact).norm(), 1e-9 * exact.norm());
+  EXPECT_EQ(factorisation->statistics().sweeps, 4);
+}
+
+std::vector<int> every(int step, int n) {
+  std::vector<int> result;
+  for (int i = 0; i < n; i += step) result.push_back(i);
+  return result;
+}
+
+std::vector<int> shuffled(std::vector<int> list, unsigned seed) {
+  std::mt19937 random(seed);
+  std::ranges::shuffle(list, random);
+  return list;
+}
+
+void check_all_contact_sets(const SparseMatrix& k, bool symmetric) {
+  const int n = static_cast<int>(k.rows());
+  check_against_dense(k, {}, symmetric);
+  check_against_dense(k, {n / 2}, symmetric);
+  check_against_dense(k, every(7, n), symmetric);
+  check_against_dense(k, shuffled(every(5, n), 3), symmetric);
+  check_against_dense(k, shuffled(every(1, n), 4), symmetric);
+  if (n > 2) check_against_dense(k, {n - 1, 0, 1}, symmetric);
+}
+
+TEST(Factorisation, AgreesWithDenseAlgebraOnRandomMatrices) {
+  for (unsigned seed = 0; seed < 12; ++seed)
+    check_all_contact_sets(
+        random_definite(20 + 17 * static_cast<int>(seed), 0.02 + 0.01 * seed, seed), true);
+}
+
+TEST(Factorisation, AgreesWithDenseAlgebraOnGrids) {
+  for (const int n : {1, 2, 3, 9, 17, 28}) check_all_contact_sets(grid_laplacian(n, 0.01), true);
+}
+
+TEST(Factorisation, AgreesWithDenseAlgebraOnElasticity) {
+  const Problem plane = slab(9), space = cube(5);
+  check_against_dense(plane.k, plane.contact, true);
+  check_against_dense(plane.k, shuffled(plane.contact, 5), true);
+  check_against_dense(space.k, space.contact, true);
+  check_against_dense(space.k, shuffled(space.contact, 6), true);
+}
+
+// Bodies that do not touch: S is block diagonal and the elimination tree a forest.
+TEST(Factorisation, KeepsContactLastForSeparateBodies) {
+  const Problem a = slab(6), b = slab(4, 7.0, 2.0);
+  const int shift = static_cast<int>(a.k.rows());
+  const SparseMatrix both = side_by_side(a.k, b.k);
+  std::vector<int> contact = a.contact;
+  for (const int c : b.contact) contact.push_back(shift + c);
+  check_against_dense(both, contact, true);
+  check_against_dense(both, shuffled(contact, 9), true);
+  check_against_dense(both, a.contact, true); // the second body has no contact
+  check_against_dense(side_by_side(b.k, a.k), b.contact, true);
+  const SparseMatrix three = side_by_side(grid_laplacian(5, 1.0), both);
+  check_against_dense(three, {30, 31, shift + 60}, true);
+}
+
+TEST(Factorisation, AgreesWithDenseAlgebraOnUnsymmetricMatrices) {
+  for (unsigned seed = 0; seed < 6; ++seed)
+    check_all_contact_sets(
+        with_skew_part(random_definite(30 + 25 * static_cast<int>(seed), 0.05, seed), 0.8, seed),
+        false);
+  const Problem plane = slab(8);
+  check_against_dense(with_skew_part(plane.k, 0.3, 1), plane.contact, false);
+}
+
+TEST(Factorisation, CholeskyAndLuAgree) {
+  const Problem plane = slab(12);
+  const auto cholesky = analyse(plane.k, plane.contact, true);
+  const auto lu = analyse(plane.k, plane.contact, false);
+  cholesky->factor(plane.k);
+  lu->factor(plane.k);
+  EXPECT_LT((cholesky->schur() - lu->schur()).norm(), 1e-12 * lu->schur().norm());
+}
+
+} // namespace
+} // namespace hvi::solver::test
