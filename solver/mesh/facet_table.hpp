@@ -59,4 +59,8 @@ private:
   std::vector<Side> sides_;
 };
 
+/// build_facets with index -1 for a named facet that no cell has.
+std::vector<std::int32_t> index_facets(Mesh& mesh,
+                                       const std::vector<std::array<std::int32_t, 3>>& named);
+
 } // namespace hvi::solver

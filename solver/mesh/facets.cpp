@@ -129,7 +129,7 @@ FacetTable::Run FacetTable::find(const FacetKey& key) const {
   return {begin, run_end(begin, bucket_end)};
 }
 
-std::vector<std::int32_t> build_facets(Mesh& mesh,
+std::vector<std::int32_t> index_facets(Mesh& mesh,
                                        const std::vector<std::array<std::int32_t, 3>>& named) {
   const FacetTable table(mesh);
   const auto& sides = table.sides();
@@ -142,11 +142,11 @@ std::vector<std::int32_t> build_facets(Mesh& mesh,
     mesh.facets.push_back(make_facet(mesh, sides[run.begin], -1));
   });
 
-  std::vector<std::int32_t> index(named.size());
+  std::vector<std::int32_t> index(named.size(), -1);
   for (std::size_t i = 0; i < named.size(); ++i) {
     const FacetKey key = facet_key(mesh.dim, named[i]);
     const auto run = table.find(key);
-    if (run.begin == run.end) throw bad(mesh, named[i], "a named facet is not a facet of any cell");
+    if (run.begin == run.end) continue;
     if (facet_at[run.begin] < 0) {
       facet_at[run.begin] = static_cast<std::int32_t>(mesh.facets.size());
       const bool swap = sides[run.begin].odd != key.odd;
@@ -156,6 +156,14 @@ std::vector<std::int32_t> build_facets(Mesh& mesh,
     }
     index[i] = facet_at[run.begin];
   }
+  return index;
+}
+
+std::vector<std::int32_t> build_facets(Mesh& mesh,
+                                       const std::vector<std::array<std::int32_t, 3>>& named) {
+  auto index = index_facets(mesh, named);
+  for (std::size_t i = 0; i < named.size(); ++i)
+    if (index[i] < 0) throw bad(mesh, named[i], "a named facet is not a facet of any cell");
   return index;
 }
 

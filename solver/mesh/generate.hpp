@@ -15,4 +15,9 @@ std::vector<double> uniform_coordinates(double low, double high, int cells);
 /// Uniform refinement: every cell into 2^dim; groups are inherited.
 Mesh refine(const Mesh& mesh);
 
+/// The nodes of a tetrahedron in a positive order for which refine() cuts the octahedron in its
+/// middle along the shortest of its three diagonals, the best shapes to be had.
+std::array<std::int32_t, 4> refinable_order(const std::vector<Point>& nodes,
+                                            const std::array<std::int32_t, 4>& cell);
+
 } // namespace hvi::solver

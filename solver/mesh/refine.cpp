@@ -128,7 +128,37 @@ Group refine_cell_group(const Group& group, int dim) {
   return fine;
 }
 
+/// Square of the distance between the midpoints of the edges ac and bd, times 4.
+double diagonal(const Point& a, const Point& b, const Point& c, const Point& d) {
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double x = a[i] + c[i] - b[i] - d[i];
+    sum += x * x;
+  }
+  return sum;
+}
+
+bool is_positive(const std::vector<Point>& nodes, const Cell& cell) {
+  Mesh single;
+  single.dim = 3;
+  for (const std::int32_t n : cell) single.nodes.push_back(nodes[n]);
+  single.cells.push_back({0, 1, 2, 3});
+  return cell_measure(single, 0) > 0;
+}
+
 } // namespace
+
+Cell refinable_order(const std::vector<Point>& nodes, const Cell& c) {
+  const std::array<Cell, 3> paths{
+      {{c[0], c[1], c[2], c[3]}, {c[0], c[2], c[1], c[3]}, {c[0], c[1], c[3], c[2]}}};
+  const auto length = [&](const Cell& p) {
+    return diagonal(nodes[p[0]], nodes[p[1]], nodes[p[2]], nodes[p[3]]);
+  };
+  const Cell& best =
+      *std::min_element(paths.begin(), paths.end(),
+                        [&](const Cell& p, const Cell& q) { return length(p) < length(q); });
+  return coded(best, is_positive(nodes, best));
+}
 
 Mesh refine(const Mesh& mesh) {
   check_cell_limit(static_cast<double>(mesh.cells.size()) * (1 << mesh.dim));
