@@ -17,17 +17,44 @@ namespace hvi::solver {
 class Table; // table.hpp: a tabulated function of one variable
 
 enum class Op : unsigned char {
-  constant, slot,
-  add, mul, div, neg, pow, // n-ary sums and products are nested binary ones; a - b is a + (-b)
-  min, max, abs, sign,
-  exp, log, sqrt, sin, cos, tan, asin, acos, atan, atan2, sinh, cosh, tanh,
-  erf, gamma, bessel_j,      // bessel_j(order, x)
-  mittag_leffler,            // (alpha, beta, x): E_{alpha,beta}(x)
-  less, less_equal, equal,   // 1 or 0
-  logic_and, logic_or, logic_not,
-  select,                    // (condition, then, otherwise); the branch not taken may be NaN
-  table,                     // table(x)
-  table_slope                // derivative of a table
+  constant,
+  slot,
+  add,
+  mul,
+  div,
+  neg,
+  pow, // n-ary sums and products are nested binary ones; a - b is a + (-b)
+  min,
+  max,
+  abs,
+  sign,
+  exp,
+  log,
+  sqrt,
+  sin,
+  cos,
+  tan,
+  asin,
+  acos,
+  atan,
+  atan2,
+  sinh,
+  cosh,
+  tanh,
+  erf,
+  gamma,
+  bessel_j,       // bessel_j(order, x)
+  mittag_leffler, // (alpha, beta, x): E_{alpha,beta}(x)
+  less,
+  less_equal,
+  equal, // 1 or 0; NaN (unknown) where an operand is NaN
+  logic_and,
+  logic_or,
+  logic_not,   // three-valued: 0 and NaN = 0, 1 or NaN = 1
+  select,      // (condition, then, otherwise); the branch not taken may be NaN
+  table,       // table(x)
+  table_slope, // derivative of a table
+  polygamma    // polygamma(n, x): n-th derivative of digamma, what gamma' needs
 };
 
 /// A scalar expression. Copying shares; nothing is ever changed in place.
@@ -51,11 +78,14 @@ public:
   bool is(double v) const { return is_constant() && value() == v; }
   bool depends_on(Slot slot) const;
   bool depends_on_any(Slot first, Slot past) const; ///< any slot in [first, past)
+  std::span<const Slot> slots() const;              ///< all slots it depends on, sorted
   std::size_t hash() const;
+  const void* id() const { return node_.get(); } ///< of the shared node: a key for memo tables
   /// Structural equality (the same tree after simplification).
   friend bool operator==(const Expr& a, const Expr& b);
 
 private:
+  friend struct ExprAccess; // node.hpp: the kernel's own files build nodes
   explicit Expr(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
   std::shared_ptr<const Node> node_;
 };
@@ -70,11 +100,17 @@ Expr min(const Expr& a, const Expr& b);
 Expr max(const Expr& a, const Expr& b);
 Expr abs(const Expr& a);
 Expr exp(const Expr& a);
+Expr log(const Expr& a);
 Expr sqrt(const Expr& a);
+Expr sin(const Expr& a);
+Expr cos(const Expr& a);
 Expr select(const Expr& condition, const Expr& then, const Expr& otherwise);
 Expr less(const Expr& a, const Expr& b);
+Expr less_equal(const Expr& a, const Expr& b);
 
-/// d expr / d slot. Kinks (abs, min, max, select) differentiate branch by branch.
+/// d expr / d slot. Kinks (abs, min, max, select) differentiate branch by branch. Throws
+/// Failure(bad_value) when the order of a Bessel function or a parameter of mittag_leffler
+/// depends on the slot: those derivatives have no expression here.
 Expr derivative(const Expr& expr, Slot slot);
 Expr substitute(const Expr& expr, std::span<const std::pair<Slot, Expr>> replacements);
 /// Rebuilds the tree bottom-up, replacing each node f(node with new args) -> Expr.
