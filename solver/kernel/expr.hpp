@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -119,7 +120,10 @@ Expr transform(const Expr& expr, const std::function<Expr(const Expr&)>& f);
 std::vector<Slot> slots_of(const Expr& expr);
 /// One value, slowly; `value_of` gives each slot's value. For set-up, never for a hot loop.
 double evaluate(const Expr& expr, const std::function<double(Slot)>& value_of);
-/// The expression in the language's notation, numbers with all their digits.
+/// The name of an operation: the language's word where there is one.
+std::string_view op_name(Op op);
+/// The expression in the language's notation, numbers with all their digits. Text beyond a megabyte
+/// is cut: a shared graph can be exponentially long when written out.
 std::string to_string(const Expr& expr);
 
 } // namespace hvi::solver

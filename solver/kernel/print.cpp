@@ -58,57 +58,6 @@ std::string slot_name(Slot s) {
   return derivative_name(fmt::format("field[{}]", k), (s - slot::first_field) % slot::field_stride);
 }
 
-std::string_view function_name(Op op) {
-  switch (op) {
-  case Op::min:
-    return "min";
-  case Op::max:
-    return "max";
-  case Op::abs:
-    return "abs";
-  case Op::sign:
-    return "sign";
-  case Op::exp:
-    return "exp";
-  case Op::log:
-    return "log";
-  case Op::sqrt:
-    return "sqrt";
-  case Op::sin:
-    return "sin";
-  case Op::cos:
-    return "cos";
-  case Op::tan:
-    return "tan";
-  case Op::asin:
-    return "asin";
-  case Op::acos:
-    return "acos";
-  case Op::atan:
-    return "atan";
-  case Op::atan2:
-    return "atan2";
-  case Op::sinh:
-    return "sinh";
-  case Op::cosh:
-    return "cosh";
-  case Op::tanh:
-    return "tanh";
-  case Op::erf:
-    return "erf";
-  case Op::gamma:
-    return "gamma";
-  case Op::bessel_j:
-    return "bessel_j";
-  case Op::mittag_leffler:
-    return "mittag_leffler";
-  case Op::polygamma:
-    return "polygamma";
-  default:
-    return "";
-  }
-}
-
 /// Does the text of e begin with a minus sign that a sum may absorb?
 bool is_negative(const Expr& e) {
   if (e.is_constant()) return e.value() < 0.0;
@@ -290,7 +239,7 @@ private:
     else if (e.op() == Op::table_slope)
       say(e.table()->name() + "'");
     else
-      say(std::string(function_name(e.op())));
+      say(std::string(op_name(e.op())));
     const char* before = "(";
     for (const Expr& arg : e.args()) {
       say(before);

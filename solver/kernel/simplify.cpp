@@ -12,54 +12,6 @@
 
 namespace hvi::solver {
 
-int arity(Op op) {
-  switch (op) {
-  case Op::constant:
-  case Op::slot:
-    return -1;
-  case Op::neg:
-  case Op::abs:
-  case Op::sign:
-  case Op::exp:
-  case Op::log:
-  case Op::sqrt:
-  case Op::sin:
-  case Op::cos:
-  case Op::tan:
-  case Op::asin:
-  case Op::acos:
-  case Op::atan:
-  case Op::sinh:
-  case Op::cosh:
-  case Op::tanh:
-  case Op::erf:
-  case Op::gamma:
-  case Op::logic_not:
-  case Op::table:
-  case Op::table_slope:
-    return 1;
-  case Op::mittag_leffler:
-  case Op::select:
-    return 3;
-  case Op::add:
-  case Op::mul:
-  case Op::div:
-  case Op::pow:
-  case Op::min:
-  case Op::max:
-  case Op::atan2:
-  case Op::bessel_j:
-  case Op::less:
-  case Op::less_equal:
-  case Op::equal:
-  case Op::logic_and:
-  case Op::logic_or:
-  case Op::polygamma:
-    return 2;
-  }
-  return -1;
-}
-
 bool is_boolean(const Expr& e) {
   switch (e.op()) {
   case Op::less:

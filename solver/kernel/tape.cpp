@@ -73,9 +73,12 @@ std::string describe(const Tape& tape, const Instruction& i) {
   if (i.op == Op::constant) return fmt::format("{}", i.value);
   if (i.op == Op::slot)
     return to_string(Expr::variable(tape.inputs[static_cast<std::size_t>(i.a)]));
-  // The printer of expressions does the rest: registers stand in as fresh names.
-  std::string text = fmt::format("op{}", static_cast<int>(i.op));
-  return text;
+  std::string text = fmt::format("{}(", op_name(i.op));
+  const bool one_register = i.op == Op::table || i.op == Op::table_slope; // c is the table
+  for (const std::int32_t r : {i.a, i.b, one_register ? -1 : i.c})
+    if (r >= 0) text += fmt::format("{}r{}", text.ends_with('(') ? "" : ", ", r);
+  if (one_register) text += ", " + tape.tables[static_cast<std::size_t>(i.c)]->name();
+  return text + ")";
 }
 
 } // namespace

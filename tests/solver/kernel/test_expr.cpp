@@ -6,7 +6,8 @@
 using namespace hvi::solver;
 
 namespace {
-const Expr x = Expr::variable(slot::x(0)), y = Expr::variable(slot::x(1)), t = Expr::variable(slot::t);
+const Expr x = Expr::variable(slot::x(0)), y = Expr::variable(slot::x(1)),
+           t = Expr::variable(slot::t);
 } // namespace
 
 TEST(Expr, SimplifiesAsItIsBuilt) {
