@@ -8,6 +8,7 @@
 
 namespace hvi::solver {
 
+/// Throws Failure with the origin of the mesh statement, whatever goes wrong.
 Mesh make_mesh(const MeshSpec& spec);
 
 /// A resolved part.
@@ -19,8 +20,13 @@ struct Region {
 
 /// `where` keeps an entity when its centroid and its corners, each moved by 1e-6 towards the
 /// centroid, satisfy the predicate. Throws Failure(unknown_group) naming the groups there are,
-/// Failure(empty_region) for a part without entities.
+/// Failure(empty_region) for a part without entities, Failure(bad_value) for a union or difference
+/// of different kinds, for a point that is no node (relative 1e-9), and for a predicate that is NaN
+/// somewhere. The boundary is all boundary facets; facets inside are reached by their groups only.
 Region resolve(const Mesh& mesh, const RegionSpec& spec);
+
+/// The entities two regions share, sorted; none for regions of different kinds.
+std::vector<std::int32_t> common(const Region& a, const Region& b);
 
 /// The nodes of a region's entities, sorted, unique.
 std::vector<std::int32_t> nodes_of(const Mesh& mesh, const Region& region);

@@ -125,7 +125,7 @@ private:
   /// times `tag tags... nodes...`.
   void read_elements_2() {
     const auto total =
-        in_.count(text_count("the number of elements"), 6, 4, "the number of elements");
+        in_.count(text_count("the number of elements"), 8, 8, "the number of elements");
     raw_.elements.reserve(total);
     while (raw_.elements.size() < total) {
       std::int64_t tag = 0, n = 1;

@@ -138,12 +138,14 @@ double diagonal(const Point& a, const Point& b, const Point& c, const Point& d) 
   return sum;
 }
 
-bool is_positive(const std::vector<Point>& nodes, const Cell& cell) {
-  Mesh single;
-  single.dim = 3;
-  for (const std::int32_t n : cell) single.nodes.push_back(nodes[n]);
-  single.cells.push_back({0, 1, 2, 3});
-  return cell_measure(single, 0) > 0;
+bool is_positive(const Point& a, const Point& b, const Point& c, const Point& d) {
+  const auto r = [&](const Point& p, int i) { return p[i] - a[i]; };
+  double det = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    det += r(b, i) * (r(c, j) * r(d, k) - r(c, k) * r(d, j));
+  }
+  return det > 0;
 }
 
 } // namespace
@@ -157,7 +159,7 @@ Cell refinable_order(const std::vector<Point>& nodes, const Cell& c) {
   const Cell& best =
       *std::min_element(paths.begin(), paths.end(),
                         [&](const Cell& p, const Cell& q) { return length(p) < length(q); });
-  return coded(best, is_positive(nodes, best));
+  return coded(best, is_positive(nodes[best[0]], nodes[best[1]], nodes[best[2]], nodes[best[3]]));
 }
 
 Mesh refine(const Mesh& mesh) {
