@@ -1,5 +1,5 @@
-// Memory: (R u)(t_n) = sum_{j<=n} int_{t_{j-1}}^{t_j} q(t_n, s) u(s) ds for one scalar kernel q and a
-// field of n values, with exact interval integrals. Four routes behind four calls.
+// Memory: (R u)(t_n) = sum_{j<=n} int_{t_{j-1}}^{t_j} q(t_n, s) u(s) ds for one scalar kernel q and
+// a field of n values, with exact interval integrals. Four routes behind four calls.
 #pragma once
 
 #include "solver/common/failure.hpp"
@@ -14,7 +14,8 @@
 
 namespace hvi::solver {
 
-/// A scalar kernel as data: an expression in slot::lag and slot::t (q(t, s) = expression(t, t - s)).
+/// A scalar kernel as data: an expression in slot::lag and slot::t (q(t, s) = expression(t, t -
+/// s)).
 struct KernelSpec {
   std::string name;
   Origin origin;
@@ -25,20 +26,20 @@ enum class HistoryRoute { automatic, recursion, fit, tree, direct };
 
 struct HistoryOptions {
   HistoryRoute route = HistoryRoute::automatic;
-  int order = 0;             ///< 0: u constant on a step (the paper's scheme); 1: u affine on a step
-  double tolerance = 1e-8;   ///< error of the memory term relative to ||q||_L1 max|u|
-  double shortest_step = 0;  ///< of the time grid (0: unknown)
-  double horizon = 0;        ///< T - t0 (0: unknown; the fitted route is then not chosen)
-  std::int64_t steps = 0;    ///< expected number of steps (0: unknown)
+  int order = 0;            ///< 0: u constant on a step (the paper's scheme); 1: u affine on a step
+  double tolerance = 1e-8;  ///< error of the memory term relative to ||q||_L1 max|u|
+  double shortest_step = 0; ///< of the time grid (0: unknown)
+  double horizon = 0;       ///< T - t0 (0: unknown; the fitted route is then not chosen)
+  std::int64_t steps = 0;   ///< expected number of steps (0: unknown)
 };
 
 struct HistoryReport {
-  std::string route;         ///< "recursion", "fit", "tree", "direct"
-  std::string why;           ///< the reason for the route, a sentence
-  std::int64_t fields = 0;   ///< stored fields of n values now
+  std::string route;       ///< "recursion", "fit", "tree", "direct"
+  std::string why;         ///< the reason for the route, a sentence
+  std::int64_t fields = 0; ///< stored fields of n values now
   double bytes = 0;
-  double error = 0;          ///< verified bound, relative to ||q||_L1 max|u|
-  bool verified = true;      ///< false: sampled evidence only
+  double error = 0;     ///< verified bound, relative to ||q||_L1 max|u|
+  bool verified = true; ///< false: sampled evidence only
 };
 
 class History {
@@ -61,14 +62,14 @@ public:
 /// What an expression in (t, lag) is: found symbolically, checked numerically.
 struct KernelTraits {
   bool zero = false;
-  bool convolution = false;         ///< depends on the lag only
-  bool exponential_sum = false;     ///< sum of c lag^r exp(-a lag) cos/sin(b lag)
-  bool separable = false;           ///< sum g_i(t) h_i(s)
-  double singular_exponent = 0.0;   ///< ~ lag^-e near 0; 0: bounded; >= 1: not integrable
-  std::vector<double> breaks;       ///< lags where it has kinks or jumps, sorted
-  double max_lag = 0.0;             ///< it vanishes beyond (0: no such bound)
-  bool finite = true;               ///< finite on (0, horizon]
-  std::string description;          ///< "2 real exponentials", "singular, lag^-0.5", ...
+  bool convolution = false;       ///< depends on the lag only
+  bool exponential_sum = false;   ///< sum of c lag^r exp(-a lag) cos/sin(b lag)
+  bool separable = false;         ///< sum g_i(t) h_i(s)
+  double singular_exponent = 0.0; ///< ~ lag^-e near 0; 0: bounded; >= 1: not integrable
+  std::vector<double> breaks;     ///< lags where it has kinks or jumps, sorted
+  double max_lag = 0.0;           ///< it vanishes beyond (0: no such bound)
+  bool finite = true;             ///< finite on (0, horizon]
+  std::string description;        ///< "2 real exponentials", "singular, lag^-0.5", ...
 };
 KernelTraits kernel_traits(const Expr& expression, double horizon);
 /// sup |q|, the Lipschitz constant in t of H(q), int_0^T |q| for hypotheses (inf where infinite).

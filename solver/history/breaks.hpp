@@ -1,0 +1,39 @@
+// Where a kernel has kinks or jumps: the zeros of everything it switches on. Read off the
+// expression, so that integrals can be split exactly there.
+#pragma once
+
+#include "solver/history/kernel_function.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace hvi::solver {
+
+/// time * t + lag * lag + constant.
+struct AffineForm {
+  double time = 0, lag = 0, constant = 0;
+};
+/// The expression as an affine function of t and the lag, if it is one as written.
+std::optional<AffineForm> affine_form(const Expr& expression);
+
+/// The break lags of a kernel.
+class Breaks {
+public:
+  Breaks(const Expr& expression, Origin origin);
+  bool empty() const { return lines_.empty() && curves_.empty(); }
+  /// Lags in (low, high) at which q(t, .) may have a kink or jump, sorted.
+  std::vector<double> inside(double t, double low, double high) const;
+
+private:
+  struct Line {
+    double per_time, at; ///< break at lag = per_time * t + at
+  };
+  void collect(const Expr& expression, Origin origin);
+  void add_switch(const Expr& value, Origin origin);
+
+  std::vector<Line> lines_;
+  std::vector<double> fixed_;          ///< lines with per_time = 0, sorted
+  std::vector<KernelFunction> curves_; ///< what is not affine: searched by sign changes
+};
+
+} // namespace hvi::solver

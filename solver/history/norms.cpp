@@ -1,0 +1,77 @@
+// Norms of a kernel for the hypotheses: sup |q|, the Lipschitz constant in t, int |q|.
+#include "solver/history/breaks.hpp"
+#include "solver/history/history.hpp"
+#include "solver/history/integral.hpp"
+#include "solver/history/recognise.hpp"
+#include "solver/history/traits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hvi::solver {
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// int_0^length |q(t, lag)| dlag; |q| as an expression brings its own breaks where q changes sign.
+double absolute_integral(const Expr& expression, double exponent, double t, double length) {
+  if (length <= 0) return 0;
+  const Expr magnitude = abs(expression);
+  const KernelIntegral integral(KernelFunction(magnitude, {}), Breaks(magnitude, {}), exponent, {},
+                                "q");
+  // Pieces short enough that the search for sign changes sees every oscillation of moderate speed.
+  constexpr int pieces = 64;
+  double sum = 0;
+  for (int i = 0; i < pieces; ++i) {
+    sum += integral(t, length * i / pieces, length * (i + 1) / pieces).zero;
+  }
+  return sum;
+}
+
+/// c e^{-a lag} with a >= 0 has its largest value and slope at lag 0.
+bool single_decaying(const ExponentialTerms& terms) {
+  return terms.size() == 1 && terms[0].power == 0 && terms[0].lag_rate.imag() == 0 &&
+         terms[0].lag_rate.real() <= 0 && terms[0].time_rate == 0.0 &&
+         terms[0].of_time.is_constant() && terms[0].of_source.is_constant();
+}
+
+} // namespace
+
+KernelNorms kernel_norms(const Expr& expression, double t0, double t1) {
+  const double length = t1 - t0;
+  if (const auto verified = verified_terms(expression, length);
+      verified && single_decaying(verified->terms)) {
+    const double c = std::abs(verified->terms[0].factor), a = -verified->terms[0].lag_rate.real();
+    return {c, c * a, a == 0 ? c * length : -c * std::expm1(-a * length) / a, true};
+  }
+  const KernelTraits traits = kernel_traits(expression, length);
+  if (traits.singular_exponent >= 1) return {infinite, infinite, infinite, true};
+  const KernelFunction q(expression, {});
+  // At fixed s the lag grows with t: d/dt q(t, t - s) = q_t + q_lag.
+  const KernelFunction slope(derivative(expression, slot::t) + derivative(expression, slot::lag),
+                             {});
+  KernelNorms norms;
+  for (const auto& [t, lag] : sample_points(length)) {
+    norms.sup = std::max(norms.sup, std::abs(q(t0 + t, lag)));
+    norms.lipschitz = std::max(norms.lipschitz, std::abs(slope(t0 + t, lag)));
+  }
+  // An unbounded kernel has no norm at all; unbounded slopes grow without end as the lag shrinks.
+  const auto unbounded = [&](const KernelFunction& f) {
+    const double small = std::abs(f(t1, length * 1e-100)), large = std::abs(f(t1, length * 1e-50));
+    return !std::isfinite(small) || small > 1.5 * large + 1e-300;
+  };
+  if (unbounded(q)) norms.sup = infinite;
+  if (unbounded(slope)) norms.lipschitz = infinite;
+  const std::vector<double> parts = traits.convolution
+                                        ? std::vector<double>{1.0}
+                                        : std::vector<double>{0.05, 0.2, 0.4, 0.6, 0.8, 1.0};
+  for (const double part : parts) {
+    norms.l1 = std::max(norms.l1, absolute_integral(expression, traits.singular_exponent,
+                                                    t0 + part * length, part * length));
+  }
+  return norms;
+}
+
+} // namespace hvi::solver

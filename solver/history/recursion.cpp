@@ -1,0 +1,163 @@
+// The symbolic route: exact recursion, a few fields whatever the number of steps.
+#include "solver/history/exponentials.hpp"
+#include "solver/history/routes.hpp"
+#include "solver/history/steps.hpp"
+#include "solver/history/stream.hpp"
+
+#include <algorithm>
+
+namespace hvi::solver {
+
+namespace {
+
+constexpr std::uint32_t magic = 0x52454331;
+
+class RecursionHistory final : public History {
+public:
+  RecursionHistory(const PreparedKernel& kernel, const ExponentialTerms& terms, std::size_t n,
+                   const HistoryOptions& options, double error, std::string why)
+      : kernel_(kernel), sum_(terms), n_(n), order_(options.order), error_(error),
+        why_(std::move(why)), steps_(options.shortest_step) {}
+
+  void start(double t0, std::span<const double> u0) override {
+    t0_ = t_ = t0;
+    pending_ = false;
+    states_.assign(sum_.state_fields() * n_, 0.0);
+    last_.assign(n_, 0.0);
+    before_.assign(order_ == 1 ? n_ : 0, 0.0);
+    if (order_ == 1) {
+      check_field(kernel_, n_, u0.size());
+      std::copy(u0.begin(), u0.end(), last_.begin());
+    }
+  }
+
+  /// Puts the last accepted interval into the states in the same pass that reads them. A repeated
+  /// call finds it there: the states hold accepted values only.
+  void rhs(double t_new, std::span<double> out) override {
+    check_field(kernel_, n_, out.size());
+    check_step(kernel_, t_, t_new);
+    const double k = steps_.find(t_, t_new);
+    if (order_ == 1) {
+      set_scaled(sum_.current({t_new, k}).one, last_, out);
+    } else {
+      std::fill(out.begin(), out.end(), 0.0);
+    }
+    prepare(k);
+    if (pending_) {
+      advance_and_read(groups_, states_, last_, before_, out);
+      pending_ = false;
+    } else {
+      read_states(groups_, states_, out);
+    }
+  }
+
+  double w0(double t_new) override {
+    check_step(kernel_, t_, t_new);
+    const Moments m = sum_.current({t_new, steps_.find(t_, t_new)});
+    return order_ == 0 ? m.zero : m.zero - m.one;
+  }
+
+  void commit(double t_new, std::span<const double> u_new) override {
+    check_field(kernel_, n_, u_new.size());
+    check_step(kernel_, t_, t_new);
+    if (pending_) absorb();
+    const double k = steps_.find(t_, t_new);
+    steps_.remember(k);
+    if (order_ == 1) std::swap(before_, last_);
+    std::copy(u_new.begin(), u_new.end(), last_.begin());
+    t_ = t_new;
+    step_ = k;
+    pending_ = true;
+  }
+
+  HistoryReport report() const override {
+    HistoryReport r;
+    r.route = "recursion";
+    r.why = why_;
+    r.fields = static_cast<std::int64_t>(sum_.state_fields()) + 1 + (order_ == 1 ? 1 : 0);
+    r.bytes = 8.0 * static_cast<double>(states_.size() + last_.size() + before_.size());
+    r.error = error_;
+    return r;
+  }
+
+  void save(std::ostream& out) const override {
+    StateWriter w(out);
+    w.put(magic);
+    w.put(static_cast<std::uint64_t>(n_));
+    w.put(order_);
+    w.put(static_cast<std::uint64_t>(sum_.state_fields()));
+    w.put(t0_);
+    w.put(t_);
+    w.put(step_);
+    w.put(pending_);
+    w.put(steps_.known());
+    w.put(states_);
+    w.put(last_);
+    w.put(before_);
+  }
+
+  void restore(std::istream& in) override {
+    StateReader r(in, kernel_.spec.origin);
+    r.expect(magic, "route");
+    r.expect(static_cast<std::uint64_t>(n_), "number of unknowns");
+    r.expect(order_, "order");
+    r.expect(static_cast<std::uint64_t>(sum_.state_fields()), "kernel");
+    t0_ = r.get<double>();
+    t_ = r.get<double>();
+    step_ = r.get<double>();
+    pending_ = r.get<bool>();
+    steps_.set_known(r.get_vector<double>());
+    states_ = r.get_vector<double>();
+    last_ = r.get_vector<double>();
+    before_ = r.get_vector<double>();
+    groups_.clear();
+    if (states_.size() != sum_.state_fields() * n_ || last_.size() != n_ ||
+        before_.size() != (order_ == 1 ? n_ : 0)) {
+      r.fail("is inconsistent");
+    }
+  }
+
+private:
+  /// Coefficients for putting in (t - step, t] and reading at t + ahead.
+  void prepare(double ahead) {
+    if (sum_.steady() && !groups_.empty() && prepared_step_ == step_ && prepared_ahead_ == ahead) {
+      return;
+    }
+    groups_ = sum_.coefficients({t_, step_}, ahead, t0_, order_);
+    prepared_step_ = step_;
+    prepared_ahead_ = ahead;
+  }
+
+  /// Two commits without a rhs between them: no one reads, so the pass writes into a scrap field.
+  void absorb() {
+    prepare(step_);
+    std::vector<double> unread(n_, 0.0);
+    advance_and_read(groups_, states_, last_, before_, unread);
+    pending_ = false;
+  }
+
+  PreparedKernel kernel_;
+  ExponentialSum sum_;
+  std::size_t n_;
+  int order_;
+  double error_;
+  std::string why_;
+  StepNames steps_;
+
+  double t0_ = 0, t_ = 0, step_ = 0;
+  bool pending_ = false;              ///< (t_ - step_, t_] is in last_ but not yet in the states
+  std::vector<double> states_;        ///< integrals over (t0, t_ - step_] or (t0, t_]
+  std::vector<double> last_, before_; ///< u(t_), u(t_ - step_)
+  std::vector<LinearGroup> groups_;
+  double prepared_step_ = -1, prepared_ahead_ = -1;
+};
+
+} // namespace
+
+std::unique_ptr<History> make_recursion(const PreparedKernel& kernel, const ExponentialTerms& terms,
+                                        std::size_t n, const HistoryOptions& options, double error,
+                                        std::string why) {
+  return std::make_unique<RecursionHistory>(kernel, terms, n, options, error, std::move(why));
+}
+
+} // namespace hvi::solver

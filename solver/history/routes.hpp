@@ -1,0 +1,20 @@
+// The constructors of the four routes. make_history.cpp chooses among them.
+#pragma once
+
+#include "solver/history/history.hpp"
+#include "solver/history/prepared.hpp"
+#include "solver/history/recognise.hpp"
+
+namespace hvi::solver {
+
+/// Stored fields and exact weights. A kernel that vanishes beyond a lag keeps only the fields
+/// within.
+std::unique_ptr<History> make_direct(const PreparedKernel& kernel, std::size_t n,
+                                     const HistoryOptions& options, std::string why);
+
+/// Exact recursion of an exponential sum; `error` is the mismatch of the terms with the kernel.
+std::unique_ptr<History> make_recursion(const PreparedKernel& kernel, const ExponentialTerms& terms,
+                                        std::size_t n, const HistoryOptions& options, double error,
+                                        std::string why);
+
+} // namespace hvi::solver

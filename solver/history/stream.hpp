@@ -1,0 +1,79 @@
+// The state of a history as bytes: exact bits out, exact bits in.
+#pragma once
+
+#include "solver/common/failure.hpp"
+
+#include <cstdint>
+#include <istream>
+#include <ostream>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace hvi::solver {
+
+class StateWriter {
+public:
+  explicit StateWriter(std::ostream& out) : out_(out) {}
+  template <class T>
+  void put(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    out_.write(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  template <class T>
+  void put(const std::vector<T>& values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    put(static_cast<std::uint64_t>(values.size()));
+    out_.write(reinterpret_cast<const char*>(values.data()),
+               static_cast<std::streamsize>(values.size() * sizeof(T)));
+  }
+
+private:
+  std::ostream& out_;
+};
+
+/// Throws Failure(broken_file) when the bytes end early or belong to something else.
+class StateReader {
+public:
+  explicit StateReader(std::istream& in, Origin origin) : in_(in), origin_(origin) {}
+  template <class T>
+  T get() {
+    static_assert(std::is_trivially_copyable_v<T>);
+    T value{};
+    in_.read(reinterpret_cast<char*>(&value), sizeof value);
+    check();
+    return value;
+  }
+  /// Reads piece by piece, so that a wrong length ends in a message and not in a huge allocation.
+  template <class T>
+  std::vector<T> get_vector() {
+    static_assert(std::is_trivially_copyable_v<T>);
+    const auto size = get<std::uint64_t>();
+    std::vector<T> values;
+    constexpr std::uint64_t piece = 1 << 20;
+    for (std::uint64_t done = 0; done < size; done = values.size()) {
+      const auto count = std::min(piece, size - done);
+      values.resize(done + count);
+      in_.read(reinterpret_cast<char*>(values.data() + done),
+               static_cast<std::streamsize>(count * sizeof(T)));
+      check();
+    }
+    return values;
+  }
+  template <class T>
+  void expect(const T& value, const std::string& what) {
+    if (!(get<T>() == value)) fail("was saved with another " + what);
+  }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Failure(FailureKind::broken_file, origin_, "the saved state of the memory " + what);
+  }
+
+private:
+  void check() const {
+    if (!in_) fail("ends too early");
+  }
+  std::istream& in_;
+  Origin origin_;
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,176 @@
+// What a kernel is: singularity, breaks, reach, finiteness; found symbolically where possible and
+// checked at sample points.
+#include "solver/history/traits.hpp"
+
+#include "solver/history/breaks.hpp"
+#include "solver/history/kernel_function.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+
+namespace {
+
+double positive_horizon(double horizon) { return horizon > 0 ? horizon : 1.0; }
+
+/// -d log|q| / d log lag between two lags.
+double log_slope(const KernelFunction& q, double t, double small, double large) {
+  const double a = std::abs(q(t, small)), b = std::abs(q(t, large));
+  if (a == 0 || b == 0) return 0;
+  return (std::log(a) - std::log(b)) / (std::log(large) - std::log(small));
+}
+
+/// e with q ~ lag^-e. Lags far below any step are allowed in (t, lag): the slope has settled at
+/// 1e-60. A slope that still halves where the exponent of the lag doubles is a logarithm.
+double singular_exponent(const KernelFunction& q, double horizon) {
+  double exponent = 0;
+  for (const double part : {1.0, 0.61, 0.23}) {
+    const double t = part * horizon;
+    double near = log_slope(q, t, 1e-140, 1e-120), far = log_slope(q, t, 1e-80, 1e-60);
+    if (!std::isfinite(near) || !std::isfinite(far)) { // overflow: exponent above 2, or exp(1/lag)
+      return std::numeric_limits<double>::infinity();
+    }
+    const bool logarithm = near < 0.03 && near < 0.75 * far;
+    if (logarithm || near < 1e-9) continue;
+    const double rounded = std::round(near * 1e6) / 1e6;
+    exponent = std::max(exponent, std::abs(near - rounded) < 1e-9 ? rounded : near);
+  }
+  return exponent;
+}
+
+/// The least break beyond which all samples are exactly zero.
+double reach(const KernelFunction& q, const std::vector<double>& breaks, double horizon) {
+  const auto vanishes_beyond = [&](double lag) {
+    for (int i = 1; i <= 400; ++i) {
+      const double l = lag + (horizon - lag) * i / 400;
+      for (const double t : {l, 0.5 * (l + horizon), horizon}) {
+        if (q(t, l) != 0) return false;
+      }
+    }
+    return true;
+  };
+  for (const double b : breaks) {
+    if (b < horizon && vanishes_beyond(b)) return b;
+  }
+  return 0;
+}
+
+/// Breaks at lags that do not move with the time.
+std::vector<double> fixed_breaks(const Breaks& breaks, double horizon) {
+  const auto now = breaks.inside(horizon, 0, horizon),
+             before = breaks.inside(0.7 * horizon, 0, horizon);
+  std::vector<double> fixed;
+  for (const double b : now) {
+    const bool stays = std::any_of(before.begin(), before.end(),
+                                   [&](double a) { return std::abs(a - b) <= 1e-12 * horizon; });
+    if (stays) fixed.push_back(b);
+  }
+  return fixed;
+}
+
+int count_rates(const ExponentialTerms& terms, bool complex) {
+  std::vector<Complex> seen;
+  for (const ExponentialTerm& term : terms) {
+    if (term.lag_rate.imag() < 0 || (term.lag_rate.imag() != 0) != complex) continue;
+    if (std::find(seen.begin(), seen.end(), term.lag_rate) == seen.end()) {
+      seen.push_back(term.lag_rate);
+    }
+  }
+  return static_cast<int>(seen.size());
+}
+
+std::string counted(int n, const char* what) {
+  return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+}
+
+std::string describe(const KernelTraits& traits, const ExponentialTerms& terms) {
+  if (traits.zero) return "zero";
+  if (traits.exponential_sum || traits.separable) {
+    const int real = count_rates(terms, false), pairs = count_rates(terms, true);
+    std::string text;
+    if (real > 0) text = counted(real, "real exponential");
+    if (pairs > 0) text += (real > 0 ? ", " : "") + counted(pairs, "complex pair");
+    return traits.separable ? "separable: " + text : text;
+  }
+  std::string text = traits.convolution ? "convolution" : "of t and s";
+  if (traits.singular_exponent > 0) {
+    text += fmt::format(", singular like lag^-{:.4g}", traits.singular_exponent);
+  }
+  if (!traits.breaks.empty()) {
+    text += fmt::format(", {} at lag", counted(static_cast<int>(traits.breaks.size()), "break"));
+    for (std::size_t i = 0; i < std::min<std::size_t>(3, traits.breaks.size()); ++i) {
+      text += fmt::format(" {:.4g}", traits.breaks[i]);
+    }
+    if (traits.breaks.size() > 3) text += " ...";
+  }
+  if (traits.max_lag > 0) text += fmt::format(", zero beyond lag {:.4g}", traits.max_lag);
+  return text;
+}
+
+} // namespace
+
+std::vector<std::pair<double, double>> sample_points(double horizon) {
+  std::vector<std::pair<double, double>> points;
+  for (const double part : {1.0, 0.83, 0.47, 0.11, 0.013}) {
+    const double t = part * horizon;
+    for (int i = 0; i <= 120; ++i) points.emplace_back(t, t * std::pow(10.0, -i / 10.0));
+    for (int i = 1; i < 160; ++i) points.emplace_back(t, t * i / 160.0);
+  }
+  return points;
+}
+
+std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horizon) {
+  auto terms = exponential_terms(expression);
+  if (!terms) return std::nullopt;
+  const double length = positive_horizon(horizon);
+  const KernelFunction q(expression, {});
+  double error = 0, largest = 0;
+  for (const auto& [t, lag] : sample_points(length)) {
+    const double value = q(t, lag);
+    largest = std::max(largest, std::abs(value));
+    error = std::max(error, std::abs(evaluate(*terms, t, lag) - value));
+    for (const ExponentialTerm& term : *terms) {
+      const auto value_of = [&, lag_ = lag, t_ = t](Slot s) {
+        return s == slot::t ? t_ : t_ - lag_;
+      };
+      const double g = evaluate(term.of_time, value_of), h = evaluate(term.of_source, value_of);
+      if (!(std::abs(g) < 1e100) || !(std::abs(h) < 1e100)) return std::nullopt;
+    }
+  }
+  if (!std::isfinite(error) || error > 1e-12 * largest) return std::nullopt;
+  return VerifiedTerms{std::move(*terms), largest > 0 ? error / largest : 0.0};
+}
+
+KernelTraits kernel_traits(const Expr& expression, double horizon) {
+  const double length = positive_horizon(horizon);
+  const KernelFunction q(expression, {});
+  const Breaks breaks(expression, {});
+  KernelTraits traits;
+  traits.convolution = q.convolution();
+  traits.zero = true;
+  for (const auto& [t, lag] : sample_points(length)) {
+    const double value = q(t, lag);
+    traits.finite = traits.finite && std::isfinite(value);
+    traits.zero = traits.zero && value == 0;
+  }
+  if (!breaks.empty()) traits.breaks = fixed_breaks(breaks, length);
+  traits.zero = traits.zero && (expression.is(0) || breaks.empty());
+  if (!traits.breaks.empty()) traits.max_lag = reach(q, traits.breaks, length);
+  ExponentialTerms terms;
+  if (auto verified = verified_terms(expression, horizon)) {
+    terms = std::move(verified->terms);
+    const bool plain = std::all_of(terms.begin(), terms.end(), [](const ExponentialTerm& term) {
+      return term.of_time.is_constant() && term.of_source.is_constant() && term.time_rate == 0.0;
+    });
+    (plain ? traits.exponential_sum : traits.separable) = true;
+  } else if (!traits.zero) {
+    traits.singular_exponent = singular_exponent(q, length);
+  }
+  traits.description = describe(traits, terms);
+  return traits;
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,26 @@
+// Numerical checks behind the symbolic findings on a kernel.
+#pragma once
+
+#include "solver/history/history.hpp"
+#include "solver/history/recognise.hpp"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace hvi::solver {
+
+/// Points (t, lag), 0 < lag <= t <= horizon: lags log-spaced down to 1e-12 of the horizon and
+/// evenly spaced, for several times.
+std::vector<std::pair<double, double>> sample_points(double horizon);
+
+struct VerifiedTerms {
+  ExponentialTerms terms;
+  double error =
+      0; ///< largest difference to the kernel at sample points, relative to its largest value
+};
+/// The kernel as an exponential sum, if it is one symbolically and also at sample points, and if
+/// its factors g and h stay far from overflow.
+std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horizon);
+
+} // namespace hvi::solver
