@@ -81,4 +81,33 @@ double Table::slope(double x) const {
          s * (1.0 - 3.0 * r) * slopes_[i + 1];
 }
 
+std::pair<double, double> Table::range(double low, double high, bool of_slope) const {
+  low = std::max(low, first());
+  high = std::min(high, last());
+  std::pair<double, double> found{HUGE_VAL, -HUGE_VAL};
+  const auto include = [&found](double v) {
+    found.first = std::min(found.first, v);
+    found.second = std::max(found.second, v);
+  };
+  const std::size_t from = interval_of(x_, low), to = interval_of(x_, high);
+  if (!of_slope) { // monotone between knots
+    include(value(low));
+    include(value(high));
+    for (std::size_t i = from + 1; i <= to; ++i) include(y_[i]);
+    return found;
+  }
+  for (std::size_t i = from; i <= to; ++i) {
+    const double chord = (y_[i + 1] - y_[i]) / (x_[i + 1] - x_[i]);
+    if (kind_ == Interpolation::linear) {
+      include(chord);
+      continue;
+    }
+    // The slope is a parabola; its Bernstein coefficients enclose it.
+    include(slopes_[i]);
+    include(3.0 * chord - slopes_[i] - slopes_[i + 1]);
+    include(slopes_[i + 1]);
+  }
+  return found;
+}
+
 } // namespace hvi::solver

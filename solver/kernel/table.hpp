@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hvi::solver {
@@ -16,6 +17,9 @@ public:
 
   double value(double x) const;
   double slope(double x) const;
+  /// Bounds of the values (or of the slope) on the part of [low, high] inside the range; low <=
+  /// high, and the two meet the range. The bounds are attained except for the slope of a cubic.
+  std::pair<double, double> range(double low, double high, bool of_slope) const;
   double first() const { return x_.front(); }
   double last() const { return x_.back(); }
   const std::vector<double>& abscissae() const { return x_; }
