@@ -75,8 +75,8 @@ Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact)
   y_.resize(static_cast<std::size_t>(size_));
   x_.resize(static_cast<std::size_t>(size_));
   reduced_.resize(size_ - interior_);
-  statistics_.nonzeros = order_.nonzeros;
-  statistics_.flops = order_.flops;
+  statistics_.nonzeros = session_.common()->lnz;
+  statistics_.flops = session_.common()->fl;
   statistics_.ordering = order_.name;
   statistics_.analyses = 1;
   statistics_.bytes = static_cast<double>(l_->xsize) * sizeof(double) +

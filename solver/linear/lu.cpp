@@ -1,10 +1,11 @@
-// The unsymmetric factorisation. UMFPACK gives no access to a trailing block, so it factors the
-// interior alone: S = K_cc - K_cI K_II^-1 K_Ic takes n_c solves, and a step takes two.
+// The unsymmetric factorisation. K is coercive, so each diagonal pivot of an elimination in any
+// order is safe: UMFPACK is held to the diagonal and to an order with the contact unknowns last.
+// Then the trailing blocks of its L and U give S = L22 U22 with no solve, and the two sweeps of a
+// step read L once and U once, as with Cholesky.
 #include "solver/linear/lu.hpp"
 
-#include "solver/linear/cholmod_session.hpp"
+#include "solver/linear/ordering.hpp"
 
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <umfpack.h>
@@ -13,32 +14,61 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <optional>
 
 namespace hvi::solver {
 namespace {
 
-/// UMFPACK scales the rows to sum 1; a pivot below this is rounding.
+/// A pivot below this fraction of the diagonal entry is rounding: a rigid motion is left.
 constexpr double smallest_pivot = 1e-13;
 
-/// UMFPACK's two opaque objects, freed by it.
 struct FreeSymbolic {
   void operator()(void* object) const { umfpack_dl_free_symbolic(&object); }
 };
 struct FreeNumeric {
   void operator()(void* object) const { umfpack_dl_free_numeric(&object); }
 };
+using Symbolic = std::unique_ptr<void, FreeSymbolic>;
+using Numeric = std::unique_ptr<void, FreeNumeric>;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The interior block by rows, with the 64-bit indices of UMFPACK. UMFPACK wants columns: it sees
-/// the transpose, and every solve is one with the transpose of that.
-struct InteriorMatrix {
-  std::vector<Long> start, column;
+/// A triangle by rows, or its transpose by columns; the last entry of a row is the diagonal.
+struct Triangle {
+  std::vector<Long> start;
+  std::vector<int> index;
   std::vector<double> value;
-  Long size() const { return static_cast<Long>(start.size()) - 1; }
+
+  /// y := T^-1 y for the first `count` unknowns; y := y - (their columns) y for the rest.
+  void forward(int count, double* y) const {
+    const int size = static_cast<int>(start.size()) - 1;
+    for (int row = 0; row < size; ++row) {
+      double sum = y[row];
+      Long at = start[row];
+      const Long end = row < count ? start[row + 1] - 1 : start[row + 1];
+      for (; at < end && index[at] < count; ++at) sum -= value[at] * y[index[at]];
+      y[row] = row < count ? sum / value[end] : sum;
+    }
+  }
+  /// x := T^-T x where the unknowns from `count` on are given.
+  void backward(int count, double* x) const {
+    for (int row = static_cast<int>(start.size()) - 2; row >= 0; --row) {
+      const Long diagonal = start[row + 1] - 1;
+      if (row < count) x[row] /= value[diagonal];
+      Long at = start[row];
+      for (; at < diagonal && index[at] < count; ++at) x[index[at]] -= value[at] * x[row];
+    }
+  }
+  /// The trailing block from `count` on.
+  DenseMatrix trailing(int count) const {
+    const auto size = static_cast<Eigen::Index>(start.size()) - 1 - count;
+    DenseMatrix block = DenseMatrix::Zero(size, size);
+    for (Eigen::Index row = 0; row < size; ++row)
+      for (Long at = start[row + count]; at < start[row + count + 1]; ++at)
+        if (index[at] >= count) block(row, index[at] - count) = value[at];
+    return block;
+  }
 };
 
 class Lu final : public Factorisation {
@@ -48,204 +78,177 @@ public:
   void reduce(const Vector& b, Vector& r) override;
   void back(const Vector& c, Vector& x) override;
   void solve(const Vector& b, Vector& x) override;
-  const DenseMatrix& schur() const override;
+  const DenseMatrix& schur() const override { return schur_; }
   const DenseMatrix& schur_factor() const override { return no_factor_; }
   const FactorStatistics& statistics() const override { return statistics_; }
 
 private:
-  void split(const SparseMatrix& k);
-  void check_pivots(double nonzero_pivots) const;
-  [[noreturn]] void fail(int unknown, double pivot) const;
-  /// x = K_II^-1 b for interior vectors; no allocation.
-  void solve_interior(const Vector& b, Vector& x) const;
+  void order(const SparseMatrix& k, std::span<const int> contact);
+  void check_pattern(const SparseMatrix& k) const;
+  Numeric factor_with_umfpack(const SparseMatrix& k);
+  void take_triangles(void* numeric);
+  void check_pivots(const SparseMatrix& k) const;
+  [[noreturn]] void fail_at(int position, double pivot) const;
 
-  std::vector<int> contact_, interior_, local_; ///< local: number within interior or contact
-  std::vector<char> is_contact_;
-  std::vector<int> pattern_; ///< column indices of K, to recognise a foreign matrix
-  InteriorMatrix k_ii_;
-  SparseMatrix k_ic_, k_ci_;
-  DenseMatrix k_cc_, no_factor_;
+  int size_, interior_;
+  std::vector<Long> start_, column_; ///< the pattern of K by rows
+  std::vector<Long> permutation_;    ///< position -> unknown
   std::array<double, UMFPACK_CONTROL> control_{};
-  std::unique_ptr<void, FreeSymbolic> symbolic_;
-  std::unique_ptr<void, FreeNumeric> numeric_;
-  Vector b_interior_, y_, shifted_, reduced_;
-  mutable std::vector<Long> integer_work_;
-  mutable std::vector<double> work_;
-  mutable DenseMatrix schur_;
-  mutable bool schur_ready_ = false;
-  std::optional<Eigen::PartialPivLU<DenseMatrix>> schur_lu_;
+  Symbolic symbolic_;
+  // UMFPACK takes the rows of K for columns, so it factors the transpose: K = L U with the lower
+  // triangle by rows and the (unit) upper one by columns, which is how the two sweeps read them.
+  Triangle lower_, upper_transposed_;
+  DenseMatrix lower22_, upper22_, schur_, no_factor_;
+  Vector y_, x_, reduced_;
   bool factored_ = false;
   FactorStatistics statistics_;
 };
 
 Lu::Lu(const SparseMatrix& k, std::span<const int> contact)
-    : contact_(contact.begin(), contact.end()), local_(static_cast<std::size_t>(k.rows())),
-      is_contact_(static_cast<std::size_t>(k.rows()), 0),
-      pattern_(k.innerIndexPtr(), k.innerIndexPtr() + k.nonZeros()) {
+    : size_(static_cast<int>(k.rows())), interior_(size_ - static_cast<int>(contact.size())),
+      start_(k.outerIndexPtr(), k.outerIndexPtr() + k.rows() + 1),
+      column_(k.innerIndexPtr(), k.innerIndexPtr() + k.nonZeros()), y_(size_), x_(size_) {
   const auto start = std::chrono::steady_clock::now();
-  for (std::size_t i = 0; i < contact_.size(); ++i) {
-    is_contact_[contact_[i]] = 1;
-    local_[contact_[i]] = static_cast<int>(i);
-  }
-  for (int unknown = 0; unknown < k.rows(); ++unknown) {
-    if (is_contact_[unknown] != 0) continue;
-    local_[unknown] = static_cast<int>(interior_.size());
-    interior_.push_back(unknown);
-  }
-  split(k);
+  order(k, contact);
   umfpack_dl_defaults(control_.data());
-  control_[UMFPACK_ORDERING] = UMFPACK_ORDERING_CHOLMOD;
-  control_[UMFPACK_IRSTEP] = 0; // the certificate of a step sees the residual anyway
-  if (!interior_.empty()) {
-    void* symbolic = nullptr;
-    const auto status =
-        umfpack_dl_symbolic(k_ii_.size(), k_ii_.size(), k_ii_.start.data(), k_ii_.column.data(),
-                            nullptr, &symbolic, control_.data(), nullptr);
-    symbolic_.reset(symbolic);
-    if (status < 0)
-      throw Failure(FailureKind::limit, {},
-                    fmt::format("no memory to analyse a matrix of {} unknowns", k.rows()));
-  }
-  integer_work_.resize(interior_.size());
-  work_.resize(5 * interior_.size());
-  for (Vector* v : {&b_interior_, &y_, &shifted_}) v->setZero(k_ii_.size());
+  control_[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
+  control_[UMFPACK_SYM_PIVOT_TOLERANCE] = 0.0;
+  control_[UMFPACK_FIXQ] = 1.0;
+  control_[UMFPACK_SINGLETONS] = 0.0; // they would be eliminated first, contact or not
+  control_[UMFPACK_SCALE] = UMFPACK_SCALE_NONE;
+  void* symbolic = nullptr;
+  const auto status =
+      umfpack_dl_qsymbolic(size_, size_, start_.data(), column_.data(), nullptr,
+                           permutation_.data(), &symbolic, control_.data(), nullptr);
+  symbolic_.reset(symbolic);
+  if (status < 0)
+    throw Failure(FailureKind::limit, {},
+                  fmt::format("no memory to analyse a matrix of {} unknowns", size_));
   statistics_.analyses = 1;
-  statistics_.ordering = "UMFPACK";
   statistics_.seconds_analyse = seconds_since(start);
 }
 
-/// Fills the four blocks from K.
-void Lu::split(const SparseMatrix& k) {
-  const auto contacts = static_cast<Eigen::Index>(contact_.size());
-  std::vector<Eigen::Triplet<double>> interior_contact, contact_interior;
-  k_ii_ = {{0}, {}, {}};
-  k_cc_.setZero(contacts, contacts);
-  for (const int row : interior_) {
-    for (SparseMatrix::InnerIterator entry(k, row); entry; ++entry) {
-      const int column = local_[entry.col()];
-      if (is_contact_[entry.col()] != 0) {
-        interior_contact.emplace_back(local_[row], column, entry.value());
-        continue;
-      }
-      k_ii_.column.push_back(column);
-      k_ii_.value.push_back(entry.value());
-    }
-    k_ii_.start.push_back(static_cast<Long>(k_ii_.column.size()));
-  }
-  for (const int row : contact_)
-    for (SparseMatrix::InnerIterator entry(k, row); entry; ++entry) {
-      const int column = local_[entry.col()];
-      if (is_contact_[entry.col()] != 0)
-        k_cc_(local_[row], column) = entry.value();
-      else
-        contact_interior.emplace_back(local_[row], column, entry.value());
-    }
-  k_ic_.resize(k_ii_.size(), contacts);
-  k_ci_.resize(contacts, k_ii_.size());
-  k_ic_.setFromTriplets(interior_contact.begin(), interior_contact.end());
-  k_ci_.setFromTriplets(contact_interior.begin(), contact_interior.end());
+/// Contact last, then postordered: the frontal matrices of UMFPACK follow the elimination tree.
+void Lu::order(const SparseMatrix& k, std::span<const int> contact) {
+  CholmodSession session;
+  const ContactLastOrder order = order_contact_last(k, contact, session);
+  statistics_.ordering = order.name;
+  UpperTriangle a(k, order.links);
+  cholmod_sparse view = a.pattern();
+  const auto n = static_cast<std::size_t>(size_);
+  std::vector<Long> given = order.permutation, parent(n), post(n), count(n), first(n), level(n);
+  if (cholmod_l_analyze_ordering(&view, CHOLMOD_GIVEN, given.data(), nullptr, 0, parent.data(),
+                                 post.data(), count.data(), first.data(), level.data(),
+                                 session.common()) == 0)
+    throw Failure(FailureKind::limit, {}, "the matrix is too large to analyse");
+  for (const Long position : post) permutation_.push_back(given[position]);
+  if (!std::equal(contact.begin(), contact.end(), permutation_.begin() + interior_))
+    throw std::logic_error("the postorder moved a contact unknown from the end of the elimination");
+}
+
+void Lu::check_pattern(const SparseMatrix& k) const {
+  if (!k.isCompressed() || k.rows() != size_ ||
+      !std::equal(start_.begin(), start_.end(), k.outerIndexPtr()) ||
+      !std::equal(column_.begin(), column_.end(), k.innerIndexPtr()))
+    throw Failure(FailureKind::bad_value, {},
+                  "the matrix to factor does not have the pattern that was analysed");
+}
+
+Numeric Lu::factor_with_umfpack(const SparseMatrix& k) {
+  std::array<double, UMFPACK_INFO> info{};
+  void* numeric = nullptr;
+  const auto status = umfpack_dl_numeric(start_.data(), column_.data(), k.valuePtr(),
+                                         symbolic_.get(), &numeric, control_.data(), info.data());
+  if (status < 0)
+    throw Failure(FailureKind::limit, {},
+                  fmt::format("no memory to factor a matrix of {} unknowns", size_));
+  ++statistics_.factorisations;
+  statistics_.flops = info[UMFPACK_FLOPS];
+  return Numeric(numeric);
 }
 
 void Lu::factor(const SparseMatrix& k) {
   const auto start = std::chrono::steady_clock::now();
   const OneBlasThread one_thread;
-  factored_ = schur_ready_ = false;
-  schur_lu_.reset();
-  if (!k.isCompressed() || k.rows() != static_cast<Eigen::Index>(local_.size()) ||
-      !std::equal(pattern_.begin(), pattern_.end(), k.innerIndexPtr(),
-                  k.innerIndexPtr() + k.nonZeros()))
-    throw Failure(FailureKind::bad_value, {},
-                  "the matrix to factor does not have the pattern that was analysed");
-  split(k);
-  if (!interior_.empty()) {
-    std::array<double, UMFPACK_INFO> info{};
-    void* numeric = nullptr;
-    const auto status =
-        umfpack_dl_numeric(k_ii_.start.data(), k_ii_.column.data(), k_ii_.value.data(),
-                           symbolic_.get(), &numeric, control_.data(), info.data());
-    numeric_.reset(numeric);
-    if (status < 0)
-      throw Failure(FailureKind::limit, {},
-                    fmt::format("no memory to factor a matrix of {} unknowns", k.rows()));
-    check_pivots(info[UMFPACK_UDIAG_NZ]);
-    statistics_.nonzeros = info[UMFPACK_LNZ] + info[UMFPACK_UNZ];
-    statistics_.flops = info[UMFPACK_FLOPS];
-    statistics_.bytes = info[UMFPACK_NUMERIC_SIZE] * info[UMFPACK_SIZE_OF_UNIT];
-    statistics_.reciprocal_condition = info[UMFPACK_RCOND];
-  }
-  ++statistics_.factorisations;
+  factored_ = false;
+  check_pattern(k);
+  take_triangles(factor_with_umfpack(k).get());
+  check_pivots(k);
+  lower22_ = lower_.trailing(interior_);
+  upper22_ = upper_transposed_.trailing(interior_).transpose();
+  schur_.noalias() = lower22_ * upper22_;
   statistics_.seconds_factor = seconds_since(start);
   factored_ = true;
 }
 
-/// Names the unknown of the worst pivot when the interior block is singular to rounding.
-void Lu::check_pivots(double nonzero_pivots) const {
-  const auto n = static_cast<std::size_t>(k_ii_.size());
-  std::vector<double> pivot(n);
-  std::vector<Long> column_order(n);
-  umfpack_dl_get_numeric(nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr,
-                         column_order.data(), pivot.data(), nullptr, nullptr, numeric_.get());
-  const auto least = std::ranges::min_element(
-      pivot, [](double a, double b) { return !(std::abs(a) >= std::abs(b)); });
-  const double size = std::abs(*least);
-  if (nonzero_pivots == static_cast<double>(n) && std::isfinite(size) && size >= smallest_pivot)
-    return;
-  fail(interior_[column_order[least - pivot.begin()]], size);
+/// Copies L and U, with 32-bit indices in ascending order; throws where a pivot is not diagonal.
+void Lu::take_triangles(void* numeric) {
+  Long l_entries = 0, u_entries = 0, rows = 0, columns = 0, diagonals = 0;
+  umfpack_dl_get_lunz(&l_entries, &u_entries, &rows, &columns, &diagonals, numeric);
+  const auto n = static_cast<std::size_t>(size_);
+  std::vector<Long> l_index(l_entries), u_index(u_entries), row_order(n), column_order(n);
+  Triangle& u = lower_; // U of the transpose is L of K
+  Triangle& l = upper_transposed_;
+  l.start.resize(n + 1);
+  u.start.resize(n + 1);
+  l.value.resize(l_entries);
+  u.value.resize(u_entries);
+  umfpack_dl_get_numeric(l.start.data(), l_index.data(), l.value.data(), u.start.data(),
+                         u_index.data(), u.value.data(), row_order.data(), column_order.data(),
+                         nullptr, nullptr, nullptr, numeric);
+  l.index.assign(l_index.begin(), l_index.end());
+  u.index.assign(u_index.begin(), u_index.end());
+  if (column_order != permutation_) throw std::logic_error("UMFPACK changed the given order");
+  // A zero on the diagonal is the only reason to leave it.
+  const auto moved = std::ranges::mismatch(row_order, permutation_).in1 - row_order.begin();
+  if (moved < size_) fail_at(static_cast<int>(moved), 0.0);
+  statistics_.nonzeros = static_cast<double>(l_entries + u_entries);
+  statistics_.bytes = statistics_.nonzeros * (sizeof(double) + sizeof(int));
 }
 
-void Lu::fail(int unknown, double pivot) const {
-  throw NotFactorable(unknown, pivot, "the matrix is singular: the elimination breaks down");
-}
-
-void Lu::solve_interior(const Vector& b, Vector& x) const {
-  if (interior_.empty()) return;
-  umfpack_dl_wsolve(UMFPACK_At, k_ii_.start.data(), k_ii_.column.data(), k_ii_.value.data(),
-                    x.data(), b.data(), numeric_.get(), control_.data(), nullptr,
-                    integer_work_.data(), work_.data());
-}
-
-const DenseMatrix& Lu::schur() const {
-  if (schur_ready_) return schur_;
-  const OneBlasThread one_thread;
-  const Eigen::SparseMatrix<double> columns = k_ic_;
-  Vector b = Vector::Zero(k_ii_.size()), x(k_ii_.size());
-  schur_ = k_cc_;
-  for (Eigen::Index j = 0; j < schur_.cols(); ++j) {
-    b = columns.col(j);
-    solve_interior(b, x);
-    schur_.col(j).noalias() -= k_ci_ * x;
+void Lu::check_pivots(const SparseMatrix& k) const {
+  const Vector diagonal = k.diagonal();
+  double least = 1.0;
+  int where = -1;
+  for (int position = 0; position < size_; ++position) {
+    const double entry = lower_.value[lower_.start[position + 1] - 1];
+    const double pivot = entry / diagonal[permutation_[position]];
+    if (!std::isfinite(pivot)) fail_at(position, pivot);
+    if (pivot < least) {
+      least = pivot;
+      where = position;
+    }
   }
-  schur_ready_ = true;
-  return schur_;
+  if (least < smallest_pivot) fail_at(where, least);
+}
+
+void Lu::fail_at(int position, double pivot) const {
+  throw NotFactorable(static_cast<int>(permutation_[position]), pivot,
+                      "the matrix is not coercive: the elimination breaks down");
 }
 
 void Lu::reduce(const Vector& b, Vector& r) {
   if (!factored_) throw std::logic_error("reduce before a successful factorisation");
-  for (std::size_t i = 0; i < interior_.size(); ++i) b_interior_[i] = b[interior_[i]];
-  solve_interior(b_interior_, y_);
-  r.resize(static_cast<Eigen::Index>(contact_.size()));
-  for (std::size_t i = 0; i < contact_.size(); ++i) r[i] = b[contact_[i]];
-  r.noalias() -= k_ci_ * y_;
+  for (int position = 0; position < size_; ++position) y_[position] = b[permutation_[position]];
+  lower_.forward(interior_, y_.data());
+  r = y_.tail(size_ - interior_);
   ++statistics_.sweeps;
 }
 
 void Lu::back(const Vector& c, Vector& x) {
   if (!factored_) throw std::logic_error("back before a successful factorisation");
-  shifted_ = b_interior_;
-  shifted_.noalias() -= k_ic_ * c;
-  solve_interior(shifted_, y_);
-  x.resize(static_cast<Eigen::Index>(local_.size()));
-  for (std::size_t i = 0; i < interior_.size(); ++i) x[interior_[i]] = y_[i];
-  for (std::size_t i = 0; i < contact_.size(); ++i) x[contact_[i]] = c[i];
+  x_ = y_;
+  x_.tail(size_ - interior_) = c;
+  upper_transposed_.backward(interior_, x_.data());
+  x.resize(size_);
+  for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
   ++statistics_.sweeps;
 }
 
 void Lu::solve(const Vector& b, Vector& x) {
   reduce(b, reduced_);
-  if (!contact_.empty()) {
-    if (!schur_lu_) schur_lu_.emplace(schur());
-    reduced_ = schur_lu_->solve(reduced_);
-  }
+  lower22_.triangularView<Eigen::Lower>().solveInPlace(reduced_);
+  upper22_.triangularView<Eigen::UnitUpper>().solveInPlace(reduced_);
   back(reduced_, x);
 }
 

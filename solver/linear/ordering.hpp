@@ -15,11 +15,10 @@ struct ContactLastOrder {
   std::vector<Long> permutation; ///< position -> unknown; the contact unknowns last, in their order
   std::vector<std::pair<int, int>> links; ///< zero entries that keep them last; see below
   std::string name;                       ///< the method that won
-  double nonzeros = 0, flops = 0;         ///< of the factor, before amalgamation
 };
 
-/// The order with fewest nonzeros in the factor among CAMD with constraints and (for larger
-/// problems) METIS on the interior. CHOLMOD postorders the elimination tree afterwards, which may
+/// CAMD with constraints, or METIS on the interior where the work is large and METIS has fewer
+/// nonzeros. CHOLMOD postorders the elimination tree afterwards, which may
 /// move contact unknowns of separate bodies between interior ones; so `links` makes the tree one
 /// path at its root: each contact unknown is joined with the next, and every component of the
 /// interior with the first. The links cost no fill beyond the dense trailing block.

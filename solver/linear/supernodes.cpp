@@ -8,34 +8,50 @@
 namespace hvi::solver {
 namespace {
 
-constexpr int lanes = 8;
-typedef double Pack __attribute__((vector_size(lanes * sizeof(double))));
-typedef float SinglePack __attribute__((vector_size(lanes * sizeof(float))));
+template <int Lanes>
+struct PackOf {
+  typedef double Double __attribute__((vector_size(Lanes * sizeof(double))));
+  typedef float Single __attribute__((vector_size(Lanes * sizeof(float))));
+};
+template <int Lanes>
+using Pack = typename PackOf<Lanes>::Double;
 
 // The kernels are compiled for each instruction set by inlining them into functions that name it.
 #define HVI_INLINE __attribute__((always_inline)) inline
 
-HVI_INLINE void load(const double* from, Pack& to) { std::memcpy(&to, from, sizeof to); }
-HVI_INLINE void load(const float* from, Pack& to) {
-  SinglePack single;
+template <int Lanes>
+HVI_INLINE void load(const double* from, Pack<Lanes>& to) {
+  std::memcpy(&to, from, sizeof to);
+}
+template <int Lanes>
+HVI_INLINE void load(const float* from, Pack<Lanes>& to) {
+  typename PackOf<Lanes>::Single single;
   std::memcpy(&single, from, sizeof single);
-  to = __builtin_convertvector(single, Pack);
+  to = __builtin_convertvector(single, Pack<Lanes>);
+}
+
+/// w[i..) -= sum_a column_a[i..) t[a], as many whole packs as fit before count; returns the end.
+template <int Lanes, int Width, class Real>
+HVI_INLINE int subtract_packs(const Real* column, std::size_t stride, int i, int count,
+                              const double* t, double* w) {
+  for (; i + Lanes <= count; i += Lanes) {
+    Pack<Lanes> sum, entry;
+    load<Lanes>(w + i, sum);
+    for (int a = 0; a < Width; ++a) {
+      load<Lanes>(column + a * stride + i, entry);
+      sum -= entry * t[a];
+    }
+    std::memcpy(w + i, &sum, sizeof sum);
+  }
+  return i;
 }
 
 /// w[0..count) -= sum_a column_a[0..count) t[a]
 template <int Width, class Real>
 HVI_INLINE void subtract_columns(const Real* column, std::size_t stride, int count, const double* t,
                                  double* w) {
-  int i = 0;
-  for (; i + lanes <= count; i += lanes) {
-    Pack sum, entry;
-    load(w + i, sum);
-    for (int a = 0; a < Width; ++a) {
-      load(column + a * stride + i, entry);
-      sum -= entry * t[a];
-    }
-    std::memcpy(w + i, &sum, sizeof sum);
-  }
+  int i = subtract_packs<8, Width>(column, stride, 0, count, t, w);
+  i = subtract_packs<4, Width>(column, stride, i, count, t, w);
   for (; i < count; ++i)
     for (int a = 0; a < Width; ++a) w[i] -= static_cast<double>(column[a * stride + i]) * t[a];
 }
@@ -44,19 +60,30 @@ HVI_INLINE void subtract_columns(const Real* column, std::size_t stride, int cou
 template <int Width, class Real>
 HVI_INLINE void subtract_products(const Real* column, std::size_t stride, int count,
                                   const double* w, double* t) {
-  Pack sum[Width] = {};
+  Pack<8> sum[Width] = {};
   int i = 0;
-  for (; i + lanes <= count; i += lanes) {
-    Pack other, entry;
-    load(w + i, other);
+  for (; i + 8 <= count; i += 8) {
+    Pack<8> other, entry;
+    load<8>(w + i, other);
     for (int a = 0; a < Width; ++a) {
-      load(column + a * stride + i, entry);
+      load<8>(column + a * stride + i, entry);
       sum[a] += entry * other;
     }
   }
+  Pack<4> half[Width];
+  for (int a = 0; a < Width; ++a)
+    half[a] = __builtin_shufflevector(sum[a], sum[a], 0, 1, 2, 3) +
+              __builtin_shufflevector(sum[a], sum[a], 4, 5, 6, 7);
+  for (; i + 4 <= count; i += 4) {
+    Pack<4> other, entry;
+    load<4>(w + i, other);
+    for (int a = 0; a < Width; ++a) {
+      load<4>(column + a * stride + i, entry);
+      half[a] += entry * other;
+    }
+  }
   for (int a = 0; a < Width; ++a) {
-    double total = 0.0;
-    for (int lane = 0; lane < lanes; ++lane) total += sum[a][lane];
+    double total = (half[a][0] + half[a][1]) + (half[a][2] + half[a][3]);
     for (int rest = i; rest < count; ++rest)
       total += static_cast<double>(column[a * stride + rest]) * w[rest];
     t[a] -= total;

@@ -1,0 +1,40 @@
+// See bandwidth.hpp.
+#include "solver/linear/bandwidth.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace hvi::solver {
+namespace {
+
+/// Sums the array in eight lanes: enough independent additions to wait for memory only.
+double sum(const std::vector<double>& array) {
+  double lane[8] = {};
+  for (std::size_t i = 0; i + 8 <= array.size(); i += 8)
+    for (std::size_t j = 0; j < 8; ++j) lane[j] += array[i + j];
+  double total = 0.0;
+  for (const double value : lane) total += value;
+  return total;
+}
+
+} // namespace
+
+double read_bandwidth(int megabytes) {
+  using Clock = std::chrono::steady_clock;
+  const std::size_t count = static_cast<std::size_t>(std::max(megabytes, 1)) * (1u << 17);
+  const std::vector<double> array(count, 1.0);
+  double best = std::numeric_limits<double>::infinity();
+  double checksum = 0.0;
+  for (int pass = 0; pass < 4; ++pass) {
+    const auto start = Clock::now();
+    checksum += sum(array);
+    best = std::min(best, std::chrono::duration<double>(Clock::now() - start).count());
+  }
+  // The sum is used, so that the passes cannot be left out.
+  return checksum > 0.0 ? 8.0 * static_cast<double>(count) / best : 0.0;
+}
+
+} // namespace hvi::solver

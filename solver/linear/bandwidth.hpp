@@ -1,0 +1,10 @@
+// How fast this machine reads memory: the limit of every sweep, for reports.
+#pragma once
+
+namespace hvi::solver {
+
+/// Bytes per second that one core reads from an array of `megabytes` (default: beyond the second
+/// cache); the best of a few passes, about 20 ms in all.
+double read_bandwidth(int megabytes = 32);
+
+} // namespace hvi::solver
