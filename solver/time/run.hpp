@@ -61,15 +61,15 @@ struct RunResult {
   std::vector<double> times;                          ///< of the table's rows
   std::map<std::string, std::vector<double>> columns; ///< by probe name
   std::vector<std::string> column_order;
-  std::map<std::string, double> final;                ///< every probe at the last step (or its time)
+  std::map<std::string, double> final; ///< every probe at the last step (or its time)
   Certificate certificate;
   Timing timing;
   WorkCounters work;
   std::vector<HistoryReport> histories;
-  std::vector<EffectNote> effects;                    ///< with asleep filled in
+  std::vector<EffectNote> effects; ///< with asleep filled in
   std::vector<StepNote> notes;
-  std::vector<std::string> files;                     ///< written, relative to the output folder
-  Vector u;                                           ///< full vector at the end
+  std::vector<std::string> files; ///< written, relative to the output folder
+  Vector u;                       ///< full vector at the end
 };
 
 struct Progress {

@@ -1,0 +1,73 @@
+// Is a step solved? See certificate.hpp.
+#include "solver/time/certificate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hvi::solver {
+
+void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vector& gap,
+                   Vector& scale) {
+  const int* starts = k.outerIndexPtr();
+  const int* columns = k.innerIndexPtr();
+  const double* values = k.valuePtr();
+  const double* x = d.data();
+  for (Eigen::Index i = 0; i < k.rows(); ++i) {
+    double sum = 0, size = 0;
+    for (int e = starts[i]; e < starts[i + 1]; ++e) {
+      const double product = values[e] * x[columns[e]];
+      sum += product;
+      size += std::abs(product);
+    }
+    gap[i] = b[i] - sum;
+    scale[i] = size + std::abs(b[i]);
+  }
+}
+
+double backward_error(const Vector& gap, const Vector& scale, const SparseMatrix& force,
+                      const Vector& xi, Vector& work) {
+  work = gap;
+  if (xi.size() > 0) work.noalias() -= force * xi;
+  double worst = 0;
+  for (Eigen::Index i = 0; i < work.size(); ++i) {
+    if (work[i] == 0.0) continue;
+    // A row of zeros with a residual has no scale: its error is infinite, as is one that is NaN.
+    const double error = std::abs(work[i]) / scale[i];
+    worst = std::isnan(error) ? std::numeric_limits<double>::infinity() : std::max(worst, error);
+  }
+  return worst;
+}
+
+namespace {
+
+/// The largest entry of a term's rows.
+double largest(const ContactTerm& term, const Vector& rows) {
+  return term.n_rows() == 0 ? 0.0
+                            : rows.segment(term.first_row, term.n_rows()).lpNorm<Eigen::Infinity>();
+}
+
+} // namespace
+
+Inclusion inclusion_error(const Contact& contact, const Vector& u, const Vector& xi,
+                          double tolerance, Vector& z) {
+  Inclusion out;
+  z = contact.offset;
+  z.noalias() += contact.g * u;
+  for (const auto& term : contact.terms) {
+    const double snap = tolerance * largest(term, z);
+    for (int p = 0; p < term.n_points(); ++p) {
+      const auto& point = contact.problem.points[term.first_point + p];
+      const double distance =
+          inclusion_distance(*contact.laws[point.law], contact.problem.graphs[point.graph],
+                             &z[point.first_row], &xi[point.first_row], point.rows, snap);
+      if (distance == 0.0) continue;
+      const double error = distance / std::max(largest(term, xi), contact.scales[point.law]);
+      if (error <= out.worst) continue;
+      out = {error, term.points.law_term, term.first_point + p};
+    }
+  }
+  return out;
+}
+
+} // namespace hvi::solver

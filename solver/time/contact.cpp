@@ -1,0 +1,140 @@
+// The laws of a plan as the reduced problem of one step; see contact.hpp.
+#include "solver/time/contact.hpp"
+
+#include <algorithm>
+
+namespace hvi::solver {
+namespace {
+
+// Beyond these the dense Schur complement (n_c^2 doubles, n_c^3 / 3 operations) does not pay.
+constexpr int most_condensed = 4000;
+constexpr int always_condensed = 300;
+constexpr double most_condensed_share = 0.3;
+
+void make_laws(const Plan& plan, Contact& out) {
+  for (const auto& spec : plan.laws) out.laws.push_back(std::make_unique<Law>(spec));
+  for (const auto& law : out.laws) out.problem.laws.push_back(law.get());
+}
+
+/// Points of all terms, with a graph each, or one per law that is the same everywhere.
+void add_points(const Plan& plan, Contact& out, const ContactTerm& term, double t) {
+  const int law = plan.law_terms[term.points.law_term].law;
+  const auto& graph_of = *out.laws[law];
+  auto& problem = out.problem;
+  for (int p = 0; p < term.n_points(); ++p) {
+    if (p == 0 || graph_of.depends_on_x())
+      problem.graphs.push_back(graph_of.graph(term.points.x[p], t));
+    problem.points.push_back({law, term.points.law_term, term.first_row + p * term.points.rows,
+                              term.points.rows, term.points.weight[p],
+                              static_cast<int>(problem.graphs.size()) - 1});
+  }
+}
+
+SparseMatrix stacked(const std::vector<ContactTerm>& terms, const StateLayout& layout, int n_rows) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const auto& term : terms) {
+    const SparseMatrix g = restrict_columns(term.points.g, layout);
+    for (int r = 0; r < g.rows(); ++r)
+      for (SparseMatrix::InnerIterator it(g, r); it; ++it)
+        if (it.value() != 0.0)
+          entries.emplace_back(term.first_row + r, static_cast<int>(it.col()), it.value());
+  }
+  SparseMatrix out(n_rows, layout.n_state);
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+/// Unknowns with a non-zero column of G, or all of them.
+void choose_unknowns(Contact& out, int n_unknowns) {
+  std::vector<char> touched(n_unknowns, 0);
+  for (int r = 0; r < out.g.rows(); ++r)
+    for (SparseMatrix::InnerIterator it(out.g, r); it; ++it)
+      if (it.col() < n_unknowns) touched[it.col()] = 1;
+  const auto count = static_cast<int>(std::count(touched.begin(), touched.end(), 1));
+  out.whole = count > most_condensed ||
+              (count > always_condensed && count > most_condensed_share * n_unknowns);
+  for (int i = 0; i < n_unknowns; ++i)
+    if (out.whole || touched[i] != 0) out.unknowns.push_back(i);
+}
+
+/// The columns of G on the contact unknowns, and G^T W on all unknowns.
+void restrict_to_unknowns(Contact& out, int n_unknowns) {
+  std::vector<int> position(n_unknowns, -1);
+  for (std::size_t c = 0; c < out.unknowns.size(); ++c)
+    position[out.unknowns[c]] = static_cast<int>(c);
+  std::vector<Eigen::Triplet<double>> columns, forces;
+  for (const auto& point : out.problem.points)
+    for (int r = point.first_row; r < point.first_row + point.rows; ++r)
+      for (SparseMatrix::InnerIterator it(out.g, r); it; ++it) {
+        const auto col = static_cast<int>(it.col());
+        if (col >= n_unknowns) continue;
+        columns.emplace_back(r, position[col], it.value());
+        forces.emplace_back(col, r, point.weight * it.value());
+      }
+  out.problem.g.resize(out.g.rows(), static_cast<Eigen::Index>(out.unknowns.size()));
+  out.problem.g.setFromTriplets(columns.begin(), columns.end());
+  out.force.resize(n_unknowns, out.g.rows());
+  out.force.setFromTriplets(forces.begin(), forces.end());
+}
+
+} // namespace
+
+Contact make_contact(const Plan& plan, const Discretisation& d, const StateLayout& layout) {
+  Contact out;
+  const double t = plan.time.is_static ? 0.0 : plan.time.grid.front();
+  make_laws(plan, out);
+  out.scales.assign(out.laws.size(), 0.0);
+  int n_rows = 0;
+  for (std::size_t l = 0; l < plan.law_terms.size(); ++l) {
+    const auto& spec = plan.law_terms[l];
+    ContactTerm term{assemble_law(d.space, d.parts[spec.part], spec, static_cast<int>(l),
+                                  out.laws[spec.law]->spec().radial),
+                     static_cast<int>(out.problem.points.size()),
+                     n_rows,
+                     {}};
+    add_points(plan, out, term, t);
+    n_rows += term.n_rows();
+    if (term.n_points() > 0)
+      out.scales[spec.law] = std::max(
+          out.scales[spec.law], out.laws[spec.law]->constants(term.points.x[0], t).slope_scale);
+    out.terms.push_back(std::move(term));
+  }
+  out.g = stacked(out.terms, layout, n_rows);
+  out.offset = out.problem.offset = Vector::Zero(n_rows);
+  choose_unknowns(out, layout.n_unknowns);
+  restrict_to_unknowns(out, layout.n_unknowns);
+  return out;
+}
+
+void prepare(Contact& contact, const Plan& plan, double t, const Vector& known) {
+  for (auto& term : contact.terms) {
+    const auto& spec = plan.law_terms[term.points.law_term];
+    Vector& values = term.offsets;
+    law_offsets(term.points, spec, t, values);
+    contact.offset.segment(term.first_row, term.n_rows()) = values;
+    const auto& law = *contact.laws[spec.law];
+    if (!law.depends_on_t()) continue;
+    for (int p = 0; p < term.n_points(); ++p) {
+      const int graph = contact.problem.points[term.first_point + p].graph;
+      if (p == 0 || law.depends_on_x())
+        contact.problem.graphs[graph] = law.graph(term.points.x[p], t);
+    }
+  }
+  contact.problem.offset = contact.offset;
+  contact.problem.offset.noalias() += contact.g * known;
+}
+
+std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& xi, int point) {
+  std::array<double, 3> out{};
+  const int rows = term.points.rows;
+  const auto values = xi.segment(term.first_row + point * rows, rows);
+  if (term.points.frames.empty()) {
+    out[0] = values[0];
+    return out;
+  }
+  const Vector global = term.points.frames[point] * values;
+  for (int i = 0; i < std::min<int>(3, static_cast<int>(global.size())); ++i) out[i] = global[i];
+  return out;
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,52 @@
+// The laws of a plan as the reduced problem of one step.
+//
+// Law term l has points p with arguments z_p = G_p u + offset_p(t). In the increment form of a
+// step, u_n = u_known + d (u_known: u_{n-1} with the values imposed at t_n), the reduced problem is
+// stated for c = d on the contact unknowns:  z = G_c c + (G u_known + offset(t_n)).
+#pragma once
+
+#include "solver/inequality/inequality.hpp"
+#include "solver/time/run.hpp"
+#include "solver/time/state.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace hvi::solver {
+
+/// One law term: its points, and where its rows stand in xi.
+struct ContactTerm {
+  LawPoints points;
+  int first_point = 0, first_row = 0;
+  Vector offsets; ///< scratch of `prepare`
+  int n_points() const { return static_cast<int>(points.x.size()); }
+  int n_rows() const { return n_points() * points.rows; }
+};
+
+struct Contact {
+  std::vector<std::unique_ptr<Law>> laws;
+  std::vector<ContactTerm> terms;
+  ReducedProblem problem;     ///< g on `unknowns`; offset and graphs set by `prepare`
+  std::vector<double> scales; ///< slope scale of each law
+  std::vector<int> unknowns;  ///< the contact unknowns, increasing
+  bool whole = false;         ///< every unknown is kept: no Schur complement is formed
+  SparseMatrix g;             ///< all rows x state
+  SparseMatrix force;         ///< unknowns x all rows: G^T W
+  Vector offset;              ///< of the argument at the time of the last `prepare`
+
+  int n_rows() const { return static_cast<int>(g.rows()); }
+  bool none() const { return terms.empty(); }
+};
+
+/// Laws whose points touch most unknowns (or very many) are not condensed: a dense Schur complement
+/// would cost more than the sparse matrix itself.
+Contact make_contact(const Plan& plan, const Discretisation& discretisation,
+                     const StateLayout& layout);
+
+/// Sets offset, graphs of laws that change in time, and the reduced problem's known part.
+void prepare(Contact& contact, const Plan& plan, double t, const Vector& known);
+
+/// Multiplier of point p of a term in the global frame (scalar laws: component 0).
+std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& xi, int point);
+
+} // namespace hvi::solver

@@ -1,0 +1,141 @@
+// Mesh, parts and space of a plan, with every mistake of theirs found at once. First stage of the
+// engine: plan -> Discretisation -> run (run.cpp), hypotheses, study.
+#include "solver/time/clock.hpp"
+#include "solver/time/overlaps.hpp"
+#include "solver/time/run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+/// Runs `work`; a Failure it throws is collected. True when it went through.
+template <class Work>
+bool collect(std::vector<Failure>& failures, Work&& work) {
+  try {
+    work();
+    return true;
+  } catch (const Failure& failure) {
+    failures.push_back(failure);
+    return false;
+  }
+}
+
+/// The failure with the origin of the plan item when it has none of its own.
+Failure with_origin(const Failure& failure, Origin origin) {
+  if (failure.origin.id >= 0) return failure;
+  return Failure(failure.kind, origin, failure.what(), failure.help);
+}
+
+bool resolve_parts(const Plan& plan, Discretisation& out, std::vector<Failure>& failures) {
+  const auto before = failures.size();
+  out.parts.clear();
+  for (const auto& part : plan.parts) {
+    out.parts.emplace_back();
+    try {
+      out.parts.back() = resolve(out.mesh, part.region);
+    } catch (const Failure& failure) {
+      failures.push_back(with_origin(failure, part.origin));
+    }
+  }
+  return failures.size() == before;
+}
+
+void check_grid(const Plan& plan, std::vector<Failure>& failures) {
+  const auto& time = plan.time;
+  const auto bad = [&](const std::string& message, Origin origin) {
+    failures.emplace_back(FailureKind::bad_value, origin, message);
+  };
+  if (time.is_static) {
+    for (const auto& form : plan.forms)
+      if (form.field != field_u) bad("a static problem has neither a rate nor memory", form.origin);
+    return;
+  }
+  if (time.grid.size() < 2) bad("the time grid needs at least one step", time.origin);
+  for (std::size_t n = 0; n < time.grid.size(); ++n) {
+    const bool increases = n == 0 || time.grid[n] > time.grid[n - 1];
+    if (std::isfinite(time.grid[n]) && increases) continue;
+    bad(fmt::format("time {} of the grid ({}) does not increase", n, time.grid[n]), time.origin);
+    return;
+  }
+}
+
+/// u(t0) on eliminated dofs must be what the imposed values say there (to rounding).
+void check_initial(const Plan& plan, const Discretisation& d) {
+  if (plan.time.is_static || plan.time.grid.empty()) return;
+  const double t0 = plan.time.grid.front();
+  Vector u = Vector::Zero(d.space.n_dofs());
+  if (!plan.time.initial.empty()) u = interpolate(d.space, plan.time.initial, t0, plan.time.origin);
+  Vector imposed = u;
+  impose(d.space, plan.space, d.dofs, t0, imposed);
+  const double scale = std::max(u.lpNorm<Eigen::Infinity>(), imposed.lpNorm<Eigen::Infinity>());
+  for (const auto& e : d.dofs.eliminated) {
+    if (std::abs(imposed[e.dof] - u[e.dof]) <= 1e-9 * scale) continue;
+    throw Failure(FailureKind::bad_value, plan.space.dirichlet[e.dirichlet].origin,
+                  fmt::format("the value imposed at t = {} is {:.6g}, the initial state is {:.6g} "
+                              "({})",
+                              t0, imposed[e.dof], u[e.dof], describe_dof(d.space, e.dof)),
+                  "start from a state that has the imposed values");
+  }
+}
+
+void check_probe_points(const Plan& plan, const Discretisation& d, std::vector<Failure>& failures) {
+  const CellLocator locator(d.mesh);
+  std::array<double, 4> barycentric{};
+  for (const auto& probe : plan.report.probes) {
+    if (probe.kind != Probe::Kind::at_point || locator.find(probe.point, barycentric) >= 0)
+      continue;
+    failures.emplace_back(FailureKind::bad_value, probe.origin,
+                          fmt::format("the point {} of `{}` is outside the mesh",
+                                      describe_point(probe.point, d.mesh.dim), probe.name));
+  }
+}
+
+void check_probe_times(const Plan& plan, std::vector<Failure>& failures) {
+  const auto& grid = plan.time.grid;
+  for (const auto& probe : plan.report.probes) {
+    if (!probe.time) continue;
+    if (!plan.time.is_static && grid.size() > 1 && *probe.time >= grid.front() &&
+        *probe.time <= grid.back())
+      continue;
+    failures.emplace_back(FailureKind::bad_value, probe.origin,
+                          plan.time.is_static
+                              ? fmt::format("`{}` asks for a time of a static problem", probe.name)
+                              : fmt::format("the time {} of `{}` is outside the time interval",
+                                            *probe.time, probe.name));
+  }
+}
+
+} // namespace
+
+std::vector<Failure> discretise(const Plan& plan, Discretisation& out) {
+  const double start = cpu_seconds();
+  std::vector<Failure> failures;
+  check_grid(plan, failures);
+  check_probe_times(plan, failures);
+  try {
+    out.mesh = make_mesh(plan.mesh);
+  } catch (const Failure& failure) {
+    failures.push_back(with_origin(failure, plan.mesh.origin));
+    return failures;
+  }
+  check_probe_points(plan, out, failures);
+  if (!resolve_parts(plan, out, failures)) return failures;
+  for (auto& failure : overlaps(plan, out.mesh, out.parts)) failures.push_back(std::move(failure));
+  const bool spaced = collect(failures, [&] {
+    out.space =
+        make_space(out.mesh, plan.space.order, plan.space.vector ? out.mesh.dim : 1, out.parts);
+    out.dofs = make_dof_map(out.space, plan.space, out.parts);
+    if (out.dofs.n_unknowns() == 0)
+      throw Failure(FailureKind::bad_value, plan.space.origin,
+                    "every degree of freedom is imposed: nothing is left to solve for");
+  });
+  if (spaced) collect(failures, [&] { check_initial(plan, out); });
+  out.seconds = cpu_seconds() - start;
+  return failures;
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,82 @@
+// Full vectors of u, u' and the history fields for a report; see fields.hpp.
+#include "solver/time/fields.hpp"
+
+namespace hvi::solver {
+
+std::vector<bool> fields_read(std::span<const Expr> expressions, int n_fields) {
+  std::vector<bool> out(n_fields, false);
+  for (const auto& expression : expressions)
+    for (int k = 0; k < n_fields; ++k)
+      if (expression.depends_on_any(slot::field(k, 0), slot::field(k + 1, 0))) out[k] = true;
+  return out;
+}
+
+bool reads_multiplier(const Expr& expression) {
+  return expression.depends_on_any(slot::first_multiplier, slot::first_inside);
+}
+
+bool reads_gradient(const Expr& expression, int n_fields) {
+  for (int k = 0; k < n_fields; ++k)
+    if (expression.depends_on_any(slot::field(k, slot::gradient(0, 0)), slot::field(k + 1, 0)))
+      return true;
+  return false;
+}
+
+Snapshot::Snapshot(std::vector<bool> needed, int n_dofs, int n_rows)
+    : needed_(std::move(needed)), fields_(needed_.size()), xi_(Vector::Zero(n_rows)) {
+  for (std::size_t k = 0; k < needed_.size(); ++k)
+    if (needed_[k]) fields_[k] = Vector::Zero(n_dofs);
+  point();
+}
+
+Snapshot::Snapshot(const Snapshot& other)
+    : needed_(other.needed_), fields_(other.fields_), xi_(other.xi_), state_(other.state_),
+      t_(other.t_), step_(other.step_) {
+  point();
+}
+
+Snapshot& Snapshot::operator=(const Snapshot& other) {
+  needed_ = other.needed_;
+  fields_ = other.fields_;
+  xi_ = other.xi_;
+  state_ = other.state_;
+  t_ = other.t_;
+  step_ = other.step_;
+  point();
+  return *this;
+}
+
+void Snapshot::point() {
+  pointers_.assign(fields_.size(), nullptr);
+  for (std::size_t k = 0; k < fields_.size(); ++k) pointers_[k] = &fields_[k];
+}
+
+void Snapshot::take(const Stepper& stepper) {
+  const auto& layout = stepper.layout();
+  if (needed_[field_u]) layout.scatter(stepper.u(), fields_[field_u]);
+  if (needed_[field_rate]) layout.scatter(stepper.rate(), fields_[field_rate]);
+  for (int m = 0; m < stepper.memory().size(); ++m) {
+    if (!needed_[first_history_field + m]) continue;
+    stepper.history_field(m, state_);
+    layout.scatter(state_, fields_[first_history_field + m]);
+  }
+  xi_ = stepper.xi();
+  t_ = stepper.t();
+  step_ = stepper.step();
+}
+
+void Snapshot::interpolate(const Snapshot& a, const Snapshot& b, double theta) {
+  // Nothing is known of u', memory and multipliers at the initial time: the first step's hold.
+  const bool initial = a.step_ == 0;
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    if (!needed_[k]) continue;
+    fields_[k] = b.fields_[k];
+    if (k == field_rate && initial) continue;
+    fields_[k] = (1 - theta) * a.fields_[k] + theta * b.fields_[k];
+  }
+  xi_ = initial ? b.xi_ : Vector((1 - theta) * a.xi_ + theta * b.xi_);
+  t_ = (1 - theta) * a.t_ + theta * b.t_;
+  step_ = b.step_;
+}
+
+} // namespace hvi::solver

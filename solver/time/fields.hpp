@@ -1,0 +1,48 @@
+// Full vectors of u, u' and the history fields, as far as a report reads them.
+#pragma once
+
+#include "solver/assembly/assembly.hpp"
+#include "solver/time/step.hpp"
+
+#include <span>
+#include <vector>
+
+namespace hvi::solver {
+
+/// Which fields a set of expressions reads (slot::field numbering).
+std::vector<bool> fields_read(std::span<const Expr> expressions, int n_fields);
+bool reads_multiplier(const Expr& expression);
+bool reads_gradient(const Expr& expression, int n_fields);
+
+/// The fields at one time as FieldValues wants them; absent ones are empty.
+class Snapshot {
+public:
+  Snapshot() = default;
+  Snapshot(std::vector<bool> needed, int n_dofs, int n_rows);
+
+  /// The stepper's current state.
+  void take(const Stepper& stepper);
+  /// this = (1 - theta) a + theta b: the piecewise affine interpolant between grid times.
+  void interpolate(const Snapshot& a, const Snapshot& b, double theta);
+
+  FieldValues values() const { return {pointers_, t_}; }
+  double t() const { return t_; }
+  int step() const { return step_; }
+  const Vector& field(int k) const { return fields_[k]; }
+  const Vector& xi() const { return xi_; }
+
+  Snapshot(const Snapshot& other);
+  Snapshot& operator=(const Snapshot& other);
+
+private:
+  void point();
+
+  std::vector<bool> needed_;
+  std::vector<Vector> fields_;
+  std::vector<const Vector*> pointers_;
+  Vector xi_, state_;
+  double t_ = 0.0;
+  int step_ = 0;
+};
+
+} // namespace hvi::solver

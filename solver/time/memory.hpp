@@ -1,0 +1,39 @@
+// The history fields w_m(t) = int_0^t q_m(t, s) u(s) ds of a run, one History each.
+//
+//   w_m(t_n) = h_m + w0_m u_n,    h_m known before the step, w0_m the weight of the current
+//   interval.
+#pragma once
+
+#include "solver/history/history.hpp"
+#include "solver/plan/plan.hpp"
+#include "solver/time/state.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace hvi::solver {
+
+class Memory {
+public:
+  /// Histories of states; order 0 for backward Euler, 1 (u affine on a step) for BDF2.
+  Memory(const Plan& plan, int n_state);
+
+  int size() const { return static_cast<int>(histories_.size()); }
+  void start(double t0, const Vector& u0);
+  /// Finds h_m and w0_m of the step that ends at t.
+  void begin_step(double t);
+  void commit(double t, const Vector& u);
+
+  double w0(int m) const { return w0_[m]; }
+  const Vector& known(int m) const { return known_[m]; } ///< h_m
+  std::vector<HistoryReport> reports() const;
+  void save(std::ostream& out) const;
+  void restore(std::istream& in);
+
+private:
+  std::vector<std::unique_ptr<History>> histories_;
+  std::vector<double> w0_;
+  std::vector<Vector> known_;
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,113 @@
+// The bilinear forms of a plan as few matrices as possible; see operators.hpp.
+#include "solver/time/operators.hpp"
+
+#include "solver/assembly/assembly.hpp"
+#include "solver/time/proportional.hpp"
+
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+/// Distinct matrices and, per field, their coefficients.
+struct Distinct {
+  std::vector<const FormTerm*> terms;
+  std::vector<Vector> weights; ///< per distinct term, one entry per field
+};
+
+Distinct distinct_terms(const Plan& plan, int n_fields) {
+  Distinct out;
+  for (const auto& term : plan.forms) {
+    std::size_t known = 0;
+    double ratio = 1.0;
+    for (; known < out.terms.size(); ++known)
+      if (const auto r = symbolic_ratio(term, *out.terms[known])) {
+        ratio = *r;
+        break;
+      }
+    if (known == out.terms.size()) {
+      out.terms.push_back(&term);
+      out.weights.push_back(Vector::Zero(n_fields));
+    }
+    out.weights[known][term.field] += ratio;
+  }
+  return out;
+}
+
+/// A matrix that is a multiple of an earlier one hands its weights over and goes.
+void merge_equal_values(std::vector<SparseMatrix>& matrices, std::vector<Vector>& weights) {
+  for (std::size_t j = 1; j < matrices.size(); ++j)
+    for (std::size_t i = 0; i < j; ++i) {
+      const auto ratio = numeric_ratio(matrices[j], matrices[i]);
+      if (!ratio) continue;
+      weights[i] += *ratio * weights[j];
+      matrices.erase(matrices.begin() + j);
+      weights.erase(weights.begin() + j);
+      --j;
+      break;
+    }
+}
+
+/// T_i and T_j that enter every field in one ratio become T_i + ratio T_j.
+void merge_equal_weights(std::vector<SparseMatrix>& matrices, std::vector<Vector>& weights) {
+  for (std::size_t j = 1; j < matrices.size(); ++j)
+    for (std::size_t i = 0; i < j; ++i) {
+      const auto ratio = column_ratio(weights[j], weights[i]);
+      if (!ratio) continue;
+      matrices[i] = SparseMatrix(matrices[i] + *ratio * matrices[j]);
+      matrices.erase(matrices.begin() + j);
+      weights.erase(weights.begin() + j);
+      --j;
+      break;
+    }
+}
+
+/// Symmetric on the unknowns to rounding of the assembly.
+bool is_symmetric(const SparseMatrix& matrix, int n) {
+  const SparseMatrix square = matrix.leftCols(n);
+  const SparseMatrix transposed = square.transpose();
+  const SparseMatrix difference = square - transposed;
+  double largest = 0, asymmetry = 0;
+  for (int e = 0; e < square.nonZeros(); ++e)
+    largest = std::max(largest, std::abs(square.valuePtr()[e]));
+  for (int e = 0; e < difference.nonZeros(); ++e)
+    asymmetry = std::max(asymmetry, std::abs(difference.valuePtr()[e]));
+  return asymmetry <= 1e-12 * largest;
+}
+
+} // namespace
+
+Operators assemble_operators(const Plan& plan, const Discretisation& discretisation,
+                             const StateLayout& layout) {
+  const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
+  auto distinct = distinct_terms(plan, n_fields);
+  std::vector<SparseMatrix> matrices;
+  for (const auto* term : distinct.terms)
+    matrices.push_back(restrict_rows(
+        assemble_form(discretisation.space, discretisation.parts[term->part], *term), layout));
+  merge_equal_values(matrices, distinct.weights);
+  merge_equal_weights(matrices, distinct.weights);
+
+  Operators out;
+  out.n_unknowns = layout.n_unknowns;
+  out.weights.resize(n_fields, static_cast<Eigen::Index>(matrices.size()));
+  for (std::size_t b = 0; b < matrices.size(); ++b) {
+    out.weights.col(static_cast<Eigen::Index>(b)) = distinct.weights[b];
+    out.symmetric = out.symmetric && is_symmetric(matrices[b], layout.n_unknowns);
+  }
+  out.bases = std::move(matrices);
+  return out;
+}
+
+SparseMatrix combine(const Operators& operators, const Vector& gamma) {
+  const int n = operators.n_unknowns;
+  SparseMatrix sum(n, n);
+  // Eigen keeps the union of the patterns, entries times zero included: one analysis serves all.
+  for (int b = 0; b < operators.n_bases(); ++b) {
+    const SparseMatrix part = gamma[b] * operators.bases[b].leftCols(n);
+    sum = b == 0 ? part : SparseMatrix(sum + part);
+  }
+  return sum;
+}
+
+} // namespace hvi::solver

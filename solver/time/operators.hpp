@@ -1,0 +1,37 @@
+// The bilinear forms of a plan as few matrices as possible.
+//
+// Every form belongs to a field: u' (A), u (B) or w_m (E_m). Each field's operator is a combination
+// of the same base matrices T_b,   A = sum_b weight(1, b) T_b,  B = sum_b weight(0, b) T_b, ...
+// so proportional tensors share one matrix, and a product with B and E together reads it once.
+#pragma once
+
+#include "solver/plan/plan.hpp"
+#include "solver/time/run.hpp"
+#include "solver/time/state.hpp"
+
+#include <vector>
+
+namespace hvi::solver {
+
+struct Operators {
+  std::vector<SparseMatrix> bases; ///< unknowns x state
+  DenseMatrix weights;             ///< fields (slot::field numbering) x bases
+  bool symmetric = true;           ///< all of them, on the unknowns
+  int n_unknowns = 0;
+
+  int n_bases() const { return static_cast<int>(bases.size()); }
+  int n_fields() const { return static_cast<int>(weights.rows()); }
+  /// Does any form act on this field?
+  bool acts_on(int field) const { return !weights.row(field).isZero(0.0); }
+};
+
+/// Assembles what is distinct: terms with the same part, rule and proportional coefficients are
+/// assembled once, equal patterns are compared by value, and bases that always occur in the same
+/// ratio (the same material law on two parts) are added up.
+Operators assemble_operators(const Plan& plan, const Discretisation& discretisation,
+                             const StateLayout& layout);
+
+/// sum_b gamma_b T_b on the unknowns; its pattern does not depend on gamma.
+SparseMatrix combine(const Operators& operators, const Vector& gamma);
+
+} // namespace hvi::solver

@@ -1,0 +1,122 @@
+// The probes of a report; see probes.hpp.
+#include "solver/time/probes.hpp"
+
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+/// sqrt(u^T G u); roundoff cannot make it NaN.
+double gram_norm(const SparseMatrix& gram, const Vector& u) {
+  double sum = 0;
+  for (int i = 0; i < gram.outerSize(); ++i) {
+    double row = 0;
+    for (SparseMatrix::InnerIterator it(gram, i); it; ++it) row += it.value() * u[it.col()];
+    sum += row * u[i];
+  }
+  return std::sqrt(std::max(sum, 0.0));
+}
+
+template <class... F>
+struct Match : F... {
+  using F::operator()...;
+};
+template <class... F>
+Match(F...) -> Match<F...>;
+
+} // namespace
+
+ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const Contact& contact)
+    : space_(d.space), contact_(contact), probes_(plan.report.probes) {
+  const CellLocator locator(d.mesh);
+  for (const auto& probe : probes_) evaluators_.push_back(make(probe, plan, d, locator));
+}
+
+ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Plan& plan, const Discretisation& d,
+                                   const CellLocator& locator) {
+  switch (probe.kind) {
+  case Probe::Kind::combination:
+    return Combination{};
+  case Probe::Kind::norm_v:
+    // Without imposed values the seminorm of a scalar space is no norm.
+    if (!gram_) gram_ = gram_v(space_, space_.components == 1 && d.dofs.eliminated.empty());
+    return NormV{};
+  case Probe::Kind::integral:
+    if (reads_multiplier(probe.expression))
+      return LawSampler(plan, d, contact_, {probe.expression}, probe.origin, probe.part);
+    return Integrator(space_, d.parts[probe.part], probe.rule, {probe.expression});
+  case Probe::Kind::at_point:
+    break;
+  }
+  if (reads_multiplier(probe.expression))
+    return LawSampler::at(plan, d, contact_, probe.expression, probe.origin, probe.point);
+  AtPoint out{};
+  out.cell = locator.find(probe.point, out.barycentric);
+  if (out.cell < 0)
+    throw Failure(FailureKind::bad_value, probe.origin,
+                  "the point of `" + probe.name + "` is outside the mesh");
+  return out;
+}
+
+std::vector<Expr> ProbeSet::expressions() const {
+  std::vector<Expr> out;
+  for (const auto& probe : probes_)
+    out.push_back(probe.kind == Probe::Kind::norm_v
+                      ? Expr::variable(slot::field(field_u, slot::value(0)))
+                      : probe.expression);
+  return out;
+}
+
+double ProbeSet::value(int i, const Snapshot& snapshot) {
+  const auto& expression = probes_[i].expression;
+  return std::visit(Match{[&](const AtPoint& at) {
+                            return evaluate_at(space_, expression, at.cell, at.barycentric,
+                                               snapshot.values());
+                          },
+                          [&](const Integrator& integrator) {
+                            double out = 0;
+                            integrator.integrate(snapshot.values(), {&out, 1});
+                            return out;
+                          },
+                          [&](LawSampler& sampler) { return sampler.integral(contact_, snapshot); },
+                          [&](const NormV&) { return gram_norm(*gram_, snapshot.field(field_u)); },
+                          [](const Combination&) { return std::nan(""); }},
+                    evaluators_[i]);
+}
+
+void ProbeSet::evaluate(const Snapshot& snapshot, std::span<double> values) {
+  for (int i = 0; i < size(); ++i)
+    if (!probes_[i].time && probes_[i].kind != Probe::Kind::combination)
+      values[i] = value(i, snapshot);
+  combine(snapshot.t(), values);
+}
+
+/// A combination may read combinations that stand before it.
+void ProbeSet::combine(double t, std::span<double> values) const {
+  for (int i = 0; i < size(); ++i) {
+    if (probes_[i].kind != Probe::Kind::combination) continue;
+    values[i] = solver::evaluate(probes_[i].expression, [&](Slot s) {
+      if (s == slot::t) return t;
+      return s >= slot::first_probe ? values[s - slot::first_probe] : std::nan("");
+    });
+  }
+}
+
+std::vector<int> ProbeSet::timed(double from, double to, bool first) const {
+  std::vector<int> out;
+  for (int i = 0; i < size(); ++i) {
+    const auto& probe = probes_[i];
+    if (!probe.time || probe.kind == Probe::Kind::combination) continue;
+    const bool after = *probe.time > from || (first && *probe.time == from);
+    if (after && *probe.time <= to) out.push_back(i);
+  }
+  return out;
+}
+
+bool ProbeSet::any_timed() const {
+  for (const auto& probe : probes_)
+    if (probe.time) return true;
+  return false;
+}
+
+} // namespace hvi::solver

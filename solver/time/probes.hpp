@@ -1,0 +1,47 @@
+// The probes of a report: values at points, integrals, norms, combinations of those.
+#pragma once
+
+#include "solver/time/law_sampler.hpp"
+
+#include <optional>
+#include <variant>
+
+namespace hvi::solver {
+
+class ProbeSet {
+public:
+  ProbeSet(const Plan& plan, const Discretisation& discretisation, const Contact& contact);
+
+  int size() const { return static_cast<int>(probes_.size()); }
+  /// Expressions the probes read fields from (u itself for norms).
+  std::vector<Expr> expressions() const;
+  /// Values at a snapshot into `values`; probes with a time of their own keep what stands there,
+  /// combinations are formed from what then stands there.
+  void evaluate(const Snapshot& snapshot, std::span<double> values);
+  /// The probes with a time in (from, to] (`first`: [from, to]), by index.
+  std::vector<int> timed(double from, double to, bool first) const;
+  bool any_timed() const;
+  /// One probe that is no combination.
+  double value(int i, const Snapshot& snapshot);
+
+private:
+  struct AtPoint {
+    int cell;
+    std::array<double, 4> barycentric;
+  };
+  struct NormV {};
+  struct Combination {};
+  using Evaluator = std::variant<AtPoint, Integrator, LawSampler, NormV, Combination>;
+
+  Evaluator make(const Probe& probe, const Plan& plan, const Discretisation& discretisation,
+                 const CellLocator& locator);
+  void combine(double t, std::span<double> values) const;
+
+  const Space& space_;
+  const Contact& contact_;
+  std::vector<Probe> probes_;
+  std::vector<Evaluator> evaluators_;
+  std::optional<SparseMatrix> gram_; ///< of V, when a norm asks for it
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,147 @@
+// What a run reports while it goes; see report.hpp. Called by the loop in run.cpp.
+#include "solver/time/report.hpp"
+
+#include "solver/output/file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+namespace hvi::solver {
+namespace {
+
+std::string stem_of(const std::string& file, const std::string& fallback) {
+  if (file.empty()) return fallback;
+  const std::filesystem::path path(file);
+  return (path.parent_path() / path.stem()).string();
+}
+
+} // namespace
+
+Reporter::Reporter(const Plan& plan, const Discretisation& d, const Stepper& stepper,
+                   const RunSettings& settings)
+    : plan_(plan), contact_(stepper.contact()), folder_(settings.output_folder),
+      writes_(!settings.output_folder.empty()), probes_(plan, d, stepper.contact()),
+      active_(plan.law_terms.size(), 0) {
+  prepare_tables(settings.name);
+  prepare_fields(d, stepper, settings.name);
+  values_.assign(plan.report.probes.size(), std::nan(""));
+  columns_.resize(values_.size());
+}
+
+void Reporter::prepare_tables(const std::string& name) {
+  for (std::size_t i = 0; i < plan_.report.tables.size(); ++i) {
+    const auto& spec = plan_.report.tables[i];
+    const auto fallback = i == 0 ? name : fmt::format("{}_table{}", name, i + 1);
+    tables_.push_back(
+        {spec.probes, std::max(spec.every, 1), stem_of(spec.file, fallback) + ".csv"});
+    base_every_ = std::gcd(base_every_, tables_.back().every);
+  }
+}
+
+void Reporter::prepare_fields(const Discretisation& d, const Stepper& stepper,
+                              const std::string& name) {
+  auto expressions = probes_.expressions();
+  for (std::size_t i = 0; writes_ && i < plan_.report.fields.size(); ++i) {
+    const auto& spec = plan_.report.fields[i];
+    const auto fallback = i == 0 ? name : fmt::format("{}_fields{}", name, i + 1);
+    fields_.emplace_back(std::max(spec.every, 1), FieldFiles(plan_, d, contact_, spec, folder_,
+                                                             stem_of(spec.file, fallback)));
+    const auto more = fields_.back().second.expressions();
+    expressions.insert(expressions.end(), more.begin(), more.end());
+  }
+  const int n_fields = first_history_field + static_cast<int>(plan_.histories.size());
+  const auto needed = fields_read(expressions, n_fields);
+  now_ = Snapshot(needed, stepper.layout().n_dofs, contact_.n_rows());
+  keeps_before_ = probes_.any_timed();
+  if (!keeps_before_) return;
+  before_ = between_ = now_;
+  before_.take(stepper);
+}
+
+void Reporter::record(const Stepper& stepper, bool last) {
+  const int step = stepper.step();
+  if (step == last_recorded_) return;
+  note_multipliers(stepper);
+  const bool row = base_every_ > 0 && due(base_every_, step, last);
+  const bool any_fields = std::any_of(fields_.begin(), fields_.end(), [&](const auto& files) {
+    return due(files.first, step, last);
+  });
+  if (row || any_fields || last || keeps_before_) now_.take(stepper);
+  if (keeps_before_) timed_probes(stepper);
+  if (row || last) {
+    probes_.evaluate(now_, values_);
+    rows_.push_back(step);
+    times_.push_back(stepper.t());
+    for (std::size_t i = 0; i < values_.size(); ++i) columns_[i].push_back(values_[i]);
+  }
+  for (auto& [every, files] : fields_)
+    if (due(every, step, last)) files.write(now_, written_);
+  if (keeps_before_) before_ = now_;
+  last_recorded_ = step;
+}
+
+/// Probes at times between grid times read the piecewise affine interpolant.
+void Reporter::timed_probes(const Stepper& stepper) {
+  const double from = before_.t(), to = now_.t();
+  for (const int i : probes_.timed(from, to, stepper.step() == 1)) {
+    const double theta = (*plan_.report.probes[i].time - from) / (to - from);
+    between_.interpolate(before_, now_, theta);
+    values_[i] = probes_.value(i, between_);
+  }
+}
+
+void Reporter::note_multipliers(const Stepper& stepper) {
+  for (const auto& term : contact_.terms) {
+    auto& active = active_[term.points.law_term];
+    if (active == 0 && !stepper.xi().segment(term.first_row, term.n_rows()).isZero(0.0)) active = 1;
+  }
+}
+
+/// A law whose multiplier was zero at every point and step slept: its effect says so.
+void Reporter::effects(RunResult& result) const {
+  result.effects = plan_.effects;
+  for (auto& effect : result.effects) {
+    if (effect.state != EffectNote::State::on) continue;
+    for (std::size_t l = 0; l < plan_.law_terms.size(); ++l)
+      if (active_[l] == 0 && effect.origin.id >= 0 && effect.origin == plan_.law_terms[l].origin) {
+        effect.state = EffectNote::State::asleep;
+        effect.why = "its multiplier was zero at every point and step";
+      }
+  }
+}
+
+void Reporter::write_table(const TableFile& table) {
+  ReportTable out{{"t"}, {{}}};
+  for (const int probe : table.probes) out.names.push_back(plan_.report.probes[probe].name);
+  out.columns.resize(out.names.size());
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    if (!due(table.every, rows_[r], r + 1 == rows_.size())) continue;
+    out.columns[0].push_back(times_[r]);
+    for (std::size_t c = 0; c < table.probes.size(); ++c)
+      out.columns[c + 1].push_back(columns_[table.probes[c]][r]);
+  }
+  write_atomically(folder_ / table.file, csv_text(out));
+  written_.push_back(table.file);
+}
+
+void Reporter::finish(RunResult& result) {
+  std::set<int> shown;
+  for (const auto& table : tables_)
+    for (const int probe : table.probes)
+      if (shown.insert(probe).second)
+        result.column_order.push_back(plan_.report.probes[probe].name);
+  result.times = times_;
+  for (const int probe : shown) result.columns[plan_.report.probes[probe].name] = columns_[probe];
+  for (std::size_t i = 0; i < values_.size(); ++i)
+    result.final[plan_.report.probes[i].name] = values_[i];
+  effects(result);
+  if (writes_ && !rows_.empty())
+    for (const auto& table : tables_) write_table(table);
+  result.files = written_;
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,18 @@
+// Why a matrix has no factor, in the user's words.
+#pragma once
+
+#include "solver/time/step_matrix.hpp"
+
+namespace hvi::solver {
+
+/// matrix.factor(gamma); when there is no factor, throws Failure(not_coercive) that names the rigid
+/// motions that cost no energy ("translation along x"), or else the degree of freedom where the
+/// elimination broke down.
+void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const Plan& plan,
+                       const Discretisation& discretisation, const StateLayout& layout);
+
+/// The rigid motions that the imposed values allow and K does not resist, each in words.
+std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisation& discretisation,
+                                      const StateLayout& layout);
+
+} // namespace hvi::solver

@@ -1,0 +1,27 @@
+// The numbering of the time loop: unknowns first, then the eliminated values that are not zero.
+#pragma once
+
+#include "solver/fem/space.hpp"
+
+#include <vector>
+
+namespace hvi::solver {
+
+/// A *state* is a vector of n_state values: [unknowns; imposed values]. Imposed values that are
+/// zero at all times are left out, so a problem with zero boundary values has states = unknowns.
+struct StateLayout {
+  int n_unknowns = 0, n_state = 0, n_dofs = 0;
+  std::vector<std::int32_t> dof_of;   ///< of a state entry
+  std::vector<std::int32_t> entry_of; ///< of a dof; -1: always zero
+
+  void gather(const Vector& full, Vector& state) const;  ///< resizes nothing
+  void scatter(const Vector& state, Vector& full) const; ///< entries without state become 0
+};
+StateLayout make_layout(const Space& space, const DofMap& dofs);
+
+/// Rows: unknowns, columns: state entries, of a matrix on full dofs.
+SparseMatrix restrict_rows(const SparseMatrix& full, const StateLayout& layout);
+/// All rows kept, columns to state entries (the rows of a law's G).
+SparseMatrix restrict_columns(const SparseMatrix& full, const StateLayout& layout);
+
+} // namespace hvi::solver

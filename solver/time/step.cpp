@@ -1,0 +1,235 @@
+// One step of the fully discrete scheme; see step.hpp. Called by the loop in run.cpp.
+#include "solver/time/step.hpp"
+
+#include "solver/time/clock.hpp"
+#include "solver/time/rigid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+constexpr int most_corrections = 40;
+/// A factor of another matrix (q(t, s) changes it) is kept while it gains three digits a
+/// correction.
+constexpr double slow_contraction = 1e-3;
+/// With such a factor corrections go on until rounding: their error would pile up over the steps.
+constexpr double refined = 1e-13;
+
+} // namespace
+
+Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
+    : plan_(plan), discretisation_(d), timing_(timing), grid_(plan.time),
+      layout_(make_layout(d.space, d.dofs)), memory_(plan, layout_.n_state) {
+  const PhaseClock clock(timing.assembly);
+  operators_ = assemble_operators(plan, d, layout_);
+  contact_ = make_contact(plan, d, layout_);
+  loads_.emplace(d.space, d.parts, plan.loads);
+  options_.tolerance = plan.options.tolerance;
+  options_.branch = plan.options.branch;
+  allocate();
+  if (grid_.is_static()) return;
+  if (!plan.time.initial.empty())
+    layout_.gather(interpolate(d.space, plan.time.initial, grid_.t(0), plan.time.origin), u_);
+  memory_.start(grid_.t(0), u_);
+}
+
+void Stepper::allocate() {
+  u_ = known_ = rate_ = d_previous_ = state_work_ = combined_ = Vector::Zero(layout_.n_state);
+  d_ = rhs_ = gap_ = scale_ = work_ = Vector::Zero(layout_.n_unknowns);
+  full_ = Vector::Zero(layout_.n_dofs);
+  z_ = inequality_.xi = Vector::Zero(contact_.n_rows());
+  inequality_.c = Vector::Zero(static_cast<Eigen::Index>(contact_.unknowns.size()));
+  accepted_ = inequality_;
+}
+
+Vector Stepper::coefficients(int n) const {
+  Vector by_field = Vector::Zero(operators_.n_fields());
+  by_field[field_u] = 1.0;
+  if (!grid_.is_static()) by_field[field_rate] = grid_.rate(n);
+  for (int m = 0; m < memory_.size(); ++m) by_field[first_history_field + m] = memory_.w0(m);
+  return operators_.weights.transpose() * by_field;
+}
+
+/// known = u_{n-1} with the values imposed at t_n: what is known of u_n before the step.
+void Stepper::impose_values(int n) {
+  known_ = u_;
+  if (layout_.n_state == layout_.n_unknowns) return;
+  layout_.scatter(u_, full_);
+  impose(discretisation_.space, plan_.space, discretisation_.dofs, grid_.t(n), full_);
+  layout_.gather(full_, known_);
+  known_.head(layout_.n_unknowns) = u_.head(layout_.n_unknowns);
+}
+
+void Stepper::add_load(int n) {
+  full_.setZero();
+  if (plan_.time.sampling == LoadSampling::average && !grid_.is_static())
+    loads_->add_mean(grid_.t(n - 1), grid_.t(n), full_);
+  else
+    loads_->add(grid_.t(n), full_);
+  for (int i = 0; i < layout_.n_unknowns; ++i) rhs_[i] = full_[layout_.dof_of[i]];
+}
+
+/// rhs = f_n - sum_b T_b ( what all fields put on base matrix b ): one product per base matrix.
+void Stepper::right_hand_side(int n) {
+  add_load(n);
+  const bool moves = !grid_.is_static();
+  for (int b = 0; b < operators_.n_bases(); ++b) {
+    const auto weight = operators_.weights.col(b);
+    double on_known = weight[field_u];
+    for (int m = 0; m < memory_.size(); ++m)
+      on_known += weight[first_history_field + m] * memory_.w0(m);
+    combined_ = on_known * known_;
+    for (int m = 0; m < memory_.size(); ++m)
+      if (const double w = weight[first_history_field + m]; w != 0.0)
+        combined_ += w * memory_.known(m);
+    if (moves && weight[field_rate] != 0.0) {
+      // What is known of u': imposed values move, and BDF2 carries the last increment on.
+      combined_ += weight[field_rate] * grid_.rate(n) * (known_ - u_);
+      if (grid_.carry(n) != 0.0) combined_ -= weight[field_rate] * grid_.carry(n) * d_previous_;
+    }
+    if (combined_.isZero(0.0)) continue;
+    rhs_.noalias() -= operators_.bases[b] * combined_;
+    ++products_;
+  }
+}
+
+StepMatrix& Stepper::matrix_for(int n) {
+  const double rate = grid_.is_static() ? 0.0 : grid_.rate(n);
+  const auto found = std::find_if(matrices_.begin(), matrices_.end(), [&](const Cached& c) {
+    return c.rate == rate && c.length == grid_.length(n);
+  });
+  if (found != matrices_.end()) {
+    matrices_.splice(matrices_.begin(), matrices_, found);
+    return *matrices_.front().matrix;
+  }
+  if (matrices_.size() < static_cast<std::size_t>(grid_.useful_factors()))
+    matrices_.push_front({0, 0, std::make_unique<StepMatrix>(operators_, contact_, options_)});
+  else
+    matrices_.splice(matrices_.begin(), matrices_, std::prev(matrices_.end()));
+  auto& entry = matrices_.front();
+  entry.rate = rate;
+  entry.length = grid_.length(n);
+  factor_or_explain(*entry.matrix, coefficients(n), plan_, discretisation_, layout_);
+  return *entry.matrix;
+}
+
+/// gap = rhs - K_n d with K_n = K + sum_b change_b T_b, its scale, and the backward error.
+double Stepper::residual(const StepMatrix& matrix, const Vector& change) {
+  gap_and_scale(matrix.k(), d_, rhs_, gap_, scale_);
+  ++products_;
+  for (int b = 0; b < operators_.n_bases(); ++b) {
+    if (change[b] == 0.0) continue;
+    gap_.noalias() -= change[b] * (operators_.bases[b].leftCols(layout_.n_unknowns) * d_);
+    ++products_;
+  }
+  return backward_error(gap_, scale_, contact_.force, inequality_.xi, work_);
+}
+
+StepResult Stepper::correct(int n, StepMatrix& matrix) {
+  StepResult out;
+  const Vector gamma = coefficients(n);
+  change_ = gamma - matrix.gamma();
+  const double rounding = grid_.rounding(n) * gamma.lpNorm<Eigen::Infinity>();
+  if (change_.lpNorm<Eigen::Infinity>() <= rounding) change_.setZero();
+  double target =
+      change_.isZero(0.0) ? plan_.options.tolerance : std::min(refined, plan_.options.tolerance);
+  d_.setZero();
+  gap_ = rhs_;
+  double last = std::numeric_limits<double>::infinity();
+  int iterations = 0, events = 0;
+  while (out.corrections < most_corrections) {
+    out.inequality = matrix.correct(gap_, inequality_, d_);
+    ++out.corrections;
+    iterations += out.inequality.iterations;
+    events += out.inequality.events;
+    out.equilibrium = residual(matrix, change_);
+    if (!out.inequality.converged || out.equilibrium <= target) break;
+    const bool slow = out.equilibrium > slow_contraction * last;
+    if (slow && change_.isZero(0.0)) break;
+    if (slow && out.equilibrium <= plan_.options.tolerance)
+      break; // at the rounding of the products
+    if (slow) {
+      factor_or_explain(matrix, gamma, plan_, discretisation_, layout_);
+      change_.setZero();
+      target = plan_.options.tolerance;
+    }
+    last = out.equilibrium;
+  }
+  out.inequality.iterations = iterations;
+  out.inequality.events = events;
+  return out;
+}
+
+StepResult Stepper::advance(int n) {
+  const double t = grid_.t(n);
+  {
+    const PhaseClock clock(timing_.history);
+    memory_.begin_step(t);
+  }
+  impose_values(n);
+  right_hand_side(n);
+  if (!contact_.none()) prepare(contact_, plan_, t, known_);
+  auto& matrix = matrix_for(n);
+  auto out = correct(n, matrix);
+  corrections_ += out.corrections;
+  newton_ += out.inequality.iterations;
+  fallbacks_ += out.inequality.used_fallback ? 1 : 0;
+
+  known_.head(layout_.n_unknowns) += d_; // now u_n
+  out.inclusion = inclusion_error(contact_, known_, inequality_.xi, plan_.options.tolerance, z_);
+  const double tolerance = plan_.options.tolerance;
+  out.certified =
+      out.inequality.converged && out.equilibrium <= tolerance && out.inclusion.worst <= tolerance;
+  if (out.certified)
+    accept(n);
+  else
+    inequality_ = accepted_;
+  return out;
+}
+
+void Stepper::accept(int n) {
+  if (!grid_.is_static()) {
+    const PhaseClock clock(timing_.history);
+    memory_.commit(grid_.t(n), known_);
+    const double carry = grid_.carry(n);
+    state_work_ = known_ - u_;
+    rate_ = grid_.rate(n) * state_work_;
+    if (carry != 0.0) rate_ -= carry * d_previous_;
+    d_previous_.swap(state_work_);
+  }
+  u_.swap(known_);
+  accepted_ = inequality_;
+  step_ = n;
+}
+
+void Stepper::history_field(int m, Vector& out) const {
+  out = memory_.known(m) + memory_.w0(m) * u_;
+}
+
+void Stepper::account(WorkCounters& work, Timing& timing) const {
+  work.matrices = operators_.n_bases();
+  work.products = products_;
+  work.newton = newton_;
+  work.fallback_steps = fallbacks_;
+  for (const auto& report : memory_.reports()) {
+    work.history_fields += static_cast<int>(report.fields);
+    work.bytes += report.bytes;
+  }
+  for (const auto& base : operators_.bases)
+    work.bytes += static_cast<double>(base.nonZeros()) * (sizeof(double) + sizeof(int));
+  for (const auto& cached : matrices_) {
+    const auto statistics = cached.matrix->statistics();
+    work.analyses += statistics.analyses;
+    work.factorisations += statistics.factorisations;
+    work.sweeps += statistics.sweeps;
+    work.bytes += statistics.bytes;
+    timing.ordering += statistics.seconds_analyse;
+    timing.factor += statistics.seconds_factor;
+    timing.inequality += cached.matrix->seconds_inequality;
+    timing.sweeps += cached.matrix->seconds_sweeps;
+  }
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,92 @@
+// One step of the fully discrete scheme: the state of a run and how it advances.
+#pragma once
+
+#include "solver/time/certificate.hpp"
+#include "solver/time/memory.hpp"
+#include "solver/time/step_matrix.hpp"
+#include "solver/time/time_grid.hpp"
+
+#include <list>
+#include <optional>
+
+namespace hvi::solver {
+
+/// What a step did.
+struct StepResult {
+  double equilibrium = 0.0; ///< componentwise backward error
+  Inclusion inclusion;
+  InequalityReport inequality; ///< of the last correction; iterations and events of all
+  int corrections = 0;         ///< pairs of sweeps
+  bool certified = false;
+};
+
+/// Advances u_{n-1} to u_n:  find d = u_n - u_{n-1} and xi with
+///
+///   K d + G^T W xi = f_n - B u_{n-1} - sum_m E_m (w0_m u_{n-1} + h_m) + A carry d_{n-1},
+///   K = rate A + B + sum_m w0_m E_m,      xi_p in dj_p((G u_n)_p + offset_p(t_n))
+///
+/// (paper, Problem "fullydiscrete", its equation divided by the step and written for the increment:
+/// no A u_{n-1} / k, so nothing cancels when the step is small). Static: the same with u_{-1} = 0.
+class Stepper {
+public:
+  Stepper(const Plan& plan, const Discretisation& discretisation, Timing& timing);
+
+  /// Step n (1 .. steps). Without a certificate the state stays at step n - 1.
+  /// Throws Failure(not_coercive).
+  StepResult advance(int n);
+
+  const TimeGrid& grid() const { return grid_; }
+  const StateLayout& layout() const { return layout_; }
+  const Operators& operators() const { return operators_; }
+  const Contact& contact() const { return contact_; }
+  const Memory& memory() const { return memory_; }
+  int step() const { return step_; } ///< of the state; 0: the initial one
+  double t() const { return grid_.t(step_); }
+  const Vector& u() const { return u_; }       ///< state u_n
+  const Vector& rate() const { return rate_; } ///< state u'(t_n), by the scheme's formula
+  const Vector& xi() const { return inequality_.xi; }
+  /// w_m(t_n) = h_m + w0_m u_n
+  void history_field(int m, Vector& out) const;
+  /// Adds what was counted to the counters and phases of a run.
+  void account(WorkCounters& work, Timing& timing) const;
+
+  void save(std::ostream& out) const;
+  void restore(std::istream& in);
+
+private:
+  void allocate();
+  StepMatrix& matrix_for(int n);
+  Vector coefficients(int n) const;
+  void impose_values(int n);
+  void right_hand_side(int n);
+  void add_load(int n);
+  double residual(const StepMatrix& matrix, const Vector& change);
+  StepResult correct(int n, StepMatrix& matrix);
+  void accept(int n);
+
+  const Plan& plan_;
+  const Discretisation& discretisation_;
+  Timing& timing_;
+  TimeGrid grid_;
+  StateLayout layout_;
+  Operators operators_;
+  Contact contact_;
+  Memory memory_;
+  std::optional<LoadAssembler> loads_;
+  InequalityOptions options_;
+
+  struct Cached {
+    double rate, length;
+    std::unique_ptr<StepMatrix> matrix;
+  };
+  std::list<Cached> matrices_; ///< most recently used first
+
+  int step_ = 0;
+  InequalityState inequality_, accepted_;    ///< accepted_: of the last certified step
+  Vector u_, known_, rate_, d_, d_previous_; // states; d on unknowns only
+  Vector rhs_, gap_, scale_, work_;          // unknowns
+  Vector combined_, state_work_, full_, change_, z_;
+  int products_ = 0, corrections_ = 0, newton_ = 0, fallbacks_ = 0;
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,77 @@
+// The matrix of a step with its factor, condensed to the contact unknowns; see step_matrix.hpp.
+#include "solver/time/step_matrix.hpp"
+
+#include "solver/time/clock.hpp"
+
+namespace hvi::solver {
+
+StepMatrix::StepMatrix(const Operators& operators, const Contact& contact,
+                       const InequalityOptions& options)
+    : operators_(operators), contact_(contact), options_(options) {
+  const auto n_contact = static_cast<Eigen::Index>(contact.unknowns.size());
+  r_ = c_ = product_ = Vector::Zero(n_contact);
+  x_ = Vector::Zero(operators.n_unknowns);
+}
+
+void StepMatrix::factor(const Vector& gamma) {
+  gamma_ = gamma;
+  k_ = combine(operators_, gamma);
+  solver_.reset();
+  if (contact_.whole) {
+    reduced_ = sparse_operator(k_, operators_.symmetric);
+  } else {
+    if (!factorisation_) factorisation_ = analyse(k_, contact_.unknowns, operators_.symmetric);
+    factorisation_->factor(k_);
+    if (contact_.none()) return;
+    reduced_ = dense_operator(factorisation_->schur(), operators_.symmetric);
+  }
+  solver_ = std::make_unique<InequalitySolver>(contact_.problem, *reduced_, options_);
+}
+
+void StepMatrix::condense(const Vector& gap, const Vector& d) {
+  const PhaseClock clock(seconds_sweeps);
+  if (contact_.whole)
+    r_ = gap;
+  else
+    factorisation_->reduce(gap, r_);
+  for (Eigen::Index i = 0; i < c_.size(); ++i) c_[i] = d[contact_.unknowns[i]];
+  if (c_.isZero(0.0)) return;
+  reduced_->apply(c_, product_);
+  r_ += product_;
+}
+
+void StepMatrix::expand(const InequalityState& state, Vector& d) {
+  const PhaseClock clock(seconds_sweeps);
+  c_ = state.c - c_;
+  if (contact_.whole) {
+    d += c_;
+    return;
+  }
+  factorisation_->back(c_, x_);
+  d += x_;
+}
+
+InequalityReport StepMatrix::correct(const Vector& gap, InequalityState& state, Vector& d) {
+  if (contact_.none()) {
+    const PhaseClock clock(seconds_sweeps);
+    factorisation_->solve(gap, x_);
+    d += x_;
+    InequalityReport nothing;
+    nothing.converged = true;
+    return nothing;
+  }
+  condense(gap, d);
+  InequalityReport report;
+  {
+    const PhaseClock clock(seconds_inequality);
+    report = solver_->solve(r_, state);
+  }
+  expand(state, d);
+  return report;
+}
+
+FactorStatistics StepMatrix::statistics() const {
+  return factorisation_ ? factorisation_->statistics() : FactorStatistics{};
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,50 @@
+// K = rate A + B + sum_m w0_m E_m of a step with its factor, condensed to the contact unknowns.
+#pragma once
+
+#include "solver/inequality/inequality.hpp"
+#include "solver/linear/factorisation.hpp"
+#include "solver/time/contact.hpp"
+#include "solver/time/operators.hpp"
+
+#include <memory>
+
+namespace hvi::solver {
+
+class StepMatrix {
+public:
+  /// Keeps references to all three. `gamma`: coefficients of the base matrices.
+  StepMatrix(const Operators& operators, const Contact& contact, const InequalityOptions& options);
+
+  /// Numeric factorisation for these coefficients; the pattern is analysed the first time only.
+  /// Throws Failure(not_coercive).
+  void factor(const Vector& gamma);
+
+  const Vector& gamma() const { return gamma_; }
+  const SparseMatrix& k() const { return k_; }
+
+  /// One correction of the increment d with contact part c, given gap = b - K d: solves
+  ///     S c' + G_c^T W xi' = S c + (gap condensed),   xi' in dj(G_c c' + offset)
+  /// and adds to d the x with K x = gap on the interior and c' - c on the contact unknowns. `state`
+  /// is where the search starts, and then holds (c', xi'). With an exact factor one correction of
+  /// d = 0 is the solution; more of them are iterative refinement.
+  InequalityReport correct(const Vector& gap, InequalityState& state, Vector& d);
+
+  FactorStatistics statistics() const;
+  double seconds_inequality = 0, seconds_sweeps = 0; ///< CPU time so far
+
+private:
+  void condense(const Vector& gap, const Vector& d);
+  void expand(const InequalityState& state, Vector& d);
+
+  const Operators& operators_;
+  const Contact& contact_;
+  InequalityOptions options_;
+  Vector gamma_;
+  SparseMatrix k_;
+  std::unique_ptr<Factorisation> factorisation_; ///< absent when nothing is condensed
+  std::unique_ptr<ReducedOperator> reduced_;
+  std::unique_ptr<InequalitySolver> solver_;
+  Vector r_, x_, c_, product_;
+};
+
+} // namespace hvi::solver
