@@ -1,0 +1,129 @@
+// What the parser says when it does not find what it expects, and where it picks up again. One
+// mistake gives one message: a statement is left at its first error. See parser_impl.hpp.
+#include "lang/syntax/parser_impl.hpp"
+
+#include <algorithm>
+
+namespace hvi::lang {
+namespace {
+
+bool is_operator(TokenKind kind) {
+  return (kind >= TokenKind::plus && kind <= TokenKind::colon) || is_comparison(kind);
+}
+
+bool is_closing(TokenKind kind) {
+  return kind == TokenKind::close_paren || kind == TokenKind::close_bracket;
+}
+
+} // namespace
+
+void Parser::report(Diagnostic diagnostic) {
+  // A lexical error left something out of this statement: what is missing now is that.
+  const std::uint32_t begin = statement_begin_ > 0 ? tokens_[statement_begin_ - 1].span.end : 0;
+  const auto first = std::lower_bound(damage_.begin(), damage_.end(), begin);
+  if (first != damage_.end() && *first <= peek().span.end) return;
+  diagnostics_.add(std::move(diagnostic));
+}
+
+void Parser::fail(Diagnostic diagnostic) {
+  report(std::move(diagnostic));
+  throw Abandoned{};
+}
+
+std::string Parser::found(const Token& token) const {
+  if (token.kind == TokenKind::end) return "but the file ends";
+  if (begins_statement(static_cast<std::size_t>(&token - tokens_.data())) && token.first_on_line)
+    return "but the statement ends";
+  if (token.kind == TokenKind::string) return "found a text";
+  return "found `" + std::string(text(token)) + "`";
+}
+
+Span Parser::missing_place() const {
+  if (at_ > 0 && (at(TokenKind::end) || (peek().first_on_line && begins_statement(at_))))
+    return after(previous().span);
+  return peek().span;
+}
+
+void Parser::fail_expected(std::string_view what) {
+  fail_on_known_slip();
+  const std::string expected(what);
+  fail(diagnose("E0201", missing_place(), "expected " + expected + ", " + found(peek()))
+           .with_label("expected " + expected));
+}
+
+void Parser::fail_unclosed(const Token& open, TokenKind close) {
+  const std::string wanted = "`" + std::string(info(close).spelling) + "`";
+  const bool line_ends = peek().first_on_line || at(TokenKind::end);
+  if (!line_ends) fail_on_known_slip();
+  if (is_closing(peek().kind) && peek().kind != close && close != TokenKind::semicolon)
+    fail(diagnose("E0205", peek().span, "expected " + wanted + ", " + found(peek()))
+             .with_label("expected " + wanted)
+             .with_secondary(open.span, "opened here"));
+  if (line_ends) fail_not_closed(open, close);
+  const bool separated = close != TokenKind::semicolon && open.kind != TokenKind::clarke;
+  const std::string expected = separated ? "`,`, an operator or " + wanted : wanted;
+  fail(diagnose("E0201", peek().span, "expected " + expected + ", " + found(peek()))
+           .with_label("expected " + expected)
+           .with_secondary(open.span, "opened here"));
+}
+
+void Parser::fail_not_closed(const Token& open, TokenKind close) {
+  fail(diagnose("E0204", after(previous().span), "this bracket is not closed")
+           .with_label("expected `" + std::string(info(close).spelling) + "`")
+           .with_secondary(open.span, "opened here"));
+}
+
+bool Parser::at_decimal_comma() const {
+  return at(TokenKind::comma) && at_ > 0 && previous().kind == TokenKind::number &&
+         peek(1).kind == TokenKind::number && glued(previous(), peek()) && glued(peek(), peek(1));
+}
+
+void Parser::fail_decimal_comma() {
+  const std::string whole(text(previous()));
+  const std::string rest(text(peek(1)));
+  fail(diagnose("E0218", join(previous().span, peek(1).span), "a number with a comma")
+           .with_label("a number has a decimal point and no separators")
+           .with_help("write `" + whole + "." + rest + "` or `" + whole + rest + "`"));
+}
+
+void Parser::fail_on_known_slip() {
+  const Token& token = peek();
+  if (at_decimal_comma()) fail_decimal_comma();
+  if (is_closing(token.kind) && open_.empty())
+    fail(diagnose("E0205", token.span, "this " + std::string(text(token)) + " closes nothing")
+             .with_label("no bracket is open"));
+  if (token.kind == TokenKind::prime)
+    fail(diagnose("E0225", token.span, "`'` is the time derivative and follows a name")
+             .with_help("texts stand between double quotes, \"like this\""));
+  if (token.kind == TokenKind::bar)
+    fail(diagnose("E0226", token.span, "cases cannot begin here")
+             .with_help("write `abs(x)` or `norm(x)` for |x|, and cases within a formula in "
+                        "parentheses: `2*(| r < 0 -> 0 | otherwise -> r)`"));
+  if (is_comparison(token.kind))
+    fail(diagnose("E0221", token.span, "a comparison is not a value")
+             .with_help("conditions stand in cases (`| x > 0 -> 1 | otherwise -> 0`), behind "
+                        "`where` and behind `when`"));
+}
+
+// Every statement word is followed by a name or a text; anything else means that the word is meant
+// as a name (`mesh.top`, `part = ...`), unless the line begins with it.
+bool Parser::begins_statement(std::size_t index) const {
+  if (!is_statement_word(tokens_[index].kind)) return false;
+  const TokenKind before = index > 0 ? tokens_[index - 1].kind : TokenKind::end;
+  if (before == TokenKind::dot) return false;
+  const bool first = tokens_[index].first_on_line;
+  if (!first && is_statement_word(before)) return false;
+  const Token& next = tokens_[std::min(index + 1, tokens_.size() - 1)];
+  if (next.kind == TokenKind::name || next.kind == TokenKind::string || is_reserved(next.kind))
+    return true;
+  const bool continued = before == TokenKind::comma || before == TokenKind::open_paren ||
+                         before == TokenKind::open_bracket || is_operator(before);
+  return first && !continued;
+}
+
+void Parser::recover() {
+  if (at_ == statement_begin_) take();
+  while (!at(TokenKind::end) && !begins_statement(at_)) take();
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,156 @@
+// Expressions, from the loosest binding to powers. See parser_impl.hpp; the rest of the chain is in
+// parse_postfix.cpp.
+#include "lang/syntax/parser_impl.hpp"
+
+#include <algorithm>
+
+namespace hvi::lang {
+namespace {
+
+int height(const std::vector<ast::Expr>& items) {
+  int result = 0;
+  for (const ast::Expr& item : items) result = std::max(result, item.depth);
+  return result;
+}
+
+struct Height {
+  int operator()(const ast::Number&) const { return 0; }
+  int operator()(const ast::String&) const { return 0; }
+  int operator()(const ast::Reference&) const { return 0; }
+  int operator()(const ast::List& node) const { return height(node.items); }
+  int operator()(const ast::Negate& node) const { return node.operand->depth; }
+  int operator()(const ast::Binary& node) const {
+    return std::max(node.left->depth, node.right->depth);
+  }
+  int operator()(const ast::Cases& node) const {
+    int result = node.otherwise->depth;
+    for (const ast::Case& c : node.cases)
+      result = std::max({result, c.condition.depth, c.value.depth});
+    return result;
+  }
+  int operator()(const ast::Member& node) const { return node.object->depth; }
+  int operator()(const ast::Prime& node) const { return node.operand->depth; }
+  int operator()(const ast::Call& node) const {
+    int result = node.callee->depth;
+    for (const ast::Argument& a : node.arguments) result = std::max(result, a.value.depth);
+    return result;
+  }
+  int operator()(const ast::Clarke& node) const {
+    return std::max({node.law->depth, node.at->depth, node.direction->depth});
+  }
+};
+
+} // namespace
+
+ast::Expr Parser::make(ast::Expr::Node node, const Span& span) {
+  ast::Expr result;
+  result.span = span;
+  result.depth = 1 + std::visit(Height{}, node);
+  result.node = std::move(node);
+  if (result.depth > max_height)
+    fail(diagnose("E0216", peek().span, "this expression is too long")
+             .with_note("at most " + std::to_string(max_height) + " operations build on each other")
+             .with_help("give parts of it a name with `fn` or `tensor`"));
+  return result;
+}
+
+ast::Expr Parser::binary(ast::BinaryOp op, const Span& op_span, ast::Expr left, ast::Expr right) {
+  const Span span = join(left.span, right.span);
+  return make(ast::Binary{op, op_span, std::move(left), std::move(right)}, span);
+}
+
+// expr = cases | sum ;
+ast::Expr Parser::expr() { return at(TokenKind::bar) ? cases() : sum(); }
+
+// cases = "|" condition "->" sum { "|" condition "->" sum } "|" "otherwise" "->" sum ;
+ast::Expr Parser::cases() {
+  const Span first = peek().span;
+  ast::Cases result;
+  while (at(TokenKind::bar) && peek(1).kind != TokenKind::otherwise)
+    result.cases.push_back(single_case());
+  if (!at(TokenKind::bar))
+    fail(diagnose("E0208", after(previous().span), "the cases end without `otherwise`")
+             .with_label("expected `| otherwise -> ...`")
+             .with_secondary(first, "the cases begin here")
+             .with_help("the last case says what holds everywhere else"));
+  if (result.cases.empty())
+    fail(diagnose("E0237", peek(1).span, "`otherwise` stands alone")
+             .with_help("without a condition before it, write the value itself"));
+  take();
+  result.otherwise_word = take().span;
+  expect(TokenKind::arrow);
+  result.otherwise = sum();
+  if (at(TokenKind::bar))
+    fail(diagnose("E0237", peek().span, "a case behind `otherwise`")
+             .with_secondary(result.otherwise_word, "this takes everything that is left")
+             .with_help("move the `otherwise` line to the end"));
+  return make(std::move(result), span_from(first));
+}
+
+ast::Case Parser::single_case() {
+  ast::Case result;
+  const Span first = take().span;
+  result.condition = condition();
+  if (at(TokenKind::equal) || at(TokenKind::colon))
+    fail(diagnose("E0209", peek().span, "a condition and its value are joined by `->`")
+             .with_label("write `->`"));
+  result.arrow = expect(TokenKind::arrow).span;
+  result.value = sum();
+  result.span = span_from(first);
+  return result;
+}
+
+// sum = contraction { ( "+" | "-" ) contraction } ;
+ast::Expr Parser::sum() {
+  ast::Expr result = contraction();
+  while (at(TokenKind::plus) || at(TokenKind::minus)) {
+    // The next term of the form: the bracket of this one was not closed.
+    if (in_integral_ && at_word("integral", 1) && peek(2).kind == TokenKind::open_paren)
+      fail_not_closed(open_.back(), TokenKind::close_paren);
+    const Token op = take();
+    const auto kind = op.kind == TokenKind::plus ? ast::BinaryOp::add : ast::BinaryOp::subtract;
+    result = binary(kind, op.span, std::move(result), contraction());
+  }
+  return result;
+}
+
+// contraction = product { ":" product } ;
+ast::Expr Parser::contraction() {
+  ast::Expr result = product();
+  while (at(TokenKind::colon)) {
+    const Span op = take().span;
+    result = binary(ast::BinaryOp::contract, op, std::move(result), product());
+  }
+  return result;
+}
+
+// product = unary { ( "*" | "/" ) unary } ;
+ast::Expr Parser::product() {
+  ast::Expr result = unary();
+  while (at(TokenKind::star) || at(TokenKind::slash)) {
+    const Token op = take();
+    const auto kind = op.kind == TokenKind::star ? ast::BinaryOp::multiply : ast::BinaryOp::divide;
+    result = binary(kind, op.span, std::move(result), unary());
+  }
+  return result;
+}
+
+// unary = [ "-" ] power ;
+ast::Expr Parser::unary() {
+  if (!at(TokenKind::minus)) return power();
+  const Span op = take().span;
+  ast::Expr operand = power();
+  const Span span = join(op, operand.span);
+  return make(ast::Negate{op, std::move(operand)}, span);
+}
+
+// power = postfix [ "^" unary ] ;
+ast::Expr Parser::power() {
+  ast::Expr base = postfix();
+  if (!at(TokenKind::caret)) return base;
+  const Span op = take().span;
+  const Level level(*this);
+  return binary(ast::BinaryOp::power, op, std::move(base), unary());
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,151 @@
+// What comes out: reports, expectations and studies. See parser_impl.hpp.
+#include "lang/syntax/parser_impl.hpp"
+
+namespace hvi::lang {
+
+// report = "report" report-item { report-item } ;
+ast::Report Parser::report_statement() {
+  ast::Report result;
+  result.keyword = take().span;
+  do result.items.push_back(report_item());
+  while (at_report_item());
+  result.span = span_from(result.keyword);
+  return result;
+}
+
+bool Parser::at_report_item() const {
+  return at_word("table") || at_word("fields") || at_word("picture");
+}
+
+// report-item = "table" binding { "," binding } [ "every" expr "steps" ] [ "to" string ]
+//             | "fields" expr { "," expr } [ "every" expr "steps" ] [ "to" string ]
+//             | "picture" expr [ "at" "t" "=" expr ] [ "to" string ] ;
+ast::ReportItem Parser::report_item() {
+  if (at_word("table")) return table_item();
+  if (at_word("fields")) return fields_item();
+  if (at_word("picture")) return picture_item();
+  fail_expected("`table`, `fields` or `picture`");
+}
+
+ast::TableItem Parser::table_item() {
+  ast::TableItem result;
+  result.keyword = take().span;
+  do result.columns.push_back(binding());
+  while (accept(TokenKind::comma));
+  result.every = every_steps();
+  result.to = to_file();
+  result.span = span_from(result.keyword);
+  return result;
+}
+
+ast::FieldsItem Parser::fields_item() {
+  ast::FieldsItem result;
+  result.keyword = take().span;
+  do result.fields.push_back(expr());
+  while (accept(TokenKind::comma));
+  result.every = every_steps();
+  result.to = to_file();
+  result.span = span_from(result.keyword);
+  return result;
+}
+
+ast::PictureItem Parser::picture_item() {
+  ast::PictureItem result;
+  result.keyword = take().span;
+  result.field = expr();
+  if (at_time()) result.time = time_value();
+  result.to = to_file();
+  result.span = span_from(result.keyword);
+  return result;
+}
+
+// binding = name "=" expr [ "at" list ] [ "at" "t" "=" expr ] ;
+ast::Binding Parser::binding() {
+  ast::Binding result;
+  result.name = name("the name of a column");
+  expect(TokenKind::equal, "`=` and what the column shows");
+  result.value = expr();
+  if (at_word("at") && !at_time()) {
+    take();
+    result.point = list();
+  }
+  if (at_time()) result.time = time_value();
+  result.span = span_from(result.name.span);
+  return result;
+}
+
+std::optional<ast::Expr> Parser::every_steps() {
+  if (!accept_word("every")) return std::nullopt;
+  ast::Expr result = expr();
+  expect_word("steps");
+  return result;
+}
+
+std::optional<ast::Text> Parser::to_file() {
+  if (!accept_word("to")) return std::nullopt;
+  return string();
+}
+
+bool Parser::at_time() const {
+  return at_word("at") && at_word("t", 1) && peek(2).kind == TokenKind::equal;
+}
+
+ast::Expr Parser::time_value() {
+  take();
+  take();
+  take();
+  return expr();
+}
+
+// expect = "expect" name [ "at" "t" "=" expr ] "=" expr "within" expr [ "relative" ] [ "when"
+// condition ] [ string ] ;
+ast::Expect Parser::expect_statement() {
+  ast::Expect result;
+  result.keyword = take().span;
+  result.probe = name("the name of a column of the report");
+  if (at_time()) result.time = time_value();
+  expect(TokenKind::equal);
+  result.value = expr();
+  expect_word("within");
+  result.tolerance = expr();
+  result.relative = accept_word("relative");
+  if (accept_word("when")) result.when = condition();
+  result.source = optional_string();
+  result.span = span_from(result.keyword);
+  return result;
+}
+
+// study = "study" "vary" ladder { "and" ladder } "against" ( "finest" | "richardson" | "exact" expr
+// ) [ "in" name ] ;
+ast::Study Parser::study() {
+  ast::Study result;
+  result.keyword = take().span;
+  expect_word("vary");
+  do result.ladders.push_back(ladder());
+  while (accept(TokenKind::and_));
+  expect_word("against");
+  result.reference_word = peek().span;
+  if (accept_word("richardson")) {
+    result.reference = ast::StudyReference::richardson;
+  } else if (accept_word("exact")) {
+    result.reference = ast::StudyReference::exact;
+    result.exact = expr();
+  } else if (!accept_word("finest")) {
+    fail_expected("`finest`, `richardson` or `exact` and a solution");
+  }
+  if (accept_word("in")) result.norm = name("the name of a norm");
+  result.span = span_from(result.keyword);
+  return result;
+}
+
+// ladder = name "in" list ;
+ast::Ladder Parser::ladder() {
+  ast::Ladder result;
+  result.parameter = name("the name of a parameter");
+  expect_word("in");
+  result.values = list();
+  result.span = span_from(result.parameter.span);
+  return result;
+}
+
+} // namespace hvi::lang
