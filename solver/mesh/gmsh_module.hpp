@@ -8,17 +8,20 @@
 
 namespace hvi::solver {
 
-/// The geometries we know: name, what the numbers mean, the groups made.
+/// The geometries we know: name, what the numbers mean, the groups made. All have the group "body".
+/// The numbers end with the mesh size and, for most, a second size near the place its name says
+/// ("size_hole"): from there the size grows linearly.
 struct GeometryInfo {
   std::string name; ///< "disk", "annulus", "plate_with_hole", "bracket", ...
   int dim;
-  std::vector<std::string> parameters; ///< names of the numbers, in order; the last is mesh size
+  std::vector<std::string> parameters; ///< names of the numbers, in order
   std::vector<double> defaults;
   std::vector<std::string> groups;
 };
 const std::vector<GeometryInfo>& geometries();
 
-/// Meshes a known geometry. Throws Failure(bad_value) for impossible numbers,
+/// Meshes a known geometry. No numbers: the defaults; the second size may be left out. Throws
+/// Failure(bad_value) for impossible numbers, Failure(limit) for too many cells,
 /// Failure(missing_file) when the gmsh module cannot be loaded.
 Mesh generate_geometry(const std::string& name, const std::vector<double>& numbers);
 /// Meshes a .geo file (it can run programs: only with the user's --allow-geo).

@@ -1,0 +1,141 @@
+// Loads libhvi_gmsh.so when a mesh is to be generated, and turns what it sends into a mesh.
+#include "solver/mesh/gmsh_module.hpp"
+
+#include "solver/common/failure.hpp"
+#include "solver/mesh/geometries.hpp"
+#include "solver/mesh/gmsh/bridge.h"
+#include "solver/mesh/raw_mesh.hpp"
+
+#include <fmt/format.h>
+
+#include <dlfcn.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+namespace hvi::solver {
+namespace {
+
+/// Beside the program (build tree), one folder up (test programs), or where it is installed. The
+/// variable HVI_GMSH_MODULE names another file; the tests use it.
+std::vector<std::filesystem::path> places() {
+  if (const char* other = std::getenv("HVI_GMSH_MODULE")) return {other};
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) return {};
+  const auto folder = program.parent_path();
+  const char* const file = "libhvi_gmsh.so";
+  return {folder / file, folder.parent_path() / "lib" / "hvi" / file, folder.parent_path() / file};
+}
+
+/// The module stays loaded until the program ends: libgmsh does not survive being unloaded.
+void* load() {
+  std::string tried;
+  for (const auto& path : places()) {
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) {
+      tried += fmt::format("\n  {}: not there", path.string());
+      continue;
+    }
+    if (void* module = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE)) return module;
+    tried += fmt::format("\n  {}", dlerror());
+  }
+  throw Failure(FailureKind::missing_file, {},
+                "the module that makes meshes with gmsh cannot be loaded:" + tried,
+                "it needs the package libgmsh4.8; meshes from .msh files work without it");
+}
+
+template <typename Function>
+Function entry(const char* name) {
+  void* const symbol = dlsym(load(), name);
+  if (!symbol)
+    throw Failure(
+        FailureKind::missing_file, {},
+        fmt::format("the gmsh module has no function {}: it is of another version", name));
+  return reinterpret_cast<Function>(symbol);
+}
+
+/// Collects what the module sends; coordinates are multiplied by `scale`.
+struct Collector {
+  RawMesh raw;
+  double scale = 1;
+  int dim = 0; ///< of the entity whose elements come
+
+  HviGmshSink sink() { return {this, add_node, add_name, add_entity, add_elements}; }
+
+  static Collector& of(void* self) { return *static_cast<Collector*>(self); }
+
+  static void add_node(void* self, std::int64_t tag, const double* x) {
+    const double s = of(self).scale;
+    of(self).raw.node_tags.push_back(tag);
+    of(self).raw.coordinates.push_back({s * x[0], s * x[1], s * x[2]});
+  }
+
+  static void add_name(void* self, int dim, int tag, const char* name) {
+    of(self).raw.names[{dim, tag}] = name;
+  }
+
+  static void add_entity(void* self, int dim, int tag, const int* physical, std::size_t n) {
+    of(self).raw.entities.push_back({dim, tag, {physical, physical + n}});
+  }
+
+  static void add_elements(void* self, int type, std::size_t n, const std::size_t* tags,
+                           const std::size_t* nodes, std::size_t stride) {
+    RawMesh& raw = of(self).raw;
+    const ElementType simplex = element_type(type, "gmsh's mesh");
+    for (std::size_t i = 0; i < n; ++i) {
+      RawMesh::Element e{simplex.dim,
+                         static_cast<std::int32_t>(raw.entities.size()) - 1,
+                         static_cast<std::int64_t>(tags[i]),
+                         {}};
+      for (int k = 0; k <= simplex.dim; ++k)
+        e.nodes[k] = static_cast<std::int64_t>(nodes[i * stride + static_cast<std::size_t>(k)]);
+      raw.elements.push_back(e);
+    }
+  }
+};
+
+/// A power of two of the order of the lengths: OpenCASCADE's tolerance is 1e-7 whatever the size of
+/// the body, so it gets bodies of size one; scaling by it does not round.
+double length_scale(const std::vector<double>& numbers) {
+  double largest = 0;
+  for (const double x : numbers) largest = std::max(largest, std::abs(x));
+  return std::exp2(std::ceil(std::log2(largest)));
+}
+
+constexpr std::size_t message_size = 2000;
+
+} // namespace
+
+Mesh generate_geometry(const std::string& name, const std::vector<double>& given) {
+  std::vector<double> numbers = complete_numbers(geometry_info(name), given);
+  const std::string description = fmt::format("{}({})", name, fmt::join(numbers, ", "));
+  Collector collector;
+  collector.scale = length_scale(numbers);
+  for (double& x : numbers) x /= collector.scale;
+  const auto generate = entry<HviGmshGenerate>("hvi_gmsh_generate");
+  const HviGmshSink sink = collector.sink();
+  std::string message(message_size, '\0');
+  if (generate(name.c_str(), numbers.data(), numbers.size(), &sink, message.data(), message.size()))
+    throw Failure(FailureKind::bad_mesh, {},
+                  fmt::format("gmsh could not mesh {}: {}", description, message.c_str()));
+  return assemble(collector.raw, description);
+}
+
+Mesh mesh_geo_file(const std::string& path) {
+  const std::string name = std::filesystem::path(path).filename().string();
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    throw Failure(FailureKind::missing_file, {}, fmt::format("there is no geometry file {}", path));
+  Collector collector;
+  const auto mesh_file = entry<HviGmshMeshFile>("hvi_gmsh_mesh_file");
+  const HviGmshSink sink = collector.sink();
+  std::string message(message_size, '\0');
+  if (mesh_file(path.c_str(), &sink, message.data(), message.size()))
+    throw Failure(FailureKind::broken_file, {},
+                  fmt::format("gmsh could not mesh {}: {}", name, message.c_str()));
+  return assemble(collector.raw, name);
+}
+
+} // namespace hvi::solver
