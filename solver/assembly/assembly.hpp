@@ -11,9 +11,16 @@
 namespace hvi::solver {
 
 /// K_ij = int_region sum_e C_e(x, nu) D_{trial_e}(phi_j) D_{test_e}(phi_i).
-/// `exact` integrates constant coefficients exactly and others with a rule of order 2 (order + 1).
+/// `exact` integrates polynomial coefficients exactly and others with a rule of degree
+/// 2 (order + 1). All forms on cells have the pattern of space.graph, whatever their region; forms
+/// on facets and points a part of it. A point region sums over its nodes with weight 1.
 /// Throws Failure(bad_value) naming the point where a coefficient is not finite.
 SparseMatrix assemble_form(const Space& space, const Region& region, const FormTerm& term);
+/// The pattern of the cell forms with values zero.
+SparseMatrix zero_matrix(const Space& space);
+/// into += alpha matrix; every entry of `matrix` must be in the pattern of `into` (which stays as
+/// it is), else std::invalid_argument.
+void add_scaled(SparseMatrix& into, double alpha, const SparseMatrix& matrix);
 
 /// The right-hand side as f(t) = sum_m g_m(t) F_m + terms that do not separate.
 class LoadAssembler {
@@ -41,23 +48,33 @@ struct LawPoints {
   int law_term = 0;
   std::vector<Point> x;
   std::vector<Point> normal;
-  std::vector<double> weight;          ///< quadrature weight times factor; positive
-  std::vector<std::int32_t> node;      ///< nodal rule: the node, else -1
-  std::vector<std::int32_t> facet;     ///< an entity (facet or cell) the point lies on
+  std::vector<double> weight;      ///< quadrature weight times factor; positive
+  std::vector<std::int32_t> node;  ///< nodal rule: the node, else -1
+  std::vector<std::int32_t> facet; ///< an entity (facet or cell) the point lies on
   int rows = 1;
-  std::vector<DenseMatrix> frames;     ///< radial laws only
-  SparseMatrix g;                      ///< (points * rows) x n_dofs
+  std::vector<DenseMatrix> frames; ///< radial laws only
+  SparseMatrix g;                  ///< (points * rows) x n_dofs
   bool offset_depends_on_t = false;
+  // What the offsets are evaluated with.
+  int dim = 2;
+  std::vector<std::int32_t> cell; ///< the cell behind `facet`, or itself
+  Group::Kind kind = Group::Kind::facets;
+  std::shared_ptr<const PartIndicators> indicators;
 };
-LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& term,
-                       int law_term, bool radial);
-/// Offsets of the argument rows at time t, points * rows.
+/// Throws Failure(bad_value) when the factor is not positive or a row not finite, naming the point.
+LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& term, int law_term,
+                       bool radial);
+/// Offsets of the argument rows at time t, points * rows. Throws Failure(bad_value) when one is not
+/// finite, or (radial laws) not in the range of the rows: |R u + o| would not be |Q^T (R u + o)|.
 void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector& out);
 
 /// Gram matrices. V: eps : eps (vector) or grad . grad (scalar, plus the mass where nothing is
 /// eliminated). Mass: u . v. Boundary mass of a part with a rule.
 SparseMatrix gram_v(const Space& space, bool add_mass);
 SparseMatrix mass(const Space& space);
+/// int_region  (u . nu)(v . nu)  |  u_tau . v_tau  |  u . v.
+enum class Trace { normal, tangential, full };
+SparseMatrix boundary_mass(const Space& space, const Region& region, Rule rule, Trace trace);
 
 /// Values of fields at points, for probes and output. fields[k] is the full vector of field k
 /// (slot::field numbering); absent fields may be empty.

@@ -8,10 +8,34 @@
 #include "solver/plan/plan.hpp"
 
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace hvi::solver {
+
+/// Which nodes share an element, as sorted rows: neighbours of i are
+/// neighbours[offsets[i] .. offsets[i + 1]), i itself included when it is in an element.
+struct NodeGraph {
+  std::vector<std::int32_t> offsets, neighbours;
+};
+/// `element_nodes`: elements x nodes_per_element.
+NodeGraph make_node_graph(std::size_t n_nodes, std::span<const std::int32_t> element_nodes,
+                          int nodes_per_element);
+
+/// What slot::inside(p) reads: which entities belong to part p of the plan.
+struct PartIndicators {
+  struct Part {
+    Group::Kind kind = Group::Kind::cells;
+    std::vector<std::uint8_t> inside; ///< by entity of that kind
+  };
+  std::vector<Part> parts;
+  /// 1 or 0. A facet asks for itself, then for the cell behind it; a node likewise.
+  double value(int part, Group::Kind kind, int entity, int cell) const;
+};
+std::shared_ptr<const PartIndicators> make_indicators(const Mesh& mesh,
+                                                      std::span<const Region> parts);
 
 /// V^h before boundary values. Nodes: the mesh's, then for P2 one per edge.
 /// dof = node * components + component.
@@ -23,13 +47,31 @@ struct Space {
   int nodes_per_cell = 3, nodes_per_facet = 2;
   std::vector<std::int32_t> cell_nodes;  ///< n_cells x nodes_per_cell, vertices first, then edges
   std::vector<std::int32_t> facet_nodes; ///< n_facets x nodes_per_facet, the same order
+  /// Of the cells; all cell forms have its pattern. Shared: copies of a space are cheap to keep.
+  std::shared_ptr<const NodeGraph> graph;
+  std::shared_ptr<const PartIndicators> indicators; ///< for slot::inside; may be empty
 
   int n_dofs() const { return static_cast<int>(nodes.size()) * components; }
   int dof(int node, int component) const { return node * components + component; }
+  std::span<const std::int32_t> nodes_of_cell(int cell) const {
+    return {cell_nodes.data() + static_cast<std::size_t>(cell) * nodes_per_cell,
+            static_cast<std::size_t>(nodes_per_cell)};
+  }
+  std::span<const std::int32_t> nodes_of_facet(int facet) const {
+    return {facet_nodes.data() + static_cast<std::size_t>(facet) * nodes_per_facet,
+            static_cast<std::size_t>(nodes_per_facet)};
+  }
 };
-Space make_space(const Mesh& mesh, int order, int components);
+/// Edges of a cell or facet come in the order of simplex_edges (element.hpp). `mesh` must outlive
+/// the space. Throws std::invalid_argument for an order that is not 1 or 2.
+/// `parts`: of the plan, for expressions with slot::inside.
+Space make_space(const Mesh& mesh, int order, int components, std::span<const Region> parts = {});
 /// Nodes of the space on a region (P2: edge nodes too), sorted, unique.
 std::vector<std::int32_t> nodes_on(const Space& space, const Region& region);
+/// For messages: "u_y at node (0.5, 1)", for a scalar space "u at node (0.5, 1)".
+std::string describe_dof(const Space& space, int dof);
+/// "(0.5, 1)": as many coordinates as the mesh has dimensions.
+std::string describe_point(const Point& point, int dim);
 
 /// One eliminated degree of freedom: its value is values[expression](x(node), t).
 struct Eliminated {
@@ -38,13 +80,15 @@ struct Eliminated {
   std::int32_t value;     ///< which of its value expressions; -1: zero
 };
 
-/// Free and eliminated degrees of freedom. Values imposed twice on one dof must be the same
-/// expressions, else Failure(overlapping_regions).
+/// Free and eliminated degrees of freedom. On one part and component an entry with a value wins
+/// over one without (the statement fills in what the space left at zero). Otherwise values imposed
+/// twice on one dof must be the same expressions, or agree at the node at several sample times;
+/// else Failure(overlapping_regions).
 struct DofMap {
   std::vector<std::int32_t> free;       ///< dof of each unknown
   std::vector<std::int32_t> unknown_of; ///< unknown of each dof, -1 when eliminated
   std::vector<Eliminated> eliminated;
-  bool homogeneous = true;              ///< every eliminated value is zero at all times
+  bool homogeneous = true; ///< every eliminated value is zero at all times
   int n_unknowns() const { return static_cast<int>(free.size()); }
 };
 DofMap make_dof_map(const Space& space, const SpaceSpec& spec, std::span<const Region> parts);

@@ -1,0 +1,89 @@
+// Polynomial degrees of expressions.
+#include "solver/assembly/degree.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+constexpr int largest_degree = 16; ///< beyond: as good as not polynomial
+
+int slot_degree(Slot slot, int order) {
+  if (slot <= slot::x(2)) {
+    return 1;
+  }
+  if (slot < slot::first_field || slot >= slot::first_multiplier) {
+    return 0;
+  }
+  return shape_degree((slot - slot::first_field) % slot::field_stride, order);
+}
+
+/// base^exponent for a constant whole exponent.
+std::optional<int> power_degree(const Expr& expression, int base) {
+  if (base == 0 && expression.args()[1].is_constant()) {
+    return 0;
+  }
+  if (!expression.args()[1].is_constant()) {
+    return std::nullopt;
+  }
+  const double exponent = expression.args()[1].value();
+  if (exponent < 0 || exponent > largest_degree || exponent != std::floor(exponent)) {
+    return std::nullopt;
+  }
+  return base * static_cast<int>(exponent);
+}
+
+} // namespace
+
+int shape_degree(int derivative_index, int order) {
+  return derivative_index < 3 ? order : order - 1;
+}
+
+std::optional<int> polynomial_degree(const Expr& expression, int order) {
+  if (expression.op() == Op::constant) {
+    return 0;
+  }
+  if (expression.op() == Op::slot) {
+    return slot_degree(expression.slot(), order);
+  }
+  std::vector<int> degrees;
+  for (const Expr& arg : expression.args()) {
+    const auto degree = polynomial_degree(arg, order);
+    if (!degree) {
+      return std::nullopt;
+    }
+    degrees.push_back(*degree);
+  }
+  const int largest = *std::max_element(degrees.begin(), degrees.end());
+  // Any function of what is constant on an entity is constant on it.
+  if (largest == 0) {
+    return 0;
+  }
+  switch (expression.op()) {
+  case Op::add:
+    return largest;
+  case Op::neg:
+    return largest;
+  case Op::mul:
+    return degrees[0] + degrees[1];
+  case Op::div:
+    return degrees[1] == 0 ? std::optional(degrees[0]) : std::nullopt;
+  case Op::pow:
+    return degrees[1] == 0 ? power_degree(expression, degrees[0]) : std::nullopt;
+  case Op::select:
+    return degrees[0] == 0 ? std::optional(std::max(degrees[1], degrees[2])) : std::nullopt;
+  default:
+    return std::nullopt;
+  }
+}
+
+int exact_degree(const Expr& coefficient, int shapes, int order) {
+  const auto degree = polynomial_degree(coefficient, order);
+  if (degree && *degree + shapes <= largest_degree) {
+    return *degree + shapes;
+  }
+  return 2 * (order + 1);
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,79 @@
+// Gram matrices of V and L2, and boundary masses.
+#include "solver/assembly/assembly.hpp"
+
+#include <numeric>
+
+namespace hvi::solver {
+namespace {
+
+Region all_cells(const Space& space) {
+  Region region;
+  region.kind = Group::Kind::cells;
+  region.entities.resize(space.mesh->cells.size());
+  std::iota(region.entities.begin(), region.entities.end(), 0);
+  return region;
+}
+
+/// u . v
+void add_mass(const Space& space, FormTerm& term) {
+  for (int i = 0; i < space.components; ++i) {
+    term.entries.push_back({slot::value(i), slot::value(i), Expr(1.0)});
+  }
+}
+
+/// eps(u) : eps(v) = 1/2 sum_ij (d_j u_i d_j v_i + d_i u_j d_j v_i); scalar: grad u . grad v.
+void add_strain(const Space& space, FormTerm& term) {
+  const int dim = space.mesh->dim;
+  if (space.components == 1) {
+    for (int j = 0; j < dim; ++j) {
+      term.entries.push_back({slot::gradient(0, j), slot::gradient(0, j), Expr(1.0)});
+    }
+    return;
+  }
+  for (int i = 0; i < dim; ++i) {
+    for (int j = 0; j < dim; ++j) {
+      term.entries.push_back({slot::gradient(i, j), slot::gradient(i, j), Expr(0.5)});
+      term.entries.push_back({slot::gradient(i, j), slot::gradient(j, i), Expr(0.5)});
+    }
+  }
+}
+
+} // namespace
+
+SparseMatrix gram_v(const Space& space, bool add_mass_term) {
+  FormTerm term;
+  add_strain(space, term);
+  SparseMatrix gram = assemble_form(space, all_cells(space), term);
+  // A second form, so that the strain keeps its cheap one-point rule.
+  if (add_mass_term) {
+    add_scaled(gram, 1.0, mass(space));
+  }
+  return gram;
+}
+
+SparseMatrix mass(const Space& space) {
+  FormTerm term;
+  add_mass(space, term);
+  return assemble_form(space, all_cells(space), term);
+}
+
+SparseMatrix boundary_mass(const Space& space, const Region& region, Rule rule, Trace trace) {
+  FormTerm term;
+  term.rule = rule;
+  if (trace != Trace::normal) {
+    add_mass(space, term);
+  }
+  if (trace != Trace::full) {
+    const double sign = trace == Trace::normal ? 1.0 : -1.0;
+    for (int i = 0; i < space.components; ++i) {
+      for (int j = 0; j < space.components; ++j) {
+        term.entries.push_back(
+            {slot::value(i), slot::value(j),
+             Expr(sign) * Expr::variable(slot::normal(i)) * Expr::variable(slot::normal(j))});
+      }
+    }
+  }
+  return assemble_form(space, region, term);
+}
+
+} // namespace hvi::solver

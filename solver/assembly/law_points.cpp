@@ -1,0 +1,321 @@
+// Quadrature points of a superpotential: int factor j^0( arg(u); arg'(v) ), with
+// arg(u)_c = sum_i rows[c].u[i] u_i + offset_c, as a sparse matrix G from dofs to arguments.
+//
+// A radial law sees its vector argument through the norm only. Its rows are replaced by Q^T rows,
+// with Q an orthonormal basis of their range at the point: |Q^T R u| = |R u|, and 2D friction on
+// u.tau becomes one scalar row, 3D friction two.
+#include "solver/assembly/assembly.hpp"
+#include "solver/fem/pointwise.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace hvi::solver {
+namespace {
+
+constexpr double same = 1e-12; ///< normals and rows closer than this are the same
+constexpr double rank_tolerance = 1e-10;
+
+/// One point before merging. rows: R, arguments x components.
+struct RawPoint {
+  Point x, normal;
+  double weight;
+  std::int32_t node, entity, cell;
+  Barycentric barycentric;
+  DenseMatrix rows;
+};
+
+void check_shape(const Space& space, const LawTerm& term, bool radial) {
+  const bool scalar = !radial && term.rows.size() == 1;
+  if (!scalar && !(radial && !term.rows.empty() && term.rows.size() <= 3)) {
+    throw Failure(
+        FailureKind::bad_value, term.origin,
+        fmt::format("a {} law with {} arguments", radial ? "radial" : "scalar", term.rows.size()));
+  }
+  for (const auto& row : term.rows) {
+    for (int i = space.components; i < 3; ++i) {
+      if (row.u[i].is(0.0)) {
+        continue;
+      }
+      throw Failure(FailureKind::bad_value, term.origin,
+                    fmt::format("the argument of the law uses component {} of a field with {}",
+                                i + 1, space.components));
+    }
+  }
+}
+
+/// Evaluates factor and rows at all points of the region.
+class Collector {
+public:
+  Collector(const Space& space, const Region& region, const LawTerm& term)
+      : space_(space), region_(region), term_(term), tape_(expressions(term)) {}
+
+  std::vector<RawPoint> collect() {
+    const int dim = dimension_of(*space_.mesh, region_);
+    local_nodes_ = nodal_rule_nodes(dim, dim == 0 ? 1 : space_.order);
+    const RegionPoints points(space_, region_, term_.rule, 2 * (space_.order + 1));
+    points.for_blocks([&](const PointBlock& block) { add(block, points.per_entity()); });
+    return std::move(raw_);
+  }
+
+private:
+  static std::vector<Expr> expressions(const LawTerm& term) {
+    std::vector<Expr> all{term.factor};
+    for (const auto& row : term.rows) {
+      all.insert(all.end(), row.u.begin(), row.u.end());
+    }
+    return all;
+  }
+  void add(const PointBlock& block, std::size_t per_entity) {
+    const std::size_t n = block.size();
+    values_.resize(n * (1 + 3 * term_.rows.size()));
+    tape_.evaluate(block, 0.0, term_.origin, values_);
+    for (std::size_t p = 0; p < n; ++p) {
+      const double factor = values_[p];
+      check_factor(factor, block.point(p));
+      RawPoint point{
+          block.point(p),       {}, block.weight[p] * factor, -1, block.entity[p], block.cell[p],
+          block.barycentric[p], {}};
+      for (int j = 0; j < 3; ++j) {
+        point.normal[j] = block.normal[j][p];
+      }
+      point.node = node_of(block.entity[p], p % per_entity);
+      point.rows.resize(static_cast<Eigen::Index>(term_.rows.size()), space_.components);
+      for (Eigen::Index c = 0; c < point.rows.rows(); ++c) {
+        for (int i = 0; i < space_.components; ++i) {
+          point.rows(c, i) = values_[(1 + 3 * std::size_t(c) + i) * n + p];
+        }
+      }
+      if (!point.rows.allFinite()) {
+        throw_not_finite(term_.origin, "the argument of the law", point.rows.sum(), point.x,
+                         space_.mesh->dim);
+      }
+      raw_.push_back(std::move(point));
+    }
+  }
+  void check_factor(double factor, const Point& x) const {
+    if (factor > 0 && std::isfinite(factor)) {
+      return;
+    }
+    throw Failure(FailureKind::bad_value, term_.origin,
+                  fmt::format("the factor of the law `{}` is {:.6g} at {}", term_.name, factor,
+                              describe_point(x, space_.mesh->dim)),
+                  "it must be positive: a negative one would turn the superpotential over");
+  }
+  std::int32_t node_of(int entity, std::size_t q) const {
+    if (region_.kind == Group::Kind::points) {
+      return entity;
+    }
+    if (term_.rule != Rule::nodal) {
+      return -1;
+    }
+    const auto nodes = region_.kind == Group::Kind::cells ? space_.nodes_of_cell(entity)
+                                                          : space_.nodes_of_facet(entity);
+    return nodes[local_nodes_[q]];
+  }
+
+  const Space& space_;
+  const Region& region_;
+  const LawTerm& term_;
+  Pointwise tape_;
+  std::vector<int> local_nodes_;
+  std::vector<double> values_;
+  std::vector<RawPoint> raw_;
+};
+
+bool is_same(const RawPoint& a, const RawPoint& b) {
+  for (int j = 0; j < 3; ++j) {
+    if (std::abs(a.normal[j] - b.normal[j]) > same) {
+      return false;
+    }
+  }
+  const double scale = std::max(a.rows.cwiseAbs().maxCoeff(), b.rows.cwiseAbs().maxCoeff());
+  return (a.rows - b.rows).cwiseAbs().maxCoeff() <= same * scale;
+}
+
+/// Adds the weights of points on one node that are the same; keeps the order of first appearance.
+std::vector<RawPoint> merge(std::vector<RawPoint> raw) {
+  std::vector<RawPoint> kept;
+  std::unordered_map<std::int32_t, std::vector<std::size_t>> at_node;
+  for (RawPoint& point : raw) {
+    if (point.node >= 0) {
+      auto& here = at_node[point.node];
+      const auto twin = std::find_if(here.begin(), here.end(),
+                                     [&](std::size_t k) { return is_same(kept[k], point); });
+      if (twin != here.end()) {
+        kept[*twin].weight += point.weight;
+        continue;
+      }
+      here.push_back(kept.size());
+    }
+    kept.push_back(std::move(point));
+  }
+  return kept;
+}
+
+/// Orthonormal columns spanning the range of `rows`, then more of them up to rows.rows(). Gram and
+/// Schmidt with the longest column first, so that equal rows give equal frames; `rank` is set.
+DenseMatrix basis_of_range(const DenseMatrix& rows, int& rank) {
+  const Eigen::Index n = rows.rows();
+  DenseMatrix candidates(n, rows.cols() + n);
+  candidates << rows, DenseMatrix::Identity(n, n);
+  DenseMatrix basis(n, 0);
+  rank = 0;
+  const double scale = rows.cwiseAbs().maxCoeff();
+  // Columns of `rows` while they are independent, unit vectors afterwards.
+  for (Eigen::Index from = 0, count = rows.cols(); basis.cols() < n;) {
+    Eigen::Index longest = 0;
+    const auto norms = candidates.middleCols(from, count).colwise().norm();
+    const double length = norms.maxCoeff();
+    // The first of (nearly) equal columns: rounding must not choose.
+    while (norms(longest) < length * (1.0 - 1e-6)) {
+      ++longest;
+    }
+    if (from == 0 && length <= rank_tolerance * scale) {
+      from = rows.cols();
+      count = n;
+      continue;
+    }
+    rank += from == 0 ? 1 : 0;
+    basis.conservativeResize(n, basis.cols() + 1);
+    Eigen::VectorXd q = candidates.col(from + longest).normalized();
+    q -= basis.leftCols(basis.cols() - 1) * (basis.leftCols(basis.cols() - 1).transpose() * q);
+    q.normalize();
+    basis.col(basis.cols() - 1) = q;
+    candidates -= q * (q.transpose() * candidates);
+  }
+  return basis;
+}
+
+/// Reduces the rows of every point to one common number: the largest rank.
+void reduce_radial(std::vector<RawPoint>& raw, const LawTerm& term, LawPoints& out) {
+  int largest = 0;
+  for (const RawPoint& point : raw) {
+    int rank = 0;
+    out.frames.push_back(basis_of_range(point.rows, rank));
+    largest = std::max(largest, rank);
+  }
+  if (largest == 0) {
+    throw Failure(FailureKind::bad_value, term.origin,
+                  fmt::format("the argument of the law `{}` does not depend on u", term.name));
+  }
+  for (std::size_t p = 0; p < raw.size(); ++p) {
+    out.frames[p] = out.frames[p].leftCols(largest).eval();
+    raw[p].rows = out.frames[p].transpose() * raw[p].rows;
+  }
+  out.rows = largest;
+}
+
+/// G: row (p, c), column dof (i, k): rows_p(c, k) phi_i(x_p).
+SparseMatrix make_g(const Space& space, const std::vector<RawPoint>& raw, int rows) {
+  std::vector<Eigen::Triplet<double>> triplets;
+  ShapeTable shapes;
+  for (std::size_t p = 0; p < raw.size(); ++p) {
+    const RawPoint& point = raw[p];
+    evaluate_shapes(space, {}, point.barycentric, false, shapes);
+    const auto nodes = space.nodes_of_cell(point.cell);
+    for (int i = 0; i < shapes.size; ++i) {
+      // Nodal points: shape functions of other nodes are zero there up to rounding.
+      const double phi = point.node < 0 ? shapes.at(0, i) : (nodes[i] == point.node ? 1.0 : 0.0);
+      for (int c = 0; c < rows && phi != 0.0; ++c) {
+        for (int k = 0; k < space.components; ++k) {
+          const double value = phi * point.rows(c, k);
+          if (value == 0.0) {
+            continue;
+          }
+          triplets.emplace_back(static_cast<int>(p) * rows + c, space.dof(nodes[i], k), value);
+        }
+      }
+    }
+  }
+  SparseMatrix g(static_cast<Eigen::Index>(raw.size()) * rows, space.n_dofs());
+  g.setFromTriplets(triplets.begin(), triplets.end());
+  return g;
+}
+
+} // namespace
+
+LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& term, int law_term,
+                       bool radial) {
+  check_shape(space, term, radial);
+  std::vector<RawPoint> raw = merge(Collector(space, region, term).collect());
+  LawPoints out;
+  out.law_term = law_term;
+  out.dim = space.mesh->dim;
+  out.rows = static_cast<int>(term.rows.size());
+  if (radial) {
+    reduce_radial(raw, term, out);
+  }
+  out.g = make_g(space, raw, out.rows);
+  for (const RawPoint& point : raw) {
+    out.x.push_back(point.x);
+    out.normal.push_back(point.normal);
+    out.weight.push_back(point.weight);
+    out.node.push_back(point.node);
+    out.facet.push_back(point.entity);
+    out.cell.push_back(point.cell);
+  }
+  out.kind = region.kind;
+  out.indicators = space.indicators;
+  for (const auto& row : term.rows) {
+    out.offset_depends_on_t = out.offset_depends_on_t || row.offset.depends_on(slot::t);
+  }
+  return out;
+}
+
+void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector& out) {
+  const std::size_t n = points.x.size(), n_args = term.rows.size();
+  out.setZero(static_cast<Eigen::Index>(n) * points.rows);
+  std::vector<Expr> offsets;
+  bool all_zero = true;
+  for (const auto& row : term.rows) {
+    offsets.push_back(row.offset);
+    all_zero = all_zero && row.offset.is(0.0);
+  }
+  if (all_zero) {
+    return;
+  }
+  PointBlock block;
+  for (std::size_t p = 0; p < n; ++p) {
+    for (int j = 0; j < 3; ++j) {
+      block.x[j].push_back(points.x[p][j]);
+      block.normal[j].push_back(points.normal[p][j]);
+    }
+  }
+  block.weight = points.weight;
+  block.cell = points.cell;
+  block.entity = points.facet;
+  block.kind = points.kind;
+  block.indicators = points.indicators.get();
+  std::vector<double> values(n * n_args);
+  Pointwise(offsets).evaluate(block, t, term.origin, values);
+  Eigen::VectorXd offset(static_cast<Eigen::Index>(n_args));
+  for (std::size_t p = 0; p < n; ++p) {
+    for (std::size_t c = 0; c < n_args; ++c) {
+      offset[Eigen::Index(c)] = values[c * n + p];
+    }
+    if (!offset.allFinite()) {
+      throw_not_finite(term.origin, "the argument of the law", offset.sum(), points.x[p],
+                       points.dim, &t);
+    }
+    auto here = out.segment(static_cast<Eigen::Index>(p) * points.rows, points.rows);
+    if (points.frames.empty()) {
+      here = offset;
+      continue;
+    }
+    const DenseMatrix& frame = points.frames[p];
+    here = frame.transpose() * offset;
+    if ((offset - frame * here).norm() > 1e-9 * offset.norm()) {
+      throw Failure(FailureKind::bad_value, term.origin,
+                    fmt::format("the argument of the law `{}` at {} is moved by a vector that u "
+                                "cannot reach",
+                                term.name, describe_point(points.x[p], points.dim)),
+                    "project the offset as u is projected, for example on the tangent plane");
+    }
+  }
+}
+
+} // namespace hvi::solver

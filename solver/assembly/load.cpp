@@ -1,0 +1,296 @@
+// Loads: f(t)_i = int sum_e F_e(x, t, nu) D_{test_e}(phi_i).
+//
+// F = sum_m g_m(t) h_m(x) is taken apart symbolically, so that a time step costs one vector sum per
+// g_m. What does not separate becomes a sparse matrix P from values at quadrature points to dofs,
+// and a time step runs the tape and multiplies.
+#include "solver/assembly/assembly.hpp"
+#include "solver/assembly/degree.hpp"
+#include "solver/fem/pointwise.hpp"
+#include "solver/kernel/algebra.hpp"
+#include "solver/kernel/table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+/// g(t) F with its time factor; F is a full vector.
+struct Mode {
+  Expr g;
+  Vector f;
+  Origin origin;
+};
+
+/// A load, or part of one, that is assembled at every step.
+struct Lazy {
+  PointBlock points;
+  Pointwise tape;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> weights; ///< n_dofs x (entries * points)
+  Origin origin;
+  Vector values; ///< scratch
+};
+
+using LoadEntries = std::vector<LoadTerm::Entry>;
+
+/// Weight of value e at point p in dof i:  w_p D_{test_e}(phi_i)(x_p).  Calls f(dof, e, p, weight).
+template <class F>
+void for_each_weight(const Space& space, const PointBlock& block, const LoadEntries& entries,
+                     Origin origin, F&& f) {
+  std::vector<Derivative> tests;
+  bool gradients = false;
+  for (const auto& entry : entries) {
+    tests.push_back(decode(space, entry.test, origin));
+    gradients = gradients || tests.back().row > 0;
+  }
+  ShapeTable shapes;
+  CellGeometry geometry;
+  int cell = -1;
+  for (std::size_t p = 0; p < block.size(); ++p) {
+    if (gradients && block.cell[p] != cell) {
+      geometry = cell_geometry(*space.mesh, block.cell[p]);
+    }
+    cell = block.cell[p];
+    evaluate_shapes(space, geometry, block.barycentric[p], gradients, shapes);
+    const auto nodes = space.nodes_of_cell(cell);
+    for (std::size_t e = 0; e < entries.size(); ++e) {
+      for (int i = 0; i < shapes.size; ++i) {
+        const double weight = block.weight[p] * shapes.at(tests[e].row, i);
+        if (weight != 0.0) {
+          f(space.dof(nodes[i], tests[e].component), e, p, weight);
+        }
+      }
+    }
+  }
+}
+
+std::vector<Expr> values_of(const LoadEntries& entries) {
+  std::vector<Expr> values;
+  for (const auto& entry : entries) {
+    values.push_back(entry.value);
+  }
+  return values;
+}
+
+RegionPoints points_of(const Space& space, const Region& region, const LoadTerm& term,
+                       const LoadEntries& entries) {
+  int degree = 0;
+  for (const auto& entry : entries) {
+    const int shapes = shape_degree(entry.test, space.order);
+    if (shapes < space.order && region.kind == Group::Kind::points) {
+      throw Failure(FailureKind::bad_value, term.origin,
+                    "a gradient has no value at a single point; a point load acts on v itself");
+    }
+    degree = std::max(degree, exact_degree(entry.value, shapes, space.order));
+  }
+  return {space, region, term.rule, degree};
+}
+
+void check_finite(const PointBlock& block, std::span<const double> values, Origin origin, int dim,
+                  const double* t) {
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (std::isfinite(values[k])) {
+      continue;
+    }
+    throw_not_finite(origin, "the load", values[k], block.point(k % block.size()), dim, t);
+  }
+}
+
+/// F for entries that do not depend on t.
+Vector assemble_vector(const Space& space, const Region& region, const LoadTerm& term,
+                       const LoadEntries& entries) {
+  Vector out = Vector::Zero(space.n_dofs());
+  Pointwise tape(values_of(entries));
+  std::vector<double> values;
+  points_of(space, region, term, entries).for_blocks([&](const PointBlock& block) {
+    values.resize(block.size() * entries.size());
+    tape.evaluate(block, 0.0, term.origin, values);
+    check_finite(block, values, term.origin, space.mesh->dim, nullptr);
+    for_each_weight(space, block, entries, term.origin, [&](int dof, auto e, auto p, double w) {
+      out[dof] += w * values[e * block.size() + p];
+    });
+  });
+  return out;
+}
+
+Lazy make_lazy(const Space& space, const Region& region, const LoadTerm& term,
+               const LoadEntries& entries) {
+  PointBlock points;
+  const RegionPoints source = points_of(space, region, term, entries);
+  source.fill(0, source.entities(), points);
+  const auto n = static_cast<Eigen::Index>(points.size());
+  std::vector<Eigen::Triplet<double>> triplets;
+  for_each_weight(space, points, entries, term.origin, [&](int dof, auto e, auto p, double w) {
+    triplets.emplace_back(dof, static_cast<int>(Eigen::Index(e) * n + Eigen::Index(p)), w);
+  });
+  Eigen::SparseMatrix<double, Eigen::RowMajor> weights(space.n_dofs(),
+                                                       n * Eigen::Index(entries.size()));
+  weights.setFromTriplets(triplets.begin(), triplets.end());
+  return {std::move(points), Pointwise(values_of(entries)), std::move(weights), term.origin, {}};
+}
+
+bool is_time(Slot slot) { return slot == slot::t; }
+
+/// Where tables of t have their knots: the mean is exact between them.
+void collect_knots(const Expr& expression, std::vector<double>& knots) {
+  if (!expression.depends_on(slot::t)) {
+    return;
+  }
+  for (const Expr& arg : expression.args()) {
+    collect_knots(arg, knots);
+  }
+  if (expression.op() != Op::table && expression.op() != Op::table_slope) {
+    return;
+  }
+  // The argument a t + b reaches knot k at (k - b) / a; other arguments are left to the rule.
+  const Expr& argument = expression.args()[0];
+  const Expr slope = derivative(argument, slot::t);
+  const std::pair<Slot, Expr> at_zero{slot::t, Expr(0.0)};
+  const Expr offset = substitute(argument, {&at_zero, 1});
+  if (!slope.is_constant() || slope.is(0.0) || !offset.is_constant()) {
+    return;
+  }
+  for (const double knot : expression.table()->abscissae()) {
+    knots.push_back((knot - offset.value()) / slope.value());
+  }
+}
+
+} // namespace
+
+struct LoadAssembler::Impl {
+  int dim = 2;
+  std::vector<Mode> modes;
+  std::vector<Lazy> lazy;
+  std::vector<Pointwise> factors; ///< g of all modes; one element, none without modes
+  std::vector<double> g_values;
+  std::vector<double> knots; ///< sorted
+
+  void add_term(const Space& space, const Region& region, const LoadTerm& term);
+  void add_mode(const Expr& time_factor, Vector f, Origin origin);
+  void evaluate_factors(double t);
+  void add(double t, double scale, Vector& out);
+};
+
+void LoadAssembler::Impl::add_term(const Space& space, const Region& region, const LoadTerm& term) {
+  std::vector<std::pair<Expr, LoadEntries>> separated; // by time factor
+  LoadEntries rest;
+  for (const auto& entry : term.entries) {
+    if (entry.value.is(0.0)) {
+      continue;
+    }
+    collect_knots(entry.value, knots);
+    const auto products = split_separable(entry.value, is_time);
+    if (!products) {
+      rest.push_back(entry);
+      continue;
+    }
+    for (const auto& [h, g] : *products) {
+      auto same = std::find_if(separated.begin(), separated.end(),
+                               [&, &factor = g](auto& part) { return part.first == factor; });
+      if (same == separated.end()) {
+        same = separated.insert(separated.end(), {g, {}});
+      }
+      same->second.push_back({entry.test, h});
+    }
+  }
+  for (const auto& [g, entries] : separated) {
+    add_mode(g, assemble_vector(space, region, term, entries), term.origin);
+  }
+  if (!rest.empty()) {
+    lazy.push_back(make_lazy(space, region, term, rest));
+  }
+}
+
+void LoadAssembler::Impl::add_mode(const Expr& time_factor, Vector f, Origin origin) {
+  for (Mode& mode : modes) {
+    if (mode.g == time_factor) {
+      mode.f += f;
+      return;
+    }
+  }
+  modes.push_back({time_factor, std::move(f), origin});
+}
+
+void LoadAssembler::Impl::evaluate_factors(double t) {
+  if (modes.empty()) {
+    return;
+  }
+  g_values.resize(modes.size());
+  const auto columns = [&](Slot slot) { return is_time(slot) ? &t : nullptr; };
+  factors.front().evaluate(1, columns, modes.front().origin, g_values);
+  for (std::size_t m = 0; m < modes.size(); ++m) {
+    if (std::isfinite(g_values[m])) {
+      continue;
+    }
+    throw Failure(FailureKind::bad_value, modes[m].origin,
+                  fmt::format("the load is {} at t = {:.6g}: its factor is {}", g_values[m], t,
+                              to_string(modes[m].g)));
+  }
+}
+
+void LoadAssembler::Impl::add(double t, double scale, Vector& out) {
+  evaluate_factors(t);
+  for (std::size_t m = 0; m < modes.size(); ++m) {
+    out += (scale * g_values[m]) * modes[m].f;
+  }
+  for (Lazy& part : lazy) {
+    part.values.resize(part.weights.cols());
+    const std::span<double> values(part.values.data(), std::size_t(part.values.size()));
+    part.tape.evaluate(part.points, t, part.origin, values);
+    check_finite(part.points, values, part.origin, dim, &t);
+    out += scale * (part.weights * part.values);
+  }
+}
+
+LoadAssembler::LoadAssembler(const Space& space, std::span<const Region> parts,
+                             std::span<const LoadTerm> loads)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->dim = space.mesh->dim;
+  for (const LoadTerm& term : loads) {
+    impl_->add_term(space, parts[term.part], term);
+  }
+  std::sort(impl_->knots.begin(), impl_->knots.end());
+  std::vector<Expr> factors;
+  for (const Mode& mode : impl_->modes) {
+    factors.push_back(mode.g);
+  }
+  if (!factors.empty()) {
+    impl_->factors.emplace_back(factors);
+  }
+}
+LoadAssembler::~LoadAssembler() = default;
+LoadAssembler::LoadAssembler(LoadAssembler&&) noexcept = default;
+
+void LoadAssembler::add(double t, Vector& out) const { impl_->add(t, 1.0, out); }
+
+void LoadAssembler::add_mean(double t0, double t1, Vector& out) const {
+  // Gauss with four points, degree 7, between the knots of tables.
+  const IntervalRule rule = gauss_jacobi(4, 0);
+  const double length = t1 - t0;
+  double begin = t0;
+  const auto add_piece = [&](double end) {
+    for (std::size_t q = 0; q < rule.points.size(); ++q) {
+      const double weight = rule.weights[q] * (end - begin) / length;
+      impl_->add(begin + rule.points[q] * (end - begin), weight, out);
+    }
+    begin = end;
+  };
+  const double margin = 1e-12 * length;
+  for (const double knot : impl_->knots) {
+    if (knot > begin + margin && knot < t1 - margin) {
+      add_piece(knot);
+    }
+  }
+  add_piece(t1);
+}
+
+int LoadAssembler::separable_terms() const { return static_cast<int>(impl_->modes.size()); }
+bool LoadAssembler::separable() const { return impl_->lazy.empty(); }
+bool LoadAssembler::time_independent() const {
+  return impl_->lazy.empty() && std::all_of(impl_->modes.begin(), impl_->modes.end(),
+                                            [](const Mode& mode) { return mode.g.is_constant(); });
+}
+
+} // namespace hvi::solver

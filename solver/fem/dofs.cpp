@@ -1,0 +1,218 @@
+// Free and eliminated degrees of freedom, imposed values, interpolation.
+#include "solver/fem/pointwise.hpp"
+#include "solver/fem/space.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace hvi::solver {
+namespace {
+
+/// The points of some nodes as a block for a tape.
+PointBlock block_of_nodes(const Space& space, std::span<const std::int32_t> nodes) {
+  PointBlock block;
+  for (const auto node : nodes) {
+    for (int j = 0; j < 3; ++j) {
+      block.x[j].push_back(space.nodes[node][j]);
+      block.normal[j].push_back(0.0);
+    }
+    block.weight.push_back(1.0);
+  }
+  return block;
+}
+
+double value_at(const Expr& expression, const Point& x, double t) {
+  return evaluate(expression, [&](Slot slot) { return slot == slot::t ? t : x[slot]; });
+}
+
+/// Whether two imposed values agree at a node. Times where a table has no value say nothing; with
+/// no time left the values count as different.
+bool agree(const Expr& a, const Expr& b, const Point& x) {
+  if (a == b) {
+    return true;
+  }
+  int compared = 0;
+  for (const double t : {0.0, 0.0625, 0.37, 0.5, 0.81, 1.0, 1.7, 3.3, 12.0, 250.0}) {
+    const double va = value_at(a, x, t), vb = value_at(b, x, t);
+    if (!std::isfinite(va) || !std::isfinite(vb)) {
+      continue;
+    }
+    if (std::abs(va - vb) > 1e-12 * std::max({std::abs(va), std::abs(vb), 1e-3})) {
+      return false;
+    }
+    ++compared;
+  }
+  return compared > 0;
+}
+
+void check_spec(const Space& space, const DirichletSpec& entry) {
+  const std::size_t imposed = entry.component < 0 ? std::size_t(space.components) : 1;
+  if (entry.component >= space.components) {
+    throw Failure(
+        FailureKind::bad_value, entry.origin,
+        fmt::format("component {} of a field with {}", entry.component + 1, space.components));
+  }
+  if (!entry.value.empty() && entry.value.size() != imposed) {
+    throw Failure(FailureKind::bad_value, entry.origin,
+                  fmt::format("{} values imposed on {} components", entry.value.size(), imposed));
+  }
+  for (const Expr& value : entry.value) {
+    for (const Slot slot : slots_of(value)) {
+      if (slot > slot::t) {
+        throw Failure(FailureKind::bad_value, entry.origin,
+                      fmt::format("an imposed value cannot depend on {}", describe_slot(slot)));
+      }
+    }
+  }
+}
+
+/// Collects what is imposed, dof by dof, in the order of the specification.
+class Collector {
+public:
+  Collector(const Space& space, const SpaceSpec& spec)
+      : space_(space), spec_(spec), taken_(std::size_t(space.n_dofs()), -1) {}
+
+  void add(int index, std::span<const std::int32_t> nodes) {
+    const DirichletSpec& entry = spec_.dirichlet[index];
+    const int first = std::max(entry.component, 0);
+    const int past = entry.component < 0 ? space_.components : first + 1;
+    for (int c = first; c < past; ++c) {
+      if (overridden(index, c)) {
+        continue;
+      }
+      const int value = entry.value.empty() ? -1 : c - first;
+      for (const auto node : nodes) {
+        add_dof({space_.dof(node, c), index, value}, node);
+      }
+    }
+  }
+  std::vector<Eliminated> take() {
+    std::sort(eliminated_.begin(), eliminated_.end(),
+              [](const Eliminated& a, const Eliminated& b) { return a.dof < b.dof; });
+    return std::move(eliminated_);
+  }
+  Expr expression(const Eliminated& e) const {
+    return e.value < 0 ? Expr(0.0) : spec_.dirichlet[e.dirichlet].value[e.value];
+  }
+
+private:
+  /// A zero of the space that another entry on the same part fills in.
+  bool overridden(int index, int component) const {
+    const DirichletSpec& entry = spec_.dirichlet[index];
+    if (!entry.value.empty()) {
+      return false;
+    }
+    return std::any_of(spec_.dirichlet.begin(), spec_.dirichlet.end(), [&](const auto& other) {
+      return !other.value.empty() && other.part == entry.part &&
+             (other.component < 0 || other.component == component);
+    });
+  }
+  void add_dof(const Eliminated& e, int node) {
+    if (taken_[e.dof] < 0) {
+      taken_[e.dof] = static_cast<std::int32_t>(eliminated_.size());
+      eliminated_.push_back(e);
+      return;
+    }
+    const Eliminated& before = eliminated_[taken_[e.dof]];
+    if (agree(expression(e), expression(before), space_.nodes[node])) {
+      return;
+    }
+    throw Failure(FailureKind::overlapping_regions, spec_.dirichlet[e.dirichlet].origin,
+                  fmt::format("two different values are imposed on {}: {} and {}",
+                              describe_dof(space_, e.dof), to_string(expression(before)),
+                              to_string(expression(e))),
+                  "let the parts not share this node, or impose equal values there");
+  }
+
+  const Space& space_;
+  const SpaceSpec& spec_;
+  std::vector<std::int32_t> taken_; ///< index into eliminated_ of each dof, -1: free
+  std::vector<Eliminated> eliminated_;
+};
+
+} // namespace
+
+DofMap make_dof_map(const Space& space, const SpaceSpec& spec, std::span<const Region> parts) {
+  Collector collector(space, spec);
+  for (std::size_t d = 0; d < spec.dirichlet.size(); ++d) {
+    check_spec(space, spec.dirichlet[d]);
+    collector.add(static_cast<int>(d), nodes_on(space, parts[spec.dirichlet[d].part]));
+  }
+  DofMap map;
+  map.eliminated = collector.take();
+  map.unknown_of.assign(std::size_t(space.n_dofs()), 0);
+  for (const Eliminated& e : map.eliminated) {
+    map.unknown_of[e.dof] = -1;
+    map.homogeneous = map.homogeneous && collector.expression(e).is(0.0);
+  }
+  for (int dof = 0; dof < space.n_dofs(); ++dof) {
+    if (map.unknown_of[dof] < 0) {
+      continue;
+    }
+    map.unknown_of[dof] = static_cast<std::int32_t>(map.free.size());
+    map.free.push_back(dof);
+  }
+  return map;
+}
+
+void impose(const Space& space, const SpaceSpec& spec, const DofMap& map, double t, Vector& u) {
+  std::map<std::pair<int, int>, std::vector<std::int32_t>> dofs_of_value;
+  for (const Eliminated& e : map.eliminated) {
+    u[e.dof] = 0.0;
+    if (e.value >= 0) {
+      dofs_of_value[{e.dirichlet, e.value}].push_back(e.dof);
+    }
+  }
+  std::vector<std::int32_t> nodes;
+  std::vector<double> values;
+  for (const auto& [key, dofs] : dofs_of_value) {
+    const DirichletSpec& entry = spec.dirichlet[key.first];
+    nodes.clear();
+    for (const auto dof : dofs) {
+      nodes.push_back(dof / space.components);
+    }
+    values.resize(dofs.size());
+    Pointwise value({&entry.value[key.second], 1});
+    value.evaluate(block_of_nodes(space, nodes), t, entry.origin, values);
+    for (std::size_t k = 0; k < dofs.size(); ++k) {
+      if (!std::isfinite(values[k])) {
+        throw_not_finite(entry.origin, "the imposed value", values[k], space.nodes[nodes[k]],
+                         space.mesh->dim, &t);
+      }
+      u[dofs[k]] = values[k];
+    }
+  }
+}
+
+Vector interpolate(const Space& space, std::span<const Expr> components, double t, Origin origin) {
+  Vector u = Vector::Zero(space.n_dofs());
+  if (components.empty()) {
+    return u;
+  }
+  if (components.size() != std::size_t(space.components)) {
+    throw Failure(FailureKind::bad_value, origin,
+                  fmt::format("{} expressions for a field with {} components", components.size(),
+                              space.components));
+  }
+  std::vector<std::int32_t> nodes(space.nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    nodes[i] = static_cast<std::int32_t>(i);
+  }
+  std::vector<double> values(nodes.size() * components.size());
+  Pointwise(components).evaluate(block_of_nodes(space, nodes), t, origin, values);
+  for (std::size_t c = 0; c < components.size(); ++c) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const double value = values[c * nodes.size() + i];
+      if (!std::isfinite(value)) {
+        throw_not_finite(origin, "the function", value, space.nodes[i], space.mesh->dim, &t);
+      }
+      u[space.dof(static_cast<int>(i), static_cast<int>(c))] = value;
+    }
+  }
+  return u;
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,109 @@
+// Straight-sided cells.
+#include "solver/fem/geometry.hpp"
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+/// Rows of J^-1 are the gradients of lambda_1 .. lambda_dim, with J's columns x_k - x_0.
+template <int dim>
+CellGeometry geometry_of(const Mesh& mesh, int cell) {
+  const auto& corners = mesh.cells[cell];
+  const Point& origin = mesh.nodes[corners[0]];
+  Eigen::Matrix<double, dim, dim> jacobian;
+  for (int k = 0; k < dim; ++k) {
+    const Point& corner = mesh.nodes[corners[k + 1]];
+    for (int j = 0; j < dim; ++j) {
+      jacobian(j, k) = corner[j] - origin[j];
+    }
+  }
+  constexpr double simplices_in_cube = dim == 3 ? 6.0 : dim; // dim!
+  CellGeometry geometry;
+  geometry.measure = jacobian.determinant() / simplices_in_cube;
+  const Eigen::Matrix<double, dim, dim> inverse = jacobian.inverse();
+  for (int k = 0; k < dim; ++k) {
+    for (int j = 0; j < dim; ++j) {
+      geometry.gradient[k + 1][j] = inverse(k, j);
+      geometry.gradient[0][j] -= inverse(k, j);
+    }
+  }
+  return geometry;
+}
+
+} // namespace
+
+CellGeometry cell_geometry(const Mesh& mesh, int cell) {
+  switch (mesh.dim) {
+  case 1:
+    return geometry_of<1>(mesh, cell);
+  case 2:
+    return geometry_of<2>(mesh, cell);
+  default:
+    return geometry_of<3>(mesh, cell);
+  }
+}
+
+Point point_in_cell(const Mesh& mesh, int cell, const Barycentric& point) {
+  Point x{};
+  for (int k = 0; k <= mesh.dim; ++k) {
+    const Point& corner = mesh.nodes[mesh.cells[cell][k]];
+    for (int j = 0; j < mesh.dim; ++j) {
+      x[j] += point[k] * corner[j];
+    }
+  }
+  return x;
+}
+
+std::array<int, 3> facet_in_cell(const Mesh& mesh, int facet) {
+  const Facet& f = mesh.facets[facet];
+  const auto& corners = mesh.cells[f.cell];
+  std::array<int, 3> local{-1, -1, -1};
+  for (int k = 0; k < mesh.dim; ++k) {
+    const auto place = std::find(corners.begin(), corners.begin() + mesh.dim + 1, f.nodes[k]);
+    local[k] = static_cast<int>(place - corners.begin());
+  }
+  return local;
+}
+
+void evaluate_shapes(const Space& space, const CellGeometry& geometry, const Barycentric& point,
+                     bool gradients, ShapeTable& shapes) {
+  const int dim = space.mesh->dim;
+  shapes.size = space.nodes_per_cell;
+  shapes.rows = gradients ? 1 + dim : 1;
+  lagrange_values(dim, space.order, point, shapes.row(0));
+  if (!gradients) {
+    return;
+  }
+  std::array<double, max_cell_nodes * 4> slopes;
+  lagrange_slopes(dim, space.order, point, slopes.data());
+  for (int j = 0; j < dim; ++j) {
+    double* row = shapes.row(1 + j);
+    for (int i = 0; i < shapes.size; ++i) {
+      double sum = 0.0;
+      for (int k = 0; k <= dim; ++k) {
+        sum += slopes[i * (dim + 1) + k] * geometry.gradient[k][j];
+      }
+      row[i] = sum;
+    }
+  }
+}
+
+Derivative decode(const Space& space, int index, Origin origin) {
+  const bool is_value = index >= 0 && index < 3;
+  const int component = is_value ? index : (index - 3) / 3;
+  const int direction = is_value ? 0 : (index - 3) % 3;
+  if (index < 0 || index >= 12 || component >= space.components || direction >= space.mesh->dim) {
+    throw Failure(FailureKind::bad_value, origin,
+                  fmt::format("derivative {} does not exist in a space with {} components in {} "
+                              "dimensions",
+                              index, space.components, space.mesh->dim));
+  }
+  return {component, is_value ? 0 : 1 + direction};
+}
+
+} // namespace hvi::solver

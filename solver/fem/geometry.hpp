@@ -1,0 +1,42 @@
+// Straight-sided cells: gradients of the barycentric coordinates, points, facets inside cells.
+#pragma once
+
+#include "solver/fem/element.hpp"
+#include "solver/fem/space.hpp"
+
+namespace hvi::solver {
+
+/// Affine map of one cell.
+struct CellGeometry {
+  double measure = 0.0;
+  std::array<std::array<double, 3>, 4> gradient{}; ///< of lambda_k, k <= dim
+};
+CellGeometry cell_geometry(const Mesh& mesh, int cell);
+
+/// The point of a cell with these barycentric coordinates.
+Point point_in_cell(const Mesh& mesh, int cell, const Barycentric& point);
+
+/// Which local vertices of facets[facet].cell the facet's vertices are.
+std::array<int, 3> facet_in_cell(const Mesh& mesh, int facet);
+
+/// Shape functions of the space at one point of a cell: row 0 the values, row 1 + j the derivatives
+/// d phi_i / d x_j; at(row, i) with i < size.
+struct ShapeTable {
+  int size = 0, rows = 1;
+  std::array<double, 4 * max_cell_nodes> data{};
+  double* row(int r) { return data.data() + r * max_cell_nodes; }
+  const double* row(int r) const { return data.data() + r * max_cell_nodes; }
+  double at(int r, int i) const { return row(r)[i]; }
+};
+/// Fills `shapes`; without `gradients` row 0 only.
+void evaluate_shapes(const Space& space, const CellGeometry& geometry, const Barycentric& point,
+                     bool gradients, ShapeTable& shapes);
+
+/// Row of a ShapeTable and component of a derivative index (slot::value, slot::gradient).
+struct Derivative {
+  int component, row;
+};
+/// Throws Failure(bad_value) for an index that a space of these dimensions does not have.
+Derivative decode(const Space& space, int index, Origin origin);
+
+} // namespace hvi::solver

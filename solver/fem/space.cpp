@@ -1,0 +1,216 @@
+// Nodes and connectivity of P1 and P2 spaces.
+#include "solver/fem/space.hpp"
+
+#include "solver/fem/element.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace hvi::solver {
+namespace {
+
+/// Numbers the edges of a mesh: for each vertex the edges to higher vertices, sorted.
+class EdgeNumbers {
+public:
+  explicit EdgeNumbers(const Mesh& mesh) : offsets_(mesh.nodes.size() + 1, 0) {
+    const auto& edges = simplex_edges(mesh.dim);
+    for_each_edge(mesh, edges, [&](int low, int) { ++offsets_[low + 1]; });
+    for (std::size_t i = 1; i < offsets_.size(); ++i) {
+      offsets_[i] += offsets_[i - 1];
+    }
+    ends_.resize(offsets_.back());
+    std::vector<std::int32_t> next(offsets_.begin(), offsets_.end() - 1);
+    for_each_edge(mesh, edges, [&](int low, int high) { ends_[next[low]++] = high; });
+    remove_repeats();
+  }
+  int count() const { return static_cast<int>(ends_.size()); }
+  int find(int a, int b) const {
+    const auto [low, high] = std::minmax(a, b);
+    const auto first = ends_.begin() + offsets_[low], last = ends_.begin() + offsets_[low + 1];
+    return static_cast<int>(std::lower_bound(first, last, high) - ends_.begin());
+  }
+  /// f(edge, low vertex, high vertex)
+  template <class F>
+  void for_all(F&& f) const {
+    for (int low = 0; low + 1 < static_cast<int>(offsets_.size()); ++low) {
+      for (int e = offsets_[low]; e < offsets_[low + 1]; ++e) {
+        f(e, low, ends_[e]);
+      }
+    }
+  }
+
+private:
+  template <class F>
+  static void for_each_edge(const Mesh& mesh, const std::vector<std::array<int, 2>>& edges, F&& f) {
+    for (const auto& cell : mesh.cells) {
+      for (const auto& [a, b] : edges) {
+        f(std::min(cell[a], cell[b]), std::max(cell[a], cell[b]));
+      }
+    }
+  }
+  void remove_repeats() {
+    std::int32_t kept = 0, begin = 0;
+    for (std::size_t i = 0; i + 1 < offsets_.size(); ++i) {
+      const std::int32_t end = offsets_[i + 1];
+      std::sort(ends_.begin() + begin, ends_.begin() + end);
+      const auto last = std::unique(ends_.begin() + begin, ends_.begin() + end);
+      const auto unique_end = static_cast<std::int32_t>(last - ends_.begin());
+      for (std::int32_t e = begin; e < unique_end; ++e) {
+        ends_[kept++] = ends_[e];
+      }
+      begin = end;
+      offsets_[i + 1] = kept;
+    }
+    ends_.resize(kept);
+  }
+  std::vector<std::int32_t> offsets_, ends_;
+};
+
+/// Appends the vertices of one cell or facet, and for P2 its edge nodes.
+void append_nodes(const Space& space, const EdgeNumbers* edges, int dim,
+                  const std::int32_t* corners, std::vector<std::int32_t>& out) {
+  out.insert(out.end(), corners, corners + dim + 1);
+  if (!edges) {
+    return;
+  }
+  const auto first = static_cast<std::int32_t>(space.mesh->nodes.size());
+  for (const auto& [a, b] : simplex_edges(dim)) {
+    out.push_back(first + edges->find(corners[a], corners[b]));
+  }
+}
+
+void append_connectivity(Space& space, const EdgeNumbers* edges) {
+  const Mesh& mesh = *space.mesh;
+  space.cell_nodes.reserve(mesh.cells.size() * space.nodes_per_cell);
+  for (const auto& cell : mesh.cells) {
+    append_nodes(space, edges, mesh.dim, cell.data(), space.cell_nodes);
+  }
+  for (const auto& facet : mesh.facets) {
+    append_nodes(space, edges, mesh.dim - 1, facet.nodes.data(), space.facet_nodes);
+  }
+}
+
+} // namespace
+
+NodeGraph make_node_graph(std::size_t n_nodes, std::span<const std::int32_t> element_nodes,
+                          int nodes_per_element) {
+  // Two passes: the elements of each node by counting, then for each node the distinct nodes of its
+  // elements (a mark per node instead of sorting pairs).
+  std::vector<std::int32_t> first(n_nodes + 1, 0), elements(element_nodes.size());
+  for (const auto node : element_nodes) {
+    ++first[node + 1];
+  }
+  for (std::size_t i = 0; i < n_nodes; ++i) {
+    first[i + 1] += first[i];
+  }
+  std::vector<std::int32_t> next(first.begin(), first.end() - 1);
+  for (std::size_t k = 0; k < element_nodes.size(); ++k) {
+    elements[next[element_nodes[k]]++] = static_cast<std::int32_t>(k / nodes_per_element);
+  }
+  NodeGraph graph;
+  graph.offsets.reserve(n_nodes + 1);
+  graph.offsets.push_back(0);
+  graph.neighbours.reserve(n_nodes * nodes_per_element * 3);
+  std::vector<std::int32_t> mark(n_nodes, -1);
+  for (std::size_t i = 0; i < n_nodes; ++i) {
+    const auto begin = graph.neighbours.size();
+    for (auto e = first[i]; e < first[i + 1]; ++e) {
+      const auto* nodes = element_nodes.data() + std::size_t(elements[e]) * nodes_per_element;
+      for (int k = 0; k < nodes_per_element; ++k) {
+        if (mark[nodes[k]] == static_cast<std::int32_t>(i)) {
+          continue;
+        }
+        mark[nodes[k]] = static_cast<std::int32_t>(i);
+        graph.neighbours.push_back(nodes[k]);
+      }
+    }
+    std::sort(graph.neighbours.begin() + static_cast<std::ptrdiff_t>(begin),
+              graph.neighbours.end());
+    graph.offsets.push_back(static_cast<std::int32_t>(graph.neighbours.size()));
+  }
+  return graph;
+}
+
+double PartIndicators::value(int part, Group::Kind kind, int entity, int cell) const {
+  const Part& p = parts[static_cast<std::size_t>(part)];
+  if (p.kind == kind) {
+    return p.inside[entity];
+  }
+  return p.kind == Group::Kind::cells ? p.inside[cell] : 0.0;
+}
+
+std::shared_ptr<const PartIndicators> make_indicators(const Mesh& mesh,
+                                                      std::span<const Region> parts) {
+  auto indicators = std::make_shared<PartIndicators>();
+  for (const Region& region : parts) {
+    const std::size_t size = region.kind == Group::Kind::cells    ? mesh.cells.size()
+                             : region.kind == Group::Kind::facets ? mesh.facets.size()
+                                                                  : mesh.nodes.size();
+    std::vector<std::uint8_t> inside(size, 0);
+    for (const auto entity : region.entities) {
+      inside[entity] = 1;
+    }
+    indicators->parts.push_back({region.kind, std::move(inside)});
+  }
+  return indicators;
+}
+
+Space make_space(const Mesh& mesh, int order, int components, std::span<const Region> parts) {
+  if (order < 1 || order > 2 || components < 1 || components > 3) {
+    throw std::invalid_argument("a space is P1 or P2 with one to three components");
+  }
+  Space space;
+  space.mesh = &mesh;
+  space.order = order;
+  space.components = components;
+  space.nodes = mesh.nodes;
+  space.nodes_per_cell = lagrange_size(mesh.dim, order);
+  space.nodes_per_facet = lagrange_size(mesh.dim - 1, order);
+  if (order == 1) {
+    append_connectivity(space, nullptr);
+  } else {
+    const EdgeNumbers edges(mesh);
+    space.nodes.resize(mesh.nodes.size() + edges.count());
+    edges.for_all([&](int edge, int a, int b) {
+      Point& middle = space.nodes[mesh.nodes.size() + edge];
+      for (int j = 0; j < 3; ++j) {
+        middle[j] = 0.5 * (mesh.nodes[a][j] + mesh.nodes[b][j]);
+      }
+    });
+    append_connectivity(space, &edges);
+  }
+  space.graph = std::make_shared<const NodeGraph>(
+      make_node_graph(space.nodes.size(), space.cell_nodes, space.nodes_per_cell));
+  space.indicators = make_indicators(mesh, parts);
+  return space;
+}
+
+std::vector<std::int32_t> nodes_on(const Space& space, const Region& region) {
+  if (region.kind == Group::Kind::points) {
+    return region.entities;
+  }
+  std::vector<std::int32_t> nodes;
+  for (const auto entity : region.entities) {
+    const auto of_entity = region.kind == Group::Kind::cells ? space.nodes_of_cell(entity)
+                                                             : space.nodes_of_facet(entity);
+    nodes.insert(nodes.end(), of_entity.begin(), of_entity.end());
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+std::string describe_point(const Point& point, int dim) {
+  return fmt::format("({:.6g})", fmt::join(point.begin(), point.begin() + dim, ", "));
+}
+
+std::string describe_dof(const Space& space, int dof) {
+  const auto& node = space.nodes[static_cast<std::size_t>(dof / space.components)];
+  const std::string name =
+      space.components == 1 ? "u" : fmt::format("u_{}", "xyz"[dof % space.components]);
+  return name + " at node " + describe_point(node, space.mesh->dim);
+}
+
+} // namespace hvi::solver
