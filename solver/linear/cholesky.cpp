@@ -34,6 +34,7 @@ public:
   void reduce(const Vector& b, Vector& r) override;
   void back(const Vector& c, Vector& x) override;
   void solve(const Vector& b, Vector& x) override;
+  bool sweep_in(SweepStorage storage) override;
   const DenseMatrix& schur() const override;
   const DenseMatrix& schur_factor() const override { return l22_; }
   const FactorStatistics& statistics() const override { return statistics_; }
@@ -43,6 +44,7 @@ private:
   void check_contact_last(std::span<const int> contact) const;
   void check_pivots(const SparseMatrix& k);
   void read_trailing_block();
+  void round_to_single();
   [[noreturn]] void fail_at(int position, double pivot) const;
   const double* values() const { return static_cast<const double*>(l_->x); }
 
@@ -55,6 +57,8 @@ private:
   bool factored_ = false;
   std::vector<int> permutation_; ///< position -> unknown
   Supernodes supernodes_;
+  SweepStorage storage_ = SweepStorage::full;
+  std::vector<float> single_;            ///< the values of L once more, if swept in single
   std::vector<double> inverse_diagonal_; ///< of L, interior
   std::vector<double> y_, x_;            ///< the sweeps' vectors, in the order of elimination
   DenseMatrix l22_;
@@ -120,6 +124,7 @@ void Cholesky::factor(const SparseMatrix& k) {
   check_pivots(k);
   read_trailing_block();
   statistics_.reciprocal_condition = cholmod_l_rcond(l_, common);
+  if (storage_ == SweepStorage::single) round_to_single();
   statistics_.seconds_factor = seconds_since(start);
   factored_ = true;
 }
@@ -171,6 +176,28 @@ void Cholesky::read_trailing_block() {
   }
 }
 
+bool Cholesky::sweep_in(SweepStorage storage) {
+  storage_ = storage;
+  if (storage == SweepStorage::full)
+    single_ = {};
+  else if (factored_)
+    round_to_single();
+  return storage_ == storage;
+}
+
+/// Copies L in single precision; falls back to `full` where an entry would overflow.
+void Cholesky::round_to_single() {
+  single_.resize(l_->xsize);
+  float largest = 0.0F;
+  for (std::size_t at = 0; at < single_.size(); ++at) {
+    single_[at] = static_cast<float>(values()[at]);
+    largest = std::max(largest, std::abs(single_[at]));
+  }
+  if (std::isfinite(largest)) return;
+  storage_ = SweepStorage::full;
+  single_ = {};
+}
+
 const DenseMatrix& Cholesky::schur() const {
   if (!schur_ready_) {
     const OneBlasThread one_thread;
@@ -185,7 +212,11 @@ const DenseMatrix& Cholesky::schur() const {
 void Cholesky::reduce(const Vector& b, Vector& r) {
   if (!factored_) throw std::logic_error("reduce before a successful factorisation");
   for (int position = 0; position < size_; ++position) y_[position] = b[permutation_[position]];
-  supernodes_.forward(values(), inverse_diagonal_.data(), y_.data());
+  const double* inverse = inverse_diagonal_.data();
+  if (storage_ == SweepStorage::single)
+    supernodes_.forward(single_.data(), inverse, y_.data());
+  else
+    supernodes_.forward(values(), inverse, y_.data());
   r.resize(size_ - interior_);
   std::copy(y_.begin() + interior_, y_.end(), r.data());
   ++statistics_.sweeps;
@@ -194,7 +225,11 @@ void Cholesky::reduce(const Vector& b, Vector& r) {
 void Cholesky::back(const Vector& c, Vector& x) {
   if (!factored_) throw std::logic_error("back before a successful factorisation");
   std::copy_n(c.data(), size_ - interior_, x_.begin() + interior_);
-  supernodes_.backward(values(), inverse_diagonal_.data(), y_.data(), x_.data());
+  const double* inverse = inverse_diagonal_.data();
+  if (storage_ == SweepStorage::single)
+    supernodes_.backward(single_.data(), inverse, y_.data(), x_.data());
+  else
+    supernodes_.backward(values(), inverse, y_.data(), x_.data());
   x.resize(size_);
   for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
   ++statistics_.sweeps;

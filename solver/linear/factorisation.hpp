@@ -34,6 +34,14 @@ struct NotFactorable : Failure {
   double pivot; ///< the pivot relative to the diagonal entry of K; NaN if it was not finite
 };
 
+/// How the two sweeps read the factor. A sweep is bound by memory: `single` halves what it reads.
+/// The arithmetic is double and S stays exact, but L_II and L_cI are rounded to 24 bits, so that a
+/// sweep has a relative error of about 1e-7 times the growth of the matrix. It pays where only a
+/// small correction is solved for and the true residual is known: with a guess x* (the last
+/// increments, extrapolated) and b* = b - K x*,
+///     reduce(b*) -> r*,  r = r* + S c*,  the reduced problem gives c,  back(c - c*) -> x - x*.
+enum class SweepStorage { full, single };
+
 class Factorisation {
 public:
   virtual ~Factorisation() = default;
@@ -46,6 +54,9 @@ public:
   virtual void back(const Vector& c, Vector& x) = 0;
   /// x = K^-1 b, both sweeps with S c = r solved exactly.
   virtual void solve(const Vector& b, Vector& x) = 0;
+  /// Chooses how the sweeps read this and later factors; false when it cannot be had (LU, or
+  /// entries beyond the range of float), and then the storage is `full`.
+  virtual bool sweep_in(SweepStorage storage) = 0;
   /// The Schur complement S, n_c by n_c. For Cholesky it is L22 L22^T, read off the factor.
   virtual const DenseMatrix& schur() const = 0;
   /// Lower Cholesky factor L22 of S (empty for LU).

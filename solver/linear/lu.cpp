@@ -78,6 +78,7 @@ public:
   void reduce(const Vector& b, Vector& r) override;
   void back(const Vector& c, Vector& x) override;
   void solve(const Vector& b, Vector& x) override;
+  bool sweep_in(SweepStorage storage) override { return storage == SweepStorage::full; }
   const DenseMatrix& schur() const override { return schur_; }
   const DenseMatrix& schur_factor() const override { return no_factor_; }
   const FactorStatistics& statistics() const override { return statistics_; }

@@ -138,6 +138,47 @@ TEST(Factorisation, AgreesWithDenseAlgebraOnUnsymmetricMatrices) {
   check_against_dense(with_skew_part(plane.k, 0.3, 1), plane.contact, false);
 }
 
+// A sweep in single precision solves for a correction; two of them reach full accuracy.
+TEST(Factorisation, RefinesWithAFactorInSinglePrecision) {
+  for (const Problem& problem : {slab(24), cube(7)}) {
+    const auto factorisation = analyse(problem.k, problem.contact, true);
+    factorisation->factor(problem.k);
+    const Vector b = random_vector(problem.k.rows(), 11);
+    Vector exact, x = Vector::Zero(problem.k.rows()), correction;
+    factorisation->solve(b, exact);
+    ASSERT_TRUE(factorisation->sweep_in(SweepStorage::single));
+    double last = exact.norm();
+    for (const double bound : {1e-4, 1e-8, 1e-12}) {
+      factorisation->solve(b - problem.k * x, correction);
+      x += correction;
+      const double error = (x - exact).norm();
+      EXPECT_LT(error, bound * exact.norm());
+      EXPECT_LT(error, last);
+      last = error;
+    }
+    factorisation->solve(b, x);
+    EXPECT_GT((x - exact).norm(), 1e-12 * exact.norm()) << "not swept in single precision";
+    factorisation->factor(problem.k); // keeps the choice
+    factorisation->solve(b, correction);
+    EXPECT_EQ((x - correction).norm(), 0.0);
+    EXPECT_TRUE(factorisation->sweep_in(SweepStorage::full));
+    factorisation->solve(b, x);
+    EXPECT_EQ((x - exact).norm(), 0.0);
+  }
+}
+
+TEST(Factorisation, FallsBackWhereSinglePrecisionOverflows) {
+  const SparseMatrix huge = 1e80 * grid_laplacian(6);
+  const auto factorisation = analyse(huge, {}, true);
+  factorisation->factor(huge);
+  EXPECT_FALSE(factorisation->sweep_in(SweepStorage::single));
+  Vector x;
+  const Vector b = Vector::Ones(36);
+  factorisation->solve(1e80 * b, x);
+  EXPECT_LT((grid_laplacian(6) * x - b).norm(), 1e-13);
+  EXPECT_FALSE(analyse(huge, {}, false)->sweep_in(SweepStorage::single));
+}
+
 TEST(Factorisation, CholeskyAndLuAgree) {
   const Problem plane = slab(12);
   const auto cholesky = analyse(plane.k, plane.contact, true);
