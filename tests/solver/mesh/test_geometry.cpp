@@ -103,16 +103,16 @@ TEST(Geometry, IsDeterministic) {
   EXPECT_EQ(a.cells, b.cells);
 }
 
-/// The longest edge that ends at a point.
+/// The longest edge of the boundary that ends at a point (inside, gmsh lets cells grow faster).
 double size_at(const Mesh& mesh, const Point& p) {
   const auto distance = [](const Point& a, const Point& b) {
     return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
   };
   double size = 0;
-  for (const auto& c : mesh.cells)
-    for (int i = 0; i <= mesh.dim; ++i)
-      for (int j = 0; j <= mesh.dim && distance(mesh.nodes[c[i]], p) < 1e-9; ++j)
-        size = std::max(size, distance(mesh.nodes[c[j]], p));
+  for (const auto& f : mesh.facets)
+    for (int i = 0; i < mesh.dim; ++i)
+      for (int j = 0; j < mesh.dim && distance(mesh.nodes[f.nodes[i]], p) < 1e-9; ++j)
+        size = std::max(size, distance(mesh.nodes[f.nodes[j]], p));
   return size;
 }
 
@@ -124,7 +124,7 @@ TEST(Geometry, FineSizeActsAtItsPlace) {
   }
   EXPECT_GT(mesh_quality(corners).h, 0.1);
   const Mesh pole = generate_geometry("half_ball", {1, 0.4, 0.03});
-  EXPECT_LT(size_at(pole, {0, 0, 0}), 0.06);
+  EXPECT_LT(size_at(pole, {0, 0, 0}), 0.045);
   EXPECT_GT(size_at(pole, {0, 0, 0}), 0) << "the pole is a node";
   ASSERT_EQ(pole.groups.at("pole").entities.size(), 1U);
   const Point& at = pole.nodes[pole.groups.at("pole").entities[0]];

@@ -1,0 +1,20 @@
+// A box of two halves: cells, sides, a seam, an edge and a corner have names; one side a bare tag.
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 1, 1, 1};
+Box(2) = {1, 0, 0, 1, 1, 1};
+Coherence;
+MeshSize{ PointsOf{ Volume{:}; } } = 0.7;
+Physical Volume("soft") = {1};
+Physical Volume("hard") = {2};
+left() = Surface In BoundingBox{-.1, -.1, -.1, .1, 1.1, 1.1};
+seam() = Surface In BoundingBox{.9, -.1, -.1, 1.1, 1.1, 1.1};
+ground() = Surface In BoundingBox{-.1, -.1, -.1, 2.1, .1, 1.1};
+right() = Surface In BoundingBox{1.9, -.1, -.1, 2.1, 1.1, 1.1};
+rail() = Curve In BoundingBox{-.1, -.1, -.1, 2.1, .1, .1};
+corner() = Point In BoundingBox{-.1, -.1, -.1, .1, .1, .1};
+Physical Surface("left") = left();
+Physical Surface("seam") = seam();
+Physical Surface("ground") = ground();
+Physical Surface(7) = right();
+Physical Curve("rail") = rail();
+Physical Point("corner") = corner();
