@@ -69,7 +69,9 @@ struct Binary {
 /// | condition -> value ... | otherwise -> value
 struct Cases {
   std::vector<Case> cases; // at least one
+  Span otherwise_bar;
   Span otherwise_word;
+  Span otherwise_arrow;
   Box<Expr> otherwise;
 };
 
@@ -129,6 +131,7 @@ struct Compare {
 
 /// inside(part)
 struct Inside {
+  Span word;
   Name part;
 };
 
@@ -330,8 +333,10 @@ struct Find {
   Span keyword;
   Name unknown;
   Name space;
+  Span with_word; // of the imposed values; invalid when there are none
   std::vector<ImposedValue> imposed;
   std::optional<TimeClause> time;
+  Span using_word; // of the settings; invalid when there are none
   std::vector<Setting> settings;
   Span such_that;
   Name test;
@@ -411,6 +416,7 @@ struct Study {
   Span span;
   Span keyword;
   std::vector<Ladder> ladders;
+  Span against_word;
   StudyReference reference = StudyReference::finest;
   Span reference_word;
   std::optional<Expr> exact; // present for StudyReference::exact

@@ -126,7 +126,7 @@ ast::Condition Parser::inside() {
   ast::Name part = name("the name of a part");
   if (!at(TokenKind::close_paren)) fail_unclosed(open, TokenKind::close_paren);
   take();
-  return make_condition(ast::Inside{std::move(part)}, span_from(first));
+  return make_condition(ast::Inside{first, std::move(part)}, span_from(first));
 }
 
 ast::Condition Parser::comparison() {

@@ -18,10 +18,14 @@ bool is_closing(TokenKind kind) {
 } // namespace
 
 void Parser::report(Diagnostic diagnostic) {
-  // A lexical error left something out of this statement: what is missing now is that.
-  const std::uint32_t begin = statement_begin_ > 0 ? tokens_[statement_begin_ - 1].span.end : 0;
-  const auto first = std::lower_bound(damage_.begin(), damage_.end(), begin);
-  if (first != damage_.end() && *first <= peek().span.end) return;
+  // A lexical error left something out of this statement: what is missing now is that. Behind a
+  // statement word the damage counts from there, else from the end of the statement before.
+  const Token& first = tokens_[statement_begin_];
+  const bool from_word = is_statement_word(first.kind) || statement_begin_ == 0;
+  const std::uint32_t begin =
+      from_word ? first.span.begin : tokens_[statement_begin_ - 1].span.end + 1;
+  const auto damage = std::lower_bound(damage_.begin(), damage_.end(), begin);
+  if (damage != damage_.end() && *damage <= peek().span.end) return;
   diagnostics_.add(std::move(diagnostic));
 }
 
@@ -81,9 +85,11 @@ bool Parser::at_decimal_comma() const {
 void Parser::fail_decimal_comma() {
   const std::string whole(text(previous()));
   const std::string rest(text(peek(1)));
+  // 1,000 may be a thousand; 0,5 and 1,25 are not.
+  const std::string thousands = rest.size() == 3 ? " or `" + whole + rest + "`" : "";
   fail(diagnose("E0218", join(previous().span, peek(1).span), "a number with a comma")
            .with_label("a number has a decimal point and no separators")
-           .with_help("write `" + whole + "." + rest + "` or `" + whole + rest + "`"));
+           .with_help("write `" + whole + "." + rest + "`" + thousands));
 }
 
 void Parser::fail_on_known_slip() {

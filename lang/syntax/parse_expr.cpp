@@ -74,14 +74,14 @@ ast::Expr Parser::cases() {
              .with_secondary(first, "the cases begin here")
              .with_help("the last case says what holds everywhere else"));
   if (result.cases.empty())
-    fail(diagnose("E0237", peek(1).span, "`otherwise` stands alone")
+    fail(diagnose("E0229", peek(1).span, "`otherwise` stands alone")
              .with_help("without a condition before it, write the value itself"));
-  take();
+  result.otherwise_bar = take().span;
   result.otherwise_word = take().span;
-  expect(TokenKind::arrow);
+  result.otherwise_arrow = expect(TokenKind::arrow).span;
   result.otherwise = sum();
   if (at(TokenKind::bar))
-    fail(diagnose("E0237", peek().span, "a case behind `otherwise`")
+    fail(diagnose("E0229", peek().span, "a case behind `otherwise`")
              .with_secondary(result.otherwise_word, "this takes everything that is left")
              .with_help("move the `otherwise` line to the end"));
   return make(std::move(result), span_from(first));

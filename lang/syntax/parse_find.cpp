@@ -35,6 +35,7 @@ ast::Find Parser::find() {
   relation(result);
   result.right = form();
   if (at(TokenKind::colon) || is_comparison(peek().kind)) fail_expected("`+`, `-` or the end");
+  if (spoilt_) throw Abandoned{};
   result.span = span_from(result.keyword);
   return result;
 }
@@ -92,7 +93,7 @@ void Parser::such_that(ast::Find& find) {
 }
 
 void Parser::imposed_values(ast::Find& find) {
-  take();
+  find.with_word = take().span;
   do find.imposed.push_back(imposed_value());
   while (accept(TokenKind::comma));
 }
@@ -142,7 +143,7 @@ ast::TimeClause Parser::time_clause() {
 }
 
 void Parser::settings(ast::Find& find) {
-  take();
+  find.using_word = take().span;
   do {
     ast::Setting& setting = find.settings.emplace_back();
     setting.name = name("the name of a setting");
@@ -183,10 +184,14 @@ ast::Form Parser::form() {
   ast::Form result;
   const Span first = peek().span;
   const auto signed_term = [&](bool minus, const Span& sign) {
-    ast::FormTerm term = form_term();
-    term.minus = minus;
-    term.sign = sign;
-    result.terms.push_back(std::move(term));
+    try {
+      ast::FormTerm term = form_term();
+      term.minus = minus;
+      term.sign = sign;
+      result.terms.push_back(std::move(term));
+    } catch (const Abandoned&) {
+      recover_in_form();
+    }
   };
   const bool minus = at(TokenKind::minus);
   signed_term(minus, minus ? take().span : Span{});
@@ -196,6 +201,19 @@ ast::Form Parser::form() {
   }
   result.span = span_from(first);
   return result;
+}
+
+// A wrong term hides neither the next term nor the other side.
+void Parser::recover_in_form() {
+  spoilt_ = true;
+  in_integral_ = false;
+  open_.clear();
+  for (; !at(TokenKind::end) && !begins_statement(at_); take()) {
+    const bool sign = at(TokenKind::plus) || at(TokenKind::minus);
+    if (sign && at_word("integral", 1)) return;
+    if (at(TokenKind::greater_equal) || (at(TokenKind::equal) && at_word("integral", 1))) return;
+  }
+  throw Abandoned{};
 }
 
 // form-term = { factor "*" } "integral" "(" name "," expr { "," name "=" expr } ")" | "0" ;

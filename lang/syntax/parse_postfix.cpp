@@ -168,11 +168,11 @@ ast::Expr Parser::clarke_tail(ast::Expr law) {
   result.op = open.span;
   result.at = expr();
   if (at(TokenKind::comma))
-    fail(diagnose("E0231", peek().span, "point and direction are separated by `;`")
+    fail(diagnose("E0228", peek().span, "point and direction are separated by `;`")
              .with_label("write `;`")
              .with_help("`j^0(u; v)` is the derivative of j at u in the direction v"));
   if (at(TokenKind::close_paren))
-    fail(diagnose("E0231", peek().span, "the direction is missing")
+    fail(diagnose("E0228", peek().span, "the direction is missing")
              .with_label("expected `; direction`")
              .with_help("`j^0(u; v)` is the derivative of j at u in the direction v"));
   if (!at(TokenKind::semicolon)) fail_unclosed(open, TokenKind::semicolon);

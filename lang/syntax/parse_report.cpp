@@ -7,10 +7,27 @@ namespace hvi::lang {
 ast::Report Parser::report_statement() {
   ast::Report result;
   result.keyword = take().span;
-  do result.items.push_back(report_item());
-  while (at_report_item());
+  do {
+    try {
+      result.items.push_back(report_item());
+    } catch (const Abandoned&) {
+      recover_in_report();
+    }
+  } while (at_report_item());
+  if (spoilt_) throw Abandoned{};
   result.span = span_from(result.keyword);
   return result;
+}
+
+// A wrong item does not hide the items on the lines below.
+void Parser::recover_in_report() {
+  spoilt_ = true;
+  open_.clear();
+  while (!at(TokenKind::end) && !begins_statement(at_)) {
+    if (at_report_item() && peek().first_on_line) return;
+    take();
+  }
+  throw Abandoned{};
 }
 
 bool Parser::at_report_item() const {
@@ -123,7 +140,7 @@ ast::Study Parser::study() {
   expect_word("vary");
   do result.ladders.push_back(ladder());
   while (accept(TokenKind::and_));
-  expect_word("against");
+  result.against_word = expect_word("against").span;
   result.reference_word = peek().span;
   if (accept_word("richardson")) {
     result.reference = ast::StudyReference::richardson;

@@ -76,6 +76,7 @@ ast::Program Parser::program() {
     declared_.clear();
     open_.clear();
     in_integral_ = false;
+    spoilt_ = false;
     try {
       if (auto read = statement()) program.statements.push_back(std::move(*read));
     } catch (const Abandoned&) {

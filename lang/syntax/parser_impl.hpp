@@ -111,6 +111,7 @@ private:
   void settings(ast::Find& find);
   void relation(ast::Find& find);
   ast::Form form();
+  void recover_in_form();
   ast::FormTerm form_term();
   ast::Integral integral();
   void check_after_integral();
@@ -119,6 +120,7 @@ private:
 
   // --- results (parse_report.cpp)
   ast::Report report_statement();
+  void recover_in_report();
   ast::ReportItem report_item();
   [[nodiscard]] bool at_report_item() const;
   ast::TableItem table_item();
@@ -175,6 +177,7 @@ private:
   std::size_t at_ = 0;
   std::size_t statement_begin_ = 0; // token index
   int nesting_ = 0;
+  bool spoilt_ = false;             // a part of the statement was left out after an error
   bool in_integral_ = false;        // within the integrand of a form
   std::vector<Token> open_;         // brackets not closed yet
   std::vector<ast::Name> declared_; // by the statement being read
