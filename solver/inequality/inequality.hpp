@@ -24,6 +24,9 @@ public:
   virtual int size() const = 0;
   virtual bool symmetric() const = 0;
   virtual void apply(const Vector& c, Vector& out) const = 0;
+  /// out = S c and magnitude_i = sum_j |S_ij c_j|, the scale of rounding in out_i.
+  virtual void apply_with_magnitude(const Vector& c, Vector& out, Vector& magnitude) const = 0;
+  virtual Vector diagonal() const = 0;
   /// Factors S + H for a symmetric H = sum_p w_p G_p^T D_p G_p given as a sparse matrix with a
   /// pattern inside that of G^T G. False when the result is not (positive definite and) regular.
   virtual bool factor(const SparseMatrix& h) = 0;
@@ -34,29 +37,29 @@ std::unique_ptr<ReducedOperator> sparse_operator(const SparseMatrix& k, bool sym
 
 /// One quadrature point of one law.
 struct ContactPoint {
-  int law = 0;          ///< index into ReducedProblem::laws
-  int application = 0;  ///< which term of the form (for reports)
-  int first_row = 0;    ///< its rows of G: first_row .. first_row + rows
+  int law = 0;         ///< index into ReducedProblem::laws
+  int application = 0; ///< which term of the form (for reports)
+  int first_row = 0;   ///< its rows of G: first_row .. first_row + rows
   int rows = 1;
-  double weight = 0.0;  ///< quadrature weight times the factor before the integral, > 0
-  int graph = 0;        ///< index into ReducedProblem::graphs
+  double weight = 0.0; ///< quadrature weight times the factor before the integral, > 0
+  int graph = 0;       ///< index into ReducedProblem::graphs
 };
 
 struct ReducedProblem {
   std::vector<const Law*> laws;
-  std::vector<LawGraph> graphs;       ///< shared by the points of a law that depends on neither x nor t
+  std::vector<LawGraph> graphs; ///< shared by the points of a law that depends on neither x nor t
   std::vector<ContactPoint> points;
-  SparseMatrix g;                     ///< rows of all points by contact unknowns
-  Vector offset;                      ///< known part of z, a row each: set before every step
+  SparseMatrix g; ///< rows of all points by contact unknowns
+  Vector offset;  ///< known part of z, a row each: set before every step
 };
 
 enum class Branch { continuing, release, least_energy };
 
 struct InequalityOptions {
-  double tolerance = 1e-10;      ///< of the certificate
+  double tolerance = 1e-10; ///< of the certificate
   int max_iterations = 200;
   Branch branch = Branch::continuing;
-  bool force_fallback = false;   ///< tests: the globally convergent method only
+  bool force_fallback = false; ///< tests: the globally convergent method only
 };
 
 /// What a solve did. `events` counts points that crossed a downward jump (release).
@@ -64,18 +67,20 @@ struct InequalityReport {
   bool converged = false;
   int iterations = 0, factorisations = 0;
   bool used_fallback = false;
-  double inclusion = 0.0;        ///< worst scaled distance of (z_p, xi_p) to the graph
-  double residual = 0.0;         ///< componentwise backward error of the contact rows
+  double inclusion = 0.0; ///< worst scaled distance of (z_p, xi_p) to the graph
+  double residual = 0.0;  ///< componentwise backward error of the contact rows
   int worst_point = -1;
   int events = 0;
-  std::string verdict;           ///< a sentence when not converged
+  std::string verdict; ///< a sentence when not converged
 };
 
 /// The state that is carried from step to step: warm start and multipliers.
 struct InequalityState {
-  Vector c;               ///< contact unknowns (of the equation above: total or increment)
-  Vector xi;              ///< multipliers, a row each
-  std::vector<int> state; ///< per point: 2 i for "inside piece i", 2 i + 1 for "at break i"
+  Vector c;  ///< contact unknowns (of the equation above: total or increment)
+  Vector xi; ///< multipliers, a row each
+  /// Per point: 2 i for "inside piece i", 2 i + 1 for "at break i", -1 for the origin of a radial
+  /// law.
+  std::vector<int> state;
 };
 
 class InequalitySolver {

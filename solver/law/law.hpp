@@ -5,6 +5,7 @@
 #include "solver/kernel/expr.hpp"
 #include "solver/mesh/mesh.hpp"
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <string>
@@ -25,11 +26,21 @@ struct LawSpec {
 /// The graph of r -> dj(r) at one point of space and time, jumps filled in. Piece i is smooth on
 /// [breaks[i-1], breaks[i]]; at breaks[i] the subdifferential is the interval between the limits.
 /// For a radial law r >= 0 and at r = 0 the subdifferential is the ball of radius |slope(0+)|.
+/// Breaks of a radial law are > 0: its origin is a state of its own, not a break.
 struct LawGraph {
+  /// Piece i as the solvers evaluate it: a polynomial sum a[k] (r - centre)^k of degree <= 5 where
+  /// the slope is one at this x and t, else (degree -1) the compiled expression. The primitive of
+  /// a piece vanishes at its centre, except for a law by potential that is no polynomial.
+  struct Smooth {
+    int degree = -1;
+    double centre = 0.0;
+    std::array<double, 6> a{};
+  };
+  std::vector<Smooth> smooth;
   std::vector<double> breaks;
-  std::vector<int> functions;       ///< which smooth function of the law piece i uses
-  std::vector<double> left, right;  ///< slope limits at breaks[i]
-  std::vector<double> offsets;      ///< potential of piece i = its primitive + offsets[i]
+  std::vector<int> functions;      ///< which smooth function of the law piece i uses
+  std::vector<double> left, right; ///< slope limits at breaks[i]
+  std::vector<double> offsets;     ///< potential of piece i = its primitive + offsets[i]
   Point x{};
   double t = 0.0;
   int pieces() const { return static_cast<int>(functions.size()); }
@@ -37,14 +48,14 @@ struct LawGraph {
 
 /// Where a law's numbers hold, and how they were found.
 struct LawConstants {
-  double m = 0.0;                ///< steepest descent of the slope, m_J of H(J)(iii); inf at a downward jump
-  double c = 0.0;                ///< growth: |xi| <= c (1 + |r|), c_J of H(J)(ii); inf if superlinear
-  double steepest_ascent = 0.0;  ///< sup of the slope's derivative; inf at an upward jump
-  double slope_scale = 0.0;      ///< a typical |xi|: scales the certificate
-  bool exact = false;            ///< by symbolic derivative and interval bound; else sampled
-  bool clarke_regular = true;    ///< j or -j regular (finite m: always, since j + m r^2/2 is convex)
-  bool convex = false;           ///< m == 0
-  double worst_at = 0.0;         ///< an argument where m is (nearly) attained
+  double m = 0.0; ///< steepest descent of the slope, m_J of H(J)(iii); inf at a downward jump
+  double c = 0.0; ///< growth: |xi| <= c (1 + |r|), c_J of H(J)(ii); inf if superlinear
+  double steepest_ascent = 0.0; ///< sup of the slope's derivative; inf at an upward jump
+  double slope_scale = 0.0;     ///< a typical |xi|: scales the certificate
+  bool exact = false;           ///< by symbolic derivative and interval bound; else sampled
+  bool clarke_regular = true;   ///< j or -j regular (finite m: always, since j + m r^2/2 is convex)
+  bool convex = false;          ///< m == 0
+  double worst_at = 0.0;        ///< an argument where m is (nearly) attained
 };
 
 class Law {
@@ -65,6 +76,16 @@ public:
   double slope(const LawGraph& graph, int piece, double r) const;
   double curvature(const LawGraph& graph, int piece, double r) const; ///< d slope / dr
   double potential(const LawGraph& graph, int piece, double r) const;
+  /// Slope and curvature in one evaluation: what a Newton step asks for.
+  void slope_and_curvature(const LawGraph& graph, int piece, double r, double& slope,
+                           double& curvature) const;
+  /// Range of the curvature on the part [low, high] of a piece (either end may be infinite).
+  struct CurvatureRange {
+    double low = 0.0, high = 0.0;
+    double low_at = 0.0; ///< where `low` is (nearly) attained
+    bool exact = true;   ///< closed form or interval bound; else sampled
+  };
+  CurvatureRange curvature_range(const LawGraph& graph, int piece, double low, double high) const;
 
   LawConstants constants(const Point& x, double t) const;
 
@@ -73,6 +94,9 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
+/// End points of piece i: -inf and inf outside the breaks; a radial law starts at 0.
+double piece_low(const LawGraph& graph, int piece, bool radial);
+double piece_high(const LawGraph& graph, int piece);
 /// The piece that holds r (the lower one at a break).
 int piece_of(const LawGraph& graph, double r);
 /// dj(r) as an interval [low, high] (scalar laws; for radial laws at r > 0 the radial slope).

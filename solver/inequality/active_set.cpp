@@ -1,0 +1,110 @@
+// Semismooth Newton on graph states (engine.hpp).
+//
+// Each point stands on a point (z_hat, xi_hat) of its component's graph with a stiffness D. One
+// step solves  (S + sum w G^T D G) dc = r - S c - G^T W (xi_hat + D (z - z_hat)), and the resolvent
+// of z + gamma (xi + m z) gives every point its next place. When the places stay, what is left is
+// Newton's method for smooth slopes; with affine pieces the first step is exact.
+#include "solver/inequality/engine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace hvi::solver {
+
+namespace {
+
+std::uint64_t hash_of(const std::vector<int>& state) {
+  std::uint64_t h = 1469598103934665603ULL;
+  for (const int v : state) h = (h ^ static_cast<std::uint64_t>(v + 1)) * 1099511628211ULL;
+  return h;
+}
+
+} // namespace
+
+/// H from the stiffnesses; factors S + H unless that is what is factored already.
+bool InequalityEngine::factor_if_needed() {
+  if (factored && d == d_factored) return true;
+  double* values = h.valuePtr();
+  std::fill(values, values + h.nonZeros(), 0.0);
+  for (int p = 0; p < n_points; ++p)
+    for (int k = first_contribution[p]; k < first_contribution[p + 1]; ++k) {
+      const Contribution& q = contributions[k];
+      values[q.value] += q.coefficient * d[p][q.entry];
+    }
+  ++report.factorisations;
+  factored = op.factor(h);
+  d_factored = d;
+  return factored;
+}
+
+double InequalityEngine::residual_ratio(const Vector& x) {
+  gather(x);
+  gather_magnitude(x);
+  double worst = 0.0;
+  for (int i = 0; i < n; ++i) {
+    residual[i] = (*rhs)[i] - sc[i] - force[i];
+    const double size = std::abs((*rhs)[i]) + magnitude[i] + force_magnitude[i];
+    const double ratio = residual[i] == 0.0 ? 0.0 : std::abs(residual[i]) / size;
+    if (!(ratio <= worst)) worst = ratio; // a NaN must show
+  }
+  return worst;
+}
+
+/// One linear solve about the present graph points; moves c, z and xi.
+bool InequalityEngine::newton_step() {
+  for (int p = 0; p < n_points; ++p) { // xi at the present z on the linearised graph
+    Small v = at(z, p);
+    const Small base = at(z_hat, p), x0 = at(xi_hat, p);
+    for (int i = 0; i < 3; ++i) v[i] -= base[i];
+    v = apply_d(p, v);
+    put(xi, p, {x0[0] + v[0], x0[1] + v[1], x0[2] + v[2]});
+  }
+  gather(xi);
+  residual = *rhs - sc - force;
+  op.solve(residual, dc);
+  if (!dc.allFinite()) return false;
+  ++report.iterations;
+  c += dc;
+  dz.noalias() = problem.g * dc;
+  // By the increment, not from z - z_hat again: a held point's z is exact only up to rounding,
+  // which its large stiffness would turn into an error of xi.
+  for (int p = 0; p < n_points; ++p) {
+    const Small v = apply_d(p, at(dz, p)), x0 = at(xi, p);
+    put(xi, p, {x0[0] + v[0], x0[1] + v[1], x0[2] + v[2]});
+  }
+  update_z();
+  return true;
+}
+
+/// Residual of the problem with the multipliers that belong to the present z (in `trial`).
+double InequalityEngine::try_multipliers() {
+  op.apply_with_magnitude(c, sc, magnitude);
+  for (int p = 0; p < n_points; ++p) put(trial, p, multiplier(p));
+  return residual_ratio(trial);
+}
+
+InequalityEngine::Outcome InequalityEngine::newton(int limit) {
+  const double target = 1e-3 * options.tolerance;
+  std::unordered_map<std::uint64_t, int> seen;
+  double best = std::numeric_limits<double>::infinity();
+  op.apply_with_magnitude(c, sc, magnitude);
+  for (int k = 0; k < limit; ++k) {
+    if (!factor_if_needed()) return Outcome::indefinite;
+    if (!newton_step()) return Outcome::failed;
+    state_before = state;
+    for (int p = 0; p < n_points; ++p) classify(p, 1.0);
+    const double ratio = try_multipliers();
+    if (ratio <= target || (ratio <= options.tolerance && ratio > 0.25 * best)) {
+      xi = trial;
+      return Outcome::solved;
+    }
+    const bool moved = state != state_before;
+    if (moved && ++seen[hash_of(state)] > 2 && ratio > 0.5 * best) return Outcome::failed;
+    if (!moved && k > 8 && ratio > 0.9 * best) return Outcome::failed;
+    best = std::min(best, ratio);
+  }
+  return Outcome::failed;
+}
+
+} // namespace hvi::solver

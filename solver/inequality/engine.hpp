@@ -1,0 +1,102 @@
+// Internals of the inequality solver, shared by its parts: the points' data, the linearised graph,
+// the Newton loop (active_set.cpp), the fallback (fallback.cpp), releases (release.cpp) and the
+// certificate (certificate.cpp).
+#pragma once
+
+#include "solver/inequality/inequality.hpp"
+#include "solver/inequality/prepared_law.hpp"
+
+#include <array>
+#include <cstdint>
+#include <deque>
+
+namespace hvi::solver {
+
+using Small = std::array<double, 3>;
+
+struct InequalityEngine {
+  /// What is fixed about a point.
+  struct PointData {
+    int law = 0; ///< index into prepared
+    int first = 0, rows = 1;
+    double weight = 0.0;
+    double gamma = 0.0;   ///< resolvent parameter, about the compliance of the body at the point
+    double penalty = 0.0; ///< stiffness (per weight) that holds a resting point at its break
+  };
+  /// Outcome of one of the two methods on fixed components.
+  enum class Outcome { solved, failed, indefinite };
+
+  InequalityEngine(const ReducedProblem& problem, ReducedOperator& s, InequalityOptions options);
+  InequalityReport solve(const Vector& r, InequalityState& io);
+
+  // ---- set-up (inequality.cpp)
+  void prepare_points();
+  void prepare_pattern();
+  void refresh_laws();
+  void load(const InequalityState& from);
+  void store(InequalityState& to) const;
+
+  // ---- points (points.cpp): vectors of up to 3 rows, graph states, products with G
+  Small at(const Vector& v, int p) const;
+  void put(Vector& v, int p, const Small& value) const;
+  void update_z();               ///< z = G c + g
+  void gather(const Vector& xi); ///< force = G^T W xi
+  void gather_magnitude(const Vector& xi);
+  void enter_state(int p);             ///< linearise about the given state near the current z
+  void classify(int p, double shrink); ///< resolvent of z + gamma xi: new state, new linearisation
+  void linearise(int p, const GraphPoint& hit, const Small& direction);
+  Small apply_d(int p, const Small& v) const;
+  /// The multiplier that stands for certain at the current z: slopes inside, clipped xi at breaks.
+  Small multiplier(int p) const;
+  double snap(int p) const;
+
+  // ---- Newton on graph states (active_set.cpp)
+  Outcome newton(int limit);
+  bool factor_if_needed();
+  bool newton_step();
+  double try_multipliers();
+  double residual_ratio(const Vector& x); ///< of r - S c - G^T W x, componentwise, with S c known
+
+  // ---- globally convergent method (fallback.cpp)
+  struct Penalised; ///< the augmented function of one outer step
+  Outcome fallback();
+
+  // ---- components (release.cpp)
+  Outcome solve_components();
+  Outcome solve_branch();
+  int release_next(double window);
+  double energy() const;
+  void start_from(const InequalityState& from);
+
+  // ---- certificate (certificate.cpp)
+  void certify();
+
+  const ReducedProblem& problem;
+  ReducedOperator& op;
+  InequalityOptions options;
+  int n = 0, n_rows = 0, n_points = 0;
+  std::vector<PointData> points;
+  std::deque<PreparedLaw> prepared; ///< one per graph
+  std::vector<int> law_of_graph;
+  SparseMatrix force_of; ///< G^T W: unknowns by rows
+  SparseMatrix h;        ///< sum_p w_p G_p^T D_p G_p on a fixed pattern
+  struct Contribution {
+    int value, entry; ///< h.value[value] += coefficient * D_p[entry]
+    double coefficient;
+  };
+  std::vector<Contribution> contributions;
+  std::vector<int> first_contribution;
+
+  // state of a solve
+  const Vector* rhs = nullptr;
+  Vector c, z, xi, sc, magnitude, force, force_magnitude, residual, dc, dz, trial;
+  std::vector<int> state, state_before, component;
+  Vector z_hat, xi_hat;                 ///< the graph points of the linearisation
+  std::vector<std::array<double, 9>> d; ///< their stiffnesses, row by row
+  std::vector<std::array<double, 9>> d_factored;
+  bool factored = false;
+  Vector z_start; ///< where the path to the present solution began
+  InequalityReport report;
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,177 @@
+// The reduced inequality of one step: set-up and the order of methods (inequality.hpp).
+#include "solver/inequality/inequality.hpp"
+
+#include "solver/inequality/engine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+
+InequalityEngine::InequalityEngine(const ReducedProblem& problem_, ReducedOperator& s_,
+                                   InequalityOptions options_)
+    : problem(problem_), op(s_), options(options_), n(s_.size()),
+      n_rows(static_cast<int>(problem_.g.rows())),
+      n_points(static_cast<int>(problem_.points.size())) {
+  if (problem.g.cols() != n && n_rows > 0)
+    throw Failure(FailureKind::bad_value, {}, "the contact matrix does not fit the operator");
+  for (Vector* v : {&c, &sc, &magnitude, &force, &force_magnitude, &residual, &dc})
+    *v = Vector::Zero(n);
+  for (Vector* v : {&z, &xi, &dz, &trial, &z_hat, &xi_hat, &z_start}) *v = Vector::Zero(n_rows);
+  state.resize(n_points), component.resize(n_points), d.resize(n_points);
+  refresh_laws();
+  prepare_points();
+  prepare_pattern();
+}
+
+/// Graphs of laws that move with time are prepared again; the others only if they changed place.
+void InequalityEngine::refresh_laws() {
+  std::vector<int> law_of(problem.graphs.size(), -1);
+  for (const ContactPoint& p : problem.points) law_of[p.graph] = p.law;
+  if (prepared.size() != problem.graphs.size()) prepared.clear();
+  const bool fresh = prepared.empty();
+  for (std::size_t g = 0; g < problem.graphs.size(); ++g) {
+    if (law_of[g] < 0) law_of[g] = 0;
+    const Law& law = *problem.laws[law_of[g]];
+    if (fresh)
+      prepared.emplace_back(law, problem.graphs[g]);
+    else if (law.depends_on_t() || &prepared[g].graph() != &problem.graphs[g])
+      prepared[g] = PreparedLaw(law, problem.graphs[g]);
+  }
+}
+
+/// Stiffness of the body felt at a point, sum S_ii G_i^2 / (sum G_i^2)^2 averaged over its rows,
+/// sets both scales: gamma = w / k, penalty = kappa k / w. Where a row touches one unknown only,
+/// the penalty stands on the diagonal and cannot spoil the factor; else it costs digits.
+void InequalityEngine::prepare_points() {
+  const Vector diagonal = op.diagonal();
+  const double typical = n > 0 ? diagonal.cwiseAbs().maxCoeff() : 1.0;
+  points.resize(n_points);
+  for (int p = 0; p < n_points; ++p) {
+    const ContactPoint& in = problem.points[p];
+    if (!(in.weight > 0.0) || in.rows < 1 || in.rows > 3 || in.first_row + in.rows > n_rows)
+      throw Failure(FailureKind::bad_value, {},
+                    "a contact point needs a positive weight and 1 to 3 rows");
+    double k = 0.0;
+    bool single = true;
+    for (int row = in.first_row; row < in.first_row + in.rows; ++row) {
+      double sum = 0.0, weighted = 0.0;
+      int entries = 0;
+      for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it) {
+        sum += it.value() * it.value();
+        weighted += std::abs(diagonal[it.col()]) * it.value() * it.value();
+        entries += it.value() != 0.0;
+      }
+      single = single && entries <= 1;
+      if (sum > 0.0) k += weighted / (sum * sum) / in.rows;
+    }
+    if (!(k > 0.0)) k = typical > 0.0 ? typical : 1.0;
+    points[p] = {in.graph,  in.first_row,  in.rows,
+                 in.weight, in.weight / k, (single ? 1e13 : 1e7) * k / in.weight};
+  }
+}
+
+/// The pattern of H = sum w_p G_p^T D_p G_p once, and where each product of two entries of G goes.
+void InequalityEngine::prepare_pattern() {
+  std::vector<Eigen::Triplet<double>> pattern, weights;
+  const auto for_pairs = [&](int p, const auto& f) {
+    const PointData& q = points[p];
+    for (int a = 0; a < q.rows; ++a)
+      for (int b = 0; b < q.rows; ++b)
+        for (SparseMatrix::InnerIterator i(problem.g, q.first + a); i; ++i)
+          for (SparseMatrix::InnerIterator j(problem.g, q.first + b); j; ++j)
+            f(static_cast<int>(i.col()), static_cast<int>(j.col()), 3 * a + b,
+              q.weight * i.value() * j.value());
+  };
+  for (int p = 0; p < n_points; ++p) {
+    for_pairs(p, [&](int i, int j, int, double) { pattern.emplace_back(i, j, 0.0); });
+    for (int row = points[p].first; row < points[p].first + points[p].rows; ++row)
+      for (SparseMatrix::InnerIterator i(problem.g, row); i; ++i)
+        weights.emplace_back(static_cast<int>(i.col()), row, points[p].weight * i.value());
+  }
+  h.resize(n, n);
+  h.setFromTriplets(pattern.begin(), pattern.end());
+  force_of.resize(n, n_rows);
+  force_of.setFromTriplets(weights.begin(), weights.end());
+  first_contribution.assign(1, 0);
+  for (int p = 0; p < n_points; ++p) {
+    for_pairs(p, [&](int i, int j, int entry, double coefficient) {
+      const int* begin = h.innerIndexPtr() + h.outerIndexPtr()[i];
+      const int* end = h.innerIndexPtr() + h.outerIndexPtr()[i + 1];
+      const auto value = static_cast<int>(std::lower_bound(begin, end, j) - h.innerIndexPtr());
+      contributions.push_back({value, entry, coefficient});
+    });
+    first_contribution.push_back(static_cast<int>(contributions.size()));
+  }
+}
+
+void InequalityEngine::load(const InequalityState& from) {
+  if (from.c.size() == n)
+    c = from.c;
+  else
+    c.setZero();
+  if (from.xi.size() == n_rows)
+    xi = from.xi;
+  else
+    xi.setZero();
+  update_z();
+  z_start = z;
+  const bool given = static_cast<int>(from.state.size()) == n_points;
+  for (int p = 0; p < n_points; ++p) {
+    const PreparedLaw& law = prepared[points[p].law];
+    const Small zp = at(z, p);
+    if (given && law.valid_state(from.state[p])) {
+      state[p] = from.state[p];
+    } else {
+      const double r = law.radial() ? std::hypot(zp[0], zp[1], zp[2]) : zp[0];
+      state[p] = law.radial() && r == 0.0 ? -1 : 2 * piece_of(law.graph(), r);
+    }
+    component[p] = law.component_of_piece(std::max(state[p], 0) / 2);
+    enter_state(p);
+  }
+}
+
+void InequalityEngine::store(InequalityState& to) const { to.c = c, to.xi = xi, to.state = state; }
+
+InequalityReport InequalityEngine::solve(const Vector& right_side, InequalityState& io) {
+  report = {};
+  rhs = &right_side;
+  if (right_side.size() != n || !right_side.allFinite()) {
+    report.verdict = "the right-hand side of the step is not finite: check loads and step size";
+    return report;
+  }
+  refresh_laws();
+  load(io);
+  bool idle = true; // no law acts: the first solve is that of the linear problem
+  for (int p = 0; p < n_points; ++p)
+    idle = idle && d[p] == std::array<double, 9>{} && at(xi_hat, p) == Small{};
+  const Outcome outcome = solve_branch();
+  certify();
+  if (idle && report.iterations == 1 && xi.isZero(0.0)) report.iterations = 0;
+  store(io);
+  if (report.converged) return report;
+  report.verdict =
+      fmt::format("{} after {} iterations: residual {:.1e}, inclusion {:.1e} (tolerance {:.1e})",
+                  outcome == Outcome::indefinite ? "the step has no stable solution near the last "
+                                                   "one: its operator is not positive definite"
+                                                 : "the iterations do not settle",
+                  report.iterations, report.residual, report.inclusion, options.tolerance);
+  return report;
+}
+
+struct InequalitySolver::Impl : InequalityEngine {
+  using InequalityEngine::InequalityEngine;
+};
+
+InequalitySolver::InequalitySolver(const ReducedProblem& problem, ReducedOperator& s,
+                                   InequalityOptions options)
+    : impl_(std::make_unique<Impl>(problem, s, options)) {}
+InequalitySolver::~InequalitySolver() = default;
+
+InequalityReport InequalitySolver::solve(const Vector& r, InequalityState& state) {
+  return impl_->solve(r, state);
+}
+
+} // namespace hvi::solver

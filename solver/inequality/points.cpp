@@ -1,0 +1,170 @@
+// Point-wise operations of the inequality solver: states of the graph, linearisations, products
+// with G (engine.hpp).
+#include "solver/inequality/engine.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+
+namespace {
+
+double norm(const Small& v) { return std::hypot(v[0], v[1], v[2]); }
+double dot(const Small& a, const Small& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// v / |v|, or the second choice, or the first axis, when v is 0.
+Small direction_of(const Small& v, const Small& otherwise) {
+  for (const Small* u : {&v, &otherwise}) {
+    const double length = norm(*u);
+    if (length > 0.0) return {(*u)[0] / length, (*u)[1] / length, (*u)[2] / length};
+  }
+  return {1.0, 0.0, 0.0};
+}
+
+} // namespace
+
+Small InequalityEngine::at(const Vector& v, int p) const {
+  Small out{};
+  for (int k = 0; k < points[p].rows; ++k) out[k] = v[points[p].first + k];
+  return out;
+}
+
+void InequalityEngine::put(Vector& v, int p, const Small& value) const {
+  for (int k = 0; k < points[p].rows; ++k) v[points[p].first + k] = value[k];
+}
+
+void InequalityEngine::update_z() {
+  z.noalias() = problem.g * c;
+  z += problem.offset;
+}
+
+void InequalityEngine::gather(const Vector& x) { force.noalias() = force_of * x; }
+
+void InequalityEngine::gather_magnitude(const Vector& x) {
+  for (int i = 0; i < n; ++i) {
+    double sum = 0.0;
+    for (SparseMatrix::InnerIterator it(force_of, i); it; ++it)
+      sum += std::abs(it.value() * x[it.col()]);
+    force_magnitude[i] = sum;
+  }
+}
+
+/// z within this of a break counts as on it: rounding of G c + g, and no more.
+double InequalityEngine::snap(int p) const {
+  double size = 0.0;
+  for (int k = 0; k < points[p].rows; ++k) {
+    const int row = points[p].first + k;
+    double sum = std::abs(problem.offset[row]);
+    for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
+      sum += std::abs(it.value() * c[it.col()]);
+    size = std::max(size, sum);
+  }
+  return 1e-12 * size;
+}
+
+Small InequalityEngine::apply_d(int p, const Small& v) const {
+  const auto& m = d[p];
+  return {m[0] * v[0] + m[1] * v[1] + m[2] * v[2], m[3] * v[0] + m[4] * v[1] + m[5] * v[2],
+          m[6] * v[0] + m[7] * v[1] + m[8] * v[2]};
+}
+
+/// Linearises the graph about a point of it: xi = xi_hat + D (z - z_hat). A state at a break holds
+/// z there by a large stiffness around the present multiplier; repeating the step makes it exact.
+void InequalityEngine::linearise(int p, const GraphPoint& hit, const Small& e) {
+  const PointData& q = points[p];
+  state[p] = hit.state;
+  auto& m = d[p];
+  m.fill(0.0);
+  const bool at_break = hit.state < 0 || hit.state % 2 == 1;
+  if (!prepared[q.law].radial()) {
+    m[0] = at_break ? q.penalty : std::clamp(hit.d, -q.penalty, q.penalty);
+    put(z_hat, p, {hit.z, 0.0, 0.0});
+    if (!at_break)
+      put(xi_hat, p, {hit.s, 0.0, 0.0});
+    else
+      put(xi_hat, p, at(xi, p));
+    return;
+  }
+  if (hit.state < 0) {
+    for (int k = 0; k < q.rows; ++k) m[4 * k] = q.penalty;
+    put(z_hat, p, {});
+    put(xi_hat, p, at(xi, p));
+    return;
+  }
+  const double s = at_break ? dot(at(xi, p), e) : hit.s;
+  const double across = std::min(s / hit.z, q.penalty);
+  const double along = at_break ? q.penalty : std::clamp(hit.d, -q.penalty, q.penalty);
+  for (int i = 0; i < q.rows; ++i)
+    for (int j = 0; j < q.rows; ++j)
+      m[3 * i + j] = (along - across) * e[i] * e[j] + (i == j ? across : 0.0);
+  put(z_hat, p, {hit.z * e[0], hit.z * e[1], hit.z * e[2]});
+  put(xi_hat, p, {s * e[0], s * e[1], s * e[2]});
+}
+
+void InequalityEngine::enter_state(int p) {
+  const PreparedLaw& law = prepared[points[p].law];
+  const LawGraph& g = law.graph();
+  const Small zp = at(z, p), xp = at(xi, p);
+  const int i = state[p] / 2;
+  if (state[p] < 0) return linearise(p, {-1, 0.0, 0.0, 0.0}, {});
+  const Small e = law.radial() ? direction_of(zp, xp) : Small{1.0, 0.0, 0.0};
+  if (state[p] % 2 == 1) return linearise(p, {state[p], g.breaks[i], 0.0, 0.0}, e);
+  const LawComponent& k = law.component(component[p]);
+  double r = law.radial() ? norm(zp) : zp[0];
+  // The tangent is taken inside the piece, or on the extension of an outer one.
+  if (i > k.first) r = std::max(r, g.breaks[i - 1]);
+  if (i < k.last) r = std::min(r, g.breaks[i]);
+  GraphPoint hit = law.on_component(component[p], r);
+  if (hit.state != 2 * i) { // at a break: of the two pieces that meet there the wrong one
+    hit.state = 2 * i, hit.z = r;
+    law.law().slope_and_curvature(g, i, r, hit.s, hit.d);
+  }
+  if (law.radial() && !(r > 0.0)) return linearise(p, {-1, 0.0, 0.0, 0.0}, {});
+  if (!std::isfinite(hit.d)) hit.d = 0.0;
+  linearise(p, hit, e);
+}
+
+void InequalityEngine::classify(int p, double shrink) {
+  const PointData& q = points[p];
+  const PreparedLaw& law = prepared[q.law];
+  const LawComponent& k = law.component(component[p]);
+  const double gamma = q.gamma * shrink;
+  const Small zp = at(z, p), xp = at(xi, p);
+  Small y;
+  for (int i = 0; i < 3; ++i) y[i] = zp[i] + gamma * (xp[i] + k.m * zp[i]);
+  const GraphPoint hint{state[p], law.radial() ? norm(zp) : zp[0], 0.0, 0.0};
+  const Small e = law.radial() ? direction_of(y, zp) : Small{1.0, 0.0, 0.0};
+  linearise(p, law.resolvent(component[p], law.radial() ? norm(y) : y[0], gamma, hint), e);
+}
+
+Small InequalityEngine::multiplier(int p) const {
+  const PointData& q = points[p];
+  const PreparedLaw& law = prepared[q.law];
+  const LawGraph& g = law.graph();
+  const Small zp = at(z, p), xp = at(xi, p);
+  const double tolerance = snap(p);
+  const int i = state[p] / 2;
+  const auto clipped = [&](double v) {
+    return std::clamp(v, std::min(g.left[i], g.right[i]), std::max(g.left[i], g.right[i]));
+  };
+  if (!law.radial()) {
+    if (state[p] % 2 == 1 && std::abs(zp[0] - g.breaks[i]) <= tolerance)
+      return {clipped(xp[0]), 0, 0};
+    return {law.on_component(component[p], zp[0]).s, 0.0, 0.0};
+  }
+  const double r = norm(zp);
+  if (state[p] == -1 && r <= tolerance) {
+    const double ball = std::abs(law.on_component(component[p], 0.0).s), size = norm(xp);
+    const double f = size > ball ? ball / size : 1.0;
+    return {f * xp[0], f * xp[1], f * xp[2]};
+  }
+  const Small e = direction_of(zp, xp);
+  double s = 0.0;
+  if (state[p] % 2 == 1 && state[p] > 0 && std::abs(r - g.breaks[i]) <= tolerance)
+    s = clipped(dot(xp, e));
+  else
+    s = law.on_component(component[p], r).s;
+  return {s * e[0], s * e[1], s * e[2]};
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,279 @@
+// From switches to the graph of a law at a point (builder.hpp).
+#include "solver/law/builder.hpp"
+
+#include "solver/kernel/table.hpp"
+
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace hvi::solver {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// A point inside a cell; of an unbounded cell one at the distance of its end's own size.
+double sample_of(double low, double high) {
+  if (std::isfinite(low) && std::isfinite(high)) return low + (high - low) / 2.0;
+  if (std::isfinite(low)) return low + (low == 0.0 ? 1.0 : std::abs(low));
+  if (std::isfinite(high)) return high - (high == 0.0 ? 1.0 : std::abs(high));
+  return 0.0;
+}
+
+std::string where(double r, const LawSpec& spec, const Point& x, double t) {
+  std::string text = fmt::format("{} = {}", spec.radial ? "|xi|" : "r", r);
+  if (spec.expression.depends_on_any(slot::x(0), slot::x(2) + 1))
+    text += fmt::format(", x = ({}, {}, {})", x[0], x[1], x[2]);
+  if (spec.expression.depends_on(slot::t)) text += fmt::format(", t = {}", t);
+  return text;
+}
+
+[[noreturn]] void fail(const LawSpec& spec, const std::string& what, const std::string& help) {
+  throw Failure(FailureKind::bad_law, spec.origin,
+                fmt::format("the law `{}` is not locally Lipschitz: {}", spec.name, what), help);
+}
+
+} // namespace
+
+GraphBuilder::GraphBuilder(const LawSpec& spec)
+    : spec_(spec), expression_(expose_kinks(spec.expression)) {
+  for (const Slot s : slots_of(expression_))
+    if (s != slot::argument(0) && s != slot::t && !(s >= slot::x(0) && s <= slot::x(2)))
+      throw Failure(
+          FailureKind::bad_law, spec.origin,
+          fmt::format("the law `{}` may depend on its argument, x and t only", spec.name));
+  switches_ = find_switches({&expression_, 1});
+  std::vector<Expr> functions;
+  for (const Switch& s : switches_) functions.push_back(s.function);
+  if (!functions.empty()) values_ = PointTape(functions);
+}
+
+Signature GraphBuilder::signature_at(double r, const Point& x, double t, std::size_t n) const {
+  thread_local std::vector<double> values;
+  values.resize(switches_.size());
+  if (!values.empty()) values_(r, x, t, values);
+  Signature signature(n);
+  for (std::size_t i = 0; i < n; ++i) signature[i] = outcome_of(switches_[i], values[i]);
+  return signature;
+}
+
+void GraphBuilder::add_roots(int i, const Signature& prefix, const Point& x, double t, double low,
+                             double high, std::vector<double>& roots) const {
+  auto found = finders_.find({i, prefix});
+  if (found == finders_.end()) {
+    const Expr f = specialise(switches_[i].function, switches_, prefix);
+    found = finders_.emplace(std::pair{i, prefix}, RootFinder(f)).first;
+  }
+  if (switches_[i].kind != Switch::Kind::table)
+    return found->second.find(x, t, 0.0, low, high, roots);
+  for (const double target : switches_[i].node.table()->abscissae())
+    found->second.find(x, t, target, low, high, roots);
+}
+
+/// All places where a switch may turn, sorted. The function of a nested switch is itself piecewise:
+/// it is searched cell by cell between the breaks of the switches inside it.
+std::vector<double> GraphBuilder::candidates(const Point& x, double t) const {
+  const double start = spec_.radial ? 0.0 : -infinity;
+  std::vector<double> breaks;
+  for (int i = 0; i < static_cast<int>(switches_.size()); ++i) {
+    if (!switches_[i].nested) {
+      add_roots(i, {}, x, t, start, infinity, breaks);
+      continue;
+    }
+    std::sort(breaks.begin(), breaks.end());
+    std::vector<double> found;
+    for (std::size_t c = 0; c <= breaks.size(); ++c) {
+      const double low = c == 0 ? start : breaks[c - 1];
+      const double high = c == breaks.size() ? infinity : breaks[c];
+      if (low >= high) continue;
+      const auto prefix = signature_at(sample_of(low, high), x, t, static_cast<std::size_t>(i));
+      add_roots(i, prefix, x, t, low, high, found);
+    }
+    breaks.insert(breaks.end(), found.begin(), found.end());
+  }
+  std::sort(breaks.begin(), breaks.end());
+  const auto same = [](double a, double b) {
+    return b - a <= 8.0 * 0x1p-52 * std::max(std::abs(a), std::abs(b));
+  };
+  breaks.erase(std::unique(breaks.begin(), breaks.end(), same), breaks.end());
+  return breaks;
+}
+
+int GraphBuilder::function_for(const Signature& signature) const {
+  const auto known = by_signature_.find(signature);
+  if (known != by_signature_.end()) return known->second;
+  const Expr e = specialise(expression_, switches_, signature);
+  int id = 0;
+  while (id < static_cast<int>(functions_.size()) && !(functions_[id].expression() == e)) ++id;
+  if (id == static_cast<int>(functions_.size())) functions_.emplace_back(e, spec_.by_slope);
+  by_signature_.emplace(signature, id);
+  return id;
+}
+
+GraphBuilder::Cell GraphBuilder::cell_at(double low, double high, const Point& x, double t) const {
+  Cell cell{low, high, sample_of(low, high), 0};
+  cell.function = function_for(signature_at(cell.sample, x, t, switches_.size()));
+  // An unbounded cell may overflow at the first sample (exp(1e5 r) at 1): look closer to its end.
+  const double end = std::isfinite(low) ? low : (std::isfinite(high) ? high : 0.0);
+  double r = cell.sample;
+  for (int k = 0; k < 12; ++k) {
+    if (std::isfinite(functions_[cell.function].slope(r, x, t))) return cell;
+    r = end + (r - end) / 16.0;
+    if (r == end) break;
+  }
+  fail(spec_,
+       fmt::format("its slope is not a finite number at {}", where(cell.sample, spec_, x, t)),
+       "define the law for every argument, by cases if need be");
+}
+
+bool GraphBuilder::singular_at(double r, const Point& x, double t) const {
+  thread_local std::vector<double> values;
+  values.resize(switches_.size());
+  values_(r, x, t, values);
+  for (std::size_t i = 0; i < switches_.size(); ++i)
+    if (switches_[i].kind == Switch::Kind::singular && !(std::abs(values[i]) > 0.0)) return true;
+  return false;
+}
+
+/// Drops breaks with the same smooth function on both sides.
+void GraphBuilder::merge(std::vector<Cell>& cells, const Point& x, double t) const {
+  std::vector<Cell> kept;
+  for (const Cell& c : cells) {
+    if (!kept.empty() && kept.back().function == c.function && !singular_at(c.low, x, t))
+      kept.back().high = c.high;
+    else
+      kept.push_back(c);
+  }
+  cells = std::move(kept);
+}
+
+LawGraph GraphBuilder::build(const Point& x, double t) const {
+  const std::lock_guard guard(lock_);
+  const auto breaks = candidates(x, t);
+  std::vector<Cell> cells;
+  for (std::size_t c = 0; c <= breaks.size(); ++c)
+    cells.push_back(cell_at(c == 0 ? (spec_.radial ? 0.0 : -infinity) : breaks[c - 1],
+                            c == breaks.size() ? infinity : breaks[c], x, t));
+  merge(cells, x, t);
+  LawGraph graph;
+  graph.x = x, graph.t = t;
+  for (const Cell& c : cells) {
+    if (&c != &cells.front()) graph.breaks.push_back(c.low);
+    graph.functions.push_back(c.function);
+    const double centre = std::isfinite(c.low) ? c.low : (std::isfinite(c.high) ? c.high : 0.0);
+    graph.smooth.push_back(functions_[c.function].expand(centre, x, t));
+  }
+  set_limits(graph);
+  set_offsets(graph);
+  if (!spec_.by_slope) check_potential(graph);
+  return graph;
+}
+
+/// The slope's limit at `at` from the side of `inner`. Where the expression itself is undefined
+/// there (sin(r)/r) two-point extrapolations must agree, else the limit does not exist.
+double GraphBuilder::limit(int function, double at, double inner, const Point& x, double t) const {
+  const SmoothFunction& f = functions_[function];
+  const double direct = f.slope(at, x, t);
+  if (std::isfinite(direct)) return direct;
+  double h = inner - at, last = infinity, best = infinity, value = 0.0;
+  for (int k = 0; k < 40; ++k, h /= 2.0) {
+    const double guess = 2.0 * f.slope(at + h / 2.0, x, t) - f.slope(at + h, x, t);
+    const double error = std::abs(guess - last) / std::max(std::abs(guess), 1e-300);
+    if (error < best) best = error, value = guess;
+    last = guess;
+  }
+  if (best <= 1e-8) return value;
+  fail(spec_, fmt::format("its slope is infinite or undefined at {}", where(at, spec_, x, t)),
+       "the slope must stay bounded near every argument");
+}
+
+void GraphBuilder::set_limits(LawGraph& graph) const {
+  const int n = graph.pieces();
+  const auto inner = [&](int piece) {
+    return sample_of(piece_low(graph, piece, spec_.radial), piece_high(graph, piece));
+  };
+  for (int i = 0; i + 1 < n; ++i) {
+    const double b = graph.breaks[i];
+    graph.left.push_back(limit(graph.functions[i], b, inner(i), graph.x, graph.t));
+    graph.right.push_back(limit(graph.functions[i + 1], b, inner(i + 1), graph.x, graph.t));
+  }
+  if (spec_.radial) limit(graph.functions[0], 0.0, inner(0), graph.x, graph.t);
+  close_rounding_gaps(graph);
+}
+
+/// Pieces meant to meet (2 - 15 (.08 - .02) and 1.1) differ by rounding: no jump of the law.
+void GraphBuilder::close_rounding_gaps(LawGraph& graph) const {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < graph.breaks.size(); ++i)
+    largest = std::max({largest, std::abs(graph.left[i]), std::abs(graph.right[i])});
+  const auto terms = [&](std::size_t piece, double r) { // size of what was added up
+    const auto& p = graph.smooth[piece];
+    double sum = 0.0, power = 1.0;
+    for (int k = 0; k <= p.degree; ++k, power *= std::abs(r - p.centre))
+      sum += std::abs(p.a[k]) * power;
+    return p.degree >= 0 ? sum : largest;
+  };
+  for (std::size_t i = 0; i < graph.breaks.size(); ++i) {
+    const double b = graph.breaks[i], size = std::max(terms(i, b), terms(i + 1, b));
+    if (std::abs(graph.left[i] - graph.right[i]) <= 1e-14 * size) graph.right[i] = graph.left[i];
+  }
+}
+
+/// Constants of integration: the potential is continuous, and 0 at r = 0 for a law by slope.
+void GraphBuilder::set_offsets(LawGraph& graph) const {
+  const int n = graph.pieces();
+  graph.offsets.assign(n, 0.0);
+  const auto relative = [&](int piece, double r) {
+    return primitive(spec_, functions_[graph.functions[piece]], graph, piece, r);
+  };
+  if (!spec_.by_slope) {
+    for (int i = 0; i < n; ++i) {
+      const auto& p = graph.smooth[i];
+      if (p.degree >= 0)
+        graph.offsets[i] = functions_[graph.functions[i]].potential(p.centre, graph.x, graph.t);
+    }
+    return;
+  }
+  for (int i = 0; i + 1 < n; ++i) {
+    const double b = graph.breaks[i];
+    graph.offsets[i + 1] = graph.offsets[i] + relative(i, b) - relative(i + 1, b);
+  }
+  const int home = piece_of(graph, 0.0);
+  const double at_zero = graph.offsets[home] + relative(home, 0.0);
+  for (double& offset : graph.offsets) offset -= at_zero;
+}
+
+void GraphBuilder::check_potential(const LawGraph& graph) const {
+  for (int i = 0; i + 1 < graph.pieces(); ++i) {
+    const double b = graph.breaks[i];
+    const double l = functions_[graph.functions[i]].potential(b, graph.x, graph.t);
+    const double r = functions_[graph.functions[i + 1]].potential(b, graph.x, graph.t);
+    const double size = std::max(
+        {std::abs(l), std::abs(r), std::abs(b * graph.left[i]), std::abs(b * graph.right[i])});
+    if (!(std::abs(r - l) <= 1e-9 * size))
+      fail(spec_,
+           fmt::format("its potential jumps by {} at {} (from {} to {})", r - l,
+                       where(b, spec_, graph.x, graph.t), l, r),
+           "make the potential continuous: add the constant that closes the jump");
+  }
+}
+
+double primitive(const LawSpec& spec, const SmoothFunction& function, const LawGraph& graph,
+                 int piece, double r) {
+  const auto& p = graph.smooth[piece];
+  if (p.degree >= 0) return polynomial_primitive(p, r);
+  if (!spec.by_slope) return function.potential(r, graph.x, graph.t);
+  if (r == p.centre) return 0.0;
+  const auto slope = [&](double s) {
+    const double v = function.slope(s, graph.x, graph.t);
+    return std::isfinite(v) ? v : 0.0; // only the end of a piece can be undefined, measure zero
+  };
+  return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(slope, p.centre, r, 15,
+                                                                       1e-13);
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,74 @@
+// Look-ups in the graph of a law: pieces, Clarke intervals, distances (law.hpp).
+#include "solver/law/law.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+
+namespace {
+
+/// Distance from xi to the scalar graph at r, breaks within `snap` of r included.
+double scalar_distance(const Law& law, const LawGraph& graph, double r, double xi, double snap) {
+  double best = std::numeric_limits<double>::infinity();
+  const auto try_interval = [&](double a, double b) {
+    best = std::min(best, std::max({0.0, std::min(a, b) - xi, xi - std::max(a, b)}));
+  };
+  const double s = law.slope(graph, piece_of(graph, r), r);
+  if (std::isfinite(s)) try_interval(s, s);
+  const auto first = std::lower_bound(graph.breaks.begin(), graph.breaks.end(), r - snap);
+  for (auto b = first; b != graph.breaks.end() && *b <= r + snap; ++b) {
+    const auto i = b - graph.breaks.begin();
+    try_interval(graph.left[i], graph.right[i]);
+  }
+  return best;
+}
+
+} // namespace
+
+double piece_low(const LawGraph& graph, int piece, bool radial) {
+  if (piece > 0) return graph.breaks[piece - 1];
+  return radial ? 0.0 : -std::numeric_limits<double>::infinity();
+}
+
+double piece_high(const LawGraph& graph, int piece) {
+  return piece + 1 < graph.pieces() ? graph.breaks[piece] : std::numeric_limits<double>::infinity();
+}
+
+int piece_of(const LawGraph& graph, double r) {
+  return static_cast<int>(std::lower_bound(graph.breaks.begin(), graph.breaks.end(), r) -
+                          graph.breaks.begin());
+}
+
+Interval clarke(const Law& law, const LawGraph& graph, double r, double snap) {
+  const double s = law.slope(graph, piece_of(graph, r), r);
+  Interval out{s, s};
+  const auto first = std::lower_bound(graph.breaks.begin(), graph.breaks.end(), r - snap);
+  for (auto b = first; b != graph.breaks.end() && *b <= r + snap; ++b) {
+    const auto i = b - graph.breaks.begin();
+    out.low = std::min({out.low, graph.left[i], graph.right[i]});
+    out.high = std::max({out.high, graph.left[i], graph.right[i]});
+  }
+  return out;
+}
+
+double inclusion_distance(const Law& law, const LawGraph& graph, const double* z, const double* xi,
+                          int rows, double snap) {
+  if (!law.spec().radial) return scalar_distance(law, graph, z[0], xi[0], snap);
+  const auto norm = [&](const double* v) {
+    return rows == 1 ? std::abs(v[0])
+                     : (rows == 2 ? std::hypot(v[0], v[1]) : std::hypot(v[0], v[1], v[2]));
+  };
+  const double r = norm(z);
+  double best = std::numeric_limits<double>::infinity();
+  if (r <= snap) best = std::max(0.0, norm(xi) - std::abs(law.slope(graph, 0, 0.0)));
+  if (r == 0.0) return best;
+  // Split xi along and across z: the graph has no part across.
+  double along = 0.0;
+  for (int k = 0; k < rows; ++k) along += xi[k] * (z[k] / r);
+  double across[3]{};
+  for (int k = 0; k < rows; ++k) across[k] = xi[k] - along * (z[k] / r);
+  return std::min(best, std::hypot(scalar_distance(law, graph, r, along, snap), norm(across)));
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,70 @@
+// Superpotentials (law.hpp): the public face of the graph builder.
+#include "solver/law/law.hpp"
+
+#include "solver/law/builder.hpp"
+
+#include <cmath>
+
+namespace hvi::solver {
+
+struct Law::Impl {
+  LawSpec spec;
+  GraphBuilder builder;
+  bool on_x, on_t;
+
+  explicit Impl(LawSpec s)
+      : spec(std::move(s)), builder(spec),
+        on_x(spec.expression.depends_on_any(slot::x(0), slot::x(2) + 1)),
+        on_t(spec.expression.depends_on(slot::t)) {}
+  const SmoothFunction& function(const LawGraph& g, int piece) const {
+    return builder.function(g.functions[piece]);
+  }
+};
+
+Law::Law(LawSpec spec) : impl_(std::make_unique<Impl>(std::move(spec))) {
+  if (!impl_->on_x && !impl_->on_t) graph(Point{}, 0.0);
+}
+Law::~Law() = default;
+Law::Law(Law&&) noexcept = default;
+Law& Law::operator=(Law&&) noexcept = default;
+
+const LawSpec& Law::spec() const { return impl_->spec; }
+bool Law::depends_on_x() const { return impl_->on_x; }
+bool Law::depends_on_t() const { return impl_->on_t; }
+
+LawGraph Law::graph(const Point& x, double t) const { return impl_->builder.build(x, t); }
+
+double Law::slope(const LawGraph& graph, int piece, double r) const {
+  const auto& p = graph.smooth[piece];
+  if (p.degree >= 0) return polynomial(p, r);
+  const double v = impl_->function(graph, piece).slope(r, graph.x, graph.t);
+  if (std::isfinite(v)) return v;
+  // An expression undefined at the very break has its limit there.
+  if (piece > 0 && r == graph.breaks[piece - 1]) return graph.right[piece - 1];
+  if (piece + 1 < graph.pieces() && r == graph.breaks[piece]) return graph.left[piece];
+  return v;
+}
+
+double Law::curvature(const LawGraph& graph, int piece, double r) const {
+  double s, c;
+  slope_and_curvature(graph, piece, r, s, c);
+  return c;
+}
+
+void Law::slope_and_curvature(const LawGraph& graph, int piece, double r, double& s,
+                              double& c) const {
+  const auto& p = graph.smooth[piece];
+  if (p.degree >= 0) {
+    s = polynomial(p, r), c = polynomial_slope(p, r);
+    return;
+  }
+  impl_->function(graph, piece).slope_and_curvature(r, graph.x, graph.t, s, c);
+  if (!std::isfinite(s)) s = slope(graph, piece, r);
+}
+
+double Law::potential(const LawGraph& graph, int piece, double r) const {
+  return primitive(impl_->spec, impl_->function(graph, piece), graph, piece, r) +
+         graph.offsets[piece];
+}
+
+} // namespace hvi::solver

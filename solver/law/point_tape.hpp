@@ -1,0 +1,42 @@
+// A compiled function of a law's argument r at a point of space and time.
+#pragma once
+
+#include "solver/kernel/tape.hpp"
+#include "solver/mesh/mesh.hpp"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace hvi::solver {
+
+class PointTape {
+public:
+  PointTape() = default;
+  explicit PointTape(std::span<const Expr> expressions) : tape_(compile(expressions)) {}
+
+  /// All outputs at (r, x, t).
+  void operator()(double r, const Point& x, double t, std::span<double> out) const {
+    thread_local TapeWorkspace workspace;
+    std::array<double, 5> values{};
+    std::array<const double*, 5> inputs{};
+    const std::size_t n = tape_.inputs.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const Slot s = tape_.inputs[i];
+      values[i] = s == slot::argument(0) ? r : (s == slot::t ? t : x[s]);
+      inputs[i] = &values[i];
+    }
+    evaluate(tape_, {inputs.data(), n}, 1, out, workspace);
+  }
+  double operator()(double r, const Point& x, double t) const {
+    double out = 0.0;
+    (*this)(r, x, t, {&out, 1});
+    return out;
+  }
+  int outputs() const { return static_cast<int>(tape_.outputs.size()); }
+
+private:
+  Tape tape_;
+};
+
+} // namespace hvi::solver
