@@ -2,6 +2,7 @@
 #include "solver/fem/region.hpp"
 #include "solver/mesh/generate.hpp"
 #include "solver/mesh/gmsh_module.hpp"
+#include "solver/mesh/limits.hpp"
 #include "solver/mesh/read_msh.hpp"
 
 #include <fmt/format.h>
@@ -60,6 +61,9 @@ Mesh make_mesh(const MeshSpec& spec) {
       throw Failure(FailureKind::bad_value, {},
                     fmt::format("{} refinements cannot be made", spec.refinements));
     Mesh mesh = make(spec);
+    // Now, not after minutes of refining.
+    check_cell_limit(static_cast<double>(mesh.cells.size()) *
+                     std::exp2(static_cast<double>(mesh.dim) * spec.refinements));
     for (int i = 0; i < spec.refinements; ++i) mesh = refine(mesh);
     return mesh;
   } catch (const Failure& failure) {

@@ -156,9 +156,10 @@ Cell refinable_order(const std::vector<Point>& nodes, const Cell& c) {
   const auto length = [&](const Cell& p) {
     return diagonal(nodes[p[0]], nodes[p[1]], nodes[p[2]], nodes[p[3]]);
   };
-  const Cell& best =
-      *std::min_element(paths.begin(), paths.end(),
-                        [&](const Cell& p, const Cell& q) { return length(p) < length(q); });
+  // A tie goes to the first, rounding or not: a mesh is the same from an ascii and a binary file.
+  Cell best = paths[0];
+  for (const Cell& path : paths)
+    if (length(path) < (1 - 1e-9) * length(best)) best = path;
   return coded(best, is_positive(nodes[best[0]], nodes[best[1]], nodes[best[2]], nodes[best[3]]));
 }
 
