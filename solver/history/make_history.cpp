@@ -54,6 +54,8 @@ std::unique_ptr<History> automatic(const Choice& c) {
         c.kernel, c.n, c.options,
         fmt::format("{} steps are too few to gain from compression", c.options.steps));
   }
+  auto fit = make_fit(c.kernel, c.n, c.options);
+  if (fit.history) return std::move(fit.history);
   return make_direct(c.kernel, c.n, c.options, "no faster route applies");
 }
 
@@ -75,8 +77,12 @@ std::unique_ptr<History> make_history(const KernelSpec& kernel, std::size_t n,
                               "recursion",
                               kernel.name),
                   "leave the choice of the route to the program, or ask for `fit` or `tree`");
+  case HistoryRoute::fit: {
+    auto fit = make_fit(prepared, n, options);
+    if (fit.history) return std::move(fit.history);
+    break;
+  }
   case HistoryRoute::automatic:
-  case HistoryRoute::fit:
   case HistoryRoute::tree:
     break;
   }

@@ -17,10 +17,10 @@ public:
   RecursionHistory(const PreparedKernel& kernel, const ExponentialTerms& terms, std::size_t n,
                    const HistoryOptions& options, double error, std::string why)
       : kernel_(kernel), sum_(terms), n_(n), order_(options.order), error_(error),
-        why_(std::move(why)), steps_(options.shortest_step) {}
+        why_(std::move(why)), grid_(options.shortest_step) {}
 
   void start(double t0, std::span<const double> u0) override {
-    t0_ = t_ = t0;
+    grid_.start(t0);
     pending_ = false;
     states_.assign(sum_.state_fields() * n_, 0.0);
     last_.assign(n_, 0.0);
@@ -35,8 +35,8 @@ public:
   /// call finds it there: the states hold accepted values only.
   void rhs(double t_new, std::span<double> out) override {
     check_field(kernel_, n_, out.size());
-    check_step(kernel_, t_, t_new);
-    const double k = steps_.find(t_, t_new);
+    check_step(kernel_, grid_.now(), t_new);
+    const double k = grid_.step_to(t_new);
     if (order_ == 1) {
       set_scaled(sum_.current({t_new, k}).one, last_, out);
     } else {
@@ -52,21 +52,18 @@ public:
   }
 
   double w0(double t_new) override {
-    check_step(kernel_, t_, t_new);
-    const Moments m = sum_.current({t_new, steps_.find(t_, t_new)});
+    check_step(kernel_, grid_.now(), t_new);
+    const Moments m = sum_.current({t_new, grid_.step_to(t_new)});
     return order_ == 0 ? m.zero : m.zero - m.one;
   }
 
   void commit(double t_new, std::span<const double> u_new) override {
     check_field(kernel_, n_, u_new.size());
-    check_step(kernel_, t_, t_new);
+    check_step(kernel_, grid_.now(), t_new);
     if (pending_) absorb();
-    const double k = steps_.find(t_, t_new);
-    steps_.remember(k);
+    step_ = grid_.accept(t_new);
     if (order_ == 1) std::swap(before_, last_);
     std::copy(u_new.begin(), u_new.end(), last_.begin());
-    t_ = t_new;
-    step_ = k;
     pending_ = true;
   }
 
@@ -86,11 +83,9 @@ public:
     w.put(static_cast<std::uint64_t>(n_));
     w.put(order_);
     w.put(static_cast<std::uint64_t>(sum_.state_fields()));
-    w.put(t0_);
-    w.put(t_);
+    grid_.save(w);
     w.put(step_);
-    w.put(pending_);
-    w.put(steps_.known());
+    w.put(static_cast<std::uint8_t>(pending_));
     w.put(states_);
     w.put(last_);
     w.put(before_);
@@ -102,11 +97,9 @@ public:
     r.expect(static_cast<std::uint64_t>(n_), "number of unknowns");
     r.expect(order_, "order");
     r.expect(static_cast<std::uint64_t>(sum_.state_fields()), "kernel");
-    t0_ = r.get<double>();
-    t_ = r.get<double>();
+    grid_.restore(r);
     step_ = r.get<double>();
-    pending_ = r.get<bool>();
-    steps_.set_known(r.get_vector<double>());
+    pending_ = r.get<std::uint8_t>() != 0;
     states_ = r.get_vector<double>();
     last_ = r.get_vector<double>();
     before_ = r.get_vector<double>();
@@ -123,7 +116,7 @@ private:
     if (sum_.steady() && !groups_.empty() && prepared_step_ == step_ && prepared_ahead_ == ahead) {
       return;
     }
-    groups_ = sum_.coefficients({t_, step_}, ahead, t0_, order_);
+    groups_ = sum_.coefficients({grid_.now(), step_}, ahead, grid_.start_time(), order_);
     prepared_step_ = step_;
     prepared_ahead_ = ahead;
   }
@@ -142,12 +135,12 @@ private:
   int order_;
   double error_;
   std::string why_;
-  StepNames steps_;
+  TimeGrid grid_;
 
-  double t0_ = 0, t_ = 0, step_ = 0;
-  bool pending_ = false;              ///< (t_ - step_, t_] is in last_ but not yet in the states
-  std::vector<double> states_;        ///< integrals over (t0, t_ - step_] or (t0, t_]
-  std::vector<double> last_, before_; ///< u(t_), u(t_ - step_)
+  double step_ = 0;                   ///< the last accepted one
+  bool pending_ = false;              ///< (t - step_, t] is in last_ but not yet in the states
+  std::vector<double> states_;        ///< integrals over (t0, t - step_] or (t0, t]
+  std::vector<double> last_, before_; ///< u(t), u(t - step_), t the time now
   std::vector<LinearGroup> groups_;
   double prepared_step_ = -1, prepared_ahead_ = -1;
 };

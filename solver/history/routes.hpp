@@ -17,4 +17,13 @@ std::unique_ptr<History> make_recursion(const PreparedKernel& kernel, const Expo
                                         std::size_t n, const HistoryOptions& options, double error,
                                         std::string why);
 
+/// A history, or the reason why the route does not serve the kernel.
+struct RouteOutcome {
+  std::unique_ptr<History> history;
+  std::string failure;
+};
+
+/// A fitted sum of exponentials. Fails when the fit does not meet the tolerance.
+RouteOutcome make_fit(const PreparedKernel& kernel, std::size_t n, const HistoryOptions& options);
+
 } // namespace hvi::solver

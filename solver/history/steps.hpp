@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -37,6 +38,62 @@ public:
 private:
   static constexpr std::size_t capacity = 16;
   std::vector<double> known_;
+};
+
+/// The accepted steps: their names, and whether all were equal so far.
+class TimeGrid {
+public:
+  explicit TimeGrid(double expected_step = 0) : names_(expected_step) {}
+  void start(double t0) { state_ = {t0, t0, 0, 0, 1}; }
+  /// Name of the step from the last accepted time to t_new.
+  double step_to(double t_new) const { return names_.find(state_.now, t_new); }
+  double now() const { return state_.now; }
+  double start_time() const { return state_.start; }
+  double uniform_step() const { return state_.step; }
+  bool continues_uniformly(double t_new) const {
+    return state_.uniform && step_to(t_new) == state_.step;
+  }
+  /// Accepts t_new and returns the name of its step.
+  double accept(double t_new) {
+    const double k = step_to(t_new);
+    names_.remember(k);
+    if (state_.count == 0) state_.step = k;
+    ++state_.count;
+    // Equal steps, and no drift from rounding them: lag indices then stand for the true lags.
+    const double expected = state_.start + static_cast<double>(state_.count) * state_.step;
+    const double ulp =
+        std::numeric_limits<double>::epsilon() * std::max(std::abs(state_.start), std::abs(t_new));
+    state_.uniform = state_.uniform && k == state_.step && std::abs(t_new - expected) <= 16 * ulp;
+    state_.now = t_new;
+    return k;
+  }
+  template <class Writer>
+  void save(Writer& w) const {
+    w.put(state_.start);
+    w.put(state_.now);
+    w.put(state_.step);
+    w.put(state_.count);
+    w.put(state_.uniform);
+    w.put(names_.known());
+  }
+  template <class Reader>
+  void restore(Reader& r) {
+    state_.start = r.template get<double>();
+    state_.now = r.template get<double>();
+    state_.step = r.template get<double>();
+    state_.count = r.template get<std::int64_t>();
+    state_.uniform = r.template get<std::uint8_t>() != 0;
+    names_.set_known(r.template get_vector<double>());
+  }
+
+private:
+  struct State {
+    double start = 0, now = 0, step = 0;
+    std::int64_t count = 0;
+    std::uint8_t uniform = 1;
+  };
+  StepNames names_;
+  State state_;
 };
 
 } // namespace hvi::solver

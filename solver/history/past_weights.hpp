@@ -1,0 +1,34 @@
+// Exact weights of all raw intervals at one time.
+#pragma once
+
+#include "solver/history/prepared.hpp"
+#include "solver/history/steps.hpp"
+
+#include <span>
+#include <vector>
+
+namespace hvi::solver {
+
+/// On a uniform grid a convolution kernel has one weight per lag index, computed once. Otherwise:
+/// 15-point panels evaluated together, each checked by its embedded 7-point rule, the failing ones
+/// done adaptively.
+class PastWeights {
+public:
+  /// Weights of (times[j], times[j+1]) at t; times.back() is the end of the last accepted step.
+  std::span<const Moments> operator()(const PreparedKernel& kernel, const TimeGrid& grid, double t,
+                                      std::span<const double> times);
+  void reset() { by_index_.clear(); }
+
+private:
+  void by_index(const PreparedKernel& kernel, double step, double t);
+  void by_panels(const PreparedKernel& kernel, double t, std::span<const double> times);
+
+  std::vector<Moments> by_index_, weights_;
+  std::vector<double> lags_, values_;
+};
+
+/// Weights of the values at the ends of the intervals. Order 0: u_j on (t_{j-1}, t_j]. Order 1:
+/// u = u_j (1 - x) + u_{j-1} x, one weight more than intervals.
+void put_node_weights(std::span<const Moments> intervals, int order, std::vector<double>& nodes);
+
+} // namespace hvi::solver

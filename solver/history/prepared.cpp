@@ -1,0 +1,22 @@
+// Checks common to the routes.
+#include "solver/history/prepared.hpp"
+
+namespace hvi::solver {
+
+void check_step(const PreparedKernel& kernel, double t_before, double t_new) {
+  if (!(t_new > t_before) || !std::isfinite(t_new)) {
+    throw Failure(FailureKind::bad_value, kernel.spec.origin,
+                  "the times of a memory must increase: " + std::to_string(t_before) +
+                      " is followed by " + std::to_string(t_new));
+  }
+}
+
+void check_field(const PreparedKernel& kernel, std::size_t expected, std::size_t given) {
+  if (expected != given) {
+    throw Failure(FailureKind::bad_value, kernel.spec.origin,
+                  "a memory of " + std::to_string(expected) + " unknowns was given " +
+                      std::to_string(given));
+  }
+}
+
+} // namespace hvi::solver
