@@ -54,16 +54,17 @@ Complex exponential_moment(int r, Complex z) {
   return sum;
 }
 
-ExponentialSum::ExponentialSum(const ExponentialTerms& terms) {
+ExponentialSum::ExponentialSum(const ExponentialTerms& terms, bool scale_growth) {
   for (const ExponentialTerm& term : terms) {
     // One of each conjugate pair; real groups take both terms of a pair in the time factor.
     if (term.lag_rate.imag() < 0) continue;
     Group& group = group_of(term);
+    if (scale_growth) group.growth = std::max(0.0, term.lag_rate.real());
     const double pair = group.complex() ? 2.0 : 1.0;
     group.top_power = std::max(group.top_power, term.power);
     group.readings.push_back({term.power, pair * term.factor, term.time_rate, term.of_time});
     steady_ = steady_ && term.of_time.is_constant() && term.of_source.is_constant() &&
-              term.time_rate == 0.0 && group.growth() == 0;
+              term.time_rate == 0.0 && group.growth == 0;
   }
 }
 
@@ -74,7 +75,7 @@ ExponentialSum::Group& ExponentialSum::group_of(const ExponentialTerm& term) {
       return group;
     }
   }
-  groups_.push_back({term.lag_rate, term.of_source, 0, {}});
+  groups_.push_back({term.lag_rate, term.of_source, 0, {}, 0});
   return groups_.back();
 }
 
@@ -165,7 +166,7 @@ LinearGroup ExponentialSum::linear(const Group& group, const Step& step, double 
 void ExponentialSum::put_transition(const Group& group, double k, LinearGroup& out) {
   const std::size_t d = out.dimension, parts = group.complex() ? 2 : 1;
   out.transition.assign(d * d, 0.0);
-  const Complex decay = std::exp((group.rate - group.growth()) * k);
+  const Complex decay = std::exp((group.rate - group.growth) * k);
   for (int r = 0; r <= group.top_power; ++r) {
     for (int m = 0; m <= r; ++m) {
       const Complex a = decay * binomial(r, m) * std::pow(k, r - m);
@@ -184,7 +185,7 @@ void ExponentialSum::put_transition(const Group& group, double k, LinearGroup& o
 void ExponentialSum::put_input(const Group& group, const Step& step, double t0, int order,
                                LinearGroup& out) {
   const GroupMoments m = moments(group, step);
-  const double scale = std::exp(-group.growth() * (step.t_end - t0));
+  const double scale = std::exp(-group.growth * (step.t_end - t0));
   const auto put = [&](Complex value, std::vector<double>& target) {
     target.push_back(value.real() * scale);
     if (group.complex()) target.push_back(value.imag() * scale);
@@ -201,8 +202,8 @@ void ExponentialSum::put_readout(const Group& group, double t_read, double ahead
   out.readout.assign(out.dimension, 0.0);
   for (const Reading& r : group.readings) {
     // The states carry e^{-growth (t - t0)}; put back together with everything else.
-    const Complex exponent = r.time_rate * t_read + group.growth() * (t_read - t0) +
-                             (group.rate - group.growth()) * ahead;
+    const Complex exponent =
+        r.time_rate * t_read + group.growth * (t_read - t0) + (group.rate - group.growth) * ahead;
     const Complex factor = r.factor * at(r.of_time, slot::t, t_read) * std::exp(exponent);
     for (int m = 0; m <= r.power; ++m) {
       const Complex c = factor * binomial(r.power, m) * std::pow(ahead, r.power - m);

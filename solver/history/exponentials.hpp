@@ -20,7 +20,9 @@ Complex exponential_moment(int r, Complex z);
 
 class ExponentialSum {
 public:
-  explicit ExponentialSum(const ExponentialTerms& terms);
+  /// `scale_growth` false: rho = 0, for rates that grow little over the whole time; coefficients
+  /// then do not depend on t0.
+  explicit ExponentialSum(const ExponentialTerms& terms, bool scale_growth = true);
 
   std::size_t state_fields() const;
   /// Coefficients do not depend on the time, only on the steps.
@@ -51,7 +53,7 @@ private:
     int top_power = 0;
     std::vector<Reading> readings;
     bool complex() const { return rate.imag() != 0; }
-    double growth() const { return std::max(0.0, rate.real()); }
+    double growth = 0; ///< rho
   };
   struct GroupMoments {
     std::vector<Complex> zero, one; ///< of lag^r e^{p lag} h, r = 0..top_power

@@ -24,7 +24,7 @@ class FitHistory final : public History {
 public:
   FitHistory(const PreparedKernel& kernel, const FittedSum& sum, std::size_t n,
              const HistoryOptions& options, double window, std::string why)
-      : kernel_(kernel), terms_(sum.terms), sum_(sum.terms), n_(n), order_(options.order),
+      : kernel_(kernel), terms_(sum.terms), sum_(sum.terms, false), n_(n), order_(options.order),
         window_(window), tolerance_(options.tolerance), error_(sum.error),
         horizon_(options.horizon), why_(std::move(why)), grid_(options.shortest_step), fields_(n) {}
 
@@ -115,7 +115,7 @@ public:
     for (const SavedTerm& saved : r.get_vector<SavedTerm>()) {
       terms_.push_back({.factor = saved.factor, .lag_rate = saved.rate});
     }
-    sum_ = ExponentialSum(terms_);
+    sum_ = ExponentialSum(terms_, false);
     window_ = r.get<double>();
     horizon_ = r.get<double>();
     error_ = r.get<double>();

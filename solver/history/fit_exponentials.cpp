@@ -97,7 +97,7 @@ FitOutcome failed(std::string why) { return {std::nullopt, std::move(why)}; }
 
 double fit_error(const PreparedKernel& kernel, const ExponentialTerms& terms, double low,
                  double high) {
-  const auto samples = sample_kernel(kernel, low, high, 1e-10, 20 * max_points);
+  const auto samples = sample_kernel(kernel, low, high, 1e-6, 20 * max_points);
   if (!samples) return std::numeric_limits<double>::infinity();
   // Three points in every gap between sample points: none of them was seen by the fit.
   double error = 0;
@@ -118,7 +118,7 @@ double fit_error(const PreparedKernel& kernel, const ExponentialTerms& terms, do
 FitOutcome fit_exponentials(const PreparedKernel& kernel, double low, double high,
                             double tolerance) {
   // Enough points for the least squares; whether the fit holds between them is verified at the end.
-  const auto samples = sample_kernel(kernel, low, high, std::max(tolerance, 1e-6), max_points);
+  const auto samples = sample_kernel(kernel, low, high, std::max(tolerance, 1e-4), max_points);
   if (!samples) return failed("it has kinks or oscillates too fast over the whole time");
   // Coefficients are stored in double precision: cancellation must stay below the tolerance.
   const double cap = std::min(1e4, 1e13 * tolerance);

@@ -45,7 +45,8 @@ PoleFit::Scaled PoleFit::columns(const std::vector<Pole>& poles, bool slopes) co
       for (Eigen::Index i = 0; i < rows; ++i) {
         const double lag = samples_.lag[static_cast<std::size_t>(i)];
         const double e = row_weight_[static_cast<std::size_t>(i)] * std::exp(-pole.decay * lag);
-        const double c = std::cos(pole.frequency * lag), s = std::sin(pole.frequency * lag);
+        const double c = pole.frequency == 0 ? 1.0 : std::cos(pole.frequency * lag);
+        const double s = pole.frequency == 0 ? 0.0 : std::sin(pole.frequency * lag);
         const double value = part == 0 ? e * c : e * s;
         out.basis(i, column) = value;
         if (!slopes) continue;
@@ -88,57 +89,89 @@ PoleFit::Solution PoleFit::solve(const std::vector<Pole>& poles) const {
   return out;
 }
 
+/// Which numbers of the poles may move: log decays of decaying poles, frequencies of pairs.
+struct PoleFit::Free {
+  std::size_t pole, first_column;
+  bool frequency;
+  double unit; ///< step length of a frequency
+};
+
+std::vector<PoleFit::Free> PoleFit::free_numbers(const std::vector<Pole>& poles) const {
+  std::vector<Free> list;
+  std::size_t column = 0;
+  for (std::size_t p = 0; p < poles.size(); column += poles[p].fields(), ++p) {
+    if (poles[p].decay > 0) list.push_back({p, column, false, 1.0});
+    if (poles[p].frequency == 0) continue;
+    list.push_back({p, column, true, std::max(poles[p].decay, 1 / samples_.high)});
+  }
+  return list;
+}
+
+/// Rows: weighted misfit, ridge, damping. Columns: coefficients, then the free numbers.
+PoleFit::Linearised PoleFit::linearise(const Solution& at, const std::vector<Free>& free) const {
+  const Scaled s = columns(at.poles, true);
+  const Eigen::Index rows = s.basis.rows(), fields = s.basis.cols();
+  const auto moves = static_cast<Eigen::Index>(free.size());
+  const Eigen::Map<const VectorXd> c(at.coefficients.data(), fields);
+  Linearised out{MatrixXd::Zero(rows + fields + moves, fields + moves),
+                 VectorXd::Zero(rows + fields + moves), VectorXd(moves)};
+  out.jacobian.topLeftCorner(rows, fields) = s.basis;
+  out.jacobian.block(rows, 0, fields, fields).diagonal().setConstant(ridge_);
+  for (Eigen::Index m = 0; m < moves; ++m) {
+    const Free& f = free[static_cast<std::size_t>(m)];
+    auto column = out.jacobian.col(fields + m).head(rows);
+    for (std::size_t part = 0; part < at.poles[f.pole].fields(); ++part) {
+      const auto i = static_cast<Eigen::Index>(f.first_column + part);
+      column += s.slopes[f.frequency ? 1 : 0].col(i) * (c[i] * f.unit);
+    }
+    out.size[m] = column.norm();
+  }
+  out.right.head(rows) = Eigen::Map<const VectorXd>(right_.data(), rows) - s.basis * c;
+  out.right.segment(rows, fields) = -ridge_ * c;
+  return out;
+}
+
+/// The poles after one damped step; the coefficients are solved for again.
+PoleFit::Solution PoleFit::stepped(const Solution& from, const std::vector<Free>& free,
+                                   Linearised& system, double damping) const {
+  const auto moves = static_cast<Eigen::Index>(free.size());
+  const Eigen::Index fields = system.jacobian.cols() - moves;
+  const Eigen::Index last = system.jacobian.rows() - moves;
+  for (Eigen::Index m = 0; m < moves; ++m) {
+    // A floor of the damping: directions that hardly matter must not run away.
+    system.jacobian(last + m, fields + m) =
+        std::max(damping * system.size[m], 1e-3 * from.residual);
+  }
+  const VectorXd step = Eigen::HouseholderQR<MatrixXd>(system.jacobian).solve(system.right);
+  std::vector<Pole> moved = from.poles;
+  for (Eigen::Index m = 0; m < moves; ++m) {
+    const Free& f = free[static_cast<std::size_t>(m)];
+    Pole& pole = moved[f.pole];
+    if (f.frequency) {
+      pole.frequency += f.unit * step[fields + m];
+    } else {
+      pole.decay *= std::exp(std::clamp(step[fields + m], -1.0, 1.0));
+    }
+  }
+  return solve(moved);
+}
+
 PoleFit::Solution PoleFit::refine(Solution best, double target, int iterations) const {
   double damping = 1e-3;
   for (int iteration = 0; iteration < iterations && best.residual > target; ++iteration) {
-    const Scaled s = columns(best.poles, true);
-    const Eigen::Index rows = s.basis.rows(), fields = s.basis.cols();
-    const auto poles = static_cast<Eigen::Index>(best.poles.size());
-    const Eigen::Map<const VectorXd> c(best.coefficients.data(), fields);
-    // Unknowns: coefficients, log decays, frequencies (in units of the decay or of 1/T).
-    MatrixXd jacobian = MatrixXd::Zero(rows + fields + 2 * poles, fields + 2 * poles);
-    jacobian.topLeftCorner(rows, fields) = s.basis;
-    jacobian.block(rows, 0, fields, fields).diagonal().setConstant(ridge_);
-    std::vector<double> unit(best.poles.size());
-    Eigen::Index column = 0;
-    for (Eigen::Index p = 0; p < poles; ++p) {
-      const Pole& pole = best.poles[static_cast<std::size_t>(p)];
-      unit[static_cast<std::size_t>(p)] = std::max(pole.decay, 1 / samples_.high);
-      for (std::size_t part = 0; part < pole.fields(); ++part, ++column) {
-        jacobian.col(fields + 2 * p).head(rows) += s.slopes[0].col(column) * c[column];
-        if (pole.frequency == 0) continue;
-        jacobian.col(fields + 2 * p + 1).head(rows) +=
-            s.slopes[1].col(column) * (c[column] * unit[static_cast<std::size_t>(p)]);
-      }
-    }
-    VectorXd right = VectorXd::Zero(jacobian.rows());
-    right.head(rows) = Eigen::Map<const VectorXd>(right_.data(), rows) - s.basis * c;
-    right.segment(rows, fields) = -ridge_ * c;
-    bool improved = false;
-    for (int attempt = 0; attempt < 4 && !improved; ++attempt) {
-      for (Eigen::Index p = 0; p < 2 * poles; ++p) {
-        const double size = jacobian.col(fields + p).head(rows).norm();
-        jacobian(rows + fields + p, fields + p) = std::max(damping * size, 1e-3 * best.residual);
-      }
-      const VectorXd step = Eigen::HouseholderQR<MatrixXd>(jacobian).solve(right);
-      std::vector<Pole> moved = best.poles;
-      for (Eigen::Index p = 0; p < poles; ++p) {
-        Pole& pole = moved[static_cast<std::size_t>(p)];
-        pole.decay *= std::exp(std::clamp(step[fields + 2 * p], -1.0, 1.0));
-        if (pole.frequency != 0) {
-          pole.frequency += unit[static_cast<std::size_t>(p)] * step[fields + 2 * p + 1];
-        }
-      }
-      Solution next = solve(moved);
+    const auto free = free_numbers(best.poles);
+    Linearised system = linearise(best, free);
+    const double before = best.residual;
+    for (int attempt = 0; attempt < 4; ++attempt) {
+      Solution next = stepped(best, free, system, damping);
       if (next.residual < best.residual) {
-        improved = next.residual < 0.9995 * best.residual;
         best = std::move(next);
         damping *= 0.2;
         break;
       }
       damping *= 8;
     }
-    if (!improved) break;
+    if (!(best.residual < 0.9995 * before)) break;
   }
   return best;
 }

@@ -4,6 +4,8 @@
 #include "solver/history/kernel_samples.hpp"
 #include "solver/history/recognise.hpp"
 
+#include <Eigen/Dense>
+
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,6 +44,15 @@ public:
 
 private:
   struct Scaled;
+  struct Free;
+  struct Linearised {
+    Eigen::MatrixXd jacobian;
+    Eigen::VectorXd right, size; ///< size: norms of the columns of the free numbers
+  };
+  std::vector<Free> free_numbers(const std::vector<Pole>& poles) const;
+  Linearised linearise(const Solution& at, const std::vector<Free>& free) const;
+  Solution stepped(const Solution& from, const std::vector<Free>& free, Linearised& system,
+                   double damping) const;
   Scaled columns(const std::vector<Pole>& poles, bool slopes) const;
 
   const KernelSamples& samples_;

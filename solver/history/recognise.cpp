@@ -290,7 +290,10 @@ double evaluate(const ExponentialTerms& terms, double t, double lag) {
   double sum = 0;
   for (const ExponentialTerm& term : terms) {
     const auto value_of = [&](Slot s) { return s == source_slot ? t - lag : t; };
-    const double g = evaluate(term.of_time, value_of), h = evaluate(term.of_source, value_of);
+    const auto number = [&](const Expr& e) {
+      return e.is_constant() ? e.value() : evaluate(e, value_of);
+    };
+    const double g = number(term.of_time), h = number(term.of_source);
     sum += g * h * std::pow(lag, term.power) *
            (term.factor * std::exp(term.lag_rate * lag + term.time_rate * t)).real();
   }
