@@ -164,24 +164,44 @@ Sum expanded(const Expr& e, const NodeMap<Sum>& done) {
   }
 }
 
+/// Expands one addend after the other; what they share is expanded once.
+class Expander {
+public:
+  const Sum& expand(const Expr& e) {
+    wanted_.insert(e.id());
+    // The arguments of functions are not looked into: they are atoms with all they hold.
+    const auto descend = [this](const Expr& node) {
+      if (!wanted_.contains(node.id()) || done_.contains(node.id())) return false;
+      if (is_algebraic(node))
+        for (const Expr& arg : node.args()) wanted_.insert(arg.id());
+      return true;
+    };
+    postorder(e, descend,
+              [this](const Expr& node) { done_.emplace(node.id(), expanded(node, done_)); });
+    return done_.at(e.id());
+  }
+
+private:
+  static bool is_algebraic(const Expr& node) {
+    return node.op() == Op::add || node.op() == Op::mul || node.op() == Op::div ||
+           node.op() == Op::neg || node.op() == Op::pow;
+  }
+
+  NodeMap<Sum> done_;
+  std::unordered_set<const void*> wanted_;
+};
+
 } // namespace
 
 Expr expand(const Expr& e) {
-  NodeMap<Sum> done;
-  const auto algebraic = [](const Expr& node) {
-    return node.op() == Op::add || node.op() == Op::mul || node.op() == Op::div ||
-           node.op() == Op::neg || node.op() == Op::pow;
-  };
-  // The arguments of other functions are not looked into: they are atoms with all they hold.
-  std::unordered_set<const void*> wanted{e.id()};
-  const auto descend = [&](const Expr& node) {
-    if (!wanted.contains(node.id())) return false;
-    if (algebraic(node))
-      for (const Expr& arg : node.args()) wanted.insert(arg.id());
-    return true;
-  };
-  postorder(e, descend, [&](const Expr& node) { done.emplace(node.id(), expanded(node, done)); });
-  return rebuilt(done.at(e.id()));
+  const std::vector<Expr> terms = addends(e); // a long sum is collected once, not at every plus
+  Expander expander;
+  Sum sum;
+  for (const Expr& term : terms) {
+    const Sum& part = expander.expand(term);
+    sum.insert(sum.end(), part.begin(), part.end());
+  }
+  return rebuilt(collected(sum));
 }
 
 } // namespace hvi::solver
