@@ -1,0 +1,170 @@
+// Loads: totals, separation in time, means, failures.
+#include "solver/kernel/table.hpp"
+#include "tests/solver/assembly/reference.hpp"
+
+#include <gtest/gtest.h>
+
+namespace hvi::solver {
+namespace {
+
+using namespace test;
+
+Expr apply(Op op, const Expr& e) { return Expr::make(op, {e}); }
+
+struct LoadCase : ::testing::Test {
+  Mesh mesh = skew_mesh(2, 3);
+  Space space = make_space(mesh, 2, 2);
+  std::vector<Region> parts{all_cells(mesh), skin(mesh)};
+
+  LoadTerm load(int part, std::vector<LoadTerm::Entry> entries) {
+    LoadTerm term;
+    term.origin = Origin{5};
+    term.part = part;
+    term.entries = std::move(entries);
+    return term;
+  }
+  LoadAssembler assembler(const std::vector<LoadTerm>& terms) { return {space, parts, terms}; }
+  Vector at(const LoadAssembler& a, double time) {
+    Vector f = Vector::Zero(space.n_dofs());
+    a.add(time, f);
+    return f;
+  }
+};
+
+TEST_F(LoadCase, MatchesTheSlowAssembler) {
+  const Expr n0 = Expr::variable(slot::normal(0));
+  const auto volume = load(0, {{slot::value(0), x * x * t}, {slot::gradient(1, 0), y + t * t}});
+  const auto traction = load(1, {{slot::value(1), t * x * n0}, {slot::gradient(0, 1), y}});
+  const Vector expected =
+      slow_load(space, parts[0], volume, 0.7) + slow_load(space, parts[1], traction, 0.7);
+  const auto a = assembler({volume, traction});
+  EXPECT_TRUE(a.separable());
+  EXPECT_FALSE(a.time_independent());
+  EXPECT_LT((at(a, 0.7) - expected).norm(), 1e-13 * expected.norm());
+}
+
+TEST_F(LoadCase, TotalIsMeasureTimesDensity) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    const Mesh m = skew_mesh(dim, 2);
+    for (int order = 1; order <= 2; ++order) {
+      for (const Rule rule : {Rule::exact, Rule::nodal, Rule::midpoint, Rule::gauss}) {
+        const Space s = make_space(m, order, 1);
+        const std::vector<Region> where{all_cells(m), skin(m)};
+        for (int part = 0; part < 2; ++part) {
+          auto term = load(part, {{slot::value(0), Expr(3.0)}});
+          term.rule = rule;
+          Vector f = Vector::Zero(s.n_dofs());
+          LoadAssembler(s, where, std::vector{term}).add(0, f);
+          EXPECT_NEAR(f.sum(), 3 * measure_of(m, where[part]), 1e-13);
+        }
+      }
+    }
+  }
+}
+
+TEST_F(LoadCase, DivergenceTheorem) {
+  // int_boundary v . nu = int div v for all v of the space: two different code paths.
+  LoadTerm flux = load(1, {}), divergence = load(0, {});
+  for (int i = 0; i < 2; ++i) {
+    flux.entries.push_back({slot::value(i), Expr::variable(slot::normal(i))});
+    divergence.entries.push_back({slot::gradient(i, i), Expr(1.0)});
+  }
+  EXPECT_LT((at(assembler({flux}), 0) - at(assembler({divergence}), 0)).norm(), 1e-14);
+}
+
+TEST_F(LoadCase, EqualTimeFactorsAreOneVector) {
+  const Expr pulse = apply(Op::sin, Expr(3.0) * t);
+  const auto a = assembler({load(0, {{slot::value(0), Expr(-10.0) * t * y}, {slot::value(1), t}}),
+                            load(1, {{slot::value(0), Expr(3.0) * t + pulse * x}}),
+                            load(1, {{slot::value(1), pulse * Expr(2.0) + Expr(4.0)}})});
+  EXPECT_EQ(a.separable_terms(), 3); // t, sin 3t, 1
+  EXPECT_TRUE(a.separable());
+}
+
+TEST_F(LoadCase, WhatDoesNotSeparateIsAssembledAtEachStep) {
+  const Expr moving = exp(-(x - t) * (x - t)) / (Expr(1.0) + x * t);
+  const auto term = load(0, {{slot::value(0), moving}, {slot::value(1), t * y}});
+  const auto a = assembler({term});
+  EXPECT_FALSE(a.separable());
+  EXPECT_EQ(a.separable_terms(), 1);
+  for (const double time : {0.0, 0.4, 1.9}) {
+    const Vector slow = slow_load(space, parts[0], term, time);
+    // Not polynomial: the two rules differ by their own error, far below the size of the load.
+    EXPECT_LT((at(a, time) - slow).norm(), 2e-6 * slow.norm());
+  }
+}
+
+TEST_F(LoadCase, BothPathsAgree) {
+  // cos(x + t) in two forms: separated by hand, and as it is, which no product rule takes apart.
+  const auto cosine = [](const Expr& e) { return apply(Op::cos, e); };
+  const auto sine = [](const Expr& e) { return apply(Op::sin, e); };
+  const auto whole = load(1, {{slot::value(0), Expr::make(Op::atan2, {x + t, Expr(1.0) + y * y})}});
+  const auto a = assembler({whole});
+  EXPECT_FALSE(a.separable());
+  const auto joint = load(0, {{slot::value(0), cosine(x + t)}});
+  const auto apart = load(0, {{slot::value(0), cosine(x) * cosine(t) - sine(x) * sine(t)}});
+  EXPECT_LT((at(assembler({joint}), 0.8) - at(assembler({apart}), 0.8)).norm(), 1e-13);
+}
+
+TEST_F(LoadCase, PointLoads) {
+  parts.push_back(node_region(mesh, mesh.nodes[4]));
+  const auto a = assembler({load(2, {{slot::value(1), Expr(-2.0) * t}})});
+  const Vector f = at(a, 1.5);
+  EXPECT_EQ(f[space.dof(4, 1)], -3.0);
+  EXPECT_EQ(f.cwiseAbs().sum(), 3.0);
+  EXPECT_THROW(assembler({load(2, {{slot::gradient(1, 0), t}})}), Failure);
+}
+
+TEST_F(LoadCase, MeansAreExactToDegreeSeven) {
+  const Expr seventh = pow(t, Expr(7.0)) - Expr(3.0) * t * t;
+  const auto a = assembler({load(0, {{slot::value(0), seventh}})});
+  const Vector unit = at(assembler({load(0, {{slot::value(0), Expr(1.0)}})}), 0);
+  Vector mean = Vector::Zero(space.n_dofs());
+  const double t0 = 0.3, t1 = 1.1;
+  a.add_mean(t0, t1, mean);
+  const auto primitive = [](double s) { return std::pow(s, 8) / 8 - s * s * s; };
+  EXPECT_LT((mean - unit * (primitive(t1) - primitive(t0)) / (t1 - t0)).norm(), 1e-14);
+}
+
+TEST_F(LoadCase, MeansOfTablesSplitAtTheirKnots) {
+  const auto table =
+      std::make_shared<const Table>("ramp", std::vector<double>{0, 1, 1.5, 3},
+                                    std::vector<double>{0, 2, -1, 4}, Table::Interpolation::linear);
+  const auto term =
+      load(0, {{slot::value(0), Expr::tabulated(table, t * Expr(2.0) + Expr(0.5)) * x}});
+  const auto a = assembler({term});
+  EXPECT_TRUE(a.separable());
+  const Vector f1 = at(a, 0.25) / 2; // table(1) = 2
+  Vector mean = Vector::Zero(space.n_dofs());
+  a.add_mean(0.0, 1.25, mean); // argument from 0.5 to 3
+  // Trapezoids: [.5, 1]: 1.5 * .5; [1, 1.5]: .5 * .5; [1.5, 3]: 1.5 * 1.5; over 2.5.
+  EXPECT_LT((mean - f1 * (0.75 + 0.25 + 2.25) / 2.5).norm(), 1e-15);
+  EXPECT_THROW(at(a, 2.0), Failure); // outside the table
+}
+
+TEST_F(LoadCase, TimeIndependent) {
+  const auto a = assembler({load(0, {{slot::value(1), Expr(-9.81) * x}})});
+  EXPECT_TRUE(a.time_independent());
+  EXPECT_EQ(a.separable_terms(), 1);
+  EXPECT_TRUE(assembler({}).time_independent());
+  EXPECT_EQ(at(assembler({}), 1).norm(), 0);
+}
+
+TEST_F(LoadCase, BadValuesNamePointAndTime) {
+  const auto expect = [&](const Expr& e, double time, const std::string& text) {
+    try {
+      at(assembler({load(0, {{slot::value(0), e}})}), time);
+      FAIL() << text;
+    } catch (const Failure& f) {
+      EXPECT_EQ(f.kind, FailureKind::bad_value);
+      EXPECT_EQ(f.origin.id, 5);
+      EXPECT_NE(std::string(f.what()).find(text), std::string::npos) << f.what();
+    }
+  };
+  expect(sqrt(x - Expr(40.0)), 0, "nan at (");
+  expect(sqrt(Expr(1.0) - t), 2, "at t = 2");
+  expect(sqrt(x - Expr(40.0) * t), 0.25, "t = 0.25");
+}
+
+} // namespace
+} // namespace hvi::solver
