@@ -1,183 +1,47 @@
 // Bilinear forms: K_ij = int sum_e C_e D_{trial_e}(phi_j) D_{test_e}(phi_i).
-//
-// At a quadrature point the entries between component c of the test function and component d of the
-// trial function form a small matrix T over the rows of a ShapeTable S (value, d/dx_0, ...); the
-// element matrix of that pair is  sum_q w_q S^T T S.
 #include "solver/assembly/assembly.hpp"
-#include "solver/assembly/degree.hpp"
+#include "solver/assembly/element_matrix.hpp"
 #include "solver/assembly/pattern.hpp"
 #include "solver/fem/pointwise.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace hvi::solver {
 namespace {
 
-constexpr int max_element = 3 * max_cell_nodes;
-
-/// Where one entry stands in the matrix T of its pair of components.
-struct Place {
-  int block, row, column;
-};
-struct Block {
-  int test_component, trial_component;
-  std::array<std::array<double, 4>, 4> t{};
-};
-
-/// The entries of a form, sorted into blocks.
-struct Entries {
-  std::vector<Place> places;
-  std::vector<Block> blocks;
-  std::vector<Expr> coefficients;
-  bool constant = true, gradients = false, values = false;
-  int degree = 0; ///< for the rule `exact`
-};
-
-int block_of(std::vector<Block>& blocks, int test, int trial) {
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    if (blocks[b].test_component == test && blocks[b].trial_component == trial) {
-      return static_cast<int>(b);
-    }
-  }
-  blocks.push_back({test, trial, {}});
-  return static_cast<int>(blocks.size()) - 1;
-}
-
-Entries sort_entries(const Space& space, const FormTerm& term) {
-  Entries out;
-  for (const auto& entry : term.entries) {
-    if (entry.coefficient.is(0.0)) {
-      continue;
-    }
-    const Derivative test = decode(space, entry.test, term.origin);
-    const Derivative trial = decode(space, entry.trial, term.origin);
-    out.places.push_back(
-        {block_of(out.blocks, test.component, trial.component), test.row, trial.row});
-    out.coefficients.push_back(entry.coefficient);
-    out.constant = out.constant && entry.coefficient.is_constant();
-    out.gradients = out.gradients || test.row > 0 || trial.row > 0;
-    out.values = out.values || test.row == 0 || trial.row == 0;
-    const int shapes =
-        shape_degree(entry.test, space.order) + shape_degree(entry.trial, space.order);
-    out.degree = std::max(out.degree, exact_degree(entry.coefficient, shapes, space.order));
-  }
-  return out;
-}
-
-/// Sets T of every block from the coefficients (stride apart) at one point.
-void set_blocks(Entries& entries, const double* coefficients, std::size_t stride) {
-  for (auto& block : entries.blocks) {
-    block.t = {};
-  }
-  for (std::size_t e = 0; e < entries.places.size(); ++e) {
-    const Place& place = entries.places[e];
-    entries.blocks[place.block].t[place.row][place.column] += coefficients[e * stride];
-  }
-}
-
-/// An element matrix under construction. `local` lists the shape functions that take part.
-struct Element {
-  std::vector<std::int32_t> nodes;
-  std::vector<int> local;
-  int components = 1;
-  std::array<double, max_element * max_element> matrix{};
-  void clear() {
-    const std::size_t width = nodes.size() * components;
-    std::fill_n(matrix.begin(), width * width, 0.0);
-  }
-};
-
-/// matrix += weight S^T T S for all blocks. Rows [first, past) of S; n = 0: size known at run time
-/// only. The sizes of P1 as template arguments make the loops unroll.
-template <int first, int past, int n>
-void accumulate(Element& element, const Entries& entries, const ShapeTable& s, double weight,
-                int run_past) {
-  const int size = n > 0 ? n : static_cast<int>(element.local.size());
-  const int end = past > 0 ? past : run_past;
-  const int m = element.components, width = size * m;
-  double picked[4][max_cell_nodes], ts[4][max_cell_nodes];
-  for (int r = first; r < end; ++r) {
-    for (int i = 0; i < size; ++i) {
-      picked[r][i] = s.row(r)[n > 0 ? i : element.local[i]];
-    }
-  }
-  for (const Block& block : entries.blocks) {
-    for (int r = first; r < end; ++r) {
-      for (int j = 0; j < size; ++j) {
-        double sum = 0.0;
-        for (int k = first; k < end; ++k) {
-          sum += block.t[r][k] * picked[k][j];
-        }
-        ts[r][j] = weight * sum;
-      }
-    }
-    for (int i = 0; i < size; ++i) {
-      double* row = element.matrix.data() + (i * m + block.test_component) * width;
-      for (int j = 0; j < size; ++j) {
-        double sum = 0.0;
-        for (int r = first; r < end; ++r) {
-          sum += picked[r][i] * ts[r][j];
-        }
-        row[j * m + block.trial_component] += sum;
-      }
-    }
-  }
-}
-
-void accumulate_general(Element& element, const Entries& entries, const ShapeTable& shapes,
-                        double weight) {
-  accumulate<0, 0, 0>(element, entries, shapes, weight, shapes.rows);
-}
-
 /// Constant coefficients on cells: no points, no tape.
-void assemble_constant(const Space& space, const Region& region, Rule rule, Entries& entries,
+void assemble_constant(const Space& space, const Region& region, Rule rule, FormEntries& entries,
                        ElementScatter& scatter) {
   std::vector<double> coefficients;
   for (const Expr& c : entries.coefficients) {
     coefficients.push_back(c.value());
   }
-  set_blocks(entries, coefficients.data(), 1);
-  const int dim = space.mesh->dim;
-  const Quadrature quadrature = make_rule(rule, dim, space.order, entries.degree);
-  const bool p1_gradients = space.order == 1 && !entries.values;
-  Element element;
+  entries.set(coefficients.data(), 1);
+  const Quadrature quadrature = make_rule(rule, space.mesh->dim, space.order, entries.degree);
+  const ElementKernel kernel = whole_cell_kernel(space, entries);
+  ElementMatrix element;
   element.components = space.components;
-  for (int i = 0; i < space.nodes_per_cell; ++i) {
-    element.local.push_back(i);
-  }
+  element.local.resize(space.nodes_per_cell);
+  std::iota(element.local.begin(), element.local.end(), 0);
   ShapeTable shapes;
   for (const auto cell : region.entities) {
     const auto nodes = space.nodes_of_cell(cell);
     element.nodes.assign(nodes.begin(), nodes.end());
     element.clear();
     const CellGeometry geometry = cell_geometry(*space.mesh, cell);
-    if (p1_gradients) {
-      for (int j = 0; j < dim; ++j) {
-        for (int k = 0; k <= dim; ++k) {
-          shapes.row(1 + j)[k] = geometry.gradient[k][j];
-        }
-      }
-      if (dim == 2) {
-        accumulate<1, 3, 3>(element, entries, shapes, geometry.measure, 0);
-      } else if (dim == 3) {
-        accumulate<1, 4, 4>(element, entries, shapes, geometry.measure, 0);
-      } else {
-        accumulate<1, 2, 2>(element, entries, shapes, geometry.measure, 0);
-      }
-    } else {
-      for (std::size_t q = 0; q < quadrature.size(); ++q) {
-        evaluate_shapes(space, geometry, quadrature.points[q], entries.gradients, shapes);
-        accumulate_general(element, entries, shapes, geometry.measure * quadrature.weights[q]);
-      }
+    for (std::size_t q = 0; q < quadrature.size(); ++q) {
+      evaluate_shapes(space, geometry, quadrature.points[q], entries.gradients, shapes);
+      kernel(element, entries, shapes, geometry.measure * quadrature.weights[q]);
     }
-    scatter.add(element.nodes, element.matrix.data());
+    scatter.add(element.nodes, element.data.data());
   }
 }
 
 /// The nodes an entity couples: all of its cell's when gradients take part, else its own.
 void pick_nodes(const Space& space, Group::Kind kind, int entity, int cell, bool gradients,
-                Element& element) {
+                ElementMatrix& element) {
   const auto of_cell = space.nodes_of_cell(cell);
   if (kind == Group::Kind::cells || gradients) {
     element.nodes.assign(of_cell.begin(), of_cell.end());
@@ -198,9 +62,11 @@ void pick_nodes(const Space& space, Group::Kind kind, int entity, int cell, bool
 class VariableAssembler {
 public:
   VariableAssembler(const Space& space, const Region& region, const FormTerm& term,
-                    Entries& entries)
+                    FormEntries& entries)
       : space_(space), kind_(region.kind), term_(term), entries_(entries),
-        points_(space, region, term.rule, entries.degree), tape_(entries.coefficients) {
+        points_(space, region, term.rule, entries.degree), tape_(entries.coefficients),
+        kernel_(region.kind == Group::Kind::cells ? whole_cell_kernel(space, entries)
+                                                  : general_kernel) {
     element_.components = space.components;
   }
   void run(ElementScatter& scatter) {
@@ -220,10 +86,10 @@ private:
       element_.clear();
       for (std::size_t q = p; q < p + step; ++q) {
         evaluate_shapes(space_, geometry, block.barycentric[q], entries_.gradients, shapes_);
-        set_blocks(entries_, values_.data() + q, n);
-        accumulate_general(element_, entries_, shapes_, block.weight[q]);
+        entries_.set(values_.data() + q, n);
+        kernel_(element_, entries_, shapes_, block.weight[q]);
       }
-      scatter.add(element_.nodes, element_.matrix.data());
+      scatter.add(element_.nodes, element_.data.data());
     }
   }
   void check(const PointBlock& block) const {
@@ -239,10 +105,11 @@ private:
   const Space& space_;
   Group::Kind kind_;
   const FormTerm& term_;
-  Entries& entries_;
+  FormEntries& entries_;
   RegionPoints points_;
   Pointwise tape_;
-  Element element_;
+  ElementKernel kernel_;
+  ElementMatrix element_;
   ShapeTable shapes_;
   std::vector<double> values_;
 };
@@ -264,14 +131,6 @@ NodeGraph graph_of(const Space& space, const Region& region, bool gradients) {
   return make_node_graph(space.nodes.size(), nodes, per_entity);
 }
 
-void check_constants(const Entries& entries, Origin origin) {
-  for (const Expr& c : entries.coefficients) {
-    if (c.is_constant() && !std::isfinite(c.value())) {
-      throw Failure(FailureKind::bad_value, origin, "a coefficient of the form is not finite");
-    }
-  }
-}
-
 } // namespace
 
 SparseMatrix zero_matrix(const Space& space) {
@@ -279,8 +138,7 @@ SparseMatrix zero_matrix(const Space& space) {
 }
 
 SparseMatrix assemble_form(const Space& space, const Region& region, const FormTerm& term) {
-  Entries entries = sort_entries(space, term);
-  check_constants(entries, term.origin);
+  FormEntries entries = sort_entries(space, term);
   const bool on_cells = region.kind == Group::Kind::cells;
   if (region.kind == Group::Kind::points && entries.gradients) {
     throw Failure(FailureKind::bad_value, term.origin,

@@ -6,6 +6,7 @@
 // G_p (1 to 3 rows) takes the contact unknowns to the law's argument, g_p is what is known of it.
 #pragma once
 
+#include "solver/inequality/branch.hpp"
 #include "solver/law/law.hpp"
 #include "solver/linear/sparse.hpp"
 
@@ -52,8 +53,6 @@ struct ReducedProblem {
   SparseMatrix g; ///< rows of all points by contact unknowns
   Vector offset;  ///< known part of z, a row each: set before every step
 };
-
-enum class Branch { continuing, release, least_energy };
 
 struct InequalityOptions {
   double tolerance = 1e-10; ///< of the certificate

@@ -3,7 +3,7 @@
 
 #include "solver/kernel/table.hpp"
 
-#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <boost/math/quadrature/gauss.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -164,7 +164,7 @@ LawGraph GraphBuilder::build(const Point& x, double t) const {
   for (const Cell& c : cells) {
     if (&c != &cells.front()) graph.breaks.push_back(c.low);
     graph.functions.push_back(c.function);
-    const double centre = std::isfinite(c.low) ? c.low : (std::isfinite(c.high) ? c.high : 0.0);
+    const double centre = std::clamp(0.0, c.low, c.high); // small arguments keep all their digits
     graph.smooth.push_back(functions_[c.function].expand(centre, x, t));
   }
   set_limits(graph);
@@ -262,6 +262,34 @@ void GraphBuilder::check_potential(const LawGraph& graph) const {
   }
 }
 
+namespace {
+
+/// Bisects [a, b] until twenty-point Gauss agrees with its two halves to rounding of the whole.
+template <class F>
+double refined(const F& f, double a, double b, double whole, double scale, int depth) {
+  using Gauss = boost::math::quadrature::gauss<double, 20>;
+  const double m = a + (b - a) / 2.0;
+  const double left = Gauss::integrate(f, a, m), right = Gauss::integrate(f, m, b);
+  scale = std::max(scale, std::abs(left) + std::abs(right));
+  if (depth == 0 || std::abs(left + right - whole) <= 1e-14 * scale) return left + right;
+  return refined(f, a, m, left, scale, depth - 1) + refined(f, m, b, right, scale, depth - 1);
+}
+
+/// Panels that halve towards a: a law's scale may be far smaller than the piece (exp(-20 r)).
+template <class F>
+double integral(const F& f, double a, double b) {
+  double sum = 0.0, end = b;
+  for (int k = 0; k <= 30; ++k) {
+    const double start = k == 30 ? a : a + (end - a) / 2.0;
+    const double whole = boost::math::quadrature::gauss<double, 20>::integrate(f, start, end);
+    sum += refined(f, start, end, whole, std::abs(sum) + std::abs(whole), 20);
+    end = start;
+  }
+  return sum;
+}
+
+} // namespace
+
 double primitive(const LawSpec& spec, const SmoothFunction& function, const LawGraph& graph,
                  int piece, double r) {
   const auto& p = graph.smooth[piece];
@@ -272,8 +300,7 @@ double primitive(const LawSpec& spec, const SmoothFunction& function, const LawG
     const double v = function.slope(s, graph.x, graph.t);
     return std::isfinite(v) ? v : 0.0; // only the end of a piece can be undefined, measure zero
   };
-  return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(slope, p.centre, r, 15,
-                                                                       1e-13);
+  return integral(slope, p.centre, r);
 }
 
 } // namespace hvi::solver

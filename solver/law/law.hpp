@@ -30,7 +30,7 @@ struct LawSpec {
 struct LawGraph {
   /// Piece i as the solvers evaluate it: a polynomial sum a[k] (r - centre)^k of degree <= 5 where
   /// the slope is one at this x and t, else (degree -1) the compiled expression. The primitive of
-  /// a piece vanishes at its centre, except for a law by potential that is no polynomial.
+  /// a piece vanishes at its centre (its point nearest 0), except for a law by potential that is no polynomial.
   struct Smooth {
     int degree = -1;
     double centre = 0.0;

@@ -10,7 +10,7 @@
 
 #include "solver/common/failure.hpp"
 #include "solver/history/history.hpp"
-#include "solver/inequality/inequality.hpp"
+#include "solver/inequality/branch.hpp"
 #include "solver/kernel/expr.hpp"
 #include "solver/law/law.hpp"
 #include "solver/mesh/mesh.hpp"

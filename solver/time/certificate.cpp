@@ -25,7 +25,7 @@ void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vect
   }
 }
 
-double backward_error(const Vector& gap, const Vector& scale, const SparseMatrix& force,
+double equilibrium_error(const Vector& gap, const Vector& scale, const SparseMatrix& force,
                       const Vector& xi, Vector& work) {
   work = gap;
   if (xi.size() > 0) work.noalias() -= force * xi;

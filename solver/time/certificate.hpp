@@ -11,7 +11,7 @@ void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vect
 
 /// max_i |R_i| / scale_i with R = gap - G^T W xi: the componentwise backward error of the
 /// equilibrium on the unknowns (rows with R_i = 0 count 0). `work` is scratch of the same length.
-double backward_error(const Vector& gap, const Vector& scale, const SparseMatrix& force,
+double equilibrium_error(const Vector& gap, const Vector& scale, const SparseMatrix& force,
                       const Vector& xi, Vector& work);
 
 struct Inclusion {

@@ -124,7 +124,7 @@ double Stepper::residual(const StepMatrix& matrix, const Vector& change) {
     gap_.noalias() -= change[b] * (operators_.bases[b].leftCols(layout_.n_unknowns) * d_);
     ++products_;
   }
-  return backward_error(gap_, scale_, contact_.force, inequality_.xi, work_);
+  return equilibrium_error(gap_, scale_, contact_.force, inequality_.xi, work_);
 }
 
 StepResult Stepper::correct(int n, StepMatrix& matrix) {
@@ -136,6 +136,7 @@ StepResult Stepper::correct(int n, StepMatrix& matrix) {
   double target =
       change_.isZero(0.0) ? plan_.options.tolerance : std::min(refined, plan_.options.tolerance);
   d_.setZero();
+  inequality_.c.setZero(); // the path to the new state starts at the last one
   gap_ = rhs_;
   double last = std::numeric_limits<double>::infinity();
   int iterations = 0, events = 0;

@@ -6,6 +6,7 @@
 #include <gmsh.h>
 
 #include <algorithm>
+#include <clocale>
 #include <cstring>
 #include <stdexcept>
 
@@ -13,11 +14,13 @@ namespace hvi::gmsh_module {
 namespace {
 
 /// A gmsh session from a fresh start to its end, so that nothing one mesh sets reaches the next. No
-/// configuration files, no output, one thread, fixed random numbers.
+/// configuration files, no output, one thread, fixed random numbers. gmsh changes the locale of the
+/// program: it is put back.
 class Session {
 public:
   Session() {
     gmsh::initialize(0, nullptr, false);
+    std::setlocale(LC_ALL, locale_.c_str());
     gmsh::option::setNumber("General.Terminal", 0);
     gmsh::option::setNumber("General.NumThreads", 1);
     gmsh::option::setNumber("Mesh.RandomSeed", 1);
@@ -25,6 +28,9 @@ public:
   ~Session() { gmsh::finalize(); }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
+
+private:
+  std::string locale_ = std::setlocale(LC_ALL, nullptr);
 };
 
 Extent extent_of(int dim, int tag) {

@@ -2,6 +2,7 @@
 #include "solver/mesh/gmsh_module.hpp"
 #include "tests/solver/mesh/helpers.hpp"
 
+#include <clocale>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -95,6 +96,12 @@ TEST(Geometry, SmallAndLargeBodiesHaveTheSameMesh) {
     for (std::size_t n = 0; n < one.nodes.size(); ++n)
       for (int a = 0; a < 2; ++a) ASSERT_EQ(other.nodes[n][a], one.nodes[n][a] * scale);
   }
+}
+
+TEST(Geometry, LeavesTheLocaleAlone) {
+  const std::string before = std::setlocale(LC_ALL, nullptr);
+  generate_geometry("disk", {});
+  EXPECT_EQ(std::setlocale(LC_ALL, nullptr), before);
 }
 
 TEST(Geometry, IsDeterministic) {

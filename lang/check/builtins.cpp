@@ -1,0 +1,145 @@
+// The table of built-ins.
+#include "lang/check/builtins.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace hvi::lang {
+
+namespace {
+
+using K = BuiltInKind;
+
+constexpr std::array table = {
+    BuiltIn{"abs", K::pointwise, "abs(a)", "absolute value"},
+    BuiltIn{"acos", K::pointwise, "acos(a)", "inverse cosine"},
+    BuiltIn{"asin", K::pointwise, "asin(a)", "inverse sine"},
+    BuiltIn{"atan", K::pointwise, "atan(a)", "inverse tangent"},
+    BuiltIn{"atan2", K::pointwise, "atan2(y, x)", "angle of the point (x, y)"},
+    BuiltIn{"bessel_j", K::pointwise, "bessel_j(n, a)", "Bessel function of the first kind"},
+    BuiltIn{"cos", K::pointwise, "cos(a)", "cosine"},
+    BuiltIn{"cosh", K::pointwise, "cosh(a)", "hyperbolic cosine"},
+    BuiltIn{"erf", K::pointwise, "erf(a)", "error function"},
+    BuiltIn{"exp", K::pointwise, "exp(a)", "exponential"},
+    BuiltIn{"gamma", K::pointwise, "gamma(a)", "gamma function"},
+    BuiltIn{"log", K::pointwise, "log(a)", "natural logarithm"},
+    BuiltIn{"max", K::pointwise, "max(a, b, ...)", "largest of its arguments"},
+    BuiltIn{"min", K::pointwise, "min(a, b, ...)", "least of its arguments"},
+    BuiltIn{"mittag_leffler", K::pointwise, "mittag_leffler(alpha, [beta,] a)",
+            "Mittag-Leffler function E_{alpha,beta}(a), beta = 1 when left out"},
+    BuiltIn{"sign", K::pointwise, "sign(a)", "-1, 0 or 1"},
+    BuiltIn{"sin", K::pointwise, "sin(a)", "sine"},
+    BuiltIn{"sinh", K::pointwise, "sinh(a)", "hyperbolic sine"},
+    BuiltIn{"sqrt", K::pointwise, "sqrt(a)", "square root"},
+    BuiltIn{"tan", K::pointwise, "tan(a)", "tangent"},
+    BuiltIn{"tanh", K::pointwise, "tanh(a)", "hyperbolic tangent"},
+    BuiltIn{"div", K::differential, "div(u)", "divergence of a vector"},
+    BuiltIn{"eps", K::differential, "eps(u)", "symmetric gradient of a vector: the strain"},
+    BuiltIn{"grad", K::differential, "grad(u)", "gradient of a scalar (vector) or vector (matrix)"},
+    BuiltIn{"dev", K::algebraic, "dev(e)", "deviator e - tr(e)/d I of a matrix"},
+    BuiltIn{"dot", K::algebraic, "dot(a, b)", "inner product; also matrix times vector"},
+    BuiltIn{"identity", K::algebraic, "identity()", "identity matrix of the space dimension"},
+    BuiltIn{"norm", K::algebraic, "norm(a)", "Euclidean norm; norm(u) alone in a table: V norm"},
+    BuiltIn{"tr", K::algebraic, "tr(e)", "trace of a matrix"},
+    BuiltIn{"transpose", K::algebraic, "transpose(e)", "transposed matrix"},
+    BuiltIn{"isotropic", K::tensor, "isotropic(lambda = , mu = ) or isotropic(young = , poisson = )",
+            "lambda tr(e) I + 2 mu e; plane strain in 2D"},
+    BuiltIn{"orthotropic", K::tensor,
+            "orthotropic(young = [..], poisson = [..], shear = [..], axes = [[..], ..])",
+            "three planes of symmetry"},
+    BuiltIn{"prony", K::tensor, "prony(weights = [..], times = [..])",
+            "sum of weights[i] exp(-lag/times[i]), in a kernel"},
+    BuiltIn{"table", K::tensor, "table(\"file.csv\", a, interpolation = linear)",
+            "tabulated function of a; of the lag in kernels and of t elsewhere when a is left out"},
+    BuiltIn{"transverse", K::tensor,
+            "transverse(young = , poisson = , young_axis = , poisson_axis = , shear_axis = , axis = )",
+            "transversely isotropic about an axis"},
+    BuiltIn{"voigt", K::tensor, "voigt([[..], ..])",
+            "by its matrix on (xx, yy, [zz, yz, xz,] xy) with engineering shear strains"},
+    BuiltIn{"history", K::memory, "history(C, eps(u))", "int_0^t C(t - s) eps(u(s)) ds"},
+    BuiltIn{"integral", K::region, "integral(part, a, rule = nodal)", "integral over a part"},
+    BuiltIn{"inside", K::region, "inside(part)", "condition: the point lies in the part"},
+    BuiltIn{"point", K::region, "point(mesh, [x, y])", "a node of the mesh as a part"},
+    BuiltIn{"box", K::mesh, "box(a, b, c, cells = [n, m, l])", "structured mesh of a box"},
+    BuiltIn{"gmsh", K::mesh, "gmsh(\"file.msh\")", "mesh from a file"},
+    BuiltIn{"interval", K::mesh, "interval(a, cells = n)", "mesh of (0, a)"},
+    BuiltIn{"rectangle", K::mesh, "rectangle(a, b, cells = [n, m])",
+            "structured mesh of (0, a) x (0, b)"},
+};
+
+constexpr std::array<std::string_view, 20> word_table = {
+    "P1",       "P2",        "backward_euler", "bdf2",          "nodal", "midpoint", "gauss",
+    "exact",    "endpoint",  "average",        "continuing",    "release", "least_energy",
+    "automatic", "recursion", "fit",           "tree",          "direct",  "linear", "cubic"};
+
+constexpr std::array<std::string_view, 8> reserved_names = {"t",  "x",   "y",      "z",
+                                                            "pi", "lag", "normal", "sigma"};
+
+} // namespace
+
+std::span<const BuiltIn> built_ins() { return table; }
+
+const BuiltIn* find_built_in(std::string_view name) {
+  const auto found =
+      std::find_if(table.begin(), table.end(), [&](const BuiltIn& b) { return b.name == name; });
+  return found == table.end() ? nullptr : &*found;
+}
+
+bool is_function_name(std::string_view name) { return find_built_in(name) != nullptr; }
+
+bool is_word(std::string_view name) {
+  return std::find(word_table.begin(), word_table.end(), name) != word_table.end();
+}
+
+std::span<const std::string_view> words() { return word_table; }
+
+bool is_reserved_builtin(std::string_view name) {
+  return is_function_name(name) ||
+         std::find(reserved_names.begin(), reserved_names.end(), name) != reserved_names.end();
+}
+
+std::vector<std::string> visible_built_ins() {
+  std::vector<std::string> names;
+  for (const BuiltIn& b : table) names.emplace_back(b.name);
+  for (std::string_view name : reserved_names) names.emplace_back(name);
+  return names;
+}
+
+std::optional<int> pointwise_arity(std::string_view name) {
+  const BuiltIn* found = find_built_in(name);
+  if (!found || found->kind != BuiltInKind::pointwise) return std::nullopt;
+  if (name == "atan2" || name == "bessel_j" || name == "min" || name == "max") return 2;
+  return name == "mittag_leffler" ? 3 : 1;
+}
+
+solver::Op pointwise_op(std::string_view name) {
+  using solver::Op;
+  constexpr std::array<std::pair<std::string_view, Op>, 21> ops = {{
+      {"abs", Op::abs},     {"acos", Op::acos},
+      {"asin", Op::asin},   {"atan", Op::atan},
+      {"atan2", Op::atan2}, {"bessel_j", Op::bessel_j},
+      {"cos", Op::cos},     {"cosh", Op::cosh},
+      {"erf", Op::erf},     {"exp", Op::exp},
+      {"gamma", Op::gamma}, {"log", Op::log},
+      {"max", Op::max},     {"min", Op::min},
+      {"sign", Op::sign},   {"sin", Op::sin},
+      {"sinh", Op::sinh},   {"sqrt", Op::sqrt},
+      {"tan", Op::tan},     {"tanh", Op::tanh},
+      {"mittag_leffler", Op::mittag_leffler},
+  }};
+  for (const auto& [op_name, op] : ops)
+    if (op_name == name) return op;
+  return Op::constant;
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  double value = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+} // namespace hvi::lang

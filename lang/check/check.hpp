@@ -1,0 +1,26 @@
+// Second phase: from syntax trees to the typed model. All mistakes of a script are reported at once,
+// none twice; what depends on a wrong thing is silent.
+#pragma once
+
+#include "lang/check/model.hpp"
+#include "lang/diag/diagnostic.hpp"
+#include "lang/syntax/ast.hpp"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hvi::lang {
+
+struct CheckOptions {
+  std::map<std::string, std::string> defines; ///< -D name=value
+  std::string folder = ".";                   ///< of the script: what it may read lies below
+  bool allow_geo = false;
+};
+
+/// Checks a script with its imports; programs[0] is the script itself. Nothing when it has errors.
+std::optional<Model> check(const std::vector<ast::Program>& programs, const CheckOptions& options,
+                           Diagnostics& diagnostics);
+
+} // namespace hvi::lang

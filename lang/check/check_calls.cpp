@@ -1,0 +1,467 @@
+// Calls: functions of the script, pointwise functions, derivatives, memory.
+#include "lang/check/builtins.hpp"
+#include "lang/check/checker.hpp"
+#include "lang/diag/suggest.hpp"
+#include "solver/kernel/algebra.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace hvi::lang {
+
+using solver::Op;
+namespace slot = solver::slot;
+
+namespace {
+
+constexpr int deepest_call = 100;
+
+bool depends_on_memory_time(solver::Slot s) { return s == slot::t || s == slot::lag; }
+
+} // namespace
+
+std::optional<std::vector<const ast::Expr*>> Checker::match(const ast::Expr& e,
+                                                            const ast::Call& call,
+                                                            const std::string& callee,
+                                                            const std::vector<std::string>& names,
+                                                            std::size_t required) {
+  std::vector<const ast::Expr*> out(names.size(), nullptr);
+  std::size_t position = 0;
+  bool good = true;
+  for (const ast::Argument& argument : call.arguments) {
+    std::size_t place = names.size();
+    if (argument.name) {
+      place = std::find(names.begin(), names.end(), argument.name->text) - names.begin();
+      if (place == names.size()) {
+        const std::string near = did_you_mean(argument.name->text, names);
+        error("E0304", argument.name->span,
+              fmt::format("`{}` has no argument `{}`", callee, argument.name->text),
+              near.empty() ? fmt::format("its arguments: {}", fmt::join(names, ", ")) : near);
+        good = false;
+        continue;
+      }
+    } else {
+      place = position++;
+      if (place >= names.size()) {
+        error("E0305", argument.span,
+              fmt::format("`{}` takes {} argument{}", callee, names.size(),
+                          names.size() == 1 ? "" : "s"));
+        return std::nullopt;
+      }
+    }
+    if (out[place]) {
+      error("E0305", argument.span,
+            fmt::format("argument `{}` of `{}` is given twice", names[place], callee));
+      good = false;
+      continue;
+    }
+    out[place] = &argument.value;
+  }
+  if (!good) return std::nullopt;
+  for (std::size_t i = 0; i < required; ++i)
+    if (!out[i]) {
+      error("E0305", e.span, fmt::format("`{}` needs its argument `{}`", callee, names[i]));
+      return std::nullopt;
+    }
+  return out;
+}
+
+Value Checker::call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
+  const auto* r = std::get_if<ast::Reference>(&c.callee->node);
+  if (!r) {
+    error("E0310", c.callee->span, "only names are called",
+          "parts are declared: `part roof = slab.group(\"roof\")`");
+    return Poison{};
+  }
+  if (auto local = scope.locals.find(r->name); local != scope.locals.end()) {
+    if (!is_poison(local->second))
+      error("E0310", c.callee->span,
+            fmt::format("`{}` is {} and cannot be called", r->name, describe(local->second)));
+    return Poison{};
+  }
+  const int index = find_declaration(r->name);
+  if (index < 0) {
+    if (is_function_name(r->name)) return call_built_in(e, c, r->name, scope);
+    if (find_ && (r->name == find_->unknown.text || r->name == find_->test.text)) {
+      error("E0310", c.callee->span, fmt::format("`{}` is not a function to be called", r->name),
+            "a value at a point stands in `report`: `u.y at [1, 0]`");
+      return Poison{};
+    }
+    return unknown_name(c.callee->span, r->name, scope);
+  }
+  Value value = value_of(index, c.callee->span);
+  if (const auto* fn = std::get_if<FunctionValue>(&value))
+    return call_function(e, c, fn->declaration, scope);
+  if (const auto* law = std::get_if<LawValue>(&value)) return call_law(e, c, law->declaration, scope);
+  if (is_poison(value)) return Poison{};
+  std::string help;
+  if (std::holds_alternative<KernelValue>(value)) help = "a kernel stands in `history(C, eps(u))`";
+  error("E0310", c.callee->span,
+        fmt::format("`{}` is {} and cannot be called", r->name, describe(value)), help);
+  return Poison{};
+}
+
+Value Checker::call_function(const ast::Expr& e, const ast::Call& c, int declaration,
+                             const Scope& scope) {
+  const auto& fn = std::get<ast::Fn>(*declarations_[declaration].statement);
+  std::vector<std::string> names;
+  for (const ast::Name& p : fn.parameters) names.push_back(p.text);
+  auto args = match(e, c, fn.name.text, names, names.size());
+  if (!args) return Poison{};
+  Scope inner = scope;
+  inner.locals.clear();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    Value v = expr(*(*args)[i], scope);
+    if (is_poison(v)) return Poison{};
+    inner.locals[names[i]] = std::move(v);
+  }
+  if (++call_depth_ > deepest_call) {
+    --call_depth_;
+    error("E0313", c.callee->span, fmt::format("`{}` calls itself", fn.name.text));
+    return Poison{};
+  }
+  Value out = expr(fn.value, inner);
+  --call_depth_;
+  return out;
+}
+
+Value Checker::call_built_in(const ast::Expr& e, const ast::Call& c, const std::string& name,
+                             const Scope& scope) {
+  switch (find_built_in(name)->kind) {
+  case BuiltInKind::pointwise: return pointwise(e, c, name, scope);
+  case BuiltInKind::differential: return differential(e, c, name, scope);
+  case BuiltInKind::algebraic: return algebraic(e, c, name, scope);
+  case BuiltInKind::tensor: return tensor_call(e, c, name, scope);
+  case BuiltInKind::memory: return history_call(e, c, scope);
+  case BuiltInKind::mesh:
+    error("E0306", e.span, "a mesh is declared by itself", fmt::format("`mesh m = {}(...)`", name));
+    return Poison{};
+  case BuiltInKind::region:
+    if (name == "integral") return integral_call(e, c, scope);
+    error("E0306", e.span,
+          name == "point" ? "a point is declared as a part" : "`inside` is a condition",
+          name == "point" ? "`part p = point(mesh, [0, 0])`" : "`| inside(part) -> ...`");
+    return Poison{};
+  }
+  return Poison{};
+}
+
+Value Checker::pointwise(const ast::Expr& e, const ast::Call& c, const std::string& name,
+                         const Scope& scope) {
+  const bool variadic = name == "min" || name == "max";
+  const bool mittag_leffler = name == "mittag_leffler";
+  const std::size_t wanted = *pointwise_arity(name), given = c.arguments.size();
+  const bool right_count = variadic ? given >= 2
+                           : mittag_leffler ? given == 2 || given == 3
+                                            : given == wanted;
+  std::vector<Field> args;
+  for (const ast::Argument& argument : c.arguments) {
+    if (argument.name) {
+      error("E0304", argument.name->span, fmt::format("`{}` has no named arguments", name));
+      return Poison{};
+    }
+    auto f = scalar(argument.value, scope);
+    if (f) args.push_back(std::move(*f));
+  }
+  if (!right_count) {
+    error("E0305", e.span, fmt::format("`{}` does not take {} argument{}", name, given,
+                                       given == 1 ? "" : "s"),
+          std::string(find_built_in(name)->usage));
+    return Poison{};
+  }
+  if (args.size() != given) return Poison{};
+  std::vector<const Field*> pointers;
+  std::vector<Symbol> symbols;
+  bool slope = false;
+  for (const Field& f : args) {
+    pointers.push_back(&f);
+    symbols.push_back(f.scalar());
+    slope = slope || f.by_slope;
+  }
+  if (slope) {
+    error("E0308", e.span, fmt::format("`{}` of a law given by its slope is not known", name),
+          "give that law by its potential");
+    return Poison{};
+  }
+  Field out;
+  if (!nonlinear_degrees(e.span, fmt::format("`{}`", name), pointers, out, scope)) return Poison{};
+  if (mittag_leffler && given == 2) symbols.insert(symbols.begin() + 1, Symbol(1.0));
+  Symbol result = Symbol::make(pointwise_op(name), {symbols.begin(), symbols.begin() + wanted});
+  if (variadic)
+    for (std::size_t i = 2; i < symbols.size(); ++i)
+      result = Symbol::make(pointwise_op(name), {result, symbols[i]});
+  out.components = {result};
+  return check_finite(e.span, out) ? Value(out) : Value(Poison{});
+}
+
+/// d f_i / d x_j for every component: the chain rule over x, and values of functions of x.
+std::optional<Field> Checker::total_gradient(const Span& span, const Field& f) {
+  const int d = model_.dim;
+  const int n = static_cast<int>(f.components.size());
+  Field out = matrix_field(n, d, {});
+  for (const Symbol& c : f.components)
+    for (int j = 0; j < d; ++j) {
+      Symbol sum = derivative(c, slot::x(j));
+      for (solver::Slot s : solver::slots_of(c)) {
+        int base = -1, index = -1;
+        if (s >= slot::first_field && s < slot::first_multiplier) {
+          index = (s - slot::first_field) % slot::field_stride;
+          base = s - index;
+        } else if (s >= slot::test(0) && s < slot::test(12)) {
+          index = s - slot::test(0);
+          base = slot::test(0);
+        }
+        if (base < 0) continue;
+        if (index >= 3) {
+          error("E0421", span, "second derivatives are not available",
+                "elements of order 1 and 2 have one weak derivative; integrate by parts");
+          return std::nullopt;
+        }
+        sum = sum + derivative(c, s) * Symbol::variable(base + slot::gradient(index, j));
+      }
+      out.components.push_back(sum);
+    }
+  out.test = f.test;
+  out.trial = f.trial;
+  out.rate = f.rate;
+  out.memory = f.memory;
+  return out;
+}
+
+Value Checker::differential(const ast::Expr& e, const ast::Call& c, const std::string& name,
+                            const Scope& scope) {
+  auto args = match(e, c, name, {"u"}, 1);
+  if (!args) return Poison{};
+  auto f = field(*(*args)[0], scope);
+  if (!f) return Poison{};
+  const int d = model_.dim;
+  const bool wants_vector = name != "grad";
+  if (f->law_vector || !f->laws.empty() || (wants_vector && (f->rank != 1 || f->rows != d)) ||
+      f->rank > 1) {
+    error("E0308", (*args)[0]->span,
+          fmt::format("`{}` takes {}, not {}", name,
+                      wants_vector ? fmt::format("a vector of {}", d) : "a scalar or a vector",
+                      describe(*f)),
+          name == "eps" && f->rank == 0 ? "use `grad` of a scalar" : "");
+    return Poison{};
+  }
+  auto g = total_gradient(e.span, *f);
+  if (!g) return Poison{};
+  if (name == "grad") {
+    if (f->rank == 0) {
+      g->rank = 1;
+      g->rows = d;
+      g->columns = 1;
+    }
+    return *g;
+  }
+  Field out = *g;
+  if (name == "div") {
+    Symbol sum = 0.0;
+    for (int i = 0; i < d; ++i) sum = sum + g->components[i * d + i];
+    out.rank = 0;
+    out.rows = out.columns = 1;
+    out.components = {sum};
+    return out;
+  }
+  for (int i = 0; i < d; ++i)
+    for (int j = 0; j < d; ++j)
+      if (i != j)
+        out.components[i * d + j] = Symbol(0.5) * (g->components[i * d + j] + g->components[j * d + i]);
+  return out;
+}
+
+Value Checker::algebraic(const ast::Expr& e, const ast::Call& c, const std::string& name,
+                         const Scope& scope) {
+  const int d = model_.dim;
+  if (name == "identity") {
+    if (!match(e, c, name, {}, 0)) return Poison{};
+    std::vector<Symbol> unit;
+    for (int i = 0; i < d * d; ++i) unit.push_back(i % (d + 1) == 0 ? 1.0 : 0.0);
+    return matrix_field(d, d, unit);
+  }
+  if (name == "dot") {
+    auto args = match(e, c, name, {"a", "b"}, 2);
+    if (!args) return Poison{};
+    auto a = field(*(*args)[0], scope), b = field(*(*args)[1], scope);
+    if (!a || !b) return Poison{};
+    auto out = dot(e.span, *a, *b, scope);
+    return out ? Value(*out) : Value(Poison{});
+  }
+  auto args = match(e, c, name, {"a"}, 1);
+  if (!args) return Poison{};
+  auto f = field(*(*args)[0], scope);
+  if (!f) return Poison{};
+  if (name == "norm") {
+    Field out;
+    if (f->law_vector) {
+      out.components = {Symbol::variable(slot::argument(0))};
+      return out;
+    }
+    if (!nonlinear_degrees(e.span, "`norm`", {&*f}, out, scope)) return Poison{};
+    Symbol sum = 0.0;
+    for (const Symbol& component : f->components) sum = sum + component * component;
+    out.components = {f->rank == 0 ? abs(f->scalar()) : sqrt(sum)};
+    return out;
+  }
+  if (f->rank != 2 || (name != "transpose" && f->rows != f->columns)) {
+    error("E0308", (*args)[0]->span,
+          fmt::format("`{}` takes a square matrix, not {}", name, describe(*f)));
+    return Poison{};
+  }
+  Field out = *f;
+  const int n = f->rows;
+  if (name == "transpose") {
+    out.rows = f->columns;
+    out.columns = f->rows;
+    for (int i = 0; i < out.rows; ++i)
+      for (int j = 0; j < out.columns; ++j)
+        out.components[i * out.columns + j] = f->components[j * f->columns + i];
+    return out;
+  }
+  Symbol trace = 0.0;
+  for (int i = 0; i < n; ++i) trace = trace + f->components[i * n + i];
+  if (name == "tr") {
+    out.rank = 0;
+    out.rows = out.columns = 1;
+    out.components = {trace};
+    return out;
+  }
+  for (int i = 0; i < n; ++i)
+    out.components[i * n + i] = out.components[i * n + i] - trace / Symbol(double(n));
+  return out;
+}
+
+std::optional<Field> Checker::kernel_field(const ast::Expr& callee, const Scope& scope) {
+  const auto* r = std::get_if<ast::Reference>(&callee.node);
+  const int index = r ? find_declaration(r->name) : -1;
+  if (index < 0 || !std::holds_alternative<ast::Kernel>(*declarations_[index].statement)) {
+    Value v = expr(callee, scope);
+    if (!is_poison(v))
+      error("E0306", callee.span, fmt::format("`history` takes a kernel, not {}", describe(v)),
+            "declare it: `kernel C(lag) = ...`");
+    return std::nullopt;
+  }
+  value_of(index, callee.span);
+  const auto& kernel = std::get<ast::Kernel>(*declarations_[index].statement);
+  Scope inner;
+  inner.what = kernel.parameters.size() == 1 ? "a kernel of the lag" : "a kernel";
+  inner.position = true;
+  inner.lag = true;
+  const Symbol lag = Symbol::variable(slot::lag), t = Symbol::variable(slot::t);
+  if (kernel.parameters.size() == 1) {
+    if (kernel.parameters[0].text == "t" || kernel.parameters[0].text == "lag" ||
+        !is_reserved_builtin(kernel.parameters[0].text))
+      inner.locals[kernel.parameters[0].text] = scalar_field(lag);
+  } else {
+    if (kernel.parameters[0].text == "s" && kernel.parameters[1].text == "t") {
+      error("E0503", join(kernel.parameters[0].span, kernel.parameters[1].span),
+            "this kernel looks into the future: its arguments are (t, s) with s <= t",
+            "write `kernel q(t, s) = ...`");
+      return std::nullopt;
+    }
+    inner.locals[kernel.parameters[0].text] = scalar_field(t);
+    inner.locals[kernel.parameters[1].text] = scalar_field(t - lag);
+  }
+  auto f = field(kernel.value, inner);
+  if (!f) return std::nullopt;
+  if (f->rank != 0 && f->rank != 4) {
+    error("E0308", kernel.value.span,
+          fmt::format("a kernel is a scalar or a fourth-order tensor, not {}", describe(*f)));
+    return std::nullopt;
+  }
+  return f;
+}
+
+int Checker::history_index(const Symbol& kernel, const std::string& name, const Span& span,
+                           double& factor) {
+  factor = 1.0;
+  const Symbol negative = -kernel;
+  for (std::size_t i = 0; i < model_.histories.size(); ++i) {
+    if (model_.histories[i].kernel == kernel) return static_cast<int>(i);
+    if (model_.histories[i].kernel == negative) {
+      factor = -1.0;
+      return static_cast<int>(i);
+    }
+  }
+  model_.histories.push_back({name, span, kernel});
+  return static_cast<int>(model_.histories.size()) - 1;
+}
+
+Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
+  auto args = match(e, c, "history", {"kernel", "of"}, 2);
+  if (!args) return Poison{};
+  if (!scope.unknown) {
+    error("E0309", e.span, fmt::format("`history` cannot be used in {}", scope.what));
+    return Poison{};
+  }
+  auto kernel = kernel_field(*(*args)[0], scope);
+  auto of = field(*(*args)[1], scope);
+  if (!kernel || !of) return Poison{};
+  if (!find_->time) {
+    error("E0412", e.span, "`history` needs a problem in time",
+          "add `for t in [0, T] by N steps from u = 0` to the find statement");
+    return Poison{};
+  }
+  if (of->rate) {
+    error("E0403", (*args)[1]->span, "the memory of the theory is of the unknown, not of its rate",
+          "integrate by parts in time: a kernel of u' is its derivative as a kernel of u");
+    return Poison{};
+  }
+  if (of->trial != Degree::linear || of->test != Degree::none) {
+    error("E0403", (*args)[1]->span,
+          fmt::format("`history` takes an expression linear in `{}`", find_->unknown.text));
+    return Poison{};
+  }
+  if (kernel->rank == 4 && (of->rank != 2 || of->rows != model_.dim)) {
+    error("E0308", (*args)[1]->span,
+          fmt::format("a kernel of fourth order acts on a strain, not on {}", describe(*of)),
+          "write `history(C, eps(u))`");
+    return Poison{};
+  }
+  const std::string name = std::get<ast::Reference>((*args)[0]->node).name;
+  // K = sum_m c_m(t, lag) T_m(x): one memory field for each distinct c_m.
+  std::map<int, std::vector<Symbol>> tensors;
+  for (std::size_t i = 0; i < kernel->components.size(); ++i) {
+    auto split = solver::split_separable(kernel->components[i], depends_on_memory_time);
+    if (!split) {
+      error("E0502", (*args)[0]->span,
+            fmt::format("the kernel `{}` is not a sum of products of time and place", name),
+            "write it as c(lag) * T with T of x only");
+      return Poison{};
+    }
+    for (const auto& [of_x, of_time] : *split) {
+      if (of_x.is(0.0) || of_time.is(0.0)) continue;
+      double factor = 1.0;
+      const int m = history_index(of_time, name, (*args)[0]->span, factor);
+      auto& t = tensors[m];
+      t.resize(kernel->components.size(), Symbol(0.0));
+      t[i] = t[i] + Symbol(factor) * of_x;
+    }
+  }
+  Field out = *of;
+  out.memory = true;
+  for (Symbol& component : out.components) component = 0.0;
+  const int n = static_cast<int>(of->components.size());
+  for (const auto& [m, t] : tensors) {
+    std::vector<std::pair<solver::Slot, Symbol>> rename;
+    for (int k = 0; k < 12; ++k)
+      rename.emplace_back(slot::field(solver::field_u, k),
+                          Symbol::variable(slot::field(solver::first_history_field + m, k)));
+    std::vector<Symbol> w;
+    for (const Symbol& component : of->components) w.push_back(substitute(component, rename));
+    for (int i = 0; i < n; ++i) {
+      if (kernel->rank == 0) {
+        out.components[i] = out.components[i] + t[0] * w[i];
+        continue;
+      }
+      for (int k = 0; k < n; ++k) out.components[i] = out.components[i] + t[i * n + k] * w[k];
+    }
+  }
+  uses_memory_ = true;
+  return out;
+}
+
+} // namespace hvi::lang

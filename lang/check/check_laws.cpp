@@ -1,0 +1,276 @@
+// Superpotentials: their bodies as functions of one argument, and j^0(at; direction) in a form.
+#include "lang/check/checker.hpp"
+#include "solver/law/law.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace hvi::lang {
+
+namespace slot = solver::slot;
+
+namespace {
+
+/// The Field a superpotential's argument stands for: a scalar r, or a vector known by its norm.
+Field law_argument(bool radial) {
+  Field f = scalar_field(Symbol::variable(slot::argument(0)));
+  f.law_vector = radial;
+  if (radial) f.rank = 1;
+  return f;
+}
+
+/// Equal as symbols, or at a few points that share no special value.
+bool agree(const Symbol& a, const Symbol& b) {
+  if (a == b) return true;
+  for (int trial = 0; trial < 4; ++trial) {
+    auto at = [&](solver::Slot s) { return std::sin(1.7 * s + 2.3 * trial + 0.4) + 0.1 * trial; };
+    const double x = evaluate(a, at), y = evaluate(b, at);
+    if (std::isnan(x) && std::isnan(y)) continue;
+    if (!(std::abs(x - y) <= 1e-12 * (std::abs(x) + std::abs(y) + 1.0))) return false;
+  }
+  return true;
+}
+
+} // namespace
+
+std::optional<Field> Checker::law_body(int declaration, const Field& argument,
+                                       const std::map<std::string, Value>& parameters,
+                                       const Span& use) {
+  const auto& law = std::get<ast::Superpotential>(*declarations_[declaration].statement);
+  if (++call_depth_ > 60) {
+    --call_depth_;
+    error("E0313", use, fmt::format("`{}` is defined by itself", law.name.text));
+    return std::nullopt;
+  }
+  Scope scope;
+  scope.what = "a superpotential";
+  scope.position = true;
+  scope.time = true;
+  scope.law = true;
+  scope.locals = parameters;
+  scope.locals[law.argument.text] = argument;
+  auto f = field(law.value, scope);
+  --call_depth_;
+  if (!f) return std::nullopt;
+  if (f->rank != 0 || f->law_vector) {
+    error("E0306", law.value.span,
+          fmt::format("a superpotential is a number, not {}", describe(*f)),
+          "a vector argument enters through `norm(xi)`");
+    return std::nullopt;
+  }
+  if (f->by_slope && law.by_slope) {
+    error("E0306", law.value.span, "`with slope` of a law that is itself given by its slope",
+          "write `=` in place of `with slope`");
+    return std::nullopt;
+  }
+  if (law.by_slope) {
+    // Chain rule: the slope in the outer argument.
+    if (!argument.law_vector) {
+      const Symbol inner = derivative(argument.scalar(), slot::argument(0));
+      f->components[0] = f->scalar() * inner;
+    }
+    f->by_slope = true;
+  }
+  return f;
+}
+
+Value Checker::call_law(const ast::Expr& e, const ast::Call& c, int declaration,
+                        const Scope& scope) {
+  const auto& law = std::get<ast::Superpotential>(*declarations_[declaration].statement);
+  if (!scope.law) {
+    error("E0306", e.span,
+          fmt::format("the superpotential `{}` stands as `{}^0(at; direction)`", law.name.text,
+                      law.name.text),
+          "write `" + law.name.text + "^0(u.nu; v.nu)`");
+    return Poison{};
+  }
+  std::vector<std::string> names = {law.argument.text};
+  for (const ast::LawParameter& p : law.parameters) names.push_back(p.name.text);
+  auto args = match(e, c, law.name.text, names, 1);
+  if (!args) return Poison{};
+  auto argument = field(*(*args)[0], scope);
+  if (!argument) return Poison{};
+  std::map<std::string, Value> parameters;
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    const ast::LawParameter& p = law.parameters[i - 1];
+    const ast::Expr* given = (*args)[i] ? (*args)[i] : (p.value ? &*p.value : nullptr);
+    if (!given) {
+      error("E0305", e.span, fmt::format("`{}` needs its argument `{}`", law.name.text, names[i]));
+      return Poison{};
+    }
+    Scope outer = scope;
+    if (!(*args)[i]) outer.locals = parameters; // a default may use the parameters before it
+    Value v = expr(*given, outer);
+    if (is_poison(v)) return Poison{};
+    parameters[names[i]] = std::move(v);
+  }
+  auto body = law_body(declaration, *argument, parameters, e.span);
+  return body ? Value(*body) : Value(Poison{});
+}
+
+std::optional<int> Checker::law_for(int declaration, bool radial, const Span& use) {
+  auto key = std::pair(declaration, radial);
+  if (auto found = law_index_.find(key); found != law_index_.end())
+    return found->second < 0 ? std::nullopt : std::optional(found->second);
+  law_index_[key] = -1;
+  const auto& law = std::get<ast::Superpotential>(*declarations_[declaration].statement);
+  std::map<std::string, Value> parameters;
+  Scope scope;
+  scope.what = "a superpotential";
+  scope.position = scope.time = true;
+  for (const ast::LawParameter& p : law.parameters) {
+    if (!p.value) {
+      error("E0305", use,
+            fmt::format("`{}` has a parameter `{}` without a value", law.name.text, p.name.text),
+            fmt::format("declare `superpotential mine({}) = {}({}, {} = ...)`", law.argument.text,
+                        law.name.text, law.argument.text, p.name.text));
+      return std::nullopt;
+    }
+    scope.locals = parameters;
+    Value v = expr(*p.value, scope);
+    if (is_poison(v)) return std::nullopt;
+    parameters[p.name.text] = std::move(v);
+  }
+  auto body = law_body(declaration, law_argument(radial), parameters, use);
+  if (!body) return std::nullopt;
+  solver::LawSpec spec;
+  spec.name = law.name.text;
+  spec.origin = model_.origin(law.name.span);
+  spec.radial = radial;
+  spec.by_slope = body->by_slope;
+  spec.expression = body->scalar();
+  try {
+    solver::Law probe(spec);
+    if (!probe.depends_on_x() && !probe.depends_on_t()) probe.graph({}, 0.0);
+  } catch (const solver::Failure& failure) {
+    error("E0501", law.name.span, failure.what(), failure.help);
+    return std::nullopt;
+  }
+  model_.laws.push_back({law.name.text, law.name.span, spec});
+  const int index = static_cast<int>(model_.laws.size()) - 1;
+  law_index_[key] = index;
+  return index;
+}
+
+void Checker::check_law_alone(int declaration) {
+  const auto& law = std::get<ast::Superpotential>(*declarations_[declaration].statement);
+  for (const ast::LawParameter& p : law.parameters)
+    if (!p.value) return; // a family: checked where it is used
+  if (law_index_.count({declaration, true}) || law_index_.count({declaration, false})) return;
+  // Nobody applies it: try it as a law of a scalar; a law of a vector complains there.
+  Diagnostics trial;
+  std::swap(trial, diagnostics_);
+  const bool good = law_for(declaration, false, law.name.span).has_value();
+  std::swap(trial, diagnostics_);
+  if (good) return;
+  Diagnostics vector_trial;
+  std::swap(vector_trial, diagnostics_);
+  const bool good_vector = law_for(declaration, true, law.name.span).has_value();
+  std::swap(vector_trial, diagnostics_);
+  if (good_vector) return;
+  for (const Diagnostic& d : trial.items()) diagnostics_.add(d);
+}
+
+std::optional<std::vector<LawRow>> Checker::law_rows(const ast::Clarke& clarke, const Field& at,
+                                                     const Field& direction) {
+  const int d = model_.space.vector ? model_.dim : 1;
+  std::vector<LawRow> rows;
+  std::vector<std::pair<solver::Slot, Symbol>> at_rest;
+  for (int k = 0; k < 12; ++k) at_rest.emplace_back(slot::field(solver::field_u, k), Symbol(0.0));
+  for (std::size_t c = 0; c < at.components.size(); ++c) {
+    LawRow row;
+    for (solver::Slot s : solver::slots_of(at.components[c])) {
+      if (s >= slot::first_field && s < slot::first_multiplier) {
+        const int k = (s - slot::first_field) % slot::field_stride;
+        const int which = (s - slot::first_field) / slot::field_stride;
+        if (which == solver::field_u && k < 3) continue;
+        error(which == solver::field_rate ? "E0415" : "E0414", clarke.at->span,
+              which == solver::field_rate
+                  ? fmt::format("a law on the rate `{}'` is not the problem of the theory",
+                                find_->unknown.text)
+                  : std::string("M takes values of the unknown: its trace, a part of it or itself"),
+              which == solver::field_rate
+                  ? "friction here is on displacement: j depends on u, not on u'"
+                  : "write `u.nu`, `u.tau`, a component, `u` or `u.nu - gap`");
+        return std::nullopt;
+      }
+    }
+    for (int i = 0; i < d; ++i) {
+      const solver::Slot u = slot::field(solver::field_u, slot::value(i));
+      row.u.push_back(derivative(at.components[c], u));
+      for (int j = 0; j < d; ++j)
+        if (row.u.back().depends_on(slot::field(solver::field_u, slot::value(j)))) {
+          error("E0403", clarke.at->span,
+                fmt::format("the argument of a law is linear in `{}`", find_->unknown.text));
+          return std::nullopt;
+        }
+      const Symbol v = derivative(direction.components[c], slot::test(slot::value(i)));
+      if (!agree(row.u.back(), v)) {
+        diagnostics_.add(
+            diagnose("E0414", clarke.direction->span,
+                     fmt::format("the direction is not the argument with `{}` in place of `{}`",
+                                 find_->test.text, find_->unknown.text))
+                .with_secondary(clarke.at->span, "the argument")
+                .with_help("j^0(Mu; Mv) takes the same M twice: `j^0(u.nu; v.nu)`, "
+                           "`j^0(-u.nu; -v.nu)`"));
+        return std::nullopt;
+      }
+    }
+    row.offset = substitute(at.components[c], at_rest);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& scope) {
+  const auto* r = std::get_if<ast::Reference>(&c.law->node);
+  const int index = r ? find_declaration(r->name) : -1;
+  if (index < 0 || !std::holds_alternative<ast::Superpotential>(*declarations_[index].statement)) {
+    Value v = expr(*c.law, scope);
+    if (!is_poison(v))
+      error("E0306", c.law->span, fmt::format("`^0` takes a superpotential, not {}", describe(v)),
+            "declare it: `superpotential j(r) = ...`");
+    return Poison{};
+  }
+  value_of(index, c.law->span);
+  laws_applied_.insert(index);
+  if (!scope.test) {
+    error("E0309", e.span, fmt::format("`{}^0` stands in the inequality only", r->name),
+          scope.report ? fmt::format("the multiplier is `{}.xi`", r->name) : "");
+    return Poison{};
+  }
+  auto at = field(*c.at, scope);
+  auto direction = field(*c.direction, scope);
+  if (!at || !direction) return Poison{};
+  const std::string u = find_->unknown.text, v = find_->test.text;
+  if (at->trial == Degree::none || at->test != Degree::none) {
+    error("E0414", c.at->span, fmt::format("the argument of `{}` does not contain `{}`", r->name, u),
+          fmt::format("write `{}^0({}.nu; {}.nu)`", r->name, u, v));
+    return Poison{};
+  }
+  if (direction->test != Degree::linear || direction->trial != Degree::none) {
+    error("E0401", c.direction->span, fmt::format("the direction of `{}` is linear in `{}`", r->name, v),
+          fmt::format("write `{}^0({}.nu; {}.nu)`", r->name, u, v));
+    return Poison{};
+  }
+  if (!same_shape(*at, *direction) || at->rank > 1) {
+    error("E0414", c.direction->span,
+          fmt::format("the direction is {}, the argument {}", describe(*direction), describe(*at)));
+    return Poison{};
+  }
+  auto rows = law_rows(c, *at, *direction);
+  auto law = law_for(index, at->rank == 1, c.law->span);
+  if (!rows || !law) return Poison{};
+  Field out = scalar_field(0.0);
+  out.test = Degree::linear;
+  LawUse use;
+  use.law = *law;
+  use.name = r->name;
+  use.span = e.span;
+  use.rows = std::move(*rows);
+  out.laws.push_back(std::move(use));
+  return out;
+}
+
+} // namespace hvi::lang

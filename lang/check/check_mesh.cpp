@@ -1,0 +1,450 @@
+// Meshes and parts: which mesh is meant, what its parts are called, what files may be read.
+#include "lang/check/builtins.hpp"
+#include "lang/check/checker.hpp"
+#include "lang/diag/suggest.hpp"
+#include "solver/mesh/generate.hpp"
+#include "solver/mesh/gmsh_module.hpp"
+#include "solver/mesh/read_msh.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace hvi::lang {
+
+using solver::Group;
+using solver::MeshSpec;
+using solver::RegionSpec;
+
+namespace {
+
+/// Sides of the structured meshes by dimension.
+std::vector<std::string> sides(int dim) {
+  std::vector<std::string> all = {"left", "right", "bottom", "top", "back", "front"};
+  all.resize(2 * dim);
+  return all;
+}
+
+const char* kind_word(Group::Kind kind) {
+  return kind == Group::Kind::cells ? "cells" : kind == Group::Kind::facets ? "boundary" : "points";
+}
+
+} // namespace
+
+std::optional<std::string> Checker::allowed_path(const std::string& path, const Span& span) {
+  namespace fs = std::filesystem;
+  std::error_code ignore;
+  const fs::path folder = fs::weakly_canonical(options_.folder, ignore);
+  const fs::path full = fs::weakly_canonical(folder / path, ignore);
+  const fs::path relative = full.lexically_relative(folder);
+  if (fs::path(path).is_absolute() || relative.empty() || *relative.begin() == "..") {
+    error("E0604", span, fmt::format("`{}` lies outside the folder of the script", path),
+          "a script reads files beside it or below it only");
+    return std::nullopt;
+  }
+  return full.string();
+}
+
+Value Checker::mesh(const ast::Mesh& m) {
+  const auto* call = std::get_if<ast::Call>(&m.value.node);
+  const auto* callee = call ? std::get_if<ast::Reference>(&call->callee->node) : nullptr;
+  if (!callee) {
+    error("E0306", m.value.span, "a mesh is made by a call",
+          "`rectangle(2, 1, cells = [32, 16])`, `box(...)` or `gmsh(\"file.msh\")`");
+    return Poison{};
+  }
+  groups_.clear();
+  groups_known_ = false;
+  bool good = false;
+  const std::string& name = callee->name;
+  if (name == "rectangle" || name == "box" || name == "interval") {
+    good = structured_mesh(m, *call, name);
+  } else if (name == "gmsh") {
+    good = file_mesh(m, *call);
+  } else {
+    const auto& known = solver::geometries();
+    const bool is_geometry = std::any_of(known.begin(), known.end(),
+                                         [&](const auto& g) { return g.name == name; });
+    if (is_geometry) {
+      good = geometry_mesh(m, *call, name);
+    } else {
+      std::vector<std::string> candidates = {"rectangle", "box", "interval", "gmsh"};
+      for (const auto& g : known) candidates.push_back(g.name);
+      const std::string near = did_you_mean(name, candidates);
+      error("E0301", call->callee->span, fmt::format("there is no mesh `{}`", name),
+            near.empty() ? fmt::format("meshes: {}", fmt::join(candidates, ", ")) : near);
+    }
+  }
+  return good ? Value(MeshValue{0}) : Value(Poison{});
+}
+
+bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const std::string& name) {
+  const int dim = name == "interval" ? 1 : name == "rectangle" ? 2 : 3;
+  std::vector<std::string> names = {"width", "height", "depth"};
+  names.resize(dim);
+  names.insert(names.end(), {"cells", "origin", "grading"});
+  auto args = match(m.value, call, name, names, dim + 1);
+  if (!args) return false;
+  MeshSpec spec;
+  spec.name = m.name.text;
+  spec.origin = model_.origin(m.value.span);
+  spec.kind = dim == 1   ? MeshSpec::Kind::interval
+              : dim == 2 ? MeshSpec::Kind::rectangle
+                         : MeshSpec::Kind::box;
+  bool good = true;
+  std::vector<double> corner(dim, 0.0), grading(dim, 1.0);
+  if ((*args)[dim + 1]) {
+    auto list = constant_list(*(*args)[dim + 1], "the origin");
+    if (list && static_cast<int>(list->size()) == dim)
+      corner = *list;
+    else if (list)
+      error("E0307", (*args)[dim + 1]->span, fmt::format("the origin has {} coordinates", dim));
+    good = list && static_cast<int>(list->size()) == dim;
+  }
+  for (int a = 0; a < dim; ++a) {
+    auto size = constant(*(*args)[a], "a length of the mesh");
+    good = good && size;
+    if (size && *size <= 0.0) {
+      error("E0408", (*args)[a]->span, fmt::format("the {} of a mesh is positive", names[a]));
+      good = false;
+    }
+    spec.low[a] = corner[a];
+    spec.high[a] = corner[a] + size.value_or(1.0);
+  }
+  const ast::Expr& cells = *(*args)[dim];
+  const auto* list = std::get_if<ast::List>(&cells.node);
+  if (dim == 1 && !list) {
+    auto n = positive_integer(cells, "the number of cells");
+    good = good && n;
+    spec.cells[0] = n.value_or(1);
+  } else if (!list || static_cast<int>(list->items.size()) != dim) {
+    error("E0307", cells.span, fmt::format("`cells` is a list of {} numbers", dim));
+    good = false;
+  } else {
+    double total = 1.0;
+    for (int a = 0; a < dim; ++a) {
+      auto n = positive_integer(list->items[a], "the number of cells");
+      good = good && n;
+      spec.cells[a] = n.value_or(1);
+      total *= spec.cells[a];
+    }
+    if (total * (dim == 3 ? 6 : 2) > 5e7) {
+      error("E0607", cells.span, "more than 50 million elements");
+      good = false;
+    }
+  }
+  if ((*args)[dim + 2]) {
+    auto ratios = constant_list(*(*args)[dim + 2], "the grading");
+    if (ratios && static_cast<int>(ratios->size()) == dim)
+      grading = *ratios;
+    else if (ratios)
+      error("E0307", (*args)[dim + 2]->span, fmt::format("`grading` is a list of {} numbers", dim));
+    good = good && ratios && static_cast<int>(ratios->size()) == dim;
+  }
+  if (!good) return false;
+  for (int a = 0; a < dim; ++a) {
+    if (grading[a] == 1.0) continue;
+    // Grid lines symmetric about the middle, denser towards both ends: s -> power of the distance.
+    const double p = grading[a], low = spec.low[a], length = spec.high[a] - spec.low[a];
+    for (int i = 0; i <= spec.cells[a]; ++i) {
+      const double s = double(i) / spec.cells[a];
+      const double g = s <= 0.5 ? 0.5 * std::pow(2 * s, p) : 1.0 - 0.5 * std::pow(2 * (1 - s), p);
+      spec.grading[a].push_back(low + length * g);
+    }
+    spec.grading[a].back() = spec.high[a];
+  }
+  model_.mesh = spec;
+  model_.dim = dim;
+  for (const std::string& side : sides(dim)) groups_[side] = Group::Kind::facets;
+  groups_known_ = true;
+  return true;
+}
+
+bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
+  auto args = match(m.value, call, "gmsh", {"file", "refinements"}, 1);
+  if (!args) return false;
+  const auto* path = std::get_if<ast::String>(&(*args)[0]->node);
+  if (!path) {
+    error("E0306", (*args)[0]->span, "`gmsh` takes a file: `gmsh(\"part.msh\")`");
+    return false;
+  }
+  auto full = allowed_path(path->text, (*args)[0]->span);
+  if (!full) return false;
+  MeshSpec spec;
+  spec.name = m.name.text;
+  spec.origin = model_.origin((*args)[0]->span);
+  spec.kind = MeshSpec::Kind::file;
+  spec.path = *full;
+  spec.allow_geo = options_.allow_geo;
+  if ((*args)[1]) {
+    auto n = constant(*(*args)[1], "the number of refinements");
+    if (!n) return false;
+    spec.refinements = static_cast<int>(*n);
+  }
+  const bool geo = std::filesystem::path(*full).extension() == ".geo";
+  if (geo && !options_.allow_geo) {
+    error("E0606", (*args)[0]->span, "a `.geo` file can run programs and is not read",
+          "mesh it with gmsh, or allow it with --allow-geo");
+    return false;
+  }
+  try {
+    const solver::Mesh mesh =
+        geo ? solver::mesh_geo_file(*full) : solver::read_msh(*full);
+    model_.dim = mesh.dim;
+    for (const auto& [name, group] : mesh.groups) groups_[name] = group.kind;
+    groups_known_ = true;
+  } catch (const solver::Failure& failure) {
+    const bool missing = failure.kind == solver::FailureKind::missing_file;
+    error(missing ? "E0601" : "E0603", (*args)[0]->span,
+          missing ? fmt::format("there is no file `{}`", path->text)
+                  : fmt::format("`{}`: {}", path->text, failure.what()),
+          failure.help);
+    return false;
+  }
+  model_.mesh = spec;
+  return true;
+}
+
+bool Checker::geometry_mesh(const ast::Mesh& m, const ast::Call& call, const std::string& name) {
+  const auto& known = solver::geometries();
+  const auto& info = *std::find_if(known.begin(), known.end(),
+                                   [&](const auto& g) { return g.name == name; });
+  auto args = match(m.value, call, name, info.parameters, 0);
+  if (!args) return false;
+  MeshSpec spec;
+  spec.name = m.name.text;
+  spec.origin = model_.origin(m.value.span);
+  spec.kind = MeshSpec::Kind::geometry;
+  spec.geometry = name;
+  spec.numbers = info.defaults;
+  bool good = true;
+  for (std::size_t i = 0; i < args->size(); ++i) {
+    if (!(*args)[i]) continue;
+    auto v = constant(*(*args)[i], info.parameters[i]);
+    good = good && v;
+    spec.numbers[i] = v.value_or(0.0);
+  }
+  if (!good) return false;
+  model_.mesh = spec;
+  model_.dim = info.dim;
+  for (const std::string& group : info.groups) {
+    const bool body = group == "body";
+    groups_[group] = body ? Group::Kind::cells : Group::Kind::facets;
+  }
+  groups_known_ = true;
+  return true;
+}
+
+std::optional<RegionSpec> Checker::region(const ast::Region& r) {
+  std::optional<RegionSpec> out;
+  bool good = true;
+  for (const ast::RegionTerm& term : r.terms) {
+    auto spec = region_term(term);
+    if (!spec) {
+      good = false;
+      continue;
+    }
+    if (!out) {
+      out = std::move(spec);
+      continue;
+    }
+    const auto left = kind_of(*out), right = kind_of(*spec);
+    if (left && right && *left != *right) {
+      error("E0306", term.span,
+            fmt::format("{} and {} cannot be combined", kind_word(*left), kind_word(*right)));
+      good = false;
+      continue;
+    }
+    RegionSpec both;
+    both.kind = term.minus ? RegionSpec::Kind::subtract : RegionSpec::Kind::unite;
+    both.origin = model_.origin(r.span);
+    both.children = {std::move(*out), std::move(*spec)};
+    out = std::move(both);
+  }
+  if (r.where) {
+    Scope scope;
+    scope.what = "the condition of a part";
+    scope.position = true;
+    auto predicate = condition(*r.where, scope);
+    if (!predicate) return std::nullopt;
+    if (!good || !out) return std::nullopt;
+    RegionSpec where;
+    where.kind = RegionSpec::Kind::where;
+    where.origin = model_.origin(r.where->span);
+    where.predicate = *predicate;
+    where.children = {std::move(*out)};
+    out = std::move(where);
+  }
+  return good ? out : std::nullopt;
+}
+
+std::optional<RegionSpec> Checker::region_term(const ast::RegionTerm& term) {
+  if (const auto* inner = std::get_if<Box<ast::Region>>(&term.term)) return region(**inner);
+  return region_path(std::get<ast::Expr>(term.term));
+}
+
+std::optional<RegionSpec> Checker::region_path(const ast::Expr& path) {
+  if (const auto* call = std::get_if<ast::Call>(&path.node)) {
+    const auto* callee = std::get_if<ast::Reference>(&call->callee->node);
+    if (callee && callee->name == "point") return point_region(path, *call);
+    if (std::holds_alternative<ast::Member>(call->callee->node)) return mesh_group(path, *call);
+    if (callee && find_declaration(callee->name) < 0) {
+      Scope none;
+      unknown_name(call->callee->span, callee->name, none);
+      return std::nullopt;
+    }
+  }
+  if (const auto* m = std::get_if<ast::Member>(&path.node)) {
+    const auto* object = std::get_if<ast::Reference>(&m->object->node);
+    if (object) {
+      Scope none;
+      Value value = reference(*m->object, object->name, none);
+      if (is_poison(value)) return std::nullopt;
+      if (std::holds_alternative<MeshValue>(value)) return mesh_member(path, object->name, m->member);
+      error("E0303", m->member.span,
+            fmt::format("{} has no member `{}`", describe(value), m->member.text),
+            "sides belong to a mesh: `slab.top`");
+      return std::nullopt;
+    }
+  }
+  if (const auto* r = std::get_if<ast::Reference>(&path.node)) {
+    Scope none;
+    Value value = reference(path, r->name, none);
+    if (is_poison(value)) return std::nullopt;
+    RegionSpec spec;
+    spec.origin = model_.origin(path.span);
+    if (std::holds_alternative<MeshValue>(value)) return spec;
+    if (const auto* part = std::get_if<PartValue>(&value)) return model_.parts[part->index].region;
+    error("E0306", path.span, fmt::format("a part of a mesh is expected here, not {}", describe(value)));
+    return std::nullopt;
+  }
+  error("E0306", path.span, "a part of a mesh is expected here",
+        "`slab.top`, `slab.group(\"roof\")`, `slab.boundary where y > 0.99`, `point(slab, [0, 0])`");
+  return std::nullopt;
+}
+
+std::optional<RegionSpec> Checker::mesh_member(const ast::Expr& path, const std::string& mesh,
+                                               const ast::Name& name) {
+  RegionSpec spec;
+  spec.origin = model_.origin(path.span);
+  if (name.text == "boundary") {
+    spec.kind = RegionSpec::Kind::boundary;
+    return spec;
+  }
+  spec.kind = RegionSpec::Kind::group;
+  spec.name = name.text;
+  if (groups_known_ && !groups_.count(name.text)) {
+    std::vector<std::string> known = {"boundary"};
+    for (const auto& [group, kind] : groups_) known.push_back(group);
+    const bool structured = model_.mesh.kind != MeshSpec::Kind::file;
+    const std::string near = did_you_mean(name.text, known);
+    error(structured ? "E0303" : "E0602", name.span,
+          fmt::format("the mesh `{}` has no {} `{}`", mesh, structured ? "side" : "group", name.text),
+          near.empty() ? fmt::format("there are: {}", fmt::join(known, ", ")) : near);
+    return std::nullopt;
+  }
+  return spec;
+}
+
+std::optional<RegionSpec> Checker::mesh_group(const ast::Expr& path, const ast::Call& call) {
+  const auto& m = std::get<ast::Member>(call.callee->node);
+  const auto* object = std::get_if<ast::Reference>(&m.object->node);
+  Scope none;
+  if (!object) {
+    error("E0310", call.callee->span, "only names are called");
+    return std::nullopt;
+  }
+  Value value = reference(*m.object, object->name, none);
+  if (is_poison(value)) return std::nullopt;
+  if (!std::holds_alternative<MeshValue>(value) || m.member.text != "group") {
+    error("E0303", m.member.span,
+          fmt::format("{} has no member `{}` to be called", describe(value), m.member.text),
+          "`slab.group(\"roof\")` is a group of a mesh");
+    return std::nullopt;
+  }
+  auto args = match(path, call, "group", {"name"}, 1);
+  if (!args) return std::nullopt;
+  const auto* name = std::get_if<ast::String>(&(*args)[0]->node);
+  if (!name) {
+    error("E0306", (*args)[0]->span, "the name of a group is a text: `slab.group(\"roof\")`");
+    return std::nullopt;
+  }
+  if (groups_known_ && !groups_.count(name->text)) {
+    std::vector<std::string> known;
+    for (const auto& [group, kind] : groups_) known.push_back(group);
+    const std::string near = did_you_mean(name->text, known);
+    error("E0602", (*args)[0]->span,
+          fmt::format("the mesh `{}` has no group \"{}\"", object->name, name->text),
+          near.empty() ? (known.empty() ? std::string("it has no groups")
+                                        : fmt::format("there are: {}", fmt::join(known, ", ")))
+                       : near);
+    return std::nullopt;
+  }
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::group;
+  spec.origin = model_.origin(path.span);
+  spec.name = name->text;
+  return spec;
+}
+
+std::optional<RegionSpec> Checker::point_region(const ast::Expr& path, const ast::Call& call) {
+  auto args = match(path, call, "point", {"mesh", "at"}, 2);
+  if (!args) return std::nullopt;
+  Scope none;
+  Value value = expr(*(*args)[0], none);
+  auto at = constant_list(*(*args)[1], "a point");
+  if (is_poison(value) || !at) return std::nullopt;
+  if (!std::holds_alternative<MeshValue>(value)) {
+    error("E0306", (*args)[0]->span, fmt::format("a mesh is expected here, not {}", describe(value)));
+    return std::nullopt;
+  }
+  if (static_cast<int>(at->size()) != model_.dim) {
+    error("E0307", (*args)[1]->span, fmt::format("a point in {0}D has {0} coordinates", model_.dim));
+    return std::nullopt;
+  }
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::point;
+  spec.origin = model_.origin(path.span);
+  for (int i = 0; i < model_.dim; ++i) spec.point[i] = (*at)[i];
+  return spec;
+}
+
+std::optional<Group::Kind> Checker::kind_of(const RegionSpec& r) const {
+  switch (r.kind) {
+  case RegionSpec::Kind::all_cells: return Group::Kind::cells;
+  case RegionSpec::Kind::boundary: return Group::Kind::facets;
+  case RegionSpec::Kind::point: return Group::Kind::points;
+  case RegionSpec::Kind::group: {
+    auto found = groups_.find(r.name);
+    return found == groups_.end() ? std::nullopt : std::optional(found->second);
+  }
+  case RegionSpec::Kind::unite:
+  case RegionSpec::Kind::subtract:
+  case RegionSpec::Kind::where: return kind_of(r.children[0]);
+  }
+  return std::nullopt;
+}
+
+std::optional<int> Checker::part_index(const ast::Name& name) {
+  Scope none;
+  none.what = "a place";
+  ast::Expr as_expr;
+  as_expr.span = name.span;
+  Value value = reference(as_expr, name.text, none);
+  if (is_poison(value)) return std::nullopt;
+  if (const auto* part = std::get_if<PartValue>(&value)) return part->index;
+  if (std::holds_alternative<MeshValue>(value)) {
+    if (auto found = part_of_.find(name.text); found != part_of_.end()) return found->second;
+    RegionSpec spec;
+    spec.origin = model_.origin(name.span);
+    model_.parts.push_back({name.text, name.span, spec, Group::Kind::cells});
+    part_of_[name.text] = static_cast<int>(model_.parts.size()) - 1;
+    return part_of_[name.text];
+  }
+  error("E0306", name.span, fmt::format("a part of a mesh is expected here, not {}", describe(value)));
+  return std::nullopt;
+}
+
+} // namespace hvi::lang

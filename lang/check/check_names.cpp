@@ -1,0 +1,297 @@
+// Names: declarations of the script and its imports, parameters, and what a name stands for.
+#include "lang/check/builtins.hpp"
+#include "lang/check/checker.hpp"
+#include "lang/diag/suggest.hpp"
+#include "lang/syntax/parser.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace hvi::lang {
+
+namespace {
+
+/// The declared name of a statement; find, report, expect, study and import declare none.
+const ast::Name* declared_name(const ast::Statement& statement) {
+  return std::visit(
+      [](const auto& s) -> const ast::Name* {
+        using T = std::decay_t<decltype(s)>;
+        if constexpr (std::is_same_v<T, ast::Param> || std::is_same_v<T, ast::Mesh> ||
+                      std::is_same_v<T, ast::Part> || std::is_same_v<T, ast::Tensor> ||
+                      std::is_same_v<T, ast::Kernel> || std::is_same_v<T, ast::Superpotential> ||
+                      std::is_same_v<T, ast::Fn> || std::is_same_v<T, ast::Space>)
+          return &s.name;
+        else
+          return nullptr;
+      },
+      statement);
+}
+
+std::string visible_note(const Scope& scope) {
+  return scope.what.empty() ? std::string() : fmt::format(" in {}", scope.what);
+}
+
+} // namespace
+
+void Checker::declare(const ast::Name& name, int program, const ast::Statement& statement) {
+  if (is_reserved_builtin(name.text)) {
+    error("E0311", name.span, fmt::format("`{}` is built in and cannot be declared", name.text),
+          "choose another name");
+    return;
+  }
+  auto found = by_name_.find(name.text);
+  if (found != by_name_.end()) {
+    const Declaration& first = declarations_[found->second];
+    diagnostics_.add(
+        diagnose("E0302", name.span, fmt::format("`{}` is declared twice", name.text))
+            .with_secondary(first.span, "first declared here")
+            .with_help("every name is declared once; reading order does not matter"));
+    return;
+  }
+  by_name_[name.text] = static_cast<int>(declarations_.size());
+  Declaration declaration;
+  declaration.name = name.text;
+  declaration.span = name.span;
+  declaration.program = program;
+  declaration.statement = &statement;
+  declarations_.push_back(std::move(declaration));
+}
+
+void Checker::collect_declarations() {
+  for (std::size_t p = 0; p < programs_.size(); ++p) {
+    for (const ast::Name& broken : programs_[p].broken) silenced_.insert(broken.text);
+    for (const ast::Statement& statement : programs_[p].statements)
+      if (const ast::Name* name = declared_name(statement))
+        declare(*name, static_cast<int>(p), statement);
+  }
+}
+
+void Checker::check_defines() {
+  std::vector<std::string> known;
+  for (const Declaration& d : declarations_)
+    if (std::holds_alternative<ast::Param>(*d.statement)) known.push_back(d.name);
+  for (const auto& [name, text] : options_.defines) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    error("E0320", Span{}, fmt::format("-D {}={}: the script has no parameter `{}`", name, text, name),
+          known.empty() ? "the script declares no `param`" : did_you_mean(name, known));
+  }
+}
+
+int Checker::find_declaration(const std::string& name) const {
+  auto found = by_name_.find(name);
+  return found == by_name_.end() ? -1 : found->second;
+}
+
+Value& Checker::value_of(int index, const Span& use) {
+  Declaration& declaration = declarations_[index];
+  declaration.used = true;
+  if (declaration.state == Declaration::State::busy) {
+    error("E0313", use, fmt::format("`{}` is defined by itself", declaration.name),
+          "break the circle: a value cannot depend on itself");
+    declaration.value = Poison{};
+    return declaration.value;
+  }
+  if (declaration.state == Declaration::State::untouched) {
+    declaration.state = Declaration::State::busy;
+    Value value = evaluate(declaration);
+    declarations_[index].value = std::move(value);
+    declarations_[index].state = Declaration::State::done;
+  }
+  return declarations_[index].value;
+}
+
+Value Checker::evaluate(Declaration& declaration) {
+  const int index = static_cast<int>(&declaration - declarations_.data());
+  const ast::Statement& statement = *declaration.statement;
+  if (const auto* param = std::get_if<ast::Param>(&statement)) return evaluate_param(*param);
+  if (const auto* m = std::get_if<ast::Mesh>(&statement)) return mesh(*m);
+  if (const auto* part = std::get_if<ast::Part>(&statement)) {
+    auto spec = region(part->region);
+    if (!spec) return Poison{};
+    model_.parts.push_back({part->name.text, part->name.span, *spec, kind_of(*spec)});
+    part_of_[part->name.text] = static_cast<int>(model_.parts.size()) - 1;
+    return PartValue{static_cast<int>(model_.parts.size()) - 1};
+  }
+  if (const auto* tensor = std::get_if<ast::Tensor>(&statement)) {
+    Scope scope;
+    scope.what = "a tensor";
+    scope.position = true;
+    auto f = field(tensor->value, scope);
+    if (!f) return Poison{};
+    if (f->rank == 0 || f->rank == 1)
+      error("E0306", tensor->value.span,
+            fmt::format("a tensor is expected here, not {}", describe(*f)),
+            f->rank == 0 ? "a scalar coefficient is declared with `fn k() = ...` or `param`" : "");
+    return f->rank >= 2 ? Value(*f) : Value(Poison{});
+  }
+  if (std::holds_alternative<ast::Kernel>(statement)) return KernelValue{index};
+  if (std::holds_alternative<ast::Superpotential>(statement)) return LawValue{index};
+  if (std::holds_alternative<ast::Fn>(statement)) return FunctionValue{index};
+  if (const auto* s = std::get_if<ast::Space>(&statement)) {
+    auto made = space(*s);
+    return made ? Value(SpaceValue{*made}) : Value(Poison{});
+  }
+  return Poison{};
+}
+
+Value Checker::evaluate_param(const ast::Param& param) {
+  Scope scope;
+  scope.what = "a parameter";
+  ModelParam entry;
+  entry.name = param.name.text;
+  entry.span = param.name.span;
+  if (param.doc) entry.doc = param.doc->text;
+  Value value = expr(param.value, scope);
+  const auto define = options_.defines.find(param.name.text);
+  if (define != options_.defines.end()) {
+    entry.overridden = true;
+    const std::string& text = define->second;
+    if (is_word(text)) {
+      value = Word{text};
+    } else if (auto number = parse_number(text)) {
+      value = scalar_field(*number);
+    } else {
+      error("E0321", Span{}, fmt::format("-D {}={}: `{}` is no number", param.name.text, text, text),
+            "write a number or one of the words P1, P2, ...");
+      return Poison{};
+    }
+  }
+  if (const auto* w = std::get_if<Word>(&value)) {
+    entry.value = w->text;
+    model_.params.push_back(entry);
+    return value;
+  }
+  const auto* number = std::get_if<Field>(&value);
+  if (!number) {
+    if (!is_poison(value))
+      error("E0306", param.value.span,
+            fmt::format("a parameter is a number or a word, not {}", describe(value)));
+    return Poison{};
+  }
+  if (number->rank != 0 || !is_constant(*number)) {
+    if (number->rank != 0)
+      error("E0306", param.value.span,
+            fmt::format("a parameter is a number, not {}", describe(*number)));
+    else
+      check_finite(param.value.span, *number);
+    return Poison{};
+  }
+  entry.value = number->scalar().value();
+  if (param.range) {
+    auto bounds = constant_list(*param.range, "the range of a parameter");
+    if (bounds && (bounds->size() != 2 || (*bounds)[0] > (*bounds)[1])) {
+      error("E0408", param.range->span, "the range of a parameter is `[least, greatest]`");
+    } else if (bounds) {
+      entry.range = fmt::format("[{}, {}]", (*bounds)[0], (*bounds)[1]);
+      const double v = number->scalar().value();
+      if (v < (*bounds)[0] || v > (*bounds)[1])
+        error("E0408", entry.overridden ? param.name.span : param.value.span,
+              fmt::format("`{}` = {} is outside its range [{}, {}]", param.name.text, v,
+                          (*bounds)[0], (*bounds)[1]),
+              "", entry.overridden ? fmt::format("set by -D {}={}", param.name.text, define->second)
+                                   : "");
+    }
+  }
+  model_.params.push_back(entry);
+  return value;
+}
+
+std::optional<Value> Checker::built_in_name(const ast::Expr& e, const std::string& name,
+                                            const Scope& scope) {
+  auto hidden = [&](const std::string& why, const std::string& help) -> Value {
+    error("E0309", e.span, fmt::format("`{}` cannot be used{}: {}", name, visible_note(scope), why),
+          help);
+    return Poison{};
+  };
+  if (name == "pi") return scalar_field(std::numbers::pi);
+  if (name == "x" || name == "y" || name == "z") {
+    const int axis = name[0] - 'x';
+    if (!scope.position) return hidden("it must be the same everywhere", "");
+    if (axis >= model_.dim) {
+      error("E0315", e.span, fmt::format("there is no `{}` in {}D", name, model_.dim));
+      return Poison{};
+    }
+    return scalar_field(Symbol::variable(solver::slot::x(axis)));
+  }
+  if (name == "t") {
+    if (!scope.time)
+      return hidden("it does not change in time",
+                    scope.lag ? "a kernel of time and past time is written `kernel q(t, s) = ...`"
+                              : "");
+    return scalar_field(Symbol::variable(solver::slot::t));
+  }
+  if (name == "lag") {
+    if (!scope.lag) return hidden("only kernels have a lag", "");
+    return scalar_field(Symbol::variable(solver::slot::lag));
+  }
+  if (name == "normal") {
+    if (!scope.normal) return hidden("only integrals over the boundary have a normal", "");
+    std::vector<Symbol> n;
+    for (int i = 0; i < model_.dim; ++i) n.push_back(Symbol::variable(solver::slot::normal(i)));
+    return vector_field(std::move(n));
+  }
+  if (name == "sigma") {
+    if (!scope.report) return hidden("it is a result", "it may stand in `report`");
+    return stress();
+  }
+  return std::nullopt;
+}
+
+Value Checker::unknown_name(const Span& span, const std::string& name, const Scope& scope) {
+  if (silenced_.count(name)) return Poison{};
+  std::vector<std::string> candidates;
+  for (const auto& [local, value] : scope.locals) candidates.push_back(local);
+  for (const Declaration& d : declarations_) candidates.push_back(d.name);
+  for (const std::string& built_in : visible_built_ins()) candidates.push_back(built_in);
+  if (scope.unknown && find_) candidates.push_back(find_->unknown.text);
+  if (scope.test && find_) candidates.push_back(find_->test.text);
+  error("E0301", span, fmt::format("unknown name `{}`", name), did_you_mean(name, candidates));
+  return Poison{};
+}
+
+Value Checker::reference(const ast::Expr& e, const std::string& name, const Scope& scope) {
+  if (auto local = scope.locals.find(name); local != scope.locals.end()) return local->second;
+  if (find_ && (name == find_->unknown.text || name == find_->test.text) &&
+      find_declaration(name) < 0) {
+    const bool is_test = name == find_->test.text;
+    if (is_test ? !scope.test : !scope.unknown) {
+      error("E0309", e.span,
+            fmt::format("`{}` is the {} of the inequality: it cannot be used{}", name,
+                        is_test ? "test function" : "unknown", visible_note(scope)));
+      return Poison{};
+    }
+    if (space_declaration_ < 0) return Poison{};
+    std::vector<Symbol> components;
+    const int n = model_.space.vector ? model_.dim : 1;
+    for (int i = 0; i < n; ++i)
+      components.push_back(
+          Symbol::variable(is_test ? solver::slot::test(solver::slot::value(i))
+                                   : solver::slot::field(solver::field_u, solver::slot::value(i))));
+    Field f = model_.space.vector ? vector_field(components) : scalar_field(components[0]);
+    (is_test ? f.test : f.trial) = Degree::linear;
+    return f;
+  }
+  if (auto built_in = built_in_name(e, name, scope)) return *built_in;
+  const int index = find_declaration(name);
+  if (index >= 0) return value_of(index, e.span);
+  if (is_word(name)) return Word{name};
+  if (is_function_name(name)) {
+    error("E0306", e.span, fmt::format("`{}` is a function: it is called with arguments", name),
+          fmt::format("write `{}(...)`", name));
+    return Poison{};
+  }
+  return unknown_name(e.span, name, scope);
+}
+
+void Checker::check_unused() {
+  for (const Declaration& d : declarations_) {
+    if (d.used || d.program != 0 || std::holds_alternative<ast::Space>(*d.statement)) continue;
+    diagnostics_.add(diagnose("W0101", d.span, fmt::format("`{}` is never used", d.name))
+                         .with_help("remove it, or use it in the inequality"));
+  }
+}
+
+} // namespace hvi::lang

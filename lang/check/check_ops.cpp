@@ -1,0 +1,285 @@
+// Operators on symbolic values: shapes, and how each operation carries linearity in u and v.
+#include "lang/check/checker.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace hvi::lang {
+
+namespace {
+
+bool is_zero(const Field& f) {
+  for (const Symbol& c : f.components)
+    if (!c.is(0.0)) return false;
+  return f.laws.empty();
+}
+
+/// Degree of a sum whose summands have these degrees.
+Degree sum_degree(Degree a, Degree b, bool a_zero, bool b_zero) {
+  if (a_zero) return b;
+  if (b_zero) return a;
+  if (a == Degree::nonlinear || b == Degree::nonlinear) return Degree::nonlinear;
+  if (a == b) return a;
+  return Degree::affine;
+}
+
+Field shaped_like(const Field& f) {
+  Field out = f;
+  out.components.clear();
+  out.laws.clear();
+  return out;
+}
+
+} // namespace
+
+std::optional<Field> Checker::add(const ast::Expr& e, const ast::Binary& b, Field left, Field right,
+                                  const Scope& scope) {
+  if (left.law_vector || right.law_vector) {
+    error("E0308", e.span, "the vector argument of a superpotential enters through its norm",
+          "use `norm(...)` of it");
+    return std::nullopt;
+  }
+  if (!same_shape(left, right)) {
+    diagnostics_.add(diagnose("E0307", b.op_span,
+                              fmt::format("{} and {} cannot be {}", describe(left), describe(right),
+                                          b.op == ast::BinaryOp::add ? "added" : "subtracted"))
+                         .with_secondary(b.left->span, describe(left))
+                         .with_secondary(b.right->span, describe(right)));
+    return std::nullopt;
+  }
+  if (scope.test && left.test != right.test && !is_zero(left) && !is_zero(right) &&
+      (left.test == Degree::none || right.test == Degree::none)) {
+    const ast::Expr& lacking = left.test == Degree::none ? *b.left : *b.right;
+    error("E0402", lacking.span,
+          fmt::format("this does not contain the test function `{}`", find_->test.text),
+          "every summand of an integral is linear in the test function");
+    return std::nullopt;
+  }
+  const double sign = b.op == ast::BinaryOp::add ? 1.0 : -1.0;
+  Field out = shaped_like(left);
+  for (std::size_t i = 0; i < left.components.size(); ++i)
+    out.components.push_back(sign > 0 ? left.components[i] + right.components[i]
+                                      : left.components[i] - right.components[i]);
+  out.test = sum_degree(left.test, right.test, is_zero(left), is_zero(right));
+  out.trial = sum_degree(left.trial, right.trial, is_zero(left), is_zero(right));
+  out.rate = left.rate || right.rate;
+  out.memory = left.memory || right.memory;
+  out.laws = left.laws;
+  for (LawUse use : right.laws) {
+    use.factor = sign * use.factor;
+    if (sign < 0) use.factor_span = b.op_span;
+    out.laws.push_back(std::move(use));
+  }
+  if (left.by_slope != right.by_slope && scope.law) {
+    // A slope and a potential: the sum is given by its slope.
+    Field& potential = left.by_slope ? right : left;
+    const Symbol slope = derivative(potential.scalar(), solver::slot::argument(0));
+    out.components[0] = left.by_slope ? left.scalar() + Symbol(sign) * slope
+                                      : slope + Symbol(sign) * right.scalar();
+  }
+  out.by_slope = left.by_slope || right.by_slope;
+  return out;
+}
+
+bool Checker::product_degrees(const Span& span, const Field& left, const Field& right, Field& out,
+                              const Scope& scope) {
+  if (left.test != Degree::none && right.test != Degree::none) {
+    error("E0401", span, fmt::format("this product is not linear in `{}`", find_->test.text),
+          "the test function occurs once in every term");
+    return false;
+  }
+  if (left.trial != Degree::none && right.trial != Degree::none && !scope.report) {
+    error("E0403", span, fmt::format("this product is not linear in `{}`", find_->unknown.text),
+          "the forms of the inequality are bilinear; a nonlinear law is a superpotential");
+    return false;
+  }
+  out.test = left.test != Degree::none ? left.test : right.test;
+  out.trial = left.trial != Degree::none ? left.trial : right.trial;
+  out.rate = left.rate || right.rate;
+  out.memory = left.memory || right.memory;
+  return true;
+}
+
+bool Checker::nonlinear_degrees(const Span& span, const std::string& what,
+                                const std::vector<const Field*>& args, Field& out,
+                                const Scope& scope) {
+  for (const Field* f : args) {
+    if (f->test != Degree::none) {
+      error("E0401", span, fmt::format("{} is not linear in `{}`", what, find_->test.text),
+            "the test function enters linearly");
+      return false;
+    }
+    if (f->trial == Degree::none) continue;
+    if (!scope.report) {
+      error("E0403", span, fmt::format("{} is not linear in `{}`", what, find_->unknown.text),
+            "the forms of the inequality are bilinear; a nonlinear law is a superpotential");
+      return false;
+    }
+    out.trial = Degree::nonlinear;
+    out.rate = out.rate || f->rate;
+    out.memory = out.memory || f->memory;
+  }
+  return true;
+}
+
+std::optional<Field> Checker::multiply(const ast::Expr& e, const ast::Binary& b, const Field& left,
+                                       const Field& right, const Scope& scope) {
+  if (left.law_vector || right.law_vector) {
+    error("E0308", e.span, "the vector argument of a superpotential enters through its norm",
+          "use `norm(...)` of it");
+    return std::nullopt;
+  }
+  if (left.rank != 0 && right.rank != 0) {
+    std::string help = "use `dot(a, b)` for the product of vectors";
+    if (left.rank == 4 || right.rank == 4 || (left.rank == 2 && right.rank == 2))
+      help = "use `:` for the double contraction";
+    else if (left.rank == 2 || right.rank == 2)
+      help = "use `dot(a, b)` for a matrix times a vector";
+    error("E0308", b.op_span,
+          fmt::format("`*` multiplies by a scalar, not {} by {}", describe(left), describe(right)),
+          help);
+    return std::nullopt;
+  }
+  const Field& factor = left.rank == 0 && (left.laws.empty() || right.rank != 0) ? left : right;
+  const Field& body = &factor == &left ? right : left;
+  Field out = shaped_like(body);
+  if (!product_degrees(e.span, left, right, out, scope)) return std::nullopt;
+  if (scope.law && (left.by_slope || right.by_slope)) {
+    const Field& other = left.by_slope ? right : left;
+    if (other.by_slope || other.scalar().depends_on(solver::slot::argument(0))) {
+      error("E0308", e.span, "a law given by its slope can be multiplied by a constant only",
+            "give it by its potential");
+      return std::nullopt;
+    }
+  }
+  out.by_slope = left.by_slope || right.by_slope;
+  for (const Symbol& c : body.components) out.components.push_back(factor.scalar() * c);
+  for (LawUse use : body.laws) {
+    use.factor = factor.scalar() * use.factor;
+    use.factor_span = &factor == &left ? b.left->span : b.right->span;
+    out.laws.push_back(std::move(use));
+  }
+  return check_finite(e.span, out) ? std::optional(out) : std::nullopt;
+}
+
+std::optional<Field> Checker::divide(const ast::Expr& e, const ast::Binary& b, const Field& left,
+                                     const Field& right, const Scope& scope) {
+  if (right.rank != 0 || right.law_vector || left.law_vector) {
+    error("E0308", b.op_span,
+          fmt::format("{} cannot be divided by {}", describe(left), describe(right)),
+          "only a scalar can divide");
+    return std::nullopt;
+  }
+  if (right.scalar().is(0.0)) {
+    error("E0407", b.right->span, "division by zero");
+    return std::nullopt;
+  }
+  Field out = shaped_like(left);
+  out.test = left.test;
+  out.trial = left.trial;
+  if (!nonlinear_degrees(b.right->span, "division by this", {&right}, out, scope))
+    return std::nullopt;
+  for (const Symbol& c : left.components) out.components.push_back(c / right.scalar());
+  for (LawUse use : left.laws) {
+    use.factor = use.factor / right.scalar();
+    use.factor_span = b.right->span;
+    out.laws.push_back(std::move(use));
+  }
+  return check_finite(e.span, out) ? std::optional(out) : std::nullopt;
+}
+
+std::optional<Field> Checker::power(const ast::Expr& e, const Field& left, const Field& right,
+                                    const Scope& scope) {
+  if (left.rank != 0 || right.rank != 0 || left.law_vector) {
+    error("E0308", e.span,
+          fmt::format("`^` takes scalars, not {} and {}", describe(left), describe(right)),
+          left.law_vector ? "write `norm(xi)^2`" : "");
+    return std::nullopt;
+  }
+  Field out = shaped_like(left);
+  out.test = out.trial = Degree::none;
+  if (!nonlinear_degrees(e.span, "this power", {&left, &right}, out, scope)) return std::nullopt;
+  out.components = {pow(left.scalar(), right.scalar())};
+  return check_finite(e.span, out) ? std::optional(out) : std::nullopt;
+}
+
+std::optional<Field> Checker::contract(const ast::Expr& e, const ast::Binary& b, const Field& left,
+                                       const Field& right, const Scope& scope) {
+  auto wrong = [&](const std::string& help) {
+    error("E0308", b.op_span,
+          fmt::format("`:` does not contract {} with {}", describe(left), describe(right)), help);
+    return std::nullopt;
+  };
+  if (left.rank <= 1 && right.rank <= 1)
+    return wrong(left.rank == 1 && right.rank == 1 ? "use `dot(a, b)` for the product of vectors"
+                                                   : "use `*` to multiply by a scalar");
+  if (left.rank <= 1 || right.rank <= 1)
+    return wrong(left.rank == 0 || right.rank == 0
+                     ? "use `*` to multiply by a scalar"
+                     : "a vector is contracted with `dot`; a strain is `eps(u)`");
+  if (left.rank == 2 && right.rank == 2 && !same_shape(left, right)) return wrong("");
+  if (left.rank != right.rank && left.rows * left.columns != right.rows * right.columns)
+    return wrong("");
+  Field out;
+  if (!product_degrees(e.span, left, right, out, scope)) return std::nullopt;
+  const int d = left.rank == 4 ? left.rows : right.rows;
+  const int n = left.rank == 2 && right.rank == 2 ? static_cast<int>(left.components.size()) : d * d;
+  const int rows = left.rank == 4 ? n : 1;
+  const int columns = right.rank == 4 ? n : 1;
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j < columns; ++j) {
+      Symbol sum = 0.0;
+      for (int k = 0; k < n; ++k) sum = sum + left.components[i * n + k] * right.components[k * columns + j];
+      out.components.push_back(sum);
+    }
+  out.rank = left.rank + right.rank - 4;
+  if (left.rank == 4 && right.rank == 4) out.rank = 4;
+  if (out.rank >= 2) out.rows = out.columns = d;
+  return out;
+}
+
+std::optional<Field> Checker::dot(const Span& span, const Field& left, const Field& right,
+                                  const Scope& scope) {
+  auto wrong = [&](const std::string& help) {
+    error("E0308", span,
+          fmt::format("dot does not take {} and {}", describe(left), describe(right)), help);
+    return std::nullopt;
+  };
+  if (left.law_vector || right.law_vector) return wrong("use `norm(xi)`");
+  if (left.rank == 4 || right.rank == 4) return wrong("use `:`");
+  if (left.rank == 0 || right.rank == 0) return wrong("use `*` to multiply by a scalar");
+  const int inner_left = left.rank == 1 ? left.rows : left.columns;
+  if (inner_left != right.rows)
+    return wrong(fmt::format("the sizes {} and {} do not match", inner_left, right.rows));
+  Field out;
+  if (!product_degrees(span, left, right, out, scope)) return std::nullopt;
+  const int rows = left.rank == 1 ? 1 : left.rows;
+  const int columns = right.rank == 1 ? 1 : right.columns;
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j < columns; ++j) {
+      Symbol sum = 0.0;
+      for (int k = 0; k < inner_left; ++k)
+        sum = sum + left.components[i * inner_left + k] * right.components[k * columns + j];
+      out.components.push_back(sum);
+    }
+  out.rank = left.rank + right.rank - 2;
+  out.rows = out.rank == 0 ? 1 : (out.rank == 2 ? rows : rows * columns);
+  out.columns = out.rank == 2 ? columns : 1;
+  return out;
+}
+
+bool Checker::check_finite(const Span& span, const Field& result) {
+  for (const Symbol& c : result.components) {
+    bool constant_args = !c.is_constant();
+    for (const Symbol& arg : c.args()) constant_args = constant_args && arg.is_constant();
+    if (c.op() == solver::Op::slot) constant_args = false;
+    const bool infinite = c.is_constant() && !std::isfinite(c.value());
+    if (!infinite && !(constant_args && !c.args().empty())) continue;
+    error("E0407", span, "this constant is not a finite number");
+    return false;
+  }
+  return true;
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,282 @@
+// The find statement: the inequality itself, term by term.
+#include "lang/check/checker.hpp"
+#include "lang/diag/suggest.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::lang {
+
+namespace slot = solver::slot;
+using solver::Group;
+using solver::Rule;
+
+Checker::Checker(const std::vector<ast::Program>& programs, const CheckOptions& options,
+                 Diagnostics& diagnostics)
+    : programs_(programs), options_(options), diagnostics_(diagnostics) {}
+
+std::optional<Model> Checker::run() {
+  collect_declarations();
+  check_defines();
+  locate_find();
+  if (find_) find_statement();
+  // What nothing has used yet is checked too: a wrong line is an error even when it is idle.
+  for (std::size_t i = 0; i < declarations_.size(); ++i) {
+    Declaration& d = declarations_[i];
+    const bool used = d.used;
+    const bool other_mesh = std::holds_alternative<ast::Mesh>(*d.statement) && find_;
+    if (d.state == Declaration::State::untouched && !other_mesh && d.program == 0)
+      value_of(static_cast<int>(i), d.span);
+    if (std::holds_alternative<ast::Superpotential>(*d.statement) && d.program == 0)
+      check_law_alone(static_cast<int>(i));
+    if (std::holds_alternative<ast::Kernel>(*d.statement) && d.program == 0 && !used) {
+      Scope scope;
+      ast::Expr callee;
+      callee.span = d.span;
+      callee.node = ast::Reference{d.name};
+      kernel_field(callee, scope);
+    }
+    declarations_[i].used = used;
+  }
+  if (find_) {
+    reports();
+    expectations();
+    study();
+  }
+  if (!diagnostics_.has_errors()) check_unused();
+  if (diagnostics_.has_errors() || !find_) return std::nullopt;
+  return std::move(model_);
+}
+
+void Checker::locate_find() {
+  for (const ast::Program& program : programs_)
+    for (const ast::Statement& statement : program.statements) {
+      const auto* find = std::get_if<ast::Find>(&statement);
+      if (!find) continue;
+      if (&program != &programs_[0]) {
+        error("E0405", find->keyword, "an imported file declares; it cannot have a find statement");
+        continue;
+      }
+      if (find_) {
+        diagnostics_.add(diagnose("E0405", find->keyword, "a script has one find statement")
+                             .with_secondary(find_->keyword, "the first one"));
+        continue;
+      }
+      find_ = find;
+    }
+  if (!find_ && !programs_.empty() && !diagnostics_.has_errors())
+    error("E0404", Span{programs_[0].file, 0, 0}, "the script has no find statement",
+          "state the inequality: `find u in V ... such that for all v in V ... >= ...`");
+}
+
+void Checker::check_find_names(const ast::Find& find) {
+  if (find.unknown.text == find.test.text)
+    error("E0302", find.test.span, "the unknown and the test function have the same name");
+  for (const ast::Name* name : {&find.unknown, &find.test}) {
+    const int index = find_declaration(name->text);
+    if (index < 0) continue;
+    diagnostics_.add(diagnose("E0302", name->span, fmt::format("`{}` is declared twice", name->text))
+                         .with_secondary(declarations_[index].span, "first declared here"));
+  }
+  if (find.test_space.text != find.space.text)
+    error("E0312", find.test_space.span,
+          fmt::format("the test functions run through `{}`, the space of the unknown",
+                      find.space.text));
+}
+
+void Checker::find_statement() {
+  const ast::Find& find = *find_;
+  const int index = find_declaration(find.space.text);
+  if (index < 0) {
+    Scope none;
+    unknown_name(find.space.span, find.space.text, none);
+  } else {
+    Value value = value_of(index, find.space.span);
+    if (std::holds_alternative<SpaceValue>(value))
+      space_declaration_ = index;
+    else if (!is_poison(value))
+      error("E0306", find.space.span, fmt::format("a space is expected here, not {}", describe(value)));
+  }
+  check_find_names(find);
+  model_.unknown = find.unknown.text;
+  model_.test = find.test.text;
+  time_clause(find);
+  if (space_declaration_ >= 0) imposed_values(find);
+  forms(find);
+  settings(find);
+  check_relation(find);
+  if (!diagnostics_.has_errors()) {
+    check_clauses(find);
+    check_one_law_per_part();
+  }
+}
+
+void Checker::forms(const ast::Find& find) {
+  for (const ast::FormTerm& term : find.left.terms) form_term(term, false);
+  for (const ast::FormTerm& term : find.right.terms) form_term(term, true);
+}
+
+std::optional<Symbol> Checker::form_factors(const ast::FormTerm& term) {
+  Symbol factor = term.minus ? -1.0 : 1.0;
+  bool good = true;
+  for (const ast::Expr& e : term.factors) {
+    auto v = constant(e, "a factor before an integral");
+    good = good && v;
+    if (v) factor = factor * Symbol(*v);
+  }
+  return good ? std::optional(factor) : std::nullopt;
+}
+
+void Checker::form_term(const ast::FormTerm& term, bool right) {
+  auto factor = form_factors(term);
+  if (!term.integral) return;
+  const ast::Integral& integral = *term.integral;
+  auto part = part_index(integral.domain);
+  Scope scope;
+  scope.what = right ? "a load" : "a form";
+  scope.position = scope.time = scope.unknown = scope.test = true;
+  const auto kind = part ? model_.parts[*part].kind : std::nullopt;
+  scope.normal = part && (!kind || *kind == Group::Kind::facets);
+  if (part && !scope.normal) scope.what = "an integral over cells";
+  ModelTerm out;
+  for (const ast::Setting& option : integral.options) {
+    if (option.name.text != "rule") {
+      error("E0304", option.name.span, fmt::format("`integral` has no argument `{}`", option.name.text),
+            did_you_mean(option.name.text, std::vector<std::string>{"rule"}));
+      continue;
+    }
+    auto w = word(option.value, "rule", {"exact", "nodal", "midpoint", "gauss"});
+    if (!w) continue;
+    out.rule_given = true;
+    out.rule = *w == "nodal"      ? Rule::nodal
+               : *w == "midpoint" ? Rule::midpoint
+               : *w == "gauss"    ? Rule::gauss
+                                  : Rule::exact;
+  }
+  if (!part) scope.normal = true; // its kind is unknown: no second complaint about u.nu
+  auto integrand = field(integral.integrand, scope);
+  if (!factor || !part || !integrand) return;
+  out.span = integral.span;
+  out.factor_span = term.factors.empty() ? (term.minus ? term.sign : integral.span)
+                                         : term.factors.front().span;
+  out.part = *part;
+  out.right = right;
+  out.factor = *factor;
+  out.integrand = std::move(*integrand);
+  if (!out.integrand.laws.empty() && !out.rule_given) out.rule = Rule::nodal;
+  if (!check_integrand(out, term)) return;
+  law_factors(out, term);
+  model_.terms.push_back(std::move(out));
+}
+
+bool Checker::check_integrand(const ModelTerm& term, const ast::FormTerm& source) {
+  const ast::Expr& e = source.integral->integrand;
+  const Field& f = term.integrand;
+  if (f.rank != 0) {
+    error("E0306", e.span, fmt::format("an integrand is a scalar, not {}", describe(f)),
+          "contract it with the test function: `... : eps(v)` or `dot(..., v)`");
+    return false;
+  }
+  if (f.scalar().is(0.0)) return true; // folds to zero: dropped, and the plan says so
+  if (f.test == Degree::none) {
+    error("E0402", e.span,
+          fmt::format("this does not contain the test function `{}`", find_->test.text),
+          "every integral of the inequality is linear in the test function");
+    return false;
+  }
+  if (f.test != Degree::linear) {
+    error("E0401", e.span, fmt::format("this is not linear in `{}`", find_->test.text));
+    return false;
+  }
+  if (term.right && f.trial != Degree::none) {
+    error("E0403", e.span, fmt::format("the right side contains the unknown `{}`", find_->unknown.text),
+          "bring the term to the left of >=");
+    return false;
+  }
+  for (solver::Slot s : solver::slots_of(f.scalar())) {
+    const bool trial = s >= slot::first_field && s < slot::first_multiplier;
+    if (!trial) continue;
+    if (derivative(f.scalar(), s).depends_on(slot::t)) {
+      error("E0413", e.span, "a form that changes in time is not the problem of the theory",
+            "A and B do not depend on t; loads, laws and kernels q(t, s) may");
+      return false;
+    }
+  }
+  if (!find_->time && f.scalar().depends_on(slot::t)) {
+    error("E0412", e.span, "a static problem has no time `t`",
+          "add `for t in [0, T] by N steps from u = 0` to the find statement");
+    return false;
+  }
+  return true;
+}
+
+void Checker::law_factors(ModelTerm& term, const ast::FormTerm&) {
+  for (LawUse& use : term.integrand.laws) {
+    if (term.right) {
+      error("E0410", use.span, "a superpotential stands on the left of >=",
+            "bring it to the left; its sign there is +");
+      continue;
+    }
+    const Symbol factor = term.factor * use.factor;
+    const Span place = use.factor_span.valid() ? use.factor_span : term.factor_span;
+    if (factor.is_constant() && !(factor.value() > 0.0)) {
+      if (factor.value() == 0.0) continue; // dropped: the effect folds to zero
+      error("E0409", place, fmt::format("a negative factor before `{}^0`", use.name),
+            "j^0 is a directional derivative: -j^0 is not one. Change the sign in the superpotential");
+      continue;
+    }
+    if (factor.depends_on(slot::t))
+      error("E0413", place, fmt::format("the factor before `{}^0` depends on time", use.name),
+            "let the superpotential itself depend on t");
+  }
+}
+
+void Checker::check_relation(const ast::Find& find) {
+  const bool has_law = std::any_of(model_.terms.begin(), model_.terms.end(),
+                                   [](const ModelTerm& t) { return !t.integrand.laws.empty(); });
+  if (!find.inequality && has_law)
+    error("E0411", find.relation, "with a superpotential the statement is an inequality",
+          "write `>=` in place of `=`");
+  if (find.inequality && !has_law && !diagnostics_.has_errors())
+    diagnostics_.add(diagnose("W0102", find.relation, "no superpotential: this is an equation")
+                         .with_help("`=` says it; `>=` for all v and -v means the same"));
+}
+
+void Checker::check_clauses(const ast::Find& find) {
+  bool any_form = false, rate = false;
+  for (const ModelTerm& term : model_.terms) {
+    any_form = any_form || (!term.right && term.integrand.trial != Degree::none);
+    rate = rate || term.integrand.rate;
+  }
+  if (!any_form)
+    error("E0425", find.left.span,
+          fmt::format("no form acts on the unknown `{}`: nothing determines it", find.unknown.text),
+          "add the elasticity: `integral(body, B : eps(u) : eps(v))`");
+  if (rate && find.time && !find.time->initial)
+    error("E0412", find.time->span,
+          fmt::format("a problem with `{}'` needs the initial state", find.unknown.text),
+          fmt::format("add `from {} = 0`", find.unknown.text));
+}
+
+void Checker::check_one_law_per_part() {
+  std::map<std::pair<int, int>, Span> seen;
+  for (const ModelTerm& term : model_.terms)
+    for (const LawUse& use : term.integrand.laws) {
+      auto [found, fresh] = seen.emplace(std::pair(use.law, term.part), use.span);
+      if (fresh) continue;
+      diagnostics_.add(
+          diagnose("E0420", use.span, fmt::format("the law `{}` stands twice on `{}`", use.name,
+                                                  model_.parts[term.part].name))
+              .with_secondary(found->second, "first here")
+              .with_help("one law on one part; a factor before the integral doubles it"));
+    }
+}
+
+std::optional<Model> check(const std::vector<ast::Program>& programs, const CheckOptions& options,
+                           Diagnostics& diagnostics) {
+  return Checker(programs, options, diagnostics).run();
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,404 @@
+// Results: tables, fields, pictures, expectations and studies.
+#include "lang/check/builtins.hpp"
+#include "lang/check/checker.hpp"
+#include "lang/diag/suggest.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace hvi::lang {
+
+namespace slot = solver::slot;
+using solver::Group;
+using solver::Probe;
+
+namespace {
+
+Scope report_scope() {
+  Scope scope;
+  scope.what = "a report";
+  scope.position = scope.time = scope.unknown = scope.report = true;
+  return scope;
+}
+
+bool is_reference_to(const ast::Expr& e, const std::string& name) {
+  const auto* r = std::get_if<ast::Reference>(&e.node);
+  return r && r->name == name;
+}
+
+/// norm(u) as written.
+bool is_norm_of(const ast::Expr& e, const std::string& unknown) {
+  const auto* call = std::get_if<ast::Call>(&e.node);
+  return call && is_reference_to(*call->callee, "norm") && call->arguments.size() == 1 &&
+         !call->arguments[0].name && is_reference_to(call->arguments[0].value, unknown);
+}
+
+} // namespace
+
+/// Sum of what stands against eps(v): sigma_ij = d integrand / d (dv_i/dx_j), symmetrised, on cells.
+Field Checker::stress() {
+  const int d = model_.space.vector ? model_.dim : 1;
+  Field out = matrix_field(d, model_.dim, std::vector<Symbol>(d * model_.dim, Symbol(0.0)));
+  std::vector<std::pair<solver::Slot, Symbol>> none;
+  for (const ModelTerm& term : model_.terms) {
+    if (term.right || model_.parts[term.part].kind != Group::Kind::cells) continue;
+    const bool whole = model_.parts[term.part].region.kind == solver::RegionSpec::Kind::all_cells;
+    const Symbol where = whole ? Symbol(1.0) : Symbol::variable(slot::inside(term.part));
+    for (int i = 0; i < d; ++i)
+      for (int j = 0; j < model_.dim; ++j) {
+        Symbol entry = derivative(term.integrand.scalar(), slot::test(slot::gradient(i, j)));
+        out.components[i * model_.dim + j] =
+            out.components[i * model_.dim + j] + term.factor * where * entry;
+      }
+  }
+  if (!model_.space.vector) {
+    out.rank = 1;
+    out.rows = model_.dim;
+    out.columns = 1;
+  }
+  out.trial = Degree::linear;
+  return out;
+}
+
+int Checker::probe(Probe p) {
+  model_.report.probes.push_back(std::move(p));
+  return static_cast<int>(model_.report.probes.size()) - 1;
+}
+
+Value Checker::law_member(const ast::Member& m, int declaration, const Scope& scope) {
+  const std::string& law = declarations_[declaration].name;
+  if (m.member.text != "xi") {
+    error("E0303", m.member.span, fmt::format("a superpotential has no member `{}`", m.member.text),
+          fmt::format("its multiplier is `{}.xi`", law));
+    return Poison{};
+  }
+  if (!scope.report) {
+    error("E0309", m.member.span, fmt::format("`{}.xi` is a result", law),
+          "it may stand in `report`");
+    return Poison{};
+  }
+  int application = 0;
+  for (const ModelTerm& term : model_.terms)
+    for (const LawUse& use : term.integrand.laws) {
+      if (use.name == law) {
+        const auto& spec = model_.laws[use.law].spec;
+        const int n = spec.radial ? static_cast<int>(use.rows.size()) : 1;
+        std::vector<Symbol> xi;
+        for (int c = 0; c < n; ++c) xi.push_back(Symbol::variable(slot::multiplier(application, c)));
+        Field f = spec.radial ? vector_field(xi) : scalar_field(xi[0]);
+        f.trial = Degree::nonlinear;
+        return f;
+      }
+      ++application;
+    }
+  error("E0301", m.object->span, fmt::format("the law `{}` does not stand in the inequality", law),
+        "its multiplier exists only where it acts");
+  return Poison{};
+}
+
+/// integral(part, expression) in a report: a probe, used as a number.
+Value Checker::integral_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
+  if (!scope.report) {
+    error("E0306", e.span, "an integral stands in the inequality or in a report");
+    return Poison{};
+  }
+  auto args = match(e, c, "integral", {"part", "of", "rule"}, 2);
+  if (!args) return Poison{};
+  const auto* name = std::get_if<ast::Reference>(&(*args)[0]->node);
+  if (!name) {
+    error("E0306", (*args)[0]->span, "an integral is over a part, by its name");
+    return Poison{};
+  }
+  auto part = part_index({name->name, (*args)[0]->span});
+  Scope inner = scope;
+  const auto kind = part ? model_.parts[*part].kind : std::nullopt;
+  inner.normal = !kind || *kind == Group::Kind::facets;
+  auto of = scalar(*(*args)[1], inner);
+  if (!part || !of) return Poison{};
+  Probe p;
+  p.origin = model_.origin(e.span);
+  p.kind = Probe::Kind::integral;
+  p.part = *part;
+  p.expression = of->scalar();
+  if ((*args)[2]) {
+    auto w = word(*(*args)[2], "rule", {"exact", "nodal", "midpoint", "gauss"});
+    if (!w) return Poison{};
+    p.rule = *w == "nodal"      ? solver::Rule::nodal
+             : *w == "midpoint" ? solver::Rule::midpoint
+             : *w == "gauss"    ? solver::Rule::gauss
+                                : solver::Rule::exact;
+  }
+  // The application of a law on this very part: `layer.xi` meant the first one found by name.
+  int application = 0;
+  std::vector<std::pair<solver::Slot, Symbol>> rename;
+  for (const ModelTerm& term : model_.terms)
+    for (const LawUse& use : term.integrand.laws) {
+      if (term.part == *part) {
+        int first = 0;
+        for (const ModelTerm& other : model_.terms)
+          for (const LawUse& earlier : other.integrand.laws) {
+            if (earlier.name == use.name && first != application &&
+                p.expression.depends_on_any(slot::multiplier(first, 0), slot::multiplier(first, 4)))
+              for (int k = 0; k < 3; ++k)
+                rename.emplace_back(slot::multiplier(first, k),
+                                    Symbol::variable(slot::multiplier(application, k)));
+            ++first;
+          }
+      }
+      ++application;
+    }
+  p.expression = substitute(p.expression, rename);
+  Field out = scalar_field(Symbol::variable(slot::probe(probe(std::move(p)))));
+  out.trial = Degree::nonlinear;
+  return out;
+}
+
+std::optional<double> Checker::report_time(const ast::Expr& e) {
+  auto t = constant(e, "a time");
+  if (!t) return std::nullopt;
+  if (!model_.has_time) {
+    error("E0412", e.span, "a static problem has no times");
+    return std::nullopt;
+  }
+  const auto& grid = model_.time.grid;
+  if (grid.empty()) return std::nullopt;
+  if (*t < grid.front() || *t > grid.back()) {
+    error("E0422", e.span,
+          fmt::format("t = {} is outside [{}, {}]", *t, grid.front(), grid.back()));
+    return std::nullopt;
+  }
+  return t;
+}
+
+void Checker::binding(const ast::Binding& b, solver::TableSpec& table) {
+  for (int index : table.probes)
+    if (model_.report.probes[index].name == b.name.text) {
+      error("E0302", b.name.span, fmt::format("the column `{}` is there twice", b.name.text));
+      return;
+    }
+  Probe p;
+  p.name = b.name.text;
+  p.origin = model_.origin(b.value.span);
+  bool good = true;
+  if (b.time) {
+    p.time = report_time(*b.time);
+    good = p.time.has_value();
+  }
+  Scope scope = report_scope();
+  if (!b.point && is_norm_of(b.value, find_->unknown.text)) {
+    p.kind = Probe::Kind::norm_v;
+    if (good) table.probes.push_back(probe(std::move(p)));
+    return;
+  }
+  auto value = scalar(b.value, scope);
+  if (b.point) {
+    auto at = constant_list(*b.point, "a point");
+    if (!at || !value || !good) return;
+    if (static_cast<int>(at->size()) != model_.dim) {
+      error("E0307", b.point->span, fmt::format("a point in {0}D has {0} coordinates", model_.dim));
+      return;
+    }
+    p.kind = Probe::Kind::at_point;
+    p.origin = model_.origin(b.point->span);
+    for (int i = 0; i < model_.dim; ++i) p.point[i] = (*at)[i];
+  } else {
+    if (!value || !good) return;
+    for (solver::Slot s : solver::slots_of(value->scalar())) {
+      if (s >= slot::first_probe || s == slot::t) continue;
+      error("E0306", b.value.span, fmt::format("`{}` has a value at every point", b.name.text),
+            fmt::format("say where: `{} = ... at [{}]`, or take its integral", b.name.text,
+                        model_.dim == 1   ? "0.5"
+                        : model_.dim == 2 ? "1, 0"
+                                          : "1, 0, 0"));
+      return;
+    }
+    p.kind = Probe::Kind::combination;
+  }
+  p.expression = value->scalar();
+  table.probes.push_back(probe(std::move(p)));
+}
+
+std::optional<std::string> Checker::output_name(const std::optional<ast::Text>& to) {
+  if (!to) return std::string();
+  const std::filesystem::path path(to->text);
+  const bool plain = !to->text.empty() && path == path.filename() && to->text[0] != '.';
+  if (plain) return to->text;
+  error("E0604", to->span, fmt::format("`{}` is not a plain file name", to->text),
+        "results go into the output folder (-o DIR)");
+  return std::nullopt;
+}
+
+void Checker::table(const ast::TableItem& item) {
+  solver::TableSpec spec;
+  spec.origin = model_.origin(item.span);
+  if (item.every)
+    if (auto n = positive_integer(*item.every, "`every`")) spec.every = *n;
+  auto file = output_name(item.to);
+  for (const ast::Binding& b : item.columns) binding(b, spec);
+  if (!file) return;
+  spec.file = *file;
+  model_.report.tables.push_back(std::move(spec));
+}
+
+std::optional<solver::FieldSpec> Checker::output_field(const ast::Expr& e) {
+  Scope scope = report_scope();
+  auto f = field(e, scope);
+  if (!f) return std::nullopt;
+  if (f->rank > 2 || f->law_vector) {
+    error("E0306", e.span, fmt::format("{} cannot be written as a field", describe(*f)));
+    return std::nullopt;
+  }
+  for (const Symbol& c : f->components)
+    if (c.depends_on_any(slot::first_probe, slot::first_probe + 100000)) {
+      error("E0306", e.span, "an integral is a number, not a field", "put it into a `table`");
+      return std::nullopt;
+    }
+  solver::FieldSpec spec;
+  spec.origin = model_.origin(e.span);
+  spec.components = f->components;
+  // The text of the script without the blanks is the field's name: u, sigma, layer.xi, u.x
+  std::function<std::string(const ast::Expr&)> name = [&](const ast::Expr& part) -> std::string {
+    if (const auto* r = std::get_if<ast::Reference>(&part.node)) return r->name;
+    if (const auto* m = std::get_if<ast::Member>(&part.node))
+      return name(*m->object) + "." + m->member.text;
+    if (const auto* p = std::get_if<ast::Prime>(&part.node)) return name(*p->operand) + "_rate";
+    if (const auto* c = std::get_if<ast::Call>(&part.node))
+      return c->arguments.empty() ? name(*c->callee)
+                                  : name(*c->callee) + "_" + name(c->arguments[0].value);
+    return fmt::format("field{}", model_.report.fields.size());
+  };
+  spec.name = name(e);
+  return spec;
+}
+
+void Checker::fields(const ast::FieldsItem& item) {
+  solver::FieldsSpec spec;
+  spec.origin = model_.origin(item.span);
+  if (item.every)
+    if (auto n = positive_integer(*item.every, "`every`")) spec.every = *n;
+  auto file = output_name(item.to);
+  for (const ast::Expr& e : item.fields)
+    if (auto f = output_field(e)) spec.fields.push_back(std::move(*f));
+  if (!file) return;
+  spec.file = *file;
+  model_.report.fields.push_back(std::move(spec));
+}
+
+void Checker::picture(const ast::PictureItem& item) {
+  solver::PictureSpec spec;
+  spec.origin = model_.origin(item.span);
+  auto file = output_name(item.to);
+  auto f = output_field(item.field);
+  if (item.time) spec.time = report_time(*item.time);
+  if (!file || !f) return;
+  spec.field = std::move(*f);
+  spec.file = *file;
+  model_.report.pictures.push_back(std::move(spec));
+}
+
+void Checker::reports() {
+  for (const ast::Statement& statement : programs_[0].statements) {
+    const auto* report = std::get_if<ast::Report>(&statement);
+    if (!report || space_declaration_ < 0) continue;
+    for (const ast::ReportItem& item : report->items) {
+      if (const auto* t = std::get_if<ast::TableItem>(&item)) table(*t);
+      if (const auto* f = std::get_if<ast::FieldsItem>(&item)) fields(*f);
+      if (const auto* p = std::get_if<ast::PictureItem>(&item)) picture(*p);
+    }
+  }
+}
+
+void Checker::expectations() {
+  std::vector<std::string> names;
+  for (const Probe& p : model_.report.probes)
+    if (!p.name.empty()) names.push_back(p.name);
+  for (const ast::Statement& statement : programs_[0].statements) {
+    const auto* e = std::get_if<ast::Expect>(&statement);
+    if (!e) continue;
+    Expectation out;
+    out.span = e->span;
+    out.probe = e->probe.text;
+    if (std::find(names.begin(), names.end(), out.probe) == names.end() &&
+        !diagnostics_.has_errors())
+      error("E0319", e->probe.span, fmt::format("no table has a column `{}`", out.probe),
+            did_you_mean(out.probe, names));
+    if (e->time) out.time = report_time(*e->time);
+    auto value = constant(e->value, "an expected value");
+    auto tolerance = constant(e->tolerance, "a tolerance");
+    if (tolerance && *tolerance < 0.0)
+      error("E0408", e->tolerance.span, "a tolerance is not negative");
+    out.relative = e->relative;
+    if (e->when) {
+      Scope scope;
+      scope.what = "the condition of an expectation";
+      auto when = condition(*e->when, scope);
+      if (when && !when->is_constant()) error("E0317", e->when->span, "this condition is not constant");
+      out.active = when && when->is_constant() && when->value() != 0.0;
+    }
+    if (e->source) out.source = e->source->text;
+    if (!value || !tolerance) continue;
+    out.value = *value;
+    out.tolerance = *tolerance;
+    model_.expectations.push_back(std::move(out));
+  }
+}
+
+void Checker::study() {
+  for (const ast::Statement& statement : programs_[0].statements) {
+    const auto* s = std::get_if<ast::Study>(&statement);
+    if (!s) continue;
+    ModelStudy out;
+    out.span = s->span;
+    for (const ast::Ladder& ladder : s->ladders) {
+      StudyLadder rungs{ladder.parameter.text, ladder.span, {}};
+      const int index = find_declaration(ladder.parameter.text);
+      if (index < 0 || !std::holds_alternative<ast::Param>(*declarations_[index].statement)) {
+        std::vector<std::string> params;
+        for (const ModelParam& p : model_.params) params.push_back(p.name);
+        error("E0301", ladder.parameter.span,
+              fmt::format("there is no parameter `{}` to vary", ladder.parameter.text),
+              did_you_mean(ladder.parameter.text, params));
+        continue;
+      }
+      const auto* list = std::get_if<ast::List>(&ladder.values.node);
+      if (!list) {
+        error("E0306", ladder.values.span, "a ladder is a list `[...]`");
+        continue;
+      }
+      for (const ast::Expr& item : list->items) {
+        const auto* w = std::get_if<ast::Reference>(&item.node);
+        if (w && is_word(w->name)) {
+          rungs.values.push_back(w->name);
+        } else if (auto v = constant(item, "a rung of a ladder")) {
+          rungs.values.push_back(fmt::format("{}", *v));
+        }
+      }
+      out.ladders.push_back(std::move(rungs));
+    }
+    out.reference = s->reference == ast::StudyReference::finest ? ModelStudy::Reference::finest
+                    : s->reference == ast::StudyReference::richardson
+                        ? ModelStudy::Reference::richardson
+                        : ModelStudy::Reference::exact;
+    if (s->exact) {
+      Scope scope;
+      scope.what = "an exact solution";
+      scope.position = scope.time = true;
+      auto f = field(*s->exact, scope);
+      const int n = model_.space.vector ? model_.dim : 1;
+      if (f && static_cast<int>(f->components.size()) != n)
+        error("E0307", s->exact->span,
+              fmt::format("the exact solution is {}, the unknown has {} components", describe(*f), n));
+      else if (f)
+        out.exact = f->components;
+    }
+    if (s->norm) out.norm = s->norm->text;
+    if (model_.study)
+      error("E0302", s->keyword, "a script has one study statement");
+    else
+      model_.study = std::move(out);
+  }
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,295 @@
+// The space, imposed values, the time grid, the initial state and the settings of a find statement.
+#include "lang/check/checker.hpp"
+#include "lang/diag/suggest.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::lang {
+
+namespace slot = solver::slot;
+
+namespace {
+
+constexpr int most_steps = 100'000'000;
+
+std::optional<int> component_index(const ast::Name& name, int dim) {
+  if (name.text.size() != 1) return std::nullopt;
+  const int i = name.text[0] - 'x';
+  return i >= 0 && i < dim ? std::optional(i) : std::nullopt;
+}
+
+} // namespace
+
+std::optional<int> Checker::space(const ast::Space& s) {
+  solver::SpaceSpec& spec = model_.space;
+  spec.name = s.name.text;
+  spec.origin = model_.origin(s.span);
+  spec.vector = s.vector;
+  ast::Expr element;
+  element.span = s.element.span;
+  element.node = ast::Reference{s.element.text};
+  auto order = word(element, "element", {"P1", "P2"});
+  spec.order = order && *order == "P2" ? 2 : 1;
+  const int domain = find_declaration(s.domain.text);
+  if (domain < 0) {
+    Scope none;
+    unknown_name(s.domain.span, s.domain.text, none);
+    return std::nullopt;
+  }
+  Value mesh = value_of(domain, s.domain.span);
+  bool good = order.has_value() && !is_poison(mesh);
+  if (!is_poison(mesh) && !std::holds_alternative<MeshValue>(mesh)) {
+    error("E0306", s.domain.span, fmt::format("a space lives on a mesh, not on {}", describe(mesh)));
+    good = false;
+  }
+  for (const ast::ZeroCondition& zero : s.zero) {
+    solver::DirichletSpec d;
+    d.origin = model_.origin(zero.span);
+    auto part = part_index(zero.part);
+    good = good && part;
+    d.part = part.value_or(0);
+    if (zero.component) {
+      auto c = s.vector ? component_index(*zero.component, model_.dim) : std::nullopt;
+      if (!c) {
+        error("E0315", zero.component->span,
+              s.vector ? fmt::format("there is no component `{}` in {}D", zero.component->text,
+                                     model_.dim)
+                       : "a scalar space has no components",
+              "components are x, y, z");
+        good = false;
+      }
+      d.component = c.value_or(0);
+    }
+    spec.dirichlet.push_back(std::move(d));
+  }
+  return good ? std::optional(0) : std::nullopt;
+}
+
+void Checker::imposed_values(const ast::Find& find) {
+  const int n = model_.space.vector ? model_.dim : 1;
+  for (const ast::ImposedValue& imposed : find.imposed) {
+    if (imposed.unknown.text != find.unknown.text) {
+      error("E0301", imposed.unknown.span,
+            fmt::format("values are imposed on the unknown `{}`, not on `{}`", find.unknown.text,
+                        imposed.unknown.text));
+      continue;
+    }
+    auto part = part_index(imposed.part);
+    Scope scope;
+    scope.what = "an imposed value";
+    scope.position = scope.time = true;
+    auto value = field(imposed.value, scope);
+    if (!part || !value) continue;
+    int component = -1;
+    if (imposed.component) {
+      auto c = model_.space.vector ? component_index(*imposed.component, model_.dim) : std::nullopt;
+      if (!c) {
+        error("E0315", imposed.component->span,
+              fmt::format("`{}` has no component `{}`", find.unknown.text, imposed.component->text));
+        continue;
+      }
+      component = *c;
+    }
+    const int wanted = component >= 0 ? 1 : n;
+    const bool zero = value->rank == 0 && value->scalar().is(0.0);
+    if (!zero && (static_cast<int>(value->components.size()) != wanted || value->rank > 1 ||
+                  (value->rank == 1) != (wanted > 1 || (component < 0 && model_.space.vector)))) {
+      error("E0307", imposed.value.span,
+            fmt::format("{} is imposed where {} is expected", describe(*value),
+                        wanted == 1 ? "a scalar" : fmt::format("a vector of {}", wanted)));
+      continue;
+    }
+    if (!find.time)
+      for (const Symbol& c : value->components)
+        if (c.depends_on(slot::t))
+          error("E0412", imposed.value.span, "a static problem has no time `t`",
+                "add `for t in [0, T] by N steps from u = 0`");
+    auto found = std::find_if(
+        model_.space.dirichlet.begin(), model_.space.dirichlet.end(), [&](const auto& d) {
+          return d.part == *part && (d.component == component || d.component == -1);
+        });
+    if (found == model_.space.dirichlet.end()) {
+      error("E0416", imposed.span,
+            fmt::format("the space is not zero on `{}`{}", imposed.part.text,
+                        component >= 0 ? fmt::format(" in component `{}`", imposed.component->text)
+                                       : ""),
+            fmt::format("add `, zero{} on {}` to the space",
+                        component >= 0 ? "." + imposed.component->text : "", imposed.part.text));
+      continue;
+    }
+    if (found->component == -1 && component >= 0) {
+      // One component of a clamped part moves, the others stay zero.
+      if (found->value.empty()) found->value.assign(n, Symbol(0.0));
+      found->value[component] = value->scalar();
+    } else {
+      found->value = value->components;
+      if (zero) found->value.clear();
+    }
+  }
+}
+
+void Checker::time_grid(const ast::TimeClause& clause) {
+  auto range = constant_list(clause.range, "the time interval");
+  if (!range) return;
+  if (range->size() != 2 || !((*range)[0] < (*range)[1])) {
+    error("E0426", clause.range.span, "the time interval is `[t0, T]` with t0 < T");
+    return;
+  }
+  const double t0 = (*range)[0], t1 = (*range)[1];
+  std::vector<double>& grid = model_.time.grid;
+  if (clause.by_steps) {
+    auto n = positive_integer(clause.steps, "the number of steps");
+    if (!n) return;
+    if (*n > most_steps) {
+      error("E0607", clause.steps.span, fmt::format("more than {} steps", most_steps));
+      return;
+    }
+    grid.resize(*n + 1);
+    for (int i = 0; i <= *n; ++i) grid[i] = t0 + (t1 - t0) * i / *n;
+    return;
+  }
+  // Listed times, or `graded(N, power)`: t0 + (T - t0) (i/N)^power.
+  const auto* call = std::get_if<ast::Call>(&clause.steps.node);
+  const auto* callee = call ? std::get_if<ast::Reference>(&call->callee->node) : nullptr;
+  if (callee && callee->name == "graded") {
+    auto args = match(clause.steps, *call, "graded", {"steps", "power"}, 2);
+    if (!args) return;
+    auto n = positive_integer(*(*args)[0], "the number of steps");
+    auto power = constant(*(*args)[1], "the grading power");
+    if (!n || !power) return;
+    if (*power < 1.0 || *n > most_steps) {
+      error("E0408", (*args)[1]->span, "the grading power is at least 1");
+      return;
+    }
+    grid.resize(*n + 1);
+    for (int i = 0; i <= *n; ++i) grid[i] = t0 + (t1 - t0) * std::pow(double(i) / *n, *power);
+    grid.back() = t1;
+    return;
+  }
+  auto times = constant_list(clause.steps, "the times");
+  if (!times) return;
+  grid = {t0};
+  for (double t : *times)
+    if (t != t0) grid.push_back(t);
+  for (std::size_t i = 1; i < grid.size(); ++i)
+    if (!(grid[i - 1] < grid[i]) || grid[i] > t1) {
+      error("E0426", clause.steps.span,
+            fmt::format("times increase within [{}, {}]; {} does not", t0, t1, grid[i]));
+      grid.clear();
+      return;
+    }
+  if (grid.back() < t1) grid.push_back(t1);
+}
+
+void Checker::time_clause(const ast::Find& find) {
+  model_.has_time = find.time.has_value();
+  model_.time.is_static = !find.time;
+  if (!find.time) return;
+  model_.time.origin = model_.origin(find.time->span);
+  time_grid(*find.time);
+  initial_state(find);
+}
+
+void Checker::initial_state(const ast::Find& find) {
+  if (!find.time->initial) return;
+  const ast::InitialValue& initial = *find.time->initial;
+  if (initial.unknown.text != find.unknown.text) {
+    error("E0301", initial.unknown.span,
+          fmt::format("the initial state is of the unknown `{}`, not of `{}`", find.unknown.text,
+                      initial.unknown.text));
+    return;
+  }
+  Scope scope;
+  scope.what = "an initial state";
+  scope.position = true;
+  auto value = field(initial.value, scope);
+  if (!value) return;
+  const int n = model_.space.vector ? model_.dim : 1;
+  if (value->rank == 0 && value->scalar().is(0.0)) return;
+  if ((value->rank == 1) != model_.space.vector || static_cast<int>(value->components.size()) != n ||
+      value->rank > 1) {
+    error("E0307", initial.value.span,
+          fmt::format("the initial state is {}, the unknown {}", describe(*value),
+                      model_.space.vector ? fmt::format("a vector of {}", n) : "a scalar"));
+    return;
+  }
+  model_.time.initial = value->components;
+}
+
+void Checker::settings(const ast::Find& find) {
+  const std::vector<std::string> known = {"scheme",   "load",       "quadrature",
+                                          "tolerance", "branch",     "memory_tolerance",
+                                          "memory",   "accuracy",   "accuracy_of",
+                                          "threads"};
+  std::vector<std::string> seen;
+  for (const ast::Setting& s : find.settings) {
+    const std::string& name = s.name.text;
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      const std::string near = did_you_mean(name, known);
+      error("E0316", s.name.span, fmt::format("there is no setting `{}`", name),
+            near.empty() ? fmt::format("settings: {}", fmt::join(known, ", ")) : near);
+      continue;
+    }
+    if (std::find(seen.begin(), seen.end(), name) != seen.end()) {
+      error("E0302", s.name.span, fmt::format("the setting `{}` is given twice", name));
+      continue;
+    }
+    seen.push_back(name);
+    auto positive = [&](double& out) {
+      auto v = constant(s.value, name);
+      if (v && !(*v > 0.0)) error("E0408", s.value.span, fmt::format("`{}` is positive", name));
+      if (v && *v > 0.0) out = *v;
+    };
+    solver::SolverOptions& options = model_.options;
+    if (name == "scheme") {
+      auto w = word(s.value, "scheme", {"backward_euler", "bdf2"});
+      if (w) model_.time.scheme = *w == "bdf2" ? solver::Scheme::bdf2 : solver::Scheme::backward_euler;
+    } else if (name == "load") {
+      auto w = word(s.value, "load sampling", {"endpoint", "average"});
+      if (w)
+        model_.time.sampling =
+            *w == "average" ? solver::LoadSampling::average : solver::LoadSampling::endpoint;
+    } else if (name == "quadrature") {
+      auto w = word(s.value, "quadrature", {"nodal", "midpoint", "gauss"});
+      if (w)
+        for (ModelTerm& term : model_.terms)
+          if (!term.integrand.laws.empty() && !term.rule_given)
+            term.rule = *w == "nodal"      ? solver::Rule::nodal
+                        : *w == "midpoint" ? solver::Rule::midpoint
+                                           : solver::Rule::gauss;
+    } else if (name == "tolerance") {
+      positive(options.tolerance);
+    } else if (name == "memory_tolerance") {
+      positive(options.memory_tolerance);
+    } else if (name == "branch") {
+      auto w = word(s.value, "branch", {"continuing", "release", "least_energy"});
+      if (w)
+        options.branch = *w == "continuing" ? solver::Branch::continuing
+                         : *w == "release"  ? solver::Branch::release
+                                            : solver::Branch::least_energy;
+    } else if (name == "memory") {
+      auto w = word(s.value, "memory route", {"automatic", "recursion", "fit", "tree", "direct"});
+      if (w)
+        options.route = *w == "automatic"   ? solver::HistoryRoute::automatic
+                        : *w == "recursion" ? solver::HistoryRoute::recursion
+                        : *w == "fit"       ? solver::HistoryRoute::fit
+                        : *w == "tree"      ? solver::HistoryRoute::tree
+                                            : solver::HistoryRoute::direct;
+    } else if (name == "accuracy") {
+      double v = 0.0;
+      positive(v);
+      if (v > 0.0) model_.accuracy = v;
+    } else if (name == "threads") {
+      if (auto n = positive_integer(s.value, name)) options.threads = *n;
+    } else if (const auto* r = std::get_if<ast::Reference>(&s.value.node)) {
+      model_.accuracy_of = r->name;
+    } else {
+      error("E0306", s.value.span, "`accuracy_of` is the name of a column of the table");
+    }
+  }
+}
+
+} // namespace hvi::lang

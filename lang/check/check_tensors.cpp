@@ -1,0 +1,278 @@
+// Material tensors, Voigt matrices, tables and Prony sums.
+#include "lang/check/builtins.hpp"
+#include "lang/check/checker.hpp"
+#include "lang/diag/suggest.hpp"
+#include "solver/kernel/table.hpp"
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace hvi::lang {
+
+using solver::Op;
+namespace slot = solver::slot;
+
+namespace {
+
+using Symbols3 = std::array<Symbol, 3>;
+
+/// lambda d_ij d_kl + mu (d_ik d_jl + d_il d_jk)
+Field isotropic(int d, const Symbol& lambda, const Symbol& mu) {
+  std::vector<Symbol> c;
+  for (int i = 0; i < d; ++i)
+    for (int j = 0; j < d; ++j)
+      for (int k = 0; k < d; ++k)
+        for (int l = 0; l < d; ++l) {
+          Symbol entry = 0.0;
+          if (i == j && k == l) entry = entry + lambda;
+          if (i == k && j == l) entry = entry + mu;
+          if (i == l && j == k) entry = entry + mu;
+          c.push_back(entry);
+        }
+  return tensor_field(d, std::move(c));
+}
+
+/// Index of the pair (i, j) in Voigt order: xx yy xy in 2D, xx yy zz yz xz xy in 3D.
+int voigt_index(int d, int i, int j) {
+  if (i == j) return i;
+  return d == 2 ? 2 : (d == 1 ? 0 : 6 - i - j);
+}
+
+/// The tensor whose matrix on Voigt stresses and engineering strains is m (n x n).
+Field from_voigt(int d, const std::vector<Symbol>& m) {
+  const int n = d * (d + 1) / 2;
+  std::vector<Symbol> c;
+  for (int i = 0; i < d; ++i)
+    for (int j = 0; j < d; ++j)
+      for (int k = 0; k < d; ++k)
+        for (int l = 0; l < d; ++l) c.push_back(m[voigt_index(d, i, j) * n + voigt_index(d, k, l)]);
+  return tensor_field(d, std::move(c));
+}
+
+/// c_ijkl = sum a_ip a_jq a_kr a_ls C_pqrs, rows of `axes` the material axes; then restricted to d.
+Field rotate(int d, const Field& material, const Eigen::Matrix3d& axes) {
+  std::vector<Symbol> c;
+  for (int i = 0; i < d; ++i)
+    for (int j = 0; j < d; ++j)
+      for (int k = 0; k < d; ++k)
+        for (int l = 0; l < d; ++l) {
+          Symbol sum = 0.0;
+          for (int p = 0; p < 3; ++p)
+            for (int q = 0; q < 3; ++q)
+              for (int r = 0; r < 3; ++r)
+                for (int s = 0; s < 3; ++s) {
+                  const double weight = axes(p, i) * axes(q, j) * axes(r, k) * axes(s, l);
+                  if (weight != 0.0)
+                    sum = sum + Symbol(weight) * material.components[((p * 3 + q) * 3 + r) * 3 + s];
+                }
+          c.push_back(sum);
+        }
+  return tensor_field(d, std::move(c));
+}
+
+/// Voigt stiffness of an orthotropic material by inverting its compliance, symbolically 3 x 3.
+/// poisson = (nu_xy, nu_yz, nu_xz), shear = (G_xy, G_yz, G_xz); nu_ij/E_i = nu_ji/E_j.
+Field orthotropic(const Symbols3& young, const Symbols3& poisson, const Symbols3& shear) {
+  const Symbol &ex = young[0], &ey = young[1], &ez = young[2];
+  const Symbol &nxy = poisson[0], &nyz = poisson[1], &nxz = poisson[2];
+  const Symbol nyx = nxy * ey / ex, nzy = nyz * ez / ey, nzx = nxz * ez / ex;
+  const Symbol one = 1.0;
+  const Symbol delta =
+      one - nxy * nyx - nyz * nzy - nxz * nzx - Symbol(2.0) * nxy * nyz * nzx;
+  std::vector<Symbol> m(36, Symbol(0.0));
+  auto set = [&](int i, int j, const Symbol& v) { m[i * 6 + j] = m[j * 6 + i] = v; };
+  set(0, 0, ex * (one - nyz * nzy) / delta);
+  set(1, 1, ey * (one - nxz * nzx) / delta);
+  set(2, 2, ez * (one - nxy * nyx) / delta);
+  set(0, 1, ex * (nyx + nzx * nyz) / delta);
+  set(0, 2, ex * (nzx + nyx * nzy) / delta);
+  set(1, 2, ey * (nzy + nxy * nzx) / delta);
+  set(3, 3, shear[1]);
+  set(4, 4, shear[2]);
+  set(5, 5, shear[0]);
+  return from_voigt(3, m);
+}
+
+} // namespace
+
+Value Checker::tensor_call(const ast::Expr& e, const ast::Call& c, const std::string& name,
+                           const Scope& scope) {
+  if (name == "table") return table_call(e, c, scope);
+  if (name == "prony") return prony_call(e, c, scope);
+  const int d = model_.dim;
+  auto number = [&](const ast::Expr* a) -> std::optional<Symbol> {
+    auto f = scalar(*a, scope);
+    return f ? std::optional(f->scalar()) : std::nullopt;
+  };
+  auto three = [&](const ast::Expr* a, const char* what) -> std::optional<Symbols3> {
+    auto f = field(*a, scope);
+    if (!f) return std::nullopt;
+    if (f->rank == 1 && f->rows == 3)
+      return Symbols3{f->components[0], f->components[1], f->components[2]};
+    error("E0307", a->span, fmt::format("`{}` is a list of three, not {}", what, describe(*f)));
+    return std::nullopt;
+  };
+  auto frame = [&](const ast::Expr* a) -> std::optional<Eigen::Matrix3d> {
+    if (!a) return Eigen::Matrix3d::Identity().eval();
+    Scope constants;
+    constants.what = "material axes";
+    auto f = field(*a, constants);
+    if (!f) return std::nullopt;
+    Eigen::Matrix3d m = Eigen::Matrix3d::Identity();
+    if (f->rank == 2 && f->rows == f->columns && (f->rows == 2 || f->rows == 3) && is_constant(*f)) {
+      for (int i = 0; i < f->rows; ++i)
+        for (int j = 0; j < f->rows; ++j) m(i, j) = f->components[i * f->rows + j].value();
+      for (int i = 0; i < 3; ++i) m.row(i).normalize();
+      if ((m * m.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-10) return m;
+    }
+    error("E0308", a->span, "axes are 2 or 3 orthogonal constant vectors: `[[1, 1], [-1, 1]]`");
+    return std::nullopt;
+  };
+  if (name == "isotropic") {
+    auto args = match(e, c, name, {"lambda", "mu", "young", "poisson"}, 0);
+    if (!args) return Poison{};
+    const bool lame = (*args)[0] && (*args)[1] && !(*args)[2] && !(*args)[3];
+    const bool engineering = (*args)[2] && (*args)[3] && !(*args)[0] && !(*args)[1];
+    if (!lame && !engineering) {
+      error("E0305", e.span, "`isotropic` takes either `lambda` and `mu`, or `young` and `poisson`");
+      return Poison{};
+    }
+    auto a = number((*args)[lame ? 0 : 2]), b = number((*args)[lame ? 1 : 3]);
+    if (!a || !b) return Poison{};
+    if (lame) return isotropic(d, *a, *b);
+    if (b->is_constant() && !(b->value() > -1.0 && b->value() < 0.5)) {
+      error("E0504", (*args)[3]->span,
+            fmt::format("poisson = {} is outside (-1, 0.5): the tensor is not elliptic", b->value()),
+            b->value() == 0.5 ? "an incompressible body needs a mixed method; take 0.4999 with P2" : "");
+      return Poison{};
+    }
+    const Symbol one = 1.0, two = 2.0;
+    return isotropic(d, *a * *b / ((one + *b) * (one - two * *b)), *a / (two * (one + *b)));
+  }
+  if (name == "voigt") {
+    auto args = match(e, c, name, {"matrix"}, 1);
+    if (!args) return Poison{};
+    auto f = field(*(*args)[0], scope);
+    if (!f) return Poison{};
+    const int n = d * (d + 1) / 2;
+    if (f->rank != 2 || f->rows != n || f->columns != n) {
+      error("E0307", (*args)[0]->span,
+            fmt::format("in {}D a Voigt matrix is {} x {}, not {}", d, n, n, describe(*f)),
+            d == 2 ? "order: xx, yy, xy" : "order: xx, yy, zz, yz, xz, xy");
+      return Poison{};
+    }
+    return from_voigt(d, f->components);
+  }
+  if (name == "orthotropic") {
+    auto args = match(e, c, name, {"young", "poisson", "shear", "axes"}, 3);
+    if (!args) return Poison{};
+    auto young = three((*args)[0], "young"), poisson = three((*args)[1], "poisson"),
+         shear = three((*args)[2], "shear");
+    auto axes = frame((*args)[3]);
+    if (!young || !poisson || !shear || !axes) return Poison{};
+    return rotate(d, orthotropic(*young, *poisson, *shear), *axes);
+  }
+  // transverse: isotropic in the plane normal to `axis`
+  auto args = match(e, c, name,
+                    {"young", "poisson", "young_axis", "poisson_axis", "shear_axis", "axis"}, 5);
+  if (!args) return Poison{};
+  std::array<std::optional<Symbol>, 5> v;
+  for (int i = 0; i < 5; ++i) v[i] = number((*args)[i]);
+  if (std::any_of(v.begin(), v.end(), [](const auto& o) { return !o; })) return Poison{};
+  Eigen::Vector3d axis(0, 0, 1);
+  if ((*args)[5]) {
+    auto list = constant_list(*(*args)[5], "the axis");
+    if (!list) return Poison{};
+    axis.setZero();
+    for (std::size_t i = 0; i < std::min<std::size_t>(3, list->size()); ++i) axis[i] = (*list)[i];
+    if (axis.norm() == 0.0) {
+      error("E0308", (*args)[5]->span, "the axis is a vector that is not zero");
+      return Poison{};
+    }
+  }
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis.normalized());
+  const Symbol in_plane = *v[0] / (Symbol(2.0) * (Symbol(1.0) + *v[1]));
+  // poisson_axis is nu_zx: strain in the plane for stress along the axis; nu_xz = nu_zx E_p / E_a.
+  const Symbol nu_xz = *v[3] * *v[0] / *v[2];
+  const Field material = orthotropic({*v[0], *v[0], *v[2]}, {*v[1], nu_xz, nu_xz},
+                                     {in_plane, *v[4], *v[4]});
+  return rotate(d, material, turn.toRotationMatrix().transpose());
+}
+
+Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
+  auto args = match(e, c, "table", {"file", "at", "interpolation"}, 1);
+  if (!args) return Poison{};
+  const auto* path = std::get_if<ast::String>(&(*args)[0]->node);
+  if (!path) {
+    error("E0306", (*args)[0]->span, "the file of a table is a text: `table(\"load.csv\")`");
+    return Poison{};
+  }
+  auto kind = solver::Table::Interpolation::linear;
+  if ((*args)[2]) {
+    auto w = word(*(*args)[2], "interpolation", {"linear", "cubic"});
+    if (!w) return Poison{};
+    if (*w == "cubic") kind = solver::Table::Interpolation::monotone_cubic;
+  }
+  std::optional<Field> at;
+  if ((*args)[1]) {
+    at = scalar(*(*args)[1], scope);
+  } else if (scope.lag || scope.time) {
+    at = scalar_field(Symbol::variable(scope.lag ? slot::lag : slot::t));
+  } else {
+    error("E0305", e.span, "`table` needs its argument `at` here", "`table(\"file.csv\", x)`");
+  }
+  if (!at) return Poison{};
+  Field out;
+  if (!nonlinear_degrees(e.span, "`table`", {&*at}, out, scope)) return Poison{};
+  auto full = allowed_path(path->text, (*args)[0]->span);
+  if (!full) return Poison{};
+  const auto text = read_text(*full, std::size_t{256} << 20);
+  if (!text) {
+    error("E0601", (*args)[0]->span, fmt::format("there is no file `{}`", path->text));
+    return Poison{};
+  }
+  try {
+    auto table = std::make_shared<solver::Table>(solver::parse_table(path->text, *text, kind));
+    out.components = {Symbol::tabulated(table, at->scalar())};
+  } catch (const std::invalid_argument& problem) {
+    error("E0605", (*args)[0]->span, fmt::format("`{}`: {}", path->text, problem.what()),
+          "a table is two columns of numbers, the first increasing");
+    return Poison{};
+  }
+  return check_finite(e.span, out) ? Value(out) : Value(Poison{});
+}
+
+Value Checker::prony_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
+  auto args = match(e, c, "prony", {"weights", "times", "at"}, 2);
+  if (!args) return Poison{};
+  auto weights = field(*(*args)[0], scope), times = field(*(*args)[1], scope);
+  if (!weights || !times) return Poison{};
+  if (weights->rank != 1 || times->rank != 1 || weights->rows != times->rows) {
+    error("E0307", e.span, "`prony` takes two lists of the same length");
+    return Poison{};
+  }
+  std::optional<Field> at;
+  if ((*args)[2])
+    at = scalar(*(*args)[2], scope);
+  else if (scope.lag)
+    at = scalar_field(Symbol::variable(slot::lag));
+  else
+    error("E0305", e.span, "`prony` needs its argument `at` outside a kernel");
+  if (!at) return Poison{};
+  Symbol sum = 0.0;
+  for (int i = 0; i < weights->rows; ++i) {
+    const Symbol& time = times->components[i];
+    if (time.is_constant() && !(time.value() > 0.0)) {
+      error("E0407", (*args)[1]->span, "relaxation times are positive");
+      return Poison{};
+    }
+    sum = sum + weights->components[i] * exp(-at->scalar() / time);
+  }
+  return scalar_field(sum);
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,222 @@
+// The checker's working state, shared by check_*.cpp. Public entry: lang/check/check.hpp.
+//
+// Declarations are evaluated when first used (reading order is free), each at most once; a circle is
+// an error. An expression is evaluated to a symbolic Value in a Scope that says what is visible.
+#pragma once
+
+#include "lang/check/check.hpp"
+#include "lang/check/value.hpp"
+#include "solver/mesh/mesh.hpp"
+
+#include <functional>
+#include <set>
+#include <unordered_map>
+
+namespace hvi::lang {
+
+/// What may be used in an expression, and what the names of its frame stand for.
+struct Scope {
+  std::string what;              ///< "a parameter", "a load": for messages
+  bool position = false;         ///< x y z
+  bool time = false;             ///< t
+  bool lag = false;              ///< lag
+  bool normal = false;           ///< normal, and u.nu
+  bool unknown = false;          ///< u, u', history(...)
+  bool test = false;             ///< v
+  bool report = false;           ///< nonlinear in u is welcome; sigma, layer.xi, integral(...)
+  bool law = false;              ///< the body of a superpotential
+  std::map<std::string, Value> locals;
+  Span call;                     ///< the call that brought us into another file, if any
+};
+
+/// Arguments of a call after matching them with the names the callee knows.
+struct Arguments {
+  std::map<std::string, const ast::Expr*> named;
+  std::vector<const ast::Expr*> positional;
+};
+
+struct Declaration {
+  enum class State { untouched, busy, done };
+  std::string name;
+  Span span;     ///< of the name
+  int program = 0;
+  const ast::Statement* statement = nullptr;
+  State state = State::untouched;
+  Value value = Poison{};
+  bool used = false;
+};
+
+class Checker {
+public:
+  Checker(const std::vector<ast::Program>& programs, const CheckOptions& options,
+          Diagnostics& diagnostics);
+  std::optional<Model> run();
+
+private:
+  // --- names (check_names.cpp)
+  void collect_declarations();
+  void declare(const ast::Name& name, int program, const ast::Statement& statement);
+  void check_defines();
+  void check_unused();
+  Value reference(const ast::Expr& expr, const std::string& name, const Scope& scope);
+  std::optional<Value> built_in_name(const ast::Expr& expr, const std::string& name,
+                                     const Scope& scope);
+  Value unknown_name(const Span& span, const std::string& name, const Scope& scope);
+  Value& value_of(int declaration, const Span& use);
+  Value evaluate(Declaration& declaration);
+  Value evaluate_param(const ast::Param& param);
+  int find_declaration(const std::string& name) const;
+
+  // --- expressions (check_expr.cpp, check_ops.cpp)
+  Value expr(const ast::Expr& e, const Scope& scope);
+  std::optional<Field> field(const ast::Expr& e, const Scope& scope);
+  std::optional<Field> scalar(const ast::Expr& e, const Scope& scope);
+  std::optional<Symbol> condition(const ast::Condition& c, const Scope& scope);
+  std::optional<Symbol> compare(const ast::Compare& c, const Scope& scope);
+  Value list(const ast::Expr& e, const ast::List& list, const Scope& scope);
+  Value member(const ast::Expr& e, const ast::Member& member, const Scope& scope);
+  Value field_member(const ast::Expr& e, const ast::Member& member, const Field& object,
+                     const Scope& scope);
+  Value law_member(const ast::Member& member, int declaration, const Scope& scope);
+  Value prime(const ast::Expr& e, const ast::Prime& prime, const Scope& scope);
+  Value cases(const ast::Expr& e, const ast::Cases& cases, const Scope& scope);
+  Value binary(const ast::Expr& e, const ast::Binary& binary, const Scope& scope);
+  std::optional<Field> add(const ast::Expr& e, const ast::Binary& b, Field left, Field right,
+                           const Scope& scope);
+  std::optional<Field> multiply(const ast::Expr& e, const ast::Binary& b, const Field& left,
+                                const Field& right, const Scope& scope);
+  std::optional<Field> divide(const ast::Expr& e, const ast::Binary& b, const Field& left,
+                              const Field& right, const Scope& scope);
+  std::optional<Field> contract(const ast::Expr& e, const ast::Binary& b, const Field& left,
+                                const Field& right, const Scope& scope);
+  std::optional<Field> power(const ast::Expr& e, const Field& left, const Field& right,
+                             const Scope& scope);
+  /// Degrees of a product; false (reported) when it is not linear.
+  bool product_degrees(const Span& span, const Field& left, const Field& right, Field& out,
+                       const Scope& scope);
+  /// Degrees of f(a, b, ...): must not contain v, nor u outside reports.
+  bool nonlinear_degrees(const Span& span, const std::string& what,
+                         const std::vector<const Field*>& args, Field& out, const Scope& scope);
+  std::optional<Field> dot(const Span& span, const Field& left, const Field& right,
+                           const Scope& scope);
+  bool check_finite(const Span& span, const Field& result);
+
+  // --- constants
+  std::optional<double> constant(const ast::Expr& e, const std::string& what);
+  std::optional<int> positive_integer(const ast::Expr& e, const std::string& what);
+  std::optional<std::vector<double>> constant_list(const ast::Expr& e, const std::string& what);
+  std::optional<std::string> word(const ast::Expr& e, const std::string& what,
+                                  const std::vector<std::string>& allowed);
+
+  // --- calls (check_calls.cpp, check_tensors.cpp)
+  Value call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  Value call_built_in(const ast::Expr& e, const ast::Call& call, const std::string& name,
+                      const Scope& scope);
+  Value call_function(const ast::Expr& e, const ast::Call& call, int declaration,
+                      const Scope& scope);
+  Value call_law(const ast::Expr& e, const ast::Call& call, int declaration, const Scope& scope);
+  Value pointwise(const ast::Expr& e, const ast::Call& call, const std::string& name,
+                  const Scope& scope);
+  Value differential(const ast::Expr& e, const ast::Call& call, const std::string& name,
+                     const Scope& scope);
+  Value algebraic(const ast::Expr& e, const ast::Call& call, const std::string& name,
+                  const Scope& scope);
+  Value tensor_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
+                    const Scope& scope);
+  Value table_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  Value prony_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  Value history_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  Value integral_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  Value clarke(const ast::Expr& e, const ast::Clarke& clarke, const Scope& scope);
+  /// Matches positional and named arguments with `names` (the first `required` must be there).
+  std::optional<std::vector<const ast::Expr*>> match(const ast::Expr& e, const ast::Call& call,
+                                                     const std::string& callee,
+                                                     const std::vector<std::string>& names,
+                                                     std::size_t required);
+  std::optional<Field> kernel_field(const ast::Expr& callee, const Scope& scope);
+  int history_index(const Symbol& kernel, const std::string& name, const Span& span,
+                    double& factor);
+  std::optional<Field> total_gradient(const Span& span, const Field& f);
+
+  // --- laws (check_laws.cpp)
+  std::optional<int> law_for(int declaration, bool radial, const Span& use);
+  std::optional<std::vector<LawRow>> law_rows(const ast::Clarke& clarke, const Field& at,
+                                              const Field& direction);
+  std::optional<Field> law_body(int declaration, const Field& argument,
+                                const std::map<std::string, Value>& parameters, const Span& use);
+  void check_law_alone(int declaration);
+
+  // --- meshes and parts (check_mesh.cpp)
+  Value mesh(const ast::Mesh& mesh);
+  bool structured_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);
+  bool file_mesh(const ast::Mesh& mesh, const ast::Call& call);
+  bool geometry_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);
+  std::optional<solver::RegionSpec> region(const ast::Region& region);
+  std::optional<solver::RegionSpec> region_term(const ast::RegionTerm& term);
+  std::optional<solver::RegionSpec> region_path(const ast::Expr& path);
+  std::optional<solver::RegionSpec> mesh_member(const ast::Expr& path, const std::string& mesh,
+                                                const ast::Name& name);
+  std::optional<solver::RegionSpec> mesh_group(const ast::Expr& path, const ast::Call& call);
+  std::optional<solver::RegionSpec> point_region(const ast::Expr& path, const ast::Call& call);
+  std::optional<solver::Group::Kind> kind_of(const solver::RegionSpec& region) const;
+  std::optional<std::string> allowed_path(const std::string& path, const Span& span);
+  /// The index of a part (or of a mesh, as all its cells) by its name.
+  std::optional<int> part_index(const ast::Name& name);
+
+  // --- the inequality (check_problem.cpp, check_space.cpp)
+  void find_statement();
+  void locate_find();
+  std::optional<int> space(const ast::Space& space);
+  void check_find_names(const ast::Find& find);
+  void imposed_values(const ast::Find& find);
+  void time_clause(const ast::Find& find);
+  void time_grid(const ast::TimeClause& clause);
+  void initial_state(const ast::Find& find);
+  void settings(const ast::Find& find);
+  void forms(const ast::Find& find);
+  void form_term(const ast::FormTerm& term, bool right);
+  std::optional<Symbol> form_factors(const ast::FormTerm& term);
+  void law_factors(ModelTerm& term, const ast::FormTerm& source);
+  bool check_integrand(const ModelTerm& term, const ast::FormTerm& source);
+  void check_relation(const ast::Find& find);
+  void check_clauses(const ast::Find& find);
+  void check_one_law_per_part();
+
+  // --- results (check_report.cpp)
+  void reports();
+  void table(const ast::TableItem& item);
+  void fields(const ast::FieldsItem& item);
+  void picture(const ast::PictureItem& item);
+  void binding(const ast::Binding& binding, solver::TableSpec& table);
+  std::optional<solver::FieldSpec> output_field(const ast::Expr& e);
+  std::optional<std::string> output_name(const std::optional<ast::Text>& to);
+  int probe(solver::Probe probe);
+  std::optional<double> report_time(const ast::Expr& e);
+  Field stress();
+  void expectations();
+  void study();
+
+  void error(std::string_view code, const Span& span, std::string message, std::string help = {},
+             std::string label = {});
+
+  const std::vector<ast::Program>& programs_;
+  const CheckOptions& options_;
+  Diagnostics& diagnostics_;
+  Model model_;
+  std::vector<Declaration> declarations_;
+  std::unordered_map<std::string, int> by_name_;
+  std::set<std::string> silenced_; ///< names whose statements have syntax errors
+  const ast::Find* find_ = nullptr;
+  int mesh_declaration_ = -1;
+  std::map<std::string, solver::MeshSpec> meshes_;
+  std::map<std::string, solver::Group::Kind> groups_; ///< of the mesh in use
+  bool groups_known_ = false;
+  std::map<std::pair<int, bool>, int> law_index_;
+  std::set<int> laws_applied_;
+  std::map<std::string, int> part_of_;
+  int space_declaration_ = -1;
+  bool uses_memory_ = false;
+  int call_depth_ = 0;
+};
+
+} // namespace hvi::lang

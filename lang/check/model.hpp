@@ -1,0 +1,117 @@
+// The checked script: everything has a type, every name is resolved, every formula is symbolic.
+// Made by the checker; lang/lower turns it into the engine's plan.
+#pragma once
+
+#include "lang/check/value.hpp"
+#include "solver/plan/plan.hpp"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace hvi::lang {
+
+/// A parameter with the value it has in this run.
+struct ModelParam {
+  std::string name;
+  Span span;
+  std::variant<double, std::string> value; ///< a number, or a word such as P2
+  std::string range, doc;                  ///< as written
+  bool overridden = false;                 ///< by -D
+};
+
+struct ModelPart {
+  std::string name;
+  Span span;
+  solver::RegionSpec region;
+  std::optional<solver::Group::Kind> kind; ///< when the mesh tells
+};
+
+/// sign * factor * integral(part, integrand). `right`: it stands on the right of >=.
+struct ModelTerm {
+  Span span;        ///< of the integral
+  Span factor_span; ///< of the first factor, else of the integral
+  int part = 0;
+  solver::Rule rule = solver::Rule::exact;
+  bool rule_given = false;
+  bool right = false;
+  Symbol factor = 1.0; ///< with the sign
+  Field integrand;
+};
+
+/// A memory field int_0^t c(t, s) u(s) ds met in the form.
+struct ModelHistory {
+  std::string name;
+  Span span;
+  Symbol kernel;
+};
+
+struct ModelLaw {
+  std::string name;
+  Span span;
+  solver::LawSpec spec;
+};
+
+struct ModelImposed {
+  Span span;
+  int part = 0;
+  int component = -1;
+  std::vector<Symbol> value;
+};
+
+struct Expectation {
+  Span span;
+  std::string probe;
+  std::optional<double> time;
+  double value = 0, tolerance = 0;
+  bool relative = false, active = true;
+  std::string source;
+};
+
+struct StudyLadder {
+  std::string parameter;
+  Span span;
+  std::vector<std::string> values; ///< as -D would give them
+};
+
+struct ModelStudy {
+  Span span;
+  std::vector<StudyLadder> ladders;
+  enum class Reference { finest, richardson, exact } reference = Reference::finest;
+  std::vector<Symbol> exact; ///< components of the exact solution, of slot::x and slot::t
+  std::string norm;
+};
+
+struct Model {
+  std::string title;
+  int dim = 2;
+  std::vector<ModelParam> params;
+  solver::MeshSpec mesh;
+  std::vector<ModelPart> parts;
+  solver::SpaceSpec space; ///< its dirichlet values are filled in
+  std::string unknown, test;
+  std::vector<ModelTerm> terms;
+  std::vector<ModelHistory> histories;
+  std::vector<ModelLaw> laws;
+  solver::TimeSpec time;
+  bool has_time = false;
+  solver::SolverOptions options;
+  std::optional<double> accuracy;
+  std::string accuracy_of;
+  solver::ReportSpec report;
+  std::vector<Expectation> expectations;
+  std::optional<ModelStudy> study;
+  std::vector<Span> origins; ///< what a solver::Origin's id stands for
+
+  solver::Origin origin(const Span& span) {
+    origins.push_back(span);
+    return {static_cast<int>(origins.size()) - 1};
+  }
+};
+
+/// The typed model as text (hvi-run dump --model).
+std::string to_string(const Model& model);
+
+} // namespace hvi::lang

@@ -1,0 +1,89 @@
+// The model as text, for `hvi-run dump --model` and golden tests.
+#include "lang/check/model.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+namespace hvi::lang {
+
+namespace {
+
+const char* word(solver::Rule rule) {
+  switch (rule) {
+  case solver::Rule::exact: return "exact";
+  case solver::Rule::nodal: return "nodal";
+  case solver::Rule::midpoint: return "midpoint";
+  case solver::Rule::gauss: return "gauss";
+  }
+  return "";
+}
+
+const char* word(std::optional<solver::Group::Kind> kind) {
+  if (!kind) return "of unknown kind";
+  switch (*kind) {
+  case solver::Group::Kind::cells: return "cells";
+  case solver::Group::Kind::facets: return "boundary";
+  case solver::Group::Kind::points: return "points";
+  }
+  return "";
+}
+
+std::string text_of(const ModelParam& p) {
+  if (const auto* number = std::get_if<double>(&p.value)) return fmt::format("{}", *number);
+  return std::get<std::string>(p.value);
+}
+
+std::string text_of(const LawUse& use, const Model& model) {
+  std::string rows;
+  for (const LawRow& row : use.rows) {
+    std::string sum;
+    for (std::size_t i = 0; i < row.u.size(); ++i)
+      if (!row.u[i].is(0.0))
+        sum += fmt::format("{}({}) {}_{}", sum.empty() ? "" : " + ", to_string(row.u[i]),
+                           model.unknown, "xyz"[i]);
+    if (!row.offset.is(0.0)) sum += fmt::format(" + ({})", to_string(row.offset));
+    rows += fmt::format("\n      row {}", sum);
+  }
+  return fmt::format("\n    law {} ({}), factor {}{}", use.name,
+                     model.laws[use.law].spec.radial ? "radial" : "scalar", to_string(use.factor),
+                     rows);
+}
+
+} // namespace
+
+std::string to_string(const Model& model) {
+  std::string out = fmt::format("model in {}D\n", model.dim);
+  auto line = std::back_inserter(out);
+  for (const ModelParam& p : model.params)
+    fmt::format_to(line, "param {} = {}{}\n", p.name, text_of(p), p.overridden ? " (set)" : "");
+  for (const ModelPart& p : model.parts) fmt::format_to(line, "part {}: {}\n", p.name, word(p.kind));
+  fmt::format_to(line, "space {}: {} P{}, {} conditions\n", model.space.name,
+                 model.space.vector ? "vector" : "scalar", model.space.order,
+                 model.space.dirichlet.size());
+  for (const ModelLaw& law : model.laws)
+    fmt::format_to(line, "law {} ({}, by {}): {}\n", law.name, law.spec.radial ? "radial" : "scalar",
+                   law.spec.by_slope ? "slope" : "potential", to_string(law.spec.expression));
+  for (std::size_t i = 0; i < model.histories.size(); ++i)
+    fmt::format_to(line, "memory w{} of {}: {}\n", i, model.histories[i].name,
+                   to_string(model.histories[i].kernel));
+  for (const ModelTerm& term : model.terms) {
+    fmt::format_to(line, "{} over {} ({}), factor {}\n    {}", term.right ? "right" : "left",
+                   model.parts[term.part].name, word(term.rule), to_string(term.factor),
+                   to_string(term.integrand.scalar()));
+    for (const LawUse& use : term.integrand.laws) out += text_of(use, model);
+    out += "\n";
+  }
+  if (model.has_time && !model.time.grid.empty())
+    fmt::format_to(line, "time [{}, {}] in {} steps\n", model.time.grid.front(),
+                   model.time.grid.back(), model.time.grid.size() - 1);
+  for (const solver::Probe& p : model.report.probes)
+    fmt::format_to(line, "probe {}: {}\n", p.name.empty() ? "(inner)" : p.name,
+                   p.kind == solver::Probe::Kind::norm_v ? "V norm" : to_string(p.expression));
+  for (const Expectation& e : model.expectations)
+    fmt::format_to(line, "expect {} = {} within {}{}{}\n", e.probe, e.value, e.tolerance,
+                   e.relative ? " relative" : "", e.active ? "" : " (skipped)");
+  return out;
+}
+
+} // namespace hvi::lang

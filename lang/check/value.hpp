@@ -1,0 +1,99 @@
+// What an expression of a script means: a typed, symbolic value. A pointwise quantity is kept as
+// scalar expressions of the solver's slots, one per component, so that linearity, kernels and
+// tensors can be taken apart symbolically. Made by the checker, read by lang/lower.
+#pragma once
+
+#include "lang/diag/source.hpp"
+#include "solver/kernel/expr.hpp"
+
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace hvi::lang {
+
+using Symbol = solver::Expr; ///< a scalar symbolic expression
+
+/// Row c of a law's argument: sum_i u[i] u_i + offset.
+struct LawRow {
+  std::vector<Symbol> u;
+  Symbol offset = 0.0;
+};
+
+/// One j^0( at; direction ) inside an integrand, times a factor.
+struct LawUse {
+  int law = -1; ///< index into Model::laws
+  std::string name;
+  Span span;    ///< of the whole j^0(...)
+  Symbol factor = 1.0;
+  Span factor_span; ///< where a factor stands, if any
+  std::vector<LawRow> rows;
+};
+
+/// How a quantity depends on a function: not at all, homogeneously linear, affine, or otherwise.
+enum class Degree { none, linear, affine, nonlinear };
+
+/// A pointwise quantity: rank 0 (scalar), 1 (vector), 2 (matrix), 4 (fourth-order tensor).
+struct Field {
+  int rank = 0;
+  int rows = 1, columns = 1;      ///< rank 1: rows; rank 2: rows x columns; rank 4: rows = d
+  std::vector<Symbol> components; ///< row-major
+  Degree test = Degree::none;     ///< in v
+  Degree trial = Degree::none;    ///< in u, u' and the memory of u
+  bool rate = false;              ///< contains u'
+  bool memory = false;            ///< contains history(...)
+  bool by_slope = false;          ///< the body of a superpotential: a slope, not a potential
+  bool law_vector = false;        ///< the vector argument of a superpotential: norm(xi) only
+  std::vector<LawUse> laws;       ///< rank 0 only
+
+  const Symbol& scalar() const { return components.front(); }
+};
+
+/// A word that stands for itself: P1, bdf2, nodal.
+struct Word {
+  std::string text;
+};
+struct TextValue {
+  std::string text;
+};
+/// A declared thing that is no quantity, by its index in the model.
+struct MeshValue {
+  int index;
+};
+struct PartValue {
+  int index;
+};
+struct SpaceValue {
+  int index;
+};
+/// Things that are called: by their declaration.
+struct FunctionValue {
+  int declaration;
+};
+struct KernelValue {
+  int declaration;
+};
+struct LawValue {
+  int declaration;
+};
+/// Something wrong that has been reported: silences what follows from it.
+struct Poison {};
+
+using Value = std::variant<Poison, Field, Word, TextValue, MeshValue, PartValue, SpaceValue,
+                           FunctionValue, KernelValue, LawValue>;
+
+inline bool is_poison(const Value& value) { return std::holds_alternative<Poison>(value); }
+
+Field scalar_field(Symbol symbol);
+Field vector_field(std::vector<Symbol> components);
+Field matrix_field(int rows, int columns, std::vector<Symbol> components);
+Field tensor_field(int dim, std::vector<Symbol> components);
+
+/// "a scalar", "a vector of 2", "a 2 x 2 matrix", "a fourth-order tensor".
+std::string describe(const Field& field);
+std::string describe(const Value& value);
+bool same_shape(const Field& a, const Field& b);
+/// Neither x, t, lag, u nor v in it.
+bool is_constant(const Field& field);
+
+} // namespace hvi::lang

@@ -1,0 +1,87 @@
+// What the plan says about effects.
+#include "lang/lower/effects.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace hvi::lang {
+
+using solver::Effect;
+using solver::EffectNote;
+using solver::Group;
+
+namespace {
+
+using State = EffectNote::State;
+
+struct Seen {
+  bool on = false, dropped = false;
+  Span span;
+};
+
+/// What a term without a law would be called if it did not fold to zero.
+Effect effect_of(const Model& model, const ModelTerm& term) {
+  if (term.integrand.rate) return Effect::viscosity;
+  if (term.integrand.memory) return Effect::memory;
+  if (term.integrand.trial != Degree::none) return Effect::elasticity;
+  return model.parts[term.part].kind == Group::Kind::cells ? Effect::body_force : Effect::traction;
+}
+
+bool folded(const ModelTerm& term) { return (term.factor * term.integrand.scalar()).is(0.0); }
+
+EffectNote note(Model& model, const char* name, const Seen& seen, const char* off_reason) {
+  EffectNote out;
+  out.name = name;
+  out.state = seen.on ? State::on : seen.dropped ? State::dropped : State::off;
+  if (seen.on || seen.dropped) out.origin = model.origin(seen.span);
+  out.why = seen.on ? "" : seen.dropped ? "it folds to zero" : off_reason;
+  return out;
+}
+
+} // namespace
+
+std::vector<EffectNote> effects(Model& model, const solver::Plan& plan) {
+  std::array<Seen, 8> seen;
+  auto mark = [&](Effect effect, bool on, const Span& span) {
+    Seen& s = seen[static_cast<std::size_t>(effect)];
+    if (s.on) return;
+    (on ? s.on : s.dropped) = true;
+    s.span = span;
+  };
+  for (const solver::FormTerm& form : plan.forms)
+    mark(form.effect, true, model.origins[form.origin.id]);
+  for (const solver::LoadTerm& load : plan.loads)
+    mark(load.effect, true, model.origins[load.origin.id]);
+  for (const ModelTerm& term : model.terms)
+    if (term.integrand.laws.empty() && folded(term)) mark(effect_of(model, term), false, term.span);
+
+  auto of = [&](Effect effect) -> const Seen& { return seen[static_cast<std::size_t>(effect)]; };
+  std::vector<EffectNote> out;
+  out.push_back(note(model, "viscosity", of(Effect::viscosity), "no term with the rate"));
+  out.push_back(note(model, "elasticity", of(Effect::elasticity), "no term with the unknown"));
+  out.push_back(note(model, "memory", of(Effect::memory), "no history term"));
+  out.push_back(note(model, "body force", of(Effect::body_force), "no load on cells"));
+  out.push_back(note(model, "traction", of(Effect::traction), "no load on the boundary"));
+  bool any_normal = false, any_friction = false;
+  for (const ModelTerm& term : model.terms)
+    for (const LawUse& use : term.integrand.laws) {
+      const bool radial = model.laws[use.law].spec.radial;
+      const bool zero = (term.factor * use.factor).is(0.0);
+      const bool flat = model.laws[use.law].spec.expression.is(0.0);
+      (radial ? any_friction : any_normal) = true;
+      EffectNote law;
+      law.name = fmt::format("{} `{}` on `{}`", radial ? "friction" : "law", use.name,
+                             model.parts[term.part].name);
+      law.state = zero || flat ? State::dropped : State::on;
+      law.origin = model.origin(use.span);
+      law.why = zero ? "its factor is zero" : flat ? "the superpotential is zero" : "";
+      out.push_back(std::move(law));
+    }
+  if (!any_normal) out.push_back(note(model, "normal law", {}, "no superpotential of a scalar"));
+  if (!any_friction) out.push_back(note(model, "friction", {}, "no superpotential of a vector"));
+  return out;
+}
+
+} // namespace hvi::lang

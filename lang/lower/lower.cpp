@@ -1,0 +1,176 @@
+// Model to plan.
+#include "lang/lower/lower.hpp"
+
+#include "lang/lower/effects.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+namespace hvi::lang {
+
+namespace slot = solver::slot;
+using solver::Effect;
+using solver::FormTerm;
+using solver::Group;
+using solver::LoadTerm;
+
+namespace {
+
+constexpr int n_derivatives = 12; // values 0..2 and gradients 3..11
+
+bool is_trial(solver::Slot s) { return s >= slot::first_field && s < slot::first_multiplier; }
+int field_of(solver::Slot s) { return (s - slot::first_field) / slot::field_stride; }
+int derivative_of(solver::Slot s) { return (s - slot::first_field) % slot::field_stride; }
+
+/// What a form acting on this field is called.
+Effect effect_of(int field) {
+  if (field == solver::field_rate) return Effect::viscosity;
+  return field == solver::field_u ? Effect::elasticity : Effect::memory;
+}
+
+class Lowering {
+public:
+  explicit Lowering(Model& model) : model_(model) {}
+
+  solver::Plan run() {
+    plan_.title = model_.title;
+    plan_.mesh = model_.mesh;
+    for (const ModelPart& part : model_.parts)
+      plan_.parts.push_back({part.name, origin(part.span), part.region});
+    plan_.space = model_.space;
+    plan_.time = model_.time;
+    plan_.options = model_.options;
+    plan_.report = model_.report;
+    for (const ModelLaw& law : model_.laws) plan_.laws.push_back(law.spec);
+    for (const ModelHistory& h : model_.histories) {
+      solver::KernelSpec kernel{h.name, origin(h.span), h.kernel};
+      plan_.histories.push_back({kernel.origin, kernel});
+    }
+    for (const ModelTerm& term : model_.terms) lower_term(term);
+    rename_report();
+    plan_.effects = effects(model_, plan_);
+    return std::move(plan_);
+  }
+
+private:
+  solver::Origin origin(const Span& span) { return model_.origin(span); }
+
+  /// Leaves out memory fields that nothing uses any more and laws that were dropped: the report's
+  /// expressions and the forms get the new numbers; the multiplier of a dropped law is 0.
+  void rename_report() {
+    std::vector<int> fresh(model_.histories.size(), -1);
+    auto use = [&](int field) {
+      if (field >= solver::first_history_field) fresh[field - solver::first_history_field] = 0;
+    };
+    for (const FormTerm& form : plan_.forms) use(form.field);
+    for_each_report_expression([&](Symbol& e) {
+      for (solver::Slot s : solver::slots_of(e))
+        if (is_trial(s)) use(field_of(s));
+    });
+    std::vector<solver::HistoryTerm> kept;
+    std::vector<std::pair<solver::Slot, Symbol>> rename;
+    for (std::size_t m = 0; m < fresh.size(); ++m) {
+      if (fresh[m] < 0) continue;
+      fresh[m] = static_cast<int>(kept.size());
+      kept.push_back(plan_.histories[m]);
+      for (int k = 0; k < n_derivatives; ++k)
+        rename.emplace_back(
+            slot::field(solver::first_history_field + static_cast<int>(m), k),
+            Symbol::variable(slot::field(solver::first_history_field + fresh[m], k)));
+    }
+    for (FormTerm& form : plan_.forms)
+      if (form.field >= solver::first_history_field)
+        form.field =
+            solver::first_history_field + fresh[form.field - solver::first_history_field];
+    plan_.histories = std::move(kept);
+    for (std::size_t a = 0; a < applications_.size(); ++a)
+      for (int k = 0; k < 3; ++k)
+        rename.emplace_back(slot::multiplier(static_cast<int>(a), k),
+                            applications_[a] < 0
+                                ? Symbol(0.0)
+                                : Symbol::variable(slot::multiplier(applications_[a], k)));
+    for_each_report_expression([&](Symbol& e) { e = substitute(e, rename); });
+  }
+
+  template <class F> void for_each_report_expression(F f) {
+    for (solver::Probe& probe : plan_.report.probes) f(probe.expression);
+    for (solver::FieldsSpec& fields : plan_.report.fields)
+      for (solver::FieldSpec& field : fields.fields)
+        for (Symbol& c : field.components) f(c);
+    for (solver::PictureSpec& picture : plan_.report.pictures)
+      for (Symbol& c : picture.field.components) f(c);
+  }
+
+  void lower_term(const ModelTerm& term) {
+    std::map<int, FormTerm> forms;
+    LoadTerm load;
+    const Symbol integrand = term.factor * term.integrand.scalar();
+    for (int test = 0; test < n_derivatives; ++test) {
+      const Symbol against = derivative(integrand, slot::test(test));
+      if (against.is(0.0)) continue;
+      Symbol rest = against;
+      std::vector<std::pair<solver::Slot, Symbol>> at_rest;
+      for (solver::Slot s : solver::slots_of(against)) {
+        if (!is_trial(s)) continue;
+        at_rest.emplace_back(s, Symbol(0.0));
+        const Symbol coefficient = derivative(against, s);
+        if (coefficient.is(0.0)) continue;
+        FormTerm& form = forms[field_of(s)];
+        form.entries.push_back({test, derivative_of(s), term.right ? -coefficient : coefficient});
+      }
+      rest = substitute(against, at_rest);
+      if (!rest.is(0.0)) load.entries.push_back({test, term.right ? rest : -rest});
+    }
+    for (auto& [field, form] : forms) {
+      form.origin = origin(term.span);
+      form.part = term.part;
+      form.field = field;
+      form.rule = term.rule_given || term.integrand.laws.empty() ? term.rule : solver::Rule::exact;
+      form.effect = effect_of(field);
+      plan_.forms.push_back(std::move(form));
+    }
+    if (!load.entries.empty()) {
+      load.origin = origin(term.span);
+      load.part = term.part;
+      load.rule = term.rule_given || term.integrand.laws.empty() ? term.rule : solver::Rule::exact;
+      load.effect = model_.parts[term.part].kind == Group::Kind::cells ? Effect::body_force
+                                                                       : Effect::traction;
+      plan_.loads.push_back(std::move(load));
+    }
+    for (const LawUse& use : term.integrand.laws) lower_law(term, use);
+  }
+
+  void lower_law(const ModelTerm& term, const LawUse& use) {
+    const Symbol factor = term.factor * use.factor;
+    applications_.push_back(-1);
+    if (factor.is(0.0) || model_.laws[use.law].spec.expression.is(0.0)) return;
+    applications_.back() = static_cast<int>(plan_.law_terms.size());
+    solver::LawTerm out;
+    out.origin = origin(use.span);
+    out.name = use.name;
+    out.law = use.law;
+    out.part = term.part;
+    out.rule = term.rule == solver::Rule::exact ? solver::Rule::gauss : term.rule;
+    out.effect = model_.laws[use.law].spec.radial ? Effect::friction : Effect::normal_law;
+    out.factor = factor;
+    for (const LawRow& row : use.rows) {
+      solver::LawTerm::Row r;
+      for (std::size_t i = 0; i < row.u.size(); ++i) r.u[i] = row.u[i];
+      r.offset = row.offset;
+      out.rows.push_back(std::move(r));
+    }
+    plan_.law_terms.push_back(std::move(out));
+  }
+
+  Model& model_;
+  solver::Plan plan_;
+  std::vector<int> applications_; ///< law term of the a-th j^0 of the script, -1 when dropped
+};
+
+} // namespace
+
+solver::Plan lower(Model& model) { return Lowering(model).run(); }
+
+} // namespace hvi::lang

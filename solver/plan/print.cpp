@@ -1,0 +1,251 @@
+// The plan as text: what `hvi-run dump --plan` shows. Stable: golden files compare it.
+#include "solver/plan/plan.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace hvi::solver {
+namespace {
+
+template <std::size_t N>
+std::string name_of(const std::array<const char*, N>& names, auto value) {
+  return names.at(static_cast<std::size_t>(value));
+}
+
+std::string to_string(Rule rule) {
+  return name_of(std::array{"exact", "nodal", "midpoint", "gauss"}, rule);
+}
+
+std::string to_string(Effect effect) {
+  return name_of(std::array{"viscosity", "elasticity", "memory", "body force", "traction",
+                            "normal law", "friction", "other"},
+                 effect);
+}
+
+std::string to_string(EffectNote::State state) {
+  return name_of(std::array{"on", "off", "dropped", "asleep"}, state);
+}
+
+std::string to_string(HistoryRoute route) {
+  return name_of(std::array{"automatic", "recursion", "fit", "tree", "direct"}, route);
+}
+
+std::string to_string(Branch branch) {
+  return name_of(std::array{"continuing", "release", "least energy"}, branch);
+}
+
+/// Numbers with all their digits, the same on every machine.
+std::string number(double value) { return fmt::format("{}", value); }
+
+template <class Range>
+std::string numbers(const Range& values) {
+  return fmt::format("[{}]", fmt::join(values, ", "));
+}
+
+std::string expressions(const std::vector<Expr>& values) {
+  std::vector<std::string> texts;
+  for (const auto& value : values) texts.push_back(to_string(value));
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+
+/// A function and its derivatives: 0..2 components, 3 + 3 i + j the derivative of i along j.
+std::string derivative_name(const char* function, int index) {
+  constexpr const char* axes = "xyz";
+  if (index < 3) return fmt::format("{}.{}", function, axes[index]);
+  return fmt::format("d{}.{}/d{}", function, axes[(index - 3) / 3], axes[(index - 3) % 3]);
+}
+
+std::string field_name(int field) {
+  if (field == field_u) return "u";
+  if (field == field_rate) return "u'";
+  return fmt::format("w{}", field - first_history_field);
+}
+
+class Printer {
+public:
+  explicit Printer(const Plan& plan) : plan_(plan) {}
+
+  std::string print() {
+    line("plan `{}`", plan_.title);
+    mesh();
+    for (std::size_t p = 0; p < plan_.parts.size(); ++p)
+      line("part {} `{}` = {}", p, plan_.parts[p].name, region(plan_.parts[p].region));
+    space();
+    for (std::size_t m = 0; m < plan_.histories.size(); ++m)
+      line("history w{} kernel `{}` = {}", m, plan_.histories[m].kernel.name,
+           to_string(plan_.histories[m].kernel.expression));
+    for (const auto& term : plan_.forms) form(term);
+    for (std::size_t l = 0; l < plan_.laws.size(); ++l) law(l);
+    for (std::size_t l = 0; l < plan_.law_terms.size(); ++l) law_term(l);
+    for (const auto& term : plan_.loads) load(term);
+    time();
+    options();
+    report();
+    for (const auto& effect : plan_.effects)
+      line("effect {}: {}{}", effect.name, to_string(effect.state),
+           effect.why.empty() ? "" : " (" + effect.why + ")");
+    return std::move(out_);
+  }
+
+private:
+  template <class... Args>
+  void line(fmt::format_string<Args...> text, Args&&... args) {
+    out_ += fmt::format(text, std::forward<Args>(args)...) + "\n";
+  }
+
+  std::string part(int index) const {
+    const bool known = index >= 0 && index < static_cast<int>(plan_.parts.size());
+    return known ? "`" + plan_.parts[index].name + "`" : fmt::format("part {}", index);
+  }
+
+  void mesh() {
+    const auto& m = plan_.mesh;
+    const auto kind =
+        name_of(std::array{"interval", "rectangle", "box", "file", "geometry"}, m.kind);
+    switch (m.kind) {
+    case MeshSpec::Kind::file:
+      line("mesh `{}` file \"{}\"", m.name, m.path);
+      break;
+    case MeshSpec::Kind::geometry:
+      line("mesh `{}` {} {} {}", m.name, kind, m.geometry, numbers(m.numbers));
+      break;
+    default:
+      line("mesh `{}` {} low {} high {} cells {}", m.name, kind, numbers(m.low), numbers(m.high),
+           numbers(m.cells));
+    }
+    for (int axis = 0; axis < 3; ++axis)
+      if (!m.grading[axis].empty()) line("  grading {}: {}", "xyz"[axis], numbers(m.grading[axis]));
+    if (m.refinements > 0) line("  refinements {}", m.refinements);
+  }
+
+  std::string region(const RegionSpec& r) const {
+    using Kind = RegionSpec::Kind;
+    switch (r.kind) {
+    case Kind::all_cells:
+      return "all";
+    case Kind::boundary:
+      return "boundary";
+    case Kind::group:
+      return "group \"" + r.name + "\"";
+    case Kind::point:
+      return "point " + numbers(r.point);
+    case Kind::unite:
+      return fmt::format("({} + {})", region(r.children.at(0)), region(r.children.at(1)));
+    case Kind::subtract:
+      return fmt::format("({} - {})", region(r.children.at(0)), region(r.children.at(1)));
+    case Kind::where:
+      return fmt::format("({} where {})", region(r.children.at(0)), to_string(r.predicate));
+    }
+    return {};
+  }
+
+  void space() {
+    const auto& s = plan_.space;
+    line("space `{}` {} P{}", s.name, s.vector ? "vector" : "scalar", s.order);
+    for (const auto& d : s.dirichlet)
+      line("  on {} {} = {}", part(d.part),
+           d.component < 0 ? std::string("all components")
+                           : fmt::format("component {}", d.component),
+           d.value.empty() ? "0" : expressions(d.value));
+  }
+
+  void form(const FormTerm& term) {
+    line("form {} over {} on {}, rule {}", to_string(term.effect), part(term.part),
+         field_name(term.field), to_string(term.rule));
+    for (const auto& e : term.entries)
+      line("  {} {} * {}", to_string(e.coefficient),
+           derivative_name(field_name(term.field).c_str(), e.trial), derivative_name("v", e.test));
+  }
+
+  void load(const LoadTerm& term) {
+    line("load {} over {}, rule {}", to_string(term.effect), part(term.part), to_string(term.rule));
+    for (const auto& e : term.entries)
+      line("  {} * {}", to_string(e.value), derivative_name("v", e.test));
+  }
+
+  void law(std::size_t l) {
+    const auto& spec = plan_.laws[l];
+    line("law {} `{}`{} {} = {}", l, spec.name, spec.radial ? " radial" : "",
+         spec.by_slope ? "slope" : "potential", to_string(spec.expression));
+  }
+
+  void law_term(std::size_t l) {
+    const auto& term = plan_.law_terms[l];
+    line("law term {} {} * `{}` over {}, {}, rule {}", l, to_string(term.factor), term.name,
+         part(term.part), to_string(term.effect), to_string(term.rule));
+    for (const auto& row : term.rows)
+      line("  argument {} . u + {}", expressions({row.u.begin(), row.u.end()}),
+           to_string(row.offset));
+  }
+
+  void time() {
+    const auto& t = plan_.time;
+    if (t.is_static) {
+      line("static");
+      return;
+    }
+    line("time {}, loads at {}", t.scheme == Scheme::bdf2 ? "bdf2" : "backward euler",
+         t.sampling == LoadSampling::average ? "average of the step" : "end of the step");
+    if (t.grid.size() <= 12)
+      line("  grid {}", numbers(t.grid));
+    else
+      line("  grid {} ... {}, {} steps", number(t.grid.front()), number(t.grid.back()),
+           t.grid.size() - 1);
+    line("  from {}", t.initial.empty() ? "0" : expressions(t.initial));
+  }
+
+  void options() {
+    const auto& o = plan_.options;
+    line("options tolerance {}, memory {} (route {}), branch {}, threads {}", number(o.tolerance),
+         number(o.memory_tolerance), to_string(o.route), to_string(o.branch), o.threads);
+  }
+
+  void probe(std::size_t i) {
+    const auto& p = plan_.report.probes[i];
+    const auto when = p.time ? " at t = " + number(*p.time) : std::string();
+    switch (p.kind) {
+    case Probe::Kind::at_point:
+      line("probe {} `{}` = {} at {}{}", i, p.name, to_string(p.expression), numbers(p.point),
+           when);
+      break;
+    case Probe::Kind::integral:
+      line("probe {} `{}` = integral over {} of {}, rule {}{}", i, p.name, part(p.part),
+           to_string(p.expression), to_string(p.rule), when);
+      break;
+    case Probe::Kind::norm_v:
+      line("probe {} `{}` = norm of u{}", i, p.name, when);
+      break;
+    case Probe::Kind::combination:
+      line("probe {} `{}` = {}", i, p.name, to_string(p.expression));
+      break;
+    }
+  }
+
+  void report() {
+    const auto& r = plan_.report;
+    for (std::size_t i = 0; i < r.probes.size(); ++i) probe(i);
+    for (const auto& table : r.tables)
+      line("table {} every {}{}", numbers(table.probes), table.every, to_file(table.file));
+    for (const auto& fields : r.fields) {
+      line("fields every {}{}", fields.every, to_file(fields.file));
+      for (const auto& field : fields.fields)
+        line("  `{}` = {}", field.name, expressions(field.components));
+    }
+    for (const auto& picture : r.pictures)
+      line("picture `{}`{}{}", picture.field.name,
+           picture.time ? " at t = " + number(*picture.time) : "", to_file(picture.file));
+  }
+
+  static std::string to_file(const std::string& file) {
+    return file.empty() ? "" : " to \"" + file + "\"";
+  }
+
+  const Plan& plan_;
+  std::string out_;
+};
+
+} // namespace
+
+std::string to_string(const Plan& plan) { return Printer(plan).print(); }
+
+} // namespace hvi::solver

@@ -1,0 +1,126 @@
+// The result of a run as JSON; see result_json.hpp. After the run, before the disk.
+#include "solver/time/result_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// JSON knows neither NaN nor infinity.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json numbers(const std::vector<double>& values) {
+  Json out = Json::array();
+  for (const double value : values) out.push_back(number(value));
+  return out;
+}
+
+Json table(const RunResult& result) {
+  Json out{{"t", numbers(result.times)}};
+  for (const auto& name : result.column_order) out[name] = numbers(result.columns.at(name));
+  return out;
+}
+
+Json certificate(const Certificate& c) {
+  return {{"certified", c.certified},
+          {"inclusion", number(c.inclusion)},
+          {"equilibrium", number(c.equilibrium)},
+          {"tolerance", c.tolerance},
+          {"mode", c.mode},
+          {"worst_step", c.worst_step}};
+}
+
+Json timing(const Timing& t) {
+  return {{"mesh", t.mesh},
+          {"assembly", t.assembly},
+          {"ordering", t.ordering},
+          {"factor", t.factor},
+          {"history", t.history},
+          {"sweeps", t.sweeps},
+          {"inequality", t.inequality},
+          {"steps", t.steps},
+          {"output", t.output},
+          {"total", t.total}};
+}
+
+const char* state_name(EffectNote::State state) {
+  switch (state) {
+  case EffectNote::State::on:
+    return "on";
+  case EffectNote::State::off:
+    return "off";
+  case EffectNote::State::dropped:
+    return "dropped";
+  case EffectNote::State::asleep:
+    return "asleep";
+  }
+  return "";
+}
+
+Json histories(const RunResult& result, const Plan& plan) {
+  Json out = Json::array();
+  for (std::size_t m = 0; m < result.histories.size(); ++m) {
+    const auto& h = result.histories[m];
+    out.push_back({{"kernel", m < plan.histories.size() ? plan.histories[m].kernel.name : ""},
+                   {"route", h.route},
+                   {"why", h.why},
+                   {"fields", h.fields},
+                   {"bytes", h.bytes},
+                   {"error", number(h.error)},
+                   {"verified", h.verified}});
+  }
+  return out;
+}
+
+Json what_was_done(const RunResult& result, const Plan& plan, const ResultContext& context) {
+  const auto line_of = [&](Origin origin) {
+    return context.line_of && origin.id >= 0 ? context.line_of(origin) : 0;
+  };
+  Json effects = Json::array();
+  for (const auto& effect : result.effects)
+    effects.push_back({{"name", effect.name},
+                       {"state", state_name(effect.state)},
+                       {"line", line_of(effect.origin)},
+                       {"why", effect.why}});
+  const auto& work = result.work;
+  return {{"effects", effects},
+          {"matrices", work.matrices},
+          {"analyses", work.analyses},
+          {"factorisations", work.factorisations},
+          {"sweeps", work.sweeps},
+          {"products", work.products},
+          {"newton", work.newton},
+          {"fields", work.history_fields},
+          {"history", histories(result, plan)},
+          {"bytes", work.bytes},
+          {"seconds", result.timing.total}};
+}
+
+} // namespace
+
+std::string result_json(const RunResult& result, const Plan& plan, const ResultContext& context) {
+  Json final = Json::object(), notes = Json::array();
+  for (const auto& [name, value] : result.final) final[name] = number(value);
+  for (const auto& note : result.notes)
+    notes.push_back({{"step", note.step}, {"t", note.t}, {"what", note.what}});
+  const Json out{{"schema", "hvi-result/1"},
+                 {"script", result.script},
+                 {"params", Json(context.params)},
+                 {"unknowns", result.unknowns},
+                 {"contact_unknowns", result.contact_unknowns},
+                 {"steps", result.steps},
+                 {"final", final},
+                 {"table", table(result)},
+                 {"certificate", certificate(result.certificate)},
+                 {"timing", timing(result.timing)},
+                 {"plan", what_was_done(result, plan, context)},
+                 {"notes", notes},
+                 {"files", result.files}};
+  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,226 @@
+// Small reduced inequalities with answers by hand.
+#include "problems.hpp"
+
+#include <gtest/gtest.h>
+
+namespace hvi::solver::test {
+namespace {
+
+InequalityReport run(Setup& setup, InequalityState& state, InequalityOptions options = {},
+                     bool symmetric = true) {
+  const auto op = dense_operator(setup.s, symmetric);
+  InequalitySolver solver(setup.problem, *op, options);
+  return solver.solve(setup.r, state);
+}
+
+Setup one_spring(double k, double force) {
+  Setup setup;
+  setup.s = DenseMatrix::Constant(1, 1, k);
+  setup.r = Vector::Constant(1, force);
+  return setup;
+}
+
+TEST(Inequality, NoContactIsTheLinearProblemWithoutNewton) {
+  Setup setup = one_spring(4.0, -2.0);
+  setup.point(setup.slope(Expr(100.0) * max(arg(), Expr(0.0))), 0.5, {{{0, 1.0}}});
+  setup.finish();
+  InequalityState state;
+  const auto report = run(setup, state);
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(state.c[0], -0.5);
+  EXPECT_EQ(state.xi[0], 0.0);
+  EXPECT_EQ(report.iterations, 0);
+  EXPECT_EQ(report.factorisations, 1);
+}
+
+TEST(Inequality, CompliantSpringHasTheHarmonicAnswer) {
+  Setup setup = one_spring(4.0, 2.0);
+  setup.point(setup.slope(Expr(100.0) * max(arg(), Expr(0.0))), 0.5, {{{0, 1.0}}});
+  setup.finish();
+  InequalityState state;
+  EXPECT_TRUE(run(setup, state).converged);
+  EXPECT_DOUBLE_EQ(state.c[0], 2.0 / 54.0); // 4 c + .5 * 100 c = 2
+  EXPECT_DOUBLE_EQ(state.xi[0], 100.0 * 2.0 / 54.0);
+}
+
+TEST(Inequality, StaysStuckBelowTheBoundAndSlipsAbove) {
+  for (const double force : {-0.9, -0.29, 0.0, 0.1, 0.3, 0.31, 5.0}) {
+    Setup setup = one_spring(2.0, force);
+    setup.point(setup.potential(Expr(0.3) * arg(), true), 1.0, {{{0, 1.0}}});
+    setup.finish();
+    InequalityState state;
+    EXPECT_TRUE(run(setup, state).converged) << force;
+    const double slip = std::copysign(std::max(0.0, std::abs(force) - 0.3), force) / 2.0;
+    EXPECT_NEAR(state.c[0], slip, 1e-15) << force;
+    EXPECT_NEAR(state.xi[0], force - 2.0 * slip, 1e-12) << force;
+  }
+}
+
+TEST(Inequality, RestsOnAnUpwardJumpForManySteps) {
+  Setup setup = one_spring(1.0, 0.0);
+  setup.point(setup.slope(select(less(arg(), Expr(1.0)), arg(), arg() + Expr(4.0))), 1.0,
+              {{{0, 1.0}}});
+  setup.finish();
+  const auto op = dense_operator(setup.s, true);
+  InequalitySolver solver(setup.problem, *op, {});
+  InequalityState state;
+  for (double force = 0.0; force <= 10.0; force += 0.125) {
+    const auto report = solver.solve(Vector::Constant(1, force), state);
+    ASSERT_TRUE(report.converged) << report.verdict;
+    const double expected = force < 2 ? force / 2 : (force <= 6 ? 1.0 : (force - 4) / 2);
+    EXPECT_NEAR(state.c[0], expected, 1e-14) << force;
+    EXPECT_NEAR(state.xi[0], force - expected, 1e-12) << force;
+    EXPECT_LE(report.iterations, 3);
+    EXPECT_EQ(report.events, 0);
+  }
+}
+
+/// k z + slope = f with slope 24 z below .5 and 8 z + 4 above: the lower branch ends at f = 12 + .5
+/// k, on the way back the upper one at f = 8 + .5 k.
+TEST(Inequality, ReleasesAtADownwardJumpAndReturnsLater) {
+  Setup setup = one_spring(1.0, 0.0);
+  setup.point(setup.slope(select(less(arg(), Expr(0.5)), Expr(24.0) * arg(),
+                                 Expr(8.0) * arg() + Expr(4.0))),
+              1.0, {{{0, 1.0}}});
+  setup.finish();
+  const auto op = dense_operator(setup.s, true);
+  InequalitySolver solver(setup.problem, *op, {});
+  InequalityState state;
+  int events = 0;
+  const auto step = [&](double force, double expected) {
+    const auto report = solver.solve(Vector::Constant(1, force), state);
+    ASSERT_TRUE(report.converged) << force << report.verdict;
+    EXPECT_NEAR(state.c[0], expected, 1e-14) << force;
+    events += report.events;
+  };
+  for (double f = 0.0; f <= 12.5; f += 0.25) step(f, f / 25);
+  EXPECT_EQ(events, 0);
+  step(12.75, (12.75 - 4) / 9);
+  EXPECT_EQ(events, 1);
+  for (double f = 12.75; f >= 8.5; f -= 0.25) step(f, (f - 4) / 9);
+  EXPECT_EQ(events, 1);
+  step(8.25, 8.25 / 25);
+  EXPECT_EQ(events, 2);
+}
+
+TEST(Inequality, BranchesOfABistableSpring) {
+  const auto solve = [](Branch branch, double force) {
+    Setup setup = one_spring(1.0, force);
+    setup.point(setup.slope(select(less(arg(), Expr(0.5)), Expr(24.0) * arg(),
+                                   Expr(8.0) * arg() + Expr(4.0))),
+                1.0, {{{0, 1.0}}});
+    setup.finish();
+    InequalityState state;
+    InequalityOptions options;
+    options.branch = branch;
+    EXPECT_TRUE(run(setup, state, options).converged);
+    return state.c[0];
+  };
+  EXPECT_NEAR(solve(Branch::continuing, 10.0), 0.4, 1e-14);
+  EXPECT_NEAR(solve(Branch::release, 10.0), 6.0 / 9.0, 1e-14);
+  // Energies: -f^2/50 against c^2/2 + 3 + 4 (c^2 - .25) + 4 (c - .5) - f c; they cross at f
+  // = 10.2...
+  const auto lower = [](double f) { return -f * f / 50; };
+  const auto upper = [](double f) {
+    const double c = (f - 4) / 9;
+    return c * c / 2 + 3 + 4 * (c * c - .25) + 4 * (c - .5) - f * c;
+  };
+  for (const double f : {9.0, 10.0, 11.0, 12.0})
+    EXPECT_NEAR(solve(Branch::least_energy, f), lower(f) < upper(f) ? f / 25 : (f - 4) / 9, 1e-13);
+}
+
+/// A point dragged around a circle in 3D: slip follows the force, |xi| = mu.
+TEST(Inequality, SlipDirectionTurnsThroughAFullCircle) {
+  Setup setup;
+  setup.s = 3.0 * DenseMatrix::Identity(2, 2);
+  setup.r = Vector::Zero(2);
+  setup.point(setup.potential(Expr(0.5) * arg(), true), 2.0, {{{0, 1.0}}, {{1, 1.0}}});
+  setup.finish();
+  const auto op = dense_operator(setup.s, true);
+  InequalitySolver solver(setup.problem, *op, {});
+  InequalityState state;
+  for (int k = 0; k <= 72; ++k) {
+    const double a = k * 2 * M_PI / 72;
+    Vector force(2);
+    force << 4.0 * std::cos(a), 4.0 * std::sin(a);
+    const auto report = solver.solve(force, state);
+    ASSERT_TRUE(report.converged) << report.verdict;
+    EXPECT_NEAR(state.c[0], std::cos(a), 1e-12); // 3 c + 2 * .5 = 4
+    EXPECT_NEAR(state.c[1], std::sin(a), 1e-12);
+    EXPECT_NEAR(state.xi.norm(), 0.5, 1e-12);
+    EXPECT_LE(report.iterations, 6);
+    EXPECT_FALSE(report.used_fallback);
+  }
+}
+
+/// Two blocks joined by a spring: pulled, the first slips before the second.
+TEST(Inequality, TwoBlocksSlipOneAfterTheOther) {
+  Setup setup;
+  setup.s = DenseMatrix(2, 2);
+  setup.s << 2.0, -1.0, -1.0, 2.0;
+  setup.r = Vector::Zero(2);
+  const int law = setup.potential(arg(), true);
+  setup.point(law, 1.0, {{{0, 1.0}}});
+  setup.point(law, 1.0, {{{1, 1.0}}});
+  setup.finish();
+  const auto op = dense_operator(setup.s, true);
+  InequalitySolver solver(setup.problem, *op, {});
+  InequalityState state;
+  for (double f = 0.0; f <= 6.0; f += 0.25) {
+    Vector force(2);
+    force << f, 0.0;
+    ASSERT_TRUE(solver.solve(force, state).converged);
+    const double first = f <= 1 ? 0 : (f <= 3 ? (f - 1) / 2 : (2 * (f - 1) - 1) / 3);
+    const double second = f <= 3 ? 0 : (first - 1) / 2;
+    EXPECT_NEAR(state.c[0], first, 1e-14) << f;
+    EXPECT_NEAR(state.c[1], second, 1e-14) << f;
+  }
+}
+
+TEST(Inequality, OverdeterminedPointsShareOneUnknown) {
+  Setup setup;
+  setup.s = chain(3, 0.5);
+  setup.r = Vector::Constant(3, 0.4);
+  const int law = setup.potential(arg(), true);
+  // Six points on three unknowns, all stuck: c = 0 although xi is not unique.
+  for (int k = 0; k < 6; ++k)
+    setup.point(law, 0.3, {{{k % 3, 0.25 * (1 + k / 3)}, {(k + 1) % 3, 1.0}}});
+  setup.finish();
+  InequalityState state;
+  const auto report = run(setup, state);
+  EXPECT_TRUE(report.converged) << report.verdict;
+  EXPECT_LE(state.c.lpNorm<Eigen::Infinity>(), 1e-13);
+}
+
+TEST(Inequality, UnsymmetricOperator) {
+  Setup setup;
+  setup.s = DenseMatrix(2, 2);
+  setup.s << 2.0, -1.5, 0.5, 2.0;
+  setup.r = Vector(2);
+  setup.r << 3.0, 1.0;
+  setup.point(setup.slope(max(arg(), Expr(0.0)) * Expr(2.0)), 1.0, {{{0, 1.0}}});
+  setup.point(setup.potential(Expr(5.0) * arg(), true), 1.0, {{{1, 1.0}}});
+  setup.finish();
+  for (const bool fallback : {false, true}) {
+    InequalityState state;
+    InequalityOptions options;
+    options.force_fallback = fallback;
+    EXPECT_TRUE(run(setup, state, options, false).converged);
+    EXPECT_NEAR(state.c[0], 0.75, 1e-13); // (2 + 2) c0 = 3, c1 stuck: .5 * .75 + xi = 1
+    EXPECT_NEAR(state.c[1], 0.0, 1e-13);
+    EXPECT_NEAR(state.xi[1], 0.625, 1e-12);
+  }
+}
+
+TEST(Inequality, RejectsANonFiniteRightHandSide) {
+  Setup setup = one_spring(1.0, std::nan(""));
+  setup.point(setup.slope(arg()), 1.0, {{{0, 1.0}}});
+  setup.finish();
+  InequalityState state;
+  const auto report = run(setup, state);
+  EXPECT_FALSE(report.converged);
+  EXPECT_NE(report.verdict.find("not finite"), std::string::npos);
+}
+
+} // namespace
+} // namespace hvi::solver::test

@@ -1,0 +1,216 @@
+// Laws: breaks, Clarke intervals, potentials, constants; a conformance suite over every kind.
+#include "laws.hpp"
+#include "solver/kernel/table.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace hvi::solver::test {
+namespace {
+
+const Point here{0.5, 0.0, 0.0};
+constexpr double now = 0.25;
+
+class EveryLaw : public testing::TestWithParam<KnownLaw> {
+protected:
+  Law law{GetParam().spec};
+  LawGraph graph = law.graph(here, now);
+  std::vector<double> arguments() const {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> exponent(-6, 3);
+    std::vector<double> out;
+    for (int k = 0; k < 400; ++k) {
+      const double r = std::pow(10.0, exponent(random));
+      out.push_back(law.spec().radial || k % 2 ? r : -r);
+    }
+    return out;
+  }
+};
+
+TEST_P(EveryLaw, FindsTheBreaksExactly) { EXPECT_EQ(graph.breaks, GetParam().breaks); }
+
+TEST_P(EveryLaw, SlopeAgreesWithThePlainFunction) {
+  for (const double r : arguments()) {
+    const double expected = GetParam().slope(r);
+    EXPECT_NEAR(law.slope(graph, piece_of(graph, r), r), expected,
+                1e-13 * (1 + std::abs(expected)));
+    const Interval i = clarke(law, graph, r);
+    EXPECT_EQ(i.low, i.high);
+  }
+}
+
+TEST_P(EveryLaw, CurvatureIsTheDifferenceQuotientOfTheSlope) {
+  for (const double r : arguments()) {
+    const int piece = piece_of(graph, r);
+    const double h = 1e-5 * std::abs(r);
+    if (piece_of(graph, r - h) != piece || piece_of(graph, r + h) != piece) continue;
+    const double quotient =
+        (law.slope(graph, piece, r + h) - law.slope(graph, piece, r - h)) / (2 * h);
+    const double scale = std::abs(law.slope(graph, piece, r)) / std::abs(r) + std::abs(quotient);
+    EXPECT_NEAR(law.curvature(graph, piece, r), quotient, 1e-7 * scale + 1e-9) << r;
+  }
+}
+
+TEST_P(EveryLaw, PotentialAgreesUpToAConstantAndIsContinuous) {
+  const auto j = [&](double r) { return law.potential(graph, piece_of(graph, r), r); };
+  const double constant = j(0.0) - GetParam().potential(0.0);
+  for (const double r : arguments()) {
+    const double expected = GetParam().potential(r);
+    EXPECT_NEAR(j(r) - constant, expected, 1e-11 * (1 + std::abs(expected))) << r;
+  }
+  for (int i = 0; i < static_cast<int>(graph.breaks.size()); ++i) {
+    const double b = graph.breaks[i], v = law.potential(graph, i, b);
+    EXPECT_NEAR(v, law.potential(graph, i + 1, b), 1e-12 * (1 + std::abs(v)));
+  }
+  if (law.spec().by_slope) {
+    EXPECT_EQ(j(0.0), 0.0);
+  }
+}
+
+/// j(a) - j(b) lies between the Clarke derivatives on the way (Lebourg), here by dense sampling.
+TEST_P(EveryLaw, ClarkeIntervalIsTheHullOfNearbySlopes) {
+  for (std::size_t i = 0; i < graph.breaks.size(); ++i) {
+    const double b = graph.breaks[i], h = 1e-9 * (std::abs(b) + 1e-3);
+    const double below = GetParam().slope(b - h), above = GetParam().slope(b + h);
+    const Interval hull = clarke(law, graph, b);
+    EXPECT_NEAR(hull.low, std::min(below, above), 1e-6 * (1 + std::abs(below)));
+    EXPECT_NEAR(hull.high, std::max(below, above), 1e-6 * (1 + std::abs(above)));
+  }
+}
+
+TEST_P(EveryLaw, ConstantsBoundTheLawAndAreAttained) {
+  const LawConstants k = law.constants(here, now);
+  const KnownLaw& known = GetParam();
+  const auto check = [](double value, double expected, const char* what) {
+    if (std::isnan(expected)) return;
+    if (std::isinf(expected))
+      EXPECT_EQ(value, expected) << what;
+    else
+      EXPECT_NEAR(value, expected, 1e-9 * (1 + std::abs(expected))) << what;
+  };
+  check(k.m, known.m, "m");
+  check(k.c, known.c, "c");
+  check(k.steepest_ascent, known.ascent, "ascent");
+  EXPECT_EQ(k.clarke_regular, known.regular);
+  EXPECT_EQ(k.convex, known.m == 0.0);
+  const auto rs = arguments();
+  for (const double a : rs) {
+    EXPECT_LE(std::abs(known.slope(a)), k.c * (1 + std::abs(a)) * (1 + 1e-12));
+    for (const double b : {rs[0], rs[1], a * 1.01}) {
+      if (a == b) continue;
+      const double product = (known.slope(a) - known.slope(b)) * (a - b);
+      EXPECT_GE(product, -k.m * (1 + 1e-9) * (a - b) * (a - b) - 1e-18);
+    }
+  }
+}
+
+TEST_P(EveryLaw, DistanceIsZeroOnTheGraphAndTheErrorOffIt) {
+  const bool radial = law.spec().radial;
+  for (const double r : arguments()) {
+    const double s = GetParam().slope(r), slack = 1e-13 * (1 + std::abs(s));
+    if (!radial) {
+      const double off = s + 0.5;
+      EXPECT_LE(inclusion_distance(law, graph, &r, &s, 1, 0.0), slack);
+      EXPECT_NEAR(inclusion_distance(law, graph, &r, &off, 1, 0.0), 0.5, slack);
+      continue;
+    }
+    const double z[3] = {0.6 * r, 0.0, -0.8 * r}, xi[3] = {0.6 * s, 0.0, -0.8 * s};
+    const double turned[3] = {0.6 * s, 0.25, -0.8 * s};
+    EXPECT_LE(inclusion_distance(law, graph, z, xi, 3, 0.0), slack);
+    EXPECT_NEAR(inclusion_distance(law, graph, z, turned, 3, 0.0), 0.25, slack);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Laws, EveryLaw, testing::ValuesIn(known_laws()), [](const auto& named) {
+  std::string name = named.param.name;
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return !std::isalnum(c); }, '_');
+  return name;
+});
+
+TEST(Law, BallAtTheOriginOfARadialLaw) {
+  const Law law = slope_law("weakening", Expr(0.5) + Expr(0.2) * exp(Expr(-20.0) * arg()), true);
+  const LawGraph g = law.graph({}, 0.0);
+  const double z[2] = {0.0, 0.0}, inside[2] = {0.5, -0.4}, outside[2] = {0.0, 0.9};
+  EXPECT_EQ(inclusion_distance(law, g, z, inside, 2, 0.0), 0.0);
+  EXPECT_NEAR(inclusion_distance(law, g, z, outside, 2, 0.0), 0.2, 1e-15);
+}
+
+TEST(Law, DropsFalseBreaks) {
+  const Expr r = arg();
+  const Law law = slope_law("seam", select(less(r, Expr(1.0)), r * Expr(2.0), r * Expr(2.0)) +
+                                        max(r, Expr(-3.0)) - max(r, Expr(-3.0)));
+  EXPECT_TRUE(law.graph({}, 0.0).breaks.empty());
+}
+
+TEST(Law, FindsRootsOfNonlinearSwitches) {
+  const Expr r = arg();
+  // exp(r) < 3 at log 3, r^2 < 4 at -2 and 2, both to the last bits.
+  const Law law =
+      slope_law("curved", select(less(exp(r), Expr(3.0)), Expr(0.0), r) + max(r * r, Expr(4.0)));
+  const auto breaks = law.graph({}, 0.0).breaks;
+  ASSERT_EQ(breaks.size(), 3u);
+  EXPECT_DOUBLE_EQ(breaks[0], -2.0);
+  EXPECT_DOUBLE_EQ(breaks[1], std::log(3.0));
+  EXPECT_DOUBLE_EQ(breaks[2], 2.0);
+}
+
+TEST(Law, FindsTheKinkOfARootOfASquare) {
+  const Law law = potential_law("distance", sqrt((arg() - Expr(1.0)) * (arg() - Expr(1.0))));
+  EXPECT_THAT(law.graph({}, 0.0).breaks, testing::ElementsAre(1.0));
+}
+
+TEST(Law, TablesArePiecewisePolynomials) {
+  using Kind = Table::Interpolation;
+  const auto table = std::make_shared<const Table>("p", std::vector<double>{0, 1, 3},
+                                                   std::vector<double>{0, 2, 1}, Kind::linear);
+  const Expr inside = max(min(arg(), Expr(3.0)), Expr(0.0));
+  const Law law = slope_law("measured", Expr::tabulated(table, inside));
+  const LawGraph g = law.graph({}, 0.0);
+  EXPECT_THAT(g.breaks, testing::ElementsAre(0.0, 1.0, 3.0));
+  EXPECT_DOUBLE_EQ(law.slope(g, piece_of(g, 2.0), 2.0), 1.5);
+  EXPECT_DOUBLE_EQ(law.constants({}, 0.0).m, 0.5);
+  EXPECT_TRUE(law.constants({}, 0.0).exact);
+}
+
+void expect_bad(const Expr& e, bool by_slope, const std::string& words, bool radial = false) {
+  try {
+    const Law law(LawSpec{"odd", Origin{42}, radial, by_slope, e});
+    FAIL() << "accepted";
+  } catch (const Failure& f) {
+    EXPECT_EQ(f.kind, FailureKind::bad_law);
+    EXPECT_EQ(f.origin.id, 42);
+    EXPECT_THAT(f.what(), testing::HasSubstr(words));
+    EXPECT_FALSE(f.help.empty());
+  }
+}
+
+TEST(Law, RefusesWhatIsNotLocallyLipschitz) {
+  const Expr r = arg();
+  expect_bad(select(less(r, Expr(2.0)), r, r + Expr(0.5)), false, "jumps by 0.5 at r = 2");
+  expect_bad(sqrt(abs(r)), false, "infinite or undefined at r = 0");
+  expect_bad(Expr(1.0) / r, true, "infinite or undefined at r = 0");
+  expect_bad(Expr::make(Op::log, {abs(r)}), true, "infinite or undefined at r = 0");
+  expect_bad(sqrt(r), true, "not a finite number");
+  expect_bad(Expr(1.0) / (r - Expr(3.0)), true, "at |xi| = 3", true);
+}
+
+TEST(Law, AcceptsRemovableSingularities) {
+  const Expr r = arg();
+  const Law law = slope_law("sinc", Expr::make(Op::sin, {r}) / r);
+  const LawGraph g = law.graph({}, 0.0);
+  EXPECT_NEAR(clarke(law, g, 0.0).high, 1.0, 1e-8);
+}
+
+TEST(Law, BreaksThatDependOnPlaceAndTimeMove) {
+  const Expr bound = Expr(0.1) * x0() + time_();
+  const Law law = slope_law("moving", select(less(arg(), bound), Expr(0.0), arg() - bound));
+  EXPECT_TRUE(law.depends_on_x() && law.depends_on_t());
+  for (const double t : {0.0, 0.5, 2.0})
+    EXPECT_EQ(law.graph({3.0, 0, 0}, t).breaks.at(0), 0.1 * 3.0 + t);
+}
+
+} // namespace
+} // namespace hvi::solver::test

@@ -1,0 +1,150 @@
+// What cannot be computed is refused, with the plan item that is to blame.
+#include "tests/solver/time/plans.hpp"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace hvi::solver {
+namespace {
+
+using namespace testing_plans;
+using testing::HasSubstr;
+
+std::vector<Failure> mistakes(const Plan& plan) {
+  Discretisation d;
+  return discretise(plan, d);
+}
+
+Failure failure_of(const Plan& plan, const RunSettings& settings = {},
+                   RunResult* partial = nullptr) {
+  Discretisation d;
+  for (const auto& mistake : discretise(plan, d)) throw mistake;
+  try {
+    run(plan, d, settings, partial);
+  } catch (const Failure& failure) {
+    return failure;
+  }
+  ADD_FAILURE() << "the run went through";
+  return Failure(FailureKind::output, {}, "");
+}
+
+TEST(Discretise, SeveralMistakesAtOnce) {
+  auto plan = slab(4, 4);
+  plan.parts.push_back(group("a", "nowhere"));
+  plan.parts.push_back(group("b", "elsewhere"));
+  plan.parts[4].origin = {7};
+  plan.time.grid = {0, 1, 1};
+  const auto found = mistakes(plan);
+  ASSERT_EQ(found.size(), 3u);
+  EXPECT_EQ(found[0].kind, FailureKind::bad_value);
+  EXPECT_EQ(found[1].kind, FailureKind::unknown_group);
+  EXPECT_EQ(found[2].kind, FailureKind::unknown_group);
+}
+
+TEST(Discretise, ALawOnAClampedFacetIsRefusedASharedNodeIsNot) {
+  auto plan = slab(4, 4);
+  plan.space.dirichlet.push_back(clamp(flank)); // shares a node with the ground
+  plan.loads.pop_back();
+  EXPECT_TRUE(mistakes(plan).empty());
+  plan.space.dirichlet.push_back(clamp(ground));
+  const auto found = mistakes(plan);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, FailureKind::overlapping_regions);
+  EXPECT_EQ(found[0].origin, plan.law_terms[0].origin);
+  EXPECT_THAT(found[0].what(), HasSubstr("`ground`"));
+}
+
+TEST(Discretise, ALawTwiceOnAPart) {
+  auto plan = slab(4, 4);
+  plan.law_terms.push_back(plan.law_terms[0]);
+  const auto found = mistakes(plan);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, FailureKind::overlapping_regions);
+}
+
+TEST(Discretise, InitialStateAgainstImposedValues) {
+  auto plan = slab(4, 4);
+  plan.time.initial = {1.0, 0.0};
+  const auto found = mistakes(plan);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, FailureKind::bad_value);
+  plan.time.initial = {1.0 - var(slot::x(1)), 0.0};
+  EXPECT_TRUE(mistakes(plan).empty());
+}
+
+TEST(Discretise, PointsAndTimesOfProbes) {
+  auto plan = slab(4, 4);
+  plan.report.probes[0].point = {3, 0, 0};
+  plan.report.probes[1].time = 1.5;
+  EXPECT_EQ(mistakes(plan).size(), 2u);
+}
+
+TEST(Coercivity, RigidMotionsAreNamed) {
+  auto plan = slab(4, 4);
+  plan.space.dirichlet = {clamp(roof, 1)}; // free along x
+  auto failure = failure_of(plan);
+  EXPECT_EQ(failure.kind, FailureKind::not_coercive);
+  EXPECT_THAT(failure.what(), HasSubstr("translation along x"));
+  plan.space.dirichlet.clear();
+  failure = failure_of(plan);
+  EXPECT_EQ(failure.kind, FailureKind::not_coercive);
+  EXPECT_THAT(failure.what(), HasSubstr("rotation"));
+  EXPECT_THAT(failure.what(), HasSubstr("translation along y"));
+}
+
+TEST(Coercivity, NegativeStiffnessIsRefused) {
+  auto plan = slab(4, 4);
+  plan.forms = {elastic(2, body, field_u, {1, 1}, -1.0)};
+  plan.histories.clear();
+  EXPECT_EQ(failure_of(plan).kind, FailureKind::not_coercive);
+}
+
+/// The sawtooth-like law with a cliff the body cannot follow: no stable solution near the last one.
+Plan hopeless() {
+  auto plan = slab(4, 8);
+  const Expr r = var(slot::argument(0));
+  // Softens faster than the whole body is stiff: the step's problem has no minimum.
+  plan.laws[0].expression = select(less(r, 0.004), 100.0 * r, 0.4 - 1e7 * (r - 0.004));
+  return plan;
+}
+
+TEST(Certificate, WithoutOneTheRunStopsAndKeepsTheLastGoodState) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "hvi_not_certified";
+  std::filesystem::remove_all(folder);
+  RunSettings settings;
+  settings.output_folder = folder.string();
+  RunResult partial;
+  const auto plan = hopeless();
+  const auto failure = failure_of(plan, settings, &partial);
+  EXPECT_EQ(failure.kind, FailureKind::not_certified);
+  EXPECT_EQ(failure.origin, plan.law_terms[0].origin);
+  EXPECT_THAT(failure.what(), HasSubstr("step " + std::to_string(partial.steps + 1)));
+  EXPECT_FALSE(partial.certificate.certified);
+  ASSERT_GT(partial.steps, 0);
+  EXPECT_EQ(partial.times.size(), static_cast<std::size_t>(partial.steps));
+  EXPECT_GT(partial.u.norm(), 0.0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "result.csv"));
+}
+
+TEST(Certificate, InterruptedRunsKeepTheirState) {
+  std::atomic<bool> stop = false;
+  RunSettings settings;
+  settings.stop = &stop;
+  settings.on_step = [&](int n, double, const Vector&, const Vector&) { stop = n == 3; };
+  RunResult partial;
+  EXPECT_EQ(failure_of(slab(4, 8), settings, &partial).kind, FailureKind::interrupted);
+  EXPECT_EQ(partial.steps, 3);
+}
+
+TEST(Output, AFolderThatCannotBeMadeIsAFailure) {
+  const auto file = std::filesystem::path(testing::TempDir()) / "hvi_a_file";
+  std::ofstream(file) << "x";
+  RunSettings settings;
+  settings.output_folder = (file / "below").string();
+  EXPECT_EQ(failure_of(slab(4, 4), settings).kind, FailureKind::output);
+}
+
+} // namespace
+} // namespace hvi::solver
