@@ -1,14 +1,14 @@
 // libFuzzer target for scripts: any bytes lex and parse without a crash; a script without errors
 // survives the formatter with the same tree, and formatting twice changes nothing.
+#include "lang/diag/render.hpp"
+#include "lang/syntax/parser.hpp"
+#include "lang/syntax/print.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
-
-#include "lang/diag/render.hpp"
-#include "lang/syntax/parser.hpp"
-#include "lang/syntax/print.hpp"
 
 namespace {
 

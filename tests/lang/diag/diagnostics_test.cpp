@@ -1,4 +1,8 @@
 // The collector, suggestions and the catalogue.
+#include "lang/diag/catalogue.hpp"
+#include "lang/diag/diagnostic.hpp"
+#include "lang/diag/suggest.hpp"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -7,10 +11,6 @@
 #include <set>
 #include <sstream>
 #include <string>
-
-#include "lang/diag/catalogue.hpp"
-#include "lang/diag/diagnostic.hpp"
-#include "lang/diag/suggest.hpp"
 
 namespace hvi::lang {
 namespace {
@@ -68,7 +68,8 @@ std::size_t slow_distance(const std::string& a, const std::string& b) {
 TEST(Suggest, DistanceAgreesWithItsDefinition) {
   const std::vector<std::string> words{"", "a", "young", "yuong", "ab", "ba", "abc", "cab", "mu"};
   for (const auto& a : words)
-    for (const auto& b : words) EXPECT_EQ(edit_distance(a, b), slow_distance(a, b)) << a << " " << b;
+    for (const auto& b : words)
+      EXPECT_EQ(edit_distance(a, b), slow_distance(a, b)) << a << " " << b;
 }
 
 TEST(Suggest, FindsSlipsAndStaysQuietOtherwise) {
@@ -118,7 +119,8 @@ TEST(Catalogue, EveryCodeInTheSourcesHasAnEntry) {
     std::stringstream text;
     text << std::ifstream(file.path()).rdbuf();
     const std::string source = text.str();
-    for (std::sregex_iterator it(source.begin(), source.end(), code_in_quotes), end; it != end; ++it) {
+    for (std::sregex_iterator it(source.begin(), source.end(), code_in_quotes), end; it != end;
+         ++it) {
       used.insert((*it)[1]);
       EXPECT_TRUE(find_entry((*it)[1].str()).has_value())
           << (*it)[1] << " is used in " << name << " and not in the catalogue";

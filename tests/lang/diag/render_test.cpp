@@ -1,10 +1,10 @@
 // Goldens of rendered diagnostics, for people and as JSON.
+#include "lang/diag/render.hpp"
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <string>
-
-#include "lang/diag/render.hpp"
 
 namespace hvi::lang {
 namespace {
@@ -138,7 +138,8 @@ TEST_F(Render, ReplacesWhatCannotBePrinted) {
 }
 
 TEST_F(Render, CutsVeryLongLines) {
-  const int file = sources.add("a.hvi", std::string(100000, 'x') + " here " + std::string(9999, 'y'));
+  const int file =
+      sources.add("a.hvi", std::string(100000, 'x') + " here " + std::string(9999, 'y'));
   const std::string text = render(diagnose("E0301", at(file, "here"), "m"), sources);
   EXPECT_LT(text.size(), 800U);
   EXPECT_NE(text.find("a.hvi:1:100002"), std::string::npos);
@@ -151,9 +152,9 @@ TEST_F(Render, CutsVeryLongLines) {
 }
 
 TEST_F(Render, WithoutAPlaceThereIsNoSnippet) {
-  EXPECT_EQ(render(diagnose("E0301", Span{}, "unknown parameter `m`").with_help("see `params`"),
-                   sources),
-            "error[E0301]: unknown parameter `m`\n  = help: see `params`\n");
+  EXPECT_EQ(
+      render(diagnose("E0301", Span{}, "unknown parameter `m`").with_help("see `params`"), sources),
+      "error[E0301]: unknown parameter `m`\n  = help: see `params`\n");
 }
 
 TEST_F(Render, AtTheEndOfTheFile) {

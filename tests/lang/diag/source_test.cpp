@@ -1,10 +1,10 @@
 // Texts, spans and positions.
+#include "lang/diag/source.hpp"
+#include "lang/diag/utf8.hpp"
+
 #include <gtest/gtest.h>
 
 #include <string>
-
-#include "lang/diag/source.hpp"
-#include "lang/diag/utf8.hpp"
 
 namespace hvi::lang {
 namespace {
@@ -65,7 +65,8 @@ TEST(ReadText, MissingFilesAndFoldersGiveNothing) {
 }
 
 TEST(Utf8, RejectsBrokenSequences) {
-  for (const std::string bytes : {"\xFF", "\xC0\xAF", "\xE2\x88", "\xED\xA0\x80", "\xF5\x80\x80\x80"})
+  for (const std::string bytes :
+       {"\xFF", "\xC0\xAF", "\xE2\x88", "\xED\xA0\x80", "\xF5\x80\x80\x80"})
     EXPECT_FALSE(utf8::decode(bytes, 0).valid) << testing::PrintToString(bytes);
   const auto minus = utf8::decode("\xE2\x88\x92", 0);
   EXPECT_TRUE(minus.valid);
