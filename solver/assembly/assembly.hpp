@@ -28,9 +28,10 @@ public:
   LoadAssembler(const Space& space, std::span<const Region> parts, std::span<const LoadTerm> loads);
   ~LoadAssembler();
   LoadAssembler(LoadAssembler&&) noexcept;
-  /// f(t) added to `out` (full vector).
+  /// f(t) added to `out` (full vector). Throws Failure(bad_value) with point and time at NaN.
   void add(double t, Vector& out) const;
-  /// The mean of f over [t0, t1]: exact for polynomials in t of degree 7, added to `out`.
+  /// The mean of f over [t0, t1], added to `out`: exact for polynomials in t of degree 7, piecewise
+  /// between the knots of tables of t.
   void add_mean(double t0, double t1, Vector& out) const;
   int separable_terms() const; ///< vectors F_m stored
   bool separable() const;      ///< nothing is assembled again at each step
@@ -86,7 +87,9 @@ struct FieldValues {
 double evaluate_at(const Space& space, const Expr& expression, int cell,
                    const std::array<double, 4>& barycentric, const FieldValues& values);
 /// Integral of an expression over a region (cells: fields and gradients of the cell; facets: of the
-/// cell behind, with slot::normal). No multipliers. Prepared once, evaluated at many steps.
+/// cell behind, with slot::normal). No multipliers. Prepared once, evaluated at many steps:
+/// integrands affine in the fields with coefficients independent of t cost one sparse dot product.
+/// The space must outlive it. Throws Failure(bad_value) when a field the integrand needs is absent.
 class Integrator {
 public:
   Integrator(const Space& space, const Region& region, Rule rule, std::vector<Expr> integrands);

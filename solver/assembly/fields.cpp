@@ -58,7 +58,7 @@ double evaluate_at(const Space& space, const Expr& expression, int cell,
   block.cell.push_back(cell);
   block.entity.push_back(cell);
   block.barycentric.push_back(barycentric);
-  block.indicators = space.indicators.get();
+  block.indicators = space.indicators;
   std::vector<double> out;
   FieldTape(space, {&expression, 1}).evaluate(block, values, out);
   return out.front();

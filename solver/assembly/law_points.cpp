@@ -289,7 +289,7 @@ void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector&
   block.cell = points.cell;
   block.entity = points.facet;
   block.kind = points.kind;
-  block.indicators = points.indicators.get();
+  block.indicators = points.indicators;
   std::vector<double> values(n * n_args);
   Pointwise(offsets).evaluate(block, t, term.origin, values);
   Eigen::VectorXd offset(static_cast<Eigen::Index>(n_args));

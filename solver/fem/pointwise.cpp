@@ -78,7 +78,7 @@ RegionPoints::RegionPoints(const Space& space, const Region& region, Quadrature 
 void RegionPoints::fill(std::size_t first, std::size_t last, PointBlock& block) const {
   block.clear();
   block.kind = kind_;
-  block.indicators = indicators_.get();
+  block.indicators = indicators_;
   const int dim = mesh_->dim;
   for (std::size_t e = first; e < last; ++e) {
     const int entity = entities_[e], cell = cells_[e];

@@ -17,7 +17,7 @@ struct PointBlock {
   std::vector<std::int32_t> entity;             ///< cell, facet or node it was made from
   std::vector<Barycentric> barycentric;         ///< in `cell`
   Group::Kind kind = Group::Kind::cells;        ///< of the entities
-  const PartIndicators* indicators = nullptr;   ///< for slot::inside
+  std::shared_ptr<const PartIndicators> indicators; ///< for slot::inside
   std::size_t size() const { return weight.size(); }
   void clear();
   Point point(std::size_t p) const { return {x[0][p], x[1][p], x[2][p]}; }
