@@ -149,16 +149,25 @@ void FieldQueue::unpack(std::vector<double> values) {
   count_ = n_ == 0 ? 0 : values_.size() / n_;
 }
 
-void add_combination(std::span<const double> weights, const double* fields, std::span<double> out) {
-  const std::size_t n = out.size(), count = weights.size();
+void add_combinations(std::span<const Combination> parts, std::span<double> out) {
+  const std::size_t n = out.size();
   for (std::size_t from = 0; from < n; from += block) {
     const std::size_t points = std::min(block, n - from);
     double* target = out.data() + from;
-    const double* source = fields + from;
-    std::size_t f = 0;
-    for (; f + 8 <= count; f += 8) add_some<8>(&weights[f], source + f * n, n, points, target);
-    for (; f < count; ++f) add_some<1>(&weights[f], source + f * n, n, points, target);
+    for (const Combination& part : parts) {
+      const double* source = part.fields + from;
+      const std::size_t count = part.weights.size();
+      std::size_t f = 0;
+      for (; f + 8 <= count; f += 8)
+        add_some<8>(&part.weights[f], source + f * n, n, points, target);
+      for (; f < count; ++f) add_some<1>(&part.weights[f], source + f * n, n, points, target);
+    }
   }
+}
+
+void add_combination(std::span<const double> weights, const double* fields, std::span<double> out) {
+  const Combination part{weights, fields};
+  add_combinations({&part, 1}, out);
 }
 
 void set_scaled(double w, std::span<const double> a, std::span<double> out) {

@@ -35,6 +35,14 @@ private:
 /// out += sum_f weights[f] fields[f * n + .]
 void add_combination(std::span<const double> weights, const double* fields, std::span<double> out);
 
+/// Some stored fields and their weights.
+struct Combination {
+  std::span<const double> weights;
+  const double* fields;
+};
+/// out += all of them, in one pass over `out`.
+void add_combinations(std::span<const Combination> parts, std::span<double> out);
+
 /// out = w a
 void set_scaled(double w, std::span<const double> a, std::span<double> out);
 

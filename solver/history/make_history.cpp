@@ -40,6 +40,24 @@ std::unique_ptr<History> try_recursion(const Choice& c) {
                             ")");
 }
 
+/// When the fit fails: kinks that stay at their lags cut every block sooner or later.
+std::unique_ptr<History> without_exponentials(const Choice& c, const std::string& failure) {
+  const auto& breaks = c.kernel.traits.breaks;
+  const double horizon = c.options.horizon;
+  if (!breaks.empty() && (horizon <= 0 || breaks.back() > 0.25 * horizon)) {
+    return make_direct(
+        c.kernel, c.n, c.options,
+        fmt::format("the kernel has kinks up to lag {:.4g} ({})", breaks.back(), failure));
+  }
+  return make_tree(c.kernel, c.n, c.options, failure);
+}
+
+std::unique_ptr<History> fit_or_tree(const Choice& c) {
+  auto fit = make_fit(c.kernel, c.n, c.options);
+  if (fit.history) return std::move(fit.history);
+  return without_exponentials(c, "no sum of exponentials: " + fit.failure);
+}
+
 std::unique_ptr<History> automatic(const Choice& c) {
   if (auto recursion = try_recursion(c)) return recursion;
   const KernelTraits& traits = c.kernel.traits;
@@ -54,39 +72,51 @@ std::unique_ptr<History> automatic(const Choice& c) {
         c.kernel, c.n, c.options,
         fmt::format("{} steps are too few to gain from compression", c.options.steps));
   }
-  auto fit = make_fit(c.kernel, c.n, c.options);
-  if (fit.history) return std::move(fit.history);
-  return make_direct(c.kernel, c.n, c.options, "no faster route applies");
+  return fit_or_tree(c);
+}
+
+std::unique_ptr<History> forced_recursion(const Choice& c) {
+  if (auto recursion = try_recursion(c)) return recursion;
+  const KernelSpec& kernel = c.kernel.spec;
+  throw Failure(
+      FailureKind::bad_kernel, kernel.origin,
+      fmt::format("the memory kernel `{}` is not a sum of exponentials: it has no recursion",
+                  kernel.name),
+      "leave the choice of the route to the program, or ask for `fit` or `tree`");
+}
+
+void check_options(const KernelSpec& kernel, const HistoryOptions& options) {
+  if (options.order != 0 && options.order != 1) {
+    throw Failure(FailureKind::bad_value, kernel.origin, "the order of a memory is 0 or 1");
+  }
+  if (!(options.tolerance > 0) || !(options.tolerance < 1)) {
+    throw Failure(FailureKind::bad_value, kernel.origin,
+                  "the memory tolerance must lie between 0 and 1");
+  }
 }
 
 } // namespace
 
 std::unique_ptr<History> make_history(const KernelSpec& kernel, std::size_t n,
                                       const HistoryOptions& options) {
+  check_options(kernel, options);
   const KernelTraits traits = kernel_traits(kernel.expression, options.horizon);
   check_kernel(kernel, traits);
   const PreparedKernel prepared(kernel, traits);
   const Choice choice{prepared, n, options};
   switch (options.route) {
+  case HistoryRoute::automatic:
+    return automatic(choice);
+  case HistoryRoute::recursion:
+    return forced_recursion(choice);
+  case HistoryRoute::fit:
+    return fit_or_tree(choice);
+  case HistoryRoute::tree:
+    return make_tree(prepared, n, options, "asked for");
   case HistoryRoute::direct:
     return make_direct(prepared, n, options, "asked for");
-  case HistoryRoute::recursion:
-    if (auto recursion = try_recursion(choice)) return recursion;
-    throw Failure(FailureKind::bad_kernel, kernel.origin,
-                  fmt::format("the memory kernel `{}` is not a sum of exponentials: it has no "
-                              "recursion",
-                              kernel.name),
-                  "leave the choice of the route to the program, or ask for `fit` or `tree`");
-  case HistoryRoute::fit: {
-    auto fit = make_fit(prepared, n, options);
-    if (fit.history) return std::move(fit.history);
-    break;
   }
-  case HistoryRoute::automatic:
-  case HistoryRoute::tree:
-    break;
-  }
-  return automatic(choice);
+  throw Failure(FailureKind::bad_value, kernel.origin, "unknown memory route");
 }
 
 } // namespace hvi::solver

@@ -15,7 +15,16 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// int_0^length |q(t, lag)| dlag; |q| as an expression brings its own breaks where q changes sign.
+/// c e^{-a lag} with a >= 0 has its largest value and slope at lag 0.
+bool single_decaying(const ExponentialTerms& terms) {
+  return terms.size() == 1 && terms[0].power == 0 && terms[0].lag_rate.imag() == 0 &&
+         terms[0].lag_rate.real() <= 0 && terms[0].time_rate == 0.0 &&
+         terms[0].of_time.is_constant() && terms[0].of_source.is_constant();
+}
+
+} // namespace
+
+/// |q| as an expression brings its own breaks where q changes sign.
 double absolute_integral(const Expr& expression, double exponent, double t, double length) {
   if (length <= 0) return 0;
   const Expr magnitude = abs(expression);
@@ -29,15 +38,6 @@ double absolute_integral(const Expr& expression, double exponent, double t, doub
   }
   return sum;
 }
-
-/// c e^{-a lag} with a >= 0 has its largest value and slope at lag 0.
-bool single_decaying(const ExponentialTerms& terms) {
-  return terms.size() == 1 && terms[0].power == 0 && terms[0].lag_rate.imag() == 0 &&
-         terms[0].lag_rate.real() <= 0 && terms[0].time_rate == 0.0 &&
-         terms[0].of_time.is_constant() && terms[0].of_source.is_constant();
-}
-
-} // namespace
 
 KernelNorms kernel_norms(const Expr& expression, double t0, double t1) {
   const double length = t1 - t0;

@@ -45,7 +45,8 @@ bool panel(const double* q, double length, Moments& out) {
 } // namespace
 
 std::span<const Moments> PastWeights::operator()(const PreparedKernel& kernel, const TimeGrid& grid,
-                                                 double t, std::span<const double> times) {
+                                                 double t, std::span<const double> times,
+                                                 std::size_t steps_after) {
   const std::size_t count = times.size() - 1;
   weights_.resize(count);
   if (count == 0) return weights_;
@@ -53,8 +54,9 @@ std::span<const Moments> PastWeights::operator()(const PreparedKernel& kernel, c
     by_panels(kernel, t, times);
     return weights_;
   }
-  while (by_index_.size() <= count) by_index(kernel, grid.uniform_step(), t);
-  for (std::size_t j = 0; j < count; ++j) weights_[j] = by_index_[count - j];
+  const std::size_t oldest = count + steps_after;
+  while (by_index_.size() <= oldest) by_index(kernel, grid.uniform_step(), t);
+  for (std::size_t j = 0; j < count; ++j) weights_[j] = by_index_[oldest - j];
   return weights_;
 }
 

@@ -14,9 +14,9 @@ namespace hvi::solver {
 /// done adaptively.
 class PastWeights {
 public:
-  /// Weights of (times[j], times[j+1]) at t; times.back() is the end of the last accepted step.
+  /// Weights of (times[j], times[j+1]) at t; `steps_after` accepted steps follow times.back().
   std::span<const Moments> operator()(const PreparedKernel& kernel, const TimeGrid& grid, double t,
-                                      std::span<const double> times);
+                                      std::span<const double> times, std::size_t steps_after = 0);
   void reset() { by_index_.clear(); }
 
 private:

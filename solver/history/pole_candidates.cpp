@@ -76,20 +76,25 @@ std::vector<Pole> real_candidates(const KernelSamples& samples, double per_decad
 std::vector<Pole> oscillating_candidates(const PreparedKernel& kernel,
                                          const KernelSamples& samples) {
   std::vector<Pole> poles;
-  bool modulated = false;
+  const auto poles_on = [&](double from, double window) {
+    const double step = window / (2 * half);
+    VectorXd values(2 * half + 1);
+    for (int i = 0; i <= 2 * half; ++i) values[i] = kernel.function(0.0, from + step * i);
+    const auto found = esprit(values, step);
+    poles.insert(poles.end(), found.begin(), found.end());
+    return found;
+  };
+  bool largest = true;
   for (double window = samples.high - samples.low; window > 8 * samples.low; window /= 4) {
     // Four samples per wave at least; a panel of the samples holds up to three waves.
     if (panels_within(samples, samples.low, samples.low + window) > half / 4) continue;
-    const double step = window / (2 * half);
-    VectorXd values(2 * half + 1);
-    for (int i = 0; i <= 2 * half; ++i) values[i] = kernel.function(0.0, samples.low + step * i);
-    const auto found = esprit(values, step);
-    poles.insert(poles.end(), found.begin(), found.end());
-    if (modulated) continue;
-    // Beyond the largest window that resolves it, a wave may decay at any slower rate.
-    for (const double f : frequencies(found, window)) {
-      modulated = true;
-      for (double decay = 0.2 / samples.high; decay < f; decay *= 3) poles.push_back({decay, f});
+    poles_on(samples.low, window);
+    if (!largest) continue;
+    largest = false;
+    // A wave may decay at any rate slower than this window shows. Its frequency is purest at the
+    // end, where the faster terms are gone.
+    for (const double f : frequencies(poles_on(samples.high - window, window), window)) {
+      for (double decay = 0.1 / samples.high; decay < f; decay *= 2) poles.push_back({decay, f});
     }
   }
   return poles;

@@ -26,4 +26,8 @@ struct RouteOutcome {
 /// A fitted sum of exponentials. Fails when the fit does not meet the tolerance.
 RouteOutcome make_fit(const PreparedKernel& kernel, std::size_t n, const HistoryOptions& options);
 
+/// Moments of u over blocks of time. Serves every kernel; saves where it is smooth for old times.
+std::unique_ptr<History> make_tree(const PreparedKernel& kernel, std::size_t n,
+                                   const HistoryOptions& options, std::string why);
+
 } // namespace hvi::solver

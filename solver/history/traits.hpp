@@ -23,4 +23,7 @@ struct VerifiedTerms {
 /// its factors g and h stay far from overflow.
 std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horizon);
 
+/// int_0^length |q(t, lag)| dlag.
+double absolute_integral(const Expr& expression, double singular_exponent, double t, double length);
+
 } // namespace hvi::solver

@@ -1,0 +1,306 @@
+// The moment tree: recent steps are raw, older ones are blocks of Chebyshev moments of u, merged in
+// pairs as they age. Needs nothing of the kernel but smoothness away from lag 0.
+#include "solver/history/block_test.hpp"
+#include "solver/history/fields.hpp"
+#include "solver/history/past_weights.hpp"
+#include "solver/history/routes.hpp"
+#include "solver/history/stream.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+
+namespace {
+
+constexpr std::uint32_t magic = 0x54524531;
+
+/// Steps [index * 2^level, (index + 1) * 2^level) * leaf: raw values or moments.
+struct Node {
+  int level = 0; ///< -1: raw
+  std::int64_t index = 0;
+  TimeBlock block;
+  double next_test = 0;
+  double error = 0;
+  std::vector<double> times;  ///< of raw steps
+  std::vector<double> fields; ///< raw values (order 1: also the one before), or moments
+  bool raw() const { return level < 0; }
+};
+
+class TreeHistory final : public History {
+public:
+  TreeHistory(const PreparedKernel& kernel, std::size_t n, const HistoryOptions& options,
+              std::string why)
+      : kernel_(kernel), moments_(moment_count(options.tolerance)), n_(n), order_(options.order),
+        leaf_(2 * static_cast<std::size_t>(moments_.count())), options_(options),
+        why_(std::move(why)), grid_(options.shortest_step), test_(kernel_, moments_, options) {}
+
+  void start(double t0, std::span<const double> u0) override {
+    grid_.start(t0);
+    nodes_.clear();
+    weights_.reset();
+    steps_ = 0;
+    if (options_.horizon > 0) test_.extend(t0, options_.horizon);
+    if (order_ == 1) check_field(kernel_, n_, u0.size());
+    open_node(t0, u0);
+  }
+
+  void rhs(double t_new, std::span<double> out) override {
+    check_field(kernel_, n_, out.size());
+    check_step(kernel_, grid_.now(), t_new);
+    std::fill(out.begin(), out.end(), 0.0);
+    collect_weights(t_new);
+    add_combinations(parts_, out);
+  }
+
+  double w0(double t_new) override {
+    check_step(kernel_, grid_.now(), t_new);
+    const Moments m = current(t_new);
+    return order_ == 0 ? m.zero : m.zero - m.one;
+  }
+
+  void commit(double t_new, std::span<const double> u_new) override {
+    check_field(kernel_, n_, u_new.size());
+    check_step(kernel_, grid_.now(), t_new);
+    grid_.accept(t_new);
+    ++steps_;
+    Node& last = nodes_.back();
+    last.times.push_back(t_new);
+    last.block.b = t_new;
+    last.fields.insert(last.fields.end(), u_new.begin(), u_new.end());
+    if (last.times.size() == leaf_ + 1) open_node(t_new, u_new);
+    watch_horizon(t_new);
+    forget(t_new);
+    compress(t_new);
+  }
+
+  HistoryReport report() const override {
+    HistoryReport r;
+    r.route = "tree";
+    r.why = why_;
+    for (const Node& node : nodes_) {
+      r.fields += n_ == 0 ? 0 : static_cast<std::int64_t>(node.fields.size() / n_);
+      r.bytes += 8.0 * static_cast<double>(node.fields.size());
+      r.error += node.error;
+    }
+    r.verified = false; // the tests of the blocks are samples
+    return r;
+  }
+
+  void save(std::ostream& out) const override {
+    StateWriter w(out);
+    w.put(magic);
+    w.put(static_cast<std::uint64_t>(n_));
+    w.put(order_);
+    w.put(static_cast<std::uint64_t>(leaf_));
+    grid_.save(w);
+    w.put(steps_);
+    w.put(test_.horizon());
+    w.put(static_cast<std::uint64_t>(nodes_.size()));
+    for (const Node& node : nodes_) {
+      w.put(node.level);
+      w.put(node.index);
+      w.put(node.block);
+      w.put(node.next_test);
+      w.put(node.error);
+      w.put(node.times);
+      w.put(node.fields);
+    }
+  }
+
+  void restore(std::istream& in) override {
+    StateReader r(in, kernel_.spec.origin);
+    r.expect(magic, "route");
+    r.expect(static_cast<std::uint64_t>(n_), "number of unknowns");
+    r.expect(order_, "order");
+    r.expect(static_cast<std::uint64_t>(leaf_), "tolerance");
+    grid_.restore(r);
+    weights_.reset();
+    steps_ = r.get<std::int64_t>();
+    if (const double horizon = r.get<double>(); horizon > 0) {
+      test_.extend(grid_.start_time(), horizon);
+    }
+    const auto count = r.get<std::uint64_t>();
+    nodes_.clear();
+    for (std::uint64_t i = 0; i < count; ++i) {
+      Node node;
+      node.level = r.get<int>();
+      node.index = r.get<std::int64_t>();
+      node.block = r.get<TimeBlock>();
+      node.next_test = r.get<double>();
+      node.error = r.get<double>();
+      node.times = r.get_vector<double>();
+      node.fields = r.get_vector<double>();
+      if (node.fields.size() != fields_in(node) * n_) r.fail("is inconsistent");
+      nodes_.push_back(std::move(node));
+    }
+    if (nodes_.empty() || !nodes_.back().raw()) r.fail("is inconsistent");
+  }
+
+private:
+  /// One digit a moment: more would lengthen every step, fewer keep more blocks.
+  static int moment_count(double tolerance) {
+    return std::clamp(static_cast<int>(std::ceil(-std::log10(tolerance) - 1e-9)), 4, 12);
+  }
+
+  std::size_t fields_in(const Node& node) const {
+    if (!node.raw()) return static_cast<std::size_t>(moments_.count());
+    return node.times.empty() ? 0 : node.times.size() - (order_ == 1 ? 0 : 1);
+  }
+
+  Moments current(double t_new) { return near_(kernel_, t_new, 0, grid_.step_to(t_new)); }
+
+  void open_node(double t, std::span<const double> u) {
+    Node node;
+    node.level = -1;
+    node.index = steps_ / static_cast<std::int64_t>(leaf_);
+    node.block = {t, t};
+    node.times.push_back(t);
+    if (order_ == 1) node.fields.assign(u.begin(), u.end());
+    nodes_.push_back(std::move(node));
+  }
+
+  /// parts_: for every node its fields and their weights at t_new.
+  void collect_weights(double t_new) {
+    lags_.clear();
+    for (const Node& node : nodes_) {
+      if (!node.raw()) moments_.add_nodes(node.block, t_new, lags_);
+    }
+    values_.resize(lags_.size());
+    kernel_.function.evaluate(t_new, lags_, values_);
+    node_weights_.resize(nodes_.size());
+    parts_.clear();
+    const double* values = values_.data();
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const Node& node = nodes_[i];
+      auto& weights = node_weights_[i];
+      if (node.raw()) {
+        const auto before = node.index * static_cast<std::int64_t>(leaf_) +
+                            static_cast<std::int64_t>(node.times.size()) - 1;
+        put_node_weights(
+            weights_(kernel_, grid_, t_new, node.times, static_cast<std::size_t>(steps_ - before)),
+            order_, weights);
+      } else {
+        weights.resize(static_cast<std::size_t>(moments_.count()));
+        moments_.coefficients(values, weights.data());
+        values += moments_.count();
+      }
+      parts_.push_back({weights, node.fields.data()});
+    }
+    if (order_ == 1) node_weights_.back().back() += current(t_new).one;
+  }
+
+  /// Beyond the horizon all blocks are asked again, for the longer time.
+  void watch_horizon(double now) {
+    const double elapsed = now - grid_.start_time();
+    if (test_.horizon() > 0 && elapsed <= test_.horizon() * (1 + 1e-9)) return;
+    test_.extend(grid_.start_time(), 2 * elapsed);
+    double total = 0;
+    for (Node& node : nodes_) {
+      if (!node.raw()) node.error = test_.error(node.block, grid_.start_time(), now);
+      total += node.error;
+    }
+    if (total <= options_.tolerance) return;
+    throw Failure(
+        FailureKind::limit, kernel_.spec.origin,
+        fmt::format("the memory `{}` was compressed for an earlier end time; continued to "
+                    "{:.6g} it would be within {:.1e} only",
+                    kernel_.spec.name, now, total),
+        "run from the start with the longer end time");
+  }
+
+  void forget(double now) {
+    const double reach = kernel_.traits.max_lag;
+    if (reach <= 0) return;
+    const auto visible = std::find_if(nodes_.begin(), nodes_.end() - 1,
+                                      [&](const Node& node) { return now - node.block.b < reach; });
+    nodes_.erase(nodes_.begin(), visible);
+  }
+
+  /// One pass from old to new: raw nodes become moments, siblings merge, as the test allows. The
+  /// last node is still being filled.
+  void compress(double now) {
+    for (std::size_t i = 0; i + 1 < nodes_.size(); ++i) {
+      if (nodes_[i].raw() && now >= nodes_[i].next_test) to_moments(nodes_[i], now);
+    }
+    for (bool merged = true; merged;) {
+      merged = false;
+      for (std::size_t i = 0; i + 2 < nodes_.size() && !merged; ++i) merged = merge(i, now);
+    }
+  }
+
+  /// A failed test is repeated when the block is noticeably further away.
+  double later(const TimeBlock& block, double now) const {
+    return now + std::max(0.25 * (block.b - block.a), 0.1 * (now - block.b));
+  }
+
+  void to_moments(Node& node, double now) {
+    const auto error = test_.passes(node.block, grid_.start_time(), now);
+    if (!error) {
+      node.next_test = later(node.block, now);
+      return;
+    }
+    std::vector<double> fields(static_cast<std::size_t>(moments_.count()) * n_, 0.0);
+    add_product(moments_.of_intervals(node.block, node.times, order_), node.fields.data(),
+                fields.data(), n_);
+    node.fields = std::move(fields);
+    node.times.clear();
+    node.times.shrink_to_fit();
+    node.level = 0;
+    node.error = *error;
+    node.next_test = now;
+  }
+
+  bool merge(std::size_t i, double now) {
+    Node &left = nodes_[i], &right = nodes_[i + 1];
+    const bool siblings = !left.raw() && left.level == right.level && left.index % 2 == 0 &&
+                          right.index == left.index + 1;
+    if (!siblings || now < left.next_test) return false;
+    const TimeBlock parent{left.block.a, right.block.b};
+    const auto error = test_.passes(parent, grid_.start_time(), now);
+    if (!error) {
+      left.next_test = later(parent, now);
+      return false;
+    }
+    std::vector<double> fields(left.fields.size(), 0.0);
+    add_product(moments_.to_parent(left.block, parent), left.fields.data(), fields.data(), n_);
+    add_product(moments_.to_parent(right.block, parent), right.fields.data(), fields.data(), n_);
+    left.fields = std::move(fields);
+    left.block = parent;
+    left.level += 1;
+    left.index /= 2;
+    left.error = *error;
+    left.next_test = now;
+    nodes_.erase(nodes_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    return true;
+  }
+
+  PreparedKernel kernel_;
+  ChebyshevMoments moments_;
+  std::size_t n_;
+  int order_;
+  std::size_t leaf_; ///< steps of a leaf: twice the moments, so that it saves half
+  HistoryOptions options_;
+  std::string why_;
+  TimeGrid grid_;
+  BlockTest test_;
+  WeightCache near_;
+  PastWeights weights_;
+  std::vector<Node> nodes_; ///< from old to new; the last one is raw and open
+  std::int64_t steps_ = 0;
+
+  std::vector<double> lags_, values_;
+  std::vector<std::vector<double>> node_weights_;
+  std::vector<Combination> parts_;
+};
+
+} // namespace
+
+std::unique_ptr<History> make_tree(const PreparedKernel& kernel, std::size_t n,
+                                   const HistoryOptions& options, std::string why) {
+  return std::make_unique<TreeHistory>(kernel, n, options, std::move(why));
+}
+
+} // namespace hvi::solver
