@@ -88,7 +88,7 @@ PoleFit::Solution first_solution(const PreparedKernel& kernel, const KernelSampl
   auto candidates = oscillating_candidates(kernel, samples);
   const auto real = real_candidates(samples, 5.0);
   candidates.insert(candidates.end(), real.begin(), real.end());
-  return fit.refine(fit.solve(candidates), target, 5);
+  return fit.refine(fit.solve(candidates), target, 40);
 }
 
 FitOutcome failed(std::string why) { return {std::nullopt, std::move(why)}; }

@@ -94,6 +94,8 @@ InequalityEngine::Outcome InequalityEngine::newton(int limit) {
     if (!newton_step()) return Outcome::failed;
     state_before = state;
     for (int p = 0; p < n_points; ++p) classify(p, 1.0);
+    for (int p = 0; p < n_points; ++p) settle(p);
+    update_z();
     const double ratio = try_multipliers();
     if (ratio <= target || (ratio <= options.tolerance && ratio > 0.25 * best)) {
       xi = trial;

@@ -21,6 +21,7 @@ struct InequalityEngine {
     int first = 0, rows = 1;
     double weight = 0.0;
     double gamma = 0.0;   ///< resolvent parameter, about the compliance of the body at the point
+    bool single = false;  ///< each row touches at most one unknown
     double penalty = 0.0; ///< stiffness (per weight) that holds a resting point at its break
   };
   /// Outcome of one of the two methods on fixed components.
@@ -49,6 +50,7 @@ struct InequalityEngine {
   /// The multiplier that stands for certain at the current z: slopes inside, clipped xi at breaks.
   Small multiplier(int p) const;
   double snap(int p) const;
+  void settle(int p);
 
   // ---- Newton on graph states (active_set.cpp)
   Outcome newton(int limit);

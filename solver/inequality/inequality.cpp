@@ -68,8 +68,13 @@ void InequalityEngine::prepare_points() {
       if (sum > 0.0) k += weighted / (sum * sum) / in.rows;
     }
     if (!(k > 0.0)) k = typical > 0.0 ? typical : 1.0;
-    points[p] = {in.graph,  in.first_row,  in.rows,
-                 in.weight, in.weight / k, (single ? 1e13 : 1e7) * k / in.weight};
+    points[p] = {in.graph,
+                 in.first_row,
+                 in.rows,
+                 in.weight,
+                 in.weight / k,
+                 single,
+                 (single ? 1e13 : 1e7) * k / in.weight};
   }
 }
 

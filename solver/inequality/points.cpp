@@ -49,17 +49,32 @@ void InequalityEngine::gather_magnitude(const Vector& x) {
   }
 }
 
-/// z within this of a break counts as on it: rounding of G c + g, and no more.
+/// z within this of a break counts as on it: rounding of G c + g, and a displacement that moves no
+/// more than that part of the point's own force.
 double InequalityEngine::snap(int p) const {
+  const PointData& q = points[p];
   double size = 0.0;
-  for (int k = 0; k < points[p].rows; ++k) {
-    const int row = points[p].first + k;
-    double sum = std::abs(problem.offset[row]);
+  for (int row = q.first; row < q.first + q.rows; ++row) {
+    double sum = std::abs(problem.offset[row]) + q.gamma * std::abs(xi[row]);
     for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
       sum += std::abs(it.value() * c[it.col()]);
     size = std::max(size, sum);
   }
   return 1e-12 * size;
+}
+
+/// Puts a point that rests at a break exactly there, where its rows touch one unknown each: its
+/// finite stiffness left it there up to 1e-13 of its compliance.
+void InequalityEngine::settle(int p) {
+  const PointData& q = points[p];
+  const bool inside = state[p] >= 0 && state[p] % 2 == 0;
+  if (!q.single || inside) return;
+  for (int k = 0; k < q.rows; ++k) {
+    const int row = q.first + k;
+    for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
+      if (it.value() != 0.0 && (state[p] < 0 || q.rows == 1))
+        c[it.col()] = (z_hat[row] - problem.offset[row]) / it.value();
+  }
 }
 
 Small InequalityEngine::apply_d(int p, const Small& v) const {

@@ -14,6 +14,12 @@
 #include <cstdlib>
 #include <filesystem>
 
+#if defined(__SANITIZE_ADDRESS__)
+// libgmsh does not free all it takes; the leak sanitizer is to tell of ours only.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:libgmsh.so"; }
+#endif
+
 namespace hvi::solver {
 namespace {
 

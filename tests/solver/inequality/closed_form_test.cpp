@@ -6,22 +6,22 @@
 namespace hvi::solver::test {
 namespace {
 
-InequalityReport run(Setup& setup, InequalityState& state, InequalityOptions options = {},
+InequalityReport run(Bench& setup, InequalityState& state, InequalityOptions options = {},
                      bool symmetric = true) {
   const auto op = dense_operator(setup.s, symmetric);
   InequalitySolver solver(setup.problem, *op, options);
   return solver.solve(setup.r, state);
 }
 
-Setup one_spring(double k, double force) {
-  Setup setup;
+Bench one_spring(double k, double force) {
+  Bench setup;
   setup.s = DenseMatrix::Constant(1, 1, k);
   setup.r = Vector::Constant(1, force);
   return setup;
 }
 
 TEST(Inequality, NoContactIsTheLinearProblemWithoutNewton) {
-  Setup setup = one_spring(4.0, -2.0);
+  Bench setup = one_spring(4.0, -2.0);
   setup.point(setup.slope(Expr(100.0) * max(arg(), Expr(0.0))), 0.5, {{{0, 1.0}}});
   setup.finish();
   InequalityState state;
@@ -34,7 +34,7 @@ TEST(Inequality, NoContactIsTheLinearProblemWithoutNewton) {
 }
 
 TEST(Inequality, CompliantSpringHasTheHarmonicAnswer) {
-  Setup setup = one_spring(4.0, 2.0);
+  Bench setup = one_spring(4.0, 2.0);
   setup.point(setup.slope(Expr(100.0) * max(arg(), Expr(0.0))), 0.5, {{{0, 1.0}}});
   setup.finish();
   InequalityState state;
@@ -45,7 +45,7 @@ TEST(Inequality, CompliantSpringHasTheHarmonicAnswer) {
 
 TEST(Inequality, StaysStuckBelowTheBoundAndSlipsAbove) {
   for (const double force : {-0.9, -0.29, 0.0, 0.1, 0.3, 0.31, 5.0}) {
-    Setup setup = one_spring(2.0, force);
+    Bench setup = one_spring(2.0, force);
     setup.point(setup.potential(Expr(0.3) * arg(), true), 1.0, {{{0, 1.0}}});
     setup.finish();
     InequalityState state;
@@ -57,7 +57,7 @@ TEST(Inequality, StaysStuckBelowTheBoundAndSlipsAbove) {
 }
 
 TEST(Inequality, RestsOnAnUpwardJumpForManySteps) {
-  Setup setup = one_spring(1.0, 0.0);
+  Bench setup = one_spring(1.0, 0.0);
   setup.point(setup.slope(select(less(arg(), Expr(1.0)), arg(), arg() + Expr(4.0))), 1.0,
               {{{0, 1.0}}});
   setup.finish();
@@ -78,7 +78,7 @@ TEST(Inequality, RestsOnAnUpwardJumpForManySteps) {
 /// k z + slope = f with slope 24 z below .5 and 8 z + 4 above: the lower branch ends at f = 12 + .5
 /// k, on the way back the upper one at f = 8 + .5 k.
 TEST(Inequality, ReleasesAtADownwardJumpAndReturnsLater) {
-  Setup setup = one_spring(1.0, 0.0);
+  Bench setup = one_spring(1.0, 0.0);
   setup.point(setup.slope(select(less(arg(), Expr(0.5)), Expr(24.0) * arg(),
                                  Expr(8.0) * arg() + Expr(4.0))),
               1.0, {{{0, 1.0}}});
@@ -105,7 +105,7 @@ TEST(Inequality, ReleasesAtADownwardJumpAndReturnsLater) {
 
 TEST(Inequality, BranchesOfABistableSpring) {
   const auto solve = [](Branch branch, double force) {
-    Setup setup = one_spring(1.0, force);
+    Bench setup = one_spring(1.0, force);
     setup.point(setup.slope(select(less(arg(), Expr(0.5)), Expr(24.0) * arg(),
                                    Expr(8.0) * arg() + Expr(4.0))),
                 1.0, {{{0, 1.0}}});
@@ -131,7 +131,7 @@ TEST(Inequality, BranchesOfABistableSpring) {
 
 /// A point dragged around a circle in 3D: slip follows the force, |xi| = mu.
 TEST(Inequality, SlipDirectionTurnsThroughAFullCircle) {
-  Setup setup;
+  Bench setup;
   setup.s = 3.0 * DenseMatrix::Identity(2, 2);
   setup.r = Vector::Zero(2);
   setup.point(setup.potential(Expr(0.5) * arg(), true), 2.0, {{{0, 1.0}}, {{1, 1.0}}});
@@ -155,7 +155,7 @@ TEST(Inequality, SlipDirectionTurnsThroughAFullCircle) {
 
 /// Two blocks joined by a spring: pulled, the first slips before the second.
 TEST(Inequality, TwoBlocksSlipOneAfterTheOther) {
-  Setup setup;
+  Bench setup;
   setup.s = DenseMatrix(2, 2);
   setup.s << 2.0, -1.0, -1.0, 2.0;
   setup.r = Vector::Zero(2);
@@ -178,7 +178,7 @@ TEST(Inequality, TwoBlocksSlipOneAfterTheOther) {
 }
 
 TEST(Inequality, OverdeterminedPointsShareOneUnknown) {
-  Setup setup;
+  Bench setup;
   setup.s = chain(3, 0.5);
   setup.r = Vector::Constant(3, 0.4);
   const int law = setup.potential(arg(), true);
@@ -193,7 +193,7 @@ TEST(Inequality, OverdeterminedPointsShareOneUnknown) {
 }
 
 TEST(Inequality, UnsymmetricOperator) {
-  Setup setup;
+  Bench setup;
   setup.s = DenseMatrix(2, 2);
   setup.s << 2.0, -1.5, 0.5, 2.0;
   setup.r = Vector(2);
@@ -213,7 +213,7 @@ TEST(Inequality, UnsymmetricOperator) {
 }
 
 TEST(Inequality, RejectsANonFiniteRightHandSide) {
-  Setup setup = one_spring(1.0, std::nan(""));
+  Bench setup = one_spring(1.0, std::nan(""));
   setup.point(setup.slope(arg()), 1.0, {{{0, 1.0}}});
   setup.finish();
   InequalityState state;

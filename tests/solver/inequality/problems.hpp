@@ -12,7 +12,7 @@
 namespace hvi::solver::test {
 
 /// A problem that owns its laws. Points are added one by one; `finish` makes G.
-struct Setup {
+struct Bench {
   std::vector<std::unique_ptr<Law>> owned;
   ReducedProblem problem;
   DenseMatrix s;
@@ -98,7 +98,7 @@ inline DenseMatrix chain(int n, double ground) {
 struct Certificate {
   double residual = 0.0, inclusion = 0.0;
 };
-inline Certificate recompute(const Setup& setup, const std::vector<const KnownLaw*>& known,
+inline Certificate recompute(const Bench& setup, const std::vector<const KnownLaw*>& known,
                              const InequalityState& state) {
   Certificate out;
   const ReducedProblem& problem = setup.problem;

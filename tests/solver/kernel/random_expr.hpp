@@ -37,6 +37,8 @@ struct Tree {
       std::array<double, 3> v{};
       for (std::size_t i = 0; i < args.size(); ++i) v[i] = args[i].evaluate(point, size);
       result = apply(op, v[0], v[1], v[2]);
+      // On its cut atan2 tells 0 from -0, which simplification does not.
+      if (op == Op::atan2 && v[0] == 0.0 && v[1] <= 0.0) size = HUGE_VAL;
     }
     size = std::isfinite(result) ? std::max(size, std::abs(result)) : HUGE_VAL;
     return result;

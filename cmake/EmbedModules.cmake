@@ -1,0 +1,13 @@
+# cmake -DOUT=file.cpp -DFILES="a.hvi;b.hvi" -P EmbedModules.cmake: modules as raw strings
+set(text "// Made at build from stdlib/*.hvi.\n#include \"lang/stdlib.hpp\"\n\n#include <array>\n\nnamespace hvi::lang {\nnamespace {\n")
+set(list "")
+set(count 0)
+foreach(file IN LISTS FILES)
+  get_filename_component(name ${file} NAME_WE)
+  file(READ ${file} content)
+  string(APPEND text "constexpr std::string_view module_${name} = R\"hvi~(${content})hvi~\";\n")
+  string(APPEND list "    Module{\"${name}\", module_${name}},\n")
+  math(EXPR count "${count} + 1")
+endforeach()
+string(APPEND text "constexpr std::array<Module, ${count}> modules = {\n${list}};\n} // namespace\nstd::span<const Module> standard_library() { return modules; }\n} // namespace hvi::lang\n")
+file(WRITE ${OUT} "${text}")

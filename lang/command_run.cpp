@@ -1,0 +1,257 @@
+// hvi-run run, test and plan: solving, judging expectations, saying what would be done.
+#include "lang/driver.hpp"
+#include "solver/output/file.hpp"
+#include "solver/output/table.hpp"
+#include "solver/time/result_json.hpp"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <unistd.h>
+
+namespace hvi::lang {
+
+namespace {
+
+std::atomic<bool> stop_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler writes it");
+
+/// Ctrl-C asks the run to stop after the step; a second one ends the program at once.
+class InterruptGuard {
+public:
+  InterruptGuard() : previous_(std::signal(SIGINT, &on_interrupt)) {}
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+  ~InterruptGuard() { std::signal(SIGINT, previous_); }
+
+private:
+  static void on_interrupt(int) {
+    stop_requested = true;
+    std::signal(SIGINT, SIG_DFL);
+  }
+  void (*previous_)(int);
+};
+
+/// One line on the terminal, rewritten at most ten times a second.
+class ProgressLine {
+public:
+  explicit ProgressLine(bool enabled) : enabled_(enabled && isatty(STDERR_FILENO)) {}
+  void operator()(const solver::Progress& p) {
+    if (!enabled_) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(100) && p.step != p.steps) return;
+    last_ = now;
+    const double wall = std::chrono::duration<double>(now - start_).count();
+    fmt::print(stderr, "\r\033[Kstep {}/{}  {} Newton  {:.0f} s left", p.step, p.steps, p.newton,
+               wall * (p.steps - p.step) / p.step);
+    if (p.step == p.steps) fmt::print(stderr, "\r\033[K");
+    std::fflush(stderr);
+  }
+
+private:
+  bool enabled_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_{};
+};
+
+/// Mesh and parts; every mistake becomes a diagnostic. False when there are any.
+bool discretise_script(Script& script, solver::Discretisation& out) {
+  try {
+    for (const solver::Failure& failure : solver::discretise(*script.plan, out))
+      add_failure(script, failure);
+  } catch (const solver::Failure& failure) {
+    add_failure(script, failure);
+  }
+  return !script.diagnostics.has_errors();
+}
+
+solver::ReportTable table_of(const solver::RunResult& result) {
+  solver::ReportTable table;
+  table.names.push_back("t");
+  table.columns.push_back(result.times);
+  for (const std::string& name : result.column_order) {
+    table.names.push_back(name);
+    table.columns.push_back(result.columns.at(name));
+  }
+  return table;
+}
+
+void print_certificate(const solver::RunResult& r, const Script& script) {
+  const solver::Certificate& c = r.certificate;
+  if (c.certified)
+    fmt::print("certified: {} step{}, worst inclusion {:.1e}, worst equilibrium {:.1e} (step {}), "
+               "tolerance {:.0e}\n",
+               r.steps, r.steps == 1 ? "" : "s", c.inclusion, c.equilibrium, c.worst_step,
+               c.tolerance);
+  for (const solver::HistoryReport& h : r.histories)
+    fmt::print("memory: {} ({} fields{}): {}\n", h.route, h.fields,
+               h.error > 0 ? fmt::format(", error {:.1e}", h.error) : "", h.why);
+  for (const solver::StepNote& note : r.notes) {
+    const int line = line_of(script, note.origin);
+    fmt::print("note: step {} (t = {:.6g}): {}{}\n", note.step, note.t, note.what,
+               line > 0 ? fmt::format(" (line {})", line) : "");
+  }
+}
+
+void print_profile(const solver::Timing& t) {
+  fmt::print("profile (CPU seconds): mesh {:.3f}, assembly {:.3f}, ordering {:.3f}, factor {:.3f}, "
+             "steps {:.3f} (history {:.3f}, sweeps {:.3f}, inequality {:.3f}), output {:.3f}, "
+             "total {:.3f}\n",
+             t.mesh, t.assembly, t.ordering, t.factor, t.steps, t.history, t.sweeps, t.inequality,
+             t.output, t.total);
+}
+
+void write_json(const Script& script, const solver::RunResult& result, const Options& options) {
+  if (options.json.empty()) return;
+  solver::ResultContext context;
+  for (const ModelParam& p : script.model->params)
+    if (const auto* v = std::get_if<double>(&p.value)) context.params[p.name] = *v;
+  context.line_of = [&](solver::Origin origin) { return line_of(script, origin); };
+  solver::write_atomically(options.json, solver::result_json(result, *script.plan, context));
+}
+
+std::optional<double> value_at(const solver::RunResult& result, const Expectation& e) {
+  if (!e.time) {
+    auto found = result.final.find(e.probe);
+    return found == result.final.end() ? std::nullopt : std::optional(found->second);
+  }
+  auto column = result.columns.find(e.probe);
+  if (column == result.columns.end()) return std::nullopt;
+  for (std::size_t i = 0; i < result.times.size(); ++i)
+    if (std::abs(result.times[i] - *e.time) <= 1e-12 * (1.0 + std::abs(*e.time)))
+      return column->second[i];
+  return std::nullopt;
+}
+
+struct Verdict {
+  int passed = 0, failed = 0, skipped = 0;
+};
+
+Verdict judge(const Script& script, const solver::RunResult& result) {
+  Verdict verdict;
+  for (const Expectation& e : script.model->expectations) {
+    if (!e.active) {
+      ++verdict.skipped;
+      continue;
+    }
+    const auto value = value_at(result, e);
+    const double bound = e.relative ? e.tolerance * std::abs(e.value) : e.tolerance;
+    const double off = value ? std::abs(*value - e.value) : std::nan("");
+    const bool good = value && off <= bound;
+    good ? ++verdict.passed : ++verdict.failed;
+    fmt::print("{} {} = {} (expected {} within {}{}){}{}\n", good ? "ok  " : "FAIL", e.probe,
+               value ? fmt::format("{:.12g}", *value) : "not in the table", e.value, e.tolerance,
+               e.relative ? " relative" : "", e.source.empty() ? "" : "  ", e.source);
+  }
+  return verdict;
+}
+
+/// The common part of run and test. Fills `result` on success.
+int solve(Script& script, const Options& options, bool writes, solver::RunResult& result) {
+  if (!compile_script(script, options)) return exit_script;
+  solver::Discretisation discretisation;
+  if (!discretise_script(script, discretisation)) return exit_script;
+  solver::RunSettings settings;
+  if (writes) settings.output_folder = output_folder(script, options);
+  settings.name = script.model->title;
+  settings.stop = &stop_requested;
+  ProgressLine progress(!options.quiet);
+  settings.progress = [&](const solver::Progress& p) { progress(p); };
+  InterruptGuard guard;
+  try {
+    result = solver::run(*script.plan, discretisation, settings, &result);
+    result.script = script.path;
+    return exit_ok;
+  } catch (const solver::Failure& failure) {
+    add_failure(script, failure);
+    return exit_code(failure.kind);
+  }
+}
+
+} // namespace
+
+int run_command(const std::string& path, const Options& options) {
+  Script script;
+  script.path = path;
+  solver::RunResult result;
+  int code = solve(script, options, true, result);
+  if (code == exit_ok) {
+    try {
+      write_json(script, result, options);
+    } catch (const solver::Failure& failure) {
+      add_failure(script, failure);
+      code = exit_code(failure.kind);
+    }
+  }
+  show_diagnostics(script, options);
+  if (code != exit_ok) {
+    if (result.steps > 0 && !result.files.empty())
+      fmt::print(stderr, "the results up to step {} are in {}/\n", result.steps,
+                 output_folder(script, options));
+    return code;
+  }
+  if (!options.quiet || options.json.empty())
+    std::fputs(solver::aligned_text(table_of(result)).c_str(), stdout);
+  if (options.quiet) return exit_ok;
+  print_certificate(result, script);
+  if (options.profile) print_profile(result.timing);
+  if (!result.files.empty())
+    fmt::print("files: {} in {}/\n", result.files.size(), output_folder(script, options));
+  return exit_ok;
+}
+
+int test_command(const std::vector<std::string>& paths, const Options& options) {
+  Verdict total;
+  int errors = 0;
+  for (const std::string& path : paths) {
+    fmt::print("{}\n", path);
+    Script script;
+    script.path = path;
+    solver::RunResult result;
+    const int code = solve(script, options, false, result);
+    show_diagnostics(script, options);
+    if (code == exit_interrupted) return code;
+    if (code != exit_ok) {
+      ++errors;
+      continue;
+    }
+    const Verdict verdict = judge(script, result);
+    total.passed += verdict.passed;
+    total.failed += verdict.failed;
+    total.skipped += verdict.skipped;
+    if (verdict.passed + verdict.failed == 0) fmt::print("     no expectation applies\n");
+  }
+  fmt::print("{} passed, {} failed, {} skipped{}\n", total.passed, total.failed, total.skipped,
+             errors > 0 ? fmt::format(", {} scripts with errors", errors) : "");
+  return total.failed + errors > 0 ? exit_expectation : exit_ok;
+}
+
+int plan_command(const std::string& path, const Options& options) {
+  Script script;
+  script.path = path;
+  if (!compile_script(script, options)) {
+    show_diagnostics(script, options);
+    return exit_script;
+  }
+  show_diagnostics(script, options);
+  using State = solver::EffectNote::State;
+  for (const solver::EffectNote& note : script.plan->effects) {
+    const char* state = note.state == State::on        ? "on"
+                        : note.state == State::off     ? "off"
+                        : note.state == State::dropped ? "dropped"
+                                                       : "asleep";
+    const int line = line_of(script, note.origin);
+    fmt::print("{:<8} {}{}{}\n", state, note.name, line > 0 ? fmt::format(", line {}", line) : "",
+               note.why.empty() ? "" : ": " + note.why);
+  }
+  fmt::print("{} forms, {} memory fields, {} laws, {} loads\n", script.plan->forms.size(),
+             script.plan->histories.size(), script.plan->law_terms.size(),
+             script.plan->loads.size());
+  return exit_ok;
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,137 @@
+// hvi-run check, fmt, dump, explain, params and mesh: everything that solves nothing.
+#include "lang/diag/catalogue.hpp"
+#include "lang/driver.hpp"
+#include "lang/diag/render.hpp"
+#include "lang/syntax/lexer.hpp"
+#include "lang/syntax/print.hpp"
+#include "solver/mesh/mesh.hpp"
+#include "solver/mesh/gmsh_module.hpp"
+#include "solver/mesh/read_msh.hpp"
+#include "solver/output/file.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+
+namespace hvi::lang {
+
+int check_command(const std::vector<std::string>& paths, const Options& options) {
+  int code = exit_ok;
+  for (const std::string& path : paths) {
+    Script script;
+    script.path = path;
+    if (!compile_script(script, options)) code = exit_script;
+    if (script.plan && !options.script_only) {
+      solver::Discretisation discretisation;
+      try {
+        for (const solver::Failure& failure : solver::discretise(*script.plan, discretisation))
+          add_failure(script, failure);
+      } catch (const solver::Failure& failure) {
+        add_failure(script, failure);
+      }
+      if (script.diagnostics.has_errors()) code = exit_script;
+    }
+    show_diagnostics(script, options);
+    if (!options.quiet && !script.diagnostics.has_errors()) fmt::print("{}: ok\n", path);
+  }
+  return code;
+}
+
+int format_command(const std::vector<std::string>& paths, bool only_check) {
+  int code = exit_ok;
+  for (const std::string& path : paths) {
+    Script script;
+    script.path = path;
+    auto text = read_text(path);
+    if (!text) {
+      fmt::print(stderr, "error[E0601]: there is no file `{}`\n", path);
+      code = exit_script;
+      continue;
+    }
+    const int id = script.sources.add(path, *text);
+    auto formatted = format(script.sources.file(id), script.diagnostics);
+    if (!formatted) {
+      show_diagnostics(script, {});
+      code = exit_script;
+    } else if (*formatted != *text) {
+      if (only_check) {
+        fmt::print("{}: not formatted\n", path);
+        code = exit_expectation;
+      } else {
+        solver::write_atomically(path, *formatted);
+      }
+    }
+  }
+  return code;
+}
+
+int dump_command(const std::string& path, const std::string& phase, const Options& options) {
+  Script script;
+  script.path = path;
+  const bool syntax = phase == "tokens" || phase == "ast";
+  if (syntax)
+    parse_script(script);
+  else
+    compile_script(script, options);
+  show_diagnostics(script, options);
+  if (script.diagnostics.has_errors() || script.programs.empty()) return exit_script;
+  const SourceFile& source = script.sources.file(0);
+  std::string text;
+  if (phase == "tokens") {
+    Diagnostics none;
+    text = print_tokens(source, lex(source, none));
+  } else if (phase == "ast") {
+    text = print_ast(script.programs[0], &source);
+  } else if (phase == "model") {
+    text = to_string(*script.model);
+  } else {
+    text = to_string(*script.plan);
+  }
+  std::fputs(text.c_str(), stdout);
+  return exit_ok;
+}
+
+int explain_command(const std::string& code) {
+  const auto text = explain(code);
+  if (!text) {
+    fmt::print(stderr, "hvi-run: there is no diagnostic `{}`; see docs/diagnostics.md\n", code);
+    return exit_usage;
+  }
+  std::fputs(text->c_str(), stdout);
+  return exit_ok;
+}
+
+int params_command(const std::string& path, const Options& options) {
+  Script script;
+  script.path = path;
+  const bool good = compile_script(script, options);
+  show_diagnostics(script, options);
+  if (!good) return exit_script;
+  for (const ModelParam& p : script.model->params) {
+    const auto* number = std::get_if<double>(&p.value);
+    fmt::print("{} = {}{}{}\n", p.name, number ? fmt::format("{}", *number) : std::get<1>(p.value),
+               p.range.empty() ? "" : " in " + p.range, p.doc.empty() ? "" : "  " + p.doc);
+  }
+  return exit_ok;
+}
+
+int mesh_command(const std::string& path, const Options& options) {
+  try {
+    const bool geo = std::filesystem::path(path).extension() == ".geo";
+    if (geo && !options.allow_geo) {
+      fmt::print(stderr, "error[E0606]: a `.geo` file can run programs; allow it with --allow-geo\n");
+      return exit_script;
+    }
+    const solver::Mesh mesh = geo ? solver::mesh_geo_file(path) : solver::read_msh(path);
+    std::fputs(solver::describe_mesh(mesh).c_str(), stdout);
+    return exit_ok;
+  } catch (const solver::Failure& failure) {
+    fmt::print(stderr, "error[{}]: {}\n",
+               failure.kind == solver::FailureKind::missing_file ? "E0601" : "E0603",
+               failure.what());
+    return exit_script;
+  }
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,122 @@
+// The command line, and nothing else.
+#include "lang/driver.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <exception>
+#include <unistd.h>
+
+namespace {
+
+using hvi::lang::Options;
+
+/// -D name=value
+bool add_define(const std::string& text, Options& options) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) return false;
+  options.defines[text.substr(0, equals)] = text.substr(equals + 1);
+  return true;
+}
+
+void add_common(CLI::App& app, Options& options, std::vector<std::string>& defines) {
+  app.add_option("-D", defines, "set a parameter: -D n=64")->allow_extra_args(false);
+  app.add_option("-o", options.output_folder, "output folder (default: named after the script)");
+  app.add_option("--json", options.json, "write the result as JSON");
+  app.add_flag("--quiet", options.quiet, "the table only");
+  app.add_flag("--strict", options.strict, "refuse where the theorem does not apply");
+  app.add_flag("--profile", options.profile, "where the time went");
+  app.add_flag("--allow-geo", options.allow_geo, "read .geo files (they can run programs)");
+  app.add_option("--threads", options.threads, "threads of our own loops")->check(CLI::Range(1, 256));
+  app.add_flag_callback("--no-color", [&] { options.colour = false; }, "no colours");
+  app.add_option_function<std::string>(
+         "--diagnostics", [&](const std::string& s) { options.json_diagnostics = s == "json"; },
+         "text or json")
+      ->check(CLI::IsMember({"text", "json"}));
+}
+
+int dispatch(int argc, char** argv) {
+  Options options;
+  options.colour = isatty(STDERR_FILENO) && !std::getenv("NO_COLOR");
+  std::vector<std::string> defines, files;
+  std::string code, phase;
+  bool only_check = false;
+  CLI::App app{"hvi-run: solves history-dependent hemivariational inequalities"};
+  app.set_version_flag("--version", "hvi-run 0.1.0");
+  app.require_subcommand(1);
+  const auto command = [&](const char* name, const char* what, bool many = false) {
+    CLI::App* sub = app.add_subcommand(name, what);
+    add_common(*sub, options, defines);
+    auto* option = sub->add_option("FILE", files, "script")->required();
+    if (!many) option->expected(1);
+    return sub;
+  };
+  auto* run = command("run", "solve a script");
+  auto* check = command("check", "check scripts without solving", true);
+  check->add_flag("--script-only", options.script_only, "without the mesh");
+  auto* plan = command("plan", "what a run would do");
+  auto* test = command("test", "run scripts and judge their expectations", true);
+  auto* format = command("fmt", "format scripts in place", true);
+  format->add_flag("--check", only_check, "only say which are not formatted");
+  auto* params = command("params", "list the parameters");
+  auto* mesh = command("mesh", "describe a mesh file");
+  auto* dump = command("dump", "print a phase");
+  for (const char* name : {"tokens", "ast", "model", "plan"})
+    dump->add_flag_callback(std::string("--") + name, [&phase, name] { phase = name; }, "this phase");
+  auto* explain = app.add_subcommand("explain", "explain a diagnostic");
+  explain->add_option("CODE", code, "E0301")->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int status = app.exit(error);
+    return status == 0 ? hvi::lang::exit_ok : hvi::lang::exit_usage;
+  }
+  for (const std::string& define : defines)
+    if (!add_define(define, options)) {
+      fmt::print(stderr, "hvi-run: -D takes name=value, not `{}`\n", define);
+      return hvi::lang::exit_usage;
+    }
+  if (*run) return hvi::lang::run_command(files[0], options);
+  if (*check) return hvi::lang::check_command(files, options);
+  if (*plan) return hvi::lang::plan_command(files[0], options);
+  if (*test) return hvi::lang::test_command(files, options);
+  if (*format) return hvi::lang::format_command(files, only_check);
+  if (*params) return hvi::lang::params_command(files[0], options);
+  if (*mesh) return hvi::lang::mesh_command(files[0], options);
+  if (*explain) return hvi::lang::explain_command(code);
+  return hvi::lang::dump_command(files[0], phase.empty() ? "plan" : phase, options);
+}
+
+/// `hvi-run FILE ...` is `hvi-run run FILE ...`: the word is put in when the first word that is no
+/// option names a script.
+std::vector<char*> with_command(int argc, char** argv, std::string& word) {
+  std::vector<char*> out(argv, argv + argc);
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view text = argv[i];
+    if (text == "-D" || text == "-o" || text == "--json" || text == "--threads") {
+      ++i;
+      continue;
+    }
+    if (text.starts_with("-")) continue;
+    if (text.ends_with(".hvi")) out.insert(out.begin() + 1, word.data());
+    break;
+  }
+  return out;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  try {
+    std::string word = "run";
+    auto arguments = with_command(argc, argv, word);
+    return dispatch(static_cast<int>(arguments.size()), arguments.data());
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "error[E0607]: out of memory\n");
+    return hvi::lang::exit_solve;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "error[E0901]: internal error: {}\n", error.what());
+    return hvi::lang::exit_bug;
+  }
+}
