@@ -92,7 +92,7 @@ void LawSampler::take_points(const LawPoints& points, const LawTerm& term,
     nodes_.push_back(points.node[p]);
   }
   block_.kind = points.kind;
-  block_.indicators = points.indicators.get();
+  block_.indicators = points.indicators;
   const std::vector<Expr> factor{term.factor};
   values_.assign(std::max<std::size_t>(block_.size(), 1), 0.0);
   Pointwise(factor).evaluate(block_, 0.0, term.origin, values_);
