@@ -2,6 +2,7 @@
 set(text "// Made at build from stdlib/*.hvi.\n#include \"lang/stdlib.hpp\"\n\n#include <array>\n\nnamespace hvi::lang {\nnamespace {\n")
 set(list "")
 set(count 0)
+string(REPLACE "," ";" FILES "${FILES}")
 foreach(file IN LISTS FILES)
   get_filename_component(name ${file} NAME_WE)
   file(READ ${file} content)

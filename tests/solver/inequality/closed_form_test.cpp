@@ -51,7 +51,7 @@ TEST(Inequality, StaysStuckBelowTheBoundAndSlipsAbove) {
     InequalityState state;
     EXPECT_TRUE(run(setup, state).converged) << force;
     const double slip = std::copysign(std::max(0.0, std::abs(force) - 0.3), force) / 2.0;
-    EXPECT_NEAR(state.c[0], slip, 1e-15) << force;
+    EXPECT_NEAR(state.c[0], slip, 2e-14) << force; // at the bound itself stick and slip meet
     EXPECT_NEAR(state.xi[0], force - 2.0 * slip, 1e-12) << force;
   }
 }
@@ -169,7 +169,8 @@ TEST(Inequality, TwoBlocksSlipOneAfterTheOther) {
   for (double f = 0.0; f <= 6.0; f += 0.25) {
     Vector force(2);
     force << f, 0.0;
-    ASSERT_TRUE(solver.solve(force, state).converged);
+    const auto report = solver.solve(force, state);
+    ASSERT_TRUE(report.converged) << f << ": " << report.verdict;
     const double first = f <= 1 ? 0 : (f <= 3 ? (f - 1) / 2 : (2 * (f - 1) - 1) / 3);
     const double second = f <= 3 ? 0 : (first - 1) / 2;
     EXPECT_NEAR(state.c[0], first, 1e-14) << f;
