@@ -41,11 +41,14 @@ bool InequalityEngine::factor_if_needed() {
 double InequalityEngine::residual_ratio(const Vector& x) {
   gather(x);
   gather_magnitude(x);
+  row_size = rhs->cwiseAbs() + magnitude + force_magnitude;
+  const double noise = n > 0 ? 0x1p-53 * row_size.maxCoeff() : 0.0;
   double worst = 0.0;
+  residual = *rhs - sc - force;
   for (int i = 0; i < n; ++i) {
-    residual[i] = (*rhs)[i] - sc[i] - force[i];
-    const double size = std::abs((*rhs)[i]) + magnitude[i] + force_magnitude[i];
-    const double ratio = residual[i] == 0.0 ? 0.0 : std::abs(residual[i]) / size;
+    // A row where nothing acts (0 = 0) holds rounding of the others: no error of its own.
+    const double error = std::abs(residual[i]);
+    const double ratio = error <= noise ? 0.0 : error / row_size[i];
     if (!(ratio <= worst)) worst = ratio; // a NaN must show
   }
   return worst;
@@ -77,11 +80,16 @@ bool InequalityEngine::newton_step() {
   return true;
 }
 
-/// Residual of the problem with the multipliers that belong to the present z (in `trial`).
+/// Residual of the problem with the multipliers that belong to the present z (in `trial`). Points
+/// that rest and have their unknowns to themselves take what their equations leave them, exactly.
 double InequalityEngine::try_multipliers() {
   op.apply_with_magnitude(c, sc, magnitude);
   for (int p = 0; p < n_points; ++p) put(trial, p, multiplier(p));
-  return residual_ratio(trial);
+  const double ratio = residual_ratio(trial);
+  bool balanced = false;
+  for (int p = 0; p < n_points; ++p)
+    if (points[p].exclusive && resting(p)) balanced = balance(p) || balanced;
+  return balanced ? residual_ratio(trial) : ratio;
 }
 
 InequalityEngine::Outcome InequalityEngine::newton(int limit) {

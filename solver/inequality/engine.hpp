@@ -20,9 +20,10 @@ struct InequalityEngine {
     int law = 0; ///< index into prepared
     int first = 0, rows = 1;
     double weight = 0.0;
-    double gamma = 0.0;   ///< resolvent parameter, about the compliance of the body at the point
-    bool single = false;  ///< each row touches at most one unknown
-    double penalty = 0.0; ///< stiffness (per weight) that holds a resting point at its break
+    double gamma = 0.0;     ///< resolvent parameter, about the compliance of the body at the point
+    bool single = false;    ///< each row touches at most one unknown
+    bool exclusive = false; ///< and nothing else touches those unknowns
+    double penalty = 0.0;   ///< stiffness (per weight) that holds a resting point at its break
   };
   /// Outcome of one of the two methods on fixed components.
   enum class Outcome { solved, failed, indefinite };
@@ -51,6 +52,8 @@ struct InequalityEngine {
   Small multiplier(int p) const;
   double snap(int p) const;
   void settle(int p);
+  bool resting(int p) const;
+  bool balance(int p);
 
   // ---- Newton on graph states (active_set.cpp)
   Outcome newton(int limit);
@@ -91,7 +94,7 @@ struct InequalityEngine {
 
   // state of a solve
   const Vector* rhs = nullptr;
-  Vector c, z, xi, sc, magnitude, force, force_magnitude, residual, dc, dz, trial;
+  Vector c, z, xi, sc, magnitude, force, force_magnitude, residual, row_size, dc, dz, trial;
   std::vector<int> state, state_before, component;
   Vector z_hat, xi_hat;                 ///< the graph points of the linearisation
   std::vector<std::array<double, 9>> d; ///< their stiffnesses, row by row

@@ -17,7 +17,7 @@ InequalityEngine::InequalityEngine(const ReducedProblem& problem_, ReducedOperat
       n_points(static_cast<int>(problem_.points.size())) {
   if (problem.g.cols() != n && n_rows > 0)
     throw Failure(FailureKind::bad_value, {}, "the contact matrix does not fit the operator");
-  for (Vector* v : {&c, &sc, &magnitude, &force, &force_magnitude, &residual, &dc})
+  for (Vector* v : {&c, &sc, &magnitude, &force, &force_magnitude, &residual, &row_size, &dc})
     *v = Vector::Zero(n);
   for (Vector* v : {&z, &xi, &dz, &trial, &z_hat, &xi_hat, &z_start}) *v = Vector::Zero(n_rows);
   state.resize(n_points), component.resize(n_points), d.resize(n_points);
@@ -48,6 +48,10 @@ void InequalityEngine::refresh_laws() {
 void InequalityEngine::prepare_points() {
   const Vector diagonal = op.diagonal();
   const double typical = n > 0 ? diagonal.cwiseAbs().maxCoeff() : 1.0;
+  std::vector<int> users(n, 0);
+  for (int row = 0; row < n_rows; ++row)
+    for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
+      users[it.col()] += it.value() != 0.0;
   points.resize(n_points);
   for (int p = 0; p < n_points; ++p) {
     const ContactPoint& in = problem.points[p];
@@ -55,7 +59,7 @@ void InequalityEngine::prepare_points() {
       throw Failure(FailureKind::bad_value, {},
                     "a contact point needs a positive weight and 1 to 3 rows");
     double k = 0.0;
-    bool single = true;
+    bool single = true, exclusive = true;
     for (int row = in.first_row; row < in.first_row + in.rows; ++row) {
       double sum = 0.0, weighted = 0.0;
       int entries = 0;
@@ -63,18 +67,15 @@ void InequalityEngine::prepare_points() {
         sum += it.value() * it.value();
         weighted += std::abs(diagonal[it.col()]) * it.value() * it.value();
         entries += it.value() != 0.0;
+        exclusive = exclusive && users[it.col()] == 1 && it.value() != 0.0;
       }
       single = single && entries <= 1;
+      exclusive = exclusive && entries == 1;
       if (sum > 0.0) k += weighted / (sum * sum) / in.rows;
     }
     if (!(k > 0.0)) k = typical > 0.0 ? typical : 1.0;
-    points[p] = {in.graph,
-                 in.first_row,
-                 in.rows,
-                 in.weight,
-                 in.weight / k,
-                 single,
-                 (single ? 1e13 : 1e7) * k / in.weight};
+    points[p] = {in.graph,      in.first_row, in.rows,   in.weight,
+                 in.weight / k, single,       exclusive, (single ? 1e13 : 1e7) * k / in.weight};
   }
 }
 

@@ -63,17 +63,38 @@ double InequalityEngine::snap(int p) const {
   return 1e-12 * size;
 }
 
+/// All rows of the point are held: at a break of a scalar law, at the origin of a radial one.
+bool InequalityEngine::resting(int p) const {
+  if (state[p] < 0) return true;
+  return state[p] % 2 == 1 && points[p].rows == 1;
+}
+
+/// Adds the residual of a resting point's own equations to its multiplier, if the law allows it.
+bool InequalityEngine::balance(int p) {
+  const PointData& q = points[p];
+  const PreparedLaw& law = prepared[q.law];
+  const Small before = at(trial, p);
+  Small value = before;
+  for (int k = 0; k < q.rows; ++k)
+    for (SparseMatrix::InnerIterator it(problem.g, q.first + k); it; ++it)
+      value[k] += residual[it.col()] / (q.weight * it.value());
+  const Small zp = at(z, p);
+  const double distance =
+      inclusion_distance(law.law(), law.graph(), zp.data(), value.data(), q.rows, snap(p));
+  if (!(distance <= 1e-14 * norm(value))) return false;
+  put(trial, p, value);
+  return value != before;
+}
+
 /// Puts a point that rests at a break exactly there, where its rows touch one unknown each: its
 /// finite stiffness left it there up to 1e-13 of its compliance.
 void InequalityEngine::settle(int p) {
   const PointData& q = points[p];
-  const bool inside = state[p] >= 0 && state[p] % 2 == 0;
-  if (!q.single || inside) return;
+  if (!q.single || !resting(p)) return;
   for (int k = 0; k < q.rows; ++k) {
     const int row = q.first + k;
     for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
-      if (it.value() != 0.0 && (state[p] < 0 || q.rows == 1))
-        c[it.col()] = (z_hat[row] - problem.offset[row]) / it.value();
+      if (it.value() != 0.0) c[it.col()] = (z_hat[row] - problem.offset[row]) / it.value();
   }
 }
 
