@@ -6,7 +6,58 @@
 namespace hvi::lang {
 namespace {
 
-constexpr std::array<CatalogueEntry, 0> entries{};
+constexpr auto entries = std::to_array<CatalogueEntry>({
+    {"E0601", "file not found",
+     R"(
+The script, an import, a mesh or a table is not there or cannot be read.)",
+     R"(
+mesh m = gmsh("prat.msh"))",
+     R"(
+mesh m = gmsh("part.msh"))"},
+    {"E0602", "unknown group",
+     R"(
+The mesh has no group of this name. The help line lists the groups there are.)",
+     R"(
+part roof = m.group("rof"))",
+     R"(
+part roof = m.group("roof"))"},
+    {"E0603", "broken mesh",
+     R"(
+The file is not a mesh in MSH 2.2 or 4.1 format, or its cells are inverted, degenerate or
+disconnected.)",
+     R"(
+mesh m = gmsh("notes.txt"))",
+     R"(
+mesh m = gmsh("part.msh"))"},
+    {"E0604", "forbidden path",
+     R"(
+A script reads files beside it or below it, and writes into the output folder only.)",
+     R"(
+import "../other/laws.hvi")",
+     R"(
+import "laws.hvi")"},
+    {"E0605", "broken table",
+     R"(
+A table is a text of two columns of numbers, the first increasing.)",
+     R"(
+fn f() = table("notes.txt", 1))",
+     R"(
+fn f() = table("load.csv", 1))"},
+    {"E0606", "geo file",
+     R"(
+gmsh runs what a .geo file says, programs too. It is read only with --allow-geo.)",
+     R"(
+mesh m = gmsh("part.geo"))",
+     R"(
+mesh m = gmsh("part.msh"))"},
+    {"E0607", "limit met",
+     R"(
+A mesh, a number of steps or a file beyond the limits of the program.)",
+     R"(
+mesh m = box(1, 1, 1, cells = [999, 999, 999]))",
+     R"(
+mesh m = box(1, 1, 1, cells = [99, 99, 99]))"},
+});
 
 } // namespace
 

@@ -9,15 +9,156 @@ namespace {
 constexpr auto entries = std::to_array<CatalogueEntry>({
     {"E0301", "unknown name",
      R"(
-A name is used that nothing declares: no statement of this file or of its imports, no parameter of
-the enclosing kernel, superpotential or fn, and nothing built in. The help line proposes the
-declared name that is spelt most alike.)",
+Nothing of this name is declared in the script, in its imports or in the language. The help line
+proposes the nearest name.)",
      R"(
-param young = 70
 tensor B = isotropic(young = yuong, poisson = 0.3))",
      R"(
 param young = 70
 tensor B = isotropic(young = young, poisson = 0.3))"},
+    {"E0302", "declared twice",
+     R"(
+Every name is declared once. Reading order does not matter, so a second declaration would be
+ambiguous.)",
+     R"(
+param n = 8
+param n = 16)",
+     R"(
+param n = 8
+param m = 16)"},
+    {"E0303", "no such member",
+     R"(
+The thing before the dot has no member of this name. A `.` is member access only: products are
+`*`, `:` and `dot`.)",
+     R"(
+part roof = slab.tpo)",
+     R"(
+part roof = slab.top)"},
+    {"E0304", "unknown argument",
+     R"(
+The called thing has no argument of this name.)",
+     R"(
+tensor B = isotropic(lambda = 1, nu = 2))",
+     R"(
+tensor B = isotropic(lambda = 1, mu = 2))"},
+    {"E0305", "wrong number of arguments",
+     R"(
+An argument is missing, given twice, or one too many.)",
+     R"(
+tensor B = isotropic(young = 70))",
+     R"(
+tensor B = isotropic(young = 70, poisson = 0.3))"},
+    {"E0306", "wrong kind of thing",
+     R"(
+A number, tensor, mesh, part, law or kernel stands where another kind is expected.)",
+     R"(
+integral(slab, B : eps(u)))",
+     R"(
+integral(slab, B : eps(u) : eps(v)))"},
+    {"E0307", "shapes differ",
+     R"(
+Both sides of a sum, the entries of a list and an imposed value have one shape.)",
+     R"(
+param a = 1
+fn f() = [1, 2] + a)",
+     R"(
+fn f() = [1, 2] + [1, 1])"},
+    {"E0308", "wrong ranks in a product",
+     R"(
+`*` multiplies by a scalar, `dot` contracts one index, `:` contracts two.)",
+     R"(
+integral(slab, [0, -1] * v))",
+     R"(
+integral(slab, dot([0, -1], v)))"},
+    {"E0309", "not visible here",
+     R"(
+The name exists, but not in this place: a tensor does not depend on time, a kernel of the lag not
+on `t`, only boundary integrals have a normal.)",
+     R"(
+kernel C(lag) = -exp(-t) * B)",
+     R"(
+kernel C(lag) = -exp(-lag) * B)"},
+    {"E0310", "not a function",
+     R"(
+Only functions, superpotentials (inside superpotentials) and built-in functions are called.)",
+     R"(
+param k = 2
+fn f() = k(3))",
+     R"(
+param k = 2
+fn f() = k * 3)"},
+    {"E0311", "built in",
+     R"(
+Names of the language cannot be declared again.)",
+     R"(
+param eps = 1e-3)",
+     R"(
+param epsilon = 1e-3)"},
+    {"E0312", "wrong test space",
+     R"(
+The unknown and the test functions run through the same space.)",
+     R"(
+find u in V such that for all v in W)",
+     R"(
+find u in V such that for all v in V)"},
+    {"E0313", "circular definition",
+     R"(
+A value cannot depend on itself.)",
+     R"(
+param a = b
+param b = a)",
+     R"(
+param a = 1
+param b = a)"},
+    {"E0315", "no such component",
+     R"(
+Components are x, y and in 3D z.)",
+     R"(
+integral(slab, v.z))",
+     R"(
+integral(slab, v.y))"},
+    {"E0316", "unknown setting or word",
+     R"(
+A setting, element, rule or scheme that does not exist.)",
+     R"(
+space V = vector P3 on slab)",
+     R"(
+space V = vector P2 on slab)"},
+    {"E0317", "not constant",
+     R"(
+This must be the same everywhere and always.)",
+     R"(
+expect a = 1 within 1e-6 when x > 0)",
+     R"(
+expect a = 1 within 1e-6 when n > 0)"},
+    {"E0318", "unknown module",
+     R"(
+There is no module of this name in the standard library. A file is imported by its name in quotes.)",
+     R"(
+import frictoin)",
+     R"(
+import friction)"},
+    {"E0319", "unknown column",
+     R"(
+An expectation names a column of a table of the report.)",
+     R"(
+expect u_z = 1 within 1e-6)",
+     R"(
+expect u_y = 1 within 1e-6)"},
+    {"E0320", "-D of an unknown parameter",
+     R"(
+The option -D sets a declared `param`.)",
+     R"(
+hvi-run slab.hvi -D m=8)",
+     R"(
+hvi-run slab.hvi -D n=8)"},
+    {"E0321", "-D with a wrong value",
+     R"(
+The option -D takes a number or a word of the language.)",
+     R"(
+hvi-run slab.hvi -D n=eight)",
+     R"(
+hvi-run slab.hvi -D n=8)"},
 });
 
 } // namespace

@@ -1,4 +1,4 @@
-// Catalogue of diagnostics, class E04: problem structure and values.
+// Catalogue of diagnostics, class E04: structure of the problem and values.
 #include "lang/diag/catalogue.hpp"
 
 #include <array>
@@ -6,7 +6,189 @@
 namespace hvi::lang {
 namespace {
 
-constexpr std::array<CatalogueEntry, 0> entries{};
+constexpr auto entries = std::to_array<CatalogueEntry>({
+    {"E0401", "not linear in v",
+     R"(
+The test function occurs exactly once in every term.)",
+     R"(
+integral(slab, dot(v, v)))",
+     R"(
+integral(slab, dot(u, v)))"},
+    {"E0402", "no test function",
+     R"(
+Every summand of an integral of the inequality contains the test function.)",
+     R"(
+integral(slab, dot(f, v) + 1))",
+     R"(
+integral(slab, dot(f, v)))"},
+    {"E0403", "not linear in u",
+     R"(
+The forms of the inequality are bilinear. Nonlinear laws are superpotentials.)",
+     R"(
+integral(slab, dot(u, u) * v.x))",
+     R"(
+integral(slab, dot(u, v)))"},
+    {"E0404", "no find statement",
+     R"(
+A script states one inequality.)",
+     R"(
+mesh slab = rectangle(1, 1, cells = [2, 2]))",
+     R"(
+find u in V such that for all v in V ...)"},
+    {"E0405", "two find statements",
+     R"(
+A script states one inequality; imported files state none.)",
+     R"(
+find u in V ...
+find w in V ...)",
+     R"(
+find u in V ...)"},
+    {"E0406", "not a positive whole number",
+     R"(
+Numbers of cells and steps are positive whole numbers.)",
+     R"(
+mesh slab = rectangle(1, 1, cells = [2.5, 2]))",
+     R"(
+mesh slab = rectangle(1, 1, cells = [2, 2]))"},
+    {"E0407", "not a finite number",
+     R"(
+A constant divides by zero, overflows or is not a number.)",
+     R"(
+param a = 1/0)",
+     R"(
+param a = 1/2)"},
+    {"E0408", "outside its range",
+     R"(
+A parameter, length, tolerance or exponent outside what it may be.)",
+     R"(
+param n = 0 in [1, 100])",
+     R"(
+param n = 8 in [1, 100])"},
+    {"E0409", "negative factor before j^0",
+     R"(
+j^0 is the generalised directional derivative: its negative is not the directional derivative of
+-j in the same direction. Put the sign into the superpotential.)",
+     R"(
+- integral(ground, layer^0(u.nu; v.nu)))",
+     R"(
++ integral(ground, layer^0(u.nu; v.nu)))"},
+    {"E0410", "superpotential on the right",
+     R"(
+Superpotentials stand on the left of >=.)",
+     R"(
+>= integral(ground, layer^0(u.nu; v.nu)))",
+     R"(
++ integral(ground, layer^0(u.nu; v.nu)) >= 0)"},
+    {"E0411", "equation with a superpotential",
+     R"(
+With a superpotential the statement is an inequality.)",
+     R"(
+integral(ground, layer^0(u.nu; v.nu)) = 0)",
+     R"(
+integral(ground, layer^0(u.nu; v.nu)) >= 0)"},
+    {"E0412", "clause missing",
+     R"(
+u', memory, t and times need `for t in [t0, T] by N steps`, and a problem with u' its initial
+state `from u = ...`.)",
+     R"(
+find u in V for t in [0, 1] by 8 steps such that ... u' ...)",
+     R"(
+find u in V for t in [0, 1] by 8 steps from u = 0 such that ... u' ...)"},
+    {"E0413", "form depends on time",
+     R"(
+The operators A and B of the theory do not depend on t. Loads, superpotentials and kernels q(t, s)
+may.)",
+     R"(
+integral(slab, (1 + t) * B : eps(u) : eps(v)))",
+     R"(
+integral(slab, B : eps(u) : eps(v)))"},
+    {"E0414", "argument and direction differ",
+     R"(
+j^0(Mu; Mv) takes the same operator M twice: the trace, its normal or tangential part, a
+component, or the value itself.)",
+     R"(
+layer^0(u.nu; v.x))",
+     R"(
+layer^0(u.nu; v.nu))"},
+    {"E0415", "law on the rate",
+     R"(
+In the theory the superpotential acts on u: friction is on displacement, so that a reversed load
+retraces its curve. A law on u' is another problem.)",
+     R"(
+slip^0(u'.tau; v.tau))",
+     R"(
+slip^0(u.tau; v.tau))"},
+    {"E0416", "value imposed where the space is not zero",
+     R"(
+Imposed values are given on parts where the space is zero.)",
+     R"(
+space V = vector P1 on slab
+find u in V with u.y = 1 on roof)",
+     R"(
+space V = vector P1 on slab, zero.y on roof
+find u in V with u.y = 1 on roof)"},
+    {"E0418", "empty part",
+     R"(
+The part exists by its name, but no cell, facet or node is in it.)",
+     R"(
+part p = slab.boundary where x > 99)",
+     R"(
+part p = slab.boundary where x > 1.99)"},
+    {"E0419", "overlapping parts",
+     R"(
+A superpotential acts on a face that is clamped, a law twice on a face, or two values are imposed
+on one node. A shared node of a clamped and a contact part is normal; a shared face is not.)",
+     R"(
+space V = vector P1 on slab, zero on ground
+... integral(ground, layer^0(u.nu; v.nu)))",
+     R"(
+space V = vector P1 on slab, zero on roof
+... integral(ground, layer^0(u.nu; v.nu)))"},
+    {"E0420", "law twice on a part",
+     R"(
+One superpotential acts once on a part; a factor before the integral doubles it.)",
+     R"(
+integral(ground, layer^0(u.nu; v.nu)) + integral(ground, layer^0(u.nu; v.nu)))",
+     R"(
+2*integral(ground, layer^0(u.nu; v.nu)))"},
+    {"E0421", "second derivative",
+     R"(
+P1 and P2 functions have one weak derivative.)",
+     R"(
+integral(slab, div(grad(w)) * v))",
+     R"(
+integral(slab, dot(grad(w), grad(v))))"},
+    {"E0422", "time outside the interval",
+     R"(
+A result is asked for at a time that is not computed.)",
+     R"(
+table a = u.y at [0, 0] at t = 2)",
+     R"(
+table a = u.y at [0, 0] at t = 1)"},
+    {"E0423", "bad value",
+     R"(
+Data that is not finite somewhere, a point outside the mesh, an initial state that contradicts the
+imposed values.)",
+     R"(
+table a = u.y at [9, 9])",
+     R"(
+table a = u.y at [1, 1])"},
+    {"E0425", "not coercive",
+     R"(
+What the script states does not determine the unknown: a rigid motion is left, or the sum of the
+forms is not positive.)",
+     R"(
+space V = vector P1 on slab)",
+     R"(
+space V = vector P1 on slab, zero on roof)"},
+    {"E0426", "wrong times",
+     R"(
+The interval is [t0, T] with t0 < T, and listed times increase within it.)",
+     R"(
+for t in [1, 0] by 8 steps)",
+     R"(
+for t in [0, 1] by 8 steps)"},
+});
 
 } // namespace
 

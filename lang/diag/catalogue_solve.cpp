@@ -1,4 +1,4 @@
-// Catalogue of diagnostics, classes E07 (solve) and E09 (our own mistakes).
+// Catalogue of diagnostics, class E07: solving, E09: internal.
 #include "lang/diag/catalogue.hpp"
 
 #include <array>
@@ -6,7 +6,37 @@
 namespace hvi::lang {
 namespace {
 
-constexpr std::array<CatalogueEntry, 0> entries{};
+constexpr auto entries = std::to_array<CatalogueEntry>({
+    {"E0701", "step without certificate",
+     R"(
+No solution of this step could be certified to the tolerance. Nothing after the last good step is
+reported. A smaller step, or a law that softens less, makes the problem of the step convex.)",
+     R"(
+using tolerance = 1e-30)",
+     R"(
+using tolerance = 1e-10)"},
+    {"E0702", "result not written",
+     R"(
+The output folder cannot be written: no permission, a full disk, or a file in the way.)",
+     R"(
+hvi-run slab.hvi -o /proc)",
+     R"(
+hvi-run slab.hvi -o results)"},
+    {"E0703", "interrupted",
+     R"(
+The run was asked to stop. The last good state is on disk.)",
+     R"(
+(Ctrl-C))",
+     R"(
+(let it run))"},
+    {"E0901", "internal error",
+     R"(
+A mistake of this program, not of the script. Please report it with the script.)",
+     R"(
+-)",
+     R"(
+-)"},
+});
 
 } // namespace
 

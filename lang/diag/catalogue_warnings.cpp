@@ -6,7 +6,23 @@
 namespace hvi::lang {
 namespace {
 
-constexpr std::array<CatalogueEntry, 0> entries{};
+constexpr auto entries = std::to_array<CatalogueEntry>({
+    {"W0101", "never used",
+     R"(
+A declaration that nothing uses. It is checked all the same.)",
+     R"(
+param spare = 1)",
+     R"(
+param n = 8
+mesh m = interval(1, cells = n))"},
+    {"W0102", "inequality without a superpotential",
+     R"(
+Without a superpotential the statement is an equation; `=` says so.)",
+     R"(
+integral(slab, B : eps(u) : eps(v)) >= 0)",
+     R"(
+integral(slab, B : eps(u) : eps(v)) = 0)"},
+});
 
 } // namespace
 

@@ -1,5 +1,5 @@
 // The test of the moment tree. Evidence, not proof: sampled times are geometric from now on, and
-// include every kink and the narrowest features of the kernel passing through the block.
+// include the narrowest features of the kernel passing through the block; no kink may be to come.
 #include "solver/history/block_test.hpp"
 
 #include "solver/history/kernel_samples.hpp"
@@ -14,7 +14,6 @@ namespace hvi::solver {
 namespace {
 
 constexpr std::size_t most_features = 12;
-constexpr std::size_t most_kinks = 64;
 constexpr double usual_blocks = 64;
 
 } // namespace
@@ -65,7 +64,6 @@ std::vector<double> BlockTest::future_times(const TimeBlock& block, double t0, d
     }
   };
   for (const double lag : features_) through(lag);
-  for (const double lag : kernel_.traits.breaks) through(lag);
   return times;
 }
 
@@ -86,10 +84,9 @@ double BlockTest::allowed(const TimeBlock& block) const {
 }
 
 std::optional<double> BlockTest::passes(const TimeBlock& block, double t0, double now) const {
-  // Many kinks ahead: they cut through every block sooner or later.
+  // A kink that is yet to come cuts through the block sooner or later, wherever samples fall.
   const auto& kinks = kernel_.traits.breaks;
-  const auto ahead = kinks.end() - std::upper_bound(kinks.begin(), kinks.end(), now - block.b);
-  if (ahead > static_cast<std::ptrdiff_t>(most_kinks)) return std::nullopt;
+  if (!kinks.empty() && kinks.back() > now - block.b) return std::nullopt;
   // The cheap times first: most failing blocks fail now.
   const double at_once = moments_.interpolation_error(kernel_.function, block, now);
   if (!(at_once * (block.b - block.a) <= allowed(block) * norm_)) return std::nullopt;

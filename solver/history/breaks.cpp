@@ -103,6 +103,22 @@ void Breaks::add_switch(const Expr& value, Origin origin) {
   curves_.emplace_back(value, origin);
 }
 
+/// Zeros by sign changes between samples.
+void Breaks::add_roots(const KernelFunction& curve, double t, double low, double high,
+                       std::vector<double>& found) {
+  constexpr int samples = 16;
+  for (int i = 0; i < samples; ++i) {
+    const double a = low + (high - low) * i / samples, b = low + (high - low) * (i + 1) / samples;
+    const double fa = curve(t, a), fb = curve(t, b);
+    if (!(fa * fb < 0)) continue;
+    std::uintmax_t limit = 100;
+    const auto root =
+        boost::math::tools::toms748_solve([&](double lag) { return curve(t, lag); }, a, b, fa, fb,
+                                          boost::math::tools::eps_tolerance<double>(52), limit);
+    found.push_back(0.5 * (root.first + root.second));
+  }
+}
+
 std::vector<double> Breaks::inside(double t, double low, double high) const {
   // A break within rounding of an end splits off nothing.
   const double slack = 1e-14 * high;
@@ -113,17 +129,14 @@ std::vector<double> Breaks::inside(double t, double low, double high) const {
     const double lag = line.per_time * t + line.at;
     if (lag > low + slack && lag < high - slack) found.push_back(lag);
   }
-  constexpr int samples = 16;
+  // max(0, 1 - |lag - 1/2|): the kink of the inner function separates the zeros of the outer one.
+  std::vector<double> ends = found;
+  ends.push_back(low);
+  ends.push_back(high);
+  std::sort(ends.begin(), ends.end());
   for (const KernelFunction& curve : curves_) {
-    for (int i = 0; i < samples; ++i) {
-      double a = low + (high - low) * i / samples, b = low + (high - low) * (i + 1) / samples;
-      const double fa = curve(t, a), fb = curve(t, b);
-      if (!(fa * fb < 0)) continue;
-      std::uintmax_t limit = 100;
-      const auto root =
-          boost::math::tools::toms748_solve([&](double lag) { return curve(t, lag); }, a, b, fa, fb,
-                                            boost::math::tools::eps_tolerance<double>(52), limit);
-      found.push_back(0.5 * (root.first + root.second));
+    for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+      add_roots(curve, t, ends[i], ends[i + 1], found);
     }
   }
   std::sort(found.begin(), found.end());

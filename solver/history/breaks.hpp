@@ -20,7 +20,7 @@ std::optional<AffineForm> affine_form(const Expr& expression);
 class Breaks {
 public:
   Breaks(const Expr& expression, Origin origin);
-  bool empty() const { return lines_.empty() && curves_.empty(); }
+  bool empty() const { return lines_.empty() && fixed_.empty() && curves_.empty(); }
   /// Lags in (low, high) at which q(t, .) may have a kink or jump, sorted.
   std::vector<double> inside(double t, double low, double high) const;
 
@@ -30,6 +30,8 @@ private:
   };
   void collect(const Expr& expression, Origin origin);
   void add_switch(const Expr& value, Origin origin);
+  static void add_roots(const KernelFunction& curve, double t, double low, double high,
+                        std::vector<double>& found);
 
   std::vector<Line> lines_;
   std::vector<double> fixed_;          ///< lines with per_time = 0, sorted

@@ -118,7 +118,7 @@ double fit_error(const PreparedKernel& kernel, const ExponentialTerms& terms, do
 FitOutcome fit_exponentials(const PreparedKernel& kernel, double low, double high,
                             double tolerance) {
   // Enough points for the least squares; whether the fit holds between them is verified at the end.
-  const auto samples = sample_kernel(kernel, low, high, std::max(tolerance, 1e-4), max_points);
+  const auto samples = sample_kernel(kernel, low, high, std::max(tolerance, 1e-3), max_points);
   if (!samples) return failed("it has kinks or oscillates too fast over the whole time");
   // Coefficients are stored in double precision: cancellation must stay below the tolerance.
   const double cap = std::min(1e4, 1e13 * tolerance);

@@ -38,8 +38,10 @@ struct HistoryReport {
   std::string why;         ///< the reason for the route, a sentence
   std::int64_t fields = 0; ///< stored fields of n values now
   double bytes = 0;
-  double error = 0;     ///< verified bound, relative to ||q||_L1 max|u|
-  bool verified = true; ///< false: sampled evidence only
+  double error = 0;        ///< verified bound, relative to ||q||_L1 max|u|
+  bool verified = true;    ///< false: sampled evidence only
+  std::int64_t audits = 0; ///< steps at which a few unknowns were replayed by the direct sum
+  double audit = 0;        ///< largest difference found, relative to ||q||_L1 max|u| of those
 };
 
 class History {
@@ -88,5 +90,12 @@ double interval_integral(const Expr& expression, double t, double lag_low, doubl
 /// Throws Failure(bad_kernel) for a kernel that is not integrable or not finite.
 std::unique_ptr<History> make_history(const KernelSpec& kernel, std::size_t n,
                                       const HistoryOptions& options);
+
+/// The same with an audit: `replayed` unknowns, spread evenly, are stored at all steps and summed
+/// directly at the first steps and then at a geometric sequence of them. A sample: evidence, not
+/// proof.
+std::unique_ptr<History> make_audited_history(const KernelSpec& kernel, std::size_t n,
+                                              const HistoryOptions& options,
+                                              std::size_t replayed = 4);
 
 } // namespace hvi::solver

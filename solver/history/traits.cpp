@@ -166,6 +166,7 @@ KernelTraits kernel_traits(const Expr& expression, double horizon) {
       return term.of_time.is_constant() && term.of_source.is_constant() && term.time_rate == 0.0;
     });
     (plain ? traits.exponential_sum : traits.separable) = true;
+    traits.convolution = traits.convolution || plain; // exp(-t) exp(s) is one, too
   } else if (!traits.zero) {
     traits.singular_exponent = singular_exponent(q, length);
   }

@@ -8,7 +8,6 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
 
 namespace hvi::solver {
 
@@ -81,10 +80,10 @@ struct InequalityEngine {
   InequalityOptions options;
   int n = 0, n_rows = 0, n_points = 0;
   std::vector<PointData> points;
-  std::deque<PreparedLaw> prepared; ///< one per graph
-  std::vector<int> law_of_graph;
-  SparseMatrix force_of; ///< G^T W: unknowns by rows
-  SparseMatrix h;        ///< sum_p w_p G_p^T D_p G_p on a fixed pattern
+  std::vector<PreparedLaw> prepared;      ///< one per graph in use
+  std::vector<int> prepared_of, graph_of; ///< graph to prepared (-1: unused) and back
+  SparseMatrix force_of;                  ///< G^T W: unknowns by rows
+  SparseMatrix h;                         ///< sum_p w_p G_p^T D_p G_p on a fixed pattern
   struct Contribution {
     int value, entry; ///< h.value[value] += coefficient * D_p[entry]
     double coefficient;

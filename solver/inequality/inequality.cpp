@@ -26,19 +26,23 @@ InequalityEngine::InequalityEngine(const ReducedProblem& problem_, ReducedOperat
   prepare_pattern();
 }
 
-/// Graphs of laws that move with time are prepared again; the others only if they changed place.
+/// Prepares the graphs that points use; again those of laws that move with time, and those that
+/// changed place.
 void InequalityEngine::refresh_laws() {
-  std::vector<int> law_of(problem.graphs.size(), -1);
-  for (const ContactPoint& p : problem.points) law_of[p.graph] = p.law;
-  if (prepared.size() != problem.graphs.size()) prepared.clear();
-  const bool fresh = prepared.empty();
-  for (std::size_t g = 0; g < problem.graphs.size(); ++g) {
-    if (law_of[g] < 0) law_of[g] = 0;
-    const Law& law = *problem.laws[law_of[g]];
-    if (fresh)
-      prepared.emplace_back(law, problem.graphs[g]);
-    else if (law.depends_on_t() || &prepared[g].graph() != &problem.graphs[g])
-      prepared[g] = PreparedLaw(law, problem.graphs[g]);
+  if (prepared.empty()) {
+    prepared_of.assign(problem.graphs.size(), -1);
+    for (const ContactPoint& p : problem.points) {
+      if (prepared_of[p.graph] >= 0) continue;
+      prepared_of[p.graph] = static_cast<int>(prepared.size());
+      graph_of.push_back(p.graph);
+      prepared.emplace_back(*problem.laws[p.law], problem.graphs[p.graph]);
+    }
+    return;
+  }
+  for (std::size_t k = 0; k < prepared.size(); ++k) {
+    const LawGraph& graph = problem.graphs[graph_of[k]];
+    const Law& law = prepared[k].law();
+    if (law.depends_on_t() || &prepared[k].graph() != &graph) prepared[k] = PreparedLaw(law, graph);
   }
 }
 
@@ -74,8 +78,9 @@ void InequalityEngine::prepare_points() {
       if (sum > 0.0) k += weighted / (sum * sum) / in.rows;
     }
     if (!(k > 0.0)) k = typical > 0.0 ? typical : 1.0;
-    points[p] = {in.graph,      in.first_row, in.rows,   in.weight,
-                 in.weight / k, single,       exclusive, (single ? 1e13 : 1e7) * k / in.weight};
+    points[p] = {
+        prepared_of[in.graph], in.first_row, in.rows,   in.weight,
+        in.weight / k,         single,       exclusive, (single ? 1e13 : 1e7) * k / in.weight};
   }
 }
 

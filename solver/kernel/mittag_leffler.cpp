@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <complex>
+#include <limits>
 #include <numbers>
 
 namespace hvi::solver {
@@ -20,10 +21,12 @@ namespace {
 using Complex = std::complex<double>;
 using std::numbers::pi;
 
+constexpr double largest_beta = 100.0; ///< 1 / Gamma(beta) must stay far from underflow
 constexpr double series_radius = 0.1;
-constexpr double decay = 42.0;             ///< exponent to which errors are pressed: e^-42 = 6e-19
-constexpr double asymptotic_exponent = 45; ///< |x|^(1/alpha) beyond which no integral is needed
-constexpr double pole_distance = 0.3;      ///< least distance of a pole from the line, in w
+constexpr double decay = 42.0; ///< exponent to which errors are pressed: e^-42 = 6e-19
+constexpr double asymptotic_exponent =
+    45;                               ///< |x|^(1/alpha) - 2 beta beyond which no integral is needed
+constexpr double pole_distance = 0.3; ///< least distance of a pole from the line, in w
 
 double reciprocal_gamma(double z) {
   if (z <= 0.0 && z == std::trunc(z)) return 0.0;
@@ -58,9 +61,15 @@ struct Inversion {
     return sign * 2.0 * w * std::exp(exponent) / (power - x);
   }
 
+  /// Half the width of the strip left of the line in which the integrand is used to be analytic.
+  double strip() const { return std::min(0.75 * line, 1.5); }
+
   double step() const {
-    // A large negative power of s at the end Re w = 0 of the strip needs a finer rule.
-    return 2.0 * pi * line / (decay + 3.0 * std::max(0.0, beta - alpha));
+    // By how much the integrand may grow towards the left edge of the strip, as an exponent.
+    const double edge = line - strip();
+    const double growth =
+        2.0 * (beta - alpha * (terms + 1)) * std::log(line / edge) - (line * line - edge * edge);
+    return 2.0 * pi * strip() / (decay + std::max(0.0, growth));
   }
 
   /// (1 / 2 pi) times the integral over the line, by the trapezoidal rule.
@@ -77,8 +86,10 @@ struct Inversion {
     return sum * h / pi; // the other half of the line is the conjugate
   }
 
-  /// The residue of the pole s (in s) times the share that the trapezoidal sum does not yet hold.
+  /// The residue of the pole s (in s) times the share that the trapezoidal sum does not yet hold:
+  /// all of it far to the right of the line, nothing to the left of the strip.
   double residue(Complex s) const {
+    if (std::sqrt(s).real() <= line - strip()) return 0.0;
     const Complex share = 1.0 / (1.0 + std::exp(-2.0 * pi * (std::sqrt(s) - line) / step()));
     return (std::exp(s + (1.0 - beta) * std::log(s)) * share).real() / alpha;
   }
@@ -108,24 +119,32 @@ double expansion_at_infinity(double alpha, double beta, double x, int terms) {
   return sum;
 }
 
-/// A line near the saddle of e^s s^-beta that keeps its distance from the pole.
-double integration_line(double beta, const Pole& pole) {
-  const double best = std::sqrt(std::max(1.0, beta));
+/// A line near the saddle `where` of the integrand that keeps its distance from the pole.
+double integration_line(double where, const Pole& pole) {
+  const double best = std::sqrt(std::max(1.0, where));
   if (!pole.exists) return best;
   const double p = std::sqrt(pole.s).real();
   if (std::abs(p - best) >= pole_distance) return best;
   return p > best ? p - pole_distance : p + pole_distance;
 }
 
+/// How many terms of the expansion at infinity are worth taking out. They fall from the first one
+/// on when |x|^(1/alpha) > beta, faster beyond 2 beta, until alpha k reaches |x|^(1/alpha) (+ beta,
+/// roughly).
+int expansion_terms(double alpha, double beta, double radius, bool far) {
+  if (radius < std::max(1.0, 2.0 * beta)) return 0;
+  const double reach = far ? asymptotic_exponent + std::max(0.0, beta) : 0.7 * radius;
+  return static_cast<int>(std::min(reach / alpha, 1000.0));
+}
+
 double beyond_series(double alpha, double beta, double x) {
   const double radius = std::pow(std::abs(x), 1.0 / alpha);
-  const bool far = radius > asymptotic_exponent;
-  // Terms of the expansion fall until alpha k reaches |x|^(1/alpha); fewer are wanted as long as
-  // the integral holds the rest.
-  const double wanted = (far ? 1.0 : 0.7) * std::min(radius, asymptotic_exponent) / alpha;
-  const int terms = std::abs(x) > 1.0 ? static_cast<int>(std::min(wanted, 400.0)) : 0;
+  if (x > 0.0 && (radius > 1e300 || radius + (1.0 - beta) * std::log(radius) > 720.0))
+    return std::numeric_limits<double>::infinity(); // E ~ x^((1-beta)/alpha) e^radius / alpha
+  const bool far = radius > asymptotic_exponent + 2.0 * std::max(0.0, beta);
+  const int terms = expansion_terms(alpha, beta, radius, far);
   const Pole pole = pole_of(alpha, x);
-  const Inversion inversion{alpha, beta, x, integration_line(beta, pole), terms};
+  const Inversion inversion{alpha, beta, x, integration_line(beta - alpha * terms, pole), terms};
   double value = expansion_at_infinity(alpha, beta, x, terms);
   if (!far) value += inversion.integral();
   if (pole.exists) value += (pole.pair ? 2.0 : 1.0) * inversion.residue(pole.s);
@@ -135,7 +154,8 @@ double beyond_series(double alpha, double beta, double x) {
 } // namespace
 
 double mittag_leffler(double alpha, double beta, double x) {
-  if (!(alpha > 0.0 && alpha <= 2.0) || !std::isfinite(beta) || std::isnan(x)) return not_a_number;
+  if (!(alpha > 0.0 && alpha <= 2.0) || !(std::abs(beta) <= largest_beta) || std::isnan(x))
+    return not_a_number;
   // No expansion at infinity exists here, only x^(1-beta) e^x.
   if (alpha == 1.0 && beta <= 1.0 && beta == std::trunc(beta))
     return std::exp(x) * std::pow(x, 1.0 - beta);

@@ -16,7 +16,7 @@ inline constexpr int largest_multiplied_power = 64;
 /// Special functions, see special.cpp and mittag_leffler.cpp. Outside the domain: NaN.
 double bessel_j(double order, double x);
 double polygamma(double order, double x);
-/// E_{alpha,beta}(x) for real x, 0 < alpha <= 2, any real beta.
+/// E_{alpha,beta}(x) for real x, 0 < alpha <= 2, |beta| <= 100.
 double mittag_leffler(double alpha, double beta, double x);
 
 inline bool is_multiplied_power(double exponent) {

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <cblas.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -21,6 +23,22 @@ constexpr double smallest_pivot = 1e-13;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// L L^T for a lower triangle, by columns of blocks: a block column of the product takes only the
+/// columns of L up to its end. OpenBLAS, as Eigen's own product is compiled for any processor.
+DenseMatrix times_transpose(const DenseMatrix& l) {
+  const OneBlasThread one_thread;
+  constexpr int block = 128;
+  const int size = static_cast<int>(l.rows());
+  DenseMatrix product(size, size);
+  for (int first = 0; first < size; first += block) {
+    const int columns = std::min(block, size - first);
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, size - first, columns, first + columns,
+                1.0, &l(first, 0), size, &l(first, 0), size, 0.0, &product(first, first), size);
+  }
+  product.triangularView<Eigen::StrictlyUpper>() = product.transpose();
+  return product;
 }
 
 class Cholesky final : public Factorisation {
@@ -200,10 +218,7 @@ void Cholesky::round_to_single() {
 
 const DenseMatrix& Cholesky::schur() const {
   if (!schur_ready_) {
-    const OneBlasThread one_thread;
-    schur_.setZero(l22_.rows(), l22_.rows());
-    schur_.selfadjointView<Eigen::Lower>().rankUpdate(l22_);
-    schur_.triangularView<Eigen::StrictlyUpper>() = schur_.transpose();
+    schur_ = times_transpose(l22_);
     schur_ready_ = true;
   }
   return schur_;
@@ -237,8 +252,10 @@ void Cholesky::back(const Vector& c, Vector& x) {
 
 void Cholesky::solve(const Vector& b, Vector& x) {
   reduce(b, reduced_);
-  l22_.triangularView<Eigen::Lower>().solveInPlace(reduced_);
-  l22_.transpose().triangularView<Eigen::Upper>().solveInPlace(reduced_);
+  if (interior_ < size_) {
+    l22_.triangularView<Eigen::Lower>().solveInPlace(reduced_);
+    l22_.transpose().triangularView<Eigen::Upper>().solveInPlace(reduced_);
+  }
   back(reduced_, x);
 }
 

@@ -248,8 +248,10 @@ void Lu::back(const Vector& c, Vector& x) {
 
 void Lu::solve(const Vector& b, Vector& x) {
   reduce(b, reduced_);
-  lower22_.triangularView<Eigen::Lower>().solveInPlace(reduced_);
-  upper22_.triangularView<Eigen::UnitUpper>().solveInPlace(reduced_);
+  if (interior_ < size_) {
+    lower22_.triangularView<Eigen::Lower>().solveInPlace(reduced_);
+    upper22_.triangularView<Eigen::UnitUpper>().solveInPlace(reduced_);
+  }
   back(reduced_, x);
 }
 

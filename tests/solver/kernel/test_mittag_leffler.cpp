@@ -75,6 +75,22 @@ TEST(MittagLeffler, IsItsSeriesForLargeOrders) {
     for (const double beta : {1.0, alpha, 6.0, 0.5}) compare_with_series(alpha, beta);
 }
 
+TEST(MittagLeffler, IsItsSeriesForLargeBeta) { // a pole close to 0 under a large power of s
+  for (const double alpha : {0.13, 0.6, 1.6})
+    for (const double beta : {12.0, 35.0}) compare_with_series(alpha, beta);
+}
+
+TEST(MittagLeffler, ObeysItsRecurrence) { // E_{a,b}(x) = 1/Gamma(b) + x E_{a,a+b}(x), analytic
+  for (double alpha = 0.1; alpha < 2.0; alpha += 0.07)
+    for (double beta = 0.3; beta < 4.0; beta += 0.31)
+      for (double x = 0.03; x < 1e4; x *= 2.7) {
+        const double left = mittag_leffler(alpha, beta, -x), first = 1.0 / std::tgamma(beta);
+        const double right = first - x * mittag_leffler(alpha, alpha + beta, -x);
+        EXPECT_NEAR(left, right, 1e-14 * (std::abs(left) + first + 1.0))
+            << alpha << " " << beta << " " << x;
+      }
+}
+
 TEST(MittagLeffler, AgreesWithClosedForms) { // analytic
   for (double x = 0.01; x < 60.0; x *= 1.3) {
     expect_close(mittag_leffler(1.0, 1.0, -x), std::exp(-x), 1e-15);
@@ -95,6 +111,7 @@ TEST(MittagLeffler, KeepsItsShapeFarOut) {
   const double want = -1.0 / (x * std::tgamma(0.4)) - 1.0 / (x * x * std::tgamma(-0.2));
   expect_close(mittag_leffler(alpha, 1.0, x), want, 1e-15);
   EXPECT_EQ(mittag_leffler(0.5, 1.0, 100.0), HUGE_VAL);
+  EXPECT_EQ(mittag_leffler(1e-4, 3.0, 100.0), HUGE_VAL);
   EXPECT_EQ(mittag_leffler(0.7, 1.0, -HUGE_VAL), 0.0);
 }
 

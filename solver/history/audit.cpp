@@ -1,0 +1,127 @@
+// The audit of a memory: a few unknowns are summed directly beside the route that was chosen, and
+// the largest difference is reported.
+#include "solver/history/routes.hpp"
+#include "solver/history/stream.hpp"
+#include "solver/history/traits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+
+namespace {
+
+constexpr std::uint32_t magic = 0x41554431;
+
+class AuditedHistory final : public History {
+public:
+  AuditedHistory(const PreparedKernel& kernel, std::unique_ptr<History> inner,
+                 std::unique_ptr<History> direct, std::size_t n, std::size_t replayed)
+      : kernel_(kernel), inner_(std::move(inner)), direct_(std::move(direct)), sample_(replayed),
+        replayed_(replayed) {
+    for (std::size_t j = 0; j < replayed; ++j) chosen_.push_back((2 * j + 1) * n / (2 * replayed));
+  }
+
+  void start(double t0, std::span<const double> u0) override {
+    inner_->start(t0, u0);
+    direct_->start(t0, u0.empty() ? u0 : gather(u0));
+    record_ = {};
+    record_.t0 = t0;
+  }
+
+  /// A step that is rejected later is as good an audit as any other.
+  void rhs(double t_new, std::span<double> out) override {
+    inner_->rhs(t_new, out);
+    if (record_.steps + 1 < record_.next) return;
+    direct_->rhs(t_new, replayed_);
+    gather(out);
+    double difference = 0;
+    for (std::size_t j = 0; j < chosen_.size(); ++j) {
+      difference = std::max(difference, std::abs(sample_[j] - replayed_[j]));
+    }
+    const double scale = norm(t_new) * record_.largest;
+    if (scale > 0) record_.worst = std::max(record_.worst, difference / scale);
+    ++record_.audits;
+  }
+
+  double w0(double t_new) override { return inner_->w0(t_new); }
+
+  void commit(double t_new, std::span<const double> u_new) override {
+    inner_->commit(t_new, u_new);
+    direct_->commit(t_new, gather(u_new));
+    for (const double u : sample_) record_.largest = std::max(record_.largest, std::abs(u));
+    ++record_.steps;
+    // All of the first steps, then ever fewer: N steps cost the weights of about ten direct sums.
+    constexpr std::int64_t dense = 16;
+    if (record_.steps >= record_.next) {
+      record_.next = record_.steps < dense ? record_.steps + 1 : record_.steps + record_.steps / 8;
+    }
+  }
+
+  HistoryReport report() const override {
+    HistoryReport r = inner_->report();
+    r.audits = record_.audits;
+    r.audit = record_.worst;
+    r.bytes += direct_->report().bytes;
+    return r;
+  }
+
+  void save(std::ostream& out) const override {
+    StateWriter w(out);
+    w.put(magic);
+    w.put(record_);
+    inner_->save(out);
+    direct_->save(out);
+  }
+
+  void restore(std::istream& in) override {
+    StateReader r(in, kernel_.spec.origin);
+    r.expect(magic, "audit");
+    record_ = r.get<Record>();
+    inner_->restore(in);
+    direct_->restore(in);
+  }
+
+private:
+  struct Record {
+    double t0 = 0, largest = 0, worst = 0, norm = 0, norm_until = 0;
+    std::int64_t steps = 0, next = 2, audits = 0; ///< the first step has no past
+  };
+
+  std::span<const double> gather(std::span<const double> field) {
+    for (std::size_t j = 0; j < chosen_.size(); ++j) sample_[j] = field[chosen_[j]];
+    return sample_;
+  }
+
+  /// int |q| over the lags seen so far, renewed when they have doubled.
+  double norm(double t) {
+    const double elapsed = t - record_.t0;
+    if (elapsed > 2 * record_.norm_until) {
+      record_.norm =
+          absolute_integral(kernel_.spec.expression, kernel_.traits.singular_exponent, t, elapsed);
+      record_.norm_until = elapsed;
+    }
+    return record_.norm;
+  }
+
+  PreparedKernel kernel_;
+  std::unique_ptr<History> inner_, direct_;
+  std::vector<std::size_t> chosen_;
+  std::vector<double> sample_, replayed_;
+  Record record_;
+};
+
+} // namespace
+
+std::unique_ptr<History> make_audited_history(const KernelSpec& kernel, std::size_t n,
+                                              const HistoryOptions& options, std::size_t replayed) {
+  auto inner = make_history(kernel, n, options);
+  replayed = std::min(replayed, n);
+  if (replayed == 0 || inner->report().route == "direct") return inner;
+  const PreparedKernel prepared(kernel, kernel_traits(kernel.expression, options.horizon));
+  auto direct = make_direct(prepared, replayed, options, "audit");
+  return std::make_unique<AuditedHistory>(prepared, std::move(inner), std::move(direct), n,
+                                          replayed);
+}
+
+} // namespace hvi::solver

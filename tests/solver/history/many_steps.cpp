@@ -1,0 +1,284 @@
+// N = 2,000 steps: every route against the direct sum, on uniform and graded grids; what it stores;
+// horizons extended; long runs against closed forms.
+#include "cases.hpp"
+
+#include <boost/math/special_functions/erf.hpp>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+namespace hvi::solver::test {
+namespace {
+
+constexpr double tolerance = 1e-8;
+
+HistoryOptions options_for(const std::vector<double>& times, HistoryRoute route, int order) {
+  HistoryOptions options;
+  options.route = route;
+  options.order = order;
+  options.tolerance = tolerance;
+  options.horizon = times.back();
+  options.shortest_step = shortest_step(times);
+  options.steps = static_cast<std::int64_t>(times.size()) - 1;
+  return options;
+}
+
+struct Case {
+  std::string kernel;
+  Grid grid;
+};
+std::string name_of(const Case& c) {
+  return c.kernel + (c.grid == Grid::uniform ? "_uniform" : "_graded");
+}
+std::ostream& operator<<(std::ostream& out, const Case& c) { return out << name_of(c); }
+
+std::vector<Case> all_cases() {
+  std::vector<Case> cases;
+  for (const KernelCase& kernel : kernel_cases()) {
+    for (const Grid g : {Grid::uniform, Grid::graded}) cases.push_back({kernel.name, g});
+  }
+  return cases;
+}
+
+class ManySteps : public testing::TestWithParam<Case> {};
+
+/// Reference: the direct route (independent of the others; itself checked against brute force).
+TEST_P(ManySteps, AgreesWithTheDirectSum) {
+  const KernelCase& kernel = kernel_case(GetParam().kernel);
+  const auto times = grid(GetParam().grid, 2000);
+  const int order = GetParam().grid == Grid::uniform ? 0 : 1;
+  const KernelSpec spec{kernel.name, {}, kernel.expression};
+  const double l1 = kernel_norms(kernel.expression, 0, times.back()).l1;
+  std::vector<std::unique_ptr<History>> routes;
+  routes.push_back(make_history(spec, field_size, options_for(times, HistoryRoute::direct, order)));
+  routes.push_back(
+      make_history(spec, field_size, options_for(times, HistoryRoute::automatic, order)));
+  routes.push_back(make_history(spec, field_size, options_for(times, HistoryRoute::tree, order)));
+  for (auto& route : routes) route->start(0, sample_field(0));
+  std::vector<double> expected(field_size), found(field_size);
+  for (std::size_t n = 1; n < times.size(); ++n) {
+    // The direct sum is asked at some steps only: it is what takes the time.
+    const bool compare = n < 20 || n % 97 == 0 || n + 1 == times.size();
+    if (compare) routes[0]->rhs(times[n], expected);
+    for (std::size_t r = 1; r < routes.size() && (compare || n % 3 == 0); ++r) {
+      routes[r]->rhs(times[n], found);
+      if (!compare) continue;
+      for (std::size_t i = 0; i < field_size; ++i) {
+        ASSERT_NEAR(found[i], expected[i], tolerance * l1 * 2.2)
+            << routes[r]->report().route << ", step " << n << ", component " << i;
+      }
+      ASSERT_NEAR(routes[r]->w0(times[n]), routes[0]->w0(times[n]), 1e-13 * l1);
+    }
+    for (auto& route : routes) route->commit(times[n], sample_field(times[n]));
+  }
+  EXPECT_LE(routes[1]->report().error, tolerance);
+  EXPECT_LE(routes[2]->report().error, 2 * tolerance);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kernels, ManySteps, testing::ValuesIn(all_cases()),
+                         [](const auto& param) { return name_of(param.param); });
+
+HistoryReport report_after(const std::string& kernel, HistoryRoute route, int steps) {
+  const auto times = grid(Grid::uniform, steps, 20.0);
+  const auto history =
+      make_history({kernel, {}, kernel_case(kernel).expression}, 1, options_for(times, route, 0));
+  history->start(0, std::vector<double>{0.0});
+  for (std::size_t n = 1; n < times.size(); ++n) {
+    history->commit(times[n], std::vector<double>{std::sin(times[n])});
+  }
+  return history->report();
+}
+
+TEST(Storage, TheFittedRouteStoresAFewFields) {
+  for (const char* kernel : {"power_50", "mittag_leffler", "stretched", "power_90"}) {
+    const auto report = report_after(kernel, HistoryRoute::automatic, 20000);
+    EXPECT_EQ(report.route, "fit") << kernel;
+    EXPECT_LT(report.fields, 45) << kernel;
+    EXPECT_TRUE(report.verified);
+  }
+}
+
+TEST(Storage, TheTreeStoresLessThanThreeHundredFields) {
+  for (const char* kernel : {"power_50", "aging", "aging_singular", "logarithm"}) {
+    const auto report = report_after(kernel, HistoryRoute::tree, 10000);
+    EXPECT_LT(report.fields, 300) << kernel;
+    EXPECT_FALSE(report.verified);
+  }
+  EXPECT_LT(report_after("oscillating", HistoryRoute::tree, 10000).fields, 1200);
+}
+
+TEST(Storage, ADelayKeepsOnlyItsWindow) {
+  const auto report = report_after("delay", HistoryRoute::automatic, 4000);
+  EXPECT_EQ(report.route, "direct");
+  EXPECT_LE(report.fields, 0.35 / 0.005 + 2);
+}
+
+TEST(Storage, AKinkKeepsItsWindowRawAndFitsTheRest) {
+  const auto report = report_after("kink", HistoryRoute::automatic, 4000);
+  EXPECT_EQ(report.route, "fit");
+  EXPECT_LE(report.fields, 0.3 / 0.005 + 30);
+}
+
+/// Beyond the fitted horizon: either still within the tolerance, or a failure that says so.
+TEST(Horizon, IsExtendedOrRefused) {
+  const auto times = grid(Grid::uniform, 500, 2.0);
+  for (const HistoryRoute route : {HistoryRoute::fit, HistoryRoute::tree}) {
+    for (const char* name : {"power_50", "rational", "stretched"}) {
+      const KernelCase& kernel = kernel_case(name);
+      const KernelSpec spec{name, {}, kernel.expression};
+      const auto history = make_history(spec, field_size, options_for(times, route, 0));
+      const auto direct =
+          make_history(spec, field_size, options_for(times, HistoryRoute::direct, 0));
+      history->start(0, sample_field(0));
+      direct->start(0, sample_field(0));
+      std::vector<double> a(field_size), b(field_size);
+      const double l1 = kernel_norms(kernel.expression, 0, 6.0).l1;
+      try {
+        for (int n = 1; n <= 1500; ++n) {
+          const double t = 2.0 * n / 500;
+          history->rhs(t, a);
+          if (n % 50 == 0) {
+            direct->rhs(t, b);
+            for (std::size_t i = 0; i < field_size; ++i) {
+              ASSERT_NEAR(a[i], b[i], 7 * 2 * tolerance * l1) << name << " t = " << t;
+            }
+          }
+          history->commit(t, sample_field(t));
+          direct->commit(t, sample_field(t));
+        }
+      } catch (const Failure& failure) {
+        EXPECT_EQ(failure.kind, FailureKind::limit);
+        EXPECT_FALSE(failure.help.empty());
+      }
+    }
+  }
+}
+
+/// An unknown horizon leaves the tree, which grows with the run.
+TEST(Horizon, MayBeUnknown) {
+  const KernelCase& kernel = kernel_case("power_50");
+  const auto history = make_history({"q", {}, kernel.expression}, field_size, {});
+  EXPECT_EQ(history->report().route, "tree");
+  const auto direct =
+      make_history({"q", {}, kernel.expression}, field_size, {.route = HistoryRoute::direct});
+  history->start(0, sample_field(0));
+  direct->start(0, sample_field(0));
+  std::vector<double> a(field_size), b(field_size);
+  for (int n = 1; n <= 3000; ++n) {
+    const double t = 1e-3 * n;
+    history->rhs(t, a);
+    if (n % 100 == 0) {
+      direct->rhs(t, b);
+      for (std::size_t i = 0; i < field_size; ++i) {
+        ASSERT_NEAR(a[i], b[i], 3.2 * 2e-8 * 2 * std::sqrt(t));
+      }
+    }
+    history->commit(t, sample_field(t));
+    direct->commit(t, sample_field(t));
+  }
+  EXPECT_LT(history->report().fields, 250);
+}
+
+TEST(Audit, FindsTheDifferenceToTheDirectSum) {
+  const auto times = grid(Grid::uniform, 2000);
+  const KernelSpec spec{"q", {}, kernel_case("power_50").expression};
+  for (const double tol : {1e-3, 1e-8}) {
+    auto options = options_for(times, HistoryRoute::fit, 0);
+    options.tolerance = tol;
+    const auto history = make_audited_history(spec, field_size, options);
+    history->start(0, sample_field(0));
+    std::vector<double> out(field_size);
+    for (std::size_t n = 1; n < times.size(); ++n) {
+      history->rhs(times[n], out);
+      history->commit(times[n], sample_field(times[n]));
+    }
+    const auto report = history->report();
+    EXPECT_GT(report.audits, 40);
+    EXPECT_LT(report.audit, 2 * tol);
+    // A coarse fit differs by about its error: an audit that saw nothing would not look.
+    EXPECT_GT(report.audit, 1e-5 * tol);
+    EXPECT_LT(report.error, tol);
+  }
+}
+
+TEST(Audit, SurvivesSaveAndRestore) {
+  const auto times = grid(Grid::uniform, 300);
+  const KernelSpec spec{"q", {}, kernel_case("stretched").expression};
+  const auto options = options_for(times, HistoryRoute::fit, 1);
+  const auto one = make_audited_history(spec, field_size, options, 2);
+  const auto two = make_audited_history(spec, field_size, options, 2);
+  one->start(0, sample_field(0));
+  std::vector<double> a(field_size), b(field_size);
+  for (std::size_t n = 1; n < times.size(); ++n) {
+    one->rhs(times[n], a);
+    one->commit(times[n], sample_field(times[n]));
+    if (n == 100) {
+      std::stringstream state;
+      one->save(state);
+      two->restore(state);
+    }
+    if (n <= 100) continue;
+    two->rhs(times[n], b);
+    two->commit(times[n], sample_field(times[n]));
+    ASSERT_EQ(a, b);
+  }
+  EXPECT_EQ(one->report().audit, two->report().audit);
+  EXPECT_EQ(one->report().audits, two->report().audits);
+}
+
+/// u' = -int_0^t u' ds ... as the equation y(t) + int_0^t lag^{-1/2}/Gamma(1/2) y ds = 1 has the
+/// solution E_{1/2}(-sqrt t) = e^t erfc(sqrt t): fractional relaxation (analytic). Order 1 weights.
+TEST(LongRun, FractionalRelaxationFollowsMittagLeffler) {
+  const Expr kernel = pow(lag(), Expr(-0.5)) / Expr(std::sqrt(M_PI));
+  const int steps = 200000;
+  const double end = 200, k = end / steps;
+  HistoryOptions options;
+  options.order = 1;
+  options.horizon = end;
+  options.shortest_step = k;
+  options.steps = steps;
+  const auto history = make_history({"q", {}, kernel}, 1, options);
+  EXPECT_EQ(history->report().route, "fit");
+  std::vector<double> y{1.0}, past(1);
+  history->start(0, y);
+  double worst_late = 0;
+  for (int n = 1; n <= steps; ++n) {
+    const double t = n * k;
+    history->rhs(t, past);
+    y[0] = (1 - past[0]) / (1 + history->w0(t));
+    history->commit(t, y);
+    if (t < 1) continue;
+    const double exact =
+        t < 50 ? std::exp(t) * boost::math::erfc(std::sqrt(t))
+               : (1 - 0.5 / t + 0.75 / (t * t) - 1.875 / (t * t * t)) / std::sqrt(M_PI * t);
+    worst_late = std::max(worst_late, std::abs(y[0] - exact));
+  }
+  EXPECT_LT(worst_late, 3e-6); // the scheme's own error at t = 1, O(k^{3/2})
+  EXPECT_LT(history->report().fields, 50);
+}
+
+/// A million steps: the standard linear solid, sigma = u - int e^{-lag} u ds held at 1, has
+/// u = 1 + t (analytic); order 1 is exact for affine u, so what is left is rounding.
+TEST(LongRun, AMillionStepsOfTheStandardLinearSolidDoNotDrift) {
+  const int steps = 1000000;
+  const double k = 1e-4;
+  HistoryOptions options;
+  options.order = 1;
+  options.horizon = steps * k;
+  options.shortest_step = k;
+  options.steps = steps;
+  const auto history = make_history({"q", {}, exp(-lag())}, 1, options);
+  std::vector<double> u{1.0}, past(1);
+  history->start(0, u);
+  for (int n = 1; n <= steps; ++n) {
+    history->rhs(n * k, past);
+    u[0] = (1 + past[0]) / (1 - history->w0(n * k));
+    history->commit(n * k, u);
+  }
+  EXPECT_NEAR(u[0], 1 + steps * k, 1e-9 * (1 + steps * k));
+  EXPECT_EQ(history->report().fields, 3);
+}
+
+} // namespace
+} // namespace hvi::solver::test
