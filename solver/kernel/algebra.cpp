@@ -166,7 +166,7 @@ Expr product_of(const std::vector<Expr>& terms) {
 }
 
 std::optional<std::pair<Expr, Expr>> affine_in(const Expr& e, Slot slot) {
-  if (const Affine found = affine_as_written(e, slot)) return found;
+  if (Affine found = affine_as_written(e, slot)) return found;
   const Expr expanded = expand(e); // (1 + s)^2 - s^2
   return expanded == e ? Affine() : affine_as_written(expanded, slot);
 }

@@ -16,7 +16,7 @@ Expr fn(Op op, const Expr& a, const Expr& b) { return Expr::make(op, {a, b}); }
 /// that difference cancel (unless b = 1), and (E_{a,b-1} - (b-1) E_{a,b}) / (a x) takes over.
 Expr mittag_leffler_slope(const Expr& a, const Expr& b, const Expr& x) {
   const auto e = [&](const Expr& beta) { return Expr::make(Op::mittag_leffler, {a, beta, x}); };
-  const Expr near = (e(a + b - 1.0) - (b - 1.0) * e(a + b)) / a;
+  Expr near = (e(a + b - 1.0) - (b - 1.0) * e(a + b)) / a;
   if (b.is(1.0)) return near;
   const Expr far = (e(b - 1.0) - (b - 1.0) * e(b)) / (a * x);
   return select(less_equal(abs(x), 1.0), near, far);

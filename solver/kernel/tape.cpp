@@ -24,8 +24,7 @@ public:
       for (Slot s : e.slots()) tape_.inputs.push_back(s);
     }
     std::ranges::sort(tape_.inputs);
-    const auto [first, last] = std::ranges::unique(tape_.inputs);
-    tape_.inputs.erase(first, last);
+    tape_.inputs.erase(std::unique(tape_.inputs.begin(), tape_.inputs.end()), tape_.inputs.end());
     for (const Expr& e : expressions) {
       const auto fresh = [this](const Expr& node) { return !registers_.contains(node.id()); };
       postorder(e, fresh, [this](const Expr& node) { registers_[node.id()] = emit(node); });
