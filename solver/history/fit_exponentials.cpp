@@ -91,6 +91,17 @@ PoleFit::Solution first_solution(const PreparedKernel& kernel, const KernelSampl
   return fit.refine(fit.solve(candidates), target, 40);
 }
 
+/// The kernel as the short sum that it may be, if it is one.
+std::optional<PoleFit::Solution> short_sum(const PreparedKernel& kernel,
+                                           const KernelSamples& samples, const PoleFit& fit,
+                                           double target) {
+  const auto poles = window_candidates(kernel, samples);
+  if (poles.empty()) return std::nullopt;
+  auto solution = fit.refine(fit.solve(poles), target, 10);
+  if (solution.residual > target) return std::nullopt;
+  return eliminate(fit, solution, target);
+}
+
 FitOutcome failed(std::string why) { return {std::nullopt, std::move(why)}; }
 
 } // namespace
@@ -124,7 +135,8 @@ FitOutcome fit_exponentials(const PreparedKernel& kernel, double low, double hig
   const double cap = std::min(1e4, 1e13 * tolerance);
   const PoleFit fit(*samples, tolerance, cap);
   const double target = 0.5 * tolerance;
-  auto solution = first_solution(kernel, *samples, fit, target);
+  const auto few = short_sum(kernel, *samples, fit, target);
+  auto solution = few ? *few : first_solution(kernel, *samples, fit, target);
   if (solution.residual > target) {
     return failed(fmt::format("the best sum of exponentials found has error {:.1e} of its norm",
                               solution.residual));

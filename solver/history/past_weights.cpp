@@ -55,14 +55,14 @@ std::span<const Moments> PastWeights::operator()(const PreparedKernel& kernel, c
     return weights_;
   }
   const std::size_t oldest = count + steps_after;
-  while (by_index_.size() <= oldest) by_index(kernel, grid.uniform_step(), t);
+  while (by_index_.size() <= oldest) by_index(kernel, grid.uniform_step());
   for (std::size_t j = 0; j < count; ++j) weights_[j] = by_index_[oldest - j];
   return weights_;
 }
 
-void PastWeights::by_index(const PreparedKernel& kernel, double step, double t) {
+void PastWeights::by_index(const PreparedKernel& kernel, double step) {
   const double m = static_cast<double>(by_index_.size());
-  by_index_.push_back(kernel.integral(t, m * step, (m + 1) * step));
+  by_index_.push_back(kernel.integral(0.0, m * step, (m + 1) * step));
 }
 
 void PastWeights::by_panels(const PreparedKernel& kernel, double t, std::span<const double> times) {

@@ -20,7 +20,7 @@ public:
   void reset() { by_index_.clear(); }
 
 private:
-  void by_index(const PreparedKernel& kernel, double step, double t);
+  void by_index(const PreparedKernel& kernel, double step);
   void by_panels(const PreparedKernel& kernel, double t, std::span<const double> times);
 
   std::vector<Moments> by_index_, weights_;

@@ -73,6 +73,14 @@ std::vector<Pole> real_candidates(const KernelSamples& samples, double per_decad
   return poles;
 }
 
+std::vector<Pole> window_candidates(const PreparedKernel& kernel, const KernelSamples& samples) {
+  if (panels_within(samples, samples.low, samples.high) > 3 * half / 4) return {};
+  const double step = (samples.high - samples.low) / (2 * half);
+  VectorXd values(2 * half + 1);
+  for (int i = 0; i <= 2 * half; ++i) values[i] = kernel.function(0.0, samples.low + step * i);
+  return esprit(values, step);
+}
+
 std::vector<Pole> oscillating_candidates(const PreparedKernel& kernel,
                                          const KernelSamples& samples) {
   std::vector<Pole> poles;

@@ -25,6 +25,9 @@ std::vector<Pole> real_candidates(const KernelSamples& samples, double per_decad
 std::vector<Pole> oscillating_candidates(const PreparedKernel& kernel,
                                          const KernelSamples& samples);
 
+/// Poles of the whole range at once: finds those of a kernel that is a short sum already.
+std::vector<Pole> window_candidates(const PreparedKernel& kernel, const KernelSamples& samples);
+
 /// Weighted least squares of the coefficients, relative to the kernel's norm: a residual r bounds
 /// the L1 error on the sample points by r * norm (Cauchy-Schwarz with the density of the samples).
 class PoleFit {

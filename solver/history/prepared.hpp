@@ -28,11 +28,12 @@ struct PreparedKernel {
 class WeightCache {
 public:
   Moments operator()(const PreparedKernel& kernel, double t, double low, double high) {
+    // A convolution may be written with t, exp(-t) exp(s): always asked at 0, it has one value.
     const Key key{kernel.traits.convolution ? 0.0 : t, low, high};
     for (const Entry& e : entries_) {
       if (e.key == key) return e.value;
     }
-    const Entry entry{key, kernel.integral(t, low, high)};
+    const Entry entry{key, kernel.integral(key.t, low, high)};
     entries_[next_] = entry;
     next_ = (next_ + 1) % entries_.size();
     return entry.value;

@@ -14,9 +14,12 @@ namespace hvi::solver {
 
 namespace {
 
-std::uint64_t hash_of(const std::vector<int>& state) {
+/// States and sides: a radial point of one row that slips to and fro stays in one state.
+std::uint64_t hash_of(const std::vector<int>& state, const Vector& xi_hat) {
   std::uint64_t h = 1469598103934665603ULL;
-  for (const int v : state) h = (h ^ static_cast<std::uint64_t>(v + 1)) * 1099511628211ULL;
+  const auto mix = [&](int v) { h = (h ^ static_cast<std::uint64_t>(v + 1)) * 1099511628211ULL; };
+  for (const int v : state) mix(v);
+  for (const double v : xi_hat) mix(v < 0.0 ? 1 : 2);
   return h;
 }
 
@@ -92,16 +95,19 @@ double InequalityEngine::try_multipliers() {
   return balanced ? residual_ratio(trial) : ratio;
 }
 
+// A cycle among the same states is left by weighing z against xi differently.
+constexpr double other_scales[] = {0.1, 10.0, 0.01};
+
 InequalityEngine::Outcome InequalityEngine::newton(int limit) {
   const double target = 1e-3 * options.tolerance;
   std::unordered_map<std::uint64_t, int> seen;
-  double best = std::numeric_limits<double>::infinity();
+  double best = std::numeric_limits<double>::infinity(), shrink = 1.0;
+  int tries = 0;
   op.apply_with_magnitude(c, sc, magnitude);
   for (int k = 0; k < limit; ++k) {
     if (!factor_if_needed()) return Outcome::indefinite;
     if (!newton_step()) return Outcome::failed;
-    state_before = state;
-    for (int p = 0; p < n_points; ++p) classify(p, 1.0);
+    for (int p = 0; p < n_points; ++p) classify(p, shrink);
     for (int p = 0; p < n_points; ++p) settle(p);
     update_z();
     const double ratio = try_multipliers();
@@ -109,9 +115,11 @@ InequalityEngine::Outcome InequalityEngine::newton(int limit) {
       xi = trial;
       return Outcome::solved;
     }
-    const bool moved = state != state_before;
-    if (moved && ++seen[hash_of(state)] > 2 && ratio > 0.5 * best) return Outcome::failed;
-    if (!moved && k > 8 && ratio > 0.9 * best) return Outcome::failed;
+    if (ratio > 0.5 * best && ++seen[hash_of(state, xi_hat)] > 1) {
+      if (tries == static_cast<int>(std::size(other_scales))) return Outcome::failed;
+      shrink = other_scales[tries++];
+      seen.clear();
+    }
     best = std::min(best, ratio);
   }
   return Outcome::failed;

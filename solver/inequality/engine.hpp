@@ -32,6 +32,7 @@ struct InequalityEngine {
 
   // ---- set-up (inequality.cpp)
   void prepare_points();
+  void estimate_compliance();
   void prepare_pattern();
   void refresh_laws();
   void load(const InequalityState& from);
@@ -94,7 +95,7 @@ struct InequalityEngine {
   // state of a solve
   const Vector* rhs = nullptr;
   Vector c, z, xi, sc, magnitude, force, force_magnitude, residual, row_size, dc, dz, trial;
-  std::vector<int> state, state_before, component;
+  std::vector<int> state, component;
   Vector z_hat, xi_hat;                 ///< the graph points of the linearisation
   std::vector<std::array<double, 9>> d; ///< their stiffnesses, row by row
   std::vector<std::array<double, 9>> d_factored;

@@ -55,7 +55,7 @@ double InequalityEngine::snap(int p) const {
   const PointData& q = points[p];
   double size = 0.0;
   for (int row = q.first; row < q.first + q.rows; ++row) {
-    double sum = std::abs(problem.offset[row]) + q.gamma * std::abs(xi[row]);
+    double sum = std::abs(problem.offset[row]) + q.local * std::abs(xi[row]);
     for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
       sum += std::abs(it.value() * c[it.col()]);
     size = std::max(size, sum);

@@ -93,14 +93,14 @@ inline Probe norm(std::string name) {
 }
 
 /// The argument sign u . nu of a law.
-inline LawTerm normal_term(int law, int part, double sign = 1.0) {
+inline LawTerm normal_term(int law, int part, int dim = 2, double sign = 1.0) {
   LawTerm term;
   term.origin = {100 + law};
   term.name = "layer";
   term.law = law;
   term.part = part;
   LawTerm::Row row;
-  for (int i = 0; i < 3; ++i) row.u[i] = sign * var(slot::normal(i));
+  for (int i = 0; i < dim; ++i) row.u[i] = sign * var(slot::normal(i));
   term.rows = {row};
   return term;
 }
@@ -164,7 +164,7 @@ inline Plan slab(int n, int steps, int dim = 2, bool friction = false) {
                 elastic(dim, body, first_history_field, b, -1.0)};
   plan.histories = {{{}, exponential_kernel(0.5)}};
   plan.laws = {softening_layer()};
-  plan.law_terms = {normal_term(0, ground)};
+  plan.law_terms = {normal_term(0, ground, dim)};
   if (friction) {
     plan.laws.push_back(slip_weakening());
     plan.law_terms.push_back(tangential_term(1, ground, dim));

@@ -92,7 +92,7 @@ Plan strip(int steps) {
   plan.space.dirichlet = {clamp(1)};
   plan.forms = {elastic(2, 0, field_u, from_young(1.378e11 * scale, 0.3))};
   plan.laws = {sawtooth()};
-  plan.law_terms = {normal_term(0, 2, -1.0)}; // r = u_y = -u . nu on the bottom
+  plan.law_terms = {normal_term(0, 2, 2, -1.0)}; // r = u_y = -u . nu on the bottom
   plan.law_terms[0].rule = Rule::midpoint;
   const Expr ramp = 26.2e6 * scale * var(slot::t);
   plan.loads = {force(3, {0.0, ramp}),
