@@ -134,7 +134,7 @@ def model_solver(slab, steps):
     h = np.zeros_like(u)
     for step in range(1, steps + 1):
         model.set_private_rhs(term, slab.rhs(step, u, h))
-        model.solve("max_res", 1e-10, "max_iter", 50)
+        model.solve("max_res", 1e-8, "max_iter", 50)
         u = model.variable("u")
         h = slab.advance(u, h)
         slab.report(step, u, (slab.weight * law(-u[slab.ground])).sum())
