@@ -1,5 +1,6 @@
 // hvi-run run, test and plan: solving, judging expectations, saying what would be done.
 #include "lang/driver.hpp"
+#include "lang/pictures.hpp"
 #include "solver/output/file.hpp"
 #include "solver/output/table.hpp"
 #include "solver/time/result_json.hpp"
@@ -165,6 +166,10 @@ int solve(Script& script, const Options& options, bool writes, solver::RunResult
   try {
     result = solver::run(*script.plan, discretisation, settings, &result);
     result.script = script.path;
+    if (writes)
+      for (const std::string& file : draw_pictures(*script.plan, discretisation, result,
+                                                   output_folder(script, options)))
+        result.files.push_back(file);
     return exit_ok;
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);

@@ -1,0 +1,141 @@
+// Pictures by gnuplot: triangles sorted from back to front, each filled with its colour.
+#include "lang/pictures.hpp"
+
+#include "solver/output/file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iterator>
+
+namespace hvi::lang {
+
+namespace {
+
+using solver::Failure;
+using solver::FailureKind;
+using solver::Point;
+using Triangle = std::array<std::int32_t, 3>;
+
+struct Drawn {
+  double depth;
+  std::array<std::array<double, 2>, 3> corners;
+  double value;
+};
+
+/// What is seen: the cells in 2D, the boundary in 3D.
+std::vector<Triangle> surface(const solver::Mesh& mesh) {
+  std::vector<Triangle> out;
+  if (mesh.dim == 2)
+    for (const auto& cell : mesh.cells) out.push_back({cell[0], cell[1], cell[2]});
+  if (mesh.dim == 3)
+    for (const solver::Facet& facet : mesh.facets)
+      if (facet.other < 0) out.push_back({facet.nodes[0], facet.nodes[1], facet.nodes[2]});
+  return out;
+}
+
+/// Screen coordinates and depth: the plane itself in 2D, a view from the front right above in 3D.
+std::array<double, 3> project(const Point& p, int dim) {
+  if (dim == 2) return {p[0], p[1], 0.0};
+  const double turn = 0.6, tilt = 0.45; // radians
+  const double x = std::cos(turn) * p[0] + std::sin(turn) * p[2];
+  const double away = -std::sin(turn) * p[0] + std::cos(turn) * p[2];
+  return {x, std::cos(tilt) * p[1] - std::sin(tilt) * away,
+          std::sin(tilt) * p[1] + std::cos(tilt) * away};
+}
+
+/// Norm of the field at every node.
+std::vector<double> magnitudes(const solver::Plan& plan, const solver::FieldSpec& field,
+                               const solver::Discretisation& d, const solver::RunResult& result) {
+  for (const solver::Expr& c : field.components)
+    if (c.depends_on_any(solver::slot::field(solver::field_rate, 0), solver::slot::first_inside))
+      throw Failure(FailureKind::bad_value, field.origin,
+                    fmt::format("`{}` cannot be drawn: a picture shows functions of u", field.name),
+                    "write it with `fields` and open the VTU file");
+  const std::array<const solver::Vector*, 1> fields = {&result.u};
+  const double t = plan.time.grid.empty() ? 0.0 : plan.time.grid.back();
+  const auto values = solver::nodal_values(d.space, field.components, {fields, t});
+  const std::size_t m = field.components.size();
+  std::vector<double> out(values.size() / m);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < m; ++c) sum += values[i * m + c] * values[i * m + c];
+    out[i] = m == 1 ? values[i] : std::sqrt(sum);
+  }
+  return out;
+}
+
+std::string polygons(const solver::Mesh& mesh, const std::vector<double>& values) {
+  std::vector<Drawn> drawn;
+  for (const Triangle& t : surface(mesh)) {
+    Drawn one{0.0, {}, 0.0};
+    for (int k = 0; k < 3; ++k) {
+      const auto p = project(mesh.nodes[t[k]], mesh.dim);
+      one.corners[k] = {p[0], p[1]};
+      one.depth += p[2];
+      one.value += values[t[k]] / 3.0;
+    }
+    drawn.push_back(one);
+  }
+  std::stable_sort(drawn.begin(), drawn.end(),
+                   [](const Drawn& a, const Drawn& b) { return a.depth < b.depth; });
+  std::string out;
+  for (const Drawn& one : drawn) {
+    for (const auto& corner : one.corners)
+      fmt::format_to(std::back_inserter(out), "{:.8g} {:.8g} {:.8g}\n", corner[0], corner[1],
+                     one.value);
+    out += "\n";
+  }
+  return out;
+}
+
+/// gnuplot reads its commands from a pipe: no text of the script reaches a shell.
+void plot(const std::string& commands) {
+  FILE* pipe = popen("gnuplot 2>/dev/null", "w");
+  if (!pipe) throw Failure(FailureKind::output, {}, "gnuplot cannot be started");
+  std::fwrite(commands.data(), 1, commands.size(), pipe);
+  if (pclose(pipe) != 0)
+    throw Failure(FailureKind::output, {}, "gnuplot did not draw the picture",
+                  "apt-get install gnuplot-nox");
+}
+
+/// Texts inside gnuplot's single quotes.
+std::string quoted(std::string text) {
+  std::erase_if(text, [](char c) { return c == '\'' || c == '\n' || c == '\\'; });
+  return "'" + text + "'";
+}
+
+} // namespace
+
+std::vector<std::string> draw_pictures(const solver::Plan& plan,
+                                       const solver::Discretisation& d,
+                                       const solver::RunResult& result, const std::string& folder) {
+  std::vector<std::string> files;
+  for (const solver::PictureSpec& picture : plan.report.pictures) {
+    if (d.mesh.dim == 1) continue;
+    const auto values = magnitudes(plan, picture.field, d, result);
+    const std::string name =
+        picture.file.empty() ? fmt::format("{}_{}.png", plan.title, picture.field.name) : picture.file;
+    const bool svg = std::filesystem::path(name).extension() == ".svg";
+    const auto path = std::filesystem::path(folder) / name;
+    std::filesystem::create_directories(folder);
+    const std::string label = picture.field.components.size() > 1
+                                  ? fmt::format("|{}|", picture.field.name)
+                                  : picture.field.name;
+    plot(fmt::format("set terminal {}\nset output {}\nset size ratio -1\nunset key\n{}"
+                     "set palette defined (0 '#30123b', 1 '#28bbec', 2 '#a2fc3c', 3 '#fb8022', 4 "
+                     "'#7a0403')\nset title {} noenhanced\n$data << HVI_END\n{}HVI_END\n"
+                     "plot $data using 1:2:3 with filledcurves closed fc palette notitle\n",
+                     svg ? "svg size 900,600" : "pngcairo size 900,600", quoted(path.string()),
+                     d.mesh.dim == 3 ? "unset border\nunset tics\n" : "", quoted(label),
+                     polygons(d.mesh, values)));
+    files.push_back(name);
+  }
+  return files;
+}
+
+} // namespace hvi::lang
