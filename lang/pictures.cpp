@@ -69,6 +69,20 @@ std::vector<double> magnitudes(const solver::Plan& plan, const solver::FieldSpec
   return out;
 }
 
+/// Facets are ordered counterclockwise seen from outside: those that turn away are hidden.
+bool faces_us(const Drawn& d) {
+  const auto& [a, b, c] = d.corners;
+  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0;
+}
+
+/// A little larger about its centre, so that no seam lets what lies behind shine through.
+void widen(Drawn& d) {
+  for (int axis = 0; axis < 2; ++axis) {
+    const double centre = (d.corners[0][axis] + d.corners[1][axis] + d.corners[2][axis]) / 3.0;
+    for (auto& corner : d.corners) corner[axis] = centre + 1.02 * (corner[axis] - centre);
+  }
+}
+
 std::string polygons(const solver::Mesh& mesh, const std::vector<double>& values) {
   std::vector<Drawn> drawn;
   for (const Triangle& t : surface(mesh)) {
@@ -79,6 +93,8 @@ std::string polygons(const solver::Mesh& mesh, const std::vector<double>& values
       one.depth += p[2];
       one.value += values[t[k]] / 3.0;
     }
+    if (mesh.dim == 3 && !faces_us(one)) continue;
+    widen(one);
     drawn.push_back(one);
   }
   std::stable_sort(drawn.begin(), drawn.end(),
@@ -131,7 +147,7 @@ std::vector<std::string> draw_pictures(const solver::Plan& plan,
                      "'#7a0403')\nset title {} noenhanced\n$data << HVI_END\n{}HVI_END\n"
                      "plot $data using 1:2:3 with filledcurves closed fc palette notitle\n",
                      svg ? "svg size 900,600" : "pngcairo size 900,600", quoted(path.string()),
-                     d.mesh.dim == 3 ? "unset border\nunset tics\n" : "", quoted(label),
+                     d.mesh.dim == 3 ? "unset border\nunset xtics\nunset ytics\n" : "", quoted(label),
                      polygons(d.mesh, values)));
     files.push_back(name);
   }

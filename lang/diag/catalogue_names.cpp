@@ -103,7 +103,7 @@ find u in V such that for all v in W)",
 find u in V such that for all v in V)"},
     {"E0313", "circular definition",
      R"(
-A value cannot depend on itself.)",
+A value cannot depend on itself, neither directly nor through other declarations.)",
      R"(
 param a = b
 param b = a)",
@@ -112,7 +112,7 @@ param a = 1
 param b = a)"},
     {"E0315", "no such component",
      R"(
-Components are x, y and in 3D z.)",
+Components are called x, y and in 3D z; a scalar has none.)",
      R"(
 integral(slab, v.z))",
      R"(
@@ -147,7 +147,7 @@ expect u_z = 1 within 1e-6)",
 expect u_y = 1 within 1e-6)"},
     {"E0320", "-D of an unknown parameter",
      R"(
-The option -D sets a declared `param`.)",
+The option -D sets a declared `param`; the script declares none of this name.)",
      R"(
 hvi-run slab.hvi -D m=8)",
      R"(

@@ -30,7 +30,7 @@ integral(slab, dot(u, u) * v.x))",
 integral(slab, dot(u, v)))"},
     {"E0404", "no find statement",
      R"(
-A script states one inequality.)",
+A script states one inequality with `find u in V ... such that ...`; without it there is nothing to solve.)",
      R"(
 mesh slab = rectangle(1, 1, cells = [2, 2]))",
      R"(

@@ -100,7 +100,7 @@ TEST_F(Render, MarksFirstAndLastLineOfALongSpan) {
   | ^^^^^^^^^^^
 ...
 4 |  >= 0
-  |  ^^^^ this statement
+  |  ^^ this statement
 )");
 }
 
