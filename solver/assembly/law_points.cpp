@@ -266,20 +266,11 @@ LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& 
   return out;
 }
 
-void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector& out) {
-  const std::size_t n = points.x.size(), n_args = term.rows.size();
-  out.setZero(static_cast<Eigen::Index>(n) * points.rows);
-  std::vector<Expr> offsets;
-  bool all_zero = true;
-  for (const auto& row : term.rows) {
-    offsets.push_back(row.offset);
-    all_zero = all_zero && row.offset.is(0.0);
-  }
-  if (all_zero) {
-    return;
-  }
+namespace {
+
+PointBlock block_of(const LawPoints& points) {
   PointBlock block;
-  for (std::size_t p = 0; p < n; ++p) {
+  for (std::size_t p = 0; p < points.x.size(); ++p) {
     for (int j = 0; j < 3; ++j) {
       block.x[j].push_back(points.x[p][j]);
       block.normal[j].push_back(points.normal[p][j]);
@@ -290,9 +281,42 @@ void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector&
   block.entity = points.facet;
   block.kind = points.kind;
   block.indicators = points.indicators;
+  return block;
+}
+
+/// The offset of point p in the rows of G.
+Vector reduced_offset(const LawPoints& points, const LawTerm& term, std::size_t p,
+                      const Vector& offset) {
+  if (points.frames.empty()) {
+    return offset;
+  }
+  const DenseMatrix& frame = points.frames[p];
+  const Vector reduced = frame.transpose() * offset;
+  if ((offset - frame * reduced).norm() > 1e-9 * offset.norm()) {
+    throw Failure(FailureKind::bad_value, term.origin,
+                  fmt::format("the argument of the law `{}` at {} is moved by a vector that u "
+                              "cannot reach",
+                              term.name, describe_point(points.x[p], points.dim)),
+                  "project the offset as u is projected, for example on the tangent plane");
+  }
+  return reduced;
+}
+
+} // namespace
+
+void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector& out) {
+  const std::size_t n = points.x.size(), n_args = term.rows.size();
+  out.setZero(static_cast<Eigen::Index>(n) * points.rows);
+  std::vector<Expr> offsets;
+  for (const auto& row : term.rows) {
+    offsets.push_back(row.offset);
+  }
+  if (std::all_of(offsets.begin(), offsets.end(), [](const Expr& e) { return e.is(0.0); })) {
+    return;
+  }
   std::vector<double> values(n * n_args);
-  Pointwise(offsets).evaluate(block, t, term.origin, values);
-  Eigen::VectorXd offset(static_cast<Eigen::Index>(n_args));
+  Pointwise(offsets).evaluate(block_of(points), t, term.origin, values);
+  Vector offset(static_cast<Eigen::Index>(n_args));
   for (std::size_t p = 0; p < n; ++p) {
     for (std::size_t c = 0; c < n_args; ++c) {
       offset[Eigen::Index(c)] = values[c * n + p];
@@ -301,20 +325,8 @@ void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector&
       throw_not_finite(term.origin, "the argument of the law", offset.sum(), points.x[p],
                        points.dim, &t);
     }
-    auto here = out.segment(static_cast<Eigen::Index>(p) * points.rows, points.rows);
-    if (points.frames.empty()) {
-      here = offset;
-      continue;
-    }
-    const DenseMatrix& frame = points.frames[p];
-    here = frame.transpose() * offset;
-    if ((offset - frame * here).norm() > 1e-9 * offset.norm()) {
-      throw Failure(FailureKind::bad_value, term.origin,
-                    fmt::format("the argument of the law `{}` at {} is moved by a vector that u "
-                                "cannot reach",
-                                term.name, describe_point(points.x[p], points.dim)),
-                    "project the offset as u is projected, for example on the tangent plane");
-    }
+    out.segment(static_cast<Eigen::Index>(p) * points.rows, points.rows) =
+        reduced_offset(points, term, p, offset);
   }
 }
 

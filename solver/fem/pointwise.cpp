@@ -75,42 +75,43 @@ RegionPoints::RegionPoints(const Space& space, const Region& region, Quadrature 
   }
 }
 
+RegionPoints::Simplex RegionPoints::simplex(std::size_t e) const {
+  const int entity = entities_[e], dim = mesh_->dim;
+  Simplex out;
+  if (kind_ == Group::Kind::facets) {
+    out.measure = facet_measure(*mesh_, entity);
+    out.normal = facet_normal(*mesh_, entity);
+    const auto local = facet_in_cell(*mesh_, entity);
+    std::copy(local.begin(), local.end(), out.corners.begin());
+    out.n_corners = dim;
+  } else if (kind_ == Group::Kind::cells) {
+    out.measure = cell_measure(*mesh_, entity);
+    out.n_corners = dim + 1;
+  } else {
+    out.corners[0] = vertex_in_cell(*mesh_, cells_[e], entity);
+  }
+  return out;
+}
+
 void RegionPoints::fill(std::size_t first, std::size_t last, PointBlock& block) const {
   block.clear();
   block.kind = kind_;
   block.indicators = indicators_;
-  const int dim = mesh_->dim;
   for (std::size_t e = first; e < last; ++e) {
-    const int entity = entities_[e], cell = cells_[e];
-    double measure = 1.0;
-    Point normal{};
-    std::array<int, 4> corners{0, 1, 2, 3}; // of the entity, as corners of the cell
-    int n_corners = dim + 1;
-    if (kind_ == Group::Kind::facets) {
-      measure = facet_measure(*mesh_, entity);
-      normal = facet_normal(*mesh_, entity);
-      const auto local = facet_in_cell(*mesh_, entity);
-      std::copy(local.begin(), local.end(), corners.begin());
-      n_corners = dim;
-    } else if (kind_ == Group::Kind::cells) {
-      measure = cell_measure(*mesh_, entity);
-    } else {
-      corners[0] = vertex_in_cell(*mesh_, cell, entity);
-      n_corners = 1;
-    }
+    const Simplex entity = simplex(e);
     for (std::size_t q = 0; q < rule_.size(); ++q) {
       Barycentric local{};
-      for (int k = 0; k < n_corners; ++k) {
-        local[corners[k]] = rule_.points[q][k];
+      for (int k = 0; k < entity.n_corners; ++k) {
+        local[entity.corners[k]] = rule_.points[q][k];
       }
-      const Point x = point_in_cell(*mesh_, cell, local);
+      const Point x = point_in_cell(*mesh_, cells_[e], local);
       for (int j = 0; j < 3; ++j) {
         block.x[j].push_back(x[j]);
-        block.normal[j].push_back(normal[j]);
+        block.normal[j].push_back(entity.normal[j]);
       }
-      block.weight.push_back(measure * rule_.weights[q]);
-      block.cell.push_back(cell);
-      block.entity.push_back(entity);
+      block.weight.push_back(entity.measure * rule_.weights[q]);
+      block.cell.push_back(cells_[e]);
+      block.entity.push_back(entities_[e]);
       block.barycentric.push_back(local);
     }
   }

@@ -37,6 +37,15 @@ public:
   void for_blocks(const std::function<void(const PointBlock&)>& f) const;
 
 private:
+  /// The entity as a simplex on some corners of its cell.
+  struct Simplex {
+    double measure = 1.0;
+    Point normal{};
+    std::array<int, 4> corners{0, 1, 2, 3};
+    int n_corners = 1;
+  };
+  Simplex simplex(std::size_t e) const;
+
   const Mesh* mesh_;
   std::shared_ptr<const PartIndicators> indicators_;
   Group::Kind kind_;
