@@ -31,13 +31,16 @@ struct Figure {
   std::vector<double> last;             ///< the memory at the last step
 };
 
-/// `steps` steps; every one is taken, so that nothing is extrapolated.
+/// All steps are taken. A long direct sum is asked in the last steps only: its figure there is what
+/// is compared, and the mean of all steps, about half of it, is left out (0).
 Figure run(const Expr& kernel, HistoryRoute route, std::int64_t steps) {
   HistoryOptions options;
   options.route = route;
   options.horizon = static_cast<double>(steps) * step;
   options.shortest_step = step;
   options.steps = steps;
+  const bool ends_only = route == HistoryRoute::direct && steps > 1000;
+  constexpr std::int64_t timed = 100;
   Figure figure;
   const double before = cpu_seconds();
   const auto history = make_history({"q", {}, kernel}, n, options);
@@ -47,15 +50,17 @@ Figure run(const Expr& kernel, HistoryRoute route, std::int64_t steps) {
   const double begin = cpu_seconds();
   for (std::int64_t i = 1; i <= steps; ++i) {
     const double t = static_cast<double>(i) * step, from = cpu_seconds();
-    history->rhs(t, out);
-    history->w0(t);
+    if (!ends_only || i > steps - timed) {
+      history->rhs(t, out);
+      history->w0(t);
+    }
     // The new field costs the same for every route; a cheap one keeps the figures comparable.
     std::fill(u.begin(), u.end(), std::sin(3 * t));
     u[0] = t;
     history->commit(t, u);
-    if (i > steps - 100) times.push_back(cpu_seconds() - from);
+    if (i > steps - timed) times.push_back(cpu_seconds() - from);
   }
-  figure.mean = (cpu_seconds() - begin) / static_cast<double>(steps);
+  if (!ends_only) figure.mean = (cpu_seconds() - begin) / static_cast<double>(steps);
   // The mean, not the median: work that comes every so many steps must count.
   double sum = 0;
   for (const double seconds : times) sum += seconds;

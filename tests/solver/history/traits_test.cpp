@@ -1,0 +1,156 @@
+// What is found out about kernels: recognition however written, singularities, breaks, refusals,
+// exact integrals and norms. References are closed forms (analytic).
+#include "cases.hpp"
+#include "solver/history/exponentials.hpp"
+#include "solver/history/traits.hpp"
+#include "solver/kernel/table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace hvi::solver::test {
+namespace {
+
+std::unique_ptr<History> made(const Expr& kernel, HistoryRoute route = HistoryRoute::automatic) {
+  HistoryOptions options;
+  options.route = route;
+  options.horizon = 2;
+  options.shortest_step = 1e-3;
+  options.steps = 2000;
+  return make_history({"q", {}, kernel}, 1, options);
+}
+
+FailureKind refusal(const Expr& kernel, HistoryRoute route = HistoryRoute::automatic) {
+  try {
+    made(kernel, route);
+  } catch (const Failure& failure) {
+    EXPECT_FALSE(failure.help.empty());
+    return failure.kind;
+  }
+  ADD_FAILURE() << "accepted";
+  return FailureKind::interrupted;
+}
+
+/// exp(-2 lag) in ten ways: one real exponential, one field.
+TEST(Recognition, SeesOneExponentialHoweverWritten) {
+  const Expr l = lag(), t = time(), s = source();
+  const std::vector<Expr> ways{
+      exp(Expr(-2.0) * l),
+      exp(-l / Expr(0.5)),
+      exp(-l) * exp(-l),
+      pow(exp(-l), Expr(2.0)),
+      sqrt(exp(Expr(-4.0) * l)),
+      Expr(1.0) / exp(l + l),
+      pow(Expr(4.0), -l / Expr(std::log(2.0))),
+      call(Op::cosh, Expr(2.0) * l) - call(Op::sinh, Expr(2.0) * l),
+      exp(-(t - s) * Expr(2.0)),
+      exp(Expr(-2.0) * t) * exp(Expr(2.0) * s),
+      exp(Expr(-2.0) * l) * (pow(call(Op::sin, l), Expr(2.0)) + pow(call(Op::cos, l), Expr(2.0)))};
+  for (const Expr& way : ways) {
+    const auto traits = kernel_traits(way, 2);
+    EXPECT_TRUE(traits.exponential_sum) << to_string(way);
+    EXPECT_TRUE(traits.convolution) << to_string(way);
+    EXPECT_EQ(traits.description, "1 real exponential") << to_string(way);
+    const auto history = made(way);
+    EXPECT_EQ(history->report().route, "recursion");
+    EXPECT_EQ(history->report().fields, 2) << "one state and the last value";
+  }
+}
+
+TEST(Recognition, SeesPairsPolynomialsAndProducts) {
+  const Expr l = lag();
+  const auto state_fields = [](const Expr& kernel) {
+    const auto terms = exponential_terms(kernel);
+    return terms ? ExponentialSum(*terms).state_fields() : 0;
+  };
+  EXPECT_EQ(state_fields(call(Op::cos, l) * call(Op::cos, Expr(3.0) * l)), 4u);
+  EXPECT_EQ(state_fields(pow(l + Expr(1.0), Expr(3.0)) * exp(-l)), 4u);
+  EXPECT_EQ(state_fields(l * call(Op::sin, l)), 4u);
+  EXPECT_EQ(state_fields(Expr(3.0)), 1u);
+  EXPECT_EQ(state_fields(time() * exp(-l) + exp(-l)), 1u);
+  for (const Expr& kernel : {sqrt(l), Expr(1.0) / (Expr(1.0) + l), abs(l - Expr(1.0)),
+                             call(Op::log, Expr(1.0) + l), exp(-l * l)}) {
+    EXPECT_FALSE(exponential_terms(kernel).has_value()) << to_string(kernel);
+  }
+}
+
+TEST(Traits, FindSingularitiesAndBreaks) {
+  const Expr l = lag();
+  EXPECT_DOUBLE_EQ(kernel_traits(pow(l, Expr(-0.25)) * exp(-l), 2).singular_exponent, 0.25);
+  EXPECT_NEAR(kernel_traits(Expr(1.0) / sqrt(l + l * l), 2).singular_exponent, 0.5, 1e-9);
+  EXPECT_EQ(kernel_traits(call(Op::log, l), 2).singular_exponent, 0);
+  const auto hat = kernel_traits(kernel_case("hat").expression, 20);
+  ASSERT_EQ(hat.breaks.size(), 3u);
+  EXPECT_NEAR(hat.breaks[0], 0.2, 1e-12);
+  EXPECT_NEAR(hat.breaks[1], 0.5, 1e-12);
+  EXPECT_NEAR(hat.max_lag, 0.8, 1e-12);
+}
+
+TEST(Traits, KernelsWithoutAFiniteIntegralAreRefused) {
+  const Expr l = lag();
+  EXPECT_EQ(refusal(Expr(1.0) / l), FailureKind::bad_kernel);
+  EXPECT_EQ(refusal(pow(l, Expr(-1.5))), FailureKind::bad_kernel);
+  EXPECT_EQ(refusal(exp(Expr(1.0) / l)), FailureKind::bad_kernel);
+  EXPECT_EQ(refusal(sqrt(l - Expr(1.0))), FailureKind::bad_kernel);
+  const auto shorter = std::make_shared<const Table>(
+      "short", std::vector<double>{0, 1}, std::vector<double>{1, 0}, Table::Interpolation::linear);
+  EXPECT_EQ(refusal(Expr::tabulated(shorter, l)), FailureKind::bad_kernel);
+  EXPECT_EQ(refusal(sqrt(l), HistoryRoute::recursion), FailureKind::bad_kernel);
+}
+
+/// int_low^high over the lag, closed forms; the singular first interval included.
+TEST(Integral, AgreesWithClosedForms) {
+  for (const double a : {0.1, 0.5, 0.9, 0.99}) {
+    const Expr q = pow(lag(), Expr(-a));
+    for (const double h : {1e-8, 1e-3, 2.0}) {
+      const double zero = std::pow(h, 1 - a) / (1 - a), one = std::pow(h, 1 - a) / (2 - a);
+      EXPECT_NEAR(interval_integral(q, 3, 0, h, 0), zero, 2e-14 * zero) << a;
+      EXPECT_NEAR(interval_integral(q, 3, 0, h, 1), one, 2e-14 * one) << a;
+    }
+  }
+  const double h = 0.3; // int log = h (log h - 1); int of x log = h (log h / 2 - 1/4)
+  EXPECT_NEAR(interval_integral(call(Op::log, lag()), 3, 0, h, 0), h * (std::log(h) - 1), 1e-15);
+  EXPECT_NEAR(interval_integral(call(Op::log, lag()), 3, 0, h, 1), h * (std::log(h) / 2 - 0.25),
+              1e-15);
+  const double r = std::sqrt(h); // int exp(-sqrt) = 2 (1 - (1 + r) e^-r)
+  EXPECT_NEAR(interval_integral(exp(-sqrt(lag())), 3, 0, h, 0), 2 * (1 - (1 + r) * std::exp(-r)),
+              1e-15);
+  const Expr jump = select(less(lag(), Expr(0.123)), Expr(1.0), Expr(5.0));
+  EXPECT_NEAR(interval_integral(jump, 3, 0.1, 0.2, 0), 0.023 + 5 * 0.077, 1e-15);
+}
+
+/// E_r(z) = int_0^1 x^r e^{z x} dx: series for small z, closed form of r = 1 for large z.
+TEST(Moments, DoNotCancelForSmallAndStiffSteps) {
+  for (int r = 0; r <= 8; ++r) {
+    for (const double z : {0.0, 1e-12, -1e-6, 1e-3}) {
+      const double series = 1.0 / (r + 1) + z / (r + 2) + z * z / (2 * (r + 3)) +
+                            z * z * z / (6 * (r + 4)) + z * z * z * z / (24 * (r + 5));
+      EXPECT_NEAR(exponential_moment(r, z).real(), series, 1e-15) << r << " " << z;
+    }
+  }
+  for (const double z : {-1.0, -19.9, -20.1, -500.0, -1e8}) {
+    const double exact = (std::exp(z) * (z - 1) + 1) / (z * z);
+    EXPECT_NEAR(exponential_moment(1, z).real(), exact, 4e-15 * exact) << z;
+  }
+  const Complex z(-3, 40), e = std::exp(z);
+  EXPECT_LT(std::abs(exponential_moment(2, z) - ((z * z - 2.0 * z + 2.0) * e - 2.0) / (z * z * z)),
+            1e-16);
+}
+
+TEST(Norms, OfAnExponentialAreExactAndOfOthersSampled) {
+  const auto norms = kernel_norms(Expr(3.0) * exp(Expr(-2.0) * lag()), 0, 5);
+  EXPECT_TRUE(norms.exact);
+  EXPECT_DOUBLE_EQ(norms.sup, 3);
+  EXPECT_DOUBLE_EQ(norms.lipschitz, 6);
+  EXPECT_NEAR(norms.l1, 1.5 * (1 - std::exp(-10)), 1e-15);
+  const auto singular = kernel_norms(pow(lag(), Expr(-0.5)), 0, 4);
+  EXPECT_TRUE(std::isinf(singular.sup));
+  EXPECT_TRUE(std::isinf(singular.lipschitz));
+  EXPECT_NEAR(singular.l1, 4, 1e-12);
+  const auto wave = kernel_norms(call(Op::cos, Expr(2 * M_PI) * lag()), 0, 3);
+  EXPECT_NEAR(wave.l1, 6 / M_PI, 1e-12);
+}
+
+} // namespace
+} // namespace hvi::solver::test
