@@ -5,8 +5,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cmath>
-
 namespace hvi::solver {
 namespace {
 
@@ -45,14 +43,6 @@ std::vector<Motion> motions(const Space& space) {
   return out;
 }
 
-/// The combination in words: the motion that makes up most of it, if one does.
-std::string in_words(const std::vector<Motion>& all, const Vector& coefficients) {
-  Eigen::Index largest = 0;
-  coefficients.cwiseAbs().maxCoeff(&largest);
-  const bool pure = std::abs(coefficients[largest]) > 0.99 * coefficients.norm();
-  return pure ? all[largest].name : "a combination of translation and rotation";
-}
-
 } // namespace
 
 std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisation& d,
@@ -71,12 +61,16 @@ std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisatio
     for (Eigen::Index b = 0; b < m; ++b)
       for (const auto& e : d.dofs.eliminated)
         energy(a, b) += stiffness * all[a].values[e.dof] * all[b].values[e.dof];
-  const Eigen::SelfAdjointEigenSolver<DenseMatrix> modes(
-      DenseMatrix((energy + energy.transpose()) / 2));
+  const DenseMatrix symmetric = (energy + energy.transpose()) / 2;
+  const Eigen::SelfAdjointEigenSolver<DenseMatrix> modes(symmetric, Eigen::EigenvaluesOnly);
+  const double small = 1e-11 * stiffness;
+  auto left = (modes.eigenvalues().array() <= small).count();
   std::vector<std::string> out;
   for (Eigen::Index a = 0; a < m; ++a)
-    if (modes.eigenvalues()[a] <= 1e-11 * stiffness)
-      out.push_back(in_words(all, modes.eigenvectors().col(a)));
+    if (symmetric(a, a) <= small) out.push_back(all[a].name);
+  // A body held at one point turns about that point: a combination of ours.
+  for (left -= static_cast<Eigen::Index>(out.size()); left > 0; --left)
+    out.emplace_back("a combination of translation and rotation");
   return out;
 }
 

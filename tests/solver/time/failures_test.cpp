@@ -92,6 +92,14 @@ TEST(Coercivity, RigidMotionsAreNamed) {
   EXPECT_EQ(failure.kind, FailureKind::not_coercive);
   EXPECT_THAT(failure.what(), HasSubstr("rotation"));
   EXPECT_THAT(failure.what(), HasSubstr("translation along y"));
+  PartSpec corner{"corner", {}, {}};
+  corner.region.kind = RegionSpec::Kind::point;
+  corner.region.point = {0, 1, 0};
+  plan.parts.push_back(corner);
+  plan.space.dirichlet = {clamp(4)}; // turns about its corner
+  failure = failure_of(plan);
+  EXPECT_EQ(failure.kind, FailureKind::not_coercive);
+  EXPECT_THAT(failure.what(), HasSubstr("a combination of translation and rotation"));
 }
 
 TEST(Coercivity, NegativeStiffnessIsRefused) {

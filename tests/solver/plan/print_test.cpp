@@ -1,0 +1,79 @@
+// The printed plan: every item of the plan shows, and the text is stable.
+#include "solver/plan/plan.hpp"
+
+#include <gmock/gmock.h>
+
+namespace hvi::solver {
+namespace {
+
+using testing::HasSubstr;
+
+Plan small_plan() {
+  Plan plan;
+  plan.title = "bar";
+  plan.mesh.kind = MeshSpec::Kind::interval;
+  plan.mesh.name = "bar";
+  PartSpec end{"end", {}, {}};
+  end.region.kind = RegionSpec::Kind::group;
+  end.region.name = "right";
+  plan.parts = {{"bar", {}, {}}, end};
+  plan.space.name = "V";
+  plan.space.dirichlet = {{{}, 1, -1, {}}};
+  FormTerm form;
+  form.effect = Effect::elasticity;
+  form.entries = {{3, 3, 2.5}};
+  plan.forms = {form};
+  LoadTerm load;
+  load.entries = {{0, 2.0 * Expr::variable(slot::t)}};
+  plan.loads = {load};
+  return plan;
+}
+
+TEST(PrintPlan, ReadsAsThePlan) {
+  EXPECT_EQ(to_string(small_plan()),
+            "plan `bar`\n"
+            "mesh `bar` interval low [0, 0, 0] high [1, 1, 1] cells [1, 1, 1]\n"
+            "part 0 `bar` = all\n"
+            "part 1 `end` = group \"right\"\n"
+            "space `V` vector P1\n"
+            "  on `end` all components = 0\n"
+            "form elasticity over `bar` on u, rule exact\n"
+            "  2.5 du.x/dx * dv.x/dx\n"
+            "load body force over `bar`, rule exact\n"
+            "  " +
+                to_string(2.0 * Expr::variable(slot::t)) +
+                " * v.x\n"
+                "static\n"
+                "options tolerance 1e-10, memory 1e-08 (route automatic), branch continuing, "
+                "threads 1\n");
+}
+
+TEST(PrintPlan, LawsMemoryTimeAndReport) {
+  auto plan = small_plan();
+  plan.histories = {{{}, {"C", {}, exp(-Expr::variable(slot::lag))}}};
+  plan.laws = {{"layer", {}, true, true, Expr::variable(slot::argument(0))}};
+  LawTerm term;
+  term.name = "layer";
+  term.part = 1;
+  term.rows.resize(1);
+  plan.law_terms = {term};
+  plan.time.is_static = false;
+  plan.time.scheme = Scheme::bdf2;
+  for (int n = 0; n <= 20; ++n) plan.time.grid.push_back(n);
+  Probe norm;
+  norm.name = "size";
+  norm.kind = Probe::Kind::norm_v;
+  norm.time = 0.5;
+  plan.report.probes = {norm};
+  plan.report.tables = {{{}, {0}, 4, "t.csv"}};
+  plan.effects = {{"memory", EffectNote::State::dropped, {}, "the kernel is zero"}};
+  const auto text = to_string(plan);
+  for (const char* line :
+       {"history w0 kernel `C`", "law 0 `layer` radial slope", "law term 0 1 * `layer` over `end`",
+        "time bdf2", "grid 0 ... 20, 20 steps", "probe 0 `size` = norm of u at t = 0.5",
+        "table [0] every 4 to \"t.csv\"", "effect memory: dropped (the kernel is zero)"})
+    EXPECT_THAT(text, HasSubstr(line));
+}
+
+} // namespace
+} // namespace hvi::solver

@@ -1,0 +1,204 @@
+// Files of a run as independent readers see them: python3-meshio for VTU, jsonschema for JSON.
+#include "solver/output/file.hpp"
+#include "solver/time/result_json.hpp"
+#include "tests/solver/time/plans.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace hvi::solver {
+namespace {
+
+using namespace testing_plans;
+namespace fs = std::filesystem;
+
+fs::path fresh_folder(const std::string& name) {
+  auto folder = fs::path(testing::TempDir()) / ("hvi_" + name);
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  return folder;
+}
+
+/// Runs a Python program inside a folder; its exit code.
+int python(const fs::path& folder, const std::string& program) {
+  std::ofstream(folder / "check.py") << program;
+  return std::system(("cd '" + folder.string() + "' && /usr/bin/python3 check.py").c_str());
+}
+
+Expr d(int i, int j) { return var(slot::field(field_u, slot::gradient(i, j))); }
+
+/// The slab with u, a stress, the multiplier and a scalar of x among its fields.
+Plan slab_with_fields(int order) {
+  auto plan = slab(4, 8, 2, true);
+  plan.space.order = order;
+  const Expr shear = 0.5 * (d(0, 1) + d(1, 0));
+  FieldsSpec fields;
+  fields.every = 3;
+  fields.fields = {{"u", {}, {u_value(0), u_value(1)}},
+                   {"eps", {}, {d(0, 0), shear, shear, d(1, 1)}},
+                   {"layer.xi", {}, {var(slot::multiplier(0, 0))}},
+                   {"slip.xi", {}, {var(slot::multiplier(1, 0)), var(slot::multiplier(1, 1))}},
+                   {"height", {}, {var(slot::x(1)) * var(slot::t)}}};
+  plan.report.fields = {fields};
+  return plan;
+}
+
+TEST(Files, MeshioReadsTheFieldsOfARun) {
+  for (const int order : {1, 2}) {
+    const auto folder = fresh_folder("fields" + std::to_string(order));
+    RunSettings settings;
+    settings.output_folder = folder.string();
+    settings.name = "slab";
+    const auto result = solve(slab_with_fields(order), settings);
+    // Steps 3, 6 and the last: body, two multipliers; and the table.
+    EXPECT_EQ(result.files.size(), 3u * 3u + 1u);
+    std::ofstream(folder / "expected.py")
+        << "u_y = " << std::hexfloat << '"' << result.final.at("u_y") << '"' << "\nreaction = \""
+        << result.final.at("reaction") << "\"\norder = " << order;
+    EXPECT_EQ(0, python(folder, R"(
+import meshio, numpy as np, csv, xml.etree.ElementTree as E
+import expected
+m = meshio.read("slab_00008.vtu")
+assert m.cells[0].type == ("triangle" if expected.order == 1 else "triangle6")
+assert len(m.cells[0].data) == 64
+u, eps = m.point_data["u"], m.cell_data["eps"][0]
+assert u.shape == (len(m.points), 3) and eps.shape == (64, 9)
+at = np.argmin(np.abs(m.points - [1, 0, 0]).sum(axis=1))
+assert u[at, 1] == float.fromhex(expected.u_y), (u[at, 1], expected.u_y)
+assert np.allclose(m.point_data["height"], m.points[:, 1], atol=1e-15)
+# eps is the cell mean of the gradient: by Gauss, from the values on the edges
+for c, nodes in enumerate(m.cells[0].data):
+    p, v = m.points[nodes], u[nodes]
+    area = 0.5 * ((p[1,0]-p[0,0])*(p[2,1]-p[0,1]) - (p[2,0]-p[0,0])*(p[1,1]-p[0,1]))
+    assert area > 0
+    grad = np.zeros((2, 2))
+    for e, (a, b) in enumerate([(0, 1), (1, 2), (2, 0)]):
+        normal = np.array([p[b,1]-p[a,1], p[a,0]-p[b,0]])
+        mean = (v[a]+v[b])/2 if expected.order == 1 else (v[a]+v[b]+4*v[3+e])/6
+        if expected.order == 2:  # VTK puts node 3 + e on edge e
+            assert np.allclose(p[3+e], (p[a]+p[b])/2)
+        grad += np.outer(mean[:2], normal) / area
+    sym = (grad + grad.T) / 2
+    assert np.allclose(eps[c].reshape(3, 3)[:2, :2], sym, atol=1e-13)
+xi = meshio.read("slab_layer_xi_00008.vtu")
+assert xi.cells[0].type == ("line" if expected.order == 1 else "line3")
+x, value = xi.points[:, 0], xi.point_data["layer.xi"]
+s = meshio.read("slab_slip_xi_00008.vtu").point_data["slip.xi"]
+assert s.shape == (len(x), 3) and (s[:, 1] == 0).all() and np.abs(s[:, 0]).max() > 0
+# the reaction once more: the nodal rule is the trapezoidal (P2: Simpson's) rule on the facets
+total = 0
+for nodes in xi.cells[0].data:
+    h = abs(x[nodes[1]] - x[nodes[0]])
+    total += h * (value[nodes].mean() if expected.order == 1 else value[nodes] @ [1, 1, 4] / 6)
+assert abs(total / float.fromhex(expected.reaction) - 1) < 1e-13
+rows = list(csv.DictReader(open("slab.csv")))
+assert len(rows) == 8 and float(rows[-1]["u_y"]) == float.fromhex(expected.u_y)
+times = [float(s.get("timestep")) for s in E.parse("slab.pvd").getroot().iter("DataSet")]
+assert times == [0.375]*3 + [0.75]*3 + [1.0]*3
+)")) << "order "
+     << order;
+  }
+}
+
+TEST(Files, ResultJsonFollowsItsSchema) {
+  const auto folder = fresh_folder("json");
+  auto plan = slab(4, 6);
+  plan.effects = {{"viscosity", EffectNote::State::on, {5}, ""},
+                  {"normal law `layer`", EffectNote::State::on, plan.law_terms[0].origin, ""}};
+  auto timed = plan.report.probes[0];
+  timed.name = "half";
+  timed.time = 0.5;
+  plan.report.probes.push_back(timed);
+  plan.report.tables[0].probes.push_back(4); // not known before t = .5: null in the table
+  auto result = solve(plan);
+  result.script = "slab.hvi";
+  ResultContext context;
+  context.params = {{"n", 4.0}};
+  context.line_of = [](Origin origin) { return origin.id; };
+  write_atomically(folder / "result.json", result_json(result, plan, context));
+  EXPECT_EQ(0, python(folder, std::string(R"(
+import json, jsonschema
+result = json.load(open("result.json"))
+schema = json.load(open(")") + HVI_SOURCE_DIR +
+                                  R"(/docs/schema/hvi-result-1.schema.json"))
+jsonschema.Draft202012Validator.check_schema(schema)
+jsonschema.validate(result, schema, cls=jsonschema.Draft202012Validator)
+assert result["table"]["t"] == [i / 6 for i in range(1, 7)]
+assert result["table"]["u_y"][-1] == result["final"]["u_y"]
+assert result["table"]["half"][:2] == [None, None] and result["table"]["half"][5] == result["final"]["half"]
+assert result["plan"]["effects"][1]["line"] == 100 and result["plan"]["effects"][0]["state"] == "on"
+assert result["certificate"]["certified"] is True
+)"));
+}
+
+// Analytic: with u affine between grid times, a probe in the middle is the mean of its neighbours.
+TEST(Probes, BetweenGridTimesTheInterpolantIsAffine) {
+  auto plan = slab(4, 8);
+  auto timed = plan.report.probes[0];
+  timed.name = "between";
+  timed.time = (3 + 0.25) / 8;
+  plan.report.probes.push_back(timed);
+  const auto result = solve(plan);
+  const auto& u = result.columns.at("u_y");
+  EXPECT_NEAR(result.final.at("between"), 0.75 * u[2] + 0.25 * u[3], 1e-16);
+}
+
+TEST(Probes, CombinationsReadOtherProbes) {
+  auto plan = slab(4, 4);
+  Probe ratio;
+  ratio.name = "ratio";
+  ratio.kind = Probe::Kind::combination;
+  ratio.expression = var(slot::probe(0)) / var(slot::probe(1)) + var(slot::t);
+  plan.report.probes.push_back(ratio);
+  const auto result = solve(plan);
+  EXPECT_DOUBLE_EQ(result.final.at("ratio"), result.final.at("u_y") / result.final.at("u_x") + 1.0);
+}
+
+// Analytic: the multiplier at a node of the contact part is the slope there; the factor before a
+// law scales its force, not its multiplier.
+TEST(Probes, MultipliersAtNodesAndUnderAFactor) {
+  auto plan = slab(4, 4);
+  plan.law_terms[0].factor = 0.5;
+  plan.laws[0].expression = 8.0 * max(var(slot::argument(0)), 0.0);
+  plan.report.probes = {at_point("xi", var(slot::multiplier(0, 0)), {1, 0, 0}),
+                        at_point("u_y", u_value(1), {1, 0, 0}),
+                        integral("p", var(slot::multiplier(0, 0)), ground),
+                        integral("work", var(slot::multiplier(0, 0)) * u_value(1), ground)};
+  const auto result = solve(plan);
+  expect_relative(result.final.at("xi"), -8.0 * result.final.at("u_y"), 1e-12, "xi");
+  auto plain = plan;
+  plain.law_terms[0].factor = 1.0;
+  plain.laws[0].expression = 4.0 * max(var(slot::argument(0)), 0.0);
+  const auto same = solve(plain);
+  expect_relative(result.final.at("p"), 2 * same.final.at("p"), 1e-11, "p");
+  expect_relative(result.final.at("work"), 2 * same.final.at("work"), 1e-11, "work");
+}
+
+// A load that lifts the slab off: the law never acts, costs no iteration and is reported asleep.
+TEST(Effects, ALawThatNeverActsIsAsleep) {
+  auto plan = slab(4, 8);
+  plan.loads = {force(body, {0.0, 10.0 * var(slot::t)})};
+  plan.effects = {{"normal law", EffectNote::State::on, plan.law_terms[0].origin, ""}};
+  const auto result = solve(plan);
+  EXPECT_EQ(result.effects[0].state, EffectNote::State::asleep);
+  EXPECT_EQ(result.work.newton, 0);
+}
+
+// Forms that cost nothing: equal tensors under other names, split parts, zero entries.
+TEST(Effects, ProportionalFormsShareMatrices) {
+  auto plan = slab(4, 4);
+  EXPECT_EQ(solve(plan).work.matrices, 2);
+  plan.forms[0] = elastic(2, body, field_rate, from_young(35, 0.3)); // viscosity = B / 2
+  EXPECT_EQ(solve(plan).work.matrices, 1);
+  // The same numbers through expressions that only values reveal.
+  plan.forms[0] = elastic(2, body, field_rate, {1, 1});
+  const auto b = from_young(35, 0.3);
+  for (std::size_t e = 0; e < plan.forms[0].entries.size(); ++e)
+    plan.forms[0].entries[e].coefficient =
+        (e % 3 == 0 ? b.lambda : b.mu) + 0.0 * var(slot::x(0)) + max(-1.0 - var(slot::x(0)), 0.0);
+  EXPECT_EQ(solve(plan).work.matrices, 1);
+}
+
+} // namespace
+} // namespace hvi::solver
