@@ -8,6 +8,7 @@
 #include "solver/mesh/gmsh_module.hpp"
 #include "solver/mesh/read_msh.hpp"
 #include "solver/output/file.hpp"
+#include "solver/time/step.hpp"
 
 #include <fmt/format.h>
 
@@ -27,6 +28,12 @@ int check_command(const std::vector<std::string>& paths, const Options& options)
       try {
         for (const solver::Failure& failure : solver::discretise(*script.plan, discretisation))
           add_failure(script, failure);
+        if (!script.diagnostics.has_errors()) {
+          // The first step's matrix tells whether all forms together determine the unknown.
+          solver::Timing timing;
+          solver::Stepper stepper(*script.plan, discretisation, timing);
+          stepper.advance(1);
+        }
       } catch (const solver::Failure& failure) {
         add_failure(script, failure);
       }

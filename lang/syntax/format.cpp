@@ -86,6 +86,7 @@ std::size_t Formatter::blanks(const Token& left, const Token& right) const {
   if (layout_.set_apart.contains(right.span.begin)) return 2;
   if (layout_.glued_left.contains(right.span.begin)) return 0;
   if (layout_.glued_right.contains(left.span.begin)) return 0;
+  if (left.kind == number && right.kind == dot) return 1; // `2 .x` has two tokens, `2.x` is none
   if (left.kind == open_paren || left.kind == open_bracket || left.kind == clarke) return 0;
   switch (right.kind) {
   case close_paren:

@@ -1,8 +1,8 @@
 """Checks every script under tests/lang/errors: exactly the errors written under the wrong code.
 
 usage: check_errors.py HVI_RUN FOLDER
-A comment line `#    ^^^^ E0301` below a line says: error E0301 at these columns of that line. A
-warning that something is unused may come with a mistake and is not compared.
+A comment line `#    ^^^^ E0301` below a line says: error E0301 at these columns of that line;
+`#<^^^ E0301` says the same from column 1 on, the `<` standing for one more caret. A warning that something is unused may come with a mistake and is not compared.
 """
 import json
 import pathlib
@@ -15,7 +15,10 @@ def expected(path):
     found, line = set(), 0
     for number, text in enumerate(path.read_text().split("\n"), 1):
         mark = re.fullmatch(r"#( *)(\^+) ([EW]\d+)", text)
-        if mark:
+        edge = re.fullmatch(r"#(<\^*) ([EW]\d+)", text)
+        if edge:
+            found.add((line, 1, 1 + len(edge[1]), edge[2]))
+        elif mark:
             column = len(mark[1]) + 2
             found.add((line, column, column + len(mark[2]), mark[3]))
         else:
