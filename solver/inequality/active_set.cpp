@@ -25,9 +25,8 @@ std::uint64_t hash_of(const std::vector<int>& state, const Vector& xi_hat) {
 
 } // namespace
 
-/// H from the stiffnesses; factors S + H unless that is what is factored already.
-bool InequalityEngine::factor_if_needed() {
-  if (factored && d == d_factored) return true;
+/// H from the stiffnesses.
+void InequalityEngine::assemble() {
   double* values = h.valuePtr();
   std::fill(values, values + h.nonZeros(), 0.0);
   for (int p = 0; p < n_points; ++p)
@@ -35,10 +34,67 @@ bool InequalityEngine::factor_if_needed() {
       const Contribution& q = contributions[k];
       values[q.value] += q.coefficient * d[p][q.entry];
     }
+}
+
+/// Factors S + H unless that is what is factored already.
+bool InequalityEngine::factor_if_needed() {
+  if (factored && d == d_factored) return true;
+  assemble();
   ++report.factorisations;
   factored = op.factor(h);
   d_factored = d;
   return factored;
+}
+
+/// The last factor differs from S + H by stiffnesses of the body's own size at most: then it is a
+/// good preconditioner, and points that rest (very stiff) are the same ones.
+bool InequalityEngine::factor_is_close() const {
+  if (!factored || !op.symmetric()) return false;
+  for (int p = 0; p < n_points; ++p)
+    for (int k = 0; k < 9; ++k)
+      if (!(std::abs(d[p][k] - d_factored[p][k]) * points[p].local <= 10.0)) return false;
+  return true;
+}
+
+/// dc = (S + H)^-1 residual: by the factor, or by conjugate gradients preconditioned with the last
+/// one when it is close (slopes that change a little from step to step).
+bool InequalityEngine::solve_linear() {
+  if (!(factored && d == d_factored) && factor_is_close() && conjugate_gradients()) return true;
+  if (!factor_if_needed()) return false;
+  op.solve(residual, dc);
+  return true;
+}
+
+bool InequalityEngine::conjugate_gradients() {
+  assemble();
+  cg_r = residual;
+  op.solve(cg_r, cg_z);
+  // Inner products of forces with displacements, scaled so that no unit system overflows.
+  const double unit = cg_z.lpNorm<Eigen::Infinity>(), unit_r = cg_r.lpNorm<Eigen::Infinity>();
+  if (!(unit > 0.0) || !(unit_r > 0.0) || !std::isfinite(unit)) return false;
+  const auto product = [&](const Vector& a, const Vector& b) {
+    double sum = 0.0;
+    for (int i = 0; i < n; ++i) sum += (a[i] / unit_r) * (b[i] / unit);
+    return sum;
+  };
+  dc.setZero(), cg_p = cg_z;
+  double rho = product(cg_r, cg_z);
+  const double start = rho;
+  for (int k = 0; k < op.patience(); ++k) {
+    op.apply(cg_p, cg_q);
+    cg_q.noalias() += h * cg_p;
+    const double curvature = product(cg_q, cg_p);
+    if (!(curvature > 0.0)) return false;
+    const double step = rho / curvature;
+    dc += step * cg_p, cg_r -= step * cg_q;
+    op.solve(cg_r, cg_z);
+    const double next = product(cg_r, cg_z);
+    if (!(next >= 0.0)) return false;
+    if (next <= 1e-6 * start) return true; // three digits of the error's energy norm
+    cg_p = cg_z + (next / rho) * cg_p;
+    rho = next;
+  }
+  return false;
 }
 
 double InequalityEngine::residual_ratio(const Vector& x) {
@@ -58,7 +114,7 @@ double InequalityEngine::residual_ratio(const Vector& x) {
 }
 
 /// One linear solve about the present graph points; moves c, z and xi.
-bool InequalityEngine::newton_step() {
+InequalityEngine::Outcome InequalityEngine::newton_step() {
   for (int p = 0; p < n_points; ++p) { // xi at the present z on the linearised graph
     Small v = at(z, p);
     const Small base = at(z_hat, p), x0 = at(xi_hat, p);
@@ -68,8 +124,8 @@ bool InequalityEngine::newton_step() {
   }
   gather(xi);
   residual = *rhs - sc - force;
-  op.solve(residual, dc);
-  if (!dc.allFinite()) return false;
+  if (!solve_linear()) return Outcome::indefinite;
+  if (!dc.allFinite()) return Outcome::failed;
   ++report.iterations;
   c += dc;
   dz.noalias() = problem.g * dc;
@@ -80,7 +136,7 @@ bool InequalityEngine::newton_step() {
     put(xi, p, {x0[0] + v[0], x0[1] + v[1], x0[2] + v[2]});
   }
   update_z();
-  return true;
+  return Outcome::solved;
 }
 
 /// Residual of the problem with the multipliers that belong to the present z (in `trial`). Points
@@ -105,11 +161,11 @@ InequalityEngine::Outcome InequalityEngine::newton(int limit) {
   int tries = 0;
   op.apply_with_magnitude(c, sc, magnitude);
   for (int k = 0; k < limit; ++k) {
-    if (!factor_if_needed()) return Outcome::indefinite;
-    if (!newton_step()) return Outcome::failed;
+    if (const Outcome step = newton_step(); step != Outcome::solved) return step;
     for (int p = 0; p < n_points; ++p) classify(p, shrink);
     for (int p = 0; p < n_points; ++p) settle(p);
     update_z();
+    snap_factor = k < 8 ? tight_snap : certificate_snap;
     const double ratio = try_multipliers();
     if (ratio <= target || (ratio <= options.tolerance && ratio > 0.25 * best)) {
       xi = trial;

@@ -12,6 +12,7 @@ namespace hvi::solver {
 /// residual  = max_i |S c + G^T W xi - r|_i / (|S||c| + |G^T W||xi| + |r|)_i
 void InequalityEngine::certify() {
   update_z();
+  snap_factor = certificate_snap;
   op.apply_with_magnitude(c, sc, magnitude);
   report.residual = residual_ratio(xi);
   const double largest = n_rows > 0 ? xi.lpNorm<Eigen::Infinity>() : 0.0;

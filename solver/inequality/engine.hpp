@@ -19,6 +19,7 @@ struct InequalityEngine {
     int law = 0; ///< index into prepared
     int first = 0, rows = 1;
     double weight = 0.0;
+    double local = 0.0;     ///< compliance of the body there with everything else held, per weight
     double gamma = 0.0;     ///< resolvent parameter, about the compliance of the body at the point
     bool single = false;    ///< each row touches at most one unknown
     bool exclusive = false; ///< and nothing else touches those unknowns
@@ -57,8 +58,12 @@ struct InequalityEngine {
 
   // ---- Newton on graph states (active_set.cpp)
   Outcome newton(int limit);
+  Outcome newton_step();
+  void assemble();
   bool factor_if_needed();
-  bool newton_step();
+  bool factor_is_close() const;
+  bool solve_linear();
+  bool conjugate_gradients();
   double try_multipliers();
   double residual_ratio(const Vector& x); ///< of r - S c - G^T W x, componentwise, with S c known
 
@@ -94,12 +99,16 @@ struct InequalityEngine {
 
   // state of a solve
   const Vector* rhs = nullptr;
-  Vector c, z, xi, sc, magnitude, force, force_magnitude, residual, row_size, dc, dz, trial;
+  Vector c, z, xi, sc, magnitude, force, force_magnitude, residual, row_size, dc, dz, trial, cg_r,
+      cg_z, cg_p, cg_q;
   std::vector<int> state, component;
   Vector z_hat, xi_hat;                 ///< the graph points of the linearisation
   std::vector<std::array<double, 9>> d; ///< their stiffnesses, row by row
   std::vector<std::array<double, 9>> d_factored;
   bool factored = false;
+  /// z within this part of its size of a break counts as on it; Newton aims closer at first.
+  static constexpr double tight_snap = 2e-14, certificate_snap = 1e-12;
+  double snap_factor = certificate_snap;
   Vector z_start; ///< where the path to the present solution began
   InequalityReport report;
 };

@@ -17,13 +17,15 @@ InequalityEngine::InequalityEngine(const ReducedProblem& problem_, ReducedOperat
       n_points(static_cast<int>(problem_.points.size())) {
   if (problem.g.cols() != n && n_rows > 0)
     throw Failure(FailureKind::bad_value, {}, "the contact matrix does not fit the operator");
-  for (Vector* v : {&c, &sc, &magnitude, &force, &force_magnitude, &residual, &row_size, &dc})
+  for (Vector* v : {&c, &sc, &magnitude, &force, &force_magnitude, &residual, &row_size, &dc, &cg_r,
+                    &cg_z, &cg_p, &cg_q})
     *v = Vector::Zero(n);
   for (Vector* v : {&z, &xi, &dz, &trial, &z_hat, &xi_hat, &z_start}) *v = Vector::Zero(n_rows);
   state.resize(n_points), component.resize(n_points), d.resize(n_points);
   refresh_laws();
   prepare_points();
   prepare_pattern();
+  estimate_compliance();
 }
 
 /// Prepares the graphs that points use; again those of laws that move with time, and those that
@@ -78,9 +80,37 @@ void InequalityEngine::prepare_points() {
       if (sum > 0.0) k += weighted / (sum * sum) / in.rows;
     }
     if (!(k > 0.0)) k = typical > 0.0 ? typical : 1.0;
-    points[p] = {
-        prepared_of[in.graph], in.first_row, in.rows,   in.weight,
-        in.weight / k,         single,       exclusive, (single ? 1e13 : 1e7) * k / in.weight};
+    PointData& q = points[p];
+    q.law = prepared_of[in.graph];
+    q.first = in.first_row, q.rows = in.rows, q.weight = in.weight;
+    q.gamma = q.local = in.weight / k;
+    q.single = single, q.exclusive = exclusive;
+    q.penalty = (single ? 1e13 : 1e7) * k / in.weight;
+  }
+}
+
+/// gamma = w G S^-1 G^T: how far the body gives way at the point when nothing else is held. With
+/// a smaller gamma, points that slip overshoot the range where they would stick. The diagonal of
+/// S^-1 by eight probes with entries +-1 (Hutchinson, Bekas): the size is all that matters.
+void InequalityEngine::estimate_compliance() {
+  if (n_points == 0 || !op.factor(h)) return;
+  Vector probe(n), answer(n), diagonal = Vector::Zero(n);
+  std::uint32_t random = 12345;
+  for (int k = 0; k < 8; ++k) {
+    for (double& v : probe) {
+      random = random * 1664525u + 1013904223u;
+      v = random >> 31 ? 1.0 : -1.0;
+    }
+    op.solve(probe, answer);
+    diagonal += probe.cwiseProduct(answer) / 8.0;
+  }
+  if (!diagonal.allFinite()) return;
+  for (PointData& q : points) {
+    double compliance = 0.0;
+    for (int row = q.first; row < q.first + q.rows; ++row)
+      for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
+        compliance += it.value() * it.value() * diagonal[it.col()] / q.rows;
+    q.gamma = std::clamp(q.weight * compliance, q.local, 1e6 * q.local);
   }
 }
 

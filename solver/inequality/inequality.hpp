@@ -32,6 +32,8 @@ public:
   /// pattern inside that of G^T G. False when the result is not (positive definite and) regular.
   virtual bool factor(const SparseMatrix& h) = 0;
   virtual void solve(const Vector& b, Vector& x) const = 0; ///< with the last factor
+  /// How many products and solves cost about as much as one factorisation.
+  virtual int patience() const = 0;
 };
 std::unique_ptr<ReducedOperator> dense_operator(const DenseMatrix& s, bool symmetric);
 std::unique_ptr<ReducedOperator> sparse_operator(const SparseMatrix& k, bool symmetric);

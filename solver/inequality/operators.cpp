@@ -27,6 +27,7 @@ public:
   int size() const override { return static_cast<int>(s_.rows()); }
   bool symmetric() const override { return symmetric_; }
   Vector diagonal() const override { return s_.diagonal(); }
+  int patience() const override { return 2 + size() / 100; }
   void apply(const Vector& c, Vector& out) const override { out.noalias() = s_ * c; }
 
   void apply_with_magnitude(const Vector& c, Vector& out, Vector& magnitude) const override {
@@ -80,6 +81,7 @@ public:
   int size() const override { return static_cast<int>(k_.rows()); }
   bool symmetric() const override { return symmetric_; }
   Vector diagonal() const override { return k_.diagonal(); }
+  int patience() const override { return 12; }
   void apply(const Vector& c, Vector& out) const override { out.noalias() = k_ * c; }
 
   void apply_with_magnitude(const Vector& c, Vector& out, Vector& magnitude) const override {

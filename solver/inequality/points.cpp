@@ -60,7 +60,7 @@ double InequalityEngine::snap(int p) const {
       sum += std::abs(it.value() * c[it.col()]);
     size = std::max(size, sum);
   }
-  return 1e-12 * size;
+  return snap_factor * size;
 }
 
 /// All rows of the point are held: at a break of a scalar law, at the origin of a radial one.

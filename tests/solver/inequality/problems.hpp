@@ -109,15 +109,20 @@ inline Certificate recompute(const Bench& setup, const std::vector<const KnownLa
   const Vector residual = setup.s * state.c + g.transpose() * weighted - setup.r;
   const Vector size = setup.s.cwiseAbs() * state.c.cwiseAbs() +
                       g.cwiseAbs().transpose() * weighted.cwiseAbs() + setup.r.cwiseAbs();
+  const double noise = 0x1p-52 * size.maxCoeff(); // rows 0 = 0 hold rounding of the others
   for (int i = 0; i < residual.size(); ++i)
-    if (residual[i] != 0.0) out.residual = std::max(out.residual, std::abs(residual[i]) / size[i]);
+    if (std::abs(residual[i]) > noise)
+      out.residual = std::max(out.residual, std::abs(residual[i]) / size[i]);
   const Vector z = g * state.c + problem.offset;
   const double largest = state.xi.size() > 0 ? state.xi.lpNorm<Eigen::Infinity>() : 0.0;
+  // Rounding of displacements: of the largest one, or of what the load would cause.
+  const double eps = 1e-12 * (state.c.lpNorm<Eigen::Infinity>() +
+                              setup.r.lpNorm<Eigen::Infinity>() / setup.s.diagonal().maxCoeff());
   for (const ContactPoint& p : problem.points) {
     const KnownLaw& law = *known[p.law];
     const bool radial = law.spec.radial;
     const Vector zp = z.segment(p.first_row, p.rows), xp = state.xi.segment(p.first_row, p.rows);
-    const double r = radial ? zp.norm() : zp[0], eps = 1e-11 * (1e-3 + std::abs(r));
+    const double r = radial ? zp.norm() : zp[0];
     double distance = 0.0, scale = std::max(largest, std::abs(law.slope(0.0)));
     if (radial && r <= eps) {
       distance = std::max(0.0, xp.norm() - std::abs(law.slope(1e-14)));

@@ -220,7 +220,7 @@ TEST(Friction, BoundsOverEightDecadesOnOneBody) {
   InequalitySolver solver(bench.problem, *op, {});
   InequalityState state;
   int transitions = 0;
-  for (int step = 0; step <= 400;
+  for (int step = 0; step <= 1200;
        ++step) { // loading, unloading: thousands of stick/slip transitions
     const double load = std::sin(step * 2 * M_PI / 100);
     bench.r = Vector::Constant(n, load) + Vector::LinSpaced(n, -load, 2 * load);
