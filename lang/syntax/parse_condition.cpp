@@ -49,7 +49,8 @@ void Parser::find_grouped_conditions() {
     if (begins_statement(i) && tokens_[i].first_on_line) {
       open.clear();
     } else if (kind == TokenKind::open_paren) {
-      const bool call = i > 0 && ends_operand(tokens_[i - 1].kind);
+      const bool call = i > 0 && ends_operand(tokens_[i - 1].kind) &&
+                        text(tokens_[i - 1]) != "where" && text(tokens_[i - 1]) != "when";
       const bool cases = i + 1 < tokens_.size() && tokens_[i + 1].kind == TokenKind::bar;
       const bool inside = call && text(tokens_[i - 1]) == "inside";
       if (group && inside) groups_condition_[open.back()] = true;

@@ -1,5 +1,6 @@
 // What the parser says when it does not find what it expects, and where it picks up again. One
 // mistake gives one message: a statement is left at its first error. See parser_impl.hpp.
+#include "lang/diag/suggest.hpp"
 #include "lang/syntax/parser_impl.hpp"
 
 #include <algorithm>
@@ -26,6 +27,7 @@ void Parser::report(Diagnostic diagnostic) {
       from_word ? first.span.begin : tokens_[statement_begin_ - 1].span.end + 1;
   const auto damage = std::lower_bound(damage_.begin(), damage_.end(), begin);
   if (damage != damage_.end() && *damage <= peek().span.end) return;
+  ++n_errors_;
   diagnostics_.add(std::move(diagnostic));
 }
 
@@ -118,7 +120,10 @@ bool Parser::begins_statement(std::size_t index) const {
   const TokenKind before = index > 0 ? tokens_[index - 1].kind : TokenKind::end;
   if (before == TokenKind::dot) return false;
   const bool first = tokens_[index].first_on_line;
-  if (!first && is_statement_word(before)) return false;
+  const bool after_operand = before == TokenKind::name || before == TokenKind::number ||
+                             before == TokenKind::string || before == TokenKind::prime ||
+                             is_closing(before);
+  if (!first && index > 0 && !after_operand) return false;
   const Token& next = tokens_[std::min(index + 1, tokens_.size() - 1)];
   if (next.kind == TokenKind::name || next.kind == TokenKind::string || is_reserved(next.kind))
     return true;
@@ -127,9 +132,17 @@ bool Parser::begins_statement(std::size_t index) const {
   return first && !continued;
 }
 
+// A line that begins with a misspelt statement word: `tensr A = ...`.
+bool Parser::at_misspelt_statement() const {
+  const TokenKind third = peek(2).kind;
+  return peek().first_on_line && at(TokenKind::name) && peek(1).kind == TokenKind::name &&
+         (third == TokenKind::equal || third == TokenKind::open_paren) &&
+         suggest(text(peek()), statement_words()).has_value();
+}
+
 void Parser::recover() {
   if (at_ == statement_begin_) take();
-  while (!at(TokenKind::end) && !begins_statement(at_)) take();
+  while (!at(TokenKind::end) && !begins_statement(at_) && !at_misspelt_statement()) take();
 }
 
 } // namespace hvi::lang

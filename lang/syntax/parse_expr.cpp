@@ -94,10 +94,21 @@ ast::Case Parser::single_case() {
   if (at(TokenKind::equal) || at(TokenKind::colon))
     fail(diagnose("E0209", peek().span, "a condition and its value are joined by `->`")
              .with_label("write `->`"));
+  if (at(TokenKind::bar)) check_colon_as_arrow(result.condition);
   result.arrow = expect(TokenKind::arrow).span;
   result.value = sum();
   result.span = span_from(first);
   return result;
+}
+
+// `| x < 0 : 1 |` reads as a contraction `0 : 1`, and then the arrow is missing.
+void Parser::check_colon_as_arrow(const ast::Condition& condition) {
+  const auto* compare = std::get_if<ast::Compare>(&condition.node);
+  if (compare == nullptr || compare->right.parens > 0) return;
+  const auto* binary = std::get_if<ast::Binary>(&compare->right.node);
+  if (binary == nullptr || binary->op != ast::BinaryOp::contract) return;
+  fail(diagnose("E0209", binary->op_span, "a condition and its value are joined by `->`")
+           .with_label("write `->`"));
 }
 
 // sum = contraction { ( "+" | "-" ) contraction } ;

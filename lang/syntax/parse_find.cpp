@@ -211,6 +211,7 @@ void Parser::recover_in_form() {
   for (; !at(TokenKind::end) && !begins_statement(at_); take()) {
     const bool sign = at(TokenKind::plus) || at(TokenKind::minus);
     if (sign && at_word("integral", 1)) return;
+    if (is_comparison(peek().kind) && peek().first_on_line) return;
     if (at(TokenKind::greater_equal) || (at(TokenKind::equal) && at_word("integral", 1))) return;
   }
   throw Abandoned{};

@@ -15,6 +15,8 @@ ast::Expr Parser::postfix() {
       ast::Name member = member_name();
       result = make(ast::Member{std::move(result), std::move(member)}, span_from(first));
     } else if (at(TokenKind::prime)) {
+      // 4 'cells': a text in the wrong quotes, not the derivative of a number.
+      if (previous().kind == TokenKind::number && !glued(previous(), peek())) fail_on_known_slip();
       const Span op = take().span;
       result = make(ast::Prime{op, std::move(result)}, span_from(first));
     } else if (at(TokenKind::open_paren)) {

@@ -71,7 +71,7 @@ Parser::Level::Level(Parser& parser) : parser_(parser) {
 ast::Program Parser::program() {
   ast::Program program;
   program.file = source_.id();
-  while (!at(TokenKind::end)) {
+  while (!at(TokenKind::end) && n_errors_ < max_syntax_errors) {
     statement_begin_ = at_;
     declared_.clear();
     open_.clear();

@@ -14,6 +14,8 @@ namespace hvi::lang {
 
 /// Brackets, exponents and negations within each other; deeper is an error, not a crash.
 inline constexpr int max_nesting = 400;
+/// After so many errors the rest of a file is not read: it is no script.
+inline constexpr int max_syntax_errors = 200;
 /// Height of one tree, which long chains (a + b + c + ...) add to. Later phases recurse over it.
 inline constexpr int max_height = 1200;
 
@@ -72,6 +74,7 @@ private:
   [[nodiscard]] bool at_decimal_comma() const;
   [[noreturn]] void fail_decimal_comma();
   [[nodiscard]] bool begins_statement(std::size_t index) const;
+  [[nodiscard]] bool at_misspelt_statement() const;
   void recover();
 
   // --- statements (parse_decl.cpp)
@@ -139,6 +142,7 @@ private:
   ast::Expr expr();
   ast::Expr cases();
   ast::Case single_case();
+  void check_colon_as_arrow(const ast::Condition& condition);
   ast::Expr sum();
   ast::Expr contraction();
   ast::Expr product();
@@ -177,6 +181,7 @@ private:
   std::size_t at_ = 0;
   std::size_t statement_begin_ = 0; // token index
   int nesting_ = 0;
+  int n_errors_ = 0;
   bool spoilt_ = false;             // a part of the statement was left out after an error
   bool in_integral_ = false;        // within the integrand of a form
   std::vector<Token> open_;         // brackets not closed yet

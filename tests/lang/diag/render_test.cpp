@@ -92,7 +92,7 @@ TEST_F(Render, ShowsOtherLinesAndLeavesOutThoseBetween) {
 
 TEST_F(Render, MarksFirstAndLastLineOfALongSpan) {
   const int file = sources.add("a.hvi", "find u in V\nsuch that\n    integral(x)\n >= 0\n");
-  const auto d = diagnose("E0401", {file, 0, 42}, "not coercive").with_label("this statement");
+  const auto d = diagnose("E0401", {file, 0, 43}, "not coercive").with_label("this statement");
   EXPECT_EQ(render(d, sources), R"(error[E0401]: not coercive
  --> a.hvi:1:1
   |
@@ -100,7 +100,7 @@ TEST_F(Render, MarksFirstAndLastLineOfALongSpan) {
   | ^^^^^^^^^^^
 ...
 4 |  >= 0
-  |  ^^ this statement
+  |  ^^^^ this statement
 )");
 }
 
