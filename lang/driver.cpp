@@ -88,8 +88,7 @@ bool compile_script(Script& script, const Options& options) {
   if (script.programs.empty()) return false;
   CheckOptions check_options;
   check_options.defines = options.defines;
-  check_options.folder = fs::path(script.path).parent_path().string();
-  if (check_options.folder.empty()) check_options.folder = ".";
+  check_options.folder = (fs::path(script.path).parent_path() / ".").lexically_normal().string();
   check_options.allow_geo = options.allow_geo;
   script.model = check(script.programs, check_options, script.diagnostics);
   if (!script.model) return false;
