@@ -32,8 +32,12 @@ foreach(library cholmod umfpack amd colamd camd ccolamd suitesparseconfig)
   find_library(SUITESPARSE_${library} ${library})
   hvi_require(SUITESPARSE_${library} libsuitesparse-dev)
 endforeach()
-find_library(OPENBLAS_LIBRARY openblas)
-hvi_require(OPENBLAS_LIBRARY libopenblas-dev)
+# The serial build: idle threads of the pooled one spin for longer than a small run takes, and one
+# thread gives the same bits on every machine.
+find_library(OPENBLAS_LIBRARY openblas
+  PATHS /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/openblas-serial NO_DEFAULT_PATH)
+hvi_require(OPENBLAS_LIBRARY libopenblas-serial-dev)
+set(CMAKE_INSTALL_RPATH_USE_LINK_PATH ON)
 find_path(GMSH_INCLUDE gmshc.h)
 find_library(GMSH_LIBRARY gmsh)
 hvi_require(GMSH_INCLUDE libgmsh-dev)

@@ -7,13 +7,14 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <unistd.h>
 
 namespace hvi::lang {
 
@@ -167,8 +168,8 @@ int solve(Script& script, const Options& options, bool writes, solver::RunResult
     result = solver::run(*script.plan, discretisation, settings, &result);
     result.script = script.path;
     if (writes)
-      for (const std::string& file : draw_pictures(*script.plan, discretisation, result,
-                                                   output_folder(script, options)))
+      for (const std::string& file :
+           draw_pictures(*script.plan, discretisation, result, output_folder(script, options)))
         result.files.push_back(file);
     return exit_ok;
   } catch (const solver::Failure& failure) {

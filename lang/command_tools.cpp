@@ -1,11 +1,11 @@
 // hvi-run check, fmt, dump, explain, params and mesh: everything that solves nothing.
 #include "lang/diag/catalogue.hpp"
-#include "lang/driver.hpp"
 #include "lang/diag/render.hpp"
+#include "lang/driver.hpp"
 #include "lang/syntax/lexer.hpp"
 #include "lang/syntax/print.hpp"
-#include "solver/mesh/mesh.hpp"
 #include "solver/mesh/gmsh_module.hpp"
+#include "solver/mesh/mesh.hpp"
 #include "solver/mesh/read_msh.hpp"
 #include "solver/output/file.hpp"
 #include "solver/time/step.hpp"
@@ -100,6 +100,10 @@ int dump_command(const std::string& path, const std::string& phase, const Option
 }
 
 int explain_command(const std::string& code) {
+  if (code.empty()) {
+    std::fputs(catalogue_markdown().c_str(), stdout);
+    return exit_ok;
+  }
   const auto text = explain(code);
   if (!text) {
     fmt::print(stderr, "hvi-run: there is no diagnostic `{}`; see docs/diagnostics.md\n", code);
@@ -127,7 +131,8 @@ int mesh_command(const std::string& path, const Options& options) {
   try {
     const bool geo = std::filesystem::path(path).extension() == ".geo";
     if (geo && !options.allow_geo) {
-      fmt::print(stderr, "error[E0606]: a `.geo` file can run programs; allow it with --allow-geo\n");
+      fmt::print(stderr,
+                 "error[E0606]: a `.geo` file can run programs; allow it with --allow-geo\n");
       return exit_script;
     }
     const solver::Mesh mesh = geo ? solver::mesh_geo_file(path) : solver::read_msh(path);

@@ -26,7 +26,8 @@ void report(Script& script, std::string_view code, const Span& span, std::string
 }
 
 /// The text of an import: a module of the standard library, or a file beside the script.
-std::optional<int> load_import(Script& script, const ast::Import& import, std::set<std::string>& seen) {
+std::optional<int> load_import(Script& script, const ast::Import& import,
+                               std::set<std::string>& seen) {
   if (const auto* name = std::get_if<ast::Name>(&import.module)) {
     std::vector<std::string> known;
     for (const Module& module : standard_library()) {
@@ -47,7 +48,8 @@ std::optional<int> load_import(Script& script, const ast::Import& import, std::s
   const fs::path full = fs::weakly_canonical(folder / text.text, ignore);
   const fs::path relative = full.lexically_relative(folder);
   if (fs::path(text.text).is_absolute() || relative.empty() || *relative.begin() == "..") {
-    report(script, "E0604", text.span, fmt::format("`{}` lies outside the folder of the script", text.text),
+    report(script, "E0604", text.span,
+           fmt::format("`{}` lies outside the folder of the script", text.text),
            "a script reads files beside it or below it only");
     return std::nullopt;
   }
@@ -112,10 +114,13 @@ int exit_code(solver::FailureKind kind) {
   case K::not_elliptic:
   case K::bad_law:
   case K::bad_kernel:
-  case K::limit: return exit_script;
+  case K::limit:
+    return exit_script;
   case K::not_certified:
-  case K::output: return exit_solve;
-  case K::interrupted: return exit_interrupted;
+  case K::output:
+    return exit_solve;
+  case K::interrupted:
+    return exit_interrupted;
   }
   return exit_bug;
 }
@@ -124,21 +129,51 @@ void add_failure(Script& script, const solver::Failure& failure) {
   using K = solver::FailureKind;
   const char* code = "E0901";
   switch (failure.kind) {
-  case K::missing_file: code = "E0601"; break;
-  case K::broken_file: code = "E0603"; break;
-  case K::unknown_group: code = "E0602"; break;
-  case K::empty_region: code = "E0418"; break;
-  case K::overlapping_regions: code = "E0419"; break;
-  case K::bad_mesh: code = "E0603"; break;
-  case K::bad_value: code = "E0423"; break;
-  case K::not_coercive: code = "E0425"; break;
-  case K::not_elliptic: code = "E0504"; break;
-  case K::bad_law: code = "E0501"; break;
-  case K::bad_kernel: code = "E0502"; break;
-  case K::not_certified: code = "E0701"; break;
-  case K::limit: code = "E0607"; break;
-  case K::output: code = "E0702"; break;
-  case K::interrupted: code = "E0703"; break;
+  case K::missing_file:
+    code = "E0601";
+    break;
+  case K::broken_file:
+    code = "E0603";
+    break;
+  case K::unknown_group:
+    code = "E0602";
+    break;
+  case K::empty_region:
+    code = "E0418";
+    break;
+  case K::overlapping_regions:
+    code = "E0419";
+    break;
+  case K::bad_mesh:
+    code = "E0603";
+    break;
+  case K::bad_value:
+    code = "E0423";
+    break;
+  case K::not_coercive:
+    code = "E0425";
+    break;
+  case K::not_elliptic:
+    code = "E0504";
+    break;
+  case K::bad_law:
+    code = "E0501";
+    break;
+  case K::bad_kernel:
+    code = "E0502";
+    break;
+  case K::not_certified:
+    code = "E0701";
+    break;
+  case K::limit:
+    code = "E0607";
+    break;
+  case K::output:
+    code = "E0702";
+    break;
+  case K::interrupted:
+    code = "E0703";
+    break;
   }
   Span span;
   if (script.model && failure.origin.id >= 0 &&

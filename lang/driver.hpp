@@ -77,6 +77,7 @@ int plan_command(const std::string& path, const Options& options);
 int test_command(const std::vector<std::string>& paths, const Options& options);
 int format_command(const std::vector<std::string>& paths, bool only_check);
 int dump_command(const std::string& path, const std::string& phase, const Options& options);
+/// One diagnostic; all of them, as Markdown, when no code is given.
 int explain_command(const std::string& code);
 int params_command(const std::string& path, const Options& options);
 int mesh_command(const std::string& path, const Options& options);

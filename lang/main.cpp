@@ -4,9 +4,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <cstdlib>
 #include <exception>
-#include <unistd.h>
 
 namespace {
 
@@ -28,8 +29,10 @@ void add_common(CLI::App& app, Options& options, std::vector<std::string>& defin
   app.add_flag("--strict", options.strict, "refuse where the theorem does not apply");
   app.add_flag("--profile", options.profile, "where the time went");
   app.add_flag("--allow-geo", options.allow_geo, "read .geo files (they can run programs)");
-  app.add_option("--threads", options.threads, "threads of our own loops")->check(CLI::Range(1, 256));
-  app.add_flag_callback("--no-color", [&] { options.colour = false; }, "no colours");
+  app.add_option("--threads", options.threads, "threads of our own loops")
+      ->check(CLI::Range(1, 256));
+  app.add_flag_callback(
+      "--no-color", [&] { options.colour = false; }, "no colours");
   app.add_option_function<std::string>(
          "--diagnostics", [&](const std::string& s) { options.json_diagnostics = s == "json"; },
          "text or json")
@@ -63,14 +66,21 @@ int dispatch(int argc, char** argv) {
   auto* mesh = command("mesh", "describe a mesh file");
   auto* dump = command("dump", "print a phase");
   for (const char* name : {"tokens", "ast", "model", "plan"})
-    dump->add_flag_callback(std::string("--") + name, [&phase, name] { phase = name; }, "this phase");
+    dump->add_flag_callback(
+        std::string("--") + name, [&phase, name] { phase = name; }, "this phase");
   auto* explain = app.add_subcommand("explain", "explain a diagnostic");
-  explain->add_option("CODE", code, "E0301")->required();
+  explain->add_option("CODE", code, "E0301");
+  bool explain_all = false;
+  explain->add_flag("--all", explain_all, "every diagnostic, as Markdown");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     const int status = app.exit(error);
     return status == 0 ? hvi::lang::exit_ok : hvi::lang::exit_usage;
+  }
+  if (*explain && code.empty() != explain_all) {
+    fmt::print(stderr, "hvi-run: explain takes a code, or --all\n");
+    return hvi::lang::exit_usage;
   }
   for (const std::string& define : defines)
     if (!add_define(define, options)) {

@@ -127,15 +127,15 @@ std::string quoted(std::string text) {
 
 } // namespace
 
-std::vector<std::string> draw_pictures(const solver::Plan& plan,
-                                       const solver::Discretisation& d,
+std::vector<std::string> draw_pictures(const solver::Plan& plan, const solver::Discretisation& d,
                                        const solver::RunResult& result, const std::string& folder) {
   std::vector<std::string> files;
   for (const solver::PictureSpec& picture : plan.report.pictures) {
     if (d.mesh.dim == 1) continue;
     const auto values = magnitudes(plan, picture.field, d, result);
-    const std::string name =
-        picture.file.empty() ? fmt::format("{}_{}.png", plan.title, picture.field.name) : picture.file;
+    const std::string name = picture.file.empty()
+                                 ? fmt::format("{}_{}.png", plan.title, picture.field.name)
+                                 : picture.file;
     const bool svg = std::filesystem::path(name).extension() == ".svg";
     const auto path = std::filesystem::path(folder) / name;
     std::filesystem::create_directories(folder);
@@ -147,8 +147,8 @@ std::vector<std::string> draw_pictures(const solver::Plan& plan,
                      "'#7a0403')\nset title {} noenhanced\n$data << HVI_END\n{}HVI_END\n"
                      "plot $data using 1:2:3 with filledcurves closed fc palette notitle\n",
                      svg ? "svg size 900,600" : "pngcairo size 900,600", quoted(path.string()),
-                     d.mesh.dim == 3 ? "unset border\nunset xtics\nunset ytics\n" : "", quoted(label),
-                     polygons(d.mesh, values)));
+                     d.mesh.dim == 3 ? "unset border\nunset xtics\nunset ytics\n" : "",
+                     quoted(label), polygons(d.mesh, values)));
     files.push_back(name);
   }
   return files;

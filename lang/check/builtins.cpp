@@ -44,7 +44,8 @@ constexpr std::array table = {
     BuiltIn{"norm", K::algebraic, "norm(a)", "Euclidean norm; norm(u) alone in a table: V norm"},
     BuiltIn{"tr", K::algebraic, "tr(e)", "trace of a matrix"},
     BuiltIn{"transpose", K::algebraic, "transpose(e)", "transposed matrix"},
-    BuiltIn{"isotropic", K::tensor, "isotropic(lambda = , mu = ) or isotropic(young = , poisson = )",
+    BuiltIn{"isotropic", K::tensor,
+            "isotropic(lambda = , mu = ) or isotropic(young = , poisson = )",
             "lambda tr(e) I + 2 mu e; plane strain in 2D"},
     BuiltIn{"orthotropic", K::tensor,
             "orthotropic(young = [..], poisson = [..], shear = [..], axes = [[..], ..])",
@@ -53,9 +54,10 @@ constexpr std::array table = {
             "sum of weights[i] exp(-lag/times[i]), in a kernel"},
     BuiltIn{"table", K::tensor, "table(\"file.csv\", a, interpolation = linear)",
             "tabulated function of a; of the lag in kernels and of t elsewhere when a is left out"},
-    BuiltIn{"transverse", K::tensor,
-            "transverse(young = , poisson = , young_axis = , poisson_axis = , shear_axis = , axis = )",
-            "transversely isotropic about an axis"},
+    BuiltIn{
+        "transverse", K::tensor,
+        "transverse(young = , poisson = , young_axis = , poisson_axis = , shear_axis = , axis = )",
+        "transversely isotropic about an axis"},
     BuiltIn{"voigt", K::tensor, "voigt([[..], ..])",
             "by its matrix on (xx, yy, [zz, yz, xz,] xy) with engineering shear strains"},
     BuiltIn{"history", K::memory, "history(C, eps(u))", "int_0^t C(t - s) eps(u(s)) ds"},
@@ -70,9 +72,9 @@ constexpr std::array table = {
 };
 
 constexpr std::array<std::string_view, 20> word_table = {
-    "P1",       "P2",        "backward_euler", "bdf2",          "nodal", "midpoint", "gauss",
-    "exact",    "endpoint",  "average",        "continuing",    "release", "least_energy",
-    "automatic", "recursion", "fit",           "tree",          "direct",  "linear", "cubic"};
+    "P1",        "P2",       "backward_euler", "bdf2",       "nodal",   "midpoint",     "gauss",
+    "exact",     "endpoint", "average",        "continuing", "release", "least_energy", "automatic",
+    "recursion", "fit",      "tree",           "direct",     "linear",  "cubic"};
 
 constexpr std::array<std::string_view, 8> reserved_names = {"t",  "x",   "y",      "z",
                                                             "pi", "lag", "normal", "sigma"};
@@ -117,17 +119,13 @@ std::optional<int> pointwise_arity(std::string_view name) {
 solver::Op pointwise_op(std::string_view name) {
   using solver::Op;
   constexpr std::array<std::pair<std::string_view, Op>, 21> ops = {{
-      {"abs", Op::abs},     {"acos", Op::acos},
-      {"asin", Op::asin},   {"atan", Op::atan},
-      {"atan2", Op::atan2}, {"bessel_j", Op::bessel_j},
-      {"cos", Op::cos},     {"cosh", Op::cosh},
-      {"erf", Op::erf},     {"exp", Op::exp},
-      {"gamma", Op::gamma}, {"log", Op::log},
-      {"max", Op::max},     {"min", Op::min},
-      {"sign", Op::sign},   {"sin", Op::sin},
-      {"sinh", Op::sinh},   {"sqrt", Op::sqrt},
-      {"tan", Op::tan},     {"tanh", Op::tanh},
-      {"mittag_leffler", Op::mittag_leffler},
+      {"abs", Op::abs},   {"acos", Op::acos},   {"asin", Op::asin},
+      {"atan", Op::atan}, {"atan2", Op::atan2}, {"bessel_j", Op::bessel_j},
+      {"cos", Op::cos},   {"cosh", Op::cosh},   {"erf", Op::erf},
+      {"exp", Op::exp},   {"gamma", Op::gamma}, {"log", Op::log},
+      {"max", Op::max},   {"min", Op::min},     {"sign", Op::sign},
+      {"sin", Op::sin},   {"sinh", Op::sinh},   {"sqrt", Op::sqrt},
+      {"tan", Op::tan},   {"tanh", Op::tanh},   {"mittag_leffler", Op::mittag_leffler},
   }};
   for (const auto& [op_name, op] : ops)
     if (op_name == name) return op;

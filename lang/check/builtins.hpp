@@ -42,7 +42,8 @@ bool is_reserved_builtin(std::string_view name);
 /// Names for suggestions.
 std::vector<std::string> visible_built_ins();
 
-/// Number of arguments of a pointwise function (nothing: not a pointwise function; min and max: 2+).
+/// Number of arguments of a pointwise function (nothing: not a pointwise function; min and max:
+/// 2+).
 std::optional<int> pointwise_arity(std::string_view name);
 solver::Op pointwise_op(std::string_view name);
 

@@ -22,11 +22,9 @@ bool depends_on_memory_time(solver::Slot s) { return s == slot::t || s == slot::
 
 } // namespace
 
-std::optional<std::vector<const ast::Expr*>> Checker::match(const ast::Expr& e,
-                                                            const ast::Call& call,
-                                                            const std::string& callee,
-                                                            const std::vector<std::string>& names,
-                                                            std::size_t required) {
+std::optional<std::vector<const ast::Expr*>>
+Checker::match(const ast::Expr& e, const ast::Call& call, const std::string& callee,
+               const std::vector<std::string>& names, std::size_t required) {
   std::vector<const ast::Expr*> out(names.size(), nullptr);
   std::size_t position = 0;
   bool good = true;
@@ -94,7 +92,8 @@ Value Checker::call(const ast::Expr& e, const ast::Call& c, const Scope& scope) 
   Value value = value_of(index, c.callee->span);
   if (const auto* fn = std::get_if<FunctionValue>(&value))
     return call_function(e, c, fn->declaration, scope);
-  if (const auto* law = std::get_if<LawValue>(&value)) return call_law(e, c, law->declaration, scope);
+  if (const auto* law = std::get_if<LawValue>(&value))
+    return call_law(e, c, law->declaration, scope);
   if (is_poison(value)) return Poison{};
   std::string help;
   if (std::holds_alternative<KernelValue>(value)) help = "a kernel stands in `history(C, eps(u))`";
@@ -130,11 +129,16 @@ Value Checker::call_function(const ast::Expr& e, const ast::Call& c, int declara
 Value Checker::call_built_in(const ast::Expr& e, const ast::Call& c, const std::string& name,
                              const Scope& scope) {
   switch (find_built_in(name)->kind) {
-  case BuiltInKind::pointwise: return pointwise(e, c, name, scope);
-  case BuiltInKind::differential: return differential(e, c, name, scope);
-  case BuiltInKind::algebraic: return algebraic(e, c, name, scope);
-  case BuiltInKind::tensor: return tensor_call(e, c, name, scope);
-  case BuiltInKind::memory: return history_call(e, c, scope);
+  case BuiltInKind::pointwise:
+    return pointwise(e, c, name, scope);
+  case BuiltInKind::differential:
+    return differential(e, c, name, scope);
+  case BuiltInKind::algebraic:
+    return algebraic(e, c, name, scope);
+  case BuiltInKind::tensor:
+    return tensor_call(e, c, name, scope);
+  case BuiltInKind::memory:
+    return history_call(e, c, scope);
   case BuiltInKind::mesh:
     error("E0306", e.span, "a mesh is declared by itself", fmt::format("`mesh m = {}(...)`", name));
     return Poison{};
@@ -153,7 +157,7 @@ Value Checker::pointwise(const ast::Expr& e, const ast::Call& c, const std::stri
   const bool variadic = name == "min" || name == "max";
   const bool mittag_leffler = name == "mittag_leffler";
   const std::size_t wanted = *pointwise_arity(name), given = c.arguments.size();
-  const bool right_count = variadic ? given >= 2
+  const bool right_count = variadic         ? given >= 2
                            : mittag_leffler ? given == 2 || given == 3
                                             : given == wanted;
   std::vector<Field> args;
@@ -166,8 +170,8 @@ Value Checker::pointwise(const ast::Expr& e, const ast::Call& c, const std::stri
     if (f) args.push_back(std::move(*f));
   }
   if (!right_count) {
-    error("E0305", e.span, fmt::format("`{}` does not take {} argument{}", name, given,
-                                       given == 1 ? "" : "s"),
+    error("E0305", e.span,
+          fmt::format("`{}` does not take {} argument{}", name, given, given == 1 ? "" : "s"),
           std::string(find_built_in(name)->usage));
     return Poison{};
   }
@@ -269,7 +273,8 @@ Value Checker::differential(const ast::Expr& e, const ast::Call& c, const std::s
   for (int i = 0; i < d; ++i)
     for (int j = 0; j < d; ++j)
       if (i != j)
-        out.components[i * d + j] = Symbol(0.5) * (g->components[i * d + j] + g->components[j * d + i]);
+        out.components[i * d + j] =
+            Symbol(0.5) * (g->components[i * d + j] + g->components[j * d + i]);
   return out;
 }
 

@@ -12,10 +12,12 @@ namespace hvi::lang {
 
 namespace {
 
-template <class... F> struct Overloaded : F... {
+template <class... F>
+struct Overloaded : F... {
   using F::operator()...;
 };
-template <class... F> Overloaded(F...) -> Overloaded<F...>;
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;
 
 using solver::Op;
 
@@ -29,27 +31,26 @@ std::optional<int> axis_of(const std::string& member) {
 
 Value Checker::expr(const ast::Expr& e, const Scope& scope) {
   return std::visit(
-      Overloaded{
-          [&](const ast::Number& n) -> Value { return scalar_field(n.value); },
-          [&](const ast::String& s) -> Value { return TextValue{s.text}; },
-          [&](const ast::Reference& r) -> Value { return reference(e, r.name, scope); },
-          [&](const ast::List& l) -> Value { return list(e, l, scope); },
-          [&](const ast::Negate& n) -> Value {
-            auto f = field(*n.operand, scope);
-            if (!f) return Poison{};
-            for (Symbol& c : f->components) c = -c;
-            for (LawUse& use : f->laws) {
-              use.factor = -use.factor;
-              use.factor_span = n.op;
-            }
-            return *f;
-          },
-          [&](const ast::Binary& b) -> Value { return binary(e, b, scope); },
-          [&](const ast::Cases& c) -> Value { return cases(e, c, scope); },
-          [&](const ast::Member& m) -> Value { return member(e, m, scope); },
-          [&](const ast::Prime& p) -> Value { return prime(e, p, scope); },
-          [&](const ast::Call& c) -> Value { return call(e, c, scope); },
-          [&](const ast::Clarke& c) -> Value { return clarke(e, c, scope); }},
+      Overloaded{[&](const ast::Number& n) -> Value { return scalar_field(n.value); },
+                 [&](const ast::String& s) -> Value { return TextValue{s.text}; },
+                 [&](const ast::Reference& r) -> Value { return reference(e, r.name, scope); },
+                 [&](const ast::List& l) -> Value { return list(e, l, scope); },
+                 [&](const ast::Negate& n) -> Value {
+                   auto f = field(*n.operand, scope);
+                   if (!f) return Poison{};
+                   for (Symbol& c : f->components) c = -c;
+                   for (LawUse& use : f->laws) {
+                     use.factor = -use.factor;
+                     use.factor_span = n.op;
+                   }
+                   return *f;
+                 },
+                 [&](const ast::Binary& b) -> Value { return binary(e, b, scope); },
+                 [&](const ast::Cases& c) -> Value { return cases(e, c, scope); },
+                 [&](const ast::Member& m) -> Value { return member(e, m, scope); },
+                 [&](const ast::Prime& p) -> Value { return prime(e, p, scope); },
+                 [&](const ast::Call& c) -> Value { return call(e, c, scope); },
+                 [&](const ast::Clarke& c) -> Value { return clarke(e, c, scope); }},
       e.node);
 }
 
@@ -58,11 +59,13 @@ std::optional<Field> Checker::field(const ast::Expr& e, const Scope& scope) {
   if (auto* f = std::get_if<Field>(&value)) return std::move(*f);
   if (is_poison(value)) return std::nullopt;
   std::string help;
-  if (std::holds_alternative<FunctionValue>(value)) help = "call it: write its arguments in `(...)`";
-  if (std::holds_alternative<LawValue>(value)) help = "a superpotential stands as `j^0(u.nu; v.nu)`";
+  if (std::holds_alternative<FunctionValue>(value))
+    help = "call it: write its arguments in `(...)`";
+  if (std::holds_alternative<LawValue>(value))
+    help = "a superpotential stands as `j^0(u.nu; v.nu)`";
   if (std::holds_alternative<KernelValue>(value)) help = "a kernel stands in `history(C, eps(u))`";
-  error("E0306", e.span, fmt::format("a number or tensor is expected here, not {}", describe(value)),
-        help);
+  error("E0306", e.span,
+        fmt::format("a number or tensor is expected here, not {}", describe(value)), help);
   return std::nullopt;
 }
 
@@ -81,11 +84,21 @@ Value Checker::binary(const ast::Expr& e, const ast::Binary& b, const Scope& sco
   std::optional<Field> out;
   switch (b.op) {
   case ast::BinaryOp::add:
-  case ast::BinaryOp::subtract: out = add(e, b, std::move(*left), std::move(*right), scope); break;
-  case ast::BinaryOp::multiply: out = multiply(e, b, *left, *right, scope); break;
-  case ast::BinaryOp::divide: out = divide(e, b, *left, *right, scope); break;
-  case ast::BinaryOp::contract: out = contract(e, b, *left, *right, scope); break;
-  case ast::BinaryOp::power: out = power(e, *left, *right, scope); break;
+  case ast::BinaryOp::subtract:
+    out = add(e, b, std::move(*left), std::move(*right), scope);
+    break;
+  case ast::BinaryOp::multiply:
+    out = multiply(e, b, *left, *right, scope);
+    break;
+  case ast::BinaryOp::divide:
+    out = divide(e, b, *left, *right, scope);
+    break;
+  case ast::BinaryOp::contract:
+    out = contract(e, b, *left, *right, scope);
+    break;
+  case ast::BinaryOp::power:
+    out = power(e, *left, *right, scope);
+    break;
   }
   return out ? Value(std::move(*out)) : Value(Poison{});
 }
@@ -123,8 +136,9 @@ Value Checker::list(const ast::Expr& e, const ast::List& l, const Scope& scope) 
     out.rank = 4;
     const std::size_t wanted = std::size_t(n) * n * n * n;
     if (out.components.size() != wanted || n != model_.dim) {
-      error("E0307", e.span,
-            fmt::format("a fourth-order tensor in {0}D is a {0} x {0} x {0} x {0} list", model_.dim));
+      error(
+          "E0307", e.span,
+          fmt::format("a fourth-order tensor in {0}D is a {0} x {0} x {0} x {0} list", model_.dim));
       return Poison{};
     }
     out.columns = n;
@@ -164,34 +178,34 @@ Value Checker::cases(const ast::Expr& e, const ast::Cases& c, const Scope& scope
 
 std::optional<Symbol> Checker::condition(const ast::Condition& c, const Scope& scope) {
   return std::visit(
-      Overloaded{[&](const ast::Compare& cmp) { return compare(cmp, scope); },
-                 [&](const ast::Inside& in) -> std::optional<Symbol> {
-                   if (!scope.position) {
-                     error("E0309", c.span, fmt::format("`inside` cannot be used in {}", scope.what));
-                     return std::nullopt;
-                   }
-                   auto part = part_index(in.part);
-                   if (!part) return std::nullopt;
-                   return Symbol::variable(solver::slot::inside(*part));
-                 },
-                 [&](const ast::Not& n) -> std::optional<Symbol> {
-                   auto operand = condition(*n.operand, scope);
-                   if (!operand) return std::nullopt;
-                   return Symbol::make(Op::logic_not, {*operand});
-                 },
-                 [&](const auto& junction) -> std::optional<Symbol> {
-                   constexpr bool is_and = std::is_same_v<std::decay_t<decltype(junction)>, ast::And>;
-                   std::optional<Symbol> out;
-                   bool good = true;
-                   for (const ast::Condition& operand : junction.operands) {
-                     auto s = condition(operand, scope);
-                     good = good && s;
-                     if (s)
-                       out = out ? Symbol::make(is_and ? Op::logic_and : Op::logic_or, {*out, *s})
-                                 : *s;
-                   }
-                   return good ? out : std::nullopt;
-                 }},
+      Overloaded{
+          [&](const ast::Compare& cmp) { return compare(cmp, scope); },
+          [&](const ast::Inside& in) -> std::optional<Symbol> {
+            if (!scope.position) {
+              error("E0309", c.span, fmt::format("`inside` cannot be used in {}", scope.what));
+              return std::nullopt;
+            }
+            auto part = part_index(in.part);
+            if (!part) return std::nullopt;
+            return Symbol::variable(solver::slot::inside(*part));
+          },
+          [&](const ast::Not& n) -> std::optional<Symbol> {
+            auto operand = condition(*n.operand, scope);
+            if (!operand) return std::nullopt;
+            return Symbol::make(Op::logic_not, {*operand});
+          },
+          [&](const auto& junction) -> std::optional<Symbol> {
+            constexpr bool is_and = std::is_same_v<std::decay_t<decltype(junction)>, ast::And>;
+            std::optional<Symbol> out;
+            bool good = true;
+            for (const ast::Condition& operand : junction.operands) {
+              auto s = condition(operand, scope);
+              good = good && s;
+              if (s)
+                out = out ? Symbol::make(is_and ? Op::logic_and : Op::logic_or, {*out, *s}) : *s;
+            }
+            return good ? out : std::nullopt;
+          }},
       c.node);
 }
 
@@ -206,7 +220,8 @@ std::optional<Symbol> Checker::compare(const ast::Compare& c, const Scope& scope
   if (c.op == ast::CompareOp::equal || c.op == ast::CompareOp::not_equal) {
     auto left = word_of(c.left);
     auto right = left ? word_of(c.right) : std::nullopt;
-    if (left && right) return Symbol((*left == *right) == (c.op == ast::CompareOp::equal) ? 1.0 : 0.0);
+    if (left && right)
+      return Symbol((*left == *right) == (c.op == ast::CompareOp::equal) ? 1.0 : 0.0);
   }
   auto left = scalar(c.left, scope);
   auto right = scalar(c.right, scope);
@@ -217,11 +232,16 @@ std::optional<Symbol> Checker::compare(const ast::Compare& c, const Scope& scope
     return std::nullopt;
   const Symbol &a = left->scalar(), &b = right->scalar();
   switch (c.op) {
-  case ast::CompareOp::less: return Symbol::make(Op::less, {a, b});
-  case ast::CompareOp::less_equal: return Symbol::make(Op::less_equal, {a, b});
-  case ast::CompareOp::greater: return Symbol::make(Op::less, {b, a});
-  case ast::CompareOp::greater_equal: return Symbol::make(Op::less_equal, {b, a});
-  case ast::CompareOp::equal: return Symbol::make(Op::equal, {a, b});
+  case ast::CompareOp::less:
+    return Symbol::make(Op::less, {a, b});
+  case ast::CompareOp::less_equal:
+    return Symbol::make(Op::less_equal, {a, b});
+  case ast::CompareOp::greater:
+    return Symbol::make(Op::less, {b, a});
+  case ast::CompareOp::greater_equal:
+    return Symbol::make(Op::less_equal, {b, a});
+  case ast::CompareOp::equal:
+    return Symbol::make(Op::equal, {a, b});
   case ast::CompareOp::not_equal:
     return Symbol::make(Op::logic_not, {Symbol::make(Op::equal, {a, b})});
   }
@@ -242,8 +262,9 @@ Value Checker::prime(const ast::Expr& e, const ast::Prime& p, const Scope& scope
   auto* u = std::get_if<Field>(&value);
   if (!u) return Poison{};
   if (!find_->time) {
-    error("E0412", e.span, fmt::format("`{}'` needs a problem in time", r->name),
-          "add `for t in [0, T] by N steps from u = 0` to the find statement, or leave the term out");
+    error(
+        "E0412", e.span, fmt::format("`{}'` needs a problem in time", r->name),
+        "add `for t in [0, T] by N steps from u = 0` to the find statement, or leave the term out");
     return Poison{};
   }
   for (std::size_t i = 0; i < u->components.size(); ++i)
@@ -283,10 +304,10 @@ Value Checker::field_member(const ast::Expr&, const ast::Member& m, const Field&
   const std::string& name = m.member.text;
   auto no_member = [&](const std::vector<std::string>& members) -> Value {
     error("E0303", m.member.span, fmt::format("{} has no member `{}`", describe(f), name),
-          members.empty() ? (f.rank == 0 && f.rows == 1 && name.size() == 1
-                                 ? "products are `*`, `:` and `dot`"
-                                 : "")
-                          : did_you_mean(name, members));
+          members.empty()
+              ? (f.rank == 0 && f.rows == 1 && name.size() == 1 ? "products are `*`, `:` and `dot`"
+                                                                : "")
+              : did_you_mean(name, members));
     return Poison{};
   };
   if (f.law_vector || f.rank == 0 || f.rank > 2) return no_member({});

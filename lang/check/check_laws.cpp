@@ -245,12 +245,14 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
   if (!at || !direction) return Poison{};
   const std::string u = find_->unknown.text, v = find_->test.text;
   if (at->trial == Degree::none || at->test != Degree::none) {
-    error("E0414", c.at->span, fmt::format("the argument of `{}` does not contain `{}`", r->name, u),
+    error("E0414", c.at->span,
+          fmt::format("the argument of `{}` does not contain `{}`", r->name, u),
           fmt::format("write `{}^0({}.nu; {}.nu)`", r->name, u, v));
     return Poison{};
   }
   if (direction->test != Degree::linear || direction->trial != Degree::none) {
-    error("E0401", c.direction->span, fmt::format("the direction of `{}` is linear in `{}`", r->name, v),
+    error("E0401", c.direction->span,
+          fmt::format("the direction of `{}` is linear in `{}`", r->name, v),
           fmt::format("write `{}^0({}.nu; {}.nu)`", r->name, u, v));
     return Poison{};
   }

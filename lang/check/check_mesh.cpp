@@ -47,6 +47,11 @@ std::optional<std::string> Checker::allowed_path(const std::string& path, const 
   return full.string();
 }
 
+void Checker::second_mesh(const Span& span) {
+  error("E0427", span, fmt::format("a second mesh: the script has `{}` already", mesh_name_),
+        "a problem lives on one mesh; regions of it are parts");
+}
+
 Value Checker::mesh(const ast::Mesh& m) {
   const auto* call = std::get_if<ast::Call>(&m.value.node);
   const auto* callee = call ? std::get_if<ast::Reference>(&call->callee->node) : nullptr;
@@ -55,8 +60,11 @@ Value Checker::mesh(const ast::Mesh& m) {
           "`rectangle(2, 1, cells = [32, 16])`, `box(...)` or `gmsh(\"file.msh\")`");
     return Poison{};
   }
-  groups_.clear();
-  groups_known_ = false;
+  if (!mesh_name_.empty()) {
+    second_mesh(m.name.span);
+    return Poison{};
+  }
+  mesh_name_ = m.name.text;
   bool good = false;
   const std::string& name = callee->name;
   if (name == "rectangle" || name == "box" || name == "interval") {
@@ -65,8 +73,8 @@ Value Checker::mesh(const ast::Mesh& m) {
     good = file_mesh(m, *call);
   } else {
     const auto& known = solver::geometries();
-    const bool is_geometry = std::any_of(known.begin(), known.end(),
-                                         [&](const auto& g) { return g.name == name; });
+    const bool is_geometry =
+        std::any_of(known.begin(), known.end(), [&](const auto& g) { return g.name == name; });
     if (is_geometry) {
       good = geometry_mesh(m, *call, name);
     } else {
@@ -190,8 +198,7 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
     return false;
   }
   try {
-    const solver::Mesh mesh =
-        geo ? solver::mesh_geo_file(*full) : solver::read_msh(*full);
+    const solver::Mesh mesh = geo ? solver::mesh_geo_file(*full) : solver::read_msh(*full);
     model_.dim = mesh.dim;
     for (const auto& [name, group] : mesh.groups) groups_[name] = group.kind;
     groups_known_ = true;
@@ -209,8 +216,8 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
 
 bool Checker::geometry_mesh(const ast::Mesh& m, const ast::Call& call, const std::string& name) {
   const auto& known = solver::geometries();
-  const auto& info = *std::find_if(known.begin(), known.end(),
-                                   [&](const auto& g) { return g.name == name; });
+  const auto& info =
+      *std::find_if(known.begin(), known.end(), [&](const auto& g) { return g.name == name; });
   auto args = match(m.value, call, name, info.parameters, 0);
   if (!args) return false;
   MeshSpec spec;
@@ -230,8 +237,11 @@ bool Checker::geometry_mesh(const ast::Mesh& m, const ast::Call& call, const std
   model_.mesh = spec;
   model_.dim = info.dim;
   for (const std::string& group : info.groups) {
-    const bool body = group == "body";
-    groups_[group] = body ? Group::Kind::cells : Group::Kind::facets;
+    const bool point =
+        std::find(info.points.begin(), info.points.end(), group) != info.points.end();
+    groups_[group] = group == "body" ? Group::Kind::cells
+                     : point         ? Group::Kind::points
+                                     : Group::Kind::facets;
   }
   groups_known_ = true;
   return true;
@@ -302,7 +312,8 @@ std::optional<RegionSpec> Checker::region_path(const ast::Expr& path) {
       Scope none;
       Value value = reference(*m->object, object->name, none);
       if (is_poison(value)) return std::nullopt;
-      if (std::holds_alternative<MeshValue>(value)) return mesh_member(path, object->name, m->member);
+      if (std::holds_alternative<MeshValue>(value))
+        return mesh_member(path, object->name, m->member);
       error("E0303", m->member.span,
             fmt::format("{} has no member `{}`", describe(value), m->member.text),
             "sides belong to a mesh: `slab.top`");
@@ -317,11 +328,13 @@ std::optional<RegionSpec> Checker::region_path(const ast::Expr& path) {
     spec.origin = model_.origin(path.span);
     if (std::holds_alternative<MeshValue>(value)) return spec;
     if (const auto* part = std::get_if<PartValue>(&value)) return model_.parts[part->index].region;
-    error("E0306", path.span, fmt::format("a part of a mesh is expected here, not {}", describe(value)));
+    error("E0306", path.span,
+          fmt::format("a part of a mesh is expected here, not {}", describe(value)));
     return std::nullopt;
   }
-  error("E0306", path.span, "a part of a mesh is expected here",
-        "`slab.top`, `slab.group(\"roof\")`, `slab.boundary where y > 0.99`, `point(slab, [0, 0])`");
+  error(
+      "E0306", path.span, "a part of a mesh is expected here",
+      "`slab.top`, `slab.group(\"roof\")`, `slab.boundary where y > 0.99`, `point(slab, [0, 0])`");
   return std::nullopt;
 }
 
@@ -340,9 +353,10 @@ std::optional<RegionSpec> Checker::mesh_member(const ast::Expr& path, const std:
     for (const auto& [group, kind] : groups_) known.push_back(group);
     const bool structured = model_.mesh.kind != MeshSpec::Kind::file;
     const std::string near = did_you_mean(name.text, known);
-    error(structured ? "E0303" : "E0602", name.span,
-          fmt::format("the mesh `{}` has no {} `{}`", mesh, structured ? "side" : "group", name.text),
-          near.empty() ? fmt::format("there are: {}", fmt::join(known, ", ")) : near);
+    error(
+        structured ? "E0303" : "E0602", name.span,
+        fmt::format("the mesh `{}` has no {} `{}`", mesh, structured ? "side" : "group", name.text),
+        near.empty() ? fmt::format("there are: {}", fmt::join(known, ", ")) : near);
     return std::nullopt;
   }
   return spec;
@@ -397,11 +411,13 @@ std::optional<RegionSpec> Checker::point_region(const ast::Expr& path, const ast
   auto at = constant_list(*(*args)[1], "a point");
   if (is_poison(value) || !at) return std::nullopt;
   if (!std::holds_alternative<MeshValue>(value)) {
-    error("E0306", (*args)[0]->span, fmt::format("a mesh is expected here, not {}", describe(value)));
+    error("E0306", (*args)[0]->span,
+          fmt::format("a mesh is expected here, not {}", describe(value)));
     return std::nullopt;
   }
   if (static_cast<int>(at->size()) != model_.dim) {
-    error("E0307", (*args)[1]->span, fmt::format("a point in {0}D has {0} coordinates", model_.dim));
+    error("E0307", (*args)[1]->span,
+          fmt::format("a point in {0}D has {0} coordinates", model_.dim));
     return std::nullopt;
   }
   RegionSpec spec;
@@ -413,16 +429,20 @@ std::optional<RegionSpec> Checker::point_region(const ast::Expr& path, const ast
 
 std::optional<Group::Kind> Checker::kind_of(const RegionSpec& r) const {
   switch (r.kind) {
-  case RegionSpec::Kind::all_cells: return Group::Kind::cells;
-  case RegionSpec::Kind::boundary: return Group::Kind::facets;
-  case RegionSpec::Kind::point: return Group::Kind::points;
+  case RegionSpec::Kind::all_cells:
+    return Group::Kind::cells;
+  case RegionSpec::Kind::boundary:
+    return Group::Kind::facets;
+  case RegionSpec::Kind::point:
+    return Group::Kind::points;
   case RegionSpec::Kind::group: {
     auto found = groups_.find(r.name);
     return found == groups_.end() ? std::nullopt : std::optional(found->second);
   }
   case RegionSpec::Kind::unite:
   case RegionSpec::Kind::subtract:
-  case RegionSpec::Kind::where: return kind_of(r.children[0]);
+  case RegionSpec::Kind::where:
+    return kind_of(r.children[0]);
   }
   return std::nullopt;
 }
@@ -443,7 +463,8 @@ std::optional<int> Checker::part_index(const ast::Name& name) {
     part_of_[name.text] = static_cast<int>(model_.parts.size()) - 1;
     return part_of_[name.text];
   }
-  error("E0306", name.span, fmt::format("a part of a mesh is expected here, not {}", describe(value)));
+  error("E0306", name.span,
+        fmt::format("a part of a mesh is expected here, not {}", describe(value)));
   return std::nullopt;
 }
 

@@ -45,10 +45,9 @@ void Checker::declare(const ast::Name& name, int program, const ast::Statement& 
   auto found = by_name_.find(name.text);
   if (found != by_name_.end()) {
     const Declaration& first = declarations_[found->second];
-    diagnostics_.add(
-        diagnose("E0302", name.span, fmt::format("`{}` is declared twice", name.text))
-            .with_secondary(first.span, "first declared here")
-            .with_help("every name is declared once; reading order does not matter"));
+    diagnostics_.add(diagnose("E0302", name.span, fmt::format("`{}` is declared twice", name.text))
+                         .with_secondary(first.span, "first declared here")
+                         .with_help("every name is declared once; reading order does not matter"));
     return;
   }
   by_name_[name.text] = static_cast<int>(declarations_.size());
@@ -75,7 +74,8 @@ void Checker::check_defines() {
     if (std::holds_alternative<ast::Param>(*d.statement)) known.push_back(d.name);
   for (const auto& [name, text] : options_.defines) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    error("E0320", Span{}, fmt::format("-D {}={}: the script has no parameter `{}`", name, text, name),
+    error("E0320", Span{},
+          fmt::format("-D {}={}: the script has no parameter `{}`", name, text, name),
           known.empty() ? "the script declares no `param`" : did_you_mean(name, known));
   }
 }
@@ -154,7 +154,8 @@ Value Checker::evaluate_param(const ast::Param& param) {
     } else if (auto number = parse_number(text)) {
       value = scalar_field(*number);
     } else {
-      error("E0321", Span{}, fmt::format("-D {}={}: `{}` is no number", param.name.text, text, text),
+      error("E0321", Span{},
+            fmt::format("-D {}={}: `{}` is no number", param.name.text, text, text),
             "write a number or one of the words P1, P2, ...");
       return Poison{};
     }
@@ -191,8 +192,9 @@ Value Checker::evaluate_param(const ast::Param& param) {
         error("E0408", entry.overridden ? param.name.span : param.value.span,
               fmt::format("`{}` = {} is outside its range [{}, {}]", param.name.text, v,
                           (*bounds)[0], (*bounds)[1]),
-              "", entry.overridden ? fmt::format("set by -D {}={}", param.name.text, define->second)
-                                   : "");
+              "",
+              entry.overridden ? fmt::format("set by -D {}={}", param.name.text, define->second)
+                               : "");
     }
   }
   model_.params.push_back(entry);
@@ -289,6 +291,10 @@ Value Checker::reference(const ast::Expr& e, const std::string& name, const Scop
 void Checker::check_unused() {
   for (const Declaration& d : declarations_) {
     if (d.used || d.program != 0 || std::holds_alternative<ast::Space>(*d.statement)) continue;
+    if (std::holds_alternative<ast::Mesh>(*d.statement) && !mesh_name_.empty()) {
+      second_mesh(d.span);
+      continue;
+    }
     diagnostics_.add(diagnose("W0101", d.span, fmt::format("`{}` is never used", d.name))
                          .with_help("remove it, or use it in the inequality"));
   }

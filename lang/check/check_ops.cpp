@@ -224,13 +224,15 @@ std::optional<Field> Checker::contract(const ast::Expr& e, const ast::Binary& b,
   Field out;
   if (!product_degrees(e.span, left, right, out, scope)) return std::nullopt;
   const int d = left.rank == 4 ? left.rows : right.rows;
-  const int n = left.rank == 2 && right.rank == 2 ? static_cast<int>(left.components.size()) : d * d;
+  const int n =
+      left.rank == 2 && right.rank == 2 ? static_cast<int>(left.components.size()) : d * d;
   const int rows = left.rank == 4 ? n : 1;
   const int columns = right.rank == 4 ? n : 1;
   for (int i = 0; i < rows; ++i)
     for (int j = 0; j < columns; ++j) {
       Symbol sum = 0.0;
-      for (int k = 0; k < n; ++k) sum = sum + left.components[i * n + k] * right.components[k * columns + j];
+      for (int k = 0; k < n; ++k)
+        sum = sum + left.components[i * n + k] * right.components[k * columns + j];
       out.components.push_back(sum);
     }
   out.rank = left.rank + right.rank - 4;

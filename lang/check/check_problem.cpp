@@ -77,8 +77,9 @@ void Checker::check_find_names(const ast::Find& find) {
   for (const ast::Name* name : {&find.unknown, &find.test}) {
     const int index = find_declaration(name->text);
     if (index < 0) continue;
-    diagnostics_.add(diagnose("E0302", name->span, fmt::format("`{}` is declared twice", name->text))
-                         .with_secondary(declarations_[index].span, "first declared here"));
+    diagnostics_.add(
+        diagnose("E0302", name->span, fmt::format("`{}` is declared twice", name->text))
+            .with_secondary(declarations_[index].span, "first declared here"));
   }
   if (find.test_space.text != find.space.text)
     error("E0312", find.test_space.span,
@@ -97,7 +98,8 @@ void Checker::find_statement() {
     if (std::holds_alternative<SpaceValue>(value))
       space_declaration_ = index;
     else if (!is_poison(value))
-      error("E0306", find.space.span, fmt::format("a space is expected here, not {}", describe(value)));
+      error("E0306", find.space.span,
+            fmt::format("a space is expected here, not {}", describe(value)));
   }
   check_find_names(find);
   model_.unknown = find.unknown.text;
@@ -143,7 +145,8 @@ void Checker::form_term(const ast::FormTerm& term, bool right) {
   ModelTerm out;
   for (const ast::Setting& option : integral.options) {
     if (option.name.text != "rule") {
-      error("E0304", option.name.span, fmt::format("`integral` has no argument `{}`", option.name.text),
+      error("E0304", option.name.span,
+            fmt::format("`integral` has no argument `{}`", option.name.text),
             did_you_mean(option.name.text, std::vector<std::string>{"rule"}));
       continue;
     }
@@ -159,8 +162,8 @@ void Checker::form_term(const ast::FormTerm& term, bool right) {
   auto integrand = field(integral.integrand, scope);
   if (!factor || !part || !integrand) return;
   out.span = integral.span;
-  out.factor_span = term.factors.empty() ? (term.minus ? term.sign : integral.span)
-                                         : term.factors.front().span;
+  out.factor_span =
+      term.factors.empty() ? (term.minus ? term.sign : integral.span) : term.factors.front().span;
   out.part = *part;
   out.right = right;
   out.factor = *factor;
@@ -191,7 +194,8 @@ bool Checker::check_integrand(const ModelTerm& term, const ast::FormTerm& source
     return false;
   }
   if (term.right && f.trial != Degree::none) {
-    error("E0403", e.span, fmt::format("the right side contains the unknown `{}`", find_->unknown.text),
+    error("E0403", e.span,
+          fmt::format("the right side contains the unknown `{}`", find_->unknown.text),
           "bring the term to the left of >=");
     return false;
   }
@@ -224,7 +228,8 @@ void Checker::law_factors(ModelTerm& term, const ast::FormTerm&) {
     if (factor.is_constant() && !(factor.value() > 0.0)) {
       if (factor.value() == 0.0) continue; // dropped: the effect folds to zero
       error("E0409", place, fmt::format("a negative factor before `{}^0`", use.name),
-            "j^0 is a directional derivative: -j^0 is not one. Change the sign in the superpotential");
+            "j^0 is a directional derivative: -j^0 is not one. Change the sign in the "
+            "superpotential");
       continue;
     }
     if (factor.depends_on(slot::t))
@@ -267,8 +272,9 @@ void Checker::check_one_law_per_part() {
       auto [found, fresh] = seen.emplace(std::pair(use.law, term.part), use.span);
       if (fresh) continue;
       diagnostics_.add(
-          diagnose("E0420", use.span, fmt::format("the law `{}` stands twice on `{}`", use.name,
-                                                  model_.parts[term.part].name))
+          diagnose("E0420", use.span,
+                   fmt::format("the law `{}` stands twice on `{}`", use.name,
+                               model_.parts[term.part].name))
               .with_secondary(found->second, "first here")
               .with_help("one law on one part; a factor before the integral doubles it"));
     }

@@ -37,7 +37,8 @@ bool is_norm_of(const ast::Expr& e, const std::string& unknown) {
 
 } // namespace
 
-/// Sum of what stands against eps(v): sigma_ij = d integrand / d (dv_i/dx_j), symmetrised, on cells.
+/// Sum of what stands against eps(v): sigma_ij = d integrand / d (dv_i/dx_j), symmetrised, on
+/// cells.
 Field Checker::stress() {
   const int d = model_.space.vector ? model_.dim : 1;
   Field out = matrix_field(d, model_.dim, std::vector<Symbol>(d * model_.dim, Symbol(0.0)));
@@ -86,7 +87,8 @@ Value Checker::law_member(const ast::Member& m, int declaration, const Scope& sc
         const auto& spec = model_.laws[use.law].spec;
         const int n = spec.radial ? static_cast<int>(use.rows.size()) : 1;
         std::vector<Symbol> xi;
-        for (int c = 0; c < n; ++c) xi.push_back(Symbol::variable(slot::multiplier(application, c)));
+        for (int c = 0; c < n; ++c)
+          xi.push_back(Symbol::variable(slot::multiplier(application, c)));
         Field f = spec.radial ? vector_field(xi) : scalar_field(xi[0]);
         f.trial = Degree::nonlinear;
         return f;
@@ -334,7 +336,8 @@ void Checker::expectations() {
       Scope scope;
       scope.what = "the condition of an expectation";
       auto when = condition(*e->when, scope);
-      if (when && !when->is_constant()) error("E0317", e->when->span, "this condition is not constant");
+      if (when && !when->is_constant())
+        error("E0317", e->when->span, "this condition is not constant");
       out.active = when && when->is_constant() && when->value() != 0.0;
     }
     if (e->source) out.source = e->source->text;
@@ -389,7 +392,8 @@ void Checker::study() {
       const int n = model_.space.vector ? model_.dim : 1;
       if (f && static_cast<int>(f->components.size()) != n)
         error("E0307", s->exact->span,
-              fmt::format("the exact solution is {}, the unknown has {} components", describe(*f), n));
+              fmt::format("the exact solution is {}, the unknown has {} components", describe(*f),
+                          n));
       else if (f)
         out.exact = f->components;
     }

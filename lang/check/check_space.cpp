@@ -42,7 +42,8 @@ std::optional<int> Checker::space(const ast::Space& s) {
   Value mesh = value_of(domain, s.domain.span);
   bool good = order.has_value() && !is_poison(mesh);
   if (!is_poison(mesh) && !std::holds_alternative<MeshValue>(mesh)) {
-    error("E0306", s.domain.span, fmt::format("a space lives on a mesh, not on {}", describe(mesh)));
+    error("E0306", s.domain.span,
+          fmt::format("a space lives on a mesh, not on {}", describe(mesh)));
     good = false;
   }
   for (const ast::ZeroCondition& zero : s.zero) {
@@ -87,8 +88,9 @@ void Checker::imposed_values(const ast::Find& find) {
     if (imposed.component) {
       auto c = model_.space.vector ? component_index(*imposed.component, model_.dim) : std::nullopt;
       if (!c) {
-        error("E0315", imposed.component->span,
-              fmt::format("`{}` has no component `{}`", find.unknown.text, imposed.component->text));
+        error(
+            "E0315", imposed.component->span,
+            fmt::format("`{}` has no component `{}`", find.unknown.text, imposed.component->text));
         continue;
       }
       component = *c;
@@ -209,8 +211,8 @@ void Checker::initial_state(const ast::Find& find) {
   if (!value) return;
   const int n = model_.space.vector ? model_.dim : 1;
   if (value->rank == 0 && value->scalar().is(0.0)) return;
-  if ((value->rank == 1) != model_.space.vector || static_cast<int>(value->components.size()) != n ||
-      value->rank > 1) {
+  if ((value->rank == 1) != model_.space.vector ||
+      static_cast<int>(value->components.size()) != n || value->rank > 1) {
     error("E0307", initial.value.span,
           fmt::format("the initial state is {}, the unknown {}", describe(*value),
                       model_.space.vector ? fmt::format("a vector of {}", n) : "a scalar"));
@@ -220,10 +222,9 @@ void Checker::initial_state(const ast::Find& find) {
 }
 
 void Checker::settings(const ast::Find& find) {
-  const std::vector<std::string> known = {"scheme",   "load",       "quadrature",
-                                          "tolerance", "branch",     "memory_tolerance",
-                                          "memory",   "accuracy",   "accuracy_of",
-                                          "threads"};
+  const std::vector<std::string> known = {
+      "scheme",           "load",   "quadrature", "tolerance",   "branch",
+      "memory_tolerance", "memory", "accuracy",   "accuracy_of", "threads"};
   std::vector<std::string> seen;
   for (const ast::Setting& s : find.settings) {
     const std::string& name = s.name.text;
@@ -246,7 +247,8 @@ void Checker::settings(const ast::Find& find) {
     solver::SolverOptions& options = model_.options;
     if (name == "scheme") {
       auto w = word(s.value, "scheme", {"backward_euler", "bdf2"});
-      if (w) model_.time.scheme = *w == "bdf2" ? solver::Scheme::bdf2 : solver::Scheme::backward_euler;
+      if (w)
+        model_.time.scheme = *w == "bdf2" ? solver::Scheme::bdf2 : solver::Scheme::backward_euler;
     } else if (name == "load") {
       auto w = word(s.value, "load sampling", {"endpoint", "average"});
       if (w)

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace hvi::lang {
 
@@ -80,8 +81,7 @@ Field orthotropic(const Symbols3& young, const Symbols3& poisson, const Symbols3
   const Symbol &nxy = poisson[0], &nyz = poisson[1], &nxz = poisson[2];
   const Symbol nyx = nxy * ey / ex, nzy = nyz * ez / ey, nzx = nxz * ez / ex;
   const Symbol one = 1.0;
-  const Symbol delta =
-      one - nxy * nyx - nyz * nzy - nxz * nzx - Symbol(2.0) * nxy * nyz * nzx;
+  const Symbol delta = one - nxy * nyx - nyz * nzy - nxz * nzx - Symbol(2.0) * nxy * nyz * nzx;
   std::vector<Symbol> m(36, Symbol(0.0));
   auto set = [&](int i, int j, const Symbol& v) { m[i * 6 + j] = m[j * 6 + i] = v; };
   set(0, 0, ex * (one - nyz * nzy) / delta);
@@ -96,12 +96,46 @@ Field orthotropic(const Symbols3& young, const Symbols3& poisson, const Symbols3
   return from_voigt(3, m);
 }
 
+/// The least eigenvalue of tau -> C : tau on symmetric matrices, from the Mandel matrix of C, whose
+/// entries with shear are weighted by sqrt 2.
+double ellipticity(int d, const Field& c) {
+  std::vector<std::array<int, 2>> pairs;
+  for (int i = 0; i < d; ++i) pairs.push_back({i, i});
+  for (int i = 0; i < d; ++i)
+    for (int j = i + 1; j < d; ++j) pairs.push_back({i, j});
+  const auto n = static_cast<int>(pairs.size());
+  Eigen::MatrixXd mandel(n, n);
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < n; ++b) {
+      const auto [i, j] = pairs[a];
+      const auto [k, l] = pairs[b];
+      const double weight = (i == j ? 1.0 : std::sqrt(2.0)) * (k == l ? 1.0 : std::sqrt(2.0));
+      mandel(a, b) = weight * c.components[((i * d + j) * d + k) * d + l].value();
+    }
+  const Eigen::MatrixXd symmetric = 0.5 * (mandel + mandel.transpose());
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly)
+      .eigenvalues()[0];
+}
+
 } // namespace
 
 Value Checker::tensor_call(const ast::Expr& e, const ast::Call& c, const std::string& name,
                            const Scope& scope) {
   if (name == "table") return table_call(e, c, scope);
   if (name == "prony") return prony_call(e, c, scope);
+  Value value = material_call(e, c, name, scope);
+  const auto* material = std::get_if<Field>(&value);
+  // A Voigt matrix may be part of a memory kernel, which need not be elliptic.
+  if (!material || name == "voigt" || !is_constant(*material)) return value;
+  const double least = ellipticity(model_.dim, *material);
+  if (least > 0.0) return value;
+  error("E0504", e.span,
+        fmt::format("the tensor is not elliptic: its least eigenvalue is {:.6g}", least));
+  return Poison{};
+}
+
+Value Checker::material_call(const ast::Expr& e, const ast::Call& c, const std::string& name,
+                             const Scope& scope) {
   const int d = model_.dim;
   auto number = [&](const ast::Expr* a) -> std::optional<Symbol> {
     auto f = scalar(*a, scope);
@@ -122,7 +156,8 @@ Value Checker::tensor_call(const ast::Expr& e, const ast::Call& c, const std::st
     auto f = field(*a, constants);
     if (!f) return std::nullopt;
     Eigen::Matrix3d m = Eigen::Matrix3d::Identity();
-    if (f->rank == 2 && f->rows == f->columns && (f->rows == 2 || f->rows == 3) && is_constant(*f)) {
+    if (f->rank == 2 && f->rows == f->columns && (f->rows == 2 || f->rows == 3) &&
+        is_constant(*f)) {
       for (int i = 0; i < f->rows; ++i)
         for (int j = 0; j < f->rows; ++j) m(i, j) = f->components[i * f->rows + j].value();
       for (int i = 0; i < 3; ++i) m.row(i).normalize();
@@ -137,16 +172,19 @@ Value Checker::tensor_call(const ast::Expr& e, const ast::Call& c, const std::st
     const bool lame = (*args)[0] && (*args)[1] && !(*args)[2] && !(*args)[3];
     const bool engineering = (*args)[2] && (*args)[3] && !(*args)[0] && !(*args)[1];
     if (!lame && !engineering) {
-      error("E0305", e.span, "`isotropic` takes either `lambda` and `mu`, or `young` and `poisson`");
+      error("E0305", e.span,
+            "`isotropic` takes either `lambda` and `mu`, or `young` and `poisson`");
       return Poison{};
     }
     auto a = number((*args)[lame ? 0 : 2]), b = number((*args)[lame ? 1 : 3]);
     if (!a || !b) return Poison{};
     if (lame) return isotropic(d, *a, *b);
     if (b->is_constant() && !(b->value() > -1.0 && b->value() < 0.5)) {
-      error("E0504", (*args)[3]->span,
-            fmt::format("poisson = {} is outside (-1, 0.5): the tensor is not elliptic", b->value()),
-            b->value() == 0.5 ? "an incompressible body needs a mixed method; take 0.4999 with P2" : "");
+      error(
+          "E0504", (*args)[3]->span,
+          fmt::format("poisson = {} is outside (-1, 0.5): the tensor is not elliptic", b->value()),
+          b->value() == 0.5 ? "an incompressible body needs a mixed method; take 0.4999 with P2"
+                            : "");
       return Poison{};
     }
     const Symbol one = 1.0, two = 2.0;
@@ -198,8 +236,8 @@ Value Checker::tensor_call(const ast::Expr& e, const ast::Call& c, const std::st
   const Symbol in_plane = *v[0] / (Symbol(2.0) * (Symbol(1.0) + *v[1]));
   // poisson_axis is nu_zx: strain in the plane for stress along the axis; nu_xz = nu_zx E_p / E_a.
   const Symbol nu_xz = *v[3] * *v[0] / *v[2];
-  const Field material = orthotropic({*v[0], *v[0], *v[2]}, {*v[1], nu_xz, nu_xz},
-                                     {in_plane, *v[4], *v[4]});
+  const Field material =
+      orthotropic({*v[0], *v[0], *v[2]}, {*v[1], nu_xz, nu_xz}, {in_plane, *v[4], *v[4]});
   return rotate(d, material, turn.toRotationMatrix().transpose());
 }
 

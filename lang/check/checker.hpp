@@ -1,7 +1,7 @@
 // The checker's working state, shared by check_*.cpp. Public entry: lang/check/check.hpp.
 //
-// Declarations are evaluated when first used (reading order is free), each at most once; a circle is
-// an error. An expression is evaluated to a symbolic Value in a Scope that says what is visible.
+// Declarations are evaluated when first used (reading order is free), each at most once; a circle
+// is an error. An expression is evaluated to a symbolic Value in a Scope that says what is visible.
 #pragma once
 
 #include "lang/check/check.hpp"
@@ -16,17 +16,17 @@ namespace hvi::lang {
 
 /// What may be used in an expression, and what the names of its frame stand for.
 struct Scope {
-  std::string what;              ///< "a parameter", "a load": for messages
-  bool position = false;         ///< x y z
-  bool time = false;             ///< t
-  bool lag = false;              ///< lag
-  bool normal = false;           ///< normal, and u.nu
-  bool unknown = false;          ///< u, u', history(...)
-  bool test = false;             ///< v
-  bool report = false;           ///< nonlinear in u is welcome; sigma, layer.xi, integral(...)
-  bool law = false;              ///< the body of a superpotential
+  std::string what;      ///< "a parameter", "a load": for messages
+  bool position = false; ///< x y z
+  bool time = false;     ///< t
+  bool lag = false;      ///< lag
+  bool normal = false;   ///< normal, and u.nu
+  bool unknown = false;  ///< u, u', history(...)
+  bool test = false;     ///< v
+  bool report = false;   ///< nonlinear in u is welcome; sigma, layer.xi, integral(...)
+  bool law = false;      ///< the body of a superpotential
   std::map<std::string, Value> locals;
-  Span call;                     ///< the call that brought us into another file, if any
+  Span call; ///< the call that brought us into another file, if any
 };
 
 /// Arguments of a call after matching them with the names the callee knows.
@@ -38,7 +38,7 @@ struct Arguments {
 struct Declaration {
   enum class State { untouched, busy, done };
   std::string name;
-  Span span;     ///< of the name
+  Span span; ///< of the name
   int program = 0;
   const ast::Statement* statement = nullptr;
   State state = State::untouched;
@@ -123,6 +123,8 @@ private:
                   const Scope& scope);
   Value tensor_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                     const Scope& scope);
+  Value material_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
+                      const Scope& scope);
   Value table_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
   Value prony_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
   Value history_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
@@ -148,6 +150,7 @@ private:
 
   // --- meshes and parts (check_mesh.cpp)
   Value mesh(const ast::Mesh& mesh);
+  void second_mesh(const Span& span);
   bool structured_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);
   bool file_mesh(const ast::Mesh& mesh, const ast::Call& call);
   bool geometry_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);
@@ -208,7 +211,7 @@ private:
   std::set<std::string> silenced_; ///< names whose statements have syntax errors
   const ast::Find* find_ = nullptr;
   int mesh_declaration_ = -1;
-  std::map<std::string, solver::MeshSpec> meshes_;
+  std::string mesh_name_; ///< of the mesh that was declared; empty before
   std::map<std::string, solver::Group::Kind> groups_; ///< of the mesh in use
   bool groups_known_ = false;
   std::map<std::pair<int, bool>, int> law_index_;

@@ -11,10 +11,14 @@ namespace {
 
 const char* word(solver::Rule rule) {
   switch (rule) {
-  case solver::Rule::exact: return "exact";
-  case solver::Rule::nodal: return "nodal";
-  case solver::Rule::midpoint: return "midpoint";
-  case solver::Rule::gauss: return "gauss";
+  case solver::Rule::exact:
+    return "exact";
+  case solver::Rule::nodal:
+    return "nodal";
+  case solver::Rule::midpoint:
+    return "midpoint";
+  case solver::Rule::gauss:
+    return "gauss";
   }
   return "";
 }
@@ -22,9 +26,12 @@ const char* word(solver::Rule rule) {
 const char* word(std::optional<solver::Group::Kind> kind) {
   if (!kind) return "of unknown kind";
   switch (*kind) {
-  case solver::Group::Kind::cells: return "cells";
-  case solver::Group::Kind::facets: return "boundary";
-  case solver::Group::Kind::points: return "points";
+  case solver::Group::Kind::cells:
+    return "cells";
+  case solver::Group::Kind::facets:
+    return "boundary";
+  case solver::Group::Kind::points:
+    return "points";
   }
   return "";
 }
@@ -57,13 +64,15 @@ std::string to_string(const Model& model) {
   auto line = std::back_inserter(out);
   for (const ModelParam& p : model.params)
     fmt::format_to(line, "param {} = {}{}\n", p.name, text_of(p), p.overridden ? " (set)" : "");
-  for (const ModelPart& p : model.parts) fmt::format_to(line, "part {}: {}\n", p.name, word(p.kind));
+  for (const ModelPart& p : model.parts)
+    fmt::format_to(line, "part {}: {}\n", p.name, word(p.kind));
   fmt::format_to(line, "space {}: {} P{}, {} conditions\n", model.space.name,
                  model.space.vector ? "vector" : "scalar", model.space.order,
                  model.space.dirichlet.size());
   for (const ModelLaw& law : model.laws)
-    fmt::format_to(line, "law {} ({}, by {}): {}\n", law.name, law.spec.radial ? "radial" : "scalar",
-                   law.spec.by_slope ? "slope" : "potential", to_string(law.spec.expression));
+    fmt::format_to(line, "law {} ({}, by {}): {}\n", law.name,
+                   law.spec.radial ? "radial" : "scalar", law.spec.by_slope ? "slope" : "potential",
+                   to_string(law.spec.expression));
   for (std::size_t i = 0; i < model.histories.size(); ++i)
     fmt::format_to(line, "memory w{} of {}: {}\n", i, model.histories[i].name,
                    to_string(model.histories[i].kernel));

@@ -42,18 +42,24 @@ Field tensor_field(int dim, std::vector<Symbol> components) {
 std::string describe(const Field& field) {
   if (field.law_vector) return "the vector argument of a superpotential";
   switch (field.rank) {
-  case 0: return "a scalar";
-  case 1: return fmt::format("a vector of {}", field.rows);
-  case 2: return fmt::format("a {} x {} matrix", field.rows, field.columns);
-  default: return "a fourth-order tensor";
+  case 0:
+    return "a scalar";
+  case 1:
+    return fmt::format("a vector of {}", field.rows);
+  case 2:
+    return fmt::format("a {} x {} matrix", field.rows, field.columns);
+  default:
+    return "a fourth-order tensor";
   }
 }
 
 namespace {
-template <class... F> struct Overloaded : F... {
+template <class... F>
+struct Overloaded : F... {
   using F::operator()...;
 };
-template <class... F> Overloaded(F...) -> Overloaded<F...>;
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;
 } // namespace
 
 std::string describe(const Value& value) {

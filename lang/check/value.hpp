@@ -24,7 +24,7 @@ struct LawRow {
 struct LawUse {
   int law = -1; ///< index into Model::laws
   std::string name;
-  Span span;    ///< of the whole j^0(...)
+  Span span; ///< of the whole j^0(...)
   Symbol factor = 1.0;
   Span factor_span; ///< where a factor stands, if any
   std::vector<LawRow> rows;

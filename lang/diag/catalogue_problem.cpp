@@ -188,6 +188,16 @@ The interval is [t0, T] with t0 < T, and listed times increase within it.)",
 for t in [1, 0] by 8 steps)",
      R"(
 for t in [0, 1] by 8 steps)"},
+    {"E0427", "second mesh",
+     R"(
+A problem lives on one mesh. Regions of it that differ are parts: physical groups of a mesh file, or
+a condition in space.)",
+     R"(
+mesh slab = rectangle(2, 1, cells = [32, 16])
+mesh base = rectangle(2, 1, cells = [16, 8]))",
+     R"(
+mesh slab = rectangle(2, 2, cells = [32, 32])
+part base = slab where y < 1)"},
 });
 
 } // namespace

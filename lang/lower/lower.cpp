@@ -82,8 +82,7 @@ private:
     }
     for (FormTerm& form : plan_.forms)
       if (form.field >= solver::first_history_field)
-        form.field =
-            solver::first_history_field + fresh[form.field - solver::first_history_field];
+        form.field = solver::first_history_field + fresh[form.field - solver::first_history_field];
     plan_.histories = std::move(kept);
     for (std::size_t a = 0; a < applications_.size(); ++a)
       for (int k = 0; k < 3; ++k)
@@ -94,7 +93,8 @@ private:
     for_each_report_expression([&](Symbol& e) { e = substitute(e, rename); });
   }
 
-  template <class F> void for_each_report_expression(F f) {
+  template <class F>
+  void for_each_report_expression(F f) {
     for (solver::Probe& probe : plan_.report.probes) f(probe.expression);
     for (solver::FieldsSpec& fields : plan_.report.fields)
       for (solver::FieldSpec& field : fields.fields)

@@ -89,7 +89,8 @@ const std::vector<GeometryInfo>& geometries() {
        2,
        {"radius", "size", "size_pole"},
        {1, 0.1, 0.1},
-       {"top", "bottom", "pole", "body"}},
+       {"top", "bottom", "pole", "body"},
+       {"pole"}},
       {"graded_rectangle",
        2,
        {"width", "height", "size", "size_corner"},
@@ -110,7 +111,8 @@ const std::vector<GeometryInfo>& geometries() {
        3,
        {"radius", "size", "size_pole"},
        {1, 0.3, 0.3},
-       {"top", "bottom", "pole", "body"}},
+       {"top", "bottom", "pole", "body"},
+       {"pole"}},
       {"cylinder",
        3,
        {"radius", "height", "size", "size_bottom"},
@@ -120,7 +122,8 @@ const std::vector<GeometryInfo>& geometries() {
        3,
        {"length", "height", "width", "thickness", "hole_radius", "size", "size_seat"},
        {8, 6, 4, 1, 0.8, 0.5, 0.5},
-       {"seat", "load", "back", "tip", "bolt", "pin", "body"}},
+       {"seat", "load", "back", "tip", "bolt", "pin", "body"},
+       {"pin"}},
   };
   return list;
 }

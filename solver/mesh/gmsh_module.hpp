@@ -17,6 +17,7 @@ struct GeometryInfo {
   std::vector<std::string> parameters; ///< names of the numbers, in order
   std::vector<double> defaults;
   std::vector<std::string> groups;
+  std::vector<std::string> points = {}; ///< those of the groups that are points
 };
 const std::vector<GeometryInfo>& geometries();
 
