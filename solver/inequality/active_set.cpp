@@ -97,13 +97,17 @@ bool InequalityEngine::conjugate_gradients() {
   return false;
 }
 
-double InequalityEngine::residual_ratio(const Vector& x) {
-  gather(x);
-  gather_magnitude(x);
-  row_size = rhs->cwiseAbs() + magnitude + force_magnitude;
+/// S c, unless c is what it was.
+void InequalityEngine::update_product() {
+  if (c == c_of_product) return;
+  op.apply(c, sc);
+  c_of_product = c;
+  have_magnitude = false;
+}
+
+double InequalityEngine::worst_ratio() const {
   const double noise = n > 0 ? 0x1p-53 * row_size.maxCoeff() : 0.0;
   double worst = 0.0;
-  residual = *rhs - sc - force;
   for (int i = 0; i < n; ++i) {
     // A row where nothing acts (0 = 0) holds rounding of the others: no error of its own.
     const double error = std::abs(residual[i]);
@@ -111,6 +115,21 @@ double InequalityEngine::residual_ratio(const Vector& x) {
     if (!(ratio <= worst)) worst = ratio; // a NaN must show
   }
   return worst;
+}
+
+/// First against |r| + |S c| + |G^T W x|, which bounds the ratio from above; |S||c| only where that
+/// could decide: it costs another pass over S.
+double InequalityEngine::residual_ratio(const Vector& x) {
+  gather(x);
+  gather_magnitude(x);
+  residual = *rhs - sc - force;
+  row_size = rhs->cwiseAbs() + sc.cwiseAbs() + force_magnitude;
+  const double bound = worst_ratio();
+  if (!(bound > target()) || bound > 1e-5) return bound;
+  if (!have_magnitude) op.apply_magnitude(c, magnitude);
+  have_magnitude = true;
+  row_size = rhs->cwiseAbs() + magnitude + force_magnitude;
+  return worst_ratio();
 }
 
 /// One linear solve about the present graph points; moves c, z and xi.
@@ -142,7 +161,7 @@ InequalityEngine::Outcome InequalityEngine::newton_step() {
 /// Residual of the problem with the multipliers that belong to the present z (in `trial`). Points
 /// that rest and have their unknowns to themselves take what their equations leave them, exactly.
 double InequalityEngine::try_multipliers() {
-  op.apply_with_magnitude(c, sc, magnitude);
+  update_product();
   for (int p = 0; p < n_points; ++p) put(trial, p, multiplier(p));
   const double ratio = residual_ratio(trial);
   bool balanced = false;
@@ -155,11 +174,10 @@ double InequalityEngine::try_multipliers() {
 constexpr double other_scales[] = {0.1, 10.0, 0.01};
 
 InequalityEngine::Outcome InequalityEngine::newton(int limit) {
-  const double target = 1e-3 * options.tolerance;
   std::unordered_map<std::uint64_t, int> seen;
   double best = std::numeric_limits<double>::infinity(), shrink = 1.0;
   int tries = 0;
-  op.apply_with_magnitude(c, sc, magnitude);
+  update_product();
   for (int k = 0; k < limit; ++k) {
     if (const Outcome step = newton_step(); step != Outcome::solved) return step;
     for (int p = 0; p < n_points; ++p) classify(p, shrink);
@@ -167,7 +185,7 @@ InequalityEngine::Outcome InequalityEngine::newton(int limit) {
     update_z();
     snap_factor = k < 8 ? tight_snap : certificate_snap;
     const double ratio = try_multipliers();
-    if (ratio <= target || (ratio <= options.tolerance && ratio > 0.25 * best)) {
+    if (ratio <= target() || (ratio <= options.tolerance && ratio > 0.25 * best)) {
       xi = trial;
       return Outcome::solved;
     }

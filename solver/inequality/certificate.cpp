@@ -13,7 +13,7 @@ namespace hvi::solver {
 void InequalityEngine::certify() {
   update_z();
   snap_factor = certificate_snap;
-  op.apply_with_magnitude(c, sc, magnitude);
+  update_product();
   report.residual = residual_ratio(xi);
   const double largest = n_rows > 0 ? xi.lpNorm<Eigen::Infinity>() : 0.0;
   report.inclusion = 0.0;

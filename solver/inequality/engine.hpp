@@ -65,6 +65,9 @@ struct InequalityEngine {
   bool solve_linear();
   bool conjugate_gradients();
   double try_multipliers();
+  void update_product();
+  double worst_ratio() const;
+  double target() const { return 1e-2 * options.tolerance; } ///< what Newton aims at
   double residual_ratio(const Vector& x); ///< of r - S c - G^T W x, componentwise, with S c known
 
   // ---- globally convergent method (fallback.cpp)
@@ -106,6 +109,8 @@ struct InequalityEngine {
   std::vector<std::array<double, 9>> d; ///< their stiffnesses, row by row
   std::vector<std::array<double, 9>> d_factored;
   bool factored = false;
+  Vector c_of_product;         ///< sc = S c_of_product
+  bool have_magnitude = false; ///< magnitude belongs to it
   /// z within this part of its size of a break counts as on it; Newton aims closer at first.
   static constexpr double tight_snap = 2e-14, certificate_snap = 1e-12;
   double snap_factor = certificate_snap;

@@ -125,7 +125,7 @@ struct InequalityEngine::Penalised {
     const double before = gradient.lpNorm<Eigen::Infinity>();
     for (double t = 1.0; t > 1e-6; t /= 2.0) {
       w.c += t * direction;
-      w.op.apply_with_magnitude(w.c, w.sc, w.magnitude);
+      w.update_product();
       w.update_z();
       gradient_ratio(false);
       const double after = gradient.lpNorm<Eigen::Infinity>();
@@ -136,7 +136,7 @@ struct InequalityEngine::Penalised {
   }
 
   Outcome minimise(int limit, double tolerance) {
-    w.op.apply_with_magnitude(w.c, w.sc, w.magnitude);
+    w.update_product();
     w.update_z();
     for (int k = 0; k < limit; ++k) {
       if (gradient_ratio(true) <= tolerance) return Outcome::solved;
@@ -155,7 +155,7 @@ struct InequalityEngine::Penalised {
         t = damping();
       }
       w.c += t * direction;
-      w.op.apply_with_magnitude(w.c, w.sc, w.magnitude);
+      w.update_product();
       w.update_z();
     }
     return Outcome::failed;

@@ -25,8 +25,8 @@ public:
   virtual int size() const = 0;
   virtual bool symmetric() const = 0;
   virtual void apply(const Vector& c, Vector& out) const = 0;
-  /// out = S c and magnitude_i = sum_j |S_ij c_j|, the scale of rounding in out_i.
-  virtual void apply_with_magnitude(const Vector& c, Vector& out, Vector& magnitude) const = 0;
+  /// out_i = sum_j |S_ij c_j|: the scale of rounding in (S c)_i.
+  virtual void apply_magnitude(const Vector& c, Vector& out) const = 0;
   virtual Vector diagonal() const = 0;
   /// Factors S + H for a symmetric H = sum_p w_p G_p^T D_p G_p given as a sparse matrix with a
   /// pattern inside that of G^T G. False when the result is not (positive definite and) regular.

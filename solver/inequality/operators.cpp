@@ -7,9 +7,11 @@
 #include <cmath>
 
 extern "C" {
+void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda,
+            const double* x, const int* incx, const double* beta, double* y, const int* incy);
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
-void dpotrs_(const char* uplo, const int* n, const int* nrhs, const double* a, const int* lda,
-             double* b, const int* ldb, int* info);
+void dtrsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* a,
+            const int* lda, double* x, const int* incx);
 void dgetrf_(const int* m, const int* n, double* a, const int* lda, int* pivots, int* info);
 void dgetrs_(const char* trans, const int* n, const int* nrhs, const double* a, const int* lda,
              const int* pivots, double* b, const int* ldb, int* info);
@@ -28,18 +30,23 @@ public:
   bool symmetric() const override { return symmetric_; }
   Vector diagonal() const override { return s_.diagonal(); }
   int patience() const override { return 2 + size() / 100; }
-  void apply(const Vector& c, Vector& out) const override { out.noalias() = s_ * c; }
-
-  void apply_with_magnitude(const Vector& c, Vector& out, Vector& magnitude) const override {
-    out.setZero(size()), magnitude.setZero(size());
-    for (int j = 0; j < size(); ++j) { // one pass over S: memory is what it costs
-      if (c[j] == 0.0) continue;
-      const double cj = c[j];
-      const double* column = s_.data() + static_cast<std::ptrdiff_t>(j) * size();
-      for (int i = 0; i < size(); ++i) {
-        const double v = column[i] * cj;
-        out[i] += v, magnitude[i] += std::abs(v);
-      }
+  void apply(const Vector& c, Vector& out) const override {
+    if (!symmetric_ || size() == 0) {
+      out.noalias() = s_ * c;
+      return;
+    }
+    out.resize(size());
+    const int n = size(), one = 1;
+    const double alpha = 1.0, beta = 0.0; // half of the matrix is read: memory is what it costs
+    dsymv_("L", &n, &alpha, s_.data(), &n, c.data(), &one, &beta, out.data(), &one);
+  }
+  void apply_magnitude(const Vector& c, Vector& out) const override {
+    out.setZero(size());
+    double* __restrict sum = out.data();
+    for (int j = 0; j < size(); ++j) {
+      const double cj = std::abs(c[j]);
+      const double* __restrict column = s_.data() + static_cast<std::ptrdiff_t>(j) * size();
+      for (int i = 0; i < size(); ++i) sum[i] += std::abs(column[i]) * cj;
     }
   }
 
@@ -62,10 +69,12 @@ public:
     const int n = size(), one = 1;
     int info = 0;
     if (n == 0) return;
-    if (symmetric_)
-      dpotrs_("L", &n, &one, factor_.data(), &n, x.data(), &n, &info);
-    else
+    if (!symmetric_) {
       dgetrs_("N", &n, &one, factor_.data(), &n, pivots_.data(), x.data(), &n, &info);
+      return;
+    }
+    dtrsv_("L", "N", "N", &n, factor_.data(), &n, x.data(), &one);
+    dtrsv_("L", "T", "N", &n, factor_.data(), &n, x.data(), &one);
   }
 
 private:
@@ -84,13 +93,11 @@ public:
   int patience() const override { return 12; }
   void apply(const Vector& c, Vector& out) const override { out.noalias() = k_ * c; }
 
-  void apply_with_magnitude(const Vector& c, Vector& out, Vector& magnitude) const override {
-    out.setZero(size()), magnitude.setZero(size());
+  void apply_magnitude(const Vector& c, Vector& out) const override {
+    out.setZero(size());
     for (int i = 0; i < size(); ++i)
-      for (SparseMatrix::InnerIterator it(k_, i); it; ++it) {
-        const double v = it.value() * c[it.col()];
-        out[i] += v, magnitude[i] += std::abs(v);
-      }
+      for (SparseMatrix::InnerIterator it(k_, i); it; ++it)
+        out[i] += std::abs(it.value() * c[it.col()]);
   }
 
   bool factor(const SparseMatrix& h) override {
