@@ -28,16 +28,21 @@ find_path(BOOST_MATH_INCLUDE boost/math/special_functions/gamma.hpp)
 hvi_require(BOOST_MATH_INCLUDE libboost-math-dev)
 find_path(SUITESPARSE_INCLUDE cholmod.h PATH_SUFFIXES suitesparse)
 hvi_require(SUITESPARSE_INCLUDE libsuitesparse-dev)
-foreach(library cholmod umfpack amd colamd camd ccolamd suitesparseconfig)
-  find_library(SUITESPARSE_${library} ${library})
-  hvi_require(SUITESPARSE_${library} libsuitesparse-dev)
+# Static, all of them: they are most of what a start would have to bind. OpenBLAS in its serial build:
+# idle threads of the pooled one spin for longer than a small run takes, and one thread gives the
+# same bits on every machine.
+foreach(library umfpack cholmod amd colamd camd ccolamd suitesparseconfig)
+  find_library(SUITESPARSE_STATIC_${library} lib${library}.a)
+  hvi_require(SUITESPARSE_STATIC_${library} libsuitesparse-dev)
 endforeach()
-# The serial build: idle threads of the pooled one spin for longer than a small run takes, and one
-# thread gives the same bits on every machine.
-find_library(OPENBLAS_LIBRARY openblas
+find_library(METIS_LIBRARY metis)
+hvi_require(METIS_LIBRARY libmetis-dev)
+find_library(OPENBLAS_STATIC libopenblas.a
   PATHS /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/openblas-serial NO_DEFAULT_PATH)
-hvi_require(OPENBLAS_LIBRARY libopenblas-serial-dev)
-set(CMAKE_INSTALL_RPATH_USE_LINK_PATH ON)
+find_path(OPENBLAS_INCLUDE cblas.h
+  PATHS /usr/include/${CMAKE_LIBRARY_ARCHITECTURE}/openblas-serial NO_DEFAULT_PATH)
+hvi_require(OPENBLAS_STATIC libopenblas-serial-dev)
+hvi_require(OPENBLAS_INCLUDE libopenblas-serial-dev)
 find_path(GMSH_INCLUDE gmshc.h)
 find_library(GMSH_LIBRARY gmsh)
 hvi_require(GMSH_INCLUDE libgmsh-dev)
@@ -61,10 +66,11 @@ endif()
 find_package(Threads REQUIRED)
 
 add_library(hvi_suitesparse INTERFACE)
-target_include_directories(hvi_suitesparse SYSTEM INTERFACE ${SUITESPARSE_INCLUDE})
-target_link_libraries(hvi_suitesparse INTERFACE
-  ${SUITESPARSE_cholmod} ${SUITESPARSE_umfpack} ${SUITESPARSE_amd} ${SUITESPARSE_colamd}
-  ${SUITESPARSE_camd} ${SUITESPARSE_ccolamd} ${SUITESPARSE_suitesparseconfig} ${OPENBLAS_LIBRARY})
+target_include_directories(hvi_suitesparse SYSTEM INTERFACE ${SUITESPARSE_INCLUDE} ${OPENBLAS_INCLUDE})
+foreach(library umfpack cholmod amd colamd camd ccolamd suitesparseconfig)
+  target_link_libraries(hvi_suitesparse INTERFACE ${SUITESPARSE_STATIC_${library}})
+endforeach()
+target_link_libraries(hvi_suitesparse INTERFACE ${METIS_LIBRARY} ${OPENBLAS_STATIC} gomp)
 add_library(hvi_headers INTERFACE)
 target_include_directories(hvi_headers SYSTEM INTERFACE ${SPECTRA_INCLUDE} ${BOOST_MATH_INCLUDE})
 target_link_libraries(hvi_headers INTERFACE Eigen3::Eigen fmt::fmt)
