@@ -45,6 +45,8 @@ public:
   const Vector& u() const { return u_; }       ///< state u_n
   const Vector& rate() const { return rate_; } ///< state u'(t_n), by the scheme's formula
   const Vector& xi() const { return inequality_.xi; }
+  /// gamma with K = sum_b gamma_b T_b in step n.
+  Vector coefficients(int n) const;
   /// w_m(t_n) = h_m + w0_m u_n
   void history_field(int m, Vector& out) const;
   /// Adds what was counted to the counters and phases of a run.
@@ -56,7 +58,6 @@ public:
 private:
   void allocate();
   StepMatrix& matrix_for(int n);
-  Vector coefficients(int n) const;
   void impose_values(int n);
   void right_hand_side(int n);
   void add_load(int n);

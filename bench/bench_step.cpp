@@ -1,0 +1,99 @@
+// bench_step SCRIPT [NAME=VALUE ...]: one step of a script against one solve with the same factor
+// and the products a step needs, all in this process. Prints CPU seconds (medians) as JSON.
+//
+//   step     Stepper::advance: history, right-hand side, both sweeps, inequality, certificate
+//   solve    the reduction and the back substitution of the same factor (solver/linear)
+//   cholmod  cholmod_l_solve with a factor of the same matrix as CHOLMOD orders it by itself
+//   product  y = T x with one matrix of the forms; a step needs one for the right-hand side per
+//            matrix that acts on something known, and one for its residual
+#include "lang/driver.hpp"
+#include "solver/linear/factorisation.hpp"
+#include "solver/time/clock.hpp"
+#include "solver/time/step.hpp"
+
+#include <Eigen/CholmodSupport>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace {
+
+using namespace hvi::solver;
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+/// Median CPU time of some calls.
+template <class F>
+double timed(int repeats, F&& call) {
+  std::vector<double> seconds;
+  for (int i = 0; i < repeats; ++i) {
+    const double start = cpu_seconds();
+    call();
+    seconds.push_back(cpu_seconds() - start);
+  }
+  return median(seconds);
+}
+
+double cholmod_solve(const SparseMatrix& k, const Vector& b, int repeats) {
+  Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower> llt;
+  llt.compute(Eigen::SparseMatrix<double>(k));
+  Vector x;
+  return timed(repeats, [&] { x = llt.solve(b); });
+}
+
+int measure(const Plan& plan) {
+  Discretisation discretisation;
+  discretise(plan, discretisation);
+  Timing timing;
+  Stepper stepper(plan, discretisation, timing);
+  std::vector<double> steps;
+  for (int n = 1; n <= stepper.grid().steps(); ++n) {
+    const double start = cpu_seconds();
+    if (!stepper.advance(n).certified) return 1;
+    if (n > 1) steps.push_back(cpu_seconds() - start); // the first one factors
+  }
+  const SparseMatrix k = combine(stepper.operators(), stepper.coefficients(1));
+  const auto factor = analyse(k, stepper.contact().unknowns, stepper.operators().symmetric);
+  factor->factor(k);
+  const Vector b = Vector::LinSpaced(k.rows(), -1.0, 1.0);
+  const Vector known = Vector::LinSpaced(stepper.operators().bases[0].cols(), -1.0, 1.0);
+  Vector x, y = b, scale = b;
+  const int repeats = std::max(15, static_cast<int>(steps.size()));
+  const double solve = timed(repeats, [&] { factor->solve(b, x); });
+  const double cholmod = cholmod_solve(k, b, repeats);
+  const double product =
+      timed(repeats, [&] { y.noalias() = stepper.operators().bases[0] * known; });
+  const double residual = timed(repeats, [&] { gap_and_scale(k, x, b, y, scale); });
+  WorkCounters work;
+  stepper.account(work, timing);
+  const double products = double(work.products) / stepper.grid().steps();
+  fmt::print(
+      "{{\"unknowns\": {}, \"contact\": {}, \"step\": {:.4g}, \"solve\": {:.4g}, "
+      "\"cholmod\": {:.4g}, \"product\": {:.4g}, \"residual\": {:.4g}, \"products\": {:.3g}, "
+      "\"newton\": {:.3g}, \"factor_bytes\": {:.4g}}}\n",
+      k.rows(), stepper.contact().unknowns.size(), median(steps), solve, cholmod, product, residual,
+      products, double(work.newton) / stepper.grid().steps(), factor->statistics().nonzeros * 8.0);
+  return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) return 2;
+  hvi::lang::Script script;
+  script.path = argv[1];
+  hvi::lang::Options options;
+  for (int i = 2; i < argc; ++i) {
+    const std::string word = argv[i];
+    options.defines[word.substr(0, word.find('='))] = word.substr(word.find('=') + 1);
+  }
+  if (!hvi::lang::compile_script(script, options)) {
+    hvi::lang::show_diagnostics(script, options);
+    return 1;
+  }
+  return measure(*script.plan);
+}
