@@ -94,8 +94,9 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
                h.error > 0 ? fmt::format(", error {:.1e}", h.error) : "", h.why);
   for (const solver::StepNote& note : r.notes) {
     const int line = line_of(script, note.origin);
-    fmt::print("note: step {} (t = {:.6g}): {}{}\n", note.step, note.t, note.what,
-               line > 0 ? fmt::format(" (line {})", line) : "");
+    const std::string when =
+        note.step > 0 ? fmt::format("step {} (t = {:.6g}): ", note.step, note.t) : std::string();
+    fmt::print("note: {}{}{}\n", when, note.what, line > 0 ? fmt::format(" (line {})", line) : "");
   }
 }
 

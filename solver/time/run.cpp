@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace hvi::solver {
 namespace {
@@ -61,6 +62,22 @@ Origin blamed(const StepResult& step, const Plan& plan, const Contact& contact) 
       "`check` prints the step margin");
 }
 
+/// Laws that jump down: more than one solution may exist, and the run says which it follows.
+void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
+  for (const auto& term : contact.terms) {
+    if (term.n_points() == 0) continue;
+    const auto& spec = plan.law_terms[term.points.law_term];
+    const auto& law = *contact.laws[spec.law];
+    if (std::isfinite(
+            law.constants(term.points.x[0], plan.time.is_static ? 0.0 : plan.time.grid[0]).m))
+      continue;
+    result.notes.push_back({0, 0.0,
+                            fmt::format("`{}` jumps down, so uniqueness is not guaranteed; {}",
+                                        law.spec().name, sentence(plan.options.branch)),
+                            spec.origin});
+  }
+}
+
 class Run {
 public:
   Run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings)
@@ -71,6 +88,7 @@ public:
     result_.unknowns = stepper_.layout().n_unknowns;
     result_.contact_unknowns = static_cast<int>(stepper_.contact().unknowns.size());
     result_.certificate.tolerance = plan.options.tolerance;
+    note_choices(plan, stepper_.contact(), result_);
   }
 
   void march() {
