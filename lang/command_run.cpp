@@ -1,5 +1,6 @@
 // hvi-run run, test and plan: solving, judging expectations, saying what would be done.
 #include "lang/driver.hpp"
+#include "lang/interrupt.hpp"
 #include "lang/pictures.hpp"
 #include "solver/output/file.hpp"
 #include "solver/output/table.hpp"
@@ -9,35 +10,14 @@
 
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 
 namespace hvi::lang {
 
 namespace {
-
-std::atomic<bool> stop_requested{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler writes it");
-
-/// Ctrl-C asks the run to stop after the step; a second one ends the program at once.
-class InterruptGuard {
-public:
-  InterruptGuard() : previous_(std::signal(SIGINT, &on_interrupt)) {}
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-  ~InterruptGuard() { std::signal(SIGINT, previous_); }
-
-private:
-  static void on_interrupt(int) {
-    stop_requested = true;
-    std::signal(SIGINT, SIG_DFL);
-  }
-  void (*previous_)(int);
-};
 
 /// One line on the terminal, rewritten at most ten times a second.
 class ProgressLine {
@@ -161,7 +141,7 @@ int solve(Script& script, const Options& options, bool writes, solver::RunResult
   solver::RunSettings settings;
   if (writes) settings.output_folder = output_folder(script, options);
   settings.name = script.model->title;
-  settings.stop = &stop_requested;
+  settings.stop = &stop_flag();
   ProgressLine progress(!options.quiet);
   settings.progress = [&](const solver::Progress& p) { progress(p); };
   InterruptGuard guard;

@@ -59,6 +59,7 @@ int dispatch(int argc, char** argv) {
   auto* check = command("check", "check scripts without solving", true);
   check->add_flag("--script-only", options.script_only, "without the mesh");
   auto* plan = command("plan", "what a run would do");
+  auto* study = command("study", "what accuracy costs: runs the ladders of a script");
   auto* test = command("test", "run scripts and judge their expectations", true);
   auto* format = command("fmt", "format scripts in place", true);
   format->add_flag("--check", only_check, "only say which are not formatted");
@@ -90,6 +91,7 @@ int dispatch(int argc, char** argv) {
   if (*run) return hvi::lang::run_command(files[0], options);
   if (*check) return hvi::lang::check_command(files, options);
   if (*plan) return hvi::lang::plan_command(files[0], options);
+  if (*study) return hvi::lang::study_command(files[0], options);
   if (*test) return hvi::lang::test_command(files, options);
   if (*format) return hvi::lang::format_command(files, only_check);
   if (*params) return hvi::lang::params_command(files[0], options);

@@ -1,6 +1,7 @@
 // Pictures by gnuplot: triangles sorted from back to front, each filled with its colour.
 #include "lang/pictures.hpp"
 
+#include "lang/gnuplot.hpp"
 #include "solver/output/file.hpp"
 
 #include <fmt/format.h>
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <iterator>
 
@@ -107,22 +107,6 @@ std::string polygons(const solver::Mesh& mesh, const std::vector<double>& values
     out += "\n";
   }
   return out;
-}
-
-/// gnuplot reads its commands from a pipe: no text of the script reaches a shell.
-void plot(const std::string& commands) {
-  FILE* pipe = popen("gnuplot 2>/dev/null", "w");
-  if (!pipe) throw Failure(FailureKind::output, {}, "gnuplot cannot be started");
-  std::fwrite(commands.data(), 1, commands.size(), pipe);
-  if (pclose(pipe) != 0)
-    throw Failure(FailureKind::output, {}, "gnuplot did not draw the picture",
-                  "apt-get install gnuplot-nox");
-}
-
-/// Texts inside gnuplot's single quotes.
-std::string quoted(std::string text) {
-  std::erase_if(text, [](char c) { return c == '\'' || c == '\n' || c == '\\'; });
-  return "'" + text + "'";
 }
 
 } // namespace

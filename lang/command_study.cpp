@@ -1,0 +1,365 @@
+// hvi-run study: runs every setting of the script's ladders and shows what accuracy costs.
+#include "lang/interrupt.hpp"
+#include "lang/study.hpp"
+#include "solver/output/file.hpp"
+#include "solver/study/ladder.hpp"
+#include "solver/time/clock.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+namespace hvi::lang {
+
+namespace {
+
+namespace fs = std::filesystem;
+using solver::Gauge;
+
+constexpr double short_run = 0.3; ///< CPU seconds below which a run is timed three times
+
+/// Highest resident memory since the last call of `forget_peak`, in bytes (Linux).
+double peak_memory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return 1024.0 * std::stod(line.substr(6));
+  return 0.0;
+}
+void forget_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
+
+std::string machine_line() {
+  utsname name{};
+  uname(&name);
+  std::ifstream cpu("/proc/cpuinfo");
+  std::string model = "unknown processor";
+  for (std::string line; std::getline(cpu, line);)
+    if (line.starts_with("model name")) {
+      model = line.substr(line.find(':') + 2);
+      break;
+    }
+  return fmt::format("{}, {} threads, {} {}, one thread used", model,
+                     std::thread::hardware_concurrency(), name.sysname, name.release);
+}
+
+/// Runs the settings one after the other; knows what has been done before.
+class Studying {
+public:
+  Studying(const std::string& path, const Options& options, Study& study)
+      : path_(path), options_(options), study_(study), folder_(fs::path(output_folder_of(path))),
+        journal_(folder_ / "study.jsonl") {}
+
+  int go() {
+    Script script;
+    script.path = path_;
+    const bool good = compile_script(script, options_);
+    show_diagnostics(script, options_);
+    if (!good) return exit_script;
+    if (!script.model->study) {
+      fmt::print(stderr,
+                 "hvi-run: `{}` has no `study` statement\n  = help: study vary n in [8, 16, "
+                 "32] and N in [8, 16, 32] against finest\n",
+                 path_);
+      return exit_usage;
+    }
+    plan_rows(*script.model);
+    fs::create_directories(folder_);
+    read_journal(script);
+    return run_all();
+  }
+  std::string folder() const { return folder_.string(); }
+
+private:
+  std::string output_folder_of(const std::string& path) const {
+    return options_.output_folder.empty() ? fs::path(path).stem().string() + "_study"
+                                          : options_.output_folder;
+  }
+
+  void plan_rows(const Model& model) {
+    study_.script = path_;
+    study_.ladders = model.study->ladders;
+    kind_ = model.study->reference;
+    study_.reference = kind_ == ModelStudy::Reference::exact    ? "the exact solution"
+                       : kind_ == ModelStudy::Reference::finest ? "the finest run"
+                                                                : "the finest run, extrapolated";
+    study_.machine = machine_line();
+    std::vector<int> counts;
+    for (const StudyLadder& ladder : study_.ladders)
+      counts.push_back(static_cast<int>(ladder.values.size()));
+    for (const auto& rungs : solver::combinations(counts)) {
+      StudyRow row;
+      row.rungs = rungs;
+      for (std::size_t l = 0; l < rungs.size(); ++l)
+        row.values[study_.ladders[l].parameter] = study_.ladders[l].values[rungs[l]];
+      study_.rows.push_back(std::move(row));
+    }
+    if (!study_.rows.empty()) study_.finest = study_.rows.size() - 1;
+  }
+
+  /// Rows that an interrupted study finished, if the script is the same.
+  void read_journal(const Script& script) {
+    std::string all;
+    for (const auto& program : script.programs) all += script.sources.file(program.file).text();
+    for (const auto& [name, value] : options_.defines) all += name + "=" + value + ";";
+    fingerprint_ = fmt::format("{:016x}", std::hash<std::string>{}(all));
+    std::ifstream in(journal_);
+    for (std::string line; std::getline(in, line);) {
+      const auto entry = nlohmann::json::parse(line, nullptr, false);
+      if (!entry.is_object() || entry.value("fingerprint", "") != fingerprint_) continue;
+      for (StudyRow& row : study_.rows)
+        if (entry.value("values", std::map<std::string, std::string>{}) == row.values)
+          restore(entry, row);
+    }
+  }
+
+  void restore(const nlohmann::json& entry, StudyRow& row) {
+    if (entry.contains("error")) {
+      const auto& e = entry["error"];
+      row.error = solver::StudyError{e[0], e[1], e[2], e[3], e[4]};
+    }
+    row.probes = entry["probes"].get<std::map<std::string, double>>();
+    row.unknowns = entry["unknowns"], row.steps = entry["steps"], row.newton = entry["newton"];
+    row.cpu = entry["cpu"], row.wall = entry["wall"], row.peak_bytes = entry["peak_bytes"];
+    row.failure = entry["failure"];
+    done_.push_back(row.values);
+  }
+
+  void keep(const StudyRow& row) const {
+    nlohmann::json entry = {{"fingerprint", fingerprint_},
+                            {"values", row.values},
+                            {"probes", row.probes},
+                            {"unknowns", row.unknowns},
+                            {"steps", row.steps},
+                            {"newton", row.newton},
+                            {"cpu", row.cpu},
+                            {"wall", row.wall},
+                            {"peak_bytes", row.peak_bytes},
+                            {"failure", row.failure}};
+    if (const auto& e = row.error)
+      entry["error"] = {e->v_max, e->v_final, e->l2_max, e->l2_final, e->size};
+    std::ofstream(journal_, std::ios::app) << entry.dump() << "\n";
+  }
+
+  bool known(const StudyRow& row) const {
+    return std::find(done_.begin(), done_.end(), row.values) != done_.end();
+  }
+
+  int run_all() {
+    const bool against_run = kind_ != ModelStudy::Reference::exact;
+    const bool all_known = std::all_of(study_.rows.begin(), study_.rows.end(),
+                                       [&](const StudyRow& row) { return known(row); });
+    if (against_run && !all_known) {
+      // The reference comes first, and again when a study goes on: its steps are not kept on disk.
+      StudyRow& finest = study_.rows.back();
+      if (const int code = run_row(finest, true); code != exit_ok) return code;
+      if (!finest.failure.empty()) {
+        fmt::print(stderr, "hvi-run: the finest run failed, nothing can be compared with it: {}\n",
+                   finest.failure);
+        return exit_solve;
+      }
+    }
+    for (std::size_t i = 0; i < study_.rows.size(); ++i) {
+      StudyRow& row = study_.rows[i];
+      if (known(row)) continue;
+      if (!options_.quiet && isatty(STDERR_FILENO))
+        fmt::print(stderr, "\r\033[K{} of {} settings", i + 1, study_.rows.size());
+      if (const int code = run_row(row, false); code != exit_ok) return code;
+    }
+    if (!options_.quiet && isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
+    return exit_ok;
+  }
+
+  /// One setting; `keeps`: its steps become the reference.
+  int run_row(StudyRow& row, bool keeps) {
+    Options here = options_;
+    for (const auto& [name, value] : row.values) here.defines[name] = value;
+    Script script;
+    script.path = path_;
+    if (!compile_script(script, here)) {
+      show_diagnostics(script, here);
+      return exit_script;
+    }
+    script.plan->report.fields.clear(), script.plan->report.pictures.clear();
+    auto discretisation = std::make_shared<solver::Discretisation>();
+    try {
+      const auto failures = solver::discretise(*script.plan, *discretisation);
+      if (!failures.empty()) throw failures.front();
+      measure(script, discretisation, row, keeps);
+    } catch (const solver::Failure& failure) {
+      if (failure.kind == solver::FailureKind::interrupted) {
+        add_failure(script, failure);
+        show_diagnostics(script, here);
+        return exit_interrupted;
+      }
+      row.failure = failure.what();
+    }
+    keep(row);
+    done_.push_back(row.values);
+    return exit_ok;
+  }
+
+  std::unique_ptr<Gauge> gauge_for(const Script& script, const solver::Discretisation& d,
+                                   bool keeps) const {
+    if (kind_ == ModelStudy::Reference::exact)
+      return solver::exact_gauge(d, script.model->study->exact);
+    return keeps ? nullptr : solver::trajectory_gauge(reference_, d);
+  }
+
+  void measure(const Script& script, const std::shared_ptr<solver::Discretisation>& d,
+               StudyRow& row, bool keeps) {
+    const auto gauge = gauge_for(script, *d, keeps);
+    auto trajectory = std::make_shared<solver::Trajectory>();
+    trajectory->discretisation = d;
+    double watching = 0.0, watching_wall = 0.0;
+    const auto& plan = *script.plan;
+    solver::RunSettings settings;
+    settings.stop = &stop_flag();
+    settings.on_step = [&](int, double t, const solver::Vector& u, const solver::Vector&) {
+      const solver::PhaseClock clock(watching);
+      const auto start = std::chrono::steady_clock::now();
+      if (keeps) trajectory->times.push_back(t), trajectory->states.push_back(u);
+      if (gauge) gauge->step(t, u);
+      watching_wall +=
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    if (keeps && !plan.time.is_static) {
+      trajectory->times.push_back(plan.time.grid.front());
+      trajectory->states.push_back(plan.time.initial.empty()
+                                       ? solver::Vector(solver::Vector::Zero(d->space.n_dofs()))
+                                       : solver::interpolate(d->space, plan.time.initial,
+                                                             plan.time.grid.front(),
+                                                             plan.time.origin));
+    }
+    forget_peak();
+    const double before = peak_memory();
+    const auto start = std::chrono::steady_clock::now();
+    const auto result = solver::run(plan, *d, settings);
+    row.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
+               watching_wall + d->seconds;
+    row.cpu = result.timing.total - watching;
+    row.peak_bytes = std::max(0.0, peak_memory() - before);
+    row.unknowns = result.unknowns, row.steps = result.steps, row.newton = result.work.newton;
+    for (const auto& [name, value] : result.final)
+      if (std::isfinite(value)) row.probes[name] = value;
+    if (gauge) row.error = gauge->error();
+    if (keeps) reference_ = trajectory;
+    if (row.cpu < short_run) repeat(plan, *d, row);
+  }
+
+  /// Short runs three times: the median.
+  void repeat(const solver::Plan& plan, const solver::Discretisation& d, StudyRow& row) const {
+    std::array<double, 3> cpu{row.cpu, 0.0, 0.0}, wall{row.wall, 0.0, 0.0};
+    for (int k = 1; k < 3; ++k) {
+      const auto start = std::chrono::steady_clock::now();
+      cpu[k] = solver::run(plan, d, {}).timing.total;
+      wall[k] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() +
+                d.seconds;
+    }
+    std::sort(cpu.begin(), cpu.end()), std::sort(wall.begin(), wall.end());
+    row.cpu = cpu[1], row.wall = wall[1];
+  }
+
+  std::string path_;
+  const Options& options_;
+  Study& study_;
+  fs::path folder_, journal_;
+  std::string fingerprint_;
+  ModelStudy::Reference kind_ = ModelStudy::Reference::finest;
+  std::vector<std::map<std::string, std::string>> done_;
+  std::shared_ptr<const solver::Trajectory> reference_;
+};
+
+/// A ladder's rung as a number; words have none.
+std::optional<double> number_of(const StudyLadder& ladder, int rung) {
+  try {
+    return std::stod(ladder.values[rung]);
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+}
+
+/// Errors of a study against its finest run, extrapolated along the diagonal of the ladders.
+void extrapolate(Study& study) {
+  std::vector<std::size_t> diagonal;
+  std::vector<double> scales, distances;
+  const auto finest_value = number_of(study.ladders[0], study.rows.back().rungs[0]);
+  if (!finest_value) return;
+  for (std::size_t i = 0; i + 1 < study.rows.size(); ++i) {
+    const StudyRow& row = study.rows[i];
+    int lowered = study.rows.back().rungs[0] - row.rungs[0];
+    for (std::size_t l = 0; l < row.rungs.size(); ++l)
+      if (study.rows.back().rungs[l] - row.rungs[l] != lowered) lowered = 0;
+    const auto value = number_of(study.ladders[0], row.rungs[0]);
+    if (lowered == 0 || !row.error || !value) continue;
+    diagonal.push_back(i);
+    scales.push_back(*value / *finest_value);
+    distances.push_back(row.error->v_max);
+  }
+  const auto fit = solver::richardson(scales, distances);
+  if (!fit) return;
+  for (std::size_t k = 0; k < diagonal.size(); ++k) {
+    auto& error = *study.rows[diagonal[k]].error;
+    const double factor = fit->errors[k] / error.v_max;
+    error.v_final *= factor, error.l2_max *= factor, error.l2_final *= factor;
+    error.v_max = fit->errors[k];
+  }
+  solver::StudyError last;
+  last.v_max = last.v_final = fit->errors.back();
+  last.l2_max = last.l2_final = std::nan("");
+  last.size = study.rows[diagonal.back()].error->size;
+  study.rows.back().error = last;
+}
+
+/// Orders between neighbours and the front.
+void judge(Study& study) {
+  std::vector<std::vector<int>> settings;
+  std::vector<double> cost, error;
+  for (const StudyRow& row : study.rows) {
+    settings.push_back(row.rungs);
+    cost.push_back(row.cpu);
+    error.push_back(row.error ? row.error->v_max : std::nan(""));
+  }
+  const auto front = solver::pareto_front(cost, error);
+  for (std::size_t i = 0; i < study.rows.size(); ++i) {
+    StudyRow& row = study.rows[i];
+    row.front = front[i];
+    const int before = solver::predecessor(settings, i);
+    if (before < 0) continue;
+    const auto a = number_of(study.ladders[0], study.rows[before].rungs[0]);
+    const auto b = number_of(study.ladders[0], row.rungs[0]);
+    if (a && b) row.order = solver::observed_order(error[before], error[i], *b / *a);
+  }
+}
+
+} // namespace
+
+int study_command(const std::string& path, const Options& options) {
+  Study study;
+  const InterruptGuard guard;
+  Studying studying(path, options, study);
+  if (const int code = studying.go(); code != exit_ok) return code;
+  if (study.reference == "the finest run, extrapolated") extrapolate(study);
+  judge(study);
+  try {
+    std::vector<std::string> files = {"study.csv"};
+    solver::write_atomically(fs::path(studying.folder()) / "study.csv", study_csv(study));
+    if (!options.json.empty()) solver::write_atomically(options.json, study_json(study));
+    for (auto& file : draw_study(study, studying.folder())) files.push_back(file);
+    fmt::print("{}", study_table(study));
+    if (!options.quiet) fmt::print("files: {} in {}/\n", fmt::join(files, ", "), studying.folder());
+  } catch (const solver::Failure& failure) {
+    fmt::print(stderr, "error[E0702]: {}\n", failure.what());
+    return exit_solve;
+  }
+  return exit_ok;
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,46 @@
+// A study: the same script at many settings, with errors and costs side by side.
+//
+//   ladders -> settings -> runs (each with a gauge) -> rows -> table, CSV, JSON, pictures
+#pragma once
+
+#include "lang/driver.hpp"
+#include "solver/study/reference.hpp"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hvi::lang {
+
+/// One setting of a study and what it gave.
+struct StudyRow {
+  std::vector<int> rungs;                    ///< index into each ladder
+  std::map<std::string, std::string> values; ///< parameter -> value, as -D takes it
+  std::optional<solver::StudyError> error;   ///< absent: failed, or the finest run itself
+  std::map<std::string, double> probes;      ///< final values
+  int unknowns = 0, steps = 0, newton = 0;
+  double cpu = 0.0, wall = 0.0, peak_bytes = 0.0;
+  std::optional<double> order; ///< against the setting one rung lower on every ladder
+  bool front = false;          ///< no other setting is both cheaper and closer
+  std::string failure;         ///< empty when certified
+};
+
+struct Study {
+  std::string script, reference; ///< the reference in words
+  std::vector<StudyLadder> ladders;
+  std::vector<StudyRow> rows;
+  std::string machine;
+  /// Probes are judged by the finest run; absent when it failed.
+  std::optional<std::size_t> finest;
+};
+
+/// Text for a terminal; CSV; JSON (schema hvi-study/1).
+std::string study_table(const Study& study);
+std::string study_csv(const Study& study);
+std::string study_json(const Study& study);
+/// Error against CPU time with the front, and error against the ladders' numbers with slopes one
+/// and two, each as SVG and PNG, drawn by gnuplot into `folder`; returns the files' names.
+std::vector<std::string> draw_study(const Study& study, const std::string& folder);
+
+} // namespace hvi::lang

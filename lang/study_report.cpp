@@ -1,0 +1,237 @@
+// A study as table, CSV, JSON and pictures (study.hpp).
+#include "lang/gnuplot.hpp"
+#include "lang/study.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+
+namespace hvi::lang {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string cell(std::optional<double> v, const char* format) {
+  return v && std::isfinite(*v) ? fmt::format(fmt::runtime(format), *v) : std::string("-");
+}
+
+std::vector<std::string> headings(const Study& study) {
+  std::vector<std::string> out;
+  for (const StudyLadder& ladder : study.ladders) out.push_back(ladder.parameter);
+  for (const char* name : {"unknowns", "V error", "relative", "order", "L2 error", "CPU s",
+                           "wall s", "peak MB", "Newton", "front"})
+    out.emplace_back(name);
+  return out;
+}
+
+std::vector<std::string> cells(const Study& study, const StudyRow& row) {
+  std::vector<std::string> out;
+  for (const StudyLadder& ladder : study.ladders) out.push_back(row.values.at(ladder.parameter));
+  const auto of = [&](double solver::StudyError::*member) {
+    return row.error ? std::optional((*row.error).*member) : std::nullopt;
+  };
+  out.push_back(fmt::format("{}", row.unknowns));
+  out.push_back(cell(of(&solver::StudyError::v_max), "{:.3e}"));
+  out.push_back(row.error ? cell(row.error->relative(), "{:.2e}") : "-");
+  out.push_back(cell(row.order, "{:.2f}"));
+  out.push_back(cell(of(&solver::StudyError::l2_max), "{:.3e}"));
+  out.push_back(cell(row.cpu, "{:.3g}"));
+  out.push_back(cell(row.wall, "{:.3g}"));
+  out.push_back(cell(row.peak_bytes / 1e6, "{:.3g}"));
+  out.push_back(fmt::format("{}", row.newton));
+  out.push_back(row.front ? "*" : "");
+  return out;
+}
+
+/// Points of one curve: rows that share the rungs of every ladder but the first.
+std::string data_block(const Study& study, const std::string& name,
+                       const std::vector<const StudyRow*>& rows,
+                       const std::function<double(const StudyRow&)>& x) {
+  std::string out = fmt::format("${} << HVI_END\n", name);
+  (void)study;
+  for (const StudyRow* row : rows)
+    fmt::format_to(std::back_inserter(out), "{:.8g} {:.8g}\n", x(*row), row->error->v_max);
+  return out + "HVI_END\n";
+}
+
+/// The rows with an error, in groups that make one curve each, with the curve's name.
+std::vector<std::pair<std::string, std::vector<const StudyRow*>>> curves(const Study& study) {
+  std::map<std::vector<int>, std::vector<const StudyRow*>> groups;
+  for (const StudyRow& row : study.rows)
+    if (row.error && row.error->v_max > 0.0)
+      groups[{row.rungs.begin() + 1, row.rungs.end()}].push_back(&row);
+  std::vector<std::pair<std::string, std::vector<const StudyRow*>>> out;
+  for (auto& [rungs, rows] : groups) {
+    std::string name;
+    for (std::size_t l = 0; l < rungs.size(); ++l)
+      name += fmt::format("{}{} = {}", l ? ", " : "", study.ladders[l + 1].parameter,
+                          study.ladders[l + 1].values[rungs[l]]);
+    out.emplace_back(name.empty() ? "error" : name, std::move(rows));
+  }
+  return out;
+}
+
+std::string heading(const Study& study, const std::string& what) {
+  return fmt::format(
+      "set title {}\nset key outside right top\nset bmargin 5\nset grid\nset logscale xy\n"
+      "set format y '10^{{%T}}'\nset ylabel 'error in V, largest over time'\n"
+      "set label 1 {} at screen 0.01, 0.015 font ',8' noenhanced\n",
+      quoted(fs::path(study.script).filename().string() + ": " + what) + " noenhanced",
+      quoted("CPU seconds, medians of repeated runs; " + study.machine));
+}
+
+/// Error against CPU time; the settings worth their time are joined.
+std::string cost_picture(const Study& study) {
+  std::string text = heading(study, "what accuracy costs") + "set xlabel 'CPU seconds'\n", plots;
+  int k = 0;
+  for (const auto& [name, rows] : curves(study)) {
+    text += data_block(study, fmt::format("curve{}", k), rows,
+                       [](const StudyRow& row) { return row.cpu; });
+    plots += fmt::format("{}$curve{} with linespoints pt 7 ps 0.6 title {} noenhanced",
+                         k ? ", " : "", k, quoted(name));
+    ++k;
+  }
+  std::vector<const StudyRow*> front;
+  for (const StudyRow& row : study.rows)
+    if (row.front && row.error && row.error->v_max > 0.0) front.push_back(&row);
+  std::sort(front.begin(), front.end(),
+            [](const StudyRow* a, const StudyRow* b) { return a->cpu < b->cpu; });
+  text += data_block(study, "front", front, [](const StudyRow& row) { return row.cpu; });
+  return text + "plot " + plots + ", $front with linespoints lw 3 lc rgb '#c00000' title 'front'\n";
+}
+
+/// Error against the first ladder's number, with lines of order one and two beside it.
+std::string order_picture(const Study& study) {
+  std::string text = heading(study, "order") +
+                     fmt::format("set xlabel {}\n", quoted(study.ladders[0].parameter)),
+              plots;
+  const auto value = [&](const StudyRow& row) {
+    return std::stod(row.values.at(study.ladders[0].parameter));
+  };
+  const auto all = curves(study);
+  int k = 0;
+  double low = 1e300, high = 0.0, top = 0.0;
+  for (const auto& [name, rows] : all) {
+    text += data_block(study, fmt::format("curve{}", k), rows, value);
+    plots +=
+        fmt::format("$curve{} with linespoints pt 7 ps 0.6 title {} noenhanced, ", k, quoted(name));
+    ++k;
+    for (const StudyRow* row : rows) {
+      low = std::min(low, value(*row)), high = std::max(high, value(*row));
+      top = std::max(top, row->error->v_max);
+    }
+  }
+  return text +
+         fmt::format("plot {}[{}:{}] {:.8g} * ({:.8g}/x) dt 2 lc rgb 'gray40' title 'order 1', "
+                     "[{}:{}] {:.8g} * ({:.8g}/x)**2 dt 3 lc rgb 'gray40' title 'order 2'\n",
+                     plots, low, high, top, low, low, high, top, low);
+}
+
+} // namespace
+
+std::string study_table(const Study& study) {
+  std::vector<std::vector<std::string>> grid = {headings(study)};
+  for (const StudyRow& row : study.rows) grid.push_back(cells(study, row));
+  std::vector<std::size_t> widths(grid[0].size(), 0);
+  for (const auto& line : grid)
+    for (std::size_t c = 0; c < line.size(); ++c) widths[c] = std::max(widths[c], line[c].size());
+  std::string out = fmt::format("{}: errors against {}\n", study.script, study.reference);
+  for (const auto& line : grid) {
+    for (std::size_t c = 0; c < line.size(); ++c)
+      fmt::format_to(std::back_inserter(out), "{}{:>{}}", c ? "  " : "", line[c], widths[c]);
+    out += "\n";
+  }
+  for (const StudyRow& row : study.rows)
+    if (!row.failure.empty()) {
+      out += "failed:";
+      for (const auto& [name, value] : row.values) out += fmt::format(" {} = {}", name, value);
+      out += ": " + row.failure + "\n";
+    }
+  return out + fmt::format("{}; * = no other setting is both cheaper and closer\n", study.machine);
+}
+
+std::string study_csv(const Study& study) {
+  std::string out;
+  for (const StudyLadder& ladder : study.ladders) out += ladder.parameter + ",";
+  out += "unknowns,steps,v_max,v_final,l2_max,l2_final,relative,order,cpu,wall,peak_bytes,newton,"
+         "front,failure\n";
+  const auto number = [](std::optional<double> v) {
+    return v && std::isfinite(*v) ? fmt::format("{:.17g}", *v) : std::string();
+  };
+  for (const StudyRow& row : study.rows) {
+    for (const StudyLadder& ladder : study.ladders) out += row.values.at(ladder.parameter) + ",";
+    const auto& e = row.error;
+    const auto of = [&](double v) { return e ? number(v) : std::string(); };
+    const solver::StudyError none, &error = e ? *e : none;
+    std::string failure = row.failure;
+    std::replace(failure.begin(), failure.end(), '"', '\'');
+    out += fmt::format("{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.0f},{},{},\"{}\"\n", row.unknowns,
+                       row.steps, of(error.v_max), of(error.v_final), of(error.l2_max),
+                       of(error.l2_final), of(error.relative()), number(row.order), row.cpu,
+                       row.wall, row.peak_bytes, row.newton, row.front ? 1 : 0, failure);
+  }
+  return out;
+}
+
+std::string study_json(const Study& study) {
+  using Json = nlohmann::ordered_json;
+  Json rows = Json::array();
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < study.rows.size(); ++i) {
+    const StudyRow& row = study.rows[i];
+    Json out = {{"params", row.values}};
+    const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
+    if (const auto& e = row.error) {
+      out["error"] = {{"V_max", number(e->v_max)},
+                      {"V_final", number(e->v_final)},
+                      {"L2", number(e->l2_max)},
+                      {"relative", number(e->relative())}};
+      if (!best || e->v_max < study.rows[*best].error->v_max) best = i;
+    }
+    if (study.finest && i != *study.finest && out.contains("error"))
+      for (const auto& [name, value] : study.rows[*study.finest].probes)
+        if (const auto mine = row.probes.find(name); mine != row.probes.end())
+          out["error"][name] = std::abs(mine->second - value);
+    out["probes"] = row.probes;
+    out["cpu"] = row.cpu, out["wall"] = row.wall, out["peak_bytes"] = row.peak_bytes;
+    out["unknowns"] = row.unknowns, out["steps"] = row.steps, out["newton"] = row.newton;
+    out["order"] = row.order ? number(*row.order) : Json(nullptr);
+    out["front"] = row.front;
+    if (!row.failure.empty()) out["failure"] = row.failure;
+    rows.push_back(out);
+  }
+  const Json all = {{"schema", "hvi-study/1"},
+                    {"script", study.script},
+                    {"reference", study.reference},
+                    {"machine", study.machine},
+                    {"rows", rows},
+                    {"best", best ? Json(*best) : Json(nullptr)}};
+  return all.dump(2) + "\n";
+}
+
+std::vector<std::string> draw_study(const Study& study, const std::string& folder) {
+  std::vector<std::string> files;
+  if (curves(study).empty()) return files;
+  const auto draw = [&](const std::string& name, const std::string& commands) {
+    for (const char* kind : {"svg", "png"}) {
+      files.push_back(fmt::format("{}.{}", name, kind));
+      plot(fmt::format("set terminal {} size 900,600\nset output {}\n{}",
+                       std::string(kind) == "svg" ? "svg background 'white'" : "pngcairo",
+                       quoted((fs::path(folder) / files.back()).string()), commands));
+    }
+  };
+  draw("cost", cost_picture(study));
+  const auto& first = study.ladders[0].values;
+  const bool numbers = std::all_of(first.begin(), first.end(), [](const std::string& v) {
+    return !v.empty() && (std::isdigit(static_cast<unsigned char>(v[0])) != 0 || v[0] == '.');
+  });
+  if (numbers) draw("order", order_picture(study));
+  return files;
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,68 @@
+// Gauges against errors known in closed form.
+#include "solver/study/reference.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+/// The unit square with n x n cells and a P1 or P2 vector space.
+std::shared_ptr<Discretisation> square(int n, int order) {
+  Plan plan;
+  plan.mesh.kind = MeshSpec::Kind::rectangle;
+  plan.mesh.low = {0, 0, 0}, plan.mesh.high = {1, 1, 0};
+  plan.mesh.cells = {n, n, 1};
+  plan.parts.push_back({"body", {}, RegionSpec{}});
+  plan.space.order = order;
+  auto out = std::make_shared<Discretisation>();
+  EXPECT_TRUE(discretise(plan, *out).empty());
+  return out;
+}
+
+Expr x(int i) { return Expr::variable(slot::x(i)); }
+Expr t() { return Expr::variable(slot::t); }
+
+/// Analytic: u = 0 against (t x^2, t x y): eps = t [2x, y/2; y/2, x], so |eps|^2 integrates to
+/// t^2 (4/3 + 1/6 + 1/3) and |u|^2 to t^2 (1/5 + 1/9).
+TEST(Gauge, ZeroAgainstAQuadraticField) {
+  const auto d = square(4, 1);
+  const std::vector<Expr> exact = {t() * x(0) * x(0), t() * x(0) * x(1)};
+  const auto gauge = exact_gauge(*d, exact);
+  const Vector zero = Vector::Zero(d->space.n_dofs());
+  gauge->step(2.0, zero);
+  gauge->step(1.0, zero);
+  const double v = std::sqrt(4.0 / 3 + 1.0 / 6 + 1.0 / 3), l2 = std::sqrt(1.0 / 5 + 1.0 / 9);
+  EXPECT_NEAR(gauge->error().v_max, 2 * v, 1e-12);
+  EXPECT_NEAR(gauge->error().v_final, v, 1e-12);
+  EXPECT_NEAR(gauge->error().l2_max, 2 * l2, 1e-12);
+  EXPECT_NEAR(gauge->error().size, 2 * v, 1e-12);
+}
+
+/// A function of the coarse space is itself on a nested finer mesh; its difference to another is
+/// the same by both gauges.
+TEST(Gauge, AFinerRunAndAnExactSolutionAgree) {
+  for (const int order : {1, 2}) {
+    const auto coarse = square(3, order), fine = square(6, order);
+    const std::vector<Expr> linear = {x(0) + Expr(2.0) * x(1), Expr(3.0) * x(0)};
+    const std::vector<Expr> other = {x(1), x(0) - x(1)};
+    auto reference = std::make_shared<Trajectory>();
+    reference->discretisation = fine;
+    reference->times = {0.0, 1.0};
+    const Vector end = interpolate(fine->space, linear, 0.0, {});
+    reference->states = {Vector::Zero(end.size()), end};
+    const auto by_run = trajectory_gauge(reference, *coarse);
+    const Vector u = interpolate(coarse->space, other, 0.0, {});
+    by_run->step(0.5, u); // half way: half of `linear`
+    const std::vector<Expr> half = {Expr(0.5) * linear[0], Expr(0.5) * linear[1]};
+    const auto by_formula = exact_gauge(*coarse, half);
+    by_formula->step(0.5, u);
+    EXPECT_NEAR(by_run->error().v_max, by_formula->error().v_max, 1e-12);
+    EXPECT_NEAR(by_run->error().l2_max, by_formula->error().l2_max, 1e-12);
+    EXPECT_NEAR(by_run->error().size, by_formula->error().size, 1e-12);
+  }
+}
+
+} // namespace
+} // namespace hvi::solver
