@@ -46,55 +46,15 @@ bool InequalityEngine::factor_if_needed() {
   return factored;
 }
 
-/// The last factor differs from S + H by stiffnesses of the body's own size at most: then it is a
-/// good preconditioner, and points that rest (very stiff) are the same ones.
-bool InequalityEngine::factor_is_close() const {
-  if (!factored || !op.symmetric()) return false;
-  for (int p = 0; p < n_points; ++p)
-    for (int k = 0; k < 9; ++k)
-      if (!(std::abs(d[p][k] - d_factored[p][k]) * points[p].local <= 10.0)) return false;
-  return true;
-}
-
 /// dc = (S + H)^-1 residual: by the factor, or by conjugate gradients preconditioned with the last
-/// one when it is close (slopes that change a little from step to step).
+/// one when few points moved far from it (slopes that change a little, a front of slip).
 bool InequalityEngine::solve_linear() {
+  cg_r.setZero();
   if (!(factored && d == d_factored) && factor_is_close() && conjugate_gradients()) return true;
+  cg_r.setZero();
   if (!factor_if_needed()) return false;
   op.solve(residual, dc);
   return true;
-}
-
-bool InequalityEngine::conjugate_gradients() {
-  assemble();
-  cg_r = residual;
-  op.solve(cg_r, cg_z);
-  // Inner products of forces with displacements, scaled so that no unit system overflows.
-  const double unit = cg_z.lpNorm<Eigen::Infinity>(), unit_r = cg_r.lpNorm<Eigen::Infinity>();
-  if (!(unit > 0.0) || !(unit_r > 0.0) || !std::isfinite(unit)) return false;
-  const auto product = [&](const Vector& a, const Vector& b) {
-    double sum = 0.0;
-    for (int i = 0; i < n; ++i) sum += (a[i] / unit_r) * (b[i] / unit);
-    return sum;
-  };
-  dc.setZero(), cg_p = cg_z;
-  double rho = product(cg_r, cg_z);
-  const double start = rho;
-  for (int k = 0; k < op.patience(); ++k) {
-    op.apply(cg_p, cg_q);
-    cg_q.noalias() += h * cg_p;
-    const double curvature = product(cg_q, cg_p);
-    if (!(curvature > 0.0)) return false;
-    const double step = rho / curvature;
-    dc += step * cg_p, cg_r -= step * cg_q;
-    op.solve(cg_r, cg_z);
-    const double next = product(cg_r, cg_z);
-    if (!(next >= 0.0)) return false;
-    if (next <= 1e-6 * start) return true; // three digits of the error's energy norm
-    cg_p = cg_z + (next / rho) * cg_p;
-    rho = next;
-  }
-  return false;
 }
 
 /// S c, unless c is what it was.
@@ -153,6 +113,7 @@ InequalityEngine::Outcome InequalityEngine::newton_step() {
   for (int p = 0; p < n_points; ++p) {
     const Small v = apply_d(p, at(dz, p)), x0 = at(xi, p);
     put(xi, p, {x0[0] + v[0], x0[1] + v[1], x0[2] + v[2]});
+    if (points[p].exclusive && resting(p)) take_rest(p);
   }
   update_z();
   return Outcome::solved;

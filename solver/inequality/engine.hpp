@@ -6,6 +6,8 @@
 #include "solver/inequality/inequality.hpp"
 #include "solver/inequality/prepared_law.hpp"
 
+#include <Eigen/Cholesky>
+
 #include <array>
 #include <cstdint>
 
@@ -61,14 +63,24 @@ struct InequalityEngine {
   Outcome newton_step();
   void assemble();
   bool factor_if_needed();
-  bool factor_is_close() const;
   bool solve_linear();
-  bool conjugate_gradients();
   double try_multipliers();
   void update_product();
   double worst_ratio() const;
   double target() const { return 1e-2 * options.tolerance; } ///< what Newton aims at
   double residual_ratio(const Vector& x); ///< of r - S c - G^T W x, componentwise, with S c known
+
+  // ---- solves with the last factor (conjugate_gradients.cpp)
+  /// A point whose stiffness is far from the factored one.
+  struct FarPoint {
+    int point = 0;
+    bool stiffer = false;
+  };
+  bool factor_is_close();
+  void factor_block();
+  void precondition(const Vector& r, Vector& out);
+  bool conjugate_gradients();
+  void take_rest(int p);
 
   // ---- globally convergent method (fallback.cpp)
   struct Penalised; ///< the augmented function of one outer step
@@ -103,7 +115,14 @@ struct InequalityEngine {
   // state of a solve
   const Vector* rhs = nullptr;
   Vector c, z, xi, sc, magnitude, force, force_magnitude, residual, row_size, dc, dz, trial, cg_r,
-      cg_z, cg_p, cg_q;
+      cg_z, cg_p, cg_q, cg_kept, diagonal;
+  std::vector<FarPoint> far;
+  std::vector<int> block_unknowns, stiff_unknowns; ///< of the far points
+  DenseMatrix block;
+  Eigen::LLT<DenseMatrix> block_factor;
+  Vector block_work;
+  double block_unit = 1.0;
+  int last_cg = 0; ///< iterations of the last conjugate gradients
   std::vector<int> state, component;
   Vector z_hat, xi_hat;                 ///< the graph points of the linearisation
   std::vector<std::array<double, 9>> d; ///< their stiffnesses, row by row

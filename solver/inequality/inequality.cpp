@@ -18,7 +18,7 @@ InequalityEngine::InequalityEngine(const ReducedProblem& problem_, ReducedOperat
   if (problem.g.cols() != n && n_rows > 0)
     throw Failure(FailureKind::bad_value, {}, "the contact matrix does not fit the operator");
   for (Vector* v : {&c, &sc, &magnitude, &force, &force_magnitude, &residual, &row_size, &dc, &cg_r,
-                    &cg_z, &cg_p, &cg_q, &c_of_product})
+                    &cg_z, &cg_p, &cg_q, &cg_kept, &c_of_product})
     *v = Vector::Zero(n);
   for (Vector* v : {&z, &xi, &dz, &trial, &z_hat, &xi_hat, &z_start}) *v = Vector::Zero(n_rows);
   state.resize(n_points), component.resize(n_points), d.resize(n_points);
@@ -52,7 +52,7 @@ void InequalityEngine::refresh_laws() {
 /// sets both scales: gamma = w / k, penalty = kappa k / w. Where a row touches one unknown only,
 /// the penalty stands on the diagonal and cannot spoil the factor; else it costs digits.
 void InequalityEngine::prepare_points() {
-  const Vector diagonal = op.diagonal();
+  diagonal = op.diagonal();
   const double typical = n > 0 ? diagonal.cwiseAbs().maxCoeff() : 1.0;
   std::vector<int> users(n, 0);
   for (int row = 0; row < n_rows; ++row)
@@ -94,7 +94,7 @@ void InequalityEngine::prepare_points() {
 /// S^-1 by eight probes with entries +-1 (Hutchinson, Bekas): the size is all that matters.
 void InequalityEngine::estimate_compliance() {
   if (n_points == 0 || !op.factor(h)) return;
-  Vector probe(n), answer(n), diagonal = Vector::Zero(n);
+  Vector probe(n), answer(n), flexibility = Vector::Zero(n);
   std::uint32_t random = 12345;
   for (int k = 0; k < 8; ++k) {
     for (double& v : probe) {
@@ -102,14 +102,14 @@ void InequalityEngine::estimate_compliance() {
       v = random >> 31 ? 1.0 : -1.0;
     }
     op.solve(probe, answer);
-    diagonal += probe.cwiseProduct(answer) / 8.0;
+    flexibility += probe.cwiseProduct(answer) / 8.0;
   }
-  if (!diagonal.allFinite()) return;
+  if (!flexibility.allFinite()) return;
   for (PointData& q : points) {
     double compliance = 0.0;
     for (int row = q.first; row < q.first + q.rows; ++row)
       for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
-        compliance += it.value() * it.value() * diagonal[it.col()] / q.rows;
+        compliance += it.value() * it.value() * flexibility[it.col()] / q.rows;
     q.gamma = std::clamp(q.weight * compliance, q.local, 1e6 * q.local);
   }
 }

@@ -28,6 +28,7 @@ public:
   /// out_i = sum_j |S_ij c_j|: the scale of rounding in (S c)_i.
   virtual void apply_magnitude(const Vector& c, Vector& out) const = 0;
   virtual Vector diagonal() const = 0;
+  virtual double entry(int i, int j) const = 0; ///< S_ij
   /// Factors S + H for a symmetric H = sum_p w_p G_p^T D_p G_p given as a sparse matrix with a
   /// pattern inside that of G^T G. False when the result is not (positive definite and) regular.
   virtual bool factor(const SparseMatrix& h) = 0;

@@ -29,6 +29,7 @@ public:
   int size() const override { return static_cast<int>(s_.rows()); }
   bool symmetric() const override { return symmetric_; }
   Vector diagonal() const override { return s_.diagonal(); }
+  double entry(int i, int j) const override { return s_(i, j); }
   int patience() const override { return 2 + size() / 100; }
   void apply(const Vector& c, Vector& out) const override {
     if (!symmetric_ || size() == 0) {
@@ -90,6 +91,7 @@ public:
   int size() const override { return static_cast<int>(k_.rows()); }
   bool symmetric() const override { return symmetric_; }
   Vector diagonal() const override { return k_.diagonal(); }
+  double entry(int i, int j) const override { return k_.coeff(i, j); }
   int patience() const override { return 12; }
   void apply(const Vector& c, Vector& out) const override { out.noalias() = k_ * c; }
 
