@@ -33,6 +33,8 @@ public:
   /// The mean of f over [t0, t1], added to `out`: exact for polynomials in t of degree 7, piecewise
   /// between the knots of tables of t.
   void add_mean(double t0, double t1, Vector& out) const;
+  /// From now on vectors have an entry per dof of this list, in its order.
+  void restrict_to(std::span<const std::int32_t> dofs);
   int separable_terms() const; ///< vectors F_m stored
   bool separable() const;      ///< nothing is assembled again at each step
   bool time_independent() const;

@@ -232,8 +232,13 @@ void LoadAssembler::Impl::evaluate_factors(double t) {
 
 void LoadAssembler::Impl::add(double t, double scale, Vector& out) {
   evaluate_factors(t);
-  for (std::size_t m = 0; m < modes.size(); ++m) {
-    out += (scale * g_values[m]) * modes[m].f;
+  // In blocks that stay in the cache: every vector is read once.
+  constexpr Eigen::Index block = 1024;
+  for (Eigen::Index from = 0; from < out.size() && !modes.empty(); from += block) {
+    const Eigen::Index n = std::min(block, out.size() - from);
+    for (std::size_t m = 0; m < modes.size(); ++m) {
+      out.segment(from, n) += (scale * g_values[m]) * modes[m].f.segment(from, n);
+    }
   }
   for (Lazy& part : lazy) {
     part.values.resize(part.weights.cols());
@@ -284,6 +289,29 @@ void LoadAssembler::add_mean(double t0, double t1, Vector& out) const {
     }
   }
   add_piece(t1);
+}
+
+void LoadAssembler::restrict_to(std::span<const std::int32_t> dofs) {
+  const auto n = static_cast<Eigen::Index>(dofs.size());
+  for (Mode& mode : impl_->modes) {
+    Vector kept(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      kept[i] = mode.f[dofs[static_cast<std::size_t>(i)]];
+    }
+    mode.f = std::move(kept);
+  }
+  for (Lazy& part : impl_->lazy) {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      using Row = Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator;
+      for (Row it(part.weights, dofs[static_cast<std::size_t>(i)]); it; ++it) {
+        entries.emplace_back(static_cast<int>(i), static_cast<int>(it.col()), it.value());
+      }
+    }
+    Eigen::SparseMatrix<double, Eigen::RowMajor> kept(n, part.weights.cols());
+    kept.setFromTriplets(entries.begin(), entries.end());
+    part.weights = std::move(kept);
+  }
 }
 
 int LoadAssembler::separable_terms() const { return static_cast<int>(impl_->modes.size()); }

@@ -90,6 +90,7 @@ struct InequalityEngine {
   Outcome solve_components();
   Outcome solve_branch();
   int release_next(double window);
+  void count_events(const std::vector<int>& components_before);
   double energy() const;
   void start_from(const InequalityState& from);
 

@@ -16,7 +16,8 @@ PreparedLaw::PreparedLaw(const Law& law, const LawGraph& graph)
   component_of_.resize(graph.pieces());
   slope_scale_ = std::abs(law.slope(graph, piece_of(graph, 0.0), 0.0));
   for (std::size_t i = 0; i < graph.breaks.size(); ++i)
-    slope_scale_ = std::max({slope_scale_, std::abs(graph.left[i]), std::abs(graph.right[i])});
+    for (const double s : {std::abs(graph.left[i]), std::abs(graph.right[i])})
+      if (s < unbounded_slope) slope_scale_ = std::max(slope_scale_, s);
   int first = 0;
   for (int i = 0; i < graph.pieces(); ++i) {
     component_of_[i] = components();

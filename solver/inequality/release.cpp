@@ -72,9 +72,14 @@ InequalityEngine::Outcome InequalityEngine::solve_components() {
     if (moves > cap) return Outcome::failed;
     z_start = z;
   }
+  count_events(components_before);
+  return Outcome::solved;
+}
+
+/// Downward jumps crossed since the points stood on those components.
+void InequalityEngine::count_events(const std::vector<int>& components_before) {
   report.events = 0;
   for (int p = 0; p < n_points; ++p) report.events += std::abs(component[p] - components_before[p]);
-  return Outcome::solved;
 }
 
 double InequalityEngine::energy() const {
@@ -92,6 +97,7 @@ double InequalityEngine::energy() const {
 InequalityEngine::Outcome InequalityEngine::solve_branch() {
   InequalityState start;
   store(start);
+  const std::vector<int> components_before = component;
   Outcome outcome = solve_components();
   bool alternatives = false;
   for (const PreparedLaw& law : prepared) alternatives = alternatives || law.components() > 1;
@@ -102,7 +108,6 @@ InequalityEngine::Outcome InequalityEngine::solve_branch() {
 
   InequalityState best;
   store(best);
-  int events = report.events;
   double lowest = outcome == Outcome::solved ? energy() : std::numeric_limits<double>::infinity();
   const auto attempt = [&](bool released) {
     load(released ? start : InequalityState{});
@@ -119,13 +124,13 @@ InequalityEngine::Outcome InequalityEngine::solve_branch() {
     if (released && options.branch == Branch::release)
       lowest = std::numeric_limits<double>::infinity();
     if (!(e < lowest)) return;
-    lowest = e, events = report.events, outcome = Outcome::solved;
+    lowest = e, outcome = Outcome::solved;
     store(best);
   };
   attempt(true);
   if (options.branch == Branch::least_energy) attempt(false);
   load(best);
-  report.events = events;
+  count_events(components_before);
   return outcome;
 }
 

@@ -163,7 +163,12 @@ LawConstants Law::constants(const Point& x, double t) const {
   }
   bool up = false, down = false;
   const auto jump = [&](double l, double r, double at) {
-    k.slope_scale = std::max({k.slope_scale, std::abs(l), std::abs(r)});
+    for (const double s : {std::abs(l), std::abs(r)}) {
+      if (s >= unbounded_slope)
+        k.c = infinity;
+      else
+        k.slope_scale = std::max(k.slope_scale, s);
+    }
     up = up || l < r;
     down = down || l > r;
     if (l > r) descend(infinity, at);

@@ -30,7 +30,8 @@ struct LawSpec {
 struct LawGraph {
   /// Piece i as the solvers evaluate it: a polynomial sum a[k] (r - centre)^k of degree <= 5 where
   /// the slope is one at this x and t, else (degree -1) the compiled expression. The primitive of
-  /// a piece vanishes at its centre (its point nearest 0), except for a law by potential that is no polynomial.
+  /// a piece vanishes at its centre (its point nearest 0), except for a law by potential that is no
+  /// polynomial.
   struct Smooth {
     int degree = -1;
     double centre = 0.0;
@@ -45,6 +46,10 @@ struct LawGraph {
   double t = 0.0;
   int pieces() const { return static_cast<int>(functions.size()); }
 };
+
+/// A slope beyond this stands for infinity: unilateral contact is the law that jumps from 0 to it
+/// at the gap. It is no scale for certificates, and the growth of such a law is infinite.
+constexpr double unbounded_slope = 1e250;
 
 /// Where a law's numbers hold, and how they were found.
 struct LawConstants {

@@ -3,6 +3,8 @@
 
 #include "solver/common/failure.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
 
 extern "C" {
@@ -22,12 +24,15 @@ CholmodSession::CholmodSession() {
 
 CholmodSession::~CholmodSession() { cholmod_l_finish(&common_); }
 
-OneBlasThread::OneBlasThread() : before_(openblas_get_num_threads()) {
+OneBlasThread::OneBlasThread()
+    : before_(openblas_get_num_threads()), openmp_before_(omp_get_max_threads()) {
   if (before_ != 1) openblas_set_num_threads(1);
+  if (openmp_before_ != 1) omp_set_num_threads(1);
 }
 
 OneBlasThread::~OneBlasThread() {
   if (before_ != 1) openblas_set_num_threads(before_);
+  if (openmp_before_ != 1) omp_set_num_threads(openmp_before_);
 }
 
 UpperTriangle::UpperTriangle(const SparseMatrix& k, std::span<const std::pair<int, int>> extra)

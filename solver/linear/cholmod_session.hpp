@@ -27,7 +27,8 @@ private:
   cholmod_common common_{};
 };
 
-/// Holds OpenBLAS to one thread while it lives: the same bits whatever the number of cores.
+/// Holds OpenBLAS and OpenMP to one thread while it lives: the same bits whatever the number of
+/// cores, and no idle threads that spin.
 class OneBlasThread {
 public:
   OneBlasThread();
@@ -36,7 +37,7 @@ public:
   OneBlasThread& operator=(const OneBlasThread&) = delete;
 
 private:
-  int before_;
+  int before_, openmp_before_;
 };
 
 /// The upper triangle of a symmetric matrix by columns, as CHOLMOD wants it.

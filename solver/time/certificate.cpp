@@ -26,7 +26,7 @@ void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vect
 }
 
 double equilibrium_error(const Vector& gap, const Vector& scale, const SparseMatrix& force,
-                      const Vector& xi, Vector& work) {
+                         const Vector& xi, Vector& work) {
   work = gap;
   if (xi.size() > 0) work.noalias() -= force * xi;
   double worst = 0;
@@ -36,6 +36,40 @@ double equilibrium_error(const Vector& gap, const Vector& scale, const SparseMat
     const double error = std::abs(work[i]) / scale[i];
     worst = std::isnan(error) ? std::numeric_limits<double>::infinity() : std::max(worst, error);
   }
+  return worst;
+}
+
+double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& b,
+                         std::span<const int> contact, const SparseMatrix& force, const Vector& xi,
+                         Vector& gap) {
+  const int* starts = k.outerIndexPtr();
+  const int* columns = k.innerIndexPtr();
+  const double* values = k.valuePtr();
+  const double* x = d.data();
+  double worst = 0.0;
+  const auto row = [&](int i, double reaction) {
+    double sum = 0.0, size = 0.0;
+    for (int e = starts[i]; e < starts[i + 1]; ++e) {
+      const double product = values[e] * x[columns[e]];
+      sum += product;
+      size += std::abs(product);
+    }
+    gap[i] = b[i] - sum;
+    const double error = std::abs(gap[i] - reaction);
+    // Divides only where it is the worst so far; a NaN is worse than anything.
+    if (!(error <= worst * (size + std::abs(b[i])))) {
+      worst = error / (size + std::abs(b[i]));
+      if (std::isnan(worst)) worst = std::numeric_limits<double>::infinity();
+    }
+  };
+  int next = 0;
+  for (const int c : contact) {
+    for (; next < c; ++next) row(next, 0.0);
+    double reaction = 0.0;
+    for (SparseMatrix::InnerIterator it(force, c); it; ++it) reaction += it.value() * xi[it.col()];
+    row(next++, reaction);
+  }
+  for (const auto n = static_cast<int>(k.rows()); next < n; ++next) row(next, 0.0);
   return worst;
 }
 

@@ -3,6 +3,8 @@
 
 #include "solver/time/contact.hpp"
 
+#include <span>
+
 namespace hvi::solver {
 
 /// gap = b - K d and scale_i = (|K| |d|)_i + |b_i| in one reading of K.
@@ -12,7 +14,13 @@ void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vect
 /// max_i |R_i| / scale_i with R = gap - G^T W xi: the componentwise backward error of the
 /// equilibrium on the unknowns (rows with R_i = 0 count 0). `work` is scratch of the same length.
 double equilibrium_error(const Vector& gap, const Vector& scale, const SparseMatrix& force,
-                      const Vector& xi, Vector& work);
+                         const Vector& xi, Vector& work);
+
+/// Both in one reading of K: gap = b - K d, and the backward error. `contact`: the unknowns,
+/// increasing, outside of which `force` has no entries.
+double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& b,
+                         std::span<const int> contact, const SparseMatrix& force, const Vector& xi,
+                         Vector& gap);
 
 struct Inclusion {
   double worst = 0.0;   ///< max_p dist(xi_p, dj_p(z_p)) / max(|xi|_inf, slope scale of the law)

@@ -54,7 +54,10 @@ void Snapshot::point() {
 void Snapshot::take(const Stepper& stepper) {
   const auto& layout = stepper.layout();
   if (needed_[field_u]) layout.scatter(stepper.u(), fields_[field_u]);
-  if (needed_[field_rate]) layout.scatter(stepper.rate(), fields_[field_rate]);
+  if (needed_[field_rate]) {
+    stepper.rate(state_);
+    layout.scatter(state_, fields_[field_rate]);
+  }
   for (int m = 0; m < stepper.memory().size(); ++m) {
     if (!needed_[first_history_field + m]) continue;
     stepper.history_field(m, state_);

@@ -26,6 +26,7 @@ Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
   operators_ = assemble_operators(plan, d, layout_);
   contact_ = make_contact(plan, d, layout_);
   loads_.emplace(d.space, d.parts, plan.loads);
+  loads_->restrict_to({layout_.dof_of.data(), static_cast<std::size_t>(layout_.n_unknowns)});
   options_.tolerance = plan.options.tolerance;
   options_.branch = plan.options.branch;
   allocate();
@@ -36,7 +37,7 @@ Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
 }
 
 void Stepper::allocate() {
-  u_ = known_ = rate_ = d_previous_ = state_work_ = combined_ = Vector::Zero(layout_.n_state);
+  u_ = known_ = d_previous_ = d_before_ = combined_ = Vector::Zero(layout_.n_state);
   d_ = rhs_ = gap_ = scale_ = work_ = Vector::Zero(layout_.n_unknowns);
   full_ = Vector::Zero(layout_.n_dofs);
   z_ = inequality_.xi = Vector::Zero(contact_.n_rows());
@@ -63,12 +64,11 @@ void Stepper::impose_values(int n) {
 }
 
 void Stepper::add_load(int n) {
-  full_.setZero();
+  rhs_.setZero();
   if (plan_.time.sampling == LoadSampling::average && !grid_.is_static())
-    loads_->add_mean(grid_.t(n - 1), grid_.t(n), full_);
+    loads_->add_mean(grid_.t(n - 1), grid_.t(n), rhs_);
   else
-    loads_->add(grid_.t(n), full_);
-  for (int i = 0; i < layout_.n_unknowns; ++i) rhs_[i] = full_[layout_.dof_of[i]];
+    loads_->add(grid_.t(n), rhs_);
 }
 
 /// rhs = f_n - sum_b T_b ( what all fields put on base matrix b ): one product per base matrix.
@@ -117,8 +117,11 @@ StepMatrix& Stepper::matrix_for(int n) {
 
 /// gap = rhs - K_n d with K_n = K + sum_b change_b T_b, its scale, and the backward error.
 double Stepper::residual(const StepMatrix& matrix, const Vector& change) {
-  gap_and_scale(matrix.k(), d_, rhs_, gap_, scale_);
   ++products_;
+  if (change.isZero(0.0))
+    return equilibrium_error(matrix.k(), d_, rhs_, contact_.unknowns, contact_.force,
+                             inequality_.xi, gap_);
+  gap_and_scale(matrix.k(), d_, rhs_, gap_, scale_);
   for (int b = 0; b < operators_.n_bases(); ++b) {
     if (change[b] == 0.0) continue;
     gap_.noalias() -= change[b] * (operators_.bases[b].leftCols(layout_.n_unknowns) * d_);
@@ -135,13 +138,12 @@ StepResult Stepper::correct(int n, StepMatrix& matrix) {
   if (change_.lpNorm<Eigen::Infinity>() <= rounding) change_.setZero();
   double target =
       change_.isZero(0.0) ? plan_.options.tolerance : std::min(refined, plan_.options.tolerance);
-  d_.setZero();
   inequality_.c.setZero(); // the path to the new state starts at the last one
-  gap_ = rhs_;
   double last = std::numeric_limits<double>::infinity();
   int iterations = 0, events = 0;
   while (out.corrections < most_corrections) {
-    out.inequality = matrix.correct(gap_, inequality_, d_);
+    out.inequality = out.corrections == 0 ? matrix.start(rhs_, inequality_, d_)
+                                          : matrix.correct(gap_, inequality_, d_);
     ++out.corrections;
     iterations += out.inequality.iterations;
     events += out.inequality.events;
@@ -194,15 +196,24 @@ void Stepper::accept(int n) {
   if (!grid_.is_static()) {
     const PhaseClock clock(timing_.history);
     memory_.commit(grid_.t(n), known_);
-    const double carry = grid_.carry(n);
-    state_work_ = known_ - u_;
-    rate_ = grid_.rate(n) * state_work_;
-    if (carry != 0.0) rate_ -= carry * d_previous_;
-    d_previous_.swap(state_work_);
+    d_before_.swap(d_previous_);
+    if (layout_.n_state == layout_.n_unknowns)
+      d_previous_.swap(d_);
+    else
+      d_previous_ = known_ - u_;
   }
   u_.swap(known_);
   accepted_ = inequality_;
   step_ = n;
+}
+
+void Stepper::rate(Vector& out) const {
+  if (step_ == 0 || grid_.is_static()) {
+    out.setZero(layout_.n_state);
+    return;
+  }
+  out = grid_.rate(step_) * d_previous_;
+  if (grid_.carry(step_) != 0.0) out -= grid_.carry(step_) * d_before_;
 }
 
 void Stepper::history_field(int m, Vector& out) const {

@@ -42,8 +42,8 @@ public:
   const Memory& memory() const { return memory_; }
   int step() const { return step_; } ///< of the state; 0: the initial one
   double t() const { return grid_.t(step_); }
-  const Vector& u() const { return u_; }       ///< state u_n
-  const Vector& rate() const { return rate_; } ///< state u'(t_n), by the scheme's formula
+  const Vector& u() const { return u_; } ///< state u_n
+  void rate(Vector& out) const;          ///< state u'(t_n), by the scheme's formula
   const Vector& xi() const { return inequality_.xi; }
   /// gamma with K = sum_b gamma_b T_b in step n.
   Vector coefficients(int n) const;
@@ -83,10 +83,10 @@ private:
   std::list<Cached> matrices_; ///< most recently used first
 
   int step_ = 0;
-  InequalityState inequality_, accepted_;    ///< accepted_: of the last certified step
-  Vector u_, known_, rate_, d_, d_previous_; // states; d on unknowns only
-  Vector rhs_, gap_, scale_, work_;          // unknowns
-  Vector combined_, state_work_, full_, change_, z_;
+  InequalityState inequality_, accepted_;        ///< accepted_: of the last certified step
+  Vector u_, known_, d_, d_previous_, d_before_; // states; d on unknowns only
+  Vector rhs_, gap_, scale_, work_;              // unknowns
+  Vector combined_, full_, change_, z_;
   int products_ = 0, corrections_ = 0, newton_ = 0, fallbacks_ = 0;
 };
 

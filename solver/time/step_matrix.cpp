@@ -28,45 +28,55 @@ void StepMatrix::factor(const Vector& gamma) {
   solver_ = std::make_unique<InequalitySolver>(contact_.problem, *reduced_, options_);
 }
 
-void StepMatrix::condense(const Vector& gap, const Vector& d) {
+void StepMatrix::condense(const Vector& gap) {
   const PhaseClock clock(seconds_sweeps);
   if (contact_.whole)
     r_ = gap;
   else
     factorisation_->reduce(gap, r_);
-  for (Eigen::Index i = 0; i < c_.size(); ++i) c_[i] = d[contact_.unknowns[i]];
   if (c_.isZero(0.0)) return;
   reduced_->apply(c_, product_);
   r_ += product_;
 }
 
-void StepMatrix::expand(const InequalityState& state, Vector& d) {
+void StepMatrix::expand(const InequalityState& state) {
   const PhaseClock clock(seconds_sweeps);
   c_ = state.c - c_;
-  if (contact_.whole) {
-    d += c_;
-    return;
-  }
-  factorisation_->back(c_, x_);
-  d += x_;
+  if (contact_.whole)
+    x_ = c_;
+  else
+    factorisation_->back(c_, x_);
 }
 
-InequalityReport StepMatrix::correct(const Vector& gap, InequalityState& state, Vector& d) {
+/// x_ = the correction of a d whose contact part is c_.
+InequalityReport StepMatrix::solve(const Vector& gap, InequalityState& state) {
+  InequalityReport report;
   if (contact_.none()) {
     const PhaseClock clock(seconds_sweeps);
     factorisation_->solve(gap, x_);
-    d += x_;
-    InequalityReport nothing;
-    nothing.converged = true;
-    return nothing;
+    report.converged = true;
+    return report;
   }
-  condense(gap, d);
-  InequalityReport report;
+  condense(gap);
   {
     const PhaseClock clock(seconds_inequality);
     report = solver_->solve(r_, state);
   }
-  expand(state, d);
+  expand(state);
+  return report;
+}
+
+InequalityReport StepMatrix::start(const Vector& gap, InequalityState& state, Vector& d) {
+  c_.setZero();
+  auto report = solve(gap, state);
+  d.swap(x_);
+  return report;
+}
+
+InequalityReport StepMatrix::correct(const Vector& gap, InequalityState& state, Vector& d) {
+  for (Eigen::Index i = 0; i < c_.size(); ++i) c_[i] = d[contact_.unknowns[i]];
+  auto report = solve(gap, state);
+  d += x_;
   return report;
 }
 

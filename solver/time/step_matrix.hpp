@@ -29,12 +29,16 @@ public:
   /// d = 0 is the solution; more of them are iterative refinement.
   InequalityReport correct(const Vector& gap, InequalityState& state, Vector& d);
 
+  /// The first correction: the same with d = 0, whatever d holds.
+  InequalityReport start(const Vector& gap, InequalityState& state, Vector& d);
+
   FactorStatistics statistics() const;
   double seconds_inequality = 0, seconds_sweeps = 0; ///< CPU time so far
 
 private:
-  void condense(const Vector& gap, const Vector& d);
-  void expand(const InequalityState& state, Vector& d);
+  void condense(const Vector& gap);
+  void expand(const InequalityState& state);
+  InequalityReport solve(const Vector& gap, InequalityState& state);
 
   const Operators& operators_;
   const Contact& contact_;
@@ -44,7 +48,7 @@ private:
   std::unique_ptr<Factorisation> factorisation_; ///< absent when nothing is condensed
   std::unique_ptr<ReducedOperator> reduced_;
   std::unique_ptr<InequalitySolver> solver_;
-  Vector r_, x_, c_, product_;
+  Vector r_, x_, c_, product_; ///< x_: the correction; c_: d on the contact unknowns
 };
 
 } // namespace hvi::solver

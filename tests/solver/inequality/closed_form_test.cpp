@@ -213,6 +213,69 @@ TEST(Inequality, UnsymmetricOperator) {
   }
 }
 
+Expr rigid() { return select(less_equal(arg(), Expr(0.0)), Expr(0.0), Expr(1e300)); }
+
+/// All sets of points that may touch are tried: the one with forces that push and gaps that stay
+/// open is the answer (independent).
+Vector obstacle_by_enumeration(const DenseMatrix& s, const Vector& r, const Vector& gap) {
+  const int n = static_cast<int>(r.size());
+  for (unsigned set = 0; set < 1u << n; ++set) {
+    DenseMatrix a = s;
+    Vector b = r;
+    for (int i = 0; i < n; ++i)
+      if (set >> i & 1u) a.row(i) = Vector::Unit(n, i).transpose(), b[i] = gap[i];
+    const Vector c = a.partialPivLu().solve(b), force = r - s * c;
+    bool good = true;
+    for (int i = 0; i < n; ++i) good = good && (set >> i & 1u ? force[i] >= 0.0 : c[i] <= gap[i]);
+    if (good) return c;
+  }
+  return {};
+}
+
+TEST(Inequality, UnilateralContactIsTheObstacleProblem) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < 40; ++k) {
+    Bench setup;
+    const int n = 6;
+    setup.s = random_spd(n, 1e4, random);
+    setup.r.resize(n);
+    Vector gap(n);
+    for (int i = 0; i < n; ++i)
+      setup.r[i] = normal(random), gap[i] = 0.3 * std::abs(normal(random));
+    const int law = setup.slope(rigid());
+    for (int i = 0; i < n; ++i) setup.point(law, 0.5, {{{i, 1.0}}}, {-gap[i]});
+    setup.finish();
+    const Vector expected = obstacle_by_enumeration(setup.s, setup.r, gap);
+    for (const bool fallback : {false, true}) {
+      InequalityState state;
+      InequalityOptions options;
+      options.force_fallback = fallback;
+      const auto report = run(setup, state, options);
+      ASSERT_TRUE(report.converged) << k << " " << report.verdict;
+      EXPECT_LE((state.c - expected).lpNorm<Eigen::Infinity>(),
+                1e-11 * expected.lpNorm<Eigen::Infinity>());
+      const Vector force = 0.5 * state.xi; // what the certificate calls small is small beside it
+      EXPECT_LE((setup.r - setup.s * expected - force).lpNorm<Eigen::Infinity>(),
+                1e-11 * setup.r.lpNorm<Eigen::Infinity>());
+    }
+  }
+}
+
+TEST(Inequality, ARigidGroundIsNoScaleOfTheCertificate) {
+  Bench setup = one_spring(1.0, 2.0);
+  setup.point(setup.slope(rigid()), 1.0, {{{0, 1.0}}});
+  setup.finish();
+  const LawConstants constants = setup.problem.laws[0]->constants({}, 0.0);
+  EXPECT_EQ(constants.slope_scale, 0.0);
+  EXPECT_EQ(constants.c, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(constants.m, 0.0);
+  InequalityState state;
+  EXPECT_TRUE(run(setup, state).converged);
+  EXPECT_EQ(state.c[0], 0.0);
+  EXPECT_EQ(state.xi[0], 2.0);
+}
+
 TEST(Inequality, RejectsANonFiniteRightHandSide) {
   Bench setup = one_spring(1.0, std::nan(""));
   setup.point(setup.slope(arg()), 1.0, {{{0, 1.0}}});
