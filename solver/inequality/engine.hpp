@@ -34,6 +34,7 @@ struct InequalityEngine {
   InequalityReport solve(const Vector& r, InequalityState& io);
 
   // ---- set-up (inequality.cpp)
+  std::string verdict(Outcome outcome) const;
   void prepare_points();
   void estimate_compliance();
   void prepare_pattern();

@@ -176,6 +176,22 @@ void InequalityEngine::load(const InequalityState& from) {
 
 void InequalityEngine::store(InequalityState& to) const { to.c = c, to.xi = xi, to.state = state; }
 
+/// What went wrong, as a sentence, and what can be done about it.
+std::string InequalityEngine::verdict(Outcome outcome) const {
+  const std::string numbers =
+      fmt::format("after {} iterations: residual {:.1e}, inclusion {:.1e} (tolerance {:.1e})",
+                  report.iterations, report.residual, report.inclusion, options.tolerance);
+  if (outcome == Outcome::indefinite)
+    return "the step has no stable solution near the last one: its operator is not positive "
+           "definite " +
+           numbers + "; take smaller steps, or `branch = release`";
+  if (outcome == Outcome::solved)
+    return "the problem is too ill-conditioned for this tolerance " + numbers +
+           "; look for stiffnesses or sizes many decades apart";
+  return "the iterations do not settle, with the globally convergent method too, " + numbers +
+         "; take smaller steps";
+}
+
 InequalityReport InequalityEngine::solve(const Vector& right_side, InequalityState& io) {
   report = {};
   rhs = &right_side;
@@ -193,12 +209,7 @@ InequalityReport InequalityEngine::solve(const Vector& right_side, InequalitySta
   if (idle && report.iterations == 1 && xi.isZero(0.0)) report.iterations = 0;
   store(io);
   if (report.converged) return report;
-  report.verdict =
-      fmt::format("{} after {} iterations: residual {:.1e}, inclusion {:.1e} (tolerance {:.1e})",
-                  outcome == Outcome::indefinite ? "the step has no stable solution near the last "
-                                                   "one: its operator is not positive definite"
-                                                 : "the iterations do not settle",
-                  report.iterations, report.residual, report.inclusion, options.tolerance);
+  report.verdict = verdict(outcome);
   return report;
 }
 
