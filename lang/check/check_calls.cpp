@@ -427,12 +427,15 @@ Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope&
     return Poison{};
   }
   const std::string name = std::get<ast::Reference>((*args)[0]->node).name;
+  // What is wrong with a kernel is said where it is declared.
+  const Declaration& declared = declarations_[find_declaration(name)];
+  const Span kernel_span = std::get<ast::Kernel>(*declared.statement).value.span;
   // K = sum_m c_m(t, lag) T_m(x): one memory field for each distinct c_m.
   std::map<int, std::vector<Symbol>> tensors;
   for (std::size_t i = 0; i < kernel->components.size(); ++i) {
     auto split = solver::split_separable(kernel->components[i], depends_on_memory_time);
     if (!split) {
-      error("E0502", (*args)[0]->span,
+      error("E0502", kernel_span,
             fmt::format("the kernel `{}` is not a sum of products of time and place", name),
             "write it as c(lag) * T with T of x only");
       return Poison{};
@@ -440,7 +443,7 @@ Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope&
     for (const auto& [of_x, of_time] : *split) {
       if (of_x.is(0.0) || of_time.is(0.0)) continue;
       double factor = 1.0;
-      const int m = history_index(of_time, name, (*args)[0]->span, factor);
+      const int m = history_index(of_time, name, kernel_span, factor);
       auto& t = tensors[m];
       t.resize(kernel->components.size(), Symbol(0.0));
       t[i] = t[i] + Symbol(factor) * of_x;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace hvi::lang {
 
@@ -31,7 +32,10 @@ std::optional<int> axis_of(const std::string& member) {
 
 Value Checker::expr(const ast::Expr& e, const Scope& scope) {
   return std::visit(
-      Overloaded{[&](const ast::Number& n) -> Value { return scalar_field(n.value); },
+      Overloaded{[&](const ast::Number& n) -> Value {
+                   // NaN: the lexer has complained about it.
+                   return std::isnan(n.value) ? Value(Poison{}) : Value(scalar_field(n.value));
+                 },
                  [&](const ast::String& s) -> Value { return TextValue{s.text}; },
                  [&](const ast::Reference& r) -> Value { return reference(e, r.name, scope); },
                  [&](const ast::List& l) -> Value { return list(e, l, scope); },
@@ -338,6 +342,8 @@ Value Checker::field_member(const ast::Expr&, const ast::Member& m, const Field&
   if (name != "nu" && name != "tau") return no_member({"nu", "tau", "x", "y", "z"});
   if (f.rows != model_.dim) return no_member({"x", "y", "z"});
   if (!scope.normal) {
+    // One wrong part makes every `.nu` of its integral wrong: one error says it.
+    if (scope.test && std::exchange(normal_missed_, true)) return Poison{};
     error("E0309", m.member.span,
           fmt::format("`.{}` cannot be used in {}: there is no normal", name, scope.what),
           "normal and tangential parts belong to integrals over parts of the boundary");

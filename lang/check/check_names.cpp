@@ -30,6 +30,20 @@ const ast::Name* declared_name(const ast::Statement& statement) {
       statement);
 }
 
+/// The names in parentheses behind the declared one.
+std::vector<const ast::Name*> argument_names(const ast::Statement& statement) {
+  std::vector<const ast::Name*> names;
+  if (const auto* fn = std::get_if<ast::Fn>(&statement))
+    for (const ast::Name& name : fn->parameters) names.push_back(&name);
+  if (const auto* kernel = std::get_if<ast::Kernel>(&statement))
+    for (const ast::Name& name : kernel->parameters) names.push_back(&name);
+  if (const auto* law = std::get_if<ast::Superpotential>(&statement)) {
+    names.push_back(&law->argument);
+    for (const ast::LawParameter& parameter : law->parameters) names.push_back(&parameter.name);
+  }
+  return names;
+}
+
 std::string visible_note(const Scope& scope) {
   return scope.what.empty() ? std::string() : fmt::format(" in {}", scope.what);
 }
@@ -40,6 +54,7 @@ void Checker::declare(const ast::Name& name, int program, const ast::Statement& 
   if (is_reserved_builtin(name.text)) {
     error("E0311", name.span, fmt::format("`{}` is built in and cannot be declared", name.text),
           "choose another name");
+    silenced_.insert(name.text);
     return;
   }
   auto found = by_name_.find(name.text);
@@ -59,12 +74,27 @@ void Checker::declare(const ast::Name& name, int program, const ast::Statement& 
   declarations_.push_back(std::move(declaration));
 }
 
+/// False (reported) when two arguments of a function, kernel or superpotential share a name.
+bool Checker::arguments_differ(const ast::Statement& statement) {
+  const auto names = argument_names(statement);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      if (names[i]->text != names[k]->text) continue;
+      diagnostics_.add(diagnose("E0302", names[i]->span,
+                                fmt::format("the argument `{}` is declared twice", names[i]->text))
+                           .with_secondary(names[k]->span, "first declared here"));
+      return false;
+    }
+  return true;
+}
+
 void Checker::collect_declarations() {
   for (std::size_t p = 0; p < programs_.size(); ++p) {
     for (const ast::Name& broken : programs_[p].broken) silenced_.insert(broken.text);
     for (const ast::Statement& statement : programs_[p].statements)
       if (const ast::Name* name = declared_name(statement))
-        declare(*name, static_cast<int>(p), statement);
+        arguments_differ(statement) ? declare(*name, static_cast<int>(p), statement)
+                                    : void(silenced_.insert(name->text));
   }
 }
 

@@ -13,6 +13,35 @@ namespace slot = solver::slot;
 using solver::Group;
 using solver::Rule;
 
+namespace {
+
+/// Whether d2 f / d w_k d v_l = d2 f / d w_l d v_k for the values and gradients w of a field.
+bool symmetric(const Symbol& f, int field) {
+  constexpr int n = 12;
+  std::vector<std::pair<int, Symbol>> rows; // of test slots that occur
+  for (int l = 0; l < n; ++l)
+    if (f.depends_on(slot::test(l))) rows.emplace_back(l, derivative(f, slot::test(l)));
+  auto entry = [&](const Symbol& row, int k, int trial) {
+    const Symbol d = derivative(row, slot::field(field, k));
+    if (d.is_constant()) return d.value();
+    return evaluate(d, [&](solver::Slot s) { return 0.31 + 0.17 * trial + 0.05 * (s % 7); });
+  };
+  auto row_of = [&](int l) -> Symbol {
+    for (const auto& [index, row] : rows)
+      if (index == l) return row;
+    return 0.0;
+  };
+  for (int trial = 0; trial < 2; ++trial)
+    for (int l = 0; l < n; ++l)
+      for (int k = 0; k < l; ++k) {
+        const double a = entry(row_of(l), k, trial), b = entry(row_of(k), l, trial);
+        if (std::abs(a - b) > 1e-9 * (std::abs(a) + std::abs(b))) return false;
+      }
+  return true;
+}
+
+} // namespace
+
 Checker::Checker(const std::vector<ast::Program>& programs, const CheckOptions& options,
                  Diagnostics& diagnostics)
     : programs_(programs), options_(options), diagnostics_(diagnostics) {}
@@ -112,6 +141,7 @@ void Checker::find_statement() {
   if (!diagnostics_.has_errors()) {
     check_clauses(find);
     check_one_law_per_part();
+    check_symmetry();
   }
 }
 
@@ -158,6 +188,7 @@ void Checker::form_term(const ast::FormTerm& term, bool right) {
                : *w == "gauss"    ? Rule::gauss
                                   : Rule::exact;
   }
+  normal_missed_ = false;
   if (!part) scope.normal = true; // its kind is unknown: no second complaint about u.nu
   auto integrand = field(integral.integrand, scope);
   if (!factor || !part || !integrand) return;
@@ -263,6 +294,30 @@ void Checker::check_clauses(const ast::Find& find) {
     error("E0412", find.time->span,
           fmt::format("a problem with `{}'` needs the initial state", find.unknown.text),
           fmt::format("add `from {} = 0`", find.unknown.text));
+}
+
+/// W0103 where the forms on one part, summed for u and for u', are not symmetric: compared at a few
+/// places and values by their second derivatives, a(w, v) against a(v, w).
+void Checker::check_symmetry() {
+  for (const int which : {solver::field_u, solver::field_rate}) {
+    std::map<int, std::pair<Symbol, Span>> sums;
+    for (const ModelTerm& term : model_.terms) {
+      if (term.right || term.integrand.trial == Degree::none) continue;
+      auto [sum, fresh] = sums.try_emplace(term.part, Symbol(0.0), term.span);
+      sum->second.first = sum->second.first + term.factor * term.integrand.scalar();
+    }
+    for (const auto& [part, sum] : sums)
+      if (!symmetric(sum.first, which)) {
+        diagnostics_.add(
+            diagnose("W0103", sum.second,
+                     fmt::format("the form in `{}{}` on `{}` is not symmetric", find_->unknown.text,
+                                 which == solver::field_rate ? "'" : "", model_.parts[part].name))
+                .with_note("the systems are solved by LU in place of Cholesky: about twice the "
+                           "time; the theory needs the coercivity only")
+                .with_help("if this was not meant, look for a matrix that is not its transpose"));
+        return;
+      }
+  }
 }
 
 void Checker::check_one_law_per_part() {

@@ -95,6 +95,8 @@ Value Checker::law_member(const ast::Member& m, int declaration, const Scope& sc
       }
       ++application;
     }
+  // Its term may have been left out because of an error in it.
+  if (diagnostics_.has_errors()) return Poison{};
   error("E0301", m.object->span, fmt::format("the law `{}` does not stand in the inequality", law),
         "its multiplier exists only where it acts");
   return Poison{};
@@ -116,7 +118,7 @@ Value Checker::integral_call(const ast::Expr& e, const ast::Call& c, const Scope
   auto part = part_index({name->name, (*args)[0]->span});
   Scope inner = scope;
   const auto kind = part ? model_.parts[*part].kind : std::nullopt;
-  inner.normal = !kind || *kind == Group::Kind::facets;
+  inner.normal = kind.value_or(Group::Kind::facets) == Group::Kind::facets;
   auto of = scalar(*(*args)[1], inner);
   if (!part || !of) return Poison{};
   Probe p;

@@ -52,6 +52,12 @@ std::optional<int> Checker::space(const ast::Space& s) {
     auto part = part_index(zero.part);
     good = good && part;
     d.part = part.value_or(0);
+    if (part && !zero.component &&
+        model_.parts[*part].region.kind == solver::RegionSpec::Kind::all_cells) {
+      error("E0423", zero.part.span, "zero on the whole mesh: nothing is left to solve for",
+            "the space is zero on a part of the boundary");
+      good = false;
+    }
     if (zero.component) {
       auto c = s.vector ? component_index(*zero.component, model_.dim) : std::nullopt;
       if (!c) {

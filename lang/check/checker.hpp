@@ -56,6 +56,7 @@ private:
   // --- names (check_names.cpp)
   void collect_declarations();
   void declare(const ast::Name& name, int program, const ast::Statement& statement);
+  bool arguments_differ(const ast::Statement& statement);
   void check_defines();
   void check_unused();
   Value reference(const ast::Expr& expr, const std::string& name, const Scope& scope);
@@ -184,6 +185,7 @@ private:
   void check_relation(const ast::Find& find);
   void check_clauses(const ast::Find& find);
   void check_one_law_per_part();
+  void check_symmetry();
 
   // --- results (check_report.cpp)
   void reports();
@@ -220,6 +222,7 @@ private:
   int space_declaration_ = -1;
   bool uses_memory_ = false;
   int call_depth_ = 0;
+  bool normal_missed_ = false; ///< in the integral at hand a normal was missed and reported
 };
 
 } // namespace hvi::lang

@@ -86,7 +86,7 @@ private:
   std::string_view text_;
   std::size_t at_ = 0;
   bool first_on_line_ = true;
-  std::size_t n_errors_ = 0;
+  std::size_t n_errors_ = 0, open_braces_ = 0;
   std::set<std::string_view> reported_words_;
   TokenStream result_;
 };
@@ -293,6 +293,12 @@ void Lexer::unknown_ascii() {
                     "`" + word + "` is written as a word, not `" + sign + "`")
                .with_label("write `" + word + "`"));
     return emit(meant, begin);
+  }
+  // Braces come in pairs: one mistake.
+  if (c == '{') ++open_braces_;
+  if (c == '}' && open_braces_ > 0) {
+    --open_braces_;
+    return damage();
   }
   auto error = diagnose("E0101", span_from(begin), "`" + sign + "` has no meaning here");
   if (c == '{' || c == '}') error.help = "group with ( ), list with [ ]";

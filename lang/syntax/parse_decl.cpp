@@ -260,6 +260,8 @@ ast::Space Parser::space() {
   if (!at_word("scalar") && !at_word("vector")) fail_expected("`scalar` or `vector`");
   result.vector = at_word("vector");
   result.shape_word = take().span;
+  const bool left_out = at_word("on") && !at_word("on", 1);
+  if (left_out) fail_expected("the element (`P1`, `P2`)");
   result.element = name("the element (`P1`, `P2`)");
   expect_word("on");
   result.domain = name("the name of a mesh or part");

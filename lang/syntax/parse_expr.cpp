@@ -90,6 +90,11 @@ ast::Expr Parser::cases() {
 ast::Case Parser::single_case() {
   ast::Case result;
   const Span first = take().span;
+  if ((at_word("else") || at_word("default")) && peek(1).kind == TokenKind::arrow)
+    fail(diagnose("E0208", peek().span,
+                  "the last case begins with `otherwise`, not with `" + std::string(text(peek())) +
+                      "`")
+             .with_label("write `otherwise`"));
   result.condition = condition();
   if (at(TokenKind::equal) || at(TokenKind::colon))
     fail(diagnose("E0209", peek().span, "a condition and its value are joined by `->`")

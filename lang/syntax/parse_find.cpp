@@ -170,8 +170,8 @@ void Parser::relation(ast::Find& find) {
   take();
   if (reversed_arrow) take();
   find.relation = span_from(sign.span);
-  find.inequality = sign.kind != TokenKind::equal_equal;
-  const std::string right = find.inequality ? ">=" : "=";
+  const std::string right = sign.kind == TokenKind::equal_equal ? "=" : ">=";
+  find.inequality = true; // no second error on the same sign
   report(diagnose("E0213", find.relation,
                   "`" + std::string(source_.text(find.relation)) + "` between the two sides")
              .with_label("write `" + right + "`")

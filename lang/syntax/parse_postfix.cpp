@@ -3,6 +3,7 @@
 #include "lang/syntax/parser_impl.hpp"
 
 #include <charconv>
+#include <limits>
 
 namespace hvi::lang {
 
@@ -56,7 +57,10 @@ ast::Expr Parser::number() {
   const Token token = take();
   const std::string_view digits = text(token);
   double value = 0;
-  std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  // What the lexer has called no number is none for the checker either.
+  if (read.ec != std::errc{} || read.ptr != digits.data() + digits.size())
+    value = std::numeric_limits<double>::quiet_NaN();
   return make(ast::Number{value}, token.span);
 }
 

@@ -88,7 +88,7 @@ struct LexicalCase {
 TEST(Lexer, ReportsAndRepairs) {
   const std::vector<LexicalCase> cases{
       {"a @ b", "E0101 1:3-4", "name name"},
-      {"a { b }", "E0101 1:3-4; E0101 1:7-8", "name name"},
+      {"a { b }", "E0101 1:3-4", "name name"},
       {"_a b", "E0101 1:1-2", "name"},
       {"€", "E0101 1:1-2", ""},
       {"x − 2", "E0102 1:3-4", "name minus number"},
