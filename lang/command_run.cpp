@@ -1,4 +1,5 @@
 // hvi-run run, test and plan: solving, judging expectations, saying what would be done.
+#include "lang/check_report.hpp"
 #include "lang/driver.hpp"
 #include "lang/interrupt.hpp"
 #include "lang/pictures.hpp"
@@ -138,6 +139,13 @@ int solve(Script& script, const Options& options, bool writes, solver::RunResult
   if (!compile_script(script, options)) return exit_script;
   solver::Discretisation discretisation;
   if (!discretise_script(script, discretisation)) return exit_script;
+  if (options.strict) {
+    const auto report = solver::check_hypotheses(*script.plan, discretisation);
+    if (!report.discrete || !report.continuous) {
+      std::fputs(hypotheses_text(script, report, options.colour_out).c_str(), stdout);
+      return exit_hypothesis;
+    }
+  }
   solver::RunSettings settings;
   if (writes) settings.output_folder = output_folder(script, options);
   settings.name = script.model->title;

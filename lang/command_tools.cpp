@@ -1,4 +1,4 @@
-// hvi-run check, fmt, dump, explain, params and mesh: everything that solves nothing.
+// hvi-run fmt, dump, explain, params and mesh: everything that solves nothing.
 #include "lang/diag/catalogue.hpp"
 #include "lang/diag/render.hpp"
 #include "lang/driver.hpp"
@@ -8,7 +8,6 @@
 #include "solver/mesh/mesh.hpp"
 #include "solver/mesh/read_msh.hpp"
 #include "solver/output/file.hpp"
-#include "solver/time/step.hpp"
 
 #include <fmt/format.h>
 
@@ -16,34 +15,6 @@
 #include <filesystem>
 
 namespace hvi::lang {
-
-int check_command(const std::vector<std::string>& paths, const Options& options) {
-  int code = exit_ok;
-  for (const std::string& path : paths) {
-    Script script;
-    script.path = path;
-    if (!compile_script(script, options)) code = exit_script;
-    if (script.plan && !options.script_only) {
-      solver::Discretisation discretisation;
-      try {
-        for (const solver::Failure& failure : solver::discretise(*script.plan, discretisation))
-          add_failure(script, failure);
-        if (!script.diagnostics.has_errors()) {
-          // The first step's matrix tells whether all forms together determine the unknown.
-          solver::Timing timing;
-          solver::Stepper stepper(*script.plan, discretisation, timing);
-          stepper.advance(1);
-        }
-      } catch (const solver::Failure& failure) {
-        add_failure(script, failure);
-      }
-      if (script.diagnostics.has_errors()) code = exit_script;
-    }
-    show_diagnostics(script, options);
-    if (!options.quiet && !script.diagnostics.has_errors()) fmt::print("{}: ok\n", path);
-  }
-  return code;
-}
 
 int format_command(const std::vector<std::string>& paths, bool only_check) {
   int code = exit_ok;

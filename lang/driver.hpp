@@ -36,7 +36,8 @@ struct Options {
   std::string output_folder;
   std::string json;
   bool quiet = false;
-  bool colour = false;
+  bool colour = false;     ///< on stderr
+  bool colour_out = false; ///< on stdout
   bool strict = false;
   bool allow_geo = false;
   bool json_diagnostics = false;

@@ -32,7 +32,7 @@ void add_common(CLI::App& app, Options& options, std::vector<std::string>& defin
   app.add_option("--threads", options.threads, "threads of our own loops")
       ->check(CLI::Range(1, 256));
   app.add_flag_callback(
-      "--no-color", [&] { options.colour = false; }, "no colours");
+      "--no-color", [&] { options.colour = options.colour_out = false; }, "no colours");
   app.add_option_function<std::string>(
          "--diagnostics", [&](const std::string& s) { options.json_diagnostics = s == "json"; },
          "text or json")
@@ -42,6 +42,7 @@ void add_common(CLI::App& app, Options& options, std::vector<std::string>& defin
 int dispatch(int argc, char** argv) {
   Options options;
   options.colour = isatty(STDERR_FILENO) && !std::getenv("NO_COLOR");
+  options.colour_out = isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
   std::vector<std::string> defines, files;
   std::string code, phase;
   bool only_check = false;

@@ -113,15 +113,26 @@ void check_probe_times(const Plan& plan, std::vector<Failure>& failures) {
 
 std::vector<Failure> discretise(const Plan& plan, Discretisation& out) {
   const double start = cpu_seconds();
-  std::vector<Failure> failures;
-  check_grid(plan, failures);
-  check_probe_times(plan, failures);
+  Mesh mesh;
   try {
-    out.mesh = make_mesh(plan.mesh);
+    mesh = make_mesh(plan.mesh);
   } catch (const Failure& failure) {
+    std::vector<Failure> failures;
+    check_grid(plan, failures);
+    check_probe_times(plan, failures);
     failures.push_back(with_origin(failure, plan.mesh.origin));
     return failures;
   }
+  auto failures = discretise_on(plan, std::move(mesh), out);
+  out.seconds = cpu_seconds() - start;
+  return failures;
+}
+
+std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& out) {
+  std::vector<Failure> failures;
+  check_grid(plan, failures);
+  check_probe_times(plan, failures);
+  out.mesh = std::move(mesh);
   check_probe_points(plan, out, failures);
   if (!resolve_parts(plan, out, failures)) return failures;
   for (auto& failure : overlaps(plan, out.mesh, out.parts)) failures.push_back(std::move(failure));
@@ -134,7 +145,6 @@ std::vector<Failure> discretise(const Plan& plan, Discretisation& out) {
                     "every degree of freedom is imposed: nothing is left to solve for");
   });
   if (spaced) collect(failures, [&] { check_initial(plan, out); });
-  out.seconds = cpu_seconds() - start;
   return failures;
 }
 

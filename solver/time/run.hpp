@@ -27,6 +27,8 @@ struct Discretisation {
 /// Includes: unknown groups, empty parts, a law or load on a clamped facet, a law twice on a part,
 /// a point that is no node, an initial state that contradicts the imposed values.
 std::vector<Failure> discretise(const Plan& plan, Discretisation& out);
+/// The same on a given mesh, which must have the groups the plan's mesh has.
+std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& out);
 
 struct Certificate {
   bool certified = false;

@@ -1,0 +1,75 @@
+// hvi-run check: the mistakes of a script, then the hypotheses of the theory as numbers.
+#include "lang/check_report.hpp"
+#include "lang/driver.hpp"
+#include "solver/output/file.hpp"
+#include "solver/time/step.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace hvi::lang {
+
+namespace {
+
+/// Mesh, parts and the first step's matrix, which tells whether all forms together determine the
+/// unknown. Mistakes become diagnostics.
+bool check_on_mesh(Script& script, solver::Discretisation& discretisation) {
+  try {
+    for (const solver::Failure& failure : solver::discretise(*script.plan, discretisation))
+      add_failure(script, failure);
+    if (!script.diagnostics.has_errors()) {
+      solver::Timing timing;
+      solver::Stepper stepper(*script.plan, discretisation, timing);
+      stepper.advance(1);
+    }
+  } catch (const solver::Failure& failure) {
+    add_failure(script, failure);
+  }
+  return !script.diagnostics.has_errors();
+}
+
+/// Hypotheses of a script without mistakes; false under --strict when the theorem does not apply.
+bool judge_script(Script& script, const solver::Discretisation& discretisation,
+                  const Options& options) {
+  const auto report = solver::check_hypotheses(*script.plan, discretisation);
+  if (!options.quiet && options.json != "-")
+    std::fputs(hypotheses_text(script, report, options.colour_out).c_str(), stdout);
+  if (options.json == "-")
+    std::fputs(hypotheses_json(script, report).c_str(), stdout);
+  else if (!options.json.empty())
+    solver::write_atomically(options.json, hypotheses_json(script, report));
+  return !options.strict || (report.discrete && report.continuous);
+}
+
+int check_one(const std::string& path, const Options& options) {
+  Script script;
+  script.path = path;
+  solver::Discretisation discretisation;
+  bool good = compile_script(script, options), applies = true;
+  if (script.plan && !options.script_only) good = check_on_mesh(script, discretisation) && good;
+  show_diagnostics(script, options);
+  if (!good) return exit_script;
+  if (!options.quiet && options.json != "-") fmt::print("{}: ok\n", path);
+  if (options.script_only) return exit_ok;
+  try {
+    applies = judge_script(script, discretisation, options);
+  } catch (const solver::Failure& failure) {
+    fmt::print(stderr, "the hypotheses cannot be judged: {}\n", failure.what());
+    return options.strict ? exit_hypothesis : exit_ok;
+  }
+  return applies ? exit_ok : exit_hypothesis;
+}
+
+} // namespace
+
+int check_command(const std::vector<std::string>& paths, const Options& options) {
+  int code = exit_ok;
+  for (const std::string& path : paths) {
+    const int one = check_one(path, options);
+    if (code == exit_ok || one == exit_script) code = one;
+  }
+  return code;
+}
+
+} // namespace hvi::lang

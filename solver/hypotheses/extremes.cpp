@@ -1,0 +1,190 @@
+// Extreme generalised eigenvalues; see extremes.hpp.
+#include "solver/hypotheses/extremes.hpp"
+
+#include "solver/common/failure.hpp"
+
+#include <Eigen/Dense>
+#include <Spectra/SymGEigsShiftSolver.h>
+#include <Spectra/SymGEigsSolver.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+namespace hvi::solver {
+namespace {
+
+constexpr int dense_size = 120; ///< up to here the dense solver answers at once
+constexpr double tolerance = 1e-9;
+
+SparseMatrix symmetric_part(const SparseMatrix& k) {
+  return SparseMatrix(0.5 * (k + SparseMatrix(k.transpose())));
+}
+
+/// y = K x for Spectra.
+template <class F>
+struct Product {
+  using Scalar = double;
+  Eigen::Index n;
+  F apply;
+  Eigen::Index rows() const { return n; }
+  Eigen::Index cols() const { return n; }
+  void perform_op(const double* x_in, double* y_out) const {
+    Eigen::Map<Vector>(y_out, n) = apply(Vector(Eigen::Map<const Vector>(x_in, n)));
+  }
+};
+
+/// Products with G and its inverse for Spectra.
+struct GramOp {
+  using Scalar = double;
+  const GramForm& gram;
+  Eigen::Index rows() const { return gram.matrix().rows(); }
+  Eigen::Index cols() const { return rows(); }
+  void solve(const double* x_in, double* y_out) const {
+    Vector x;
+    gram.solve(Eigen::Map<const Vector>(x_in, rows()), x);
+    Eigen::Map<Vector>(y_out, rows()) = x;
+  }
+  void perform_op(const double* x_in, double* y_out) const {
+    Eigen::Map<Vector>(y_out, rows()) = gram.matrix() * Eigen::Map<const Vector>(x_in, rows());
+  }
+};
+
+/// y = (K - sigma G)^-1 x for Spectra.
+struct ShiftedInverse {
+  using Scalar = double;
+  Factorisation& shifted;
+  Eigen::Index n;
+  Eigen::Index rows() const { return n; }
+  Eigen::Index cols() const { return n; }
+  void set_shift(double) {} // the factor belongs to one shift
+  void perform_op(const double* x_in, double* y_out) const {
+    Vector x;
+    shifted.solve(Eigen::Map<const Vector>(x_in, n), x);
+    Eigen::Map<Vector>(y_out, n) = x;
+  }
+};
+
+/// The eigenvalue next above sigma, where K - sigma G is positive definite; nothing where it is
+/// not.
+std::optional<double> least_above(const GramForm& gram, const SparseMatrix& k, double sigma) {
+  const SparseMatrix shifted = k - sigma * gram.matrix();
+  const Eigen::Index n = k.rows();
+  try {
+    const auto factor = analyse(shifted, {}, true);
+    factor->factor(shifted);
+    ShiftedInverse op{*factor, n};
+    GramOp g{gram};
+    Spectra::SymGEigsShiftSolver<ShiftedInverse, GramOp, Spectra::GEigsMode::ShiftInvert> solver(
+        op, g, 1, static_cast<int>(std::min<Eigen::Index>(n, 40)), sigma);
+    const Vector start = Vector::LinSpaced(n, 1.0, 2.0);
+    solver.init(start.data());
+    // Of the inverse's eigenvalue, whose relative error the closeness of sigma divides by 1e5.
+    solver.compute(Spectra::SortRule::LargestAlge, 300, 1e-5);
+    if (solver.info() == Spectra::CompInfo::Successful) return solver.eigenvalues()[0];
+  } catch (const Failure&) {            // not positive definite
+  } catch (const std::runtime_error&) { // a Krylov space that ends early
+  }
+  return std::nullopt;
+}
+
+template <class F>
+std::optional<double> extreme(const GramForm& gram, F&& apply, Spectra::SortRule rule) {
+  const Eigen::Index n = gram.matrix().rows();
+  Product<F> op{n, std::forward<F>(apply)};
+  GramOp g{gram};
+  const int basis = static_cast<int>(std::min<Eigen::Index>(n, 40));
+  Spectra::SymGEigsSolver<Product<F>, GramOp, Spectra::GEigsMode::RegularInverse> solver(op, g, 1,
+                                                                                         basis);
+  const Vector start = Vector::LinSpaced(n, 1.0, 2.0); // no symmetry of a mesh is one of it
+  try {
+    solver.init(start.data());
+    solver.compute(rule, 300, tolerance);
+  } catch (const std::runtime_error&) { // a Krylov space that ends early
+    return std::nullopt;
+  }
+  if (solver.info() != Spectra::CompInfo::Successful) return std::nullopt;
+  return solver.eigenvalues()[0];
+}
+
+/// All of them, in small spaces.
+Vector dense_spectrum(const SparseMatrix& k, const SparseMatrix& g) {
+  return Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix>(DenseMatrix(k), DenseMatrix(g),
+                                                               Eigen::EigenvaluesOnly)
+      .eigenvalues();
+}
+
+} // namespace
+
+GramForm::GramForm(SparseMatrix g) : g_(std::move(g)), factorisation_(analyse(g_, {}, true)) {
+  factorisation_->factor(g_);
+}
+
+namespace {
+
+/// Unknowns with an entry in their row.
+std::vector<int> support(const SparseMatrix& k) {
+  std::vector<int> out;
+  for (int i = 0; i < k.outerSize(); ++i)
+    if (SparseMatrix::InnerIterator(k, i)) out.push_back(i);
+  return out;
+}
+
+/// Largest eigenvalue of a form on few unknowns I: that of K_II (G^-1)_II, as a Krylov space ends
+/// where the rank of K does.
+double largest_on(const GramForm& gram, const SparseMatrix& k, const std::vector<int>& on) {
+  const auto r = static_cast<Eigen::Index>(on.size());
+  DenseMatrix inverse(r, r), form(r, r);
+  Vector unit = Vector::Zero(k.rows()), column;
+  for (Eigen::Index j = 0; j < r; ++j) {
+    unit[on[j]] = 1.0;
+    gram.solve(unit, column);
+    unit[on[j]] = 0.0;
+    for (Eigen::Index i = 0; i < r; ++i) {
+      inverse(i, j) = column[on[i]];
+      form(i, j) = k.coeff(on[i], on[j]);
+    }
+  }
+  // K y = lambda G_c y with G_c = ((G^-1)_II)^-1, the condensed Gram matrix.
+  const DenseMatrix condensed = inverse.llt().solve(DenseMatrix::Identity(r, r));
+  return Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix>(
+             form, DenseMatrix(0.5 * (condensed + condensed.transpose())), Eigen::EigenvaluesOnly)
+      .eigenvalues()[r - 1];
+}
+
+} // namespace
+
+std::optional<double> GramForm::least(const SparseMatrix& k, double below) const {
+  const SparseMatrix s = symmetric_part(k);
+  if (s.rows() <= dense_size) return dense_spectrum(s, g_)[0];
+  if (const auto value = least_above(*this, s, below * (1.0 - 1e-5))) return value;
+  return extreme(
+      *this, [&](const Vector& x) -> Vector { return s * x; }, Spectra::SortRule::SmallestAlge);
+}
+
+std::optional<double> GramForm::largest(const SparseMatrix& k) const {
+  const SparseMatrix s = symmetric_part(k);
+  if (s.nonZeros() == 0) return 0.0;
+  if (s.rows() <= dense_size) return dense_spectrum(s, g_)[s.rows() - 1];
+  if (const auto on = support(s); static_cast<int>(on.size()) <= dense_size)
+    return std::max(0.0, largest_on(*this, s, on));
+  return extreme(
+      *this, [&](const Vector& x) -> Vector { return s * x; }, Spectra::SortRule::LargestAlge);
+}
+
+std::optional<double> GramForm::norm(const SparseMatrix& e) const {
+  const SparseMatrix transposed = e.transpose();
+  const auto square = extreme(
+      *this,
+      [&](const Vector& x) -> Vector {
+        Vector y;
+        solve(e * x, y);
+        return transposed * y;
+      },
+      Spectra::SortRule::LargestAlge);
+  if (!square) return std::nullopt;
+  return std::sqrt(std::max(*square, 0.0));
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,36 @@
+// Extreme generalised eigenvalues of sparse forms against a Gram matrix: the constants of the
+// theory.
+#pragma once
+
+#include "solver/linear/factorisation.hpp"
+#include "solver/linear/sparse.hpp"
+
+#include <memory>
+#include <optional>
+
+namespace hvi::solver {
+
+/// The Gram matrix G of V on the unknowns, factored once: all constants are relative to its norm.
+class GramForm {
+public:
+  /// Throws Failure(not_coercive) when G has a kernel (the norm is none).
+  explicit GramForm(SparseMatrix g);
+
+  const SparseMatrix& matrix() const { return g_; }
+  void solve(const Vector& b, Vector& x) const { factorisation_->solve(b, x); }
+
+  /// Extremes of <K v, v> / <G v, v> for the symmetric part of K. By Lanczos (Spectra), to 1e-9; in
+  /// small spaces by the dense solver. Nothing when the iteration does not converge.
+  /// `below`: a lower bound of the least one where it is known (0: K may be positive definite).
+  /// Just under it K is shifted and inverted, so that clusters at the bound converge at once.
+  std::optional<double> least(const SparseMatrix& k, double below = 0.0) const;
+  std::optional<double> largest(const SparseMatrix& k) const;
+  /// ||E|| as an operator from V to its dual: sqrt of the largest eigenvalue of E^T G^-1 E.
+  std::optional<double> norm(const SparseMatrix& e) const;
+
+private:
+  SparseMatrix g_;
+  std::unique_ptr<Factorisation> factorisation_;
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,62 @@
+// The hypotheses of the existence theorem as numbers, for one plan on one mesh.
+#pragma once
+
+#include "solver/time/run.hpp"
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace hvi::solver {
+
+enum class Answer { holds, fails, open };
+
+/// One line of the report: `value` is the number that decides, where there is one.
+struct Hypothesis {
+  std::string name, what;
+  std::optional<double> value;
+  Answer answer = Answer::open;
+  Origin origin; ///< what in the script decides it
+  std::string note;
+};
+
+/// Numbers relative to the norm of V, || eps(v) || (scalar: || grad v ||, with the mass where
+/// nothing is fixed). Not a number: not declared, or not found.
+struct TheoryConstants {
+  double m_1, m_2;              ///< least eigenvalues of the tensors of A and B, pointwise
+  double m_A, m_B;              ///< coercivity of A and of B on this mesh
+  double c_E, c_q, lipschitz_q; ///< of the memory: ||E||, sup |q|, Lipschitz in t
+  double memory_step;           ///< sum ||E_m|| int over the longest step of |q_m(t, s)| ds
+  double m_nu, m_tau, m_J, c_J; ///< of the laws: m_J = m_nu + m_tau as in the paper
+  double norm_normal, norm_tangential, norm_full; ///< ||M||^2 on the parts with laws
+  double norm_script; ///< ||M||^2 of the script's own M: the arguments of all its laws together
+  double longest_step;
+};
+
+/// The same condition in several sharpnesses; each holds when positive.
+struct Margins {
+  double paper;     ///< m_B - (m_nu + m_tau) ||M||^2, full trace
+  double largest;   ///< m_B - max m_i ||M||^2 with the script's own M, whose parts are orthogonal
+  double split;     ///< m_B - lambda_max(sum m_i M_i^T W M_i, Gram)
+  double against_b; ///< 1 - lambda_max(sum m_i M_i^T W M_i, sym B)
+  double step;      ///< 1 - lambda_max(sum m_i M_i^T W M_i, sym K), K of the longest step
+};
+
+struct HypothesisReport {
+  std::vector<Hypothesis> hypotheses;
+  TheoryConstants constants;
+  Margins margins;
+  std::vector<std::pair<std::string, double>> tau_0; ///< bounds on the step, by the paper's formula
+  double usable; ///< m_A / k + m_B - m_J ||M||^2 - memory_step, with the sharpest of the margins
+  bool discrete = false;   ///< every step has exactly one solution, on this mesh
+  bool continuous = false; ///< the theorem applies, as far as a mesh and its refinement can tell
+  std::string discrete_verdict, continuous_verdict;
+};
+
+/// Eigenvalues by Lanczos with the factored Gram matrix. `extrapolate`: the trace norms also on the
+/// refined mesh, for the continuous problem (a mesh bounds them from below only).
+HypothesisReport check_hypotheses(const Plan& plan, const Discretisation& discretisation,
+                                  bool extrapolate = true);
+
+} // namespace hvi::solver

@@ -1,0 +1,32 @@
+// The laws of a plan as constants and as forms, for the hypotheses.
+#pragma once
+
+#include "solver/hypotheses/extremes.hpp"
+#include "solver/time/contact.hpp"
+#include "solver/time/run.hpp"
+
+#include <vector>
+
+namespace hvi::solver {
+
+/// Constants of one law term: the worst over its points and over times.
+struct TermConstants {
+  int term = 0;        ///< index into Plan::law_terms
+  bool radial = false; ///< of a vector, as friction
+  double m = 0.0, c = 0.0;
+  bool exact = true, regular = true;
+  double at = 0.0; ///< the argument where m is attained
+};
+std::vector<TermConstants> law_constants(const Plan& plan, const Contact& contact);
+
+/// sum_i weight_i M_i^T W M_i on the unknowns, weight_i per law term.
+SparseMatrix law_form(const Contact& contact, const std::vector<double>& weight, int n_unknowns);
+
+/// Largest eigenvalue against the Gram matrix of the traces on the parts with laws.
+struct TraceNorms {
+  double normal = 0.0, tangential = 0.0, full = 0.0;
+};
+TraceNorms trace_norms(const Plan& plan, const Discretisation& discretisation,
+                       const StateLayout& layout, const GramForm& gram);
+
+} // namespace hvi::solver

@@ -1,0 +1,129 @@
+// The tensor behind a form, point by point; see tensors.hpp.
+#include "solver/hypotheses/tensors.hpp"
+
+#include "solver/kernel/algebra.hpp"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace hvi::solver {
+namespace {
+
+/// Orthonormal basis of the matrices a gradient contributes: symmetric ones (Mandel) for vectors,
+/// e_j for scalars. Entry (basis element, gradient index).
+DenseMatrix gradient_basis(int components, int dim) {
+  const int n = components == 1 ? dim : dim * (dim + 1) / 2;
+  DenseMatrix basis = DenseMatrix::Zero(n, components * dim);
+  if (components == 1) {
+    basis.setIdentity();
+    return basis;
+  }
+  int row = 0;
+  for (int i = 0; i < dim; ++i) basis(row++, i * dim + i) = 1.0;
+  for (int i = 0; i < dim; ++i)
+    for (int j = i + 1; j < dim; ++j, ++row)
+      basis(row, i * dim + j) = basis(row, j * dim + i) = std::sqrt(0.5);
+  return basis;
+}
+
+/// Row of a gradient entry, or -1 for values.
+int gradient_index(int derivative, int components, int dim) {
+  for (int i = 0; i < components; ++i)
+    for (int j = 0; j < dim; ++j)
+      if (derivative == slot::gradient(i, j)) return i * dim + j;
+  return -1;
+}
+
+Point middle(const Mesh& mesh, int cell) {
+  Point out{};
+  for (int k = 0; k <= mesh.dim; ++k)
+    for (int a = 0; a < 3; ++a) out[a] += mesh.nodes[mesh.cells[cell][k]][a] / (mesh.dim + 1);
+  return out;
+}
+
+/// The forms of the field on cells with gradients on both sides.
+std::vector<const FormTerm*> tensor_forms(const Plan& plan, const Discretisation& d, int field) {
+  std::vector<const FormTerm*> out;
+  for (const FormTerm& form : plan.forms)
+    if (form.field == field && d.parts[form.part].kind == Group::Kind::cells) out.push_back(&form);
+  return out;
+}
+
+class PointwiseTensor {
+public:
+  PointwiseTensor(const Plan& plan, const Discretisation& d, int field)
+      : d_(d), forms_(tensor_forms(plan, d, field)),
+        basis_(gradient_basis(d.space.components, d.mesh.dim)) {
+    for (const FormTerm* form : forms_)
+      for (const auto& entry : form->entries) varies_ = varies_ || !entry.coefficient.is_constant();
+  }
+  bool empty() const { return forms_.empty(); }
+  bool varies() const { return varies_ || forms_.size() > 1 || !covers(); }
+  Origin origin() const { return forms_.front()->origin; }
+
+  double least(int cell) const {
+    const Point x = middle(d_.mesh, cell);
+    const int n = d_.space.components * d_.mesh.dim;
+    DenseMatrix full = DenseMatrix::Zero(n, n);
+    bool any = false;
+    for (const FormTerm* form : forms_) {
+      const auto& cells = d_.parts[form->part].entities;
+      if (!std::binary_search(cells.begin(), cells.end(), cell)) continue;
+      for (const auto& entry : form->entries) {
+        const int a = gradient_index(entry.test, d_.space.components, d_.mesh.dim);
+        const int b = gradient_index(entry.trial, d_.space.components, d_.mesh.dim);
+        if (a < 0 || b < 0) continue;
+        full(a, b) += value(entry.coefficient, x, cell);
+        any = true;
+      }
+    }
+    if (!any) return std::numeric_limits<double>::infinity();
+    const DenseMatrix reduced = basis_ * full * basis_.transpose();
+    const DenseMatrix symmetric = 0.5 * (reduced + reduced.transpose());
+    return Eigen::SelfAdjointEigenSolver<DenseMatrix>(symmetric, Eigen::EigenvaluesOnly)
+        .eigenvalues()[0];
+  }
+
+private:
+  bool covers() const {
+    return d_.parts[forms_.front()->part].entities.size() == d_.mesh.cells.size();
+  }
+  double value(const Expr& coefficient, const Point& x, int cell) const {
+    if (coefficient.is_constant()) return coefficient.value();
+    return evaluate(coefficient, [&](Slot s) {
+      for (int a = 0; a < 3; ++a)
+        if (s == slot::x(a)) return x[a];
+      if (s >= slot::first_inside && d_.space.indicators)
+        for (int p = 0; p < static_cast<int>(d_.parts.size()); ++p)
+          if (s == slot::inside(p))
+            return d_.space.indicators->value(p, Group::Kind::cells, cell, cell);
+      return std::nan("");
+    });
+  }
+
+  const Discretisation& d_;
+  std::vector<const FormTerm*> forms_;
+  DenseMatrix basis_;
+  bool varies_ = false;
+};
+
+} // namespace
+
+Ellipticity ellipticity(const Plan& plan, const Discretisation& d, int field) {
+  Ellipticity out;
+  const PointwiseTensor tensor(plan, d, field);
+  if (tensor.empty()) return out;
+  out.origin = tensor.origin();
+  out.varies = tensor.varies();
+  const int cells = out.varies ? static_cast<int>(d.mesh.cells.size()) : 1;
+  for (int cell = 0; cell < cells; ++cell) {
+    const double here = tensor.least(cell);
+    if (here < out.least) out.least = here, out.at = middle(d.mesh, cell);
+  }
+  return out;
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,21 @@
+// The tensor behind a form, point by point.
+#pragma once
+
+#include "solver/time/run.hpp"
+
+#include <limits>
+
+namespace hvi::solver {
+
+/// Least eigenvalue over the mesh of the tensor C in  int C : eps(u) : eps(v)  (of the matrix in
+/// int K grad u . grad v for scalars), and where; infinite when the field has no such form.
+/// Constant tensors are exact, others are looked at in the middle of every cell.
+struct Ellipticity {
+  double least = std::numeric_limits<double>::infinity();
+  Point at{};
+  Origin origin;
+  bool varies = false;
+};
+Ellipticity ellipticity(const Plan& plan, const Discretisation& discretisation, int field);
+
+} // namespace hvi::solver
