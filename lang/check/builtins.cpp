@@ -71,10 +71,11 @@ constexpr std::array table = {
             "structured mesh of (0, a) x (0, b)"},
 };
 
-constexpr std::array<std::string_view, 20> word_table = {
-    "P1",        "P2",       "backward_euler", "bdf2",       "nodal",   "midpoint",     "gauss",
-    "exact",     "endpoint", "average",        "continuing", "release", "least_energy", "automatic",
-    "recursion", "fit",      "tree",           "direct",     "linear",  "cubic"};
+constexpr std::array<std::string_view, 22> word_table = {
+    "P1",           "P2",        "backward_euler", "bdf2",    "nodal",      "midpoint",
+    "gauss",        "exact",     "endpoint",       "average", "continuing", "release",
+    "least_energy", "automatic", "recursion",      "fit",     "tree",       "direct",
+    "linear",       "cubic",     "affine",         "constant"};
 
 constexpr std::array<std::string_view, 8> reserved_names = {"t",  "x",   "y",      "z",
                                                             "pi", "lag", "normal", "sigma"};

@@ -180,15 +180,17 @@ void Checker::time_grid(const ast::TimeClause& clause) {
   auto times = constant_list(clause.steps, "the times");
   if (!times) return;
   grid = {t0};
-  for (double t : *times)
-    if (t != t0) grid.push_back(t);
-  for (std::size_t i = 1; i < grid.size(); ++i)
-    if (!(grid[i - 1] < grid[i]) || grid[i] > t1) {
-      error("E0426", clause.steps.span,
-            fmt::format("times increase within [{}, {}]; {} does not", t0, t1, grid[i]));
+  for (std::size_t i = 0; i < times->size(); ++i) {
+    const double t = (*times)[i];
+    if (i == 0 && t == t0) continue;
+    if (!(grid.back() < t) || t > t1) {
+      error("E0426", item_span(clause.steps, i),
+            fmt::format("times increase within [{}, {}]; {} does not", t0, t1, t));
       grid.clear();
       return;
     }
+    grid.push_back(t);
+  }
   if (grid.back() < t1) grid.push_back(t1);
 }
 
@@ -229,8 +231,8 @@ void Checker::initial_state(const ast::Find& find) {
 
 void Checker::settings(const ast::Find& find) {
   const std::vector<std::string> known = {
-      "scheme",           "load",   "quadrature", "tolerance",   "branch",
-      "memory_tolerance", "memory", "accuracy",   "accuracy_of", "threads"};
+      "scheme", "load",     "quadrature",  "tolerance", "branch",     "memory_tolerance",
+      "memory", "accuracy", "accuracy_of", "threads",   "interpolant"};
   std::vector<std::string> seen;
   for (const ast::Setting& s : find.settings) {
     const std::string& name = s.name.text;
@@ -260,6 +262,11 @@ void Checker::settings(const ast::Find& find) {
       if (w)
         model_.time.sampling =
             *w == "average" ? solver::LoadSampling::average : solver::LoadSampling::endpoint;
+    } else if (name == "interpolant") {
+      auto w = word(s.value, "interpolant", {"affine", "constant"});
+      if (w)
+        model_.time.interpolant =
+            *w == "constant" ? solver::Interpolant::constant : solver::Interpolant::affine;
     } else if (name == "quadrature") {
       auto w = word(s.value, "quadrature", {"nodal", "midpoint", "gauss"});
       if (w)

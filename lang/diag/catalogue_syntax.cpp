@@ -170,11 +170,11 @@ param load = 0.5)"},
 The clauses of `find` come in this order, each at most once: `with` (imposed values), `for t` (time),
 `using` (settings), `such that`.)",
      R"(
-find u in V using scheme = euler for t in [0, 1] by 8 steps
+find u in V using scheme = backward_euler for t in [0, 1] by 8 steps
 such that for all v in V
     integral(slab, B : eps(u) : eps(v)) = 0)",
      R"(
-find u in V for t in [0, 1] by 8 steps using scheme = euler
+find u in V for t in [0, 1] by 8 steps using scheme = backward_euler
 such that for all v in V
     integral(slab, B : eps(u) : eps(v)) = 0)"},
     {"E0220", "call of something that is not a name",

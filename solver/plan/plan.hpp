@@ -121,6 +121,7 @@ struct LoadTerm {
 struct HistoryTerm {
   Origin origin;
   KernelSpec kernel;
+  std::optional<HistoryRoute> route{}; ///< instead of SolverOptions::route
 };
 
 /// factor * int_part law^0( arg(u); arg'(v) ). Argument component c is
@@ -147,12 +148,16 @@ struct LawTerm {
 enum class Scheme { backward_euler, bdf2 };
 enum class LoadSampling { endpoint, average }; ///< f(t_n), or the Rothe problem's mean over the step
 
+/// What stands between grid times: u_tau (affine) or bar u_tau (u_n on (t_{n-1}, t_n]).
+enum class Interpolant { affine, constant };
+
 struct TimeSpec {
   Origin origin;
   bool is_static = true;          ///< one step, no u', no memory
   std::vector<double> grid;       ///< t_0 < t_1 < ... < t_N; empty when static
   Scheme scheme = Scheme::backward_euler;
   LoadSampling sampling = LoadSampling::endpoint;
+  Interpolant interpolant = Interpolant::affine; ///< read by probes at times of their own
   std::vector<Expr> initial;      ///< u(t0) by component, of slot::x; empty: 0
 };
 
@@ -178,7 +183,7 @@ struct Probe {
   Point point{};                 ///< at_point
   int part = -1;                 ///< integral
   Rule rule = Rule::exact;       ///< integral; with a multiplier, the law's own rule
-  std::optional<double> time;    ///< the value at this time, piecewise affine between grid times
+  std::optional<double> time;    ///< the value at this time, by the interpolant
 };
 
 struct TableSpec {

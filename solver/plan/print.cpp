@@ -191,6 +191,7 @@ private:
     else
       line("  grid {} ... {}, {} steps", number(t.grid.front()), number(t.grid.back()),
            t.grid.size() - 1);
+    if (t.interpolant == Interpolant::constant) line("  constant between grid times");
     line("  from {}", t.initial.empty() ? "0" : expressions(t.initial));
   }
 

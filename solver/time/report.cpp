@@ -84,11 +84,13 @@ void Reporter::record(const Stepper& stepper, bool last) {
   last_recorded_ = step;
 }
 
-/// Probes at times between grid times read the piecewise affine interpolant.
+/// Probes at times between grid times read u_tau (affine) or bar u_tau (constant) of the paper.
 void Reporter::timed_probes(const Stepper& stepper) {
   const double from = before_.t(), to = now_.t();
   for (const int i : probes_.timed(from, to, stepper.step() == 1)) {
-    const double theta = (*plan_.report.probes[i].time - from) / (to - from);
+    const double at = *plan_.report.probes[i].time;
+    const bool constant = plan_.time.interpolant == Interpolant::constant && at > from;
+    const double theta = constant ? 1.0 : (at - from) / (to - from);
     between_.interpolate(before_, now_, theta);
     values_[i] = probes_.value(i, between_);
   }
