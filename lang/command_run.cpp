@@ -2,9 +2,11 @@
 #include "lang/check_report.hpp"
 #include "lang/driver.hpp"
 #include "lang/interrupt.hpp"
+#include "lang/memory_lines.hpp"
 #include "lang/pictures.hpp"
 #include "solver/output/file.hpp"
 #include "solver/output/table.hpp"
+#include "solver/time/memory.hpp"
 #include "solver/time/result_json.hpp"
 
 #include <fmt/format.h>
@@ -70,9 +72,7 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
                "tolerance {:.0e}\n",
                r.steps, r.steps == 1 ? "" : "s", c.inclusion, c.equilibrium, c.worst_step,
                c.tolerance);
-  for (const solver::HistoryReport& h : r.histories)
-    fmt::print("memory: {} ({} fields{}): {}\n", h.route, h.fields,
-               h.error > 0 ? fmt::format(", error {:.1e}", h.error) : "", h.why);
+  print_memory(*script.plan, r.histories);
   for (const solver::StepNote& note : r.notes) {
     const int line = line_of(script, note.origin);
     const std::string when =
@@ -242,6 +242,13 @@ int plan_command(const std::string& path, const Options& options) {
     const int line = line_of(script, note.origin);
     fmt::print("{:<8} {}{}{}\n", state, note.name, line > 0 ? fmt::format(", line {}", line) : "",
                note.why.empty() ? "" : ": " + note.why);
+  }
+  try {
+    print_memory(*script.plan, solver::planned_memory(*script.plan));
+  } catch (const solver::Failure& failure) {
+    add_failure(script, failure);
+    show_diagnostics(script, options);
+    return exit_code(failure.kind);
   }
   fmt::print("{} forms, {} memory fields, {} laws, {} loads\n", script.plan->forms.size(),
              script.plan->histories.size(), script.plan->law_terms.size(),

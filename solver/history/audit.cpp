@@ -15,9 +15,11 @@ constexpr std::uint32_t magic = 0x41554431;
 
 class AuditedHistory final : public History {
 public:
-  AuditedHistory(const PreparedKernel& kernel, std::unique_ptr<History> inner,
-                 std::unique_ptr<History> direct, std::size_t n, std::size_t replayed)
-      : kernel_(kernel), inner_(std::move(inner)), direct_(std::move(direct)), sample_(replayed),
+  AuditedHistory(const PreparedKernel& kernel, const HistoryOptions& options,
+                 std::unique_ptr<History> inner, std::unique_ptr<History> direct, std::size_t n,
+                 std::size_t replayed)
+      : kernel_(kernel), horizon_(options.horizon), expected_steps_(options.steps),
+        inner_(std::move(inner)), direct_(std::move(direct)), sample_(replayed),
         replayed_(replayed) {
     for (std::size_t j = 0; j < replayed; ++j) chosen_.push_back((2 * j + 1) * n / (2 * replayed));
   }
@@ -27,12 +29,14 @@ public:
     direct_->start(t0, u0.empty() ? u0 : gather(u0));
     record_ = {};
     record_.t0 = t0;
+    replays_ = true;
   }
 
   /// A step that is rejected later is as good an audit as any other.
   void rhs(double t_new, std::span<double> out) override {
     inner_->rhs(t_new, out);
-    if (record_.steps + 1 < record_.next) return;
+    const std::int64_t step = record_.steps + 1;
+    if (!replays_ || (step < record_.next && step != expected_steps_)) return;
     direct_->rhs(t_new, replayed_);
     gather(out);
     double difference = 0;
@@ -41,27 +45,36 @@ public:
     }
     const double scale = norm(t_new) * record_.largest;
     if (scale > 0) record_.worst = std::max(record_.worst, difference / scale);
-    ++record_.audits;
+    if (step != record_.last) ++record_.audits; // a repeated step is one audit
+    record_.last = step;
   }
 
   double w0(double t_new) override { return inner_->w0(t_new); }
 
   void commit(double t_new, std::span<const double> u_new) override {
     inner_->commit(t_new, u_new);
+    ++record_.steps;
+    for (const double u : u_new)
+      record_.field_largest = std::max(record_.field_largest, std::abs(u));
+    if (!replays_) return;
+    if (record_.steps >= most_audited_steps) return stop();
     direct_->commit(t_new, gather(u_new));
     for (const double u : sample_) record_.largest = std::max(record_.largest, std::abs(u));
-    ++record_.steps;
-    // All of the first steps, then ever fewer: N steps cost the weights of about ten direct sums.
+    // All of the first steps, then ever fewer: N steps cost the weights of about six full sums.
     constexpr std::int64_t dense = 16;
-    if (record_.steps >= record_.next) {
-      record_.next = record_.steps < dense ? record_.steps + 1 : record_.steps + record_.steps / 8;
-    }
+    if (record_.steps >= record_.next)
+      record_.next = record_.steps + (record_.steps < dense ? 1 : record_.steps / 5);
   }
+
+  double audited() const override { return record_.worst; }
 
   HistoryReport report() const override {
     HistoryReport r = inner_->report();
     r.audits = record_.audits;
+    r.audited_until = record_.last;
     r.audit = record_.worst;
+    r.norm = record_.norm;
+    r.bound = r.error * record_.norm * record_.field_largest;
     r.bytes += direct_->report().bytes;
     return r;
   }
@@ -70,22 +83,27 @@ public:
     StateWriter w(out);
     w.put(magic);
     w.put(record_);
+    w.put(static_cast<std::uint8_t>(replays_));
     inner_->save(out);
-    direct_->save(out);
+    if (replays_) direct_->save(out);
   }
 
   void restore(std::istream& in) override {
     StateReader r(in, kernel_.spec.origin);
     r.expect(magic, "audit");
     record_ = r.get<Record>();
+    replays_ = r.get<std::uint8_t>() != 0;
     inner_->restore(in);
-    direct_->restore(in);
+    if (replays_)
+      direct_->restore(in);
+    else
+      stop();
   }
 
 private:
   struct Record {
-    double t0 = 0, largest = 0, worst = 0, norm = 0, norm_until = 0;
-    std::int64_t steps = 0, next = 2, audits = 0; ///< the first step has no past
+    double t0 = 0, largest = 0, field_largest = 0, worst = 0, norm = 0, norm_until = 0;
+    std::int64_t steps = 0, next = 2, audits = 0, last = 0; ///< the first step has no past
   };
 
   std::span<const double> gather(std::span<const double> field) {
@@ -93,8 +111,22 @@ private:
     return sample_;
   }
 
-  /// int |q| over the lags seen so far, renewed when they have doubled.
+  /// Forgets what was stored.
+  void stop() {
+    replays_ = false;
+    direct_->start(record_.t0, std::vector<double>(sample_.size(), 0.0));
+  }
+
+  /// The norm that the route's own error refers to; without an end time, int |q| over the lags seen
+  /// so far, renewed when they have doubled.
   double norm(double t) {
+    if (horizon_ > 0) {
+      if (record_.norm_until == 0) {
+        record_.norm = memory_norm(kernel_.spec.expression, kernel_.traits, record_.t0, horizon_);
+        record_.norm_until = horizon_;
+      }
+      return record_.norm;
+    }
     const double elapsed = t - record_.t0;
     if (elapsed > 2 * record_.norm_until) {
       record_.norm =
@@ -105,10 +137,13 @@ private:
   }
 
   PreparedKernel kernel_;
+  double horizon_;
+  std::int64_t expected_steps_;
   std::unique_ptr<History> inner_, direct_;
   std::vector<std::size_t> chosen_;
   std::vector<double> sample_, replayed_;
   Record record_;
+  bool replays_ = true; ///< false: the storage for it is used up
 };
 
 } // namespace
@@ -120,7 +155,7 @@ std::unique_ptr<History> make_audited_history(const KernelSpec& kernel, std::siz
   if (replayed == 0 || inner->report().route == "direct") return inner;
   const PreparedKernel prepared(kernel, kernel_traits(kernel.expression, options.horizon));
   auto direct = make_direct(prepared, replayed, options, "audit");
-  return std::make_unique<AuditedHistory>(prepared, std::move(inner), std::move(direct), n,
+  return std::make_unique<AuditedHistory>(prepared, options, std::move(inner), std::move(direct), n,
                                           replayed);
 }
 

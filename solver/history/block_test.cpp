@@ -25,12 +25,7 @@ BlockTest::BlockTest(const PreparedKernel& kernel, const ChebyshevMoments& momen
 
 void BlockTest::extend(double t0, double horizon) {
   horizon_ = horizon;
-  const Expr& q = kernel_.spec.expression;
-  for (const double part : {0.1, 0.3, 0.6, 1.0}) {
-    if (kernel_.traits.convolution && part < 1) continue;
-    norm_ = std::max(norm_, absolute_integral(q, kernel_.traits.singular_exponent,
-                                              t0 + part * horizon, part * horizon));
-  }
+  norm_ = std::max(norm_, memory_norm(kernel_.spec.expression, kernel_.traits, t0, horizon));
   features_.clear();
   if (kernel_.traits.convolution) find_features(shortest_ > 0 ? shortest_ : 1e-6 * horizon);
 }

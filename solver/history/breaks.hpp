@@ -23,6 +23,8 @@ public:
   bool empty() const { return lines_.empty() && fixed_.empty() && curves_.empty(); }
   /// Lags in (low, high) at which q(t, .) may have a kink or jump, sorted.
   std::vector<double> inside(double t, double low, double high) const;
+  /// Some are found by search, which a long interval may hide.
+  bool searched() const { return !curves_.empty(); }
 
 private:
   struct Line {

@@ -137,7 +137,7 @@ void FieldQueue::drop(std::size_t count) {
 }
 
 void FieldQueue::clear() {
-  values_.clear();
+  values_ = {};
   first_ = count_ = 0;
 }
 

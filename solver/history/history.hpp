@@ -41,7 +41,10 @@ struct HistoryReport {
   double error = 0;        ///< verified bound, relative to ||q||_L1 max|u|
   bool verified = true;    ///< false: sampled evidence only
   std::int64_t audits = 0; ///< steps at which a few unknowns were replayed by the direct sum
-  double audit = 0;        ///< largest difference found, relative to ||q||_L1 max|u| of those
+  std::int64_t audited_until = 0; ///< the last of them
+  double audit = 0; ///< largest difference found, relative to ||q||_L1 max|u| of those
+  double norm = 0;  ///< ||q||_L1 over the run (0: not known)
+  double bound = 0; ///< error * ||q||_L1 * max|u|: of the values of the memory
 };
 
 class History {
@@ -56,6 +59,8 @@ public:
   /// Accepts u(t_new); until then nothing is remembered, so steps may be rejected and repeated.
   virtual void commit(double t_new, std::span<const double> u_new) = 0;
   virtual HistoryReport report() const = 0;
+  /// HistoryReport::audit so far: cheap, to be asked in every step.
+  virtual double audited() const { return 0; }
   /// Exact state, bit for bit: a restored history continues with the same bits.
   virtual void save(std::ostream& out) const = 0;
   virtual void restore(std::istream& in) = 0;
@@ -81,6 +86,10 @@ struct KernelNorms {
 };
 KernelNorms kernel_norms(const Expr& expression, double t0, double t1);
 
+/// sup over t of int_0^{t - t0} |q(t, lag)| dlag, t0 < t <= t0 + horizon: what errors of a memory
+/// relate to. Sampled for kernels that are no convolution.
+double memory_norm(const Expr& expression, const KernelTraits& traits, double t0, double horizon);
+
 /// Integral over s in [t - lag_high, t - lag_low] of q(t, s) weight(s), order-0 weight 1.
 /// Adaptive to machine precision; integrable singularities at lag 0 included.
 /// moment = 0: 1; moment = 1: (lag - lag_low) / (lag_high - lag_low).
@@ -91,9 +100,10 @@ double interval_integral(const Expr& expression, double t, double lag_low, doubl
 std::unique_ptr<History> make_history(const KernelSpec& kernel, std::size_t n,
                                       const HistoryOptions& options);
 
-/// The same with an audit: `replayed` unknowns, spread evenly, are stored at all steps and summed
-/// directly at the first steps and then at a geometric sequence of them. A sample: evidence, not
-/// proof.
+/// The same with an audit: `replayed` unknowns, spread evenly, are stored and summed directly at the
+/// first steps, then at a geometric sequence of them, and at the last expected one. Storage is
+/// bounded: after `most_audited_steps` the audit ends. A sample: evidence, not proof.
+inline constexpr std::int64_t most_audited_steps = 1 << 17;
 std::unique_ptr<History> make_audited_history(const KernelSpec& kernel, std::size_t n,
                                               const HistoryOptions& options,
                                               std::size_t replayed = 4);

@@ -35,7 +35,9 @@ struct Choice {
 std::unique_ptr<History> try_recursion(const Choice& c) {
   const auto verified = verified_terms(c.kernel.spec.expression, c.options.horizon);
   if (!verified || verified->terms.size() > most_terms) return nullptr;
-  return make_recursion(c.kernel, verified->terms, c.n, c.options, verified->error,
+  const double norm = memory_norm(c.kernel.spec.expression, c.kernel.traits, 0, c.options.horizon);
+  const double error = norm > 0 ? verified->error * c.options.horizon / norm : 0;
+  return make_recursion(c.kernel, verified->terms, c.n, c.options, error,
                         "the kernel is a sum of exponentials (" + c.kernel.traits.description +
                             ")");
 }

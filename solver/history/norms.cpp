@@ -39,6 +39,16 @@ double absolute_integral(const Expr& expression, double exponent, double t, doub
   return sum;
 }
 
+double memory_norm(const Expr& expression, const KernelTraits& traits, double t0, double horizon) {
+  double norm = 0;
+  for (const double part : {0.1, 0.3, 0.6, 1.0}) {
+    if (traits.convolution && part < 1) continue;
+    norm = std::max(norm, absolute_integral(expression, traits.singular_exponent,
+                                            t0 + part * horizon, part * horizon));
+  }
+  return norm;
+}
+
 KernelNorms kernel_norms(const Expr& expression, double t0, double t1) {
   const double length = t1 - t0;
   if (const auto verified = verified_terms(expression, length);

@@ -10,8 +10,8 @@
 namespace hvi::solver {
 
 /// On a uniform grid a convolution kernel has one weight per lag index, computed once. Otherwise:
-/// 15-point panels evaluated together, each checked by its embedded 7-point rule, the failing ones
-/// done adaptively.
+/// 7-point panels evaluated together, each checked by its embedded 3-point rule; what fails gets 15
+/// points, and what fails again, touches lag 0 or holds a break is done adaptively.
 class PastWeights {
 public:
   /// Weights of (times[j], times[j+1]) at t; `steps_after` accepted steps follow times.back().
@@ -20,10 +20,18 @@ public:
   void reset() { by_index_.clear(); }
 
 private:
-  void by_index(const PreparedKernel& kernel, double step);
-  void by_panels(const PreparedKernel& kernel, double t, std::span<const double> times);
+  struct Interval {
+    double low, high; ///< lags
+  };
+  void by_index(const PreparedKernel& kernel, double step, std::size_t count);
+  void integrate(const PreparedKernel& kernel, double t, std::span<Moments> out);
+  void done_exactly(const PreparedKernel& kernel, double t, std::span<Moments> out);
+  template <unsigned Points>
+  void try_panels(const PreparedKernel& kernel, double t, std::span<Moments> out);
 
   std::vector<Moments> by_index_, weights_;
+  std::vector<Interval> intervals_;
+  std::vector<std::size_t> open_; ///< intervals without weight so far
   std::vector<double> lags_, values_;
 };
 

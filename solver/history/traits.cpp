@@ -141,7 +141,7 @@ std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horiz
     }
   }
   if (!std::isfinite(error) || error > 1e-12 * largest) return std::nullopt;
-  return VerifiedTerms{std::move(*terms), largest > 0 ? error / largest : 0.0};
+  return VerifiedTerms{std::move(*terms), error};
 }
 
 KernelTraits kernel_traits(const Expr& expression, double horizon) {

@@ -16,8 +16,7 @@ std::vector<std::pair<double, double>> sample_points(double horizon);
 
 struct VerifiedTerms {
   ExponentialTerms terms;
-  double error =
-      0; ///< largest difference to the kernel at sample points, relative to its largest value
+  double error = 0; ///< largest difference to the kernel at the sample points
 };
 /// The kernel as an exponential sum, if it is one symbolically and also at sample points, and if
 /// its factors g and h stay far from overflow.

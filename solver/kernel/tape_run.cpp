@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::size_t block = 128;
 
-/// out[p] = f(...) for one block. Plain counted loops: the compiler vectorises the arithmetic ones.
+/// out[p] = f(...) for one block. Plain counted loops: the compiler vectorises the arithmetic ones;
+/// those with a count are worth more than a vector, and a short block runs them as often as needed.
 template <class F>
 void loop(double* out, const double* a, F f) {
   for (std::size_t p = 0; p < block; ++p) out[p] = f(a[p]);
@@ -26,22 +27,29 @@ void loop(double* out, const double* a, const double* b, const double* c, F f) {
   for (std::size_t p = 0; p < block; ++p) out[p] = f(a[p], b[p], c[p]);
 }
 
+template <class F>
+void counted(std::size_t count, double* out, const double* a, F f) {
+  for (std::size_t p = 0; p < count; ++p) out[p] = f(a[p]);
+}
+
 /// a^b where b is one constant for the whole block.
-void constant_power(double* out, const double* a, double exponent) {
+void constant_power(std::size_t count, double* out, const double* a, double exponent) {
   if (exponent == 2.0) return loop(out, a, [](double x) { return x * x; });
   if (is_multiplied_power(exponent)) {
     const int n = static_cast<int>(exponent);
     return loop(out, a, [n](double x) { return integer_power(x, n); });
   }
-  loop(out, a, [exponent](double x) { return std::pow(x, exponent); });
+  counted(count, out, a, [exponent](double x) { return std::pow(x, exponent); });
 }
 
 /// Operations without arithmetic worth vectorising.
-void general(Op op, double* out, const double* a, const double* b, const double* c) {
-  for (std::size_t p = 0; p < block; ++p) out[p] = apply(op, a[p], b ? b[p] : 0.0, c ? c[p] : 0.0);
+void general(Op op, std::size_t count, double* out, const double* a, const double* b,
+             const double* c) {
+  for (std::size_t p = 0; p < count; ++p) out[p] = apply(op, a[p], b ? b[p] : 0.0, c ? c[p] : 0.0);
 }
 
-void run(const Tape& tape, const Instruction& i, double* registers, double* out) {
+void run(const Tape& tape, const Instruction& i, double* registers, std::size_t count,
+         double* out) {
   const auto at = [registers](std::int32_t r) {
     return r < 0 ? nullptr : registers + static_cast<std::size_t>(r) * block;
   };
@@ -57,7 +65,7 @@ void run(const Tape& tape, const Instruction& i, double* registers, double* out)
     return loop(out, a, [](double x) { return -x; });
   case Op::pow: {
     const Instruction& exponent = tape.code[static_cast<std::size_t>(i.b)];
-    if (exponent.op == Op::constant) return constant_power(out, a, exponent.value);
+    if (exponent.op == Op::constant) return constant_power(count, out, a, exponent.value);
     return loop(out, a, b, scalar_power);
   }
   case Op::min:
@@ -88,10 +96,11 @@ void run(const Tape& tape, const Instruction& i, double* registers, double* out)
   case Op::table_slope: {
     const Table& table = *tape.tables[static_cast<std::size_t>(i.c)];
     const bool slope = i.op == Op::table_slope;
-    return loop(out, a, [&](double x) { return slope ? table.slope(x) : table.value(x); });
+    return counted(count, out, a,
+                   [&](double x) { return slope ? table.slope(x) : table.value(x); });
   }
   default:
-    return general(i.op, out, a, b, at(i.c));
+    return general(i.op, count, out, a, b, at(i.c));
   }
 }
 
@@ -117,7 +126,7 @@ void evaluate(const Tape& tape, std::span<const double* const> inputs, std::size
       double* const target = r + k * block;
       if (i.op == Op::constant) continue;
       if (i.op != Op::slot) {
-        run(tape, i, r, target);
+        run(tape, i, r, count, target);
         continue;
       }
       // A short last block repeats its last point, so that the loops keep a fixed length and

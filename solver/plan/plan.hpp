@@ -34,6 +34,7 @@ struct MeshSpec {
   std::array<double, 3> low{0, 0, 0}, high{1, 1, 1};
   std::array<int, 3> cells{1, 1, 1};
   std::array<std::vector<double>, 3> grading; ///< explicit coordinates per axis, or empty
+  bool crossed = false;                       ///< rectangle: both diagonals, four triangles a cell
   std::string path;                           ///< file: absolute, already checked to be allowed
   bool allow_geo = false;
   std::string geometry;                       ///< geometry: a gmsh model of ours ("disk", "bracket"...)

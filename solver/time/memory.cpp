@@ -1,7 +1,12 @@
 // The history fields of a run; see memory.hpp.
 #include "solver/time/memory.hpp"
 
+#include "solver/time/time_grid.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <istream>
 #include <ostream>
 
@@ -20,19 +25,93 @@ HistoryOptions history_options(const Plan& plan) {
   out.tolerance = plan.options.memory_tolerance;
   out.steps = static_cast<std::int64_t>(grid.size()) - 1;
   out.horizon = grid.back() - grid.front();
-  out.shortest_step = out.horizon;
-  for (std::size_t n = 1; n < grid.size(); ++n)
-    out.shortest_step = std::min(out.shortest_step, grid[n] - grid[n - 1]);
+  // Of a uniform grid the exact step: histories tell equal steps from others by it.
+  const TimeGrid times(plan.time);
+  const double mean = out.horizon / static_cast<double>(out.steps);
+  out.shortest_step = times.shortest();
+  bool uniform = true;
+  for (int n = 1; n <= times.steps() && uniform; ++n)
+    uniform = std::abs(times.length(n) - mean) <= times.rounding(n) * mean;
+  if (uniform) out.shortest_step = mean;
   return out;
+}
+
+HistoryOptions with_route(HistoryOptions options, const HistoryTerm& term) {
+  if (term.route) options.route = *term.route;
+  return options;
+}
+
+const char* name_of(HistoryRoute route) {
+  switch (route) {
+  case HistoryRoute::automatic:
+    return "automatic";
+  case HistoryRoute::recursion:
+    return "recursion";
+  case HistoryRoute::fit:
+    return "fit";
+  case HistoryRoute::tree:
+    return "tree";
+  case HistoryRoute::direct:
+    return "direct";
+  }
+  return "";
 }
 
 } // namespace
 
-Memory::Memory(const Plan& plan, int n_state) {
-  if (plan.time.is_static) return;
+MemoryMistrust::MemoryMistrust(const HistoryTerm& term, const HistoryReport& report,
+                               double tolerance, int index)
+    : Failure(FailureKind::limit, term.origin,
+              fmt::format("the memory `{}` ({}) is {:.1e} of its norm off the direct sum; its "
+                          "tolerance is {:.1e}",
+                          term.kernel.name, report.route, report.audit, tolerance),
+              "`using memory = direct` sums directly"),
+      history(index), next(report.route == "fit" ? HistoryRoute::tree : HistoryRoute::direct) {
+  said = fmt::format("{}: started again with the route `{}`", what(), name_of(next));
+}
+
+std::vector<HistoryReport> planned_memory(const Plan& plan) {
+  std::vector<HistoryReport> out;
+  if (plan.time.is_static || plan.histories.empty()) return out;
+  const HistoryOptions options = history_options(plan);
   for (const auto& term : plan.histories) {
-    histories_.push_back(
-        make_history(term.kernel, static_cast<std::size_t>(n_state), history_options(plan)));
+    const auto history = make_history(term.kernel, 1, with_route(options, term));
+    const double initial = 0;
+    history->start(plan.time.grid.front(), {&initial, 1});
+    auto report = history->report();
+    if (report.route == "direct") {
+      const double reach = kernel_traits(term.kernel.expression, options.horizon).max_lag;
+      report.fields = reach > 0
+                          ? std::min<std::int64_t>(options.steps,
+                                                   1 + std::llround(reach / options.shortest_step))
+                          : options.steps;
+    }
+    if (report.route == "tree") report.fields = 0;
+    out.push_back(std::move(report));
+  }
+  return out;
+}
+
+std::vector<std::string> route_notes(const Plan& plan, const std::vector<HistoryReport>& reports) {
+  std::vector<std::string> out;
+  for (std::size_t m = 0; m < reports.size(); ++m) {
+    const HistoryRoute wanted = plan.histories[m].route.value_or(plan.options.route);
+    if (wanted == HistoryRoute::automatic || reports[m].route == name_of(wanted)) continue;
+    out.push_back(fmt::format("the route `{}` does not serve the memory `{}`, `{}` is used: {}",
+                              name_of(wanted), plan.histories[m].kernel.name, reports[m].route,
+                              reports[m].why));
+  }
+  return out;
+}
+
+Memory::Memory(const Plan& plan, int n_state) : plan_(&plan) {
+  if (plan.time.is_static || plan.histories.empty()) return;
+  const HistoryOptions options = history_options(plan);
+  const auto n = static_cast<std::size_t>(n_state);
+  for (const auto& term : plan.histories) {
+    histories_.push_back(plan.options.audit
+                             ? make_audited_history(term.kernel, n, with_route(options, term))
+                             : make_history(term.kernel, n, with_route(options, term)));
     known_.push_back(Vector::Zero(n_state));
     w0_.push_back(0.0);
   }
@@ -45,6 +124,9 @@ void Memory::start(double t0, const Vector& u0) {
 void Memory::begin_step(double t) {
   for (int m = 0; m < size(); ++m) {
     histories_[m]->rhs(t, {known_[m].data(), static_cast<std::size_t>(known_[m].size())});
+    const double tolerance = plan_->options.memory_tolerance;
+    if (histories_[m]->audited() > tolerance)
+      throw MemoryMistrust(plan_->histories[m], histories_[m]->report(), tolerance, m);
     w0_[m] = histories_[m]->w0(t);
   }
 }

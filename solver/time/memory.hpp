@@ -13,6 +13,20 @@
 
 namespace hvi::solver {
 
+/// An audit found a memory outside its tolerance: a run starts again with the `next` route.
+struct MemoryMistrust : Failure {
+  MemoryMistrust(const HistoryTerm& term, const HistoryReport& report, double tolerance, int index);
+  int history;      ///< of Plan::histories
+  std::string said; ///< the report of it, without what is done about it
+  HistoryRoute next;
+};
+
+/// The routes of a plan without running it: what `plan` prints. Fields: 0 when only a run knows.
+std::vector<HistoryReport> planned_memory(const Plan& plan);
+
+/// Where a route that was asked for does not serve its kernel: a sentence each.
+std::vector<std::string> route_notes(const Plan& plan, const std::vector<HistoryReport>& reports);
+
 class Memory {
 public:
   /// Histories of states; order 0 for backward Euler, 1 (u affine on a step) for BDF2.
@@ -20,7 +34,7 @@ public:
 
   int size() const { return static_cast<int>(histories_.size()); }
   void start(double t0, const Vector& u0);
-  /// Finds h_m and w0_m of the step that ends at t.
+  /// Finds h_m and w0_m of the step that ends at t. Throws MemoryMistrust.
   void begin_step(double t);
   void commit(double t, const Vector& u);
 
@@ -31,6 +45,7 @@ public:
   void restore(std::istream& in);
 
 private:
+  const Plan* plan_;
   std::vector<std::unique_ptr<History>> histories_;
   std::vector<double> w0_;
   std::vector<Vector> known_;

@@ -71,7 +71,12 @@ Json histories(const RunResult& result, const Plan& plan) {
                    {"fields", h.fields},
                    {"bytes", h.bytes},
                    {"error", number(h.error)},
-                   {"verified", h.verified}});
+                   {"verified", h.verified},
+                   {"norm", number(h.norm)},
+                   {"bound", number(h.bound)},
+                   {"audits", h.audits},
+                   {"audited_until", h.audited_until},
+                   {"audit", number(h.audit)}});
   }
   return out;
 }

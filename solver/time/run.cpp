@@ -151,8 +151,10 @@ private:
 
 } // namespace
 
-RunResult run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
-              RunResult* partial) {
+namespace {
+
+RunResult run_once(const Plan& plan, const Discretisation& discretisation,
+                   const RunSettings& settings, RunResult* partial) {
   Run run(plan, discretisation, settings);
   try {
     run.march();
@@ -168,3 +170,27 @@ RunResult run(const Plan& plan, const Discretisation& discretisation, const RunS
 }
 
 } // namespace hvi::solver
+  } catch (const MemoryMistrust&) {
+    throw; // nothing that was computed with it is a result
+} // namespace
+
+/// A memory that an audit finds outside its tolerance makes the run start again with another route;
+/// the direct sum is the last.
+RunResult run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
+              RunResult* partial) {
+  Plan tried = plan;
+  std::vector<StepNote> restarts;
+  for (;;) {
+    try {
+      auto result = run_once(tried, discretisation, settings, partial);
+      for (const auto& sentence : route_notes(plan, result.histories))
+        if (restarts.empty()) result.notes.push_back({0, 0.0, sentence, Origin{}});
+      result.notes.insert(result.notes.begin(), restarts.begin(), restarts.end());
+      return result;
+    } catch (const MemoryMistrust& mistrust) {
+      restarts.push_back({0, 0.0, mistrust.said, mistrust.origin});
+      tried.histories[mistrust.history].route = mistrust.next;
+    }
+  }
+}
+

@@ -30,6 +30,7 @@ TimeGrid::TimeGrid(const TimeSpec& spec)
     if (distinct.size() == 2 * most_factors) distinct.erase(distinct.begin());
     distinct.push_back(lengths_[n]);
   }
+  useful_factors_ = count_factors();
 }
 
 double TimeGrid::rounding(int n) const {
@@ -50,7 +51,11 @@ double TimeGrid::carry(int n) const {
   return w * w / ((1 + w) * lengths_[n]);
 }
 
-int TimeGrid::useful_factors() const {
+double TimeGrid::shortest() const {
+  return *std::min_element(lengths_.begin() + 1, lengths_.end());
+}
+
+int TimeGrid::count_factors() const {
   std::set<double> seen;
   bool comes_back = false;
   for (int n = 1; n <= steps(); ++n) {

@@ -27,15 +27,19 @@ public:
   double rate(int n) const;
   double carry(int n) const;
   /// How many factors are worth keeping: 1 when no length comes back after another one.
-  int useful_factors() const;
+  int useful_factors() const { return useful_factors_; }
+  /// The length of the shortest step; equal steps have one length.
+  double shortest() const;
 
 private:
+  int count_factors() const;
   double ratio(int n) const { return lengths_[n] / lengths_[n - 1]; }
   bool second_order(int n) const { return scheme_ == Scheme::bdf2 && n > 1; }
 
   bool is_static_;
   Scheme scheme_;
   std::vector<double> times_, lengths_;
+  int useful_factors_ = 1;
 };
 
 } // namespace hvi::solver

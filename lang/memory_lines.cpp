@@ -1,0 +1,30 @@
+// Lines on the memory for run and plan.
+#include "lang/memory_lines.hpp"
+
+#include <fmt/format.h>
+
+namespace hvi::lang {
+
+namespace {
+
+std::string figures(const solver::HistoryReport& h) {
+  std::string text = h.fields > 0 ? fmt::format("{} fields", h.fields) : "fields as it goes";
+  if (h.route == "direct") return text;
+  if (h.error > 0 || h.audits > 0)
+    text += fmt::format(", error {:.1e}{}", h.error, h.verified ? "" : " by samples");
+  if (h.bound > 0) text += fmt::format(", at most {:.1e} in its values", h.bound);
+  if (h.audits > 0)
+    text +=
+        fmt::format(", audit {:.1e} in {} sums up to step {}", h.audit, h.audits, h.audited_until);
+  return text;
+}
+
+} // namespace
+
+void print_memory(const solver::Plan& plan, const std::vector<solver::HistoryReport>& reports) {
+  for (std::size_t m = 0; m < reports.size(); ++m)
+    fmt::print("memory `{}`: {} ({}): {}\n", plan.histories[m].kernel.name, reports[m].route,
+               figures(reports[m]), reports[m].why);
+}
+
+} // namespace hvi::lang
