@@ -67,15 +67,15 @@ constexpr std::array table = {
     BuiltIn{"box", K::mesh, "box(a, b, c, cells = [n, m, l])", "structured mesh of a box"},
     BuiltIn{"gmsh", K::mesh, "gmsh(\"file.msh\")", "mesh from a file"},
     BuiltIn{"interval", K::mesh, "interval(a, cells = n)", "mesh of (0, a)"},
-    BuiltIn{"rectangle", K::mesh, "rectangle(a, b, cells = [n, m])",
-            "structured mesh of (0, a) x (0, b)"},
+    BuiltIn{"rectangle", K::mesh, "rectangle(a, b, cells = [n, m], pattern = diagonal)",
+            "structured mesh of (0, a) x (0, b), one diagonal or two (crossed)"},
 };
 
-constexpr std::array<std::string_view, 22> word_table = {
-    "P1",           "P2",        "backward_euler", "bdf2",    "nodal",      "midpoint",
-    "gauss",        "exact",     "endpoint",       "average", "continuing", "release",
-    "least_energy", "automatic", "recursion",      "fit",     "tree",       "direct",
-    "linear",       "cubic",     "affine",         "constant"};
+constexpr std::array<std::string_view, 24> word_table = {
+    "P1",           "P2",        "backward_euler", "bdf2",     "nodal",      "midpoint",
+    "gauss",        "exact",     "endpoint",       "average",  "continuing", "release",
+    "least_energy", "automatic", "recursion",      "fit",      "tree",       "direct",
+    "linear",       "cubic",     "affine",         "constant", "diagonal",   "crossed"};
 
 constexpr std::array<std::string_view, 8> reserved_names = {"t",  "x",   "y",      "z",
                                                             "pi", "lag", "normal", "sigma"};

@@ -93,6 +93,7 @@ bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const s
   std::vector<std::string> names = {"width", "height", "depth"};
   names.resize(dim);
   names.insert(names.end(), {"cells", "origin", "grading"});
+  if (dim == 2) names.push_back("pattern");
   auto args = match(m.value, call, name, names, dim + 1);
   if (!args) return false;
   MeshSpec spec;
@@ -138,7 +139,12 @@ bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const s
       spec.cells[a] = n.value_or(1);
       total *= spec.cells[a];
     }
-    if (total * (dim == 3 ? 6 : 2) > 5e7) {
+    if (dim == 2 && (*args)[dim + 3]) {
+      const auto pattern = word(*(*args)[dim + 3], "the pattern", {"diagonal", "crossed"});
+      good = good && pattern;
+      spec.crossed = pattern == "crossed";
+    }
+    if (total * (dim == 3 ? 6 : spec.crossed ? 4 : 2) > 5e7) {
       error("E0607", cells.span, "more than 50 million elements");
       good = false;
     }
@@ -150,6 +156,11 @@ bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const s
     else if (ratios)
       error("E0307", (*args)[dim + 2]->span, fmt::format("`grading` is a list of {} numbers", dim));
     good = good && ratios && static_cast<int>(ratios->size()) == dim;
+    for (std::size_t a = 0; good && a < ratios->size(); ++a)
+      if (!((*ratios)[a] > 0.0)) {
+        error("E0408", item_span(*(*args)[dim + 2], a), "the grading of a mesh is positive");
+        good = false;
+      }
   }
   if (!good) return false;
   for (int a = 0; a < dim; ++a) {
@@ -189,6 +200,11 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
   if ((*args)[1]) {
     auto n = constant(*(*args)[1], "the number of refinements");
     if (!n) return false;
+    if (!(*n >= 0 && *n <= 20 && *n == std::floor(*n))) {
+      error("E0406", (*args)[1]->span,
+            fmt::format("the number of refinements is a whole number from 0 to 20, not {}", *n));
+      return false;
+    }
     spec.refinements = static_cast<int>(*n);
   }
   const bool geo = std::filesystem::path(*full).extension() == ".geo";

@@ -24,7 +24,7 @@ Mesh structured(const MeshSpec& spec, int dim) {
                                 "xyz"[a], spec.low[a], spec.high[a]));
     lines[a] = uniform_coordinates(spec.low[a], spec.high[a], spec.cells[a]);
   }
-  return structured_mesh(dim, lines);
+  return structured_mesh(dim, lines, spec.crossed);
 }
 
 Mesh from_file(const MeshSpec& spec) {

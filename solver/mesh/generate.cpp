@@ -17,7 +17,9 @@ struct Grid {
   int dim;
   std::array<std::int32_t, 3> cells{1, 1, 1}, nodes{1, 1, 1};
 
+  bool crossed = false;
   std::int32_t node(int i, int j, int k) const { return (k * nodes[1] + j) * nodes[0] + i; }
+  std::int32_t middle(int i, int j) const { return nodes[0] * nodes[1] + j * cells[0] + i; }
 };
 
 void check_lines(int axis, const std::vector<double>& x) {
@@ -37,9 +39,10 @@ void check_lines(int axis, const std::vector<double>& x) {
   }
 }
 
-Grid make_grid(int dim, const std::array<std::vector<double>, 3>& lines) {
+Grid make_grid(int dim, const std::array<std::vector<double>, 3>& lines, bool crossed) {
   Grid grid{dim};
-  double cells = dim == 3 ? 6 : dim;
+  grid.crossed = crossed;
+  double cells = dim == 3 ? 6 : crossed ? 4 : dim;
   for (int a = 0; a < dim; ++a) {
     check_lines(a, lines[a]);
     cells *= static_cast<double>(lines[a].size() - 1);
@@ -53,6 +56,12 @@ Grid make_grid(int dim, const std::array<std::vector<double>, 3>& lines) {
 void add_rectangle(const Grid& g, int i, int j, Mesh& mesh) {
   const auto sw = g.node(i, j, 0), se = g.node(i + 1, j, 0);
   const auto nw = g.node(i, j + 1, 0), ne = g.node(i + 1, j + 1, 0);
+  if (g.crossed) {
+    const auto middle = g.middle(i, j);
+    for (const auto& [a, b] : {std::pair{sw, se}, {se, ne}, {ne, nw}, {nw, sw}})
+      mesh.cells.push_back({a, b, middle, -1});
+    return;
+  }
   mesh.cells.push_back({sw, se, ne, -1});
   mesh.cells.push_back({sw, ne, nw, -1});
 }
@@ -117,8 +126,8 @@ std::string describe(const Grid& g, const std::array<std::vector<double>, 3>& li
   std::string text = fmt::format("{} ", kinds[g.dim - 1]);
   for (int a = 0; a < g.dim; ++a)
     text += fmt::format("{}({:.6g}, {:.6g})", a ? " x " : "", lines[a].front(), lines[a].back());
-  return text +
-         fmt::format(", cells = [{}]", fmt::join(g.cells.begin(), g.cells.begin() + g.dim, ", "));
+  text += fmt::format(", cells = [{}]", fmt::join(g.cells.begin(), g.cells.begin() + g.dim, ", "));
+  return g.crossed ? text + ", crossed" : text;
 }
 
 } // namespace
@@ -131,11 +140,11 @@ void check_cell_limit(double cells) {
         "use fewer cells or refinements");
 }
 
-Mesh structured_mesh(int dim, const std::array<std::vector<double>, 3>& coordinates) {
+Mesh structured_mesh(int dim, const std::array<std::vector<double>, 3>& coordinates, bool crossed) {
   if (dim < 1 || dim > 3)
     throw Failure(FailureKind::bad_value, {},
                   fmt::format("a mesh has dimension 1, 2 or 3, not {}", dim));
-  const Grid grid = make_grid(dim, coordinates);
+  const Grid grid = make_grid(dim, coordinates, crossed && dim == 2);
   Mesh mesh;
   mesh.dim = dim;
   const auto line = [&](int axis, int i) { return axis < dim ? coordinates[axis][i] : 0.0; };
@@ -144,6 +153,9 @@ Mesh structured_mesh(int dim, const std::array<std::vector<double>, 3>& coordina
     for (int j = 0; j < grid.nodes[1]; ++j)
       for (int i = 0; i < grid.nodes[0]; ++i)
         mesh.nodes.push_back({line(0, i), line(1, j), line(2, k)});
+  for (int j = 0; grid.crossed && j < grid.cells[1]; ++j)
+    for (int i = 0; i < grid.cells[0]; ++i)
+      mesh.nodes.push_back({(line(0, i) + line(0, i + 1)) / 2, (line(1, j) + line(1, j + 1)) / 2, 0.0});
   add_cells(grid, mesh);
   build_facets(mesh, {});
   name_sides(grid, mesh);

@@ -112,6 +112,7 @@ private:
     default:
       line("mesh `{}` {} low {} high {} cells {}", m.name, kind, numbers(m.low), numbers(m.high),
            numbers(m.cells));
+      if (m.crossed) line("  crossed");
     }
     for (int axis = 0; axis < 3; ++axis)
       if (!m.grading[axis].empty()) line("  grading {}: {}", "xyz"[axis], numbers(m.grading[axis]));
