@@ -3,6 +3,7 @@
 #include "lang/driver.hpp"
 #include "lang/interrupt.hpp"
 #include "lang/memory_lines.hpp"
+#include "lang/mesh_values.hpp"
 #include "lang/pictures.hpp"
 #include "solver/output/file.hpp"
 #include "solver/output/table.hpp"
@@ -48,6 +49,7 @@ bool discretise_script(Script& script, solver::Discretisation& out) {
   try {
     for (const solver::Failure& failure : solver::discretise(*script.plan, out))
       add_failure(script, failure);
+    if (!script.diagnostics.has_errors()) check_materials(script, out);
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);
   }

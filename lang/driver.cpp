@@ -27,7 +27,7 @@ void report(Script& script, std::string_view code, const Span& span, std::string
 
 /// The text of an import: a module of the standard library, or a file beside the script.
 std::optional<int> load_import(Script& script, const ast::Import& import,
-                               std::set<std::string>& seen) {
+                               std::set<std::string>& seen, bool& failed) {
   if (const auto* name = std::get_if<ast::Name>(&import.module)) {
     std::vector<std::string> known;
     for (const Module& module : standard_library()) {
@@ -38,11 +38,14 @@ std::optional<int> load_import(Script& script, const ast::Import& import,
       return script.sources.add(path, std::string(module.text));
     }
     const std::string near = did_you_mean(name->text, known);
+    failed = true;
     report(script, "E0318", name->span, fmt::format("there is no module `{}`", name->text),
            near.empty() ? fmt::format("modules: {}", fmt::join(known, ", ")) : near);
     return std::nullopt;
   }
   const auto& text = std::get<ast::Text>(import.module);
+  failed = true; // until it is read
+  if (script.diagnostics.has_error_in(text.span)) return std::nullopt;
   std::error_code ignore;
   const fs::path folder = fs::weakly_canonical(fs::path(script.path).parent_path() / ".", ignore);
   const fs::path full = fs::weakly_canonical(folder / text.text, ignore);
@@ -53,12 +56,16 @@ std::optional<int> load_import(Script& script, const ast::Import& import,
            "a script reads files beside it or below it only");
     return std::nullopt;
   }
-  if (!seen.insert(full.string()).second) return std::nullopt;
+  if (!seen.insert(full.string()).second) {
+    failed = false;
+    return std::nullopt;
+  }
   auto content = read_text(full.string());
   if (!content) {
     report(script, "E0601", text.span, fmt::format("there is no file `{}`", text.text));
     return std::nullopt;
   }
+  failed = false;
   return script.sources.add(text.text, std::move(*content));
 }
 
@@ -79,7 +86,8 @@ void parse_script(Script& script) {
     std::vector<int> files;
     for (const ast::Statement& statement : script.programs[p].statements)
       if (const auto* import = std::get_if<ast::Import>(&statement))
-        if (auto file = load_import(script, *import, seen)) files.push_back(*file);
+        if (auto file = load_import(script, *import, seen, script.programs[p].names_lost))
+          files.push_back(*file);
     for (int file : files)
       script.programs.push_back(parse(script.sources.file(file), script.diagnostics));
   }

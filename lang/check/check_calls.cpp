@@ -33,6 +33,7 @@ Checker::match(const ast::Expr& e, const ast::Call& call, const std::string& cal
     if (argument.name) {
       place = std::find(names.begin(), names.end(), argument.name->text) - names.begin();
       if (place == names.size()) {
+        if (is_silent(argument.name->text)) return std::nullopt;
         const std::string near = did_you_mean(argument.name->text, names);
         error("E0304", argument.name->span,
               fmt::format("`{}` has no argument `{}`", callee, argument.name->text),
@@ -170,7 +171,8 @@ Value Checker::pointwise(const ast::Expr& e, const ast::Call& c, const std::stri
     if (f) args.push_back(std::move(*f));
   }
   if (!right_count) {
-    error("E0305", e.span,
+    const std::size_t most = variadic ? given : wanted;
+    error("E0305", given > most ? c.arguments[most].span : e.span,
           fmt::format("`{}` does not take {} argument{}", name, given, given == 1 ? "" : "s"),
           std::string(find_built_in(name)->usage));
     return Poison{};

@@ -409,6 +409,11 @@ std::optional<std::vector<double>> Checker::constant_list(const ast::Expr& e,
   return good ? std::optional(out) : std::nullopt;
 }
 
+Span item_span(const ast::Expr& list, std::size_t i) {
+  const auto* l = std::get_if<ast::List>(&list.node);
+  return l && i < l->items.size() ? l->items[i].span : list.span;
+}
+
 std::optional<std::string> Checker::word(const ast::Expr& e, const std::string& what,
                                          const std::vector<std::string>& allowed) {
   std::string text;

@@ -105,7 +105,7 @@ Value Checker::call_law(const ast::Expr& e, const ast::Call& c, int declaration,
     if (is_poison(v)) return Poison{};
     parameters[names[i]] = std::move(v);
   }
-  auto body = law_body(declaration, *argument, parameters, e.span);
+  auto body = law_body(declaration, *argument, parameters, c.callee->span);
   return body ? Value(*body) : Value(Poison{});
 }
 

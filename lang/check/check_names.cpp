@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace hvi::lang {
 
@@ -124,9 +125,13 @@ Value& Checker::value_of(int index, const Span& use) {
     declaration.value = Poison{};
     return declaration.value;
   }
+  if (part_at_hand_ >= 0) parts_of_[index].insert(part_at_hand_);
+  if (evaluated_ >= 0) used_by_[index].insert(evaluated_);
   if (declaration.state == Declaration::State::untouched) {
     declaration.state = Declaration::State::busy;
+    const int outer = std::exchange(evaluated_, index);
     Value value = evaluate(declaration);
+    evaluated_ = outer;
     declarations_[index].value = std::move(value);
     declarations_[index].state = Declaration::State::done;
   }
@@ -155,13 +160,18 @@ Value Checker::evaluate(Declaration& declaration) {
       error("E0306", tensor->value.span,
             fmt::format("a tensor is expected here, not {}", describe(*f)),
             f->rank == 0 ? "a scalar coefficient is declared with `fn k() = ...` or `param`" : "");
-    return f->rank >= 2 ? Value(*f) : Value(Poison{});
+    if (f->rank < 2) return Poison{};
+    if (!is_constant(*f)) note_material(tensor->value.span, *f, false);
+    return *f;
   }
   if (std::holds_alternative<ast::Kernel>(statement)) return KernelValue{index};
   if (std::holds_alternative<ast::Superpotential>(statement)) return LawValue{index};
   if (std::holds_alternative<ast::Fn>(statement)) return FunctionValue{index};
   if (const auto* s = std::get_if<ast::Space>(&statement)) {
+    // The space of the problem is the one of the find statement; others are only checked.
+    solver::SpaceSpec kept = model_.space;
     auto made = space(*s);
+    if (find_ && find_->space.text != s->name.text) model_.space = std::move(kept);
     return made ? Value(SpaceValue{*made}) : Value(Poison{});
   }
   return Poison{};
@@ -218,13 +228,15 @@ Value Checker::evaluate_param(const ast::Param& param) {
     } else if (bounds) {
       entry.range = fmt::format("[{}, {}]", (*bounds)[0], (*bounds)[1]);
       const double v = number->scalar().value();
-      if (v < (*bounds)[0] || v > (*bounds)[1])
+      if (v < (*bounds)[0] || v > (*bounds)[1]) {
         error("E0408", entry.overridden ? param.name.span : param.value.span,
               fmt::format("`{}` = {} is outside its range [{}, {}]", param.name.text, v,
                           (*bounds)[0], (*bounds)[1]),
               "",
               entry.overridden ? fmt::format("set by -D {}={}", param.name.text, define->second)
                                : "");
+        return Poison{};
+      }
     }
   }
   model_.params.push_back(entry);
@@ -272,15 +284,28 @@ std::optional<Value> Checker::built_in_name(const ast::Expr& e, const std::strin
   return std::nullopt;
 }
 
+/// Names whose mistake was reported before: they stand in a statement with an error, or have
+/// letters that no name has.
+bool Checker::is_silent(const std::string& name) const {
+  const bool foreign = std::any_of(name.begin(), name.end(),
+                                   [](char c) { return static_cast<unsigned char>(c) >= 0x80; });
+  return foreign || silenced_.count(name) > 0;
+}
+
 Value Checker::unknown_name(const Span& span, const std::string& name, const Scope& scope) {
-  if (silenced_.count(name)) return Poison{};
+  if (is_silent(name)) return Poison{};
   std::vector<std::string> candidates;
   for (const auto& [local, value] : scope.locals) candidates.push_back(local);
   for (const Declaration& d : declarations_) candidates.push_back(d.name);
   for (const std::string& built_in : visible_built_ins()) candidates.push_back(built_in);
   if (scope.unknown && find_) candidates.push_back(find_->unknown.text);
   if (scope.test && find_) candidates.push_back(find_->test.text);
-  error("E0301", span, fmt::format("unknown name `{}`", name), did_you_mean(name, candidates));
+  const std::string near = did_you_mean(name, candidates);
+  const bool may_be_imported =
+      std::any_of(programs_.begin(), programs_.end(), [](const auto& p) { return p.names_lost; });
+  if (near.empty() && may_be_imported) return Poison{};
+  diagnostics_.add_once(
+      name, diagnose("E0301", span, fmt::format("unknown name `{}`", name)).with_help(near));
   return Poison{};
 }
 
@@ -320,7 +345,7 @@ Value Checker::reference(const ast::Expr& e, const std::string& name, const Scop
 
 void Checker::check_unused() {
   for (const Declaration& d : declarations_) {
-    if (d.used || d.program != 0 || std::holds_alternative<ast::Space>(*d.statement)) continue;
+    if (d.used || d.program != 0) continue;
     if (std::holds_alternative<ast::Mesh>(*d.statement) && !mesh_name_.empty()) {
       second_mesh(d.span);
       continue;

@@ -1,4 +1,5 @@
 // The find statement: the inequality itself, term by term.
+#include "lang/check/builtins.hpp"
 #include "lang/check/checker.hpp"
 #include "lang/diag/suggest.hpp"
 
@@ -69,7 +70,7 @@ std::optional<Model> Checker::run() {
     }
     declarations_[i].used = used;
   }
-  if (find_) {
+  if (find_ && readable_) {
     reports();
     expectations();
     study();
@@ -100,12 +101,19 @@ void Checker::locate_find() {
           "state the inequality: `find u in V ... such that for all v in V ... >= ...`");
 }
 
-void Checker::check_find_names(const ast::Find& find) {
-  if (find.unknown.text == find.test.text)
-    error("E0302", find.test.span, "the unknown and the test function have the same name");
+bool Checker::check_find_names(const ast::Find& find) {
+  bool good = find.unknown.text != find.test.text;
+  if (!good) error("E0302", find.test.span, "the unknown and the test function have the same name");
   for (const ast::Name* name : {&find.unknown, &find.test}) {
+    if (is_reserved_builtin(name->text)) {
+      error("E0311", name->span, fmt::format("`{}` is built in and cannot be declared", name->text),
+            "choose another name");
+      good = false;
+      continue;
+    }
     const int index = find_declaration(name->text);
     if (index < 0) continue;
+    good = false;
     diagnostics_.add(
         diagnose("E0302", name->span, fmt::format("`{}` is declared twice", name->text))
             .with_secondary(declarations_[index].span, "first declared here"));
@@ -114,6 +122,7 @@ void Checker::check_find_names(const ast::Find& find) {
     error("E0312", find.test_space.span,
           fmt::format("the test functions run through `{}`, the space of the unknown",
                       find.space.text));
+  return good;
 }
 
 void Checker::find_statement() {
@@ -130,13 +139,17 @@ void Checker::find_statement() {
       error("E0306", find.space.span,
             fmt::format("a space is expected here, not {}", describe(value)));
   }
-  check_find_names(find);
+  // Whose names are not clear cannot be read: one mistake, not one for each use.
+  readable_ = check_find_names(find);
   model_.unknown = find.unknown.text;
   model_.test = find.test.text;
+  if (!readable_) return;
   time_clause(find);
   if (space_declaration_ >= 0) imposed_values(find);
   forms(find);
+  place_materials();
   settings(find);
+  check_tables();
   check_relation(find);
   if (!diagnostics_.has_errors()) {
     check_clauses(find);
@@ -190,7 +203,9 @@ void Checker::form_term(const ast::FormTerm& term, bool right) {
   }
   normal_missed_ = false;
   if (!part) scope.normal = true; // its kind is unknown: no second complaint about u.nu
+  part_at_hand_ = part.value_or(-1);
   auto integrand = field(integral.integrand, scope);
+  part_at_hand_ = -1;
   if (!factor || !part || !integrand) return;
   out.span = integral.span;
   out.factor_span =

@@ -359,12 +359,15 @@ void Checker::study() {
     for (const ast::Ladder& ladder : s->ladders) {
       StudyLadder rungs{ladder.parameter.text, ladder.span, {}};
       const int index = find_declaration(ladder.parameter.text);
+      if (index < 0 && is_silent(ladder.parameter.text)) continue;
       if (index < 0 || !std::holds_alternative<ast::Param>(*declarations_[index].statement)) {
         std::vector<std::string> params;
         for (const ModelParam& p : model_.params) params.push_back(p.name);
-        error("E0301", ladder.parameter.span,
-              fmt::format("there is no parameter `{}` to vary", ladder.parameter.text),
-              did_you_mean(ladder.parameter.text, params));
+        diagnostics_.add_once(
+            ladder.parameter.text,
+            diagnose("E0301", ladder.parameter.span,
+                     fmt::format("there is no parameter `{}` to vary", ladder.parameter.text))
+                .with_help(did_you_mean(ladder.parameter.text, params)));
         continue;
       }
       const auto* list = std::get_if<ast::List>(&ladder.values.node);

@@ -24,6 +24,7 @@ std::optional<int> component_index(const ast::Name& name, int dim) {
 } // namespace
 
 std::optional<int> Checker::space(const ast::Space& s) {
+  model_.space = {};
   solver::SpaceSpec& spec = model_.space;
   spec.name = s.name.text;
   spec.origin = model_.origin(s.span);
@@ -128,6 +129,7 @@ void Checker::imposed_values(const ast::Find& find) {
                         component >= 0 ? "." + imposed.component->text : "", imposed.part.text));
       continue;
     }
+    found->origin = model_.origin(imposed.span);
     if (found->component == -1 && component >= 0) {
       // One component of a clamped part moves, the others stay zero.
       if (found->value.empty()) found->value.assign(n, Symbol(0.0));
@@ -227,6 +229,7 @@ void Checker::initial_state(const ast::Find& find) {
     return;
   }
   model_.time.initial = value->components;
+  model_.time.origin = model_.origin(initial.span);
 }
 
 void Checker::settings(const ast::Find& find) {

@@ -126,12 +126,64 @@ Value Checker::tensor_call(const ast::Expr& e, const ast::Call& c, const std::st
   Value value = material_call(e, c, name, scope);
   const auto* material = std::get_if<Field>(&value);
   // A Voigt matrix may be part of a memory kernel, which need not be elliptic.
-  if (!material || name == "voigt" || !is_constant(*material)) return value;
+  if (!material || name == "voigt") return value;
+  if (!is_constant(*material)) {
+    note_material(e.span, *material, true);
+    return value;
+  }
   const double least = ellipticity(model_.dim, *material);
   if (least > 0.0) return value;
   error("E0504", e.span,
         fmt::format("the tensor is not elliptic: its least eigenvalue is {:.6g}", least));
   return Poison{};
+}
+
+void Checker::note_material(const Span& span, const Field& value, bool elliptic) {
+  for (const Symbol& c : value.components)
+    for (solver::Slot s : solver::slots_of(c))
+      if (s > slot::x(2) && (s < slot::first_inside || s >= slot::first_probe)) return;
+  ModelMaterial material{span, value, elliptic, {}};
+  if (part_at_hand_ >= 0) material.parts.insert(part_at_hand_);
+  model_.materials.push_back(std::move(material));
+  owners_.push_back(evaluated_);
+}
+
+/// Gives every material the parts on which its declaration is used, directly or through others.
+void Checker::place_materials() {
+  for (std::size_t i = 0; i < owners_.size(); ++i) {
+    std::vector<int> open;
+    std::set<int> seen;
+    if (owners_[i] >= 0) open.push_back(owners_[i]);
+    while (!open.empty()) {
+      const int declaration = open.back();
+      open.pop_back();
+      if (!seen.insert(declaration).second) continue;
+      const std::set<int>& parts = parts_of_[declaration];
+      model_.materials[i].parts.insert(parts.begin(), parts.end());
+      for (int user : used_by_[declaration]) open.push_back(user);
+    }
+  }
+}
+
+/// E0423 where a table of the time alone is asked for a value outside its range at a grid time.
+void Checker::check_tables() {
+  for (const TableUse& use : table_uses_) {
+    const auto slots = solver::slots_of(use.at);
+    if (slots.size() > 1 || (slots.size() == 1 && *slots.begin() != slot::t)) continue;
+    std::vector<double> times = model_.time.grid;
+    if (slots.empty()) times = {0.0};
+    for (double t : times) {
+      const double a = solver::evaluate(use.at, [&](solver::Slot) { return t; });
+      const double slack = 1e-12 * (use.last - use.first);
+      if (a >= use.first - slack && a <= use.last + slack) continue;
+      error("E0423", use.span,
+            fmt::format("`{}` is asked for its value at {:.6g}{}: it is given on [{:.6g}, {:.6g}]",
+                        use.file, a, slots.empty() ? "" : fmt::format(" (t = {:.6g})", t),
+                        use.first, use.last),
+            "a table is not extrapolated: extend it");
+      break;
+    }
+  }
 }
 
 Value Checker::material_call(const ast::Expr& e, const ast::Call& c, const std::string& name,
@@ -275,6 +327,7 @@ Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& s
   }
   try {
     auto table = std::make_shared<solver::Table>(solver::parse_table(path->text, *text, kind));
+    table_uses_.push_back({e.span, path->text, at->scalar(), table->first(), table->last()});
     out.components = {Symbol::tabulated(table, at->scalar())};
   } catch (const std::invalid_argument& problem) {
     error("E0605", (*args)[0]->span, fmt::format("`{}`: {}", path->text, problem.what()),
@@ -305,7 +358,7 @@ Value Checker::prony_call(const ast::Expr& e, const ast::Call& c, const Scope& s
   for (int i = 0; i < weights->rows; ++i) {
     const Symbol& time = times->components[i];
     if (time.is_constant() && !(time.value() > 0.0)) {
-      error("E0407", (*args)[1]->span, "relaxation times are positive");
+      error("E0407", item_span(*(*args)[1], i), "relaxation times are positive");
       return Poison{};
     }
     sum = sum + weights->components[i] * exp(-at->scalar() / time);

@@ -46,6 +46,9 @@ struct Declaration {
   bool used = false;
 };
 
+/// The place of the i-th entry of a list as written; the whole expression when it is not a list.
+Span item_span(const ast::Expr& list, std::size_t i);
+
 class Checker {
 public:
   Checker(const std::vector<ast::Program>& programs, const CheckOptions& options,
@@ -62,6 +65,7 @@ private:
   Value reference(const ast::Expr& expr, const std::string& name, const Scope& scope);
   std::optional<Value> built_in_name(const ast::Expr& expr, const std::string& name,
                                      const Scope& scope);
+  bool is_silent(const std::string& name) const;
   Value unknown_name(const Span& span, const std::string& name, const Scope& scope);
   Value& value_of(int declaration, const Span& use);
   Value evaluate(Declaration& declaration);
@@ -122,6 +126,9 @@ private:
                      const Scope& scope);
   Value algebraic(const ast::Expr& e, const ast::Call& call, const std::string& name,
                   const Scope& scope);
+  void note_material(const Span& span, const Field& value, bool elliptic);
+  void place_materials();
+  void check_tables();
   Value tensor_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                     const Scope& scope);
   Value material_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
@@ -171,7 +178,7 @@ private:
   void find_statement();
   void locate_find();
   std::optional<int> space(const ast::Space& space);
-  void check_find_names(const ast::Find& find);
+  bool check_find_names(const ast::Find& find);
   void imposed_values(const ast::Find& find);
   void time_clause(const ast::Find& find);
   void time_grid(const ast::TimeClause& clause);
@@ -219,9 +226,23 @@ private:
   std::map<std::pair<int, bool>, int> law_index_;
   std::set<int> laws_applied_;
   std::map<std::string, int> part_of_;
+  /// A table's argument, checked when the times of the problem are known.
+  struct TableUse {
+    Span span;
+    std::string file;
+    Symbol at;
+    double first, last;
+  };
+  std::vector<TableUse> table_uses_;
+  int part_at_hand_ = -1;                 ///< of the integral that is read
+  int evaluated_ = -1;                    ///< the declaration that is evaluated
+  std::vector<int> owners_;               ///< of model_.materials: a declaration, or -1
+  std::map<int, std::set<int>> parts_of_; ///< by declaration: parts on which it is used
+  std::map<int, std::set<int>> used_by_;  ///< by declaration: declarations that use it
   int space_declaration_ = -1;
   bool uses_memory_ = false;
   int call_depth_ = 0;
+  bool readable_ = true;       ///< the unknown and the test function have names of their own
   bool normal_missed_ = false; ///< in the integral at hand a normal was missed and reported
 };
 

@@ -7,6 +7,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -54,6 +55,14 @@ struct ModelLaw {
   solver::LawSpec spec;
 };
 
+/// A tensor that varies in place: looked at on the mesh, on the parts where it is used.
+struct ModelMaterial {
+  Span span;
+  Field value;           ///< rank 4 or 2, of slot::x and slot::inside
+  bool elliptic = false; ///< a material of the library, which must be; else finite is enough
+  std::set<int> parts;
+};
+
 struct ModelImposed {
   Span span;
   int part = 0;
@@ -95,6 +104,7 @@ struct Model {
   std::vector<ModelTerm> terms;
   std::vector<ModelHistory> histories;
   std::vector<ModelLaw> laws;
+  std::vector<ModelMaterial> materials;
   solver::TimeSpec time;
   bool has_time = false;
   solver::SolverOptions options;

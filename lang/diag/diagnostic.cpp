@@ -51,6 +51,27 @@ void Diagnostics::add(std::string_view code, const Span& primary, std::string me
   add(diagnose(code, primary, std::move(message)));
 }
 
+void Diagnostics::add_once(const std::string& what, Diagnostic diagnostic) {
+  const auto [known, fresh] = once_.emplace(diagnostic.code + " " + what, items_.size());
+  if (fresh) {
+    const std::size_t before = items_.size();
+    add(std::move(diagnostic));
+    if (items_.size() == before) once_.erase(known); // said already, in another way
+    return;
+  }
+  Diagnostic& first = items_[known->second];
+  const bool earlier = diagnostic.primary.file == first.primary.file &&
+                       diagnostic.primary.begin < first.primary.begin;
+  if (earlier) first = std::move(diagnostic);
+}
+
+bool Diagnostics::has_error_in(const Span& span) const {
+  return std::any_of(items_.begin(), items_.end(), [&](const Diagnostic& d) {
+    return d.severity == Severity::error && d.primary.file == span.file &&
+           d.primary.begin >= span.begin && d.primary.end <= span.end;
+  });
+}
+
 std::vector<Diagnostic> Diagnostics::sorted() const {
   std::vector<Diagnostic> result = items_;
   const auto place = [](const Span& span) {

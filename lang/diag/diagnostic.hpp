@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -51,7 +52,13 @@ public:
   /// Shorthand for add(diagnose(...)).
   void add(std::string_view code, const Span& primary, std::string message);
 
+  /// One mistake seen from several places (a name that is unknown wherever it stands): the first
+  /// place in reading order is kept. `what` tells mistakes of one code apart.
+  void add_once(const std::string& what, Diagnostic diagnostic);
+
   [[nodiscard]] bool has_errors() const { return n_errors_ > 0; }
+  /// Whether an error was reported within this span.
+  [[nodiscard]] bool has_error_in(const Span& span) const;
   [[nodiscard]] std::size_t n_errors() const { return n_errors_; }
   [[nodiscard]] std::size_t size() const { return items_.size(); }
   /// In the order they were reported.
@@ -63,6 +70,7 @@ private:
   using Key = std::tuple<std::string, int, std::uint32_t, std::uint32_t, std::string>;
   std::vector<Diagnostic> items_;
   std::set<Key> seen_;
+  std::map<std::string, std::size_t> once_; // index into items_ by code and mistake
   std::size_t n_errors_ = 0;
 };
 

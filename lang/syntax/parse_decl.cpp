@@ -50,6 +50,9 @@ void Parser::fail_no_statement() {
     fail(diagnose("E0217", token.span, "statements have no `;`").with_help("leave it out"));
   }
   if (token.kind != TokenKind::name) fail_on_known_slip();
+  const std::string_view written = text(token);
+  names_lost_ = names_lost_ || written == "include" || written == "use" || written == "require" ||
+                suggest(written, statement_words()) == "import";
   // Its name is not unknown to the lines below, whatever the statement was meant to be.
   if (peek(1).kind == TokenKind::name)
     declared_.push_back({std::string(text(peek(1))), peek(1).span});
@@ -75,12 +78,17 @@ void Parser::end_of_statement() {
     fail(diagnose("E0201", peek().span, "expected the end of the statement, found `=`"));
   fail_on_known_slip();
   const TokenKind next = peek().kind;
-  if (next == TokenKind::name || next == TokenKind::number || next == TokenKind::open_paren)
-    fail(diagnose("E0224", peek().span,
-                  "an operator is missing before `" + std::string(text(peek())) + "`")
-             .with_label("expected an operator or the end of the statement")
-             .with_help("a product is written with `*`"));
+  if ((next == TokenKind::name && !at_clause_word()) || next == TokenKind::number ||
+      next == TokenKind::open_paren)
+    fail_operator_missing("the end of the statement");
   fail_expected("the end of the statement");
+}
+
+void Parser::fail_operator_missing(const std::string& otherwise) {
+  fail(diagnose("E0224", peek().span,
+                "an operator is missing before `" + std::string(text(peek())) + "`")
+           .with_label("expected an operator or " + otherwise)
+           .with_help("a product is written with `*`"));
 }
 
 ast::Name Parser::name(std::string_view what) {
@@ -88,7 +96,8 @@ ast::Name Parser::name(std::string_view what) {
   if (!at(TokenKind::name) && !reserved) fail_expected(what);
   const Token token = take();
   const std::string written(text(token));
-  if (reserved)
+  // The same word again is the same mistake.
+  if (reserved && reserved_names_.insert(written).second)
     report(diagnose("E0203", token.span, "`" + written + "` is a reserved word, not a name")
                .with_help("choose another name, such as `" + written + "_1`"));
   return {written, token.span};

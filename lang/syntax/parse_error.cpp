@@ -4,6 +4,7 @@
 #include "lang/syntax/parser_impl.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace hvi::lang {
 namespace {
@@ -15,6 +16,17 @@ bool is_operator(TokenKind kind) {
 bool is_closing(TokenKind kind) {
   return kind == TokenKind::close_paren || kind == TokenKind::close_bracket;
 }
+
+// Words that continue a statement, something stands behind them.
+bool is_clause_word(std::string_view word) {
+  constexpr std::array<std::string_view, 14> words{"at",   "by",    "every", "for",   "from",
+                                                   "in",   "on",    "such",  "to",    "using",
+                                                   "when", "where", "with",  "within"};
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+// Words that end a clause.
+bool is_last_word(std::string_view word) { return word == "steps" || word == "relative"; }
 
 } // namespace
 
@@ -55,6 +67,21 @@ void Parser::fail_expected(std::string_view what) {
   const std::string expected(what);
   fail(diagnose("E0201", missing_place(), "expected " + expected + ", " + found(peek()))
            .with_label("expected " + expected));
+}
+
+void Parser::fail_at_line_end(std::string_view what) {
+  const std::string expected(what);
+  fail(diagnose("E0201", after(previous().span), "expected " + expected + ", but the line ends")
+           .with_label("expected " + expected));
+}
+
+bool Parser::at_clause_word() const {
+  const TokenKind next = peek(1).kind;
+  const bool word =
+      next == TokenKind::name && !is_clause_word(text(peek(1))) && !is_last_word(text(peek(1)));
+  const bool operand = word || next == TokenKind::number || next == TokenKind::string ||
+                       next == TokenKind::open_bracket;
+  return at(TokenKind::name) && operand && !peek(1).first_on_line && is_clause_word(text(peek()));
 }
 
 void Parser::fail_unclosed(const Token& open, TokenKind close) {
@@ -124,6 +151,7 @@ bool Parser::begins_statement(std::size_t index) const {
                              before == TokenKind::string || before == TokenKind::prime ||
                              is_closing(before);
   if (!first && index > 0 && !after_operand) return false;
+  if (!first && before == TokenKind::name && is_clause_word(text(tokens_[index - 1]))) return false;
   const Token& next = tokens_[std::min(index + 1, tokens_.size() - 1)];
   if (next.kind == TokenKind::name || next.kind == TokenKind::string || is_reserved(next.kind))
     return true;

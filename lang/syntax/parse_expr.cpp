@@ -68,6 +68,9 @@ ast::Expr Parser::cases() {
   ast::Cases result;
   while (at(TokenKind::bar) && peek(1).kind != TokenKind::otherwise)
     result.cases.push_back(single_case());
+  const bool same_line = !peek().first_on_line;
+  if (same_line && (at(TokenKind::name) || at(TokenKind::number) || at(TokenKind::open_paren)))
+    fail_operator_missing("the next case");
   if (!at(TokenKind::bar))
     fail(diagnose("E0208", after(previous().span), "the cases end without `otherwise`")
              .with_label("expected `| otherwise -> ...`")

@@ -40,6 +40,7 @@ ast::Expr Parser::primary() {
     return make(ast::String{std::move(text.text)}, text.span);
   }
   case TokenKind::name:
+    if (at_clause_word()) fail_expected("an expression");
     return reference();
   case TokenKind::open_bracket:
     return list();
@@ -50,6 +51,7 @@ ast::Expr Parser::primary() {
   }
   // A statement word within a line is meant as a name: say so once and go on.
   if (is_statement_word(peek().kind) && !peek().first_on_line) return reference();
+  if (at(TokenKind::bar) && peek().first_on_line) fail_at_line_end("an expression");
   fail_expected("an expression");
 }
 

@@ -50,12 +50,16 @@ bool Parser::accept_word(std::string_view word) {
 
 Token Parser::expect(TokenKind kind, std::string_view what) {
   if (at(kind)) return take();
-  if (!what.empty()) fail_expected(what);
-  fail_expected("`" + std::string(info(kind).spelling) + "`");
+  const std::string sign = "`" + std::string(info(kind).spelling) + "`";
+  if (what.empty()) what = sign;
+  if (kind == TokenKind::equal && peek().first_on_line) fail_at_line_end(what);
+  fail_expected(what);
 }
 
 Token Parser::expect_word(std::string_view word) {
-  if (!at_word(word)) fail_expected("`" + std::string(word) + "`");
+  const std::string what = "`" + std::string(word) + "`";
+  if (peek().first_on_line && !at(TokenKind::name)) fail_at_line_end(what);
+  if (!at_word(word)) fail_expected(what);
   return take();
 }
 
@@ -80,10 +84,15 @@ ast::Program Parser::program() {
     try {
       if (auto read = statement()) program.statements.push_back(std::move(*read));
     } catch (const Abandoned&) {
+      const TokenKind kind = tokens_[statement_begin_].kind;
+      const bool declares = is_statement_word(kind) && kind != TokenKind::report &&
+                            kind != TokenKind::expect && kind != TokenKind::study;
+      names_lost_ = names_lost_ || kind == TokenKind::import_ || (declares && declared_.empty());
       program.broken.insert(program.broken.end(), declared_.begin(), declared_.end());
       recover();
     }
   }
+  program.names_lost = names_lost_;
   return program;
 }
 

@@ -5,6 +5,7 @@
 #include "lang/syntax/ast.hpp"
 #include "lang/syntax/token.hpp"
 
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -69,6 +70,10 @@ private:
   [[nodiscard]] std::string found(const Token& token) const;
   // Where something is missing: the next token, or the end of the last line before a new statement.
   [[nodiscard]] Span missing_place() const;
+  // Fails where the line before has ended without what belongs to it.
+  [[noreturn]] void fail_at_line_end(std::string_view what);
+  // A word that continues a statement (`at`, `within`, `where`), so that no expression begins here.
+  [[nodiscard]] bool at_clause_word() const;
   // Slips that explain an unexpected token better than "expected, found"; fails if it knows one.
   void fail_on_known_slip();
   [[nodiscard]] bool at_decimal_comma() const;
@@ -81,6 +86,7 @@ private:
   std::optional<ast::Statement> statement();
   void end_of_statement();
   [[noreturn]] void fail_no_statement();
+  [[noreturn]] void fail_operator_missing(const std::string& otherwise);
   ast::Name name(std::string_view what);
   ast::Name declared_name(std::string_view what);
   ast::Name member_name();
@@ -182,10 +188,12 @@ private:
   std::size_t statement_begin_ = 0; // token index
   int nesting_ = 0;
   int n_errors_ = 0;
-  bool spoilt_ = false;             // a part of the statement was left out after an error
-  bool in_integral_ = false;        // within the integrand of a form
-  std::vector<Token> open_;         // brackets not closed yet
-  std::vector<ast::Name> declared_; // by the statement being read
+  bool spoilt_ = false;                  // a part of the statement was left out after an error
+  bool names_lost_ = false;              // what it would have declared is not known
+  bool in_integral_ = false;             // within the integrand of a form
+  std::vector<Token> open_;              // brackets not closed yet
+  std::vector<ast::Name> declared_;      // by the statement being read
+  std::set<std::string> reserved_names_; // words that were reported as names
 };
 
 } // namespace hvi::lang

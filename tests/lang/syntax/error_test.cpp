@@ -23,7 +23,7 @@ TEST(SyntaxErrors, Declarations) {
       {"param n =\nparam m = 1", "E0201 1:10-10"},
       {"param n = 4 in 3", "E0201 1:16-17"},
       {"param = 4\nparam m = 1", "E0201 1:7-8"},
-      {"param mesh = 4\nparam m = mesh", "E0203 1:7-11; E0203 2:11-15"},
+      {"param mesh = 4\nparam m = mesh", "E0203 1:7-11"},
       {"param and = 4", "E0203 1:7-10"},
       {"param n = 4;\nparam m = 5;", "E0217 1:12-13; E0217 2:12-13"},
       {"param n = 4 5", "E0224 1:13-14"},
