@@ -8,12 +8,15 @@
 #include "solver/output/file.hpp"
 #include "solver/output/table.hpp"
 #include "solver/time/memory.hpp"
+#include "solver/time/checkpoint.hpp"
+#include "solver/time/report.hpp"
 #include "solver/time/result_json.hpp"
 
 #include <fmt/format.h>
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -60,20 +63,44 @@ solver::ReportTable table_of(const solver::RunResult& result) {
   solver::ReportTable table;
   table.names.push_back("t");
   table.columns.push_back(result.times);
+  const bool with_events = solver::shows_events(result);
   for (const std::string& name : result.column_order) {
     table.names.push_back(name);
     table.columns.push_back(result.columns.at(name));
   }
+  if (with_events) {
+    table.names.emplace_back(solver::event_column);
+    table.columns.emplace_back(result.events.begin(), result.events.end());
+  }
   return table;
+}
+
+/// The last values of the energies, and the quantities of Lemma 3.2.
+void print_monitors(const solver::MonitorTable& m) {
+  if (m.times.empty()) return;
+  const auto last = [&](const char* name) {
+    const auto at = std::find(m.names.begin(), m.names.end(), name) - m.names.begin();
+    return m.columns[static_cast<std::size_t>(at)].back();
+  };
+  fmt::print("energy: {:.9g} = elastic {:.9g} + contact {:.9g} - load\n", last("energy"),
+             last("elastic"), last("contact"));
+  fmt::print("work: {:.9g}; viscous {:.6g}, memory {:.6g}, lost {:.6g} (balance to {:.1e})\n",
+             last("work"), last("viscous"), last("memory"), last("lost"), m.balance_error);
+  fmt::print("lemma 3.2: max|u| {:.6g}, sum|du|^2 {:.6g}, max|xi| {:.6g}, sum k|du/k|^2 {:.6g}\n",
+             last("lemma_u"), last("lemma_jumps"), last("lemma_xi"), last("lemma_rate"));
 }
 
 void print_certificate(const solver::RunResult& r, const Script& script) {
   const solver::Certificate& c = r.certificate;
   if (c.certified)
-    fmt::print("certified: {} step{}, worst inclusion {:.1e}, worst equilibrium {:.1e} (step {}), "
-               "tolerance {:.0e}\n",
-               r.steps, r.steps == 1 ? "" : "s", c.inclusion, c.equilibrium, c.worst_step,
-               c.tolerance);
+    fmt::print("certified: {}, worst inclusion {:.1e} at step {}, worst equilibrium {:.1e} at step "
+               "{}, tolerance {:.0e}\n",
+               r.steps == 1 ? "1 step" : fmt::format("all {} steps", r.steps), c.inclusion,
+               c.inclusion_step, c.equilibrium, c.equilibrium_step, c.tolerance);
+  if (r.work.fallback_steps > 0)
+    fmt::print("steps that only the globally convergent method solved: {}\n",
+               r.work.fallback_steps);
+  if (r.monitors) print_monitors(*r.monitors);
   print_memory(*script.plan, r.histories);
   for (const solver::StepNote& note : r.notes) {
     const int line = line_of(script, note.origin);
@@ -81,6 +108,7 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
         note.step > 0 ? fmt::format("step {} (t = {:.6g}): ", note.step, note.t) : std::string();
     fmt::print("note: {}{}{}\n", when, note.what, line > 0 ? fmt::format(" (line {})", line) : "");
   }
+  if (r.energy) fmt::print("energy of this branch at the end: {:.9g}\n", *r.energy);
 }
 
 void print_profile(const solver::Timing& t) {
@@ -152,17 +180,30 @@ int solve(Script& script, const Options& options, bool writes, solver::RunResult
   if (writes) settings.output_folder = output_folder(script, options);
   settings.name = script.model->title;
   settings.stop = &stop_flag();
+  settings.monitors = options.monitors;
+  if (writes) {
+    settings.checkpoint_every = options.checkpoint;
+    settings.resume = options.resume;
+  }
   ProgressLine progress(!options.quiet);
   settings.progress = [&](const solver::Progress& p) { progress(p); };
   InterruptGuard guard;
   try {
     result = solver::run(*script.plan, discretisation, settings, &result);
     result.script = script.path;
+    if (options.resume && !options.quiet)
+      fmt::print(stderr, "{}\n",
+                 result.resumed_from > 0
+                     ? fmt::format("resumed after step {}", result.resumed_from)
+                     : "no checkpoint: began at the first step");
     if (writes)
       for (const std::string& file :
            draw_pictures(*script.plan, discretisation, result, output_folder(script, options)))
         result.files.push_back(file);
     return exit_ok;
+  } catch (const solver::CheckpointFailure& failure) {
+    script.diagnostics.add(diagnose("E0704", Span{}, failure.what()).with_help(failure.help));
+    return exit_code(failure.kind);
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);
     return exit_code(failure.kind);

@@ -44,6 +44,9 @@ struct Options {
   bool script_only = false;
   bool profile = false;
   int threads = 1;
+  int checkpoint = 0; ///< every so many steps; 0: never
+  bool resume = false;
+  bool monitors = false;
 };
 
 /// A script on its way through the phases; each stage is kept, so that it can be dumped.

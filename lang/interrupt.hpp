@@ -1,4 +1,4 @@
-// Ctrl-C: asks the run to stop after the step; a second one ends the program at once.
+// Ctrl-C (and SIGTERM, what batch systems send): asks the run to stop after the step; a second one ends the program at once.
 #pragma once
 
 #include <atomic>
@@ -18,6 +18,7 @@ public:
 
 private:
   void (*previous_)(int);
+  void (*previous_term_)(int);
 };
 
 } // namespace hvi::lang

@@ -57,6 +57,10 @@ int dispatch(int argc, char** argv) {
     return sub;
   };
   auto* run = command("run", "solve a script");
+  run->add_option("--checkpoint", options.checkpoint, "save the state every N steps")
+      ->check(CLI::PositiveNumber);
+  run->add_flag("--resume", options.resume, "go on from the last checkpoint");
+  run->add_flag("--monitors", options.monitors, "energies and a-priori bounds, step by step");
   auto* check = command("check", "check scripts without solving", true);
   check->add_flag("--script-only", options.script_only, "without the mesh");
   auto* plan = command("plan", "what a run would do");
@@ -107,7 +111,8 @@ std::vector<char*> with_command(int argc, char** argv, std::string& word) {
   std::vector<char*> out(argv, argv + argc);
   for (int i = 1; i < argc; ++i) {
     const std::string_view text = argv[i];
-    if (text == "-D" || text == "-o" || text == "--json" || text == "--threads") {
+    if (text == "-D" || text == "-o" || text == "--json" || text == "--threads" ||
+        text == "--checkpoint") {
       ++i;
       continue;
     }

@@ -29,6 +29,14 @@ The run was asked to stop. The last good state is on disk.)",
 (Ctrl-C))",
      R"(
 (let it run))"},
+    {"E0704", "checkpoint not usable",
+     R"(
+The checkpoint is damaged, was written by another version, or belongs to another problem: script,
+parameters, mesh and options must be those it was written with. Nothing was computed from it.)",
+     R"(
+hvi-run slab.hvi -D n=64 --resume)",
+     R"(
+hvi-run slab.hvi -D n=32 --resume)"},
     {"E0901", "internal error",
      R"(
 A mistake of this program, not of the script. Please report it with the script.)",

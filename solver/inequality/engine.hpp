@@ -95,6 +95,13 @@ struct InequalityEngine {
   double energy() const;
   void start_from(const InequalityState& from);
 
+  // ---- uniqueness (convexity.cpp)
+  bool convex();
+
+  // ---- what one solve leaves to the next (saved_solver.cpp)
+  void save(std::ostream& out) const;
+  void restore(std::istream& in);
+
   // ---- certificate (certificate.cpp)
   void certify();
 

@@ -226,4 +226,8 @@ InequalityReport InequalitySolver::solve(const Vector& r, InequalityState& state
   return impl_->solve(r, state);
 }
 
+bool InequalitySolver::convex() { return impl_->convex(); }
+void InequalitySolver::save(std::ostream& out) const { impl_->save(out); }
+void InequalitySolver::restore(std::istream& in) { impl_->restore(in); }
+
 } // namespace hvi::solver

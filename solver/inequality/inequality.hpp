@@ -10,6 +10,7 @@
 #include "solver/law/law.hpp"
 #include "solver/linear/sparse.hpp"
 
+#include <iosfwd>
 #include <memory>
 #include <span>
 #include <string>
@@ -91,6 +92,13 @@ public:
   ~InequalitySolver();
   /// Solves (*) from the warm start in `state`; on return `state` holds the solution.
   InequalityReport solve(const Vector& r, InequalityState& state);
+  /// Is S - sum_p w_p m_p G_p^T G_p positive definite, m_p the steepest descent of p's law? Then
+  /// the problem has one solution for every r. Above a few thousand unknowns a lower bound of the
+  /// ratio decides, so `true` is then an estimate. Forgets the last factor.
+  bool convex();
+  /// What one solve leaves to the next: a restored solver goes on with the same bits.
+  void save(std::ostream& out) const;
+  void restore(std::istream& in);
 
 private:
   struct Impl;

@@ -275,14 +275,31 @@ double refined(const F& f, double a, double b, double whole, double scale, int d
   return refined(f, a, m, left, scale, depth - 1) + refined(f, m, b, right, scale, depth - 1);
 }
 
-/// Panels that halve towards a: a law's scale may be far smaller than the piece (exp(-20 r)).
+/// Is f close to its tangent near a, at every scale below b - a? Then no panel of [a, b] hides a
+/// decay that is faster than the panel is long.
 template <class F>
-double integral(const F& f, double a, double b) {
+bool calm_near(const F& f, double slope_at_a, double a, double b) {
+  const double at_a = f(a), size = std::max(std::abs(at_a), std::abs(f(b)));
+  for (const int digits : {10, 20, 30}) {
+    const double part = std::ldexp(1.0, -digits), d = part * (b - a);
+    const double off = std::abs(f(a + d) - at_a - d * slope_at_a);
+    if (!(off <= (10.0 * part * part + 1e-13) * size)) return false;
+  }
+  return true;
+}
+
+/// Panels that halve towards a: a law's scale may be far smaller than the piece (exp(-20 r)). They
+/// end where the slope is calm.
+template <class F>
+double integral(const F& f, double slope_at_a, double a, double b) {
+
   double sum = 0.0, end = b;
   for (int k = 0; k <= 30; ++k) {
-    const double start = k == 30 ? a : a + (end - a) / 2.0;
+    const bool last = k == 30 || calm_near(f, slope_at_a, a, end);
+    const double start = last ? a : a + (end - a) / 2.0;
     const double whole = boost::math::quadrature::gauss<double, 20>::integrate(f, start, end);
     sum += refined(f, start, end, whole, std::abs(sum) + std::abs(whole), 20);
+    if (last) break;
     end = start;
   }
   return sum;
@@ -300,7 +317,9 @@ double primitive(const LawSpec& spec, const SmoothFunction& function, const LawG
     const double v = function.slope(s, graph.x, graph.t);
     return std::isfinite(v) ? v : 0.0; // only the end of a piece can be undefined, measure zero
   };
-  return integral(slope, p.centre, r);
+  double value = 0.0, rise = 0.0;
+  function.slope_and_curvature(p.centre, graph.x, graph.t, value, rise);
+  return integral(slope, rise, p.centre, r);
 }
 
 } // namespace hvi::solver

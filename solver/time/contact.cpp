@@ -30,6 +30,21 @@ void add_points(const Plan& plan, Contact& out, const ContactTerm& term, double 
   }
 }
 
+/// The steepest descent of a law's slope; of one that depends on place or time, over a sample.
+double softening(const Law& law, const ContactTerm& term, const TimeSpec& time) {
+  constexpr int most = 16;
+  const int stride = law.depends_on_x() ? std::max(1, term.n_points() / most) : term.n_points();
+  double out = 0;
+  for (int p = 0; p < term.n_points(); p += stride)
+    for (const double part : {0.0, 0.5, 1.0}) {
+      if (part > 0 && (!law.depends_on_t() || time.is_static)) break;
+      const double t =
+          time.is_static ? 0.0 : time.grid.front() + part * (time.grid.back() - time.grid.front());
+      out = std::max(out, law.constants(term.points.x[p], t).m);
+    }
+  return out;
+}
+
 SparseMatrix stacked(const std::vector<ContactTerm>& terms, const StateLayout& layout, int n_rows) {
   std::vector<Eigen::Triplet<double>> entries;
   for (const auto& term : terms) {
@@ -84,6 +99,7 @@ Contact make_contact(const Plan& plan, const Discretisation& d, const StateLayou
   const double t = plan.time.is_static ? 0.0 : plan.time.grid.front();
   make_laws(plan, out);
   out.scales.assign(out.laws.size(), 0.0);
+  out.softening.assign(out.laws.size(), 0.0);
   int n_rows = 0;
   for (std::size_t l = 0; l < plan.law_terms.size(); ++l) {
     const auto& spec = plan.law_terms[l];
@@ -94,9 +110,12 @@ Contact make_contact(const Plan& plan, const Discretisation& d, const StateLayou
                      {}};
     add_points(plan, out, term, t);
     n_rows += term.n_rows();
-    if (term.n_points() > 0)
-      out.scales[spec.law] = std::max(
-          out.scales[spec.law], out.laws[spec.law]->constants(term.points.x[0], t).slope_scale);
+    if (term.n_points() > 0) {
+      const auto numbers = out.laws[spec.law]->constants(term.points.x[0], t);
+      out.scales[spec.law] = std::max(out.scales[spec.law], numbers.slope_scale);
+      out.softening[spec.law] =
+          std::max(out.softening[spec.law], softening(*out.laws[spec.law], term, plan.time));
+    }
     out.terms.push_back(std::move(term));
   }
   out.g = stacked(out.terms, layout, n_rows);

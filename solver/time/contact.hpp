@@ -27,7 +27,8 @@ struct Contact {
   std::vector<std::unique_ptr<Law>> laws;
   std::vector<ContactTerm> terms;
   ReducedProblem problem;     ///< g on `unknowns`; offset and graphs set by `prepare`
-  std::vector<double> scales; ///< slope scale of each law
+  std::vector<double> scales;    ///< slope scale of each law
+  std::vector<double> softening; ///< steepest descent of each law's slope
   std::vector<int> unknowns;  ///< the contact unknowns, increasing
   bool whole = false;         ///< every unknown is kept: no Schur complement is formed
   SparseMatrix g;             ///< all rows x state

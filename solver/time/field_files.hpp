@@ -21,6 +21,9 @@ public:
   /// Writes the files of a step and the collection so far; file names are added to `written`.
   void write(const Snapshot& snapshot, std::vector<std::string>& written);
 
+  void save(std::ostream& out) const;
+  void restore(std::istream& in);
+
 private:
   struct OnContact {
     FieldSpec field;

@@ -7,8 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <istream>
-#include <ostream>
 
 namespace hvi::solver {
 namespace {
@@ -139,14 +137,6 @@ std::vector<HistoryReport> Memory::reports() const {
   std::vector<HistoryReport> out;
   for (const auto& history : histories_) out.push_back(history->report());
   return out;
-}
-
-void Memory::save(std::ostream& out) const {
-  for (const auto& history : histories_) history->save(out);
-}
-
-void Memory::restore(std::istream& in) {
-  for (auto& history : histories_) history->restore(in);
 }
 
 } // namespace hvi::solver

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numeric>
 #include <set>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
@@ -20,6 +21,10 @@ std::string stem_of(const std::string& file, const std::string& fallback) {
 }
 
 } // namespace
+
+bool shows_events(const RunResult& result) {
+  return !result.unique && !result.events.empty() && !result.columns.contains(event_column);
+}
 
 Reporter::Reporter(const Plan& plan, const Discretisation& d, const Stepper& stepper,
                    const RunSettings& settings)
@@ -76,12 +81,20 @@ void Reporter::record(const Stepper& stepper, bool last) {
     probes_.evaluate(now_, values_);
     rows_.push_back(step);
     times_.push_back(stepper.t());
+    events_.push_back(std::exchange(pending_events_, 0));
     for (std::size_t i = 0; i < values_.size(); ++i) columns_[i].push_back(values_[i]);
   }
   for (auto& [every, files] : fields_)
     if (due(every, step, last)) files.write(now_, written_);
   if (keeps_before_) before_ = now_;
   last_recorded_ = step;
+}
+
+void Reporter::mark(const StepResult& outcome) {
+  if (outcome.inequality.events > 0)
+    pending_events_ = std::max(pending_events_, 0) + outcome.inequality.events;
+  else if (outcome.snap && pending_events_ == 0)
+    pending_events_ = -1;
 }
 
 /// Probes at times between grid times read u_tau (affine) or bar u_tau (constant) of the paper.
@@ -116,12 +129,16 @@ void Reporter::effects(RunResult& result) const {
   }
 }
 
-void Reporter::write_table(const TableFile& table) {
+void Reporter::write_table(const TableFile& table, bool with_events) {
   ReportTable out{{"t"}, {{}}};
   for (const int probe : table.probes) out.names.push_back(plan_.report.probes[probe].name);
+  if (with_events) out.names.emplace_back(event_column);
   out.columns.resize(out.names.size());
+  int events = 0; // of the rows that this table leaves out, too
   for (std::size_t r = 0; r < rows_.size(); ++r) {
+    if (events_[r] != 0) events = events_[r] > 0 ? std::max(events, 0) + events_[r] : events_[r];
     if (!due(table.every, rows_[r], r + 1 == rows_.size())) continue;
+    if (with_events) out.columns.back().push_back(std::exchange(events, 0));
     out.columns[0].push_back(times_[r]);
     for (std::size_t c = 0; c < table.probes.size(); ++c)
       out.columns[c + 1].push_back(columns_[table.probes[c]][r]);
@@ -137,12 +154,14 @@ void Reporter::finish(RunResult& result) {
       if (shown.insert(probe).second)
         result.column_order.push_back(plan_.report.probes[probe].name);
   result.times = times_;
+  result.events = events_;
   for (const int probe : shown) result.columns[plan_.report.probes[probe].name] = columns_[probe];
   for (std::size_t i = 0; i < values_.size(); ++i)
     result.final[plan_.report.probes[i].name] = values_[i];
   effects(result);
+  const bool with_events = shows_events(result);
   if (writes_ && !rows_.empty())
-    for (const auto& table : tables_) write_table(table);
+    for (const auto& table : tables_) write_table(table, with_events);
   result.files = written_;
 }
 

@@ -9,6 +9,12 @@
 
 namespace hvi::solver {
 
+/// Where several solutions are possible tables have a column more: points released at downward
+/// jumps since the last row, or -1 for a snap without one.
+inline constexpr const char* event_column = "event";
+/// Does the table have it? Not where a probe has the name.
+bool shows_events(const RunResult& result);
+
 class Reporter {
 public:
   Reporter(const Plan& plan, const Discretisation& discretisation, const Stepper& stepper,
@@ -16,8 +22,14 @@ public:
 
   /// Records an accepted step: rows and files that are due (`last`: all of them).
   void record(const Stepper& stepper, bool last);
+  /// Notes the events of a step: the next row counts those since the last one.
+  void mark(const StepResult& outcome);
   /// Writes what is kept in memory so far (tables); also after a failure.
   void finish(RunResult& result);
+
+  void save(std::ostream& out) const;
+  /// `stepper`: restored before. Throws Failure(broken_file) when a file written before is gone.
+  void restore(std::istream& in, const Stepper& stepper);
 
 private:
   struct TableFile {
@@ -31,7 +43,7 @@ private:
   void timed_probes(const Stepper& stepper);
   void note_multipliers(const Stepper& stepper);
   void effects(RunResult& result) const;
-  void write_table(const TableFile& table);
+  void write_table(const TableFile& table, bool with_events);
   bool due(int every, int step, bool last) const { return last || step % every == 0; }
 
   const Plan& plan_;
@@ -51,6 +63,8 @@ private:
   std::vector<char> active_;                 ///< by law term: was its multiplier ever non-zero
   std::vector<std::string> written_;
   int last_recorded_ = -1;
+  std::vector<int> events_; ///< by row: points released, or -1 for a snap
+  int pending_events_ = 0;
 };
 
 } // namespace hvi::solver

@@ -1,6 +1,8 @@
 // The result of a run as JSON; see result_json.hpp. After the run, before the disk.
 #include "solver/time/result_json.hpp"
 
+#include "solver/time/report.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -22,6 +24,15 @@ Json numbers(const std::vector<double>& values) {
 Json table(const RunResult& result) {
   Json out{{"t", numbers(result.times)}};
   for (const auto& name : result.column_order) out[name] = numbers(result.columns.at(name));
+  if (shows_events(result)) out[event_column] = result.events;
+  return out;
+}
+
+Json monitors(const MonitorTable& table) {
+  Json out{{"t", numbers(table.times)}};
+  for (std::size_t c = 0; c < table.names.size(); ++c)
+    out[table.names[c]] = numbers(table.columns[c]);
+  out["balance_error"] = number(table.balance_error);
   return out;
 }
 
@@ -31,7 +42,9 @@ Json certificate(const Certificate& c) {
           {"equilibrium", number(c.equilibrium)},
           {"tolerance", c.tolerance},
           {"mode", c.mode},
-          {"worst_step", c.worst_step}};
+          {"worst_step", c.worst_step},
+          {"inclusion_step", c.inclusion_step},
+          {"equilibrium_step", c.equilibrium_step}};
 }
 
 Json timing(const Timing& t) {
@@ -99,6 +112,7 @@ Json what_was_done(const RunResult& result, const Plan& plan, const ResultContex
           {"sweeps", work.sweeps},
           {"products", work.products},
           {"newton", work.newton},
+          {"fallback_steps", work.fallback_steps},
           {"fields", work.history_fields},
           {"history", histories(result, plan)},
           {"bytes", work.bytes},
@@ -112,19 +126,22 @@ std::string result_json(const RunResult& result, const Plan& plan, const ResultC
   for (const auto& [name, value] : result.final) final[name] = number(value);
   for (const auto& note : result.notes)
     notes.push_back({{"step", note.step}, {"t", note.t}, {"what", note.what}});
-  const Json out{{"schema", "hvi-result/1"},
-                 {"script", result.script},
-                 {"params", Json(context.params)},
-                 {"unknowns", result.unknowns},
-                 {"contact_unknowns", result.contact_unknowns},
-                 {"steps", result.steps},
-                 {"final", final},
-                 {"table", table(result)},
-                 {"certificate", certificate(result.certificate)},
-                 {"timing", timing(result.timing)},
-                 {"plan", what_was_done(result, plan, context)},
-                 {"notes", notes},
-                 {"files", result.files}};
+  Json out{{"schema", "hvi-result/1"},
+           {"script", result.script},
+           {"params", Json(context.params)},
+           {"unknowns", result.unknowns},
+           {"contact_unknowns", result.contact_unknowns},
+           {"steps", result.steps},
+           {"final", final},
+           {"table", table(result)},
+           {"certificate", certificate(result.certificate)},
+           {"timing", timing(result.timing)},
+           {"plan", what_was_done(result, plan, context)},
+           {"uniqueness", result.unique ? "guaranteed" : "not guaranteed"},
+           {"energy", result.energy ? number(*result.energy) : Json(nullptr)},
+           {"notes", notes},
+           {"files", result.files}};
+  if (result.monitors) out["monitors"] = monitors(*result.monitors);
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -12,14 +12,19 @@
 // and keeps the last good state when it has to stop.
 #include "solver/time/run.hpp"
 
+#include "solver/output/file.hpp"
+#include "solver/time/checkpoint.hpp"
 #include "solver/time/clock.hpp"
+#include "solver/time/energy.hpp"
 #include "solver/time/report.hpp"
+#include "solver/time/saved_state.hpp"
 #include "solver/time/step.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace hvi::solver {
 namespace {
@@ -30,12 +35,16 @@ void note(const StepResult& step, int n, double t, const Plan& plan, RunResult& 
   if (std::max(step.equilibrium, step.inclusion.worst) >
       std::max(certificate.equilibrium, certificate.inclusion))
     certificate.worst_step = n;
+  if (step.equilibrium > certificate.equilibrium || n == 1) certificate.equilibrium_step = n;
+  if (step.inclusion.worst > certificate.inclusion || n == 1) certificate.inclusion_step = n;
   certificate.equilibrium = std::max(certificate.equilibrium, step.equilibrium);
   certificate.inclusion = std::max(certificate.inclusion, step.inclusion.worst);
+  const Origin origin = plan.law_terms.empty() ? Origin{} : plan.law_terms.front().origin;
   if (step.inequality.events > 0)
     result.notes.push_back(
-        {n, t, fmt::format("{} points released (downward jump)", step.inequality.events),
-         plan.law_terms.empty() ? Origin{} : plan.law_terms.front().origin});
+        {n, t, fmt::format("{} points released (downward jump)", step.inequality.events), origin});
+  else if (step.snap)
+    result.notes.push_back({n, t, "snap: the branch ended and the step jumped to another", origin});
 }
 
 /// The law term to blame: of the worst point, else the first.
@@ -78,10 +87,31 @@ void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
   }
 }
 
+void put_note(StateWriter& w, const StepNote& note) {
+  w.put(note.step);
+  w.put(note.t);
+  put_text(w, note.what);
+  w.put(note.origin);
+}
+
+StepNote get_note(StateReader& r) {
+  StepNote out{};
+  out.step = r.get<int>();
+  out.t = r.get<double>();
+  out.what = get_text(r);
+  out.origin = r.get<Origin>();
+  return out;
+}
+
+/// The counters that grow with the steps.
+std::array<int, 6> grown(const WorkCounters& w) {
+  return {w.analyses, w.factorisations, w.sweeps, w.products, w.newton, w.fallback_steps};
+}
+
 class Run {
 public:
   Run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings)
-      : plan_(plan), settings_(settings), start_(cpu_seconds()),
+      : plan_(plan), discretisation_(discretisation), settings_(settings), start_(cpu_seconds()),
         stepper_(plan, discretisation, result_.timing),
         reporter_(plan, discretisation, stepper_, settings) {
     result_.timing.mesh = discretisation.seconds;
@@ -89,15 +119,22 @@ public:
     result_.contact_unknowns = static_cast<int>(stepper_.contact().unknowns.size());
     result_.certificate.tolerance = plan.options.tolerance;
     note_choices(plan, stepper_.contact(), result_);
+    if (settings.monitors) monitor_.emplace(plan, discretisation, stepper_);
+    if (settings.checkpoint_every > 0 || settings.resume) prepare_checkpoints();
   }
 
   void march() {
     const int steps = stepper_.grid().steps();
     for (int n = stepper_.step() + 1; n <= steps; ++n) {
-      if (settings_.stop != nullptr && settings_.stop->load())
-        throw Failure(FailureKind::interrupted, {}, fmt::format("interrupted before step {}", n));
+      if (settings_.stop != nullptr && settings_.stop->load()) {
+        if (settings_.checkpoint_every > 0 && stepper_.step() > 0) checkpoint();
+        throw Failure(FailureKind::interrupted, {}, fmt::format("interrupted before step {}", n),
+                      settings_.checkpoint_every > 0 ? "`--resume` goes on from here" : "");
+      }
       step(n);
       record(n == steps);
+      if (settings_.checkpoint_every > 0 && (n == steps || n % settings_.checkpoint_every == 0))
+        checkpoint();
     }
     result_.certificate.certified = true;
   }
@@ -105,11 +142,13 @@ public:
   /// Everything known so far into the result; what tables hold goes to disk.
   RunResult conclude() {
     record(true);
+    tell_choice();
     {
       const PhaseClock clock(result_.timing.output);
       reporter_.finish(result_);
+      if (monitor_) finish_monitors();
     }
-    stepper_.account(result_.work, result_.timing);
+    account(result_.work, result_.timing);
     result_.histories = stepper_.memory().reports();
     result_.steps = stepper_.step();
     result_.u = Vector::Zero(stepper_.layout().n_dofs);
@@ -124,6 +163,11 @@ private:
     const auto outcome = stepper_.advance(n);
     if (!outcome.certified) not_certified(outcome, n, stepper_, plan_);
     note(outcome, n, stepper_.t(), plan_, result_);
+    reporter_.mark(outcome);
+    if (monitor_) {
+      monitor_->take(stepper_, outcome);
+      monitor_times_.push_back(stepper_.t());
+    }
     if (settings_.progress)
       settings_.progress(
           {n, stepper_.grid().steps(), outcome.inequality.iterations, cpu_seconds() - start_});
@@ -140,13 +184,126 @@ private:
     settings_.on_step(told_, stepper_.t(), full, stepper_.xi());
   }
 
+  /// Where several solutions are possible: that it is so, which branch this is, and its energy.
+  void tell_choice() {
+    result_.unique = stepper_.unique();
+    if (stepper_.step() == 0 || result_.unique) return;
+    const bool said = std::any_of(result_.notes.begin(), result_.notes.end(),
+                                  [](const StepNote& n) { return n.step == 0; });
+    if (!said)
+      result_.notes.insert(
+          result_.notes.begin(),
+          {0, 0.0,
+           fmt::format("uniqueness is not guaranteed: the laws soften faster than the body is "
+                       "stiff (step ratio of 1 or more); {}",
+                       sentence(plan_.options.branch)),
+           plan_.law_terms.empty() ? Origin{} : plan_.law_terms.front().origin});
+    std::optional<EnergyMonitor> own;
+    EnergyMonitor& monitor = monitor_ ? *monitor_ : own.emplace(plan_, discretisation_, stepper_);
+    if (monitor.has_energy()) result_.energy = monitor.energy(stepper_);
+  }
+
+  void finish_monitors() {
+    result_.monitors = MonitorTable{monitor_->names(), monitor_times_, monitor_->columns(),
+                                    monitor_->balance_error()};
+    if (settings_.output_folder.empty() || monitor_times_.empty()) return;
+    ReportTable table{{"t"}, {monitor_times_}};
+    for (std::size_t c = 0; c < monitor_->names().size(); ++c) {
+      table.names.push_back(monitor_->names()[c]);
+      table.columns.push_back(monitor_->columns()[c]);
+    }
+    const auto file = settings_.name + "_monitors.csv";
+    write_atomically(std::filesystem::path(settings_.output_folder) / file, csv_text(table));
+    result_.files.push_back(file);
+  }
+
+  void account(WorkCounters& work, Timing& timing) const {
+    stepper_.account(work, timing);
+    int* const all[] = {&work.analyses, &work.factorisations, &work.sweeps,
+                        &work.products, &work.newton,         &work.fallback_steps};
+    for (std::size_t i = 0; i < grown_before_.size(); ++i) *all[i] += grown_before_[i];
+  }
+
+  void prepare_checkpoints() {
+    if (settings_.output_folder.empty())
+      throw Failure(FailureKind::bad_value, {}, "a checkpoint needs an output folder");
+    file_ = checkpoint_path(settings_.output_folder, settings_.name);
+    fingerprint_ = fingerprint(plan_, discretisation_.mesh);
+    remove_leftovers(file_);
+    if (!settings_.resume || !std::filesystem::exists(file_)) return;
+    std::istringstream in(read_checkpoint(file_, fingerprint_));
+    try {
+      restore(in);
+    } catch (const Failure& failure) {
+      throw CheckpointFailure(file_, std::string("does not fit: ") + failure.what(),
+                              "remove it, or run without --resume, to begin at the first step");
+    }
+  }
+
+  void checkpoint() {
+    const PhaseClock clock(result_.timing.output);
+    std::ostringstream out;
+    StateWriter w(out);
+    w.put(static_cast<std::uint8_t>(monitor_.has_value()));
+    stepper_.save(out);
+    reporter_.save(out);
+    w.put(result_.certificate.inclusion);
+    w.put(result_.certificate.equilibrium);
+    w.put(std::array<int, 3>{result_.certificate.worst_step, result_.certificate.inclusion_step,
+                             result_.certificate.equilibrium_step});
+    w.put(static_cast<std::uint64_t>(result_.notes.size()));
+    for (const auto& note : result_.notes) put_note(w, note);
+    WorkCounters work;
+    Timing timing;
+    account(work, timing);
+    w.put(grown(work));
+    if (monitor_) {
+      w.put(monitor_times_);
+      monitor_->save(out);
+    }
+    write_checkpoint(file_, fingerprint_, out.view());
+  }
+
+  void restore(std::istream& in) {
+    StateReader r(in, {});
+    if ((r.get<std::uint8_t>() != 0) != monitor_.has_value())
+      r.fail(monitor_ ? "was saved without monitors" : "was saved with monitors");
+    stepper_.restore(in);
+    reporter_.restore(in, stepper_);
+    result_.certificate.inclusion = r.get<double>();
+    result_.certificate.equilibrium = r.get<double>();
+    const auto worst = r.get<std::array<int, 3>>();
+    result_.certificate.worst_step = worst[0];
+    result_.certificate.inclusion_step = worst[1];
+    result_.certificate.equilibrium_step = worst[2];
+    result_.notes.clear();
+    for (auto n = r.get<std::uint64_t>(); n > 0; --n) result_.notes.push_back(get_note(r));
+    // What is counted from here on comes on top of what was counted before the checkpoint.
+    WorkCounters now;
+    Timing timing;
+    stepper_.account(now, timing);
+    const auto saved = r.get<std::array<int, 6>>(), here = grown(now);
+    for (std::size_t i = 0; i < saved.size(); ++i) grown_before_[i] = saved[i] - here[i];
+    if (monitor_) {
+      monitor_times_ = r.get_vector<double>();
+      monitor_->restore(in);
+    }
+    told_ = result_.resumed_from = stepper_.step();
+  }
+
   const Plan& plan_;
+  const Discretisation& discretisation_;
   const RunSettings& settings_;
   double start_;
   int told_ = 0;
   RunResult result_;
   Stepper stepper_;
   Reporter reporter_;
+  std::optional<EnergyMonitor> monitor_;
+  std::vector<double> monitor_times_;
+  std::filesystem::path file_; ///< of the checkpoint
+  std::uint64_t fingerprint_ = 0;
+  std::array<int, 6> grown_before_{};
 };
 
 } // namespace
@@ -158,6 +315,8 @@ RunResult run_once(const Plan& plan, const Discretisation& discretisation,
   Run run(plan, discretisation, settings);
   try {
     run.march();
+  } catch (const MemoryMistrust&) {
+    throw; // nothing that was computed with it is a result
   } catch (const Failure&) {
     try {
       auto so_far = run.conclude(); // the last good state goes to disk before the failure is told
@@ -169,9 +328,6 @@ RunResult run_once(const Plan& plan, const Discretisation& discretisation,
   return run.conclude();
 }
 
-} // namespace hvi::solver
-  } catch (const MemoryMistrust&) {
-    throw; // nothing that was computed with it is a result
 } // namespace
 
 /// A memory that an audit finds outside its tolerance makes the run start again with another route;
@@ -194,3 +350,4 @@ RunResult run(const Plan& plan, const Discretisation& discretisation, const RunS
   }
 }
 
+} // namespace hvi::solver

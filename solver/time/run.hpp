@@ -7,6 +7,7 @@
 #include <atomic>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct Certificate {
   double inclusion = 0, equilibrium = 0, tolerance = 0; ///< worst over the steps
   std::string mode = "full";                            ///< or "contact rows every step, ..."
   int worst_step = 0;
+  int inclusion_step = 0, equilibrium_step = 0; ///< where each was worst
 };
 
 /// Seconds of CPU time by phase.
@@ -57,6 +59,14 @@ struct StepNote {
   Origin origin;
 };
 
+/// Columns with a value a step: energies, the quantities of Lemma 3.2, the certificate (energy.hpp).
+struct MonitorTable {
+  std::vector<std::string> names;
+  std::vector<double> times;
+  std::vector<std::vector<double>> columns;
+  double balance_error = 0; ///< of the work identity, relative to its parts
+};
+
 struct RunResult {
   std::string script;
   int unknowns = 0, contact_unknowns = 0, steps = 0;
@@ -70,6 +80,11 @@ struct RunResult {
   std::vector<HistoryReport> histories;
   std::vector<EffectNote> effects; ///< with asleep filled in
   std::vector<StepNote> notes;
+  std::vector<int> events;      ///< by row of the table: points released, or -1 for a snap
+  bool unique = true;           ///< has every step's problem one solution?
+  std::optional<double> energy; ///< of the last state, where more than one is possible
+  std::optional<MonitorTable> monitors;
+  int resumed_from = 0;         ///< the step of the checkpoint that was gone on from
   std::vector<std::string> files; ///< written, relative to the output folder
   Vector u;                       ///< full vector at the end
 };
@@ -85,8 +100,11 @@ struct RunSettings {
   /// Called after every accepted step with (n, t, u, xi of all law points).
   std::function<void(int, double, const Vector&, const Vector&)> on_step;
   const std::atomic<bool>* stop = nullptr; ///< set by Ctrl-C: ends with Failure(interrupted)
+  /// Every so many steps, at the end and on `stop` the state goes to <folder>/<name>.checkpoint;
+  /// 0: never. `resume`: goes on from that file when it is there, with the same bits.
   int checkpoint_every = 0;
   bool resume = false;
+  bool monitors = false; ///< fill RunResult::monitors and write <name>_monitors.csv
 };
 
 /// Solves. Throws Failure(not_certified) at a step without certificate, with its number in the

@@ -3,6 +3,7 @@
 
 #include "solver/time/clock.hpp"
 #include "solver/time/rigid.hpp"
+#include "solver/time/snap.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,6 +31,8 @@ Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
   options_.tolerance = plan.options.tolerance;
   options_.branch = plan.options.branch;
   allocate();
+  for (int n = 2; n <= grid_.steps(); ++n)
+    if (grid_.length(n) > grid_.length(longest_)) longest_ = n;
   if (grid_.is_static()) return;
   if (!plan.time.initial.empty())
     layout_.gather(interpolate(d.space, plan.time.initial, grid_.t(0), plan.time.origin), u_);
@@ -112,6 +115,7 @@ StepMatrix& Stepper::matrix_for(int n) {
   entry.rate = rate;
   entry.length = grid_.length(n);
   factor_or_explain(*entry.matrix, coefficients(n), plan_, discretisation_, layout_);
+  if (n == 1 || n == longest_) unique_ = unique_ && entry.matrix->unique();
   return *entry.matrix;
 }
 
@@ -185,6 +189,8 @@ StepResult Stepper::advance(int n) {
   const double tolerance = plan_.options.tolerance;
   out.certified =
       out.inequality.converged && out.equilibrium <= tolerance && out.inclusion.worst <= tolerance;
+  if (out.certified && operators_.symmetric && !contact_.none())
+    out.snap = is_snap(contact_, inequality_.c, (rhs_ - gap_).dot(d_));
   if (out.certified)
     accept(n);
   else

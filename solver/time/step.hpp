@@ -18,6 +18,7 @@ struct StepResult {
   InequalityReport inequality; ///< of the last correction; iterations and events of all
   int corrections = 0;         ///< pairs of sweeps
   bool certified = false;
+  bool snap = false; ///< it crossed unstable states (snap.hpp)
 };
 
 /// Advances u_{n-1} to u_n:  find d = u_n - u_{n-1} and xi with
@@ -49,6 +50,9 @@ public:
   Vector coefficients(int n) const;
   /// w_m(t_n) = h_m + w0_m u_n
   void history_field(int m, Vector& out) const;
+  /// Has every step of this matrix one solution? False: the step ratio is not below 1 (or a law
+  /// jumps down). Asked once, at the first step and at the longest.
+  bool unique() const { return unique_; }
   /// Adds what was counted to the counters and phases of a run.
   void account(WorkCounters& work, Timing& timing) const;
 
@@ -83,6 +87,8 @@ private:
   std::list<Cached> matrices_; ///< most recently used first
 
   int step_ = 0;
+  bool unique_ = true;
+  int longest_ = 1; ///< the step whose matrix is the softest
   InequalityState inequality_, accepted_;        ///< accepted_: of the last certified step
   Vector u_, known_, d_, d_previous_, d_before_; // states; d on unknowns only
   Vector rhs_, gap_, scale_, work_;              // unknowns

@@ -19,6 +19,9 @@ public:
   /// Throws Failure(not_coercive).
   void factor(const Vector& gamma);
 
+  /// Is the problem of this matrix convex, whatever the load? (InequalitySolver::convex)
+  bool unique() { return !solver_ || solver_->convex(); }
+
   const Vector& gamma() const { return gamma_; }
   const SparseMatrix& k() const { return k_; }
 
@@ -33,6 +36,9 @@ public:
   InequalityReport start(const Vector& gap, InequalityState& state, Vector& d);
 
   FactorStatistics statistics() const;
+  void save(std::ostream& out) const;
+  /// Factors again for the saved coefficients.
+  void restore(std::istream& in);
   double seconds_inequality = 0, seconds_sweeps = 0; ///< CPU time so far
 
 private:

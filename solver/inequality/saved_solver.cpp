@@ -1,0 +1,31 @@
+// What a solver carries from one solve to the next, as bytes (engine.hpp, inequality.hpp): the
+// stiffnesses its last factor belongs to. All else is computed anew in every solve.
+#include "solver/history/stream.hpp"
+#include "solver/inequality/engine.hpp"
+
+namespace hvi::solver {
+
+void InequalityEngine::save(std::ostream& out) const {
+  StateWriter w(out);
+  w.put(static_cast<std::uint8_t>(factored));
+  w.put(last_cg);
+  w.put(snap_factor);
+  w.put(d_factored);
+}
+
+/// The factor is a function of the stiffnesses, so it is computed and not stored.
+void InequalityEngine::restore(std::istream& in) {
+  StateReader r(in, {});
+  const bool was_factored = r.get<std::uint8_t>() != 0;
+  last_cg = r.get<int>();
+  snap_factor = r.get<double>();
+  d_factored = r.get_vector<std::array<double, 9>>();
+  factored = false;
+  if (!was_factored) return;
+  if (d_factored.size() != d.size()) r.fail("has another number of contact points");
+  d = d_factored;
+  assemble();
+  factored = op.factor(h);
+}
+
+} // namespace hvi::solver

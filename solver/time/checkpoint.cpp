@@ -1,0 +1,202 @@
+// The file a run can go on from; see checkpoint.hpp. Called by the loop in run.cpp.
+#include "solver/time/checkpoint.hpp"
+
+#include "solver/kernel/table.hpp"
+#include "solver/output/file.hpp"
+
+#define XXH_INLINE_ALL
+#include <fmt/format.h>
+
+#include <xxhash.h>
+
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+namespace hvi::solver {
+namespace {
+
+constexpr std::uint32_t format_version = 1;
+constexpr std::array<char, 8> magic{'h', 'v', 'i', '-', 's', 't', 'e', 'p'};
+
+struct Header {
+  std::array<char, 8> magic_word = magic;
+  std::uint32_t version = format_version;
+  std::uint32_t byte_order = 0x01020304;
+  std::uint64_t fingerprint = 0, size = 0, state_hash = 0, header_hash = 0;
+};
+
+std::uint64_t hash_of(const void* bytes, std::size_t size) { return XXH3_64bits(bytes, size); }
+
+/// Of all before the hash itself.
+std::uint64_t header_hash(const Header& header) {
+  return hash_of(&header, offsetof(Header, header_hash));
+}
+
+/// A hash that grows piece by piece.
+class Hash {
+public:
+  Hash() { XXH3_64bits_reset(&state_); }
+  void add(const void* bytes, std::size_t size) { XXH3_64bits_update(&state_, bytes, size); }
+  void add(std::string_view text) {
+    add_number(text.size());
+    add(text.data(), text.size());
+  }
+  template <class T>
+  void add_number(T value) {
+    add(&value, sizeof value);
+  }
+  template <class T>
+  void add_all(const std::vector<T>& values) {
+    add_number(values.size());
+    add(values.data(), values.size() * sizeof(T));
+  }
+  std::uint64_t value() const { return XXH3_64bits_digest(&state_); }
+
+private:
+  XXH3_state_t state_{};
+};
+
+/// The values of tables: an expression's text holds only their names.
+class TableVisitor {
+public:
+  explicit TableVisitor(Hash& hash) : hash_(hash) {}
+  void visit(const Expr& e) {
+    if (!seen_.insert(e.id()).second) return;
+    if (e.op() == Op::table || e.op() == Op::table_slope) {
+      const Table& table = *e.table();
+      hash_.add_number(static_cast<int>(table.interpolation()));
+      hash_.add_all(table.abscissae());
+      for (const double x : table.abscissae()) hash_.add_number(table.value(x));
+    }
+    for (const Expr& a : e.args()) visit(a);
+  }
+  void visit(const std::vector<Expr>& all) {
+    for (const Expr& e : all) visit(e);
+  }
+  void visit(const RegionSpec& region) {
+    visit(region.predicate);
+    for (const auto& child : region.children) visit(child);
+  }
+
+private:
+  Hash& hash_;
+  std::set<const void*> seen_;
+};
+
+void add_tables(const Plan& plan, Hash& hash) {
+  TableVisitor tables(hash);
+  for (const auto& part : plan.parts) tables.visit(part.region);
+  for (const auto& d : plan.space.dirichlet) tables.visit(d.value);
+  for (const auto& form : plan.forms)
+    for (const auto& entry : form.entries) tables.visit(entry.coefficient);
+  for (const auto& load : plan.loads)
+    for (const auto& entry : load.entries) tables.visit(entry.value);
+  for (const auto& history : plan.histories) tables.visit(history.kernel.expression);
+  for (const auto& law : plan.laws) tables.visit(law.expression);
+  for (const auto& term : plan.law_terms) {
+    tables.visit(term.factor);
+    for (const auto& row : term.rows) {
+      tables.visit(row.offset);
+      for (const auto& c : row.u) tables.visit(c);
+    }
+  }
+  tables.visit(plan.time.initial);
+  for (const auto& probe : plan.report.probes) tables.visit(probe.expression);
+  for (const auto& fields : plan.report.fields)
+    for (const auto& field : fields.fields) tables.visit(field.components);
+}
+
+void add_mesh(const Mesh& mesh, Hash& hash) {
+  hash.add_number(mesh.dim);
+  hash.add_all(mesh.nodes);
+  hash.add_all(mesh.cells);
+  hash.add_number(mesh.facets.size());
+  for (const auto& facet : mesh.facets) {
+    for (const auto node : facet.nodes) hash.add_number(node);
+    hash.add_number(facet.cell);
+    hash.add_number(facet.other);
+  }
+  for (const auto& [name, group] : mesh.groups) {
+    hash.add(name);
+    hash.add_number(static_cast<int>(group.kind));
+    hash.add_all(group.entities);
+  }
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  if (in.bad() || !in) throw CheckpointFailure(path, "cannot be read", "");
+  return bytes;
+}
+
+} // namespace
+
+std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh) {
+  Hash hash;
+  Plan same = plan; // what may differ between two places or machines is left out
+  same.mesh.path.clear();
+  same.options.threads = 1;
+  hash.add(to_string(same));
+  hash.add_number(plan.options.proportional_path);
+  hash.add_number(plan.options.audit);
+  hash.add_all(plan.time.grid);
+  add_tables(plan, hash);
+  add_mesh(mesh, hash);
+  return hash.value();
+}
+
+std::filesystem::path checkpoint_path(const std::string& folder, const std::string& name) {
+  return std::filesystem::path(folder) / (name + ".checkpoint");
+}
+
+void write_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint,
+                      std::string_view state) {
+  Header header;
+  header.fingerprint = fingerprint;
+  header.size = state.size();
+  header.state_hash = hash_of(state.data(), state.size());
+  header.header_hash = header_hash(header);
+  std::string bytes(sizeof header, '\0');
+  std::memcpy(bytes.data(), &header, sizeof header);
+  bytes += state;
+  write_atomically(path, bytes, Durability::synced);
+}
+
+std::string read_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint) {
+  const char* again = "remove it, or run without --resume, to begin at the first step";
+  std::string bytes = read_file(path);
+  Header header;
+  if (bytes.size() < sizeof header) throw CheckpointFailure(path, "ends too early", again);
+  std::memcpy(&header, bytes.data(), sizeof header);
+  if (header.magic_word != magic) throw CheckpointFailure(path, "is no checkpoint", again);
+  if (header.version != format_version || header.byte_order != Header{}.byte_order)
+    throw CheckpointFailure(
+        path,
+        fmt::format("has format {}, this program reads format {}", header.version, format_version),
+        again);
+  if (header.header_hash != header_hash(header) || header.size != bytes.size() - sizeof header ||
+      header.state_hash != hash_of(bytes.data() + sizeof header, bytes.size() - sizeof header))
+    throw CheckpointFailure(path, "is damaged: its hash does not fit its content", again);
+  if (header.fingerprint != fingerprint)
+    throw CheckpointFailure(path,
+                            "belongs to another problem: the script, its parameters or its mesh "
+                            "have changed",
+                            again);
+  return bytes.substr(sizeof header);
+}
+
+void remove_leftovers(const std::filesystem::path& path) {
+  std::error_code ignore;
+  const auto start = path.filename().string() + ".";
+  for (const auto& entry : std::filesystem::directory_iterator(path.parent_path(), ignore)) {
+    const auto name = entry.path().filename().string();
+    constexpr std::size_t random_letters = 6; // of a temporary file's name (file.cpp)
+    if (name.starts_with(start) && name.size() == start.size() + random_letters)
+      std::filesystem::remove(entry.path(), ignore);
+  }
+}
+
+} // namespace hvi::solver

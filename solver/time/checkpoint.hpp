@@ -1,0 +1,38 @@
+// The file a run can go on from: header, hashes, and the state as bytes (saved_state.cpp).
+#pragma once
+
+#include "solver/plan/plan.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace hvi::solver {
+
+/// A checkpoint that cannot be gone on from: damaged, of another format, or of another problem.
+struct CheckpointFailure : Failure {
+  CheckpointFailure(const std::filesystem::path& path, const std::string& what, std::string help_)
+      : Failure(FailureKind::broken_file, {}, "the checkpoint `" + path.string() + "` " + what,
+                std::move(help_)) {}
+};
+
+/// A hash of everything that decides the numbers of a run: forms, laws, kernels, loads, tables,
+/// options, grid, report, mesh. Neither paths nor the number of threads are in it.
+std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh);
+
+/// Where the checkpoint of a run stands.
+std::filesystem::path checkpoint_path(const std::string& folder, const std::string& name);
+
+/// Header (magic, format version, fingerprint, size, hash of the state) and state; on the disk
+/// before the old file gives way. Throws Failure(output).
+void write_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint,
+                      std::string_view state);
+/// The state again. Throws CheckpointFailure when any bit of the file is not what was written, or
+/// when it belongs to another problem.
+std::string read_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint);
+
+/// Removes what writes that were killed left beside the checkpoint.
+void remove_leftovers(const std::filesystem::path& path);
+
+} // namespace hvi::solver

@@ -1,0 +1,191 @@
+// Energies and the quantities of Lemma 3.2, step by step; see energy.hpp. Called by run.cpp.
+#include "solver/time/energy.hpp"
+
+#include "solver/history/stream.hpp"
+#include "solver/time/saved_state.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+enum Sum {
+  sum_work,
+  sum_viscous,
+  sum_memory,
+  sum_lost,
+  max_u,
+  sum_jumps,
+  max_xi,
+  sum_rate,
+  n_sums
+};
+
+SparseMatrix of_field(const Plan& plan, const Discretisation& d, int field) {
+  SparseMatrix out(d.space.n_dofs(), d.space.n_dofs());
+  for (const auto& form : plan.forms)
+    if (form.field == field)
+      out = SparseMatrix(out + assemble_form(d.space, d.parts[form.part], form));
+  return out;
+}
+
+double asymmetry(const SparseMatrix& k) {
+  const SparseMatrix skew = SparseMatrix(k - SparseMatrix(k.transpose()));
+  double size = 0, off = 0;
+  for (int e = 0; e < k.nonZeros(); ++e) size = std::max(size, std::abs(k.valuePtr()[e]));
+  for (int e = 0; e < skew.nonZeros(); ++e) off = std::max(off, std::abs(skew.valuePtr()[e]));
+  return size > 0 ? off / size : 0.0;
+}
+
+} // namespace
+
+EnergyMonitor::EnergyMonitor(const Plan& plan, const Discretisation& d, const Stepper& stepper)
+    : plan_(plan), d_(d), rate_(of_field(plan, d, field_rate)),
+      elastic_(of_field(plan, d, field_u)), gram_(gram_v(d.space, d.dofs.eliminated.empty())),
+      loads_(d.space, d.parts, plan.loads), names_{"energy",      "elastic",    "contact",
+                                                   "work",        "viscous",    "memory",
+                                                   "lost",        "lemma_u",    "lemma_jumps",
+                                                   "lemma_xi",    "lemma_rate", "inclusion",
+                                                   "equilibrium", "iterations", "events",
+                                                   "snap"},
+      sums_(n_sums, 0.0), columns_(names_.size()) {
+  for (std::size_t m = 0; m < plan.histories.size(); ++m)
+    memory_.push_back(of_field(plan, d, first_history_field + static_cast<int>(m)));
+  symmetric_ = asymmetry(elastic_) <= 1e-12;
+  for (Vector* v : {&u_, &before_, &d_u_, &f_, &work_, &viscous_force_, &elastic_force_,
+                    &memory_force_, &contact_force_})
+    *v = Vector::Zero(d.space.n_dofs());
+  z_ = Vector::Zero(stepper.contact().n_rows());
+  stepper.layout().scatter(stepper.u(), u_);
+  elastic_energy_ = 0.5 * u_.dot(elastic_ * u_);
+  contact_energy_ = contact_energy(stepper, u_);
+}
+
+/// sum_p w_p j(z_p) with the laws and offsets of the stepper's time.
+double EnergyMonitor::contact_energy(const Stepper& stepper, const Vector& u) {
+  const Contact& contact = stepper.contact();
+  z_ = contact.offset;
+  double sum = 0;
+  for (const auto& term : contact.terms) {
+    z_.segment(term.first_row, term.n_rows()) += term.points.g * u;
+    for (int p = 0; p < term.n_points(); ++p) {
+      const auto& point = contact.problem.points[term.first_point + p];
+      const auto& graph = contact.problem.graphs[point.graph];
+      const auto z = z_.segment(point.first_row, point.rows);
+      const double r = contact.laws[point.law]->spec().radial ? z.norm() : z[0];
+      sum += point.weight * contact.laws[point.law]->potential(graph, piece_of(graph, r), r);
+    }
+  }
+  return sum;
+}
+
+void EnergyMonitor::load(const Stepper& stepper) {
+  const auto& grid = stepper.grid();
+  const int n = stepper.step();
+  f_.setZero();
+  if (plan_.time.sampling == LoadSampling::average && !grid.is_static() && n > 0)
+    loads_.add_mean(grid.t(n - 1), grid.t(n), f_);
+  else
+    loads_.add(grid.t(n), f_);
+}
+
+double EnergyMonitor::energy(const Stepper& stepper) {
+  stepper.layout().scatter(stepper.u(), work_);
+  load(stepper);
+  return 0.5 * work_.dot(elastic_ * work_) + contact_energy(stepper, work_) - f_.dot(work_);
+}
+
+/// A u', B u, sum_m E_m w_m and G^T W xi.
+void EnergyMonitor::forces(const Stepper& stepper) {
+  const auto& layout = stepper.layout();
+  elastic_force_.noalias() = elastic_ * u_;
+  viscous_force_.setZero(), memory_force_.setZero(), contact_force_.setZero();
+  if (!stepper.grid().is_static()) {
+    state_.resize(layout.n_state);
+    stepper.rate(state_);
+    layout.scatter(state_, work_);
+    viscous_force_.noalias() += rate_ * work_;
+    for (std::size_t m = 0; m < memory_.size(); ++m) {
+      stepper.history_field(static_cast<int>(m), state_);
+      layout.scatter(state_, work_);
+      memory_force_.noalias() += memory_[m] * work_;
+    }
+  }
+  const Contact& contact = stepper.contact();
+  for (const auto& term : contact.terms) {
+    Vector weighted = stepper.xi().segment(term.first_row, term.n_rows());
+    for (int p = 0; p < term.n_points(); ++p)
+      weighted.segment(p * term.points.rows, term.points.rows) *= term.points.weight[p];
+    contact_force_.noalias() += term.points.g.transpose() * weighted;
+  }
+}
+
+void EnergyMonitor::take(const Stepper& stepper, const StepResult& outcome) {
+  before_.swap(u_);
+  stepper.layout().scatter(stepper.u(), u_);
+  d_u_ = u_ - before_;
+  load(stepper);
+  forces(stepper);
+  // On the unknowns the parts add up to the load; on imposed values the rest is the reaction.
+  work_ = viscous_force_ + elastic_force_ + memory_force_ + contact_force_ - f_;
+  const double viscous = viscous_force_.dot(d_u_), memory = memory_force_.dot(d_u_);
+  double reaction = 0, error = 0, size = 0;
+  for (const auto& e : d_.dofs.eliminated) reaction += work_[e.dof] * d_u_[e.dof];
+  for (const auto i : d_.dofs.free) error += work_[i] * d_u_[i];
+  for (const Vector* force : {&viscous_force_, &elastic_force_, &memory_force_, &contact_force_})
+    size += force->cwiseAbs().dot(d_u_.cwiseAbs());
+  largest_error_ = std::max(largest_error_, std::abs(error));
+  largest_size_ = std::max(largest_size_, size);
+
+  const double work = f_.dot(d_u_) + reaction, elastic = 0.5 * elastic_force_.dot(u_),
+               contact = contact_energy(stepper, u_);
+  const double k = stepper.grid().length(stepper.step()), jump = norm_squared(d_u_);
+  double xi = 0;
+  for (const auto& point : stepper.contact().problem.points)
+    xi += point.weight * stepper.xi().segment(point.first_row, point.rows).squaredNorm();
+  sums_[sum_work] += work, sums_[sum_viscous] += viscous, sums_[sum_memory] += memory;
+  sums_[sum_lost] +=
+      work - viscous - memory - (elastic - elastic_energy_) - (contact - contact_energy_);
+  sums_[max_u] = std::max(sums_[max_u], std::sqrt(norm_squared(u_)));
+  sums_[sum_jumps] += jump, sums_[sum_rate] += jump / k;
+  sums_[max_xi] = std::max(sums_[max_xi], std::sqrt(xi));
+  elastic_energy_ = elastic, contact_energy_ = contact;
+  const double row[] = {elastic + contact - f_.dot(u_),
+                        elastic,
+                        contact,
+                        sums_[sum_work],
+                        sums_[sum_viscous],
+                        sums_[sum_memory],
+                        sums_[sum_lost],
+                        sums_[max_u],
+                        sums_[sum_jumps],
+                        sums_[max_xi],
+                        sums_[sum_rate],
+                        outcome.inclusion.worst,
+                        outcome.equilibrium,
+                        static_cast<double>(outcome.inequality.iterations),
+                        static_cast<double>(outcome.inequality.events),
+                        outcome.snap ? 1.0 : 0.0};
+  for (std::size_t c = 0; c < columns_.size(); ++c) columns_[c].push_back(row[c]);
+}
+
+void EnergyMonitor::save(std::ostream& out) const {
+  StateWriter w(out);
+  put_vector(w, u_);
+  w.put(std::array<double, 4>{elastic_energy_, contact_energy_, largest_error_, largest_size_});
+  w.put(sums_);
+  for (const auto& column : columns_) w.put(column);
+}
+
+void EnergyMonitor::restore(std::istream& in) {
+  StateReader r(in, {});
+  get_vector(r, u_);
+  const auto numbers = r.get<std::array<double, 4>>();
+  elastic_energy_ = numbers[0], contact_energy_ = numbers[1];
+  largest_error_ = numbers[2], largest_size_ = numbers[3];
+  sums_ = r.get_vector<double>();
+  for (auto& column : columns_) column = r.get_vector<double>();
+}
+
+} // namespace hvi::solver

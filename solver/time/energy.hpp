@@ -1,0 +1,64 @@
+// Energies and the quantities of the a priori estimate, step by step: on request, beside the run.
+//
+// Everything is computed on full vectors with matrices of its own, so it also checks the stepper.
+// With d = u_n - u_{n-1}, f_n the load, r_n the reaction on imposed values, W the laws' weights:
+//   work     += <f_n + r_n, d>         elastic = <B u_n, u_n>/2     contact = sum_p w_p j(z_p)
+//   viscous  += <A u'_n, d>            memory += <sum_m E_m w_m, d>
+//   lost     += work - viscous - memory - (change of elastic + contact)
+//   energy    = elastic + contact - <f_n, u_n>: what a stable state makes least
+// `lost` is the dissipation of the scheme, <B d, d>/2 to first order, and what snaps set free.
+// Lemma 3.2 bounds, independent of the step k (V: the norm of eps(u); X: L2 with the laws' weights)
+//   max |u_n|_V,   sum |u_n - u_{n-1}|_V^2,   max |xi_n|_X*,   sum k |(u_n - u_{n-1})/k|_V^2.
+#pragma once
+
+#include "solver/time/step.hpp"
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace hvi::solver {
+
+class EnergyMonitor {
+public:
+  /// The stepper stands at its initial state.
+  EnergyMonitor(const Plan& plan, const Discretisation& discretisation, const Stepper& stepper);
+
+  /// Takes an accepted step. `outcome`: its certificate and iterations go into the columns.
+  void take(const Stepper& stepper, const StepResult& outcome);
+  /// Of the stepper's state: elastic + contact - <f, u>.
+  double energy(const Stepper& stepper);
+  /// Is B symmetric, so that the energy is one?
+  bool has_energy() const { return symmetric_; }
+
+  const std::vector<std::string>& names() const { return names_; }
+  const std::vector<std::vector<double>>& columns() const { return columns_; }
+  /// The worst |work identity| of a step by the largest sum of its parts' sizes: rounding.
+  double balance_error() const { return largest_size_ > 0 ? largest_error_ / largest_size_ : 0.0; }
+
+  void save(std::ostream& out) const;
+  void restore(std::istream& in);
+
+private:
+  double norm_squared(const Vector& v) const { return v.dot(gram_ * v); }
+  double contact_energy(const Stepper& stepper, const Vector& u);
+  void load(const Stepper& stepper);
+  void forces(const Stepper& stepper);
+
+  const Plan& plan_;
+  const Discretisation& d_;
+  SparseMatrix rate_, elastic_, gram_; ///< A, B and the Gram matrix of V on all dofs
+  std::vector<SparseMatrix> memory_;   ///< E_m
+  LoadAssembler loads_;
+  bool symmetric_ = true;
+
+  Vector u_, before_, d_u_, f_, work_, state_; ///< full vectors
+  Vector viscous_force_, elastic_force_, memory_force_, contact_force_;
+  Vector z_;
+  double elastic_energy_ = 0, contact_energy_ = 0, largest_error_ = 0, largest_size_ = 0;
+  std::vector<std::string> names_;
+  std::vector<double> sums_; ///< work, viscous, memory, lost, and the four of Lemma 3.2
+  std::vector<std::vector<double>> columns_;
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,156 @@
+// The state of a run as bytes, bit for bit: what a checkpoint holds. Factors and Schur complements
+// are functions of the coefficients they were made for, so only those are stored.
+#include "solver/time/saved_state.hpp"
+
+#include "solver/time/report.hpp"
+#include "solver/time/step.hpp"
+
+#include <algorithm>
+
+namespace hvi::solver {
+
+void put_vector(StateWriter& w, const Vector& v) {
+  w.put(std::vector<double>(v.data(), v.data() + v.size()));
+}
+
+void get_vector(StateReader& r, Vector& v) {
+  const auto values = r.get_vector<double>();
+  v = Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+void put_text(StateWriter& w, const std::string& text) {
+  w.put(std::vector<char>(text.begin(), text.end()));
+}
+
+std::string get_text(StateReader& r) {
+  const auto letters = r.get_vector<char>();
+  return {letters.begin(), letters.end()};
+}
+
+void Memory::save(std::ostream& out) const {
+  StateWriter w(out);
+  for (const auto& history : histories_) history->save(out);
+  w.put(w0_);
+  for (const auto& known : known_) put_vector(w, known);
+}
+
+void Memory::restore(std::istream& in) {
+  StateReader r(in, {});
+  for (auto& history : histories_) history->restore(in);
+  w0_ = r.get_vector<double>();
+  for (auto& known : known_) get_vector(r, known);
+}
+
+void StepMatrix::save(std::ostream& out) const {
+  StateWriter w(out);
+  put_vector(w, gamma_);
+  if (solver_) solver_->save(out);
+}
+
+void StepMatrix::restore(std::istream& in) {
+  StateReader r(in, {});
+  Vector gamma;
+  get_vector(r, gamma);
+  factor(gamma);
+  if (solver_) solver_->restore(in);
+}
+
+void Stepper::save(std::ostream& out) const {
+  StateWriter w(out);
+  w.put(step_);
+  w.put(static_cast<std::uint8_t>(unique_));
+  for (const Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi})
+    put_vector(w, *v);
+  w.put(inequality_.state);
+  memory_.save(out);
+  w.put(std::array<int, 4>{products_, corrections_, newton_, fallbacks_});
+  w.put(static_cast<std::uint64_t>(matrices_.size()));
+  for (const auto& cached : matrices_) {
+    w.put(cached.rate);
+    w.put(cached.length);
+    cached.matrix->save(out);
+  }
+}
+
+void Stepper::restore(std::istream& in) {
+  StateReader r(in, {});
+  step_ = r.get<int>();
+  unique_ = r.get<std::uint8_t>() != 0;
+  for (Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi})
+    get_vector(r, *v);
+  inequality_.state = r.get_vector<int>();
+  if (u_.size() != layout_.n_state || inequality_.xi.size() != contact_.n_rows())
+    r.fail("has another number of unknowns");
+  accepted_ = inequality_;
+  memory_.restore(in);
+  const auto counters = r.get<std::array<int, 4>>();
+  matrices_.clear();
+  const auto count = r.get<std::uint64_t>();
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const double rate = r.get<double>(), length = r.get<double>();
+    // Laws that move with time are prepared for the step's time before every solve.
+    if (!contact_.none() && step_ > 0) prepare(contact_, plan_, grid_.t(step_), u_);
+    matrices_.push_back(
+        {rate, length, std::make_unique<StepMatrix>(operators_, contact_, options_)});
+    matrices_.back().matrix->restore(in);
+  }
+  products_ = counters[0], corrections_ = counters[1];
+  newton_ = counters[2], fallbacks_ = counters[3];
+}
+
+void FieldFiles::save(std::ostream& out) const {
+  StateWriter w(out);
+  w.put(static_cast<std::uint64_t>(entries_.size()));
+  for (const auto& entry : entries_) {
+    w.put(entry.time);
+    w.put(entry.part);
+    put_text(w, entry.file);
+  }
+}
+
+void FieldFiles::restore(std::istream& in) {
+  StateReader r(in, {});
+  entries_.resize(r.get<std::uint64_t>());
+  for (auto& entry : entries_) {
+    entry.time = r.get<double>();
+    entry.part = r.get<int>();
+    entry.file = get_text(r);
+  }
+}
+
+void Reporter::save(std::ostream& out) const {
+  StateWriter w(out);
+  w.put(values_);
+  w.put(rows_);
+  w.put(times_);
+  for (const auto& column : columns_) w.put(column);
+  w.put(active_);
+  w.put(last_recorded_);
+  w.put(events_);
+  w.put(pending_events_);
+  w.put(static_cast<std::uint64_t>(written_.size()));
+  for (const auto& name : written_) put_text(w, name);
+  for (const auto& files : fields_) files.second.save(out);
+}
+
+void Reporter::restore(std::istream& in, const Stepper& stepper) {
+  StateReader r(in, {});
+  values_ = r.get_vector<double>();
+  rows_ = r.get_vector<int>();
+  times_ = r.get_vector<double>();
+  for (auto& column : columns_) column = r.get_vector<double>();
+  active_ = r.get_vector<char>();
+  last_recorded_ = r.get<int>();
+  events_ = r.get_vector<int>();
+  pending_events_ = r.get<int>();
+  written_.resize(r.get<std::uint64_t>());
+  for (auto& name : written_) name = get_text(r);
+  for (auto& files : fields_) files.second.restore(in);
+  now_.take(stepper);
+  if (keeps_before_) before_ = now_;
+  for (const auto& name : written_)
+    if (!std::filesystem::exists(folder_ / name))
+      r.fail("counts on the file `" + name + "`, which is gone");
+}
+
+} // namespace hvi::solver

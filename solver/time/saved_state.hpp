@@ -1,0 +1,16 @@
+// Vectors and texts in the bytes of a checkpoint.
+#pragma once
+
+#include "solver/history/stream.hpp"
+#include "solver/linear/sparse.hpp"
+
+#include <string>
+
+namespace hvi::solver {
+
+void put_vector(StateWriter& w, const Vector& v);
+void get_vector(StateReader& r, Vector& v);
+void put_text(StateWriter& w, const std::string& text);
+std::string get_text(StateReader& r);
+
+} // namespace hvi::solver
