@@ -22,6 +22,9 @@ Overloaded(F...) -> Overloaded<F...>;
 
 using solver::Op;
 
+/// A script of 10,000 lines evaluates a few hundred thousand.
+constexpr long most_evaluations = 5'000'000;
+
 /// Index 0..2 of x, y, z; nothing for other words.
 std::optional<int> axis_of(const std::string& member) {
   if (member.size() != 1 || member[0] < 'x' || member[0] > 'z') return std::nullopt;
@@ -31,6 +34,12 @@ std::optional<int> axis_of(const std::string& member) {
 } // namespace
 
 Value Checker::expr(const ast::Expr& e, const Scope& scope) {
+  if (evaluations_ >= most_evaluations) return Poison{};
+  if (++evaluations_ == most_evaluations) {
+    error("E0607", e.span, fmt::format("more than {} expressions are evaluated", most_evaluations),
+          "functions that call each other several times multiply: give results a name");
+    return Poison{};
+  }
   return std::visit(
       Overloaded{[&](const ast::Number& n) -> Value {
                    // NaN: the lexer has complained about it.

@@ -118,7 +118,7 @@ std::optional<int> Checker::law_for(int declaration, bool radial, const Span& us
   std::map<std::string, Value> parameters;
   Scope scope;
   scope.what = "a superpotential";
-  scope.position = scope.time = true;
+  scope.position = scope.time = scope.law = true;
   for (const ast::LawParameter& p : law.parameters) {
     if (!p.value) {
       error("E0305", use,
@@ -132,9 +132,11 @@ std::optional<int> Checker::law_for(int declaration, bool radial, const Span& us
     if (is_poison(v)) return std::nullopt;
     parameters[p.name.text] = std::move(v);
   }
+  coupled_.clear();
   auto body = law_body(declaration, law_argument(radial), parameters, use);
   if (!body) return std::nullopt;
   solver::LawSpec spec;
+  spec.coupled = coupled_;
   spec.name = law.name.text;
   spec.origin = model_.origin(law.name.span);
   spec.radial = radial;

@@ -68,6 +68,17 @@ int Checker::probe(Probe p) {
   return static_cast<int>(model_.report.probes.size()) - 1;
 }
 
+/// `other.xi` in a superpotential: the multiplier of a scalar law at the same point.
+Value Checker::coupled_multiplier(const ast::Member& m, int declaration) {
+  const std::string& law = declarations_[declaration].name;
+  if (coupled_.empty()) coupled_ = law;
+  if (coupled_ == law) return scalar_field(Symbol::variable(slot::coupled));
+  error("E0309", m.member.span,
+        fmt::format("a law reads one other law's multiplier, not those of `{}` and `{}`", coupled_,
+                    law));
+  return Poison{};
+}
+
 Value Checker::law_member(const ast::Member& m, int declaration, const Scope& scope) {
   const std::string& law = declarations_[declaration].name;
   if (m.member.text != "xi") {
@@ -75,6 +86,7 @@ Value Checker::law_member(const ast::Member& m, int declaration, const Scope& sc
           fmt::format("its multiplier is `{}.xi`", law));
     return Poison{};
   }
+  if (scope.law) return coupled_multiplier(m, declaration);
   if (!scope.report) {
     error("E0309", m.member.span, fmt::format("`{}.xi` is a result", law),
           "it may stand in `report`");

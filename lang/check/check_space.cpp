@@ -13,7 +13,7 @@ namespace slot = solver::slot;
 
 namespace {
 
-constexpr int most_steps = 100'000'000;
+constexpr int most_steps = 20'000'000;
 
 std::optional<int> component_index(const ast::Name& name, int dim) {
   if (name.text.size() != 1) return std::nullopt;

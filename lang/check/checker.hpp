@@ -82,6 +82,7 @@ private:
   Value member(const ast::Expr& e, const ast::Member& member, const Scope& scope);
   Value field_member(const ast::Expr& e, const ast::Member& member, const Field& object,
                      const Scope& scope);
+  Value coupled_multiplier(const ast::Member& member, int declaration);
   Value law_member(const ast::Member& member, int declaration, const Scope& scope);
   Value prime(const ast::Expr& e, const ast::Prime& prime, const Scope& scope);
   Value cases(const ast::Expr& e, const ast::Cases& cases, const Scope& scope);
@@ -224,6 +225,7 @@ private:
   std::map<std::string, solver::Group::Kind> groups_; ///< of the mesh in use
   bool groups_known_ = false;
   std::map<std::pair<int, bool>, int> law_index_;
+  std::string coupled_; ///< the law whose multiplier the law being checked reads
   std::set<int> laws_applied_;
   std::map<std::string, int> part_of_;
   /// A table's argument, checked when the times of the problem are known.
@@ -242,6 +244,7 @@ private:
   int space_declaration_ = -1;
   bool uses_memory_ = false;
   int call_depth_ = 0;
+  long evaluations_ = 0;       ///< of expressions: functions of functions can ask for any number
   bool readable_ = true;       ///< the unknown and the test function have names of their own
   bool normal_missed_ = false; ///< in the integral at hand a normal was missed and reported
 };

@@ -1,5 +1,7 @@
-// libFuzzer target for scripts: any bytes lex and parse without a crash; a script without errors
-// survives the formatter with the same tree, and formatting twice changes nothing.
+// libFuzzer target for scripts: any bytes lex, parse and are checked without a crash; a script
+// without syntax errors survives the formatter with the same tree, and formatting twice changes
+// nothing.
+#include "lang/check/check.hpp"
 #include "lang/diag/render.hpp"
 #include "lang/syntax/parser.hpp"
 #include "lang/syntax/print.hpp"
@@ -43,10 +45,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Diagnostics diagnostics;
   const ast::Program program = parse(sources.file(id), diagnostics);
   require(print_ast(program, &sources.file(id)).size() < 1U << 30U, "the dump explodes", script);
+  if (!diagnostics.has_errors()) check_round_trip(script);
+  // There is no such folder: a script that is read from nowhere has no files.
+  CheckOptions options;
+  options.folder = "/nonexistent";
+  if (const auto model = check({program}, options, diagnostics))
+    require(!to_string(*model).empty(), "the model has no dump", script);
   if (diagnostics.size() > 0) {
     require(!render(diagnostics, sources).empty(), "nothing is rendered", script);
     require(!render_json(diagnostics, sources).empty(), "nothing is rendered", script);
   }
-  if (!diagnostics.has_errors()) check_round_trip(script);
   return 0;
 }
