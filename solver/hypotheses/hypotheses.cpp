@@ -220,6 +220,14 @@ private:
     c().m_nu = c().m_tau = c().c_J = 0.0;
     for (const auto& law : numbers_.laws()) {
       const auto& term = plan_.law_terms[law.term];
+      if (const std::string& other = plan_.laws[term.law].coupled; !other.empty()) {
+        c().m_nu = c().m_tau = c().c_J = infinity;
+        row("H(J)", fmt::format("`{}` is a law of its argument alone", term.name), std::nullopt,
+            Answer::fails, term.origin,
+            fmt::format("its bound is the multiplier of `{}` (Coulomb): beyond the theory", other));
+        coupled_ = true;
+        continue;
+      }
       (law.radial ? c().m_tau : c().m_nu) = std::max(law.radial ? c().m_tau : c().m_nu, law.m);
       c().c_J = std::max(c().c_J, law.c);
       const std::string mark = law.exact ? "" : " (sampled)";
@@ -360,11 +368,12 @@ private:
   }
 
   void verdicts() {
-    const bool step_holds = out_.margins.step > 0.0 && all_hold({"H(f)"});
+    const bool step_holds = out_.margins.step > 0.0 && all_hold({"H(f)"}) && !coupled_;
     out_.discrete = step_holds;
     const char* what = plan_.time.is_static ? "the problem" : "every step";
     out_.discrete_verdict =
         step_holds ? fmt::format("on this mesh {} has exactly one solution", what)
+        : coupled_ ? std::string("uniqueness is not guaranteed: a law is coupled to another one")
         : std::isfinite(out_.margins.step)
             ? fmt::format("uniqueness is not guaranteed: {} may have several solutions", what)
             : std::string("uniqueness is not guaranteed: a law jumps down, or the forms are not "
@@ -390,6 +399,7 @@ private:
   Numbers numbers_;
   HypothesisReport out_;
   std::size_t longest_ = 0;
+  bool coupled_ = false;
   double product_ = 0.0;                            ///< sum c_E c_q over the kernels
   std::optional<double> whole_limit_, split_limit_; ///< of the margins, on ever finer meshes
 };

@@ -21,6 +21,8 @@ inline constexpr Slot argument(int i) { return 8 + i; } ///< argument of a law, 
 /// 0..2 are the values w_i, 3 + 3 i + j is dw_i/dx_j. A scalar function has i = 0.
 inline constexpr int value(int i) { return i; }
 inline constexpr int gradient(int i, int j) { return 3 + 3 * i + j; }
+/// Inside a law: the multiplier of another law at the same point (Coulomb's bound).
+inline constexpr Slot coupled = 11;
 /// The test function v.
 inline constexpr Slot test(int derivative) { return 16 + derivative; }
 /// Field k: 0 is u, 1 is u', 2 + m is the m-th history field of the plan.

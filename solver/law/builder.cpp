@@ -24,11 +24,11 @@ double sample_of(double low, double high) {
   return 0.0;
 }
 
-std::string where(double r, const LawSpec& spec, const Point& x, double t) {
+std::string where(double r, const LawSpec& spec, const Point& x, LawTime t) {
   std::string text = fmt::format("{} = {}", spec.radial ? "|xi|" : "r", r);
   if (spec.expression.depends_on_any(slot::x(0), slot::x(2) + 1))
     text += fmt::format(", x = ({}, {}, {})", x[0], x[1], x[2]);
-  if (spec.expression.depends_on(slot::t)) text += fmt::format(", t = {}", t);
+  if (spec.expression.depends_on(slot::t)) text += fmt::format(", t = {}", t.t);
   return text;
 }
 
@@ -42,7 +42,8 @@ std::string where(double r, const LawSpec& spec, const Point& x, double t) {
 GraphBuilder::GraphBuilder(const LawSpec& spec)
     : spec_(spec), expression_(expose_kinks(spec.expression)) {
   for (const Slot s : slots_of(expression_))
-    if (s != slot::argument(0) && s != slot::t && !(s >= slot::x(0) && s <= slot::x(2)))
+    if (s != slot::argument(0) && s != slot::t && s != slot::coupled &&
+        !(s >= slot::x(0) && s <= slot::x(2)))
       throw Failure(
           FailureKind::bad_law, spec.origin,
           fmt::format("the law `{}` may depend on its argument, x and t only", spec.name));
@@ -52,7 +53,7 @@ GraphBuilder::GraphBuilder(const LawSpec& spec)
   if (!functions.empty()) values_ = PointTape(functions);
 }
 
-Signature GraphBuilder::signature_at(double r, const Point& x, double t, std::size_t n) const {
+Signature GraphBuilder::signature_at(double r, const Point& x, LawTime t, std::size_t n) const {
   thread_local std::vector<double> values;
   values.resize(switches_.size());
   if (!values.empty()) values_(r, x, t, values);
@@ -61,7 +62,7 @@ Signature GraphBuilder::signature_at(double r, const Point& x, double t, std::si
   return signature;
 }
 
-void GraphBuilder::add_roots(int i, const Signature& prefix, const Point& x, double t, double low,
+void GraphBuilder::add_roots(int i, const Signature& prefix, const Point& x, LawTime t, double low,
                              double high, std::vector<double>& roots) const {
   auto found = finders_.find({i, prefix});
   if (found == finders_.end()) {
@@ -76,7 +77,7 @@ void GraphBuilder::add_roots(int i, const Signature& prefix, const Point& x, dou
 
 /// All places where a switch may turn, sorted. The function of a nested switch is itself piecewise:
 /// it is searched cell by cell between the breaks of the switches inside it.
-std::vector<double> GraphBuilder::candidates(const Point& x, double t) const {
+std::vector<double> GraphBuilder::candidates(const Point& x, LawTime t) const {
   const double start = spec_.radial ? 0.0 : -infinity;
   std::vector<double> breaks;
   for (int i = 0; i < static_cast<int>(switches_.size()); ++i) {
@@ -114,7 +115,7 @@ int GraphBuilder::function_for(const Signature& signature) const {
   return id;
 }
 
-GraphBuilder::Cell GraphBuilder::cell_at(double low, double high, const Point& x, double t) const {
+GraphBuilder::Cell GraphBuilder::cell_at(double low, double high, const Point& x, LawTime t) const {
   Cell cell{low, high, sample_of(low, high), 0};
   cell.function = function_for(signature_at(cell.sample, x, t, switches_.size()));
   // An unbounded cell may overflow at the first sample (exp(1e5 r) at 1): look closer to its end.
@@ -130,7 +131,7 @@ GraphBuilder::Cell GraphBuilder::cell_at(double low, double high, const Point& x
        "define the law for every argument, by cases if need be");
 }
 
-bool GraphBuilder::singular_at(double r, const Point& x, double t) const {
+bool GraphBuilder::singular_at(double r, const Point& x, LawTime t) const {
   thread_local std::vector<double> values;
   values.resize(switches_.size());
   values_(r, x, t, values);
@@ -140,7 +141,7 @@ bool GraphBuilder::singular_at(double r, const Point& x, double t) const {
 }
 
 /// Drops breaks with the same smooth function on both sides.
-void GraphBuilder::merge(std::vector<Cell>& cells, const Point& x, double t) const {
+void GraphBuilder::merge(std::vector<Cell>& cells, const Point& x, LawTime t) const {
   std::vector<Cell> kept;
   for (const Cell& c : cells) {
     if (!kept.empty() && kept.back().function == c.function && !singular_at(c.low, x, t))
@@ -151,7 +152,7 @@ void GraphBuilder::merge(std::vector<Cell>& cells, const Point& x, double t) con
   cells = std::move(kept);
 }
 
-LawGraph GraphBuilder::build(const Point& x, double t) const {
+LawGraph GraphBuilder::build(const Point& x, LawTime t) const {
   const std::lock_guard guard(lock_);
   const auto breaks = candidates(x, t);
   std::vector<Cell> cells;
@@ -175,7 +176,7 @@ LawGraph GraphBuilder::build(const Point& x, double t) const {
 
 /// The slope's limit at `at` from the side of `inner`. Where the expression itself is undefined
 /// there (sin(r)/r) two-point extrapolations must agree, else the limit does not exist.
-double GraphBuilder::limit(int function, double at, double inner, const Point& x, double t) const {
+double GraphBuilder::limit(int function, double at, double inner, const Point& x, LawTime t) const {
   const SmoothFunction& f = functions_[function];
   const double direct = f.slope(at, x, t);
   if (std::isfinite(direct)) return direct;
@@ -292,7 +293,6 @@ bool calm_near(const F& f, double slope_at_a, double a, double b) {
 /// end where the slope is calm.
 template <class F>
 double integral(const F& f, double slope_at_a, double a, double b) {
-
   double sum = 0.0, end = b;
   for (int k = 0; k <= 30; ++k) {
     const bool last = k == 30 || calm_near(f, slope_at_a, a, end);

@@ -16,7 +16,7 @@ class GraphBuilder {
 public:
   explicit GraphBuilder(const LawSpec& spec);
 
-  LawGraph build(const Point& x, double t) const;
+  LawGraph build(const Point& x, LawTime t) const;
   const SmoothFunction& function(int id) const { return functions_[id]; }
 
 private:
@@ -24,19 +24,19 @@ private:
     double low, high, sample;
     int function;
   };
-  std::vector<double> candidates(const Point& x, double t) const;
-  void add_roots(int i, const Signature& prefix, const Point& x, double t, double low, double high,
+  std::vector<double> candidates(const Point& x, LawTime t) const;
+  void add_roots(int i, const Signature& prefix, const Point& x, LawTime t, double low, double high,
                  std::vector<double>& roots) const;
-  Signature signature_at(double r, const Point& x, double t, std::size_t n) const;
+  Signature signature_at(double r, const Point& x, LawTime t, std::size_t n) const;
   int function_for(const Signature& signature) const;
-  Cell cell_at(double low, double high, const Point& x, double t) const;
-  bool singular_at(double r, const Point& x, double t) const;
-  void merge(std::vector<Cell>& cells, const Point& x, double t) const;
+  Cell cell_at(double low, double high, const Point& x, LawTime t) const;
+  bool singular_at(double r, const Point& x, LawTime t) const;
+  void merge(std::vector<Cell>& cells, const Point& x, LawTime t) const;
   void set_limits(LawGraph& graph) const;
   void close_rounding_gaps(LawGraph& graph) const;
   void set_offsets(LawGraph& graph) const;
   void check_potential(const LawGraph& graph) const;
-  double limit(int function, double at, double inner, const Point& x, double t) const;
+  double limit(int function, double at, double inner, const Point& x, LawTime t) const;
 
   const LawSpec& spec_;
   Expr expression_;

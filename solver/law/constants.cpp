@@ -140,7 +140,7 @@ Law::CurvatureRange Law::curvature_range(const LawGraph& graph, int piece, doubl
   return {down, -up, at, false};
 }
 
-LawConstants Law::constants(const Point& x, double t) const {
+LawConstants Law::constants(const Point& x, LawTime t) const {
   const LawGraph g = graph(x, t);
   const bool radial = spec().radial;
   LawConstants k;

@@ -14,8 +14,8 @@ struct Law::Impl {
 
   explicit Impl(LawSpec s)
       : spec(std::move(s)), builder(spec),
-        on_x(spec.expression.depends_on_any(slot::x(0), slot::x(2) + 1)),
-        on_t(spec.expression.depends_on(slot::t)) {}
+        on_x(spec.expression.depends_on_any(slot::x(0), slot::x(2) + 1) || !spec.coupled.empty()),
+        on_t(spec.expression.depends_on(slot::t) || !spec.coupled.empty()) {}
   const SmoothFunction& function(const LawGraph& g, int piece) const {
     return builder.function(g.functions[piece]);
   }
@@ -31,8 +31,9 @@ Law& Law::operator=(Law&&) noexcept = default;
 const LawSpec& Law::spec() const { return impl_->spec; }
 bool Law::depends_on_x() const { return impl_->on_x; }
 bool Law::depends_on_t() const { return impl_->on_t; }
+bool Law::coupled() const { return !impl_->spec.coupled.empty(); }
 
-LawGraph Law::graph(const Point& x, double t) const { return impl_->builder.build(x, t); }
+LawGraph Law::graph(const Point& x, LawTime t) const { return impl_->builder.build(x, t); }
 
 double Law::slope(const LawGraph& graph, int piece, double r) const {
   const auto& p = graph.smooth[piece];

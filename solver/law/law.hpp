@@ -13,6 +13,13 @@
 
 namespace hvi::solver {
 
+/// When a law is asked: the time, and for a law whose bound is another law's multiplier at the
+/// same point (Coulomb's friction), that multiplier.
+struct LawTime {
+  double t = 0.0, coupled = 0.0;
+  LawTime(double time = 0.0, double multiplier = 0.0) : t(time), coupled(multiplier) {}
+};
+
 /// A law as data. The argument is slot::argument(0): the scalar r, or for a radial law |xi| >= 0
 /// (a vector argument enters through its norm, paper H(j_tau)). May depend on x and t.
 struct LawSpec {
@@ -21,6 +28,7 @@ struct LawSpec {
   bool radial = false;
   bool by_slope = false; ///< `expression` is the slope j', else the potential j
   Expr expression;
+  std::string coupled; ///< the law whose multiplier slot::coupled stands for; "": none
 };
 
 /// The graph of r -> dj(r) at one point of space and time, jumps filled in. Piece i is smooth on
@@ -43,7 +51,7 @@ struct LawGraph {
   std::vector<double> left, right; ///< slope limits at breaks[i]
   std::vector<double> offsets;     ///< potential of piece i = its primitive + offsets[i]
   Point x{};
-  double t = 0.0;
+  LawTime t;
   int pieces() const { return static_cast<int>(functions.size()); }
 };
 
@@ -73,11 +81,13 @@ public:
   Law& operator=(Law&&) noexcept;
 
   const LawSpec& spec() const;
+  /// The first two also where the law is coupled: a graph for each point, found again in each step.
   bool depends_on_x() const;
   bool depends_on_t() const;
+  bool coupled() const;
 
   /// The graph at a point. Throws Failure(bad_law) as the constructor does, for this point.
-  LawGraph graph(const Point& x, double t) const;
+  LawGraph graph(const Point& x, LawTime t) const;
   double slope(const LawGraph& graph, int piece, double r) const;
   double curvature(const LawGraph& graph, int piece, double r) const; ///< d slope / dr
   double potential(const LawGraph& graph, int piece, double r) const;
@@ -92,7 +102,7 @@ public:
   };
   CurvatureRange curvature_range(const LawGraph& graph, int piece, double low, double high) const;
 
-  LawConstants constants(const Point& x, double t) const;
+  LawConstants constants(const Point& x, LawTime t) const;
 
 private:
   struct Impl;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/kernel/tape.hpp"
+#include "solver/law/law.hpp"
 #include "solver/mesh/mesh.hpp"
 
 #include <array>
@@ -16,19 +17,22 @@ public:
   explicit PointTape(std::span<const Expr> expressions) : tape_(compile(expressions)) {}
 
   /// All outputs at (r, x, t).
-  void operator()(double r, const Point& x, double t, std::span<double> out) const {
+  void operator()(double r, const Point& x, LawTime t, std::span<double> out) const {
     thread_local TapeWorkspace workspace;
-    std::array<double, 5> values{};
-    std::array<const double*, 5> inputs{};
+    std::array<double, 6> values{};
+    std::array<const double*, 6> inputs{};
     const std::size_t n = tape_.inputs.size();
     for (std::size_t i = 0; i < n; ++i) {
       const Slot s = tape_.inputs[i];
-      values[i] = s == slot::argument(0) ? r : (s == slot::t ? t : x[s]);
+      values[i] = s == slot::argument(0) ? r
+                  : s == slot::t         ? t.t
+                  : s == slot::coupled   ? t.coupled
+                                         : x[s];
       inputs[i] = &values[i];
     }
     evaluate(tape_, {inputs.data(), n}, 1, out, workspace);
   }
-  double operator()(double r, const Point& x, double t) const {
+  double operator()(double r, const Point& x, LawTime t) const {
     double out = 0.0;
     (*this)(r, x, t, {&out, 1});
     return out;

@@ -52,7 +52,7 @@ RootFinder::RootFinder(const Expr& f) {
   tape_ = PointTape(both);
 }
 
-void RootFinder::find(const Point& x, double t, double target, double low, double high,
+void RootFinder::find(const Point& x, LawTime t, double target, double low, double high,
                       std::vector<double>& roots) const {
   if (!affine_) return scan(x, t, target, low, high, roots);
   double ab[2];
@@ -61,7 +61,7 @@ void RootFinder::find(const Point& x, double t, double target, double low, doubl
   if (std::isfinite(root) && root > low && root < high) roots.push_back(root == 0.0 ? 0.0 : root);
 }
 
-void RootFinder::scan(const Point& x, double t, double target, double low, double high,
+void RootFinder::scan(const Point& x, LawTime t, double target, double low, double high,
                       std::vector<double>& roots) const {
   const auto both = [&](double r, double& f, double& df) {
     double out[2];

@@ -14,11 +14,11 @@ class RootFinder {
 public:
   explicit RootFinder(const Expr& f);
   /// Appends the roots inside the open interval (low, high).
-  void find(const Point& x, double t, double target, double low, double high,
+  void find(const Point& x, LawTime t, double target, double low, double high,
             std::vector<double>& roots) const;
 
 private:
-  void scan(const Point& x, double t, double target, double low, double high,
+  void scan(const Point& x, LawTime t, double target, double low, double high,
             std::vector<double>& roots) const;
   bool affine_ = false;
   PointTape tape_; ///< affine: the coefficients a, b; else f, f'

@@ -62,20 +62,20 @@ SmoothFunction::SmoothFunction(const Expr& expression, bool by_slope)
   taylor_ = PointTape(coefficients);
 }
 
-double SmoothFunction::slope(double r, const Point& x, double t) const {
+double SmoothFunction::slope(double r, const Point& x, LawTime t) const {
   double out[2];
   slope_(r, x, t, out);
   return out[0];
 }
 
-void SmoothFunction::slope_and_curvature(double r, const Point& x, double t, double& s,
+void SmoothFunction::slope_and_curvature(double r, const Point& x, LawTime t, double& s,
                                          double& c) const {
   double out[2];
   slope_(r, x, t, out);
   s = out[0], c = out[1];
 }
 
-LawGraph::Smooth SmoothFunction::expand(double centre, const Point& x, double t) const {
+LawGraph::Smooth SmoothFunction::expand(double centre, const Point& x, LawTime t) const {
   LawGraph::Smooth p;
   p.centre = centre;
   p.degree = degree_;

@@ -14,11 +14,11 @@ public:
 
   const Expr& expression() const { return expression_; }
   int degree() const { return degree_; } ///< of the slope in r, at most 5; -1: not a polynomial
-  double slope(double r, const Point& x, double t) const;
-  void slope_and_curvature(double r, const Point& x, double t, double& s, double& c) const;
-  double potential(double r, const Point& x, double t) const { return potential_(r, x, t); }
+  double slope(double r, const Point& x, LawTime t) const;
+  void slope_and_curvature(double r, const Point& x, LawTime t, double& s, double& c) const;
+  double potential(double r, const Point& x, LawTime t) const { return potential_(r, x, t); }
   /// Slope as a polynomial about `centre`; degree lowered where leading coefficients vanish.
-  LawGraph::Smooth expand(double centre, const Point& x, double t) const;
+  LawGraph::Smooth expand(double centre, const Point& x, LawTime t) const;
   const Expr& slope_expression() const { return slope_expression_; }
 
 private:

@@ -1,6 +1,8 @@
 // The laws of a plan as the reduced problem of one step; see contact.hpp.
 #include "solver/time/contact.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace hvi::solver {
@@ -43,6 +45,27 @@ double softening(const Law& law, const ContactTerm& term, const TimeSpec& time) 
       out = std::max(out, law.constants(term.points.x[p], t).m);
     }
   return out;
+}
+
+/// Finds the rows whose multipliers coupled laws read: of a scalar law at the very same points.
+void couple(const Plan& plan, Contact& out) {
+  for (auto& term : out.terms) {
+    const auto& spec = plan.law_terms[term.points.law_term];
+    const std::string& wanted = plan.laws[spec.law].coupled;
+    if (wanted.empty()) continue;
+    out.coupled = true;
+    for (const auto& other : out.terms) {
+      const auto& there = plan.law_terms[other.points.law_term];
+      if (there.name == wanted && other.points.rows == 1 && other.points.x == term.points.x)
+        term.coupled_row = other.first_row;
+    }
+    if (term.coupled_row < 0)
+      throw Failure(
+          FailureKind::bad_law, spec.origin,
+          fmt::format("`{}` reads the multiplier of `{}`, which does not act at its points",
+                      spec.name, wanted),
+          "put both laws on the same part with the same rule; the other one is scalar");
+  }
 }
 
 SparseMatrix stacked(const std::vector<ContactTerm>& terms, const StateLayout& layout, int n_rows) {
@@ -107,6 +130,7 @@ Contact make_contact(const Plan& plan, const Discretisation& d, const StateLayou
                                   out.laws[spec.law]->spec().radial),
                      static_cast<int>(out.problem.points.size()),
                      n_rows,
+                     -1,
                      {}};
     add_points(plan, out, term, t);
     n_rows += term.n_rows();
@@ -118,6 +142,7 @@ Contact make_contact(const Plan& plan, const Discretisation& d, const StateLayou
     }
     out.terms.push_back(std::move(term));
   }
+  couple(plan, out);
   out.g = stacked(out.terms, layout, n_rows);
   out.offset = out.problem.offset = Vector::Zero(n_rows);
   choose_unknowns(out, layout.n_unknowns);
@@ -125,7 +150,7 @@ Contact make_contact(const Plan& plan, const Discretisation& d, const StateLayou
   return out;
 }
 
-void prepare(Contact& contact, const Plan& plan, double t, const Vector& known) {
+void prepare(Contact& contact, const Plan& plan, double t, const Vector& known, const Vector& xi) {
   for (auto& term : contact.terms) {
     const auto& spec = plan.law_terms[term.points.law_term];
     Vector& values = term.offsets;
@@ -136,7 +161,8 @@ void prepare(Contact& contact, const Plan& plan, double t, const Vector& known) 
     for (int p = 0; p < term.n_points(); ++p) {
       const int graph = contact.problem.points[term.first_point + p].graph;
       if (p == 0 || law.depends_on_x())
-        contact.problem.graphs[graph] = law.graph(term.points.x[p], t);
+        contact.problem.graphs[graph] =
+            law.graph(term.points.x[p], {t, term.coupled_row < 0 ? 0.0 : xi[term.coupled_row + p]});
     }
   }
   contact.problem.offset = contact.offset;

@@ -18,7 +18,8 @@ namespace hvi::solver {
 struct ContactTerm {
   LawPoints points;
   int first_point = 0, first_row = 0;
-  Vector offsets; ///< scratch of `prepare`
+  int coupled_row = -1; ///< first row of the term whose multiplier this one's law reads; -1: none
+  Vector offsets;       ///< scratch of `prepare`
   int n_points() const { return static_cast<int>(points.x.size()); }
   int n_rows() const { return n_points() * points.rows; }
 };
@@ -26,14 +27,15 @@ struct ContactTerm {
 struct Contact {
   std::vector<std::unique_ptr<Law>> laws;
   std::vector<ContactTerm> terms;
-  ReducedProblem problem;     ///< g on `unknowns`; offset and graphs set by `prepare`
+  ReducedProblem problem;        ///< g on `unknowns`; offset and graphs set by `prepare`
   std::vector<double> scales;    ///< slope scale of each law
   std::vector<double> softening; ///< steepest descent of each law's slope
-  std::vector<int> unknowns;  ///< the contact unknowns, increasing
-  bool whole = false;         ///< every unknown is kept: no Schur complement is formed
-  SparseMatrix g;             ///< all rows x state
-  SparseMatrix force;         ///< unknowns x all rows: G^T W
-  Vector offset;              ///< of the argument at the time of the last `prepare`
+  std::vector<int> unknowns;     ///< the contact unknowns, increasing
+  bool whole = false;            ///< every unknown is kept: no Schur complement is formed
+  SparseMatrix g;                ///< all rows x state
+  SparseMatrix force;            ///< unknowns x all rows: G^T W
+  bool coupled = false;          ///< a law's bound is another law's multiplier: `prepare` reads xi
+  Vector offset;                 ///< of the argument at the time of the last `prepare`
 
   int n_rows() const { return static_cast<int>(g.rows()); }
   bool none() const { return terms.empty(); }
@@ -44,8 +46,9 @@ struct Contact {
 Contact make_contact(const Plan& plan, const Discretisation& discretisation,
                      const StateLayout& layout);
 
-/// Sets offset, graphs of laws that change in time, and the reduced problem's known part.
-void prepare(Contact& contact, const Plan& plan, double t, const Vector& known);
+/// Sets offset, graphs of laws that change in time, and the reduced problem's known part. `xi`: the
+/// multipliers that coupled laws read.
+void prepare(Contact& contact, const Plan& plan, double t, const Vector& known, const Vector& xi);
 
 /// Multiplier of point p of a term in the global frame (scalar laws: component 0).
 std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& xi, int point);

@@ -89,7 +89,7 @@ void Stepper::restore(std::istream& in) {
   for (std::uint64_t i = 0; i < count; ++i) {
     const double rate = r.get<double>(), length = r.get<double>();
     // Laws that move with time are prepared for the step's time before every solve.
-    if (!contact_.none() && step_ > 0) prepare(contact_, plan_, grid_.t(step_), u_);
+    if (!contact_.none() && step_ > 0) prepare(contact_, plan_, grid_.t(step_), u_, inequality_.xi);
     matrices_.push_back(
         {rate, length, std::make_unique<StepMatrix>(operators_, contact_, options_)});
     matrices_.back().matrix->restore(in);

@@ -52,7 +52,7 @@ public:
   void history_field(int m, Vector& out) const;
   /// Has every step of this matrix one solution? False: the step ratio is not below 1 (or a law
   /// jumps down). Asked once, at the first step and at the longest.
-  bool unique() const { return unique_; }
+  bool unique() const { return unique_ && !contact_.coupled; }
   /// Adds what was counted to the counters and phases of a run.
   void account(WorkCounters& work, Timing& timing) const;
 
@@ -63,10 +63,13 @@ private:
   void allocate();
   StepMatrix& matrix_for(int n);
   void impose_values(int n);
+  void find_change(int n, const StepMatrix& matrix);
+  void refactor(int n, StepMatrix& matrix);
   void right_hand_side(int n);
   void add_load(int n);
-  double residual(const StepMatrix& matrix, const Vector& change);
+  double residual(const StepMatrix& matrix);
   StepResult correct(int n, StepMatrix& matrix);
+  void couple_bounds(int n, StepMatrix& matrix, StepResult& out);
   void accept(int n);
 
   const Plan& plan_;
@@ -92,7 +95,8 @@ private:
   InequalityState inequality_, accepted_;        ///< accepted_: of the last certified step
   Vector u_, known_, d_, d_previous_, d_before_; // states; d on unknowns only
   Vector rhs_, gap_, scale_, work_;              // unknowns
-  Vector combined_, full_, change_, z_;
+  Vector combined_, full_, change_, expected_, z_;
+  double mismatch_ = 0; ///< backward error due to the part of K_n that its factor does not know
   int products_ = 0, corrections_ = 0, newton_ = 0, fallbacks_ = 0;
 };
 
