@@ -22,6 +22,8 @@ std::string figures(const solver::HistoryReport& h) {
 } // namespace
 
 void print_memory(const solver::Plan& plan, const std::vector<solver::HistoryReport>& reports) {
+  for (const solver::EffectNote& effect : plan.effects)
+    if (effect.name.starts_with("Prony sum")) fmt::print("{}: {}\n", effect.name, effect.why);
   for (std::size_t m = 0; m < reports.size(); ++m)
     fmt::print("memory `{}`: {} ({}): {}\n", plan.histories[m].kernel.name, reports[m].route,
                figures(reports[m]), reports[m].why);

@@ -2,6 +2,7 @@
 #include "lang/check/builtins.hpp"
 #include "lang/check/checker.hpp"
 #include "lang/diag/suggest.hpp"
+#include "solver/kernel/prony_fit.hpp"
 #include "solver/kernel/table.hpp"
 
 #include <Eigen/Dense>
@@ -303,7 +304,7 @@ Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& s
   }
   auto kind = solver::Table::Interpolation::linear;
   if ((*args)[2]) {
-    auto w = word(*(*args)[2], "interpolation", {"linear", "cubic"});
+    auto w = word(*(*args)[2], "interpolation", {"linear", "cubic", "prony"});
     if (!w) return Poison{};
     if (*w == "cubic") kind = solver::Table::Interpolation::monotone_cubic;
   }
@@ -328,15 +329,18 @@ Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& s
   try {
     auto table = std::make_shared<solver::Table>(solver::parse_table(path->text, *text, kind));
     table_uses_.push_back({e.span, path->text, at->scalar(), table->first(), table->last()});
-    out.components = {Symbol::tabulated(table, at->scalar())};
+    out.components = {prony ? prony_through(*table, at->scalar(), e.span)
+                            : Symbol::tabulated(table, at->scalar())};
   } catch (const std::invalid_argument& problem) {
     error("E0605", (*args)[0]->span, fmt::format("`{}`: {}", path->text, problem.what()),
           "a table is two columns of numbers, the first increasing");
     return Poison{};
   }
+  bool prony = false;
   return check_finite(e.span, out) ? Value(out) : Value(Poison{});
 }
 
+    prony = *w == "prony";
 Value Checker::prony_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
   auto args = match(e, c, "prony", {"weights", "times", "at"}, 2);
   if (!args) return Poison{};
@@ -367,3 +371,21 @@ Value Checker::prony_call(const ast::Expr& e, const ast::Call& c, const Scope& s
 }
 
 } // namespace hvi::lang
+/// The Prony sum through the table's points; its error becomes a note of the plan.
+Symbol Checker::prony_through(const solver::Table& table, const Symbol& at, const Span& span) {
+  const auto fit = solver::fit_prony(table);
+  Symbol sum = fit.constant;
+  for (std::size_t i = 0; i < fit.weights.size(); ++i)
+    sum = sum + Symbol(fit.weights[i]) * exp(-at / Symbol(fit.times[i]));
+  const bool known = std::any_of(model_.notes.begin(), model_.notes.end(),
+                                 [&](const ModelNote& n) { return n.span == span; });
+  if (!known)
+    model_.notes.push_back(
+        {fmt::format("Prony sum through `{}`", table.name()), span,
+         fmt::format("{} exponentials{}, largest error {:.1e} of the largest "
+                     "value, root mean square {:.1e}",
+                     fit.weights.size(), fit.constant != 0 ? " and a constant" : "", fit.largest,
+                     fit.mean)});
+  return sum;
+}
+

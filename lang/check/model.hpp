@@ -93,6 +93,13 @@ struct ModelStudy {
   std::string norm;
 };
 
+/// Something the checker found out that the plan tells.
+struct ModelNote {
+  std::string name;
+  Span span;
+  std::string what;
+};
+
 struct Model {
   std::string title;
   int dim = 2;
@@ -104,6 +111,7 @@ struct Model {
   std::vector<ModelTerm> terms;
   std::vector<ModelHistory> histories;
   std::vector<ModelLaw> laws;
+  std::vector<ModelNote> notes;
   std::vector<ModelMaterial> materials;
   solver::TimeSpec time;
   bool has_time = false;

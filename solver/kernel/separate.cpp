@@ -39,6 +39,14 @@ Separated joined(Separated a, const Separated& b) {
   return a;
 }
 
+/// c and e with c e the expression; c / g counts as c times 1 / g.
+std::pair<double, Expr> without_coefficient(const Expr& expression) {
+  const auto [c, base] = rules::split_coefficient(expression);
+  if (!base) return {c, 1.0};
+  if (base->op() != Op::div || !base->args()[0].is_constant()) return {c, *base};
+  return {c * base->args()[0].value(), 1.0 / base->args()[1]};
+}
+
 /// Moves the sign of a constant first part to the second, so that roots see positive constants.
 std::pair<Expr, Expr> sign_moved(const std::pair<Expr, Expr>& term) {
   const auto [c, base] = rules::split_coefficient(term.first);
@@ -213,8 +221,8 @@ private:
     Separated result;
     std::unordered_multimap<std::size_t, std::size_t> place;
     for (const auto& [f, g] : terms) {
-      const auto [c, base] = rules::split_coefficient(by_second ? g : f);
-      const Expr key = base ? *base : Expr(1.0), other = c * (by_second ? f : g);
+      const auto [c, key] = without_coefficient(by_second ? g : f);
+      const Expr other = c * (by_second ? f : g);
       const auto [first, last] = place.equal_range(key.hash());
       const auto same = std::find_if(first, last, [&](const auto& entry) {
         return key == (by_second ? result[entry.second].second : result[entry.second].first);
@@ -239,8 +247,7 @@ private:
 /// Constant factors to the first part.
 Separated normalised(Separated terms) {
   for (auto& [f, g] : terms) {
-    const auto [c, base] = rules::split_coefficient(g);
-    const Expr second = base ? *base : Expr(1.0);
+    const auto [c, second] = without_coefficient(g);
     f = c * f;
     g = second;
   }

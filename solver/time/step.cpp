@@ -76,18 +76,22 @@ void Stepper::add_load(int n) {
     loads_->add(grid_.t(n), rhs_);
 }
 
-/// What K_n differs from the factored matrix by (q(t, s) changes it a little in every step), and
-/// the increment it is moved to the right-hand side with: the last one, whose error the difference
-/// makes too small to need a second pair of sweeps.
+/// What K_n differs from the factored matrix by (q(t, s) changes it a little in every step), and the
+/// increment it is moved to the right-hand side with: the one that continues the last two, whose
+/// error the difference makes too small to need a second pair of sweeps.
 void Stepper::find_change(int n, const StepMatrix& matrix) {
   const Vector gamma = coefficients(n);
   change_ = gamma - matrix.gamma();
   for (int b = 0; b < operators_.n_bases(); ++b)
     if (std::abs(change_[b]) <= 8e-16 * std::abs(gamma[b])) change_[b] = 0.0;
   if (change_.isZero(0.0)) return;
-  const double ratio = n > 1 ? grid_.length(n) / grid_.length(n - 1) : 0.0;
   expected_.setZero(layout_.n_state);
-  expected_.head(layout_.n_unknowns) = ratio * d_previous_.head(layout_.n_unknowns);
+  if (n < 2) return;
+  auto expected = expected_.head(layout_.n_unknowns);
+  expected = grid_.length(n) / grid_.length(n - 1) * d_previous_.head(layout_.n_unknowns);
+  const bool even = n > 2 && grid_.length(n) == grid_.length(n - 1) &&
+                    grid_.length(n) == grid_.length(n - 2);
+  if (even) expected += (d_previous_ - d_before_).head(layout_.n_unknowns);
 }
 
 /// K_n from now on: nothing is left to move.

@@ -1,0 +1,60 @@
+// Prony sums through data: data that are such sums, noise, signs.
+#include "solver/kernel/prony_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace hvi::solver {
+namespace {
+
+template <class F>
+Table table_of(F f, double step, int count) {
+  std::vector<double> x, y;
+  for (int i = 0; i < count; ++i) {
+    x.push_back(step * i);
+    y.push_back(f(x.back()));
+  }
+  return Table("data", x, y, Table::Interpolation::linear);
+}
+
+/// Analytic: the data come from a sum whose times are not on the grid.
+TEST(PronyFit, FollowsASumOfExponentials) {
+  const auto f = [](double x) { return 0.4 + 0.5 * std::exp(-x / 0.37) + 0.1 * std::exp(-x / 2); };
+  const auto sum = fit_prony(table_of(f, 0.05, 80));
+  EXPECT_LT(sum.largest, 1e-5);
+  EXPECT_LE(sum.mean, sum.largest);
+  for (double x = 0.025; x < 3.9; x += 0.05) EXPECT_NEAR(sum.value(x), f(x), 1e-4);
+  EXPECT_LT(sum.weights.size(), 10u);
+}
+
+TEST(PronyFit, WeightsHaveTheSignOfTheData) {
+  const auto sum = fit_prony(table_of([](double x) { return -std::exp(-std::sqrt(x)); }, 0.1, 50));
+  EXPECT_LT(sum.largest, 2e-2);
+  for (const double w : sum.weights) EXPECT_LT(w, 0);
+  EXPECT_LE(sum.constant, 0);
+}
+
+/// Noise of 1 % is not followed: the error that is reported is about the noise.
+TEST(PronyFit, DoesNotFollowNoise) {
+  unsigned state = 1;
+  const auto noise = [&] {
+    state = state * 1664525u + 1013904223u;
+    return 0.01 * (static_cast<double>(state >> 8) / 8388608.0 - 1.0);
+  };
+  const auto f = [](double x) { return std::exp(-x) + 0.5; };
+  const auto sum = fit_prony(table_of([&](double x) { return f(x) + noise(); }, 0.02, 200));
+  EXPECT_GT(sum.mean, 0.002);
+  EXPECT_LT(sum.mean, 0.006);
+  for (double x = 0.2; x < 3.5; x += 0.1) EXPECT_NEAR(sum.value(x), f(x), 0.005) << x;
+}
+
+/// A growing function is no relaxation: the best sum is the constant, and its error says so.
+TEST(PronyFit, ReportsTheErrorOfDataThatDoNotRelax) {
+  const auto sum = fit_prony(table_of([](double x) { return x; }, 0.1, 11));
+  EXPECT_GT(sum.largest, 0.3);
+}
+
+} // namespace
+} // namespace hvi::solver
