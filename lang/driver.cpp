@@ -88,8 +88,10 @@ void parse_script(Script& script) {
       if (const auto* import = std::get_if<ast::Import>(&statement))
         if (auto file = load_import(script, *import, seen, script.programs[p].names_lost))
           files.push_back(*file);
-    for (int file : files)
+    for (int file : files) {
       script.programs.push_back(parse(script.sources.file(file), script.diagnostics));
+      script.programs.back().library = script.sources.file(file).path().starts_with("stdlib/");
+    }
   }
 }
 

@@ -61,6 +61,7 @@ void Checker::declare(const ast::Name& name, int program, const ast::Statement& 
   auto found = by_name_.find(name.text);
   if (found != by_name_.end()) {
     const Declaration& first = declarations_[found->second];
+    if (programs_[static_cast<std::size_t>(program)].library && first.program == 0) return;
     diagnostics_.add(diagnose("E0302", name.span, fmt::format("`{}` is declared twice", name.text))
                          .with_secondary(first.span, "first declared here")
                          .with_help("every name is declared once; reading order does not matter"));

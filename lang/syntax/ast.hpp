@@ -432,6 +432,7 @@ struct Program {
   int file = no_file;
   std::vector<Statement> statements;
   std::vector<Name> broken;
+  bool library = false;    // a module of the standard library: the script's names win over its own
   bool names_lost = false; // an unknown name may be one of a module or line not read
 };
 

@@ -1,6 +1,6 @@
 """Pairs of scripts that state the same problem in two ways have the same certified results.
 
-usage: same.py HVI_RUN FOLDER [NAME]     (the format of FOLDER/same.txt is that of wrong.py, without marks)
+usage: same.py HVI_RUN FOLDER [NAME]     (the format of FOLDER/*.txt is that of wrong.py, without marks)
 """
 import json
 import pathlib
@@ -32,7 +32,8 @@ def result(program, folder, name, text):
 
 def main():
     program, source = sys.argv[1], pathlib.Path(sys.argv[2])
-    blocks = (source / "same.txt").read_text().split("\n---\n")[1:]
+    blocks = [block for path in sorted(source.glob("*.txt"))
+              for block in path.read_text().split("\n---\n")[1:]]
     only = sys.argv[3] if len(sys.argv) > 3 else None
     n_moved = 0
     with tempfile.TemporaryDirectory() as temporary:
