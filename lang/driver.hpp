@@ -79,6 +79,8 @@ int run_command(const std::string& path, const Options& options);
 int check_command(const std::vector<std::string>& paths, const Options& options);
 int plan_command(const std::string& path, const Options& options);
 int study_command(const std::string& path, const Options& options);
+/// How far a model can be trusted: margins, certificates, energies, sensitivity.
+int stability_command(const std::string& path, const Options& options);
 int test_command(const std::vector<std::string>& paths, const Options& options);
 int format_command(const std::vector<std::string>& paths, bool only_check);
 int dump_command(const std::string& path, const std::string& phase, const Options& options);

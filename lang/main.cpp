@@ -6,6 +6,7 @@
 
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <exception>
 
@@ -65,6 +66,7 @@ int dispatch(int argc, char** argv) {
   check->add_flag("--script-only", options.script_only, "without the mesh");
   auto* plan = command("plan", "what a run would do");
   auto* study = command("study", "what accuracy costs: runs the ladders of a script");
+  auto* stability = command("stability", "how far a model can be trusted");
   auto* test = command("test", "run scripts and judge their expectations", true);
   auto* format = command("fmt", "format scripts in place", true);
   format->add_flag("--check", only_check, "only say which are not formatted");
@@ -97,6 +99,7 @@ int dispatch(int argc, char** argv) {
   if (*check) return hvi::lang::check_command(files, options);
   if (*plan) return hvi::lang::plan_command(files[0], options);
   if (*study) return hvi::lang::study_command(files[0], options);
+  if (*stability) return hvi::lang::stability_command(files[0], options);
   if (*test) return hvi::lang::test_command(files, options);
   if (*format) return hvi::lang::format_command(files, only_check);
   if (*params) return hvi::lang::params_command(files[0], options);
@@ -126,6 +129,7 @@ std::vector<char*> with_command(int argc, char** argv, std::string& word) {
 } // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN); // a file beyond a limit is a failed write, with a message
   try {
     std::string word = "run";
     auto arguments = with_command(argc, argv, word);

@@ -26,6 +26,10 @@ class TemporaryFile {
 public:
   explicit TemporaryFile(const std::filesystem::path& target)
       : name_(target.string() + ".XXXXXX"), descriptor_(::mkostemp(name_.data(), O_CLOEXEC)) {}
+  /// An open file that is not ours to remove.
+  TemporaryFile(const std::filesystem::path& target, int descriptor)
+      : name_(target.string()), descriptor_(descriptor) {}
+  bool is_open() const { return descriptor_ >= 0; }
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
   ~TemporaryFile() {
@@ -63,6 +67,23 @@ private:
 
 } // namespace
 
+namespace {
+
+/// A device or a pipe (/dev/stdout, /dev/full) is written to; a rename would replace it by a file.
+bool is_special(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  return !error && std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+         !std::filesystem::is_directory(status);
+}
+
+void write_directly(const std::filesystem::path& path, std::string_view bytes) {
+  TemporaryFile file(path, ::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  if (!file.is_open() || !file.write(bytes) || !file.close()) fail(path, std::strerror(errno));
+}
+
+} // namespace
+
 void write_atomically(const std::filesystem::path& path, std::string_view bytes,
                       Durability durability) {
   if (path.has_parent_path()) {
@@ -70,6 +91,7 @@ void write_atomically(const std::filesystem::path& path, std::string_view bytes,
     std::filesystem::create_directories(path.parent_path(), error);
     if (error) fail(path, error.message());
   }
+  if (is_special(path)) return write_directly(path, bytes);
   TemporaryFile file(path);
   const bool written = file.open() && file.write(bytes) &&
                        (durability == Durability::ordinary || file.sync()) && file.close() &&

@@ -139,6 +139,7 @@ std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh) {
   Plan same = plan; // what may differ between two places or machines is left out
   same.mesh.path.clear();
   same.options.threads = 1;
+  for (auto& history : same.histories) history.route.reset(); // audits choose it: saved state
   hash.add(to_string(same));
   hash.add_number(plan.options.proportional_path);
   hash.add_number(plan.options.audit);

@@ -71,12 +71,19 @@ Origin blamed(const StepResult& step, const Plan& plan, const Contact& contact) 
       "`check` prints the step margin");
 }
 
-/// Laws that jump down: more than one solution may exist, and the run says which it follows.
+/// Laws beyond the theorem: that jump down (the run says which solution it follows), or are coupled.
 void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
   for (const auto& term : contact.terms) {
     if (term.n_points() == 0) continue;
     const auto& spec = plan.law_terms[term.points.law_term];
     const auto& law = *contact.laws[spec.law];
+    if (law.coupled())
+      result.notes.push_back(
+          {0, 0.0,
+           fmt::format("the bound of `{}` is the multiplier of `{}` (Coulomb): beyond the theory, "
+                       "found by a fixed point in each step",
+                       law.spec().name, law.spec().coupled),
+           spec.origin});
     if (std::isfinite(
             law.constants(term.points.x[0], plan.time.is_static ? 0.0 : plan.time.grid[0]).m))
       continue;
@@ -108,11 +115,35 @@ std::array<int, 6> grown(const WorkCounters& w) {
   return {w.analyses, w.factorisations, w.sweeps, w.products, w.newton, w.fallback_steps};
 }
 
+/// What audits of the memory have changed so far: the routes, and what is said of it.
+struct Restarts {
+  std::vector<int> routes; ///< by history; -1: the plan's own
+  std::vector<StepNote> notes;
+
+  void save(StateWriter& w) const {
+    w.put(routes);
+    w.put(static_cast<std::uint64_t>(notes.size()));
+    for (const auto& note : notes) put_note(w, note);
+  }
+  void restore(StateReader& r) {
+    routes = r.get_vector<int>();
+    notes.clear();
+    for (auto n = r.get<std::uint64_t>(); n > 0; --n) notes.push_back(get_note(r));
+  }
+  Plan applied(const Plan& plan) const {
+    Plan out = plan;
+    for (std::size_t m = 0; m < routes.size(); ++m)
+      if (routes[m] >= 0) out.histories[m].route = static_cast<HistoryRoute>(routes[m]);
+    return out;
+  }
+};
+
 class Run {
 public:
-  Run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings)
-      : plan_(plan), discretisation_(discretisation), settings_(settings), start_(cpu_seconds()),
-        stepper_(plan, discretisation, result_.timing),
+  Run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
+      const Restarts& restarts, const std::string* saved)
+      : plan_(plan), restarts_(restarts), discretisation_(discretisation), settings_(settings),
+        start_(cpu_seconds()), stepper_(plan, discretisation, result_.timing),
         reporter_(plan, discretisation, stepper_, settings) {
     result_.timing.mesh = discretisation.seconds;
     result_.unknowns = stepper_.layout().n_unknowns;
@@ -120,7 +151,8 @@ public:
     result_.certificate.tolerance = plan.options.tolerance;
     note_choices(plan, stepper_.contact(), result_);
     if (settings.monitors) monitor_.emplace(plan, discretisation, stepper_);
-    if (settings.checkpoint_every > 0 || settings.resume) prepare_checkpoints();
+    if (settings.checkpoint_every > 0) fingerprint_ = fingerprint(plan, discretisation.mesh);
+    if (saved != nullptr) go_on(*saved);
   }
 
   void march() {
@@ -224,18 +256,13 @@ private:
     for (std::size_t i = 0; i < grown_before_.size(); ++i) *all[i] += grown_before_[i];
   }
 
-  void prepare_checkpoints() {
-    if (settings_.output_folder.empty())
-      throw Failure(FailureKind::bad_value, {}, "a checkpoint needs an output folder");
-    file_ = checkpoint_path(settings_.output_folder, settings_.name);
-    fingerprint_ = fingerprint(plan_, discretisation_.mesh);
-    remove_leftovers(file_);
-    if (!settings_.resume || !std::filesystem::exists(file_)) return;
-    std::istringstream in(read_checkpoint(file_, fingerprint_));
+  void go_on(const std::string& saved) {
+    std::istringstream in(saved);
     try {
       restore(in);
     } catch (const Failure& failure) {
-      throw CheckpointFailure(file_, std::string("does not fit: ") + failure.what(),
+      throw CheckpointFailure(checkpoint_path(settings_.output_folder, settings_.name),
+                              std::string("does not fit: ") + failure.what(),
                               "remove it, or run without --resume, to begin at the first step");
     }
   }
@@ -244,6 +271,7 @@ private:
     const PhaseClock clock(result_.timing.output);
     std::ostringstream out;
     StateWriter w(out);
+    restarts_.save(w);
     w.put(static_cast<std::uint8_t>(monitor_.has_value()));
     stepper_.save(out);
     reporter_.save(out);
@@ -261,11 +289,13 @@ private:
       w.put(monitor_times_);
       monitor_->save(out);
     }
-    write_checkpoint(file_, fingerprint_, out.view());
+    write_checkpoint(checkpoint_path(settings_.output_folder, settings_.name), fingerprint_,
+                     out.view());
   }
 
   void restore(std::istream& in) {
     StateReader r(in, {});
+    Restarts().restore(r); // read before: they decide the plan
     if ((r.get<std::uint8_t>() != 0) != monitor_.has_value())
       r.fail(monitor_ ? "was saved without monitors" : "was saved with monitors");
     stepper_.restore(in);
@@ -292,6 +322,7 @@ private:
   }
 
   const Plan& plan_;
+  const Restarts& restarts_;
   const Discretisation& discretisation_;
   const RunSettings& settings_;
   double start_;
@@ -301,7 +332,6 @@ private:
   Reporter reporter_;
   std::optional<EnergyMonitor> monitor_;
   std::vector<double> monitor_times_;
-  std::filesystem::path file_; ///< of the checkpoint
   std::uint64_t fingerprint_ = 0;
   std::array<int, 6> grown_before_{};
 };
@@ -311,8 +341,9 @@ private:
 namespace {
 
 RunResult run_once(const Plan& plan, const Discretisation& discretisation,
-                   const RunSettings& settings, RunResult* partial) {
-  Run run(plan, discretisation, settings);
+                   const RunSettings& settings, const Restarts& restarts, const std::string* saved,
+                   RunResult* partial) {
+  Run run(plan, discretisation, settings, restarts, saved);
   try {
     run.march();
   } catch (const MemoryMistrust&) {
@@ -330,22 +361,47 @@ RunResult run_once(const Plan& plan, const Discretisation& discretisation,
 
 } // namespace
 
+namespace {
+
+/// The state to go on from, where one was asked for and is there.
+std::optional<std::string> saved_state(const Plan& plan, const Discretisation& discretisation,
+                                       const RunSettings& settings) {
+  if (settings.checkpoint_every == 0 && !settings.resume) return std::nullopt;
+  if (settings.output_folder.empty())
+    throw Failure(FailureKind::bad_value, {}, "a checkpoint needs an output folder");
+  const auto file = checkpoint_path(settings.output_folder, settings.name);
+  remove_leftovers(file);
+  if (!settings.resume || !std::filesystem::exists(file)) return std::nullopt;
+  return read_checkpoint(file, fingerprint(plan, discretisation.mesh));
+}
+
+} // namespace
+
 /// A memory that an audit finds outside its tolerance makes the run start again with another route;
 /// the direct sum is the last.
 RunResult run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
               RunResult* partial) {
-  Plan tried = plan;
-  std::vector<StepNote> restarts;
+  Restarts restarts;
+  restarts.routes.assign(plan.histories.size(), -1);
+  std::optional<std::string> saved = saved_state(plan, discretisation, settings);
+  if (saved) {
+    std::istringstream in(*saved);
+    StateReader r(in, {});
+    restarts.restore(r);
+  }
   for (;;) {
+    const Plan tried = restarts.applied(plan);
     try {
-      auto result = run_once(tried, discretisation, settings, partial);
+      auto result =
+          run_once(tried, discretisation, settings, restarts, saved ? &*saved : nullptr, partial);
       for (const auto& sentence : route_notes(plan, result.histories))
-        if (restarts.empty()) result.notes.push_back({0, 0.0, sentence, Origin{}});
-      result.notes.insert(result.notes.begin(), restarts.begin(), restarts.end());
+        if (restarts.notes.empty()) result.notes.push_back({0, 0.0, sentence, Origin{}});
+      result.notes.insert(result.notes.begin(), restarts.notes.begin(), restarts.notes.end());
       return result;
     } catch (const MemoryMistrust& mistrust) {
-      restarts.push_back({0, 0.0, mistrust.said, mistrust.origin});
-      tried.histories[mistrust.history].route = mistrust.next;
+      restarts.notes.push_back({0, 0.0, mistrust.said, mistrust.origin});
+      restarts.routes[mistrust.history] = static_cast<int>(mistrust.next);
+      saved.reset();
     }
   }
 }

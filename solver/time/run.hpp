@@ -50,6 +50,7 @@ struct WorkCounters {
   int matrices = 0, analyses = 0, factorisations = 0, sweeps = 0, products = 0, newton = 0,
       history_fields = 0, fallback_steps = 0;
   double bytes = 0;
+  double reciprocal_condition = 0; ///< of the step's matrix, estimated; 0: not known
 };
 
 struct StepNote {
