@@ -75,6 +75,7 @@ std::optional<Model> Checker::run() {
     expectations();
     study();
   }
+  if (!diagnostics_.has_errors()) check_locking();
   if (!diagnostics_.has_errors()) check_unused();
   if (diagnostics_.has_errors() || !find_) return std::nullopt;
   return std::move(model_);

@@ -97,9 +97,9 @@ Field orthotropic(const Symbols3& young, const Symbols3& poisson, const Symbols3
   return from_voigt(3, m);
 }
 
-/// The least eigenvalue of tau -> C : tau on symmetric matrices, from the Mandel matrix of C, whose
-/// entries with shear are weighted by sqrt 2.
-double ellipticity(int d, const Field& c) {
+/// Symmetric part of the Mandel matrix of C, whose entries with shear are weighted by sqrt 2: the
+/// form tau : C : tau in an orthonormal basis of the symmetric matrices.
+Eigen::MatrixXd mandel_matrix(int d, const Field& c) {
   std::vector<std::array<int, 2>> pairs;
   for (int i = 0; i < d; ++i) pairs.push_back({i, i});
   for (int i = 0; i < d; ++i)
@@ -113,10 +113,24 @@ double ellipticity(int d, const Field& c) {
       const double weight = (i == j ? 1.0 : std::sqrt(2.0)) * (k == l ? 1.0 : std::sqrt(2.0));
       mandel(a, b) = weight * c.components[((i * d + j) * d + k) * d + l].value();
     }
-  const Eigen::MatrixXd symmetric = 0.5 * (mandel + mandel.transpose());
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly)
-      .eigenvalues()[0];
+  return 0.5 * (mandel + mandel.transpose());
 }
+
+/// How much stiffer the volume is than the shape: the mean pressure for a unit volume change
+/// against the largest eigenvalue on matrices without trace; (lambda + 2 mu / d) / (2 mu) if
+/// isotropic.
+double volume_over_shape(int d, const Eigen::MatrixXd& mandel) {
+  Eigen::VectorXd identity = Eigen::VectorXd::Zero(mandel.rows());
+  identity.head(d).setConstant(1.0 / std::sqrt(d));
+  const Eigen::MatrixXd without =
+      Eigen::MatrixXd::Identity(mandel.rows(), mandel.rows()) - identity * identity.transpose();
+  const Eigen::MatrixXd shape = without * mandel * without;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(shape, Eigen::EigenvaluesOnly);
+  return identity.dot(mandel * identity) / d / spectrum.eigenvalues()[mandel.rows() - 1];
+}
+
+/// Beyond this (poisson = 0.49) P1 answers much too stiffly.
+constexpr double locking = 24.0;
 
 } // namespace
 
@@ -132,11 +146,31 @@ Value Checker::tensor_call(const ast::Expr& e, const ast::Call& c, const std::st
     note_material(e.span, *material, true);
     return value;
   }
-  const double least = ellipticity(model_.dim, *material);
+  const Eigen::MatrixXd mandel = mandel_matrix(model_.dim, *material);
+  const double least =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(mandel, Eigen::EigenvaluesOnly)
+          .eigenvalues()[0];
+  if (least > 0.0 && model_.dim > 1)
+    if (const double ratio = volume_over_shape(model_.dim, mandel); ratio > locking)
+      locking_.insert_or_assign(e.span.begin, std::pair(e.span, ratio));
   if (least > 0.0) return value;
   error("E0504", e.span,
         fmt::format("the tensor is not elliptic: its least eigenvalue is {:.6g}", least));
   return Poison{};
+}
+
+/// W0104 for every nearly incompressible tensor in a space of P1 vectors. Crossed triangles do not
+/// lock: the divergence of P1 on them leaves enough freedom (tests/convergence).
+void Checker::check_locking() {
+  if (!model_.space.vector || model_.space.order != 1 || model_.mesh.crossed) return;
+  for (const auto& [at, tensor] : locking_)
+    diagnostics_.add(
+        diagnose("W0104", tensor.first,
+                 fmt::format("nearly incompressible: the volume is {:.3g} times stiffer than the "
+                             "shape, and P1 locks",
+                             tensor.second))
+            .with_help("take P2, `space V = vector P2 on ...`; on a rectangle `pattern = crossed` "
+                       "keeps the full order of both"));
 }
 
 void Checker::note_material(const Span& span, const Field& value, bool elliptic) {
@@ -303,9 +337,11 @@ Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& s
     return Poison{};
   }
   auto kind = solver::Table::Interpolation::linear;
+  bool prony = false;
   if ((*args)[2]) {
     auto w = word(*(*args)[2], "interpolation", {"linear", "cubic", "prony"});
     if (!w) return Poison{};
+    prony = *w == "prony";
     if (*w == "cubic") kind = solver::Table::Interpolation::monotone_cubic;
   }
   std::optional<Field> at;
@@ -336,11 +372,27 @@ Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& s
           "a table is two columns of numbers, the first increasing");
     return Poison{};
   }
-  bool prony = false;
   return check_finite(e.span, out) ? Value(out) : Value(Poison{});
 }
 
-    prony = *w == "prony";
+/// The Prony sum through the table's points; its error becomes a note of the plan.
+Symbol Checker::prony_through(const solver::Table& table, const Symbol& at, const Span& span) {
+  const auto fit = solver::fit_prony(table);
+  Symbol sum = fit.constant;
+  for (std::size_t i = 0; i < fit.weights.size(); ++i)
+    sum = sum + Symbol(fit.weights[i]) * exp(-at / Symbol(fit.times[i]));
+  const bool known = std::any_of(model_.notes.begin(), model_.notes.end(),
+                                 [&](const ModelNote& n) { return n.span == span; });
+  if (!known)
+    model_.notes.push_back(
+        {fmt::format("Prony sum through `{}`", table.name()), span,
+         fmt::format("{} exponentials{}, largest error {:.1e} of the largest "
+                     "value, root mean square {:.1e}",
+                     fit.weights.size(), fit.constant != 0 ? " and a constant" : "", fit.largest,
+                     fit.mean)});
+  return sum;
+}
+
 Value Checker::prony_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
   auto args = match(e, c, "prony", {"weights", "times", "at"}, 2);
   if (!args) return Poison{};
@@ -371,21 +423,3 @@ Value Checker::prony_call(const ast::Expr& e, const ast::Call& c, const Scope& s
 }
 
 } // namespace hvi::lang
-/// The Prony sum through the table's points; its error becomes a note of the plan.
-Symbol Checker::prony_through(const solver::Table& table, const Symbol& at, const Span& span) {
-  const auto fit = solver::fit_prony(table);
-  Symbol sum = fit.constant;
-  for (std::size_t i = 0; i < fit.weights.size(); ++i)
-    sum = sum + Symbol(fit.weights[i]) * exp(-at / Symbol(fit.times[i]));
-  const bool known = std::any_of(model_.notes.begin(), model_.notes.end(),
-                                 [&](const ModelNote& n) { return n.span == span; });
-  if (!known)
-    model_.notes.push_back(
-        {fmt::format("Prony sum through `{}`", table.name()), span,
-         fmt::format("{} exponentials{}, largest error {:.1e} of the largest "
-                     "value, root mean square {:.1e}",
-                     fit.weights.size(), fit.constant != 0 ? " and a constant" : "", fit.largest,
-                     fit.mean)});
-  return sum;
-}
-

@@ -127,6 +127,7 @@ private:
                      const Scope& scope);
   Value algebraic(const ast::Expr& e, const ast::Call& call, const std::string& name,
                   const Scope& scope);
+  void check_locking();
   void note_material(const Span& span, const Field& value, bool elliptic);
   void place_materials();
   void check_tables();
@@ -227,6 +228,7 @@ private:
   bool groups_known_ = false;
   std::map<std::pair<int, bool>, int> law_index_;
   std::string coupled_; ///< the law whose multiplier the law being checked reads
+  std::map<std::size_t, std::pair<Span, double>> locking_; ///< nearly incompressible tensors
   std::set<int> laws_applied_;
   std::map<std::string, int> part_of_;
   /// A table's argument, checked when the times of the problem are known.

@@ -31,6 +31,18 @@ matrix has lost its transpose.)",
 tensor B = voigt([[3, 1, 0], [0, 3, 0], [0, 0, 1]]))",
      R"(
 tensor B = voigt([[3, 1, 0], [1, 3, 0], [0, 0, 1]]))"},
+    {"W0104", "nearly incompressible material with P1",
+     R"(
+A material whose volume is much stiffer than its shape (poisson beyond 0.49) makes linear elements lock:
+they cannot change shape without changing volume, and the answer is much too stiff on any mesh that can
+be paid. P2 has enough freedom (it loses an order of convergence), and so have both elements on crossed
+rectangles (they lose none). The number printed is (lambda + 2 mu / d) / (2 mu) of an isotropic tensor.)",
+     R"(
+tensor B = isotropic(young = 70, poisson = 0.4999)
+space V  = vector P1 on slab, zero on roof)",
+     R"(
+tensor B = isotropic(young = 70, poisson = 0.4999)
+space V  = vector P2 on slab, zero on roof)"},
 });
 
 } // namespace
