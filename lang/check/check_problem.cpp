@@ -317,10 +317,14 @@ void Checker::check_clauses(const ast::Find& find) {
 void Checker::check_symmetry() {
   for (const int which : {solver::field_u, solver::field_rate}) {
     std::map<int, std::pair<Symbol, Span>> sums;
+    std::set<int> culprits;
     for (const ModelTerm& term : model_.terms) {
       if (term.right || term.integrand.trial == Degree::none) continue;
       auto [sum, fresh] = sums.try_emplace(term.part, Symbol(0.0), term.span);
       sum->second.first = sum->second.first + term.factor * term.integrand.scalar();
+      // The first term that is not symmetric by itself is the one to look at.
+      if (!symmetric(term.integrand.scalar(), which) && culprits.insert(term.part).second)
+        sum->second.second = term.span;
     }
     for (const auto& [part, sum] : sums)
       if (!symmetric(sum.first, which)) {
@@ -328,8 +332,11 @@ void Checker::check_symmetry() {
             diagnose("W0103", sum.second,
                      fmt::format("the form in `{}{}` on `{}` is not symmetric", find_->unknown.text,
                                  which == solver::field_rate ? "'" : "", model_.parts[part].name))
-                .with_note("the systems are solved by LU in place of Cholesky: about twice the "
-                           "time; the theory needs the coercivity only")
+                .with_note(which == solver::field_rate
+                               ? "H(A) asks for a symmetric A: the theorem does not apply; the "
+                                 "systems are solved by LU in place of Cholesky"
+                               : "the systems are solved by LU in place of Cholesky: about twice "
+                                 "the time; the theory needs the coercivity only")
                 .with_help("if this was not meant, look for a matrix that is not its transpose"));
         return;
       }

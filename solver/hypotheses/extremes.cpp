@@ -66,7 +66,8 @@ struct ShiftedInverse {
   }
 };
 
-/// The eigenvalue next above sigma, where K - sigma G is positive definite; nothing where it is
+/// The eigenvalue next above sigma, where K - sigma G is positive definite (sigma itself, a lower
+/// bound, should the iteration not converge); nothing where it is
 /// not.
 std::optional<double> least_above(const GramForm& gram, const SparseMatrix& k, double sigma) {
   const SparseMatrix shifted = k - sigma * gram.matrix();
@@ -83,6 +84,7 @@ std::optional<double> least_above(const GramForm& gram, const SparseMatrix& k, d
     // Of the inverse's eigenvalue, whose relative error the closeness of sigma divides by 1e5.
     solver.compute(Spectra::SortRule::LargestAlge, 300, 1e-5);
     if (solver.info() == Spectra::CompInfo::Successful) return solver.eigenvalues()[0];
+    if (sigma > 0.0) return sigma;
   } catch (const Failure&) {            // not positive definite
   } catch (const std::runtime_error&) { // a Krylov space that ends early
   }
@@ -158,7 +160,8 @@ double largest_on(const GramForm& gram, const SparseMatrix& k, const std::vector
 std::optional<double> GramForm::least(const SparseMatrix& k, double below) const {
   const SparseMatrix s = symmetric_part(k);
   if (s.rows() <= dense_size) return dense_spectrum(s, g_)[0];
-  if (const auto value = least_above(*this, s, below * (1.0 - 1e-5))) return value;
+  for (const double sigma : {below * (1.0 - 1e-5), 0.0})
+    if (const auto value = least_above(*this, s, sigma)) return value;
   return extreme(
       *this, [&](const Vector& x) -> Vector { return s * x; }, Spectra::SortRule::SmallestAlge);
 }

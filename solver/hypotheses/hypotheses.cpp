@@ -36,11 +36,11 @@ public:
     return combine(operators_, operators_.weights.row(field).transpose());
   }
   bool acts_on(int field) const { return operators_.acts_on(field); }
-  /// `pointwise`: a lower bound of it, which stands in where the iteration finds nothing.
+  /// `pointwise`: a lower bound of it where the form is one of strains alone.
   double coercivity(int field, double pointwise) const {
     if (!acts_on(field)) return 0.0;
     const double below = std::isfinite(pointwise) ? std::max(0.0, pointwise) : 0.0;
-    return gram_.least(of_field(field), below).value_or(below > 0.0 ? below : nan);
+    return gram_.least(of_field(field), below).value_or(nan);
   }
   double memory_norm(int m) const {
     return gram_.norm(of_field(first_history_field + m)).value_or(nan);
