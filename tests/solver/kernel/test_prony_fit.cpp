@@ -19,13 +19,15 @@ Table table_of(F f, double step, int count) {
   return Table("data", x, y, Table::Interpolation::linear);
 }
 
-/// Analytic: the data come from a sum whose times are not on the grid.
+/// Analytic: the data come from a sum whose times are not on the grid of times. Two neighbours on
+/// it, a factor r = 10^(1/20) apart, replace one between them within (log r)^2 / 8 * 4 / e^2 = 9e-4
+/// of its weight; least squares do better.
 TEST(PronyFit, FollowsASumOfExponentials) {
   const auto f = [](double x) { return 0.4 + 0.5 * std::exp(-x / 0.37) + 0.1 * std::exp(-x / 2); };
   const auto sum = fit_prony(table_of(f, 0.05, 80));
-  EXPECT_LT(sum.largest, 1e-5);
+  EXPECT_LT(sum.largest, 2e-4);
   EXPECT_LE(sum.mean, sum.largest);
-  for (double x = 0.025; x < 3.9; x += 0.05) EXPECT_NEAR(sum.value(x), f(x), 1e-4);
+  for (double x = 0.025; x < 3.9; x += 0.05) EXPECT_NEAR(sum.value(x), f(x), 2e-4);
   EXPECT_LT(sum.weights.size(), 10u);
 }
 
