@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 
@@ -207,7 +208,9 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
     }
     spec.refinements = static_cast<int>(*n);
   }
-  const bool geo = std::filesystem::path(*full).extension() == ".geo";
+  std::string extension = std::filesystem::path(*full).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const bool geo = extension == ".geo";
   if (geo && !options_.allow_geo) {
     error("E0606", (*args)[0]->span, "a `.geo` file can run programs and is not read",
           "mesh it with gmsh, or allow it with --allow-geo");

@@ -357,9 +357,14 @@ Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& s
   if (!nonlinear_degrees(e.span, "`table`", {&*at}, out, scope)) return Poison{};
   auto full = allowed_path(path->text, (*args)[0]->span);
   if (!full) return Poison{};
-  const auto text = read_text(*full, std::size_t{256} << 20);
+  constexpr std::size_t most_bytes = std::size_t{256} << 20;
+  const auto text = read_text(*full, most_bytes);
   if (!text) {
     error("E0601", (*args)[0]->span, fmt::format("there is no file `{}`", path->text));
+    return Poison{};
+  }
+  if (text->size() > most_bytes) {
+    error("E0607", (*args)[0]->span, fmt::format("`{}` is larger than 256 MiB", path->text));
     return Poison{};
   }
   try {

@@ -4,6 +4,7 @@
 #include "lang/diag/utf8.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 
 namespace hvi::lang {
@@ -66,9 +67,13 @@ Position SourceMap::end(const Span& span) const { return file(span.file).positio
 std::string_view SourceMap::text(const Span& span) const { return file(span.file).text(span); }
 
 std::optional<std::string> read_text(const std::string& path, std::size_t limit) {
+  // Nothing but files: a pipe or a device may never end.
+  std::error_code problem;
+  if (!std::filesystem::is_regular_file(path, problem)) return std::nullopt;
   std::ifstream stream(path, std::ios::binary);
   if (!stream) return std::nullopt;
-  std::string text(limit + 1, '\0');
+  const std::uintmax_t size = std::filesystem::file_size(path, problem);
+  std::string text(static_cast<std::size_t>(std::min<std::uintmax_t>(size, limit + 1)), '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (stream.bad()) return std::nullopt;
   text.resize(static_cast<std::size_t>(stream.gcount()));
