@@ -36,6 +36,17 @@ double integrate_singular(TanhSinh& rule, const F& f) {
   }
 }
 
+/// Does f go on below the first points of a panel on [0, to] as it does between them?
+template <class F>
+bool calm_below(const F& f, double to) {
+  const double first = f(0.002 * to)[0], second = f(0.01 * to)[0];
+  const double allowed =
+      4 * std::abs(first - second) + 1e-12 * std::max(std::abs(first), std::abs(second));
+  for (double v = 0.001 * to; v > 1e-18; v /= 2)
+    if (!(std::abs(f(v)[0] - first) <= allowed)) return false;
+  return true;
+}
+
 } // namespace
 
 KernelIntegral::KernelIntegral(const KernelFunction& kernel, const Breaks& breaks,
@@ -58,7 +69,8 @@ Moments KernelIntegral::operator()(double t, double low, double high) const {
   }
   if (!std::isfinite(sum.zero) || !std::isfinite(sum.one)) {
     throw Failure(FailureKind::bad_kernel, origin_,
-                  "the memory kernel `" + name_ + "` has no finite integral over the lags " +
+                  "the memory kernel `" + name_ +
+                      "` has no finite integral, or changes too fast for one, over the lags " +
                       std::to_string(low) + " to " + std::to_string(high));
   }
   return sum;
@@ -75,10 +87,23 @@ Moments KernelIntegral::at_zero(double t, const Piece& piece) const {
     return {q, q * piece.x(lag)};
   };
   const double factor = std::pow(h, 1 - e) * m;
-  const auto panel = detail::gauss_kronrod_panel<2>(bracket, 0, 1, {});
-  if (panel.smooth) return {factor * panel.integral[0], factor * panel.integral[1]};
-  return {factor * integrate_singular(*rule_, [&](double v) { return bracket(v)[0]; }),
-          factor * integrate_singular(*rule_, [&](double v) { return bracket(v)[1]; })};
+  Moments sum;
+  double to = 1;
+  // Panels that shrink fourfold towards 0, until one is smooth and hides nothing: a decay within
+  // 1e-8 of the step falls between the points of a panel as long as the step.
+  for (int level = 0; level < 20; ++level, to /= 4) {
+    const auto panel = detail::gauss_kronrod_panel<2>(bracket, 0, to, {});
+    if (panel.smooth && calm_below(bracket, to))
+      return {factor * (sum.zero + panel.integral[0]), factor * (sum.one + panel.integral[1])};
+    // What lies nearer to 0 is measured by what was found: there a kernel may be mere rounding.
+    const auto values = integrate_smooth<2>(bracket, to / 4, to,
+                                            {100 * std::abs(sum.zero), 100 * std::abs(sum.one)});
+    sum = sum + Moments{values[0], values[1]};
+  }
+  const auto rest = [&](int i) {
+    return to * integrate_singular(*rule_, [&](double v) { return bracket(to * v)[i]; });
+  };
+  return {factor * (sum.zero + rest(0)), factor * (sum.one + rest(1))};
 }
 
 /// Panels grow at most fourfold with the lag: a singularity at 0 stays at a fixed distance.

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace hvi::solver {
@@ -20,7 +21,8 @@ namespace detail {
 template <std::size_t M>
 struct Panel {
   Values<M> integral{}, magnitude{};
-  bool smooth = true; ///< Gauss and Kronrod agree to the accuracy asked for
+  bool smooth = true;    ///< Gauss and Kronrod agree to the accuracy asked for
+  double difference = 0; ///< of the two, relative to the magnitude
 };
 
 /// One 31-point panel. |K31 - G15| is the error of G15; that of K31 is far below it, so that
@@ -48,7 +50,10 @@ Panel<M> gauss_kronrod_panel(const F& f, double a, double b, const Values<M>& sc
   }
   for (std::size_t m = 0; m < M; ++m) {
     const double bound = 2e-12 * panel.magnitude[m] + 1e-16 * scale[m];
-    if (std::abs(panel.integral[m] - gauss[m]) > bound) panel.smooth = false;
+    const double off = std::abs(panel.integral[m] - gauss[m]);
+    if (off > bound) panel.smooth = false;
+    if (panel.magnitude[m] > 0)
+      panel.difference = std::max(panel.difference, off / panel.magnitude[m]);
   }
   return panel;
 }
@@ -56,24 +61,35 @@ Panel<M> gauss_kronrod_panel(const F& f, double a, double b, const Values<M>& sc
 } // namespace detail
 
 /// int_a^b f(x) dx, f: double -> Values<M>. Bisects where the two rules differ, at most `limit`
-/// panels; a value that is not finite ends the bisection and shows in the result.
+/// panels. A difference that is small and does not shrink with its panel is the rounding of f (a
+/// cosine of a large argument) and is left. A value that is not finite, and panels that do not
+/// suffice, show in the result (NaN). `scale`: sizes of which 1e-16 does not matter.
 template <std::size_t M, class F>
-Values<M> integrate_smooth(const F& f, double a, double b, std::size_t limit = 2000) {
-  Values<M> result{}, scale{};
-  std::vector<std::pair<double, double>> open{{a, b}};
+Values<M> integrate_smooth(const F& f, double a, double b, Values<M> scale = {},
+                           std::size_t limit = 30000) {
+  struct Open {
+    double low, high, difference; ///< of the rules on the panel it is half of, relative
+  };
+  constexpr double small = 1e-9;
+  Values<M> result{};
+  std::vector<Open> open{{a, b, 1.0}};
   const double narrow = 1e-14 * std::max(std::abs(a), std::abs(b));
   std::size_t panels = 0;
   while (!open.empty()) {
-    const auto [low, high] = open.back();
+    const auto [low, high, before] = open.back();
     open.pop_back();
     const auto panel = detail::gauss_kronrod_panel<M>(f, low, high, scale);
     for (std::size_t m = 0; m < M; ++m) scale[m] = std::max(scale[m], panel.magnitude[m]);
-    if (!panel.smooth && ++panels < limit && high - low > narrow) {
-      open.emplace_back(0.5 * (low + high), high);
-      open.emplace_back(low, 0.5 * (low + high));
+    const bool noise = panel.difference <= small && panel.difference > 0.5 * before;
+    const bool refine = !panel.smooth && !noise && high - low > narrow;
+    if (refine && ++panels < limit) {
+      open.push_back({0.5 * (low + high), high, panel.difference});
+      open.push_back({low, 0.5 * (low + high), panel.difference});
       continue;
     }
-    for (std::size_t m = 0; m < M; ++m) result[m] += panel.integral[m];
+    for (std::size_t m = 0; m < M; ++m)
+      result[m] += refine ? std::numeric_limits<double>::quiet_NaN() : panel.integral[m];
+    if (refine) break; // never an answer that was not resolved
   }
   return result;
 }

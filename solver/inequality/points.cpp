@@ -9,6 +9,9 @@ namespace hvi::solver {
 
 namespace {
 
+/// A law's slope against the body's stiffness from which rounding of z shows in xi.
+constexpr double far_stiffer = 1e4;
+
 double norm(const Small& v) { return std::hypot(v[0], v[1], v[2]); }
 double dot(const Small& a, const Small& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -186,7 +189,11 @@ Small InequalityEngine::multiplier(int p) const {
   if (!law.radial()) {
     if (state[p] % 2 == 1 && std::abs(zp[0] - g.breaks[i]) <= tolerance)
       return {clipped(xp[0]), 0, 0};
-    return {law.on_component(component[p], zp[0]).s, 0.0, 0.0};
+    const double s = law.on_component(component[p], zp[0]).s;
+    // Far stiffer than the body: z cannot say what xi is, the increments of Newton's step can.
+    const double slack = std::abs(d[p][0]) * tolerance;
+    const bool stiff = state[p] % 2 == 0 && std::abs(d[p][0]) * q.local > far_stiffer;
+    return {stiff ? std::clamp(xp[0], s - slack, s + slack) : s, 0.0, 0.0};
   }
   const double r = norm(zp);
   if (state[p] == -1 && r <= tolerance) {

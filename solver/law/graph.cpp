@@ -8,7 +8,8 @@ namespace hvi::solver {
 
 namespace {
 
-/// Distance from xi to the scalar graph at r, breaks within `snap` of r included.
+/// Distance from xi to the scalar graph over [r - snap, r + snap]: an argument is known up to its
+/// rounding only, which a steep slope (contact far stiffer than the body) makes visible in xi.
 double scalar_distance(const Law& law, const LawGraph& graph, double r, double xi, double snap) {
   double best = std::numeric_limits<double>::infinity();
   const auto try_interval = [&](double a, double b) {
@@ -21,6 +22,11 @@ double scalar_distance(const Law& law, const LawGraph& graph, double r, double x
     const auto i = b - graph.breaks.begin();
     try_interval(graph.left[i], graph.right[i]);
   }
+  if (best == 0.0 || !(snap > 0.0)) return best;
+  for (const double end : {law.spec().radial ? std::max(r - snap, 0.0) : r - snap, r + snap})
+    if (const double there = law.slope(graph, piece_of(graph, end), end);
+        std::isfinite(s) && std::isfinite(there))
+      try_interval(s, there);
   return best;
 }
 
@@ -68,7 +74,9 @@ double inclusion_distance(const Law& law, const LawGraph& graph, const double* z
   for (int k = 0; k < rows; ++k) along += xi[k] * (z[k] / r);
   double across[3]{};
   for (int k = 0; k < rows; ++k) across[k] = xi[k] - along * (z[k] / r);
-  return std::min(best, std::hypot(scalar_distance(law, graph, r, along, snap), norm(across)));
+  // The direction of z is known up to snap / r.
+  const double sideways = std::max(0.0, norm(across) - std::abs(along) * snap / r);
+  return std::min(best, std::hypot(scalar_distance(law, graph, r, along, snap), sideways));
 }
 
 } // namespace hvi::solver
