@@ -1,0 +1,42 @@
+"""Every command of docs/tour.md prints what stands below it.  usage: tour.py HVI_RUN [--update]
+
+A block marked `console` holds a line `$ command` and its output; commands run in examples/ in a shell.
+"""
+import difflib
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+program = pathlib.Path(sys.argv[1]).resolve()
+path = ROOT / "docs/tour.md"
+page = path.read_text()
+
+
+def run(block):
+    command = block[1].split("\n")[0]
+    assert command.startswith("$ "), command
+    with tempfile.TemporaryDirectory() as folder:
+        # Results go into a folder that is thrown away; CURRENT is the examples' folder.
+        environment = {**os.environ, "PATH": f"{program.parent}:{os.environ['PATH']}", "OUT": folder}
+        done = subprocess.run(["bash", "-c", command[2:]], cwd=ROOT / "examples", env=environment, capture_output=True,
+                              text=True)
+    output = (done.stdout + done.stderr).replace(folder, "OUT").rstrip("\n")
+    return f"```console\n{command}\n{output}\n```"
+
+
+def rounded(text):
+    """Eight digits of every number, and 0 for rounding errors: the rest depends on the compiler."""
+    return re.sub(r"\d+\.\d+(e[-+]\d+)?", lambda m: "0" if abs(float(m[0])) < 1e-11 else f"{float(m[0]):.8g}", text)
+
+
+made = re.sub(r"```console\n(.*?)\n```", run, page, flags=re.S)
+if "--update" in sys.argv:
+    path.write_text(made)
+elif rounded(made) != rounded(page):
+    sys.stdout.writelines(difflib.unified_diff(page.splitlines(True), made.splitlines(True), "docs/tour.md", "now"))
+    sys.exit("docs/tour.md is old: run tests/docs/tour.py HVI_RUN --update")
+print(f"{page.count('```console')} commands")
