@@ -28,7 +28,7 @@ struct LawSpec {
   bool radial = false;
   bool by_slope = false; ///< `expression` is the slope j', else the potential j
   Expr expression;
-  std::string coupled; ///< the law whose multiplier slot::coupled stands for; "": none
+  std::string coupled{}; ///< the law whose multiplier slot::coupled stands for; "": none
 };
 
 /// The graph of r -> dj(r) at one point of space and time, jumps filled in. Piece i is smooth on
