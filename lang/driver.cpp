@@ -107,6 +107,7 @@ bool compile_script(Script& script, const Options& options) {
   script.model->title = fs::path(script.path).stem().string();
   script.model->options.threads = options.threads;
   script.plan = lower(*script.model);
+  if (options.full) script.plan->options.proportional_path = false;
   return true;
 }
 

@@ -43,6 +43,7 @@ struct Options {
   bool json_diagnostics = false;
   bool script_only = false;
   bool profile = false;
+  bool full = false; ///< all unknowns at every step, also where the contact unknowns would do
   int threads = 1;
   int checkpoint = 0; ///< every so many steps; 0: never
   bool resume = false;

@@ -4,6 +4,7 @@
 #include "solver/fem/space.hpp"
 #include "solver/linear/sparse.hpp"
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -35,6 +36,8 @@ public:
   void add_mean(double t0, double t1, Vector& out) const;
   /// From now on vectors have an entry per dof of this list, in its order.
   void restrict_to(std::span<const std::int32_t> dofs);
+  /// Every F_m becomes map(F_m): loads stated in other unknowns. Only where all terms separate.
+  void map(const std::function<Vector(const Vector&)>& map);
   int separable_terms() const; ///< vectors F_m stored
   bool separable() const;      ///< nothing is assembled again at each step
   bool time_independent() const;

@@ -314,6 +314,12 @@ void LoadAssembler::restrict_to(std::span<const std::int32_t> dofs) {
   }
 }
 
+void LoadAssembler::map(const std::function<Vector(const Vector&)>& map) {
+  for (Mode& mode : impl_->modes) {
+    mode.f = map(mode.f);
+  }
+}
+
 int LoadAssembler::separable_terms() const { return static_cast<int>(impl_->modes.size()); }
 bool LoadAssembler::separable() const { return impl_->lazy.empty(); }
 bool LoadAssembler::time_independent() const {

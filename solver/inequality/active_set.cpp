@@ -43,6 +43,7 @@ bool InequalityEngine::factor_if_needed() {
   ++report.factorisations;
   factored = op.factor(h);
   d_factored = d;
+  far_columns.clear();
   return factored;
 }
 

@@ -1,11 +1,18 @@
 // Linear solves of Newton's steps without a new factor (engine.hpp).
 //
 // The last factor M = S + H_old preconditions S + H. Most points keep their stiffness about; those
-// that moved far (stick to slip and back) are few and have their unknowns to themselves. With Q the
-// far unknowns that got stiffer, R those that got softer, E_X the restriction to X,
-//     P^-1 = (1 - E_Q) M^-1 (1 - E_Q) + E_Q diag(S + H)^-1 E_Q + E_R (S + H)_RR^-1 E_R,
-// symmetric and positive definite. A front of a hundred points that begin to slip costs four
-// iterations instead of a factor.
+// that moved far (stick to slip and back, contact that opens) are few and have their unknowns to
+// themselves. With X their unknowns, the preconditioner is the matrix P that equals S + H on X and
+// M elsewhere, solved exactly:
+//
+//   R: unknowns that M holds by a penalty and that are free now. M^-1 gives 0 there, so that with
+//      Y = M^-1 S E_R and C = (S + H)_RR - S_RF Y   (F: all but R)
+//          x_R = C^-1 (b_R - Y^T b),   x_F = M^-1 b - Y x_R.
+//   Q: the others, by Woodbury with Delta = (H - H_old)_QQ and Z = M^-1 E_Q:
+//          force = (1 + Delta G)^-1 Delta x_Q,   G = Z_QQ + Y_Q C^-1 Y_Q^T,   b := b - E_Q force.
+//
+// The columns Y and Z are kept as long as the factor. What is left to conjugate gradients are the
+// small changes of slopes: a few iterations.
 #include "solver/inequality/engine.hpp"
 
 #include <algorithm>
@@ -17,66 +24,159 @@ namespace {
 
 /// A factor pays for itself over the solves of a few steps when each takes more than this.
 constexpr int many_iterations = 6;
+/// Below this size a factor costs next to nothing.
+constexpr int worth_iterating = 64;
+/// A stiffness that moved by more than this, by the body's own, is far from the factored one.
+constexpr double far_away = 2.0;
+/// Stiffness over that of the body: beyond it a point counts as held.
+constexpr double holds = 1e6;
 
-double size_of(const std::array<double, 9>& m) { return std::abs(m[0]) + m[4] + m[8]; }
+/// Are all rows of a point held alike? (At the origin, or at a break of a scalar law.)
+bool holds_all(const std::array<double, 9>& m, int rows, double local) {
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j < rows; ++j) {
+      const double v = m[3 * i + j];
+      if (i == j ? !(v * local > holds) : v != 0.0) return false;
+    }
+  return true;
+}
+
+bool holds_some(const std::array<double, 9>& m, double local) {
+  return std::any_of(m.begin(), m.end(), [&](double v) { return std::abs(v) * local > holds; });
+}
 
 } // namespace
 
 /// Lists the points whose stiffness moved far from the factored one, by the body's own. False when
 /// one of them shares its unknowns, or when they are too many for this to pay.
 bool InequalityEngine::factor_is_close() {
-  far.clear();
-  if (!factored || !op.symmetric()) return false;
+  if (!factored || !op.symmetric() || n < worth_iterating) return false;
+  if (last_cg > std::max(many_iterations, op.patience() / 2)) return last_cg = 0, false;
+  freed.clear(), changed.clear(), delta.clear();
   const auto most = static_cast<std::size_t>(5 * op.patience());
-  if (last_cg > many_iterations) return last_cg = 0, false;
   for (int p = 0; p < n_points; ++p) {
     bool close = true;
     for (int k = 0; k < 9; ++k)
-      close = close && std::abs(d[p][k] - d_factored[p][k]) * points[p].local <= 10.0;
+      close = close && std::abs(d[p][k] - d_factored[p][k]) * points[p].local <= far_away;
     if (close) continue;
-    if (!points[p].exclusive || far.size() >= most) return false;
-    far.push_back({p, size_of(d[p]) > size_of(d_factored[p])});
+    if (!points[p].exclusive || !add_far(p)) return false;
+    if (freed.size() + changed.size() > most) return false;
   }
+  if (far_columns.size() > 4 * most) return false;
   assemble();
-  factor_block();
-  return block_factor.info() == Eigen::Success;
+  return prepare_far();
 }
 
-/// The far unknowns that got softer, and the factor of S + H on them. Those that got stiffer keep
-/// the inverse of their own diagonal entries only: they hardly move.
-void InequalityEngine::factor_block() {
-  block_unknowns.clear(), stiff_unknowns.clear();
-  for (const FarPoint& f : far)
-    for (int k = 0; k < points[f.point].rows; ++k)
-      for (SparseMatrix::InnerIterator it(problem.g, points[f.point].first + k); it; ++it)
-        if (it.value() != 0.0)
-          (f.stiffer ? stiff_unknowns : block_unknowns).push_back(static_cast<int>(it.col()));
-  const auto m = static_cast<int>(block_unknowns.size());
-  block.resize(m, m);
-  block_unit = 0.0; // by the body's own stiffness: no unit system overflows in the factor
-  for (const int i : block_unknowns) block_unit = std::max(block_unit, std::abs(diagonal[i]));
-  for (int b = 0; b < m; ++b)
-    for (int a = b; a < m; ++a)
-      block(a, b) = op.entry(block_unknowns[a], block_unknowns[b]) / block_unit;
+/// Puts the unknowns of a far point among the freed or the changed ones.
+bool InequalityEngine::add_far(int p) {
+  const PointData& q = points[p];
+  const bool held = holds_all(d_factored[p], q.rows, q.local);
+  if (!held && holds_some(d_factored[p], q.local)) return false; // held along one direction
+  int unknown[3];
+  double g[3];
+  for (int a = 0; a < q.rows; ++a)
+    for (SparseMatrix::InnerIterator it(problem.g, q.first + a); it; ++it)
+      if (it.value() != 0.0) unknown[a] = static_cast<int>(it.col()), g[a] = it.value();
+  for (int a = 0; a < q.rows; ++a) {
+    if (held) {
+      freed.push_back(unknown[a]);
+      continue;
+    }
+    const bool now_held = holds_all(d[p], q.rows, q.local);
+    for (int b = 0; b < q.rows; ++b) {
+      const double change = d[p][3 * a + b] - d_factored[p][3 * a + b];
+      const auto row = static_cast<int>(changed.size());
+      delta.push_back({row, row - a + b, q.weight * g[a] * g[b] * change, now_held && a == b});
+    }
+    changed.push_back(unknown[a]);
+  }
+  return true;
+}
+
+/// M^-1 S e_i for a freed unknown, M^-1 e_i for a changed one: those not known yet in one go.
+void InequalityEngine::solve_far_columns() {
+  std::vector<int> missing;
+  for (const int i : freed)
+    if (!far_columns.contains(i)) missing.push_back(i);
+  const auto first_changed = static_cast<int>(missing.size());
+  for (const int i : changed)
+    if (!far_columns.contains(i)) missing.push_back(i);
+  if (missing.empty()) return;
+  DenseMatrix columns = DenseMatrix::Zero(n, static_cast<Eigen::Index>(missing.size()));
+  for (int j = 0; j < static_cast<int>(missing.size()); ++j) {
+    if (j >= first_changed)
+      columns(missing[j], j) = 1.0;
+    else
+      for (int i = 0; i < n; ++i) columns(i, j) = op.entry(i, missing[j]);
+  }
+  op.solve_rough(columns);
+  for (std::size_t j = 0; j < missing.size(); ++j)
+    far_columns[missing[j]] = columns.col(static_cast<Eigen::Index>(j));
+}
+
+/// C and 1 + Delta G with their factors. By the body's own stiffness: no unit system overflows.
+bool InequalityEngine::prepare_far() {
+  const auto m = static_cast<Eigen::Index>(freed.size());
+  const auto k = static_cast<Eigen::Index>(changed.size());
+  if (m + k == 0) return true;
+  solve_far_columns();
+  far_y.resize(n, m), far_z.resize(n, k);
+  for (Eigen::Index j = 0; j < m; ++j) far_y.col(j) = far_columns.at(freed[j]);
+  for (Eigen::Index j = 0; j < k; ++j) far_z.col(j) = far_columns.at(changed[j]);
+  for (Eigen::Index j = 0; j < m; ++j)
+    for (const int i : freed) far_y(i, j) = 0.0;
+  block_unit = diagonal.cwiseAbs().maxCoeff();
+  if (!(block_unit > 0.0)) return false;
+  DenseMatrix rows(n, m);
+  for (Eigen::Index j = 0; j < m; ++j)
+    for (int i = 0; i < n; ++i) rows(i, j) = op.entry(i, freed[j]) / block_unit;
+  DenseMatrix c_block = -(rows.transpose() * far_y);
+  for (Eigen::Index b = 0; b < m; ++b)
+    for (Eigen::Index a = 0; a < m; ++a) c_block(a, b) += rows(freed[a], b);
   // H couples the unknowns of one point only: they stand next to each other, at most three.
-  for (int b = 0; b < m; ++b)
-    for (int a = b; a < std::min(b + 3, m); ++a)
-      block(a, b) += h.coeff(block_unknowns[a], block_unknowns[b]) / block_unit;
-  block_factor.compute(block);
-  block_work.resize(m);
+  for (Eigen::Index b = 0; b < m; ++b)
+    for (Eigen::Index a = std::max<Eigen::Index>(0, b - 2); a < std::min(b + 3, m); ++a)
+      c_block(a, b) += h.coeff(freed[a], freed[b]) / block_unit;
+  freed_factor.compute(c_block);
+  if (m > 0 && freed_factor.info() != Eigen::Success) return false;
+  if (k == 0) return true;
+  DenseMatrix y_q(k, m), g(k, k);
+  for (Eigen::Index a = 0; a < k; ++a) y_q.row(a) = far_y.row(changed[a]);
+  for (Eigen::Index a = 0; a < k; ++a) g.row(a) = far_z.row(changed[a]);
+  if (m > 0) g += y_q * freed_factor.solve(y_q.transpose()) / block_unit;
+  DenseMatrix w = DenseMatrix::Identity(k, k);
+  for (const auto& e : delta) w.row(e.row) += e.value * g.row(e.column);
+  changed_factor.compute(w);
+  far_y_q = y_q;
+  return true;
 }
 
 /// out = P^-1 r
 void InequalityEngine::precondition(const Vector& r, Vector& out) {
-  if (far.empty()) return op.solve(r, out);
+  if (freed.empty() && changed.empty()) return op.solve_rough(r, out);
+  const auto m = static_cast<Eigen::Index>(freed.size());
+  const auto k = static_cast<Eigen::Index>(changed.size());
   cg_kept = r;
-  for (const int i : stiff_unknowns) cg_kept[i] = 0.0;
-  op.solve(cg_kept, out);
-  for (const int i : stiff_unknowns) out[i] = r[i] / (diagonal[i] + h.coeff(i, i));
-  const auto m = static_cast<int>(block_unknowns.size());
-  for (int a = 0; a < m; ++a) block_work[a] = r[block_unknowns[a]] / block_unit;
-  block_factor.solveInPlace(block_work);
-  for (int a = 0; a < m; ++a) out[block_unknowns[a]] += block_work[a];
+  for (const int i : freed) cg_kept[i] = 0.0;
+  op.solve_rough(cg_kept, out);
+  Vector t = -(far_y.transpose() * cg_kept);
+  for (Eigen::Index j = 0; j < m; ++j) t[j] += r[freed[j]];
+  if (k > 0) {
+    Vector x(k), pull = Vector::Zero(k);
+    for (Eigen::Index j = 0; j < k; ++j) x[j] = out[changed[j]];
+    if (m > 0) x -= far_y_q * freed_factor.solve(t / block_unit);
+    for (const auto& e : delta) pull[e.row] += e.value * x[e.column];
+    const Vector force_q = changed_factor.solve(pull);
+    t += far_y_q.transpose() * force_q;
+    out.noalias() -= far_z * force_q;
+    // A held unknown moves by force / stiffness: the difference above would be rounding.
+    for (const auto& e : delta)
+      if (e.held) out[changed[e.row]] = force_q[e.row] / e.value;
+  }
+  if (m == 0) return;
+  const Vector free = freed_factor.solve(t / block_unit);
+  out.noalias() -= far_y * free;
+  for (Eigen::Index j = 0; j < m; ++j) out[freed[j]] = free[j];
 }
 
 bool InequalityEngine::conjugate_gradients() {
@@ -92,11 +192,10 @@ bool InequalityEngine::conjugate_gradients() {
   };
   dc.setZero(), cg_p = cg_z;
   double rho = product(cg_r, cg_z);
-  // Three digits of the error's energy norm; two while points still change sides.
-  const double enough = (far.empty() ? 1e-6 : 1e-4) * rho;
+  const double enough = 1e-8 * rho; // four digits of the error's energy norm
   for (int k = 0; k < op.patience(); ++k) {
     last_cg = k + 1;
-    op.apply(cg_p, cg_q);
+    op.apply_rough(cg_p, cg_q);
     cg_q.noalias() += h * cg_p;
     const double curvature = product(cg_q, cg_p);
     if (!(curvature > 0.0)) return false;

@@ -7,9 +7,11 @@
 #include "solver/inequality/prepared_law.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include <array>
 #include <cstdint>
+#include <unordered_map>
 
 namespace hvi::solver {
 
@@ -40,6 +42,7 @@ struct InequalityEngine {
   void prepare_pattern();
   void refresh_laws();
   void load(const InequalityState& from);
+  void move_to_guess(const InequalityState& from);
   void store(InequalityState& to) const;
 
   // ---- points (points.cpp): vectors of up to 3 rows, graph states, products with G
@@ -72,13 +75,16 @@ struct InequalityEngine {
   double residual_ratio(const Vector& x); ///< of r - S c - G^T W x, componentwise, with S c known
 
   // ---- solves with the last factor (conjugate_gradients.cpp)
-  /// A point whose stiffness is far from the factored one.
-  struct FarPoint {
-    int point = 0;
-    bool stiffer = false;
+  /// An entry of Delta on the changed unknowns (conjugate_gradients.cpp).
+  struct DeltaEntry {
+    int row, column;
+    double value;
+    bool held; ///< the diagonal entry of a row that is held now
   };
   bool factor_is_close();
-  void factor_block();
+  bool add_far(int p);
+  void solve_far_columns();
+  bool prepare_far();
   void precondition(const Vector& r, Vector& out);
   bool conjugate_gradients();
   void take_rest(int p);
@@ -125,11 +131,12 @@ struct InequalityEngine {
   const Vector* rhs = nullptr;
   Vector c, z, xi, sc, magnitude, force, force_magnitude, residual, row_size, dc, dz, trial, cg_r,
       cg_z, cg_p, cg_q, cg_kept, diagonal;
-  std::vector<FarPoint> far;
-  std::vector<int> block_unknowns, stiff_unknowns; ///< of the far points
-  DenseMatrix block;
-  Eigen::LLT<DenseMatrix> block_factor;
-  Vector block_work;
+  std::vector<int> freed, changed; ///< unknowns of points far from the factored stiffness
+  std::vector<DeltaEntry> delta;
+  std::unordered_map<int, Vector> far_columns; ///< by unknown, of the last factor
+  DenseMatrix far_y, far_z, far_y_q;
+  Eigen::LLT<DenseMatrix> freed_factor;
+  Eigen::PartialPivLU<DenseMatrix> changed_factor;
   double block_unit = 1.0;
   int last_cg = 0; ///< iterations of the last conjugate gradients
   std::vector<int> state, component;

@@ -172,6 +172,14 @@ void InequalityEngine::load(const InequalityState& from) {
     component[p] = law.component_of_piece(std::max(state[p], 0) / 2);
     enter_state(p);
   }
+  if (from.c_guess.size() == n && from.xi_guess.size() == n_rows) move_to_guess(from);
+}
+
+/// Goes to the guess; what each point does there its resolvent says, on the component it has.
+void InequalityEngine::move_to_guess(const InequalityState& from) {
+  c = from.c_guess, xi = from.xi_guess;
+  update_z();
+  for (int p = 0; p < n_points; ++p) classify(p, 1.0);
 }
 
 void InequalityEngine::store(InequalityState& to) const { to.c = c, to.xi = xi, to.state = state; }
@@ -204,8 +212,14 @@ InequalityReport InequalityEngine::solve(const Vector& right_side, InequalitySta
   bool idle = true; // no law acts: the first solve is that of the linear problem
   for (int p = 0; p < n_points; ++p)
     idle = idle && d[p] == std::array<double, 9>{} && at(xi_hat, p) == Small{};
-  const Outcome outcome = solve_branch();
+  Outcome outcome = solve_branch();
   certify();
+  if (!report.converged && io.c_guess.size() > 0) { // the guess may have led astray
+    io.c_guess.resize(0), io.xi_guess.resize(0);
+    load(io);
+    outcome = solve_branch();
+    certify();
+  }
   if (idle && report.iterations == 1 && xi.isZero(0.0)) report.iterations = 0;
   store(io);
   if (report.converged) return report;

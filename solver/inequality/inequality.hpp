@@ -34,6 +34,11 @@ public:
   /// pattern inside that of G^T G. False when the result is not (positive definite and) regular.
   virtual bool factor(const SparseMatrix& h) = 0;
   virtual void solve(const Vector& b, Vector& x) const = 0; ///< with the last factor
+  /// The same to about six digits: what preconditioners need, at half the memory read.
+  virtual void apply_rough(const Vector& c, Vector& out) const { apply(c, out); }
+  virtual void solve_rough(const Vector& b, Vector& x) const { solve(b, x); }
+  /// In place, all columns at once.
+  virtual void solve_rough(DenseMatrix& columns) const;
   /// How many products and solves cost about as much as one factorisation.
   virtual int patience() const = 0;
 };
@@ -84,6 +89,9 @@ struct InequalityState {
   /// Per point: 2 i for "inside piece i", 2 i + 1 for "at break i", -1 for the origin of a radial
   /// law.
   std::vector<int> state;
+  /// Where the search begins when something better than (c, xi) is known; c still says where the
+  /// path to the solution starts. Empty: at (c, xi).
+  Vector c_guess, xi_guess;
 };
 
 class InequalitySolver {

@@ -5,10 +5,19 @@
 #include <Eigen/SparseLU>
 
 #include <cmath>
+#include <limits>
 
 extern "C" {
 void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda,
             const double* x, const int* incx, const double* beta, double* y, const int* incy);
+void ssymv_(const char* uplo, const int* n, const float* alpha, const float* a, const int* lda,
+            const float* x, const int* incx, const float* beta, float* y, const int* incy);
+void strsv_(const char* uplo, const char* trans, const char* diag, const int* n, const float* a,
+            const int* lda, float* x, const int* incx);
+void strsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m,
+            const int* n, const float* alpha, const float* a, const int* lda, float* b,
+            const int* ldb);
+void spotrf_(const char* uplo, const int* n, float* a, const int* lda, int* info);
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 void dtrsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* a,
             const int* lda, double* x, const int* incx);
@@ -24,7 +33,10 @@ namespace {
 class DenseOperator final : public ReducedOperator {
 public:
   DenseOperator(const DenseMatrix& s, bool symmetric)
-      : s_(s), factor_(s.rows(), s.cols()), symmetric_(symmetric), pivots_(s.rows()) {}
+      : s_(s), symmetric_(symmetric),
+        unit_(s.rows() > 0 ? s.diagonal().cwiseAbs().maxCoeff() : 1.0), pivots_(s.rows()) {
+    if (!(unit_ > 0.0)) unit_ = 1.0;
+  }
 
   int size() const override { return static_cast<int>(s_.rows()); }
   bool symmetric() const override { return symmetric_; }
@@ -52,24 +64,23 @@ public:
   }
 
   bool factor(const SparseMatrix& h) override {
-    factor_ = s_;
-    for (int i = 0; i < h.outerSize(); ++i)
-      for (SparseMatrix::InnerIterator it(h, i); it; ++it) factor_(i, it.col()) += it.value();
-    const int n = size();
-    int info = 0;
-    if (n == 0) return true;
-    if (symmetric_)
-      dpotrf_("L", &n, factor_.data(), &n, &info);
-    else
-      dgetrf_(&n, &n, factor_.data(), &n, pivots_.data(), &info);
-    return info == 0;
+    h_ = h;
+    factor_.resize(0, 0);
+    rough_factor_.resize(0, 0);
+    if (size() == 0) return true;
+    return (symmetric_ && size() >= rounded_from && factor_rounded()) || factor_exactly();
   }
 
   void solve(const Vector& b, Vector& x) const override {
+    if (size() == 0) {
+      x = b;
+      return;
+    }
+    if (factor_.size() == 0 && refine(b, x)) return;
+    if (factor_.size() == 0) factor_exactly();
     x = b;
     const int n = size(), one = 1;
     int info = 0;
-    if (n == 0) return;
     if (!symmetric_) {
       dgetrs_("N", &n, &one, factor_.data(), &n, pivots_.data(), x.data(), &n, &info);
       return;
@@ -78,10 +89,117 @@ public:
     dtrsv_("L", "T", "N", &n, factor_.data(), &n, x.data(), &one);
   }
 
+  void apply_rough(const Vector& c, Vector& out) const override {
+    if (!symmetric_ || size() == 0) return apply(c, out);
+    round_matrix();
+    const int n = size(), one = 1;
+    const float alpha = 1.0F, beta = 0.0F;
+    const double scale = to_single(c, 1.0);
+    rough_y_.resize(n);
+    ssymv_("L", &n, &alpha, rough_.data(), &n, rough_x_.data(), &one, &beta, rough_y_.data(), &one);
+    out = rough_y_.cast<double>() * (scale * unit());
+  }
+  void solve_rough(const Vector& b, Vector& x) const override {
+    if (!symmetric_ || size() == 0) return solve(b, x);
+    round_factor();
+    const int n = size(), one = 1;
+    const double scale = to_single(b, unit());
+    strsv_("L", "N", "N", &n, rough_factor_.data(), &n, rough_x_.data(), &one);
+    strsv_("L", "T", "N", &n, rough_factor_.data(), &n, rough_x_.data(), &one);
+    x = rough_x_.cast<double>() * scale;
+  }
+  void solve_rough(DenseMatrix& columns) const override {
+    if (!symmetric_ || size() == 0) return ReducedOperator::solve_rough(columns);
+    round_factor();
+    const int n = size(), count = static_cast<int>(columns.cols());
+    const Vector scale = columns.cwiseAbs().colwise().maxCoeff().cwiseMax(1e-300);
+    const Vector inverse = scale.cwiseInverse();
+    Eigen::MatrixXf x = (columns * inverse.asDiagonal()).cast<float>();
+    const float alpha = 1.0F;
+    strsm_("L", "L", "N", "N", &n, &count, &alpha, rough_factor_.data(), &n, x.data(), &n);
+    strsm_("L", "L", "T", "N", &n, &count, &alpha, rough_factor_.data(), &n, x.data(), &n);
+    columns = x.cast<double>() * (scale / unit()).asDiagonal();
+  }
+
 private:
-  DenseMatrix s_, factor_;
+  /// Sizes are taken by the largest diagonal entry, so that no unit system leaves single precision.
+  double unit() const { return unit_; }
+  void round_factor() const {
+    if (rough_factor_.size() == 0) rough_factor_ = (factor_ / std::sqrt(unit())).cast<float>();
+  }
+  void round_matrix() const {
+    if (rough_.size() == 0) rough_ = (s_ / unit()).cast<float>();
+  }
+  bool factor_exactly() const {
+    factor_ = s_;
+    for (int i = 0; i < h_.outerSize(); ++i)
+      for (SparseMatrix::InnerIterator it(h_, i); it; ++it) factor_(i, it.col()) += it.value();
+    const int n = size();
+    int info = 0;
+    if (symmetric_)
+      dpotrf_("L", &n, factor_.data(), &n, &info);
+    else
+      dgetrf_(&n, &n, factor_.data(), &n, pivots_.data(), &info);
+    return info == 0;
+  }
+  /// Single precision costs half the time. False where its pivots do not show beyond doubt that the
+  /// matrix is positive definite.
+  bool factor_rounded() const {
+    round_matrix();
+    rough_factor_ = rough_;
+    for (int i = 0; i < h_.outerSize(); ++i)
+      for (SparseMatrix::InnerIterator it(h_, i); it; ++it)
+        rough_factor_(i, it.col()) += static_cast<float>(it.value() / unit());
+    const Eigen::VectorXf before = rough_factor_.diagonal();
+    const int n = size();
+    int info = 0;
+    spotrf_("L", &n, rough_factor_.data(), &n, &info);
+    if (info != 0) {
+      rough_factor_.resize(0, 0);
+      return false;
+    }
+    const auto pivots = rough_factor_.diagonal().array().square() / before.array();
+    if (pivots.isFinite().all() && pivots.minCoeff() > smallest_rounded_pivot) return true;
+    rough_factor_.resize(0, 0);
+    return false;
+  }
+  /// x = (S + H)^-1 b with the rounded factor and residuals in double precision; false when that
+  /// does not get to rounding.
+  bool refine(const Vector& b, Vector& x) const {
+    Vector r = b, dx, product;
+    x = Vector::Zero(size());
+    double last = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 8; ++k) {
+      solve_rough(r, dx);
+      x += dx;
+      apply(x, product);
+      r = b - product - h_ * x;
+      const double size_of_r = r.lpNorm<Eigen::Infinity>();
+      if (!(size_of_r <= 0.1 * last)) break; // at rounding, or not converging
+      last = size_of_r;
+    }
+    return last <= 1e-12 * b.lpNorm<Eigen::Infinity>();
+  }
+  /// rough_x_ = v over its largest entry; returns that entry over `by`.
+  double to_single(const Vector& v, double by) const {
+    const double largest = v.lpNorm<Eigen::Infinity>();
+    const double inverse = largest > 0.0 ? 1.0 / largest : 0.0;
+    rough_x_ = (v * inverse).cast<float>();
+    return largest / by;
+  }
+
+  /// From this size on the factor is made in single precision and solves are refined.
+  static constexpr int rounded_from = 400;
+  static constexpr float smallest_rounded_pivot = 1e-4F;
+
+  DenseMatrix s_;
+  SparseMatrix h_;
+  mutable DenseMatrix factor_; ///< empty while the rounded factor serves
   bool symmetric_;
-  std::vector<int> pivots_;
+  double unit_;
+  mutable std::vector<int> pivots_;
+  mutable Eigen::MatrixXf rough_, rough_factor_; ///< made when first asked for
+  mutable Eigen::VectorXf rough_x_, rough_y_;
 };
 
 class SparseOperator final : public ReducedOperator {
@@ -134,6 +252,14 @@ private:
 };
 
 } // namespace
+
+void ReducedOperator::solve_rough(DenseMatrix& columns) const {
+  Vector x(size());
+  for (Eigen::Index j = 0; j < columns.cols(); ++j) {
+    solve(columns.col(j), x);
+    columns.col(j) = x;
+  }
+}
 
 std::unique_ptr<ReducedOperator> dense_operator(const DenseMatrix& s, bool symmetric) {
   return std::make_unique<DenseOperator>(s, symmetric);

@@ -11,6 +11,11 @@ void InequalityEngine::save(std::ostream& out) const {
   w.put(last_cg);
   w.put(snap_factor);
   w.put(d_factored);
+  w.put(static_cast<std::uint64_t>(far_columns.size())); // solved in groups: bits depend on them
+  for (const auto& [unknown, column] : far_columns) {
+    w.put(unknown);
+    w.put(std::vector<double>(column.data(), column.data() + column.size()));
+  }
 }
 
 /// The factor is a function of the stiffnesses, so it is computed and not stored.
@@ -20,6 +25,13 @@ void InequalityEngine::restore(std::istream& in) {
   last_cg = r.get<int>();
   snap_factor = r.get<double>();
   d_factored = r.get_vector<std::array<double, 9>>();
+  far_columns.clear();
+  for (auto left = r.get<std::uint64_t>(); left > 0; --left) {
+    const int unknown = r.get<int>();
+    const auto values = r.get_vector<double>();
+    if (static_cast<int>(values.size()) != n) r.fail("has another number of contact unknowns");
+    far_columns[unknown] = Eigen::Map<const Vector>(values.data(), n);
+  }
   factored = false;
   if (!was_factored) return;
   if (d_factored.size() != d.size()) r.fail("has another number of contact points");

@@ -108,12 +108,52 @@ void require(bool ok, const char* what) {
   if (!ok) throw std::invalid_argument(what);
 }
 
+/// All registers at one point. A law is asked point by point: a block of one would cost 128.
+template <class InputAt>
+const double* run_point(const Tape& tape, InputAt&& input, TapeWorkspace& workspace) {
+  auto& registers = workspace.registers;
+  if (registers.size() < tape.code.size()) registers.resize(tape.code.size());
+  double* const r = registers.data();
+  for (std::size_t k = 0; k < tape.code.size(); ++k) {
+    const Instruction& i = tape.code[k];
+    switch (i.op) {
+    case Op::constant:
+      r[k] = i.value;
+      break;
+    case Op::slot:
+      r[k] = input(i.a);
+      break;
+    case Op::add:
+      r[k] = r[i.a] + r[i.b];
+      break;
+    case Op::mul:
+      r[k] = r[i.a] * r[i.b];
+      break;
+    case Op::table:
+      r[k] = tape.tables[static_cast<std::size_t>(i.c)]->value(r[i.a]);
+      break;
+    case Op::table_slope:
+      r[k] = tape.tables[static_cast<std::size_t>(i.c)]->slope(r[i.a]);
+      break;
+    default:
+      r[k] = apply(i.op, r[i.a], i.b < 0 ? 0.0 : r[i.b], i.c < 0 ? 0.0 : r[i.c]);
+    }
+  }
+  return r;
+}
+
 } // namespace
 
 void evaluate(const Tape& tape, std::span<const double* const> inputs, std::size_t n,
               std::span<double> out, TapeWorkspace& workspace) {
   require(inputs.size() >= tape.inputs.size(), "tape: an input is missing");
   require(out.size() >= n * tape.outputs.size(), "tape: no room for the outputs");
+  if (n == 1) {
+    const double* r = run_point(
+        tape, [&](std::int32_t i) { return *inputs[i]; }, workspace);
+    for (std::size_t o = 0; o < tape.outputs.size(); ++o) out[o] = r[tape.outputs[o]];
+    return;
+  }
   auto& registers = workspace.registers;
   if (registers.size() < tape.code.size() * block) registers.resize(tape.code.size() * block);
   double* const r = registers.data();
@@ -144,34 +184,8 @@ void evaluate(const Tape& tape, std::span<const double* const> inputs, std::size
 double evaluate_one(const Tape& tape, std::span<const double> values, TapeWorkspace& workspace) {
   require(values.size() >= tape.inputs.size(), "tape: an input is missing");
   require(!tape.outputs.empty(), "tape: it has no output");
-  auto& registers = workspace.registers;
-  if (registers.size() < tape.code.size()) registers.resize(tape.code.size());
-  double* const r = registers.data();
-  for (std::size_t k = 0; k < tape.code.size(); ++k) {
-    const Instruction& i = tape.code[k];
-    switch (i.op) {
-    case Op::constant:
-      r[k] = i.value;
-      break;
-    case Op::slot:
-      r[k] = values[static_cast<std::size_t>(i.a)];
-      break;
-    case Op::add:
-      r[k] = r[i.a] + r[i.b];
-      break;
-    case Op::mul:
-      r[k] = r[i.a] * r[i.b];
-      break;
-    case Op::table:
-      r[k] = tape.tables[static_cast<std::size_t>(i.c)]->value(r[i.a]);
-      break;
-    case Op::table_slope:
-      r[k] = tape.tables[static_cast<std::size_t>(i.c)]->slope(r[i.a]);
-      break;
-    default:
-      r[k] = apply(i.op, r[i.a], i.b < 0 ? 0.0 : r[i.b], i.c < 0 ? 0.0 : r[i.c]);
-    }
-  }
+  const double* r = run_point(
+      tape, [&](std::int32_t i) { return values[i]; }, workspace);
   return r[tape.outputs[0]];
 }
 

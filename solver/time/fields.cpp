@@ -51,17 +51,20 @@ void Snapshot::point() {
   for (std::size_t k = 0; k < fields_.size(); ++k) pointers_[k] = &fields_[k];
 }
 
-void Snapshot::take(const Stepper& stepper) {
+void Snapshot::take(const Stepper& stepper, bool whole) {
   const auto& layout = stepper.layout();
-  if (needed_[field_u]) layout.scatter(stepper.u(), fields_[field_u]);
+  const auto scatter = [&](const Vector& state, Vector& full) {
+    whole ? layout.scatter(state, full) : layout.scatter_observed(state, full);
+  };
+  if (needed_[field_u]) scatter(stepper.u(), fields_[field_u]);
   if (needed_[field_rate]) {
     stepper.rate(state_);
-    layout.scatter(state_, fields_[field_rate]);
+    scatter(state_, fields_[field_rate]);
   }
   for (int m = 0; m < stepper.memory().size(); ++m) {
     if (!needed_[first_history_field + m]) continue;
     stepper.history_field(m, state_);
-    layout.scatter(state_, fields_[first_history_field + m]);
+    scatter(state_, fields_[first_history_field + m]);
   }
   xi_ = stepper.xi();
   t_ = stepper.t();

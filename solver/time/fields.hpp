@@ -21,7 +21,9 @@ public:
   Snapshot(std::vector<bool> needed, int n_dofs, int n_rows);
 
   /// The stepper's current state.
-  void take(const Stepper& stepper);
+  void take(const Stepper& stepper) { take(stepper, true); }
+  /// Not `whole`: contact unknowns and observed dofs only, where states hold nothing else.
+  void take(const Stepper& stepper, bool whole);
   /// this = (1 - theta) a + theta b: the piecewise affine interpolant between grid times.
   void interpolate(const Snapshot& a, const Snapshot& b, double theta);
 

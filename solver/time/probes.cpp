@@ -27,7 +27,8 @@ Match(F...) -> Match<F...>;
 } // namespace
 
 ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const Contact& contact)
-    : space_(d.space), contact_(contact), probes_(plan.report.probes) {
+    : space_(d.space), contact_(contact), probes_(plan.report.probes),
+      n_fields_(first_history_field + static_cast<int>(plan.histories.size())) {
   const CellLocator locator(d.mesh);
   for (const auto& probe : probes_) evaluators_.push_back(make(probe, plan, d, locator));
 }
@@ -109,6 +110,27 @@ std::vector<int> ProbeSet::timed(double from, double to, bool first) const {
     if (!probe.time || probe.kind == Probe::Kind::combination) continue;
     const bool after = *probe.time > from || (first && *probe.time == from);
     if (after && *probe.time <= to) out.push_back(i);
+  }
+  return out;
+}
+
+std::vector<int> ProbeSet::dofs_read() const {
+  std::vector<int> out;
+  for (int i = 0; i < size(); ++i) {
+    const auto* at = std::get_if<AtPoint>(&evaluators_[i]);
+    if (at == nullptr) continue;
+    const bool gradient = reads_gradient(probes_[i].expression, n_fields_);
+    const auto nodes = space_.nodes_of_cell(at->cell);
+    for (std::size_t v = 0; v < nodes.size(); ++v) {
+      // Of a P1 cell, node v has the shape function barycentric[v].
+      if (!gradient && space_.order == 1 && at->barycentric[v] == 0.0) continue;
+      for (int c = 0; c < space_.components; ++c) {
+        bool read = gradient;
+        for (int k = 0; k < n_fields_ && !read; ++k)
+          read = probes_[i].expression.depends_on(slot::field(k, slot::value(c)));
+        if (read) out.push_back(space_.dof(nodes[v], c));
+      }
+    }
   }
   return out;
 }

@@ -21,6 +21,9 @@ public:
   /// The probes with a time in (from, to] (`first`: [from, to]), by index.
   std::vector<int> timed(double from, double to, bool first) const;
   bool any_timed() const;
+  /// Dofs that the probes at points read: those whose shape functions do not vanish there, or all
+  /// of the cell where gradients are read.
+  std::vector<int> dofs_read() const;
   /// One probe that is no combination.
   double value(int i, const Snapshot& snapshot);
 
@@ -40,6 +43,7 @@ private:
   const Space& space_;
   const Contact& contact_;
   std::vector<Probe> probes_;
+  int n_fields_;
   std::vector<Evaluator> evaluators_;
   std::optional<SparseMatrix> gram_; ///< of V, when a norm asks for it
 };

@@ -2,6 +2,7 @@
 #include "solver/time/report.hpp"
 
 #include "solver/output/file.hpp"
+#include "solver/time/reduce.hpp"
 
 #include <fmt/format.h>
 
@@ -33,6 +34,10 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, const Stepper& ste
       active_(plan.law_terms.size(), 0) {
   prepare_tables(settings.name);
   prepare_fields(d, stepper, settings.name);
+  const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
+  for (const auto& probe : plan.report.probes)
+    rows_read_interior_ = rows_read_interior_ || reads_interior(probe, n_fields);
+  if (const auto& interior = stepper.layout().interior) interior->observe(probes_.dofs_read());
   values_.assign(plan.report.probes.size(), std::nan(""));
   columns_.resize(values_.size());
 }
@@ -75,7 +80,8 @@ void Reporter::record(const Stepper& stepper, bool last) {
   const bool any_fields = std::any_of(fields_.begin(), fields_.end(), [&](const auto& files) {
     return due(files.first, step, last);
   });
-  if (row || any_fields || last || keeps_before_) now_.take(stepper);
+  const bool whole = any_fields || last || (row && rows_read_interior_);
+  if (row || whole || keeps_before_) now_.take(stepper, whole);
   if (keeps_before_) timed_probes(stepper);
   if (row || last) {
     probes_.evaluate(now_, values_);

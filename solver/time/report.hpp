@@ -54,7 +54,7 @@ private:
   std::vector<TableFile> tables_;
   std::vector<std::pair<int, FieldFiles>> fields_; ///< every, files
   Snapshot now_, before_, between_;
-  bool keeps_before_ = false;
+  bool keeps_before_ = false, rows_read_interior_ = false;
   int base_every_ = 0; ///< greatest common divisor of the tables' `every`
   std::vector<double> values_;
   std::vector<int> rows_; ///< steps recorded

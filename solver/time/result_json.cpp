@@ -106,6 +106,9 @@ Json what_was_done(const RunResult& result, const Plan& plan, const ResultContex
                        {"why", effect.why}});
   const auto& work = result.work;
   return {{"effects", effects},
+          {"evolution", result.path.empty() ? "contact unknowns" : "all unknowns"},
+          {"evolution_why",
+           result.path.empty() ? "all tensors are multiples of one tensor" : result.path},
           {"matrices", work.matrices},
           {"analyses", work.analyses},
           {"factorisations", work.factorisations},

@@ -146,7 +146,11 @@ public:
         start_(cpu_seconds()), stepper_(plan, discretisation, result_.timing),
         reporter_(plan, discretisation, stepper_, settings) {
     result_.timing.mesh = discretisation.seconds;
-    result_.unknowns = stepper_.layout().n_unknowns;
+    result_.unknowns = stepper_.unknowns();
+    result_.path = stepper_.obstacle();
+    if (stepper_.obstacle().empty())
+      result_.certificate.mode = "contact rows every step; all rows at outputs, at the last step "
+                                 "and at 8 random steps";
     result_.contact_unknowns = static_cast<int>(stepper_.contact().unknowns.size());
     result_.certificate.tolerance = plan.options.tolerance;
     note_choices(plan, stepper_.contact(), result_);

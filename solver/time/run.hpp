@@ -60,7 +60,8 @@ struct StepNote {
   Origin origin;
 };
 
-/// Columns with a value a step: energies, the quantities of Lemma 3.2, the certificate (energy.hpp).
+/// Columns with a value a step: energies, the quantities of Lemma 3.2, the certificate
+/// (energy.hpp).
 struct MonitorTable {
   std::vector<std::string> names;
   std::vector<double> times;
@@ -70,6 +71,7 @@ struct MonitorTable {
 
 struct RunResult {
   std::string script;
+  std::string path; ///< why states hold all unknowns; empty: the contact unknowns (reduce.hpp)
   int unknowns = 0, contact_unknowns = 0, steps = 0;
   std::vector<double> times;                          ///< of the table's rows
   std::map<std::string, std::vector<double>> columns; ///< by probe name
@@ -85,7 +87,7 @@ struct RunResult {
   bool unique = true;           ///< has every step's problem one solution?
   std::optional<double> energy; ///< of the last state, where more than one is possible
   std::optional<MonitorTable> monitors;
-  int resumed_from = 0;         ///< the step of the checkpoint that was gone on from
+  int resumed_from = 0;           ///< the step of the checkpoint that was gone on from
   std::vector<std::string> files; ///< written, relative to the output folder
   Vector u;                       ///< full vector at the end
 };

@@ -62,7 +62,7 @@ void Stepper::save(std::ostream& out) const {
   for (const Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi})
     put_vector(w, *v);
   w.put(inequality_.state);
-  memory_.save(out);
+  memory_->save(out);
   w.put(std::array<int, 4>{products_, corrections_, newton_, fallbacks_});
   w.put(static_cast<std::uint64_t>(matrices_.size()));
   for (const auto& cached : matrices_) {
@@ -70,6 +70,14 @@ void Stepper::save(std::ostream& out) const {
     w.put(cached.length);
     cached.matrix->save(out);
   }
+  predictor_.save(out);
+  put_vector(w, predicted_gamma_);
+  int single = -1, index = 0; // which matrix has a rounded factor
+  for (const auto& cached : matrices_) {
+    if (cached.matrix.get() == single_) single = index;
+    ++index;
+  }
+  w.put(std::array<int, 4>{single, never_single_ ? 1 : 0, single_steps_, single_misses_});
 }
 
 void Stepper::restore(std::istream& in) {
@@ -82,7 +90,7 @@ void Stepper::restore(std::istream& in) {
   if (u_.size() != layout_.n_state || inequality_.xi.size() != contact_.n_rows())
     r.fail("has another number of unknowns");
   accepted_ = inequality_;
-  memory_.restore(in);
+  memory_->restore(in);
   const auto counters = r.get<std::array<int, 4>>();
   matrices_.clear();
   const auto count = r.get<std::uint64_t>();
@@ -96,6 +104,16 @@ void Stepper::restore(std::istream& in) {
   }
   products_ = counters[0], corrections_ = counters[1];
   newton_ = counters[2], fallbacks_ = counters[3];
+  predictor_.restore(in);
+  get_vector(r, predicted_gamma_);
+  const auto rounding = r.get<std::array<int, 4>>();
+  single_ = nullptr;
+  if (rounding[0] >= 0 && rounding[0] < static_cast<int>(matrices_.size())) {
+    auto& matrix = *std::next(matrices_.begin(), rounding[0])->matrix;
+    if (matrix.sweep_in(SweepStorage::single)) single_ = &matrix;
+  }
+  never_single_ = rounding[1] != 0;
+  single_steps_ = rounding[2], single_misses_ = rounding[3];
 }
 
 void FieldFiles::save(std::ostream& out) const {

@@ -2,6 +2,7 @@
 #include "solver/time/step.hpp"
 
 #include "solver/time/clock.hpp"
+#include "solver/time/reduce.hpp"
 #include "solver/time/rigid.hpp"
 #include "solver/time/snap.hpp"
 
@@ -19,12 +20,18 @@ constexpr double slow_contraction = 1e-3;
 /// With such a factor corrections go on until what it does not know is rounding: that error would
 /// pile up over the steps.
 constexpr double refined = 1e-13;
+/// Where a rounded factor solved for the difference to the extrapolated increment, one pair of
+/// sweeps is enough within this part of the certificate's tolerance.
+constexpr double part_for_rounding = 0.2;
+/// A rounded factor is made when at least so many steps are left, and of no larger one than this.
+constexpr int worth_rounding = 12;
+constexpr double largest_rounded = 3e9;
 
 } // namespace
 
 Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
     : plan_(plan), discretisation_(d), timing_(timing), grid_(plan.time),
-      layout_(make_layout(d.space, d.dofs)), memory_(plan, layout_.n_state) {
+      layout_(make_layout(d.space, d.dofs)) {
   const PhaseClock clock(timing.assembly);
   operators_ = assemble_operators(plan, d, layout_);
   contact_ = make_contact(plan, d, layout_);
@@ -32,17 +39,40 @@ Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
   loads_->restrict_to({layout_.dof_of.data(), static_cast<std::size_t>(layout_.n_unknowns)});
   options_.tolerance = plan.options.tolerance;
   options_.branch = plan.options.branch;
+  n_unknowns_ = layout_.n_unknowns;
+  u_ = Vector::Zero(layout_.n_state);
+  if (!grid_.is_static() && !plan.time.initial.empty())
+    layout_.gather(interpolate(d.space, plan.time.initial, grid_.t(0), plan.time.origin), u_);
+  reduce_if_possible();
+  memory_.emplace(plan, layout_.n_state);
   allocate();
   for (int n = 2; n <= grid_.steps(); ++n)
     if (grid_.length(n) > grid_.length(longest_)) longest_ = n;
-  if (grid_.is_static()) return;
-  if (!plan.time.initial.empty())
-    layout_.gather(interpolate(d.space, plan.time.initial, grid_.t(0), plan.time.origin), u_);
-  memory_.start(grid_.t(0), u_);
+  if (!grid_.is_static()) memory_->start(grid_.t(0), u_);
+}
+
+/// Where all tensors are multiples of one: states become [contact unknowns; modes].
+void Stepper::reduce_if_possible() {
+  obstacle_ = proportional_obstacle(plan_, operators_, contact_, *loads_, layout_);
+  if (!obstacle_.empty()) return;
+  try {
+    live_on_contact(layout_, operators_, contact_, *loads_, u_);
+  } catch (const NotFactorable&) { // the first step will say which motion is free
+    obstacle_ = "its matrix has no factor";
+    return;
+  }
+  checked_ = checked_steps(plan_, grid_.steps());
+  never_single_ = true; // there is next to nothing to sweep
+}
+
+/// The backward error of step n on all rows, of the fields that a report would see.
+double Stepper::equilibrium_of_all(int n) {
+  stress_ += coefficients(n)[0] * d_;
+  return layout_.interior->equilibrium(stress_, load_, inequality_.xi);
 }
 
 void Stepper::allocate() {
-  u_ = known_ = d_previous_ = d_before_ = combined_ = Vector::Zero(layout_.n_state);
+  known_ = d_previous_ = d_before_ = combined_ = Vector::Zero(layout_.n_state);
   d_ = rhs_ = gap_ = scale_ = work_ = Vector::Zero(layout_.n_unknowns);
   full_ = Vector::Zero(layout_.n_dofs);
   z_ = inequality_.xi = Vector::Zero(contact_.n_rows());
@@ -54,7 +84,7 @@ Vector Stepper::coefficients(int n) const {
   Vector by_field = Vector::Zero(operators_.n_fields());
   by_field[field_u] = 1.0;
   if (!grid_.is_static()) by_field[field_rate] = grid_.rate(n);
-  for (int m = 0; m < memory_.size(); ++m) by_field[first_history_field + m] = memory_.w0(m);
+  for (int m = 0; m < memory_->size(); ++m) by_field[first_history_field + m] = memory_->w0(m);
   return operators_.weights.transpose() * by_field;
 }
 
@@ -106,21 +136,23 @@ void Stepper::refactor(int n, StepMatrix& matrix) {
 /// Includes - change_b T_b expected.
 void Stepper::right_hand_side(int n) {
   add_load(n);
+  if (layout_.interior) load_ = rhs_;
   const bool moves = !grid_.is_static();
   for (int b = 0; b < operators_.n_bases(); ++b) {
     const auto weight = operators_.weights.col(b);
     double on_known = weight[field_u];
-    for (int m = 0; m < memory_.size(); ++m)
-      on_known += weight[first_history_field + m] * memory_.w0(m);
+    for (int m = 0; m < memory_->size(); ++m)
+      on_known += weight[first_history_field + m] * memory_->w0(m);
     combined_ = on_known * known_;
-    for (int m = 0; m < memory_.size(); ++m)
+    for (int m = 0; m < memory_->size(); ++m)
       if (const double w = weight[first_history_field + m]; w != 0.0)
-        combined_ += w * memory_.known(m);
+        combined_ += w * memory_->known(m);
     if (moves && weight[field_rate] != 0.0) {
       // What is known of u': imposed values move, and BDF2 carries the last increment on.
       combined_ += weight[field_rate] * grid_.rate(n) * (known_ - u_);
       if (grid_.carry(n) != 0.0) combined_ -= weight[field_rate] * grid_.carry(n) * d_previous_;
     }
+    if (layout_.interior) stress_ = combined_; // there is one base only
     if (change_[b] != 0.0) combined_ += change_[b] * expected_;
     if (combined_.isZero(0.0)) continue;
     rhs_.noalias() -= operators_.bases[b] * combined_;
@@ -170,21 +202,78 @@ double Stepper::residual(const StepMatrix& matrix) {
   return equilibrium_error(gap_, scale_, contact_.force, inequality_.xi, work_);
 }
 
-StepResult Stepper::correct(int n, StepMatrix& matrix) {
+/// Has step n the matrix and the length of the steps that the predictor knows?
+bool Stepper::same_problem(int n, const StepMatrix& matrix) const {
+  return n > 1 && grid_.length(n) == grid_.length(n - 1) && predicted_gamma_ == matrix.gamma();
+}
+
+/// After an accepted step.
+void Stepper::learn(int n, StepMatrix& matrix, const StepResult& result) {
+  if (grid_.is_static() || !change_.isZero(0.0)) return predictor_.clear();
+  if (!same_problem(n, matrix)) predictor_.clear();
+  predicted_gamma_ = matrix.gamma();
+  predictor_.note(d_, rhs_, gap_, inequality_.xi);
+  choose_storage(n, matrix, result);
+}
+
+/// Extrapolates from the last steps, if they had this matrix: d_ and gap_ = rhs - K d_.
+bool Stepper::predict(int n, const StepMatrix& matrix) {
+  if (!predictor_.ready() || !change_.isZero(0.0) || !same_problem(n, matrix)) return false;
+  predictor_.predict(rhs_, d_, gap_);
+  if (contact_.none()) return true;
+  predictor_.predict_multipliers(inequality_.xi_guess);
+  guess_from_increment();
+  return true;
+}
+
+/// The search for the contact unknowns begins at those of d_.
+void Stepper::guess_from_increment() {
+  auto& guess = inequality_.c_guess;
+  guess.resize(static_cast<Eigen::Index>(contact_.unknowns.size()));
+  for (Eigen::Index i = 0; i < guess.size(); ++i) guess[i] = d_[contact_.unknowns[i]];
+}
+
+/// The sweeps are bound by reading the factor: single precision halves it while the extrapolation
+/// is so good that one pair of sweeps is enough.
+void Stepper::choose_storage(int n, StepMatrix& matrix, const StepResult& last) {
+  if (never_single_ || contact_.whole) return;
+  if (single_ == nullptr) {
+    if (!predictor_.ready() || grid_.steps() - n < worth_rounding) return;
+    never_single_ =
+        matrix.statistics().bytes > largest_rounded || !matrix.sweep_in(SweepStorage::single);
+    if (!never_single_) single_ = &matrix;
+    return;
+  }
+  if (single_ != &matrix) return;
+  ++single_steps_;
+  single_misses_ += last.corrections > 1 ? 1 : 0;
+  if (single_misses_ < 4 || 4 * single_misses_ < single_steps_) return;
+  matrix.sweep_in(SweepStorage::full);
+  single_ = nullptr, never_single_ = true;
+}
+
+/// Solves step n; `again`: d_, gap_ and the multipliers are those of the same step with other laws.
+StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
   StepResult out;
   const double tolerance = plan_.options.tolerance;
+  const bool rounded = single_ == &matrix && change_.isZero(0.0);
+  const double target = rounded ? part_for_rounding * tolerance : tolerance;
+  if (again) inequality_.xi_guess = inequality_.xi;
+  if (again) guess_from_increment();
+  const bool predicted = again || predict(n, matrix);
   inequality_.c.setZero(); // the path to the new state starts at the last one
   double last = std::numeric_limits<double>::infinity();
   int iterations = 0, events = 0;
   while (out.corrections < most_corrections) {
-    out.inequality = out.corrections == 0 ? matrix.start(rhs_, inequality_, d_)
-                                          : matrix.correct(gap_, inequality_, d_);
+    out.inequality = out.corrections == 0 && !predicted ? matrix.start(rhs_, inequality_, d_)
+                                                        : matrix.correct(gap_, inequality_, d_);
+    inequality_.c_guess.resize(0), inequality_.xi_guess.resize(0);
     ++out.corrections;
     iterations += out.inequality.iterations;
     events += out.inequality.events;
     out.equilibrium = residual(matrix);
     const bool exact = change_.isZero(0.0) || mismatch_ <= refined;
-    if (!out.inequality.converged || (exact && out.equilibrium <= tolerance)) break;
+    if (!out.inequality.converged || (exact && out.equilibrium <= target)) break;
     const bool slow = out.equilibrium > slow_contraction * last;
     if (slow && change_.isZero(0.0)) break;
     if (slow && out.equilibrium <= tolerance) break; // at the rounding of the products
@@ -208,7 +297,7 @@ void Stepper::couple_bounds(int n, StepMatrix& matrix, StepResult& out) {
         inclusion_error(contact_, combined_, inequality_.xi, plan_.options.tolerance, z_);
     if (inclusion.worst <= plan_.options.tolerance) return;
     const int iterations = out.inequality.iterations, corrections = out.corrections;
-    out = correct(n, matrix);
+    out = correct(n, matrix, true);
     out.inequality.iterations += iterations;
     out.corrections += corrections;
   }
@@ -218,29 +307,32 @@ StepResult Stepper::advance(int n) {
   const double t = grid_.t(n);
   {
     const PhaseClock clock(timing_.history);
-    memory_.begin_step(t);
+    memory_->begin_step(t);
   }
   impose_values(n);
   auto& matrix = matrix_for(n);
   find_change(n, matrix);
   right_hand_side(n);
   if (!contact_.none()) prepare(contact_, plan_, t, known_, inequality_.xi);
-  auto out = correct(n, matrix);
+  auto out = correct(n, matrix, false);
   if (contact_.coupled) couple_bounds(n, matrix, out);
   corrections_ += out.corrections;
   newton_ += out.inequality.iterations;
   fallbacks_ += out.inequality.used_fallback ? 1 : 0;
 
   known_.head(layout_.n_unknowns) += d_; // now u_n
+  if (!checked_.empty() && checked_[n] != 0)
+    out.equilibrium = std::max(out.equilibrium, equilibrium_of_all(n));
   out.inclusion = inclusion_error(contact_, known_, inequality_.xi, plan_.options.tolerance, z_);
   const double tolerance = plan_.options.tolerance;
   out.certified =
       out.inequality.converged && out.equilibrium <= tolerance && out.inclusion.worst <= tolerance;
   if (out.certified && operators_.symmetric && !contact_.none())
     out.snap = is_snap(contact_, inequality_.c, (rhs_ - gap_).dot(d_));
-  if (out.certified)
+  if (out.certified) {
+    learn(n, matrix, out);
     accept(n);
-  else
+  } else
     inequality_ = accepted_;
   return out;
 }
@@ -248,7 +340,7 @@ StepResult Stepper::advance(int n) {
 void Stepper::accept(int n) {
   if (!grid_.is_static()) {
     const PhaseClock clock(timing_.history);
-    memory_.commit(grid_.t(n), known_);
+    memory_->commit(grid_.t(n), known_);
     d_before_.swap(d_previous_);
     if (layout_.n_state == layout_.n_unknowns)
       d_previous_.swap(d_);
@@ -270,7 +362,7 @@ void Stepper::rate(Vector& out) const {
 }
 
 void Stepper::history_field(int m, Vector& out) const {
-  out = memory_.known(m) + memory_.w0(m) * u_;
+  out = memory_->known(m) + memory_->w0(m) * u_;
 }
 
 void Stepper::account(WorkCounters& work, Timing& timing) const {
@@ -278,9 +370,18 @@ void Stepper::account(WorkCounters& work, Timing& timing) const {
   work.products = products_;
   work.newton = newton_;
   work.fallback_steps = fallbacks_;
-  for (const auto& report : memory_.reports()) {
+  for (const auto& report : memory_->reports()) {
     work.history_fields += static_cast<int>(report.fields);
     work.bytes += report.bytes;
+  }
+  if (layout_.interior) {
+    const auto statistics = layout_.interior->statistics();
+    work.analyses += statistics.analyses;
+    work.factorisations += statistics.factorisations;
+    work.sweeps += statistics.sweeps;
+    work.bytes += statistics.bytes;
+    timing.ordering += statistics.seconds_analyse;
+    timing.factor += statistics.seconds_factor;
   }
   for (const auto& base : operators_.bases)
     work.bytes += static_cast<double>(base.nonZeros()) * (sizeof(double) + sizeof(int));

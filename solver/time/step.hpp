@@ -3,6 +3,7 @@
 
 #include "solver/time/certificate.hpp"
 #include "solver/time/memory.hpp"
+#include "solver/time/predictor.hpp"
 #include "solver/time/step_matrix.hpp"
 #include "solver/time/time_grid.hpp"
 
@@ -40,7 +41,7 @@ public:
   const StateLayout& layout() const { return layout_; }
   const Operators& operators() const { return operators_; }
   const Contact& contact() const { return contact_; }
-  const Memory& memory() const { return memory_; }
+  const Memory& memory() const { return *memory_; }
   int step() const { return step_; } ///< of the state; 0: the initial one
   double t() const { return grid_.t(step_); }
   const Vector& u() const { return u_; } ///< state u_n
@@ -53,6 +54,9 @@ public:
   /// Has every step of this matrix one solution? False: the step ratio is not below 1 (or a law
   /// jumps down). Asked once, at the first step and at the longest.
   bool unique() const { return unique_ && !contact_.coupled; }
+  int unknowns() const { return n_unknowns_; } ///< of the problem, whatever a state holds
+  /// Why states hold all unknowns; empty: they hold the contact unknowns (reduce.hpp).
+  const std::string& obstacle() const { return obstacle_; }
   /// Adds what was counted to the counters and phases of a run.
   void account(WorkCounters& work, Timing& timing) const;
 
@@ -63,12 +67,19 @@ private:
   void allocate();
   StepMatrix& matrix_for(int n);
   void impose_values(int n);
+  void reduce_if_possible();
+  double equilibrium_of_all(int n);
   void find_change(int n, const StepMatrix& matrix);
   void refactor(int n, StepMatrix& matrix);
   void right_hand_side(int n);
   void add_load(int n);
   double residual(const StepMatrix& matrix);
-  StepResult correct(int n, StepMatrix& matrix);
+  StepResult correct(int n, StepMatrix& matrix, bool again);
+  bool same_problem(int n, const StepMatrix& matrix) const;
+  void learn(int n, StepMatrix& matrix, const StepResult& result);
+  bool predict(int n, const StepMatrix& matrix);
+  void guess_from_increment();
+  void choose_storage(int n, StepMatrix& matrix, const StepResult& last);
   void couple_bounds(int n, StepMatrix& matrix, StepResult& out);
   void accept(int n);
 
@@ -79,7 +90,7 @@ private:
   StateLayout layout_;
   Operators operators_;
   Contact contact_;
-  Memory memory_;
+  std::optional<Memory> memory_;
   std::optional<LoadAssembler> loads_;
   InequalityOptions options_;
 
@@ -88,10 +99,19 @@ private:
     std::unique_ptr<StepMatrix> matrix;
   };
   std::list<Cached> matrices_; ///< most recently used first
+  int n_unknowns_ = 0;
+  std::string obstacle_;
+  std::vector<char> checked_; ///< steps whose equilibrium is computed on all rows (reduce.hpp)
+  Vector load_, stress_;      ///< of [contact; modes], for that
+  Predictor predictor_;
+  Vector predicted_gamma_;             ///< of the matrix of the predictor's increments
+  const StepMatrix* single_ = nullptr; ///< whose sweeps read a rounded factor
+  bool never_single_ = false;
+  int single_steps_ = 0, single_misses_ = 0;
 
   int step_ = 0;
   bool unique_ = true;
-  int longest_ = 1; ///< the step whose matrix is the softest
+  int longest_ = 1;                              ///< the step whose matrix is the softest
   InequalityState inequality_, accepted_;        ///< accepted_: of the last certified step
   Vector u_, known_, d_, d_previous_, d_before_; // states; d on unknowns only
   Vector rhs_, gap_, scale_, work_;              // unknowns

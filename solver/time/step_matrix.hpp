@@ -35,6 +35,11 @@ public:
   /// The first correction: the same with d = 0, whatever d holds.
   InequalityReport start(const Vector& gap, InequalityState& state, Vector& d);
 
+  /// How the sweeps read the factor; false when it cannot be had, or for the matrix without one.
+  bool sweep_in(SweepStorage storage) {
+    return factorisation_ && factorisation_->sweep_in(storage);
+  }
+
   FactorStatistics statistics() const;
   void save(std::ostream& out) const;
   /// Factors again for the saved coefficients.

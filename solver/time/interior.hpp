@@ -1,0 +1,65 @@
+// The interior that follows from the contact unknowns when all tensors are multiples of one.
+//
+// With one base matrix T every step reads  T (gamma d + what is known) + G^T W xi = sum_k g_k(t)
+// F_k. Write a state as u = E c + sum_k phi_k p_k: E c has the values c on the contact unknowns and
+// no force on the interior, p_k is zero on the contact unknowns and has the force F_k on the
+// interior. The interior rows are then the same scheme for each number phi_k, and the contact rows
+//
+//   S (gamma dc + what is known of c) + G_c^T W xi = sum_k g_k(t) (F_k,c - T_cI p_k),
+//
+// S the Schur complement of T. So a run lives on y = [c; phi], with the matrix diag(S, 1), and a
+// full field is one pair of sweeps away: T_II u_I = sum_k phi_k F_k,I - T_Ic c.
+#pragma once
+
+#include "solver/linear/factorisation.hpp"
+#include "solver/time/state.hpp"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace hvi::solver {
+
+class Interior {
+public:
+  /// `t` symmetric, positive definite on the unknowns of `layout`. Throws Failure(not_coercive).
+  Interior(SparseMatrix t, StateLayout layout, std::vector<int> contact);
+
+  /// Adds the mode p of a force on the unknowns; returns the force on y (r_c and a 1).
+  Vector add_mode(const Vector& f);
+  /// y of a state u: its contact values, and a mode of its own for what they do not explain.
+  Vector add_state(const Vector& u);
+  int n_contact() const { return static_cast<int>(contact_.size()); }
+  int size() const { return n_contact() + static_cast<int>(forces_.size()); }
+  SparseMatrix matrix() const; ///< diag(S, 1)
+
+  /// Full vector of y: a pair of sweeps.
+  void scatter(const Vector& y, Vector& full);
+  /// Makes these dofs known without sweeps: a sweep and a row each, once.
+  void observe(std::span<const int> dofs);
+  /// Only the observed dofs and the contact unknowns of `full` are set.
+  void scatter_observed(const Vector& y, Vector& full) const;
+
+  /// On all unknowns: max_i |R|_i / (|T||x| + |f|)_i with R = f - T x - G^T W xi, x the state that
+  /// y stands for and f the load that `load` stands for.
+  double equilibrium(const Vector& y, const Vector& load, const Vector& xi);
+  SparseMatrix force; ///< G^T W on all unknowns
+  FactorStatistics statistics() const { return factor_->statistics(); }
+
+private:
+  void expand(const Vector& y, Vector& x);
+
+  SparseMatrix t_;
+  StateLayout layout_; ///< of the full problem
+  std::vector<int> contact_, position_;
+  std::unique_ptr<Factorisation> factor_;
+  std::vector<Vector> forces_, modes_; ///< on unknowns
+  struct Observed {
+    int dof, unknown;
+    Vector row; ///< over c; empty: a contact unknown
+  };
+  std::vector<Observed> observed_;
+  Vector force_, x_, r_, gap_;
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,44 @@
+// Extrapolation over steps of one length; see predictor.hpp.
+#include "solver/time/predictor.hpp"
+
+#include "solver/history/stream.hpp"
+
+#include <algorithm>
+
+namespace hvi::solver {
+
+void Predictor::note(const Vector& d, const Vector& rhs, const Vector& gap, const Vector& xi) {
+  newest_ = (newest_ + depth - 1) % depth;
+  d_[newest_] = d;
+  kd_[newest_] = rhs - gap;
+  xi_[newest_] = xi;
+  known_ = std::min(known_ + 1, depth);
+}
+
+void Predictor::predict(const Vector& rhs, Vector& d, Vector& gap) const {
+  d = 3.0 * (back(d_, 0) - back(d_, 1)) + back(d_, 2);
+  gap = rhs - 3.0 * (back(kd_, 0) - back(kd_, 1)) - back(kd_, 2);
+}
+
+void Predictor::predict_multipliers(Vector& xi) const { xi = 2.0 * back(xi_, 0) - back(xi_, 1); }
+
+void Predictor::save(std::ostream& out) const {
+  StateWriter w(out);
+  w.put(newest_);
+  w.put(known_);
+  for (const auto* of : {&d_, &kd_, &xi_})
+    for (const Vector& v : *of) w.put(std::vector<double>(v.data(), v.data() + v.size()));
+}
+
+void Predictor::restore(std::istream& in) {
+  StateReader r(in, {});
+  newest_ = r.get<int>();
+  known_ = r.get<int>();
+  for (auto* of : {&d_, &kd_, &xi_})
+    for (Vector& v : *of) {
+      const auto values = r.get_vector<double>();
+      v = Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
+    }
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,41 @@
+// What the last steps say about the next one, on a uniform grid: where the search starts, and what
+// is left to solve for.
+#pragma once
+
+#include "solver/linear/sparse.hpp"
+
+#include <array>
+#include <iosfwd>
+
+namespace hvi::solver {
+
+/// Extrapolates the increments d_j = u_j - u_{j-1} of steps with one and the same matrix K:
+///
+///   d* = 3 d_{n-1} - 3 d_{n-2} + d_{n-3},   K d* the same way,   xi* = 2 xi_{n-1} - xi_{n-2}
+///
+/// K d_j is what the certificate of step j computed, so that b - K d* costs no product. The sweeps
+/// then solve for d - d* only, which may be done with a rounded factor.
+class Predictor {
+public:
+  /// Forgets everything: the matrix or the step length changed.
+  void clear() { known_ = 0; }
+  /// After an accepted step: d, K d = rhs - gap, xi.
+  void note(const Vector& d, const Vector& rhs, const Vector& gap, const Vector& xi);
+  bool ready() const { return known_ >= depth; }
+  /// d = d* and gap = rhs - K d*.
+  void predict(const Vector& rhs, Vector& d, Vector& gap) const;
+  void predict_multipliers(Vector& xi) const;
+
+  void save(std::ostream& out) const;
+  void restore(std::istream& in);
+
+private:
+  static constexpr int depth = 3;
+  const Vector& back(const std::array<Vector, depth>& of, int j) const {
+    return of[(newest_ + j) % depth];
+  }
+  std::array<Vector, depth> d_, kd_, xi_;
+  int newest_ = 0, known_ = 0;
+};
+
+} // namespace hvi::solver

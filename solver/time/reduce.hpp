@@ -1,0 +1,31 @@
+// Can the evolution of a plan live on the contact unknowns, and the change to them (interior.hpp).
+#pragma once
+
+#include "solver/time/contact.hpp"
+#include "solver/time/interior.hpp"
+#include "solver/time/operators.hpp"
+
+#include <string>
+
+namespace hvi::solver {
+
+/// The first condition that fails, as a sentence; empty: the evolution lives on contact unknowns.
+/// They are: one base matrix, symmetric; laws on few of the unknowns; loads that separate in time;
+/// zero boundary values; no report that reads the interior at more than an eighth of the steps.
+std::string proportional_obstacle(const Plan& plan, const Operators& operators,
+                                  const Contact& contact, const LoadAssembler& loads,
+                                  const StateLayout& layout);
+
+/// Does a probe read the fields at more than single points? (Multipliers live on contact points.)
+bool reads_interior(const Probe& probe, int n_fields);
+
+/// Rewrites layout, operators, contact and loads for y = [contact unknowns; modes] and u_0 to y_0.
+/// Throws Failure(not_coercive), and then nothing is changed.
+void live_on_contact(StateLayout& layout, Operators& operators, Contact& contact,
+                     LoadAssembler& loads, Vector& u0);
+
+/// Steps at which the equilibrium of all rows is computed: where the report reads whole fields, the
+/// last one, and eight more spread at random.
+std::vector<char> checked_steps(const Plan& plan, int steps);
+
+} // namespace hvi::solver
