@@ -177,7 +177,7 @@ def layers_by_hand(upper, lower, spring, viscosity, T, steps):
 @case
 def stiff_soft(suite):
     """Ratios of stiffness, compliance, viscosity and step (analytic)."""
-    name = "stiff and soft"
+    name = "stiff_soft"
     grid = [dict(upper=1e8), dict(lower=1e8), dict(upper=1e-8), dict(lower=1e-8)]
     grid += [dict(spring=10.0**e) for e in range(-6, 13, 3)]
     grid += [dict(viscosity=10.0**e) for e in (-12, -6, 6, 12)]
