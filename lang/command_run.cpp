@@ -1,4 +1,5 @@
 // hvi-run run, test and plan: solving, judging expectations, saying what would be done.
+#include "lang/accuracy_report.hpp"
 #include "lang/check_report.hpp"
 #include "lang/driver.hpp"
 #include "lang/interrupt.hpp"
@@ -119,13 +120,16 @@ void print_profile(const solver::Timing& t) {
              t.output, t.total);
 }
 
-void write_json(const Script& script, const solver::RunResult& result, const Options& options) {
+void write_json(const Script& script, const solver::RunResult& result, const Options& options,
+                const std::optional<solver::AccuracyResult>& accuracy) {
   if (options.json.empty()) return;
   solver::ResultContext context;
   for (const ModelParam& p : script.model->params)
     if (const auto* v = std::get_if<double>(&p.value)) context.params[p.name] = *v;
   context.line_of = [&](solver::Origin origin) { return line_of(script, origin); };
-  solver::write_atomically(options.json, solver::result_json(result, *script.plan, context));
+  std::string text = solver::result_json(result, *script.plan, context);
+  if (accuracy) text = with_accuracy(text, *accuracy);
+  solver::write_atomically(options.json, text);
 }
 
 std::optional<double> value_at(const solver::RunResult& result, const Expectation& e) {
@@ -165,7 +169,8 @@ Verdict judge(const Script& script, const solver::RunResult& result) {
 }
 
 /// The common part of run and test. Fills `result` on success.
-int solve(Script& script, const Options& options, bool writes, solver::RunResult& result) {
+int solve(Script& script, const Options& options, bool writes, solver::RunResult& result,
+          std::optional<solver::AccuracyResult>& accuracy) {
   if (!compile_script(script, options)) return exit_script;
   solver::Discretisation discretisation;
   if (!discretise_script(script, discretisation)) return exit_script;
@@ -189,7 +194,14 @@ int solve(Script& script, const Options& options, bool writes, solver::RunResult
   settings.progress = [&](const solver::Progress& p) { progress(p); };
   InterruptGuard guard;
   try {
-    result = solver::run(*script.plan, discretisation, settings, &result);
+    if (const auto request = accuracy_request(script, options)) {
+      accuracy = solver::reach_accuracy(*script.plan, *request, settings, accuracy_teller(options));
+      result = accuracy->run;
+      script.plan = accuracy->plan;
+    } else {
+      result = solver::run(*script.plan, discretisation, settings, &result);
+    }
+    const auto& solved = accuracy ? *accuracy->discretisation : discretisation;
     result.script = script.path;
     if (options.resume && !options.quiet)
       fmt::print(stderr, "{}\n",
@@ -198,9 +210,14 @@ int solve(Script& script, const Options& options, bool writes, solver::RunResult
                      : "no checkpoint: began at the first step");
     if (writes)
       for (const std::string& file :
-           draw_pictures(*script.plan, discretisation, result, output_folder(script, options)))
+           draw_pictures(*script.plan, solved, result, output_folder(script, options)))
         result.files.push_back(file);
     return exit_ok;
+  } catch (const solver::AccuracyFailure& failure) {
+    accuracy = failure.so_far;
+    if (!options.quiet) std::fputs(accuracy_text(*accuracy).c_str(), stdout);
+    script.diagnostics.add(diagnose("E0705", Span{}, failure.what()).with_help(failure.help));
+    return exit_solve;
   } catch (const solver::CheckpointFailure& failure) {
     script.diagnostics.add(diagnose("E0704", Span{}, failure.what()).with_help(failure.help));
     return exit_code(failure.kind);
@@ -216,10 +233,11 @@ int run_command(const std::string& path, const Options& options) {
   Script script;
   script.path = path;
   solver::RunResult result;
-  int code = solve(script, options, true, result);
+  std::optional<solver::AccuracyResult> accuracy;
+  int code = solve(script, options, true, result, accuracy);
   if (code == exit_ok) {
     try {
-      write_json(script, result, options);
+      write_json(script, result, options, accuracy);
     } catch (const solver::Failure& failure) {
       add_failure(script, failure);
       code = exit_code(failure.kind);
@@ -236,6 +254,7 @@ int run_command(const std::string& path, const Options& options) {
     std::fputs(solver::aligned_text(table_of(result)).c_str(), stdout);
   if (options.quiet) return exit_ok;
   print_certificate(result, script);
+  if (accuracy) std::fputs(accuracy_text(*accuracy).c_str(), stdout);
   if (options.profile) print_profile(result.timing);
   if (!result.files.empty())
     fmt::print("files: {} in {}/\n", result.files.size(), output_folder(script, options));
@@ -250,7 +269,8 @@ int test_command(const std::vector<std::string>& paths, const Options& options) 
     Script script;
     script.path = path;
     solver::RunResult result;
-    const int code = solve(script, options, false, result);
+    std::optional<solver::AccuracyResult> accuracy;
+    const int code = solve(script, options, false, result, accuracy);
     show_diagnostics(script, options);
     if (code == exit_interrupted) return code;
     if (code != exit_ok) {

@@ -48,6 +48,9 @@ struct Options {
   int checkpoint = 0; ///< every so many steps; 0: never
   bool resume = false;
   bool monitors = false;
+  double accuracy = 0.0; ///< wanted relative error; 0: the script's, or none
+  std::string accuracy_of;
+  double budget = 3600.0; ///< CPU seconds a run for an accuracy may be predicted to take
 };
 
 /// A script on its way through the phases; each stage is kept, so that it can be dumped.

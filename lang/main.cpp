@@ -63,6 +63,11 @@ int dispatch(int argc, char** argv) {
   run->add_option("--checkpoint", options.checkpoint, "save the state every N steps")
       ->check(CLI::PositiveNumber);
   run->add_flag("--resume", options.resume, "go on from the last checkpoint");
+  run->add_option("--accuracy", options.accuracy, "find the cheapest setting with this relative error")
+      ->check(CLI::PositiveNumber);
+  run->add_option("--of", options.accuracy_of, "the accuracy of this column, not of u in V");
+  run->add_option("--budget", options.budget, "CPU seconds a run for --accuracy may take")
+      ->check(CLI::PositiveNumber);
   run->add_flag("--monitors", options.monitors, "energies and a-priori bounds, step by step");
   auto* check = command("check", "check scripts without solving", true);
   check->add_flag("--script-only", options.script_only, "without the mesh");
@@ -117,7 +122,7 @@ std::vector<char*> with_command(int argc, char** argv, std::string& word) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view text = argv[i];
     if (text == "-D" || text == "-o" || text == "--json" || text == "--threads" ||
-        text == "--checkpoint") {
+        text == "--checkpoint" || text == "--accuracy" || text == "--of" || text == "--budget") {
       ++i;
       continue;
     }

@@ -37,6 +37,15 @@ parameters, mesh and options must be those it was written with. Nothing was comp
 hvi-run slab.hvi -D n=64 --resume)",
      R"(
 hvi-run slab.hvi -D n=32 --resume)"},
+    {"E0705", "accuracy out of reach",
+     R"(
+No setting within the limits (unknowns, steps, CPU seconds) promises the wanted accuracy, or the runs
+that were made never showed it. The table of evidence stands above the message. Ask for less, allow more
+seconds (`--budget`), or look at what limits the order: a corner, a load with a kink between mesh lines.)",
+     R"(
+hvi-run slab.hvi --accuracy 1e-9)",
+     R"(
+hvi-run slab.hvi --accuracy 1e-2)"},
     {"E0901", "internal error",
      R"(
 A mistake of this program, not of the script. Please report it with the script.)",

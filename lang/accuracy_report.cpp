@@ -1,0 +1,128 @@
+// What is said of a search for an accuracy; see accuracy_report.hpp.
+#include "lang/accuracy_report.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+
+namespace hvi::lang {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using solver::AccuracyResult;
+
+Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
+
+std::string of(const AccuracyResult& result) {
+  return result.request.probe.empty() ? "of u in V" : "of `" + result.request.probe + "`";
+}
+
+Json tries(const AccuracyResult& result) {
+  Json out = Json::array();
+  for (const auto& t : result.tries)
+    out.push_back({{"setting", t.text},
+                   {"order", t.setting.order},
+                   {"scheme", t.setting.scheme == solver::Scheme::bdf2 ? "bdf2" : "backward_euler"},
+                   {"level", t.setting.level},
+                   {"steps", t.steps},
+                   {"unknowns", t.unknowns},
+                   {"predicted", {{"error", number(t.predicted_error)}, {"cpu", t.predicted_cpu}}},
+                   {"cpu", t.cpu},
+                   {"distance", {{"space", t.space_distance}, {"time", t.time_distance}}},
+                   {"observed_order", {{"space", t.space_order}, {"time", t.time_order}}},
+                   {"error", {{"space", t.space_error}, {"time", t.time_error}}},
+                   {"estimate", number(t.estimate)}});
+  return out;
+}
+
+Json runs(const AccuracyResult& result) {
+  Json out = Json::array();
+  for (const auto& r : result.runs) {
+    Json run = {
+        {"setting", r.text}, {"purpose", r.purpose}, {"unknowns", r.unknowns}, {"cpu", r.cpu}};
+    if (r.distance) run["distance"] = number(*r.distance), run["against"] = r.against;
+    if (!r.failure.empty()) run["failure"] = r.failure;
+    out.push_back(run);
+  }
+  return out;
+}
+
+} // namespace
+
+std::optional<solver::AccuracyRequest> accuracy_request(const Script& script,
+                                                        const Options& options) {
+  solver::AccuracyRequest out;
+  if (options.accuracy > 0.0)
+    out.wanted = options.accuracy, out.probe = options.accuracy_of;
+  else if (script.model->accuracy)
+    out.wanted = *script.model->accuracy,
+    out.probe = options.accuracy_of.empty() ? script.model->accuracy_of : options.accuracy_of;
+  else
+    return std::nullopt;
+  out.most_seconds = options.budget;
+  const auto& probes = script.plan->report.probes;
+  const auto is_it = [&](const solver::Probe& p) { return p.name == out.probe; };
+  if (!out.probe.empty() && std::none_of(probes.begin(), probes.end(), is_it)) {
+    std::string names;
+    for (const auto& p : probes) names += (names.empty() ? "" : ", ") + p.name;
+    throw solver::Failure(solver::FailureKind::bad_value, {},
+                          "no column `" + out.probe + "` whose accuracy could be asked for",
+                          "the report has: " + names);
+  }
+  return out;
+}
+
+std::function<void(const std::string&)> accuracy_teller(const Options& options) {
+  if (options.quiet) return [](const std::string&) {};
+  return [](const std::string& line) { fmt::print(stderr, "accuracy: {}\n", line); };
+}
+
+std::string accuracy_text(const AccuracyResult& result) {
+  std::size_t width = 8;
+  for (const auto& r : result.runs) width = std::max(width, r.text.size());
+  for (const auto& t : result.tries) width = std::max(width, t.text.size());
+  std::string out = fmt::format("evidence: relative distances {}\n  {:<{}}  unknowns     CPU s  "
+                                "distance  to\n",
+                                of(result), "setting", width);
+  for (const auto& r : result.runs)
+    fmt::format_to(std::back_inserter(out), "  {:<{}}  {:>8}  {:>8.3g}  {:>8}  {}\n", r.text, width,
+                   r.unknowns, r.cpu, r.distance ? fmt::format("{:.2e}", *r.distance) : "-",
+                   r.failure.empty() ? r.against : "failed: " + r.failure);
+  for (const auto& t : result.tries)
+    fmt::format_to(std::back_inserter(out),
+                   "chosen: {}: {} unknowns, {:.3g} CPU s (predicted {:.3g}); error predicted "
+                   "{:.2e}, estimated {:.2e}\n  = space {:.2e} (order {:.2f}) + time {:.2e} (order "
+                   "{:.2f})\n",
+                   t.text, t.unknowns, t.cpu, t.predicted_cpu, t.predicted_error, t.estimate,
+                   t.space_error, t.space_order, t.time_error, t.time_order);
+  if (result.reached)
+    fmt::format_to(
+        std::back_inserter(out),
+        "accuracy: estimated relative error {} {:.2e}, times {} within the wanted {:.1e}; "
+        "{:.3g} CPU s in all\n",
+        of(result), result.tries.back().estimate, solver::accuracy_safety, result.request.wanted,
+        result.cpu);
+  return out;
+}
+
+std::string with_accuracy(const std::string& result_json, const AccuracyResult& result) {
+  Json all = Json::parse(result_json);
+  all["accuracy"] = {
+      {"wanted", result.request.wanted},
+      {"of", result.request.probe.empty() ? "V" : result.request.probe},
+      {"reached", result.reached},
+      {"estimate", number(result.tries.empty() ? NAN : result.tries.back().estimate)},
+      {"safety", solver::accuracy_safety},
+      {"memory_tolerance", result.memory_tolerance},
+      {"cpu", result.cpu},
+      {"tries", tries(result)},
+      {"runs", runs(result)}};
+  return all.dump(2) + "\n";
+}
+
+} // namespace hvi::lang

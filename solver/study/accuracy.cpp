@@ -1,0 +1,335 @@
+// The search for a wanted accuracy; see accuracy.hpp.
+#include "solver/study/accuracy.hpp"
+
+#include "solver/study/kept_run.hpp"
+#include "solver/time/clock.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace hvi::solver {
+namespace {
+
+constexpr int first_rungs = 3, most_rungs = 8, most_tries = 8;
+constexpr double margin = 1.2; ///< a setting is chosen for so much less than the check asks
+
+const char* scheme_name(Scheme scheme) {
+  return scheme == Scheme::bdf2 ? "bdf2" : "backward Euler";
+}
+
+class Search {
+public:
+  Search(const Plan& plan, const AccuracyRequest& request, const RunSettings& settings,
+         const std::function<void(const std::string&)>& tell)
+      : family_(prepared(plan, request)), runner_(family_, settings), tell_(tell),
+        space_distance_(request.probe.empty() ? Distance::orthogonal : Distance::additive) {
+    out_.request = request;
+    out_.memory_tolerance = family_.plan().options.memory_tolerance;
+    floor_ = std::max(1e-3 * request.wanted, 1e-11);
+  }
+
+  AccuracyResult go() {
+    const double start = cpu_seconds();
+    choose_candidates();
+    target_ = out_.request.wanted / (accuracy_safety * margin);
+    for (int k = 0; k < most_tries && !out_.reached; ++k) {
+      const Choice choice = choose();
+      attempt(choice);
+    }
+    out_.cpu = cpu_seconds() - start;
+    if (!out_.reached)
+      give_up(out_.tries.empty()
+                  ? "the errors seen do not fall as coarser runs promised"
+                  : fmt::format("after {} settings the estimated error is still {:.2e}",
+                                out_.tries.size(), out_.tries.back().estimate));
+    return std::move(out_);
+  }
+
+private:
+  /// The memory need not be a thousand times closer than the answer.
+  static Plan prepared(const Plan& plan, const AccuracyRequest& request) {
+    Plan out = plan;
+    out.options.memory_tolerance = std::clamp(1e-3 * request.wanted, 1e-10, 1e-5);
+    return out;
+  }
+
+  [[noreturn]] void give_up(const std::string& why) {
+    const std::string what =
+        out_.request.probe.empty() ? "of u in V" : "of `" + out_.request.probe + "`";
+    throw AccuracyFailure(
+        fmt::format("a relative error {} of {:.1e} is out of reach: {}", what, out_.request.wanted,
+                    why),
+        "ask for less, allow more with --budget SECONDS, or grade the mesh toward corners",
+        std::move(out_));
+  }
+
+  // ---- ladders -----------------------------------------------------------------------------
+
+  const KeptRun& cheap(const Setting& setting, const std::string& purpose) {
+    const KeptRun& run = runner_.cheap(setting);
+    for (const auto& r : out_.runs)
+      if (r.setting == setting) return run;
+    AccuracyRun record{setting,
+                       to_string(setting, family_.at(setting)),
+                       purpose,
+                       run.failure,
+                       run.result.unknowns,
+                       run.cpu,
+                       {},
+                       {}};
+    if (run.failure.empty()) costs_[setting.order].push_back(run.cost);
+    tell_(run.failure.empty() ? fmt::format("{}: {}, {:.2g} s", purpose, record.text, run.cpu)
+                              : fmt::format("{}: {}: {}", purpose, record.text, run.failure));
+    out_.runs.push_back(std::move(record));
+    return run;
+  }
+
+  void record_distance(const KeptRun& run, const KeptRun& against, double d) {
+    for (auto& r : out_.runs)
+      if (r.setting == run.setting)
+        r.distance = d, r.against = to_string(against.setting, against.plan);
+  }
+
+  static void add_rung(std::vector<Rung>& rungs, const Rung& rung) {
+    std::erase_if(rungs, [&](const Rung& r) { return r.resolution == rung.resolution; });
+    rungs.push_back(rung);
+    std::sort(rungs.begin(), rungs.end(),
+              [](const Rung& a, const Rung& b) { return a.resolution < b.resolution; });
+  }
+
+  /// Distances of neighbours of a ladder that doubles; a rung that fails is left out.
+  /// Returns the resolution of the finest good run, 0 for none.
+  int climb(std::vector<Rung>& rungs, int first, int wanted, const std::string& purpose,
+            const std::function<Setting(int)>& at) {
+    const KeptRun* before = nullptr;
+    int good = 0, resolution = first;
+    for (int k = 0; k < most_rungs && good < wanted; ++k, resolution *= 2) {
+      const KeptRun& run = cheap(at(resolution), purpose);
+      if (!run.failure.empty()) {
+        before = nullptr;
+        continue;
+      }
+      if (before != nullptr) {
+        const double d = distance(*before, run, out_.request.probe);
+        record_distance(*before, run, d);
+        add_rung(rungs, {0.5 * resolution, 2.0, d});
+      }
+      before = &run, ++good;
+    }
+    return good > 0 ? resolution / 2 : 0;
+  }
+
+  bool has_time_error() const {
+    if (family_.is_static()) return false;
+    const auto& forms = family_.plan().forms;
+    return std::any_of(forms.begin(), forms.end(),
+                       [](const FormTerm& f) { return f.field != field_u; });
+  }
+
+  Setting space_setting(int order, int level) const {
+    const auto scheme = family_.plan().time.scheme;
+    return {order, scheme, level, family_.is_static() ? 1 : space_steps_};
+  }
+  Setting time_setting(Scheme scheme, int steps) const { return {1, scheme, 2, steps}; }
+
+  void climb_space(int order, int rungs) {
+    finest_level_[order] = climb(space_[order], 1, rungs, fmt::format("space ladder, P{}", order),
+                                 [&](int level) { return space_setting(order, level); });
+  }
+  void climb_time(Scheme scheme, int rungs) {
+    finest_steps_[scheme] = climb(time_[scheme], family_.coarsest_steps(), rungs,
+                                  fmt::format("time ladder, {}", scheme_name(scheme)),
+                                  [&](int steps) { return time_setting(scheme, steps); });
+  }
+
+  void choose_candidates() {
+    std::vector<Scheme> schemes = {family_.plan().time.scheme};
+    if (has_time_error()) schemes = {Scheme::backward_euler, Scheme::bdf2};
+    if (!family_.is_static())
+      for (const Scheme scheme : schemes) climb_time(scheme, first_rungs);
+    // Enough steps that every level could be certified, and few.
+    space_steps_ = 2 * family_.coarsest_steps();
+    for (int k = 0; k < 6 && !family_.is_static(); ++k, space_steps_ *= 2)
+      if (cheap(space_setting(1, 2), "space ladder, P1").failure.empty()) break;
+    for (const int order : {1, 2}) climb_space(order, first_rungs);
+    for (const int order : {1, 2})
+      for (const Scheme scheme : schemes)
+        if (!space_[order].empty() && (family_.is_static() || !time_[scheme].empty()))
+          pairs_.emplace_back(order, scheme);
+    if (pairs_.empty())
+      give_up(out_.runs.empty() ? "no run succeeded"
+                                : "no coarse run could be certified: " + out_.runs.back().failure);
+  }
+
+  // ---- choice ------------------------------------------------------------------------------
+
+  ErrorLaw space_law(int order) const {
+    const double nominal = out_.request.probe.empty() ? order : 2 * order;
+    return fit_error(space_.at(order), nominal, space_distance_, floor_);
+  }
+  ErrorLaw time_law(Scheme scheme) const {
+    if (family_.is_static()) return {};
+    return fit_error(time_.at(scheme), scheme == Scheme::bdf2 ? 2.0 : 1.0, Distance::additive,
+                     floor_);
+  }
+
+  std::vector<Candidate> candidates() const {
+    std::vector<Candidate> out;
+    for (const auto& [order, scheme] : pairs_) {
+      Candidate c{order, scheme, space_law(order), time_law(scheme), {}, 0.0};
+      c.cost = fit_cost(costs_.at(order), family_.dim());
+      int finest = 0;
+      for (const auto& r : out_.runs)
+        if (r.setting.order == order && r.failure.empty() && r.setting.level > finest) {
+          finest = r.setting.level;
+          c.unknowns_at_one = r.unknowns / std::pow(finest, family_.dim());
+        }
+      out.push_back(c);
+    }
+    return out;
+  }
+
+  Choice choose() {
+    for (;;) {
+      const auto all = candidates();
+      const auto& request = out_.request;
+      const auto choice =
+          cheapest(all, family_, target_, request.most_unknowns, request.most_steps);
+      if (!choice)
+        give_up(fmt::format("no setting within {:.1e} unknowns and {:.1e} steps promises it",
+                            request.most_unknowns, request.most_steps));
+      if (choice->seconds > request.most_seconds)
+        give_up(fmt::format("the cheapest setting ({}) would take about {:.2g} CPU seconds, more "
+                            "than {:.2g}",
+                            to_string(choice->setting, family_.at(choice->setting)),
+                            choice->seconds, request.most_seconds));
+      if (!extend(choice->setting)) return *choice;
+    }
+  }
+
+  /// A further rung where the choice lies far beyond what was seen.
+  bool extend(const Setting& choice) {
+    int& level = finest_level_[choice.order];
+    if (choice.level > 4 * level) {
+      climb_space(choice.order, static_cast<int>(std::lround(std::log2(level))) + 2);
+      return true;
+    }
+    if (family_.is_static()) return false;
+    int& steps = finest_steps_[choice.scheme];
+    if (choice.steps <= 16 * steps) return false;
+    climb_time(choice.scheme,
+               static_cast<int>(std::lround(std::log2(steps / family_.coarsest_steps()))) + 2);
+    return true;
+  }
+
+  // ---- the run and its check ---------------------------------------------------------------
+
+  /// Error in time of the chosen steps, seen on half the level.
+  bool look_at_time(AccuracyTry& now, const Setting& half, const KeptRun& companion) {
+    if (family_.is_static()) return true;
+    Setting fewer = half;
+    fewer.steps /= 2;
+    const KeptRun& coarse = cheap(fewer, "companion of half the level and half the steps");
+    if (!coarse.failure.empty()) return false;
+    now.time_distance = distance(coarse, companion, out_.request.probe);
+    record_distance(coarse, companion, now.time_distance);
+    add_rung(time_[half.scheme], {static_cast<double>(fewer.steps), 2.0, now.time_distance});
+    now.time_order = time_law(half.scheme).order;
+    now.time_error =
+        finer_error(std::max(now.time_distance, 0.0), 2.0, now.time_order, Distance::additive);
+    return true;
+  }
+
+  void attempt(const Choice& choice) {
+    const auto& s = choice.setting;
+    AccuracyTry now;
+    now.setting = s;
+    now.text = to_string(s, family_.at(s));
+    now.predicted_error = choice.error;
+    now.steps = s.steps;
+    tell_(fmt::format("chosen: {}; about {:.0f} unknowns, predicted error {:.1e}, {:.2g} CPU "
+                      "seconds with its check",
+                      now.text, choice.unknowns, choice.error, choice.seconds));
+    Setting half = s;
+    half.level /= 2;
+    const KeptRun& companion = cheap(half, "companion of half the level");
+    if (!companion.failure.empty() || !look_at_time(now, half, companion)) {
+      // What is chosen must be well inside what can be certified.
+      target_ *= 0.5;
+      return;
+    }
+    const ErrorLaw space = space_law(s.order);
+    if (accuracy_safety * (now.time_error + space.at(s.level)) > out_.request.wanted) {
+      tell_(fmt::format("the steps are too few: error in time {:.1e}", now.time_error));
+      tighten(s);
+      return;
+    }
+    const CostLaw cost = fit_cost(costs_[s.order], family_.dim());
+    const CostPoint& seen = companion.cost;
+    CostLaw near = cost;
+    near.at = seen; // the nearest run, with the powers of the ladder
+    now.predicted_cpu =
+        near.seconds(seen.unknowns * std::pow(2.0, family_.dim()), std::max(1, s.steps));
+    tell_(fmt::format("running {}: about {:.2g} CPU seconds", now.text, now.predicted_cpu));
+    finish(now, runner_.final_run(s), companion);
+  }
+
+  void finish(AccuracyTry& now, const KeptRun& run, const KeptRun& companion) {
+    now.cpu = run.result.timing.total;
+    now.unknowns = run.result.unknowns;
+    costs_[now.setting.order].push_back(run.cost);
+    now.space_distance = distance(companion, run, out_.request.probe);
+    record_distance(companion, run, now.space_distance);
+    add_rung(space_[now.setting.order], {0.5 * now.setting.level, 2.0, now.space_distance});
+    now.space_order = space_law(now.setting.order).order;
+    now.space_error = finer_error(now.space_distance, 2.0, now.space_order, space_distance_);
+    now.estimate = now.space_error + now.time_error;
+    out_.tries.push_back(now);
+    out_.reached = accuracy_safety * now.estimate <= out_.request.wanted;
+    out_.run = run.result;
+    out_.plan = run.plan;
+    out_.discretisation = run.discretisation;
+    tell_(fmt::format("estimated error {:.2e} (space {:.1e}, time {:.1e}), times {} {} the wanted "
+                      "{:.1e}",
+                      now.estimate, now.space_error, now.time_error, accuracy_safety,
+                      out_.reached ? "within" : "above", out_.request.wanted));
+    if (!out_.reached) tighten(now.setting);
+  }
+
+  /// After a setting whose evidence says no: the laws know better now; where they would choose the
+  /// same again, the aim is lowered.
+  void tighten(const Setting& refused) {
+    for (int k = 0; k < 40; ++k, target_ *= 0.85) {
+      const auto again = cheapest(candidates(), family_, target_, out_.request.most_unknowns,
+                                  out_.request.most_steps);
+      if (!again || again->setting != refused) return;
+    }
+  }
+
+  SettingFamily family_;
+  Runner runner_;
+  const std::function<void(const std::string&)>& tell_;
+  Distance space_distance_;
+  AccuracyResult out_;
+  double floor_ = 0.0, target_ = 0.0;
+  int space_steps_ = 1;
+  std::vector<std::pair<int, Scheme>> pairs_;
+  std::map<int, std::vector<Rung>> space_;
+  std::map<Scheme, std::vector<Rung>> time_;
+  std::map<int, std::vector<CostPoint>> costs_;
+  std::map<int, int> finest_level_;
+  std::map<Scheme, int> finest_steps_;
+};
+
+} // namespace
+
+AccuracyResult reach_accuracy(const Plan& plan, const AccuracyRequest& request,
+                              const RunSettings& settings,
+                              const std::function<void(const std::string&)>& tell) {
+  return Search(plan, request, settings, tell).go();
+}
+
+} // namespace hvi::solver

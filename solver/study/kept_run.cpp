@@ -1,0 +1,129 @@
+// Runs that are kept to be compared; see kept_run.hpp.
+#include "solver/study/kept_run.hpp"
+
+#include "solver/study/reference.hpp"
+#include "solver/time/clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+/// Steps whose states are kept: all, or a power of two apart, with 1, 2, 4, ... and the last; then
+/// a run of half the steps has the same times among its own.
+bool keeps_step(int n, int steps, int stride) {
+  return n == steps || n % stride == 0 || (n & (n - 1)) == 0;
+}
+
+int stride_for(int steps, int dofs) {
+  const double most = std::clamp(2e8 / (8.0 * dofs), 8.0, 64.0);
+  int stride = 1;
+  while (steps / stride > most) stride *= 2;
+  return stride;
+}
+
+double v_distance(const KeptRun& coarse, const KeptRun& fine) {
+  auto reference = std::make_shared<Trajectory>();
+  reference->discretisation = fine.discretisation;
+  std::vector<const Vector*> compared;
+  const auto n_coarse = std::max(coarse.setting.steps, 1), n_fine = std::max(fine.setting.steps, 1);
+  for (std::size_t i = 0; i < coarse.steps.size(); ++i)
+    for (std::size_t j = 0; j < fine.steps.size(); ++j)
+      if (static_cast<long long>(coarse.steps[i]) * n_fine ==
+          static_cast<long long>(fine.steps[j]) * n_coarse) {
+        reference->times.push_back(static_cast<double>(compared.size())); // a number, not a time
+        reference->states.push_back(fine.states[j]);
+        compared.push_back(&coarse.states[i]);
+      }
+  const auto gauge = trajectory_gauge(reference, *coarse.discretisation);
+  for (std::size_t i = 0; i < compared.size(); ++i)
+    gauge->step(static_cast<double>(i), *compared[i]);
+  return gauge->error().relative();
+}
+
+double probe_distance(const KeptRun& coarse, const KeptRun& fine, const std::string& probe) {
+  const auto a = coarse.result.columns.find(probe), b = fine.result.columns.find(probe);
+  double largest = 0.0, size = 0.0;
+  const auto compare = [&](double x, double y) {
+    largest = std::max(largest, std::abs(x - y)), size = std::max(size, std::abs(y));
+  };
+  if (a != coarse.result.columns.end() && b != fine.result.columns.end()) {
+    const auto &s = coarse.result.times, &t = fine.result.times;
+    for (std::size_t i = 0, j = 0; i < s.size() && j < t.size();) {
+      if (std::abs(s[i] - t[j]) <= 1e-9 * (1.0 + std::abs(t.back())))
+        compare(a->second[i++], b->second[j++]);
+      else
+        s[i] < t[j] ? ++i : ++j;
+    }
+  }
+  compare(coarse.result.final.at(probe), fine.result.final.at(probe));
+  return size > 0.0 ? largest / size : largest;
+}
+
+} // namespace
+
+double distance(const KeptRun& coarse, const KeptRun& fine, const std::string& probe) {
+  return probe.empty() ? v_distance(coarse, fine) : probe_distance(coarse, fine, probe);
+}
+
+std::shared_ptr<const Discretisation> Runner::discretisation_of(const Setting& setting,
+                                                                const Plan& plan) {
+  auto& known = meshes_[{setting.order, setting.level}];
+  if (known) return known;
+  auto made = std::make_shared<Discretisation>();
+  const auto failures = discretise(plan, *made);
+  if (!failures.empty()) throw failures.front();
+  return known = made;
+}
+
+KeptRun Runner::make(const Setting& setting, const RunSettings& settings, bool every_row) {
+  KeptRun out;
+  out.setting = setting;
+  out.plan = family_.at(setting);
+  const double begin = cpu_seconds();
+  out.discretisation = discretisation_of(setting, out.plan);
+  const int stride = stride_for(setting.steps, out.discretisation->space.n_dofs());
+  RunSettings here = settings;
+  double watching = 0.0;
+  here.on_step = [&](int n, double, const Vector& u, const Vector&) {
+    const PhaseClock clock(watching);
+    if (!keeps_step(n, setting.steps, stride)) return;
+    out.steps.push_back(n), out.states.push_back(u);
+  };
+  if (every_row) {
+    out.plan.report.fields.clear(), out.plan.report.pictures.clear();
+    for (auto& table : out.plan.report.tables) table.every = 1;
+  }
+  out.result = run(out.plan, *out.discretisation, here);
+  const auto& t = out.result.timing;
+  const double steps = t.steps + t.output - watching;
+  out.cost = {static_cast<double>(out.result.unknowns), std::max(t.total - t.steps - t.output, 0.0),
+              std::max(steps, 0.0) / std::max(1, out.result.steps)};
+  out.cpu = cpu_seconds() - begin;
+  return out;
+}
+
+const KeptRun& Runner::cheap(const Setting& setting) {
+  if (const auto known = runs_.find(setting); known != runs_.end()) return known->second;
+  RunSettings quiet;
+  quiet.stop = settings_.stop;
+  try {
+    return runs_[setting] = make(setting, quiet, true);
+  } catch (const Failure& failure) {
+    using K = FailureKind;
+    const bool coarse = failure.kind == K::not_certified || failure.kind == K::empty_region ||
+                        failure.kind == K::not_coercive || failure.kind == K::bad_value;
+    if (!coarse) throw; // finer settings would not help
+    KeptRun& out = runs_[setting];
+    out.setting = setting;
+    out.failure = failure.what();
+    return out;
+  }
+}
+
+const KeptRun& Runner::final_run(const Setting& setting) {
+  return runs_[setting] = make(setting, settings_, false);
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,52 @@
+// Runs that are kept to be compared: states at some of the steps, columns of the probes, seconds.
+#pragma once
+
+#include "solver/study/predict.hpp"
+#include "solver/time/run.hpp"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace hvi::solver {
+
+struct KeptRun {
+  Setting setting;
+  Plan plan;
+  std::shared_ptr<const Discretisation> discretisation;
+  std::vector<int> steps; ///< at which states are kept
+  std::vector<Vector> states;
+  RunResult result;
+  CostPoint cost{};
+  double cpu = 0.0;
+  std::string failure; ///< "": certified
+};
+
+/// Relative distance of the coarser to the finer run, largest over the times both have: in V, or of
+/// a probe (relative to its largest magnitude).
+double distance(const KeptRun& coarse, const KeptRun& fine, const std::string& probe);
+
+/// Makes runs of a family; meshes and spaces are shared between runs of one level and element.
+class Runner {
+public:
+  Runner(const SettingFamily& family, const RunSettings& settings)
+      : family_(family), settings_(settings) {}
+
+  /// The run at a setting, made once. A setting that cannot be solved has its reason in `failure`.
+  const KeptRun& cheap(const Setting& setting);
+  /// The same with the caller's own settings (files, progress); a failure is thrown.
+  const KeptRun& final_run(const Setting& setting);
+
+private:
+  KeptRun make(const Setting& setting, const RunSettings& settings, bool every_row);
+  std::shared_ptr<const Discretisation> discretisation_of(const Setting& setting, const Plan& plan);
+
+  const SettingFamily& family_;
+  const RunSettings& settings_;
+  std::map<Setting, KeptRun> runs_;
+  std::map<std::pair<int, int>, std::shared_ptr<const Discretisation>> meshes_;
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,53 @@
+// The settings a problem can be solved at: element, scheme, mesh and steps, as changes of its plan.
+// What `study` varies through parameters of the script, the search for an accuracy varies here.
+#pragma once
+
+#include "solver/plan/plan.hpp"
+
+#include <string>
+
+namespace hvi::solver {
+
+/// `level`: how many times finer than the coarsest mesh the cells are along each axis.
+struct Setting {
+  int order = 1;
+  Scheme scheme = Scheme::backward_euler;
+  int level = 1, steps = 1;
+  friend auto operator<=>(const Setting&, const Setting&) = default;
+};
+/// "P2, bdf2, 32 x 16 cells, 40 steps"; meshes from files: "refined 2 times".
+std::string to_string(const Setting& setting, const Plan& plan);
+
+/// The family of settings around a plan. Structured meshes are coarsened while all numbers of cells
+/// are even, so that lines the data follow (kinks of a load, ends of parts) stay mesh lines, and
+/// refined by whole factors of the coarsest; other meshes are bisected. Uniform and power-graded
+/// time grids take any number of steps, listed times whole fractions of their steps.
+class SettingFamily {
+public:
+  explicit SettingFamily(const Plan& plan);
+
+  /// The plan at a setting. Tables keep their rows: `every` grows with the steps.
+  Plan at(const Setting& setting) const;
+  bool is_static() const { return plan_.time.is_static; }
+  /// Levels are powers of two only (a mesh that is bisected).
+  bool bisected() const { return bisected_; }
+  int dim() const { return dim_; }
+  int coarsest_steps() const { return coarsest_steps_; }
+  /// Settings whose steps are multiples of this have the steps of half as many among theirs.
+  int step_unit() const { return step_unit_; }
+  const Plan& plan() const { return plan_; }
+
+private:
+  void find_coarsest_mesh();
+  void find_coarsest_grid();
+  MeshSpec mesh_at(int level) const;
+  std::vector<double> grid_at(int steps) const;
+
+  Plan plan_; ///< with the coarsest mesh
+  int dim_ = 2;
+  bool bisected_ = false;
+  double power_ = 1.0; ///< t_n = t_0 + T (n/N)^power; 0: the listed times
+  int coarsest_steps_ = 1, step_unit_ = 1;
+};
+
+} // namespace hvi::solver
