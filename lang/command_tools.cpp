@@ -92,8 +92,10 @@ int params_command(const std::string& path, const Options& options) {
   if (!good) return exit_script;
   for (const ModelParam& p : script.model->params) {
     const auto* number = std::get_if<double>(&p.value);
-    fmt::print("{} = {}{}{}\n", p.name, number ? fmt::format("{}", *number) : std::get<1>(p.value),
-               p.range.empty() ? "" : " in " + p.range, p.doc.empty() ? "" : "  " + p.doc);
+    fmt::print("{} = {}{} ({}){}\n", p.name,
+               number ? fmt::format("{}", *number) : std::get<1>(p.value),
+               p.range.empty() ? "" : " in " + p.range, number ? "number" : "word",
+               p.doc.empty() ? "" : "  " + p.doc);
   }
   return exit_ok;
 }

@@ -122,7 +122,9 @@ Value Checker::call_function(const ast::Expr& e, const ast::Call& c, int declara
     error("E0313", c.callee->span, fmt::format("`{}` calls itself", fn.name.text));
     return Poison{};
   }
+  calls_.push_back(e.span);
   Value out = expr(fn.value, inner);
+  calls_.pop_back();
   --call_depth_;
   return out;
 }

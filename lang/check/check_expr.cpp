@@ -449,7 +449,17 @@ std::optional<std::string> Checker::word(const ast::Expr& e, const std::string& 
 
 void Checker::error(std::string_view code, const Span& span, std::string message, std::string help,
                     std::string label) {
-  Diagnostic d = diagnose(code, span, std::move(message));
+  // What goes wrong within the library is a mistake of the script's call.
+  const auto in_library = [&](const Span& place) {
+    return std::any_of(programs_.begin(), programs_.end(),
+                       [&](const auto& p) { return p.library && p.file == place.file; });
+  };
+  Span place = span;
+  if (in_library(span))
+    for (const Span& call : calls_)
+      if (!in_library(call)) place = call;
+  Diagnostic d = diagnose(code, place, std::move(message));
+  if (place.file != span.file) d.secondary.push_back({span, "met here"});
   d.help = std::move(help);
   d.label = std::move(label);
   diagnostics_.add(std::move(d));

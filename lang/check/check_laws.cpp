@@ -102,11 +102,23 @@ Value Checker::call_law(const ast::Expr& e, const ast::Call& c, int declaration,
     Scope outer = scope;
     if (!(*args)[i]) outer.locals = parameters; // a default may use the parameters before it
     Value v = expr(*given, outer);
-    if (is_poison(v)) return Poison{};
+    if (!is_law_parameter(v, *given)) return Poison{};
     parameters[names[i]] = std::move(v);
   }
+  calls_.push_back(e.span);
   auto body = law_body(declaration, *argument, parameters, c.callee->span);
+  calls_.pop_back();
   return body ? Value(*body) : Value(Poison{});
+}
+
+/// A parameter of a law is a number or a vector; false (reported) for anything else.
+bool Checker::is_law_parameter(const Value& value, const ast::Expr& given) {
+  if (is_poison(value)) return false;
+  const auto* f = std::get_if<Field>(&value);
+  if (f && f->rank <= 1) return true;
+  error("E0306", given.span,
+        fmt::format("a parameter of a law is a number, not {}", describe(value)));
+  return false;
 }
 
 std::optional<int> Checker::law_for(int declaration, bool radial, const Span& use) {
@@ -129,7 +141,7 @@ std::optional<int> Checker::law_for(int declaration, bool radial, const Span& us
     }
     scope.locals = parameters;
     Value v = expr(*p.value, scope);
-    if (is_poison(v)) return std::nullopt;
+    if (!is_law_parameter(v, *p.value)) return std::nullopt;
     parameters[p.name.text] = std::move(v);
   }
   coupled_.clear();
@@ -153,6 +165,29 @@ std::optional<int> Checker::law_for(int declaration, bool radial, const Span& us
   const int index = static_cast<int>(model_.laws.size()) - 1;
   law_index_[key] = index;
   return index;
+}
+
+/// False (reported at the argument) when a law that reads well for a scalar is given a vector.
+bool Checker::is_law_of_vectors(int declaration, const ast::Expr& argument, const Field& at) {
+  if (law_index_.count({declaration, true})) return true;
+  // `xi` says that a vector was meant: then the law itself is wrong, and law_for says where.
+  const auto& written = std::get<ast::Superpotential>(*declarations_[declaration].statement);
+  if (written.argument.text == "xi") return true;
+  const auto good = [&](bool radial) {
+    Diagnostics trial;
+    std::swap(trial, diagnostics_);
+    const bool found = law_for(declaration, radial, argument.span).has_value();
+    std::swap(trial, diagnostics_);
+    if (!found) law_index_.erase({declaration, radial});
+    return found;
+  };
+  if (good(true) || !good(false)) return true;
+  law_index_[{declaration, true}] = -1;
+  error("E0308", argument.span,
+        fmt::format("`{}` is a law of a scalar, its argument is {}",
+                    declarations_[declaration].name, describe(at)),
+        "take a part of it (`u.nu`, `u.x`), or let the law read its argument through `norm`");
+  return false;
 }
 
 void Checker::check_law_alone(int declaration) {
@@ -264,6 +299,7 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
     return Poison{};
   }
   auto rows = law_rows(c, *at, *direction);
+  if (at->rank == 1 && !is_law_of_vectors(index, *c.at, *at)) return Poison{};
   auto law = law_for(index, at->rank == 1, c.law->span);
   if (!rows || !law) return Poison{};
   Field out = scalar_field(0.0);

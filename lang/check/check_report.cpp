@@ -189,8 +189,8 @@ std::optional<double> Checker::report_time(const ast::Expr& e) {
 }
 
 void Checker::binding(const ast::Binding& b, solver::TableSpec& table) {
-  for (int index : table.probes)
-    if (model_.report.probes[index].name == b.name.text) {
+  for (const Probe& known : model_.report.probes)
+    if (known.name == b.name.text) {
       error("E0302", b.name.span, fmt::format("the column `{}` is there twice", b.name.text));
       return;
     }
@@ -369,6 +369,14 @@ void Checker::study() {
     ModelStudy out;
     out.span = s->span;
     for (const ast::Ladder& ladder : s->ladders) {
+      const auto twice = [&](const StudyLadder& other) {
+        return other.parameter == ladder.parameter.text;
+      };
+      if (std::any_of(out.ladders.begin(), out.ladders.end(), twice)) {
+        error("E0302", ladder.parameter.span,
+              fmt::format("`{}` is varied twice", ladder.parameter.text));
+        continue;
+      }
       StudyLadder rungs{ladder.parameter.text, ladder.span, {}};
       const int index = find_declaration(ladder.parameter.text);
       if (index < 0 && is_silent(ladder.parameter.text)) continue;

@@ -152,11 +152,13 @@ private:
   std::optional<Field> total_gradient(const Span& span, const Field& f);
 
   // --- laws (check_laws.cpp)
+  bool is_law_parameter(const Value& value, const ast::Expr& given);
   std::optional<int> law_for(int declaration, bool radial, const Span& use);
   std::optional<std::vector<LawRow>> law_rows(const ast::Clarke& clarke, const Field& at,
                                               const Field& direction);
   std::optional<Field> law_body(int declaration, const Field& argument,
                                 const std::map<std::string, Value>& parameters, const Span& use);
+  bool is_law_of_vectors(int declaration, const ast::Expr& argument, const Field& at);
   void check_law_alone(int declaration);
 
   // --- meshes and parts (check_mesh.cpp)
@@ -247,6 +249,7 @@ private:
   int space_declaration_ = -1;
   bool uses_memory_ = false;
   int call_depth_ = 0;
+  std::vector<Span> calls_;    ///< of functions and laws that are being evaluated
   long evaluations_ = 0;       ///< of expressions: functions of functions can ask for any number
   bool readable_ = true;       ///< the unknown and the test function have names of their own
   bool normal_missed_ = false; ///< in the integral at hand a normal was missed and reported

@@ -151,7 +151,11 @@ bool Parser::begins_statement(std::size_t index) const {
                              before == TokenKind::string || before == TokenKind::prime ||
                              is_closing(before);
   if (!first && index > 0 && !after_operand) return false;
-  if (!first && before == TokenKind::name && is_clause_word(text(tokens_[index - 1]))) return false;
+  // `by mesh steps`; but in `zero on in find u ...` the `in` is a name.
+  const bool named = index > 1 && tokens_[index - 2].kind == TokenKind::name &&
+                     is_clause_word(text(tokens_[index - 2]));
+  if (!first && !named && before == TokenKind::name && is_clause_word(text(tokens_[index - 1])))
+    return false;
   const Token& next = tokens_[std::min(index + 1, tokens_.size() - 1)];
   if (next.kind == TokenKind::name || next.kind == TokenKind::string || is_reserved(next.kind))
     return true;

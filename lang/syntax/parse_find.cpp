@@ -270,6 +270,9 @@ ast::Integral Parser::integral() {
   result.integrand = expr();
   in_integral_ = false;
   while (accept(TokenKind::comma)) {
+    if (at(TokenKind::name) && peek(1).kind != TokenKind::equal && !peek(1).first_on_line &&
+        peek(1).kind != TokenKind::close_paren)
+      fail_expected("an option such as `rule = gauss`");
     ast::Setting& option = result.options.emplace_back();
     option.name = name("an option such as `rule = gauss`");
     expect(TokenKind::equal);
