@@ -72,8 +72,8 @@ bool InequalityEngine::add_far(int p) {
   const PointData& q = points[p];
   const bool held = holds_all(d_factored[p], q.rows, q.local);
   if (!held && holds_some(d_factored[p], q.local)) return false; // held along one direction
-  int unknown[3];
-  double g[3];
+  int unknown[3] = {};
+  double g[3] = {};
   for (int a = 0; a < q.rows; ++a)
     for (SparseMatrix::InnerIterator it(problem.g, q.first + a); it; ++it)
       if (it.value() != 0.0) unknown[a] = static_cast<int>(it.col()), g[a] = it.value();

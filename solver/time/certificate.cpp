@@ -7,6 +7,45 @@
 
 namespace hvi::solver {
 
+namespace {
+
+struct RowSums {
+  double sum = 0.0, size = 0.0; ///< of the products, and of their absolute values
+};
+
+RowSums row_sums(const double* values, const int* columns, int count, const double* x) {
+  double sum[4] = {}, size[4] = {};
+  int e = 0;
+  for (; e + 4 <= count; e += 4)
+    for (int k = 0; k < 4; ++k) {
+      const double product = values[e + k] * x[columns[e + k]];
+      sum[k] += product;
+      size[k] += std::abs(product);
+    }
+  for (; e < count; ++e) {
+    const double product = values[e] * x[columns[e]];
+    sum[0] += product;
+    size[0] += std::abs(product);
+  }
+  return {(sum[0] + sum[1]) + (sum[2] + sum[3]), (size[0] + size[1]) + (size[2] + size[3])};
+}
+
+} // namespace
+
+void subtract_product(const SparseMatrix& a, const Vector& x, Vector& y) {
+  const int* starts = a.outerIndexPtr();
+  const int* columns = a.innerIndexPtr();
+  const double* values = a.valuePtr();
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    double sum[4] = {};
+    int e = starts[i];
+    for (; e + 4 <= starts[i + 1]; e += 4)
+      for (int k = 0; k < 4; ++k) sum[k] += values[e + k] * x[columns[e + k]];
+    for (; e < starts[i + 1]; ++e) sum[0] += values[e] * x[columns[e]];
+    y[i] -= (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  }
+}
+
 void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vector& gap,
                    Vector& scale) {
   const int* starts = k.outerIndexPtr();
@@ -48,12 +87,8 @@ double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& b
   const double* x = d.data();
   double worst = 0.0;
   const auto row = [&](int i, double reaction) {
-    double sum = 0.0, size = 0.0;
-    for (int e = starts[i]; e < starts[i + 1]; ++e) {
-      const double product = values[e] * x[columns[e]];
-      sum += product;
-      size += std::abs(product);
-    }
+    const auto [sum, size] =
+        row_sums(values + starts[i], columns + starts[i], starts[i + 1] - starts[i], x);
     gap[i] = b[i] - sum;
     const double error = std::abs(gap[i] - reaction);
     // Divides only where it is the worst so far; a NaN is worse than anything.

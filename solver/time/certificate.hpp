@@ -7,6 +7,9 @@
 
 namespace hvi::solver {
 
+/// y -= A x. Four sums at a time: one would wait for its own last addition.
+void subtract_product(const SparseMatrix& a, const Vector& x, Vector& y);
+
 /// gap = b - K d and scale_i = (|K| |d|)_i + |b_i| in one reading of K.
 void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vector& gap,
                    Vector& scale);

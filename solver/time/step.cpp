@@ -155,7 +155,7 @@ void Stepper::right_hand_side(int n) {
     if (layout_.interior) stress_ = combined_; // there is one base only
     if (change_[b] != 0.0) combined_ += change_[b] * expected_;
     if (combined_.isZero(0.0)) continue;
-    rhs_.noalias() -= operators_.bases[b] * combined_;
+    subtract_product(operators_.bases[b], combined_, rhs_);
     ++products_;
   }
 }

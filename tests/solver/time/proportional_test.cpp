@@ -1,0 +1,124 @@
+// The evolution on the contact unknowns against the one on all unknowns: the same plans, run both
+// ways. Random ones vary tensors, kernels, laws, loads, initial states, schemes and grids.
+#include "tests/solver/time/plans.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace hvi::solver {
+namespace {
+
+using namespace testing_plans;
+
+/// The slab with one tensor for everything, and a table without interior fields.
+Plan one_tensor(int n, int steps, int dim = 2, bool friction = false) {
+  Plan plan = slab(n, steps, dim, friction);
+  const auto b = from_young(70, 0.3);
+  plan.forms[0] = elastic(dim, body, field_rate, b, 0.2);
+  plan.report.probes = {at_point("u_y", u_value(1), {1, 0, dim == 3 ? 0.5 : 0.0}),
+                        at_point("u_x", u_value(0), {1.5, 0.5, dim == 3 ? 0.5 : 0.0}),
+                        integral("reaction", var(slot::multiplier(0, 0)), ground)};
+  plan.report.tables = {{{}, {0, 1, 2}, 1, ""}};
+  return plan;
+}
+
+void expect_same(Plan plan, double tolerance, const std::string& what) {
+  const auto reduced = solve(plan);
+  EXPECT_EQ(reduced.path, "") << what;
+  plan.options.proportional_path = false;
+  const auto full = solve(plan);
+  EXPECT_NE(full.path, "") << what;
+  EXPECT_EQ(reduced.unknowns, full.unknowns) << what;
+  EXPECT_TRUE(reduced.certificate.certified && full.certificate.certified) << what;
+  const double scale = full.u.lpNorm<Eigen::Infinity>();
+  EXPECT_GT(scale, 0.0) << what;
+  EXPECT_LE((reduced.u - full.u).lpNorm<Eigen::Infinity>(), tolerance * scale) << what;
+  for (const auto& [name, column] : full.columns) {
+    double largest = 0, difference = 0;
+    for (std::size_t i = 0; i < column.size(); ++i) {
+      largest = std::max(largest, std::abs(column[i]));
+      difference = std::max(difference, std::abs(column[i] - reduced.columns.at(name)[i]));
+    }
+    EXPECT_LE(difference, tolerance * largest) << what << ", " << name;
+  }
+}
+
+TEST(Proportional, SlabEqualsTheGeneralPath) { expect_same(one_tensor(8, 40), 1e-10, "slab"); }
+TEST(Proportional, SlabWithFrictionEqualsTheGeneralPath) {
+  expect_same(one_tensor(8, 40, 2, true), 1e-10, "slab with friction");
+}
+TEST(Proportional, Slab3DEqualsTheGeneralPath) {
+  expect_same(one_tensor(3, 20, 3, true), 1e-10, "3D");
+}
+
+/// Sizes between one half and one and a half.
+double about_one(std::mt19937& random) {
+  return 0.5 + std::uniform_real_distribution<double>()(random);
+}
+
+Plan random_plan(std::mt19937& random) {
+  const auto coin = [&] { return random() % 2 == 0; };
+  Plan plan = one_tensor(4 + static_cast<int>(random() % 4), 24, 2, coin());
+  const Expr t = var(slot::t);
+  const auto b = from_young(70 * about_one(random), 0.2 + 0.2 * about_one(random));
+  plan.forms = {elastic(2, body, field_rate, b, 0.3 * about_one(random)),
+                elastic(2, body, field_u, b)};
+  plan.histories.clear();
+  if (coin()) {
+    plan.forms.push_back(elastic(2, body, first_history_field, b, -0.5 * about_one(random)));
+    plan.histories = {{{}, exponential_kernel(about_one(random)), {}}};
+  }
+  if (coin()) plan.forms.push_back(elastic(2, body, field_u, b, 0.5 * about_one(random)));
+  plan.loads = {force(body, {0.0, -10.0 * about_one(random) * t}),
+                force(flank, {3.0 * about_one(random) * t * t})};
+  if (coin()) plan.loads.push_back(force(body, {sin(3.0 * t), 0.0}));
+  if (coin()) plan.time.scheme = Scheme::bdf2;
+  if (coin()) plan.time.sampling = LoadSampling::average;
+  if (coin()) { // steps of two lengths
+    for (std::size_t n = 13; n < plan.time.grid.size(); ++n)
+      plan.time.grid[n] = plan.time.grid[n - 1] + 0.5 / 24;
+  }
+  if (coin()) // zero on the roof
+    plan.time.initial = {0.0, 0.01 * var(slot::x(0)) * (Expr(1.0) - var(slot::x(1)))};
+  return plan;
+}
+
+TEST(Proportional, RandomPlansEqualTheGeneralPath) {
+  std::mt19937 random(5);
+  for (int k = 0; k < 24; ++k) expect_same(random_plan(random), 1e-9, "plan " + std::to_string(k));
+}
+
+TEST(Proportional, TheConditionThatFailsIsNamed) {
+  const auto why = [](Plan plan) { return solve(plan).path; };
+  EXPECT_EQ(why(one_tensor(3, 4)), "");
+  EXPECT_NE(why(slab(3, 4)).find("not multiples of one tensor"), std::string::npos);
+  Plan plan = one_tensor(3, 4);
+  plan.report.probes.push_back(norm("strain"));
+  plan.report.tables[0].probes.push_back(3);
+  EXPECT_NE(why(plan).find("`strain`"), std::string::npos);
+  plan = one_tensor(3, 4);
+  plan.loads.push_back(force(body, {sin(var(slot::t) * var(slot::x(0))), 0.0}));
+  EXPECT_NE(why(plan).find("does not separate"), std::string::npos);
+  plan = one_tensor(3, 4);
+  plan.space.dirichlet[0].value = {0.0, 0.01 * var(slot::t)};
+  EXPECT_NE(why(plan).find("boundary values"), std::string::npos);
+  plan = one_tensor(3, 4);
+  plan.law_terms.clear();
+  plan.report.probes.pop_back();
+  plan.report.tables[0].probes.pop_back();
+  EXPECT_NE(why(plan).find("no contact law"), std::string::npos);
+}
+
+TEST(Proportional, AContactThatNeverTouchesCostsNoNewtonIteration) {
+  Plan plan = one_tensor(4, 16);
+  plan.loads = {force(body, {0.0, 10.0 * var(slot::t)})}; // away from the ground
+  for (const bool reduced : {true, false}) {
+    plan.options.proportional_path = reduced;
+    EXPECT_EQ(solve(plan).work.newton, 0);
+  }
+}
+
+} // namespace
+} // namespace hvi::solver
