@@ -86,3 +86,17 @@ run = subprocess.run([hvi_run, "run", strip, "--strict"], capture_output=True, t
 assert run.returncode == 4 and "u_y" not in run.stdout.split("verdict")[-1], run
 lines = {h["name"]: h["line"] for h in report["hypotheses"] if h["holds"] is False}
 assert "superpotential" in strip.read_text() and lines["H(J)"] > 0
+
+# Coulomb's bound is no superpotential of its own.
+report = check(root / "tests/published/coulomb_shear.hvi")
+assert not report["verdict"]["discrete"]["holds"] and not report["verdict"]["continuous"]["holds"]
+assert any(h["holds"] is False and "Coulomb" in h["note"] for h in report["hypotheses"])
+
+# B not symmetric: said, and no failure; A not symmetric would be one.
+report = check(root / "examples/advection.hvi")
+assert any("not symmetric" in h["note"] for h in report["hypotheses"] if h["name"] == "H(B)")
+assert all(h["holds"] for h in report["hypotheses"] if h["name"] == "H(B)")
+
+# A singular kernel: its Lipschitz constant is infinite, each step's problem is still judged.
+report = check(root / "tests/convergence/weakly_singular.hvi")
+assert report["constants"]["lipschitz_q"] == "inf" and report["verdict"]["discrete"]["holds"]

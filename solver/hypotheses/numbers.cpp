@@ -1,0 +1,78 @@
+// The matrices of a problem on one mesh and their constants; see numbers.hpp.
+#include "solver/hypotheses/numbers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hvi::solver {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+} // namespace
+
+Numbers::Numbers(const Plan& plan, const Discretisation& d)
+    : plan_(plan), layout_(make_layout(d.space, d.dofs)),
+      operators_(assemble_operators(plan, d, layout_)), contact_(make_contact(plan, d, layout_)),
+      gram_(restrict_rows(gram_v(d.space, d.dofs.eliminated.empty()), layout_)
+                .leftCols(layout_.n_unknowns)),
+      laws_(law_constants(plan, contact_)), traces_(trace_norms(plan, d, layout_, gram_)) {}
+
+SparseMatrix Numbers::of_field(int field) const {
+  return combine(operators_, operators_.weights.row(field).transpose());
+}
+
+double Numbers::coercivity(int field, double pointwise) const {
+  if (!acts_on(field)) return 0.0;
+  const double below = std::isfinite(pointwise) ? std::max(0.0, pointwise) : 0.0;
+  return gram_.least(of_field(field), below).value_or(nan);
+}
+
+double Numbers::memory_norm(int m) const {
+  return gram_.norm(of_field(first_history_field + m)).value_or(nan);
+}
+
+double Numbers::asymmetry(int field) const {
+  const SparseMatrix k = of_field(field);
+  const SparseMatrix skew = SparseMatrix(k - SparseMatrix(k.transpose()));
+  double largest = 0.0, off = 0.0;
+  for (int e = 0; e < k.nonZeros(); ++e) largest = std::max(largest, std::abs(k.valuePtr()[e]));
+  for (int e = 0; e < skew.nonZeros(); ++e) off = std::max(off, std::abs(skew.valuePtr()[e]));
+  return largest > 0.0 ? off / largest : 0.0;
+}
+
+/// sum m_i M_i^T W M_i; nothing when a law jumps down.
+std::optional<SparseMatrix> Numbers::descent() const {
+  std::vector<double> weight(plan_.law_terms.size(), 0.0);
+  for (const auto& law : laws_) {
+    if (!std::isfinite(law.m)) return std::nullopt;
+    weight[law.term] = law.m;
+  }
+  return law_form(contact_, weight, layout_.n_unknowns);
+}
+
+double Numbers::margin_against(const SparseMatrix& k) const {
+  const auto form = descent();
+  if (!form) return -infinity;
+  if (form->nonZeros() == 0) return 1.0;
+  try {
+    const GramForm against(SparseMatrix(0.5 * (k + SparseMatrix(k.transpose()))));
+    return 1.0 - against.largest(*form).value_or(nan);
+  } catch (const Failure&) {
+    return -infinity;
+  }
+}
+
+double Numbers::script_norm() const {
+  const std::vector<double> ones(plan_.law_terms.size(), 1.0);
+  return gram_.largest(law_form(contact_, ones, layout_.n_unknowns)).value_or(nan);
+}
+
+double Numbers::margin_split(double m_b) const {
+  const auto form = descent();
+  return form ? m_b - gram_.largest(*form).value_or(nan) : -infinity;
+}
+
+} // namespace hvi::solver

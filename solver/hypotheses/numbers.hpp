@@ -1,0 +1,46 @@
+// The matrices of a problem on one mesh, and the constants of the theory they give.
+#pragma once
+
+#include "solver/hypotheses/extremes.hpp"
+#include "solver/hypotheses/laws.hpp"
+#include "solver/time/operators.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace hvi::solver {
+
+class Numbers {
+public:
+  Numbers(const Plan& plan, const Discretisation& d);
+
+  SparseMatrix of_field(int field) const; ///< the sum of all forms in a field
+  bool acts_on(int field) const { return operators_.acts_on(field); }
+  /// Least eigenvalue against the Gram matrix (0 for no form, NaN when not found). `pointwise`: a
+  /// lower bound of it where the form is one of strains alone.
+  double coercivity(int field, double pointwise) const;
+  double memory_norm(int m) const;       ///< ||E|| of memory m; NaN when not found
+  double asymmetry(int field) const;     ///< max |K_ij - K_ji| / max |K_ij|
+  double script_norm() const;            ///< ||M||^2 of the arguments of all laws together
+  double margin_split(double m_b) const; ///< m_b - lambda_max(sum m_i M_i^T W M_i)
+  /// 1 - lambda_max(sum m_i M_i^T W M_i, sym K); minus infinity when K is not positive definite or
+  /// a law jumps down.
+  double margin_against(const SparseMatrix& k) const;
+
+  const std::vector<TermConstants>& laws() const { return laws_; }
+  const TraceNorms& traces() const { return traces_; }
+  const Operators& operators() const { return operators_; }
+
+private:
+  std::optional<SparseMatrix> descent() const;
+
+  const Plan& plan_;
+  StateLayout layout_;
+  Operators operators_;
+  Contact contact_;
+  GramForm gram_;
+  std::vector<TermConstants> laws_;
+  TraceNorms traces_;
+};
+
+} // namespace hvi::solver
