@@ -33,6 +33,7 @@ Panel<M> gauss_kronrod_panel(const F& f, double a, double b, const Values<M>& sc
   using Gauss = boost::math::quadrature::gauss<double, 15>;
   const auto& nodes = Rule::abscissa();
   const double half = 0.5 * (b - a), middle = 0.5 * (a + b);
+  constexpr double least = 1e-290; // below it numbers lose digits: exp(-lag) at large lags
   Panel<M> panel;
   Values<M> gauss{};
   const auto add = [&](double x, std::size_t i) {
@@ -49,7 +50,7 @@ Panel<M> gauss_kronrod_panel(const F& f, double a, double b, const Values<M>& sc
     add(middle + half * nodes[i], i);
   }
   for (std::size_t m = 0; m < M; ++m) {
-    const double bound = 2e-12 * panel.magnitude[m] + 1e-16 * scale[m];
+    const double bound = 2e-12 * panel.magnitude[m] + 1e-16 * scale[m] + least * (b - a);
     const double off = std::abs(panel.integral[m] - gauss[m]);
     if (off > bound) panel.smooth = false;
     if (panel.magnitude[m] > 0)
@@ -70,8 +71,8 @@ Values<M> integrate_smooth(const F& f, double a, double b, Values<M> scale = {},
   struct Open {
     double low, high, difference; ///< of the rules on the panel it is half of, relative
   };
-  constexpr double small = 1e-9;
-  Values<M> result{};
+  constexpr double small = 1e-9, unresolved = 1e-6;
+  Values<M> result{}, size{}, open_error{};
   std::vector<Open> open{{a, b, 1.0}};
   const double narrow = 1e-14 * std::max(std::abs(a), std::abs(b));
   std::size_t panels = 0;
@@ -87,10 +88,14 @@ Values<M> integrate_smooth(const F& f, double a, double b, Values<M> scale = {},
       open.push_back({low, 0.5 * (low + high), panel.difference});
       continue;
     }
-    for (std::size_t m = 0; m < M; ++m)
-      result[m] += refine ? std::numeric_limits<double>::quiet_NaN() : panel.integral[m];
-    if (refine) break; // never an answer that was not resolved
+    for (std::size_t m = 0; m < M; ++m) {
+      result[m] += panel.integral[m];
+      size[m] += panel.magnitude[m];
+      if (refine) open_error[m] += panel.difference * panel.magnitude[m];
+    }
   }
+  for (std::size_t m = 0; m < M; ++m) // never an answer that was not resolved
+    if (open_error[m] > unresolved * size[m]) result[m] = std::numeric_limits<double>::quiet_NaN();
   return result;
 }
 
