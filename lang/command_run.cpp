@@ -6,10 +6,11 @@
 #include "lang/memory_lines.hpp"
 #include "lang/mesh_values.hpp"
 #include "lang/pictures.hpp"
+#include "solver/linear/bandwidth.hpp"
 #include "solver/output/file.hpp"
 #include "solver/output/table.hpp"
-#include "solver/time/memory.hpp"
 #include "solver/time/checkpoint.hpp"
+#include "solver/time/memory.hpp"
 #include "solver/time/report.hpp"
 #include "solver/time/result_json.hpp"
 
@@ -112,12 +113,33 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
   if (r.energy) fmt::print("energy of this branch at the end: {:.9g}\n", *r.energy);
 }
 
-void print_profile(const solver::Timing& t) {
-  fmt::print("profile (CPU seconds): mesh {:.3f}, assembly {:.3f}, ordering {:.3f}, factor {:.3f}, "
-             "steps {:.3f} (history {:.3f}, sweeps {:.3f}, inequality {:.3f}), output {:.3f}, "
-             "total {:.3f}\n",
-             t.mesh, t.assembly, t.ordering, t.factor, t.steps, t.history, t.sweeps, t.inequality,
-             t.output, t.total);
+/// Phases, what was counted, and the limit of the sweeps: one read of the factor each.
+void print_profile(const solver::RunResult& r) {
+  const auto& t = r.timing;
+  const double steps = std::max(1, r.steps);
+  const double rest = t.total - t.mesh - t.assembly - t.ordering - t.factor - t.steps - t.output;
+  fmt::print(stderr, "{:<24}{:>12}{:>14}\n", "profile", "CPU seconds", "ms per step");
+  const auto line = [&](const char* name, double seconds, bool each) {
+    fmt::print(stderr, "{:<24}{:>12.4f}{:>14}\n", name, seconds,
+               each ? fmt::format("{:.4f}", 1e3 * seconds / steps) : "");
+  };
+  line("mesh", t.mesh, false), line("assembly", t.assembly, false);
+  line("ordering", t.ordering, false), line("factorisation", t.factor, false);
+  line("steps", t.steps, true), line("  history", t.history, true);
+  line("  sweeps", t.sweeps, true), line("  inequality", t.inequality, true);
+  line("output", t.output, true), line("set-up besides", std::max(0.0, rest), false);
+  line("total", t.total, false);
+  const auto& w = r.work;
+  fmt::print(stderr,
+             "counted: {} unknowns, {} steps, {} matrices, {} analyses, {} factorisations, {} "
+             "sweeps, {} products, {} Newton, {} fields\n",
+             r.unknowns, r.steps, w.matrices, w.analyses, w.factorisations, w.sweeps, w.products,
+             w.newton, w.history_fields);
+  const double bandwidth = solver::read_bandwidth();
+  fmt::print(stderr,
+             "held: {:.3g} MB (factors, matrices, memory); this machine reads {:.3g} GB/s: at most "
+             "{:.4f} ms to read it once\n",
+             w.bytes / 1e6, bandwidth / 1e9, 1e3 * w.bytes / bandwidth);
 }
 
 void write_json(const Script& script, const solver::RunResult& result, const Options& options,
@@ -205,9 +227,8 @@ int solve(Script& script, const Options& options, bool writes, solver::RunResult
     result.script = script.path;
     if (options.resume && !options.quiet)
       fmt::print(stderr, "{}\n",
-                 result.resumed_from > 0
-                     ? fmt::format("resumed after step {}", result.resumed_from)
-                     : "no checkpoint: began at the first step");
+                 result.resumed_from > 0 ? fmt::format("resumed after step {}", result.resumed_from)
+                                         : "no checkpoint: began at the first step");
     if (writes)
       for (const std::string& file :
            draw_pictures(*script.plan, solved, result, output_folder(script, options)))
@@ -255,7 +276,7 @@ int run_command(const std::string& path, const Options& options) {
   if (options.quiet) return exit_ok;
   print_certificate(result, script);
   if (accuracy) std::fputs(accuracy_text(*accuracy).c_str(), stdout);
-  if (options.profile) print_profile(result.timing);
+  if (options.profile) print_profile(result);
   if (!result.files.empty())
     fmt::print("files: {} in {}/\n", result.files.size(), output_folder(script, options));
   return exit_ok;

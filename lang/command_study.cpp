@@ -25,6 +25,9 @@ namespace {
 namespace fs = std::filesystem;
 using solver::Gauge;
 
+constexpr int most_dofs_for_terms =
+    200'000; ///< the exact solution is seen on sixteen times as many
+
 constexpr double short_run = 0.3; ///< CPU seconds below which a run is timed three times
 
 /// Highest resident memory since the last call of `forget_peak`, in bytes (Linux).
@@ -125,6 +128,10 @@ private:
       const auto& e = entry["error"];
       row.error = solver::StudyError{e[0], e[1], e[2], e[3], e[4]};
     }
+    if (entry.contains("cea")) {
+      const auto& c = entry["cea"];
+      row.cea = solver::CeaTerms{c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]};
+    }
     row.probes = entry["probes"].get<std::map<std::string, double>>();
     row.unknowns = entry["unknowns"], row.steps = entry["steps"], row.newton = entry["newton"];
     row.cpu = entry["cpu"], row.wall = entry["wall"], row.peak_bytes = entry["peak_bytes"];
@@ -145,6 +152,15 @@ private:
                             {"failure", row.failure}};
     if (const auto& e = row.error)
       entry["error"] = {e->v_max, e->v_final, e->l2_max, e->l2_final, e->size};
+    if (const auto& c = row.cea)
+      entry["cea"] = {c->interpolation,
+                      c->interpolation_rate,
+                      c->trace,
+                      c->residual,
+                      c->largest_residual,
+                      c->rate,
+                      c->start,
+                      c->step};
     std::ofstream(journal_, std::ios::app) << entry.dump() << "\n";
   }
 
@@ -169,12 +185,65 @@ private:
     for (std::size_t i = 0; i < study_.rows.size(); ++i) {
       StudyRow& row = study_.rows[i];
       if (known(row)) continue;
-      if (!options_.quiet && isatty(STDERR_FILENO))
-        fmt::print(stderr, "\r\033[K{} of {} settings", i + 1, study_.rows.size());
+      tell_progress(i);
       if (const int code = run_row(row, false); code != exit_ok) return code;
     }
     if (!options_.quiet && isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
     return exit_ok;
+  }
+
+  /// What a setting may cost, as far as its numbers tell: their product.
+  double weight(const StudyRow& row) const {
+    double out = 1.0;
+    for (std::size_t l = 0; l < row.rungs.size(); ++l) {
+      char* end = nullptr;
+      const std::string& value = study_.ladders[l].values[row.rungs[l]];
+      const double number = std::strtod(value.c_str(), &end);
+      if (end != value.c_str() && number > 0.0) out *= number;
+    }
+    return out;
+  }
+
+  void tell_progress(std::size_t next) {
+    if (options_.quiet || !isatty(STDERR_FILENO)) return;
+    double left = 0.0;
+    for (std::size_t i = next; i < study_.rows.size(); ++i)
+      if (!known(study_.rows[i])) left += weight(study_.rows[i]);
+    const double wall =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+    const std::string when = done_weight_ > 0.0
+                                 ? fmt::format(", about {:.0f} s left", wall * left / done_weight_)
+                                 : std::string();
+    fmt::print(stderr, "\r\033[K{} of {} settings{}", next + 1, study_.rows.size(), when);
+    std::fflush(stderr);
+  }
+
+  /// Mesh and space of a plan; settings that differ in time only share them.
+  std::shared_ptr<solver::Discretisation> discretisation_of(const solver::Plan& plan) {
+    solver::Plan space;
+    space.mesh = plan.mesh, space.parts = plan.parts, space.space = plan.space;
+    std::string key = solver::to_string(space);
+    if (key == mesh_key_) return mesh_;
+    auto made = std::make_shared<solver::Discretisation>();
+    const auto failures = solver::discretise(plan, *made);
+    if (!failures.empty()) throw failures.front();
+    mesh_key_ = std::move(key);
+    return mesh_ = made;
+  }
+
+  /// The terms of the Cea type inequality for a row, against what its error is measured against.
+  void take_terms(const Script& script, const solver::Discretisation& d, StudyRow& row) {
+    const auto& plan = *script.plan;
+    if (!row.error || plan.time.is_static || plan.time.scheme != solver::Scheme::backward_euler)
+      return;
+    if (kind_ != ModelStudy::Reference::exact) {
+      row.cea = solver::cea_terms(solver::fine_trajectory(*reference_plan_, reference_), plan, d);
+      return;
+    }
+    if (d.space.n_dofs() > most_dofs_for_terms) return;
+    if (fine_for_ != &d)
+      fine_ = solver::fine_exact(plan, script.model->study->exact), fine_for_ = &d;
+    row.cea = solver::cea_terms(fine_, plan, d);
   }
 
   /// One setting; `keeps`: its steps become the reference.
@@ -188,11 +257,10 @@ private:
       return exit_script;
     }
     script.plan->report.fields.clear(), script.plan->report.pictures.clear();
-    auto discretisation = std::make_shared<solver::Discretisation>();
     try {
-      const auto failures = solver::discretise(*script.plan, *discretisation);
-      if (!failures.empty()) throw failures.front();
+      const auto discretisation = discretisation_of(*script.plan);
       measure(script, discretisation, row, keeps);
+      take_terms(script, *discretisation, row);
     } catch (const solver::Failure& failure) {
       if (failure.kind == solver::FailureKind::interrupted) {
         add_failure(script, failure);
@@ -203,6 +271,7 @@ private:
     }
     keep(row);
     done_.push_back(row.values);
+    done_weight_ += weight(row);
     return exit_ok;
   }
 
@@ -250,7 +319,7 @@ private:
     for (const auto& [name, value] : result.final)
       if (std::isfinite(value)) row.probes[name] = value;
     if (gauge) row.error = gauge->error();
-    if (keeps) reference_ = trajectory;
+    if (keeps) reference_ = trajectory, reference_plan_ = plan;
     if (row.cpu < short_run) repeat(plan, *d, row);
   }
 
@@ -275,6 +344,13 @@ private:
   ModelStudy::Reference kind_ = ModelStudy::Reference::finest;
   std::vector<std::map<std::string, std::string>> done_;
   std::shared_ptr<const solver::Trajectory> reference_;
+  std::optional<solver::Plan> reference_plan_;
+  std::string mesh_key_;
+  std::shared_ptr<solver::Discretisation> mesh_;
+  solver::FineSolution fine_;
+  const solver::Discretisation* fine_for_ = nullptr;
+  double done_weight_ = 0.0;
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
 };
 
 /// A ladder's rung as a number; words have none.

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "lang/driver.hpp"
-#include "solver/study/reference.hpp"
+#include "solver/study/cea.hpp"
 
 #include <map>
 #include <optional>
@@ -19,6 +19,7 @@ struct StudyRow {
   std::map<std::string, std::string> values; ///< parameter -> value, as -D takes it
   std::optional<solver::StudyError> error;   ///< absent: failed, or the finest run itself
   std::map<std::string, double> probes;      ///< final values
+  std::optional<solver::CeaTerms> cea;       ///< backward Euler only, which the theorem is about
   int unknowns = 0, steps = 0, newton = 0;
   double cpu = 0.0, wall = 0.0, peak_bytes = 0.0;
   std::optional<double> order; ///< against the setting one rung lower on every ladder

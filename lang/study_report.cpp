@@ -132,6 +132,34 @@ std::string order_picture(const Study& study) {
                      plots, low, high, top, low, low, high, top, low);
 }
 
+/// The terms of the Cea type inequality, a row for each run that has them.
+std::string cea_table(const Study& study) {
+  std::string out;
+  for (const StudyRow& row : study.rows) {
+    if (!row.cea || !row.error) continue;
+    if (out.empty()) {
+      out = "Cea inequality: max|e|^2 <= C (max|u-v|^2 + k sum|d(u-v)|^2 + k sum|M(u-v)| + k "
+            "sum|S| + "
+            "k sum|du-u'|^2 + |e_0|^2 + k^2), v the interpolant of u\n";
+      for (const StudyLadder& ladder : study.ladders)
+        fmt::format_to(std::back_inserter(out), "{:>6}  ", ladder.parameter);
+      fmt::format_to(std::back_inserter(out),
+                     "{:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}\n", "|e|^2",
+                     "|u-v|^2", "|d(u-v)|", "|M(u-v)|", "|S|", "|du-u'|^2", "|e_0|^2", "k^2", "C");
+    }
+    for (const StudyLadder& ladder : study.ladders)
+      fmt::format_to(std::back_inserter(out), "{:>6}  ", row.values.at(ladder.parameter));
+    const auto& c = *row.cea;
+    const double square = row.error->v_max * row.error->v_max;
+    fmt::format_to(
+        std::back_inserter(out),
+        "{:9.2e}  {:9.2e}  {:9.2e}  {:9.2e}  {:9.2e}  {:9.2e}  {:9.2e}  {:9.2e}  {:9.2e}\n", square,
+        c.interpolation, c.interpolation_rate, c.trace, c.residual, c.rate, c.start, c.step,
+        square / c.bound());
+  }
+  return out;
+}
+
 } // namespace
 
 std::string study_table(const Study& study) {
@@ -152,6 +180,7 @@ std::string study_table(const Study& study) {
       for (const auto& [name, value] : row.values) out += fmt::format(" {} = {}", name, value);
       out += ": " + row.failure + "\n";
     }
+  out += cea_table(study);
   return out + fmt::format("{}; * = no other setting is both cheaper and closer\n", study.machine);
 }
 
@@ -159,7 +188,8 @@ std::string study_csv(const Study& study) {
   std::string out;
   for (const StudyLadder& ladder : study.ladders) out += ladder.parameter + ",";
   out += "unknowns,steps,v_max,v_final,l2_max,l2_final,relative,order,cpu,wall,peak_bytes,newton,"
-         "front,failure\n";
+         "front,cea_interpolation,cea_interpolation_rate,cea_trace,cea_residual,cea_rate,cea_start,"
+         "cea_step,cea_constant,failure\n";
   const auto number = [](std::optional<double> v) {
     return v && std::isfinite(*v) ? fmt::format("{:.17g}", *v) : std::string();
   };
@@ -170,10 +200,16 @@ std::string study_csv(const Study& study) {
     const solver::StudyError none, &error = e ? *e : none;
     std::string failure = row.failure;
     std::replace(failure.begin(), failure.end(), '"', '\'');
-    out += fmt::format("{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.0f},{},{},\"{}\"\n", row.unknowns,
-                       row.steps, of(error.v_max), of(error.v_final), of(error.l2_max),
-                       of(error.l2_final), of(error.relative()), number(row.order), row.cpu,
-                       row.wall, row.peak_bytes, row.newton, row.front ? 1 : 0, failure);
+    std::string terms = ",,,,,,,";
+    if (const auto& c = row.cea; c && e)
+      terms = fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}",
+                          c->interpolation, c->interpolation_rate, c->trace, c->residual, c->rate,
+                          c->start, c->step, error.v_max * error.v_max / c->bound());
+    out +=
+        fmt::format("{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.0f},{},{},{},\"{}\"\n", row.unknowns,
+                    row.steps, of(error.v_max), of(error.v_final), of(error.l2_max),
+                    of(error.l2_final), of(error.relative()), number(row.order), row.cpu, row.wall,
+                    row.peak_bytes, row.newton, row.front ? 1 : 0, terms, failure);
   }
   return out;
 }
@@ -202,6 +238,16 @@ std::string study_json(const Study& study) {
     out["unknowns"] = row.unknowns, out["steps"] = row.steps, out["newton"] = row.newton;
     out["order"] = row.order ? number(*row.order) : Json(nullptr);
     out["front"] = row.front;
+    if (const auto& c = row.cea; c && row.error)
+      out["cea"] = {{"interpolation", c->interpolation},
+                    {"interpolation_rate", c->interpolation_rate},
+                    {"trace", c->trace},
+                    {"residual", c->residual},
+                    {"largest_residual", c->largest_residual},
+                    {"rate", c->rate},
+                    {"start", c->start},
+                    {"step", c->step},
+                    {"constant", row.error->v_max * row.error->v_max / c->bound()}};
     if (!row.failure.empty()) out["failure"] = row.failure;
     rows.push_back(out);
   }

@@ -16,6 +16,11 @@ namespace {
 constexpr int first_rungs = 3, most_rungs = 8, most_tries = 8;
 constexpr double margin = 1.2; ///< a setting is chosen for so much less than the check asks
 
+constexpr double steep = 1.8; ///< grading tried beside the uniform mesh
+
+/// Element and grading: what a ladder in space is climbed with.
+using Element = std::pair<int, double>;
+
 const char* scheme_name(Scheme scheme) {
   return scheme == Scheme::bdf2 ? "bdf2" : "backward Euler";
 }
@@ -129,15 +134,17 @@ private:
                        [](const FormTerm& f) { return f.field != field_u; });
   }
 
-  Setting space_setting(int order, int level) const {
+  Setting space_setting(Element element, int level) const {
     const auto scheme = family_.plan().time.scheme;
-    return {order, scheme, level, family_.is_static() ? 1 : space_steps_};
+    return {element.first, scheme, level, family_.is_static() ? 1 : space_steps_, element.second};
   }
-  Setting time_setting(Scheme scheme, int steps) const { return {1, scheme, 2, steps}; }
+  Setting time_setting(Scheme scheme, int steps) const { return {1, scheme, 2, steps, 1.0}; }
 
-  void climb_space(int order, int rungs) {
-    finest_level_[order] = climb(space_[order], 1, rungs, fmt::format("space ladder, P{}", order),
-                                 [&](int level) { return space_setting(order, level); });
+  void climb_space(Element element, int rungs) {
+    const auto purpose =
+        fmt::format("space ladder, P{}{}", element.first, element.second != 1.0 ? ", graded" : "");
+    finest_level_[element] = climb(space_[element], 1, rungs, purpose,
+                                   [&](int level) { return space_setting(element, level); });
   }
   void climb_time(Scheme scheme, int rungs) {
     finest_steps_[scheme] = climb(time_[scheme], family_.coarsest_steps(), rungs,
@@ -153,12 +160,14 @@ private:
     // Enough steps that every level could be certified, and few.
     space_steps_ = 2 * family_.coarsest_steps();
     for (int k = 0; k < 6 && !family_.is_static(); ++k, space_steps_ *= 2)
-      if (cheap(space_setting(1, 2), "space ladder, P1").failure.empty()) break;
-    for (const int order : {1, 2}) climb_space(order, first_rungs);
-    for (const int order : {1, 2})
+      if (cheap(space_setting({1, 1.0}, 2), "space ladder, P1").failure.empty()) break;
+    std::vector<Element> elements = {{1, 1.0}, {2, 1.0}};
+    if (family_.gradable()) elements.insert(elements.end(), {{1, steep}, {2, steep}});
+    for (const Element& element : elements) climb_space(element, first_rungs);
+    for (const Element& element : elements)
       for (const Scheme scheme : schemes)
-        if (!space_[order].empty() && (family_.is_static() || !time_[scheme].empty()))
-          pairs_.emplace_back(order, scheme);
+        if (!space_[element].empty() && (family_.is_static() || !time_[scheme].empty()))
+          pairs_.emplace_back(element, scheme);
     if (pairs_.empty())
       give_up(out_.runs.empty() ? "no run succeeded"
                                 : "no coarse run could be certified: " + out_.runs.back().failure);
@@ -166,9 +175,11 @@ private:
 
   // ---- choice ------------------------------------------------------------------------------
 
-  ErrorLaw space_law(int order) const {
-    const double nominal = out_.request.probe.empty() ? order : 2 * order;
-    return fit_error(space_.at(order), nominal, space_distance_, floor_);
+  static Element element_of(const Setting& s) { return {s.order, s.grade}; }
+
+  ErrorLaw space_law(Element element) const {
+    const double nominal = out_.request.probe.empty() ? element.first : 2 * element.first;
+    return fit_error(space_.at(element), nominal, space_distance_, floor_);
   }
   ErrorLaw time_law(Scheme scheme) const {
     if (family_.is_static()) return {};
@@ -178,8 +189,9 @@ private:
 
   std::vector<Candidate> candidates() const {
     std::vector<Candidate> out;
-    for (const auto& [order, scheme] : pairs_) {
-      Candidate c{order, scheme, space_law(order), time_law(scheme), {}, 0.0};
+    for (const auto& [element, scheme] : pairs_) {
+      const int order = element.first;
+      Candidate c{order, scheme, element.second, space_law(element), time_law(scheme), {}, 0.0};
       c.cost = fit_cost(costs_.at(order), family_.dim());
       int finest = 0;
       for (const auto& r : out_.runs)
@@ -212,9 +224,9 @@ private:
 
   /// A further rung where the choice lies far beyond what was seen.
   bool extend(const Setting& choice) {
-    int& level = finest_level_[choice.order];
+    int& level = finest_level_[element_of(choice)];
     if (choice.level > 4 * level) {
-      climb_space(choice.order, static_cast<int>(std::lround(std::log2(level))) + 2);
+      climb_space(element_of(choice), static_cast<int>(std::lround(std::log2(level))) + 2);
       return true;
     }
     if (family_.is_static()) return false;
@@ -227,6 +239,16 @@ private:
 
   // ---- the run and its check ---------------------------------------------------------------
 
+  /// The ladder in time was climbed on a coarse mesh: its order stays, its constant becomes what
+  /// this mesh shows. Returns the order.
+  double rescale(Scheme scheme, int steps, double seen) {
+    const ErrorLaw law = time_law(scheme);
+    const double promised = law.at(steps) - law.at(2.0 * steps);
+    if (promised > 0.0)
+      for (Rung& r : time_[scheme]) r.distance *= std::max(seen, floor_) / promised;
+    return law.order;
+  }
+
   /// Error in time of the chosen steps, seen on half the level.
   bool look_at_time(AccuracyTry& now, const Setting& half, const KeptRun& companion) {
     if (family_.is_static()) return true;
@@ -236,10 +258,8 @@ private:
     if (!coarse.failure.empty()) return false;
     now.time_distance = distance(coarse, companion, out_.request.probe);
     record_distance(coarse, companion, now.time_distance);
-    add_rung(time_[half.scheme], {static_cast<double>(fewer.steps), 2.0, now.time_distance});
-    now.time_order = time_law(half.scheme).order;
-    now.time_error =
-        finer_error(std::max(now.time_distance, 0.0), 2.0, now.time_order, Distance::additive);
+    now.time_order = rescale(half.scheme, fewer.steps, now.time_distance);
+    now.time_error = finer_error(now.time_distance, 2.0, now.time_order, Distance::additive);
     return true;
   }
 
@@ -261,20 +281,27 @@ private:
       target_ *= 0.5;
       return;
     }
-    const ErrorLaw space = space_law(s.order);
+    const ErrorLaw space = space_law(element_of(s));
     if (accuracy_safety * (now.time_error + space.at(s.level)) > out_.request.wanted) {
       tell_(fmt::format("the steps are too few: error in time {:.1e}", now.time_error));
       tighten(s);
       return;
     }
-    const CostLaw cost = fit_cost(costs_[s.order], family_.dim());
-    const CostPoint& seen = companion.cost;
-    CostLaw near = cost;
-    near.at = seen; // the nearest run, with the powers of the ladder
-    now.predicted_cpu =
-        near.seconds(seen.unknowns * std::pow(2.0, family_.dim()), std::max(1, s.steps));
+    now.predicted_cpu = predicted_seconds(s, companion);
     tell_(fmt::format("running {}: about {:.2g} CPU seconds", now.text, now.predicted_cpu));
     finish(now, runner_.final_run(s), companion);
+  }
+
+  /// From the run whose unknowns are nearest, the powers those of the ladder.
+  double predicted_seconds(const Setting& setting, const KeptRun& companion) const {
+    const auto& points = costs_.at(setting.order);
+    const double unknowns = companion.cost.unknowns * std::pow(2.0, family_.dim());
+    CostLaw law = fit_cost(points, family_.dim());
+    law.at = companion.cost;
+    const auto off = [&](const CostPoint& p) { return std::abs(std::log(p.unknowns / unknowns)); };
+    for (const CostPoint& p : points)
+      if (off(p) < 0.8 * off(law.at)) law.at = p;
+    return law.seconds(unknowns, std::max(1, setting.steps));
   }
 
   void finish(AccuracyTry& now, const KeptRun& run, const KeptRun& companion) {
@@ -283,8 +310,8 @@ private:
     costs_[now.setting.order].push_back(run.cost);
     now.space_distance = distance(companion, run, out_.request.probe);
     record_distance(companion, run, now.space_distance);
-    add_rung(space_[now.setting.order], {0.5 * now.setting.level, 2.0, now.space_distance});
-    now.space_order = space_law(now.setting.order).order;
+    add_rung(space_[element_of(now.setting)], {0.5 * now.setting.level, 2.0, now.space_distance});
+    now.space_order = space_law(element_of(now.setting)).order;
     now.space_error = finer_error(now.space_distance, 2.0, now.space_order, space_distance_);
     now.estimate = now.space_error + now.time_error;
     out_.tries.push_back(now);
@@ -316,11 +343,11 @@ private:
   AccuracyResult out_;
   double floor_ = 0.0, target_ = 0.0;
   int space_steps_ = 1;
-  std::vector<std::pair<int, Scheme>> pairs_;
-  std::map<int, std::vector<Rung>> space_;
+  std::vector<std::pair<Element, Scheme>> pairs_;
+  std::map<Element, std::vector<Rung>> space_;
   std::map<Scheme, std::vector<Rung>> time_;
   std::map<int, std::vector<CostPoint>> costs_;
-  std::map<int, int> finest_level_;
+  std::map<Element, int> finest_level_;
   std::map<Scheme, int> finest_steps_;
 };
 

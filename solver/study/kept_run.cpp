@@ -69,7 +69,7 @@ double distance(const KeptRun& coarse, const KeptRun& fine, const std::string& p
 
 std::shared_ptr<const Discretisation> Runner::discretisation_of(const Setting& setting,
                                                                 const Plan& plan) {
-  auto& known = meshes_[{setting.order, setting.level}];
+  auto& known = meshes_[{setting.order, setting.level, setting.grade}];
   if (known) return known;
   auto made = std::make_shared<Discretisation>();
   const auto failures = discretise(plan, *made);

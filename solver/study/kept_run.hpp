@@ -46,7 +46,7 @@ private:
   const SettingFamily& family_;
   const RunSettings& settings_;
   std::map<Setting, KeptRun> runs_;
-  std::map<std::pair<int, int>, std::shared_ptr<const Discretisation>> meshes_;
+  std::map<std::tuple<int, int, double>, std::shared_ptr<const Discretisation>> meshes_;
 };
 
 } // namespace hvi::solver

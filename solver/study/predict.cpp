@@ -32,7 +32,7 @@ ErrorLaw fit_error(std::span<const Rung> rungs, double nominal, Distance kind, d
     const Rung& before = rungs[rungs.size() - 2];
     const double seen = std::log(std::max(before.distance, floor) / last.distance) /
                         std::log(last.resolution / before.resolution);
-    out.order = std::clamp(seen, 0.2, nominal);
+    out.order = std::clamp(seen, 0.4, nominal);
   }
   out.at_one = coarser_error(last.distance, last.ratio, out.order, kind) *
                std::pow(last.resolution, out.order);
@@ -41,7 +41,11 @@ ErrorLaw fit_error(std::span<const Rung> rungs, double nominal, Distance kind, d
 
 double CostLaw::seconds(double unknowns, double steps) const {
   const double more = std::max(unknowns, 1.0) / std::max(at.unknowns, 1.0);
-  return at.setup * std::pow(more, setup_power) + steps * at.step * std::pow(more, step_power);
+  const auto grown = [&](double seen, double fixed, double power) {
+    return std::min(seen, fixed) + std::max(seen - fixed, 0.0) * std::pow(more, power);
+  };
+  return grown(at.setup, overhead.setup, setup_power) +
+         steps * grown(at.step, overhead.step, step_power);
 }
 
 CostLaw fit_cost(std::span<const CostPoint> points, int dim) {
@@ -51,6 +55,8 @@ CostLaw fit_cost(std::span<const CostPoint> points, int dim) {
   std::sort(sorted.begin(), sorted.end(),
             [](const CostPoint& a, const CostPoint& b) { return a.unknowns < b.unknowns; });
   out.at = sorted.back();
+  if (sorted.front().unknowns < 0.3 * out.at.unknowns && sorted.front().unknowns < 1000.0)
+    out.overhead = {0.0, 0.8 * sorted.front().setup, 0.8 * sorted.front().step};
   const double usual_setup = dim == 3 ? 1.5 : 1.15, usual_step = dim == 3 ? 1.25 : 1.1;
   out.setup_power = usual_setup, out.step_power = usual_step;
   const auto other = std::find_if(sorted.rbegin(), sorted.rend(), [&](const CostPoint& p) {
@@ -96,7 +102,7 @@ std::optional<Choice> cheapest(std::span<const Candidate> candidates, const Sett
                           c.cost.seconds(unknowns(0.5 * level), 1.5 * steps);
       }
       if (best && best->seconds <= with_companions) continue;
-      best = Choice{{c.order, c.scheme, level, static_cast<int>(steps)},
+      best = Choice{{c.order, c.scheme, level, static_cast<int>(steps), c.grade},
                     c.space.at(level) + (family.is_static() ? 0.0 : c.time.at(steps)),
                     with_companions,
                     unknowns(level)};

@@ -29,19 +29,19 @@ double coarser_error(double distance, double ratio, double order, Distance kind)
 
 /// Distances between neighbours of a ladder: resolution (of the coarser), ratio, distance. The
 /// order is what the last two show, at most `nominal` (before the asymptotic range more is luck)
-/// and at least 0.2; with one distance three quarters of the nominal order. Distances below `floor`
+/// and at least 0.4; with one distance three quarters of the nominal order. Distances below `floor`
 /// are rounding: no error to be seen.
 struct Rung {
   double resolution, ratio, distance;
 };
 ErrorLaw fit_error(std::span<const Rung> rungs, double nominal, Distance kind, double floor);
 
-/// Seconds of a run by its unknowns: setup and one step, as powers between what theory allows.
+/// Seconds of a run by its unknowns: setup and one step, each a fixed part and a power.
 struct CostPoint {
   double unknowns, setup, step;
 };
 struct CostLaw {
-  CostPoint at{};
+  CostPoint at{}, overhead{}; ///< a run, and what the smallest run costs whatever its size
   double setup_power = 1.2, step_power = 1.1;
   double seconds(double unknowns, double steps) const;
 };
@@ -53,6 +53,7 @@ CostLaw fit_cost(std::span<const CostPoint> points, int dim);
 struct Candidate {
   int order = 1;
   Scheme scheme = Scheme::backward_euler;
+  double grade = 1.0;
   ErrorLaw space, time;
   CostLaw cost;
   double unknowns_at_one = 0.0; ///< unknowns(level) = this level^dim

@@ -64,7 +64,27 @@ private:
   Integrator integrator_;
 };
 
-/// Values of the coarse space's functions at the nodes of the fine one, dof by dof.
+class TrajectoryGauge final : public Gauge {
+public:
+  TrajectoryGauge(std::shared_ptr<const Trajectory> reference, const Discretisation& coarse)
+      : reference_(std::move(reference)),
+        transfer_(transfer(coarse.space, reference_->discretisation->space)),
+        gram_(gram_v(reference_->discretisation->space, false)),
+        mass_(mass(reference_->discretisation->space)) {}
+
+  void step(double t, const Vector& u) override {
+    const Vector exact = reference_->at(t);
+    const Vector error = transfer_ * u - exact;
+    note(error.dot(gram_ * error), error.dot(mass_ * error), exact.dot(gram_ * exact));
+  }
+
+private:
+  std::shared_ptr<const Trajectory> reference_;
+  SparseMatrix transfer_, gram_, mass_;
+};
+
+} // namespace
+
 SparseMatrix transfer(const Space& coarse, const Space& fine) {
   const CellLocator locator(*coarse.mesh);
   std::vector<Eigen::Triplet<double>> entries;
@@ -88,27 +108,6 @@ SparseMatrix transfer(const Space& coarse, const Space& fine) {
   out.setFromTriplets(entries.begin(), entries.end());
   return out;
 }
-
-class TrajectoryGauge final : public Gauge {
-public:
-  TrajectoryGauge(std::shared_ptr<const Trajectory> reference, const Discretisation& coarse)
-      : reference_(std::move(reference)),
-        transfer_(transfer(coarse.space, reference_->discretisation->space)),
-        gram_(gram_v(reference_->discretisation->space, false)),
-        mass_(mass(reference_->discretisation->space)) {}
-
-  void step(double t, const Vector& u) override {
-    const Vector exact = reference_->at(t);
-    const Vector error = transfer_ * u - exact;
-    note(error.dot(gram_ * error), error.dot(mass_ * error), exact.dot(gram_ * exact));
-  }
-
-private:
-  std::shared_ptr<const Trajectory> reference_;
-  SparseMatrix transfer_, gram_, mass_;
-};
-
-} // namespace
 
 Vector Trajectory::at(double t) const {
   const auto after = std::lower_bound(times.begin(), times.end(), t);

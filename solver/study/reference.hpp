@@ -43,6 +43,10 @@ struct Trajectory {
   Vector at(double t) const;
 };
 
+/// Values of one space's functions at the nodes of another, dof by dof (its interpolant there).
+/// Throws Failure(bad_value) for a node outside the first mesh.
+SparseMatrix transfer(const Space& from, const Space& to);
+
 /// Against a finer run: the coarse function is read at the nodes of the finer space, which loses
 /// nothing where the meshes are nested, and less than the finer space can tell where not.
 std::unique_ptr<Gauge> trajectory_gauge(std::shared_ptr<const Trajectory> reference,

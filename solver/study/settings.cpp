@@ -42,7 +42,40 @@ int cells_along(const MeshSpec& mesh, int axis) {
   return lines.empty() ? mesh.cells[axis] : static_cast<int>(lines.size()) - 1;
 }
 
-/// The power p with t_n = t_0 + T (n/N)^p, or 0.
+/// Lines denser towards both ends, as `grading` of the language makes them.
+std::vector<double> graded(double low, double high, int cells, double power) {
+  std::vector<double> out;
+  for (int i = 0; i <= cells; ++i) {
+    const double s = static_cast<double>(i) / cells;
+    const double g =
+        s <= 0.5 ? 0.5 * std::pow(2 * s, power) : 1.0 - 0.5 * std::pow(2 * (1 - s), power);
+    out.push_back(low + (high - low) * g);
+  }
+  out.back() = high;
+  return out;
+}
+
+/// The power of such lines, or 0.
+double grade_of(const std::vector<double>& lines) {
+  const int cells = static_cast<int>(lines.size()) - 1;
+  const double length = lines.back() - lines.front();
+  if (cells < 3) return 0.0;
+  const double p = std::log(2 * (lines[1] - lines[0]) / length) / std::log(2.0 / cells);
+  if (!(p > 0.0) || !std::isfinite(p)) return 0.0;
+  const auto again = graded(lines.front(), lines.back(), cells, p);
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    if (std::abs(again[i] - lines[i]) > 1e-9 * length) return 0.0;
+  return p;
+}
+
+/// A part that is the same entities whatever the lines of a mesh.
+bool is_whole(const RegionSpec& region) {
+  using K = RegionSpec::Kind;
+  if (region.kind == K::where || region.kind == K::point) return false;
+  return std::all_of(region.children.begin(), region.children.end(), is_whole);
+}
+
+/// The power p with t_n = t_0 + T (n/N)^p, or 0. Few listed times show no power but 1.
 double power_of(const std::vector<double>& grid) {
   const auto steps = static_cast<double>(grid.size() - 1);
   const double length = grid.back() - grid.front();
@@ -51,7 +84,8 @@ double power_of(const std::vector<double>& grid) {
     if (std::abs(grid[n] - grid[0] - length * std::pow(static_cast<double>(n) / steps, p)) >
         1e-9 * length)
       return 0.0;
-  return std::abs(p - 1.0) < 1e-6 ? 1.0 : p;
+  if (std::abs(p - 1.0) < 1e-6) return 1.0;
+  return steps < 4 ? 0.0 : p;
 }
 
 } // namespace
@@ -66,6 +100,7 @@ std::string to_string(const Setting& setting, const Plan& plan) {
       mesh += fmt::format("{}{}", a ? " x " : "", cells_along(plan.mesh, a));
     mesh += " cells";
   }
+  if (setting.grade != 1.0) mesh += fmt::format(" graded {}", setting.grade);
   std::string out = fmt::format("P{}, ", setting.order);
   if (plan.time.is_static) return out + mesh;
   return out + fmt::format("{}, {}, {} steps",
@@ -82,8 +117,17 @@ void SettingFamily::find_coarsest_mesh() {
   MeshSpec& mesh = plan_.mesh;
   bisected_ = mesh.kind == MeshSpec::Kind::file || mesh.kind == MeshSpec::Kind::geometry;
   if (bisected_) return;
+  gradable_ = dim_ > 1 && std::all_of(plan_.parts.begin(), plan_.parts.end(),
+                                      [](const PartSpec& p) { return is_whole(p.region); });
   for (int a = 0; a < dim_; ++a) {
     auto& lines = mesh.grading[a];
+    if (!lines.empty()) gradable_ = false;
+    if (const double p = lines.empty() ? 0.0 : grade_of(lines); p > 0.0) {
+      grades_[a] = p;
+      mesh.cells[a] = static_cast<int>(lines.size()) - 1;
+      mesh.low[a] = lines.front(), mesh.high[a] = lines.back();
+      lines.clear();
+    }
     if (lines.empty())
       mesh.cells[a] <<= mesh.refinements;
     else
@@ -111,7 +155,7 @@ void SettingFamily::find_coarsest_grid() {
   step_unit_ = power_ > 0.0 ? 2 : 2 * steps;
 }
 
-MeshSpec SettingFamily::mesh_at(int level) const {
+MeshSpec SettingFamily::mesh_at(int level, double grade) const {
   MeshSpec out = plan_.mesh;
   if (bisected_) {
     out.refinements += static_cast<int>(std::lround(std::log2(level)));
@@ -121,7 +165,11 @@ MeshSpec SettingFamily::mesh_at(int level) const {
     const double cells = static_cast<double>(out.cells[a]) * level;
     // Beyond this no mesh is made; the limit of the mesh module then names it.
     out.cells[a] = static_cast<int>(std::min(cells, 1e9));
-    if (!out.grading[a].empty()) out.grading[a] = subdivided(out.grading[a], level);
+    const double power = std::max(grade, grades_[a]);
+    if (!out.grading[a].empty())
+      out.grading[a] = subdivided(out.grading[a], level);
+    else if (power != 1.0 && cells < 1e6)
+      out.grading[a] = graded(out.low[a], out.high[a], out.cells[a], power);
   }
   return out;
 }
@@ -142,7 +190,7 @@ std::vector<double> SettingFamily::grid_at(int steps) const {
 
 Plan SettingFamily::at(const Setting& setting) const {
   Plan out = plan_;
-  out.mesh = mesh_at(setting.level);
+  out.mesh = mesh_at(setting.level, setting.grade);
   out.space.order = setting.order;
   if (is_static()) return out;
   const double more =

@@ -13,6 +13,7 @@ struct Setting {
   int order = 1;
   Scheme scheme = Scheme::backward_euler;
   int level = 1, steps = 1;
+  double grade = 1.0; ///< lines of a structured mesh as distances to both its sides to this power
   friend auto operator<=>(const Setting&, const Setting&) = default;
 };
 /// "P2, bdf2, 32 x 16 cells, 40 steps"; meshes from files: "refined 2 times".
@@ -31,6 +32,9 @@ public:
   bool is_static() const { return plan_.time.is_static; }
   /// Levels are powers of two only (a mesh that is bisected).
   bool bisected() const { return bisected_; }
+  /// May a mesh be graded? A uniform structured one whose parts are named sides or everything:
+  /// predicates and points rely on where the lines are.
+  bool gradable() const { return gradable_; }
   int dim() const { return dim_; }
   int coarsest_steps() const { return coarsest_steps_; }
   /// Settings whose steps are multiples of this have the steps of half as many among theirs.
@@ -40,13 +44,14 @@ public:
 private:
   void find_coarsest_mesh();
   void find_coarsest_grid();
-  MeshSpec mesh_at(int level) const;
+  MeshSpec mesh_at(int level, double grade) const;
   std::vector<double> grid_at(int steps) const;
 
   Plan plan_; ///< with the coarsest mesh
   int dim_ = 2;
-  bool bisected_ = false;
-  double power_ = 1.0; ///< t_n = t_0 + T (n/N)^power; 0: the listed times
+  bool bisected_ = false, gradable_ = false;
+  std::array<double, 3> grades_{1.0, 1.0, 1.0}; ///< of the script's own lines
+  double power_ = 1.0;                          ///< t_n = t_0 + T (n/N)^power; 0: the listed times
   int coarsest_steps_ = 1, step_unit_ = 1;
 };
 

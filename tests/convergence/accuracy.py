@@ -1,0 +1,62 @@
+"""--accuracy on problems with known solutions: the true error is below the wanted one, the estimate is near
+it, and what cannot be reached is said.
+
+usage: accuracy.py HVI_RUN ROOT
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import jsonschema
+
+program, root = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
+schema = json.loads((root / "docs/schema/hvi-result-1.schema.json").read_text())
+
+
+def reach(script, *words, code=0):
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "result.json"
+        done = subprocess.run([program, script, "--quiet", "--json", out, "-o", folder, *map(str, words)],
+                              capture_output=True, text=True)
+        assert done.returncode == code, done.stderr
+        if code:
+            return done.stderr
+        result = json.loads(out.read_text())
+    jsonschema.validate(result, schema)
+    return result
+
+
+# `strain` of u is within the error of u itself: what the error is relative to.
+for name, wanted in (("examples/manufactured.hvi", 3e-2), ("examples/manufactured.hvi", 1e-3),
+                     ("examples/manufactured3d.hvi", 3e-2), ("examples/membrane.hvi", 1e-2)):
+    result = reach(root / name, "--accuracy", wanted)
+    table, accuracy = result["table"], result["accuracy"]
+    if "strain" in table:
+        true = max(table["error"]) / max(table["strain"])
+    else:  # membrane: || grad phi || by hand: int 256 ((1-2x)^2 y^2(1-y)^2 + ...) = 256 * 2 / 90
+        true = max(table["error"]) / (256 * 2 / 90) ** 0.5
+    print(f"{name} wanted {wanted:.0e}: true {true:.2e}, estimated {accuracy['estimate']:.2e}, "
+          f"{accuracy['tries'][-1]['setting']}")
+    assert accuracy["reached"] and true <= wanted
+    assert 0.5 * true < accuracy["estimate"], "the estimate is no guess"
+
+# A column: the slab's reference is the setting of FreeFEM and others, extrapolated by our own fine run.
+fine = reach(root / "examples/slab.hvi", "--accuracy", 2e-4, "--of", "reaction")
+rough = reach(root / "examples/slab.hvi", "--accuracy", 1e-2, "--of", "reaction")
+off = abs(rough["final"]["reaction"] / fine["final"]["reaction"] - 1)
+print(f"reaction: off by {off:.1e}, wanted 1e-2")
+assert off <= 1e-2
+
+# In the script; an unknown column; out of reach.
+with tempfile.TemporaryDirectory() as folder:
+    text = (root / "examples/manufactured.hvi").read_text()
+    assert "from u = 0\n" in text
+    script = pathlib.Path(folder) / "model.hvi"
+    script.write_text(text.replace("from u = 0\n", "from u = 0 using accuracy = 2e-2, accuracy_of = strain\n"))
+    assert reach(script)["accuracy"]["of"] == "strain"
+assert "no column `nothing`" in reach(root / "examples/manufactured.hvi", "--accuracy", 0.1, "--of", "nothing",
+                                      code=1)
+message = reach(root / "examples/slab.hvi", "--accuracy", 1e-7, "--budget", 5, code=3)
+assert "E0705" in message and "out of reach" in message, message

@@ -1,0 +1,173 @@
+"""tools/bench accuracy: does --accuracy keep its word, and what is a digit worth in seconds?
+
+Three families of manufactured problems, parameters drawn with the seeds below: the true error must be below the
+wanted one in at least 95 of 100 cases and the announced CPU time within a factor 2. Then the paper's scheme
+(P1, backward Euler) against the setting that --accuracy picks, to the same true error.
+"""
+import json
+import os
+import pathlib
+import random
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+BUILD = pathlib.Path(os.environ.get("HVI_BUILD", ROOT / "build" / "release"))
+OUT = ROOT / "build" / "bench-out"
+SEEDS = {"2D smooth": 6001, "2D with contact changes": 6002, "3D": 6003}
+
+# u = g(t) phi(x), g = sin(w t); its memory int_0^t exp(-(t - s)/q) g(s) ds in closed form.
+COMMON = """
+tensor A = isotropic(lambda = {la:.6g}, mu = {mu:.6g})
+tensor B = isotropic(young = {young:.6g}, poisson = {poisson:.6g})
+kernel C(lag) = -exp(-lag/{q:.6g}) * B
+fn g()      = sin({w:.6g}*t)
+fn rate()   = {w:.6g}*cos({w:.6g}*t)
+fn memory() = ({q:.6g}*sin({w:.6g}*t) - {w:.6g}*{q:.6g}^2*(cos({w:.6g}*t) - exp(-t/{q:.6g})))/(1 + ({w:.6g}*{q:.6g})^2)
+fn stress() = rate() * (A : eps(phi())) + (g() - memory()) * (B : eps(phi()))
+"""
+PROBLEM = """
+space V = vector P1 on body, zero on roof
+find u in V for t in [0, 1] by 16 steps from u = 0
+such that for all v in V
+    integral(body, A : eps(u') : eps(v))
+  + integral(body, B : eps(u) : eps(v))
+  + integral(body, history(C, eps(u)) : eps(v))
+  + {laws}
+ >= integral(body, stress() : eps(v))
+  + {reactions}
+report
+  table error = sqrt(integral(body, (eps(u) - g()*eps(phi())) : (eps(u) - g()*eps(phi())))),
+        size = sqrt(integral(body, g()*g()*(eps(phi()) : eps(phi()))))
+"""
+LAYER = """
+superpotential layer(r) with slope | r < 0 -> 0 | r < {a:.6g} -> {k:.6g}*r | r < {b:.6g} -> {k:.6g}*{a:.6g} - {s:.6g}*(r - {a:.6g}) | otherwise -> {k:.6g}*{a:.6g} - {s:.6g}*({b:.6g} - {a:.6g})
+fn pressure(r) = | r < 0 -> 0 | r < {a:.6g} -> {k:.6g}*r | r < {b:.6g} -> {k:.6g}*{a:.6g} - {s:.6g}*(r - {a:.6g}) | otherwise -> {k:.6g}*{a:.6g} - {s:.6g}*({b:.6g} - {a:.6g})
+superpotential slip(xi) = slip_weakening(xi, static = 0.7, sliding = 0.5, decay = 20)
+"""
+
+
+def material(draw):
+    return COMMON.format(la=draw.uniform(1, 10), mu=draw.uniform(3, 20), young=draw.uniform(30, 120),
+                         poisson=draw.uniform(0.1, 0.4), q=draw.uniform(0.2, 1.0), w=draw.uniform(0.8, 2.8))
+
+
+def layer(draw):
+    a = draw.uniform(0.01, 0.04)
+    return LAYER.format(a=a, b=a + draw.uniform(0.02, 0.06), k=draw.uniform(50, 120), s=draw.uniform(5, 15))
+
+
+def smooth(draw):
+    """Waves in both directions on a ground with a smooth law."""
+    c = [draw.uniform(0.5, 3.5) for _ in range(4)]
+    wanted = 10 ** draw.uniform(-3, -1.3)
+    k = draw.uniform(5, 40)
+    text = "mesh body = rectangle(1, 1, cells = [16, 16])\npart roof = body.top\npart ground = body.bottom\n"
+    text += (f"fn phi() = [0.05*sin({c[0]:.6g}*x + {c[1]:.6g})*(1 - y), "
+             f"-0.06*cos({c[2]:.6g}*x)*sin({0.5 * c[3]:.6g}*(1 - y))]\n")
+    text += f"superpotential spring(r) with slope {k:.6g}*tanh(3*r)\n" + material(draw)
+    depth = f"0.06*cos({c[2]:.6g}*x)*sin({0.5 * c[3]:.6g})*g()"
+    return wanted, text + PROBLEM.format(
+        laws="integral(ground, spring^0(u.nu; v.nu), rule = gauss)",
+        reactions=f"integral(ground, {k:.6g}*tanh(3*{depth}) * v.nu, rule = gauss)")
+
+
+def contact(draw):
+    """The normal law is met in all its branches, the ground sticks on one half and slips on the other."""
+    wanted, depth = 10 ** draw.uniform(-3, -1.3), draw.uniform(0.05, 0.15)
+    text = "import friction\nmesh body = rectangle(1, 1, cells = [16, 16])\npart roof = body.top\n"
+    text += "part ground = body.bottom\n"
+    text += f"fn phi() = [0.05 * max(x - 0.5, 0)^2 * (1 - y), -{depth:.6g} * x * (1 - y)]\n" + layer(draw) + material(draw)
+    text += "fn drag() = | x < 0.5 -> 0.2 | otherwise -> 0.5 + 0.2*exp(-20*0.05*(x - 0.5)^2*g())\n"
+    return wanted, text + PROBLEM.format(
+        laws="integral(ground, layer^0(u.nu; v.nu) + slip^0(u.tau; v.tau))",
+        reactions=f"integral(ground, pressure({depth:.6g}*x*g()) * v.nu, rule = nodal)\n"
+                  "  + integral(ground, drag() * v.x, rule = nodal)")
+
+
+def solid(draw):
+    """A cube: waves, contact with a softening layer at its bottom."""
+    wanted, depth = 10 ** draw.uniform(-1.7, -1), draw.uniform(0.05, 0.15)
+    c = [draw.uniform(0.5, 2.0) for _ in range(2)]
+    text = "import friction\nmesh body = box(1, 1, 1, cells = [4, 4, 4])\npart roof = body.top\npart ground = body.bottom\n"
+    text += (f"fn phi() = [0.03*sin({c[0]:.6g}*z)*(1 - y), -{depth:.6g} * x * (1 - y), 0.03*sin({c[1]:.6g}*x)*(1 - y)]\n"
+             + layer(draw) + material(draw))
+    return wanted, text + PROBLEM.format(
+        laws="integral(ground, layer^0(u.nu; v.nu))",
+        reactions=f"integral(ground, pressure({depth:.6g}*x*g()) * v.nu, rule = nodal)")
+
+
+FAMILIES = {"2D smooth": smooth, "2D with contact changes": contact, "3D": solid}
+
+
+def run(script, *words):
+    result = OUT / "accuracy.json"
+    done = subprocess.run([BUILD / "hvi-run", script, "--quiet", "--json", result, "-o", OUT, *map(str, words)],
+                          capture_output=True, text=True)
+    if done.returncode:
+        return None, done.stderr
+    return json.loads(result.read_text()), ""
+
+
+def true_error(result):
+    return max(result["table"]["error"]) / max(result["table"]["size"])
+
+
+def family(rows, row, name, cases):
+    draw = random.Random(SEEDS[name])
+    good = timely = 0
+    records, script = [], OUT / "accuracy.hvi"
+    for case in range(cases):
+        wanted, text = FAMILIES[name](draw)
+        script.write_text(text)
+        result, why = run(script, "--accuracy", wanted)
+        if result is None:
+            records.append({"case": case, "wanted": wanted, "failure": why})
+            print(f"    case {case}: {why.strip().splitlines()[0] if why else 'failed'}", flush=True)
+            continue
+        last, true = result["accuracy"]["tries"][-1], true_error(result)
+        ratio = last["cpu"] / last["predicted"]["cpu"]
+        good += true <= wanted
+        timely += 0.5 <= ratio <= 2
+        records.append({"case": case, "wanted": wanted, "true": true, "estimate": result["accuracy"]["estimate"],
+                        "setting": last["setting"], "cpu": last["cpu"], "predicted": last["predicted"]["cpu"],
+                        "tries": len(result["accuracy"]["tries"]), "total": result["accuracy"]["cpu"]})
+        if true > wanted:
+            print(f"    case {case}: true {true:.2e} above {wanted:.2e}: {last['setting']}", flush=True)
+    kept = [r for r in records if "true" in r]
+    row(rows, f"{name} (seed {SEEDS[name]}, {cases} cases): true error below the wanted", 100 * good / cases, 95, 100,
+        "%", good >= 0.95 * cases)
+    row(rows, f"{name}: CPU time within a factor 2 of the announced", 100 * timely / cases, 95, 100, "%",
+        timely >= 0.95 * cases)
+    if kept:
+        middle = sorted(r["true"] / r["wanted"] for r in kept)[len(kept) // 2]
+        row(rows, f"{name}: median of true over wanted error", middle, "-", "-", "", None)
+    (ROOT / "build" / f"bench-accuracy-{name.replace(' ', '-')}.json").write_text(json.dumps(records, indent=1))
+
+
+def paper_scheme(rows, row, quick):
+    """Seconds of P1/backward Euler with n = N to a true error, against the setting found for it."""
+    script = ROOT / "examples" / "manufactured.hvi"
+    for wanted, n, must, aim in ((1e-2, 80, "-", "-"),) if quick else ((1e-2, 80, "-", "-"), (3e-3, 270, 100, "-")):
+        plain, _ = run(script, "-D", f"n={n}", "-D", f"N={n}")
+        best, _ = run(script, "--accuracy", wanted)
+        size = max(best["table"]["strain"])
+        slow, fast = plain["timing"]["total"], best["timing"]["total"]
+        a, b = max(plain["table"]["error"]) / size, max(best["table"]["error"]) / size
+        print(f"    {wanted:.0e}: P1/backward Euler n = N = {n}: {slow:.2f} s, error {a:.2e}; "
+              f"{best['accuracy']['tries'][-1]['setting']}: {fast:.3f} s, error {b:.2e}, search {best['accuracy']['cpu']:.2f} s",
+              flush=True)
+        row(rows, f"relative error {wanted:.0e}: P1/backward Euler against the best setting", slow / fast, must, aim,
+            "times slower", None if must == "-" else slow / fast >= must)
+        row(rows, f"relative error {wanted:.0e}: the same with the whole search", slow / best["accuracy"]["cpu"], "-", "-",
+            "times slower", None)
+
+
+def accuracy(quick):
+    row = sys.modules["__main__"].row
+    OUT.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for name in FAMILIES:
+        family(rows, row, name, 4 if quick else 100)
+    paper_scheme(rows, row, quick)
+    return rows
