@@ -19,10 +19,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 
 namespace hvi::lang {
 
@@ -309,6 +311,60 @@ int test_command(const std::vector<std::string>& paths, const Options& options) 
   return total.failed + errors > 0 ? exit_expectation : exit_ok;
 }
 
+namespace {
+
+/// The first steps, really taken: what they count is what the run counts, and their seconds say
+/// what the others will take.
+struct Forecast {
+  solver::RunResult result;
+  double last = 0;                                       ///< CPU seconds after the last step taken
+  double each = std::numeric_limits<double>::infinity(); ///< of the cheapest: first ones prepare
+  int taken = 0, steps = 0;
+  /// Without files.
+  double seconds() const {
+    return result.timing.mesh + last + (taken < steps ? each * (steps - taken) : 0.0);
+  }
+};
+
+Forecast forecast(const solver::Plan& plan, const solver::Discretisation& discretisation) {
+  constexpr int enough = 6;
+  Forecast out;
+  std::atomic<bool> stop = false;
+  solver::RunSettings settings;
+  settings.stop = &stop;
+  settings.progress = [&](const solver::Progress& p) {
+    if (p.step > 1) out.each = std::min(out.each, p.seconds - out.last);
+    out.last = p.seconds, out.taken = p.step, out.steps = p.steps;
+    stop = p.step >= enough;
+  };
+  try {
+    out.result = solver::run(plan, discretisation, settings, &out.result);
+  } catch (const solver::Failure& failure) {
+    if (failure.kind != solver::FailureKind::interrupted) throw;
+  }
+  return out;
+}
+
+void print_forecast(const Forecast& f) {
+  const auto& r = f.result;
+  const auto& w = r.work;
+  const std::string evolution = r.path.empty()
+                                    ? "contact unknowns: all tensors are multiples of one tensor"
+                                    : "all unknowns: " + r.path;
+  fmt::print("evolution on {}\n", evolution);
+  fmt::print("{} unknowns, {} of them in contact laws; {} {}, {} analys{}, {} factorisation{}\n",
+             r.unknowns, r.contact_unknowns, w.matrices, w.matrices == 1 ? "matrix" : "matrices",
+             w.analyses, w.analyses == 1 ? "is" : "es", w.factorisations,
+             w.factorisations == 1 ? "" : "s");
+  const double per_step = f.taken > 0 ? 1.0 / f.taken : 0.0;
+  fmt::print("a step: {:.3g} sweeps, {:.3g} products, {:.3g} Newton iterations; {:.3g} MB held\n",
+             w.sweeps * per_step, w.products * per_step, w.newton * per_step, w.bytes / 1e6);
+  fmt::print("predicted: {:.3g} s for {} step{}, without files (from the first {})\n", f.seconds(),
+             f.steps, f.steps == 1 ? "" : "s", f.taken);
+}
+
+} // namespace
+
 int plan_command(const std::string& path, const Options& options) {
   Script script;
   script.path = path;
@@ -337,7 +393,16 @@ int plan_command(const std::string& path, const Options& options) {
   fmt::print("{} forms, {} memory fields, {} laws, {} loads\n", script.plan->forms.size(),
              script.plan->histories.size(), script.plan->law_terms.size(),
              script.plan->loads.size());
-  return exit_ok;
+  solver::Discretisation discretisation;
+  const bool found = discretise_script(script, discretisation);
+  try {
+    if (found) print_forecast(forecast(*script.plan, discretisation));
+  } catch (const solver::Failure& failure) {
+    add_failure(script, failure);
+  }
+  if (!script.diagnostics.has_errors()) return exit_ok;
+  show_diagnostics(script, options);
+  return exit_script;
 }
 
 } // namespace hvi::lang

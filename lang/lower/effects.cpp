@@ -40,6 +40,14 @@ EffectNote note(Model& model, const char* name, const Seen& seen, const char* of
   return out;
 }
 
+/// The origin that the law's term in the plan has: by it the run says whether the law slept.
+solver::Origin origin_of(Model& model, const solver::Plan& plan, const Span& span) {
+  for (const solver::LawTerm& term : plan.law_terms) {
+    if (model.origins[term.origin.id] == span) return term.origin;
+  }
+  return model.origin(span);
+}
+
 } // namespace
 
 std::vector<EffectNote> effects(Model& model, const solver::Plan& plan) {
@@ -75,7 +83,7 @@ std::vector<EffectNote> effects(Model& model, const solver::Plan& plan) {
       law.name = fmt::format("{} `{}` on `{}`", radial ? "friction" : "law", use.name,
                              model.parts[term.part].name);
       law.state = zero || flat ? State::dropped : State::on;
-      law.origin = model.origin(use.span);
+      law.origin = origin_of(model, plan, use.span);
       law.why = zero ? "its factor is zero" : flat ? "the superpotential is zero" : "";
       out.push_back(std::move(law));
     }

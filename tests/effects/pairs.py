@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""pairs.py HVI_RUN: an effect that is absent, present with the value zero, or removed by hand.
+
+Every pair must give the same final values to the last bits that matter and the same counted work:
+matrices, analyses, factorisations, sweeps, products, Newton iterations, stored fields. A contact
+part that never touches costs no Newton iteration, a script without an effect says so in its plan.
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+COUNTED = ["matrices", "analyses", "factorisations", "sweeps", "products", "newton", "fields"]
+
+SCRIPT = """
+mesh slab   = rectangle(2, 1, cells = [12, 6])
+part roof   = slab.top
+part flank  = slab.right
+part ground = slab.bottom
+tensor A      = isotropic(lambda = 5, mu = 10)
+tensor B      = isotropic(young = 70, poisson = 0.3)
+kernel C(lag) = -exp(-lag/0.5) * B
+superpotential layer(r) with slope
+  | r < 0     -> 0
+  | r < 0.02  -> 100*r
+  | otherwise -> 2
+superpotential slip(xi) = 0.4 * norm(xi)
+space V = vector P1 on slab, zero on roof
+find u in V for t in [0, 1] by 12 steps from u = 0
+such that for all v in V
+{terms}
+ >= {loads}
+report
+  table  u_y = u.y at [1, 0], u_x = u.x at [2, 0], strain = norm(u)
+"""
+
+VISCOSITY = "integral(slab, A : eps(u') : eps(v))"
+ELASTICITY = "integral(slab, B : eps(u) : eps(v))"
+MEMORY = "integral(slab, history(C, eps(u)) : eps(v))"
+LAYER = "integral(ground, layer^0(u.nu; v.nu))"
+BODY = "integral(slab, dot([0, -10*t], v))"
+PULL = "integral(flank, dot([3*t, 0], v))"
+BASE = [VISCOSITY, ELASTICITY, MEMORY, LAYER]
+
+# name, terms and loads without the effect, terms and loads with it at zero
+PAIRS = [
+    ("viscosity", [ELASTICITY, MEMORY, LAYER], [BODY, PULL],
+     ["0 * " + VISCOSITY, ELASTICITY, MEMORY, LAYER], [BODY, PULL]),
+    ("memory", [VISCOSITY, ELASTICITY, LAYER], [BODY, PULL],
+     [VISCOSITY, ELASTICITY, "0 * " + MEMORY, LAYER], [BODY, PULL]),
+    ("body force", BASE, [PULL], BASE, ["integral(slab, dot([0, 0*t], v))", PULL]),
+    ("traction", BASE, [BODY], BASE, [BODY, "integral(flank, dot([0, 0], v))"]),
+    ("normal law", [VISCOSITY, ELASTICITY, MEMORY], [BODY, PULL],
+     [VISCOSITY, ELASTICITY, MEMORY, "0 * " + LAYER], [BODY, PULL]),
+    ("friction", BASE, [BODY, PULL],
+     BASE + ["0 * integral(ground, slip^0(u.tau; v.tau))"], [BODY, PULL]),
+    ("one tensor in two terms", BASE, [BODY, PULL],
+     [VISCOSITY, "0.25 * " + ELASTICITY, "0.75 * " + ELASTICITY, MEMORY, LAYER], [BODY, PULL]),
+]
+# friction at zero keeps the law's points out of the run as well
+SLEEPING = ([VISCOSITY, ELASTICITY, MEMORY, LAYER], ["integral(slab, dot([0, 10*t], v))"])
+
+
+def run(hvi, folder, terms, loads):
+    script = pathlib.Path(folder) / "effect.hvi"
+    script.write_text(SCRIPT.format(terms="    " + "\n  + ".join(terms), loads="\n  + ".join(loads)))
+    out = pathlib.Path(folder) / "effect.json"
+    done = subprocess.run([hvi, "run", script, "--quiet", "--json", out, "-o", folder], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{script.read_text()}\n{done.stdout}{done.stderr}")
+    return json.loads(out.read_text())
+
+
+def differences(a, b):
+    out = [f"{key}: {a['plan'][key]} and {b['plan'][key]}" for key in COUNTED if a["plan"][key] != b["plan"][key]]
+    for name, value in a["final"].items():
+        other = b["final"][name]
+        if abs(value - other) > 1e-13 * max(abs(value), abs(other)):
+            out.append(f"{name}: {value!r} and {other!r}")
+    return out
+
+
+def main():
+    hvi, failed = str(pathlib.Path(sys.argv[1]).resolve()), 0
+    with tempfile.TemporaryDirectory() as folder:
+        for name, terms, loads, with_terms, with_loads in PAIRS:
+            found = differences(run(hvi, folder, terms, loads), run(hvi, folder, with_terms, with_loads))
+            failed += bool(found)
+            print(f"{'FAILED' if found else 'ok'}  {name}", *found, sep="\n    " if found else " ")
+        asleep = run(hvi, folder, *SLEEPING)
+        state = [e["state"] for e in asleep["plan"]["effects"] if "layer" in e["name"]]
+        ok = asleep["plan"]["newton"] == 0 and state == ["asleep"]
+        failed += not ok
+        print("ok" if ok else "FAILED", f" a part that never touches: {asleep['plan']['newton']} Newton iterations, {state}")
+    sys.exit(failed > 0)
+
+
+main()
