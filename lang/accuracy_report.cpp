@@ -65,6 +65,7 @@ std::optional<solver::AccuracyRequest> accuracy_request(const Script& script,
   else
     return std::nullopt;
   out.most_seconds = options.budget;
+  out.as_written = options.as_written;
   const auto& probes = script.plan->report.probes;
   const auto is_it = [&](const solver::Probe& p) { return p.name == out.probe; };
   if (!out.probe.empty() && std::none_of(probes.begin(), probes.end(), is_it)) {

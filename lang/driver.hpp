@@ -50,6 +50,7 @@ struct Options {
   bool monitors = false;
   double accuracy = 0.0; ///< wanted relative error; 0: the script's, or none
   std::string accuracy_of;
+  bool as_written = false; ///< for an accuracy: keep element, scheme and grading
   double budget = 3600.0; ///< CPU seconds a run for an accuracy may be predicted to take
 };
 

@@ -66,6 +66,8 @@ int dispatch(int argc, char** argv) {
   run->add_option("--accuracy", options.accuracy, "find the cheapest setting with this relative error")
       ->check(CLI::PositiveNumber);
   run->add_option("--of", options.accuracy_of, "the accuracy of this column, not of u in V");
+  run->add_flag("--as-written", options.as_written,
+                "with --accuracy: keep element, scheme and grading, vary mesh and steps only");
   run->add_option("--budget", options.budget, "CPU seconds a run for --accuracy may take")
       ->check(CLI::PositiveNumber);
   run->add_flag("--monitors", options.monitors, "energies and a-priori bounds, step by step");

@@ -16,7 +16,7 @@ namespace {
 constexpr int first_rungs = 3, most_rungs = 8, most_tries = 8;
 constexpr double margin = 1.2; ///< a setting is chosen for so much less than the check asks
 
-constexpr double steep = 1.8; ///< grading tried beside the uniform mesh
+constexpr double steep = 1.8, steeper = 3.0; ///< gradings tried beside the uniform mesh
 
 /// Element and grading: what a ladder in space is climbed with.
 using Element = std::pair<int, double>;
@@ -141,8 +141,9 @@ private:
   Setting time_setting(Scheme scheme, int steps) const { return {1, scheme, 2, steps, 1.0}; }
 
   void climb_space(Element element, int rungs) {
-    const auto purpose =
-        fmt::format("space ladder, P{}{}", element.first, element.second != 1.0 ? ", graded" : "");
+    const auto purpose = fmt::format(
+        "space ladder, P{}{}", element.first,
+        element.second != 1.0 ? fmt::format(", graded {}", element.second) : std::string());
     finest_level_[element] = climb(space_[element], 1, rungs, purpose,
                                    [&](int level) { return space_setting(element, level); });
   }
@@ -154,7 +155,8 @@ private:
 
   void choose_candidates() {
     std::vector<Scheme> schemes = {family_.plan().time.scheme};
-    if (has_time_error()) schemes = {Scheme::backward_euler, Scheme::bdf2};
+    const bool fixed = out_.request.as_written;
+    if (has_time_error() && !fixed) schemes = {Scheme::backward_euler, Scheme::bdf2};
     if (!family_.is_static())
       for (const Scheme scheme : schemes) climb_time(scheme, first_rungs);
     // Enough steps that every level could be certified, and few.
@@ -162,7 +164,9 @@ private:
     for (int k = 0; k < 6 && !family_.is_static(); ++k, space_steps_ *= 2)
       if (cheap(space_setting({1, 1.0}, 2), "space ladder, P1").failure.empty()) break;
     std::vector<Element> elements = {{1, 1.0}, {2, 1.0}};
-    if (family_.gradable()) elements.insert(elements.end(), {{1, steep}, {2, steep}});
+    if (fixed) elements = {{family_.plan().space.order, 1.0}};
+    if (family_.gradable() && !fixed)
+      elements.insert(elements.end(), {{1, steep}, {2, steep}, {2, steeper}});
     for (const Element& element : elements) climb_space(element, first_rungs);
     for (const Element& element : elements)
       for (const Scheme scheme : schemes)
@@ -292,8 +296,9 @@ private:
     finish(now, runner_.final_run(s), companion);
   }
 
-  /// From the run whose unknowns are nearest, the powers those of the ladder.
-  double predicted_seconds(const Setting& setting, const KeptRun& companion) const {
+  /// Set-up from the run whose unknowns are nearest; steps from the two companions, whose
+  /// difference is what a step costs and whose rest is what the first step does once.
+  double predicted_seconds(const Setting& setting, const KeptRun& companion) {
     const auto& points = costs_.at(setting.order);
     const double unknowns = companion.cost.unknowns * std::pow(2.0, family_.dim());
     CostLaw law = fit_cost(points, family_.dim());
@@ -301,7 +306,17 @@ private:
     const auto off = [&](const CostPoint& p) { return std::abs(std::log(p.unknowns / unknowns)); };
     for (const CostPoint& p : points)
       if (off(p) < 0.8 * off(law.at)) law.at = p;
-    return law.seconds(unknowns, std::max(1, setting.steps));
+    const double setup = law.seconds(unknowns, 0.0), steps = std::max(1, setting.steps);
+    double each = companion.cost.step, once = 0.0;
+    if (!family_.is_static()) {
+      Setting fewer = companion.setting;
+      fewer.steps /= 2;
+      const double all = each * steps, half = runner_.cheap(fewer).cost.step * fewer.steps;
+      each = std::clamp((all - half) / (steps - fewer.steps), 0.3 * each, each);
+      once = all - each * steps;
+    }
+    const double more = unknowns / companion.cost.unknowns;
+    return setup + (once + each * steps) * std::pow(more, law.step_power);
   }
 
   void finish(AccuracyTry& now, const KeptRun& run, const KeptRun& companion) {

@@ -16,6 +16,7 @@ namespace hvi::solver {
 struct AccuracyRequest {
   double wanted = 1e-2;       ///< relative error, largest over the steps
   std::string probe;          ///< of this column; "": of u in the norm of V
+  bool as_written = false;    ///< element, scheme and grading stay the plan's: only h and k vary
   double most_seconds = 3600; ///< CPU time a setting may be predicted to cost
   double most_unknowns = 3e6, most_steps = 1e6;
 };
