@@ -76,6 +76,8 @@ private:
   std::vector<int> permutation_; ///< position -> unknown
   Supernodes supernodes_;
   SweepStorage storage_ = SweepStorage::full;
+  double single_unit_ = 1.0;
+  std::vector<double> single_inverse_;   ///< of the diagonal of what single_ holds
   std::vector<float> single_;            ///< the values of L once more, if swept in single
   std::vector<double> inverse_diagonal_; ///< of L, interior
   std::vector<double> y_, x_;            ///< the sweeps' vectors, in the order of elimination
@@ -203,17 +205,19 @@ bool Cholesky::sweep_in(SweepStorage storage) {
   return storage_ == storage;
 }
 
-/// Copies L in single precision; falls back to `full` where an entry would overflow.
+/// Copies L / unit in single precision, unit the power of two at its largest entry: no system of
+/// units leaves the range of a float.
 void Cholesky::round_to_single() {
   single_.resize(l_->xsize);
-  float largest = 0.0F;
-  for (std::size_t at = 0; at < single_.size(); ++at) {
-    single_[at] = static_cast<float>(values()[at]);
-    largest = std::max(largest, std::abs(single_[at]));
-  }
-  if (std::isfinite(largest)) return;
-  storage_ = SweepStorage::full;
-  single_ = {};
+  double largest = 0.0;
+  for (std::size_t at = 0; at < single_.size(); ++at)
+    largest = std::max(largest, std::abs(values()[at]));
+  single_unit_ = std::exp2(std::ilogb(largest));
+  for (std::size_t at = 0; at < single_.size(); ++at)
+    single_[at] = static_cast<float>(values()[at] / single_unit_);
+  single_inverse_.resize(inverse_diagonal_.size());
+  for (std::size_t at = 0; at < single_inverse_.size(); ++at)
+    single_inverse_[at] = inverse_diagonal_[at] * single_unit_;
 }
 
 const DenseMatrix& Cholesky::schur() const {
@@ -227,11 +231,14 @@ const DenseMatrix& Cholesky::schur() const {
 void Cholesky::reduce(const Vector& b, Vector& r) {
   if (!factored_) throw std::logic_error("reduce before a successful factorisation");
   for (int position = 0; position < size_; ++position) y_[position] = b[permutation_[position]];
-  const double* inverse = inverse_diagonal_.data();
-  if (storage_ == SweepStorage::single)
-    supernodes_.forward(single_.data(), inverse, y_.data());
-  else
-    supernodes_.forward(values(), inverse, y_.data());
+  if (storage_ == SweepStorage::single) {
+    // With L / unit the sweep leaves unit y on the interior; the sweep back takes y / unit.
+    supernodes_.forward(single_.data(), single_inverse_.data(), y_.data());
+    const double to_back = 1.0 / single_unit_ / single_unit_;
+    for (int position = 0; position < interior_; ++position) y_[position] *= to_back;
+  } else {
+    supernodes_.forward(values(), inverse_diagonal_.data(), y_.data());
+  }
   r.resize(size_ - interior_);
   std::copy(y_.begin() + interior_, y_.end(), r.data());
   ++statistics_.sweeps;
@@ -240,11 +247,10 @@ void Cholesky::reduce(const Vector& b, Vector& r) {
 void Cholesky::back(const Vector& c, Vector& x) {
   if (!factored_) throw std::logic_error("back before a successful factorisation");
   std::copy_n(c.data(), size_ - interior_, x_.begin() + interior_);
-  const double* inverse = inverse_diagonal_.data();
   if (storage_ == SweepStorage::single)
-    supernodes_.backward(single_.data(), inverse, y_.data(), x_.data());
+    supernodes_.backward(single_.data(), single_inverse_.data(), y_.data(), x_.data());
   else
-    supernodes_.backward(values(), inverse, y_.data(), x_.data());
+    supernodes_.backward(values(), inverse_diagonal_.data(), y_.data(), x_.data());
   x.resize(size_);
   for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
   ++statistics_.sweeps;

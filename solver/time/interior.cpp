@@ -93,13 +93,20 @@ void Interior::scatter_observed(const Vector& y, Vector& full) const {
   }
 }
 
-double Interior::equilibrium(const Vector& y, const Vector& load, const Vector& xi) {
-  expand(y, x_);
+double Interior::equilibrium(const Vector& known, const Vector& change, const Vector& load,
+                             const Vector& xi) {
+  expand(known, x_);
+  expand(change, change_);
   Vector f = Vector::Zero(x_.size());
   for (std::size_t k = 0; k < forces_.size(); ++k)
     f += load[n_contact() + static_cast<int>(k)] * forces_[k];
-  gap_.resize(x_.size());
-  return equilibrium_error(t_, x_, f, contact_, force, xi, gap_);
+  for (Vector* v : {&gap_, &scale_, &change_gap_, &work_}) v->resize(x_.size());
+  gap_and_scale(t_, x_, f, gap_, scale_);
+  f.setZero();
+  gap_and_scale(t_, change_, f, change_gap_, work_);
+  gap_ += change_gap_;
+  scale_ += work_;
+  return equilibrium_error(gap_, scale_, force, xi, work_);
 }
 
 } // namespace hvi::solver

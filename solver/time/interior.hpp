@@ -40,9 +40,11 @@ public:
   /// Only the observed dofs and the contact unknowns of `full` are set.
   void scatter_observed(const Vector& y, Vector& full) const;
 
-  /// On all unknowns: max_i |R|_i / (|T||x| + |f|)_i with R = f - T x - G^T W xi, x the state that
-  /// y stands for and f the load that `load` stands for.
-  double equilibrium(const Vector& y, const Vector& load, const Vector& xi);
+  /// On all unknowns: max_i |R|_i / (|T|(|a| + |b|) + |f|)_i with R = f - T (a + b) - G^T W xi,
+  /// where a and b are the states that `known` and `change` stand for (each counts in the scale:
+  /// they may cancel, as at the end of a cycle) and f the load that `load` stands for.
+  double equilibrium(const Vector& known, const Vector& change, const Vector& load,
+                     const Vector& xi);
   SparseMatrix force; ///< G^T W on all unknowns
   FactorStatistics statistics() const { return factor_->statistics(); }
 
@@ -59,7 +61,7 @@ private:
     Vector row; ///< over c; empty: a contact unknown
   };
   std::vector<Observed> observed_;
-  Vector force_, x_, r_, gap_;
+  Vector force_, x_, r_, change_, gap_, change_gap_, scale_, work_;
 };
 
 } // namespace hvi::solver

@@ -67,8 +67,7 @@ void Stepper::reduce_if_possible() {
 
 /// The backward error of step n on all rows, of the fields that a report would see.
 double Stepper::equilibrium_of_all(int n) {
-  stress_ += coefficients(n)[0] * d_;
-  return layout_.interior->equilibrium(stress_, load_, inequality_.xi);
+  return layout_.interior->equilibrium(stress_, coefficients(n)[0] * d_, load_, inequality_.xi);
 }
 
 void Stepper::allocate() {
