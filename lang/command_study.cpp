@@ -394,23 +394,38 @@ void extrapolate(Study& study) {
   study.rows.back().error = last;
 }
 
+/// The row one rung lower on every ladder of numbers, the same on ladders of words (schemes,
+/// elements), which refine nothing; -1 for none.
+int coarser_row(const Study& study, std::size_t of) {
+  std::vector<int> lower = study.rows[of].rungs;
+  bool moved = false;
+  for (std::size_t l = 0; l < lower.size(); ++l) {
+    if (!number_of(study.ladders[l], 0)) continue;
+    if (lower[l]-- == 0) return -1;
+    moved = true;
+  }
+  for (std::size_t i = 0; moved && i < study.rows.size(); ++i)
+    if (study.rows[i].rungs == lower) return static_cast<int>(i);
+  return -1;
+}
+
 /// Orders between neighbours and the front.
 void judge(Study& study) {
-  std::vector<std::vector<int>> settings;
   std::vector<double> cost, error;
   for (const StudyRow& row : study.rows) {
-    settings.push_back(row.rungs);
     cost.push_back(row.cpu);
     error.push_back(row.error ? row.error->v_max : std::nan(""));
   }
   const auto front = solver::pareto_front(cost, error);
+  std::size_t first = 0; // the ladder whose numbers stand for the resolution
+  while (first + 1 < study.ladders.size() && !number_of(study.ladders[first], 0)) ++first;
   for (std::size_t i = 0; i < study.rows.size(); ++i) {
     StudyRow& row = study.rows[i];
     row.front = front[i];
-    const int before = solver::predecessor(settings, i);
+    const int before = coarser_row(study, i);
     if (before < 0) continue;
-    const auto a = number_of(study.ladders[0], study.rows[before].rungs[0]);
-    const auto b = number_of(study.ladders[0], row.rungs[0]);
+    const auto a = number_of(study.ladders[first], study.rows[before].rungs[first]);
+    const auto b = number_of(study.ladders[first], row.rungs[first]);
     if (a && b) row.order = solver::observed_order(error[before], error[i], *b / *a);
   }
 }

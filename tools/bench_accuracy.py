@@ -28,7 +28,7 @@ fn stress() = rate() * (A : eps(phi())) + (g() - memory()) * (B : eps(phi()))
 """
 PROBLEM = """
 space V = vector P1 on body, zero on roof
-find u in V for t in [0, 1] by 16 steps from u = 0
+find u in V for t in [0, 1] by 1024 steps from u = 0
 such that for all v in V
     integral(body, A : eps(u') : eps(v))
   + integral(body, B : eps(u) : eps(v))

@@ -316,7 +316,11 @@ private:
       once = all - each * steps;
     }
     const double more = unknowns / companion.cost.unknowns;
-    return setup + (once + each * steps) * std::pow(more, law.step_power);
+    int every = static_cast<int>(steps);
+    for (const auto& table : family_.at(setting).report.tables)
+      every = std::min(every, table.every);
+    return setup + (once + each * steps) * std::pow(more, law.step_power) +
+           companion.row * more * steps / every;
   }
 
   void finish(AccuracyTry& now, const KeptRun& run, const KeptRun& companion) {

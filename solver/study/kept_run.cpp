@@ -97,9 +97,10 @@ KeptRun Runner::make(const Setting& setting, const RunSettings& settings, bool e
   }
   out.result = run(out.plan, *out.discretisation, here);
   const auto& t = out.result.timing;
-  const double steps = t.steps + t.output - watching;
   out.cost = {static_cast<double>(out.result.unknowns), std::max(t.total - t.steps - t.output, 0.0),
-              std::max(steps, 0.0) / std::max(1, out.result.steps)};
+              t.steps / std::max(1, out.result.steps)};
+  out.row = std::max(t.output - watching, 0.0) /
+            static_cast<double>(std::max<std::size_t>(1, out.result.times.size()));
   out.cpu = cpu_seconds() - begin;
   return out;
 }

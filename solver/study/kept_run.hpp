@@ -19,7 +19,8 @@ struct KeptRun {
   std::vector<int> steps; ///< at which states are kept
   std::vector<Vector> states;
   RunResult result;
-  CostPoint cost{};
+  CostPoint cost{}; ///< without the table
+  double row = 0.0; ///< seconds of one row of the table
   double cpu = 0.0;
   std::string failure; ///< "": certified
 };
