@@ -105,9 +105,9 @@ void Stepper::add_load(int n) {
     loads_->add(grid_.t(n), rhs_);
 }
 
-/// What K_n differs from the factored matrix by (q(t, s) changes it a little in every step), and the
-/// increment it is moved to the right-hand side with: the one that continues the last two, whose
-/// error the difference makes too small to need a second pair of sweeps.
+/// What K_n differs from the factored matrix by (q(t, s) changes it a little in every step), and
+/// the increment it is moved to the right-hand side with: the one that continues the last two,
+/// whose error the difference makes too small to need a second pair of sweeps.
 void Stepper::find_change(int n, const StepMatrix& matrix) {
   const Vector gamma = coefficients(n);
   change_ = gamma - matrix.gamma();
@@ -118,8 +118,8 @@ void Stepper::find_change(int n, const StepMatrix& matrix) {
   if (n < 2) return;
   auto expected = expected_.head(layout_.n_unknowns);
   expected = grid_.length(n) / grid_.length(n - 1) * d_previous_.head(layout_.n_unknowns);
-  const bool even = n > 2 && grid_.length(n) == grid_.length(n - 1) &&
-                    grid_.length(n) == grid_.length(n - 2);
+  const bool even =
+      n > 2 && grid_.length(n) == grid_.length(n - 1) && grid_.length(n) == grid_.length(n - 2);
   if (even) expected += (d_previous_ - d_before_).head(layout_.n_unknowns);
 }
 
@@ -209,6 +209,8 @@ bool Stepper::same_problem(int n, const StepMatrix& matrix) const {
 /// After an accepted step.
 void Stepper::learn(int n, StepMatrix& matrix, const StepResult& result) {
   if (grid_.is_static() || !change_.isZero(0.0)) return predictor_.clear();
+  // Nothing is smooth across a jump.
+  if (result.snap || result.inequality.events > 0) return predictor_.clear();
   if (!same_problem(n, matrix)) predictor_.clear();
   predicted_gamma_ = matrix.gamma();
   predictor_.note(d_, rhs_, gap_, inequality_.xi);
@@ -302,17 +304,12 @@ void Stepper::couple_bounds(int n, StepMatrix& matrix, StepResult& out) {
   }
 }
 
-StepResult Stepper::advance(int n) {
-  const double t = grid_.t(n);
-  {
-    const PhaseClock clock(timing_.history);
-    memory_->begin_step(t);
-  }
+/// From the last accepted state to known_ = u_n, with its certificate; nothing is accepted.
+StepResult Stepper::attempt(int n, StepMatrix& matrix) {
   impose_values(n);
-  auto& matrix = matrix_for(n);
   find_change(n, matrix);
   right_hand_side(n);
-  if (!contact_.none()) prepare(contact_, plan_, t, known_, inequality_.xi);
+  if (!contact_.none()) prepare(contact_, plan_, grid_.t(n), known_, inequality_.xi);
   auto out = correct(n, matrix, false);
   if (contact_.coupled) couple_bounds(n, matrix, out);
   corrections_ += out.corrections;
@@ -326,6 +323,21 @@ StepResult Stepper::advance(int n) {
   const double tolerance = plan_.options.tolerance;
   out.certified =
       out.inequality.converged && out.equilibrium <= tolerance && out.inclusion.worst <= tolerance;
+  return out;
+}
+
+StepResult Stepper::advance(int n) {
+  {
+    const PhaseClock clock(timing_.history);
+    memory_->begin_step(grid_.t(n));
+  }
+  auto& matrix = matrix_for(n);
+  auto out = attempt(n, matrix);
+  if (!out.certified && predictor_.ready()) { // the extrapolated start may have led astray
+    predictor_.clear();
+    inequality_ = accepted_;
+    out = attempt(n, matrix);
+  }
   if (out.certified && operators_.symmetric && !contact_.none())
     out.snap = is_snap(contact_, inequality_.c, (rhs_ - gap_).dot(d_));
   if (out.certified) {

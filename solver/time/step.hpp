@@ -80,6 +80,7 @@ private:
   bool predict(int n, const StepMatrix& matrix);
   void guess_from_increment();
   void choose_storage(int n, StepMatrix& matrix, const StepResult& last);
+  StepResult attempt(int n, StepMatrix& matrix);
   void couple_bounds(int n, StepMatrix& matrix, StepResult& out);
   void accept(int n);
 

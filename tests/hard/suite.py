@@ -105,13 +105,13 @@ def document():
 
 
 def differs_from(page, name):
-    """Where the page says something else of the case: questions and bounds, not figures."""
+    """Where the page asks something else of the case; figures, and bounds that follow from them, may differ."""
     text = page.read_text().split("\n") if page.exists() else []
     if f"## {name}" not in text:
         return [f"{page.name} has no section {name}"]
     start = text.index(f"## {name}")
     end = next((i for i in range(start + 1, len(text)) if text[i].startswith("## ")), len(text))
-    strip = lambda lines: [[w for i, w in enumerate(line.split(" | ")) if i != 1] for line in lines if line]
+    strip = lambda lines: [line.split(" | ")[0] for line in lines if line]
     written, now = strip(text[start:end]), strip(section(name))
     return [f"{page.name}: {a} against {b}" for a, b in zip(written, now) if a != b] + (
         [f"{page.name}: {len(written)} lines of {name} against {len(now)}"] if len(written) != len(now) else [])

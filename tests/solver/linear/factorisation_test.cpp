@@ -185,16 +185,23 @@ TEST(Factorisation, RefinesWithAFactorInSinglePrecision) {
   }
 }
 
-TEST(Factorisation, FallsBackWhereSinglePrecisionOverflows) {
-  const SparseMatrix huge = 1e80 * grid_laplacian(6);
-  const auto factorisation = analyse(huge, {}, true);
-  factorisation->factor(huge);
-  EXPECT_FALSE(factorisation->sweep_in(SweepStorage::single));
-  Vector x;
+TEST(Factorisation, SinglePrecisionServesInEverySystemOfUnits) {
   const Vector b = Vector::Ones(36);
-  factorisation->solve(1e80 * b, x);
-  EXPECT_LT((grid_laplacian(6) * x - b).norm(), 1e-13);
-  EXPECT_FALSE(analyse(huge, {}, false)->sweep_in(SweepStorage::single));
+  for (const double unit : {1.0, 1e-200, 1e-90, 1e80, 1e200}) {
+    const SparseMatrix k = unit * grid_laplacian(6);
+    const auto factorisation = analyse(k, {}, true);
+    factorisation->factor(k);
+    ASSERT_TRUE(factorisation->sweep_in(SweepStorage::single));
+    Vector x, correction;
+    factorisation->solve(unit * b, x);
+    EXPECT_LT((grid_laplacian(6) * x - b).norm(), 1e-5) << unit;
+    for (int k_refine = 0; k_refine < 2; ++k_refine) {
+      factorisation->solve(unit * (b - grid_laplacian(6) * x), correction);
+      x += correction;
+    }
+    EXPECT_LT((grid_laplacian(6) * x - b).norm(), 1e-13) << unit;
+    EXPECT_FALSE(analyse(k, {}, false)->sweep_in(SweepStorage::single));
+  }
 }
 
 TEST(Factorisation, CholeskyAndLuAgree) {
