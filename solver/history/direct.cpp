@@ -33,7 +33,8 @@ public:
     check_field(kernel_, n_, out.size());
     check_step(kernel_, grid_.now(), t_new);
     std::fill(out.begin(), out.end(), 0.0);
-    put_node_weights(weights_(kernel_, grid_, t_new, times_), order_, node_weights_);
+    put_node_weights(weights_(kernel_, grid_.common_step(t_new), t_new, times_), order_,
+                     node_weights_);
     if (order_ == 1) node_weights_.back() += current(t_new).one;
     add_combination(node_weights_, fields_.data(), out);
   }

@@ -2,6 +2,8 @@
 // while the states stream by once.
 #include "solver/history/fields.hpp"
 
+#include <cblas.h>
+
 #include <algorithm>
 
 // Plain element-wise loops; the default optimisation level of g++ leaves them scalar.
@@ -168,6 +170,20 @@ void add_combinations(std::span<const Combination> parts, std::span<double> out)
 void add_combination(std::span<const double> weights, const double* fields, std::span<double> out) {
   const Combination part{weights, fields};
   add_combinations({&part, 1}, out);
+}
+
+void add_columns(std::span<const double> weights, const double* fields, std::size_t count,
+                 std::size_t n, std::span<double> out) {
+  if (n == 0 || count == 0) return;
+  const auto whole = [](std::size_t value) { return static_cast<blasint>(value); };
+  const std::size_t columns = out.size() / n;
+  // Rows in blocks: those of `out` stay in the second-level cache.
+  for (std::size_t from = 0; from < n; from += block / 2) {
+    const std::size_t rows = std::min(block / 2, n - from);
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, whole(rows), whole(columns),
+                whole(count), 1.0, fields + from, whole(n), weights.data(), whole(count), 1.0,
+                out.data() + from, whole(n));
+  }
 }
 
 void set_scaled(double w, std::span<const double> a, std::span<double> out) {

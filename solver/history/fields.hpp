@@ -43,6 +43,11 @@ struct Combination {
 /// out += all of them, in one pass over `out`.
 void add_combinations(std::span<const Combination> parts, std::span<double> out);
 
+/// `columns` fields of n values, one after the other:
+/// out(., c) += sum_f weights[c * count + f] fields(., f), all of them in one pass over `fields`.
+void add_columns(std::span<const double> weights, const double* fields, std::size_t count,
+                 std::size_t n, std::span<double> out);
+
 /// out = w a
 void set_scaled(double w, std::span<const double> a, std::span<double> out);
 

@@ -55,7 +55,8 @@ public:
       prepare(0, ahead_of(t_new, 0));
       read_states(groups_, states_, out);
     }
-    put_node_weights(weights_(kernel_, grid_, t_new, times_), order_, node_weights_);
+    put_node_weights(weights_(kernel_, grid_.common_step(t_new), t_new, times_), order_,
+                     node_weights_);
     if (order_ == 1) node_weights_.back() += current(t_new).one;
     add_combination(node_weights_, fields_.data(), out);
   }

@@ -31,6 +31,9 @@ struct HistoryOptions {
   double shortest_step = 0; ///< of the time grid (0: unknown)
   double horizon = 0;       ///< T - t0 (0: unknown; the fitted route is then not chosen)
   std::int64_t steps = 0;   ///< expected number of steps (0: unknown)
+  /// The planned times t_0 < t_1 < ..., which must outlive the history (empty: unknown). The tree
+  /// then reads its blocks once for several steps; other times may be asked for all the same.
+  std::span<const double> times = {};
 };
 
 struct HistoryReport {
@@ -38,9 +41,9 @@ struct HistoryReport {
   std::string why;         ///< the reason for the route, a sentence
   std::int64_t fields = 0; ///< stored fields of n values now
   double bytes = 0;
-  double error = 0;        ///< verified bound, relative to ||q||_L1 max|u|
-  bool verified = true;    ///< false: sampled evidence only
-  std::int64_t audits = 0; ///< steps at which a few unknowns were replayed by the direct sum
+  double error = 0;               ///< verified bound, relative to ||q||_L1 max|u|
+  bool verified = true;           ///< false: sampled evidence only
+  std::int64_t audits = 0;        ///< steps at which a few unknowns were replayed by the direct sum
   std::int64_t audited_until = 0; ///< the last of them
   double audit = 0; ///< largest difference found, relative to ||q||_L1 max|u| of those
   double norm = 0;  ///< ||q||_L1 over the run (0: not known)
@@ -100,8 +103,8 @@ double interval_integral(const Expr& expression, double t, double lag_low, doubl
 std::unique_ptr<History> make_history(const KernelSpec& kernel, std::size_t n,
                                       const HistoryOptions& options);
 
-/// The same with an audit: `replayed` unknowns, spread evenly, are stored and summed directly at the
-/// first steps, then at a geometric sequence of them, and at the last expected one. Storage is
+/// The same with an audit: `replayed` unknowns, spread evenly, are stored and summed directly at
+/// the first steps, then at a geometric sequence of them, and at the last expected one. Storage is
 /// bounded: after `most_audited_steps` the audit ends. A sample: evidence, not proof.
 inline constexpr std::int64_t most_audited_steps = 1 << 17;
 std::unique_ptr<History> make_audited_history(const KernelSpec& kernel, std::size_t n,

@@ -1,6 +1,8 @@
 // Calls of a kernel q(t, lag), at one point and on batches.
 #include "solver/history/kernel_function.hpp"
 
+#include "solver/kernel/scalar.hpp"
+
 #include <algorithm>
 #include <array>
 
@@ -15,6 +17,32 @@ KernelFunction::KernelFunction(const Expr& expression, Origin origin) {
     }
     reads_time_ = reads_time_ || s == slot::t;
   }
+  tabulate(expression);
+}
+
+/// Cuts out each mittag_leffler(a, b, x) with numbers a and b: the tape of all x, and the tape of
+/// the rest, which reads their values from slots that no kernel has.
+void KernelFunction::tabulate(const Expr& expression) {
+  std::vector<Expr> cut, arguments;
+  const auto value_slot = [](std::size_t i) { return slot::probe(static_cast<int>(i)); };
+  const Expr rest = transform(expression, [&](const Expr& e) {
+    if (e.op() != Op::mittag_leffler || !e.args()[0].is_constant() || !e.args()[1].is_constant() ||
+        e.args()[2].is_constant() || e.depends_on_any(slot::probe(0), slot::probe(1 << 20)))
+      return e;
+    const auto known = std::find(cut.begin(), cut.end(), e);
+    const auto i = static_cast<std::size_t>(known - cut.begin());
+    if (known == cut.end()) {
+      const double a = e.args()[0].value(), b = e.args()[1].value();
+      cut.push_back(e);
+      arguments.push_back(e.args()[2]);
+      tables_.push_back(
+          std::make_shared<FunctionTable>([a, b](double x) { return mittag_leffler(a, b, x); }));
+    }
+    return Expr::variable(value_slot(i));
+  });
+  if (cut.empty()) return;
+  arguments_ = compile(arguments);
+  with_values_ = compile(std::span<const Expr>(&rest, 1));
 }
 
 double KernelFunction::operator()(double t, double lag) const {
@@ -33,12 +61,27 @@ void KernelFunction::evaluate(double t, std::span<const double> lags, std::span<
 
 void KernelFunction::evaluate(std::span<const double> times, std::span<const double> lags,
                               std::span<double> out) const {
-  std::array<const double*, 2> inputs{};
-  for (std::size_t i = 0; i < tape_.inputs.size(); ++i) {
-    inputs[i] = tape_.inputs[i] == slot::t ? times.data() : lags.data();
-  }
-  hvi::solver::evaluate(tape_, std::span<const double* const>(inputs.data(), tape_.inputs.size()),
-                        lags.size(), out, workspace_);
+  const std::size_t count = lags.size();
+  const auto run = [&](const Tape& tape, std::span<double> values) {
+    std::vector<const double*> inputs;
+    for (const Slot s : tape.inputs) {
+      if (s == slot::t) {
+        inputs.push_back(times.data());
+      } else if (s == slot::lag) {
+        inputs.push_back(lags.data());
+      } else {
+        inputs.push_back(table_values_.data() +
+                         static_cast<std::size_t>(s - slot::probe(0)) * count);
+      }
+    }
+    hvi::solver::evaluate(tape, inputs, count, values, workspace_);
+  };
+  if (tables_.empty()) return run(tape_, out);
+  table_values_.resize(tables_.size() * count);
+  run(arguments_, table_values_);
+  for (std::size_t i = 0; i < table_values_.size(); ++i)
+    table_values_[i] = (*tables_[i / count])(table_values_[i]);
+  run(with_values_, out);
 }
 
 } // namespace hvi::solver

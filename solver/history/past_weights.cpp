@@ -49,20 +49,21 @@ struct Panel {
 
 } // namespace
 
-std::span<const Moments> PastWeights::operator()(const PreparedKernel& kernel, const TimeGrid& grid,
-                                                 double t, std::span<const double> times,
+std::span<const Moments> PastWeights::operator()(const PreparedKernel& kernel,
+                                                 std::optional<double> step, double t,
+                                                 std::span<const double> times,
                                                  std::size_t steps_after) {
   const std::size_t count = times.size() - 1;
   weights_.resize(count);
   if (count == 0) return weights_;
-  if (!kernel.traits.convolution || !grid.continues_uniformly(t)) {
+  if (!kernel.traits.convolution || !step) {
     intervals_.clear();
     for (std::size_t j = 0; j < count; ++j) intervals_.push_back({t - times[j + 1], t - times[j]});
     integrate(kernel, t, weights_);
     return weights_;
   }
   const std::size_t oldest = count + steps_after;
-  if (by_index_.size() <= oldest) by_index(kernel, grid.uniform_step(), oldest + 1);
+  if (by_index_.size() <= oldest) by_index(kernel, *step, oldest + 1);
   for (std::size_t j = 0; j < count; ++j) weights_[j] = by_index_[oldest - j];
   return weights_;
 }

@@ -4,6 +4,7 @@
 #include "solver/history/prepared.hpp"
 #include "solver/history/steps.hpp"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,9 +15,11 @@ namespace hvi::solver {
 /// points, and what fails again, touches lag 0 or holds a break is done adaptively.
 class PastWeights {
 public:
-  /// Weights of (times[j], times[j+1]) at t; `steps_after` accepted steps follow times.back().
-  std::span<const Moments> operator()(const PreparedKernel& kernel, const TimeGrid& grid, double t,
-                                      std::span<const double> times, std::size_t steps_after = 0);
+  /// Weights of (times[j], times[j+1]) at t. `step`: of all steps up to t, if they are equal; then
+  /// `steps_after` of them lie between times.back() and the last one.
+  std::span<const Moments> operator()(const PreparedKernel& kernel, std::optional<double> step,
+                                      double t, std::span<const double> times,
+                                      std::size_t steps_after = 0);
   void reset() { by_index_.clear(); }
 
 private:

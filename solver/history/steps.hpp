@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace hvi::solver {
@@ -52,6 +53,14 @@ public:
   double uniform_step() const { return state_.step; }
   bool continues_uniformly(double t_new) const {
     return state_.uniform && step_to(t_new) == state_.step;
+  }
+  /// The step of all intervals up to t_new, if they are equal: as `continues_uniformly`, for a time
+  /// `ahead` steps after the next one.
+  std::optional<double> common_step(double t_new, std::size_t ahead = 0) const {
+    if (state_.count == 0 || !state_.uniform) return std::nullopt;
+    const double before = state_.now + static_cast<double>(ahead) * state_.step;
+    if (names_.find(before, t_new) != state_.step) return std::nullopt;
+    return state_.step;
   }
   /// Accepts t_new and returns the name of its step.
   double accept(double t_new) {

@@ -1,5 +1,6 @@
 // The moment tree: recent steps are raw, older ones are blocks of Chebyshev moments of u, merged in
-// pairs as they age. Needs nothing of the kernel but smoothness away from lag 0.
+// pairs as they age. Needs nothing of the kernel but smoothness away from lag 0. Where the coming
+// times are known, all nodes but the open one are read once for as many steps as it will hold.
 #include "solver/history/block_test.hpp"
 #include "solver/history/fields.hpp"
 #include "solver/history/past_weights.hpp"
@@ -15,7 +16,7 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr std::uint32_t magic = 0x54524531;
+constexpr std::uint32_t magic = 0x54524532;
 
 /// Steps [index * 2^level, (index + 1) * 2^level) * leaf: raw values or moments.
 struct Node {
@@ -29,6 +30,12 @@ struct Node {
   bool raw() const { return level < 0; }
 };
 
+/// The share of all nodes but the open one in the memory at coming times.
+struct Ahead {
+  std::vector<double> times, fields; ///< a field for each time
+  void clear() { times.clear(), fields.clear(); }
+};
+
 class TreeHistory final : public History {
 public:
   TreeHistory(const PreparedKernel& kernel, std::size_t n, const HistoryOptions& options,
@@ -40,6 +47,7 @@ public:
   void start(double t0, std::span<const double> u0) override {
     grid_.start(t0);
     nodes_.clear();
+    ahead_.clear();
     weights_.reset();
     steps_ = 0;
     if (options_.horizon > 0) test_.extend(t0, options_.horizon);
@@ -50,8 +58,16 @@ public:
   void rhs(double t_new, std::span<double> out) override {
     check_field(kernel_, n_, out.size());
     check_step(kernel_, grid_.now(), t_new);
-    std::fill(out.begin(), out.end(), 0.0);
-    collect_weights(t_new);
+    look_ahead(t_new);
+    const auto known = std::find(ahead_.times.begin(), ahead_.times.end(), t_new);
+    const bool is_known = known != ahead_.times.end();
+    if (is_known) {
+      const auto column = static_cast<std::size_t>(known - ahead_.times.begin());
+      std::copy_n(ahead_.fields.data() + column * n_, n_, out.begin());
+    } else {
+      std::fill(out.begin(), out.end(), 0.0);
+    }
+    collect_weights(t_new, is_known ? nodes_.size() - 1 : 0);
     add_combinations(parts_, out);
   }
 
@@ -70,10 +86,14 @@ public:
     last.times.push_back(t_new);
     last.block.b = t_new;
     last.fields.insert(last.fields.end(), u_new.begin(), u_new.end());
-    if (last.times.size() == leaf_ + 1) open_node(t_new, u_new);
+    const bool full = last.times.size() == leaf_ + 1;
+    if (full) open_node(t_new, u_new);
     watch_horizon(t_new);
     forget(t_new);
-    compress(t_new);
+    if (full) { // until then the nodes stay as `ahead_` has read them
+      ahead_.clear();
+      compress(t_new);
+    }
   }
 
   HistoryReport report() const override {
@@ -85,6 +105,8 @@ public:
       r.bytes += 8.0 * static_cast<double>(node.fields.size());
       r.error += node.error;
     }
+    r.fields += static_cast<std::int64_t>(ahead_.times.size());
+    r.bytes += 8.0 * static_cast<double>(ahead_.fields.size());
     r.verified = false; // the tests of the blocks are samples
     return r;
   }
@@ -98,6 +120,8 @@ public:
     grid_.save(w);
     w.put(steps_);
     w.put(test_.horizon());
+    w.put(ahead_.times);
+    w.put(ahead_.fields);
     w.put(static_cast<std::uint64_t>(nodes_.size()));
     for (const Node& node : nodes_) {
       w.put(node.level);
@@ -122,6 +146,9 @@ public:
     if (const double horizon = r.get<double>(); horizon > 0) {
       test_.extend(grid_.start_time(), horizon);
     }
+    ahead_.times = r.get_vector<double>();
+    ahead_.fields = r.get_vector<double>();
+    if (ahead_.fields.size() != ahead_.times.size() * n_) r.fail("is inconsistent");
     const auto count = r.get<std::uint64_t>();
     nodes_.clear();
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -163,26 +190,35 @@ private:
     nodes_.push_back(std::move(node));
   }
 
-  /// parts_: for every node its fields and their weights at t_new.
-  void collect_weights(double t_new) {
+  /// Number of accepted steps up to the end of a raw node.
+  std::int64_t steps_to_end(const Node& node) const {
+    return node.index * static_cast<std::int64_t>(leaf_) +
+           static_cast<std::int64_t>(node.times.size()) - 1;
+  }
+
+  /// Weights of a raw node's fields at t, `ahead` steps after the next one.
+  void raw_weights(const Node& node, double t, std::size_t ahead, std::vector<double>& weights) {
+    const auto after = static_cast<std::size_t>(steps_ - steps_to_end(node)) + ahead;
+    put_node_weights(weights_(kernel_, grid_.common_step(t, ahead), t, node.times, after), order_,
+                     weights);
+  }
+
+  /// parts_: for the nodes from `first` on their fields and their weights at t_new.
+  void collect_weights(double t_new, std::size_t first) {
     lags_.clear();
-    for (const Node& node : nodes_) {
-      if (!node.raw()) moments_.add_nodes(node.block, t_new, lags_);
+    for (std::size_t i = first; i < nodes_.size(); ++i) {
+      if (!nodes_[i].raw()) moments_.add_nodes(nodes_[i].block, t_new, lags_);
     }
     values_.resize(lags_.size());
     kernel_.function.evaluate(t_new, lags_, values_);
     node_weights_.resize(nodes_.size());
     parts_.clear();
     const double* values = values_.data();
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    for (std::size_t i = first; i < nodes_.size(); ++i) {
       const Node& node = nodes_[i];
       auto& weights = node_weights_[i];
       if (node.raw()) {
-        const auto before = node.index * static_cast<std::int64_t>(leaf_) +
-                            static_cast<std::int64_t>(node.times.size()) - 1;
-        put_node_weights(
-            weights_(kernel_, grid_, t_new, node.times, static_cast<std::size_t>(steps_ - before)),
-            order_, weights);
+        raw_weights(node, t_new, 0, weights);
       } else {
         weights.resize(static_cast<std::size_t>(moments_.count()));
         moments_.coefficients(values, weights.data());
@@ -191,6 +227,49 @@ private:
       parts_.push_back({weights, node.fields.data()});
     }
     if (order_ == 1) node_weights_.back().back() += current(t_new).one;
+  }
+
+  /// Fills `ahead_` for the planned times from t_new on until the open node is full. What is read
+  /// depends on the saved state only, so a resumed run has the same bits.
+  void look_ahead(double t_new) {
+    const auto& known = ahead_.times;
+    if (std::find(known.begin(), known.end(), t_new) != known.end()) return;
+    const auto planned = options_.times;
+    const auto first = std::lower_bound(planned.begin(), planned.end(), t_new);
+    const std::size_t room = leaf_ + 1 - nodes_.back().times.size();
+    const auto count = std::min(room, static_cast<std::size_t>(planned.end() - first));
+    if (nodes_.size() < 2 || count < 2 || *first != t_new) return;
+    ahead_.times.assign(first, first + static_cast<std::ptrdiff_t>(count));
+    ahead_.fields.assign(count * n_, 0.0);
+    for (std::size_t i = 0; i + 1 < nodes_.size(); ++i) {
+      if (nodes_[i].raw()) {
+        columns_.clear();
+        std::vector<double> weights;
+        for (std::size_t j = 0; j < count; ++j) {
+          raw_weights(nodes_[i], ahead_.times[j], j, weights);
+          columns_.insert(columns_.end(), weights.begin(), weights.end());
+        }
+      } else {
+        moment_weights_ahead(nodes_[i]);
+      }
+      add_columns(columns_, nodes_[i].fields.data(), columns_.size() / count, n_, ahead_.fields);
+    }
+  }
+
+  /// columns_: weights of a node's moments at all times of `ahead_`.
+  void moment_weights_ahead(const Node& node) {
+    const auto moments = static_cast<std::size_t>(moments_.count());
+    lags_.clear();
+    times_.clear();
+    for (const double t : ahead_.times) {
+      moments_.add_nodes(node.block, t, lags_);
+      times_.resize(lags_.size(), t);
+    }
+    values_.resize(lags_.size());
+    kernel_.function.evaluate(times_, lags_, values_);
+    columns_.resize(lags_.size());
+    for (std::size_t at = 0; at < lags_.size(); at += moments)
+      moments_.coefficients(&values_[at], &columns_[at]);
   }
 
   /// Beyond the horizon all blocks are asked again, for the longer time.
@@ -291,8 +370,9 @@ private:
   PastWeights weights_;
   std::vector<Node> nodes_; ///< from old to new; the last one is raw and open
   std::int64_t steps_ = 0;
+  Ahead ahead_;
 
-  std::vector<double> lags_, values_;
+  std::vector<double> lags_, times_, values_, columns_;
   std::vector<std::vector<double>> node_weights_;
   std::vector<Combination> parts_;
 };

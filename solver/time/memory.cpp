@@ -23,6 +23,7 @@ HistoryOptions history_options(const Plan& plan) {
   out.tolerance = plan.options.memory_tolerance;
   out.steps = static_cast<std::int64_t>(grid.size()) - 1;
   out.horizon = grid.back() - grid.front();
+  out.times = grid;
   // Of a uniform grid the exact step: histories tell equal steps from others by it.
   const TimeGrid times(plan.time);
   const double mean = out.horizon / static_cast<double>(out.steps);

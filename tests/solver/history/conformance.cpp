@@ -64,6 +64,7 @@ protected:
     options.horizon = times.back();
     options.shortest_step = shortest_step(times);
     options.steps = static_cast<std::int64_t>(times.size()) - 1;
+    options.times = times;
     return make_history({kernel().name, {}, kernel().expression}, field_size, options);
   }
   /// Relative to ||q||_L1 max|u|; exact routes to rounding.

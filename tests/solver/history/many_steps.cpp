@@ -21,6 +21,7 @@ HistoryOptions options_for(const std::vector<double>& times, HistoryRoute route,
   options.horizon = times.back();
   options.shortest_step = shortest_step(times);
   options.steps = static_cast<std::int64_t>(times.size()) - 1;
+  options.times = times;
   return options;
 }
 
