@@ -203,7 +203,8 @@ double Stepper::residual(const StepMatrix& matrix) {
 
 /// Has step n the matrix and the length of the steps that the predictor knows?
 bool Stepper::same_problem(int n, const StepMatrix& matrix) const {
-  return n > 1 && grid_.length(n) == grid_.length(n - 1) && predicted_gamma_ == matrix.gamma();
+  return n > 1 && grid_.length(n) == grid_.length(n - 1) &&
+         predicted_gamma_.size() == matrix.gamma().size() && predicted_gamma_ == matrix.gamma();
 }
 
 /// After an accepted step.
