@@ -43,7 +43,7 @@ bool InequalityEngine::factor_if_needed() {
   ++report.factorisations;
   factored = op.factor(h);
   d_factored = d;
-  far_columns.clear();
+  forget_far();
   return factored;
 }
 
@@ -51,9 +51,15 @@ bool InequalityEngine::factor_if_needed() {
 /// one when few points moved far from it (slopes that change a little, a front of slip).
 bool InequalityEngine::solve_linear() {
   cg_r.setZero();
-  if (!(factored && d == d_factored) && factor_is_close() && conjugate_gradients()) return true;
-  cg_r.setZero();
+  const bool same = factored && d == d_factored;
+  if (!same && factor_is_close() && conjugate_gradients()) return true;
   if (!factor_if_needed()) return false;
+  freed.clear(), changed.clear();
+  if (!same && !idle && op.rounded()) { // the next step of Newton's refines it
+    prepare_drift();
+    if (conjugate_gradients()) return true;
+  }
+  cg_r.setZero();
   op.solve(residual, dc);
   return true;
 }
@@ -78,15 +84,18 @@ double InequalityEngine::worst_ratio() const {
   return worst;
 }
 
-/// First against |r| + |S c| + |G^T W x|, which bounds the ratio from above; |S||c| only where that
-/// could decide: it costs another pass over S.
+/// First against |r| + |S_ii c_i| + |(S c)_i - S_ii c_i| + |G^T W x|, which bounds the ratio from
+/// above; |S||c| only where that could decide: it costs another pass over S.
 double InequalityEngine::residual_ratio(const Vector& x) {
   gather(x);
   gather_magnitude(x);
-  residual = *rhs - sc - force;
-  row_size = rhs->cwiseAbs() + sc.cwiseAbs() + force_magnitude;
+  for (int i = 0; i < n; ++i) {
+    residual[i] = (*rhs)[i] - sc[i] - force[i];
+    const double own = diagonal[i] * c[i];
+    row_size[i] = std::abs((*rhs)[i]) + std::abs(own) + std::abs(sc[i] - own) + force_magnitude[i];
+  }
   const double bound = worst_ratio();
-  if (!(bound > target()) || bound > 1e-5) return bound;
+  if (!(bound > target()) || bound > 1e2 * options.tolerance) return bound;
   if (!have_magnitude) op.apply_magnitude(c, magnitude);
   have_magnitude = true;
   row_size = rhs->cwiseAbs() + magnitude + force_magnitude;

@@ -12,15 +12,48 @@
 //          force = (1 + Delta G)^-1 Delta x_Q,   G = Z_QQ + Y_Q C^-1 Y_Q^T,   b := b - E_Q force.
 //
 // The columns Y and Z are kept as long as the factor. What is left to conjugate gradients are the
-// small changes of slopes: a few iterations.
+// small changes of slopes, E = S + H - P: a few iterations. They need no product with S, for P p is
+// known of a direction p = P^-1 r + beta p_before: it is r + beta P p_before.
 #include "solver/inequality/engine.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+extern "C" {
+void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k,
+            const double* alpha, const double* a, const int* lda, const double* b, const int* ldb,
+            const double* beta, double* c, const int* ldc);
+void dgemv_(const char* trans, const int* m, const int* n, const double* alpha, const double* a,
+            const int* lda, const double* x, const int* incx, const double* beta, double* y,
+            const int* incy);
+}
+
 namespace hvi::solver {
 
 namespace {
+
+// OpenBLAS: Eigen's own products are compiled for any processor.
+
+/// y += alpha A x, or alpha A^T x.
+void add_product(const char* trans, double alpha, const DenseMatrix& a, const Vector& x,
+                 Vector& y) {
+  const int rows = static_cast<int>(a.rows()), columns = static_cast<int>(a.cols()), one = 1;
+  if (rows == 0 || columns == 0) return;
+  const double beta = 1.0;
+  dgemv_(trans, &rows, &columns, &alpha, a.data(), &rows, x.data(), &one, &beta, y.data(), &one);
+}
+
+/// A^T B
+DenseMatrix inner(const DenseMatrix& a, const DenseMatrix& b) {
+  const int rows = static_cast<int>(a.rows()), m = static_cast<int>(a.cols()),
+            k = static_cast<int>(b.cols());
+  DenseMatrix out(m, k);
+  const double alpha = 1.0, beta = 0.0;
+  if (m > 0 && k > 0)
+    dgemm_("T", "N", &m, &k, &rows, &alpha, a.data(), &rows, b.data(), &rows, &beta, out.data(),
+           &m);
+  return out;
+}
 
 /// A factor pays for itself over the solves of a few steps when each takes more than this.
 constexpr int many_iterations = 6;
@@ -58,13 +91,28 @@ bool InequalityEngine::factor_is_close() {
     bool close = true;
     for (int k = 0; k < 9; ++k)
       close = close && std::abs(d[p][k] - d_factored[p][k]) * points[p].local <= far_away;
+    far_point[p] = !close;
     if (close) continue;
     if (!points[p].exclusive || !add_far(p)) return false;
     if (freed.size() + changed.size() > most) return false;
   }
   if (far_columns.size() > 4 * most) return false;
   assemble();
+  prepare_drift();
   return prepare_far();
+}
+
+/// E = S + H - P: far points have their stiffness in P.
+void InequalityEngine::prepare_drift() {
+  double* values = drift.valuePtr();
+  std::fill(values, values + drift.nonZeros(), 0.0);
+  for (int p = 0; p < n_points; ++p) {
+    if (far_point[p] != 0 || d[p] == d_factored[p]) continue;
+    for (int k = first_contribution[p]; k < first_contribution[p + 1]; ++k) {
+      const Contribution& q = contributions[k];
+      values[q.value] += q.coefficient * (d[p][q.entry] - d_factored[p][q.entry]);
+    }
+  }
 }
 
 /// Puts the unknowns of a far point among the freed or the changed ones.
@@ -107,32 +155,49 @@ void InequalityEngine::solve_far_columns() {
     if (j >= first_changed)
       columns(missing[j], j) = 1.0;
     else
-      for (int i = 0; i < n; ++i) columns(i, j) = op.entry(i, missing[j]);
+      op.column(missing[j], &columns(0, j));
   }
   op.solve_rough(columns);
   for (std::size_t j = 0; j < missing.size(); ++j)
     far_columns[missing[j]] = columns.col(static_cast<Eigen::Index>(j));
 }
 
-/// C and 1 + Delta G with their factors. By the body's own stiffness: no unit system overflows.
+void InequalityEngine::forget_far() {
+  far_columns.clear();
+  freed_before.clear();
+  far_y.resize(n, 0);
+  freed_block.resize(0, 0);
+}
+
+/// Y with its rows R set to 0, and S_RR - S_RF Y, over the body's own stiffness: no unit system
+/// overflows. As they are while R and the factor stay.
+void InequalityEngine::prepare_freed() {
+  if (freed == freed_before) return;
+  freed_before = freed;
+  const auto m = static_cast<Eigen::Index>(freed.size());
+  far_y.resize(n, m);
+  DenseMatrix rows(n, m);
+  for (Eigen::Index j = 0; j < m; ++j) {
+    far_y.col(j) = far_columns.at(freed[j]);
+    for (const int i : freed) far_y(i, j) = 0.0;
+    op.column(freed[j], &rows(0, j));
+  }
+  rows /= block_unit;
+  freed_block = -inner(rows, far_y);
+  for (Eigen::Index b = 0; b < m; ++b)
+    for (Eigen::Index a = 0; a < m; ++a) freed_block(a, b) += rows(freed[a], b);
+}
+
+/// C and 1 + Delta G with their factors.
 bool InequalityEngine::prepare_far() {
   const auto m = static_cast<Eigen::Index>(freed.size());
   const auto k = static_cast<Eigen::Index>(changed.size());
   if (m + k == 0) return true;
   solve_far_columns();
-  far_y.resize(n, m), far_z.resize(n, k);
-  for (Eigen::Index j = 0; j < m; ++j) far_y.col(j) = far_columns.at(freed[j]);
-  for (Eigen::Index j = 0; j < k; ++j) far_z.col(j) = far_columns.at(changed[j]);
-  for (Eigen::Index j = 0; j < m; ++j)
-    for (const int i : freed) far_y(i, j) = 0.0;
   block_unit = diagonal.cwiseAbs().maxCoeff();
   if (!(block_unit > 0.0)) return false;
-  DenseMatrix rows(n, m);
-  for (Eigen::Index j = 0; j < m; ++j)
-    for (int i = 0; i < n; ++i) rows(i, j) = op.entry(i, freed[j]) / block_unit;
-  DenseMatrix c_block = -(rows.transpose() * far_y);
-  for (Eigen::Index b = 0; b < m; ++b)
-    for (Eigen::Index a = 0; a < m; ++a) c_block(a, b) += rows(freed[a], b);
+  prepare_freed();
+  DenseMatrix c_block = freed_block;
   // H couples the unknowns of one point only: they stand next to each other, at most three.
   for (Eigen::Index b = 0; b < m; ++b)
     for (Eigen::Index a = std::max<Eigen::Index>(0, b - 2); a < std::min(b + 3, m); ++a)
@@ -140,6 +205,8 @@ bool InequalityEngine::prepare_far() {
   freed_factor.compute(c_block);
   if (m > 0 && freed_factor.info() != Eigen::Success) return false;
   if (k == 0) return true;
+  far_z.resize(n, k);
+  for (Eigen::Index j = 0; j < k; ++j) far_z.col(j) = far_columns.at(changed[j]);
   DenseMatrix y_q(k, m), g(k, k);
   for (Eigen::Index a = 0; a < k; ++a) y_q.row(a) = far_y.row(changed[a]);
   for (Eigen::Index a = 0; a < k; ++a) g.row(a) = far_z.row(changed[a]);
@@ -159,8 +226,9 @@ void InequalityEngine::precondition(const Vector& r, Vector& out) {
   cg_kept = r;
   for (const int i : freed) cg_kept[i] = 0.0;
   op.solve_rough(cg_kept, out);
-  Vector t = -(far_y.transpose() * cg_kept);
-  for (Eigen::Index j = 0; j < m; ++j) t[j] += r[freed[j]];
+  Vector t(m);
+  for (Eigen::Index j = 0; j < m; ++j) t[j] = r[freed[j]];
+  add_product("T", -1.0, far_y, cg_kept, t);
   if (k > 0) {
     Vector x(k), pull = Vector::Zero(k);
     for (Eigen::Index j = 0; j < k; ++j) x[j] = out[changed[j]];
@@ -168,14 +236,14 @@ void InequalityEngine::precondition(const Vector& r, Vector& out) {
     for (const auto& e : delta) pull[e.row] += e.value * x[e.column];
     const Vector force_q = changed_factor.solve(pull);
     t += far_y_q.transpose() * force_q;
-    out.noalias() -= far_z * force_q;
+    add_product("N", -1.0, far_z, force_q, out);
     // A held unknown moves by force / stiffness: the difference above would be rounding.
     for (const auto& e : delta)
       if (e.held) out[changed[e.row]] = force_q[e.row] / e.value;
   }
   if (m == 0) return;
   const Vector free = freed_factor.solve(t / block_unit);
-  out.noalias() -= far_y * free;
+  add_product("N", -1.0, far_y, free, out);
   for (Eigen::Index j = 0; j < m; ++j) out[freed[j]] = free[j];
 }
 
@@ -190,13 +258,13 @@ bool InequalityEngine::conjugate_gradients() {
     for (int i = 0; i < n; ++i) sum += (a[i] / unit_r) * (b[i] / unit);
     return sum;
   };
-  dc.setZero(), cg_p = cg_z;
+  dc.setZero(), cg_p = cg_z, cg_mp = cg_r;
   double rho = product(cg_r, cg_z);
   const double enough = 1e-8 * rho; // four digits of the error's energy norm
   for (int k = 0; k < op.patience(); ++k) {
     last_cg = k + 1;
-    op.apply_rough(cg_p, cg_q);
-    cg_q.noalias() += h * cg_p;
+    cg_q = cg_mp;
+    cg_q.noalias() += drift * cg_p;
     const double curvature = product(cg_q, cg_p);
     if (!(curvature > 0.0)) return false;
     const double step = rho / curvature;
@@ -206,6 +274,7 @@ bool InequalityEngine::conjugate_gradients() {
     if (!(next >= 0.0)) return false;
     if (next <= enough) return true;
     cg_p = cg_z + (next / rho) * cg_p;
+    cg_mp = cg_r + (next / rho) * cg_mp;
     rho = next;
   }
   return false;

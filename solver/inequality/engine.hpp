@@ -85,6 +85,9 @@ struct InequalityEngine {
   bool add_far(int p);
   void solve_far_columns();
   bool prepare_far();
+  void prepare_freed();
+  void prepare_drift();
+  void forget_far(); ///< the factor is another one
   void precondition(const Vector& r, Vector& out);
   bool conjugate_gradients();
   void take_rest(int p);
@@ -130,11 +133,14 @@ struct InequalityEngine {
   // state of a solve
   const Vector* rhs = nullptr;
   Vector c, z, xi, sc, magnitude, force, force_magnitude, residual, row_size, dc, dz, trial, cg_r,
-      cg_z, cg_p, cg_q, cg_kept, diagonal;
+      cg_z, cg_p, cg_mp, cg_q, cg_kept, diagonal;
+  SparseMatrix drift;              ///< what H has that the preconditioner does not know
   std::vector<int> freed, changed; ///< unknowns of points far from the factored stiffness
+  std::vector<int> freed_before;   ///< those of far_y and freed_block
+  std::vector<char> far_point;
   std::vector<DeltaEntry> delta;
   std::unordered_map<int, Vector> far_columns; ///< by unknown, of the last factor
-  DenseMatrix far_y, far_z, far_y_q;
+  DenseMatrix far_y, far_z, far_y_q, freed_block;
   Eigen::LLT<DenseMatrix> freed_factor;
   Eigen::PartialPivLU<DenseMatrix> changed_factor;
   double block_unit = 1.0;
@@ -144,7 +150,8 @@ struct InequalityEngine {
   std::vector<std::array<double, 9>> d; ///< their stiffnesses, row by row
   std::vector<std::array<double, 9>> d_factored;
   bool factored = false;
-  Vector c_of_product;         ///< sc = S c_of_product
+  bool idle = false;   ///< no law acts at the start: the first solve is that of the linear problem
+  Vector c_of_product; ///< sc = S c_of_product
   bool have_magnitude = false; ///< magnitude belongs to it
   /// z within this part of its size of a break counts as on it; Newton aims closer at first.
   static constexpr double tight_snap = 2e-14, certificate_snap = 1e-12;

@@ -18,10 +18,12 @@ InequalityEngine::InequalityEngine(const ReducedProblem& problem_, ReducedOperat
   if (problem.g.cols() != n && n_rows > 0)
     throw Failure(FailureKind::bad_value, {}, "the contact matrix does not fit the operator");
   for (Vector* v : {&c, &sc, &magnitude, &force, &force_magnitude, &residual, &row_size, &dc, &cg_r,
-                    &cg_z, &cg_p, &cg_q, &cg_kept, &c_of_product})
+                    &cg_z, &cg_p, &cg_mp, &cg_q, &cg_kept, &c_of_product})
     *v = Vector::Zero(n);
   for (Vector* v : {&z, &xi, &dz, &trial, &z_hat, &xi_hat, &z_start}) *v = Vector::Zero(n_rows);
   state.resize(n_points), component.resize(n_points), d.resize(n_points);
+  far_point.resize(n_points);
+  forget_far();
   refresh_laws();
   prepare_points();
   prepare_pattern();
@@ -134,6 +136,7 @@ void InequalityEngine::prepare_pattern() {
   }
   h.resize(n, n);
   h.setFromTriplets(pattern.begin(), pattern.end());
+  drift = h;
   force_of.resize(n, n_rows);
   force_of.setFromTriplets(weights.begin(), weights.end());
   first_contribution.assign(1, 0);
@@ -209,7 +212,7 @@ InequalityReport InequalityEngine::solve(const Vector& right_side, InequalitySta
   }
   refresh_laws();
   load(io);
-  bool idle = true; // no law acts: the first solve is that of the linear problem
+  idle = true;
   for (int p = 0; p < n_points; ++p)
     idle = idle && d[p] == std::array<double, 9>{} && at(xi_hat, p) == Small{};
   Outcome outcome = solve_branch();

@@ -29,13 +29,14 @@ public:
   /// out_i = sum_j |S_ij c_j|: the scale of rounding in (S c)_i.
   virtual void apply_magnitude(const Vector& c, Vector& out) const = 0;
   virtual Vector diagonal() const = 0;
-  virtual double entry(int i, int j) const = 0; ///< S_ij
+  virtual void column(int j, double* out) const = 0; ///< S e_j, size() doubles
   /// Factors S + H for a symmetric H = sum_p w_p G_p^T D_p G_p given as a sparse matrix with a
   /// pattern inside that of G^T G. False when the result is not (positive definite and) regular.
   virtual bool factor(const SparseMatrix& h) = 0;
   virtual void solve(const Vector& b, Vector& x) const = 0; ///< with the last factor
+  /// Is the last factor a rounded one, so that `solve` refines what `solve_rough` gives?
+  virtual bool rounded() const { return false; }
   /// The same to about six digits: what preconditioners need, at half the memory read.
-  virtual void apply_rough(const Vector& c, Vector& out) const { apply(c, out); }
   virtual void solve_rough(const Vector& b, Vector& x) const { solve(b, x); }
   /// In place, all columns at once.
   virtual void solve_rough(DenseMatrix& columns) const;

@@ -4,14 +4,13 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 extern "C" {
 void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda,
             const double* x, const int* incx, const double* beta, double* y, const int* incy);
-void ssymv_(const char* uplo, const int* n, const float* alpha, const float* a, const int* lda,
-            const float* x, const int* incx, const float* beta, float* y, const int* incy);
 void strsv_(const char* uplo, const char* trans, const char* diag, const int* n, const float* a,
             const int* lda, float* x, const int* incx);
 void strsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m,
@@ -41,7 +40,9 @@ public:
   int size() const override { return static_cast<int>(s_.rows()); }
   bool symmetric() const override { return symmetric_; }
   Vector diagonal() const override { return s_.diagonal(); }
-  double entry(int i, int j) const override { return s_(i, j); }
+  void column(int j, double* out) const override {
+    std::copy_n(s_.data() + static_cast<std::ptrdiff_t>(j) * size(), size(), out);
+  }
   int patience() const override { return 2 + size() / 100; }
   void apply(const Vector& c, Vector& out) const override {
     if (!symmetric_ || size() == 0) {
@@ -89,16 +90,7 @@ public:
     dtrsv_("L", "T", "N", &n, factor_.data(), &n, x.data(), &one);
   }
 
-  void apply_rough(const Vector& c, Vector& out) const override {
-    if (!symmetric_ || size() == 0) return apply(c, out);
-    round_matrix();
-    const int n = size(), one = 1;
-    const float alpha = 1.0F, beta = 0.0F;
-    const double scale = to_single(c, 1.0);
-    rough_y_.resize(n);
-    ssymv_("L", &n, &alpha, rough_.data(), &n, rough_x_.data(), &one, &beta, rough_y_.data(), &one);
-    out = rough_y_.cast<double>() * (scale * unit());
-  }
+  bool rounded() const override { return rough_factor_.size() > 0 && factor_.size() == 0; }
   void solve_rough(const Vector& b, Vector& x) const override {
     if (!symmetric_ || size() == 0) return solve(b, x);
     round_factor();
@@ -127,9 +119,6 @@ private:
   void round_factor() const {
     if (rough_factor_.size() == 0) rough_factor_ = (factor_ / std::sqrt(unit())).cast<float>();
   }
-  void round_matrix() const {
-    if (rough_.size() == 0) rough_ = (s_ / unit()).cast<float>();
-  }
   bool factor_exactly() const {
     factor_ = s_;
     for (int i = 0; i < h_.outerSize(); ++i)
@@ -145,8 +134,7 @@ private:
   /// Single precision costs half the time. False where its pivots do not show beyond doubt that the
   /// matrix is positive definite.
   bool factor_rounded() const {
-    round_matrix();
-    rough_factor_ = rough_;
+    rough_factor_ = (s_ / unit()).cast<float>();
     for (int i = 0; i < h_.outerSize(); ++i)
       for (SparseMatrix::InnerIterator it(h_, i); it; ++it)
         rough_factor_(i, it.col()) += static_cast<float>(it.value() / unit());
@@ -198,8 +186,8 @@ private:
   bool symmetric_;
   double unit_;
   mutable std::vector<int> pivots_;
-  mutable Eigen::MatrixXf rough_, rough_factor_; ///< made when first asked for
-  mutable Eigen::VectorXf rough_x_, rough_y_;
+  mutable Eigen::MatrixXf rough_factor_; ///< made when first asked for
+  mutable Eigen::VectorXf rough_x_;
 };
 
 class SparseOperator final : public ReducedOperator {
@@ -209,7 +197,11 @@ public:
   int size() const override { return static_cast<int>(k_.rows()); }
   bool symmetric() const override { return symmetric_; }
   Vector diagonal() const override { return k_.diagonal(); }
-  double entry(int i, int j) const override { return k_.coeff(i, j); }
+  /// Preconditioners ask for it, which symmetric matrices alone have: row j is column j.
+  void column(int j, double* out) const override {
+    std::fill_n(out, size(), 0.0);
+    for (SparseMatrix::InnerIterator it(k_, j); it; ++it) out[it.col()] = it.value();
+  }
   int patience() const override { return 12; }
   void apply(const Vector& c, Vector& out) const override { out.noalias() = k_ * c; }
 

@@ -25,7 +25,7 @@ void InequalityEngine::restore(std::istream& in) {
   last_cg = r.get<int>();
   snap_factor = r.get<double>();
   d_factored = r.get_vector<std::array<double, 9>>();
-  far_columns.clear();
+  forget_far();
   for (auto left = r.get<std::uint64_t>(); left > 0; --left) {
     const int unknown = r.get<int>();
     const auto values = r.get_vector<double>();

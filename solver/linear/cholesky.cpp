@@ -4,6 +4,7 @@
 
 #include "solver/linear/cholmod_session.hpp"
 #include "solver/linear/ordering.hpp"
+#include "solver/linear/packed_factor.hpp"
 #include "solver/linear/supernodes.hpp"
 
 #include <fmt/format.h>
@@ -62,7 +63,6 @@ private:
   void check_contact_last(std::span<const int> contact) const;
   void check_pivots(const SparseMatrix& k);
   void read_trailing_block();
-  void round_to_single();
   [[noreturn]] void fail_at(int position, double pivot) const;
   const double* values() const { return static_cast<const double*>(l_->x); }
 
@@ -76,9 +76,7 @@ private:
   std::vector<int> permutation_; ///< position -> unknown
   Supernodes supernodes_;
   SweepStorage storage_ = SweepStorage::full;
-  double single_unit_ = 1.0;
-  std::vector<double> single_inverse_;   ///< of the diagonal of what single_ holds
-  std::vector<float> single_;            ///< the values of L once more, if swept in single
+  PackedFactor packed_;                  ///< the interior of L once more, if swept in single
   std::vector<double> inverse_diagonal_; ///< of L, interior
   std::vector<double> y_, x_;            ///< the sweeps' vectors, in the order of elimination
   DenseMatrix l22_;
@@ -144,7 +142,7 @@ void Cholesky::factor(const SparseMatrix& k) {
   check_pivots(k);
   read_trailing_block();
   statistics_.reciprocal_condition = cholmod_l_rcond(l_, common);
-  if (storage_ == SweepStorage::single) round_to_single();
+  if (storage_ == SweepStorage::single) sweep_in(storage_);
   statistics_.seconds_factor = seconds_since(start);
   factored_ = true;
 }
@@ -199,25 +197,10 @@ void Cholesky::read_trailing_block() {
 bool Cholesky::sweep_in(SweepStorage storage) {
   storage_ = storage;
   if (storage == SweepStorage::full)
-    single_ = {};
-  else if (factored_)
-    round_to_single();
+    packed_.clear();
+  else if (!packed_.pack(supernodes_, values()))
+    storage_ = SweepStorage::full;
   return storage_ == storage;
-}
-
-/// Copies L / unit in single precision, unit the power of two at its largest entry: no system of
-/// units leaves the range of a float.
-void Cholesky::round_to_single() {
-  single_.resize(l_->xsize);
-  double largest = 0.0;
-  for (std::size_t at = 0; at < single_.size(); ++at)
-    largest = std::max(largest, std::abs(values()[at]));
-  single_unit_ = std::exp2(std::ilogb(largest));
-  for (std::size_t at = 0; at < single_.size(); ++at)
-    single_[at] = static_cast<float>(values()[at] / single_unit_);
-  single_inverse_.resize(inverse_diagonal_.size());
-  for (std::size_t at = 0; at < single_inverse_.size(); ++at)
-    single_inverse_[at] = inverse_diagonal_[at] * single_unit_;
 }
 
 const DenseMatrix& Cholesky::schur() const {
@@ -231,14 +214,10 @@ const DenseMatrix& Cholesky::schur() const {
 void Cholesky::reduce(const Vector& b, Vector& r) {
   if (!factored_) throw std::logic_error("reduce before a successful factorisation");
   for (int position = 0; position < size_; ++position) y_[position] = b[permutation_[position]];
-  if (storage_ == SweepStorage::single) {
-    // With L / unit the sweep leaves unit y on the interior; the sweep back takes y / unit.
-    supernodes_.forward(single_.data(), single_inverse_.data(), y_.data());
-    const double to_back = 1.0 / single_unit_ / single_unit_;
-    for (int position = 0; position < interior_; ++position) y_[position] *= to_back;
-  } else {
+  if (storage_ == SweepStorage::single)
+    packed_.forward(y_.data());
+  else
     supernodes_.forward(values(), inverse_diagonal_.data(), y_.data());
-  }
   r.resize(size_ - interior_);
   std::copy(y_.begin() + interior_, y_.end(), r.data());
   ++statistics_.sweeps;
@@ -248,7 +227,7 @@ void Cholesky::back(const Vector& c, Vector& x) {
   if (!factored_) throw std::logic_error("back before a successful factorisation");
   std::copy_n(c.data(), size_ - interior_, x_.begin() + interior_);
   if (storage_ == SweepStorage::single)
-    supernodes_.backward(single_.data(), single_inverse_.data(), y_.data(), x_.data());
+    packed_.backward(y_.data(), x_.data());
   else
     supernodes_.backward(values(), inverse_diagonal_.data(), y_.data(), x_.data());
   x.resize(size_);

@@ -2,37 +2,17 @@
 // side, which stays in the first cache, is read once for four columns of L from memory.
 #include "solver/linear/supernodes.hpp"
 
+#include "solver/linear/instruction_set.hpp"
+
 #include <algorithm>
 #include <cstring>
 
 namespace hvi::solver {
 namespace {
 
-template <int Lanes>
-struct PackOf {
-  typedef double Double __attribute__((vector_size(Lanes * sizeof(double))));
-  typedef float Single __attribute__((vector_size(Lanes * sizeof(float))));
-};
-template <int Lanes>
-using Pack = typename PackOf<Lanes>::Double;
-
-// The kernels are compiled for each instruction set by inlining them into functions that name it.
-#define HVI_INLINE __attribute__((always_inline)) inline
-
-template <int Lanes>
-HVI_INLINE void load(const double* from, Pack<Lanes>& to) {
-  std::memcpy(&to, from, sizeof to);
-}
-template <int Lanes>
-HVI_INLINE void load(const float* from, Pack<Lanes>& to) {
-  typename PackOf<Lanes>::Single single;
-  std::memcpy(&single, from, sizeof single);
-  to = __builtin_convertvector(single, Pack<Lanes>);
-}
-
 /// w[i..) -= sum_a column_a[i..) t[a], as many whole packs as fit before count; returns the end.
-template <int Lanes, int Width, class Real>
-HVI_INLINE int subtract_packs(const Real* column, std::size_t stride, int i, int count,
+template <int Lanes, int Width>
+HVI_INLINE int subtract_packs(const double* column, std::size_t stride, int i, int count,
                               const double* t, double* w) {
   for (; i + Lanes <= count; i += Lanes) {
     Pack<Lanes> sum, entry;
@@ -47,18 +27,18 @@ HVI_INLINE int subtract_packs(const Real* column, std::size_t stride, int i, int
 }
 
 /// w[0..count) -= sum_a column_a[0..count) t[a]
-template <int Width, class Real>
-HVI_INLINE void subtract_columns(const Real* column, std::size_t stride, int count, const double* t,
-                                 double* w) {
+template <int Width>
+HVI_INLINE void subtract_columns(const double* column, std::size_t stride, int count,
+                                 const double* t, double* w) {
   int i = subtract_packs<8, Width>(column, stride, 0, count, t, w);
   i = subtract_packs<4, Width>(column, stride, i, count, t, w);
   for (; i < count; ++i)
-    for (int a = 0; a < Width; ++a) w[i] -= static_cast<double>(column[a * stride + i]) * t[a];
+    for (int a = 0; a < Width; ++a) w[i] -= column[a * stride + i] * t[a];
 }
 
 /// t[a] -= column_a[0..count) . w[0..count)
-template <int Width, class Real>
-HVI_INLINE void subtract_products(const Real* column, std::size_t stride, int count,
+template <int Width>
+HVI_INLINE void subtract_products(const double* column, std::size_t stride, int count,
                                   const double* w, double* t) {
   Pack<8> sum[Width] = {};
   int i = 0;
@@ -84,36 +64,34 @@ HVI_INLINE void subtract_products(const Real* column, std::size_t stride, int co
   }
   for (int a = 0; a < Width; ++a) {
     double total = (half[a][0] + half[a][1]) + (half[a][2] + half[a][3]);
-    for (int rest = i; rest < count; ++rest)
-      total += static_cast<double>(column[a * stride + rest]) * w[rest];
+    for (int rest = i; rest < count; ++rest) total += column[a * stride + rest] * w[rest];
     t[a] -= total;
   }
 }
 
 /// One block of `Width` columns from `j` on: solves with its triangle, updates the rows below.
-template <int Width, class Real>
-HVI_INLINE void forward_block(const Real* l, std::size_t stride, int j, int rows,
+template <int Width>
+HVI_INLINE void forward_block(const double* l, std::size_t stride, int j, int rows,
                               const double* inverse, double* w) {
-  const Real* column = l + static_cast<std::size_t>(j) * stride;
+  const double* column = l + static_cast<std::size_t>(j) * stride;
   double t[Width];
   for (int a = 0; a < Width; ++a) {
     double value = w[j + a];
-    for (int b = 0; b < a; ++b) value -= static_cast<double>(column[b * stride + j + a]) * t[b];
+    for (int b = 0; b < a; ++b) value -= column[b * stride + j + a] * t[b];
     t[a] = value * inverse[j + a];
     w[j + a] = t[a];
   }
   subtract_columns<Width>(column + j + Width, stride, rows - j - Width, t, w + j + Width);
 }
 
-template <int Width, class Real>
-HVI_INLINE void backward_block(const Real* l, std::size_t stride, int j, int rows,
+template <int Width>
+HVI_INLINE void backward_block(const double* l, std::size_t stride, int j, int rows,
                                const double* inverse, double* w) {
-  const Real* column = l + static_cast<std::size_t>(j) * stride;
+  const double* column = l + static_cast<std::size_t>(j) * stride;
   double* t = w + j;
   subtract_products<Width>(column + j + Width, stride, rows - j - Width, w + j + Width, t);
   for (int a = Width - 1; a >= 0; --a) {
-    for (int b = a + 1; b < Width; ++b)
-      t[a] -= static_cast<double>(column[a * stride + j + b]) * t[b];
+    for (int b = a + 1; b < Width; ++b) t[a] -= column[a * stride + j + b] * t[b];
     t[a] *= inverse[j + a];
   }
 }
@@ -121,8 +99,8 @@ HVI_INLINE void backward_block(const Real* l, std::size_t stride, int j, int row
 constexpr int width = 4;
 
 /// Forward through one panel; w is its part of the right-hand side with zeros below.
-template <class Real>
-HVI_INLINE void forward_panel(const Real* l, const Panel& panel, const double* inverse, double* w) {
+HVI_INLINE void forward_panel(const double* l, const Panel& panel, const double* inverse,
+                              double* w) {
   const auto stride = static_cast<std::size_t>(panel.stride);
   int j = 0;
   for (; j + width <= panel.columns; j += width)
@@ -130,8 +108,7 @@ HVI_INLINE void forward_panel(const Real* l, const Panel& panel, const double* i
   for (; j < panel.columns; ++j) forward_block<1>(l, stride, j, panel.rows, inverse, w);
 }
 
-template <class Real>
-HVI_INLINE void backward_panel(const Real* l, const Panel& panel, const double* inverse,
+HVI_INLINE void backward_panel(const double* l, const Panel& panel, const double* inverse,
                                double* w) {
   const auto stride = static_cast<std::size_t>(panel.stride);
   int j = panel.columns;
@@ -140,17 +117,15 @@ HVI_INLINE void backward_panel(const Real* l, const Panel& panel, const double* 
 }
 
 /// What a sweep works on.
-template <class Real>
 struct Sweep {
   std::span<const Panel> panels;
   const int* below;
-  const Real* values;
+  const double* values;
   const double* inverse_diagonal;
   double* work;
 };
 
-template <class Real>
-HVI_INLINE void forward_sweep(const Sweep<Real>& sweep, double* y) {
+HVI_INLINE void forward_sweep(const Sweep& sweep, double* y) {
   for (const Panel& panel : sweep.panels) {
     double* w = sweep.work;
     const int beneath = panel.rows - panel.columns;
@@ -163,8 +138,7 @@ HVI_INLINE void forward_sweep(const Sweep<Real>& sweep, double* y) {
   }
 }
 
-template <class Real>
-HVI_INLINE void backward_sweep(const Sweep<Real>& sweep, const double* y, double* x) {
+HVI_INLINE void backward_sweep(const Sweep& sweep, const double* y, double* x) {
   for (auto panel = sweep.panels.rbegin(); panel != sweep.panels.rend(); ++panel) {
     double* w = sweep.work;
     const int beneath = panel->rows - panel->columns;
@@ -176,31 +150,10 @@ HVI_INLINE void backward_sweep(const Sweep<Real>& sweep, const double* y, double
   }
 }
 
-enum class InstructionSet { baseline, avx2, avx512 };
-
-InstructionSet detect() {
-  if (__builtin_cpu_supports("avx512f")) return InstructionSet::avx512;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return InstructionSet::avx2;
-  return InstructionSet::baseline;
-}
-
-#define HVI_AVX2 __attribute__((target("avx2,fma")))
-#define HVI_AVX512 __attribute__((target("avx512f,avx2,fma,prefer-vector-width=512")))
-
-template <class Real>
-HVI_AVX2 void forward_avx2(const Sweep<Real>& s, double* y) {
-  forward_sweep(s, y);
-}
-template <class Real>
-HVI_AVX512 void forward_avx512(const Sweep<Real>& s, double* y) {
-  forward_sweep(s, y);
-}
-template <class Real>
-HVI_AVX2 void backward_avx2(const Sweep<Real>& s, const double* y, double* x) {
-  backward_sweep(s, y, x);
-}
-template <class Real>
-HVI_AVX512 void backward_avx512(const Sweep<Real>& s, const double* y, double* x) {
+HVI_AVX2 void forward_avx2(const Sweep& s, double* y) { forward_sweep(s, y); }
+HVI_AVX512 void forward_avx512(const Sweep& s, double* y) { forward_sweep(s, y); }
+HVI_AVX2 void backward_avx2(const Sweep& s, const double* y, double* x) { backward_sweep(s, y, x); }
+HVI_AVX512 void backward_avx512(const Sweep& s, const double* y, double* x) {
   backward_sweep(s, y, x);
 }
 
@@ -233,10 +186,9 @@ double Supernodes::nonzeros() const {
   return sum;
 }
 
-template <class Real>
-void Supernodes::forward(const Real* values, const double* inverse_diagonal, double* y) {
-  const Sweep<Real> sweep{panels_, below_.data(), values, inverse_diagonal, work_.data()};
-  switch (detect()) {
+void Supernodes::forward(const double* values, const double* inverse_diagonal, double* y) {
+  const Sweep sweep{panels_, below_.data(), values, inverse_diagonal, work_.data()};
+  switch (instruction_set()) {
   case InstructionSet::avx512:
     return forward_avx512(sweep, y);
   case InstructionSet::avx2:
@@ -246,11 +198,10 @@ void Supernodes::forward(const Real* values, const double* inverse_diagonal, dou
   }
 }
 
-template <class Real>
-void Supernodes::backward(const Real* values, const double* inverse_diagonal, const double* y,
+void Supernodes::backward(const double* values, const double* inverse_diagonal, const double* y,
                           double* x) {
-  const Sweep<Real> sweep{panels_, below_.data(), values, inverse_diagonal, work_.data()};
-  switch (detect()) {
+  const Sweep sweep{panels_, below_.data(), values, inverse_diagonal, work_.data()};
+  switch (instruction_set()) {
   case InstructionSet::avx512:
     return backward_avx512(sweep, y, x);
   case InstructionSet::avx2:
@@ -259,10 +210,5 @@ void Supernodes::backward(const Real* values, const double* inverse_diagonal, co
     return backward_sweep(sweep, y, x);
   }
 }
-
-template void Supernodes::forward(const double*, const double*, double*);
-template void Supernodes::forward(const float*, const double*, double*);
-template void Supernodes::backward(const double*, const double*, const double*, double*);
-template void Supernodes::backward(const float*, const double*, const double*, double*);
 
 } // namespace hvi::solver

@@ -28,15 +28,13 @@ public:
   Supernodes(const cholmod_factor& l, int interior);
 
   /// y := forward sweep of y: y_I = L_II^-1 y_I and y_c = y_c - L_cI y_I. `inverse_diagonal` has an
-  /// entry per interior column. Real is double, or float for a factor stored in single precision;
-  /// the arithmetic is double in both cases.
-  template <class Real>
-  void forward(const Real* values, const double* inverse_diagonal, double* y);
+  /// entry per interior column.
+  void forward(const double* values, const double* inverse_diagonal, double* y);
   /// x_I := L_II^-T (y_I - L_cI^T x_c), where x_c is given in x; y is not changed.
-  template <class Real>
-  void backward(const Real* values, const double* inverse_diagonal, const double* y, double* x);
+  void backward(const double* values, const double* inverse_diagonal, const double* y, double* x);
 
   std::span<const Panel> panels() const { return panels_; }
+  std::span<const int> below() const { return below_; } ///< row indices of all panels
   /// Entries of L that a sweep reads.
   double nonzeros() const;
 

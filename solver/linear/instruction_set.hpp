@@ -1,0 +1,44 @@
+// Kernels of the sweeps and products are compiled once per instruction set and chosen at run time,
+// so that one program runs on any processor.
+#pragma once
+
+#include <cstring>
+
+namespace hvi::solver {
+
+enum class InstructionSet { baseline, avx2, avx512 };
+
+/// The largest one that this processor has.
+inline InstructionSet instruction_set() {
+  if (__builtin_cpu_supports("avx512f")) return InstructionSet::avx512;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return InstructionSet::avx2;
+  return InstructionSet::baseline;
+}
+
+// A kernel is inlined into functions that name the set it is compiled for.
+#define HVI_INLINE __attribute__((always_inline)) inline
+#define HVI_AVX2 __attribute__((target("avx2,fma")))
+#define HVI_AVX512 __attribute__((target("avx512f,avx2,fma,prefer-vector-width=512")))
+
+template <int Lanes>
+struct PackOf {
+  typedef double Double __attribute__((vector_size(Lanes * sizeof(double))));
+  typedef float Single __attribute__((vector_size(Lanes * sizeof(float))));
+};
+/// So many doubles, added and multiplied at once.
+template <int Lanes>
+using Pack = typename PackOf<Lanes>::Double;
+
+// By reference: packs by value would tie callers to one instruction set's calling convention.
+template <int Lanes>
+HVI_INLINE void load(const double* from, Pack<Lanes>& to) {
+  std::memcpy(&to, from, sizeof to);
+}
+template <int Lanes>
+HVI_INLINE void load(const float* from, Pack<Lanes>& to) {
+  typename PackOf<Lanes>::Single single;
+  std::memcpy(&single, from, sizeof single);
+  to = __builtin_convertvector(single, Pack<Lanes>);
+}
+
+} // namespace hvi::solver

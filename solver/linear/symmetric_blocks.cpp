@@ -1,0 +1,216 @@
+// See symmetric_blocks.hpp.
+#include "solver/linear/symmetric_blocks.hpp"
+
+#include "solver/linear/instruction_set.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+namespace hvi::solver {
+namespace {
+
+/// Entries that differ from their mirror image by more than this part of the row's and column's
+/// diagonal are no rounding.
+constexpr double rounding = 1e-13;
+
+/// The rows of a symmetric pattern are sorted, so that the mirror images of the entries left of the
+/// diagonal come up one after the other.
+bool is_symmetric(const SparseMatrix& a) {
+  if (a.rows() != a.cols() || !a.isCompressed()) return false;
+  const int* start = a.outerIndexPtr();
+  const int* column = a.innerIndexPtr();
+  const double* value = a.valuePtr();
+  const Vector size = a.diagonal().cwiseAbs().cwiseSqrt();
+  std::vector<int> next(start, start + a.rows());
+  for (int i = 0; i < a.rows(); ++i)
+    for (int at = start[i]; at < start[i + 1]; ++at) {
+      const int j = column[at];
+      if (j >= i) break;
+      while (next[j] < start[j + 1] && column[next[j]] < i) {
+        if (column[next[j]] > j && value[next[j]] != 0.0) return false;
+        ++next[j];
+      }
+      if (next[j] == start[j + 1] || column[next[j]] != i) return false;
+      if (std::abs(value[next[j]++] - value[at]) > rounding * size[i] * size[j]) return false;
+    }
+  return true;
+}
+
+/// Does the pattern consist of full blocks of this size?
+bool has_blocks(const SparseMatrix& a, int block) {
+  if (a.rows() % block != 0) return false;
+  const int* start = a.outerIndexPtr();
+  const int* column = a.innerIndexPtr();
+  for (int i = 0; i < a.rows(); i += block) {
+    const int count = start[i + 1] - start[i];
+    if (count % block != 0) return false;
+    for (int r = 0; r < block; ++r) {
+      if (start[i + r + 1] - start[i + r] != count) return false;
+      for (int e = 0; e < count; ++e)
+        if (column[start[i + r] + e] != column[start[i] + e - e % block] + e % block) return false;
+    }
+    for (int e = 0; e < count; e += block)
+      if (column[start[i] + e] % block != 0) return false;
+  }
+  return true;
+}
+
+/// What a product works on.
+struct Blocks {
+  int rows;
+  const int *start, *column;
+  const double *diagonal, *upper;
+};
+
+template <int Size>
+void multiply_blocks(const Blocks& a, const double* x, double* y) {
+  for (int i = 0; i < a.rows; ++i) {
+    const double* v = a.diagonal + Size * Size * i;
+    const double* xi = x + Size * i;
+    double sum[Size];
+    for (int r = 0; r < Size; ++r) {
+      sum[r] = y[Size * i + r];
+      for (int c = 0; c < Size; ++c) sum[r] += v[Size * r + c] * xi[c];
+    }
+    for (int at = a.start[i]; at < a.start[i + 1]; ++at) {
+      v = a.upper + static_cast<std::ptrdiff_t>(Size * Size) * at;
+      const double* xj = x + Size * a.column[at];
+      double* yj = y + Size * a.column[at];
+      for (int r = 0; r < Size; ++r)
+        for (int c = 0; c < Size; ++c) {
+          sum[r] += v[Size * r + c] * xj[c];
+          yj[c] += v[Size * r + c] * xi[r];
+        }
+    }
+    for (int r = 0; r < Size; ++r) y[Size * i + r] = sum[r];
+  }
+}
+
+#if defined(__x86_64__)
+
+/// Blocks of 2 as packs (v00 v01 v10 v11).
+HVI_AVX2 void multiply_pairs(const Blocks& a, const double* x, double* y) {
+  for (int i = 0; i < a.rows; ++i) {
+    const auto both = _mm256_broadcast_pd(reinterpret_cast<const __m128d*>(x + 2 * i));
+    const auto each = _mm256_permute4x64_pd(both, 0b01010000);
+    auto sum = _mm256_mul_pd(_mm256_loadu_pd(a.diagonal + 4 * i), both);
+    for (int at = a.start[i]; at < a.start[i + 1]; ++at) {
+      const auto v = _mm256_loadu_pd(a.upper + 4 * static_cast<std::ptrdiff_t>(at));
+      const int j = 2 * a.column[at];
+      sum = _mm256_fmadd_pd(v, _mm256_broadcast_pd(reinterpret_cast<const __m128d*>(x + j)), sum);
+      const auto mirrored = _mm256_mul_pd(v, each);
+      const auto added =
+          _mm_add_pd(_mm256_castpd256_pd128(mirrored), _mm256_extractf128_pd(mirrored, 1));
+      _mm_storeu_pd(y + j, _mm_add_pd(_mm_loadu_pd(y + j), added));
+    }
+    const auto halves = _mm_hadd_pd(_mm256_castpd256_pd128(sum), _mm256_extractf128_pd(sum, 1));
+    _mm_storeu_pd(y + 2 * i, _mm_add_pd(_mm_loadu_pd(y + 2 * i), halves));
+  }
+}
+
+/// Blocks of 3; x and y with four places a node, the last of no meaning. Reads one double behind
+/// the last block.
+HVI_AVX2 void multiply_triples(const Blocks& a, const double* x, double* y) {
+  for (int i = 0; i < a.rows; ++i) {
+    const double* v = a.diagonal + 9 * i;
+    const auto xi = _mm256_loadu_pd(x + 4 * i);
+    auto sum0 = _mm256_mul_pd(_mm256_loadu_pd(v), xi);
+    auto sum1 = _mm256_mul_pd(_mm256_loadu_pd(v + 3), xi);
+    auto sum2 = _mm256_mul_pd(_mm256_loadu_pd(v + 6), xi);
+    const auto x0 = _mm256_broadcast_sd(x + 4 * i), x1 = _mm256_broadcast_sd(x + 4 * i + 1),
+               x2 = _mm256_broadcast_sd(x + 4 * i + 2);
+    for (int at = a.start[i]; at < a.start[i + 1]; ++at) {
+      v = a.upper + 9 * static_cast<std::ptrdiff_t>(at);
+      const int j = 4 * a.column[at];
+      const auto row0 = _mm256_loadu_pd(v), row1 = _mm256_loadu_pd(v + 3),
+                 row2 = _mm256_loadu_pd(v + 6);
+      const auto xj = _mm256_loadu_pd(x + j);
+      sum0 = _mm256_fmadd_pd(row0, xj, sum0);
+      sum1 = _mm256_fmadd_pd(row1, xj, sum1);
+      sum2 = _mm256_fmadd_pd(row2, xj, sum2);
+      auto yj = _mm256_fmadd_pd(row0, x0, _mm256_loadu_pd(y + j));
+      yj = _mm256_fmadd_pd(row1, x1, yj);
+      _mm256_storeu_pd(y + j, _mm256_fmadd_pd(row2, x2, yj));
+    }
+    double* yi = y + 4 * i; // the fourth places of the sums hold what x's fourth places, 0, made
+    const auto s01 = _mm256_hadd_pd(sum0, sum1), s22 = _mm256_hadd_pd(sum2, sum2);
+    const auto first = _mm_add_pd(_mm256_castpd256_pd128(s01), _mm256_extractf128_pd(s01, 1));
+    const auto third = _mm_add_pd(_mm256_castpd256_pd128(s22), _mm256_extractf128_pd(s22, 1));
+    _mm_storeu_pd(yi, _mm_add_pd(_mm_loadu_pd(yi), first));
+    yi[2] += _mm_cvtsd_f64(third);
+  }
+}
+
+#endif
+
+} // namespace
+
+SymmetricBlocks::SymmetricBlocks(const SparseMatrix& a) {
+  if (a.rows() == 0 || !is_symmetric(a)) return;
+  block_ = has_blocks(a, 3) ? 3 : has_blocks(a, 2) ? 2 : 1;
+  rows_ = static_cast<int>(a.rows()) / block_;
+  diagonal_entries_ = a.diagonal();
+  fill(a);
+  if (block_ != 3) return;
+  x_.assign(4 * static_cast<std::size_t>(rows_), 0.0);
+  y_ = x_;
+}
+
+void SymmetricBlocks::fill(const SparseMatrix& a) {
+  const int* start = a.outerIndexPtr();
+  const int* column = a.innerIndexPtr();
+  const auto area = static_cast<std::size_t>(block_ * block_);
+  const std::size_t half = static_cast<std::size_t>(a.nonZeros()) / 2 / area;
+  diagonal_.reserve(area * static_cast<std::size_t>(rows_) + 1);
+  upper_.reserve(area * half + 1);
+  column_.reserve(half);
+  start_.assign(1, 0);
+  for (int i = 0; i < rows_; ++i) {
+    const int row = block_ * i;
+    bool on_diagonal = false;
+    for (int e = 0; e < start[row + 1] - start[row]; e += block_) {
+      const int j = column[start[row] + e] / block_;
+      if (j < i) continue;
+      auto& into = j == i ? diagonal_ : upper_;
+      on_diagonal = on_diagonal || j == i;
+      if (j > i) column_.push_back(j);
+      for (int r = 0; r < block_; ++r)
+        for (int c = 0; c < block_; ++c) into.push_back(a.valuePtr()[start[row + r] + e + c]);
+    }
+    if (!on_diagonal) diagonal_.insert(diagonal_.end(), area, 0.0);
+    start_.push_back(static_cast<int>(column_.size()));
+  }
+  diagonal_.push_back(0.0), upper_.push_back(0.0); // blocks of 3 are read as four doubles
+}
+
+double SymmetricBlocks::bytes() const {
+  return static_cast<double>(diagonal_.size() + upper_.size()) * sizeof(double) +
+         static_cast<double>(start_.size() + column_.size()) * sizeof(int);
+}
+
+void SymmetricBlocks::multiply(const Vector& x, Vector& y) const {
+  const Blocks a{rows_, start_.data(), column_.data(), diagonal_.data(), upper_.data()};
+  y.setZero(static_cast<Eigen::Index>(block_) * rows_);
+#if defined(__x86_64__)
+  if (block_ == 2 && instruction_set() != InstructionSet::baseline)
+    return multiply_pairs(a, x.data(), y.data());
+  if (block_ == 3 && instruction_set() != InstructionSet::baseline) {
+    for (int i = 0; i < rows_; ++i)
+      for (int k = 0; k < 3; ++k) x_[4 * i + k] = x[3 * i + k];
+    std::fill(y_.begin(), y_.end(), 0.0);
+    multiply_triples(a, x_.data(), y_.data());
+    for (int i = 0; i < rows_; ++i)
+      for (int k = 0; k < 3; ++k) y[3 * i + k] = y_[4 * i + k];
+    return;
+  }
+#endif
+  if (block_ == 1) multiply_blocks<1>(a, x.data(), y.data());
+  if (block_ == 2) multiply_blocks<2>(a, x.data(), y.data());
+  if (block_ == 3) multiply_blocks<3>(a, x.data(), y.data());
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,35 @@
+// Products with a symmetric matrix that read half of it: its diagonal and upper blocks. The products
+// of the time loop are bound by memory, as the sweeps are.
+#pragma once
+
+#include "solver/linear/sparse.hpp"
+
+#include <vector>
+
+namespace hvi::solver {
+
+/// The upper triangle in dense blocks of 1, 2 or 3 (the components of a node), whichever is the
+/// largest that the pattern fills. One index a block instead of one an entry.
+class SymmetricBlocks {
+public:
+  SymmetricBlocks() = default;
+  /// Empty (see `empty`) when A is not square and symmetric to rounding.
+  explicit SymmetricBlocks(const SparseMatrix& a);
+
+  bool empty() const { return block_ == 0; }
+  /// y = A x. The order of the additions is always the same. No allocation when y has its size.
+  void multiply(const Vector& x, Vector& y) const;
+  const Vector& diagonal() const { return diagonal_entries_; }
+  double bytes() const;
+
+private:
+  void fill(const SparseMatrix& a);
+
+  int block_ = 0, rows_ = 0; ///< size and count of block rows
+  std::vector<int> start_, column_;
+  std::vector<double> diagonal_, upper_; ///< blocks, row by row
+  Vector diagonal_entries_;
+  mutable std::vector<double> x_, y_; ///< of blocks of 3, padded to 4
+};
+
+} // namespace hvi::solver
