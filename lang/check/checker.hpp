@@ -135,7 +135,7 @@ private:
                     const Scope& scope);
   Value material_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                       const Scope& scope);
-  Symbol prony_through(const solver::Table& table, const Symbol& at, const Span& span);
+  Symbol prony_through(const solver::Table& table, const Symbol& at, const Span& span, bool taken);
   Value table_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
   Value prony_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
   Value history_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);

@@ -98,6 +98,7 @@ struct ModelNote {
   std::string name;
   Span span;
   std::string what;
+  bool taken = true; ///< false: it is known, but not what is computed with
 };
 
 struct Model {
