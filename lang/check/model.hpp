@@ -83,6 +83,8 @@ struct StudyLadder {
   std::string parameter;
   Span span;
   std::vector<std::string> values; ///< as -D would give them
+  /// Parameters that climb together with it, each with as many values.
+  std::vector<std::pair<std::string, std::vector<std::string>>> more{};
 };
 
 struct ModelStudy {
