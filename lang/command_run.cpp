@@ -54,7 +54,7 @@ private:
 /// Mesh and parts; every mistake becomes a diagnostic. False when there are any.
 bool discretise_script(Script& script, solver::Discretisation& out) {
   try {
-    for (const solver::Failure& failure : solver::discretise(*script.plan, out))
+    for (const solver::Failure& failure : solver::discretise(*script.plan, out, &stop_flag()))
       add_failure(script, failure);
     if (!script.diagnostics.has_errors()) check_materials(script, out);
   } catch (const solver::Failure& failure) {

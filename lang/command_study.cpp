@@ -3,7 +3,9 @@
 #include "lang/study.hpp"
 #include "solver/output/file.hpp"
 #include "solver/study/ladder.hpp"
+#include "solver/time/adapt.hpp"
 #include "solver/time/clock.hpp"
+#include "solver/time/shared_work.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -28,6 +30,8 @@ using solver::Gauge;
 constexpr int most_dofs_for_terms =
     200'000; ///< the exact solution is seen on sixteen times as many
 
+constexpr double most_dofs_kept = 5e5; ///< of meshes (with factors) for settings to come
+
 constexpr double short_run = 0.3; ///< CPU seconds below which a run is timed three times
 
 /// Highest resident memory since the last call of `forget_peak`, in bytes (Linux).
@@ -49,8 +53,10 @@ std::string machine_line() {
       model = line.substr(line.find(':') + 2);
       break;
     }
-  return fmt::format("{}, {} threads, {} {}, one thread used", model,
-                     std::thread::hardware_concurrency(), name.sysname, name.release);
+  return fmt::format("{}, {} threads, {} {}, one thread used; hvi-run {}, g++ {}, Eigen {}.{}.{}",
+                     model, std::thread::hardware_concurrency(), name.sysname, name.release,
+                     version, __VERSION__, EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
+                     EIGEN_MINOR_VERSION);
 }
 
 /// Runs the settings one after the other; knows what has been done before.
@@ -100,8 +106,11 @@ private:
     for (const auto& rungs : solver::combinations(counts)) {
       StudyRow row;
       row.rungs = rungs;
-      for (std::size_t l = 0; l < rungs.size(); ++l)
-        row.values[study_.ladders[l].parameter] = study_.ladders[l].values[rungs[l]];
+      for (std::size_t l = 0; l < rungs.size(); ++l) {
+        const StudyLadder& ladder = study_.ladders[l];
+        row.values[ladder.parameter] = ladder.values[rungs[l]];
+        for (const auto& [name, values] : ladder.more) row.values[name] = values[rungs[l]];
+      }
       study_.rows.push_back(std::move(row));
     }
     if (!study_.rows.empty()) study_.finest = study_.rows.size() - 1;
@@ -189,15 +198,15 @@ private:
       if (const int code = run_row(row, false); code != exit_ok) return code;
     }
     if (!options_.quiet && isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
+    while (!meshes_.empty()) forget(meshes_.begin());
     return exit_ok;
   }
 
   /// What a setting may cost, as far as its numbers tell: their product.
   double weight(const StudyRow& row) const {
     double out = 1.0;
-    for (std::size_t l = 0; l < row.rungs.size(); ++l) {
+    for (const auto& [name, value] : row.values) {
       char* end = nullptr;
-      const std::string& value = study_.ladders[l].values[row.rungs[l]];
       const double number = std::strtod(value.c_str(), &end);
       if (end != value.c_str() && number > 0.0) out *= number;
     }
@@ -218,17 +227,43 @@ private:
     std::fflush(stderr);
   }
 
-  /// Mesh and space of a plan; settings that differ in time only share them.
+  struct KnownMesh {
+    std::string key;
+    std::shared_ptr<solver::Discretisation> mesh;
+    double held = -1.0; ///< resident bytes that stay after a run on it; < 0: none was made
+  };
+  void forget(std::vector<KnownMesh>::iterator at) {
+    const auto spared = at->mesh->shared->spared();
+    study_.shared.matrices += spared.matrices, study_.shared.orders += spared.orders;
+    study_.shared.factors += spared.factors, study_.shared.seconds += spared.seconds();
+    if (fine_for_ == at->mesh.get()) fine_for_ = nullptr; // the next may have its address
+    meshes_.erase(at);
+  }
+
+  /// Mesh and space of a plan; settings with the same share them, and what was assembled, ordered
+  /// and factored on them.
   std::shared_ptr<solver::Discretisation> discretisation_of(const solver::Plan& plan) {
     solver::Plan space;
     space.mesh = plan.mesh, space.parts = plan.parts, space.space = plan.space;
     std::string key = solver::to_string(space);
-    if (key == mesh_key_) return mesh_;
+    if (plan.mesh.adapted > 0) key += solver::adapted_key(plan);
+    const auto known = std::ranges::find(meshes_, key, &KnownMesh::key);
+    if (known != meshes_.end()) {
+      ++study_.shared.meshes;
+      std::rotate(known, known + 1, meshes_.end());    // the last one used is the last to go
+      resident_ -= std::max(0.0, meshes_.back().held); // a run of its own would need that, too
+      return meshes_.back().mesh;
+    }
     auto made = std::make_shared<solver::Discretisation>();
-    const auto failures = solver::discretise(plan, *made);
+    const auto failures = solver::discretise(plan, *made, &stop_flag());
     if (!failures.empty()) throw failures.front();
-    mesh_key_ = std::move(key);
-    return mesh_ = made;
+    made->shared = std::make_shared<solver::SharedWork>();
+    double dofs = made->space.n_dofs();
+    for (const KnownMesh& one : meshes_) dofs += one.mesh->space.n_dofs();
+    for (; !meshes_.empty() && dofs > most_dofs_kept; forget(meshes_.begin()))
+      dofs -= meshes_.front().mesh->space.n_dofs();
+    meshes_.push_back({std::move(key), made});
+    return made;
   }
 
   /// The terms of the Cea type inequality for a row, against what its error is measured against.
@@ -242,7 +277,7 @@ private:
     }
     if (d.space.n_dofs() > most_dofs_for_terms) return;
     if (fine_for_ != &d)
-      fine_ = solver::fine_exact(plan, script.model->study->exact), fine_for_ = &d;
+      fine_ = solver::fine_exact(plan, d.mesh, script.model->study->exact), fine_for_ = &d;
     row.cea = solver::cea_terms(fine_, plan, d);
   }
 
@@ -257,6 +292,8 @@ private:
       return exit_script;
     }
     script.plan->report.fields.clear(), script.plan->report.pictures.clear();
+    forget_peak();
+    resident_ = peak_memory();
     try {
       const auto discretisation = discretisation_of(*script.plan);
       measure(script, discretisation, row, keeps);
@@ -307,14 +344,16 @@ private:
                                                              plan.time.grid.front(),
                                                              plan.time.origin));
     }
-    forget_peak();
-    const double before = peak_memory();
     const auto start = std::chrono::steady_clock::now();
     const auto result = solver::run(plan, *d, settings);
     row.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
                watching_wall + d->seconds;
     row.cpu = result.timing.total - watching;
-    row.peak_bytes = std::max(0.0, peak_memory() - before);
+    row.peak_bytes = std::max(0.0, peak_memory() - resident_);
+    if (meshes_.back().held < 0.0) {
+      forget_peak();
+      meshes_.back().held = std::max(0.0, peak_memory() - resident_);
+    }
     row.unknowns = result.unknowns, row.steps = result.steps, row.newton = result.work.newton;
     for (const auto& [name, value] : result.final)
       if (std::isfinite(value)) row.probes[name] = value;
@@ -345,8 +384,8 @@ private:
   std::vector<std::map<std::string, std::string>> done_;
   std::shared_ptr<const solver::Trajectory> reference_;
   std::optional<solver::Plan> reference_plan_;
-  std::string mesh_key_;
-  std::shared_ptr<solver::Discretisation> mesh_;
+  std::vector<KnownMesh> meshes_;
+  double resident_ = 0.0; ///< bytes before a row
   solver::FineSolution fine_;
   const solver::Discretisation* fine_for_ = nullptr;
   double done_weight_ = 0.0;
@@ -362,12 +401,12 @@ std::optional<double> number_of(const StudyLadder& ladder, int rung) {
   }
 }
 
-/// Errors of a study against its finest run, extrapolated along the diagonal of the ladders.
-void extrapolate(Study& study) {
-  std::vector<std::size_t> diagonal;
-  std::vector<double> scales, distances;
+/// Rows below the finest along the diagonal of the ladders, and their parameters relative to the
+/// finest run's; empty where the first ladder has no numbers.
+std::pair<std::vector<std::size_t>, std::vector<double>> diagonal_of(const Study& study) {
+  std::pair<std::vector<std::size_t>, std::vector<double>> out;
   const auto finest_value = number_of(study.ladders[0], study.rows.back().rungs[0]);
-  if (!finest_value) return;
+  if (!finest_value) return out;
   for (std::size_t i = 0; i + 1 < study.rows.size(); ++i) {
     const StudyRow& row = study.rows[i];
     int lowered = study.rows.back().rungs[0] - row.rungs[0];
@@ -375,10 +414,17 @@ void extrapolate(Study& study) {
       if (study.rows.back().rungs[l] - row.rungs[l] != lowered) lowered = 0;
     const auto value = number_of(study.ladders[0], row.rungs[0]);
     if (lowered == 0 || !row.error || !value) continue;
-    diagonal.push_back(i);
-    scales.push_back(*value / *finest_value);
-    distances.push_back(row.error->v_max);
+    out.first.push_back(i);
+    out.second.push_back(*value / *finest_value);
   }
+  return out;
+}
+
+/// Errors of a study against its finest run, extrapolated along the diagonal of the ladders.
+void extrapolate(Study& study) {
+  const auto [diagonal, scales] = diagonal_of(study);
+  std::vector<double> distances;
+  for (const std::size_t i : diagonal) distances.push_back(study.rows[i].error->v_max);
   const auto fit = solver::richardson(scales, distances);
   if (!fit) return;
   for (std::size_t k = 0; k < diagonal.size(); ++k) {
@@ -392,6 +438,27 @@ void extrapolate(Study& study) {
   last.l2_max = last.l2_final = std::nan("");
   last.size = study.rows[diagonal.back()].error->size;
   study.rows.back().error = last;
+}
+
+/// Distances of the probes to the finest run's; with `richardson` the diagonal has errors.
+void judge_probes(Study& study, bool richardson) {
+  if (!study.finest) return;
+  const StudyRow finest = study.rows[*study.finest];
+  for (const auto& [name, value] : finest.probes) {
+    for (std::size_t i = 0; i < study.rows.size(); ++i)
+      if (const auto mine = study.rows[i].probes.find(name);
+          i != *study.finest && mine != study.rows[i].probes.end())
+        study.rows[i].probe_errors[name] = std::abs(mine->second - value);
+    if (!richardson) continue;
+    const auto [diagonal, scales] = diagonal_of(study);
+    std::vector<double> distances;
+    for (const std::size_t i : diagonal) distances.push_back(study.rows[i].probe_errors[name]);
+    const auto fit = solver::richardson(scales, distances);
+    if (!fit) continue;
+    for (std::size_t k = 0; k < diagonal.size(); ++k)
+      study.rows[diagonal[k]].probe_errors[name] = fit->errors[k];
+    study.rows[*study.finest].probe_errors[name] = fit->errors.back();
+  }
 }
 
 /// The row one rung lower on every ladder of numbers, the same on ladders of words (schemes,
@@ -426,7 +493,13 @@ void judge(Study& study) {
     if (before < 0) continue;
     const auto a = number_of(study.ladders[first], study.rows[before].rungs[first]);
     const auto b = number_of(study.ladders[first], row.rungs[first]);
-    if (a && b) row.order = solver::observed_order(error[before], error[i], *b / *a);
+    if (!a || !b) continue;
+    row.order = solver::observed_order(error[before], error[i], *b / *a);
+    for (const auto& [name, off] : row.probe_errors)
+      if (const auto coarse = study.rows[before].probe_errors.find(name);
+          coarse != study.rows[before].probe_errors.end())
+        if (const auto p = solver::observed_order(coarse->second, off, *b / *a))
+          row.probe_orders[name] = *p;
   }
 }
 
@@ -437,7 +510,9 @@ int study_command(const std::string& path, const Options& options) {
   const InterruptGuard guard;
   Studying studying(path, options, study);
   if (const int code = studying.go(); code != exit_ok) return code;
-  if (study.reference == "the finest run, extrapolated") extrapolate(study);
+  const bool richardson = study.reference == "the finest run, extrapolated";
+  judge_probes(study, richardson);
+  if (richardson) extrapolate(study);
   judge(study);
   try {
     std::vector<std::string> files = {"study.csv"};

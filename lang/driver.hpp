@@ -18,6 +18,8 @@
 
 namespace hvi::lang {
 
+inline constexpr const char* version = "0.1.0";
+
 /// Exit codes, fixed (docs/language.md, "The command").
 enum Exit {
   exit_ok = 0,

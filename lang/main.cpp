@@ -50,7 +50,7 @@ int dispatch(int argc, char** argv) {
   std::string code, phase;
   bool only_check = false;
   CLI::App app{"hvi-run: solves history-dependent hemivariational inequalities"};
-  app.set_version_flag("--version", "hvi-run 0.1.0");
+  app.set_version_flag("--version", std::string("hvi-run ") + hvi::lang::version);
   app.require_subcommand(1);
   const auto command = [&](const char* name, const char* what, bool many = false) {
     CLI::App* sub = app.add_subcommand(name, what);

@@ -19,6 +19,8 @@ struct StudyRow {
   std::map<std::string, std::string> values; ///< parameter -> value, as -D takes it
   std::optional<solver::StudyError> error;   ///< absent: failed, or the finest run itself
   std::map<std::string, double> probes;      ///< final values
+  /// Their distances to the finest run's (extrapolated: errors), and the orders seen.
+  std::map<std::string, double> probe_errors, probe_orders;
   std::optional<solver::CeaTerms> cea;       ///< backward Euler only, which the theorem is about
   int unknowns = 0, steps = 0, newton = 0;
   double cpu = 0.0, wall = 0.0, peak_bytes = 0.0;
@@ -32,6 +34,11 @@ struct Study {
   std::vector<StudyLadder> ladders;
   std::vector<StudyRow> rows;
   std::string machine;
+  /// What settings took over from earlier ones instead of computing it.
+  struct Shared {
+    int meshes = 0, matrices = 0, orders = 0, factors = 0;
+    double seconds = 0.0; ///< CPU, without the meshes
+  } shared;
   /// Probes are judged by the finest run; absent when it failed.
   std::optional<std::size_t> finest;
 };
@@ -40,8 +47,11 @@ struct Study {
 std::string study_table(const Study& study);
 std::string study_csv(const Study& study);
 std::string study_json(const Study& study);
-/// Error against CPU time with the front, and error against the ladders' numbers with slopes one
-/// and two, each as SVG and PNG, drawn by gnuplot into `folder`; returns the files' names.
+/// Every varied parameter, ladder by ladder.
+std::vector<std::string> varied(const Study& study);
+/// Error against CPU time with the front, and error against each ladder's numbers with triangles of
+/// slopes one and two, each as SVG and PNG, drawn by gnuplot into `folder`; returns the files'
+/// names.
 std::vector<std::string> draw_study(const Study& study, const std::string& folder);
 
 } // namespace hvi::lang

@@ -22,21 +22,22 @@ std::string cell(std::optional<double> v, const char* format) {
 
 std::vector<std::string> headings(const Study& study) {
   std::vector<std::string> out;
-  for (const StudyLadder& ladder : study.ladders) out.push_back(ladder.parameter);
-  for (const char* name : {"unknowns", "V error", "relative", "order", "L2 error", "CPU s",
-                           "wall s", "peak MB", "Newton", "front"})
+  out = varied(study);
+  for (const char* name : {"unknowns", "V error", "at the end", "relative", "order", "L2 error",
+                           "CPU s", "wall s", "peak MB", "Newton", "front"})
     out.emplace_back(name);
   return out;
 }
 
 std::vector<std::string> cells(const Study& study, const StudyRow& row) {
   std::vector<std::string> out;
-  for (const StudyLadder& ladder : study.ladders) out.push_back(row.values.at(ladder.parameter));
+  for (const std::string& name : varied(study)) out.push_back(row.values.at(name));
   const auto of = [&](double solver::StudyError::*member) {
     return row.error ? std::optional((*row.error).*member) : std::nullopt;
   };
   out.push_back(fmt::format("{}", row.unknowns));
   out.push_back(cell(of(&solver::StudyError::v_max), "{:.3e}"));
+  out.push_back(cell(of(&solver::StudyError::v_final), "{:.3e}"));
   out.push_back(row.error ? cell(row.error->relative(), "{:.2e}") : "-");
   out.push_back(cell(row.order, "{:.2f}"));
   out.push_back(cell(of(&solver::StudyError::l2_max), "{:.3e}"));
@@ -48,29 +49,33 @@ std::vector<std::string> cells(const Study& study, const StudyRow& row) {
   return out;
 }
 
-/// Points of one curve: rows that share the rungs of every ladder but the first.
-std::string data_block(const Study& study, const std::string& name,
-                       const std::vector<const StudyRow*>& rows,
+/// Points of one curve.
+std::string data_block(const std::string& name, const std::vector<const StudyRow*>& rows,
                        const std::function<double(const StudyRow&)>& x) {
   std::string out = fmt::format("${} << HVI_END\n", name);
-  (void)study;
   for (const StudyRow* row : rows)
     fmt::format_to(std::back_inserter(out), "{:.8g} {:.8g}\n", x(*row), row->error->v_max);
   return out + "HVI_END\n";
 }
 
-/// The rows with an error, in groups that make one curve each, with the curve's name.
-std::vector<std::pair<std::string, std::vector<const StudyRow*>>> curves(const Study& study) {
+/// The rows with an error, in groups that differ in one ladder and make one curve each, with the
+/// curve's name.
+std::vector<std::pair<std::string, std::vector<const StudyRow*>>> curves(const Study& study,
+                                                                         std::size_t along) {
   std::map<std::vector<int>, std::vector<const StudyRow*>> groups;
-  for (const StudyRow& row : study.rows)
-    if (row.error && row.error->v_max > 0.0)
-      groups[{row.rungs.begin() + 1, row.rungs.end()}].push_back(&row);
+  for (const StudyRow& row : study.rows) {
+    if (!row.error || !(row.error->v_max > 0.0)) continue;
+    std::vector<int> others = row.rungs;
+    others[along] = 0;
+    groups[others].push_back(&row);
+  }
   std::vector<std::pair<std::string, std::vector<const StudyRow*>>> out;
   for (auto& [rungs, rows] : groups) {
     std::string name;
     for (std::size_t l = 0; l < rungs.size(); ++l)
-      name += fmt::format("{}{} = {}", l ? ", " : "", study.ladders[l + 1].parameter,
-                          study.ladders[l + 1].values[rungs[l]]);
+      if (l != along)
+        name += fmt::format("{}{} = {}", name.empty() ? "" : ", ", study.ladders[l].parameter,
+                            study.ladders[l].values[rungs[l]]);
     out.emplace_back(name.empty() ? "error" : name, std::move(rows));
   }
   return out;
@@ -89,9 +94,9 @@ std::string heading(const Study& study, const std::string& what) {
 std::string cost_picture(const Study& study) {
   std::string text = heading(study, "what accuracy costs") + "set xlabel 'CPU seconds'\n", plots;
   int k = 0;
-  for (const auto& [name, rows] : curves(study)) {
-    text += data_block(study, fmt::format("curve{}", k), rows,
-                       [](const StudyRow& row) { return row.cpu; });
+  for (const auto& [name, rows] : curves(study, 0)) {
+    text +=
+        data_block(fmt::format("curve{}", k), rows, [](const StudyRow& row) { return row.cpu; });
     plots += fmt::format("{}$curve{} with linespoints pt 7 ps 0.6 title {} noenhanced",
                          k ? ", " : "", k, quoted(name));
     ++k;
@@ -101,35 +106,80 @@ std::string cost_picture(const Study& study) {
     if (row.front && row.error && row.error->v_max > 0.0) front.push_back(&row);
   std::sort(front.begin(), front.end(),
             [](const StudyRow* a, const StudyRow* b) { return a->cpu < b->cpu; });
-  text += data_block(study, "front", front, [](const StudyRow& row) { return row.cpu; });
+  text += data_block("front", front, [](const StudyRow& row) { return row.cpu; });
   return text + "plot " + plots + ", $front with linespoints lw 3 lc rgb '#c00000' title 'front'\n";
 }
 
-/// Error against the first ladder's number, with lines of order one and two beside it.
-std::string order_picture(const Study& study) {
-  std::string text = heading(study, "order") +
-                     fmt::format("set xlabel {}\n", quoted(study.ladders[0].parameter)),
+/// Triangles of slopes one and two with a common corner, below the curves on the left.
+std::string triangles(double left, double right, double top) {
+  std::string out;
+  for (int order = 1; order <= 2; ++order) {
+    const double low = top * std::pow(left / right, order);
+    fmt::format_to(
+        std::back_inserter(out),
+        "$slope{0} << HVI_END\n{1:.8g} {3:.8g}\n{2:.8g} {4:.8g}\n{1:.8g} {4:.8g}\n{1:.8g} "
+        "{3:.8g}\nHVI_END\nset label {5} '{0}' at {6:.8g},{4:.8g} offset 0,0.6 tc rgb "
+        "'gray30'\n",
+        order, left, right, top, low, order + 1, std::sqrt(left * right));
+  }
+  return out;
+}
+
+/// Error against a ladder's numbers, with triangles beside it.
+std::string order_picture(const Study& study, std::size_t along) {
+  const std::string& parameter = study.ladders[along].parameter;
+  std::string text = heading(study, "order in " + parameter) +
+                     fmt::format("set xlabel {} noenhanced\n", quoted(parameter)),
               plots;
-  const auto value = [&](const StudyRow& row) {
-    return std::stod(row.values.at(study.ladders[0].parameter));
-  };
-  const auto all = curves(study);
+  const auto value = [&](const StudyRow& row) { return std::stod(row.values.at(parameter)); };
   int k = 0;
-  double low = 1e300, high = 0.0, top = 0.0;
-  for (const auto& [name, rows] : all) {
-    text += data_block(study, fmt::format("curve{}", k), rows, value);
+  double low = 1e300, high = 0.0, least = 1e300;
+  for (const auto& [name, rows] : curves(study, along)) {
+    text += data_block(fmt::format("curve{}", k), rows, value);
     plots +=
         fmt::format("$curve{} with linespoints pt 7 ps 0.6 title {} noenhanced, ", k, quoted(name));
     ++k;
-    for (const StudyRow* row : rows) {
+    for (const StudyRow* row : rows)
       low = std::min(low, value(*row)), high = std::max(high, value(*row));
-      top = std::max(top, row->error->v_max);
+  }
+  for (const StudyRow& row : study.rows)
+    if (row.error && row.error->v_max > 0.0 && value(row) == low)
+      least = std::min(least, row.error->v_max);
+  return text + triangles(low, low * std::cbrt(high / low), 0.6 * least) +
+         fmt::format("plot {}$slope1 with lines lc rgb 'gray40' notitle, $slope2 with lines lc rgb "
+                     "'gray40' notitle\n",
+                     plots);
+}
+
+/// Probes at the end, their distances to the finest run and the orders.
+std::string probe_table(const Study& study) {
+  std::string out;
+  if (!study.finest) return out;
+  for (const auto& [probe, finest] : study.rows[*study.finest].probes) {
+    fmt::format_to(std::back_inserter(out), "`{}` at the end:\n", probe);
+    for (const StudyRow& row : study.rows) {
+      const auto value = row.probes.find(probe);
+      if (value == row.probes.end()) continue;
+      for (const std::string& name : varied(study))
+        fmt::format_to(std::back_inserter(out), "  {} = {}", name, row.values.at(name));
+      const auto of = [&](const std::map<std::string, double>& map) {
+        const auto at = map.find(probe);
+        return at == map.end() ? std::nullopt : std::optional(at->second);
+      };
+      fmt::format_to(std::back_inserter(out), ": {:.9g}, off by {}, order {}\n", value->second,
+                     cell(of(row.probe_errors), "{:.2e}"), cell(of(row.probe_orders), "{:.2f}"));
     }
   }
-  return text +
-         fmt::format("plot {}[{}:{}] {:.8g} * ({:.8g}/x) dt 2 lc rgb 'gray40' title 'order 1', "
-                     "[{}:{}] {:.8g} * ({:.8g}/x)**2 dt 3 lc rgb 'gray40' title 'order 2'\n",
-                     plots, low, high, top, low, low, high, top, low);
+  return out;
+}
+
+/// What settings took over from one another.
+std::string shared_line(const Study& study) {
+  const auto& s = study.shared;
+  if (s.meshes == 0) return {};
+  return fmt::format("shared between settings: {} meshes, {} assembled matrices, {} orders of "
+                     "elimination, {} factors; {:.3g} CPU s (without meshes) not spent again\n",
+                     s.meshes, s.matrices, s.orders, s.factors, s.seconds);
 }
 
 /// The terms of the Cea type inequality, a row for each run that has them.
@@ -141,14 +191,14 @@ std::string cea_table(const Study& study) {
       out = "Cea inequality: max|e|^2 <= C (max|u-v|^2 + k sum|d(u-v)|^2 + k sum|M(u-v)| + k "
             "sum|S| + "
             "k sum|du-u'|^2 + |e_0|^2 + k^2), v the interpolant of u\n";
-      for (const StudyLadder& ladder : study.ladders)
-        fmt::format_to(std::back_inserter(out), "{:>6}  ", ladder.parameter);
+      for (const std::string& name : varied(study))
+        fmt::format_to(std::back_inserter(out), "{:>6}  ", name);
       fmt::format_to(std::back_inserter(out),
                      "{:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}\n", "|e|^2",
                      "|u-v|^2", "|d(u-v)|", "|M(u-v)|", "|S|", "|du-u'|^2", "|e_0|^2", "k^2", "C");
     }
-    for (const StudyLadder& ladder : study.ladders)
-      fmt::format_to(std::back_inserter(out), "{:>6}  ", row.values.at(ladder.parameter));
+    for (const std::string& name : varied(study))
+      fmt::format_to(std::back_inserter(out), "{:>6}  ", row.values.at(name));
     const auto& c = *row.cea;
     const double square = row.error->v_max * row.error->v_max;
     fmt::format_to(
@@ -161,6 +211,15 @@ std::string cea_table(const Study& study) {
 }
 
 } // namespace
+
+std::vector<std::string> varied(const Study& study) {
+  std::vector<std::string> out;
+  for (const StudyLadder& ladder : study.ladders) {
+    out.push_back(ladder.parameter);
+    for (const auto& [name, values] : ladder.more) out.push_back(name);
+  }
+  return out;
+}
 
 std::string study_table(const Study& study) {
   std::vector<std::vector<std::string>> grid = {headings(study)};
@@ -180,21 +239,26 @@ std::string study_table(const Study& study) {
       for (const auto& [name, value] : row.values) out += fmt::format(" {} = {}", name, value);
       out += ": " + row.failure + "\n";
     }
-  out += cea_table(study);
+  out += probe_table(study) + cea_table(study) + shared_line(study);
   return out + fmt::format("{}; * = no other setting is both cheaper and closer\n", study.machine);
 }
 
 std::string study_csv(const Study& study) {
   std::string out;
-  for (const StudyLadder& ladder : study.ladders) out += ladder.parameter + ",";
+  std::vector<std::string> probes;
+  if (study.finest)
+    for (const auto& [name, value] : study.rows[*study.finest].probes) probes.push_back(name);
+  for (const std::string& name : varied(study)) out += name + ",";
   out += "unknowns,steps,v_max,v_final,l2_max,l2_final,relative,order,cpu,wall,peak_bytes,newton,"
          "front,cea_interpolation,cea_interpolation_rate,cea_trace,cea_residual,cea_rate,cea_start,"
-         "cea_step,cea_constant,failure\n";
+         "cea_step,cea_constant";
+  for (const std::string& probe : probes) out += "," + probe + "," + probe + "_error";
+  out += ",failure\n";
   const auto number = [](std::optional<double> v) {
     return v && std::isfinite(*v) ? fmt::format("{:.17g}", *v) : std::string();
   };
   for (const StudyRow& row : study.rows) {
-    for (const StudyLadder& ladder : study.ladders) out += row.values.at(ladder.parameter) + ",";
+    for (const std::string& name : varied(study)) out += row.values.at(name) + ",";
     const auto& e = row.error;
     const auto of = [&](double v) { return e ? number(v) : std::string(); };
     const solver::StudyError none, &error = e ? *e : none;
@@ -205,11 +269,17 @@ std::string study_csv(const Study& study) {
       terms = fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}",
                           c->interpolation, c->interpolation_rate, c->trace, c->residual, c->rate,
                           c->start, c->step, error.v_max * error.v_max / c->bound());
+    std::string columns;
+    for (const std::string& probe : probes) {
+      const auto value = row.probes.find(probe), off = row.probe_errors.find(probe);
+      columns += "," + (value == row.probes.end() ? "" : number(value->second));
+      columns += "," + (off == row.probe_errors.end() ? "" : number(off->second));
+    }
     out +=
-        fmt::format("{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.0f},{},{},{},\"{}\"\n", row.unknowns,
-                    row.steps, of(error.v_max), of(error.v_final), of(error.l2_max),
+        fmt::format("{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.0f},{},{},{}{},\"{}\"\n",
+                    row.unknowns, row.steps, of(error.v_max), of(error.v_final), of(error.l2_max),
                     of(error.l2_final), of(error.relative()), number(row.order), row.cpu, row.wall,
-                    row.peak_bytes, row.newton, row.front ? 1 : 0, terms, failure);
+                    row.peak_bytes, row.newton, row.front ? 1 : 0, terms, columns, failure);
   }
   return out;
 }
@@ -226,13 +296,12 @@ std::string study_json(const Study& study) {
       out["error"] = {{"V_max", number(e->v_max)},
                       {"V_final", number(e->v_final)},
                       {"L2", number(e->l2_max)},
+                      {"L2_final", number(e->l2_final)},
                       {"relative", number(e->relative())}};
       if (!best || e->v_max < study.rows[*best].error->v_max) best = i;
     }
-    if (study.finest && i != *study.finest && out.contains("error"))
-      for (const auto& [name, value] : study.rows[*study.finest].probes)
-        if (const auto mine = row.probes.find(name); mine != row.probes.end())
-          out["error"][name] = std::abs(mine->second - value);
+    if (out.contains("error"))
+      for (const auto& [name, value] : row.probe_errors) out["error"][name] = number(value);
     out["probes"] = row.probes;
     out["cpu"] = row.cpu, out["wall"] = row.wall, out["peak_bytes"] = row.peak_bytes;
     out["unknowns"] = row.unknowns, out["steps"] = row.steps, out["newton"] = row.newton;
@@ -255,6 +324,12 @@ std::string study_json(const Study& study) {
                     {"script", study.script},
                     {"reference", study.reference},
                     {"machine", study.machine},
+                    {"shared",
+                     {{"meshes", study.shared.meshes},
+                      {"matrices", study.shared.matrices},
+                      {"orders", study.shared.orders},
+                      {"factors", study.shared.factors},
+                      {"seconds", study.shared.seconds}}},
                     {"rows", rows},
                     {"best", best ? Json(*best) : Json(nullptr)}};
   return all.dump(2) + "\n";
@@ -262,7 +337,7 @@ std::string study_json(const Study& study) {
 
 std::vector<std::string> draw_study(const Study& study, const std::string& folder) {
   std::vector<std::string> files;
-  if (curves(study).empty()) return files;
+  if (curves(study, 0).empty()) return files;
   const auto draw = [&](const std::string& name, const std::string& commands) {
     for (const char* kind : {"svg", "png"}) {
       files.push_back(fmt::format("{}.{}", name, kind));
@@ -272,11 +347,14 @@ std::vector<std::string> draw_study(const Study& study, const std::string& folde
     }
   };
   draw("cost", cost_picture(study));
-  const auto& first = study.ladders[0].values;
-  const bool numbers = std::all_of(first.begin(), first.end(), [](const std::string& v) {
-    return !v.empty() && (std::isdigit(static_cast<unsigned char>(v[0])) != 0 || v[0] == '.');
-  });
-  if (numbers) draw("order", order_picture(study));
+  for (std::size_t l = 0; l < study.ladders.size(); ++l) {
+    const auto& rungs = study.ladders[l].values;
+    const bool numbers = std::all_of(rungs.begin(), rungs.end(), [](const std::string& v) {
+      return !v.empty() && (std::isdigit(static_cast<unsigned char>(v[0])) != 0 || v[0] == '.');
+    });
+    if (numbers && rungs.size() > 1)
+      draw("order_" + study.ladders[l].parameter, order_picture(study, l));
+  }
   return files;
 }
 

@@ -89,12 +89,25 @@ Value Checker::mesh(const ast::Mesh& m) {
   return good ? Value(MeshValue{0}) : Value(Poison{});
 }
 
+/// `adapted = CELLS`, where it is written.
+bool Checker::adapted_cells(const ast::Expr* written, MeshSpec& spec) {
+  if (!written) return true;
+  const auto n = positive_integer(*written, "the number of cells");
+  if (n && *n > 5e7) {
+    error("E0607", written->span, "more than 50 million elements");
+    return false;
+  }
+  spec.adapted = static_cast<int>(n.value_or(0));
+  return n.has_value();
+}
+
 bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const std::string& name) {
   const int dim = name == "interval" ? 1 : name == "rectangle" ? 2 : 3;
   std::vector<std::string> names = {"width", "height", "depth"};
   names.resize(dim);
   names.insert(names.end(), {"cells", "origin", "grading"});
   if (dim == 2) names.push_back("pattern");
+  names.push_back("adapted");
   auto args = match(m.value, call, name, names, dim + 1);
   if (!args) return false;
   MeshSpec spec;
@@ -163,6 +176,7 @@ bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const s
         good = false;
       }
   }
+  good = adapted_cells(args->back(), spec) && good;
   if (!good) return false;
   for (int a = 0; a < dim; ++a) {
     if (grading[a] == 1.0) continue;
@@ -183,7 +197,7 @@ bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const s
 }
 
 bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
-  auto args = match(m.value, call, "gmsh", {"file", "refinements"}, 1);
+  auto args = match(m.value, call, "gmsh", {"file", "refinements", "adapted"}, 1);
   if (!args) return false;
   const auto* path = std::get_if<ast::String>(&(*args)[0]->node);
   if (!path) {
@@ -208,6 +222,7 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
     }
     spec.refinements = static_cast<int>(*n);
   }
+  if (!adapted_cells((*args)[2], spec)) return false;
   std::string extension = std::filesystem::path(*full).extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const bool geo = extension == ".geo";
@@ -237,7 +252,9 @@ bool Checker::geometry_mesh(const ast::Mesh& m, const ast::Call& call, const std
   const auto& known = solver::geometries();
   const auto& info =
       *std::find_if(known.begin(), known.end(), [&](const auto& g) { return g.name == name; });
-  auto args = match(m.value, call, name, info.parameters, 0);
+  auto names = info.parameters;
+  names.push_back("adapted");
+  auto args = match(m.value, call, name, names, 0);
   if (!args) return false;
   MeshSpec spec;
   spec.name = m.name.text;
@@ -245,8 +262,8 @@ bool Checker::geometry_mesh(const ast::Mesh& m, const ast::Call& call, const std
   spec.kind = MeshSpec::Kind::geometry;
   spec.geometry = name;
   spec.numbers = info.defaults;
-  bool good = true;
-  for (std::size_t i = 0; i < args->size(); ++i) {
+  bool good = adapted_cells(args->back(), spec);
+  for (std::size_t i = 0; i < info.parameters.size(); ++i) {
     if (!(*args)[i]) continue;
     auto v = constant(*(*args)[i], info.parameters[i]);
     good = good && v;

@@ -362,49 +362,85 @@ void Checker::expectations() {
   }
 }
 
+/// May the study vary it? A parameter that no ladder has yet.
+bool Checker::varies(const ast::Name& name, std::vector<std::string>& known) {
+  if (std::find(known.begin(), known.end(), name.text) != known.end()) {
+    error("E0302", name.span, fmt::format("`{}` is varied twice", name.text));
+    return false;
+  }
+  known.push_back(name.text);
+  const int index = find_declaration(name.text);
+  if (index < 0 && is_silent(name.text)) return false;
+  if (index >= 0 && std::holds_alternative<ast::Param>(*declarations_[index].statement))
+    return true;
+  std::vector<std::string> params;
+  for (const ModelParam& p : model_.params) params.push_back(p.name);
+  diagnostics_.add_once(
+      name.text,
+      diagnose("E0301", name.span, fmt::format("there is no parameter `{}` to vary", name.text))
+          .with_help(did_you_mean(name.text, params)));
+  return false;
+}
+
+/// A value as -D would give it; false: said why not.
+bool Checker::study_value(const ast::Expr& item, std::vector<std::string>& out) {
+  const auto* w = std::get_if<ast::Reference>(&item.node);
+  if (w && is_word(w->name)) {
+    out.push_back(w->name);
+    return true;
+  }
+  const auto v = constant(item, "a rung of a ladder");
+  if (v) out.push_back(fmt::format("{}", *v));
+  return v.has_value();
+}
+
+std::optional<StudyLadder> Checker::study_ladder(const ast::Ladder& ladder,
+                                                 const ModelStudy& study) {
+  std::vector<std::string> known;
+  for (const StudyLadder& other : study.ladders) {
+    known.push_back(other.parameter);
+    for (const auto& [name, values] : other.more) known.push_back(name);
+  }
+  bool good = varies(ladder.parameter, known);
+  StudyLadder out{ladder.parameter.text, ladder.span, {}};
+  for (const ast::Name& name : ladder.more) {
+    good = varies(name, known) && good;
+    out.more.emplace_back(name.text, std::vector<std::string>{});
+  }
+  if (!good) return std::nullopt;
+  const auto* list = std::get_if<ast::List>(&ladder.values.node);
+  if (!list) {
+    error("E0306", ladder.values.span, "a ladder is a list `[...]`");
+    return std::nullopt;
+  }
+  for (const ast::Expr& item : list->items) {
+    if (out.more.empty()) {
+      study_value(item, out.values);
+      continue;
+    }
+    const auto* rung = std::get_if<ast::List>(&item.node);
+    if (!rung || rung->items.size() != out.more.size() + 1) {
+      error("E0307", item.span,
+            fmt::format("a rung is a list of {} values, one for each parameter",
+                        out.more.size() + 1));
+      return std::nullopt;
+    }
+    good = study_value(rung->items[0], out.values);
+    for (std::size_t k = 0; k < out.more.size(); ++k)
+      good = study_value(rung->items[k + 1], out.more[k].second) && good;
+    if (!good) return std::nullopt;
+  }
+  return out;
+}
+
 void Checker::study() {
   for (const ast::Statement& statement : programs_[0].statements) {
     const auto* s = std::get_if<ast::Study>(&statement);
     if (!s) continue;
     ModelStudy out;
     out.span = s->span;
-    for (const ast::Ladder& ladder : s->ladders) {
-      const auto twice = [&](const StudyLadder& other) {
-        return other.parameter == ladder.parameter.text;
-      };
-      if (std::any_of(out.ladders.begin(), out.ladders.end(), twice)) {
-        error("E0302", ladder.parameter.span,
-              fmt::format("`{}` is varied twice", ladder.parameter.text));
-        continue;
-      }
-      StudyLadder rungs{ladder.parameter.text, ladder.span, {}};
-      const int index = find_declaration(ladder.parameter.text);
-      if (index < 0 && is_silent(ladder.parameter.text)) continue;
-      if (index < 0 || !std::holds_alternative<ast::Param>(*declarations_[index].statement)) {
-        std::vector<std::string> params;
-        for (const ModelParam& p : model_.params) params.push_back(p.name);
-        diagnostics_.add_once(
-            ladder.parameter.text,
-            diagnose("E0301", ladder.parameter.span,
-                     fmt::format("there is no parameter `{}` to vary", ladder.parameter.text))
-                .with_help(did_you_mean(ladder.parameter.text, params)));
-        continue;
-      }
-      const auto* list = std::get_if<ast::List>(&ladder.values.node);
-      if (!list) {
-        error("E0306", ladder.values.span, "a ladder is a list `[...]`");
-        continue;
-      }
-      for (const ast::Expr& item : list->items) {
-        const auto* w = std::get_if<ast::Reference>(&item.node);
-        if (w && is_word(w->name)) {
-          rungs.values.push_back(w->name);
-        } else if (auto v = constant(item, "a rung of a ladder")) {
-          rungs.values.push_back(fmt::format("{}", *v));
-        }
-      }
-      out.ladders.push_back(std::move(rungs));
-    }
+    for (const ast::Ladder& ladder : s->ladders)
+      if (auto rungs = study_ladder(ladder, out)) out.ladders.push_back(std::move(*rungs));
     out.reference = s->reference == ast::StudyReference::finest ? ModelStudy::Reference::finest
                     : s->reference == ast::StudyReference::richardson
                         ? ModelStudy::Reference::richardson

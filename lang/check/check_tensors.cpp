@@ -370,8 +370,12 @@ Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& s
   try {
     auto table = std::make_shared<solver::Table>(solver::parse_table(path->text, *text, kind));
     table_uses_.push_back({e.span, path->text, at->scalar(), table->first(), table->last()});
-    out.components = {prony ? prony_through(*table, at->scalar(), e.span)
-                            : Symbol::tabulated(table, at->scalar())};
+    // A table of the lag is material data: what a Prony sum makes of it is said in any case.
+    const auto& where = at->scalar();
+    const bool relaxation = scope.lag && where.depends_on(slot::lag) && !where.depends_on(slot::t);
+    const Symbol sum =
+        prony || relaxation ? prony_through(*table, where, e.span, prony) : Symbol(0.0);
+    out.components = {prony ? sum : Symbol::tabulated(table, where)};
   } catch (const std::invalid_argument& problem) {
     error("E0605", (*args)[0]->span, fmt::format("`{}`: {}", path->text, problem.what()),
           "a table is two columns of numbers, the first increasing");
@@ -380,8 +384,10 @@ Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& s
   return check_finite(e.span, out) ? Value(out) : Value(Poison{});
 }
 
-/// The Prony sum through the table's points; its error becomes a note of the plan.
-Symbol Checker::prony_through(const solver::Table& table, const Symbol& at, const Span& span) {
+/// The Prony sum through the table's points; its error becomes a note of the plan, which says
+/// whether the sum is `taken` or the table itself.
+Symbol Checker::prony_through(const solver::Table& table, const Symbol& at, const Span& span,
+                              bool taken) {
   const auto fit = solver::fit_prony(table);
   Symbol sum = fit.constant;
   for (std::size_t i = 0; i < fit.weights.size(); ++i)
@@ -392,9 +398,13 @@ Symbol Checker::prony_through(const solver::Table& table, const Symbol& at, cons
     model_.notes.push_back(
         {fmt::format("Prony sum through `{}`", table.name()), span,
          fmt::format("{} exponentials{}, largest error {:.1e} of the largest "
-                     "value, root mean square {:.1e}",
+                     "value, root mean square {:.1e}{}",
                      fit.weights.size(), fit.constant != 0 ? " and a constant" : "", fit.largest,
-                     fit.mean)});
+                     fit.mean,
+                     taken ? ""
+                           : " (the table itself is taken, without this error; "
+                             "`interpolation = prony` takes the sum)"),
+         taken});
   return sum;
 }
 

@@ -135,7 +135,7 @@ private:
                     const Scope& scope);
   Value material_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                       const Scope& scope);
-  Symbol prony_through(const solver::Table& table, const Symbol& at, const Span& span);
+  Symbol prony_through(const solver::Table& table, const Symbol& at, const Span& span, bool taken);
   Value table_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
   Value prony_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
   Value history_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
@@ -164,6 +164,7 @@ private:
   // --- meshes and parts (check_mesh.cpp)
   Value mesh(const ast::Mesh& mesh);
   void second_mesh(const Span& span);
+  bool adapted_cells(const ast::Expr* written, solver::MeshSpec& spec);
   bool structured_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);
   bool file_mesh(const ast::Mesh& mesh, const ast::Call& call);
   bool geometry_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);
@@ -211,6 +212,9 @@ private:
   std::optional<double> report_time(const ast::Expr& e);
   Field stress();
   void expectations();
+  bool varies(const ast::Name& name, std::vector<std::string>& known);
+  bool study_value(const ast::Expr& item, std::vector<std::string>& out);
+  std::optional<StudyLadder> study_ladder(const ast::Ladder& ladder, const ModelStudy& study);
   void study();
 
   void error(std::string_view code, const Span& span, std::string message, std::string help = {},

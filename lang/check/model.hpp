@@ -83,6 +83,8 @@ struct StudyLadder {
   std::string parameter;
   Span span;
   std::vector<std::string> values; ///< as -D would give them
+  /// Parameters that climb together with it, each with as many values.
+  std::vector<std::pair<std::string, std::vector<std::string>>> more{};
 };
 
 struct ModelStudy {
@@ -98,6 +100,7 @@ struct ModelNote {
   std::string name;
   Span span;
   std::string what;
+  bool taken = true; ///< false: it is known, but not what is computed with
 };
 
 struct Model {

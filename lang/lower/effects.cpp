@@ -90,7 +90,8 @@ std::vector<EffectNote> effects(Model& model, const solver::Plan& plan) {
   if (!any_normal) out.push_back(note(model, "normal law", {}, "no superpotential of a scalar"));
   if (!any_friction) out.push_back(note(model, "friction", {}, "no superpotential of a vector"));
   for (const ModelNote& found : model.notes)
-    out.push_back({found.name, State::on, model.origin(found.span), found.what});
+    out.push_back(
+        {found.name, found.taken ? State::on : State::off, model.origin(found.span), found.what});
   return out;
 }
 

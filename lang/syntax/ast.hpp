@@ -403,10 +403,11 @@ struct Expect {
   std::optional<Text> source;
 };
 
-/// name in [values]
+/// name in [values], or names in [[values of a rung], ...]
 struct Ladder {
   Span span;
   Name parameter;
+  std::vector<Name> more; // climb together with the first
   Expr values; // a List
 };
 

@@ -155,10 +155,11 @@ ast::Study Parser::study() {
   return result;
 }
 
-// ladder = name "in" list ;
+// ladder = name { "," name } "in" list ;
 ast::Ladder Parser::ladder() {
   ast::Ladder result;
   result.parameter = name("the name of a parameter");
+  while (accept(TokenKind::comma)) result.more.push_back(name("the name of a parameter"));
   expect_word("in");
   result.values = list();
   result.span = span_from(result.parameter.span);

@@ -385,8 +385,11 @@ void Printer::operator()(const ast::Expect& node) {
 void Printer::operator()(const ast::Study& node) {
   line("study", node.span);
   const Indent indent(*this);
-  for (const ast::Ladder& ladder : node.ladders)
-    print("vary " + ladder.parameter.text + ": ", ladder.values);
+  for (const ast::Ladder& ladder : node.ladders) {
+    std::string names = ladder.parameter.text;
+    for (const ast::Name& name : ladder.more) names += ", " + name.text;
+    print("vary " + names + ": ", ladder.values);
+  }
   constexpr std::array<std::string_view, 3> references{"finest", "richardson", "exact"};
   line("against " + std::string(references[static_cast<std::size_t>(node.reference)]),
        node.reference_word);

@@ -27,10 +27,10 @@ void check_contact(const SparseMatrix& k, std::span<const int> contact) {
 } // namespace
 
 std::unique_ptr<Factorisation> analyse(const SparseMatrix& k, std::span<const int> contact,
-                                       bool symmetric) {
+                                       bool symmetric, OrderStore* known) {
   check_matrix(k);
   check_contact(k, contact);
-  return symmetric ? analyse_cholesky(k, contact) : analyse_lu(k, contact);
+  return symmetric ? analyse_cholesky(k, contact, known) : analyse_lu(k, contact);
 }
 
 } // namespace hvi::solver

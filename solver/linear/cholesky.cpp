@@ -44,7 +44,7 @@ DenseMatrix times_transpose(const DenseMatrix& l) {
 
 class Cholesky final : public Factorisation {
 public:
-  Cholesky(const SparseMatrix& k, std::span<const int> contact);
+  Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known);
   ~Cholesky() override { cholmod_l_free_factor(&l_, session_.common()); }
   Cholesky(const Cholesky&) = delete;
   Cholesky& operator=(const Cholesky&) = delete;
@@ -86,8 +86,10 @@ private:
   FactorStatistics statistics_;
 };
 
-Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact)
-    : start_(std::chrono::steady_clock::now()), order_(order_contact_last(k, contact, session_)),
+Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known)
+    : start_(std::chrono::steady_clock::now()),
+      order_(known != nullptr ? known->order(k, contact, session_)
+                              : order_contact_last(k, contact, session_)),
       a_(k, order_.links), size_(static_cast<int>(k.rows())),
       interior_(size_ - static_cast<int>(contact.size())) {
   analyse_pattern();
@@ -103,7 +105,8 @@ Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact)
   statistics_.analyses = 1;
   statistics_.bytes = static_cast<double>(l_->xsize) * sizeof(double) +
                       static_cast<double>(l_->ssize) * (sizeof(Long) + sizeof(int));
-  statistics_.seconds_analyse = seconds_since(start_);
+  statistics_.seconds_analyse =
+      seconds_since(start_) + (known != nullptr ? known->seconds_of_last() : 0.0);
 }
 
 void Cholesky::analyse_pattern() {
@@ -247,8 +250,9 @@ void Cholesky::solve(const Vector& b, Vector& x) {
 } // namespace
 
 std::unique_ptr<Factorisation> analyse_cholesky(const SparseMatrix& k,
-                                                std::span<const int> contact) {
-  return std::make_unique<Cholesky>(k, contact);
+                                                std::span<const int> contact,
+                                                OrderStore* known) {
+  return std::make_unique<Cholesky>(k, contact, known);
 }
 
 } // namespace hvi::solver

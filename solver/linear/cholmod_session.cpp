@@ -25,14 +25,15 @@ CholmodSession::CholmodSession() {
 CholmodSession::~CholmodSession() { cholmod_l_finish(&common_); }
 
 OneBlasThread::OneBlasThread()
-    : before_(openblas_get_num_threads()), openmp_before_(omp_get_max_threads()) {
+    : before_(openblas_get_num_threads()), levels_before_(omp_get_max_active_levels()) {
   if (before_ != 1) openblas_set_num_threads(1);
-  if (openmp_before_ != 1) omp_set_num_threads(1);
+  // CHOLMOD's loops ask for four threads by name; with no active level allowed they get one.
+  omp_set_max_active_levels(0);
 }
 
 OneBlasThread::~OneBlasThread() {
   if (before_ != 1) openblas_set_num_threads(before_);
-  if (openmp_before_ != 1) omp_set_num_threads(openmp_before_);
+  omp_set_max_active_levels(levels_before_);
 }
 
 UpperTriangle::UpperTriangle(const SparseMatrix& k, std::span<const std::pair<int, int>> extra)

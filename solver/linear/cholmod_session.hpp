@@ -37,7 +37,7 @@ public:
   OneBlasThread& operator=(const OneBlasThread&) = delete;
 
 private:
-  int before_, openmp_before_;
+  int before_, levels_before_;
 };
 
 /// The upper triangle of a symmetric matrix by columns, as CHOLMOD wants it.

@@ -64,9 +64,13 @@ public:
   virtual const FactorStatistics& statistics() const = 0;
 };
 
+/// Orders of elimination that were found before; ordering.hpp.
+class OrderStore;
+
 /// Analyses the pattern of K (symmetric pattern; `symmetric`: Cholesky through CHOLMOD, contact
 /// unknowns last; else UMFPACK). `contact` lists the contact unknowns, in the order of r and c.
+/// Cholesky takes the order of elimination from `known`, if given, or puts it there.
 std::unique_ptr<Factorisation> analyse(const SparseMatrix& k, std::span<const int> contact,
-                                       bool symmetric);
+                                       bool symmetric, OrderStore* known = nullptr);
 
 } // namespace hvi::solver

@@ -4,6 +4,7 @@
 #include "solver/common/failure.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <numeric>
 #include <optional>
 
@@ -114,6 +115,35 @@ double count_nonzeros(UpperTriangle& a, std::vector<Long> order, std::span<const
 }
 
 } // namespace
+
+ContactLastOrder OrderStore::order(const SparseMatrix& k, std::span<const int> contact,
+                                   CholmodSession& session) {
+  constexpr std::size_t most = 4;
+  const auto equal = [](const std::vector<int>& a, const int* b, std::size_t n) {
+    return a.size() == n && std::equal(a.begin(), a.end(), b);
+  };
+  const auto n = static_cast<std::size_t>(k.rows()) + 1, m = static_cast<std::size_t>(k.nonZeros());
+  for (const Known& one : known_)
+    if (equal(one.outer, k.outerIndexPtr(), n) && equal(one.inner, k.innerIndexPtr(), m) &&
+        equal(one.contact, contact.data(), contact.size())) {
+      ++reused_;
+      seconds_spared_ += one.seconds;
+      seconds_of_last_ = one.seconds;
+      return one.order;
+    }
+  const auto start = std::chrono::steady_clock::now();
+  auto found = order_contact_last(k, contact, session);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (known_.size() == most) known_.erase(known_.begin());
+  known_.push_back({{k.outerIndexPtr(), k.outerIndexPtr() + n},
+                    {k.innerIndexPtr(), k.innerIndexPtr() + m},
+                    {contact.begin(), contact.end()},
+                    found,
+                    seconds});
+  seconds_of_last_ = 0;
+  return found;
+}
 
 ContactLastOrder order_contact_last(const SparseMatrix& k, std::span<const int> contact,
                                     CholmodSession& session) {

@@ -25,4 +25,25 @@ struct ContactLastOrder {
 ContactLastOrder order_contact_last(const SparseMatrix& k, std::span<const int> contact,
                                     CholmodSession& session);
 
+/// Orders of the last few patterns. One that is known is handed out again, to the same bits.
+class OrderStore {
+public:
+  ContactLastOrder order(const SparseMatrix& k, std::span<const int> contact,
+                         CholmodSession& session);
+  /// What the last order handed out had cost when it was found; 0 if it was found just now.
+  double seconds_of_last() const { return seconds_of_last_; }
+  int reused() const { return reused_; }
+  double seconds_spared() const { return seconds_spared_; }
+
+private:
+  struct Known {
+    std::vector<int> outer, inner, contact;
+    ContactLastOrder order;
+    double seconds;
+  };
+  std::vector<Known> known_;
+  int reused_ = 0;
+  double seconds_of_last_ = 0, seconds_spared_ = 0;
+};
+
 } // namespace hvi::solver

@@ -40,6 +40,7 @@ struct MeshSpec {
   std::string geometry;                       ///< geometry: a gmsh model of ours ("disk", "bracket"...)
   std::vector<double> numbers;                ///< its numbers
   int refinements = 0;                        ///< uniform refinements after that
+  int adapted = 0; ///< then bisected to so many cells where an error indicator says; 0: not
 };
 
 /// A part of the mesh as a small tree; resolved to entities by solver/mesh/region.hpp.

@@ -85,7 +85,7 @@ private:
                        run.cpu,
                        {},
                        {}};
-    if (run.failure.empty()) costs_[setting.order].push_back(run.cost);
+    if (run.failure.empty()) costs_[kind_of(setting)].push_back(run.cost);
     tell_(run.failure.empty() ? fmt::format("{}: {}, {:.2g} s", purpose, record.text, run.cpu)
                               : fmt::format("{}: {}: {}", purpose, record.text, run.failure));
     out_.runs.push_back(std::move(record));
@@ -138,12 +138,16 @@ private:
     const auto scheme = family_.plan().time.scheme;
     return {element.first, scheme, level, family_.is_static() ? 1 : space_steps_, element.second};
   }
-  Setting time_setting(Scheme scheme, int steps) const { return {1, scheme, 2, steps, 1.0}; }
+  Setting time_setting(Scheme scheme, int steps) const { return {1, scheme, 2, steps, plain()}; }
+  /// The grade of meshes that are neither graded nor adapted unless the script says so.
+  double plain() const { return family_.adapted() ? adaptive : 1.0; }
 
   void climb_space(Element element, int rungs) {
-    const auto purpose = fmt::format(
-        "space ladder, P{}{}", element.first,
-        element.second != 1.0 ? fmt::format(", graded {}", element.second) : std::string());
+    const auto purpose =
+        fmt::format("space ladder, P{}{}", element.first,
+                    element.second == adaptive ? ", adapted"
+                    : element.second != 1.0    ? fmt::format(", graded {}", element.second)
+                                               : std::string());
     finest_level_[element] = climb(space_[element], 1, rungs, purpose,
                                    [&](int level) { return space_setting(element, level); });
   }
@@ -151,6 +155,17 @@ private:
     finest_steps_[scheme] = climb(time_[scheme], family_.coarsest_steps(), rungs,
                                   fmt::format("time ladder, {}", scheme_name(scheme)),
                                   [&](int steps) { return time_setting(scheme, steps); });
+  }
+
+  /// Does every mesh that was tried leave P2 far below its order?
+  bool is_singular() const {
+    bool seen = false;
+    for (const auto& [element, rungs] : space_) {
+      if (element.first != 2 || rungs.size() < 2 || !out_.request.probe.empty()) continue;
+      if (space_law(element).order > 1.6) return false;
+      seen = true;
+    }
+    return seen;
   }
 
   void choose_candidates() {
@@ -162,12 +177,17 @@ private:
     // Enough steps that every level could be certified, and few.
     space_steps_ = 2 * family_.coarsest_steps();
     for (int k = 0; k < 6 && !family_.is_static(); ++k, space_steps_ *= 2)
-      if (cheap(space_setting({1, 1.0}, 2), "space ladder, P1").failure.empty()) break;
-    std::vector<Element> elements = {{1, 1.0}, {2, 1.0}};
-    if (fixed) elements = {{family_.plan().space.order, 1.0}};
-    if (family_.gradable() && !fixed)
+      if (cheap(space_setting({1, plain()}, 2), "space ladder, P1").failure.empty()) break;
+    std::vector<Element> elements = {{1, plain()}, {2, plain()}};
+    if (fixed) elements = {{family_.plan().space.order, plain()}};
+    if (family_.gradable() && !fixed && !family_.adapted())
       elements.insert(elements.end(), {{1, steep}, {2, steep}, {2, steeper}});
     for (const Element& element : elements) climb_space(element, first_rungs);
+    if (!fixed && !family_.adapted() && is_singular())
+      for (const Element& element : {Element{1, adaptive}, Element{2, adaptive}}) {
+        elements.push_back(element);
+        climb_space(element, first_rungs);
+      }
     for (const Element& element : elements)
       for (const Scheme scheme : schemes)
         if (!space_[element].empty() && (family_.is_static() || !time_[scheme].empty()))
@@ -179,6 +199,9 @@ private:
 
   // ---- choice ------------------------------------------------------------------------------
 
+  /// Settings whose seconds and unknowns grow alike: order, and whether meshes are adapted.
+  using Kind = std::pair<int, bool>;
+  static Kind kind_of(const Setting& s) { return {s.order, s.grade == adaptive}; }
   static Element element_of(const Setting& s) { return {s.order, s.grade}; }
 
   ErrorLaw space_law(Element element) const {
@@ -196,10 +219,11 @@ private:
     for (const auto& [element, scheme] : pairs_) {
       const int order = element.first;
       Candidate c{order, scheme, element.second, space_law(element), time_law(scheme), {}, 0.0};
-      c.cost = fit_cost(costs_.at(order), family_.dim());
+      c.cost = fit_cost(costs_.at({order, element.second == adaptive}), family_.dim());
       int finest = 0;
       for (const auto& r : out_.runs)
-        if (r.setting.order == order && r.failure.empty() && r.setting.level > finest) {
+        if (kind_of(r.setting) == Kind{order, element.second == adaptive} && r.failure.empty() &&
+            r.setting.level > finest) {
           finest = r.setting.level;
           c.unknowns_at_one = r.unknowns / std::pow(finest, family_.dim());
         }
@@ -299,7 +323,7 @@ private:
   /// Set-up from the run whose unknowns are nearest; steps from the two companions, whose
   /// difference is what a step costs and whose rest is what the first step does once.
   double predicted_seconds(const Setting& setting, const KeptRun& companion) {
-    const auto& points = costs_.at(setting.order);
+    const auto& points = costs_.at(kind_of(setting));
     const double unknowns = companion.cost.unknowns * std::pow(2.0, family_.dim());
     CostLaw law = fit_cost(points, family_.dim());
     law.at = companion.cost;
@@ -326,7 +350,7 @@ private:
   void finish(AccuracyTry& now, const KeptRun& run, const KeptRun& companion) {
     now.cpu = run.result.timing.total;
     now.unknowns = run.result.unknowns;
-    costs_[now.setting.order].push_back(run.cost);
+    costs_[kind_of(now.setting)].push_back(run.cost);
     now.space_distance = distance(companion, run, out_.request.probe);
     record_distance(companion, run, now.space_distance);
     add_rung(space_[element_of(now.setting)], {0.5 * now.setting.level, 2.0, now.space_distance});
@@ -365,7 +389,7 @@ private:
   std::vector<std::pair<Element, Scheme>> pairs_;
   std::map<Element, std::vector<Rung>> space_;
   std::map<Scheme, std::vector<Rung>> time_;
-  std::map<int, std::vector<CostPoint>> costs_;
+  std::map<Kind, std::vector<CostPoint>> costs_;
   std::map<Element, int> finest_level_;
   std::map<Scheme, int> finest_steps_;
 };

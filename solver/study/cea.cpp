@@ -2,6 +2,7 @@
 #include "solver/study/cea.hpp"
 
 #include "solver/history/history.hpp"
+#include "solver/mesh/generate.hpp"
 #include "solver/time/contact.hpp"
 
 #include <algorithm>
@@ -107,14 +108,13 @@ private:
 
 } // namespace
 
-FineSolution fine_exact(const Plan& plan, std::vector<Expr> exact) {
+FineSolution fine_exact(const Plan& plan, const Mesh& coarse, std::vector<Expr> exact) {
   FineSolution out;
   out.plan = plan;
   out.plan.space.order = 2;
-  out.plan.mesh.refinements += 1;
   out.plan.report = {};
   auto d = std::make_shared<Discretisation>();
-  const auto failures = discretise(out.plan, *d);
+  const auto failures = discretise_on(out.plan, refine(coarse), *d);
   if (!failures.empty()) throw failures.front();
   out.discretisation = d;
   const Origin origin = plan.time.origin;

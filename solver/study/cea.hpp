@@ -40,7 +40,7 @@ struct FineSolution {
   std::function<Vector(double)> u, rate;
 };
 /// An exact solution, interpolated by P2 on the run's mesh refined once.
-FineSolution fine_exact(const Plan& plan, std::vector<Expr> exact);
+FineSolution fine_exact(const Plan& plan, const Mesh& coarse, std::vector<Expr> exact);
 /// The steps of a finer run; its rate is the difference quotient.
 FineSolution fine_trajectory(const Plan& plan, std::shared_ptr<const Trajectory> trajectory);
 

@@ -3,6 +3,7 @@
 
 #include "solver/study/reference.hpp"
 #include "solver/time/clock.hpp"
+#include "solver/time/shared_work.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -72,8 +73,9 @@ std::shared_ptr<const Discretisation> Runner::discretisation_of(const Setting& s
   auto& known = meshes_[{setting.order, setting.level, setting.grade}];
   if (known) return known;
   auto made = std::make_shared<Discretisation>();
-  const auto failures = discretise(plan, *made);
+  const auto failures = discretise(plan, *made, settings_.stop);
   if (!failures.empty()) throw failures.front();
+  made->shared = std::make_shared<SharedWork>();
   return known = made;
 }
 

@@ -91,7 +91,8 @@ std::optional<Choice> cheapest(std::span<const Candidate> candidates, const Sett
   for (const Candidate& c : candidates) {
     const auto unknowns = [&](double level) { return c.unknowns_at_one * std::pow(level, d); };
     for (int level = 2; unknowns(level) <= most_unknowns && level < (1 << 24);
-         level = family.bisected() ? 2 * level : level + std::max(2, level / 64 * 2)) {
+         level = family.bisected() && c.grade != adaptive ? 2 * level
+                                                          : level + std::max(2, level / 64 * 2)) {
       const double left = target - c.space.at(level);
       if (left <= 0.0) continue;
       double steps = 1.0, with_companions = c.cost.seconds(unknowns(level), 1);

@@ -2,6 +2,7 @@
 #include "solver/study/reference.hpp"
 
 #include "solver/fem/element.hpp"
+#include "solver/fem/geometry.hpp"
 
 #include <algorithm>
 #include <array>
@@ -83,7 +84,119 @@ private:
   SparseMatrix transfer_, gram_, mass_;
 };
 
+constexpr double inside = 1e-9; ///< barycentric coordinates of a point of a cell, at least minus
+
+[[noreturn]] void other_body(const Point& p, int dim) {
+  throw Failure(FailureKind::bad_value, {},
+                "the meshes of a study do not cover the same body: " + describe_point(p, dim) +
+                    " lies outside");
+}
+
+/// Both functions at the quadrature points of the finer mesh, one after the other.
+class PointGauge final : public Gauge {
+public:
+  PointGauge(std::shared_ptr<const Trajectory> reference, const Discretisation& coarse)
+      : reference_(std::move(reference)), fine_(reference_->discretisation->space),
+        coarse_(coarse.space), rule_(simplex_rule(fine_.mesh->dim, 4)) {
+    const CellLocator locator(*coarse_.mesh);
+    const auto n_cells = static_cast<int>(fine_.mesh->cells.size());
+    for (int cell = 0; cell < n_cells; ++cell)
+      for (const auto& at : rule_.points) {
+        const Point p = point_in_cell(*fine_.mesh, cell, at);
+        Seen seen;
+        seen.cell = locator.find(p, seen.at);
+        if (seen.cell < 0) other_body(p, fine_.mesh->dim);
+        seen_.push_back(seen);
+      }
+  }
+
+  void step(double t, const Vector& u) override {
+    const Vector exact = reference_->at(t);
+    double v = 0.0, l2 = 0.0, size = 0.0;
+    int before = -1;
+    CellGeometry there;
+    for (std::size_t cell = 0, k = 0; cell < fine_.mesh->cells.size(); ++cell) {
+      const int c = static_cast<int>(cell);
+      const auto here = cell_geometry(*fine_.mesh, c);
+      for (std::size_t q = 0; q < rule_.size(); ++q, ++k) {
+        if (seen_[k].cell != before)
+          before = seen_[k].cell, there = cell_geometry(*coarse_.mesh, before);
+        const double w = here.measure * rule_.weights[q];
+        const auto mine = values(coarse_, before, there, seen_[k].at, u);
+        const auto right = values(fine_, c, here, rule_.points[q], exact);
+        add(mine, right, w, v, l2, size);
+      }
+    }
+    note(v, l2, size);
+  }
+
+private:
+  struct Seen {
+    int cell = -1;
+    Barycentric at{};
+  };
+  using Values = std::array<double, 12>; ///< u_i, then d u_i / d x_j at 3 + 3 i + j
+
+  Values values(const Space& space, int cell, const CellGeometry& geometry, const Barycentric& at,
+                const Vector& u) {
+    evaluate_shapes(space, geometry, at, true, shapes_);
+    Values out{};
+    const auto nodes = space.nodes_of_cell(cell);
+    for (std::size_t n = 0; n < nodes.size(); ++n)
+      for (int i = 0; i < space.components; ++i) {
+        const double c = u[space.dof(nodes[n], i)];
+        out[i] += c * shapes_.at(0, static_cast<int>(n));
+        for (int j = 0; j < space.mesh->dim; ++j)
+          out[3 + 3 * i + j] += c * shapes_.at(1 + j, static_cast<int>(n));
+      }
+    return out;
+  }
+
+  void add(const Values& mine, const Values& right, double weight, double& v, double& l2,
+           double& size) const {
+    const int d = fine_.mesh->dim;
+    const auto strain = [&](const Values& x, int i, int j) {
+      return fine_.components == 1 ? x[3 + j] : 0.5 * (x[3 + 3 * i + j] + x[3 + 3 * j + i]);
+    };
+    for (int i = 0; i < fine_.components; ++i) {
+      l2 += weight * (mine[i] - right[i]) * (mine[i] - right[i]);
+      for (int j = 0; j < d; ++j) {
+        const double e = strain(right, i, j), off = strain(mine, i, j) - e;
+        v += weight * off * off, size += weight * e * e;
+      }
+    }
+  }
+
+  std::shared_ptr<const Trajectory> reference_;
+  const Space& fine_;
+  const Space& coarse_;
+  Quadrature rule_;
+  std::vector<Seen> seen_;
+  ShapeTable shapes_;
+};
+
 } // namespace
+
+bool is_nested(const Mesh& coarse, const Mesh& fine) {
+  const CellLocator locator(coarse);
+  Barycentric at{};
+  for (std::size_t cell = 0; cell < fine.cells.size(); ++cell) {
+    Barycentric centre{};
+    for (int k = 0; k <= fine.dim; ++k) centre[k] = 1.0 / (fine.dim + 1);
+    const int around = locator.find(point_in_cell(fine, static_cast<int>(cell), centre), at);
+    if (around < 0) return false;
+    const auto geometry = cell_geometry(coarse, around);
+    const Point& origin = coarse.nodes[coarse.cells[around][0]];
+    for (int k = 0; k <= fine.dim; ++k)
+      for (int l = 0; l <= fine.dim; ++l) {
+        double lambda = l == 0 ? 1.0 : 0.0;
+        for (int a = 0; a < fine.dim; ++a)
+          lambda += geometry.gradient[l][a] * (fine.nodes[fine.cells[cell][k]][a] - origin[a]);
+        if (lambda < -inside) return false;
+      }
+  }
+  return true;
+}
 
 SparseMatrix transfer(const Space& coarse, const Space& fine) {
   const CellLocator locator(*coarse.mesh);
@@ -92,10 +205,7 @@ SparseMatrix transfer(const Space& coarse, const Space& fine) {
   for (std::size_t node = 0; node < fine.nodes.size(); ++node) {
     std::array<double, 4> barycentric{};
     const int cell = locator.find(fine.nodes[node], barycentric);
-    if (cell < 0)
-      throw Failure(FailureKind::bad_value, {},
-                    "the meshes of a study do not cover the same body: node " +
-                        describe_point(fine.nodes[node], fine.mesh->dim) + " lies outside");
+    if (cell < 0) other_body(fine.nodes[node], fine.mesh->dim);
     lagrange_values(coarse.mesh->dim, coarse.order, barycentric, shapes.data());
     const auto nodes = coarse.nodes_of_cell(cell);
     for (std::size_t k = 0; k < nodes.size(); ++k)
@@ -125,6 +235,9 @@ std::unique_ptr<Gauge> exact_gauge(const Discretisation& discretisation,
 
 std::unique_ptr<Gauge> trajectory_gauge(std::shared_ptr<const Trajectory> reference,
                                         const Discretisation& coarse) {
+  const Space& fine = reference->discretisation->space;
+  if (coarse.space.order > fine.order || !is_nested(coarse.mesh, *fine.mesh))
+    return std::make_unique<PointGauge>(std::move(reference), coarse);
   return std::make_unique<TrajectoryGauge>(std::move(reference), coarse);
 }
 

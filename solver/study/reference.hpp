@@ -47,8 +47,12 @@ struct Trajectory {
 /// Throws Failure(bad_value) for a node outside the first mesh.
 SparseMatrix transfer(const Space& from, const Space& to);
 
-/// Against a finer run: the coarse function is read at the nodes of the finer space, which loses
-/// nothing where the meshes are nested, and less than the finer space can tell where not.
+/// Is every cell of the fine mesh inside one of the coarse mesh?
+bool is_nested(const Mesh& coarse, const Mesh& fine);
+
+/// Against a finer run. Where its mesh is a refinement, the coarse function is one of the finer
+/// space's and norms are matrices; elsewhere both are compared at quadrature points of the finer
+/// mesh. Throws Failure(bad_value) where the meshes cover different bodies.
 std::unique_ptr<Gauge> trajectory_gauge(std::shared_ptr<const Trajectory> reference,
                                         const Discretisation& coarse);
 

@@ -1,6 +1,8 @@
 // Plans of a family of settings; see settings.hpp.
 #include "solver/study/settings.hpp"
 
+#include "solver/fem/region.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -100,7 +102,10 @@ std::string to_string(const Setting& setting, const Plan& plan) {
       mesh += fmt::format("{}{}", a ? " x " : "", cells_along(plan.mesh, a));
     mesh += " cells";
   }
-  if (setting.grade != 1.0) mesh += fmt::format(" graded {}", setting.grade);
+  if (plan.mesh.adapted > 0)
+    mesh = fmt::format("adapted to {} cells", plan.mesh.adapted);
+  else if (setting.grade != 1.0)
+    mesh += fmt::format(" graded {}", setting.grade);
   std::string out = fmt::format("P{}, ", setting.order);
   if (plan.time.is_static) return out + mesh;
   return out + fmt::format("{}, {}, {} steps",
@@ -116,7 +121,12 @@ SettingFamily::SettingFamily(const Plan& plan) : plan_(plan), dim_(dimension(pla
 void SettingFamily::find_coarsest_mesh() {
   MeshSpec& mesh = plan_.mesh;
   bisected_ = mesh.kind == MeshSpec::Kind::file || mesh.kind == MeshSpec::Kind::geometry;
-  if (bisected_) return;
+  if (bisected_) {
+    const Mesh first = make_mesh(mesh);
+    dim_ = first.dim;
+    first_cells_ = static_cast<double>(first.cells.size());
+    return;
+  }
   gradable_ = dim_ > 1 && std::all_of(plan_.parts.begin(), plan_.parts.end(),
                                       [](const PartSpec& p) { return is_whole(p.region); });
   for (int a = 0; a < dim_; ++a) {
@@ -145,6 +155,8 @@ void SettingFamily::find_coarsest_mesh() {
       mesh.cells[a] /= 2;
       if (!mesh.grading[a].empty()) mesh.grading[a] = halved(mesh.grading[a]);
     }
+  first_cells_ = dim_ == 3 ? 6.0 : dim_ == 2 ? (mesh.crossed ? 4.0 : 2.0) : 1.0;
+  for (int a = 0; a < dim_; ++a) first_cells_ *= cells_along(mesh, a);
 }
 
 void SettingFamily::find_coarsest_grid() {
@@ -155,7 +167,17 @@ void SettingFamily::find_coarsest_grid() {
   step_unit_ = power_ > 0.0 ? 2 : 2 * steps;
 }
 
+MeshSpec SettingFamily::adapted_mesh_at(int level) const {
+  MeshSpec out = plan_.mesh;
+  for (int a = 0; a < dim_ && !bisected_; ++a)
+    if (grades_[a] != 1.0)
+      out.grading[a] = graded(out.low[a], out.high[a], out.cells[a], grades_[a]);
+  out.adapted = static_cast<int>(std::min(2.0 * first_cells_ * std::pow(level, dim_), 2e9));
+  return out;
+}
+
 MeshSpec SettingFamily::mesh_at(int level, double grade) const {
+  if (grade == adaptive || adapted()) return adapted_mesh_at(level);
   MeshSpec out = plan_.mesh;
   if (bisected_) {
     out.refinements += static_cast<int>(std::lround(std::log2(level)));

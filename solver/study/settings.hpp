@@ -8,12 +8,16 @@
 
 namespace hvi::solver {
 
+/// Setting::grade of a mesh that is bisected where an error indicator says (MeshSpec::adapted).
+inline constexpr double adaptive = 0.0;
+
 /// `level`: how many times finer than the coarsest mesh the cells are along each axis.
 struct Setting {
   int order = 1;
   Scheme scheme = Scheme::backward_euler;
   int level = 1, steps = 1;
-  double grade = 1.0; ///< lines of a structured mesh as distances to both its sides to this power
+  /// Lines of a structured mesh as distances to both its sides to this power; or `adaptive`.
+  double grade = 1.0;
   friend auto operator<=>(const Setting&, const Setting&) = default;
 };
 /// "P2, bdf2, 32 x 16 cells, 40 steps"; meshes from files: "refined 2 times".
@@ -21,7 +25,8 @@ std::string to_string(const Setting& setting, const Plan& plan);
 
 /// The family of settings around a plan. Structured meshes are coarsened while all numbers of cells
 /// are even, so that lines the data follow (kinks of a load, ends of parts) stay mesh lines, and
-/// refined by whole factors of the coarsest; other meshes are bisected. Uniform and power-graded
+/// refined by whole factors of the coarsest; other meshes are refined uniformly. Adaptive ones have
+/// level^dim times the cells of level 1, twice the coarsest mesh's. Uniform and power-graded
 /// time grids take any number of steps, listed times whole fractions of their steps.
 class SettingFamily {
 public:
@@ -32,6 +37,8 @@ public:
   bool is_static() const { return plan_.time.is_static; }
   /// Levels are powers of two only (a mesh that is bisected).
   bool bisected() const { return bisected_; }
+  /// Does the script itself ask for an adapted mesh? Then all settings do.
+  bool adapted() const { return plan_.mesh.adapted > 0; }
   /// May a mesh be graded? A uniform structured one whose parts are named sides or everything:
   /// predicates and points rely on where the lines are.
   bool gradable() const { return gradable_; }
@@ -46,9 +53,11 @@ private:
   void find_coarsest_grid();
   MeshSpec mesh_at(int level, double grade) const;
   std::vector<double> grid_at(int steps) const;
+  MeshSpec adapted_mesh_at(int level) const;
 
   Plan plan_; ///< with the coarsest mesh
   int dim_ = 2;
+  double first_cells_ = 0.0; ///< of the coarsest mesh
   bool bisected_ = false, gradable_ = false;
   std::array<double, 3> grades_{1.0, 1.0, 1.0}; ///< of the script's own lines
   double power_ = 1.0;                          ///< t_n = t_0 + T (n/N)^power; 0: the listed times

@@ -1,5 +1,6 @@
 // Mesh, parts and space of a plan, with every mistake of theirs found at once. First stage of the
 // engine: plan -> Discretisation -> run (run.cpp), hypotheses, study.
+#include "solver/time/adapt.hpp"
 #include "solver/time/clock.hpp"
 #include "solver/time/overlaps.hpp"
 #include "solver/time/run.hpp"
@@ -111,12 +112,14 @@ void check_probe_times(const Plan& plan, std::vector<Failure>& failures) {
 
 } // namespace
 
-std::vector<Failure> discretise(const Plan& plan, Discretisation& out) {
+std::vector<Failure> discretise(const Plan& plan, Discretisation& out,
+                                const std::atomic<bool>* stop) {
   const double start = cpu_seconds();
   Mesh mesh;
   try {
-    mesh = make_mesh(plan.mesh);
+    mesh = plan.mesh.adapted > 0 ? adapted_mesh(plan, stop) : make_mesh(plan.mesh);
   } catch (const Failure& failure) {
+    if (failure.kind == FailureKind::interrupted) throw;
     std::vector<Failure> failures;
     check_grid(plan, failures);
     check_probe_times(plan, failures);

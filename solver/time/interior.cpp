@@ -8,11 +8,11 @@
 
 namespace hvi::solver {
 
-Interior::Interior(SparseMatrix t, StateLayout layout, std::vector<int> contact)
+Interior::Interior(SparseMatrix t, StateLayout layout, std::vector<int> contact,
+                   SharedWork* shared)
     : t_(std::move(t)), layout_(std::move(layout)), contact_(std::move(contact)),
-      position_(layout_.n_unknowns, -1), factor_(analyse(t_, contact_, true)) {
+      position_(layout_.n_unknowns, -1), factor_(lend_factor(shared, t_, contact_, true)) {
   for (int c = 0; c < n_contact(); ++c) position_[contact_[c]] = c;
-  factor_->factor(t_);
 }
 
 Vector Interior::add_mode(const Vector& f) {

@@ -11,7 +11,7 @@
 // full field is one pair of sweeps away: T_II u_I = sum_k phi_k F_k,I - T_Ic c.
 #pragma once
 
-#include "solver/linear/factorisation.hpp"
+#include "solver/time/shared_work.hpp"
 #include "solver/time/state.hpp"
 
 #include <memory>
@@ -23,7 +23,8 @@ namespace hvi::solver {
 class Interior {
 public:
   /// `t` symmetric, positive definite on the unknowns of `layout`. Throws Failure(not_coercive).
-  Interior(SparseMatrix t, StateLayout layout, std::vector<int> contact);
+  /// The factor is taken from `shared`, where there is one.
+  Interior(SparseMatrix t, StateLayout layout, std::vector<int> contact, SharedWork* shared);
 
   /// Adds the mode p of a force on the unknowns; returns the force on y (r_c and a 1).
   Vector add_mode(const Vector& f);
@@ -46,7 +47,7 @@ public:
   double equilibrium(const Vector& known, const Vector& change, const Vector& load,
                      const Vector& xi);
   SparseMatrix force; ///< G^T W on all unknowns
-  FactorStatistics statistics() const { return factor_->statistics(); }
+  FactorStatistics statistics() const { return factor_.statistics(); }
 
 private:
   void expand(const Vector& y, Vector& x);
@@ -54,7 +55,7 @@ private:
   SparseMatrix t_;
   StateLayout layout_; ///< of the full problem
   std::vector<int> contact_, position_;
-  std::unique_ptr<Factorisation> factor_;
+  LentFactor factor_;
   std::vector<Vector> forces_, modes_; ///< on unknowns
   struct Observed {
     int dof, unknown;

@@ -3,6 +3,7 @@
 
 #include "solver/assembly/assembly.hpp"
 #include "solver/time/proportional.hpp"
+#include "solver/time/shared_work.hpp"
 
 #include <cmath>
 
@@ -82,13 +83,19 @@ Operators assemble_operators(const Plan& plan, const Discretisation& discretisat
   const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
   auto distinct = distinct_terms(plan, n_fields);
   std::vector<SparseMatrix> matrices;
-  for (const auto* term : distinct.terms)
-    matrices.push_back(restrict_rows(
-        assemble_form(discretisation.space, discretisation.parts[term->part], *term), layout));
+  for (const auto* term : distinct.terms) {
+    const auto assemble = [&] {
+      return restrict_rows(
+          assemble_form(discretisation.space, discretisation.parts[term->part], *term), layout);
+    };
+    matrices.push_back(discretisation.shared ? discretisation.shared->form(*term, assemble)
+                                             : assemble());
+  }
   merge_equal_values(matrices, distinct.weights);
   merge_equal_weights(matrices, distinct.weights);
 
   Operators out;
+  out.shared = discretisation.shared.get();
   out.n_unknowns = layout.n_unknowns;
   out.weights.resize(n_fields, static_cast<Eigen::Index>(matrices.size()));
   for (std::size_t b = 0; b < matrices.size(); ++b) {

@@ -18,6 +18,7 @@ struct Operators {
   DenseMatrix weights;             ///< fields (slot::field numbering) x bases
   bool symmetric = true;           ///< all of them, on the unknowns
   int n_unknowns = 0;
+  SharedWork* shared = nullptr; ///< of the discretisation; factors may be had from there
 
   int n_bases() const { return static_cast<int>(bases.size()); }
   int n_fields() const { return static_cast<int>(weights.rows()); }

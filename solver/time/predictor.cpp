@@ -15,8 +15,9 @@ void Predictor::note(const Vector& d, const Vector& rhs, const Vector& gap, cons
   known_ = std::min(known_ + 1, depth);
 }
 
-void Predictor::predict(const Vector& rhs, Vector& d, Vector& gap) const {
-  d = 3.0 * (back(d_, 0) - back(d_, 1)) + back(d_, 2);
+void Predictor::predict(Vector& d) const { d = 3.0 * (back(d_, 0) - back(d_, 1)) + back(d_, 2); }
+
+void Predictor::predict_gap(const Vector& rhs, Vector& gap) const {
   gap = rhs - 3.0 * (back(kd_, 0) - back(kd_, 1)) - back(kd_, 2);
 }
 

@@ -22,8 +22,10 @@ public:
   /// After an accepted step: d, K d = rhs - gap, xi.
   void note(const Vector& d, const Vector& rhs, const Vector& gap, const Vector& xi);
   bool ready() const { return known_ >= depth; }
-  /// d = d* and gap = rhs - K d*.
-  void predict(const Vector& rhs, Vector& d, Vector& gap) const;
+  /// d = d*
+  void predict(Vector& d) const;
+  /// gap = rhs - K d*
+  void predict_gap(const Vector& rhs, Vector& gap) const;
   void predict_multipliers(Vector& xi) const;
 
   void save(std::ostream& out) const;

@@ -95,7 +95,8 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
 void live_on_contact(StateLayout& layout, Operators& operators, Contact& contact,
                      LoadAssembler& loads, Vector& u0) {
   const auto interior = std::make_shared<Interior>(operators.bases[0].leftCols(layout.n_unknowns),
-                                                   layout, contact.unknowns);
+                                                   layout, contact.unknowns,
+                                                   operators.shared);
   loads.map([&](const Vector& f) { return interior->add_mode(f); });
   u0 = interior->add_state(u0);
   const int n = interior->size(), nc = interior->n_contact();
@@ -108,6 +109,7 @@ void live_on_contact(StateLayout& layout, Operators& operators, Contact& contact
   u0 = padded(u0);
 
   operators.bases = {interior->matrix()};
+  operators.shared = nullptr; // what is left is small
   operators.n_unknowns = n;
   interior->force = contact.force; // for the certificate on all rows
   SparseMatrix g(contact.problem.g), force(n, contact.problem.g.rows());

@@ -18,6 +18,7 @@
 #include "solver/time/energy.hpp"
 #include "solver/time/report.hpp"
 #include "solver/time/saved_state.hpp"
+#include "solver/time/shared_work.hpp"
 #include "solver/time/step.hpp"
 
 #include <fmt/format.h>
@@ -143,7 +144,7 @@ public:
   Run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
       const Restarts& restarts, const std::string* saved)
       : plan_(plan), restarts_(restarts), discretisation_(discretisation), settings_(settings),
-        start_(cpu_seconds()), stepper_(plan, discretisation, result_.timing),
+        start_(cpu_seconds()), spared_(spared()), stepper_(plan, discretisation, result_.timing),
         reporter_(plan, discretisation, stepper_, settings) {
     result_.timing.mesh = discretisation.seconds;
     result_.unknowns = stepper_.unknowns();
@@ -189,11 +190,18 @@ public:
     result_.steps = stepper_.step();
     result_.u = Vector::Zero(stepper_.layout().n_dofs);
     stepper_.layout().scatter(stepper_.u(), result_.u);
-    result_.timing.total = cpu_seconds() - start_ + result_.timing.mesh;
+    const Spared now = spared();
+    result_.timing.assembly += now.seconds_assembly - spared_.seconds_assembly;
+    result_.timing.total =
+        cpu_seconds() - start_ + result_.timing.mesh + now.seconds() - spared_.seconds();
     return std::move(result_);
   }
 
 private:
+  Spared spared() const {
+    return discretisation_.shared ? discretisation_.shared->spared() : Spared{};
+  }
+
   void step(int n) {
     const PhaseClock clock(result_.timing.steps);
     const auto outcome = stepper_.advance(n);
@@ -330,6 +338,7 @@ private:
   const Discretisation& discretisation_;
   const RunSettings& settings_;
   double start_;
+  Spared spared_; ///< by earlier runs' work, when this one began
   int told_ = 0;
   RunResult result_;
   Stepper stepper_;

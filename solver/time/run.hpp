@@ -7,11 +7,14 @@
 #include <atomic>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace hvi::solver {
+
+class SharedWork;
 
 /// Mesh, parts and space of a plan, made once and shared by run, check and study.
 struct Discretisation {
@@ -20,6 +23,7 @@ struct Discretisation {
   Space space; ///< points into `mesh`
   DofMap dofs;
   double seconds = 0;
+  std::shared_ptr<SharedWork> shared; ///< set: what a run computes, later runs on it take over
   Discretisation() = default;
   Discretisation(const Discretisation&) = delete;
   Discretisation& operator=(const Discretisation&) = delete;
@@ -27,7 +31,9 @@ struct Discretisation {
 /// All mesh and part mistakes of the plan at once (several missing groups: several failures).
 /// Includes: unknown groups, empty parts, a law or load on a clamped facet, a law twice on a part,
 /// a point that is no node, an initial state that contradicts the imposed values.
-std::vector<Failure> discretise(const Plan& plan, Discretisation& out);
+/// A mesh that is adapted is solved on meanwhile, until `stop`: throws Failure(interrupted).
+std::vector<Failure> discretise(const Plan& plan, Discretisation& out,
+                                const std::atomic<bool>* stop = nullptr);
 /// The same on a given mesh, which must have the groups the plan's mesh has.
 std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& out);
 

@@ -106,8 +106,9 @@ void Stepper::add_load(int n) {
 }
 
 /// What K_n differs from the factored matrix by (q(t, s) changes it a little in every step), and
-/// the increment it is moved to the right-hand side with: the one that continues the last two,
-/// whose error the difference makes too small to need a second pair of sweeps.
+/// the increment it is moved to the right-hand side with: the predictor's, else the one that
+/// continues the last two; the difference makes its error too small to need a second pair of
+/// sweeps.
 void Stepper::find_change(int n, const StepMatrix& matrix) {
   const Vector gamma = coefficients(n);
   change_ = gamma - matrix.gamma();
@@ -117,6 +118,11 @@ void Stepper::find_change(int n, const StepMatrix& matrix) {
   expected_.setZero(layout_.n_state);
   if (n < 2) return;
   auto expected = expected_.head(layout_.n_unknowns);
+  if (predictor_.ready() && same_problem(n, matrix)) {
+    predictor_.predict(d_);
+    expected = d_;
+    return;
+  }
   expected = grid_.length(n) / grid_.length(n - 1) * d_previous_.head(layout_.n_unknowns);
   const bool even =
       n > 2 && grid_.length(n) == grid_.length(n - 1) && grid_.length(n) == grid_.length(n - 2);
@@ -190,11 +196,13 @@ double Stepper::residual(const StepMatrix& matrix) {
   combined_ = expected_;
   combined_.head(layout_.n_unknowns) -= d_;
   mismatch_ = 0.0;
+  moved_.setZero(layout_.n_unknowns);
   for (int b = 0; b < operators_.n_bases(); ++b) {
     if (change_[b] == 0.0) continue;
     work_.noalias() = operators_.bases[b] * combined_;
     work_ *= change_[b];
     gap_ += work_;
+    moved_ += work_;
     mismatch_ += (work_.array().abs() / scale_.array().max(1e-300)).maxCoeff();
     ++products_;
   }
@@ -209,19 +217,23 @@ bool Stepper::same_problem(int n, const StepMatrix& matrix) const {
 
 /// After an accepted step.
 void Stepper::learn(int n, StepMatrix& matrix, const StepResult& result) {
-  if (grid_.is_static() || !change_.isZero(0.0)) return predictor_.clear();
+  if (grid_.is_static()) return predictor_.clear();
   // Nothing is smooth across a jump.
   if (result.snap || result.inequality.events > 0) return predictor_.clear();
   if (!same_problem(n, matrix)) predictor_.clear();
   predicted_gamma_ = matrix.gamma();
+  // The predictor knows the products with the factored matrix: gap_ is that of K_n.
+  if (!change_.isZero(0.0)) gap_ -= moved_;
   predictor_.note(d_, rhs_, gap_, inequality_.xi);
   choose_storage(n, matrix, result);
 }
 
-/// Extrapolates from the last steps, if they had this matrix: d_ and gap_ = rhs - K d_.
+/// Extrapolates from the last steps, if they had this factor: d_ and gap_ = rhs - K_n d_, for d_ is
+/// then what the change of K_n was moved with.
 bool Stepper::predict(int n, const StepMatrix& matrix) {
-  if (!predictor_.ready() || !change_.isZero(0.0) || !same_problem(n, matrix)) return false;
-  predictor_.predict(rhs_, d_, gap_);
+  if (!predictor_.ready() || !same_problem(n, matrix)) return false;
+  predictor_.predict(d_);
+  predictor_.predict_gap(rhs_, gap_);
   if (contact_.none()) return true;
   predictor_.predict_multipliers(inequality_.xi_guess);
   guess_from_increment();
@@ -258,7 +270,7 @@ void Stepper::choose_storage(int n, StepMatrix& matrix, const StepResult& last) 
 StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
   StepResult out;
   const double tolerance = plan_.options.tolerance;
-  const bool rounded = single_ == &matrix && change_.isZero(0.0);
+  const bool rounded = single_ == &matrix;
   const double target = rounded ? part_for_rounding * tolerance : tolerance;
   if (again) inequality_.xi_guess = inequality_.xi;
   if (again) guess_from_increment();

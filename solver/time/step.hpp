@@ -117,6 +117,7 @@ private:
   Vector u_, known_, d_, d_previous_, d_before_; // states; d on unknowns only
   Vector rhs_, gap_, scale_, work_;              // unknowns
   Vector combined_, full_, change_, expected_, z_;
+  Vector moved_;        ///< (K_n - K) (expected_ - d_), K the factored matrix
   double mismatch_ = 0; ///< backward error due to the part of K_n that its factor does not know
   int products_ = 0, corrections_ = 0, newton_ = 0, fallbacks_ = 0;
 };

@@ -20,12 +20,21 @@ void StepMatrix::factor(const Vector& gamma) {
   if (contact_.whole) {
     reduced_ = sparse_operator(k_, operators_.symmetric);
   } else {
-    if (!factorisation_) factorisation_ = analyse(k_, contact_.unknowns, operators_.symmetric);
-    factorisation_->factor(k_);
+    make_factor();
     if (contact_.none()) return;
     reduced_ = dense_operator(factorisation_->schur(), operators_.symmetric);
   }
   solver_ = std::make_unique<InequalitySolver>(contact_.problem, *reduced_, options_);
+}
+
+/// The first factor may be another run's; a further one is made in place where it is not.
+void StepMatrix::make_factor() {
+  if (factorisation_ && !factorisation_.is_shared()) {
+    factorisation_->factor(k_);
+    return;
+  }
+  auto* from = factorisation_ ? nullptr : operators_.shared;
+  factorisation_ = lend_factor(from, k_, contact_.unknowns, operators_.symmetric);
 }
 
 void StepMatrix::condense(const Vector& gap) {
@@ -81,7 +90,7 @@ InequalityReport StepMatrix::correct(const Vector& gap, InequalityState& state, 
 }
 
 FactorStatistics StepMatrix::statistics() const {
-  return factorisation_ ? factorisation_->statistics() : FactorStatistics{};
+  return factorisation_ ? factorisation_.statistics() : FactorStatistics{};
 }
 
 } // namespace hvi::solver

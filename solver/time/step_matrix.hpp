@@ -5,6 +5,7 @@
 #include "solver/linear/factorisation.hpp"
 #include "solver/time/contact.hpp"
 #include "solver/time/operators.hpp"
+#include "solver/time/shared_work.hpp"
 
 #include <memory>
 
@@ -47,6 +48,7 @@ public:
   double seconds_inequality = 0, seconds_sweeps = 0; ///< CPU time so far
 
 private:
+  void make_factor();
   void condense(const Vector& gap);
   void expand(const InequalityState& state);
   InequalityReport solve(const Vector& gap, InequalityState& state);
@@ -56,7 +58,7 @@ private:
   InequalityOptions options_;
   Vector gamma_;
   SparseMatrix k_;
-  std::unique_ptr<Factorisation> factorisation_; ///< absent when nothing is condensed
+  LentFactor factorisation_; ///< absent when nothing is condensed
   std::unique_ptr<ReducedOperator> reduced_;
   std::unique_ptr<InequalitySolver> solver_;
   Vector r_, x_, c_, product_; ///< x_: the correction; c_: d on the contact unknowns

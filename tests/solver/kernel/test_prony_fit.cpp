@@ -52,6 +52,18 @@ TEST(PronyFit, DoesNotFollowNoise) {
   for (double x = 0.2; x < 3.5; x += 0.1) EXPECT_NEAR(sum.value(x), f(x), 0.005) << x;
 }
 
+/// Of a long table every so many points are fitted; a point that is left out still counts in the
+/// error: the outlier at an odd index is half the largest value off the sum.
+TEST(PronyFit, LongTablesAreJudgedAtAllPoints) {
+  const auto smooth = [](double x) { return std::exp(-x / 30); };
+  const auto clean = fit_prony(table_of(smooth, 0.01, 6000));
+  EXPECT_LT(clean.largest, 2e-3);
+  const auto spiked = fit_prony(
+      table_of([&](double x) { return std::abs(x - 0.01) < 1e-9 ? 0.5 : smooth(x); }, 0.01, 6000));
+  EXPECT_EQ(spiked.weights, clean.weights);
+  EXPECT_NEAR(spiked.largest, 0.5, 2e-3);
+}
+
 /// A growing function is no relaxation: the best sum is the constant, and its error says so.
 TEST(PronyFit, ReportsTheErrorOfDataThatDoNotRelax) {
   const auto sum = fit_prony(table_of([](double x) { return x; }, 0.1, 11));

@@ -64,5 +64,25 @@ TEST(Gauge, AFinerRunAndAnExactSolutionAgree) {
   }
 }
 
+/// Meshes that are not nested: both functions are seen as they are, not interpolated. Analytic: the
+/// P1 interpolant of (x^2, 0) on n x n squares has |eps(u - I u)|^2 = h^2 / 3 in eps_xx, and
+/// nothing in eps_xy, where the reference is the P2 function x^2 itself.
+TEST(Gauge, AReferenceThatIsNotNestedSeesTheWholeError) {
+  const auto fine = square(7, 2), coarse = square(16, 1);
+  EXPECT_FALSE(is_nested(coarse->mesh, fine->mesh));
+  EXPECT_TRUE(is_nested(square(8, 1)->mesh, coarse->mesh));
+  const std::vector<Expr> exact = {x(0) * x(0), Expr(0.0)};
+  auto reference = std::make_shared<Trajectory>();
+  reference->discretisation = fine;
+  reference->times = {0.0};
+  reference->states = {interpolate(fine->space, exact, 0.0, {})};
+  const auto gauge = trajectory_gauge(reference, *coarse);
+  gauge->step(0.0, interpolate(coarse->space, exact, 0.0, {}));
+  // int (2x - (x_i + x_{i+1}))^2 over a cell [x_i, x_{i+1}] is h^3 / 3, over both triangles alike.
+  const double h = 1.0 / 16;
+  EXPECT_NEAR(gauge->error().v_max, h / std::sqrt(3.0), 0.03 * h);
+  EXPECT_NEAR(gauge->error().size, 2.0 / std::sqrt(3.0), 1e-12);
+}
+
 } // namespace
 } // namespace hvi::solver

@@ -1,0 +1,251 @@
+// Adapted meshes; see adapt.hpp.
+#include "solver/time/adapt.hpp"
+
+#include "solver/fem/geometry.hpp"
+#include "solver/mesh/bisect.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+namespace hvi::solver {
+namespace {
+
+constexpr double bulk = 0.6; ///< of the squared indicator that is refined in a round
+constexpr int first_steps = 4, most_steps = 256; ///< of the runs that are looked at
+constexpr int most_rounds = 60;
+
+/// Entries of D u at a point of a cell from the shapes there: dim x dim, or dim for a scalar.
+class Strain {
+public:
+  explicit Strain(const Space& space)
+      : space_(space), dim_(space.mesh->dim), vector_(space.components > 1),
+        size_(vector_ ? dim_ * dim_ : dim_) {}
+  int size() const { return size_; }
+
+  void at(int cell, const CellGeometry& geometry, const Barycentric& point, const Vector& u,
+          double* out) {
+    evaluate_shapes(space_, geometry, point, true, shapes_);
+    const auto nodes = space_.nodes_of_cell(cell);
+    std::array<double, 9> slope{};
+    for (int i = 0; i < space_.components; ++i)
+      for (int j = 0; j < dim_; ++j)
+        for (std::size_t k = 0; k < nodes.size(); ++k)
+          slope[i * dim_ + j] +=
+              shapes_.at(1 + j, static_cast<int>(k)) * u[space_.dof(nodes[k], i)];
+    for (int e = 0; e < size_; ++e)
+      out[e] = vector_ ? 0.5 * (slope[e] + slope[e % dim_ * dim_ + e / dim_]) : slope[e];
+  }
+  const ShapeTable& shapes() const { return shapes_; }
+
+private:
+  const Space& space_;
+  int dim_;
+  bool vector_;
+  int size_;
+  ShapeTable shapes_;
+};
+
+/// The corners and middles of edges where the nodes of the element lie.
+std::vector<Barycentric> element_points(int dim, int order) {
+  std::vector<Barycentric> out;
+  for (int k = 0; k <= dim; ++k) {
+    out.push_back({});
+    out.back()[k] = 1.0;
+  }
+  for (const auto& edge : simplex_edges(dim)) {
+    if (order < 2) break;
+    out.push_back({});
+    out.back()[edge[0]] = out.back()[edge[1]] = 0.5;
+  }
+  return out;
+}
+
+/// Averages of D u at the nodes, weighted by the cells' measures, for each kind of cells by itself.
+class Recovery {
+public:
+  Recovery(const Space& space, const Vector& u, std::span<const int> kind)
+      : space_(space), kind_(kind), strain_(space) {
+    const auto points = element_points(space.mesh->dim, space.order);
+    const int size = strain_.size();
+    std::vector<double> here(size);
+    for (std::size_t cell = 0; cell < space.mesh->cells.size(); ++cell) {
+      const int c = static_cast<int>(cell);
+      const auto geometry = cell_geometry(*space.mesh, c);
+      const auto nodes = space.nodes_of_cell(c);
+      for (std::size_t k = 0; k < nodes.size(); ++k) {
+        strain_.at(c, geometry, points[k], u, here.data());
+        auto& sum = sums_[{nodes[k], kind_of(c)}];
+        sum.resize(size + 1, 0.0);
+        for (int e = 0; e < size; ++e) sum[e] += geometry.measure * here[e];
+        sum[size] += geometry.measure;
+      }
+    }
+    for (auto& [node, sum] : sums_)
+      for (int e = 0; e < size; ++e) sum[e] /= sum[size];
+  }
+
+  /// The recovered values at the nodes of a cell.
+  std::vector<const double*> of_cell(int cell) const {
+    std::vector<const double*> out;
+    for (const std::int32_t node : space_.nodes_of_cell(cell))
+      out.push_back(sums_.at({node, kind_of(cell)}).data());
+    return out;
+  }
+
+private:
+  int kind_of(int cell) const { return kind_.empty() ? 0 : kind_[cell]; }
+
+  const Space& space_;
+  std::span<const int> kind_;
+  Strain strain_;
+  std::map<std::pair<std::int32_t, int>, std::vector<double>> sums_;
+};
+
+/// Numbers for the sets of parts of cells that forms act on: materials may change between them.
+std::vector<int> kinds_of_cells(const Plan& plan, const Discretisation& d) {
+  std::vector<std::vector<bool>> inside(d.mesh.cells.size());
+  for (std::size_t p = 0; p < d.parts.size(); ++p) {
+    const bool used = std::any_of(plan.forms.begin(), plan.forms.end(), [&](const FormTerm& form) {
+      return form.part == static_cast<int>(p);
+    });
+    if (!used || d.parts[p].kind != Group::Kind::cells) continue;
+    for (auto& cell : inside) cell.push_back(false);
+    for (const std::int32_t cell : d.parts[p].entities) inside[cell].back() = true;
+  }
+  std::map<std::vector<bool>, int> known;
+  std::vector<int> out;
+  for (const auto& cell : inside)
+    out.push_back(known.try_emplace(cell, static_cast<int>(known.size())).first->second);
+  return out;
+}
+
+/// The plan whose runs are looked at: few steps, nothing reported.
+Plan trial(const Plan& plan, int steps) {
+  Plan out = plan;
+  out.mesh.adapted = 0;
+  out.report = {};
+  if (plan.time.is_static || plan.time.grid.size() < 2) return out;
+  out.time.scheme = Scheme::backward_euler;
+  const double first = plan.time.grid.front(), last = plan.time.grid.back();
+  out.time.grid.clear();
+  for (int n = 0; n <= steps; ++n) out.time.grid.push_back(first + (last - first) * n / steps);
+  out.time.grid.back() = last;
+  return out;
+}
+
+/// Largest indicator of each cell over the steps of a trial run.
+std::vector<double> look(const Plan& plan, const Mesh& mesh, const std::atomic<bool>* stop,
+                         int& steps) {
+  Discretisation d;
+  const auto failures = discretise_on(trial(plan, steps), mesh, d);
+  if (!failures.empty()) throw failures.front();
+  const auto kinds = kinds_of_cells(plan, d);
+  for (;;) {
+    std::vector<double> out(d.mesh.cells.size(), 0.0);
+    RunSettings settings;
+    settings.stop = stop;
+    settings.on_step = [&](int, double, const Vector& u, const Vector&) {
+      const auto now = recovery_indicator(d.space, u, kinds);
+      std::transform(out.begin(), out.end(), now.begin(), out.begin(),
+                     [](double a, double b) { return std::max(a, b); });
+    };
+    try {
+      run(trial(plan, steps), d, settings);
+      return out;
+    } catch (const Failure& failure) {
+      // Laws that soften need short steps; other reasons stay.
+      const bool shorter = failure.kind == FailureKind::not_certified && !plan.time.is_static;
+      if (!shorter || steps >= most_steps) throw;
+      steps *= 2;
+    }
+  }
+}
+
+} // namespace
+
+std::vector<double> recovery_indicator(const Space& space, const Vector& u,
+                                       std::span<const int> kind) {
+  const Recovery recovery(space, u, kind);
+  const Quadrature rule = simplex_rule(space.mesh->dim, 2 * space.order);
+  Strain strain(space);
+  std::vector<double> out(space.mesh->cells.size(), 0.0), here(strain.size());
+  for (std::size_t cell = 0; cell < out.size(); ++cell) {
+    const int c = static_cast<int>(cell);
+    const auto geometry = cell_geometry(*space.mesh, c);
+    const auto nodes = recovery.of_cell(c);
+    for (std::size_t q = 0; q < rule.size(); ++q) {
+      strain.at(c, geometry, rule.points[q], u, here.data());
+      double square = 0.0;
+      for (int e = 0; e < strain.size(); ++e) {
+        double off = -here[e];
+        for (std::size_t k = 0; k < nodes.size(); ++k)
+          off += strain.shapes().at(0, static_cast<int>(k)) * nodes[k][e];
+        square += off * off;
+      }
+      out[cell] += geometry.measure * rule.weights[q] * square;
+    }
+  }
+  return out;
+}
+
+std::vector<std::int32_t> marked_cells(std::span<const double> indicators, double part) {
+  std::vector<std::int32_t> order(indicators.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::int32_t a, std::int32_t b) { return indicators[a] > indicators[b]; });
+  const double wanted = part * std::accumulate(indicators.begin(), indicators.end(), 0.0);
+  std::size_t count = 0;
+  for (double sum = 0.0; count < order.size() && (count == 0 || sum < wanted); ++count)
+    sum += indicators[order[count]];
+  order.resize(count);
+  return order;
+}
+
+Mesh adapted_mesh(const Plan& plan, const std::atomic<bool>* stop) {
+  MeshSpec spec = plan.mesh;
+  spec.adapted = 0;
+  const Mesh first = make_mesh(spec);
+  const auto most = static_cast<std::size_t>(std::max(plan.mesh.adapted, 0));
+  Bisection now(first);
+  Mesh mesh = first;
+  int steps = first_steps, round = 0;
+  for (; round < most_rounds && now.n_cells() < most; ++round) {
+    const auto marked = marked_cells(look(plan, mesh, stop, steps), bulk);
+    Bisection next = now;
+    next.bisect(marked, mesh.dim); // edges are halved
+    if (next.n_cells() > most) {
+      // The most of the marked cells, the worst first, that there is room for.
+      std::size_t fits = 0, too_many = marked.size();
+      next = now;
+      while (fits + 1 < too_many) {
+        const std::size_t middle = (fits + too_many) / 2;
+        Bisection tried = now;
+        tried.bisect({marked.data(), middle}, mesh.dim);
+        if (tried.n_cells() <= most)
+          fits = middle, next = std::move(tried);
+        else
+          too_many = middle;
+      }
+      mesh = next.mesh();
+      ++round;
+      break;
+    }
+    now = std::move(next);
+    mesh = now.mesh();
+  }
+  mesh.description = fmt::format("{}, bisected in {} rounds", first.description, round);
+  return mesh;
+}
+
+std::string adapted_key(const Plan& plan) {
+  Plan key = trial(plan, 1);
+  key.mesh.adapted = plan.mesh.adapted;
+  key.options = {};
+  key.effects.clear();
+  return to_string(key);
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,36 @@
+// Meshes that follow the solution: solve, estimate, mark, bisect, until so many cells are there.
+// Between the generated mesh and `discretise`, for a mesh with MeshSpec::adapted.
+//
+// The indicator is the distance of the strain (scalar unknowns: the gradient) to its recovery, a
+// continuous field of the same degree: O. C. Zienkiewicz, J. Z. Zhu, Int. J. Numer. Meth. Eng. 24
+// (1987); reliable for averages of any kind: C. Carstensen, S. Bartels, Math. Comp. 71 (2002).
+// Cells are marked by W. Doerfler's bulk criterion, SIAM J. Numer. Anal. 33 (1996).
+#pragma once
+
+#include "solver/time/run.hpp"
+
+#include <atomic>
+#include <span>
+#include <vector>
+
+namespace hvi::solver {
+
+/// For each cell int_K |G - D u|^2, D u the symmetric gradient of a vector, the gradient of a
+/// scalar, G its average at each node over the cells of the same kind. `kind`: cells of different
+/// numbers have different materials, where D u may jump; empty: all alike.
+std::vector<double> recovery_indicator(const Space& space, const Vector& u,
+                                       std::span<const int> kind = {});
+
+/// The least cells whose indicators add up to `bulk` of all, largest first.
+std::vector<std::int32_t> marked_cells(std::span<const double> indicators, double bulk);
+
+/// The mesh of plan.mesh (without `adapted`), bisected to at most plan.mesh.adapted cells where the
+/// problem's own solution on the mesh so far, at a few times, has its errors. Depends on neither
+/// the time grid nor the scheme; meshes for fewer cells are coarser versions of those for more.
+/// Throws what the problem throws on a coarse mesh, and Failure(interrupted).
+Mesh adapted_mesh(const Plan& plan, const std::atomic<bool>* stop = nullptr);
+
+/// What the adapted mesh depends on, as text: two plans with the same have the same mesh.
+std::string adapted_key(const Plan& plan);
+
+} // namespace hvi::solver

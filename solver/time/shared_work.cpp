@@ -1,0 +1,105 @@
+// Matrices, orders and factors that runs share; see shared_work.hpp.
+#include "solver/time/shared_work.hpp"
+
+#include "solver/linear/ordering.hpp"
+#include "solver/time/clock.hpp"
+
+#include <algorithm>
+
+namespace hvi::solver {
+namespace {
+
+constexpr std::size_t most_forms = 8, most_factors = 2;
+constexpr double most_bytes = 1e9; ///< of a factor that is kept
+
+template <class T>
+bool equal(const T* a, const T* b, Eigen::Index n) {
+  return std::equal(a, a + n, b);
+}
+
+bool same(const SparseMatrix& a, const SparseMatrix& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a.nonZeros() == b.nonZeros() &&
+         equal(a.outerIndexPtr(), b.outerIndexPtr(), a.rows() + 1) &&
+         equal(a.innerIndexPtr(), b.innerIndexPtr(), a.nonZeros()) &&
+         equal(a.valuePtr(), b.valuePtr(), a.nonZeros());
+}
+
+bool same(const FormTerm& a, const FormTerm& b) {
+  return a.part == b.part && a.rule == b.rule &&
+         std::equal(a.entries.begin(), a.entries.end(), b.entries.begin(), b.entries.end(),
+                    [](const auto& x, const auto& y) {
+                      return x.test == y.test && x.trial == y.trial &&
+                             x.coefficient == y.coefficient;
+                    });
+}
+
+} // namespace
+
+LentFactor::LentFactor(std::shared_ptr<Factorisation> factor, bool shared, bool made_before)
+    : factor_(std::move(factor)), shared_(shared) {
+  if (made_before) before_ = factor_->statistics();
+}
+
+FactorStatistics LentFactor::statistics() const {
+  auto out = factor_->statistics();
+  out.analyses -= before_.analyses;
+  out.factorisations -= before_.factorisations;
+  out.sweeps -= before_.sweeps;
+  return out;
+}
+
+SharedWork::SharedWork() : orders_(std::make_unique<OrderStore>()) {}
+SharedWork::~SharedWork() = default;
+
+SparseMatrix SharedWork::form(const FormTerm& term, const std::function<SparseMatrix()>& assemble) {
+  for (const Form& known : forms_)
+    if (same(known.term, term)) {
+      ++spared_.matrices;
+      spared_.seconds_assembly += known.seconds;
+      return known.matrix;
+    }
+  const double start = cpu_seconds();
+  auto made = assemble();
+  if (forms_.size() == most_forms) forms_.erase(forms_.begin());
+  forms_.push_back({term, made, cpu_seconds() - start});
+  return made;
+}
+
+LentFactor SharedWork::factored(const SparseMatrix& k, std::span<const int> contact,
+                                bool symmetric) {
+  for (const Factor& known : factors_) {
+    const bool free = known.factor.use_count() == 1; // two users would choose its storage
+    if (!free || known.symmetric != symmetric || !std::ranges::equal(known.contact, contact) ||
+        !same(known.k, k))
+      continue;
+    known.factor->sweep_in(SweepStorage::full);
+    ++spared_.factors;
+    spared_.seconds_factors += known.seconds;
+    return {known.factor, true, true};
+  }
+  const double start = cpu_seconds();
+  std::shared_ptr<Factorisation> made = analyse(k, contact, symmetric, orders_.get());
+  made->factor(k);
+  const double seconds = cpu_seconds() - start + orders_->seconds_of_last();
+  if (made->statistics().bytes > most_bytes) return {made, false, false};
+  if (factors_.size() == most_factors) factors_.erase(factors_.begin());
+  factors_.push_back({k, {contact.begin(), contact.end()}, symmetric, made, seconds});
+  return {made, true, false};
+}
+
+Spared SharedWork::spared() const {
+  Spared out = spared_;
+  out.orders = orders_->reused();
+  out.seconds_orders = orders_->seconds_spared();
+  return out;
+}
+
+LentFactor lend_factor(SharedWork* shared, const SparseMatrix& k, std::span<const int> contact,
+                       bool symmetric) {
+  if (shared != nullptr) return shared->factored(k, contact, symmetric);
+  std::shared_ptr<Factorisation> made = analyse(k, contact, symmetric);
+  made->factor(k);
+  return {made, false, false};
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,78 @@
+// What runs on one discretisation have in common: assembled forms, orders of elimination, factors
+// of equal matrices. Held by the Discretisation; a study and the search for an accuracy ask for it.
+//
+// A run that takes something from here has the same bits as one that computed it, and is charged
+// the seconds it took: what a setting costs does not depend on what ran before.
+#pragma once
+
+#include "solver/linear/factorisation.hpp"
+#include "solver/plan/plan.hpp"
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace hvi::solver {
+
+/// A factor that belongs to a run, or is lent to it.
+class LentFactor {
+public:
+  LentFactor() = default;
+  LentFactor(std::shared_ptr<Factorisation> factor, bool shared, bool made_before);
+  Factorisation* operator->() const { return factor_.get(); }
+  explicit operator bool() const { return factor_ != nullptr; }
+  /// Another run may be lent it, too: it must not be factored again for other values.
+  bool is_shared() const { return shared_; }
+  /// Of this run: work that another one did is not counted, its seconds are.
+  FactorStatistics statistics() const;
+
+private:
+  std::shared_ptr<Factorisation> factor_;
+  bool shared_ = false;
+  FactorStatistics before_;
+};
+
+/// What was taken over instead of computed.
+struct Spared {
+  int matrices = 0, orders = 0, factors = 0;
+  double seconds_assembly = 0, seconds_orders = 0, seconds_factors = 0;
+  double seconds() const { return seconds_assembly + seconds_orders + seconds_factors; }
+};
+
+class SharedWork {
+public:
+  SharedWork();
+  ~SharedWork();
+  SharedWork(const SharedWork&) = delete;
+  SharedWork& operator=(const SharedWork&) = delete;
+
+  /// The matrix of a form on the unknowns; a form is known by its part, rule and coefficients.
+  SparseMatrix form(const FormTerm& term, const std::function<SparseMatrix()>& assemble);
+  /// K factored, contact unknowns last. Throws Failure(not_coercive).
+  LentFactor factored(const SparseMatrix& k, std::span<const int> contact, bool symmetric);
+  Spared spared() const;
+
+private:
+  struct Form {
+    FormTerm term;
+    SparseMatrix matrix;
+    double seconds;
+  };
+  struct Factor {
+    SparseMatrix k;
+    std::vector<int> contact;
+    bool symmetric;
+    std::shared_ptr<Factorisation> factor;
+    double seconds;
+  };
+  std::vector<Form> forms_;
+  std::vector<Factor> factors_;
+  std::unique_ptr<OrderStore> orders_;
+  Spared spared_;
+};
+
+/// From `shared`, or made for this run alone when it is null.
+LentFactor lend_factor(SharedWork* shared, const SparseMatrix& k, std::span<const int> contact,
+                       bool symmetric);
+
+} // namespace hvi::solver
