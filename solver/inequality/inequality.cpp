@@ -181,6 +181,7 @@ void InequalityEngine::load(const InequalityState& from) {
 /// Goes to the guess; what each point does there its resolvent says, on the component it has.
 void InequalityEngine::move_to_guess(const InequalityState& from) {
   c = from.c_guess, xi = from.xi_guess;
+  if (from.s_c_guess.size() == n) sc = from.s_c_guess, c_of_product = c, have_magnitude = false;
   update_z();
   for (int p = 0; p < n_points; ++p) classify(p, 1.0);
 }
@@ -218,7 +219,7 @@ InequalityReport InequalityEngine::solve(const Vector& right_side, InequalitySta
   Outcome outcome = solve_branch();
   certify();
   if (!report.converged && io.c_guess.size() > 0) { // the guess may have led astray
-    io.c_guess.resize(0), io.xi_guess.resize(0);
+    io.c_guess.resize(0), io.xi_guess.resize(0), io.s_c_guess.resize(0);
     load(io);
     outcome = solve_branch();
     certify();

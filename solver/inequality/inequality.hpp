@@ -93,6 +93,7 @@ struct InequalityState {
   /// Where the search begins when something better than (c, xi) is known; c still says where the
   /// path to the solution starts. Empty: at (c, xi).
   Vector c_guess, xi_guess;
+  Vector s_c_guess; ///< S c_guess where the caller has it, else empty
 };
 
 class InequalitySolver {

@@ -76,6 +76,7 @@ private:
   std::vector<int> permutation_; ///< position -> unknown
   Supernodes supernodes_;
   SweepStorage storage_ = SweepStorage::full;
+  SweepStorage storage_of_y_ = SweepStorage::full;
   PackedFactor packed_;                  ///< the interior of L once more, if swept in single
   std::vector<double> inverse_diagonal_; ///< of L, interior
   std::vector<double> y_, x_;            ///< the sweeps' vectors, in the order of elimination
@@ -145,6 +146,7 @@ void Cholesky::factor(const SparseMatrix& k) {
   check_pivots(k);
   read_trailing_block();
   statistics_.reciprocal_condition = cholmod_l_rcond(l_, common);
+  packed_.clear();
   if (storage_ == SweepStorage::single) sweep_in(storage_);
   statistics_.seconds_factor = seconds_since(start);
   factored_ = true;
@@ -199,9 +201,7 @@ void Cholesky::read_trailing_block() {
 
 bool Cholesky::sweep_in(SweepStorage storage) {
   storage_ = storage;
-  if (storage == SweepStorage::full)
-    packed_.clear();
-  else if (!packed_.pack(supernodes_, values()))
+  if (storage == SweepStorage::single && packed_.empty() && !packed_.pack(supernodes_, values()))
     storage_ = SweepStorage::full;
   return storage_ == storage;
 }
@@ -217,6 +217,7 @@ const DenseMatrix& Cholesky::schur() const {
 void Cholesky::reduce(const Vector& b, Vector& r) {
   if (!factored_) throw std::logic_error("reduce before a successful factorisation");
   for (int position = 0; position < size_; ++position) y_[position] = b[permutation_[position]];
+  storage_of_y_ = storage_;
   if (storage_ == SweepStorage::single)
     packed_.forward(y_.data());
   else
@@ -229,6 +230,12 @@ void Cholesky::reduce(const Vector& b, Vector& r) {
 void Cholesky::back(const Vector& c, Vector& x) {
   if (!factored_) throw std::logic_error("back before a successful factorisation");
   std::copy_n(c.data(), size_ - interior_, x_.begin() + interior_);
+  if (storage_ != storage_of_y_) { // y over the diagonal of L is what the rounded sweep back takes
+    const bool divide = storage_ == SweepStorage::single;
+    for (int i = 0; i < interior_; ++i)
+      y_[i] *= divide ? inverse_diagonal_[i] : 1.0 / inverse_diagonal_[i];
+    storage_of_y_ = storage_;
+  }
   if (storage_ == SweepStorage::single)
     packed_.backward(y_.data(), x_.data());
   else
@@ -249,8 +256,7 @@ void Cholesky::solve(const Vector& b, Vector& x) {
 
 } // namespace
 
-std::unique_ptr<Factorisation> analyse_cholesky(const SparseMatrix& k,
-                                                std::span<const int> contact,
+std::unique_ptr<Factorisation> analyse_cholesky(const SparseMatrix& k, std::span<const int> contact,
                                                 OrderStore* known) {
   return std::make_unique<Cholesky>(k, contact, known);
 }

@@ -6,8 +6,7 @@
 namespace hvi::solver {
 
 /// Analyses the pattern; `analyse` (factorisation.hpp) calls this for a symmetric matrix.
-std::unique_ptr<Factorisation> analyse_cholesky(const SparseMatrix& k,
-                                                std::span<const int> contact,
+std::unique_ptr<Factorisation> analyse_cholesky(const SparseMatrix& k, std::span<const int> contact,
                                                 OrderStore* known = nullptr);
 
 } // namespace hvi::solver

@@ -55,7 +55,9 @@ public:
   /// x = K^-1 b, both sweeps with S c = r solved exactly.
   virtual void solve(const Vector& b, Vector& x) = 0;
   /// Chooses how the sweeps read this and later factors; false when it cannot be had (LU, or
-  /// entries beyond the range of float), and then the storage is `full`.
+  /// entries beyond the range of float), and then the storage is `full`. The rounded copy is made
+  /// the first time and kept: changing to and fro costs nothing, between the sweeps of one solution
+  /// too.
   virtual bool sweep_in(SweepStorage storage) = 0;
   /// The Schur complement S, n_c by n_c. For Cholesky it is L22 L22^T, read off the factor.
   virtual const DenseMatrix& schur() const = 0;

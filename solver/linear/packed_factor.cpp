@@ -27,7 +27,8 @@ std::size_t block_size(int width, int below) {
   return static_cast<std::size_t>(width * width + tiles_of(below) * lanes * width);
 }
 
-/// Rounded; what is far below all others becomes zero, as processors stumble over subnormal numbers.
+/// Rounded; what is far below all others becomes zero, as processors stumble over subnormal
+/// numbers.
 float rounded(double v) { return std::abs(v) < 1e-30 ? 0.0F : static_cast<float>(v); }
 
 /// The inverse of the unit lower triangle of a block, by columns.
@@ -74,8 +75,10 @@ struct Sweep {
 
 #pragma GCC push_options
 #pragma GCC target("avx512f,avx2,fma,prefer-vector-width=512")
+#define HVI_WIDEN_512
 namespace avx512 {
 #include "solver/linear/packed_kernels.hpp"
+#undef HVI_WIDEN_512
 } // namespace avx512
 #pragma GCC pop_options
 

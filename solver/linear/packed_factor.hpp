@@ -18,6 +18,7 @@ public:
   /// Rounds a factor of this structure. False when an entry is beyond a float; then it is empty.
   bool pack(const Supernodes& structure, const double* values);
   void clear() { *this = {}; }
+  bool empty() const { return structure_ == nullptr; }
 
   /// y_I := D^-2 U_II^-1 y_I, y_c := y_c - L_cI (L_II^-1 y_I).
   void forward(double* y);

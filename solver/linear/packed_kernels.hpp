@@ -1,5 +1,5 @@
-// The sweeps of packed_factor.cpp, which includes this file once per instruction set: the arithmetic
-// is compiled for the set that the pragma there names, in a namespace of its own.
+// The sweeps of packed_factor.cpp, which includes this file once per instruction set: the
+// arithmetic is compiled for the set that the pragma there names, in a namespace of its own.
 
 typedef double Pack __attribute__((vector_size(lanes * sizeof(double))));
 typedef float SinglePack __attribute__((vector_size(lanes * sizeof(float))));
@@ -11,10 +11,14 @@ HVI_INLINE Pack load(const double* from) {
 }
 HVI_INLINE void store(const Pack& from, double* to) { std::memcpy(to, &from, sizeof from); }
 
+/// Floats between what is used and what is asked for from memory: processors foresee streams within
+/// a page only.
+constexpr int ahead = 1024;
+
 /// Eight floats as doubles. (GCC splits the conversion of vectors at 16 bytes.)
 HVI_INLINE Pack widen(const float* from) {
-#if defined(__AVX512F__)
-  return Pack(_mm512_cvtps_pd(_mm256_loadu_ps(from)));
+#ifdef HVI_WIDEN_512
+  return Pack(_mm512_maskz_cvtps_pd(0xff, _mm256_loadu_ps(from))); // plain, GCC 12 warns of it
 #else
   SinglePack single;
   std::memcpy(&single, from, sizeof single);
@@ -27,6 +31,8 @@ template <int Width>
 HVI_INLINE void subtract_tiles(const float* tile, int count, const double* t, double* w) {
   for (; count > 0; --count, tile += lanes * Width, w += lanes) {
     Pack sum[2] = {load(w), Pack{}};
+#pragma GCC unroll 8
+    for (int a = 0; a < Width; a += 2) __builtin_prefetch(tile + lanes * a + ahead);
 #pragma GCC unroll 8
     for (int a = 0; a < Width; ++a) sum[a % 2] -= widen(tile + lanes * a) * t[a];
     if constexpr (Width > 1) sum[0] += sum[1];
@@ -76,6 +82,8 @@ HVI_INLINE void solve_block_back(const float* block, int count, double* t) {
   for (int tile = count - 1; tile >= 0; --tile) {
     const float* from = block + Width * Width + tile * lanes * Width;
     const Pack other = load(t + Width + tile * lanes);
+#pragma GCC unroll 8
+    for (int a = 0; a < Width; a += 2) __builtin_prefetch(from + lanes * a - ahead);
 #pragma GCC unroll 8
     for (int a = 0; a < Width; ++a) sum[a] += widen(from + lanes * a) * other;
   }

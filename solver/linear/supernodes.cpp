@@ -10,6 +10,10 @@
 namespace hvi::solver {
 namespace {
 
+/// Entries between what is used and what is asked for from memory: processors foresee streams within
+/// a page only.
+constexpr int ahead = 1024;
+
 /// w[i..) -= sum_a column_a[i..) t[a], as many whole packs as fit before count; returns the end.
 template <int Lanes, int Width>
 HVI_INLINE int subtract_packs(const double* column, std::size_t stride, int i, int count,
@@ -18,6 +22,7 @@ HVI_INLINE int subtract_packs(const double* column, std::size_t stride, int i, i
     Pack<Lanes> sum, entry;
     load<Lanes>(w + i, sum);
     for (int a = 0; a < Width; ++a) {
+      if constexpr (Lanes == 8) __builtin_prefetch(column + a * stride + i + ahead);
       load<Lanes>(column + a * stride + i, entry);
       sum -= entry * t[a];
     }
@@ -46,6 +51,7 @@ HVI_INLINE void subtract_products(const double* column, std::size_t stride, int 
     Pack<8> other, entry;
     load<8>(w + i, other);
     for (int a = 0; a < Width; ++a) {
+      __builtin_prefetch(column + a * stride + i - ahead);
       load<8>(column + a * stride + i, entry);
       sum[a] += entry * other;
     }

@@ -192,16 +192,14 @@ double SymmetricBlocks::bytes() const {
          static_cast<double>(start_.size() + column_.size()) * sizeof(int);
 }
 
-void SymmetricBlocks::multiply(const Vector& x, Vector& y) const {
+void SymmetricBlocks::add_product(const Vector& x, Vector& y) const {
   const Blocks a{rows_, start_.data(), column_.data(), diagonal_.data(), upper_.data()};
-  y.setZero(static_cast<Eigen::Index>(block_) * rows_);
 #if defined(__x86_64__)
   if (block_ == 2 && instruction_set() != InstructionSet::baseline)
     return multiply_pairs(a, x.data(), y.data());
   if (block_ == 3 && instruction_set() != InstructionSet::baseline) {
     for (int i = 0; i < rows_; ++i)
-      for (int k = 0; k < 3; ++k) x_[4 * i + k] = x[3 * i + k];
-    std::fill(y_.begin(), y_.end(), 0.0);
+      for (int k = 0; k < 3; ++k) x_[4 * i + k] = x[3 * i + k], y_[4 * i + k] = y[3 * i + k];
     multiply_triples(a, x_.data(), y_.data());
     for (int i = 0; i < rows_; ++i)
       for (int k = 0; k < 3; ++k) y[3 * i + k] = y_[4 * i + k];

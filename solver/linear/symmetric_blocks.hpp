@@ -1,5 +1,5 @@
-// Products with a symmetric matrix that read half of it: its diagonal and upper blocks. The products
-// of the time loop are bound by memory, as the sweeps are.
+// Products with a symmetric matrix that read half of it: its diagonal and upper blocks. The
+// products of the time loop are bound by memory, as the sweeps are.
 #pragma once
 
 #include "solver/linear/sparse.hpp"
@@ -17,8 +17,8 @@ public:
   explicit SymmetricBlocks(const SparseMatrix& a);
 
   bool empty() const { return block_ == 0; }
-  /// y = A x. The order of the additions is always the same. No allocation when y has its size.
-  void multiply(const Vector& x, Vector& y) const;
+  /// y += A x. The order of the additions is always the same.
+  void add_product(const Vector& x, Vector& y) const;
   const Vector& diagonal() const { return diagonal_entries_; }
   double bytes() const;
 

@@ -108,6 +108,33 @@ double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& b
   return worst;
 }
 
+double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Vector& kd,
+                         const Vector& d, const Vector& b, std::span<const int> contact,
+                         const SparseMatrix& force, const Vector& xi, Vector& gap) {
+  double worst = 0.0;
+  const auto row = [&](int i, double reaction) {
+    gap[i] = b[i] - kd[i];
+    const double error = std::abs(gap[i] - reaction), own = diagonal[i] * d[i];
+    if (error <= worst * (std::abs(own) + std::abs(kd[i] - own) + std::abs(b[i]))) return;
+    const int start = k.outerIndexPtr()[i], count = k.outerIndexPtr()[i + 1] - start;
+    const double size =
+        row_sums(k.valuePtr() + start, k.innerIndexPtr() + start, count, d.data()).size +
+        std::abs(b[i]);
+    if (error <= worst * size) return;
+    worst = error / size;
+    if (std::isnan(worst)) worst = std::numeric_limits<double>::infinity();
+  };
+  int next = 0;
+  for (const int c : contact) {
+    for (; next < c; ++next) row(next, 0.0);
+    double reaction = 0.0;
+    for (SparseMatrix::InnerIterator it(force, c); it; ++it) reaction += it.value() * xi[it.col()];
+    row(next++, reaction);
+  }
+  for (const auto n = static_cast<int>(k.rows()); next < n; ++next) row(next, 0.0);
+  return worst;
+}
+
 namespace {
 
 /// The largest entry of a term's rows.

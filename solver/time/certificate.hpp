@@ -25,6 +25,12 @@ double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& b
                          std::span<const int> contact, const SparseMatrix& force, const Vector& xi,
                          Vector& gap);
 
+/// The same with the product K d given: gap = b - K d. Reads a row of K only where |K_ii d_i| +
+/// |(K d)_i - K_ii d_i|, which |K| |d| cannot fall below, does not show that another row is worse.
+double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Vector& kd,
+                         const Vector& d, const Vector& b, std::span<const int> contact,
+                         const SparseMatrix& force, const Vector& xi, Vector& gap);
+
 struct Inclusion {
   double worst = 0.0;   ///< max_p dist(xi_p, dj_p(z_p)) / max(|xi|_inf, slope scale of the law)
   int worst_term = -1;  ///< index into Plan::law_terms

@@ -9,7 +9,7 @@ namespace hvi::solver {
 namespace {
 
 // Beyond these the dense Schur complement (n_c^2 doubles, n_c^3 / 3 operations) does not pay.
-constexpr int most_condensed = 4000;
+constexpr int most_condensed = 12000;
 constexpr int always_condensed = 300;
 constexpr double most_condensed_share = 0.3;
 

@@ -7,10 +7,10 @@
 
 namespace hvi::solver {
 
-void Predictor::note(const Vector& d, const Vector& rhs, const Vector& gap, const Vector& xi) {
+void Predictor::note(const Vector& d, Vector& kd, const Vector& xi) {
   newest_ = (newest_ + depth - 1) % depth;
   d_[newest_] = d;
-  kd_[newest_] = rhs - gap;
+  kd_[newest_].swap(kd);
   xi_[newest_] = xi;
   known_ = std::min(known_ + 1, depth);
 }

@@ -19,8 +19,8 @@ class Predictor {
 public:
   /// Forgets everything: the matrix or the step length changed.
   void clear() { known_ = 0; }
-  /// After an accepted step: d, K d = rhs - gap, xi.
-  void note(const Vector& d, const Vector& rhs, const Vector& gap, const Vector& xi);
+  /// After an accepted step: d, K d, xi. Takes K d and leaves any vector in its place.
+  void note(const Vector& d, Vector& kd, const Vector& xi);
   bool ready() const { return known_ >= depth; }
   /// d = d*
   void predict(Vector& d) const;

@@ -78,6 +78,8 @@ void Stepper::save(std::ostream& out) const {
     ++index;
   }
   w.put(std::array<int, 4>{single, never_single_ ? 1 : 0, single_steps_, single_misses_});
+  w.put(rounding_gain_);
+  w.put(first_moved_);
 }
 
 void Stepper::restore(std::istream& in) {
@@ -110,10 +112,12 @@ void Stepper::restore(std::istream& in) {
   single_ = nullptr;
   if (rounding[0] >= 0 && rounding[0] < static_cast<int>(matrices_.size())) {
     auto& matrix = *std::next(matrices_.begin(), rounding[0])->matrix;
-    if (matrix.sweep_in(SweepStorage::single)) single_ = &matrix;
+    if (matrix.round()) single_ = &matrix;
   }
   never_single_ = rounding[1] != 0;
   single_steps_ = rounding[2], single_misses_ = rounding[3];
+  rounding_gain_ = r.get<double>();
+  first_moved_ = r.get<double>();
 }
 
 void FieldFiles::save(std::ostream& out) const {

@@ -25,6 +25,11 @@ constexpr double refined = 1e-13;
 constexpr double part_for_rounding = 0.2;
 /// A rounded factor is made when at least so many steps are left, and of no larger one than this.
 constexpr int worth_rounding = 12;
+/// Matrices are stored once more, for products that read half, when a run has so many steps.
+constexpr int worth_halving = 12;
+/// Part of the certificate's tolerance by which contact unknowns may move in a rounded sweep back,
+/// over its rounding: a first guess, lowered where a step shows that it was too much.
+constexpr double first_most_moved = 1e7;
 constexpr double largest_rounded = 3e9;
 
 } // namespace
@@ -72,11 +77,17 @@ double Stepper::equilibrium_of_all(int n) {
 
 void Stepper::allocate() {
   known_ = d_previous_ = d_before_ = combined_ = Vector::Zero(layout_.n_state);
-  d_ = rhs_ = gap_ = scale_ = work_ = Vector::Zero(layout_.n_unknowns);
+  d_ = rhs_ = gap_ = scale_ = work_ = kd_ = Vector::Zero(layout_.n_unknowns);
   full_ = Vector::Zero(layout_.n_dofs);
   z_ = inequality_.xi = Vector::Zero(contact_.n_rows());
   inequality_.c = Vector::Zero(static_cast<Eigen::Index>(contact_.unknowns.size()));
   accepted_ = inequality_;
+  if (grid_.steps() < worth_halving || !operators_.symmetric || layout_.interior ||
+      layout_.n_state > layout_.n_unknowns)
+    return;
+  for (const auto& base : operators_.bases) halves_.emplace_back(base);
+  if (std::any_of(halves_.begin(), halves_.end(), [](const auto& half) { return half.empty(); }))
+    halves_.clear();
 }
 
 Vector Stepper::coefficients(int n) const {
@@ -137,30 +148,47 @@ void Stepper::refactor(int n, StepMatrix& matrix) {
   factor_or_explain(matrix, coefficients(n), plan_, discretisation_, layout_);
 }
 
+/// combined_ = - what all fields put on base matrix b, with what is known of u_n. False: nothing.
+bool Stepper::known_part(int n, int b) {
+  const auto weight = operators_.weights.col(b);
+  double on_known = weight[field_u];
+  for (int m = 0; m < memory_->size(); ++m)
+    on_known += weight[first_history_field + m] * memory_->w0(m);
+  bool any = on_known != 0.0;
+  const auto add = [&](const auto& term) {
+    if (any)
+      combined_ -= term;
+    else
+      combined_ = -term;
+    any = true;
+  };
+  if (any) combined_ = -on_known * known_;
+  for (int m = 0; m < memory_->size(); ++m)
+    if (const double w = weight[first_history_field + m]; w != 0.0) add(w * memory_->known(m));
+  if (grid_.is_static() || weight[field_rate] == 0.0) return any;
+  // What is known of u': imposed values move, and BDF2 carries the last increment on.
+  if (layout_.n_state > layout_.n_unknowns) add(weight[field_rate] * grid_.rate(n) * (known_ - u_));
+  if (grid_.carry(n) != 0.0) add(-weight[field_rate] * grid_.carry(n) * d_previous_);
+  return any;
+}
+
 /// rhs = f_n - sum_b T_b ( what all fields put on base matrix b ): one product per base matrix.
 /// Includes - change_b T_b expected.
 void Stepper::right_hand_side(int n) {
   add_load(n);
   if (layout_.interior) load_ = rhs_;
-  const bool moves = !grid_.is_static();
   for (int b = 0; b < operators_.n_bases(); ++b) {
-    const auto weight = operators_.weights.col(b);
-    double on_known = weight[field_u];
-    for (int m = 0; m < memory_->size(); ++m)
-      on_known += weight[first_history_field + m] * memory_->w0(m);
-    combined_ = on_known * known_;
-    for (int m = 0; m < memory_->size(); ++m)
-      if (const double w = weight[first_history_field + m]; w != 0.0)
-        combined_ += w * memory_->known(m);
-    if (moves && weight[field_rate] != 0.0) {
-      // What is known of u': imposed values move, and BDF2 carries the last increment on.
-      combined_ += weight[field_rate] * grid_.rate(n) * (known_ - u_);
-      if (grid_.carry(n) != 0.0) combined_ -= weight[field_rate] * grid_.carry(n) * d_previous_;
+    bool any = known_part(n, b);
+    if (!any && (layout_.interior || change_[b] != 0.0)) combined_.setZero(), any = true;
+    if (layout_.interior) stress_ = -combined_; // there is one base only
+    if (change_[b] != 0.0) combined_ -= change_[b] * expected_;
+    if (!any || combined_.isZero(0.0)) continue;
+    if (halves_.empty()) {
+      combined_ = -combined_;
+      subtract_product(operators_.bases[b], combined_, rhs_);
+    } else {
+      halves_[b].add_product(combined_, rhs_);
     }
-    if (layout_.interior) stress_ = combined_; // there is one base only
-    if (change_[b] != 0.0) combined_ += change_[b] * expected_;
-    if (combined_.isZero(0.0)) continue;
-    subtract_product(operators_.bases[b], combined_, rhs_);
     ++products_;
   }
 }
@@ -187,22 +215,31 @@ StepMatrix& Stepper::matrix_for(int n) {
 }
 
 /// gap = rhs - K_n d with K_n = K + sum_b change_b T_b, its scale, and the backward error.
-double Stepper::residual(const StepMatrix& matrix) {
+double Stepper::residual(StepMatrix& matrix) {
   ++products_;
-  if (change_.isZero(0.0))
-    return equilibrium_error(matrix.k(), d_, rhs_, contact_.unknowns, contact_.force,
-                             inequality_.xi, gap_);
+  if (change_.isZero(0.0)) {
+    if (!halves_.empty()) matrix.halve();
+    if (matrix.half().empty()) {
+      const double error = equilibrium_error(matrix.k(), d_, rhs_, contact_.unknowns,
+                                             contact_.force, inequality_.xi, gap_);
+      kd_ = rhs_ - gap_;
+      return error;
+    }
+    kd_.setZero(layout_.n_unknowns);
+    matrix.half().add_product(d_, kd_);
+    return equilibrium_error(matrix.k(), matrix.half().diagonal(), kd_, d_, rhs_, contact_.unknowns,
+                             contact_.force, inequality_.xi, gap_);
+  }
   gap_and_scale(matrix.k(), d_, rhs_, gap_, scale_);
+  kd_ = rhs_ - gap_;
   combined_ = expected_;
   combined_.head(layout_.n_unknowns) -= d_;
   mismatch_ = 0.0;
-  moved_.setZero(layout_.n_unknowns);
   for (int b = 0; b < operators_.n_bases(); ++b) {
     if (change_[b] == 0.0) continue;
     work_.noalias() = operators_.bases[b] * combined_;
     work_ *= change_[b];
     gap_ += work_;
-    moved_ += work_;
     mismatch_ += (work_.array().abs() / scale_.array().max(1e-300)).maxCoeff();
     ++products_;
   }
@@ -222,10 +259,8 @@ void Stepper::learn(int n, StepMatrix& matrix, const StepResult& result) {
   if (result.snap || result.inequality.events > 0) return predictor_.clear();
   if (!same_problem(n, matrix)) predictor_.clear();
   predicted_gamma_ = matrix.gamma();
-  // The predictor knows the products with the factored matrix: gap_ is that of K_n.
-  if (!change_.isZero(0.0)) gap_ -= moved_;
-  predictor_.note(d_, rhs_, gap_, inequality_.xi);
-  choose_storage(n, matrix, result);
+  predictor_.note(d_, kd_, inequality_.xi);
+  choose_storage(n, matrix);
 }
 
 /// Extrapolates from the last steps, if they had this factor: d_ and gap_ = rhs - K_n d_, for d_ is
@@ -247,23 +282,39 @@ void Stepper::guess_from_increment() {
   for (Eigen::Index i = 0; i < guess.size(); ++i) guess[i] = d_[contact_.unknowns[i]];
 }
 
-/// The sweeps are bound by reading the factor: single precision halves it while the extrapolation
+/// By how much the contact unknowns may move in a rounded sweep back: the largest equilibrium error
+/// seen so far, over what they moved, must leave it within half of the target.
+double Stepper::most_moved() const {
+  if (rounding_gain_ == 0.0) return first_most_moved * plan_.options.tolerance;
+  return std::min(0.1, 0.5 * part_for_rounding * plan_.options.tolerance / rounding_gain_);
+}
+
+/// The sweeps are bound by reading the factor: single precision halves it where the extrapolation
 /// is so good that one pair of sweeps is enough.
-void Stepper::choose_storage(int n, StepMatrix& matrix, const StepResult& last) {
+void Stepper::choose_storage(int n, StepMatrix& matrix) {
   if (never_single_ || contact_.whole) return;
   if (single_ == nullptr) {
     if (!predictor_.ready() || grid_.steps() - n < worth_rounding) return;
-    never_single_ =
-        matrix.statistics().bytes > largest_rounded || !matrix.sweep_in(SweepStorage::single);
+    if (!(first_moved_ <= most_moved())) return;
+    never_single_ = matrix.statistics().bytes > largest_rounded || !matrix.round();
     if (!never_single_) single_ = &matrix;
     return;
   }
   if (single_ != &matrix) return;
   ++single_steps_;
-  single_misses_ += last.corrections > 1 ? 1 : 0;
   if (single_misses_ < 4 || 4 * single_misses_ < single_steps_) return;
-  matrix.sweep_in(SweepStorage::full);
   single_ = nullptr, never_single_ = true;
+}
+
+/// After the first correction of a step, with a rounded factor.
+void Stepper::learn_rounding(const StepMatrix& matrix, double error) {
+  const double target = part_for_rounding * plan_.options.tolerance, moved = matrix.moved();
+  if (matrix.went_back_rounded() && moved > 0.0) {
+    if (error > 1e-3 * target || moved > 0.1 * most_moved())
+      rounding_gain_ = std::max(rounding_gain_, error / moved);
+  } else {
+    single_misses_ += error > target ? 1 : 0; // the sweep forward is to blame
+  }
 }
 
 /// Solves step n; `again`: d_, gap_ and the multipliers are those of the same step with other laws.
@@ -275,10 +326,16 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
   if (again) inequality_.xi_guess = inequality_.xi;
   if (again) guess_from_increment();
   const bool predicted = again || predict(n, matrix);
+  const double moved_before = first_moved_; // a step is much like the last one
+  first_moved_ = std::numeric_limits<double>::infinity();
   inequality_.c.setZero(); // the path to the new state starts at the last one
   double last = std::numeric_limits<double>::infinity();
   int iterations = 0, events = 0;
   while (out.corrections < most_corrections) {
+    if (rounded && predicted && out.corrections == 0 && moved_before <= most_moved())
+      matrix.sweep_rounded(most_moved());
+    else
+      matrix.sweep_exactly();
     out.inequality = out.corrections == 0 && !predicted ? matrix.start(rhs_, inequality_, d_)
                                                         : matrix.correct(gap_, inequality_, d_);
     inequality_.c_guess.resize(0), inequality_.xi_guess.resize(0);
@@ -286,6 +343,11 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
     iterations += out.inequality.iterations;
     events += out.inequality.events;
     out.equilibrium = residual(matrix);
+    if (predicted && out.corrections == 1) {
+      first_moved_ = matrix.moved();
+      if (matrix.went_forward_rounded() && change_.isZero(0.0))
+        learn_rounding(matrix, out.equilibrium);
+    }
     const bool exact = change_.isZero(0.0) || mismatch_ <= refined;
     if (!out.inequality.converged || (exact && out.equilibrium <= target)) break;
     const bool slow = out.equilibrium > slow_contraction * last;
@@ -352,7 +414,7 @@ StepResult Stepper::advance(int n) {
     out = attempt(n, matrix);
   }
   if (out.certified && operators_.symmetric && !contact_.none())
-    out.snap = is_snap(contact_, inequality_.c, (rhs_ - gap_).dot(d_));
+    out.snap = is_snap(contact_, inequality_.c, kd_.dot(d_));
   if (out.certified) {
     learn(n, matrix, out);
     accept(n);

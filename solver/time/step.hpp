@@ -72,14 +72,17 @@ private:
   void find_change(int n, const StepMatrix& matrix);
   void refactor(int n, StepMatrix& matrix);
   void right_hand_side(int n);
+  bool known_part(int n, int b);
   void add_load(int n);
-  double residual(const StepMatrix& matrix);
+  double residual(StepMatrix& matrix);
   StepResult correct(int n, StepMatrix& matrix, bool again);
   bool same_problem(int n, const StepMatrix& matrix) const;
   void learn(int n, StepMatrix& matrix, const StepResult& result);
   bool predict(int n, const StepMatrix& matrix);
   void guess_from_increment();
-  void choose_storage(int n, StepMatrix& matrix, const StepResult& last);
+  double most_moved() const;
+  void choose_storage(int n, StepMatrix& matrix);
+  void learn_rounding(const StepMatrix& matrix, double error);
   StepResult attempt(int n, StepMatrix& matrix);
   void couple_bounds(int n, StepMatrix& matrix, StepResult& out);
   void accept(int n);
@@ -106,9 +109,14 @@ private:
   Vector load_, stress_;      ///< of [contact; modes], for that
   Predictor predictor_;
   Vector predicted_gamma_;             ///< of the matrix of the predictor's increments
-  const StepMatrix* single_ = nullptr; ///< whose sweeps read a rounded factor
+  const StepMatrix* single_ = nullptr; ///< whose factor is there once more, rounded
   bool never_single_ = false;
   int single_steps_ = 0, single_misses_ = 0;
+  double first_moved_ = 0.0;   ///< StepMatrix::moved of the step's first correction
+  double rounding_gain_ = 0.0; ///< largest equilibrium error of a rounded sweep back, over `moved`
+  /// The base matrices once more for products, in half the memory; empty: not used.
+  std::vector<SymmetricBlocks> halves_;
+  Vector kd_; ///< K d of the last residual, K the factored matrix
 
   int step_ = 0;
   bool unique_ = true;
@@ -117,7 +125,6 @@ private:
   Vector u_, known_, d_, d_previous_, d_before_; // states; d on unknowns only
   Vector rhs_, gap_, scale_, work_;              // unknowns
   Vector combined_, full_, change_, expected_, z_;
-  Vector moved_;        ///< (K_n - K) (expected_ - d_), K the factored matrix
   double mismatch_ = 0; ///< backward error due to the part of K_n that its factor does not know
   int products_ = 0, corrections_ = 0, newton_ = 0, fallbacks_ = 0;
 };

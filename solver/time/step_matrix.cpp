@@ -16,6 +16,7 @@ StepMatrix::StepMatrix(const Operators& operators, const Contact& contact,
 void StepMatrix::factor(const Vector& gamma) {
   gamma_ = gamma;
   k_ = combine(operators_, gamma);
+  if (!half_.empty()) half_ = SymmetricBlocks(k_);
   solver_.reset();
   if (contact_.whole) {
     reduced_ = sparse_operator(k_, operators_.symmetric);
@@ -37,54 +38,64 @@ void StepMatrix::make_factor() {
   factorisation_ = lend_factor(from, k_, contact_.unknowns, operators_.symmetric);
 }
 
-void StepMatrix::condense(const Vector& gap) {
+void StepMatrix::condense(const Vector& gap, InequalityState& state) {
   const PhaseClock clock(seconds_sweeps);
   if (contact_.whole)
     r_ = gap;
   else
     factorisation_->reduce(gap, r_);
+  state.s_c_guess.resize(0);
   if (c_.isZero(0.0)) return;
   reduced_->apply(c_, product_);
   r_ += product_;
+  if (state.c_guess == c_) state.s_c_guess = product_;
 }
 
-void StepMatrix::expand(const InequalityState& state) {
+/// The correction of the contact unknowns moves the whole body: where it is large the rounded
+/// factor would leave an error of its size, whatever is small before the sweep.
+void StepMatrix::expand(const InequalityState& state, bool rounded) {
   const PhaseClock clock(seconds_sweeps);
   c_ = state.c - c_;
-  if (contact_.whole)
+  const double size = state.c.lpNorm<Eigen::Infinity>();
+  moved_ = size > 0.0 ? c_.lpNorm<Eigen::Infinity>() / size : 0.0;
+  if (contact_.whole) {
     x_ = c_;
-  else
-    factorisation_->back(c_, x_);
+    return;
+  }
+  back_rounded_ = rounded && moved_ <= most_moved_;
+  factorisation_->sweep_in(storage(back_rounded_));
+  factorisation_->back(c_, x_);
 }
 
 /// x_ = the correction of a d whose contact part is c_.
-InequalityReport StepMatrix::solve(const Vector& gap, InequalityState& state) {
+InequalityReport StepMatrix::solve(const Vector& gap, InequalityState& state, bool rounded) {
   InequalityReport report;
+  if (factorisation_) factorisation_->sweep_in(storage(rounded));
   if (contact_.none()) {
     const PhaseClock clock(seconds_sweeps);
     factorisation_->solve(gap, x_);
     report.converged = true;
     return report;
   }
-  condense(gap);
+  condense(gap, state);
   {
     const PhaseClock clock(seconds_inequality);
     report = solver_->solve(r_, state);
   }
-  expand(state);
+  expand(state, rounded);
   return report;
 }
 
 InequalityReport StepMatrix::start(const Vector& gap, InequalityState& state, Vector& d) {
   c_.setZero();
-  auto report = solve(gap, state);
+  auto report = solve(gap, state, false);
   d.swap(x_);
   return report;
 }
 
 InequalityReport StepMatrix::correct(const Vector& gap, InequalityState& state, Vector& d) {
   for (Eigen::Index i = 0; i < c_.size(); ++i) c_[i] = d[contact_.unknowns[i]];
-  auto report = solve(gap, state);
+  auto report = solve(gap, state, most_moved_ >= 0.0);
   d += x_;
   return report;
 }

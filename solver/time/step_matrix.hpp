@@ -3,6 +3,7 @@
 
 #include "solver/inequality/inequality.hpp"
 #include "solver/linear/factorisation.hpp"
+#include "solver/linear/symmetric_blocks.hpp"
 #include "solver/time/contact.hpp"
 #include "solver/time/operators.hpp"
 #include "solver/time/shared_work.hpp"
@@ -36,9 +37,27 @@ public:
   /// The first correction: the same with d = 0, whatever d holds.
   InequalityReport start(const Vector& gap, InequalityState& state, Vector& d);
 
-  /// How the sweeps read the factor; false when it cannot be had, or for the matrix without one.
-  bool sweep_in(SweepStorage storage) {
-    return factorisation_ && factorisation_->sweep_in(storage);
+  /// Makes a rounded factor; false when it cannot be had, or for the matrix without one.
+  bool round() {
+    const bool rounded = factorisation_ && factorisation_->sweep_in(SweepStorage::single);
+    if (rounded) factorisation_->sweep_in(SweepStorage::full);
+    return rounded;
+  }
+  /// From now on `correct` sweeps with the rounded factor; backward only where the contact unknowns
+  /// move by no more than this part of their size.
+  void sweep_rounded(double most_moved) { most_moved_ = most_moved; }
+  /// And from now on it does not.
+  void sweep_exactly() { most_moved_ = -1.0; }
+  /// max |c' - c| / max |c'| of the last correction.
+  double moved() const { return moved_; }
+  /// Did the last correction sweep forward, and back, with the rounded factor?
+  bool went_forward_rounded() const { return most_moved_ >= 0.0; }
+  bool went_back_rounded() const { return back_rounded_; }
+
+  /// K once more for products, in half the memory; empty until `halve`, or if K is not symmetric.
+  const SymmetricBlocks& half() const { return half_; }
+  void halve() {
+    if (half_.empty()) half_ = SymmetricBlocks(k_);
   }
 
   FactorStatistics statistics() const;
@@ -49,19 +68,25 @@ public:
 
 private:
   void make_factor();
-  void condense(const Vector& gap);
-  void expand(const InequalityState& state);
-  InequalityReport solve(const Vector& gap, InequalityState& state);
+  void condense(const Vector& gap, InequalityState& state);
+  SweepStorage storage(bool rounded) const {
+    return rounded ? SweepStorage::single : SweepStorage::full;
+  }
+  void expand(const InequalityState& state, bool rounded);
+  InequalityReport solve(const Vector& gap, InequalityState& state, bool rounded);
 
   const Operators& operators_;
   const Contact& contact_;
   InequalityOptions options_;
   Vector gamma_;
   SparseMatrix k_;
+  SymmetricBlocks half_;
   LentFactor factorisation_; ///< absent when nothing is condensed
   std::unique_ptr<ReducedOperator> reduced_;
   std::unique_ptr<InequalitySolver> solver_;
   Vector r_, x_, c_, product_; ///< x_: the correction; c_: d on the contact unknowns
+  double most_moved_ = -1.0, moved_ = 0.0;
+  bool back_rounded_ = false;
 };
 
 } // namespace hvi::solver

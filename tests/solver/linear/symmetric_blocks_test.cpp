@@ -1,0 +1,57 @@
+// Products that read half of a symmetric matrix, against products with all of it.
+#include "matrices.hpp"
+#include "solver/linear/symmetric_blocks.hpp"
+
+#include <gtest/gtest.h>
+
+namespace hvi::solver::test {
+namespace {
+
+void expect_same_product(const SparseMatrix& k, double most_of_all_bytes) {
+  const SymmetricBlocks half(k);
+  ASSERT_FALSE(half.empty());
+  const Vector x = Vector::LinSpaced(k.rows(), -1.0, 2.0).array().sin();
+  Vector y = Vector::LinSpaced(k.rows(), 3.0, 4.0);
+  const Vector expected = y + k * x;
+  half.add_product(x, y);
+  EXPECT_LT((y - expected).norm(), 1e-14 * (expected.norm() + k.norm() * x.norm()));
+  EXPECT_EQ((half.diagonal() - Vector(k.diagonal())).norm(), 0.0);
+  const double all = static_cast<double>(k.nonZeros()) * (sizeof(double) + sizeof(int));
+  EXPECT_LT(half.bytes(), most_of_all_bytes * all);
+}
+
+TEST(SymmetricBlocks, MultiplyInBlocksOfOneTwoAndThree) {
+  expect_same_product(grid_laplacian(9), 0.75);
+  expect_same_product(random_definite(61, 0.1, 5), 0.75);
+  for (const int n : {2, 5, 12}) expect_same_product(slab(n).k, 0.6);
+  for (const int n : {2, 3, 6}) expect_same_product(cube(n).k, 0.6);
+}
+
+// An unknown that was eliminated breaks the pairs of a node: single entries serve.
+TEST(SymmetricBlocks, FallBackToEntriesWhereBlocksAreCut) {
+  const SparseMatrix k = slab(6).k;
+  std::vector<Eigen::Triplet<double>> kept;
+  for (int i = 1; i < k.rows(); ++i)
+    for (SparseMatrix::InnerIterator it(k, i); it; ++it)
+      if (it.col() > 0) kept.emplace_back(i - 1, static_cast<int>(it.col()) - 1, it.value());
+  SparseMatrix cut(k.rows() - 1, k.rows() - 1);
+  cut.setFromTriplets(kept.begin(), kept.end());
+  expect_same_product(cut, 0.75);
+}
+
+TEST(SymmetricBlocks, AreEmptyWhereHalfWouldNotDo) {
+  const SparseMatrix k = slab(4).k;
+  EXPECT_TRUE(SymmetricBlocks(with_skew_part(k, 1e-6, 3)).empty());
+  EXPECT_TRUE(SymmetricBlocks(SparseMatrix(k.topRows(4))).empty());
+  EXPECT_TRUE(SymmetricBlocks().empty());
+  std::vector<Eigen::Triplet<double>> entries{{0, 0, 1.0}, {1, 1, 1.0}, {0, 1, 0.5}};
+  SparseMatrix lopsided(2, 2);
+  lopsided.setFromTriplets(entries.begin(), entries.end());
+  EXPECT_TRUE(SymmetricBlocks(lopsided).empty());
+  entries.back() = {1, 0, 0.5};
+  lopsided.setFromTriplets(entries.begin(), entries.end());
+  EXPECT_TRUE(SymmetricBlocks(lopsided).empty());
+}
+
+} // namespace
+} // namespace hvi::solver::test
