@@ -37,6 +37,9 @@ bool is_symmetric(const SparseMatrix& a) {
       if (next[j] == start[j + 1] || column[next[j]] != i) return false;
       if (std::abs(value[next[j]++] - value[at]) > rounding * size[i] * size[j]) return false;
     }
+  for (int j = 0; j < a.rows(); ++j) // entries right of the diagonal without a mirror image
+    for (int at = next[j]; at < start[j + 1]; ++at)
+      if (column[at] > j && value[at] != 0.0) return false;
   return true;
 }
 
