@@ -110,8 +110,7 @@ Value Checker::call_function(const ast::Expr& e, const ast::Call& c, int declara
   for (const ast::Name& p : fn.parameters) names.push_back(p.text);
   auto args = match(e, c, fn.name.text, names, names.size());
   if (!args) return Poison{};
-  Scope inner = scope;
-  inner.locals.clear();
+  Scope inner = scope.without_locals();
   for (std::size_t i = 0; i < names.size(); ++i) {
     Value v = expr(*(*args)[i], scope);
     if (is_poison(v)) return Poison{};

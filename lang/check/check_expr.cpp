@@ -22,9 +22,6 @@ Overloaded(F...) -> Overloaded<F...>;
 
 using solver::Op;
 
-/// A script of 10,000 lines evaluates a few hundred thousand.
-constexpr long most_evaluations = 1'000'000;
-
 /// Index 0..2 of x, y, z; nothing for other words.
 std::optional<int> axis_of(const std::string& member) {
   if (member.size() != 1 || member[0] < 'x' || member[0] > 'z') return std::nullopt;
@@ -34,9 +31,9 @@ std::optional<int> axis_of(const std::string& member) {
 } // namespace
 
 Value Checker::expr(const ast::Expr& e, const Scope& scope) {
-  if (evaluations_ >= most_evaluations) return Poison{};
-  if (++evaluations_ == most_evaluations) {
-    error("E0607", e.span, fmt::format("more than {} expressions are evaluated", most_evaluations),
+  if (evaluations_ >= most_evaluations_) return Poison{};
+  if (++evaluations_ == most_evaluations_) {
+    error("E0607", e.span, fmt::format("more than {} expressions are evaluated", most_evaluations_),
           "functions that call each other several times multiply: give results a name");
     return Poison{};
   }

@@ -45,7 +45,13 @@ bool symmetric(const Symbol& f, int field) {
 
 Checker::Checker(const std::vector<ast::Program>& programs, const CheckOptions& options,
                  Diagnostics& diagnostics)
-    : programs_(programs), options_(options), diagnostics_(diagnostics) {}
+    : programs_(programs), options_(options), diagnostics_(diagnostics) {
+  // A script evaluates about one expression for three of its characters; a hundred times that is
+  // enough for any use of functions, and soon reached by functions that double at each call.
+  std::size_t size = 0;
+  for (const ast::Program& program : programs_) size += program.size;
+  most_evaluations_ = static_cast<long>(std::min<std::size_t>(20'000 + 30 * size, 1'000'000));
+}
 
 std::optional<Model> Checker::run() {
   collect_declarations();

@@ -27,6 +27,11 @@ struct Scope {
   bool law = false;      ///< the body of a superpotential
   std::map<std::string, Value> locals;
   Span call; ///< the call that brought us into another file, if any
+
+  /// The same things visible inside a function, whose arguments are its only locals.
+  [[nodiscard]] Scope without_locals() const {
+    return {what, position, time, lag, normal, unknown, test, report, law, {}, call};
+  }
 };
 
 /// Arguments of a call after matching them with the names the callee knows.
@@ -255,6 +260,7 @@ private:
   int call_depth_ = 0;
   std::vector<Span> calls_;    ///< of functions and laws that are being evaluated
   long evaluations_ = 0;       ///< of expressions: functions of functions can ask for any number
+  long most_evaluations_ = 0;  ///< more for a long script
   bool readable_ = true;       ///< the unknown and the test function have names of their own
   bool normal_missed_ = false; ///< in the integral at hand a normal was missed and reported
 };
