@@ -147,6 +147,24 @@ def family(rows, row, name, cases):
     (ROOT / "build" / f"bench-accuracy-{name.replace(' ', '-')}.json").write_text(json.dumps(records, indent=1))
 
 
+def draw(name, title, xlabel, curves, slopes=()):
+    """OUT/name.svg and .png by gnuplot: curves are (title, style, points), slopes (power, x0, x1, y0)."""
+    blocks, plots, labels = "", [], ""
+    for k, (label, style, points) in enumerate(curves):
+        blocks += f"$c{k} << HVI\n" + "".join(f"{x:.6g} {y:.6g}\n" for x, y in points) + "HVI\n"
+        plots.append(f"$c{k} with {style} title '{label}' noenhanced")
+    for k, (power, x0, x1, y0) in enumerate(slopes):
+        y1 = y0 * (x1 / x0) ** power
+        blocks += f"$s{k} << HVI\n{x0} {y0}\n{x1} {y1:.6g}\n{x0} {y1:.6g}\n{x0} {y0}\nHVI\n"
+        plots.append(f"$s{k} with lines lc rgb 'gray40' notitle")
+        labels += f"set label '{power:g}' at {math.sqrt(x0 * x1):.6g},{y1:.6g} offset 0,0.6 tc rgb 'gray30'\n"
+    for kind, terminal in (("svg", "svg size 900,600 background 'white'"), ("png", "pngcairo size 900,600")):
+        subprocess.run(["gnuplot"], check=True, text=True, input=(
+            f"set terminal {terminal}\nset output '{OUT / name}.{kind}'\nset title '{title}'\nset logscale xy\nset grid\n"
+            f"set key outside right top\nset format xy '10^{{%T}}'\nset xlabel '{xlabel}'\n"
+            f"set ylabel 'relative error in V, largest over time'\n{blocks}{labels}plot {', '.join(plots)}\n"))
+
+
 def solved(result):
     """CPU seconds of a run without its table, which here integrates the exact solution in every step."""
     return result["timing"]["total"] - result["timing"]["output"]
@@ -193,6 +211,12 @@ def paper_scheme(rows, row, quick):
             "times", None)
         points.append({"wanted": wanted, "n": n, "paper": slow, "how": how, "best": fast, "true": true,
                        "setting": best["accuracy"]["tries"][-1]["setting"], "search": best["accuracy"]["cpu"]})
+    draw("accuracy_paper", "manufactured solution: seconds to an error", "CPU seconds", [
+        ("P1, backward Euler, measured", "linespoints pt 7 lw 2", [(s, e) for _, e, s in measured]),
+        ("the same, extrapolated", "linespoints pt 6 dt 2",
+         [measured[-1][:0:-1]] + [(p["paper"], p["wanted"]) for p in points if p["how"] == "extrapolated"]),
+        ("the setting of --accuracy", "linespoints pt 7 lw 2", [(p["best"], p["true"]) for p in points]),
+        ("the same with its search", "linespoints pt 6 dt 3", [(p["search"], p["true"]) for p in points])])
     (ROOT / "build" / "bench-accuracy-paper.json").write_text(
         json.dumps({"measured": measured, "growth": growth, "points": points}, indent=1))
 
@@ -232,6 +256,34 @@ def corners(rows, row):
         "times", None)
 
 
+def orders_at_corners():
+    """Errors against unknowns on uniform, graded and adapted meshes: a picture and its numbers."""
+    graded, adapted = ROOT / "examples" / "slab_corners.hvi", (ROOT / "examples" / "slab_adapted.hvi").read_text()
+    curves = []
+
+    def study(script):
+        result = OUT / "corners.json"
+        subprocess.run([BUILD / "hvi-run", "study", script, "--quiet", "--json", result, "-o", OUT / script.stem], check=True,
+                       stdout=subprocess.DEVNULL)
+        return [r for r in json.loads(result.read_text())["rows"] if "error" in r]
+
+    def curve(label, rows):
+        points = [(r["unknowns"], r["error"]["relative"]) for r in rows]
+        curves.append((label, "linespoints pt 7 lw 2", points))
+        print(f"    corners, {label}: " + ", ".join(f"{n}: {e:.2e}" for n, e in points), flush=True)
+
+    found = [r for r in study(graded) if int(r["params"]["n"]) <= 64]
+    for label, grade in (("P1, uniform", "1"), ("P1, graded with power 2", "2")):
+        curve(label, [r for r in found if r["params"]["grade"] == grade])
+    for element, rungs in (("P1", [8, 16, 32, 64, 192]), ("P2", [8, 16, 32, 96])):
+        script = OUT / "slab_adapted.hvi"
+        script.write_text(adapted.replace("n in [8, 16, 32, 64, 192]", f"n in {rungs}")
+                          .replace("param element = P1", f"param element = {element}"))
+        curve(f"{element}, adapted", study(script))
+    draw("accuracy_corners", "the slab, singular at the ends of its clamped roof", "unknowns", curves,
+         [(-0.5, 300, 1500, 5e-3), (-1.0, 300, 1500, 5e-3)])
+
+
 def accuracy(quick):
     row = sys.modules["__main__"].row
     OUT.mkdir(parents=True, exist_ok=True)
@@ -241,4 +293,5 @@ def accuracy(quick):
     paper_scheme(rows, row, quick)
     if not quick:
         corners(rows, row)
+        orders_at_corners()
     return rows
