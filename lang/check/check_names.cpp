@@ -128,10 +128,12 @@ Value& Checker::value_of(int index, const Span& use) {
   }
   if (part_at_hand_ >= 0) parts_of_[index].insert(part_at_hand_);
   if (evaluated_ >= 0) used_by_[index].insert(evaluated_);
-  if (declaration.state == Declaration::State::untouched) {
+  if (declaration.state == Declaration::State::untouched && may_go_deeper(use, depth_)) {
     declaration.state = Declaration::State::busy;
     const int outer = std::exchange(evaluated_, index);
+    ++depth_;
     Value value = evaluate(declaration);
+    --depth_;
     evaluated_ = outer;
     declarations_[index].value = std::move(value);
     declarations_[index].state = Declaration::State::done;

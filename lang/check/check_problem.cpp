@@ -157,6 +157,7 @@ void Checker::find_statement() {
   place_materials();
   settings(find);
   check_tables();
+  check_kernels_in_time();
   check_relation(find);
   if (!diagnostics_.has_errors()) {
     check_clauses(find);
@@ -278,6 +279,14 @@ void Checker::law_factors(ModelTerm& term, const ast::FormTerm&) {
     }
     const Symbol factor = term.factor * use.factor;
     const Span place = use.factor_span.valid() ? use.factor_span : term.factor_span;
+    if (factor.depends_on_any(slot::first_field, slot::first_multiplier)) {
+      error("E0403", place,
+            fmt::format("the factor before `{}^0` depends on the unknown `{}`", use.name,
+                        find_->unknown.text),
+            "what depends on the unknown stands in the superpotential itself");
+      use.factor = 1.0; // no second complaint on the mesh
+      continue;
+    }
     if (factor.is_constant() && !(factor.value() > 0.0)) {
       if (factor.value() == 0.0) continue; // dropped: the effect folds to zero
       error("E0409", place, fmt::format("a negative factor before `{}^0`", use.name),
