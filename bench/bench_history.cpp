@@ -39,6 +39,9 @@ Figure run(const Expr& kernel, HistoryRoute route, std::int64_t steps) {
   options.horizon = static_cast<double>(steps) * step;
   options.shortest_step = step;
   options.steps = steps;
+  std::vector<double> grid;
+  for (std::int64_t i = 0; i <= steps; ++i) grid.push_back(static_cast<double>(i) * step);
+  options.times = grid;
   const bool ends_only = route == HistoryRoute::direct && steps > 1000;
   constexpr std::int64_t timed = 100;
   Figure figure;
@@ -49,7 +52,7 @@ Figure run(const Expr& kernel, HistoryRoute route, std::int64_t steps) {
   history->start(0, u);
   const double begin = cpu_seconds();
   for (std::int64_t i = 1; i <= steps; ++i) {
-    const double t = static_cast<double>(i) * step, from = cpu_seconds();
+    const double t = grid[static_cast<std::size_t>(i)], from = cpu_seconds();
     if (!ends_only || i > steps - timed) {
       history->rhs(t, out);
       history->w0(t);

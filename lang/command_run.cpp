@@ -230,7 +230,7 @@ int solve(Script& script, const Options& options, bool writes, solver::RunResult
     if (options.resume && !options.quiet)
       fmt::print(stderr, "{}\n",
                  result.resumed_from > 0 ? fmt::format("resumed after step {}", result.resumed_from)
-                                         : "no checkpoint: began at the first step");
+                                         : "began at the first step");
     if (writes)
       for (const std::string& file :
            draw_pictures(*script.plan, solved, result, output_folder(script, options)))

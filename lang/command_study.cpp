@@ -356,7 +356,7 @@ private:
     }
     row.unknowns = result.unknowns, row.steps = result.steps, row.newton = result.work.newton;
     for (const auto& [name, value] : result.final)
-      if (std::isfinite(value)) row.probes[name] = value;
+      if (std::isfinite(value) && !name.empty()) row.probes[name] = value; // parts have no name
     if (gauge) row.error = gauge->error();
     if (keeps) reference_ = trajectory, reference_plan_ = plan;
     if (row.cpu < short_run) repeat(plan, *d, row);

@@ -27,7 +27,6 @@ int main() {
              ny = Expr::variable(slot::normal(1)), u_y = Expr::variable(slot::field(field_u, 1));
   const double lambda = 70 * 0.3 / (1.3 * 0.4), mu = 70 / 2.6;
   enum { slab, roof, flank, ground };
-
   Plan plan;
   plan.mesh = {.name = "slab", .high = {2, 1, 0}, .cells = {2 * n, n, 1}};
   plan.parts = {{"slab", {}, {.kind = RegionSpec::Kind::all_cells}},

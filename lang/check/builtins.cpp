@@ -103,10 +103,11 @@ bool is_reserved_builtin(std::string_view name) {
          std::find(reserved_names.begin(), reserved_names.end(), name) != reserved_names.end();
 }
 
-std::vector<std::string> visible_built_ins() {
-  std::vector<std::string> names;
-  for (const BuiltIn& b : table) names.emplace_back(b.name);
-  for (std::string_view name : reserved_names) names.emplace_back(name);
+std::vector<std::string_view> visible_built_ins() {
+  std::vector<std::string_view> names;
+  names.reserve(table.size() + reserved_names.size());
+  for (const BuiltIn& b : table) names.push_back(b.name);
+  for (std::string_view name : reserved_names) names.push_back(name);
   return names;
 }
 

@@ -40,7 +40,7 @@ std::span<const std::string_view> words();
 /// Functions and x y z t pi lag: cannot be declared.
 bool is_reserved_builtin(std::string_view name);
 /// Names for suggestions.
-std::vector<std::string> visible_built_ins();
+std::vector<std::string_view> visible_built_ins();
 
 /// Number of arguments of a pointwise function (nothing: not a pointwise function; min and max:
 /// 2+).

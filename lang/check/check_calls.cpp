@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace hvi::lang {
 
@@ -110,8 +111,7 @@ Value Checker::call_function(const ast::Expr& e, const ast::Call& c, int declara
   for (const ast::Name& p : fn.parameters) names.push_back(p.text);
   auto args = match(e, c, fn.name.text, names, names.size());
   if (!args) return Poison{};
-  Scope inner = scope;
-  inner.locals.clear();
+  Scope inner = scope.without_locals();
   for (std::size_t i = 0; i < names.size(); ++i) {
     Value v = expr(*(*args)[i], scope);
     if (is_poison(v)) return Poison{};
@@ -399,6 +399,30 @@ int Checker::history_index(const Symbol& kernel, const std::string& name, const 
   return static_cast<int>(model_.histories.size()) - 1;
 }
 
+/// E0502 where a kernel of t and s is not finite between the times of the problem. Kernels of the
+/// lag alone are integrated by the engine, which knows their singularity at lag 0.
+void Checker::check_kernels_in_time() {
+  const std::vector<double>& grid = model_.time.grid;
+  const std::size_t stride = std::max<std::size_t>(1, grid.size() / 200);
+  for (const ModelHistory& history : model_.histories) {
+    if (!history.kernel.depends_on(slot::t)) continue;
+    for (std::size_t n = stride; n < grid.size(); n += stride) {
+      double lag = 0.0;
+      const auto at = [&](solver::Slot s) { return s == slot::t ? grid[n] : lag; };
+      const auto bad = [&](double share) {
+        lag = share * (grid[n] - grid[0]);
+        return !std::isfinite(solver::evaluate(history.kernel, at));
+      };
+      if (!bad(0.25) && !bad(0.5) && !bad(1.0)) continue;
+      error("E0502", history.span,
+            fmt::format("the kernel `{}` is {} at t = {}, s = {}", history.name,
+                        solver::evaluate(history.kernel, at), grid[n], grid[n] - lag),
+            "a kernel is finite for s < t");
+      break;
+    }
+  }
+}
+
 Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
   auto args = match(e, c, "history", {"kernel", "of"}, 2);
   if (!args) return Poison{};
@@ -407,8 +431,9 @@ Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope&
     return Poison{};
   }
   auto kernel = kernel_field(*(*args)[0], scope);
+  if (!kernel) return Poison{}; // `history(eps(u), C)` is one mistake
   auto of = field(*(*args)[1], scope);
-  if (!kernel || !of) return Poison{};
+  if (!of) return Poison{};
   if (!find_->time) {
     error("E0412", e.span, "`history` needs a problem in time",
           "add `for t in [0, T] by N steps from u = 0` to the find statement");

@@ -22,9 +22,6 @@ Overloaded(F...) -> Overloaded<F...>;
 
 using solver::Op;
 
-/// A script of 10,000 lines evaluates a few hundred thousand.
-constexpr long most_evaluations = 1'000'000;
-
 /// Index 0..2 of x, y, z; nothing for other words.
 std::optional<int> axis_of(const std::string& member) {
   if (member.size() != 1 || member[0] < 'x' || member[0] > 'z') return std::nullopt;
@@ -34,12 +31,41 @@ std::optional<int> axis_of(const std::string& member) {
 } // namespace
 
 Value Checker::expr(const ast::Expr& e, const Scope& scope) {
-  if (evaluations_ >= most_evaluations) return Poison{};
-  if (++evaluations_ == most_evaluations) {
-    error("E0607", e.span, fmt::format("more than {} expressions are evaluated", most_evaluations),
+  if (evaluations_ >= most_evaluations_) return Poison{};
+  if (++evaluations_ == most_evaluations_ && !too_deep_) {
+    error("E0607", e.span, fmt::format("more than {} expressions are evaluated", most_evaluations_),
           "functions that call each other several times multiply: give results a name");
     return Poison{};
   }
+  if (!may_go_deeper(e.span, depth_)) return Poison{};
+  ++depth_;
+  const int outer = std::exchange(built_, 0);
+  Value value = expr_node(e, scope);
+  --depth_;
+  if (auto* f = std::get_if<Field>(&value)) {
+    f->depth = std::max(f->depth, built_ + 1);
+    if (f->depth > 1000 && is_constant(*f)) f->depth = 0; // folded: nothing is left of it
+    built_ = std::max(outer, f->depth);
+    if (!may_go_deeper(e.span, f->depth)) return Poison{};
+  } else {
+    built_ = outer;
+  }
+  return value;
+}
+
+/// False (reported once) for what is so deep that recursive functions would exhaust the stack:
+/// chains of declarations, and functions of functions, which build deep expressions from shallow
+/// ones.
+bool Checker::may_go_deeper(const Span& span, int depth) {
+  constexpr int deepest = 2000;
+  if (depth < deepest) return true;
+  if (!std::exchange(too_deep_, true))
+    error("E0216", span, fmt::format("more than {} values stand inside each other", deepest),
+          "shorten the chain of names or functions that leads here");
+  return false;
+}
+
+Value Checker::expr_node(const ast::Expr& e, const Scope& scope) {
   return std::visit(
       Overloaded{[&](const ast::Number& n) -> Value {
                    // NaN: the lexer has complained about it.

@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace hvi::lang {
 
@@ -18,6 +20,11 @@ Field law_argument(bool radial) {
   f.law_vector = radial;
   if (radial) f.rank = 1;
   return f;
+}
+
+bool offset_in_time(const std::vector<LawRow>& rows) {
+  return std::any_of(rows.begin(), rows.end(),
+                     [](const LawRow& row) { return row.offset.depends_on(slot::t); });
 }
 
 /// Equal as symbols, or at a few points that share no special value.
@@ -38,11 +45,20 @@ std::optional<Field> Checker::law_body(int declaration, const Field& argument,
                                        const std::map<std::string, Value>& parameters,
                                        const Span& use) {
   const auto& law = std::get<ast::Superpotential>(*declarations_[declaration].statement);
-  if (++call_depth_ > 60) {
-    --call_depth_;
-    error("E0313", use, fmt::format("`{}` is defined by itself", law.name.text));
+  if (laws_at_hand_.count(declaration) > 0) {
+    // Once for all the laws of the circle.
+    if (laws_in_circle_.count(declaration) == 0)
+      error("E0313", use, fmt::format("`{}` is defined by itself", law.name.text));
+    laws_in_circle_.insert(laws_at_hand_.begin(), laws_at_hand_.end());
     return std::nullopt;
   }
+  if (laws_in_circle_.count(declaration) > 0) return std::nullopt;
+  if (laws_at_hand_.size() > 60) { // each is a level of this function's own recursion
+    if (!std::exchange(too_deep_, true))
+      error("E0216", use, "superpotentials are nested more than 60 levels deep");
+    return std::nullopt;
+  }
+  laws_at_hand_.insert(declaration);
   Scope scope;
   scope.what = "a superpotential";
   scope.position = true;
@@ -51,7 +67,7 @@ std::optional<Field> Checker::law_body(int declaration, const Field& argument,
   scope.locals = parameters;
   scope.locals[law.argument.text] = argument;
   auto f = field(law.value, scope);
-  --call_depth_;
+  laws_at_hand_.erase(declaration);
   if (!f) return std::nullopt;
   if (f->rank != 0 || f->law_vector) {
     error("E0306", law.value.span,
@@ -195,6 +211,7 @@ void Checker::check_law_alone(int declaration) {
   for (const ast::LawParameter& p : law.parameters)
     if (!p.value) return; // a family: checked where it is used
   if (law_index_.count({declaration, true}) || law_index_.count({declaration, false})) return;
+  if (laws_in_circle_.count(declaration) > 0) return;
   // Nobody applies it: try it as a law of a scalar; a law of a vector complains there.
   Diagnostics trial;
   std::swap(trial, diagnostics_);
@@ -299,9 +316,20 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
     return Poison{};
   }
   auto rows = law_rows(c, *at, *direction);
+  if (rows && !find_->time && offset_in_time(*rows)) {
+    error("E0412", c.at->span, "a static problem has no time `t`",
+          "add `for t in [0, T] by N steps from u = 0` to the find statement");
+    return Poison{};
+  }
   if (at->rank == 1 && !is_law_of_vectors(index, *c.at, *at)) return Poison{};
   auto law = law_for(index, at->rank == 1, c.law->span);
   if (!rows || !law) return Poison{};
+  if (!find_->time && model_.laws[*law].spec.expression.depends_on(slot::t)) {
+    error("E0412", c.law->span,
+          fmt::format("`{}` depends on the time `t`, and a static problem has none", r->name),
+          "add `for t in [0, T] by N steps from u = 0` to the find statement");
+    return Poison{};
+  }
   Field out = scalar_field(0.0);
   out.test = Degree::linear;
   LawUse use;

@@ -89,10 +89,14 @@ Value Checker::mesh(const ast::Mesh& m) {
   return good ? Value(MeshValue{0}) : Value(Poison{});
 }
 
-/// `adapted = CELLS`, where it is written.
+/// `adapted = CELLS`, where it is written; 0: not adapted.
 bool Checker::adapted_cells(const ast::Expr* written, MeshSpec& spec) {
   if (!written) return true;
-  const auto n = positive_integer(*written, "the number of cells");
+  const auto n = constant(*written, "the number of cells");
+  if (n && !(*n >= 0 && *n == std::floor(*n))) {
+    error("E0406", written->span, fmt::format("the number of cells is a whole number, not {}", *n));
+    return false;
+  }
   if (n && *n > 5e7) {
     error("E0607", written->span, "more than 50 million elements");
     return false;

@@ -128,10 +128,12 @@ Value& Checker::value_of(int index, const Span& use) {
   }
   if (part_at_hand_ >= 0) parts_of_[index].insert(part_at_hand_);
   if (evaluated_ >= 0) used_by_[index].insert(evaluated_);
-  if (declaration.state == Declaration::State::untouched) {
+  if (declaration.state == Declaration::State::untouched && may_go_deeper(use, depth_)) {
     declaration.state = Declaration::State::busy;
     const int outer = std::exchange(evaluated_, index);
+    ++depth_;
     Value value = evaluate(declaration);
+    --depth_;
     evaluated_ = outer;
     declarations_[index].value = std::move(value);
     declarations_[index].state = Declaration::State::done;
@@ -295,13 +297,13 @@ bool Checker::is_silent(const std::string& name) const {
 
 Value Checker::unknown_name(const Span& span, const std::string& name, const Scope& scope) {
   if (is_silent(name)) return Poison{};
-  std::vector<std::string> candidates;
-  for (const auto& [local, value] : scope.locals) candidates.push_back(local);
-  for (const Declaration& d : declarations_) candidates.push_back(d.name);
-  for (const std::string& built_in : visible_built_ins()) candidates.push_back(built_in);
-  if (scope.unknown && find_) candidates.push_back(find_->unknown.text);
-  if (scope.test && find_) candidates.push_back(find_->test.text);
-  const std::string near = did_you_mean(name, candidates);
+  Suggestion suggestion(name);
+  for (const auto& [local, value] : scope.locals) suggestion.consider(local);
+  for (const Declaration& d : declarations_) suggestion.consider(d.name);
+  for (const std::string_view built_in : visible_built_ins()) suggestion.consider(built_in);
+  if (scope.unknown && find_) suggestion.consider(find_->unknown.text);
+  if (scope.test && find_) suggestion.consider(find_->test.text);
+  const std::string near = suggestion.help();
   const bool may_be_imported =
       std::any_of(programs_.begin(), programs_.end(), [](const auto& p) { return p.names_lost; });
   if (near.empty() && may_be_imported) return Poison{};

@@ -45,7 +45,13 @@ bool symmetric(const Symbol& f, int field) {
 
 Checker::Checker(const std::vector<ast::Program>& programs, const CheckOptions& options,
                  Diagnostics& diagnostics)
-    : programs_(programs), options_(options), diagnostics_(diagnostics) {}
+    : programs_(programs), options_(options), diagnostics_(diagnostics) {
+  // A script evaluates about one expression for three of its characters; a hundred times that is
+  // enough for any use of functions, and soon reached by functions that double at each call.
+  std::size_t size = 0;
+  for (const ast::Program& program : programs_) size += program.size;
+  most_evaluations_ = static_cast<long>(std::min<std::size_t>(20'000 + 30 * size, 1'000'000));
+}
 
 std::optional<Model> Checker::run() {
   collect_declarations();
@@ -151,6 +157,7 @@ void Checker::find_statement() {
   place_materials();
   settings(find);
   check_tables();
+  check_kernels_in_time();
   check_relation(find);
   if (!diagnostics_.has_errors()) {
     check_clauses(find);
@@ -272,6 +279,14 @@ void Checker::law_factors(ModelTerm& term, const ast::FormTerm&) {
     }
     const Symbol factor = term.factor * use.factor;
     const Span place = use.factor_span.valid() ? use.factor_span : term.factor_span;
+    if (factor.depends_on_any(slot::first_field, slot::first_multiplier)) {
+      error("E0403", place,
+            fmt::format("the factor before `{}^0` depends on the unknown `{}`", use.name,
+                        find_->unknown.text),
+            "what depends on the unknown stands in the superpotential itself");
+      use.factor = 1.0; // no second complaint on the mesh
+      continue;
+    }
     if (factor.is_constant() && !(factor.value() > 0.0)) {
       if (factor.value() == 0.0) continue; // dropped: the effect folds to zero
       error("E0409", place, fmt::format("a negative factor before `{}^0`", use.name),

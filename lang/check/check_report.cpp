@@ -240,6 +240,9 @@ std::optional<std::string> Checker::output_name(const std::optional<ast::Text>& 
   if (!to) return std::string();
   const std::filesystem::path path(to->text);
   const bool plain = !to->text.empty() && path == path.filename() && to->text[0] != '.';
+  if (plain && !outputs_.insert(to->text).second)
+    error("E0302", to->span, fmt::format("two results go to `{}`", to->text),
+          "give each its own name");
   if (plain) return to->text;
   error("E0604", to->span, fmt::format("`{}` is not a plain file name", to->text),
         "results go into the output folder (-o DIR)");

@@ -76,8 +76,51 @@ std::optional<int> Checker::space(const ast::Space& s) {
   return good ? std::optional(0) : std::nullopt;
 }
 
+/// Whether every point of `part` lies in `larger`, as far as the way they are written tells.
+bool Checker::contains(const solver::RegionSpec& larger, const solver::RegionSpec& part) const {
+  using Kind = solver::RegionSpec::Kind;
+  const auto some = [&](const std::vector<solver::RegionSpec>& children) {
+    return std::any_of(children.begin(), children.end(),
+                       [&](const auto& child) { return contains(child, part); });
+  };
+  if (part.kind == Kind::unite)
+    return contains(larger, part.children[0]) && contains(larger, part.children[1]);
+  if (larger.kind == Kind::unite && some(larger.children)) return true;
+  if (larger.kind == Kind::boundary) {
+    const auto kind = kind_of(part);
+    if (kind && *kind == solver::Group::Kind::facets) return true;
+  }
+  const bool same = larger.kind == part.kind && larger.name == part.name &&
+                    (larger.kind == Kind::group || larger.kind == Kind::boundary);
+  if (same) return true;
+  return (part.kind == Kind::where || part.kind == Kind::subtract) &&
+         contains(larger, part.children[0]);
+}
+
+/// The entry of the space that a value on a part fills in: the one of the part itself, or a new one
+/// inside a larger part on which the space is zero. Null when the space is not zero there.
+solver::DirichletSpec* Checker::imposed_entry(int part, int component) {
+  auto& entries = model_.space.dirichlet;
+  const auto acts = [&](const solver::DirichletSpec& d) {
+    return d.component == component || d.component == -1;
+  };
+  for (solver::DirichletSpec& d : entries)
+    if (d.part == part && acts(d)) return &d;
+  const auto& region = model_.parts[static_cast<std::size_t>(part)].region;
+  const bool inside = std::any_of(entries.begin(), entries.end(), [&](const auto& d) {
+    return acts(d) && contains(model_.parts[static_cast<std::size_t>(d.part)].region, region);
+  });
+  if (!inside) return nullptr;
+  solver::DirichletSpec entry;
+  entry.part = part;
+  entry.component = component;
+  entries.push_back(entry);
+  return &entries.back();
+}
+
 void Checker::imposed_values(const ast::Find& find) {
   const int n = model_.space.vector ? model_.dim : 1;
+  std::set<std::pair<int, int>> imposed_before; // part and component
   for (const ast::ImposedValue& imposed : find.imposed) {
     if (imposed.unknown.text != find.unknown.text) {
       error("E0301", imposed.unknown.span,
@@ -116,17 +159,24 @@ void Checker::imposed_values(const ast::Find& find) {
         if (c.depends_on(slot::t))
           error("E0412", imposed.value.span, "a static problem has no time `t`",
                 "add `for t in [0, T] by N steps from u = 0`");
-    auto found = std::find_if(
-        model_.space.dirichlet.begin(), model_.space.dirichlet.end(), [&](const auto& d) {
-          return d.part == *part && (d.component == component || d.component == -1);
-        });
-    if (found == model_.space.dirichlet.end()) {
+    bool twice = false;
+    for (int c = std::max(component, 0); c < (component < 0 ? n : component + 1); ++c)
+      twice = !imposed_before.insert({*part, c}).second || twice;
+    if (twice) {
+      error("E0416", imposed.span,
+            fmt::format("a value of `{}` is imposed twice on `{}`", find.unknown.text,
+                        imposed.part.text));
+      continue;
+    }
+    solver::DirichletSpec* found = imposed_entry(*part, component);
+    if (found == nullptr) {
       error("E0416", imposed.span,
             fmt::format("the space is not zero on `{}`{}", imposed.part.text,
                         component >= 0 ? fmt::format(" in component `{}`", imposed.component->text)
                                        : ""),
             fmt::format("add `, zero{} on {}` to the space",
-                        component >= 0 ? "." + imposed.component->text : "", imposed.part.text));
+                        component >= 0 ? "." + imposed.component->text : "", imposed.part.text) +
+                ": values are imposed on a part where the space is zero, or inside one");
       continue;
     }
     found->origin = model_.origin(imposed.span);

@@ -312,7 +312,11 @@ Value Checker::material_call(const ast::Expr& e, const ast::Call& c, const std::
     auto list = constant_list(*(*args)[5], "the axis");
     if (!list) return Poison{};
     axis.setZero();
-    for (std::size_t i = 0; i < std::min<std::size_t>(3, list->size()); ++i) axis[i] = (*list)[i];
+    if (list->size() != 3 && static_cast<int>(list->size()) != d) {
+      error("E0307", (*args)[5]->span, fmt::format("the axis is a vector of {} or 3", d));
+      return Poison{};
+    }
+    for (std::size_t i = 0; i < list->size(); ++i) axis[i] = (*list)[i];
     if (axis.norm() == 0.0) {
       error("E0308", (*args)[5]->span, "the axis is a vector that is not zero");
       return Poison{};

@@ -27,6 +27,11 @@ struct Scope {
   bool law = false;      ///< the body of a superpotential
   std::map<std::string, Value> locals;
   Span call; ///< the call that brought us into another file, if any
+
+  /// The same things visible inside a function, whose arguments are its only locals.
+  [[nodiscard]] Scope without_locals() const {
+    return {what, position, time, lag, normal, unknown, test, report, law, {}, call};
+  }
 };
 
 /// Arguments of a call after matching them with the names the callee knows.
@@ -74,6 +79,8 @@ private:
 
   // --- expressions (check_expr.cpp, check_ops.cpp)
   Value expr(const ast::Expr& e, const Scope& scope);
+  Value expr_node(const ast::Expr& e, const Scope& scope);
+  bool may_go_deeper(const Span& span, int depth);
   std::optional<Field> field(const ast::Expr& e, const Scope& scope);
   std::optional<Field> scalar(const ast::Expr& e, const Scope& scope);
   std::optional<Symbol> condition(const ast::Condition& c, const Scope& scope);
@@ -131,6 +138,7 @@ private:
   void note_material(const Span& span, const Field& value, bool elliptic);
   void place_materials();
   void check_tables();
+  void check_kernels_in_time();
   Value tensor_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                     const Scope& scope);
   Value material_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
@@ -186,6 +194,8 @@ private:
   std::optional<int> space(const ast::Space& space);
   bool check_find_names(const ast::Find& find);
   void imposed_values(const ast::Find& find);
+  bool contains(const solver::RegionSpec& larger, const solver::RegionSpec& part) const;
+  solver::DirichletSpec* imposed_entry(int part, int component);
   void time_clause(const ast::Find& find);
   void time_grid(const ast::TimeClause& clause);
   void initial_state(const ast::Find& find);
@@ -236,6 +246,9 @@ private:
   std::string coupled_; ///< the law whose multiplier the law being checked reads
   std::map<std::size_t, std::pair<Span, double>> locking_; ///< nearly incompressible tensors
   std::set<int> laws_applied_;
+  std::set<int> laws_at_hand_;    ///< whose bodies are being read
+  std::set<int> laws_in_circle_;  ///< reported: they are defined by themselves
+  std::set<std::string> outputs_; ///< names of files given with `to`
   std::map<std::string, int> part_of_;
   /// A table's argument, checked when the times of the problem are known.
   struct TableUse {
@@ -255,6 +268,10 @@ private:
   int call_depth_ = 0;
   std::vector<Span> calls_;    ///< of functions and laws that are being evaluated
   long evaluations_ = 0;       ///< of expressions: functions of functions can ask for any number
+  long most_evaluations_ = 0;  ///< more for a long script
+  int depth_ = 0;              ///< of expressions and declarations that are being evaluated
+  int built_ = 0;              ///< the deepest value made inside the expression at hand
+  bool too_deep_ = false;      ///< reported
   bool readable_ = true;       ///< the unknown and the test function have names of their own
   bool normal_missed_ = false; ///< in the integral at hand a normal was missed and reported
 };

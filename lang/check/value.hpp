@@ -45,6 +45,7 @@ struct Field {
   bool by_slope = false;          ///< the body of a superpotential: a slope, not a potential
   bool law_vector = false;        ///< the vector argument of a superpotential: norm(xi) only
   std::vector<LawUse> laws;       ///< rank 0 only
+  int depth = 0;                  ///< operations within each other, at most
 
   const Symbol& scalar() const { return components.front(); }
 };

@@ -120,7 +120,8 @@ slip^0(u'.tau; v.tau))",
 slip^0(u.tau; v.tau))"},
     {"E0416", "value imposed where the space is not zero",
      R"(
-Imposed values are given on parts where the space is zero.)",
+Values are imposed on parts where the space is zero, or on parts inside of these, and only once for
+each component. Inside a larger part the value takes the place of its zeros.)",
      R"(
 space V = vector P1 on slab
 find u in V with u.y = 1 on roof)",

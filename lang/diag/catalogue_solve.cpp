@@ -32,7 +32,8 @@ The run was asked to stop. The last good state is on disk.)",
     {"E0704", "checkpoint not usable",
      R"(
 The checkpoint is damaged, was written by another version, or belongs to another problem: script,
-parameters, mesh and options must be those it was written with. Nothing was computed from it.)",
+parameters, mesh and options must be those it was written with; only the end time may be later, with
+the same steps so far. Nothing was computed from it.)",
      R"(
 hvi-run slab.hvi -D n=64 --resume)",
      R"(

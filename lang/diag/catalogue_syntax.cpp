@@ -143,7 +143,8 @@ find u in V such that for all v in V
     {"E0216", "nested too deeply",
      R"(
 Brackets stand within each other more than 400 times, or more than 1200 operations build on each
-other in one formula. Name parts of it with `fn` or `tensor`.)",
+other in one formula. Name parts of it with `fn` or `tensor`. Names and functions that lead from one
+to the next may build 2000 operations upon each other.)",
      R"(
 fn f(x) = ((( ... 1000 brackets ... ))))",
      R"(

@@ -2,8 +2,9 @@
 #include "lang/diag/render.hpp"
 
 #include "lang/diag/snippet.hpp"
+#include "lang/diag/utf8.hpp"
 
-#include <nlohmann/json.hpp>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
@@ -54,37 +55,77 @@ std::string first_line(const Diagnostic& diagnostic, const Palette& palette) {
   return palette.primary(head) + palette.strong(": " + diagnostic.message) + "\n";
 }
 
-nlohmann::ordered_json place_json(const SourceMap& sources, const Span& span) {
+// One line of JSON, written as it is read: an editor asks for it at every key stroke.
+class JsonLine {
+public:
+  JsonLine() { out_.reserve(512); }
+  void string(std::string_view text) {
+    out_ += '"';
+    for (std::size_t i = 0; i < text.size();) {
+      const auto character = utf8::decode(text, i);
+      append(text.substr(i, character.length), character);
+      i += character.length;
+    }
+    out_ += '"';
+  }
+  void field(std::string_view key, std::string_view text) {
+    out_ += fmt::format(",\"{}\":", key);
+    string(text);
+  }
+  void raw(std::string_view text) { out_ += text; }
+  [[nodiscard]] std::string take() { return std::move(out_); }
+
+private:
+  // Scripts may hold bytes that are no UTF-8; JSON may not.
+  void append(std::string_view bytes, const utf8::Character& character) {
+    if (!character.valid)
+      out_ += utf8::encode(0xFFFD);
+    else if (character.code == U'"' || character.code == U'\\')
+      (out_ += '\\') += bytes;
+    else if (character.code < 0x20)
+      out_ += fmt::format("\\u{:04x}", static_cast<unsigned>(character.code));
+    else
+      out_ += bytes;
+  }
+
+  std::string out_;
+};
+
+void place_json(JsonLine& out, const SourceMap& sources, const Span& span) {
+  out.raw("\"file\":");
   if (!span.valid())
-    return {{"file", nullptr},
-            {"line", nullptr},
-            {"column", nullptr},
-            {"end_line", nullptr},
-            {"end_column", nullptr}};
+    return out.raw(R"(null,"line":null,"column":null,"end_line":null,"end_column":null)");
   const Position begin = sources.begin(span);
   const Position end = sources.end(span);
-  return {{"file", sources.file(span.file).path()},
-          {"line", begin.line},
-          {"column", begin.column},
-          {"end_line", end.line},
-          {"end_column", end.column}};
+  out.string(sources.file(span.file).path());
+  out.raw(fmt::format(R"(,"line":{},"column":{},"end_line":{},"end_column":{})", begin.line,
+                      begin.column, end.line, end.column));
 }
 
-nlohmann::ordered_json to_json(const Diagnostic& diagnostic, const SourceMap& sources) {
-  nlohmann::ordered_json result = place_json(sources, diagnostic.primary);
-  result["code"] = diagnostic.code;
-  result["severity"] = word(diagnostic.severity);
-  result["message"] = diagnostic.message;
-  result["label"] = diagnostic.label;
-  result["secondary"] = nlohmann::ordered_json::array();
-  for (const Label& label : diagnostic.secondary) {
-    auto item = place_json(sources, label.span);
-    item["text"] = label.text;
-    result["secondary"].push_back(std::move(item));
+std::string to_json(const Diagnostic& diagnostic, const SourceMap& sources) {
+  JsonLine out;
+  out.raw("{");
+  place_json(out, sources, diagnostic.primary);
+  out.field("code", diagnostic.code);
+  out.field("severity", word(diagnostic.severity));
+  out.field("message", diagnostic.message);
+  out.field("label", diagnostic.label);
+  out.raw(",\"secondary\":[");
+  for (std::size_t i = 0; i < diagnostic.secondary.size(); ++i) {
+    out.raw(i == 0 ? "{" : ",{");
+    place_json(out, sources, diagnostic.secondary[i].span);
+    out.field("text", diagnostic.secondary[i].text);
+    out.raw("}");
   }
-  result["notes"] = diagnostic.notes;
-  result["help"] = diagnostic.help;
-  return result;
+  out.raw("],\"notes\":[");
+  for (std::size_t i = 0; i < diagnostic.notes.size(); ++i) {
+    if (i > 0) out.raw(",");
+    out.string(diagnostic.notes[i]);
+  }
+  out.raw("]");
+  out.field("help", diagnostic.help);
+  out.raw("}\n");
+  return out.take();
 }
 
 } // namespace
@@ -134,12 +175,7 @@ std::string render(const Diagnostics& diagnostics, const SourceMap& sources,
 
 std::string render_json(const Diagnostics& diagnostics, const SourceMap& sources) {
   std::string result;
-  for (const Diagnostic& diagnostic : diagnostics.sorted()) {
-    // Scripts may hold bytes that are no UTF-8; JSON may not.
-    result += to_json(diagnostic, sources)
-                  .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-    result += '\n';
-  }
+  for (const Diagnostic& diagnostic : diagnostics.sorted()) result += to_json(diagnostic, sources);
   return result;
 }
 

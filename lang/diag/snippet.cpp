@@ -41,6 +41,8 @@ DisplayLine::DisplayLine(std::string_view line, std::size_t first_mark) {
     while (window_begin_ < end && inside_character(window_begin_)) ++window_begin_;
     while (end > window_begin_ && inside_character(end)) --end;
   }
+  columns_.reserve(end - window_begin_);
+  text_.reserve(end - window_begin_ + 6);
   if (window_begin_ > 0) text_ = "...", width_ = 3;
   for (std::size_t i = window_begin_; i < end;) {
     const auto character = utf8::decode(line, i);

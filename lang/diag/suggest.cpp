@@ -2,7 +2,9 @@
 #include "lang/diag/suggest.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <utility>
 #include <vector>
 
 namespace hvi::lang {
@@ -17,25 +19,38 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-// Edits that are still a slip: none in one letter, a swap in two, then one in three letters.
+// Edits that may still be a slip: none in one letter, then one in three letters.
+std::size_t most_edits(std::string_view wrong, std::string_view candidate) {
+  return std::min<std::size_t>(3, std::max(wrong.size(), candidate.size()) / 3);
+}
+
+// In names of two letters only a swap is a slip.
 bool near(std::size_t distance, std::string_view wrong, std::string_view candidate) {
   if (wrong.size() == 2 && candidate.size() == 2)
     return wrong[0] == candidate[1] && wrong[1] == candidate[0];
-  return distance <= std::min<std::size_t>(3, std::max(wrong.size(), candidate.size()) / 3) &&
-         wrong.size() > 1;
+  return distance <= most_edits(wrong, candidate) && wrong.size() > 1;
+}
+
+// The distance is at least the difference of the lengths: most candidates need no table.
+bool too_different(std::string_view wrong, std::string_view candidate) {
+  const std::size_t difference = wrong.size() > candidate.size() ? wrong.size() - candidate.size()
+                                                                 : candidate.size() - wrong.size();
+  return difference > most_edits(wrong, candidate);
 }
 
 } // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   // Three rows of the table d(i, j) = distance of the first i of a and the first j of b.
-  std::vector<std::size_t> before(b.size() + 1);
-  std::vector<std::size_t> last(b.size() + 1);
-  std::vector<std::size_t> row(b.size() + 1);
+  const std::size_t width = b.size() + 1;
+  std::array<std::size_t, 3 * (longest + 1)> usual{};
+  std::vector<std::size_t> larger(b.size() > longest ? 3 * width : 0);
+  std::size_t* before = larger.empty() ? usual.data() : larger.data();
+  std::size_t *last = before + width, *row = last + width;
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i) {
-    before.swap(last);
-    last.swap(row);
+    std::swap(before, last);
+    std::swap(last, row);
     row[0] = i;
     for (std::size_t j = 1; j <= b.size(); ++j) {
       const std::size_t change = a[i - 1] == b[j - 1] ? 0 : 1;
@@ -49,6 +64,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 void Suggestion::consider(std::string_view candidate) {
   if (candidate == wrong_ || candidate.size() > longest || wrong_.size() > longest) return;
+  if (too_different(wrong_, candidate)) return;
   const std::string a = lower(wrong_);
   const std::string b = lower(candidate);
   const std::size_t distance = edit_distance(a, b);

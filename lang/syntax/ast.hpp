@@ -431,6 +431,7 @@ using Statement = std::variant<Import, Param, Mesh, Part, Tensor, Kernel, Superp
 /// later phases do not call it unknown).
 struct Program {
   int file = no_file;
+  std::size_t size = 0; // of the text, in bytes
   std::vector<Statement> statements;
   std::vector<Name> broken;
   bool library = false;    // a module of the standard library: the script's names win over its own

@@ -2,6 +2,9 @@
 #include "lang/diag/suggest.hpp"
 #include "lang/syntax/parser_impl.hpp"
 
+#include <algorithm>
+#include <array>
+
 namespace hvi::lang {
 
 // statement = import | param | mesh | part | tensor | kernel | superpotential | fn | space | find |
@@ -51,8 +54,10 @@ void Parser::fail_no_statement() {
   }
   if (token.kind != TokenKind::name) fail_on_known_slip();
   const std::string_view written = text(token);
-  names_lost_ = names_lost_ || written == "include" || written == "use" || written == "require" ||
-                suggest(written, statement_words()) == "import";
+  constexpr std::array<std::string_view, 5> imports{"include", "use", "using", "require", "from"};
+  const bool imports_something =
+      std::find(imports.begin(), imports.end(), written) != imports.end();
+  names_lost_ = names_lost_ || imports_something || suggest(written, statement_words()) == "import";
   // Its name is not unknown to the lines below, whatever the statement was meant to be.
   if (peek(1).kind == TokenKind::name)
     declared_.push_back({std::string(text(peek(1))), peek(1).span});
@@ -62,9 +67,15 @@ void Parser::fail_no_statement() {
     for (const std::string_view word : statement_words())
       help.append(word == "import" ? " `" : ", `").append(word).append("`");
   }
-  fail(diagnose("E0202", token.span, "expected a statement, " + found(token))
-           .with_label("no statement begins like this")
-           .with_help(std::move(help)));
+  report(diagnose("E0202", token.span, "expected a statement, " + found(token))
+             .with_label("no statement begins like this")
+             .with_help(std::move(help)));
+  // `from friction import tresca`: what follows on the line belongs to it.
+  if (imports_something) {
+    do take();
+    while (!at(TokenKind::end) && !peek().first_on_line);
+  }
+  throw Abandoned{};
 }
 
 // What follows must be the next statement. A new line is left to statement(), which knows better.

@@ -71,6 +71,9 @@ ast::Expr Parser::cases() {
   const bool same_line = !peek().first_on_line;
   if (same_line && (at(TokenKind::name) || at(TokenKind::number) || at(TokenKind::open_paren)))
     fail_operator_missing("the next case");
+  if (at(TokenKind::otherwise))
+    fail(diagnose("E0208", peek().span, "a `|` is missing before `otherwise`")
+             .with_label("write `| otherwise`"));
   if (!at(TokenKind::bar))
     fail(diagnose("E0208", after(previous().span), "the cases end without `otherwise`")
              .with_label("expected `| otherwise -> ...`")
@@ -99,9 +102,12 @@ ast::Case Parser::single_case() {
                       "`")
              .with_label("write `otherwise`"));
   result.condition = condition();
-  if (at(TokenKind::equal) || at(TokenKind::colon))
-    fail(diagnose("E0209", peek().span, "a condition and its value are joined by `->`")
+  if (at(TokenKind::equal) || at(TokenKind::colon)) {
+    const bool thick = at(TokenKind::equal) && peek(1).kind == TokenKind::greater;
+    fail(diagnose("E0209", thick ? join(peek().span, peek(1).span) : peek().span,
+                  "a condition and its value are joined by `->`")
              .with_label("write `->`"));
+  }
   if (at(TokenKind::bar)) check_colon_as_arrow(result.condition);
   result.arrow = expect(TokenKind::arrow).span;
   result.value = sum();

@@ -225,8 +225,13 @@ ast::FormTerm Parser::form_term() {
     return at_word("integral") && peek(1).kind == TokenKind::open_paren;
   };
   while (!at_integral()) {
+    if (at_word("integral")) {
+      take();
+      fail_expected("`(` and the part to integrate over");
+    }
     result.factors.push_back(factor());
     if (accept(TokenKind::star)) continue;
+    if (at_integral() && !peek().first_on_line) fail_expected("`*` before the integral");
     const ast::Expr& only = result.factors.front();
     const auto* number = std::get_if<ast::Number>(&only.node);
     const bool zero = result.factors.size() == 1 && number != nullptr && number->value == 0;

@@ -70,7 +70,7 @@ ast::PictureItem Parser::picture_item() {
   ast::PictureItem result;
   result.keyword = take().span;
   result.field = expr();
-  if (at_time()) result.time = time_value();
+  result.time = optional_time();
   result.to = to_file();
   result.span = span_from(result.keyword);
   return result;
@@ -101,6 +101,14 @@ std::optional<ast::Expr> Parser::every_steps() {
 std::optional<ast::Text> Parser::to_file() {
   if (!accept_word("to")) return std::nullopt;
   return string();
+}
+
+// A picture has no `at [x, y]`: after `at` only a time can follow.
+std::optional<ast::Expr> Parser::optional_time() {
+  if (!accept_word("at")) return std::nullopt;
+  expect_word("t");
+  expect(TokenKind::equal);
+  return expr();
 }
 
 bool Parser::at_time() const {

@@ -75,6 +75,7 @@ Parser::Level::Level(Parser& parser) : parser_(parser) {
 ast::Program Parser::program() {
   ast::Program program;
   program.file = source_.id();
+  program.size = source_.text().size();
   while (!at(TokenKind::end) && n_errors_ < max_syntax_errors) {
     statement_begin_ = at_;
     declared_.clear();

@@ -140,6 +140,7 @@ private:
   std::optional<ast::Text> to_file();
   ast::Expr time_value();
   [[nodiscard]] bool at_time() const;
+  std::optional<ast::Expr> optional_time();
   ast::Expect expect_statement();
   ast::Study study();
   ast::Ladder ladder();

@@ -78,11 +78,14 @@ std::optional<TokenKind> reserved_word(std::string_view text) {
   return std::nullopt;
 }
 
-std::vector<std::string_view> statement_words() {
-  std::vector<std::string_view> result;
-  for (const TokenInfo& entry : table)
-    if (is_statement_word(entry.kind)) result.push_back(entry.spelling);
-  return result;
+std::span<const std::string_view> statement_words() {
+  static const std::vector<std::string_view> words = [] {
+    std::vector<std::string_view> result;
+    for (const TokenInfo& entry : table)
+      if (is_statement_word(entry.kind)) result.push_back(entry.spelling);
+    return result;
+  }();
+  return words;
 }
 
 } // namespace hvi::lang

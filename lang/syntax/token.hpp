@@ -97,7 +97,7 @@ struct TokenInfo {
 }
 
 /// The words that begin a statement, as texts.
-[[nodiscard]] std::vector<std::string_view> statement_words();
+[[nodiscard]] std::span<const std::string_view> statement_words();
 
 /// What the lexer makes of a file.
 struct TokenStream {

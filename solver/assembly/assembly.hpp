@@ -31,8 +31,9 @@ public:
   LoadAssembler(LoadAssembler&&) noexcept;
   /// f(t) added to `out` (full vector). Throws Failure(bad_value) with point and time at NaN.
   void add(double t, Vector& out) const;
-  /// The mean of f over [t0, t1], added to `out`: exact for polynomials in t of degree 7, piecewise
-  /// between the knots of tables of t.
+  /// The mean of f over [t0, t1], added to `out`: exact for polynomials in t of degree 7 between
+  /// the knots: those of tables, and where a comparison, min, max, abs or sign of a t + b changes
+  /// sides. Other changes of side in a factor g_m(t) are closed in on by halving.
   void add_mean(double t0, double t1, Vector& out) const;
   /// From now on vectors have an entry per dof of this list, in its order.
   void restrict_to(std::span<const std::int32_t> dofs);

@@ -133,27 +133,52 @@ Lazy make_lazy(const Space& space, const Region& region, const LoadTerm& term,
 
 bool is_time(Slot slot) { return slot == slot::t; }
 
-/// Where tables of t have their knots: the mean is exact between them.
-void collect_knots(const Expr& expression, std::vector<double>& knots) {
+/// Times at which a load has a kink or a jump.
+struct Knots {
+  std::vector<double> times;
+  bool hidden = false; ///< there are others, at times that no formula gives
+};
+
+/// Where argument = value, if the argument is a t + b.
+void add_crossing(const Expr& argument, double value, Knots& knots) {
+  const Expr slope = derivative(argument, slot::t);
+  const std::pair<Slot, Expr> at_zero{slot::t, Expr(0.0)};
+  const Expr offset = substitute(argument, {&at_zero, 1});
+  if (slope.is_constant() && !slope.is(0.0) && offset.is_constant()) {
+    knots.times.push_back((value - offset.value()) / slope.value());
+  } else {
+    knots.hidden = true;
+  }
+}
+
+/// Knots of tables of t, and where comparisons, min, max, abs and sign of t change sides: the mean
+/// is exact between them.
+void collect_knots(const Expr& expression, Knots& knots) {
   if (!expression.depends_on(slot::t)) {
     return;
   }
   for (const Expr& arg : expression.args()) {
     collect_knots(arg, knots);
   }
-  if (expression.op() != Op::table && expression.op() != Op::table_slope) {
+  const auto& args = expression.args();
+  switch (expression.op()) {
+  case Op::table:
+  case Op::table_slope:
+    for (const double knot : expression.table()->abscissae()) {
+      add_crossing(args[0], knot, knots);
+    }
     return;
-  }
-  // The argument a t + b reaches knot k at (k - b) / a; other arguments are left to the rule.
-  const Expr& argument = expression.args()[0];
-  const Expr slope = derivative(argument, slot::t);
-  const std::pair<Slot, Expr> at_zero{slot::t, Expr(0.0)};
-  const Expr offset = substitute(argument, {&at_zero, 1});
-  if (!slope.is_constant() || slope.is(0.0) || !offset.is_constant()) {
+  case Op::less:
+  case Op::less_equal:
+  case Op::equal:
+  case Op::min:
+  case Op::max:
+    return add_crossing(args[0] - args[1], 0.0, knots);
+  case Op::abs:
+  case Op::sign:
+    return add_crossing(args[0], 0.0, knots);
+  default:
     return;
-  }
-  for (const double knot : expression.table()->abscissae()) {
-    knots.push_back((knot - offset.value()) / slope.value());
   }
 }
 
@@ -165,12 +190,17 @@ struct LoadAssembler::Impl {
   std::vector<Lazy> lazy;
   std::vector<Pointwise> factors; ///< g of all modes; one element, none without modes
   std::vector<double> g_values;
-  std::vector<double> knots; ///< sorted
+  Knots knots;                            ///< sorted
+  IntervalRule rule = gauss_jacobi(4, 0); ///< degree 7
 
   void add_term(const Space& space, const Region& region, const LoadTerm& term);
   void add_mode(const Expr& time_factor, Vector f, Origin origin);
   void evaluate_factors(double t);
-  void add(double t, double scale, Vector& out);
+  double integral(std::size_t m, double begin, double end);
+  double halved(std::size_t m, double begin, double end, double whole, double most, int depth);
+  void integrate_factors(double begin, double end);
+  void add_modes(double scale, Vector& out) const;
+  void add_lazy(double t, double scale, Vector& out);
 };
 
 void LoadAssembler::Impl::add_term(const Space& space, const Region& region, const LoadTerm& term) {
@@ -230,8 +260,41 @@ void LoadAssembler::Impl::evaluate_factors(double t) {
   }
 }
 
-void LoadAssembler::Impl::add(double t, double scale, Vector& out) {
-  evaluate_factors(t);
+/// Sum of w_q g(t_q) over [begin, end] for mode m.
+double LoadAssembler::Impl::integral(std::size_t m, double begin, double end) {
+  double sum = 0.0;
+  for (std::size_t q = 0; q < rule.points.size(); ++q) {
+    evaluate_factors(begin + rule.points[q] * (end - begin));
+    sum += rule.weights[q] * (end - begin) * g_values[m];
+  }
+  return sum;
+}
+
+/// The same, halved until halving changes less than `most`: kinks and jumps are closed in on. (The
+/// tolerance stays as it is on the way down, unlike in Boost's adaptive rules, whose tree grows
+/// without end once it is below rounding.)
+double LoadAssembler::Impl::halved(std::size_t m, double begin, double end, double whole,
+                                   double most, int depth) {
+  const double middle = begin + (end - begin) / 2;
+  const double left = integral(m, begin, middle), right = integral(m, middle, end);
+  if (depth == 0 || std::abs(left + right - whole) <= most) return left + right;
+  return halved(m, begin, middle, left, most, depth - 1) +
+         halved(m, middle, end, right, most, depth - 1);
+}
+
+/// g_values = the integral of each g over [begin, end].
+void LoadAssembler::Impl::integrate_factors(double begin, double end) {
+  std::vector<double> integrals(modes.size());
+  for (std::size_t m = 0; m < modes.size(); ++m) {
+    const double whole = integral(m, begin, end);
+    const double size = std::abs(whole) + (end - begin) * std::abs(g_values[m]);
+    integrals[m] = halved(m, begin, end, whole, 1e-15 * size, 48);
+  }
+  g_values = std::move(integrals);
+}
+
+/// out += scale sum_m g_values_m F_m.
+void LoadAssembler::Impl::add_modes(double scale, Vector& out) const {
   // In blocks that stay in the cache: every vector is read once.
   constexpr Eigen::Index block = 1024;
   for (Eigen::Index from = 0; from < out.size() && !modes.empty(); from += block) {
@@ -240,6 +303,10 @@ void LoadAssembler::Impl::add(double t, double scale, Vector& out) {
       out.segment(from, n) += (scale * g_values[m]) * modes[m].f.segment(from, n);
     }
   }
+}
+
+/// The parts that do not separate, at t.
+void LoadAssembler::Impl::add_lazy(double t, double scale, Vector& out) {
   for (Lazy& part : lazy) {
     part.values.resize(part.weights.cols());
     const std::span<double> values(part.values.data(), std::size_t(part.values.size()));
@@ -256,7 +323,7 @@ LoadAssembler::LoadAssembler(const Space& space, std::span<const Region> parts,
   for (const LoadTerm& term : loads) {
     impl_->add_term(space, parts[term.part], term);
   }
-  std::sort(impl_->knots.begin(), impl_->knots.end());
+  std::sort(impl_->knots.times.begin(), impl_->knots.times.end());
   std::vector<Expr> factors;
   for (const Mode& mode : impl_->modes) {
     factors.push_back(mode.g);
@@ -268,22 +335,35 @@ LoadAssembler::LoadAssembler(const Space& space, std::span<const Region> parts,
 LoadAssembler::~LoadAssembler() = default;
 LoadAssembler::LoadAssembler(LoadAssembler&&) noexcept = default;
 
-void LoadAssembler::add(double t, Vector& out) const { impl_->add(t, 1.0, out); }
+void LoadAssembler::add(double t, Vector& out) const {
+  impl_->evaluate_factors(t);
+  impl_->add_modes(1.0, out);
+  impl_->add_lazy(t, 1.0, out);
+}
 
 void LoadAssembler::add_mean(double t0, double t1, Vector& out) const {
-  // Gauss with four points, degree 7, between the knots of tables.
-  const IntervalRule rule = gauss_jacobi(4, 0);
+  // Gauss with four points, degree 7, between the knots.
+  const IntervalRule& rule = impl_->rule;
   const double length = t1 - t0;
+  const bool halve = impl_->knots.hidden && !impl_->modes.empty();
   double begin = t0;
   const auto add_piece = [&](double end) {
     for (std::size_t q = 0; q < rule.points.size(); ++q) {
+      const double t = begin + rule.points[q] * (end - begin);
       const double weight = rule.weights[q] * (end - begin) / length;
-      impl_->add(begin + rule.points[q] * (end - begin), weight, out);
+      impl_->add_lazy(t, weight, out);
+      if (halve) continue;
+      impl_->evaluate_factors(t);
+      impl_->add_modes(weight, out);
+    }
+    if (halve) {
+      impl_->integrate_factors(begin, end);
+      impl_->add_modes(1.0 / length, out);
     }
     begin = end;
   };
   const double margin = 1e-12 * length;
-  for (const double knot : impl_->knots) {
+  for (const double knot : impl_->knots.times) {
     if (knot > begin + margin && knot < t1 - margin) {
       add_piece(knot);
     }

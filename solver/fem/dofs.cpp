@@ -73,9 +73,13 @@ void check_spec(const Space& space, const DirichletSpec& entry) {
 class Collector {
 public:
   Collector(const Space& space, const SpaceSpec& spec)
-      : space_(space), spec_(spec), taken_(std::size_t(space.n_dofs()), -1) {}
+      : space_(space), spec_(spec), taken_(std::size_t(space.n_dofs()), -1),
+        nodes_(spec.dirichlet.size()) {}
 
   void add(int index, std::span<const std::int32_t> nodes) {
+    auto& sorted = nodes_[index];
+    sorted.assign(nodes.begin(), nodes.end());
+    std::sort(sorted.begin(), sorted.end());
     const DirichletSpec& entry = spec_.dirichlet[index];
     const int first = std::max(entry.component, 0);
     const int past = entry.component < 0 ? space_.components : first + 1;
@@ -110,6 +114,13 @@ private:
              (other.component < 0 || other.component == component);
     });
   }
+  /// A value on a part inside one where the space is zero takes the place of that zero.
+  bool inside(int value, int zero) const {
+    const auto& part = nodes_[value];
+    const auto& larger = nodes_[zero];
+    return part.size() < larger.size() &&
+           std::includes(larger.begin(), larger.end(), part.begin(), part.end());
+  }
   void add_dof(const Eliminated& e, int node) {
     if (taken_[e.dof] < 0) {
       taken_[e.dof] = static_cast<std::int32_t>(eliminated_.size());
@@ -118,6 +129,10 @@ private:
     }
     const Eliminated& before = eliminated_[taken_[e.dof]];
     if (agree(expression(e), expression(before), space_.nodes[node])) {
+      return;
+    }
+    if (before.value < 0 && e.value >= 0 && inside(e.dirichlet, before.dirichlet)) {
+      eliminated_[taken_[e.dof]] = e;
       return;
     }
     throw Failure(FailureKind::overlapping_regions, spec_.dirichlet[e.dirichlet].origin,
@@ -129,7 +144,8 @@ private:
 
   const Space& space_;
   const SpaceSpec& spec_;
-  std::vector<std::int32_t> taken_; ///< index into eliminated_ of each dof, -1: free
+  std::vector<std::int32_t> taken_;              ///< index into eliminated_ of each dof, -1: free
+  std::vector<std::vector<std::int32_t>> nodes_; ///< of each entry's part, sorted
   std::vector<Eliminated> eliminated_;
 };
 

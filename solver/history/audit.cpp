@@ -21,6 +21,11 @@ public:
       : kernel_(kernel), horizon_(options.horizon), expected_steps_(options.steps),
         inner_(std::move(inner)), direct_(std::move(direct)), sample_(replayed),
         replayed_(replayed) {
+    // A run that goes on beyond the end it was planned for knows its times.
+    if (options.horizon > 0 && !options.times.empty()) {
+      horizon_ = std::max(horizon_, options.times.back() - options.times.front());
+      expected_steps_ = static_cast<std::int64_t>(options.times.size()) - 1;
+    }
     for (std::size_t j = 0; j < replayed; ++j) chosen_.push_back((2 * j + 1) * n / (2 * replayed));
   }
 
@@ -93,6 +98,7 @@ public:
     r.expect(magic, "audit");
     record_ = r.get<Record>();
     replays_ = r.get<std::uint8_t>() != 0;
+    if (record_.norm_until > 0) norm(record_.t0 + record_.norm_until);
     inner_->restore(in);
     if (replays_)
       direct_->restore(in);
@@ -121,7 +127,7 @@ private:
   /// so far, renewed when they have doubled.
   double norm(double t) {
     if (horizon_ > 0) {
-      if (record_.norm_until == 0) {
+      if (record_.norm_until < horizon_) {
         record_.norm = memory_norm(kernel_.spec.expression, kernel_.traits, record_.t0, horizon_);
         record_.norm_until = horizon_;
       }

@@ -1,6 +1,7 @@
 // The fitted route: a sum of exponentials for lags above a window, raw steps with exact weights
 // within the window. The window is the shortest step, or the last kink of the kernel.
 #include "solver/history/exponentials.hpp"
+#include "solver/history/horizon.hpp"
 #include "solver/history/past_weights.hpp"
 #include "solver/history/pole_fit.hpp"
 #include "solver/history/routes.hpp"
@@ -26,7 +27,9 @@ public:
              const HistoryOptions& options, double window, std::string why)
       : kernel_(kernel), terms_(sum.terms), sum_(sum.terms, false), n_(n), order_(options.order),
         window_(window), tolerance_(options.tolerance), error_(sum.error),
-        horizon_(options.horizon), why_(std::move(why)), grid_(options.shortest_step), fields_(n) {}
+        horizon_(options.horizon), why_(std::move(why)), grid_(options.shortest_step), fields_(n) {
+    if (!options.times.empty()) planned_end_ = options.times.back();
+  }
 
   void start(double t0, std::span<const double> u0) override {
     grid_.start(t0);
@@ -131,6 +134,7 @@ public:
         states_.size() != sum_.state_fields() * n_ || (n_ > 0 && fields_.size() != nodes)) {
       r.fail("is inconsistent");
     }
+    if (planned_end_) check_horizon(*planned_end_); // sooner than at the first step beyond
   }
 
 private:
@@ -186,11 +190,12 @@ private:
       horizon_ = extended;
       return;
     }
-    throw Failure(FailureKind::limit, kernel_.spec.origin,
-                  fmt::format("the memory `{}` was fitted for lags up to {:.6g} and is not within "
-                              "its tolerance at lag {:.6g}",
-                              kernel_.spec.name, horizon_, needed),
-                  "run from the start with the longer end time, or with the route `tree`");
+    throw HorizonFailure(
+        FailureKind::limit, kernel_.spec.origin,
+        fmt::format("the memory `{}` was fitted for lags up to {:.6g} and is not within "
+                    "its tolerance at lag {:.6g}",
+                    kernel_.spec.name, horizon_, needed),
+        "run from the start with the longer end time, or with the route `tree`");
   }
 
   PreparedKernel kernel_;
@@ -199,6 +204,7 @@ private:
   std::size_t n_;
   int order_;
   double window_, tolerance_, error_, horizon_;
+  std::optional<double> planned_end_;
   std::string why_;
   TimeGrid grid_;
   WeightCache near_;

@@ -3,6 +3,7 @@
 // times are known, all nodes but the open one are read once for as many steps as it will hold.
 #include "solver/history/block_test.hpp"
 #include "solver/history/fields.hpp"
+#include "solver/history/horizon.hpp"
 #include "solver/history/past_weights.hpp"
 #include "solver/history/routes.hpp"
 #include "solver/history/stream.hpp"
@@ -283,7 +284,7 @@ private:
       total += node.error;
     }
     if (total <= options_.tolerance) return;
-    throw Failure(
+    throw HorizonFailure(
         FailureKind::limit, kernel_.spec.origin,
         fmt::format("the memory `{}` was compressed for an earlier end time; continued to "
                     "{:.6g} it would be within {:.1e} only",

@@ -20,15 +20,25 @@ std::vector<Expr> rewritten_args(const Expr& e, const NodeMap<Expr>& done) {
   return args;
 }
 
-double value_of_node(const Expr& e, const NodeMap<double>& done,
-                     const std::function<double(Slot)>& value_of) {
+using ValueOf = std::function<double(Slot)>;
+
+/// The value of e, whose arguments have the values `of_arg(arg)`.
+template <class OfArg>
+double value_of_node(const Expr& e, const OfArg& of_arg, const ValueOf& value_of) {
   if (e.is_constant()) return e.value();
   if (e.op() == Op::slot) return value_of(e.slot());
   double v[3] = {0.0, 0.0, 0.0};
-  for (std::size_t i = 0; i < e.args().size(); ++i) v[i] = done.at(e.args()[i].id());
+  for (std::size_t i = 0; i < e.args().size(); ++i) v[i] = of_arg(e.args()[i]);
   if (e.op() == Op::table) return e.table()->value(v[0]);
   if (e.op() == Op::table_slope) return e.table()->slope(v[0]);
   return apply(e.op(), v[0], v[1], v[2]);
+}
+
+/// The same by recursion, shared nodes again each time; `visits` below zero: given up.
+double walk(const Expr& e, const ValueOf& value_of, int& visits) {
+  if (--visits < 0) return 0.0;
+  return value_of_node(
+      e, [&](const Expr& arg) { return walk(arg, value_of, visits); }, value_of);
 }
 
 } // namespace
@@ -59,8 +69,11 @@ Expr substitute(const Expr& expr, std::span<const std::pair<Slot, Expr>> replace
 }
 
 double evaluate(const Expr& expr, const std::function<double(Slot)>& value_of) {
+  int visits = 64; // most expressions are this small: no table of nodes for them
+  if (const double value = walk(expr, value_of, visits); visits >= 0) return value;
   NodeMap<double> done;
-  postorder(expr, [&](const Expr& e) { done.emplace(e.id(), value_of_node(e, done, value_of)); });
+  const auto of_arg = [&](const Expr& arg) { return done.at(arg.id()); };
+  postorder(expr, [&](const Expr& e) { done.emplace(e.id(), value_of_node(e, of_arg, value_of)); });
   return done.at(expr.id());
 }
 

@@ -221,8 +221,9 @@ private:
     Separated result;
     std::unordered_multimap<std::size_t, std::size_t> place;
     for (const auto& [f, g] : terms) {
-      const auto [c, key] = without_coefficient(by_second ? g : f);
-      const Expr other = c * (by_second ? f : g);
+      const auto split = without_coefficient(by_second ? g : f);
+      const Expr& key = split.second;
+      const Expr other = split.first * (by_second ? f : g);
       const auto [first, last] = place.equal_range(key.hash());
       const auto same = std::find_if(first, last, [&](const auto& entry) {
         return key == (by_second ? result[entry.second].second : result[entry.second].first);

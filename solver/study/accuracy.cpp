@@ -45,6 +45,7 @@ public:
       attempt(choice);
     }
     out_.cpu = cpu_seconds() - start;
+    out_.spared = runner_.spared();
     if (!out_.reached)
       give_up(out_.tries.empty()
                   ? "the errors seen do not fall as coarser runs promised"

@@ -4,6 +4,7 @@
 
 #include "solver/study/predict.hpp"
 #include "solver/time/run.hpp"
+#include "solver/time/shared_work.hpp"
 
 #include <functional>
 #include <memory>
@@ -49,6 +50,7 @@ struct AccuracyResult {
   std::vector<AccuracyTry> tries; ///< the last one is the result
   double cpu = 0.0;               ///< of everything
   double memory_tolerance = 0.0;
+  Spared spared; ///< what runs took over from earlier ones on the same mesh
   RunResult run;
   Plan plan; ///< at the last setting
   std::shared_ptr<const Discretisation> discretisation;

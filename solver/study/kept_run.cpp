@@ -79,6 +79,17 @@ std::shared_ptr<const Discretisation> Runner::discretisation_of(const Setting& s
   return known = made;
 }
 
+Spared Runner::spared() const {
+  Spared out;
+  for (const auto& [key, mesh] : meshes_) {
+    const Spared one = mesh->shared->spared();
+    out.matrices += one.matrices, out.orders += one.orders, out.factors += one.factors;
+    out.seconds_assembly += one.seconds_assembly;
+    out.seconds_orders += one.seconds_orders, out.seconds_factors += one.seconds_factors;
+  }
+  return out;
+}
+
 KeptRun Runner::make(const Setting& setting, const RunSettings& settings, bool every_row) {
   KeptRun out;
   out.setting = setting;

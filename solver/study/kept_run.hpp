@@ -3,6 +3,7 @@
 
 #include "solver/study/predict.hpp"
 #include "solver/time/run.hpp"
+#include "solver/time/shared_work.hpp"
 
 #include <map>
 #include <memory>
@@ -39,6 +40,9 @@ public:
   const KeptRun& cheap(const Setting& setting);
   /// The same with the caller's own settings (files, progress); a failure is thrown.
   const KeptRun& final_run(const Setting& setting);
+
+  /// What runs took over from earlier ones on their mesh.
+  Spared spared() const;
 
 private:
   KeptRun make(const Setting& setting, const RunSettings& settings, bool every_row);

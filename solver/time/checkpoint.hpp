@@ -18,7 +18,8 @@ struct CheckpointFailure : Failure {
 };
 
 /// A hash of everything that decides the numbers of a run: forms, laws, kernels, loads, tables,
-/// options, grid, report, mesh. Neither paths nor the number of threads are in it.
+/// options, report, mesh. Neither paths nor the number of threads are in it, nor the time grid: a
+/// state is gone on from when its steps are the first ones of the grid (saved_state.cpp).
 std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh);
 
 /// Where the checkpoint of a run stands.

@@ -15,23 +15,15 @@ std::span<const double> view(const Vector& v) {
   return {v.data(), static_cast<std::size_t>(v.size())};
 }
 
-HistoryOptions history_options(const Plan& plan) {
-  const auto& grid = plan.time.grid;
+HistoryOptions history_options(const Plan& plan, const MemoryExtent& extent) {
   HistoryOptions out;
   out.route = plan.options.route;
   out.order = plan.time.scheme == Scheme::bdf2 ? 1 : 0;
   out.tolerance = plan.options.memory_tolerance;
-  out.steps = static_cast<std::int64_t>(grid.size()) - 1;
-  out.horizon = grid.back() - grid.front();
-  out.times = grid;
-  // Of a uniform grid the exact step: histories tell equal steps from others by it.
-  const TimeGrid times(plan.time);
-  const double mean = out.horizon / static_cast<double>(out.steps);
-  out.shortest_step = times.shortest();
-  bool uniform = true;
-  for (int n = 1; n <= times.steps() && uniform; ++n)
-    uniform = std::abs(times.length(n) - mean) <= times.rounding(n) * mean;
-  if (uniform) out.shortest_step = mean;
+  out.steps = extent.steps;
+  out.horizon = extent.horizon;
+  out.shortest_step = extent.shortest_step;
+  out.times = plan.time.grid;
   return out;
 }
 
@@ -69,10 +61,44 @@ MemoryMistrust::MemoryMistrust(const HistoryTerm& term, const HistoryReport& rep
   said = fmt::format("{}: started again with the route `{}`", what(), name_of(next));
 }
 
+MemoryExtent memory_extent(const Plan& plan) {
+  MemoryExtent out;
+  if (plan.time.is_static) return out;
+  const auto& grid = plan.time.grid;
+  out.steps = static_cast<std::int64_t>(grid.size()) - 1;
+  out.horizon = grid.back() - grid.front();
+  // Of a uniform grid the exact step: histories tell equal steps from others by it.
+  const TimeGrid times(plan.time);
+  const double mean = out.horizon / static_cast<double>(out.steps);
+  out.shortest_step = times.shortest();
+  bool uniform = true;
+  for (int n = 1; n <= times.steps() && uniform; ++n)
+    uniform = std::abs(times.length(n) - mean) <= times.rounding(n) * mean;
+  if (uniform) out.shortest_step = mean;
+  return out;
+}
+
+/// A kernel is looked at as far as the run goes: what comes later may call for another route.
+std::string extension_obstacle(const Plan& plan, const MemoryExtent& earlier) {
+  const double longer = memory_extent(plan).horizon;
+  for (const auto& term : plan.histories) {
+    const auto then = kernel_traits(term.kernel.expression, earlier.horizon);
+    const auto now = kernel_traits(term.kernel.expression, longer);
+    if (!now.finite)
+      return fmt::format("the kernel `{}` is not finite at every lag up to the new end time",
+                         term.kernel.name);
+    if (now.breaks.size() != then.breaks.size() || now.max_lag != then.max_lag)
+      return fmt::format("the kernel `{}` has kinks between lag {:.6g}, the length of the run "
+                         "so far, and lag {:.6g}",
+                         term.kernel.name, earlier.horizon, longer);
+  }
+  return {};
+}
+
 std::vector<HistoryReport> planned_memory(const Plan& plan) {
   std::vector<HistoryReport> out;
   if (plan.time.is_static || plan.histories.empty()) return out;
-  const HistoryOptions options = history_options(plan);
+  const HistoryOptions options = history_options(plan, memory_extent(plan));
   for (const auto& term : plan.histories) {
     const auto history = make_history(term.kernel, 1, with_route(options, term));
     const double initial = 0;
@@ -103,9 +129,10 @@ std::vector<std::string> route_notes(const Plan& plan, const std::vector<History
   return out;
 }
 
-Memory::Memory(const Plan& plan, int n_state) : plan_(&plan) {
+Memory::Memory(const Plan& plan, int n_state, const MemoryExtent& extent)
+    : plan_(&plan), extent_(extent) {
   if (plan.time.is_static || plan.histories.empty()) return;
-  const HistoryOptions options = history_options(plan);
+  const HistoryOptions options = history_options(plan, extent);
   const auto n = static_cast<std::size_t>(n_state);
   for (const auto& term : plan.histories) {
     histories_.push_back(plan.options.audit

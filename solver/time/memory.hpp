@@ -21,6 +21,19 @@ struct MemoryMistrust : Failure {
   HistoryRoute next;
 };
 
+/// What the routes were chosen for. A run that is continued beyond its end keeps them: each history
+/// verifies itself beyond that horizon, or refuses.
+struct MemoryExtent {
+  double horizon = 0, shortest_step = 0;
+  std::int64_t steps = 0;
+  bool operator==(const MemoryExtent&) const = default;
+};
+MemoryExtent memory_extent(const Plan& plan);
+
+/// Why the memories of a run made for `earlier` cannot be continued to the plan's end; empty: they
+/// can, as far as their kernels go.
+std::string extension_obstacle(const Plan& plan, const MemoryExtent& earlier);
+
 /// The routes of a plan without running it: what `plan` prints. Fields: 0 when only a run knows.
 std::vector<HistoryReport> planned_memory(const Plan& plan);
 
@@ -30,7 +43,8 @@ std::vector<std::string> route_notes(const Plan& plan, const std::vector<History
 class Memory {
 public:
   /// Histories of states; order 0 for backward Euler, 1 (u affine on a step) for BDF2.
-  Memory(const Plan& plan, int n_state);
+  Memory(const Plan& plan, int n_state) : Memory(plan, n_state, memory_extent(plan)) {}
+  Memory(const Plan& plan, int n_state, const MemoryExtent& extent);
 
   int size() const { return static_cast<int>(histories_.size()); }
   void start(double t0, const Vector& u0);
@@ -41,11 +55,13 @@ public:
   double w0(int m) const { return w0_[m]; }
   const Vector& known(int m) const { return known_[m]; } ///< h_m
   std::vector<HistoryReport> reports() const;
+  const MemoryExtent& extent() const { return extent_; }
   void save(std::ostream& out) const;
   void restore(std::istream& in);
 
 private:
   const Plan* plan_;
+  MemoryExtent extent_;
   std::vector<std::unique_ptr<History>> histories_;
   std::vector<double> w0_;
   std::vector<Vector> known_;

@@ -12,6 +12,7 @@
 // and keeps the last good state when it has to stop.
 #include "solver/time/run.hpp"
 
+#include "solver/history/horizon.hpp"
 #include "solver/output/file.hpp"
 #include "solver/time/checkpoint.hpp"
 #include "solver/time/clock.hpp"
@@ -72,7 +73,8 @@ Origin blamed(const StepResult& step, const Plan& plan, const Contact& contact) 
       "`check` prints the step margin");
 }
 
-/// Laws beyond the theorem: that jump down (the run says which solution it follows), or are coupled.
+/// Laws beyond the theorem: that jump down (the run says which solution it follows), or are
+/// coupled.
 void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
   for (const auto& term : contact.terms) {
     if (term.n_points() == 0) continue;
@@ -272,6 +274,8 @@ private:
     std::istringstream in(saved);
     try {
       restore(in);
+    } catch (const HorizonFailure&) {
+      throw;
     } catch (const Failure& failure) {
       throw CheckpointFailure(checkpoint_path(settings_.output_folder, settings_.name),
                               std::string("does not fit: ") + failure.what(),
@@ -361,6 +365,8 @@ RunResult run_once(const Plan& plan, const Discretisation& discretisation,
     run.march();
   } catch (const MemoryMistrust&) {
     throw; // nothing that was computed with it is a result
+  } catch (const HorizonFailure&) {
+    throw; // begun again
   } catch (const Failure&) {
     try {
       auto so_far = run.conclude(); // the last good state goes to disk before the failure is told
@@ -391,7 +397,8 @@ std::optional<std::string> saved_state(const Plan& plan, const Discretisation& d
 } // namespace
 
 /// A memory that an audit finds outside its tolerance makes the run start again with another route;
-/// the direct sum is the last.
+/// the direct sum is the last. One that was made for an earlier end and cannot go on beyond it
+/// makes the run start again for the later one.
 RunResult run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
               RunResult* partial) {
   Restarts restarts;
@@ -414,6 +421,12 @@ RunResult run(const Plan& plan, const Discretisation& discretisation, const RunS
     } catch (const MemoryMistrust& mistrust) {
       restarts.notes.push_back({0, 0.0, mistrust.said, mistrust.origin});
       restarts.routes[mistrust.history] = static_cast<int>(mistrust.next);
+      saved.reset();
+    } catch (const HorizonFailure& failure) {
+      if (!saved) throw;
+      restarts.notes.push_back({0, 0.0,
+                                std::string(failure.what()) + ": started again from the first step",
+                                failure.origin});
       saved.reset();
     }
   }

@@ -2,6 +2,7 @@
 // are functions of the coefficients they were made for, so only those are stored.
 #include "solver/time/saved_state.hpp"
 
+#include "solver/history/horizon.hpp"
 #include "solver/time/report.hpp"
 #include "solver/time/step.hpp"
 
@@ -55,9 +56,41 @@ void StepMatrix::restore(std::istream& in) {
   if (solver_) solver_->restore(in);
 }
 
+namespace {
+
+/// The steps taken, equal ones counted: (length, how many) after (first time, last time).
+std::vector<double> steps_taken(const TimeGrid& grid, int step) {
+  std::vector<double> out{grid.t(0), grid.t(step)};
+  for (int n = 1; n <= step; ++n) {
+    if (out.size() > 2 && out[out.size() - 2] == grid.length(n))
+      out.back() += 1;
+    else
+      out.insert(out.end(), {grid.length(n), 1.0});
+  }
+  return out;
+}
+
+/// Are those the first `step` steps of the grid, up to the rounding of its times?
+bool begins_with(const TimeGrid& grid, int step, const std::vector<double>& taken) {
+  if (step > grid.steps() || taken.size() < 2 || taken.size() % 2 != 0) return false;
+  if (step == 0) return true;
+  const double rounding = grid.rounding(step) * grid.length(step);
+  if (grid.t(0) != taken[0] || std::abs(grid.t(step) - taken[1]) > rounding) return false;
+  int n = 0;
+  for (std::size_t i = 2; i < taken.size(); i += 2)
+    for (double left = taken[i + 1]; left > 0; --left)
+      if (++n > step || std::abs(grid.length(n) - taken[i]) > 2 * grid.rounding(n) * taken[i])
+        return false;
+  return n == step;
+}
+
+} // namespace
+
 void Stepper::save(std::ostream& out) const {
   StateWriter w(out);
   w.put(step_);
+  w.put(steps_taken(grid_, step_));
+  w.put(memory_->extent());
   w.put(static_cast<std::uint8_t>(unique_));
   for (const Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi})
     put_vector(w, *v);
@@ -82,9 +115,21 @@ void Stepper::save(std::ostream& out) const {
   w.put(first_moved_);
 }
 
+/// The run was made for another end: its histories go on as they are, if that can be.
+void Stepper::continue_memory(const MemoryExtent& earlier) {
+  if (earlier == memory_->extent()) return;
+  if (const auto obstacle = extension_obstacle(plan_, earlier); !obstacle.empty())
+    throw HorizonFailure(FailureKind::limit, {}, obstacle);
+  memory_.emplace(plan_, layout_.n_state, earlier);
+  memory_->start(grid_.t(0), u_);
+}
+
 void Stepper::restore(std::istream& in) {
   StateReader r(in, {});
   step_ = r.get<int>();
+  if (!begins_with(grid_, step_, r.get_vector<double>()))
+    r.fail("was saved by a run of other times");
+  continue_memory(r.get<MemoryExtent>());
   unique_ = r.get<std::uint8_t>() != 0;
   for (Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi})
     get_vector(r, *v);

@@ -65,6 +65,7 @@ public:
 
 private:
   void allocate();
+  void continue_memory(const MemoryExtent& earlier);
   StepMatrix& matrix_for(int n);
   void impose_values(int n);
   void reduce_if_possible();

@@ -5,9 +5,11 @@ usage: study.py HVI_RUN ROOT
 """
 import json
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 import jsonschema
 
@@ -45,4 +47,41 @@ with tempfile.TemporaryDirectory() as folder:
         assert abs(a["error"]["V_max"] / b["error"]["V_max"] - 1) < 0.05, (a, b)
     finest = study(folder, "finest")
     assert "error" not in finest["rows"][-1]
+# Stopped by Ctrl-C after some settings: a second call goes on with the others.
+with tempfile.TemporaryDirectory() as folder:
+    folder = pathlib.Path(folder)
+    path = folder / "model.hvi"
+    path.write_text(script.replace("n in [4, 8, 16, 32] and N in [4, 8, 16, 32]", "n in [8, 16, 32, 64] and N in [64, 128]"))
+    command = [program, "study", path, "-o", folder / "out", "--json", folder / "study.json", "--quiet"]
+    running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    journal = folder / "out/study.jsonl"
+    while running.poll() is None and not (journal.exists() and journal.read_text().count("\n") >= 3):
+        time.sleep(0.01)
+    running.send_signal(signal.SIGINT)
+    assert running.wait() == 130, running.returncode
+    first = [json.loads(line) for line in journal.read_text().splitlines()]
+    assert 3 <= len(first) < 8
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    rows = json.loads((folder / "study.json").read_text())["rows"]
+    assert len(rows) == 8 and len(journal.read_text().splitlines()) == 8
+    for entry in first:
+        assert [row["cpu"] for row in rows if row["params"] == entry["values"]] == [entry["cpu"]]
+
+# A ladder of two parameters climbs the diagonal; runs on one mesh share what was assembled, with the same errors.
+with tempfile.TemporaryDirectory() as folder:
+    folder = pathlib.Path(folder)
+    path = folder / "model.hvi"
+    vary = "vary n in [4, 8, 16, 32] and N in [4, 8, 16, 32]"
+    path.write_text(script.replace(vary, "vary n, N in [[4, 4], [8, 8], [16, 16], [32, 32]]"))
+    subprocess.run([program, "study", path, "-o", folder / "out", "--json", folder / "study.json", "--quiet"], check=True,
+                   stdout=subprocess.DEVNULL)
+    result = json.loads((folder / "study.json").read_text())
+    jsonschema.validate(result, schema)
+    assert [row["params"] for row in result["rows"]] == [row["params"] for row in diagonal(exact)]
+    for a, b in zip(result["rows"], diagonal(exact)):
+        assert a["error"]["V_max"] == b["error"]["V_max"], "alone and with shared work: the same bits"
+    assert exact["shared"]["meshes"] == 12 and exact["shared"]["matrices"] > 0 and exact["shared"]["orders"] > 0
+    assert result["shared"]["meshes"] == 0
+    lines = (folder / "out/study.csv").read_text().splitlines()
+    assert lines[0].startswith("n,N,unknowns") and "strain_error" in lines[0] and len(lines) == 5
 print("orders", [round(order, 3) for order in orders])

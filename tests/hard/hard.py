@@ -303,6 +303,7 @@ def noise(suite):
 
 import broken  # noqa: E402  more cases, in files of their own
 import more  # noqa: E402
+import shapes  # noqa: E402
 
 LONG = {"million", "many_cycles"}  # label `long`; not in the page
 

@@ -53,7 +53,7 @@ def kernels(suite):
             if not certified(name, f"{what}, {route}", data):
                 continue
             loose = any(h["route"] == "fit" for h in data["plan"]["history"])
-            judge(name, f"{what}, {route}: error", worst(data["table"]["u"], exact), max(1e-12 * growth, 1e-7 if loose else 0))
+            judge(name, f"{what}, {route}: error", worst(data["table"]["u"], exact), max(min(1e-12 * growth, 1e-6), 1e-7 if loose else 0))
 
 
 @case

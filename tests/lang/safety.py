@@ -80,6 +80,16 @@ def main():
             "a thousand million steps": (slab(time=" for t in [0, 1] by 1000000000 steps from u = 0"), "E0607"),
             "a tower of functions": ("fn f0(a) = a\n" + "".join(f"fn f{i + 1}(a) = f{i}(f{i}(a)) + f{i}(a)\n" for i in range(40))
                                      + slab(load="f40(1)"), "E0607"),
+            "a chain of 20,000 parameters": ("".join(f"param p{i} = p{i + 1}\n" for i in range(20_000)) + "param p20000 = 1\n"
+                                             + slab(load="p0"), "E0216"),
+            "a chain of 20,000 parts": ("".join(f"part p{i} = p{i + 1}\n" for i in range(20_000)) + "part p20000 = slab.left\n"
+                                        + slab(), "E0216"),
+            "a chain of 20,000 laws": ("".join(f"superpotential l{i}(r) = l{i + 1}(r)\n" for i in range(20_000))
+                                       + "superpotential l20000(r) = r^2\n" + slab(), "E0216"),
+            "a sine of a sine": ("fn s(a) = " + "sin(" * 200 + "a" + ")" * 200 + "\n"
+                                 + slab(load="s(" * 100 + "1" + ")" * 100), None),
+            "a deep function of the place": ("fn s(a) = " + "sin(" * 200 + "a" + ")" * 200 + "\n"
+                                             + slab(load="s(" * 100 + "x" + ")" * 100), "E0216"),
             "bytes that are no text": (bytes(range(128, 256)) * 40, "E0108"),
         }
         for name, (text, code) in cases.items():

@@ -71,6 +71,7 @@ def main():
     errors = [abs(value - exact(t)) for t, value in rows]
     fields = [r["plan"]["history"][0]["fields"] for r in (short, long)]
     growth = (peak_long - peak_short) / 800000
+    print(f"peak {peak_short / 1e6:.0f} MB with 200,000 steps, {peak_long / 1e6:.0f} MB with 1,000,000")
     print(f"{name}: {len(rows)} rows, largest error {max(errors):.2e}, at the end {errors[-1]:.2e}; "
           f"fields {fields[0]} and {fields[1]}, {growth:.0f} bytes more a step, {seconds:.1f} s, "
           f"audit {long['plan']['history'][0]['audit']:.1e}")

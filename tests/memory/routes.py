@@ -1,6 +1,6 @@
 """Every kernel by every route that serves it against the direct sum, N = 2,000, from scripts.
 
-usage: routes.py HVI_RUN uniform|graded [kernel ...]   (all kernels when none is named)
+usage: routes.py HVI_RUN uniform|graded|listed [kernel ...]   (all kernels when none is named)
 Reference: the direct sum of the same program (independent of the other routes; tests/solver/history
 holds it against brute force). All steps of all columns must agree within the memory tolerance, and
 with more than the tolerance no result may come out.
@@ -13,7 +13,11 @@ import tempfile
 
 from kernels import FIELDS, KERNELS, write
 
-GRIDS = {"uniform": "by N steps", "graded": "at graded(N, 2)"}
+LISTED = [0.0]  # 600 steps of six lengths, without a pattern
+for i in range(1, 600):
+    LISTED.append(LISTED[-1] + (1, 2, 0.5, 3, 1.5, 0.2)[i * i % 13 % 6])
+GRIDS = {"uniform": "by N steps", "graded": "at graded(N, 2)",
+         "listed": "at [" + ", ".join(f"{t / (LISTED[-1] + 1):.9f}" for t in LISTED) + ", 1]"}
 TOLERANCE = 1e-8
 
 

@@ -104,7 +104,7 @@ TEST(SyntaxErrors, CasesAndConditions) {
       {"fn f(x) = | x < 0 -> 0 | otherwise -> x | x > 1 -> 1", "E0229 1:41-42"},
       {"fn f(x) = | x < 0 : 0 | otherwise -> x", "E0209 1:19-20"},
       {"fn f(x) = | x < 0 = 0 | otherwise -> x", "E0209 1:19-20"},
-      {"fn f(x) = | x < 0 => 0 | otherwise -> x", "E0209 1:19-20"},
+      {"fn f(x) = | x < 0 => 0 | otherwise -> x", "E0209 1:19-21"},
       {"fn f(x) = | x < 0 0 | otherwise -> x", "E0201 1:19-20"},
       {"fn f(x) = | x -> 0 | otherwise -> x", "E0201 1:15-17"},
       {"part p = m.top where x = 1", "E0206 1:24-25"},

@@ -142,6 +142,22 @@ TEST_F(LoadCase, MeansOfTablesSplitAtTheirKnots) {
   EXPECT_THROW(at(a, 2.0), Failure); // outside the table
 }
 
+// Means of piecewise functions of t against their integrals in closed form.
+TEST_F(LoadCase, MeansSplitWhereTheLoadJumpsOrBends) {
+  const Vector unit = at(assembler({load(0, {{slot::value(0), Expr(1.0)}})}), 0);
+  const auto mean = [&](const Expr& g) {
+    Vector out = Vector::Zero(space.n_dofs());
+    assembler({load(0, {{slot::value(0), g}})}).add_mean(0.2, 1.2, out);
+    return out.dot(unit) / unit.squaredNorm();
+  };
+  const Expr jump = select(less(t, Expr(0.7123)), Expr(1.0), Expr(-3.0));
+  EXPECT_NEAR(mean(jump), 0.5123 - 3 * 0.4877, 1e-14);
+  EXPECT_NEAR(mean(max(t - Expr(0.9), Expr(0.0))), 0.045, 1e-14);
+  EXPECT_NEAR(mean(abs(Expr(1.0) - Expr(2.0) * t)), 0.09 + 0.49, 1e-14);
+  const Expr wave = Expr(2 * M_PI) * t; // sin changes sign at 1/2 and 1: no a t + b
+  EXPECT_NEAR(mean(select(less(sin(wave), Expr(0.0)), Expr(2.0), t)), 1.0 + 0.105 + 0.22, 1e-12);
+}
+
 TEST_F(LoadCase, TimeIndependent) {
   const auto a = assembler({load(0, {{slot::value(1), Expr(-9.81) * x}})});
   EXPECT_TRUE(a.time_independent());

@@ -97,5 +97,18 @@ TEST(Settings, ListedTimesAreSubdivided) {
   EXPECT_NEAR(grid[3], 0.55, 1e-15);
 }
 
+TEST(Settings, AdaptedMeshesGrowByTheLevel) {
+  const SettingFamily family(square(16, 64));
+  const auto one = family.at({1, Scheme::backward_euler, 1, 8, adaptive}).mesh;
+  const auto three = family.at({1, Scheme::backward_euler, 3, 8, adaptive}).mesh;
+  EXPECT_EQ(one.cells, family.plan().mesh.cells); // bisected from the coarsest
+  EXPECT_EQ(one.adapted, 2 * 2 * one.cells[0] * one.cells[1]);
+  EXPECT_EQ(three.adapted, 9 * one.adapted);
+  EXPECT_EQ(three.cells, one.cells);
+  Plan plan = square(16, 64);
+  plan.mesh.adapted = 4000; // the script's own wish: every setting
+  EXPECT_EQ(SettingFamily(plan).at({1, Scheme::bdf2, 3, 8, 1.0}).mesh.adapted, three.adapted);
+}
+
 } // namespace
 } // namespace hvi::solver
