@@ -95,7 +95,7 @@ double InequalityEngine::residual_ratio(const Vector& x) {
     row_size[i] = std::abs((*rhs)[i]) + std::abs(own) + std::abs(sc[i] - own) + force_magnitude[i];
   }
   const double bound = worst_ratio();
-  if (!(bound > target()) || bound > 1e2 * options.tolerance) return bound;
+  if (!(bound > target()) || bound > 1e-5) return bound;
   if (!have_magnitude) op.apply_magnitude(c, magnitude);
   have_magnitude = true;
   row_size = rhs->cwiseAbs() + magnitude + force_magnitude;

@@ -97,6 +97,11 @@ InequalityReport StepMatrix::correct(const Vector& gap, InequalityState& state, 
   for (Eigen::Index i = 0; i < c_.size(); ++i) c_[i] = d[contact_.unknowns[i]];
   auto report = solve(gap, state, most_moved_ >= 0.0);
   d += x_;
+  if (contact_.none()) { // nothing damps what rounding leaves: a hundred times as strict
+    const double size = d.lpNorm<Eigen::Infinity>();
+    moved_ = size > 0.0 ? 100.0 * x_.lpNorm<Eigen::Infinity>() / size : 0.0;
+    back_rounded_ = most_moved_ >= 0.0;
+  }
   return report;
 }
 
