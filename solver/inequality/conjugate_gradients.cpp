@@ -272,7 +272,12 @@ bool InequalityEngine::conjugate_gradients() {
     precondition(cg_r, cg_z);
     const double next = product(cg_r, cg_z);
     if (!(next >= 0.0)) return false;
-    if (next <= enough) return true;
+    if (next <= enough) {
+      op.apply(dc, cg_q); // what is really left: points that rest take it
+      cg_r = residual - cg_q;
+      cg_r.noalias() -= h * dc;
+      return true;
+    }
     cg_p = cg_z + (next / rho) * cg_p;
     cg_mp = cg_r + (next / rho) * cg_mp;
     rho = next;
