@@ -6,13 +6,13 @@
 #include "solver/linear/ordering.hpp"
 #include "solver/linear/packed_factor.hpp"
 #include "solver/linear/supernodes.hpp"
+#include "solver/time/clock.hpp"
 
 #include <fmt/format.h>
 
 #include <cblas.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -21,10 +21,6 @@ namespace {
 
 /// A pivot below this fraction of the diagonal entry is rounding: a rigid motion is left.
 constexpr double smallest_pivot = 1e-13;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// L L^T for a lower triangle, by columns of blocks: a block column of the product takes only the
 /// columns of L up to its end. OpenBLAS, as Eigen's own product is compiled for any processor.
@@ -63,10 +59,11 @@ private:
   void check_contact_last(std::span<const int> contact) const;
   void check_pivots(const SparseMatrix& k);
   void read_trailing_block();
+  void count_sweep();
   [[noreturn]] void fail_at(int position, double pivot) const;
   const double* values() const { return static_cast<const double*>(l_->x); }
 
-  std::chrono::steady_clock::time_point start_;
+  double start_;
   CholmodSession session_;
   ContactLastOrder order_;
   UpperTriangle a_;
@@ -88,9 +85,8 @@ private:
 };
 
 Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known)
-    : start_(std::chrono::steady_clock::now()),
-      order_(known != nullptr ? known->order(k, contact, session_)
-                              : order_contact_last(k, contact, session_)),
+    : start_(cpu_seconds()), order_(known != nullptr ? known->order(k, contact, session_)
+                                                     : order_contact_last(k, contact, session_)),
       a_(k, order_.links), size_(static_cast<int>(k.rows())),
       interior_(size_ - static_cast<int>(contact.size())) {
   analyse_pattern();
@@ -107,7 +103,7 @@ Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderSto
   statistics_.bytes = static_cast<double>(l_->xsize) * sizeof(double) +
                       static_cast<double>(l_->ssize) * (sizeof(Long) + sizeof(int));
   statistics_.seconds_analyse =
-      seconds_since(start_) + (known != nullptr ? known->seconds_of_last() : 0.0);
+      cpu_seconds() - start_ + (known != nullptr ? known->seconds_of_last() : 0.0);
 }
 
 void Cholesky::analyse_pattern() {
@@ -130,7 +126,7 @@ void Cholesky::check_contact_last(std::span<const int> contact) const {
 }
 
 void Cholesky::factor(const SparseMatrix& k) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start = cpu_seconds();
   const OneBlasThread one_thread;
   factored_ = schur_ready_ = false;
   a_.assign(k);
@@ -148,7 +144,7 @@ void Cholesky::factor(const SparseMatrix& k) {
   statistics_.reciprocal_condition = cholmod_l_rcond(l_, common);
   packed_.clear();
   if (storage_ == SweepStorage::single) sweep_in(storage_);
-  statistics_.seconds_factor = seconds_since(start);
+  statistics_.seconds_factor = cpu_seconds() - start;
   factored_ = true;
 }
 
@@ -224,7 +220,16 @@ void Cholesky::reduce(const Vector& b, Vector& r) {
     supernodes_.forward(values(), inverse_diagonal_.data(), y_.data());
   r.resize(size_ - interior_);
   std::copy(y_.begin() + interior_, y_.end(), r.data());
+  count_sweep();
+}
+
+/// A sweep reads the columns of the interior, in the precision that is held for it.
+void Cholesky::count_sweep() {
   ++statistics_.sweeps;
+  const double n_contact = size_ - interior_;
+  const double entries = static_cast<double>(l_->xsize) - n_contact * n_contact;
+  statistics_.bytes_swept +=
+      entries * (storage_ == SweepStorage::single ? sizeof(float) : sizeof(double));
 }
 
 void Cholesky::back(const Vector& c, Vector& x) {
@@ -242,7 +247,7 @@ void Cholesky::back(const Vector& c, Vector& x) {
     supernodes_.backward(values(), inverse_diagonal_.data(), y_.data(), x_.data());
   x.resize(size_);
   for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
-  ++statistics_.sweeps;
+  count_sweep();
 }
 
 void Cholesky::solve(const Vector& b, Vector& x) {

@@ -23,6 +23,7 @@ struct FactorStatistics {
   double reciprocal_condition = 0; ///< a cheap estimate
   int analyses = 0, factorisations = 0,
       sweeps = 0;       ///< work counters; a sweep reads the factor once
+  double bytes_swept = 0; ///< that all sweeps had to read
   std::string ordering; ///< "METIS", "CAMD", ...
 };
 

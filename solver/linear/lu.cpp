@@ -5,6 +5,7 @@
 #include "solver/linear/lu.hpp"
 
 #include "solver/linear/ordering.hpp"
+#include "solver/time/clock.hpp"
 
 #include <fmt/format.h>
 
@@ -12,7 +13,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 
 namespace hvi::solver {
@@ -30,16 +30,15 @@ struct FreeNumeric {
 using Symbolic = std::unique_ptr<void, FreeSymbolic>;
 using Numeric = std::unique_ptr<void, FreeNumeric>;
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// A triangle by rows, or its transpose by columns; the last entry of a row is the diagonal.
 struct Triangle {
   std::vector<Long> start;
   std::vector<int> index;
   std::vector<double> value;
 
+  double bytes() const {
+    return static_cast<double>(value.size()) * (sizeof(double) + sizeof(int));
+  }
   /// y := T^-1 y for the first `count` unknowns; y := y - (their columns) y for the rest.
   void forward(int count, double* y) const {
     const int size = static_cast<int>(start.size()) - 1;
@@ -109,7 +108,7 @@ Lu::Lu(const SparseMatrix& k, std::span<const int> contact)
     : size_(static_cast<int>(k.rows())), interior_(size_ - static_cast<int>(contact.size())),
       start_(k.outerIndexPtr(), k.outerIndexPtr() + k.rows() + 1),
       column_(k.innerIndexPtr(), k.innerIndexPtr() + k.nonZeros()), y_(size_), x_(size_) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start = cpu_seconds();
   order(k, contact);
   umfpack_dl_defaults(control_.data());
   control_[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
@@ -126,7 +125,7 @@ Lu::Lu(const SparseMatrix& k, std::span<const int> contact)
     throw Failure(FailureKind::limit, {},
                   fmt::format("no memory to analyse a matrix of {} unknowns", size_));
   statistics_.analyses = 1;
-  statistics_.seconds_analyse = seconds_since(start);
+  statistics_.seconds_analyse = cpu_seconds() - start;
 }
 
 /// Contact last, then postordered: the frontal matrices of UMFPACK follow the elimination tree.
@@ -169,7 +168,7 @@ Numeric Lu::factor_with_umfpack(const SparseMatrix& k) {
 }
 
 void Lu::factor(const SparseMatrix& k) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start = cpu_seconds();
   const OneBlasThread one_thread;
   factored_ = false;
   check_pattern(k);
@@ -178,7 +177,7 @@ void Lu::factor(const SparseMatrix& k) {
   lower22_ = lower_.trailing(interior_);
   upper22_ = upper_transposed_.trailing(interior_).transpose();
   schur_.noalias() = lower22_ * upper22_;
-  statistics_.seconds_factor = seconds_since(start);
+  statistics_.seconds_factor = cpu_seconds() - start;
   factored_ = true;
 }
 
@@ -234,6 +233,7 @@ void Lu::reduce(const Vector& b, Vector& r) {
   lower_.forward(interior_, y_.data());
   r = y_.tail(size_ - interior_);
   ++statistics_.sweeps;
+  statistics_.bytes_swept += lower_.bytes();
 }
 
 void Lu::back(const Vector& c, Vector& x) {
@@ -244,6 +244,7 @@ void Lu::back(const Vector& c, Vector& x) {
   x.resize(size_);
   for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
   ++statistics_.sweeps;
+  statistics_.bytes_swept += upper_transposed_.bytes();
 }
 
 void Lu::solve(const Vector& b, Vector& x) {

@@ -2,9 +2,9 @@
 #include "solver/linear/ordering.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/time/clock.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <numeric>
 #include <optional>
 
@@ -131,10 +131,9 @@ ContactLastOrder OrderStore::order(const SparseMatrix& k, std::span<const int> c
       seconds_of_last_ = one.seconds;
       return one.order;
     }
-  const auto start = std::chrono::steady_clock::now();
+  const double start = cpu_seconds();
   auto found = order_contact_last(k, contact, session);
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = cpu_seconds() - start;
   if (known_.size() == most) known_.erase(known_.begin());
   known_.push_back({{k.outerIndexPtr(), k.outerIndexPtr() + n},
                     {k.innerIndexPtr(), k.innerIndexPtr() + m},

@@ -47,8 +47,26 @@ Json certificate(const Certificate& c) {
           {"equilibrium_step", c.equilibrium_step}};
 }
 
-Json timing(const Timing& t) {
-  return {{"mesh", t.mesh},
+/// Phases, what a step takes of them, and the least the sweeps could take: reading their factors.
+Json timing(const RunResult& result, double bandwidth) {
+  const Timing& t = result.timing;
+  const double steps = std::max(1, result.steps);
+  const auto each = [&](double seconds) { return seconds / steps; };
+  const auto least = [&](double bytes) {
+    return bandwidth > 0.0 ? Json(bytes / bandwidth) : Json(nullptr);
+  };
+  return {{"per_step",
+           {{"history", each(t.history)},
+            {"sweeps", each(t.sweeps)},
+            {"inequality", each(t.inequality)},
+            {"steps", each(t.steps)},
+            {"output", each(t.output)}}},
+          {"limit",
+           {{"swept_bytes", t.swept_bytes},
+            {"bandwidth", bandwidth > 0.0 ? Json(bandwidth) : Json(nullptr)},
+            {"sweeps", least(t.swept_bytes)},
+            {"sweeps_per_step", least(each(t.swept_bytes))}}},
+          {"mesh", t.mesh},
           {"assembly", t.assembly},
           {"ordering", t.ordering},
           {"factor", t.factor},
@@ -138,7 +156,7 @@ std::string result_json(const RunResult& result, const Plan& plan, const ResultC
            {"final", final},
            {"table", table(result)},
            {"certificate", certificate(result.certificate)},
-           {"timing", timing(result.timing)},
+           {"timing", timing(result, context.bandwidth)},
            {"plan", what_was_done(result, plan, context)},
            {"uniqueness", result.unique ? "guaranteed" : "not guaranteed"},
            {"energy", result.energy ? number(*result.energy) : Json(nullptr)},

@@ -13,6 +13,7 @@ namespace hvi::solver {
 struct ResultContext {
   std::map<std::string, double> params;
   std::function<int(Origin)> line_of; ///< 1-based line of an origin; 0: none
+  double bandwidth = 0.0;             ///< bytes a second that this machine reads; 0: not measured
 };
 
 /// The whole result as text, numbers with 17 digits; values that are not there (NaN) are null.

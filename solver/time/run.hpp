@@ -49,6 +49,7 @@ struct Certificate {
 struct Timing {
   double mesh = 0, assembly = 0, ordering = 0, factor = 0, history = 0, sweeps = 0, inequality = 0,
          steps = 0, output = 0, total = 0;
+  double swept_bytes = 0; ///< of factors: what all sweeps had to read
 };
 
 /// Work done, counted: what the tests of "only the effects a scene calls for" compare.

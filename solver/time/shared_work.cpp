@@ -45,6 +45,7 @@ FactorStatistics LentFactor::statistics() const {
   out.analyses -= before_.analyses;
   out.factorisations -= before_.factorisations;
   out.sweeps -= before_.sweeps;
+  out.bytes_swept -= before_.bytes_swept;
   return out;
 }
 

@@ -468,6 +468,7 @@ void Stepper::account(WorkCounters& work, Timing& timing) const {
     work.bytes += statistics.bytes;
     timing.ordering += statistics.seconds_analyse;
     timing.factor += statistics.seconds_factor;
+    timing.swept_bytes += statistics.bytes_swept;
   }
   for (const auto& base : operators_.bases)
     work.bytes += static_cast<double>(base.nonZeros()) * (sizeof(double) + sizeof(int));
@@ -480,6 +481,7 @@ void Stepper::account(WorkCounters& work, Timing& timing) const {
     work.bytes += statistics.bytes;
     timing.ordering += statistics.seconds_analyse;
     timing.factor += statistics.seconds_factor;
+    timing.swept_bytes += statistics.bytes_swept;
     timing.inequality += cached.matrix->seconds_inequality;
     timing.sweeps += cached.matrix->seconds_sweeps;
   }
