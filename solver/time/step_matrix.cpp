@@ -48,7 +48,7 @@ void StepMatrix::condense(const Vector& gap, InequalityState& state) {
   if (c_.isZero(0.0)) return;
   reduced_->apply(c_, product_);
   r_ += product_;
-  if (state.c_guess == c_) state.s_c_guess = product_;
+  if (state.c_guess.size() == c_.size() && state.c_guess == c_) state.s_c_guess = product_;
 }
 
 /// The correction of the contact unknowns moves the whole body: where it is large the rounded
