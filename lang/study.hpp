@@ -21,7 +21,7 @@ struct StudyRow {
   std::map<std::string, double> probes;      ///< final values
   /// Their distances to the finest run's (extrapolated: errors), and the orders seen.
   std::map<std::string, double> probe_errors, probe_orders;
-  std::optional<solver::CeaTerms> cea;       ///< backward Euler only, which the theorem is about
+  std::optional<solver::CeaTerms> cea; ///< backward Euler only, which the theorem is about
   int unknowns = 0, steps = 0, newton = 0;
   double cpu = 0.0, wall = 0.0, peak_bytes = 0.0;
   std::optional<double> order; ///< against the setting one rung lower on every ladder
@@ -42,6 +42,10 @@ struct Study {
   /// Probes are judged by the finest run; absent when it failed.
   std::optional<std::size_t> finest;
 };
+
+/// From the rows as they were run: distances of the probes to the finest run, orders, the front;
+/// with `richardson` the errors are extrapolated from the distances.
+void judge(Study& study, bool richardson);
 
 /// Text for a terminal; CSV; JSON (schema hvi-study/1).
 std::string study_table(const Study& study);

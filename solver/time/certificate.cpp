@@ -30,6 +30,20 @@ RowSums row_sums(const double* values, const int* columns, int count, const doub
   return {(sum[0] + sum[1]) + (sum[2] + sum[3]), (size[0] + size[1]) + (size[2] + size[3])};
 }
 
+/// Calls row(i, (force xi)_i) for every row i < n, in order; only contact rows have a force.
+template <class Row>
+void for_each_row(int n, std::span<const int> contact, const SparseMatrix& force, const Vector& xi,
+                  const Row& row) {
+  int next = 0;
+  for (const int c : contact) {
+    for (; next < c; ++next) row(next, 0.0);
+    double reaction = 0.0;
+    for (SparseMatrix::InnerIterator it(force, c); it; ++it) reaction += it.value() * xi[it.col()];
+    row(next++, reaction);
+  }
+  for (; next < n; ++next) row(next, 0.0);
+}
+
 } // namespace
 
 void subtract_product(const SparseMatrix& a, const Vector& x, Vector& y) {
@@ -97,14 +111,7 @@ double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& b
       if (std::isnan(worst)) worst = std::numeric_limits<double>::infinity();
     }
   };
-  int next = 0;
-  for (const int c : contact) {
-    for (; next < c; ++next) row(next, 0.0);
-    double reaction = 0.0;
-    for (SparseMatrix::InnerIterator it(force, c); it; ++it) reaction += it.value() * xi[it.col()];
-    row(next++, reaction);
-  }
-  for (const auto n = static_cast<int>(k.rows()); next < n; ++next) row(next, 0.0);
+  for_each_row(static_cast<int>(k.rows()), contact, force, xi, row);
   return worst;
 }
 
@@ -124,14 +131,7 @@ double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Ve
     worst = error / size;
     if (std::isnan(worst)) worst = std::numeric_limits<double>::infinity();
   };
-  int next = 0;
-  for (const int c : contact) {
-    for (; next < c; ++next) row(next, 0.0);
-    double reaction = 0.0;
-    for (SparseMatrix::InnerIterator it(force, c); it; ++it) reaction += it.value() * xi[it.col()];
-    row(next++, reaction);
-  }
-  for (const auto n = static_cast<int>(k.rows()); next < n; ++next) row(next, 0.0);
+  for_each_row(static_cast<int>(k.rows()), contact, force, xi, row);
   return worst;
 }
 
