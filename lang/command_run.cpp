@@ -34,8 +34,8 @@ namespace {
 class ProgressLine {
 public:
   explicit ProgressLine(bool enabled) : enabled_(enabled && isatty(STDERR_FILENO)) {}
+  bool enabled() const { return enabled_; }
   void operator()(const solver::Progress& p) {
-    if (!enabled_) return;
     const auto now = std::chrono::steady_clock::now();
     if (now - last_ < std::chrono::milliseconds(100) && p.step != p.steps) return;
     last_ = now;
@@ -220,7 +220,7 @@ int solve(Script& script, const Options& options, bool writes, solver::RunResult
     settings.resume = options.resume;
   }
   ProgressLine progress(!options.quiet);
-  settings.progress = [&](const solver::Progress& p) { progress(p); };
+  if (progress.enabled()) settings.progress = [&](const solver::Progress& p) { progress(p); };
   InterruptGuard guard;
   try {
     if (const auto request = accuracy_request(script, options)) {
@@ -372,6 +372,25 @@ void print_forecast(const Forecast& f) {
              f.steps, f.steps == 1 ? "" : "s", f.taken);
 }
 
+/// The effects as declared, or with what the first steps showed of them.
+void print_effects(const Script& script, const std::optional<Forecast>& first_steps) {
+  using State = solver::EffectNote::State;
+  const bool ran = first_steps && !first_steps->result.effects.empty();
+  for (const solver::EffectNote& note : ran ? first_steps->result.effects : script.plan->effects) {
+    const char* state = note.state == State::on        ? "on"
+                        : note.state == State::off     ? "off"
+                        : note.state == State::dropped ? "dropped"
+                                                       : "asleep";
+    const int line = line_of(script, note.origin);
+    std::string why = note.why.empty() ? "" : ": " + note.why;
+    const bool may_change = note.state == State::asleep || note.why.starts_with("linear");
+    if (ran && may_change && first_steps->taken < first_steps->steps)
+      why += fmt::format(" up to step {}", first_steps->taken);
+    fmt::print("{:<8} {}{}{}\n", state, note.name, line > 0 ? fmt::format(", line {}", line) : "",
+               why);
+  }
+}
+
 } // namespace
 
 int plan_command(const std::string& path, const Options& options) {
@@ -382,33 +401,28 @@ int plan_command(const std::string& path, const Options& options) {
     return exit_script;
   }
   show_diagnostics(script, options);
-  using State = solver::EffectNote::State;
-  for (const solver::EffectNote& note : script.plan->effects) {
-    const char* state = note.state == State::on        ? "on"
-                        : note.state == State::off     ? "off"
-                        : note.state == State::dropped ? "dropped"
-                                                       : "asleep";
-    const int line = line_of(script, note.origin);
-    fmt::print("{:<8} {}{}{}\n", state, note.name, line > 0 ? fmt::format(", line {}", line) : "",
-               note.why.empty() ? "" : ": " + note.why);
-  }
+  std::vector<solver::HistoryReport> memory;
   try {
-    print_memory(*script.plan, solver::planned_memory(*script.plan));
+    memory = solver::planned_memory(*script.plan);
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);
     show_diagnostics(script, options);
     return exit_code(failure.kind);
   }
-  fmt::print("{} forms, {} memory fields, {} laws, {} loads\n", script.plan->forms.size(),
-             script.plan->histories.size(), script.plan->law_terms.size(),
-             script.plan->loads.size());
   solver::Discretisation discretisation;
-  const bool found = discretise_script(script, discretisation);
+  std::optional<Forecast> first_steps;
   try {
-    if (found) print_forecast(forecast(*script.plan, discretisation));
+    if (discretise_script(script, discretisation))
+      first_steps = forecast(*script.plan, discretisation);
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);
   }
+  print_effects(script, first_steps);
+  print_memory(*script.plan, memory);
+  fmt::print("{} forms, {} memory fields, {} laws, {} loads\n", script.plan->forms.size(),
+             script.plan->histories.size(), script.plan->law_terms.size(),
+             script.plan->loads.size());
+  if (first_steps) print_forecast(*first_steps);
   if (!script.diagnostics.has_errors()) return exit_ok;
   show_diagnostics(script, options);
   return exit_script;

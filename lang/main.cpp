@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -52,8 +53,11 @@ int dispatch(int argc, char** argv) {
   CLI::App app{"hvi-run: solves history-dependent hemivariational inequalities"};
   app.set_version_flag("--version", std::string("hvi-run ") + hvi::lang::version);
   app.require_subcommand(1);
+  const std::string_view given = argc > 1 ? argv[1] : "-";
   const auto command = [&](const char* name, const char* what, bool many = false) {
     CLI::App* sub = app.add_subcommand(name, what);
+    // Options are made for the command that is given only: they are most of what a start costs.
+    if (given != name && !given.starts_with("-")) return sub;
     add_common(*sub, options, defines);
     auto* option = sub->add_option("FILE", files, "script")->required();
     if (!many) option->expected(1);
@@ -63,7 +67,8 @@ int dispatch(int argc, char** argv) {
   run->add_option("--checkpoint", options.checkpoint, "save the state every N steps")
       ->check(CLI::PositiveNumber);
   run->add_flag("--resume", options.resume, "go on from the last checkpoint");
-  run->add_option("--accuracy", options.accuracy, "find the cheapest setting with this relative error")
+  run->add_option("--accuracy", options.accuracy,
+                  "find the cheapest setting with this relative error")
       ->check(CLI::PositiveNumber);
   run->add_option("--of", options.accuracy_of, "the accuracy of this column, not of u in V");
   run->add_flag("--as-written", options.as_written,
@@ -135,9 +140,20 @@ std::vector<char*> with_command(int argc, char** argv, std::string& word) {
   return out;
 }
 
+/// Matrices and vectors come and go while a problem is set up: memory that was touched once is kept
+/// for the next of them. Large blocks still go back to the system at once.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 8 << 20);
+  mallopt(M_TRIM_THRESHOLD, 64 << 20);
+  mallopt(M_TOP_PAD, 1 << 20);
+#endif
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
+  keep_freed_memory();
   std::signal(SIGXFSZ, SIG_IGN); // a file beyond a limit is a failed write, with a message
   try {
     std::string word = "run";

@@ -42,6 +42,9 @@ public:
   int separable_terms() const; ///< vectors F_m stored
   bool separable() const;      ///< nothing is assembled again at each step
   bool time_independent() const;
+  /// What the load declared at this place costs.
+  enum class Cost { nothing, once, once_per_factor, every_step };
+  Cost cost(Origin origin) const;
 
 private:
   struct Impl;

@@ -190,8 +190,9 @@ struct LoadAssembler::Impl {
   std::vector<Lazy> lazy;
   std::vector<Pointwise> factors; ///< g of all modes; one element, none without modes
   std::vector<double> g_values;
-  Knots knots;                            ///< sorted
-  IntervalRule rule = gauss_jacobi(4, 0); ///< degree 7
+  std::vector<std::pair<Origin, Cost>> costs; ///< by load
+  Knots knots;                                ///< sorted
+  IntervalRule rule = gauss_jacobi(4, 0);     ///< degree 7
 
   void add_term(const Space& space, const Region& region, const LoadTerm& term);
   void add_mode(const Expr& time_factor, Vector f, Origin origin);
@@ -231,6 +232,12 @@ void LoadAssembler::Impl::add_term(const Space& space, const Region& region, con
   if (!rest.empty()) {
     lazy.push_back(make_lazy(space, region, term, rest));
   }
+  const bool constant = std::all_of(separated.begin(), separated.end(),
+                                    [](const auto& part) { return part.first.is_constant(); });
+  costs.emplace_back(term.origin, !rest.empty()       ? Cost::every_step
+                                  : !constant         ? Cost::once_per_factor
+                                  : separated.empty() ? Cost::nothing
+                                                      : Cost::once);
 }
 
 void LoadAssembler::Impl::add_mode(const Expr& time_factor, Vector f, Origin origin) {
@@ -402,6 +409,12 @@ void LoadAssembler::map(const std::function<Vector(const Vector&)>& map) {
 
 int LoadAssembler::separable_terms() const { return static_cast<int>(impl_->modes.size()); }
 bool LoadAssembler::separable() const { return impl_->lazy.empty(); }
+LoadAssembler::Cost LoadAssembler::cost(Origin origin) const {
+  for (const auto& [of, cost] : impl_->costs) {
+    if (of == origin) return cost;
+  }
+  return Cost::nothing;
+}
 bool LoadAssembler::time_independent() const {
   return impl_->lazy.empty() && std::all_of(impl_->modes.begin(), impl_->modes.end(),
                                             [](const Mode& mode) { return mode.g.is_constant(); });

@@ -128,7 +128,7 @@ private:
   double norm(double t) {
     if (horizon_ > 0) {
       if (record_.norm_until < horizon_) {
-        record_.norm = memory_norm(kernel_.spec.expression, kernel_.traits, record_.t0, horizon_);
+        record_.norm = kernel_.norm(record_.t0, horizon_);
         record_.norm_until = horizon_;
       }
       return record_.norm;
@@ -156,10 +156,10 @@ private:
 
 std::unique_ptr<History> make_audited_history(const KernelSpec& kernel, std::size_t n,
                                               const HistoryOptions& options, std::size_t replayed) {
-  auto inner = make_history(kernel, n, options);
+  const PreparedKernel prepared(kernel, study_kernel(kernel.expression, options.horizon));
+  auto inner = make_history(prepared, n, options);
   replayed = std::min(replayed, n);
   if (replayed == 0 || inner->report().route == "direct") return inner;
-  const PreparedKernel prepared(kernel, kernel_traits(kernel.expression, options.horizon));
   auto direct = make_direct(prepared, replayed, options, "audit");
   return std::make_unique<AuditedHistory>(prepared, options, std::move(inner), std::move(direct), n,
                                           replayed);

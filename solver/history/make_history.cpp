@@ -33,9 +33,9 @@ struct Choice {
 };
 
 std::unique_ptr<History> try_recursion(const Choice& c) {
-  const auto verified = verified_terms(c.kernel.spec.expression, c.options.horizon);
+  const auto& verified = c.kernel.terms;
   if (!verified || verified->terms.size() > most_terms) return nullptr;
-  const double norm = memory_norm(c.kernel.spec.expression, c.kernel.traits, 0, c.options.horizon);
+  const double norm = c.kernel.norm(0, c.options.horizon);
   const double error = norm > 0 ? verified->error * c.options.horizon / norm : 0;
   return make_recursion(c.kernel, verified->terms, c.n, c.options, error,
                         "the kernel is a sum of exponentials (" + c.kernel.traits.description +
@@ -102,9 +102,15 @@ void check_options(const KernelSpec& kernel, const HistoryOptions& options) {
 std::unique_ptr<History> make_history(const KernelSpec& kernel, std::size_t n,
                                       const HistoryOptions& options) {
   check_options(kernel, options);
-  const KernelTraits traits = kernel_traits(kernel.expression, options.horizon);
-  check_kernel(kernel, traits);
-  const PreparedKernel prepared(kernel, traits);
+  return make_history(PreparedKernel(kernel, study_kernel(kernel.expression, options.horizon)), n,
+                      options);
+}
+
+std::unique_ptr<History> make_history(const PreparedKernel& prepared, std::size_t n,
+                                      const HistoryOptions& options) {
+  const KernelSpec& kernel = prepared.spec;
+  check_options(kernel, options);
+  check_kernel(kernel, prepared.traits);
   const Choice choice{prepared, n, options};
   switch (options.route) {
   case HistoryRoute::automatic:

@@ -15,11 +15,14 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
+bool real_exponential(const ExponentialTerm& term) {
+  return term.power == 0 && term.lag_rate.imag() == 0 && term.time_rate == 0.0 &&
+         term.factor.imag() == 0 && term.of_time.is_constant() && term.of_source.is_constant();
+}
+
 /// c e^{-a lag} with a >= 0 has its largest value and slope at lag 0.
 bool single_decaying(const ExponentialTerms& terms) {
-  return terms.size() == 1 && terms[0].power == 0 && terms[0].lag_rate.imag() == 0 &&
-         terms[0].lag_rate.real() <= 0 && terms[0].time_rate == 0.0 &&
-         terms[0].of_time.is_constant() && terms[0].of_source.is_constant();
+  return terms.size() == 1 && real_exponential(terms[0]) && terms[0].lag_rate.real() <= 0;
 }
 
 /// Mean of |q| over lags of a piece on which q changes sign at every turn: breaks would be many,
@@ -50,6 +53,20 @@ bool oscillates_fast(const KernelFunction& q, double t, double from, double to) 
 }
 
 } // namespace
+
+std::optional<double> prony_integral(const ExponentialTerms& terms, double length) {
+  double sum = 0.0;
+  bool up = false, down = false;
+  for (const ExponentialTerm& term : terms) {
+    if (!real_exponential(term)) return std::nullopt;
+    const double rate = term.lag_rate.real(),
+                 factor = term.factor.real() * term.of_time.value() * term.of_source.value();
+    (factor < 0.0 ? down : up) = true;
+    sum += std::abs(factor) * (rate == 0.0 ? length : std::expm1(rate * length) / rate);
+  }
+  if (up && down) return std::nullopt;
+  return sum;
+}
 
 /// |q| as an expression brings its own breaks where q changes sign.
 double absolute_integral(const Expr& expression, double exponent, double t, double length) {
@@ -84,7 +101,7 @@ KernelNorms kernel_norms(const Expr& expression, double t0, double t1) {
   if (const auto verified = verified_terms(expression, length);
       verified && single_decaying(verified->terms)) {
     const double c = std::abs(verified->terms[0].factor), a = -verified->terms[0].lag_rate.real();
-    return {c, c * a, a == 0 ? c * length : -c * std::expm1(-a * length) / a, true};
+    return {c, c * a, *prony_integral(verified->terms, length), true};
   }
   const KernelTraits traits = kernel_traits(expression, length);
   if (traits.singular_exponent >= 1) return {infinite, infinite, infinite, true};

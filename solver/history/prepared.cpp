@@ -3,6 +3,12 @@
 
 namespace hvi::solver {
 
+double PreparedKernel::norm(double t0, double horizon) const {
+  if (terms)
+    if (const auto exact = prony_integral(terms->terms, horizon)) return *exact;
+  return memory_norm(spec.expression, traits, t0, horizon);
+}
+
 void check_step(const PreparedKernel& kernel, double t_before, double t_new) {
   if (!(t_new > t_before) || !std::isfinite(t_new)) {
     throw Failure(FailureKind::bad_value, kernel.spec.origin,

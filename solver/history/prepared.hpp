@@ -3,6 +3,7 @@
 
 #include "solver/history/history.hpp"
 #include "solver/history/integral.hpp"
+#include "solver/history/traits.hpp"
 
 #include <array>
 #include <cmath>
@@ -12,12 +13,16 @@ namespace hvi::solver {
 
 /// A kernel with everything found out about it.
 struct PreparedKernel {
-  PreparedKernel(const KernelSpec& spec_, const KernelTraits& traits_)
-      : spec(spec_), traits(traits_), function(spec_.expression, spec_.origin),
-        breaks(spec_.expression, spec_.origin),
-        integral(function, breaks, traits_.singular_exponent, spec_.origin, spec_.name) {}
+  PreparedKernel(const KernelSpec& spec_, StudiedKernel studied)
+      : spec(spec_), traits(std::move(studied.traits)), terms(std::move(studied.terms)),
+        function(spec_.expression, spec_.origin), breaks(spec_.expression, spec_.origin),
+        integral(function, breaks, traits.singular_exponent, spec_.origin, spec_.name) {}
+  /// sup over the times up to t0 + horizon of int |q| over the lags since t0.
+  double norm(double t0, double horizon) const;
+
   KernelSpec spec;
   KernelTraits traits;
+  std::optional<VerifiedTerms> terms; ///< of an exponential sum
   KernelFunction function;
   Breaks breaks;
   KernelIntegral integral;

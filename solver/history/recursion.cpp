@@ -53,8 +53,11 @@ public:
 
   double w0(double t_new) override {
     check_step(kernel_, grid_.now(), t_new);
-    const Moments m = sum_.current({t_new, grid_.step_to(t_new)});
-    return order_ == 0 ? m.zero : m.zero - m.one;
+    const double k = grid_.step_to(t_new);
+    if (sum_.steady() && k == weighed_step_) return weight_;
+    const Moments m = sum_.current({t_new, k});
+    weighed_step_ = k;
+    return weight_ = order_ == 0 ? m.zero : m.zero - m.one;
   }
 
   void commit(double t_new, std::span<const double> u_new) override {
@@ -143,6 +146,7 @@ private:
   std::vector<double> last_, before_; ///< u(t), u(t - step_), t the time now
   std::vector<LinearGroup> groups_;
   double prepared_step_ = -1, prepared_ahead_ = -1;
+  double weighed_step_ = -1, weight_ = 0; ///< w0 of the last step asked for
 };
 
 } // namespace

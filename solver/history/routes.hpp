@@ -7,6 +7,10 @@
 
 namespace hvi::solver {
 
+/// The route of the options, or the best one, for a kernel that was studied over the horizon.
+std::unique_ptr<History> make_history(const PreparedKernel& kernel, std::size_t n,
+                                      const HistoryOptions& options);
+
 /// Stored fields and exact weights. A kernel that vanishes beyond a lag keeps only the fields
 /// within.
 std::unique_ptr<History> make_direct(const PreparedKernel& kernel, std::size_t n,

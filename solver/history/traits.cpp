@@ -133,6 +133,7 @@ std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horiz
     largest = std::max(largest, std::abs(value));
     error = std::max(error, std::abs(evaluate(*terms, t, lag) - value));
     for (const ExponentialTerm& term : *terms) {
+      if (term.of_time.is_constant() && term.of_source.is_constant()) continue;
       const auto value_of = [&, lag_ = lag, t_ = t](Slot s) {
         return s == slot::t ? t_ : t_ - lag_;
       };
@@ -145,10 +146,15 @@ std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horiz
 }
 
 KernelTraits kernel_traits(const Expr& expression, double horizon) {
+  return study_kernel(expression, horizon).traits;
+}
+
+StudiedKernel study_kernel(const Expr& expression, double horizon) {
   const double length = positive_horizon(horizon);
   const KernelFunction q(expression, {});
   const Breaks breaks(expression, {});
-  KernelTraits traits;
+  StudiedKernel out;
+  KernelTraits& traits = out.traits;
   traits.convolution = q.convolution();
   traits.zero = true;
   for (const auto& [t, lag] : sample_points(length)) {
@@ -159,9 +165,9 @@ KernelTraits kernel_traits(const Expr& expression, double horizon) {
   if (!breaks.empty()) traits.breaks = fixed_breaks(breaks, length);
   traits.zero = traits.zero && (expression.is(0) || breaks.empty());
   if (!traits.breaks.empty()) traits.max_lag = reach(q, traits.breaks, length);
-  ExponentialTerms terms;
-  if (auto verified = verified_terms(expression, horizon)) {
-    terms = std::move(verified->terms);
+  out.terms = verified_terms(expression, horizon);
+  if (out.terms) {
+    const auto& terms = out.terms->terms;
     const bool plain = std::all_of(terms.begin(), terms.end(), [](const ExponentialTerm& term) {
       return term.of_time.is_constant() && term.of_source.is_constant() && term.time_rate == 0.0;
     });
@@ -170,8 +176,8 @@ KernelTraits kernel_traits(const Expr& expression, double horizon) {
   } else if (!traits.zero) {
     traits.singular_exponent = singular_exponent(q, length);
   }
-  traits.description = describe(traits, terms);
-  return traits;
+  traits.description = describe(traits, out.terms ? out.terms->terms : ExponentialTerms{});
+  return out;
 }
 
 } // namespace hvi::solver

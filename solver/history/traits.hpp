@@ -22,6 +22,17 @@ struct VerifiedTerms {
 /// its factors g and h stay far from overflow.
 std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horizon);
 
+/// Everything found out about a kernel.
+struct StudiedKernel {
+  KernelTraits traits;
+  std::optional<VerifiedTerms> terms; ///< of an exponential sum
+};
+StudiedKernel study_kernel(const Expr& expression, double horizon);
+
+/// int_0^length |q(lag)| dlag of a Prony series, real exponentials whose factors have one sign;
+/// none for other sums.
+std::optional<double> prony_integral(const ExponentialTerms& terms, double length);
+
 /// int_0^length |q(t, lag)| dlag.
 double absolute_integral(const Expr& expression, double singular_exponent, double t, double length);
 

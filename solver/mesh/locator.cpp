@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace hvi::solver {
 namespace {
 
 constexpr std::int32_t leaf_size = 8;
-constexpr double slack = 1e-9; // of barycentric coordinates, and of the boxes of the cells
+constexpr std::size_t few_points = 16; // a tree costs as much as going through all cells for each
+constexpr double slack = 1e-9;         // of barycentric coordinates, and of the boxes of the cells
 
 Box box_of(const Mesh& mesh, std::int32_t cell) {
   const auto& c = mesh.cells[cell];
@@ -73,8 +75,15 @@ std::array<double, 4> barycentric_of(const Mesh& mesh, std::int32_t cell, const 
 
 } // namespace
 
-CellLocator::CellLocator(const Mesh& mesh) : mesh_(&mesh), order_(mesh.cells.size()) {
+CellLocator::CellLocator(const Mesh& mesh, std::size_t points)
+    : mesh_(&mesh), order_(mesh.cells.size()) {
   std::iota(order_.begin(), order_.end(), 0);
+  if (points <= few_points && !order_.empty()) {
+    constexpr double far = std::numeric_limits<double>::infinity();
+    nodes_ = {
+        {Box{{-far, -far, -far}, {far, far, far}}, 0, static_cast<std::int32_t>(order_.size())}};
+    return;
+  }
   std::vector<Point> centres(mesh.cells.size(), Point{});
   for (std::size_t i = 0; i < mesh.cells.size(); ++i)
     for (int k = 0; k <= mesh.dim; ++k)
@@ -126,7 +135,9 @@ int CellLocator::find(const Point& p, std::array<double, 4>& barycentric) const 
       stack[top++] = node.first + 1;
       continue;
     }
+    const bool many = node.count > leaf_size;
     for (auto i = node.first; i < node.first + node.count; ++i) {
+      if (many && !holds(box_of(*mesh_, order_[i]), p)) continue;
       const auto lambda = barycentric_of(*mesh_, order_[i], p);
       const double depth = *std::min_element(lambda.begin(), lambda.begin() + mesh_->dim + 1);
       if (depth > best_depth || (depth == best_depth && best >= 0 && order_[i] < best)) {

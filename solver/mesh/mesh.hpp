@@ -64,7 +64,8 @@ Box bounding_box(const Mesh& mesh);
 /// cells, where a uniform grid of buckets degrades. Keeps a pointer to the mesh.
 class CellLocator {
 public:
-  explicit CellLocator(const Mesh& mesh);
+  /// For about so many points: a few are found by going through all cells.
+  explicit CellLocator(const Mesh& mesh, std::size_t points = 1000);
   int find(const Point& p, std::array<double, 4>& barycentric) const;
 
 private:

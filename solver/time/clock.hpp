@@ -25,4 +25,18 @@ private:
   double start_;
 };
 
+/// Goes from phase to phase: each gets the CPU time since the last one ended.
+class LapClock {
+public:
+  LapClock() : last_(cpu_seconds()) {}
+  void charge(double& phase) {
+    const double now = cpu_seconds();
+    phase += now - last_;
+    last_ = now;
+  }
+
+private:
+  double last_;
+};
+
 } // namespace hvi::solver

@@ -84,7 +84,7 @@ void check_initial(const Plan& plan, const Discretisation& d) {
 }
 
 void check_probe_points(const Plan& plan, const Discretisation& d, std::vector<Failure>& failures) {
-  const CellLocator locator(d.mesh);
+  const CellLocator locator(d.mesh, plan.report.probes.size());
   std::array<double, 4> barycentric{};
   for (const auto& probe : plan.report.probes) {
     if (probe.kind != Probe::Kind::at_point || locator.find(probe.point, barycentric) >= 0)

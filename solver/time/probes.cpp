@@ -6,12 +6,23 @@
 namespace hvi::solver {
 namespace {
 
-/// sqrt(u^T G u); roundoff cannot make it NaN.
-double gram_norm(const SparseMatrix& gram, const Vector& u) {
+/// Half of a symmetric G: u^T G u = u^T H u with H = diagonal + 2 * what is above it.
+SparseMatrix half_of(const SparseMatrix& gram) {
+  SparseMatrix half = gram.triangularView<Eigen::Upper>();
+  for (int i = 0; i < half.outerSize(); ++i)
+    for (SparseMatrix::InnerIterator it(half, i); it; ++it)
+      if (it.col() != i) it.valueRef() *= 2.0;
+  return half;
+}
+
+/// sqrt(u^T H u); roundoff cannot make it NaN.
+double gram_norm(const SparseMatrix& half, const Vector& u) {
+  const int *start = half.outerIndexPtr(), *column = half.innerIndexPtr();
+  const double* value = half.valuePtr();
   double sum = 0;
-  for (int i = 0; i < gram.outerSize(); ++i) {
+  for (int i = 0; i < half.outerSize(); ++i) {
     double row = 0;
-    for (SparseMatrix::InnerIterator it(gram, i); it; ++it) row += it.value() * u[it.col()];
+    for (int at = start[i]; at < start[i + 1]; ++at) row += value[at] * u[column[at]];
     sum += row * u[i];
   }
   return std::sqrt(std::max(sum, 0.0));
@@ -29,7 +40,7 @@ Match(F...) -> Match<F...>;
 ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const Contact& contact)
     : space_(d.space), contact_(contact), probes_(plan.report.probes),
       n_fields_(first_history_field + static_cast<int>(plan.histories.size())) {
-  const CellLocator locator(d.mesh);
+  const CellLocator locator(d.mesh, probes_.size());
   for (const auto& probe : probes_) evaluators_.push_back(make(probe, plan, d, locator));
 }
 
@@ -40,7 +51,8 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Plan& plan, const D
     return Combination{};
   case Probe::Kind::norm_v:
     // Without imposed values the seminorm of a scalar space is no norm.
-    if (!gram_) gram_ = gram_v(space_, space_.components == 1 && d.dofs.eliminated.empty());
+    if (!half_gram_)
+      half_gram_ = half_of(gram_v(space_, space_.components == 1 && d.dofs.eliminated.empty()));
     return NormV{};
   case Probe::Kind::integral:
     if (reads_multiplier(probe.expression))
@@ -70,19 +82,19 @@ std::vector<Expr> ProbeSet::expressions() const {
 
 double ProbeSet::value(int i, const Snapshot& snapshot) {
   const auto& expression = probes_[i].expression;
-  return std::visit(Match{[&](const AtPoint& at) {
-                            return evaluate_at(space_, expression, at.cell, at.barycentric,
-                                               snapshot.values());
-                          },
-                          [&](const Integrator& integrator) {
-                            double out = 0;
-                            integrator.integrate(snapshot.values(), {&out, 1});
-                            return out;
-                          },
-                          [&](LawSampler& sampler) { return sampler.integral(contact_, snapshot); },
-                          [&](const NormV&) { return gram_norm(*gram_, snapshot.field(field_u)); },
-                          [](const Combination&) { return std::nan(""); }},
-                    evaluators_[i]);
+  return std::visit(
+      Match{[&](const AtPoint& at) {
+              return evaluate_at(space_, expression, at.cell, at.barycentric, snapshot.values());
+            },
+            [&](const Integrator& integrator) {
+              double out = 0;
+              integrator.integrate(snapshot.values(), {&out, 1});
+              return out;
+            },
+            [&](LawSampler& sampler) { return sampler.integral(contact_, snapshot); },
+            [&](const NormV&) { return gram_norm(*half_gram_, snapshot.field(field_u)); },
+            [](const Combination&) { return std::nan(""); }},
+      evaluators_[i]);
 }
 
 void ProbeSet::evaluate(const Snapshot& snapshot, std::span<double> values) {

@@ -45,7 +45,7 @@ private:
   std::vector<Probe> probes_;
   int n_fields_;
   std::vector<Evaluator> evaluators_;
-  std::optional<SparseMatrix> gram_; ///< of V, when a norm asks for it
+  std::optional<SparseMatrix> half_gram_; ///< of V, when a norm asks for it
 };
 
 } // namespace hvi::solver

@@ -31,7 +31,7 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, const Stepper& ste
                    const RunSettings& settings)
     : plan_(plan), contact_(stepper.contact()), folder_(settings.output_folder),
       writes_(!settings.output_folder.empty()), probes_(plan, d, stepper.contact()),
-      active_(plan.law_terms.size(), 0) {
+      range_(plan.law_terms.size()), found_(found_effects(plan, d, stepper)) {
   prepare_tables(settings.name);
   prepare_fields(d, stepper, settings.name);
   const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
@@ -75,7 +75,7 @@ void Reporter::prepare_fields(const Discretisation& d, const Stepper& stepper,
 void Reporter::record(const Stepper& stepper, bool last) {
   const int step = stepper.step();
   if (step == last_recorded_) return;
-  note_multipliers(stepper);
+  range_.note(stepper);
   const bool row = base_every_ > 0 && due(base_every_, step, last);
   const bool any_fields = std::any_of(fields_.begin(), fields_.end(), [&](const auto& files) {
     return due(files.first, step, last);
@@ -115,26 +115,6 @@ void Reporter::timed_probes(const Stepper& stepper) {
   }
 }
 
-void Reporter::note_multipliers(const Stepper& stepper) {
-  for (const auto& term : contact_.terms) {
-    auto& active = active_[term.points.law_term];
-    if (active == 0 && !stepper.xi().segment(term.first_row, term.n_rows()).isZero(0.0)) active = 1;
-  }
-}
-
-/// A law whose multiplier was zero at every point and step slept: its effect says so.
-void Reporter::effects(RunResult& result) const {
-  result.effects = plan_.effects;
-  for (auto& effect : result.effects) {
-    if (effect.state != EffectNote::State::on) continue;
-    for (std::size_t l = 0; l < plan_.law_terms.size(); ++l)
-      if (active_[l] == 0 && effect.origin.id >= 0 && effect.origin == plan_.law_terms[l].origin) {
-        effect.state = EffectNote::State::asleep;
-        effect.why = "its multiplier was zero at every point and step";
-      }
-  }
-}
-
 void Reporter::write_table(const TableFile& table, bool with_events) {
   ReportTable out{{"t"}, {{}}};
   for (const int probe : table.probes) out.names.push_back(plan_.report.probes[probe].name);
@@ -164,7 +144,8 @@ void Reporter::finish(RunResult& result) {
   for (const int probe : shown) result.columns[plan_.report.probes[probe].name] = columns_[probe];
   for (std::size_t i = 0; i < values_.size(); ++i)
     result.final[plan_.report.probes[i].name] = values_[i];
-  effects(result);
+  result.effects = effects_of_run(plan_, range_);
+  result.effects.insert(result.effects.end(), found_.begin(), found_.end());
   const bool with_events = shows_events(result);
   if (writes_ && !rows_.empty())
     for (const auto& table : tables_) write_table(table, with_events);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/output/table.hpp"
+#include "solver/time/effects.hpp"
 #include "solver/time/field_files.hpp"
 #include "solver/time/probes.hpp"
 
@@ -41,8 +42,6 @@ private:
   void prepare_fields(const Discretisation& discretisation, const Stepper& stepper,
                       const std::string& name);
   void timed_probes(const Stepper& stepper);
-  void note_multipliers(const Stepper& stepper);
-  void effects(RunResult& result) const;
   void write_table(const TableFile& table, bool with_events);
   bool due(int every, int step, bool last) const { return last || step % every == 0; }
 
@@ -60,7 +59,8 @@ private:
   std::vector<int> rows_; ///< steps recorded
   std::vector<double> times_;
   std::vector<std::vector<double>> columns_; ///< by probe
-  std::vector<char> active_;                 ///< by law term: was its multiplier ever non-zero
+  LawRange range_;
+  std::vector<EffectNote> found_; ///< effects that only the matrices and loads show
   std::vector<std::string> written_;
   int last_recorded_ = -1;
   std::vector<int> events_; ///< by row: points released, or -1 for a snap

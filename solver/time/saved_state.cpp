@@ -191,7 +191,7 @@ void Reporter::save(std::ostream& out) const {
   w.put(rows_);
   w.put(times_);
   for (const auto& column : columns_) w.put(column);
-  w.put(active_);
+  range_.save(out);
   w.put(last_recorded_);
   w.put(events_);
   w.put(pending_events_);
@@ -206,7 +206,7 @@ void Reporter::restore(std::istream& in, const Stepper& stepper) {
   rows_ = r.get_vector<int>();
   times_ = r.get_vector<double>();
   for (auto& column : columns_) column = r.get_vector<double>();
-  active_ = r.get_vector<char>();
+  range_.restore(in);
   last_recorded_ = r.get<int>();
   events_ = r.get_vector<int>();
   pending_events_ = r.get<int>();

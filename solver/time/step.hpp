@@ -47,6 +47,8 @@ public:
   const Vector& u() const { return u_; } ///< state u_n
   void rate(Vector& out) const;          ///< state u'(t_n), by the scheme's formula
   const Vector& xi() const { return inequality_.xi; }
+  const Vector& arguments() const { return z_; } ///< of the laws, at the last attempted step
+  const LoadAssembler& loads() const { return *loads_; }
   /// gamma with K = sum_b gamma_b T_b in step n.
   Vector coefficients(int n) const;
   /// w_m(t_n) = h_m + w0_m u_n

@@ -39,7 +39,6 @@ void StepMatrix::make_factor() {
 }
 
 void StepMatrix::condense(const Vector& gap, InequalityState& state) {
-  const PhaseClock clock(seconds_sweeps);
   if (contact_.whole)
     r_ = gap;
   else
@@ -54,7 +53,6 @@ void StepMatrix::condense(const Vector& gap, InequalityState& state) {
 /// The correction of the contact unknowns moves the whole body: where it is large the rounded
 /// factor would leave an error of its size, whatever is small before the sweep.
 void StepMatrix::expand(const InequalityState& state, bool rounded) {
-  const PhaseClock clock(seconds_sweeps);
   c_ = state.c - c_;
   const double size = state.c.lpNorm<Eigen::Infinity>();
   moved_ = size > 0.0 ? c_.lpNorm<Eigen::Infinity>() / size : 0.0;
@@ -71,18 +69,19 @@ void StepMatrix::expand(const InequalityState& state, bool rounded) {
 InequalityReport StepMatrix::solve(const Vector& gap, InequalityState& state, bool rounded) {
   InequalityReport report;
   if (factorisation_) factorisation_->sweep_in(storage(rounded));
+  LapClock clock;
   if (contact_.none()) {
-    const PhaseClock clock(seconds_sweeps);
     factorisation_->solve(gap, x_);
+    clock.charge(seconds_sweeps);
     report.converged = true;
     return report;
   }
   condense(gap, state);
-  {
-    const PhaseClock clock(seconds_inequality);
-    report = solver_->solve(r_, state);
-  }
+  clock.charge(seconds_sweeps);
+  report = solver_->solve(r_, state);
+  clock.charge(seconds_inequality);
   expand(state, rounded);
+  clock.charge(seconds_sweeps);
   return report;
 }
 

@@ -26,6 +26,9 @@ superpotential layer(r) with slope
   | r < 0.02  -> 100*r
   | otherwise -> 2
 superpotential slip(xi) = 0.4 * norm(xi)
+superpotential spring(r) with slope
+  | r < 0.5   -> 50*r
+  | otherwise -> 25
 space V = vector P1 on slab, zero on roof
 find u in V for t in [0, 1] by 12 steps from u = 0
 such that for all v in V
@@ -47,6 +50,8 @@ BASE = [VISCOSITY, ELASTICITY, MEMORY, LAYER]
 PAIRS = [
     ("viscosity", [ELASTICITY, MEMORY, LAYER], [BODY, PULL],
      ["0 * " + VISCOSITY, ELASTICITY, MEMORY, LAYER], [BODY, PULL]),
+    ("elasticity", [VISCOSITY, MEMORY, LAYER], [BODY, PULL],
+     [VISCOSITY, "0 * " + ELASTICITY, MEMORY, LAYER], [BODY, PULL]),
     ("memory", [VISCOSITY, ELASTICITY, LAYER], [BODY, PULL],
      [VISCOSITY, ELASTICITY, "0 * " + MEMORY, LAYER], [BODY, PULL]),
     ("body force", BASE, [PULL], BASE, ["integral(slab, dot([0, 0*t], v))", PULL]),
@@ -72,6 +77,26 @@ def run(hvi, folder, terms, loads):
     return json.loads(out.read_text())
 
 
+def whys(result):
+    return {e["name"]: (e["state"], e["why"]) for e in result["plan"]["effects"]}
+
+
+def said(hvi, folder):
+    """What a run says of dimensions, symmetry, loads and a law that is a line where it was reached."""
+    spring = "integral(ground, 3 * spring^0(u.nu; v.nu))"
+    effects = whys(run(hvi, folder, [VISCOSITY, ELASTICITY, spring], [BODY, "integral(flank, dot([1/(1 + x*t), 0], v))"]))
+    constant = whys(run(hvi, folder, [VISCOSITY, ELASTICITY], ["integral(slab, dot([0, -10], v))"]))
+    wanted = [
+        (effects, "space dimension y", "on", ""), (effects, "space dimension z", "off", "the mesh has 2 dimensions"),
+        (effects, "symmetry", "on", "Cholesky"), (effects, "load on `slab`", "on", "once for each function of time"),
+        (effects, "load on `flank`", "on", "not separable in time"),
+        (constant, "load on `slab`", "on", "assembled once"),
+        (effects, "law `spring` on `ground`", "on", "linear on the range reached: 50 times"),
+    ]
+    return [f"{name}: {of.get(name)}" for of, name, state, why in wanted
+            if name not in of or of[name][0] != state or why not in of[name][1]]
+
+
 def differences(a, b):
     out = [f"{key}: {a['plan'][key]} and {b['plan'][key]}" for key in COUNTED if a["plan"][key] != b["plan"][key]]
     for name, value in a["final"].items():
@@ -89,6 +114,9 @@ def main():
             failed += bool(found)
             print(f"{'FAILED' if found else 'ok'}  {name}", *found, sep="\n    " if found else " ")
         asleep = run(hvi, folder, *SLEEPING)
+        found = said(hvi, folder)
+        failed += bool(found)
+        print("FAILED" if found else "ok", " what a run says", *found, sep="\n    " if found else " ")
         state = [e["state"] for e in asleep["plan"]["effects"] if "layer" in e["name"]]
         ok = asleep["plan"]["newton"] == 0 and state == ["asleep"]
         failed += not ok

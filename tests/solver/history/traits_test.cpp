@@ -152,5 +152,22 @@ TEST(Norms, OfAnExponentialAreExactAndOfOthersSampled) {
   EXPECT_NEAR(wave.l1, 6 / M_PI, 1e-12);
 }
 
+TEST(Norms, OfAPronySeriesAreThoseOfTheQuadrature) {
+  const Expr series = Expr(-0.3) * exp(Expr(-2.0) * lag()) - Expr(0.1) * exp(Expr(-0.2) * lag()) -
+                      Expr(0.05) * exp(Expr(0.4) * lag()) - Expr(0.01);
+  const auto terms = verified_terms(series, 7);
+  ASSERT_TRUE(terms);
+  const auto exact = prony_integral(terms->terms, 7);
+  ASSERT_TRUE(exact);
+  EXPECT_NEAR(*exact, absolute_integral(series, 0, 7, 7), 1e-13);
+  // Factors of two signs, an oscillation, a factor of time: |q| is no sum of exponentials.
+  for (const Expr& other : {series + Expr(0.2) * exp(-lag()), exp(-lag()) * call(Op::cos, lag()),
+                            exp(-lag()) * (Expr(1.0) + Expr::variable(slot::t))}) {
+    const auto found = verified_terms(other, 7);
+    ASSERT_TRUE(found);
+    EXPECT_FALSE(prony_integral(found->terms, 7));
+  }
+}
+
 } // namespace
 } // namespace hvi::solver::test

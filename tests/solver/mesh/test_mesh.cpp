@@ -244,7 +244,7 @@ bool cell_holds(const Mesh& mesh, int cell, const Point& p, double slack) {
 TEST(Locator, AgreesWithBruteForce) {
   for (int dim = 1; dim <= 3; ++dim) {
     const Mesh mesh = shaken_mesh(dim, 5, 3);
-    const CellLocator locator(mesh);
+    const CellLocator locator(mesh), without_tree(mesh, 3);
     std::mt19937 random(11);
     std::uniform_real_distribution<double> at(-0.1, 1.4);
     int inside = 0;
@@ -253,6 +253,9 @@ TEST(Locator, AgreesWithBruteForce) {
       for (int a = 0; a < dim; ++a) p[a] = at(random);
       std::array<double, 4> lambda{};
       const int found = locator.find(p, lambda);
+      std::array<double, 4> same{};
+      ASSERT_EQ(without_tree.find(p, same), found);
+      ASSERT_EQ(same, lambda);
       bool any = false;
       for (std::size_t c = 0; c < mesh.cells.size() && !any; ++c)
         any = cell_holds(mesh, static_cast<int>(c), p, 1e-9);
@@ -275,13 +278,15 @@ TEST(Locator, AgreesWithBruteForce) {
 
 TEST(Locator, FindsNodesEdgesAndRefusesJustOutside) {
   const Mesh mesh = unit_mesh(2, {4, 4, 0});
-  const CellLocator locator(mesh);
   std::array<double, 4> lambda{};
-  for (const auto& p : mesh.nodes) EXPECT_GE(locator.find(p, lambda), 0);
-  EXPECT_GE(locator.find({1 + 1e-11, 0.5, 0}, lambda), 0) << "rounding is forgiven";
-  EXPECT_EQ(locator.find({1 + 1e-8, 0.5, 0}, lambda), -1);
-  EXPECT_EQ(locator.find({std::nan(""), 0.5, 0}, lambda), -1);
-  EXPECT_EQ(locator.find({0.5, 0.5, 1e-3}, lambda), -1) << "above the plane of the mesh";
+  for (const std::size_t points : {2, 1000}) { // without and with a tree
+    const CellLocator locator(mesh, points);
+    for (const auto& p : mesh.nodes) EXPECT_GE(locator.find(p, lambda), 0);
+    EXPECT_GE(locator.find({1 + 1e-11, 0.5, 0}, lambda), 0) << "rounding is forgiven";
+    EXPECT_EQ(locator.find({1 + 1e-8, 0.5, 0}, lambda), -1);
+    EXPECT_EQ(locator.find({std::nan(""), 0.5, 0}, lambda), -1);
+    EXPECT_EQ(locator.find({0.5, 0.5, 1e-3}, lambda), -1) << "above the plane of the mesh";
+  }
   EXPECT_EQ(CellLocator(Mesh{}).find({0, 0, 0}, lambda), -1);
 }
 

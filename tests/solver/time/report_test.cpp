@@ -185,6 +185,44 @@ TEST(Effects, ALawThatNeverActsIsAsleep) {
   EXPECT_EQ(result.work.newton, 0);
 }
 
+std::string why_of(const RunResult& result, const std::string& name) {
+  for (const auto& effect : result.effects)
+    if (effect.name == name) return effect.why;
+  ADD_FAILURE() << "no effect " << name;
+  return {};
+}
+
+// A spring on both sides is a line through zero wherever it is reached; one that acts on one side
+// only is not, once points have left it.
+TEST(Effects, ALawIsLinearWhereOnlyOneOfItsPiecesIsReached) {
+  auto plan = slab(4, 8);
+  plan.effects = {{"law", EffectNote::State::on, plan.law_terms[0].origin, ""}};
+  plan.laws[0].expression = 4.0 * var(slot::argument(0));
+  EXPECT_EQ(why_of(solve(plan), "law"), "linear on the range reached: 4 times its argument");
+  plan.laws[0].expression = 4.0 * max(var(slot::argument(0)), 0.0);
+  EXPECT_EQ(why_of(solve(plan), "law"), "linear on the range reached: 4 times its argument");
+  plan.loads = {force(body, {0.0, -10.0 * sin(7.0 * var(slot::t))})}; // down, then up
+  EXPECT_EQ(why_of(solve(plan), "law"), "");
+}
+
+TEST(Effects, LoadsDimensionsAndSymmetryAreSaid) {
+  auto plan = slab(4, 4);
+  const Expr t = var(slot::t), x = var(slot::x(0));
+  const auto said = [&](const Expr& pull) {
+    plan.loads = {force(ground, {0.0, t}), force(body, {0.0, pull})};
+    plan.loads[1].origin = {77};
+    return why_of(solve(plan), "load on `" + plan.parts[body].name + "`");
+  };
+  EXPECT_EQ(said(-10.0 * x), "the same at all times: assembled once");
+  EXPECT_EQ(said(-10.0 * t * x), "separable in time: assembled once for each function of time");
+  EXPECT_EQ(said(-1.0 / (1.0 + t * x)), "not separable in time: assembled at every step");
+  const auto result = solve(plan);
+  EXPECT_EQ(why_of(result, "space dimension y"), "");
+  EXPECT_EQ(why_of(result, "space dimension z"), "the mesh has 2 dimensions");
+  EXPECT_EQ(why_of(result, "symmetry"),
+            "all matrices are symmetric: one triangle is factored (Cholesky)");
+}
+
 // Forms that cost nothing: equal tensors under other names, split parts, zero entries.
 TEST(Effects, ProportionalFormsShareMatrices) {
   auto plan = slab(4, 4);
