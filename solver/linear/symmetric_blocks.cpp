@@ -3,6 +3,8 @@
 
 #include "solver/linear/instruction_set.hpp"
 
+#include <cblas.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -154,9 +156,14 @@ HVI_AVX2 void multiply_triples(const Blocks& a, const double* x, double* y) {
 
 SymmetricBlocks::SymmetricBlocks(const SparseMatrix& a) {
   if (a.rows() == 0 || !is_symmetric(a)) return;
+  diagonal_entries_ = a.diagonal();
+  if (2.0 * static_cast<double>(a.nonZeros()) > std::pow(static_cast<double>(a.rows()), 2)) {
+    block_ = static_cast<int>(a.rows()), rows_ = 1;
+    dense_ = a;
+    return;
+  }
   block_ = has_blocks(a, 3) ? 3 : has_blocks(a, 2) ? 2 : 1;
   rows_ = static_cast<int>(a.rows()) / block_;
-  diagonal_entries_ = a.diagonal();
   fill(a);
   if (block_ != 3) return;
   x_.assign(4 * static_cast<std::size_t>(rows_), 0.0);
@@ -191,11 +198,16 @@ void SymmetricBlocks::fill(const SparseMatrix& a) {
 }
 
 double SymmetricBlocks::bytes() const {
-  return static_cast<double>(diagonal_.size() + upper_.size()) * sizeof(double) +
+  return static_cast<double>(diagonal_.size() + upper_.size() + dense_.size()) * sizeof(double) +
          static_cast<double>(start_.size() + column_.size()) * sizeof(int);
 }
 
 void SymmetricBlocks::add_product(const Vector& x, Vector& y) const {
+  if (dense_.size() > 0) {
+    cblas_dsymv(CblasColMajor, CblasLower, block_, 1.0, dense_.data(), block_, x.data(), 1, 1.0,
+                y.data(), 1);
+    return;
+  }
   const Blocks a{rows_, start_.data(), column_.data(), diagonal_.data(), upper_.data()};
 #if defined(__x86_64__)
   if (block_ == 2 && instruction_set() != InstructionSet::baseline)
