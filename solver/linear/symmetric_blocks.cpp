@@ -2,6 +2,7 @@
 #include "solver/linear/symmetric_blocks.hpp"
 
 #include "solver/linear/instruction_set.hpp"
+#include "solver/linear/mirror_pairs.hpp"
 
 #include <cblas.h>
 
@@ -19,30 +20,12 @@ namespace {
 /// diagonal are no rounding.
 constexpr double rounding = 1e-13;
 
-/// The rows of a symmetric pattern are sorted, so that the mirror images of the entries left of the
-/// diagonal come up one after the other.
 bool is_symmetric(const SparseMatrix& a) {
   if (a.rows() != a.cols() || !a.isCompressed()) return false;
-  const int* start = a.outerIndexPtr();
-  const int* column = a.innerIndexPtr();
-  const double* value = a.valuePtr();
   const Vector size = a.diagonal().cwiseAbs().cwiseSqrt();
-  std::vector<int> next(start, start + a.rows());
-  for (int i = 0; i < a.rows(); ++i)
-    for (int at = start[i]; at < start[i + 1]; ++at) {
-      const int j = column[at];
-      if (j >= i) break;
-      while (next[j] < start[j + 1] && column[next[j]] < i) {
-        if (column[next[j]] > j && value[next[j]] != 0.0) return false;
-        ++next[j];
-      }
-      if (next[j] == start[j + 1] || column[next[j]] != i) return false;
-      if (std::abs(value[next[j]++] - value[at]) > rounding * size[i] * size[j]) return false;
-    }
-  for (int j = 0; j < a.rows(); ++j) // entries right of the diagonal without a mirror image
-    for (int at = next[j]; at < start[j + 1]; ++at)
-      if (column[at] > j && value[at] != 0.0) return false;
-  return true;
+  return all_mirror_pairs(a, [&](int i, int j, double left, double right) {
+    return std::abs(left - right) <= rounding * size[i] * size[j];
+  });
 }
 
 /// Does the pattern consist of full blocks of this size?
