@@ -1,4 +1,5 @@
-// Which cell holds a point: a tree of bounding boxes over the cells, halved at the median centre.
+// Which cell holds a point: a tree of bounding boxes over the cells, halved at the median centre,
+// once a few points have been looked up cell by cell.
 #include "solver/mesh/mesh.hpp"
 
 #include <algorithm>
@@ -10,6 +11,7 @@ namespace hvi::solver {
 namespace {
 
 constexpr std::int32_t leaf_size = 8;
+constexpr int most_scans = 16; ///< the tree takes as long as some thirty scans
 constexpr double slack = 1e-9; // of barycentric coordinates, and of the boxes of the cells
 
 Box box_of(const Mesh& mesh, std::int32_t cell) {
@@ -22,7 +24,9 @@ Box box_of(const Mesh& mesh, std::int32_t cell) {
     }
   }
   // A point with barycentric coordinates above -slack is at most 3 slack diameters outside.
-  const double margin = 4 * slack * box.diagonal();
+  double size = 0;
+  for (int a = 0; a < 3; ++a) size += box.high[a] - box.low[a];
+  const double margin = 4 * slack * size;
   for (int a = 0; a < 3; ++a) {
     box.low[a] -= margin;
     box.high[a] += margin;
@@ -73,20 +77,23 @@ std::array<double, 4> barycentric_of(const Mesh& mesh, std::int32_t cell, const 
 
 } // namespace
 
-CellLocator::CellLocator(const Mesh& mesh) : mesh_(&mesh), order_(mesh.cells.size()) {
+CellLocator::CellLocator(const Mesh& mesh) : mesh_(&mesh) {}
+
+void CellLocator::build_tree() const {
+  const Mesh& mesh = *mesh_;
+  order_.resize(mesh.cells.size());
   std::iota(order_.begin(), order_.end(), 0);
   std::vector<Point> centres(mesh.cells.size(), Point{});
   for (std::size_t i = 0; i < mesh.cells.size(); ++i)
     for (int k = 0; k <= mesh.dim; ++k)
       for (int a = 0; a < 3; ++a) centres[i][a] += mesh.nodes[mesh.cells[i][k]][a];
-  if (order_.empty()) return;
   nodes_.reserve(mesh.cells.size() / 2 + 2);
   nodes_.emplace_back();
   build(0, 0, static_cast<std::int32_t>(order_.size()), centres);
 }
 
 void CellLocator::build(std::int32_t node, std::int32_t first, std::int32_t past,
-                        const std::vector<Point>& centres) {
+                        const std::vector<Point>& centres) const {
   if (past - first <= leaf_size) {
     Box box = box_of(*mesh_, order_[first]);
     for (auto i = first + 1; i < past; ++i) include(box, box_of(*mesh_, order_[i]));
@@ -111,10 +118,32 @@ void CellLocator::build(std::int32_t node, std::int32_t first, std::int32_t past
   nodes_[node] = {box, child, 0};
 }
 
+/// Takes a cell that holds the point deeper inside than the best one so far, or as deep and with a
+/// smaller number.
+void CellLocator::consider(std::int32_t cell, const Point& p, Found& best) const {
+  const auto lambda = barycentric_of(*mesh_, cell, p);
+  // depth: the smallest barycentric coordinate
+  const double depth = *std::min_element(lambda.begin(), lambda.begin() + mesh_->dim + 1);
+  if (depth > best.depth || (depth == best.depth && best.cell >= 0 && cell < best.cell))
+    best = {cell, depth, lambda};
+}
+
 int CellLocator::find(const Point& p, std::array<double, 4>& barycentric) const {
-  if (nodes_.empty()) return -1;
-  int best = -1;
-  double best_depth = -slack;         // depth: the smallest barycentric coordinate
+  if (mesh_->cells.empty()) return -1;
+  Found best{-1, -slack, {}};
+  if (scans_ < most_scans) {
+    ++scans_;
+    for (std::int32_t c = 0; c < static_cast<std::int32_t>(mesh_->cells.size()); ++c)
+      if (holds(box_of(*mesh_, c), p)) consider(c, p, best);
+  } else {
+    if (nodes_.empty()) build_tree();
+    descend(p, best);
+  }
+  if (best.cell >= 0) barycentric = best.barycentric;
+  return best.cell;
+}
+
+void CellLocator::descend(const Point& p, Found& best) const {
   std::array<std::int32_t, 64> stack; // the tree is balanced: depth below 32
   int top = 0;
   stack[top++] = 0;
@@ -126,17 +155,8 @@ int CellLocator::find(const Point& p, std::array<double, 4>& barycentric) const 
       stack[top++] = node.first + 1;
       continue;
     }
-    for (auto i = node.first; i < node.first + node.count; ++i) {
-      const auto lambda = barycentric_of(*mesh_, order_[i], p);
-      const double depth = *std::min_element(lambda.begin(), lambda.begin() + mesh_->dim + 1);
-      if (depth > best_depth || (depth == best_depth && best >= 0 && order_[i] < best)) {
-        best = order_[i];
-        best_depth = depth;
-        barycentric = lambda;
-      }
-    }
+    for (auto i = node.first; i < node.first + node.count; ++i) consider(order_[i], p, best);
   }
-  return best;
 }
 
 } // namespace hvi::solver

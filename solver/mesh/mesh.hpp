@@ -73,12 +73,22 @@ private:
     std::int32_t first = 0,
                  count = 0; ///< leaf: cells order_[first ...]; else count 0, child `first`
   };
+  struct Found {
+    std::int32_t cell;
+    double depth;
+    std::array<double, 4> barycentric;
+  };
+  void build_tree() const;
   void build(std::int32_t node, std::int32_t first, std::int32_t past,
-             const std::vector<Point>& centres);
+             const std::vector<Point>& centres) const;
+  void consider(std::int32_t cell, const Point& p, Found& best) const;
+  void descend(const Point& p, Found& best) const;
 
   const Mesh* mesh_;
-  std::vector<std::int32_t> order_;
-  std::vector<Node> nodes_;
+  // Most meshes are asked for a few points: the tree is built when that many have been.
+  mutable int scans_ = 0;
+  mutable std::vector<std::int32_t> order_;
+  mutable std::vector<Node> nodes_;
 };
 
 struct MeshQuality {

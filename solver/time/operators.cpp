@@ -81,6 +81,7 @@ Operators assemble_operators(const Plan& plan, const Discretisation& discretisat
   const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
   auto distinct = distinct_terms(plan, n_fields);
   std::vector<SparseMatrix> matrices;
+  matrices.reserve(distinct.terms.size()); // Eigen's matrices are copied where they are moved
   for (const auto* term : distinct.terms) {
     const auto assemble = [&] {
       return restrict_rows(

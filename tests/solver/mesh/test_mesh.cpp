@@ -273,6 +273,21 @@ TEST(Locator, AgreesWithBruteForce) {
   }
 }
 
+// The first points are looked up cell by cell, later ones in the tree.
+TEST(Locator, FindsTheSameCellWithAndWithoutATree) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    const Mesh mesh = shaken_mesh(dim, 4, 5);
+    const CellLocator locator(mesh);
+    std::array<double, 4> lambda{};
+    for (int warm = 0; warm < 100; ++warm) locator.find(mesh.nodes[0], lambda);
+    for (const auto& p : mesh.nodes) { // many cells are as deep: the first one is meant
+      std::array<double, 4> scanned{};
+      EXPECT_EQ(locator.find(p, lambda), CellLocator(mesh).find(p, scanned));
+      EXPECT_EQ(lambda, scanned);
+    }
+  }
+}
+
 TEST(Locator, FindsNodesEdgesAndRefusesJustOutside) {
   const Mesh mesh = unit_mesh(2, {4, 4, 0});
   const CellLocator locator(mesh);
