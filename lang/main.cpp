@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -138,6 +139,9 @@ std::vector<char*> with_command(int argc, char** argv, std::string& word) {
 } // namespace
 
 int main(int argc, char** argv) {
+  // Large arrays come and go: memory given back to the system would be cleared by it anew.
+  mallopt(M_MMAP_THRESHOLD, 1 << 28);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
   std::signal(SIGXFSZ, SIG_IGN); // a file beyond a limit is a failed write, with a message
   try {
     std::string word = "run";
