@@ -144,8 +144,8 @@ std::vector<char*> with_command(int argc, char** argv, std::string& word) {
 /// for the next of them. Large blocks still go back to the system at once.
 void keep_freed_memory() {
 #ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 8 << 20);
-  mallopt(M_TRIM_THRESHOLD, 64 << 20);
+  mallopt(M_MMAP_THRESHOLD, 64 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
   mallopt(M_TOP_PAD, 1 << 20);
 #endif
 }

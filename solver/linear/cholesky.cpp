@@ -48,6 +48,7 @@ public:
   void factor(const SparseMatrix& k) override;
   void reduce(const Vector& b, Vector& r) override;
   void back(const Vector& c, Vector& x) override;
+  void extend(const Vector& c, Vector& x) override;
   void solve(const Vector& b, Vector& x) override;
   bool sweep_in(SweepStorage storage) override;
   const DenseMatrix& schur() const override;
@@ -248,6 +249,12 @@ void Cholesky::back(const Vector& c, Vector& x) {
   x.resize(size_);
   for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
   count_sweep();
+}
+
+void Cholesky::extend(const Vector& c, Vector& x) {
+  std::fill_n(y_.begin(), interior_, 0.0);
+  storage_of_y_ = storage_;
+  back(c, x);
 }
 
 void Cholesky::solve(const Vector& b, Vector& x) {

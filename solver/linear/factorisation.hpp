@@ -53,6 +53,8 @@ public:
   virtual void reduce(const Vector& b, Vector& r) = 0;
   /// Second sweep, for the last `reduce`.
   virtual void back(const Vector& c, Vector& x) = 0;
+  /// x with K x = 0 on the interior and contact part c: one sweep. Forgets the last `reduce`.
+  virtual void extend(const Vector& c, Vector& x) = 0;
   /// x = K^-1 b, both sweeps with S c = r solved exactly.
   virtual void solve(const Vector& b, Vector& x) = 0;
   /// Chooses how the sweeps read this and later factors; false when it cannot be had (LU, or

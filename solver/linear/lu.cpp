@@ -76,6 +76,7 @@ public:
   void factor(const SparseMatrix& k) override;
   void reduce(const Vector& b, Vector& r) override;
   void back(const Vector& c, Vector& x) override;
+  void extend(const Vector& c, Vector& x) override;
   void solve(const Vector& b, Vector& x) override;
   bool sweep_in(SweepStorage storage) override { return storage == SweepStorage::full; }
   const DenseMatrix& schur() const override { return schur_; }
@@ -245,6 +246,11 @@ void Lu::back(const Vector& c, Vector& x) {
   for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
   ++statistics_.sweeps;
   statistics_.bytes_swept += upper_transposed_.bytes();
+}
+
+void Lu::extend(const Vector& c, Vector& x) {
+  y_.head(interior_).setZero();
+  back(c, x);
 }
 
 void Lu::solve(const Vector& b, Vector& x) {

@@ -2,6 +2,9 @@
 #include "solver/linear/symmetric_blocks.hpp"
 
 #include "solver/linear/instruction_set.hpp"
+#include "solver/linear/mirror_pairs.hpp"
+
+#include <cblas.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,30 +20,12 @@ namespace {
 /// diagonal are no rounding.
 constexpr double rounding = 1e-13;
 
-/// The rows of a symmetric pattern are sorted, so that the mirror images of the entries left of the
-/// diagonal come up one after the other.
 bool is_symmetric(const SparseMatrix& a) {
   if (a.rows() != a.cols() || !a.isCompressed()) return false;
-  const int* start = a.outerIndexPtr();
-  const int* column = a.innerIndexPtr();
-  const double* value = a.valuePtr();
   const Vector size = a.diagonal().cwiseAbs().cwiseSqrt();
-  std::vector<int> next(start, start + a.rows());
-  for (int i = 0; i < a.rows(); ++i)
-    for (int at = start[i]; at < start[i + 1]; ++at) {
-      const int j = column[at];
-      if (j >= i) break;
-      while (next[j] < start[j + 1] && column[next[j]] < i) {
-        if (column[next[j]] > j && value[next[j]] != 0.0) return false;
-        ++next[j];
-      }
-      if (next[j] == start[j + 1] || column[next[j]] != i) return false;
-      if (std::abs(value[next[j]++] - value[at]) > rounding * size[i] * size[j]) return false;
-    }
-  for (int j = 0; j < a.rows(); ++j) // entries right of the diagonal without a mirror image
-    for (int at = next[j]; at < start[j + 1]; ++at)
-      if (column[at] > j && value[at] != 0.0) return false;
-  return true;
+  return all_mirror_pairs(a, [&](int i, int j, double left, double right) {
+    return std::abs(left - right) <= rounding * size[i] * size[j];
+  });
 }
 
 /// Does the pattern consist of full blocks of this size?
@@ -154,9 +139,14 @@ HVI_AVX2 void multiply_triples(const Blocks& a, const double* x, double* y) {
 
 SymmetricBlocks::SymmetricBlocks(const SparseMatrix& a) {
   if (a.rows() == 0 || !is_symmetric(a)) return;
+  diagonal_entries_ = a.diagonal();
+  if (2.0 * static_cast<double>(a.nonZeros()) > std::pow(static_cast<double>(a.rows()), 2)) {
+    block_ = static_cast<int>(a.rows()), rows_ = 1;
+    dense_ = a;
+    return;
+  }
   block_ = has_blocks(a, 3) ? 3 : has_blocks(a, 2) ? 2 : 1;
   rows_ = static_cast<int>(a.rows()) / block_;
-  diagonal_entries_ = a.diagonal();
   fill(a);
   if (block_ != 3) return;
   x_.assign(4 * static_cast<std::size_t>(rows_), 0.0);
@@ -191,11 +181,16 @@ void SymmetricBlocks::fill(const SparseMatrix& a) {
 }
 
 double SymmetricBlocks::bytes() const {
-  return static_cast<double>(diagonal_.size() + upper_.size()) * sizeof(double) +
+  return static_cast<double>(diagonal_.size() + upper_.size() + dense_.size()) * sizeof(double) +
          static_cast<double>(start_.size() + column_.size()) * sizeof(int);
 }
 
 void SymmetricBlocks::add_product(const Vector& x, Vector& y) const {
+  if (dense_.size() > 0) {
+    cblas_dsymv(CblasColMajor, CblasLower, block_, 1.0, dense_.data(), block_, x.data(), 1, 1.0,
+                y.data(), 1);
+    return;
+  }
   const Blocks a{rows_, start_.data(), column_.data(), diagonal_.data(), upper_.data()};
 #if defined(__x86_64__)
   if (block_ == 2 && instruction_set() != InstructionSet::baseline)

@@ -9,7 +9,8 @@
 namespace hvi::solver {
 
 /// The upper triangle in dense blocks of 1, 2 or 3 (the components of a node), whichever is the
-/// largest that the pattern fills. One index a block instead of one an entry.
+/// largest that the pattern fills. One index a block instead of one an entry. A matrix of which
+/// half is filled is one block.
 class SymmetricBlocks {
 public:
   SymmetricBlocks() = default;
@@ -29,6 +30,7 @@ private:
   std::vector<int> start_, column_;
   std::vector<double> diagonal_, upper_; ///< blocks, row by row
   Vector diagonal_entries_;
+  DenseMatrix dense_; ///< the whole matrix as one block, or empty
   mutable std::vector<double> x_, y_; ///< of blocks of 3, padded to 4
 };
 

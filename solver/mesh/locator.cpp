@@ -24,7 +24,9 @@ Box box_of(const Mesh& mesh, std::int32_t cell) {
     }
   }
   // A point with barycentric coordinates above -slack is at most 3 slack diameters outside.
-  const double margin = 4 * slack * box.diagonal();
+  double size = 0;
+  for (int a = 0; a < 3; ++a) size += box.high[a] - box.low[a];
+  const double margin = 4 * slack * size;
   for (int a = 0; a < 3; ++a) {
     box.low[a] -= margin;
     box.high[a] += margin;

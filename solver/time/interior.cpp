@@ -8,8 +8,7 @@
 
 namespace hvi::solver {
 
-Interior::Interior(SparseMatrix t, StateLayout layout, std::vector<int> contact,
-                   SharedWork* shared)
+Interior::Interior(SparseMatrix t, StateLayout layout, std::vector<int> contact, SharedWork* shared)
     : t_(std::move(t)), layout_(std::move(layout)), contact_(std::move(contact)),
       position_(layout_.n_unknowns, -1), factor_(lend_factor(shared, t_, contact_, true)) {
   for (int c = 0; c < n_contact(); ++c) position_[contact_[c]] = c;
@@ -52,17 +51,23 @@ SparseMatrix Interior::matrix() const {
                                         starts.data(), columns.data(), values.data());
 }
 
+/// x = E c + sum_k phi_k p_k
 void Interior::expand(const Vector& y, Vector& x) {
-  force_ = Vector::Zero(layout_.n_unknowns);
+  factor_->extend(y.head(n_contact()), x);
+  for (std::size_t k = 0; k < modes_.size(); ++k)
+    if (const double phi = y[n_contact() + static_cast<int>(k)]; phi != 0.0) x += phi * modes_[k];
+}
+
+/// f = sum_k y_k F_k
+void Interior::force_of_modes(const Vector& y, Vector& f) const {
+  f.setZero(layout_.n_unknowns);
   for (std::size_t k = 0; k < forces_.size(); ++k)
-    if (const double phi = y[n_contact() + static_cast<int>(k)]; phi != 0.0)
-      force_ += phi * forces_[k];
-  factor_->reduce(force_, r_);
-  factor_->back(y.head(n_contact()), x);
+    if (const double g = y[n_contact() + static_cast<int>(k)]; g != 0.0) f += g * forces_[k];
 }
 
 void Interior::scatter(const Vector& y, Vector& full) {
-  expand(y, x_);
+  if (scattered_.size() != y.size() || scattered_ != y) expand(y, x_);
+  scattered_ = y;
   layout_.scatter(x_, full);
 }
 
@@ -94,16 +99,18 @@ void Interior::scatter_observed(const Vector& y, Vector& full) const {
 }
 
 double Interior::equilibrium(const Vector& known, const Vector& change, const Vector& load,
-                             const Vector& xi) {
-  expand(known, x_);
-  expand(change, change_);
-  Vector f = Vector::Zero(x_.size());
-  for (std::size_t k = 0; k < forces_.size(); ++k)
-    f += load[n_contact() + static_cast<int>(k)] * forces_[k];
-  for (Vector* v : {&gap_, &scale_, &change_gap_, &work_}) v->resize(x_.size());
-  gap_and_scale(t_, x_, f, gap_, scale_);
-  f.setZero();
-  gap_and_scale(t_, change_, f, change_gap_, work_);
+                             const Vector& xi, double enough) {
+  for (Vector* v : {&gap_, &scale_, &change_gap_, &work_}) v->resize(layout_.n_unknowns);
+  force_of_modes(load, f_);
+  expand(known + change, state_);
+  gap_and_scale(t_, state_, f_, gap_, scale_);
+  const double of_sum = equilibrium_error(gap_, scale_, force, xi, work_);
+  if (of_sum <= enough) return of_sum;
+  expand(known, state_);
+  gap_and_scale(t_, state_, f_, gap_, scale_);
+  expand(change, state_);
+  f_.setZero();
+  gap_and_scale(t_, state_, f_, change_gap_, work_);
   gap_ += change_gap_;
   scale_ += work_;
   return equilibrium_error(gap_, scale_, force, xi, work_);

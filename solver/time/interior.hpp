@@ -44,13 +44,16 @@ public:
   /// On all unknowns: max_i |R|_i / (|T|(|a| + |b|) + |f|)_i with R = f - T (a + b) - G^T W xi,
   /// where a and b are the states that `known` and `change` stand for (each counts in the scale:
   /// they may cancel, as at the end of a cycle) and f the load that `load` stands for.
+  /// With |T||a + b| in its place, which is not larger, where that is within `enough`: it takes one
+  /// state instead of two.
   double equilibrium(const Vector& known, const Vector& change, const Vector& load,
-                     const Vector& xi);
+                     const Vector& xi, double enough);
   SparseMatrix force; ///< G^T W on all unknowns
   FactorStatistics statistics() const { return factor_.statistics(); }
 
 private:
   void expand(const Vector& y, Vector& x);
+  void force_of_modes(const Vector& y, Vector& f) const;
 
   SparseMatrix t_;
   StateLayout layout_; ///< of the full problem
@@ -62,7 +65,8 @@ private:
     Vector row; ///< over c; empty: a contact unknown
   };
   std::vector<Observed> observed_;
-  Vector force_, x_, r_, change_, gap_, change_gap_, scale_, work_;
+  Vector scattered_, x_; ///< the y last asked for whole, and its unknowns
+  Vector state_, f_, gap_, change_gap_, scale_, work_;
 };
 
 } // namespace hvi::solver

@@ -2,6 +2,8 @@
 #include "solver/time/operators.hpp"
 
 #include "solver/assembly/assembly.hpp"
+#include "solver/linear/mirror_pairs.hpp"
+#include "solver/linear/spmv.hpp"
 #include "solver/time/proportional.hpp"
 #include "solver/time/shared_work.hpp"
 
@@ -64,16 +66,12 @@ void merge_equal_weights(std::vector<SparseMatrix>& matrices, std::vector<Vector
 }
 
 /// Symmetric on the unknowns to rounding of the assembly.
-bool is_symmetric(const SparseMatrix& matrix, int n) {
-  const SparseMatrix square = matrix.leftCols(n);
-  const SparseMatrix transposed = square.transpose();
-  const SparseMatrix difference = square - transposed;
-  double largest = 0, asymmetry = 0;
-  for (int e = 0; e < square.nonZeros(); ++e)
-    largest = std::max(largest, std::abs(square.valuePtr()[e]));
-  for (int e = 0; e < difference.nonZeros(); ++e)
-    asymmetry = std::max(asymmetry, std::abs(difference.valuePtr()[e]));
-  return asymmetry <= 1e-12 * largest;
+bool is_symmetric(const SparseMatrix& matrix) {
+  const double largest =
+      Eigen::Map<const Vector>(matrix.valuePtr(), matrix.nonZeros()).lpNorm<Eigen::Infinity>();
+  return all_mirror_pairs(matrix, [&](int, int, double left, double right) {
+    return std::abs(left - right) <= 1e-12 * largest;
+  });
 }
 
 } // namespace
@@ -83,6 +81,7 @@ Operators assemble_operators(const Plan& plan, const Discretisation& discretisat
   const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
   auto distinct = distinct_terms(plan, n_fields);
   std::vector<SparseMatrix> matrices;
+  matrices.reserve(distinct.terms.size()); // Eigen's matrices are copied where they are moved
   for (const auto* term : distinct.terms) {
     const auto assemble = [&] {
       return restrict_rows(
@@ -100,19 +99,26 @@ Operators assemble_operators(const Plan& plan, const Discretisation& discretisat
   out.weights.resize(n_fields, static_cast<Eigen::Index>(matrices.size()));
   for (std::size_t b = 0; b < matrices.size(); ++b) {
     out.weights.col(static_cast<Eigen::Index>(b)) = distinct.weights[b];
-    out.symmetric = out.symmetric && is_symmetric(matrices[b], layout.n_unknowns);
+    out.symmetric = out.symmetric && is_symmetric(matrices[b]);
   }
   out.bases = std::move(matrices);
   return out;
 }
 
+SparseMatrix on_unknowns(const SparseMatrix& base, int n_unknowns) {
+  return base.cols() == n_unknowns ? base : SparseMatrix(base.leftCols(n_unknowns));
+}
+
 SparseMatrix combine(const Operators& operators, const Vector& gamma) {
-  const int n = operators.n_unknowns;
-  SparseMatrix sum(n, n);
+  SparseMatrix sum = on_unknowns(operators.bases[0], operators.n_unknowns);
+  sum.coeffs() *= gamma[0];
   // Eigen keeps the union of the patterns, entries times zero included: one analysis serves all.
-  for (int b = 0; b < operators.n_bases(); ++b) {
-    const SparseMatrix part = gamma[b] * operators.bases[b].leftCols(n);
-    sum = b == 0 ? part : SparseMatrix(sum + part);
+  for (int b = 1; b < operators.n_bases(); ++b) {
+    const SparseMatrix part = on_unknowns(operators.bases[b], operators.n_unknowns);
+    if (same_pattern(sum, part))
+      sum.coeffs() += gamma[b] * part.coeffs();
+    else
+      sum = SparseMatrix(sum + gamma[b] * part);
   }
   return sum;
 }

@@ -32,6 +32,9 @@ struct Operators {
 Operators assemble_operators(const Plan& plan, const Discretisation& discretisation,
                              const StateLayout& layout);
 
+/// The columns of a base matrix that belong to unknowns.
+SparseMatrix on_unknowns(const SparseMatrix& base, int n_unknowns);
+
 /// sum_b gamma_b T_b on the unknowns; its pattern does not depend on gamma.
 SparseMatrix combine(const Operators& operators, const Vector& gamma);
 

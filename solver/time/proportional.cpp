@@ -1,6 +1,8 @@
 // Which forms are multiples of one another; used by operators.cpp.
 #include "solver/time/proportional.hpp"
 
+#include "solver/linear/spmv.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -65,12 +67,6 @@ std::optional<double> ratio_of(std::span<const double> a, std::span<const double
   for (std::size_t i = 0; i < a.size(); ++i)
     if (std::abs(a[i] - ratio * b[i]) > rounding * scale_a) return std::nullopt;
   return ratio;
-}
-
-bool same_pattern(const SparseMatrix& a, const SparseMatrix& b) {
-  return a.rows() == b.rows() && a.cols() == b.cols() && a.nonZeros() == b.nonZeros() &&
-         std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.outerSize() + 1, b.outerIndexPtr()) &&
-         std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
 }
 
 } // namespace

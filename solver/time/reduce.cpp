@@ -94,9 +94,9 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
 
 void live_on_contact(StateLayout& layout, Operators& operators, Contact& contact,
                      LoadAssembler& loads, Vector& u0) {
-  const auto interior = std::make_shared<Interior>(operators.bases[0].leftCols(layout.n_unknowns),
-                                                   layout, contact.unknowns,
-                                                   operators.shared);
+  const auto interior =
+      std::make_shared<Interior>(on_unknowns(operators.bases[0], layout.n_unknowns), layout,
+                                 contact.unknowns, operators.shared);
   loads.map([&](const Vector& f) { return interior->add_mode(f); });
   u0 = interior->add_state(u0);
   const int n = interior->size(), nc = interior->n_contact();

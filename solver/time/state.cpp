@@ -4,47 +4,55 @@
 #include "solver/time/interior.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace hvi::solver {
 namespace {
 
-/// Copies row `row` of `full` to the end of `out`, columns renumbered, dropped ones left out.
-void append_row(const SparseMatrix& full, int row, const StateLayout& layout,
-                std::vector<std::pair<int, double>>& scratch, std::vector<int>& columns,
-                std::vector<double>& values) {
-  scratch.clear();
-  for (SparseMatrix::InnerIterator it(full, row); it; ++it)
-    if (const auto entry = layout.entry_of[it.col()]; entry >= 0)
-      scratch.emplace_back(entry, it.value());
-  // Unknowns keep the order of the dofs; only imposed values, numbered last, can break it.
-  std::sort(scratch.begin(), scratch.end());
-  for (const auto& [column, value] : scratch) {
-    columns.push_back(column);
-    values.push_back(value);
+void sort_rows(SparseMatrix& matrix) {
+  std::vector<std::pair<int, double>> row;
+  for (int r = 0; r < matrix.rows(); ++r) {
+    const int first = matrix.outerIndexPtr()[r], past = matrix.outerIndexPtr()[r + 1];
+    int* const column = matrix.innerIndexPtr();
+    if (std::is_sorted(column + first, column + past)) continue;
+    row.clear();
+    for (int at = first; at < past; ++at) row.emplace_back(column[at], matrix.valuePtr()[at]);
+    std::sort(row.begin(), row.end());
+    for (int at = first; at < past; ++at)
+      std::tie(column[at], matrix.valuePtr()[at]) = row[at - first];
   }
 }
 
-SparseMatrix from_rows(int n_columns, std::vector<int> starts, std::vector<int> columns,
-                       std::vector<double> values) {
-  return Eigen::Map<const SparseMatrix>(static_cast<int>(starts.size()) - 1, n_columns,
-                                        static_cast<int>(values.size()), starts.data(),
-                                        columns.data(), values.data());
-}
-
+/// The entry of each column in the state; rows are row_of(0), row_of(1), ... of `full`.
 template <class RowOf>
 SparseMatrix restricted(const SparseMatrix& full, const StateLayout& layout, int n_rows,
                         RowOf&& row_of) {
-  std::vector<int> starts{0}, columns;
-  std::vector<double> values;
-  std::vector<std::pair<int, double>> scratch;
-  columns.reserve(full.nonZeros());
-  values.reserve(full.nonZeros());
+  SparseMatrix out(n_rows, layout.n_state);
+  const int* start = full.outerIndexPtr();
+  const int* column = full.innerIndexPtr();
+  const std::int32_t* entry_of = layout.entry_of.data();
+  int* const out_start = out.outerIndexPtr();
   for (int r = 0; r < n_rows; ++r) {
-    append_row(full, row_of(r), layout, scratch, columns, values);
-    starts.push_back(static_cast<int>(columns.size()));
+    const int row = row_of(r);
+    int count = 0;
+    for (int at = start[row]; at < start[row + 1]; ++at) count += entry_of[column[at]] >= 0;
+    out_start[r + 1] = out_start[r] + count;
   }
-  return from_rows(layout.n_state, std::move(starts), std::move(columns), std::move(values));
+  out.resizeNonZeros(out_start[n_rows]);
+  int* to_column = out.innerIndexPtr();
+  double* to_value = out.valuePtr();
+  for (int r = 0; r < n_rows; ++r) {
+    const int row = row_of(r);
+    for (int at = start[row]; at < start[row + 1]; ++at)
+      if (const auto entry = entry_of[column[at]]; entry >= 0) {
+        *to_column++ = entry;
+        *to_value++ = full.valuePtr()[at];
+      }
+  }
+  // Unknowns keep the order of the dofs; only imposed values, numbered last, can break it.
+  if (layout.n_state > layout.n_unknowns) sort_rows(out);
+  return out;
 }
 
 } // namespace

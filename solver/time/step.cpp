@@ -72,7 +72,8 @@ void Stepper::reduce_if_possible() {
 
 /// The backward error of step n on all rows, of the fields that a report would see.
 double Stepper::equilibrium_of_all(int n) {
-  return layout_.interior->equilibrium(stress_, coefficients(n)[0] * d_, load_, inequality_.xi);
+  return layout_.interior->equilibrium(stress_, coefficients(n)[0] * d_, load_, inequality_.xi,
+                                       0.1 * plan_.options.tolerance);
 }
 
 void Stepper::allocate() {
@@ -82,7 +83,7 @@ void Stepper::allocate() {
   z_ = inequality_.xi = Vector::Zero(contact_.n_rows());
   inequality_.c = Vector::Zero(static_cast<Eigen::Index>(contact_.unknowns.size()));
   accepted_ = inequality_;
-  if (grid_.steps() < worth_halving || !operators_.symmetric || layout_.interior ||
+  if (grid_.steps() < worth_halving || !operators_.symmetric ||
       layout_.n_state > layout_.n_unknowns)
     return;
   for (const auto& base : operators_.bases) halves_.emplace_back(base);

@@ -71,7 +71,13 @@ void check_against_dense(const SparseMatrix& k, const std::vector<int>& contact,
   const Vector exact = DenseMatrix(k).partialPivLu().solve(b);
   factorisation->solve(b, x);
   EXPECT_LT((x - exact).norm(), 1e-9 * exact.norm());
-  EXPECT_EQ(factorisation->statistics().sweeps, 4);
+
+  factorisation->extend(c, x);
+  residual = k * x;
+  EXPECT_EQ((x(contact) - c).cwiseAbs().sum(), 0.0);
+  residual(contact).setZero();
+  EXPECT_LT(residual.lpNorm<1>(), 1e-11 * scale * (1.0 + x.lpNorm<1>()));
+  EXPECT_EQ(factorisation->statistics().sweeps, 5);
 }
 
 std::vector<int> every(int step, int n) {

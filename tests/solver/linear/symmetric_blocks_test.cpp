@@ -27,6 +27,12 @@ TEST(SymmetricBlocks, MultiplyInBlocksOfOneTwoAndThree) {
   for (const int n : {2, 3, 6}) expect_same_product(cube(n).k, 0.6);
 }
 
+TEST(SymmetricBlocks, MultiplyWithAMatrixMostlyFilled) {
+  const SparseMatrix full = random_definite(37, 0.9, 2);
+  ASSERT_GT(2 * full.nonZeros(), 37 * 37);
+  expect_same_product(full, 1.1);
+}
+
 // An unknown that was eliminated breaks the pairs of a node: single entries serve.
 TEST(SymmetricBlocks, FallBackToEntriesWhereBlocksAreCut) {
   const SparseMatrix k = slab(6).k;
