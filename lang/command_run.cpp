@@ -139,9 +139,9 @@ void print_profile(const solver::RunResult& r, double bandwidth) {
   const auto& w = r.work;
   fmt::print(stderr,
              "counted: {} unknowns, {} steps, {} matrices, {} analyses, {} factorisations, {} "
-             "sweeps, {} products, {} Newton, {} fields\n",
+             "sweeps, {} products, {} Newton, {} fields read {} times\n",
              r.unknowns, r.steps, w.matrices, w.analyses, w.factorisations, w.sweeps, w.products,
-             w.newton, w.history_fields);
+             w.newton, w.history_fields, w.field_reads);
   fmt::print(stderr,
              "the limit: every sweep reads its factor once, {:.3g} MB in all, at the {:.3g} GB/s "
              "measured on this machine\nheld: {:.3g} MB (factors, matrices, memory)\n",

@@ -36,6 +36,7 @@ public:
     put_node_weights(weights_(kernel_, grid_.common_step(t_new), t_new, times_), order_,
                      node_weights_);
     if (order_ == 1) node_weights_.back() += current(t_new).one;
+    reads_ += static_cast<std::int64_t>(node_weights_.size());
     add_combination(node_weights_, fields_.data(), out);
   }
 
@@ -61,6 +62,7 @@ public:
     r.fields = static_cast<std::int64_t>(fields_.size());
     r.bytes = fields_.bytes();
     r.error = 1e-14;
+    r.reads = reads_;
     return r;
   }
 
@@ -111,6 +113,7 @@ private:
   std::vector<double> times_; ///< ends of the intervals kept
   FieldQueue fields_;         ///< u at times_[1..] (order 0) or times_[0..] (order 1)
   std::vector<double> node_weights_;
+  std::int64_t reads_ = 0;
 };
 
 } // namespace

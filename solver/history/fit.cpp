@@ -61,6 +61,8 @@ public:
     put_node_weights(weights_(kernel_, grid_.common_step(t_new), t_new, times_), order_,
                      node_weights_);
     if (order_ == 1) node_weights_.back() += current(t_new).one;
+    reads_ += static_cast<std::int64_t>(node_weights_.size()) +
+              static_cast<std::int64_t>(sum_.state_fields());
     add_combination(node_weights_, fields_.data(), out);
   }
 
@@ -86,6 +88,7 @@ public:
     r.fields = static_cast<std::int64_t>(sum_.state_fields() + fields_.size());
     r.bytes = 8.0 * static_cast<double>(states_.size()) + fields_.bytes();
     r.error = error_;
+    r.reads = reads_;
     return r;
   }
 
@@ -216,6 +219,7 @@ private:
   FieldQueue fields_;          ///< u at times_[1..] (order 0) or times_[0..] (order 1)
   std::vector<LinearGroup> groups_;
   std::vector<double> node_weights_;
+  std::int64_t reads_ = 0;
   double prepared_step_ = -1, prepared_ahead_ = -1;
 };
 

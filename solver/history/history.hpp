@@ -40,6 +40,7 @@ struct HistoryReport {
   std::string route;       ///< "recursion", "fit", "tree", "direct"
   std::string why;         ///< the reason for the route, a sentence
   std::int64_t fields = 0; ///< stored fields of n values now
+  std::int64_t reads = 0;  ///< fields read since the start, or since the state was restored
   double bytes = 0;
   double error = 0;               ///< verified bound, relative to ||q||_L1 max|u|
   bool verified = true;           ///< false: sampled evidence only

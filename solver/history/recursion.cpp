@@ -43,6 +43,7 @@ public:
       std::fill(out.begin(), out.end(), 0.0);
     }
     prepare(k);
+    reads_ += stored_fields();
     if (pending_) {
       advance_and_read(groups_, states_, last_, before_, out);
       pending_ = false;
@@ -74,9 +75,10 @@ public:
     HistoryReport r;
     r.route = "recursion";
     r.why = why_;
-    r.fields = static_cast<std::int64_t>(sum_.state_fields()) + 1 + (order_ == 1 ? 1 : 0);
+    r.fields = stored_fields();
     r.bytes = 8.0 * static_cast<double>(states_.size() + last_.size() + before_.size());
     r.error = error_;
+    r.reads = reads_;
     return r;
   }
 
@@ -114,6 +116,10 @@ public:
   }
 
 private:
+  std::int64_t stored_fields() const {
+    return static_cast<std::int64_t>(sum_.state_fields()) + 1 + (order_ == 1 ? 1 : 0);
+  }
+
   /// Coefficients for putting in (t - step, t] and reading at t + ahead.
   void prepare(double ahead) {
     if (sum_.steady() && !groups_.empty() && prepared_step_ == step_ && prepared_ahead_ == ahead) {
@@ -140,6 +146,7 @@ private:
   std::string why_;
   TimeGrid grid_;
 
+  std::int64_t reads_ = 0;
   double step_ = 0;                   ///< the last accepted one
   bool pending_ = false;              ///< (t - step_, t] is in last_ but not yet in the states
   std::vector<double> states_;        ///< integrals over (t0, t - step_] or (t0, t]

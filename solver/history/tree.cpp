@@ -69,6 +69,7 @@ public:
       std::fill(out.begin(), out.end(), 0.0);
     }
     collect_weights(t_new, is_known ? nodes_.size() - 1 : 0);
+    for (const Combination& part : parts_) reads_ += static_cast<std::int64_t>(part.weights.size());
     add_combinations(parts_, out);
   }
 
@@ -109,6 +110,7 @@ public:
     r.fields += static_cast<std::int64_t>(ahead_.times.size());
     r.bytes += 8.0 * static_cast<double>(ahead_.fields.size());
     r.verified = false; // the tests of the blocks are samples
+    r.reads = reads_;
     return r;
   }
 
@@ -253,6 +255,7 @@ private:
       } else {
         moment_weights_ahead(nodes_[i]);
       }
+      reads_ += static_cast<std::int64_t>(columns_.size() / count);
       add_columns(columns_, nodes_[i].fields.data(), columns_.size() / count, n_, ahead_.fields);
     }
   }
@@ -376,6 +379,7 @@ private:
   std::vector<double> lags_, times_, values_, columns_;
   std::vector<std::vector<double>> node_weights_;
   std::vector<Combination> parts_;
+  std::int64_t reads_ = 0;
 };
 
 } // namespace

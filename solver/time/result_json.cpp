@@ -135,6 +135,7 @@ Json what_was_done(const RunResult& result, const Plan& plan, const ResultContex
           {"newton", work.newton},
           {"fallback_steps", work.fallback_steps},
           {"fields", work.history_fields},
+          {"field_reads", work.field_reads},
           {"history", histories(result, plan)},
           {"bytes", work.bytes},
           {"seconds", result.timing.total}};

@@ -56,6 +56,7 @@ struct Timing {
 struct WorkCounters {
   int matrices = 0, analyses = 0, factorisations = 0, sweeps = 0, products = 0, newton = 0,
       history_fields = 0, fallback_steps = 0;
+  std::int64_t field_reads = 0; ///< of stored history fields
   double bytes = 0;
   double reciprocal_condition = 0; ///< of the step's matrix, estimated; 0: not known
 };

@@ -459,6 +459,7 @@ void Stepper::account(WorkCounters& work, Timing& timing) const {
   work.fallback_steps = fallbacks_;
   for (const auto& report : memory_->reports()) {
     work.history_fields += static_cast<int>(report.fields);
+    work.field_reads += report.reads;
     work.bytes += report.bytes;
   }
   if (layout_.interior) {

@@ -2,7 +2,7 @@
 """pairs.py HVI_RUN: an effect that is absent, present with the value zero, or removed by hand.
 
 Every pair must give the same final values to the last bits that matter and the same counted work:
-matrices, analyses, factorisations, sweeps, products, Newton iterations, stored fields. A contact
+matrices, analyses, factorisations, sweeps, products, Newton iterations, stored fields and how often they are read. A contact
 part that never touches costs no Newton iteration, a script without an effect says so in its plan.
 """
 import json
@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 
-COUNTED = ["matrices", "analyses", "factorisations", "sweeps", "products", "newton", "fields"]
+COUNTED = ["matrices", "analyses", "factorisations", "sweeps", "products", "newton", "fields", "field_reads"]
 
 SCRIPT = """
 mesh slab   = rectangle(2, 1, cells = [12, 6])

@@ -169,5 +169,21 @@ TEST(Norms, OfAPronySeriesAreThoseOfTheQuadrature) {
   }
 }
 
+/// Ten steps read two fields each by the recursion, and all that came before by the direct sum.
+TEST(Reads, AreCounted) {
+  for (const auto& [route, reads] :
+       {std::pair{HistoryRoute::recursion, 20}, std::pair{HistoryRoute::direct, 45}}) {
+    const auto history = made(exp(-lag()), route);
+    const double u = 1;
+    double out = 0;
+    history->start(0, {&u, 1});
+    for (int n = 1; n <= 10; ++n) {
+      history->rhs(0.1 * n, {&out, 1});
+      history->commit(0.1 * n, {&u, 1});
+    }
+    EXPECT_EQ(history->report().reads, reads);
+  }
+}
+
 } // namespace
 } // namespace hvi::solver::test
