@@ -36,8 +36,8 @@ struct NotFactorable : Failure {
 };
 
 /// How the two sweeps read the factor. A sweep is bound by memory: `single` reads 32 bits an entry
-/// instead of 64, `fine` 40. The arithmetic is double and S stays exact, but L_II and L_cI are
-/// rounded to 24 or 32 bits, so that a sweep has a relative error of about 1e-7 or 4e-10 times the
+/// instead of 64, `fine` 48. The arithmetic is double and S stays exact, but L_II and L_cI are
+/// rounded to 24 or 40 bits, so that a sweep has a relative error of about 1e-7 or 2e-12 times the
 /// growth of the matrix. It pays where only a small correction is solved for and the true residual
 /// is known: with a guess x* (the last increments, extrapolated) and b* = b - K x*,
 ///     reduce(b*) -> r*,  r = r* + S c*,  the reduced problem gives c,  back(c - c*) -> x - x*.

@@ -31,7 +31,7 @@ struct Sweep {
   std::span<const Panel> panels;
   const int* below;
   const float* values;
-  const std::int8_t* rests;
+  const std::int16_t* rests;
   const std::size_t* end;
   const double* inverse_square;
   double* work;
@@ -40,20 +40,20 @@ struct Sweep {
 /// Where entries are written to.
 struct Packing {
   float* values;
-  std::int8_t* rests;
+  std::int16_t* rests;
   double* inverse_square;
   bool finite = true;
 };
 
-// An entry is a float and the eight bits of the double that follow: bits of the double are those of
-// the widened float plus rest << 21. They are counted from the nearest float, so that the float
+// An entry is a float and the sixteen bits of the double that follow: bits of the double are those
+// of the widened float plus rest << 21. They are counted from the nearest float, so that the float
 // alone is as near as can be.
-constexpr int rest_shift = 21;
+constexpr int rest_shift = 13;
 
 /// What is far below all others becomes zero, as processors stumble over subnormal numbers.
 constexpr double negligible = 1e-30;
 
-void split(double v, float& value, std::int8_t& rest) {
+void split(double v, float& value, std::int16_t& rest) {
   if (!(std::abs(v) >= negligible)) v = v == v ? 0.0 : v;
   value = static_cast<float>(v);
   const double widened = value;
@@ -61,7 +61,7 @@ void split(double v, float& value, std::int8_t& rest) {
   std::memcpy(&bits, &v, sizeof bits);
   std::memcpy(&near, &widened, sizeof near);
   const std::int64_t units = (bits - near + (std::int64_t{1} << (rest_shift - 1))) >> rest_shift;
-  rest = static_cast<std::int8_t>(std::clamp<std::int64_t>(units, -128, 127));
+  rest = static_cast<std::int16_t>(std::clamp<std::int64_t>(units, -32768, 32767));
 }
 
 // Packs are never passed between functions that are compiled apart.
@@ -134,13 +134,13 @@ bool PackedFactor::pack(const Supernodes& structure, const double* values) {
 }
 
 double PackedFactor::bytes() const {
-  return static_cast<double>(values_.size()) * (sizeof(float) + sizeof(std::int8_t)) +
+  return static_cast<double>(values_.size()) * (sizeof(float) + sizeof(std::int16_t)) +
          static_cast<double>(inverse_square_.size()) * sizeof(double);
 }
 
 double PackedFactor::bytes_swept(bool fine) const {
   return static_cast<double>(values_.size()) *
-         (sizeof(float) + (fine ? sizeof(std::int8_t) : std::size_t{0}));
+         (sizeof(float) + (fine ? sizeof(std::int16_t) : std::size_t{0}));
 }
 
 void PackedFactor::forward(bool fine, double* y) {

@@ -19,15 +19,18 @@ constexpr int ahead = 1024;
 template <bool Fine>
 struct Entries {
   const float* values;
-  const std::int8_t* rests;
+  const std::int16_t* rests;
 
   HVI_INLINE Entries operator+(std::ptrdiff_t by) const {
     if constexpr (Fine) return {values + by, rests + by};
     return {values + by, nullptr};
   }
   HVI_INLINE void prefetch(std::ptrdiff_t by) const { __builtin_prefetch(values + by); }
+  template <int Count>
   HVI_INLINE void prefetch_rests(std::ptrdiff_t by) const {
-    if constexpr (Fine) __builtin_prefetch(rests + by);
+    if constexpr (Fine)
+#pragma GCC unroll 2
+      for (int k = 0; k < Count; k += 32) __builtin_prefetch(rests + k + by);
   }
 };
 
@@ -50,8 +53,8 @@ HVI_INLINE Pack widen(const Entries<Fine>& from) {
 #if defined(HVI_PACKED_512)
   const auto v = _mm512_maskz_cvtps_pd(0xff, _mm256_loadu_ps(from.values)); // plain, GCC 12 warns
   if constexpr (!Fine) return Pack(v);
-  const auto rest = _mm512_maskz_cvtepi8_epi64(
-      0xff, _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from.rests)));
+  const auto rest = _mm512_maskz_cvtepi16_epi64(
+      0xff, _mm_loadu_si128(reinterpret_cast<const __m128i*>(from.rests)));
   return Pack(_mm512_castsi512_pd(
       _mm512_add_epi64(_mm512_castpd_si512(v), _mm512_maskz_slli_epi64(0xff, rest, rest_shift))));
 #elif defined(HVI_PACKED_256)
@@ -60,9 +63,8 @@ HVI_INLINE Pack widen(const Entries<Fine>& from) {
   for (int k = 0; k < 2; ++k) {
     half[k] = _mm256_cvtps_pd(_mm_loadu_ps(from.values + 4 * k));
     if constexpr (Fine) {
-      std::int32_t four;
-      std::memcpy(&four, from.rests + 4 * k, sizeof four);
-      const auto rest = _mm256_cvtepi8_epi64(_mm_cvtsi32_si128(four));
+      const auto rest = _mm256_cvtepi16_epi64(
+          _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from.rests + 4 * k)));
       half[k] = _mm256_castsi256_pd(
           _mm256_add_epi64(_mm256_castpd_si256(half[k]), _mm256_slli_epi64(rest, rest_shift)));
     }
@@ -85,7 +87,7 @@ HVI_INLINE void subtract_tiles(Entries<Fine> tile, int count, const double* t, d
     Pack sum[2] = {load(w), Pack{}};
 #pragma GCC unroll 8
     for (int a = 0; a < Width; a += 2) tile.prefetch(lanes * a + ahead);
-    tile.prefetch_rests(ahead);
+    tile.template prefetch_rests<lanes * Width>(ahead);
 #pragma GCC unroll 8
     for (int a = 0; a < Width; ++a) sum[a % 2] -= widen(tile + lanes * a) * t[a];
     if constexpr (Width > 1) sum[0] += sum[1];
@@ -137,7 +139,7 @@ HVI_INLINE void solve_block_back(const Entries<Fine>& block, int count, double* 
     const Pack other = load(t + Width + tile * lanes);
 #pragma GCC unroll 8
     for (int a = 0; a < Width; a += 2) from.prefetch(lanes * a - ahead);
-    from.prefetch_rests(-ahead);
+    from.template prefetch_rests<lanes * Width>(-ahead);
 #pragma GCC unroll 8
     for (int a = 0; a < Width; ++a) sum[a] += widen(from + lanes * a) * other;
   }
@@ -238,7 +240,7 @@ void backward_sweep(const Sweep& sweep, const double* y, double* x) {
 }
 
 /// Writes eight entries; `sound` stays zero while they are finite.
-HVI_INLINE void write(Pack v, float* values, std::int8_t* rests, Pack& sound) {
+HVI_INLINE void write(Pack v, float* values, std::int16_t* rests, Pack& sound) {
 #if defined(HVI_PACKED_512)
   auto in = __m512d(v);
   const auto small = _mm512_cmp_pd_mask(_mm512_abs_pd(in), _mm512_set1_pd(negligible), _CMP_LT_OQ);
@@ -250,7 +252,7 @@ HVI_INLINE void write(Pack v, float* values, std::int8_t* rests, Pack& sound) {
   auto bits = _mm512_sub_epi64(_mm512_castpd_si512(in), _mm512_castpd_si512(widened));
   bits = _mm512_add_epi64(bits, _mm512_set1_epi64(std::int64_t{1} << (rest_shift - 1)));
   bits = _mm512_maskz_srai_epi64(0xff, bits, rest_shift);
-  _mm_storel_epi64(reinterpret_cast<__m128i*>(rests), _mm512_maskz_cvtsepi64_epi8(0xff, bits));
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(rests), _mm512_maskz_cvtsepi64_epi16(0xff, bits));
 #else
   for (int k = 0; k < lanes; ++k) {
     split(v[k], values[k], rests[k]);
