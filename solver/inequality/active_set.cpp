@@ -41,8 +41,8 @@ bool InequalityEngine::factor_if_needed() {
   if (factored && d == d_factored) return true;
   assemble();
   ++report.factorisations;
-  factored = op.factor(h);
   d_factored = d;
+  factored = op.factor(h, held_unknowns());
   forget_far();
   return factored;
 }

@@ -115,6 +115,21 @@ void InequalityEngine::prepare_drift() {
   }
 }
 
+/// Unknowns of points that are held in all rows by d_factored and have them to themselves: no
+/// factor needs them.
+std::span<const int> InequalityEngine::held_unknowns() {
+  left_out.clear();
+  for (int p = 0; p < n_points; ++p) {
+    const PointData& q = points[p];
+    if (!q.exclusive || !holds_all(d_factored[p], q.rows, q.local)) continue;
+    for (int row = q.first; row < q.first + q.rows; ++row)
+      for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
+        if (it.value() != 0.0) left_out.push_back(static_cast<int>(it.col()));
+  }
+  std::sort(left_out.begin(), left_out.end());
+  return left_out;
+}
+
 /// Puts the unknowns of a far point among the freed or the changed ones.
 bool InequalityEngine::add_far(int p) {
   const PointData& q = points[p];

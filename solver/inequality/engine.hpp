@@ -83,6 +83,7 @@ struct InequalityEngine {
   };
   bool factor_is_close();
   bool add_far(int p);
+  std::span<const int> held_unknowns();
   void solve_far_columns();
   bool prepare_far();
   void prepare_freed();
@@ -137,6 +138,7 @@ struct InequalityEngine {
   SparseMatrix drift;              ///< what H has that the preconditioner does not know
   std::vector<int> freed, changed; ///< unknowns of points far from the factored stiffness
   std::vector<int> freed_before;   ///< those of far_y and freed_block
+  std::vector<int> left_out;       ///< unknowns that the last factor holds (held_unknowns)
   std::vector<char> far_point;
   std::vector<DeltaEntry> delta;
   std::unordered_map<int, Vector> far_columns; ///< by unknown, of the last factor

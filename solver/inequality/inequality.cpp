@@ -95,7 +95,7 @@ void InequalityEngine::prepare_points() {
 /// a smaller gamma, points that slip overshoot the range where they would stick. The diagonal of
 /// S^-1 by eight probes with entries +-1 (Hutchinson, Bekas): the size is all that matters.
 void InequalityEngine::estimate_compliance() {
-  if (n_points == 0 || !op.factor(h)) return;
+  if (n_points == 0 || !op.factor(h, {})) return;
   Vector probe(n), answer(n), flexibility = Vector::Zero(n);
   std::uint32_t random = 12345;
   for (int k = 0; k < 8; ++k) {
