@@ -91,6 +91,7 @@ struct InequalityEngine {
   void forget_far(); ///< the factor is another one
   void precondition(const Vector& r, Vector& out);
   bool conjugate_gradients();
+  void accept_direction();
   void take_rest(int p);
 
   // ---- globally convergent method (fallback.cpp)
@@ -147,13 +148,16 @@ struct InequalityEngine {
   Eigen::PartialPivLU<DenseMatrix> changed_factor;
   double block_unit = 1.0;
   int last_cg = 0; ///< iterations of the last conjugate gradients
-  std::vector<int> state, component;
+  std::vector<int> state, states_before, component;
   Vector z_hat, xi_hat;                 ///< the graph points of the linearisation
   std::vector<std::array<double, 9>> d; ///< their stiffnesses, row by row
   std::vector<std::array<double, 9>> d_factored;
   bool factored = false;
   bool idle = false;   ///< no law acts at the start: the first solve is that of the linear problem
   Vector c_of_product; ///< sc = S c_of_product
+  Vector s_dc;         ///< S dc, where conjugate gradients found dc
+  bool have_s_dc = false;
+  bool settled = false;        ///< no point changed its place in the last step of Newton's
   bool have_magnitude = false; ///< magnitude belongs to it
   /// z within this part of its size of a break counts as on it; Newton aims closer at first.
   static constexpr double tight_snap = 2e-14, certificate_snap = 1e-12;

@@ -31,29 +31,47 @@ namespace hvi::solver {
 
 namespace {
 
-/// sum += |A| x for a square A by columns, four of them at a time.
+/// sum += |A| x for a symmetric A by columns, of which the lower triangle is read, four columns at
+/// a time.
 HVI_INLINE void add_magnitudes_here(const double* a, int n, const double* x, double* sum) {
   int j = 0;
   for (; j + 4 <= n; j += 4) {
-    const double* column = a + static_cast<std::ptrdiff_t>(j) * n;
-    int i = 0;
+    const double* column[4];
+    for (int k = 0; k < 4; ++k) column[k] = a + static_cast<std::ptrdiff_t>(j + k) * n;
+    for (int k = 0; k < 4; ++k)
+      for (int i = j + k; i < j + 4; ++i) {
+        sum[i] += std::abs(column[k][i]) * x[j + k];
+        if (i > j + k) sum[j + k] += std::abs(column[k][i]) * x[i];
+      }
+    Pack<8> mirrored[4] = {};
+    int i = j + 4;
     for (; i + 8 <= n; i += 8) {
-      Pack<8> total, entry;
+      Pack<8> total, entry, other;
       load<8>(sum + i, total);
+      load<8>(x + i, other);
 #pragma GCC unroll 4
       for (int k = 0; k < 4; ++k) {
-        load<8>(column + static_cast<std::ptrdiff_t>(k) * n + i, entry);
-        total += (entry < 0.0 ? -entry : entry) * x[j + k];
+        load<8>(column[k] + i, entry);
+        entry = entry < 0.0 ? -entry : entry;
+        total += entry * x[j + k];
+        mirrored[k] += entry * other;
       }
       std::memcpy(sum + i, &total, sizeof total);
     }
-    for (; i < n; ++i)
-      for (int k = 0; k < 4; ++k)
-        sum[i] += std::abs(column[static_cast<std::ptrdiff_t>(k) * n + i]) * x[j + k];
+    for (int k = 0; k < 4; ++k) {
+      for (int lane = 0; lane < 8; ++lane) sum[j + k] += mirrored[k][lane];
+      for (int rest = i; rest < n; ++rest) {
+        sum[rest] += std::abs(column[k][rest]) * x[j + k];
+        sum[j + k] += std::abs(column[k][rest]) * x[rest];
+      }
+    }
   }
   for (; j < n; ++j)
-    for (int i = 0; i < n; ++i)
-      sum[i] += std::abs(a[static_cast<std::ptrdiff_t>(j) * n + i]) * x[j];
+    for (int i = j; i < n; ++i) {
+      const double entry = std::abs(a[static_cast<std::ptrdiff_t>(j) * n + i]);
+      sum[i] += entry * x[j];
+      if (i > j) sum[j] += entry * x[i];
+    }
 }
 HVI_AVX2 void add_magnitudes_avx2(const double* a, int n, const double* x, double* sum) {
   add_magnitudes_here(a, n, x, sum);
@@ -98,8 +116,12 @@ public:
     dsymv_("L", &n, &alpha, s_.data(), &n, c.data(), &one, &beta, out.data(), &one);
   }
   void apply_magnitude(const Vector& c, Vector& out) const override {
-    out.setZero(size());
     magnitudes_ = c.cwiseAbs();
+    if (!symmetric_) {
+      out.noalias() = s_.cwiseAbs() * magnitudes_;
+      return;
+    }
+    out.setZero(size());
     add_magnitudes(s_.data(), size(), magnitudes_.data(), out.data());
   }
 
