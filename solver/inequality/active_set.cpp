@@ -41,8 +41,8 @@ bool InequalityEngine::factor_if_needed() {
   if (factored && d == d_factored) return true;
   assemble();
   ++report.factorisations;
-  factored = op.factor(h);
   d_factored = d;
+  factored = op.factor(h, held_unknowns());
   forget_far();
   return factored;
 }
@@ -85,7 +85,8 @@ double InequalityEngine::worst_ratio() const {
 }
 
 /// First against |r| + |S_ii c_i| + |(S c)_i - S_ii c_i| + |G^T W x|, which bounds the ratio from
-/// above; |S||c| only where that could decide: it costs another pass over S.
+/// above; |S||c| only where that could decide, as it gains two digits at the most: it costs another
+/// pass over S.
 double InequalityEngine::residual_ratio(const Vector& x) {
   gather(x);
   gather_magnitude(x);
@@ -95,7 +96,7 @@ double InequalityEngine::residual_ratio(const Vector& x) {
     row_size[i] = std::abs((*rhs)[i]) + std::abs(own) + std::abs(sc[i] - own) + force_magnitude[i];
   }
   const double bound = worst_ratio();
-  if (!(bound > target()) || bound > 1e-5) return bound;
+  if (!(bound > target()) || bound > 1e2 * target()) return bound;
   if (!have_magnitude) op.apply_magnitude(c, magnitude);
   have_magnitude = true;
   row_size = rhs->cwiseAbs() + magnitude + force_magnitude;
@@ -113,10 +114,13 @@ InequalityEngine::Outcome InequalityEngine::newton_step() {
   }
   gather(xi);
   residual = *rhs - sc - force;
+  have_s_dc = false;
   if (!solve_linear()) return Outcome::indefinite;
   if (!dc.allFinite()) return Outcome::failed;
   ++report.iterations;
+  const bool known = have_s_dc && c == c_of_product;
   c += dc;
+  if (known) sc += s_dc, c_of_product = c, have_magnitude = false;
   dz.noalias() = problem.g * dc;
   // By the increment, not from z - z_hat again: a held point's z is exact only up to rounding,
   // which its large stiffness would turn into an error of xi.
@@ -148,10 +152,13 @@ InequalityEngine::Outcome InequalityEngine::newton(int limit) {
   std::unordered_map<std::uint64_t, int> seen;
   double best = std::numeric_limits<double>::infinity(), shrink = 1.0;
   int tries = 0;
+  settled = false;
   update_product();
   for (int k = 0; k < limit; ++k) {
     if (const Outcome step = newton_step(); step != Outcome::solved) return step;
+    states_before = state;
     for (int p = 0; p < n_points; ++p) classify(p, shrink);
+    settled = state == states_before;
     for (int p = 0; p < n_points; ++p) settle(p);
     update_z();
     snap_factor = k < 8 ? tight_snap : certificate_snap;

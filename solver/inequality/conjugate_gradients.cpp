@@ -115,6 +115,21 @@ void InequalityEngine::prepare_drift() {
   }
 }
 
+/// Unknowns of points that are held in all rows by d_factored and have them to themselves: no
+/// factor needs them.
+std::span<const int> InequalityEngine::held_unknowns() {
+  left_out.clear();
+  for (int p = 0; p < n_points; ++p) {
+    const PointData& q = points[p];
+    if (!q.exclusive || !holds_all(d_factored[p], q.rows, q.local)) continue;
+    for (int row = q.first; row < q.first + q.rows; ++row)
+      for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
+        if (it.value() != 0.0) left_out.push_back(static_cast<int>(it.col()));
+  }
+  std::sort(left_out.begin(), left_out.end());
+  return left_out;
+}
+
 /// Puts the unknowns of a far point among the freed or the changed ones.
 bool InequalityEngine::add_far(int p) {
   const PointData& q = points[p];
@@ -260,7 +275,8 @@ bool InequalityEngine::conjugate_gradients() {
   };
   dc.setZero(), cg_p = cg_z, cg_mp = cg_r;
   double rho = product(cg_r, cg_z);
-  const double enough = 1e-8 * rho; // four digits of the error's energy norm
+  // Four digits of the error's energy norm; two while points still change their places.
+  const double enough = (settled ? 1e-8 : 1e-4) * rho;
   for (int k = 0; k < op.patience(); ++k) {
     last_cg = k + 1;
     cg_q = cg_mp;
@@ -272,17 +288,27 @@ bool InequalityEngine::conjugate_gradients() {
     precondition(cg_r, cg_z);
     const double next = product(cg_r, cg_z);
     if (!(next >= 0.0)) return false;
-    if (next <= enough) {
-      op.apply(dc, cg_q); // what is really left: points that rest take it
-      cg_r = residual - cg_q;
-      cg_r.noalias() -= h * dc;
-      return true;
-    }
+    if (next <= enough) return accept_direction(), true;
     cg_p = cg_z + (next / rho) * cg_p;
     cg_mp = cg_r + (next / rho) * cg_mp;
     rho = next;
   }
   return false;
+}
+
+/// What is really left of the residual: points that rest take it. Those that stand where they are
+/// held do not move at all, so that S c need not be formed anew.
+void InequalityEngine::accept_direction() {
+  for (int p = 0; p < n_points; ++p) {
+    if (!points[p].exclusive || !resting(p) || at(z, p) != at(z_hat, p)) continue;
+    for (int row = points[p].first; row < points[p].first + points[p].rows; ++row)
+      for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
+        if (it.value() != 0.0) dc[it.col()] = 0.0;
+  }
+  op.apply(dc, s_dc);
+  have_s_dc = true;
+  cg_r = residual - s_dc;
+  cg_r.noalias() -= h * dc;
 }
 
 /// What conjugate gradients left of the equations of a resting point belongs to its multiplier.

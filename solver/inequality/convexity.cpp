@@ -27,10 +27,10 @@ bool InequalityEngine::convex() {
   if (!softens) return true;
   factored = false;
   assemble();
-  if (!op.symmetric() || n <= most_factored) return op.factor(h);
+  if (!op.symmetric() || n <= most_factored) return op.factor(h, {});
   SparseMatrix softening = -h, none = h;
   for (int e = 0; e < none.nonZeros(); ++e) none.valuePtr()[e] = 0.0;
-  if (!op.factor(none)) return false;
+  if (!op.factor(none, {})) return false;
   Vector x = Vector::Ones(n), y(n);
   double ratio = 0.0;
   for (int k = 0; k < power_iterations; ++k) {

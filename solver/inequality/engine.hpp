@@ -83,6 +83,7 @@ struct InequalityEngine {
   };
   bool factor_is_close();
   bool add_far(int p);
+  std::span<const int> held_unknowns();
   void solve_far_columns();
   bool prepare_far();
   void prepare_freed();
@@ -90,6 +91,7 @@ struct InequalityEngine {
   void forget_far(); ///< the factor is another one
   void precondition(const Vector& r, Vector& out);
   bool conjugate_gradients();
+  void accept_direction();
   void take_rest(int p);
 
   // ---- globally convergent method (fallback.cpp)
@@ -137,6 +139,7 @@ struct InequalityEngine {
   SparseMatrix drift;              ///< what H has that the preconditioner does not know
   std::vector<int> freed, changed; ///< unknowns of points far from the factored stiffness
   std::vector<int> freed_before;   ///< those of far_y and freed_block
+  std::vector<int> left_out;       ///< unknowns that the last factor holds (held_unknowns)
   std::vector<char> far_point;
   std::vector<DeltaEntry> delta;
   std::unordered_map<int, Vector> far_columns; ///< by unknown, of the last factor
@@ -145,13 +148,16 @@ struct InequalityEngine {
   Eigen::PartialPivLU<DenseMatrix> changed_factor;
   double block_unit = 1.0;
   int last_cg = 0; ///< iterations of the last conjugate gradients
-  std::vector<int> state, component;
+  std::vector<int> state, states_before, component;
   Vector z_hat, xi_hat;                 ///< the graph points of the linearisation
   std::vector<std::array<double, 9>> d; ///< their stiffnesses, row by row
   std::vector<std::array<double, 9>> d_factored;
   bool factored = false;
   bool idle = false;   ///< no law acts at the start: the first solve is that of the linear problem
   Vector c_of_product; ///< sc = S c_of_product
+  Vector s_dc;         ///< S dc, where conjugate gradients found dc
+  bool have_s_dc = false;
+  bool settled = false;        ///< no point changed its place in the last step of Newton's
   bool have_magnitude = false; ///< magnitude belongs to it
   /// z within this part of its size of a break counts as on it; Newton aims closer at first.
   static constexpr double tight_snap = 2e-14, certificate_snap = 1e-12;

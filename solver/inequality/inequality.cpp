@@ -18,7 +18,7 @@ InequalityEngine::InequalityEngine(const ReducedProblem& problem_, ReducedOperat
   if (problem.g.cols() != n && n_rows > 0)
     throw Failure(FailureKind::bad_value, {}, "the contact matrix does not fit the operator");
   for (Vector* v : {&c, &sc, &magnitude, &force, &force_magnitude, &residual, &row_size, &dc, &cg_r,
-                    &cg_z, &cg_p, &cg_mp, &cg_q, &cg_kept, &c_of_product})
+                    &cg_z, &cg_p, &cg_mp, &cg_q, &cg_kept, &c_of_product, &s_dc})
     *v = Vector::Zero(n);
   for (Vector* v : {&z, &xi, &dz, &trial, &z_hat, &xi_hat, &z_start}) *v = Vector::Zero(n_rows);
   state.resize(n_points), component.resize(n_points), d.resize(n_points);
@@ -95,7 +95,7 @@ void InequalityEngine::prepare_points() {
 /// a smaller gamma, points that slip overshoot the range where they would stick. The diagonal of
 /// S^-1 by eight probes with entries +-1 (Hutchinson, Bekas): the size is all that matters.
 void InequalityEngine::estimate_compliance() {
-  if (n_points == 0 || !op.factor(h)) return;
+  if (n_points == 0 || !op.factor(h, {})) return;
   Vector probe(n), answer(n), flexibility = Vector::Zero(n);
   std::uint32_t random = 12345;
   for (int k = 0; k < 8; ++k) {

@@ -31,8 +31,10 @@ public:
   virtual Vector diagonal() const = 0;
   virtual void column(int j, double* out) const = 0; ///< S e_j, size() doubles
   /// Factors S + H for a symmetric H = sum_p w_p G_p^T D_p G_p given as a sparse matrix with a
-  /// pattern inside that of G^T G. False when the result is not (positive definite and) regular.
-  virtual bool factor(const SparseMatrix& h) = 0;
+  /// pattern inside that of G^T G. `held`, in ascending order: unknowns with a row of H that is a
+  /// diagonal entry beyond all of S; a factor for rough solves may leave them out. False when the
+  /// result is not (positive definite and) regular.
+  virtual bool factor(const SparseMatrix& h, std::span<const int> held) = 0;
   virtual void solve(const Vector& b, Vector& x) const = 0; ///< with the last factor
   /// Is the last factor a rounded one, so that `solve` refines what `solve_rough` gives?
   virtual bool rounded() const { return false; }

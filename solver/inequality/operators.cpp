@@ -1,5 +1,6 @@
 // The operator of the reduced inequality: dense (LAPACK) and sparse (Eigen) (inequality.hpp).
 #include "solver/inequality/inequality.hpp"
+#include "solver/linear/instruction_set.hpp"
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
@@ -7,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 extern "C" {
 void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda,
@@ -28,6 +30,65 @@ void dgetrs_(const char* trans, const int* n, const int* nrhs, const double* a, 
 namespace hvi::solver {
 
 namespace {
+
+/// sum += |A| x for a symmetric A by columns, of which the lower triangle is read, four columns at
+/// a time.
+HVI_INLINE void add_magnitudes_here(const double* a, int n, const double* x, double* sum) {
+  int j = 0;
+  for (; j + 4 <= n; j += 4) {
+    const double* column[4];
+    for (int k = 0; k < 4; ++k) column[k] = a + static_cast<std::ptrdiff_t>(j + k) * n;
+    for (int k = 0; k < 4; ++k)
+      for (int i = j + k; i < j + 4; ++i) {
+        sum[i] += std::abs(column[k][i]) * x[j + k];
+        if (i > j + k) sum[j + k] += std::abs(column[k][i]) * x[i];
+      }
+    Pack<8> mirrored[4] = {};
+    int i = j + 4;
+    for (; i + 8 <= n; i += 8) {
+      Pack<8> total, entry, other;
+      load<8>(sum + i, total);
+      load<8>(x + i, other);
+#pragma GCC unroll 4
+      for (int k = 0; k < 4; ++k) {
+        load<8>(column[k] + i, entry);
+        entry = entry < 0.0 ? -entry : entry;
+        total += entry * x[j + k];
+        mirrored[k] += entry * other;
+      }
+      std::memcpy(sum + i, &total, sizeof total);
+    }
+    for (int k = 0; k < 4; ++k) {
+      for (int lane = 0; lane < 8; ++lane) sum[j + k] += mirrored[k][lane];
+      for (int rest = i; rest < n; ++rest) {
+        sum[rest] += std::abs(column[k][rest]) * x[j + k];
+        sum[j + k] += std::abs(column[k][rest]) * x[rest];
+      }
+    }
+  }
+  for (; j < n; ++j)
+    for (int i = j; i < n; ++i) {
+      const double entry = std::abs(a[static_cast<std::ptrdiff_t>(j) * n + i]);
+      sum[i] += entry * x[j];
+      if (i > j) sum[j] += entry * x[i];
+    }
+}
+HVI_AVX2 void add_magnitudes_avx2(const double* a, int n, const double* x, double* sum) {
+  add_magnitudes_here(a, n, x, sum);
+}
+HVI_AVX512 void add_magnitudes_avx512(const double* a, int n, const double* x, double* sum) {
+  add_magnitudes_here(a, n, x, sum);
+}
+void add_magnitudes(const double* a, int n, const double* x, double* sum) {
+  switch (instruction_set()) {
+  case InstructionSet::avx512:
+    return add_magnitudes_avx512(a, n, x, sum);
+  case InstructionSet::avx2:
+    return add_magnitudes_avx2(a, n, x, sum);
+  case InstructionSet::baseline:
+    return add_magnitudes_here(a, n, x, sum);
+  }
+}
 
 class DenseOperator final : public ReducedOperator {
 public:
@@ -55,19 +116,26 @@ public:
     dsymv_("L", &n, &alpha, s_.data(), &n, c.data(), &one, &beta, out.data(), &one);
   }
   void apply_magnitude(const Vector& c, Vector& out) const override {
-    out.setZero(size());
-    double* __restrict sum = out.data();
-    for (int j = 0; j < size(); ++j) {
-      const double cj = std::abs(c[j]);
-      const double* __restrict column = s_.data() + static_cast<std::ptrdiff_t>(j) * size();
-      for (int i = 0; i < size(); ++i) sum[i] += std::abs(column[i]) * cj;
+    magnitudes_ = c.cwiseAbs();
+    if (!symmetric_) {
+      out.noalias() = s_.cwiseAbs() * magnitudes_;
+      return;
     }
+    out.setZero(size());
+    add_magnitudes(s_.data(), size(), magnitudes_.data(), out.data());
   }
 
-  bool factor(const SparseMatrix& h) override {
+  bool factor(const SparseMatrix& h, std::span<const int> held) override {
     h_ = h;
     factor_.resize(0, 0);
     rough_factor_.resize(0, 0);
+    held_.assign(held.begin(), held.end());
+    free_.clear();
+    for (int i = 0, next = 0; i < size(); ++i)
+      if (next < static_cast<int>(held.size()) && held[next] == i)
+        ++next;
+      else
+        free_.push_back(i);
     if (size() == 0) return true;
     return (symmetric_ && size() >= rounded_from && factor_rounded()) || factor_exactly();
   }
@@ -94,30 +162,46 @@ public:
   void solve_rough(const Vector& b, Vector& x) const override {
     if (!symmetric_ || size() == 0) return solve(b, x);
     round_factor();
-    const int n = size(), one = 1;
-    const double scale = to_single(b, unit());
+    const int n = static_cast<int>(free_.size()), one = 1;
+    x.resize(size());
+    for (const int i : held_) x[i] = b[i] / held_stiffness(i);
+    double largest = 0.0;
+    for (const int i : free_) largest = std::max(largest, std::abs(b[i]));
+    const double inverse = largest > 0.0 ? 1.0 / largest : 0.0;
+    rough_x_.resize(n);
+    for (int k = 0; k < n; ++k) rough_x_[k] = static_cast<float>(b[free_[k]] * inverse);
     strsv_("L", "N", "N", &n, rough_factor_.data(), &n, rough_x_.data(), &one);
     strsv_("L", "T", "N", &n, rough_factor_.data(), &n, rough_x_.data(), &one);
-    x = rough_x_.cast<double>() * scale;
+    for (int k = 0; k < n; ++k) x[free_[k]] = static_cast<double>(rough_x_[k]) * (largest / unit());
   }
   void solve_rough(DenseMatrix& columns) const override {
     if (!symmetric_ || size() == 0) return ReducedOperator::solve_rough(columns);
     round_factor();
-    const int n = size(), count = static_cast<int>(columns.cols());
+    const int n = static_cast<int>(free_.size()), count = static_cast<int>(columns.cols());
     const Vector scale = columns.cwiseAbs().colwise().maxCoeff().cwiseMax(1e-300);
-    const Vector inverse = scale.cwiseInverse();
-    Eigen::MatrixXf x = (columns * inverse.asDiagonal()).cast<float>();
+    Eigen::MatrixXf x(n, count);
+    for (int j = 0; j < count; ++j)
+      for (int k = 0; k < n; ++k) x(k, j) = static_cast<float>(columns(free_[k], j) / scale[j]);
     const float alpha = 1.0F;
     strsm_("L", "L", "N", "N", &n, &count, &alpha, rough_factor_.data(), &n, x.data(), &n);
     strsm_("L", "L", "T", "N", &n, &count, &alpha, rough_factor_.data(), &n, x.data(), &n);
-    columns = x.cast<double>() * (scale / unit()).asDiagonal();
+    for (int j = 0; j < count; ++j) {
+      for (int k = 0; k < n; ++k)
+        columns(free_[k], j) = static_cast<double>(x(k, j)) * (scale[j] / unit());
+      for (const int i : held_) columns(i, j) /= held_stiffness(i);
+    }
   }
 
 private:
   /// Sizes are taken by the largest diagonal entry, so that no unit system leaves single precision.
   double unit() const { return unit_; }
+  double held_stiffness(int i) const { return s_(i, i) + h_.coeff(i, i); }
   void round_factor() const {
-    if (rough_factor_.size() == 0) rough_factor_ = (factor_ / std::sqrt(unit())).cast<float>();
+    if (rough_factor_.size() > 0) return;
+    held_.clear(); // an exact factor has them all
+    free_.resize(static_cast<std::size_t>(size()));
+    std::iota(free_.begin(), free_.end(), 0);
+    rough_factor_ = (factor_ / std::sqrt(unit())).cast<float>();
   }
   bool factor_exactly() const {
     factor_ = s_;
@@ -134,12 +218,9 @@ private:
   /// Single precision costs half the time. False where its pivots do not show beyond doubt that the
   /// matrix is positive definite.
   bool factor_rounded() const {
-    rough_factor_ = (s_ / unit()).cast<float>();
-    for (int i = 0; i < h_.outerSize(); ++i)
-      for (SparseMatrix::InnerIterator it(h_, i); it; ++it)
-        rough_factor_(i, it.col()) += static_cast<float>(it.value() / unit());
+    const int n = static_cast<int>(free_.size());
+    gather_free();
     const Eigen::VectorXf before = rough_factor_.diagonal();
-    const int n = size();
     int info = 0;
     spotrf_("L", &n, rough_factor_.data(), &n, &info);
     if (info != 0) {
@@ -150,6 +231,22 @@ private:
     if (pivots.isFinite().all() && pivots.minCoeff() > smallest_rounded_pivot) return true;
     rough_factor_.resize(0, 0);
     return false;
+  }
+  /// The lower triangle of S + H without the held unknowns, rounded.
+  void gather_free() const {
+    const int n = static_cast<int>(free_.size());
+    rough_factor_.resize(n, n);
+    const double inverse = 1.0 / unit();
+    std::vector<int> place(static_cast<std::size_t>(size()), -1);
+    for (int k = 0; k < n; ++k) place[free_[k]] = k;
+    for (int j = 0; j < n; ++j) {
+      const double* from = s_.data() + static_cast<std::ptrdiff_t>(free_[j]) * size();
+      float* to = rough_factor_.data() + static_cast<std::ptrdiff_t>(j) * n;
+      for (int i = j; i < n; ++i) to[i] = static_cast<float>(from[free_[i]] * inverse);
+      for (SparseMatrix::InnerIterator it(h_, free_[j]); it; ++it)
+        if (const int i = place[it.col()]; i >= j)
+          to[i] += static_cast<float>(it.value() * inverse);
+    }
   }
   /// x = (S + H)^-1 b with the rounded factor and residuals in double precision; false when that
   /// does not get to rounding.
@@ -168,24 +265,18 @@ private:
     }
     return last <= 1e-12 * b.lpNorm<Eigen::Infinity>();
   }
-  /// rough_x_ = v over its largest entry; returns that entry over `by`.
-  double to_single(const Vector& v, double by) const {
-    const double largest = v.lpNorm<Eigen::Infinity>();
-    const double inverse = largest > 0.0 ? 1.0 / largest : 0.0;
-    rough_x_ = (v * inverse).cast<float>();
-    return largest / by;
-  }
-
   /// From this size on the factor is made in single precision and solves are refined.
   static constexpr int rounded_from = 400;
   static constexpr float smallest_rounded_pivot = 1e-4F;
 
   DenseMatrix s_;
+  mutable Vector magnitudes_;
   SparseMatrix h_;
   mutable DenseMatrix factor_; ///< empty while the rounded factor serves
   bool symmetric_;
   double unit_;
   mutable std::vector<int> pivots_;
+  mutable std::vector<int> free_, held_; ///< which unknowns the rough factor has and leaves out
   mutable Eigen::MatrixXf rough_factor_; ///< made when first asked for
   mutable Eigen::VectorXf rough_x_;
 };
@@ -212,7 +303,7 @@ public:
         out[i] += std::abs(it.value() * c[it.col()]);
   }
 
-  bool factor(const SparseMatrix& h) override {
+  bool factor(const SparseMatrix& h, std::span<const int>) override {
     sum_ = k_ + h; // the pattern is the union: the same as long as h keeps its own
     const bool same = analysed_ && sum_.nonZeros() == analysed_nonzeros_;
     if (symmetric_) {

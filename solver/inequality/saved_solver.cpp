@@ -37,7 +37,7 @@ void InequalityEngine::restore(std::istream& in) {
   if (d_factored.size() != d.size()) r.fail("has another number of contact points");
   d = d_factored;
   assemble();
-  factored = op.factor(h);
+  factored = op.factor(h, held_unknowns());
 }
 
 } // namespace hvi::solver

@@ -75,7 +75,7 @@ private:
   Supernodes supernodes_;
   SweepStorage storage_ = SweepStorage::full;
   SweepStorage storage_of_y_ = SweepStorage::full;
-  PackedFactor packed_;                  ///< the interior of L once more, if swept in single
+  PackedFactor packed_;                  ///< the interior of L once more, if swept shortened
   std::vector<double> inverse_diagonal_; ///< of L, interior
   std::vector<double> y_, x_;            ///< the sweeps' vectors, in the order of elimination
   DenseMatrix l22_;
@@ -133,6 +133,9 @@ void Cholesky::factor(const SparseMatrix& k) {
   a_.assign(k);
   cholmod_sparse view = a_.view();
   cholmod_common* common = session_.common();
+  if (l_->xtype == CHOLMOD_PATTERN && // else CHOLMOD would make room itself, in small pages
+      cholmod_l_change_factor(CHOLMOD_REAL, true, true, true, true, l_, common) != 0)
+    advise_large_pages(l_->x, l_->xsize * sizeof(double));
   cholmod_l_factorize(&view, l_, common);
   if (common->status < CHOLMOD_OK)
     throw Failure(FailureKind::limit, {},
@@ -144,7 +147,7 @@ void Cholesky::factor(const SparseMatrix& k) {
   read_trailing_block();
   statistics_.reciprocal_condition = cholmod_l_rcond(l_, common);
   packed_.clear();
-  if (storage_ == SweepStorage::single) sweep_in(storage_);
+  sweep_in(storage_);
   statistics_.seconds_factor = cpu_seconds() - start;
   factored_ = true;
 }
@@ -198,7 +201,7 @@ void Cholesky::read_trailing_block() {
 
 bool Cholesky::sweep_in(SweepStorage storage) {
   storage_ = storage;
-  if (storage == SweepStorage::single && packed_.empty() && !packed_.pack(supernodes_, values()))
+  if (storage != SweepStorage::full && packed_.empty() && !packed_.pack(supernodes_, values()))
     storage_ = SweepStorage::full;
   return storage_ == storage;
 }
@@ -215,10 +218,10 @@ void Cholesky::reduce(const Vector& b, Vector& r) {
   if (!factored_) throw std::logic_error("reduce before a successful factorisation");
   for (int position = 0; position < size_; ++position) y_[position] = b[permutation_[position]];
   storage_of_y_ = storage_;
-  if (storage_ == SweepStorage::single)
-    packed_.forward(y_.data());
-  else
+  if (storage_ == SweepStorage::full)
     supernodes_.forward(values(), inverse_diagonal_.data(), y_.data());
+  else
+    packed_.forward(storage_ == SweepStorage::fine, y_.data());
   r.resize(size_ - interior_);
   std::copy(y_.begin() + interior_, y_.end(), r.data());
   count_sweep();
@@ -229,23 +232,23 @@ void Cholesky::count_sweep() {
   ++statistics_.sweeps;
   const double n_contact = size_ - interior_;
   const double entries = static_cast<double>(l_->xsize) - n_contact * n_contact;
-  statistics_.bytes_swept +=
-      entries * (storage_ == SweepStorage::single ? sizeof(float) : sizeof(double));
+  statistics_.bytes_swept += storage_ == SweepStorage::full
+                                 ? entries * sizeof(double)
+                                 : packed_.bytes_swept(storage_ == SweepStorage::fine);
 }
 
 void Cholesky::back(const Vector& c, Vector& x) {
   if (!factored_) throw std::logic_error("back before a successful factorisation");
   std::copy_n(c.data(), size_ - interior_, x_.begin() + interior_);
-  if (storage_ != storage_of_y_) { // y over the diagonal of L is what the rounded sweep back takes
-    const bool divide = storage_ == SweepStorage::single;
+  const bool full = storage_ == SweepStorage::full;
+  if (full != (storage_of_y_ == SweepStorage::full)) // packed sweeps back take y over L's diagonal
     for (int i = 0; i < interior_; ++i)
-      y_[i] *= divide ? inverse_diagonal_[i] : 1.0 / inverse_diagonal_[i];
-    storage_of_y_ = storage_;
-  }
-  if (storage_ == SweepStorage::single)
-    packed_.backward(y_.data(), x_.data());
-  else
+      y_[i] *= full ? 1.0 / inverse_diagonal_[i] : inverse_diagonal_[i];
+  storage_of_y_ = storage_;
+  if (full)
     supernodes_.backward(values(), inverse_diagonal_.data(), y_.data(), x_.data());
+  else
+    packed_.backward(storage_ == SweepStorage::fine, y_.data(), x_.data());
   x.resize(size_);
   for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
   count_sweep();

@@ -22,9 +22,9 @@ struct FactorStatistics {
   double seconds_analyse = 0, seconds_factor = 0;
   double reciprocal_condition = 0; ///< a cheap estimate
   int analyses = 0, factorisations = 0,
-      sweeps = 0;       ///< work counters; a sweep reads the factor once
+      sweeps = 0;         ///< work counters; a sweep reads the factor once
   double bytes_swept = 0; ///< that all sweeps had to read
-  std::string ordering; ///< "METIS", "CAMD", ...
+  std::string ordering;   ///< "METIS", "CAMD", ...
 };
 
 /// The matrix has no (safe) factor: a rigid motion is left, or it is not positive definite.
@@ -35,13 +35,13 @@ struct NotFactorable : Failure {
   double pivot; ///< the pivot relative to the diagonal entry of K; NaN if it was not finite
 };
 
-/// How the two sweeps read the factor. A sweep is bound by memory: `single` halves what it reads.
-/// The arithmetic is double and S stays exact, but L_II and L_cI are rounded to 24 bits, so that a
-/// sweep has a relative error of about 1e-7 times the growth of the matrix. It pays where only a
-/// small correction is solved for and the true residual is known: with a guess x* (the last
-/// increments, extrapolated) and b* = b - K x*,
+/// How the two sweeps read the factor. A sweep is bound by memory: `single` reads 32 bits an entry
+/// instead of 64, `fine` 48. The arithmetic is double and S stays exact, but L_II and L_cI are
+/// rounded to 24 or 40 bits, so that a sweep has a relative error of about 1e-7 or 2e-12 times the
+/// growth of the matrix. It pays where only a small correction is solved for and the true residual
+/// is known: with a guess x* (the last increments, extrapolated) and b* = b - K x*,
 ///     reduce(b*) -> r*,  r = r* + S c*,  the reduced problem gives c,  back(c - c*) -> x - x*.
-enum class SweepStorage { full, single };
+enum class SweepStorage { full, fine, single };
 
 class Factorisation {
 public:
@@ -58,9 +58,9 @@ public:
   /// x = K^-1 b, both sweeps with S c = r solved exactly.
   virtual void solve(const Vector& b, Vector& x) = 0;
   /// Chooses how the sweeps read this and later factors; false when it cannot be had (LU, or
-  /// entries beyond the range of float), and then the storage is `full`. The rounded copy is made
-  /// the first time and kept: changing to and fro costs nothing, between the sweeps of one solution
-  /// too.
+  /// entries beyond the range of float), and then the storage is `full`. The rounded copy, one for
+  /// `fine` and `single`, is made the first time and kept: changing to and fro costs nothing,
+  /// between the sweeps of one solution too.
   virtual bool sweep_in(SweepStorage storage) = 0;
   /// The Schur complement S, n_c by n_c. For Cholesky it is L22 L22^T, read off the factor.
   virtual const DenseMatrix& schur() const = 0;

@@ -4,7 +4,6 @@
 #include "solver/linear/instruction_set.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -22,42 +21,9 @@ int tiles_of(int rows) { return (rows + lanes - 1) / lanes; }
 /// The width of the block of columns that begins with `left` columns to go.
 int width_of(int left) { return left >= 8 ? 8 : left >= 4 ? 4 : left >= 2 ? 2 : 1; }
 
-/// Floats of a block of `width` columns with `below` rows under its triangle.
+/// Entries of a block of `width` columns with `below` rows under its triangle.
 std::size_t block_size(int width, int below) {
   return static_cast<std::size_t>(width * width + tiles_of(below) * lanes * width);
-}
-
-/// Rounded; what is far below all others becomes zero, as processors stumble over subnormal
-/// numbers.
-float rounded(double v) { return std::abs(v) < 1e-30 ? 0.0F : static_cast<float>(v); }
-
-/// The inverse of the unit lower triangle of a block, by columns.
-std::array<double, 64> inverse_of(const double* column, std::size_t stride, int width) {
-  std::array<double, 64> inverse{};
-  for (int a = 0; a < width; ++a) {
-    inverse[a * width + a] = 1.0;
-    for (int i = a + 1; i < width; ++i) {
-      double sum = 0.0;
-      for (int b = a; b < i; ++b)
-        sum += column[b * stride + i] / column[b * stride + b] * inverse[a * width + b];
-      inverse[a * width + i] = -sum;
-    }
-  }
-  return inverse;
-}
-
-/// Writes one block; `column` points at the top of its triangle.
-void pack_block(const double* column, std::size_t stride, int width, int below,
-                std::vector<float>& out) {
-  const auto inverse = inverse_of(column, stride, width);
-  for (int at = 0; at < width * width; ++at) out.push_back(rounded(inverse[at]));
-  for (int tile = 0; tile < tiles_of(below); ++tile)
-    for (int a = 0; a < width; ++a)
-      for (int lane = 0; lane < lanes; ++lane) {
-        const int row = tile * lanes + lane;
-        const double* of = column + a * stride;
-        out.push_back(row < below ? rounded(of[width + row] / of[a]) : 0.0F);
-      }
 }
 
 /// What a sweep works on.
@@ -65,27 +31,57 @@ struct Sweep {
   std::span<const Panel> panels;
   const int* below;
   const float* values;
+  const std::int16_t* rests;
   const std::size_t* end;
   const double* inverse_square;
   double* work;
 };
+
+/// Where entries are written to.
+struct Packing {
+  float* values;
+  std::int16_t* rests;
+  double* inverse_square;
+  bool finite = true;
+};
+
+// An entry is a float and the sixteen bits of the double that follow: bits of the double are those
+// of the widened float plus rest << 21. They are counted from the nearest float, so that the float
+// alone is as near as can be.
+constexpr int rest_shift = 13;
+
+/// What is far below all others becomes zero, as processors stumble over subnormal numbers.
+constexpr double negligible = 1e-30;
+
+void split(double v, float& value, std::int16_t& rest) {
+  if (!(std::abs(v) >= negligible)) v = v == v ? 0.0 : v;
+  value = static_cast<float>(v);
+  const double widened = value;
+  std::int64_t bits, near;
+  std::memcpy(&bits, &v, sizeof bits);
+  std::memcpy(&near, &widened, sizeof near);
+  const std::int64_t units = (bits - near + (std::int64_t{1} << (rest_shift - 1))) >> rest_shift;
+  rest = static_cast<std::int16_t>(std::clamp<std::int64_t>(units, -32768, 32767));
+}
 
 // Packs are never passed between functions that are compiled apart.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 #pragma GCC push_options
 #pragma GCC target("avx512f,avx2,fma,prefer-vector-width=512")
-#define HVI_WIDEN_512
+#define HVI_PACKED_512
 namespace avx512 {
 #include "solver/linear/packed_kernels.hpp"
-#undef HVI_WIDEN_512
+#undef HVI_PACKED_512
 } // namespace avx512
 #pragma GCC pop_options
 
 #pragma GCC push_options
 #pragma GCC target("avx2,fma")
+#define HVI_PACKED_256
 namespace avx2 {
 #include "solver/linear/packed_kernels.hpp"
+#undef HVI_PACKED_256
 } // namespace avx2
 #pragma GCC pop_options
 
@@ -95,71 +91,85 @@ namespace baseline {
 
 } // namespace
 
-bool PackedFactor::pack(const Supernodes& structure, const double* values) {
-  clear();
-  structure_ = &structure;
+/// Finds where each panel's entries end; returns how many there are.
+std::size_t PackedFactor::lay_out(const Supernodes& structure) {
   std::size_t size = 0;
   int tallest = 0, columns = 0;
+  end_.clear();
   for (const Panel& panel : structure.panels()) {
     for (int j = 0, width; j < panel.columns; j += width) {
       width = width_of(panel.columns - j);
       size += block_size(width, panel.rows - j - width);
     }
+    end_.push_back(size);
     tallest = std::max(tallest, panel.rows);
     columns += panel.columns;
   }
-  values_.reserve(size);
-  inverse_square_.reserve(static_cast<std::size_t>(columns));
-  for (const Panel& panel : structure.panels()) {
-    const auto stride = static_cast<std::size_t>(panel.stride);
-    const double* top = values + panel.values;
-    for (int j = 0, width; j < panel.columns; j += width) {
-      width = width_of(panel.columns - j);
-      pack_block(top + j * (stride + 1), stride, width, panel.rows - j - width, values_);
-    }
-    for (int j = 0; j < panel.columns; ++j) {
-      const double entry = top[j * (stride + 1)];
-      inverse_square_.push_back(1.0 / entry / entry);
-    }
-    end_.push_back(values_.size());
-  }
+  inverse_square_.resize(static_cast<std::size_t>(columns));
   work_.assign(static_cast<std::size_t>(tallest + lanes), 0.0);
-  const bool finite =
-      std::all_of(values_.begin(), values_.end(), [](float v) { return std::isfinite(v); }) &&
-      std::all_of(inverse_square_.begin(), inverse_square_.end(),
-                  [](double v) { return std::isfinite(v); });
+  return size;
+}
+
+bool PackedFactor::pack(const Supernodes& structure, const double* values) {
+  const std::size_t size = lay_out(structure);
+  values_.resize(size);
+  rests_.resize(size);
+  structure_ = &structure;
+  Packing out{values_.data(), rests_.data(), inverse_square_.data()};
+  switch (instruction_set()) {
+  case InstructionSet::avx512:
+    avx512::pack_panels(structure.panels(), values, out);
+    break;
+  case InstructionSet::avx2:
+    avx2::pack_panels(structure.panels(), values, out);
+    break;
+  case InstructionSet::baseline:
+    baseline::pack_panels(structure.panels(), values, out);
+    break;
+  }
+  const bool finite = out.finite && std::all_of(inverse_square_.begin(), inverse_square_.end(),
+                                                [](double v) { return std::isfinite(v); });
   if (!finite) clear();
   return finite;
 }
 
 double PackedFactor::bytes() const {
-  return static_cast<double>(values_.size()) * sizeof(float) +
+  return static_cast<double>(values_.size()) * (sizeof(float) + sizeof(std::int16_t)) +
          static_cast<double>(inverse_square_.size()) * sizeof(double);
 }
 
-void PackedFactor::forward(double* y) {
-  const Sweep sweep{structure_->panels(), structure_->below().data(), values_.data(),
+double PackedFactor::bytes_swept(bool fine) const {
+  return static_cast<double>(values_.size()) *
+         (sizeof(float) + (fine ? sizeof(std::int16_t) : std::size_t{0}));
+}
+
+void PackedFactor::forward(bool fine, double* y) {
+  const Sweep sweep{structure_->panels(), structure_->below().data(), values_.data(), rests_.data(),
                     end_.data(),          inverse_square_.data(),     work_.data()};
   switch (instruction_set()) {
   case InstructionSet::avx512:
-    return avx512::forward_sweep(sweep, y);
+    return fine ? avx512::forward_sweep<true>(sweep, y) : avx512::forward_sweep<false>(sweep, y);
   case InstructionSet::avx2:
-    return avx2::forward_sweep(sweep, y);
+    return fine ? avx2::forward_sweep<true>(sweep, y) : avx2::forward_sweep<false>(sweep, y);
   case InstructionSet::baseline:
-    return baseline::forward_sweep(sweep, y);
+    return fine ? baseline::forward_sweep<true>(sweep, y)
+                : baseline::forward_sweep<false>(sweep, y);
   }
 }
 
-void PackedFactor::backward(const double* y, double* x) {
-  const Sweep sweep{structure_->panels(), structure_->below().data(), values_.data(),
+void PackedFactor::backward(bool fine, const double* y, double* x) {
+  const Sweep sweep{structure_->panels(), structure_->below().data(), values_.data(), rests_.data(),
                     end_.data(),          inverse_square_.data(),     work_.data()};
   switch (instruction_set()) {
   case InstructionSet::avx512:
-    return avx512::backward_sweep(sweep, y, x);
+    return fine ? avx512::backward_sweep<true>(sweep, y, x)
+                : avx512::backward_sweep<false>(sweep, y, x);
   case InstructionSet::avx2:
-    return avx2::backward_sweep(sweep, y, x);
+    return fine ? avx2::backward_sweep<true>(sweep, y, x)
+                : avx2::backward_sweep<false>(sweep, y, x);
   case InstructionSet::baseline:
-    return baseline::backward_sweep(sweep, y, x);
+    return fine ? baseline::backward_sweep<true>(sweep, y, x)
+                : baseline::backward_sweep<false>(sweep, y, x);
   }
 }
 

@@ -1,9 +1,12 @@
-// The interior part of a Cholesky factor once more, rounded to single precision and laid out in the
-// order in which the sweeps read it. For corrections whose true residual is known (SweepStorage).
+// The interior part of a Cholesky factor once more, shortened to 32 or 48 bits an entry and laid
+// out in the order in which the sweeps read it. For corrections whose true residual is known
+// (SweepStorage).
 #pragma once
 
+#include "solver/linear/large_pages.hpp"
 #include "solver/linear/supernodes.hpp"
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -12,24 +15,30 @@ namespace hvi::solver {
 /// L = U D with D the diagonal of L and U of unit diagonal, so that no unit system leaves the range
 /// of a float. The columns of a panel are cut into blocks of 8 (at the end 4, 2, 1). Of each block
 /// the inverse of its triangle is stored, then the rows below in tiles of 8: one linear stream of
-/// floats, forward in one sweep and backward in the other. The arithmetic is double.
+/// floats, forward in one sweep and backward in the other. A second stream holds the sixteen
+/// bits that follow those of the floats. The arithmetic is double.
 class PackedFactor {
 public:
-  /// Rounds a factor of this structure. False when an entry is beyond a float; then it is empty.
+  /// Shortens a factor of this structure. False when an entry is beyond a float; then it is empty.
   bool pack(const Supernodes& structure, const double* values);
   void clear() { *this = {}; }
   bool empty() const { return structure_ == nullptr; }
 
-  /// y_I := D^-2 U_II^-1 y_I, y_c := y_c - L_cI (L_II^-1 y_I).
-  void forward(double* y);
+  /// y_I := D^-2 U_II^-1 y_I, y_c := y_c - L_cI (L_II^-1 y_I). `fine`: with 48 bits, else 32.
+  void forward(bool fine, double* y);
   /// x_I := U_II^-T (y_I - U_cI^T x_c) for the y of `forward`, x_c given in x.
-  void backward(const double* y, double* x);
+  void backward(bool fine, const double* y, double* x);
   double bytes() const;
+  /// That a sweep reads.
+  double bytes_swept(bool fine) const;
 
 private:
+  std::size_t lay_out(const Supernodes& structure);
+
   const Supernodes* structure_ = nullptr;
-  std::vector<float> values_;
-  std::vector<std::size_t> end_; ///< of a panel's values
+  LargeVector<float> values_;
+  LargeVector<std::int16_t> rests_; ///< of the values, in units of 2^-39 of their power of two
+  std::vector<std::size_t> end_;    ///< of a panel's values
   std::vector<double> inverse_square_, work_;
 };
 

@@ -105,14 +105,13 @@ void Stepper::save(std::ostream& out) const {
   }
   predictor_.save(out);
   put_vector(w, predicted_gamma_);
-  int single = -1, index = 0; // which matrix has a rounded factor
+  int shortened = -1, index = 0; // which matrix has a shortened factor
   for (const auto& cached : matrices_) {
-    if (cached.matrix.get() == single_) single = index;
+    if (cached.matrix.get() == shortened_) shortened = index;
     ++index;
   }
-  w.put(std::array<int, 4>{single, never_single_ ? 1 : 0, single_steps_, single_misses_});
-  w.put(rounding_gain_);
-  w.put(first_moved_);
+  w.put(std::array<int, 2>{shortened, never_shortened_ ? 1 : 0});
+  sweeps_.save(out);
 }
 
 /// The run was made for another end: its histories go on as they are, if that can be.
@@ -153,16 +152,14 @@ void Stepper::restore(std::istream& in) {
   newton_ = counters[2], fallbacks_ = counters[3];
   predictor_.restore(in);
   get_vector(r, predicted_gamma_);
-  const auto rounding = r.get<std::array<int, 4>>();
-  single_ = nullptr;
-  if (rounding[0] >= 0 && rounding[0] < static_cast<int>(matrices_.size())) {
-    auto& matrix = *std::next(matrices_.begin(), rounding[0])->matrix;
-    if (matrix.round()) single_ = &matrix;
+  const auto shortened = r.get<std::array<int, 2>>();
+  shortened_ = nullptr;
+  if (shortened[0] >= 0 && shortened[0] < static_cast<int>(matrices_.size())) {
+    auto& matrix = *std::next(matrices_.begin(), shortened[0])->matrix;
+    if (matrix.shorten()) shortened_ = &matrix;
   }
-  never_single_ = rounding[1] != 0;
-  single_steps_ = rounding[2], single_misses_ = rounding[3];
-  rounding_gain_ = r.get<double>();
-  first_moved_ = r.get<double>();
+  never_shortened_ = shortened[1] != 0;
+  sweeps_.restore(in);
 }
 
 void FieldFiles::save(std::ostream& out) const {

@@ -20,23 +20,17 @@ constexpr double slow_contraction = 1e-3;
 /// With such a factor corrections go on until what it does not know is rounding: that error would
 /// pile up over the steps.
 constexpr double refined = 1e-13;
-/// Where a rounded factor solved for the difference to the extrapolated increment, one pair of
-/// sweeps is enough within this part of the certificate's tolerance.
-constexpr double part_for_rounding = 0.2;
-/// A rounded factor is made when at least so many steps are left, and of no larger one than this.
-constexpr int worth_rounding = 12;
 /// Matrices are stored once more, for products that read half, when a run has so many steps.
 constexpr int worth_halving = 12;
-/// Part of the certificate's tolerance by which contact unknowns may move in a rounded sweep back,
-/// over its rounding: a first guess, lowered where a step shows that it was too much.
-constexpr double first_most_moved = 1e7;
-constexpr double largest_rounded = 3e9;
+/// No factor of more bytes is made once more with fewer bits.
+constexpr double largest_shortened = 3e9;
 
 } // namespace
 
 Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
     : plan_(plan), discretisation_(d), timing_(timing), grid_(plan.time),
-      layout_(make_layout(d.space, d.dofs)) {
+      layout_(make_layout(d.space, d.dofs)), never_shortened_(!plan.options.shortened_sweeps),
+      sweeps_(plan.options.tolerance) {
   const PhaseClock clock(timing.assembly);
   operators_ = assemble_operators(plan, d, layout_);
   contact_ = make_contact(plan, d, layout_);
@@ -67,7 +61,7 @@ void Stepper::reduce_if_possible() {
     return;
   }
   checked_ = checked_steps(plan_, grid_.steps());
-  never_single_ = true; // there is next to nothing to sweep
+  never_shortened_ = true; // there is next to nothing to sweep
 }
 
 /// The backward error of step n on all rows, of the fields that a report would see.
@@ -283,60 +277,37 @@ void Stepper::guess_from_increment() {
   for (Eigen::Index i = 0; i < guess.size(); ++i) guess[i] = d_[contact_.unknowns[i]];
 }
 
-/// By how much the contact unknowns may move in a rounded sweep back: the largest equilibrium error
-/// seen so far, over what they moved, must leave it within half of the target.
-double Stepper::most_moved() const {
-  if (rounding_gain_ == 0.0) return first_most_moved * plan_.options.tolerance;
-  return std::min(0.1, 0.5 * part_for_rounding * plan_.options.tolerance / rounding_gain_);
-}
-
-/// The sweeps are bound by reading the factor: single precision halves it where the extrapolation
-/// is so good that one pair of sweeps is enough.
+/// The sweeps are bound by reading the factor: fewer bits an entry halve that where the
+/// extrapolation is so good that one pair of sweeps is enough.
 void Stepper::choose_storage(int n, StepMatrix& matrix) {
-  if (never_single_ || contact_.whole) return;
-  if (single_ == nullptr) {
-    if (!predictor_.ready() || grid_.steps() - n < worth_rounding) return;
-    if (!(first_moved_ <= most_moved())) return;
-    never_single_ = matrix.statistics().bytes > largest_rounded || !matrix.round();
-    if (!never_single_) single_ = &matrix;
+  if (never_shortened_ || contact_.whole) return;
+  if (shortened_ == nullptr) {
+    if (!predictor_.ready() || !sweeps_.worthwhile(grid_.steps() - n)) return;
+    never_shortened_ = matrix.statistics().bytes > largest_shortened || !matrix.shorten();
+    if (!never_shortened_) shortened_ = &matrix;
     return;
   }
-  if (single_ != &matrix) return;
-  ++single_steps_;
-  if (single_misses_ < 4 || 4 * single_misses_ < single_steps_) return;
-  single_ = nullptr, never_single_ = true;
-}
-
-/// After the first correction of a step, with a rounded factor.
-void Stepper::learn_rounding(const StepMatrix& matrix, double error) {
-  const double target = part_for_rounding * plan_.options.tolerance, moved = matrix.moved();
-  if (matrix.went_back_rounded() && moved > 0.0) {
-    if (error > 1e-3 * target || moved > 0.1 * most_moved())
-      rounding_gain_ = std::max(rounding_gain_, error / moved);
-  } else {
-    single_misses_ += error > target ? 1 : 0; // the sweep forward is to blame
-  }
+  if (shortened_ != &matrix) return;
+  sweeps_.count_step();
+  if (sweeps_.failed()) shortened_ = nullptr, never_shortened_ = true;
 }
 
 /// Solves step n; `again`: d_, gap_ and the multipliers are those of the same step with other laws.
 StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
   StepResult out;
   const double tolerance = plan_.options.tolerance;
-  const bool rounded = single_ == &matrix;
-  const double target = rounded ? part_for_rounding * tolerance : tolerance;
+  const bool shortened = shortened_ == &matrix;
+  const double target = shortened ? sweeps_.target() : tolerance;
   if (again) inequality_.xi_guess = inequality_.xi;
   if (again) guess_from_increment();
   const bool predicted = again || predict(n, matrix);
-  const double moved_before = first_moved_; // a step is much like the last one
-  first_moved_ = std::numeric_limits<double>::infinity();
+  matrix.limit_sweeps(shortened && predicted ? sweeps_.limits(!contact_.none()) : SweepLimits{});
+  sweeps_.note_moved(std::numeric_limits<double>::infinity());
   inequality_.c.setZero(); // the path to the new state starts at the last one
   double last = std::numeric_limits<double>::infinity();
   int iterations = 0, events = 0;
   while (out.corrections < most_corrections) {
-    if (rounded && predicted && out.corrections == 0 && moved_before <= most_moved())
-      matrix.sweep_rounded(most_moved());
-    else
-      matrix.sweep_exactly();
+    if (out.corrections > 0) matrix.limit_sweeps({});
     out.inequality = out.corrections == 0 && !predicted ? matrix.start(rhs_, inequality_, d_)
                                                         : matrix.correct(gap_, inequality_, d_);
     inequality_.c_guess.resize(0), inequality_.xi_guess.resize(0);
@@ -345,9 +316,9 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
     events += out.inequality.events;
     out.equilibrium = residual(matrix);
     if (predicted && out.corrections == 1) {
-      first_moved_ = matrix.moved();
-      if (matrix.went_forward_rounded() && change_.isZero(0.0))
-        learn_rounding(matrix, out.equilibrium);
+      sweeps_.note_moved(matrix.moved());
+      if (matrix.swept_forward() != SweepStorage::full && change_.isZero(0.0))
+        sweeps_.learn(matrix.swept_forward(), matrix.swept_back(), out.equilibrium);
     }
     const bool exact = change_.isZero(0.0) || mismatch_ <= refined;
     if (!out.inequality.converged || (exact && out.equilibrium <= target)) break;

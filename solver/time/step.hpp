@@ -83,9 +83,7 @@ private:
   void learn(int n, StepMatrix& matrix, const StepResult& result);
   bool predict(int n, const StepMatrix& matrix);
   void guess_from_increment();
-  double most_moved() const;
   void choose_storage(int n, StepMatrix& matrix);
-  void learn_rounding(const StepMatrix& matrix, double error);
   StepResult attempt(int n, StepMatrix& matrix);
   void couple_bounds(int n, StepMatrix& matrix, StepResult& out);
   void accept(int n);
@@ -111,12 +109,10 @@ private:
   std::vector<char> checked_; ///< steps whose equilibrium is computed on all rows (reduce.hpp)
   Vector load_, stress_;      ///< of [contact; modes], for that
   Predictor predictor_;
-  Vector predicted_gamma_;             ///< of the matrix of the predictor's increments
-  const StepMatrix* single_ = nullptr; ///< whose factor is there once more, rounded
-  bool never_single_ = false;
-  int single_steps_ = 0, single_misses_ = 0;
-  double first_moved_ = 0.0;   ///< StepMatrix::moved of the step's first correction
-  double rounding_gain_ = 0.0; ///< largest equilibrium error of a rounded sweep back, over `moved`
+  Vector predicted_gamma_;                ///< of the matrix of the predictor's increments
+  const StepMatrix* shortened_ = nullptr; ///< whose factor is there once more, with fewer bits
+  bool never_shortened_ = false;
+  SweepChoice sweeps_;
   /// The base matrices once more for products, in half the memory; empty: not used.
   std::vector<SymmetricBlocks> halves_;
   Vector kd_; ///< K d of the last residual, K the factored matrix

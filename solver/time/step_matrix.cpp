@@ -50,9 +50,9 @@ void StepMatrix::condense(const Vector& gap, InequalityState& state) {
   if (state.c_guess.size() == c_.size() && state.c_guess == c_) state.s_c_guess = product_;
 }
 
-/// The correction of the contact unknowns moves the whole body: where it is large the rounded
+/// The correction of the contact unknowns moves the whole body: where it is large a shortened
 /// factor would leave an error of its size, whatever is small before the sweep.
-void StepMatrix::expand(const InequalityState& state, bool rounded) {
+void StepMatrix::expand(const InequalityState& state, const SweepLimits& limits) {
   c_ = state.c - c_;
   const double size = state.c.lpNorm<Eigen::Infinity>();
   moved_ = size > 0.0 ? c_.lpNorm<Eigen::Infinity>() / size : 0.0;
@@ -60,15 +60,16 @@ void StepMatrix::expand(const InequalityState& state, bool rounded) {
     x_ = c_;
     return;
   }
-  back_rounded_ = rounded && moved_ <= most_moved_;
-  factorisation_->sweep_in(storage(back_rounded_));
+  back_ = limits.back(moved_);
+  factorisation_->sweep_in(back_);
   factorisation_->back(c_, x_);
 }
 
 /// x_ = the correction of a d whose contact part is c_.
-InequalityReport StepMatrix::solve(const Vector& gap, InequalityState& state, bool rounded) {
+InequalityReport StepMatrix::solve(const Vector& gap, InequalityState& state,
+                                   const SweepLimits& limits) {
   InequalityReport report;
-  if (factorisation_) factorisation_->sweep_in(storage(rounded));
+  if (factorisation_) factorisation_->sweep_in(limits.forward);
   LapClock clock;
   if (contact_.none()) {
     factorisation_->solve(gap, x_);
@@ -80,26 +81,26 @@ InequalityReport StepMatrix::solve(const Vector& gap, InequalityState& state, bo
   clock.charge(seconds_sweeps);
   report = solver_->solve(r_, state);
   clock.charge(seconds_inequality);
-  expand(state, rounded);
+  expand(state, limits);
   clock.charge(seconds_sweeps);
   return report;
 }
 
 InequalityReport StepMatrix::start(const Vector& gap, InequalityState& state, Vector& d) {
   c_.setZero();
-  auto report = solve(gap, state, false);
+  auto report = solve(gap, state, {});
   d.swap(x_);
   return report;
 }
 
 InequalityReport StepMatrix::correct(const Vector& gap, InequalityState& state, Vector& d) {
   for (Eigen::Index i = 0; i < c_.size(); ++i) c_[i] = d[contact_.unknowns[i]];
-  auto report = solve(gap, state, most_moved_ >= 0.0);
+  auto report = solve(gap, state, limits_);
   d += x_;
   if (contact_.none()) { // nothing damps what rounding leaves: a hundred times as strict
     const double size = d.lpNorm<Eigen::Infinity>();
     moved_ = size > 0.0 ? 100.0 * x_.lpNorm<Eigen::Infinity>() / size : 0.0;
-    back_rounded_ = most_moved_ >= 0.0;
+    back_ = limits_.forward;
   }
   return report;
 }

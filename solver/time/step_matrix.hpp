@@ -7,6 +7,7 @@
 #include "solver/time/contact.hpp"
 #include "solver/time/operators.hpp"
 #include "solver/time/shared_work.hpp"
+#include "solver/time/sweep_choice.hpp"
 
 #include <memory>
 
@@ -37,22 +38,19 @@ public:
   /// The first correction: the same with d = 0, whatever d holds.
   InequalityReport start(const Vector& gap, InequalityState& state, Vector& d);
 
-  /// Makes a rounded factor; false when it cannot be had, or for the matrix without one.
-  bool round() {
-    const bool rounded = factorisation_ && factorisation_->sweep_in(SweepStorage::single);
-    if (rounded) factorisation_->sweep_in(SweepStorage::full);
-    return rounded;
+  /// Makes a shortened factor; false when it cannot be had, or for the matrix without one.
+  bool shorten() {
+    const bool shortened = factorisation_ && factorisation_->sweep_in(SweepStorage::fine);
+    if (shortened) factorisation_->sweep_in(SweepStorage::full);
+    return shortened;
   }
-  /// From now on `correct` sweeps with the rounded factor; backward only where the contact unknowns
-  /// move by no more than this part of their size.
-  void sweep_rounded(double most_moved) { most_moved_ = most_moved; }
-  /// And from now on it does not.
-  void sweep_exactly() { most_moved_ = -1.0; }
+  /// How `correct` sweeps from now on. Anything but full needs `shorten` first.
+  void limit_sweeps(const SweepLimits& limits) { limits_ = limits; }
   /// max |c' - c| / max |c'| of the last correction.
   double moved() const { return moved_; }
-  /// Did the last correction sweep forward, and back, with the rounded factor?
-  bool went_forward_rounded() const { return most_moved_ >= 0.0; }
-  bool went_back_rounded() const { return back_rounded_; }
+  /// How the last correction swept.
+  SweepStorage swept_forward() const { return limits_.forward; }
+  SweepStorage swept_back() const { return back_; }
 
   /// K once more for products, in half the memory; empty until `halve`, or if K is not symmetric.
   const SymmetricBlocks& half() const { return half_; }
@@ -69,11 +67,8 @@ public:
 private:
   void make_factor();
   void condense(const Vector& gap, InequalityState& state);
-  SweepStorage storage(bool rounded) const {
-    return rounded ? SweepStorage::single : SweepStorage::full;
-  }
-  void expand(const InequalityState& state, bool rounded);
-  InequalityReport solve(const Vector& gap, InequalityState& state, bool rounded);
+  void expand(const InequalityState& state, const SweepLimits& limits);
+  InequalityReport solve(const Vector& gap, InequalityState& state, const SweepLimits& limits);
 
   const Operators& operators_;
   const Contact& contact_;
@@ -85,8 +80,9 @@ private:
   std::unique_ptr<ReducedOperator> reduced_;
   std::unique_ptr<InequalitySolver> solver_;
   Vector r_, x_, c_, product_; ///< x_: the correction; c_: d on the contact unknowns
-  double most_moved_ = -1.0, moved_ = 0.0;
-  bool back_rounded_ = false;
+  SweepLimits limits_;
+  SweepStorage back_ = SweepStorage::full;
+  double moved_ = 0.0;
 };
 
 } // namespace hvi::solver

@@ -162,17 +162,19 @@ TEST(Factorisation, CondensesUnderNestedDissection) {
   EXPECT_LT(reaction.norm(), 1e-12 * expected.norm());
 }
 
-// A sweep in single precision solves for a correction; two of them reach full accuracy.
-TEST(Factorisation, RefinesWithAFactorInSinglePrecision) {
-  for (const Problem& problem : {slab(24), cube(7)}) {
+// A sweep with a shortened factor solves for a correction; two or three of them reach full
+// accuracy.
+TEST(Factorisation, RefinesWithAShortenedFactor) {
+  const auto check = [](const Problem& problem, SweepStorage storage,
+                        std::initializer_list<double> bounds) {
     const auto factorisation = analyse(problem.k, problem.contact, true);
     factorisation->factor(problem.k);
     const Vector b = random_vector(problem.k.rows(), 11);
     Vector exact, x = Vector::Zero(problem.k.rows()), correction;
     factorisation->solve(b, exact);
-    ASSERT_TRUE(factorisation->sweep_in(SweepStorage::single));
+    ASSERT_TRUE(factorisation->sweep_in(storage));
     double last = exact.norm();
-    for (const double bound : {1e-4, 1e-8, 1e-12}) {
+    for (const double bound : bounds) {
       factorisation->solve(b - problem.k * x, correction);
       x += correction;
       const double error = (x - exact).norm();
@@ -181,13 +183,17 @@ TEST(Factorisation, RefinesWithAFactorInSinglePrecision) {
       last = error;
     }
     factorisation->solve(b, x);
-    EXPECT_GT((x - exact).norm(), 1e-12 * exact.norm()) << "not swept in single precision";
+    EXPECT_GT((x - exact).norm(), 1e-14 * exact.norm()) << "not swept with a shortened factor";
     factorisation->factor(problem.k); // keeps the choice
     factorisation->solve(b, correction);
     EXPECT_EQ((x - correction).norm(), 0.0);
     EXPECT_TRUE(factorisation->sweep_in(SweepStorage::full));
     factorisation->solve(b, x);
     EXPECT_EQ((x - exact).norm(), 0.0);
+  };
+  for (const Problem& problem : {slab(24), cube(7)}) {
+    check(problem, SweepStorage::single, {1e-4, 1e-8, 1e-12});
+    check(problem, SweepStorage::fine, {2e-11, 1e-13});
   }
 }
 
@@ -215,26 +221,32 @@ TEST(Factorisation, ChangesItsStorageBetweenTheSweeps) {
     EXPECT_LT(mixed, 1e-12);
     EXPECT_GT(rounded, 1e3 * mixed);
     EXPECT_NEAR(error_of(SweepStorage::full, SweepStorage::single), rounded, 1e-2 * rounded);
+    const double fine = error_of(SweepStorage::fine, SweepStorage::fine);
+    EXPECT_LT(fine, rounded / 1e4); // sixteen bits more
+    EXPECT_GT(fine, rounded / 1e6);
+    EXPECT_NEAR(error_of(SweepStorage::full, SweepStorage::fine), fine, 1e-2 * fine);
+    EXPECT_LT(error_of(SweepStorage::fine, SweepStorage::full), mixed / 1e3);
   }
 }
 
-TEST(Factorisation, SinglePrecisionServesInEverySystemOfUnits) {
+TEST(Factorisation, ShortenedFactorsServeInEverySystemOfUnits) {
   const Vector b = Vector::Ones(36);
-  for (const double unit : {1.0, 1e-200, 1e-90, 1e80, 1e200}) {
-    const SparseMatrix k = unit * grid_laplacian(6);
-    const auto factorisation = analyse(k, {}, true);
-    factorisation->factor(k);
-    ASSERT_TRUE(factorisation->sweep_in(SweepStorage::single));
-    Vector x, correction;
-    factorisation->solve(unit * b, x);
-    EXPECT_LT((grid_laplacian(6) * x - b).norm(), 1e-5) << unit;
-    for (int k_refine = 0; k_refine < 2; ++k_refine) {
-      factorisation->solve(unit * (b - grid_laplacian(6) * x), correction);
-      x += correction;
+  for (const auto storage : {SweepStorage::single, SweepStorage::fine})
+    for (const double unit : {1.0, 1e-200, 1e-90, 1e80, 1e200}) {
+      const SparseMatrix k = unit * grid_laplacian(6);
+      const auto factorisation = analyse(k, {}, true);
+      factorisation->factor(k);
+      ASSERT_TRUE(factorisation->sweep_in(storage));
+      Vector x, correction;
+      factorisation->solve(unit * b, x);
+      EXPECT_LT((grid_laplacian(6) * x - b).norm(), 1e-5) << unit;
+      for (int k_refine = 0; k_refine < 2; ++k_refine) {
+        factorisation->solve(unit * (b - grid_laplacian(6) * x), correction);
+        x += correction;
+      }
+      EXPECT_LT((grid_laplacian(6) * x - b).norm(), 1e-13) << unit;
+      EXPECT_FALSE(analyse(k, {}, false)->sweep_in(storage));
     }
-    EXPECT_LT((grid_laplacian(6) * x - b).norm(), 1e-13) << unit;
-    EXPECT_FALSE(analyse(k, {}, false)->sweep_in(SweepStorage::single));
-  }
 }
 
 TEST(Factorisation, CholeskyAndLuAgree) {

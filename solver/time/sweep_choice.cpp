@@ -1,0 +1,77 @@
+// See sweep_choice.hpp.
+#include "solver/time/sweep_choice.hpp"
+
+#include "solver/history/stream.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace hvi::solver {
+namespace {
+
+/// Where a shortened factor solved for the difference to the extrapolated increment, one pair of
+/// sweeps is enough within this part of the certificate's tolerance.
+constexpr double part_for_rounding = 0.05;
+/// A shortened factor is made when at least so many steps are left.
+constexpr int worth_rounding = 12;
+/// How far contact unknowns may move, over the target: first guesses, lowered where a step shows
+/// that they were too much.
+constexpr double first_most_single = 5e7, first_most_fine = 2e11;
+/// And by which part of their size at the most.
+constexpr double cap_single = 0.1, cap_fine = 1.0;
+/// Where they move further, little is left of the extrapolation: forward with more bits.
+constexpr double moved_for_single_forward = 0.02;
+
+} // namespace
+
+SweepChoice::SweepChoice(double tolerance) : target_(part_for_rounding * tolerance) {}
+
+double SweepChoice::most(SweepStorage storage) const {
+  const bool single = storage == SweepStorage::single;
+  const double gain = single ? gain_single_ : gain_fine_;
+  const double learnt = gain > 0.0 ? 0.5 / gain : single ? first_most_single : first_most_fine;
+  return std::min(single ? cap_single : cap_fine, learnt * target_);
+}
+
+bool SweepChoice::worthwhile(int steps_left) const {
+  return steps_left >= worth_rounding && !failed() && moved_ <= most(SweepStorage::fine);
+}
+
+SweepLimits SweepChoice::limits(bool contact) const {
+  SweepLimits out;
+  const double single = most(SweepStorage::single), fine = most(SweepStorage::fine);
+  if (!(moved_ <= fine)) return out;
+  const bool near = moved_ <= (contact ? moved_for_single_forward : single);
+  out.forward = forward_single_ && near ? SweepStorage::single : SweepStorage::fine;
+  out.most_single = single, out.most_fine = fine;
+  return out;
+}
+
+void SweepChoice::learn(SweepStorage forward, SweepStorage back, double error) {
+  const bool single = back == SweepStorage::single;
+  if (single && moved_ > 0.0 && (error > 1e-3 * target_ || moved_ > 0.1 * most(back)))
+    gain_single_ = std::max(gain_single_, error / moved_);
+  if (single || error <= target_) return;
+  if (forward == SweepStorage::single) {
+    forward_single_ = false; // it is to blame: back with 48 bits leaves less
+    return;
+  }
+  ++misses_;
+  if (back == SweepStorage::fine && moved_ > 0.0) gain_fine_ = std::max(gain_fine_, error / moved_);
+}
+
+void SweepChoice::save(std::ostream& out) const {
+  StateWriter w(out);
+  w.put(std::array<double, 3>{gain_single_, gain_fine_, moved_});
+  w.put(std::array<int, 3>{steps_, misses_, forward_single_ ? 1 : 0});
+}
+
+void SweepChoice::restore(std::istream& in) {
+  StateReader r(in, {});
+  const auto numbers = r.get<std::array<double, 3>>();
+  const auto counts = r.get<std::array<int, 3>>();
+  gain_single_ = numbers[0], gain_fine_ = numbers[1], moved_ = numbers[2];
+  steps_ = counts[0], misses_ = counts[1], forward_single_ = counts[2] != 0;
+}
+
+} // namespace hvi::solver
