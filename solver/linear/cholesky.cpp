@@ -41,10 +41,14 @@ DenseMatrix times_transpose(const DenseMatrix& l) {
 class Cholesky final : public Factorisation {
 public:
   Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known);
+  explicit Cholesky(const Cholesky* analysed);
   ~Cholesky() override { cholmod_l_free_factor(&l_, session_.common()); }
   Cholesky(const Cholesky&) = delete;
   Cholesky& operator=(const Cholesky&) = delete;
 
+  std::unique_ptr<Factorisation> another() const override {
+    return std::make_unique<Cholesky>(this);
+  }
   void factor(const SparseMatrix& k) override;
   void reduce(const Vector& b, Vector& r) override;
   void back(const Vector& c, Vector& x) override;
@@ -57,6 +61,7 @@ public:
 
 private:
   void analyse_pattern();
+  void prepare();
   void check_contact_last(std::span<const int> contact) const;
   void check_pivots(const SparseMatrix& k);
   void read_trailing_block();
@@ -92,19 +97,42 @@ Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderSto
       interior_(size_ - static_cast<int>(contact.size())) {
   analyse_pattern();
   check_contact_last(contact);
+  prepare();
+  statistics_.nonzeros = session_.common()->lnz;
+  statistics_.flops = session_.common()->fl;
+  statistics_.ordering = order_.name;
+  statistics_.analyses = 1;
+  statistics_.seconds_analyse =
+      cpu_seconds() - start_ + (known != nullptr ? known->seconds_of_last() : 0.0);
+}
+
+Cholesky::Cholesky(const Cholesky* analysed)
+    : start_(cpu_seconds()), order_(analysed->order_), a_(analysed->a_), size_(analysed->size_),
+      interior_(analysed->interior_), permutation_(analysed->permutation_) {
+  l_ = cholmod_l_copy_factor(analysed->l_, session_.common());
+  // Supernodal and symbolic again: the copied values are of no use.
+  const bool done = l_ != nullptr && (l_->xtype == CHOLMOD_PATTERN ||
+                                      cholmod_l_change_factor(CHOLMOD_PATTERN, 1, 1, 1, 1, l_,
+                                                              session_.common()) != 0);
+  if (!done)
+    throw Failure(FailureKind::limit, {},
+                  fmt::format("no memory for one more factor of {} unknowns", size_));
+  prepare();
+  statistics_.nonzeros = analysed->statistics_.nonzeros;
+  statistics_.flops = analysed->statistics_.flops;
+  statistics_.ordering = order_.name;
+  statistics_.seconds_analyse = cpu_seconds() - start_;
+}
+
+/// Everything that has the size of the factor.
+void Cholesky::prepare() {
   supernodes_ = Supernodes(*l_, interior_);
   inverse_diagonal_.resize(static_cast<std::size_t>(interior_));
   y_.resize(static_cast<std::size_t>(size_));
   x_.resize(static_cast<std::size_t>(size_));
   reduced_.resize(size_ - interior_);
-  statistics_.nonzeros = session_.common()->lnz;
-  statistics_.flops = session_.common()->fl;
-  statistics_.ordering = order_.name;
-  statistics_.analyses = 1;
   statistics_.bytes = static_cast<double>(l_->xsize) * sizeof(double) +
                       static_cast<double>(l_->ssize) * (sizeof(Long) + sizeof(int));
-  statistics_.seconds_analyse =
-      cpu_seconds() - start_ + (known != nullptr ? known->seconds_of_last() : 0.0);
 }
 
 void Cholesky::analyse_pattern() {

@@ -46,6 +46,8 @@ enum class SweepStorage { full, fine, single };
 class Factorisation {
 public:
   virtual ~Factorisation() = default;
+  /// One more for matrices of the same pattern, not factored yet: the analysis is taken over.
+  virtual std::unique_ptr<Factorisation> another() const = 0;
   /// Numeric factorisation of a matrix with the analysed pattern. Throws Failure(not_coercive)
   /// with the offending unknown in the message when K is not positive definite / singular.
   virtual void factor(const SparseMatrix& k) = 0;

@@ -27,7 +27,7 @@ struct FreeSymbolic {
 struct FreeNumeric {
   void operator()(void* object) const { umfpack_dl_free_numeric(&object); }
 };
-using Symbolic = std::unique_ptr<void, FreeSymbolic>;
+using Symbolic = std::shared_ptr<void>; ///< of one or several factors
 using Numeric = std::unique_ptr<void, FreeNumeric>;
 
 /// A triangle by rows, or its transpose by columns; the last entry of a row is the diagonal.
@@ -73,6 +73,7 @@ struct Triangle {
 class Lu final : public Factorisation {
 public:
   Lu(const SparseMatrix& k, std::span<const int> contact);
+  std::unique_ptr<Factorisation> another() const override;
   void factor(const SparseMatrix& k) override;
   void reduce(const Vector& b, Vector& r) override;
   void back(const Vector& c, Vector& x) override;
@@ -121,12 +122,20 @@ Lu::Lu(const SparseMatrix& k, std::span<const int> contact)
   const auto status =
       umfpack_dl_qsymbolic(size_, size_, start_.data(), column_.data(), nullptr,
                            permutation_.data(), &symbolic, control_.data(), nullptr);
-  symbolic_.reset(symbolic);
+  symbolic_ = Symbolic(symbolic, FreeSymbolic{});
   if (status < 0)
     throw Failure(FailureKind::limit, {},
                   fmt::format("no memory to analyse a matrix of {} unknowns", size_));
   statistics_.analyses = 1;
   statistics_.seconds_analyse = cpu_seconds() - start;
+}
+
+std::unique_ptr<Factorisation> Lu::another() const {
+  auto out = std::make_unique<Lu>(*this);
+  out->factored_ = false;
+  out->statistics_ = {};
+  out->statistics_.ordering = statistics_.ordering;
+  return out;
 }
 
 /// Contact last, then postordered: the frontal matrices of UMFPACK follow the elimination tree.

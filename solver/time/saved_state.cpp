@@ -144,8 +144,9 @@ void Stepper::restore(std::istream& in) {
     const double rate = r.get<double>(), length = r.get<double>();
     // Laws that move with time are prepared for the step's time before every solve.
     if (!contact_.none() && step_ > 0) prepare(contact_, plan_, grid_.t(step_), u_, inequality_.xi);
+    const StepMatrix* like = matrices_.empty() ? nullptr : matrices_.front().matrix.get();
     matrices_.push_back(
-        {rate, length, std::make_unique<StepMatrix>(operators_, contact_, options_)});
+        {rate, length, std::make_unique<StepMatrix>(operators_, contact_, options_, like)});
     matrices_.back().matrix->restore(in);
   }
   products_ = counters[0], corrections_ = counters[1];

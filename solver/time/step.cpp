@@ -197,8 +197,10 @@ StepMatrix& Stepper::matrix_for(int n) {
     matrices_.splice(matrices_.begin(), matrices_, found);
     return *matrices_.front().matrix;
   }
+  const StepMatrix* like = matrices_.empty() ? nullptr : matrices_.front().matrix.get();
   if (matrices_.size() < static_cast<std::size_t>(grid_.useful_factors()))
-    matrices_.push_front({0, 0, std::make_unique<StepMatrix>(operators_, contact_, options_)});
+    matrices_.push_front(
+        {0, 0, std::make_unique<StepMatrix>(operators_, contact_, options_, like)});
   else
     matrices_.splice(matrices_.begin(), matrices_, std::prev(matrices_.end()));
   auto& entry = matrices_.front();

@@ -6,8 +6,8 @@
 namespace hvi::solver {
 
 StepMatrix::StepMatrix(const Operators& operators, const Contact& contact,
-                       const InequalityOptions& options)
-    : operators_(operators), contact_(contact), options_(options) {
+                       const InequalityOptions& options, const StepMatrix* like)
+    : operators_(operators), contact_(contact), options_(options), like_(like) {
   const auto n_contact = static_cast<Eigen::Index>(contact.unknowns.size());
   r_ = c_ = product_ = Vector::Zero(n_contact);
   x_ = Vector::Zero(operators.n_unknowns);
@@ -34,7 +34,13 @@ void StepMatrix::make_factor() {
     factorisation_->factor(k_);
     return;
   }
+  const StepMatrix* like = std::exchange(like_, nullptr);
   auto* from = factorisation_ ? nullptr : operators_.shared;
+  if (from == nullptr && like != nullptr && like->factorisation_) {
+    factorisation_ = LentFactor(like->factorisation_->another(), false, false);
+    factorisation_->factor(k_);
+    return;
+  }
   factorisation_ = lend_factor(from, k_, contact_.unknowns, operators_.symmetric);
 }
 

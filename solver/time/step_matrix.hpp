@@ -16,7 +16,10 @@ namespace hvi::solver {
 class StepMatrix {
 public:
   /// Keeps references to all three. `gamma`: coefficients of the base matrices.
-  StepMatrix(const Operators& operators, const Contact& contact, const InequalityOptions& options);
+  /// `like`: one for another step size, whose analysis is taken over; it must outlive the first
+  /// `factor`.
+  StepMatrix(const Operators& operators, const Contact& contact, const InequalityOptions& options,
+             const StepMatrix* like = nullptr);
 
   /// Numeric factorisation for these coefficients; the pattern is analysed the first time only.
   /// Throws Failure(not_coercive).
@@ -73,6 +76,7 @@ private:
   const Operators& operators_;
   const Contact& contact_;
   InequalityOptions options_;
+  const StepMatrix* like_;
   Vector gamma_;
   SparseMatrix k_;
   SymmetricBlocks half_;
