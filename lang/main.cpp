@@ -5,12 +5,10 @@
 #include <fmt/format.h>
 
 #include <malloc.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
-#include <cstdint>
 #include <exception>
 
 namespace {
@@ -143,30 +141,19 @@ std::vector<char*> with_command(int argc, char** argv, std::string& word) {
 }
 
 /// Matrices and vectors come and go while a problem is set up: memory that was touched once is kept
-/// for the next of them. Large blocks still go back to the system at once. The first addresses are
-/// asked for in large pages: a fault per 2 MiB that is used instead of one per 4 KiB.
-void prepare_heap() {
+/// for the next of them. Large blocks still go back to the system at once.
+void keep_freed_memory() {
 #ifdef __GLIBC__
-  constexpr int in_large_pages = 128 << 20;
-  constexpr std::size_t page = 2 << 20;
   mallopt(M_MMAP_THRESHOLD, 64 << 20);
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
-  mallopt(M_TOP_PAD, in_large_pages);
-  auto* const first = static_cast<char*>(std::malloc(page)); // the heap grows by it and the pad
   mallopt(M_TOP_PAD, 1 << 20);
-  if (first == nullptr) return;
-  char* const begin = first + (page - reinterpret_cast<std::uintptr_t>(first) % page);
-  const auto length = static_cast<char*>(sbrk(0)) - begin;
-  if (length > 0 && length <= 2 * in_large_pages) // else the heap is another allocator's
-    madvise(begin, static_cast<std::size_t>(length), MADV_HUGEPAGE);
-  std::free(first);
 #endif
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-  prepare_heap();
+  keep_freed_memory();
   std::signal(SIGXFSZ, SIG_IGN); // a file beyond a limit is a failed write, with a message
   try {
     std::string word = "run";
