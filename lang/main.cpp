@@ -1,5 +1,6 @@
 // The command line, and nothing else.
 #include "lang/driver.hpp"
+#include "solver/linear/blas_memory.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -154,6 +155,10 @@ void keep_freed_memory() {
 
 int main(int argc, char** argv) {
   keep_freed_memory();
+  if (!hvi::solver::reserve_blas_memory()) {
+    fmt::print(stderr, "error[E0607]: out of memory: a run needs some 200 MiB of addresses\n");
+    return hvi::lang::exit_solve;
+  }
   std::signal(SIGXFSZ, SIG_IGN); // a file beyond a limit is a failed write, with a message
   try {
     std::string word = "run";

@@ -2,6 +2,7 @@
 #include "solver/time/operators.hpp"
 
 #include "solver/assembly/assembly.hpp"
+#include "solver/common/parallel.hpp"
 #include "solver/linear/mirror_pairs.hpp"
 #include "solver/linear/spmv.hpp"
 #include "solver/time/proportional.hpp"
@@ -80,16 +81,18 @@ Operators assemble_operators(const Plan& plan, const Discretisation& discretisat
                              const StateLayout& layout) {
   const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
   auto distinct = distinct_terms(plan, n_fields);
-  std::vector<SparseMatrix> matrices;
-  matrices.reserve(distinct.terms.size()); // Eigen's matrices are copied where they are moved
-  for (const auto* term : distinct.terms) {
+  const int n_terms = static_cast<int>(distinct.terms.size());
+  std::vector<SparseMatrix> matrices(distinct.terms.size());
+  // What runs have in common is taken and put there one by one.
+  const int threads = discretisation.shared ? 1 : plan.options.threads;
+  for_each_piece(n_terms, threads, [&](int i) {
+    const FormTerm& term = *distinct.terms[i];
     const auto assemble = [&] {
       return restrict_rows(
-          assemble_form(discretisation.space, discretisation.parts[term->part], *term), layout);
+          assemble_form(discretisation.space, discretisation.parts[term.part], term), layout);
     };
-    matrices.push_back(discretisation.shared ? discretisation.shared->form(*term, assemble)
-                                             : assemble());
-  }
+    matrices[i] = discretisation.shared ? discretisation.shared->form(term, assemble) : assemble();
+  });
   merge_equal_values(matrices, distinct.weights);
   merge_equal_weights(matrices, distinct.weights);
 

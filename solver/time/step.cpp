@@ -1,6 +1,7 @@
 // One step of the fully discrete scheme; see step.hpp. Called by the loop in run.cpp.
 #include "solver/time/step.hpp"
 
+#include "solver/common/parallel.hpp"
 #include "solver/time/clock.hpp"
 #include "solver/time/reduce.hpp"
 #include "solver/time/rigid.hpp"
@@ -80,7 +81,9 @@ void Stepper::allocate() {
   if (grid_.steps() < worth_halving || !operators_.symmetric ||
       layout_.n_state > layout_.n_unknowns)
     return;
-  for (const auto& base : operators_.bases) halves_.emplace_back(base);
+  halves_.resize(operators_.bases.size());
+  for_each_piece(operators_.n_bases(), plan_.options.threads,
+                 [&](int b) { halves_[b] = SymmetricBlocks(operators_.bases[b]); });
   if (std::any_of(halves_.begin(), halves_.end(), [](const auto& half) { return half.empty(); }))
     halves_.clear();
 }

@@ -95,6 +95,15 @@ def broken(suite):
     (suite.folder / "broken.msh").write_text(msh(apart, good_cells + [(5, 6, 7), (5, 7, 8)], sides))
     refused(suite, name, "a piece without a clamp", [], code="E0425")
     disk(suite, name)
+    memory(suite, name)
+
+
+def memory(suite, name):
+    """A limit on memory: BLAS would try for ever to have its workspace."""
+    for megabytes in (100, 200, 230, 1000):
+        done = suite.call("slide.hvi", "-o", "little", limits=f"ulimit -v {megabytes}000", steps=2)
+        good = done.returncode == 0 if megabytes == 1000 else done.returncode == 0 or "E0607" in done.stderr
+        judge(name, f"{megabytes} MB of addresses: a result or E0607, no hang (0: yes)", not good, 0)
 
 
 def disk(suite, name):
