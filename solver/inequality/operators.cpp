@@ -105,6 +105,10 @@ public:
     std::copy_n(s_.data() + static_cast<std::ptrdiff_t>(j) * size(), size(), out);
   }
   int patience() const override { return 2 + size() / 100; }
+  double bytes() const override {
+    return static_cast<double>(s_.size() + factor_.size()) * sizeof(double) +
+           static_cast<double>(rough_factor_.size()) * sizeof(float);
+  }
   void apply(const Vector& c, Vector& out) const override {
     if (!symmetric_ || size() == 0) {
       out.noalias() = s_ * c;
@@ -294,6 +298,10 @@ public:
     for (SparseMatrix::InnerIterator it(k_, j); it; ++it) out[it.col()] = it.value();
   }
   int patience() const override { return 12; }
+  double bytes() const override { // the factor: at least as much as the sum
+    return static_cast<double>(k_.nonZeros() + 2 * sum_.nonZeros()) *
+           (sizeof(double) + sizeof(int));
+  }
   void apply(const Vector& c, Vector& out) const override { out.noalias() = k_ * c; }
 
   void apply_magnitude(const Vector& c, Vector& out) const override {

@@ -102,7 +102,8 @@ Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderSto
   statistics_.ordering = order_.name;
   statistics_.analyses = 1;
   statistics_.bytes = static_cast<double>(l_->xsize) * sizeof(double) +
-                      static_cast<double>(l_->ssize) * (sizeof(Long) + sizeof(int));
+                      static_cast<double>(l_->ssize) * (sizeof(Long) + sizeof(int)) +
+                      2.0 * static_cast<double>(contact.size() * contact.size()) * sizeof(double);
   statistics_.seconds_analyse =
       cpu_seconds() - start_ + (known != nullptr ? known->seconds_of_last() : 0.0);
 }
@@ -146,6 +147,7 @@ void Cholesky::factor(const SparseMatrix& k) {
   check_pivots(k);
   read_trailing_block();
   statistics_.reciprocal_condition = cholmod_l_rcond(l_, common);
+  if (!packed_.empty()) statistics_.bytes -= packed_.bytes();
   packed_.clear();
   sweep_in(storage_);
   statistics_.seconds_factor = cpu_seconds() - start;
@@ -201,8 +203,12 @@ void Cholesky::read_trailing_block() {
 
 bool Cholesky::sweep_in(SweepStorage storage) {
   storage_ = storage;
-  if (storage != SweepStorage::full && packed_.empty() && !packed_.pack(supernodes_, values()))
-    storage_ = SweepStorage::full;
+  if (storage != SweepStorage::full && packed_.empty()) {
+    if (packed_.pack(supernodes_, values()))
+      statistics_.bytes += packed_.bytes();
+    else
+      storage_ = SweepStorage::full;
+  }
   return storage_ == storage;
 }
 

@@ -444,7 +444,9 @@ void Stepper::account(WorkCounters& work, Timing& timing) const {
   }
   for (const auto& base : operators_.bases)
     work.bytes += static_cast<double>(base.nonZeros()) * (sizeof(double) + sizeof(int));
+  for (const auto& half : halves_) work.bytes += half.bytes();
   for (const auto& cached : matrices_) {
+    work.bytes += cached.matrix->bytes();
     const auto statistics = cached.matrix->statistics();
     work.analyses += statistics.analyses;
     work.reciprocal_condition = statistics.reciprocal_condition;

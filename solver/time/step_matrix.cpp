@@ -105,6 +105,11 @@ InequalityReport StepMatrix::correct(const Vector& gap, InequalityState& state, 
   return report;
 }
 
+double StepMatrix::bytes() const {
+  return static_cast<double>(k_.nonZeros()) * (sizeof(double) + sizeof(int)) + half_.bytes() +
+         (reduced_ ? reduced_->bytes() : 0.0);
+}
+
 FactorStatistics StepMatrix::statistics() const {
   return factorisation_ ? factorisation_.statistics() : FactorStatistics{};
 }
