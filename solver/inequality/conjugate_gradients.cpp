@@ -241,25 +241,32 @@ void InequalityEngine::precondition(const Vector& r, Vector& out) {
   cg_kept = r;
   for (const int i : freed) cg_kept[i] = 0.0;
   op.solve_rough(cg_kept, out);
-  Vector t(m);
-  for (Eigen::Index j = 0; j < m; ++j) t[j] = r[freed[j]];
-  add_product("T", -1.0, far_y, cg_kept, t);
+  far_t.resize(m);
+  for (Eigen::Index j = 0; j < m; ++j) far_t[j] = r[freed[j]];
+  add_product("T", -1.0, far_y, cg_kept, far_t);
   if (k > 0) {
-    Vector x(k), pull = Vector::Zero(k);
-    for (Eigen::Index j = 0; j < k; ++j) x[j] = out[changed[j]];
-    if (m > 0) x -= far_y_q * freed_factor.solve(t / block_unit);
-    for (const auto& e : delta) pull[e.row] += e.value * x[e.column];
-    const Vector force_q = changed_factor.solve(pull);
-    t += far_y_q.transpose() * force_q;
-    add_product("N", -1.0, far_z, force_q, out);
+    far_x.resize(k);
+    for (Eigen::Index j = 0; j < k; ++j) far_x[j] = out[changed[j]];
+    if (m > 0) {
+      far_free = far_t / block_unit;
+      freed_factor.solveInPlace(far_free);
+      far_x.noalias() -= far_y_q * far_free;
+    }
+    far_pull.setZero(k);
+    for (const auto& e : delta) far_pull[e.row] += e.value * far_x[e.column];
+    far_force.resize(k);
+    far_force = changed_factor.solve(far_pull);
+    far_t.noalias() += far_y_q.transpose() * far_force;
+    add_product("N", -1.0, far_z, far_force, out);
     // A held unknown moves by force / stiffness: the difference above would be rounding.
     for (const auto& e : delta)
-      if (e.held) out[changed[e.row]] = force_q[e.row] / e.value;
+      if (e.held) out[changed[e.row]] = far_force[e.row] / e.value;
   }
   if (m == 0) return;
-  const Vector free = freed_factor.solve(t / block_unit);
-  add_product("N", -1.0, far_y, free, out);
-  for (Eigen::Index j = 0; j < m; ++j) out[freed[j]] = free[j];
+  far_free = far_t / block_unit;
+  freed_factor.solveInPlace(far_free);
+  add_product("N", -1.0, far_y, far_free, out);
+  for (Eigen::Index j = 0; j < m; ++j) out[freed[j]] = far_free[j];
 }
 
 bool InequalityEngine::conjugate_gradients() {

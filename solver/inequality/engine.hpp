@@ -102,7 +102,7 @@ struct InequalityEngine {
   Outcome solve_components();
   Outcome solve_branch();
   int release_next(double window);
-  void count_events(const std::vector<int>& components_before);
+  void count_events(const std::vector<int>& before);
   double energy() const;
   void start_from(const InequalityState& from);
 
@@ -149,8 +149,11 @@ struct InequalityEngine {
   double block_unit = 1.0;
   int last_cg = 0; ///< iterations of the last conjugate gradients
   std::vector<int> state, states_before, component;
-  Vector z_hat, xi_hat;                 ///< the graph points of the linearisation
-  std::vector<std::array<double, 9>> d; ///< their stiffnesses, row by row
+  std::vector<int> components_before, state_at_start; ///< of solve_components
+  Vector c_at_start, xi_at_start;
+  Vector far_t, far_x, far_pull, far_force, far_free; ///< of precondition
+  Vector z_hat, xi_hat;                               ///< the graph points of the linearisation
+  std::vector<std::array<double, 9>> d;               ///< their stiffnesses, row by row
   std::vector<std::array<double, 9>> d_factored;
   bool factored = false;
   bool idle = false;   ///< no law acts at the start: the first solve is that of the linear problem

@@ -44,6 +44,7 @@ public:
   virtual void solve_rough(DenseMatrix& columns) const;
   /// How many products and solves cost about as much as one factorisation.
   virtual int patience() const = 0;
+  virtual double bytes() const = 0; ///< held
 };
 std::unique_ptr<ReducedOperator> dense_operator(const DenseMatrix& s, bool symmetric);
 std::unique_ptr<ReducedOperator> sparse_operator(const SparseMatrix& k, bool symmetric);

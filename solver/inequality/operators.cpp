@@ -105,6 +105,10 @@ public:
     std::copy_n(s_.data() + static_cast<std::ptrdiff_t>(j) * size(), size(), out);
   }
   int patience() const override { return 2 + size() / 100; }
+  double bytes() const override {
+    return static_cast<double>(s_.size() + factor_.size()) * sizeof(double) +
+           static_cast<double>(rough_factor_.capacity()) * sizeof(float);
+  }
   void apply(const Vector& c, Vector& out) const override {
     if (!symmetric_ || size() == 0) {
       out.noalias() = s_ * c;
@@ -127,8 +131,7 @@ public:
 
   bool factor(const SparseMatrix& h, std::span<const int> held) override {
     h_ = h;
-    factor_.resize(0, 0);
-    rough_factor_.resize(0, 0);
+    exact_ = rough_ = false;
     held_.assign(held.begin(), held.end());
     free_.clear();
     for (int i = 0, next = 0; i < size(); ++i)
@@ -145,8 +148,8 @@ public:
       x = b;
       return;
     }
-    if (factor_.size() == 0 && refine(b, x)) return;
-    if (factor_.size() == 0) factor_exactly();
+    if (!exact_ && refine(b, x)) return;
+    if (!exact_) factor_exactly();
     x = b;
     const int n = size(), one = 1;
     int info = 0;
@@ -158,7 +161,7 @@ public:
     dtrsv_("L", "T", "N", &n, factor_.data(), &n, x.data(), &one);
   }
 
-  bool rounded() const override { return rough_factor_.size() > 0 && factor_.size() == 0; }
+  bool rounded() const override { return rough_ && !exact_; }
   void solve_rough(const Vector& b, Vector& x) const override {
     if (!symmetric_ || size() == 0) return solve(b, x);
     round_factor();
@@ -168,7 +171,7 @@ public:
     double largest = 0.0;
     for (const int i : free_) largest = std::max(largest, std::abs(b[i]));
     const double inverse = largest > 0.0 ? 1.0 / largest : 0.0;
-    rough_x_.resize(n);
+    rough_x_.resize(free_.size());
     for (int k = 0; k < n; ++k) rough_x_[k] = static_cast<float>(b[free_[k]] * inverse);
     strsv_("L", "N", "N", &n, rough_factor_.data(), &n, rough_x_.data(), &one);
     strsv_("L", "T", "N", &n, rough_factor_.data(), &n, rough_x_.data(), &one);
@@ -197,11 +200,15 @@ private:
   double unit() const { return unit_; }
   double held_stiffness(int i) const { return s_(i, i) + h_.coeff(i, i); }
   void round_factor() const {
-    if (rough_factor_.size() > 0) return;
+    if (rough_) return;
     held_.clear(); // an exact factor has them all
     free_.resize(static_cast<std::size_t>(size()));
     std::iota(free_.begin(), free_.end(), 0);
-    rough_factor_ = (factor_ / std::sqrt(unit())).cast<float>();
+    rough_factor_.resize(static_cast<std::size_t>(size()) * size());
+    const double inverse = 1.0 / std::sqrt(unit());
+    for (std::size_t k = 0; k < rough_factor_.size(); ++k)
+      rough_factor_[k] = static_cast<float>(factor_.data()[k] * inverse);
+    rough_ = true;
   }
   bool factor_exactly() const {
     factor_ = s_;
@@ -213,38 +220,38 @@ private:
       dpotrf_("L", &n, factor_.data(), &n, &info);
     else
       dgetrf_(&n, &n, factor_.data(), &n, pivots_.data(), &info);
-    return info == 0;
+    return exact_ = info == 0;
   }
   /// Single precision costs half the time. False where its pivots do not show beyond doubt that the
   /// matrix is positive definite.
   bool factor_rounded() const {
     const int n = static_cast<int>(free_.size());
     gather_free();
-    const Eigen::VectorXf before = rough_factor_.diagonal();
+    const auto stride = static_cast<std::size_t>(n) + 1;
+    before_.resize(free_.size());
+    for (std::size_t k = 0; k < free_.size(); ++k) before_[k] = rough_factor_[k * stride];
     int info = 0;
     spotrf_("L", &n, rough_factor_.data(), &n, &info);
-    if (info != 0) {
-      rough_factor_.resize(0, 0);
-      return false;
+    if (info != 0) return false;
+    for (std::size_t k = 0; k < free_.size(); ++k) {
+      const float pivot = rough_factor_[k * stride] * rough_factor_[k * stride] / before_[k];
+      if (!(std::isfinite(pivot) && pivot > smallest_rounded_pivot)) return false;
     }
-    const auto pivots = rough_factor_.diagonal().array().square() / before.array();
-    if (pivots.isFinite().all() && pivots.minCoeff() > smallest_rounded_pivot) return true;
-    rough_factor_.resize(0, 0);
-    return false;
+    return rough_ = true;
   }
   /// The lower triangle of S + H without the held unknowns, rounded.
   void gather_free() const {
     const int n = static_cast<int>(free_.size());
-    rough_factor_.resize(n, n);
+    rough_factor_.resize(free_.size() * free_.size());
     const double inverse = 1.0 / unit();
-    std::vector<int> place(static_cast<std::size_t>(size()), -1);
-    for (int k = 0; k < n; ++k) place[free_[k]] = k;
+    place_.assign(static_cast<std::size_t>(size()), -1);
+    for (int k = 0; k < n; ++k) place_[free_[k]] = k;
     for (int j = 0; j < n; ++j) {
       const double* from = s_.data() + static_cast<std::ptrdiff_t>(free_[j]) * size();
       float* to = rough_factor_.data() + static_cast<std::ptrdiff_t>(j) * n;
       for (int i = j; i < n; ++i) to[i] = static_cast<float>(from[free_[i]] * inverse);
       for (SparseMatrix::InnerIterator it(h_, free_[j]); it; ++it)
-        if (const int i = place[it.col()]; i >= j)
+        if (const int i = place_[it.col()]; i >= j)
           to[i] += static_cast<float>(it.value() * inverse);
     }
   }
@@ -272,13 +279,14 @@ private:
   DenseMatrix s_;
   mutable Vector magnitudes_;
   SparseMatrix h_;
-  mutable DenseMatrix factor_; ///< empty while the rounded factor serves
+  mutable DenseMatrix factor_;
   bool symmetric_;
   double unit_;
   mutable std::vector<int> pivots_;
   mutable std::vector<int> free_, held_; ///< which unknowns the rough factor has and leaves out
-  mutable Eigen::MatrixXf rough_factor_; ///< made when first asked for
-  mutable Eigen::VectorXf rough_x_;
+  mutable std::vector<float> rough_factor_, before_, rough_x_; ///< the factor by columns
+  mutable std::vector<int> place_;
+  mutable bool exact_ = false, rough_ = false; ///< which factors there are: room is kept
 };
 
 class SparseOperator final : public ReducedOperator {
@@ -294,6 +302,10 @@ public:
     for (SparseMatrix::InnerIterator it(k_, j); it; ++it) out[it.col()] = it.value();
   }
   int patience() const override { return 12; }
+  double bytes() const override { // the factor: at least as much as the sum
+    return static_cast<double>(k_.nonZeros() + 2 * sum_.nonZeros()) *
+           (sizeof(double) + sizeof(int));
+  }
   void apply(const Vector& c, Vector& out) const override { out.noalias() = k_ * c; }
 
   void apply_magnitude(const Vector& c, Vector& out) const override {

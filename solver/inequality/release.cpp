@@ -51,15 +51,14 @@ int InequalityEngine::release_next(double window) {
 }
 
 InequalityEngine::Outcome InequalityEngine::solve_components() {
-  const std::vector<int> components_before = component;
+  components_before = component;
   const int cap = 20 * n_points + 100;
   int moves = 0;
   for (int round = 0;; ++round) {
-    const Vector c0 = c, xi0 = xi;
-    const std::vector<int> state0 = state;
+    c_at_start = c, xi_at_start = xi, state_at_start = state;
     Outcome outcome = options.force_fallback ? Outcome::failed : newton(options.max_iterations);
     if (outcome != Outcome::solved) {
-      c = c0, xi = xi0, state = state0;
+      c = c_at_start, xi = xi_at_start, state = state_at_start;
       update_z();
       for (int p = 0; p < n_points; ++p) enter_state(p);
       outcome = fallback();
@@ -77,9 +76,9 @@ InequalityEngine::Outcome InequalityEngine::solve_components() {
 }
 
 /// Downward jumps crossed since the points stood on those components.
-void InequalityEngine::count_events(const std::vector<int>& components_before) {
+void InequalityEngine::count_events(const std::vector<int>& before) {
   report.events = 0;
-  for (int p = 0; p < n_points; ++p) report.events += std::abs(component[p] - components_before[p]);
+  for (int p = 0; p < n_points; ++p) report.events += std::abs(component[p] - before[p]);
 }
 
 double InequalityEngine::energy() const {
@@ -95,17 +94,18 @@ double InequalityEngine::energy() const {
 /// The branch that was asked for: the continued one; the one reached from a state with every point
 /// released; or of these and a cold start the one with the lowest energy.
 InequalityEngine::Outcome InequalityEngine::solve_branch() {
-  InequalityState start;
-  store(start);
-  const std::vector<int> components_before = component;
-  Outcome outcome = solve_components();
   bool alternatives = false;
   for (const PreparedLaw& law : prepared) alternatives = alternatives || law.components() > 1;
   for (const PreparedLaw& law : prepared)
     for (int k = 0; k < law.components(); ++k)
       alternatives = alternatives || law.component(k).m > 0.0;
-  if (options.branch == Branch::continuing || !alternatives || !op.symmetric()) return outcome;
+  if (options.branch == Branch::continuing || !alternatives || !op.symmetric())
+    return solve_components();
 
+  InequalityState start;
+  store(start);
+  const std::vector<int> first_components = component;
+  Outcome outcome = solve_components();
   InequalityState best;
   store(best);
   double lowest = outcome == Outcome::solved ? energy() : std::numeric_limits<double>::infinity();
@@ -130,7 +130,7 @@ InequalityEngine::Outcome InequalityEngine::solve_branch() {
   attempt(true);
   if (options.branch == Branch::least_energy) attempt(false);
   load(best);
-  count_events(components_before);
+  count_events(first_components);
   return outcome;
 }
 

@@ -131,8 +131,10 @@ void Cholesky::prepare() {
   y_.resize(static_cast<std::size_t>(size_));
   x_.resize(static_cast<std::size_t>(size_));
   reduced_.resize(size_ - interior_);
+  const double contacts = size_ - interior_; // L22 and S
   statistics_.bytes = static_cast<double>(l_->xsize) * sizeof(double) +
-                      static_cast<double>(l_->ssize) * (sizeof(Long) + sizeof(int));
+                      static_cast<double>(l_->ssize) * (sizeof(Long) + sizeof(int)) +
+                      2.0 * contacts * contacts * sizeof(double);
 }
 
 void Cholesky::analyse_pattern() {
@@ -174,6 +176,7 @@ void Cholesky::factor(const SparseMatrix& k) {
   check_pivots(k);
   read_trailing_block();
   statistics_.reciprocal_condition = cholmod_l_rcond(l_, common);
+  if (!packed_.empty()) statistics_.bytes -= packed_.bytes();
   packed_.clear();
   sweep_in(storage_);
   statistics_.seconds_factor = cpu_seconds() - start;
@@ -229,8 +232,12 @@ void Cholesky::read_trailing_block() {
 
 bool Cholesky::sweep_in(SweepStorage storage) {
   storage_ = storage;
-  if (storage != SweepStorage::full && packed_.empty() && !packed_.pack(supernodes_, values()))
-    storage_ = SweepStorage::full;
+  if (storage != SweepStorage::full && packed_.empty()) {
+    if (packed_.pack(supernodes_, values()))
+      statistics_.bytes += packed_.bytes();
+    else
+      storage_ = SweepStorage::full;
+  }
   return storage_ == storage;
 }
 

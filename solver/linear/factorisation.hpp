@@ -18,7 +18,7 @@ namespace hvi::solver {
 struct FactorStatistics {
   double nonzeros = 0; ///< of the factor(s)
   double flops = 0;    ///< of one numeric factorisation
-  double bytes = 0;    ///< held by the factor
+  double bytes = 0;    ///< held: the factor, what was made of it for sweeps, S
   double seconds_analyse = 0, seconds_factor = 0;
   double reciprocal_condition = 0; ///< a cheap estimate
   int analyses = 0, factorisations = 0,

@@ -16,7 +16,7 @@ double slope_along(const Contact& contact, const ContactPoint& point, const Vect
                    const Vector& dz, double s) {
   const auto& graph = contact.problem.graphs[point.graph];
   const auto& law = *contact.laws[point.law];
-  const Vector z =
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> z =
       z0.segment(point.first_row, point.rows) + s * dz.segment(point.first_row, point.rows);
   if (!law.spec().radial)
     return law.slope(graph, piece_of(graph, z[0]), z[0]) * dz[point.first_row];
@@ -28,9 +28,9 @@ double slope_along(const Contact& contact, const ContactPoint& point, const Vect
 
 } // namespace
 
-bool is_snap(const Contact& contact, const Vector& c, double stiffness) {
+bool is_snap(const Contact& contact, const Vector& c, double stiffness, Vector& dz) {
   const Vector& z0 = contact.problem.offset;
-  const Vector dz = contact.problem.g * c;
+  dz.noalias() = contact.problem.g * c;
   double softening = 0; // the most that the laws can take off the stiffness along d
   for (const auto& point : contact.problem.points) {
     const double m = contact.softening[point.law];

@@ -24,7 +24,7 @@ constexpr double refined = 1e-13;
 /// Matrices are stored once more, for products that read half, when a run has so many steps.
 constexpr int worth_halving = 12;
 /// No factor of more bytes is made once more with fewer bits.
-constexpr double largest_shortened = 3e9;
+constexpr double largest_shortened = 4e9;
 
 } // namespace
 
@@ -73,6 +73,7 @@ double Stepper::equilibrium_of_all(int n) {
 
 void Stepper::allocate() {
   known_ = d_previous_ = d_before_ = combined_ = Vector::Zero(layout_.n_state);
+  dz_ = Vector::Zero(contact_.n_rows());
   d_ = rhs_ = gap_ = scale_ = work_ = kd_ = Vector::Zero(layout_.n_unknowns);
   full_ = Vector::Zero(layout_.n_dofs);
   z_ = inequality_.xi = Vector::Zero(contact_.n_rows());
@@ -270,6 +271,7 @@ bool Stepper::predict(int n, const StepMatrix& matrix) {
   predictor_.predict(d_);
   predictor_.predict_gap(rhs_, gap_);
   if (contact_.none()) return true;
+  inequality_.xi_guess.swap(xi_guess_);
   predictor_.predict_multipliers(inequality_.xi_guess);
   guess_from_increment();
   return true;
@@ -278,8 +280,16 @@ bool Stepper::predict(int n, const StepMatrix& matrix) {
 /// The search for the contact unknowns begins at those of d_.
 void Stepper::guess_from_increment() {
   auto& guess = inequality_.c_guess;
+  guess.swap(c_guess_);
   guess.resize(static_cast<Eigen::Index>(contact_.unknowns.size()));
   for (Eigen::Index i = 0; i < guess.size(); ++i) guess[i] = d_[contact_.unknowns[i]];
+}
+
+/// The room of a guess is kept for the next step.
+void Stepper::drop_guess() {
+  if (inequality_.c_guess.size() > 0) inequality_.c_guess.swap(c_guess_);
+  if (inequality_.xi_guess.size() > 0) inequality_.xi_guess.swap(xi_guess_);
+  inequality_.c_guess.resize(0), inequality_.xi_guess.resize(0);
 }
 
 /// The sweeps are bound by reading the factor: fewer bits an entry halve that where the
@@ -315,7 +325,7 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
     if (out.corrections > 0) matrix.limit_sweeps({});
     out.inequality = out.corrections == 0 && !predicted ? matrix.start(rhs_, inequality_, d_)
                                                         : matrix.correct(gap_, inequality_, d_);
-    inequality_.c_guess.resize(0), inequality_.xi_guess.resize(0);
+    drop_guess();
     ++out.corrections;
     iterations += out.inequality.iterations;
     events += out.inequality.events;
@@ -391,7 +401,7 @@ StepResult Stepper::advance(int n) {
     out = attempt(n, matrix);
   }
   if (out.certified && operators_.symmetric && !contact_.none())
-    out.snap = is_snap(contact_, inequality_.c, kd_.dot(d_));
+    out.snap = is_snap(contact_, inequality_.c, kd_.dot(d_), dz_);
   if (out.certified) {
     learn(n, matrix, out);
     accept(n);
@@ -450,7 +460,9 @@ void Stepper::account(WorkCounters& work, Timing& timing) const {
   }
   for (const auto& base : operators_.bases)
     work.bytes += static_cast<double>(base.nonZeros()) * (sizeof(double) + sizeof(int));
+  for (const auto& half : halves_) work.bytes += half.bytes();
   for (const auto& cached : matrices_) {
+    work.bytes += cached.matrix->bytes();
     const auto statistics = cached.matrix->statistics();
     work.analyses += statistics.analyses;
     work.reciprocal_condition = statistics.reciprocal_condition;

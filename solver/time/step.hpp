@@ -83,6 +83,7 @@ private:
   void learn(int n, StepMatrix& matrix, const StepResult& result);
   bool predict(int n, const StepMatrix& matrix);
   void guess_from_increment();
+  void drop_guess();
   void choose_storage(int n, StepMatrix& matrix);
   StepResult attempt(int n, StepMatrix& matrix);
   void couple_bounds(int n, StepMatrix& matrix, StepResult& out);
@@ -124,6 +125,8 @@ private:
   Vector u_, known_, d_, d_previous_, d_before_; // states; d on unknowns only
   Vector rhs_, gap_, scale_, work_;              // unknowns
   Vector combined_, full_, change_, expected_, z_;
+  Vector c_guess_, xi_guess_; // room for those of inequality_
+  Vector dz_;                 ///< of the last step
   double mismatch_ = 0; ///< backward error due to the part of K_n that its factor does not know
   int products_ = 0, corrections_ = 0, newton_ = 0, fallbacks_ = 0;
 };

@@ -49,11 +49,10 @@ void StepMatrix::condense(const Vector& gap, InequalityState& state) {
     r_ = gap;
   else
     factorisation_->reduce(gap, r_);
-  state.s_c_guess.resize(0);
   if (c_.isZero(0.0)) return;
   reduced_->apply(c_, product_);
   r_ += product_;
-  if (state.c_guess.size() == c_.size() && state.c_guess == c_) state.s_c_guess = product_;
+  if (state.c_guess.size() == c_.size() && state.c_guess == c_) state.s_c_guess.swap(product_);
 }
 
 /// The correction of the contact unknowns moves the whole body: where it is large a shortened
@@ -86,6 +85,7 @@ InequalityReport StepMatrix::solve(const Vector& gap, InequalityState& state,
   condense(gap, state);
   clock.charge(seconds_sweeps);
   report = solver_->solve(r_, state);
+  if (state.s_c_guess.size() > 0) state.s_c_guess.swap(product_);
   clock.charge(seconds_inequality);
   expand(state, limits);
   clock.charge(seconds_sweeps);
@@ -109,6 +109,11 @@ InequalityReport StepMatrix::correct(const Vector& gap, InequalityState& state, 
     back_ = limits_.forward;
   }
   return report;
+}
+
+double StepMatrix::bytes() const {
+  return static_cast<double>(k_.nonZeros()) * (sizeof(double) + sizeof(int)) + half_.bytes() +
+         (reduced_ ? reduced_->bytes() : 0.0);
 }
 
 FactorStatistics StepMatrix::statistics() const {

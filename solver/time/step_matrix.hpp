@@ -62,6 +62,7 @@ public:
   }
 
   FactorStatistics statistics() const;
+  double bytes() const; ///< held besides the factorisation
   void save(std::ostream& out) const;
   /// Factors again for the saved coefficients.
   void restore(std::istream& in);

@@ -36,6 +36,25 @@ void expect_same(Plan plan, double tolerance, double bytes, const std::string& w
   }
 }
 
+// One entry of the factor more than once: in 48 bits beside 64, without the halves that no sweep
+// reads. And matrices that are kept for products that read half.
+TEST(Sweeps, WhatIsHeldTwiceIsCounted) {
+  Plan plan = slab(12, 96, 2, true);
+  plan.options.proportional_path = false;
+  const auto shortened = solve(plan);
+  plan.options.shortened_sweeps = false;
+  const auto exact = solve(plan);
+  const double sweep = exact.timing.swept_bytes / exact.work.sweeps;
+  EXPECT_GT(shortened.work.bytes - exact.work.bytes, 0.4 * sweep);
+  EXPECT_LT(shortened.work.bytes - exact.work.bytes, 1.1 * sweep);
+  Plan few = slab(12, 11), enough = slab(12, 12);
+  few.options.proportional_path = enough.options.proportional_path = false;
+  const auto whole = solve(few), halved = solve(enough);
+  const double matrix = 12.0 * 7.0 * 2.0 * whole.unknowns; // about seven blocks of 2 a node
+  EXPECT_GT(halved.work.bytes - whole.work.bytes, 0.3 * 3.0 * matrix); // A, B and their sum
+  EXPECT_LT(halved.work.bytes - whole.work.bytes, 0.8 * 3.0 * matrix);
+}
+
 TEST(Sweeps, WithFewerBitsGiveTheSameRun) {
   expect_same(slab(12, 96), 1e-10, 0.8, "slab");
   expect_same(slab(12, 96, 2, true), 1e-10, 0.9, "slab with friction");
