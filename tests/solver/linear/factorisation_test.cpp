@@ -78,6 +78,16 @@ void check_against_dense(const SparseMatrix& k, const std::vector<int>& contact,
   residual(contact).setZero();
   EXPECT_LT(residual.lpNorm<1>(), 1e-11 * scale * (1.0 + x.lpNorm<1>()));
   EXPECT_EQ(factorisation->statistics().sweeps, 5);
+
+  // One more with the same analysis: its values are its own.
+  const auto other = factorisation->another();
+  other->factor(SparseMatrix(3.0 * k));
+  other->solve(b, x);
+  EXPECT_LT((3.0 * x - exact).norm(), 1e-9 * exact.norm());
+  factorisation->solve(b, x);
+  EXPECT_LT((x - exact).norm(), 1e-9 * exact.norm());
+  EXPECT_EQ(other->statistics().analyses, 0);
+  EXPECT_EQ(other->statistics().factorisations, 1);
 }
 
 std::vector<int> every(int step, int n) {
