@@ -217,8 +217,9 @@ public:
     rough_inverse_ = rough_factor_;
     int info = 0;
     spotri_("L", &n, rough_inverse_.data(), &n, &info);
-    inverted_ = info == 0 && std::all_of(rough_inverse_.begin(), rough_inverse_.end(),
-                                         [](float v) { return std::isfinite(v); });
+    inverted_ = info == 0;
+    for (int k = 0; k < n; ++k) // the diagonal bounds the rest
+      inverted_ = inverted_ && std::isfinite(rough_inverse_[static_cast<std::size_t>(k) * (n + 1)]);
   }
 
 private:
