@@ -178,6 +178,7 @@ void InequalityEngine::solve_far_columns() {
 }
 
 void InequalityEngine::forget_far() {
+  preconditioned = 0;
   far_columns.clear();
   freed_before.clear();
   far_y.resize(n, 0);
@@ -235,6 +236,7 @@ bool InequalityEngine::prepare_far() {
 
 /// out = P^-1 r
 void InequalityEngine::precondition(const Vector& r, Vector& out) {
+  if (++preconditioned == served_long) op.expect_rough_solves();
   if (freed.empty() && changed.empty()) return op.solve_rough(r, out);
   const auto m = static_cast<Eigen::Index>(freed.size());
   const auto k = static_cast<Eigen::Index>(changed.size());

@@ -147,6 +147,9 @@ struct InequalityEngine {
   Eigen::LLT<DenseMatrix> freed_factor;
   Eigen::PartialPivLU<DenseMatrix> changed_factor;
   double block_unit = 1.0;
+  int preconditioned = 0; ///< times since the factor was made
+  /// A factor that has served so often serves on: the slopes change little.
+  static constexpr int served_long = 16;
   int last_cg = 0; ///< iterations of the last conjugate gradients
   std::vector<int> state, states_before, component;
   std::vector<int> components_before, state_at_start; ///< of solve_components

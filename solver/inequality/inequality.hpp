@@ -40,6 +40,8 @@ public:
   virtual bool rounded() const { return false; }
   /// The same to about six digits: what preconditioners need, at half the memory read.
   virtual void solve_rough(const Vector& b, Vector& x) const { solve(b, x); }
+  /// Many more rough solves with the last factor are to come: they may be prepared for.
+  virtual void expect_rough_solves() {}
   /// In place, all columns at once.
   virtual void solve_rough(DenseMatrix& columns) const;
   /// How many products and solves cost about as much as one factorisation.

@@ -9,6 +9,7 @@ void InequalityEngine::save(std::ostream& out) const {
   StateWriter w(out);
   w.put(static_cast<std::uint8_t>(factored));
   w.put(last_cg);
+  w.put(preconditioned);
   w.put(snap_factor);
   w.put(d_factored);
   w.put(static_cast<std::uint64_t>(far_columns.size())); // solved in groups: bits depend on them
@@ -23,6 +24,7 @@ void InequalityEngine::restore(std::istream& in) {
   StateReader r(in, {});
   const bool was_factored = r.get<std::uint8_t>() != 0;
   last_cg = r.get<int>();
+  const int served = r.get<int>();
   snap_factor = r.get<double>();
   d_factored = r.get_vector<std::array<double, 9>>();
   forget_far();
@@ -38,6 +40,8 @@ void InequalityEngine::restore(std::istream& in) {
   d = d_factored;
   assemble();
   factored = op.factor(h, held_unknowns());
+  preconditioned = served;
+  if (preconditioned >= served_long) op.expect_rough_solves();
 }
 
 } // namespace hvi::solver
