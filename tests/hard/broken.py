@@ -43,7 +43,7 @@ def msh(nodes, cells, lines):
 
 @case
 def broken(suite):
-    """Broken input at run time: values that are no numbers, broken meshes, missing clamps, full disks (property)."""
+    """Broken input at run time: values that are no numbers, broken meshes, missing clamps, full disks, little memory (property)."""
     name = "broken"
 
     def script(**change):
