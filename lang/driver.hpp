@@ -53,7 +53,7 @@ struct Options {
   double accuracy = 0.0; ///< wanted relative error; 0: the script's, or none
   std::string accuracy_of;
   bool as_written = false; ///< for an accuracy: keep element, scheme and grading
-  double budget = 3600.0; ///< CPU seconds a run for an accuracy may be predicted to take
+  double budget = 3600.0;  ///< CPU seconds a run for an accuracy may be predicted to take
 };
 
 /// A script on its way through the phases; each stage is kept, so that it can be dumped.

@@ -1,4 +1,5 @@
-// Ctrl-C (and SIGTERM, what batch systems send): asks the run to stop after the step; a second one ends the program at once.
+// Ctrl-C (and SIGTERM, what batch systems send): asks the run to stop after the step; a second one
+// ends the program at once.
 #pragma once
 
 #include <atomic>

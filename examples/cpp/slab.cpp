@@ -25,6 +25,9 @@ int main() {
   const Expr t = Expr::variable(slot::t), lag = Expr::variable(slot::lag);
   const Expr r = Expr::variable(slot::argument(0)), nx = Expr::variable(slot::normal(0)),
              ny = Expr::variable(slot::normal(1)), u_y = Expr::variable(slot::field(field_u, 1));
+  const Expr xi = Expr::variable(slot::multiplier(0, 0));
+  const Expr soft = select(less(r, 0.08), 2 - 15 * (r - 0.02), 1.1);
+  const Expr slope = select(less(r, 0), 0, select(less(r, 0.02), 100 * r, soft));
   const double lambda = 70 * 0.3 / (1.3 * 0.4), mu = 70 / 2.6;
   enum { slab, roof, flank, ground };
   Plan plan;
@@ -37,9 +40,7 @@ int main() {
   plan.forms = {elastic(field_rate, 5, 10), elastic(field_u, lambda, mu),
                 elastic(first_history_field, lambda, mu, -1.0)};
   plan.histories = {{.kernel = {.name = "C", .expression = exp(-lag / 0.5)}}};
-  plan.laws = {{.name = "layer", .by_slope = true,
-                .expression = select(less(r, 0), 0, select(less(r, 0.02), 100 * r,
-                                     select(less(r, 0.08), 2 - 15 * (r - 0.02), 1.1)))}};
+  plan.laws = {{.name = "layer", .by_slope = true, .expression = slope}};
   plan.law_terms = {{.name = "layer", .law = 0, .part = ground, .rows = {{.u = {nx, ny, 0.0}}}}};
   plan.loads = {{.part = slab, .entries = {{slot::value(1), -10 * t}}},
                 {.part = flank, .entries = {{slot::value(0), 3 * t}}}};
@@ -49,8 +50,7 @@ int main() {
       {.name = "u_y", .expression = u_y, .point = {1, 0, 0}},
       {.name = "u_x", .expression = Expr::variable(slot::field(field_u, 0)), .point = {2, 0, 0}},
       {.name = "strain", .kind = Probe::Kind::norm_v},
-      {.name = "reaction", .kind = Probe::Kind::integral,
-       .expression = Expr::variable(slot::multiplier(0, 0)), .part = ground}};
+      {.name = "reaction", .kind = Probe::Kind::integral, .expression = xi, .part = ground}};
 
   Discretisation discretisation;
   for (const auto& mistake : discretise(plan, discretisation)) throw mistake;

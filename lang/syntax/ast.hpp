@@ -408,7 +408,7 @@ struct Ladder {
   Span span;
   Name parameter;
   std::vector<Name> more; // climb together with the first
-  Expr values; // a List
+  Expr values;            // a List
 };
 
 enum class StudyReference { finest, richardson, exact };

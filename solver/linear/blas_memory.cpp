@@ -2,7 +2,6 @@
 #include "solver/linear/blas_memory.hpp"
 
 #include <cblas.h>
-
 #include <sys/resource.h>
 
 #include <cstdlib>

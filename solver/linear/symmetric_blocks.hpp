@@ -30,7 +30,7 @@ private:
   std::vector<int> start_, column_;
   std::vector<double> diagonal_, upper_; ///< blocks, row by row
   Vector diagonal_entries_;
-  DenseMatrix dense_; ///< the whole matrix as one block, or empty
+  DenseMatrix dense_;                 ///< the whole matrix as one block, or empty
   mutable std::vector<double> x_, y_; ///< of blocks of 3, padded to 4
 };
 

@@ -155,7 +155,8 @@ Mesh structured_mesh(int dim, const std::array<std::vector<double>, 3>& coordina
         mesh.nodes.push_back({line(0, i), line(1, j), line(2, k)});
   for (int j = 0; grid.crossed && j < grid.cells[1]; ++j)
     for (int i = 0; i < grid.cells[0]; ++i)
-      mesh.nodes.push_back({(line(0, i) + line(0, i + 1)) / 2, (line(1, j) + line(1, j + 1)) / 2, 0.0});
+      mesh.nodes.push_back(
+          {(line(0, i) + line(0, i + 1)) / 2, (line(1, j) + line(1, j + 1)) / 2, 0.0});
   add_cells(grid, mesh);
   build_facets(mesh, {});
   name_sides(grid, mesh);

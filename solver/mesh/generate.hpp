@@ -1,5 +1,5 @@
-// Structured meshes. Every cell is cut by the lower-left/upper-right diagonal or both (2D), or into Kuhn's
-// six tetrahedra around the main diagonal (3D). Sides are groups.
+// Structured meshes. Every cell is cut by the lower-left/upper-right diagonal or both (2D), or into
+// Kuhn's six tetrahedra around the main diagonal (3D). Sides are groups.
 #pragma once
 
 #include "solver/mesh/mesh.hpp"
@@ -8,7 +8,8 @@ namespace hvi::solver {
 
 /// Groups: left (x low), right; in 2D and 3D also bottom (y low), top; in 3D also back (z low),
 /// front. `coordinates[a]` lists the grid lines of axis a, increasing. Throws Failure(limit) beyond
-/// 50 million cells. `crossed` (2D): both diagonals, four triangles a cell around a node in its middle.
+/// 50 million cells. `crossed` (2D): both diagonals, four triangles a cell around a node in its
+/// middle.
 Mesh structured_mesh(int dim, const std::array<std::vector<double>, 3>& coordinates,
                      bool crossed = false);
 std::vector<double> uniform_coordinates(double low, double high, int cells);

@@ -286,7 +286,8 @@ Mesh read_msh(const std::string& path) {
                   fmt::format("cannot open the mesh file {}: {}", path, std::strerror(errno)));
   constexpr std::uintmax_t most_bytes = std::uintmax_t{8} << 30;
   if (std::filesystem::file_size(path, ignored) > most_bytes)
-    throw Failure(FailureKind::limit, {}, fmt::format("the mesh file {} is larger than 8 GiB", path));
+    throw Failure(FailureKind::limit, {},
+                  fmt::format("the mesh file {} is larger than 8 GiB", path));
   std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   if (file.bad())
     throw Failure(FailureKind::missing_file, {}, fmt::format("cannot read the mesh file {}", path));

@@ -37,9 +37,9 @@ struct MeshSpec {
   bool crossed = false;                       ///< rectangle: both diagonals, four triangles a cell
   std::string path;                           ///< file: absolute, already checked to be allowed
   bool allow_geo = false;
-  std::string geometry;                       ///< geometry: a gmsh model of ours ("disk", "bracket"...)
-  std::vector<double> numbers;                ///< its numbers
-  int refinements = 0;                        ///< uniform refinements after that
+  std::string geometry;        ///< geometry: a gmsh model of ours ("disk", "bracket"...)
+  std::vector<double> numbers; ///< its numbers
+  int refinements = 0;         ///< uniform refinements after that
   int adapted = 0; ///< then bisected to so many cells where an error indicator says; 0: not
 };
 
@@ -48,10 +48,10 @@ struct RegionSpec {
   enum class Kind { all_cells, boundary, group, point, unite, subtract, where };
   Kind kind = Kind::all_cells;
   Origin origin;
-  std::string name;                  ///< group (sides of generated meshes are groups)
+  std::string name; ///< group (sides of generated meshes are groups)
   Point point{};
-  std::vector<RegionSpec> children;  ///< unite, subtract: two; where: one
-  Expr predicate;                    ///< where: non-zero inside, of slot::x
+  std::vector<RegionSpec> children; ///< unite, subtract: two; where: one
+  Expr predicate;                   ///< where: non-zero inside, of slot::x
 };
 
 /// A named part; everything below refers to parts by index.
@@ -89,7 +89,16 @@ inline constexpr int field_rate = 1;
 inline constexpr int first_history_field = 2;
 
 /// What an effect is called in `plan` and `check`.
-enum class Effect { viscosity, elasticity, memory, body_force, traction, normal_law, friction, other };
+enum class Effect {
+  viscosity,
+  elasticity,
+  memory,
+  body_force,
+  traction,
+  normal_law,
+  friction,
+  other
+};
 
 /// int_part  sum_e coefficient_e(x, nu)  D_{trial_e}(field)  D_{test_e}(v);  D_i numbered as in
 /// slot::value / slot::gradient.
@@ -127,7 +136,8 @@ struct HistoryTerm {
 };
 
 /// factor * int_part law^0( arg(u); arg'(v) ). Argument component c is
-///   sum_i rows[c].u[i] u_i + rows[c].offset,   coefficients of slot::x, slot::normal, offset also of t.
+///   sum_i rows[c].u[i] u_i + rows[c].offset,   coefficients of slot::x, slot::normal, offset also
+///   of t.
 /// One row: a scalar law. dim rows: a radial law of a vector; the engine reduces the rows to an
 /// orthonormal basis of their range (2D u.tau: one row, 3D: two).
 struct LawTerm {
@@ -148,30 +158,33 @@ struct LawTerm {
 /// ---- time --------------------------------------------------------------------------------------
 
 enum class Scheme { backward_euler, bdf2 };
-enum class LoadSampling { endpoint, average }; ///< f(t_n), or the Rothe problem's mean over the step
+enum class LoadSampling {
+  endpoint,
+  average
+}; ///< f(t_n), or the Rothe problem's mean over the step
 
 /// What stands between grid times: u_tau (affine) or bar u_tau (u_n on (t_{n-1}, t_n]).
 enum class Interpolant { affine, constant };
 
 struct TimeSpec {
   Origin origin;
-  bool is_static = true;          ///< one step, no u', no memory
-  std::vector<double> grid;       ///< t_0 < t_1 < ... < t_N; empty when static
+  bool is_static = true;    ///< one step, no u', no memory
+  std::vector<double> grid; ///< t_0 < t_1 < ... < t_N; empty when static
   Scheme scheme = Scheme::backward_euler;
   LoadSampling sampling = LoadSampling::endpoint;
   Interpolant interpolant = Interpolant::affine; ///< read by probes at times of their own
-  std::vector<Expr> initial;      ///< u(t0) by component, of slot::x; empty: 0
+  std::vector<Expr> initial;                     ///< u(t0) by component, of slot::x; empty: 0
 };
 
 struct SolverOptions {
-  double tolerance = 1e-10;        ///< certificate
+  double tolerance = 1e-10; ///< certificate
   double memory_tolerance = 1e-8;
   HistoryRoute route = HistoryRoute::automatic;
   Branch branch = Branch::continuing;
   int threads = 1;
-  bool proportional_path = true;   ///< the evolution on contact unknowns where it is possible
-  bool shortened_sweeps = true;    ///< the factor with fewer bits an entry where that is enough
-  bool audit = true;               ///< replay a few scalars of the memory against the direct sum
+  bool proportional_path = true; ///< the evolution on contact unknowns where it is possible
+  bool shortened_sweeps = true;  ///< the factor with fewer bits an entry where that is enough
+  bool audit = true;             ///< replay a few scalars of the memory against the direct sum
 };
 
 /// ---- what to report ----------------------------------------------------------------------------
@@ -182,11 +195,11 @@ struct Probe {
   std::string name;
   Origin origin;
   Kind kind = Kind::at_point;
-  Expr expression;               ///< norm_v: unused, the V norm of u; combination: of slot::probe, slot::t
-  Point point{};                 ///< at_point
-  int part = -1;                 ///< integral
-  Rule rule = Rule::exact;       ///< integral; with a multiplier, the law's own rule
-  std::optional<double> time;    ///< the value at this time, by the interpolant
+  Expr expression; ///< norm_v: unused, the V norm of u; combination: of slot::probe, slot::t
+  Point point{};   ///< at_point
+  int part = -1;   ///< integral
+  Rule rule = Rule::exact;    ///< integral; with a multiplier, the law's own rule
+  std::optional<double> time; ///< the value at this time, by the interpolant
 };
 
 struct TableSpec {
@@ -228,7 +241,7 @@ struct EffectNote {
   enum class State { on, off, dropped, asleep };
   std::string name; ///< "viscosity", "normal law `layer` on `ground`"
   State state = State::on;
-  Origin origin;    ///< the line that declares or drops it
+  Origin origin; ///< the line that declares or drops it
   std::string why;
 };
 

@@ -96,6 +96,7 @@ void Stepper::save(std::ostream& out) const {
     put_vector(w, *v);
   w.put(inequality_.state);
   memory_->save(out);
+  w.put(field_reads());
   w.put(std::array<int, 4>{products_, corrections_, newton_, fallbacks_});
   w.put(static_cast<std::uint64_t>(matrices_.size()));
   for (const auto& cached : matrices_) {
@@ -137,6 +138,7 @@ void Stepper::restore(std::istream& in) {
     r.fail("has another number of unknowns");
   accepted_ = inequality_;
   memory_->restore(in);
+  earlier_reads_ = r.get<std::int64_t>();
   const auto counters = r.get<std::array<int, 4>>();
   matrices_.clear();
   const auto count = r.get<std::uint64_t>();

@@ -438,14 +438,20 @@ void Stepper::history_field(int m, Vector& out) const {
   out = memory_->known(m) + memory_->w0(m) * u_;
 }
 
+std::int64_t Stepper::field_reads() const {
+  std::int64_t sum = earlier_reads_;
+  for (const auto& report : memory_->reports()) sum += report.reads;
+  return sum;
+}
+
 void Stepper::account(WorkCounters& work, Timing& timing) const {
   work.matrices = operators_.n_bases();
   work.products = products_;
   work.newton = newton_;
   work.fallback_steps = fallbacks_;
+  work.field_reads = field_reads();
   for (const auto& report : memory_->reports()) {
     work.history_fields += static_cast<int>(report.fields);
-    work.field_reads += report.reads;
     work.bytes += report.bytes;
   }
   if (layout_.interior) {

@@ -66,6 +66,7 @@ public:
   void restore(std::istream& in);
 
 private:
+  std::int64_t field_reads() const; ///< of stored history fields, those before a resume too
   void allocate();
   void continue_memory(const MemoryExtent& earlier);
   StepMatrix& matrix_for(int n);
@@ -128,6 +129,7 @@ private:
   Vector c_guess_, xi_guess_; // room for those of inequality_
   Vector dz_;                 ///< of the last step
   double mismatch_ = 0; ///< backward error due to the part of K_n that its factor does not know
+  std::int64_t earlier_reads_ = 0;
   int products_ = 0, corrections_ = 0, newton_ = 0, fallbacks_ = 0;
 };
 

@@ -1,4 +1,5 @@
-// Tables of expensive functions against the functions, and kernels in batches against single values.
+// Tables of expensive functions against the functions, and kernels in batches against single
+// values.
 #include "solver/history/function_table.hpp"
 #include "solver/history/kernel_function.hpp"
 #include "solver/kernel/scalar.hpp"
