@@ -263,7 +263,7 @@ int run_command(const std::string& path, const Options& options) {
   solver::RunResult result;
   std::optional<solver::AccuracyResult> accuracy;
   double bandwidth = 0.0;
-  int code = solve(script, options, true, result, accuracy);
+  int code = solve(script, options, !options.no_files, result, accuracy);
   if (code == exit_ok) {
     try {
       // Measuring takes as long as a short run.

@@ -38,6 +38,7 @@ struct Options {
   std::string output_folder;
   std::string json;
   bool quiet = false;
+  bool no_files = false;   ///< print only; a JSON that was asked for is written all the same
   bool colour = false;     ///< on stderr
   bool colour_out = false; ///< on stdout
   bool strict = false;

@@ -68,6 +68,9 @@ int dispatch(int argc, char** argv) {
   run->add_option("--checkpoint", options.checkpoint, "save the state every N steps")
       ->check(CLI::PositiveNumber);
   run->add_flag("--resume", options.resume, "go on from the last checkpoint");
+  auto* no_files = run->add_flag("--no-files", options.no_files, "print only, write nothing")
+                       ->excludes("--checkpoint", "--resume");
+  if (auto* folder = run->get_option_no_throw("-o")) no_files->excludes(folder);
   run->add_option("--accuracy", options.accuracy,
                   "find the cheapest setting with this relative error")
       ->check(CLI::PositiveNumber);

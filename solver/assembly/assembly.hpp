@@ -11,12 +11,26 @@
 
 namespace hvi::solver {
 
+/// Which dofs a matrix has, and where: entry_of[dof], -1: not at all. Entries below n_rows have a
+/// row and a column, those up to n_columns (imposed values) a column. Both follow the order of the
+/// dofs. Without entries: all dofs, as they are numbered.
+struct DofSelection {
+  std::span<const std::int32_t> entry_of;
+  int n_rows = 0, n_columns = 0;
+};
+
 /// K_ij = int_region sum_e C_e(x, nu) D_{trial_e}(phi_j) D_{test_e}(phi_i).
 /// `exact` integrates polynomial coefficients exactly and others with a rule of degree
 /// 2 (order + 1). All forms on cells have the pattern of space.graph, whatever their region; forms
 /// on facets and points a part of it. A point region sums over its nodes with weight 1.
 /// Throws Failure(bad_value) naming the point where a coefficient is not finite.
-SparseMatrix assemble_form(const Space& space, const Region& region, const FormTerm& term);
+SparseMatrix assemble_form(const Space& space, const Region& region, const FormTerm& term,
+                           const DofSelection& dofs = {});
+/// Several forms on one region: they share the pattern and, where they can, the pass over the
+/// cells. The matrices have the same bits as one by one.
+std::vector<SparseMatrix> assemble_forms(const Space& space, const Region& region,
+                                         std::span<const FormTerm* const> terms,
+                                         const DofSelection& dofs = {});
 /// The pattern of the cell forms with values zero.
 SparseMatrix zero_matrix(const Space& space);
 /// into += alpha matrix; every entry of `matrix` must be in the pattern of `into` (which stays as
@@ -81,6 +95,8 @@ void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector&
 /// Gram matrices. V: eps : eps (vector) or grad . grad (scalar, plus the mass where nothing is
 /// eliminated). Mass: u . v. Boundary mass of a part with a rule.
 SparseMatrix gram_v(const Space& space, bool add_mass);
+/// The form eps : eps or grad . grad of `gram_v`, without a part.
+FormTerm strain_form(const Space& space);
 SparseMatrix mass(const Space& space);
 /// int_region  (u . nu)(v . nu)  |  u_tau . v_tau  |  u . v.
 enum class Trace { normal, tangential, full };
@@ -92,9 +108,21 @@ struct FieldValues {
   std::span<const Vector* const> fields;
   double t = 0.0;
 };
-/// Expression at a point given by cell and barycentric coordinates.
-double evaluate_at(const Space& space, const Expr& expression, int cell,
-                   const std::array<double, 4>& barycentric, const FieldValues& values);
+/// An expression at a point given by cell and barycentric coordinates: prepared once, evaluated at
+/// many steps. The space must outlive it. Throws Failure(bad_value) when a field it needs is
+/// absent.
+class PointValue {
+public:
+  PointValue(const Space& space, const Expr& expression, int cell,
+             const std::array<double, 4>& barycentric);
+  ~PointValue();
+  PointValue(PointValue&&) noexcept;
+  double operator()(const FieldValues& values);
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 /// Integral of an expression over a region (cells: fields and gradients of the cell; facets: of the
 /// cell behind, with slot::normal). No multipliers. Prepared once, evaluated at many steps:
 /// integrands affine in the fields with coefficients independent of t cost one sparse dot product.

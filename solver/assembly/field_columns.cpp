@@ -22,7 +22,7 @@ FieldColumns::FieldColumns(const Space& space, std::span<const Slot> slots) : sp
 }
 
 void FieldColumns::fill(const PointBlock& block, const FieldValues& values) {
-  std::vector<const Vector*> vectors;
+  vectors_.clear();
   for (Column& column : columns_) {
     const auto k = static_cast<std::size_t>(column.field);
     const Vector* vector = k < values.fields.size() ? values.fields[k] : nullptr;
@@ -30,7 +30,7 @@ void FieldColumns::fill(const PointBlock& block, const FieldValues& values) {
       throw Failure(FailureKind::bad_value, Origin{},
                     describe_slot(column.slot) + " has no value here");
     }
-    vectors.push_back(vector);
+    vectors_.push_back(vector);
     column.values.resize(block.size());
   }
   if (columns_.empty()) {
@@ -49,7 +49,7 @@ void FieldColumns::fill(const PointBlock& block, const FieldValues& values) {
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       const Derivative d = columns_[c].derivative;
       const double* shape = shapes.row(d.row);
-      const double* u = vectors[c]->data() + d.component;
+      const double* u = vectors_[c]->data() + d.component;
       double sum = 0.0;
       for (int i = 0; i < shapes.size; ++i) {
         sum += shape[i] * u[nodes[i] * space_.components];

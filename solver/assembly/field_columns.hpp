@@ -29,6 +29,7 @@ private:
   };
   const Space& space_;
   std::vector<Column> columns_;
+  std::vector<const Vector*> vectors_; ///< of the columns, while they are filled
   bool gradients_ = false;
 };
 

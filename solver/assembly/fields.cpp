@@ -46,9 +46,16 @@ Quadrature element_nodes(int dim, int order) {
 
 } // namespace
 
-double evaluate_at(const Space& space, const Expr& expression, int cell,
-                   const std::array<double, 4>& barycentric, const FieldValues& values) {
+struct PointValue::Impl {
+  FieldTape tape;
   PointBlock block;
+  std::vector<double> out;
+};
+
+PointValue::PointValue(const Space& space, const Expr& expression, int cell,
+                       const std::array<double, 4>& barycentric)
+    : impl_(std::make_unique<Impl>(Impl{FieldTape(space, {&expression, 1}), {}, {}})) {
+  PointBlock& block = impl_->block;
   const Point x = point_in_cell(*space.mesh, cell, barycentric);
   for (int j = 0; j < 3; ++j) {
     block.x[j].push_back(x[j]);
@@ -59,9 +66,14 @@ double evaluate_at(const Space& space, const Expr& expression, int cell,
   block.entity.push_back(cell);
   block.barycentric.push_back(barycentric);
   block.indicators = space.indicators;
-  std::vector<double> out;
-  FieldTape(space, {&expression, 1}).evaluate(block, values, out);
-  return out.front();
+}
+
+PointValue::~PointValue() = default;
+PointValue::PointValue(PointValue&&) noexcept = default;
+
+double PointValue::operator()(const FieldValues& values) {
+  impl_->tape.evaluate(impl_->block, values, impl_->out);
+  return impl_->out.front();
 }
 
 std::vector<double> cell_values(const Space& space, std::span<const Expr> components,

@@ -11,31 +11,59 @@
 namespace hvi::solver {
 namespace {
 
-/// Constant coefficients on cells: no points, no tape.
-void assemble_constant(const Space& space, const Region& region, Rule rule, FormEntries& entries,
-                       ElementScatter& scatter) {
-  std::vector<double> coefficients;
-  for (const Expr& c : entries.coefficients) {
-    coefficients.push_back(c.value());
+/// A form with constant coefficients on cells, in a pass that several of them share.
+struct ConstantForm {
+  FormEntries entries;
+  ElementKernel kernel;
+  double* values; ///< of its matrix
+  Rule rule;
+};
+
+/// No points, no tape. All forms have the same quadrature.
+void assemble_constant(const Space& space, const Region& region, std::span<ConstantForm> forms,
+                       const MatrixPattern& pattern) {
+  bool gradients = false;
+  for (ConstantForm& form : forms) {
+    std::vector<double> coefficients;
+    for (const Expr& c : form.entries.coefficients) coefficients.push_back(c.value());
+    form.entries.set(coefficients.data(), 1);
+    gradients = gradients || form.entries.gradients;
   }
-  entries.set(coefficients.data(), 1);
-  const Quadrature quadrature = make_rule(rule, space.mesh->dim, space.order, entries.degree);
-  const ElementKernel kernel = whole_cell_kernel(space, entries);
+  const Quadrature quadrature =
+      make_rule(forms.front().rule, space.mesh->dim, space.order, forms.front().entries.degree);
   ElementMatrix element;
   element.components = space.components;
   element.local.resize(space.nodes_per_cell);
   std::iota(element.local.begin(), element.local.end(), 0);
-  ShapeTable shapes;
+  std::vector<ShapeTable> shapes(quadrature.size());
+  std::vector<int> edges;
   for (const auto cell : region.entities) {
     const auto nodes = space.nodes_of_cell(cell);
     element.nodes.assign(nodes.begin(), nodes.end());
-    element.clear();
+    pattern.locate(nodes, edges);
     const CellGeometry geometry = cell_geometry(*space.mesh, cell);
-    for (std::size_t q = 0; q < quadrature.size(); ++q) {
-      evaluate_shapes(space, geometry, quadrature.points[q], entries.gradients, shapes);
-      kernel(element, entries, shapes, geometry.measure * quadrature.weights[q]);
+    for (std::size_t q = 0; q < quadrature.size(); ++q)
+      evaluate_shapes(space, geometry, quadrature.points[q], gradients, shapes[q]);
+    for (const ConstantForm& form : forms) {
+      element.clear();
+      for (std::size_t q = 0; q < quadrature.size(); ++q)
+        form.kernel(element, form.entries, shapes[q], geometry.measure * quadrature.weights[q]);
+      pattern.add(nodes, edges, element.data.data(), form.values);
     }
-    scatter.add(element.nodes, element.data.data());
+  }
+}
+
+/// Those with the quadrature of the first share its pass; then those of the first that is left ...
+void assemble_constants(const Space& space, const Region& region, std::vector<ConstantForm> forms,
+                        const MatrixPattern& pattern) {
+  while (!forms.empty()) {
+    const Rule rule = forms.front().rule;
+    const int degree = forms.front().entries.degree;
+    const auto rest = std::stable_partition(forms.begin(), forms.end(), [&](const auto& form) {
+      return form.rule == rule && form.entries.degree == degree;
+    });
+    assemble_constant(space, region, {forms.begin(), rest}, pattern);
+    forms.erase(forms.begin(), rest);
   }
 }
 
@@ -69,12 +97,12 @@ public:
                                                   : general_kernel) {
     element_.components = space.components;
   }
-  void run(ElementScatter& scatter) {
-    points_.for_blocks([&](const PointBlock& block) { add_block(block, scatter); });
+  void run(const MatrixPattern& pattern, double* values) {
+    points_.for_blocks([&](const PointBlock& block) { add_block(block, pattern, values); });
   }
 
 private:
-  void add_block(const PointBlock& block, ElementScatter& scatter) {
+  void add_block(const PointBlock& block, const MatrixPattern& pattern, double* values) {
     const std::size_t n = block.size(), step = points_.per_entity();
     values_.resize(n * entries_.coefficients.size());
     tape_.evaluate(block, 0.0, term_.origin, values_);
@@ -89,7 +117,8 @@ private:
         entries_.set(values_.data() + q, n);
         kernel_(element_, entries_, shapes_, block.weight[q]);
       }
-      scatter.add(element_.nodes, element_.data.data());
+      pattern.locate(element_.nodes, edges_);
+      pattern.add(element_.nodes, edges_, element_.data.data(), values);
     }
   }
   void check(const PointBlock& block) const {
@@ -111,6 +140,7 @@ private:
   ElementKernel kernel_;
   ElementMatrix element_;
   ShapeTable shapes_;
+  std::vector<int> edges_;
   std::vector<double> values_;
 };
 
@@ -134,29 +164,43 @@ NodeGraph graph_of(const Space& space, const Region& region, bool gradients) {
 } // namespace
 
 SparseMatrix zero_matrix(const Space& space) {
-  return make_pattern(*space.graph, space.components);
+  return MatrixPattern(*space.graph, space.components, {}).zeros();
 }
 
-SparseMatrix assemble_form(const Space& space, const Region& region, const FormTerm& term) {
-  FormEntries entries = sort_entries(space, term);
+std::vector<SparseMatrix> assemble_forms(const Space& space, const Region& region,
+                                         std::span<const FormTerm* const> terms,
+                                         const DofSelection& dofs) {
   const bool on_cells = region.kind == Group::Kind::cells;
-  if (region.kind == Group::Kind::points && entries.gradients) {
-    throw Failure(FailureKind::bad_value, term.origin,
-                  "a gradient has no value at a single point; use values of u and v there");
+  std::vector<FormEntries> entries;
+  bool gradients = false;
+  for (const FormTerm* term : terms) {
+    entries.push_back(sort_entries(space, *term));
+    gradients = gradients || entries.back().gradients;
+    if (region.kind == Group::Kind::points && gradients)
+      throw Failure(FailureKind::bad_value, term->origin,
+                    "a gradient has no value at a single point; use values of u and v there");
   }
   NodeGraph own_graph;
-  if (!on_cells) {
-    own_graph = graph_of(space, region, entries.gradients);
+  if (!on_cells) own_graph = graph_of(space, region, gradients);
+  const MatrixPattern pattern(on_cells ? *space.graph : own_graph, space.components, dofs);
+  std::vector<SparseMatrix> matrices(terms.size(), pattern.zeros());
+  std::vector<ConstantForm> constant;
+  for (std::size_t f = 0; f < terms.size(); ++f) {
+    double* const values = matrices[f].valuePtr();
+    if (on_cells && entries[f].constant)
+      constant.push_back({std::move(entries[f]), nullptr, values, terms[f]->rule});
+    else if (!entries[f].coefficients.empty())
+      VariableAssembler(space, region, *terms[f], entries[f]).run(pattern, values);
   }
-  const NodeGraph& graph = on_cells ? *space.graph : own_graph;
-  SparseMatrix matrix = make_pattern(graph, space.components);
-  ElementScatter scatter(graph, space.components, matrix);
-  if (on_cells && entries.constant) {
-    assemble_constant(space, region, term.rule, entries, scatter);
-  } else if (!entries.coefficients.empty()) {
-    VariableAssembler(space, region, term, entries).run(scatter);
-  }
-  return matrix;
+  for (auto& form : constant) form.kernel = whole_cell_kernel(space, form.entries);
+  assemble_constants(space, region, std::move(constant), pattern);
+  return matrices;
+}
+
+SparseMatrix assemble_form(const Space& space, const Region& region, const FormTerm& term,
+                           const DofSelection& dofs) {
+  const FormTerm* const terms[] = {&term};
+  return std::move(assemble_forms(space, region, terms, dofs).front());
 }
 
 } // namespace hvi::solver

@@ -21,14 +21,17 @@ void add_mass(const Space& space, FormTerm& term) {
   }
 }
 
+} // namespace
+
 /// eps(u) : eps(v) = 1/2 sum_ij (d_j u_i d_j v_i + d_i u_j d_j v_i); scalar: grad u . grad v.
-void add_strain(const Space& space, FormTerm& term) {
+FormTerm strain_form(const Space& space) {
+  FormTerm term;
   const int dim = space.mesh->dim;
   if (space.components == 1) {
     for (int j = 0; j < dim; ++j) {
       term.entries.push_back({slot::gradient(0, j), slot::gradient(0, j), Expr(1.0)});
     }
-    return;
+    return term;
   }
   for (int i = 0; i < dim; ++i) {
     for (int j = 0; j < dim; ++j) {
@@ -36,14 +39,11 @@ void add_strain(const Space& space, FormTerm& term) {
       term.entries.push_back({slot::gradient(i, j), slot::gradient(j, i), Expr(0.5)});
     }
   }
+  return term;
 }
 
-} // namespace
-
 SparseMatrix gram_v(const Space& space, bool add_mass_term) {
-  FormTerm term;
-  add_strain(space, term);
-  SparseMatrix gram = assemble_form(space, all_cells(space), term);
+  SparseMatrix gram = assemble_form(space, all_cells(space), strain_form(space));
   // A second form, so that the strain keeps its cheap one-point rule.
   if (add_mass_term) {
     add_scaled(gram, 1.0, mass(space));

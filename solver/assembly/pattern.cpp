@@ -1,61 +1,129 @@
 // Sparse patterns without triplets or sorting: the node graph has sorted rows already.
 #include "solver/assembly/pattern.hpp"
 
-#include "solver/assembly/assembly.hpp"
-
 #include <algorithm>
 #include <limits>
 
 namespace hvi::solver {
 
-SparseMatrix make_pattern(const NodeGraph& graph, int components) {
-  const std::size_t n_nodes = graph.offsets.size() - 1;
-  const std::size_t entries = graph.neighbours.size() * components * components;
-  if (entries > std::size_t(std::numeric_limits<int>::max())) {
+MatrixPattern::MatrixPattern(const NodeGraph& graph, int components, const DofSelection& dofs)
+    : graph_(&graph), components_(components), dofs_(dofs) {
+  if (dofs_.entry_of.empty())
+    dofs_.n_rows = dofs_.n_columns = static_cast<int>(graph.offsets.size() - 1) * components;
+  if (graph.neighbours.size() * components * components >
+      std::size_t(std::numeric_limits<int>::max()))
     throw Failure(FailureKind::limit, Origin{},
                   "the matrix has more than 2^31 entries; the mesh is too fine");
-  }
-  const auto size = static_cast<Eigen::Index>(n_nodes * components);
-  SparseMatrix matrix(size, size);
-  matrix.resizeNonZeros(static_cast<Eigen::Index>(entries));
-  int* outer = matrix.outerIndexPtr();
-  int* inner = matrix.innerIndexPtr();
-  int position = 0;
-  for (std::size_t i = 0; i < n_nodes; ++i) {
-    for (int c = 0; c < components; ++c) {
-      *outer++ = position;
-      for (auto k = graph.offsets[i]; k < graph.offsets[i + 1]; ++k) {
-        for (int d = 0; d < components; ++d) {
-          inner[position++] = graph.neighbours[k] * components + d;
-        }
-      }
-    }
-  }
-  *outer = position;
-  std::fill_n(matrix.valuePtr(), entries, 0.0);
-  return matrix;
+  zeros_.resize(dofs_.n_rows, dofs_.n_columns);
+  count_columns();
+  fill_columns();
 }
 
-ElementScatter::ElementScatter(const NodeGraph& graph, int components, SparseMatrix& matrix)
-    : graph_(&graph), components_(components), values_(matrix.valuePtr()) {}
+/// Where rows begin, and in them the entries of each neighbour.
+void MatrixPattern::count_columns() {
+  const int n_nodes = static_cast<int>(graph_->offsets.size()) - 1;
+  std::vector<int> with(n_nodes, 0), without(n_nodes, 0);
+  whole_.resize(n_nodes);
+  for (int i = 0; i < n_nodes; ++i) {
+    for (int c = 0; c < components_; ++c) {
+      const int e = entry(i, c);
+      with[i] += e >= 0 && e < dofs_.n_rows;
+      without[i] += e >= dofs_.n_rows;
+    }
+    whole_[i] = with[i] == components_;
+  }
+  with_row_.resize(graph_->neighbours.size());
+  without_row_.resize(graph_->neighbours.size());
+  row_start_.assign(static_cast<std::size_t>(n_nodes) * components_, -1);
+  int* outer = zeros_.outerIndexPtr();
+  int position = 0;
+  for (int i = 0; i < n_nodes; ++i) {
+    const auto first = graph_->offsets[i], past = graph_->offsets[i + 1];
+    int length = 0;
+    for (auto k = first; k < past; ++k) {
+      with_row_[k] = length;
+      length += with[graph_->neighbours[k]];
+    }
+    for (auto k = first; k < past; ++k) {
+      without_row_[k] = length;
+      length += without[graph_->neighbours[k]];
+    }
+    for (int c = 0; c < components_; ++c)
+      if (const int e = entry(i, c); e >= 0 && e < dofs_.n_rows) {
+        row_start_[i * components_ + c] = outer[e] = position;
+        position += length;
+      }
+  }
+  outer[dofs_.n_rows] = position;
+}
 
-void ElementScatter::add(std::span<const std::int32_t> nodes, const double* element) {
-  const std::size_t n = nodes.size(), m = components_, width = n * m;
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto first = graph_->offsets[nodes[i]], last = graph_->offsets[nodes[i] + 1];
-    const auto row = graph_->neighbours.begin() + first;
-    const std::size_t length = last - first;
-    double* values = values_ + std::size_t(first) * m * m;
-    for (std::size_t j = 0; j < n; ++j) {
-      const auto place = std::lower_bound(row, graph_->neighbours.begin() + last, nodes[j]) - row;
-      for (std::size_t c = 0; c < m; ++c) {
-        double* to = values + c * length * m + place * m;
-        const double* from = element + (i * m + c) * width + j * m;
-        for (std::size_t d = 0; d < m; ++d) {
-          to[d] += from[d];
+void MatrixPattern::fill_columns() {
+  const int entries = zeros_.outerIndexPtr()[dofs_.n_rows];
+  zeros_.resizeNonZeros(entries);
+  std::fill_n(zeros_.valuePtr(), entries, 0.0);
+  int* const inner = zeros_.innerIndexPtr();
+  for (std::size_t dof = 0; dof < row_start_.size(); ++dof) {
+    if (row_start_[dof] < 0) continue;
+    const auto i = dof / components_;
+    for (auto k = graph_->offsets[i]; k < graph_->offsets[i + 1]; ++k) {
+      int* with = inner + row_start_[dof] + with_row_[k];
+      int* without = inner + row_start_[dof] + without_row_[k];
+      for (int d = 0; d < components_; ++d)
+        if (const int e = entry(graph_->neighbours[k], d); e >= 0)
+          *(e < dofs_.n_rows ? with++ : without++) = e;
+    }
+  }
+}
+
+void MatrixPattern::locate(std::span<const std::int32_t> nodes, std::vector<int>& edges) const {
+  constexpr int short_row = 16;
+  edges.resize(nodes.size() * nodes.size());
+  int* edge = edges.data();
+  const std::int32_t* const all = graph_->neighbours.data();
+  for (const auto node : nodes) {
+    const auto *first = all + graph_->offsets[node], *past = all + graph_->offsets[node + 1];
+    for (const auto other : nodes) {
+      const auto* place = past - first <= short_row ? std::find(first, past, other)
+                                                    : std::lower_bound(first, past, other);
+      *edge++ = static_cast<int>(place - all);
+    }
+  }
+}
+
+template <int Components>
+void MatrixPattern::add_fixed(std::span<const std::int32_t> nodes, std::span<const int> edges,
+                              const double* element, double* values) const {
+  const std::size_t n = nodes.size(), width = n * Components;
+  for (std::size_t i = 0; i < n; ++i)
+    for (int c = 0; c < Components; ++c, element += width) {
+      const int start = row_start_[nodes[i] * Components + c];
+      if (start < 0) continue;
+      double* const row = values + start;
+      for (std::size_t j = 0; j < n; ++j) {
+        const int edge = edges[i * n + j];
+        const double* from = element + j * Components;
+        double* with = row + with_row_[edge];
+        if (whole_[nodes[j]] != 0) {
+          for (int d = 0; d < Components; ++d) with[d] += from[d];
+          continue;
         }
+        double* without = row + without_row_[edge];
+        for (int d = 0; d < Components; ++d)
+          if (const int e = entry(nodes[j], d); e >= 0)
+            *(e < dofs_.n_rows ? with++ : without++) += from[d];
       }
     }
+}
+
+void MatrixPattern::add(std::span<const std::int32_t> nodes, std::span<const int> edges,
+                        const double* element, double* values) const {
+  switch (components_) {
+  case 1:
+    return add_fixed<1>(nodes, edges, element, values);
+  case 2:
+    return add_fixed<2>(nodes, edges, element, values);
+  default:
+    return add_fixed<3>(nodes, edges, element, values);
   }
 }
 

@@ -16,7 +16,8 @@ using boost::math::policies::policy;
 using Quiet = policy<boost::math::policies::domain_error<ignore_error>,
                      boost::math::policies::pole_error<ignore_error>,
                      boost::math::policies::overflow_error<ignore_error>,
-                     boost::math::policies::evaluation_error<ignore_error>>;
+                     boost::math::policies::evaluation_error<ignore_error>,
+                     boost::math::policies::promote_double<false>>;
 
 /// Boost throws in corners that no policy reaches (rounding to int, series that do not converge).
 template <class F>

@@ -4,16 +4,25 @@
 
 #include <cstring>
 
+#if defined(__x86_64__) && __has_include(<sys/platform/x86.h>)
+#include <sys/platform/x86.h>
+// The C library has asked the processor already; asking again traps in a virtual machine.
+#define HVI_HAS(small, large) CPU_FEATURE_ACTIVE(large)
+#else
+#define HVI_HAS(small, large) __builtin_cpu_supports(small)
+#endif
+
 namespace hvi::solver {
 
 enum class InstructionSet { baseline, avx2, avx512 };
 
 /// The largest one that this processor has.
 inline InstructionSet instruction_set() {
-  if (__builtin_cpu_supports("avx512f")) return InstructionSet::avx512;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return InstructionSet::avx2;
+  if (HVI_HAS("avx512f", AVX512F)) return InstructionSet::avx512;
+  if (HVI_HAS("avx2", AVX2) && HVI_HAS("fma", FMA)) return InstructionSet::avx2;
   return InstructionSet::baseline;
 }
+#undef HVI_HAS
 
 // A kernel is inlined into functions that name the set it is compiled for.
 #define HVI_INLINE __attribute__((always_inline)) inline

@@ -53,51 +53,109 @@ void join_components(const SparseMatrix& k, std::span<const int> contact,
   }
 }
 
-/// CAMD with two constraint sets, interior before contact.
-std::optional<std::vector<Long>> camd_order(UpperTriangle& a, std::span<const char> is_contact,
-                                            cholmod_common* common) {
-  // CAMD reads past its buckets when the first set is empty: then nothing is left to order.
-  if (std::find(is_contact.begin(), is_contact.end(), char{0}) == is_contact.end()) {
-    common->fl = 0.0;
-    return std::vector<Long>{};
+/// The graph of K with one vertex for unknowns that follow each other, have the same neighbours and
+/// are on the same side (contact or not): the components of a node. Orders of it are orders of K at
+/// a fraction of the work.
+struct VertexGraph {
+  std::vector<int> first;       ///< unknown of each vertex; the last: how many unknowns there are
+  std::vector<Long> start, row; ///< upper triangle by columns
+  std::vector<Long> member;     ///< 1: contact
+
+  int size() const { return static_cast<int>(member.size()); }
+  cholmod_sparse view() {
+    cholmod_sparse a{};
+    a.nrow = a.ncol = member.size();
+    a.nzmax = row.size();
+    a.p = start.data();
+    a.i = row.data();
+    a.stype = 1;
+    a.itype = CHOLMOD_LONG;
+    a.xtype = CHOLMOD_PATTERN;
+    a.packed = a.sorted = 1;
+    return a;
   }
-  std::vector<Long> member(is_contact.begin(), is_contact.end()), permutation(is_contact.size());
-  cholmod_sparse view = a.pattern();
-  if (cholmod_l_camd(&view, nullptr, 0, member.data(), permutation.data(), common) == 0) return {};
-  std::erase_if(permutation, [&](Long unknown) { return is_contact[unknown] != 0; });
-  return permutation;
+  /// The unknowns of the interior in the order of their vertices.
+  std::vector<Long> unknowns(std::span<const Long> order) const {
+    std::vector<Long> out;
+    out.reserve(static_cast<std::size_t>(first.back()));
+    for (const Long vertex : order)
+      if (member[vertex] == 0)
+        for (int unknown = first[vertex]; unknown < first[vertex + 1]; ++unknown)
+          out.push_back(unknown);
+    return out;
+  }
+};
+
+VertexGraph vertex_graph(const SparseMatrix& k, std::span<const char> is_contact) {
+  const int n = static_cast<int>(k.rows());
+  const int* outer = k.outerIndexPtr();
+  const int* inner = k.innerIndexPtr();
+  const auto goes_with_last = [&](int i) {
+    const int length = outer[i + 1] - outer[i];
+    return i > 0 && is_contact[i] == is_contact[i - 1] && length == outer[i] - outer[i - 1] &&
+           std::equal(inner + outer[i], inner + outer[i + 1], inner + outer[i - 1]);
+  };
+  VertexGraph graph;
+  std::vector<int> vertex_of(static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i) {
+    if (!goes_with_last(i)) {
+      graph.first.push_back(i);
+      graph.member.push_back(is_contact[i]);
+    }
+    vertex_of[i] = graph.size() - 1;
+  }
+  graph.first.push_back(n);
+  graph.start.reserve(graph.member.size() + 1);
+  graph.row.reserve(static_cast<std::size_t>(k.nonZeros()) / 2);
+  graph.start.push_back(0);
+  for (int v = 0; v < graph.size(); ++v) {
+    int last = -1;
+    for (int at = outer[graph.first[v]]; at < outer[graph.first[v] + 1]; ++at) {
+      const int other = vertex_of[inner[at]];
+      if (other > v) break;
+      if (other != last) graph.row.push_back(last = other);
+    }
+    graph.start.push_back(static_cast<Long>(graph.row.size()));
+  }
+  return graph;
+}
+
+/// CAMD with two constraint sets, interior before contact. `flops`: of a factor of K, about.
+std::optional<std::vector<Long>> camd_order(VertexGraph& graph, cholmod_common* common,
+                                            double& flops) {
+  flops = 0.0;
+  // CAMD reads past its buckets when the first set is empty: then nothing is left to order.
+  if (std::find(graph.member.begin(), graph.member.end(), 0) == graph.member.end())
+    return std::vector<Long>{};
+  std::vector<Long> order(graph.member.size());
+  cholmod_sparse view = graph.view();
+  auto member = graph.member;
+  if (cholmod_l_camd(&view, nullptr, 0, member.data(), order.data(), common) == 0) return {};
+  // CAMD leaves an upper bound, of the graph: each of its operations is one on blocks.
+  const double block = static_cast<double>(graph.first.back()) / graph.size();
+  flops = common->fl * block * block * block;
+  return graph.unknowns(order);
 }
 
 /// METIS nested dissection of the interior's graph alone.
-std::optional<std::vector<Long>>
-metis_order(const SparseMatrix& k, std::span<const char> is_contact, cholmod_common* common) {
-  std::vector<Long> start{0}, row, interior, local(is_contact.size(), -1);
-  for (std::size_t unknown = 0; unknown < is_contact.size(); ++unknown)
-    if (is_contact[unknown] == 0) {
-      local[unknown] = static_cast<Long>(interior.size());
-      interior.push_back(static_cast<Long>(unknown));
-    }
-  row.reserve(static_cast<std::size_t>(k.nonZeros()) / 2 + interior.size());
-  for (const Long unknown : interior) {
-    for (int at = k.outerIndexPtr()[unknown]; at < k.outerIndexPtr()[unknown + 1]; ++at) {
-      const int other = k.innerIndexPtr()[at];
-      if (other <= unknown && local[other] >= 0) row.push_back(local[other]);
-    }
-    start.push_back(static_cast<Long>(row.size()));
+std::optional<std::vector<Long>> metis_order(const VertexGraph& graph, cholmod_common* common) {
+  VertexGraph interior;
+  std::vector<Long> vertex, local(graph.member.size(), -1);
+  interior.start.push_back(0);
+  for (int v = 0; v < graph.size(); ++v) {
+    if (graph.member[v] != 0) continue;
+    local[v] = static_cast<Long>(vertex.size());
+    vertex.push_back(v);
+    for (Long at = graph.start[v]; at < graph.start[v + 1]; ++at)
+      if (const Long other = local[graph.row[at]]; other >= 0) interior.row.push_back(other);
+    interior.start.push_back(static_cast<Long>(interior.row.size()));
   }
-  cholmod_sparse a{};
-  a.nrow = a.ncol = interior.size();
-  a.nzmax = row.size();
-  a.p = start.data();
-  a.i = row.data();
-  a.stype = 1;
-  a.itype = CHOLMOD_LONG;
-  a.xtype = CHOLMOD_PATTERN;
-  a.packed = 1;
-  std::vector<Long> permutation(interior.size());
-  if (cholmod_l_metis(&a, nullptr, 0, 0, permutation.data(), common) == 0) return {};
-  for (Long& position : permutation) position = interior[position];
-  return permutation;
+  interior.member.assign(vertex.size(), 0);
+  cholmod_sparse view = interior.view();
+  std::vector<Long> order(vertex.size());
+  if (cholmod_l_metis(&view, nullptr, 0, 0, order.data(), common) == 0) return {};
+  for (Long& position : order) position = vertex[position];
+  return graph.unknowns(order);
 }
 
 /// Nonzeros of the factor for an order of the interior with the contact behind it.
@@ -148,18 +206,19 @@ ContactLastOrder order_contact_last(const SparseMatrix& k, std::span<const int> 
                                     CholmodSession& session) {
   std::vector<char> is_contact(static_cast<std::size_t>(k.rows()), 0);
   for (int c : contact) is_contact[c] = 1;
-  auto links = chain(k, contact);
-  UpperTriangle a(k, links);
-  auto interior = camd_order(a, is_contact, session.common());
+  auto graph = vertex_graph(k, is_contact);
+  double flops = 0.0;
+  auto interior = camd_order(graph, session.common(), flops);
   if (!interior) throw Failure(FailureKind::limit, {}, "the matrix is too large to order");
-  // CAMD leaves upper bounds of the counts here: enough to see whether METIS is worth a try.
-  const double flops = session.common()->fl;
+  auto links = chain(k, contact);
   ContactLastOrder best{std::move(*interior), {}, "CAMD"};
   if (flops > flops_per_unknown_for_metis * static_cast<double>(k.rows()))
-    if (auto dissected = metis_order(k, is_contact, session.common()))
+    if (auto dissected = metis_order(graph, session.common())) {
+      UpperTriangle a(k, links);
       if (count_nonzeros(a, *dissected, contact, session) <
           count_nonzeros(a, best.permutation, contact, session))
         best = {std::move(*dissected), {}, "METIS"};
+    }
   best.permutation.insert(best.permutation.end(), contact.begin(), contact.end());
   best.links = std::move(links);
   if (!contact.empty()) join_components(k, contact, is_contact, best.permutation, best.links);

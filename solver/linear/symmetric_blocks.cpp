@@ -78,6 +78,25 @@ void multiply_blocks(const Blocks& a, const double* x, double* y) {
   }
 }
 
+template <int Size>
+double energy_of_blocks(const Blocks& a, const double* x) {
+  double total = 0;
+  for (int i = 0; i < a.rows; ++i) {
+    double on[Size] = {}, above[Size] = {};
+    const double* v = a.diagonal + Size * Size * i;
+    for (int r = 0; r < Size; ++r)
+      for (int c = 0; c < Size; ++c) on[r] += v[Size * r + c] * x[Size * i + c];
+    for (int at = a.start[i]; at < a.start[i + 1]; ++at) {
+      v = a.upper + static_cast<std::ptrdiff_t>(Size * Size) * at;
+      const double* xj = x + Size * a.column[at];
+      for (int r = 0; r < Size; ++r)
+        for (int c = 0; c < Size; ++c) above[r] += v[Size * r + c] * xj[c];
+    }
+    for (int r = 0; r < Size; ++r) total += (on[r] + 2.0 * above[r]) * x[Size * i + r];
+  }
+  return total;
+}
+
 #if defined(__x86_64__)
 
 /// Blocks of 2 as packs (v00 v01 v10 v11).
@@ -98,6 +117,25 @@ HVI_AVX2 void multiply_pairs(const Blocks& a, const double* x, double* y) {
     const auto halves = _mm_hadd_pd(_mm256_castpd256_pd128(sum), _mm256_extractf128_pd(sum, 1));
     _mm_storeu_pd(y + 2 * i, _mm_add_pd(_mm_loadu_pd(y + 2 * i), halves));
   }
+}
+
+/// x^T A x for blocks of 2: every block above the diagonal counts twice.
+HVI_AVX2 double energy_of_pairs(const Blocks& a, const double* x) {
+  auto total = _mm256_setzero_pd();
+  for (int i = 0; i < a.rows; ++i) {
+    const auto both = _mm256_broadcast_pd(reinterpret_cast<const __m128d*>(x + 2 * i));
+    auto above = _mm256_setzero_pd();
+    for (int at = a.start[i]; at < a.start[i + 1]; ++at) {
+      const auto v = _mm256_loadu_pd(a.upper + 4 * static_cast<std::ptrdiff_t>(at));
+      const auto* xj = reinterpret_cast<const __m128d*>(x + 2 * a.column[at]);
+      above = _mm256_fmadd_pd(v, _mm256_broadcast_pd(xj), above);
+    }
+    const auto on = _mm256_mul_pd(_mm256_loadu_pd(a.diagonal + 4 * i), both);
+    const auto row = _mm256_add_pd(on, _mm256_add_pd(above, above));
+    total = _mm256_fmadd_pd(row, _mm256_permute4x64_pd(both, 0b01010000), total);
+  }
+  const auto halves = _mm_add_pd(_mm256_castpd256_pd128(total), _mm256_extractf128_pd(total, 1));
+  return halves[0] + halves[1];
 }
 
 /// Blocks of 3; x and y with four places a node, the last of no meaning. Reads one double behind
@@ -137,8 +175,8 @@ HVI_AVX2 void multiply_triples(const Blocks& a, const double* x, double* y) {
 
 } // namespace
 
-SymmetricBlocks::SymmetricBlocks(const SparseMatrix& a) {
-  if (a.rows() == 0 || !is_symmetric(a)) return;
+SymmetricBlocks::SymmetricBlocks(const SparseMatrix& a, bool known) {
+  if (a.rows() == 0 || !(known || is_symmetric(a))) return;
   diagonal_entries_ = a.diagonal();
   if (2.0 * static_cast<double>(a.nonZeros()) > std::pow(static_cast<double>(a.rows()), 2)) {
     block_ = static_cast<int>(a.rows()), rows_ = 1;
@@ -178,6 +216,46 @@ void SymmetricBlocks::fill(const SparseMatrix& a) {
     start_.push_back(static_cast<int>(column_.size()));
   }
   diagonal_.push_back(0.0), upper_.push_back(0.0); // blocks of 3 are read as four doubles
+}
+
+bool SymmetricBlocks::same_pattern(const SymmetricBlocks& other) const {
+  return block_ == other.block_ && rows_ == other.rows_ && start_ == other.start_ &&
+         column_ == other.column_;
+}
+
+SymmetricBlocks SymmetricBlocks::sum(std::span<const SymmetricBlocks> parts,
+                                     const Vector& factors) {
+  SymmetricBlocks out = parts.front();
+  const auto scale = [&](std::vector<double>& values) {
+    for (double& v : values) v *= factors[0];
+  };
+  scale(out.diagonal_), scale(out.upper_);
+  out.diagonal_entries_ *= factors[0];
+  out.dense_ *= factors[0];
+  for (std::size_t b = 1; b < parts.size(); ++b) {
+    const SymmetricBlocks& part = parts[b];
+    if (!out.same_pattern(part)) return {};
+    const double factor = factors[static_cast<Eigen::Index>(b)];
+    const auto add = [&](std::vector<double>& values, const std::vector<double>& more) {
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] += factor * more[i];
+    };
+    add(out.diagonal_, part.diagonal_), add(out.upper_, part.upper_);
+    out.diagonal_entries_ += factor * part.diagonal_entries_;
+    out.dense_ += factor * part.dense_;
+  }
+  return out;
+}
+
+double SymmetricBlocks::energy(const Vector& x) const {
+  if (dense_.size() > 0) return x.dot(dense_.selfadjointView<Eigen::Lower>() * x);
+  const Blocks a{rows_, start_.data(), column_.data(), diagonal_.data(), upper_.data()};
+#if defined(__x86_64__)
+  if (block_ == 2 && instruction_set() != InstructionSet::baseline)
+    return energy_of_pairs(a, x.data());
+#endif
+  if (block_ == 1) return energy_of_blocks<1>(a, x.data());
+  if (block_ == 2) return energy_of_blocks<2>(a, x.data());
+  return energy_of_blocks<3>(a, x.data());
 }
 
 double SymmetricBlocks::bytes() const {

@@ -4,6 +4,7 @@
 
 #include "solver/linear/sparse.hpp"
 
+#include <span>
 #include <vector>
 
 namespace hvi::solver {
@@ -14,17 +15,23 @@ namespace hvi::solver {
 class SymmetricBlocks {
 public:
   SymmetricBlocks() = default;
-  /// Empty (see `empty`) when A is not square and symmetric to rounding.
-  explicit SymmetricBlocks(const SparseMatrix& a);
+  /// Empty (see `empty`) when A is not square and symmetric to rounding; `known` to be: it is not
+  /// looked at.
+  explicit SymmetricBlocks(const SparseMatrix& a, bool known = false);
+  /// sum_b factor_b A_b; empty when the patterns differ.
+  static SymmetricBlocks sum(std::span<const SymmetricBlocks> parts, const Vector& factors);
 
   bool empty() const { return block_ == 0; }
   /// y += A x. The order of the additions is always the same.
   void add_product(const Vector& x, Vector& y) const;
+  /// x^T A x
+  double energy(const Vector& x) const;
   const Vector& diagonal() const { return diagonal_entries_; }
   double bytes() const;
 
 private:
   void fill(const SparseMatrix& a);
+  bool same_pattern(const SymmetricBlocks& other) const;
 
   int block_ = 0, rows_ = 0; ///< size and count of block rows
   std::vector<int> start_, column_;

@@ -8,7 +8,13 @@
 #include "solver/time/proportional.hpp"
 #include "solver/time/shared_work.hpp"
 
+#include <Eigen/QR>
+
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <span>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
@@ -66,6 +72,69 @@ void merge_equal_weights(std::vector<SparseMatrix>& matrices, std::vector<Vector
     }
 }
 
+/// Terms in groups that are assembled in one pass: those on the same cells; each other one alone.
+std::vector<std::vector<int>> in_passes(const Discretisation& discretisation,
+                                        std::span<const FormTerm* const> terms) {
+  std::vector<std::vector<int>> passes;
+  for (int i = 0; i < static_cast<int>(terms.size()); ++i) {
+    const auto same = std::find_if(passes.begin(), passes.end(), [&](const auto& pass) {
+      const int part = terms[i]->part;
+      return terms[pass.front()]->part == part &&
+             discretisation.parts[part].kind == Group::Kind::cells;
+    });
+    if (same != passes.end())
+      same->push_back(i);
+    else
+      passes.push_back({i});
+  }
+  return passes;
+}
+
+std::vector<SparseMatrix> assemble_distinct(const Plan& plan, const Discretisation& discretisation,
+                                            const StateLayout& layout,
+                                            std::span<const FormTerm* const> terms) {
+  std::vector<SparseMatrix> matrices(terms.size());
+  const DofSelection dofs{layout.entry_of, layout.n_unknowns, layout.n_state};
+  // What runs have in common is taken and put there one by one.
+  if (discretisation.shared || plan.options.threads > 1) {
+    const int threads = discretisation.shared ? 1 : plan.options.threads;
+    for_each_piece(static_cast<int>(terms.size()), threads, [&](int i) {
+      const auto assemble = [&] {
+        return assemble_form(discretisation.space, discretisation.parts[terms[i]->part], *terms[i],
+                             dofs);
+      };
+      matrices[i] =
+          discretisation.shared ? discretisation.shared->form(*terms[i], assemble) : assemble();
+    });
+    return matrices;
+  }
+  for (const auto& pass : in_passes(discretisation, terms)) {
+    std::vector<const FormTerm*> chosen;
+    for (const int i : pass) chosen.push_back(terms[i]);
+    auto made = assemble_forms(discretisation.space, discretisation.parts[chosen.front()->part],
+                               chosen, dofs);
+    for (std::size_t k = 0; k < pass.size(); ++k) matrices[pass[k]] = std::move(made[k]);
+  }
+  return matrices;
+}
+
+bool is_constant(const FormTerm& term) {
+  return std::all_of(term.entries.begin(), term.entries.end(),
+                     [](const auto& entry) { return entry.coefficient.is_constant(); });
+}
+
+/// Constant coefficients C that stay when test and trial function change places: whatever the mesh,
+/// the matrix is symmetric.
+bool is_mirrored(const FormTerm& term) {
+  if (!is_constant(term)) return false;
+  std::map<std::pair<int, int>, double> c;
+  for (const auto& entry : term.entries) c[{entry.test, entry.trial}] += entry.coefficient.value();
+  return std::all_of(c.begin(), c.end(), [&](const auto& one) {
+    const auto mirror = c.find({one.first.second, one.first.first});
+    return mirror != c.end() ? mirror->second == one.second : one.second == 0.0;
+  });
+}
+
 /// Symmetric on the unknowns to rounding of the assembly.
 bool is_symmetric(const SparseMatrix& matrix) {
   const double largest =
@@ -81,31 +150,53 @@ Operators assemble_operators(const Plan& plan, const Discretisation& discretisat
                              const StateLayout& layout) {
   const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
   auto distinct = distinct_terms(plan, n_fields);
-  const int n_terms = static_cast<int>(distinct.terms.size());
-  std::vector<SparseMatrix> matrices(distinct.terms.size());
-  // What runs have in common is taken and put there one by one.
-  const int threads = discretisation.shared ? 1 : plan.options.threads;
-  for_each_piece(n_terms, threads, [&](int i) {
-    const FormTerm& term = *distinct.terms[i];
-    const auto assemble = [&] {
-      return restrict_rows(
-          assemble_form(discretisation.space, discretisation.parts[term.part], term), layout);
-    };
-    matrices[i] = discretisation.shared ? discretisation.shared->form(term, assemble) : assemble();
-  });
+  auto matrices = assemble_distinct(plan, discretisation, layout, distinct.terms);
   merge_equal_values(matrices, distinct.weights);
   merge_equal_weights(matrices, distinct.weights);
 
   Operators out;
   out.shared = discretisation.shared.get();
   out.n_unknowns = layout.n_unknowns;
+  out.mirrored = std::all_of(distinct.terms.begin(), distinct.terms.end(),
+                             [](const FormTerm* term) { return is_mirrored(*term); });
   out.weights.resize(n_fields, static_cast<Eigen::Index>(matrices.size()));
   for (std::size_t b = 0; b < matrices.size(); ++b) {
     out.weights.col(static_cast<Eigen::Index>(b)) = distinct.weights[b];
-    out.symmetric = out.symmetric && is_symmetric(matrices[b]);
+    out.symmetric = out.symmetric && (out.mirrored || is_symmetric(matrices[b]));
   }
+  if (matrices.size() == distinct.terms.size()) out.terms = std::move(distinct.terms);
   out.bases = std::move(matrices);
   return out;
+}
+
+std::optional<Vector> as_combination(const Operators& operators,
+                                     const Discretisation& discretisation, const FormTerm& form) {
+  constexpr int derivatives = slot::field_stride;
+  constexpr double largest_factor = 1e3; // what rounding of a base may grow by
+  const auto column_of = [](const FormTerm& term) {
+    Vector column = Vector::Zero(derivatives * derivatives);
+    for (const auto& entry : term.entries)
+      column[entry.test * derivatives + entry.trial] += entry.coefficient.value();
+    return column;
+  };
+  DenseMatrix columns(derivatives * derivatives, static_cast<Eigen::Index>(operators.terms.size()));
+  for (std::size_t b = 0; b < operators.terms.size(); ++b) {
+    const FormTerm& term = *operators.terms[b];
+    const Region& region = discretisation.parts[term.part];
+    const bool plain = is_constant(term) && term.rule == form.rule &&
+                       region.kind == Group::Kind::cells &&
+                       region.entities.size() == discretisation.mesh.cells.size();
+    if (!plain) return {};
+    columns.col(static_cast<Eigen::Index>(b)) = column_of(term);
+  }
+  if (columns.cols() == 0 || !is_constant(form)) return {};
+  const Vector wanted = column_of(form);
+  const Vector factors = columns.colPivHouseholderQr().solve(wanted);
+  const double size = wanted.norm();
+  const double grown = factors.cwiseAbs().dot(columns.colwise().norm());
+  const bool good = grown <= largest_factor * size && // false for NaN
+                    (columns * factors - wanted).norm() <= 1e-14 * grown;
+  return good ? std::optional(factors) : std::nullopt;
 }
 
 SparseMatrix on_unknowns(const SparseMatrix& base, int n_unknowns) {

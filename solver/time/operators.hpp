@@ -9,6 +9,7 @@
 #include "solver/time/run.hpp"
 #include "solver/time/state.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace hvi::solver {
@@ -17,7 +18,10 @@ struct Operators {
   std::vector<SparseMatrix> bases; ///< unknowns x state
   DenseMatrix weights;             ///< fields (slot::field numbering) x bases
   bool symmetric = true;           ///< all of them, on the unknowns
+  bool mirrored = true;            ///< and by their coefficients already
   int n_unknowns = 0;
+  /// Of the base matrices; empty where some were merged.
+  std::vector<const FormTerm*> terms;
   SharedWork* shared = nullptr; ///< of the discretisation; factors may be had from there
 
   int n_bases() const { return static_cast<int>(bases.size()); }
@@ -31,6 +35,11 @@ struct Operators {
 /// ratio (the same material law on two parts) are added up.
 Operators assemble_operators(const Plan& plan, const Discretisation& discretisation,
                              const StateLayout& layout);
+
+/// The c with sum_b c_b T_b = the form on all cells, if its constant coefficients show that there
+/// is one: eps(u) : eps(v) is a combination of two isotropic tensors.
+std::optional<Vector> as_combination(const Operators& operators,
+                                     const Discretisation& discretisation, const FormTerm& form);
 
 /// The columns of a base matrix that belong to unknowns.
 SparseMatrix on_unknowns(const SparseMatrix& base, int n_unknowns);

@@ -6,28 +6,6 @@
 namespace hvi::solver {
 namespace {
 
-/// Half of a symmetric G: u^T G u = u^T H u with H = diagonal + 2 * what is above it.
-SparseMatrix half_of(const SparseMatrix& gram) {
-  SparseMatrix half = gram.triangularView<Eigen::Upper>();
-  for (int i = 0; i < half.outerSize(); ++i)
-    for (SparseMatrix::InnerIterator it(half, i); it; ++it)
-      if (it.col() != i) it.valueRef() *= 2.0;
-  return half;
-}
-
-/// sqrt(u^T H u); roundoff cannot make it NaN.
-double gram_norm(const SparseMatrix& half, const Vector& u) {
-  const int *start = half.outerIndexPtr(), *column = half.innerIndexPtr();
-  const double* value = half.valuePtr();
-  double sum = 0;
-  for (int i = 0; i < half.outerSize(); ++i) {
-    double row = 0;
-    for (int at = start[i]; at < start[i + 1]; ++at) row += value[at] * u[column[at]];
-    sum += row * u[i];
-  }
-  return std::sqrt(std::max(sum, 0.0));
-}
-
 template <class... F>
 struct Match : F... {
   using F::operator()...;
@@ -37,22 +15,21 @@ Match(F...) -> Match<F...>;
 
 } // namespace
 
-ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const Contact& contact)
-    : space_(d.space), contact_(contact), probes_(plan.report.probes),
+ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const Stepper& stepper)
+    : space_(d.space), layout_(stepper.layout()), contact_(stepper.contact()),
+      probes_(plan.report.probes),
       n_fields_(first_history_field + static_cast<int>(plan.histories.size())) {
   const CellLocator locator(d.mesh, probes_.size());
-  for (const auto& probe : probes_) evaluators_.push_back(make(probe, plan, d, locator));
+  for (const auto& probe : probes_) evaluators_.push_back(make(probe, plan, d, stepper, locator));
 }
 
 ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Plan& plan, const Discretisation& d,
-                                   const CellLocator& locator) {
+                                   const Stepper& stepper, const CellLocator& locator) {
   switch (probe.kind) {
   case Probe::Kind::combination:
     return Combination{};
   case Probe::Kind::norm_v:
-    // Without imposed values the seminorm of a scalar space is no norm.
-    if (!half_gram_)
-      half_gram_ = half_of(gram_v(space_, space_.components == 1 && d.dofs.eliminated.empty()));
+    if (gram_.empty()) make_gram(d, stepper);
     return NormV{};
   case Probe::Kind::integral:
     if (reads_multiplier(probe.expression))
@@ -63,12 +40,29 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Plan& plan, const D
   }
   if (reads_multiplier(probe.expression))
     return LawSampler::at(plan, d, contact_, probe.expression, probe.origin, probe.point);
-  AtPoint out{};
-  out.cell = locator.find(probe.point, out.barycentric);
-  if (out.cell < 0)
+  std::array<double, 4> barycentric{};
+  const int cell = locator.find(probe.point, barycentric);
+  if (cell < 0)
     throw Failure(FailureKind::bad_value, probe.origin,
                   "the point of `" + probe.name + "` is outside the mesh");
-  return out;
+  return AtPoint{cell, barycentric, PointValue(space_, probe.expression, cell, barycentric)};
+}
+
+void ProbeSet::make_gram(const Discretisation& d, const Stepper& stepper) {
+  // Without imposed values the seminorm of a scalar space is no norm.
+  const bool add_mass = space_.components == 1 && d.dofs.eliminated.empty();
+  if (!add_mass) gram_ = stepper.from_bases(strain_form(space_));
+  if (gram_.empty())
+    gram_ = SymmetricBlocks(gram_v(space_, add_mass), true);
+  else
+    state_ = Vector::Zero(layout_.n_state);
+}
+
+/// sqrt(u^T G u); roundoff cannot make it NaN.
+double ProbeSet::norm(const Vector& u) {
+  const bool on_states = state_.size() > 0;
+  if (on_states) layout_.gather(u, state_);
+  return std::sqrt(std::max(gram_.energy(on_states ? state_ : u), 0.0));
 }
 
 std::vector<Expr> ProbeSet::expressions() const {
@@ -81,20 +75,16 @@ std::vector<Expr> ProbeSet::expressions() const {
 }
 
 double ProbeSet::value(int i, const Snapshot& snapshot) {
-  const auto& expression = probes_[i].expression;
-  return std::visit(
-      Match{[&](const AtPoint& at) {
-              return evaluate_at(space_, expression, at.cell, at.barycentric, snapshot.values());
-            },
-            [&](const Integrator& integrator) {
-              double out = 0;
-              integrator.integrate(snapshot.values(), {&out, 1});
-              return out;
-            },
-            [&](LawSampler& sampler) { return sampler.integral(contact_, snapshot); },
-            [&](const NormV&) { return gram_norm(*half_gram_, snapshot.field(field_u)); },
-            [](const Combination&) { return std::nan(""); }},
-      evaluators_[i]);
+  return std::visit(Match{[&](AtPoint& at) { return at.value(snapshot.values()); },
+                          [&](const Integrator& integrator) {
+                            double out = 0;
+                            integrator.integrate(snapshot.values(), {&out, 1});
+                            return out;
+                          },
+                          [&](LawSampler& sampler) { return sampler.integral(contact_, snapshot); },
+                          [&](const NormV&) { return norm(snapshot.field(field_u)); },
+                          [](const Combination&) { return std::nan(""); }},
+                    evaluators_[i]);
 }
 
 void ProbeSet::evaluate(const Snapshot& snapshot, std::span<double> values) {

@@ -1,16 +1,17 @@
 // The probes of a report: values at points, integrals, norms, combinations of those.
 #pragma once
 
+#include "solver/linear/symmetric_blocks.hpp"
 #include "solver/time/law_sampler.hpp"
+#include "solver/time/step.hpp"
 
-#include <optional>
 #include <variant>
 
 namespace hvi::solver {
 
 class ProbeSet {
 public:
-  ProbeSet(const Plan& plan, const Discretisation& discretisation, const Contact& contact);
+  ProbeSet(const Plan& plan, const Discretisation& discretisation, const Stepper& stepper);
 
   int size() const { return static_cast<int>(probes_.size()); }
   /// Expressions the probes read fields from (u itself for norms).
@@ -31,21 +32,26 @@ private:
   struct AtPoint {
     int cell;
     std::array<double, 4> barycentric;
+    PointValue value;
   };
   struct NormV {};
   struct Combination {};
   using Evaluator = std::variant<AtPoint, Integrator, LawSampler, NormV, Combination>;
 
   Evaluator make(const Probe& probe, const Plan& plan, const Discretisation& discretisation,
-                 const CellLocator& locator);
+                 const Stepper& stepper, const CellLocator& locator);
+  void make_gram(const Discretisation& discretisation, const Stepper& stepper);
+  double norm(const Vector& u);
   void combine(double t, std::span<double> values) const;
 
   const Space& space_;
+  const StateLayout& layout_;
   const Contact& contact_;
   std::vector<Probe> probes_;
   int n_fields_;
   std::vector<Evaluator> evaluators_;
-  std::optional<SparseMatrix> half_gram_; ///< of V, when a norm asks for it
+  SymmetricBlocks gram_; ///< of V, when a norm asks for it
+  Vector state_;         ///< u, where the Gram matrix is one of states; else empty
 };
 
 } // namespace hvi::solver

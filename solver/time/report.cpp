@@ -30,7 +30,7 @@ bool shows_events(const RunResult& result) {
 Reporter::Reporter(const Plan& plan, const Discretisation& d, const Stepper& stepper,
                    const RunSettings& settings)
     : plan_(plan), contact_(stepper.contact()), folder_(settings.output_folder),
-      writes_(!settings.output_folder.empty()), probes_(plan, d, stepper.contact()),
+      writes_(!settings.output_folder.empty()), probes_(plan, d, stepper),
       range_(plan.law_terms.size()), found_(found_effects(plan, d, stepper)) {
   prepare_tables(settings.name);
   prepare_fields(d, stepper, settings.name);

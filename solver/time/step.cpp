@@ -83,10 +83,17 @@ void Stepper::allocate() {
       layout_.n_state > layout_.n_unknowns)
     return;
   halves_.resize(operators_.bases.size());
-  for_each_piece(operators_.n_bases(), plan_.options.threads,
-                 [&](int b) { halves_[b] = SymmetricBlocks(operators_.bases[b]); });
+  for_each_piece(operators_.n_bases(), plan_.options.threads, [&](int b) {
+    halves_[b] = SymmetricBlocks(operators_.bases[b], operators_.mirrored);
+  });
   if (std::any_of(halves_.begin(), halves_.end(), [](const auto& half) { return half.empty(); }))
     halves_.clear();
+}
+
+SymmetricBlocks Stepper::from_bases(const FormTerm& form) const {
+  if (halves_.empty() || layout_.interior) return {};
+  const auto factors = as_combination(operators_, discretisation_, form);
+  return factors ? SymmetricBlocks::sum(halves_, *factors) : SymmetricBlocks();
 }
 
 Vector Stepper::coefficients(int n) const {
@@ -219,7 +226,7 @@ StepMatrix& Stepper::matrix_for(int n) {
 double Stepper::residual(StepMatrix& matrix) {
   ++products_;
   if (change_.isZero(0.0)) {
-    if (!halves_.empty()) matrix.halve();
+    if (!halves_.empty()) matrix.halve(halves_);
     if (matrix.half().empty()) {
       const double error = equilibrium_error(matrix.k(), d_, rhs_, contact_.unknowns,
                                              contact_.force, inequality_.xi, gap_);

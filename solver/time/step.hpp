@@ -49,6 +49,9 @@ public:
   const Vector& xi() const { return inequality_.xi; }
   const Vector& arguments() const { return z_; } ///< of the laws, at the last attempted step
   const LoadAssembler& loads() const { return *loads_; }
+  /// The matrix of a form on all cells and on states, if it comes from the base matrices at the
+  /// price of adding them; else empty.
+  SymmetricBlocks from_bases(const FormTerm& form) const;
   /// gamma with K = sum_b gamma_b T_b in step n.
   Vector coefficients(int n) const;
   /// w_m(t_n) = h_m + w0_m u_n

@@ -16,7 +16,7 @@ StepMatrix::StepMatrix(const Operators& operators, const Contact& contact,
 void StepMatrix::factor(const Vector& gamma) {
   gamma_ = gamma;
   k_ = combine(operators_, gamma);
-  if (!half_.empty()) half_ = SymmetricBlocks(k_);
+  half_ = {};
   solver_.reset();
   if (contact_.whole) {
     reduced_ = sparse_operator(k_, operators_.symmetric);

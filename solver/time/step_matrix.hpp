@@ -57,7 +57,9 @@ public:
 
   /// K once more for products, in half the memory; empty until `halve`, or if K is not symmetric.
   const SymmetricBlocks& half() const { return half_; }
-  void halve() {
+  /// From the base matrices' own.
+  void halve(std::span<const SymmetricBlocks> bases) {
+    if (half_.empty()) half_ = SymmetricBlocks::sum(bases, gamma_);
     if (half_.empty()) half_ = SymmetricBlocks(k_);
   }
 

@@ -103,6 +103,11 @@ def main():
         before = sorted(str(path) for path in outside.rglob("*") if folder / "out" not in path.parents)
         assert not (outside / "ran").exists(), "a mesh file ran a program"
         assert not [path for path in before if path.endswith("a.csv")], before
+        alone = outside / "alone"
+        alone.mkdir()
+        assert codes(program, alone, slab(), "--no-files") == (0, []) and [path.name for path in alone.iterdir()] == ["script.hvi"]
+        for other in (["-o", "out"], ["--resume"], ["--checkpoint", "1"]):
+            assert codes(program, alone, slab(), "--no-files", *other)[0] == 2, other
     print(f"{len(cases)} scripts")
 
 

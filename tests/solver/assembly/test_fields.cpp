@@ -105,7 +105,7 @@ TEST_P(FieldCase, PointValues) {
     }
     const int cell = locator.find(p, barycentric);
     ASSERT_EQ(cell, static_cast<int>(c));
-    EXPECT_NEAR(evaluate_at(space, e, cell, barycentric, values),
+    EXPECT_NEAR(PointValue(space, e, cell, barycentric)(values),
                 slow_value(in_position(e), p, {}, values.t), 1e-13);
   }
 }

@@ -45,6 +45,58 @@ TEST(Form, AllDerivativesWithConstantsMatchTheSlowAssembler) {
   }
 }
 
+bool same_bits(const SparseMatrix& a, const SparseMatrix& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a.nonZeros() == b.nonZeros() &&
+         std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.rows() + 1, b.outerIndexPtr()) &&
+         std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr()) &&
+         std::equal(a.valuePtr(), a.valuePtr() + a.nonZeros(), b.valuePtr());
+}
+
+TEST(Form, SeveralInOnePassHaveTheBitsOfEachAlone) {
+  const Expr x = Expr::variable(slot::x(0));
+  for (int dim = 1; dim <= 3; ++dim) {
+    for (int order = 1; order <= 2; ++order) {
+      const Mesh mesh = skew_mesh(dim, 2);
+      const Space space = make_space(mesh, order, dim);
+      const FormTerm forms[] = {elasticity(dim, 1.7, 0.6),
+                                all_pairs(space, false, [](int k) { return Expr(std::sin(k)); }),
+                                elasticity(dim, x, 0.3), elasticity(dim, 0.2, 2.5)};
+      const FormTerm* const terms[] = {&forms[0], &forms[1], &forms[2], &forms[3]};
+      const auto together = assemble_forms(space, all_cells(mesh), terms);
+      for (std::size_t f = 0; f < together.size(); ++f)
+        EXPECT_TRUE(same_bits(together[f], assemble_form(space, all_cells(mesh), forms[f])));
+    }
+  }
+}
+
+// Every third dof is left out, every fifth has a column behind the others.
+TEST(Form, OfASelectionIsTheFullOneCutToIt) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    const Mesh mesh = skew_mesh(dim, 2);
+    const Space space = make_space(mesh, dim == 3 ? 1 : 2, dim);
+    std::vector<std::int32_t> entry_of(space.n_dofs(), -1);
+    DofSelection dofs;
+    for (int i = 0; i < space.n_dofs(); ++i)
+      if (i % 3 != 0 && i % 5 != 0) entry_of[i] = dofs.n_rows++;
+    dofs.n_columns = dofs.n_rows;
+    for (int i = 0; i < space.n_dofs(); ++i)
+      if (i % 3 != 0 && i % 5 == 0) entry_of[i] = dofs.n_columns++;
+    dofs.entry_of = entry_of;
+    const auto term = all_pairs(space, true, [](int k) { return Expr(0.3 + std::sin(k)); });
+    const Eigen::MatrixXd full(assemble_form(space, all_cells(mesh), term));
+    const SparseMatrix cut = assemble_form(space, all_cells(mesh), term, dofs);
+    Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(dofs.n_rows, dofs.n_columns);
+    for (int i = 0; i < space.n_dofs(); ++i)
+      for (int j = 0; j < space.n_dofs(); ++j)
+        if (entry_of[i] >= 0 && entry_of[i] < dofs.n_rows && entry_of[j] >= 0)
+          expected(entry_of[i], entry_of[j]) = full(i, j);
+    EXPECT_EQ((Eigen::MatrixXd(cut) - expected).cwiseAbs().maxCoeff(), 0.0);
+    for (int i = 0; i < cut.rows(); ++i)
+      EXPECT_TRUE(std::is_sorted(cut.innerIndexPtr() + cut.outerIndexPtr()[i],
+                                 cut.innerIndexPtr() + cut.outerIndexPtr()[i + 1]));
+  }
+}
+
 TEST(Form, ElasticityMatchesTheSlowAssembler) {
   for (int dim = 1; dim <= 3; ++dim) {
     for (int order = 1; order <= 2; ++order) {

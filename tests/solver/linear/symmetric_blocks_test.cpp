@@ -45,6 +45,40 @@ TEST(SymmetricBlocks, FallBackToEntriesWhereBlocksAreCut) {
   expect_same_product(cut, 0.75);
 }
 
+void expect_same_energy(const SparseMatrix& k) {
+  const Vector x = Vector::LinSpaced(k.rows(), -1.0, 2.0).array().sin();
+  const double scale = k.norm() * x.squaredNorm();
+  EXPECT_NEAR(SymmetricBlocks(k).energy(x), x.dot(k * x), 1e-14 * scale);
+}
+
+TEST(SymmetricBlocks, HaveTheEnergyOfTheWhole) {
+  expect_same_energy(grid_laplacian(9));
+  expect_same_energy(random_definite(37, 0.9, 2));
+  for (const int n : {2, 5, 12}) expect_same_energy(slab(n).k);
+  for (const int n : {2, 3}) expect_same_energy(cube(n).k);
+}
+
+TEST(SymmetricBlocks, AddUpToTheBlocksOfASum) {
+  for (const SparseMatrix& k : {slab(5).k, cube(3).k, random_definite(37, 0.9, 2)}) {
+    SparseMatrix other = k;
+    other.coeffs() = k.coeffs().cube();
+    const SparseMatrix mirrored = other.transpose();
+    other = 0.5 * (other + mirrored);
+    const SymmetricBlocks parts[] = {SymmetricBlocks(k), SymmetricBlocks(other)};
+    SparseMatrix sum = k;
+    sum.coeffs() *= 0.3;
+    sum.coeffs() += -1.7 * other.coeffs();
+    const SymmetricBlocks whole(sum), added = SymmetricBlocks::sum(parts, Vector{{0.3, -1.7}});
+    const Vector x = Vector::LinSpaced(k.rows(), -1.0, 2.0).array().sin();
+    Vector y = Vector::Zero(k.rows()), z = y;
+    whole.add_product(x, y), added.add_product(x, z);
+    EXPECT_EQ((y - z).norm(), 0.0);
+    EXPECT_EQ((whole.diagonal() - added.diagonal()).norm(), 0.0);
+  }
+  const SymmetricBlocks strangers[] = {SymmetricBlocks(slab(5).k), SymmetricBlocks(slab(4).k)};
+  EXPECT_TRUE(SymmetricBlocks::sum(strangers, Vector{{1.0, 1.0}}).empty());
+}
+
 TEST(SymmetricBlocks, AreEmptyWhereHalfWouldNotDo) {
   const SparseMatrix k = slab(4).k;
   EXPECT_TRUE(SymmetricBlocks(with_skew_part(k, 1e-6, 3)).empty());
