@@ -102,7 +102,7 @@ struct InequalityEngine {
   bool update_inverse(int p, int to_state);
   bool bring_inverse(const std::vector<int>& states);
   int follow_pieces();
-  double ratio_on_pieces();
+  void multipliers_on_pieces();
   void measure_inverse(double solved);
   bool iterate_with_inverse();
   bool solve_with_inverse(InequalityState& io);

@@ -158,13 +158,12 @@ int InequalityEngine::follow_pieces() {
   return moved;
 }
 
-/// xi = the slopes at z, and the backward error with them.
-double InequalityEngine::ratio_on_pieces() {
+/// xi = the slopes at z.
+void InequalityEngine::multipliers_on_pieces() {
   for (int p = 0; p < n_points; ++p) {
     const StraightPiece& piece = kept.pieces[p];
     xi[points[p].first] = piece.s + piece.k * (z[points[p].first] - piece.centre);
   }
-  return residual_ratio(xi);
 }
 
 /// sc = S c itself, and how far the one that solves had made of it is from that, beyond rounding of
@@ -182,7 +181,9 @@ bool InequalityEngine::iterate_with_inverse() {
   double solved = 0.0; // the largest right-hand side that sc rests on a solve for
   update_z();
   if (follow_pieces() < 0) return false;
-  ratio_on_pieces();
+  multipliers_on_pieces();
+  gather(xi);
+  residual = *rhs - sc - force;
   for (int k = 0; k < most_iterations; ++k) {
     add_product(kept.inverse, residual, dc, 0.0);
     ++report.iterations;
@@ -197,12 +198,13 @@ bool InequalityEngine::iterate_with_inverse() {
     const double error = kept.error; // of the inverse that was used
     const int moved = follow_pieces();
     if (moved < 0) return false;
-    report.residual = ratio_on_pieces();
+    multipliers_on_pieces();
+    report.residual = residual_ratio(xi);
     if (moved > 0 || !(report.residual <= target())) continue;
     if (safety * error * solved <= 0.1 * target() * row_size.minCoeff()) return true;
     measure_inverse(solved);
     solved = 0.0;
-    report.residual = ratio_on_pieces();
+    report.residual = residual_ratio(xi);
     if (report.residual <= target()) return true;
   }
   return false;
