@@ -4,6 +4,7 @@
 #pragma once
 
 #include "solver/inequality/inequality.hpp"
+#include "solver/inequality/inverse.hpp"
 #include "solver/inequality/prepared_law.hpp"
 
 #include <Eigen/Cholesky>
@@ -94,6 +95,18 @@ struct InequalityEngine {
   void accept_direction();
   void take_rest(int p);
 
+  // ---- laws of straight pieces from a guess (inverse.cpp)
+  void prepare_inverse();
+  bool take_piece(int p, int at_state);
+  bool make_inverse(const std::vector<int>& states);
+  bool update_inverse(int p, int to_state);
+  bool bring_inverse(const std::vector<int>& states);
+  int follow_pieces();
+  void multipliers_on_pieces();
+  void measure_inverse(double solved);
+  bool iterate_with_inverse();
+  bool solve_with_inverse(InequalityState& io);
+
   // ---- globally convergent method (fallback.cpp)
   struct Penalised; ///< the augmented function of one outer step
   Outcome fallback();
@@ -112,6 +125,7 @@ struct InequalityEngine {
   // ---- what one solve leaves to the next (saved_solver.cpp)
   void save(std::ostream& out) const;
   void restore(std::istream& in);
+  void restore_inverse(std::istream& in);
 
   // ---- certificate (certificate.cpp)
   void certify();
@@ -165,6 +179,9 @@ struct InequalityEngine {
   bool have_s_dc = false;
   bool settled = false;        ///< no point changed its place in the last step of Newton's
   bool have_magnitude = false; ///< magnitude belongs to it
+  KeptInverse kept;
+  /// A law's slope against the body's stiffness from which rounding of z shows in xi.
+  static constexpr double far_stiffer = 1e4;
   /// z within this part of its size of a break counts as on it; Newton aims closer at first.
   static constexpr double tight_snap = 2e-14, certificate_snap = 1e-12;
   double snap_factor = certificate_snap;

@@ -28,6 +28,7 @@ InequalityEngine::InequalityEngine(const ReducedProblem& problem_, ReducedOperat
   prepare_points();
   prepare_pattern();
   estimate_compliance();
+  prepare_inverse();
 }
 
 /// Prepares the graphs that points use; again those of laws that move with time, and those that
@@ -212,6 +213,7 @@ InequalityReport InequalityEngine::solve(const Vector& right_side, InequalitySta
     return report;
   }
   refresh_laws();
+  if (solve_with_inverse(io)) return report;
   load(io);
   idle = true;
   for (int p = 0; p < n_points; ++p)

@@ -44,6 +44,8 @@ public:
   virtual void expect_rough_solves() {}
   /// In place, all columns at once.
   virtual void solve_rough(DenseMatrix& columns) const;
+  /// The lower triangle of (S + H)^-1, or false where it cannot be had. Leaves the factor alone.
+  virtual bool inverse(const SparseMatrix&, DenseMatrix&) const { return false; }
   /// How many products and solves cost about as much as one factorisation.
   virtual int patience() const = 0;
   virtual double bytes() const = 0; ///< held

@@ -9,9 +9,6 @@ namespace hvi::solver {
 
 namespace {
 
-/// A law's slope against the body's stiffness from which rounding of z shows in xi.
-constexpr double far_stiffer = 1e4;
-
 double norm(const Small& v) { return std::hypot(v[0], v[1], v[2]); }
 double dot(const Small& a, const Small& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 

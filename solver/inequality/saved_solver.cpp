@@ -17,6 +17,37 @@ void InequalityEngine::save(std::ostream& out) const {
     w.put(unknown);
     w.put(std::vector<double>(column.data(), column.data() + column.size()));
   }
+  w.put(static_cast<std::uint8_t>(kept.made));
+  w.put(kept.first_states);
+  w.put(static_cast<std::uint64_t>(kept.updates.size()));
+  for (const auto& [point, to_state] : kept.updates) w.put(point), w.put(to_state);
+  w.put(kept.error);
+  w.put(std::array<int, 3>{kept.waited, kept.rest, kept.pause});
+}
+
+/// Made as it was made: the bits of an inverse depend on the order of its updates.
+void InequalityEngine::restore_inverse(std::istream& in) {
+  StateReader r(in, {});
+  const bool was_made = r.get<std::uint8_t>() != 0;
+  const auto first = r.get_vector<int>();
+  std::vector<std::pair<int, int>> updates;
+  for (auto left = r.get<std::uint64_t>(); left > 0; --left) {
+    const int point = r.get<int>();
+    updates.emplace_back(point, r.get<int>());
+  }
+  const double error = r.get<double>();
+  const auto counts = r.get<std::array<int, 3>>();
+  kept.made = false;
+  if (was_made) {
+    if (!kept.possible || static_cast<int>(first.size()) != n_points)
+      r.fail("has another number of contact points");
+    bool same = make_inverse(first);
+    for (const auto& [point, to_state] : updates)
+      same = same && point >= 0 && point < n_points && update_inverse(point, to_state);
+    if (!same) r.fail("has other laws");
+  }
+  kept.error = error;
+  kept.waited = counts[0], kept.rest = counts[1], kept.pause = counts[2];
 }
 
 /// The factor is a function of the stiffnesses, so it is computed and not stored.
@@ -34,6 +65,7 @@ void InequalityEngine::restore(std::istream& in) {
     if (static_cast<int>(values.size()) != n) r.fail("has another number of contact unknowns");
     far_columns[unknown] = Eigen::Map<const Vector>(values.data(), n);
   }
+  restore_inverse(in);
   factored = false;
   if (!was_factored) return;
   if (d_factored.size() != d.size()) r.fail("has another number of contact points");

@@ -53,6 +53,7 @@ public:
   void reduce(const Vector& b, Vector& r) override;
   void back(const Vector& c, Vector& x) override;
   void extend(const Vector& c, Vector& x) override;
+  void extend_all(const DenseMatrix& c, DenseMatrix& x) override;
   void solve(const Vector& b, Vector& x) override;
   bool sweep_in(SweepStorage storage) override;
   const DenseMatrix& schur() const override;
@@ -293,6 +294,24 @@ void Cholesky::extend(const Vector& c, Vector& x) {
   std::fill_n(y_.begin(), interior_, 0.0);
   storage_of_y_ = storage_;
   back(c, x);
+}
+
+/// In double precision: what asks for many of them checks results.
+void Cholesky::extend_all(const DenseMatrix& c, DenseMatrix& x) {
+  if (!factored_) throw std::logic_error("extend before a successful factorisation");
+  constexpr int lanes = Supernodes::lanes;
+  const auto count = static_cast<int>(c.cols()), groups = (count + lanes - 1) / lanes;
+  if (count == 0 || count > most_at_once) throw std::logic_error("too many to extend at once");
+  DenseMatrix ordered(groups * lanes, size_);
+  ordered.leftCols(interior_).setZero();
+  ordered.rightCols(size_ - interior_).topRows(count) = c.transpose();
+  ordered.rightCols(size_ - interior_).bottomRows(groups * lanes - count).setZero();
+  supernodes_.backward_all(values(), inverse_diagonal_.data(), groups, ordered.data());
+  x.resize(groups * lanes, size_);
+  for (int position = 0; position < size_; ++position)
+    x.col(permutation_[position]) = ordered.col(position);
+  ++statistics_.sweeps;
+  statistics_.bytes_swept += supernodes_.nonzeros() * sizeof(double);
 }
 
 void Cholesky::solve(const Vector& b, Vector& x) {

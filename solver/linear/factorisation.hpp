@@ -57,6 +57,10 @@ public:
   virtual void back(const Vector& c, Vector& x) = 0;
   /// x with K x = 0 on the interior and contact part c: one sweep. Forgets the last `reduce`.
   virtual void extend(const Vector& c, Vector& x) = 0;
+  /// The same for up to 16 of them in one reading of the factor: a column of c each. x has a
+  /// column for every unknown and a row for every c, and rows of zeros up to a multiple of 8.
+  virtual void extend_all(const DenseMatrix& c, DenseMatrix& x);
+  static constexpr int most_at_once = 16;
   /// x = K^-1 b, both sweeps with S c = r solved exactly.
   virtual void solve(const Vector& b, Vector& x) = 0;
   /// Chooses how the sweeps read this and later factors; false when it cannot be had (LU, or

@@ -159,6 +159,82 @@ HVI_INLINE void backward_sweep(const Sweep& sweep, const double* y, double* x) {
   }
 }
 
+/// t[a][g] -= sum_i column_a[i] w[i][g]; rows of w are Groups packs wide.
+template <int Width, int Groups>
+HVI_INLINE void subtract_all(const double* column, std::size_t stride, int count, const double* w,
+                             double* t) {
+  constexpr int lanes = Supernodes::lanes, row = Groups * lanes;
+  Pack<lanes> sum[Width][Groups];
+#pragma GCC unroll 4
+  for (int a = 0; a < Width; ++a)
+#pragma GCC unroll 2
+    for (int g = 0; g < Groups; ++g) load<lanes>(t + a * row + g * lanes, sum[a][g]);
+  for (int i = 0; i < count; ++i) {
+    Pack<lanes> other[Groups];
+#pragma GCC unroll 2
+    for (int g = 0; g < Groups; ++g) load<lanes>(w + i * row + g * lanes, other[g]);
+#pragma GCC unroll 4
+    for (int a = 0; a < Width; ++a)
+#pragma GCC unroll 2
+      for (int g = 0; g < Groups; ++g) sum[a][g] -= column[a * stride + i] * other[g];
+  }
+#pragma GCC unroll 4
+  for (int a = 0; a < Width; ++a)
+#pragma GCC unroll 2
+    for (int g = 0; g < Groups; ++g)
+      std::memcpy(t + a * row + g * lanes, &sum[a][g], sizeof sum[a][g]);
+}
+
+template <int Width, int Groups>
+HVI_INLINE void backward_block_all(const double* l, std::size_t stride, int j, int rows,
+                                   const double* inverse, double* w) {
+  constexpr int row = Groups * Supernodes::lanes;
+  const double* column = l + static_cast<std::size_t>(j) * stride;
+  double* t = w + j * row;
+  subtract_all<Width, Groups>(column + j + Width, stride, rows - j - Width, t + Width * row, t);
+  for (int a = Width - 1; a >= 0; --a) {
+    for (int b = a + 1; b < Width; ++b)
+      for (int r = 0; r < row; ++r) t[a * row + r] -= column[a * stride + j + b] * t[b * row + r];
+    for (int r = 0; r < row; ++r) t[a * row + r] *= inverse[j + a];
+  }
+}
+
+template <int Groups>
+HVI_INLINE void backward_sweep_all(const Sweep& sweep, double* x) {
+  constexpr int row = Groups * Supernodes::lanes;
+  constexpr std::size_t bytes = sizeof(double) * row;
+  for (auto panel = sweep.panels.rbegin(); panel != sweep.panels.rend(); ++panel) {
+    double* w = sweep.work;
+    double* own = x + static_cast<std::ptrdiff_t>(panel->first) * row;
+    const int beneath = panel->rows - panel->columns;
+    const int* place = sweep.below + panel->below;
+    const double* l = sweep.values + panel->values;
+    const double* inverse = sweep.inverse_diagonal + panel->first;
+    const auto stride = static_cast<std::size_t>(panel->stride);
+    std::memcpy(w, own, bytes * static_cast<std::size_t>(panel->columns));
+    for (int i = 0; i < beneath; ++i)
+      std::memcpy(w + (panel->columns + i) * row, x + static_cast<std::ptrdiff_t>(place[i]) * row,
+                  bytes);
+    int j = panel->columns;
+    for (; j % width != 0; --j)
+      backward_block_all<1, Groups>(l, stride, j - 1, panel->rows, inverse, w);
+    for (; j > 0; j -= width)
+      backward_block_all<width, Groups>(l, stride, j - width, panel->rows, inverse, w);
+    std::memcpy(own, w, bytes * static_cast<std::size_t>(panel->columns));
+  }
+}
+
+HVI_INLINE void backward_groups(const Sweep& sweep, int groups, double* x) {
+  if (groups == 1) return backward_sweep_all<1>(sweep, x);
+  return backward_sweep_all<2>(sweep, x);
+}
+HVI_AVX2 void backward_all_avx2(const Sweep& s, int groups, double* x) {
+  backward_groups(s, groups, x);
+}
+HVI_AVX512 void backward_all_avx512(const Sweep& s, int groups, double* x) {
+  backward_groups(s, groups, x);
+}
+
 HVI_AVX2 void forward_avx2(const Sweep& s, double* y) { forward_sweep(s, y); }
 HVI_AVX512 void forward_avx512(const Sweep& s, double* y) { forward_sweep(s, y); }
 HVI_AVX2 void backward_avx2(const Sweep& s, const double* y, double* x) { backward_sweep(s, y, x); }
@@ -217,6 +293,23 @@ void Supernodes::backward(const double* values, const double* inverse_diagonal, 
     return backward_avx2(sweep, y, x);
   case InstructionSet::baseline:
     return backward_sweep(sweep, y, x);
+  }
+}
+
+void Supernodes::backward_all(const double* values, const double* inverse_diagonal, int groups,
+                              double* x) {
+  std::size_t tallest = 0;
+  for (const Panel& panel : panels_)
+    tallest = std::max(tallest, static_cast<std::size_t>(panel.rows));
+  std::vector<double> work(tallest * static_cast<std::size_t>(groups * lanes));
+  const Sweep sweep{panels_, below_.data(), values, inverse_diagonal, work.data()};
+  switch (instruction_set()) {
+  case InstructionSet::avx512:
+    return backward_all_avx512(sweep, groups, x);
+  case InstructionSet::avx2:
+    return backward_all_avx2(sweep, groups, x);
+  case InstructionSet::baseline:
+    return backward_groups(sweep, groups, x);
   }
 }
 

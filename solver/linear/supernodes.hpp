@@ -33,6 +33,12 @@ public:
   /// x_I := L_II^-T (y_I - L_cI^T x_c), where x_c is given in x; y is not changed.
   void backward(const double* values, const double* inverse_diagonal, const double* y, double* x);
 
+  /// Right-hand sides that `backward_all` takes at once: one pack of the widest registers.
+  static constexpr int lanes = 8;
+  /// The same for `groups` times `lanes` right-hand sides in one reading of L, in place: y_I stands
+  /// in x_I. x has all of them for a column of L next to each other.
+  void backward_all(const double* values, const double* inverse_diagonal, int groups, double* x);
+
   std::span<const Panel> panels() const { return panels_; }
   std::span<const int> below() const { return below_; } ///< row indices of all panels
   /// Entries of L that a sweep reads.

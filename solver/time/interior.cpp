@@ -2,11 +2,82 @@
 // StateLayout::scatter when a report asks for a field.
 #include "solver/time/interior.hpp"
 
+#include "solver/linear/instruction_set.hpp"
 #include "solver/time/certificate.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace hvi::solver {
+
+namespace {
+
+/// T with many states: a column of x, of the loads' forces f and of the reactions for each unknown.
+struct ManyStates {
+  const SparseMatrix& t;
+  const double *x, *load, *reaction; ///< rows of `row` numbers; no load: as many modes as there are
+  const std::vector<Vector>& forces;
+  const std::vector<int>& position; ///< of an unknown among the contact unknowns, or -1
+};
+
+/// worst[r] = max_i |f - T x - reaction|_i / (|T||x| + |f|)_i of state r.
+template <int Groups>
+HVI_INLINE void worst_errors(const ManyStates& s, double* worst) {
+  constexpr int lanes = 8, row = Groups * lanes;
+  for (int i = 0; i < s.t.rows(); ++i) {
+    Pack<lanes> sum[Groups] = {}, size[Groups] = {}, other;
+    for (int e = s.t.outerIndexPtr()[i]; e < s.t.outerIndexPtr()[i + 1]; ++e) {
+      const double value = s.t.valuePtr()[e];
+      const double* x = s.x + static_cast<std::ptrdiff_t>(s.t.innerIndexPtr()[e]) * row;
+#pragma GCC unroll 2
+      for (int g = 0; g < Groups; ++g) {
+        load<lanes>(x + g * lanes, other);
+        other *= value;
+        sum[g] -= other;
+        size[g] += other < 0.0 ? -other : other;
+      }
+    }
+    Pack<lanes> f[Groups] = {};
+    for (std::size_t k = 0; k < s.forces.size(); ++k) {
+      const double here = s.forces[k][i];
+      if (here == 0.0) continue;
+      for (int g = 0; g < Groups; ++g) {
+        load<lanes>(s.load + k * row + g * lanes, other);
+        f[g] += here * other;
+      }
+    }
+    for (int g = 0; g < Groups; ++g) {
+      sum[g] += f[g];
+      size[g] += f[g] < 0.0 ? -f[g] : f[g];
+      if (const int c = s.position[i]; c >= 0) {
+        load<lanes>(s.reaction + static_cast<std::ptrdiff_t>(c) * row + g * lanes, other);
+        sum[g] -= other;
+      }
+      for (int r = 0; r < lanes; ++r) {
+        const double error = std::abs(sum[g][r]);
+        double& most = worst[g * lanes + r];
+        // Divides only where it is the worst so far; a NaN is worse than anything.
+        if (error <= most * size[g][r]) continue;
+        most = error / size[g][r];
+        if (std::isnan(most)) most = std::numeric_limits<double>::infinity();
+      }
+    }
+  }
+}
+
+HVI_INLINE void worst_of_groups(const ManyStates& s, Eigen::Index rows, double* worst) {
+  if (rows == 8) return worst_errors<1>(s, worst);
+  return worst_errors<2>(s, worst);
+}
+HVI_AVX2 void worst_avx2(const ManyStates& s, Eigen::Index rows, double* worst) {
+  worst_of_groups(s, rows, worst);
+}
+HVI_AVX512 void worst_avx512(const ManyStates& s, Eigen::Index rows, double* worst) {
+  worst_of_groups(s, rows, worst);
+}
+
+} // namespace
 
 Interior::Interior(SparseMatrix t, StateLayout layout, std::vector<int> contact, SharedWork* shared)
     : t_(std::move(t)), layout_(std::move(layout)), contact_(std::move(contact)),
@@ -114,6 +185,63 @@ double Interior::equilibrium(const Vector& known, const Vector& change, const Ve
   gap_ += change_gap_;
   scale_ += work_;
   return equilibrium_error(gap_, scale_, force, xi, work_);
+}
+
+/// expand() of several, a row of x each.
+void Interior::expand_all(std::span<const Vector* const> y, DenseMatrix& x) {
+  const auto count = static_cast<Eigen::Index>(y.size());
+  DenseMatrix c(n_contact(), count);
+  for (Eigen::Index r = 0; r < count; ++r) c.col(r) = y[r]->head(n_contact());
+  factor_->extend_all(c, x);
+  Vector phi = Vector::Zero(x.rows());
+  for (std::size_t k = 0; k < modes_.size(); ++k) {
+    for (Eigen::Index r = 0; r < count; ++r) phi[r] = (*y[r])[n_contact() + static_cast<int>(k)];
+    if (phi.isZero(0.0)) continue;
+    for (int i = 0; i < layout_.n_unknowns; ++i)
+      if (modes_[k][i] != 0.0) x.col(i) += modes_[k][i] * phi;
+  }
+}
+
+std::vector<double> Interior::equilibria(std::span<const Question> steps, double enough,
+                                         const Vector& next) {
+  std::vector<Vector> sums;
+  sums.reserve(steps.size());
+  std::vector<const Vector*> states;
+  for (const auto& step : steps) {
+    sums.push_back(step.known + step.change);
+    states.push_back(&sums.back());
+  }
+  states.push_back(&next);
+  DenseMatrix x;
+  expand_all(states, x);
+  DenseMatrix load = DenseMatrix::Zero(x.rows(), static_cast<Eigen::Index>(forces_.size()));
+  DenseMatrix reaction = DenseMatrix::Zero(x.rows(), n_contact());
+  for (std::size_t r = 0; r < steps.size(); ++r) {
+    const auto row = static_cast<Eigen::Index>(r);
+    load.row(row) = steps[r].load.tail(load.cols()).transpose();
+    for (int c = 0; c < n_contact(); ++c)
+      for (SparseMatrix::InnerIterator it(force, contact_[c]); it; ++it)
+        reaction(row, c) += it.value() * steps[r].xi[it.col()];
+  }
+  std::vector<double> out(static_cast<std::size_t>(x.rows()), 0.0);
+  const ManyStates all{t_, x.data(), load.data(), reaction.data(), forces_, position_};
+  switch (instruction_set()) {
+  case InstructionSet::avx512:
+    worst_avx512(all, x.rows(), out.data());
+    break;
+  case InstructionSet::avx2:
+    worst_avx2(all, x.rows(), out.data());
+    break;
+  case InstructionSet::baseline:
+    worst_of_groups(all, x.rows(), out.data());
+  }
+  out.resize(steps.size()); // `next` was no question
+  for (std::size_t r = 0; r < steps.size(); ++r)
+    if (const auto& s = steps[r]; !(out[r] <= enough))
+      out[r] = equilibrium(s.known, s.change, s.load, s.xi, enough);
+  scattered_ = next;
+  x_ = x.row(static_cast<Eigen::Index>(steps.size()));
+  return out;
 }
 
 } // namespace hvi::solver

@@ -48,12 +48,22 @@ public:
   /// state instead of two.
   double equilibrium(const Vector& known, const Vector& change, const Vector& load,
                      const Vector& xi, double enough);
+  /// What `equilibrium` is asked of one step.
+  struct Question {
+    Vector known, change, load, xi;
+  };
+  /// The same for up to 15 steps in one reading of the factor and of T. `next`: a y whose full
+  /// vector `scatter` will be asked for, which costs nothing then.
+  std::vector<double> equilibria(std::span<const Question> steps, double enough,
+                                 const Vector& next);
+  static constexpr int most_steps = Factorisation::most_at_once - 1;
   SparseMatrix force; ///< G^T W on all unknowns
   FactorStatistics statistics() const { return factor_.statistics(); }
 
 private:
   void expand(const Vector& y, Vector& x);
   void force_of_modes(const Vector& y, Vector& f) const;
+  void expand_all(std::span<const Vector* const> y, DenseMatrix& x);
 
   SparseMatrix t_;
   StateLayout layout_; ///< of the full problem

@@ -120,7 +120,8 @@ std::array<int, 6> grown(const WorkCounters& w) {
 
 /// What audits of the memory have changed so far: the routes, and what is said of it.
 struct Restarts {
-  std::vector<int> routes; ///< by history; -1: the plan's own
+  std::vector<int> routes;     ///< by history; -1: the plan's own
+  bool checks_at_once = false; ///< a check that was put off has failed before
   std::vector<StepNote> notes;
 
   void save(StateWriter& w) const {
@@ -159,6 +160,10 @@ public:
     note_choices(plan, stepper_.contact(), result_);
     if (settings.monitors) monitor_.emplace(plan, discretisation, stepper_);
     if (settings.checkpoint_every > 0) fingerprint_ = fingerprint(plan, discretisation.mesh);
+    // Nobody sees a step before the last check: no callback, no file, no state to go on from.
+    if (!restarts.checks_at_once && !settings.on_step && settings.checkpoint_every == 0 &&
+        saved == nullptr && plan.report.fields.empty() && !settings.monitors)
+      stepper_.let_checks_wait();
     if (saved != nullptr) go_on(*saved);
   }
 
@@ -180,6 +185,11 @@ public:
 
   /// Everything known so far into the result; what tables hold goes to disk.
   RunResult conclude() {
+    {
+      const PhaseClock clock(result_.timing.steps);
+      stepper_.make_checks();
+    }
+    note_late_errors();
     record(true);
     tell_choice();
     {
@@ -217,6 +227,17 @@ private:
     if (settings_.progress)
       settings_.progress(
           {n, stepper_.grid().steps(), outcome.inequality.iterations, cpu_seconds() - start_});
+  }
+
+  /// Of checks that were put off.
+  void note_late_errors() {
+    auto& certificate = result_.certificate;
+    for (const auto& [step, error] : stepper_.late_errors()) {
+      if (error > std::max(certificate.equilibrium, certificate.inclusion))
+        certificate.worst_step = step;
+      if (error > certificate.equilibrium) certificate.equilibrium_step = step;
+      certificate.equilibrium = std::max(certificate.equilibrium, error);
+    }
   }
 
   void record(bool last) {
@@ -367,10 +388,14 @@ RunResult run_once(const Plan& plan, const Discretisation& discretisation,
     throw; // nothing that was computed with it is a result
   } catch (const HorizonFailure&) {
     throw; // begun again
+  } catch (const LateCheck&) {
+    throw; // begun again
   } catch (const Failure&) {
     try {
       auto so_far = run.conclude(); // the last good state goes to disk before the failure is told
       if (partial != nullptr) *partial = std::move(so_far);
+    } catch (const LateCheck&) {
+      throw;                   // begun again: a step before failed already
     } catch (const Failure&) { // the reason to stop comes before a disk that is full as well
     }
     throw;
@@ -422,6 +447,8 @@ RunResult run(const Plan& plan, const Discretisation& discretisation, const RunS
       restarts.notes.push_back({0, 0.0, mistrust.said, mistrust.origin});
       restarts.routes[mistrust.history] = static_cast<int>(mistrust.next);
       saved.reset();
+    } catch (const LateCheck&) {
+      restarts.checks_at_once = true;
     } catch (const HorizonFailure& failure) {
       if (!saved) throw;
       restarts.notes.push_back({0, 0.0,

@@ -65,10 +65,46 @@ void Stepper::reduce_if_possible() {
   never_shortened_ = true; // there is next to nothing to sweep
 }
 
-/// The backward error of step n on all rows, of the fields that a report would see.
+Interior::Question Stepper::question(int n) const {
+  return {stress_, coefficients(n)[0] * d_, load_, inequality_.xi};
+}
+
+/// The backward error of step n on all rows, of the fields that a report would see. The last step
+/// makes the checks that were put off, too.
 double Stepper::equilibrium_of_all(int n) {
-  return layout_.interior->equilibrium(stress_, coefficients(n)[0] * d_, load_, inequality_.xi,
+  const auto asked = question(n);
+  if (checks_wait_ && n == grid_.steps()) {
+    waiting_steps_.push_back(n);
+    waiting_.push_back(asked);
+    settle_checks(known_);
+    const double error = late_errors_.back().second;
+    late_errors_.pop_back();
+    return error;
+  }
+  return layout_.interior->equilibrium(asked.known, asked.change, asked.load, asked.xi,
                                        0.1 * plan_.options.tolerance);
+}
+
+/// After a step with a certificate on the contact rows.
+void Stepper::put_off_check(int n) {
+  waiting_steps_.push_back(n);
+  waiting_.push_back(question(n));
+  if (waiting_.size() + 1 == static_cast<std::size_t>(Interior::most_steps)) settle_checks(known_);
+}
+
+/// All checks that wait, in one pass. A last step that fails is no late one.
+void Stepper::settle_checks(const Vector& next) {
+  const double tolerance = plan_.options.tolerance;
+  const auto errors = layout_.interior->equilibria(waiting_, 0.1 * tolerance, next);
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    late_errors_.emplace_back(waiting_steps_[k], errors[k]);
+    if (!(errors[k] <= tolerance) && waiting_steps_[k] < grid_.steps()) throw LateCheck();
+  }
+  waiting_steps_.clear(), waiting_.clear();
+}
+
+void Stepper::make_checks() {
+  if (!waiting_.empty()) settle_checks(u_);
 }
 
 void Stepper::allocate() {
@@ -386,7 +422,8 @@ StepResult Stepper::attempt(int n, StepMatrix& matrix) {
   fallbacks_ += out.inequality.used_fallback ? 1 : 0;
 
   known_.head(layout_.n_unknowns) += d_; // now u_n
-  if (!checked_.empty() && checked_[n] != 0)
+  const bool waits = checks_wait_ && n < grid_.steps();
+  if (!checked_.empty() && checked_[n] != 0 && !waits)
     out.equilibrium = std::max(out.equilibrium, equilibrium_of_all(n));
   out.inclusion = inclusion_error(contact_, known_, inequality_.xi, plan_.options.tolerance, z_);
   const double tolerance = plan_.options.tolerance;
@@ -410,6 +447,8 @@ StepResult Stepper::advance(int n) {
   if (out.certified && operators_.symmetric && !contact_.none())
     out.snap = is_snap(contact_, inequality_.c, kd_.dot(d_), dz_);
   if (out.certified) {
+    if (checks_wait_ && !checked_.empty() && checked_[n] != 0 && n < grid_.steps())
+      put_off_check(n);
     learn(n, matrix, out);
     accept(n);
   } else

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/time/certificate.hpp"
+#include "solver/time/interior.hpp"
 #include "solver/time/memory.hpp"
 #include "solver/time/predictor.hpp"
 #include "solver/time/step_matrix.hpp"
@@ -9,6 +10,7 @@
 
 #include <list>
 #include <optional>
+#include <utility>
 
 namespace hvi::solver {
 
@@ -20,6 +22,12 @@ struct StepResult {
   int corrections = 0;         ///< pairs of sweeps
   bool certified = false;
   bool snap = false; ///< it crossed unstable states (snap.hpp)
+};
+
+/// A check that was put off found a step without a certificate: the run starts again and makes each
+/// check in its step, so that it ends there with what came before.
+struct LateCheck : Failure {
+  LateCheck() : Failure(FailureKind::not_certified, {}, "a check that was put off failed", "") {}
 };
 
 /// Advances u_{n-1} to u_n:  find d = u_n - u_{n-1} and xi with
@@ -36,6 +44,14 @@ public:
   /// Step n (1 .. steps). Without a certificate the state stays at step n - 1.
   /// Throws Failure(not_coercive).
   StepResult advance(int n);
+
+  /// Checks on all rows may be made together, up to the last step: for runs of which nothing is
+  /// seen before that. `advance` throws LateCheck then, too.
+  void let_checks_wait() { checks_wait_ = true; }
+  /// Makes the checks that were put off. Throws LateCheck.
+  void make_checks();
+  /// Steps with the errors of checks that were put off; hands each out once.
+  std::vector<std::pair<int, double>> late_errors() { return std::exchange(late_errors_, {}); }
 
   const TimeGrid& grid() const { return grid_; }
   const StateLayout& layout() const { return layout_; }
@@ -76,6 +92,9 @@ private:
   void impose_values(int n);
   void reduce_if_possible();
   double equilibrium_of_all(int n);
+  Interior::Question question(int n) const;
+  void put_off_check(int n);
+  void settle_checks(const Vector& next);
   void find_change(int n, const StepMatrix& matrix);
   void refactor(int n, StepMatrix& matrix);
   void right_hand_side(int n);
@@ -113,6 +132,10 @@ private:
   std::string obstacle_;
   std::vector<char> checked_; ///< steps whose equilibrium is computed on all rows (reduce.hpp)
   Vector load_, stress_;      ///< of [contact; modes], for that
+  bool checks_wait_ = false;
+  std::vector<int> waiting_steps_;
+  std::vector<Interior::Question> waiting_;
+  std::vector<std::pair<int, double>> late_errors_;
   Predictor predictor_;
   Vector predicted_gamma_;                ///< of the matrix of the predictor's increments
   const StepMatrix* shortened_ = nullptr; ///< whose factor is there once more, with fewer bits

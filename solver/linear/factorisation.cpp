@@ -1,0 +1,17 @@
+// What every direct solver can do with its own sweeps; see factorisation.hpp.
+#include "solver/linear/factorisation.hpp"
+
+namespace hvi::solver {
+
+void Factorisation::extend_all(const DenseMatrix& c, DenseMatrix& x) {
+  constexpr Eigen::Index unit = 8;
+  const Eigen::Index rows = (c.cols() + unit - 1) / unit * unit;
+  Vector one;
+  for (Eigen::Index k = 0; k < c.cols(); ++k) {
+    extend(c.col(k), one);
+    if (k == 0) x.setZero(rows, one.size());
+    x.row(k) = one.transpose();
+  }
+}
+
+} // namespace hvi::solver
