@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <span>
 
 namespace hvi::solver {
 
@@ -110,11 +112,11 @@ std::string describe(const KernelTraits& traits, const ExponentialTerms& terms) 
   return text;
 }
 
-} // namespace
-
-std::vector<std::pair<double, double>> sample_points(double horizon) {
+/// (t, lag) at these parts of the horizon as t, with lags from T 1e-12 to t.
+std::vector<std::pair<double, double>> points_at(double horizon,
+                                                 std::initializer_list<double> parts) {
   std::vector<std::pair<double, double>> points;
-  for (const double part : {1.0, 0.83, 0.47, 0.11, 0.013}) {
+  for (const double part : parts) {
     const double t = part * horizon;
     for (int i = 0; i <= 120; ++i) points.emplace_back(t, t * std::pow(10.0, -i / 10.0));
     for (int i = 1; i < 160; ++i) points.emplace_back(t, t * i / 160.0);
@@ -122,14 +124,24 @@ std::vector<std::pair<double, double>> sample_points(double horizon) {
   return points;
 }
 
-std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horizon) {
+struct Sample {
+  double t, lag, value;
+};
+
+/// A function of the lag alone needs fewer times.
+std::vector<Sample> samples_of(const KernelFunction& q, double horizon) {
+  std::vector<Sample> samples;
+  for (const auto& [t, lag] :
+       q.convolution() ? points_at(horizon, {1.0, 0.47}) : sample_points(horizon))
+    samples.push_back({t, lag, q(t, lag)});
+  return samples;
+}
+
+std::optional<VerifiedTerms> terms_at(const Expr& expression, std::span<const Sample> samples) {
   auto terms = exponential_terms(expression);
   if (!terms) return std::nullopt;
-  const double length = positive_horizon(horizon);
-  const KernelFunction q(expression, {});
   double error = 0, largest = 0;
-  for (const auto& [t, lag] : sample_points(length)) {
-    const double value = q(t, lag);
+  for (const auto& [t, lag, value] : samples) {
     largest = std::max(largest, std::abs(value));
     error = std::max(error, std::abs(evaluate(*terms, t, lag) - value));
     for (const ExponentialTerm& term : *terms) {
@@ -145,6 +157,17 @@ std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horiz
   return VerifiedTerms{std::move(*terms), error};
 }
 
+} // namespace
+
+std::vector<std::pair<double, double>> sample_points(double horizon) {
+  return points_at(horizon, {1.0, 0.83, 0.47, 0.11, 0.013});
+}
+
+std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horizon) {
+  const KernelFunction q(expression, {});
+  return terms_at(expression, samples_of(q, positive_horizon(horizon)));
+}
+
 KernelTraits kernel_traits(const Expr& expression, double horizon) {
   return study_kernel(expression, horizon).traits;
 }
@@ -157,15 +180,15 @@ StudiedKernel study_kernel(const Expr& expression, double horizon) {
   KernelTraits& traits = out.traits;
   traits.convolution = q.convolution();
   traits.zero = true;
-  for (const auto& [t, lag] : sample_points(length)) {
-    const double value = q(t, lag);
-    traits.finite = traits.finite && std::isfinite(value);
-    traits.zero = traits.zero && value == 0;
+  const auto samples = samples_of(q, length);
+  for (const Sample& sample : samples) {
+    traits.finite = traits.finite && std::isfinite(sample.value);
+    traits.zero = traits.zero && sample.value == 0;
   }
   if (!breaks.empty()) traits.breaks = fixed_breaks(breaks, length);
   traits.zero = traits.zero && (expression.is(0) || breaks.empty());
   if (!traits.breaks.empty()) traits.max_lag = reach(q, traits.breaks, length);
-  out.terms = verified_terms(expression, horizon);
+  out.terms = terms_at(expression, samples);
   if (out.terms) {
     const auto& terms = out.terms->terms;
     const bool plain = std::all_of(terms.begin(), terms.end(), [](const ExponentialTerm& term) {

@@ -126,9 +126,11 @@ Expr derivative(const Expr& expr, Slot slot) {
   if (!expr.depends_on(slot)) return 0.0;
   NodeMap<Expr> found;
   const auto depends = [slot](const Expr& e) { return e.depends_on(slot); };
+  const Expr zero(0.0);
+  std::vector<Expr> d;
   postorder(expr, depends, [&](const Expr& e) {
-    std::vector<Expr> d;
-    for (const Expr& arg : e.args()) d.push_back(depends(arg) ? found.at(arg.id()) : Expr(0.0));
+    d.clear();
+    for (const Expr& arg : e.args()) d.push_back(depends(arg) ? found.at(arg.id()) : zero);
     found.emplace(e.id(), rule(e, d));
   });
   return found.at(expr.id());

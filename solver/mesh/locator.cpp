@@ -18,14 +18,14 @@ Box box_of(const Mesh& mesh, std::int32_t cell) {
   const auto& c = mesh.cells[cell];
   Box box{mesh.nodes[c[0]], mesh.nodes[c[0]]};
   for (int i = 1; i <= mesh.dim; ++i) {
-    for (int a = 0; a < 3; ++a) {
+    for (int a = 0; a < mesh.dim; ++a) {
       box.low[a] = std::min(box.low[a], mesh.nodes[c[i]][a]);
       box.high[a] = std::max(box.high[a], mesh.nodes[c[i]][a]);
     }
   }
   // A point with barycentric coordinates above -slack is at most 3 slack diameters outside.
   double size = 0;
-  for (int a = 0; a < 3; ++a) size += box.high[a] - box.low[a];
+  for (int a = 0; a < mesh.dim; ++a) size += box.high[a] - box.low[a];
   const double margin = 4 * slack * size;
   for (int a = 0; a < 3; ++a) {
     box.low[a] -= margin;
