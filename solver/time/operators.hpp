@@ -9,6 +9,7 @@
 #include "solver/time/run.hpp"
 #include "solver/time/state.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace hvi::solver {
@@ -18,6 +19,8 @@ struct Operators {
   DenseMatrix weights;             ///< fields (slot::field numbering) x bases
   bool symmetric = true;           ///< all of them, on the unknowns
   int n_unknowns = 0;
+  /// Set: the first so many unknowns, the contact, are coupled with no other, and those with none.
+  std::optional<int> separate;
   SharedWork* shared = nullptr; ///< of the discretisation; factors may be had from there
 
   int n_bases() const { return static_cast<int>(bases.size()); }
