@@ -62,6 +62,7 @@ void InequalityEngine::prepare_inverse() {
       std::all_of(points.begin(), points.end(), [](const PointData& p) { return p.rows == 1; });
   if (!kept.possible) return;
   kept.pieces.resize(n_points);
+  kept.updates.reserve(6 * static_cast<std::size_t>(4 + n / 4));
   for (Vector* v : {&kept.column, &kept.h_dc, &kept.product}) v->resize(n);
   kept.stiffness_dz.resize(n_rows);
 }

@@ -1,18 +1,18 @@
 // See bandwidth.hpp.
 #include "solver/linear/bandwidth.hpp"
 
+#include "solver/linear/large_pages.hpp"
 #include "solver/time/clock.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <limits>
-#include <vector>
 
 namespace hvi::solver {
 namespace {
 
 /// Sums the array in eight lanes: enough independent additions to wait for memory only.
-double sum(const std::vector<double>& array) {
+double sum(const LargeVector<double>& array) {
   double lane[8] = {};
   for (std::size_t i = 0; i + 8 <= array.size(); i += 8)
     for (std::size_t j = 0; j < 8; ++j) lane[j] += array[i + j];
@@ -25,10 +25,11 @@ double sum(const std::vector<double>& array) {
 
 double read_bandwidth(int megabytes) {
   const std::size_t count = static_cast<std::size_t>(std::max(megabytes, 1)) * (1u << 17);
-  const std::vector<double> array(count, 1.0);
+  LargeVector<double> array(count);
+  std::fill(array.begin(), array.end(), 1.0);
   double best = std::numeric_limits<double>::infinity();
   double checksum = 0.0;
-  for (int pass = 0; pass < 4; ++pass) {
+  for (int pass = 0; pass < 3; ++pass) {
     const double start = cpu_seconds(); // what other programs take of the processor is not counted
     checksum += sum(array);
     best = std::min(best, cpu_seconds() - start);

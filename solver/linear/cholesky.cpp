@@ -5,6 +5,7 @@
 #include "solver/linear/cholmod_session.hpp"
 #include "solver/linear/ordering.hpp"
 #include "solver/linear/packed_factor.hpp"
+#include "solver/linear/permuted_lower.hpp"
 #include "solver/linear/supernodes.hpp"
 #include "solver/time/clock.hpp"
 
@@ -61,7 +62,7 @@ public:
   const FactorStatistics& statistics() const override { return statistics_; }
 
 private:
-  void analyse_pattern();
+  void analyse_pattern(const SparseMatrix& k);
   void prepare();
   void check_contact_last(std::span<const int> contact) const;
   void check_pivots(const SparseMatrix& k);
@@ -73,7 +74,7 @@ private:
   double start_;
   CholmodSession session_;
   ContactLastOrder order_;
-  UpperTriangle a_;
+  PermutedLower a_;
   cholmod_factor* l_ = nullptr;
   int size_, interior_;
   bool factored_ = false;
@@ -94,9 +95,8 @@ private:
 Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known)
     : start_(cpu_seconds()), order_(known != nullptr ? known->order(k, contact, session_)
                                                      : order_contact_last(k, contact, session_)),
-      a_(k, order_.links), size_(static_cast<int>(k.rows())),
-      interior_(size_ - static_cast<int>(contact.size())) {
-  analyse_pattern();
+      size_(static_cast<int>(k.rows())), interior_(size_ - static_cast<int>(contact.size())) {
+  analyse_pattern(k);
   check_contact_last(contact);
   prepare();
   statistics_.nonzeros = session_.common()->lnz;
@@ -138,18 +138,20 @@ void Cholesky::prepare() {
                       2.0 * contacts * contacts * sizeof(double);
 }
 
-void Cholesky::analyse_pattern() {
+void Cholesky::analyse_pattern(const SparseMatrix& k) {
   cholmod_common* common = session_.common();
   common->nmethods = 1;
   common->method[0].ordering = CHOLMOD_GIVEN;
   common->postorder = 1; // supernodes need it; the links of the order keep the contact last
-  cholmod_sparse view = a_.pattern();
+  UpperTriangle upper(k, order_.links);
+  cholmod_sparse view = upper.pattern();
   l_ = cholmod_l_analyze_p(&view, order_.permutation.data(), nullptr, 0, common);
   if (l_ == nullptr || l_->is_super == 0)
     throw Failure(FailureKind::limit, {},
                   fmt::format("no memory to analyse a matrix of {} unknowns", size_));
   const auto* final_order = static_cast<const Long*>(l_->Perm);
   permutation_.assign(final_order, final_order + size_);
+  a_ = PermutedLower(k, permutation_); // without the links: they are zero
 }
 
 void Cholesky::check_contact_last(std::span<const int> contact) const {
@@ -167,7 +169,8 @@ void Cholesky::factor(const SparseMatrix& k) {
   if (l_->xtype == CHOLMOD_PATTERN && // else CHOLMOD would make room itself, in small pages
       cholmod_l_change_factor(CHOLMOD_REAL, true, true, true, true, l_, common) != 0)
     advise_large_pages(l_->x, l_->xsize * sizeof(double));
-  cholmod_l_factorize(&view, l_, common);
+  double nothing[2] = {0.0, 0.0}; // is added to the diagonal
+  cholmod_l_super_numeric(&view, nullptr, nothing, l_, common);
   if (common->status < CHOLMOD_OK)
     throw Failure(FailureKind::limit, {},
                   fmt::format("no memory to factor a matrix of {} unknowns ({:.2g} bytes)", size_,

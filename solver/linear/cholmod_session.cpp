@@ -1,8 +1,6 @@
 // See cholmod_session.hpp.
 #include "solver/linear/cholmod_session.hpp"
 
-#include "solver/common/failure.hpp"
-
 #include <omp.h>
 
 #include <algorithm>
@@ -37,51 +35,24 @@ OneBlasThread::~OneBlasThread() {
 }
 
 UpperTriangle::UpperTriangle(const SparseMatrix& k, std::span<const std::pair<int, int>> extra)
-    : size_(static_cast<std::size_t>(k.rows())),
-      entries_of_k_(static_cast<std::size_t>(k.nonZeros())) {
+    : size_(static_cast<std::size_t>(k.rows())) {
   std::vector<std::pair<int, int>> added(extra.begin(), extra.end()); // as (column, row)
   for (auto& [column, row] : added)
     if (column < row) std::swap(column, row);
   std::ranges::sort(added);
   start_.reserve(size_ + 1);
-  row_.reserve(entries_of_k_ / 2 + size_ + added.size());
-  source_.reserve(row_.capacity());
+  row_.reserve(static_cast<std::size_t>(k.nonZeros()) / 2 + size_ + added.size());
   start_.push_back(0);
   const int* outer = k.outerIndexPtr();
   const int* inner = k.innerIndexPtr();
   auto next = added.begin();
   // A row of K up to its diagonal is, by symmetry, a column of the upper triangle.
   for (int column = 0; column < k.rows(); ++column) {
-    for (int at = outer[column]; at < outer[column + 1]; ++at) {
-      if (inner[at] > column) continue;
-      row_.push_back(inner[at]);
-      source_.push_back(at);
-    }
-    for (; next != added.end() && next->first == column; ++next) {
-      row_.push_back(next->second);
-      source_.push_back(-1);
-    }
+    for (int at = outer[column]; at < outer[column + 1]; ++at)
+      if (inner[at] <= column) row_.push_back(inner[at]);
+    for (; next != added.end() && next->first == column; ++next) row_.push_back(next->second);
     start_.push_back(static_cast<Long>(row_.size()));
   }
-  value_.assign(row_.size(), 0.0);
-}
-
-void UpperTriangle::assign(const SparseMatrix& k) {
-  bool same = static_cast<std::size_t>(k.rows()) == size_ && k.isCompressed() &&
-              static_cast<std::size_t>(k.nonZeros()) == entries_of_k_;
-  if (same) {
-    const int* inner = k.innerIndexPtr();
-    const double* values = k.valuePtr();
-    for (std::size_t at = 0; at < row_.size(); ++at) {
-      const int from = source_[at];
-      if (from < 0) continue;
-      same = same && inner[from] == row_[at];
-      value_[at] = values[from];
-    }
-  }
-  if (!same)
-    throw Failure(FailureKind::bad_value, {},
-                  "the matrix to factor does not have the pattern that was analysed");
 }
 
 cholmod_sparse UpperTriangle::pattern() {
@@ -96,13 +67,6 @@ cholmod_sparse UpperTriangle::pattern() {
   a.dtype = CHOLMOD_DOUBLE;
   a.sorted = 0;
   a.packed = 1;
-  return a;
-}
-
-cholmod_sparse UpperTriangle::view() {
-  cholmod_sparse a = pattern();
-  a.x = value_.data();
-  a.xtype = CHOLMOD_REAL;
   return a;
 }
 

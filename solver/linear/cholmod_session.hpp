@@ -40,24 +40,17 @@ private:
   int before_, levels_before_;
 };
 
-/// The upper triangle of a symmetric matrix by columns, as CHOLMOD wants it.
+/// The pattern of the upper triangle of a symmetric matrix by columns, as CHOLMOD wants it.
 class UpperTriangle {
 public:
-  /// The pattern of K with the given extra entries (pairs of unknowns), whose value is zero.
+  /// The pattern of K with the given extra entries (pairs of unknowns).
   UpperTriangle(const SparseMatrix& k, std::span<const std::pair<int, int>> extra);
-  /// Takes the values of a matrix with the same pattern; throws Failure(bad_value) otherwise.
-  void assign(const SparseMatrix& k);
   /// CHOLMOD's view of it. Valid as long as this object stays where it is.
-  cholmod_sparse view();
-  /// The same without values, for the symbolic phase.
   cholmod_sparse pattern();
-  std::size_t nonzeros() const { return row_.size(); }
 
 private:
-  std::size_t size_, entries_of_k_;
+  std::size_t size_;
   std::vector<Long> start_, row_;
-  std::vector<int> source_; ///< where in K's values an entry comes from; -1: an extra zero
-  std::vector<double> value_;
 };
 
 } // namespace hvi::solver

@@ -79,9 +79,9 @@ HVI_AVX512 void worst_avx512(const ManyStates& s, Eigen::Index rows, double* wor
 
 } // namespace
 
-Interior::Interior(SparseMatrix t, StateLayout layout, std::vector<int> contact, SharedWork* shared)
+Interior::Interior(SparseMatrix t, LentFactor factor, StateLayout layout, std::vector<int> contact)
     : t_(std::move(t)), layout_(std::move(layout)), contact_(std::move(contact)),
-      position_(layout_.n_unknowns, -1), factor_(lend_factor(shared, t_, contact_, true)) {
+      position_(layout_.n_unknowns, -1), factor_(std::move(factor)) {
   for (int c = 0; c < n_contact(); ++c) position_[contact_[c]] = c;
 }
 

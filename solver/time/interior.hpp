@@ -22,9 +22,8 @@ namespace hvi::solver {
 
 class Interior {
 public:
-  /// `t` symmetric, positive definite on the unknowns of `layout`. Throws Failure(not_coercive).
-  /// The factor is taken from `shared`, where there is one.
-  Interior(SparseMatrix t, StateLayout layout, std::vector<int> contact, SharedWork* shared);
+  /// `t` symmetric, positive definite on the unknowns of `layout`; its factor.
+  Interior(SparseMatrix t, LentFactor factor, StateLayout layout, std::vector<int> contact);
 
   /// Adds the mode p of a force on the unknowns; returns the force on y (r_c and a 1).
   Vector add_mode(const Vector& f);

@@ -22,6 +22,8 @@ struct Operators {
   int n_unknowns = 0;
   /// Of the base matrices; empty where some were merged.
   std::vector<const FormTerm*> terms;
+  /// Set: the first so many unknowns, the contact, are coupled with no other, and those with none.
+  std::optional<int> separate;
   SharedWork* shared = nullptr; ///< of the discretisation; factors may be had from there
 
   int n_bases() const { return static_cast<int>(bases.size()); }

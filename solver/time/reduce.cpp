@@ -94,9 +94,10 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
 
 void live_on_contact(StateLayout& layout, Operators& operators, Contact& contact,
                      LoadAssembler& loads, Vector& u0) {
-  const auto interior =
-      std::make_shared<Interior>(on_unknowns(operators.bases[0], layout.n_unknowns), layout,
-                                 contact.unknowns, operators.shared);
+  // All states are unknowns here. The factor comes first: what follows cannot fail.
+  auto factor = lend_factor(operators.shared, operators.bases[0], contact.unknowns, true);
+  const auto interior = std::make_shared<Interior>(std::move(operators.bases[0]), std::move(factor),
+                                                   layout, contact.unknowns);
   loads.map([&](const Vector& f) { return interior->add_mode(f); });
   u0 = interior->add_state(u0);
   const int n = interior->size(), nc = interior->n_contact();
@@ -110,6 +111,7 @@ void live_on_contact(StateLayout& layout, Operators& operators, Contact& contact
 
   operators.bases = {interior->matrix()};
   operators.shared = nullptr; // what is left is small
+  operators.separate = nc;
   operators.n_unknowns = n;
   interior->force = contact.force; // for the certificate on all rows
   SparseMatrix g(contact.problem.g), force(n, contact.problem.g.rows());

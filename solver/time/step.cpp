@@ -362,12 +362,14 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
   matrix.limit_sweeps(shortened && predicted ? sweeps_.limits(!contact_.none()) : SweepLimits{});
   sweeps_.note_moved(std::numeric_limits<double>::infinity());
   inequality_.c.setZero(); // the path to the new state starts at the last one
+  const Vector* const right = change_.isZero(0.0) ? &rhs_ : nullptr;
   double last = std::numeric_limits<double>::infinity();
   int iterations = 0, events = 0;
   while (out.corrections < most_corrections) {
     if (out.corrections > 0) matrix.limit_sweeps({});
-    out.inequality = out.corrections == 0 && !predicted ? matrix.start(rhs_, inequality_, d_)
-                                                        : matrix.correct(gap_, inequality_, d_);
+    out.inequality = out.corrections == 0 && !predicted
+                         ? matrix.start(rhs_, inequality_, d_)
+                         : matrix.correct(gap_, right, inequality_, d_);
     drop_guess();
     ++out.corrections;
     iterations += out.inequality.iterations;

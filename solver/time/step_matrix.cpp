@@ -1,6 +1,7 @@
 // The matrix of a step with its factor, condensed to the contact unknowns; see step_matrix.hpp.
 #include "solver/time/step_matrix.hpp"
 
+#include "solver/linear/separate.hpp"
 #include "solver/time/clock.hpp"
 
 namespace hvi::solver {
@@ -34,6 +35,12 @@ void StepMatrix::make_factor() {
     factorisation_->factor(k_);
     return;
   }
+  if (operators_.separate) {
+    factorisation_ =
+        LentFactor(separate_factor(*operators_.separate, operators_.n_unknowns), false, false);
+    factorisation_->factor(k_);
+    return;
+  }
   const StepMatrix* like = std::exchange(like_, nullptr);
   auto* from = factorisation_ ? nullptr : operators_.shared;
   if (from == nullptr && like != nullptr && like->factorisation_) {
@@ -44,13 +51,17 @@ void StepMatrix::make_factor() {
   factorisation_ = lend_factor(from, k_, contact_.unknowns, operators_.symmetric);
 }
 
-void StepMatrix::condense(const Vector& gap, InequalityState& state) {
+void StepMatrix::condense(const Vector& gap, const Vector* rhs, InequalityState& state) {
+  const bool separate = operators_.separate && rhs != nullptr;
   if (contact_.whole)
     r_ = gap;
   else
     factorisation_->reduce(gap, r_);
   if (c_.isZero(0.0)) return;
-  reduced_->apply(c_, product_);
+  if (separate) // gap = rhs - K d, and no other unknown has a part in S c
+    product_ = rhs->head(c_.size()) - gap.head(c_.size());
+  else
+    reduced_->apply(c_, product_);
   r_ += product_;
   if (state.c_guess.size() == c_.size() && state.c_guess == c_) state.s_c_guess.swap(product_);
 }
@@ -71,7 +82,7 @@ void StepMatrix::expand(const InequalityState& state, const SweepLimits& limits)
 }
 
 /// x_ = the correction of a d whose contact part is c_.
-InequalityReport StepMatrix::solve(const Vector& gap, InequalityState& state,
+InequalityReport StepMatrix::solve(const Vector& gap, const Vector* rhs, InequalityState& state,
                                    const SweepLimits& limits) {
   InequalityReport report;
   if (factorisation_) factorisation_->sweep_in(limits.forward);
@@ -82,7 +93,7 @@ InequalityReport StepMatrix::solve(const Vector& gap, InequalityState& state,
     report.converged = true;
     return report;
   }
-  condense(gap, state);
+  condense(gap, rhs, state);
   clock.charge(seconds_sweeps);
   report = solver_->solve(r_, state);
   if (state.s_c_guess.size() > 0) state.s_c_guess.swap(product_);
@@ -94,14 +105,15 @@ InequalityReport StepMatrix::solve(const Vector& gap, InequalityState& state,
 
 InequalityReport StepMatrix::start(const Vector& gap, InequalityState& state, Vector& d) {
   c_.setZero();
-  auto report = solve(gap, state, {});
+  auto report = solve(gap, nullptr, state, {});
   d.swap(x_);
   return report;
 }
 
-InequalityReport StepMatrix::correct(const Vector& gap, InequalityState& state, Vector& d) {
+InequalityReport StepMatrix::correct(const Vector& gap, const Vector* rhs, InequalityState& state,
+                                     Vector& d) {
   for (Eigen::Index i = 0; i < c_.size(); ++i) c_[i] = d[contact_.unknowns[i]];
-  auto report = solve(gap, state, limits_);
+  auto report = solve(gap, rhs, state, limits_);
   d += x_;
   if (contact_.none()) { // nothing damps what rounding leaves: a hundred times as strict
     const double size = d.lpNorm<Eigen::Infinity>();

@@ -35,8 +35,9 @@ public:
   ///     S c' + G_c^T W xi' = S c + (gap condensed),   xi' in dj(G_c c' + offset)
   /// and adds to d the x with K x = gap on the interior and c' - c on the contact unknowns. `state`
   /// is where the search starts, and then holds (c', xi'). With an exact factor one correction of
-  /// d = 0 is the solution; more of them are iterative refinement.
-  InequalityReport correct(const Vector& gap, InequalityState& state, Vector& d);
+  /// d = 0 is the solution; more of them are iterative refinement. `rhs`: gap + K d where the
+  /// caller has it, else null.
+  InequalityReport correct(const Vector& gap, const Vector* rhs, InequalityState& state, Vector& d);
 
   /// The first correction: the same with d = 0, whatever d holds.
   InequalityReport start(const Vector& gap, InequalityState& state, Vector& d);
@@ -72,9 +73,10 @@ public:
 
 private:
   void make_factor();
-  void condense(const Vector& gap, InequalityState& state);
+  void condense(const Vector& gap, const Vector* rhs, InequalityState& state);
   void expand(const InequalityState& state, const SweepLimits& limits);
-  InequalityReport solve(const Vector& gap, InequalityState& state, const SweepLimits& limits);
+  InequalityReport solve(const Vector& gap, const Vector* rhs, InequalityState& state,
+                         const SweepLimits& limits);
 
   const Operators& operators_;
   const Contact& contact_;

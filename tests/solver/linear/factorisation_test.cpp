@@ -79,6 +79,21 @@ void check_against_dense(const SparseMatrix& k, const std::vector<int>& contact,
   EXPECT_LT(residual.lpNorm<1>(), 1e-11 * scale * (1.0 + x.lpNorm<1>()));
   EXPECT_EQ(factorisation->statistics().sweeps, 5);
 
+  // Several at once: what each of them gives, to rounding of the sweep.
+  for (const int count : {1, 7, 11, 16}) {
+    DenseMatrix many(c.size(), count), all;
+    for (int j = 0; j < count; ++j) many.col(j) = (1.0 - 0.3 * j) * c.reverse() + 0.1 * j * c;
+    factorisation->extend_all(many, all);
+    ASSERT_EQ(all.cols(), k.rows());
+    ASSERT_EQ(all.rows() % 8, 0);
+    for (int j = 0; j < count; ++j) {
+      factorisation->extend(many.col(j), x);
+      EXPECT_LE((all.row(j).transpose() - x).lpNorm<Eigen::Infinity>(),
+                1e-10 * x.lpNorm<Eigen::Infinity>());
+    }
+    EXPECT_TRUE(all.bottomRows(all.rows() - count).isZero(0.0));
+  }
+
   // One more with the same analysis: its values are its own.
   const auto other = factorisation->another();
   other->factor(SparseMatrix(3.0 * k));

@@ -90,6 +90,49 @@ TEST(Proportional, RandomPlansEqualTheGeneralPath) {
   for (int k = 0; k < 24; ++k) expect_same(random_plan(random), 1e-9, "plan " + std::to_string(k));
 }
 
+/// What a run comes to: its certificate, or the sentence it ends with and the steps before.
+struct End {
+  std::string said;
+  int steps = 0;
+  double equilibrium = 0;
+};
+End end_of(const Plan& plan, bool seen) {
+  Discretisation d;
+  for (const auto& mistake : discretise(plan, d)) throw mistake;
+  RunSettings settings;
+  if (seen) settings.on_step = [](int, double, const Vector&, const Vector&) {};
+  RunResult partial;
+  try {
+    const auto result = run(plan, d, settings, &partial);
+    EXPECT_TRUE(result.certificate.certified);
+    return {"", result.steps, result.certificate.equilibrium};
+  } catch (const Failure& failure) {
+    return {failure.what(), partial.steps, 0};
+  }
+}
+
+// A run of which every step is seen makes its checks on all rows in their steps, another one
+// together at the end; a tolerance at the size of rounding fails some of them.
+TEST(Proportional, ChecksMadeTogetherDecideAsThoseInTheirSteps) {
+  int certified = 0, refused = 0;
+  for (const int steps : {20, 45})
+    for (double tolerance = 1e-10; tolerance > 1e-18; tolerance /= 2) {
+      Plan plan = one_tensor(6, steps);
+      plan.options.tolerance = tolerance;
+      const auto together = end_of(plan, false), each = end_of(plan, true);
+      if (together.said.empty() != each.said.empty()) {
+        ADD_FAILURE() << tolerance << ": " << together.said << " / " << each.said;
+        continue;
+      }
+      (each.said.empty() ? certified : refused) += 1;
+      EXPECT_EQ(together.said, each.said) << tolerance;
+      EXPECT_EQ(together.steps, each.steps) << tolerance;
+      EXPECT_LE(std::abs(together.equilibrium - each.equilibrium), 1e-14) << tolerance;
+    }
+  EXPECT_GT(certified, 10);
+  EXPECT_GT(refused, 4);
+}
+
 TEST(Proportional, TheConditionThatFailsIsNamed) {
   const auto why = [](Plan plan) { return solve(plan).path; };
   EXPECT_EQ(why(one_tensor(3, 4)), "");

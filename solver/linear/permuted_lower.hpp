@@ -1,0 +1,30 @@
+// A symmetric matrix in the order of elimination, as CHOLMOD's numeric phase reads it.
+#pragma once
+
+#include "solver/linear/cholmod_session.hpp"
+
+#include <span>
+#include <vector>
+
+namespace hvi::solver {
+
+/// The lower triangle of P K P^T by columns. CHOLMOD would make it anew of every matrix, in two
+/// transpositions; with the places known a matrix is one pass over its rows.
+class PermutedLower {
+public:
+  PermutedLower() = default;
+  /// The pattern of a symmetric K; permutation: position -> unknown.
+  PermutedLower(const SparseMatrix& k, std::span<const int> permutation);
+  /// Takes the values of a matrix with the same pattern; throws Failure(bad_value) otherwise.
+  void assign(const SparseMatrix& k);
+  /// CHOLMOD's view of it. Valid as long as this object stays where it is.
+  cholmod_sparse view();
+
+private:
+  std::size_t entries_of_k_ = 0;
+  std::vector<int> unknown_, position_; ///< of each other
+  std::vector<Long> start_, row_;
+  std::vector<double> value_;
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,14 @@
+// The factor of a matrix that is separated already.
+#pragma once
+
+#include "solver/linear/factorisation.hpp"
+
+namespace hvi::solver {
+
+/// For K = diag(S, D) with a dense symmetric S on the contact unknowns, which come first, and a
+/// diagonal D: S is the Schur complement as it stands, and sweeps copy. `factor` throws
+/// Failure(not_coercive) where K is not positive definite, Failure(bad_value) where it is no such
+/// K.
+std::unique_ptr<Factorisation> separate_factor(int n_contact, int size);
+
+} // namespace hvi::solver
