@@ -255,16 +255,17 @@ bool Checker::check_integrand(const ModelTerm& term, const ast::FormTerm& source
           "bring the term to the left of >=");
     return false;
   }
+  const bool timed = f.scalar().depends_on(slot::t);
   for (solver::Slot s : solver::slots_of(f.scalar())) {
     const bool trial = s >= slot::first_field && s < slot::first_multiplier;
-    if (!trial) continue;
+    if (!trial || !timed) continue;
     if (derivative(f.scalar(), s).depends_on(slot::t)) {
       error("E0413", e.span, "a form that changes in time is not the problem of the theory",
             "A and B do not depend on t; loads, laws and kernels q(t, s) may");
       return false;
     }
   }
-  if (!find_->time && f.scalar().depends_on(slot::t)) {
+  if (!find_->time && timed) {
     error("E0412", e.span, "a static problem has no time `t`",
           "add `for t in [0, T] by N steps from u = 0` to the find statement");
     return false;

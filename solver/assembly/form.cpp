@@ -5,6 +5,7 @@
 #include "solver/fem/pointwise.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -19,6 +20,52 @@ struct ConstantForm {
   Rule rule;
 };
 
+bool same(const CellGeometry& a, const CellGeometry& b) {
+  return a.measure == b.measure && a.gradient == b.gradient;
+}
+
+/// The last few shapes of cells that differ, and what all forms make of each of them: in a
+/// structured mesh the others are moved copies, often to the last bit.
+class ShapeMemory {
+public:
+  ShapeMemory(const Space& space, std::size_t forms) : space_(space), forms_(forms) {}
+  /// The matrices of a cell of this shape; null: it is new, and they are to be made in `next`.
+  const std::vector<ElementMatrix>* find(const CellGeometry& geometry) const {
+    for (std::size_t k = 0; k < known_; ++k)
+      if (same(shapes_[k], geometry)) return &elements_[k];
+    return nullptr;
+  }
+  std::vector<ElementMatrix>& next(const CellGeometry& geometry) {
+    shapes_[next_] = geometry;
+    auto& elements = elements_[next_];
+    if (elements.empty()) elements = blank();
+    for (auto& element : elements) element.clear();
+    next_ = (next_ + 1) % most;
+    known_ = std::min(known_ + 1, most);
+    return elements;
+  }
+
+private:
+  static constexpr std::size_t most = 6; // the simplices of a cube
+
+  std::vector<ElementMatrix> blank() const {
+    std::vector<ElementMatrix> out(forms_);
+    for (auto& element : out) {
+      element.components = space_.components;
+      element.local.resize(space_.nodes_per_cell);
+      std::iota(element.local.begin(), element.local.end(), 0);
+      element.nodes.resize(space_.nodes_per_cell);
+    }
+    return out;
+  }
+
+  const Space& space_;
+  std::size_t forms_;
+  std::array<CellGeometry, most> shapes_;
+  std::array<std::vector<ElementMatrix>, most> elements_;
+  std::size_t known_ = 0, next_ = 0;
+};
+
 /// No points, no tape. All forms have the same quadrature.
 void assemble_constant(const Space& space, const Region& region, std::span<ConstantForm> forms,
                        const MatrixPattern& pattern) {
@@ -31,25 +78,26 @@ void assemble_constant(const Space& space, const Region& region, std::span<Const
   }
   const Quadrature quadrature =
       make_rule(forms.front().rule, space.mesh->dim, space.order, forms.front().entries.degree);
-  ElementMatrix element;
-  element.components = space.components;
-  element.local.resize(space.nodes_per_cell);
-  std::iota(element.local.begin(), element.local.end(), 0);
-  std::vector<ShapeTable> shapes(quadrature.size());
+  ShapeMemory memory(space, forms.size());
+  ShapeTable shapes;
   std::vector<int> edges;
   for (const auto cell : region.entities) {
-    const auto nodes = space.nodes_of_cell(cell);
-    element.nodes.assign(nodes.begin(), nodes.end());
-    pattern.locate(nodes, edges);
     const CellGeometry geometry = cell_geometry(*space.mesh, cell);
-    for (std::size_t q = 0; q < quadrature.size(); ++q)
-      evaluate_shapes(space, geometry, quadrature.points[q], gradients, shapes[q]);
-    for (const ConstantForm& form : forms) {
-      element.clear();
-      for (std::size_t q = 0; q < quadrature.size(); ++q)
-        form.kernel(element, form.entries, shapes[q], geometry.measure * quadrature.weights[q]);
-      pattern.add(nodes, edges, element.data.data(), form.values);
+    const auto* elements = memory.find(geometry);
+    if (elements == nullptr) {
+      auto& made = memory.next(geometry);
+      for (std::size_t q = 0; q < quadrature.size(); ++q) {
+        evaluate_shapes(space, geometry, quadrature.points[q], gradients, shapes);
+        for (std::size_t f = 0; f < forms.size(); ++f)
+          forms[f].kernel(made[f], forms[f].entries, shapes,
+                          geometry.measure * quadrature.weights[q]);
+      }
+      elements = &made;
     }
+    const auto nodes = space.nodes_of_cell(cell);
+    pattern.locate(nodes, edges);
+    for (std::size_t f = 0; f < forms.size(); ++f)
+      pattern.add(nodes, edges, (*elements)[f].data.data(), forms[f].values);
   }
 }
 
