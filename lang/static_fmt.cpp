@@ -1,5 +1,5 @@
 // What fmt keeps out of its headers, compiled in: with no shared fmt, and the C++ runtime linked
-// statically, a start of hvi-run binds nothing but libc, libm and METIS.
+// statically, a start of hvi-run binds nothing but libc and libm.
 #include <fmt/format-inl.h>
 
 FMT_BEGIN_NAMESPACE
