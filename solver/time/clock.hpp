@@ -15,10 +15,10 @@ inline double seconds_of(clockid_t clock) {
 /// CPU seconds of the process so far, all threads together.
 ///
 /// The CPU's clock is a system call, a dozen of them were a thirtieth of a small run's step. Within
-/// 50 microseconds of the last one the clock on the wall, which is none, is taken to go on at the
+/// 200 microseconds of the last one the clock on the wall, which is none, is taken to go on at the
 /// same pace: what a phase of that length may be wrong by goes to the next.
 inline double cpu_seconds() {
-  constexpr double pace_is_kept = 50e-6;
+  constexpr double pace_is_kept = 200e-6;
   struct Reading {
     double cpu = 0, wall = -1, told = 0;
   };
