@@ -54,7 +54,7 @@ public:
   void reduce(const Vector& b, Vector& r) override;
   void back(const Vector& c, Vector& x) override;
   void extend(const Vector& c, Vector& x) override;
-  void extend_all(const DenseMatrix& c, DenseMatrix& x) override;
+  void extend_all(const DenseMatrix& c, DenseMatrix& x, std::vector<int>& place) override;
   void solve(const Vector& b, Vector& x) override;
   bool sweep_in(SweepStorage storage) override;
   const DenseMatrix& schur() const override;
@@ -65,7 +65,7 @@ private:
   void analyse_pattern(const SparseMatrix& k);
   void prepare();
   void check_contact_last(std::span<const int> contact) const;
-  void check_pivots(const SparseMatrix& k);
+  void check_pivots();
   void read_trailing_block();
   void count_sweep();
   [[noreturn]] void fail_at(int position, double pivot) const;
@@ -177,9 +177,8 @@ void Cholesky::factor(const SparseMatrix& k) {
                               statistics_.bytes));
   ++statistics_.factorisations;
   if (common->status == CHOLMOD_NOT_POSDEF) fail_at(static_cast<int>(l_->minor), 0.0);
-  check_pivots(k);
+  check_pivots();
   read_trailing_block();
-  statistics_.reciprocal_condition = cholmod_l_rcond(l_, common);
   if (!packed_.empty()) statistics_.bytes -= packed_.bytes();
   packed_.clear();
   sweep_in(storage_);
@@ -187,28 +186,30 @@ void Cholesky::factor(const SparseMatrix& k) {
   factored_ = true;
 }
 
-/// Reads the diagonal of L; throws where a pivot is not finite or is nothing but rounding.
-void Cholesky::check_pivots(const SparseMatrix& k) {
-  const Vector diagonal = k.diagonal();
+/// Reads the diagonal of L, which lies scattered in memory, once; throws where a pivot is not
+/// finite or is nothing but rounding.
+void Cholesky::check_pivots() {
   const auto* super = static_cast<const Long*>(l_->super);
   const auto* row_start = static_cast<const Long*>(l_->pi);
   const auto* value_start = static_cast<const Long*>(l_->px);
-  double least = std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity(), smallest = least, largest = 0.0;
   int where = -1;
   for (std::size_t s = 0; s < l_->nsuper; ++s) {
     const Long stride = row_start[s + 1] - row_start[s];
     for (Long position = super[s]; position < super[s + 1]; ++position) {
       const double entry = values()[value_start[s] + (position - super[s]) * (stride + 1)];
-      const double pivot = entry * entry / diagonal[permutation_[position]];
+      const double pivot = entry * entry / a_.diagonal()[position];
       if (!std::isfinite(pivot)) fail_at(static_cast<int>(position), pivot);
       if (pivot < least) {
         least = pivot;
         where = static_cast<int>(position);
       }
+      smallest = std::min(smallest, entry), largest = std::max(largest, entry);
       if (position < interior_) inverse_diagonal_[position] = 1.0 / entry;
     }
   }
   if (least < smallest_pivot) fail_at(where, least);
+  statistics_.reciprocal_condition = (smallest / largest) * (smallest / largest);
 }
 
 void Cholesky::fail_at(int position, double pivot) const {
@@ -300,19 +301,18 @@ void Cholesky::extend(const Vector& c, Vector& x) {
 }
 
 /// In double precision: what asks for many of them checks results.
-void Cholesky::extend_all(const DenseMatrix& c, DenseMatrix& x) {
+void Cholesky::extend_all(const DenseMatrix& c, DenseMatrix& x, std::vector<int>& place) {
   if (!factored_) throw std::logic_error("extend before a successful factorisation");
   constexpr int lanes = Supernodes::lanes;
   const auto count = static_cast<int>(c.cols()), groups = (count + lanes - 1) / lanes;
   if (count == 0 || count > most_at_once) throw std::logic_error("too many to extend at once");
-  DenseMatrix ordered(groups * lanes, size_);
-  ordered.leftCols(interior_).setZero();
-  ordered.rightCols(size_ - interior_).topRows(count) = c.transpose();
-  ordered.rightCols(size_ - interior_).bottomRows(groups * lanes - count).setZero();
-  supernodes_.backward_all(values(), inverse_diagonal_.data(), groups, ordered.data());
-  x.resize(groups * lanes, size_);
-  for (int position = 0; position < size_; ++position)
-    x.col(permutation_[position]) = ordered.col(position);
+  x.resize(groups * lanes, size_); // in the order of elimination
+  x.leftCols(interior_).setZero();
+  x.rightCols(size_ - interior_).topRows(count) = c.transpose();
+  x.rightCols(size_ - interior_).bottomRows(groups * lanes - count).setZero();
+  supernodes_.backward_all(values(), inverse_diagonal_.data(), groups, x.data());
+  place.resize(static_cast<std::size_t>(size_));
+  for (int position = 0; position < size_; ++position) place[permutation_[position]] = position;
   ++statistics_.sweeps;
   statistics_.bytes_swept += supernodes_.nonzeros() * sizeof(double);
 }

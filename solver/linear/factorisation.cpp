@@ -1,9 +1,11 @@
 // What every direct solver can do with its own sweeps; see factorisation.hpp.
 #include "solver/linear/factorisation.hpp"
 
+#include <numeric>
+
 namespace hvi::solver {
 
-void Factorisation::extend_all(const DenseMatrix& c, DenseMatrix& x) {
+void Factorisation::extend_all(const DenseMatrix& c, DenseMatrix& x, std::vector<int>& place) {
   constexpr Eigen::Index unit = 8;
   const Eigen::Index rows = (c.cols() + unit - 1) / unit * unit;
   Vector one;
@@ -12,6 +14,8 @@ void Factorisation::extend_all(const DenseMatrix& c, DenseMatrix& x) {
     if (k == 0) x.setZero(rows, one.size());
     x.row(k) = one.transpose();
   }
+  place.resize(static_cast<std::size_t>(x.cols()));
+  std::iota(place.begin(), place.end(), 0);
 }
 
 } // namespace hvi::solver

@@ -12,6 +12,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace hvi::solver {
 
@@ -57,9 +58,9 @@ public:
   virtual void back(const Vector& c, Vector& x) = 0;
   /// x with K x = 0 on the interior and contact part c: one sweep. Forgets the last `reduce`.
   virtual void extend(const Vector& c, Vector& x) = 0;
-  /// The same for up to 16 of them in one reading of the factor: a column of c each. x has a
-  /// column for every unknown and a row for every c, and rows of zeros up to a multiple of 8.
-  virtual void extend_all(const DenseMatrix& c, DenseMatrix& x);
+  /// The same for up to 16 of them in one reading of the factor: a column of c each. x has a row
+  /// for every c, and rows of zeros up to a multiple of 8; an unknown's column is place[unknown].
+  virtual void extend_all(const DenseMatrix& c, DenseMatrix& x, std::vector<int>& place);
   static constexpr int most_at_once = 16;
   /// x = K^-1 b, both sweeps with S c = r solved exactly.
   virtual void solve(const Vector& b, Vector& x) = 0;

@@ -28,6 +28,7 @@ void PermutedLower::assign(const SparseMatrix& k) {
   bool same =
       k.rows() == n && k.isCompressed() && static_cast<std::size_t>(k.nonZeros()) == entries_of_k_;
   value_.resize(row_.size());
+  diagonal_.assign(unknown_.size(), 0.0);
   const int* outer = k.outerIndexPtr();
   const int* inner = k.innerIndexPtr();
   const double* values = k.valuePtr();
@@ -38,6 +39,7 @@ void PermutedLower::assign(const SparseMatrix& k) {
       if (i < j) continue;
       same = next < row_.size() && row_[next] == i;
       if (!same) break;
+      if (i == j) diagonal_[j] = values[at];
       value_[next++] = values[at];
     }
     same = same && next == static_cast<std::size_t>(start_[j + 1]);

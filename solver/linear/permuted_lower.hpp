@@ -17,6 +17,8 @@ public:
   PermutedLower(const SparseMatrix& k, std::span<const int> permutation);
   /// Takes the values of a matrix with the same pattern; throws Failure(bad_value) otherwise.
   void assign(const SparseMatrix& k);
+  /// Of the assigned matrix, by position.
+  const std::vector<double>& diagonal() const { return diagonal_; }
   /// CHOLMOD's view of it. Valid as long as this object stays where it is.
   cholmod_sparse view();
 
@@ -24,7 +26,7 @@ private:
   std::size_t entries_of_k_ = 0;
   std::vector<int> unknown_, position_; ///< of each other
   std::vector<Long> start_, row_;
-  std::vector<double> value_;
+  std::vector<double> value_, diagonal_;
 };
 
 } // namespace hvi::solver

@@ -18,6 +18,7 @@ struct ManyStates {
   const SparseMatrix& t;
   const double *x, *load, *reaction; ///< rows of `row` numbers; no load: as many modes as there are
   const std::vector<Vector>& forces;
+  const std::vector<int>& place;    ///< of an unknown's column in x
   const std::vector<int>& position; ///< of an unknown among the contact unknowns, or -1
 };
 
@@ -29,7 +30,7 @@ HVI_INLINE void worst_errors(const ManyStates& s, double* worst) {
     Pack<lanes> sum[Groups] = {}, size[Groups] = {}, other;
     for (int e = s.t.outerIndexPtr()[i]; e < s.t.outerIndexPtr()[i + 1]; ++e) {
       const double value = s.t.valuePtr()[e];
-      const double* x = s.x + static_cast<std::ptrdiff_t>(s.t.innerIndexPtr()[e]) * row;
+      const double* x = s.x + static_cast<std::ptrdiff_t>(s.place[s.t.innerIndexPtr()[e]]) * row;
 #pragma GCC unroll 2
       for (int g = 0; g < Groups; ++g) {
         load<lanes>(x + g * lanes, other);
@@ -79,9 +80,10 @@ HVI_AVX512 void worst_avx512(const ManyStates& s, Eigen::Index rows, double* wor
 
 } // namespace
 
-Interior::Interior(SparseMatrix t, LentFactor factor, StateLayout layout, std::vector<int> contact)
-    : t_(std::move(t)), layout_(std::move(layout)), contact_(std::move(contact)),
-      position_(layout_.n_unknowns, -1), factor_(std::move(factor)) {
+Interior::Interior(SparseMatrix& t, LentFactor factor, StateLayout layout, std::vector<int> contact)
+    : layout_(std::move(layout)), contact_(std::move(contact)), position_(layout_.n_unknowns, -1),
+      factor_(std::move(factor)) {
+  t_.swap(t);
   for (int c = 0; c < n_contact(); ++c) position_[contact_[c]] = c;
 }
 
@@ -187,18 +189,19 @@ double Interior::equilibrium(const Vector& known, const Vector& change, const Ve
   return equilibrium_error(gap_, scale_, force, xi, work_);
 }
 
-/// expand() of several, a row of x each.
-void Interior::expand_all(std::span<const Vector* const> y, DenseMatrix& x) {
+/// expand() of several, a row of x each; an unknown's column is place[unknown].
+void Interior::expand_all(std::span<const Vector* const> y, DenseMatrix& x,
+                          std::vector<int>& place) {
   const auto count = static_cast<Eigen::Index>(y.size());
   DenseMatrix c(n_contact(), count);
   for (Eigen::Index r = 0; r < count; ++r) c.col(r) = y[r]->head(n_contact());
-  factor_->extend_all(c, x);
+  factor_->extend_all(c, x, place);
   Vector phi = Vector::Zero(x.rows());
   for (std::size_t k = 0; k < modes_.size(); ++k) {
     for (Eigen::Index r = 0; r < count; ++r) phi[r] = (*y[r])[n_contact() + static_cast<int>(k)];
     if (phi.isZero(0.0)) continue;
     for (int i = 0; i < layout_.n_unknowns; ++i)
-      if (modes_[k][i] != 0.0) x.col(i) += modes_[k][i] * phi;
+      if (modes_[k][i] != 0.0) x.col(place[i]) += modes_[k][i] * phi;
   }
 }
 
@@ -213,7 +216,8 @@ std::vector<double> Interior::equilibria(std::span<const Question> steps, double
   }
   states.push_back(&next);
   DenseMatrix x;
-  expand_all(states, x);
+  std::vector<int> place;
+  expand_all(states, x, place);
   DenseMatrix load = DenseMatrix::Zero(x.rows(), static_cast<Eigen::Index>(forces_.size()));
   DenseMatrix reaction = DenseMatrix::Zero(x.rows(), n_contact());
   for (std::size_t r = 0; r < steps.size(); ++r) {
@@ -224,7 +228,7 @@ std::vector<double> Interior::equilibria(std::span<const Question> steps, double
         reaction(row, c) += it.value() * steps[r].xi[it.col()];
   }
   std::vector<double> out(static_cast<std::size_t>(x.rows()), 0.0);
-  const ManyStates all{t_, x.data(), load.data(), reaction.data(), forces_, position_};
+  const ManyStates all{t_, x.data(), load.data(), reaction.data(), forces_, place, position_};
   switch (instruction_set()) {
   case InstructionSet::avx512:
     worst_avx512(all, x.rows(), out.data());
@@ -240,7 +244,9 @@ std::vector<double> Interior::equilibria(std::span<const Question> steps, double
     if (const auto& s = steps[r]; !(out[r] <= enough))
       out[r] = equilibrium(s.known, s.change, s.load, s.xi, enough);
   scattered_ = next;
-  x_ = x.row(static_cast<Eigen::Index>(steps.size()));
+  x_.resize(layout_.n_unknowns);
+  for (int i = 0; i < layout_.n_unknowns; ++i)
+    x_[i] = x(static_cast<Eigen::Index>(steps.size()), place[i]);
   return out;
 }
 

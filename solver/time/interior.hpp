@@ -22,8 +22,9 @@ namespace hvi::solver {
 
 class Interior {
 public:
-  /// `t` symmetric, positive definite on the unknowns of `layout`; its factor.
-  Interior(SparseMatrix t, LentFactor factor, StateLayout layout, std::vector<int> contact);
+  /// `t` symmetric, positive definite on the unknowns of `layout`; its factor. Takes what `t` holds
+  /// (Eigen's own matrices would copy).
+  Interior(SparseMatrix& t, LentFactor factor, StateLayout layout, std::vector<int> contact);
 
   /// Adds the mode p of a force on the unknowns; returns the force on y (r_c and a 1).
   Vector add_mode(const Vector& f);
@@ -62,7 +63,7 @@ public:
 private:
   void expand(const Vector& y, Vector& x);
   void force_of_modes(const Vector& y, Vector& f) const;
-  void expand_all(std::span<const Vector* const> y, DenseMatrix& x);
+  void expand_all(std::span<const Vector* const> y, DenseMatrix& x, std::vector<int>& place);
 
   SparseMatrix t_;
   StateLayout layout_; ///< of the full problem

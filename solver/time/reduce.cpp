@@ -96,8 +96,8 @@ void live_on_contact(StateLayout& layout, Operators& operators, Contact& contact
                      LoadAssembler& loads, Vector& u0) {
   // All states are unknowns here. The factor comes first: what follows cannot fail.
   auto factor = lend_factor(operators.shared, operators.bases[0], contact.unknowns, true);
-  const auto interior = std::make_shared<Interior>(std::move(operators.bases[0]), std::move(factor),
-                                                   layout, contact.unknowns);
+  const auto interior =
+      std::make_shared<Interior>(operators.bases[0], std::move(factor), layout, contact.unknowns);
   loads.map([&](const Vector& f) { return interior->add_mode(f); });
   u0 = interior->add_state(u0);
   const int n = interior->size(), nc = interior->n_contact();
