@@ -96,12 +96,24 @@ Expr ExprAccess::raw(Op op, std::vector<Expr> args, std::shared_ptr<const Table>
   return Expr(std::move(node));
 }
 
-Expr::Expr(double value) {
-  auto node = std::make_shared<Node>();
+namespace {
+
+std::shared_ptr<const Expr::Node> number(double value) {
+  auto node = std::make_shared<Expr::Node>();
   node->value = value == 0.0 ? 0.0 : value; // one zero, so that equal constants are equal bits
   node->hash = hash_of(*node);
-  node_ = std::move(node);
+  return node;
 }
+
+/// Most numbers that derivatives and products make are 0 and 1: these have one node each.
+std::shared_ptr<const Expr::Node> shared_number(double value) {
+  static const auto zero = number(0.0), one = number(1.0);
+  return value == 0.0 ? zero : value == 1.0 ? one : number(value);
+}
+
+} // namespace
+
+Expr::Expr(double value) : node_(shared_number(value)) {}
 
 Expr Expr::variable(Slot slot) {
   auto node = std::make_shared<Node>();
