@@ -7,6 +7,7 @@
 #include "solver/linear/packed_factor.hpp"
 #include "solver/linear/permuted_lower.hpp"
 #include "solver/linear/supernodes.hpp"
+#include "solver/linear/symbolic.hpp"
 #include "solver/time/clock.hpp"
 
 #include <fmt/format.h>
@@ -139,13 +140,7 @@ void Cholesky::prepare() {
 }
 
 void Cholesky::analyse_pattern(const SparseMatrix& k) {
-  cholmod_common* common = session_.common();
-  common->nmethods = 1;
-  common->method[0].ordering = CHOLMOD_GIVEN;
-  common->postorder = 1; // supernodes need it; the links of the order keep the contact last
-  UpperTriangle upper(k, order_.links);
-  cholmod_sparse view = upper.pattern();
-  l_ = cholmod_l_analyze_p(&view, order_.permutation.data(), nullptr, 0, common);
+  l_ = symbolic_factor(k, order_, session_);
   if (l_ == nullptr || l_->is_super == 0)
     throw Failure(FailureKind::limit, {},
                   fmt::format("no memory to analyse a matrix of {} unknowns", size_));
