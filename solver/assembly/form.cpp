@@ -230,8 +230,10 @@ std::vector<SparseMatrix> assemble_forms(const Space& space, const Region& regio
   }
   NodeGraph own_graph;
   if (!on_cells) own_graph = graph_of(space, region, gradients);
-  const MatrixPattern pattern(on_cells ? *space.graph : own_graph, space.components, dofs);
-  std::vector<SparseMatrix> matrices(terms.size(), pattern.zeros());
+  MatrixPattern pattern(on_cells ? *space.graph : own_graph, space.components, dofs);
+  std::vector<SparseMatrix> matrices(terms.size());
+  for (std::size_t f = 0; f + 1 < terms.size(); ++f) matrices[f] = pattern.zeros();
+  pattern.hand_over(matrices.back());
   std::vector<ConstantForm> constant;
   for (std::size_t f = 0; f < terms.size(); ++f) {
     double* const values = matrices[f].valuePtr();
@@ -248,7 +250,9 @@ std::vector<SparseMatrix> assemble_forms(const Space& space, const Region& regio
 SparseMatrix assemble_form(const Space& space, const Region& region, const FormTerm& term,
                            const DofSelection& dofs) {
   const FormTerm* const terms[] = {&term};
-  return std::move(assemble_forms(space, region, terms, dofs).front());
+  SparseMatrix matrix;
+  matrix.swap(assemble_forms(space, region, terms, dofs).front()); // Eigen 3.4 copies what is moved
+  return matrix;
 }
 
 } // namespace hvi::solver

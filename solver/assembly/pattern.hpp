@@ -13,6 +13,8 @@ public:
   MatrixPattern(const NodeGraph& graph, int components, const DofSelection& dofs);
 
   const SparseMatrix& zeros() const { return zeros_; }
+  /// To the last matrix that needs them.
+  void hand_over(SparseMatrix& zeros) { zeros.swap(zeros_); }
 
   /// Of each pair of nodes of an element, its edge in the graph: edges[i * nodes + j].
   void locate(std::span<const std::int32_t> nodes, std::vector<int>& edges) const;

@@ -103,8 +103,9 @@ std::vector<SparseMatrix> assemble_distinct(const Plan& plan, const Discretisati
         return assemble_form(discretisation.space, discretisation.parts[terms[i]->part], *terms[i],
                              dofs);
       };
-      matrices[i] =
+      SparseMatrix made =
           discretisation.shared ? discretisation.shared->form(*terms[i], assemble) : assemble();
+      matrices[i].swap(made); // Eigen 3.4 copies what is moved
     });
     return matrices;
   }
@@ -113,7 +114,7 @@ std::vector<SparseMatrix> assemble_distinct(const Plan& plan, const Discretisati
     for (const int i : pass) chosen.push_back(terms[i]);
     auto made = assemble_forms(discretisation.space, discretisation.parts[chosen.front()->part],
                                chosen, dofs);
-    for (std::size_t k = 0; k < pass.size(); ++k) matrices[pass[k]] = std::move(made[k]);
+    for (std::size_t k = 0; k < pass.size(); ++k) matrices[pass[k]].swap(made[k]);
   }
   return matrices;
 }
@@ -208,7 +209,10 @@ SparseMatrix combine(const Operators& operators, const Vector& gamma) {
   sum.coeffs() *= gamma[0];
   // Eigen keeps the union of the patterns, entries times zero included: one analysis serves all.
   for (int b = 1; b < operators.n_bases(); ++b) {
-    const SparseMatrix part = on_unknowns(operators.bases[b], operators.n_unknowns);
+    const SparseMatrix& base = operators.bases[b];
+    const bool whole = base.cols() == operators.n_unknowns;
+    const SparseMatrix cut = whole ? SparseMatrix() : on_unknowns(base, operators.n_unknowns);
+    const SparseMatrix& part = whole ? base : cut;
     if (same_pattern(sum, part))
       sum.coeffs() += gamma[b] * part.coeffs();
     else

@@ -16,7 +16,8 @@ StepMatrix::StepMatrix(const Operators& operators, const Contact& contact,
 
 void StepMatrix::factor(const Vector& gamma) {
   gamma_ = gamma;
-  k_ = combine(operators_, gamma);
+  SparseMatrix k = combine(operators_, gamma);
+  k_.swap(k); // Eigen 3.4 copies what is moved
   half_ = {};
   solver_.reset();
   if (contact_.whole) {
