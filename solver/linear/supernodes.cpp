@@ -159,11 +159,11 @@ HVI_INLINE void backward_sweep(const Sweep& sweep, const double* y, double* x) {
   }
 }
 
-/// t[a][g] -= sum_i column_a[i] w[i][g]; rows of w are Groups packs wide.
+/// t[a][g] -= sum_i column_a[i] w[i][g] for Groups packs g of rows that are `row` numbers wide.
 template <int Width, int Groups>
 HVI_INLINE void subtract_all(const double* column, std::size_t stride, int count, const double* w,
-                             double* t) {
-  constexpr int lanes = Supernodes::lanes, row = Groups * lanes;
+                             int row, double* t) {
+  constexpr int lanes = Supernodes::lanes;
   Pack<lanes> sum[Width][Groups];
 #pragma GCC unroll 4
   for (int a = 0; a < Width; ++a)
@@ -187,22 +187,43 @@ HVI_INLINE void subtract_all(const double* column, std::size_t stride, int count
 
 template <int Width, int Groups>
 HVI_INLINE void backward_block_all(const double* l, std::size_t stride, int j, int rows,
-                                   const double* inverse, double* w) {
-  constexpr int row = Groups * Supernodes::lanes;
+                                   const double* inverse, int row, double* w) {
+  constexpr int lanes = Supernodes::lanes;
   const double* column = l + static_cast<std::size_t>(j) * stride;
   double* t = w + j * row;
-  subtract_all<Width, Groups>(column + j + Width, stride, rows - j - Width, t + Width * row, t);
-  for (int a = Width - 1; a >= 0; --a) {
-    for (int b = a + 1; b < Width; ++b)
-      for (int r = 0; r < row; ++r) t[a * row + r] -= column[a * stride + j + b] * t[b * row + r];
-    for (int r = 0; r < row; ++r) t[a * row + r] *= inverse[j + a];
-  }
+  subtract_all<Width, Groups>(column + j + Width, stride, rows - j - Width, t + Width * row, row,
+                              t);
+  for (int a = Width - 1; a >= 0; --a)
+    for (int g = 0; g < Groups; ++g) {
+      Pack<lanes> own, other;
+      load<lanes>(t + a * row + g * lanes, own);
+      for (int b = a + 1; b < Width; ++b) {
+        load<lanes>(t + b * row + g * lanes, other);
+        own -= column[a * stride + j + b] * other;
+      }
+      own *= inverse[j + a];
+      std::memcpy(t + a * row + g * lanes, &own, sizeof own);
+    }
 }
 
+/// Through one panel, `Groups` packs of the right-hand sides.
 template <int Groups>
-HVI_INLINE void backward_sweep_all(const Sweep& sweep, double* x) {
-  constexpr int row = Groups * Supernodes::lanes;
-  constexpr std::size_t bytes = sizeof(double) * row;
+HVI_INLINE void backward_panel_all(const double* l, const Panel& panel, const double* inverse,
+                                   int row, double* w) {
+  const auto stride = static_cast<std::size_t>(panel.stride);
+  int j = panel.columns;
+  for (; j % width != 0; --j)
+    backward_block_all<1, Groups>(l, stride, j - 1, panel.rows, inverse, row, w);
+  for (; j > 0; j -= width)
+    backward_block_all<width, Groups>(l, stride, j - width, panel.rows, inverse, row, w);
+}
+
+/// AtOnce: packs that the registers hold; a panel is in the cache when the next ones come.
+template <int AtOnce>
+HVI_INLINE void backward_sweep_all(const Sweep& sweep, int groups, double* x) {
+  constexpr int lanes = Supernodes::lanes;
+  const int row = groups * lanes;
+  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(row);
   for (auto panel = sweep.panels.rbegin(); panel != sweep.panels.rend(); ++panel) {
     double* w = sweep.work;
     double* own = x + static_cast<std::ptrdiff_t>(panel->first) * row;
@@ -210,29 +231,29 @@ HVI_INLINE void backward_sweep_all(const Sweep& sweep, double* x) {
     const int* place = sweep.below + panel->below;
     const double* l = sweep.values + panel->values;
     const double* inverse = sweep.inverse_diagonal + panel->first;
-    const auto stride = static_cast<std::size_t>(panel->stride);
     std::memcpy(w, own, bytes * static_cast<std::size_t>(panel->columns));
-    for (int i = 0; i < beneath; ++i)
-      std::memcpy(w + (panel->columns + i) * row, x + static_cast<std::ptrdiff_t>(place[i]) * row,
-                  bytes);
-    int j = panel->columns;
-    for (; j % width != 0; --j)
-      backward_block_all<1, Groups>(l, stride, j - 1, panel->rows, inverse, w);
-    for (; j > 0; j -= width)
-      backward_block_all<width, Groups>(l, stride, j - width, panel->rows, inverse, w);
+    for (int i = 0; i < beneath; ++i) {
+      const double* from = x + static_cast<std::ptrdiff_t>(place[i]) * row;
+      double* to = w + (panel->columns + i) * row;
+      for (int g = 0; g < groups; ++g) {
+        Pack<lanes> pack;
+        load<lanes>(from + g * lanes, pack);
+        std::memcpy(to + g * lanes, &pack, sizeof pack);
+      }
+    }
+    int g = 0;
+    for (; g + AtOnce <= groups; g += AtOnce)
+      backward_panel_all<AtOnce>(l, *panel, inverse, row, w + g * lanes);
+    for (; g < groups; ++g) backward_panel_all<1>(l, *panel, inverse, row, w + g * lanes);
     std::memcpy(own, w, bytes * static_cast<std::size_t>(panel->columns));
   }
 }
 
-HVI_INLINE void backward_groups(const Sweep& sweep, int groups, double* x) {
-  if (groups == 1) return backward_sweep_all<1>(sweep, x);
-  return backward_sweep_all<2>(sweep, x);
-}
 HVI_AVX2 void backward_all_avx2(const Sweep& s, int groups, double* x) {
-  backward_groups(s, groups, x);
+  backward_sweep_all<1>(s, groups, x);
 }
 HVI_AVX512 void backward_all_avx512(const Sweep& s, int groups, double* x) {
-  backward_groups(s, groups, x);
+  backward_sweep_all<2>(s, groups, x);
 }
 
 HVI_AVX2 void forward_avx2(const Sweep& s, double* y) { forward_sweep(s, y); }
@@ -309,7 +330,7 @@ void Supernodes::backward_all(const double* values, const double* inverse_diagon
   case InstructionSet::avx2:
     return backward_all_avx2(sweep, groups, x);
   case InstructionSet::baseline:
-    return backward_groups(sweep, groups, x);
+    return backward_sweep_all<1>(sweep, groups, x);
   }
 }
 

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 
 namespace hvi::solver {
@@ -22,10 +24,20 @@ struct ManyStates {
   const std::vector<int>& position; ///< of an unknown among the contact unknowns, or -1
 };
 
-/// worst[r] = max_i |f - T x - reaction|_i / (|T||x| + |f|)_i of state r.
+/// v = |v|, by the sign bit.
+HVI_INLINE void drop_signs(Pack<8>& v) {
+  typedef std::int64_t Bits __attribute__((vector_size(sizeof(Pack<8>))));
+  Bits bits;
+  std::memcpy(&bits, &v, sizeof v);
+  bits &= std::numeric_limits<std::int64_t>::max();
+  std::memcpy(&v, &bits, sizeof v);
+}
+
+/// worst[r] = max_i |f - T x - reaction|_i / (|T||x| + |f|)_i of state r; NaN where one is.
 template <int Groups>
 HVI_INLINE void worst_errors(const ManyStates& s, double* worst) {
   constexpr int lanes = 8, row = Groups * lanes;
+  Pack<lanes> most[Groups] = {};
   for (int i = 0; i < s.t.rows(); ++i) {
     Pack<lanes> sum[Groups] = {}, size[Groups] = {}, other;
     for (int e = s.t.outerIndexPtr()[i]; e < s.t.outerIndexPtr()[i + 1]; ++e) {
@@ -36,7 +48,8 @@ HVI_INLINE void worst_errors(const ManyStates& s, double* worst) {
         load<lanes>(x + g * lanes, other);
         other *= value;
         sum[g] -= other;
-        size[g] += other < 0.0 ? -other : other;
+        drop_signs(other);
+        size[g] += other;
       }
     }
     Pack<lanes> f[Groups] = {};
@@ -48,23 +61,23 @@ HVI_INLINE void worst_errors(const ManyStates& s, double* worst) {
         f[g] += here * other;
       }
     }
+    const int contact = s.position[i];
     for (int g = 0; g < Groups; ++g) {
       sum[g] += f[g];
-      size[g] += f[g] < 0.0 ? -f[g] : f[g];
-      if (const int c = s.position[i]; c >= 0) {
-        load<lanes>(s.reaction + static_cast<std::ptrdiff_t>(c) * row + g * lanes, other);
+      drop_signs(f[g]);
+      size[g] += f[g];
+      if (contact >= 0) {
+        load<lanes>(s.reaction + static_cast<std::ptrdiff_t>(contact) * row + g * lanes, other);
         sum[g] -= other;
       }
-      for (int r = 0; r < lanes; ++r) {
-        const double error = std::abs(sum[g][r]);
-        double& most = worst[g * lanes + r];
-        // Divides only where it is the worst so far; a NaN is worse than anything.
-        if (error <= most * size[g][r]) continue;
-        most = error / size[g][r];
-        if (std::isnan(most)) most = std::numeric_limits<double>::infinity();
-      }
+      drop_signs(sum[g]);
+      // A row of zeros has no error; one of zeros with a residual an infinite one, as good as.
+      const Pack<lanes> error = sum[g] / (size[g] + std::numeric_limits<double>::min());
+      const Pack<lanes> larger = error <= most[g] ? most[g] : error;
+      most[g] = most[g] == most[g] ? larger : most[g]; // a NaN stays
     }
   }
+  std::memcpy(worst, most, sizeof most);
 }
 
 HVI_INLINE void worst_of_groups(const ManyStates& s, Eigen::Index rows, double* worst) {
@@ -240,6 +253,8 @@ std::vector<double> Interior::equilibria(std::span<const Question> steps, double
     worst_of_groups(all, x.rows(), out.data());
   }
   out.resize(steps.size()); // `next` was no question
+  for (double& error : out)
+    if (std::isnan(error)) error = std::numeric_limits<double>::infinity();
   for (std::size_t r = 0; r < steps.size(); ++r)
     if (const auto& s = steps[r]; !(out[r] <= enough))
       out[r] = equilibrium(s.known, s.change, s.load, s.xi, enough);
