@@ -37,8 +37,8 @@ struct LargePages {
   LargePages(const LargePages<U>&) {}
 
   T* allocate(std::size_t count) {
-    if (count > std::numeric_limits<std::size_t>::max() / sizeof(T) - large_page)
-      throw std::bad_alloc();
+    constexpr auto most = static_cast<std::size_t>(std::numeric_limits<std::ptrdiff_t>::max());
+    if (count > (most - large_page) / sizeof(T)) throw std::bad_alloc();
     const std::size_t unit = count * sizeof(T) < large_page ? 64 : large_page;
     const std::size_t bytes = (count * sizeof(T) + unit - 1) / unit * unit;
     void* const out = std::aligned_alloc(unit, bytes);

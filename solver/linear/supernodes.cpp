@@ -159,50 +159,67 @@ HVI_INLINE void backward_sweep(const Sweep& sweep, const double* y, double* x) {
   }
 }
 
-/// t[a][g] -= sum_i column_a[i] w[i][g]; rows of w are Groups packs wide.
-template <int Width, int Groups>
+/// t[a][g] -= sum_i column_a[i] w[i][g] for Packs packs g of rows that are `row` numbers wide.
+template <int Width, int Packs, int Lanes>
 HVI_INLINE void subtract_all(const double* column, std::size_t stride, int count, const double* w,
-                             double* t) {
-  constexpr int lanes = Supernodes::lanes, row = Groups * lanes;
-  Pack<lanes> sum[Width][Groups];
+                             int row, double* t) {
+  Pack<Lanes> sum[Width][Packs];
 #pragma GCC unroll 4
   for (int a = 0; a < Width; ++a)
 #pragma GCC unroll 2
-    for (int g = 0; g < Groups; ++g) load<lanes>(t + a * row + g * lanes, sum[a][g]);
+    for (int g = 0; g < Packs; ++g) load<Lanes>(t + a * row + g * Lanes, sum[a][g]);
   for (int i = 0; i < count; ++i) {
-    Pack<lanes> other[Groups];
+    Pack<Lanes> other[Packs];
 #pragma GCC unroll 2
-    for (int g = 0; g < Groups; ++g) load<lanes>(w + i * row + g * lanes, other[g]);
+    for (int g = 0; g < Packs; ++g) load<Lanes>(w + i * row + g * Lanes, other[g]);
 #pragma GCC unroll 4
     for (int a = 0; a < Width; ++a)
 #pragma GCC unroll 2
-      for (int g = 0; g < Groups; ++g) sum[a][g] -= column[a * stride + i] * other[g];
+      for (int g = 0; g < Packs; ++g) sum[a][g] -= column[a * stride + i] * other[g];
   }
 #pragma GCC unroll 4
   for (int a = 0; a < Width; ++a)
 #pragma GCC unroll 2
-    for (int g = 0; g < Groups; ++g)
-      std::memcpy(t + a * row + g * lanes, &sum[a][g], sizeof sum[a][g]);
+    for (int g = 0; g < Packs; ++g)
+      std::memcpy(t + a * row + g * Lanes, &sum[a][g], sizeof sum[a][g]);
 }
 
-template <int Width, int Groups>
+template <int Width, int Packs, int Lanes>
 HVI_INLINE void backward_block_all(const double* l, std::size_t stride, int j, int rows,
-                                   const double* inverse, double* w) {
-  constexpr int row = Groups * Supernodes::lanes;
+                                   const double* inverse, int row, double* w) {
   const double* column = l + static_cast<std::size_t>(j) * stride;
   double* t = w + j * row;
-  subtract_all<Width, Groups>(column + j + Width, stride, rows - j - Width, t + Width * row, t);
-  for (int a = Width - 1; a >= 0; --a) {
-    for (int b = a + 1; b < Width; ++b)
-      for (int r = 0; r < row; ++r) t[a * row + r] -= column[a * stride + j + b] * t[b * row + r];
-    for (int r = 0; r < row; ++r) t[a * row + r] *= inverse[j + a];
-  }
+  subtract_all<Width, Packs, Lanes>(column + j + Width, stride, rows - j - Width, t + Width * row,
+                                    row, t);
+  for (int a = Width - 1; a >= 0; --a)
+    for (int g = 0; g < Packs; ++g) {
+      Pack<Lanes> own, other;
+      load<Lanes>(t + a * row + g * Lanes, own);
+      for (int b = a + 1; b < Width; ++b) {
+        load<Lanes>(t + b * row + g * Lanes, other);
+        own -= column[a * stride + j + b] * other;
+      }
+      own *= inverse[j + a];
+      std::memcpy(t + a * row + g * Lanes, &own, sizeof own);
+    }
 }
 
-template <int Groups>
-HVI_INLINE void backward_sweep_all(const Sweep& sweep, double* x) {
-  constexpr int row = Groups * Supernodes::lanes;
-  constexpr std::size_t bytes = sizeof(double) * row;
+/// Through one panel, `Packs` packs of the right-hand sides.
+template <int Packs, int Lanes>
+HVI_INLINE void backward_panel_all(const double* l, const Panel& panel, const double* inverse,
+                                   int row, double* w) {
+  const auto stride = static_cast<std::size_t>(panel.stride);
+  int j = panel.columns;
+  for (; j % width != 0; --j)
+    backward_block_all<1, Packs, Lanes>(l, stride, j - 1, panel.rows, inverse, row, w);
+  for (; j > 0; j -= width)
+    backward_block_all<width, Packs, Lanes>(l, stride, j - width, panel.rows, inverse, row, w);
+}
+
+/// `Packs` of `Lanes` are what the registers hold; a panel is in the cache when the next ones come.
+template <int Packs, int Lanes>
+HVI_INLINE void backward_sweep_all(const Sweep& sweep, int row, double* x) {
+  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(row);
   for (auto panel = sweep.panels.rbegin(); panel != sweep.panels.rend(); ++panel) {
     double* w = sweep.work;
     double* own = x + static_cast<std::ptrdiff_t>(panel->first) * row;
@@ -210,29 +227,29 @@ HVI_INLINE void backward_sweep_all(const Sweep& sweep, double* x) {
     const int* place = sweep.below + panel->below;
     const double* l = sweep.values + panel->values;
     const double* inverse = sweep.inverse_diagonal + panel->first;
-    const auto stride = static_cast<std::size_t>(panel->stride);
     std::memcpy(w, own, bytes * static_cast<std::size_t>(panel->columns));
-    for (int i = 0; i < beneath; ++i)
-      std::memcpy(w + (panel->columns + i) * row, x + static_cast<std::ptrdiff_t>(place[i]) * row,
-                  bytes);
-    int j = panel->columns;
-    for (; j % width != 0; --j)
-      backward_block_all<1, Groups>(l, stride, j - 1, panel->rows, inverse, w);
-    for (; j > 0; j -= width)
-      backward_block_all<width, Groups>(l, stride, j - width, panel->rows, inverse, w);
+    for (int i = 0; i < beneath; ++i) {
+      const double* from = x + static_cast<std::ptrdiff_t>(place[i]) * row;
+      double* to = w + (panel->columns + i) * row;
+      for (int r = 0; r < row; r += Lanes) {
+        Pack<Lanes> pack;
+        load<Lanes>(from + r, pack);
+        std::memcpy(to + r, &pack, sizeof pack);
+      }
+    }
+    int r = 0;
+    for (; r + Packs * Lanes <= row; r += Packs * Lanes)
+      backward_panel_all<Packs, Lanes>(l, *panel, inverse, row, w + r);
+    for (; r < row; r += Lanes) backward_panel_all<1, Lanes>(l, *panel, inverse, row, w + r);
     std::memcpy(own, w, bytes * static_cast<std::size_t>(panel->columns));
   }
 }
 
-HVI_INLINE void backward_groups(const Sweep& sweep, int groups, double* x) {
-  if (groups == 1) return backward_sweep_all<1>(sweep, x);
-  return backward_sweep_all<2>(sweep, x);
+HVI_AVX2 void backward_all_avx2(const Sweep& s, int row, double* x) {
+  backward_sweep_all<2, 4>(s, row, x);
 }
-HVI_AVX2 void backward_all_avx2(const Sweep& s, int groups, double* x) {
-  backward_groups(s, groups, x);
-}
-HVI_AVX512 void backward_all_avx512(const Sweep& s, int groups, double* x) {
-  backward_groups(s, groups, x);
+HVI_AVX512 void backward_all_avx512(const Sweep& s, int row, double* x) {
+  backward_sweep_all<2, 8>(s, row, x);
 }
 
 HVI_AVX2 void forward_avx2(const Sweep& s, double* y) { forward_sweep(s, y); }
@@ -301,15 +318,16 @@ void Supernodes::backward_all(const double* values, const double* inverse_diagon
   std::size_t tallest = 0;
   for (const Panel& panel : panels_)
     tallest = std::max(tallest, static_cast<std::size_t>(panel.rows));
-  std::vector<double> work(tallest * static_cast<std::size_t>(groups * lanes));
+  const int row = groups * lanes;
+  std::vector<double> work(tallest * static_cast<std::size_t>(row));
   const Sweep sweep{panels_, below_.data(), values, inverse_diagonal, work.data()};
   switch (instruction_set()) {
   case InstructionSet::avx512:
-    return backward_all_avx512(sweep, groups, x);
+    return backward_all_avx512(sweep, row, x);
   case InstructionSet::avx2:
-    return backward_all_avx2(sweep, groups, x);
+    return backward_all_avx2(sweep, row, x);
   case InstructionSet::baseline:
-    return backward_groups(sweep, groups, x);
+    return backward_sweep_all<2, 4>(sweep, row, x);
   }
 }
 

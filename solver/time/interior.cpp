@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 
 namespace hvi::solver {
@@ -22,60 +24,76 @@ struct ManyStates {
   const std::vector<int>& position; ///< of an unknown among the contact unknowns, or -1
 };
 
-/// worst[r] = max_i |f - T x - reaction|_i / (|T||x| + |f|)_i of state r.
-template <int Groups>
-HVI_INLINE void worst_errors(const ManyStates& s, double* worst) {
-  constexpr int lanes = 8, row = Groups * lanes;
-  for (int i = 0; i < s.t.rows(); ++i) {
-    Pack<lanes> sum[Groups] = {}, size[Groups] = {}, other;
-    for (int e = s.t.outerIndexPtr()[i]; e < s.t.outerIndexPtr()[i + 1]; ++e) {
-      const double value = s.t.valuePtr()[e];
-      const double* x = s.x + static_cast<std::ptrdiff_t>(s.place[s.t.innerIndexPtr()[e]]) * row;
+/// v = |v|, by the sign bit.
+template <int Lanes>
+HVI_INLINE void drop_signs(Pack<Lanes>& v) {
+  typedef std::int64_t Bits __attribute__((vector_size(sizeof(Pack<Lanes>))));
+  Bits bits;
+  std::memcpy(&bits, &v, sizeof v);
+  bits &= std::numeric_limits<std::int64_t>::max();
+  std::memcpy(&v, &bits, sizeof v);
+}
+
+/// worst[r] = max_i |f - T x - reaction|_i / (|T||x| + |f|)_i of state r; NaN where one is. So many
+/// packs of so many states at once.
+template <int Packs, int Lanes>
+HVI_INLINE void worst_of_row(const ManyStates& s, int row, int i, int first, double* worst) {
+  Pack<Lanes> sum[Packs] = {}, size[Packs] = {}, other;
+  for (int e = s.t.outerIndexPtr()[i]; e < s.t.outerIndexPtr()[i + 1]; ++e) {
+    const double value = s.t.valuePtr()[e];
+    const double* x =
+        s.x + static_cast<std::ptrdiff_t>(s.place[s.t.innerIndexPtr()[e]]) * row + first;
 #pragma GCC unroll 2
-      for (int g = 0; g < Groups; ++g) {
-        load<lanes>(x + g * lanes, other);
-        other *= value;
-        sum[g] -= other;
-        size[g] += other < 0.0 ? -other : other;
-      }
+    for (int g = 0; g < Packs; ++g) {
+      load<Lanes>(x + g * Lanes, other);
+      other *= value;
+      sum[g] -= other;
+      drop_signs<Lanes>(other);
+      size[g] += other;
     }
-    Pack<lanes> f[Groups] = {};
+  }
+  const int contact = s.position[i];
+#pragma GCC unroll 2
+  for (int g = 0; g < Packs; ++g) {
+    const int at = first + g * Lanes;
+    Pack<Lanes> f = {};
     for (std::size_t k = 0; k < s.forces.size(); ++k) {
-      const double here = s.forces[k][i];
-      if (here == 0.0) continue;
-      for (int g = 0; g < Groups; ++g) {
-        load<lanes>(s.load + k * row + g * lanes, other);
-        f[g] += here * other;
-      }
+      load<Lanes>(s.load + static_cast<std::ptrdiff_t>(k) * row + at, other);
+      f += s.forces[k][i] * other;
     }
-    for (int g = 0; g < Groups; ++g) {
-      sum[g] += f[g];
-      size[g] += f[g] < 0.0 ? -f[g] : f[g];
-      if (const int c = s.position[i]; c >= 0) {
-        load<lanes>(s.reaction + static_cast<std::ptrdiff_t>(c) * row + g * lanes, other);
-        sum[g] -= other;
-      }
-      for (int r = 0; r < lanes; ++r) {
-        const double error = std::abs(sum[g][r]);
-        double& most = worst[g * lanes + r];
-        // Divides only where it is the worst so far; a NaN is worse than anything.
-        if (error <= most * size[g][r]) continue;
-        most = error / size[g][r];
-        if (std::isnan(most)) most = std::numeric_limits<double>::infinity();
-      }
+    sum[g] += f;
+    drop_signs<Lanes>(f);
+    size[g] += f;
+    if (contact >= 0) {
+      load<Lanes>(s.reaction + static_cast<std::ptrdiff_t>(contact) * row + at, other);
+      sum[g] -= other;
     }
+    drop_signs<Lanes>(sum[g]);
+    // A row of zeros has no error; one of zeros with a residual an infinite one, as good as.
+    const Pack<Lanes> error = sum[g] / (size[g] + std::numeric_limits<double>::min());
+    Pack<Lanes> most;
+    load<Lanes>(worst + at, most);
+    const Pack<Lanes> larger = error <= most ? most : error;
+    most = most == most ? larger : most; // a NaN stays
+    std::memcpy(worst + at, &most, sizeof most);
   }
 }
 
-HVI_INLINE void worst_of_groups(const ManyStates& s, Eigen::Index rows, double* worst) {
-  if (rows == 8) return worst_errors<1>(s, worst);
-  return worst_errors<2>(s, worst);
+template <int Packs, int Lanes>
+HVI_INLINE void worst_errors(const ManyStates& s, int row, double* worst) {
+  for (int i = 0; i < s.t.rows(); ++i) {
+    int first = 0;
+    for (; first + Packs * Lanes <= row; first += Packs * Lanes)
+      worst_of_row<Packs, Lanes>(s, row, i, first, worst);
+    for (; first < row; first += Lanes) worst_of_row<1, Lanes>(s, row, i, first, worst);
+  }
 }
-HVI_AVX2 void worst_avx2(const ManyStates& s, Eigen::Index rows, double* worst) {
-  worst_of_groups(s, rows, worst);
+
+HVI_AVX2 void worst_avx2(const ManyStates& s, int row, double* worst) {
+  worst_errors<2, 4>(s, row, worst);
 }
-HVI_AVX512 void worst_avx512(const ManyStates& s, Eigen::Index rows, double* worst) {
-  worst_of_groups(s, rows, worst);
+HVI_AVX512 void worst_avx512(const ManyStates& s, int row, double* worst) {
+  worst_errors<2, 8>(s, row, worst);
 }
 
 } // namespace
@@ -229,17 +247,20 @@ std::vector<double> Interior::equilibria(std::span<const Question> steps, double
   }
   std::vector<double> out(static_cast<std::size_t>(x.rows()), 0.0);
   const ManyStates all{t_, x.data(), load.data(), reaction.data(), forces_, place, position_};
+  const auto row = static_cast<int>(x.rows());
   switch (instruction_set()) {
   case InstructionSet::avx512:
-    worst_avx512(all, x.rows(), out.data());
+    worst_avx512(all, row, out.data());
     break;
   case InstructionSet::avx2:
-    worst_avx2(all, x.rows(), out.data());
+    worst_avx2(all, row, out.data());
     break;
   case InstructionSet::baseline:
-    worst_of_groups(all, x.rows(), out.data());
+    worst_errors<2, 4>(all, row, out.data());
   }
   out.resize(steps.size()); // `next` was no question
+  for (double& error : out)
+    if (std::isnan(error)) error = std::numeric_limits<double>::infinity();
   for (std::size_t r = 0; r < steps.size(); ++r)
     if (const auto& s = steps[r]; !(out[r] <= enough))
       out[r] = equilibrium(s.known, s.change, s.load, s.xi, enough);
