@@ -47,6 +47,20 @@ bool holds(const Box& box, const Point& p) {
   return true;
 }
 
+/// Does a cell lie beside a point along an axis, by more than the margin?
+bool beside(const Mesh& mesh, std::int32_t cell, const Point& p, double margin) {
+  const auto& c = mesh.cells[cell];
+  for (int a = 0; a < mesh.dim; ++a) {
+    double low = mesh.nodes[c[0]][a], high = low;
+    for (int i = 1; i <= mesh.dim; ++i) {
+      const double x = mesh.nodes[c[i]][a];
+      low = std::min(low, x), high = std::max(high, x);
+    }
+    if (low - p[a] > margin || p[a] - high > margin) return true;
+  }
+  return false;
+}
+
 double det(const Point& a, const Point& b, const Point& c) {
   return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
          a[2] * (b[0] * c[1] - b[1] * c[0]);
@@ -84,6 +98,9 @@ CellLocator::CellLocator(const Mesh& mesh, std::size_t points)
     constexpr double far = std::numeric_limits<double>::infinity();
     nodes_ = {
         {Box{{-far, -far, -far}, {far, far, far}}, 0, static_cast<std::int32_t>(order_.size())}};
+    Box whole{mesh.nodes.front(), mesh.nodes.front()};
+    for (const Point& x : mesh.nodes) include(whole, {x, x});
+    for (int a = 0; a < 3; ++a) widest_margin_ += 5 * slack * (whole.high[a] - whole.low[a]);
     return;
   }
   std::vector<Point> centres(mesh.cells.size(), Point{});
@@ -139,7 +156,9 @@ int CellLocator::find(const Point& p, std::array<double, 4>& barycentric) const 
     }
     const bool many = node.count > leaf_size;
     for (auto i = node.first; i < node.first + node.count; ++i) {
-      if (many && !holds(box_of(*mesh_, order_[i]), p)) continue;
+      if (many &&
+          (beside(*mesh_, order_[i], p, widest_margin_) || !holds(box_of(*mesh_, order_[i]), p)))
+        continue;
       const auto lambda = barycentric_of(*mesh_, order_[i], p);
       const double depth = *std::min_element(lambda.begin(), lambda.begin() + mesh_->dim + 1);
       if (depth > best_depth || (depth == best_depth && best >= 0 && order_[i] < best)) {

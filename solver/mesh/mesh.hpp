@@ -80,6 +80,7 @@ private:
   const Mesh* mesh_;
   std::vector<std::int32_t> order_;
   std::vector<Node> nodes_;
+  double widest_margin_ = 0.0; ///< without a tree: the box of no cell is widened by more
 };
 
 struct MeshQuality {
