@@ -24,15 +24,6 @@ namespace {
 /// A pivot below this fraction of the diagonal entry is rounding: a rigid motion is left.
 constexpr double smallest_pivot = 1e-13;
 
-/// Factors of so few unknowns stay in a processor's cache.
-constexpr int cached_unknowns = 5000;
-
-/// A sweep in the cache pays for panels more than for entries: more supernodes are merged.
-void relax(cholmod_common& common) {
-  common.nrelax[0] = 8, common.nrelax[1] = 24, common.nrelax[2] = 64;
-  common.zrelax[1] = 0.2, common.zrelax[2] = 0.1;
-}
-
 /// L L^T for a lower triangle, by columns of blocks: a block column of the product takes only the
 /// columns of L up to its end. OpenBLAS, as Eigen's own product is compiled for any processor.
 DenseMatrix times_transpose(const DenseMatrix& l) {
@@ -149,7 +140,6 @@ void Cholesky::prepare() {
 }
 
 void Cholesky::analyse_pattern(const SparseMatrix& k) {
-  if (size_ < cached_unknowns) relax(*session_.common());
   l_ = symbolic_factor(k, order_, session_);
   if (l_ == nullptr || l_->is_super == 0)
     throw Failure(FailureKind::limit, {},
@@ -186,6 +176,7 @@ void Cholesky::factor(const SparseMatrix& k) {
   read_trailing_block();
   if (!packed_.empty()) statistics_.bytes -= packed_.bytes();
   packed_.clear();
+  cholmod_l_free_work(common); // what sweeps are given may take its place
   sweep_in(storage_);
   statistics_.seconds_factor = cpu_seconds() - start;
   factored_ = true;
