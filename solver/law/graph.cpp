@@ -10,7 +10,8 @@ namespace {
 
 /// Distance from xi to the scalar graph over [r - snap, r + snap]: an argument is known up to its
 /// rounding only, which a steep slope (contact far stiffer than the body) makes visible in xi.
-double scalar_distance(const Law& law, const LawGraph& graph, double r, double xi, double snap) {
+double scalar_distance(const Law& law, const LawGraph& graph, double r, double xi, double snap,
+                       double enough) {
   double best = std::numeric_limits<double>::infinity();
   const auto try_interval = [&](double a, double b) {
     best = std::min(best, std::max({0.0, std::min(a, b) - xi, xi - std::max(a, b)}));
@@ -22,7 +23,7 @@ double scalar_distance(const Law& law, const LawGraph& graph, double r, double x
     const auto i = b - graph.breaks.begin();
     try_interval(graph.left[i], graph.right[i]);
   }
-  if (best == 0.0 || !(snap > 0.0)) return best;
+  if (best <= enough || !(snap > 0.0)) return best;
   for (const double end : {law.spec().radial ? std::max(r - snap, 0.0) : r - snap, r + snap})
     if (const double there = law.slope(graph, piece_of(graph, end), end);
         std::isfinite(s) && std::isfinite(there))
@@ -59,8 +60,8 @@ Interval clarke(const Law& law, const LawGraph& graph, double r, double snap) {
 }
 
 double inclusion_distance(const Law& law, const LawGraph& graph, const double* z, const double* xi,
-                          int rows, double snap) {
-  if (!law.spec().radial) return scalar_distance(law, graph, z[0], xi[0], snap);
+                          int rows, double snap, double enough) {
+  if (!law.spec().radial) return scalar_distance(law, graph, z[0], xi[0], snap, enough);
   const auto norm = [&](const double* v) {
     return rows == 1 ? std::abs(v[0])
                      : (rows == 2 ? std::hypot(v[0], v[1]) : std::hypot(v[0], v[1], v[2]));
@@ -76,7 +77,7 @@ double inclusion_distance(const Law& law, const LawGraph& graph, const double* z
   for (int k = 0; k < rows; ++k) across[k] = xi[k] - along * (z[k] / r);
   // The direction of z is known up to snap / r.
   const double sideways = std::max(0.0, norm(across) - std::abs(along) * snap / r);
-  return std::min(best, std::hypot(scalar_distance(law, graph, r, along, snap), sideways));
+  return std::min(best, std::hypot(scalar_distance(law, graph, r, along, snap, 0.0), sideways));
 }
 
 } // namespace hvi::solver

@@ -121,7 +121,8 @@ struct Interval {
 Interval clarke(const Law& law, const LawGraph& graph, double r, double snap = 0.0);
 /// Distance of (z, xi) to the graph of dj: min over the graph near z of the error in xi, where
 /// z within `snap` of a break counts as on it. z and xi have `rows` entries (1, or a radial law).
+/// Not more than `enough` is as good as 0: it may then be anything up to that.
 double inclusion_distance(const Law& law, const LawGraph& graph, const double* z, const double* xi,
-                          int rows, double snap);
+                          int rows, double snap, double enough = 0.0);
 
 } // namespace hvi::solver

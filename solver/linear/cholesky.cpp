@@ -176,7 +176,8 @@ void Cholesky::factor(const SparseMatrix& k) {
   read_trailing_block();
   if (!packed_.empty()) statistics_.bytes -= packed_.bytes();
   packed_.clear();
-  cholmod_l_free_work(common); // what sweeps are given may take its place
+  cholmod_l_free_work(common); // what sweeps are given may take the place of this
+  a_.forget_values();
   sweep_in(storage_);
   statistics_.seconds_factor = cpu_seconds() - start;
   factored_ = true;

@@ -19,6 +19,8 @@ public:
   void assign(const SparseMatrix& k);
   /// Of the assigned matrix, by position.
   const std::vector<double>& diagonal() const { return diagonal_; }
+  /// Gives the room of the values back until the next matrix.
+  void forget_values() { value_ = {}; }
   /// CHOLMOD's view of it. Valid as long as this object stays where it is.
   cholmod_sparse view();
 

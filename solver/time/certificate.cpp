@@ -151,14 +151,15 @@ Inclusion inclusion_error(const Contact& contact, const Vector& u, const Vector&
   z = contact.offset;
   z.noalias() += contact.g * u;
   for (const auto& term : contact.terms) {
-    const double snap = tolerance * largest(term, z);
+    const double snap = tolerance * largest(term, z), largest_xi = largest(term, xi);
     for (int p = 0; p < term.n_points(); ++p) {
       const auto& point = contact.problem.points[term.first_point + p];
-      const double distance =
-          inclusion_distance(*contact.laws[point.law], contact.problem.graphs[point.graph],
-                             &z[point.first_row], &xi[point.first_row], point.rows, snap);
+      const double scale = std::max(largest_xi, contact.scales[point.law]);
+      const double distance = inclusion_distance(
+          *contact.laws[point.law], contact.problem.graphs[point.graph], &z[point.first_row],
+          &xi[point.first_row], point.rows, snap, out.worst * scale);
       if (distance == 0.0) continue;
-      const double error = distance / std::max(largest(term, xi), contact.scales[point.law]);
+      const double error = distance / scale;
       if (error <= out.worst) continue;
       out = {error, term.points.law_term, term.first_point + p};
     }
