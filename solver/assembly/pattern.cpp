@@ -35,6 +35,8 @@ void MatrixPattern::count_columns() {
   with_row_.resize(graph_->neighbours.size());
   without_row_.resize(graph_->neighbours.size());
   row_start_.assign(static_cast<std::size_t>(n_nodes) * components_, -1);
+  row_length_.resize(n_nodes);
+  const bool any_without = dofs_.n_columns > dofs_.n_rows;
   int* outer = zeros_.outerIndexPtr();
   int position = 0;
   for (int i = 0; i < n_nodes; ++i) {
@@ -44,10 +46,11 @@ void MatrixPattern::count_columns() {
       with_row_[k] = length;
       length += with[graph_->neighbours[k]];
     }
-    for (auto k = first; k < past; ++k) {
+    for (auto k = first; k < past && any_without; ++k) {
       without_row_[k] = length;
       length += without[graph_->neighbours[k]];
     }
+    row_length_[i] = length;
     for (int c = 0; c < components_; ++c)
       if (const int e = entry(i, c); e >= 0 && e < dofs_.n_rows) {
         row_start_[i * components_ + c] = outer[e] = position;
@@ -62,16 +65,33 @@ void MatrixPattern::fill_columns() {
   zeros_.resizeNonZeros(entries);
   std::fill_n(zeros_.valuePtr(), entries, 0.0);
   int* const inner = zeros_.innerIndexPtr();
-  for (std::size_t dof = 0; dof < row_start_.size(); ++dof) {
-    if (row_start_[dof] < 0) continue;
-    const auto i = dof / components_;
-    for (auto k = graph_->offsets[i]; k < graph_->offsets[i + 1]; ++k) {
-      int* with = inner + row_start_[dof] + with_row_[k];
-      int* without = inner + row_start_[dof] + without_row_[k];
-      for (int d = 0; d < components_; ++d)
-        if (const int e = entry(graph_->neighbours[k], d); e >= 0)
-          *(e < dofs_.n_rows ? with++ : without++) = e;
+  const int n_nodes = static_cast<int>(graph_->offsets.size()) - 1;
+  for (int i = 0; i < n_nodes; ++i) {
+    const int* first_row = nullptr; // of the node: its others have the same columns
+    for (int c = 0; c < components_; ++c) {
+      const int start = row_start_[i * components_ + c];
+      if (start < 0) continue;
+      if (first_row == nullptr)
+        fill_row(i, inner + start);
+      else
+        std::copy_n(first_row, row_length_[i], inner + start);
+      if (first_row == nullptr) first_row = inner + start;
     }
+  }
+}
+
+void MatrixPattern::fill_row(int node, int* columns) const {
+  for (auto k = graph_->offsets[node]; k < graph_->offsets[node + 1]; ++k) {
+    const auto neighbour = graph_->neighbours[k];
+    int* with = columns + with_row_[k];
+    if (whole_[neighbour] != 0) { // its entries follow each other
+      const int e = entry(neighbour, 0);
+      for (int d = 0; d < components_; ++d) with[d] = e + d;
+      continue;
+    }
+    int* without = columns + without_row_[k];
+    for (int d = 0; d < components_; ++d)
+      if (const int e = entry(neighbour, d); e >= 0) *(e < dofs_.n_rows ? with++ : without++) = e;
   }
 }
 

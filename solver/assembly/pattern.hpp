@@ -27,6 +27,7 @@ public:
 private:
   void count_columns();
   void fill_columns();
+  void fill_row(int node, int* columns) const;
   template <int Components>
   void add_fixed(std::span<const std::int32_t> nodes, std::span<const int> edges,
                  const double* element, double* values) const;
@@ -39,8 +40,9 @@ private:
   int components_;
   DofSelection dofs_;
   SparseMatrix zeros_;
-  std::vector<char> whole_;    ///< has the node all its components among the rows' entries?
-  std::vector<int> row_start_; ///< by dof: where its row begins; -1: it has none
+  std::vector<char> whole_;     ///< has the node all its components among the rows' entries?
+  std::vector<int> row_start_;  ///< by dof: where its row begins; -1: it has none
+  std::vector<int> row_length_; ///< by node: of each of its rows
   /// By edge: where in a row the entries of its far node begin, those with a row and the others.
   std::vector<int> with_row_, without_row_;
 };
