@@ -329,22 +329,26 @@ struct Forecast {
   double last = 0;                                       ///< CPU seconds after the last step taken
   double each = std::numeric_limits<double>::infinity(); ///< of the cheapest: first ones prepare
   int taken = 0, steps = 0;
+  bool friction = false;
   /// Without files.
   double seconds() const {
-    return result.timing.mesh + last + (taken < steps ? each * (steps - taken) : 0.0);
+    // In the first steps everything sticks; those with slip cost about half as much again.
+    const double later = friction ? 1.5 * each : each;
+    return result.timing.mesh + last + (taken < steps ? later * (steps - taken) : 0.0);
   }
 };
 
 Forecast forecast(const solver::Plan& plan, const solver::Discretisation& discretisation) {
-  constexpr int enough = 6;
   Forecast out;
+  out.friction = std::any_of(plan.laws.begin(), plan.laws.end(),
+                             [](const solver::LawSpec& law) { return law.radial; });
   std::atomic<bool> stop = false;
   solver::RunSettings settings;
   settings.stop = &stop;
   settings.progress = [&](const solver::Progress& p) {
     if (p.step > 1) out.each = std::min(out.each, p.seconds - out.last);
     out.last = p.seconds, out.taken = p.step, out.steps = p.steps;
-    stop = p.step >= enough;
+    stop = p.step >= std::clamp(p.steps / 50, 8, 24);
   };
   try {
     out.result = solver::run(plan, discretisation, settings, &out.result);
