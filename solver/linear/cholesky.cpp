@@ -146,7 +146,7 @@ void Cholesky::analyse_pattern(const SparseMatrix& k) {
                   fmt::format("no memory to analyse a matrix of {} unknowns", size_));
   const auto* final_order = static_cast<const Long*>(l_->Perm);
   permutation_.assign(final_order, final_order + size_);
-  a_ = PermutedLower(k, permutation_); // without the links: they are zero
+  a_ = PermutedLower(k, {final_order, permutation_.size()}); // without the links: they are zero
 }
 
 void Cholesky::check_contact_last(std::span<const int> contact) const {

@@ -40,17 +40,4 @@ private:
   int before_, levels_before_;
 };
 
-/// The pattern of the upper triangle of a symmetric matrix by columns, as CHOLMOD wants it.
-class UpperTriangle {
-public:
-  /// The pattern of K with the given extra entries (pairs of unknowns).
-  UpperTriangle(const SparseMatrix& k, std::span<const std::pair<int, int>> extra);
-  /// CHOLMOD's view of it. Valid as long as this object stays where it is.
-  cholmod_sparse pattern();
-
-private:
-  std::size_t size_;
-  std::vector<Long> start_, row_;
-};
-
 } // namespace hvi::solver

@@ -143,15 +143,9 @@ void Lu::order(const SparseMatrix& k, std::span<const int> contact) {
   CholmodSession session;
   const ContactLastOrder order = order_contact_last(k, contact, session);
   statistics_.ordering = order.name;
-  UpperTriangle a(k, order.links);
-  cholmod_sparse view = a.pattern();
-  const auto n = static_cast<std::size_t>(size_);
-  std::vector<Long> given = order.permutation, parent(n), post(n), count(n), first(n), level(n);
-  if (cholmod_l_analyze_ordering(&view, CHOLMOD_GIVEN, given.data(), nullptr, 0, parent.data(),
-                                 post.data(), count.data(), first.data(), level.data(),
-                                 session.common()) == 0)
-    throw Failure(FailureKind::limit, {}, "the matrix is too large to analyse");
-  for (const Long position : post) permutation_.push_back(given[position]);
+  const auto& given = order.permutation;
+  const auto tree = elimination_tree(k, order.links, given, session);
+  for (const Long position : tree.post) permutation_.push_back(given[position]);
   if (!std::equal(contact.begin(), contact.end(), permutation_.begin() + interior_))
     throw std::logic_error("the postorder moved a contact unknown from the end of the elimination");
 }

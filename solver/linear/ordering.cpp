@@ -21,11 +21,11 @@ bool has_entry(const SparseMatrix& k, int row, int column) {
   return std::find(begin, end, column) != end;
 }
 
-using Links = std::vector<std::pair<int, int>>;
+using LinkList = std::vector<std::pair<int, int>>;
 
 /// Chains the contact unknowns: (c_i, c_i+1) for all i whose entry K does not have.
-Links chain(const SparseMatrix& k, std::span<const int> contact) {
-  Links links;
+LinkList chain(const SparseMatrix& k, std::span<const int> contact) {
+  LinkList links;
   for (std::size_t i = 0; i + 1 < contact.size(); ++i)
     if (!has_entry(k, contact[i], contact[i + 1])) links.emplace_back(contact[i], contact[i + 1]);
   return links;
@@ -35,7 +35,7 @@ Links chain(const SparseMatrix& k, std::span<const int> contact) {
 /// otherwise its subtree may hang on a later contact unknown, and be postordered behind the first.
 void join_components(const SparseMatrix& k, std::span<const int> contact,
                      std::span<const char> is_contact, std::span<const Long> permutation,
-                     Links& links) {
+                     LinkList& links) {
   std::vector<char> seen(is_contact.begin(), is_contact.end());
   std::vector<int> stack;
   for (auto unknown = permutation.rbegin(); unknown != permutation.rend(); ++unknown) {
@@ -57,23 +57,11 @@ void join_components(const SparseMatrix& k, std::span<const int> contact,
 /// are on the same side (contact or not): the components of a node. Orders of it are orders of K at
 /// a fraction of the work.
 struct VertexGraph {
-  std::vector<int> first;       ///< unknown of each vertex; the last: how many unknowns there are
-  std::vector<Long> start, row; ///< upper triangle by columns
-  std::vector<Long> member;     ///< 1: contact
+  std::vector<int> first;   ///< unknown of each vertex; the last: how many unknowns there are
+  Triangle edges;           ///< the upper one
+  std::vector<Long> member; ///< 1: contact
 
   int size() const { return static_cast<int>(member.size()); }
-  cholmod_sparse view() {
-    cholmod_sparse a{};
-    a.nrow = a.ncol = member.size();
-    a.nzmax = row.size();
-    a.p = start.data();
-    a.i = row.data();
-    a.stype = 1;
-    a.itype = CHOLMOD_LONG;
-    a.xtype = CHOLMOD_PATTERN;
-    a.packed = a.sorted = 1;
-    return a;
-  }
   /// The unknowns of the interior in the order of their vertices.
   std::vector<Long> unknowns(std::span<const Long> order) const {
     std::vector<Long> out;
@@ -105,17 +93,17 @@ VertexGraph vertex_graph(const SparseMatrix& k, std::span<const char> is_contact
     vertex_of[i] = graph.size() - 1;
   }
   graph.first.push_back(n);
-  graph.start.reserve(graph.member.size() + 1);
-  graph.row.reserve(static_cast<std::size_t>(k.nonZeros()) / 2);
-  graph.start.push_back(0);
+  auto& [start, row] = graph.edges;
+  start.reserve(graph.member.size() + 1);
+  row.reserve(static_cast<std::size_t>(k.nonZeros()) / 2);
   for (int v = 0; v < graph.size(); ++v) {
     int last = -1;
     for (int at = outer[graph.first[v]]; at < outer[graph.first[v] + 1]; ++at) {
       const int other = vertex_of[inner[at]];
       if (other > v) break;
-      if (other != last) graph.row.push_back(last = other);
+      if (other != last) row.push_back(last = other);
     }
-    graph.start.push_back(static_cast<Long>(graph.row.size()));
+    start.push_back(static_cast<Long>(row.size()));
   }
   return graph;
 }
@@ -128,7 +116,7 @@ std::optional<std::vector<Long>> camd_order(VertexGraph& graph, cholmod_common* 
   if (std::find(graph.member.begin(), graph.member.end(), 0) == graph.member.end())
     return std::vector<Long>{};
   std::vector<Long> order(graph.member.size());
-  cholmod_sparse view = graph.view();
+  cholmod_sparse view = graph.edges.view(1);
   auto member = graph.member;
   if (cholmod_l_camd(&view, nullptr, 0, member.data(), order.data(), common) == 0) return {};
   // CAMD leaves an upper bound, of the graph: each of its operations is one on blocks.
@@ -139,19 +127,17 @@ std::optional<std::vector<Long>> camd_order(VertexGraph& graph, cholmod_common* 
 
 /// METIS nested dissection of the interior's graph alone.
 std::optional<std::vector<Long>> metis_order(const VertexGraph& graph, cholmod_common* common) {
-  VertexGraph interior;
+  Triangle interior;
   std::vector<Long> vertex, local(graph.member.size(), -1);
-  interior.start.push_back(0);
   for (int v = 0; v < graph.size(); ++v) {
     if (graph.member[v] != 0) continue;
     local[v] = static_cast<Long>(vertex.size());
     vertex.push_back(v);
-    for (Long at = graph.start[v]; at < graph.start[v + 1]; ++at)
-      if (const Long other = local[graph.row[at]]; other >= 0) interior.row.push_back(other);
+    for (Long at = graph.edges.start[v]; at < graph.edges.start[v + 1]; ++at)
+      if (const Long other = local[graph.edges.row[at]]; other >= 0) interior.row.push_back(other);
     interior.start.push_back(static_cast<Long>(interior.row.size()));
   }
-  interior.member.assign(vertex.size(), 0);
-  cholmod_sparse view = interior.view();
+  cholmod_sparse view = interior.view(1);
   std::vector<Long> order(vertex.size());
   if (cholmod_l_metis(&view, nullptr, 0, 0, order.data(), common) == 0) return {};
   for (Long& position : order) position = vertex[position];
@@ -159,16 +145,10 @@ std::optional<std::vector<Long>> metis_order(const VertexGraph& graph, cholmod_c
 }
 
 /// Nonzeros of the factor for an order of the interior with the contact behind it.
-double count_nonzeros(UpperTriangle& a, std::vector<Long> order, std::span<const int> contact,
-                      CholmodSession& session) {
+double count_nonzeros(const SparseMatrix& k, Links links, std::vector<Long> order,
+                      std::span<const int> contact, CholmodSession& session) {
   order.insert(order.end(), contact.begin(), contact.end());
-  const std::size_t n = order.size();
-  std::vector<Long> parent(n), post(n), count(n), first(n), level(n);
-  cholmod_sparse view = a.pattern();
-  if (cholmod_l_analyze_ordering(&view, CHOLMOD_GIVEN, order.data(), nullptr, 0, parent.data(),
-                                 post.data(), count.data(), first.data(), level.data(),
-                                 session.common()) == 0)
-    throw Failure(FailureKind::limit, {}, "the matrix is too large to analyse");
+  elimination_tree(k, links, order, session);
   return session.common()->lnz;
 }
 
@@ -213,12 +193,10 @@ ContactLastOrder order_contact_last(const SparseMatrix& k, std::span<const int> 
   auto links = chain(k, contact);
   ContactLastOrder best{std::move(*interior), {}, "CAMD"};
   if (flops > flops_per_unknown_for_metis * static_cast<double>(k.rows()))
-    if (auto dissected = metis_order(graph, session.common())) {
-      UpperTriangle a(k, links);
-      if (count_nonzeros(a, *dissected, contact, session) <
-          count_nonzeros(a, best.permutation, contact, session))
+    if (auto dissected = metis_order(graph, session.common()))
+      if (count_nonzeros(k, links, *dissected, contact, session) <
+          count_nonzeros(k, links, best.permutation, contact, session))
         best = {std::move(*dissected), {}, "METIS"};
-    }
   best.permutation.insert(best.permutation.end(), contact.begin(), contact.end());
   best.links = std::move(links);
   if (!contact.empty()) join_components(k, contact, is_contact, best.permutation, best.links);

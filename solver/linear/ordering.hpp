@@ -2,7 +2,7 @@
 // symbolic factorisation.
 #pragma once
 
-#include "solver/linear/cholmod_session.hpp"
+#include "solver/linear/elimination_tree.hpp"
 
 #include <span>
 #include <string>

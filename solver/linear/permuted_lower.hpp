@@ -1,7 +1,7 @@
 // A symmetric matrix in the order of elimination, as CHOLMOD's numeric phase reads it.
 #pragma once
 
-#include "solver/linear/cholmod_session.hpp"
+#include "solver/linear/elimination_tree.hpp"
 
 #include <span>
 #include <vector>
@@ -14,7 +14,7 @@ class PermutedLower {
 public:
   PermutedLower() = default;
   /// The pattern of a symmetric K; permutation: position -> unknown.
-  PermutedLower(const SparseMatrix& k, std::span<const int> permutation);
+  PermutedLower(const SparseMatrix& k, std::span<const Long> permutation);
   /// Takes the values of a matrix with the same pattern; throws Failure(bad_value) otherwise.
   void assign(const SparseMatrix& k);
   /// Of the assigned matrix, by position.
@@ -27,7 +27,7 @@ public:
 private:
   std::size_t entries_of_k_ = 0;
   std::vector<int> unknown_, position_; ///< of each other
-  std::vector<Long> start_, row_;
+  Triangle pattern_;
   std::vector<double> value_, diagonal_;
 };
 
