@@ -374,10 +374,6 @@ private:
   std::array<int, 6> grown_before_{};
 };
 
-} // namespace
-
-namespace {
-
 RunResult run_once(const Plan& plan, const Discretisation& discretisation,
                    const RunSettings& settings, const Restarts& restarts, const std::string* saved,
                    RunResult* partial) {
@@ -402,10 +398,6 @@ RunResult run_once(const Plan& plan, const Discretisation& discretisation,
   }
   return run.conclude();
 }
-
-} // namespace
-
-namespace {
 
 /// The state to go on from, where one was asked for and is there.
 std::optional<std::string> saved_state(const Plan& plan, const Discretisation& discretisation,

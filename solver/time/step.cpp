@@ -3,7 +3,6 @@
 
 #include "solver/common/parallel.hpp"
 #include "solver/time/clock.hpp"
-#include "solver/time/reduce.hpp"
 #include "solver/time/rigid.hpp"
 #include "solver/time/snap.hpp"
 
@@ -51,62 +50,6 @@ Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
   if (!grid_.is_static()) memory_->start(grid_.t(0), u_);
 }
 
-/// Where all tensors are multiples of one: states become [contact unknowns; modes].
-void Stepper::reduce_if_possible() {
-  obstacle_ = proportional_obstacle(plan_, operators_, contact_, *loads_, layout_);
-  if (!obstacle_.empty()) return;
-  try {
-    live_on_contact(layout_, operators_, contact_, *loads_, u_);
-  } catch (const NotFactorable&) { // the first step will say which motion is free
-    obstacle_ = "its matrix has no factor";
-    return;
-  }
-  checked_ = checked_steps(plan_, grid_.steps());
-  never_shortened_ = true; // there is next to nothing to sweep
-}
-
-Interior::Question Stepper::question(int n) const {
-  return {stress_, coefficients(n)[0] * d_, load_, inequality_.xi};
-}
-
-/// The backward error of step n on all rows, of the fields that a report would see. The last step
-/// makes the checks that were put off, too.
-double Stepper::equilibrium_of_all(int n) {
-  const auto asked = question(n);
-  if (checks_wait_ && n == grid_.steps()) {
-    waiting_steps_.push_back(n);
-    waiting_.push_back(asked);
-    settle_checks(known_);
-    const double error = late_errors_.back().second;
-    late_errors_.pop_back();
-    return error;
-  }
-  return layout_.interior->equilibrium(asked.known, asked.change, asked.load, asked.xi,
-                                       0.1 * plan_.options.tolerance);
-}
-
-/// After a step with a certificate on the contact rows.
-void Stepper::put_off_check(int n) {
-  waiting_steps_.push_back(n);
-  waiting_.push_back(question(n));
-  if (waiting_.size() + 1 == static_cast<std::size_t>(Interior::most_steps)) settle_checks(known_);
-}
-
-/// All checks that wait, in one pass. A last step that fails is no late one.
-void Stepper::settle_checks(const Vector& next) {
-  const double tolerance = plan_.options.tolerance;
-  const auto errors = layout_.interior->equilibria(waiting_, 0.1 * tolerance, next);
-  for (std::size_t k = 0; k < errors.size(); ++k) {
-    late_errors_.emplace_back(waiting_steps_[k], errors[k]);
-    if (!(errors[k] <= tolerance) && waiting_steps_[k] < grid_.steps()) throw LateCheck();
-  }
-  waiting_steps_.clear(), waiting_.clear();
-}
-
-void Stepper::make_checks() {
-  if (!waiting_.empty()) settle_checks(u_);
-}
-
 void Stepper::allocate() {
   known_ = d_previous_ = d_before_ = combined_ = Vector::Zero(layout_.n_state);
   dz_ = Vector::Zero(contact_.n_rows());
@@ -124,20 +67,6 @@ void Stepper::allocate() {
   });
   if (std::any_of(halves_.begin(), halves_.end(), [](const auto& half) { return half.empty(); }))
     halves_.clear();
-}
-
-SymmetricBlocks Stepper::from_bases(const FormTerm& form) const {
-  if (halves_.empty() || layout_.interior) return {};
-  const auto factors = as_combination(operators_, discretisation_, form);
-  return factors ? SymmetricBlocks::sum(halves_, *factors) : SymmetricBlocks();
-}
-
-Vector Stepper::coefficients(int n) const {
-  Vector by_field = Vector::Zero(operators_.n_fields());
-  by_field[field_u] = 1.0;
-  if (!grid_.is_static()) by_field[field_rate] = grid_.rate(n);
-  for (int m = 0; m < memory_->size(); ++m) by_field[first_history_field + m] = memory_->w0(m);
-  return operators_.weights.transpose() * by_field;
 }
 
 /// known = u_{n-1} with the values imposed at t_n: what is known of u_n before the step.
@@ -471,64 +400,6 @@ void Stepper::accept(int n) {
   u_.swap(known_);
   accepted_ = inequality_;
   step_ = n;
-}
-
-void Stepper::rate(Vector& out) const {
-  if (step_ == 0 || grid_.is_static()) {
-    out.setZero(layout_.n_state);
-    return;
-  }
-  out = grid_.rate(step_) * d_previous_;
-  if (grid_.carry(step_) != 0.0) out -= grid_.carry(step_) * d_before_;
-}
-
-void Stepper::history_field(int m, Vector& out) const {
-  out = memory_->known(m) + memory_->w0(m) * u_;
-}
-
-std::int64_t Stepper::field_reads() const {
-  std::int64_t sum = earlier_reads_;
-  for (const auto& report : memory_->reports()) sum += report.reads;
-  return sum;
-}
-
-void Stepper::account(WorkCounters& work, Timing& timing) const {
-  work.matrices = operators_.n_bases();
-  work.products = products_;
-  work.newton = newton_;
-  work.fallback_steps = fallbacks_;
-  work.field_reads = field_reads();
-  for (const auto& report : memory_->reports()) {
-    work.history_fields += static_cast<int>(report.fields);
-    work.bytes += report.bytes;
-  }
-  if (layout_.interior) {
-    const auto statistics = layout_.interior->statistics();
-    work.analyses += statistics.analyses;
-    work.factorisations += statistics.factorisations;
-    work.sweeps += statistics.sweeps;
-    work.bytes += statistics.bytes;
-    timing.ordering += statistics.seconds_analyse;
-    timing.factor += statistics.seconds_factor;
-    timing.swept_bytes += statistics.bytes_swept;
-  }
-  for (const auto& base : operators_.bases)
-    work.bytes += static_cast<double>(base.nonZeros()) * (sizeof(double) + sizeof(int));
-  for (const auto& half : halves_) work.bytes += half.bytes();
-  for (const auto& cached : matrices_) {
-    work.bytes += cached.matrix->bytes();
-    const auto statistics = cached.matrix->statistics();
-    work.analyses += statistics.analyses;
-    work.reciprocal_condition = statistics.reciprocal_condition;
-    work.factorisations += statistics.factorisations;
-    work.sweeps += statistics.sweeps;
-    work.bytes += statistics.bytes;
-    timing.ordering += statistics.seconds_analyse;
-    timing.factor += statistics.seconds_factor;
-    timing.swept_bytes += statistics.bytes_swept;
-    timing.inequality += cached.matrix->seconds_inequality;
-    timing.sweeps += cached.matrix->seconds_sweeps;
-  }
 }
 
 } // namespace hvi::solver
