@@ -158,10 +158,8 @@ struct LawTerm {
 /// ---- time --------------------------------------------------------------------------------------
 
 enum class Scheme { backward_euler, bdf2 };
-enum class LoadSampling {
-  endpoint,
-  average
-}; ///< f(t_n), or the Rothe problem's mean over the step
+/// f(t_n), or the Rothe problem's mean over the step.
+enum class LoadSampling { endpoint, average };
 
 /// What stands between grid times: u_tau (affine) or bar u_tau (u_n on (t_{n-1}, t_n]).
 enum class Interpolant { affine, constant };
