@@ -14,7 +14,8 @@ namespace hvi::solver {
 namespace {
 
 constexpr int worth_recovering = 8; ///< steps per recovery of the interior
-constexpr int random_checks = 8;
+/// With the last step and the field that is read after it they fill one pack of eight numbers.
+constexpr int random_checks = 6;
 
 const char* name_of(Effect effect) {
   switch (effect) {
