@@ -63,7 +63,7 @@ public:
   const FactorStatistics& statistics() const override { return statistics_; }
 
 private:
-  void analyse_pattern(const SparseMatrix& k);
+  void analyse_pattern(const SparseMatrix& k, ContactLastOrder order);
   void prepare();
   void check_contact_last(std::span<const int> contact) const;
   void check_pivots();
@@ -74,7 +74,6 @@ private:
 
   double start_;
   CholmodSession session_;
-  ContactLastOrder order_;
   PermutedLower a_;
   cholmod_factor* l_ = nullptr;
   int size_, interior_;
@@ -94,22 +93,19 @@ private:
 };
 
 Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known)
-    : start_(cpu_seconds()), order_(known != nullptr ? known->order(k, contact, session_)
-                                                     : order_contact_last(k, contact, session_)),
-      size_(static_cast<int>(k.rows())), interior_(size_ - static_cast<int>(contact.size())) {
-  analyse_pattern(k);
+    : start_(cpu_seconds()), size_(static_cast<int>(k.rows())),
+      interior_(size_ - static_cast<int>(contact.size())) {
+  analyse_pattern(k, known != nullptr ? known->order(k, contact, session_)
+                                      : order_contact_last(k, contact, session_));
   check_contact_last(contact);
   prepare();
-  statistics_.nonzeros = session_.common()->lnz;
-  statistics_.flops = session_.common()->fl;
-  statistics_.ordering = order_.name;
   statistics_.analyses = 1;
   statistics_.seconds_analyse =
       cpu_seconds() - start_ + (known != nullptr ? known->seconds_of_last() : 0.0);
 }
 
 Cholesky::Cholesky(const Cholesky* analysed)
-    : start_(cpu_seconds()), order_(analysed->order_), a_(analysed->a_), size_(analysed->size_),
+    : start_(cpu_seconds()), a_(analysed->a_), size_(analysed->size_),
       interior_(analysed->interior_), permutation_(analysed->permutation_) {
   l_ = cholmod_l_copy_factor(analysed->l_, session_.common());
   // Supernodal and symbolic again: the copied values are of no use.
@@ -122,7 +118,7 @@ Cholesky::Cholesky(const Cholesky* analysed)
   prepare();
   statistics_.nonzeros = analysed->statistics_.nonzeros;
   statistics_.flops = analysed->statistics_.flops;
-  statistics_.ordering = order_.name;
+  statistics_.ordering = analysed->statistics_.ordering;
   statistics_.seconds_analyse = cpu_seconds() - start_;
 }
 
@@ -139,14 +135,16 @@ void Cholesky::prepare() {
                       2.0 * contacts * contacts * sizeof(double);
 }
 
-void Cholesky::analyse_pattern(const SparseMatrix& k) {
-  l_ = symbolic_factor(k, order_, session_);
+void Cholesky::analyse_pattern(const SparseMatrix& k, ContactLastOrder order) {
+  l_ = symbolic_factor(order, session_);
   if (l_ == nullptr || l_->is_super == 0)
     throw Failure(FailureKind::limit, {},
                   fmt::format("no memory to analyse a matrix of {} unknowns", size_));
-  const auto* final_order = static_cast<const Long*>(l_->Perm);
-  permutation_.assign(final_order, final_order + size_);
-  a_ = PermutedLower(k, {final_order, permutation_.size()}); // without the links: they are zero
+  permutation_.assign(order.permutation.begin(), order.permutation.end());
+  a_ = PermutedLower(k, order.permutation);
+  statistics_.nonzeros = order.nonzeros;
+  statistics_.flops = order.flops;
+  statistics_.ordering = order.name;
 }
 
 void Cholesky::check_contact_last(std::span<const int> contact) const {

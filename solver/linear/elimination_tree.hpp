@@ -1,9 +1,8 @@
-// Triangles of a permuted matrix as CHOLMOD wants them, and the elimination tree of an order: what
-// orders are compared by, and what the symbolic and the numeric phase of a factorisation begin
-// with.
+// The elimination tree of an order: what orders are compared by, and what a symbolic factorisation
+// begins with.
 #pragma once
 
-#include "solver/linear/cholmod_session.hpp"
+#include "solver/linear/vertex_graph.hpp"
 
 #include <span>
 #include <utility>
@@ -11,32 +10,25 @@
 
 namespace hvi::solver {
 
-/// The pattern of a triangle by columns, the rows of each in any order.
-struct Triangle {
-  std::vector<Long> start{0}, row;
-
-  int size() const { return static_cast<int>(start.size()) - 1; }
-  /// CHOLMOD's view of it: stype 1 for an upper, -1 for a lower triangle. Valid as long as this
-  /// object stays where it is.
-  cholmod_sparse view(int stype);
-};
-
-/// Pairs of unknowns that are coupled besides the entries of a matrix.
-using Links = std::span<const std::pair<int, int>>;
-
-/// Of P K P^T with the links, K with a symmetric pattern; permutation: position -> unknown.
-Triangle triangle(const SparseMatrix& k, Links links, std::span<const Long> permutation,
-                  bool upper);
+/// Pairs of vertices that are coupled besides the edges of a graph.
+using Links = std::vector<std::pair<Long, Long>>;
 
 /// By position in the order it was made for.
 struct EliminationTree {
-  std::vector<Long> parent, count; ///< -1 at a root; nonzeros of a column of the factor
-  std::vector<Long> post;          ///< of a postorder, the position of each of its places
+  std::vector<Long> parent;       ///< -1 at a root
+  std::vector<Long> count;        ///< nonzeros in the factor's column of a vertex's first unknown
+  std::vector<Long> post;         ///< of a postorder, the position of each of its places
+  double nonzeros = 0, flops = 0; ///< of the factor
 };
 
-/// Children with large columns come last in the postorder: what they pass on is still in the cache.
-/// Sets lnz and fl of the session. Throws Failure(limit) where memory ends.
-EliminationTree elimination_tree(const SparseMatrix& k, Links links,
-                                 std::span<const Long> permutation, CholmodSession& session);
+/// `order`: position -> vertex. Children with large columns come last in the postorder: what they
+/// pass on is still in the cache. Throws Failure(limit) where memory ends.
+///
+/// Trees: J. W. H. Liu, A compact row storage scheme for Cholesky factors using elimination trees,
+/// ACM Trans. Math. Softw. 12 (1986) 127-148. Counts: J. R. Gilbert, E. G. Ng, B. W. Peyton, An
+/// efficient algorithm to compute row and column counts for sparse Cholesky factorization, SIAM J.
+/// Matrix Anal. Appl. 15 (1994) 1075-1091, with a row as heavy as its vertex has unknowns.
+EliminationTree elimination_tree(const VertexGraph& graph, const Links& links,
+                                 std::span<const Long> order, CholmodSession& session);
 
 } // namespace hvi::solver

@@ -143,9 +143,7 @@ void Lu::order(const SparseMatrix& k, std::span<const int> contact) {
   CholmodSession session;
   const ContactLastOrder order = order_contact_last(k, contact, session);
   statistics_.ordering = order.name;
-  const auto& given = order.permutation;
-  const auto tree = elimination_tree(k, order.links, given, session);
-  for (const Long position : tree.post) permutation_.push_back(given[position]);
+  permutation_ = order.permutation;
   if (!std::equal(contact.begin(), contact.end(), permutation_.begin() + interior_))
     throw std::logic_error("the postorder moved a contact unknown from the end of the elimination");
 }

@@ -11,17 +11,23 @@
 
 namespace hvi::solver {
 
+/// An order of elimination, and what a symbolic factorisation needs of it; by position.
 struct ContactLastOrder {
   std::vector<Long> permutation; ///< position -> unknown; the contact unknowns last, in their order
-  std::vector<std::pair<int, int>> links; ///< zero entries that keep them last; see below
-  std::string name;                       ///< the method that won
+  std::vector<Long> parent;      ///< in the elimination tree, which is postordered; -1: none
+  std::vector<Long> count;       ///< nonzeros of each column of the factor
+  /// Upper triangle of the matrix and of the zero entries that keep the contact last (see below);
+  /// of unknowns that cannot be told apart the first stands for all, as a row.
+  Pattern above;
+  double nonzeros = 0, flops = 0; ///< of the factor
+  std::string name;               ///< the method that won
 };
 
 /// CAMD with constraints, or METIS on the interior where the work is large and METIS has fewer
-/// nonzeros. CHOLMOD postorders the elimination tree afterwards, which may
-/// move contact unknowns of separate bodies between interior ones; so `links` makes the tree one
-/// path at its root: each contact unknown is joined with the next, and every component of the
-/// interior with the first. The links cost no fill beyond the dense trailing block.
+/// nonzeros; then postordered. That may move contact unknowns of separate bodies between interior
+/// ones, so zero entries make the tree one path at its root: each contact unknown is joined with
+/// the next, and every component of the interior with the first. They cost no fill beyond the dense
+/// trailing block.
 ContactLastOrder order_contact_last(const SparseMatrix& k, std::span<const int> contact,
                                     CholmodSession& session);
 

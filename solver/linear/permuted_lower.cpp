@@ -7,9 +7,19 @@ namespace hvi::solver {
 
 PermutedLower::PermutedLower(const SparseMatrix& k, std::span<const Long> permutation)
     : entries_of_k_(static_cast<std::size_t>(k.nonZeros())),
-      unknown_(permutation.begin(), permutation.end()), position_(unknown_.size()),
-      pattern_(triangle(k, {}, permutation, false)) {
-  for (int j = 0; j < static_cast<int>(unknown_.size()); ++j) position_[unknown_[j]] = j;
+      unknown_(permutation.begin(), permutation.end()), position_(unknown_.size()) {
+  const int n = static_cast<int>(unknown_.size());
+  for (int j = 0; j < n; ++j) position_[unknown_[j]] = j;
+  const int* outer = k.outerIndexPtr();
+  const int* inner = k.innerIndexPtr();
+  auto& [start, row] = pattern_;
+  start.reserve(unknown_.size() + 1);
+  row.reserve((entries_of_k_ + unknown_.size()) / 2);
+  for (int j = 0; j < n; ++j) { // row u of K holds, by symmetry, column u
+    for (int at = outer[unknown_[j]]; at < outer[unknown_[j] + 1]; ++at)
+      if (const int i = position_[inner[at]]; i >= j) row.push_back(i);
+    start.push_back(static_cast<Long>(row.size()));
+  }
 }
 
 void PermutedLower::assign(const SparseMatrix& k) {

@@ -1,7 +1,8 @@
 // A symmetric matrix in the order of elimination, as CHOLMOD's numeric phase reads it.
 #pragma once
 
-#include "solver/linear/elimination_tree.hpp"
+#include "solver/linear/pattern.hpp"
+#include "solver/linear/sparse.hpp"
 
 #include <span>
 #include <vector>
@@ -27,7 +28,7 @@ public:
 private:
   std::size_t entries_of_k_ = 0;
   std::vector<int> unknown_, position_; ///< of each other
-  Triangle pattern_;
+  Pattern pattern_;
   std::vector<double> value_, diagonal_;
 };
 

@@ -6,10 +6,9 @@
 
 namespace hvi::solver {
 
-/// CHOLMOD's symbolic factor of K with the links of `order`, postordered. What cholmod_l_analyze_p
-/// does, which would transpose the permuted matrix four times; here its triangles are read off the
-/// rows of K. Null where memory ends. Sets lnz and fl of the session.
-cholmod_factor* symbolic_factor(const SparseMatrix& k, const ContactLastOrder& order,
-                                CholmodSession& session);
+/// CHOLMOD's symbolic factor in an order. What cholmod_l_analyze_p does, which would transpose the
+/// permuted matrix four times. Null where memory ends. Uses up what `order` holds besides its
+/// permutation.
+cholmod_factor* symbolic_factor(ContactLastOrder& order, CholmodSession& session);
 
 } // namespace hvi::solver
