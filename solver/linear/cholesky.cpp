@@ -63,7 +63,7 @@ public:
   const FactorStatistics& statistics() const override { return statistics_; }
 
 private:
-  void analyse_pattern(const SparseMatrix& k, ContactLastOrder order);
+  void analyse_pattern(const SparseMatrix& k, std::span<const int> contact, OrderStore* known);
   void prepare();
   void check_contact_last(std::span<const int> contact) const;
   void check_pivots();
@@ -95,8 +95,7 @@ private:
 Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known)
     : start_(cpu_seconds()), size_(static_cast<int>(k.rows())),
       interior_(size_ - static_cast<int>(contact.size())) {
-  analyse_pattern(k, known != nullptr ? known->order(k, contact, session_)
-                                      : order_contact_last(k, contact, session_));
+  analyse_pattern(k, contact, known);
   check_contact_last(contact);
   prepare();
   statistics_.analyses = 1;
@@ -135,16 +134,22 @@ void Cholesky::prepare() {
                       2.0 * contacts * contacts * sizeof(double);
 }
 
-void Cholesky::analyse_pattern(const SparseMatrix& k, ContactLastOrder order) {
-  l_ = symbolic_factor(order, session_);
-  if (l_ == nullptr || l_->is_super == 0)
-    throw Failure(FailureKind::limit, {},
-                  fmt::format("no memory to analyse a matrix of {} unknowns", size_));
-  permutation_.assign(order.permutation.begin(), order.permutation.end());
-  a_ = PermutedLower(k, order.permutation);
-  statistics_.nonzeros = order.nonzeros;
-  statistics_.flops = order.flops;
-  statistics_.ordering = order.name;
+void Cholesky::analyse_pattern(const SparseMatrix& k, std::span<const int> contact,
+                               OrderStore* known) {
+  {
+    auto order = known != nullptr ? known->order(k, contact, session_)
+                                  : order_contact_last(k, contact, session_);
+    l_ = symbolic_factor(order, session_);
+    cholmod_l_free_work(session_.common()); // what comes next may take the place of both
+    if (l_ == nullptr || l_->is_super == 0)
+      throw Failure(FailureKind::limit, {},
+                    fmt::format("no memory to analyse a matrix of {} unknowns", size_));
+    permutation_.assign(order.permutation.begin(), order.permutation.end());
+    statistics_.nonzeros = order.nonzeros;
+    statistics_.flops = order.flops;
+    statistics_.ordering = std::move(order.name);
+  }
+  a_ = PermutedLower(k, permutation_);
 }
 
 void Cholesky::check_contact_last(std::span<const int> contact) const {

@@ -125,12 +125,15 @@ Pattern above_diagonal(const VertexGraph& graph, const Links& links, std::span<c
 ContactLastOrder of_unknowns(const VertexGraph& graph, const Links& links,
                              std::span<const Long> order, const EliminationTree& tree) {
   std::vector<Long> vertices, first(order.size()); // first: unknown's position, by place in `order`
+  vertices.reserve(order.size());
   Long unknowns = 0;
   for (const Long place : tree.post) {
     vertices.push_back(order[place]);
     first[place] = std::exchange(unknowns, unknowns + graph.unknowns_of(order[place]));
   }
   ContactLastOrder out;
+  for (auto* column : {&out.permutation, &out.parent, &out.count})
+    column->reserve(static_cast<std::size_t>(unknowns));
   for (const Long place : tree.post) {
     const Long vertex = order[place], above = tree.parent[place];
     const int last = graph.unknowns_of(vertex) - 1;

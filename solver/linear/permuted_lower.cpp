@@ -5,7 +5,7 @@
 
 namespace hvi::solver {
 
-PermutedLower::PermutedLower(const SparseMatrix& k, std::span<const Long> permutation)
+PermutedLower::PermutedLower(const SparseMatrix& k, std::span<const int> permutation)
     : entries_of_k_(static_cast<std::size_t>(k.nonZeros())),
       unknown_(permutation.begin(), permutation.end()), position_(unknown_.size()) {
   const int n = static_cast<int>(unknown_.size());

@@ -15,13 +15,13 @@ class PermutedLower {
 public:
   PermutedLower() = default;
   /// The pattern of a symmetric K; permutation: position -> unknown.
-  PermutedLower(const SparseMatrix& k, std::span<const Long> permutation);
+  PermutedLower(const SparseMatrix& k, std::span<const int> permutation);
   /// Takes the values of a matrix with the same pattern; throws Failure(bad_value) otherwise.
   void assign(const SparseMatrix& k);
   /// Of the assigned matrix, by position.
   const std::vector<double>& diagonal() const { return diagonal_; }
   /// Gives the room of the values back until the next matrix.
-  void forget_values() { value_ = {}; }
+  void forget_values() { std::vector<double>().swap(value_); }
   /// CHOLMOD's view of it. Valid as long as this object stays where it is.
   cholmod_sparse view();
 
