@@ -78,8 +78,9 @@ double InequalityEngine::worst_ratio() const {
   for (int i = 0; i < n; ++i) {
     // A row where nothing acts (0 = 0) holds rounding of the others: no error of its own.
     const double error = std::abs(residual[i]);
-    const double ratio = error <= noise ? 0.0 : error / row_size[i];
-    if (!(ratio <= worst)) worst = ratio; // a NaN must show
+    if (error <= noise || error <= worst * row_size[i]) continue;
+    worst = error / row_size[i];
+    if (std::isnan(worst)) return worst;
   }
   return worst;
 }
@@ -88,8 +89,7 @@ double InequalityEngine::worst_ratio() const {
 /// above; |S||c| only where that could decide, as it gains two digits at the most: it costs another
 /// pass over S.
 double InequalityEngine::residual_ratio(const Vector& x) {
-  gather(x);
-  gather_magnitude(x);
+  gather_with_magnitude(x);
   for (int i = 0; i < n; ++i) {
     residual[i] = (*rhs)[i] - sc[i] - force[i];
     const double own = diagonal[i] * c[i];

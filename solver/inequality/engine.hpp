@@ -51,7 +51,7 @@ struct InequalityEngine {
   void put(Vector& v, int p, const Small& value) const;
   void update_z();               ///< z = G c + g
   void gather(const Vector& xi); ///< force = G^T W xi
-  void gather_magnitude(const Vector& xi);
+  void gather_with_magnitude(const Vector& xi);
   void enter_state(int p);             ///< linearise about the given state near the current z
   void classify(int p, double shrink); ///< resolvent of z + gamma xi: new state, new linearisation
   void linearise(int p, const GraphPoint& hit, const Small& direction);

@@ -126,8 +126,9 @@ bool InequalityEngine::update_inverse(int p, int to_state) {
 
 /// Brings the inverse to the states of a warm start; makes it when it is worth that.
 bool InequalityEngine::bring_inverse(const std::vector<int>& states) {
+  const bool same = kept.made && states == kept.states;
   std::size_t moved = 0;
-  for (int p = 0; p < n_points; ++p) {
+  for (int p = 0; p < n_points && !same; ++p) {
     if (states[p] < 0 || states[p] % 2 == 1) return false;
     moved += kept.made && states[p] != kept.states[p];
   }

@@ -40,12 +40,20 @@ void InequalityEngine::update_z() {
 
 void InequalityEngine::gather(const Vector& x) { force.noalias() = force_of * x; }
 
-void InequalityEngine::gather_magnitude(const Vector& x) {
+/// force = G^T W x, and the sum of the absolute values of what makes it.
+void InequalityEngine::gather_with_magnitude(const Vector& x) {
+  const int* start = force_of.outerIndexPtr();
+  const int* column = force_of.innerIndexPtr();
+  const double* value = force_of.valuePtr();
   for (int i = 0; i < n; ++i) {
-    double sum = 0.0;
-    for (SparseMatrix::InnerIterator it(force_of, i); it; ++it)
-      sum += std::abs(it.value() * x[it.col()]);
-    force_magnitude[i] = sum;
+    double sum = 0.0, size = 0.0;
+    for (int e = start[i]; e < start[i + 1]; ++e) {
+      const double term = value[e] * x[column[e]];
+      sum += term;
+      size += std::abs(term);
+    }
+    force[i] = sum;
+    force_magnitude[i] = size;
   }
 }
 

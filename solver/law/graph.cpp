@@ -16,9 +16,12 @@ double scalar_distance(const Law& law, const LawGraph& graph, double r, double x
   const auto try_interval = [&](double a, double b) {
     best = std::min(best, std::max({0.0, std::min(a, b) - xi, xi - std::max(a, b)}));
   };
-  const double s = law.slope(graph, piece_of(graph, r), r);
+  const int piece = piece_of(graph, r);
+  const double s = law.slope(graph, piece, r);
   if (std::isfinite(s)) try_interval(s, s);
-  const auto first = std::lower_bound(graph.breaks.begin(), graph.breaks.end(), r - snap);
+  if (best <= enough) return best;
+  auto first = graph.breaks.begin() + piece; // not below r
+  while (first != graph.breaks.begin() && first[-1] >= r - snap) --first;
   for (auto b = first; b != graph.breaks.end() && *b <= r + snap; ++b) {
     const auto i = b - graph.breaks.begin();
     try_interval(graph.left[i], graph.right[i]);
