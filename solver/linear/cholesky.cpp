@@ -55,7 +55,10 @@ public:
   void reduce(const Vector& b, Vector& r) override;
   void back(const Vector& c, Vector& x) override;
   void extend(const Vector& c, Vector& x) override;
-  void extend_all(const DenseMatrix& c, DenseMatrix& x, std::vector<int>& place) override;
+  Vector kept() const override;
+  void resume(const Vector& kept) override;
+  void back_all(const DenseMatrix& c, std::span<const Vector> kept, const DenseMatrix& weights,
+                DenseMatrix& x, std::vector<int>& place) override;
   void solve(const Vector& b, Vector& x) override;
   bool sweep_in(SweepStorage storage) override;
   const DenseMatrix& schur() const override;
@@ -300,14 +303,37 @@ void Cholesky::extend(const Vector& c, Vector& x) {
   back(c, x);
 }
 
+Vector Cholesky::kept() const {
+  Vector out = Eigen::Map<const Vector>(y_.data(), interior_);
+  if (storage_of_y_ != SweepStorage::full) // packed sweeps leave y over L's diagonal
+    out.array() /= Eigen::Map<const Vector>(inverse_diagonal_.data(), interior_).array();
+  return out;
+}
+
+void Cholesky::resume(const Vector& kept) {
+  std::copy_n(kept.data(), interior_, y_.begin());
+  storage_of_y_ = SweepStorage::full;
+}
+
 /// In double precision: what asks for many of them checks results.
-void Cholesky::extend_all(const DenseMatrix& c, DenseMatrix& x, std::vector<int>& place) {
-  if (!factored_) throw std::logic_error("extend before a successful factorisation");
+void Cholesky::back_all(const DenseMatrix& c, std::span<const Vector> kept,
+                        const DenseMatrix& weights, DenseMatrix& x, std::vector<int>& place) {
+  if (!factored_) throw std::logic_error("back before a successful factorisation");
   constexpr int lanes = Supernodes::lanes;
   const auto count = static_cast<int>(c.cols()), groups = (count + lanes - 1) / lanes;
-  if (count == 0 || count > most_at_once) throw std::logic_error("too many to extend at once");
+  if (count == 0 || count > most_at_once) throw std::logic_error("too many sweeps at once");
   x.resize(groups * lanes, size_); // in the order of elimination
-  x.leftCols(interior_).setZero();
+  Vector weight = Vector::Zero(x.rows());
+  if (kept.empty()) x.leftCols(interior_).setZero();
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    weight.head(count) = weights.col(static_cast<Eigen::Index>(k));
+    for (int i = 0; i < interior_; ++i) {
+      if (k == 0)
+        x.col(i) = kept[k][i] * weight;
+      else
+        x.col(i) += kept[k][i] * weight;
+    }
+  }
   x.rightCols(size_ - interior_).topRows(count) = c.transpose();
   x.rightCols(size_ - interior_).bottomRows(groups * lanes - count).setZero();
   supernodes_.backward_all(values(), inverse_diagonal_.data(), groups, x.data());

@@ -56,11 +56,18 @@ public:
   virtual void reduce(const Vector& b, Vector& r) = 0;
   /// Second sweep, for the last `reduce`.
   virtual void back(const Vector& c, Vector& x) = 0;
+  /// What the last `reduce` keeps, one number for each unknown of the interior; linear in its b. Of
+  /// a Cholesky factor L_II^-1 b_I, so that kept_a . kept_b = a_I^T K_II^-1 b_I.
+  virtual Vector kept() const = 0;
+  /// As if the last `reduce` had kept this.
+  virtual void resume(const Vector& kept) = 0;
   /// x with K x = 0 on the interior and contact part c: one sweep. Forgets the last `reduce`.
   virtual void extend(const Vector& c, Vector& x) = 0;
-  /// The same for up to 16 of them in one reading of the factor: a column of c each. x has a row
-  /// for every c, and rows of zeros up to a multiple of 8; an unknown's column is place[unknown].
-  virtual void extend_all(const DenseMatrix& c, DenseMatrix& x, std::vector<int>& place);
+  /// Second sweeps of up to 16 x_r in one reading of the factor: with the contact part c.col(r), as
+  /// if sum_k weights(r, k) kept_k had been kept. x has a row for every c, and rows of zeros up to
+  /// a multiple of 8; an unknown's column is place[unknown]. Forgets the last `reduce`.
+  virtual void back_all(const DenseMatrix& c, std::span<const Vector> kept,
+                        const DenseMatrix& weights, DenseMatrix& x, std::vector<int>& place);
   static constexpr int most_at_once = 16;
   /// x = K^-1 b, both sweeps with S c = r solved exactly.
   virtual void solve(const Vector& b, Vector& x) = 0;

@@ -77,6 +77,8 @@ public:
   void factor(const SparseMatrix& k) override;
   void reduce(const Vector& b, Vector& r) override;
   void back(const Vector& c, Vector& x) override;
+  Vector kept() const override { return y_.head(interior_); }
+  void resume(const Vector& kept) override { y_.head(interior_) = kept; }
   void extend(const Vector& c, Vector& x) override;
   void solve(const Vector& b, Vector& x) override;
   bool sweep_in(SweepStorage storage) override { return storage == SweepStorage::full; }

@@ -20,8 +20,11 @@ public:
   void assign(const SparseMatrix& k);
   /// Of the assigned matrix, by position.
   const std::vector<double>& diagonal() const { return diagonal_; }
-  /// Gives the room of the values back until the next matrix.
-  void forget_values() { std::vector<double>().swap(value_); }
+  /// Gives the room of the values and the diagonal back until the next matrix.
+  void forget_values() {
+    std::vector<double>().swap(value_);
+    std::vector<double>().swap(diagonal_);
+  }
   /// CHOLMOD's view of it. Valid as long as this object stays where it is.
   cholmod_sparse view();
 

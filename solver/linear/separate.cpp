@@ -69,6 +69,8 @@ public:
     x.tail(diagonal_.size()) = y_;
     ++statistics_.sweeps;
   }
+  Vector kept() const override { return y_; }
+  void resume(const Vector& kept) override { y_ = kept; }
   void extend(const Vector& c, Vector& x) override {
     y_.setZero(diagonal_.size());
     back(c, x);

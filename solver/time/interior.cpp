@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <ranges>
 
 namespace hvi::solver {
 
@@ -106,11 +107,10 @@ Interior::Interior(SparseMatrix& t, LentFactor factor, StateLayout layout, std::
 }
 
 Vector Interior::add_mode(const Vector& f) {
-  Vector r, p;
+  Vector r;
   factor_->reduce(f, r);
-  factor_->back(Vector::Zero(n_contact()), p);
   forces_.push_back(f);
-  modes_.push_back(std::move(p));
+  kept_.push_back(factor_->kept());
   Vector out = Vector::Zero(size());
   out.head(n_contact()) = r;
   out[size() - 1] = 1.0;
@@ -131,22 +131,27 @@ Vector Interior::add_state(const Vector& u) {
 SparseMatrix Interior::matrix() const {
   const DenseMatrix& s = factor_->schur();
   const int nc = n_contact();
-  std::vector<int> starts{0}, columns;
-  std::vector<double> values;
-  for (int i = 0; i < size(); ++i) {
-    for (int j = 0; i < nc && j < nc; ++j) columns.push_back(j), values.push_back(s(i, j));
-    if (i >= nc) columns.push_back(i), values.push_back(1.0);
-    starts.push_back(static_cast<int>(columns.size()));
+  SparseMatrix out(size(), size());
+  out.resizeNonZeros(static_cast<Eigen::Index>(nc) * nc + size() - nc);
+  int* column = out.innerIndexPtr();
+  double* value = out.valuePtr();
+  for (int i = 0; i < nc; ++i) {
+    out.outerIndexPtr()[i] = i * nc;
+    column = std::ranges::copy(std::views::iota(0, nc), column).out;
+    for (int j = 0; j < nc; ++j) *value++ = s(j, i); // symmetric
   }
-  return Eigen::Map<const SparseMatrix>(size(), size(), static_cast<int>(values.size()),
-                                        starts.data(), columns.data(), values.data());
+  for (int i = nc; i <= size(); ++i) out.outerIndexPtr()[i] = nc * nc + i - nc;
+  for (int i = nc; i < size(); ++i) *column++ = i, *value++ = 1.0;
+  return out;
 }
 
 /// x = E c + sum_k phi_k p_k
 void Interior::expand(const Vector& y, Vector& x) {
-  factor_->extend(y.head(n_contact()), x);
-  for (std::size_t k = 0; k < modes_.size(); ++k)
-    if (const double phi = y[n_contact() + static_cast<int>(k)]; phi != 0.0) x += phi * modes_[k];
+  Vector kept = Vector::Zero(layout_.n_unknowns - n_contact());
+  for (std::size_t k = 0; k < kept_.size(); ++k)
+    if (const double phi = y[n_contact() + static_cast<int>(k)]; phi != 0.0) kept += phi * kept_[k];
+  factor_->resume(kept);
+  factor_->back(y.head(n_contact()), x);
 }
 
 /// f = sum_k y_k F_k
@@ -167,12 +172,14 @@ void Interior::observe(std::span<const int> dofs) {
     const int unknown = layout_.entry_of[dof];
     const auto same = [&](const Observed& o) { return o.dof == dof; };
     if (unknown < 0 || std::any_of(observed_.begin(), observed_.end(), same)) continue;
-    Observed out{dof, unknown, {}};
+    Observed out{dof, unknown, {}, {}};
     if (position_[unknown] < 0) {
       // (E^T e_i)_c = -T_cI T_II^-1 e_i: what the forward sweep leaves of e_i.
       Vector e = Vector::Zero(layout_.n_unknowns);
       e[unknown] = 1.0;
       factor_->reduce(e, out.row);
+      const Vector kept = factor_->kept();
+      for (const Vector& of_mode : kept_) out.modes.push_back(kept.dot(of_mode));
     }
     observed_.push_back(std::move(out));
   }
@@ -183,8 +190,8 @@ void Interior::scatter_observed(const Vector& y, Vector& full) const {
   for (const auto& o : observed_) {
     if (o.row.size() == 0) continue;
     double value = o.row.dot(y.head(n_contact()));
-    for (std::size_t k = 0; k < modes_.size(); ++k)
-      value += y[n_contact() + static_cast<int>(k)] * modes_[k][o.unknown];
+    for (std::size_t k = 0; k < o.modes.size(); ++k)
+      value += y[n_contact() + static_cast<int>(k)] * o.modes[k];
     full[o.dof] = value;
   }
 }
@@ -213,14 +220,9 @@ void Interior::expand_all(std::span<const Vector* const> y, DenseMatrix& x,
   const auto count = static_cast<Eigen::Index>(y.size());
   DenseMatrix c(n_contact(), count);
   for (Eigen::Index r = 0; r < count; ++r) c.col(r) = y[r]->head(n_contact());
-  factor_->extend_all(c, x, place);
-  Vector phi = Vector::Zero(x.rows());
-  for (std::size_t k = 0; k < modes_.size(); ++k) {
-    for (Eigen::Index r = 0; r < count; ++r) phi[r] = (*y[r])[n_contact() + static_cast<int>(k)];
-    if (phi.isZero(0.0)) continue;
-    for (int i = 0; i < layout_.n_unknowns; ++i)
-      if (modes_[k][i] != 0.0) x.col(place[i]) += modes_[k][i] * phi;
-  }
+  DenseMatrix phi(count, static_cast<Eigen::Index>(kept_.size()));
+  for (Eigen::Index r = 0; r < count; ++r) phi.row(r) = y[r]->tail(phi.cols()).transpose();
+  factor_->back_all(c, kept_, phi, x, place);
 }
 
 std::vector<double> Interior::equilibria(std::span<const Question> steps, double enough,

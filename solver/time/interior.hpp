@@ -69,10 +69,12 @@ private:
   StateLayout layout_; ///< of the full problem
   std::vector<int> contact_, position_;
   LentFactor factor_;
-  std::vector<Vector> forces_, modes_; ///< on unknowns
+  std::vector<Vector> forces_; ///< F_k on unknowns,
+  std::vector<Vector> kept_;   ///< and what the first sweep makes of it: the second one gives p_k
   struct Observed {
     int dof, unknown;
-    Vector row; ///< over c; empty: a contact unknown
+    Vector row;                ///< over c; empty: a contact unknown
+    std::vector<double> modes; ///< p_k there
   };
   std::vector<Observed> observed_;
   Vector scattered_, x_; ///< the y last asked for whole, and its unknowns

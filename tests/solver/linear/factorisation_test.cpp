@@ -79,21 +79,49 @@ void check_against_dense(const SparseMatrix& k, const std::vector<int>& contact,
   EXPECT_LT(residual.lpNorm<1>(), 1e-11 * scale * (1.0 + x.lpNorm<1>()));
   EXPECT_EQ(factorisation->statistics().sweeps, 5);
 
-  // Several at once: what each of them gives, to rounding of the sweep.
-  for (const int count : {1, 7, 11, 16}) {
-    DenseMatrix many(c.size(), count), all;
-    for (int j = 0; j < count; ++j) many.col(j) = (1.0 - 0.3 * j) * c.reverse() + 0.1 * j * c;
-    std::vector<int> place;
-    factorisation->extend_all(many, all, place);
-    ASSERT_EQ(all.cols(), k.rows());
-    ASSERT_EQ(all.rows() % 8, 0);
-    for (int j = 0; j < count; ++j) {
-      factorisation->extend(many.col(j), x);
-      for (int i = 0; i < k.rows(); ++i)
-        EXPECT_LE(std::abs(all(j, place[i]) - x[i]), 1e-10 * x.lpNorm<Eigen::Infinity>());
-    }
-    EXPECT_TRUE(all.bottomRows(all.rows() - count).isZero(0.0));
+  // What a first sweep keeps, handed over later.
+  std::vector<Vector> kept;
+  const Vector other_b = random_vector(k.rows(), 9);
+  for (const Vector* of : {&b, &other_b}) {
+    factorisation->reduce(*of, r);
+    kept.push_back(factorisation->kept());
   }
+  factorisation->resume(2.0 * kept[0] - 0.5 * kept[1]);
+  factorisation->back(c, x);
+  residual = 2.0 * b - 0.5 * other_b - k * x;
+  residual(contact).setZero();
+  EXPECT_LT(residual.cwiseAbs().maxCoeff(), 1e-11 * (1.0 + scale * x.cwiseAbs().maxCoeff()));
+  if (symmetric) { // a_I^T K_II^-1 b_I
+    factorisation->resume(kept[1]);
+    factorisation->back(Vector::Zero(c.size()), x);
+    Vector inside = b;
+    inside(contact).setZero();
+    EXPECT_NEAR(kept[0].dot(kept[1]), inside.dot(x), 1e-11 * inside.norm() * x.norm());
+  }
+
+  // Several at once: what each of them gives, to rounding of the sweep.
+  for (const int count : {1, 7, 11, 16})
+    for (const std::size_t modes : {0, 1, 2}) {
+      DenseMatrix many(c.size(), count), all;
+      for (int j = 0; j < count; ++j) many.col(j) = (1.0 - 0.3 * j) * c.reverse() + 0.1 * j * c;
+      DenseMatrix weights(count, static_cast<Eigen::Index>(modes));
+      for (int j = 0; j < count; ++j)
+        for (Eigen::Index m = 0; m < weights.cols(); ++m) weights(j, m) = 1.0 - 0.2 * j + 0.5 * m;
+      std::vector<int> place;
+      factorisation->back_all(many, {kept.data(), modes}, weights, all, place);
+      ASSERT_EQ(all.cols(), k.rows());
+      ASSERT_EQ(all.rows() % 8, 0);
+      for (int j = 0; j < count; ++j) {
+        Vector sum = Vector::Zero(kept[0].size());
+        for (std::size_t m = 0; m < modes; ++m)
+          sum += weights(j, static_cast<Eigen::Index>(m)) * kept[m];
+        factorisation->resume(sum);
+        factorisation->back(many.col(j), x);
+        for (int i = 0; i < k.rows(); ++i)
+          EXPECT_LE(std::abs(all(j, place[i]) - x[i]), 1e-10 * x.lpNorm<Eigen::Infinity>());
+      }
+      EXPECT_TRUE(all.bottomRows(all.rows() - count).isZero(0.0));
+    }
 
   // One more with the same analysis: its values are its own.
   const auto other = factorisation->another();
@@ -252,6 +280,15 @@ TEST(Factorisation, ChangesItsStorageBetweenTheSweeps) {
     EXPECT_GT(fine, rounded / 1e6);
     EXPECT_NEAR(error_of(SweepStorage::full, SweepStorage::fine), fine, 1e-2 * fine);
     EXPECT_LT(error_of(SweepStorage::fine, SweepStorage::full), mixed / 1e3);
+    for (const auto storage : {SweepStorage::full, SweepStorage::fine}) { // what is kept is L^-1 b
+      factorisation->sweep_in(storage);
+      factorisation->reduce(b, r);
+      const Vector kept = factorisation->kept();
+      factorisation->sweep_in(SweepStorage::full);
+      factorisation->resume(kept);
+      factorisation->back(c, x);
+      EXPECT_LT((x - exact).norm(), mixed / 1e3 * exact.norm());
+    }
   }
 }
 
