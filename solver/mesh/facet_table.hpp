@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace hvi::solver {
@@ -31,7 +32,8 @@ public:
     bool odd; ///< orientation of the outward order; the two sides of a facet differ in it
   };
 
-  explicit FacetTable(const Mesh& mesh);
+  /// With `among` (a flag for each node) of the facets between flagged nodes only.
+  explicit FacetTable(const Mesh& mesh, std::span<const char> among = {});
 
   const std::vector<Side>& sides() const { return sides_; }
   /// The sides begin .. end of one facet.
@@ -58,6 +60,9 @@ private:
   std::vector<std::uint32_t> first_; ///< bucket of node i: sides first_[i] .. first_[i + 1]
   std::vector<Side> sides_;
 };
+
+/// The facets of a mesh without named ones, all of them between nodes with a flag.
+void build_boundary(Mesh& mesh, std::span<const char> outer);
 
 /// build_facets with index -1 for a named facet that no cell has.
 std::vector<std::int32_t> index_facets(Mesh& mesh,

@@ -74,32 +74,41 @@ FacetKey facet_key(int dim, std::array<std::int32_t, 3> n) {
   return {n, odd};
 }
 
+namespace {
+
+/// Calls visit(cell, local, nodes) for every side of every cell whose nodes are all flagged.
+template <class Visit>
+void for_each_side(const Mesh& mesh, std::span<const char> among, const Visit& visit) {
+  const int corners = mesh.dim + 1;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    const auto& cell = mesh.cells[c];
+    const auto flagged = [&](std::int32_t node) { return among.empty() || among[node] != 0; };
+    const auto held = std::count_if(cell.begin(), cell.begin() + corners, flagged);
+    for (int local = 0; local < corners && held >= mesh.dim; ++local)
+      if (held == corners || !flagged(cell[local]))
+        visit(c, local, local_facet(mesh.dim, cell, local));
+  }
+}
+
+} // namespace
+
 // A counting sort by the smallest node, then a sort of each small bucket: the whole is linear in
 // practice (about 24 sides a bucket in 3D) and touches memory in order.
-FacetTable::FacetTable(const Mesh& mesh) : first_(mesh.nodes.size() + 1, 0) {
-  const int sides_per_cell = mesh.dim + 1;
-  const auto key_of = [&](std::size_t c, int local) {
-    FacetKey key = facet_key(mesh.dim, local_facet(mesh.dim, mesh.cells[c], local));
-    // A point has no orientation of its own: the right end of a cell counts as even.
-    if (mesh.dim == 1) key.odd = local == 1;
-    return key;
-  };
-  for (const auto& cell : mesh.cells) {
-    for (int local = 0; local < sides_per_cell; ++local) {
-      const auto nodes = local_facet(mesh.dim, cell, local);
-      ++first_[*std::min_element(nodes.begin(), nodes.begin() + mesh.dim) + 1];
-    }
-  }
+FacetTable::FacetTable(const Mesh& mesh, std::span<const char> among)
+    : first_(mesh.nodes.size() + 1, 0) {
+  for_each_side(mesh, among, [&](std::size_t, int, const auto& nodes) {
+    ++first_[*std::min_element(nodes.begin(), nodes.begin() + mesh.dim) + 1];
+  });
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
   sides_.resize(first_.back());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    for (int local = 0; local < sides_per_cell; ++local) {
-      const FacetKey key = key_of(c, local);
-      sides_[next[key.nodes[0]]++] = {key.nodes[1], key.nodes[2], static_cast<std::int32_t>(c),
-                                      static_cast<std::int8_t>(local), key.odd};
-    }
-  }
+  for_each_side(mesh, among, [&](std::size_t c, int local, const auto& nodes) {
+    FacetKey key = facet_key(mesh.dim, nodes);
+    // A point has no orientation of its own: the right end of a cell counts as even.
+    if (mesh.dim == 1) key.odd = local == 1;
+    sides_[next[key.nodes[0]]++] = {key.nodes[1], key.nodes[2], static_cast<std::int32_t>(c),
+                                    static_cast<std::int8_t>(local), key.odd};
+  });
   for (std::size_t n = 0; n + 1 < first_.size(); ++n) {
     std::sort(sides_.begin() + first_[n], sides_.begin() + first_[n + 1],
               [](const Side& a, const Side& b) {
@@ -127,6 +136,16 @@ FacetTable::Run FacetTable::find(const FacetKey& key) const {
   if (begin == bucket_end || at->second != key.nodes[1] || at->third != key.nodes[2])
     return {begin, begin};
   return {begin, run_end(begin, bucket_end)};
+}
+
+void build_boundary(Mesh& mesh, std::span<const char> outer) {
+  const FacetTable table(mesh, outer);
+  mesh.facets.clear();
+  table.for_each([&](FacetTable::Run run) {
+    check_run(mesh, table, run);
+    if (run.end - run.begin == 1)
+      mesh.facets.push_back(make_facet(mesh, table.sides()[run.begin], -1));
+  });
 }
 
 std::vector<std::int32_t> index_facets(Mesh& mesh,

@@ -2,6 +2,7 @@
 #include "solver/mesh/generate.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/mesh/facet_table.hpp"
 #include "solver/mesh/limits.hpp"
 
 #include <fmt/format.h>
@@ -149,16 +150,24 @@ Mesh structured_mesh(int dim, const std::array<std::vector<double>, 3>& coordina
   mesh.dim = dim;
   const auto line = [&](int axis, int i) { return axis < dim ? coordinates[axis][i] : 0.0; };
   mesh.nodes.reserve(static_cast<std::size_t>(grid.nodes[0]) * grid.nodes[1] * grid.nodes[2]);
+  std::vector<char> outer; // is a node on the boundary?
+  outer.reserve(mesh.nodes.capacity());
+  const auto at_end = [&](int axis, int i) {
+    return axis < dim && (i == 0 || i + 1 == grid.nodes[axis]);
+  };
   for (int k = 0; k < grid.nodes[2]; ++k)
     for (int j = 0; j < grid.nodes[1]; ++j)
-      for (int i = 0; i < grid.nodes[0]; ++i)
+      for (int i = 0; i < grid.nodes[0]; ++i) {
         mesh.nodes.push_back({line(0, i), line(1, j), line(2, k)});
+        outer.push_back(at_end(0, i) || at_end(1, j) || at_end(2, k));
+      }
   for (int j = 0; grid.crossed && j < grid.cells[1]; ++j)
     for (int i = 0; i < grid.cells[0]; ++i)
       mesh.nodes.push_back(
           {(line(0, i) + line(0, i + 1)) / 2, (line(1, j) + line(1, j + 1)) / 2, 0.0});
   add_cells(grid, mesh);
-  build_facets(mesh, {});
+  outer.resize(mesh.nodes.size(), 0); // those in the middle of a cell
+  build_boundary(mesh, outer);
   name_sides(grid, mesh);
   mesh.description = describe(grid, coordinates);
   return mesh;

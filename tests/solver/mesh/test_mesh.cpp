@@ -79,6 +79,22 @@ TEST(Structured, NodesAreLexicographic) {
       }));
 }
 
+TEST(Structured, FacetsAreThoseOfAnyMesh) {
+  const std::vector<double> x{0, 1, 2.5, 3}, y{0, 1, 4}, z{0, 2, 3};
+  for (int dim = 1; dim <= 3; ++dim)
+    for (const bool crossed : {false, true}) {
+      const Mesh mesh = structured_mesh(dim, {x, y, z}, crossed);
+      Mesh same = mesh;
+      build_facets(same, {}); // from all sides of all cells
+      ASSERT_EQ(mesh.facets.size(), same.facets.size());
+      for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
+        EXPECT_EQ(mesh.facets[f].nodes, same.facets[f].nodes);
+        EXPECT_EQ(mesh.facets[f].cell, same.facets[f].cell);
+        EXPECT_EQ(mesh.facets[f].other, -1);
+      }
+    }
+}
+
 TEST(Structured, RefusesWhatCannotBeMeshed) {
   const auto kind = [](int dim, std::array<std::vector<double>, 3> lines) {
     return failure_of([&] { structured_mesh(dim, lines); }).kind;
