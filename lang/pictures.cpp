@@ -93,8 +93,10 @@ std::string polygons(const solver::Mesh& mesh, const std::vector<double>& values
       one.depth += p[2];
       one.value += values[t[k]] / 3.0;
     }
-    if (mesh.dim == 3 && !faces_us(one)) continue;
-    widen(one);
+    if (mesh.dim == 3) {
+      if (!faces_us(one)) continue;
+      widen(one);
+    }
     drawn.push_back(one);
   }
   std::stable_sort(drawn.begin(), drawn.end(),
@@ -129,10 +131,12 @@ std::vector<std::string> draw_pictures(const solver::Plan& plan, const solver::D
     plot(fmt::format("set terminal {}\nset output {}\nset size ratio -1\nunset key\n{}"
                      "set palette defined (0 '#30123b', 1 '#28bbec', 2 '#a2fc3c', 3 '#fb8022', 4 "
                      "'#7a0403')\nset title {} noenhanced\n$data << HVI_END\n{}HVI_END\n"
-                     "plot $data using 1:2:3 with filledcurves closed fc palette notitle\n",
+                     "plot $data using 1:2:3 with filledcurves closed fc palette {}notitle\n",
                      svg ? "svg size 900,600" : "pngcairo size 900,600", quoted(path.string()),
                      d.mesh.dim == 3 ? "unset border\nunset xtics\nunset ytics\n" : "",
-                     quoted(label), polygons(d.mesh, values)));
+                     quoted(label), polygons(d.mesh, values),
+                     // borders are drawn after all areas: those of hidden ones would be seen
+                     d.mesh.dim == 3 ? "fs solid noborder " : ""));
     files.push_back(name);
   }
   return files;
