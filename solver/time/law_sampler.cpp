@@ -47,7 +47,7 @@ LawSampler::LawSampler(const Plan& plan, const Discretisation& d, const Contact&
   std::iota(all.begin(), all.end(), 0);
   take_points(points, term, all);
   for (const auto s : expressions_.inputs()) {
-    if (is_multiplier(s)) match(contact, term_of(s));
+    if (is_multiplier(s)) match(contact, term_of(s), d.mesh.dim);
     if (is_field(s)) prepare_field(d.space, s);
   }
 }
@@ -71,7 +71,7 @@ LawSampler LawSampler::at(const Plan& plan, const Discretisation& d, const Conta
   const double total = std::accumulate(out.block_.weight.begin(), out.block_.weight.end(), 0.0);
   for (auto& weight : out.block_.weight) weight /= total;
   for (const auto s : out.expressions_.inputs()) {
-    if (is_multiplier(s)) out.match(contact, term_of(s));
+    if (is_multiplier(s)) out.match(contact, term_of(s), d.mesh.dim);
     if (is_field(s)) out.prepare_field(d.space, s);
   }
   return out;
@@ -100,7 +100,7 @@ void LawSampler::take_points(const LawPoints& points, const LawTerm& term,
 }
 
 /// Finds for each of our points the point of `term` at the same place with the same normal.
-void LawSampler::match(const Contact& contact, int term) {
+void LawSampler::match(const Contact& contact, int term, int dim) {
   const auto& theirs = contact.terms[term].points;
   std::map<Point, std::vector<int>> by_place;
   for (int p = 0; p < static_cast<int>(theirs.x.size()); ++p) by_place[theirs.x[p]].push_back(p);
@@ -115,7 +115,7 @@ void LawSampler::match(const Contact& contact, int term) {
     if (found.size() == p)
       throw Failure(
           FailureKind::bad_value, origin_,
-          fmt::format("the multiplier is not known at {}", describe_point(block_.point(p), 3)),
+          fmt::format("the multiplier is not known at {}", describe_point(block_.point(p), dim)),
           "integrate a multiplier over the part where its law acts");
   }
   point_of_[term] = std::move(found);
@@ -166,6 +166,31 @@ double LawSampler::integral(const Contact& contact, const Snapshot& snapshot) {
   values_.resize(block_.size());
   evaluate(contact, snapshot, values_);
   return std::inner_product(values_.begin(), values_.end(), block_.weight.begin(), 0.0);
+}
+
+std::vector<Failure> misplaced_multipliers(const Plan& plan, const Discretisation& d,
+                                           const Contact& contact) {
+  std::vector<Failure> failures;
+  const auto collect = [&](const auto& make) {
+    try {
+      make();
+    } catch (const Failure& failure) {
+      failures.push_back(failure);
+    }
+  };
+  for (const Probe& probe : plan.report.probes) {
+    if (!reads_multiplier(probe.expression)) continue;
+    if (probe.kind == Probe::Kind::integral)
+      collect([&] { LawSampler(plan, d, contact, {probe.expression}, probe.origin, probe.part); });
+    if (probe.kind == Probe::Kind::at_point)
+      collect(
+          [&] { LawSampler::at(plan, d, contact, probe.expression, probe.origin, probe.point); });
+  }
+  for (const FieldsSpec& fields : plan.report.fields)
+    for (const FieldSpec& field : fields.fields)
+      if (std::ranges::any_of(field.components, reads_multiplier))
+        collect([&] { LawSampler(plan, d, contact, field.components, field.origin); });
+  return failures;
 }
 
 } // namespace hvi::solver

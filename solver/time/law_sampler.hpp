@@ -35,7 +35,7 @@ public:
 
 private:
   void take_points(const LawPoints& points, const LawTerm& term, const std::vector<int>& chosen);
-  void match(const Contact& contact, int term);
+  void match(const Contact& contact, int term, int dim);
   void prepare_field(const Space& space, Slot slot);
 
   Pointwise expressions_;
@@ -48,5 +48,9 @@ private:
   std::map<Slot, Vector> columns_;           ///< values of the slots that change
   std::vector<double> values_;
 };
+
+/// The probes and fields of a report that ask for multipliers where there are none.
+std::vector<Failure> misplaced_multipliers(const Plan& plan, const Discretisation& discretisation,
+                                           const Contact& contact);
 
 } // namespace hvi::solver
