@@ -135,7 +135,9 @@ std::string Formatter::run() {
     comments_before(stream_.tokens[i]);
     if (stream_.tokens[i].kind != TokenKind::end) token(i);
   }
-  const int n_groups = group_definitions(lines_, layout_.n_groups);
+  int n_groups = group_definitions(lines_, layout_.n_groups);
+  align_groups(lines_, n_groups);
+  n_groups = group_documents(lines_, n_groups);
   align_groups(lines_, n_groups);
   return join(wrap(std::move(lines_)));
 }

@@ -129,7 +129,7 @@ void LayoutMaker::operator()(const ast::Param& node) {
 void LayoutMaker::definition(const ast::Expr& value) {
   expr(value);
   const auto* cases = std::get_if<ast::Cases>(&value.node);
-  if (cases == nullptr || value.parens > 0) return;
+  if (cases == nullptr || value.parens > 0) return soft_break_at(value.span, 2);
   const int group = layout_.n_groups++;
   for (const ast::Case& item : cases->cases) {
     break_at(item.span, 2);

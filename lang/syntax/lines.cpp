@@ -51,7 +51,7 @@ bool may_align(const std::vector<Line>& lines, std::size_t i) {
   if (word == "find" || word == "expect" || word == "study" || word == "report") return false;
   const bool one_line = i + 1 == lines.size() || lines[i + 1].begins_statement ||
                         (lines[i + 1].pieces.empty() && lines[i + 1].indent == 0);
-  return one_line && definition_sign(line) < line.pieces.size();
+  return one_line && width(line) <= max_line_width && definition_sign(line) < line.pieces.size();
 }
 
 Line split(Line& line, std::size_t at, std::size_t indent) {
@@ -131,6 +131,20 @@ int group_definitions(std::vector<Line>& lines, int n_groups) {
     const bool continues = i > 0 && !lines[i].blank_before && may_align(lines, i - 1);
     if (!continues) ++n_groups;
     lines[i].pieces[definition_sign(lines[i])].group = n_groups - 1;
+  }
+  return n_groups;
+}
+
+int group_documents(std::vector<Line>& lines, int n_groups) {
+  const auto documents = [&](std::size_t i) {
+    const auto& pieces = lines[i].pieces;
+    return lines[i].begins_statement && pieces.size() > 1 && pieces.front().text == "param" &&
+           is_text(pieces.back().text);
+  };
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (!documents(i)) continue;
+    if (i == 0 || lines[i].blank_before || !documents(i - 1)) ++n_groups;
+    lines[i].pieces.back().group = n_groups - 1;
   }
   return n_groups;
 }

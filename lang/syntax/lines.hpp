@@ -9,7 +9,7 @@
 namespace hvi::lang {
 
 /// Widest line that is not wrapped. A comment at its end does not count.
-inline constexpr std::size_t max_line_width = 110;
+inline constexpr std::size_t max_line_width = 120;
 
 /// A token on its way to the output.
 struct Piece {
@@ -36,6 +36,9 @@ void align_groups(std::vector<Line>& lines, int n_groups);
 /// Gives the "=" of consecutive declarations of one line each a common group, from `n_groups` on;
 /// returns the new number of groups.
 int group_definitions(std::vector<Line>& lines, int n_groups);
+
+/// The same for what documents consecutive parameters; their "=" are aligned already.
+int group_documents(std::vector<Line>& lines, int n_groups);
 
 /// Breaks lines that are too wide: at their soft breaks, else behind commas.
 [[nodiscard]] std::vector<Line> wrap(std::vector<Line> lines);

@@ -75,17 +75,30 @@ TEST(Format, LongLinesBreakBehindCommasAndBeforeClauses) {
                                      "-0.1*t on roof for t in [0, 1] by 10 "
                                      "steps from displacement = 0 using scheme = euler such that "
                                      "for all v in V integral(s, u) = 0");
-  EXPECT_EQ(text,
-            "param n = 1\n"
-            "fn f(x) = function(first_argument = 1000000, second_argument = [2000000, 3000000], "
-            "third_argument = 4000000,\n"
-            "    fourth_argument_with_a_name = 5)\n"
-            "find displacement in displacements with displacement.y = -0.1*t on roof\n"
-            "  for t in [0, 1] by 10 steps from displacement = 0\n"
-            "  using scheme = euler\n"
-            "such that for all v in V\n"
-            "    integral(s, u)\n"
-            "  = 0\n");
+  EXPECT_EQ(text, "param n = 1\n"
+                  "fn f(x) =\n"
+                  "  function(first_argument = 1000000, second_argument = [2000000, 3000000], "
+                  "third_argument = 4000000,\n"
+                  "      fourth_argument_with_a_name = 5)\n"
+                  "find displacement in displacements with displacement.y = -0.1*t on roof\n"
+                  "  for t in [0, 1] by 10 steps from displacement = 0\n"
+                  "  using scheme = euler\n"
+                  "such that for all v in V\n"
+                  "    integral(s, u)\n"
+                  "  = 0\n");
+}
+
+TEST(Format, DefinitionsTooLongForALineBeginOnTheNext) {
+  const std::string sum = "a_rather_long_name + " + std::string(80, 'b');
+  EXPECT_EQ(formatted("fn f(x) = 1 fn long_name(x, y) = " + sum + " fn g(x) = 2"),
+            "fn f(x) = 1\nfn long_name(x, y) =\n  " + sum + "\nfn g(x) = 2\n");
+}
+
+TEST(Format, DocumentsOfParametersStandInAColumn) {
+  EXPECT_EQ(formatted("param n = 1 in [1, 10] \"cells\" param long = 2 \"steps\"\n\n"
+                      "param m = 3 \"other\" param k = 4"),
+            "param n    = 1 in [1, 10]  \"cells\"\nparam long = 2             \"steps\"\n\n"
+            "param m = 3  \"other\"\nparam k = 4\n");
 }
 
 TEST(Format, SaysNothingAboutWrongScripts) { EXPECT_EQ(formatted("param n 4"), "E0201 1:9-10"); }
