@@ -1,4 +1,4 @@
-"""The formatter over every script of the repository: idempotent, comments and tokens kept, stdlib formatted.
+"""The formatter over every script of the repository: idempotent, comments and tokens kept; ours are formatted.
 
 usage: fmt.py HVI_RUN SOURCE_FOLDER
 A script with errors of syntax stays as it is. What a comment is is read off here without the program's lexer.
@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 
-FORMATTED = []
+FORMATTED = ["examples", "stdlib"]
 COMMENT = re.compile(r'"[^"\n]*"|#[^\n]*')
 
 
