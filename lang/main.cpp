@@ -1,4 +1,5 @@
 // The command line, and nothing else.
+#include "lang/diag/suggest.hpp"
 #include "lang/driver.hpp"
 #include "solver/linear/blas_memory.hpp"
 
@@ -42,6 +43,17 @@ void add_common(CLI::App& app, Options& options, std::vector<std::string>& defin
          "--diagnostics", [&](const std::string& s) { options.json_diagnostics = s == "json"; },
          "text or json")
       ->check(CLI::IsMember({"text", "json"}));
+}
+
+/// The first word is neither a command nor a script.
+void no_command(std::string_view word, CLI::App& app) {
+  std::vector<std::string> commands;
+  for (const CLI::App* one : app.get_subcommands([](CLI::App*) { return true; }))
+    commands.push_back(one->get_name());
+  const std::string meant = hvi::lang::did_you_mean(word, commands);
+  fmt::print(stderr, "hvi-run: `{}` is neither a command nor a script (FILE.hvi){}{}\n", word,
+             meant.empty() ? "" : ": ", meant);
+  fmt::print(stderr, "commands: {}; --help says more\n", fmt::join(commands, ", "));
 }
 
 int dispatch(int argc, char** argv) {
@@ -98,9 +110,17 @@ int dispatch(int argc, char** argv) {
   explain->add_option("CODE", code, "E0301");
   bool explain_all = false;
   explain->add_flag("--all", explain_all, "every diagnostic, as Markdown");
+  if (argc == 1) {
+    fmt::print(stderr, "{}", app.help("hvi-run"));
+    return hvi::lang::exit_usage;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    if (app.get_subcommands().empty() && !given.starts_with("-")) {
+      no_command(given, app);
+      return hvi::lang::exit_usage;
+    }
     const int status = app.exit(error);
     return status == 0 ? hvi::lang::exit_ok : hvi::lang::exit_usage;
   }

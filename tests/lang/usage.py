@@ -1,0 +1,31 @@
+"""Commands typed wrong: exit code 2, and a text that says what was meant.  usage: usage.py HVI_RUN"""
+import subprocess
+import sys
+
+COMMANDS = "run, check, plan, study, stability, test, fmt, params, mesh, dump, explain"
+CASES = [
+    (["chek", "a.hvi"], ["`chek`", "did you mean `check`?", COMMANDS]),
+    (["plna", "a.hvi", "-D", "n=2"], ["`plna`", "did you mean `plan`?"]),
+    (["bridge.hv"], ["`bridge.hv`", "FILE.hvi"]),
+    ([], ["run", "solve", "check", "--version"]),
+    (["run"], ["FILE is required"]),
+    (["check", "--bogus", "a.hvi"], ["--bogus"]),
+    (["a.hvi", "-D", "n"], ["-D takes name=value", "`n`"]),
+    (["a.hvi", "--threads", "none"], ["--threads"]),
+    (["explain"], ["explain takes a code"]),
+]
+
+
+def main():
+    wrong = []
+    for arguments, words in CASES:
+        done = subprocess.run([sys.argv[1], *arguments], capture_output=True, text=True)
+        missing = [word for word in words if word not in done.stderr]
+        if done.returncode != 2 or missing or done.stdout:
+            wrong.append(f"{arguments}: exit code {done.returncode}, not said: {missing}\n{done.stdout}{done.stderr}")
+    print("\n".join(wrong))
+    print(f"{len(CASES) - len(wrong)} of {len(CASES)} as they should be")
+    sys.exit(bool(wrong))
+
+
+main()
