@@ -16,17 +16,10 @@
 // known of a direction p = P^-1 r + beta p_before: it is r + beta P p_before.
 #include "solver/inequality/engine.hpp"
 
+#include <cblas.h>
+
 #include <algorithm>
 #include <cmath>
-
-extern "C" {
-void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k,
-            const double* alpha, const double* a, const int* lda, const double* b, const int* ldb,
-            const double* beta, double* c, const int* ldc);
-void dgemv_(const char* trans, const int* m, const int* n, const double* alpha, const double* a,
-            const int* lda, const double* x, const int* incx, const double* beta, double* y,
-            const int* incy);
-}
 
 namespace hvi::solver {
 
@@ -35,12 +28,12 @@ namespace {
 // OpenBLAS: Eigen's own products are compiled for any processor.
 
 /// y += alpha A x, or alpha A^T x.
-void add_product(const char* trans, double alpha, const DenseMatrix& a, const Vector& x,
+void add_product(CBLAS_TRANSPOSE trans, double alpha, const DenseMatrix& a, const Vector& x,
                  Vector& y) {
-  const int rows = static_cast<int>(a.rows()), columns = static_cast<int>(a.cols()), one = 1;
+  const int rows = static_cast<int>(a.rows()), columns = static_cast<int>(a.cols());
   if (rows == 0 || columns == 0) return;
-  const double beta = 1.0;
-  dgemv_(trans, &rows, &columns, &alpha, a.data(), &rows, x.data(), &one, &beta, y.data(), &one);
+  cblas_dgemv(CblasColMajor, trans, rows, columns, alpha, a.data(), rows, x.data(), 1, 1.0,
+              y.data(), 1);
 }
 
 /// A^T B
@@ -48,10 +41,9 @@ DenseMatrix inner(const DenseMatrix& a, const DenseMatrix& b) {
   const int rows = static_cast<int>(a.rows()), m = static_cast<int>(a.cols()),
             k = static_cast<int>(b.cols());
   DenseMatrix out(m, k);
-  const double alpha = 1.0, beta = 0.0;
   if (m > 0 && k > 0)
-    dgemm_("T", "N", &m, &k, &rows, &alpha, a.data(), &rows, b.data(), &rows, &beta, out.data(),
-           &m);
+    cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, m, k, rows, 1.0, a.data(), rows, b.data(),
+                rows, 0.0, out.data(), m);
   return out;
 }
 
@@ -245,7 +237,7 @@ void InequalityEngine::precondition(const Vector& r, Vector& out) {
   op.solve_rough(cg_kept, out);
   far_t.resize(m);
   for (Eigen::Index j = 0; j < m; ++j) far_t[j] = r[freed[j]];
-  add_product("T", -1.0, far_y, cg_kept, far_t);
+  add_product(CblasTrans, -1.0, far_y, cg_kept, far_t);
   if (k > 0) {
     far_x.resize(k);
     for (Eigen::Index j = 0; j < k; ++j) far_x[j] = out[changed[j]];
@@ -259,7 +251,7 @@ void InequalityEngine::precondition(const Vector& r, Vector& out) {
     far_force.resize(k);
     far_force = changed_factor.solve(far_pull);
     far_t.noalias() += far_y_q.transpose() * far_force;
-    add_product("N", -1.0, far_z, far_force, out);
+    add_product(CblasNoTrans, -1.0, far_z, far_force, out);
     // A held unknown moves by force / stiffness: the difference above would be rounding.
     for (const auto& e : delta)
       if (e.held) out[changed[e.row]] = far_force[e.row] / e.value;
@@ -267,7 +259,7 @@ void InequalityEngine::precondition(const Vector& r, Vector& out) {
   if (m == 0) return;
   far_free = far_t / block_unit;
   freed_factor.solveInPlace(far_free);
-  add_product("N", -1.0, far_y, far_free, out);
+  add_product(CblasNoTrans, -1.0, far_y, far_free, out);
   for (Eigen::Index j = 0; j < m; ++j) out[freed[j]] = far_free[j];
 }
 

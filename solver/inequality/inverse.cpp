@@ -10,15 +10,10 @@
 // from the start.
 #include "solver/inequality/engine.hpp"
 
+#include <cblas.h>
+
 #include <algorithm>
 #include <cmath>
-
-extern "C" {
-void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda,
-            const double* x, const int* incx, const double* beta, double* y, const int* incy);
-void dsyr_(const char* uplo, const int* n, const double* alpha, const double* x, const int* incx,
-           double* a, const int* lda);
-}
 
 namespace hvi::solver {
 
@@ -34,9 +29,8 @@ constexpr double safety = 100.0;
 constexpr double too_rough = 1e-8;
 
 void add_product(const DenseMatrix& a, const Vector& x, Vector& y, double beta) {
-  const int n = static_cast<int>(a.rows()), one = 1;
-  const double alpha = 1.0;
-  dsymv_("L", &n, &alpha, a.data(), &n, x.data(), &one, &beta, y.data(), &one);
+  const int n = static_cast<int>(a.rows());
+  cblas_dsymv(CblasColMajor, CblasLower, n, 1.0, a.data(), n, x.data(), 1, beta, y.data(), 1);
 }
 
 } // namespace
@@ -119,8 +113,7 @@ bool InequalityEngine::update_inverse(int p, int to_state) {
     along += it.value() * v[it.col()];
   const double left = 1.0 + change * along, alpha = -change / left;
   if (!(left > least_left)) return false;
-  const int one = 1;
-  dsyr_("L", &n, &alpha, v.data(), &one, kept.inverse.data(), &n);
+  cblas_dsyr(CblasColMajor, CblasLower, n, alpha, v.data(), 1, kept.inverse.data(), n);
   return true;
 }
 

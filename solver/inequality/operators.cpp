@@ -1,35 +1,17 @@
 // The operator of the reduced inequality: dense (LAPACK) and sparse (Eigen) (inequality.hpp).
 #include "solver/inequality/inequality.hpp"
 #include "solver/linear/instruction_set.hpp"
+#include "solver/linear/lapack.hpp"
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
+
+#include <cblas.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
-
-extern "C" {
-void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda,
-            const double* x, const int* incx, const double* beta, double* y, const int* incy);
-void strsv_(const char* uplo, const char* trans, const char* diag, const int* n, const float* a,
-            const int* lda, float* x, const int* incx);
-void strsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m,
-            const int* n, const float* alpha, const float* a, const int* lda, float* b,
-            const int* ldb);
-void ssymv_(const char* uplo, const int* n, const float* alpha, const float* a, const int* lda,
-            const float* x, const int* incx, const float* beta, float* y, const int* incy);
-void spotri_(const char* uplo, const int* n, float* a, const int* lda, int* info);
-void spotrf_(const char* uplo, const int* n, float* a, const int* lda, int* info);
-void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
-void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info);
-void dtrsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* a,
-            const int* lda, double* x, const int* incx);
-void dgetrf_(const int* m, const int* n, double* a, const int* lda, int* pivots, int* info);
-void dgetrs_(const char* trans, const int* n, const int* nrhs, const double* a, const int* lda,
-             const int* pivots, double* b, const int* ldb, int* info);
-}
 
 namespace hvi::solver {
 
@@ -120,9 +102,8 @@ public:
       return;
     }
     out.resize(size());
-    const int n = size(), one = 1;
-    const double alpha = 1.0, beta = 0.0; // half of the matrix is read: memory is what it costs
-    dsymv_("L", &n, &alpha, s_.data(), &n, c.data(), &one, &beta, out.data(), &one);
+    const int n = size(); // half of the matrix is read: memory is what it costs
+    cblas_dsymv(CblasColMajor, CblasLower, n, 1.0, s_.data(), n, c.data(), 1, 0.0, out.data(), 1);
   }
   void apply_magnitude(const Vector& c, Vector& out) const override {
     magnitudes_ = c.cwiseAbs();
@@ -162,15 +143,16 @@ public:
       dgetrs_("N", &n, &one, factor_.data(), &n, pivots_.data(), x.data(), &n, &info);
       return;
     }
-    dtrsv_("L", "N", "N", &n, factor_.data(), &n, x.data(), &one);
-    dtrsv_("L", "T", "N", &n, factor_.data(), &n, x.data(), &one);
+    for (const auto transposed : {CblasNoTrans, CblasTrans})
+      cblas_dtrsv(CblasColMajor, CblasLower, transposed, CblasNonUnit, n, factor_.data(), n,
+                  x.data(), 1);
   }
 
   bool rounded() const override { return rough_ && !exact_; }
   void solve_rough(const Vector& b, Vector& x) const override {
     if (!symmetric_ || size() == 0) return solve(b, x);
     round_factor();
-    const int n = static_cast<int>(free_.size()), one = 1;
+    const int n = static_cast<int>(free_.size());
     x.resize(size());
     for (const int i : held_) x[i] = b[i] / held_stiffness(i);
     double largest = 0.0;
@@ -179,14 +161,14 @@ public:
     rough_x_.resize(free_.size());
     for (int k = 0; k < n; ++k) rough_x_[k] = static_cast<float>(b[free_[k]] * inverse);
     if (inverted_) {
-      const float alpha = 1.0F, beta = 0.0F;
       rough_b_.swap(rough_x_);
       rough_x_.resize(free_.size());
-      ssymv_("L", &n, &alpha, rough_inverse_.data(), &n, rough_b_.data(), &one, &beta,
-             rough_x_.data(), &one);
+      cblas_ssymv(CblasColMajor, CblasLower, n, 1.0F, rough_inverse_.data(), n, rough_b_.data(), 1,
+                  0.0F, rough_x_.data(), 1);
     } else {
-      strsv_("L", "N", "N", &n, rough_factor_.data(), &n, rough_x_.data(), &one);
-      strsv_("L", "T", "N", &n, rough_factor_.data(), &n, rough_x_.data(), &one);
+      for (const auto transposed : {CblasNoTrans, CblasTrans})
+        cblas_strsv(CblasColMajor, CblasLower, transposed, CblasNonUnit, n, rough_factor_.data(), n,
+                    rough_x_.data(), 1);
     }
     for (int k = 0; k < n; ++k) x[free_[k]] = static_cast<double>(rough_x_[k]) * (largest / unit());
   }
@@ -198,9 +180,9 @@ public:
     Eigen::MatrixXf x(n, count);
     for (int j = 0; j < count; ++j)
       for (int k = 0; k < n; ++k) x(k, j) = static_cast<float>(columns(free_[k], j) / scale[j]);
-    const float alpha = 1.0F;
-    strsm_("L", "L", "N", "N", &n, &count, &alpha, rough_factor_.data(), &n, x.data(), &n);
-    strsm_("L", "L", "T", "N", &n, &count, &alpha, rough_factor_.data(), &n, x.data(), &n);
+    for (const auto transposed : {CblasNoTrans, CblasTrans})
+      cblas_strsm(CblasColMajor, CblasLeft, CblasLower, transposed, CblasNonUnit, n, count, 1.0F,
+                  rough_factor_.data(), n, x.data(), n);
     for (int j = 0; j < count; ++j) {
       for (int k = 0; k < n; ++k)
         columns(free_[k], j) = static_cast<double>(x(k, j)) * (scale[j] / unit());

@@ -1,15 +1,12 @@
 // See separate.hpp.
 #include "solver/linear/separate.hpp"
 
+#include "solver/linear/lapack.hpp"
 #include "solver/time/clock.hpp"
 
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-
-extern "C" {
-void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
-}
 
 namespace hvi::solver {
 namespace {
