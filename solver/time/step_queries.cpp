@@ -46,30 +46,24 @@ void Stepper::account(WorkCounters& work, Timing& timing) const {
     work.history_fields += static_cast<int>(report.fields);
     work.bytes += report.bytes;
   }
-  if (layout_.interior) {
-    const auto statistics = layout_.interior->statistics();
-    work.analyses += statistics.analyses;
-    work.factorisations += statistics.factorisations;
-    work.sweeps += statistics.sweeps;
-    work.bytes += statistics.bytes;
-    timing.ordering += statistics.seconds_analyse;
-    timing.factor += statistics.seconds_factor;
-    timing.swept_bytes += statistics.bytes_swept;
-  }
+  const auto charge = [&](const FactorStatistics& factor) {
+    work.analyses += factor.analyses;
+    work.factorisations += factor.factorisations;
+    work.sweeps += factor.sweeps;
+    work.bytes += factor.bytes;
+    timing.ordering += factor.seconds_analyse;
+    timing.factor += factor.seconds_factor;
+    timing.swept_bytes += factor.bytes_swept;
+  };
+  if (layout_.interior) charge(layout_.interior->statistics());
   for (const auto& base : operators_.bases)
     work.bytes += static_cast<double>(base.nonZeros()) * (sizeof(double) + sizeof(int));
   for (const auto& half : halves_) work.bytes += half.bytes();
   for (const auto& cached : matrices_) {
     work.bytes += cached.matrix->bytes();
     const auto statistics = cached.matrix->statistics();
-    work.analyses += statistics.analyses;
+    charge(statistics);
     work.reciprocal_condition = statistics.reciprocal_condition;
-    work.factorisations += statistics.factorisations;
-    work.sweeps += statistics.sweeps;
-    work.bytes += statistics.bytes;
-    timing.ordering += statistics.seconds_analyse;
-    timing.factor += statistics.seconds_factor;
-    timing.swept_bytes += statistics.bytes_swept;
     timing.inequality += cached.matrix->seconds_inequality;
     timing.sweeps += cached.matrix->seconds_sweeps;
   }
