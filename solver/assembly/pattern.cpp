@@ -71,11 +71,11 @@ void MatrixPattern::fill_columns() {
     for (int c = 0; c < components_; ++c) {
       const int start = row_start_[i * components_ + c];
       if (start < 0) continue;
-      if (first_row == nullptr)
-        fill_row(i, inner + start);
+      int* const row = inner + start;
+      if (first_row != nullptr)
+        std::copy_n(first_row, row_length_[i], row);
       else
-        std::copy_n(first_row, row_length_[i], inner + start);
-      if (first_row == nullptr) first_row = inner + start;
+        fill_row(i, row), first_row = row;
     }
   }
 }

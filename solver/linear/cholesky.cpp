@@ -323,16 +323,15 @@ void Cholesky::back_all(const DenseMatrix& c, std::span<const Vector> kept,
   const auto count = static_cast<int>(c.cols()), groups = (count + lanes - 1) / lanes;
   if (count == 0 || count > most_at_once) throw std::logic_error("too many sweeps at once");
   x.resize(groups * lanes, size_); // in the order of elimination
+  auto inside = x.leftCols(interior_);
+  if (kept.empty()) inside.setZero();
   Vector weight = Vector::Zero(x.rows());
-  if (kept.empty()) x.leftCols(interior_).setZero();
   for (std::size_t k = 0; k < kept.size(); ++k) {
     weight.head(count) = weights.col(static_cast<Eigen::Index>(k));
-    for (int i = 0; i < interior_; ++i) {
-      if (k == 0)
-        x.col(i) = kept[k][i] * weight;
-      else
-        x.col(i) += kept[k][i] * weight;
-    }
+    if (k == 0)
+      inside.noalias() = weight * kept[k].transpose();
+    else
+      inside.noalias() += weight * kept[k].transpose();
   }
   x.rightCols(size_ - interior_).topRows(count) = c.transpose();
   x.rightCols(size_ - interior_).bottomRows(groups * lanes - count).setZero();

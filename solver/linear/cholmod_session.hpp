@@ -2,13 +2,7 @@
 // ordering and by the Cholesky factorisation; nothing outside this folder sees CHOLMOD.
 #pragma once
 
-#include "solver/linear/sparse.hpp"
-
 #include <cholmod.h>
-
-#include <span>
-#include <utility>
-#include <vector>
 
 namespace hvi::solver {
 
