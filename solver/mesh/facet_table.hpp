@@ -61,11 +61,10 @@ private:
   std::vector<Side> sides_;
 };
 
-/// The facets of a mesh without named ones, all of them between nodes with a flag.
-void build_boundary(Mesh& mesh, std::span<const char> outer);
-
-/// build_facets with index -1 for a named facet that no cell has.
+/// build_facets with index -1 for a named facet that no cell has. With `among` (a flag for each
+/// node) all facets to be found are known to lie between flagged nodes.
 std::vector<std::int32_t> index_facets(Mesh& mesh,
-                                       const std::vector<std::array<std::int32_t, 3>>& named);
+                                       const std::vector<std::array<std::int32_t, 3>>& named,
+                                       std::span<const char> among = {});
 
 } // namespace hvi::solver

@@ -138,19 +138,10 @@ FacetTable::Run FacetTable::find(const FacetKey& key) const {
   return {begin, run_end(begin, bucket_end)};
 }
 
-void build_boundary(Mesh& mesh, std::span<const char> outer) {
-  const FacetTable table(mesh, outer);
-  mesh.facets.clear();
-  table.for_each([&](FacetTable::Run run) {
-    check_run(mesh, table, run);
-    if (run.end - run.begin == 1)
-      mesh.facets.push_back(make_facet(mesh, table.sides()[run.begin], -1));
-  });
-}
-
 std::vector<std::int32_t> index_facets(Mesh& mesh,
-                                       const std::vector<std::array<std::int32_t, 3>>& named) {
-  const FacetTable table(mesh);
+                                       const std::vector<std::array<std::int32_t, 3>>& named,
+                                       std::span<const char> among) {
+  const FacetTable table(mesh, among);
   const auto& sides = table.sides();
   std::vector<std::int32_t> facet_at(named.empty() ? 0 : sides.size(), -1); // by begin of a run
   mesh.facets.clear();

@@ -167,7 +167,7 @@ Mesh structured_mesh(int dim, const std::array<std::vector<double>, 3>& coordina
           {(line(0, i) + line(0, i + 1)) / 2, (line(1, j) + line(1, j + 1)) / 2, 0.0});
   add_cells(grid, mesh);
   outer.resize(mesh.nodes.size(), 0); // those in the middle of a cell
-  build_boundary(mesh, outer);
+  index_facets(mesh, {}, outer);
   name_sides(grid, mesh);
   mesh.description = describe(grid, coordinates);
   return mesh;
