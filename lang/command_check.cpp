@@ -3,7 +3,6 @@
 #include "lang/driver.hpp"
 #include "lang/mesh_values.hpp"
 #include "solver/output/file.hpp"
-#include "solver/time/law_sampler.hpp"
 #include "solver/time/step.hpp"
 
 #include <fmt/format.h>
@@ -24,9 +23,6 @@ bool check_on_mesh(Script& script, solver::Discretisation& discretisation) {
     if (!script.diagnostics.has_errors()) {
       solver::Timing timing;
       solver::Stepper stepper(*script.plan, discretisation, timing);
-      for (const solver::Failure& failure :
-           solver::misplaced_multipliers(*script.plan, discretisation, stepper.contact()))
-        add_failure(script, failure);
       stepper.advance(1);
     }
   } catch (const solver::Failure& failure) {

@@ -2,6 +2,7 @@
 // engine: plan -> Discretisation -> run (run.cpp), hypotheses, study.
 #include "solver/time/adapt.hpp"
 #include "solver/time/clock.hpp"
+#include "solver/time/law_sampler.hpp"
 #include "solver/time/overlaps.hpp"
 #include "solver/time/run.hpp"
 
@@ -148,7 +149,8 @@ std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& 
                     "every degree of freedom is imposed: nothing is left to solve for");
   });
   if (spaced) collect(failures, [&] { check_initial(plan, out); });
-  return failures;
+  if (!failures.empty()) return failures;
+  return misplaced_multipliers(plan, out); // a law in a wrong place has no second mistake
 }
 
 } // namespace hvi::solver

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 namespace hvi::solver {
 namespace {
@@ -168,28 +169,42 @@ double LawSampler::integral(const Contact& contact, const Snapshot& snapshot) {
   return std::inner_product(values_.begin(), values_.end(), block_.weight.begin(), 0.0);
 }
 
-std::vector<Failure> misplaced_multipliers(const Plan& plan, const Discretisation& d,
-                                           const Contact& contact) {
+namespace {
+
+/// Does an expression read the multiplier of a law that acts on another part?
+bool reads_from_elsewhere(const Plan& plan, const Expr& expression, int part) {
+  for (int term = 0; term < static_cast<int>(plan.law_terms.size()); ++term) {
+    const Slot first = slot::first_multiplier + 4 * term;
+    if (plan.law_terms[term].part != part && expression.depends_on_any(first, first + 4))
+      return true;
+  }
+  return false;
+}
+
+} // namespace
+
+std::vector<Failure> misplaced_multipliers(const Plan& plan, const Discretisation& d) {
   std::vector<Failure> failures;
+  std::optional<Contact> contact; // made where somebody asks
   const auto collect = [&](const auto& make) {
     try {
+      if (!contact) contact = make_contact(plan, d, make_layout(d.space, d.dofs));
       make();
     } catch (const Failure& failure) {
       failures.push_back(failure);
     }
   };
   for (const Probe& probe : plan.report.probes) {
-    if (!reads_multiplier(probe.expression)) continue;
-    if (probe.kind == Probe::Kind::integral)
-      collect([&] { LawSampler(plan, d, contact, {probe.expression}, probe.origin, probe.part); });
-    if (probe.kind == Probe::Kind::at_point)
-      collect(
-          [&] { LawSampler::at(plan, d, contact, probe.expression, probe.origin, probe.point); });
+    const Expr& e = probe.expression;
+    if (probe.kind == Probe::Kind::integral && reads_from_elsewhere(plan, e, probe.part))
+      collect([&] { LawSampler(plan, d, *contact, {e}, probe.origin, probe.part); });
+    if (probe.kind == Probe::Kind::at_point && reads_multiplier(e))
+      collect([&] { LawSampler::at(plan, d, *contact, e, probe.origin, probe.point); });
   }
   for (const FieldsSpec& fields : plan.report.fields)
     for (const FieldSpec& field : fields.fields)
-      if (std::ranges::any_of(field.components, reads_multiplier))
-        collect([&] { LawSampler(plan, d, contact, field.components, field.origin); });
+      if (plan.law_terms.size() > 1 && std::ranges::any_of(field.components, reads_multiplier))
+        collect([&] { LawSampler(plan, d, *contact, field.components, field.origin); });
   return failures;
 }
 

@@ -50,7 +50,6 @@ private:
 };
 
 /// The probes and fields of a report that ask for multipliers where there are none.
-std::vector<Failure> misplaced_multipliers(const Plan& plan, const Discretisation& discretisation,
-                                           const Contact& contact);
+std::vector<Failure> misplaced_multipliers(const Plan& plan, const Discretisation& discretisation);
 
 } // namespace hvi::solver
