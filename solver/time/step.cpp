@@ -324,10 +324,11 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
 
 /// Coulomb's bound depends on the normal multiplier: the step is solved again with the bounds of
 /// its own last solution until they no longer move. Leaves the graphs at the last solution's
-/// bounds.
+/// bounds, whether they still move or not: the certificate judges all laws at one state.
 void Stepper::couple_bounds(int n, StepMatrix& matrix, StepResult& out) {
-  for (int pass = 0; pass < most_passes && out.inequality.converged; ++pass) {
+  for (int pass = 0; out.inequality.converged; ++pass) {
     prepare(contact_, plan_, grid_.t(n), known_, inequality_.xi);
+    if (pass == most_passes) return;
     combined_ = known_;
     combined_.head(layout_.n_unknowns) += d_;
     const auto inclusion =
