@@ -35,6 +35,14 @@ std::string number(std::optional<double> value) {
   return std::isnan(*value) ? "not found" : fmt::format("{:.6g}", *value);
 }
 
+/// How a number was found: "proved", "proved between 1 and 2", "sampled"; "" where it is not told.
+std::string provenance(const std::optional<solver::Bracket>& known) {
+  if (!known) return "";
+  const std::string said(word(known->how()));
+  if (known->how() != solver::Provenance::between) return said;
+  return fmt::format("{} {:.6g} and {:.6g}", said, known->low, known->high);
+}
+
 /// Words of a text on lines of at most `width`, each begun by `indent` spaces.
 std::string folded(const std::string& text, std::size_t indent, std::size_t width) {
   std::string out, line;
@@ -66,9 +74,10 @@ std::string hypotheses_text(const Script& script, const solver::HypothesisReport
     const int line = line_of(script, h.origin);
     const std::string answer =
         colour ? fmt::format("{}{}\033[0m", tint(h.answer), word(h.answer)) : word(h.answer);
-    fmt::format_to(std::back_inserter(out), "{:<6} {:<{}}  {:>12}  {}{}\n",
+    fmt::format_to(std::back_inserter(out), "{:<6} {:<{}}  {:>12}  {}{}{}\n",
                    h.name == last ? "" : h.name, h.what, what_width, number(h.value), answer,
-                   line > 0 ? fmt::format("  line {}", line) : "");
+                   line > 0 ? fmt::format("  line {}", line) : "",
+                   h.known ? "  " + provenance(h.known) : "");
     if (!h.note.empty()) out += folded(h.note, 9, 100);
     last = h.name;
   }
@@ -84,6 +93,9 @@ std::string hypotheses_json(const Script& script, const solver::HypothesisReport
     if (std::isinf(v)) return v > 0 ? "inf" : "-inf";
     return v;
   };
+  const auto found = [&](const solver::Bracket& b) -> Json {
+    return {{"how", word(b.how())}, {"low", value(b.low)}, {"high", value(b.high)}};
+  };
   Json hypotheses = Json::array();
   for (const auto& h : report.hypotheses) {
     Json row = {{"name", h.name}, {"bound", h.what}};
@@ -91,6 +103,7 @@ std::string hypotheses_json(const Script& script, const solver::HypothesisReport
     row["holds"] = h.answer == Answer::open ? Json(nullptr) : Json(h.answer == Answer::holds);
     row["line"] = line_of(script, h.origin);
     row["note"] = h.note;
+    if (h.known) row["provenance"] = found(*h.known);
     hypotheses.push_back(row);
   }
   const auto& c = report.constants;
@@ -122,6 +135,7 @@ std::string hypotheses_json(const Script& script, const solver::HypothesisReport
                       {"usable", value(report.usable)},
                       {"longest_step", value(c.longest_step)},
                       {"tau_0", tau}};
+  out["provenance"] = {{"m_J", found(c.m_J_known)}, {"c_J", found(c.c_J_known)}};
   out["verdict"] = {
       {"discrete", {{"holds", report.discrete}, {"says", report.discrete_verdict}}},
       {"continuous", {{"holds", report.continuous}, {"says", report.continuous_verdict}}}};

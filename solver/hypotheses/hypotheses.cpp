@@ -135,30 +135,39 @@ private:
 
   void judge_laws() {
     c().m_nu = c().m_tau = c().c_J = 0.0;
+    Bracket m_nu, m_tau;
     for (const auto& law : numbers_.laws()) {
       const auto& term = plan_.law_terms[law.term];
       if (const std::string& other = plan_.laws[term.law].coupled; !other.empty()) {
         c().m_nu = c().m_tau = c().c_J = infinity;
+        m_nu = c().c_J_known = Bracket::exactly(infinity);
         row("H(J)", fmt::format("`{}` is a law of its argument alone", term.name), std::nullopt,
             Answer::fails, term.origin,
             fmt::format("its bound is the multiplier of `{}` (Coulomb): beyond the theory", other));
         coupled_ = true;
         continue;
       }
-      (law.radial ? c().m_tau : c().m_nu) = std::max(law.radial ? c().m_tau : c().m_nu, law.m);
-      c().c_J = std::max(c().c_J, law.c);
-      const std::string mark = law.exact ? "" : " (sampled)";
-      row("H(J)", fmt::format("`{}` grows linearly: c_J", term.name), law.c,
-          yes(std::isfinite(law.c)), term.origin, mark.empty() ? "" : "sampled");
-      row("H(J)", fmt::format("`{}` is relaxed monotone: m_J", term.name), law.m,
-          yes(std::isfinite(law.m)), term.origin,
-          std::isfinite(law.m)
-              ? fmt::format("steepest descent of the slope{}{}; regular, as j + m r^2/2 is convex",
-                            law.m > 0.0 ? fmt::format(" at {:.6g}", law.at) : "", mark)
+      const double m = law.m.value(), growth = law.c.value();
+      double& most = law.radial ? c().m_tau : c().m_nu;
+      most = std::max(most, m);
+      Bracket& known = law.radial ? m_tau : m_nu;
+      known = larger(known, law.m);
+      c().c_J = std::max(c().c_J, growth);
+      c().c_J_known = larger(c().c_J_known, law.c);
+      row("H(J)", fmt::format("`{}` grows linearly: c_J", term.name), growth,
+          yes(std::isfinite(growth)), term.origin)
+          .known = law.c;
+      row("H(J)", fmt::format("`{}` is relaxed monotone: m_J", term.name), m, yes(std::isfinite(m)),
+          term.origin,
+          std::isfinite(m)
+              ? fmt::format("steepest descent of the slope{}; regular, as j + m r^2/2 is convex",
+                            m > 0.0 ? fmt::format(" at {:.6g}", law.at) : "")
               : fmt::format("the slope jumps down at {:.6g}{}", law.at,
-                            law.regular ? "; -j is regular" : "; neither j nor -j is regular"));
+                            law.regular ? "; -j is regular" : "; neither j nor -j is regular"))
+          .known = law.m;
     }
     c().m_J = c().m_nu + c().m_tau;
+    c().m_J_known = m_nu + m_tau;
     const auto& norms = numbers_.traces();
     c().norm_normal = norms.normal, c().norm_tangential = norms.tangential;
     c().norm_full = norms.full, c().norm_script = numbers_.script_norm();
@@ -191,7 +200,7 @@ private:
     Origin out = plan_.time.origin;
     double most = -1.0;
     for (const auto& law : numbers_.laws())
-      if (law.m > most) most = law.m, out = plan_.law_terms[law.term].origin;
+      if (law.m.value() > most) most = law.m.value(), out = plan_.law_terms[law.term].origin;
     return out;
   }
 

@@ -1,6 +1,7 @@
 // The hypotheses of the existence theorem as numbers, for one plan on one mesh.
 #pragma once
 
+#include "solver/common/bracket.hpp"
 #include "solver/time/run.hpp"
 
 #include <optional>
@@ -19,6 +20,7 @@ struct Hypothesis {
   Answer answer = Answer::open;
   Origin origin; ///< what in the script decides it
   std::string note;
+  std::optional<Bracket> known{}; ///< how `value` was found, where that is told
 };
 
 /// Numbers relative to the norm of V, || eps(v) || (scalar: || grad v ||, with the mass where
@@ -32,6 +34,7 @@ struct TheoryConstants {
   double norm_normal, norm_tangential, norm_full; ///< ||M||^2 on the parts with laws
   double norm_script; ///< ||M||^2 of the script's own M: the arguments of all its laws together
   double longest_step;
+  Bracket m_J_known, c_J_known; ///< m_J and c_J with how they were found
 };
 
 /// The same condition in several sharpnesses; each holds when positive.

@@ -22,10 +22,13 @@ std::vector<double> sample_times(const Plan& plan, const Law& law) {
   return out;
 }
 
-void take(const LawConstants& here, TermConstants& out) {
-  if (here.m > out.m) out.m = here.m, out.at = here.worst_at;
-  out.c = std::max(out.c, here.c);
-  out.exact = out.exact && here.exact;
+void take(const LawConstants& here, bool everywhere, TermConstants& out) {
+  const auto known = [&](double value) {
+    return here.exact && everywhere ? Bracket::exactly(value) : Bracket::at_least(value);
+  };
+  if (here.m > out.m.low) out.at = here.worst_at;
+  out.m = larger(out.m, known(here.m));
+  out.c = larger(out.c, known(here.c));
   out.regular = out.regular && (here.clarke_regular || std::isfinite(here.m));
 }
 
@@ -58,9 +61,9 @@ std::vector<TermConstants> law_constants(const Plan& plan, const Contact& contac
     const int points = law.depends_on_x() ? term.n_points() : std::min(term.n_points(), 1);
     const int stride = std::max(1, points / most_points);
     const auto times = sample_times(plan, law);
+    const bool everywhere = !law.depends_on_x() && times.size() == 1;
     for (int p = 0; p < points; p += stride)
-      for (const double t : times) take(law.constants(term.points.x[p], t), here);
-    here.exact = here.exact && stride == 1 && times.size() == 1;
+      for (const double t : times) take(law.constants(term.points.x[p], t), everywhere, here);
     out.push_back(here);
   }
   return out;

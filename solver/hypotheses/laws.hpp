@@ -1,6 +1,7 @@
 // The laws of a plan as constants and as forms, for the hypotheses.
 #pragma once
 
+#include "solver/common/bracket.hpp"
 #include "solver/hypotheses/extremes.hpp"
 #include "solver/time/contact.hpp"
 #include "solver/time/run.hpp"
@@ -13,8 +14,8 @@ namespace hvi::solver {
 struct TermConstants {
   int term = 0;        ///< index into Plan::law_terms
   bool radial = false; ///< of a vector, as friction
-  double m = 0.0, c = 0.0;
-  bool exact = true, regular = true;
+  Bracket m, c;        ///< m_J and c_J of H(J)
+  bool regular = true;
   double at = 0.0; ///< the argument where m is attained
 };
 std::vector<TermConstants> law_constants(const Plan& plan, const Contact& contact);

@@ -47,8 +47,8 @@ double Numbers::asymmetry(int field) const {
 std::optional<SparseMatrix> Numbers::descent() const {
   std::vector<double> weight(plan_.law_terms.size(), 0.0);
   for (const auto& law : laws_) {
-    if (!std::isfinite(law.m)) return std::nullopt;
-    weight[law.term] = law.m;
+    if (!std::isfinite(law.m.value())) return std::nullopt;
+    weight[law.term] = law.m.value();
   }
   return law_form(contact_, weight, layout_.n_unknowns);
 }
