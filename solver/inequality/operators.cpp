@@ -2,6 +2,7 @@
 #include "solver/inequality/inequality.hpp"
 #include "solver/linear/instruction_set.hpp"
 #include "solver/linear/lapack.hpp"
+#include "solver/linear/rough_inverse.hpp"
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
@@ -210,9 +211,7 @@ public:
     const int n = static_cast<int>(free_.size());
     if (n == 0 || n > largest_inverted) return;
     rough_inverse_ = rough_factor_;
-    int info = 0;
-    spotri_("L", &n, rough_inverse_.data(), &n, &info);
-    inverted_ = info == 0;
+    inverted_ = invert_from_factor(rough_inverse_, n);
     for (int k = 0; k < n; ++k) // the diagonal bounds the rest
       inverted_ = inverted_ && std::isfinite(rough_inverse_[static_cast<std::size_t>(k) * (n + 1)]);
   }
