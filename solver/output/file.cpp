@@ -82,6 +82,16 @@ void write_directly(const std::filesystem::path& path, std::string_view bytes) {
   if (!file.is_open() || !file.write(bytes) || !file.close()) fail(path, std::strerror(errno));
 }
 
+/// A new name lasts when the folder that holds it is on the disk, too.
+bool sync_folder(const std::filesystem::path& folder) {
+  const int descriptor =
+      ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool synced = ::fsync(descriptor) == 0 || errno == EINVAL; // some file systems cannot
+  ::close(descriptor);
+  return synced;
+}
+
 } // namespace
 
 void write_atomically(const std::filesystem::path& path, std::string_view bytes,
@@ -95,7 +105,8 @@ void write_atomically(const std::filesystem::path& path, std::string_view bytes,
   TemporaryFile file(path);
   const bool written = file.open() && file.write(bytes) &&
                        (durability == Durability::ordinary || file.sync()) && file.close() &&
-                       file.rename_to(path);
+                       file.rename_to(path) &&
+                       (durability == Durability::ordinary || sync_folder(path.parent_path()));
   if (!written) fail(path, std::strerror(errno));
 }
 

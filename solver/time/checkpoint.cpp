@@ -106,6 +106,7 @@ void add_tables(const Plan& plan, Hash& hash) {
   for (const auto& probe : plan.report.probes) tables.visit(probe.expression);
   for (const auto& fields : plan.report.fields)
     for (const auto& field : fields.fields) tables.visit(field.components);
+  for (const auto& picture : plan.report.pictures) tables.visit(picture.field.components);
 }
 
 void add_mesh(const Mesh& mesh, Hash& hash) {

@@ -1,0 +1,106 @@
+// What a checkpoint is good for: the same problem only, whole on the disk before it has its name.
+#include "plans.hpp"
+#include "solver/kernel/table.hpp"
+#include "solver/time/checkpoint.hpp"
+
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <functional>
+#include <set>
+
+namespace {
+int synced = 0; ///< calls of fsync by this program
+}
+extern "C" int fsync(int descriptor) {
+  ++synced;
+  return static_cast<int>(::syscall(SYS_fsync, descriptor));
+}
+
+namespace hvi::solver {
+namespace {
+
+using namespace testing_plans;
+
+Expr tabulated(double last, Table::Interpolation kind = Table::Interpolation::linear) {
+  return Expr::tabulated(std::make_shared<const Table>("load.csv", std::vector<double>{0, 1, 2},
+                                                       std::vector<double>{0, 1, last}, kind),
+                         var(slot::t));
+}
+
+std::uint64_t fingerprint_of(const Plan& plan) {
+  Discretisation d;
+  for (const auto& mistake : discretise(plan, d)) throw mistake;
+  return fingerprint(plan, d.mesh);
+}
+
+/// Everything that decides the numbers changes the fingerprint; each change gives another one.
+TEST(Fingerprint, ChangesWithEachIngredient) {
+  const auto changed = [](const std::function<void(Plan&)>& change) {
+    Plan plan = slab(3, 4, 2, true);
+    plan.loads.push_back(force(flank, {tabulated(7.0)}));
+    change(plan);
+    return fingerprint_of(plan);
+  };
+  using Change = std::function<void(Plan&)>;
+  const std::vector<Change> changes = {
+      [](Plan&) {},
+      [](Plan& p) { p.loads.back() = force(flank, {tabulated(7.0 + 1e-15)}); },
+      [](Plan& p) {
+        p.loads.back() = force(flank, {tabulated(7.0, Table::Interpolation::monotone_cubic)});
+      },
+      [](Plan& p) {
+        p.loads.front() = force(body, {0.0, tabulated(7.0)});
+      },
+      [](Plan& p) {
+        p.space.dirichlet[0].value = {0.0, tabulated(7.0)};
+      },
+      [](Plan& p) {
+        p.space.dirichlet[0].value = {0.0, tabulated(8.0)};
+      },
+      [](Plan& p) { p.law_terms[0].rows[0].offset = tabulated(7.0); },
+      [](Plan& p) { p.law_terms[0].rows[0].offset = tabulated(8.0); },
+      [](Plan& p) { p.law_terms[0].factor = 1.0 + 1e-15; },
+      [](Plan& p) { p.laws[1].expression = Expr(0.5); },
+      [](Plan& p) { p.histories[0].kernel = exponential_kernel(0.5 + 1e-15); },
+      [](Plan& p) {
+        p.forms[0] = elastic(2, body, field_rate, {5, 10 + 1e-14});
+      },
+      [](Plan& p) { p.report.probes[0].expression = tabulated(7.0); },
+      [](Plan& p) { p.report.probes[0].expression = tabulated(8.0); },
+      [](Plan& p) { p.mesh.high[0] = 2 + 1e-15; },
+      [](Plan& p) { p.mesh.cells[1] = 4; },
+      [](Plan& p) { p.space.order = 2; },
+      [](Plan& p) { p.time.scheme = Scheme::bdf2; },
+      [](Plan& p) { p.time.sampling = LoadSampling::average; },
+      [](Plan& p) {
+        p.time.initial = {0.0, 1e-300 * (1.0 - var(slot::x(1)))};
+      },
+      [](Plan& p) { p.options.tolerance = 1e-9; },
+      [](Plan& p) { p.options.memory_tolerance = 1e-9; },
+      [](Plan& p) { p.options.branch = Branch::least_energy; },
+      [](Plan& p) { p.options.proportional_path = false; },
+      [](Plan& p) { p.options.shortened_sweeps = false; },
+      [](Plan& p) { p.options.audit = false; },
+  };
+  std::set<std::uint64_t> seen;
+  for (std::size_t i = 0; i < changes.size(); ++i)
+    EXPECT_TRUE(seen.insert(changed(changes[i])).second) << "change " << i << " is not seen";
+  // What may differ: where the mesh lies, how many threads work, how far the run goes.
+  for (const Change& same : {Change([](Plan& p) { p.mesh.path = "elsewhere.msh"; }),
+                             Change([](Plan& p) { p.options.threads = 2; }),
+                             Change([](Plan& p) { p.time.grid.push_back(1.25); })})
+    EXPECT_TRUE(seen.contains(changed(same)));
+}
+
+TEST(CheckpointFile, IsOnTheDiskBeforeItHasItsName) {
+  const auto path = std::filesystem::path(testing::TempDir()) / "hvi_synced" / "a.checkpoint";
+  synced = 0;
+  write_checkpoint(path, 42, "state");
+  EXPECT_EQ(synced, 2) << "the file, and the folder that holds its new name";
+  EXPECT_EQ(read_checkpoint(path, 42), "state");
+  EXPECT_THROW((void)read_checkpoint(path, 43), CheckpointFailure);
+}
+
+} // namespace
+} // namespace hvi::solver
