@@ -132,6 +132,7 @@ std::string hypotheses_json(const Script& script, const solver::HypothesisReport
                       {"margin_split", value(m.split)},
                       {"margin_against_B", value(m.against_b)},
                       {"step_margin", value(m.step)},
+                      {"worst_step", report.worst_step},
                       {"usable", value(report.usable)},
                       {"longest_step", value(c.longest_step)},
                       {"tau_0", tau}};

@@ -16,8 +16,6 @@ namespace hvi::lang {
 
 namespace {
 
-using solver::Failure;
-using solver::FailureKind;
 using solver::Point;
 using Triangle = std::array<std::int32_t, 3>;
 
@@ -51,11 +49,6 @@ std::array<double, 3> project(const Point& p, int dim) {
 /// Norm of the field at every node.
 std::vector<double> magnitudes(const solver::Plan& plan, const solver::FieldSpec& field,
                                const solver::Discretisation& d, const solver::RunResult& result) {
-  for (const solver::Expr& c : field.components)
-    if (c.depends_on_any(solver::slot::field(solver::field_rate, 0), solver::slot::first_inside))
-      throw Failure(FailureKind::bad_value, field.origin,
-                    fmt::format("`{}` cannot be drawn: a picture shows functions of u", field.name),
-                    "write it with `fields` and open the VTU file");
   const std::array<const solver::Vector*, 1> fields = {&result.u};
   const double t = plan.time.grid.empty() ? 0.0 : plan.time.grid.back();
   const auto values = solver::nodal_values(d.space, field.components, {fields, t});

@@ -48,7 +48,8 @@ constexpr std::array table = {
             "isotropic(lambda = , mu = ) or isotropic(young = , poisson = )",
             "lambda tr(e) I + 2 mu e; plane strain in 2D"},
     BuiltIn{"orthotropic", K::tensor,
-            "orthotropic(young = [..], poisson = [..], shear = [..], axes = [[..], ..])",
+            "orthotropic(young = [x, y, z], poisson = [xy, yz, xz], shear = [xy, yz, xz], axes = "
+            "[[..], ..])",
             "three planes of symmetry"},
     BuiltIn{"prony", K::tensor, "prony(weights = [..], times = [..])",
             "sum of weights[i] exp(-lag/times[i]), in a kernel"},

@@ -354,7 +354,10 @@ void Checker::check_unused() {
       continue;
     }
     diagnostics_.add(diagnose("W0101", d.span, fmt::format("`{}` is never used", d.name))
-                         .with_help("remove it, or use it in the inequality"));
+                         .with_help(std::holds_alternative<ast::Fn>(*d.statement)
+                                        ? "remove it, or use it in the inequality; its body is "
+                                          "checked where it is called"
+                                        : "remove it, or use it in the inequality"));
   }
 }
 

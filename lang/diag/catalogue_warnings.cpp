@@ -9,7 +9,8 @@ namespace {
 constexpr auto entries = std::to_array<CatalogueEntry>({
     {"W0101", "never used",
      R"(
-A declaration that nothing uses. It is checked all the same.)",
+A declaration that nothing uses. It is checked all the same, but for the body of a function: what
+stands there is checked where the function is called, with what it is given.)",
      R"(
 param spare = 1)",
      R"(

@@ -178,6 +178,13 @@ std::optional<double> GramForm::largest(const SparseMatrix& k) const {
 
 std::optional<double> GramForm::norm(const SparseMatrix& e) const {
   const SparseMatrix transposed = e.transpose();
+  if (e.rows() <= dense_size) { // the iteration wants two unknowns at least
+    const DenseMatrix dense(e), half = DenseMatrix(g_).llt().matrixL().solve(dense);
+    const DenseMatrix square = half.transpose() * half; // E^T G^-1 E
+    return std::sqrt(std::max(0.0, Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix>(
+                                       square, DenseMatrix(g_), Eigen::EigenvaluesOnly)
+                                       .eigenvalues()[e.rows() - 1]));
+  }
   const auto square = extreme(
       *this,
       [&](const Vector& x) -> Vector {

@@ -17,6 +17,11 @@ public:
   explicit GramForm(SparseMatrix g);
 
   const SparseMatrix& matrix() const { return g_; }
+  /// Another one of the same pattern: the analysis is kept. Throws as the constructor does.
+  void replace(SparseMatrix g) {
+    g_ = std::move(g);
+    factorisation_->factor(g_);
+  }
   void solve(const Vector& b, Vector& x) const { factorisation_->solve(b, x); }
 
   /// Extremes of <K v, v> / <G v, v> for the symmetric part of K. By Lanczos (Spectra), to 1e-9; in

@@ -5,7 +5,9 @@
 
 #include "solver/hypotheses/numbers.hpp"
 #include "solver/hypotheses/tensors.hpp"
+#include "solver/hypotheses/verdicts.hpp"
 #include "solver/mesh/generate.hpp"
+#include "solver/time/step_weights.hpp"
 
 #include <fmt/format.h>
 
@@ -26,12 +28,25 @@ Origin form_origin(const Plan& plan, int field) {
   return plan.time.origin;
 }
 
+/// The k at which  m_A/k + room - product k = 0: below it a step has one solution, as A is
+/// coercive.
+double step_bound(double m_a, double room, double product) {
+  if (!(m_a > 0.0) || !std::isfinite(room) || !std::isfinite(product)) return 0.0;
+  const double root = std::sqrt(room * room + 4.0 * m_a * product);
+  if (room <= 0.0) return root - room > 0.0 ? 2.0 * m_a / (root - room) : infinity;
+  return product > 0.0 ? (room + root) / (2.0 * product) : infinity;
+}
+
 class Judgement {
 public:
-  Judgement(const Plan& plan, const Discretisation& d) : plan_(plan), d_(d), numbers_(plan, d) {}
+  Judgement(const Plan& plan, const Discretisation& d) : plan_(plan), d_(d), numbers_(plan, d) {
+    facts_.is_static = plan.time.is_static;
+    facts_.has_laws = !plan.law_terms.empty();
+  }
 
   HypothesisReport report(bool extrapolate) {
     longest_step();
+    steps_ = step_weights(plan_);
     judge_a();
     judge_b();
     judge_memory();
@@ -40,7 +55,8 @@ public:
     judge_smallness();
     judge_steps();
     if (extrapolate) refine_norms();
-    verdicts();
+    judge_rate();
+    give_verdicts(facts_, out_);
     return std::move(out_);
   }
 
@@ -52,14 +68,14 @@ private:
     return out_.hypotheses.back();
   }
   static Answer yes(bool holds) { return holds ? Answer::holds : Answer::fails; }
+  static Answer positive(double v) { return std::isnan(v) ? Answer::open : yes(v > 0.0); }
   TheoryConstants& c() { return out_.constants; }
 
   void longest_step() {
     c().longest_step = 0.0;
     const auto& grid = plan_.time.grid;
     for (std::size_t n = 1; n < grid.size(); ++n)
-      if (grid[n] - grid[n - 1] > c().longest_step)
-        c().longest_step = grid[n] - grid[n - 1], longest_ = n;
+      c().longest_step = std::max(c().longest_step, grid[n] - grid[n - 1]);
   }
 
   std::string place(const Ellipticity& e) const {
@@ -80,10 +96,35 @@ private:
     const Origin origin = form_origin(plan_, field_rate);
     const double defect = numbers_.asymmetry(field_rate);
     row("H(A)", "A is symmetric: its defect", defect, yes(defect <= 1e-12), origin);
-    row("H(A)", "A is coercive: m_A", c().m_A, yes(c().m_A > 0.0), origin,
+    rate_row_ = out_.hypotheses.size();
+    row("H(A)", "A is coercive in V: m_A", c().m_A, positive(c().m_A), origin,
         std::isfinite(tensor.least)
             ? fmt::format("pointwise m_1 = {:.6g}{}", tensor.least, place(tensor))
             : std::string());
+  }
+
+  /// Coercive in V or in H? A tensor that is elliptic everywhere is the former's proof; else the
+  /// least eigenvalue goes to 0 under refinement where it is the latter only.
+  void judge_rate() {
+    if (!numbers_.acts_on(field_rate)) return;
+    auto& answer = out_.hypotheses[rate_row_];
+    const double finer = m_a_finer_.value_or(nan);
+    const bool keeps = c().m_1 > 0.0 || finer > 0.7 * c().m_A;
+    if (c().m_A > 0.0 && keeps) {
+      out_.rate_form = RateForm::in_v;
+      return;
+    }
+    const double in_h = numbers_.coercivity_in_h(field_rate);
+    const double in_h_finer = m_h_finer_.value_or(in_h);
+    const bool in_l2 = in_h > 0.0 && in_h_finer > 0.7 * in_h;
+    out_.rate_form = in_l2 ? RateForm::in_h : RateForm::weak;
+    answer.answer = Answer::fails;
+    if (c().m_A > 0.0)
+      answer.note += fmt::format(
+          "{}on this mesh only{}: A holds no gradient everywhere", answer.note.empty() ? "" : "; ",
+          std::isnan(finer) ? std::string() : fmt::format(", {:.6g} on the refined", finer));
+    row("H(A)", "A is coercive in H = L2: m_H", in_h, yes(in_l2), answer.origin,
+        in_l2 ? "the evolution is parabolic: see `theorem`" : "");
   }
 
   void judge_b() {
@@ -102,7 +143,7 @@ private:
     if (defect > 1e-12)
       note += fmt::format("{}not symmetric ({:.2g}), which the theory does not ask for",
                           note.empty() ? "" : "; ", defect);
-    row("H(B)", "B is coercive: m_B", c().m_B, yes(c().m_B > 0.0), form_origin(plan_, field_u),
+    row("H(B)", "B is coercive: m_B", c().m_B, positive(c().m_B), form_origin(plan_, field_u),
         note);
   }
 
@@ -113,12 +154,10 @@ private:
       const auto& kernel = plan_.histories[m].kernel;
       const double e = numbers_.memory_norm(static_cast<int>(m));
       const auto norms = kernel_norms(kernel.expression, grid.front(), grid.back());
-      const double k = c().longest_step;
-      const double step = interval_integral(abs(kernel.expression), grid[longest_], 0.0, k, 0);
       c().c_E = std::max(c().c_E, e);
       c().c_q = std::max(c().c_q, norms.sup);
       c().lipschitz_q = std::max(c().lipschitz_q, norms.lipschitz);
-      c().memory_step += e * step;
+      memory_norms_.push_back(e);
       product_ += e * norms.sup;
       row("H(E)", fmt::format("E of `{}` is bounded: ||E||", kernel.name), e, yes(std::isfinite(e)),
           plan_.histories[m].origin);
@@ -144,7 +183,7 @@ private:
         row("H(J)", fmt::format("`{}` is a law of its argument alone", term.name), std::nullopt,
             Answer::fails, term.origin,
             fmt::format("its bound is the multiplier of `{}` (Coulomb): beyond the theory", other));
-        coupled_ = true;
+        facts_.coupled = true;
         continue;
       }
       const double m = law.m.value(), growth = law.c.value();
@@ -213,121 +252,128 @@ private:
     m.paper = less(c().m_J, std::max(c().norm_full, c().norm_script));
     m.largest = less(std::max(c().m_nu, c().m_tau), c().norm_script);
     m.split = numbers_.margin_split(m_b);
-    m.against_b =
-        numbers_.acts_on(field_u) ? numbers_.margin_against(numbers_.of_field(field_u)) : -infinity;
+    m.against_b = m_b > 0.0 ? numbers_.margin_against(numbers_.of_field(field_u)) : -infinity;
     const Origin origin = worst_law();
-    row("(H0)", "m_B - (m_nu + m_tau) ||M||^2, full trace", m.paper, yes(m.paper > 0.0), origin);
-    row("(H0)", "m_B - max(m_nu, m_tau) ||M||^2, the script's M", m.largest, yes(m.largest > 0.0),
+    row("(H0)", "m_B - (m_nu + m_tau) ||M||^2, full trace", m.paper, positive(m.paper), origin);
+    row("(H0)", "m_B - max(m_nu, m_tau) ||M||^2, the script's M", m.largest, positive(m.largest),
         origin, "its parts are orthogonal: the larger constant suffices");
-    row("(H0)", "m_B - lambda_max(sum m_i M_i^T W M_i)", m.split, yes(m.split > 0.0), origin,
+    row("(H0)", "m_B - lambda_max(sum m_i M_i^T W M_i)", m.split, positive(m.split), origin,
         "the split condition: each law against its own trace");
-    row("(H0)", "1 - lambda_max(sum m_i M_i^T W M_i, sym B)", m.against_b, yes(m.against_b > 0.0),
+    row("(H0)", "1 - lambda_max(sum m_i M_i^T W M_i, sym B)", m.against_b, positive(m.against_b),
         origin, "the same against B itself");
   }
 
-  SparseMatrix step_matrix() const {
-    Vector by_field = Vector::Zero(numbers_.operators().n_fields());
-    by_field[field_u] = 1.0;
-    const auto& grid = plan_.time.grid;
-    if (!plan_.time.is_static) {
-      const double k = out_.constants.longest_step;
-      by_field[field_rate] = (plan_.time.scheme == Scheme::bdf2 ? 1.5 : 1.0) / k;
-      for (std::size_t m = 0; m < plan_.histories.size(); ++m)
-        by_field[first_history_field + static_cast<int>(m)] =
-            interval_integral(plan_.histories[m].kernel.expression, grid[longest_], 0.0, k, 0);
-    }
-    return combine(numbers_.operators(), numbers_.operators().weights.transpose() * by_field);
+  /// The step whose matrix leaves the least room, of all that differ.
+  void judge_steps() {
+    StepRatio ratio(numbers_);
+    const int most = std::clamp(1'200'000 / std::max(1, d_.dofs.n_unknowns()), 24, 600);
+    const auto worst = worst_step(steps_, std::ref(ratio), most);
+    const auto n = static_cast<std::size_t>(worst.step);
+    // The iteration finds eigenvalues from below: what it promises is confirmed by a factor.
+    const double bound =
+        worst.bound < 1.0 && worst.within_budget && !ratio.below_one(weights_of(worst.step))
+            ? infinity
+            : worst.bound;
+    out_.margins.step = 1.0 - (worst.within_budget ? std::max(worst.ratio, 0.0) : worst.bound);
+    out_.worst_step = worst.step;
+    facts_.steps_margin = 1.0 - bound;
+    std::string note = plan_.time.is_static ? "K = B" : "all steps have one matrix";
+    if (steps_.steps.size() > 1)
+      note = fmt::format("K of step {} (t = {:.6g}), the worst of {} different ones{}", n,
+                         plan_.time.grid[n], steps_.steps.size(),
+                         worst.within_budget ? "" : "; a bound for all of them");
+    row("step", "1 - lambda_max(sum m_i M_i^T W M_i, sym K)", out_.margins.step,
+        positive(out_.margins.step), worst_law(), note);
+    out_.usable = nan;
+    if (!plan_.time.is_static) bound_steps();
   }
 
-  void judge_steps() {
-    Margins& m = out_.margins;
-    m.step = numbers_.margin_against(step_matrix());
-    row("step", "1 - lambda_max(sum m_i M_i^T W M_i, sym K)", m.step, yes(m.step > 0.0),
-        worst_law(), plan_.time.is_static ? "K = B" : "K of the longest step");
-    out_.usable = nan;
-    if (plan_.time.is_static) return;
-    const double k = c().longest_step;
+  const Vector& weights_of(int step) const {
+    const auto at = std::find(steps_.steps.begin(), steps_.steps.end(), step);
+    return steps_.c[static_cast<std::size_t>(at - steps_.steps.begin())];
+  }
+
+  /// The paper's bounds on the step, the one that A alone gives, and the usable one.
+  void bound_steps() {
+    const Margins& m = out_.margins;
+    const double k = c().longest_step, room = std::max({m.paper, m.largest, m.split});
+    const double script = c().m_J == 0.0 ? c().m_B : c().m_B - c().m_J * c().norm_script;
     const auto bound = [&](double numerator) {
-      return product_ > 0.0 ? std::max(0.0, numerator) / product_ : infinity;
+      return numerator <= 0.0 ? 0.0 : product_ > 0.0 ? numerator / product_ : infinity;
     };
     out_.tau_0 = {{"m_B / (c_E c_q)", bound(c().m_B)},
-                  {"(m_B - m_J ||M||^2) / (c_E c_q)", bound(m.paper)},
-                  {"half of it (Lemma 3.2)", bound(m.paper / 2.0)},
-                  {"k_0 of the error estimate, with C_2 >= c_E c_q", bound(m.paper)}};
+                  {"(m_B - m_J ||M||^2) / (c_E c_q)", bound(script)},
+                  {"half of it (Lemma 3.2)", bound(script / 2.0)},
+                  {"k_0 of the error estimate, with C_2 >= c_E c_q", bound(script)}};
+    const double with_a = step_bound(c().m_A, room, product_);
+    if (numbers_.acts_on(field_rate))
+      out_.tau_0.emplace_back("m_A/k > m_J ||M||^2 - m_B + c_E c_q k: without (H0)", with_a);
     for (const auto& [what, tau] : out_.tau_0)
       row("tau_0", what, tau, yes(k < tau), plan_.time.origin,
           fmt::format("the longest step is {:.6g}", k));
-    out_.usable = c().m_A / k + std::max({m.paper, m.largest, m.split}) - c().memory_step;
-    row("step", "m_A/k + margin - c_E int |q| over the step", out_.usable, yes(out_.usable > 0.0),
-        plan_.time.origin, "with the sharpest margin: the usable bound");
+    facts_.step_bound = with_a;
+    out_.usable = infinity;
+    c().memory_step = 0.0;
+    const auto absolute = absolute_weights(plan_, steps_);
+    for (std::size_t n = 0; n < absolute.size(); ++n) {
+      double memory = 0.0;
+      for (std::size_t i = 0; i < memory_norms_.size(); ++i)
+        memory += memory_norms_[i] * absolute[n][first_history_field + static_cast<int>(i)];
+      c().memory_step = std::max(c().memory_step, memory);
+      out_.usable = std::min(out_.usable, c().m_A * steps_.c[n][field_rate] + room - memory);
+    }
+    row("step", "m_A/k + margin - c_E int |q| over the step", out_.usable, positive(out_.usable),
+        plan_.time.origin, "with the sharpest margin: the usable bound, of the worst step");
   }
 
   /// Trace norms grow under refinement: twice the step from this mesh to the refined one is taken
   /// off the margins (as for order one, so rather too much).
   void refine_norms() {
-    if (plan_.law_terms.empty() || d_.dofs.n_unknowns() > 200000 >> d_.mesh.dim) return;
+    const bool asks =
+        !plan_.law_terms.empty() || (numbers_.acts_on(field_rate) && !(c().m_1 > 0.0));
+    if (!asks || d_.dofs.n_unknowns() > 200000 >> d_.mesh.dim) return;
     Discretisation fine;
     if (!discretise_on(plan_, refine(d_.mesh), fine).empty()) return;
     const Numbers finer(plan_, fine);
+    if (numbers_.acts_on(field_rate) && !(c().m_1 > 0.0)) {
+      m_a_finer_ = finer.coercivity(field_rate, nan);
+      m_h_finer_ = finer.coercivity_in_h(field_rate);
+    }
+    if (!plan_.law_terms.empty()) refine_margins(finer);
+  }
+
+  void refine_margins(const Numbers& finer) {
     const double m_b = finer.coercivity(field_u, c().m_2);
-    const auto limit = [](double coarse, double here) { return 2.0 * here - coarse; };
+    const auto limit = [](double coarse, double here) {
+      return std::isfinite(coarse) && std::isfinite(here) ? 2.0 * here - coarse : -infinity;
+    };
     const double softening = std::max(c().m_nu, c().m_tau);
     const double norm = limit(c().norm_script, finer.script_norm());
-    whole_limit_ = softening == 0.0           ? m_b
+    facts_.whole = softening == 0.0           ? m_b
                    : std::isfinite(softening) ? m_b - softening * norm
                                               : -infinity;
-    split_limit_ =
-        std::isfinite(softening) ? limit(out_.margins.split, finer.margin_split(m_b)) : -infinity;
+    facts_.split = limit(out_.margins.split, finer.margin_split(m_b));
+    facts_.against_b =
+        m_b > 0.0 ? limit(out_.margins.against_b, finer.margin_against(finer.of_field(field_u)))
+                  : -infinity;
     row("H(M)", "||M||^2 on ever finer meshes (estimate)", norm, yes(std::isfinite(norm)),
         plan_.law_terms.front().origin,
         fmt::format(
             "from this mesh and its refinement; there (H0) has the margin {:.6g}, the split "
-            "condition {:.6g}",
-            *whole_limit_, *split_limit_));
-  }
-
-  bool all_hold(std::initializer_list<const char*> names) const {
-    return std::all_of(out_.hypotheses.begin(), out_.hypotheses.end(), [&](const Hypothesis& h) {
-      return h.answer != Answer::fails ||
-             std::find(names.begin(), names.end(), h.name) == names.end();
-    });
-  }
-
-  void verdicts() {
-    const bool step_holds = out_.margins.step > 0.0 && all_hold({"H(f)"}) && !coupled_;
-    out_.discrete = step_holds;
-    const char* what = plan_.time.is_static ? "the problem" : "every step";
-    out_.discrete_verdict =
-        step_holds ? fmt::format("on this mesh {} has exactly one solution", what)
-        : coupled_ ? std::string("uniqueness is not guaranteed: a law is coupled to another one")
-        : std::isfinite(out_.margins.step)
-            ? fmt::format("uniqueness is not guaranteed: {} may have several solutions", what)
-            : std::string("uniqueness is not guaranteed: a law jumps down, or the forms are not "
-                          "coercive");
-    const bool rest = all_hold({"H(A)", "H(B)", "H(E)", "H(q)", "H(J)", "H(M)", "H(f)"});
-    const double whole = whole_limit_.value_or(out_.margins.largest);
-    const double split = split_limit_.value_or(out_.margins.split);
-    out_.continuous = rest && (whole > 0.0 || split > 0.0);
-    if (!rest)
-      out_.continuous_verdict = "the theorem does not apply: a hypothesis above fails";
-    else if (whole > 0.0)
-      out_.continuous_verdict = "the theorem applies (estimate: trace norms from meshes)";
-    else if (split > 0.0)
-      out_.continuous_verdict =
-          "(H0) fails for M as a whole, but the split condition holds and the proof needs no more: "
-          "one solution, to which the scheme converges (estimate: trace norms from meshes)";
-    else
-      out_.continuous_verdict = "the theorem does not apply: (H0) fails in every form";
+            "condition {:.6g}, against B {:.6g}",
+            *facts_.whole, *facts_.split, *facts_.against_b));
   }
 
   const Plan& plan_;
   const Discretisation& d_;
   Numbers numbers_;
   HypothesisReport out_;
-  std::size_t longest_ = 0;
-  bool coupled_ = false;
-  double product_ = 0.0;                            ///< sum c_E c_q over the kernels
-  std::optional<double> whole_limit_, split_limit_; ///< of the margins, on ever finer meshes
+  VerdictFacts facts_;
+  StepWeights steps_;
+  std::size_t rate_row_ = 0;                    ///< of "A is coercive in V"
+  double product_ = 0.0;                        ///< sum c_E c_q over the kernels
+  std::vector<double> memory_norms_;            ///< ||E_m||
+  std::optional<double> m_a_finer_, m_h_finer_; ///< on the refined mesh
 };
 
 } // namespace

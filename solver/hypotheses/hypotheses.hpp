@@ -29,7 +29,7 @@ struct TheoryConstants {
   double m_1, m_2;              ///< least eigenvalues of the tensors of A and B, pointwise
   double m_A, m_B;              ///< coercivity of A and of B on this mesh
   double c_E, c_q, lipschitz_q; ///< of the memory: ||E||, sup |q|, Lipschitz in t
-  double memory_step;           ///< sum ||E_m|| int over the longest step of |q_m(t, s)| ds
+  double memory_step;           ///< largest sum ||E_m|| int over a step of |q_m(t_n, s)| ds
   double m_nu, m_tau, m_J, c_J; ///< of the laws: m_J = m_nu + m_tau as in the paper
   double norm_normal, norm_tangential, norm_full; ///< ||M||^2 on the parts with laws
   double norm_script; ///< ||M||^2 of the script's own M: the arguments of all its laws together
@@ -43,17 +43,28 @@ struct Margins {
   double largest;   ///< m_B - max m_i ||M||^2 with the script's own M, whose parts are orthogonal
   double split;     ///< m_B - lambda_max(sum m_i M_i^T W M_i, Gram)
   double against_b; ///< 1 - lambda_max(sum m_i M_i^T W M_i, sym B)
-  double step;      ///< 1 - lambda_max(sum m_i M_i^T W M_i, sym K), K of the longest step
+  double step;      ///< 1 - lambda_max(sum m_i M_i^T W M_i, sym K), K of the worst step
+};
+
+/// What the form A of u' is: it decides which theorem there is for the evolution.
+enum class RateForm {
+  none, ///< there is none
+  in_v, ///< coercive in V: Theorem 3.2
+  in_h, ///< coercive in H = L2 only: a parabolic problem
+  weak  ///< neither, or not known
 };
 
 struct HypothesisReport {
   std::vector<Hypothesis> hypotheses;
   TheoryConstants constants;
   Margins margins;
+  int worst_step = 1; ///< the step of `margins.step`, the first with its matrix
+  RateForm rate_form = RateForm::none;
   std::vector<std::pair<std::string, double>> tau_0; ///< bounds on the step, by the paper's formula
-  double usable; ///< m_A / k + m_B - m_J ||M||^2 - memory_step, with the sharpest of the margins
-  bool discrete = false;   ///< every step has exactly one solution, on this mesh
-  bool continuous = false; ///< the theorem applies, as far as a mesh and its refinement can tell
+  /// m_A / k + m_B - m_J ||M||^2 - memory_step with the sharpest of the margins, of the worst step
+  double usable;
+  bool discrete = false;   ///< every step has exactly one solution, on this mesh: by proof
+  bool continuous = false; ///< a theorem applies, as far as a mesh and its refinement can tell
   std::string discrete_verdict, continuous_verdict;
 };
 

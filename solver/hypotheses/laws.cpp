@@ -69,19 +69,6 @@ std::vector<TermConstants> law_constants(const Plan& plan, const Contact& contac
   return out;
 }
 
-SparseMatrix law_form(const Contact& contact, const std::vector<double>& weight, int n_unknowns) {
-  Vector diagonal = Vector::Zero(contact.n_rows());
-  for (const auto& term : contact.terms)
-    for (int p = 0; p < term.n_points(); ++p) {
-      const auto& point = contact.problem.points[term.first_point + p];
-      diagonal.segment(point.first_row, point.rows)
-          .setConstant(weight[term.points.law_term] * point.weight);
-    }
-  const SparseMatrix g = contact.g.leftCols(n_unknowns);
-  const SparseMatrix weighted = diagonal.asDiagonal() * g;
-  return SparseMatrix(SparseMatrix(g.transpose()) * weighted);
-}
-
 TraceNorms trace_norms(const Plan& plan, const Discretisation& d, const StateLayout& layout,
                        const GramForm& gram) {
   const auto norm = [&](Trace trace) {

@@ -20,9 +20,6 @@ struct TermConstants {
 };
 std::vector<TermConstants> law_constants(const Plan& plan, const Contact& contact);
 
-/// sum_i weight_i M_i^T W M_i on the unknowns, weight_i per law term.
-SparseMatrix law_form(const Contact& contact, const std::vector<double>& weight, int n_unknowns);
-
 /// Largest eigenvalue against the Gram matrix of the traces on the parts with laws.
 struct TraceNorms {
   double normal = 0.0, tangential = 0.0, full = 0.0;

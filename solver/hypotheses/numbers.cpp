@@ -14,7 +14,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 } // namespace
 
 Numbers::Numbers(const Plan& plan, const Discretisation& d)
-    : plan_(plan), layout_(make_layout(d.space, d.dofs)),
+    : plan_(plan), discretisation_(d), layout_(make_layout(d.space, d.dofs)),
       operators_(assemble_operators(plan, d, layout_)), contact_(make_contact(plan, d, layout_)),
       gram_(restrict_rows(gram_v(d.space, d.dofs.eliminated.empty()), layout_)
                 .leftCols(layout_.n_unknowns)),
@@ -30,6 +30,13 @@ double Numbers::coercivity(int field, double pointwise) const {
   return gram_.least(of_field(field), below).value_or(nan);
 }
 
+double Numbers::coercivity_in_h(int field) const {
+  if (!acts_on(field)) return 0.0;
+  const GramForm gram(
+      restrict_rows(mass(discretisation_.space), layout_).leftCols(layout_.n_unknowns));
+  return gram.least(of_field(field)).value_or(nan);
+}
+
 double Numbers::memory_norm(int m) const {
   return gram_.norm(of_field(first_history_field + m)).value_or(nan);
 }
@@ -43,13 +50,14 @@ double Numbers::asymmetry(int field) const {
   return largest > 0.0 ? off / largest : 0.0;
 }
 
-/// sum m_i M_i^T W M_i; nothing when a law jumps down.
 std::optional<SparseMatrix> Numbers::descent() const {
   std::vector<double> weight(plan_.law_terms.size(), 0.0);
   for (const auto& law : laws_) {
     if (!std::isfinite(law.m.value())) return std::nullopt;
     weight[law.term] = law.m.value();
   }
+  const bool softens = std::any_of(weight.begin(), weight.end(), [](double m) { return m > 0.0; });
+  if (!softens) return SparseMatrix(layout_.n_unknowns, layout_.n_unknowns);
   return law_form(contact_, weight, layout_.n_unknowns);
 }
 
@@ -73,6 +81,58 @@ double Numbers::script_norm() const {
 double Numbers::margin_split(double m_b) const {
   const auto form = descent();
   return form ? m_b - gram_.largest(*form).value_or(nan) : -infinity;
+}
+
+SparseMatrix StepRatio::symmetric(const Vector& c) const {
+  const auto& operators = numbers_.operators();
+  const SparseMatrix k = combine(operators, operators.weights.transpose() * c);
+  // With the pattern of the laws' form, so that one analysis serves all combinations.
+  const SparseMatrix both = k + 0.0 * *descent_;
+  return operators.symmetric ? both : SparseMatrix(0.5 * (both + SparseMatrix(both.transpose())));
+}
+
+double StepRatio::operator()(const Vector& c) {
+  if (!descent_) return infinity;
+  const SparseMatrix k = symmetric(c);
+  try {
+    if (against_)
+      against_->replace(k);
+    else
+      against_ = std::make_unique<GramForm>(k);
+  } catch (const NotFactorable&) {
+    return infinity;
+  }
+  if (descent_->nonZeros() == 0) return 0.0;
+  const auto ratio = against_->largest(*descent_);
+  return ratio ? *ratio : by_factors(k);
+}
+
+/// Is ratio K - descent positive definite?
+bool StepRatio::exceeds(const SparseMatrix& k, double ratio) {
+  const SparseMatrix rest = ratio * k - *descent_;
+  try {
+    if (trial_)
+      trial_->replace(rest);
+    else
+      trial_ = std::make_unique<GramForm>(rest);
+  } catch (const NotFactorable&) {
+    return false;
+  }
+  return true;
+}
+
+bool StepRatio::below_one(const Vector& c) { return descent_ && exceeds(symmetric(c), 1.0); }
+
+/// A bound from above, where the iteration for the eigenvalue does not converge.
+double StepRatio::by_factors(const SparseMatrix& k) {
+  constexpr int halvings = 10;
+  double low = 0.0, high = 1.0;
+  if (!exceeds(k, high)) return infinity;
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (exceeds(k, middle) ? high : low) = middle;
+  }
+  return high;
 }
 
 } // namespace hvi::solver

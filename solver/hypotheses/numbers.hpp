@@ -4,6 +4,7 @@
 #include "solver/hypotheses/extremes.hpp"
 #include "solver/hypotheses/laws.hpp"
 #include "solver/time/operators.hpp"
+#include "solver/time/uniqueness.hpp"
 
 #include <optional>
 #include <vector>
@@ -19,6 +20,8 @@ public:
   /// Least eigenvalue against the Gram matrix (0 for no form, NaN when not found). `pointwise`: a
   /// lower bound of it where the form is one of strains alone.
   double coercivity(int field, double pointwise) const;
+  /// The same against the mass matrix: coercivity in H = L2.
+  double coercivity_in_h(int field) const;
   double memory_norm(int m) const;       ///< ||E|| of memory m; NaN when not found
   double asymmetry(int field) const;     ///< max |K_ij - K_ji| / max |K_ij|
   double script_norm() const;            ///< ||M||^2 of the arguments of all laws together
@@ -27,20 +30,44 @@ public:
   /// a law jumps down.
   double margin_against(const SparseMatrix& k) const;
 
+  /// sum m_i M_i^T W M_i, without entries where no law softens; nothing when a law jumps down.
+  std::optional<SparseMatrix> descent() const;
+
   const std::vector<TermConstants>& laws() const { return laws_; }
   const TraceNorms& traces() const { return traces_; }
   const Operators& operators() const { return operators_; }
 
 private:
-  std::optional<SparseMatrix> descent() const;
-
   const Plan& plan_;
+  const Discretisation& discretisation_;
   StateLayout layout_;
   Operators operators_;
   Contact contact_;
   GramForm gram_;
   std::vector<TermConstants> laws_;
   TraceNorms traces_;
+};
+
+/// lambda_max(sum m_i M_i^T W M_i, sym K) for many K of the same forms. Below 1: the problem with
+/// the matrix K has one solution for every load.
+class StepRatio {
+public:
+  /// Keeps a reference.
+  explicit StepRatio(const Numbers& numbers) : numbers_(numbers), descent_(numbers.descent()) {}
+  /// K = sum_f c_f F_f (step_weights.hpp). Infinite when K is not positive definite or a law jumps
+  /// down; 0 when no law softens.
+  double operator()(const Vector& c);
+  /// By a factor: is sym K - descent positive definite?
+  bool below_one(const Vector& c);
+
+private:
+  SparseMatrix symmetric(const Vector& c) const;
+  double by_factors(const SparseMatrix& k);
+  bool exceeds(const SparseMatrix& k, double ratio);
+
+  const Numbers& numbers_;
+  std::optional<SparseMatrix> descent_;
+  std::unique_ptr<GramForm> against_, trial_;
 };
 
 } // namespace hvi::solver

@@ -119,10 +119,17 @@ Ellipticity ellipticity(const Plan& plan, const Discretisation& d, int field) {
   out.origin = tensor.origin();
   out.varies = tensor.varies();
   const int cells = out.varies ? static_cast<int>(d.mesh.cells.size()) : 1;
+  bool any = false, bare = false;
+  Point without{};
   for (int cell = 0; cell < cells; ++cell) {
     const double here = tensor.least(cell);
+    bare = bare || std::isinf(here);
+    any = any || !std::isinf(here);
     if (here < out.least) out.least = here, out.at = middle(d.mesh, cell);
+    if (std::isinf(here)) without = middle(d.mesh, cell);
   }
+  // A tensor that acts in a part of the body only is 0 elsewhere.
+  if (any && bare && out.least > 0.0) out.least = 0.0, out.at = without;
   return out;
 }
 

@@ -110,8 +110,8 @@ public:
   /// Solves (*) from the warm start in `state`; on return `state` holds the solution.
   InequalityReport solve(const Vector& r, InequalityState& state);
   /// Is S - sum_p w_p m_p G_p^T G_p positive definite, m_p the steepest descent of p's law? Then
-  /// the problem has one solution for every r. Above a few thousand unknowns a lower bound of the
-  /// ratio decides, so `true` is then an estimate. Forgets the last factor.
+  /// the problem has one solution for every r. For a symmetric S, and a dense one of up to 1,500
+  /// unknowns: its factor may be rounded beyond. Forgets the last factor.
   bool convex();
   /// What one solve leaves to the next: a restored solver goes on with the same bits.
   void save(std::ostream& out) const;

@@ -37,6 +37,16 @@ public:
     }
   }
 
+  /// Has a law an infinite slope?
+  bool unbounded() const {
+    const auto infinite = [](double s) { return std::abs(s) >= unbounded_slope; };
+    return std::any_of(contact_.problem.graphs.begin(), contact_.problem.graphs.end(),
+                       [&](const LawGraph& g) {
+                         return std::any_of(g.left.begin(), g.left.end(), infinite) ||
+                                std::any_of(g.right.begin(), g.right.end(), infinite);
+                       });
+  }
+
   void start(double t, const Vector& u) {
     for (auto& history : histories_)
       history->start(t, {u.data(), static_cast<std::size_t>(u.size())});
@@ -141,9 +151,10 @@ FineSolution fine_trajectory(const Plan& plan, std::shared_ptr<const Trajectory>
   return out;
 }
 
-CeaTerms cea_terms(const FineSolution& solution, const Plan& plan, const Discretisation& coarse) {
+std::optional<CeaTerms> cea_terms(const FineSolution& solution, const Plan& plan,
+                                  const Discretisation& coarse) {
   CeaTerms out;
-  if (plan.time.is_static) return out;
+  if (plan.time.is_static) return std::nullopt;
   const Space& fine = solution.discretisation->space;
   // v = the interpolant of u: values of the fine function at the coarse nodes, seen in the fine
   // space.
@@ -152,6 +163,7 @@ CeaTerms cea_terms(const FineSolution& solution, const Plan& plan, const Discret
   const auto square = [&](const Vector& w) { return std::max(0.0, w.dot(gram * w)); };
   const auto& grid = plan.time.grid;
   Residual residual(solution, plan.time);
+  if (residual.unbounded()) return std::nullopt;
   Vector before = solution.u(grid.front());
   Vector off_before = up * (down * before) - before;
   residual.start(grid.front(), before);

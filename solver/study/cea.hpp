@@ -14,6 +14,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 
 namespace hvi::solver {
@@ -46,7 +47,10 @@ FineSolution fine_trajectory(const Plan& plan, std::shared_ptr<const Trajectory>
 
 /// The terms for a run on that space and the plan's time grid. R_n u is integrated with u affine on
 /// a step and exact kernel integrals: an error of order k^2 ||v - u|| in S_n, which is itself of
-/// the order of ||M(v - u)||. Zero everywhere for a static plan.
-CeaTerms cea_terms(const FineSolution& solution, const Plan& plan, const Discretisation& coarse);
+/// the order of ||M(v - u)||. Nothing for a static plan, and where a law is unbounded (unilateral
+/// contact): J^0 is infinite there, the interpolant need not be admissible, and the inequality says
+/// nothing.
+std::optional<CeaTerms> cea_terms(const FineSolution& solution, const Plan& plan,
+                                  const Discretisation& coarse);
 
 } // namespace hvi::solver

@@ -14,8 +14,6 @@ namespace hvi::solver {
 namespace {
 
 constexpr int worth_recovering = 8; ///< steps per recovery of the interior
-/// With the last step and the field that is read after it they fill one pack of eight numbers.
-constexpr int random_checks = 6;
 
 const char* name_of(Effect effect) {
   switch (effect) {

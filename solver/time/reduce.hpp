@@ -24,8 +24,12 @@ bool reads_interior(const Probe& probe, int n_fields);
 void live_on_contact(StateLayout& layout, Operators& operators, Contact& contact,
                      LoadAssembler& loads, Vector& u0);
 
+/// Steps, drawn at random, at which the equilibrium of all rows is computed in any case: with the
+/// last one and the field that is read after it they fill one pack of eight numbers.
+inline constexpr int random_checks = 6;
+
 /// Steps at which the equilibrium of all rows is computed: where the report reads whole fields, the
-/// last one, and eight more spread at random.
+/// last one, and `random_checks` more.
 std::vector<char> checked_steps(const Plan& plan, int steps);
 
 } // namespace hvi::solver

@@ -142,8 +142,9 @@ void Reporter::finish(RunResult& result) {
   result.times = times_;
   result.events = events_;
   for (const int probe : shown) result.columns[plan_.report.probes[probe].name] = columns_[probe];
-  for (std::size_t i = 0; i < values_.size(); ++i)
-    result.final[plan_.report.probes[i].name] = values_[i];
+  for (std::size_t i = 0; i < values_.size(); ++i) // parts of other probes have no name
+    if (const auto& name = plan_.report.probes[i].name; !name.empty())
+      result.final[name] = values_[i];
   result.effects = effects_of_run(plan_, range_);
   result.effects.insert(result.effects.end(), found_.begin(), found_.end());
   const bool with_events = shows_events(result);

@@ -17,6 +17,7 @@
 #include "solver/time/checkpoint.hpp"
 #include "solver/time/clock.hpp"
 #include "solver/time/energy.hpp"
+#include "solver/time/reduce.hpp"
 #include "solver/time/report.hpp"
 #include "solver/time/saved_state.hpp"
 #include "solver/time/shared_work.hpp"
@@ -153,8 +154,10 @@ public:
     result_.unknowns = stepper_.unknowns();
     result_.path = stepper_.obstacle();
     if (stepper_.obstacle().empty())
-      result_.certificate.mode = "contact rows every step; all rows at outputs, at the last step "
-                                 "and at 8 random steps";
+      result_.certificate.mode =
+          fmt::format("contact rows every step; all rows at outputs, at the last step and at {} "
+                      "random steps",
+                      random_checks);
     result_.contact_unknowns = static_cast<int>(stepper_.contact().unknowns.size());
     result_.certificate.tolerance = plan.options.tolerance;
     note_choices(plan, stepper_.contact(), result_);
@@ -253,18 +256,16 @@ private:
 
   /// Where several solutions are possible: that it is so, which branch this is, and its energy.
   void tell_choice() {
-    result_.unique = stepper_.unique();
+    result_.unique = stepper_.not_unique().empty();
     if (stepper_.step() == 0 || result_.unique) return;
     const bool said = std::any_of(result_.notes.begin(), result_.notes.end(),
                                   [](const StepNote& n) { return n.step == 0; });
     if (!said)
-      result_.notes.insert(
-          result_.notes.begin(),
-          {0, 0.0,
-           fmt::format("uniqueness is not guaranteed: the laws soften faster than the body is "
-                       "stiff (step ratio of 1 or more); {}",
-                       sentence(plan_.options.branch)),
-           plan_.law_terms.empty() ? Origin{} : plan_.law_terms.front().origin});
+      result_.notes.insert(result_.notes.begin(),
+                           {0, 0.0,
+                            fmt::format("uniqueness is not guaranteed: {}; {}",
+                                        stepper_.not_unique(), sentence(plan_.options.branch)),
+                            plan_.law_terms.empty() ? Origin{} : plan_.law_terms.front().origin});
     std::optional<EnergyMonitor> own;
     EnergyMonitor& monitor = monitor_ ? *monitor_ : own.emplace(plan_, discretisation_, stepper_);
     if (monitor.has_energy()) result_.energy = monitor.energy(stepper_);

@@ -91,7 +91,7 @@ void Stepper::save(std::ostream& out) const {
   w.put(step_);
   w.put(steps_taken(grid_, step_));
   w.put(memory_->extent());
-  w.put(static_cast<std::uint8_t>(unique_));
+  put_text(w, not_unique_);
   for (const Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi})
     put_vector(w, *v);
   w.put(inequality_.state);
@@ -129,8 +129,10 @@ void Stepper::restore(std::istream& in) {
   step_ = r.get<int>();
   if (!begins_with(grid_, step_, r.get_vector<double>()))
     r.fail("was saved by a run of other times");
-  continue_memory(r.get<MemoryExtent>());
-  unique_ = r.get<std::uint8_t>() != 0;
+  const auto earlier = r.get<MemoryExtent>();
+  uniqueness_judged_ = earlier == memory_->extent(); // else there are other steps to judge
+  continue_memory(earlier);
+  not_unique_ = get_text(r);
   for (Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi})
     get_vector(r, *v);
   inequality_.state = r.get_vector<int>();

@@ -5,6 +5,7 @@
 #include "solver/time/clock.hpp"
 #include "solver/time/rigid.hpp"
 #include "solver/time/snap.hpp"
+#include "solver/time/uniqueness.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -45,8 +46,6 @@ Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
   reduce_if_possible();
   memory_.emplace(plan, layout_.n_state);
   allocate();
-  for (int n = 2; n <= grid_.steps(); ++n)
-    if (grid_.length(n) > grid_.length(longest_)) longest_ = n;
   if (!grid_.is_static()) memory_->start(grid_.t(0), u_);
 }
 
@@ -183,8 +182,19 @@ StepMatrix& Stepper::matrix_for(int n) {
   entry.rate = rate;
   entry.length = grid_.length(n);
   factor_or_explain(*entry.matrix, coefficients(n), plan_, discretisation_, layout_);
-  if (n == 1 || n == longest_) unique_ = unique_ && entry.matrix->unique();
   return *entry.matrix;
+}
+
+void Stepper::judge_uniqueness(StepMatrix& matrix) {
+  uniqueness_judged_ = true;
+  Uniqueness uniqueness(plan_, operators_, contact_);
+  if (!uniqueness.settled()) {
+    if (uniqueness.condensed() && step_ == 0) // a restored solver goes on with the same bits
+      uniqueness.judge(matrix.unique());
+    else
+      uniqueness.judge_all();
+  }
+  not_unique_ = uniqueness.obstacle();
 }
 
 /// gap = rhs - K_n d with K_n = K + sum_b change_b T_b, its scale, and the backward error.
@@ -370,6 +380,7 @@ StepResult Stepper::advance(int n) {
     memory_->begin_step(grid_.t(n));
   }
   auto& matrix = matrix_for(n);
+  if (!uniqueness_judged_) judge_uniqueness(matrix);
   auto out = attempt(n, matrix);
   if (!out.certified && predictor_.ready()) { // the extrapolated start may have led astray
     predictor_.clear();

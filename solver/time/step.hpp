@@ -72,9 +72,9 @@ public:
   Vector coefficients(int n) const;
   /// w_m(t_n) = h_m + w0_m u_n
   void history_field(int m, Vector& out) const;
-  /// Has every step of this matrix one solution? False: the step ratio is not below 1 (or a law
-  /// jumps down). Asked once, at the first step and at the longest.
-  bool unique() const { return unique_ && !contact_.coupled; }
+  /// Why not every step is sure to have one solution; empty: each has (uniqueness.hpp). Found at
+  /// the first step, for all of them.
+  const std::string& not_unique() const { return not_unique_; }
   int unknowns() const { return n_unknowns_; } ///< of the problem, whatever a state holds
   /// Why states hold all unknowns; empty: they hold the contact unknowns (reduce.hpp).
   const std::string& obstacle() const { return obstacle_; }
@@ -89,6 +89,7 @@ private:
   void allocate();
   void continue_memory(const MemoryExtent& earlier);
   StepMatrix& matrix_for(int n);
+  void judge_uniqueness(StepMatrix& matrix);
   void impose_values(int n);
   void reduce_if_possible();
   double equilibrium_of_all(int n);
@@ -146,8 +147,8 @@ private:
   Vector kd_; ///< K d of the last residual, K the factored matrix
 
   int step_ = 0;
-  bool unique_ = true;
-  int longest_ = 1;                              ///< the step whose matrix is the softest
+  std::string not_unique_;
+  bool uniqueness_judged_ = false;
   InequalityState inequality_, accepted_;        ///< accepted_: of the last certified step
   Vector u_, known_, d_, d_previous_, d_before_; // states; d on unknowns only
   Vector rhs_, gap_, scale_, work_;              // unknowns

@@ -9,6 +9,7 @@ import json
 import pathlib
 import subprocess
 import sys
+import tempfile
 
 import jsonschema
 import numpy as np
@@ -100,3 +101,99 @@ assert all(h["holds"] for h in report["hypotheses"] if h["name"] == "H(B)")
 # A singular kernel: its Lipschitz constant is infinite, each step's problem is still judged.
 report = check(root / "tests/convergence/weakly_singular.hvi")
 assert report["constants"]["lipschitz_q"] == "inf" and report["verdict"]["discrete"]["holds"]
+
+# --strict is both verdicts: here every step has one solution, and the theorem says nothing.
+check(root / "tests/convergence/weakly_singular.hvi", "--strict", code=4)
+run = subprocess.run([hvi_run, "run", root / "tests/convergence/weakly_singular.hvi", "--strict"], capture_output=True, text=True)
+assert run.returncode == 4 and "certified" not in run.stdout, run
+
+BAR = """mesh bar = interval(1, cells = CELLS)
+part left = bar.left
+part right = bar.right
+HALF
+superpotential soft(r) with slope | r < 0.01 -> 50*r | r < 1 -> 0.5 - M*(r - 0.01) | otherwise -> 0.5 - 0.99*M
+kernel q(t, s) = -9*t^8
+space V = scalar P1 on bar, zero on left
+find u in V TIME
+such that for all v in V
+    FORMS + integral(right, soft^0(u; v))
+ >= integral(right, 0.1*v)
+report
+  table end = u at [1]
+"""
+
+
+def bar(forms, *options, m=0.5, cells=4, time="for t in [0, 1] by 10 steps from u = 0", code=0):
+    text = BAR.replace("FORMS", forms).replace("CELLS", str(cells)).replace("M*", f"{m}*").replace("*M", f"*{m}").replace("TIME", time)
+    text = text.replace("HALF", "part half = bar where x < 0.5" if "half" in forms else "")
+    with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+        file.write(text), file.flush()
+        return check(file.name, *options, code=code)
+
+
+def says(report, name, bound):
+    rows = [h for h in report["hypotheses"] if h["name"] == name and h["bound"].startswith(bound)]
+    assert len(rows) == 1, (name, bound, report["hypotheses"])
+    return rows[0]
+
+
+A, B = "integral(bar, 0.001*dot(grad(u'), grad(v)))", "integral(bar, dot(grad(u), grad(v)))"
+memory = "integral(bar, dot(history(q, grad(u)), grad(v)))"
+
+# Uniqueness is judged at every step: the memory weakens with t, the last step is the worst (analytic: K = 0.001/k + 1 - 9 k t^8
+# times the chain, whose end moves by 1 for a unit force).
+report = bar(f"{A} + {B} + {memory}")
+assert not report["verdict"]["discrete"]["holds"] and report["constants"]["worst_step"] == 10
+close(1 - report["constants"]["step_margin"], 0.5 / (0.01 + 1 - 0.9))
+assert bar(f"{A} + {B} + {memory}", m=0.1)["verdict"]["discrete"]["holds"]
+# A graded grid: the longest step is the worst, 1/k = 1 / (1 - 0.9^2).
+report = bar(f"{A} + {B}", time="for t in [0, 1] at graded(10, 2) from u = 0")
+assert report["constants"]["worst_step"] == 10
+close(1 - report["constants"]["step_margin"], 0.5 / (0.001 / 0.19 + 1))
+# BDF2 begins with backward Euler, whose matrix is the softest.
+report = bar(f"{A} + {B}", time="for t in [0, 1] by 10 steps from u = 0\n  using scheme = bdf2")
+assert report["constants"]["worst_step"] == 1
+close(1 - report["constants"]["step_margin"], 0.5 / 1.01)
+
+# A is coercive in V: (H0) is not needed, and the step must be below m_A / (m_J |M|^2 - m_B) = 1/19.
+viscous = "integral(bar, dot(grad(u'), grad(v)))"
+report = bar(f"{viscous} + {B}", "--strict", m=20, time="for t in [0, 1] by 100 steps from u = 0")
+assert report["constants"]["margin"] < 0 and "not needed" in report["verdict"]["continuous"]["says"]
+close(says(report, "tau_0", "m_A/k")["value"], 1 / 19)
+assert says(report, "theorem", "u in H1")["holds"]
+report = bar(f"{viscous} + {B}", "--strict", m=20, time="for t in [0, 1] by 10 steps from u = 0", code=4)
+assert report["verdict"]["continuous"]["holds"] and not says(report, "tau_0", "m_A/k")["holds"]
+
+# A is coercive in H only: the parabolic theorem, without H1(0, T; V) and O(h + k).
+report = bar(f"integral(bar, u'*v) + {B}", "--strict")
+assert report["verdict"]["continuous"]["holds"] and "H1(0, T; V)" in report["verdict"]["continuous"]["says"]
+assert says(report, "H(A)", "A is coercive in V")["holds"] is False and says(report, "H(A)", "A is coercive in H")["holds"]
+close(says(report, "H(A)", "A is coercive in H")["value"], 1)
+assert says(report, "theorem", "u in H1")["holds"] is False and says(report, "theorem", "error")["holds"] is False
+# In a part of the body only: neither.
+report = bar(f"integral(half, dot(grad(u'), grad(v))) + {B}", "--strict", code=4)
+assert not report["verdict"]["continuous"]["holds"]
+
+# Static problems have the static theorem, which needs (H0).
+report = bar(B, "--strict", time="")
+assert "static" in report["verdict"]["continuous"]["says"] and report["constants"]["tau_0"] == {}
+assert not bar(B, m=2, time="")["verdict"]["continuous"]["holds"]
+
+# One unknown; a convex law on more points than the dense solver takes: margin 1 by definition.
+assert bar(f"{viscous} + {B} + {memory}", cells=1)["constants"]["c_E"] == 9
+convex = """mesh slab = rectangle(2, 1, cells = [130, 2])
+part roof = slab.top
+part ground = slab.bottom
+tensor B = isotropic(young = 70, poisson = 0.3)
+superpotential p(r) with slope | r < 0 -> 0 | otherwise -> 100*r
+space V = vector P1 on slab, zero on roof
+find u in V for t in [0, 1] by 10 steps from u = 0
+such that for all v in V
+    integral(slab, B : eps(u') : eps(v)) + integral(slab, B : eps(u) : eps(v)) + integral(ground, p^0(u.nu; v.nu))
+ >= integral(slab, dot([0, -10*t], v))
+report
+  table u_y = u.y at [1, 0]
+"""
+with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+    file.write(convex), file.flush()
+    assert check(file.name, "--strict")["constants"]["step_margin"] == 1

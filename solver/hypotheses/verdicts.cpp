@@ -1,0 +1,174 @@
+// Which theorem applies, and what it claims; see verdicts.hpp.
+#include "solver/hypotheses/verdicts.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+/// A margin is one beyond what eigenvalues are found to.
+constexpr double least_margin = 1e-9;
+
+class Verdicts {
+public:
+  Verdicts(const VerdictFacts& facts, HypothesisReport& report) : facts_(facts), out_(report) {}
+
+  void give() {
+    discrete();
+    if (facts_.is_static)
+      at_one_time();
+    else if (out_.rate_form == RateForm::in_v)
+      in_v();
+    else if (out_.rate_form == RateForm::in_h)
+      in_h();
+    else
+      refuse("A is not coercive (H(A)), neither in V nor in H: the theory asks for it");
+    theorem_rows();
+  }
+
+private:
+  bool h0_as_a_whole() const { return facts_.whole.value_or(out_.margins.largest) > 0.0; }
+  bool h0_split() const { return facts_.split.value_or(out_.margins.split) > 0.0; }
+  bool h0_against_b() const { return facts_.against_b.value_or(out_.margins.against_b) > 0.0; }
+  const char* estimate() const {
+    return facts_.has_laws ? " (estimate: trace norms from meshes)" : "";
+  }
+
+  void discrete() {
+    const char* what = facts_.is_static ? "the problem" : "every step";
+    const bool positive = facts_.steps_margin > least_margin;
+    out_.discrete = positive && facts_.proved && !facts_.coupled && failing({"H(f)"}).empty();
+    if (out_.discrete)
+      out_.discrete_verdict = fmt::format("on this mesh {} has exactly one solution", what);
+    else if (facts_.coupled)
+      out_.discrete_verdict = "uniqueness is not guaranteed: a law is coupled to another one";
+    else if (positive && !facts_.proved)
+      out_.discrete_verdict =
+          fmt::format("uniqueness is not guaranteed: m_J is sampled, not proved (with it {} would "
+                      "have one solution)",
+                      what);
+    else if (positive)
+      out_.discrete_verdict = "uniqueness is not guaranteed: the load is not finite";
+    else if (std::isinf(facts_.steps_margin))
+      out_.discrete_verdict = "uniqueness is not guaranteed: a law jumps down, or the forms are "
+                              "not coercive";
+    else
+      out_.discrete_verdict =
+          facts_.is_static
+              ? "uniqueness is not guaranteed: the problem may have several solutions"
+              : fmt::format("uniqueness is not guaranteed: step {} may have several solutions",
+                            out_.worst_step);
+  }
+
+  /// Of these hypotheses, those that fail, each once.
+  std::vector<std::string> failing(std::initializer_list<const char*> asked) const {
+    std::vector<std::string> out;
+    for (const auto& h : out_.hypotheses)
+      if (h.answer == Answer::fails &&
+          std::find(asked.begin(), asked.end(), h.name) != asked.end() &&
+          std::find(out.begin(), out.end(), h.name) == out.end())
+        out.push_back(h.name);
+    return out;
+  }
+
+  void refuse(std::string why) {
+    out_.continuous = false;
+    out_.continuous_verdict = "the theorem does not apply: " + std::move(why);
+  }
+  /// Says no where one of these fails, or the constants of the laws are not proved.
+  bool refused(std::initializer_list<const char*> needed) {
+    const auto missing = failing(needed);
+    if (!missing.empty())
+      refuse(fmt::format("{} above {}", fmt::join(missing, ", "),
+                         missing.size() == 1 ? "fails" : "fail"));
+    else if (!facts_.proved)
+      refuse("m_J of the laws is sampled, not proved");
+    return !missing.empty() || !facts_.proved;
+  }
+  void accept(std::string text) {
+    out_.continuous = true;
+    out_.continuous_verdict = std::move(text);
+  }
+
+  void at_one_time() {
+    theorem_ = "static: B coercive and (H0)";
+    if (refused({"H(B)", "H(J)", "H(M)", "H(f)"})) return;
+    if (h0_as_a_whole())
+      accept(fmt::format("the static theorem applies: B is coercive and (H0) holds, one solution{}",
+                         estimate()));
+    else if (h0_split() || h0_against_b())
+      accept(fmt::format("(H0) fails for M as a whole, but {} holds and the static theorem needs "
+                         "no more: one solution{}",
+                         sharper(), estimate()));
+    else
+      refuse("(H0) fails in every form");
+  }
+
+  std::string sharper() const { return h0_split() ? "the split condition" : "its form against B"; }
+
+  void in_v() {
+    theorem_ = "Theorem 3.2";
+    order_ = "for smooth solutions: the last theorem of the paper";
+    if (refused({"H(A)", "H(E)", "H(q)", "H(J)", "H(M)", "H(f)"})) return;
+    const bool b = failing({"H(B)"}).empty();
+    if (b && h0_as_a_whole())
+      accept(fmt::format("the theorem applies{}", estimate()));
+    else if (b && (h0_split() || h0_against_b()))
+      accept(fmt::format("(H0) fails for M as a whole, but {} holds and the proof needs no more: "
+                         "one solution, to which the scheme converges{}",
+                         sharper(), estimate()));
+    else {
+      theorem_ = "Theorem 3.2, whose proof needs neither (H0) nor a coercive B";
+      accept(fmt::format(
+          "{} fails, and is not needed: A is coercive in V, so the evolution has one solution for "
+          "every m_J, to which the scheme converges for steps k < {:.6g}{}",
+          b ? "(H0)" : "H(B)", facts_.step_bound, estimate()));
+    }
+  }
+
+  void in_h() {
+    theorem_ = "parabolic: A coercive in H = L2, B in V";
+    regularity_failed_ = "u in L2(0, T; V), u' in L2(0, T; V*) only: A is coercive in H, not in V";
+    order_failed_ = "its proof needs A coercive in V; `study` measures the orders";
+    if (refused({"H(B)", "H(E)", "H(q)", "H(J)", "H(M)", "H(f)"})) return;
+    accept(
+        fmt::format("A is coercive in H only: the parabolic theorem applies, one solution with "
+                    "u in L2(0, T; V) and u' in L2(0, T; V*); Theorem 3.2 does not, and its u in "
+                    "H1(0, T; V) and O(h + k) fall away{}",
+                    h0_as_a_whole() || h0_split() || h0_against_b()
+                        ? ""
+                        : "; (H0) fails, and is not needed as M is compact, but steps must be "
+                          "small (row `step`)"));
+  }
+
+  void row(std::string what, bool holds, std::string note) {
+    Hypothesis h;
+    h.name = "theorem", h.what = std::move(what), h.note = std::move(note);
+    h.answer = holds ? Answer::holds : Answer::fails;
+    out_.hypotheses.push_back(std::move(h));
+  }
+
+  void theorem_rows() {
+    row("one solution", out_.continuous, out_.continuous ? theorem_ : std::string());
+    if (facts_.is_static || !out_.continuous) return;
+    row("u in H1(0, T; V)", regularity_failed_.empty(), regularity_failed_);
+    row("error O(h + k) in V", order_failed_.empty(),
+        order_failed_.empty() ? order_ : order_failed_);
+  }
+
+  const VerdictFacts& facts_;
+  HypothesisReport& out_;
+  std::string theorem_, regularity_failed_, order_, order_failed_;
+};
+
+} // namespace
+
+void give_verdicts(const VerdictFacts& facts, HypothesisReport& report) {
+  Verdicts(facts, report).give();
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,31 @@
+// From the numbers of the theory to sentences: which theorem applies, and what it claims.
+#pragma once
+
+#include "solver/hypotheses/hypotheses.hpp"
+
+namespace hvi::solver {
+
+/// What the verdicts need beside the rows.
+struct VerdictFacts {
+  bool is_static = false, has_laws = false;
+  bool proved = true;        ///< m_J of the laws is bounded by proof, not sampled
+  bool coupled = false;      ///< a law's bound is another law's multiplier
+  double steps_margin = 0.0; ///< no step has a smaller one
+  double step_bound = 0.0;   ///< on the step, where A is coercive and (H0) fails
+  /// (H0) in three sharpnesses, on ever finer meshes; where there is no estimate: of this mesh.
+  std::optional<double> whole, split, against_b;
+};
+
+/// Sets both verdicts, and adds the rows `theorem`: one solution, its regularity, its error.
+///
+/// - Static: B coercive and (H0).
+/// - A coercive in V: Theorem 3.2. Neither (H0) nor a coercive B is needed, for with
+///   e = u_1 - u_2 the difference of the two problems, tested with e, gives
+///   m_A |e(t)|^2 / 2 <= (m_J |M|^2 - m_B) int |e|^2 + c_E c_q (int |e|)^2, and Gronwall's lemma
+///   e = 0; a step is as good for k < step_bound, and so are the bounds of Lemma 3.2.
+/// - A coercive in H only: the same in the norm of H, for M is compact, so that
+///   m_J |M e|^2 <= (m_B / 2) |e|^2 + C |e|_H^2 (Ehrling's lemma); B must be coercive. Then u' is
+///   in L2(0, T; V*) only, and the error estimate, which tests with A in V, falls away.
+void give_verdicts(const VerdictFacts& facts, HypothesisReport& report);
+
+} // namespace hvi::solver

@@ -1,0 +1,46 @@
+// Has every step of a run one solution, whatever its load?
+#pragma once
+
+#include "solver/linear/factorisation.hpp"
+#include "solver/time/contact.hpp"
+#include "solver/time/operators.hpp"
+
+#include <string>
+
+namespace hvi::solver {
+
+/// Why a run does not promise one solution in every step; empty: every step has exactly one, as
+/// sym K_n - sum_i m_i M_i^T W M_i is positive definite for the matrix K_n of every step, with m_i
+/// the steepest descent of law i, by proof (Cholesky factors: up to rounding).
+class Uniqueness {
+public:
+  Uniqueness(const Plan& plan, const Operators& operators, const Contact& contact);
+
+  /// No law softens or they cannot be judged: nothing is left to be asked of the matrices.
+  bool settled() const { return settled_; }
+  /// All steps have one matrix, and the condensed problem can be asked: `judge` it.
+  bool condensed() const { return condensed_; }
+  void judge(bool convex);
+  /// Judges the matrices of all steps on all unknowns.
+  void judge_all();
+
+  const std::string& obstacle() const { return obstacle_; }
+  bool holds() const { return obstacle_.empty(); }
+
+private:
+  void look_at_laws();
+  bool definite(const Eigen::VectorXd& c);
+
+  const Plan& plan_;
+  const Operators& operators_;
+  const Contact& contact_;
+  bool settled_ = false, condensed_ = false;
+  std::string obstacle_;
+  SparseMatrix descent_;
+  std::unique_ptr<Factorisation> factor_;
+};
+
+/// sum_i weight_i M_i^T W M_i on the unknowns, weight_i per law term.
+SparseMatrix law_form(const Contact& contact, const std::vector<double>& weight, int n_unknowns);
+
+} // namespace hvi::solver
