@@ -55,3 +55,28 @@ for a, b in zip(exact, fine):
     ratio = b["cea"]["interpolation"] / a["cea"]["interpolation"]
     assert 0.7 < ratio < 1.3, ratio
 assert max(row["cea"]["constant"] for row in fine) < 1.0
+
+# A law without a bound (unilateral contact) has no J^0 to compare with: no terms.
+unilateral = """import contact
+param N = 4
+mesh bar = interval(1, cells = 8)
+part left = bar.left
+part right = bar.right
+superpotential wall(r) = unilateral(r, gap = 0.1)
+space V = scalar P1 on bar, zero on left
+find u in V for t in [0, 1] by N steps from u = 0
+such that for all v in V
+    integral(bar, dot(grad(u'), grad(v))) + integral(bar, dot(grad(u), grad(v))) + integral(right, wall^0(u; v)) >= integral(right, 2*t*v)
+report
+  table end = u at [1], twice = 2*integral(right, wall.xi)
+study vary N in [4, 8, 16] against finest
+"""
+with tempfile.TemporaryDirectory() as folder:
+    path, out = pathlib.Path(folder) / "model.hvi", pathlib.Path(folder) / "study.json"
+    path.write_text(unilateral)
+    subprocess.run([program, "study", path, "-o", pathlib.Path(folder) / "out", "--json", out, "--quiet"], check=True, stdout=subprocess.DEVNULL)
+    rows = json.loads(out.read_text())["rows"]
+    assert all("error" in row for row in rows[:2]) and not any("cea" in row for row in rows), rows
+    # Parts of a column (the integral in `twice`) are no columns of their own.
+    subprocess.run([program, "run", path, "-o", pathlib.Path(folder) / "out", "--json", out, "--quiet"], check=True, stdout=subprocess.DEVNULL)
+    assert set(json.loads(out.read_text())["final"]) == {"end", "twice"}
