@@ -288,23 +288,26 @@ std::string draw(const Stability& s, const Script& script, const Options& option
   }
   const auto folder = std::filesystem::path(output_folder(script, options));
   const std::string name = script.model->title + "_stability.png";
-  std::filesystem::create_directories(folder);
   plot(fmt::format(
-      "set terminal pngcairo size 900,800\nset output {}\n$d << HVI_END\n{}HVI_END\n"
-      "set multiplot layout 2,1 title {} noenhanced\nset grid lc rgb '#dddddd'\n{}"
-      "set logscale y\nset format y '%.0e'\nset title 'certificate (tolerance {:.0e})'\n"
-      "plot $d using 1:2 with linespoints pt 7 ps 0.4 lc rgb '#004488' title 'inclusion', $d using "
-      "1:3 with linespoints pt 7 ps 0.4 lc rgb '#ddaa33' title 'equilibrium'\n"
-      "unset logscale y\nset format y '%g'\nset title 'energy'\nset xlabel 't'\n"
-      "plot $d using 1:4 with lines lw 2 lc rgb '#004488' title 'energy', $d using 1:5 with lines "
-      "lc "
-      "rgb '#228833' title 'elastic', $d using 1:6 with lines lc rgb '#ddaa33' title 'contact', $d "
-      "using 1:7 with lines lc rgb '#bb5566' title 'lost'\nunset multiplot\n",
-      quoted((folder / name).string()), data,
-      quoted(
-          script.model->title + ": " +
-          (s.base.result.unique ? "every step has one solution" : "uniqueness is not guaranteed")),
-      lines, s.base.result.certificate.tolerance));
+           "$d << HVI_END\n{}HVI_END\n"
+           "set multiplot layout 2,1 title {} noenhanced\nset grid lc rgb '#dddddd'\n{}"
+           "set logscale y\nset format y '%.0e'\nset title 'certificate (tolerance {:.0e})'\n"
+           "plot $d using 1:2 with linespoints pt 7 ps 0.4 lc rgb '#004488' title 'inclusion', $d "
+           "using "
+           "1:3 with linespoints pt 7 ps 0.4 lc rgb '#ddaa33' title 'equilibrium'\n"
+           "unset logscale y\nset format y '%g'\nset title 'energy'\nset xlabel 't'\n"
+           "plot $d using 1:4 with lines lw 2 lc rgb '#004488' title 'energy', $d using 1:5 with "
+           "lines "
+           "lc "
+           "rgb '#228833' title 'elastic', $d using 1:6 with lines lc rgb '#ddaa33' title "
+           "'contact', $d "
+           "using 1:7 with lines lc rgb '#bb5566' title 'lost'\nunset multiplot\n",
+           data,
+           quoted(script.model->title + ": " +
+                  (s.base.result.unique ? "every step has one solution"
+                                        : "uniqueness is not guaranteed")),
+           lines, s.base.result.certificate.tolerance),
+       folder / name, {.height = 800});
   return name;
 }
 

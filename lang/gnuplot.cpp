@@ -2,24 +2,95 @@
 #include "lang/gnuplot.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/output/file.hpp"
 
-#include <cstdio>
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
 
 namespace hvi::lang {
+namespace {
 
-void plot(const std::string& commands) {
-  using solver::Failure;
-  using solver::FailureKind;
-  FILE* pipe = popen("gnuplot 2>/dev/null", "w");
-  if (!pipe) throw Failure(FailureKind::output, {}, "gnuplot cannot be started");
-  std::fwrite(commands.data(), 1, commands.size(), pipe);
-  if (pclose(pipe) != 0)
-    throw Failure(FailureKind::output, {}, "gnuplot did not draw the picture",
-                  "apt-get install gnuplot-nox");
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const std::string& what, const std::string& help = {}) {
+  throw solver::Failure(solver::FailureKind::output, {}, what, help);
+}
+
+/// A folder that only this user can enter; it goes away with all that is in it.
+class PrivateFolder {
+public:
+  PrivateFolder() : name_((fs::temp_directory_path() / "hvi-picture.XXXXXX").string()) {
+    if (::mkdtemp(name_.data()) == nullptr)
+      fail(fmt::format("no folder for a picture can be made in `{}`: {}",
+                       fs::temp_directory_path().string(), std::strerror(errno)));
+  }
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+  ~PrivateFolder() {
+    std::error_code ignore;
+    fs::remove_all(name_, ignore);
+  }
+  fs::path path() const { return name_; }
+
+private:
+  std::string name_;
+};
+
+/// gnuplot's exit code in `folder`, reading `commands`; no start-up file of the user's is read.
+int run_gnuplot(const fs::path& folder) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "commands", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  std::string program = "gnuplot", plain = "--default-settings";
+  char* words[] = {program.data(), plain.data(), nullptr};
+  pid_t child = 0;
+  const int failed = ::posix_spawnp(&child, "gnuplot", &actions, nullptr, words, environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0) return -1;
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) return -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+std::string content(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+} // namespace
+
+void plot(const std::string& commands, const fs::path& picture, Canvas canvas) {
+  const bool svg = picture.extension() == ".svg";
+  const PrivateFolder folder;
+  const std::string head =
+      fmt::format("set terminal {} size {},{}{}\nset output 'drawn'\n", svg ? "svg" : "pngcairo",
+                  canvas.width, canvas.height, svg && canvas.white ? " background 'white'" : "");
+  solver::write_atomically(folder.path() / "commands", head + commands);
+  const bool drawn = run_gnuplot(folder.path()) == 0;
+  const std::string bytes = drawn ? content(folder.path() / "drawn") : "";
+  if (bytes.empty())
+    fail(fmt::format("gnuplot did not draw `{}`", picture.filename().string()),
+         "apt-get install gnuplot-nox");
+  solver::write_atomically(picture, bytes);
 }
 
 std::string quoted(std::string text) {
-  std::erase_if(text, [](char c) { return c == '\'' || c == '\n' || c == '\\'; });
+  std::erase_if(text, [](char c) {
+    return c == '\'' || c == '\\' || c == '`' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+  });
   return "'" + text + "'";
 }
 

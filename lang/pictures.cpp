@@ -115,21 +115,18 @@ std::vector<std::string> draw_pictures(const solver::Plan& plan, const solver::D
     const std::string name = picture.file.empty()
                                  ? fmt::format("{}_{}.png", plan.title, picture.field.name)
                                  : picture.file;
-    const bool svg = std::filesystem::path(name).extension() == ".svg";
-    const auto path = std::filesystem::path(folder) / name;
-    std::filesystem::create_directories(folder);
     const std::string label = picture.field.components.size() > 1
                                   ? fmt::format("|{}|", picture.field.name)
                                   : picture.field.name;
-    plot(fmt::format("set terminal {}\nset output {}\nset size ratio -1\nunset key\n{}"
+    plot(fmt::format("set size ratio -1\nunset key\n{}"
                      "set palette defined (0 '#30123b', 1 '#28bbec', 2 '#a2fc3c', 3 '#fb8022', 4 "
                      "'#7a0403')\nset title {} noenhanced\n$data << HVI_END\n{}HVI_END\n"
                      "plot $data using 1:2:3 with filledcurves closed fc palette {}notitle\n",
-                     svg ? "svg size 900,600" : "pngcairo size 900,600", quoted(path.string()),
                      d.mesh.dim == 3 ? "unset border\nunset xtics\nunset ytics\n" : "",
                      quoted(label), polygons(d.mesh, values),
                      // borders are drawn after all areas: those of hidden ones would be seen
-                     d.mesh.dim == 3 ? "fs solid noborder " : ""));
+                     d.mesh.dim == 3 ? "fs solid noborder " : ""),
+         std::filesystem::path(folder) / name);
     files.push_back(name);
   }
   return files;

@@ -341,9 +341,7 @@ std::vector<std::string> draw_study(const Study& study, const std::string& folde
   const auto draw = [&](const std::string& name, const std::string& commands) {
     for (const char* kind : {"svg", "png"}) {
       files.push_back(fmt::format("{}.{}", name, kind));
-      plot(fmt::format("set terminal {} size 900,600\nset output {}\n{}",
-                       std::string(kind) == "svg" ? "svg background 'white'" : "pngcairo",
-                       quoted((fs::path(folder) / files.back()).string()), commands));
+      plot(commands, fs::path(folder) / files.back(), {.white = true});
     }
   };
   draw("cost", cost_picture(study));

@@ -232,7 +232,12 @@ private:
 
   std::string plain_name(const GroupKey& key) const {
     const auto at = raw_.names.find(key);
-    return at == raw_.names.end() || at->second.empty() ? std::to_string(key.second) : at->second;
+    if (at == raw_.names.end() || at->second.empty()) return std::to_string(key.second);
+    std::string name = at->second; // control characters would be orders to a terminal
+    std::replace_if(
+        name.begin(), name.end(),
+        [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
+    return name;
   }
 
   /// Named groups exist even without elements, so that using one is an error that says so.
