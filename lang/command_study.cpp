@@ -4,6 +4,7 @@
 #include "solver/output/file.hpp"
 #include "solver/study/ladder.hpp"
 #include "solver/time/adapt.hpp"
+#include "solver/time/checkpoint.hpp"
 #include "solver/time/clock.hpp"
 #include "solver/time/shared_work.hpp"
 
@@ -18,6 +19,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <thread>
 
 namespace hvi::lang {
@@ -116,16 +118,50 @@ private:
     if (!study_.rows.empty()) study_.finest = study_.rows.size() - 1;
   }
 
-  /// Rows that an interrupted study finished, if the script is the same.
-  void read_journal(const Script& script) {
-    std::string all;
+  /// Everything that decides a row: the program, the script and its imports, the parameters, and
+  /// for each setting the plan with the values of its tables and the content of its mesh file.
+  std::string fingerprint_of(const Script& script) const {
+    std::string all = fmt::format("journal 2, hvi-run {}\n", version);
     for (const auto& program : script.programs) all += script.sources.file(program.file).text();
     for (const auto& [name, value] : options_.defines) all += name + "=" + value + ";";
-    fingerprint_ = fmt::format("{:016x}", std::hash<std::string>{}(all));
+    std::map<std::string, std::string> meshes;
+    for (const StudyRow& row : study_.rows) {
+      const auto setting = compile_row(row);
+      if (!setting.plan) continue; // said when its turn comes
+      all += fmt::format("{:016x};", solver::fingerprint(*setting.plan, {}));
+      const auto& mesh = setting.plan->mesh;
+      if (mesh.kind == solver::MeshSpec::Kind::file)
+        meshes.try_emplace(mesh.path, read_text(mesh.path).value_or(""));
+    }
+    for (const auto& [path, content] : meshes) all += content;
+    return checksum(all);
+  }
+
+  static std::string checksum(const std::string& text) {
+    return fmt::format("{:016x}", std::hash<std::string>{}(text));
+  }
+
+  /// The script with the values of a row; without a plan where that has mistakes.
+  Script compile_row(const StudyRow& row) const {
+    Options here = options_;
+    for (const auto& [name, value] : row.values) here.defines[name] = value;
+    Script script;
+    script.path = path_;
+    if (!compile_script(script, here)) script.plan.reset();
+    return script;
+  }
+
+  /// Rows that an interrupted study finished, if nothing that decides them has changed. A line
+  /// whose checksum does not fit is as if it were not there.
+  void read_journal(const Script& script) {
+    fingerprint_ = fingerprint_of(script);
     std::ifstream in(journal_);
     for (std::string line; std::getline(in, line);) {
-      const auto entry = nlohmann::json::parse(line, nullptr, false);
+      auto entry = nlohmann::json::parse(line, nullptr, false);
       if (!entry.is_object() || entry.value("fingerprint", "") != fingerprint_) continue;
+      const std::string written = entry.value("checksum", "");
+      entry.erase("checksum");
+      if (written != checksum(entry.dump())) continue;
       for (StudyRow& row : study_.rows)
         if (entry.value("values", std::map<std::string, std::string>{}) == row.values)
           restore(entry, row);
@@ -170,6 +206,7 @@ private:
                       c->rate,
                       c->start,
                       c->step};
+    entry["checksum"] = checksum(entry.dump());
     std::ofstream(journal_, std::ios::app) << entry.dump() << "\n";
   }
 
@@ -283,12 +320,9 @@ private:
 
   /// One setting; `keeps`: its steps become the reference.
   int run_row(StudyRow& row, bool keeps) {
-    Options here = options_;
-    for (const auto& [name, value] : row.values) here.defines[name] = value;
-    Script script;
-    script.path = path_;
-    if (!compile_script(script, here)) {
-      show_diagnostics(script, here);
+    Script script = compile_row(row);
+    if (!script.plan) {
+      show_diagnostics(script, options_);
       return exit_script;
     }
     script.plan->report.fields.clear(), script.plan->report.pictures.clear();
@@ -301,7 +335,7 @@ private:
     } catch (const solver::Failure& failure) {
       if (failure.kind == solver::FailureKind::interrupted) {
         add_failure(script, failure);
-        show_diagnostics(script, here);
+        show_diagnostics(script, options_);
         return exit_interrupted;
       }
       row.failure = failure.what();
