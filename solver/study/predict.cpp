@@ -17,6 +17,13 @@ double coarser_error(double distance, double ratio, double order, Distance kind)
   return finer_error(distance, ratio, order, kind) * std::pow(ratio, order);
 }
 
+void add_rung(std::vector<Rung>& rungs, const Rung& rung) {
+  std::erase_if(rungs, [&](const Rung& r) { return r.resolution == rung.resolution; });
+  rungs.push_back(rung);
+  std::sort(rungs.begin(), rungs.end(),
+            [](const Rung& a, const Rung& b) { return a.resolution < b.resolution; });
+}
+
 ErrorLaw fit_error(std::span<const Rung> rungs, double nominal, Distance kind, double floor) {
   ErrorLaw out;
   out.order = 0.75 * nominal;
@@ -97,13 +104,14 @@ std::optional<Choice> cheapest(std::span<const Candidate> candidates, const Sett
       if (left <= 0.0) continue;
       double steps = 1.0, with_companions = c.cost.seconds(unknowns(level), 1);
       if (!family.is_static()) {
-        steps = steps_for(c.time, left, family.step_unit(), 2 * family.coarsest_steps());
+        steps =
+            steps_for(c.time, left, family.step_unit(c.base), 2 * family.coarsest_steps(c.base));
         if (steps > most_steps) continue;
         with_companions = c.cost.seconds(unknowns(level), steps) +
                           c.cost.seconds(unknowns(0.5 * level), 1.5 * steps);
       }
       if (best && best->seconds <= with_companions) continue;
-      best = Choice{{c.order, c.scheme, level, static_cast<int>(steps), c.grade},
+      best = Choice{{c.order, c.scheme, level, static_cast<int>(steps), c.grade, c.base},
                     c.space.at(level) + (family.is_static() ? 0.0 : c.time.at(steps)),
                     with_companions,
                     unknowns(level)};

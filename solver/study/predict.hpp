@@ -34,6 +34,8 @@ double coarser_error(double distance, double ratio, double order, Distance kind)
 struct Rung {
   double resolution, ratio, distance;
 };
+/// A ladder stays sorted; a rung of the same resolution is replaced.
+void add_rung(std::vector<Rung>& rungs, const Rung& rung);
 ErrorLaw fit_error(std::span<const Rung> rungs, double nominal, Distance kind, double floor);
 
 /// Seconds of a run by its unknowns: setup and one step, each a fixed part and a power.
@@ -57,6 +59,7 @@ struct Candidate {
   ErrorLaw space, time;
   CostLaw cost;
   double unknowns_at_one = 0.0; ///< unknowns(level) = this level^dim
+  int base = 0;                 ///< of time
 };
 struct Choice {
   Setting setting;

@@ -77,17 +77,11 @@ bool is_whole(const RegionSpec& region) {
   return std::all_of(region.children.begin(), region.children.end(), is_whole);
 }
 
-/// The power p with t_n = t_0 + T (n/N)^p, or 0. Few listed times show no power but 1.
-double power_of(const std::vector<double>& grid) {
-  const auto steps = static_cast<double>(grid.size() - 1);
-  const double length = grid.back() - grid.front();
-  const double p = steps > 1 ? std::log((grid[1] - grid[0]) / length) / std::log(1.0 / steps) : 1.0;
-  for (std::size_t n = 0; n < grid.size(); ++n)
-    if (std::abs(grid[n] - grid[0] - length * std::pow(static_cast<double>(n) / steps, p)) >
-        1e-9 * length)
-      return 0.0;
-  if (std::abs(p - 1.0) < 1e-6) return 1.0;
-  return steps < 4 ? 0.0 : p;
+bool is_uneven(const std::vector<double>& times) {
+  const double step = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+  for (std::size_t n = 1; n < times.size(); ++n)
+    if (std::abs(times[n] - times[n - 1] - step) > 1e-6 * step) return true;
+  return false;
 }
 
 } // namespace
@@ -108,14 +102,24 @@ std::string to_string(const Setting& setting, const Plan& plan) {
     mesh += fmt::format(" graded {}", setting.grade);
   std::string out = fmt::format("P{}, ", setting.order);
   if (plan.time.is_static) return out + mesh;
-  return out + fmt::format("{}, {}, {} steps",
+  return out + fmt::format("{}, {}, {}{} steps",
                            setting.scheme == Scheme::bdf2 ? "bdf2" : "backward Euler", mesh,
-                           setting.steps);
+                           setting.steps, is_uneven(plan.time.grid) ? " uneven" : "");
 }
 
 SettingFamily::SettingFamily(const Plan& plan) : plan_(plan), dim_(dimension(plan.mesh)) {
   find_coarsest_mesh();
-  find_coarsest_grid();
+  if (!plan_.time.is_static) bases_ = {script_base(plan_.time)};
+}
+
+void SettingFamily::follow_data(double negligible) {
+  if (is_static()) return;
+  bases_.front() = data_base(plan_.time, data_times(plan_, negligible));
+}
+
+int SettingFamily::add_base(TimeBase base) {
+  bases_.push_back(std::move(base));
+  return static_cast<int>(bases_.size()) - 1;
 }
 
 void SettingFamily::find_coarsest_mesh() {
@@ -159,14 +163,6 @@ void SettingFamily::find_coarsest_mesh() {
   for (int a = 0; a < dim_; ++a) first_cells_ *= cells_along(mesh, a);
 }
 
-void SettingFamily::find_coarsest_grid() {
-  if (plan_.time.is_static) return;
-  const int steps = static_cast<int>(plan_.time.grid.size()) - 1;
-  power_ = power_of(plan_.time.grid);
-  coarsest_steps_ = power_ > 0.0 ? 4 : steps;
-  step_unit_ = power_ > 0.0 ? 2 : 2 * steps;
-}
-
 MeshSpec SettingFamily::adapted_mesh_at(int level) const {
   MeshSpec out = plan_.mesh;
   for (int a = 0; a < dim_ && !bisected_; ++a)
@@ -196,15 +192,16 @@ MeshSpec SettingFamily::mesh_at(int level, double grade) const {
   return out;
 }
 
-std::vector<double> SettingFamily::grid_at(int steps) const {
-  const auto& grid = plan_.time.grid;
+std::vector<double> SettingFamily::grid_at(int steps, int base) const {
+  const auto& grid = bases_[base].grid;
+  const double power = bases_[base].power;
   const int listed = static_cast<int>(grid.size()) - 1;
-  if (power_ <= 0.0) return subdivided(grid, std::max(1, steps / listed));
+  if (power <= 0.0) return subdivided(grid, std::max(1, steps / listed));
   std::vector<double> out;
   for (int n = 0; n < steps; ++n) {
     const double part = static_cast<double>(n) / steps; // the same double for 2n of 2N
     out.push_back(grid.front() +
-                  (grid.back() - grid.front()) * (power_ == 1.0 ? part : std::pow(part, power_)));
+                  (grid.back() - grid.front()) * (power == 1.0 ? part : std::pow(part, power)));
   }
   out.push_back(grid.back());
   return out;
@@ -217,7 +214,7 @@ Plan SettingFamily::at(const Setting& setting) const {
   if (is_static()) return out;
   const double more =
       static_cast<double>(setting.steps) / static_cast<double>(plan_.time.grid.size() - 1);
-  out.time.grid = grid_at(setting.steps);
+  out.time.grid = grid_at(setting.steps, setting.base);
   out.time.scheme = setting.scheme;
   const auto thinned = [&](int every) {
     return std::max(1, static_cast<int>(std::lround(every * more)));

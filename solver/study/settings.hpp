@@ -3,6 +3,7 @@
 #pragma once
 
 #include "solver/plan/plan.hpp"
+#include "solver/study/time_base.hpp"
 
 #include <string>
 
@@ -18,6 +19,7 @@ struct Setting {
   int level = 1, steps = 1;
   /// Lines of a structured mesh as distances to both its sides to this power; or `adaptive`.
   double grade = 1.0;
+  int base = 0; ///< which of the family's bases of time
   friend auto operator<=>(const Setting&, const Setting&) = default;
 };
 /// "P2, bdf2, 32 x 16 cells, 40 steps"; meshes from files: "refined 2 times".
@@ -27,7 +29,8 @@ std::string to_string(const Setting& setting, const Plan& plan);
 /// are even, so that lines the data follow (kinks of a load, ends of parts) stay mesh lines, and
 /// refined by whole factors of the coarsest; other meshes are refined uniformly. Adaptive ones have
 /// level^dim times the cells of level 1, twice the coarsest mesh's. Uniform and power-graded
-/// time grids take any number of steps, listed times whole fractions of their steps.
+/// time grids take any number of steps, listed times whole fractions of their steps. Base 0 is the
+/// script's grid, or one that sees the data; others can be added.
 class SettingFamily {
 public:
   explicit SettingFamily(const Plan& plan);
@@ -43,25 +46,30 @@ public:
   /// predicates and points rely on where the lines are.
   bool gradable() const { return gradable_; }
   int dim() const { return dim_; }
-  int coarsest_steps() const { return coarsest_steps_; }
+  /// Fewest steps on a base.
+  int coarsest_steps(int base = 0) const { return bases_[base].coarsest; }
   /// Settings whose steps are multiples of this have the steps of half as many among theirs.
-  int step_unit() const { return step_unit_; }
+  int step_unit(int base = 0) const { return bases_[base].unit; }
   const Plan& plan() const { return plan_; }
+  const TimeBase& base(int which) const { return bases_[which]; }
+  /// Base 0 becomes one that sees the data; parts smaller than `negligible` are left out.
+  void follow_data(double negligible);
+  int add_base(TimeBase base);
+  /// The intervals that a base's fewest steps have.
+  std::vector<double> intervals(int base) const { return grid_at(bases_[base].coarsest, base); }
 
 private:
   void find_coarsest_mesh();
-  void find_coarsest_grid();
   MeshSpec mesh_at(int level, double grade) const;
-  std::vector<double> grid_at(int steps) const;
+  std::vector<double> grid_at(int steps, int base) const;
   MeshSpec adapted_mesh_at(int level) const;
 
   Plan plan_; ///< with the coarsest mesh
   int dim_ = 2;
   double first_cells_ = 0.0; ///< of the coarsest mesh
   bool bisected_ = false, gradable_ = false;
-  std::array<double, 3> grades_{1.0, 1.0, 1.0}; ///< of the script's own lines
-  double power_ = 1.0;                          ///< t_n = t_0 + T (n/N)^power; 0: the listed times
-  int coarsest_steps_ = 1, step_unit_ = 1;
+  std::array<double, 3> grades_{1.0, 1.0, 1.0};             ///< of the script's own lines
+  std::vector<TimeBase> bases_ = {TimeBase{{}, 1.0, 1, 1}}; ///< a static problem's has one step
 };
 
 } // namespace hvi::solver

@@ -11,6 +11,10 @@ namespace {
 
 constexpr int most_factors = 4;
 
+/// The increment of a step so much shorter than the next says nothing of the slope there: such
+/// steps stand for jumps of the data, and BDF2 would carry the jump on.
+constexpr double begins_anew = 100.0;
+
 } // namespace
 
 TimeGrid::TimeGrid(const TimeSpec& spec)
@@ -40,13 +44,13 @@ double TimeGrid::rounding(int n) const {
 }
 
 double TimeGrid::rate(int n) const {
-  if (!second_order(n)) return 1.0 / lengths_[n];
+  if (!second_order(n) || ratio(n) > begins_anew) return 1.0 / lengths_[n];
   const double w = ratio(n);
   return (1 + 2 * w) / ((1 + w) * lengths_[n]);
 }
 
 double TimeGrid::carry(int n) const {
-  if (!second_order(n)) return 0.0;
+  if (!second_order(n) || ratio(n) > begins_anew) return 0.0;
   const double w = ratio(n);
   return w * w / ((1 + w) * lengths_[n]);
 }
