@@ -111,6 +111,11 @@ struct InequalityEngine {
   struct Penalised; ///< the augmented function of one outer step
   Outcome fallback();
 
+  // ---- bounds that are other laws' multipliers (coupled.cpp, coupled_path.cpp)
+  struct Coupled;     ///< what one solve needs
+  struct CoupledPath; ///< follows the solutions as the bounds grow
+  InequalityReport solve_coupled(const Vector& r, InequalityState& io);
+
   // ---- components (release.cpp)
   Outcome solve_components();
   Outcome solve_branch();

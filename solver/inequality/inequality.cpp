@@ -246,6 +246,10 @@ InequalityReport InequalitySolver::solve(const Vector& r, InequalityState& state
   return impl_->solve(r, state);
 }
 
+InequalityReport InequalitySolver::solve_coupled(const Vector& r, InequalityState& state) {
+  return impl_->solve_coupled(r, state);
+}
+
 bool InequalitySolver::convex() { return impl_->convex(); }
 void InequalitySolver::save(std::ostream& out) const { impl_->save(out); }
 void InequalitySolver::restore(std::istream& in) { impl_->restore(in); }

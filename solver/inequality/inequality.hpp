@@ -46,6 +46,10 @@ public:
   virtual void solve_rough(DenseMatrix& columns) const;
   /// The lower triangle of (S + H)^-1, or false where it cannot be had. Leaves the factor alone.
   virtual bool inverse(const SparseMatrix&, DenseMatrix&) const { return false; }
+  /// The same operator, to be factored by LU: for an H that is not symmetric.
+  virtual std::unique_ptr<ReducedOperator> unsymmetric() const = 0;
+  /// Sign of the determinant of the last factor; 0 where it is not known.
+  virtual int determinant_sign() const { return 0; }
   /// How many products and solves cost about as much as one factorisation.
   virtual int patience() const = 0;
   virtual double bytes() const = 0; ///< held
@@ -63,12 +67,20 @@ struct ContactPoint {
   int graph = 0;       ///< index into ReducedProblem::graphs
 };
 
+/// A point whose law reads the multiplier of a scalar law at the same place: Coulomb's bound.
+struct CoupledPoint {
+  int point = 0, row = 0; ///< its law's multiplier is that in `row`
+  Point x{};              ///< where both act
+};
+
 struct ReducedProblem {
   std::vector<const Law*> laws;
   std::vector<LawGraph> graphs; ///< shared by the points of a law that depends on neither x nor t
   std::vector<ContactPoint> points;
   SparseMatrix g; ///< rows of all points by contact unknowns
   Vector offset;  ///< known part of z, a row each: set before every step
+  std::vector<CoupledPoint> coupled;
+  double t = 0.0; ///< when laws are asked: set before every step
 };
 
 struct InequalityOptions {
@@ -109,6 +121,10 @@ public:
   ~InequalitySolver();
   /// Solves (*) from the warm start in `state`; on return `state` holds the solution.
   InequalityReport solve(const Vector& r, InequalityState& state);
+  /// The same with the bounds of coupled laws unknown, too: their graphs are those of the
+  /// solution's own multipliers, whatever `problem.graphs` says. A solution need not exist, nor be
+  /// the only one.
+  InequalityReport solve_coupled(const Vector& r, InequalityState& state);
   /// Is S - sum_p w_p m_p G_p^T G_p positive definite, m_p the steepest descent of p's law? Then
   /// the problem has one solution for every r. For a symmetric S, and a dense one of up to 1,500
   /// unknowns: its factor may be rounded beyond. Forgets the last factor.

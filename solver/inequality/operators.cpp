@@ -91,6 +91,18 @@ public:
   void column(int j, double* out) const override {
     std::copy_n(s_.data() + static_cast<std::ptrdiff_t>(j) * size(), size(), out);
   }
+  std::unique_ptr<ReducedOperator> unsymmetric() const override {
+    return std::make_unique<DenseOperator>(s_, false);
+  }
+  int determinant_sign() const override {
+    if (symmetric_ || !exact_) return 0;
+    int sign = 1;
+    for (int i = 0; i < size(); ++i) {
+      if (pivots_[i] != i + 1) sign = -sign;
+      if (factor_(i, i) < 0.0) sign = -sign;
+    }
+    return sign;
+  }
   int patience() const override { return 2 + size() / 100; }
   double bytes() const override {
     return static_cast<double>(s_.size() + factor_.size()) * sizeof(double) +
@@ -326,6 +338,12 @@ public:
     std::fill_n(out, size(), 0.0);
     for (SparseMatrix::InnerIterator it(k_, j); it; ++it) out[it.col()] = it.value();
   }
+  std::unique_ptr<ReducedOperator> unsymmetric() const override {
+    return std::make_unique<SparseOperator>(k_, false);
+  }
+  int determinant_sign() const override {
+    return symmetric_ || lu_.info() != Eigen::Success ? 0 : static_cast<int>(lu_.signDeterminant());
+  }
   int patience() const override { return 12; }
   double bytes() const override { // the factor: at least as much as the sum
     return static_cast<double>(k_.nonZeros() + 2 * sum_.nonZeros()) *
@@ -368,7 +386,7 @@ private:
   bool symmetric_, analysed_ = false;
   Eigen::Index analysed_nonzeros_ = 0;
   Eigen::SimplicialLLT<ColumnMatrix> cholesky_;
-  Eigen::SparseLU<ColumnMatrix> lu_;
+  mutable Eigen::SparseLU<ColumnMatrix> lu_; // signDeterminant is not const
 };
 
 } // namespace

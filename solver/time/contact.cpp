@@ -65,6 +65,8 @@ void couple(const Plan& plan, Contact& out) {
           fmt::format("`{}` reads the multiplier of `{}`, which does not act at its points",
                       spec.name, wanted),
           "put both laws on the same part with the same rule; the other one is scalar");
+    for (int p = 0; p < term.n_points(); ++p)
+      out.problem.coupled.push_back({term.first_point + p, term.coupled_row + p, term.points.x[p]});
   }
 }
 
@@ -165,6 +167,7 @@ void prepare(Contact& contact, const Plan& plan, double t, const Vector& known, 
             law.graph(term.points.x[p], {t, term.coupled_row < 0 ? 0.0 : xi[term.coupled_row + p]});
     }
   }
+  contact.problem.t = t;
   contact.problem.offset = contact.offset;
   contact.problem.offset.noalias() += contact.g * known;
 }

@@ -85,7 +85,7 @@ void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
       result.notes.push_back(
           {0, 0.0,
            fmt::format("the bound of `{}` is the multiplier of `{}` (Coulomb): beyond the theory, "
-                       "found by a fixed point in each step",
+                       "found with it in each step; there may be other solutions",
                        law.spec().name, law.spec().coupled),
            spec.origin});
     if (std::isfinite(

@@ -111,6 +111,7 @@ private:
   void choose_storage(int n, StepMatrix& matrix);
   StepResult attempt(int n, StepMatrix& matrix);
   void couple_bounds(int n, StepMatrix& matrix, StepResult& out);
+  bool bounds_agree(int n);
   void accept(int n);
 
   const Plan& plan_;
@@ -155,6 +156,7 @@ private:
   Vector combined_, full_, change_, expected_, z_;
   Vector c_guess_, xi_guess_; // room for those of inequality_
   Vector dz_;                 ///< of the last step
+  double inclusion_ = 0;      ///< of the last `bounds_agree`
   double mismatch_ = 0; ///< backward error due to the part of K_n that its factor does not know
   std::int64_t earlier_reads_ = 0;
   int products_ = 0, corrections_ = 0, newton_ = 0, fallbacks_ = 0;

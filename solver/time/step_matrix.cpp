@@ -96,7 +96,7 @@ InequalityReport StepMatrix::solve(const Vector& gap, const Vector* rhs, Inequal
   }
   condense(gap, rhs, state);
   clock.charge(seconds_sweeps);
-  report = solver_->solve(r_, state);
+  report = coupled_ ? solver_->solve_coupled(r_, state) : solver_->solve(r_, state);
   if (state.s_c_guess.size() > 0) state.s_c_guess.swap(product_);
   clock.charge(seconds_inequality);
   expand(state, limits);

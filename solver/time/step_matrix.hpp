@@ -42,6 +42,10 @@ public:
   /// The first correction: the same with d = 0, whatever d holds.
   InequalityReport start(const Vector& gap, InequalityState& state, Vector& d);
 
+  /// From now on corrections find the bounds of coupled laws, too
+  /// (InequalitySolver::solve_coupled).
+  void couple_bounds(bool on) { coupled_ = on; }
+
   /// Makes a shortened factor; false when it cannot be had, or for the matrix without one.
   bool shorten() {
     const bool shortened = factorisation_ && factorisation_->sweep_in(SweepStorage::fine);
@@ -92,6 +96,7 @@ private:
   SweepLimits limits_;
   SweepStorage back_ = SweepStorage::full;
   double moved_ = 0.0;
+  bool coupled_ = false;
 };
 
 } // namespace hvi::solver
