@@ -1,8 +1,10 @@
 """tools/bench accuracy: does --accuracy keep its word, and what is a digit worth in seconds?
 
 HVI_CASES sets the number of cases. Three families of manufactured problems, parameters drawn with the seeds below: the true error must be below the
-wanted one in at least 95 of 100 cases and the announced CPU time within a factor 2. Then the paper's scheme
-(P1, backward Euler) against the setting that --accuracy picks, to the same true error.
+wanted one in at least 95 of 100 cases and the announced CPU time within a factor 2. Then all families of data that jump,
+pulse, oscillate and have layers in time (tests/families/accuracy_cases.py): every promise must be kept and every case solved.
+Then the paper's scheme (P1, backward Euler) against the setting that --accuracy picks, to the same true error, for a
+solution linear in time and for one that is not.
 """
 import json
 import math
@@ -14,6 +16,9 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tests" / "families"))
+import accuracy_cases  # noqa: E402  the families of the tests
+
 BUILD = pathlib.Path(os.environ.get("HVI_BUILD", ROOT / "build" / "release"))
 OUT = ROOT / "build" / "bench-out"
 SEEDS = {"2D smooth": 6001, "2D with contact changes": 6002, "3D": 6003}
@@ -165,6 +170,62 @@ def draw(name, title, xlabel, curves, slopes=()):
             f"set ylabel 'relative error in V, largest over time'\n{blocks}{labels}plot {', '.join(plots)}\n"))
 
 
+def families_in_time(rows, row, quick):
+    """Every kind of data in time on every kind of scene, drawn anew so often; a reference of each case's own."""
+    seed, times = 6004, 1 if quick else max(1, int(os.environ.get("HVI_CASES", "100")) // 25)
+    families = accuracy_cases.FAMILIES[::9] if quick else accuracy_cases.FAMILIES
+    script, records = OUT / "accuracy_time.hvi", []
+    for n, family_ in enumerate(families * times):
+        case = accuracy_cases.scene(family_, random.Random(f"{seed} {n}"))
+        script.write_text(case.script)
+        result, why = run(script, "--accuracy", case.wanted, *(["--of", case.probe] if case.probe else []))
+        record = {"name": case.name, "wanted": case.wanted, "of": case.probe or "V"}
+        if result is None:
+            record["failure"] = why
+        else:
+            record |= {"true": case.true_error(result), "setting": result["accuracy"]["tries"][-1]["setting"],
+                       "steps": result["accuracy"]["tries"][-1]["steps"], "total": result["accuracy"]["cpu"]}
+        records.append(record)
+        if result is None or record["true"] > case.wanted:
+            print(f"    {case.name}: wanted {case.wanted:.0e}, {record.get('true', 'refused')}", flush=True)
+    found = [r for r in records if "true" in r]
+    kept = sum(r["true"] <= r["wanted"] for r in found)
+    title = f"{len(families)} families in time (seed {seed}, {len(records)} cases)"
+    row(rows, f"{title}: promises kept", 100 * kept / max(1, len(found)), 100, "-", "%", kept == len(found))
+    row(rows, f"{title}: refused", 100 * (1 - len(found) / len(records)), 0, "-", "%", len(found) == len(records))
+    for label, key in (("true over wanted error", lambda r: r["true"] / r["wanted"]), ("steps", lambda r: r["steps"]),
+                       ("CPU seconds of the search", lambda r: r["total"])):
+        values = sorted(map(key, found))
+        print(f"    {label}: median {values[len(values) // 2]:.3g}, largest {values[-1]:.3g}", flush=True)
+    (ROOT / "build" / "bench-accuracy-time.json").write_text(json.dumps(records, indent=1))
+
+
+def not_linear_in_time(rows, row, quick):
+    """A known solution with a kink, a wave and a layer in time: uniform steps against those that are found."""
+    script = ROOT / "bench" / "accuracy_time.hvi"
+
+    def error(result):
+        return max(result["table"]["error"]) / max(result["table"]["size"])
+
+    measured = []
+    for n in (16, 32, 64) if quick else (16, 32, 64, 128, 256):
+        result, _ = run(script, "-D", f"n={n}", "-D", f"N={n}")
+        measured.append((n, error(result), solved(result)))
+        print(f"    P1/backward Euler n = N = {n}: error {measured[-1][1]:.2e}, {measured[-1][2]:.3f} s", flush=True)
+    points = []
+    for wanted in (3e-2, 1e-2) if quick else (3e-2, 1e-2, 3e-3):
+        best, _ = run(script, "-D", "N=4096", "--accuracy", wanted)
+        setting, seconds, search = best["accuracy"]["tries"][-1]["setting"], solved(best), best["accuracy"]["cpu"]
+        points.append((error(best), seconds, search))
+        print(f"    wanted {wanted:.0e}: {setting}: error {points[-1][0]:.2e}, {seconds:.3f} s, search {search:.2f} s", flush=True)
+        row(rows, f"a solution not linear in time, relative error {wanted:.0e}: true error", points[-1][0] / wanted, 1, "-",
+            "of it", points[-1][0] <= wanted)
+    draw("accuracy_time", "a kink, a wave and a layer in time: seconds to an error", "CPU seconds", [
+        ("P1, backward Euler, n = N", "linespoints pt 7 lw 2", [(s, e) for _, e, s in measured]),
+        ("the setting of --accuracy", "linespoints pt 7 lw 2", [(s, e) for e, s, _ in points]),
+        ("the same with its search", "linespoints pt 6 dt 3", [(s, e) for e, _, s in points])])
+
+
 def solved(result):
     """CPU seconds of a run without its table, which here integrates the exact solution in every step."""
     return result["timing"]["total"] - result["timing"]["output"]
@@ -290,7 +351,9 @@ def accuracy(quick):
     rows = []
     for name in FAMILIES:
         family(rows, row, name, 4 if quick else int(os.environ.get("HVI_CASES", "100")))
+    families_in_time(rows, row, quick)
     paper_scheme(rows, row, quick)
+    not_linear_in_time(rows, row, quick)
     if not quick:
         corners(rows, row)
         orders_at_corners()

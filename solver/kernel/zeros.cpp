@@ -51,15 +51,17 @@ private:
   bool look(double a, double b) {
     const Bounds here = over(f_, a, b);
     if (!here.contains(0.0)) return false;
-    if (here.high - here.low <= vanishing * size_) return false; // a stretch of zeros
     const Bounds rise = over(slope_, a, b);
+    const double still = vanishing * size_ / (high_ - low_);
+    if (here.high - here.low <= vanishing * size_ && rise.low >= -still && rise.high <= still)
+      return false; // a stretch of zeros
     if (rise.known && rise.defined && here.defined && !rise.contains(0.0)) {
       by_sign(a, b);
       return false;
     }
     if (b - a > closest * (high_ - low_)) return true;
     if (!here.known) out_.complete = false;
-    if (!by_sign(a, b)) touching(a, b);
+    if (!touching(a, b)) by_sign(a, b);
     return false;
   }
 
@@ -88,15 +90,23 @@ private:
   }
 
   /// A double zero: where the slope changes its sign, if f vanishes there.
-  void touching(double a, double b) {
+  bool touching(double a, double b) {
     double at = 0.0;
     const double wider = b - a;
-    if (!change_of_sign(slope_, std::max(low_, a - wider), std::min(high_, b + wider), at)) return;
-    if (std::abs(value(f_, at)) <= vanishing * size_) out_.at.push_back(at);
+    if (!change_of_sign(slope_, std::max(low_, a - wider), std::min(high_, b + wider), at))
+      return false;
+    if (std::abs(value(f_, at)) > vanishing * size_) return false;
+    double_.push_back(at);
+    return true;
   }
 
   void merge() {
     auto& at = out_.at;
+    // Rounding makes zeros and signs of its own beside a double zero.
+    const double beside = 4 * closest * (high_ - low_);
+    for (const double zero : double_)
+      std::erase_if(at, [&](double v) { return std::abs(v - zero) <= beside; });
+    at.insert(at.end(), double_.begin(), double_.end());
     std::sort(at.begin(), at.end());
     const double same = 1e-14 * (std::abs(low_) + std::abs(high_) + (high_ - low_));
     at.erase(std::unique(at.begin(), at.end(), [&](double a, double b) { return b - a <= same; }),
@@ -107,6 +117,7 @@ private:
   Expr slope_;
   Slot variable_;
   double low_, high_, size_ = 0.0;
+  std::vector<double> double_;
   Zeros out_;
 };
 
