@@ -20,6 +20,7 @@ public:
   LentFactor() = default;
   LentFactor(std::shared_ptr<Factorisation> factor, bool shared, bool made_before);
   Factorisation* operator->() const { return factor_.get(); }
+  const Factorisation* get() const { return factor_.get(); }
   explicit operator bool() const { return factor_ != nullptr; }
   /// Another run may be lent it, too: it must not be factored again for other values.
   bool is_shared() const { return shared_; }

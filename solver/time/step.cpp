@@ -194,7 +194,7 @@ void Stepper::judge_uniqueness(StepMatrix& matrix) {
     if (uniqueness.condensed() && step_ == 0) // a restored solver goes on with the same bits
       uniqueness.judge(matrix.unique());
     else
-      uniqueness.judge_all();
+      uniqueness.judge_all(matrix.factorisation());
   }
   not_unique_ = uniqueness.obstacle();
 }

@@ -28,6 +28,8 @@ public:
   /// Is the problem of this matrix convex, whatever the load? (InequalitySolver::convex)
   bool unique() { return !solver_ || solver_->convex(); }
 
+  /// Null when nothing is condensed.
+  const Factorisation* factorisation() const { return factorisation_.get(); }
   const Vector& gamma() const { return gamma_; }
   const SparseMatrix& k() const { return k_; }
 

@@ -68,6 +68,16 @@ Eigen::Index fields(const Plan& plan) {
 
 } // namespace
 
+bool surely_one_matrix(const Plan& plan) {
+  if (plan.time.is_static) return true;
+  for (const auto& term : plan.histories)
+    if (term.kernel.expression.depends_on(slot::t)) return false;
+  const TimeGrid grid(plan.time);
+  for (int n = 2; n <= grid.steps(); ++n)
+    if (grid.rate(n) != grid.rate(1) || grid.length(n) != grid.length(1)) return false;
+  return true;
+}
+
 StepWeights step_weights(const Plan& plan) {
   VectorXd c = VectorXd::Zero(fields(plan));
   c[field_u] = 1.0;
@@ -157,6 +167,10 @@ private:
     for (Eigen::Index k = 0; k < g.low.size(); ++k)
       if (g.low[k] < g.high[k]) open.push_back(k);
     g.bound = -std::numeric_limits<double>::infinity();
+    if (g.members.size() <= 1U << open.size()) { // each of them costs no more than its box
+      for (const int i : g.members) look_at(i);
+      return;
+    }
     for (unsigned corner = 0; corner < 1U << open.size(); ++corner) {
       VectorXd c = g.low;
       for (std::size_t k = 0; k < open.size(); ++k)

@@ -22,6 +22,9 @@ struct StepWeights {
 };
 /// By exact integrals, as the direct sum has them. Static: one, (1, 0, ...).
 StepWeights step_weights(const Plan& plan);
+/// Have all steps surely one matrix? Without an integral: backward Euler with equal steps and
+/// kernels written without t.
+bool surely_one_matrix(const Plan& plan);
 
 /// int |q_m(t_n, s)| ds over the last interval, for every column of `weights` and memory m.
 std::vector<Eigen::VectorXd> absolute_weights(const Plan& plan, const StepWeights& weights);

@@ -1,12 +1,14 @@
 // Has every step one solution? See uniqueness.hpp. Called by the Stepper at its first step.
 #include "solver/time/uniqueness.hpp"
 
+#include "solver/assembly/assembly.hpp"
 #include "solver/time/step_weights.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 namespace hvi::solver {
 namespace {
@@ -52,7 +54,7 @@ void Uniqueness::look_at_laws() {
   if (settled_) return;
   condensed_ = !moves && operators_.symmetric &&
                (contact_.whole || static_cast<int>(contact_.unknowns.size()) <= most_condensed) &&
-               step_weights(plan_).steps.size() == 1;
+               surely_one_matrix(plan_);
 }
 
 void Uniqueness::judge(bool convex) {
@@ -63,8 +65,11 @@ void Uniqueness::judge(bool convex) {
 
 /// A Cholesky factor of sym K(c) - D; the pattern is analysed once.
 bool Uniqueness::definite(const Eigen::VectorXd& c) {
-  const SparseMatrix k = combine(operators_, operators_.weights.transpose() * c);
-  SparseMatrix rest = k - descent_;
+  SparseMatrix rest = combine(operators_, operators_.weights.transpose() * c);
+  if (same_pattern_)
+    add_scaled(rest, -1.0, descent_);
+  else
+    rest = SparseMatrix(rest - descent_);
   if (!operators_.symmetric) rest = SparseMatrix(0.5 * (rest + SparseMatrix(rest.transpose())));
   try {
     if (!factor_) factor_ = analyse(rest, {}, true);
@@ -75,12 +80,26 @@ bool Uniqueness::definite(const Eigen::VectorXd& c) {
   return true;
 }
 
-void Uniqueness::judge_all() {
+/// Points of laws couple unknowns of one facet, which K does as a rule.
+void Uniqueness::take_over(const Factorisation* like) {
+  if (like == nullptr || !operators_.symmetric || operators_.separate) return;
+  SparseMatrix k = combine(operators_, Vector::Zero(operators_.n_bases()));
+  try {
+    add_scaled(k, 1.0, descent_);
+  } catch (const std::invalid_argument&) { // an entry that K does not have
+    return;
+  }
+  factor_ = like->another();
+  same_pattern_ = true;
+}
+
+void Uniqueness::judge_all(const Factorisation* like) {
   settled_ = true;
   std::vector<double> weight(plan_.law_terms.size(), 0.0);
   for (std::size_t l = 0; l < weight.size(); ++l)
     weight[l] = contact_.softening[plan_.law_terms[l].law];
   descent_ = law_form(contact_, weight, operators_.n_unknowns);
+  take_over(like);
   const auto worst = worst_step(
       step_weights(plan_), [&](const Eigen::VectorXd& c) { return definite(c) ? 0.0 : infinity; },
       most_factors);

@@ -21,8 +21,9 @@ public:
   /// All steps have one matrix, and the condensed problem can be asked: `judge` it.
   bool condensed() const { return condensed_; }
   void judge(bool convex);
-  /// Judges the matrices of all steps on all unknowns.
-  void judge_all();
+  /// Judges the matrices of all steps on all unknowns. `like`: a factor of one of them, whose
+  /// analysis is taken over; or null.
+  void judge_all(const Factorisation* like);
 
   const std::string& obstacle() const { return obstacle_; }
   bool holds() const { return obstacle_.empty(); }
@@ -30,6 +31,7 @@ public:
 private:
   void look_at_laws();
   bool definite(const Eigen::VectorXd& c);
+  void take_over(const Factorisation* like);
 
   const Plan& plan_;
   const Operators& operators_;
@@ -38,6 +40,7 @@ private:
   std::string obstacle_;
   SparseMatrix descent_;
   std::unique_ptr<Factorisation> factor_;
+  bool same_pattern_ = false; ///< `factor_` is for the pattern of K
 };
 
 /// sum_i weight_i M_i^T W M_i on the unknowns, weight_i per law term.
