@@ -175,9 +175,12 @@ def scene(random):
             f"report\n  table end = {end}\n", m * ratios)
 
 
-def ask(hvi_run, *arguments):
-    run = subprocess.run([hvi_run, *arguments, "--json", "-"], capture_output=True, text=True, timeout=120)
-    return run.returncode, json.loads(run.stdout) if run.stdout.startswith("{") else None, run.stderr
+def ask(hvi_run, command, folder):
+    """Exit code, report and standard error of a command on scene.hvi in the folder."""
+    out = folder / f"{command}.json"
+    out.unlink(missing_ok=True)
+    run = subprocess.run([hvi_run, command, "scene.hvi", "--json", out.name, "--quiet"], capture_output=True, text=True, timeout=120, cwd=folder)
+    return run.returncode, json.loads(out.read_text()) if out.exists() else None, run.stderr
 
 
 def main():
@@ -187,26 +190,25 @@ def main():
     parser.add_argument("--seed", type=int, default=1706)
     options = parser.parse_args()
     random = np.random.default_rng(options.seed)
-    unique = wrong = refused = skipped = 0
-    with tempfile.TemporaryDirectory() as folder:
+    unique = wrong = refused = solved = 0
+    hvi_run = pathlib.Path(options.hvi_run).resolve()
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
         for number in range(options.scenes):
             script, ratios = scene(random)
-            path = pathlib.Path(folder) / "scene.hvi"
-            path.write_text(script)
+            (folder / "scene.hvi").write_text(script)
 
             def tell(what):
                 keep = pathlib.Path(tempfile.gettempdir()) / f"verdicts_{options.seed}_{number}.hvi"
                 keep.write_text(script)
                 print(f"scene {number} ({keep}): {what}; worst ratio here {ratios.max():.6g} at step {ratios.argmax() + 1}")
 
-            code, report, error = ask(options.hvi_run, "check", str(path))
+            code, report, error = ask(hvi_run, "check", folder)
             if report is None:
                 if np.isfinite(ratios).all():
                     tell(f"no report, exit {code}: {error.strip()[:200]}")
                     refused += 1
-                else:
-                    skipped += 1  # a matrix that is not positive definite: the first step says so
-                continue
+                continue  # a matrix that is not positive definite: the first step says so
             several, sure = ratios.max() >= 1 + 1e-9, ratios.max() <= 0.99
             says = report["verdict"]["discrete"]["holds"]
             unique += says
@@ -218,14 +220,16 @@ def main():
             if np.isfinite(ratios).all() and not isinstance(margin, str):
                 if margin is None or abs(1 - margin - ratios.max()) > 5e-3 * ratios.max():
                     tell(f"step margin {margin}"), (wrong := wrong + 1)
-            code, result, error = ask(options.hvi_run, "run", str(path), "--quiet")
+            code, result, error = ask(hvi_run, "run", folder)
             if result is None:
                 continue  # no certified solution is no verdict
+            solved += 1
             says = result["uniqueness"] == "guaranteed"
             if says and several:
                 tell("run: guaranteed"), (wrong := wrong + 1)
             if not says and sure:
                 tell("run refuses"), (refused := refused + 1)
+    print(f"{solved} scenes run, too")
     print(f"family verdicts: scenes {options.scenes}, certified {unique}, wrong {wrong}, refused {refused}")
     return 1 if wrong or refused else 0
 
