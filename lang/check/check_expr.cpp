@@ -191,6 +191,17 @@ Value Checker::cases(const ast::Expr& e, const ast::Cases& c, const Scope& scope
   for (const ast::Case& row : c.cases)
     rows.emplace_back(condition(row.condition, scope), field(row.value, scope));
   if (!otherwise) return Poison{};
+  if (scope.law && laws_at_hand_.size() == 1) {
+    LawCases here;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (!rows[i].first) break;
+      here.conditions.push_back(*rows[i].first);
+      here.places.push_back(c.cases[i].condition.span);
+      here.values.push_back(c.cases[i].value.span);
+    }
+    here.values.push_back(c.otherwise->span);
+    if (here.conditions.size() == rows.size()) law_cases_.push_back(std::move(here));
+  }
   Field out = *otherwise;
   for (std::size_t i = rows.size(); i-- > 0;) {
     auto& [when, value] = rows[i];

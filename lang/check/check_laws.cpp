@@ -1,6 +1,9 @@
 // Superpotentials: their bodies as functions of one argument, and j^0(at; direction) in a form.
 #include "lang/check/checker.hpp"
 #include "solver/law/law.hpp"
+#include "solver/law/law_failure.hpp"
+#include "solver/law/reach.hpp"
+#include "solver/law/switches.hpp"
 
 #include <fmt/format.h>
 
@@ -137,6 +140,36 @@ bool Checker::is_law_parameter(const Value& value, const ast::Expr& given) {
   return false;
 }
 
+/// The condition or the branch of the law's own cases where it is bad, else `otherwise`.
+Span Checker::place_in_law(const solver::Failure& failure, const Span& otherwise) const {
+  const auto* bad = dynamic_cast<const solver::LawFailure*>(&failure);
+  if (bad == nullptr || law_cases_.empty()) return otherwise;
+  if (bad->condition) {
+    for (const LawCases& cases : law_cases_)
+      for (std::size_t i = 0; i < cases.conditions.size(); ++i)
+        if (solver::contains(cases.conditions[i], *bad->condition)) return cases.places[i];
+    return otherwise;
+  }
+  if (!bad->argument) return otherwise;
+  const LawCases& outer = law_cases_.back();
+  std::size_t i = 0;
+  const auto value = [&](solver::Slot s) {
+    if (s == slot::argument(0)) return *bad->argument;
+    if (s == slot::t) return bad->t.t;
+    return s == slot::coupled ? bad->t.coupled : bad->x[static_cast<std::size_t>(s)];
+  };
+  while (i < outer.conditions.size() && evaluate(outer.conditions[i], value) != 1.0) ++i;
+  return outer.values[i];
+}
+
+void Checker::warn_of_unreached_cases(bool radial) {
+  for (const LawCases& cases : law_cases_)
+    for (const int i : solver::unreached_cases(cases.conditions, radial))
+      diagnostics_.add(diagnose("W0107", cases.places[static_cast<std::size_t>(i)],
+                                "no argument reaches this case: the ones before it hold first")
+                           .with_help("put the narrower condition first"));
+}
+
 std::optional<int> Checker::law_for(int declaration, bool radial, const Span& use) {
   auto key = std::pair(declaration, radial);
   if (auto found = law_index_.find(key); found != law_index_.end())
@@ -161,6 +194,7 @@ std::optional<int> Checker::law_for(int declaration, bool radial, const Span& us
     parameters[p.name.text] = std::move(v);
   }
   coupled_.clear();
+  law_cases_.clear();
   auto body = law_body(declaration, law_argument(radial), parameters, use);
   if (!body) return std::nullopt;
   solver::LawSpec spec;
@@ -174,9 +208,10 @@ std::optional<int> Checker::law_for(int declaration, bool radial, const Span& us
     solver::Law probe(spec);
     if (!probe.depends_on_x() && !probe.depends_on_t()) probe.graph({}, 0.0);
   } catch (const solver::Failure& failure) {
-    error("E0501", law.name.span, failure.what(), failure.help);
+    error("E0501", place_in_law(failure, law.name.span), failure.what(), failure.help);
     return std::nullopt;
   }
+  warn_of_unreached_cases(radial);
   model_.laws.push_back({law.name.text, law.name.span, spec});
   const int index = static_cast<int>(model_.laws.size()) - 1;
   law_index_[key] = index;

@@ -161,6 +161,8 @@ private:
 
   // --- laws (check_laws.cpp)
   bool is_law_parameter(const Value& value, const ast::Expr& given);
+  Span place_in_law(const solver::Failure& failure, const Span& otherwise) const;
+  void warn_of_unreached_cases(bool radial);
   std::optional<int> law_for(int declaration, bool radial, const Span& use);
   std::optional<std::vector<LawRow>> law_rows(const ast::Clarke& clarke, const Field& at,
                                               const Field& direction);
@@ -243,6 +245,12 @@ private:
   std::map<std::string, solver::Group::Kind> groups_; ///< of the mesh in use
   bool groups_known_ = false;
   std::map<std::pair<int, bool>, int> law_index_;
+  /// Cases in the body of the law being checked.
+  struct LawCases {
+    std::vector<Symbol> conditions;
+    std::vector<Span> places, values; ///< of the conditions; of the values, the last one's too
+  };
+  std::vector<LawCases> law_cases_; ///< inner ones first
   std::string coupled_; ///< the law whose multiplier the law being checked reads
   std::map<std::size_t, std::pair<Span, double>> locking_; ///< nearly incompressible tensors
   std::set<int> laws_applied_;

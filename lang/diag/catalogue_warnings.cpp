@@ -44,6 +44,15 @@ space V  = vector P1 on slab, zero on roof)",
      R"(
 tensor B = isotropic(young = 70, poisson = 0.4999)
 space V  = vector P2 on slab, zero on roof)"},
+    {"W0107", "case that is never reached",
+     R"(
+Cases are read from the top: the first condition that holds decides. No argument is left for this one,
+because the ones before it hold wherever it does. Mostly two lines have changed places, or a parameter is
+not what was meant.)",
+     R"(
+superpotential layer(r) with slope | r < 0.08 -> 100*r | r < 0.02 -> 50*r | otherwise -> 8)",
+     R"(
+superpotential layer(r) with slope | r < 0.02 -> 50*r | r < 0.08 -> 100*r - 1 | otherwise -> 7)"},
 });
 
 } // namespace

@@ -2,6 +2,7 @@
 #include "solver/hypotheses/laws.hpp"
 
 #include "solver/assembly/assembly.hpp"
+#include "solver/law/known_constants.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,26 +11,34 @@
 namespace hvi::solver {
 namespace {
 
-constexpr int most_points = 200; ///< of a law that changes in space; the others lie between them
-constexpr int most_times = 9;    ///< of a law that changes in time
-
-std::vector<double> sample_times(const Plan& plan, const Law& law) {
-  if (plan.time.is_static) return {0.0};
-  const double t0 = plan.time.grid.front(), t1 = plan.time.grid.back();
-  if (!law.depends_on_t()) return {t0};
-  std::vector<double> out;
-  for (int k = 0; k < most_times; ++k) out.push_back(t0 + (t1 - t0) * k / (most_times - 1));
+/// The entities of a part as simplices, and the times of the plan.
+LawDomain domain_of(const Plan& plan, const Mesh& mesh, const Region& region) {
+  LawDomain out;
+  if (!plan.time.is_static)
+    out.t_low = plan.time.grid.front(), out.t_high = plan.time.grid.back();
+  for (const auto entity : region.entities) {
+    LawDomain::Simplex s;
+    s.n = region.kind == Group::Kind::cells    ? mesh.nodes_per_cell()
+          : region.kind == Group::Kind::facets ? mesh.nodes_per_facet()
+                                               : 1;
+    for (int k = 0; k < s.n; ++k) {
+      const auto node = region.kind == Group::Kind::cells    ? mesh.cells[entity][k]
+                        : region.kind == Group::Kind::facets ? mesh.facets[entity].nodes[k]
+                                                             : entity;
+      s.corners[k] = mesh.nodes[node];
+    }
+    out.part.push_back(s);
+  }
   return out;
 }
 
-void take(const LawConstants& here, bool everywhere, TermConstants& out) {
-  const auto known = [&](double value) {
-    return here.exact && everywhere ? Bracket::exactly(value) : Bracket::at_least(value);
-  };
-  if (here.m > out.m.low) out.at = here.worst_at;
-  out.m = larger(out.m, known(here.m));
-  out.c = larger(out.c, known(here.c));
-  out.regular = out.regular && (here.clarke_regular || std::isfinite(here.m));
+KnownConstants constants_of(const Plan& plan, const Discretisation& d, const ContactTerm& term,
+                          const Law& law) {
+  const double start = plan.time.is_static ? 0.0 : plan.time.grid.front();
+  if (law.coupled() || (!law.depends_on_x() && !law.depends_on_t()))
+    return known_constants(law, term.points.x[0], start);
+  const auto& part = d.parts[plan.law_terms[term.points.law_term].part];
+  return known_constants(law, domain_of(plan, d.mesh, part));
 }
 
 SparseMatrix trace_form(const Plan& plan, const Discretisation& d, const StateLayout& layout,
@@ -51,19 +60,19 @@ SparseMatrix trace_form(const Plan& plan, const Discretisation& d, const StateLa
 
 } // namespace
 
-std::vector<TermConstants> law_constants(const Plan& plan, const Contact& contact) {
+std::vector<TermConstants> law_constants(const Plan& plan, const Discretisation& d,
+                                         const Contact& contact) {
   std::vector<TermConstants> out;
   for (const auto& term : contact.terms) {
     const Law& law = *contact.laws[plan.law_terms[term.points.law_term].law];
     TermConstants here;
     here.term = term.points.law_term;
     here.radial = law.spec().radial;
-    const int points = law.depends_on_x() ? term.n_points() : std::min(term.n_points(), 1);
-    const int stride = std::max(1, points / most_points);
-    const auto times = sample_times(plan, law);
-    const bool everywhere = !law.depends_on_x() && times.size() == 1;
-    for (int p = 0; p < points; p += stride)
-      for (const double t : times) take(law.constants(term.points.x[p], t), everywhere, here);
+    if (term.n_points() > 0) {
+      const KnownConstants k = constants_of(plan, d, term, law);
+      here.m = k.m, here.c = k.c, here.at = k.worst_at;
+      here.regular = k.clarke_regular || std::isfinite(k.m.value());
+    }
     out.push_back(here);
   }
   return out;

@@ -10,7 +10,7 @@
 
 namespace hvi::solver {
 
-/// Constants of one law term: the worst over its points and over times.
+/// Constants of one law term: the worst over its part of space and over all times.
 struct TermConstants {
   int term = 0;        ///< index into Plan::law_terms
   bool radial = false; ///< of a vector, as friction
@@ -18,7 +18,8 @@ struct TermConstants {
   bool regular = true;
   double at = 0.0; ///< the argument where m is attained
 };
-std::vector<TermConstants> law_constants(const Plan& plan, const Contact& contact);
+std::vector<TermConstants> law_constants(const Plan& plan, const Discretisation& discretisation,
+                                         const Contact& contact);
 
 /// Largest eigenvalue against the Gram matrix of the traces on the parts with laws.
 struct TraceNorms {

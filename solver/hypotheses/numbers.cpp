@@ -18,7 +18,7 @@ Numbers::Numbers(const Plan& plan, const Discretisation& d)
       operators_(assemble_operators(plan, d, layout_)), contact_(make_contact(plan, d, layout_)),
       gram_(restrict_rows(gram_v(d.space, d.dofs.eliminated.empty()), layout_)
                 .leftCols(layout_.n_unknowns)),
-      laws_(law_constants(plan, contact_)), traces_(trace_norms(plan, d, layout_, gram_)) {}
+      laws_(law_constants(plan, d, contact_)), traces_(trace_norms(plan, d, layout_, gram_)) {}
 
 SparseMatrix Numbers::of_field(int field) const {
   return combine(operators_, operators_.weights.row(field).transpose());

@@ -12,8 +12,10 @@ bool InequalityEngine::convex() {
   for (int p = 0; p < n_points; ++p) {
     const PreparedLaw& law = prepared[points[p].law];
     double m = 0.0;
-    for (int k = 0; k < law.components(); ++k) m = std::max(m, law.component(k).m);
-    if (law.components() > 1 || !std::isfinite(m)) return false;
+    bool proved = true; // a descent that was only seen proves nothing
+    for (int k = 0; k < law.components(); ++k)
+      m = std::max(m, law.component(k).m), proved = proved && law.component(k).proved;
+    if (law.components() > 1 || !std::isfinite(m) || !proved) return false;
     softens = softens || m > 0.0;
     d[p].fill(0.0);
     for (int i = 0; i < points[p].rows; ++i) d[p][4 * i] = -m;

@@ -7,7 +7,6 @@
 namespace hvi::solver {
 
 namespace {
-constexpr double infinity = std::numeric_limits<double>::infinity();
 double finite_or(double v, double otherwise) { return std::isfinite(v) ? v : otherwise; }
 } // namespace
 
@@ -27,20 +26,23 @@ PreparedLaw::PreparedLaw(const Law& law, const LawGraph& graph)
   }
 }
 
-/// Steepest descent of the slope on a piece; radial: across the direction of slip too.
-double PreparedLaw::descent(int piece, double low, double high) const {
+/// Takes the steepest descent of the slope on a piece into that of its component; radial: across the
+/// direction of slip, too, which matters beyond a jump down only (else mu(r) >= mu(0) - m r).
+void PreparedLaw::descend(int piece, LawComponent& c) const {
+  const double low = piece_low(*graph_, piece, radial_), high = piece_high(*graph_, piece);
   const auto range = law_->curvature_range(*graph_, piece, low, high);
-  // A sampled bound may be a little short, and rounding must not undo monotonicity.
+  // What was only seen may be a little short, and rounding must not undo monotonicity.
   double m = std::max(0.0, -range.low) * (range.exact ? 1.0 + 1e-12 : 1.01);
+  c.proved = c.proved && range.exact && std::isfinite(m);
   if (!std::isfinite(m))
     m = std::max(0.0, finite_or(-law_->curvature(*graph_, piece, (low + high) / 2), 0.0)) * 1e3;
-  if (!radial_) return m;
+  c.m = std::max(c.m, m);
+  if (!radial_) return;
   const double start = std::max(low, 0.0), end = std::isfinite(high) ? high : 2.0 * start + 1.0;
   for (int k = 1; k <= 32; ++k) {
     const double r = start + (end - start) * (k / 32.0);
-    m = std::max(m, -law_->slope(*graph_, piece, r) / r);
+    c.m = std::max(c.m, -law_->slope(*graph_, piece, r) / r);
   }
-  return m;
 }
 
 void PreparedLaw::add_component(int first, int last) {
@@ -49,7 +51,7 @@ void PreparedLaw::add_component(int first, int last) {
   c.low = piece_low(*graph_, first, false);
   c.high = piece_high(*graph_, last);
   for (int i = first; i <= last; ++i)
-    c.m = std::max(c.m, descent(i, piece_low(*graph_, i, radial_), piece_high(*graph_, i)));
+    descend(i, c);
   if (std::isfinite(c.low)) {
     c.low_s = graph_->right[first - 1];
     c.low_d = finite_or(law_->curvature(*graph_, first, c.low), 0.0);

@@ -20,6 +20,7 @@ struct LawComponent {
   int first = 0, last = 0;
   double low = 0.0, high = 0.0; ///< where the next component begins; infinite where there is none
   double m = 0.0;               ///< slope + m r is nondecreasing (radial: (slope + m r)/r too >= 0)
+  bool proved = true;           ///< no steeper descent exists; else none was seen
   double low_s = 0.0, low_d = 0.0, high_s = 0.0, high_d = 0.0; ///< the tangents at the ends
 };
 
@@ -47,7 +48,7 @@ public:
 
 private:
   void add_component(int first, int last);
-  double descent(int piece, double low, double high) const;
+  void descend(int piece, LawComponent& c) const;
   GraphPoint solve_inside(const LawComponent& c, int piece, double y, double a, double gamma,
                           double guess) const;
   GraphPoint iterate(int piece, double y, double a, double gamma, double guess) const;

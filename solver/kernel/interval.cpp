@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace hvi::solver {
 
@@ -61,10 +62,12 @@ Bounds with_flags(double low, double high, const Bounds& a, const Bounds& b) {
 }
 
 Bounds widened(Bounds b, int ulps) {
-  for (int i = 0; i < ulps; ++i) {
-    b.low = std::nextafter(b.low, -infinity);
-    b.high = std::nextafter(b.high, infinity);
-  }
+  // |v| 2^-52 is at least one unit in the last place of v, next to 0 the least number is.
+  constexpr double most = std::numeric_limits<double>::max();
+  constexpr double least = std::numeric_limits<double>::denorm_min();
+  const auto step = [&](double v) { return ulps * (std::abs(v) * 0x1p-52 + least); };
+  b.low = b.low == infinity ? most : b.low - step(b.low);
+  b.high = b.high == -infinity ? -most : b.high + step(b.high);
   return b;
 }
 
@@ -147,8 +150,9 @@ Bounds chosen(const Bounds& condition, const Bounds& then, const Bounds& otherwi
   return result;
 }
 
-Bounds extension(const Expr& e, std::span<const Bounds> a) {
-  using namespace rules;
+} // namespace
+
+Bounds rules::extension(const Expr& e, std::span<const Bounds> a) {
   switch (e.op()) {
   case Op::add:
     return add(a[0], a[1]);
@@ -189,26 +193,82 @@ Bounds extension(const Expr& e, std::span<const Bounds> a) {
   }
 }
 
+namespace {
+
+/// May the operation jump inside its arguments' ranges? `result` is its enclosure.
+bool may_jump(const Expr& e, const Bounds& result) {
+  switch (e.op()) {
+  case Op::less:
+  case Op::less_equal:
+  case Op::equal:
+  case Op::sign:
+  case Op::table_slope: // where it is continuous it has no derivative as an expression
+    return !rules::is_point(result);
+  case Op::atan2: // across its cut
+    return result.low <= -std::numbers::pi || result.high >= std::numbers::pi;
+  default:
+    return false;
+  }
+}
+
 } // namespace
 
-Bounds bounds(const Expr& e, const std::function<Bounds(Slot)>& box) {
-  NodeMap<Bounds> done;
-  postorder(e, [&](const Expr& node) {
-    Bounds found;
-    if (node.is_constant()) {
-      found = {node.value(), node.value()};
-    } else if (node.op() == Op::slot) {
-      found = box(node.slot());
+IntervalTape::IntervalTape(std::span<const Expr> outputs) {
+  NodeMap<int> place;
+  const auto add = [&](const Expr& node) {
+    Step step{node, {}, -1};
+    for (std::size_t i = 0; i < std::min<std::size_t>(3, node.args().size()); ++i)
+      step.args[i] = place.at(node.args()[i].id());
+    if (node.op() == Op::slot) {
+      const auto known = std::find(inputs_.begin(), inputs_.end(), node.slot());
+      step.input = static_cast<int>(known - inputs_.begin());
+      if (known == inputs_.end()) inputs_.push_back(node.slot());
+    }
+    place.emplace(node.id(), static_cast<int>(steps_.size()));
+    steps_.push_back(std::move(step));
+  };
+  for (const Expr& e : outputs) {
+    postorder(
+        e, [&](const Expr& node) { return place.count(node.id()) == 0; }, add);
+    outputs_.push_back(place.at(e.id()));
+    if (outputs_.size() == 1) of_first_ = static_cast<int>(steps_.size());
+  }
+}
+
+bool IntervalTape::operator()(std::span<const Bounds> box, std::span<Bounds> out,
+                              std::vector<Bounds>& work) const {
+  work.resize(steps_.size());
+  bool continuous = true;
+  const int last = *std::max_element(outputs_.begin(),
+                                     outputs_.begin() + static_cast<std::ptrdiff_t>(out.size()));
+  for (int i = 0; i <= last; ++i) {
+    const Step& step = steps_[i];
+    Bounds& found = work[i];
+    if (step.node.is_constant()) {
+      found = {step.node.value(), step.node.value()};
+    } else if (step.input >= 0) {
+      found = box[step.input];
     } else {
       std::array<Bounds, 3> args;
-      for (std::size_t i = 0; i < node.args().size(); ++i) args[i] = done.at(node.args()[i].id());
-      found = extension(node, std::span(args).first(node.args().size()));
+      const std::size_t n = std::min<std::size_t>(3, step.node.args().size());
+      for (std::size_t k = 0; k < n; ++k) args[k] = work[step.args[k]];
+      found = rules::extension(step.node, std::span(args).first(n));
+      if (i < of_first_ && may_jump(step.node, found)) continuous = false;
     }
     if (std::isnan(found.low) || std::isnan(found.high))
       found = {-HUGE_VAL, HUGE_VAL, false, false};
-    done.emplace(node.id(), found);
-  });
-  return done.at(e.id());
+  }
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = work[outputs_[k]];
+  return continuous;
+}
+
+Bounds bounds(const Expr& e, const std::function<Bounds(Slot)>& box) {
+  const IntervalTape tape({&e, 1});
+  std::vector<Bounds> inputs, work;
+  for (const Slot s : tape.inputs()) inputs.push_back(box(s));
+  Bounds out;
+  tape(inputs, {&out, 1}, work);
+  return out;
 }
 
 } // namespace hvi::solver

@@ -3,8 +3,11 @@
 
 #include "solver/kernel/expr.hpp"
 
+#include <array>
 #include <functional>
 #include <limits>
+#include <span>
+#include <vector>
 
 namespace hvi::solver {
 
@@ -23,5 +26,29 @@ struct Bounds {
 /// Rounded outwards, also for what the library's functions may be off. Each occurrence of a
 /// slot counts as independent, so that bounds are certain, not sharp.
 Bounds bounds(const Expr& e, const std::function<Bounds(Slot)>& box);
+
+/// The same for many boxes: the walk over the expressions is prepared once.
+class IntervalTape {
+public:
+  IntervalTape() = default;
+  explicit IntervalTape(std::span<const Expr> outputs);
+
+  const std::vector<Slot>& inputs() const { return inputs_; }
+  /// Encloses the first out.size() outputs; one range per input, `work` is scratch. False: the first
+  /// output may jump inside the box (a comparison or a sign is open there).
+  bool operator()(std::span<const Bounds> box, std::span<Bounds> out,
+                  std::vector<Bounds>& work) const;
+
+private:
+  struct Step {
+    Expr node;
+    std::array<int, 3> args;
+    int input; ///< of a slot; -1: none
+  };
+  std::vector<Step> steps_;
+  std::vector<Slot> inputs_;
+  std::vector<int> outputs_;
+  int of_first_ = 0; ///< so many steps make the first output
+};
 
 } // namespace hvi::solver

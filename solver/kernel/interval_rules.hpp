@@ -23,6 +23,9 @@ Bounds special(Op op, std::span<const Bounds> args);
 Bounds arctangent(const Bounds& y, const Bounds& x);
 Bounds tabulated(const Table& table, const Bounds& x, bool slope);
 
+/// The enclosure of an operation (not of a leaf) from those of its arguments.
+Bounds extension(const Expr& e, std::span<const Bounds> args);
+
 /// Flags of a result that depends on a and b.
 Bounds with_flags(double low, double high, const Bounds& a, const Bounds& b);
 /// Widened by `ulps` units in the last place at both ends.

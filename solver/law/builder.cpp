@@ -2,6 +2,7 @@
 #include "solver/law/builder.hpp"
 
 #include "solver/kernel/table.hpp"
+#include "solver/law/law_failure.hpp"
 
 #include <boost/math/quadrature/gauss.hpp>
 #include <fmt/format.h>
@@ -32,9 +33,25 @@ std::string where(double r, const LawSpec& spec, const Point& x, LawTime t) {
   return text;
 }
 
-[[noreturn]] void fail(const LawSpec& spec, const std::string& what, const std::string& help) {
-  throw Failure(FailureKind::bad_law, spec.origin,
-                fmt::format("the law `{}` is not locally Lipschitz: {}", spec.name, what), help);
+[[noreturn]] void fail(const LawSpec& spec, double r, const Point& x, LawTime t,
+                       const std::string& what, const std::string& help) {
+  LawFailure failure(spec.origin,
+                     fmt::format("the law `{}` is not locally Lipschitz: {}", spec.name, what),
+                     help);
+  failure.argument = r, failure.x = x, failure.t = t;
+  throw failure;
+}
+
+[[noreturn]] void turns_too_often(const LawSpec& spec, const Switch& s) {
+  LawFailure failure(
+      spec.origin,
+      fmt::format("the law `{}` turns at too many arguments: `{}` changes its sign more than {} "
+                  "times, or where cannot be told",
+                  spec.name, to_string(s.function), RootFinder::most_roots),
+      "a law has finitely many pieces: put cases before this one that leave it a short range, as "
+      "`| r > 1 -> ...`");
+  failure.condition = s.node;
+  throw failure;
 }
 
 } // namespace
@@ -62,39 +79,67 @@ Signature GraphBuilder::signature_at(double r, const Point& x, LawTime t, std::s
   return signature;
 }
 
-void GraphBuilder::add_roots(int i, const Signature& prefix, const Point& x, LawTime t, double low,
-                             double high, std::vector<double>& roots) const {
+const RootFinder& GraphBuilder::finder(int i, const Signature& prefix) const {
   auto found = finders_.find({i, prefix});
   if (found == finders_.end()) {
     const Expr f = specialise(switches_[i].function, switches_, prefix);
     found = finders_.emplace(std::pair{i, prefix}, RootFinder(f)).first;
   }
-  if (switches_[i].kind != Switch::Kind::table)
-    return found->second.find(x, t, 0.0, low, high, roots);
-  for (const double target : switches_[i].node.table()->abscissae())
-    found->second.find(x, t, target, low, high, roots);
+  return found->second;
 }
 
-/// All places where a switch may turn, sorted. The function of a nested switch is itself piecewise:
-/// it is searched cell by cell between the breaks of the switches inside it.
+void GraphBuilder::add_roots(int i, const Signature& prefix, const Point& x, LawTime t, double low,
+                             double high, std::vector<double>& roots) const {
+  const Switch& s = switches_[i];
+  const bool crossings = s.kind != Switch::Kind::singular;
+  const RootFinder& roots_of = finder(i, prefix);
+  const std::vector<double> zero{0.0};
+  for (const double target : s.kind == Switch::Kind::table ? s.node.table()->abscissae() : zero)
+    if (!roots_of.find(x, t, target, low, high, crossings, roots) && crossings)
+      turns_too_often(spec_, s);
+}
+
+/// Does switch i still stand in the law where the others have these outcomes?
+bool GraphBuilder::is_live(int i, Signature signature) const {
+  if (switches_[i].kind == Switch::Kind::singular) return true; // may stand for several nodes
+  const auto known = live_.find({i, signature});
+  if (known != live_.end()) return known->second;
+  const Expr node = specialise(switches_[i].node, switches_, signature);
+  const bool live = contains(specialise(expression_, switches_, signature), node);
+  live_.emplace(std::pair{i, std::move(signature)}, live);
+  return live;
+}
+
+/// All places where a switch may turn, sorted. First those that are affine in r; the others are
+/// searched cell by cell between them (the function of a nested switch is itself piecewise), where
+/// an earlier case leaves them anything to decide.
 std::vector<double> GraphBuilder::candidates(const Point& x, LawTime t) const {
   const double start = spec_.radial ? 0.0 : -infinity;
+  const auto n = static_cast<int>(switches_.size());
   std::vector<double> breaks;
-  for (int i = 0; i < static_cast<int>(switches_.size()); ++i) {
-    if (!switches_[i].nested) {
-      add_roots(i, {}, x, t, start, infinity, breaks);
-      continue;
-    }
+  std::vector<char> done(switches_.size(), 0);
+  for (int i = 0; i < n; ++i) {
+    if (switches_[i].nested || !finder(i, {}).affine()) continue;
+    add_roots(i, {}, x, t, start, infinity, breaks);
+    done[i] = 1;
+  }
+  for (int i = 0; i < n; ++i) {
+    if (done[i]) continue;
     std::sort(breaks.begin(), breaks.end());
     std::vector<double> found;
     for (std::size_t c = 0; c <= breaks.size(); ++c) {
       const double low = c == 0 ? start : breaks[c - 1];
       const double high = c == breaks.size() ? infinity : breaks[c];
       if (low >= high) continue;
-      const auto prefix = signature_at(sample_of(low, high), x, t, static_cast<std::size_t>(i));
-      add_roots(i, prefix, x, t, low, high, found);
+      Signature signature = signature_at(sample_of(low, high), x, t, switches_.size());
+      for (int k = 0; k < n; ++k)
+        if (!done[k]) signature[k] = open_outcome;
+      if (!is_live(i, signature)) continue;
+      signature.resize(switches_[i].nested ? i : 0);
+      add_roots(i, signature, x, t, low, high, found);
     }
     breaks.insert(breaks.end(), found.begin(), found.end());
+    done[i] = 1;
   }
   std::sort(breaks.begin(), breaks.end());
   const auto same = [](double a, double b) {
@@ -126,7 +171,7 @@ GraphBuilder::Cell GraphBuilder::cell_at(double low, double high, const Point& x
     r = end + (r - end) / 16.0;
     if (r == end) break;
   }
-  fail(spec_,
+  fail(spec_, cell.sample, x, t,
        fmt::format("its slope is not a finite number at {}", where(cell.sample, spec_, x, t)),
        "define the law for every argument, by cases if need be");
 }
@@ -188,7 +233,8 @@ double GraphBuilder::limit(int function, double at, double inner, const Point& x
     last = guess;
   }
   if (best <= 1e-8) return value;
-  fail(spec_, fmt::format("its slope is infinite or undefined at {}", where(at, spec_, x, t)),
+  fail(spec_, inner, x, t,
+       fmt::format("its slope is infinite or undefined at {}", where(at, spec_, x, t)),
        "the slope must stay bounded near every argument");
 }
 
@@ -256,7 +302,7 @@ void GraphBuilder::check_potential(const LawGraph& graph) const {
     const double size = std::max(
         {std::abs(l), std::abs(r), std::abs(b * graph.left[i]), std::abs(b * graph.right[i])});
     if (!(std::abs(r - l) <= 1e-9 * size))
-      fail(spec_,
+      fail(spec_, b, graph.x, graph.t,
            fmt::format("its potential jumps by {} at {} (from {} to {})", r - l,
                        where(b, spec_, graph.x, graph.t), l, r),
            "make the potential continuous: add the constant that closes the jump");

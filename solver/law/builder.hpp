@@ -27,6 +27,8 @@ private:
   std::vector<double> candidates(const Point& x, LawTime t) const;
   void add_roots(int i, const Signature& prefix, const Point& x, LawTime t, double low, double high,
                  std::vector<double>& roots) const;
+  const RootFinder& finder(int i, const Signature& prefix) const;
+  bool is_live(int i, Signature signature) const;
   Signature signature_at(double r, const Point& x, LawTime t, std::size_t n) const;
   int function_for(const Signature& signature) const;
   Cell cell_at(double low, double high, const Point& x, LawTime t) const;
@@ -45,6 +47,7 @@ private:
   // Found on demand, once per combination of sides; the lock makes graph() safe to call anywhere.
   mutable std::recursive_mutex lock_;
   mutable std::map<std::pair<int, Signature>, RootFinder> finders_;
+  mutable std::map<std::pair<int, Signature>, bool> live_;
   mutable std::map<Signature, int> by_signature_;
   mutable std::deque<SmoothFunction> functions_;
 };

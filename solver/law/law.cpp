@@ -2,10 +2,17 @@
 #include "solver/law/law.hpp"
 
 #include "solver/law/builder.hpp"
+#include "solver/law/descent.hpp"
 
 #include <cmath>
 
 namespace hvi::solver {
+
+namespace {
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// What a run may spend on a law; `check` takes more (known_constants.hpp).
+constexpr ProofEffort small_effort{400, 1e-4};
+} // namespace
 
 struct Law::Impl {
   LawSpec spec;
@@ -61,6 +68,30 @@ void Law::slope_and_curvature(const LawGraph& graph, int piece, double r, double
   }
   impl_->function(graph, piece).slope_and_curvature(r, graph.x, graph.t, s, c);
   if (!std::isfinite(s)) s = slope(graph, piece, r);
+}
+
+Law::CurvatureRange Law::curvature_range(const LawGraph& graph, int piece, double low,
+                                         double high) const {
+  if (const auto& p = graph.smooth[piece]; p.degree >= 0) {
+    const SlopeRange range = polynomial_range(p, low, high);
+    return {range.low, range.high, range.low_at, true};
+  }
+  const Descent down = smooth_descent(impl_->function(graph, piece), graph, low, high, small_effort);
+  const bool proved = down.m.bounded_by_proof();
+  return {-down.m.value(), infinity, down.at, proved};
+}
+
+LawConstants Law::constants(const Point& x, LawTime t) const {
+  const LawGraph g = graph(x, t);
+  const KnownConstants known = constants_of(impl_->builder, impl_->spec.radial, g, small_effort);
+  LawConstants k;
+  k.m = known.m.value(), k.c = known.c.value();
+  k.steepest_ascent = known.steepest_ascent.value();
+  k.slope_scale = known.slope_scale, k.worst_at = known.worst_at;
+  k.exact = known.m.bounded_by_proof() && known.c.bounded_by_proof();
+  k.clarke_regular = known.clarke_regular;
+  k.convex = k.m <= 0.0;
+  return k;
 }
 
 double Law::potential(const LawGraph& graph, int piece, double r) const {

@@ -1,9 +1,12 @@
 // Roots of switch functions (roots.hpp).
 #include "solver/law/roots.hpp"
 
+#include "solver/law/supremum.hpp"
+
 #include <boost/math/tools/toms748_solve.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace hvi::solver {
@@ -11,30 +14,14 @@ namespace hvi::solver {
 namespace {
 
 constexpr Slot r_slot = slot::argument(0);
-
-/// The scan's abscissae inside (low, high), ends included when they are finite.
-std::vector<double> scan_points(double low, double high) {
-  std::vector<double> points;
-  const auto add = [&](double r) {
-    if (r > low && r < high) points.push_back(r);
-  };
-  for (int k = 15 * 16; k >= -30 * 16; --k) add(-std::pow(10.0, k / 16.0));
-  add(0.0);
-  for (int k = -30 * 16; k <= 15 * 16; ++k) add(std::pow(10.0, k / 16.0));
-  if (std::isfinite(low) && std::isfinite(high)) { // a short cell far from 0 has no log points
-    for (int k = 0; k <= 128; ++k) points.push_back(low + (high - low) * (k / 128.0));
-    std::sort(points.begin(), points.end());
-  } else {
-    if (std::isfinite(low)) points.insert(points.begin(), low);
-    if (std::isfinite(high)) points.push_back(high);
-  }
-  return points;
-}
+constexpr double farthest = 1e15, nearest = 1e-30;
+constexpr double resolution = 1e-9; ///< relative: roots closer than this count as one
+constexpr int most_enclosures = 40000;
 
 /// A root of f between a and b, where its signs differ; the end with the smaller |f|.
 template <class F>
 double bracketed(const F& f, double a, double b, double fa, double fb) {
-  std::uintmax_t iterations = 200;
+  std::uintmax_t iterations = 400;
   const auto done = [](double p, double q) {
     return std::abs(p - q) <= 0x1p-52 * std::min(std::abs(p), std::abs(q));
   };
@@ -42,7 +29,115 @@ double bracketed(const F& f, double a, double b, double fa, double fb) {
   return std::abs(f(p)) <= std::abs(f(q)) ? p : q;
 }
 
+bool excludes_zero(const Bounds& b) { return b.known && (b.low > 0.0 || b.high < 0.0); }
+bool one_sign(const Bounds& b) { return b.known && b.defined && (b.low > 0.0 || b.high < 0.0); }
+bool never_crosses(const Bounds& b) { return b.known && (b.low >= 0.0 || b.high <= 0.0); }
+
 } // namespace
+
+/// One search for roots.
+class RootIsolation {
+public:
+  RootIsolation(const RootFinder& finder, const Point& x, LawTime t, double target, bool crossings,
+                std::vector<double>& roots)
+      : finder_(finder), x_(x), t_(t), target_(target), crossings_(crossings), roots_(roots),
+        before_(roots.size()) {
+    const auto fixed = fixed_at(x, t);
+    for (const Slot s : finder.intervals_.inputs())
+      inputs_.push_back(s == r_slot ? Bounds{} : fixed(s));
+  }
+
+  /// False when it was given up.
+  bool search(double low, double high) {
+    low_ = low, high_ = high;
+    const double a = std::max(low, -farthest), b = std::min(high, farthest);
+    if (!(a < b)) return true;
+    if (a < 0.0 && b > 0.0) return part(a, 0.0) && part(0.0, b);
+    return part(a, b);
+  }
+
+private:
+  double f(double r) const {
+    double out[2];
+    finder_.tape_(r, x_, t_, out);
+    return out[0] - target_;
+  }
+  double slope(double r) const {
+    double out[2];
+    finder_.tape_(r, x_, t_, out);
+    return out[1];
+  }
+  void keep(double r) {
+    if (r > low_ && r < high_) roots_.push_back(r);
+  }
+
+  bool part(double a, double b) {
+    if (++enclosures_ > most_enclosures || roots_.size() - before_ > RootFinder::most_roots)
+      return false;
+    for (std::size_t i = 0; i < inputs_.size(); ++i)
+      if (finder_.intervals_.inputs()[i] == r_slot) inputs_[i] = {a, b};
+    std::array<Bounds, 3> out;
+    const bool continuous = finder_.intervals_(inputs_, out, work_);
+    const Bounds value{out[0].low - target_, out[0].high - target_, out[0].known, out[0].defined};
+    if (excludes_zero(value) || (crossings_ && never_crosses(value))) return true;
+    const bool smooth = continuous && std::isfinite(f(a)) && std::isfinite(f(b));
+    if (smooth && one_sign(out[1])) return monotone(a, b), true;
+    if (smooth && one_sign(out[2])) return bowed(a, b), true;
+    const double size = std::max(std::abs(a), std::abs(b));
+    if (b - a <= resolution * size || size <= nearest) return unresolved(a, b), true;
+    const double m = middle(a, b);
+    return part(a, m) && part(m, b);
+  }
+
+  /// In the middle of the logarithms, where the ends have different sizes.
+  static double middle(double a, double b) {
+    const double small = std::min(std::abs(a), std::abs(b)), large = std::max(std::abs(a), std::abs(b));
+    const double sign = b > 0.0 ? 1.0 : -1.0;
+    if (small == 0.0) return sign * std::max(large / 256.0, nearest / 2.0);
+    if (large > 4.0 * small) return sign * std::sqrt(small) * std::sqrt(large);
+    return a + (b - a) / 2.0;
+  }
+
+  void monotone(double a, double b) {
+    const double fa = f(a), fb = f(b);
+    if (fa == 0.0) keep(a);
+    if (fb == 0.0) keep(b);
+    if (fa * fb < 0.0) keep(bracketed([&](double r) { return f(r); }, a, b, fa, fb));
+  }
+
+  /// f' has at most one root: f is monotone on both sides of it, or has a double root there.
+  void bowed(double a, double b) {
+    const double da = slope(a), db = slope(b);
+    if (!(da * db < 0.0)) return monotone(a, b);
+    const double c = bracketed([&](double r) { return slope(r); }, a, b, da, db);
+    const double fc = f(c), noise = 64.0 * 0x1p-52 * std::min(std::abs(f(a)), std::abs(f(b)));
+    if (std::abs(fc) <= noise) return keep(c);
+    monotone(a, c);
+    monotone(c, b);
+  }
+
+  /// Too short to be cut: a root counts where the signs differ, or where f is rounding.
+  void unresolved(double a, double b) {
+    const double fa = f(a), fb = f(b);
+    if (fa == 0.0) keep(a);
+    if (fb == 0.0) keep(b);
+    if (fa * fb < 0.0)
+      keep(bracketed([&](double r) { return f(r); }, a, b, fa, fb));
+    else if (!crossings_ && f(a + (b - a) / 2.0) == 0.0)
+      keep(a + (b - a) / 2.0);
+  }
+
+  const RootFinder& finder_;
+  const Point& x_;
+  LawTime t_;
+  double target_;
+  bool crossings_;
+  std::vector<double>& roots_;
+  std::size_t before_;
+  double low_ = 0.0, high_ = 0.0;
+  int enclosures_ = 0;
+  std::vector<Bounds> inputs_, work_;
+};
 
 RootFinder::RootFinder(const Expr& f) {
   const Expr slope = derivative(f, r_slot);
@@ -50,59 +145,19 @@ RootFinder::RootFinder(const Expr& f) {
   const std::pair<Slot, Expr> at_zero{r_slot, Expr(0.0)};
   const Expr both[2] = {affine_ ? slope : f, affine_ ? substitute(f, {&at_zero, 1}) : slope};
   tape_ = PointTape(both);
+  if (affine_) return;
+  const Expr all[3] = {f, slope, derivative(slope, r_slot)};
+  intervals_ = IntervalTape(all);
 }
 
-void RootFinder::find(const Point& x, LawTime t, double target, double low, double high,
-                      std::vector<double>& roots) const {
-  if (!affine_) return scan(x, t, target, low, high, roots);
+bool RootFinder::find(const Point& x, LawTime t, double target, double low, double high,
+                      bool crossings, std::vector<double>& roots) const {
+  if (!affine_) return RootIsolation(*this, x, t, target, crossings, roots).search(low, high);
   double ab[2];
   tape_(0.0, x, t, ab);
   const double root = (target - ab[1]) / ab[0];
   if (std::isfinite(root) && root > low && root < high) roots.push_back(root == 0.0 ? 0.0 : root);
-}
-
-void RootFinder::scan(const Point& x, LawTime t, double target, double low, double high,
-                      std::vector<double>& roots) const {
-  const auto both = [&](double r, double& f, double& df) {
-    double out[2];
-    tape_(r, x, t, out);
-    f = out[0] - target;
-    df = out[1];
-  };
-  const auto f_of = [&](double r) {
-    double f, df;
-    return both(r, f, df), f;
-  };
-  const auto df_of = [&](double r) {
-    double f, df;
-    return both(r, f, df), df;
-  };
-  const auto keep = [&](double r) {
-    if (r > low && r < high) roots.push_back(r);
-  };
-  double a = 0.0, fa = 0.0, da = 0.0;
-  bool have = false;
-  for (const double b : scan_points(low, high)) {
-    double fb, db;
-    both(b, fb, db);
-    if (!std::isfinite(fb)) {
-      have = false;
-      continue;
-    }
-    if (fb == 0.0) keep(b);
-    if (have && fa * fb < 0.0) keep(bracketed(f_of, a, b, fa, fb));
-    if (have && fa * fb > 0.0 && da * db < 0.0) { // an extremum between: two roots, or a double one
-      const double c = bracketed(df_of, a, b, da, db), fc = f_of(c);
-      const double noise = 64.0 * 0x1p-52 * std::min(std::abs(fa), std::abs(fb));
-      if (std::abs(fc) <= noise)
-        keep(c);
-      else if (fc * fa < 0.0) {
-        keep(bracketed(f_of, a, c, fa, fc));
-        keep(bracketed(f_of, c, b, fc, fb));
-      }
-    }
-    a = b, fa = fb, da = db, have = true;
-  }
+  return true;
 }
 
 } // namespace hvi::solver

@@ -75,6 +75,12 @@ void SmoothFunction::slope_and_curvature(double r, const Point& x, LawTime t, do
   s = out[0], c = out[1];
 }
 
+const Supremum& SmoothFunction::descent() const {
+  std::call_once(descent_made_,
+                 [this] { descent_ = Supremum(-derivative(slope_expression_, r_slot)); });
+  return descent_;
+}
+
 LawGraph::Smooth SmoothFunction::expand(double centre, const Point& x, LawTime t) const {
   LawGraph::Smooth p;
   p.centre = centre;

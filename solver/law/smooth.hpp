@@ -4,6 +4,9 @@
 
 #include "solver/law/law.hpp"
 #include "solver/law/point_tape.hpp"
+#include "solver/law/supremum.hpp"
+
+#include <mutex>
 
 namespace hvi::solver {
 
@@ -20,11 +23,15 @@ public:
   /// Slope as a polynomial about `centre`; degree lowered where leading coefficients vanish.
   LawGraph::Smooth expand(double centre, const Point& x, LawTime t) const;
   const Expr& slope_expression() const { return slope_expression_; }
+  /// sup of -slope' over a range of r, at a fixed x and t.
+  const Supremum& descent() const;
 
 private:
   Expr expression_, slope_expression_;
   int degree_ = -1;
   PointTape slope_, potential_, taylor_;
+  mutable std::once_flag descent_made_;
+  mutable Supremum descent_;
 };
 
 /// Degree of an expression in slot::argument(0) by its structure; -1 when it is no polynomial.

@@ -145,7 +145,7 @@ public:
   Specialiser(const std::vector<Switch>& switches, const Signature& signature)
       : switches_(switches), signature_(signature) {
     for (std::size_t i = 0; i < signature.size(); ++i)
-      if (switches[i].kind != Switch::Kind::singular)
+      if (switches[i].kind != Switch::Kind::singular && signature[i] != open_outcome)
         index_.emplace(switches[i].node, static_cast<int>(i));
   }
 
@@ -196,6 +196,15 @@ int outcome_of(const Switch& s, double value) {
   }
   }
   return 0;
+}
+
+bool contains(const Expr& expr, const Expr& part) {
+  bool found = false;
+  transform(expr, [&](const Expr& e) {
+    found = found || e == part;
+    return e;
+  });
+  return found;
 }
 
 Expr specialise(const Expr& expr, const std::vector<Switch>& switches, const Signature& signature) {

@@ -5,6 +5,7 @@
 #include "solver/kernel/expr.hpp"
 #include "solver/mesh/mesh.hpp"
 
+#include <limits>
 #include <vector>
 
 namespace hvi::solver {
@@ -25,12 +26,17 @@ struct Switch {
 /// One outcome per switch: the sign of its function (-1, 0, 1), or the table's interval
 /// (0: below the first abscissa ... n: above the last), 0 for a singular one.
 using Signature = std::vector<int>;
+/// In a signature: this switch is left as it is.
+constexpr int open_outcome = std::numeric_limits<int>::min();
 
 /// Every switch of the expressions that depends on slot::argument(0), inner ones first.
 std::vector<Switch> find_switches(std::span<const Expr> expressions);
 
 /// The outcome of a switch when its function has this value.
 int outcome_of(const Switch& s, double value);
+
+/// Does `part` stand somewhere in `expr`?
+bool contains(const Expr& expr, const Expr& part);
 
 /// The expression with each of the first `signature.size()` switches resolved.
 Expr specialise(const Expr& expr, const std::vector<Switch>& switches, const Signature& signature);

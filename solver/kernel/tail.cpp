@@ -1,0 +1,210 @@
+// Growth of expressions on a ray (tail.hpp).
+#include "solver/kernel/tail.hpp"
+
+#include "solver/kernel/interval_rules.hpp"
+#include "solver/kernel/node.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace hvi::solver {
+
+namespace {
+
+using namespace rules;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double exponential = 40.0; ///< the power that stands for faster than every power
+
+Bounds point(double v) { return {v, v}; }
+Tail unknown() { return {{-infinity, infinity, false, true}, 0.0, 0.0}; }
+
+/// from^power (ln from)^log_power.
+Bounds factor_at(double from, double power, double log_power) {
+  const Bounds r = rules::power(point(from), point(power));
+  return multiply(r, rules::power(function(Op::log, point(from)), point(log_power)));
+}
+
+/// Range of r^power (ln r)^log_power over r >= from; nothing is known where it is not monotone.
+Bounds factor_range(double from, double power, double log_power) {
+  if (power == 0.0 && log_power == 0.0) return point(1.0);
+  const bool dies = power < 0.0 || (power == 0.0 && log_power < 0.0);
+  const double turn = power == 0.0 ? 0.0 : -log_power / power; // ln r of the extreme
+  if (std::log(from) < turn + 1e-9) return {0.0, infinity};
+  const Bounds start = factor_at(from, power, log_power);
+  return dies ? Bounds{0.0, start.high} : Bounds{start.low, infinity};
+}
+
+class TailWalk {
+public:
+  TailWalk(const Ray& ray, const std::function<Bounds(Slot)>& box) : ray_(ray), box_(box) {}
+
+  Tail operator()(const Expr& e) {
+    postorder(e, [&](const Expr& node) {
+      Tail found = of(node);
+      if (std::isnan(found.coefficient.low) || std::isnan(found.coefficient.high))
+        found = unknown();
+      done_.emplace(node.id(), found);
+    });
+    return done_.at(e.id());
+  }
+
+private:
+  const Tail& arg(const Expr& e, std::size_t i) const { return done_.at(e.args()[i].id()); }
+
+  Tail of(const Expr& e) const {
+    if (e.is_constant()) return {point(e.value())};
+    switch (e.op()) {
+    case Op::slot:
+      return e.slot() == ray_.slot ? Tail{point(ray_.sign), 1.0} : Tail{box_(e.slot())};
+    case Op::add:
+      return e.args()[0].is(1.0) || e.args()[1].is(1.0) ? one_plus(e) : sum(arg(e, 0), arg(e, 1));
+    case Op::neg:
+      return {negate(arg(e, 0).coefficient), arg(e, 0).power, arg(e, 0).log_power};
+    case Op::mul:
+      return product(arg(e, 0), arg(e, 1));
+    case Op::div:
+      return product(arg(e, 0), raised(arg(e, 1), -1.0));
+    case Op::sqrt:
+      return raised(arg(e, 0), 0.5);
+    case Op::pow:
+      if (e.args()[1].is_constant()) return raised(arg(e, 0), e.args()[1].value());
+      return by_ranges(e);
+    case Op::abs:
+      return {function(Op::abs, arg(e, 0).coefficient), arg(e, 0).power, arg(e, 0).log_power};
+    case Op::exp:
+      return exponential_of(arg(e, 0));
+    case Op::log:
+      return logarithm_of(arg(e, 0));
+    case Op::sinh:
+    case Op::cosh:
+      return hyperbolic(e.op(), arg(e, 0));
+    case Op::min:
+    case Op::max:
+    case Op::less:
+    case Op::less_equal:
+      return compared(e);
+    case Op::select:
+      return chosen(e);
+    default:
+      return by_ranges(e);
+    }
+  }
+
+  Tail by_ranges(const Expr& e) const {
+    std::array<Bounds, 3> ranges;
+    const std::size_t n = e.args().size();
+    for (std::size_t i = 0; i < n; ++i) ranges[i] = range_of(arg(e, i), ray_);
+    return {extension(e, std::span(ranges).first(n))};
+  }
+
+  /// Brings two tails to the larger one's powers.
+  std::pair<Tail, Tail> aligned(const Tail& a, const Tail& b) const {
+    if (std::pair(a.power, a.log_power) < std::pair(b.power, b.log_power)) {
+      const auto [x, y] = aligned(b, a);
+      return {y, x};
+    }
+    const Bounds part =
+        factor_range(ray_.from, b.power - a.power, b.log_power - a.log_power);
+    return {a, {multiply(b.coefficient, part), a.power, a.log_power}};
+  }
+
+  Tail sum(const Tail& a, const Tail& b) const {
+    const auto [x, y] = aligned(a, b);
+    return {add(x.coefficient, y.coefficient), x.power, x.log_power};
+  }
+
+  /// 1 - tanh(z)^2, the derivative of tanh, is 1 / cosh(z)^2: it dies exponentially.
+  Tail one_plus(const Expr& e) const {
+    const Expr& other = e.args()[e.args()[0].is(1.0) ? 1 : 0];
+    if (other.op() == Op::neg && other.args()[0].op() == Op::pow &&
+        other.args()[0].args()[1].is(2.0) && other.args()[0].args()[0].op() == Op::tanh) {
+      const Tail& z = done_.at(other.args()[0].args()[0].args()[0].id());
+      return raised(hyperbolic(Op::cosh, z), -2.0);
+    }
+    return sum(arg(e, 0), arg(e, 1));
+  }
+
+  static Tail product(const Tail& a, const Tail& b) {
+    return {multiply(a.coefficient, b.coefficient), a.power + b.power, a.log_power + b.log_power};
+  }
+
+  static Tail raised(const Tail& a, double exponent) {
+    if (exponent == -1.0)
+      return {divide(point(1.0), a.coefficient), -a.power, -a.log_power};
+    return {rules::power(a.coefficient, point(exponent)), a.power * exponent,
+            a.log_power * exponent};
+  }
+
+  /// exp(a r^p ...) against r^40 or r^-40, from where that comparison is monotone.
+  Tail exponential_of(const Tail& z) const {
+    const Bounds& a = z.coefficient;
+    if (!z.grows()) return {function(Op::exp, range_of(z, ray_))};
+    const bool rises = a.low > 0.0, dies = a.high < 0.0;
+    const double size = rises ? a.low : -a.high;
+    if (!(rises || dies) || z.power <= 0.0 || z.log_power < 0.0)
+      return {function(Op::exp, range_of(z, ray_))};
+    if (!(size * z.power * std::pow(ray_.from, z.power) > 2.0 * exponential))
+      return {function(Op::exp, range_of(z, ray_))};
+    const Bounds at = multiply(point(size), factor_at(ray_.from, z.power, 0.0));
+    const Bounds against = multiply(point(exponential), function(Op::log, point(ray_.from)));
+    const Bounds ratio = function(Op::exp, add(at, negate(against))); // exp(size r^p) / r^40
+    if (rises) return {{ratio.low, infinity, a.known, a.defined}, exponential};
+    return {{0.0, divide(point(1.0), ratio).high, a.known, a.defined}, -exponential};
+  }
+
+  /// ln(a r^p (ln r)^q) = ln r (p + (ln a + q ln ln r) / ln r).
+  Tail logarithm_of(const Tail& z) const {
+    if (!(z.coefficient.low > 0.0) || !std::isfinite(z.coefficient.high) || std::log(ray_.from) < 3)
+      return {function(Op::log, range_of(z, ray_))};
+    const Bounds of_a = function(Op::log, z.coefficient);
+    if (z.power == 0.0 && z.log_power == 0.0) return {of_a};
+    const Bounds ln = function(Op::log, point(ray_.from));
+    const Bounds inverse{0.0, divide(point(1.0), ln).high};               // 1 / ln r
+    const Bounds slow{0.0, divide(function(Op::log, ln), ln).high};       // ln ln r / ln r, falling
+    const Bounds inside = add(point(z.power), add(multiply(of_a, inverse),
+                                                  multiply(point(z.log_power), slow)));
+    return {inside, 0.0, 1.0};
+  }
+
+  Tail hyperbolic(Op op, const Tail& z) const {
+    const Tail up = exponential_of(z);
+    const Tail down = exponential_of({negate(z.coefficient), z.power, z.log_power});
+    const Tail both = sum(up, op == Op::cosh ? down : Tail{negate(down.coefficient), down.power,
+                                                           down.log_power});
+    return {multiply(both.coefficient, point(0.5)), both.power, both.log_power};
+  }
+
+  Tail compared(const Expr& e) const {
+    const auto [x, y] = aligned(arg(e, 0), arg(e, 1));
+    const std::array both{x.coefficient, y.coefficient};
+    const Bounds found = extension(e, both);
+    if (e.op() == Op::min || e.op() == Op::max) return {found, x.power, x.log_power};
+    return {found};
+  }
+
+  Tail chosen(const Expr& e) const {
+    const Bounds condition = range_of(arg(e, 0), ray_);
+    if (condition.low > 0.0 || condition.high < 0.0) return arg(e, 1);
+    if (condition.low == 0.0 && condition.high == 0.0) return arg(e, 2);
+    const auto [x, y] = aligned(arg(e, 1), arg(e, 2));
+    return {hull(x.coefficient, y.coefficient), x.power, x.log_power};
+  }
+
+  const Ray& ray_;
+  const std::function<Bounds(Slot)>& box_;
+  NodeMap<Tail> done_;
+};
+
+} // namespace
+
+Tail tail_of(const Expr& e, const Ray& ray, const std::function<Bounds(Slot)>& box) {
+  return TailWalk(ray, box)(e);
+}
+
+Bounds range_of(const Tail& tail, const Ray& ray) {
+  return multiply(tail.coefficient, factor_range(ray.from, tail.power, tail.log_power));
+}
+
+} // namespace hvi::solver
