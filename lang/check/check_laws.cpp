@@ -158,7 +158,7 @@ Span Checker::place_in_law(const solver::Failure& failure, const Span& otherwise
     if (s == slot::t) return bad->t.t;
     return s == slot::coupled ? bad->t.coupled : bad->x[static_cast<std::size_t>(s)];
   };
-  while (i < outer.conditions.size() && evaluate(outer.conditions[i], value) != 1.0) ++i;
+  while (i < outer.conditions.size() && solver::evaluate(outer.conditions[i], value) != 1.0) ++i;
   return outer.values[i];
 }
 

@@ -251,7 +251,7 @@ private:
     std::vector<Span> places, values; ///< of the conditions; of the values, the last one's too
   };
   std::vector<LawCases> law_cases_; ///< inner ones first
-  std::string coupled_; ///< the law whose multiplier the law being checked reads
+  std::string coupled_;             ///< the law whose multiplier the law being checked reads
   std::map<std::size_t, std::pair<Span, double>> locking_; ///< nearly incompressible tensors
   std::set<int> laws_applied_;
   std::set<int> laws_at_hand_;    ///< whose bodies are being read

@@ -14,8 +14,7 @@ namespace {
 /// The entities of a part as simplices, and the times of the plan.
 LawDomain domain_of(const Plan& plan, const Mesh& mesh, const Region& region) {
   LawDomain out;
-  if (!plan.time.is_static)
-    out.t_low = plan.time.grid.front(), out.t_high = plan.time.grid.back();
+  if (!plan.time.is_static) out.t_low = plan.time.grid.front(), out.t_high = plan.time.grid.back();
   for (const auto entity : region.entities) {
     LawDomain::Simplex s;
     s.n = region.kind == Group::Kind::cells    ? mesh.nodes_per_cell()
@@ -33,7 +32,7 @@ LawDomain domain_of(const Plan& plan, const Mesh& mesh, const Region& region) {
 }
 
 KnownConstants constants_of(const Plan& plan, const Discretisation& d, const ContactTerm& term,
-                          const Law& law) {
+                            const Law& law) {
   const double start = plan.time.is_static ? 0.0 : plan.time.grid.front();
   if (law.coupled() || (!law.depends_on_x() && !law.depends_on_t()))
     return known_constants(law, term.points.x[0], start);

@@ -26,8 +26,8 @@ PreparedLaw::PreparedLaw(const Law& law, const LawGraph& graph)
   }
 }
 
-/// Takes the steepest descent of the slope on a piece into that of its component; radial: across the
-/// direction of slip, too, which matters beyond a jump down only (else mu(r) >= mu(0) - m r).
+/// Takes the steepest descent of the slope on a piece into that of its component; radial: across
+/// the direction of slip, too, which matters beyond a jump down only (else mu(r) >= mu(0) - m r).
 void PreparedLaw::descend(int piece, LawComponent& c) const {
   const double low = piece_low(*graph_, piece, radial_), high = piece_high(*graph_, piece);
   const auto range = law_->curvature_range(*graph_, piece, low, high);
@@ -50,8 +50,7 @@ void PreparedLaw::add_component(int first, int last) {
   c.first = first, c.last = last;
   c.low = piece_low(*graph_, first, false);
   c.high = piece_high(*graph_, last);
-  for (int i = first; i <= last; ++i)
-    descend(i, c);
+  for (int i = first; i <= last; ++i) descend(i, c);
   if (std::isfinite(c.low)) {
     c.low_s = graph_->right[first - 1];
     c.low_d = finite_or(law_->curvature(*graph_, first, c.low), 0.0);

@@ -34,8 +34,8 @@ public:
   explicit IntervalTape(std::span<const Expr> outputs);
 
   const std::vector<Slot>& inputs() const { return inputs_; }
-  /// Encloses the first out.size() outputs; one range per input, `work` is scratch. False: the first
-  /// output may jump inside the box (a comparison or a sign is open there).
+  /// Encloses the first out.size() outputs; one range per input, `work` is scratch. False: the
+  /// first output may jump inside the box (a comparison or a sign is open there).
   bool operator()(std::span<const Bounds> box, std::span<Bounds> out,
                   std::vector<Bounds>& work) const;
 

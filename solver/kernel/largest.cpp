@@ -80,9 +80,7 @@ public:
   }
 
 private:
-  bool over_decades(std::size_t i) const {
-    return space_.over_decades && i == 0;
-  }
+  bool over_decades(std::size_t i) const { return space_.over_decades && i == 0; }
   double enough() const {
     const double low = found_.value.low;
     return std::isfinite(low) ? low + effort_.digits * std::abs(low) + effort_.noise : low;
@@ -124,25 +122,30 @@ private:
       above = std::min(above, bound(out[0]));
       smooth = continuous && has_slopes(out);
     }
-    if (above <= enough() && found_.value.low > -infinity) return;
+    if (dropped(above)) return;
     SearchPoint centre{};
     for (std::size_t i = 0; i < n_; ++i) centre[i] = middle_of(box[i]);
     if (smooth) above = std::min(above, by_mean_value(box, out, centre));
     see(centre);
-    if (above <= enough() && found_.value.low > -infinity) return;
+    if (dropped(above)) return;
     queue_.push({above, box, variable_to_cut(box, out, smooth)});
   }
 
+  /// Is a box with this bound of no interest? The bound counts nevertheless.
+  bool dropped(double above) {
+    if (!(found_.value.low > -infinity) || above > enough()) return false;
+    settled_ = std::max(settled_, above);
+    return true;
+  }
   static double bound(const Bounds& f) { return f.known ? f.high : infinity; }
   static double middle_of(const Bounds& b) { return b.low + width(b) / 2.0; }
 
   bool has_slopes(const std::array<Bounds, 7>& out) const {
     if (!out[0].defined) return false;
-    return std::all_of(out.begin() + 1, out.begin() + 1 + static_cast<std::ptrdiff_t>(n_),
-                       [](const Bounds& d) {
-                         return d.known && d.defined && std::isfinite(d.low) &&
-                                std::isfinite(d.high);
-                       });
+    return std::all_of(
+        out.begin() + 1, out.begin() + 1 + static_cast<std::ptrdiff_t>(n_), [](const Bounds& d) {
+          return d.known && d.defined && std::isfinite(d.low) && std::isfinite(d.high);
+        });
   }
 
   /// Where f rises (falls) in a variable all over the box, its largest value is at that end. Not
@@ -181,8 +184,8 @@ private:
         weight = std::max(std::abs(out[i + 1].low), std::abs(out[i + 1].high)) * width(box[i]);
       } else {
         const Bounds& whole = space_.boxes.front()[i];
-        const double size = over_decades(i) ? std::max(std::abs(box[i].low), std::abs(box[i].high))
-                                            : width(whole);
+        const double size =
+            over_decades(i) ? std::max(std::abs(box[i].low), std::abs(box[i].high)) : width(whole);
         weight = size > 0.0 ? width(box[i]) / size : 0.0;
       }
       if (weight > most) most = weight, best = static_cast<int>(i);
@@ -197,7 +200,7 @@ private:
   std::vector<std::ptrdiff_t> place_; ///< of the tape's inputs among the variables; -1: fixed
   std::vector<Bounds> inputs_, work_;
   std::priority_queue<Candidate> queue_;
-  double settled_ = -infinity; ///< bound of the boxes that cannot be cut further
+  double settled_ = -infinity; ///< bound of the boxes that are not cut further
   LargestValue found_;
 };
 

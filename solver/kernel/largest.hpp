@@ -26,9 +26,9 @@ struct SearchSpace {
 };
 
 struct SearchEffort {
-  int evaluations = 20000;  ///< of the expression's enclosure, at most
-  double digits = 1e-10;    ///< relative width of the bracket at which the search ends
-  double noise = 0.0;       ///< absolute width that is rounding
+  int evaluations = 20000; ///< of the expression's enclosure, at most
+  double digits = 1e-10;   ///< relative width of the bracket at which the search ends
+  double noise = 0.0;      ///< absolute width that is rounding
   double seen = -std::numeric_limits<double>::infinity(); ///< only larger values are wanted
 };
 
@@ -40,8 +40,8 @@ struct LargestValue {
 
 /// sup of f over a set where f is defined. Boxes are halved where the enclosure of f, natural or
 /// (where f is continuous) by the mean value theorem, may exceed what was seen; a variable in which
-/// f is monotone is fixed at the better end. Method: Hansen and Walster, Global optimization using
-/// interval analysis, 2nd ed., 2004, chapter 12.
+/// f is monotone is fixed at the better end. Method: E. R. Hansen, Global optimization using interval analysis: the
+/// one-dimensional case, Journal of Optimization Theory and Applications 29, 1979.
 class LargestSearch {
 public:
   LargestSearch() = default;

@@ -105,8 +105,7 @@ private:
       const auto [x, y] = aligned(b, a);
       return {y, x};
     }
-    const Bounds part =
-        factor_range(ray_.from, b.power - a.power, b.log_power - a.log_power);
+    const Bounds part = factor_range(ray_.from, b.power - a.power, b.log_power - a.log_power);
     return {a, {multiply(b.coefficient, part), a.power, a.log_power}};
   }
 
@@ -131,8 +130,7 @@ private:
   }
 
   static Tail raised(const Tail& a, double exponent) {
-    if (exponent == -1.0)
-      return {divide(point(1.0), a.coefficient), -a.power, -a.log_power};
+    if (exponent == -1.0) return {divide(point(1.0), a.coefficient), -a.power, -a.log_power};
     return {rules::power(a.coefficient, point(exponent)), a.power * exponent,
             a.log_power * exponent};
   }
@@ -161,18 +159,18 @@ private:
     const Bounds of_a = function(Op::log, z.coefficient);
     if (z.power == 0.0 && z.log_power == 0.0) return {of_a};
     const Bounds ln = function(Op::log, point(ray_.from));
-    const Bounds inverse{0.0, divide(point(1.0), ln).high};               // 1 / ln r
-    const Bounds slow{0.0, divide(function(Op::log, ln), ln).high};       // ln ln r / ln r, falling
-    const Bounds inside = add(point(z.power), add(multiply(of_a, inverse),
-                                                  multiply(point(z.log_power), slow)));
+    const Bounds inverse{0.0, divide(point(1.0), ln).high};         // 1 / ln r
+    const Bounds slow{0.0, divide(function(Op::log, ln), ln).high}; // ln ln r / ln r, falling
+    const Bounds inside =
+        add(point(z.power), add(multiply(of_a, inverse), multiply(point(z.log_power), slow)));
     return {inside, 0.0, 1.0};
   }
 
   Tail hyperbolic(Op op, const Tail& z) const {
     const Tail up = exponential_of(z);
     const Tail down = exponential_of({negate(z.coefficient), z.power, z.log_power});
-    const Tail both = sum(up, op == Op::cosh ? down : Tail{negate(down.coefficient), down.power,
-                                                           down.log_power});
+    const Tail both =
+        sum(up, op == Op::cosh ? down : Tail{negate(down.coefficient), down.power, down.log_power});
     return {multiply(both.coefficient, point(0.5)), both.power, both.log_power};
   }
 

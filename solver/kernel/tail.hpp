@@ -22,8 +22,8 @@ struct Tail {
   bool grows() const { return power > 0.0 || (power == 0.0 && log_power > 0.0); }
 };
 
-/// Encloses e on a ray by rules for sums, products, powers, exp and log of such values; functions of
-/// a bounded range by intervals. Certain, not sharp: an unknown value has the coefficient
+/// Encloses e on a ray by rules for sums, products, powers, exp and log of such values; functions
+/// of a bounded range by intervals. Certain, not sharp: an unknown value has the coefficient
 /// (-inf, inf) and power 0.
 Tail tail_of(const Expr& e, const Ray& ray, const std::function<Bounds(Slot)>& box);
 

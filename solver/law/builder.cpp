@@ -35,9 +35,8 @@ std::string where(double r, const LawSpec& spec, const Point& x, LawTime t) {
 
 [[noreturn]] void fail(const LawSpec& spec, double r, const Point& x, LawTime t,
                        const std::string& what, const std::string& help) {
-  LawFailure failure(spec.origin,
-                     fmt::format("the law `{}` is not locally Lipschitz: {}", spec.name, what),
-                     help);
+  LawFailure failure(
+      spec.origin, fmt::format("the law `{}` is not locally Lipschitz: {}", spec.name, what), help);
   failure.argument = r, failure.x = x, failure.t = t;
   throw failure;
 }

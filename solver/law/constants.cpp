@@ -1,8 +1,8 @@
-// The numbers of hypothesis H(J) for one law: relaxed monotonicity and growth (known_constants.hpp).
-#include "solver/law/known_constants.hpp"
-
+// The numbers of hypothesis H(J) for one law: relaxed monotonicity and growth
+// (known_constants.hpp).
 #include "solver/law/builder.hpp"
 #include "solver/law/descent.hpp"
+#include "solver/law/known_constants.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -66,8 +66,12 @@ KnownConstants constants_of(const GraphBuilder& builder, bool radial, const LawG
                             ProofEffort effort) {
   KnownConstants k;
   const auto piece = [&](int i) {
-    return Piece{builder.function(g.functions[i]), g, g.smooth[i], piece_low(g, i, radial),
-                 piece_high(g, i), effort};
+    return Piece{builder.function(g.functions[i]),
+                 g,
+                 g.smooth[i],
+                 piece_low(g, i, radial),
+                 piece_high(g, i),
+                 effort};
   };
   const int home = piece_of(g, 0.0);
   const double origin = g.smooth[home].degree >= 0

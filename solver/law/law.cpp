@@ -76,7 +76,8 @@ Law::CurvatureRange Law::curvature_range(const LawGraph& graph, int piece, doubl
     const SlopeRange range = polynomial_range(p, low, high);
     return {range.low, range.high, range.low_at, true};
   }
-  const Descent down = smooth_descent(impl_->function(graph, piece), graph, low, high, small_effort);
+  const Descent down =
+      smooth_descent(impl_->function(graph, piece), graph, low, high, small_effort);
   const bool proved = down.m.bounded_by_proof();
   return {-down.m.value(), infinity, down.at, proved};
 }

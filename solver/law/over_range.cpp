@@ -1,8 +1,7 @@
 // The numbers of H(J) over a part of space and a range of times (known_constants.hpp).
-#include "solver/law/known_constants.hpp"
-
 #include "solver/law/descent.hpp"
 #include "solver/law/jumps.hpp"
+#include "solver/law/known_constants.hpp"
 #include "solver/law/supremum.hpp"
 #include "solver/law/switches.hpp"
 
@@ -177,12 +176,10 @@ private:
       const std::pair<Slot, Expr> zero{r_slot, Expr(0.0)};
       const Expr root = -substitute(s.function, {&zero, 1}) / rise;
       const std::pair<Slot, Expr> there{r_slot, root};
-      const Expr drop =
-          -substitute(jump, {&there, 1}) * Expr::make(Op::sign, {rise});
+      const Expr drop = -substitute(jump, {&there, 1}) * Expr::make(Op::sign, {rise});
       const std::vector<Slot> variables = others(drop);
-      const LargestValue found =
-          LargestSearch(drop, variables)(part_.space(variables, 0),
-                                         {effort_.evaluations, effort_.digits, allowed, 0.0});
+      const LargestValue found = LargestSearch(drop, variables)(
+          part_.space(variables, 0), {effort_.evaluations, effort_.digits, allowed, 0.0});
       if (found.value.high <= allowed) return JumpAnswer::none;
       return found.value.low > allowed && confirmed(variables, found.at) ? JumpAnswer::down
                                                                          : JumpAnswer::unknown;
@@ -214,7 +211,8 @@ private:
       function(inputs, {&value, 1}, work);
       return !value.known || (value.low <= 0.0 && value.high >= 0.0);
     };
-    const LargestValue found = Supremum(drop, variables)(range, {effort_.evaluations, effort_.digits, allowed, 0.0});
+    const LargestValue found =
+        Supremum(drop, variables)(range, {effort_.evaluations, effort_.digits, allowed, 0.0});
     return found.value.high <= allowed ? JumpAnswer::none : JumpAnswer::unknown;
   }
 
@@ -241,7 +239,8 @@ private:
   /// A few graphs: sizes, and jumps that are there to be seen.
   void look_at_graphs() {
     const std::size_t stride = std::max<std::size_t>(1, domain_.part.size() / (most_graphs / 5));
-    for (std::size_t p = 0; p < domain_.part.size(); p += law_.depends_on_x() ? stride : domain_.part.size())
+    for (std::size_t p = 0; p < domain_.part.size();
+         p += law_.depends_on_x() ? stride : domain_.part.size())
       for (int k = 0; k <= 4; ++k) {
         if (k > 0 && !law_.depends_on_t()) break;
         look_at(domain_.part[p].corners[0],

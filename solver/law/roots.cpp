@@ -91,7 +91,8 @@ private:
 
   /// In the middle of the logarithms, where the ends have different sizes.
   static double middle(double a, double b) {
-    const double small = std::min(std::abs(a), std::abs(b)), large = std::max(std::abs(a), std::abs(b));
+    const double small = std::min(std::abs(a), std::abs(b)),
+                 large = std::max(std::abs(a), std::abs(b));
     const double sign = b > 0.0 ? 1.0 : -1.0;
     if (small == 0.0) return sign * std::max(large / 256.0, nearest / 2.0);
     if (large > 4.0 * small) return sign * std::sqrt(small) * std::sqrt(large);
