@@ -44,4 +44,7 @@ struct LawDomain {
 KnownConstants known_constants(const Law& law, const LawDomain& domain,
                                ProofEffort effort = {20000, 1e-8});
 
+/// Only m of it, with what a run may spend.
+Bracket steepest_descent(const Law& law, const LawDomain& domain);
+
 } // namespace hvi::solver

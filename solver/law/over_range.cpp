@@ -125,6 +125,12 @@ public:
     return out_;
   }
 
+  Bracket descent() {
+    look_at_graphs();
+    descend(supremum(-derivative(slope_, r_slot), slope_size_ / reach_));
+    return out_.m;
+  }
+
 private:
   std::vector<Slot> others(const Expr& f) const {
     std::vector<Slot> out;
@@ -263,6 +269,22 @@ private:
 
 KnownConstants known_constants(const Law& law, const LawDomain& domain, ProofEffort effort) {
   return OverRange(law, domain, effort).constants();
+}
+
+Bracket steepest_descent(const Law& law, const LawDomain& domain) {
+  if (law.depends_on_x() || law.depends_on_t())
+    return OverRange(law, domain, {400, 1e-3}).descent();
+  const LawGraph g = law.graph(domain.part.front().corners[0], domain.t_low);
+  const bool radial = law.spec().radial;
+  const GraphJumps jumps = jumps_of(g, radial, law.slope(g, piece_of(g, 0.0), 0.0));
+  if (jumps.down) return Bracket::exactly(infinity);
+  Bracket m;
+  for (int i = 0; i < g.pieces(); ++i) {
+    const auto range = law.curvature_range(g, i, piece_low(g, i, radial), piece_high(g, i));
+    const double here = std::max(0.0, -range.low);
+    m = larger(m, range.exact ? Bracket::exactly(here) : Bracket::at_least(here));
+  }
+  return m;
 }
 
 } // namespace hvi::solver

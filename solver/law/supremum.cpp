@@ -1,8 +1,6 @@
 // The largest value of a function of a law's argument (supremum.hpp).
 #include "solver/law/supremum.hpp"
 
-#include "solver/kernel/tail.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,6 +11,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double reach_in_scales = 1e9;
+constexpr int most_halvings = 400;
 constexpr Slot r_slot = slot::argument(0);
 
 std::vector<Slot> with_argument(const std::vector<Slot>& others) {
@@ -26,25 +25,42 @@ std::vector<Slot> with_argument(const std::vector<Slot>& others) {
 Supremum::Supremum(const Expr& f, const std::vector<Slot>& others)
     : search_(f, with_argument(others)) {}
 
-/// f for sign r >= reach: its bound there, infinite by proof where f tends to infinity.
-Bracket Supremum::beyond(const SupremumRange& range, double reach, double sign) const {
-  const Ray ray{r_slot, sign, reach};
+/// f on a ray, the other variables in a box: its bound, infinite by proof where f tends to
+/// infinity.
+Bracket Supremum::beyond(const SearchSpace& others, const SearchBox& box, const Ray& ray) const {
   const auto& variables = search_.variables();
-  const auto box = [&](Slot s) {
+  const auto range = [&](Slot s) {
     const auto at = std::find(variables.begin(), variables.end(), s) - variables.begin();
-    if (at == static_cast<std::ptrdiff_t>(variables.size())) return range.others.fixed(s);
-    Bounds all = range.others.boxes.front()[static_cast<std::size_t>(at)];
-    for (const SearchBox& b : range.others.boxes) {
-      const Bounds& part = b[static_cast<std::size_t>(at)];
-      all.low = std::min(all.low, part.low), all.high = std::max(all.high, part.high);
-    }
-    return all;
+    return at == static_cast<std::ptrdiff_t>(variables.size()) ? others.fixed(s)
+                                                               : box[static_cast<std::size_t>(at)];
   };
-  const Tail tail = tail_of(search_.function(), ray, box);
+  const Tail tail = tail_of(search_.function(), ray, range);
   if (!tail.coefficient.known) return {-infinity, infinity};
   if (tail.grows() && tail.coefficient.low > 0.0) return Bracket::exactly(infinity);
   const Bounds all = range_of(tail, ray);
   return {-infinity, all.known ? all.high : infinity};
+}
+
+/// Takes the bound on a ray into `out`; the box of the other variables is halved where it is the
+/// larger one, `left` times at most.
+void Supremum::take_tail(const SearchSpace& others, SearchBox box, const Ray& ray, int& left,
+                         LargestValue& out) const {
+  if (others.meets && !others.meets(box)) return;
+  const Bracket far = beyond(others, box, ray);
+  if (far.low > out.value.low) out.value.low = far.low, out.at[0] = ray.sign * infinity;
+  std::size_t widest = 0;
+  for (std::size_t i = 1; i < search_.variables().size(); ++i)
+    if (widest == 0 || box[i].high - box[i].low > box[widest].high - box[widest].low) widest = i;
+  const double middle =
+      widest == 0 ? 0.0 : box[widest].low + (box[widest].high - box[widest].low) / 2.0;
+  if (far.high <= out.value.high || widest == 0 || --left < 0 || !(box[widest].low < middle)) {
+    out.value.high = std::max(out.value.high, far.high);
+    return;
+  }
+  const double high = std::exchange(box[widest].high, middle);
+  take_tail(others, box, ray, left, out);
+  box[widest] = {middle, high};
+  take_tail(others, box, ray, left, out);
 }
 
 LargestValue Supremum::operator()(const SupremumRange& range, const SearchEffort& effort) const {
@@ -62,13 +78,12 @@ LargestValue Supremum::operator()(const SupremumRange& range, const SearchEffort
     add(std::max(low, 0.0), high);
   }
   LargestValue out = search_(space, effort);
-  SupremumRange whole = range;
-  whole.others.boxes = others;
+  if (!search_.function().depends_on(r_slot)) return out;
+  int left = most_halvings;
   for (const double sign : {-1.0, 1.0}) {
     if (std::isfinite(sign < 0.0 ? range.low : range.high)) continue;
-    const Bracket far = beyond(whole, reach, sign);
-    if (far.low > out.value.low) out.value.low = far.low, out.at[0] = sign * infinity;
-    out.value.high = std::max(out.value.high, far.high);
+    const Ray ray{r_slot, sign, reach};
+    for (const SearchBox& box : others) take_tail(range.others, box, ray, left, out);
   }
   return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/kernel/largest.hpp"
+#include "solver/kernel/tail.hpp"
 #include "solver/law/law.hpp"
 
 namespace hvi::solver {
@@ -22,7 +23,9 @@ public:
   LargestValue operator()(const SupremumRange& range, const SearchEffort& effort) const;
 
 private:
-  Bracket beyond(const SupremumRange& range, double reach, double sign) const;
+  Bracket beyond(const SearchSpace& others, const SearchBox& box, const Ray& ray) const;
+  void take_tail(const SearchSpace& others, SearchBox box, const Ray& ray, int& left,
+                 LargestValue& out) const;
   LargestSearch search_;
 };
 

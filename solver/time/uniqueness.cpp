@@ -2,6 +2,7 @@
 #include "solver/time/uniqueness.hpp"
 
 #include "solver/assembly/assembly.hpp"
+#include "solver/law/known_constants.hpp"
 #include "solver/time/step_weights.hpp"
 
 #include <fmt/format.h>
@@ -38,17 +39,38 @@ Uniqueness::Uniqueness(const Plan& plan, const Operators& operators, const Conta
   look_at_laws();
 }
 
+namespace {
+
+/// The steepest descent of a law's slope at the term's points, at all times of the plan.
+Bracket descent_of(const Plan& plan, const ContactTerm& term, const Law& law) {
+  LawDomain domain;
+  for (const Point& x : term.points.x) {
+    domain.part.push_back({{x}, 1});
+    if (!law.depends_on_x()) break;
+  }
+  if (!plan.time.is_static)
+    domain.t_low = plan.time.grid.front(), domain.t_high = plan.time.grid.back();
+  return steepest_descent(law, domain);
+}
+
+} // namespace
+
 void Uniqueness::look_at_laws() {
   if (contact_.coupled) obstacle_ = "a law is coupled to another one";
   bool softens = false, moves = false;
+  weight_.assign(plan_.law_terms.size(), 0.0);
   for (const auto& term : contact_.terms) {
     const int index = plan_.law_terms[term.points.law_term].law;
     const Law& law = *contact_.laws[index];
-    const double m = contact_.softening[index];
-    softens = softens || m > 0.0;
     moves = moves || law.depends_on_x() || law.depends_on_t();
     if (!obstacle_.empty() || term.n_points() == 0) continue;
-    if (!std::isfinite(m)) obstacle_ = fmt::format("`{}` jumps down", law.spec().name);
+    const Bracket m = descent_of(plan_, term, law);
+    weight_[term.points.law_term] = m.value();
+    softens = softens || m.value() > 0.0;
+    if (std::isinf(m.value()))
+      obstacle_ = fmt::format("`{}` jumps down", law.spec().name);
+    else if (!m.bounded_by_proof())
+      obstacle_ = fmt::format("m_J of `{}` is sampled, not proved", law.spec().name);
   }
   settled_ = !softens || !obstacle_.empty();
   if (settled_) return;
@@ -95,10 +117,7 @@ void Uniqueness::take_over(const Factorisation* like) {
 
 void Uniqueness::judge_all(const Factorisation* like) {
   settled_ = true;
-  std::vector<double> weight(plan_.law_terms.size(), 0.0);
-  for (std::size_t l = 0; l < weight.size(); ++l)
-    weight[l] = contact_.softening[plan_.law_terms[l].law];
-  descent_ = law_form(contact_, weight, operators_.n_unknowns);
+  descent_ = law_form(contact_, weight_, operators_.n_unknowns);
   take_over(like);
   const auto worst = worst_step(
       step_weights(plan_), [&](const Eigen::VectorXd& c) { return definite(c) ? 0.0 : infinity; },

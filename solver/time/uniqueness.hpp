@@ -6,6 +6,7 @@
 #include "solver/time/operators.hpp"
 
 #include <string>
+#include <vector>
 
 namespace hvi::solver {
 
@@ -38,6 +39,7 @@ private:
   const Contact& contact_;
   bool settled_ = false, condensed_ = false;
   std::string obstacle_;
+  std::vector<double> weight_; ///< steepest descent of each law term's slope
   SparseMatrix descent_;
   std::unique_ptr<Factorisation> factor_;
   bool same_pattern_ = false; ///< `factor_` is for the pattern of K
