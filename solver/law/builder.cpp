@@ -41,6 +41,18 @@ std::string where(double r, const LawSpec& spec, const Point& x, LawTime t) {
   throw failure;
 }
 
+/// Sum of the sizes of the terms of a sum.
+double size_of_terms(const Expr& e, double r, const Point& x, const LawTime& t) {
+  if (e.op() == Op::neg) return size_of_terms(e.args()[0], r, x, t);
+  if (e.op() == Op::add)
+    return size_of_terms(e.args()[0], r, x, t) + size_of_terms(e.args()[1], r, x, t);
+  const double v = std::abs(evaluate(e, [&](Slot s) {
+    if (s == slot::argument(0)) return r;
+    return s == slot::t ? t.t : s == slot::coupled ? t.coupled : x[static_cast<std::size_t>(s)];
+  }));
+  return std::isfinite(v) ? v : 0.0;
+}
+
 [[noreturn]] void turns_too_often(const LawSpec& spec, const Switch& s) {
   LawFailure failure(
       spec.origin,
@@ -258,6 +270,9 @@ void GraphBuilder::close_rounding_gaps(LawGraph& graph) const {
     largest = std::max({largest, std::abs(graph.left[i]), std::abs(graph.right[i])});
   const auto terms = [&](std::size_t piece, double r) { // size of what was added up
     const auto& p = graph.smooth[piece];
+    if (p.degree < 0 && graph.left != graph.right)
+      return std::max(largest, size_of_terms(functions_[graph.functions[piece]].slope_expression(),
+                                             r, graph.x, graph.t));
     double sum = 0.0, power = 1.0;
     for (int k = 0; k <= p.degree; ++k, power *= std::abs(r - p.centre))
       sum += std::abs(p.a[k]) * power;

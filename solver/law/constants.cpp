@@ -29,7 +29,7 @@ struct Piece {
 Bracket supremum(const Expr& f, const Piece& p) {
   SupremumRange range{p.low, p.high, argument_scale(p.graph)};
   range.others.fixed = fixed_at(p.graph.x, p.graph.t);
-  return Supremum(f)(range, {p.effort.evaluations, p.effort.digits, 0.0, 0.0}).value;
+  return Supremum(f)(range, {p.effort.of_growth, p.effort.digits, 0.0, 0.0}).value;
 }
 
 Descent descent(const Piece& p) {

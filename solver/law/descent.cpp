@@ -73,7 +73,7 @@ Descent smooth_descent(const SmoothFunction& f, const LawGraph& graph, double lo
   SupremumRange range{low, high, argument_scale(graph)};
   range.others.fixed = fixed_at(graph.x, graph.t);
   const LargestValue found =
-      f.descent()(range, {effort.evaluations, effort.digits, rounding * size, 0.0});
+      f.descent(range, graph.x, graph.t, {effort.evaluations, effort.digits, rounding * size, 0.0});
   return {without_rounding(found.value, size), found.at[0]};
 }
 

@@ -22,6 +22,7 @@ struct KnownConstants {
 struct ProofEffort {
   int evaluations = 20000;
   double digits = 1e-10;
+  int of_growth = 20000; ///< enclosures for c and the ascent
 };
 
 /// At one point of space and time.

@@ -11,7 +11,7 @@ namespace hvi::solver {
 namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 /// What a run may spend on a law; `check` takes more (known_constants.hpp).
-constexpr ProofEffort small_effort{200, 1e-3};
+constexpr ProofEffort small_effort{1000, 1e-3, 60};
 } // namespace
 
 struct Law::Impl {

@@ -273,7 +273,7 @@ KnownConstants known_constants(const Law& law, const LawDomain& domain, ProofEff
 
 Bracket steepest_descent(const Law& law, const LawDomain& domain) {
   if (law.depends_on_x() || law.depends_on_t())
-    return OverRange(law, domain, {400, 1e-3}).descent();
+    return OverRange(law, domain, {1000, 1e-3}).descent();
   const LawGraph g = law.graph(domain.part.front().corners[0], domain.t_low);
   const bool radial = law.spec().radial;
   const GraphJumps jumps = jumps_of(g, radial, law.slope(g, piece_of(g, 0.0), 0.0));

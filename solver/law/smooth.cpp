@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace hvi::solver {
 
@@ -75,10 +76,19 @@ void SmoothFunction::slope_and_curvature(double r, const Point& x, LawTime t, do
   s = out[0], c = out[1];
 }
 
-const Supremum& SmoothFunction::descent() const {
-  std::call_once(descent_made_,
-                 [this] { descent_ = Supremum(-derivative(slope_expression_, r_slot)); });
-  return descent_;
+LargestValue SmoothFunction::descent(const SupremumRange& range, const Point& x, const LawTime& t,
+                                     const SearchEffort& effort) const {
+  const std::lock_guard guard(descent_lock_);
+  LastDescent& d = descent_;
+  if (!std::exchange(d.made, true)) d.search = Supremum(-derivative(slope_expression_, r_slot));
+  const bool same = d.answered && d.low == range.low && d.high == range.high && d.x == x &&
+                    d.t.t == t.t && d.t.coupled == t.coupled && d.evaluations == effort.evaluations;
+  if (!same) {
+    d.answer = d.search(range, effort);
+    d.answered = true;
+    d.low = range.low, d.high = range.high, d.x = x, d.t = t, d.evaluations = effort.evaluations;
+  }
+  return d.answer;
 }
 
 LawGraph::Smooth SmoothFunction::expand(double centre, const Point& x, LawTime t) const {

@@ -23,15 +23,26 @@ public:
   /// Slope as a polynomial about `centre`; degree lowered where leading coefficients vanish.
   LawGraph::Smooth expand(double centre, const Point& x, LawTime t) const;
   const Expr& slope_expression() const { return slope_expression_; }
-  /// sup of -slope' over a range of r, at a fixed x and t.
-  const Supremum& descent() const;
+  /// sup of -slope' over a range of r at a fixed x and t. The last answer is kept: a run asks
+  /// several times.
+  LargestValue descent(const SupremumRange& range, const Point& x, const LawTime& t,
+                       const SearchEffort& effort) const;
 
 private:
   Expr expression_, slope_expression_;
   int degree_ = -1;
   PointTape slope_, potential_, taylor_;
-  mutable std::once_flag descent_made_;
-  mutable Supremum descent_;
+  struct LastDescent {
+    Supremum search;
+    bool made = false, answered = false;
+    double low = 0.0, high = 0.0;
+    Point x{};
+    LawTime t{};
+    int evaluations = 0;
+    LargestValue answer;
+  };
+  mutable std::mutex descent_lock_;
+  mutable LastDescent descent_;
 };
 
 /// Degree of an expression in slot::argument(0) by its structure; -1 when it is no polynomial.

@@ -96,6 +96,15 @@ TEST(KnownConstants, FindJumpsDownThatMoveOrHide) {
   EXPECT_EQ(known_constants(kink, floor_of(4)).m.low, inf);
 }
 
+/// Pieces that meet but for the rounding of terms far larger than their values do not jump.
+TEST(KnownConstants, RoundingIsNoJump) {
+  const Expr r = arg(), root = Expr(-1.462) * sqrt(Expr(0.0294) + pow(r, 2.0));
+  const double here = -1.462 * std::sqrt(0.0294 + 0.148 * 0.148);
+  const Law law =
+      slope_law("seam", select(less(r, Expr(-0.148)), Expr(1e-17) * exp(r), root + Expr(-here)));
+  EXPECT_LT(known_constants(law, {}, 0.0).m.value(), 10.0);
+}
+
 /// Random sums of waves and powers, and the cases they choose: all changes of sign of a scan of
 /// 100,000 points are breaks.
 TEST(Switches, AreAllFound) {
