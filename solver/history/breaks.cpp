@@ -88,6 +88,18 @@ void Breaks::collect(const Expr& expression, Origin origin) {
       add_switch(args[0] - Expr(x), origin);
     }
     break;
+  case Op::sqrt:
+  case Op::log:
+    add_singularity(args[0]);
+    break;
+  case Op::div:
+    add_singularity(args[1]);
+    break;
+  case Op::pow:
+    if (!args[1].is_constant() || args[1].value() < 0 ||
+        args[1].value() != std::round(args[1].value()))
+      add_singularity(args[0]);
+    break;
   default:
     break;
   }
@@ -101,6 +113,16 @@ void Breaks::add_switch(const Expr& value, Origin origin) {
     return;
   }
   curves_.emplace_back(value, origin);
+}
+
+/// Where an affine base is zero. Of others the quadrature finds the place, or refuses it.
+void Breaks::add_singularity(const Expr& value) {
+  const auto a = affine_form(value);
+  if (!a || a->lag == 0 || (a->time == 0 && a->constant == 0)) return; // lag 0 is always an end
+  if (a->constant == 0 && a->time == -a->lag)
+    source_zero_ = true;
+  else
+    lines_.push_back({-a->time / a->lag, -a->constant / a->lag});
 }
 
 /// Zeros by sign changes between samples.

@@ -25,6 +25,8 @@ public:
   std::vector<double> inside(double t, double low, double high) const;
   /// Some are found by search, which a long interval may hide.
   bool searched() const { return !curves_.empty(); }
+  /// A power, quotient, root or logarithm of s = t - lag may be singular at s = 0.
+  bool singular_at_source_zero() const { return source_zero_; }
 
 private:
   struct Line {
@@ -32,11 +34,13 @@ private:
   };
   void collect(const Expr& expression, Origin origin);
   void add_switch(const Expr& value, Origin origin);
+  void add_singularity(const Expr& value);
   static void add_roots(const KernelFunction& curve, double t, double low, double high,
                         std::vector<double>& found);
 
   std::vector<Line> lines_;
   std::vector<double> fixed_;          ///< lines with per_time = 0, sorted
+  bool source_zero_ = false;
   std::vector<KernelFunction> curves_; ///< what is not affine: searched by sign changes
 };
 

@@ -2,7 +2,7 @@
 // sums: nothing cancels, neither for small nor for stiff steps.
 #include "solver/history/exponentials.hpp"
 
-#include "solver/history/quadrature.hpp"
+#include "solver/history/proved_quadrature.hpp"
 
 #include <boost/math/quadrature/gauss.hpp>
 
@@ -26,10 +26,29 @@ double binomial(int n, int k) {
   return b;
 }
 
-double at(const Expr& e, Slot expected, double value) {
-  if (e.is_constant()) return e.value();
-  return evaluate(
-      e, [&](Slot s) { return s == expected ? value : std::numeric_limits<double>::quiet_NaN(); });
+/// Half of a step, as seen from the end it touches: lags up to the middle from lag 0, then the
+/// distance from the step's beginning, so that a layer or a singularity at either end is resolved.
+struct Half {
+  double t_end, k;
+  bool late; ///< the half that touches lag 0
+  double lag(double x) const { return late ? x : k - x; }
+  /// The step's beginning; exactly 0 where it is 0 within rounding.
+  double begin() const {
+    const double begin = t_end - k;
+    return std::abs(begin) <= 4e-16 * std::abs(t_end) ? 0.0 : begin;
+  }
+  double source(double x) const { return late ? t_end - x : begin() + x; }
+  Strip sources(const Strip& x) const {
+    return late ? difference(t_end, x) : difference(begin(), scaled(-1.0, x));
+  }
+  Strip lags(const Strip& x) const { return late ? x : difference(k, x); }
+};
+
+/// A bound of |lag^r e^{p lag}|.
+double exponential_modulus(const Strip& lags, int r, Complex p) {
+  const double most = p.real() * (p.real() > 0 ? lags.high : lags.low);
+  return std::pow(std::max(std::abs(lags.low), std::abs(lags.high)) + lags.imaginary, r) *
+         std::exp(most + std::abs(p.imag()) * lags.imaginary);
 }
 
 } // namespace
@@ -62,7 +81,8 @@ ExponentialSum::ExponentialSum(const ExponentialTerms& terms, bool scale_growth)
     if (scale_growth) group.growth = std::max(0.0, term.lag_rate.real());
     const double pair = group.complex() ? 2.0 : 1.0;
     group.top_power = std::max(group.top_power, term.power);
-    group.readings.push_back({term.power, pair * term.factor, term.time_rate, term.of_time});
+    group.readings.push_back(
+        {term.power, pair * term.factor, term.time_rate, LineFunction(term.of_time, slot::t)});
     steady_ = steady_ && term.of_time.is_constant() && term.of_source.is_constant() &&
               term.time_rate == 0.0 && group.growth == 0;
   }
@@ -75,7 +95,7 @@ ExponentialSum::Group& ExponentialSum::group_of(const ExponentialTerm& term) {
       return group;
     }
   }
-  groups_.push_back({term.lag_rate, term.of_source, 0, {}, 0});
+  groups_.push_back({term.lag_rate, term.of_source, {term.of_source, source_slot}, 0, {}, 0});
   return groups_.back();
 }
 
@@ -115,7 +135,7 @@ Moments ExponentialSum::weights(const Step& step, double ahead) const {
     for (const Reading& r : group.readings) {
       // One exponent for everything: a decaying and a growing factor may overflow apart.
       const Complex factor =
-          r.factor * at(r.of_time, slot::t, t) * std::exp(r.time_rate * t + group.rate * ahead);
+          r.factor * r.of_time(t) * std::exp(r.time_rate * t + group.rate * ahead);
       for (int j = 0; j <= r.power; ++j) {
         const Complex c = factor * binomial(r.power, j) * std::pow(ahead, r.power - j);
         sum.zero += (c * m.zero[static_cast<std::size_t>(j)]).real();
@@ -141,16 +161,40 @@ ExponentialSum::GroupMoments ExponentialSum::moments(const Group& group, const S
       out.one.push_back(scale * exponential_moment(r + 1, group.rate * k));
       continue;
     }
-    const auto f = [&](double lag) -> Values<4> {
-      const double h = at(group.of_source, source_slot, step.t_end - lag);
-      const Complex value = h * std::pow(lag, r) * std::exp(group.rate * lag);
-      return {value.real(), value.imag(), value.real() * lag / k, value.imag() * lag / k};
-    };
-    const auto v = integrate_smooth<4>(f, 0, k);
-    out.zero.emplace_back(v[0], v[1]);
-    out.one.emplace_back(v[2], v[3]);
+    add_source_moments(group, step, r, out);
   }
   return out;
+}
+
+void ExponentialSum::add_source_moments(const Group& group, const Step& step, int r,
+                                        GroupMoments& out) {
+  const double k = step.k;
+  Values<5> sum{}; // the modulus first
+  for (const bool late : {true, false}) {
+    const Half half{step.t_end, k, late};
+    const auto f = [&](double x) -> Values<5> {
+      const double lag = half.lag(x);
+      const Complex value =
+          group.source(half.source(x)) * std::pow(lag, r) * std::exp(group.rate * lag);
+      const double part = lag / k;
+      return {std::abs(value), value.real(), value.imag(), value.real() * part,
+              value.imag() * part};
+    };
+    const auto modulus = [&](double low, double high) -> Modulus {
+      const Strip x = around(low, high);
+      Modulus m = group.source.modulus(half.sources(x));
+      m.most *= exponential_modulus(half.lags(x), r, group.rate);
+      if (!std::isfinite(m.most)) m.state = std::max(m.state, Strip::State::singular);
+      return m;
+    };
+    auto v = integrate_proved<5>(f, modulus, 0, 0.5 * k, sum[0]);
+    if (!v.proved) v.integral = integrate_graded<5>(f, 0, 0.5 * k);
+    if (!(v.unresolved <= 1e-12 * (sum[0] + v.size[0])))
+      v.integral.fill(std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t m = 0; m < sum.size(); ++m) sum[m] += v.integral[m];
+  }
+  out.zero.emplace_back(sum[1], sum[2]);
+  out.one.emplace_back(sum[3], sum[4]);
 }
 
 LinearGroup ExponentialSum::linear(const Group& group, const Step& step, double ahead, double t0,
@@ -204,7 +248,7 @@ void ExponentialSum::put_readout(const Group& group, double t_read, double ahead
     // The states carry e^{-growth (t - t0)}; put back together with everything else.
     const Complex exponent =
         r.time_rate * t_read + group.growth * (t_read - t0) + (group.rate - group.growth) * ahead;
-    const Complex factor = r.factor * at(r.of_time, slot::t, t_read) * std::exp(exponent);
+    const Complex factor = r.factor * r.of_time(t_read) * std::exp(exponent);
     for (int m = 0; m <= r.power; ++m) {
       const Complex c = factor * binomial(r.power, m) * std::pow(ahead, r.power - m);
       const std::size_t at_row = static_cast<std::size_t>(m) * parts;

@@ -45,11 +45,12 @@ private:
   struct Reading {
     int power;
     Complex factor, time_rate;
-    Expr of_time;
+    LineFunction of_time;
   };
   struct Group {
     Complex rate;
     Expr of_source;
+    LineFunction source; ///< of_source, compiled
     int top_power = 0;
     std::vector<Reading> readings;
     bool complex() const { return rate.imag() != 0; }
@@ -60,6 +61,7 @@ private:
   };
   Group& group_of(const ExponentialTerm& term);
   static GroupMoments moments(const Group& group, const Step& step);
+  static void add_source_moments(const Group& group, const Step& step, int r, GroupMoments& out);
   static LinearGroup linear(const Group& group, const Step& step, double ahead, double t0,
                             int order);
   static void put_transition(const Group& group, double k, LinearGroup& out);

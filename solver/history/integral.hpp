@@ -22,17 +22,22 @@ using TanhSinh = boost::math::quadrature::tanh_sinh<double>;
 class KernelIntegral {
 public:
   /// `singular_exponent` e < 1: q ~ lag^-e near lag 0 (0: bounded or logarithmic).
-  KernelIntegral(const KernelFunction& kernel, const Breaks& breaks, double singular_exponent,
-                 Origin origin, std::string name);
+  KernelIntegral(const Expr& expression, const KernelFunction& kernel, const Breaks& breaks,
+                 double singular_exponent, Origin origin, std::string name);
   /// Over lags [low, high], 0 <= low <= high. Throws Failure(bad_kernel) when not finite.
   Moments operator()(double t, double low, double high) const;
 
 private:
   struct Piece; // [from, to] inside [low, high]
-  Moments at_zero(double t, const Piece& piece) const;
-  Moments away(double t, const Piece& piece) const;
+  struct Tally; // what could not be resolved, of all pieces
+  Moments at_zero(double t, const Piece& piece, Tally& tally) const;
+  Moments away(double t, const Piece& piece, Tally& tally) const;
+  [[noreturn]] void refuse(double t, double low, double high, double at) const;
+
+  Moments from_source(double t, const Piece& piece, Tally& tally) const;
 
   KernelFunction kernel_;
+  std::shared_ptr<const KernelFunction> by_source_; ///< (t, s), where s = 0 may be singular
   Breaks breaks_;
   double exponent_;
   std::shared_ptr<TanhSinh> rule_; ///< its tables grow when asked for more: not const

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 namespace hvi::solver {
 
@@ -52,6 +54,62 @@ double KernelFunction::operator()(double t, double lag) const {
   }
   return evaluate_one(tape_, std::span<const double>(values.data(), tape_.inputs.size()),
                       workspace_);
+}
+
+Modulus KernelFunction::modulus(double t, const Strip& lags) const {
+  std::array<Strip, 2> inputs{};
+  for (std::size_t i = 0; i < tape_.inputs.size(); ++i)
+    inputs[i] = tape_.inputs[i] == slot::t ? Strip::exactly(t) : lags;
+  const Strip z = enclose(tape_, std::span(inputs.data(), tape_.inputs.size()), strips_);
+  return {z.modulus(), z.state};
+}
+
+void KernelFunction::resolved_edges(double t, double low, double high,
+                                    std::vector<double>& edges) const {
+  struct Open {
+    double low, high;
+  };
+  constexpr double factor = 1e3;
+  constexpr std::size_t most = 4000;
+  const double shortest = 1e-14 * high;
+  std::size_t panels = 0;
+  std::vector<Open> open{{low, high}};
+  while (!open.empty()) {
+    const auto [a, b] = open.back();
+    open.pop_back();
+    const Modulus m = modulus(t, around(a, b));
+    if (m.state == Strip::State::unknown) return;
+    double here = 0;
+    bool finite = false; // beyond the end of a table there is nothing to resolve
+    for (const double x : {0.1, 0.5, 0.9}) {
+      const double value = std::abs((*this)(t, a + x * (b - a)));
+      finite = finite || std::isfinite(value);
+      if (std::isfinite(value)) here = std::max(here, value);
+    }
+    const bool resolved = m.state == Strip::State::analytic &&
+                          m.most <= factor * here + 1e-290;
+    if (finite && !resolved && b - a > shortest && ++panels < most) {
+      open.push_back({0.5 * (a + b), b});
+      open.push_back({a, 0.5 * (a + b)});
+      continue;
+    }
+    if (b < high) edges.push_back(b);
+  }
+}
+
+LineFunction::LineFunction(const Expr& expression, Slot variable)
+    : tape_(compile(std::span<const Expr>(&expression, 1))) {
+  for (const Slot s : tape_.inputs) other_ = other_ || s != variable;
+}
+
+double LineFunction::operator()(double x) const {
+  if (other_) return std::numeric_limits<double>::quiet_NaN();
+  return evaluate_one(tape_, std::span<const double>(&x, tape_.inputs.size()), workspace_);
+}
+
+Modulus LineFunction::modulus(const Strip& x) const {
+  const Strip z = enclose(tape_, std::span<const Strip>(&x, tape_.inputs.size()), strips_);
+  return {z.modulus(), z.state};
 }
 
 void KernelFunction::evaluate(double t, std::span<const double> lags, std::span<double> out) const {

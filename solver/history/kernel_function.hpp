@@ -3,6 +3,7 @@
 
 #include "solver/common/failure.hpp"
 #include "solver/history/function_table.hpp"
+#include "solver/history/strip.hpp"
 #include "solver/kernel/tape.hpp"
 
 #include <memory>
@@ -26,6 +27,12 @@ public:
   void evaluate(std::span<const double> times, std::span<const double> lags,
                 std::span<double> out) const;
   bool convolution() const { return !reads_time_; }
+  /// A bound of |q(t, .)| over a set of complex lags.
+  Modulus modulus(double t, const Strip& lags) const;
+  /// Adds the ends of panels between these lags on which q(t, .) is proved to be resolved by a few
+  /// points: bounded on the ellipse around each by a multiple of its values, or as narrow as
+  /// rounding. Nothing where an operation has no bound.
+  void resolved_edges(double t, double low, double high, std::vector<double>& edges) const;
 
 private:
   void tabulate(const Expr& expression);
@@ -37,6 +44,23 @@ private:
   bool reads_time_ = false;
   mutable TapeWorkspace workspace_;
   mutable std::vector<double> times_, table_values_;
+  mutable std::vector<Strip> strips_;
+};
+
+/// A function of one variable, compiled: the factors g(t) and h(s) of a separable kernel.
+class LineFunction {
+public:
+  /// Of an expression in `variable` alone (else its values are no numbers).
+  LineFunction(const Expr& expression, Slot variable);
+  double operator()(double x) const;
+  Modulus modulus(const Strip& x) const;
+  bool constant() const { return tape_.inputs.empty(); }
+
+private:
+  Tape tape_;
+  bool other_ = false; ///< reads something else
+  mutable TapeWorkspace workspace_;
+  mutable std::vector<Strip> strips_;
 };
 
 } // namespace hvi::solver

@@ -54,12 +54,13 @@ Panel sample_panel(const PreparedKernel& kernel, double a, double b) {
   return p;
 }
 
-/// Panels that double in length, cut at the kernel's breaks.
+/// Panels that double in length, cut at the kernel's breaks and where it is proved to be resolved.
 std::vector<double> first_panels(const PreparedKernel& kernel, double low, double high) {
   std::vector<double> ends{low};
   while (ends.back() < high) ends.push_back(std::min(high, 2 * ends.back()));
   const auto breaks = kernel.breaks.inside(0.0, low, high);
   ends.insert(ends.end(), breaks.begin(), breaks.end());
+  kernel.function.resolved_edges(0.0, low, high, ends);
   std::sort(ends.begin(), ends.end());
   const auto near = [&](double a, double b) { return b - a <= 1e-13 * b; };
   ends.erase(std::unique(ends.begin(), ends.end(), near), ends.end());

@@ -35,8 +35,10 @@ struct Choice {
 std::unique_ptr<History> try_recursion(const Choice& c) {
   const auto& verified = c.kernel.terms;
   if (!verified || verified->terms.size() > most_terms) return nullptr;
-  const double norm = c.kernel.norm(0, c.options.horizon);
-  const double error = norm > 0 ? verified->error * c.options.horizon / norm : 0;
+  const double t0 = c.options.times.empty() ? 0.0 : c.options.times.front();
+  const double norm = c.kernel.norm(t0, c.options.horizon);
+  const double error = norm > 0 ? verified->integral / norm : 0;
+  if (!(error <= c.options.tolerance)) return nullptr; // the next route
   return make_recursion(c.kernel, verified->terms, c.n, c.options, error,
                         "the kernel is a sum of exponentials (" + c.kernel.traits.description +
                             ")");
@@ -102,8 +104,7 @@ void check_options(const KernelSpec& kernel, const HistoryOptions& options) {
 std::unique_ptr<History> make_history(const KernelSpec& kernel, std::size_t n,
                                       const HistoryOptions& options) {
   check_options(kernel, options);
-  return make_history(PreparedKernel(kernel, study_kernel(kernel.expression, options.horizon)), n,
-                      options);
+  return make_history(prepare_kernel(kernel, options), n, options);
 }
 
 std::unique_ptr<History> make_history(const PreparedKernel& prepared, std::size_t n,

@@ -1,5 +1,6 @@
 // Norms of a kernel for the hypotheses: sup |q|, the Lipschitz constant in t, int |q|.
 #include "solver/history/breaks.hpp"
+#include "solver/history/cancellation.hpp"
 #include "solver/history/history.hpp"
 #include "solver/history/integral.hpp"
 #include "solver/history/recognise.hpp"
@@ -52,6 +53,44 @@ bool oscillates_fast(const KernelFunction& q, double t, double from, double to) 
   return changes > often;
 }
 
+struct Crossings {
+  std::optional<std::pair<double, double>> jump; ///< (t, s) where q(., s) jumps, or is a root
+  double sup = 0, slope = 0;
+};
+
+/// At fixed s the time runs across each break of the kernel: what does not get smaller with the
+/// distance is a jump, a slope that grows without end a root. A break at a fixed s is never
+/// crossed.
+Crossings look_across_breaks(const Expr& expression, const KernelFunction& q,
+                             const KernelFunction& slope, double t0, double length) {
+  const Breaks breaks(expression, {});
+  Crossings out;
+  if (breaks.empty()) return out;
+  for (const double part : {0.29, 0.53, 0.83, 1.0}) {
+    const double t = t0 + part * length;
+    const double later = 1e-3 * length;
+    const auto moved = breaks.inside(t + later, 0, part * length + later);
+    for (const double lag : breaks.inside(t, 0, part * length)) {
+      const bool at_fixed_s = std::any_of(moved.begin(), moved.end(), [&](double then) {
+        return std::abs(then - lag - later) <= 1e-9 * length;
+      });
+      if (at_fixed_s) continue;
+      const auto across = [&](double d) { return std::abs(q(t + d, lag + d) - q(t - d, lag - d)); };
+      const auto steepest = [&](double d) {
+        return std::max(std::abs(slope(t + d, lag + d)), std::abs(slope(t - d, lag - d)));
+      };
+      const double far = 1e-4 * lag, near = 1e-9 * lag;
+      const double size = std::max(std::abs(q(t + far, lag + far)), std::abs(q(t - far, lag - far)));
+      out.sup = std::max(out.sup, std::max(size, std::abs(q(t, lag))));
+      const bool jumps = across(near) > 0.3 * across(far) && across(near) > 1e-7 * size;
+      const bool root = !(steepest(near) <= 1.5 * steepest(far) + 1e-6 * size / lag);
+      if (jumps || root) out.jump = {t, t - lag};
+      out.slope = std::max(out.slope, steepest(far));
+    }
+  }
+  return out;
+}
+
 } // namespace
 
 std::optional<double> prony_integral(const ExponentialTerms& terms, double length) {
@@ -72,7 +111,7 @@ std::optional<double> prony_integral(const ExponentialTerms& terms, double lengt
 double absolute_integral(const Expr& expression, double exponent, double t, double length) {
   if (length <= 0) return 0;
   const Expr magnitude = abs(expression);
-  const KernelIntegral integral(KernelFunction(magnitude, {}), Breaks(magnitude, {}), exponent, {},
+  const KernelIntegral integral(magnitude, KernelFunction(magnitude, {}), Breaks(magnitude, {}), exponent, {},
                                 "q");
   const KernelFunction q(expression, {});
   // Pieces short enough that the search for sign changes sees every oscillation of moderate speed.
@@ -96,14 +135,15 @@ double memory_norm(const Expr& expression, const KernelTraits& traits, double t0
   return norm;
 }
 
-KernelNorms kernel_norms(const Expr& expression, double t0, double t1) {
+KernelNorms kernel_norms(const Expr& as_written, double t0, double t1) {
   const double length = t1 - t0;
-  if (const auto verified = verified_terms(expression, length);
+  const Expr expression = without_cancellation(as_written);
+  if (const auto verified = verified_terms(expression, length, t0);
       verified && single_decaying(verified->terms)) {
     const double c = std::abs(verified->terms[0].factor), a = -verified->terms[0].lag_rate.real();
     return {c, c * a, *prony_integral(verified->terms, length), true};
   }
-  const KernelTraits traits = kernel_traits(expression, length);
+  const KernelTraits traits = kernel_traits(expression, length, t0);
   if (traits.singular_exponent >= 1) return {infinite, infinite, infinite, true};
   const KernelFunction q(expression, {});
   // At fixed s the lag grows with t: d/dt q(t, t - s) = q_t + q_lag.
@@ -119,6 +159,9 @@ KernelNorms kernel_norms(const Expr& expression, double t0, double t1) {
     const double small = std::abs(f(t1, length * 1e-100)), large = std::abs(f(t1, length * 1e-50));
     return !std::isfinite(small) || small > 1.5 * large + 1e-300;
   };
+  const Crossings crossings = look_across_breaks(expression, q, slope, t0, length);
+  norms.sup = std::max(norms.sup, crossings.sup);
+  norms.lipschitz = crossings.jump ? infinite : std::max(norms.lipschitz, crossings.slope);
   if (unbounded(q)) norms.sup = infinite;
   if (unbounded(slope)) norms.lipschitz = infinite;
   const std::vector<double> parts = traits.convolution

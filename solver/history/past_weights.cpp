@@ -81,12 +81,45 @@ void PastWeights::by_index(const PreparedKernel& kernel, double step, std::size_
 
 void PastWeights::integrate(const PreparedKernel& kernel, double t, std::span<Moments> out) {
   open_.clear();
+  if (intervals_.empty()) return;
+  if (!kernel.traits.convolution) {
+    double low = intervals_.front().low, high = intervals_.front().high;
+    for (const Interval& i : intervals_) {
+      low = std::min(low, i.low);
+      high = std::max(high, i.high);
+    }
+    edges_[0].clear();
+    kernel.function.resolved_edges(t, low, high, edges_[0]);
+    std::sort(edges_[0].begin(), edges_[0].end());
+  }
   done_exactly(kernel, t, out);
   try_panels<7>(kernel, t, out);
   try_panels<15>(kernel, t, out);
   for (const std::size_t j : open_) {
     out[j] = kernel.integral(t, intervals_[j].low, intervals_[j].high);
   }
+}
+
+/// What is found for an interval of a convolution depends on the interval alone, so that a step
+/// that is given up leaves no trace.
+const std::vector<double>& PastWeights::edges(const PreparedKernel& kernel, double t,
+                                              const Interval& i) {
+  if (!kernel.traits.convolution) return edges_[0];
+  const int k = std::ilogb(i.high) + 1;
+  const auto [entry, fresh] = edges_.try_emplace(k);
+  if (fresh) {
+    kernel.function.resolved_edges(t, 0, std::ldexp(1.0, k), entry->second);
+    std::sort(entry->second.begin(), entry->second.end());
+  }
+  return entry->second;
+}
+
+/// No more than three panels: 15 points see all of them.
+bool PastWeights::resolved(const PreparedKernel& kernel, double t, const Interval& i) {
+  const auto& ends = edges(kernel, t, i);
+  const auto first = std::upper_bound(ends.begin(), ends.end(), i.low);
+  const auto last = std::lower_bound(first, ends.end(), i.high);
+  return last - first <= 2;
 }
 
 /// Intervals that touch lag 0 or have a break inside: a few points could miss what is there. The
@@ -104,7 +137,7 @@ void PastWeights::done_exactly(const PreparedKernel& kernel, double t, std::span
   }
   for (std::size_t j = 0; j < intervals_.size(); ++j) {
     const auto [low, high] = intervals_[j];
-    bool special = low <= 0;
+    bool special = low <= 0 || !resolved(kernel, t, intervals_[j]);
     if (breaks.searched()) {
       special = special || !breaks.inside(t, low, high).empty();
     } else if (!inside.empty()) {

@@ -1,12 +1,21 @@
 // Checks common to the routes.
 #include "solver/history/prepared.hpp"
 
+#include "solver/history/cancellation.hpp"
+
 namespace hvi::solver {
 
 double PreparedKernel::norm(double t0, double horizon) const {
   if (terms)
     if (const auto exact = prony_integral(terms->terms, horizon)) return *exact;
   return memory_norm(spec.expression, traits, t0, horizon);
+}
+
+PreparedKernel prepare_kernel(const KernelSpec& kernel, const HistoryOptions& options) {
+  KernelSpec spec = kernel;
+  spec.expression = without_cancellation(kernel.expression);
+  const double t0 = options.times.empty() ? 0.0 : options.times.front();
+  return {spec, study_kernel(spec.expression, options.horizon, t0)};
 }
 
 void check_step(const PreparedKernel& kernel, double t_before, double t_new) {

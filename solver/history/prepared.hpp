@@ -16,7 +16,7 @@ struct PreparedKernel {
   PreparedKernel(const KernelSpec& spec_, StudiedKernel studied)
       : spec(spec_), traits(std::move(studied.traits)), terms(std::move(studied.terms)),
         function(spec_.expression, spec_.origin), breaks(spec_.expression, spec_.origin),
-        integral(function, breaks, traits.singular_exponent, spec_.origin, spec_.name) {}
+        integral(spec_.expression, function, breaks, traits.singular_exponent, spec_.origin, spec_.name) {}
   /// sup over the times up to t0 + horizon of int |q| over the lags since t0.
   double norm(double t0, double horizon) const;
 
@@ -56,6 +56,9 @@ private:
   std::array<Entry, 32> entries_{};
   std::size_t next_ = 0;
 };
+
+/// A kernel in the form that is computed with, studied over the times of the options.
+PreparedKernel prepare_kernel(const KernelSpec& kernel, const HistoryOptions& options);
 
 /// Checks what every route asks of a step; throws Failure(bad_value).
 void check_step(const PreparedKernel& kernel, double t_before, double t_new);

@@ -4,7 +4,10 @@
 #include "solver/history/steps.hpp"
 #include "solver/history/stream.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace hvi::solver {
 
@@ -57,6 +60,7 @@ public:
     const double k = grid_.step_to(t_new);
     if (sum_.steady() && k == weighed_step_) return weight_;
     const Moments m = sum_.current({t_new, k});
+    if (!std::isfinite(m.zero) || !std::isfinite(m.one)) refuse(t_new, k);
     weighed_step_ = k;
     return weight_ = order_ == 0 ? m.zero : m.zero - m.one;
   }
@@ -120,12 +124,22 @@ private:
     return static_cast<std::int64_t>(sum_.state_fields()) + 1 + (order_ == 1 ? 1 : 0);
   }
 
+  [[noreturn]] void refuse(double t, double k) const {
+    throw Failure(FailureKind::bad_kernel, kernel_.spec.origin,
+                  fmt::format("the memory kernel `{}` has no finite integral over s from {:.6g} to "
+                              "{:.6g}, or changes too fast for one",
+                              kernel_.spec.name, t - k, t));
+  }
+
   /// Coefficients for putting in (t - step, t] and reading at t + ahead.
   void prepare(double ahead) {
     if (sum_.steady() && !groups_.empty() && prepared_step_ == step_ && prepared_ahead_ == ahead) {
       return;
     }
     groups_ = sum_.coefficients({grid_.now(), step_}, ahead, grid_.start_time(), order_);
+    for (const LinearGroup& group : groups_)
+      for (const double value : group.input)
+        if (!std::isfinite(value)) refuse(grid_.now(), step_);
     prepared_step_ = step_;
     prepared_ahead_ = ahead;
   }

@@ -3,6 +3,7 @@
 #include "solver/history/traits.hpp"
 
 #include "solver/history/breaks.hpp"
+#include "solver/history/cancellation.hpp"
 #include "solver/history/kernel_function.hpp"
 
 #include <fmt/format.h>
@@ -27,10 +28,10 @@ double log_slope(const KernelFunction& q, double t, double small, double large) 
 
 /// e with q ~ lag^-e. Lags far below any step are allowed in (t, lag): the slope has settled at
 /// 1e-60. A slope that still halves where the exponent of the lag doubles is a logarithm.
-double singular_exponent(const KernelFunction& q, double horizon) {
+double singular_exponent(const KernelFunction& q, double horizon, double t0) {
   double exponent = 0;
   for (const double part : {1.0, 0.61, 0.23}) {
-    const double t = part * horizon;
+    const double t = t0 + part * horizon;
     double near = log_slope(q, t, 1e-140, 1e-120), far = log_slope(q, t, 1e-80, 1e-60);
     if (!std::isfinite(near) || !std::isfinite(far)) { // overflow: exponent above 2, or exp(1/lag)
       return std::numeric_limits<double>::infinity();
@@ -44,12 +45,13 @@ double singular_exponent(const KernelFunction& q, double horizon) {
 }
 
 /// The least break beyond which all samples are exactly zero.
-double reach(const KernelFunction& q, const std::vector<double>& breaks, double horizon) {
+double reach(const KernelFunction& q, const std::vector<double>& breaks, double horizon,
+             double t0) {
   const auto vanishes_beyond = [&](double lag) {
     for (int i = 1; i <= 400; ++i) {
       const double l = lag + (horizon - lag) * i / 400;
       for (const double t : {l, 0.5 * (l + horizon), horizon}) {
-        if (q(t, l) != 0) return false;
+        if (q(t0 + t, l) != 0) return false;
       }
     }
     return true;
@@ -61,9 +63,9 @@ double reach(const KernelFunction& q, const std::vector<double>& breaks, double 
 }
 
 /// Breaks at lags that do not move with the time.
-std::vector<double> fixed_breaks(const Breaks& breaks, double horizon) {
-  const auto now = breaks.inside(horizon, 0, horizon),
-             before = breaks.inside(0.7 * horizon, 0, horizon);
+std::vector<double> fixed_breaks(const Breaks& breaks, double horizon, double t0) {
+  const auto now = breaks.inside(t0 + horizon, 0, horizon),
+             before = breaks.inside(t0 + 0.7 * horizon, 0, horizon);
   std::vector<double> fixed;
   for (const double b : now) {
     const bool stays = std::any_of(before.begin(), before.end(),
@@ -125,25 +127,30 @@ std::vector<std::pair<double, double>> points_at(double horizon,
 }
 
 struct Sample {
-  double t, lag, value;
+  double t, lag, value, width; ///< width: the lags it stands for
 };
 
 /// A function of the lag alone needs fewer times.
-std::vector<Sample> samples_of(const KernelFunction& q, double horizon) {
+std::vector<Sample> samples_of(const KernelFunction& q, double horizon, double t0) {
   std::vector<Sample> samples;
   for (const auto& [t, lag] :
        q.convolution() ? points_at(horizon, {1.0, 0.47}) : sample_points(horizon))
-    samples.push_back({t, lag, q(t, lag)});
+    samples.push_back({t0 + t, lag, q(t0 + t, lag), std::min(0.3 * lag, t / 80)});
   return samples;
 }
 
 std::optional<VerifiedTerms> terms_at(const Expr& expression, std::span<const Sample> samples) {
   auto terms = exponential_terms(expression);
   if (!terms) return std::nullopt;
-  double error = 0, largest = 0;
-  for (const auto& [t, lag, value] : samples) {
+  double error = 0, integral = 0, sum = 0, largest = 0, now = samples.front().t;
+  for (const auto& [t, lag, value, width] : samples) {
+    const double off = std::abs(evaluate(*terms, t, lag) - value);
+    if (t != now) sum = 0;
+    now = t;
+    sum += off * width;
+    integral = std::max(integral, sum);
     largest = std::max(largest, std::abs(value));
-    error = std::max(error, std::abs(evaluate(*terms, t, lag) - value));
+    error = std::max(error, off);
     for (const ExponentialTerm& term : *terms) {
       if (term.of_time.is_constant() && term.of_source.is_constant()) continue;
       const auto value_of = [&, lag_ = lag, t_ = t](Slot s) {
@@ -154,7 +161,7 @@ std::optional<VerifiedTerms> terms_at(const Expr& expression, std::span<const Sa
     }
   }
   if (!std::isfinite(error) || error > 1e-12 * largest) return std::nullopt;
-  return VerifiedTerms{std::move(*terms), error};
+  return VerifiedTerms{std::move(*terms), error, integral};
 }
 
 } // namespace
@@ -163,16 +170,20 @@ std::vector<std::pair<double, double>> sample_points(double horizon) {
   return points_at(horizon, {1.0, 0.83, 0.47, 0.11, 0.013});
 }
 
-std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horizon) {
+std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horizon, double t0) {
   const KernelFunction q(expression, {});
-  return terms_at(expression, samples_of(q, positive_horizon(horizon)));
+  return terms_at(expression, samples_of(q, positive_horizon(horizon), t0));
 }
 
 KernelTraits kernel_traits(const Expr& expression, double horizon) {
-  return study_kernel(expression, horizon).traits;
+  return kernel_traits(expression, horizon, 0.0);
 }
 
-StudiedKernel study_kernel(const Expr& expression, double horizon) {
+KernelTraits kernel_traits(const Expr& expression, double horizon, double t0) {
+  return study_kernel(without_cancellation(expression), horizon, t0).traits;
+}
+
+StudiedKernel study_kernel(const Expr& expression, double horizon, double t0) {
   const double length = positive_horizon(horizon);
   const KernelFunction q(expression, {});
   const Breaks breaks(expression, {});
@@ -180,14 +191,14 @@ StudiedKernel study_kernel(const Expr& expression, double horizon) {
   KernelTraits& traits = out.traits;
   traits.convolution = q.convolution();
   traits.zero = true;
-  const auto samples = samples_of(q, length);
+  const auto samples = samples_of(q, length, t0);
   for (const Sample& sample : samples) {
     traits.finite = traits.finite && std::isfinite(sample.value);
     traits.zero = traits.zero && sample.value == 0;
   }
-  if (!breaks.empty()) traits.breaks = fixed_breaks(breaks, length);
-  traits.zero = traits.zero && (expression.is(0) || breaks.empty());
-  if (!traits.breaks.empty()) traits.max_lag = reach(q, traits.breaks, length);
+  if (!breaks.empty()) traits.breaks = fixed_breaks(breaks, length, t0);
+  traits.zero = traits.zero && expression.is(0); // a peak may lie between the samples
+  if (!traits.breaks.empty()) traits.max_lag = reach(q, traits.breaks, length, t0);
   out.terms = terms_at(expression, samples);
   if (out.terms) {
     const auto& terms = out.terms->terms;
@@ -197,7 +208,7 @@ StudiedKernel study_kernel(const Expr& expression, double horizon) {
     (plain ? traits.exponential_sum : traits.separable) = true;
     traits.convolution = traits.convolution || plain; // exp(-t) exp(s) is one, too
   } else if (!traits.zero) {
-    traits.singular_exponent = singular_exponent(q, length);
+    traits.singular_exponent = singular_exponent(q, length, t0);
   }
   traits.description = describe(traits, out.terms ? out.terms->terms : ExponentialTerms{});
   return out;

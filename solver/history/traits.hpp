@@ -10,24 +10,30 @@
 
 namespace hvi::solver {
 
-/// Points (t, lag), 0 < lag <= t <= horizon: lags log-spaced down to 1e-12 of the horizon and
-/// evenly spaced, for several times.
+/// Points (t - t0, lag), 0 < lag <= t - t0 <= horizon: lags log-spaced down to 1e-12 of the horizon
+/// and evenly spaced, for several times.
 std::vector<std::pair<double, double>> sample_points(double horizon);
 
 struct VerifiedTerms {
   ExponentialTerms terms;
-  double error = 0; ///< largest difference to the kernel at the sample points
+  double error = 0;    ///< largest difference to the kernel at the sample points
+  double integral = 0; ///< of the difference over the lags up to the latest times, from them
 };
 /// The kernel as an exponential sum, if it is one symbolically and also at sample points, and if
 /// its factors g and h stay far from overflow.
-std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horizon);
+std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horizon,
+                                            double t0 = 0);
 
 /// Everything found out about a kernel.
 struct StudiedKernel {
   KernelTraits traits;
   std::optional<VerifiedTerms> terms; ///< of an exponential sum
 };
-StudiedKernel study_kernel(const Expr& expression, double horizon);
+/// For times t0 < t <= t0 + horizon.
+StudiedKernel study_kernel(const Expr& expression, double horizon, double t0 = 0);
+
+/// `kernel_traits` for times t0 < t <= t0 + horizon.
+KernelTraits kernel_traits(const Expr& expression, double horizon, double t0);
 
 /// int_0^length |q(lag)| dlag of a Prony series, real exponentials whose factors have one sign;
 /// none for other sums.

@@ -3,6 +3,7 @@
 // Paper: H(A), H(B), H(E), H(q), H(J), H(M), H(f), (H0), Theorem existencetheorem, Lemma lem3.1.
 #include "solver/hypotheses/hypotheses.hpp"
 
+#include "solver/hypotheses/load_time.hpp"
 #include "solver/hypotheses/numbers.hpp"
 #include "solver/hypotheses/tensors.hpp"
 #include "solver/hypotheses/verdicts.hpp"
@@ -169,6 +170,41 @@ private:
                       lipschitz ? ""
                                 : "; singular: the continuous theorem and the bounds tau_0 do not "
                                   "apply, each step's problem and its certificate do"));
+      judge_modulus(static_cast<int>(m));
+    }
+  }
+
+  /// The modulus B + E int q after a jump of the strain, against B: told where it leaves (0, 1].
+  /// E and B are compared by their traces, exactly where one is a multiple of the other.
+  void judge_modulus(int m) {
+    if (!numbers_.acts_on(field_u)) return;
+    const auto& grid = plan_.time.grid;
+    const auto& kernel = plan_.histories[static_cast<std::size_t>(m)].kernel;
+    const double horizon = grid.back() - grid.front();
+    if (!kernel_traits(kernel.expression, horizon).convolution) return;
+    const double b = numbers_.of_field(field_u).diagonal().sum(),
+                 e = numbers_.of_field(first_history_field + m).diagonal().sum();
+    const double ratio = b != 0.0 ? e / b : 0.0;
+    const auto relaxed = [&](double lag) {
+      return 1.0 + ratio * interval_integral(kernel.expression, grid.front() + lag, 0.0, lag, 0);
+    };
+    const double soon = 1e-9 * horizon, at_once = relaxed(soon) - 1.0, late = relaxed(horizon);
+    const Origin origin = plan_.histories[static_cast<std::size_t>(m)].origin;
+    if (at_once > 0.0)
+      row("memory", fmt::format("`{}` relaxes: 1 + int q at the end", kernel.name), late,
+          Answer::open, origin,
+          "positive at lag 0 against its tensor: this memory stiffens the body. Beside the "
+          "instantaneous B a relaxation has the sign -, as in `kernel C(lag) = -0.3*exp(-lag) * B`; "
+          "the usual weights of a Prony series belong to the relaxation function, not to its "
+          "derivative");
+    if (late < 0.0) {
+      double low = 0.0, high = horizon;
+      for (int i = 0; i < 40; ++i) (relaxed(0.5 * (low + high)) < 0.0 ? high : low) = 0.5 * (low + high);
+      row("memory", fmt::format("`{}` leaves a positive modulus: 1 + int q at the end", kernel.name),
+          late, Answer::fails, origin,
+          fmt::format("held for longer than {:.6g} a strain meets a negative modulus; the kernel "
+                      "is meant for shorter times",
+                      high));
     }
   }
 
@@ -219,6 +255,7 @@ private:
   }
 
   void judge_loads() {
+    if (judge_load_times()) return;
     Vector f = Vector::Zero(d_.space.n_dofs());
     const LoadAssembler loads(d_.space, d_.parts, plan_.loads);
     const Origin origin = plan_.loads.empty() ? plan_.time.origin : plan_.loads.front().origin;
@@ -232,6 +269,26 @@ private:
       row("H(f)", "f is finite at the grid's times", std::nullopt, Answer::fails, failure.origin,
           failure.what());
     }
+  }
+
+  /// Whether a load was found that is not bounded in time: then it must be square integrable.
+  bool judge_load_times() {
+    const auto& grid = plan_.time.grid;
+    if (grid.size() < 2) return false;
+    const LoadTerm* where = nullptr;
+    TimeSingularity worst;
+    for (const LoadTerm& load : plan_.loads)
+      for (const auto& entry : load.entries)
+        if (const auto s = time_singularity(entry.value, grid.front(), grid.back());
+            s && (!where || s->exponent > worst.exponent))
+          worst = *s, where = &load;
+    if (!where) return false;
+    const bool holds = worst.square_integrable();
+    row("H(f)", "f is square integrable in time", std::nullopt, yes(holds), where->origin,
+        fmt::format("it grows like |t - {:.6g}|^-{:.4g}{}", worst.at, worst.exponent,
+                    holds ? ", an exponent below 1/2; `using load = average` takes its means"
+                          : ", and 1/2 or more is too much"));
+    return true;
   }
 
   /// The law that softens most: it decides (H0).

@@ -1,6 +1,7 @@
 // The history fields of a run; see memory.hpp.
 #include "solver/time/memory.hpp"
 
+#include "solver/history/traits.hpp"
 #include "solver/time/time_grid.hpp"
 
 #include <fmt/format.h>
@@ -80,10 +81,10 @@ MemoryExtent memory_extent(const Plan& plan) {
 
 /// A kernel is looked at as far as the run goes: what comes later may call for another route.
 std::string extension_obstacle(const Plan& plan, const MemoryExtent& earlier) {
-  const double longer = memory_extent(plan).horizon;
+  const double longer = memory_extent(plan).horizon, t0 = plan.time.grid.front();
   for (const auto& term : plan.histories) {
-    const auto then = kernel_traits(term.kernel.expression, earlier.horizon);
-    const auto now = kernel_traits(term.kernel.expression, longer);
+    const auto then = kernel_traits(term.kernel.expression, earlier.horizon, t0);
+    const auto now = kernel_traits(term.kernel.expression, longer, t0);
     if (!now.finite)
       return fmt::format("the kernel `{}` is not finite at every lag up to the new end time",
                          term.kernel.name);
@@ -105,7 +106,8 @@ std::vector<HistoryReport> planned_memory(const Plan& plan) {
     history->start(plan.time.grid.front(), {&initial, 1});
     auto report = history->report();
     if (report.route == "direct") {
-      const double reach = kernel_traits(term.kernel.expression, options.horizon).max_lag;
+      const double reach =
+          kernel_traits(term.kernel.expression, options.horizon, plan.time.grid.front()).max_lag;
       report.fields = reach > 0
                           ? std::min<std::int64_t>(options.steps,
                                                    1 + std::llround(reach / options.shortest_step))
@@ -150,10 +152,10 @@ void Memory::start(double t0, const Vector& u0) {
 void Memory::begin_step(double t) {
   for (int m = 0; m < size(); ++m) {
     histories_[m]->rhs(t, {known_[m].data(), static_cast<std::size_t>(known_[m].size())});
+    w0_[m] = histories_[m]->w0(t); // audited, too
     const double tolerance = plan_->options.memory_tolerance;
     if (histories_[m]->audited() > tolerance)
       throw MemoryMistrust(plan_->histories[m], histories_[m]->report(), tolerance, m);
-    w0_[m] = histories_[m]->w0(t);
   }
 }
 

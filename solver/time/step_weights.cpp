@@ -1,6 +1,7 @@
 // The matrices of all steps as points, and the search for the worst; see step_weights.hpp.
 #include "solver/time/step_weights.hpp"
 
+#include "solver/history/traits.hpp"
 #include "solver/time/time_grid.hpp"
 
 #include <algorithm>
@@ -27,10 +28,11 @@ public:
     options.order = plan.time.scheme == Scheme::bdf2 && !absolute ? 1 : 0;
     options.steps = grid.steps();
     options.horizon = plan.time.grid.back() - plan.time.grid.front();
+    options.times = plan.time.grid;
     for (const auto& term : plan.histories) {
       KernelSpec kernel = term.kernel;
       if (absolute) kernel.expression = abs(kernel.expression);
-      const auto traits = kernel_traits(kernel.expression, options.horizon);
+      const auto traits = kernel_traits(kernel.expression, options.horizon, plan.time.grid.front());
       kernels_.push_back({make_history(kernel, 0, options), traits.convolution, {}});
       kernels_.back().history->start(plan.time.grid.front(), {});
     }

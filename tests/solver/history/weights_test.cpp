@@ -1,0 +1,161 @@
+// Weights where rules that compare two formulas are easily fooled, and memories that do not start
+// at time 0. References: closed forms, and the brute-force sums of cases.hpp.
+#include "cases.hpp"
+
+#include "solver/history/proved_quadrature.hpp"
+#include "solver/history/strip.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace hvi::solver::test {
+namespace {
+
+HistoryOptions options_of(const std::vector<double>& times, HistoryRoute route, int order) {
+  HistoryOptions o;
+  o.route = route;
+  o.order = order;
+  o.horizon = times.back() - times.front();
+  o.shortest_step = o.horizon;
+  for (std::size_t n = 1; n < times.size(); ++n)
+    o.shortest_step = std::min(o.shortest_step, times[n] - times[n - 1]);
+  o.steps = static_cast<std::int64_t>(times.size()) - 1;
+  o.times = times;
+  return o;
+}
+
+/// Weight of u on (times[0], times[1]] at the last of the times.
+double first_weight(const Expr& q, const std::vector<double>& times, HistoryRoute route) {
+  const auto history = make_history({"q", {}, q}, 1, options_of(times, route, 0));
+  const double zero = 0.0;
+  history->start(times.front(), {&zero, 1});
+  for (std::size_t n = 1; n + 1 < times.size(); ++n) {
+    const double u = n == 1 ? 1.0 : 0.0;
+    history->commit(times[n], {&u, 1});
+  }
+  double out = 0.0;
+  history->rhs(times.back(), {&out, 1});
+  return out;
+}
+
+/// The two rules of a panel agree to some digits long before both are right to rounding: whatever
+/// the width of the bell, the weight is. (Closed form: arctangents.)
+TEST(Weights, OfBellsOfAnyWidthAreExactToRounding) {
+  for (double c = 1e-6; c < 30; c *= 1.17) {
+    const Expr x = (lag() - Expr(2.4)) / Expr(c);
+    const Expr bell = Expr(1.0) / (Expr(1.0) + x * x);
+    const double exact = c * (std::atan(0.6 / c) + std::atan(0.4 / c));
+    EXPECT_NEAR(first_weight(bell, {0, 1, 2, 3}, HistoryRoute::direct), exact,
+                (2e-14 + 2e-15 / c) * exact) // the bell is as sharp as the rounding of its lags
+        << c;
+    const auto panels = integrate_smooth<1>(
+        [&](double y) -> Values<1> { return {1 / (1 + (y - 2.4) * (y - 2.4) / (c * c))}; }, 2, 3);
+    if (c > 1e-2) {
+      EXPECT_NEAR(panels[0], exact, 1e-13 * exact) << c;
+    }
+  }
+}
+
+TEST(Weights, OfPeaksBetweenAllPointsAreFound) {
+  for (const double width : {1e-3, 1e-5, 1e-7}) {
+    const Expr x = (lag() - Expr(2.1234567)) / Expr(width);
+    const double exact = width * std::sqrt(M_PI);
+    EXPECT_NEAR(first_weight(exp(-x * x), {0, 1, 2, 3}, HistoryRoute::direct), exact,
+                (1e-12 + 2e-15 / width) * exact);
+    const Expr window =
+        select(less(x, Expr(1.0)), select(less(Expr(-1.0), x), Expr(1.0), Expr(0.0)), Expr(0.0));
+    EXPECT_NEAR(first_weight(window, {0, 1, 2, 3}, HistoryRoute::direct), 2 * width, 1e-13);
+  }
+}
+
+/// int_0^k e^(-lag) (1 + s/(s + a)) dlag at t = k: 1 + a layer that no panel of fixed points sees.
+TEST(Weights, OfSeparableKernelsHoldForStepsOfAnyLength) {
+  const Expr s = source();
+  for (const double k : {1e-3, 1.0, 1e3, 1e6, 1e9, 1e12}) {
+    for (const double a : {1e-3, 1e4}) {
+      const Expr q = exp(s - time()) * (Expr(1.0) + s / (s + Expr(a)));
+      double exact = 0; // midpoint rule in v with lag = min(k, 60) v^2
+      const double reach = std::min(k, 60.0);
+      constexpr int points = 400000;
+      for (int i = 0; i < points; ++i) {
+        const double v = (i + 0.5) / points, lag_here = reach * v * v;
+        const double at = k - lag_here;
+        exact += std::exp(-lag_here) * (1 + at / (at + a)) * reach * 2 * v / points;
+      }
+      for (const auto route : {HistoryRoute::recursion, HistoryRoute::direct}) {
+        const std::vector<double> times{0, k};
+        const auto history = make_history({"q", {}, q}, 1, options_of(times, route, 0));
+        const double zero = 0.0;
+        history->start(0, {&zero, 1});
+        EXPECT_NEAR(history->w0(k), exact, 1e-8 * exact) << k << " " << a;
+      }
+    }
+  }
+}
+
+/// (t^2 - s^2)^(-1/2): arcsines. As written, all digits cancel near lag 0.
+TEST(Weights, OfDifferencesOfPowersAreIntegratedUpToTheDiagonal) {
+  const Expr t = time(), s = source();
+  const Expr q = pow(pow(t, Expr(2.0)) - pow(s, Expr(2.0)), Expr(-0.5));
+  const auto history = make_history({"q", {}, q}, 1, options_of({0, 1, 2}, HistoryRoute::direct, 0));
+  const double one = 1.0;
+  history->start(0, {&one, 1});
+  EXPECT_NEAR(history->w0(1), M_PI / 2, 1e-12);
+  history->commit(1, {&one, 1});
+  double past = 0.0;
+  history->rhs(2, {&past, 1});
+  EXPECT_NEAR(past, std::asin(0.5), 1e-13);
+  EXPECT_NEAR(history->w0(2), M_PI / 2 - std::asin(0.5), 1e-12);
+}
+
+/// Every route for every kernel it serves, from times before and after 0.
+TEST(Start, OtherThanZeroIsTheStart) {
+  for (const double t0 : {-0.6, 5.3}) {
+    std::vector<double> times;
+    for (int n = 0; n <= 40; ++n) times.push_back(t0 + 2.0 * std::pow(n / 40.0, 1.5));
+    for (const KernelCase& kernel : kernel_cases()) {
+      if (kernel.name == "table" || kernel.singular > 0.5) continue; // reach to lag 2.0 only
+      for (const auto route : {HistoryRoute::recursion, HistoryRoute::fit, HistoryRoute::tree,
+                               HistoryRoute::direct}) {
+        if (route == HistoryRoute::recursion && !kernel.recursion) continue;
+        if (route == HistoryRoute::fit && !kernel.fit) continue;
+        for (const int order : {0, 1}) {
+          const auto history = make_history({kernel.name, {}, kernel.expression}, field_size,
+                                            options_of(times, route, order));
+          history->start(t0, sample_field(t0));
+          for (std::size_t n = 1; n < times.size(); ++n) {
+            if (n == 1 || n == 17 || n == 40) {
+              const BruteForce expected = brute_force(kernel, times, n, order);
+              std::vector<double> rhs(field_size);
+              history->rhs(times[n], rhs);
+              for (std::size_t i = 0; i < field_size; ++i)
+                EXPECT_NEAR(rhs[i], expected.rhs[i], 3e-8) << kernel.name << " " << n;
+              EXPECT_NEAR(history->w0(times[n]), expected.w0, 1e-11) << kernel.name << " " << n;
+            }
+            history->commit(times[n], sample_field(times[n]));
+          }
+        }
+      }
+    }
+  }
+}
+
+/// Points of the ellipse around a panel lie in the strip that is given for it.
+TEST(Strips, EncloseTheEllipse) {
+  const Strip s = around(1.0, 3.0);
+  EXPECT_NEAR(s.low, 2 - 0.5 * (ellipse + 1 / ellipse), 1e-14);
+  EXPECT_NEAR(s.imaginary, 0.5 * (ellipse - 1 / ellipse), 1e-14);
+  const Expr e = exp(-lag()) / (Expr(1.0) + lag() * lag());
+  const Tape tape = compile(std::span<const Expr>(&e, 1));
+  std::vector<Strip> registers;
+  const Strip small = around(1.0, 1.1);
+  const Strip z = enclose(tape, std::span<const Strip>(&small, 1), registers);
+  ASSERT_EQ(z.state, Strip::State::analytic);
+  EXPECT_LE(z.low, std::exp(-1.1) / (1 + 1.21));
+  EXPECT_GE(z.high, std::exp(-1.0) / 2);
+  EXPECT_LT(z.modulus(), 0.4);
+}
+
+} // namespace
+} // namespace hvi::solver::test
