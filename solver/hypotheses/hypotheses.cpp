@@ -243,6 +243,7 @@ private:
     }
     c().m_J = c().m_nu + c().m_tau;
     c().m_J_known = m_nu + m_tau;
+    facts_.proved = c().m_J_known.bounded_by_proof();
     const auto& norms = numbers_.traces();
     c().norm_normal = norms.normal, c().norm_tangential = norms.tangential;
     c().norm_full = norms.full, c().norm_script = numbers_.script_norm();
