@@ -94,6 +94,19 @@ void print_monitors(const solver::MonitorTable& m) {
              last("lemma_u"), last("lemma_jumps"), last("lemma_xi"), last("lemma_rate"));
 }
 
+/// One line, where rounding shows in the digits that are printed.
+void print_forward_error(const solver::ForwardError& error) {
+  const double worst = error.worst();
+  if (worst <= solver::ForwardError::small && !error.refined) return;
+  std::string of = "the solution";
+  for (const auto& column : error.columns)
+    if (column.relative >= worst) of = "`" + column.name + "`";
+  const std::string condition =
+      error.condition > 0.0 ? fmt::format(", condition number about {:.1e}", error.condition) : "";
+  fmt::print("rounding: changes {} by about {:.1e} of its size{}{}\n", of, worst, condition,
+             error.refined ? ", steps refined in extended precision" : "");
+}
+
 void print_certificate(const solver::RunResult& r, const Script& script) {
   const solver::Certificate& c = r.certificate;
   if (c.certified)
@@ -101,6 +114,7 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
                "{}, tolerance {:.0e}\n",
                r.steps == 1 ? "1 step" : fmt::format("all {} steps", r.steps), c.inclusion,
                c.inclusion_step, c.equilibrium, c.equilibrium_step, c.tolerance);
+  print_forward_error(r.forward_error);
   if (r.work.fallback_steps > 0)
     fmt::print("steps that only the globally convergent method solved: {}\n",
                r.work.fallback_steps);

@@ -3,6 +3,7 @@
 #include "lang/driver.hpp"
 #include "lang/gnuplot.hpp"
 #include "lang/interrupt.hpp"
+#include "lang/nudge.hpp"
 #include "solver/hypotheses/hypotheses.hpp"
 #include "solver/output/file.hpp"
 
@@ -21,6 +22,7 @@ namespace hvi::lang {
 namespace {
 
 constexpr double unit = std::numeric_limits<double>::epsilon();
+constexpr int samples = 3;      ///< of the script's and the mesh's numbers
 constexpr int most_states = 16; ///< at which two runs are compared
 
 /// What a run left: its result and u at a sample of steps.
@@ -49,7 +51,7 @@ struct Stability {
 Trace traced(const solver::Plan& plan, const solver::Discretisation& d, bool monitors) {
   Trace out;
   solver::RunSettings settings;
-  settings.monitors = monitors;
+  settings.monitors = settings.condition = monitors;
   settings.stop = &stop_flag();
   const int steps = plan.time.is_static ? 1 : static_cast<int>(plan.time.grid.size()) - 1;
   const int stride = std::max(1, steps / most_states);
@@ -100,6 +102,68 @@ std::optional<Variation> moved_parameter(const std::string& path, const Options&
   return std::nullopt;
 }
 
+/// A run of a script or a mesh with other numbers, against the first.
+Variation compared(const std::string& what, const Trace& base,
+                   const std::function<Trace()>& other) {
+  Variation out{what, true, unit, {}, {}};
+  try {
+    out.change = distance(base, other());
+  } catch (const solver::Failure& failure) {
+    if (failure.kind == solver::FailureKind::interrupted) throw;
+    out.failure = failure.what();
+  }
+  return out;
+}
+
+solver::Failure refusal(const std::vector<solver::Failure>& failures) {
+  return failures.empty() ? solver::Failure(solver::FailureKind::bad_value, {},
+                                            "the moved numbers give no script")
+                          : failures.front();
+}
+
+/// All numbers of the script at once, each by one unit in the last place, up or down at random.
+std::vector<Variation> moved_numbers(const std::string& path, const Options& options,
+                                     const Trace& base) {
+  std::vector<Variation> out;
+  const auto text = read_text(path);
+  const auto literals = movable_literals(path, options);
+  if (!text || literals.empty()) return out;
+  for (int sample = 1; sample <= samples; ++sample)
+    out.push_back(compared(
+        fmt::format("the {} numbers of the script by one unit in the last place, sample {}",
+                    literals.size(), sample),
+        base, [&] {
+          Script script;
+          script.path = path;
+          script.text = moved_text(*text, literals, static_cast<std::uint64_t>(sample));
+          if (!compile_script(script, options)) throw refusal({});
+          solver::Discretisation d;
+          if (const auto failures = solver::discretise(*script.plan, d); !failures.empty())
+            throw refusal(failures);
+          return traced(*script.plan, d, false);
+        }));
+  return out;
+}
+
+/// All coordinates of the mesh in the same way.
+std::vector<Variation> moved_meshes(const solver::Plan& plan, const solver::Discretisation& d,
+                                    const Trace& base) {
+  std::vector<Variation> out;
+  for (int sample = 1; sample <= samples; ++sample)
+    out.push_back(compared(
+        fmt::format("the coordinates of the nodes by one unit in the last place, sample {}", sample),
+        base, [&] {
+          solver::Mesh mesh = d.mesh;
+          move_nodes(mesh, static_cast<std::uint64_t>(sample));
+          solver::Discretisation other;
+          if (const auto failures = solver::discretise_on(plan, std::move(mesh), other);
+              !failures.empty())
+            throw refusal(failures);
+          return traced(plan, other, false);
+        }));
+  return out;
+}
+
 /// Choices that must not matter where the solution is unique.
 std::vector<std::pair<std::string, std::function<void(solver::Plan&)>>>
 choices(const solver::Plan& plan) {
@@ -134,8 +198,7 @@ Variation chosen(const std::string& what, const solver::Plan& plan, const solver
 Stability examine(Script& script, const solver::Discretisation& d, const Options& options) {
   Stability out;
   out.base = traced(*script.plan, d, true);
-  const double reciprocal = out.base.result.work.reciprocal_condition;
-  out.condition = reciprocal > 0 ? 1 / reciprocal : 0;
+  out.condition = out.base.result.forward_error.condition;
   try {
     out.theory = solver::check_hypotheses(*script.plan, d, false);
   } catch (const solver::Failure& failure) {
@@ -144,6 +207,10 @@ Stability examine(Script& script, const solver::Discretisation& d, const Options
   for (const ModelParam& param : script.model->params)
     if (auto moved = moved_parameter(script.path, options, param, out.base))
       out.variations.push_back(std::move(*moved));
+  for (auto& moved : moved_numbers(script.path, options, out.base))
+    out.variations.push_back(std::move(moved));
+  for (auto& moved : moved_meshes(*script.plan, d, out.base))
+    out.variations.push_back(std::move(moved));
   for (const auto& [what, change] : choices(*script.plan)) {
     solver::Plan other = *script.plan;
     change(other);
@@ -179,6 +246,10 @@ std::string verdict(const Stability& s) {
                              choice, answer)
                : "not guaranteed: several solutions may exist, though no other was found; " +
                      answer;
+  if (const double rounding = r.forward_error.worst(); rounding > solver::ForwardError::small)
+    return fmt::format("sensitive: every step has one solution, but rounding may have changed a "
+                       "printed number by {:.1e} of its size; {}",
+                       rounding, answer);
   if (moved > 1e-8 || choice > 1e-6)
     return fmt::format(
         "sensitive: every step has one solution, but {}, and the solver's choices by "
@@ -195,6 +266,11 @@ void print_report(const Stability& s) {
   };
   row("conditioning", s.condition > 0 ? fmt::format("about {:.1e} (the step's matrix)", s.condition)
                                       : std::string("not known (no factor of the whole matrix)"));
+  row("rounding",
+      fmt::format("changes the solution by about {:.1e}, the printed column most moved by {:.1e} of "
+                  "its size{}",
+                  r.forward_error.solution, r.forward_error.worst(),
+                  r.forward_error.refined ? "; steps refined in extended precision" : ""));
   if (s.theory)
     row("margins", fmt::format("step {:.6g} (ratio {:.6g}), split {:.6g}, against B {:.6g}",
                                s.theory->margins.step, 1 - s.theory->margins.step,
@@ -249,6 +325,7 @@ std::string report_json(const Stability& s, const Script& script) {
                     {"verdict", verdict(s)},
                     {"unique", r.unique},
                     {"condition", s.condition > 0 ? number(s.condition) : Json(nullptr)},
+                    {"forward_error", number(r.forward_error.worst())},
                     {"margins", s.theory ? Json{{"step", number(s.theory->margins.step)},
                                                 {"split", number(s.theory->margins.split)},
                                                 {"against_B", number(s.theory->margins.against_b)},

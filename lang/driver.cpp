@@ -72,7 +72,7 @@ std::optional<int> load_import(Script& script, const ast::Import& import,
 } // namespace
 
 void parse_script(Script& script) {
-  auto text = read_text(script.path);
+  auto text = script.text ? script.text : read_text(script.path);
   if (!text) {
     report(script, "E0601", Span{}, fmt::format("there is no file `{}`", script.path));
     return;
@@ -174,7 +174,7 @@ void add_failure(Script& script, const solver::Failure& failure) {
     code = "E0502";
     break;
   case K::not_certified:
-    code = "E0701";
+    code = dynamic_cast<const solver::TooInaccurate*>(&failure) != nullptr ? "E0706" : "E0701";
     break;
   case K::limit:
     code = "E0607";

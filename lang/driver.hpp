@@ -60,6 +60,7 @@ struct Options {
 /// A script on its way through the phases; each stage is kept, so that it can be dumped.
 struct Script {
   std::string path;
+  std::optional<std::string> text; ///< instead of what the file holds
   SourceMap sources;
   Diagnostics diagnostics;
   std::vector<ast::Program> programs; ///< [0] is the script, then its imports

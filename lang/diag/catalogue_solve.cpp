@@ -47,6 +47,17 @@ seconds (`--budget`), or look at what limits the order: a corner, a load with a 
 hvi-run slab.hvi --accuracy 1e-9)",
      R"(
 hvi-run slab.hvi --accuracy 1e-2)"},
+    {"E0706", "result is mostly rounding",
+     R"(
+Every step was solved, but numbers of 16 digits do not determine the answer: the data, the matrix or the
+steps differ from the exact ones by a unit in the last place, and that changes the solution or a printed
+column by more than a hundredth of its size. Such a run is not certified. Steps were repeated with residuals
+in extended precision before. Bodies a thousand times longer than thick, Poisson's ratios within 1e-7 of
+1/2 and stiffnesses many decades apart do this; a mesh of better shaped cells or a softer contrast helps.)",
+     R"(
+mesh beam = rectangle(100000, 1, cells = [8, 1]))",
+     R"(
+mesh beam = rectangle(100, 1, cells = [200, 2]))"},
     {"E0901", "internal error",
      R"(
 A mistake of this program, not of the script. Please report it with the script.)",

@@ -127,6 +127,10 @@ struct InequalityEngine {
   // ---- uniqueness (convexity.cpp)
   bool convex();
 
+  // ---- how a solution moves (tangent.cpp)
+  bool respond(const InequalityState& at_state, std::span<const Vector> r,
+               std::vector<Vector>& change_c, std::vector<Vector>& change_xi);
+
   // ---- what one solve leaves to the next (saved_solver.cpp)
   void save(std::ostream& out) const;
   void restore(std::istream& in);

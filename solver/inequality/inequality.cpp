@@ -251,6 +251,10 @@ InequalityReport InequalitySolver::solve_coupled(const Vector& r, InequalityStat
 }
 
 bool InequalitySolver::convex() { return impl_->convex(); }
+bool InequalitySolver::respond(const InequalityState& at_state, std::span<const Vector> r,
+                               std::vector<Vector>& change_c, std::vector<Vector>& change_xi) {
+  return impl_->respond(at_state, r, change_c, change_xi);
+}
 void InequalitySolver::save(std::ostream& out) const { impl_->save(out); }
 void InequalitySolver::restore(std::istream& in) { impl_->restore(in); }
 

@@ -129,6 +129,11 @@ public:
   /// the problem has one solution for every r. For a symmetric S, and a dense one of up to 1,500
   /// unknowns: its factor may be rounded beyond. Forgets the last factor.
   bool convex();
+  /// How the solution in `at_state` moves, to first order, when the right-hand side moves by each
+  /// r: change_c and change_xi. Every point keeps its place on its graph. False when S + H has no
+  /// factor there. Forgets the last factor.
+  bool respond(const InequalityState& at_state, std::span<const Vector> r,
+               std::vector<Vector>& change_c, std::vector<Vector>& change_xi);
   /// What one solve leaves to the next: a restored solver goes on with the same bits.
   void save(std::ostream& out) const;
   void restore(std::istream& in);

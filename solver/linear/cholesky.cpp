@@ -195,7 +195,7 @@ void Cholesky::check_pivots() {
   const auto* super = static_cast<const Long*>(l_->super);
   const auto* row_start = static_cast<const Long*>(l_->pi);
   const auto* value_start = static_cast<const Long*>(l_->px);
-  double least = std::numeric_limits<double>::infinity(), smallest = least, largest = 0.0;
+  double least = std::numeric_limits<double>::infinity();
   int where = -1;
   for (std::size_t s = 0; s < l_->nsuper; ++s) {
     const Long stride = row_start[s + 1] - row_start[s];
@@ -207,12 +207,10 @@ void Cholesky::check_pivots() {
         least = pivot;
         where = static_cast<int>(position);
       }
-      smallest = std::min(smallest, entry), largest = std::max(largest, entry);
       if (position < interior_) inverse_diagonal_[position] = 1.0 / entry;
     }
   }
   if (least < smallest_pivot) fail_at(where, least);
-  statistics_.reciprocal_condition = (smallest / largest) * (smallest / largest);
 }
 
 void Cholesky::fail_at(int position, double pivot) const {

@@ -21,7 +21,6 @@ struct FactorStatistics {
   double flops = 0;    ///< of one numeric factorisation
   double bytes = 0;    ///< held: the factor, what was made of it for sweeps, S
   double seconds_analyse = 0, seconds_factor = 0;
-  double reciprocal_condition = 0; ///< a cheap estimate
   int analyses = 0, factorisations = 0,
       sweeps = 0;         ///< work counters; a sweep reads the factor once
   double bytes_swept = 0; ///< that all sweeps had to read
@@ -71,6 +70,8 @@ public:
   static constexpr int most_at_once = 16;
   /// x = K^-1 b, both sweeps with S c = r solved exactly.
   virtual void solve(const Vector& b, Vector& x) = 0;
+  /// x = K^-T b.
+  virtual void solve_transposed(const Vector& b, Vector& x) { solve(b, x); }
   /// Chooses how the sweeps read this and later factors; false when it cannot be had (LU, or
   /// entries beyond the range of float), and then the storage is `full`. The rounded copy, one for
   /// `fine` and `single`, is made the first time and kept: changing to and fro costs nothing,

@@ -81,6 +81,7 @@ public:
   void resume(const Vector& kept) override { y_.head(interior_) = kept; }
   void extend(const Vector& c, Vector& x) override;
   void solve(const Vector& b, Vector& x) override;
+  void solve_transposed(const Vector& b, Vector& x) override;
   bool sweep_in(SweepStorage storage) override { return storage == SweepStorage::full; }
   const DenseMatrix& schur() const override { return schur_; }
   const DenseMatrix& schur_factor() const override { return no_factor_; }
@@ -263,6 +264,18 @@ void Lu::solve(const Vector& b, Vector& x) {
     upper22_.triangularView<Eigen::UnitUpper>().solveInPlace(reduced_);
   }
   back(reduced_, x);
+}
+
+/// U^T first, then L^T: the same two triangles the other way round.
+void Lu::solve_transposed(const Vector& b, Vector& x) {
+  if (!factored_) throw std::logic_error("solve before a successful factorisation");
+  for (int position = 0; position < size_; ++position) x_[position] = b[permutation_[position]];
+  upper_transposed_.forward(size_, x_.data());
+  lower_.backward(size_, x_.data());
+  x.resize(size_);
+  for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
+  statistics_.sweeps += 2;
+  statistics_.bytes_swept += upper_transposed_.bytes() + lower_.bytes();
 }
 
 } // namespace

@@ -34,22 +34,20 @@ public:
     const int n = contacts();
     int info = 0;
     if (n > 0) dpotrf_("L", &n, l_.data(), &n, &info);
-    double least = std::numeric_limits<double>::infinity(), small = least, large = 0.0;
+    double least = std::numeric_limits<double>::infinity();
     int where = -1;
-    const auto take = [&](int unknown, double pivot, double entry) {
+    const auto take = [&](int unknown, double pivot) {
       if (!(pivot > 0.0) || !std::isfinite(pivot)) pivot = 0.0;
       if (pivot < least) least = pivot, where = unknown;
-      small = std::min(small, std::abs(entry)), large = std::max(large, std::abs(entry));
     };
-    if (info > 0) take(info - 1, 0.0, 0.0);
+    if (info > 0) take(info - 1, 0.0);
     for (int i = 0; i < (info > 0 ? info - 1 : n); ++i)
-      take(i, l_(i, i) * l_(i, i) / s_(i, i), l_(i, i) * l_(i, i));
+      take(i, l_(i, i) * l_(i, i) / s_(i, i));
     for (Eigen::Index i = 0; i < diagonal_.size(); ++i)
-      take(contacts() + static_cast<int>(i), diagonal_[i] > 0.0 ? 1.0 : 0.0, diagonal_[i]);
+      take(contacts() + static_cast<int>(i), diagonal_[i] > 0.0 ? 1.0 : 0.0);
     if (info != 0 || least < smallest_pivot)
       throw NotFactorable(where, least,
                           "the matrix is not positive definite: the elimination breaks down");
-    statistics_.reciprocal_condition = small / large;
     statistics_.seconds_factor = cpu_seconds() - start;
     factored_ = true;
   }

@@ -71,6 +71,17 @@ void Snapshot::take(const Stepper& stepper, bool whole) {
   step_ = stepper.step();
 }
 
+void Snapshot::move(const ErrorSample& error, double step) {
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    if (!needed_[k]) continue;
+    const double factor = k == field_u      ? 1.0
+                          : k == field_rate ? error.rate
+                                            : error.memory[k - first_history_field];
+    fields_[k] += step * factor * error.u;
+  }
+  if (error.xi.size() == xi_.size()) xi_ += step * error.xi;
+}
+
 void Snapshot::interpolate(const Snapshot& a, const Snapshot& b, double theta) {
   // Nothing is known of u', memory and multipliers at the initial time: the first step's hold.
   const bool initial = a.step_ == 0;

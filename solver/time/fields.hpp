@@ -24,6 +24,8 @@ public:
   void take(const Stepper& stepper) { take(stepper, true); }
   /// Not `whole`: contact unknowns and observed dofs only, where states hold nothing else.
   void take(const Stepper& stepper, bool whole);
+  /// Adds `step` times the error to all fields and multipliers.
+  void move(const ErrorSample& error, double step);
   /// this = (1 - theta) a + theta b: the piecewise affine interpolant between grid times.
   void interpolate(const Snapshot& a, const Snapshot& b, double theta);
 

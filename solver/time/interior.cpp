@@ -196,6 +196,24 @@ void Interior::scatter_observed(const Vector& y, Vector& full) const {
   }
 }
 
+bool Interior::respond(std::span<const Vector> forces, StepMatrix& matrix, double gamma,
+                       const InequalityState& at, std::vector<Vector>& x,
+                       std::vector<Vector>& xi) {
+  std::vector<Vector> r(forces.size()), kept, c;
+  for (std::size_t k = 0; k < forces.size(); ++k) {
+    factor_->reduce(forces[k] / gamma, r[k]);
+    kept.push_back(factor_->kept());
+    r[k] *= gamma; // the step's problem is stated for the contact unknowns alone
+  }
+  if (!matrix.respond_there(r, at, c, xi)) return false;
+  x.resize(forces.size());
+  for (std::size_t k = 0; k < forces.size(); ++k) {
+    factor_->resume(kept[k]);
+    factor_->back(c[k], x[k]);
+  }
+  return true;
+}
+
 double Interior::equilibrium(const Vector& known, const Vector& change, const Vector& load,
                              const Vector& xi, double enough) {
   for (Vector* v : {&gap_, &scale_, &change_gap_, &work_}) v->resize(layout_.n_unknowns);

@@ -11,7 +11,8 @@
 // full field is one pair of sweeps away: T_II u_I = sum_k phi_k F_k,I - T_Ic c.
 #pragma once
 
-#include "solver/time/shared_work.hpp"
+#include "solver/linear/condition_estimate.hpp"
+#include "solver/time/step_matrix.hpp"
 #include "solver/time/state.hpp"
 
 #include <memory>
@@ -56,6 +57,14 @@ public:
   /// vector `scatter` will be asked for, which costs nothing then.
   std::vector<double> equilibria(std::span<const Question> steps, double enough,
                                  const Vector& next);
+  /// On all unknowns: T, the layout, the vector of y, and the condition of T.
+  const SparseMatrix& matrix_of_all() const { return t_; }
+  const StateLayout& layout() const { return layout_; }
+  void unknowns_of(const Vector& y, Vector& x) { expand(y, x); }
+  double condition() { return estimate_condition(t_, *factor_.operator->()); }
+  /// StepMatrix::respond with K = gamma T on all unknowns; `matrix` is that of the states.
+  bool respond(std::span<const Vector> forces, StepMatrix& matrix, double gamma,
+               const InequalityState& at, std::vector<Vector>& x, std::vector<Vector>& xi);
   static constexpr int most_steps = Factorisation::most_at_once - 1;
   SparseMatrix force; ///< G^T W on all unknowns
   FactorStatistics statistics() const { return factor_.statistics(); }

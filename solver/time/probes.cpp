@@ -94,6 +94,12 @@ void ProbeSet::evaluate(const Snapshot& snapshot, std::span<double> values) {
   combine(snapshot.t(), values);
 }
 
+void ProbeSet::evaluate_here(const Snapshot& snapshot, std::span<double> values) {
+  for (int i = 0; i < size(); ++i)
+    if (probes_[i].kind != Probe::Kind::combination) values[i] = value(i, snapshot);
+  combine(snapshot.t(), values);
+}
+
 /// A combination may read combinations that stand before it.
 void ProbeSet::combine(double t, std::span<double> values) const {
   for (int i = 0; i < size(); ++i) {

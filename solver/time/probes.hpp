@@ -19,6 +19,8 @@ public:
   /// Values at a snapshot into `values`; probes with a time of their own keep what stands there,
   /// combinations are formed from what then stands there.
   void evaluate(const Snapshot& snapshot, std::span<double> values);
+  /// All of them at this snapshot, those with a time of their own, too.
+  void evaluate_here(const Snapshot& snapshot, std::span<double> values);
   /// The probes with a time in (from, to] (`first`: [from, to]), by index.
   std::vector<int> timed(double from, double to, bool first) const;
   bool any_timed() const;

@@ -91,10 +91,11 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
   return {};
 }
 
-void live_on_contact(StateLayout& layout, Operators& operators, Contact& contact,
+bool live_on_contact(StateLayout& layout, Operators& operators, Contact& contact,
                      LoadAssembler& loads, Vector& u0) {
   // All states are unknowns here. The factor comes first: what follows cannot fail.
   auto factor = lend_factor(operators.shared, operators.bases[0], contact.unknowns, true);
+  if (rounding_growth(operators.bases[0], *factor.operator->()) > growth_to_refine) return false;
   const auto interior =
       std::make_shared<Interior>(operators.bases[0], std::move(factor), layout, contact.unknowns);
   loads.map([&](const Vector& f) { return interior->add_mode(f); });
@@ -132,6 +133,7 @@ void live_on_contact(StateLayout& layout, Operators& operators, Contact& contact
   layout.dof_of = std::move(dof_of);
   layout.entry_of = std::move(entry_of);
   layout.interior = interior;
+  return true;
 }
 
 std::vector<char> checked_steps(const Plan& plan, int steps) {

@@ -20,8 +20,9 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
 bool reads_interior(const Probe& probe, int n_fields);
 
 /// Rewrites layout, operators, contact and loads for y = [contact unknowns; modes] and u_0 to y_0.
-/// Throws Failure(not_coercive), and then nothing is changed.
-void live_on_contact(StateLayout& layout, Operators& operators, Contact& contact,
+/// False where the matrix is so ill-conditioned that steps are to be refined on all unknowns, and
+/// then nothing is changed. Throws Failure(not_coercive), and then nothing is changed either.
+bool live_on_contact(StateLayout& layout, Operators& operators, Contact& contact,
                      LoadAssembler& loads, Vector& u0);
 
 /// Steps, drawn at random, at which the equilibrium of all rows is computed in any case: with the

@@ -29,7 +29,7 @@ bool shows_events(const RunResult& result) {
 
 Reporter::Reporter(const Plan& plan, const Discretisation& d, const Stepper& stepper,
                    const RunSettings& settings)
-    : plan_(plan), contact_(stepper.contact()), folder_(settings.output_folder),
+    : plan_(plan), space_(d.space), contact_(stepper.contact()), folder_(settings.output_folder),
       writes_(!settings.output_folder.empty()), probes_(plan, d, stepper),
       range_(plan.law_terms.size()), found_(found_effects(plan, d, stepper)) {
   prepare_tables(settings.name);

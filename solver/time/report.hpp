@@ -25,6 +25,9 @@ public:
   void record(const Stepper& stepper, bool last);
   /// Notes the events of a step: the next row counts those since the last one.
   void mark(const StepResult& outcome);
+  /// What these errors make of the columns, to first order at the last state u (all dofs); `scale`: the largest
+  /// |u| of the run. After `record` of the last step.
+  std::vector<ColumnError> errors(std::span<const ErrorSample> samples, const Vector& u, double scale);
   /// Writes what is kept in memory so far (tables); also after a failure.
   void finish(RunResult& result);
 
@@ -42,10 +45,12 @@ private:
   void prepare_fields(const Discretisation& discretisation, const Stepper& stepper,
                       const std::string& name);
   void timed_probes(const Stepper& stepper);
+  std::vector<double> change_along(const ErrorSample& direction, double step);
   void write_table(const TableFile& table, bool with_events);
   bool due(int every, int step, bool last) const { return last || step % every == 0; }
 
   const Plan& plan_;
+  const Space& space_;
   const Contact& contact_;
   std::filesystem::path folder_;
   bool writes_;

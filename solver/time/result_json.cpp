@@ -47,6 +47,19 @@ Json certificate(const Certificate& c) {
           {"equilibrium_step", c.equilibrium_step}};
 }
 
+/// What rounding may have done to the columns; null: infinite.
+Json forward_error(const ForwardError& error) {
+  Json columns = Json::object();
+  for (const auto& column : error.columns)
+    columns[column.name] = {{"absolute", number(column.absolute)},
+                            {"relative", number(column.relative)}};
+  return {{"solution", number(error.solution)},
+          {"columns", columns},
+          {"amplification", number(error.amplification)},
+          {"condition", error.condition > 0.0 ? number(error.condition) : Json(nullptr)},
+          {"refined", error.refined}};
+}
+
 /// Phases, what a step takes of them, and the least the sweeps could take: reading their factors.
 Json timing(const RunResult& result, double bandwidth) {
   const Timing& t = result.timing;
@@ -157,6 +170,7 @@ std::string result_json(const RunResult& result, const Plan& plan, const ResultC
            {"final", final},
            {"table", table(result)},
            {"certificate", certificate(result.certificate)},
+           {"forward_error", forward_error(result.forward_error)},
            {"timing", timing(result, context.bandwidth)},
            {"plan", what_was_done(result, plan, context)},
            {"uniqueness", result.unique ? "guaranteed" : "not guaranteed"},

@@ -32,6 +32,13 @@
 namespace hvi::solver {
 namespace {
 
+/// Random changes of the data that the forward error is estimated with.
+constexpr int error_samples = 2;
+/// The condition number of a problem that takes less memory costs next to nothing.
+constexpr double cheap_bytes = 1e6;
+/// A work identity that is off by more shows that the steps do not add up.
+constexpr double largest_imbalance = 1e-6;
+
 /// Worst numbers over the steps, and the notes.
 void note(const StepResult& step, int n, double t, const Plan& plan, RunResult& result) {
   auto& certificate = result.certificate;
@@ -205,6 +212,7 @@ public:
     result_.steps = stepper_.step();
     result_.u = Vector::Zero(stepper_.layout().n_dofs);
     stepper_.layout().scatter(stepper_.u(), result_.u);
+    if (stepper_.step() > 0) estimate_forward_error();
     const Spared now = spared();
     result_.timing.assembly += now.seconds_assembly - spared_.seconds_assembly;
     result_.timing.total =
@@ -252,6 +260,24 @@ private:
     Vector full = Vector::Zero(stepper_.layout().n_dofs);
     stepper_.layout().scatter(stepper_.u(), full);
     settings_.on_step(told_, stepper_.t(), full, stepper_.xi());
+  }
+
+  /// What rounding may have done to the columns.
+  void estimate_forward_error() {
+    const PhaseClock clock(result_.timing.output);
+    auto& error = result_.forward_error;
+    const auto samples = stepper_.rounding_errors(error_samples, result_.certificate.equilibrium);
+    const double size = stepper_.largest_size();
+    double square = 0.0;
+    for (const auto& sample : samples)
+      square = std::max(square, sample.u.lpNorm<Eigen::Infinity>());
+    error.solution = size > 0.0 ? 3.0 * square / size : 0.0;
+    error.solution = std::max(error.solution, stepper_.last_correction());
+    error.refined = stepper_.refines();
+    error.amplification = stepper_.amplification();
+    error.columns = reporter_.errors(samples, result_.u, size);
+    if (settings_.condition || error.refined || result_.work.bytes < cheap_bytes)
+      error.condition = stepper_.condition();
   }
 
   /// Where several solutions are possible: that it is so, which branch this is, and its energy.
@@ -375,6 +401,35 @@ private:
   std::array<int, 6> grown_before_{};
 };
 
+/// A result that is mostly rounding is none.
+void refuse_rounding(const RunResult& result, const Plan& plan) {
+  const auto& error = result.forward_error;
+  const std::string condition =
+      error.condition > 0.0
+          ? fmt::format(" (the step's matrix has the condition number {:.1e}; steps {} refined in "
+                        "extended precision)",
+                        error.condition, error.refined ? "were" : "were not")
+          : std::string();
+  const char* const help = "fewer, better shaped cells, or units and stiffnesses closer to each "
+                           "other, make the matrix better conditioned";
+  if (const double worst = error.worst(); worst > ForwardError::largest) {
+    std::string what = "the solution";
+    for (const auto& column : error.columns)
+      if (!(column.relative < worst)) what = "`" + column.name + "`";
+    throw TooInaccurate(FailureKind::not_certified, plan.space.origin,
+                        fmt::format("rounding may have changed {} by {:.1e} of its size; a run is "
+                                    "certified up to {:.0e}{}",
+                                    what, worst, ForwardError::largest, condition),
+                        help);
+  }
+  if (result.monitors && !(result.monitors->balance_error <= largest_imbalance))
+    throw TooInaccurate(FailureKind::not_certified, plan.space.origin,
+                        fmt::format("the work of the loads and the energies differ by {:.1e} of "
+                                    "their size; a run is certified up to {:.0e}{}",
+                                    result.monitors->balance_error, largest_imbalance, condition),
+                        help);
+}
+
 RunResult run_once(const Plan& plan, const Discretisation& discretisation,
                    const RunSettings& settings, const Restarts& restarts, const std::string* saved,
                    RunResult* partial) {
@@ -397,7 +452,15 @@ RunResult run_once(const Plan& plan, const Discretisation& discretisation,
     }
     throw;
   }
-  return run.conclude();
+  auto result = run.conclude();
+  try {
+    refuse_rounding(result, plan);
+  } catch (const TooInaccurate&) {
+    result.certificate.certified = false;
+    if (partial != nullptr) *partial = std::move(result);
+    throw;
+  }
+  return result;
 }
 
 /// The state to go on from, where one was asked for and is there.

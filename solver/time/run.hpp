@@ -45,6 +45,34 @@ struct Certificate {
   int inclusion_step = 0, equilibrium_step = 0; ///< where each was worst
 };
 
+/// What rounding, of the assembly too, may have done to a printed column: an estimate, three times
+/// the root mean square of samples (step_rounding.cpp).
+struct ColumnError {
+  std::string name;
+  double absolute = 0.0;
+  /// By the column's largest value, and by what a translation or a strain of the solution's own
+  /// size makes of it: a column that is zero by symmetry is not judged by itself.
+  double relative = 0.0;
+};
+
+struct ForwardError {
+  std::vector<ColumnError> columns; ///< in the order of the probes
+  double solution = 0.0;            ///< of u at the nodes, by its largest value
+  double amplification = 1.0;       ///< of the errors of one step by the steps together
+  double condition = 0.0;           ///< of the last step's matrix, in the 1-norm; 0: not asked for
+  bool refined = false;             ///< steps were refined with residuals in extended precision
+  double worst() const;             ///< the largest relative one; NaN counts as infinite
+  /// Beyond this a run is not certified.
+  static constexpr double largest = 1e-2;
+  /// Beyond this a run says so.
+  static constexpr double small = 1e-6;
+};
+
+/// A run whose result is mostly rounding.
+struct TooInaccurate : Failure {
+  using Failure::Failure;
+};
+
 /// Seconds of CPU time by phase.
 struct Timing {
   double mesh = 0, assembly = 0, ordering = 0, factor = 0, history = 0, sweeps = 0, inequality = 0,
@@ -58,7 +86,6 @@ struct WorkCounters {
       history_fields = 0, fallback_steps = 0;
   std::int64_t field_reads = 0; ///< of stored history fields
   double bytes = 0;
-  double reciprocal_condition = 0; ///< of the step's matrix, estimated; 0: not known
 };
 
 struct StepNote {
@@ -86,6 +113,7 @@ struct RunResult {
   std::vector<std::string> column_order;
   std::map<std::string, double> final; ///< every probe at the last step (or its time)
   Certificate certificate;
+  ForwardError forward_error;
   Timing timing;
   WorkCounters work;
   std::vector<HistoryReport> histories;
@@ -115,6 +143,7 @@ struct RunSettings {
   /// 0: never. `resume`: goes on from that file when it is there, with the same bits.
   int checkpoint_every = 0;
   bool resume = false;
+  bool condition = false; ///< always fill ForwardError::condition, else where it costs next to nothing
   bool monitors = false; ///< fill RunResult::monitors and write <name>_monitors.csv
 };
 

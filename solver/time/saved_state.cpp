@@ -113,6 +113,10 @@ void Stepper::save(std::ostream& out) const {
   }
   w.put(std::array<int, 2>{shortened, never_shortened_ ? 1 : 0});
   sweeps_.save(out);
+  w.put(std::array<int, 2>{refines_ ? 1 : 0, largest_.step});
+  w.put(std::array<double, 2>{last_correction_, largest_.size});
+  w.put(static_cast<std::uint64_t>(largest_.on_base.size()));
+  for (const Vector& v : largest_.on_base) put_vector(w, v);
 }
 
 /// The run was made for another end: its histories go on as they are, if that can be.
@@ -165,6 +169,12 @@ void Stepper::restore(std::istream& in) {
   }
   never_shortened_ = shortened[1] != 0;
   sweeps_.restore(in);
+  const auto rounding = r.get<std::array<int, 2>>();
+  const auto sizes = r.get<std::array<double, 2>>();
+  refines_ = rounding[0] != 0, largest_.step = rounding[1];
+  last_correction_ = sizes[0], largest_.size = sizes[1];
+  largest_.on_base.resize(r.get<std::uint64_t>());
+  for (Vector& v : largest_.on_base) get_vector(r, v);
 }
 
 void FieldFiles::save(std::ostream& out) const {

@@ -184,6 +184,7 @@ StepMatrix& Stepper::matrix_for(int n) {
   entry.rate = rate;
   entry.length = grid_.length(n);
   factor_or_explain(*entry.matrix, coefficients(n), plan_, discretisation_, layout_);
+  look_at_conditioning(*entry.matrix);
   return *entry.matrix;
 }
 
@@ -239,7 +240,7 @@ bool Stepper::same_problem(int n, const StepMatrix& matrix) const {
 
 /// After an accepted step.
 void Stepper::learn(int n, StepMatrix& matrix, const StepResult& result) {
-  if (grid_.is_static()) return predictor_.clear();
+  if (grid_.is_static() || refines_) return predictor_.clear();
   // Nothing is smooth across a jump.
   if (result.snap || result.inequality.events > 0) return predictor_.clear();
   if (!same_problem(n, matrix)) predictor_.clear();
@@ -379,6 +380,7 @@ StepResult Stepper::attempt(int n, StepMatrix& matrix) {
   if (!contact_.none()) prepare(contact_, plan_, grid_.t(n), known_, inequality_.xi);
   auto out = correct(n, matrix, false);
   if (contact_.coupled) couple_bounds(n, matrix, out);
+  if (refines_) refine(n, matrix, out);
   corrections_ += out.corrections;
   newton_ += out.inequality.iterations;
   fallbacks_ += out.inequality.used_fallback ? 1 : 0;
@@ -432,6 +434,7 @@ void Stepper::accept(int n) {
   u_.swap(known_);
   accepted_ = inequality_;
   step_ = n;
+  note_size();
 }
 
 } // namespace hvi::solver

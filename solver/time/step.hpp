@@ -5,6 +5,7 @@
 #include "solver/time/interior.hpp"
 #include "solver/time/memory.hpp"
 #include "solver/time/predictor.hpp"
+#include "solver/time/rounding.hpp"
 #include "solver/time/step_matrix.hpp"
 #include "solver/time/time_grid.hpp"
 
@@ -75,6 +76,20 @@ public:
   /// Why not every step is sure to have one solution; empty: each has (uniqueness.hpp). Found at
   /// the first step, for all of them.
   const std::string& not_unique() const { return not_unique_; }
+  /// Samples of the error that rounding may have left in the state, each for a random change of
+  /// the matrices and loads by a unit in the last place; `backward_error`: of the steps so far. To
+  /// be asked after the last step.
+  std::vector<ErrorSample> rounding_errors(int count, double backward_error);
+  /// The condition number of the last step's matrix in the 1-norm, estimated; 0: not known.
+  double condition();
+  /// By what an error of every step's equation grows over the steps together (step_rounding.cpp).
+  double amplification() const;
+  /// The largest |u| that was seen, to a quarter.
+  double largest_size() const { return largest_.size; }
+  /// Is every step refined with residuals in extended precision?
+  bool refines() const { return refines_; }
+  /// The largest relative size of a step's last correction, where steps are refined.
+  double last_correction() const { return last_correction_; }
   int unknowns() const { return n_unknowns_; } ///< of the problem, whatever a state holds
   /// Why states hold all unknowns; empty: they hold the contact unknowns (reduce.hpp).
   const std::string& obstacle() const { return obstacle_; }
@@ -113,6 +128,12 @@ private:
   void couple_bounds(int n, StepMatrix& matrix, StepResult& out);
   bool bounds_agree(int n);
   void accept(int n);
+  void note_size();
+  std::vector<double> memory_of_one() const;
+  std::vector<Vector> rounding_forces(int count, double backward_error);
+  void look_at_conditioning(StepMatrix& matrix);
+  double precise_gap(int n, const std::vector<Vector>& known, const Vector& d);
+  void refine(int n, StepMatrix& matrix, StepResult& out);
 
   const Plan& plan_;
   const Discretisation& discretisation_;
@@ -146,6 +167,16 @@ private:
   /// The base matrices once more for products, in half the memory; empty: not used.
   std::vector<SymmetricBlocks> halves_;
   Vector kd_; ///< K d of the last residual, K the factored matrix
+
+  /// The state of the largest size so far: what acted on each base matrix then.
+  struct Largest {
+    double size = 0.0;
+    int step = 0;
+    std::vector<Vector> on_base;
+  };
+  Largest largest_;
+  bool refines_ = false;
+  double last_correction_ = 0.0;
 
   int step_ = 0;
   std::string not_unique_;

@@ -9,7 +9,10 @@ void Stepper::reduce_if_possible() {
   obstacle_ = proportional_obstacle(plan_, operators_, contact_, *loads_, layout_);
   if (!obstacle_.empty()) return;
   try {
-    live_on_contact(layout_, operators_, contact_, *loads_, u_);
+    if (!live_on_contact(layout_, operators_, contact_, *loads_, u_)) {
+      obstacle_ = "its matrix is ill-conditioned, and steps are refined on all unknowns";
+      return;
+    }
   } catch (const NotFactorable&) { // the first step will say which motion is free
     obstacle_ = "its matrix has no factor";
     return;

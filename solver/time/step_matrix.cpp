@@ -1,6 +1,7 @@
 // The matrix of a step with its factor, condensed to the contact unknowns; see step_matrix.hpp.
 #include "solver/time/step_matrix.hpp"
 
+#include "solver/linear/condition_estimate.hpp"
 #include "solver/linear/separate.hpp"
 #include "solver/time/clock.hpp"
 
@@ -122,6 +123,35 @@ InequalityReport StepMatrix::correct(const Vector& gap, const Vector* rhs, Inequ
     back_ = limits_.forward;
   }
   return report;
+}
+
+double StepMatrix::condition() {
+  if (factorisation_) return estimate_condition(k_, *factorisation_.operator->());
+  const auto factor = analyse(k_, {}, operators_.symmetric);
+  factor->factor(k_);
+  return estimate_condition(k_, *factor);
+}
+
+bool StepMatrix::respond(std::span<const Vector> forces, const InequalityState& at,
+                         std::vector<Vector>& x, std::vector<Vector>& xi) {
+  x.resize(forces.size());
+  if (contact_.whole) return solver_->respond(at, forces, x, xi);
+  factorisation_->sweep_in(SweepStorage::full);
+  if (contact_.none()) {
+    for (std::size_t k = 0; k < forces.size(); ++k) factorisation_->solve(forces[k], x[k]);
+    return true;
+  }
+  std::vector<Vector> r(forces.size()), kept, c;
+  for (std::size_t k = 0; k < forces.size(); ++k) {
+    factorisation_->reduce(forces[k], r[k]);
+    kept.push_back(factorisation_->kept());
+  }
+  if (!solver_->respond(at, r, c, xi)) return false;
+  for (std::size_t k = 0; k < forces.size(); ++k) {
+    factorisation_->resume(kept[k]);
+    factorisation_->back(c[k], x[k]);
+  }
+  return true;
 }
 
 double StepMatrix::bytes() const {

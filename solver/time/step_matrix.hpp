@@ -6,6 +6,7 @@
 #include "solver/linear/symmetric_blocks.hpp"
 #include "solver/time/contact.hpp"
 #include "solver/time/operators.hpp"
+#include "solver/time/rounding.hpp"
 #include "solver/time/shared_work.hpp"
 #include "solver/time/sweep_choice.hpp"
 
@@ -68,6 +69,23 @@ public:
   void halve(std::span<const SymmetricBlocks> bases) {
     if (half_.empty()) half_ = SymmetricBlocks::sum(bases, gamma_);
     if (half_.empty()) half_ = SymmetricBlocks(k_);
+  }
+
+  /// rounding_growth of K; 0 where there is no factor of it.
+  double growth() {
+    return factorisation_ ? rounding_growth(k_, *factorisation_.operator->()) : 0.0;
+  }
+  /// The condition number of K, estimated; factors K where there is no factor of it.
+  double condition();
+  /// x = how the unknowns move, to first order, under each force, with the multipliers' change xi:
+  /// (K + G^T W D G) x = force. `at`: a solution of the laws' problem, with c = 0 at the state that
+  /// the laws were prepared for. False where that matrix has no factor.
+  bool respond(std::span<const Vector> forces, const InequalityState& at, std::vector<Vector>& x,
+               std::vector<Vector>& xi);
+  /// The same of forces that are condensed to the contact unknowns.
+  bool respond_there(std::span<const Vector> r, const InequalityState& at, std::vector<Vector>& c,
+                     std::vector<Vector>& xi) {
+    return solver_->respond(at, r, c, xi);
   }
 
   FactorStatistics statistics() const;

@@ -63,7 +63,6 @@ void Stepper::account(WorkCounters& work, Timing& timing) const {
     work.bytes += cached.matrix->bytes();
     const auto statistics = cached.matrix->statistics();
     charge(statistics);
-    work.reciprocal_condition = statistics.reciprocal_condition;
     timing.inequality += cached.matrix->seconds_inequality;
     timing.sweeps += cached.matrix->seconds_sweeps;
   }

@@ -1,0 +1,60 @@
+// Random changes of the data by a unit in the last place; see rounding.hpp.
+#include "solver/time/rounding.hpp"
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace hvi::solver {
+namespace {
+
+/// The finaliser of the generator SplitMix64: every bit of the result depends on every one of x.
+/// G. L. Steele, D. Lea, C. H. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014.
+std::uint64_t mixed(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
+  return x ^ (x >> 31);
+}
+
+/// Sizes that agree to about nine digits share it: sums in another order differ in the last ones.
+std::uint64_t rough_size(double value) {
+  constexpr int dropped = 22;
+  return (std::bit_cast<std::uint64_t>(std::abs(value)) + (1ULL << (dropped - 1))) >> dropped;
+}
+
+} // namespace
+
+double random_unit(std::uint64_t of, std::uint64_t sample) {
+  constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
+  const std::uint64_t bits = mixed(mixed(of + golden) + (sample + 1) * golden);
+  return static_cast<double>(static_cast<std::int64_t>(bits)) * 0x1p-63;
+}
+
+void add_rounding(const SparseMatrix& a, const Vector& v, double unit, std::uint64_t sample,
+                  Vector& force, Vector& size) {
+  for (int i = 0; i < a.rows(); ++i) {
+    double sum = 0.0, all = 0.0;
+    for (SparseMatrix::InnerIterator it(a, i); it; ++it) {
+      const double term = it.value() * v[it.col()];
+      sum += random_unit(rough_size(it.value()), sample) * term;
+      all += std::abs(term);
+    }
+    force[i] += unit * sum;
+    size[i] += all;
+  }
+}
+
+double rounding_growth(const SparseMatrix& k, Factorisation& factor) {
+  Vector b(k.rows()), x;
+  for (int i = 0; i < k.rows(); ++i) {
+    double sum = 0.0;
+    for (SparseMatrix::InnerIterator it(k, i); it; ++it) sum += std::abs(it.value());
+    b[i] = random_unit(static_cast<std::uint64_t>(i), 0) < 0.0 ? -sum : sum;
+  }
+  factor.solve(b, x);
+  const double growth = std::numeric_limits<double>::epsilon() * x.lpNorm<Eigen::Infinity>() *
+                        std::sqrt(static_cast<double>(k.rows()));
+  return std::isfinite(growth) ? growth : std::numeric_limits<double>::infinity();
+}
+
+} // namespace hvi::solver

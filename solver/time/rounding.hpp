@@ -1,0 +1,36 @@
+// What rounding does to a result: random changes of the data by a unit in the last place.
+#pragma once
+
+#include "solver/linear/factorisation.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace hvi::solver {
+
+/// One sample of the error of a state.
+struct ErrorSample {
+  Vector u;                   ///< on all dofs
+  Vector xi;                  ///< a row for each multiplier
+  double rate = 0.0;          ///< the error of u' is so much times u
+  std::vector<double> memory; ///< that of w_m so much times u
+};
+
+/// A number in [-1, 1] that depends on the two only.
+double random_unit(std::uint64_t of, std::uint64_t sample);
+
+/// force_i += sum_j e_ij A_ij v_j, where e_ij in [-unit, unit] is random, but the same for entries
+/// of equal size: elements of equal shape are assembled with equal rounding, and their errors add
+/// up. size_i += sum_j |A_ij v_j|.
+void add_rounding(const SparseMatrix& a, const Vector& v, double unit, std::uint64_t sample,
+                  Vector& force, Vector& size);
+
+/// max_i |K^-1 s|_i with s_i = +-(eps sum_j |K_ij|), times the square root of the size: about
+/// eps times the condition number in the 2-norm, for one pair of sweeps.
+double rounding_growth(const SparseMatrix& k, Factorisation& factor);
+
+/// From this growth on a run refines every step with residuals in extended precision.
+inline constexpr double growth_to_refine = 1e-6;
+
+} // namespace hvi::solver

@@ -1,0 +1,156 @@
+// How far rounding may have moved the state of a run; see step.hpp. Asked for once, after the last
+// step.
+//
+// The exact assembly differs from ours by dT_b, dT_ij = e_ij T_ij, and what a step leaves of its
+// equation is r. To first order the state's error e obeys the equation of the run itself,
+//
+//   A e' + B e + sum_m E_m (R_m e) + H e = r - sum_b dT_b v_b,    v_b: all that acts on T_b,
+//
+// with H the slopes of the laws. The right-hand side is the same in all steps but for the size of
+// the load, so e is at most what the largest one makes of the whole time as one step,
+//
+//   e = amplification (K + H)^-1 (r - sum_b dT_b v_b),
+//
+// with K of the last step and amplification = max_b gamma_b / gamma_b(one step of the whole time),
+// gamma_b the coefficients of the base matrices: it relaxes what the single steps add up. The
+// number of steps bounds it, and is taken where a law softens.
+//
+// C. S. Kenney, A. J. Laub, M. S. Reese, Statistical condition estimation for linear systems, SIAM
+// J. Sci. Comput. 19 (1998) 566-583: a few random e_ij show the size of every entry of e.
+#include "solver/linear/condition_estimate.hpp"
+#include "solver/time/interior.hpp"
+#include "solver/time/rounding.hpp"
+#include "solver/time/step.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hvi::solver {
+namespace {
+
+constexpr double unit = std::numeric_limits<double>::epsilon();
+/// A state is kept as the largest when it is so much larger than the last one that was.
+constexpr double clearly_larger = 1.25;
+
+} // namespace
+
+/// Keeps what acts on each base matrix while the state is the largest so far.
+void Stepper::note_size() {
+  const double size = u_.lpNorm<Eigen::Infinity>();
+  if (!(size > clearly_larger * largest_.size)) return;
+  largest_.size = size;
+  largest_.step = step_;
+  largest_.on_base.resize(operators_.bases.size());
+  for (int b = 0; b < operators_.n_bases(); ++b) {
+    const auto weight = operators_.weights.col(b);
+    Vector& sum = largest_.on_base[static_cast<std::size_t>(b)];
+    sum = weight[field_u] * u_;
+    if (weight[field_rate] != 0.0 && !grid_.is_static()) {
+      rate(combined_);
+      sum += weight[field_rate] * combined_;
+    }
+    for (int m = 0; m < memory_->size(); ++m)
+      if (const double w = weight[first_history_field + m]; w != 0.0)
+        sum += w * (memory_->known(m) + memory_->w0(m) * u_);
+  }
+}
+
+/// int q_m(t_n, s) ds over the whole time, by memory.
+std::vector<double> Stepper::memory_of_one() const {
+  std::vector<double> out;
+  for (const auto& history : plan_.histories)
+    out.push_back(grid_.is_static() ? 0.0
+                                    : interval_integral(history.kernel.expression, t(), 0.0,
+                                                        t() - grid_.t(0), 0));
+  return out;
+}
+
+double Stepper::amplification() const {
+  if (grid_.is_static() || step_ == 0) return 1.0;
+  const double steps = step_;
+  if (std::any_of(contact_.softening.begin(), contact_.softening.end(),
+                  [](double m) { return m > 0.0; }))
+    return steps;
+  const Vector now = coefficients(step_);
+  Vector by_field = Vector::Zero(operators_.n_fields());
+  by_field[field_u] = 1.0;
+  by_field[field_rate] = 1.0 / (t() - grid_.t(0));
+  const auto memory = memory_of_one();
+  for (std::size_t m = 0; m < memory.size(); ++m)
+    by_field[first_history_field + static_cast<int>(m)] = memory[m];
+  const Vector whole = operators_.weights.transpose() * by_field;
+  double most = 1.0;
+  for (Eigen::Index b = 0; b < now.size(); ++b)
+    if (now[b] != 0.0) {
+      const double ratio = now[b] / whole[b];
+      most = ratio > 0.0 ? std::max(most, ratio) : steps; // NaN: both are zero
+    }
+  return std::min(most, steps);
+}
+
+/// Forces of random rounding, on the unknowns; `backward_error`: what steps left of their equation.
+std::vector<Vector> Stepper::rounding_forces(int count, double backward_error) {
+  std::vector<Vector> out(static_cast<std::size_t>(count));
+  Vector state, size;
+  add_load(largest_.step);
+  for (int s = 0; s < count; ++s) {
+    const auto sample = static_cast<std::uint64_t>(s);
+    Vector& force = out[sample];
+    const bool inside = layout_.interior != nullptr;
+    const auto n = inside ? layout_.interior->matrix_of_all().rows() : Eigen::Index{n_unknowns_};
+    force.setZero(n), size.setZero(n);
+    for (int b = 0; b < operators_.n_bases(); ++b) {
+      const Vector& acting = largest_.on_base[static_cast<std::size_t>(b)];
+      if (inside && s == 0) layout_.interior->unknowns_of(acting, state);
+      add_rounding(inside ? layout_.interior->matrix_of_all() : operators_.bases[b],
+                   inside ? state : acting, unit, sample, force, size);
+    }
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double load = inside ? 0.0 : std::abs(rhs_[i]);
+      force[i] += (unit * load + backward_error * (size[i] + load)) *
+                  random_unit(static_cast<std::uint64_t>(i), sample + 100);
+    }
+  }
+  return out;
+}
+
+std::vector<ErrorSample> Stepper::rounding_errors(int count, double backward_error) {
+  if (step_ == 0 || largest_.step == 0 || matrices_.empty()) return {};
+  auto& matrix = *matrices_.front().matrix;
+  const auto forces = rounding_forces(count, backward_error);
+  InequalityState at = accepted_;
+  at.c.setZero();
+  if (!contact_.none()) prepare(contact_, plan_, grid_.t(step_), u_, accepted_.xi);
+  std::vector<Vector> x, xi;
+  const bool found = layout_.interior
+                         ? layout_.interior->respond(forces, matrix, coefficients(step_)[0], at, x, xi)
+                         : matrix.respond(forces, at, x, xi);
+  std::vector<ErrorSample> out;
+  const double grown = amplification();
+  const auto memory = memory_of_one();
+  const StateLayout& layout = layout_.interior ? layout_.interior->layout() : layout_;
+  Vector state = Vector::Zero(layout.n_state);
+  for (int s = 0; s < count; ++s) {
+    ErrorSample sample;
+    sample.u = Vector::Zero(layout.n_dofs);
+    if (found) {
+      state.head(layout.n_unknowns) = grown * x[static_cast<std::size_t>(s)];
+      layout.scatter(state, sample.u);
+      if (!contact_.none()) sample.xi = grown * xi[static_cast<std::size_t>(s)];
+    } else { // the tangent has no factor: nothing is known
+      sample.u.setConstant(std::numeric_limits<double>::infinity());
+    }
+    sample.rate = grid_.is_static() ? 0.0 : grid_.rate(step_) / grown;
+    sample.memory = memory;
+    out.push_back(std::move(sample));
+  }
+  return out;
+}
+
+double Stepper::condition() {
+  if (layout_.interior) return layout_.interior->condition();
+  return matrices_.empty() ? 0.0 : matrices_.front().matrix->condition();
+}
+
+} // namespace hvi::solver
