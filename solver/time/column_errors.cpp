@@ -69,17 +69,15 @@ std::vector<ErrorSample> reference_motions(const Space& space, const ErrorSample
 
 } // namespace
 
-/// d(column) / d(step) of all probes along the direction, by a central difference.
+/// d(column) / d(step) of all probes along the direction, by a difference quotient.
 std::vector<double> Reporter::change_along(const ErrorSample& direction, double step) {
-  std::vector<double> plus(values_.size()), minus(values_.size());
+  std::vector<double> moved(values_.size()), here = values_;
   between_ = now_;
+  if (probes_.any_timed()) probes_.evaluate_here(between_, here);
   between_.move(direction, step);
-  probes_.evaluate_here(between_, plus);
-  between_ = now_;
-  between_.move(direction, -step);
-  probes_.evaluate_here(between_, minus);
-  for (std::size_t i = 0; i < plus.size(); ++i) plus[i] = (plus[i] - minus[i]) / (2.0 * step);
-  return plus;
+  probes_.evaluate_here(between_, moved);
+  for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = (moved[i] - here[i]) / step;
+  return moved;
 }
 
 std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples,
@@ -96,18 +94,25 @@ std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples,
     const auto change = change_along(sample, step_of(sample));
     for (std::size_t i = 0; i < change.size(); ++i) squares[i] += change[i] * change[i] / count;
   }
-  const double xi = now_.xi().size() > 0 ? now_.xi().lpNorm<Eigen::Infinity>() : 0.0;
-  for (const auto& motion : reference_motions(space_, samples.front(), u, scale, xi)) {
-    const auto change = change_along(motion, small_step);
-    for (std::size_t i = 0; i < change.size(); ++i) floors[i] += std::abs(change[i]);
+  bool small = true;
+  std::vector<double> largest(values_.size());
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    largest[i] = std::abs(values_[i]);
+    for (const double value : columns_[i]) largest[i] = std::max(largest[i], std::abs(value));
+    out[i].name = plan_.report.probes[i].name;
+    out[i].absolute = safety * std::sqrt(squares[i]) +
+                      std::numeric_limits<double>::epsilon() * largest[i];
+    small = small && out[i].absolute <= ForwardError::small * largest[i];
+  }
+  if (!small) { // a column may be zero by symmetry
+    const double xi = now_.xi().size() > 0 ? now_.xi().lpNorm<Eigen::Infinity>() : 0.0;
+    for (const auto& motion : reference_motions(space_, samples.front(), u, scale, xi)) {
+      const auto change = change_along(motion, small_step);
+      for (std::size_t i = 0; i < change.size(); ++i) floors[i] += std::abs(change[i]);
+    }
   }
   for (std::size_t i = 0; i < values_.size(); ++i) {
-    double largest = std::abs(values_[i]);
-    for (const double value : columns_[i]) largest = std::max(largest, std::abs(value));
-    const double rounding = std::numeric_limits<double>::epsilon() * largest;
-    out[i].name = plan_.report.probes[i].name;
-    out[i].absolute = safety * std::sqrt(squares[i]) + rounding;
-    const double by = std::max(largest, floors[i]);
+    const double by = std::max(largest[i], floors[i]);
     out[i].relative = by > 0.0 ? out[i].absolute / by : 0.0;
   }
   return out;

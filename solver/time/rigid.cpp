@@ -95,7 +95,8 @@ void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const Plan& plan
                               "(relative pivot {:.3g})",
                               place, failure.pivot),
                   "check the signs of the forms, that every part of the body has a stiffness, and "
-                  "that each piece of the mesh is held");
+                  "that each piece of the mesh is held; a body much longer than thick, nearly "
+                  "incompressible or of very unequal stiffnesses can be lost in rounding, too");
   }
 }
 

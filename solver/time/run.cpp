@@ -35,7 +35,7 @@ namespace {
 /// Random changes of the data that the forward error is estimated with.
 constexpr int error_samples = 2;
 /// The condition number of a problem that takes less memory costs next to nothing.
-constexpr double cheap_bytes = 1e6;
+constexpr double cheap_bytes = 1e5;
 /// A work identity that is off by more shows that the steps do not add up.
 constexpr double largest_imbalance = 1e-6;
 
@@ -410,8 +410,6 @@ void refuse_rounding(const RunResult& result, const Plan& plan) {
                         "extended precision)",
                         error.condition, error.refined ? "were" : "were not")
           : std::string();
-  const char* const help = "fewer, better shaped cells, or units and stiffnesses closer to each "
-                           "other, make the matrix better conditioned";
   if (const double worst = error.worst(); worst > ForwardError::largest) {
     std::string what = "the solution";
     for (const auto& column : error.columns)
@@ -420,14 +418,14 @@ void refuse_rounding(const RunResult& result, const Plan& plan) {
                         fmt::format("rounding may have changed {} by {:.1e} of its size; a run is "
                                     "certified up to {:.0e}{}",
                                     what, worst, ForwardError::largest, condition),
-                        help);
+                        better_conditioned);
   }
   if (result.monitors && !(result.monitors->balance_error <= largest_imbalance))
     throw TooInaccurate(FailureKind::not_certified, plan.space.origin,
                         fmt::format("the work of the loads and the energies differ by {:.1e} of "
                                     "their size; a run is certified up to {:.0e}{}",
                                     result.monitors->balance_error, largest_imbalance, condition),
-                        help);
+                        better_conditioned);
 }
 
 RunResult run_once(const Plan& plan, const Discretisation& discretisation,

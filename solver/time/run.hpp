@@ -72,6 +72,9 @@ struct ForwardError {
 struct TooInaccurate : Failure {
   using Failure::Failure;
 };
+inline constexpr const char* better_conditioned =
+    "fewer, better shaped cells, or units and stiffnesses closer to each other, make the matrix "
+    "better conditioned";
 
 /// Seconds of CPU time by phase.
 struct Timing {

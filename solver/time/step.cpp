@@ -415,6 +415,7 @@ StepResult Stepper::advance(int n) {
     if (checks_wait_ && !checked_.empty() && checked_[n] != 0 && n < grid_.steps())
       put_off_check(n);
     learn(n, matrix, out);
+    last_error_ = out.equilibrium;
     accept(n);
   } else
     inequality_ = accepted_;

@@ -176,7 +176,7 @@ private:
   };
   Largest largest_;
   bool refines_ = false;
-  double last_correction_ = 0.0;
+  double last_correction_ = 0.0, last_error_ = 0.0; ///< last_error_: the backward error of u_n
 
   int step_ = 0;
   std::string not_unique_;

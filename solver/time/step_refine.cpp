@@ -93,11 +93,13 @@ void Stepper::refine(int n, StepMatrix& matrix, StepResult& out) {
   kd_.noalias() = matrix.k() * d_;
   last_correction_ = std::max(last_correction_, last);
   if (last <= largest_last) return;
-  out.inequality.converged = false;
-  out.inequality.verdict = fmt::format(
-      "the step's matrix is too ill-conditioned for double precision: corrections with residuals "
-      "in extended precision still change the state by {:.1e} of its size",
-      last);
+  throw TooInaccurate(
+      FailureKind::not_certified, plan_.space.origin,
+      fmt::format("the matrix of step {} is too ill-conditioned for double precision: corrections "
+                  "with residuals in extended precision still change the state by {:.1e} of its "
+                  "size",
+                  n, last),
+      better_conditioned);
 }
 
 } // namespace hvi::solver

@@ -92,7 +92,8 @@ double Stepper::amplification() const {
 /// Forces of random rounding, on the unknowns; `backward_error`: what steps left of their equation.
 std::vector<Vector> Stepper::rounding_forces(int count, double backward_error) {
   std::vector<Vector> out(static_cast<std::size_t>(count));
-  Vector state, size;
+  Vector state, size, left_over = gap_;
+  if (!contact_.none()) left_over.noalias() -= contact_.force * accepted_.xi;
   add_load(largest_.step);
   for (int s = 0; s < count; ++s) {
     const auto sample = static_cast<std::uint64_t>(s);
@@ -106,10 +107,13 @@ std::vector<Vector> Stepper::rounding_forces(int count, double backward_error) {
       add_rounding(inside ? layout_.interior->matrix_of_all() : operators_.bases[b],
                    inside ? state : acting, unit, sample, force, size);
     }
+    // What the last step left of its equation stands for all, as large as in the worst one.
+    const double worst = last_error_ > 0.0 ? std::max(1.0, backward_error / last_error_) : 0.0;
     for (Eigen::Index i = 0; i < n; ++i) {
       const double load = inside ? 0.0 : std::abs(rhs_[i]);
-      force[i] += (unit * load + backward_error * (size[i] + load)) *
-                  random_unit(static_cast<std::uint64_t>(i), sample + 100);
+      const double left = inside ? backward_error * size[i] : worst * std::abs(left_over[i]);
+      force[i] +=
+          (unit * load + left) * random_unit(static_cast<std::uint64_t>(i), sample + 100);
     }
   }
   return out;
