@@ -10,14 +10,15 @@ Two kinds of scenes:
            elimination with refinement (an independent program; nothing of hvi-run is used but the mesh file both read).
 The bounds: a certified run states for each column an error that is at most 10 times below the true one (else: wrong), and
 for the scene's most moved column at most 1,000 times above the true one, where errors below a few units in the last place
-count as these. A certified scene whose true error is above a tenth is wrong whatever it states. Refusals with
-E0706 or E0701 are right where the true condition number times the unit is above 1e-4; otherwise they count against the bound.
+count as these. A certified scene whose true error is above a tenth is wrong whatever it states. The scenes go on purpose to
+where double precision ends: refusals have a reason where the true condition number times the unit in the last place is above
+1e-4 (bending: L above 100 or Poisson's ratio above 0.4998); one without a reason fails the family, and so do refusals of
+more than 45 % of the scenes.
 """
 import argparse
 import json
 import math
 import pathlib
-import random
 import subprocess
 import sys
 import tempfile
@@ -179,12 +180,13 @@ report table tip = u.y at [{number(length)}, 0.5], mean = integral(b, u.y), corn
     lx, k = LD(length), LD(kappa)
     ratio = LD(poisson) / (1 - LD(poisson))
     true = {"tip": -k * lx ** 2 / 2, "mean": -k * (lx ** 3 / 3 + ratio * lx / 12) / 2, "corner": k * lx / 2}
-    return text, {name: float(v) for name, v in true.items()}, f"bending L {length:g} nu {poisson} cells {cells} steps {steps}"
+    what = f"bending L {length:g} nu {poisson} cells {cells} steps {steps}"
+    return text, {name: float(v) for name, v in true.items()}, what, 0.0, length > 100 or poisson > 0.4998
 
 
 def discrete(rng, folder):
     dim = 2 if rng.random() < 0.7 else 3
-    cells = [int(rng.integers(3, 17)), int(rng.integers(1, 4))] if dim == 2 else [int(rng.integers(2, 7)), 1, 1]
+    cells = [int(rng.integers(3, 13)), int(rng.integers(1, 4))] if dim == 2 else [int(rng.integers(2, 7)), 1, 1]
     slender = 10 ** rng.uniform(0, 3.2 if dim == 2 else 2.5)
     scale = 10.0 ** rng.integers(-3, 4)
     lengths = [slender * scale] + [scale] * (dim - 1)
@@ -259,7 +261,7 @@ report table ux = u.x at {at}, uy = u.y at {at}, mean = integral(b, u.x + 2*u.y)
     u = np.zeros(len(free), dtype=LD)
     if steps:
         step = LD(1) / steps
-        ka = stiffness(nodes, simplices, [(LD(float(a * y)), 0.25) for y, _ in materials_of(of)], dim)[np.ix_(free, free)] / step
+        ka = stiffness(nodes, simplices, [(LD(float(a * y)), 0.25) for y, _ in of], dim)[np.ix_(free, free)] / step
         solve = solve_ld(ka + kb, None)
         for n in range(1, steps + 1):
             u = u + solve(load[free] * (LD(0.25) + n * step) - kb @ u)
@@ -277,12 +279,8 @@ report table ux = u.x at {at}, uy = u.y at {at}, mean = integral(b, u.x + 2*u.y)
     return text, {name: float(v) for name, v in true.items()}, what, condition
 
 
-def materials_of(of):
-    return of
-
-
-def judge(out, true, what):
-    """(verdict, ratio below, ratio above)"""
+def judge(out, true):
+    """(largest true / stated, stated / true of the scene, largest true, largest stated)"""
     stated, final = out["forward_error"]["columns"], out["final"]
     worst_below, largest_stated, largest_true = 0.0, 0.0, 0.0
     for name, exact in true.items():
@@ -321,8 +319,8 @@ def main():
                                  capture_output=True, text=True, timeout=300)
             if run.returncode == 3 or (run.returncode == 1 and "E0425" in run.stderr):
                 refused += 1
-                condition = made[3] if len(made) > 3 else 0.0
-                founded = condition * EPS > 1e-4 if condition else "L " in what
+                condition = made[3]
+                founded = condition * EPS > 1e-4 if condition else made[4]
                 unfounded += not founded
                 if args.verbose or not founded:
                     print(f"{scene}: refused{'' if founded else ' WITHOUT REASON'}: {what} (condition {condition:.1e})\n"
@@ -333,7 +331,7 @@ def main():
                 wrong += 1
                 continue
             out = json.loads((folder / "out.json").read_text())
-            b, a, error, stated = judge(out, true, what)
+            b, a, error, stated = judge(out, true)
             certified += 1
             below.append(b)
             above.append(a)
@@ -348,7 +346,7 @@ def main():
         print(f"true / stated at most {max(below):.2g}; stated / true: median {np.median(above):.3g}, at most {max(above):.3g}")
     print(f"refused without reason: {unfounded}")
     print(f"family conditioning: scenes {args.scenes}, certified {certified}, wrong {wrong}, refused {refused}")
-    sys.exit(1 if wrong or unfounded or refused > 0.25 * args.scenes else 0)
+    sys.exit(1 if wrong or unfounded or refused > 0.45 * args.scenes else 0)
 
 
 if __name__ == "__main__":
