@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 namespace hvi::solver {
@@ -80,7 +81,7 @@ double InequalityEngine::worst_ratio() const {
     const double error = std::abs(residual[i]);
     if (error <= noise || error <= worst * row_size[i]) continue;
     worst = error / row_size[i];
-    if (std::isnan(worst)) return worst;
+    if (std::isnan(worst)) return std::numeric_limits<double>::infinity();
   }
   return worst;
 }
@@ -137,6 +138,7 @@ InequalityEngine::Outcome InequalityEngine::newton_step() {
 /// that rest and have their unknowns to themselves take what their equations leave them, exactly.
 double InequalityEngine::try_multipliers() {
   update_product();
+  update_reach();
   for (int p = 0; p < n_points; ++p) put(trial, p, multiplier(p));
   const double ratio = residual_ratio(trial);
   bool balanced = false;

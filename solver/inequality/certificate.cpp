@@ -14,6 +14,7 @@ void InequalityEngine::certify() {
   update_z();
   snap_factor = certificate_snap;
   update_product();
+  update_reach();
   report.residual = residual_ratio(xi);
   const double largest = n_rows > 0 ? xi.lpNorm<Eigen::Infinity>() : 0.0;
   report.inclusion = 0.0;

@@ -59,6 +59,7 @@ struct InequalityEngine {
   /// The multiplier that stands for certain at the current z: slopes inside, clipped xi at breaks.
   Small multiplier(int p) const;
   double snap(int p) const;
+  void update_reach();
   void settle(int p);
   bool resting(int p) const;
   bool balance(int p);
@@ -194,6 +195,7 @@ struct InequalityEngine {
   /// z within this part of its size of a break counts as on it; Newton aims closer at first.
   static constexpr double tight_snap = 2e-14, certificate_snap = 1e-12;
   double snap_factor = certificate_snap;
+  Vector reach;   ///< by unknown: a displacement, the scale of its rounding (update_reach)
   Vector z_start; ///< where the path to the present solution began
   InequalityReport report;
 };

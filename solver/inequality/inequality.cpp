@@ -18,7 +18,7 @@ InequalityEngine::InequalityEngine(const ReducedProblem& problem_, ReducedOperat
   if (problem.g.cols() != n && n_rows > 0)
     throw Failure(FailureKind::bad_value, {}, "the contact matrix does not fit the operator");
   for (Vector* v : {&c, &sc, &magnitude, &force, &force_magnitude, &residual, &row_size, &dc, &cg_r,
-                    &cg_z, &cg_p, &cg_mp, &cg_q, &cg_kept, &c_of_product, &s_dc})
+                    &cg_z, &cg_p, &cg_mp, &cg_q, &cg_kept, &c_of_product, &s_dc, &reach})
     *v = Vector::Zero(n);
   for (Vector* v : {&z, &xi, &dz, &trial, &z_hat, &xi_hat, &z_start}) *v = Vector::Zero(n_rows);
   state.resize(n_points), component.resize(n_points), d.resize(n_points);

@@ -81,6 +81,8 @@ struct ReducedProblem {
   Vector offset;  ///< known part of z, a row each: set before every step
   std::vector<CoupledPoint> coupled;
   double t = 0.0; ///< when laws are asked: set before every step
+  /// What |offset| was before anything cancelled in it, a row each; empty: |offset|.
+  Vector offset_size;
 };
 
 struct InequalityOptions {

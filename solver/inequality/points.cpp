@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hvi::solver {
 
@@ -57,15 +58,27 @@ void InequalityEngine::gather_with_magnitude(const Vector& x) {
   }
 }
 
-/// z within this of a break counts as on it: rounding of G c + g, and a displacement that moves no
-/// more than that part of the point's own force.
+/// reach_i = |c_i| + (|r_i| + |(S c)_i - S_ii c_i|) / S_ii: how far unknown i would go under the
+/// forces of its own equation, were the others held. It stays where all displacements are rounding.
+void InequalityEngine::update_reach() {
+  for (int i = 0; i < n; ++i) {
+    const double stiffness = std::abs(diagonal[i]);
+    reach[i] = std::abs(c[i]);
+    if (stiffness > 0.0)
+      reach[i] += (std::abs((*rhs)[i]) + std::abs(sc[i] - diagonal[i] * c[i])) / stiffness;
+  }
+}
+
+/// z within this of a break counts as on it: rounding of G c + g before anything cancels in it
+/// (which depends on the axes), and of the displacements that the forces at the point amount to.
 double InequalityEngine::snap(int p) const {
   const PointData& q = points[p];
+  const Vector& known = problem.offset_size.size() == n_rows ? problem.offset_size : problem.offset;
   double size = 0.0;
   for (int row = q.first; row < q.first + q.rows; ++row) {
-    double sum = std::abs(problem.offset[row]) + q.local * std::abs(xi[row]);
+    double sum = std::abs(known[row]) + q.local * std::abs(xi[row]);
     for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
-      sum += std::abs(it.value() * c[it.col()]);
+      sum += std::abs(it.value()) * reach[it.col()];
     size = std::max(size, sum);
   }
   return snap_factor * size;
@@ -188,13 +201,18 @@ Small InequalityEngine::multiplier(int p) const {
   const Small zp = at(z, p), xp = at(xi, p);
   const double tolerance = snap(p);
   const int i = state[p] / 2;
+  // A slope that stands for infinity is no multiplier: no state there solves anything.
+  const auto slope_at = [&](double r) {
+    const double s = law.on_component(component[p], r).s;
+    return std::abs(s) < unbounded_slope ? s : std::numeric_limits<double>::quiet_NaN();
+  };
   const auto clipped = [&](double v) {
     return std::clamp(v, std::min(g.left[i], g.right[i]), std::max(g.left[i], g.right[i]));
   };
   if (!law.radial()) {
     if (state[p] % 2 == 1 && std::abs(zp[0] - g.breaks[i]) <= tolerance)
       return {clipped(xp[0]), 0, 0};
-    const double s = law.on_component(component[p], zp[0]).s;
+    const double s = slope_at(zp[0]);
     // Far stiffer than the body: z cannot say what xi is, the increments of Newton's step can.
     const double slack = std::abs(d[p][0]) * tolerance;
     const bool stiff = state[p] % 2 == 0 && std::abs(d[p][0]) * q.local > far_stiffer;
@@ -211,7 +229,7 @@ Small InequalityEngine::multiplier(int p) const {
   if (state[p] % 2 == 1 && state[p] > 0 && std::abs(r - g.breaks[i]) <= tolerance)
     s = clipped(dot(xp, e));
   else
-    s = law.on_component(component[p], r).s;
+    s = slope_at(r);
   return {s * e[0], s * e[1], s * e[2]};
 }
 

@@ -9,16 +9,19 @@ namespace hvi::solver {
 namespace {
 
 /// Distance from xi to the scalar graph over [r - snap, r + snap]: an argument is known up to its
-/// rounding only, which a steep slope (contact far stiffer than the body) makes visible in xi.
+/// rounding only, which a steep slope (contact far stiffer than the body) makes visible in xi. A
+/// slope that stands for infinity is no multiplier.
 double scalar_distance(const Law& law, const LawGraph& graph, double r, double xi, double snap,
                        double enough) {
   double best = std::numeric_limits<double>::infinity();
+  if (!(std::abs(xi) < unbounded_slope)) return best;
   const auto try_interval = [&](double a, double b) {
     best = std::min(best, std::max({0.0, std::min(a, b) - xi, xi - std::max(a, b)}));
   };
   const int piece = piece_of(graph, r);
   const double s = law.slope(graph, piece, r);
-  if (std::isfinite(s)) try_interval(s, s);
+  const bool reached = std::abs(s) < unbounded_slope;
+  if (reached) try_interval(s, s);
   if (best <= enough) return best;
   auto first = graph.breaks.begin() + piece; // not below r
   while (first != graph.breaks.begin() && first[-1] >= r - snap) --first;
@@ -29,7 +32,7 @@ double scalar_distance(const Law& law, const LawGraph& graph, double r, double x
   if (best <= enough || !(snap > 0.0)) return best;
   for (const double end : {law.spec().radial ? std::max(r - snap, 0.0) : r - snap, r + snap})
     if (const double there = law.slope(graph, piece_of(graph, end), end);
-        std::isfinite(s) && std::isfinite(there))
+        reached && std::isfinite(there))
       try_interval(s, there);
   return best;
 }

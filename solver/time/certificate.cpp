@@ -30,19 +30,69 @@ RowSums row_sums(const double* values, const int* columns, int count, const doub
   return {(sum[0] + sum[1]) + (sum[2] + sum[3]), (size[0] + size[1]) + (size[2] + size[3])};
 }
 
-/// Calls row(i, (force xi)_i) for every row i < n, in order; only contact rows have a force.
+/// (force xi)_i and (|force| |xi|)_i
+RowSums reaction_of(const SparseMatrix& force, int i, const Vector& xi) {
+  RowSums out;
+  for (SparseMatrix::InnerIterator it(force, i); it; ++it) {
+    const double term = it.value() * xi[it.col()];
+    out.sum += term;
+    out.size += std::abs(term);
+  }
+  return out;
+}
+
+/// Calls row(i, reaction) for every row i < n, in order; only contact rows have a force.
 template <class Row>
 void for_each_row(int n, std::span<const int> contact, const SparseMatrix& force, const Vector& xi,
                   const Row& row) {
   int next = 0;
   for (const int c : contact) {
-    for (; next < c; ++next) row(next, 0.0);
-    double reaction = 0.0;
-    for (SparseMatrix::InnerIterator it(force, c); it; ++it) reaction += it.value() * xi[it.col()];
-    row(next++, reaction);
+    for (; next < c; ++next) row(next, RowSums{});
+    row(next++, reaction_of(force, c, xi));
   }
-  for (; next < n; ++next) row(next, 0.0);
+  for (; next < n; ++next) row(next, RowSums{});
 }
+
+/// The worst of all rows' errors.
+class WorstRow {
+public:
+  WorstRow(const SparseMatrix& k, const Vector& d, const SparseMatrix& force, const Vector& xi)
+      : k_(k), d_(d), force_(force), xi_(xi) {}
+  /// Divides only where it is the worst so far; a NaN is worse than anything. A residual without
+  /// any scale has an infinite error.
+  void take(int i, double residual, double size) {
+    if (residual <= worst_ * size) return;
+    size += least_part * whole_scale(i);
+    if (residual <= worst_ * size) return;
+    worst_ = residual / size;
+    if (std::isnan(worst_)) worst_ = std::numeric_limits<double>::infinity();
+  }
+  double worst() const { return worst_; }
+
+private:
+  /// K_ii max |d_j| over the row's columns + sum |force_ij| max |xi|: of the row's terms were its
+  /// axis turned. Entries of K are sums over elements, known up to rounding of the diagonal, and
+  /// components of a multiplier up to that of the whole: a row where nothing acts holds rounding of
+  /// the others, and which rows these are depends on the axes.
+  double whole_scale(int i) const {
+    double diagonal = 0.0, largest = 0.0, weight = 0.0;
+    for (SparseMatrix::InnerIterator it(k_, i); it; ++it) {
+      if (it.col() == i) diagonal = std::abs(it.value());
+      largest = std::max(largest, std::abs(d_[it.col()]));
+    }
+    if (xi_.size() > 0)
+      for (SparseMatrix::InnerIterator it(force_, i); it; ++it) weight += std::abs(it.value());
+    return diagonal * largest + (weight > 0.0 ? weight * xi_.lpNorm<Eigen::Infinity>() : 0.0);
+  }
+
+  /// What a row's scale has of it at least: rounding must stay far below any tolerance.
+  static constexpr double least_part = 0.01;
+  const SparseMatrix& k_;
+  const Vector& d_;
+  const SparseMatrix& force_;
+  const Vector& xi_;
+  double worst_ = 0.0;
+};
 
 } // namespace
 
@@ -78,18 +128,14 @@ void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vect
   }
 }
 
-double equilibrium_error(const Vector& gap, const Vector& scale, const SparseMatrix& force,
-                         const Vector& xi, Vector& work) {
-  work = gap;
-  if (xi.size() > 0) work.noalias() -= force * xi;
-  double worst = 0;
-  for (Eigen::Index i = 0; i < work.size(); ++i) {
-    if (work[i] == 0.0) continue;
-    // A row of zeros with a residual has no scale: its error is infinite, as is one that is NaN.
-    const double error = std::abs(work[i]) / scale[i];
-    worst = std::isnan(error) ? std::numeric_limits<double>::infinity() : std::max(worst, error);
+double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& gap,
+                         const Vector& scale, const SparseMatrix& force, const Vector& xi) {
+  WorstRow worst(k, d, force, xi);
+  for (int i = 0; i < gap.size(); ++i) {
+    const auto reaction = xi.size() > 0 ? reaction_of(force, i, xi) : RowSums{};
+    worst.take(i, std::abs(gap[i] - reaction.sum), scale[i] + reaction.size);
   }
-  return worst;
+  return worst.worst();
 }
 
 double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& b,
@@ -99,40 +145,41 @@ double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& b
   const int* columns = k.innerIndexPtr();
   const double* values = k.valuePtr();
   const double* x = d.data();
-  double worst = 0.0;
-  const auto row = [&](int i, double reaction) {
+  WorstRow worst(k, d, force, xi);
+  for_each_row(static_cast<int>(k.rows()), contact, force, xi, [&](int i, RowSums reaction) {
     const auto [sum, size] =
         row_sums(values + starts[i], columns + starts[i], starts[i + 1] - starts[i], x);
     gap[i] = b[i] - sum;
-    const double error = std::abs(gap[i] - reaction);
-    // Divides only where it is the worst so far; a NaN is worse than anything.
-    if (!(error <= worst * (size + std::abs(b[i])))) {
-      worst = error / (size + std::abs(b[i]));
-      if (std::isnan(worst)) worst = std::numeric_limits<double>::infinity();
-    }
-  };
-  for_each_row(static_cast<int>(k.rows()), contact, force, xi, row);
-  return worst;
+    worst.take(i, std::abs(gap[i] - reaction.sum), size + std::abs(b[i]) + reaction.size);
+  });
+  return worst.worst();
 }
 
 double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Vector& kd,
                          const Vector& d, const Vector& b, std::span<const int> contact,
                          const SparseMatrix& force, const Vector& xi, Vector& gap) {
-  double worst = 0.0;
-  const auto row = [&](int i, double reaction) {
+  WorstRow worst(k, d, force, xi);
+  for_each_row(static_cast<int>(k.rows()), contact, force, xi, [&](int i, RowSums reaction) {
     gap[i] = b[i] - kd[i];
-    const double error = std::abs(gap[i] - reaction), own = diagonal[i] * d[i];
-    if (error <= worst * (std::abs(own) + std::abs(kd[i] - own) + std::abs(b[i]))) return;
+    const double error = std::abs(gap[i] - reaction.sum), own = diagonal[i] * d[i];
+    const double others = std::abs(b[i]) + reaction.size;
+    if (error <= worst.worst() * (std::abs(own) + std::abs(kd[i] - own) + others)) return;
     const int start = k.outerIndexPtr()[i], count = k.outerIndexPtr()[i + 1] - start;
     const double size =
-        row_sums(k.valuePtr() + start, k.innerIndexPtr() + start, count, d.data()).size +
-        std::abs(b[i]);
-    if (error <= worst * size) return;
-    worst = error / size;
-    if (std::isnan(worst)) worst = std::numeric_limits<double>::infinity();
-  };
-  for_each_row(static_cast<int>(k.rows()), contact, force, xi, row);
-  return worst;
+        row_sums(k.valuePtr() + start, k.innerIndexPtr() + start, count, d.data()).size;
+    worst.take(i, error, size + others);
+  });
+  return worst.worst();
+}
+
+void find_reach(const SparseMatrix& k, const Vector& kd, const Vector& d, const Vector& b,
+                Contact& contact) {
+  contact.reach.setZero(contact.g.cols());
+  for (const int i : contact.unknowns) {
+    const double diagonal = std::abs(k.coeff(i, i)), own = diagonal * d[i];
+    contact.reach[i] = std::abs(d[i]);
+    if (diagonal > 0.0) contact.reach[i] += (std::abs(kd[i] - own) + std::abs(b[i])) / diagonal;
+  }
 }
 
 namespace {
@@ -143,6 +190,18 @@ double largest(const ContactTerm& term, const Vector& rows) {
                             : rows.segment(term.first_row, term.n_rows()).lpNorm<Eigen::Infinity>();
 }
 
+/// The largest displacement that the argument of a point is made of (certificate.hpp).
+double argument_scale(const Contact& contact, const ContactPoint& point, const Vector& u) {
+  double largest = 0.0;
+  for (int row = point.first_row; row < point.first_row + point.rows; ++row) {
+    double size = std::abs(contact.offset[row]);
+    for (SparseMatrix::InnerIterator it(contact.g, row); it; ++it)
+      size += std::abs(it.value()) * (std::abs(u[it.col()]) + contact.reach[it.col()]);
+    largest = std::max(largest, size);
+  }
+  return largest;
+}
+
 } // namespace
 
 Inclusion inclusion_error(const Contact& contact, const Vector& u, const Vector& xi,
@@ -151,13 +210,14 @@ Inclusion inclusion_error(const Contact& contact, const Vector& u, const Vector&
   z = contact.offset;
   z.noalias() += contact.g * u;
   for (const auto& term : contact.terms) {
-    const double snap = tolerance * largest(term, z), largest_xi = largest(term, xi);
+    const double largest_xi = largest(term, xi);
     for (int p = 0; p < term.n_points(); ++p) {
       const auto& point = contact.problem.points[term.first_point + p];
       const double scale = std::max(largest_xi, contact.scales[point.law]);
-      const double distance = inclusion_distance(
-          *contact.laws[point.law], contact.problem.graphs[point.graph], &z[point.first_row],
-          &xi[point.first_row], point.rows, snap, out.worst * scale);
+      const double distance =
+          inclusion_distance(*contact.laws[point.law], contact.problem.graphs[point.graph],
+                             &z[point.first_row], &xi[point.first_row], point.rows,
+                             tolerance * argument_scale(contact, point, u), out.worst * scale);
       if (distance == 0.0) continue;
       const double error = distance / scale;
       if (error <= out.worst) continue;

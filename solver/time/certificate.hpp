@@ -14,10 +14,14 @@ void subtract_product(const SparseMatrix& a, const Vector& x, Vector& y);
 void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vector& gap,
                    Vector& scale);
 
-/// max_i |R_i| / scale_i with R = gap - G^T W xi: the componentwise backward error of the
-/// equilibrium on the unknowns (rows with R_i = 0 count 0). `work` is scratch of the same length.
-double equilibrium_error(const Vector& gap, const Vector& scale, const SparseMatrix& force,
-                         const Vector& xi, Vector& work);
+/// max_i |R_i| / (scale + |G^T W| |xi| + s / 100)_i with R = gap - G^T W xi: the componentwise
+/// backward error of the equilibrium on the unknowns (W. Oettli, W. Prager, "Compatibility of
+/// approximate solution of linear equations with given error bounds for coefficients and right-hand
+/// sides", Numer. Math. 6, 1964). s_i = K_ii max |d_j| + (|G^T W| 1)_i max |xi| with the d_j of the
+/// row is what its terms would be were its axis turned: in a row where they vanish the residual is
+/// rounding of the others, and which rows these are depends on the axes.
+double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& gap,
+                         const Vector& scale, const SparseMatrix& force, const Vector& xi);
 
 /// Both in one reading of K: gap = b - K d, and the backward error. `contact`: the unknowns,
 /// increasing, outside of which `force` has no entries.
@@ -31,13 +35,22 @@ double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Ve
                          const Vector& d, const Vector& b, std::span<const int> contact,
                          const SparseMatrix& force, const Vector& xi, Vector& gap);
 
+/// Sets contact.reach_i = |d_i| + (|(K d)_i - K_ii d_i| + |b_i|) / K_ii: how far unknown i would go
+/// under the forces of its own equation, were the others held. The scale of displacements where all
+/// of them are rounding (a body that sticks everywhere).
+void find_reach(const SparseMatrix& k, const Vector& kd, const Vector& d, const Vector& b,
+                Contact& contact);
+
 struct Inclusion {
   double worst = 0.0;   ///< max_p dist(xi_p, dj_p(z_p)) / max(|xi|_inf, slope scale of the law)
   int worst_term = -1;  ///< index into Plan::law_terms
   int worst_point = -1; ///< index into ReducedProblem::points
 };
 /// Inclusion xi_p in dj_p(z_p) at z = G u + offset, with |xi|_inf taken over the points of the law.
-/// z within `tolerance` (relative to the largest |z| of its term) of a break counts as on it.
+/// An argument is known up to `tolerance` times the largest entry of |offset| + |G| (|u| + reach)
+/// on its rows: what it is made of, however much of that cancels, and the displacement that the
+/// forces at its unknowns amount to. A relative error of that size in the data of the step moves it
+/// so far.
 Inclusion inclusion_error(const Contact& contact, const Vector& u, const Vector& xi,
                           double tolerance, Vector& z);
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace hvi::solver {
 namespace {
@@ -168,8 +169,14 @@ void prepare(Contact& contact, const Plan& plan, double t, const Vector& known, 
     }
   }
   contact.problem.t = t;
-  contact.problem.offset = contact.offset;
-  contact.problem.offset.noalias() += contact.g * known;
+  auto& offset = contact.problem.offset;
+  auto& size = contact.problem.offset_size;
+  offset = contact.offset;
+  offset.noalias() += contact.g * known;
+  size = contact.offset.cwiseAbs();
+  for (int row = 0; row < contact.n_rows(); ++row)
+    for (SparseMatrix::InnerIterator it(contact.g, row); it; ++it)
+      size[row] += std::abs(it.value() * known[it.col()]);
 }
 
 std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& xi, int point) {

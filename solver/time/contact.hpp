@@ -36,6 +36,7 @@ struct Contact {
   SparseMatrix force;            ///< unknowns x all rows: G^T W
   bool coupled = false;          ///< a law's bound is another law's multiplier: `prepare` reads xi
   Vector offset;                 ///< of the argument at the time of the last `prepare`
+  Vector reach; ///< of states, 0 but on `unknowns`: a displacement each (find_reach)
 
   int n_rows() const { return static_cast<int>(g.rows()); }
   bool none() const { return terms.empty(); }

@@ -229,7 +229,7 @@ double Stepper::residual(StepMatrix& matrix) {
     mismatch_ += (work_.array().abs() / scale_.array().max(1e-300)).maxCoeff();
     ++products_;
   }
-  return equilibrium_error(gap_, scale_, contact_.force, inequality_.xi, work_);
+  return equilibrium_error(matrix.k(), d_, gap_, scale_, contact_.force, inequality_.xi);
 }
 
 /// Has step n the matrix and the length of the steps that the predictor knows?
@@ -317,6 +317,7 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
     iterations += out.inequality.iterations;
     events += out.inequality.events;
     out.equilibrium = residual(matrix);
+    if (!contact_.none()) find_reach(matrix.k(), kd_, d_, rhs_, contact_);
     if (predicted && out.corrections == 1) {
       sweeps_.note_moved(matrix.moved());
       if (matrix.swept_forward() != SweepStorage::full && change_.isZero(0.0))

@@ -1,0 +1,258 @@
+"""Small elastic solids in dense algebra, for references that share nothing with the program.
+
+Meshes of simplices that can be turned, scaled and moved; P1 and P2 stiffness matrices, loads, and the points of
+boundary laws with the program's three rules (docs/language.md).
+"""
+import itertools
+import math
+
+import numpy as np
+
+
+class Mesh:
+    """points (n x dim), cells (n x dim + 1), facets: name -> vertices of facets."""
+
+    def __init__(self, points, cells, facets):
+        self.points, self.cells, self.facets = np.array(points, float), np.array(cells), facets
+        self.dim = self.points.shape[1]
+
+    def moved(self, turn, scale, shift):
+        return Mesh(scale * self.points @ turn.T + shift, self.cells, self.facets)
+
+    def msh(self):
+        """The mesh as text in format 2.2, a group for each name and `body`."""
+        dim = self.dim
+        names = [*self.facets, "body"]
+        lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names))]
+        lines += [f'{dim - (name != "body")} {k + 1} "{name}"' for k, name in enumerate(names)]
+        lines += ["$EndPhysicalNames", "$Nodes", str(len(self.points))]
+        for k, p in enumerate(self.points):
+            lines.append(" ".join([str(k + 1), *(repr(float(v)) for v in [*p, *[0.0] * (3 - dim)])]))
+        kind = {2: 1, 3: 2, 4: 4}
+        elements = [(names.index(name) + 1, f) for name, facets in self.facets.items() for f in facets]
+        elements += [(len(names), c) for c in self.cells]
+        lines += ["$EndNodes", "$Elements", str(len(elements))]
+        for k, (group, nodes) in enumerate(elements):
+            lines.append(" ".join(map(str, [k + 1, kind[len(nodes)], 2, group, group, *(int(v) + 1 for v in nodes)])))
+        return "\n".join([*lines, "$EndElements", ""])
+
+
+def block(random, counts, sizes, wobble=0.0, bumps=0.0):
+    """A box of simplices: inner points moved by `wobble` of a cell, those of the ground by `bumps`."""
+    dim = len(counts)
+    grid = list(itertools.product(*(range(n + 1) for n in counts)))
+    index = {g: k for k, g in enumerate(grid)}
+    cell = np.array(sizes) / np.array(counts)
+    points = np.array(grid) * cell
+    up = 1  # y is up
+    for g, k in index.items():
+        if all(0 < g[a] < counts[a] for a in range(dim)):
+            points[k] += wobble * cell * random.uniform(-1, 1, dim)
+        elif g[up] == 0:
+            points[k, up] += bumps * cell[up] * random.uniform(-1, 1)
+    cells = []
+    for corner in itertools.product(*(range(n) for n in counts)):
+        flip = random.integers(2) if dim == 2 else 0  # diagonals of boxes have to fit
+        for order in itertools.permutations(range(dim)):
+            at, path = list(corner), []
+            if flip:
+                at[0] += 1
+            path.append(index[tuple(at)])
+            for axis in order:
+                at[axis] += -1 if flip and axis == 0 else 1
+                path.append(index[tuple(at)])
+            cells.append(path)
+    count = {}
+    for c in cells:
+        for k in range(dim + 1):
+            f = tuple(sorted(c[:k] + c[k + 1:]))
+            count[f] = count.get(f, 0) + 1
+    names = [["left", "right"], ["bottom", "top"], ["back", "front"]]
+    facets = {name: [] for pair in names[:dim] for name in pair}
+    for f, n in count.items():
+        if n > 1:
+            continue
+        for axis in range(dim):
+            for side in (0, 1):
+                if all(grid[v][axis] == side * counts[axis] for v in f):
+                    facets[names[axis][side]].append(f)
+    return Mesh(points, cells, facets)
+
+
+def turning(random, dim):
+    """A random proper rotation."""
+    q, r = np.linalg.qr(random.normal(size=(dim, dim)))
+    q = q * np.sign(np.diag(r))
+    if np.linalg.det(q) < 0:
+        q[:, 0] = -q[:, 0]
+    return q
+
+
+# --- elements
+
+
+def shapes(order, b):
+    """Values at barycentric b: vertices, then edges (i < j)."""
+    if order == 1:
+        return np.array(b)
+    edges = [4 * b[i] * b[j] for i, j in itertools.combinations(range(len(b)), 2)]
+    return np.array([v * (2 * v - 1) for v in b] + edges)
+
+
+def slopes(order, b):
+    """Derivatives with respect to the barycentric coordinates."""
+    n = len(b)
+    if order == 1:
+        return np.eye(n)
+    out = [(4 * b[i] - 1) * np.eye(n)[i] for i in range(n)]
+    for i, j in itertools.combinations(range(n), 2):
+        out.append(4 * (b[i] * np.eye(n)[j] + b[j] * np.eye(n)[i]))
+    return np.array(out)
+
+
+def permuted(*values):
+    return sorted(set(itertools.permutations(values)))
+
+
+def triangle_rule(degree):
+    """Degree 1, 2 (Hammer, Stroud) and 4 (Strang, Fix), weights of sum 1."""
+    if degree <= 1:
+        return [((1 / 3,) * 3, 1.0)]
+    if degree == 2:
+        return [(p, 1 / 3) for p in permuted(1 / 6, 1 / 6, 2 / 3)]
+    root, s = math.sqrt(38 - 44 * math.sqrt(0.4)), math.sqrt(10)
+    split = math.sqrt(213125 - 53320 * s)
+    out = []
+    for weight, a in (((620 + split) / 3720, (8 - s + root) / 18), ((620 - split) / 3720, (8 - s - root) / 18)):
+        out += [(p, weight) for p in permuted(a, a, 1 - 2 * a)]
+    return out
+
+
+def line_rule(n):
+    x, w = np.polynomial.legendre.leggauss(n)
+    return [((1 - (1 + t) / 2, (1 + t) / 2), v / 2) for t, v in zip(x, w)]
+
+
+def cell_rule(dim):
+    """Exact for products of P2 gradients."""
+    if dim == 2:
+        return triangle_rule(2)
+    a = (5 - math.sqrt(5)) / 20
+    return [(p, 0.25) for p in permuted(a, a, a, 1 - 3 * a)]
+
+
+def facet_rule(dim, order, rule):
+    """Points and weights of a boundary law (`nodal`, `midpoint`, `gauss`) on facets of a solid."""
+    corners = dim
+    if rule == "midpoint":
+        return [((1 / corners,) * corners, 1.0)]
+    if rule == "gauss":
+        return line_rule(order + 1) if dim == 2 else triangle_rule(2 * order)
+    vertices = [tuple(np.eye(corners)[k]) for k in range(corners)]
+    middles = [tuple((np.eye(corners)[i] + np.eye(corners)[j]) / 2)
+               for i, j in itertools.combinations(range(corners), 2)]
+    if order == 1:
+        return [(p, 1 / corners) for p in vertices]
+    if dim == 2:
+        return [(p, 1 / 6) for p in vertices] + [(middles[0], 2 / 3)]
+    return [(p, 1 / 3) for p in middles]
+
+
+class Solid:
+    """A vector space of order 1 or 2 on a mesh."""
+
+    def __init__(self, mesh, order):
+        self.mesh, self.order, self.dim = mesh, order, mesh.dim
+        self.edges = {}
+        points = list(mesh.points)
+        if order == 2:
+            for cell in mesh.cells:
+                for i, j in itertools.combinations(cell, 2):
+                    key = (min(i, j), max(i, j))
+                    if key not in self.edges:
+                        self.edges[key] = len(points)
+                        points.append((mesh.points[i] + mesh.points[j]) / 2)
+        self.points = np.array(points)
+        self.n = len(points) * self.dim
+
+    def nodes(self, simplex):
+        out = list(simplex)
+        if self.order == 2:
+            out += [self.edges[min(i, j), max(i, j)] for i, j in itertools.combinations(simplex, 2)]
+        return out
+
+    def on(self, name):
+        return sorted({v for f in self.mesh.facets[name] for v in self.nodes(f)})
+
+    def dofs(self, nodes):
+        return np.array([self.dim * v + k for v in nodes for k in range(self.dim)])
+
+    def stiffness(self, lam, mu):
+        """int lam div u div v + 2 mu eps(u) : eps(v)."""
+        dim, k = self.dim, np.zeros((self.n, self.n))
+        for cell in self.mesh.cells:
+            x = self.mesh.points[cell]
+            edges = (x[1:] - x[0]).T
+            volume = abs(np.linalg.det(edges)) / math.factorial(dim)
+            inner = np.linalg.inv(edges)
+            barycentric = np.vstack([-inner.sum(0), inner])
+            dofs = self.dofs(self.nodes(cell))
+            for b, weight in cell_rule(dim):
+                g = slopes(self.order, b) @ barycentric  # node x direction
+                m = len(g)
+                grad = np.zeros((dim, dim, m * dim))
+                for a in range(m):
+                    for c in range(dim):
+                        grad[c, :, a * dim + c] = g[a]
+                strain = (grad + grad.transpose(1, 0, 2)) / 2
+                div = np.einsum("iik->k", strain)
+                local = lam * np.outer(div, div) + 2 * mu * np.einsum("ijk,ijl->kl", strain, strain)
+                k[np.ix_(dofs, dofs)] += weight * volume * local
+        return k
+
+    def body_load(self, force):
+        out = np.zeros(self.n)
+        rule = cell_rule(self.dim)
+        for cell in self.mesh.cells:
+            x = self.mesh.points[cell]
+            volume = abs(np.linalg.det((x[1:] - x[0]).T)) / math.factorial(self.dim)
+            values = sum(w * shapes(self.order, b) for b, w in rule)
+            out[self.dofs(self.nodes(cell))] += np.kron(volume * values, force)
+        return out
+
+    def facet(self, f):
+        """Size and outer normal; the cell behind it tells which side is out."""
+        x = self.mesh.points[list(f)]
+        cell = next(c for c in self.mesh.cells if set(f) <= set(c))
+        if self.dim == 2:
+            t = x[1] - x[0]
+            normal = np.array([t[1], -t[0]])
+            size = np.linalg.norm(normal)
+        else:
+            normal = np.cross(x[1] - x[0], x[2] - x[0])
+            size = np.linalg.norm(normal) / 2
+        normal = normal / np.linalg.norm(normal)
+        inside = self.mesh.points[cell].mean(0) - x.mean(0)
+        return size, (-normal if normal @ inside > 0 else normal)
+
+    def facet_load(self, name, force):
+        out = np.zeros(self.n)
+        rule = line_rule(3) if self.dim == 2 else triangle_rule(4)
+        for f in self.mesh.facets[name]:
+            size, _ = self.facet(f)
+            values = sum(w * shapes(self.order, b) for b, w in rule)
+            out[self.dofs(self.nodes(f))] += np.kron(size * values, force)
+        return out
+
+    def law_points(self, name, rule):
+        """(weight, N, normal): N (dim x n) takes u to its value at the point."""
+        out = []
+        for f in self.mesh.facets[name]:
+            size, normal = self.facet(f)
+            for b, weight in facet_rule(self.dim, self.order, rule):
+                values = np.zeros((self.dim, self.n))
+                for node, v in zip(self.nodes(f), shapes(self.order, b)):
+                    for k in range(self.dim):
+                        values[k, self.dim * node + k] = v
+                out.append((weight * size, values, normal))
+        return out

@@ -1,0 +1,104 @@
+// The solver's own check, on hand-made states: within rounding of a break, and a few hundred times
+// as far away, on rows along an axis and turned.
+#include "solver/inequality/engine.hpp"
+#include "tests/solver/inequality/problems.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+using test::arg;
+
+/// Two unknowns with stiffness 2, held at argument 0 by a law along (cos, sin).
+struct Node {
+  test::Bench bench;
+  double angle;
+  Node(const Expr& slope, bool radial, double angle_) : angle(angle_) {
+    bench.s = 2.0 * DenseMatrix::Identity(2, 2);
+    const int law = bench.slope(slope, radial);
+    bench.point(law, 0.5, {{{0, std::cos(angle)}, {1, std::sin(angle)}}});
+    bench.finish();
+  }
+  /// The inclusion that the solver certifies at c with this multiplier.
+  double inclusion(const Vector& c, double xi, const Vector& r) {
+    const auto op = dense_operator(bench.s, true);
+    InequalityEngine engine(bench.problem, *op, {});
+    engine.rhs = &r;
+    engine.c = c;
+    engine.xi = Vector::Constant(1, xi);
+    engine.certify();
+    return engine.report.inclusion;
+  }
+  Vector along() const { return Eigen::Vector2d(std::cos(angle), std::sin(angle)); }
+  Vector across() const { return Eigen::Vector2d(-std::sin(angle), std::cos(angle)); }
+};
+
+const double angles[] = {0.0, 0.3, 0.7853981633974483, 1.2, 2.9, 4.4};
+
+TEST(Snap, IsRoundingOfWhatTheArgumentIsMadeOf) {
+  for (const double angle : angles) {
+    Node stick(Expr(1.0), true, angle);
+    // r = 2 c + 0.5 xi g balances; the displacement across is 1e-2.
+    for (const double xi : {-0.7, 0.7}) {
+      const Vector c = 1e-2 * stick.across(), r = 2.0 * c + 0.5 * xi * stick.along();
+      EXPECT_EQ(stick.inclusion(c, xi, r), 0.0) << angle;
+      // |G| (|c| + |r| / 2) + local |xi| is between .1 and 1 here: a snap is at most 1e-12.
+      const Vector off = c - std::copysign(1e-10, xi) * stick.along();
+      EXPECT_NEAR(stick.inclusion(off, xi, r), 1.7, 1e-9) << angle;
+      EXPECT_EQ(stick.inclusion(c + 3e-14 * stick.along(), xi, r), 0.0) << angle;
+    }
+  }
+}
+
+TEST(Snap, HasAScaleWhereNothingMoves) {
+  for (const double unit : {1e-9, 1.0, 1e9})
+    for (const double angle : angles) {
+      Node stick(Expr(1.0), true, angle);
+      stick.bench.s /= unit; // displacements of that unit
+      const Vector r = 0.35 * stick.along();
+      for (const double part : {0.0, 1e-16, 3e-14})
+        EXPECT_EQ(stick.inclusion(part * unit * stick.along(), 0.7, r), 0.0) << angle;
+      EXPECT_NEAR(stick.inclusion(-1e-10 * unit * stick.along(), 0.7, r), 1.7, 1e-9) << angle;
+    }
+}
+
+// What is known of the argument may be the rest of numbers that cancelled.
+TEST(Snap, KnowsWhatCancelledInTheOffset) {
+  Node stop(select(less_equal(arg(), Expr(0.0)), Expr(0.0), Expr(1e300)), false, 0.0);
+  const Vector none = Vector::Zero(2);
+  const auto at = [&](double offset, double size) {
+    stop.bench.problem.offset = Vector::Constant(1, offset);
+    stop.bench.problem.offset_size = Vector::Constant(1, size);
+    const Vector r = 2e-6 * stop.along(); // xi = 4e-6: compliance times force is 1e-6
+    return stop.inclusion(none, 4e-6, r);
+  };
+  EXPECT_EQ(at(-3e-14, 1.0), 0.0);
+  EXPECT_EQ(at(-3e-10, 1.0), 1.0);
+  EXPECT_EQ(at(-3e-14, 3e-14), 1.0);
+}
+
+// The break's near side, a few hundred snaps away: open, not stopped.
+TEST(Snap, SolutionsNearABreakAreNotMovedOntoIt) {
+  const Expr law = select(less_equal(arg(), Expr(1.0)), Expr(0.0), Expr(1e300));
+  for (const double angle : angles)
+    for (const double gap : {3e-10, 1e-9, 1e-7}) {
+      Node stop(law, false, angle);
+      for (const double side : {-1.0, 1.0}) {
+        const Vector r = 2.0 * (1.0 + side * gap) * stop.along();
+        const auto op = dense_operator(stop.bench.s, true);
+        InequalitySolver solver(stop.bench.problem, *op, {});
+        InequalityState state;
+        ASSERT_TRUE(solver.solve(r, state).converged) << angle;
+        const double z = stop.along().dot(state.c);
+        // Beyond it by 4 gap: 2 (z - 1 - gap) + 0.5 xi = 0.
+        EXPECT_NEAR(z - 1.0, side < 0 ? -gap : 0.0, 1e-12) << angle;
+        EXPECT_NEAR(state.xi[0], side < 0 ? 0.0 : 4.0 * gap, 4e-12) << angle;
+      }
+    }
+}
+
+} // namespace
+} // namespace hvi::solver
