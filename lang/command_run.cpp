@@ -115,6 +115,13 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
                r.steps == 1 ? "1 step" : fmt::format("all {} steps", r.steps), c.inclusion,
                c.inclusion_step, c.equilibrium, c.equilibrium_step, c.tolerance);
   print_forward_error(r.forward_error);
+  if (r.work.followed_steps > 0)
+    fmt::print("{} steps followed their branch by {} inner steps\n", r.work.followed_steps,
+               r.work.inner_steps);
+  if (r.work.unfollowed_steps > 0)
+    fmt::print("note: {} steps may have left their branch: it was not followed (a vector law, more "
+               "than 1200 points, or a curve without a further stable state)\n",
+               r.work.unfollowed_steps);
   if (r.work.fallback_steps > 0)
     fmt::print("steps that only the globally convergent method solved: {}\n",
                r.work.fallback_steps);

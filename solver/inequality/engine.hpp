@@ -3,6 +3,7 @@
 // certificate (certificate.cpp).
 #pragma once
 
+#include "solver/inequality/equilibrium_curve.hpp"
 #include "solver/inequality/inequality.hpp"
 #include "solver/inequality/inverse.hpp"
 #include "solver/inequality/prepared_law.hpp"
@@ -12,6 +13,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 
 namespace hvi::solver {
@@ -35,6 +37,8 @@ struct InequalityEngine {
 
   InequalityEngine(const ReducedProblem& problem, ReducedOperator& s, InequalityOptions options);
   InequalityReport solve(const Vector& r, InequalityState& io);
+  void solve_at_once(InequalityState& io);
+  void note_start(const InequalityState& io);
 
   // ---- set-up (inequality.cpp)
   std::string verdict(Outcome outcome) const;
@@ -131,6 +135,22 @@ struct InequalityEngine {
   // ---- how a solution moves (tangent.cpp)
   bool respond(const InequalityState& at_state, std::span<const Vector> r,
                std::vector<Vector>& change_c, std::vector<Vector>& change_xi);
+  // ---- the branch that continues the last state (follow.cpp)
+  /// A solution that the equilibrium curve found; c from S c = r - G^T W xi.
+  struct CurveSolution {
+    Vector c, z, xi;
+    std::vector<int> places;
+  };
+  void prepare_following();
+  bool may_have_left(const InequalityState& now) const;
+  bool prepare_curve();
+  Vector curve_start(const InequalityState& io) const;
+  CurveSolution on_curve(const Vector& free) const;
+  void follow(InequalityState& io);
+  bool is_same(const Vector& on_the_curve, const InequalityState& now) const;
+  bool settle_on(const CurveSolution& found, InequalityState& io);
+  void least_on_curve(const Vector& z0, const Vector& xi0, const Vector& b1, const Vector& free,
+                      InequalityState& io);
 
   // ---- what one solve leaves to the next (saved_solver.cpp)
   void save(std::ostream& out) const;
@@ -197,6 +217,15 @@ struct InequalityEngine {
   double snap_factor = certificate_snap;
   Vector reach;   ///< by unknown: a displacement, the scale of its rounding (update_reach)
   Vector z_start; ///< where the path to the present solution began
+
+  // the branch that continues the last state
+  bool may_soften = false; ///< some law has a slope that falls
+  std::optional<bool> known_convex;
+  std::vector<int> state_before;
+  Vector xi_before;
+  std::vector<CurveGraph> curve_graphs; ///< by prepared law
+  std::optional<EquilibriumCurve> curve;
+  DenseMatrix response; ///< S^-1 G^T
   InequalityReport report;
 };
 

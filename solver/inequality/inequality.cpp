@@ -42,13 +42,20 @@ void InequalityEngine::refresh_laws() {
       graph_of.push_back(p.graph);
       prepared.emplace_back(*problem.laws[p.law], problem.graphs[p.graph]);
     }
+    prepare_following();
     return;
   }
+  bool any = false;
   for (std::size_t k = 0; k < prepared.size(); ++k) {
     const LawGraph& graph = problem.graphs[graph_of[k]];
     const Law& law = prepared[k].law();
-    if (law.depends_on_t() || &prepared[k].graph() != &graph) prepared[k] = PreparedLaw(law, graph);
+    if (!law.depends_on_t() && &prepared[k].graph() == &graph) continue;
+    prepared[k] = PreparedLaw(law, graph);
+    any = true;
   }
+  if (!any) return;
+  known_convex.reset();
+  prepare_following();
 }
 
 /// Stiffness of the body felt at a point, sum S_ii G_i^2 / (sum G_i^2)^2 averaged over its rows,
@@ -213,7 +220,18 @@ InequalityReport InequalityEngine::solve(const Vector& right_side, InequalitySta
     return report;
   }
   refresh_laws();
-  if (solve_with_inverse(io)) return report;
+  const bool follows =
+      may_soften && io.z_before.size() == n_rows && options.branch != Branch::release;
+  if (follows) note_start(io);
+  solve_at_once(io);
+  if (follows) follow(io);
+  io.z_before.resize(0);
+  return report;
+}
+
+/// Without a look at other branches.
+void InequalityEngine::solve_at_once(InequalityState& io) {
+  if (solve_with_inverse(io)) return;
   load(io);
   idle = true;
   for (int p = 0; p < n_points; ++p)
@@ -228,9 +246,7 @@ InequalityReport InequalityEngine::solve(const Vector& right_side, InequalitySta
   }
   if (idle && report.iterations == 1 && xi.isZero(0.0)) report.iterations = 0;
   store(io);
-  if (report.converged) return report;
-  report.verdict = verdict(outcome);
-  return report;
+  if (!report.converged) report.verdict = verdict(outcome);
 }
 
 struct InequalitySolver::Impl : InequalityEngine {

@@ -102,6 +102,13 @@ struct InequalityReport {
   int worst_point = -1;
   int events = 0;
   std::string verdict; ///< a sentence when not converged
+  /// Steps along the equilibrium curve from the last state to this one (equilibrium_curve.hpp); 0:
+  /// there was no need of them.
+  int inner_steps = 0;
+  /// Where branches ended on that way: 0 at the last state, 1 at this one.
+  std::vector<double> branch_ends;
+  /// Several solutions are possible, and whether this one continues the last state is not known.
+  bool not_followed = false;
 };
 
 /// The state that is carried from step to step: warm start and multipliers.
@@ -115,6 +122,9 @@ struct InequalityState {
   /// path to the solution starts. Empty: at (c, xi).
   Vector c_guess, xi_guess;
   Vector s_c_guess; ///< S c_guess where the caller has it, else empty
+  /// The arguments of the last state, to follow the branch from where several solutions are
+  /// possible; empty: it is not followed.
+  Vector z_before;
 };
 
 class InequalitySolver {

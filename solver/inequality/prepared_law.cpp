@@ -26,9 +26,9 @@ PreparedLaw::PreparedLaw(const Law& law, const LawGraph& graph)
   }
 }
 
-/// Takes the steepest descent of the slope on a piece into that of its component; radial: across
+/// The steepest descent of the slope on a piece, taken into that of its component; radial: across
 /// the direction of slip, too, which matters beyond a jump down only (else mu(r) >= mu(0) - m r).
-void PreparedLaw::descend(int piece, LawComponent& c) const {
+double PreparedLaw::descend(int piece, LawComponent& c) const {
   const double low = piece_low(*graph_, piece, radial_), high = piece_high(*graph_, piece);
   const auto range = law_->curvature_range(*graph_, piece, low, high);
   // What was only seen may be a little short, and rounding must not undo monotonicity.
@@ -36,13 +36,19 @@ void PreparedLaw::descend(int piece, LawComponent& c) const {
   c.proved = c.proved && range.exact && std::isfinite(m);
   if (!std::isfinite(m))
     m = std::max(0.0, finite_or(-law_->curvature(*graph_, piece, (low + high) / 2), 0.0)) * 1e3;
+  if (radial_) m = std::max(m, descent_across(piece, low, high));
   c.m = std::max(c.m, m);
-  if (!radial_) return;
+  return m;
+}
+
+double PreparedLaw::descent_across(int piece, double low, double high) const {
+  double m = 0.0;
   const double start = std::max(low, 0.0), end = std::isfinite(high) ? high : 2.0 * start + 1.0;
   for (int k = 1; k <= 32; ++k) {
     const double r = start + (end - start) * (k / 32.0);
-    c.m = std::max(c.m, -law_->slope(*graph_, piece, r) / r);
+    m = std::max(m, -law_->slope(*graph_, piece, r) / r);
   }
+  return m;
 }
 
 void PreparedLaw::add_component(int first, int last) {
@@ -50,7 +56,7 @@ void PreparedLaw::add_component(int first, int last) {
   c.first = first, c.last = last;
   c.low = piece_low(*graph_, first, false);
   c.high = piece_high(*graph_, last);
-  for (int i = first; i <= last; ++i) descend(i, c);
+  for (int i = first; i <= last; ++i) softens_.push_back(descend(i, c) > 0.0);
   if (std::isfinite(c.low)) {
     c.low_s = graph_->right[first - 1];
     c.low_d = finite_or(law_->curvature(*graph_, first, c.low), 0.0);

@@ -36,6 +36,8 @@ public:
   int components() const { return static_cast<int>(components_.size()); }
   const LawComponent& component(int k) const { return components_[k]; }
   int component_of_piece(int piece) const { return component_of_[piece]; }
+  /// Does the slope fall somewhere on this piece (radial: or across the direction of slip)?
+  bool softens(int piece) const { return softens_[piece] != 0; }
   /// Is this state one the graph has?
   bool valid_state(int state) const;
 
@@ -48,7 +50,8 @@ public:
 
 private:
   void add_component(int first, int last);
-  void descend(int piece, LawComponent& c) const;
+  double descend(int piece, LawComponent& c) const;
+  double descent_across(int piece, double low, double high) const;
   GraphPoint solve_inside(const LawComponent& c, int piece, double y, double a, double gamma,
                           double guess) const;
   GraphPoint iterate(int piece, double y, double a, double gamma, double guess) const;
@@ -59,6 +62,7 @@ private:
   double slope_scale_ = 0.0;
   std::vector<LawComponent> components_;
   std::vector<int> component_of_;
+  std::vector<char> softens_; ///< by piece
 };
 
 } // namespace hvi::solver

@@ -179,6 +179,15 @@ void prepare(Contact& contact, const Plan& plan, double t, const Vector& known, 
       size[row] += std::abs(it.value() * known[it.col()]);
 }
 
+void arguments_of(const Contact& contact, const Plan& plan, double t, const Vector& u, Vector& z) {
+  z.noalias() = contact.g * u;
+  Vector offsets;
+  for (const auto& term : contact.terms) {
+    law_offsets(term.points, plan.law_terms[term.points.law_term], t, offsets);
+    z.segment(term.first_row, term.n_rows()) += offsets;
+  }
+}
+
 std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& xi, int point) {
   std::array<double, 3> out{};
   const int rows = term.points.rows;

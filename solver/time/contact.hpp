@@ -51,6 +51,9 @@ Contact make_contact(const Plan& plan, const Discretisation& discretisation,
 /// multipliers that coupled laws read.
 void prepare(Contact& contact, const Plan& plan, double t, const Vector& known, const Vector& xi);
 
+/// The arguments of all laws of a state at time t.
+void arguments_of(const Contact& contact, const Plan& plan, double t, const Vector& u, Vector& z);
+
 /// Multiplier of point p of a term in the global frame (scalar laws: component 0).
 std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& xi, int point);
 

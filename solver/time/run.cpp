@@ -38,9 +38,32 @@ constexpr int error_samples = 2;
 constexpr double cheap_bytes = 1e5;
 /// A work identity that is off by more shows that the steps do not add up.
 constexpr double largest_imbalance = 1e-6;
+/// Releases, ends of branches (with the load they ended at) and snaps; "" for a smooth step.
+std::string what_happened(const StepResult& step, int n, const TimeGrid& grid) {
+  std::string out;
+  if (step.inequality.events > 0)
+    out = fmt::format("{} points released (downward jump)", step.inequality.events);
+  const auto& ends = step.branch_ends;
+  if (ends.empty()) {
+    if (out.empty() && step.snap)
+      out = "snap: the step crossed unstable states and its branch was not followed; smaller steps "
+            "may show another";
+    return out;
+  }
+  const auto place = [&](double part) {
+    return grid.is_static() ? fmt::format("{:.6g} of the load", part)
+                            : fmt::format("t = {:.6g}", grid.t(n - 1) + part * grid.length(n));
+  };
+  out += fmt::format("{}snap: the branch ended at {} (a limit point)", out.empty() ? "" : "; ",
+                     place(ends.front()));
+  if (ends.size() > 1)
+    out += fmt::format(", the next ones up to {}, {} in all", place(ends.back()), ends.size());
+  return out + "; on with the next stable state of the equilibrium curve at that load";
+}
 
 /// Worst numbers over the steps, and the notes.
-void note(const StepResult& step, int n, double t, const Plan& plan, RunResult& result) {
+void note(const StepResult& step, int n, double t, const TimeGrid& grid, const Plan& plan,
+          RunResult& result) {
   auto& certificate = result.certificate;
   if (std::max(step.equilibrium, step.inclusion.worst) >
       std::max(certificate.equilibrium, certificate.inclusion))
@@ -50,11 +73,8 @@ void note(const StepResult& step, int n, double t, const Plan& plan, RunResult& 
   certificate.equilibrium = std::max(certificate.equilibrium, step.equilibrium);
   certificate.inclusion = std::max(certificate.inclusion, step.inclusion.worst);
   const Origin origin = plan.law_terms.empty() ? Origin{} : plan.law_terms.front().origin;
-  if (step.inequality.events > 0)
-    result.notes.push_back(
-        {n, t, fmt::format("{} points released (downward jump)", step.inequality.events), origin});
-  else if (step.snap)
-    result.notes.push_back({n, t, "snap: the branch ended and the step jumped to another", origin});
+  if (const auto what = what_happened(step, n, grid); !what.empty())
+    result.notes.push_back({n, t, what, origin});
 }
 
 /// The law term to blame: of the worst point, else the first.
@@ -122,8 +142,9 @@ StepNote get_note(StateReader& r) {
 }
 
 /// The counters that grow with the steps.
-std::array<int, 6> grown(const WorkCounters& w) {
-  return {w.analyses, w.factorisations, w.sweeps, w.products, w.newton, w.fallback_steps};
+std::array<int, 9> grown(const WorkCounters& w) {
+  return {w.analyses,       w.factorisations, w.sweeps,      w.products,        w.newton,
+          w.fallback_steps, w.followed_steps, w.inner_steps, w.unfollowed_steps};
 }
 
 /// What audits of the memory have changed so far: the routes, and what is said of it.
@@ -229,7 +250,7 @@ private:
     const PhaseClock clock(result_.timing.steps);
     const auto outcome = stepper_.advance(n);
     if (!outcome.certified) not_certified(outcome, n, stepper_, plan_);
-    note(outcome, n, stepper_.t(), plan_, result_);
+    note(outcome, n, stepper_.t(), stepper_.grid(), plan_, result_);
     reporter_.mark(outcome);
     if (monitor_) {
       monitor_->take(stepper_, outcome);
@@ -314,7 +335,8 @@ private:
   void account(WorkCounters& work, Timing& timing) const {
     stepper_.account(work, timing);
     int* const all[] = {&work.analyses, &work.factorisations, &work.sweeps,
-                        &work.products, &work.newton,         &work.fallback_steps};
+                        &work.products, &work.newton,         &work.fallback_steps,
+                        &work.followed_steps, &work.inner_steps, &work.unfollowed_steps};
     for (std::size_t i = 0; i < grown_before_.size(); ++i) *all[i] += grown_before_[i];
   }
 
@@ -376,7 +398,7 @@ private:
     WorkCounters now;
     Timing timing;
     stepper_.account(now, timing);
-    const auto saved = r.get<std::array<int, 6>>(), here = grown(now);
+    const auto saved = r.get<std::array<int, 9>>(), here = grown(now);
     for (std::size_t i = 0; i < saved.size(); ++i) grown_before_[i] = saved[i] - here[i];
     if (monitor_) {
       monitor_times_ = r.get_vector<double>();
@@ -398,7 +420,7 @@ private:
   std::optional<EnergyMonitor> monitor_;
   std::vector<double> monitor_times_;
   std::uint64_t fingerprint_ = 0;
-  std::array<int, 6> grown_before_{};
+  std::array<int, 9> grown_before_{};
 };
 
 /// A result that is mostly rounding is none.

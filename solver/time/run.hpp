@@ -87,6 +87,9 @@ struct Timing {
 struct WorkCounters {
   int matrices = 0, analyses = 0, factorisations = 0, sweeps = 0, products = 0, newton = 0,
       history_fields = 0, fallback_steps = 0;
+  /// Steps whose branch was followed from the last state, the inner steps that took, and steps
+  /// where that could not be done.
+  int followed_steps = 0, inner_steps = 0, unfollowed_steps = 0;
   std::int64_t field_reads = 0; ///< of stored history fields
   double bytes = 0;
 };

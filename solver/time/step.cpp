@@ -37,6 +37,8 @@ Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
   const PhaseClock clock(timing.assembly);
   operators_ = assemble_operators(plan, d, layout_);
   contact_ = make_contact(plan, d, layout_);
+  follows_ = !contact_.coupled && std::any_of(contact_.softening.begin(), contact_.softening.end(),
+                                              [](double m) { return m > 0.0; });
   loads_.emplace(d.space, d.parts, plan.loads);
   loads_->restrict_to({layout_.dof_of.data(), static_cast<std::size_t>(layout_.n_unknowns)});
   options_.tolerance = plan.options.tolerance;
@@ -306,7 +308,8 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
   inequality_.c.setZero(); // the path to the new state starts at the last one
   const Vector* const right = change_.isZero(0.0) ? &rhs_ : nullptr;
   double last = std::numeric_limits<double>::infinity();
-  int iterations = 0, events = 0;
+  int iterations = 0, events = 0, inner = 0;
+  bool not_followed = false;
   while (out.corrections < most_corrections) {
     if (out.corrections > 0) matrix.limit_sweeps({});
     out.inequality = out.corrections == 0 && !predicted
@@ -316,6 +319,10 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
     ++out.corrections;
     iterations += out.inequality.iterations;
     events += out.inequality.events;
+    inner += out.inequality.inner_steps;
+    not_followed = not_followed || out.inequality.not_followed;
+    auto& ends = out.inequality.branch_ends;
+    out.branch_ends.insert(out.branch_ends.end(), ends.begin(), ends.end());
     out.equilibrium = residual(matrix);
     if (!contact_.none()) find_reach(matrix.k(), kd_, d_, rhs_, contact_);
     if (predicted && out.corrections == 1) {
@@ -333,6 +340,7 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
   }
   out.inequality.iterations = iterations;
   out.inequality.events = events;
+  out.inequality.inner_steps = inner, out.inequality.not_followed = not_followed;
   return out;
 }
 
@@ -379,6 +387,10 @@ StepResult Stepper::attempt(int n, StepMatrix& matrix) {
   find_change(n, matrix);
   right_hand_side(n);
   if (!contact_.none()) prepare(contact_, plan_, grid_.t(n), known_, inequality_.xi);
+  if (follows_) {
+    const double before = grid_.is_static() ? 0.0 : grid_.t(n - 1);
+    arguments_of(contact_, plan_, before, u_, inequality_.z_before);
+  }
   auto out = correct(n, matrix, false);
   if (contact_.coupled) couple_bounds(n, matrix, out);
   if (refines_) refine(n, matrix, out);
@@ -410,7 +422,15 @@ StepResult Stepper::advance(int n) {
     inequality_ = accepted_;
     out = attempt(n, matrix);
   }
-  if (out.certified && operators_.symmetric && !contact_.none())
+  if (out.certified) {
+    inner_steps_ += out.inequality.inner_steps;
+    unfollowed_ += out.inequality.not_followed;
+    followed_ += out.inequality.inner_steps > 0 && !out.inequality.not_followed;
+  }
+  const bool guess = out.inequality.inner_steps == 0 || out.inequality.not_followed;
+  if (!out.branch_ends.empty())
+    out.snap = true;
+  else if (out.certified && guess && operators_.symmetric && !contact_.none())
     out.snap = is_snap(contact_, inequality_.c, kd_.dot(d_), dz_);
   if (out.certified) {
     if (checks_wait_ && !checked_.empty() && checked_[n] != 0 && n < grid_.steps())

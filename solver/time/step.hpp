@@ -22,7 +22,9 @@ struct StepResult {
   InequalityReport inequality; ///< of the last correction; iterations and events of all
   int corrections = 0;         ///< pairs of sweeps
   bool certified = false;
-  bool snap = false; ///< it crossed unstable states (snap.hpp)
+  /// It crossed unstable states: the branch ended, or where it was not followed, snap.hpp says so.
+  bool snap = false;
+  std::vector<double> branch_ends; ///< where, from 0 at the last state to 1 at this one
 };
 
 /// A check that was put off found a step without a certificate: the run starts again and makes each
@@ -191,6 +193,8 @@ private:
   double mismatch_ = 0; ///< backward error due to the part of K_n that its factor does not know
   std::int64_t earlier_reads_ = 0;
   int products_ = 0, corrections_ = 0, newton_ = 0, fallbacks_ = 0;
+  bool follows_ = false; ///< a law's slope falls somewhere: branches may have to be followed
+  int followed_ = 0, inner_steps_ = 0, unfollowed_ = 0;
 };
 
 } // namespace hvi::solver

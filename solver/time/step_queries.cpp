@@ -41,6 +41,9 @@ void Stepper::account(WorkCounters& work, Timing& timing) const {
   work.products = products_;
   work.newton = newton_;
   work.fallback_steps = fallbacks_;
+  work.followed_steps = followed_;
+  work.inner_steps = inner_steps_;
+  work.unfollowed_steps = unfollowed_;
   work.field_reads = field_reads();
   for (const auto& report : memory_->reports()) {
     work.history_fields += static_cast<int>(report.fields);
