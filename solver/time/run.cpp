@@ -119,7 +119,8 @@ void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
             law.constants(term.points.x[0], plan.time.is_static ? 0.0 : plan.time.grid[0]).m))
       continue;
     result.notes.push_back({0, 0.0,
-                            fmt::format("`{}` jumps down, so uniqueness is not guaranteed; {}",
+                            fmt::format("`{}` jumps down, so uniqueness is not guaranteed; {}; it is "
+                                        "reversible: what broke holds again on the way back",
                                         law.spec().name, sentence(plan.options.branch)),
                             spec.origin});
   }

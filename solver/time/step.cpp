@@ -37,8 +37,6 @@ Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
   const PhaseClock clock(timing.assembly);
   operators_ = assemble_operators(plan, d, layout_);
   contact_ = make_contact(plan, d, layout_);
-  follows_ = !contact_.coupled && std::any_of(contact_.softening.begin(), contact_.softening.end(),
-                                              [](double m) { return m > 0.0; });
   loads_.emplace(d.space, d.parts, plan.loads);
   loads_->restrict_to({layout_.dof_of.data(), static_cast<std::size_t>(layout_.n_unknowns)});
   options_.tolerance = plan.options.tolerance;
@@ -200,6 +198,7 @@ void Stepper::judge_uniqueness(StepMatrix& matrix) {
       uniqueness.judge_all(matrix.factorisation());
   }
   not_unique_ = uniqueness.obstacle();
+  follows_ = !not_unique_.empty() && !contact_.coupled;
 }
 
 /// gap = rhs - K_n d with K_n = K + sum_b change_b T_b, its scale, and the backward error.
@@ -385,6 +384,10 @@ void Stepper::couple_bounds(int n, StepMatrix& matrix, StepResult& out) {
 StepResult Stepper::attempt(int n, StepMatrix& matrix) {
   impose_values(n);
   find_change(n, matrix);
+  if (follows_ && !change_.isZero(0.0)) { // where a branch ends, K_n itself has to say
+    factor_or_explain(matrix, coefficients(n), plan_, discretisation_, layout_);
+    change_.setZero();
+  }
   right_hand_side(n);
   if (!contact_.none()) prepare(contact_, plan_, grid_.t(n), known_, inequality_.xi);
   if (follows_) {
