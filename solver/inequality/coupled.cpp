@@ -200,6 +200,7 @@ double InequalityEngine::Coupled::multipliers() {
     }
   };
   w.update_product();
+  w.update_reach();
   for (int p = 0; p < w.n_points; ++p)
     if (bound_of[p] < 0) w.put(w.trial, p, w.multiplier(p));
   place_bounds(false);

@@ -118,7 +118,6 @@ struct InequalityEngine {
 
   // ---- bounds that are other laws' multipliers (coupled.cpp, coupled_path.cpp)
   struct Coupled;     ///< what one solve needs
-  struct CoupledPath; ///< follows the solutions as the bounds grow
   InequalityReport solve_coupled(const Vector& r, InequalityState& io);
 
   // ---- components (release.cpp)
