@@ -139,8 +139,10 @@ void CellLocator::build(std::int32_t node, std::int32_t first, std::int32_t past
   nodes_[node] = {box, child, 0};
 }
 
-int CellLocator::find(const Point& p, std::array<double, 4>& barycentric) const {
+int CellLocator::find(const Point& p, std::array<double, 4>& barycentric,
+                      std::size_t* looked_at) const {
   if (nodes_.empty()) return -1;
+  std::size_t compared = 0;
   int best = -1;
   double best_depth = -slack;         // depth: the smallest barycentric coordinate
   std::array<std::int32_t, 64> stack; // the tree is balanced: depth below 32
@@ -148,6 +150,7 @@ int CellLocator::find(const Point& p, std::array<double, 4>& barycentric) const 
   stack[top++] = 0;
   while (top > 0) {
     const Node& node = nodes_[stack[--top]];
+    ++compared;
     if (!holds(node.box, p)) continue;
     if (node.count == 0) {
       stack[top++] = node.first;
@@ -155,6 +158,7 @@ int CellLocator::find(const Point& p, std::array<double, 4>& barycentric) const 
       continue;
     }
     const bool many = node.count > leaf_size;
+    compared += static_cast<std::size_t>(node.count);
     for (auto i = node.first; i < node.first + node.count; ++i) {
       if (many &&
           (beside(*mesh_, order_[i], p, widest_margin_) || !holds(box_of(*mesh_, order_[i]), p)))
@@ -168,6 +172,7 @@ int CellLocator::find(const Point& p, std::array<double, 4>& barycentric) const 
       }
     }
   }
+  if (looked_at != nullptr) *looked_at += compared;
   return best;
 }
 
