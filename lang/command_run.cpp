@@ -119,9 +119,10 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
     fmt::print("{} steps followed their branch by {} inner steps\n", r.work.followed_steps,
                r.work.inner_steps);
   if (r.work.unfollowed_steps > 0)
-    fmt::print("note: {} steps may have left their branch: it was not followed (a vector law, more "
-               "than 1200 points, or a curve without a further stable state)\n",
-               r.work.unfollowed_steps);
+    fmt::print(
+        "note: {} steps may have left their branch: it was not followed (a vector law, more "
+        "than 1200 points, forms without symmetry, or a curve without a further stable state)\n",
+        r.work.unfollowed_steps);
   if (r.work.fallback_steps > 0)
     fmt::print("steps that only the globally convergent method solved: {}\n",
                r.work.fallback_steps);

@@ -151,7 +151,8 @@ std::vector<Variation> moved_meshes(const solver::Plan& plan, const solver::Disc
   std::vector<Variation> out;
   for (int sample = 1; sample <= samples; ++sample)
     out.push_back(compared(
-        fmt::format("the coordinates of the nodes by one unit in the last place, sample {}", sample),
+        fmt::format("the coordinates of the nodes by one unit in the last place, sample {}",
+                    sample),
         base, [&] {
           solver::Mesh mesh = d.mesh;
           move_nodes(mesh, static_cast<std::uint64_t>(sample));
@@ -267,10 +268,11 @@ void print_report(const Stability& s) {
   row("conditioning", s.condition > 0 ? fmt::format("about {:.1e} (the step's matrix)", s.condition)
                                       : std::string("not known (no factor of the whole matrix)"));
   row("rounding",
-      fmt::format("changes the solution by about {:.1e}, the printed column most moved by {:.1e} of "
-                  "its size{}",
-                  r.forward_error.solution, r.forward_error.worst(),
-                  r.forward_error.refined ? "; steps refined in extended precision" : ""));
+      fmt::format(
+          "changes the solution by about {:.1e}, the printed column most moved by {:.1e} of "
+          "its size{}",
+          r.forward_error.solution, r.forward_error.worst(),
+          r.forward_error.refined ? "; steps refined in extended precision" : ""));
   if (s.theory)
     row("margins", fmt::format("step {:.6g} (ratio {:.6g}), split {:.6g}, against B {:.6g}",
                                s.theory->margins.step, 1 - s.theory->margins.step,

@@ -210,7 +210,7 @@ private:
   std::vector<std::size_t> chosen_;
   std::vector<double> sample_, replayed_;
   Record record_;
-  bool replays_ = true;      ///< false: the storage for it is used up
+  bool replays_ = true; ///< false: the storage for it is used up
   int order_;
   double now_ = 0;           ///< the last accepted time
   double audited_step_ = -1; ///< the step whose weight was audited last

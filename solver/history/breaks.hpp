@@ -39,7 +39,7 @@ private:
                         std::vector<double>& found);
 
   std::vector<Line> lines_;
-  std::vector<double> fixed_;          ///< lines with per_time = 0, sorted
+  std::vector<double> fixed_; ///< lines with per_time = 0, sorted
   bool source_zero_ = false;
   std::vector<KernelFunction> curves_; ///< what is not affine: searched by sign changes
 };

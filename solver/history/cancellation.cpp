@@ -53,8 +53,8 @@ Expr logarithm_difference(const Expr& a) {
   for (const int n : {9, 7, 5, 3, 1}) series = series * z + Expr(1.0 / n);
   series = Expr(2.0) * y * series;
   const Expr whole = log(a) - log(then);
-  return select(less(d, Expr(small) * then),
-                select(less(Expr(-small) * then, d), series, whole), whole);
+  return select(less(d, Expr(small) * then), select(less(Expr(-small) * then, d), series, whole),
+                whole);
 }
 
 Expr power_difference(const Expr& a, const Expr& exponent, const Expr& whole) {

@@ -132,7 +132,8 @@ Moments KernelIntegral::operator()(double t, double low, double high) const {
 
 /// `at`: the lag where it is worst, negative: not known.
 void KernelIntegral::refuse(double t, double low, double high, double at) const {
-  const std::string near = at < 0 ? "" : fmt::format("; look near lag {:.9g}, s = {:.9g}", at, t - at);
+  const std::string near =
+      at < 0 ? "" : fmt::format("; look near lag {:.9g}, s = {:.9g}", at, t - at);
   throw Failure(FailureKind::bad_kernel, origin_,
                 fmt::format("the memory kernel `{}` has no finite integral, or changes too fast "
                             "for one, over the lags {:.6g} to {:.6g} at t = {:.6g}{}",
@@ -176,8 +177,8 @@ Moments KernelIntegral::at_zero(double t, const Piece& piece, Tally& tally) cons
     auto values = integrate_proved<2>(bracket, modulus, to / 4, to,
                                       std::abs(sum.zero) + 0.01 * tally.scale / factor);
     if (!values.proved)
-      values.integral = integrate_smooth<2>(
-          bracket, to / 4, to, {100 * std::abs(sum.zero), 100 * std::abs(sum.one)});
+      values.integral = integrate_smooth<2>(bracket, to / 4, to,
+                                            {100 * std::abs(sum.zero), 100 * std::abs(sum.one)});
     tally.add(values, factor, h * std::pow(values.at, m));
     sum = sum + Moments{values.integral[0], values.integral[1]};
   }

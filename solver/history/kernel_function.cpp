@@ -86,8 +86,7 @@ void KernelFunction::resolved_edges(double t, double low, double high,
       finite = finite || std::isfinite(value);
       if (std::isfinite(value)) here = std::max(here, value);
     }
-    const bool resolved = m.state == Strip::State::analytic &&
-                          m.most <= factor * here + 1e-290;
+    const bool resolved = m.state == Strip::State::analytic && m.most <= factor * here + 1e-290;
     if (finite && !resolved && b - a > shortest && ++panels < most) {
       open.push_back({0.5 * (a + b), b});
       open.push_back({a, 0.5 * (a + b)});

@@ -80,7 +80,8 @@ Crossings look_across_breaks(const Expr& expression, const KernelFunction& q,
         return std::max(std::abs(slope(t + d, lag + d)), std::abs(slope(t - d, lag - d)));
       };
       const double far = 1e-4 * lag, near = 1e-9 * lag;
-      const double size = std::max(std::abs(q(t + far, lag + far)), std::abs(q(t - far, lag - far)));
+      const double size =
+          std::max(std::abs(q(t + far, lag + far)), std::abs(q(t - far, lag - far)));
       out.sup = std::max(out.sup, std::max(size, std::abs(q(t, lag))));
       const bool jumps = across(near) > 0.3 * across(far) && across(near) > 1e-7 * size;
       const bool root = !(steepest(near) <= 1.5 * steepest(far) + 1e-6 * size / lag);
@@ -111,8 +112,8 @@ std::optional<double> prony_integral(const ExponentialTerms& terms, double lengt
 double absolute_integral(const Expr& expression, double exponent, double t, double length) {
   if (length <= 0) return 0;
   const Expr magnitude = abs(expression);
-  const KernelIntegral integral(magnitude, KernelFunction(magnitude, {}), Breaks(magnitude, {}), exponent, {},
-                                "q");
+  const KernelIntegral integral(magnitude, KernelFunction(magnitude, {}), Breaks(magnitude, {}),
+                                exponent, {}, "q");
   const KernelFunction q(expression, {});
   // Pieces short enough that the search for sign changes sees every oscillation of moderate speed.
   constexpr int pieces = 64;

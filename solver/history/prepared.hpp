@@ -16,7 +16,8 @@ struct PreparedKernel {
   PreparedKernel(const KernelSpec& spec_, StudiedKernel studied)
       : spec(spec_), traits(std::move(studied.traits)), terms(std::move(studied.terms)),
         function(spec_.expression, spec_.origin), breaks(spec_.expression, spec_.origin),
-        integral(spec_.expression, function, breaks, traits.singular_exponent, spec_.origin, spec_.name) {}
+        integral(spec_.expression, function, breaks, traits.singular_exponent, spec_.origin,
+                 spec_.name) {}
   /// sup over the times up to t0 + horizon of int |q| over the lags since t0.
   double norm(double t0, double horizon) const;
 

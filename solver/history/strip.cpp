@@ -28,9 +28,7 @@ Range product(Range a, Range b) {
 }
 
 double largest(const Strip& z) { return std::max(std::abs(z.low), std::abs(z.high)); }
-double least(const Strip& z) {
-  return z.low > 0 ? z.low : z.high < 0 ? -z.high : 0.0;
-}
+double least(const Strip& z) { return z.low > 0 ? z.low : z.high < 0 ? -z.high : 0.0; }
 
 State worse(State a, State b) { return std::max(a, b); }
 
@@ -56,8 +54,8 @@ Strip multiply(const Strip& a, const Strip& b) {
   const Range re = product({a.low, a.high}, {b.low, b.high});
   const Range on_line = product({a.real_low, a.real_high}, {b.real_low, b.real_high});
   const double im = a.imaginary * b.imaginary;
-  return {re.low - im,    re.high + im,    largest(a) * b.imaginary + largest(b) * a.imaginary,
-          on_line.low,    on_line.high,    State::analytic};
+  return {re.low - im, re.high + im, largest(a) * b.imaginary + largest(b) * a.imaginary,
+          on_line.low, on_line.high, State::analytic};
 }
 
 /// x / (x^2 + y^2) and y / (x^2 + y^2) for x > 0.
@@ -67,15 +65,22 @@ Strip reciprocal(const Strip& z) {
   const double y = z.imaginary;
   const auto part = [&](double x) { return 1 / (x + y * (y / x)); };
   const double im = y <= z.low ? (y / z.low) * part(z.low) : 0.5 / z.low;
-  return {std::min(part(z.low), part(z.high)), 1 / z.low, im, 1 / z.real_high, 1 / z.real_low,
+  return {std::min(part(z.low), part(z.high)),
+          1 / z.low,
+          im,
+          1 / z.real_high,
+          1 / z.real_low,
           State::analytic};
 }
 
 /// modulus in [r.low, r.high], |argument| <= angle.
 Strip polar(Range r, double angle, Range on_line) {
   const double c = std::cos(std::min(angle, pi));
-  return {c >= 0 ? r.low * c : r.high * c, r.high,
-          r.high * (angle < pi / 2 ? std::sin(angle) : 1.0), on_line.low, on_line.high,
+  return {c >= 0 ? r.low * c : r.high * c,
+          r.high,
+          r.high * (angle < pi / 2 ? std::sin(angle) : 1.0),
+          on_line.low,
+          on_line.high,
           State::analytic};
 }
 
@@ -83,8 +88,7 @@ Range ordered(double a, double b) { return {std::min(a, b), std::max(a, b)}; }
 
 /// z^c in the right half plane.
 Strip right_power(const Strip& z, double c) {
-  const Range modulus =
-      ordered(std::pow(z.low, c), std::pow(std::hypot(z.high, z.imaginary), c));
+  const Range modulus = ordered(std::pow(z.low, c), std::pow(std::hypot(z.high, z.imaginary), c));
   return polar(modulus, std::abs(c) * std::atan2(z.imaginary, z.low),
                ordered(std::pow(z.real_low, c), std::pow(z.real_high, c)));
 }
@@ -93,8 +97,7 @@ Strip square(const Strip& z) {
   const double big = largest(z), small = least(z), y = z.imaginary;
   const double line = std::max(std::abs(z.real_low), std::abs(z.real_high));
   const double near = z.real_low > 0 ? z.real_low : z.real_high < 0 ? -z.real_high : 0.0;
-  return {small * small - y * y, big * big, 2 * big * y, near * near, line * line,
-          State::analytic};
+  return {small * small - y * y, big * big, 2 * big * y, near * near, line * line, State::analytic};
 }
 
 Strip whole_power(const Strip& z, int n) {
@@ -117,8 +120,11 @@ Strip exponential(const Strip& z) {
 
 Strip logarithm(const Strip& z) {
   if (!(z.low > 0)) return nothing(State::singular);
-  return {std::log(z.low),      std::log(std::hypot(z.high, z.imaginary)),
-          std::atan2(z.imaginary, z.low), std::log(z.real_low), std::log(z.real_high),
+  return {std::log(z.low),
+          std::log(std::hypot(z.high, z.imaginary)),
+          std::atan2(z.imaginary, z.low),
+          std::log(z.real_low),
+          std::log(z.real_high),
           State::analytic};
 }
 
@@ -200,9 +206,7 @@ Strip arcsine(const Strip& z) {
   return mean_value(z, right_power(inside, -0.5), [](double x) { return std::asin(x); });
 }
 
-Strip ball(double radius) {
-  return {-radius, radius, radius, -radius, radius, State::analytic};
-}
+Strip ball(double radius) { return {-radius, radius, radius, -radius, radius, State::analytic}; }
 
 bool is_number(const Strip& z) { return z.low == z.high && z.imaginary == 0; }
 

@@ -13,8 +13,8 @@
 namespace hvi::solver {
 
 /// All z with low <= Re z <= high, |Im z| <= imaginary. Beside it the range over the real points of
-/// the panel, by which a case of a kernel is chosen: the case then goes on, as an analytic function,
-/// beyond the panel's ends.
+/// the panel, by which a case of a kernel is chosen: the case then goes on, as an analytic
+/// function, beyond the panel's ends.
 struct Strip {
   double low = 0, high = 0, imaginary = 0;
   double real_low = 0, real_high = 0;

@@ -21,8 +21,7 @@ struct VerifiedTerms {
 };
 /// The kernel as an exponential sum, if it is one symbolically and also at sample points, and if
 /// its factors g and h stay far from overflow.
-std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horizon,
-                                            double t0 = 0);
+std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horizon, double t0 = 0);
 
 /// Everything found out about a kernel.
 struct StudiedKernel {

@@ -194,14 +194,17 @@ private:
       row("memory", fmt::format("`{}` relaxes: 1 + int q at the end", kernel.name), late,
           Answer::open, origin,
           "positive at lag 0 against its tensor: this memory stiffens the body. Beside the "
-          "instantaneous B a relaxation has the sign -, as in `kernel C(lag) = -0.3*exp(-lag) * B`; "
+          "instantaneous B a relaxation has the sign -, as in `kernel C(lag) = -0.3*exp(-lag) * "
+          "B`; "
           "the usual weights of a Prony series belong to the relaxation function, not to its "
           "derivative");
     if (late < 0.0) {
       double low = 0.0, high = horizon;
-      for (int i = 0; i < 40; ++i) (relaxed(0.5 * (low + high)) < 0.0 ? high : low) = 0.5 * (low + high);
-      row("memory", fmt::format("`{}` leaves a positive modulus: 1 + int q at the end", kernel.name),
-          late, Answer::fails, origin,
+      for (int i = 0; i < 40; ++i)
+        (relaxed(0.5 * (low + high)) < 0.0 ? high : low) = 0.5 * (low + high);
+      row("memory",
+          fmt::format("`{}` leaves a positive modulus: 1 + int q at the end", kernel.name), late,
+          Answer::fails, origin,
           fmt::format("held for longer than {:.6g} a strain meets a negative modulus; the kernel "
                       "is meant for shorter times",
                       high));

@@ -51,9 +51,7 @@ double exponent_beside(const Expr& f, double at, double side) {
   const std::array<std::pair<Slot, Expr>, 1> change{
       {{slot::t, Expr(at) + Expr(side) * Expr::variable(slot::t)}}};
   const Expr moved = expand(substitute(f, change));
-  const auto size = [&](double d) {
-    return std::abs(evaluate(moved, [&](Slot) { return d; }));
-  };
+  const auto size = [&](double d) { return std::abs(evaluate(moved, [&](Slot) { return d; })); };
   double exponent = 0.0;
   // Where the place is no number of the machine, distances below its rounding say nothing.
   for (const auto& [near, far] : {std::pair{1e-60, 1e-40}, std::pair{1e-9, 1e-7}}) {

@@ -45,8 +45,9 @@ private:
     if (out_.discrete)
       out_.discrete_verdict = fmt::format("on this mesh {} has exactly one solution", what);
     else if (facts_.coupled)
-      out_.discrete_verdict = "neither existence for large bounds nor uniqueness is guaranteed: the "
-                              "bound of a law is the multiplier of another one";
+      out_.discrete_verdict =
+          "neither existence for large bounds nor uniqueness is guaranteed: the "
+          "bound of a law is the multiplier of another one";
     else if (positive && !facts_.proved)
       out_.discrete_verdict =
           fmt::format("uniqueness is not guaranteed: m_J is sampled, not proved (with it {} would "

@@ -60,6 +60,11 @@ void InequalityEngine::Coupled::set_share(double value) {
 
 void InequalityEngine::Coupled::set_bound(Bound& b, double multiplier) {
   if (b.known && b.multiplier == multiplier) return;
+  // A trial far inside an obstacle has no pressure that could bound anything; its own law says so.
+  if (!(std::abs(multiplier) < unbounded_slope)) {
+    if (b.known) return;
+    multiplier = 0.0;
+  }
   PreparedLaw& law = w.prepared[w.points[b.point].law];
   b.multiplier = multiplier, b.known = true;
   b.graph = law.law().graph(b.x, {w.problem.t, share * multiplier});
@@ -108,7 +113,8 @@ void InequalityEngine::Coupled::linear_multipliers(Vector& out) const {
   }
 }
 
-/// H = sum_p w_p G_p^T D_p G_p, and w_t G_t^T e (d slope / d multiplier) D_n G_n for coupled points.
+/// H = sum_p w_p G_p^T D_p G_p, and w_t G_t^T e (d slope / d multiplier) D_n G_n for coupled
+/// points.
 void InequalityEngine::Coupled::assemble() {
   entries.clear();
   const auto add = [&](int row, int column, double factor) {
@@ -121,8 +127,7 @@ void InequalityEngine::Coupled::assemble() {
   for (int p = 0; p < w.n_points; ++p) {
     const PointData& q = w.points[p];
     for (int a = 0; a < q.rows; ++a)
-      for (int b = 0; b < q.rows; ++b)
-        add(q.first + a, q.first + b, q.weight * w.d[p][3 * a + b]);
+      for (int b = 0; b < q.rows; ++b) add(q.first + a, q.first + b, q.weight * w.d[p][3 * a + b]);
   }
   for (const Bound& b : bounds) {
     const PointData &q = w.points[b.point], &other = w.points[b.normal];
@@ -340,11 +345,12 @@ InequalityReport InequalityEngine::solve_coupled(const Vector& right_side, Inequ
   count_events(components_before);
   store(io);
   if (!report.converged)
-    report.verdict = fmt::format(
-        "the laws and the bounds that they give each other were not solved together, neither by Newton's "
-        "method nor by raising the bounds from 0 (share reached: {:.3g}): a solution may not exist, "
-        "or not near the last one; take smaller steps",
-        f.share);
+    report.verdict = fmt::format("the laws and the bounds that they give each other were not "
+                                 "solved together, neither by Newton's "
+                                 "method nor by raising the bounds from 0 (share reached: {:.3g}): "
+                                 "a solution may not exist, "
+                                 "or not near the last one; take smaller steps",
+                                 f.share);
   return report;
 }
 

@@ -47,7 +47,7 @@ struct InequalityEngine::Coupled {
   // ---- methods, from the present place; false: they do not get there
   bool newton(int limit);
   bool newton_with_scales(int limit);
-  bool solve(int limit); ///< Newton, with points that leave a component of their law moved on
+  bool solve(int limit);  ///< Newton, with points that leave a component of their law moved on
   bool solve_uncoupled(); ///< at share 0
   bool raise_share();     ///< to 1, by Newton's method at ever larger shares
 

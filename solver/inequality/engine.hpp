@@ -117,7 +117,7 @@ struct InequalityEngine {
   Outcome fallback();
 
   // ---- bounds that are other laws' multipliers (coupled.cpp, coupled_path.cpp)
-  struct Coupled;     ///< what one solve needs
+  struct Coupled; ///< what one solve needs
   InequalityReport solve_coupled(const Vector& r, InequalityState& io);
 
   // ---- components (release.cpp)

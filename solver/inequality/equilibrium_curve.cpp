@@ -148,8 +148,8 @@ bool EquilibriumCurve::correct() {
   return last <= 1e-10 * size_;
 }
 
-/// S + H positive definite, upright points held. Without symmetry, what is the same with it: S + s H
-/// regular for all s from 0 to 1, no real eigenvalue of 1 + C W D below 0.
+/// S + H positive definite, upright points held. Without symmetry, what is the same with it: S + s
+/// H regular for all s from 0 to 1, no real eigenvalue of 1 + C W D below 0.
 bool EquilibriumCurve::stable() {
   for (int p = 0; p < n_; ++p)
     if (drop(p)) return false;

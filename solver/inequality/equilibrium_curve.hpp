@@ -5,8 +5,8 @@
 //     z + C W xi = b(l),   xi_p in dj_p(z_p),   C = G S^-1 G^T,   b(l) = b_0 + l (b_1 - b_0),
 //
 // l = 0 the last state, l = 1 the one that is looked for. With the graph's jumps filled in, its
-// solutions (z, xi, l) form a curve. For laws of straight pieces it is a chain of straight segments,
-// each found exactly: one linear solve, then on to the first point that leaves its piece
+// solutions (z, xi, l) form a curve. For laws of straight pieces it is a chain of straight
+// segments, each found exactly: one linear solve, then on to the first point that leaves its piece
 // (J. Katzenelson, An algorithm for solving nonlinear resistor networks, 1965; T. Fujisawa and
 // E. S. Kuh, Piecewise-linear theory of nonlinear networks, 1970). Curved pieces are followed by
 // steps along the tangent with Newton corrections (pseudo-arclength; H. B. Keller, Numerical

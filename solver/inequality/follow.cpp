@@ -1,8 +1,8 @@
 // The branch that continues the last state, where a step may have several solutions (engine.hpp).
 //
-// A step is solved at once first. Where the problem is not known to be convex and a point came onto,
-// across or off a piece whose slope falls (or a point changed its place while another stands on
-// one), the answer may belong to another branch: the equilibrium curve from the last state says
+// A step is solved at once first. Where the problem is not known to be convex and a point came
+// onto, across or off a piece whose slope falls (or a point changed its place while another stands
+// on one), the answer may belong to another branch: the equilibrium curve from the last state says
 // which answer continues it, and where branches end on the way.
 #include "solver/inequality/engine.hpp"
 
@@ -59,13 +59,13 @@ bool InequalityEngine::may_have_left(const InequalityState& now) const {
   return soft && moved;
 }
 
-/// The compliance of the body at the points, C = G S^-1 G^T, once for S. False: too large, or a
-/// vector law.
+/// The compliance of the body at the points, C = G S^-1 G^T, once for S. False: too large, a vector
+/// law, or no energy that says which states are stable.
 bool InequalityEngine::prepare_curve() {
   curve_graphs.clear();
   for (const PreparedLaw& law : prepared) curve_graphs.emplace_back(law);
   if (curve) return true;
-  if (n_points > most_points || 1.0 * n * n_rows > most_entries) return false;
+  if (!op.symmetric() || n_points > most_points || 1.0 * n * n_rows > most_entries) return false;
   for (const PointData& q : points)
     if (q.rows != 1) return false;
   Vector column(n), right(n);
@@ -197,8 +197,7 @@ void InequalityEngine::least_on_curve(const Vector& z0, const Vector& xi0, const
     update_z();
     return energy();
   };
-  double lowest =
-      report.converged ? energy_at(io.c) : std::numeric_limits<double>::infinity();
+  double lowest = report.converged ? energy_at(io.c) : std::numeric_limits<double>::infinity();
   std::optional<CurveSolution> best;
   curve->visit(z0, xi0, b1, [&] {
     CurveSolution found = on_curve(free);

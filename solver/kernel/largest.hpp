@@ -40,8 +40,9 @@ struct LargestValue {
 
 /// sup of f over a set where f is defined. Boxes are halved where the enclosure of f, natural or
 /// (where f is continuous) by the mean value theorem, may exceed what was seen; a variable in which
-/// f is monotone is fixed at the better end. Method: E. R. Hansen, Global optimization using interval analysis: the
-/// one-dimensional case, Journal of Optimization Theory and Applications 29, 1979.
+/// f is monotone is fixed at the better end. Method: E. R. Hansen, Global optimization using
+/// interval analysis: the one-dimensional case, Journal of Optimization Theory and Applications 29,
+/// 1979.
 class LargestSearch {
 public:
   LargestSearch() = default;

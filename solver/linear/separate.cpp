@@ -41,8 +41,7 @@ public:
       if (pivot < least) least = pivot, where = unknown;
     };
     if (info > 0) take(info - 1, 0.0);
-    for (int i = 0; i < (info > 0 ? info - 1 : n); ++i)
-      take(i, l_(i, i) * l_(i, i) / s_(i, i));
+    for (int i = 0; i < (info > 0 ? info - 1 : n); ++i) take(i, l_(i, i) * l_(i, i) / s_(i, i));
     for (Eigen::Index i = 0; i < diagonal_.size(); ++i)
       take(contacts() + static_cast<int>(i), diagonal_[i] > 0.0 ? 1.0 : 0.0);
     if (info != 0 || least < smallest_pivot)

@@ -66,8 +66,8 @@ class CellLocator {
 public:
   /// For about so many points: a few are found by going through all cells.
   explicit CellLocator(const Mesh& mesh, std::size_t points = 1000);
-  /// The cell that holds p, the deepest of several, with p's barycentric coordinates in it; -1: none.
-  /// `looked_at` gains the number of boxes and cells that were compared with p.
+  /// The cell that holds p, the deepest of several, with p's barycentric coordinates in it; -1:
+  /// none. `looked_at` gains the number of boxes and cells that were compared with p.
   int find(const Point& p, std::array<double, 4>& barycentric,
            std::size_t* looked_at = nullptr) const;
 

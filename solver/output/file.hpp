@@ -6,7 +6,10 @@
 
 namespace hvi::solver {
 
-enum class Durability { ordinary, synced }; ///< synced: on the disk before the name changes, and so is the name
+enum class Durability {
+  ordinary,
+  synced
+}; ///< synced: on the disk before the name changes, and so is the name
 
 /// Writes `bytes` to a temporary file in the folder of `path` (made when missing), then renames it.
 /// A reader sees the old file or the new one, never half of one. Throws Failure(output) with the

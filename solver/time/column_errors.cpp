@@ -80,8 +80,8 @@ std::vector<double> Reporter::change_along(const ErrorSample& direction, double 
   return moved;
 }
 
-std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples,
-                                          const Vector& u, double scale) {
+std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples, const Vector& u,
+                                          double scale) {
   std::vector<ColumnError> out(values_.size());
   if (samples.empty() || values_.empty()) return {};
   std::vector<double> squares(values_.size(), 0.0), floors(values_.size(), 0.0);
@@ -100,8 +100,8 @@ std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples,
     largest[i] = std::abs(values_[i]);
     for (const double value : columns_[i]) largest[i] = std::max(largest[i], std::abs(value));
     out[i].name = plan_.report.probes[i].name;
-    out[i].absolute = safety * std::sqrt(squares[i]) +
-                      std::numeric_limits<double>::epsilon() * largest[i];
+    out[i].absolute =
+        safety * std::sqrt(squares[i]) + std::numeric_limits<double>::epsilon() * largest[i];
     small = small && out[i].absolute <= ForwardError::small * largest[i];
   }
   if (!small) { // a column may be zero by symmetry

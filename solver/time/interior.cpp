@@ -197,8 +197,7 @@ void Interior::scatter_observed(const Vector& y, Vector& full) const {
 }
 
 bool Interior::respond(std::span<const Vector> forces, StepMatrix& matrix, double gamma,
-                       const InequalityState& at, std::vector<Vector>& x,
-                       std::vector<Vector>& xi) {
+                       const InequalityState& at, std::vector<Vector>& x, std::vector<Vector>& xi) {
   std::vector<Vector> r(forces.size()), kept, c;
   for (std::size_t k = 0; k < forces.size(); ++k) {
     factor_->reduce(forces[k] / gamma, r[k]);

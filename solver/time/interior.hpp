@@ -12,8 +12,8 @@
 #pragma once
 
 #include "solver/linear/condition_estimate.hpp"
-#include "solver/time/step_matrix.hpp"
 #include "solver/time/state.hpp"
+#include "solver/time/step_matrix.hpp"
 
 #include <memory>
 #include <span>

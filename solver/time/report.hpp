@@ -25,9 +25,10 @@ public:
   void record(const Stepper& stepper, bool last);
   /// Notes the events of a step: the next row counts those since the last one.
   void mark(const StepResult& outcome);
-  /// What these errors make of the columns, to first order at the last state u (all dofs); `scale`: the largest
-  /// |u| of the run. After `record` of the last step.
-  std::vector<ColumnError> errors(std::span<const ErrorSample> samples, const Vector& u, double scale);
+  /// What these errors make of the columns, to first order at the last state u (all dofs); `scale`:
+  /// the largest |u| of the run. After `record` of the last step.
+  std::vector<ColumnError> errors(std::span<const ErrorSample> samples, const Vector& u,
+                                  double scale);
   /// Writes what is kept in memory so far (tables); also after a failure.
   void finish(RunResult& result);
 

@@ -118,11 +118,12 @@ void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
     if (std::isfinite(
             law.constants(term.points.x[0], plan.time.is_static ? 0.0 : plan.time.grid[0]).m))
       continue;
-    result.notes.push_back({0, 0.0,
-                            fmt::format("`{}` jumps down, so uniqueness is not guaranteed; {}; it is "
-                                        "reversible: what broke holds again on the way back",
-                                        law.spec().name, sentence(plan.options.branch)),
-                            spec.origin});
+    result.notes.push_back(
+        {0, 0.0,
+         fmt::format("`{}` jumps down, so uniqueness is not guaranteed; {}; it is "
+                     "reversible: what broke holds again on the way back",
+                     law.spec().name, sentence(plan.options.branch)),
+         spec.origin});
   }
 }
 
@@ -335,9 +336,9 @@ private:
 
   void account(WorkCounters& work, Timing& timing) const {
     stepper_.account(work, timing);
-    int* const all[] = {&work.analyses, &work.factorisations, &work.sweeps,
-                        &work.products, &work.newton,         &work.fallback_steps,
-                        &work.followed_steps, &work.inner_steps, &work.unfollowed_steps};
+    int* const all[] = {&work.analyses,       &work.factorisations, &work.sweeps,
+                        &work.products,       &work.newton,         &work.fallback_steps,
+                        &work.followed_steps, &work.inner_steps,    &work.unfollowed_steps};
     for (std::size_t i = 0; i < grown_before_.size(); ++i) *all[i] += grown_before_[i];
   }
 

@@ -149,7 +149,8 @@ struct RunSettings {
   /// 0: never. `resume`: goes on from that file when it is there, with the same bits.
   int checkpoint_every = 0;
   bool resume = false;
-  bool condition = false; ///< always fill ForwardError::condition, else where it costs next to nothing
+  bool condition =
+      false; ///< always fill ForwardError::condition, else where it costs next to nothing
   bool monitors = false; ///< fill RunResult::monitors and write <name>_monitors.csv
 };
 

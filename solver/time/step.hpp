@@ -134,7 +134,8 @@ private:
   std::vector<double> memory_of_one() const;
   std::vector<Vector> rounding_forces(int count, double backward_error);
   void look_at_conditioning(StepMatrix& matrix);
-  double precise_gap(int n, const std::vector<Vector>& known, const Vector& d);
+  double precise_gap(int n, const StepMatrix& matrix, const std::vector<Vector>& known,
+                     const Vector& d);
   void refine(int n, StepMatrix& matrix, StepResult& out);
 
   const Plan& plan_;

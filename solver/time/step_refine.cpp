@@ -1,9 +1,9 @@
 // Iterative refinement of a step in extended precision; see step.hpp.
 //
-// J. Demmel, Y. Hida, W. Kahan, X. S. Li, S. Mukherjee, E. J. Riedy, Error bounds from extra-precise
-// iterative refinement, ACM Trans. Math. Softw. 32 (2006) 325-351: residuals in twice the working
-// precision make the solution of an ill-conditioned system as accurate as its matrix, as long as
-// the factor gains at all.
+// J. Demmel, Y. Hida, W. Kahan, X. S. Li, S. Mukherjee, E. J. Riedy, Error bounds from
+// extra-precise iterative refinement, ACM Trans. Math. Softw. 32 (2006) 325-351: residuals in twice
+// the working precision make the solution of an ill-conditioned system as accurate as its matrix,
+// as long as the factor gains at all.
 #include "solver/linear/double_double.hpp"
 #include "solver/time/rounding.hpp"
 #include "solver/time/step.hpp"
@@ -39,7 +39,8 @@ void Stepper::look_at_conditioning(StepMatrix& matrix) {
 
 /// gap = f - sum_b T_b w_b in extended precision with w_b = what acts on T_b in step n when d is
 /// the increment; returns the backward error of gap - G^T W xi. `known`: -w_b of d = 0.
-double Stepper::precise_gap(int n, const std::vector<Vector>& known, const Vector& d) {
+double Stepper::precise_gap(int n, const StepMatrix& matrix, const std::vector<Vector>& known,
+                            const Vector& d) {
   add_load(n);
   std::vector<DoubleDouble> sums(static_cast<std::size_t>(n_unknowns_));
   scale_ = rhs_.cwiseAbs();
@@ -52,7 +53,7 @@ double Stepper::precise_gap(int n, const std::vector<Vector>& known, const Vecto
     ++products_;
   }
   for (int i = 0; i < n_unknowns_; ++i) gap_[i] = sums[static_cast<std::size_t>(i)].value();
-  return equilibrium_error(gap_, scale_, contact_.force, inequality_.xi, work_);
+  return equilibrium_error(matrix.k(), d, gap_, scale_, contact_.force, inequality_.xi);
 }
 
 /// d_ and the multipliers of an attempted step, corrected until that moves nothing. The laws are
@@ -69,7 +70,7 @@ void Stepper::refine(int n, StepMatrix& matrix, StepResult& out) {
   const int iterations = out.inequality.iterations, events = out.inequality.events;
   double last = std::numeric_limits<double>::infinity();
   for (int pass = 0; pass < most_passes; ++pass) {
-    precise_gap(n, on_base, total);
+    precise_gap(n, matrix, on_base, total);
     known_.head(n_unknowns_) = known.head(n_unknowns_) + total;
     if (!contact_.none()) prepare(contact_, plan_, grid_.t(n), known_, inequality_.xi);
     inequality_.c.setZero();
@@ -89,7 +90,7 @@ void Stepper::refine(int n, StepMatrix& matrix, StepResult& out) {
   for (std::size_t i = 0; i < contact_.unknowns.size(); ++i)
     inequality_.c[static_cast<Eigen::Index>(i)] = d_[contact_.unknowns[i]];
   if (!contact_.none()) prepare(contact_, plan_, grid_.t(n), known_, inequality_.xi);
-  out.equilibrium = precise_gap(n, on_base, d_);
+  out.equilibrium = precise_gap(n, matrix, on_base, d_);
   kd_.noalias() = matrix.k() * d_;
   last_correction_ = std::max(last_correction_, last);
   if (last <= largest_last) return;

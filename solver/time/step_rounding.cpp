@@ -112,8 +112,7 @@ std::vector<Vector> Stepper::rounding_forces(int count, double backward_error) {
     for (Eigen::Index i = 0; i < n; ++i) {
       const double load = inside ? 0.0 : std::abs(rhs_[i]);
       const double left = inside ? backward_error * size[i] : worst * std::abs(left_over[i]);
-      force[i] +=
-          (unit * load + left) * random_unit(static_cast<std::uint64_t>(i), sample + 100);
+      force[i] += (unit * load + left) * random_unit(static_cast<std::uint64_t>(i), sample + 100);
     }
   }
   return out;
@@ -127,9 +126,9 @@ std::vector<ErrorSample> Stepper::rounding_errors(int count, double backward_err
   at.c.setZero();
   if (!contact_.none()) prepare(contact_, plan_, grid_.t(step_), u_, accepted_.xi);
   std::vector<Vector> x, xi;
-  const bool found = layout_.interior
-                         ? layout_.interior->respond(forces, matrix, coefficients(step_)[0], at, x, xi)
-                         : matrix.respond(forces, at, x, xi);
+  const bool found = layout_.interior ? layout_.interior->respond(forces, matrix,
+                                                                  coefficients(step_)[0], at, x, xi)
+                                      : matrix.respond(forces, at, x, xi);
   std::vector<ErrorSample> out;
   const double grown = amplification();
   const auto memory = memory_of_one();

@@ -320,7 +320,7 @@ def main():
     if writes:
         for name in LONG:
             cases.pop(name)
-        pathlib.Path(wanted[1]).write_text(shared.document())
+        pathlib.Path(wanted[1]).write_text(shared.document(pathlib.Path(wanted[1])))
     if failures:
         sys.exit(f"{len(failures)} failed: " + "; ".join(failures))
 

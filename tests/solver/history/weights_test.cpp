@@ -1,7 +1,6 @@
 // Weights where rules that compare two formulas are easily fooled, and memories that do not start
 // at time 0. References: closed forms, and the brute-force sums of cases.hpp.
 #include "cases.hpp"
-
 #include "solver/history/proved_quadrature.hpp"
 #include "solver/history/strip.hpp"
 
@@ -98,7 +97,8 @@ TEST(Weights, OfSeparableKernelsHoldForStepsOfAnyLength) {
 TEST(Weights, OfDifferencesOfPowersAreIntegratedUpToTheDiagonal) {
   const Expr t = time(), s = source();
   const Expr q = pow(pow(t, Expr(2.0)) - pow(s, Expr(2.0)), Expr(-0.5));
-  const auto history = make_history({"q", {}, q}, 1, options_of({0, 1, 2}, HistoryRoute::direct, 0));
+  const auto history =
+      make_history({"q", {}, q}, 1, options_of({0, 1, 2}, HistoryRoute::direct, 0));
   const double one = 1.0;
   history->start(0, {&one, 1});
   EXPECT_NEAR(history->w0(1), M_PI / 2, 1e-12);
@@ -116,8 +116,8 @@ TEST(Start, OtherThanZeroIsTheStart) {
     for (int n = 0; n <= 40; ++n) times.push_back(t0 + 2.0 * std::pow(n / 40.0, 1.5));
     for (const KernelCase& kernel : kernel_cases()) {
       if (kernel.name == "table" || kernel.singular > 0.5) continue; // reach to lag 2.0 only
-      for (const auto route : {HistoryRoute::recursion, HistoryRoute::fit, HistoryRoute::tree,
-                               HistoryRoute::direct}) {
+      for (const auto route :
+           {HistoryRoute::recursion, HistoryRoute::fit, HistoryRoute::tree, HistoryRoute::direct}) {
         if (route == HistoryRoute::recursion && !kernel.recursion) continue;
         if (route == HistoryRoute::fit && !kernel.fit) continue;
         for (const int order : {0, 1}) {
