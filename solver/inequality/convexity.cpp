@@ -21,6 +21,7 @@ bool InequalityEngine::convex() {
     for (int i = 0; i < points[p].rows; ++i) d[p][4 * i] = -m;
   }
   if (!softens) return true;
+  if (!op.symmetric()) return false; // a factor of S says nothing of its sign then
   factored = false;
   assemble();
   return op.factor(h, {});
