@@ -92,7 +92,7 @@ void Stepper::save(std::ostream& out) const {
   w.put(steps_taken(grid_, step_));
   w.put(memory_->extent());
   put_text(w, not_unique_);
-  for (const Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi})
+  for (const Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi, &gap_})
     put_vector(w, *v);
   w.put(inequality_.state);
   memory_->save(out);
@@ -114,7 +114,7 @@ void Stepper::save(std::ostream& out) const {
   w.put(std::array<int, 2>{shortened, never_shortened_ ? 1 : 0});
   sweeps_.save(out);
   w.put(std::array<int, 2>{refines_ ? 1 : 0, largest_.step});
-  w.put(std::array<double, 2>{last_correction_, largest_.size});
+  w.put(std::array<double, 3>{last_correction_, largest_.size, last_error_});
   w.put(static_cast<std::uint64_t>(largest_.on_base.size()));
   for (const Vector& v : largest_.on_base) put_vector(w, v);
 }
@@ -137,10 +137,11 @@ void Stepper::restore(std::istream& in) {
   uniqueness_judged_ = earlier == memory_->extent(); // else there are other steps to judge
   continue_memory(earlier);
   not_unique_ = get_text(r);
-  for (Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi})
+  for (Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi, &gap_})
     get_vector(r, *v);
   inequality_.state = r.get_vector<int>();
-  if (u_.size() != layout_.n_state || inequality_.xi.size() != contact_.n_rows())
+  if (u_.size() != layout_.n_state || inequality_.xi.size() != contact_.n_rows() ||
+      gap_.size() != layout_.n_unknowns)
     r.fail("has another number of unknowns");
   accepted_ = inequality_;
   memory_->restore(in);
@@ -170,9 +171,10 @@ void Stepper::restore(std::istream& in) {
   never_shortened_ = shortened[1] != 0;
   sweeps_.restore(in);
   const auto rounding = r.get<std::array<int, 2>>();
-  const auto sizes = r.get<std::array<double, 2>>();
+  const auto sizes = r.get<std::array<double, 3>>();
   refines_ = rounding[0] != 0, largest_.step = rounding[1];
   last_correction_ = sizes[0], largest_.size = sizes[1];
+  last_error_ = sizes[2];
   largest_.on_base.resize(r.get<std::uint64_t>());
   for (Vector& v : largest_.on_base) get_vector(r, v);
 }
