@@ -59,6 +59,7 @@ public:
   void resume(const Vector& kept) override;
   void back_all(const DenseMatrix& c, std::span<const Vector> kept, const DenseMatrix& weights,
                 DenseMatrix& x, std::vector<int>& place) override;
+  std::optional<double> energy(const Vector& b) override;
   void solve(const Vector& b, Vector& x) override;
   bool sweep_in(SweepStorage storage) override;
   const DenseMatrix& schur() const override;
@@ -338,6 +339,13 @@ void Cholesky::back_all(const DenseMatrix& c, std::span<const Vector> kept,
   for (int position = 0; position < size_; ++position) place[permutation_[position]] = position;
   ++statistics_.sweeps;
   statistics_.bytes_swept += supernodes_.nonzeros() * sizeof(double);
+}
+
+/// |L^-1 b|^2.
+std::optional<double> Cholesky::energy(const Vector& b) {
+  reduce(b, reduced_);
+  if (interior_ < size_) l22_.triangularView<Eigen::Lower>().solveInPlace(reduced_);
+  return kept().squaredNorm() + reduced_.squaredNorm();
 }
 
 void Cholesky::solve(const Vector& b, Vector& x) {

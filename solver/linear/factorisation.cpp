@@ -27,4 +27,17 @@ void Factorisation::back_all(const DenseMatrix& c, std::span<const Vector> kept,
   std::iota(place.begin(), place.end(), 0);
 }
 
+void Factorisation::back_each(std::span<const Vector> c, std::span<const Vector> kept,
+                              std::vector<Vector>& x) {
+  const auto count = static_cast<Eigen::Index>(c.size());
+  DenseMatrix contact(c.front().size(), count), all;
+  for (Eigen::Index k = 0; k < count; ++k) contact.col(k) = c[static_cast<std::size_t>(k)];
+  std::vector<int> place;
+  back_all(contact, kept, DenseMatrix::Identity(count, count), all, place);
+  x.assign(c.size(), Vector(static_cast<Eigen::Index>(place.size())));
+  for (std::size_t k = 0; k < c.size(); ++k)
+    for (std::size_t i = 0; i < place.size(); ++i)
+      x[k][static_cast<Eigen::Index>(i)] = all(static_cast<Eigen::Index>(k), place[i]);
+}
+
 } // namespace hvi::solver

@@ -10,6 +10,7 @@
 #include "solver/linear/sparse.hpp"
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -68,6 +69,11 @@ public:
   virtual void back_all(const DenseMatrix& c, std::span<const Vector> kept,
                         const DenseMatrix& weights, DenseMatrix& x, std::vector<int>& place);
   static constexpr int most_at_once = 16;
+  /// Second sweeps of up to 16 right-hand sides at once, for what `reduce` kept of each: x_k has
+  /// the contact part c_k.
+  void back_each(std::span<const Vector> c, std::span<const Vector> kept, std::vector<Vector>& x);
+  /// b^T K^-1 b for one sweep; nothing of an LU factor, which has no such short cut.
+  virtual std::optional<double> energy(const Vector&) { return std::nullopt; }
   /// x = K^-1 b, both sweeps with S c = r solved exactly.
   virtual void solve(const Vector& b, Vector& x) = 0;
   /// x = K^-T b.

@@ -57,7 +57,8 @@ void for_each_row(int n, std::span<const int> contact, const SparseMatrix& force
 class WorstRow {
 public:
   WorstRow(const SparseMatrix& k, const Vector& d, const SparseMatrix& force, const Vector& xi)
-      : k_(k), d_(d), force_(force), xi_(xi) {}
+      : k_(k), d_(d), force_(force),
+        largest_xi_(xi.size() > 0 ? xi.lpNorm<Eigen::Infinity>() : 0.0) {}
   /// Divides only where it is the worst so far; a NaN is worse than anything. A residual without
   /// any scale has an infinite error.
   void take(int i, double residual, double size) {
@@ -80,9 +81,9 @@ private:
       if (it.col() == i) diagonal = std::abs(it.value());
       largest = std::max(largest, std::abs(d_[it.col()]));
     }
-    if (xi_.size() > 0)
+    if (largest_xi_ > 0.0)
       for (SparseMatrix::InnerIterator it(force_, i); it; ++it) weight += std::abs(it.value());
-    return diagonal * largest + (weight > 0.0 ? weight * xi_.lpNorm<Eigen::Infinity>() : 0.0);
+    return diagonal * largest + weight * largest_xi_;
   }
 
   /// What a row's scale has of it at least: rounding must stay far below any tolerance.
@@ -90,7 +91,7 @@ private:
   const SparseMatrix& k_;
   const Vector& d_;
   const SparseMatrix& force_;
-  const Vector& xi_;
+  double largest_xi_;
   double worst_ = 0.0;
 };
 
@@ -172,13 +173,14 @@ double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Ve
   return worst.worst();
 }
 
-void find_reach(const SparseMatrix& k, const Vector& kd, const Vector& d, const Vector& b,
+void find_reach(const Vector& diagonal, const Vector& kd, const Vector& d, const Vector& b,
                 Contact& contact) {
   contact.reach.setZero(contact.g.cols());
-  for (const int i : contact.unknowns) {
-    const double diagonal = std::abs(k.coeff(i, i)), own = diagonal * d[i];
+  for (Eigen::Index c = 0; c < diagonal.size(); ++c) {
+    const int i = contact.unknowns[static_cast<std::size_t>(c)];
+    const double own = std::abs(diagonal[c]);
     contact.reach[i] = std::abs(d[i]);
-    if (diagonal > 0.0) contact.reach[i] += (std::abs(kd[i] - own) + std::abs(b[i])) / diagonal;
+    if (own > 0.0) contact.reach[i] += (std::abs(kd[i] - own * d[i]) + std::abs(b[i])) / own;
   }
 }
 

@@ -115,6 +115,7 @@ std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples, 
     const double by = std::max(largest[i], floors[i]);
     out[i].relative = by > 0.0 ? out[i].absolute / by : 0.0;
   }
+  std::erase_if(out, [](const ColumnError& column) { return column.name.empty(); }); // parts
   return out;
 }
 

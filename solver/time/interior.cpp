@@ -205,11 +205,7 @@ bool Interior::respond(std::span<const Vector> forces, StepMatrix& matrix, doubl
     r[k] *= gamma; // the step's problem is stated for the contact unknowns alone
   }
   if (!matrix.respond_there(r, at, c, xi)) return false;
-  x.resize(forces.size());
-  for (std::size_t k = 0; k < forces.size(); ++k) {
-    factor_->resume(kept[k]);
-    factor_->back(c[k], x[k]);
-  }
+  factor_->back_each(c, kept, x);
   return true;
 }
 

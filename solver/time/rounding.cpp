@@ -16,6 +16,8 @@ std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
+constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
+
 /// Sizes that agree to about nine digits share it: sums in another order differ in the last ones.
 std::uint64_t rough_size(double value) {
   constexpr int dropped = 22;
@@ -25,35 +27,44 @@ std::uint64_t rough_size(double value) {
 } // namespace
 
 double random_unit(std::uint64_t of, std::uint64_t sample) {
-  constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
   const std::uint64_t bits = mixed(mixed(of + golden) + (sample + 1) * golden);
   return static_cast<double>(static_cast<std::int64_t>(bits)) * 0x1p-63;
 }
 
-void add_rounding(const SparseMatrix& a, const Vector& v, double unit, std::uint64_t sample,
-                  Vector& force, Vector& size) {
+void add_rounding(const SparseMatrix& a, const Vector& v, double unit,
+                  std::array<Vector, 2>& forces, Vector& size) {
+  const double scale = unit * 0x1p-31;
   for (int i = 0; i < a.rows(); ++i) {
-    double sum = 0.0, all = 0.0;
+    double first = 0.0, second = 0.0, all = 0.0;
     for (SparseMatrix::InnerIterator it(a, i); it; ++it) {
       const double term = it.value() * v[it.col()];
-      sum += random_unit(rough_size(it.value()), sample) * term;
+      const std::uint64_t bits = mixed(rough_size(it.value()) + golden); // 32 for each sample
+      first += static_cast<std::int32_t>(bits) * term;
+      second += static_cast<std::int32_t>(bits >> 32) * term;
       all += std::abs(term);
     }
-    force[i] += unit * sum;
+    forces[0][i] += scale * first;
+    forces[1][i] += scale * second;
     size[i] += all;
   }
 }
 
 double rounding_growth(const SparseMatrix& k, Factorisation& factor) {
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  const double n = static_cast<double>(k.rows());
   Vector b(k.rows()), x;
   for (int i = 0; i < k.rows(); ++i) {
     double sum = 0.0;
     for (SparseMatrix::InnerIterator it(k, i); it; ++it) sum += std::abs(it.value());
     b[i] = random_unit(static_cast<std::uint64_t>(i), 0) < 0.0 ? -sum : sum;
   }
-  factor.solve(b, x);
-  const double growth = std::numeric_limits<double>::epsilon() * x.lpNorm<Eigen::Infinity>() *
-                        std::sqrt(static_cast<double>(k.rows()));
+  double growth = 0.0;
+  if (const auto energy = factor.energy(b)) {
+    growth = eps * *energy * std::sqrt(n) / b.norm();
+  } else {
+    factor.solve(b, x);
+    growth = eps * x.lpNorm<Eigen::Infinity>() * std::sqrt(n);
+  }
   return std::isfinite(growth) ? growth : std::numeric_limits<double>::infinity();
 }
 

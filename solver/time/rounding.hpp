@@ -3,6 +3,7 @@
 
 #include "solver/linear/factorisation.hpp"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -20,14 +21,15 @@ struct ErrorSample {
 /// A number in [-1, 1] that depends on the two only.
 double random_unit(std::uint64_t of, std::uint64_t sample);
 
-/// force_i += sum_j e_ij A_ij v_j, where e_ij in [-unit, unit] is random, but the same for entries
-/// of equal size: elements of equal shape are assembled with equal rounding, and their errors add
-/// up. size_i += sum_j |A_ij v_j|.
-void add_rounding(const SparseMatrix& a, const Vector& v, double unit, std::uint64_t sample,
-                  Vector& force, Vector& size);
+/// For two samples at once: force_i += sum_j e_ij A_ij v_j, where e_ij in [-unit, unit] is random,
+/// but the same for entries of equal size: elements of equal shape are assembled with equal
+/// rounding, and their errors add up. size_i += sum_j |A_ij v_j|.
+void add_rounding(const SparseMatrix& a, const Vector& v, double unit,
+                  std::array<Vector, 2>& forces, Vector& size);
 
-/// max_i |K^-1 s|_i with s_i = +-(eps sum_j |K_ij|), times the square root of the size: about
-/// eps times the condition number in the 2-norm, for one pair of sweeps.
+/// About eps times the condition number of K in the 2-norm, for one or two sweeps: with b_i = +-
+/// sum_j |K_ij| of random signs, eps b^T K^-1 b / rms(b), or max_i |eps K^-1 b|_i times the square
+/// root of the size where K has no Cholesky factor.
 double rounding_growth(const SparseMatrix& k, Factorisation& factor);
 
 /// From this growth on a run refines every step with residuals in extended precision.

@@ -32,8 +32,6 @@
 namespace hvi::solver {
 namespace {
 
-/// Random changes of the data that the forward error is estimated with.
-constexpr int error_samples = 2;
 /// The condition number of a problem that takes less memory costs next to nothing.
 constexpr double cheap_bytes = 1e5;
 /// A work identity that is off by more shows that the steps do not add up.
@@ -289,7 +287,7 @@ private:
   void estimate_forward_error() {
     const PhaseClock clock(result_.timing.output);
     auto& error = result_.forward_error;
-    const auto samples = stepper_.rounding_errors(error_samples, result_.certificate.equilibrium);
+    const auto samples = stepper_.rounding_errors(result_.certificate.equilibrium);
     const double size = stepper_.largest_size();
     double square = 0.0;
     for (const auto& sample : samples)

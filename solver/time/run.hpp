@@ -56,7 +56,7 @@ struct ColumnError {
 };
 
 struct ForwardError {
-  std::vector<ColumnError> columns; ///< in the order of the probes
+  std::vector<ColumnError> columns; ///< in the order of the probes, but for parts of others
   double solution = 0.0;            ///< of u at the nodes, by its largest value
   double amplification = 1.0;       ///< of the errors of one step by the steps together
   double condition = 0.0;           ///< of the last step's matrix, in the 1-norm; 0: not asked for

@@ -323,7 +323,7 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
     auto& ends = out.inequality.branch_ends;
     out.branch_ends.insert(out.branch_ends.end(), ends.begin(), ends.end());
     out.equilibrium = residual(matrix);
-    if (!contact_.none()) find_reach(matrix.k(), kd_, d_, rhs_, contact_);
+    if (!contact_.none()) find_reach(matrix.contact_diagonal(), kd_, d_, rhs_, contact_);
     if (predicted && out.corrections == 1) {
       sweeps_.note_moved(matrix.moved());
       if (matrix.swept_forward() != SweepStorage::full && change_.isZero(0.0))

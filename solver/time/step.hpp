@@ -9,6 +9,7 @@
 #include "solver/time/step_matrix.hpp"
 #include "solver/time/time_grid.hpp"
 
+#include <array>
 #include <list>
 #include <optional>
 #include <utility>
@@ -81,12 +82,12 @@ public:
   /// Samples of the error that rounding may have left in the state, each for a random change of
   /// the matrices and loads by a unit in the last place; `backward_error`: of the steps so far. To
   /// be asked after the last step.
-  std::vector<ErrorSample> rounding_errors(int count, double backward_error);
+  std::vector<ErrorSample> rounding_errors(double backward_error);
   /// The condition number of the last step's matrix in the 1-norm, estimated; 0: not known.
   double condition();
   /// By what an error of every step's equation grows over the steps together (step_rounding.cpp).
   double amplification() const;
-  /// The largest |u| that was seen, to a quarter.
+  /// The largest |u| that was seen, within a factor 1.6.
   double largest_size() const { return largest_.size; }
   /// Is every step refined with residuals in extended precision?
   bool refines() const { return refines_; }
@@ -132,7 +133,7 @@ private:
   void accept(int n);
   void note_size();
   std::vector<double> memory_of_one() const;
-  std::vector<Vector> rounding_forces(int count, double backward_error);
+  std::array<Vector, 2> rounding_forces(double backward_error);
   void look_at_conditioning(StepMatrix& matrix);
   double precise_gap(int n, const StepMatrix& matrix, const std::vector<Vector>& known,
                      const Vector& d);

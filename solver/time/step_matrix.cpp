@@ -21,6 +21,9 @@ void StepMatrix::factor(const Vector& gamma) {
   k_.swap(k); // Eigen 3.4 copies what is moved
   half_ = {};
   solver_.reset();
+  contact_diagonal_.resize(r_.size());
+  for (Eigen::Index i = 0; i < r_.size(); ++i)
+    contact_diagonal_[i] = k_.coeff(contact_.unknowns[i], contact_.unknowns[i]);
   if (contact_.whole) {
     reduced_ = sparse_operator(k_, operators_.symmetric);
   } else {
@@ -147,10 +150,7 @@ bool StepMatrix::respond(std::span<const Vector> forces, const InequalityState& 
     kept.push_back(factorisation_->kept());
   }
   if (!solver_->respond(at, r, c, xi)) return false;
-  for (std::size_t k = 0; k < forces.size(); ++k) {
-    factorisation_->resume(kept[k]);
-    factorisation_->back(c[k], x[k]);
-  }
+  factorisation_->back_each(c, kept, x);
   return true;
 }
 

@@ -63,6 +63,8 @@ public:
   SweepStorage swept_forward() const { return limits_.forward; }
   SweepStorage swept_back() const { return back_; }
 
+  /// K_ii of the contact unknowns.
+  const Vector& contact_diagonal() const { return contact_diagonal_; }
   /// K once more for products, in half the memory; empty until `halve`, or if K is not symmetric.
   const SymmetricBlocks& half() const { return half_; }
   /// From the base matrices' own.
@@ -115,6 +117,7 @@ private:
   Vector r_, x_, c_, product_; ///< x_: the correction; c_: d on the contact unknowns
   SweepLimits limits_;
   SweepStorage back_ = SweepStorage::full;
+  Vector contact_diagonal_;
   double moved_ = 0.0;
   bool coupled_ = false;
 };

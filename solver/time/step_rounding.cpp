@@ -31,7 +31,7 @@ namespace {
 
 constexpr double unit = std::numeric_limits<double>::epsilon();
 /// A state is kept as the largest when it is so much larger than the last one that was.
-constexpr double clearly_larger = 1.25;
+constexpr double clearly_larger = 1.6;
 
 } // namespace
 
@@ -90,38 +90,34 @@ double Stepper::amplification() const {
 }
 
 /// Forces of random rounding, on the unknowns; `backward_error`: what steps left of their equation.
-std::vector<Vector> Stepper::rounding_forces(int count, double backward_error) {
-  std::vector<Vector> out(static_cast<std::size_t>(count));
-  Vector state, size, left_over = gap_;
+std::array<Vector, 2> Stepper::rounding_forces(double backward_error) {
+  const bool inside = layout_.interior != nullptr;
+  const auto n = inside ? layout_.interior->matrix_of_all().rows() : Eigen::Index{n_unknowns_};
+  std::array<Vector, 2> out{Vector::Zero(n), Vector::Zero(n)};
+  Vector state, size = Vector::Zero(n), left_over = gap_;
   if (!contact_.none()) left_over.noalias() -= contact_.force * accepted_.xi;
   add_load(largest_.step);
-  for (int s = 0; s < count; ++s) {
-    const auto sample = static_cast<std::uint64_t>(s);
-    Vector& force = out[sample];
-    const bool inside = layout_.interior != nullptr;
-    const auto n = inside ? layout_.interior->matrix_of_all().rows() : Eigen::Index{n_unknowns_};
-    force.setZero(n), size.setZero(n);
-    for (int b = 0; b < operators_.n_bases(); ++b) {
-      const Vector& acting = largest_.on_base[static_cast<std::size_t>(b)];
-      if (inside && s == 0) layout_.interior->unknowns_of(acting, state);
-      add_rounding(inside ? layout_.interior->matrix_of_all() : operators_.bases[b],
-                   inside ? state : acting, unit, sample, force, size);
-    }
-    // What the last step left of its equation stands for all, as large as in the worst one.
-    const double worst = last_error_ > 0.0 ? std::max(1.0, backward_error / last_error_) : 0.0;
+  for (int b = 0; b < operators_.n_bases(); ++b) {
+    const Vector& acting = largest_.on_base[static_cast<std::size_t>(b)];
+    if (inside) layout_.interior->unknowns_of(acting, state);
+    add_rounding(inside ? layout_.interior->matrix_of_all() : operators_.bases[b],
+                 inside ? state : acting, unit, out, size);
+  }
+  // What the last step left of its equation stands for all, as large as in the worst one.
+  const double worst = last_error_ > 0.0 ? std::max(1.0, backward_error / last_error_) : 0.0;
+  for (std::size_t s = 0; s < out.size(); ++s)
     for (Eigen::Index i = 0; i < n; ++i) {
       const double load = inside ? 0.0 : std::abs(rhs_[i]);
       const double left = inside ? backward_error * size[i] : worst * std::abs(left_over[i]);
-      force[i] += (unit * load + left) * random_unit(static_cast<std::uint64_t>(i), sample + 100);
+      out[s][i] += (unit * load + left) * random_unit(static_cast<std::uint64_t>(i), s + 100);
     }
-  }
   return out;
 }
 
-std::vector<ErrorSample> Stepper::rounding_errors(int count, double backward_error) {
+std::vector<ErrorSample> Stepper::rounding_errors(double backward_error) {
   if (step_ == 0 || largest_.step == 0 || matrices_.empty()) return {};
   auto& matrix = *matrices_.front().matrix;
-  const auto forces = rounding_forces(count, backward_error);
+  const auto forces = rounding_forces(backward_error);
   InequalityState at = accepted_;
   at.c.setZero();
   if (!contact_.none()) prepare(contact_, plan_, grid_.t(step_), u_, accepted_.xi);
@@ -134,13 +130,13 @@ std::vector<ErrorSample> Stepper::rounding_errors(int count, double backward_err
   const auto memory = memory_of_one();
   const StateLayout& layout = layout_.interior ? layout_.interior->layout() : layout_;
   Vector state = Vector::Zero(layout.n_state);
-  for (int s = 0; s < count; ++s) {
+  for (std::size_t s = 0; s < forces.size(); ++s) {
     ErrorSample sample;
     sample.u = Vector::Zero(layout.n_dofs);
     if (found) {
-      state.head(layout.n_unknowns) = grown * x[static_cast<std::size_t>(s)];
+      state.head(layout.n_unknowns) = grown * x[s];
       layout.scatter(state, sample.u);
-      if (!contact_.none()) sample.xi = grown * xi[static_cast<std::size_t>(s)];
+      if (!contact_.none()) sample.xi = grown * xi[s];
     } else { // the tangent has no factor: nothing is known
       sample.u.setConstant(std::numeric_limits<double>::infinity());
     }

@@ -89,8 +89,7 @@ TEST(Inclusion, ScaleIsComplianceTimesForceWhereNothingMoves) {
   for (const double unit : {1e-6, 1.0, 1e6})
     for (const double angle : angles) {
       auto contact = one_point(sticks(), along(angle));
-      SparseMatrix k(2, 2);
-      k.insert(0, 0) = k.insert(1, 1) = 4.0 / unit;
+      const Vector k = Vector::Constant(2, 4.0 / unit);
       const Vector b = 3.0 * along(angle).transpose(), none = Vector::Zero(2);
       find_reach(k, none, none, b, contact);
       const double reach = 0.75 * unit; // 3 / 4 along the row, in each of its unknowns' shares

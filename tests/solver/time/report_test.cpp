@@ -155,6 +155,22 @@ TEST(Probes, CombinationsReadOtherProbes) {
   EXPECT_DOUBLE_EQ(result.final.at("ratio"), result.final.at("u_y") / result.final.at("u_x") + 1.0);
 }
 
+// A probe without a name is a part of another one: nothing is said of it.
+TEST(Probes, PartsHaveNoErrorOfTheirOwn) {
+  auto plan = slab(4, 4);
+  Probe part = plan.report.probes[0], whole;
+  part.name = "";
+  whole.name = "whole";
+  whole.kind = Probe::Kind::combination;
+  whole.expression = -var(slot::probe(static_cast<int>(plan.report.probes.size())));
+  plan.report.probes.push_back(part);
+  plan.report.probes.push_back(whole);
+  const auto columns = solve(plan).forward_error.columns;
+  ASSERT_EQ(columns.size(), plan.report.probes.size() - 1);
+  EXPECT_EQ(columns.back().name, "whole");
+  EXPECT_DOUBLE_EQ(columns.back().absolute, columns.front().absolute);
+}
+
 // Analytic: the multiplier at a node of the contact part is the slope there; the factor before a
 // law scales its force, not its multiplier.
 TEST(Probes, MultipliersAtNodesAndUnderAFactor) {
