@@ -3,6 +3,9 @@
 A site is a piece of source text and what to write instead. All mutants of a file are compiled into it at once:
 `a < b` becomes `(hvi_mutant::on(17) ? (a <= b) : (a < b))`, and one program holds them all, one of them
 switched on when it starts. (Untch, Offutt, Harrold, "Mutation analysis using mutant schemata", 1993.)
+
+What is not drawn, by rule (docs/mutants.md gives the reasons): arguments of calls in TEXT_AND_ROOM, statements that
+mention a name in TIMING, the files in PRINTING.
 """
 import dataclasses
 import pathlib
@@ -16,6 +19,11 @@ ARITHMETIC = {clang.TypeKind.DOUBLE, clang.TypeKind.FLOAT, clang.TypeKind.INT, c
 FLOATING = {clang.TypeKind.DOUBLE, clang.TypeKind.FLOAT, clang.TypeKind.LONGDOUBLE}
 COMPARISONS = {"<": ("<=", ">="), "<=": ("<", ">"), ">": (">=", "<="), ">=": (">", "<"), "==": ("!=",), "!=": ("==",)}
 OPERATIONS = {"+": "-", "-": "+", "*": "/", "/": "*"}
+LOGIC = {"&&", "||"}
+# Calls that make text for people, or room in memory ahead of need: no number of a result depends on their arguments.
+TEXT_AND_ROOM = {"format", "format_to", "print", "reserve", "shrink_to_fit", "prefetch", "release_pages"}
+TIMING = re.compile(rb"\b(PhaseClock|cpu_seconds|seconds_of|wall_seconds|Stopwatch|profile\w*)\b")
+PRINTING = re.compile(r"solver/plan/print\.cpp|lang/check/print_model\.cpp|solver/time/clock\.hpp")
 ASSIGNMENTS = {"=", "+=", "-=", "*=", "/="}
 
 
@@ -28,12 +36,28 @@ class Site:
     kind: str
     before: str
     after: str
-    form: str = "expression"  # or "statement": left out; "constant": a declaration that is no longer constexpr
+    form: str = "expression"  # "statement": left out; "constant": a declaration, no longer constexpr; "list": of numbers
+    head: str = ""  # of a constant: what stands before its value
+    number: int = -1  # the value of HVI_MUTANT that switches it on
 
-    def text(self, number):
+    def key(self):
+        return f"{self.file}:{self.line}:{self.start}: {self.kind}: {self.before} -> {self.after}"
+
+    def text(self):
+        """What the file says instead, on as many lines."""
+        number, before, after = self.number, flat(self.before), flat(self.after)
         if self.form == "statement":
-            return f"if (!hvi_mutant::on({number})) {self.before}"
-        return f"(hvi_mutant::on({number}) ? ({self.after}) : ({self.before}))"
+            text = f"if (!hvi_mutant::on({number})) {before}"
+        elif self.form == "list":
+            pairs = zip(before.split(", "), after.split(", "))
+            text = ", ".join(f"(hvi_mutant::on({number}) ? ({b}) : ({a}))" for a, b in pairs)
+        else:
+            text = f"{self.head}(hvi_mutant::on({number}) ? ({after}) : ({before}))"
+        return text + "\n" * self.before.count("\n")
+
+
+def flat(text):
+    return re.sub(r"\s*\n\s*", " ", text)
 
 
 class Finder:
@@ -41,10 +65,8 @@ class Finder:
         self.file = str(pathlib.Path(path).relative_to(root))
         self.source = pathlib.Path(path).read_bytes()
         self.path = str(path)
-        unit = clang.Index.create().parse(self.path, args=arguments)
-        wrong = [d for d in unit.diagnostics if d.severity >= clang.Diagnostic.Error]
-        if wrong:
-            raise RuntimeError(f"{self.file}: {wrong[0].spelling}")
+        language = ["-x", "c++"] if self.path.endswith(".hpp") else []
+        unit = clang.Index.create().parse(self.path, args=language + arguments)
         self.sites = []
         for cursor in unit.cursor.get_children():
             if self.inside(cursor):
@@ -63,7 +85,7 @@ class Finder:
     def add(self, cursor, kind, after, form="expression"):
         start, end = self.span(cursor)
         before = self.source[start:end].decode()
-        if "#" in before or "\n#" in after or before.count("(") != before.count(")"):
+        if re.search(r"#|//|/\*", before) or before.count("(") != before.count(")"):
             return
         if form == "statement":
             if self.source[end:end + 1] != b";":
@@ -72,6 +94,10 @@ class Finder:
 
     def walk(self, cursor, parent, body):
         kind = cursor.kind
+        if kind == Kind.CALL_EXPR and cursor.spelling in TEXT_AND_ROOM:
+            return
+        if parent is not None and parent.kind == Kind.COMPOUND_STMT and TIMING.search(self.source, *self.span(cursor)):
+            return
         if kind in (Kind.STATIC_ASSERT, Kind.CASE_STMT, Kind.TEMPLATE_TYPE_PARAMETER, Kind.ENUM_DECL):
             children = list(cursor.get_children())[1:] if kind == Kind.CASE_STMT else []
         else:
@@ -99,11 +125,12 @@ class Finder:
             return
         start, end = self.span(cursor)
         value = match.group(3).decode()
+        if "infinity" in value or "NaN" in value:
+            return  # the same, times anything
         for factor in ("1e3", "1e-3"):
-            site = Site(self.file, cursor.extent.start.line, start, end, "constant", value, f"({value}) * {factor}", "constant")
-            site.head = (match.group(1) or b"").decode() + "const" + match.group(2).decode()
-            site.text = lambda number, s=site: f"{s.head}(hvi_mutant::on({number}) ? {s.after} : ({s.before}))"
-            self.sites.append(site)
+            head = (match.group(1) or b"").decode() + "const" + match.group(2).decode()
+            self.sites.append(Site(self.file, cursor.extent.start.line, start, end, "constant", value, f"({value}) * {factor}",
+                                   "constant", head))
 
     def visit(self, cursor, parent, children):
         kind = cursor.kind
@@ -131,6 +158,9 @@ class Finder:
         sign = self.operator(children)
         left, right = map(self.piece, children)
         plain = all(c.type.get_canonical().kind in ARITHMETIC for c in children)
+        if sign in LOGIC and all(c.type.get_canonical().kind == clang.TypeKind.BOOL for c in children):
+            self.add(cursor, "dropped condition", left)
+            self.add(cursor, "dropped condition", right)
         if sign in COMPARISONS and plain:
             for other in COMPARISONS[sign]:
                 self.add(cursor, "comparison", f"{left} {other} {right}")
@@ -182,7 +212,7 @@ def arguments_of(entry):
             keep.append(word.replace('\\"', '"'))
         elif word == "-isystem":
             keep += [word, words[i + 1]]
-    return keep + ["-fno-math-errno", "-w"]
+    return keep + ["-fno-math-errno", "-w", "-D_Bool=bool"]  # the last: headers of C
 
 
 def overlap(a, b):
@@ -190,8 +220,10 @@ def overlap(a, b):
 
 
 def rewrite(source, chosen):
-    """The file with the mutants (number, site) in it; sites do not overlap."""
+    """The file with these mutants in it; sites do not overlap."""
     out = source
-    for number, site in sorted(chosen, key=lambda pair: -pair[1].start):
-        out = out[:site.start] + site.text(number).encode() + out[site.end:]
+    for site in sorted(chosen, key=lambda s: -s.start):
+        out = out[:site.start] + site.text().encode() + out[site.end:]
+    if b"#pragma once" in out:
+        return out.replace(b"#pragma once", b'#pragma once\n#include "hvi_mutant.hpp"', 1)
     return b'#include "hvi_mutant.hpp"\n#line 1\n' + out

@@ -56,6 +56,16 @@ TEST(Weights, OfBellsOfAnyWidthAreExactToRounding) {
   }
 }
 
+/// A ripple that two rules of few points see as much and as wrongly as each other. (Closed form.)
+TEST(Weights, OfARippleOnAConstantHaveItsDigits) {
+  for (const double size : {1e-9, 1e-8, 1e-7})
+    for (double w = 4.0; w < 60.0; w *= 1.1) {
+      const Expr ripple = Expr(1.0) + Expr(size) * cos(Expr(w) * lag());
+      const double exact = 1.0 + size * (std::sin(3.0 * w) - std::sin(2.0 * w)) / w;
+      EXPECT_NEAR(first_weight(ripple, {0, 1, 2, 3}, HistoryRoute::direct), exact, 1e-12) << w;
+    }
+}
+
 TEST(Weights, OfPeaksBetweenAllPointsAreFound) {
   for (const double width : {1e-3, 1e-5, 1e-7}) {
     const Expr x = (lag() - Expr(2.1234567)) / Expr(width);

@@ -223,6 +223,33 @@ TEST(ReadMsh, RefusesBrokenFiles) {
                  "a second $Nodes");
 }
 
+TEST(ReadMsh, CountsAreHeldAgainstWhatIsLeft) {
+  const auto broken = FailureKind::broken_file;
+  // A group's tag takes two bytes at least: nine of them fit.
+  expect_failure(
+      "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n1 0 0 0\n1 0 0 0 9 1 2 3 4 5 6 7 8 9\n"
+      "$EndEntities\n",
+      broken, "ends without $Nodes");
+  // Binary blocks of two triangles each where three triangles are announced.
+  std::string text = "$MeshFormat\n2.2 1 8\n";
+  const auto add = [&](auto value) {
+    text.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  add(1);
+  text += "\n$EndMeshFormat\n$Nodes\n4\n";
+  for (int n = 0; n < 4; ++n) {
+    add(n + 1);
+    for (const double x : {n % 2 * 1.0, n / 2 * 1.0, 0.0}) add(x);
+  }
+  text += "\n$EndNodes\n$Elements\n3\n";
+  for (int block = 0; block < 2; ++block) {
+    for (const int word : {2, 2, 0}) add(word);
+    for (int e = 0; e < 2; ++e)
+      for (const int word : {2 * block + e + 1, 1, 2 + e, 3 + e}) add(word);
+  }
+  expect_failure(text + "\n$EndElements\n", broken, "a block of 2 elements where 1 are left");
+}
+
 TEST(ReadMsh, MissingFilesAndFolders) {
   EXPECT_EQ(failure_of([] { read_msh("/nowhere/mesh.msh"); }).kind, FailureKind::missing_file);
   EXPECT_EQ(failure_of([] { read_msh("/tmp"); }).kind, FailureKind::missing_file);

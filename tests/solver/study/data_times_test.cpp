@@ -76,6 +76,10 @@ TEST(DataTimes, PiecesFollowWavesLayersAndPeaks) {
   const auto narrow = data_times(loaded(Expr(0.1) + peak), 1e-4);
   EXPECT_LT(shortest_around(narrow, 0.7123), 1e-5);
   EXPECT_LT(narrow.pieces.size(), 80U);
+  // Without rules for intervals: what is sampled, not how large it is.
+  const Expr relaxed = Expr(100.0) + Expr::make(Op::mittag_leffler, {Expr(1.5), Expr(1.0), -t});
+  const auto smooth = data_times(loaded(relaxed), 1e-4);
+  EXPECT_LT(smooth.pieces.size(), 30U);
   const auto line = data_times(loaded(Expr(3.0) * t - Expr(1.0)), 1e-4);
   EXPECT_EQ(line.pieces.size(), 3U);
 }
@@ -109,6 +113,19 @@ TEST(DataTimes, ImposedValuesOffsetsLawsAndKernels) {
       return std::abs(v - b) < 1e-12;
     })) << b;
   EXPECT_TRUE(data.breaks.front().imposed);
+}
+
+TEST(DataTimes, ABreakOfAnImposedValueStaysOneWhereAnotherMeetsIt) {
+  Plan plan = loaded(Expr(1.0));
+  plan.space.dirichlet.push_back({});
+  plan.space.dirichlet.back().value = {abs(t - Expr(0.25)) + abs(t - Expr(0.5))};
+  plan.histories.push_back({}); // passes the first on to the second
+  plan.histories.back().kernel.expression =
+      select(less(Expr::variable(slot::lag), Expr(0.25)), Expr(1.0), Expr(0.0));
+  const auto data = data_times(plan, 1e-4);
+  ASSERT_EQ(data.breaks.size(), 3U); // .25, .5, and .75 from it
+  EXPECT_TRUE(data.breaks[0].imposed && data.breaks[1].imposed);
+  EXPECT_FALSE(data.breaks[2].imposed);
 }
 
 TEST(TimeBase, AGridHasBothSidesOfAJumpAndNeighboursWithinAFactorTwo) {

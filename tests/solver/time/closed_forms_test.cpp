@@ -201,6 +201,32 @@ TEST(NonConvolution, MatchesThePlainRecursion) {
   EXPECT_LE(result.work.factorisations, 3); // refined with an old factor, not factored again
 }
 
+// Property: a problem moved in time has the same answers, its memories begin where its grid does.
+TEST(Memory, BeginsAtTheFirstTimeOfTheGrid) {
+  const Expr t = var(slot::t);
+  const auto moved = [&](double t0, bool graded) {
+    Plan plan = slab(4, 16);
+    plan.loads = {force(body, {0.0, -10.0 * (t - Expr(t0))}), force(flank, {3.0 * (t - Expr(t0))})};
+    if (graded) plan.histories[0].route = HistoryRoute::direct;
+    for (std::size_t n = 0; n < plan.time.grid.size(); ++n) {
+      const double part = plan.time.grid[n];
+      plan.time.grid[n] = t0 + (graded ? part * (1.0 + part) / 2.0 : part);
+    }
+    return solve(plan);
+  };
+  for (const bool graded : {false, true}) {
+    const auto there = moved(0.0, graded);
+    for (const double t0 : {-3.0, 0.5, 4.0}) {
+      const auto here = moved(t0, graded);
+      EXPECT_TRUE(here.certificate.certified);
+      for (const auto& [name, column] : there.columns)
+        for (std::size_t n = 0; n < column.size(); ++n)
+          EXPECT_NEAR(here.columns.at(name)[n], column[n], 1e-9 * std::abs(column.back()))
+              << name << t0;
+    }
+  }
+}
+
 // Analytic: unsymmetric B (diffusion + convection) on an interval, nodally exact linear solution.
 TEST(Unsymmetric, ConvectionDiffusion) {
   Plan plan; // -u'' + u' = 1 with u(0) = u(1) = 0 on a fine grid
