@@ -4,22 +4,30 @@
     coulomb.py HVI_RUN [--scenes N] [--seed S] [--turned SHARE] [--keep DIR]
 
 A body of P1 triangles or tetrahedra, its nodes shaken, most of them turned by a random angle, is held on one side, loaded at random and
-meets rigid or compliant ground with a friction coefficient up to 4, constant or weakening with slip; Poisson's ratio goes up to
-.45. The script's mesh is written by this program, and every node's displacement is printed.
+meets rigid or compliant ground with a friction coefficient up to 4, constant or weakening with slip, at the points of each rule; Poisson's
+ratio goes up to .45, some bodies are viscous, some remember. The script's mesh is written by this program, and every node's displacement is
+printed.
 
-Wrong: a certified answer that breaks one of the laws. Stiffness and loads are assembled here; the forces K u - f that are left at the ground
-are the multipliers times the weights of the points, and they must vanish elsewhere, push, stay inside the cone, and fill it against the slip
-where there is one. Nothing else of the program is believed.
+Wrong: a certified answer that breaks one of the laws. Stiffness, loads and the weights of memories are computed here; what is left of the
+equations must vanish off the ground, and there be the forces of multipliers that the laws allow at these displacements: none at a gap, a push
+in contact, friction inside the cone where a point rests and on its rim against the slip where not. These multipliers are a convex cone of
+each point (or, with compliant ground, a ball), and they are searched by projections. Nothing else of the program is believed.
+
+Displacements are known up to a part of the largest one, and of what the loads of the step make of the body alone: where all points stick and
+no other node is free, all of them are rounding.
 
 Refused: no certified answer. Every scene has at least one solution: for given bounds g the discrete problem has one solution c(g), its size
 does not depend on g because friction and contact at zero gap do no positive work, so g -> mu |xi_n(c(g))| maps a ball into itself
-and has a fixed point (Brouwer). Not one scene in 2D may be refused, and less than one in 200 in 3D.
+and has a fixed point (Brouwer); the earlier steps only add to the load of this one. Not one scene in 2D may be refused, and less than one in
+200 in 3D.
 """
 import argparse, json, math, os, subprocess, sys, tempfile
 import numpy as np
+from solids import facet_rule
 
 BOUND_3D = 0.005
 TOLERANCE = 1e-7  # of the largest force and of the largest displacement: thousand times what is certified
+ALONE = 1e-9  # of what the loads make of the body without ground: ten times what is certified
 
 
 def rotation(dim, rng):
@@ -105,8 +113,17 @@ class Scene:
         self.traction = self.turn @ rng.uniform(-1, 1, dim) * scale * 15
         self.stiffness = None if rng.random() < .75 else self.young * 10 ** rng.uniform(0, 2)
         self.weakens = None if rng.random() < .8 else 10 ** rng.uniform(0, 3)
-        self.midpoint = dim == 2 and rng.random() < .2
+        self.rule = 'midpoint' if dim == 2 and rng.random() < .2 else 'nodal'
         self.steps = int(rng.integers(1, 4))
+        if rng.random() < .3:
+            self.rule = ('midpoint', 'gauss')[rng.integers(2)]
+        self.viscosity = None if rng.random() < .8 else 10 ** rng.uniform(-2, .5)  # A = viscosity B
+        self.memory = None if rng.random() < .8 else (rng.uniform(-.5, 1), 10 ** rng.uniform(-1.5, 1))  # a exp(-lag/tau)/tau
+
+    def told(self):
+        what = {'viscous': self.viscosity, 'memory': self.memory, 'compliant': self.stiffness, 'weakens': self.weakens,
+                'turned': not np.array_equal(self.turn, np.eye(self.dim))}
+        return f', {self.rule}' + ''.join(f', {name}' for name, there in what.items() if there)
 
     def coefficient(self, slip):
         return self.mu if self.weakens is None else self.mu * (.5 + .5 * np.exp(-self.weakens * slip))
@@ -133,18 +150,25 @@ class Scene:
                  else f'| r <= 0 -> 0 | otherwise -> {self.stiffness!r}*r')
         grip = (f'grip(xi) = {self.mu!r}*abs(layer.xi)*norm(xi)' if self.weakens is None else
                 f'grip(xi) with slope {self.mu!r}*abs(layer.xi)*(0.5 + 0.5*exp(-{self.weakens!r}*norm(xi)))')
-        rule = ', rule = midpoint' if self.midpoint else ', rule = nodal'
+        extra = declared = ''
+        if self.viscosity:
+            extra += f" + integral(body, {self.viscosity!r} * (B : eps(u')) : eps(v))\n"
+        if self.memory:
+            a, tau = self.memory
+            declared = f'kernel q(lag) = {a / tau!r}*exp(-lag/{tau!r})*B\n'
+            extra += ' + integral(body, history(q, eps(u)) : eps(v))\n'
+        start = ' from u = 0' if extra else ''
         script = f'''mesh body = gmsh("body.msh")
 part roof = body.group("roof")
 part flank = body.group("flank")
 part ground = body.group("ground")
 tensor B = isotropic(young = {self.young!r}, poisson = {self.nu!r})
-superpotential layer(r) with slope {layer}
+{declared}superpotential layer(r) with slope {layer}
 superpotential {grip}
 space V = vector P1 on body, zero on roof
-find u in V for t in [0,1] by {self.steps} steps such that for all v in V
+find u in V for t in [0,1] by {self.steps} steps{start} such that for all v in V
    integral(body, B : eps(u) : eps(v))
- + integral(ground, layer^0(u.nu; v.nu) + grip^0(u.tau; v.tau){rule})
+{extra} + integral(ground, layer^0(u.nu; v.nu) + grip^0(u.tau; v.tau), rule = {self.rule})
  >= integral(body, dot({vector(self.body)}, v)) + integral(flank, dot({vector(self.traction)}, v))
 report
   table {", ".join(columns)}
@@ -183,55 +207,132 @@ report
         return np.linalg.norm(p[1] - p[0]) if self.dim == 2 else .5 * np.linalg.norm(np.cross(p[1] - p[0], p[2] - p[0]))
 
     def contact_points(self):
-        """Rows of weights by nodes: argument of a point = row @ u; and the weight of each point."""
+        """Rows of weights by nodes: displacement of a point = row @ u; and the weight of each point."""
         n = len(self.points)
-        if self.midpoint:
-            rows, weights = np.zeros((len(self.ground), n)), np.array([self.area(f) for f in self.ground])
-            for i, facet in enumerate(self.ground):
-                rows[i, list(facet)] = 1 / len(facet)
-            return rows, weights
-        weight = np.zeros(n)
+        rows, weights = [], []
         for facet in self.ground:
-            weight[list(facet)] += self.area(facet) / len(facet)
-        nodes = np.flatnonzero(weight)
-        return np.eye(n)[nodes], weight[nodes]
+            for where, share in facet_rule(self.dim, 1, self.rule):
+                row = np.zeros(n)
+                row[list(facet)] = where
+                rows.append(row), weights.append(share * self.area(facet))
+        rows, weights = np.array(rows), np.array(weights)
+        if self.rule == 'nodal':  # one point for each node
+            rows, which = np.unique(rows, axis=0, return_inverse=True)
+            weights = np.bincount(which.ravel(), weights)
+        return rows, weights
 
-    def mistakes(self, u, t):
-        """What the laws and equilibrium say against the displacements u (nodes by components)."""
-        k, f = self.system()
-        forces = t * f - k @ u.ravel()  # of the ground's multipliers, G^T W xi
-        forces = forces.reshape(u.shape)
+    def on_bases(self, states, times):
+        """What acts on the stiffness in the last of the steps: u, its rate and its memory."""
+        u, t = states[-1].copy(), times[-1]
+        if self.viscosity:
+            u += self.viscosity * (states[-1] - states[-2]) / (times[-1] - times[-2])
+        if self.memory:
+            a, tau = self.memory  # int q over a step, exactly
+            for state, start, end in zip(states[1:], times, times[1:]):
+                u += a * (math.exp(-(t - end) / tau) - math.exp(-(t - start) / tau)) * state
+        return u
+
+    def prepare(self):
+        """What all steps share."""
+        self.k, self.f = self.system()
+        free = np.repeat(~self.held, self.dim)
+        alone = np.zeros(len(self.f))
+        alone[free] = np.linalg.solve(self.k[np.ix_(free, free)], self.f[free])
+        self.alone = np.abs(alone).max()
+
+    def mistakes(self, states, times):
+        """What the laws and equilibrium say against the last of the states (nodes by components)."""
+        u, t = states[-1], times[-1]
+        acting = self.on_bases(states, times)
+        forces = (t * self.f - self.k @ acting.ravel()).reshape(u.shape)[~self.held]
         rows, weights = self.contact_points()
-        xi = np.linalg.lstsq(rows.T * weights, forces * ~self.held[:, None], rcond=None)[0]
-        left = (forces - (rows.T * weights) @ xi)[~self.held]
         z = rows @ u
-        pressure, opening = xi @ self.normal, z @ self.normal
-        drag, slip = xi - np.outer(pressure, self.normal), z - np.outer(opening, self.normal)
-        force = max(np.abs(k * u.ravel()).sum(1).max() / weights.min(), np.abs(xi).max())
-        length = np.abs(u).max()
-        force_eps, length_eps = TOLERANCE * force, TOLERANCE * length
-        out = []
-        def no_more(what, value, eps):
-            if np.size(value) and not np.max(value) <= eps:
-                out.append(f'{what}: {np.max(value):.2e} > {eps:.1e}')
-        no_more('equilibrium', np.abs(left), force_eps * weights.min())
-        if self.stiffness is None:
-            no_more('penetration', opening, length_eps)
-            no_more('pulls', -pressure, force_eps)
-            no_more('pressure at a gap', np.abs(pressure[opening < -length_eps]), force_eps)
-        else:
-            no_more('compliance', np.abs(pressure - self.stiffness * np.maximum(opening, 0)),
-                    force_eps + self.stiffness * length_eps)
+        opening = z @ self.normal
+        slip = z - np.outer(opening, self.normal)
         size = np.linalg.norm(slip, axis=1)
-        bound = self.coefficient(size) * np.abs(pressure)
-        eps = force_eps * (1 + self.mu)
-        no_more('outside the cone', np.linalg.norm(drag, axis=1) - bound, eps)
-        moving = size > length_eps * 10
-        if moving.any():
-            e = slip[moving] / size[moving][:, None]
-            slack = eps + bound[moving] * length_eps / size[moving]
-            no_more('slips below the bound', np.linalg.norm(drag[moving] - bound[moving][:, None] * e, axis=1) - slack, 0.0)
-        return out
+        sum_of_sizes = (np.abs(self.k) @ np.abs(acting.ravel()) + t * np.abs(self.f)).max()
+        force_eps, length_eps = TOLERANCE * sum_of_sizes, TOLERANCE * np.abs(u).max() + ALONE * t * self.alone
+        if self.stiffness is None and opening.max() > length_eps:
+            return [f'penetration: {opening.max():.2e} > {length_eps:.1e}']
+        push = np.zeros(len(z))
+        if self.stiffness is not None:
+            push = self.stiffness * np.maximum(opening, 0)
+            force_eps += self.stiffness * length_eps * weights.max() * (1 + self.mu)
+        laws = Laws(self, opening, slip, size, push, length_eps)
+        reach = (rows.T * weights)[~self.held]
+        left = unbalanced(reach, forces, laws, force_eps)
+        return [f'no multipliers on the laws: {left:.2e} > {force_eps:.1e}'] if left > force_eps else []
+
+
+class Laws:
+    """The multipliers that the laws allow at given displacements, and the nearest of them."""
+
+    def __init__(self, scene, opening, slip, size, push, length_eps):
+        self.normal, self.rigid, self.push = scene.normal, scene.stiffness is None, push
+        self.gap = opening < -length_eps
+        self.rests = size <= 10 * length_eps
+        self.e = slip / np.maximum(size, 1e-300)[:, None]
+        self.mu = np.where(self.rests, scene.mu, scene.coefficient(size))
+        # A direction is known up to the slip's rounding.
+        self.turn = np.where(self.rests, 0, length_eps / np.maximum(size, 1e-300))
+
+    def nearest(self, xi):
+        """Each row of xi (pressure and drag together) on the law of its point."""
+        p = xi @ self.normal
+        drag = xi - np.outer(p, self.normal)
+        length = np.linalg.norm(drag, axis=1)
+        if self.rigid:
+            p_rest = np.where(length <= self.mu * p, p, np.maximum(0, (p + self.mu * length) / (1 + self.mu ** 2)))
+            p_slip = np.maximum(0, (p + self.mu * (drag * self.e).sum(1)) / (1 + self.mu ** 2))
+            p = np.where(self.gap, 0, np.where(self.rests, p_rest, p_slip))
+        else:
+            p = self.push
+        bound = self.mu * p
+        inside = drag * np.minimum(1, bound / np.maximum(length, 1e-300))[:, None]
+        return np.outer(p, self.normal) + np.where(self.rests[:, None], inside, self.e * bound[:, None])
+
+    def slack(self, xi):
+        """Forces that an unknown direction of slip may hide."""
+        return np.linalg.norm(xi - np.outer(xi @ self.normal, self.normal), axis=1) * self.turn
+
+
+def unbalanced(reach, forces, laws, enough):
+    """The least max |forces - reach xi| that a search over xi on the laws finds.
+
+    With P the nearest multipliers on the laws, xi = P(reach^T y) of least size solves the equations where
+    y minimises the convex phi(y) = v . P(v) - |P(v)|^2 / 2 - forces . y, v = reach^T y: Newton's method with
+    a line search. Without such xi, or with one on the rim only, y grows and what is left falls to its least.
+    """
+    ratio = np.sqrt((reach ** 2).sum(0))[:, None]  # xi = eta / ratio: rows of one point keep their directions
+    scaled, size = reach / ratio.T, np.abs(forces).max() or 1.0
+    dim = forces.shape[1]
+    on_laws = lambda v: laws.nearest(size * v / ratio) * ratio / size
+    target = forces / size
+
+    def at(y):
+        v = scaled.T @ y
+        eta = on_laws(v)
+        return v, eta, (v * eta).sum() - .5 * (eta ** 2).sum() - (target * y).sum()
+
+    y, best = np.zeros_like(forces), math.inf
+    for _ in range(200):
+        v, eta, value = at(y)
+        xi = size * eta / ratio
+        gap = target - scaled @ eta
+        left = size * np.abs(gap) - np.abs(reach) @ laws.slack(xi)[:, None]
+        best = min(best, left.max())
+        if best <= enough:
+            break
+        step = 1e-7 * max(np.abs(v).max(), 1e-3)
+        slopes = np.stack([(on_laws(v + step * np.eye(dim)[k]) - eta) / step for k in range(dim)], -1)
+        matrix = np.einsum('ip,pab,jp->iajb', scaled, slopes, scaled).reshape(y.size, y.size)
+        matrix += max(1e-3 * np.linalg.norm(gap), 1e-12) * np.eye(y.size)
+        move = np.linalg.solve(matrix, gap.ravel()).reshape(y.shape)
+        length, fall = 1.0, (gap * move).sum()
+        while length > 1e-10 and not at(y + length * move)[2] <= value - 1e-4 * length * fall:
+            length /= 2
+        y = y + length * move
+    return best
 
 
 def judge(program, seed, index, turned, keep):
@@ -249,10 +350,13 @@ def judge(program, seed, index, turned, keep):
             return scene, 'wrong', f'exit {run.returncode}: ' + run.stderr.split('\n')[0]
         result = json.load(open(os.path.join(folder, 'out.json')))
     table = result['table']
-    for n, t in enumerate(table['t']):
-        u = np.array([[table[f'u{i}{"xyz"[k]}'][n] for k in range(scene.dim)] for i in range(len(scene.points))])
-        if t > 0 and (found := scene.mistakes(u, t)):
-            return scene, 'wrong', f't = {t}: ' + '; '.join(found)
+    scene.prepare()
+    states = [np.array([[table[f'u{i}{"xyz"[k]}'][n] for k in range(scene.dim)] for i in range(len(scene.points))])
+              for n in range(len(table['t']))]
+    states, times = [np.zeros_like(states[0])] + states, [0.0] + table['t']
+    for n in range(1, len(states)):
+        if found := scene.mistakes(states[:n + 1], times[:n + 1]):
+            return scene, 'wrong', f't = {times[n]}: ' + '; '.join(found)
     return scene, 'certified', ''
 
 
@@ -277,7 +381,7 @@ def main():
         if verdict == 'refused':
             refused[scene.dim] += 1
         if verdict != 'certified':
-            print(f'scene {i} ({scene.dim}D, mu {scene.mu:.2f}, nu {scene.nu:.2f}{", midpoint" if scene.midpoint else ""}): {verdict}: {why}')
+            print(f'scene {i} ({scene.dim}D, mu {scene.mu:.2f}, nu {scene.nu:.2f}{scene.told()}): {verdict}: {why}')
     print(f'family coulomb: scenes {len(asked)}, certified {count["certified"]}, wrong {count["wrong"]}, refused {count["refused"]}')
     sys.exit(count['wrong'] > 0 or refused[2] > 0 or refused[3] > BOUND_3D * spatial)
 
