@@ -273,8 +273,9 @@ class Laws:
         self.rests = size <= 10 * length_eps
         self.e = slip / np.maximum(size, 1e-300)[:, None]
         self.mu = np.where(self.rests, scene.mu, scene.coefficient(size))
-        # A direction is known up to the slip's rounding.
+        # A slip is known up to rounding: so are its direction, and the bound that weakens with it.
         self.turn = np.where(self.rests, 0, length_eps / np.maximum(size, 1e-300))
+        self.turn += scene.coefficient(np.maximum(size - length_eps, 0)) / self.mu - 1
 
     def nearest(self, xi):
         """Each row of xi (pressure and drag together) on the law of its point."""
@@ -292,7 +293,7 @@ class Laws:
         return np.outer(p, self.normal) + np.where(self.rests[:, None], inside, self.e * bound[:, None])
 
     def slack(self, xi):
-        """Forces that an unknown direction of slip may hide."""
+        """Forces that rounding of the slip may hide."""
         return np.linalg.norm(xi - np.outer(xi @ self.normal, self.normal), axis=1) * self.turn
 
 
@@ -323,13 +324,14 @@ def unbalanced(reach, forces, laws, enough):
         best = min(best, left.max())
         if best <= enough:
             break
-        step = 1e-7 * max(np.abs(v).max(), 1e-3)
+        step = 1e-9 * max(np.abs(v).max(), 1e-3)
         slopes = np.stack([(on_laws(v + step * np.eye(dim)[k]) - eta) / step for k in range(dim)], -1)
         matrix = np.einsum('ip,pab,jp->iajb', scaled, slopes, scaled).reshape(y.size, y.size)
         matrix += max(1e-3 * np.linalg.norm(gap), 1e-12) * np.eye(y.size)
         move = np.linalg.solve(matrix, gap.ravel()).reshape(y.shape)
         length, fall = 1.0, (gap * move).sum()
-        while length > 1e-10 and not at(y + length * move)[2] <= value - 1e-4 * length * fall:
+        rounding = 1e-14 * (np.abs(v * eta).sum() + np.abs(target * y).sum())
+        while length > 1e-10 and not at(y + length * move)[2] <= value - 1e-4 * length * fall + rounding:
             length /= 2
         y = y + length * move
     return best
