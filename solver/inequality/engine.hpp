@@ -58,6 +58,7 @@ struct InequalityEngine {
   void gather_with_magnitude(const Vector& xi);
   void enter_state(int p);             ///< linearise about the given state near the current z
   void classify(int p, double shrink); ///< resolvent of z + gamma xi: new state, new linearisation
+  double least_at_break(int p, int i) const;
   void linearise(int p, const GraphPoint& hit, const Small& direction);
   Small apply_d(int p, const Small& v) const;
   /// The multiplier that stands for certain at the current z: slopes inside, clipped xi at breaks.

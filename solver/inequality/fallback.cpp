@@ -12,8 +12,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hvi::solver {
+
+namespace {
+
+/// gamma as parts of the body's compliance.
+constexpr double smallest_gamma = 1e-6, step_of_gamma = 10.0;
+/// Below this residual so many steps that do not halve it show that rounding does not let it fall.
+constexpr double nearly_solved = 1e-6;
+constexpr int patience = 10;
+
+} // namespace
 
 struct InequalityEngine::Penalised {
   InequalityEngine& w;
@@ -48,12 +59,17 @@ struct InequalityEngine::Penalised {
     hits[p] = law.resolvent(w.component[p], size, g, hits[p]);
     const GraphPoint& hit = hits[p];
     const double ratio = law.radial() && size > 0.0 ? hit.z / size : 0.0;
-    for (int i = 0; i < 3; ++i)
-      out[i] = law.radial() ? (y[i] - ratio * y[i]) / g : (i == 0 ? (y[0] - hit.z) / g : 0.0);
+    const bool at_break = hit.state < 0 || hit.state % 2 == 1;
+    // Inside a piece (y - hit.z) / g is the slope there: a difference would divide rounding by g.
+    const double slope = hit.s + m * hit.z;
+    if (!law.radial())
+      out = {at_break ? (zp[0] - hit.z) / g + l[0] : slope, 0.0, 0.0};
+    else
+      for (int i = 0; i < 3; ++i)
+        out[i] = at_break || !(size > 0.0) ? (y[i] - ratio * y[i]) / g : slope * (y[i] / size);
     if (!stiffness) return out;
     auto& matrix = w.d[p];
     matrix.fill(0.0);
-    const bool at_break = hit.state < 0 || hit.state % 2 == 1;
     const double k = m + hit.d;
     const double along = at_break ? 1.0 / g : k / (1.0 + g * k);
     const double across = (1.0 - ratio) / g;
@@ -74,6 +90,16 @@ struct InequalityEngine::Penalised {
     Small out;
     for (int i = 0; i < 3; ++i) out[i] = l[i] - theta * m * zp[i] - (1.0 - theta) * m * ref[i];
     return out;
+  }
+
+  /// Multipliers and states of the present z and lambda to the engine.
+  void hand_over() {
+    for (int p = 0; p < w.n_points; ++p) {
+      const double m = shift(p);
+      const Small l = w.at(lambda, p), z = w.at(w.z, p);
+      w.put(w.xi, p, {l[0] - m * z[0], l[1] - m * z[1], l[2] - m * z[2]});
+      w.state[p] = hits[p].state;
+    }
   }
 
   /// Fills `gradient` at the present c (S c known); the worst componentwise ratio.
@@ -125,11 +151,12 @@ struct InequalityEngine::Penalised {
     const double before = gradient.lpNorm<Eigen::Infinity>();
     for (double t = 1.0; t > 1e-6; t /= 2.0) {
       w.c += t * direction;
+      w.z = z0 + t * z_direction;
       w.update_product();
-      w.update_z();
       gradient_ratio(false);
       const double after = gradient.lpNorm<Eigen::Infinity>();
       w.c -= t * direction;
+      w.z = z0;
       if (after <= (1.0 - 0.1 * t) * before) return t;
     }
     return 1e-3;
@@ -138,25 +165,31 @@ struct InequalityEngine::Penalised {
   Outcome minimise(int limit, double tolerance) {
     w.update_product();
     w.update_z();
-    for (int k = 0; k < limit; ++k) {
-      if (gradient_ratio(true) <= tolerance) return Outcome::solved;
+    double best = std::numeric_limits<double>::infinity();
+    for (int k = 0, in_vain = 0; k < limit; ++k) {
+      const double ratio = gradient_ratio(true);
+      if (ratio <= tolerance) return Outcome::solved;
+      in_vain = ratio <= 0.5 * best ? 0 : in_vain + 1;
+      best = std::min(best, ratio);
+      if (best <= nearly_solved && in_vain >= patience) return Outcome::failed; // at rounding
       if (!w.factor_if_needed()) return Outcome::indefinite;
       w.op.solve(w.residual, direction);
       const double unit = direction.lpNorm<Eigen::Infinity>();
       if (!(unit > 0.0) || !std::isfinite(unit)) return Outcome::failed;
       ++w.report.iterations;
       double t = 1.0;
+      z_direction = w.problem.g * direction;
+      z0 = w.z, sc0 = w.sc;
       if (w.op.symmetric()) {
         w.op.apply(direction, s_direction);
-        z_direction = w.problem.g * direction;
-        z0 = w.z, sc0 = w.sc;
         t = line_search(unit);
       } else {
         t = damping();
       }
       w.c += t * direction;
+      // Not G c + g again: its rounding, which depends on the axes, would be divided by gamma.
+      w.z = z0 + t * z_direction;
       w.update_product();
-      w.update_z();
     }
     return Outcome::failed;
   }
@@ -180,23 +213,30 @@ InequalityEngine::Outcome InequalityEngine::fallback() {
   update_z();
   Penalised f(*this);
   if (!f.choose_theta()) return Outcome::indefinite;
+  double least = smallest_gamma;
   for (int outer = 0; outer < 80; ++outer) {
     const auto inner = f.minimise(options.max_iterations, 1e-2 * options.tolerance);
     if (inner == Outcome::indefinite) return inner;
     f.gradient_ratio(false);
     f.lambda = f.new_lambda, f.z_ref = z;
     const Vector kept_c = c;
-    for (int p = 0; p < n_points; ++p) {
-      const double m = f.shift(p);
-      const Small l = at(f.lambda, p), zp = at(z, p);
-      put(xi, p, {l[0] - m * zp[0], l[1] - m * zp[1], l[2] - m * zp[2]});
-      state[p] = f.hits[p].state;
-    }
+    f.hand_over();
     for (int p = 0; p < n_points; ++p) classify(p, 1.0);
     if (newton(12) == Outcome::solved) return Outcome::solved;
     c = kept_c;
     update_z();
-    f.shrink = std::max(f.shrink / 10.0, 1e-6);
+    f.hand_over();
+    snap_factor = certificate_snap;
+    // Where multipliers are not unique (more points than unknowns) Newton's states may never settle.
+    if (inner == Outcome::solved && try_multipliers() <= options.tolerance) {
+      xi = trial;
+      return Outcome::solved;
+    }
+    // The multipliers have the rounding of z by gamma: it may be too small to solve anything.
+    if (inner == Outcome::failed && f.shrink < 1.0)
+      least = f.shrink = std::min(1.0, f.shrink * step_of_gamma);
+    else
+      f.shrink = std::max(f.shrink / step_of_gamma, least);
   }
   return Outcome::failed;
 }

@@ -125,27 +125,36 @@ Small InequalityEngine::apply_d(int p, const Small& v) const {
           m[6] * v[0] + m[7] * v[1] + m[8] * v[2]};
 }
 
+/// The smallest multiplier that the law of a point allows at a break.
+double InequalityEngine::least_at_break(int p, int i) const {
+  const LawGraph& g = prepared[points[p].law].graph();
+  return std::clamp(0.0, std::min(g.left[i], g.right[i]), std::max(g.left[i], g.right[i]));
+}
+
 /// Linearises the graph about a point of it: xi = xi_hat + D (z - z_hat). A state at a break holds
 /// z there by a large stiffness around the present multiplier; repeating the step makes it exact.
+/// Where points share unknowns, some parts of their multipliers have no effect and would stay what
+/// they were for ever: a point that comes to rest brings none with it.
 void InequalityEngine::linearise(int p, const GraphPoint& hit, const Small& e) {
   const PointData& q = points[p];
+  const bool at_break = hit.state < 0 || hit.state % 2 == 1;
+  const bool comes = at_break && !q.exclusive && state[p] != hit.state;
   state[p] = hit.state;
   auto& m = d[p];
   m.fill(0.0);
-  const bool at_break = hit.state < 0 || hit.state % 2 == 1;
   if (!prepared[q.law].radial()) {
     m[0] = at_break ? q.penalty : std::clamp(hit.d, -q.penalty, q.penalty);
     put(z_hat, p, {hit.z, 0.0, 0.0});
     if (!at_break)
       put(xi_hat, p, {hit.s, 0.0, 0.0});
     else
-      put(xi_hat, p, at(xi, p));
+      put(xi_hat, p, comes ? Small{least_at_break(p, hit.state / 2), 0.0, 0.0} : at(xi, p));
     return;
   }
   if (hit.state < 0) {
     for (int k = 0; k < q.rows; ++k) m[4 * k] = q.penalty;
     put(z_hat, p, {});
-    put(xi_hat, p, at(xi, p));
+    put(xi_hat, p, comes ? Small{} : at(xi, p));
     return;
   }
   const double s = at_break ? dot(at(xi, p), e) : hit.s;
@@ -219,7 +228,8 @@ Small InequalityEngine::multiplier(int p) const {
     return {stiff ? std::clamp(xp[0], s - slack, s + slack) : s, 0.0, 0.0};
   }
   const double r = norm(zp);
-  if (state[p] == -1 && r <= tolerance) {
+  // A slip that is rounding has no direction: there, too, it is xi that says where it pulls.
+  if ((state[p] == -1 || state[p] == 0) && r <= tolerance) {
     const double ball = std::abs(law.on_component(component[p], 0.0).s), size = norm(xp);
     const double f = size > ball ? ball / size : 1.0;
     return {f * xp[0], f * xp[1], f * xp[2]};

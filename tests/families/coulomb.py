@@ -344,8 +344,11 @@ def judge(program, seed, index, turned, keep):
         folder = os.path.join(keep, str(index)) if keep else folder
         os.makedirs(folder, exist_ok=True)
         scene.write(folder)
-        run = subprocess.run([program, 'run', 'scene.hvi', '--no-files', '--threads', '1', '--json', 'out.json'], cwd=folder,
-                             capture_output=True, text=True, timeout=60)
+        try:
+            run = subprocess.run([program, 'run', 'scene.hvi', '--no-files', '--threads', '1', '--json', 'out.json'], cwd=folder,
+                                 capture_output=True, text=True, timeout=60)
+        except subprocess.TimeoutExpired:
+            return scene, 'refused', 'no answer within a minute'
         if run.returncode == 3:
             return scene, 'refused', run.stderr.split('\n')[0]
         if run.returncode != 0:
