@@ -1,6 +1,7 @@
 // Point-wise operations of the inequality solver: states of the graph, linearisations, products
 // with G (engine.hpp).
 #include "solver/inequality/engine.hpp"
+#include "solver/inequality/rounding_of_arguments.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -60,6 +61,7 @@ void InequalityEngine::gather_with_magnitude(const Vector& x) {
 
 /// reach_i = |c_i| + (|r_i| + |(S c)_i - S_ii c_i|) / S_ii: how far unknown i would go under the
 /// forces of its own equation, were the others held. It stays where all displacements are rounding.
+/// And a part of the largest: where nothing acts, the displacement is rounding of the others.
 void InequalityEngine::update_reach() {
   for (int i = 0; i < n; ++i) {
     const double stiffness = std::abs(diagonal[i]);
@@ -67,6 +69,7 @@ void InequalityEngine::update_reach() {
     if (stiffness > 0.0)
       reach[i] += (std::abs((*rhs)[i]) + std::abs(sc[i] - diagonal[i] * c[i])) / stiffness;
   }
+  if (n > 0) reach.array() += part_of_largest_reach * reach.maxCoeff();
 }
 
 /// z within this of a break counts as on it: rounding of G c + g before anything cancels in it
@@ -76,7 +79,7 @@ double InequalityEngine::snap(int p) const {
   const Vector& known = problem.offset_size.size() == n_rows ? problem.offset_size : problem.offset;
   double size = 0.0;
   for (int row = q.first; row < q.first + q.rows; ++row) {
-    double sum = std::abs(known[row]) + q.local * std::abs(xi[row]);
+    double sum = std::abs(known[row]);
     for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
       sum += std::abs(it.value()) * reach[it.col()];
     size = std::max(size, sum);

@@ -1,6 +1,8 @@
 // Is a step solved? See certificate.hpp.
 #include "solver/time/certificate.hpp"
 
+#include "solver/inequality/rounding_of_arguments.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -176,12 +178,15 @@ double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Ve
 void find_reach(const Vector& diagonal, const Vector& kd, const Vector& d, const Vector& b,
                 Contact& contact) {
   contact.reach.setZero(contact.g.cols());
+  double largest = 0.0;
   for (Eigen::Index c = 0; c < diagonal.size(); ++c) {
     const int i = contact.unknowns[static_cast<std::size_t>(c)];
     const double own = std::abs(diagonal[c]);
     contact.reach[i] = std::abs(d[i]);
     if (own > 0.0) contact.reach[i] += (std::abs(kd[i] - own * d[i]) + std::abs(b[i])) / own;
+    largest = std::max(largest, contact.reach[i]);
   }
+  for (const int i : contact.unknowns) contact.reach[i] += part_of_largest_reach * largest;
 }
 
 namespace {
