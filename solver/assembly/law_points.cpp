@@ -11,12 +11,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 namespace hvi::solver {
 namespace {
 
-constexpr double same = 1e-12; ///< normals and rows closer than this are the same
+/// Normals and rows closer than this are the same; far from the origin their own rounding adds to
+/// it.
+constexpr double same = 1e-12;
 constexpr double rank_tolerance = 1e-10;
 
 /// One point before merging. rows: R, arguments x components.
@@ -26,7 +29,28 @@ struct RawPoint {
   std::int32_t node, entity, cell;
   Barycentric barycentric;
   DenseMatrix rows;
+  double rounding = 0.0; ///< of the normal
 };
+
+/// How far rounding of its nodes may turn a facet: a few units in the last place of the largest
+/// coordinate, by its least height. Whole decimals of a mesh that lies far from the origin turn the
+/// facets of a plane as much.
+double rounding_of_normal(const Mesh& mesh, int facet) {
+  constexpr double units = 8.0 * std::numeric_limits<double>::epsilon();
+  const auto& nodes = mesh.facets[facet].nodes;
+  double largest = 0.0, longest = 0.0;
+  for (int a = 0; a < mesh.nodes_per_facet(); ++a) {
+    const Point& p = mesh.nodes[nodes[a]];
+    for (const double v : p) largest = std::max(largest, std::abs(v));
+    for (int b = 0; b < a; ++b) {
+      const Point& q = mesh.nodes[nodes[b]];
+      longest = std::max(longest, std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]));
+    }
+  }
+  if (mesh.dim == 1) return 0.0;
+  const double height = mesh.dim == 2 ? longest : 2.0 * facet_measure(mesh, facet) / longest;
+  return height > 0.0 ? units * largest / height : 0.0;
+}
 
 void check_shape(const Space& space, const LawTerm& term, bool radial) {
   const bool scalar = !radial && term.rows.size() == 1;
@@ -83,6 +107,8 @@ private:
         point.normal[j] = block.normal[j][p];
       }
       point.node = node_of(block.entity[p], p % per_entity);
+      if (point.node >= 0 && region_.kind == Group::Kind::facets)
+        point.rounding = rounding_of_normal(*space_.mesh, block.entity[p]);
       point.rows.resize(static_cast<Eigen::Index>(term_.rows.size()), space_.components);
       for (Eigen::Index c = 0; c < point.rows.rows(); ++c) {
         for (int i = 0; i < space_.components; ++i) {
@@ -127,13 +153,14 @@ private:
 };
 
 bool is_same(const RawPoint& a, const RawPoint& b) {
+  const double near = same + a.rounding + b.rounding;
   for (int j = 0; j < 3; ++j) {
-    if (std::abs(a.normal[j] - b.normal[j]) > same) {
+    if (std::abs(a.normal[j] - b.normal[j]) > near) {
       return false;
     }
   }
   const double scale = std::max(a.rows.cwiseAbs().maxCoeff(), b.rows.cwiseAbs().maxCoeff());
-  return (a.rows - b.rows).cwiseAbs().maxCoeff() <= same * scale;
+  return (a.rows - b.rows).cwiseAbs().maxCoeff() <= 2.0 * near * scale;
 }
 
 /// Adds the weights of points on one node that are the same; keeps the order of first appearance.

@@ -309,9 +309,11 @@ bool InequalityEngine::Coupled::raise_share() {
   double step = 1.0 - share;
   Place last = here();
   double reached = share;
+  before = waypoint();
   for (int raise = 0; reached < 1.0; ++raise) {
     set_share(std::min(1.0, reached + step));
     if (solve(25)) {
+      before = {last, reached};
       reached = share, last = here();
       step *= 2.0;
       continue;
@@ -339,18 +341,19 @@ InequalityReport InequalityEngine::solve_coupled(const Vector& right_side, Inequ
   if (!f.solve(most_iterations)) {
     f.go(start);
     f.set_share(0.0);
-    if (f.solve_uncoupled()) f.raise_share();
+    if (f.solve_uncoupled() && !f.raise_share()) f.follow_share();
   }
   certify();
   count_events(components_before);
   store(io);
   if (!report.converged)
-    report.verdict = fmt::format("the laws and the bounds that they give each other were not "
-                                 "solved together, neither by Newton's "
-                                 "method nor by raising the bounds from 0 (share reached: {:.3g}): "
-                                 "a solution may not exist, "
-                                 "or not near the last one; take smaller steps",
-                                 f.share);
+    report.verdict =
+        fmt::format("the laws and the bounds that they give each other were not "
+                    "solved together, neither by Newton's "
+                    "method nor by raising the bounds from 0 (their last share: {:.3g}): "
+                    "a solution may not exist, "
+                    "or not near the last one; take smaller steps",
+                    f.share);
   return report;
 }
 

@@ -10,7 +10,8 @@
 // J_p the resolvent of p's law, b_p = share times the multiplier that its normal law's resolvent
 // gives. The matrix S + G^T W D G has the derivative by b_p, too, so that it is not symmetric.
 // Steps are shortened until the merit function |F1|^2 / S_ii + |F2|^2 w / gamma falls. `share` < 1
-// makes the bounds smaller: at 0 the laws are plain ones, from there solutions are followed.
+// makes the bounds smaller: at 0 the laws are plain ones, from there solutions are followed, and
+// where they turn back the way goes on by arc length (coupled_path.cpp).
 #pragma once
 
 #include "solver/inequality/engine.hpp"
@@ -50,6 +51,20 @@ struct InequalityEngine::Coupled {
   bool solve(int limit);  ///< Newton, with points that leave a component of their law moved on
   bool solve_uncoupled(); ///< at share 0
   bool raise_share();     ///< to 1, by Newton's method at ever larger shares
+  /// On from there by arc length, wherever the share goes; true when it is 1.
+  bool follow_share();
+
+  // ---- pieces of a step along the path of solutions (coupled_path.cpp)
+  /// A solution on the path and a direction from it.
+  struct Waypoint {
+    Place place;
+    double share = 0.0;
+  };
+  Waypoint waypoint() const { return {here(), share}; }
+  void go(const Waypoint& to);
+  double product(const Vector& a, const Vector& b) const; ///< of displacements, without a unit
+  bool step_on_path(const Waypoint& last, const Vector& along, double along_share, double length);
+  bool share_direction();
 
   // ---- pieces of a step
   void set_bound(Bound& b, double multiplier);
@@ -72,7 +87,10 @@ struct InequalityEngine::Coupled {
   std::vector<double> penalties; ///< the engine's
   std::vector<int> bound_of;     ///< by point; -1: a law of its own
   double share = 1.0;
-  double scale = 1.0; ///< factor of gamma in the natural map
+  Waypoint before;        ///< the solution before the last one on the way up
+  Vector path_c, path_xi; ///< what c and xi change with the share
+  double energy = 1.0;    ///< of displacements: their unit
+  double scale = 1.0;     ///< factor of gamma in the natural map
   Vector target_xi;
   SparseMatrix matrix; ///< H
   std::vector<Eigen::Triplet<double>> entries;

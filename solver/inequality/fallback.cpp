@@ -227,7 +227,8 @@ InequalityEngine::Outcome InequalityEngine::fallback() {
     update_z();
     f.hand_over();
     snap_factor = certificate_snap;
-    // Where multipliers are not unique (more points than unknowns) Newton's states may never settle.
+    // Where multipliers are not unique (more points than unknowns) Newton's states may never
+    // settle.
     if (inner == Outcome::solved && try_multipliers() <= options.tolerance) {
       xi = trial;
       return Outcome::solved;

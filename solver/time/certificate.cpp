@@ -175,6 +175,7 @@ double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Ve
   return worst.worst();
 }
 
+/// And a part of the largest: where nothing acts, the displacement is rounding of the others.
 void find_reach(const Vector& diagonal, const Vector& kd, const Vector& d, const Vector& b,
                 Contact& contact) {
   contact.reach.setZero(contact.g.cols());
@@ -225,7 +226,9 @@ Inclusion inclusion_error(const Contact& contact, const Vector& u, const Vector&
           inclusion_distance(*contact.laws[point.law], contact.problem.graphs[point.graph],
                              &z[point.first_row], &xi[point.first_row], point.rows,
                              tolerance * argument_scale(contact, point, u), out.worst * scale);
-      if (getenv("DBG")) fprintf(stderr,"p %d z %.3e xi %.6e snap %.3e dist %.3e\n",p,z[point.first_row],xi[point.first_row],tolerance * argument_scale(contact, point, u),distance);
+      if (getenv("DBG"))
+        fprintf(stderr, "p %d z %.3e xi %.6e snap %.3e dist %.3e\n", p, z[point.first_row],
+                xi[point.first_row], tolerance * argument_scale(contact, point, u), distance);
       if (distance == 0.0) continue;
       const double error = distance / scale;
       if (error <= out.worst) continue;

@@ -37,8 +37,7 @@ double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Ve
 
 /// Sets contact.reach_i = |d_i| + (|(K d)_i - K_ii d_i| + |b_i|) / K_ii: how far unknown i would go
 /// under the forces of its own equation, were the others held. The scale of displacements where all
-/// of them are rounding (a body that sticks everywhere). And a part of the largest of them: where
-/// nothing acts, the displacement is rounding of the others.
+/// of them are rounding (a body that sticks everywhere).
 /// `diagonal`: K_ii of the contact unknowns i, in their order.
 void find_reach(const Vector& diagonal, const Vector& kd, const Vector& d, const Vector& b,
                 Contact& contact);

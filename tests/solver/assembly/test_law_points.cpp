@@ -111,6 +111,46 @@ TEST(LawPoints, NodalPointsMergeOnPlanesAndSplitAtCorners) {
   EXPECT_EQ(assemble_law(space3, skin(box), normal_law(3), 0, false).x.size(), 8u * 3 + 12 * 2 + 6);
 }
 
+/// A box, its plane x y turned, scaled, and moved by so many of its sizes.
+Mesh moved_box(int dim, double angle, double scale, double far) {
+  Mesh mesh = box_mesh(dim, {4, 3, dim == 3 ? 2 : 0});
+  for (auto& p : mesh.nodes) {
+    const double x = p[0], y = p[1];
+    p[0] = scale * (std::cos(angle) * x - std::sin(angle) * y + far);
+    p[1] = scale * (std::sin(angle) * x + std::cos(angle) * y - 0.7 * far);
+    if (dim == 3) p[2] = scale * (p[2] + 0.3 * far);
+  }
+  return mesh;
+}
+
+std::size_t count_points(const Mesh& mesh, const LawTerm& term) {
+  const Space space = make_space(mesh, 1, mesh.dim);
+  return assemble_law(space, group(mesh, "bottom"), term, 0, false).x.size();
+}
+
+// Far from the origin the nodes of a plane do not lie in one: its facets still have one normal.
+TEST(LawPoints, PlanesStayPlanesWhereverTheyLie) {
+  for (const double scale : {1e-9, 1.0, 1e9})
+    for (const double far : {0.0, 1.0, 1e3, 1e6})
+      for (const double angle : {0.0, 0.3, 1.1, 2.9}) {
+        EXPECT_EQ(count_points(moved_box(2, angle, scale, far), normal_law(2)), 5u) << far;
+        EXPECT_EQ(count_points(moved_box(3, angle, scale, far), normal_law(3)), 15u) << far;
+      }
+}
+
+// A bend that is no rounding is kept, at any scale: five nodes, three of them on two normals.
+TEST(LawPoints, SmallBendsAreKept) {
+  for (const double scale : {1e-9, 1.0, 1e9})
+    for (const double bend : {1e-10, 1e-6, 1e-2}) {
+      Mesh mesh = moved_box(2, 0.0, 1.0, 0.0);
+      for (auto& p : mesh.nodes)
+        if (p[0] == 0.5 && p[1] == 0.0) p[1] -= bend;
+      for (auto& p : mesh.nodes)
+        for (double& v : p) v *= scale;
+      EXPECT_EQ(count_points(mesh, normal_law(2)), 8u) << scale << ' ' << bend;
+    }
+}
+
 TEST(LawPoints, InclinedSidesHaveTheirNormals) {
   Mesh mesh = box_mesh(2, {3, 3, 0});
   for (auto& p : mesh.nodes) p[1] += 0.5 * p[0]; // the bottom rises with slope 1/2

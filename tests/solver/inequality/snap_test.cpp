@@ -65,6 +65,39 @@ TEST(Snap, HasAScaleWhereNothingMoves) {
     }
 }
 
+// An unknown on which nothing acts moves by the rounding of the others.
+TEST(Snap, KnowsTheLargestDisplacement) {
+  Node stick(Expr(1.0), true, 0.0);
+  const Vector r = 0.35 * stick.along() + 2.0 * stick.across(); // held: 0.5 xi = r along
+  const Vector c = stick.across();
+  EXPECT_EQ(stick.inclusion(c, 0.7, r), 0.0);
+  const Vector idle = 2.0 * stick.across();
+  EXPECT_EQ(stick.inclusion(c + 3e-16 * stick.along(), 0.0, idle), 0.0);
+  EXPECT_NEAR(stick.inclusion(c + 1e-12 * stick.along(), 0.0, idle), 1.0, 1e-9);
+}
+
+// More points than unknowns, bounds far above the load: multipliers that balance each other would
+// be as large as the bounds and hide whether the points rest.
+TEST(Snap, PointsThatShareUnknownsHaveNoIdleMultipliers) {
+  for (const double bound : {1e3, 1e6, 1e10})
+    for (const bool radial : {false, true}) {
+      test::Bench bench;
+      bench.s = (DenseMatrix(2, 2) << 200.0, -40.0, -40.0, 150.0).finished();
+      const Expr slope =
+          radial ? Expr(bound) : select(less_equal(arg(), Expr(0.0)), Expr(-bound), Expr(bound));
+      const int law = bench.slope(slope, radial);
+      for (const double a : {0.11, 0.33, 0.62, 0.91})
+        bench.point(law, 0.3, {{{0, a}, {1, 1.0 - a}}});
+      bench.finish();
+      const auto op = dense_operator(bench.s, true);
+      InequalitySolver solver(bench.problem, *op, {});
+      InequalityState state;
+      ASSERT_TRUE(solver.solve(Eigen::Vector2d(3.0, -7.0), state).converged) << bound;
+      EXPECT_LT(state.c.lpNorm<Eigen::Infinity>(), 1e-13) << bound;
+      EXPECT_LT(state.xi.lpNorm<Eigen::Infinity>(), 100.0) << bound;
+    }
+}
+
 // What is known of the argument may be the rest of numbers that cancelled.
 TEST(Snap, KnowsWhatCancelledInTheOffset) {
   Node stop(select(less_equal(arg(), Expr(0.0)), Expr(0.0), Expr(1e300)), false, 0.0);
