@@ -226,8 +226,6 @@ Inclusion inclusion_error(const Contact& contact, const Vector& u, const Vector&
           inclusion_distance(*contact.laws[point.law], contact.problem.graphs[point.graph],
                              &z[point.first_row], &xi[point.first_row], point.rows,
                              tolerance * argument_scale(contact, point, u), out.worst * scale);
-        fprintf(stderr, "p %d z %.3e xi %.6e snap %.3e dist %.3e\n", p, z[point.first_row],
-                xi[point.first_row], tolerance * argument_scale(contact, point, u), distance);
       if (distance == 0.0) continue;
       const double error = distance / scale;
       if (error <= out.worst) continue;
