@@ -1,10 +1,9 @@
-// The audit of a memory: a few unknowns are summed directly beside the route that was chosen, and
-// the largest difference is reported.
+// The audit of a memory: a few unknowns are summed directly beside the route that was chosen, with
+// weights by another quadrature, and the largest difference is reported.
+#include "solver/history/independent.hpp"
 #include "solver/history/routes.hpp"
 #include "solver/history/stream.hpp"
 #include "solver/history/traits.hpp"
-
-#include <boost/math/quadrature/gauss.hpp>
 
 #include <algorithm>
 #include <array>
@@ -14,7 +13,7 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr std::uint32_t magic = 0x41554432;
+constexpr std::uint32_t magic = 0x41554433;
 
 /// max |u_i|, in eight chains that need not wait for each other.
 double largest(std::span<const double> u) {
@@ -29,44 +28,13 @@ double largest(std::span<const double> u) {
   return *std::max_element(most.begin(), most.end());
 }
 
-/// int over the lags up to k of q(t, .) by a composite Gauss rule on panels that grow twofold from
-/// both ends, cut at breaks and at what the proof of `resolved_edges` finds: neither the rule nor
-/// the panels of the routes. Near a weak singularity lag = k v^(1/(1 - e)).
-Moments independent_integral(const PreparedKernel& kernel, double t, double k) {
-  using Rule = boost::math::quadrature::gauss<double, 20>;
-  const double e = kernel.traits.singular_exponent, m = 1 / (1 - e);
-  std::vector<double> ends = kernel.breaks.inside(t, 0, k);
-  kernel.function.resolved_edges(t, 0, k, ends);
-  for (double& lag : ends) lag = std::pow(lag / k, 1 / m);
-  for (int j = 1; j < 60; ++j) ends.push_back(std::ldexp(1, -j));
-  for (int j = 2; j < 50; ++j) ends.push_back(1 - std::ldexp(1, -j));
-  ends.insert(ends.end(), {0.0, 1.0});
-  std::sort(ends.begin(), ends.end());
-  Moments sum;
-  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-    const double half = 0.5 * (ends[i + 1] - ends[i]), middle = 0.5 * (ends[i + 1] + ends[i]);
-    for (std::size_t p = 0; half > 0 && p < Rule::abscissa().size(); ++p)
-      for (const double sign : {-1.0, 1.0}) {
-        const double v = middle + sign * half * Rule::abscissa()[p];
-        // q dlag = [q lag^e] k^(1 - e) m dv; below 1e-290 the bracket is at its limit.
-        const double lag = std::max(k * std::pow(v, m), 1e-290);
-        const double value = half * Rule::weights()[p] * kernel.function(t, lag) *
-                             std::pow(lag, e) * std::pow(k, 1 - e) * m;
-        sum.zero += value;
-        sum.one += value * (lag / k);
-      }
-  }
-  return sum;
-}
-
 class AuditedHistory final : public History {
 public:
   AuditedHistory(const PreparedKernel& kernel, const HistoryOptions& options,
-                 std::unique_ptr<History> inner, std::unique_ptr<History> direct, std::size_t n,
-                 std::size_t replayed)
+                 std::unique_ptr<History> inner, std::size_t n, std::size_t replayed)
       : kernel_(kernel), horizon_(options.horizon), expected_steps_(options.steps),
-        inner_(std::move(inner)), direct_(std::move(direct)), sample_(replayed),
-        replayed_(replayed), order_(options.order) {
+        inner_(std::move(inner)), direct_(kernel, replayed, options.order, options.shortest_step),
+        sample_(replayed), replayed_(replayed), order_(options.order) {
     // A run that goes on beyond the end it was planned for knows its times.
     if (options.horizon > 0 && !options.times.empty()) {
       horizon_ = std::max(horizon_, options.times.back() - options.times.front());
@@ -77,7 +45,7 @@ public:
 
   void start(double t0, std::span<const double> u0) override {
     inner_->start(t0, u0);
-    direct_->start(t0, u0.empty() ? u0 : gather(u0));
+    direct_.start(t0, u0.empty() ? u0 : gather(u0));
     record_ = {};
     record_.t0 = now_ = t0;
     audited_step_ = -1;
@@ -89,7 +57,7 @@ public:
     inner_->rhs(t_new, out);
     const std::int64_t step = record_.steps + 1;
     if (!replays_ || (step < record_.next && step != expected_steps_)) return;
-    direct_->rhs(t_new, replayed_);
+    direct_.sum(t_new, replayed_);
     gather(out);
     double difference = 0;
     for (std::size_t j = 0; j < chosen_.size(); ++j) {
@@ -122,7 +90,7 @@ public:
     record_.field_largest = std::max(record_.field_largest, largest(u_new));
     if (!replays_) return;
     if (record_.steps >= most_audited_steps) return stop();
-    direct_->commit(t_new, gather(u_new));
+    direct_.commit(t_new, gather(u_new));
     for (const double u : sample_) record_.largest = std::max(record_.largest, std::abs(u));
     // All of the first steps, then ever fewer: N steps cost the weights of about six full sums.
     constexpr std::int64_t dense = 16;
@@ -139,7 +107,7 @@ public:
     r.audit = record_.worst;
     r.norm = record_.norm;
     r.bound = r.error * record_.norm * record_.field_largest;
-    r.bytes += direct_->report().bytes;
+    r.bytes += direct_.bytes();
     return r;
   }
 
@@ -150,21 +118,19 @@ public:
     w.put(static_cast<std::uint8_t>(replays_));
     w.put(now_);
     inner_->save(out);
-    if (replays_) direct_->save(out);
+    if (replays_) direct_.save(w);
   }
 
   void restore(std::istream& in) override {
     StateReader r(in, kernel_.spec.origin);
     r.expect(magic, "audit");
-    const Record saved = r.get<Record>();
+    record_ = r.get<Record>();
     replays_ = r.get<std::uint8_t>() != 0;
-    now_ = r.get_finite();
-    check(saved, r);
-    record_ = saved;
+    now_ = r.get<double>();
     if (record_.norm_until > 0) norm(record_.t0 + record_.norm_until);
     inner_->restore(in);
     if (replays_)
-      direct_->restore(in);
+      direct_.restore(r);
     else
       stop();
   }
@@ -175,16 +141,6 @@ private:
     std::int64_t steps = 0, next = 2, audits = 0, last = 0; ///< the first step has no past
   };
 
-  void check(const Record& saved, const StateReader& r) const {
-    const double elapsed = now_ - saved.t0;
-    bool good = saved.steps >= 0 && saved.audits >= 0 && saved.last >= 0 && saved.next >= 0 &&
-                saved.t0 == record_.t0 && elapsed >= 0.0 && saved.norm_until >= 0.0 &&
-                saved.norm_until <= 2 * std::max(elapsed, horizon_);
-    for (const double v : {saved.largest, saved.field_largest, saved.worst, saved.norm})
-      good = good && std::isfinite(v);
-    if (!good) r.fail("is inconsistent");
-  }
-
   std::span<const double> gather(std::span<const double> field) {
     for (std::size_t j = 0; j < chosen_.size(); ++j) sample_[j] = field[chosen_[j]];
     return sample_;
@@ -193,7 +149,7 @@ private:
   /// Forgets what was stored.
   void stop() {
     replays_ = false;
-    direct_->start(record_.t0, std::vector<double>(sample_.size(), 0.0));
+    direct_.start(record_.t0, std::vector<double>(sample_.size(), 0.0));
   }
 
   /// The norm that the route's own error refers to; without an end time, int |q| over the lags seen
@@ -218,7 +174,8 @@ private:
   PreparedKernel kernel_;
   double horizon_;
   std::int64_t expected_steps_;
-  std::unique_ptr<History> inner_, direct_;
+  std::unique_ptr<History> inner_;
+  IndependentSum direct_;
   std::vector<std::size_t> chosen_;
   std::vector<double> sample_, replayed_;
   Record record_;
@@ -236,9 +193,7 @@ std::unique_ptr<History> make_audited_history(const KernelSpec& kernel, std::siz
   auto inner = make_history(prepared, n, options);
   replayed = std::min(replayed, n);
   if (replayed == 0 || inner->report().route == "direct") return inner;
-  auto direct = make_direct(prepared, replayed, options, "audit");
-  return std::make_unique<AuditedHistory>(prepared, options, std::move(inner), std::move(direct), n,
-                                          replayed);
+  return std::make_unique<AuditedHistory>(prepared, options, std::move(inner), n, replayed);
 }
 
 } // namespace hvi::solver
