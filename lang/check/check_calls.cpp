@@ -400,7 +400,8 @@ int Checker::history_index(const Symbol& kernel, const std::string& name, const 
 }
 
 /// E0502 where a kernel of t and s is not finite between the times of the problem. Kernels of the
-/// lag alone are integrated by the engine, which knows their singularity at lag 0.
+/// lag alone are integrated by the engine, which knows their singularity at lag 0, and so are those
+/// that are infinite at the start of the run only: integrable, or refused with their place.
 void Checker::check_kernels_in_time() {
   const std::vector<double>& grid = model_.time.grid;
   const std::size_t stride = std::max<std::size_t>(1, grid.size() / 200);
@@ -413,7 +414,8 @@ void Checker::check_kernels_in_time() {
         lag = share * (grid[n] - grid[0]);
         return !std::isfinite(solver::evaluate(history.kernel, at));
       };
-      if (!bad(0.25) && !bad(0.5) && !bad(1.0)) continue;
+      constexpr double beside_start = 1 - 1e-9;
+      if (!bad(0.25) && !bad(0.5) && (!bad(1.0) || !bad(beside_start))) continue;
       error("E0502", history.span,
             fmt::format("the kernel `{}` is {} at t = {}, s = {}", history.name,
                         solver::evaluate(history.kernel, at), grid[n], grid[n] - lag),

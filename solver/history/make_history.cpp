@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace hvi::solver {
 
 namespace {
@@ -11,7 +13,19 @@ namespace {
 constexpr std::int64_t few_steps = 200;
 constexpr std::size_t most_terms = 64;
 
-void check_kernel(const KernelSpec& kernel, const KernelTraits& traits) {
+/// Where a kernel is not finite: " at t = .., s = ..".
+std::string place_without_value(const KernelSpec& kernel, const HistoryOptions& options) {
+  const KernelFunction q(kernel.expression, kernel.origin);
+  const double t0 = options.times.empty() ? 0.0 : options.times.front();
+  for (const auto& [t, lag] : sample_points(options.horizon > 0 ? options.horizon : 1.0))
+    if (!std::isfinite(q(t0 + t, lag)))
+      return fmt::format(": at t = {:.6g}, s = {:.6g} it is {}", t0 + t, t0 + t - lag,
+                         q(t0 + t, lag));
+  return {};
+}
+
+void check_kernel(const KernelSpec& kernel, const KernelTraits& traits,
+                  const HistoryOptions& options) {
   if (traits.singular_exponent >= 1) {
     throw Failure(FailureKind::bad_kernel, kernel.origin,
                   fmt::format("the memory kernel `{}` is not integrable at lag 0", kernel.name),
@@ -20,8 +34,8 @@ void check_kernel(const KernelSpec& kernel, const KernelTraits& traits) {
   if (!traits.finite) {
     throw Failure(
         FailureKind::bad_kernel, kernel.origin,
-        fmt::format("the memory kernel `{}` is not finite at every lag up to the end time",
-                    kernel.name),
+        fmt::format("the memory kernel `{}` is not finite at every lag up to the end time{}",
+                    kernel.name, place_without_value(kernel, options)),
         "a table must reach to the end time; logarithms and roots need positive arguments");
   }
 }
@@ -111,7 +125,7 @@ std::unique_ptr<History> make_history(const PreparedKernel& prepared, std::size_
                                       const HistoryOptions& options) {
   const KernelSpec& kernel = prepared.spec;
   check_options(kernel, options);
-  check_kernel(kernel, prepared.traits);
+  check_kernel(kernel, prepared.traits, options);
   const Choice choice{prepared, n, options};
   switch (options.route) {
   case HistoryRoute::automatic:

@@ -5,10 +5,13 @@
 #include "solver/history/integral.hpp"
 #include "solver/history/recognise.hpp"
 #include "solver/history/traits.hpp"
+#include "solver/kernel/algebra.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace hvi::solver {
 
@@ -58,23 +61,25 @@ struct Crossings {
   double sup = 0, slope = 0;
 };
 
-/// At fixed s the time runs across each break of the kernel: what does not get smaller with the
-/// distance is a jump, a slope that grows without end a root. A break at a fixed s is never
-/// crossed.
+/// q(s + lag, s) in slot::t = s: breaks in the lag are those that t meets at fixed s.
+Expr at_fixed_source(const Expr& expression) {
+  const std::array<std::pair<Slot, Expr>, 1> change{
+      {{slot::t, Expr::variable(slot::t) + Expr::variable(slot::lag)}}};
+  return substitute(expression, change);
+}
+
+/// At fixed s the time runs across the breaks of the kernel in the lag and in t: what does not get
+/// smaller with the distance is a jump, a slope that grows without end a root. A break at a fixed s
+/// is never crossed.
 Crossings look_across_breaks(const Expr& expression, const KernelFunction& q,
                              const KernelFunction& slope, double t0, double length) {
-  const Breaks breaks(expression, {});
+  const Breaks breaks(at_fixed_source(expression), {});
   Crossings out;
   if (breaks.empty()) return out;
-  for (const double part : {0.29, 0.53, 0.83, 1.0}) {
-    const double t = t0 + part * length;
-    const double later = 1e-3 * length;
-    const auto moved = breaks.inside(t + later, 0, part * length + later);
-    for (const double lag : breaks.inside(t, 0, part * length)) {
-      const bool at_fixed_s = std::any_of(moved.begin(), moved.end(), [&](double then) {
-        return std::abs(then - lag - later) <= 1e-9 * length;
-      });
-      if (at_fixed_s) continue;
+  for (const double part : {0.003, 0.17, 0.47, 0.71, 0.93}) {
+    const double s = t0 + part * length;
+    for (const double lag : breaks.inside(s, 0, (1 - part) * length)) {
+      const double t = s + lag;
       const auto across = [&](double d) { return std::abs(q(t + d, lag + d) - q(t - d, lag - d)); };
       const auto steepest = [&](double d) {
         return std::max(std::abs(slope(t + d, lag + d)), std::abs(slope(t - d, lag - d)));
@@ -85,7 +90,7 @@ Crossings look_across_breaks(const Expr& expression, const KernelFunction& q,
       out.sup = std::max(out.sup, std::max(size, std::abs(q(t, lag))));
       const bool jumps = across(near) > 0.3 * across(far) && across(near) > 1e-7 * size;
       const bool root = !(steepest(near) <= 1.5 * steepest(far) + 1e-6 * size / lag);
-      if (jumps || root) out.jump = {t, t - lag};
+      if (jumps || root) out.jump = {t, s};
       out.slope = std::max(out.slope, steepest(far));
     }
   }
@@ -157,8 +162,12 @@ KernelNorms kernel_norms(const Expr& as_written, double t0, double t1) {
   }
   // An unbounded kernel has no norm at all; unbounded slopes grow without end as the lag shrinks.
   const auto unbounded = [&](const KernelFunction& f) {
-    const double small = std::abs(f(t1, length * 1e-100)), large = std::abs(f(t1, length * 1e-50));
-    return !std::isfinite(small) || small > 1.5 * large + 1e-300;
+    for (const double part : {0.11, 0.29, 0.53, 0.83, 1.0}) {
+      const double t = t0 + part * length;
+      const double small = std::abs(f(t, length * 1e-100)), large = std::abs(f(t, length * 1e-50));
+      if (!std::isfinite(small) || small > 1.5 * large + 1e-300) return true;
+    }
+    return false;
   };
   const Crossings crossings = look_across_breaks(expression, q, slope, t0, length);
   norms.sup = std::max(norms.sup, crossings.sup);

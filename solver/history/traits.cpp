@@ -192,8 +192,13 @@ StudiedKernel study_kernel(const Expr& expression, double horizon, double t0) {
   traits.convolution = q.convolution();
   traits.zero = true;
   const auto samples = samples_of(q, length, t0);
+  // A kernel of t and s may be infinite at the start of the run: its integral decides.
+  const auto start_only = [&](const Sample& sample) {
+    return expression.depends_on(slot::t) && sample.lag >= (sample.t - t0) * (1 - 1e-12) &&
+           std::isfinite(q(sample.t, sample.lag * (1 - 1e-9)));
+  };
   for (const Sample& sample : samples) {
-    traits.finite = traits.finite && std::isfinite(sample.value);
+    traits.finite = traits.finite && (std::isfinite(sample.value) || start_only(sample));
     traits.zero = traits.zero && sample.value == 0;
   }
   if (!breaks.empty()) traits.breaks = fixed_breaks(breaks, length, t0);

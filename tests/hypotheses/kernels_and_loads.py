@@ -57,6 +57,11 @@ def main():
                        f"-{size!r}*abs(lag - {at!r})^0.6", f"-{size!r}*lag^(-0.3)"):
             found = row("H(q)", kernel=kernel)
             assert found["holds"] is False, (kernel, found)
+        width = 10 ** rng.uniform(-5, -0.7)
+        for of in ("t - s", "t", "s"):
+            window = f"(| {of} < {at!r} -> 0 | {of} < {at + width!r} -> -{size!r} | otherwise -> 0)"
+            found = row("H(q)", kernel=window, lag="t, s")
+            assert found["holds"] is (of == "s"), (window, found)
         kink = row("H(q)", kernel=f"-{size!r}*abs(lag - {at!r})")
         assert kink["holds"] and abs(kink["value"] - 1) <= 1e-6, kink
 

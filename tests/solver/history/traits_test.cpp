@@ -152,6 +152,33 @@ TEST(Norms, OfAnExponentialAreExactAndOfOthersSampled) {
   EXPECT_NEAR(wave.l1, 6 / M_PI, 1e-12);
 }
 
+/// At fixed s a window in the lag or in t is entered and left by jumps, one in s never: no matter
+/// where the run starts.
+TEST(Norms, TheLipschitzConstantSeesJumpsInTheLagAndInTimeOnly) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  const auto window = [](const Expr& of, double low, double high) {
+    return select(less(of, Expr(low)), 0.0, select(less(of, Expr(high)), 1.0, 0.0));
+  };
+  const Expr t = Expr::variable(slot::t), s = t - lag();
+  for (const double t0 : {0.0, -3.0, 7.0}) {
+    for (const double width : {1e-6, 1e-2, 0.3}) {
+      const double low = 0.31, high = 0.31 + width;
+      const auto lipschitz = [&](const Expr& q) { return kernel_norms(q, t0, t0 + 1).lipschitz; };
+      EXPECT_EQ(lipschitz(window(lag(), low, high)), infinite) << t0 << ' ' << width;
+      EXPECT_EQ(lipschitz(window(t, t0 + low, t0 + high)), infinite) << t0 << ' ' << width;
+      EXPECT_EQ(lipschitz(exp(-lag()) * window(t, t0 + low, t0 + high)), infinite);
+      EXPECT_EQ(lipschitz(window(s, t0 + low, t0 + high)), 0) << t0 << ' ' << width;
+      EXPECT_EQ(lipschitz(window(t + s, 2 * t0 + low, 2 * t0 + high)), infinite);
+    }
+    // Within a window in s the slope in t is that of the other factor.
+    const Expr inside = window(s, t0 + 0.2, t0 + 0.9);
+    const double slope = kernel_norms(exp(Expr(-2.0) * lag()) * inside, t0, t0 + 1).lipschitz;
+    EXPECT_GT(slope, 1.9) << t0;
+    EXPECT_LE(slope, 2) << t0;
+    EXPECT_EQ(kernel_norms(sqrt(lag()) * inside, t0, t0 + 1).lipschitz, infinite) << t0;
+  }
+}
+
 TEST(Norms, OfAPronySeriesAreThoseOfTheQuadrature) {
   const Expr series = Expr(-0.3) * exp(Expr(-2.0) * lag()) - Expr(0.1) * exp(Expr(-0.2) * lag()) -
                       Expr(0.05) * exp(Expr(0.4) * lag()) - Expr(0.01);
