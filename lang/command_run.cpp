@@ -11,6 +11,7 @@
 #include "solver/output/table.hpp"
 #include "solver/time/checkpoint.hpp"
 #include "solver/time/memory.hpp"
+#include "solver/time/rehearsal.hpp"
 #include "solver/time/report.hpp"
 #include "solver/time/result_json.hpp"
 
@@ -345,18 +346,28 @@ int test_command(const std::vector<std::string>& paths, const Options& options) 
 namespace {
 
 /// The first steps, really taken: what they count is what the run counts, and their seconds say
-/// what the others will take.
+/// what the others will take. But the sums of memories grow: those are rehearsed.
 struct Forecast {
   solver::RunResult result;
+  solver::MemoryForecast memory;
   double last = 0;                                       ///< CPU seconds after the last step taken
   double each = std::numeric_limits<double>::infinity(); ///< of the cheapest: first ones prepare
   int taken = 0, steps = 0;
   bool friction = false;
+  /// Of the memories after the steps taken, beyond what the first of them took.
+  double history() const {
+    const auto& r = result;
+    const double bytes = sizeof(double) * (r.path.empty() ? r.contact_unknowns : r.unknowns);
+    return memory.reads > 0.0 || memory.seconds > 0.0
+               ? memory.seconds + memory.reads * bytes / solver::read_bandwidth()
+               : 0.0;
+  }
   /// Without files.
   double seconds() const {
+    if (taken >= steps) return result.timing.mesh + last;
     // In the first steps everything sticks; those with slip cost about half as much again.
     const double later = friction ? 1.5 * each : each;
-    return result.timing.mesh + last + (taken < steps ? later * (steps - taken) : 0.0);
+    return result.timing.mesh + last + later * (steps - taken) + history();
   }
 };
 
@@ -377,6 +388,7 @@ Forecast forecast(const solver::Plan& plan, const solver::Discretisation& discre
   } catch (const solver::Failure& failure) {
     if (failure.kind != solver::FailureKind::interrupted) throw;
   }
+  if (out.taken < out.steps) out.memory = solver::rehearse_memory(plan, out.taken);
   return out;
 }
 
@@ -394,8 +406,10 @@ void print_forecast(const Forecast& f) {
   const double per_step = f.taken > 0 ? 1.0 / f.taken : 0.0;
   fmt::print("a step: {:.3g} sweeps, {:.3g} products, {:.3g} Newton iterations; {:.3g} MB held\n",
              w.sweeps * per_step, w.products * per_step, w.newton * per_step, w.bytes / 1e6);
-  fmt::print("predicted: {:.3g} s for {} step{}, without files (from the first {})\n", f.seconds(),
-             f.steps, f.steps == 1 ? "" : "s", f.taken);
+  const std::string rehearsed =
+      f.memory.rehearsed > 0 ? fmt::format("; {} of its memory alone", f.memory.rehearsed) : "";
+  fmt::print("predicted: {:.3g} s for {} step{}, without files (from the first {}{})\n",
+             f.seconds(), f.steps, f.steps == 1 ? "" : "s", f.taken, rehearsed);
 }
 
 /// The effects as declared, or with what the first steps showed of them.
