@@ -334,8 +334,11 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
     const bool slow = out.equilibrium > slow_contraction * last;
     if (slow && change_.isZero(0.0)) break;
     if (slow && out.equilibrium <= tolerance) break; // at the rounding of the products
-    if (slow) refactor(n, matrix);
     last = out.equilibrium;
+    if (!slow) continue;
+    refactor(n, matrix);
+    // The error is measured anew: what was moved with the change may have been most of its scale.
+    last = std::numeric_limits<double>::infinity();
   }
   out.inequality.iterations = iterations;
   out.inequality.events = events;

@@ -136,8 +136,13 @@ def window(rng, span):
         text = f"kernel q(lag) = (| lag < {a!r} -> 0 | lag < {b!r} -> {-size!r} | otherwise -> 0)"
         over = lambda low, high: -L(size) * np.maximum(0, np.minimum(high, L(b)) - np.maximum(low, L(a)))
         return Convolution(text, over)
-    a, b = a + rng.t0, b + rng.t0  # of the source
-    size = 0.4 / (b - a)
+    a, b = a + rng.t0, b + rng.t0
+    if rng.random() < 0.5:  # of the time, and of the source before b: it leaves while the run goes on
+        size = 0.4 / span
+        text = f"kernel q(t, s) = (| t < {a!r} -> 0 | s < {b!r} -> {-size!r} | otherwise -> 0)"
+        return OfTimes(text, lambda t, times: -L(size) * (t >= a) * np.maximum(
+            0, np.minimum(times[1:], L(b)) - times[:-1]))
+    size = 0.4 / (b - a)  # of the source
     text = f"kernel q(t, s) = (| s < {a!r} -> 0 | s < {b!r} -> {-size!r} | otherwise -> 0)"
     return OfTimes(text, lambda t, times: -L(size) * np.maximum(
         0, np.minimum(times[1:], L(b)) - np.maximum(times[:-1], L(a))))
@@ -223,6 +228,7 @@ def scene(rng):
         times = [t0, *inner, t1]
         grid = "at [" + ", ".join(repr(t) for t in times) + "]"
     route = str(rng.choice(["automatic", "direct", "tree", "fit"]))
+    swing = float(rng.choice([0.5, 0.5, 0.0])) # a constant load: increments that vanish
     text = f"""mesh j = interval(1, cells = 2)
 part base = j.left
 {kernel.text}
@@ -230,11 +236,11 @@ space V = scalar P1 on j, zero on base
 find u in V for t in [{t0!r}, {t1!r}] {grid} from u = 0 using memory = {route}
 such that for all v in V
     integral(j, dot(grad(u), grad(v))) + integral(j, dot(history(q, grad(u)), grad(v)))
-  = integral(j, (1 + 0.5*sin(7*(t - {t0!r})/{span!r}))*v)
+  = integral(j, (1 + {swing!r}*sin(7*(t - {t0!r})/{span!r}))*v)
 report
   table m = u at [1]
 """
-    load = lambda t: 1 + L(0.5) * np.sin(7 * (L(t) - L(t0)) / L(span))
+    load = lambda t: 1 + L(swing) * np.sin(7 * (L(t) - L(t0)) / L(span))
     return text, kernel, times, load
 
 

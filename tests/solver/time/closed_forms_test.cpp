@@ -37,6 +37,26 @@ TEST(KelvinVoigt, BackwardEulerInClosedForm) {
   EXPECT_EQ(result.work.matrices, 1);
 }
 
+// Analytic: int_0^t (t^2 - s^2)^(-1/2) ds = pi/2 for every t, so that a constant load keeps u
+// constant, while the weight of the own step (0.39 in the first, 0.11 in the tenth) changes the
+// matrix in each.
+TEST(Memory, OwnStepWeightsThatVaryMuchFromStepToStep) {
+  const double pi = 3.14159265358979323846;
+  auto fixed = square(0);
+  fixed.forms.push_back(elastic(2, 0, field_u, {1, 2}, -0.125 * pi));
+  const double exact = solve(fixed).final.at("u");
+  const Expr t = var(slot::t), s = t - var(slot::lag);
+  for (const double grading : {1.0, 3.0, 0.5}) {
+    auto plan = square(10);
+    plan.forms.push_back(elastic(2, 0, first_history_field, {1, 2}));
+    plan.histories = {{{}, {"q", {}, Expr(-0.25) * pow(t * t - s * s, Expr(-0.5))}}};
+    for (double& time : plan.time.grid) time = std::pow(time, grading);
+    const auto result = solve(plan);
+    for (const double u : result.columns.at("u"))
+      expect_relative(u, exact, 1e-11, "graded by " + std::to_string(grading));
+  }
+}
+
 // Analytic: the same recursion with the lengths of a graded grid, a factor per length.
 TEST(KelvinVoigt, GradedGrid) {
   const double u_static = solve(square(0)).final.at("u");
