@@ -176,8 +176,8 @@ table a = u.y at [9, 9])",
 table a = u.y at [1, 1])"},
     {"E0425", "not coercive",
      R"(
-What the script states does not determine the unknown: a rigid motion is left, or the sum of the
-forms is not positive.)",
+What the script states does not determine the unknown: a rigid motion of the body or of a piece of it is
+left, or the sum of the forms is not positive.)",
      R"(
 space V = vector P1 on slab)",
      R"(

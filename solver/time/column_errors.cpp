@@ -1,7 +1,6 @@
 // From errors of a state to those of the printed columns; see report.hpp. Called by run.cpp.
 #include "solver/time/report.hpp"
-
-#include <Eigen/LU>
+#include "solver/time/strain.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,41 +12,14 @@ namespace {
 /// Random data show one column too small an error now and then: three times their root mean square
 /// is below a third of the true one in one of a thousand columns.
 constexpr double safety = 3.0;
-/// Strains so far below u over the size of the body are rounding of a rigid motion.
-constexpr double negligible_strain = 1e-8;
 /// Steps of difference quotients, by the size of the state.
 constexpr double small_step = 1e-5;
 
-/// The largest |sym grad u| (scalar spaces: |grad u|) of the cells, u affine between the vertices.
+/// The largest |sym grad u| (scalar spaces: |grad u|) of the cells.
 double largest_strain(const Space& space, const Vector& u) {
-  const int dim = space.mesh->dim;
   double out = 0.0;
-  Eigen::MatrixXd edges(dim, dim), moved(space.components, dim);
-  const auto n_cells = static_cast<int>(space.cell_nodes.size()) / space.nodes_per_cell;
-  for (int cell = 0; cell < n_cells; ++cell) {
-    const auto nodes = space.nodes_of_cell(cell);
-    for (int j = 0; j < dim; ++j) {
-      for (int i = 0; i < dim; ++i)
-        edges(i, j) = space.nodes[nodes[j + 1]][i] - space.nodes[nodes[0]][i];
-      for (int c = 0; c < space.components; ++c)
-        moved(c, j) = u[space.dof(nodes[j + 1], c)] - u[space.dof(nodes[0], c)];
-    }
-    Eigen::MatrixXd gradient = moved * edges.inverse();
-    if (space.components == dim) gradient = 0.5 * (gradient + gradient.transpose()).eval();
-    out = std::max(out, gradient.cwiseAbs().maxCoeff());
-  }
-  return out;
-}
-
-/// The largest distance between two nodes along an axis.
-double body_size(const Space& space) {
-  double out = 0.0;
-  for (std::size_t j = 0; j < space.nodes.front().size(); ++j) {
-    const auto [low, high] =
-        std::minmax_element(space.nodes.begin(), space.nodes.end(),
-                            [j](const Point& a, const Point& b) { return a[j] < b[j]; });
-    out = std::max(out, (*high)[j] - (*low)[j]);
-  }
+  for (int cell = 0; cell < n_cells(space); ++cell)
+    out = std::max(out, cell_strain(space, u, cell).cwiseAbs().maxCoeff());
   return out;
 }
 
@@ -66,8 +38,7 @@ std::vector<ErrorSample> reference_motions(const Space& space, const ErrorSample
   };
   for (int c = 0; c < space.components; ++c)
     add([&](const Point&, int of) { return of == c ? size : 0.0; });
-  const double strain =
-      std::max(largest_strain(space, u), negligible_strain * size / body_size(space));
+  const double strain = largest_strain(space, u);
   const int dim = space.mesh->dim;
   for (int c = 0; c < space.components; ++c)
     for (int j = space.components == dim ? c : 0; j < dim; ++j)

@@ -29,8 +29,7 @@ public:
   void predict_multipliers(Vector& xi) const;
 
   void save(std::ostream& out) const;
-  /// Throws where it is of other numbers of unknowns and multipliers.
-  void restore(std::istream& in, Eigen::Index n_unknowns, Eigen::Index n_rows);
+  void restore(std::istream& in);
 
 private:
   static constexpr int depth = 3;

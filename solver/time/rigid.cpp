@@ -1,9 +1,14 @@
 // Why a matrix has no factor, in the user's words; see rigid.hpp.
 #include "solver/time/rigid.hpp"
 
+#include "solver/time/run.hpp"
+#include "solver/time/strain.hpp"
+
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include <optional>
 
 namespace hvi::solver {
 namespace {
@@ -43,6 +48,95 @@ std::vector<Motion> motions(const Space& space) {
   return out;
 }
 
+/// Energies below this, relative to those of single unknowns, may be rounding.
+constexpr double energy_of_rounding = 1e-12;
+/// Strains times the cell's size below this, relative to the motion, are rounding.
+constexpr double strain_of_rounding = 1e-8;
+
+/// The motion x of least energy x^T K x by its size x^T D x, D = diag K: inverse iteration with
+/// K + energy_of_rounding D. Nothing where not even that is positive: K has clearly negative
+/// energies, or an unknown without any.
+std::optional<Vector> softest_motion(const SparseMatrix& k) {
+  SparseMatrix shifted = 0.5 * (k + SparseMatrix(k.transpose()));
+  const Vector diagonal = k.diagonal();
+  for (int i = 0; i < shifted.rows(); ++i)
+    shifted.coeffRef(i, i) += energy_of_rounding * diagonal[i];
+  try {
+    const auto factor = analyse(shifted, {}, true);
+    factor->factor(shifted);
+    Vector x(k.rows()), b;
+    for (int i = 0; i < k.rows(); ++i) x[i] = random_unit(static_cast<std::uint64_t>(i), 0);
+    for (int pass = 0; pass < 4; ++pass) {
+      b = diagonal.cwiseProduct(x);
+      factor->solve(b, x);
+      x.normalize();
+    }
+    if (x.allFinite()) return x;
+  } catch (const NotFactorable&) {
+  }
+  return std::nullopt;
+}
+
+/// Does the motion strain no cell? Then pieces of the mesh are not held, or turn about a point.
+bool strains_nothing(const Space& space, const Vector& motion) {
+  double strain = 0.0;
+  for (int cell = 0; cell < n_cells(space); ++cell)
+    strain = std::max(strain, cell_size(space, cell) *
+                                  cell_strain(space, motion, cell).cwiseAbs().maxCoeff());
+  return strain <= strain_of_rounding * motion.cwiseAbs().maxCoeff();
+}
+
+/// No rigid motion of the whole body is free: is K really not positive, or only in rounding?
+[[noreturn]] void explain(const SparseMatrix& k, const NotFactorable& failure, const Origin& origin,
+                          const Space& space, const StateLayout& layout) {
+  const auto place = failure.unknown >= 0 && failure.unknown < layout.n_unknowns
+                         ? describe_dof(space, layout.dof_of[failure.unknown])
+                         : std::string("an unknown that is not known");
+  const auto where =
+      fmt::format("elimination breaks down at {} (relative pivot {:.3g})", place, failure.pivot);
+  const auto softest = softest_motion(k);
+  if (!softest)
+    throw Failure(FailureKind::not_coercive, origin,
+                  "the bilinear forms are not coercive: " + where,
+                  "check the signs of the forms, and that every part of the body has a stiffness");
+  Vector state = Vector::Zero(layout.n_state), motion = Vector::Zero(layout.n_dofs);
+  state.head(layout.n_unknowns) = *softest;
+  layout.scatter(state, motion);
+  if (strains_nothing(space, motion))
+    throw Failure(
+        FailureKind::not_coercive, origin,
+        "the forms and boundary values leave a motion free that strains no cell: " + where,
+        "hold each piece of the mesh; pieces that share a point only (in 3D an edge only) "
+        "turn about it");
+  throw TooInaccurate(FailureKind::not_certified, origin,
+                      "to double precision the matrix is singular: " + where, better_conditioned);
+}
+
+/// Do the imposed values alone stop every rigid motion? Motions are measured where they are
+/// imposed: next to a body's length a short clamp would seem to leave a turn free.
+bool held_by_values(const Discretisation& d) {
+  const auto all = motions(d.space);
+  const auto& imposed = d.dofs.eliminated;
+  DenseMatrix at(static_cast<Eigen::Index>(imposed.size()), static_cast<Eigen::Index>(all.size()));
+  for (Eigen::Index i = 0; i < at.rows(); ++i)
+    for (Eigen::Index a = 0; a < at.cols(); ++a)
+      at(i, a) = all[static_cast<std::size_t>(a)].values[imposed[static_cast<std::size_t>(i)].dof];
+  // Turns about the imposed values' own middle: without the translations they hold as well.
+  for (Eigen::Index a = 0; a < at.cols(); ++a) {
+    for (Eigen::Index b = 0; b < a; ++b)
+      if (const double square = at.col(b).squaredNorm(); square > 0.0)
+        for (int twice = 0; twice < 2; ++twice)
+          at.col(a) -= at.col(b).dot(at.col(a)) / square * at.col(b);
+    constexpr double rounding = 1e-10; // of the motion at the imposed values before
+    const double left = at.col(a).norm();
+    double before = 0.0;
+    for (const auto& e : imposed)
+      before = std::max(before, std::abs(all[static_cast<std::size_t>(a)].values[e.dof]));
+    if (!(left > rounding * before)) return false;
+  }
+  return at.cols() > 0 && at.rows() > 0;
+}
+
 } // namespace
 
 std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisation& d,
@@ -80,23 +174,15 @@ void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const Plan& plan
     matrix.factor(gamma);
   } catch (const NotFactorable& failure) {
     const Origin origin = plan.forms.empty() ? plan.space.origin : plan.forms.front().origin;
-    const auto left = free_motions(matrix.k(), d, layout);
+    const auto left =
+        held_by_values(d) ? std::vector<std::string>() : free_motions(matrix.k(), d, layout);
     if (!left.empty())
       throw Failure(FailureKind::not_coercive, origin,
                     fmt::format("the forms and boundary values together leave rigid motions free: "
                                 "{}",
                                 fmt::join(left, ", ")),
                     "clamp a part (`zero on ...`), or add a term that resists the motion");
-    const auto place = failure.unknown >= 0 && failure.unknown < layout.n_unknowns
-                           ? describe_dof(d.space, layout.dof_of[failure.unknown])
-                           : std::string("an unknown that is not known");
-    throw Failure(FailureKind::not_coercive, origin,
-                  fmt::format("the bilinear forms are not coercive: elimination breaks down at {} "
-                              "(relative pivot {:.3g})",
-                              place, failure.pivot),
-                  "check the signs of the forms, that every part of the body has a stiffness, and "
-                  "that each piece of the mesh is held; a body much longer than thick, nearly "
-                  "incompressible or of very unequal stiffnesses can be lost in rounding, too");
+    explain(matrix.k(), failure, origin, d.space, layout);
   }
 }
 

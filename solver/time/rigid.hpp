@@ -7,7 +7,8 @@ namespace hvi::solver {
 
 /// matrix.factor(gamma); when there is no factor, throws Failure(not_coercive) that names the rigid
 /// motions that cost no energy ("translation along x"), or else the degree of freedom where the
-/// elimination broke down.
+/// elimination broke down. Where K is positive but for rounding, and its softest motion strains
+/// cells, the script is right and double precision too short: TooInaccurate.
 void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const Plan& plan,
                        const Discretisation& discretisation, const StateLayout& layout);
 

@@ -22,6 +22,7 @@
 #include "solver/time/saved_state.hpp"
 #include "solver/time/shared_work.hpp"
 #include "solver/time/step.hpp"
+#include "solver/time/trust.hpp"
 
 #include <fmt/format.h>
 
@@ -34,8 +35,7 @@ namespace {
 
 /// The condition number of a problem that takes less memory costs next to nothing.
 constexpr double cheap_bytes = 1e5;
-/// A work identity that is off by more shows that the steps do not add up.
-constexpr double largest_imbalance = 1e-6;
+
 /// Releases, ends of branches (with the load they ended at) and snaps; "" for a smooth step.
 std::string what_happened(const StepResult& step, int n, const TimeGrid& grid) {
   std::string out;
@@ -158,10 +158,8 @@ struct Restarts {
     w.put(static_cast<std::uint64_t>(notes.size()));
     for (const auto& note : notes) put_note(w, note);
   }
-  void restore(StateReader& r, std::size_t n_histories) {
-    routes = r.get_vector<int>(n_histories);
-    for (const int route : routes)
-      if (route < -1 || route > static_cast<int>(HistoryRoute::direct)) r.fail("is inconsistent");
+  void restore(StateReader& r) {
+    routes = r.get_vector<int>();
     notes.clear();
     for (auto n = r.get<std::uint64_t>(); n > 0; --n) notes.push_back(get_note(r));
   }
@@ -172,19 +170,6 @@ struct Restarts {
     return out;
   }
 };
-
-/// Whatever reading the state finds wrong is said of the file.
-template <class Read>
-void with_its_name(const std::filesystem::path& file, const Read& read) {
-  try {
-    read();
-  } catch (const HorizonFailure&) {
-    throw;
-  } catch (const Failure& failure) {
-    throw CheckpointFailure(file, std::string("does not fit: ") + failure.what(),
-                            "remove it, or run without --resume, to begin at the first step");
-  }
-}
 
 class Run {
 public:
@@ -357,7 +342,15 @@ private:
 
   void go_on(const std::string& saved) {
     std::istringstream in(saved);
-    with_its_name(checkpoint_path(settings_.output_folder, settings_.name), [&] { restore(in); });
+    try {
+      restore(in);
+    } catch (const HorizonFailure&) {
+      throw;
+    } catch (const Failure& failure) {
+      throw CheckpointFailure(checkpoint_path(settings_.output_folder, settings_.name),
+                              std::string("does not fit: ") + failure.what(),
+                              "remove it, or run without --resume, to begin at the first step");
+    }
   }
 
   void checkpoint() {
@@ -388,7 +381,7 @@ private:
 
   void restore(std::istream& in) {
     StateReader r(in, {});
-    Restarts().restore(r, plan_.histories.size()); // read before: they decide the plan
+    Restarts().restore(r); // read before: they decide the plan
     if ((r.get<std::uint8_t>() != 0) != monitor_.has_value())
       r.fail(monitor_ ? "was saved without monitors" : "was saved with monitors");
     stepper_.restore(in);
@@ -409,7 +402,7 @@ private:
     for (std::size_t i = 0; i < saved.size(); ++i) grown_before_[i] = saved[i] - here[i];
     if (monitor_) {
       monitor_times_ = r.get_vector<double>();
-      monitor_->restore(in, monitor_times_.size());
+      monitor_->restore(in);
     }
     told_ = result_.resumed_from = stepper_.step();
   }
@@ -429,33 +422,6 @@ private:
   std::uint64_t fingerprint_ = 0;
   std::array<int, 9> grown_before_{};
 };
-
-/// A result that is mostly rounding is none.
-void refuse_rounding(const RunResult& result, const Plan& plan) {
-  const auto& error = result.forward_error;
-  const std::string condition =
-      error.condition > 0.0
-          ? fmt::format(" (the step's matrix has the condition number {:.1e}; steps {} refined in "
-                        "extended precision)",
-                        error.condition, error.refined ? "were" : "were not")
-          : std::string();
-  if (const double worst = error.worst(); worst > ForwardError::largest) {
-    std::string what = "the solution";
-    for (const auto& column : error.columns)
-      if (!(column.relative < worst)) what = "`" + column.name + "`";
-    throw TooInaccurate(FailureKind::not_certified, plan.space.origin,
-                        fmt::format("rounding may have changed {} by {:.1e} of its size; a run is "
-                                    "certified up to {:.0e}{}",
-                                    what, worst, ForwardError::largest, condition),
-                        better_conditioned);
-  }
-  if (result.monitors && !(result.monitors->balance_error <= largest_imbalance))
-    throw TooInaccurate(FailureKind::not_certified, plan.space.origin,
-                        fmt::format("the work of the loads and the energies differ by {:.1e} of "
-                                    "their size; a run is certified up to {:.0e}{}",
-                                    result.monitors->balance_error, largest_imbalance, condition),
-                        better_conditioned);
-}
 
 RunResult run_once(const Plan& plan, const Discretisation& discretisation,
                    const RunSettings& settings, const Restarts& restarts, const std::string* saved,
@@ -515,8 +481,7 @@ RunResult run(const Plan& plan, const Discretisation& discretisation, const RunS
   if (saved) {
     std::istringstream in(*saved);
     StateReader r(in, {});
-    with_its_name(checkpoint_path(settings.output_folder, settings.name),
-                  [&] { restarts.restore(r, plan.histories.size()); });
+    restarts.restore(r);
   }
   for (;;) {
     const Plan tried = restarts.applied(plan);

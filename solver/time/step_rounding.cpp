@@ -9,11 +9,13 @@
 // with H the slopes of the laws. The right-hand side is the same in all steps but for the size of
 // the load, so e is at most what the largest one makes of the whole time as one step,
 //
-//   e = amplification (K + H)^-1 (r - sum_b dT_b v_b),
+//   (K_w + H) e = r - sum_b dT_b v_b,    K_w: the matrix of that one step,
 //
-// with K of the last step and amplification = max_b gamma_b / gamma_b(one step of the whole time),
-// gamma_b the coefficients of the base matrices: it relaxes what the single steps add up. The
-// number of steps bounds it, and is taken where a law softens.
+// which relaxes what the single steps add up. Only K of the last step has a factor; K_w is solved
+// with it (whole_time.cpp), where that costs little beside the run. Else e is at most
+// amplification x, where (K + H) x is that right-hand side and amplification =
+// max_b gamma_b / gamma_b(w), gamma_b the coefficients of the base matrices. The number of steps
+// bounds it, and is taken where a law softens.
 //
 // C. S. Kenney, A. J. Laub, M. S. Reese, Statistical condition estimation for linear systems, SIAM
 // J. Sci. Comput. 19 (1998) 566-583: a few random e_ij show the size of every entry of e.
@@ -21,10 +23,12 @@
 #include "solver/time/interior.hpp"
 #include "solver/time/rounding.hpp"
 #include "solver/time/step.hpp"
+#include "solver/time/whole_time.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace hvi::solver {
 namespace {
@@ -73,13 +77,7 @@ double Stepper::amplification() const {
                   [](double m) { return m > 0.0; }))
     return steps;
   const Vector now = coefficients(step_);
-  Vector by_field = Vector::Zero(operators_.n_fields());
-  by_field[field_u] = 1.0;
-  by_field[field_rate] = 1.0 / (t() - grid_.t(0));
-  const auto memory = memory_of_one();
-  for (std::size_t m = 0; m < memory.size(); ++m)
-    by_field[first_history_field + static_cast<int>(m)] = memory[m];
-  const Vector whole = operators_.weights.transpose() * by_field;
+  const Vector whole = whole_coefficients(operators_, t() - grid_.t(0), memory_of_one());
   double most = 1.0;
   for (Eigen::Index b = 0; b < now.size(); ++b)
     if (now[b] != 0.0) {
@@ -126,17 +124,33 @@ std::vector<ErrorSample> Stepper::rounding_errors(double backward_error) {
                                                                   coefficients(step_)[0], at, x, xi)
                                       : matrix.respond(forces, at, x, xi);
   std::vector<ErrorSample> out;
-  const double grown = amplification();
+  const double bound = amplification();
   const auto memory = memory_of_one();
+  const int most = found && !layout_.interior && bound >= 2.0
+                       ? vectors_for_whole_time(n_unknowns_, contact_.n_rows(), step_)
+                       : 0;
+  std::optional<WholeTime> one_step;
+  if (most > 0)
+    one_step.emplace(operators_, matrix, at, layout_.n_state,
+                     coefficients(step_) -
+                         whole_coefficients(operators_, t() - grid_.t(0), memory));
   const StateLayout& layout = layout_.interior ? layout_.interior->layout() : layout_;
   Vector state = Vector::Zero(layout.n_state);
   for (std::size_t s = 0; s < forces.size(); ++s) {
     ErrorSample sample;
+    double grown = bound;
     sample.u = Vector::Zero(layout.n_dofs);
     if (found) {
-      state.head(layout.n_unknowns) = grown * x[s];
+      const double before = x[s].norm();
+      if (contact_.none()) xi.resize(forces.size());
+      if (!one_step || !one_step->relax(forces[s], most, x[s], xi[s])) {
+        x[s] *= bound;
+        xi[s] *= bound;
+      }
+      if (before > 0.0) grown = std::max(1.0, x[s].norm() / before);
+      state.head(layout.n_unknowns) = x[s];
       layout.scatter(state, sample.u);
-      if (!contact_.none()) sample.xi = grown * xi[s];
+      if (!contact_.none()) sample.xi = xi[s];
     } else { // the tangent has no factor: nothing is known
       sample.u.setConstant(std::numeric_limits<double>::infinity());
     }

@@ -94,8 +94,37 @@ def broken(suite):
     apart = square + [(3, 0), (4, 0), (4, 1), (3, 1)]
     (suite.folder / "broken.msh").write_text(msh(apart, good_cells + [(5, 6, 7), (5, 7, 8)], sides))
     refused(suite, name, "a piece without a clamp", [], code="E0425")
+    hinge = square + [(2, 1), (2, 2), (1, 2)]
+    (suite.folder / "broken.msh").write_text(msh(hinge, good_cells + [(3, 5, 6), (3, 6, 7)], sides))
+    refused(suite, name, "a piece that turns about a point", ["strains no cell"], code="E0425")
+    script(young="-70")
+    refused(suite, name, "a negative stiffness", [], code="E0504")
+    beam(suite, name)
     disk(suite, name)
     memory(suite, name)
+
+
+BEAM = """
+mesh b = rectangle({length}, 1, cells = [{cells}])
+part w = b.left
+part e = b.right
+tensor B = isotropic(young = 70.0, poisson = {poisson})
+tensor A = isotropic(young = 7.0, poisson = {poisson})
+space V = vector P2 on b, zero on w
+find u in V for t in [0,1] by {steps} steps from u = 0 such that for all v in V
+  integral(b, A : eps(u') : eps(v)) + integral(b, B : eps(u) : eps(v)) = integral(e, (t+0.1)*(y-0.5)*v.x)
+report table tip = u.y at [{length}, 0.5]
+"""
+
+
+def beam(suite, name):
+    """Energies that explode: neither a result nor stable."""
+    for what, length, cells, poisson, steps in (("a step whose corrections do not shrink", 1000, "32, 4", 0.4999, 40),
+                                                ("steps that are mostly rounding", 2500, "16, 1", 0.3, 1)):
+        (suite.folder / "broken.hvi").write_text(BEAM.format(length=length, cells=cells, poisson=poisson, steps=steps))
+        refused(suite, name, what, [], code="E0706", exit_=3)
+        done = suite.call("broken.hvi", command="stability")
+        judge(name, f"{what}: `stability` calls it stable (0: no)", done.returncode != 3 or "stable" in done.stdout, 0)
 
 
 def memory(suite, name):

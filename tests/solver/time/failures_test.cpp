@@ -1,4 +1,5 @@
 // What cannot be computed is refused, with the plan item that is to blame.
+#include "solver/time/trust.hpp"
 #include "tests/solver/time/plans.hpp"
 
 #include <gmock/gmock.h>
@@ -107,6 +108,40 @@ TEST(Coercivity, NegativeStiffnessIsRefused) {
   plan.forms = {elastic(2, body, field_u, {1, 1}, -1.0)};
   plan.histories.clear();
   EXPECT_EQ(failure_of(plan).kind, FailureKind::not_coercive);
+}
+
+TEST(Coercivity, AMatrixThatRoundingMadeSingularIsNoMistakeOfTheScript) {
+  auto plan = slab(4, 4);
+  plan.forms = {elastic(2, body, field_u, from_young(70, 0.3))};
+  plan.histories.clear();
+  plan.space.dirichlet = {clamp(flank)};
+  plan.loads.pop_back();
+  plan.mesh.high = {1e6, 1, 0};
+  const auto failure = failure_of(plan);
+  EXPECT_EQ(failure.kind, FailureKind::not_certified);
+}
+
+TEST(Rounding, WorkThatIsNotTheEnergiesIsNoResult) {
+  const auto plan = slab(4, 4);
+  RunSettings settings;
+  settings.monitors = true;
+  auto result = solve(plan, settings);
+  refuse_rounding(result, plan);
+  result.monitors->balance_error = 1e-5;
+  EXPECT_THROW(refuse_rounding(result, plan), TooInaccurate);
+  result.monitors->balance_error = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(refuse_rounding(result, plan), TooInaccurate);
+}
+
+TEST(Rounding, AColumnThatIsMostlyRoundingIsNoResult) {
+  const auto plan = slab(4, 4);
+  auto result = solve(plan);
+  refuse_rounding(result, plan);
+  result.forward_error.columns[1].relative = 0.02;
+  EXPECT_THROW(refuse_rounding(result, plan), TooInaccurate);
+  result.forward_error.columns[1].relative = 0.0;
+  result.forward_error.solution = 0.02;
+  EXPECT_THROW(refuse_rounding(result, plan), TooInaccurate);
 }
 
 /// The sawtooth-like law with a cliff the body cannot follow: no stable solution near the last one.

@@ -1,0 +1,38 @@
+// Strains of a field, cell by cell; see strain.hpp.
+#include "solver/time/strain.hpp"
+
+#include <Eigen/LU>
+
+namespace hvi::solver {
+namespace {
+
+/// x_j - x_0 of the vertices j = 1 .. dim, a column each.
+DenseMatrix edges_of(const Space& space, int cell) {
+  const int dim = space.mesh->dim;
+  const auto nodes = space.nodes_of_cell(cell);
+  DenseMatrix out(dim, dim);
+  for (int j = 0; j < dim; ++j)
+    for (int i = 0; i < dim; ++i)
+      out(i, j) = space.nodes[nodes[j + 1]][i] - space.nodes[nodes[0]][i];
+  return out;
+}
+
+} // namespace
+
+DenseMatrix cell_strain(const Space& space, const Vector& u, int cell) {
+  const int dim = space.mesh->dim;
+  const auto nodes = space.nodes_of_cell(cell);
+  DenseMatrix moved(space.components, dim);
+  for (int j = 0; j < dim; ++j)
+    for (int c = 0; c < space.components; ++c)
+      moved(c, j) = u[space.dof(nodes[j + 1], c)] - u[space.dof(nodes[0], c)];
+  const DenseMatrix gradient = moved * edges_of(space, cell).inverse();
+  if (space.components != dim) return gradient;
+  return 0.5 * (gradient + gradient.transpose());
+}
+
+double cell_size(const Space& space, int cell) {
+  return edges_of(space, cell).colwise().norm().maxCoeff();
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,12 @@
+// What a finished run must keep to be a result.
+#pragma once
+
+#include "solver/time/run.hpp"
+
+namespace hvi::solver {
+
+/// Throws TooInaccurate for a result that is mostly rounding: its forward error is above
+/// ForwardError::largest, or (with monitors) the work of the loads differs from the energies.
+void refuse_rounding(const RunResult& result, const Plan& plan);
+
+} // namespace hvi::solver
