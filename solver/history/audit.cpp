@@ -124,9 +124,11 @@ public:
   void restore(std::istream& in) override {
     StateReader r(in, kernel_.spec.origin);
     r.expect(magic, "audit");
-    record_ = r.get<Record>();
+    const Record saved = r.get<Record>();
     replays_ = r.get<std::uint8_t>() != 0;
-    now_ = r.get<double>();
+    now_ = r.get_finite();
+    check(saved, r);
+    record_ = saved;
     if (record_.norm_until > 0) norm(record_.t0 + record_.norm_until);
     inner_->restore(in);
     if (replays_)
@@ -140,6 +142,16 @@ private:
     double t0 = 0, largest = 0, field_largest = 0, worst = 0, norm = 0, norm_until = 0;
     std::int64_t steps = 0, next = 2, audits = 0, last = 0; ///< the first step has no past
   };
+
+  void check(const Record& saved, const StateReader& r) const {
+    const double elapsed = now_ - saved.t0;
+    bool good = saved.steps >= 0 && saved.audits >= 0 && saved.last >= 0 && saved.next >= 0 &&
+                saved.t0 == record_.t0 && elapsed >= 0.0 && saved.norm_until >= 0.0 &&
+                saved.norm_until <= 2 * std::max(elapsed, horizon_);
+    for (const double v : {saved.largest, saved.field_largest, saved.worst, saved.norm})
+      good = good && std::isfinite(v);
+    if (!good) r.fail("is inconsistent");
+  }
 
   std::span<const double> gather(std::span<const double> field) {
     for (std::size_t j = 0; j < chosen_.size(); ++j) sample_[j] = field[chosen_[j]];

@@ -83,8 +83,8 @@ public:
     r.expect(order_, "order");
     grid_.restore(r);
     weights_.reset();
-    times_ = r.get_vector<double>();
-    fields_.unpack(r.get_vector<double>());
+    times_ = r.get_times(grid_.start_time(), grid_.now());
+    fields_.unpack(r.get_numbers());
     if (times_.empty() || (n_ > 0 && fields_.size() + (order_ == 0 ? 1 : 0) != times_.size())) {
       r.fail("is inconsistent");
     }

@@ -120,16 +120,18 @@ public:
     grid_.restore(r);
     terms_.clear();
     for (const SavedTerm& saved : r.get_vector<SavedTerm>()) {
+      if (!std::isfinite(std::abs(saved.factor)) || !std::isfinite(std::abs(saved.rate)))
+        r.fail("is inconsistent");
       terms_.push_back({.factor = saved.factor, .lag_rate = saved.rate});
     }
     sum_ = ExponentialSum(terms_, false);
-    window_ = r.get<double>();
-    horizon_ = r.get<double>();
-    error_ = r.get<double>();
-    times_ = r.get_vector<double>();
-    steps_ = r.get_vector<double>();
-    states_ = r.get_vector<double>();
-    fields_.unpack(r.get_vector<double>());
+    window_ = r.get_finite();
+    horizon_ = r.get_finite();
+    error_ = r.get_finite();
+    times_ = r.get_times(grid_.start_time(), grid_.now());
+    steps_ = r.get_numbers();
+    states_ = r.get_numbers();
+    fields_.unpack(r.get_numbers());
     weights_.reset();
     groups_.clear();
     const std::size_t nodes = times_.size() - (order_ == 0 ? 1 : 0);

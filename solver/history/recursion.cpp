@@ -107,11 +107,11 @@ public:
     r.expect(order_, "order");
     r.expect(static_cast<std::uint64_t>(sum_.state_fields()), "kernel");
     grid_.restore(r);
-    step_ = r.get<double>();
+    step_ = r.get_finite();
     pending_ = r.get<std::uint8_t>() != 0;
-    states_ = r.get_vector<double>();
-    last_ = r.get_vector<double>();
-    before_ = r.get_vector<double>();
+    states_ = r.get_numbers();
+    last_ = r.get_numbers();
+    before_ = r.get_numbers();
     groups_.clear();
     if (states_.size() != sum_.state_fields() * n_ || last_.size() != n_ ||
         before_.size() != (order_ == 1 ? n_ : 0)) {

@@ -50,6 +50,7 @@ public:
   double step_to(double t_new) const { return names_.find(state_.now, t_new); }
   double now() const { return state_.now; }
   double start_time() const { return state_.start; }
+  std::int64_t count() const { return state_.count; } ///< of accepted steps
   double uniform_step() const { return state_.step; }
   bool continues_uniformly(double t_new) const {
     return state_.uniform && step_to(t_new) == state_.step;
@@ -87,12 +88,13 @@ public:
   }
   template <class Reader>
   void restore(Reader& r) {
-    state_.start = r.template get<double>();
-    state_.now = r.template get<double>();
-    state_.step = r.template get<double>();
-    state_.count = r.template get<std::int64_t>();
+    state_.start = r.get_finite();
+    state_.now = r.get_finite();
+    state_.step = r.get_finite();
+    state_.count = r.template get_between<std::int64_t>(0, std::int64_t{1} << 40);
     state_.uniform = r.template get<std::uint8_t>() != 0;
-    names_.set_known(r.template get_vector<double>());
+    names_.set_known(r.get_numbers());
+    if (state_.now < state_.start) r.fail("is inconsistent");
   }
 
 private:

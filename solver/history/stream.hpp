@@ -3,8 +3,10 @@
 
 #include "solver/common/failure.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <istream>
+#include <limits>
 #include <ostream>
 #include <string>
 #include <type_traits>
@@ -59,6 +61,39 @@ public:
       check();
     }
     return values;
+  }
+  /// As many as there must be.
+  template <class T>
+  std::vector<T> get_vector(std::size_t size) {
+    auto values = get_vector<T>();
+    if (values.size() != size) fail("is inconsistent");
+    return values;
+  }
+  /// A number from low to high.
+  template <class T>
+  T get_between(T low, T high) {
+    const T value = get<T>();
+    if (!(value >= low && value <= high)) fail("is inconsistent");
+    return value;
+  }
+  double get_finite() {
+    constexpr double most = std::numeric_limits<double>::max();
+    return get_between(-most, most);
+  }
+  /// Finite numbers.
+  std::vector<double> get_numbers() {
+    auto values = get_vector<double>();
+    for (const double v : values)
+      if (!std::isfinite(v)) fail("has a number that is not finite");
+    return values;
+  }
+  /// Times in increasing order, not empty, the last one `now`.
+  std::vector<double> get_times(double start, double now) {
+    auto times = get_numbers();
+    bool good = !times.empty() && times.front() >= start && times.back() == now;
+    for (std::size_t i = 1; i < times.size(); ++i) good = good && times[i - 1] < times[i];
+    if (!good) fail("is inconsistent");
+    return times;
   }
   template <class T>
   void expect(const T& value, const std::string& what) {

@@ -121,7 +121,6 @@ public:
     w.put(order_);
     w.put(static_cast<std::uint64_t>(leaf_));
     grid_.save(w);
-    w.put(steps_);
     w.put(test_.horizon());
     w.put(ahead_.times);
     w.put(ahead_.fields);
@@ -145,31 +144,44 @@ public:
     r.expect(static_cast<std::uint64_t>(leaf_), "tolerance");
     grid_.restore(r);
     weights_.reset();
-    steps_ = r.get<std::int64_t>();
-    if (const double horizon = r.get<double>(); horizon > 0) {
+    steps_ = grid_.count();
+    // Blocks are made for twice the time that has passed, or for the planned end.
+    const double planned = options_.horizon, elapsed = grid_.now() - grid_.start_time();
+    if (const double horizon = r.get_between(0.0, 4 * std::max(elapsed, planned)); horizon > 0) {
       test_.extend(grid_.start_time(), horizon);
     }
-    ahead_.times = r.get_vector<double>();
-    ahead_.fields = r.get_vector<double>();
+    ahead_.times = r.get_numbers();
+    ahead_.fields = r.get_numbers();
     if (ahead_.fields.size() != ahead_.times.size() * n_) r.fail("is inconsistent");
     const auto count = r.get<std::uint64_t>();
     nodes_.clear();
     for (std::uint64_t i = 0; i < count; ++i) {
-      Node node;
-      node.level = r.get<int>();
-      node.index = r.get<std::int64_t>();
-      node.block = r.get<TimeBlock>();
-      node.next_test = r.get<double>();
-      node.error = r.get<double>();
-      node.times = r.get_vector<double>();
-      node.fields = r.get_vector<double>();
-      if (node.fields.size() != fields_in(node) * n_) r.fail("is inconsistent");
-      nodes_.push_back(std::move(node));
+      nodes_.push_back(restored_node(r));
     }
     if (nodes_.empty() || !nodes_.back().raw()) r.fail("is inconsistent");
   }
 
 private:
+  Node restored_node(StateReader& r) const {
+    Node node;
+    node.level = r.get_between(-1, 62);
+    node.index = r.get_between<std::int64_t>(0, steps_);
+    node.block.a = r.get_between(grid_.start_time(), grid_.now());
+    node.block.b = r.get_between(node.block.a, grid_.now());
+    node.next_test = r.get_finite();
+    node.error = r.get_finite();
+    node.times = r.get_numbers();
+    node.fields = r.get_numbers();
+    bool good = node.fields.size() == fields_in(node) * n_;
+    if (node.raw())
+      good = good && !node.times.empty() && node.times.size() <= leaf_ + 1 &&
+             std::is_sorted(node.times.begin(), node.times.end()) &&
+             node.times.front() >= grid_.start_time() && node.times.back() <= grid_.now() &&
+             steps_to_end(node) <= steps_;
+    if (!good) r.fail("is inconsistent");
+    return node;
+  }
+
   /// Three moments for two digits: the fewest fields over the kernels tried (singular, aging,
   /// oscillating); 8 moments at 1e-8 keep up to twice as many blocks.
   static int moment_count(double tolerance) {

@@ -41,9 +41,15 @@ void InequalityEngine::restore_inverse(std::istream& in) {
   if (was_made) {
     if (!kept.possible || static_cast<int>(first.size()) != n_points)
       r.fail("has another number of contact points");
-    bool same = make_inverse(first);
+    const auto possible = [&](int point, int at_state) {
+      return point >= 0 && point < n_points && at_state >= 0 &&
+             prepared[points[point].law].valid_state(at_state);
+    };
+    bool same = true;
+    for (int p = 0; p < n_points; ++p) same = same && possible(p, first[p]);
+    same = same && make_inverse(first);
     for (const auto& [point, to_state] : updates)
-      same = same && point >= 0 && point < n_points && update_inverse(point, to_state);
+      same = same && possible(point, to_state) && update_inverse(point, to_state);
     if (!same) r.fail("has other laws");
   }
   kept.error = error;
@@ -56,13 +62,15 @@ void InequalityEngine::restore(std::istream& in) {
   const bool was_factored = r.get<std::uint8_t>() != 0;
   last_cg = r.get<int>();
   const int served = r.get<int>();
-  snap_factor = r.get<double>();
+  snap_factor = r.get_finite();
   d_factored = r.get_vector<std::array<double, 9>>();
+  for (const auto& block : d_factored)
+    for (const double v : block)
+      if (!std::isfinite(v)) r.fail("is inconsistent");
   forget_far();
   for (auto left = r.get<std::uint64_t>(); left > 0; --left) {
-    const int unknown = r.get<int>();
-    const auto values = r.get_vector<double>();
-    if (static_cast<int>(values.size()) != n) r.fail("has another number of contact unknowns");
+    const int unknown = r.get_between(0, n - 1);
+    const auto values = r.get_vector<double>(static_cast<std::size_t>(n));
     far_columns[unknown] = Eigen::Map<const Vector>(values.data(), n);
   }
   restore_inverse(in);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 namespace hvi::solver {
@@ -373,6 +374,7 @@ double primitive(const LawSpec& spec, const SmoothFunction& function, const LawG
   if (p.degree >= 0) return polynomial_primitive(p, r);
   if (!spec.by_slope) return function.potential(r, graph.x, graph.t);
   if (r == p.centre) return 0.0;
+  if (!std::isfinite(r)) return std::numeric_limits<double>::quiet_NaN();
   const auto slope = [&](double s) {
     const double v = function.slope(s, graph.x, graph.t);
     return std::isfinite(v) ? v : 0.0; // only the end of a piece can be undefined, measure zero

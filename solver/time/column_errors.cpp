@@ -12,6 +12,8 @@ namespace {
 /// Random data show one column too small an error now and then: three times their root mean square
 /// is below a third of the true one in one of a thousand columns.
 constexpr double safety = 3.0;
+/// Strains so far below u over the size of the body are rounding of a rigid motion.
+constexpr double negligible_strain = 1e-8;
 /// Steps of difference quotients, by the size of the state.
 constexpr double small_step = 1e-5;
 
@@ -20,6 +22,18 @@ double largest_strain(const Space& space, const Vector& u) {
   double out = 0.0;
   for (int cell = 0; cell < n_cells(space); ++cell)
     out = std::max(out, cell_strain(space, u, cell).cwiseAbs().maxCoeff());
+  return out;
+}
+
+/// The largest distance between two nodes along an axis.
+double body_size(const Space& space) {
+  double out = 0.0;
+  for (std::size_t j = 0; j < space.nodes.front().size(); ++j) {
+    const auto [low, high] =
+        std::minmax_element(space.nodes.begin(), space.nodes.end(),
+                            [j](const Point& a, const Point& b) { return a[j] < b[j]; });
+    out = std::max(out, (*high)[j] - (*low)[j]);
+  }
   return out;
 }
 
@@ -38,7 +52,8 @@ std::vector<ErrorSample> reference_motions(const Space& space, const ErrorSample
   };
   for (int c = 0; c < space.components; ++c)
     add([&](const Point&, int of) { return of == c ? size : 0.0; });
-  const double strain = largest_strain(space, u);
+  const double strain =
+      std::max(largest_strain(space, u), negligible_strain * size / body_size(space));
   const int dim = space.mesh->dim;
   for (int c = 0; c < space.components; ++c)
     for (int j = space.components == dim ? c : 0; j < dim; ++j)

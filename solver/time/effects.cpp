@@ -71,8 +71,8 @@ void LawRange::save(std::ostream& out) const {
 
 void LawRange::restore(std::istream& in) {
   StateReader r(in, {});
-  reached_ = r.get_vector<char>();
-  slopes_ = r.get_vector<double>();
+  reached_ = r.get_vector<char>(reached_.size());
+  slopes_ = r.get_vector<double>(slopes_.size());
 }
 
 std::vector<EffectNote> found_effects(const Plan& plan, const Discretisation& discretisation,

@@ -178,14 +178,14 @@ void EnergyMonitor::save(std::ostream& out) const {
   for (const auto& column : columns_) w.put(column);
 }
 
-void EnergyMonitor::restore(std::istream& in) {
+void EnergyMonitor::restore(std::istream& in, std::size_t rows) {
   StateReader r(in, {});
-  get_vector(r, u_);
+  get_vector(r, u_, u_.size());
   const auto numbers = r.get<std::array<double, 4>>();
   elastic_energy_ = numbers[0], contact_energy_ = numbers[1];
   largest_error_ = numbers[2], largest_size_ = numbers[3];
-  sums_ = r.get_vector<double>();
-  for (auto& column : columns_) column = r.get_vector<double>();
+  sums_ = r.get_vector<double>(sums_.size());
+  for (auto& column : columns_) column = r.get_vector<double>(rows);
 }
 
 } // namespace hvi::solver

@@ -37,7 +37,7 @@ public:
   double balance_error() const { return largest_size_ > 0 ? largest_error_ / largest_size_ : 0.0; }
 
   void save(std::ostream& out) const;
-  void restore(std::istream& in);
+  void restore(std::istream& in, std::size_t rows);
 
 private:
   double norm_squared(const Vector& v) const { return v.dot(gram_ * v); }

@@ -31,15 +31,18 @@ void Predictor::save(std::ostream& out) const {
     for (const Vector& v : *of) w.put(std::vector<double>(v.data(), v.data() + v.size()));
 }
 
-void Predictor::restore(std::istream& in) {
+void Predictor::restore(std::istream& in, Eigen::Index n_unknowns, Eigen::Index n_rows) {
   StateReader r(in, {});
-  newest_ = r.get<int>();
-  known_ = r.get<int>();
-  for (auto* of : {&d_, &kd_, &xi_})
+  newest_ = r.get_between(0, depth - 1);
+  known_ = r.get_between(0, depth);
+  for (auto* of : {&d_, &kd_, &xi_}) {
     for (Vector& v : *of) {
-      const auto values = r.get_vector<double>();
+      const auto values = r.get_numbers();
       v = Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
     }
+    for (int j = 0; j < known_; ++j)
+      if (back(*of, j).size() != (of == &xi_ ? n_rows : n_unknowns)) r.fail("is inconsistent");
+  }
 }
 
 } // namespace hvi::solver

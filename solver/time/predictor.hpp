@@ -29,7 +29,8 @@ public:
   void predict_multipliers(Vector& xi) const;
 
   void save(std::ostream& out) const;
-  void restore(std::istream& in);
+  /// Throws where it is of other numbers of unknowns and multipliers.
+  void restore(std::istream& in, Eigen::Index n_unknowns, Eigen::Index n_rows);
 
 private:
   static constexpr int depth = 3;

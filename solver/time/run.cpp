@@ -158,8 +158,10 @@ struct Restarts {
     w.put(static_cast<std::uint64_t>(notes.size()));
     for (const auto& note : notes) put_note(w, note);
   }
-  void restore(StateReader& r) {
-    routes = r.get_vector<int>();
+  void restore(StateReader& r, std::size_t n_histories) {
+    routes = r.get_vector<int>(n_histories);
+    for (const int route : routes)
+      if (route < -1 || route > static_cast<int>(HistoryRoute::direct)) r.fail("is inconsistent");
     notes.clear();
     for (auto n = r.get<std::uint64_t>(); n > 0; --n) notes.push_back(get_note(r));
   }
@@ -170,6 +172,19 @@ struct Restarts {
     return out;
   }
 };
+
+/// Whatever reading the state finds wrong is said of the file.
+template <class Read>
+void with_its_name(const std::filesystem::path& file, const Read& read) {
+  try {
+    read();
+  } catch (const HorizonFailure&) {
+    throw;
+  } catch (const Failure& failure) {
+    throw CheckpointFailure(file, std::string("does not fit: ") + failure.what(),
+                            "remove it, or run without --resume, to begin at the first step");
+  }
+}
 
 class Run {
 public:
@@ -342,15 +357,7 @@ private:
 
   void go_on(const std::string& saved) {
     std::istringstream in(saved);
-    try {
-      restore(in);
-    } catch (const HorizonFailure&) {
-      throw;
-    } catch (const Failure& failure) {
-      throw CheckpointFailure(checkpoint_path(settings_.output_folder, settings_.name),
-                              std::string("does not fit: ") + failure.what(),
-                              "remove it, or run without --resume, to begin at the first step");
-    }
+    with_its_name(checkpoint_path(settings_.output_folder, settings_.name), [&] { restore(in); });
   }
 
   void checkpoint() {
@@ -381,7 +388,7 @@ private:
 
   void restore(std::istream& in) {
     StateReader r(in, {});
-    Restarts().restore(r); // read before: they decide the plan
+    Restarts().restore(r, plan_.histories.size()); // read before: they decide the plan
     if ((r.get<std::uint8_t>() != 0) != monitor_.has_value())
       r.fail(monitor_ ? "was saved without monitors" : "was saved with monitors");
     stepper_.restore(in);
@@ -402,7 +409,7 @@ private:
     for (std::size_t i = 0; i < saved.size(); ++i) grown_before_[i] = saved[i] - here[i];
     if (monitor_) {
       monitor_times_ = r.get_vector<double>();
-      monitor_->restore(in);
+      monitor_->restore(in, monitor_times_.size());
     }
     told_ = result_.resumed_from = stepper_.step();
   }
@@ -481,7 +488,8 @@ RunResult run(const Plan& plan, const Discretisation& discretisation, const RunS
   if (saved) {
     std::istringstream in(*saved);
     StateReader r(in, {});
-    restarts.restore(r);
+    with_its_name(checkpoint_path(settings.output_folder, settings.name),
+                  [&] { restarts.restore(r, plan.histories.size()); });
   }
   for (;;) {
     const Plan tried = restarts.applied(plan);

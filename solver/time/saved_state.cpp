@@ -23,6 +23,11 @@ void put_text(StateWriter& w, const std::string& text) {
   w.put(std::vector<char>(text.begin(), text.end()));
 }
 
+void get_vector(StateReader& r, Vector& v, Eigen::Index size) {
+  get_vector(r, v);
+  if (v.size() != size || !v.allFinite()) r.fail("is inconsistent");
+}
+
 std::string get_text(StateReader& r) {
   const auto letters = r.get_vector<char>();
   return {letters.begin(), letters.end()};
@@ -38,8 +43,8 @@ void Memory::save(std::ostream& out) const {
 void Memory::restore(std::istream& in) {
   StateReader r(in, {});
   for (auto& history : histories_) history->restore(in);
-  w0_ = r.get_vector<double>();
-  for (auto& known : known_) get_vector(r, known);
+  w0_ = r.get_vector<double>(histories_.size());
+  for (auto& known : known_) get_vector(r, known, known.size());
 }
 
 void StepMatrix::save(std::ostream& out) const {
@@ -51,12 +56,15 @@ void StepMatrix::save(std::ostream& out) const {
 void StepMatrix::restore(std::istream& in) {
   StateReader r(in, {});
   Vector gamma;
-  get_vector(r, gamma);
+  get_vector(r, gamma, operators_.n_bases());
   factor(gamma);
   if (solver_) solver_->restore(in);
 }
 
 namespace {
+
+/// No run keeps more factors at a time.
+constexpr std::uint64_t most_matrices = 1000;
 
 /// The steps taken, equal ones counted: (length, how many) after (first time, last time).
 std::vector<double> steps_taken(const TimeGrid& grid, int step) {
@@ -82,6 +90,15 @@ bool begins_with(const TimeGrid& grid, int step, const std::vector<double>& take
       if (++n > step || std::abs(grid.length(n) - taken[i]) > 2 * grid.rounding(n) * taken[i])
         return false;
   return n == step;
+}
+
+/// The pieces that contact points are on must be pieces of their laws.
+void check_states(const Contact& contact, const std::vector<int>& states, const StateReader& r) {
+  const auto& points = contact.problem.points;
+  bool good = states.empty() || states.size() == points.size();
+  for (std::size_t p = 0; good && p < states.size(); ++p)
+    good = states[p] >= -1 && states[p] / 2 < contact.problem.graphs[points[p].graph].pieces();
+  if (!good) r.fail("is inconsistent");
 }
 
 } // namespace
@@ -134,25 +151,28 @@ void Stepper::restore(std::istream& in) {
   if (!begins_with(grid_, step_, r.get_vector<double>()))
     r.fail("was saved by a run of other times");
   const auto earlier = r.get<MemoryExtent>();
+  if (!(earlier.horizon >= 0.0 && std::isfinite(earlier.horizon) && earlier.shortest_step >= 0.0 &&
+        std::isfinite(earlier.shortest_step) && earlier.steps >= 0))
+    r.fail("is inconsistent");
   uniqueness_judged_ = earlier == memory_->extent(); // else there are other steps to judge
   continue_memory(earlier);
   not_unique_ = get_text(r);
-  for (Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi, &gap_})
-    get_vector(r, *v);
+  for (Vector* v : {&u_, &d_previous_, &d_before_}) get_vector(r, *v, layout_.n_state);
+  get_vector(r, inequality_.c, inequality_.c.size());
+  get_vector(r, inequality_.xi, contact_.n_rows());
+  get_vector(r, gap_, layout_.n_unknowns);
   inequality_.state = r.get_vector<int>();
-  if (u_.size() != layout_.n_state || inequality_.xi.size() != contact_.n_rows() ||
-      gap_.size() != layout_.n_unknowns)
-    r.fail("has another number of unknowns");
+  // Laws that move with time are prepared for the step's time before every solve.
+  if (!contact_.none() && step_ > 0) prepare(contact_, plan_, grid_.t(step_), u_, inequality_.xi);
+  check_states(contact_, inequality_.state, r);
   accepted_ = inequality_;
   memory_->restore(in);
   earlier_reads_ = r.get<std::int64_t>();
   const auto counters = r.get<std::array<int, 4>>();
   matrices_.clear();
-  const auto count = r.get<std::uint64_t>();
+  const auto count = r.get_between<std::uint64_t>(0, most_matrices);
   for (std::uint64_t i = 0; i < count; ++i) {
     const double rate = r.get<double>(), length = r.get<double>();
-    // Laws that move with time are prepared for the step's time before every solve.
-    if (!contact_.none() && step_ > 0) prepare(contact_, plan_, grid_.t(step_), u_, inequality_.xi);
     const StepMatrix* like = matrices_.empty() ? nullptr : matrices_.front().matrix.get();
     matrices_.push_back(
         {rate, length, std::make_unique<StepMatrix>(operators_, contact_, options_, like)});
@@ -160,7 +180,7 @@ void Stepper::restore(std::istream& in) {
   }
   products_ = counters[0], corrections_ = counters[1];
   newton_ = counters[2], fallbacks_ = counters[3];
-  predictor_.restore(in);
+  predictor_.restore(in, layout_.n_unknowns, contact_.n_rows());
   get_vector(r, predicted_gamma_);
   const auto shortened = r.get<std::array<int, 2>>();
   shortened_ = nullptr;
@@ -172,11 +192,13 @@ void Stepper::restore(std::istream& in) {
   sweeps_.restore(in);
   const auto rounding = r.get<std::array<int, 2>>();
   const auto sizes = r.get<std::array<double, 3>>();
+  if (rounding[1] < 0 || rounding[1] > step_) r.fail("is inconsistent");
   refines_ = rounding[0] != 0, largest_.step = rounding[1];
   last_correction_ = sizes[0], largest_.size = sizes[1];
   last_error_ = sizes[2];
-  largest_.on_base.resize(r.get<std::uint64_t>());
-  for (Vector& v : largest_.on_base) get_vector(r, v);
+  largest_.on_base.resize(
+      r.get_between<std::uint64_t>(0, static_cast<std::uint64_t>(operators_.n_bases())));
+  for (Vector& v : largest_.on_base) get_vector(r, v, layout_.n_state);
 }
 
 void FieldFiles::save(std::ostream& out) const {
@@ -191,11 +213,11 @@ void FieldFiles::save(std::ostream& out) const {
 
 void FieldFiles::restore(std::istream& in) {
   StateReader r(in, {});
-  entries_.resize(r.get<std::uint64_t>());
-  for (auto& entry : entries_) {
-    entry.time = r.get<double>();
-    entry.part = r.get<int>();
-    entry.file = get_text(r);
+  entries_.clear();
+  for (auto left = r.get<std::uint64_t>(); left > 0; --left) {
+    const double time = r.get<double>();
+    const int part = r.get<int>();
+    entries_.push_back({time, part, get_text(r)});
   }
 }
 
@@ -216,16 +238,16 @@ void Reporter::save(std::ostream& out) const {
 
 void Reporter::restore(std::istream& in, const Stepper& stepper) {
   StateReader r(in, {});
-  values_ = r.get_vector<double>();
+  values_ = r.get_vector<double>(values_.size());
   rows_ = r.get_vector<int>();
-  times_ = r.get_vector<double>();
-  for (auto& column : columns_) column = r.get_vector<double>();
+  times_ = r.get_vector<double>(rows_.size());
+  for (auto& column : columns_) column = r.get_vector<double>(rows_.size());
   range_.restore(in);
   last_recorded_ = r.get<int>();
-  events_ = r.get_vector<int>();
+  events_ = r.get_vector<int>(rows_.size());
   pending_events_ = r.get<int>();
-  written_.resize(r.get<std::uint64_t>());
-  for (auto& name : written_) name = get_text(r);
+  written_.clear();
+  for (auto left = r.get<std::uint64_t>(); left > 0; --left) written_.push_back(get_text(r));
   for (auto& files : fields_) files.second.restore(in);
   now_.take(stepper);
   if (keeps_before_) before_ = now_;

@@ -10,6 +10,8 @@ namespace hvi::solver {
 
 void put_vector(StateWriter& w, const Vector& v);
 void get_vector(StateReader& r, Vector& v);
+/// Finite numbers, as many as there must be.
+void get_vector(StateReader& r, Vector& v, Eigen::Index size);
 void put_text(StateWriter& w, const std::string& text);
 std::string get_text(StateReader& r);
 

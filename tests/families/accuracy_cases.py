@@ -276,7 +276,7 @@ def solve(a, b, c, q, law, f, imposed, times):
     def offset(s):
         return f.value(s) if imposed else 0.0
 
-    grid = grid_for(f, a, c)
+    grid = sorted({*grid_for(f, a, c), *(s for s in times if 0 < s < 1)})  # read between steps it would be affine
     W, m = 0.0, 0.0
     values, memories = [W], [m]
 

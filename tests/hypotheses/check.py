@@ -123,8 +123,8 @@ report
 """
 
 
-def bar(forms, *options, m=0.5, cells=4, time="for t in [0, 1] by 10 steps from u = 0", code=0):
-    text = BAR.replace("FORMS", forms).replace("CELLS", str(cells)).replace("M*", f"{m}*").replace("*M", f"*{m}").replace("TIME", time)
+def bar(forms, *options, m=0.5, cells=4, time="for t in [0, 1] by 10 steps from u = 0", code=0, kernel=""):
+    text = BAR.replace("space V", kernel + "space V").replace("FORMS", forms).replace("CELLS", str(cells)).replace("M*", f"{m}*").replace("*M", f"*{m}").replace("TIME", time)
     text = text.replace("HALF", "part half = bar where x < 0.5" if "half" in forms else "")
     with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
         file.write(text), file.flush()
@@ -181,6 +181,12 @@ assert not bar(B, m=2, time="")["verdict"]["continuous"]["holds"]
 
 # One unknown; a convex law on more points than the dense solver takes: margin 1 by definition.
 assert bar(f"{viscous} + {B} + {memory}", cells=1)["constants"]["c_E"] == 9
+# Each memory has its own E.
+other = "integral(bar, 0.25*dot(history(p, grad(u)), grad(v)))"
+report = bar(f"{viscous} + {B} + {memory} + {other}", kernel="kernel p(lag) = exp(-lag)\n")
+norms = [h["value"] for h in report["hypotheses"] if h["name"] == "H(E)"]
+assert len(norms) == 2
+close(norms[0], 9), close(norms[1], 0.25)
 convex = """mesh slab = rectangle(2, 1, cells = [130, 2])
 part roof = slab.top
 part ground = slab.bottom

@@ -86,6 +86,7 @@ def main():
                                         + slab(), "E0216"),
             "a chain of 20,000 laws": ("".join(f"superpotential l{i}(r) = l{i + 1}(r)\n" for i in range(20_000))
                                        + "superpotential l20000(r) = r^2\n" + slab(), "E0216"),
+            "3,000 parameters side by side": ("".join(f"param p{i} = {i} + 1\n" for i in range(3_000)) + slab(load="p2999"), None),
             "a sine of a sine": ("fn s(a) = " + "sin(" * 200 + "a" + ")" * 200 + "\n"
                                  + slab(load="s(" * 100 + "1" + ")" * 100), None),
             "a deep function of the place": ("fn s(a) = " + "sin(" * 200 + "a" + ")" * 200 + "\n"
