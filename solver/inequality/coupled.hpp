@@ -64,6 +64,7 @@ struct InequalityEngine::Coupled {
   void go(const Waypoint& to);
   double product(const Vector& a, const Vector& b) const; ///< of displacements, without a unit
   bool step_on_path(const Waypoint& last, const Vector& along, double along_share, double length);
+  bool turn_on_path(const Waypoint& last, const Vector& along, double along_share);
   bool share_direction();
 
   // ---- pieces of a step
@@ -87,7 +88,7 @@ struct InequalityEngine::Coupled {
   std::vector<double> penalties; ///< the engine's
   std::vector<int> bound_of;     ///< by point; -1: a law of its own
   double share = 1.0;
-  Waypoint before;        ///< the solution before the last one on the way up
+  Waypoint previous;      ///< the solution before the last one on the way up
   Vector path_c, path_xi; ///< what c and xi change with the share
   double energy = 1.0;    ///< of displacements: their unit
   double scale = 1.0;     ///< factor of gamma in the natural map

@@ -90,14 +90,46 @@ bool InequalityEngine::Coupled::step_on_path(const Waypoint& last, const Vector&
   return false;
 }
 
+/// At a kink: the direction of the path on the pieces a little further on, along or against which
+/// the solutions go on. True when one was found; not the way back.
+bool InequalityEngine::Coupled::turn_on_path(const Waypoint& last, const Vector& along,
+                                             double along_share) {
+  for (const double ahead : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) {
+    for (const double side : {1.0, -1.0}) {
+      go(last);
+      w.c += ahead * along;
+      set_share(std::max(1e-3, last.share + side * ahead * along_share));
+      merit();
+      if (!direction() || !share_direction()) continue;
+      Vector there = path_c;
+      double there_share = 1.0;
+      const double size = std::sqrt(product(there, there) + 1.0);
+      there /= size, there_share /= size;
+      for (const double sign : {1.0, -1.0}) {
+        const double way = sign * (product(there, along) + there_share * along_share);
+        if (way < -0.9999) continue;
+        const Vector to = sign * there;
+        for (const double length : {3.0 * ahead, 30.0 * ahead}) {
+          if (!step_on_path(last, to, sign * there_share, length)) continue;
+          const Vector gone = w.c - last.place.c;
+          const double gone_share = share - last.share;
+          const double far = std::sqrt(product(gone, gone) + gone_share * gone_share);
+          if (product(gone, along) + gone_share * along_share > -0.999 * far) return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
 bool InequalityEngine::Coupled::follow_share() {
   scale = 1.0;
   Waypoint last = waypoint();
   if (!(last.share > 0.0)) return false;
   energy = std::max(last.place.c.cwiseAbs2().dot(w.diagonal.cwiseAbs()),
                     std::numeric_limits<double>::min());
-  Vector along = last.place.c - before.place.c;
-  double along_share = last.share - before.share, length = first_length;
+  Vector along = last.place.c - previous.place.c;
+  double along_share = last.share - previous.share, length = first_length;
   const auto normalise = [&] {
     const double size = std::sqrt(product(along, along) + along_share * along_share);
     if (!(size > 0.0)) return false;
@@ -112,8 +144,9 @@ bool InequalityEngine::Coupled::follow_share() {
     if (!found) {
       ++failures;
       length /= 4.0;
-      if (length < shortest_length) break;
-      continue;
+      if (length >= shortest_length) continue;
+      if (!turn_on_path(last, along, along_share)) break;
+      length = first_length;
     }
     ++step;
     const Waypoint now = waypoint();
