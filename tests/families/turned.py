@@ -1,6 +1,6 @@
 """Every example and test scene that can be turned, turned by random angles, with each rule: the same answers.
 
-usage: turned.py HVI_RUN ROOT [--scenes N] [--seed S] [--only NAME]
+usage: turned.py HVI_RUN [ROOT] [--scenes N] [--seed S] [--only NAME]
 
 A script is turned as text: its mesh becomes a file with turned nodes, coordinates become functions of the turned ones,
 vectors and components are turned with it. N counts pairs of runs (0: all scripts with all rules). Left out: scripts
@@ -228,7 +228,7 @@ def compared(one, other):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program", type=lambda p: str(pathlib.Path(p).resolve()))
-    parser.add_argument("root", type=pathlib.Path)
+    parser.add_argument("root", type=pathlib.Path, nargs="?", default=pathlib.Path(__file__).resolve().parents[2])
     parser.add_argument("--scenes", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only")
