@@ -272,8 +272,8 @@ void IndependentSum::restore(StateReader& in) {
   in.expect(order_, "order");
   grid_.restore(in);
   by_index_.clear();
-  times_ = in.get_vector<double>();
-  values_ = in.get_vector<double>();
+  times_ = in.get_times(grid_.start_time(), grid_.now());
+  values_ = in.get_numbers();
   if (times_.empty() || values_.size() != n_ * (times_.size() - (order_ == 0 ? 1 : 0)))
     in.fail("is inconsistent");
 }
