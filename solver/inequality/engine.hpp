@@ -38,6 +38,7 @@ struct InequalityEngine {
   InequalityEngine(const ReducedProblem& problem, ReducedOperator& s, InequalityOptions options);
   InequalityReport solve(const Vector& r, InequalityState& io);
   void solve_at_once(InequalityState& io);
+  void solve_and_follow(InequalityState& io);
   void note_start(const InequalityState& io);
 
   // ---- set-up (inequality.cpp)
@@ -220,7 +221,9 @@ struct InequalityEngine {
 
   // the branch that continues the last state
   bool may_soften = false; ///< some law has a slope that falls
+  bool newton_only = false; ///< the globally convergent method waits until the curve was asked
   std::optional<bool> known_convex;
+  InequalityState followed_from; ///< where the step began
   std::vector<int> state_before;
   Vector xi_before;
   std::vector<CurveGraph> curve_graphs; ///< by prepared law

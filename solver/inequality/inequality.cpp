@@ -222,11 +222,28 @@ InequalityReport InequalityEngine::solve(const Vector& right_side, InequalitySta
   refresh_laws();
   const bool follows =
       may_soften && io.z_before.size() == n_rows && options.branch != Branch::release;
-  if (follows) note_start(io);
-  solve_at_once(io);
-  if (follows) follow(io);
+  follows ? solve_and_follow(io) : solve_at_once(io);
   io.z_before.resize(0);
   return report;
+}
+
+/// Newton's method first, then the curve from the last state. Where the step is not convex the
+/// globally convergent method takes thousands of iterations to some state, often of another
+/// branch: only where the curve leads nowhere.
+void InequalityEngine::solve_and_follow(InequalityState& io) {
+  note_start(io);
+  newton_only = !(known_convex && *known_convex) && !options.force_fallback;
+  if (newton_only) followed_from = io;
+  solve_at_once(io);
+  follow(io);
+  if (newton_only && !report.converged) {
+    const bool lost = report.not_followed;
+    newton_only = false;
+    io = followed_from;
+    solve_at_once(io);
+    report.not_followed = report.not_followed || lost;
+  }
+  newton_only = false;
 }
 
 /// Without a look at other branches.

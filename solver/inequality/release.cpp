@@ -57,6 +57,7 @@ InequalityEngine::Outcome InequalityEngine::solve_components() {
   for (int round = 0;; ++round) {
     c_at_start = c, xi_at_start = xi, state_at_start = state;
     Outcome outcome = options.force_fallback ? Outcome::failed : newton(options.max_iterations);
+    if (outcome != Outcome::solved && newton_only) return outcome;
     if (outcome != Outcome::solved) {
       c = c_at_start, xi = xi_at_start, state = state_at_start;
       update_z();
