@@ -122,7 +122,8 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
   if (r.work.unfollowed_steps > 0)
     fmt::print(
         "note: {} steps may have left their branch: it was not followed (a vector law, more "
-        "than 1200 points, forms without symmetry, or a curve without a further stable state)\n",
+        "than 1200 points, forms without symmetry, bounds found together with their laws, or a "
+        "curve without a further stable state); their answers may depend on the number of steps\n",
         r.work.unfollowed_steps);
   if (r.work.fallback_steps > 0)
     fmt::print("steps that only the globally convergent method solved: {}\n",

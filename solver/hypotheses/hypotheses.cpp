@@ -3,6 +3,7 @@
 // Paper: H(A), H(B), H(E), H(q), H(J), H(M), H(f), (H0), Theorem existencetheorem, Lemma lem3.1.
 #include "solver/hypotheses/hypotheses.hpp"
 
+#include "solver/history/norm_proofs.hpp"
 #include "solver/hypotheses/load_time.hpp"
 #include "solver/hypotheses/numbers.hpp"
 #include "solver/hypotheses/tensors.hpp"
@@ -27,6 +28,15 @@ Origin form_origin(const Plan& plan, int field) {
   for (const auto& form : plan.forms)
     if (form.field == field) return form.origin;
   return plan.time.origin;
+}
+
+/// A number of a kernel with how it was found.
+std::string with_word(double value, const Bracket& known) {
+  if (!std::isfinite(value)) return "inf";
+  if (known.how() != Provenance::between)
+    return fmt::format("{:.6g} ({})", value, word(known.how()));
+  return fmt::format("{:.6g} ({} {:.6g} and {:.6g})", value, word(known.how()), known.low,
+                     known.high);
 }
 
 /// The k at which  m_A/k + room - product k = 0: below it a step has one solution, as A is
@@ -89,9 +99,9 @@ private:
     c().m_1 = std::isfinite(tensor.least) ? tensor.least : nan;
     c().m_A = numbers_.coercivity(field_rate, c().m_1);
     if (!numbers_.acts_on(field_rate)) {
-      row("H(A)", "A is coercive", std::nullopt,
-          plan_.time.is_static ? Answer::open : Answer::fails, plan_.time.origin,
-          plan_.time.is_static ? "static: no A is asked for" : "there is no term with the rate u'");
+      row("H(A)", "A is coercive", std::nullopt, Answer::open, plan_.time.origin,
+          plan_.time.is_static ? "static: no A is asked for"
+                               : "there is no term with u': static at each t, no A is asked for");
       return;
     }
     const Origin origin = form_origin(plan_, field_rate);
@@ -155,21 +165,27 @@ private:
       const auto& kernel = plan_.histories[m].kernel;
       const double e = numbers_.memory_norm(static_cast<int>(m));
       const auto norms = kernel_norms(kernel.expression, grid.front(), grid.back());
+      const auto known = prove_norms(kernel.expression, norms, grid.front(), grid.back());
+      const double sup = known.sup.value(), slope = known.lipschitz.value();
       c().c_E = std::max(c().c_E, e);
-      c().c_q = std::max(c().c_q, norms.sup);
-      c().lipschitz_q = std::max(c().lipschitz_q, norms.lipschitz);
+      c().c_q = std::max(c().c_q, sup);
+      c().lipschitz_q = std::max(c().lipschitz_q, slope);
       memory_norms_.push_back(e);
-      product_ += e * norms.sup;
+      product_ += e * sup;
+      facts_.has_memory = facts_.has_memory || e > 0.0;
+      facts_.integrable = facts_.integrable && std::isfinite(norms.l1);
       row("H(E)", fmt::format("E of `{}` is bounded: ||E||", kernel.name), e, yes(std::isfinite(e)),
           plan_.histories[m].origin);
-      const bool lipschitz = std::isfinite(norms.lipschitz);
-      row("H(q)", fmt::format("`{}` is Lipschitz in t: its constant", kernel.name), norms.lipschitz,
+      const bool lipschitz = std::isfinite(slope);
+      auto& h = row(
+          "H(q)", fmt::format("`{}` is Lipschitz in t: its constant", kernel.name), slope,
           yes(lipschitz), plan_.histories[m].origin,
-          fmt::format("sup |q| = {:.6g}, int |q| = {:.6g}{}{}", norms.sup, norms.l1,
-                      norms.exact ? "" : " (sampled)",
+          fmt::format("sup |q| = {}, int |q| = {}{}", with_word(sup, known.sup),
+                      with_word(norms.l1, known.l1),
                       lipschitz ? ""
                                 : "; singular: the continuous theorem and the bounds tau_0 do not "
                                   "apply, each step's problem and its certificate do"));
+      if (lipschitz) h.known = known.lipschitz;
       judge_modulus(static_cast<int>(m));
     }
   }

@@ -21,6 +21,8 @@ public:
     discrete();
     if (facts_.is_static)
       at_one_time();
+    else if (out_.rate_form == RateForm::none)
+      at_each_time();
     else if (out_.rate_form == RateForm::in_v)
       in_v();
     else if (out_.rate_form == RateForm::in_h)
@@ -108,6 +110,34 @@ private:
                          sharper(), estimate()));
     else
       refuse("(H0) fails in every form");
+  }
+
+  /// Without a term with u'.
+  void at_each_time() {
+    theorem_ = facts_.has_memory ? "static at each t, Banach's fixed point for the memory: B "
+                                   "coercive and (H0)"
+                                 : "static at each t: B coercive and (H0)";
+    regularity_failed_ = "there is no term with u': u is as regular in time as f, in C([0, T]; V) "
+                         "where f is continuous";
+    order_failed_ = "its proof needs A coercive in V; `study` measures the orders";
+    if (refused({"H(B)", "H(E)", "H(J)", "H(M)", "H(f)"})) return;
+    const std::string what = facts_.has_memory
+                                 ? "static at each t, with the memory a history-dependent operator"
+                                 : "static at each t";
+    if (!facts_.integrable)
+      refuse("a kernel is not integrable");
+    else if (h0_as_a_whole())
+      accept(fmt::format("there is no term with u': the problem is {}. The static theorem applies: "
+                         "B is coercive and (H0) m_B > m_J ||M||^2 holds, one solution{}",
+                         what, estimate()));
+    else if (h0_split() || h0_against_b())
+      accept(fmt::format("there is no term with u': the problem is {}. (H0) fails for M as a "
+                         "whole, but {} holds and the static theorem needs no more: one solution{}",
+                         what, sharper(), estimate()));
+    else
+      refuse(fmt::format("there is no term with u', so the problem is {}, and (H0) m_B > m_J "
+                         "||M||^2 fails in every form",
+                         what));
   }
 
   std::string sharper() const { return h0_split() ? "the split condition" : "its form against B"; }

@@ -8,6 +8,8 @@ namespace hvi::solver {
 /// What the verdicts need beside the rows.
 struct VerdictFacts {
   bool is_static = false, has_laws = false;
+  bool has_memory = false;   ///< some of it acts
+  bool integrable = true;    ///< int |q| of every kernel is finite
   bool proved = true;        ///< m_J of the laws is bounded by proof, not sampled
   bool coupled = false;      ///< a law's bound is another law's multiplier
   double steps_margin = 0.0; ///< no step has a smaller one
@@ -19,6 +21,13 @@ struct VerdictFacts {
 /// Sets both verdicts, and adds the rows `theorem`: one solution, its regularity, its error.
 ///
 /// - Static: B coercive and (H0).
+/// - No term with u': at each t a static problem whose load holds the memory. B coercive and (H0)
+///   make its solution unique and Lipschitz in the load, with 1 / (m_B - m_J |M|^2), and the memory
+///   of two functions differs at t by no more than ||E|| int |q(t, s)| |u_1 - u_2|(s) ds: a
+///   history-dependent operator, which with that has one fixed point (Banach's theorem, as in
+///   J. Ogorzaly, Quasistatic contact problem with unilateral constraint for elastic-viscoplastic
+///   materials, 2016; S. Migorski, Y. Bai and S. Zeng, A new class of history-dependent quasi
+///   variational-hemivariational inequalities with constraints, 2023). q need not be Lipschitz.
 /// - A coercive in V: Theorem 3.2. Neither (H0) nor a coercive B is needed, for with
 ///   e = u_1 - u_2 the difference of the two problems, tested with e, gives
 ///   m_A |e(t)|^2 / 2 <= (m_J |M|^2 - m_B) int |e|^2 + c_E c_q (int |e|)^2, and Gronwall's lemma

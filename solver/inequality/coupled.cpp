@@ -333,6 +333,8 @@ InequalityReport InequalityEngine::solve_coupled(const Vector& right_side, Inequ
   rhs = &right_side;
   if (right_side.size() != n || !right_side.allFinite()) return report;
   refresh_laws();
+  const bool may_leave = may_soften && io.z_before.size() == n_rows;
+  if (may_leave) note_start(io);
   load(io);
   z_start = z;
   components_before = component;
@@ -346,6 +348,8 @@ InequalityReport InequalityEngine::solve_coupled(const Vector& right_side, Inequ
   certify();
   count_events(components_before);
   store(io);
+  report.not_followed = may_leave && may_have_left(io);
+  io.z_before.resize(0), io.xi_before.resize(0);
   if (!report.converged)
     report.verdict =
         fmt::format("the laws and the bounds that they give each other were not "

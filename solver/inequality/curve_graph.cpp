@@ -51,6 +51,18 @@ void CurveGraph::slope(int piece, double z, double& s, double& d) const {
   s = sign * s + d * (z - inside);
 }
 
+double CurveGraph::potential(int piece, double z) const {
+  const bool negative = odd_ && piece < law_->graph().pieces();
+  return law_->law().potential(law_->graph(), own_piece(piece), negative ? -z : z);
+}
+
+double CurveGraph::least_curvature(int piece, double low, double high) const {
+  const bool negative = odd_ && piece < law_->graph().pieces();
+  const auto range = law_->law().curvature_range(law_->graph(), own_piece(piece),
+                                                 negative ? -high : low, negative ? -low : high);
+  return range.exact ? range.low - 1e-12 * std::abs(range.low) : -infinity;
+}
+
 int CurveGraph::engine_state(int place) const {
   const int i = place / 2, half = law_->graph().pieces();
   if (!odd_) return place;

@@ -127,6 +127,7 @@ struct InequalityEngine {
   Outcome solve_branch();
   int release_next(double window);
   void count_events(const std::vector<int>& before);
+  void count_crossings(int p, int before);
   double energy() const;
   void start_from(const InequalityState& from);
 
@@ -150,6 +151,12 @@ struct InequalityEngine {
   void follow(InequalityState& io);
   bool is_same(const Vector& on_the_curve, const InequalityState& now) const;
   bool settle_on(const CurveSolution& found, InequalityState& io);
+  bool accept_found(InequalityState& io);
+
+  // ---- the state of least energy (least_state.cpp)
+  Vector forces_of(const InequalityState& now) const;
+  Vector descend(const Vector& force, const Vector& free, InequalityState& found);
+  void find_least_energy(const Vector& b, const Vector& free, InequalityState& io);
   void least_on_curve(const Vector& z0, const Vector& xi0, const Vector& b1, const Vector& free,
                       InequalityState& io);
 
@@ -220,7 +227,7 @@ struct InequalityEngine {
   Vector z_start; ///< where the path to the present solution began
 
   // the branch that continues the last state
-  bool may_soften = false; ///< some law has a slope that falls
+  bool may_soften = false;  ///< some law has a slope that falls
   bool newton_only = false; ///< the globally convergent method waits until the curve was asked
   std::optional<bool> known_convex;
   InequalityState followed_from; ///< where the step began

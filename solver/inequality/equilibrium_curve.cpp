@@ -25,10 +25,10 @@ constexpr int most_corrections = 8;
 double spread(int p) { return 0.5 + 0.5 * std::fmod(0.6180339887498949 * (p + 1), 1.0); }
 } // namespace
 
-EquilibriumCurve::EquilibriumCurve(const DenseMatrix& compliance, std::vector<CurvePoint> points,
+EquilibriumCurve::EquilibriumCurve(DenseMatrix compliance, std::vector<CurvePoint> points,
                                    bool symmetric)
-    : a_(compliance), points_(std::move(points)), symmetric_(symmetric),
-      n_(static_cast<int>(points_.size())) {
+    : compliance_(std::move(compliance)), a_(compliance_), points_(std::move(points)),
+      symmetric_(symmetric), n_(static_cast<int>(points_.size())) {
   for (int p = 0; p < n_; ++p) a_.col(p) *= points_[p].weight;
   most_ = 2000 + 100 * n_;
 }
@@ -163,9 +163,7 @@ bool EquilibriumCurve::stable() {
                         [](const auto& v) { return v.real() <= 0.0 && v.imag() == 0.0; });
   }
   if (root_.size() == 0) {
-    DenseMatrix c = a_;
-    for (int p = 0; p < n_; ++p) c.col(p) /= points_[p].weight;
-    c = (0.5 * (c + c.transpose())).eval();
+    DenseMatrix c = 0.5 * (compliance_ + compliance_.transpose());
     c.diagonal().array() += 1e-13 * c.diagonal().maxCoeff();
     root_ = c.llt().matrixL();
   }

@@ -41,6 +41,10 @@ public:
   bool straight(int piece) const { return straight_[piece]; }
   /// Slope and its derivative on a piece, which goes on along its tangents beyond its ends.
   void slope(int piece, double z, double& s, double& d) const;
+  double potential(int piece, double z) const;
+  /// A proved lower bound of the slope's derivative on a part of a piece; -infinity where there is
+  /// none.
+  double least_curvature(int piece, double low, double high) const;
   /// The engine's state (InequalityState) of a place: 2 i inside piece i, 2 i + 1 at break i.
   int engine_state(int place) const;
   int component(int place) const; ///< and the law's component there
@@ -72,7 +76,8 @@ public:
 
   /// C dense and square, one point a row. `symmetric`: stability is positive definiteness; else
   /// only that det does not change its sign.
-  EquilibriumCurve(const DenseMatrix& compliance, std::vector<CurvePoint> points, bool symmetric);
+  EquilibriumCurve(DenseMatrix compliance, std::vector<CurvePoint> points, bool symmetric);
+  const DenseMatrix& compliance() const { return compliance_; }
 
   /// From the state (z, xi), which is an equilibrium by the choice of b_0 = z + C W xi (xi is put
   /// on the graph first), to l = 1, where b = b_1.
@@ -122,8 +127,8 @@ private:
   bool jump_at(double load);
   void trace(const std::function<void()>& solution);
 
-  DenseMatrix a_;    ///< C W
-  DenseMatrix root_; ///< L with C = L L^T, for stability; made when it is asked for
+  DenseMatrix compliance_, a_; ///< C, C W
+  DenseMatrix root_;           ///< L with C = L L^T, for stability; made when it is asked for
   std::vector<CurvePoint> points_;
   bool symmetric_;
   int n_;

@@ -29,9 +29,11 @@ void InequalityEngine::prepare_following() {
 
 /// Where the path of this step begins.
 void InequalityEngine::note_start(const InequalityState& io) {
-  xi_before = io.xi.size() == n_rows ? io.xi : Vector::Zero(n_rows);
-  state_before = io.state;
-  if (static_cast<int>(io.state.size()) == n_points) return;
+  const bool told = io.xi_before.size() == n_rows;
+  const Vector& at_start = told ? io.xi_before : io.xi;
+  xi_before = at_start.size() == n_rows ? at_start : Vector::Zero(n_rows);
+  state_before = told ? io.state_before : io.state;
+  if (static_cast<int>(state_before.size()) == n_points) return;
   state_before.resize(n_points);
   for (int p = 0; p < n_points; ++p) {
     const PreparedLaw& law = prepared[points[p].law];
@@ -127,13 +129,18 @@ bool InequalityEngine::settle_on(const CurveSolution& found, InequalityState& io
     size = std::max(size, std::abs(found.z[p]));
   }
   if (!(apart <= same_solution * size)) return false;
+  return accept_found(io);
+}
+
+/// The engine's state as the step's answer, if it is certified.
+bool InequalityEngine::accept_found(InequalityState& io) {
   certify();
   if (!report.converged) return false;
-  report.events = 0;
+  report.events = report.reattached = 0;
   for (int p = 0; p < n_points; ++p) {
     const PreparedLaw& law = prepared[points[p].law];
     const int before = std::clamp(state_before[p] / 2, 0, law.graph().pieces() - 1);
-    report.events += std::abs(component[p] - law.component_of_piece(before));
+    count_crossings(p, law.component_of_piece(before));
   }
   store(io);
   return true;
@@ -147,14 +154,17 @@ InequalityEngine::CurveSolution InequalityEngine::on_curve(const Vector& free) c
 
 /// The answer of a step that was solved at once, or the one that continues the last state.
 void InequalityEngine::follow(InequalityState& io) {
-  if (report.converged && !may_have_left(io)) return;
+  const bool least = options.branch == Branch::least_energy;
+  if (report.converged && !least && !may_have_left(io)) return;
   if (!known_convex) known_convex = convex();
+  if (least)
+    report.least_gap =
+        *known_convex && problem.coupled.empty() ? 0.0 : std::numeric_limits<double>::infinity();
   if (*known_convex) return;
   std::fill(h.valuePtr(), h.valuePtr() + h.nonZeros(), 0.0);
   factored = false; // S itself
-  const bool least = options.branch == Branch::least_energy;
-  if ((least && !op.symmetric()) || !op.factor(h, {}) || !prepare_curve()) {
-    report.not_followed = true;
+  if ((least && !problem.coupled.empty()) || !op.factor(h, {}) || !prepare_curve()) {
+    report.not_followed = !least;
     return;
   }
   Vector free(n), xi0(n_points), b1(n_points);
@@ -162,7 +172,11 @@ void InequalityEngine::follow(InequalityState& io) {
   const Vector z1 = problem.g * free + problem.offset;
   for (int p = 0; p < n_points; ++p)
     xi0[p] = xi_before[points[p].first], b1[p] = z1[points[p].first];
-  if (least) return least_on_curve(curve_start(io), xi0, b1, free, io);
+  if (least) {
+    find_least_energy(b1, free, io);
+    if (report.least_gap > proved_least_gap) least_on_curve(curve_start(io), xi0, b1, free, io);
+    return;
+  }
   const bool arrived =
       curve->follow(curve_start(io), xi0, b1) == EquilibriumCurve::Outcome::arrived;
   report.inner_steps = curve->steps();
@@ -185,32 +199,6 @@ bool InequalityEngine::is_same(const Vector& on_the_curve, const InequalityState
   for (int p = 0; p < n_points; ++p)
     apart = std::max(apart, std::abs(z1[points[p].first] - on_the_curve[p]));
   return apart <= same_solution * on_the_curve.lpNorm<Eigen::Infinity>();
-}
-
-/// Every solution on the curve through the last state, however often it turns, against the best of
-/// those that were found without it.
-void InequalityEngine::least_on_curve(const Vector& z0, const Vector& xi0, const Vector& b1,
-                                      const Vector& free, InequalityState& io) {
-  const auto energy_at = [&](const Vector& at) {
-    c = at;
-    update_product();
-    update_z();
-    return energy();
-  };
-  double lowest = report.converged ? energy_at(io.c) : std::numeric_limits<double>::infinity();
-  std::optional<CurveSolution> best;
-  curve->visit(z0, xi0, b1, [&] {
-    CurveSolution found = on_curve(free);
-    const double e = energy_at(found.c);
-    if (!(e < lowest - 1e-9 * std::abs(lowest)) && std::isfinite(lowest)) return;
-    lowest = e, best = std::move(found);
-  });
-  report.inner_steps = curve->steps();
-  if (!best) return;
-  const InequalityReport at_once = report;
-  const InequalityState other = io;
-  if (settle_on(*best, io)) return;
-  io = other, report = at_once;
 }
 
 } // namespace hvi::solver

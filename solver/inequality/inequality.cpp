@@ -223,7 +223,7 @@ InequalityReport InequalityEngine::solve(const Vector& right_side, InequalitySta
   const bool follows =
       may_soften && io.z_before.size() == n_rows && options.branch != Branch::release;
   follows ? solve_and_follow(io) : solve_at_once(io);
-  io.z_before.resize(0);
+  io.z_before.resize(0), io.xi_before.resize(0);
   return report;
 }
 
@@ -241,7 +241,10 @@ void InequalityEngine::solve_and_follow(InequalityState& io) {
     newton_only = false;
     io = followed_from;
     solve_at_once(io);
-    report.not_followed = report.not_followed || lost;
+    if (options.branch == Branch::least_energy && report.converged)
+      follow(io);
+    else
+      report.not_followed = report.not_followed || lost;
   }
   newton_only = false;
 }

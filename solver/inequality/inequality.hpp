@@ -92,7 +92,12 @@ struct InequalityOptions {
   bool force_fallback = false; ///< tests: the globally convergent method only
 };
 
-/// What a solve did. `events` counts points that crossed a downward jump (release).
+/// With `least_energy`: no other state has less energy by more than this part of the energies
+/// involved, where the report says that this is proved.
+inline constexpr double proved_least_gap = 1e-9;
+
+/// What a solve did. `events` counts the downward jumps that points crossed, `reattached` those of
+/// them that were crossed to the side with the larger multiplier: what was released holds again.
 struct InequalityReport {
   bool converged = false;
   int iterations = 0, factorisations = 0;
@@ -100,13 +105,16 @@ struct InequalityReport {
   double inclusion = 0.0; ///< worst scaled distance of (z_p, xi_p) to the graph
   double residual = 0.0;  ///< componentwise backward error of the contact rows
   int worst_point = -1;
-  int events = 0;
+  int events = 0, reattached = 0;
   std::string verdict; ///< a sentence when not converged
   /// Steps along the equilibrium curve from the last state to this one (equilibrium_curve.hpp); 0:
   /// there was no need of them.
   int inner_steps = 0;
   /// Where branches ended on that way: 0 at the last state, 1 at this one.
   std::vector<double> branch_ends;
+  /// `least_energy`: another state may have less energy than this one by at most this part of the
+  /// energies involved (least_energy.hpp); infinite: nothing is known; negative: it was not asked.
+  double least_gap = -1.0;
   /// Several solutions are possible, and whether this one continues the last state is not known.
   bool not_followed = false;
 };
@@ -125,6 +133,10 @@ struct InequalityState {
   /// The arguments of the last state, to follow the branch from where several solutions are
   /// possible; empty: it is not followed.
   Vector z_before;
+  /// The last state's multipliers and places, where `xi` and `state` are not those (a step that is
+  /// solved again with other bounds).
+  Vector xi_before;
+  std::vector<int> state_before;
 };
 
 class InequalitySolver {

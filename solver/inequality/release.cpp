@@ -78,8 +78,22 @@ InequalityEngine::Outcome InequalityEngine::solve_components() {
 
 /// Downward jumps crossed since the points stood on those components.
 void InequalityEngine::count_events(const std::vector<int>& before) {
-  report.events = 0;
-  for (int p = 0; p < n_points; ++p) report.events += std::abs(component[p] - before[p]);
+  report.events = report.reattached = 0;
+  for (int p = 0; p < n_points; ++p) count_crossings(p, before[p]);
+}
+
+/// The jumps between a component and the one that the point stands on now, and which way they were
+/// crossed.
+void InequalityEngine::count_crossings(int p, int before) {
+  const PreparedLaw& law = prepared[points[p].law];
+  const bool up = component[p] > before;
+  const int low = std::min(before, component[p]), high = std::max(before, component[p]);
+  report.events += high - low;
+  for (int k = low; k < high; ++k) {
+    const int b = law.component(k).last; // the break at its end
+    const double below = std::abs(law.graph().left[b]), above = std::abs(law.graph().right[b]);
+    report.reattached += up ? above > below : below > above;
+  }
 }
 
 double InequalityEngine::energy() const {

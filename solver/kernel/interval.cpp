@@ -23,12 +23,21 @@ constexpr int library_ulps = 4;
 /// 0 * inf is 0 here: the infinite end is a bound, not a value.
 double end_product(double a, double b) { return (a == 0.0 || b == 0.0) ? 0.0 : a * b; }
 
+/// Rounding outwards leaves the sign that the factors give: next to infinity, where exp overflows,
+/// one unit on the other side of 0 would become an infinite end.
+Bounds on_side(Bounds b, bool not_negative, bool not_positive) {
+  if (not_negative) b.low = std::max(b.low, 0.0);
+  if (not_positive) b.high = std::min(b.high, 0.0);
+  return b;
+}
+
 /// 1/b for b on one side of 0, which may be an end.
 Bounds reciprocal(const Bounds& b) {
   const bool touches = b.low <= 0.0 && b.high >= 0.0;
   const double low = b.high == 0.0 ? -infinity : 1.0 / b.high;
   const double high = b.low == 0.0 ? infinity : 1.0 / b.low;
-  return widened({low, high, b.known, b.defined && !touches}, 1);
+  return on_side(widened({low, high, b.known, b.defined && !touches}, 1), b.low >= 0.0,
+                 b.high <= 0.0);
 }
 
 Bounds whole_power(const Bounds& b, int n) {
@@ -90,8 +99,12 @@ Bounds multiply(const Bounds& a, const Bounds& b) {
                         end_product(a.high, b.low), end_product(a.high, b.high)};
   const auto [low, high] = std::ranges::minmax(ends);
   Bounds result = with_flags(low, high, a, b);
-  if (low == 0.0 && high == 0.0) return result; // a factor is exactly 0
-  return widened(result, 1);
+  const bool up_a = a.low >= 0.0, down_a = a.high <= 0.0, up_b = b.low >= 0.0,
+             down_b = b.high <= 0.0;
+  // a product of two values that underflows is no exact 0
+  if ((up_a && down_a) || (up_b && down_b)) return result;
+  return on_side(widened(result, 1), (up_a && up_b) || (down_a && down_b),
+                 (up_a && down_b) || (down_a && up_b));
 }
 
 Bounds divide(const Bounds& a, const Bounds& b) {

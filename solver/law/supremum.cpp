@@ -1,6 +1,8 @@
 // The largest value of a function of a law's argument (supremum.hpp).
 #include "solver/law/supremum.hpp"
 
+#include "solver/kernel/overflow.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -23,7 +25,7 @@ std::vector<Slot> with_argument(const std::vector<Slot>& others) {
 } // namespace
 
 Supremum::Supremum(const Expr& f, const std::vector<Slot>& others)
-    : search_(f, with_argument(others)) {}
+    : search_(without_overflow(f), with_argument(others)) {}
 
 /// f on a ray, the other variables in a box: its bound, infinite by proof where f tends to
 /// infinity.

@@ -36,16 +36,54 @@ namespace {
 /// The condition number of a problem that takes less memory costs next to nothing.
 constexpr double cheap_bytes = 1e5;
 
-/// Releases, ends of branches (with the load they ended at) and snaps; "" for a smooth step.
-std::string what_happened(const StepResult& step, int n, const TimeGrid& grid) {
+/// "3 points released, 1 re-attached (downward jump)".
+std::string crossings(const InequalityReport& report) {
+  const int back = report.reattached, off = report.events - back;
   std::string out;
-  if (step.inequality.events > 0)
-    out = fmt::format("{} points released (downward jump)", step.inequality.events);
+  if (off > 0) out = fmt::format("{} points released", off);
+  if (back > 0) out += fmt::format("{}{} points re-attached", off > 0 ? ", " : "", back);
+  return out + " (downward jump)";
+}
+
+constexpr std::string_view not_proved = "least energy found, not proved";
+
+/// With `least_energy`: the state is the best that was found, and what may be below it.
+std::string what_is_below(double gap) {
+  if (!(gap > proved_least_gap)) return "";
+  return std::isfinite(gap)
+             ? fmt::format("{}: another state may have less, by up to {:.1e} of the energies "
+                           "involved",
+                           not_proved, gap)
+             : fmt::format("{}: how much less another state may have is not known (vector or "
+                           "coupled laws, more than 300 points, forms without symmetry, or laws "
+                           "whose curvature is only sampled)",
+                           not_proved);
+}
+
+/// With `least_energy`: in how many steps that is proved. Each of the others has its note.
+void note_proofs(const Plan& plan, RunResult& result) {
+  if (plan.options.branch != Branch::least_energy || plan.law_terms.empty()) return;
+  const auto open = std::count_if(result.notes.begin(), result.notes.end(), [](const auto& note) {
+    return note.what.starts_with(not_proved);
+  });
+  result.notes.push_back(
+      {0, 0.0,
+       fmt::format("least energy: proved in {} of {} steps, to {:.0e} of the energies involved",
+                   result.steps - open, result.steps, proved_least_gap),
+       plan.law_terms.front().origin});
+}
+
+/// Releases, ends of branches (with the load they ended at) and snaps; "" for a smooth step.
+std::string what_happened(const StepResult& step, int n, const TimeGrid& grid, Branch branch) {
+  std::string out;
+  if (step.inequality.events > 0) out = crossings(step.inequality);
   const auto& ends = step.branch_ends;
   if (ends.empty()) {
     if (out.empty() && step.snap)
-      out = "snap: the step crossed unstable states and its branch was not followed; smaller steps "
-            "may show another";
+      out = branch == Branch::least_energy
+                ? "snap: the state of least energy is beyond unstable states"
+                : "snap: the step crossed unstable states and its branch was not followed; smaller "
+                  "steps may show another";
     return out;
   }
   const auto place = [&](double part) {
@@ -71,7 +109,9 @@ void note(const StepResult& step, int n, double t, const TimeGrid& grid, const P
   certificate.equilibrium = std::max(certificate.equilibrium, step.equilibrium);
   certificate.inclusion = std::max(certificate.inclusion, step.inclusion.worst);
   const Origin origin = plan.law_terms.empty() ? Origin{} : plan.law_terms.front().origin;
-  if (const auto what = what_happened(step, n, grid); !what.empty())
+  if (const auto what = what_happened(step, n, grid, plan.options.branch); !what.empty())
+    result.notes.push_back({n, t, what, origin});
+  if (const auto what = what_is_below(step.inequality.least_gap); !what.empty())
     result.notes.push_back({n, t, what, origin});
 }
 
@@ -246,6 +286,7 @@ public:
     account(result_.work, result_.timing);
     result_.histories = stepper_.memory().reports();
     result_.steps = stepper_.step();
+    note_proofs(plan_, result_);
     result_.u = Vector::Zero(stepper_.layout().n_dofs);
     stepper_.layout().scatter(stepper_.u(), result_.u);
     if (stepper_.step() > 0) estimate_forward_error();

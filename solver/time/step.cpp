@@ -198,7 +198,10 @@ void Stepper::judge_uniqueness(StepMatrix& matrix) {
       uniqueness.judge_all(matrix.factorisation());
   }
   not_unique_ = uniqueness.obstacle();
-  follows_ = !not_unique_.empty() && !contact_.coupled;
+  // coupled laws: their own passes settle the bounds, the path matters where a law softens
+  const bool soft = std::any_of(contact_.softening.begin(), contact_.softening.end(),
+                                [](double m) { return m != 0.0; });
+  follows_ = !not_unique_.empty() && (soft || !contact_.coupled);
 }
 
 /// gap = rhs - K_n d with K_n = K + sum_b change_b T_b, its scale, and the backward error.
@@ -307,7 +310,8 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
   inequality_.c.setZero(); // the path to the new state starts at the last one
   const Vector* const right = change_.isZero(0.0) ? &rhs_ : nullptr;
   double last = std::numeric_limits<double>::infinity();
-  int iterations = 0, events = 0, inner = 0;
+  int iterations = 0, events = 0, reattached = 0, inner = 0;
+  double gap = -1.0;
   bool not_followed = false;
   while (out.corrections < most_corrections) {
     if (out.corrections > 0) matrix.limit_sweeps({});
@@ -317,7 +321,8 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
     drop_guess();
     ++out.corrections;
     iterations += out.inequality.iterations;
-    events += out.inequality.events;
+    events += out.inequality.events, reattached += out.inequality.reattached;
+    if (out.inequality.least_gap >= 0.0) gap = out.inequality.least_gap;
     inner += out.inequality.inner_steps;
     not_followed = not_followed || out.inequality.not_followed;
     auto& ends = out.inequality.branch_ends;
@@ -341,7 +346,8 @@ StepResult Stepper::correct(int n, StepMatrix& matrix, bool again) {
     last = std::numeric_limits<double>::infinity();
   }
   out.inequality.iterations = iterations;
-  out.inequality.events = events;
+  out.inequality.events = events, out.inequality.reattached = reattached;
+  out.inequality.least_gap = gap;
   out.inequality.inner_steps = inner, out.inequality.not_followed = not_followed;
   return out;
 }
@@ -362,6 +368,10 @@ bool Stepper::bounds_agree(int n) {
 /// certificate judges all laws at one state.
 void Stepper::couple_bounds(int n, StepMatrix& matrix, StepResult& out) {
   const auto again = [&] {
+    if (follows_) {
+      inequality_.z_before = path_start_.z_before;
+      inequality_.xi_before = path_start_.xi, inequality_.state_before = path_start_.state;
+    }
     const int iterations = out.inequality.iterations, corrections = out.corrections;
     out = correct(n, matrix, true);
     out.inequality.iterations += iterations;
@@ -396,6 +406,7 @@ StepResult Stepper::attempt(int n, StepMatrix& matrix) {
   if (follows_) {
     const double before = grid_.is_static() ? 0.0 : grid_.t(n - 1);
     arguments_of(contact_, plan_, before, u_, inequality_.z_before);
+    if (contact_.coupled) path_start_ = inequality_;
   }
   auto out = correct(n, matrix, false);
   if (contact_.coupled) couple_bounds(n, matrix, out);

@@ -195,7 +195,8 @@ private:
   double mismatch_ = 0; ///< backward error due to the part of K_n that its factor does not know
   std::int64_t earlier_reads_ = 0;
   int products_ = 0, corrections_ = 0, newton_ = 0, fallbacks_ = 0;
-  bool follows_ = false; ///< steps may have several solutions: branches are followed
+  bool follows_ = false;       ///< steps may have several solutions: branches are followed
+  InequalityState path_start_; ///< with coupled laws: where each pass begins its path
   int followed_ = 0, inner_steps_ = 0, unfollowed_ = 0;
 };
 

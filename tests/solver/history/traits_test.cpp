@@ -2,6 +2,7 @@
 // exact integrals and norms. References are closed forms (analytic).
 #include "cases.hpp"
 #include "solver/history/exponentials.hpp"
+#include "solver/history/norm_proofs.hpp"
 #include "solver/history/traits.hpp"
 #include "solver/kernel/table.hpp"
 
@@ -177,6 +178,38 @@ TEST(Norms, TheLipschitzConstantSeesJumpsInTheLagAndInTimeOnly) {
     EXPECT_LE(slope, 2) << t0;
     EXPECT_EQ(kernel_norms(sqrt(lag()) * inside, t0, t0 + 1).lipschitz, infinite) << t0;
   }
+}
+
+/// The numbers of -.3 exp(-lag) + .1 exp(-3 lag) and of (1 + t) exp(-lag) by hand: the first has
+/// one sign on [0, 4]; the second is largest at t = 4 and lag 0, its slope in t at fixed s, -t
+/// exp(-lag), there, too; int = (1 + t) (1 - exp(-t)).
+TEST(Norms, AreProvedByIntervals) {
+  const auto proofs = [](const Expr& q) { return prove_norms(q, kernel_norms(q, 0, 4), 0, 4); };
+  const Expr two = Expr(-0.3) * exp(-lag()) + Expr(0.1) * exp(Expr(-3.0) * lag());
+  const auto sum = proofs(two);
+  EXPECT_EQ(sum.sup.how(), Provenance::proved);
+  // -.3 x + .1 x^3, x = exp(-lag): |.| grows to x = 1
+  EXPECT_NEAR(sum.sup.high, 0.2, 1e-9);
+  EXPECT_EQ(sum.l1.how(), Provenance::proved);
+  const double area = 0.3 * (1 - std::exp(-4.0)) - 0.1 / 3.0 * (1 - std::exp(-12.0));
+  EXPECT_LE(sum.l1.low, area * (1 + 1e-14));
+  EXPECT_GE(sum.l1.high, area * (1 - 1e-14));
+  EXPECT_EQ(sum.lipschitz.how(), Provenance::proved);
+  EXPECT_NEAR(sum.lipschitz.high, 0.2 * std::sqrt(1.0 / 3.0), 1e-8); // .3 (x - x^3) at x^2 = 1/3
+  const auto ageing = proofs((Expr(1.0) + Expr::variable(slot::t)) * exp(-lag()));
+  EXPECT_EQ(ageing.sup.how(), Provenance::proved);
+  EXPECT_NEAR(ageing.sup.high, 5.0, 1e-8);
+  EXPECT_EQ(ageing.lipschitz.how(), Provenance::proved);
+  EXPECT_NEAR(ageing.lipschitz.high, 4.0, 1e-7);
+  EXPECT_EQ(ageing.l1.how(), Provenance::between);
+  const double largest = 5.0 * (1 - std::exp(-4.0));
+  EXPECT_LE(ageing.l1.low, largest * (1 + 1e-12));
+  EXPECT_GE(ageing.l1.high, largest);
+  EXPECT_LT(ageing.l1.high, 1.1 * largest);
+  // a jump is not seen by slopes: no proof of the Lipschitz constant
+  const auto jump = proofs(select(less(lag(), Expr(1.0)), Expr(2.0), Expr(1.0)));
+  EXPECT_TRUE(std::isinf(jump.lipschitz.high));
+  EXPECT_NEAR(jump.l1.low, 5.0, 2e-2);
 }
 
 TEST(Norms, OfAPronySeriesAreThoseOfTheQuadrature) {

@@ -176,5 +176,125 @@ TEST(Follow, LeastEnergyIsTheLeast) {
   }
 }
 
+/// The stationary states of least energy among all combinations of pieces and upward breaks: one
+/// linear solve each. S z = r - w xi, xi = v_i + s_i (z - x_i) on piece i; z held at a break.
+struct BruteLaw {
+  std::vector<double> breaks, v, s; ///< piece i from breaks[i - 1] (the first: from breaks[0])
+  double slope(int i, double z) const { return v[i] + s[i] * (z - breaks[std::max(i - 1, 0)]); }
+  double energy(double z) const { // from breaks[0]
+    double sum = 0.0, at = breaks[0];
+    const auto part = [&](int i, double from, double to) {
+      return 0.5 * (to - from) * (slope(i, from) + slope(i, to));
+    };
+    if (z <= at) return -part(0, z, at);
+    for (std::size_t i = 1; i < v.size(); ++i) {
+      const double to = i < breaks.size() ? std::min(breaks[i], z) : z;
+      sum += part(static_cast<int>(i), at, to);
+      if (to >= z) break;
+      at = to;
+    }
+    return sum;
+  }
+};
+
+double brute_least(const Bench& setup, const std::vector<BruteLaw>& laws,
+                   const std::vector<double>& weights, const Vector& r) {
+  const auto n = static_cast<int>(r.size());
+  std::vector<int> place(n, 0);
+  double lowest = std::numeric_limits<double>::infinity();
+  const auto consider = [&] {
+    DenseMatrix k = setup.s;
+    Vector b = r;
+    for (int p = 0; p < n; ++p) {
+      const BruteLaw& law = laws[p];
+      const int i = place[p] / 2;
+      if (place[p] % 2 == 0) {
+        k(p, p) += weights[p] * law.s[i];
+        b[p] -= weights[p] * (law.v[i] - law.s[i] * law.breaks[std::max(i - 1, 0)]);
+      } else {
+        k.row(p).setZero(), k(p, p) = 1.0, b[p] = law.breaks[i];
+      }
+    }
+    const Vector z = k.partialPivLu().solve(b);
+    double sum = 0.5 * z.dot(setup.s * z) - r.dot(z); // feasible, so never below the least
+    for (int p = 0; p < n; ++p) sum += weights[p] * laws[p].energy(z[p]);
+    if (sum < lowest) lowest = sum;
+  };
+  for (;;) {
+    consider();
+    int p = 0;
+    while (p < n && ++place[p] == static_cast<int>(2 * laws[p].breaks.size() + 1)) place[p++] = 0;
+    if (p == n) return lowest;
+  }
+}
+
+/// Random bodies and laws of straight pieces that soften, drop and jump up: never more than the
+/// least of all combinations, and proved to be the least.
+TEST(LeastEnergy, IsTheLeastOfAllCombinations) {
+  std::mt19937 random(29);
+  std::uniform_real_distribution<double> any(0.0, 1.0);
+  int proved = 0, better = 0;
+  const int scenes = 300;
+  for (int scene = 0; scene < scenes; ++scene) {
+    const int n = 1 + scene % 4;
+    const double unit = std::pow(10.0, 6.0 * any(random) - 3.0),
+                 stress = std::pow(10.0, 6.0 * any(random) - 3.0);
+    Bench setup;
+    setup.s = random_spd(n, std::pow(10.0, 2.0 * any(random)), random) * (stress / unit);
+    setup.r = Vector(n);
+    for (double& v : setup.r) v = stress * (3.0 * any(random) - 0.5);
+    std::vector<BruteLaw> laws(n);
+    std::vector<double> weights(n);
+    for (int p = 0; p < n; ++p) {
+      BruteLaw& law = laws[p];
+      weights[p] = 0.2 + any(random);
+      double x = unit * (any(random) - 0.3), v = 0.0;
+      law.breaks = {x}, law.v = {0.0}, law.s = {any(random) < 0.5 ? 0.0 : stress / unit};
+      const int pieces = 1 + static_cast<int>(3.0 * any(random));
+      for (int i = 0; i < pieces; ++i) {
+        const double length = unit * (0.05 + any(random)), kind = any(random);
+        const double s = stress / length * (kind < 0.4 ? any(random) : -1.5 * any(random));
+        law.v.push_back(v), law.s.push_back(s);
+        x += length, v += s * length;
+        law.breaks.push_back(x);
+        if (any(random) < 0.4) v += stress * (1.5 * any(random) - 1.0);
+      }
+      law.v.push_back(v), law.s.push_back(0.0);
+      Expr slope = Expr(law.v.back());
+      for (int i = static_cast<int>(law.breaks.size()) - 1; i >= 0; --i)
+        slope =
+            select(less(arg(), Expr(law.breaks[i])),
+                   Expr(law.v[i]) + Expr(law.s[i]) * (arg() - Expr(law.breaks[std::max(i - 1, 0)])),
+                   slope);
+      setup.point(setup.slope(slope), weights[p], {{{p, 1.0}}});
+    }
+    setup.finish();
+    const auto op = dense_operator(setup.s, true);
+    InequalityOptions options;
+    options.branch = Branch::least_energy;
+    InequalitySolver solver(setup.problem, *op, options);
+    InequalityState state;
+    const auto report = go_on(solver, setup, 1.0, state);
+    ASSERT_TRUE(report.converged) << scene << report.verdict;
+    const auto energy = [&](const Vector& z) {
+      double sum = 0.5 * z.dot(setup.s * z) - setup.r.dot(z);
+      for (int p = 0; p < n; ++p) sum += weights[p] * laws[p].energy(z[p]);
+      return sum;
+    };
+    const double size = 0.5 * state.c.dot(setup.s * state.c) + std::abs(setup.r.dot(state.c));
+    const double least = brute_least(setup, laws, weights, setup.r);
+    EXPECT_LT(energy(state.c) - least, 1e-9 * size) << scene;
+    ASSERT_GE(report.least_gap, 0.0);
+    proved += report.least_gap <= 1e-9;
+    InequalitySolver continuing(setup.problem, *op, {});
+    InequalityState other;
+    if (go_on(continuing, setup, 1.0, other).converged)
+      better += energy(other.c) > energy(state.c) + 1e-6 * size;
+  }
+  EXPECT_GE(proved, scenes * 99 / 100);
+  EXPECT_GT(better, scenes / 20);
+  printf("proved %d better %d\n", proved, better);
+}
+
 } // namespace
 } // namespace hvi::solver::test

@@ -1,11 +1,14 @@
 // Interval bounds: they hold every sampled value, and they are sharp where they can be.
 #include "random_expr.hpp"
 #include "solver/kernel/interval.hpp"
+#include "solver/kernel/overflow.hpp"
 #include "solver/kernel/table.hpp"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
+#include <random>
 
 using namespace hvi::solver;
 using namespace hvi::solver::test;
@@ -134,4 +137,49 @@ TEST(Interval, RoundsOutwards) {
   EXPECT_TRUE(b.contains(0.2));
   const Bounds third = on(1.0 / x, 3.0, 3.0);
   EXPECT_LT(third.low, third.high);
+}
+
+/// Next to an overflow rounding outwards must not change a sign: 1/exp(.) and products with it.
+TEST(Interval, KeepsSignsWhereExponentialsOverflow) {
+  const Expr grows = exp(Expr(1000.0) * x);
+  EXPECT_GE(on(Expr(1.0) / (Expr(1.0) + grows), 0.0, 1e9).low, 0.0);
+  EXPECT_LE(on(Expr(-1.0) / (Expr(1.0) + grows), 0.0, 1e9).high, 0.0);
+  EXPECT_GE(on(x / (Expr(1.0) + grows), 0.0, 1e9).low, 0.0);
+  EXPECT_LE(on(-x / (Expr(1.0) + grows), 0.0, 1e9).high, 0.0);
+  // the product of two numbers that underflows is not known to be 0
+  const Bounds tiny = on(-x * x, 1e-200, 1e-200);
+  EXPECT_LT(tiny.low, 0.0);
+}
+
+/// exp(a) (c + exp(a))^-n and the like: the same values, and finite bounds where the quotient as
+/// written is infinity over infinity.
+TEST(Overflow, QuotientsOfExponentialsAreRewritten) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> any(0.0, 1.0);
+  int finite = 0, open = 0;
+  for (int scene = 0; scene < 300; ++scene) {
+    const double k = std::pow(10.0, 3.0 * any(random)), a = any(random) - 0.5,
+                 c = 0.2 + 2.0 * any(random);
+    const Expr u = Expr(k) * (x - Expr(a)), e = exp(u);
+    const std::vector<Expr> all{Expr(c) / (Expr(c) + e),
+                                e / (Expr(c) + e),
+                                x / (Expr(1.0) + e),
+                                Expr(2.0) / (exp(u) + exp(-u)),
+                                Expr(1.0) / Expr::make(Op::cosh, {u}),
+                                x * x / (Expr(c) + e * e)};
+    const Expr f = derivative(all[static_cast<std::size_t>(scene) % all.size()], 0);
+    const Expr g = without_overflow(f);
+    for (int i = 0; i < 20; ++i) {
+      const double at = a + (any(random) - 0.5) * 40.0 / k;
+      const auto value_of = [&](Slot) { return at; };
+      const double expected = evaluate(f, value_of);
+      EXPECT_NEAR(evaluate(g, value_of), expected, 1e-10 * (k + std::abs(expected))) << scene;
+    }
+    const Bounds before = on(f, a + 10.0, 1e6), after = on(g, a + 10.0, 1e6);
+    open += !(std::isfinite(before.low) && std::isfinite(before.high));
+    finite += std::isfinite(after.low) && std::isfinite(after.high) && after.known;
+  }
+  EXPECT_EQ(finite, 300);
+  EXPECT_GT(open, 100);
+  EXPECT_EQ(without_overflow(x * exp(-x)), x * exp(-x)); // nothing to do
 }
