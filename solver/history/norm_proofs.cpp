@@ -14,7 +14,7 @@ namespace hvi::solver {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr int lag_cells = 4096;              ///< of a kernel of the lag only
+constexpr int lag_cells = 4096;                  ///< of a kernel of the lag only
 constexpr int time_cells = 48, cells_each = 384; ///< of another one
 
 /// sup |f| over the triangle 0 <= lag <= t - t0.

@@ -138,10 +138,9 @@ void LeastEnergy::make_segments(const Box& box) {
     for (const Cell& cell : cells_[p]) {
       const double a = std::max(cell.low, box.low[p]), b = std::min(cell.high, box.high[p]);
       if (!(a <= b)) continue;
-      segments_[p].push_back({a, b, phi(p, cell.piece, a), phi(p, cell.piece, b),
-                              phi_slope(p, cell.piece, a),
-                              points_[p].weight * cell.curvature + d_[p], cell.piece,
-                              cell.straight});
+      segments_[p].push_back(
+          {a, b, phi(p, cell.piece, a), phi(p, cell.piece, b), phi_slope(p, cell.piece, a),
+           points_[p].weight * cell.curvature + d_[p], cell.piece, cell.straight});
     }
 }
 
@@ -160,7 +159,9 @@ double LeastEnergy::conjugate_on(int p, const Segment& s, double slope, double& 
     return slope * at - (s.fa + by * (s.slope + 0.5 * s.curvature * by));
   }
   const double excess = std::max(0.0, -s.curvature), middle = 0.5 * (s.a + s.b);
-  const auto rest = [&](double z) { return slope - phi_slope(p, s.piece, z) - excess * (z - middle); };
+  const auto rest = [&](double z) {
+    return slope - phi_slope(p, s.piece, z) - excess * (z - middle);
+  };
   double low = s.a, high = s.b, best = infinity;
   for (int k = 0; k < 60; ++k) { // rest falls: bisection
     at = k == 0 ? low : (k == 1 ? high : 0.5 * (low + high));
@@ -302,8 +303,7 @@ int LeastEnergy::worst_point(const Box& box, double& at) {
     const double low = box.low[p], high = box.high[p], width = high - low;
     if (!(width > 1e-12 * std::max(std::abs(low), std::abs(high)))) continue;
     const double inside = std::clamp(z[p], low, high);
-    const double gap =
-        phi_at(p, inside) - lambda_[p] * inside + conjugate(p, lambda_[p], ignored);
+    const double gap = phi_at(p, inside) - lambda_[p] * inside + conjugate(p, lambda_[p], ignored);
     if (!(gap > most)) continue;
     most = gap, worst = p;
     at = std::clamp(inside, low + 0.2 * width, high - 0.2 * width);
@@ -336,13 +336,13 @@ LeastEnergy::Result LeastEnergy::search(const Vector& b, const Vector& force,
   const auto look_at = [&](Box& box) {
     maximise_dual(box);
     ++result_.boxes;
-    if (box.bound < result_.lowest)
-      consider(lambda_ - d_.cwiseProduct(b_tilde_ - c_lambda_));
+    if (box.bound < result_.lowest) consider(lambda_ - d_.cwiseProduct(b_tilde_ - c_lambda_));
     open.push(box);
   };
   look_at(first);
   const auto done = [&] {
-    return open.empty() || result_.lowest - open.top().bound <= 0.5 * proved_least_gap * result_.scale;
+    return open.empty() ||
+           result_.lowest - open.top().bound <= 0.5 * proved_least_gap * result_.scale;
   };
   while (!done() && work_ < most_work && result_.boxes < most_boxes) {
     Box box = open.top();

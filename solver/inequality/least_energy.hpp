@@ -87,14 +87,14 @@ private:
   DenseMatrix c_, c_tilde_; ///< C, (C^-1 - D)^-1
   std::vector<CurvePoint> points_;
   int n_;
-  Vector d_, root_;               ///< D and its root
-  Eigen::LLT<DenseMatrix> rest_;  ///< of 1 - D^1/2 C D^1/2
+  Vector d_, root_;                              ///< D and its root
+  Eigen::LLT<DenseMatrix> rest_;                 ///< of 1 - D^1/2 C D^1/2
   std::vector<double> domain_low_, domain_high_; ///< of finite energy
   std::vector<std::vector<Cell>> cells_;         ///< by point
   std::vector<std::vector<Segment>> segments_;
-  Vector b_, b_tilde_;        ///< the free body's arguments; (1 - C D)^-1 b
-  Vector lambda_, c_lambda_;  ///< multipliers, and (C^-1 - D)^-1 times them
-  double shift_ = 0.0;        ///< the energy where lambda = 0 and phi = 0
+  Vector b_, b_tilde_;       ///< the free body's arguments; (1 - C D)^-1 b
+  Vector lambda_, c_lambda_; ///< multipliers, and (C^-1 - D)^-1 times them
+  double shift_ = 0.0;       ///< the energy where lambda = 0 and phi = 0
   Result result_;
   double work_ = 0.0; ///< segments looked at, and entries of products
   const std::function<Vector(const Vector&)>* descend_ = nullptr;
