@@ -219,11 +219,11 @@ std::optional<Field> Checker::contract(const ast::Expr& e, const ast::Binary& b,
                      ? "use `*` to multiply by a scalar"
                      : "a vector is contracted with `dot`; a strain is `eps(u)`");
   if (left.rank == 2 && right.rank == 2 && !same_shape(left, right)) return wrong("");
-  if (left.rank != right.rank && left.rows * left.columns != right.rows * right.columns)
+  if (left.rank != right.rank && (left.rows != right.rows || left.columns != right.columns))
     return wrong("");
   Field out;
   if (!product_degrees(e.span, left, right, out, scope)) return std::nullopt;
-  const int d = left.rank == 4 ? left.rows : right.rows;
+  const int d = left.rows;
   const int n =
       left.rank == 2 && right.rank == 2 ? static_cast<int>(left.components.size()) : d * d;
   const int rows = left.rank == 4 ? n : 1;

@@ -16,10 +16,9 @@ using Eigen::VectorXd;
 namespace {
 
 /// T_0(x) .. T_{count-1}(x).
-VectorXd chebyshev(int count, double x) {
+VectorXd chebyshev(int count, double x) { // count > 1
   VectorXd t(count);
-  t[0] = 1;
-  if (count > 1) t[1] = x;
+  t[0] = 1, t[1] = x;
   for (int k = 2; k < count; ++k) t[k] = 2 * x * t[k - 1] - t[k - 2];
   return t;
 }

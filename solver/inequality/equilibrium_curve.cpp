@@ -199,7 +199,6 @@ bool EquilibriumCurve::go(double length) {
     upright(p) ? xi_[p] += by / a_(p, p) : z_[p] += by;
   }
   load_ += length * way_load_;
-  update_xi();
   ++steps_;
   return correct();
 }

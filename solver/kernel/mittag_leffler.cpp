@@ -30,7 +30,6 @@ constexpr double pole_distance = 0.3; ///< least distance of a pole from the lin
 
 double reciprocal_gamma(double z) {
   if (z <= 0.0 && z == std::trunc(z)) return 0.0;
-  if (z > 171.0) return std::exp(-std::lgamma(z));
   if (z > -170.0) return 1.0 / std::tgamma(z);
   // 1 / Gamma(z) = sin(pi z) Gamma(1 - z) / pi
   return std::sin(pi * std::fmod(z, 2.0)) / pi * std::exp(std::lgamma(1.0 - z));

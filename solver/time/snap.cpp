@@ -35,7 +35,7 @@ bool is_snap(const Contact& contact, const Vector& c, double stiffness, Vector& 
   for (const auto& point : contact.problem.points) {
     const double m = contact.softening[point.law];
     const double moved = dz.segment(point.first_row, point.rows).squaredNorm();
-    if (m > 0 && moved > 0) softening += point.weight * m * moved;
+    if (moved > 0) softening += point.weight * m * moved;
   }
   if (!(softening > stiffness)) return false;
   double last = 0, size = 0;

@@ -154,6 +154,10 @@ TEST_F(LoadCase, MeansSplitWhereTheLoadJumpsOrBends) {
   EXPECT_NEAR(mean(jump), 0.5123 - 3 * 0.4877, 1e-14);
   EXPECT_NEAR(mean(max(t - Expr(0.9), Expr(0.0))), 0.045, 1e-14);
   EXPECT_NEAR(mean(abs(Expr(1.0) - Expr(2.0) * t)), 0.09 + 0.49, 1e-14);
+  // Jumps before the step are none of its, however many there were.
+  const Expr earlier =
+      select(less(t, Expr(-5.0)), Expr(7.0), select(less(t, Expr(0.0)), Expr(3.0), t));
+  EXPECT_NEAR(mean(earlier), 0.7, 1e-14);
   const Expr wave = Expr(2 * M_PI) * t; // sin changes sign at 1/2 and 1: no a t + b
   EXPECT_NEAR(mean(select(less(sin(wave), Expr(0.0)), Expr(2.0), t)), 1.0 + 0.105 + 0.22, 1e-12);
 }

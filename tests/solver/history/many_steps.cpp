@@ -115,6 +115,27 @@ TEST(Storage, ADelayKeepsOnlyItsWindow) {
   EXPECT_LE(report.fields, 0.35 / 0.005 + 2);
 }
 
+/// Blocks beyond the last kink can be joined; those it still has to pass cannot.
+TEST(Storage, ATreeJoinsBlocksBeyondAKink) {
+  EXPECT_LT(report_after("kink", HistoryRoute::tree, 4000).fields, 1000);
+}
+
+/// What --profile shows as fields read.
+TEST(Storage, AReadingOfTheFittedRouteReadsWhatIsStored) {
+  const auto times = grid(Grid::uniform, 200, 20.0);
+  const auto history = make_history({"power_50", {}, kernel_case("power_50").expression}, 1,
+                                    options_for(times, HistoryRoute::fit, 0));
+  double u = 0.0, past = 0.0;
+  history->start(0, {&u, 1});
+  for (std::size_t n = 1; n < times.size(); ++n) {
+    const auto before = history->report().reads;
+    history->rhs(times[n], {&past, 1});
+    const auto after = history->report();
+    EXPECT_NEAR(static_cast<double>(after.reads - before), static_cast<double>(after.fields), 2.0);
+    history->commit(times[n], {&u, 1});
+  }
+}
+
 TEST(Storage, AKinkKeepsItsWindowRawAndFitsTheRest) {
   const auto report = report_after("kink", HistoryRoute::automatic, 4000);
   EXPECT_EQ(report.route, "fit");

@@ -1,8 +1,10 @@
 // Weights where rules that compare two formulas are easily fooled, and memories that do not start
 // at time 0. References: closed forms, and the brute-force sums of cases.hpp.
 #include "cases.hpp"
+#include "solver/history/pole_fit.hpp"
 #include "solver/history/proved_quadrature.hpp"
 #include "solver/history/strip.hpp"
+#include "solver/kernel/scalar.hpp"
 
 #include <gtest/gtest.h>
 
@@ -147,6 +149,59 @@ TEST(Start, OtherThanZeroIsTheStart) {
           }
         }
       }
+    }
+  }
+}
+
+/// Bumps that come long after the blocks before them were made: the tree against the direct sum.
+TEST(Tree, HoldsForWhatComesLater) {
+  std::vector<double> times;
+  for (int n = 0; n <= 600; ++n) times.push_back(n / 600.0);
+  for (const double at : {0.45, 0.7, 0.83})
+    for (const double width : {3e-3, 1e-2, 3e-2}) {
+      const Expr x = (lag() - Expr(at)) / Expr(width);
+      const Expr q = exp(-lag()) + exp(-x * x);
+      const auto tree = make_history({"q", {}, q}, 1, options_of(times, HistoryRoute::tree, 0));
+      const auto direct = make_history({"q", {}, q}, 1, options_of(times, HistoryRoute::direct, 0));
+      const double zero = 0.0;
+      for (const auto& h : {tree.get(), direct.get()}) h->start(0.0, {&zero, 1});
+      double worst = 0.0;
+      for (std::size_t n = 1; n < times.size(); ++n) {
+        double found = 0.0, expected = 0.0;
+        tree->rhs(times[n], {&found, 1});
+        direct->rhs(times[n], {&expected, 1});
+        worst = std::max(worst, std::abs(found - expected));
+        const double u = std::cos(20.0 * times[n]);
+        for (const auto& h : {tree.get(), direct.get()}) h->commit(times[n], {&u, 1});
+      }
+      EXPECT_LT(worst, 2e-8) << at << " " << width;
+    }
+}
+
+TEST(PoleFit, CountsTheFieldsOfItsPoles) {
+  EXPECT_EQ(fields_of({{1.0, 0.0}}), 1U);
+  EXPECT_EQ(fields_of({{1.0, 0.0}, {2.0, 3.0}, {0.5, 0.0}}), 4U);
+}
+
+/// E_{a,b} is completely monotone for b >= a and 0 < a <= 1 only.
+TEST(Strips, OfMittagLefflerFunctionsAreGivenWhereTheyAreProved) {
+  const auto strip_of = [&](double a, double b) {
+    const Expr e = Expr::make(Op::mittag_leffler, {Expr(a), Expr(b), -lag()});
+    const Tape tape = compile(std::span<const Expr>(&e, 1));
+    std::vector<Strip> registers;
+    const Strip positive = around(1.0, 2.0);
+    return enclose(tape, std::span<const Strip>(&positive, 1), registers);
+  };
+  for (const double a : {0.3, 0.7, 1.0}) EXPECT_EQ(strip_of(a, a).state, Strip::State::analytic);
+  for (const auto& [a, b] : {std::pair{1.5, 1.5}, {1.2, 2.0}, {0.7, 0.5}})
+    EXPECT_EQ(strip_of(a, b).state, Strip::State::unknown) << a << " " << b;
+  for (const double a : {0.3, 0.7}) {
+    const Strip found = strip_of(a, 1.0);
+    for (const double x : {1.0, 1.3, 2.0}) {
+      const double value = hvi::solver::mittag_leffler(a, 1.0, -x);
+      EXPECT_LE(found.real_low, value * (1.0 + 1e-13)); // rounding is the caller's
+      EXPECT_GE(found.real_high, value * (1.0 - 1e-13));
+      EXPECT_LE(value, found.modulus());
     }
   }
 }

@@ -1,4 +1,5 @@
 // Structured meshes, facets, refinement, locator, quality.
+#include "solver/mesh/facet_table.hpp"
 #include "tests/solver/mesh/helpers.hpp"
 
 #include <cmath>
@@ -21,6 +22,32 @@ TEST(Structured, CountsMeasuresAndSides) {
     EXPECT_EQ(euler_characteristic(*mesh), 1) << "a ball has Euler characteristic 1";
     EXPECT_NEAR(total_measure(*mesh), 1, 1e-14);
     EXPECT_EQ(mesh->groups.size(), 2U * mesh->dim);
+  }
+}
+
+TEST(FacetTable, FindsBothSidesOfEachFacetAndNoMore) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    const Mesh mesh = unit_mesh(dim, {3, 2, 2});
+    const FacetTable table(mesh);
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+      for (int local = 0; local <= dim; ++local) {
+        const FacetKey key = facet_key(dim, local_facet(dim, mesh.cells[c], local));
+        std::set<std::size_t> cells; // that have all of its nodes
+        for (std::size_t other = 0; other < mesh.cells.size(); ++other) {
+          const auto& nodes = mesh.cells[other];
+          if (std::all_of(key.nodes.begin(), key.nodes.begin() + dim, [&](std::int32_t n) {
+                return std::find(nodes.begin(), nodes.begin() + dim + 1, n) !=
+                       nodes.begin() + dim + 1;
+              }))
+            cells.insert(other);
+        }
+        const auto run = table.find(key);
+        std::set<std::size_t> found;
+        for (std::size_t i = run.begin; i < run.end; ++i)
+          found.insert(static_cast<std::size_t>(table.sides()[i].cell));
+        EXPECT_EQ(run.end - run.begin, cells.size());
+        EXPECT_EQ(found, cells);
+      }
   }
 }
 

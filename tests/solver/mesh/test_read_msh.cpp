@@ -206,6 +206,7 @@ TEST(ReadMsh, RefusesBrokenFiles) {
   expect_failure("$MeshFormat\n4.1 0 4\n$EndMeshFormat\n", broken, "data size is 4");
   expect_failure("$MeshFormat\n4.1 1 8\nabcd\n$EndMeshFormat\n", broken, "byte order");
   expect_failure("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n", broken, "ends without $Nodes");
+  expect_failure("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$\n", broken, "expected a section");
   expect_failure(msh2("1 0 0 0\n1 1 0 0\n", "8 1 0 1 1\n"), broken, "two nodes have the tag 1");
   expect_failure(msh2(square_nodes, "8 2 0 1 2 9\n"), broken, "element 8 uses node 9");
   expect_failure(msh2(square_nodes, ""), broken, "no lines, triangles or tetrahedra");

@@ -128,6 +128,15 @@ TEST(DataTimes, ABreakOfAnImposedValueStaysOneWhereAnotherMeetsIt) {
   EXPECT_FALSE(data.breaks[2].imposed);
 }
 
+TEST(DataTimes, NothingHappensInNoTime) {
+  Plan plan = loaded(t);
+  plan.time.grid.resize(1);
+  EXPECT_TRUE(data_times(plan, 1e-4).pieces.empty());
+  plan = loaded(t);
+  plan.time.is_static = true;
+  EXPECT_TRUE(data_times(plan, 1e-4).pieces.empty());
+}
+
 TEST(TimeBase, AGridHasBothSidesOfAJumpAndNeighboursWithinAFactorTwo) {
   const Plan plan = loaded(pulse(0.4, 1e-3));
   const auto base = data_base(plan.time, data_times(plan, 1e-4));

@@ -32,6 +32,19 @@ TEST(Slab, N32With256Steps) {
   expect_slab(solve(slab(32, 256)), -0.026465126013, 0.052615129917, 0.062700365613, 3.6840401869);
 }
 
+// Property: a tolerance that is asked for reaches the solver of every step; curved laws need one
+// more Newton step for it.
+TEST(Slab, SolvesToTheToleranceAskedFor) {
+  for (const double tolerance : {1e-6, 1e-13}) {
+    auto plan = slab(4, 32, 2, true);
+    plan.options.tolerance = tolerance;
+    const auto result = solve(plan);
+    EXPECT_TRUE(result.certificate.certified) << tolerance;
+    EXPECT_LE(result.certificate.equilibrium, tolerance);
+    EXPECT_LE(result.certificate.inclusion, tolerance);
+  }
+}
+
 Plan block() {
   Plan plan;
   plan.mesh.kind = MeshSpec::Kind::file;

@@ -44,6 +44,60 @@ Plan slab_with_fields(int order) {
   return plan;
 }
 
+TEST(Files, ATableEveryFewStepsEndsWithTheLastRow) {
+  for (const int steps : {6, 7, 8}) {
+    const auto folder = fresh_folder("every" + std::to_string(steps));
+    RunSettings settings;
+    settings.output_folder = folder.string();
+    settings.name = "slab";
+    auto plan = slab(2, steps);
+    plan.report.tables = {{{}, {0}, 1, ""}, {{}, {0}, 3, "some.csv"}};
+    solve(plan, settings);
+    std::ifstream in(folder / "some.csv");
+    std::vector<double> times;
+    std::string line;
+    std::getline(in, line);
+    while (std::getline(in, line)) times.push_back(std::stod(line) * steps);
+    std::vector<double> expected = {3, 6};
+    if (steps > 6) expected.push_back(steps);
+    ASSERT_EQ(times.size(), expected.size());
+    for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(times[i], expected[i], 1e-12);
+  }
+}
+
+TEST(Files, AMultiplierOfAPointIsAVertex) {
+  const auto folder = fresh_folder("vertex");
+  RunSettings settings;
+  settings.output_folder = folder.string();
+  settings.name = "slab";
+  auto plan = slab(2, 4);
+  PartSpec corner{"corner", {}, {}};
+  corner.region.kind = RegionSpec::Kind::point;
+  corner.region.point = {1, 0, 0};
+  plan.parts.push_back(corner);
+  LawTerm support;
+  support.origin = {200};
+  support.name = "support";
+  support.law = 0;
+  support.part = static_cast<int>(plan.parts.size()) - 1;
+  LawTerm::Row row;
+  row.u[1] = Expr(-1.0);
+  support.rows = {row};
+  plan.law_terms.push_back(support);
+  FieldsSpec fields;
+  fields.every = 4;
+  fields.fields = {{"xi", {}, {var(slot::multiplier(1, 0))}}};
+  plan.report.fields = {fields};
+  solve(plan, settings);
+  EXPECT_EQ(0, python(folder, R"(
+import glob, meshio
+found = [meshio.read(name) for name in glob.glob("*.vtu")]
+vertices = [m for m in found if [block.type for block in m.cells] == ["vertex"]]
+assert found and len(vertices) == len(found), found
+assert all(m.points.tolist() == [[1, 0, 0]] and len(m.cells[0].data) == 1 for m in vertices), vertices
+)"));
+}
+
 TEST(Files, MeshioReadsTheFieldsOfARun) {
   for (const int order : {1, 2}) {
     const auto folder = fresh_folder("fields" + std::to_string(order));

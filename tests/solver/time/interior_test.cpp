@@ -1,0 +1,133 @@
+// A body that is known from its contact unknowns, against dense algebra straight from the formulas
+// of interior.hpp.
+#include "solver/time/interior.hpp"
+#include "solver/time/shared_work.hpp"
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numeric>
+#include <random>
+
+namespace hvi::solver {
+namespace {
+
+constexpr int n = 23;
+
+struct Body : testing::Test {
+  std::mt19937_64 random{1801};
+  std::vector<int> contact = {0, 3, 4, 11, 22};
+  DenseMatrix t = DenseMatrix::Zero(n, n);
+  std::vector<Vector> forces;
+  std::unique_ptr<Interior> interior;
+
+  Vector any(int size) {
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    return Vector::NullaryExpr(size, [&] { return unit(random); });
+  }
+  void SetUp() override {
+    for (int i = 0; i < n; ++i) // a chain with springs across, positive definite
+      for (const int j : {i + 1, (i * 7 + 3) % n})
+        if (j < n && j != i) {
+          const double k = 1.5 + any(1)[0];
+          t(i, i) += k, t(j, j) += k, t(i, j) -= k, t(j, i) -= k;
+        }
+    t.diagonal().array() += 0.1;
+    StateLayout layout{n, n, n, std::vector<std::int32_t>(n), std::vector<std::int32_t>(n), {}};
+    std::iota(layout.dof_of.begin(), layout.dof_of.end(), 0);
+    layout.entry_of = layout.dof_of;
+    SparseMatrix sparse = t.sparseView();
+    auto factor = lend_factor(nullptr, sparse, contact, true);
+    interior = std::make_unique<Interior>(sparse, std::move(factor), layout, contact);
+    for (int k = 0; k < 3; ++k) {
+      forces.push_back(any(n));
+      interior->add_mode(forces.back());
+    }
+    interior->force.resize(n, 2); // the laws act on the first and the last contact unknown
+    interior->force.insert(contact.front(), 0) = 0.7;
+    interior->force.insert(contact.back(), 1) = -0.4;
+  }
+  /// Contact values as y has them, the others from T_II u_I = sum_k phi_k F_k,I - T_Ic c.
+  Vector whole(const Vector& y) const {
+    DenseMatrix k = t;
+    Vector right = load(y);
+    for (std::size_t c = 0; c < contact.size(); ++c) {
+      k.row(contact[c]).setZero();
+      k(contact[c], contact[c]) = 1.0;
+      right[contact[c]] = y[static_cast<int>(c)];
+    }
+    return k.fullPivLu().solve(right);
+  }
+  Vector load(const Vector& y) const {
+    Vector f = Vector::Zero(n);
+    for (std::size_t k = 0; k < forces.size(); ++k)
+      f += y[static_cast<int>(contact.size() + k)] * forces[k];
+    return f;
+  }
+};
+
+TEST_F(Body, IsWhatTheContactUnknownsAndTheModesSay) {
+  const Vector y = any(interior->size());
+  Vector full = Vector::Zero(n);
+  interior->scatter(y, full);
+  EXPECT_LT((full - whole(y)).norm(), 1e-12 * full.norm());
+}
+
+TEST_F(Body, EveryUnknownCanBeObserved) {
+  std::vector<int> all(n);
+  std::iota(all.begin(), all.end(), 0);
+  interior->observe(all);
+  const Vector y = any(interior->size());
+  Vector seen = Vector::Zero(n);
+  interior->scatter_observed(y, seen);
+  EXPECT_LT((seen - whole(y)).norm(), 1e-12 * seen.norm());
+}
+
+/// A body whose first unknown is inside.
+TEST_F(Body, TheFirstUnknownCanBeObservedInside) {
+  contact = {1, 3, 4, 11, 22};
+  forces.clear();
+  t.setZero();
+  SetUp();
+  const int first = 0;
+  interior->observe({&first, 1});
+  const Vector y = any(interior->size());
+  Vector seen = Vector::Zero(n);
+  interior->scatter_observed(y, seen);
+  EXPECT_NEAR(seen[0], whole(y)[0], 1e-12);
+}
+
+/// Of states far from equilibrium, as of one step and as of several.
+TEST_F(Body, ErrorsOfEquilibriumAreThoseOfTheFormula) {
+  constexpr double any_error = std::numeric_limits<double>::infinity();
+  std::vector<Interior::Question> steps;
+  for (int r = 0; r < 5; ++r)
+    steps.push_back({any(interior->size()), any(interior->size()), any(interior->size()), any(2)});
+  const Vector next = any(interior->size());
+  const auto roughly = interior->equilibria(steps, any_error, next);
+  const auto exactly = interior->equilibria(steps, 0.0, next);
+  Vector full = Vector::Zero(n);
+  interior->scatter(next, full);
+  EXPECT_LT((full - whole(next)).norm(), 1e-12 * full.norm());
+  for (std::size_t r = 0; r < steps.size(); ++r) {
+    const auto& s = steps[r];
+    const Vector a = whole(s.known), b = whole(s.change), f = load(s.load);
+    const Vector reaction = interior->force * s.xi;
+    const Vector gap = (f - t * (a + b) - reaction).cwiseAbs();
+    const auto worst = [&](const Vector& size) { return gap.cwiseQuotient(size).maxCoeff(); };
+    const DenseMatrix sizes = t.cwiseAbs();
+    const Vector own = f.cwiseAbs();
+    EXPECT_NEAR(roughly[r], worst(sizes * (a + b).cwiseAbs() + own), 1e-9 * roughly[r]);
+    const double each = worst(sizes * (a.cwiseAbs() + b.cwiseAbs()) + own + reaction.cwiseAbs());
+    // A row's scale is a little more: a hundredth of what it were with other axes.
+    for (const double found :
+         {exactly[r], interior->equilibrium(s.known, s.change, s.load, s.xi, 0.0)}) {
+      EXPECT_LE(found, each * (1.0 + 1e-9));
+      EXPECT_GE(found, each / 1.05);
+    }
+  }
+}
+
+} // namespace
+} // namespace hvi::solver
