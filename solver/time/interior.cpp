@@ -238,8 +238,7 @@ void Interior::expand_all(std::span<const Vector* const> y, DenseMatrix& x,
   factor_->back_all(c, kept_, phi, x, place);
 }
 
-std::vector<double> Interior::equilibria(std::span<const Question> steps, double enough,
-                                         const Vector& next) {
+std::vector<double> Interior::equilibria(std::span<const Question> steps, double enough) {
   std::vector<Vector> sums;
   sums.reserve(steps.size());
   std::vector<const Vector*> states;
@@ -247,7 +246,6 @@ std::vector<double> Interior::equilibria(std::span<const Question> steps, double
     sums.push_back(step.known + step.change);
     states.push_back(&sums.back());
   }
-  states.push_back(&next);
   DenseMatrix x;
   std::vector<int> place;
   expand_all(states, x, place);
@@ -273,16 +271,12 @@ std::vector<double> Interior::equilibria(std::span<const Question> steps, double
   case InstructionSet::baseline:
     worst_errors<2, 4>(all, row, out.data());
   }
-  out.resize(steps.size()); // `next` was no question
+  out.resize(steps.size()); // lanes without a question
   for (double& error : out)
     if (std::isnan(error)) error = std::numeric_limits<double>::infinity();
   for (std::size_t r = 0; r < steps.size(); ++r)
     if (const auto& s = steps[r]; !(out[r] <= enough))
       out[r] = equilibrium(s.known, s.change, s.load, s.xi, enough);
-  scattered_ = next;
-  x_.resize(layout_.n_unknowns);
-  for (int i = 0; i < layout_.n_unknowns; ++i)
-    x_[i] = x(static_cast<Eigen::Index>(steps.size()), place[i]);
   return out;
 }
 

@@ -53,10 +53,9 @@ public:
   struct Question {
     Vector known, change, load, xi;
   };
-  /// The same for up to 15 steps in one reading of the factor and of T. `next`: a y whose full
-  /// vector `scatter` will be asked for, which costs nothing then.
-  std::vector<double> equilibria(std::span<const Question> steps, double enough,
-                                 const Vector& next);
+  /// The same for up to 16 steps in one reading of the factor and of T. A step's answer does not
+  /// depend on the steps it is asked with.
+  std::vector<double> equilibria(std::span<const Question> steps, double enough);
   /// On all unknowns: T, the layout, the vector of y, and the condition of T.
   const SparseMatrix& matrix_of_all() const { return t_; }
   const StateLayout& layout() const { return layout_; }
@@ -65,7 +64,7 @@ public:
   /// StepMatrix::respond with K = gamma T on all unknowns; `matrix` is that of the states.
   bool respond(std::span<const Vector> forces, StepMatrix& matrix, double gamma,
                const InequalityState& at, std::vector<Vector>& x, std::vector<Vector>& xi);
-  static constexpr int most_steps = Factorisation::most_at_once - 1;
+  static constexpr int most_steps = Factorisation::most_at_once;
   SparseMatrix force; ///< G^T W on all unknowns
   FactorStatistics statistics() const { return factor_.statistics(); }
 

@@ -450,8 +450,7 @@ StepResult Stepper::advance(int n) {
   else if (out.certified && guess && operators_.symmetric && !contact_.none())
     out.snap = is_snap(contact_, inequality_.c, kd_.dot(d_), dz_);
   if (out.certified) {
-    if (checks_wait_ && !checked_.empty() && checked_[n] != 0 && n < grid_.steps())
-      put_off_check(n);
+    if (checks_wait_ && !checked_.empty()) put_off_check(n);
     learn(n, matrix, out);
     last_error_ = out.equilibrium;
     accept(n);

@@ -54,6 +54,8 @@ public:
   void let_checks_wait() { checks_wait_ = true; }
   /// Makes the checks that were put off. Throws LateCheck.
   void make_checks();
+  /// All steps up to this one have had their checks.
+  int checked_up_to() const { return waiting_steps_.empty() ? step_ : waiting_steps_.front() - 1; }
   /// Steps with the errors of checks that were put off; hands each out once.
   std::vector<std::pair<int, double>> late_errors() { return std::exchange(late_errors_, {}); }
 
@@ -113,7 +115,7 @@ private:
   double equilibrium_of_all(int n);
   Interior::Question question(int n) const;
   void put_off_check(int n);
-  void settle_checks(const Vector& next);
+  void settle_checks();
   void find_change(int n, const StepMatrix& matrix);
   void refactor(int n, StepMatrix& matrix);
   void right_hand_side(int n);
