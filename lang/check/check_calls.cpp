@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace hvi::lang {
 
@@ -17,7 +18,7 @@ namespace slot = solver::slot;
 
 namespace {
 
-constexpr int deepest_call = 100;
+constexpr std::size_t deepest_call = 100;
 
 bool depends_on_memory_time(solver::Slot s) { return s == slot::t || s == slot::lag; }
 
@@ -117,15 +118,20 @@ Value Checker::call_function(const ast::Expr& e, const ast::Call& c, int declara
     if (is_poison(v)) return Poison{};
     inner.locals[names[i]] = std::move(v);
   }
-  if (++call_depth_ > deepest_call) {
-    --call_depth_;
-    error("E0313", c.callee->span, fmt::format("`{}` calls itself", fn.name.text));
+  if (functions_at_hand_.size() >= deepest_call) {
+    const auto& at_hand = functions_at_hand_;
+    if (std::find(at_hand.begin(), at_hand.end(), declaration) != at_hand.end())
+      error("E0313", c.callee->span, fmt::format("`{}` calls itself", fn.name.text));
+    else if (!std::exchange(too_deep_, true))
+      error("E0216", c.callee->span,
+            fmt::format("functions call one another more than {} levels deep", deepest_call));
     return Poison{};
   }
+  functions_at_hand_.push_back(declaration);
   calls_.push_back(e.span);
   Value out = expr(fn.value, inner);
   calls_.pop_back();
-  --call_depth_;
+  functions_at_hand_.pop_back();
   return out;
 }
 

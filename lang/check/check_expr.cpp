@@ -186,6 +186,15 @@ Value Checker::list(const ast::Expr& e, const ast::List& l, const Scope& scope) 
 }
 
 Value Checker::cases(const ast::Expr& e, const ast::Cases& c, const Scope& scope) {
+  // A law is looked at case by case, on both sides of each: the work grows with their square.
+  constexpr std::size_t most_cases_of_law = 256;
+  if (scope.law && c.cases.size() > most_cases_of_law) {
+    error("E0216", e.span,
+          fmt::format("a superpotential with {} cases; {} are the most", c.cases.size(),
+                      most_cases_of_law),
+          "a slope with many pieces is a table: `table(\"slope.csv\", r)`");
+    return Poison{};
+  }
   auto otherwise = field(*c.otherwise, scope);
   std::vector<std::pair<std::optional<Symbol>, std::optional<Field>>> rows;
   for (const ast::Case& row : c.cases)

@@ -287,14 +287,34 @@ bool Checker::geometry_mesh(const ast::Mesh& m, const ast::Call& call, const std
   return true;
 }
 
+namespace {
+
+/// Of places put together in one part, those of the parts it names among them.
+constexpr std::size_t most_places = 1200;
+
+std::size_t places_in(const RegionSpec& region) {
+  std::size_t out = region.children.empty() ? 1 : 0;
+  for (const RegionSpec& child : region.children) out += places_in(child);
+  return out;
+}
+
+} // namespace
+
 std::optional<RegionSpec> Checker::region(const ast::Region& r) {
   std::optional<RegionSpec> out;
   bool good = true;
+  std::size_t places = 0;
   for (const ast::RegionTerm& term : r.terms) {
     auto spec = region_term(term);
     if (!spec) {
       good = false;
       continue;
+    }
+    places += places_in(*spec);
+    if (places > most_places) {
+      error("E0216", term.span,
+            fmt::format("more than {} places are put together in one part", most_places));
+      return std::nullopt;
     }
     if (!out) {
       out = std::move(spec);
@@ -310,7 +330,9 @@ std::optional<RegionSpec> Checker::region(const ast::Region& r) {
     RegionSpec both;
     both.kind = term.minus ? RegionSpec::Kind::subtract : RegionSpec::Kind::unite;
     both.origin = model_.origin(r.span);
-    both.children = {std::move(*out), std::move(*spec)};
+    both.children.reserve(2);
+    both.children.push_back(std::move(*out));
+    both.children.push_back(std::move(*spec));
     out = std::move(both);
   }
   if (r.where) {

@@ -297,19 +297,28 @@ bool Checker::is_silent(const std::string& name) const {
 
 Value Checker::unknown_name(const Span& span, const std::string& name, const Scope& scope) {
   if (is_silent(name)) return Poison{};
-  Suggestion suggestion(name);
-  for (const auto& [local, value] : scope.locals) suggestion.consider(local);
-  for (const Declaration& d : declarations_) suggestion.consider(d.name);
-  for (const std::string_view built_in : visible_built_ins()) suggestion.consider(built_in);
-  if (scope.unknown && find_) suggestion.consider(find_->unknown.text);
-  if (scope.test && find_) suggestion.consider(find_->test.text);
-  const std::string near = suggestion.help();
+  const std::string near = nearest(name, scope);
   const bool may_be_imported =
       std::any_of(programs_.begin(), programs_.end(), [](const auto& p) { return p.names_lost; });
   if (near.empty() && may_be_imported) return Poison{};
   diagnostics_.add_once(
       name, diagnose("E0301", span, fmt::format("unknown name `{}`", name)).with_help(near));
   return Poison{};
+}
+
+/// Which name may be meant; looked for once, and for so many names only: each is held against all
+/// that there are.
+std::string Checker::nearest(const std::string& name, const Scope& scope) {
+  constexpr std::size_t most_names = 100;
+  const auto [known, fresh] = nearest_.try_emplace(name);
+  if (!fresh || nearest_.size() > most_names) return known->second;
+  Suggestion suggestion(name);
+  for (const auto& [local, value] : scope.locals) suggestion.consider(local);
+  for (const Declaration& d : declarations_) suggestion.consider(d.name);
+  for (const std::string_view built_in : visible_built_ins()) suggestion.consider(built_in);
+  if (scope.unknown && find_) suggestion.consider(find_->unknown.text);
+  if (scope.test && find_) suggestion.consider(find_->test.text);
+  return known->second = suggestion.help();
 }
 
 Value Checker::reference(const ast::Expr& e, const std::string& name, const Scope& scope) {

@@ -9,6 +9,7 @@
 #include "solver/mesh/mesh.hpp"
 
 #include <functional>
+#include <map>
 #include <set>
 #include <unordered_map>
 
@@ -72,6 +73,7 @@ private:
                                      const Scope& scope);
   bool is_silent(const std::string& name) const;
   Value unknown_name(const Span& span, const std::string& name, const Scope& scope);
+  std::string nearest(const std::string& name, const Scope& scope);
   Value& value_of(int declaration, const Span& use);
   Value evaluate(Declaration& declaration);
   Value evaluate_param(const ast::Param& param);
@@ -273,8 +275,9 @@ private:
   std::map<int, std::set<int>> used_by_;  ///< by declaration: declarations that use it
   int space_declaration_ = -1;
   bool uses_memory_ = false;
-  int call_depth_ = 0;
-  std::vector<Span> calls_;    ///< of functions and laws that are being evaluated
+  std::map<std::string, std::string> nearest_; ///< what may be meant by names that are unknown
+  std::vector<int> functions_at_hand_;         ///< declarations, as they call one another
+  std::vector<Span> calls_;                    ///< of functions and laws that are being evaluated
   long evaluations_ = 0;       ///< of expressions: functions of functions can ask for any number
   long most_evaluations_ = 0;  ///< more for a long script
   int depth_ = 0;              ///< of expressions and declarations that are being evaluated

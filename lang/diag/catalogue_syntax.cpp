@@ -144,7 +144,8 @@ find u in V such that for all v in V
      R"(
 Brackets stand within each other more than 400 times, or more than 1200 operations build on each
 other in one formula. Name parts of it with `fn` or `tensor`. Names and functions that lead from one
-to the next may build 2000 operations upon each other.)",
+to the next may build 2000 operations upon each other; functions call one another 100 levels deep at
+most, a part is put together of 1200 places, a superpotential of 256 cases.)",
      R"(
 fn f(x) = ((( ... 1000 brackets ... ))))",
      R"(
