@@ -30,7 +30,7 @@ find_path(SUITESPARSE_INCLUDE cholmod.h PATH_SUFFIXES suitesparse)
 hvi_require(SUITESPARSE_INCLUDE libsuitesparse-dev)
 # Static, all of them: they are most of what a start would have to bind. OpenBLAS in its serial build:
 # idle threads of the pooled one spin for longer than a small run takes, and one thread gives the
-# same bits on every machine.
+# same bits whatever the number of processors.
 foreach(library umfpack cholmod amd colamd camd ccolamd suitesparseconfig)
   find_library(SUITESPARSE_STATIC_${library} lib${library}.a)
   hvi_require(SUITESPARSE_STATIC_${library} libsuitesparse-dev)
@@ -92,3 +92,15 @@ if(HVI_SANITIZE)
     -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   target_link_options(hvi_options INTERFACE -fsanitize=address,undefined)
 endif()
+
+# What is shipped is hardened: at addresses of its own at every start, with relocations that are read-only.
+function(hvi_harden target)
+  if(HVI_SANITIZE OR HVI_FUZZ)
+    return()
+  endif()
+  get_target_property(type ${target} TYPE)
+  target_link_options(${target} PRIVATE -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
+  if(type STREQUAL "EXECUTABLE")
+    target_link_options(${target} PRIVATE -pie)
+  endif()
+endfunction()
