@@ -1,6 +1,8 @@
 // What is said of a search for an accuracy; see accuracy_report.hpp.
 #include "lang/accuracy_report.hpp"
 
+#include "lang/say.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -80,7 +82,7 @@ std::optional<solver::AccuracyRequest> accuracy_request(const Script& script,
 
 std::function<void(const std::string&)> accuracy_teller(const Options& options) {
   if (options.quiet) return [](const std::string&) {};
-  return [](const std::string& line) { fmt::print(stderr, "accuracy: {}\n", line); };
+  return [](const std::string& line) { tell("accuracy: {}\n", line); };
 }
 
 std::string accuracy_text(const AccuracyResult& result) {

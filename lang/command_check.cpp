@@ -2,7 +2,8 @@
 #include "lang/check_report.hpp"
 #include "lang/driver.hpp"
 #include "lang/mesh_values.hpp"
-#include "solver/output/file.hpp"
+#include "lang/outputs.hpp"
+#include "lang/say.hpp"
 #include "solver/time/step.hpp"
 
 #include <fmt/format.h>
@@ -37,10 +38,7 @@ bool judge_script(Script& script, const solver::Discretisation& discretisation,
   const auto report = solver::check_hypotheses(*script.plan, discretisation);
   if (!options.quiet && options.json != "-")
     std::fputs(hypotheses_text(script, report, options.colour_out).c_str(), stdout);
-  if (options.json == "-")
-    std::fputs(hypotheses_json(script, report).c_str(), stdout);
-  else if (!options.json.empty())
-    solver::write_atomically(options.json, hypotheses_json(script, report));
+  if (!options.json.empty()) write_json_text(options, hypotheses_json(script, report));
   return !options.strict || (report.discrete && report.continuous);
 }
 
@@ -49,15 +47,25 @@ int check_one(const std::string& path, const Options& options) {
   script.path = path;
   solver::Discretisation discretisation;
   bool good = compile_script(script, options), applies = true;
+  HeldOutputs outputs;
+  int refused = exit_ok;
+  if (good && !outputs.take(outputs_in("", {}, options), options, script, refused)) {
+    show_diagnostics(script, options);
+    return refused;
+  }
   if (script.plan && !options.script_only) good = check_on_mesh(script, discretisation) && good;
   show_diagnostics(script, options);
   if (!good) return exit_script;
-  if (!options.quiet && options.json != "-") fmt::print("{}: ok\n", path);
+  if (!options.quiet && options.json != "-") say("{}: ok\n", path);
   if (options.script_only) return exit_ok;
   try {
     applies = judge_script(script, discretisation, options);
   } catch (const solver::Failure& failure) {
-    fmt::print(stderr, "the hypotheses cannot be judged: {}\n", failure.what());
+    if (failure.kind == solver::FailureKind::output) {
+      tell("error[E0702]: {}\n", failure.what());
+      return exit_solve;
+    }
+    tell("the hypotheses cannot be judged: {}\n", failure.what());
     return options.strict ? exit_hypothesis : exit_ok;
   }
   return applies ? exit_ok : exit_hypothesis;

@@ -4,8 +4,9 @@
 #include "lang/gnuplot.hpp"
 #include "lang/interrupt.hpp"
 #include "lang/nudge.hpp"
+#include "lang/outputs.hpp"
+#include "lang/say.hpp"
 #include "solver/hypotheses/hypotheses.hpp"
-#include "solver/output/file.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -262,9 +263,7 @@ std::string verdict(const Stability& s) {
 void print_report(const Stability& s) {
   const auto& r = s.base.result;
   const auto& c = r.certificate;
-  const auto row = [](const char* name, const std::string& text) {
-    fmt::print("{:<14}{}\n", name, text);
-  };
+  const auto row = [](const char* name, const std::string& text) { say("{:<14}{}\n", name, text); };
   row("conditioning", s.condition > 0 ? fmt::format("about {:.1e} (the step's matrix)", s.condition)
                                       : std::string("not known (no factor of the whole matrix)"));
   row("rounding",
@@ -347,8 +346,10 @@ std::string report_json(const Stability& s, const Script& script) {
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+std::string picture_name(const Script& script) { return script.model->title + "_stability.png"; }
+
 /// Certificate and energies over time, events as upright lines.
-std::string draw(const Stability& s, const Script& script, const Options& options) {
+void draw(const Stability& s, const Script& script, const Options& options) {
   const auto& m = *s.base.result.monitors;
   const auto column = [&](const char* name) -> const std::vector<double>& {
     return m.columns[static_cast<std::size_t>(std::find(m.names.begin(), m.names.end(), name) -
@@ -366,7 +367,6 @@ std::string draw(const Stability& s, const Script& script, const Options& option
                            m.times[i]);
   }
   const auto folder = std::filesystem::path(output_folder(script, options));
-  const std::string name = script.model->title + "_stability.png";
   plot(fmt::format(
            "$d << HVI_END\n{}HVI_END\n"
            "set multiplot layout 2,1 title {} noenhanced\nset grid lc rgb '#dddddd'\n{}"
@@ -386,28 +386,42 @@ std::string draw(const Stability& s, const Script& script, const Options& option
                   (s.base.result.unique ? "every step has one solution"
                                         : "uniqueness is not guaranteed")),
            lines, s.base.result.certificate.tolerance),
-       folder / name, {.height = 800});
-  return name;
+       folder / picture_name(script), {.height = 800});
 }
 
 int report_on(Script& script, const Options& options) {
   if (!compile_script(script, options)) return exit_script;
+  HeldOutputs outputs;
+  std::vector<std::string> names;
+  if (!script.plan->time.is_static)
+    names.push_back(picture_name(script)); // one point is no picture
+  int refused = exit_ok;
+  if (!outputs.take(outputs_in(output_folder(script, options), names, options), options, script,
+                    refused))
+    return refused;
   solver::Discretisation d;
   for (const solver::Failure& failure : solver::discretise(*script.plan, d))
     add_failure(script, failure);
   if (script.diagnostics.has_errors()) return exit_script;
   const InterruptGuard guard;
   const Stability found = examine(script, d, options);
-  if (options.json != "-" && !options.quiet) print_report(found);
-  if (options.json == "-")
-    std::fputs(report_json(found, script).c_str(), stdout);
-  else if (!options.json.empty())
-    solver::write_atomically(options.json, report_json(found, script));
-  if (script.plan->time.is_static) return exit_ok; // one point is no picture
-  const auto picture = draw(found, script, options);
-  if (!options.quiet && options.json != "-")
-    fmt::print("{:<14}{}/{}\n", "picture", output_folder(script, options), picture);
-  return exit_ok;
+  int code = exit_ok;
+  try {
+    if (!options.json.empty()) write_json_text(options, report_json(found, script));
+  } catch (const solver::Failure& failure) {
+    add_failure(script, failure);
+    code = exit_code(failure.kind);
+  }
+  if (!json_only(options) && !options.quiet) print_report(found);
+  if (names.empty()) return code;
+  try {
+    draw(found, script, options);
+    if (!options.quiet && !json_only(options))
+      say("{:<14}{}/{}\n", "picture", output_folder(script, options), names.front());
+  } catch (const solver::Failure& failure) { // nobody asked for it by name
+    script.diagnostics.add(diagnose("W0601", Span{}, failure.what()).with_help(failure.help));
+  }
+  return code;
 }
 
 } // namespace

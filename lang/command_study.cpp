@@ -1,5 +1,7 @@
 // hvi-run study: runs every setting of the script's ladders and shows what accuracy costs.
 #include "lang/interrupt.hpp"
+#include "lang/outputs.hpp"
+#include "lang/say.hpp"
 #include "lang/study.hpp"
 #include "solver/output/file.hpp"
 #include "solver/study/ladder.hpp"
@@ -65,8 +67,8 @@ std::string machine_line() {
 class Studying {
 public:
   Studying(const std::string& path, const Options& options, Study& study)
-      : path_(path), options_(options), study_(study), folder_(fs::path(output_folder_of(path))),
-        journal_(folder_ / "study.jsonl") {}
+      : path_(path), options_(options), study_(study),
+        folder_(output_folder(path, options, "_study")), journal_(folder_ / "study.jsonl") {}
 
   int go() {
     Script script;
@@ -75,25 +77,25 @@ public:
     show_diagnostics(script, options_);
     if (!good) return exit_script;
     if (!script.model->study) {
-      fmt::print(stderr,
-                 "hvi-run: `{}` has no `study` statement\n  = help: study vary n in [8, 16, "
-                 "32] and N in [8, 16, 32] against finest\n",
-                 path_);
+      tell("hvi-run: `{}` has no `study` statement\n  = help: study vary n in [8, 16, "
+           "32] and N in [8, 16, 32] against finest\n",
+           path_);
       return exit_usage;
     }
     plan_rows(*script.model);
-    fs::create_directories(folder_);
+    int code = exit_ok;
+    auto names = files_of_study(study_);
+    names.push_back(journal_.filename().string());
+    if (!outputs_.take(outputs_in(folder_.string(), names, options_), options_, script, code)) {
+      show_diagnostics(script, options_);
+      return code;
+    }
     read_journal(script);
     return run_all();
   }
   std::string folder() const { return folder_.string(); }
 
 private:
-  std::string output_folder_of(const std::string& path) const {
-    return options_.output_folder.empty() ? fs::path(path).stem().string() + "_study"
-                                          : options_.output_folder;
-  }
-
   void plan_rows(const Model& model) {
     study_.script = path_;
     study_.ladders = model.study->ladders;
@@ -184,7 +186,7 @@ private:
     done_.push_back(row.values);
   }
 
-  void keep(const StudyRow& row) const {
+  void keep(const StudyRow& row) {
     nlohmann::json entry = {{"fingerprint", fingerprint_},
                             {"values", row.values},
                             {"probes", row.probes},
@@ -207,7 +209,12 @@ private:
                       c->start,
                       c->step};
     entry["checksum"] = checksum(entry.dump());
-    std::ofstream(journal_, std::ios::app) << entry.dump() << "\n";
+    // Without it a study that goes on later runs the row again: no reason to stop this one.
+    try {
+      solver::append_line(journal_, entry.dump());
+    } catch (const solver::Failure& failure) {
+      if (!std::exchange(warned_, true)) tell("warning: {}; the study goes on\n", failure.what());
+    }
   }
 
   bool known(const StudyRow& row) const {
@@ -223,8 +230,8 @@ private:
       StudyRow& finest = study_.rows.back();
       if (const int code = run_row(finest, true); code != exit_ok) return code;
       if (!finest.failure.empty()) {
-        fmt::print(stderr, "hvi-run: the finest run failed, nothing can be compared with it: {}\n",
-                   finest.failure);
+        tell("hvi-run: the finest run failed, nothing can be compared with it: {}\n",
+             finest.failure);
         return exit_solve;
       }
     }
@@ -234,7 +241,7 @@ private:
       tell_progress(i);
       if (const int code = run_row(row, false); code != exit_ok) return code;
     }
-    if (!options_.quiet && isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
+    if (!options_.quiet && isatty(STDERR_FILENO)) tell("\r\033[K");
     while (!meshes_.empty()) forget(meshes_.begin());
     return exit_ok;
   }
@@ -260,7 +267,7 @@ private:
     const std::string when = done_weight_ > 0.0
                                  ? fmt::format(", about {:.0f} s left", wall * left / done_weight_)
                                  : std::string();
-    fmt::print(stderr, "\r\033[K{} of {} settings{}", next + 1, study_.rows.size(), when);
+    tell("\r\033[K{} of {} settings{}", next + 1, study_.rows.size(), when);
     std::fflush(stderr);
   }
 
@@ -423,8 +430,46 @@ private:
   solver::FineSolution fine_;
   const solver::Discretisation* fine_for_ = nullptr;
   double done_weight_ = 0.0;
+  HeldOutputs outputs_;
+  bool warned_ = false; ///< of a journal that cannot be written
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
 };
+
+} // namespace
+
+namespace {
+
+/// Files, then the table, then pictures: what fails takes nothing with it that came before.
+int report_study(const Study& study, const std::string& folder, const Options& options) {
+  int code = exit_ok;
+  std::vector<std::string> files;
+  const auto attempt = [&](const auto& write) {
+    try {
+      write();
+    } catch (const solver::Failure& failure) {
+      tell("error[E0702]: {}\n", failure.what());
+      code = exit_solve;
+    }
+  };
+  attempt([&] {
+    solver::write_atomically(fs::path(folder) / "study.csv", study_csv(study));
+    files.emplace_back("study.csv");
+  });
+  attempt([&] {
+    if (!options.json.empty()) write_json_text(options, study_json(study));
+  });
+  if (!json_only(options)) say("{}", study_table(study));
+  std::fflush(stdout);
+  for (const Drawn& picture : draw_study(study, folder)) {
+    if (picture.failure.empty())
+      files.push_back(picture.file);
+    else
+      tell("warning[W0601]: {}\n", picture.failure);
+  }
+  if (!options.quiet && !json_only(options))
+    say("files: {} in {}/\n", fmt::join(files, ", "), folder);
+  return code;
+}
 
 } // namespace
 
@@ -434,18 +479,7 @@ int study_command(const std::string& path, const Options& options) {
   Studying studying(path, options, study);
   if (const int code = studying.go(); code != exit_ok) return code;
   judge(study, study.reference == "the finest run, extrapolated");
-  try {
-    std::vector<std::string> files = {"study.csv"};
-    solver::write_atomically(fs::path(studying.folder()) / "study.csv", study_csv(study));
-    if (!options.json.empty()) solver::write_atomically(options.json, study_json(study));
-    for (auto& file : draw_study(study, studying.folder())) files.push_back(file);
-    fmt::print("{}", study_table(study));
-    if (!options.quiet) fmt::print("files: {} in {}/\n", fmt::join(files, ", "), studying.folder());
-  } catch (const solver::Failure& failure) {
-    fmt::print(stderr, "error[E0702]: {}\n", failure.what());
-    return exit_solve;
-  }
-  return exit_ok;
+  return report_study(study, studying.folder(), options);
 }
 
 } // namespace hvi::lang

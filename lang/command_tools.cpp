@@ -1,7 +1,9 @@
 // hvi-run fmt, dump, explain, params and mesh: everything that solves nothing.
 #include "lang/diag/catalogue.hpp"
 #include "lang/diag/render.hpp"
+#include "lang/diag/unreadable.hpp"
 #include "lang/driver.hpp"
+#include "lang/say.hpp"
 #include "lang/syntax/lexer.hpp"
 #include "lang/syntax/print.hpp"
 #include "solver/mesh/gmsh_module.hpp"
@@ -16,6 +18,20 @@
 
 namespace hvi::lang {
 
+namespace {
+
+bool rewritten(const std::string& path, const std::string& text) {
+  try {
+    solver::rewrite_file(path, text);
+    return true;
+  } catch (const solver::Failure& failure) {
+    tell("error[E0610]: {}\n  = help: {}\n", failure.what(), failure.help);
+    return false;
+  }
+}
+
+} // namespace
+
 int format_command(const std::vector<std::string>& paths, bool only_check) {
   int code = exit_ok;
   for (const std::string& path : paths) {
@@ -23,7 +39,7 @@ int format_command(const std::vector<std::string>& paths, bool only_check) {
     script.path = path;
     auto text = read_text(path);
     if (!text) {
-      fmt::print(stderr, "error[E0601]: there is no file `{}`\n", path);
+      tell("error[E0601]: {}\n", why_unreadable(path, path));
       code = exit_script;
       continue;
     }
@@ -34,10 +50,10 @@ int format_command(const std::vector<std::string>& paths, bool only_check) {
       code = exit_script;
     } else if (*formatted != *text) {
       if (only_check) {
-        fmt::print("{}: not formatted\n", path);
+        say("{}: not formatted\n", path);
         code = exit_expectation;
-      } else {
-        solver::write_atomically(path, *formatted);
+      } else if (!rewritten(path, *formatted)) {
+        code = exit_solve;
       }
     }
   }
@@ -77,7 +93,7 @@ int explain_command(const std::string& code) {
   }
   const auto text = explain(code);
   if (!text) {
-    fmt::print(stderr, "hvi-run: there is no diagnostic `{}`; see docs/diagnostics.md\n", code);
+    tell("hvi-run: there is no diagnostic `{}`; see docs/diagnostics.md\n", code);
     return exit_usage;
   }
   std::fputs(text->c_str(), stdout);
@@ -92,10 +108,9 @@ int params_command(const std::string& path, const Options& options) {
   if (!good) return exit_script;
   for (const ModelParam& p : script.model->params) {
     const auto* number = std::get_if<double>(&p.value);
-    fmt::print("{} = {}{} ({}){}\n", p.name,
-               number ? fmt::format("{}", *number) : std::get<1>(p.value),
-               p.range.empty() ? "" : " in " + p.range, number ? "number" : "word",
-               p.doc.empty() ? "" : "  " + p.doc);
+    say("{} = {}{} ({}){}\n", p.name, number ? fmt::format("{}", *number) : std::get<1>(p.value),
+        p.range.empty() ? "" : " in " + p.range, number ? "number" : "word",
+        p.doc.empty() ? "" : "  " + p.doc);
   }
   return exit_ok;
 }
@@ -104,17 +119,15 @@ int mesh_command(const std::string& path, const Options& options) {
   try {
     const bool geo = std::filesystem::path(path).extension() == ".geo";
     if (geo && !options.allow_geo) {
-      fmt::print(stderr,
-                 "error[E0606]: a `.geo` file can run programs; allow it with --allow-geo\n");
+      tell("error[E0606]: a `.geo` file can run programs; allow it with --allow-geo\n");
       return exit_script;
     }
     const solver::Mesh mesh = geo ? solver::mesh_geo_file(path) : solver::read_msh(path);
     std::fputs(solver::describe_mesh(mesh).c_str(), stdout);
     return exit_ok;
   } catch (const solver::Failure& failure) {
-    fmt::print(stderr, "error[{}]: {}\n",
-               failure.kind == solver::FailureKind::missing_file ? "E0601" : "E0603",
-               failure.what());
+    tell("error[{}]: {}\n", failure.kind == solver::FailureKind::missing_file ? "E0601" : "E0603",
+         failure.what());
     return exit_script;
   }
 }

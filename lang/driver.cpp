@@ -4,9 +4,11 @@
 #include "lang/check/check.hpp"
 #include "lang/diag/render.hpp"
 #include "lang/diag/suggest.hpp"
+#include "lang/diag/unreadable.hpp"
 #include "lang/lower/lower.hpp"
 #include "lang/stdlib.hpp"
 #include "lang/syntax/parser.hpp"
+#include "solver/output/folder_lock.hpp"
 
 #include <fmt/format.h>
 
@@ -62,7 +64,7 @@ std::optional<int> load_import(Script& script, const ast::Import& import,
   }
   auto content = read_text(full.string());
   if (!content) {
-    report(script, "E0601", text.span, fmt::format("there is no file `{}`", text.text));
+    report(script, "E0601", text.span, why_unreadable(full.string(), text.text));
     return std::nullopt;
   }
   failed = false;
@@ -74,7 +76,7 @@ std::optional<int> load_import(Script& script, const ast::Import& import,
 void parse_script(Script& script) {
   auto text = script.text ? script.text : read_text(script.path);
   if (!text) {
-    report(script, "E0601", Span{}, fmt::format("there is no file `{}`", script.path));
+    report(script, "E0601", Span{}, why_unreadable(script.path, script.path));
     return;
   }
   std::set<std::string> seen;
@@ -180,7 +182,7 @@ void add_failure(Script& script, const solver::Failure& failure) {
     code = "E0607";
     break;
   case K::output:
-    code = "E0702";
+    code = dynamic_cast<const solver::FolderBusy*>(&failure) != nullptr ? "E0608" : "E0702";
     break;
   case K::interrupted:
     code = "E0703";
@@ -208,11 +210,6 @@ void show_diagnostics(const Script& script, const Options& options) {
                                ? render_json(script.diagnostics, script.sources)
                                : render(script.diagnostics, script.sources, render_options);
   std::fputs(text.c_str(), stderr);
-}
-
-std::string output_folder(const Script& script, const Options& options) {
-  if (!options.output_folder.empty()) return options.output_folder;
-  return fs::path(script.path).stem().string();
 }
 
 } // namespace hvi::lang

@@ -80,7 +80,8 @@ int exit_code(solver::FailureKind kind);
 void show_diagnostics(const Script& script, const Options& options);
 /// Line (from 1) of an origin in the script's own file; 0 when it lies elsewhere.
 int line_of(const Script& script, solver::Origin origin);
-/// The folder results go to: -o, or one named after the script.
+/// The folder results go to: -o, or one named after the script and the parameters given
+/// (outputs.cpp).
 std::string output_folder(const Script& script, const Options& options);
 
 /// The commands. Each returns an exit code.

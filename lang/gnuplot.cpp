@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -21,6 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* where_to_get_it = "apt-get install gnuplot-nox";
+
 [[noreturn]] void fail(const std::string& what, const std::string& help = {}) {
   throw solver::Failure(solver::FailureKind::output, {}, what, help);
 }
@@ -28,10 +31,14 @@ namespace fs = std::filesystem;
 /// A folder that only this user can enter; it goes away with all that is in it.
 class PrivateFolder {
 public:
-  PrivateFolder() : name_((fs::temp_directory_path() / "hvi-picture.XXXXXX").string()) {
+  PrivateFolder() {
+    std::error_code error;
+    const fs::path place = fs::temp_directory_path(error);
+    if (error) fail(fmt::format("there is no folder for temporary files: {}", error.message()));
+    name_ = (place / "hvi-picture.XXXXXX").string();
     if (::mkdtemp(name_.data()) == nullptr)
-      fail(fmt::format("no folder for a picture can be made in `{}`: {}",
-                       fs::temp_directory_path().string(), std::strerror(errno)));
+      fail(fmt::format("no folder for a picture can be made in `{}`: {}", place.string(),
+                       std::strerror(errno)));
   }
   PrivateFolder(const PrivateFolder&) = delete;
   PrivateFolder& operator=(const PrivateFolder&) = delete;
@@ -56,9 +63,18 @@ int run_gnuplot(const fs::path& folder) {
   std::string program = "gnuplot", plain = "--default-settings";
   char* words[] = {program.data(), plain.data(), nullptr};
   pid_t child = 0;
-  const int failed = ::posix_spawnp(&child, "gnuplot", &actions, nullptr, words, environ);
+  posix_spawnattr_t attributes; // we ignore what a closed pipe sends, gnuplot need not
+  posix_spawnattr_init(&attributes);
+  sigset_t defaults;
+  sigemptyset(&defaults);
+  sigaddset(&defaults, SIGPIPE);
+  posix_spawnattr_setsigdefault(&attributes, &defaults);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+  const int failed = ::posix_spawnp(&child, "gnuplot", &actions, &attributes, words, environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) return -1;
+  if (failed != 0)
+    fail(fmt::format("gnuplot cannot be started: {}", std::strerror(failed)), where_to_get_it);
   int status = 0;
   while (::waitpid(child, &status, 0) < 0)
     if (errno != EINTR) return -1;
@@ -82,9 +98,8 @@ void plot(const std::string& commands, const fs::path& picture, Canvas canvas) {
   const bool drawn = run_gnuplot(folder.path()) == 0;
   const std::string bytes = drawn ? content(folder.path() / "drawn") : "";
   if (bytes.empty())
-    fail(fmt::format("gnuplot did not draw `{}`", picture.filename().string()),
-         "apt-get install gnuplot-nox");
-  solver::write_atomically(picture, bytes);
+    fail(fmt::format("gnuplot did not draw `{}`", picture.filename().string()), where_to_get_it);
+  solver::write_atomically(picture, bytes, solver::Durability::synced);
 }
 
 std::string quoted(std::string text) {

@@ -10,22 +10,28 @@ namespace {
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler writes it");
 
+constexpr int asking_to_stop[] = {SIGINT, SIGTERM, SIGHUP};
+
 void on_interrupt(int) {
   stop_requested = true;
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  for (const int signal : asking_to_stop) std::signal(signal, SIG_DFL);
 }
 
 } // namespace
 
 const std::atomic<bool>& stop_flag() { return stop_requested; }
 
-InterruptGuard::InterruptGuard()
-    : previous_(std::signal(SIGINT, &on_interrupt)),
-      previous_term_(std::signal(SIGTERM, &on_interrupt)) {}
+InterruptGuard::InterruptGuard() {
+  for (std::size_t i = 0; i < std::size(asking_to_stop); ++i) {
+    previous_[i] = std::signal(asking_to_stop[i], &on_interrupt);
+    // Ignored by who started us (nohup, a job in the background): it stays so.
+    if (previous_[i] == SIG_IGN) std::signal(asking_to_stop[i], SIG_IGN);
+  }
+}
+
 InterruptGuard::~InterruptGuard() {
-  std::signal(SIGINT, previous_);
-  std::signal(SIGTERM, previous_term_);
+  for (std::size_t i = 0; i < std::size(asking_to_stop); ++i)
+    std::signal(asking_to_stop[i], previous_[i]);
 }
 
 } // namespace hvi::lang

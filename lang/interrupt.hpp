@@ -1,7 +1,8 @@
-// Ctrl-C (and SIGTERM, what batch systems send): asks the run to stop after the step; a second one
-// ends the program at once.
+// Ctrl-C (and SIGTERM, what batch systems send, and SIGHUP, of a terminal that closes): asks the
+// run to stop after the step; a second one ends the program at once.
 #pragma once
 
+#include <array>
 #include <atomic>
 
 namespace hvi::lang {
@@ -18,8 +19,7 @@ public:
   ~InterruptGuard();
 
 private:
-  void (*previous_)(int);
-  void (*previous_term_)(int);
+  std::array<void (*)(int), 3> previous_{}; ///< of SIGINT, SIGTERM, SIGHUP
 };
 
 } // namespace hvi::lang

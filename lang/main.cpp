@@ -1,21 +1,29 @@
 // The command line, and nothing else.
 #include "lang/diag/suggest.hpp"
 #include "lang/driver.hpp"
+#include "lang/say.hpp"
 #include "solver/linear/blas_memory.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <fcntl.h>
 #include <malloc.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
+#include <system_error>
 
 namespace {
 
 using hvi::lang::Options;
+using hvi::lang::tell;
 
 /// -D name=value
 bool add_define(const std::string& text, Options& options) {
@@ -25,10 +33,18 @@ bool add_define(const std::string& text, Options& options) {
   return true;
 }
 
+/// CLI11's own check of positive numbers lets NaN pass.
+std::string positive(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  const bool good = !text.empty() && *end == '\0' && value > 0.0 && std::isfinite(value);
+  return good ? "" : "not a positive number: " + text;
+}
+
 void add_common(CLI::App& app, Options& options, std::vector<std::string>& defines) {
   app.add_option("-D", defines, "set a parameter: -D n=64")->allow_extra_args(false);
   app.add_option("-o", options.output_folder, "output folder (default: named after the script)");
-  app.add_option("--json", options.json, "write the result as JSON");
+  app.add_option("--json", options.json, "write the result as JSON; `-`: to the standard output");
   app.add_flag("--quiet", options.quiet, "the table only");
   app.add_flag("--strict", options.strict, "refuse where the theorem does not apply");
   app.add_flag("--profile", options.profile, "where the time went");
@@ -51,9 +67,9 @@ void no_command(std::string_view word, CLI::App& app) {
   for (const CLI::App* one : app.get_subcommands([](CLI::App*) { return true; }))
     commands.push_back(one->get_name());
   const std::string meant = hvi::lang::did_you_mean(word, commands);
-  fmt::print(stderr, "hvi-run: `{}` is neither a command nor a script (FILE.hvi){}{}\n", word,
-             meant.empty() ? "" : ": ", meant);
-  fmt::print(stderr, "commands: {}; --help says more\n", fmt::join(commands, ", "));
+  tell("hvi-run: `{}` is neither a command nor a script (FILE.hvi){}{}\n", word,
+       meant.empty() ? "" : ": ", meant);
+  tell("commands: {}; --help says more\n", fmt::join(commands, ", "));
 }
 
 int dispatch(int argc, char** argv) {
@@ -85,12 +101,12 @@ int dispatch(int argc, char** argv) {
   if (auto* folder = run->get_option_no_throw("-o")) no_files->excludes(folder);
   run->add_option("--accuracy", options.accuracy,
                   "find the cheapest setting with this relative error")
-      ->check(CLI::PositiveNumber);
+      ->check(positive);
   run->add_option("--of", options.accuracy_of, "the accuracy of this column, not of u in V");
   run->add_flag("--as-written", options.as_written,
                 "with --accuracy: keep element, scheme and grading, vary mesh and steps only");
   run->add_option("--budget", options.budget, "CPU seconds a run for --accuracy may take")
-      ->check(CLI::PositiveNumber);
+      ->check(positive);
   run->add_flag("--monitors", options.monitors, "energies and a-priori bounds, step by step");
   auto* check = command("check", "check scripts without solving", true);
   check->add_flag("--script-only", options.script_only, "without the mesh");
@@ -111,7 +127,7 @@ int dispatch(int argc, char** argv) {
   bool explain_all = false;
   explain->add_flag("--all", explain_all, "every diagnostic, as Markdown");
   if (argc == 1) {
-    fmt::print(stderr, "{}", app.help("hvi-run"));
+    tell("{}", app.help("hvi-run"));
     return hvi::lang::exit_usage;
   }
   try {
@@ -125,12 +141,12 @@ int dispatch(int argc, char** argv) {
     return status == 0 ? hvi::lang::exit_ok : hvi::lang::exit_usage;
   }
   if (*explain && code.empty() != explain_all) {
-    fmt::print(stderr, "hvi-run: explain takes a code, or --all\n");
+    tell("hvi-run: explain takes a code, or --all\n");
     return hvi::lang::exit_usage;
   }
   for (const std::string& define : defines)
     if (!add_define(define, options)) {
-      fmt::print(stderr, "hvi-run: -D takes name=value, not `{}`\n", define);
+      tell("hvi-run: -D takes name=value, not `{}`\n", define);
       return hvi::lang::exit_usage;
     }
   if (*run) return hvi::lang::run_command(files[0], options);
@@ -174,24 +190,50 @@ void keep_freed_memory() {
 #endif
 }
 
-} // namespace
+/// A standard stream that is closed would be the number of the next file that is opened, which
+/// messages would be written into.
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", O_RDONLY) < 0) return;
+}
 
-int main(int argc, char** argv) {
-  keep_freed_memory();
-  if (!hvi::solver::reserve_blas_memory()) {
-    fmt::print(stderr, "error[E0607]: out of memory: a run needs some 200 MiB of addresses\n");
-    return hvi::lang::exit_solve;
-  }
-  std::signal(SIGXFSZ, SIG_IGN); // a file beyond a limit is a failed write, with a message
+/// What was printed has to have arrived: a full disk or a closed pipe shows here at the latest.
+int flushed(int code) {
+  errno = 0;
+  const bool arrived = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (arrived || code == hvi::lang::exit_bug) return code;
+  tell("error[E0702]: cannot write to the standard output{}{}\n", errno != 0 ? ": " : "",
+       errno != 0 ? std::strerror(errno) : "");
+  return hvi::lang::exit_solve;
+}
+
+int run_program(int argc, char** argv) {
   try {
     std::string word = "run";
     auto arguments = with_command(argc, argv, word);
     return dispatch(static_cast<int>(arguments.size()), arguments.data());
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "error[E0607]: out of memory\n");
+    std::fputs("error[E0607]: out of memory\n", stderr);
+    return hvi::lang::exit_solve;
+  } catch (const std::system_error& error) { // no thread, no file, no process to be had
+    tell("error[E0611]: the system refused something: {}\n", error.what());
     return hvi::lang::exit_solve;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "error[E0901]: internal error: {}\n", error.what());
+    tell("error[E0901]: internal error: {}\n", error.what());
     return hvi::lang::exit_bug;
   }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  keep_freed_memory();
+  if (!hvi::solver::reserve_blas_memory()) {
+    std::fputs("error[E0607]: out of memory: a run needs some 200 MiB of addresses\n", stderr);
+    return hvi::lang::exit_solve;
+  }
+  open_standard_streams();
+  std::signal(SIGXFSZ, SIG_IGN); // a file beyond a limit is a failed write, with a message
+  std::signal(SIGPIPE, SIG_IGN); // and so is a pipe that nobody reads
+  return flushed(run_program(argc, argv));
 }

@@ -1,6 +1,8 @@
 // Lines on the memory for run and plan.
 #include "lang/memory_lines.hpp"
 
+#include "lang/say.hpp"
+
 #include <fmt/format.h>
 
 namespace hvi::lang {
@@ -23,10 +25,10 @@ std::string figures(const solver::HistoryReport& h) {
 
 void print_memory(const solver::Plan& plan, const std::vector<solver::HistoryReport>& reports) {
   for (const solver::EffectNote& effect : plan.effects)
-    if (effect.name.starts_with("Prony sum")) fmt::print("{}: {}\n", effect.name, effect.why);
+    if (effect.name.starts_with("Prony sum")) say("{}: {}\n", effect.name, effect.why);
   for (std::size_t m = 0; m < reports.size(); ++m)
-    fmt::print("memory `{}`: {} ({}): {}\n", plan.histories[m].kernel.name, reports[m].route,
-               figures(reports[m]), reports[m].why);
+    say("memory `{}`: {} ({}): {}\n", plan.histories[m].kernel.name, reports[m].route,
+        figures(reports[m]), reports[m].why);
 }
 
 } // namespace hvi::lang

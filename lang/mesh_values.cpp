@@ -1,6 +1,7 @@
 // See mesh_values.hpp.
 #include "lang/mesh_values.hpp"
 
+#include "lang/interrupt.hpp"
 #include "solver/fem/pointwise.hpp"
 
 #include <Eigen/Cholesky>
@@ -72,6 +73,17 @@ void check_materials(Script& script, const solver::Discretisation& d) {
     }
     if (!found.empty()) script.diagnostics.add("E0504", material.span, found);
   }
+}
+
+bool discretise_script(Script& script, solver::Discretisation& out) {
+  try {
+    for (const solver::Failure& failure : solver::discretise(*script.plan, out, &stop_flag()))
+      add_failure(script, failure);
+    if (!script.diagnostics.has_errors()) check_materials(script, out);
+  } catch (const solver::Failure& failure) {
+    add_failure(script, failure);
+  }
+  return !script.diagnostics.has_errors();
 }
 
 } // namespace hvi::lang

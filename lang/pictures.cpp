@@ -19,7 +19,7 @@ namespace {
 using solver::Point;
 using Triangle = std::array<std::int32_t, 3>;
 
-struct Drawn {
+struct Face {
   double depth;
   std::array<std::array<double, 2>, 3> corners;
   double value;
@@ -63,13 +63,13 @@ std::vector<double> magnitudes(const solver::Plan& plan, const solver::FieldSpec
 }
 
 /// Facets are ordered counterclockwise seen from outside: those that turn away are hidden.
-bool faces_us(const Drawn& d) {
+bool faces_us(const Face& d) {
   const auto& [a, b, c] = d.corners;
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0;
 }
 
 /// A little larger about its centre, so that no seam lets what lies behind shine through.
-void widen(Drawn& d) {
+void widen(Face& d) {
   for (int axis = 0; axis < 2; ++axis) {
     const double centre = (d.corners[0][axis] + d.corners[1][axis] + d.corners[2][axis]) / 3.0;
     for (auto& corner : d.corners) corner[axis] = centre + 1.02 * (corner[axis] - centre);
@@ -77,9 +77,9 @@ void widen(Drawn& d) {
 }
 
 std::string polygons(const solver::Mesh& mesh, const std::vector<double>& values) {
-  std::vector<Drawn> drawn;
+  std::vector<Face> drawn;
   for (const Triangle& t : surface(mesh)) {
-    Drawn one{0.0, {}, 0.0};
+    Face one{0.0, {}, 0.0};
     for (int k = 0; k < 3; ++k) {
       const auto p = project(mesh.nodes[t[k]], mesh.dim);
       one.corners[k] = {p[0], p[1]};
@@ -93,9 +93,9 @@ std::string polygons(const solver::Mesh& mesh, const std::vector<double>& values
     drawn.push_back(one);
   }
   std::stable_sort(drawn.begin(), drawn.end(),
-                   [](const Drawn& a, const Drawn& b) { return a.depth < b.depth; });
+                   [](const Face& a, const Face& b) { return a.depth < b.depth; });
   std::string out;
-  for (const Drawn& one : drawn) {
+  for (const Face& one : drawn) {
     for (const auto& corner : one.corners)
       fmt::format_to(std::back_inserter(out), "{:.8g} {:.8g} {:.8g}\n", corner[0], corner[1],
                      one.value);
@@ -104,32 +104,43 @@ std::string polygons(const solver::Mesh& mesh, const std::vector<double>& values
   return out;
 }
 
-} // namespace
-
-std::vector<std::string> draw_pictures(const solver::Plan& plan, const solver::Discretisation& d,
-                                       const solver::RunResult& result, const std::string& folder) {
-  std::vector<std::string> files;
-  for (const solver::PictureSpec& picture : plan.report.pictures) {
-    if (d.mesh.dim == 1) continue;
-    const auto values = magnitudes(plan, picture.field, d, result);
-    const std::string name = picture.file.empty()
-                                 ? fmt::format("{}_{}.png", plan.title, picture.field.name)
-                                 : picture.file;
-    const std::string label = picture.field.components.size() > 1
-                                  ? fmt::format("|{}|", picture.field.name)
-                                  : picture.field.name;
-    plot(fmt::format("set size ratio -1\nunset key\n{}"
+/// The commands of one picture.
+std::string commands_for(const solver::Plan& plan, const solver::PictureSpec& picture,
+                         const solver::Discretisation& d, const solver::RunResult& result) {
+  const auto values = magnitudes(plan, picture.field, d, result);
+  const std::string label = picture.field.components.size() > 1
+                                ? fmt::format("|{}|", picture.field.name)
+                                : picture.field.name;
+  return fmt::format("set size ratio -1\nunset key\n{}"
                      "set palette defined (0 '#30123b', 1 '#28bbec', 2 '#a2fc3c', 3 '#fb8022', 4 "
                      "'#7a0403')\nset title {} noenhanced\n$data << HVI_END\n{}HVI_END\n"
                      "plot $data using 1:2:3 with filledcurves closed fc palette {}notitle\n",
                      d.mesh.dim == 3 ? "unset border\nunset xtics\nunset ytics\n" : "",
                      quoted(label), polygons(d.mesh, values),
                      // borders are drawn after all areas: those of hidden ones would be seen
-                     d.mesh.dim == 3 ? "fs solid noborder " : ""),
-         std::filesystem::path(folder) / name);
-    files.push_back(name);
+                     d.mesh.dim == 3 ? "fs solid noborder " : "");
+}
+
+} // namespace
+
+std::string picture_file(const solver::Plan& plan, const solver::PictureSpec& picture) {
+  return picture.file.empty() ? fmt::format("{}_{}.png", plan.title, picture.field.name)
+                              : picture.file;
+}
+
+std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::Discretisation& d,
+                                 const solver::RunResult& result, const std::string& folder) {
+  std::vector<Drawn> out;
+  for (const solver::PictureSpec& picture : plan.report.pictures) {
+    if (d.mesh.dim == 1) continue;
+    out.push_back({picture.origin, picture_file(plan, picture), {}, {}, !picture.file.empty()});
+    try {
+      plot(commands_for(plan, picture, d, result), std::filesystem::path(folder) / out.back().file);
+    } catch (const solver::Failure& failure) {
+      out.back().failure = failure.what(), out.back().help = failure.help;
+    }
   }
-  return files;
+  return out;
 }
 
 } // namespace hvi::lang

@@ -9,12 +9,21 @@
 
 namespace hvi::lang {
 
-/// Draws every `picture` of the plan into `folder` (PNG, or SVG by the file's name); returns the
-/// files' names. Vectors and tensors are shown by their Euclidean norm. Throws
-/// Failure(output) when gnuplot is not there or refuses, Failure(bad_value) for a field that needs
-/// more than u.
-std::vector<std::string> draw_pictures(const solver::Plan& plan,
-                                       const solver::Discretisation& discretisation,
-                                       const solver::RunResult& result, const std::string& folder);
+/// The name of a picture's file in the output folder.
+std::string picture_file(const solver::Plan& plan, const solver::PictureSpec& picture);
+
+/// A picture, or why there is none.
+struct Drawn {
+  solver::Origin origin;
+  std::string file;           ///< in the output folder
+  std::string failure, help;  ///< gnuplot is not there or refuses; no field of u alone
+  bool asked_by_name = false; ///< the script names the file
+};
+
+/// Draws every `picture` of the plan into `folder` (PNG, or SVG by the file's name). Vectors and
+/// tensors are shown by their Euclidean norm.
+std::vector<Drawn> draw_pictures(const solver::Plan& plan,
+                                 const solver::Discretisation& discretisation,
+                                 const solver::RunResult& result, const std::string& folder);
 
 } // namespace hvi::lang

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "lang/driver.hpp"
+#include "lang/pictures.hpp"
 #include "solver/study/cea.hpp"
 
 #include <map>
@@ -54,8 +55,10 @@ std::string study_json(const Study& study);
 /// Every varied parameter, ladder by ladder.
 std::vector<std::string> varied(const Study& study);
 /// Error against CPU time with the front, and error against each ladder's numbers with triangles of
-/// slopes one and two, each as SVG and PNG, drawn by gnuplot into `folder`; returns the files'
-/// names.
-std::vector<std::string> draw_study(const Study& study, const std::string& folder);
+/// slopes one and two, each as SVG and PNG, drawn by gnuplot into `folder`. Rungs that are no
+/// positive numbers have no place on the axis.
+std::vector<Drawn> draw_study(const Study& study, const std::string& folder);
+/// The names of all files that a study writes into its folder, but for its journal.
+std::vector<std::string> files_of_study(const Study& study);
 
 } // namespace hvi::lang

@@ -6,9 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <iterator>
+#include <set>
 
 namespace hvi::lang {
 
@@ -46,6 +49,31 @@ std::vector<std::string> cells(const Study& study, const StudyRow& row) {
   out.push_back(cell(row.peak_bytes / 1e6, "{:.3g}"));
   out.push_back(fmt::format("{}", row.newton));
   out.push_back(row.front ? "*" : "");
+  return out;
+}
+
+constexpr std::array kinds = {"svg", "png"};
+
+/// The number of a rung that a logarithmic axis can show.
+std::optional<double> on_axis(const std::string& rung) {
+  char* end = nullptr;
+  const double value = std::strtod(rung.c_str(), &end);
+  if (rung.empty() || *end != '\0' || !(value > 0.0) || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+/// Is there a curve to draw: at least two different places on the axis?
+bool has_order_picture(const Study& study, std::size_t along) {
+  std::set<double> places;
+  for (const std::string& rung : study.ladders[along].values)
+    if (const auto value = on_axis(rung)) places.insert(*value);
+  return places.size() > 1;
+}
+
+std::vector<std::string> names_of_pictures(const Study& study) {
+  std::vector<std::string> out = {"cost"};
+  for (std::size_t l = 0; l < study.ladders.size(); ++l)
+    if (has_order_picture(study, l)) out.push_back("order_" + study.ladders[l].parameter);
   return out;
 }
 
@@ -131,10 +159,13 @@ std::string order_picture(const Study& study, std::size_t along) {
   std::string text = heading(study, "order in " + parameter) +
                      fmt::format("set xlabel {} noenhanced\n", quoted(parameter)),
               plots;
-  const auto value = [&](const StudyRow& row) { return std::stod(row.values.at(parameter)); };
+  const auto place = [&](const StudyRow& row) { return on_axis(row.values.at(parameter)); };
+  const auto value = [&](const StudyRow& row) { return place(row).value_or(0.0); };
   int k = 0;
   double low = 1e300, high = 0.0, least = 1e300;
-  for (const auto& [name, rows] : curves(study, along)) {
+  for (auto& [name, rows] : curves(study, along)) {
+    std::erase_if(rows, [&](const StudyRow* row) { return !place(*row); });
+    if (rows.empty()) continue;
     text += data_block(fmt::format("curve{}", k), rows, value);
     plots +=
         fmt::format("$curve{} with linespoints pt 7 ps 0.6 title {} noenhanced, ", k, quoted(name));
@@ -335,25 +366,31 @@ std::string study_json(const Study& study) {
   return all.dump(2) + "\n";
 }
 
-std::vector<std::string> draw_study(const Study& study, const std::string& folder) {
-  std::vector<std::string> files;
-  if (curves(study, 0).empty()) return files;
+std::vector<std::string> files_of_study(const Study& study) {
+  std::vector<std::string> out = {"study.csv"};
+  for (const std::string& name : names_of_pictures(study))
+    for (const char* kind : kinds) out.push_back(fmt::format("{}.{}", name, kind));
+  return out;
+}
+
+std::vector<Drawn> draw_study(const Study& study, const std::string& folder) {
+  std::vector<Drawn> out;
+  if (curves(study, 0).empty()) return out;
   const auto draw = [&](const std::string& name, const std::string& commands) {
-    for (const char* kind : {"svg", "png"}) {
-      files.push_back(fmt::format("{}.{}", name, kind));
-      plot(commands, fs::path(folder) / files.back(), {.white = true});
+    for (const char* kind : kinds) {
+      out.push_back({{}, fmt::format("{}.{}", name, kind), {}, {}, false});
+      try {
+        plot(commands, fs::path(folder) / out.back().file, {.white = true});
+      } catch (const solver::Failure& failure) {
+        out.back().failure = failure.what(), out.back().help = failure.help;
+      }
     }
   };
   draw("cost", cost_picture(study));
-  for (std::size_t l = 0; l < study.ladders.size(); ++l) {
-    const auto& rungs = study.ladders[l].values;
-    const bool numbers = std::all_of(rungs.begin(), rungs.end(), [](const std::string& v) {
-      return !v.empty() && (std::isdigit(static_cast<unsigned char>(v[0])) != 0 || v[0] == '.');
-    });
-    if (numbers && rungs.size() > 1)
+  for (std::size_t l = 0; l < study.ladders.size(); ++l)
+    if (has_order_picture(study, l))
       draw("order_" + study.ladders[l].parameter, order_picture(study, l));
-  }
-  return files;
+  return out;
 }
 
 } // namespace hvi::lang

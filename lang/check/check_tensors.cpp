@@ -2,6 +2,7 @@
 #include "lang/check/builtins.hpp"
 #include "lang/check/checker.hpp"
 #include "lang/diag/suggest.hpp"
+#include "lang/diag/unreadable.hpp"
 #include "solver/kernel/prony_fit.hpp"
 #include "solver/kernel/table.hpp"
 
@@ -364,13 +365,14 @@ Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& s
   constexpr std::size_t most_bytes = std::size_t{256} << 20;
   const auto text = read_text(*full, most_bytes);
   if (!text) {
-    error("E0601", (*args)[0]->span, fmt::format("there is no file `{}`", path->text));
+    error("E0601", (*args)[0]->span, why_unreadable(*full, path->text));
     return Poison{};
   }
   if (text->size() > most_bytes) {
     error("E0607", (*args)[0]->span, fmt::format("`{}` is larger than 256 MiB", path->text));
     return Poison{};
   }
+  model_.files_read.push_back(*full);
   try {
     auto table = std::make_shared<solver::Table>(solver::parse_table(path->text, *text, kind));
     table_uses_.push_back({e.span, path->text, at->scalar(), table->first(), table->last()});

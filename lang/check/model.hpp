@@ -124,7 +124,8 @@ struct Model {
   solver::ReportSpec report;
   std::vector<Expectation> expectations;
   std::optional<ModelStudy> study;
-  std::vector<Span> origins; ///< what a solver::Origin's id stands for
+  std::vector<std::string> files_read; ///< of tables
+  std::vector<Span> origins;           ///< what a solver::Origin's id stands for
 
   solver::Origin origin(const Span& span) {
     origins.push_back(span);

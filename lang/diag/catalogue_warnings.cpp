@@ -53,6 +53,14 @@ not what was meant.)",
 superpotential layer(r) with slope | r < 0.08 -> 100*r | r < 0.02 -> 50*r | otherwise -> 8)",
      R"(
 superpotential layer(r) with slope | r < 0.02 -> 50*r | r < 0.08 -> 100*r - 1 | otherwise -> 7)"},
+    {"W0601", "picture not drawn",
+     R"(
+gnuplot is not there, or refused. Everything else is on the disk: pictures come last. A picture whose
+file the script names (`to "slab.png"`) is a result that was asked for: without it the run ends with E0702.)",
+     R"(
+PATH= hvi-run slab.hvi)",
+     R"(
+sudo apt-get install gnuplot-nox)"},
 });
 
 } // namespace

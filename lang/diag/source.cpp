@@ -73,6 +73,7 @@ std::optional<std::string> read_text(const std::string& path, std::size_t limit)
   std::ifstream stream(path, std::ios::binary);
   if (!stream) return std::nullopt;
   const std::uintmax_t size = std::filesystem::file_size(path, problem);
+  if (problem) return std::nullopt;
   std::string text(static_cast<std::size_t>(std::min<std::uintmax_t>(size, limit + 1)), '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (stream.bad()) return std::nullopt;

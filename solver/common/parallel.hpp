@@ -5,6 +5,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace hvi::solver {
 /// f(0) ... f(count - 1), each by one thread, on at most `threads` of them. A piece writes to
 /// places of its own, so that the result has the same bits on any number of threads. The first
 /// exception is thrown again once all threads have ended; pieces that had not begun by then are
-/// left out.
+/// left out. Fewer threads do it where the system gives no more.
 template <class F>
 void for_each_piece(int count, int threads, const F& f) {
   std::atomic<int> next = 0;
@@ -32,7 +33,10 @@ void for_each_piece(int count, int threads, const F& f) {
   };
   {
     std::vector<std::jthread> others;
-    for (int t = 1; t < std::min(threads, count); ++t) others.emplace_back(work);
+    try {
+      for (int t = 1; t < std::min(threads, count); ++t) others.emplace_back(work);
+    } catch (const std::system_error&) { // no more are to be had: these do it all
+    }
     work();
   }
   if (failure) std::rethrow_exception(failure);

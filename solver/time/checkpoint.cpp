@@ -135,6 +135,8 @@ std::string read_file(const std::filesystem::path& path) {
 
 } // namespace
 
+std::uint64_t hash_of(std::string_view bytes) { return hash_of(bytes.data(), bytes.size()); }
+
 std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh) {
   Hash hash;
   Plan same = plan; // what may differ between two places or machines is left out
@@ -189,17 +191,6 @@ std::string read_checkpoint(const std::filesystem::path& path, std::uint64_t fin
                             "have changed",
                             again);
   return bytes.substr(sizeof header);
-}
-
-void remove_leftovers(const std::filesystem::path& path) {
-  std::error_code ignore;
-  const auto start = path.filename().string() + ".";
-  for (const auto& entry : std::filesystem::directory_iterator(path.parent_path(), ignore)) {
-    const auto name = entry.path().filename().string();
-    constexpr std::size_t random_letters = 6; // of a temporary file's name (file.cpp)
-    if (name.starts_with(start) && name.size() == start.size() + random_letters)
-      std::filesystem::remove(entry.path(), ignore);
-  }
 }
 
 } // namespace hvi::solver

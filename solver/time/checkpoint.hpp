@@ -22,6 +22,9 @@ struct CheckpointFailure : Failure {
 /// state is gone on from when its steps are the first ones of the grid (saved_state.cpp).
 std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh);
 
+/// Of the bytes of a file that a checkpoint counts on.
+std::uint64_t hash_of(std::string_view bytes);
+
 /// Where the checkpoint of a run stands.
 std::filesystem::path checkpoint_path(const std::string& folder, const std::string& name);
 
@@ -32,8 +35,5 @@ void write_checkpoint(const std::filesystem::path& path, std::uint64_t fingerpri
 /// The state again. Throws CheckpointFailure when any bit of the file is not what was written, or
 /// when it belongs to another problem.
 std::string read_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint);
-
-/// Removes what writes that were killed left beside the checkpoint.
-void remove_leftovers(const std::filesystem::path& path);
 
 } // namespace hvi::solver

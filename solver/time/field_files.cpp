@@ -2,7 +2,7 @@
 #include "solver/time/field_files.hpp"
 
 #include "solver/fem/element.hpp"
-#include "solver/output/file.hpp"
+#include "solver/time/checkpoint.hpp"
 
 #include <fmt/format.h>
 
@@ -101,10 +101,11 @@ VtuGrid body_grid(const Space& space) {
 }
 
 FieldFiles::FieldFiles(const Plan& plan, const Discretisation& d, const Contact& contact,
-                       const FieldsSpec& spec, std::filesystem::path folder, std::string stem)
+                       const FieldsSpec& spec, std::filesystem::path folder, std::string stem,
+                       Durability durability)
     : space_(d.space), contact_(contact),
       n_fields_(first_history_field + static_cast<int>(plan.histories.size())),
-      folder_(std::move(folder)), stem_(std::move(stem)) {
+      folder_(std::move(folder)), stem_(std::move(stem)), durability_(durability) {
   for (const auto& field : spec.fields) {
     if (std::none_of(field.components.begin(), field.components.end(), reads_multiplier)) {
       body_.push_back(field);
@@ -167,9 +168,11 @@ void FieldFiles::fill_contact(OnContact& part, const Snapshot& snapshot) const {
 
 void FieldFiles::write_vtu(const VtuGrid& grid, int part, const std::string& name, double t,
                            std::vector<std::string>& written) {
-  write_atomically(folder_ / name, vtu_bytes(grid));
+  const std::string bytes = vtu_bytes(grid);
+  write_atomically(folder_ / name, bytes, durability_);
   const auto inside = std::filesystem::path(name).filename().string();
   entries_.push_back({t, part, inside}); // the collection stands beside its files
+  hashes_.push_back(hash_of(bytes));
   written.push_back(name);
 }
 
@@ -190,6 +193,11 @@ void FieldFiles::write(const Snapshot& snapshot, std::vector<std::string>& writt
               snapshot.t(), written);
   }
   write_atomically(folder_ / (stem_ + ".pvd"), pvd_bytes(entries_));
+}
+
+void FieldFiles::write_collection() const {
+  if (resumed_ && !entries_.empty())
+    write_atomically(folder_ / (stem_ + ".pvd"), pvd_bytes(entries_));
 }
 
 } // namespace hvi::solver

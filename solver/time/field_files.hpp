@@ -1,6 +1,7 @@
 // The VTU and PVD files of one `fields` item.
 #pragma once
 
+#include "solver/output/file.hpp"
 #include "solver/output/vtu.hpp"
 #include "solver/time/law_sampler.hpp"
 
@@ -15,13 +16,17 @@ class FieldFiles {
 public:
   /// `stem`: file name without extension inside `folder`.
   FieldFiles(const Plan& plan, const Discretisation& discretisation, const Contact& contact,
-             const FieldsSpec& spec, std::filesystem::path folder, std::string stem);
+             const FieldsSpec& spec, std::filesystem::path folder, std::string stem,
+             Durability durability);
 
   std::vector<Expr> expressions() const;
   /// Writes the files of a step and the collection so far; file names are added to `written`.
   void write(const Snapshot& snapshot, std::vector<std::string>& written);
+  /// The collection again, where a run was resumed: it may have been lost since.
+  void write_collection() const;
 
   void save(std::ostream& out) const;
+  /// Throws Failure(broken_file) when a file written before is gone, empty or changed.
   void restore(std::istream& in);
 
 private:
@@ -45,6 +50,9 @@ private:
   std::vector<OnContact> contact_parts_;
   VtuGrid grid_;
   std::vector<PvdEntry> entries_;
+  std::vector<std::uint64_t> hashes_; ///< of the entries' files
+  Durability durability_;
+  bool resumed_ = false;
 };
 
 /// The grid of the body: P1 or P2 cells in VTK's order of nodes.

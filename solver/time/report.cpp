@@ -23,6 +23,14 @@ std::string stem_of(const std::string& file, const std::string& fallback) {
 
 } // namespace
 
+std::string table_stem(const ReportSpec& report, std::size_t i, const std::string& name) {
+  return stem_of(report.tables[i].file, i == 0 ? name : fmt::format("{}_table{}", name, i + 1));
+}
+
+std::string fields_stem(const ReportSpec& report, std::size_t i, const std::string& name) {
+  return stem_of(report.fields[i].file, i == 0 ? name : fmt::format("{}_fields{}", name, i + 1));
+}
+
 bool shows_events(const RunResult& result) {
   return !result.unique && !result.events.empty() && !result.columns.contains(event_column);
 }
@@ -31,9 +39,9 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, const Stepper& ste
                    const RunSettings& settings)
     : plan_(plan), space_(d.space), contact_(stepper.contact()), folder_(settings.output_folder),
       writes_(!settings.output_folder.empty()), probes_(plan, d, stepper),
-      range_(plan.law_terms.size()), found_(found_effects(plan, d, stepper)) {
+      range_(plan.law_terms.size()), found_(found_effects(plan, d, stepper)), warn_(settings.warn) {
   prepare_tables(settings.name);
-  prepare_fields(d, stepper, settings.name);
+  prepare_fields(d, stepper, settings);
   const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
   for (const auto& probe : plan.report.probes)
     rows_read_interior_ = rows_read_interior_ || reads_interior(probe, n_fields);
@@ -45,21 +53,22 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, const Stepper& ste
 void Reporter::prepare_tables(const std::string& name) {
   for (std::size_t i = 0; i < plan_.report.tables.size(); ++i) {
     const auto& spec = plan_.report.tables[i];
-    const auto fallback = i == 0 ? name : fmt::format("{}_table{}", name, i + 1);
     tables_.push_back(
-        {spec.probes, std::max(spec.every, 1), stem_of(spec.file, fallback) + ".csv"});
+        {spec.probes, std::max(spec.every, 1), table_stem(plan_.report, i, name) + ".csv"});
     base_every_ = std::gcd(base_every_, tables_.back().every);
   }
 }
 
 void Reporter::prepare_fields(const Discretisation& d, const Stepper& stepper,
-                              const std::string& name) {
+                              const RunSettings& settings) {
+  // What a checkpoint counts on is on the disk before it is.
+  const auto durability = settings.checkpoint_every > 0 ? Durability::synced : Durability::ordinary;
   auto expressions = probes_.expressions();
   for (std::size_t i = 0; writes_ && i < plan_.report.fields.size(); ++i) {
     const auto& spec = plan_.report.fields[i];
-    const auto fallback = i == 0 ? name : fmt::format("{}_fields{}", name, i + 1);
-    fields_.emplace_back(std::max(spec.every, 1), FieldFiles(plan_, d, contact_, spec, folder_,
-                                                             stem_of(spec.file, fallback)));
+    fields_.emplace_back(std::max(spec.every, 1),
+                         FieldFiles(plan_, d, contact_, spec, folder_,
+                                    fields_stem(plan_.report, i, settings.name), durability));
     const auto more = fields_.back().second.expressions();
     expressions.insert(expressions.end(), more.begin(), more.end());
   }
@@ -91,7 +100,7 @@ void Reporter::record(const Stepper& stepper, bool last) {
     for (std::size_t i = 0; i < values_.size(); ++i) columns_[i].push_back(values_[i]);
   }
   for (auto& [every, files] : fields_)
-    if (due(every, step, last)) files.write(now_, written_);
+    if (due(every, step, last)) attempt([&] { files.write(now_, written_); });
   if (keeps_before_) before_ = now_;
   last_recorded_ = step;
 }
@@ -115,13 +124,38 @@ void Reporter::timed_probes(const Stepper& stepper) {
   }
 }
 
-void Reporter::write_table(const TableFile& table, bool with_events) {
+void Reporter::attempt(const std::function<void()>& write) {
+  try {
+    write();
+  } catch (const Failure& failure) {
+    if (failure.kind != FailureKind::output) throw;
+    if (!unwritten_.empty()) return;
+    unwritten_ = failure.what();
+    unwritten_help_ = failure.help;
+    if (warn_) warn_(unwritten_);
+  }
+}
+
+void Reporter::stream(int step, bool with_events) {
+  if (!writes_ || tables_.empty()) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now - streamed_ < pause_) return;
+  const auto rows =
+      static_cast<std::size_t>(std::upper_bound(rows_.begin(), rows_.end(), step) - rows_.begin());
+  for (const auto& table : tables_)
+    if (rows > 0) attempt([&] { write_table(table, rows, with_events); });
+  streamed_ = std::chrono::steady_clock::now();
+  pause_ = std::max<std::chrono::steady_clock::duration>(std::chrono::seconds(1),
+                                                         20 * (streamed_ - now));
+}
+
+void Reporter::write_table(const TableFile& table, std::size_t rows, bool with_events) {
   ReportTable out{{"t"}, {{}}};
   for (const int probe : table.probes) out.names.push_back(plan_.report.probes[probe].name);
   if (with_events) out.names.emplace_back(event_column);
   out.columns.resize(out.names.size());
   int events = 0; // of the rows that this table leaves out, too
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
+  for (std::size_t r = 0; r < rows; ++r) {
     if (events_[r] != 0) events = events_[r] > 0 ? std::max(events, 0) + events_[r] : events_[r];
     if (!due(table.every, rows_[r], r + 1 == rows_.size())) continue;
     if (with_events) out.columns.back().push_back(std::exchange(events, 0));
@@ -130,7 +164,6 @@ void Reporter::write_table(const TableFile& table, bool with_events) {
       out.columns[c + 1].push_back(columns_[table.probes[c]][r]);
   }
   write_atomically(folder_ / table.file, csv_text(out));
-  written_.push_back(table.file);
 }
 
 void Reporter::finish(RunResult& result) {
@@ -149,7 +182,12 @@ void Reporter::finish(RunResult& result) {
   result.effects.insert(result.effects.end(), found_.begin(), found_.end());
   const bool with_events = shows_events(result);
   if (writes_ && !rows_.empty())
-    for (const auto& table : tables_) write_table(table, with_events);
+    for (const auto& table : tables_)
+      attempt([&] {
+        write_table(table, rows_.size(), with_events);
+        written_.push_back(table.file);
+      });
+  for (auto& files : fields_) attempt([&] { files.second.write_collection(); });
   result.files = written_;
 }
 

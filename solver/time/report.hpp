@@ -6,6 +6,8 @@
 #include "solver/time/field_files.hpp"
 #include "solver/time/probes.hpp"
 
+#include <chrono>
+#include <functional>
 #include <optional>
 
 namespace hvi::solver {
@@ -15,6 +17,10 @@ namespace hvi::solver {
 inline constexpr const char* event_column = "event";
 /// Does the table have it? Not where a probe has the name.
 bool shows_events(const RunResult& result);
+
+/// Names without extension, in the output folder, of the i-th table and of the i-th fields.
+std::string table_stem(const ReportSpec& report, std::size_t i, const std::string& name);
+std::string fields_stem(const ReportSpec& report, std::size_t i, const std::string& name);
 
 class Reporter {
 public:
@@ -29,11 +35,20 @@ public:
   /// the largest |u| of the run. After `record` of the last step.
   std::vector<ColumnError> errors(std::span<const ErrorSample> samples, const Vector& u,
                                   double scale);
+  /// Writes the tables as far as they are, up to this step, when that has not been done for a
+  /// second (or for twenty times as long as it takes).
+  void stream(int step, bool with_events);
   /// Writes what is kept in memory so far (tables); also after a failure.
   void finish(RunResult& result);
+  /// Writes something. What cannot be written is told, and the run goes on.
+  void attempt(const std::function<void()>& write);
+  void tell_unwritten(RunResult& result) const {
+    result.unwritten = unwritten_, result.unwritten_help = unwritten_help_;
+  }
 
   void save(std::ostream& out) const;
-  /// `stepper`: restored before. Throws Failure(broken_file) when a file written before is gone.
+  /// `stepper`: restored before. Throws Failure(broken_file) when a file written before is gone or
+  /// not what it was.
   void restore(std::istream& in, const Stepper& stepper);
 
 private:
@@ -44,10 +59,10 @@ private:
   };
   void prepare_tables(const std::string& name);
   void prepare_fields(const Discretisation& discretisation, const Stepper& stepper,
-                      const std::string& name);
+                      const RunSettings& settings);
   void timed_probes(const Stepper& stepper);
   std::vector<double> change_along(const ErrorSample& direction, double step);
-  void write_table(const TableFile& table, bool with_events);
+  void write_table(const TableFile& table, std::size_t rows, bool with_events);
   bool due(int every, int step, bool last) const { return last || step % every == 0; }
 
   const Plan& plan_;
@@ -71,6 +86,10 @@ private:
   int last_recorded_ = -1;
   std::vector<int> events_; ///< by row: points released, or -1 for a snap
   int pending_events_ = 0;
+  std::function<void(const std::string&)> warn_;
+  std::string unwritten_, unwritten_help_; ///< of the first file that could not be written
+  std::chrono::steady_clock::time_point streamed_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::duration pause_ = std::chrono::seconds(1); ///< before the next time
 };
 
 } // namespace hvi::solver

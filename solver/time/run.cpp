@@ -263,6 +263,7 @@ public:
       }
       step(n);
       record(n == steps);
+      if (n < steps) reporter_.stream(stepper_.checked_up_to(), !stepper_.not_unique().empty());
       if (settings_.checkpoint_every > 0 && (n == steps || n % settings_.checkpoint_every == 0))
         checkpoint();
     }
@@ -282,6 +283,7 @@ public:
       const PhaseClock clock(result_.timing.output);
       reporter_.finish(result_);
       if (monitor_) finish_monitors();
+      reporter_.tell_unwritten(result_);
     }
     account(result_.work, result_.timing);
     result_.histories = stepper_.memory().reports();
@@ -384,8 +386,10 @@ private:
       table.columns.push_back(monitor_->columns()[c]);
     }
     const auto file = settings_.name + "_monitors.csv";
-    write_atomically(std::filesystem::path(settings_.output_folder) / file, csv_text(table));
-    result_.files.push_back(file);
+    reporter_.attempt([&] {
+      write_atomically(std::filesystem::path(settings_.output_folder) / file, csv_text(table));
+      result_.files.push_back(file);
+    });
   }
 
   void account(WorkCounters& work, Timing& timing) const {
@@ -423,8 +427,10 @@ private:
       w.put(monitor_times_);
       monitor_->save(out);
     }
-    write_checkpoint(checkpoint_path(settings_.output_folder, settings_.name), fingerprint_,
-                     out.view());
+    reporter_.attempt([&] {
+      write_checkpoint(checkpoint_path(settings_.output_folder, settings_.name), fingerprint_,
+                       out.view());
+    });
   }
 
   void restore(std::istream& in) {
@@ -511,7 +517,7 @@ std::optional<std::string> saved_state(const Plan& plan, const Discretisation& d
   if (settings.output_folder.empty())
     throw Failure(FailureKind::bad_value, {}, "a checkpoint needs an output folder");
   const auto file = checkpoint_path(settings.output_folder, settings.name);
-  remove_leftovers(file);
+  remove_leftovers(file.parent_path());
   if (!settings.resume || !std::filesystem::exists(file)) return std::nullopt;
   return read_checkpoint(file, fingerprint(plan, discretisation.mesh));
 }

@@ -129,7 +129,9 @@ struct RunResult {
   bool unique = true;           ///< has every step's problem one solution?
   std::optional<double> energy; ///< of the last state, where more than one is possible
   std::optional<MonitorTable> monitors;
-  int resumed_from = 0;           ///< the step of the checkpoint that was gone on from
+  int resumed_from = 0; ///< the step of the checkpoint that was gone on from
+  /// Why the first file that could not be written was not, and what to do; empty: all were.
+  std::string unwritten, unwritten_help;
   std::vector<std::string> files; ///< written, relative to the output folder
   Vector u;                       ///< full vector at the end
 };
@@ -144,6 +146,8 @@ struct RunSettings {
   std::function<void(const Progress&)> progress;
   /// Called after every accepted step with (n, t, u, xi of all law points).
   std::function<void(int, double, const Vector&, const Vector&)> on_step;
+  /// Told at once when a file cannot be written. The run goes on: see RunResult::unwritten.
+  std::function<void(const std::string&)> warn;
   const std::atomic<bool>* stop = nullptr; ///< set by Ctrl-C: ends with Failure(interrupted)
   /// Every so many steps, at the end and on `stop` the state goes to <folder>/<name>.checkpoint;
   /// 0: never. `resume`: goes on from that file when it is there, with the same bits.
@@ -156,6 +160,7 @@ struct RunSettings {
 
 /// Solves. Throws Failure(not_certified) at a step without certificate, with its number in the
 /// message and the law's origin; what was computed up to the last good step is in `partial`.
+/// Tables reach the disk meanwhile: a killed run leaves all rows but those of its last second.
 RunResult run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
               RunResult* partial = nullptr);
 

@@ -3,10 +3,13 @@
 #include "solver/time/saved_state.hpp"
 
 #include "solver/history/horizon.hpp"
+#include "solver/time/checkpoint.hpp"
 #include "solver/time/report.hpp"
 #include "solver/time/step.hpp"
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 
 namespace hvi::solver {
 
@@ -201,6 +204,21 @@ void Stepper::restore(std::istream& in) {
   for (Vector& v : largest_.on_base) get_vector(r, v, layout_.n_state);
 }
 
+namespace {
+
+/// "" when the file holds the bytes it was written with.
+std::string what_is_wrong(const std::filesystem::path& path, std::uint64_t hash) {
+  std::error_code none;
+  if (!std::filesystem::exists(path, none)) return "is gone";
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return "cannot be read";
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  if (bytes.empty()) return "is empty";
+  return hash_of(bytes) == hash ? "" : "was changed since";
+}
+
+} // namespace
+
 void FieldFiles::save(std::ostream& out) const {
   StateWriter w(out);
   w.put(static_cast<std::uint64_t>(entries_.size()));
@@ -209,6 +227,7 @@ void FieldFiles::save(std::ostream& out) const {
     w.put(entry.part);
     put_text(w, entry.file);
   }
+  w.put(hashes_);
 }
 
 void FieldFiles::restore(std::istream& in) {
@@ -219,6 +238,15 @@ void FieldFiles::restore(std::istream& in) {
     const int part = r.get<int>();
     entries_.push_back({time, part, get_text(r)});
   }
+  hashes_ = r.get_vector<std::uint64_t>();
+  if (hashes_.size() != entries_.size()) r.fail("names files without their content");
+  const auto beside = (folder_ / stem_).parent_path();
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const auto path = beside / entries_[i].file;
+    if (const auto wrong = what_is_wrong(path, hashes_[i]); !wrong.empty())
+      r.fail("counts on the file `" + path.string() + "`, which " + wrong);
+  }
+  resumed_ = true;
 }
 
 void Reporter::save(std::ostream& out) const {
@@ -251,9 +279,6 @@ void Reporter::restore(std::istream& in, const Stepper& stepper) {
   for (auto& files : fields_) files.second.restore(in);
   now_.take(stepper);
   if (keeps_before_) before_ = now_;
-  for (const auto& name : written_)
-    if (!std::filesystem::exists(folder_ / name))
-      r.fail("counts on the file `" + name + "`, which is gone");
 }
 
 } // namespace hvi::solver

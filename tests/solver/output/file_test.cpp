@@ -1,9 +1,13 @@
 // Files appear whole or not at all; what cannot be written is a Failure(output).
 #include "solver/common/failure.hpp"
 #include "solver/output/file.hpp"
+#include "solver/output/folder_lock.hpp"
 #include "solver/output/table.hpp"
+#include "solver/output/temporary_file.hpp"
 
 #include <gtest/gtest.h>
+
+#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -65,6 +69,87 @@ TEST(File, AFullDiskIsAFailureAndKeepsTheOldFile) {
   EXPECT_EQ(std::system(("bash -c \"" + command + "\"").c_str()), 0);
   EXPECT_EQ(content(folder / "a.txt"), "old");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+}
+
+/// A temporary file as a writer leaves it that was killed.
+fs::path left_by_a_dead_writer(const fs::path& folder) {
+  auto path = folder / ".a.txt.abcdefgh.hvi-part";
+  std::ofstream(path) << "half";
+  return path;
+}
+
+TEST(File, LeftoversOfTheDeadGoAndNoOthers) {
+  const auto folder = fresh_folder("leftovers");
+  fs::create_directories(folder);
+  const auto dead = left_by_a_dead_writer(folder);
+  std::ofstream(folder / "a.txt.backup") << "mine";
+  std::ofstream(folder / "mine.hvi-part") << "mine";
+  const TemporaryFile living(folder / "b.txt");
+  ASSERT_TRUE(living.is_open());
+  remove_leftovers(folder);
+  EXPECT_FALSE(fs::exists(dead));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 3);
+}
+
+TEST(File, ATemporaryFileThatIsTakenAwayIsAFailure) {
+  const auto folder = fresh_folder("taken_away");
+  fs::create_directories(folder);
+  TemporaryFile file(folder / "a.txt");
+  ASSERT_TRUE(file.write("whole"));
+  for (const auto& entry : fs::directory_iterator(folder)) fs::remove(entry.path());
+  EXPECT_FALSE(file.rename_to(folder / "a.txt"));
+  EXPECT_FALSE(fs::exists(folder / "a.txt"));
+}
+
+TEST(File, ALongNameHasRoomForATemporaryOne) {
+  const auto folder = fresh_folder("long");
+  const std::string name(250, 'n');
+  write_atomically(folder / name, "x");
+  EXPECT_EQ(content(folder / name), "x");
+}
+
+TEST(File, LinesAreAppendedWhole) {
+  const auto folder = fresh_folder("append");
+  append_line(folder / "a.txt", "one");
+  append_line(folder / "a.txt", "two");
+  EXPECT_EQ(content(folder / "a.txt"), "one\ntwo\n");
+  std::ofstream(folder / "a.txt", std::ios::app) << "half of a li"; // killed while it wrote
+  append_line(folder / "a.txt", "three");
+  EXPECT_EQ(content(folder / "a.txt"), "one\ntwo\nhalf of a li\nthree\n");
+}
+
+TEST(File, DevicesAndPipesAreRefused) {
+  EXPECT_EQ(kind_of_write("/dev/null"), FailureKind::output);
+  EXPECT_THROW(try_to_write("/dev/full"), Failure);
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST(FolderLock, OneAtATimeAndItSaysWho) {
+  const auto folder = fresh_folder("lock");
+  {
+    const FolderLock first(folder);
+    try {
+      const FolderLock second(folder);
+      FAIL() << "two at once";
+    } catch (const FolderBusy& busy) {
+      const std::string said = busy.what();
+      EXPECT_NE(said.find(std::to_string(::getpid())), std::string::npos) << said;
+      EXPECT_NE(said.find(folder.string()), std::string::npos) << said;
+    }
+  }
+  EXPECT_FALSE(fs::exists(folder)); // it was made, and stayed empty
+  fs::create_directories(folder);
+  { const FolderLock again(folder); }
+  EXPECT_TRUE(fs::exists(folder));
+  EXPECT_TRUE(fs::is_empty(folder));
+}
+
+TEST(FolderLock, AFileInTheWayIsAFailure) {
+  const auto folder = fresh_folder("lock_way");
+  write_atomically(folder / "plain", "x");
+  EXPECT_THROW(FolderLock(folder / "plain"), Failure);
+  EXPECT_THROW(FolderLock(folder / "plain" / "below"), Failure);
+  EXPECT_THROW(FolderLock("/proc/nothing/here"), Failure);
 }
 
 /// The child of the test above: runs with a file-size limit, so that writing fails half way.

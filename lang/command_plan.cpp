@@ -1,0 +1,141 @@
+// hvi-run plan: what would be done, from the first steps.
+#include "lang/driver.hpp"
+#include "lang/memory_lines.hpp"
+#include "lang/mesh_values.hpp"
+#include "lang/say.hpp"
+#include "solver/linear/bandwidth.hpp"
+#include "solver/time/memory.hpp"
+#include "solver/time/rehearsal.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+
+namespace hvi::lang {
+
+namespace {
+
+/// The first steps, really taken: what they count is what the run counts, and their seconds say
+/// what the others will take. But the sums of memories grow: those are rehearsed.
+struct Forecast {
+  solver::RunResult result;
+  solver::MemoryForecast memory;
+  double last = 0;                                       ///< CPU seconds after the last step taken
+  double each = std::numeric_limits<double>::infinity(); ///< of the cheapest: first ones prepare
+  int taken = 0, steps = 0;
+  bool friction = false;
+  /// Of the memories after the steps taken, beyond what the first of them took.
+  double history() const {
+    const auto& r = result;
+    const double bytes = sizeof(double) * (r.path.empty() ? r.contact_unknowns : r.unknowns);
+    return memory.reads > 0.0 || memory.seconds > 0.0
+               ? memory.seconds + memory.reads * bytes / solver::read_bandwidth()
+               : 0.0;
+  }
+  /// Without files.
+  double seconds() const {
+    if (taken >= steps) return result.timing.mesh + last;
+    // In the first steps everything sticks; those with slip cost about half as much again.
+    const double later = friction ? 1.5 * each : each;
+    return result.timing.mesh + last + later * (steps - taken) + history();
+  }
+};
+
+Forecast forecast(const solver::Plan& plan, const solver::Discretisation& discretisation) {
+  Forecast out;
+  out.friction = std::any_of(plan.laws.begin(), plan.laws.end(),
+                             [](const solver::LawSpec& law) { return law.radial; });
+  std::atomic<bool> stop = false;
+  solver::RunSettings settings;
+  settings.stop = &stop;
+  settings.progress = [&](const solver::Progress& p) {
+    if (p.step > 1) out.each = std::min(out.each, p.seconds - out.last);
+    out.last = p.seconds, out.taken = p.step, out.steps = p.steps;
+    stop = p.step >= std::clamp(p.steps / 50, 8, 24);
+  };
+  try {
+    out.result = solver::run(plan, discretisation, settings, &out.result);
+  } catch (const solver::Failure& failure) {
+    if (failure.kind != solver::FailureKind::interrupted) throw;
+  }
+  if (out.taken < out.steps) out.memory = solver::rehearse_memory(plan, out.taken);
+  return out;
+}
+
+void print_forecast(const Forecast& f) {
+  const auto& r = f.result;
+  const auto& w = r.work;
+  const std::string evolution = r.path.empty()
+                                    ? "contact unknowns: all tensors are multiples of one tensor"
+                                    : "all unknowns: " + r.path;
+  say("evolution on {}\n", evolution);
+  say("{} unknowns, {} of them in contact laws; {} {}, {} analys{}, {} factorisation{}\n",
+      r.unknowns, r.contact_unknowns, w.matrices, w.matrices == 1 ? "matrix" : "matrices",
+      w.analyses, w.analyses == 1 ? "is" : "es", w.factorisations,
+      w.factorisations == 1 ? "" : "s");
+  const double per_step = f.taken > 0 ? 1.0 / f.taken : 0.0;
+  say("a step: {:.3g} sweeps, {:.3g} products, {:.3g} Newton iterations; {:.3g} MB held\n",
+      w.sweeps * per_step, w.products * per_step, w.newton * per_step, w.bytes / 1e6);
+  const std::string rehearsed =
+      f.memory.rehearsed > 0 ? fmt::format("; {} of its memory alone", f.memory.rehearsed) : "";
+  say("predicted: {:.3g} s for {} step{}, without files (from the first {}{})\n", f.seconds(),
+      f.steps, f.steps == 1 ? "" : "s", f.taken, rehearsed);
+}
+
+/// The effects as declared, or with what the first steps showed of them.
+void print_effects(const Script& script, const std::optional<Forecast>& first_steps) {
+  using State = solver::EffectNote::State;
+  const bool ran = first_steps && !first_steps->result.effects.empty();
+  for (const solver::EffectNote& note : ran ? first_steps->result.effects : script.plan->effects) {
+    const char* state = note.state == State::on        ? "on"
+                        : note.state == State::off     ? "off"
+                        : note.state == State::dropped ? "dropped"
+                                                       : "asleep";
+    const int line = line_of(script, note.origin);
+    std::string why = note.why.empty() ? "" : ": " + note.why;
+    const bool may_change = note.state == State::asleep || note.why.starts_with("linear");
+    if (ran && may_change && first_steps->taken < first_steps->steps)
+      why += fmt::format(" up to step {}", first_steps->taken);
+    say("{:<8} {}{}{}\n", state, note.name, line > 0 ? fmt::format(", line {}", line) : "", why);
+  }
+}
+
+} // namespace
+
+int plan_command(const std::string& path, const Options& options) {
+  Script script;
+  script.path = path;
+  if (!compile_script(script, options)) {
+    show_diagnostics(script, options);
+    return exit_script;
+  }
+  show_diagnostics(script, options);
+  std::vector<solver::HistoryReport> memory;
+  try {
+    memory = solver::planned_memory(*script.plan);
+  } catch (const solver::Failure& failure) {
+    add_failure(script, failure);
+    show_diagnostics(script, options);
+    return exit_code(failure.kind);
+  }
+  solver::Discretisation discretisation;
+  std::optional<Forecast> first_steps;
+  try {
+    if (discretise_script(script, discretisation))
+      first_steps = forecast(*script.plan, discretisation);
+  } catch (const solver::Failure& failure) {
+    add_failure(script, failure);
+  }
+  print_effects(script, first_steps);
+  print_memory(*script.plan, memory);
+  say("{} forms, {} memory fields, {} laws, {} loads\n", script.plan->forms.size(),
+      script.plan->histories.size(), script.plan->law_terms.size(), script.plan->loads.size());
+  if (first_steps) print_forecast(*first_steps);
+  if (!script.diagnostics.has_errors()) return exit_ok;
+  show_diagnostics(script, options);
+  return exit_script;
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,30 @@
+// See unreadable.hpp.
+#include "lang/diag/unreadable.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace hvi::lang {
+
+std::string why_unreadable(const std::string& path, const std::string& name) {
+  std::error_code problem;
+  const auto status = std::filesystem::status(path, problem);
+  if (status.type() == std::filesystem::file_type::not_found)
+    return fmt::format("there is no file `{}`", name);
+  if (std::filesystem::is_directory(status)) return fmt::format("`{}` is a folder", name);
+  if (!problem && !std::filesystem::is_regular_file(status))
+    return fmt::format("`{}` is a device or a pipe, not a file", name);
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  if (stream) stream.get();
+  const std::string reason = problem      ? problem.message()
+                             : errno != 0 ? std::strerror(errno)
+                                          : "reading ends early";
+  return fmt::format("`{}` cannot be read: {}", name, reason);
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,169 @@
+// See outputs.hpp.
+#include "lang/outputs.hpp"
+
+#include "lang/pictures.hpp"
+#include "solver/output/file.hpp"
+#include "solver/time/checkpoint.hpp"
+#include "solver/time/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <functional>
+
+namespace hvi::lang {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file's place: the folder as it really is, and the name in it. What is renamed to a name takes
+/// the place of a link, not of what it leads to.
+fs::path place_of(const fs::path& path) {
+  std::error_code ignore;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  return fs::weakly_canonical(fs::absolute(folder, ignore), ignore) / path.filename();
+}
+
+/// All files a script is made of.
+std::vector<fs::path> inputs_of(const Script& script) {
+  std::vector<fs::path> out{script.path};
+  const fs::path folder = fs::path(script.path).parent_path();
+  for (int f = 1; f < script.sources.n_files(); ++f)
+    out.push_back(folder / script.sources.file(f).path());
+  if (script.model) {
+    out.insert(out.end(), script.model->files_read.begin(), script.model->files_read.end());
+    if (script.model->mesh.kind == solver::MeshSpec::Kind::file)
+      out.emplace_back(script.model->mesh.path);
+  }
+  return out;
+}
+
+bool in_series(const fs::path& input, const fs::path& stem) {
+  const auto name = input.filename().string();
+  return input.parent_path() == stem.parent_path() && input.extension() == ".vtu" &&
+         name.starts_with(stem.filename().string() + "_");
+}
+
+/// The input that one of the outputs would overwrite; empty: none.
+fs::path overwritten(const Outputs& outputs, const std::vector<fs::path>& inputs) {
+  std::vector<fs::path> files, series;
+  for (const auto& file : outputs.files) files.push_back(place_of(file));
+  for (const auto& stem : outputs.series) series.push_back(place_of(stem));
+  for (const fs::path& input : inputs) {
+    std::error_code ignore;
+    for (const fs::path& place : {place_of(input), fs::weakly_canonical(input, ignore)}) {
+      if (std::ranges::find(files, place) != files.end()) return input;
+      for (const auto& stem : series)
+        if (in_series(place, stem)) return input;
+    }
+  }
+  return {};
+}
+
+/// A text as a part of a file's name.
+std::string as_name(const std::string& value) {
+  std::string out = value;
+  std::replace_if(
+      out.begin(), out.end(),
+      [](unsigned char c) {
+        return std::isalnum(c) == 0 && c != '.' && c != '+' && c != '-' && c != '=' && c != '_';
+      },
+      '_');
+  return out;
+}
+
+} // namespace
+
+Outputs outputs_in(const std::string& folder, const std::vector<std::string>& names,
+                   const Options& options) {
+  Outputs out;
+  if (!names.empty()) out.folder = folder;
+  for (const std::string& name : names) out.files.push_back(fs::path(folder) / name);
+  if (!options.json.empty() && !json_only(options)) out.files.emplace_back(options.json);
+  return out;
+}
+
+Outputs outputs_of_run(const Script& script, const Options& options) {
+  const auto& report = script.plan->report;
+  const std::string& title = script.model->title;
+  std::vector<std::string> names, series;
+  if (!options.no_files) {
+    for (std::size_t i = 0; i < report.tables.size(); ++i)
+      names.push_back(solver::table_stem(report, i, title) + ".csv");
+    for (std::size_t i = 0; i < report.fields.size(); ++i) {
+      series.push_back(solver::fields_stem(report, i, title));
+      names.push_back(series.back() + ".pvd");
+    }
+    for (const auto& picture : report.pictures)
+      names.push_back(picture_file(*script.plan, picture));
+    if (options.checkpoint > 0 || options.resume)
+      names.push_back(solver::checkpoint_path("", title).string());
+    if (options.monitors) names.push_back(title + "_monitors.csv");
+  }
+  Outputs out = outputs_in(output_folder(script, options), names, options);
+  for (const auto& stem : series) out.series.push_back(fs::path(out.folder) / stem);
+  return out;
+}
+
+bool HeldOutputs::take(const Outputs& outputs, const Options& options, Script& script, int& code) {
+  const auto refuse = [&](const char* what, int exit, std::string message, std::string help) {
+    script.diagnostics.add(diagnose(what, Span{}, std::move(message)).with_help(std::move(help)));
+    code = exit;
+    return false;
+  };
+  if (outputs.files.empty() && outputs.series.empty()) return true;
+  const auto last = fs::path(outputs.folder).filename();
+  if (last == ".." || (last == "." && options.output_folder.empty()))
+    return refuse("E0604", exit_script,
+                  fmt::format("`{}` is no name for a folder of results", outputs.folder),
+                  "name a folder: -o results");
+  if (const auto input = overwritten(outputs, inputs_of(script)); !input.empty())
+    return refuse("E0609", exit_script,
+                  fmt::format("a result would take the place of `{}`, which the script reads",
+                              input.string()),
+                  "choose another output folder (-o) or file");
+  try {
+    if (!outputs.folder.empty()) lock_.emplace(outputs.folder);
+    std::vector<fs::path> folders;
+    for (const auto& file : outputs.files) folders.push_back(file.parent_path());
+    for (const auto& stem : outputs.series) folders.push_back(stem.parent_path());
+    std::ranges::sort(folders);
+    folders.erase(std::unique(folders.begin(), folders.end()), folders.end());
+    for (const auto& folder : folders) solver::remove_leftovers(folder);
+    for (const auto& file : outputs.files) solver::try_to_write(file);
+  } catch (const solver::Failure& failure) {
+    add_failure(script, failure);
+    code = exit_code(failure.kind);
+    return false;
+  }
+  return true;
+}
+
+void write_json_text(const Options& options, const std::string& text) {
+  if (json_only(options))
+    std::fwrite(text.data(), 1, text.size(), stdout);
+  else if (!options.json.empty())
+    solver::write_atomically(options.json, text);
+}
+
+std::string output_folder(const std::string& path, const Options& options,
+                          const std::string& ending) {
+  if (!options.output_folder.empty()) return options.output_folder;
+  // Results of other parameters are other results: their folder is another one.
+  std::string parameters;
+  for (const auto& [name, value] : options.defines) parameters += "-" + name + "=" + value;
+  constexpr std::size_t longest = 100;
+  if (const std::string name = as_name(parameters); name != parameters || name.size() > longest)
+    parameters =
+        fmt::format("{}-{:016x}", name.substr(0, longest), std::hash<std::string>{}(parameters));
+  return fs::path(path).stem().string() + ending + parameters;
+}
+
+std::string output_folder(const Script& script, const Options& options) {
+  return output_folder(script.path, options);
+}
+
+} // namespace hvi::lang
