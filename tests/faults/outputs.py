@@ -446,8 +446,10 @@ def threads(place):
     if os.getuid() != 0:
         return
     os.chmod(place.folder, 0o777)
-    done = place.call("--no-files", "--threads", "8", preexec_fn=few)
-    alone = place.call("--no-files")
+    shutil.copy(pathlib.Path(__file__).parents[2] / "examples/slab_friction.hvi", place.folder / "s.hvi")
+    words = ("--no-files", "--quiet", "--full")
+    done = place.call(*words, "--threads", "8", preexec_fn=few)
+    alone = place.call(*words)
     check("no threads: as with one", done.returncode == 0 and done.stdout == alone.stdout, (done.returncode, done.stderr))
 
 
