@@ -209,7 +209,7 @@ namespace {
 /// "" when the file holds the bytes it was written with.
 std::string what_is_wrong(const std::filesystem::path& path, std::uint64_t hash) {
   std::error_code none;
-  if (!std::filesystem::exists(path, none)) return "is gone";
+  if (!std::filesystem::is_regular_file(path, none)) return "is gone";
   std::ifstream in(path, std::ios::binary);
   if (!in) return "cannot be read";
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
@@ -242,7 +242,7 @@ void FieldFiles::restore(std::istream& in) {
   if (hashes_.size() != entries_.size()) r.fail("names files without their content");
   const auto beside = (folder_ / stem_).parent_path();
   for (std::size_t i = 0; i < entries_.size(); ++i) {
-    const auto path = beside / entries_[i].file;
+    const auto path = beside / std::filesystem::path(entries_[i].file).filename();
     if (const auto wrong = what_is_wrong(path, hashes_[i]); !wrong.empty())
       r.fail("counts on the file `" + path.string() + "`, which " + wrong);
   }
