@@ -223,6 +223,8 @@ InequalityReport InequalityEngine::solve(const Vector& right_side, InequalitySta
   const bool follows =
       may_soften && io.z_before.size() == n_rows && options.branch != Branch::release;
   follows ? solve_and_follow(io) : solve_at_once(io);
+  if (!may_soften && options.branch == Branch::least_energy && report.converged)
+    report.least_gap = 0.0; // a convex problem has no other state
   io.z_before.resize(0), io.xi_before.resize(0);
   return report;
 }

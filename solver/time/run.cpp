@@ -33,6 +33,8 @@
 namespace hvi::solver {
 namespace {
 
+/// Displacements so far below what the loads would make of single unknowns are rounding.
+constexpr double negligible_share = 1e-8;
 /// The condition number of a problem that takes less memory costs next to nothing.
 constexpr double cheap_bytes = 1e5;
 
@@ -346,7 +348,10 @@ private:
     const PhaseClock clock(result_.timing.output);
     auto& error = result_.forward_error;
     const auto samples = stepper_.rounding_errors(result_.certificate.equilibrium);
-    const double size = stepper_.largest_size();
+    // Where a body sticks everywhere displacements are rounding of what its loads amount to.
+    const Vector& reach = stepper_.contact().reach;
+    const double moved = reach.size() > 0 ? reach.lpNorm<Eigen::Infinity>() : 0.0;
+    const double size = std::max(stepper_.largest_size(), negligible_share * moved);
     double square = 0.0;
     for (const auto& sample : samples)
       square = std::max(square, sample.u.lpNorm<Eigen::Infinity>());

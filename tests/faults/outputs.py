@@ -399,7 +399,7 @@ def modes(place):
 @case
 def signals(place):
     """A closed terminal stops a run like SIGTERM; one that was told to ignore it goes on."""
-    run = place.begin("-o", "out", "--checkpoint", "1000000", *LONG)
+    run = place.begin("-o", "out", "--checkpoint", "10000000", "-D", "N=4000000", "-D", "n=2")
     wait_for(lambda: len(rows(place.text("out/s.csv"))) > 10)
     run.send_signal(signal.SIGHUP)
     run.communicate()

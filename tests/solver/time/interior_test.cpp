@@ -105,8 +105,8 @@ TEST_F(Body, ErrorsOfEquilibriumAreThoseOfTheFormula) {
   for (int r = 0; r < 5; ++r)
     steps.push_back({any(interior->size()), any(interior->size()), any(interior->size()), any(2)});
   const Vector next = any(interior->size());
-  const auto roughly = interior->equilibria(steps, any_error, next);
-  const auto exactly = interior->equilibria(steps, 0.0, next);
+  const auto roughly = interior->equilibria(steps, any_error);
+  const auto exactly = interior->equilibria(steps, 0.0);
   Vector full = Vector::Zero(n);
   interior->scatter(next, full);
   EXPECT_LT((full - whole(next)).norm(), 1e-12 * full.norm());
