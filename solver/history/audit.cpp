@@ -48,7 +48,6 @@ public:
     direct_.start(t0, u0.empty() ? u0 : gather(u0));
     record_ = {};
     record_.t0 = now_ = t0;
-    audited_step_ = -1;
     replays_ = true;
   }
 
@@ -74,8 +73,8 @@ public:
     const double weight = inner_->w0(t_new);
     if (!replays_ || record_.last != record_.steps + 1) return weight;
     const double k = t_new - now_;
-    if (kernel_.traits.convolution && std::abs(k - audited_step_) <= 1e-12 * k) return weight;
-    audited_step_ = k;
+    if (kernel_.traits.convolution && std::abs(k - record_.weighed) <= 1e-12 * k) return weight;
+    record_.weighed = k;
     const Moments m = independent_integral(kernel_, t_new, k);
     const double expected = order_ == 0 ? m.zero : m.zero - m.one;
     const double off = std::abs(weight - expected), scale = norm(t_new);
@@ -139,7 +138,8 @@ public:
 
 private:
   struct Record {
-    double t0 = 0, largest = 0, field_largest = 0, worst = 0, norm = 0, norm_until = 0;
+    double t0 = 0, largest = 0, field_largest = 0, worst = 0, norm = 0, norm_until = 0,
+           weighed = -1; ///< the step whose weight was audited last
     std::int64_t steps = 0, next = 2, audits = 0, last = 0; ///< the first step has no past
   };
 
@@ -193,8 +193,7 @@ private:
   Record record_;
   bool replays_ = true; ///< false: the storage for it is used up
   int order_;
-  double now_ = 0;           ///< the last accepted time
-  double audited_step_ = -1; ///< the step whose weight was audited last
+  double now_ = 0; ///< the last accepted time
 };
 
 } // namespace

@@ -1,0 +1,172 @@
+// A run that is stopped after any step and goes on from its checkpoint is the run that was never
+// stopped: the same numbers, notes and counters, and in the end the same checkpoint, bit for bit.
+#include "plans.hpp"
+#include "solver/time/checkpoint.hpp"
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+
+namespace hvi::solver {
+namespace {
+
+using namespace testing_plans;
+
+struct Scene {
+  std::string name;
+  Plan plan;
+  bool monitors = false;
+};
+
+Scene with_route(HistoryRoute route, std::string name, int steps) {
+  Scene scene{std::move(name), slab(2, steps)};
+  scene.plan.histories[0].route = route;
+  return scene;
+}
+
+/// Everything a report can hold: rows every few steps, events of softening layers, fields.
+Scene rich() {
+  Scene out{"graded, bdf2, fields", slab(3, 12, 2, true), true};
+  Plan& plan = out.plan;
+  for (double& t : plan.time.grid) t *= t;
+  plan.time.scheme = Scheme::bdf2;
+  plan.time.sampling = LoadSampling::average;
+  const Expr t = var(slot::t);
+  plan.loads = {force(body, {0.0, -60.0 * t}), force(flank, {3.0 * t})};
+  plan.report.tables[0].every = 5;
+  plan.report.probes.push_back(at_point("inside", u_value(1), {1, 1.0 / 3, 0}));
+  plan.report.probes.push_back(at_point("earlier", u_value(1), {1, 0, 0}));
+  plan.report.probes.back().time = 0.3;
+  FieldsSpec fields;
+  fields.fields = {{"u", {}, {u_value(0), u_value(1)}}};
+  fields.every = 4;
+  plan.report.fields = {fields};
+  return out;
+}
+
+std::vector<Scene> scenes() {
+  std::vector<Scene> out{{"contact unknowns", slab(3, 9, 2, true), true},
+                         {"all unknowns", slab(3, 9, 2, true), true},
+                         {"in space", slab(2, 5, 3, true)},
+                         with_route(HistoryRoute::fit, "fit", 7),
+                         with_route(HistoryRoute::tree, "tree", 22),
+                         with_route(HistoryRoute::direct, "direct", 7),
+                         rich()};
+  out[1].plan.options.proportional_path = false;
+  return out;
+}
+
+std::filesystem::path folder_of(const std::string& name) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / ("hvi_resume_" + name);
+  std::filesystem::remove_all(folder);
+  return folder;
+}
+
+/// The run of a scene in a folder; it stops before the step after `last`, if that is not 0.
+struct Outcome {
+  RunResult result;
+  std::string state; ///< of its last checkpoint
+};
+Outcome run_in(const std::filesystem::path& folder, const Scene& scene, const Discretisation& d,
+               bool resume, int last = 0) {
+  std::atomic<bool> stop = false;
+  RunSettings settings;
+  settings.output_folder = folder.string();
+  settings.checkpoint_every = 1000; // at the end and where it is stopped
+  settings.monitors = scene.monitors;
+  settings.resume = resume;
+  settings.stop = &stop;
+  settings.on_step = [&](int n, double, const Vector&, const Vector&) { stop = n == last; };
+  Outcome out;
+  try {
+    out.result = run(scene.plan, d, settings);
+    EXPECT_EQ(last, 0);
+  } catch (const Failure& failure) {
+    if (failure.kind != FailureKind::interrupted) throw;
+  }
+  out.state = read_checkpoint(checkpoint_path(settings.output_folder, settings.name),
+                              fingerprint(scene.plan, d.mesh));
+  return out;
+}
+
+void expect_same(const RunResult& a, const RunResult& b) {
+  EXPECT_EQ(a.times, b.times);
+  EXPECT_EQ(a.columns, b.columns);
+  EXPECT_EQ(a.final, b.final);
+  EXPECT_EQ(a.events, b.events);
+  EXPECT_EQ(a.files, b.files);
+  EXPECT_EQ(a.u, b.u);
+  EXPECT_EQ(a.unique, b.unique);
+  EXPECT_EQ(a.energy, b.energy);
+  EXPECT_EQ(a.certificate.inclusion, b.certificate.inclusion);
+  EXPECT_EQ(a.certificate.equilibrium, b.certificate.equilibrium);
+  EXPECT_EQ(a.certificate.worst_step, b.certificate.worst_step);
+  EXPECT_EQ(a.certificate.inclusion_step, b.certificate.inclusion_step);
+  EXPECT_EQ(a.certificate.equilibrium_step, b.certificate.equilibrium_step);
+  EXPECT_EQ(a.work.newton, b.work.newton);
+  EXPECT_EQ(a.work.products, b.work.products);
+  ASSERT_EQ(a.notes.size(), b.notes.size());
+  for (std::size_t i = 0; i < a.notes.size(); ++i) {
+    EXPECT_EQ(a.notes[i].step, b.notes[i].step);
+    EXPECT_EQ(a.notes[i].t, b.notes[i].t);
+    EXPECT_EQ(a.notes[i].what, b.notes[i].what);
+    EXPECT_EQ(a.notes[i].origin.id, b.notes[i].origin.id);
+  }
+  ASSERT_EQ(a.monitors.has_value(), b.monitors.has_value());
+  if (!a.monitors) return;
+  EXPECT_EQ(a.monitors->times, b.monitors->times);
+  EXPECT_EQ(a.monitors->columns, b.monitors->columns);
+  EXPECT_EQ(a.monitors->balance_error, b.monitors->balance_error);
+}
+
+TEST(Resume, AfterAnyStepGoesOnWithTheSameBits) {
+  for (const auto& scene : scenes()) {
+    SCOPED_TRACE(scene.name);
+    Discretisation d;
+    for (const auto& mistake : discretise(scene.plan, d)) throw mistake;
+    const auto whole = run_in(folder_of("whole"), scene, d, false);
+    const int steps = static_cast<int>(scene.plan.time.grid.size()) - 1;
+    for (const int last : {1, 2, steps / 2, steps - 1}) {
+      SCOPED_TRACE(last);
+      const auto folder = folder_of("parts");
+      (void)run_in(folder, scene, d, false, last);
+      const auto parts = run_in(folder, scene, d, true);
+      EXPECT_EQ(parts.result.resumed_from, last);
+      expect_same(whole.result, parts.result);
+      EXPECT_TRUE(whole.state == parts.state) << "the last checkpoints differ";
+    }
+  }
+}
+
+/// A state is one of other times where a step of those taken has another length.
+TEST(Resume, IsRefusedWhereTheTimesWereOthers) {
+  const Scene scene{"times", slab(2, 6)};
+  Discretisation d;
+  for (const auto& mistake : discretise(scene.plan, d)) throw mistake;
+  const auto refused = [&](const std::function<void(std::vector<double>&)>& change) {
+    const auto folder = folder_of("times");
+    (void)run_in(folder, scene, d, false, 4);
+    Scene other = scene;
+    change(other.plan.time.grid);
+    try {
+      return run_in(folder, other, d, true).result.resumed_from != 4;
+    } catch (const CheckpointFailure&) {
+      return true;
+    }
+  };
+  using Times = std::vector<double>;
+  EXPECT_FALSE(refused([](Times&) {}));
+  EXPECT_FALSE(refused([](Times& t) { t.push_back(1.5); }));
+  EXPECT_FALSE(refused([](Times& t) { t[6] = 1.1; })); // a step that was not taken yet
+  EXPECT_TRUE(refused([](Times& t) { t[2] += 1e-6; }));
+  EXPECT_TRUE(refused([](Times& t) { t[1] += 0.05; }));
+  EXPECT_TRUE(refused([](Times& t) { t[4] += 1e-6; }));
+  EXPECT_TRUE(refused([](Times& t) { t.erase(t.begin() + 2); }));
+  EXPECT_TRUE(refused([](Times& t) { t.resize(4); }));
+  EXPECT_TRUE(refused([](Times& t) {
+    for (double& x : t) x += 0.25;
+  }));
+}
+
+} // namespace
+} // namespace hvi::solver
