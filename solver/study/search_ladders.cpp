@@ -58,17 +58,17 @@ double Search::compared(const KeptRun& coarse, const KeptRun& fine) {
 int Search::climb(std::vector<Rung>& rungs, int first, int wanted, const std::string& purpose,
                   const std::function<Setting(int)>& at) {
   const KeptRun* before = nullptr;
-  int good = 0, resolution = first;
+  int good = 0, finest = 0, resolution = first;
   for (int k = 0; k < most_rungs && good < wanted; ++k, resolution *= 2) {
     const KeptRun& run = cheap(at(resolution), purpose);
-    if (!run.failure.empty()) {
-      before = nullptr;
-      continue;
+    if (run.failure.empty()) {
+      if (before != nullptr && before->failure.empty())
+        add_rung(rungs, {0.5 * resolution, 2.0, compared(*before, run)});
+      finest = resolution, ++good;
     }
-    if (before != nullptr) add_rung(rungs, {0.5 * resolution, 2.0, compared(*before, run)});
-    before = &run, ++good;
+    before = &run;
   }
-  return good > 0 ? resolution / 2 : 0;
+  return finest;
 }
 
 bool Search::has_time_error() const {
@@ -212,10 +212,10 @@ Choice Search::choose() {
 
 /// A further rung where the choice lies far beyond what was seen.
 bool Search::extend(const Setting& choice) {
-  int& level = finest_level_[element_of(choice)];
-  if (choice.level > 4 * level) {
-    climb_space(element_of(choice), static_cast<int>(std::lround(std::log2(level))) + 2);
-    return true;
+  const Element element = element_of(choice);
+  if (const int level = finest_level_[element]; choice.level > 4 * level) {
+    climb_space(element, static_cast<int>(std::lround(std::log2(level))) + 2);
+    if (finest_level_[element] > level) return true;
   }
   if (family_.is_static()) return false;
   const int steps = finest_steps_[clock_of(choice)];

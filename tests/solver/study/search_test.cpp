@@ -1,0 +1,279 @@
+// The search for an accuracy on rods, where a run takes milliseconds: every distance against the
+// two runs it is of, ladders against the rungs that were to be climbed, results against finer runs.
+#include "solver/kernel/table.hpp"
+#include "solver/study/accuracy.hpp"
+#include "tests/solver/time/plans.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+using namespace testing_plans;
+
+/// c u' + u'' = load on [0, 1], u = 0 at the left end: viscosity `c` and a tip to look at.
+Plan rod(Expr load, int steps, Expr viscosity = 0.2, Expr stiffness = 1.0, int cells = 5) {
+  Plan plan;
+  plan.mesh.kind = MeshSpec::Kind::interval;
+  plan.mesh.cells = {cells, 1, 1};
+  plan.parts = {all_cells("rod"), group("held", "left"), group("tip", "right")};
+  plan.space.vector = false;
+  plan.space.dirichlet = {clamp(1)};
+  plan.forms = {diffusion(1, 0, field_u, stiffness)};
+  if (steps > 0) plan.forms.push_back(diffusion(1, 0, field_rate, viscosity));
+  plan.loads = {force(0, {load})};
+  plan.time.is_static = steps == 0;
+  if (steps > 0) plan.time.grid = uniform_grid(1.0, steps);
+  plan.report.probes = {at_point("tip", u_value(0), {1, 0, 0})};
+  plan.report.tables = {{{}, {0}, 1, ""}};
+  return plan;
+}
+Expr x() { return var(slot::x(0)); }
+Expr t() { return var(slot::t); }
+/// Smooth in x and t, and of no space and no grid.
+Expr smooth() { return exp(2.0 * x()) * sin(3.0 * t() + x()); }
+
+/// A run at a setting, made here.
+struct Made {
+  Plan plan;
+  Discretisation d;
+  RunResult result;
+  std::vector<Vector> states; ///< from the first step on
+};
+std::unique_ptr<Made> make(const SettingFamily& family, const Setting& setting) {
+  auto out = std::make_unique<Made>();
+  out->plan = family.at(setting);
+  for (auto& table : out->plan.report.tables) table.every = 1;
+  for (const auto& mistake : discretise(out->plan, out->d)) throw mistake;
+  RunSettings settings;
+  settings.on_step = [&](int, double, const Vector& u, const Vector&) { out->states.push_back(u); };
+  out->result = run(out->plan, out->d, settings);
+  return out;
+}
+/// The family that the search makes its runs of, but for bases that it adds.
+SettingFamily family_of(Plan plan, const AccuracyRequest& request) {
+  plan.options.memory_tolerance = std::clamp(1e-3 * request.wanted, 1e-10, 1e-5);
+  SettingFamily out(plan);
+  out.follow_data(0.01 * request.wanted);
+  return out;
+}
+
+/// du/dx at a point of a uniform rod.
+double slope(const Made& run, const Vector& u, double at) {
+  const int cells = static_cast<int>(run.d.mesh.cells.size());
+  const int cell = std::min(static_cast<int>(at * cells), cells - 1);
+  const auto nodes = run.d.space.nodes_of_cell(cell);
+  const auto place = [&](int i) {
+    return run.d.space.nodes[static_cast<std::size_t>(nodes[i])][0];
+  };
+  const double h = place(1) - place(0), s = (at - place(0)) / h;
+  if (nodes.size() == 2) return (u[nodes[1]] - u[nodes[0]]) / h;
+  return ((4 * s - 3) * u[nodes[0]] + (4 * s - 1) * u[nodes[1]] + (4 - 8 * s) * u[nodes[2]]) / h;
+}
+/// Of || u_x - v_x || squared, by three Gauss points in each cell of the finer rod; v may be null.
+double square(const Made& fine, const Vector& u, const Made& coarse, const Vector* v) {
+  const int cells = static_cast<int>(fine.d.mesh.cells.size());
+  double sum = 0;
+  for (int c = 0; c < cells; ++c)
+    for (const auto& [off, weight] :
+         {std::pair{-std::sqrt(0.6), 5.0 / 18}, std::pair{0.0, 8.0 / 18},
+          std::pair{std::sqrt(0.6), 5.0 / 18}}) {
+      const double at = (c + 0.5 + 0.5 * off) / cells;
+      sum += weight / cells *
+             std::pow(slope(fine, u, at) - (v != nullptr ? slope(coarse, *v, at) : 0.0), 2);
+    }
+  return sum;
+}
+
+/// The distance by its definition: largest difference over the times that both have, relative.
+double distance_of(const Made& coarse, const Made& fine, const std::string& probe) {
+  double largest = 0, size = 0;
+  const std::size_t n = coarse.states.size(), m = fine.states.size();
+  for (std::size_t i = 1; i <= n; ++i) {
+    if (i * m % n != 0) continue;
+    const std::size_t j = i * m / n;
+    if (probe.empty()) {
+      largest = std::max(largest, square(fine, fine.states[j - 1], coarse, &coarse.states[i - 1]));
+      size = std::max(size, square(fine, fine.states[j - 1], coarse, nullptr));
+    } else {
+      const double a = coarse.result.columns.at(probe)[i - 1],
+                   b = fine.result.columns.at(probe)[j - 1];
+      largest = std::max(largest, std::abs(a - b)), size = std::max(size, std::abs(b));
+    }
+  }
+  return probe.empty() ? std::sqrt(largest / size) : largest / size;
+}
+
+/// The settings of the runs made for a purpose, in the order they were made.
+std::vector<Setting> made_for(const AccuracyResult& result, const std::string& purpose) {
+  std::vector<Setting> out;
+  for (const auto& r : result.runs)
+    if (r.purpose == purpose) out.push_back(r.setting);
+  return out;
+}
+
+AccuracyResult reached(const Plan& plan, const AccuracyRequest& request) {
+  return reach_accuracy(plan, request, {}, [](const std::string&) {});
+}
+AccuracyResult given_up(const Plan& plan, const AccuracyRequest& request,
+                        std::string* why = nullptr) {
+  try {
+    (void)reached(plan, request);
+  } catch (AccuracyFailure& failure) {
+    if (why != nullptr) *why = failure.what();
+    return std::move(failure.so_far);
+  }
+  ADD_FAILURE() << "the accuracy was reached";
+  return {};
+}
+
+/// Against a run of four times the level and sixteen times the steps.
+double true_error(const Plan& plan, const AccuracyResult& result) {
+  const auto family = family_of(plan, result.request);
+  Setting s = result.tries.back().setting;
+  EXPECT_EQ(s.base, 0);
+  const auto found = make(family, s);
+  s.level *= 4, s.steps *= family.is_static() ? 1 : 16;
+  return distance_of(*found, *make(family, s), result.request.probe);
+}
+
+TEST(Search, EveryDistanceIsThatOfTheTwoRuns) {
+  for (const std::string& probe : {std::string(), std::string("tip")}) {
+    SCOPED_TRACE(probe);
+    const Plan plan = rod(smooth(), 8);
+    const AccuracyRequest request{2e-2, probe};
+    const auto result = reached(plan, request);
+    const auto family = family_of(plan, request);
+    int seen = 0;
+    for (const auto& r : result.runs) {
+      EXPECT_EQ(r.failure, "");
+      EXPECT_EQ(r.setting.grade, 1.0);
+      if (!r.distance || r.setting.base != 0) continue;
+      const auto finer = std::find_if(result.runs.begin(), result.runs.end(),
+                                      [&](const auto& other) { return other.text == r.against; });
+      const Setting other =
+          finer != result.runs.end() ? finer->setting : result.tries.back().setting;
+      EXPECT_EQ(to_string(other, family.at(other)), r.against);
+      const double d = distance_of(*make(family, r.setting), *make(family, other), probe);
+      EXPECT_NEAR(*r.distance, d, 1e-7 * d + 1e-9) << r.text << " against " << r.against;
+      ++seen;
+    }
+    EXPECT_GE(seen, 8);
+    EXPECT_LE(true_error(plan, result), request.wanted);
+    EXPECT_LE(accuracy_safety * result.tries.back().estimate, request.wanted);
+  }
+}
+
+/// Three rungs of each ladder, each twice as fine as the one before, and no other runs.
+TEST(Search, LaddersDouble) {
+  const Plan plan = rod(smooth(), 8);
+  const AccuracyRequest request{2e-2};
+  const auto result = reached(plan, request);
+  const int first = family_of(plan, request).coarsest_steps();
+  std::vector<Setting> expected, climbed;
+  for (const Scheme scheme : {Scheme::backward_euler, Scheme::bdf2})
+    for (const int steps : {first, 2 * first, 4 * first})
+      expected.push_back({1, scheme, 2, steps, 1.0, 0});
+  for (const int order : {1, 2})
+    for (const int level : {1, 2, 4}) // P1 on level 2 is one of those above
+      if (order == 2 || level != 2)
+        expected.push_back({order, Scheme::backward_euler, level, 2 * first, 1.0, 0});
+  for (const auto& r : result.runs)
+    if (r.purpose.find("ladder,") != std::string::npos) climbed.push_back(r.setting);
+  EXPECT_EQ(climbed, expected);
+}
+
+/// Where no setting is in sight each ladder is climbed six rungs further, but for those whose next
+/// run would be too large.
+TEST(Search, LaddersThatPromiseNothingAreClimbedToTheirLimits) {
+  AccuracyRequest request{1e-9};
+  request.as_written = true;
+  request.most_unknowns = 10;        // no choice is possible
+  std::vector<double> times, values; // a load with so many kinks that short grids are no use
+  for (int i = 0; i <= 130; ++i) times.push_back(i / 130.0), values.push_back(i % 2 == 0 ? 1 : 2);
+  const auto zigzag =
+      std::make_shared<const Table>("zigzag", times, values, Table::Interpolation::linear);
+  const Plan plan = rod(Expr::tabulated(zigzag, t()) * exp(2.0 * x()), 4, 0.2, 1.0, 101);
+  std::string why;
+  const auto result = given_up(plan, request, &why);
+  EXPECT_NE(why.find("no setting within"), std::string::npos) << why;
+  int most_steps = 0, most_cells = 0, first = family_of(plan, request).coarsest_steps();
+  for (const auto& s : made_for(result, "time ladder, backward Euler"))
+    if (s.base == 0) most_steps = std::max(most_steps, s.steps);
+  for (const auto& r : result.runs)
+    if (r.purpose == "space ladder, P1") most_cells = std::max(most_cells, r.unknowns);
+  int expected = 4 * first;
+  for (int k = 0; k < 6 && 2 * expected <= 8192; ++k) expected *= 2;
+  EXPECT_EQ(most_steps, expected);
+  EXPECT_GT(2 * most_steps, 8192); // it was the size of the runs that ended it
+  // 101 cells have 101 unknowns: of 256 times as many the limit of 20000 leaves half.
+  EXPECT_EQ(most_cells, 101 * 128);
+}
+
+TEST(Search, StaticProblemsHaveNoTime) {
+  const Plan plan = rod(exp(2.0 * x()), 0);
+  const AccuracyRequest request{1e-2};
+  const auto result = reached(plan, request);
+  for (const auto& r : result.runs) {
+    EXPECT_EQ(r.setting.base, 0);
+    EXPECT_EQ(r.setting.steps, 1);
+  }
+  EXPECT_EQ(result.tries.back().time_error, 0.0);
+  EXPECT_LE(true_error(plan, result), request.wanted);
+}
+
+/// Backward Euler is exact for what is linear in time: no error there is no reason to give up.
+TEST(Search, ASolutionWithoutErrorInTimeIsReached) {
+  const Plan plan = rod((0.2 + t()) * exp(2.0 * x()), 4); // u = t g(x)
+  AccuracyRequest request{1e-2};
+  request.as_written = true;
+  const auto result = reached(plan, request);
+  EXPECT_LT(result.tries.back().time_error, 1e-8);
+  EXPECT_GE(result.tries.back().time_error, 0.0);
+  EXPECT_LE(true_error(plan, result), request.wanted);
+}
+
+/// With a probe, P2 shows orders of twice its degree.
+TEST(Search, ValuesOfProbesFallFasterThanNorms) {
+  AccuracyRequest request{1e-4, "tip"};
+  request.as_written = true;
+  Plan plan = rod(exp(5.0 * sin(7.0 * x())), 0);
+  plan.space.order = 2;
+  plan.forms = {diffusion(1, 0, field_u, 1.0 + x())};
+  const auto result = reached(plan, request);
+  EXPECT_GT(result.tries.back().space_order, 2.5);
+  EXPECT_LE(true_error(plan, result), request.wanted);
+}
+
+/// A body that grows by itself: long steps have no solution. Ladders begin where runs succeed.
+TEST(Search, RungsThatFailAreLeftOut) {
+  const Plan plan = rod(smooth(), 4, 0.2, -1.0);
+  const AccuracyRequest request{5e-2};
+  const auto result = reached(plan, request);
+  const auto failed = std::count_if(result.runs.begin(), result.runs.end(),
+                                    [](const auto& r) { return !r.failure.empty(); });
+  EXPECT_GT(failed, 0);
+  for (const auto& r : result.runs) {
+    if (r.purpose.starts_with("time ladder")) {
+      EXPECT_EQ(r.failure.empty(), r.setting.steps > 5) << r.text;
+    }
+    if (!r.failure.empty()) {
+      EXPECT_FALSE(r.distance) << r.text;
+    } else if (r.distance) {
+      EXPECT_GT(*r.distance, 0.0) << r.text;
+    }
+  }
+  EXPECT_LE(true_error(plan, result), request.wanted);
+}
+
+/// More cells than the longest ladder has: the choice stands, or is refused; it does not go on.
+TEST(Search, ChoicesFarBeyondTheLaddersComeToAnEnd) {
+  AccuracyRequest request{1e-5};
+  request.as_written = true;
+  const auto result = reached(rod(exp(2.0 * x()), 0), request);
+  EXPECT_GT(result.tries.back().setting.level, 2048);
+}
+
+} // namespace
+} // namespace hvi::solver
