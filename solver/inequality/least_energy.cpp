@@ -291,7 +291,7 @@ void LeastEnergy::consider(const Vector& force) {
   if (solved.size() != n_) return;
   const double there = energy(b_, solved, scale);
   if (!(there < result_.lowest)) return;
-  result_.lowest = there, result_.scale = scale;
+  result_.lowest = there, result_.scale = std::max(result_.scale, scale);
 }
 
 /// The point whose bound is worst at the state of the box's multipliers, and where to halve it.
@@ -325,6 +325,8 @@ LeastEnergy::Result LeastEnergy::search(const Vector& b, const Vector& force,
   result_.bound = -infinity;
   result_.lowest = energy(b, force, result_.scale);
   if (!take_from_body() || !std::isfinite(result_.lowest)) return result_;
+  // Where no law acts all energies are zero but that of moving the body's arguments.
+  result_.scale = std::max(result_.scale, 0.5 * b.dot(d_.cwiseProduct(b)));
   const Vector scaled = root_.cwiseProduct(b);
   b_tilde_ = rest_.solve(scaled).cwiseQuotient(root_);
   shift_ = -0.5 * b.dot(d_.cwiseProduct(b_tilde_));

@@ -30,7 +30,7 @@ public:
   struct Result {
     double lowest = 0.0; ///< energy of the best state found, over that of the free body
     double bound = 0.0;  ///< no state has less; -infinity where nothing is known
-    double scale = 0.0;  ///< the size of the energies that make up `lowest`
+    double scale = 0.0;  ///< the size of the energies that make up `lowest`, or b^T D b / 2
     int boxes = 0;
     /// (lowest - bound) / scale: by how much less another state may have.
     double gap() const;

@@ -12,8 +12,6 @@ namespace {
 /// Random data show one column too small an error now and then: three times their root mean square
 /// is below a third of the true one in one of a thousand columns.
 constexpr double safety = 3.0;
-/// Strains so far below u over the size of the body are rounding of a rigid motion.
-constexpr double negligible_strain = 1e-8;
 /// Steps of difference quotients, by the size of the state.
 constexpr double small_step = 1e-5;
 
@@ -37,10 +35,10 @@ double body_size(const Space& space) {
   return out;
 }
 
-/// Translations by the size of u, and strains of the size of its own: what a column is judged by
-/// that happens to be zero.
+/// Translations by the size of u, and strains of the size of its own (at least those that move by
+/// `nothing`): what a column is judged by that happens to be zero.
 std::vector<ErrorSample> reference_motions(const Space& space, const ErrorSample& like,
-                                           const Vector& u, double size, double xi) {
+                                           const Vector& u, SolutionSize scale, double xi) {
   std::vector<ErrorSample> out;
   const auto add = [&](const auto& value) {
     ErrorSample motion = like;
@@ -51,9 +49,8 @@ std::vector<ErrorSample> reference_motions(const Space& space, const ErrorSample
     out.push_back(std::move(motion));
   };
   for (int c = 0; c < space.components; ++c)
-    add([&](const Point&, int of) { return of == c ? size : 0.0; });
-  const double strain =
-      std::max(largest_strain(space, u), negligible_strain * size / body_size(space));
+    add([&](const Point&, int of) { return of == c ? scale.size : 0.0; });
+  const double strain = std::max(largest_strain(space, u), scale.nothing / body_size(space));
   const int dim = space.mesh->dim;
   for (int c = 0; c < space.components; ++c)
     for (int j = space.components == dim ? c : 0; j < dim; ++j)
@@ -82,14 +79,14 @@ std::vector<double> Reporter::change_along(const ErrorSample& direction, double 
 }
 
 std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples, const Vector& u,
-                                          double scale) {
+                                          SolutionSize scale) {
   std::vector<ColumnError> out(values_.size());
   if (samples.empty() || values_.empty()) return {};
   std::vector<double> squares(values_.size(), 0.0), floors(values_.size(), 0.0);
   const double count = static_cast<double>(samples.size());
   const auto step_of = [&](const ErrorSample& s) {
     const double size = s.u.lpNorm<Eigen::Infinity>();
-    return size > 0.0 && scale > 0.0 ? small_step * scale / size : 1.0;
+    return size > 0.0 && scale.size > 0.0 ? small_step * scale.size / size : 1.0;
   };
   for (const auto& sample : samples) {
     const auto change = change_along(sample, step_of(sample));

@@ -22,6 +22,12 @@ bool shows_events(const RunResult& result);
 std::string table_stem(const ReportSpec& report, std::size_t i, const std::string& name);
 std::string fields_stem(const ReportSpec& report, std::size_t i, const std::string& name);
 
+/// What displacements are compared with: the largest |u| of the run, and what is rounding of it.
+struct SolutionSize {
+  double size = 0.0;
+  double nothing = 0.0;
+};
+
 class Reporter {
 public:
   Reporter(const Plan& plan, const Discretisation& discretisation, const Stepper& stepper,
@@ -31,10 +37,10 @@ public:
   void record(const Stepper& stepper, bool last);
   /// Notes the events of a step: the next row counts those since the last one.
   void mark(const StepResult& outcome);
-  /// What these errors make of the columns, to first order at the last state u (all dofs); `scale`:
-  /// the largest |u| of the run. After `record` of the last step.
+  /// What these errors make of the columns, to first order at the last state u (all dofs). After
+  /// `record` of the last step.
   std::vector<ColumnError> errors(std::span<const ErrorSample> samples, const Vector& u,
-                                  double scale);
+                                  SolutionSize scale);
   /// Writes the tables as far as they are, up to this step, when that has not been done for a
   /// second (or for twenty times as long as it takes).
   void stream(int step, bool with_events);

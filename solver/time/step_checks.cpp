@@ -44,7 +44,7 @@ double Stepper::equilibrium_of_all(int n) {
 /// After a step with a certificate on the contact rows. A check waits for others, and not for long:
 /// tables reach the disk up to the step before it.
 void Stepper::put_off_check(int n) {
-  constexpr int longest_wait = 256; // steps
+  constexpr int longest_wait = 1024; // steps
   if (checked_[n] != 0 && n < grid_.steps()) {
     waiting_steps_.push_back(n);
     waiting_.push_back(question(n));

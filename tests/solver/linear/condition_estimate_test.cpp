@@ -44,6 +44,7 @@ TEST(ConditionEstimate, IsALowerBoundNearTheTruth) {
     const auto factor = analyse(k, std::vector{0}, symmetric);
     factor->factor(k);
     const double estimate = estimate_condition(k, *factor), exact = exact_condition(k);
+    // The exact one has the rounding of a dense inverse: unit roundoff times itself.
     EXPECT_LE(estimate, exact * (1 + 1e-6 + 1e-15 * exact)) << scene;
     EXPECT_GE(estimate, exact / 10) << scene;
     near += estimate >= exact / 3, ++all;
