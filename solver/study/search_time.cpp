@@ -60,7 +60,7 @@ Arising arising_error(const KeptRun& coarse, const KeptRun& fine, const TimeBase
     while (interval + 1 < out.increments.size() && t > base.grid[interval + 1])
       begun = error, ++interval;
     size = std::max(size, norm(fine.states[j]));
-    if (i == 0 && skips_first && t < time(coarse, 0)) continue;
+    if (skips_first && t < time(coarse, 0)) continue;
     const double part = (t - left_time) / (time(coarse, i) - left_time);
     error = left + part * (coarse.states[i] - left) - fine.states[j];
     if (is_jump(base, interval)) continue;

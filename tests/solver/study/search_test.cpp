@@ -267,6 +267,81 @@ TEST(Search, RungsThatFailAreLeftOut) {
   EXPECT_LE(true_error(plan, result), request.wanted);
 }
 
+/// What relaxes within `relaxation` after its load jumps on: u = g(x) (1 - exp(-(t - begin)/c)).
+struct Layer {
+  double begin = 0.37, relaxation = 1e-3;
+  Plan plan() const {
+    return rod(select(less(t(), begin), 0.0, 1.0) * exp(2.0 * x()), 8, relaxation);
+  }
+  double at(double time) const {
+    return time < begin ? 0.0 : 1.0 - std::exp(-(time - begin) / relaxation);
+  }
+};
+
+/// No uniform grid of few steps sees it: steps are put where the error arises.
+TEST(Search, StepsFollowALayer) {
+  const Layer layer;
+  const AccuracyRequest request{2e-2};
+  const auto result = reached(layer.plan(), request);
+  std::vector<double> times{0.0}, tip{0.0};
+  RunSettings settings;
+  settings.on_step = [&](int, double time, const Vector& u, const Vector&) {
+    times.push_back(time), tip.push_back(u.lpNorm<Eigen::Infinity>());
+  };
+  (void)run(result.plan, *result.discretisation, settings);
+  const auto& last = result.tries.back();
+  EXPECT_GT(last.setting.base, 0);
+  EXPECT_LE(last.steps, 200); // uniform steps would have to be shorter than the layer
+  ASSERT_EQ(static_cast<int>(times.size()), last.steps + 1);
+  double worst = 0, worst_between = 0; // by the largest value
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    worst = std::max(worst, std::abs(tip[i] / tip.back() - layer.at(times[i])));
+    if (times[i - 1] < layer.begin) continue;
+    const double between = 0.5 * (tip[i - 1] + tip[i]) / tip.back();
+    const double middle = 0.5 * (times[i - 1] + times[i]);
+    worst_between = std::max(worst_between, std::abs(between - layer.at(middle)));
+  }
+  EXPECT_LE(worst, request.wanted);
+  EXPECT_LE(worst_between, 2 * request.wanted);
+  // Each round compares a run with one of twice the steps, until half of what is aimed at is left.
+  std::vector<const AccuracyRun*> rounds;
+  for (const auto& r : result.runs)
+    if (r.purpose.starts_with("steps where errors in time arise")) rounds.push_back(&r);
+  ASSERT_GE(rounds.size(), 6U);
+  ASSERT_EQ(rounds.size() % 2, 0U);
+  for (std::size_t k = 0; k < rounds.size(); k += 2) {
+    EXPECT_EQ(rounds[k + 1]->setting.steps, 2 * rounds[k]->setting.steps);
+    EXPECT_EQ(rounds[k + 1]->setting.base, rounds[k]->setting.base);
+    ASSERT_TRUE(rounds[k]->distance);
+    EXPECT_EQ(rounds[k]->against, rounds[k + 1]->text);
+    if (k + 2 < rounds.size()) {
+      EXPECT_FALSE(rounds[k + 1]->distance);
+    } else {
+      EXPECT_LE(*rounds[k]->distance, 0.5 * request.wanted / (1.2 * accuracy_safety));
+    }
+  }
+}
+
+/// The error in time is what four runs on the ladders' mesh show, each of twice the steps of the
+/// one before: the distance of the second to the last, and what is left by the order seen.
+TEST(Search, TheErrorInTimeIsThatOfFourRuns) {
+  AccuracyRequest request{5e-2};
+  request.as_written = true;
+  const auto result = reached(rod(smooth(), 8), request);
+  const auto& last = result.tries.back();
+  ASSERT_EQ(last.setting.base, 0);
+  const auto family = family_of(rod(smooth(), 8), request);
+  std::vector<std::unique_ptr<Made>> runs;
+  for (int k = 0; k < 4; ++k)
+    runs.push_back(make(family, {1, Scheme::backward_euler, 2, last.steps / 2 << k, 1.0, 0}));
+  const auto d = [&](int i, int j) { return distance_of(*runs[i], *runs[j], ""); };
+  const double left = d(2, 3) / (std::pow(2.0, last.time_order) - 1.0);
+  const double more = std::max(last.time_distance / d(0, 1), 0.25);
+  EXPECT_NEAR(last.time_error, std::max((d(1, 3) + left) * more, last.time_distance),
+              1e-6 * last.time_error);
+  EXPECT_GT((d(1, 3) + left) * more, last.time_distance);
+}
+
 /// More cells than the longest ladder has: the choice stands, or is refused; it does not go on.
 TEST(Search, ChoicesFarBeyondTheLaddersComeToAnEnd) {
   AccuracyRequest request{1e-5};
