@@ -16,10 +16,10 @@ public:
   DirectHistory(const PreparedKernel& kernel, std::size_t n, const HistoryOptions& options,
                 std::string why)
       : kernel_(kernel), n_(n), order_(options.order), why_(std::move(why)),
-        grid_(options.shortest_step), fields_(n) {}
+        accepted_(options.shortest_step), fields_(n) {}
 
   void start(double t0, std::span<const double> u0) override {
-    grid_.start(t0);
+    accepted_.start(t0);
     times_.assign(1, t0);
     fields_.clear();
     weights_.reset();
@@ -31,9 +31,9 @@ public:
 
   void rhs(double t_new, std::span<double> out) override {
     check_field(kernel_, n_, out.size());
-    check_step(kernel_, grid_.now(), t_new);
+    check_step(kernel_, accepted_.now(), t_new);
     std::fill(out.begin(), out.end(), 0.0);
-    put_node_weights(weights_(kernel_, grid_.common_step(t_new), t_new, times_), order_,
+    put_node_weights(weights_(kernel_, accepted_.common_step(t_new), t_new, times_), order_,
                      node_weights_);
     if (order_ == 1) node_weights_.back() += current(t_new).one;
     reads_ += static_cast<std::int64_t>(node_weights_.size());
@@ -41,15 +41,15 @@ public:
   }
 
   double w0(double t_new) override {
-    check_step(kernel_, grid_.now(), t_new);
+    check_step(kernel_, accepted_.now(), t_new);
     const Moments m = current(t_new);
     return order_ == 0 ? m.zero : m.zero - m.one;
   }
 
   void commit(double t_new, std::span<const double> u_new) override {
     check_field(kernel_, n_, u_new.size());
-    check_step(kernel_, grid_.now(), t_new);
-    grid_.accept(t_new);
+    check_step(kernel_, accepted_.now(), t_new);
+    accepted_.accept(t_new);
     times_.push_back(t_new);
     fields_.push(u_new);
     forget(t_new);
@@ -71,7 +71,7 @@ public:
     w.put(magic);
     w.put(static_cast<std::uint64_t>(n_));
     w.put(order_);
-    grid_.save(w);
+    accepted_.save(w);
     w.put(times_);
     w.put(fields_.packed());
   }
@@ -81,9 +81,9 @@ public:
     r.expect(magic, "route");
     r.expect(static_cast<std::uint64_t>(n_), "number of unknowns");
     r.expect(order_, "order");
-    grid_.restore(r);
+    accepted_.restore(r);
     weights_.reset();
-    times_ = r.get_times(grid_.start_time(), grid_.now());
+    times_ = r.get_times(accepted_.start_time(), accepted_.now());
     fields_.unpack(r.get_numbers());
     if (times_.empty() || (n_ > 0 && fields_.size() + (order_ == 0 ? 1 : 0) != times_.size())) {
       r.fail("is inconsistent");
@@ -91,7 +91,7 @@ public:
   }
 
 private:
-  Moments current(double t_new) { return near_(kernel_, t_new, 0, grid_.step_to(t_new)); }
+  Moments current(double t_new) { return near_(kernel_, t_new, 0, accepted_.step_to(t_new)); }
 
   /// Drops what no later time can see.
   void forget(double t_now) {
@@ -107,7 +107,7 @@ private:
   std::size_t n_;
   int order_;
   std::string why_;
-  TimeGrid grid_;
+  AcceptedSteps accepted_;
   WeightCache near_;
   PastWeights weights_;
   std::vector<double> times_; ///< ends of the intervals kept

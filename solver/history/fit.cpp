@@ -27,12 +27,12 @@ public:
              const HistoryOptions& options, double window, std::string why)
       : kernel_(kernel), terms_(sum.terms), sum_(sum.terms, false), n_(n), order_(options.order),
         window_(window), tolerance_(options.tolerance), error_(sum.error),
-        horizon_(options.horizon), why_(std::move(why)), grid_(options.shortest_step), fields_(n) {
+        horizon_(options.horizon), why_(std::move(why)), accepted_(options.shortest_step), fields_(n) {
     if (!options.times.empty()) planned_end_ = options.times.back();
   }
 
   void start(double t0, std::span<const double> u0) override {
-    grid_.start(t0);
+    accepted_.start(t0);
     times_.assign(1, t0);
     steps_.clear();
     fields_.clear();
@@ -48,7 +48,7 @@ public:
   /// at an accepted time, so that a shorter step tried next needs none of them back.
   void rhs(double t_new, std::span<double> out) override {
     check_field(kernel_, n_, out.size());
-    check_step(kernel_, grid_.now(), t_new);
+    check_step(kernel_, accepted_.now(), t_new);
     check_horizon(t_new);
     std::fill(out.begin(), out.end(), 0.0);
     while (leaving() > 1) absorb();
@@ -58,7 +58,7 @@ public:
       prepare(0, ahead_of(t_new, 0));
       read_states(groups_, states_, out);
     }
-    put_node_weights(weights_(kernel_, grid_.common_step(t_new), t_new, times_), order_,
+    put_node_weights(weights_(kernel_, accepted_.common_step(t_new), t_new, times_), order_,
                      node_weights_);
     if (order_ == 1) node_weights_.back() += current(t_new).one;
     reads_ += static_cast<std::int64_t>(node_weights_.size()) +
@@ -67,16 +67,16 @@ public:
   }
 
   double w0(double t_new) override {
-    check_step(kernel_, grid_.now(), t_new);
+    check_step(kernel_, accepted_.now(), t_new);
     const Moments m = current(t_new);
     return order_ == 0 ? m.zero : m.zero - m.one;
   }
 
   void commit(double t_new, std::span<const double> u_new) override {
     check_field(kernel_, n_, u_new.size());
-    check_step(kernel_, grid_.now(), t_new);
+    check_step(kernel_, accepted_.now(), t_new);
     while (leaving() > 0) absorb();
-    steps_.push_back(grid_.accept(t_new));
+    steps_.push_back(accepted_.accept(t_new));
     times_.push_back(t_new);
     fields_.push(u_new);
   }
@@ -97,7 +97,7 @@ public:
     w.put(magic);
     w.put(static_cast<std::uint64_t>(n_));
     w.put(order_);
-    grid_.save(w);
+    accepted_.save(w);
     std::vector<SavedTerm> terms;
     for (const ExponentialTerm& term : terms_) terms.push_back({term.factor, term.lag_rate});
     w.put(terms);
@@ -117,7 +117,7 @@ public:
     r.expect(magic, "route");
     r.expect(static_cast<std::uint64_t>(n_), "number of unknowns");
     r.expect(order_, "order");
-    grid_.restore(r);
+    accepted_.restore(r);
     terms_.clear();
     for (const SavedTerm& saved : r.get_vector<SavedTerm>()) {
       if (!std::isfinite(std::abs(saved.factor)) || !std::isfinite(std::abs(saved.rate)))
@@ -128,7 +128,7 @@ public:
     window_ = r.get_finite();
     horizon_ = r.get_finite();
     error_ = r.get_finite();
-    times_ = r.get_times(grid_.start_time(), grid_.now());
+    times_ = r.get_times(accepted_.start_time(), accepted_.now());
     steps_ = r.get_numbers();
     states_ = r.get_numbers();
     fields_.unpack(r.get_numbers());
@@ -143,20 +143,20 @@ public:
   }
 
 private:
-  Moments current(double t_new) { return near_(kernel_, t_new, 0, grid_.step_to(t_new)); }
+  Moments current(double t_new) { return near_(kernel_, t_new, 0, accepted_.step_to(t_new)); }
 
   /// Number of raw intervals, from the oldest, that lie beyond the window now.
   std::size_t leaving() const {
     const double slack = 1e-9 * window_;
     std::size_t count = 0;
-    while (count + 1 < times_.size() && grid_.now() - times_[count + 1] >= window_ - slack) ++count;
+    while (count + 1 < times_.size() && accepted_.now() - times_[count + 1] >= window_ - slack) ++count;
     return count;
   }
 
   /// t_new minus the end of raw interval `taken` (0: of the states), as a sum of named steps: the
   /// same bits in every step of a uniform grid.
   double ahead_of(double t_new, std::size_t taken) const {
-    double sum = grid_.step_to(t_new);
+    double sum = accepted_.step_to(t_new);
     for (std::size_t j = taken; j < steps_.size(); ++j) sum += steps_[j];
     return sum;
   }
@@ -186,7 +186,7 @@ private:
 
   /// Lags beyond the fitted range: verified once per doubling, or the run ends with a message.
   void check_horizon(double t_new) {
-    const double needed = t_new - grid_.start_time();
+    const double needed = t_new - accepted_.start_time();
     if (needed <= horizon_ * (1 + 1e-9)) return;
     for (const double extended : {2 * needed, needed}) {
       const double error = fit_error(kernel_, terms_, window_, extended);
@@ -211,7 +211,7 @@ private:
   double window_, tolerance_, error_, horizon_;
   std::optional<double> planned_end_;
   std::string why_;
-  TimeGrid grid_;
+  AcceptedSteps accepted_;
   WeightCache near_;
   PastWeights weights_;
 

@@ -129,14 +129,14 @@ Moments independent_integral(const PreparedKernel& kernel, double t, double k) {
 
 IndependentSum::IndependentSum(const PreparedKernel& kernel, std::size_t n, int order,
                                double expected_step)
-    : kernel_(kernel), n_(n), order_(order), grid_(expected_step) {
+    : kernel_(kernel), n_(n), order_(order), accepted_(expected_step) {
   if (kernel.breaks.singular_at_source_zero())
     by_source_ =
         std::make_shared<KernelFunction>(of_source(kernel.spec.expression), kernel.spec.origin);
 }
 
 void IndependentSum::start(double t0, std::span<const double> u0) {
-  grid_.start(t0);
+  accepted_.start(t0);
   times_.assign(1, t0);
   values_.clear();
   by_index_.clear();
@@ -144,7 +144,7 @@ void IndependentSum::start(double t0, std::span<const double> u0) {
 }
 
 void IndependentSum::commit(double t, std::span<const double> u) {
-  grid_.accept(t);
+  accepted_.accept(t);
   times_.push_back(t);
   values_.insert(values_.end(), u.begin(), u.end());
 }
@@ -232,7 +232,7 @@ void IndependentSum::integrate(double t, std::span<const Interval> intervals,
 
 void IndependentSum::sum(double t_new, std::span<double> out) {
   const std::size_t count = times_.size() - 1;
-  const auto step = grid_.common_step(t_new);
+  const auto step = accepted_.common_step(t_new);
   std::vector<Moments> weights(count);
   std::vector<Interval> intervals;
   if (kernel_.traits.convolution && step) {
@@ -262,7 +262,7 @@ double IndependentSum::bytes() const {
 void IndependentSum::save(StateWriter& out) const {
   out.put(static_cast<std::uint64_t>(n_));
   out.put(order_);
-  grid_.save(out);
+  accepted_.save(out);
   out.put(times_);
   out.put(values_);
 }
@@ -270,9 +270,9 @@ void IndependentSum::save(StateWriter& out) const {
 void IndependentSum::restore(StateReader& in) {
   in.expect(static_cast<std::uint64_t>(n_), "number of unknowns");
   in.expect(order_, "order");
-  grid_.restore(in);
+  accepted_.restore(in);
   by_index_.clear();
-  times_ = in.get_times(grid_.start_time(), grid_.now());
+  times_ = in.get_times(accepted_.start_time(), accepted_.now());
   values_ = in.get_numbers();
   if (times_.empty() || values_.size() != n_ * (times_.size() - (order_ == 0 ? 1 : 0)))
     in.fail("is inconsistent");

@@ -45,7 +45,7 @@ private:
   PreparedKernel kernel_;
   std::size_t n_;
   int order_;
-  TimeGrid grid_;
+  AcceptedSteps accepted_;
   std::shared_ptr<const KernelFunction> by_source_; ///< where q is singular at s = 0
   std::vector<double> times_, values_;              ///< n values a step; order 1: and at t0
   std::vector<double> cuts_;      ///< breaks, and where the proof found the kernel to change

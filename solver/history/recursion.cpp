@@ -20,10 +20,10 @@ public:
   RecursionHistory(const PreparedKernel& kernel, const ExponentialTerms& terms, std::size_t n,
                    const HistoryOptions& options, double error, std::string why)
       : kernel_(kernel), sum_(terms), n_(n), order_(options.order), error_(error),
-        why_(std::move(why)), grid_(options.shortest_step) {}
+        why_(std::move(why)), accepted_(options.shortest_step) {}
 
   void start(double t0, std::span<const double> u0) override {
-    grid_.start(t0);
+    accepted_.start(t0);
     pending_ = false;
     states_.assign(sum_.state_fields() * n_, 0.0);
     last_.assign(n_, 0.0);
@@ -38,8 +38,8 @@ public:
   /// call finds it there: the states hold accepted values only.
   void rhs(double t_new, std::span<double> out) override {
     check_field(kernel_, n_, out.size());
-    check_step(kernel_, grid_.now(), t_new);
-    const double k = grid_.step_to(t_new);
+    check_step(kernel_, accepted_.now(), t_new);
+    const double k = accepted_.step_to(t_new);
     if (order_ == 1) {
       set_scaled(sum_.current({t_new, k}).one, last_, out);
     } else {
@@ -56,8 +56,8 @@ public:
   }
 
   double w0(double t_new) override {
-    check_step(kernel_, grid_.now(), t_new);
-    const double k = grid_.step_to(t_new);
+    check_step(kernel_, accepted_.now(), t_new);
+    const double k = accepted_.step_to(t_new);
     if (sum_.steady() && k == weighed_step_) return weight_;
     const Moments m = sum_.current({t_new, k});
     if (!std::isfinite(m.zero) || !std::isfinite(m.one)) refuse(t_new, k);
@@ -67,9 +67,9 @@ public:
 
   void commit(double t_new, std::span<const double> u_new) override {
     check_field(kernel_, n_, u_new.size());
-    check_step(kernel_, grid_.now(), t_new);
+    check_step(kernel_, accepted_.now(), t_new);
     if (pending_) absorb();
-    step_ = grid_.accept(t_new);
+    step_ = accepted_.accept(t_new);
     if (order_ == 1) std::swap(before_, last_);
     std::copy(u_new.begin(), u_new.end(), last_.begin());
     pending_ = true;
@@ -92,7 +92,7 @@ public:
     w.put(static_cast<std::uint64_t>(n_));
     w.put(order_);
     w.put(static_cast<std::uint64_t>(sum_.state_fields()));
-    grid_.save(w);
+    accepted_.save(w);
     w.put(step_);
     w.put(static_cast<std::uint8_t>(pending_));
     w.put(states_);
@@ -106,7 +106,7 @@ public:
     r.expect(static_cast<std::uint64_t>(n_), "number of unknowns");
     r.expect(order_, "order");
     r.expect(static_cast<std::uint64_t>(sum_.state_fields()), "kernel");
-    grid_.restore(r);
+    accepted_.restore(r);
     step_ = r.get_finite();
     pending_ = r.get<std::uint8_t>() != 0;
     states_ = r.get_numbers();
@@ -136,10 +136,10 @@ private:
     if (sum_.steady() && !groups_.empty() && prepared_step_ == step_ && prepared_ahead_ == ahead) {
       return;
     }
-    groups_ = sum_.coefficients({grid_.now(), step_}, ahead, grid_.start_time(), order_);
+    groups_ = sum_.coefficients({accepted_.now(), step_}, ahead, accepted_.start_time(), order_);
     for (const LinearGroup& group : groups_)
       for (const double value : group.input)
-        if (!std::isfinite(value)) refuse(grid_.now(), step_);
+        if (!std::isfinite(value)) refuse(accepted_.now(), step_);
     prepared_step_ = step_;
     prepared_ahead_ = ahead;
   }
@@ -158,7 +158,7 @@ private:
   int order_;
   double error_;
   std::string why_;
-  TimeGrid grid_;
+  AcceptedSteps accepted_;
 
   std::int64_t reads_ = 0;
   double step_ = 0;                   ///< the last accepted one

@@ -42,9 +42,9 @@ private:
 };
 
 /// The accepted steps: their names, and whether all were equal so far.
-class TimeGrid {
+class AcceptedSteps {
 public:
-  explicit TimeGrid(double expected_step = 0) : names_(expected_step) {}
+  explicit AcceptedSteps(double expected_step = 0) : names_(expected_step) {}
   void start(double t0) { state_ = {t0, t0, 0, 0, 1}; }
   /// Name of the step from the last accepted time to t_new.
   double step_to(double t_new) const { return names_.find(state_.now, t_new); }

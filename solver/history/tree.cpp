@@ -43,10 +43,10 @@ public:
               std::string why)
       : kernel_(kernel), moments_(moment_count(options.tolerance)), n_(n), order_(options.order),
         leaf_(2 * static_cast<std::size_t>(moments_.count())), options_(options),
-        why_(std::move(why)), grid_(options.shortest_step), test_(kernel_, moments_, options) {}
+        why_(std::move(why)), accepted_(options.shortest_step), test_(kernel_, moments_, options) {}
 
   void start(double t0, std::span<const double> u0) override {
-    grid_.start(t0);
+    accepted_.start(t0);
     nodes_.clear();
     ahead_.clear();
     weights_.reset();
@@ -58,7 +58,7 @@ public:
 
   void rhs(double t_new, std::span<double> out) override {
     check_field(kernel_, n_, out.size());
-    check_step(kernel_, grid_.now(), t_new);
+    check_step(kernel_, accepted_.now(), t_new);
     look_ahead(t_new);
     const auto known = std::find(ahead_.times.begin(), ahead_.times.end(), t_new);
     const bool is_known = known != ahead_.times.end();
@@ -74,15 +74,15 @@ public:
   }
 
   double w0(double t_new) override {
-    check_step(kernel_, grid_.now(), t_new);
+    check_step(kernel_, accepted_.now(), t_new);
     const Moments m = current(t_new);
     return order_ == 0 ? m.zero : m.zero - m.one;
   }
 
   void commit(double t_new, std::span<const double> u_new) override {
     check_field(kernel_, n_, u_new.size());
-    check_step(kernel_, grid_.now(), t_new);
-    grid_.accept(t_new);
+    check_step(kernel_, accepted_.now(), t_new);
+    accepted_.accept(t_new);
     ++steps_;
     Node& last = nodes_.back();
     last.times.push_back(t_new);
@@ -120,7 +120,7 @@ public:
     w.put(static_cast<std::uint64_t>(n_));
     w.put(order_);
     w.put(static_cast<std::uint64_t>(leaf_));
-    grid_.save(w);
+    accepted_.save(w);
     w.put(test_.horizon());
     w.put(ahead_.times);
     w.put(ahead_.fields);
@@ -142,13 +142,13 @@ public:
     r.expect(static_cast<std::uint64_t>(n_), "number of unknowns");
     r.expect(order_, "order");
     r.expect(static_cast<std::uint64_t>(leaf_), "tolerance");
-    grid_.restore(r);
+    accepted_.restore(r);
     weights_.reset();
-    steps_ = grid_.count();
+    steps_ = accepted_.count();
     // Blocks are made for twice the time that has passed, or for the planned end.
-    const double planned = options_.horizon, elapsed = grid_.now() - grid_.start_time();
+    const double planned = options_.horizon, elapsed = accepted_.now() - accepted_.start_time();
     if (const double horizon = r.get_between(0.0, 4 * std::max(elapsed, planned)); horizon > 0) {
-      test_.extend(grid_.start_time(), horizon);
+      test_.extend(accepted_.start_time(), horizon);
     }
     ahead_.times = r.get_numbers();
     ahead_.fields = r.get_numbers();
@@ -166,8 +166,8 @@ private:
     Node node;
     node.level = r.get_between(-1, 62);
     node.index = r.get_between<std::int64_t>(0, steps_);
-    node.block.a = r.get_between(grid_.start_time(), grid_.now());
-    node.block.b = r.get_between(node.block.a, grid_.now());
+    node.block.a = r.get_between(accepted_.start_time(), accepted_.now());
+    node.block.b = r.get_between(node.block.a, accepted_.now());
     node.next_test = r.get_finite();
     node.error = r.get_finite();
     node.times = r.get_numbers();
@@ -176,7 +176,7 @@ private:
     if (node.raw())
       good = good && !node.times.empty() && node.times.size() <= leaf_ + 1 &&
              std::is_sorted(node.times.begin(), node.times.end()) &&
-             node.times.front() >= grid_.start_time() && node.times.back() <= grid_.now() &&
+             node.times.front() >= accepted_.start_time() && node.times.back() <= accepted_.now() &&
              steps_to_end(node) <= steps_;
     if (!good) r.fail("is inconsistent");
     return node;
@@ -193,7 +193,7 @@ private:
     return node.times.empty() ? 0 : node.times.size() - (order_ == 1 ? 0 : 1);
   }
 
-  Moments current(double t_new) { return near_(kernel_, t_new, 0, grid_.step_to(t_new)); }
+  Moments current(double t_new) { return near_(kernel_, t_new, 0, accepted_.step_to(t_new)); }
 
   void open_node(double t, std::span<const double> u) {
     Node node;
@@ -214,7 +214,7 @@ private:
   /// Weights of a raw node's fields at t, `ahead` steps after the next one.
   void raw_weights(const Node& node, double t, std::size_t ahead, std::vector<double>& weights) {
     const auto after = static_cast<std::size_t>(steps_ - steps_to_end(node)) + ahead;
-    put_node_weights(weights_(kernel_, grid_.common_step(t, ahead), t, node.times, after), order_,
+    put_node_weights(weights_(kernel_, accepted_.common_step(t, ahead), t, node.times, after), order_,
                      weights);
   }
 
@@ -290,12 +290,12 @@ private:
 
   /// Beyond the horizon all blocks are asked again, for the longer time.
   void watch_horizon(double now) {
-    const double elapsed = now - grid_.start_time();
+    const double elapsed = now - accepted_.start_time();
     if (test_.horizon() > 0 && elapsed <= test_.horizon() * (1 + 1e-9)) return;
-    test_.extend(grid_.start_time(), 2 * elapsed);
+    test_.extend(accepted_.start_time(), 2 * elapsed);
     double total = 0;
     for (Node& node : nodes_) {
-      if (!node.raw()) node.error = test_.error(node.block, grid_.start_time(), now);
+      if (!node.raw()) node.error = test_.error(node.block, accepted_.start_time(), now);
       total += node.error;
     }
     if (total <= options_.tolerance) return;
@@ -333,7 +333,7 @@ private:
   }
 
   void to_moments(Node& node, double now) {
-    const auto error = test_.passes(node.block, grid_.start_time(), now);
+    const auto error = test_.passes(node.block, accepted_.start_time(), now);
     if (!error) {
       node.next_test = later(node.block, now);
       return;
@@ -355,7 +355,7 @@ private:
                           right.index == left.index + 1;
     if (!siblings || now < left.next_test) return false;
     const TimeBlock parent{left.block.a, right.block.b};
-    const auto error = test_.passes(parent, grid_.start_time(), now);
+    const auto error = test_.passes(parent, accepted_.start_time(), now);
     if (!error) {
       left.next_test = later(parent, now);
       return false;
@@ -380,7 +380,7 @@ private:
   std::size_t leaf_; ///< steps of a leaf: twice the moments, so that it saves half
   HistoryOptions options_;
   std::string why_;
-  TimeGrid grid_;
+  AcceptedSteps accepted_;
   BlockTest test_;
   WeightCache near_;
   PastWeights weights_;
