@@ -83,14 +83,14 @@ std::vector<double> steps_taken(const TimeGrid& grid, int step) {
 
 /// Are those the first `step` steps of the grid, up to the rounding of its times?
 bool begins_with(const TimeGrid& grid, int step, const std::vector<double>& taken) {
-  if (step > grid.steps() || taken.size() < 2 || taken.size() % 2 != 0) return false;
+  if (step > grid.steps() || taken.size() < 2) return false;
   if (step == 0) return true;
   const double rounding = grid.rounding(step) * grid.length(step);
   if (grid.t(0) != taken[0] || std::abs(grid.t(step) - taken[1]) > rounding) return false;
   int n = 0;
-  for (std::size_t i = 2; i < taken.size(); i += 2)
-    for (double left = taken[i + 1]; left > 0; --left)
-      if (++n > step || std::abs(grid.length(n) - taken[i]) > 2 * grid.rounding(n) * taken[i])
+  for (std::size_t i = 3; i < taken.size(); i += 2) // pairs of a length and how many steps have it
+    for (double left = taken[i], length = taken[i - 1]; left > 0; --left)
+      if (++n > step || std::abs(grid.length(n) - length) > 2 * grid.rounding(n) * length)
         return false;
   return n == step;
 }
