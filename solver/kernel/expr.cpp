@@ -62,22 +62,29 @@ bool same_head(const Expr& a, const Expr& b) {
 
 } // namespace
 
-/// Destroys a deep graph in a loop: a node that only we still hold gives us its arguments before it
-/// goes, so that its own destructor finds none.
+/// Destroys a deep graph in a loop, and without an allocation: there may be no memory left. A node
+/// that only we still hold is emptied before it goes, so that its own destructor finds no argument;
+/// while we are below one, the place of the argument we went into holds the way back up.
 Expr::Node::~Node() {
-  std::vector<std::shared_ptr<const Node>> pending;
-  const auto adopt = [&pending](std::vector<Expr>& list) {
-    for (Expr& arg : list) {
-      auto& child = ExprAccess::node(arg);
-      if (child.use_count() == 1 && !child->args.empty()) pending.push_back(std::move(child));
-    }
+  std::shared_ptr<const Node> here, above; // null: this node, and what is above it
+  const auto list_of = [this](const std::shared_ptr<const Node>& node) -> std::vector<Expr>& {
+    return node ? const_cast<Node&>(*node).args : args; // about to die, and nobody else sees it
   };
-  adopt(args);
-  while (!pending.empty()) {
-    const std::shared_ptr<const Node> node = std::move(pending.back());
-    pending.pop_back();
-    // The node is about to die and nobody else sees it.
-    if (node.use_count() == 1) adopt(const_cast<Node&>(*node).args);
+  for (;;) {
+    std::vector<Expr>& list = list_of(here);
+    if (list.empty()) {
+      if (!here) return;
+      here = std::move(above);
+      above = std::move(ExprAccess::node(list_of(here).back()));
+      list_of(here).pop_back();
+    } else if (auto child = std::move(ExprAccess::node(list.back()));
+               child.use_count() == 1 && !child->args.empty()) {
+      ExprAccess::node(list.back()) = std::move(above);
+      above = std::move(here);
+      here = std::move(child);
+    } else {
+      list.pop_back();
+    }
   }
 }
 

@@ -167,3 +167,39 @@ TEST(Expr, SimplificationKeepsTheValue) { // independent: the formula evaluated 
   }
   EXPECT_GT(compared, 4000);
 }
+
+TEST(Expr, GoesWithoutRecursionAndLeavesWhatIsShared) {
+  Expr kept = sin(x), left = kept, right = kept;
+  for (int i = 0; i < 300000; ++i) { // deep in the first argument, deep in the second
+    left = Expr::make(Op::atan2, {left, y});
+    right = Expr::make(Op::atan2, {z, right});
+  }
+  const Expr both = Expr::make(Op::atan2, {left, right});
+  Expr again = Expr::make(Op::atan2, {both, kept});
+  left = right = Expr(0.0);
+  const std::size_t hash = both.args()[0].hash();
+  again = Expr(1.0); // `both` is still held
+  EXPECT_EQ(both.args()[0].hash(), hash);
+  EXPECT_EQ(both.args()[1].args()[1].args().size(), 2u);
+  EXPECT_EQ(kept, sin(x));
+}
+
+TEST(Expr, GoesInAnyShape) {
+  for (unsigned seed = 0; seed < 50; ++seed) { // random graphs with shared parts
+    std::vector<Expr> made{x, y, z, t, Expr(2.5)};
+    unsigned state = seed * 2654435761u + 1;
+    const auto draw = [&] {
+      return made[(state = state * 1664525u + 1013904223u) / 65536u % made.size()];
+    };
+    for (int i = 0; i < 400; ++i)
+      made.push_back(i % 3 == 0   ? sin(draw())
+                     : i % 3 == 1 ? select(less(draw(), draw()), draw(), draw())
+                                  : Expr::make(Op::atan2, {draw(), draw()}));
+    const Expr last = made.back();
+    const std::string text = to_string(last);
+    while (made.size() > 1)
+      made.erase(made.begin() + (state = state * 1664525u + 1013904223u) / 65536u % made.size());
+    made.clear();
+    EXPECT_EQ(to_string(last), text);
+  }
+}
