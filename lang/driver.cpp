@@ -2,6 +2,7 @@
 #include "lang/driver.hpp"
 
 #include "lang/check/check.hpp"
+#include "lang/diag/real_path.hpp"
 #include "lang/diag/render.hpp"
 #include "lang/diag/suggest.hpp"
 #include "lang/diag/unreadable.hpp"
@@ -48,9 +49,8 @@ std::optional<int> load_import(Script& script, const ast::Import& import,
   const auto& text = std::get<ast::Text>(import.module);
   failed = true; // until it is read
   if (script.diagnostics.has_error_in(text.span)) return std::nullopt;
-  std::error_code ignore;
-  const fs::path folder = fs::weakly_canonical(fs::path(script.path).parent_path() / ".", ignore);
-  const fs::path full = fs::weakly_canonical(folder / text.text, ignore);
+  const fs::path folder = real_path(fs::path(script.path).parent_path() / ".");
+  const fs::path full = real_path(folder / text.text);
   const fs::path relative = full.lexically_relative(folder);
   if (fs::path(text.text).is_absolute() || relative.empty() || *relative.begin() == "..") {
     report(script, "E0604", text.span,
@@ -80,8 +80,7 @@ void parse_script(Script& script) {
     return;
   }
   std::set<std::string> seen;
-  std::error_code ignore;
-  seen.insert(fs::weakly_canonical(script.path, ignore).string());
+  seen.insert(real_path(script.path).string());
   const int id = script.sources.add(script.path, std::move(*text));
   script.programs.push_back(parse(script.sources.file(id), script.diagnostics));
   for (std::size_t p = 0; p < script.programs.size(); ++p) {

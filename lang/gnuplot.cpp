@@ -2,6 +2,7 @@
 #include "lang/gnuplot.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/common/read_file.hpp"
 #include "solver/output/file.hpp"
 
 #include <fmt/format.h>
@@ -14,8 +15,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 
 namespace hvi::lang {
 namespace {
@@ -54,14 +53,16 @@ private:
 
 /// gnuplot's exit code in `folder`, reading `commands`; no start-up file of the user's is read.
 int run_gnuplot(const fs::path& folder) {
+  int failed = 0; // the first reason; without one of these gnuplot would draw somewhere else
+  const auto set = [&failed](int status) { failed = failed != 0 ? failed : status; };
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "commands", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  std::string program = "gnuplot", plain = "--default-settings";
-  char* words[] = {program.data(), plain.data(), nullptr};
+  set(posix_spawn_file_actions_addchdir_np(&actions, folder.c_str()));
+  set(posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "commands", O_RDONLY, 0));
+  set(posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0));
+  set(posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0));
+  char program[] = "gnuplot", plain[] = "--default-settings";
+  char* words[] = {program, plain, nullptr};
   pid_t child = 0;
   posix_spawnattr_t attributes; // we ignore what a closed pipe sends, gnuplot need not
   posix_spawnattr_init(&attributes);
@@ -70,20 +71,16 @@ int run_gnuplot(const fs::path& folder) {
   sigaddset(&defaults, SIGPIPE);
   posix_spawnattr_setsigdefault(&attributes, &defaults);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
-  const int failed = ::posix_spawnp(&child, "gnuplot", &actions, &attributes, words, environ);
+  if (failed == 0) set(::posix_spawnp(&child, program, &actions, &attributes, words, environ));
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0)
-    fail(fmt::format("gnuplot cannot be started: {}", std::strerror(failed)), where_to_get_it);
+    fail(fmt::format("gnuplot cannot be started: {}", std::strerror(failed)),
+         failed == ENOENT ? where_to_get_it : "");
   int status = 0;
   while (::waitpid(child, &status, 0) < 0)
     if (errno != EINTR) return -1;
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-std::string content(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 } // namespace
@@ -96,7 +93,7 @@ void plot(const std::string& commands, const fs::path& picture, Canvas canvas) {
                   canvas.width, canvas.height, svg && canvas.white ? " background 'white'" : "");
   solver::write_atomically(folder.path() / "commands", head + commands);
   const bool drawn = run_gnuplot(folder.path()) == 0;
-  const std::string bytes = drawn ? content(folder.path() / "drawn") : "";
+  const std::string bytes = drawn ? solver::read_file(folder.path() / "drawn").value_or("") : "";
   if (bytes.empty())
     fail(fmt::format("gnuplot did not draw `{}`", picture.filename().string()), where_to_get_it);
   solver::write_atomically(picture, bytes, solver::Durability::synced);

@@ -3,15 +3,29 @@
 #include <dlfcn.h>
 #include <metis.h>
 
+#include <algorithm>
 #include <numeric>
 
 namespace {
 
+void* open_library() {
+  constexpr const char* name = "libmetis.so.5";
+  constexpr int how = RTLD_NOW | RTLD_LOCAL;
+  void* const library = dlopen(name, how);
+  return library != nullptr ? library : dlopen(name, how); // memory may be short for a moment only
+}
+
 /// A function of METIS; null where the library is not to be had.
 template <class Function>
 Function* of_metis(const char* name) {
-  static void* const library = dlopen("libmetis.so.5", RTLD_NOW | RTLD_LOCAL);
+  static void* const library = open_library();
   return library == nullptr ? nullptr : reinterpret_cast<Function*>(dlsym(library, name));
+}
+
+/// Without memory METIS leaves the permutation as it was: what is no permutation tells of it.
+int checked(int status, idx_t vertices, idx_t* permutation) {
+  if (status != METIS_OK) std::fill(permutation, permutation + vertices, -1);
+  return status;
 }
 
 } // namespace
@@ -23,7 +37,8 @@ extern "C" {
 int METIS_NodeND(idx_t* vertices, idx_t* start, idx_t* neighbour, idx_t* weight, idx_t* options,
                  idx_t* permutation, idx_t* inverse) {
   if (auto* order = of_metis<decltype(METIS_NodeND)>("METIS_NodeND"))
-    return order(vertices, start, neighbour, weight, options, permutation, inverse);
+    return checked(order(vertices, start, neighbour, weight, options, permutation, inverse),
+                   *vertices, permutation);
   std::iota(permutation, permutation + *vertices, 0);
   std::iota(inverse, inverse + *vertices, 0);
   return METIS_ERROR;

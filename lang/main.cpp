@@ -1,7 +1,9 @@
 // The command line, and nothing else.
 #include "lang/diag/suggest.hpp"
 #include "lang/driver.hpp"
+#include "lang/no_memory.hpp"
 #include "lang/say.hpp"
+#include "solver/common/out_of_memory.hpp"
 #include "solver/linear/blas_memory.hpp"
 
 #include <CLI/CLI.hpp>
@@ -202,8 +204,9 @@ int flushed(int code) {
   errno = 0;
   const bool arrived = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
   if (arrived || code == hvi::lang::exit_bug) return code;
-  tell("error[E0702]: cannot write to the standard output{}{}\n", errno != 0 ? ": " : "",
-       errno != 0 ? std::strerror(errno) : "");
+  const char* const reason = errno != 0 ? std::strerror(errno) : "it did not take all";
+  for (const char* text : {"error[E0702]: cannot write to the standard output: ", reason, "\n"})
+    std::fputs(text, stderr); // allocates nothing
   return hvi::lang::exit_solve;
 }
 
@@ -212,8 +215,11 @@ int run_program(int argc, char** argv) {
     std::string word = "run";
     auto arguments = with_command(argc, argv, word);
     return dispatch(static_cast<int>(arguments.size()), arguments.data());
+  } catch (const hvi::solver::OutOfMemory& error) {
+    hvi::lang::tell_no_memory(error.what());
+    return hvi::lang::exit_solve;
   } catch (const std::bad_alloc&) {
-    std::fputs("error[E0607]: out of memory\n", stderr);
+    hvi::lang::tell_no_memory();
     return hvi::lang::exit_solve;
   } catch (const std::system_error& error) { // no thread, no file, no process to be had
     tell("error[E0611]: the system refused something: {}\n", error.what());
@@ -229,7 +235,7 @@ int run_program(int argc, char** argv) {
 int main(int argc, char** argv) {
   keep_freed_memory();
   if (!hvi::solver::reserve_blas_memory()) {
-    std::fputs("error[E0607]: out of memory: a run needs some 200 MiB of addresses\n", stderr);
+    hvi::lang::tell_no_memory("out of memory: a run needs some 200 MiB of addresses");
     return hvi::lang::exit_solve;
   }
   open_standard_streams();

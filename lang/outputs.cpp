@@ -1,6 +1,7 @@
 // See outputs.hpp.
 #include "lang/outputs.hpp"
 
+#include "lang/diag/real_path.hpp"
 #include "lang/pictures.hpp"
 #include "solver/output/file.hpp"
 #include "solver/time/checkpoint.hpp"
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 fs::path place_of(const fs::path& path) {
   std::error_code ignore;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  return fs::weakly_canonical(fs::absolute(folder, ignore), ignore) / path.filename();
+  return real_path(fs::absolute(folder, ignore)) / path.filename();
 }
 
 /// All files a script is made of.
@@ -53,8 +54,7 @@ fs::path overwritten(const Outputs& outputs, const std::vector<fs::path>& inputs
   for (const auto& file : outputs.files) files.push_back(place_of(file));
   for (const auto& stem : outputs.series) series.push_back(place_of(stem));
   for (const fs::path& input : inputs) {
-    std::error_code ignore;
-    for (const fs::path& place : {place_of(input), fs::weakly_canonical(input, ignore)}) {
+    for (const fs::path& place : {place_of(input), real_path(input)}) {
       if (std::ranges::find(files, place) != files.end()) return input;
       for (const auto& stem : series)
         if (in_series(place, stem)) return input;

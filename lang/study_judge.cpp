@@ -4,6 +4,7 @@
 #include "solver/study/ladder.hpp"
 
 #include <cmath>
+#include <stdexcept>
 
 namespace hvi::lang {
 
@@ -13,7 +14,7 @@ namespace {
 std::optional<double> number_of(const StudyLadder& ladder, int rung) {
   try {
     return std::stod(ladder.values[rung]);
-  } catch (const std::exception&) {
+  } catch (const std::logic_error&) { // no number, or beyond any
     return std::nullopt;
   }
 }

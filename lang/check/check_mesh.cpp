@@ -1,6 +1,7 @@
 // Meshes and parts: which mesh is meant, what its parts are called, what files may be read.
 #include "lang/check/builtins.hpp"
 #include "lang/check/checker.hpp"
+#include "lang/diag/real_path.hpp"
 #include "lang/diag/suggest.hpp"
 #include "solver/mesh/generate.hpp"
 #include "solver/mesh/gmsh_module.hpp"
@@ -36,9 +37,8 @@ const char* kind_word(Group::Kind kind) {
 
 std::optional<std::string> Checker::allowed_path(const std::string& path, const Span& span) {
   namespace fs = std::filesystem;
-  std::error_code ignore;
-  const fs::path folder = fs::weakly_canonical(options_.folder, ignore);
-  const fs::path full = fs::weakly_canonical(folder / path, ignore);
+  const fs::path folder = real_path(options_.folder);
+  const fs::path full = real_path(folder / path);
   const fs::path relative = full.lexically_relative(folder);
   if (fs::path(path).is_absolute() || relative.empty() || *relative.begin() == "..") {
     error("E0604", span, fmt::format("`{}` lies outside the folder of the script", path),

@@ -2,10 +2,9 @@
 #include "lang/diag/source.hpp"
 
 #include "lang/diag/utf8.hpp"
+#include "solver/common/read_file.hpp"
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 
 namespace hvi::lang {
 
@@ -67,18 +66,7 @@ Position SourceMap::end(const Span& span) const { return file(span.file).positio
 std::string_view SourceMap::text(const Span& span) const { return file(span.file).text(span); }
 
 std::optional<std::string> read_text(const std::string& path, std::size_t limit) {
-  // Nothing but files: a pipe or a device may never end.
-  std::error_code problem;
-  if (!std::filesystem::is_regular_file(path, problem)) return std::nullopt;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) return std::nullopt;
-  const std::uintmax_t size = std::filesystem::file_size(path, problem);
-  if (problem) return std::nullopt;
-  std::string text(static_cast<std::size_t>(std::min<std::uintmax_t>(size, limit + 1)), '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad()) return std::nullopt;
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  return text;
+  return solver::read_file(path, limit + 1);
 }
 
 } // namespace hvi::lang

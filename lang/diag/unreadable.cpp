@@ -1,12 +1,13 @@
 // See unreadable.hpp.
 #include "lang/diag/unreadable.hpp"
 
+#include "solver/common/read_file.hpp"
+
 #include <fmt/format.h>
 
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 namespace hvi::lang {
 
@@ -18,12 +19,9 @@ std::string why_unreadable(const std::string& path, const std::string& name) {
   if (std::filesystem::is_directory(status)) return fmt::format("`{}` is a folder", name);
   if (!problem && !std::filesystem::is_regular_file(status))
     return fmt::format("`{}` is a device or a pipe, not a file", name);
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (stream) stream.get();
-  const std::string reason = problem      ? problem.message()
-                             : errno != 0 ? std::strerror(errno)
-                                          : "reading ends early";
+  const std::string reason = problem                    ? problem.message()
+                             : !solver::read_file(path) ? std::strerror(errno)
+                                                        : "the system refused it for a moment";
   return fmt::format("`{}` cannot be read: {}", name, reason);
 }
 

@@ -47,6 +47,8 @@ double integrate_singular(TanhSinh& rule, const F& f) {
       return 0.5 * f(x < 0 ? d : 1 - d);
     };
     return rule.integrate(on_rule, 1e-14);
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception&) {
     return std::numeric_limits<double>::quiet_NaN();
   }

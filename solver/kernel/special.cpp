@@ -24,6 +24,8 @@ template <class F>
 double or_nan(F f) {
   try {
     return f();
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception&) {
     return not_a_number;
   }

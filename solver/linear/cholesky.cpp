@@ -2,6 +2,7 @@
 // trailing block L22 of L gives the Schur complement S = L22 L22^T with no solve at all.
 #include "solver/linear/cholesky.hpp"
 
+#include "solver/common/out_of_memory.hpp"
 #include "solver/linear/cholmod_session.hpp"
 #include "solver/linear/ordering.hpp"
 #include "solver/linear/packed_factor.hpp"
@@ -115,9 +116,7 @@ Cholesky::Cholesky(const Cholesky* analysed)
   const bool done = l_ != nullptr && (l_->xtype == CHOLMOD_PATTERN ||
                                       cholmod_l_change_factor(CHOLMOD_PATTERN, 1, 1, 1, 1, l_,
                                                               session_.common()) != 0);
-  if (!done)
-    throw Failure(FailureKind::limit, {},
-                  fmt::format("no memory for one more factor of {} unknowns", size_));
+  if (!done) throw OutOfMemory("no memory for one more factor of {} unknowns", size_);
   prepare();
   statistics_.nonzeros = analysed->statistics_.nonzeros;
   statistics_.flops = analysed->statistics_.flops;
@@ -145,9 +144,10 @@ void Cholesky::analyse_pattern(const SparseMatrix& k, std::span<const int> conta
                                   : order_contact_last(k, contact, session_);
     l_ = symbolic_factor(order, session_);
     cholmod_l_free_work(session_.common()); // what comes next may take the place of both
-    if (l_ == nullptr || l_->is_super == 0)
-      throw Failure(FailureKind::limit, {},
-                    fmt::format("no memory to analyse a matrix of {} unknowns", size_));
+    if (l_ == nullptr || l_->is_super == 0) {
+      refuse_too_large(*session_.common(), size_);
+      throw OutOfMemory("no memory to analyse a matrix of {} unknowns", size_);
+    }
     permutation_.assign(order.permutation.begin(), order.permutation.end());
     statistics_.nonzeros = order.nonzeros;
     statistics_.flops = order.flops;
@@ -173,10 +173,11 @@ void Cholesky::factor(const SparseMatrix& k) {
     advise_large_pages(l_->x, l_->xsize * sizeof(double));
   double nothing[2] = {0.0, 0.0}; // is added to the diagonal
   cholmod_l_super_numeric(&view, nullptr, nothing, l_, common);
-  if (common->status < CHOLMOD_OK)
-    throw Failure(FailureKind::limit, {},
-                  fmt::format("no memory to factor a matrix of {} unknowns ({:.2g} bytes)", size_,
-                              statistics_.bytes));
+  if (common->status < CHOLMOD_OK) {
+    refuse_too_large(*common, size_);
+    throw OutOfMemory("no memory to factor a matrix of {} unknowns ({:.2g} bytes)", size_,
+                      statistics_.bytes);
+  }
   ++statistics_.factorisations;
   if (common->status == CHOLMOD_NOT_POSDEF) fail_at(static_cast<int>(l_->minor), 0.0);
   check_pivots();

@@ -1,6 +1,10 @@
 // See cholmod_session.hpp.
 #include "solver/linear/cholmod_session.hpp"
 
+#include "solver/common/failure.hpp"
+
+#include <fmt/format.h>
+
 #include <omp.h>
 
 extern "C" {
@@ -19,6 +23,12 @@ CholmodSession::CholmodSession() {
 }
 
 CholmodSession::~CholmodSession() { cholmod_l_finish(&common_); }
+
+void refuse_too_large(const cholmod_common& common, int unknowns) {
+  if (common.status == CHOLMOD_TOO_LARGE)
+    throw Failure(FailureKind::limit, {},
+                  fmt::format("a matrix of {} unknowns is too large to factor", unknowns));
+}
 
 OneBlasThread::OneBlasThread()
     : before_(openblas_get_num_threads()), levels_before_(omp_get_max_active_levels()) {

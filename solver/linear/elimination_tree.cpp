@@ -1,9 +1,7 @@
 // See elimination_tree.hpp.
 #include "solver/linear/elimination_tree.hpp"
 
-#include "solver/common/failure.hpp"
-
-#include <fmt/format.h>
+#include "solver/common/out_of_memory.hpp"
 
 #include <stdexcept>
 
@@ -123,9 +121,7 @@ EliminationTree elimination_tree(const VertexGraph& graph, const Links& links,
   const auto postorder = [&](Long* weights) {
     if (cholmod_l_postorder(tree.parent.data(), order.size(), weights, tree.post.data(),
                             session.common()) != ordered.size())
-      throw Failure(
-          FailureKind::limit, {},
-          fmt::format("no memory to analyse a matrix of {} unknowns", graph.first.back()));
+      throw OutOfMemory("no memory to analyse a matrix of {} unknowns", graph.first.back());
   };
   postorder(nullptr);
   tree.count = ColumnCounts(ordered, tree.parent, tree.post).counts();

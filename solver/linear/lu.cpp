@@ -4,6 +4,7 @@
 // step read L once and U once, as with Cholesky.
 #include "solver/linear/lu.hpp"
 
+#include "solver/common/out_of_memory.hpp"
 #include "solver/linear/ordering.hpp"
 #include "solver/time/clock.hpp"
 
@@ -126,9 +127,7 @@ Lu::Lu(const SparseMatrix& k, std::span<const int> contact)
       umfpack_dl_qsymbolic(size_, size_, start_.data(), column_.data(), nullptr,
                            permutation_.data(), &symbolic, control_.data(), nullptr);
   symbolic_ = Symbolic(symbolic, FreeSymbolic{});
-  if (status < 0)
-    throw Failure(FailureKind::limit, {},
-                  fmt::format("no memory to analyse a matrix of {} unknowns", size_));
+  if (status < 0) throw OutOfMemory("no memory to analyse a matrix of {} unknowns", size_);
   statistics_.analyses = 1;
   statistics_.seconds_analyse = cpu_seconds() - start;
 }
@@ -164,9 +163,7 @@ Numeric Lu::factor_with_umfpack(const SparseMatrix& k) {
   void* numeric = nullptr;
   const auto status = umfpack_dl_numeric(start_.data(), column_.data(), k.valuePtr(),
                                          symbolic_.get(), &numeric, control_.data(), info.data());
-  if (status < 0)
-    throw Failure(FailureKind::limit, {},
-                  fmt::format("no memory to factor a matrix of {} unknowns", size_));
+  if (status < 0) throw OutOfMemory("no memory to factor a matrix of {} unknowns", size_);
   ++statistics_.factorisations;
   statistics_.flops = info[UMFPACK_FLOPS];
   return Numeric(numeric);
@@ -189,7 +186,11 @@ void Lu::factor(const SparseMatrix& k) {
 /// Copies L and U, with 32-bit indices in ascending order; throws where a pivot is not diagonal.
 void Lu::take_triangles(void* numeric) {
   Long l_entries = 0, u_entries = 0, rows = 0, columns = 0, diagonals = 0;
-  umfpack_dl_get_lunz(&l_entries, &u_entries, &rows, &columns, &diagonals, numeric);
+  // What UMFPACK has no memory to unpack it leaves as it was.
+  const auto check = [this](Long status) {
+    if (status < 0) throw OutOfMemory("no memory for a factor of {} unknowns", size_);
+  };
+  check(umfpack_dl_get_lunz(&l_entries, &u_entries, &rows, &columns, &diagonals, numeric));
   const auto n = static_cast<std::size_t>(size_);
   std::vector<Long> l_index(l_entries), u_index(u_entries), row_order(n), column_order(n);
   Triangle& u = lower_; // U of the transpose is L of K
@@ -198,9 +199,9 @@ void Lu::take_triangles(void* numeric) {
   u.start.resize(n + 1);
   l.value.resize(l_entries);
   u.value.resize(u_entries);
-  umfpack_dl_get_numeric(l.start.data(), l_index.data(), l.value.data(), u.start.data(),
-                         u_index.data(), u.value.data(), row_order.data(), column_order.data(),
-                         nullptr, nullptr, nullptr, numeric);
+  check(umfpack_dl_get_numeric(l.start.data(), l_index.data(), l.value.data(), u.start.data(),
+                               u_index.data(), u.value.data(), row_order.data(),
+                               column_order.data(), nullptr, nullptr, nullptr, numeric));
   l.index.assign(l_index.begin(), l_index.end());
   u.index.assign(u_index.begin(), u_index.end());
   if (column_order != permutation_) throw std::logic_error("UMFPACK changed the given order");

@@ -2,6 +2,7 @@
 #include "solver/mesh/gmsh_module.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/common/out_of_memory.hpp"
 #include "solver/mesh/geometries.hpp"
 #include "solver/mesh/gmsh/bridge.h"
 #include "solver/mesh/raw_mesh.hpp"
@@ -123,7 +124,10 @@ Mesh generate_geometry(const std::string& name, const std::vector<double>& given
   const auto generate = entry<HviGmshGenerate>("hvi_gmsh_generate");
   const HviGmshSink sink = collector.sink();
   std::string message(message_size, '\0');
-  if (generate(name.c_str(), numbers.data(), numbers.size(), &sink, message.data(), message.size()))
+  const int status =
+      generate(name.c_str(), numbers.data(), numbers.size(), &sink, message.data(), message.size());
+  if (status == hvi_gmsh_no_memory) throw OutOfMemory("no memory to mesh with gmsh");
+  if (status != 0)
     throw Failure(FailureKind::bad_mesh, {},
                   fmt::format("gmsh could not mesh {}: {}", description, message.c_str()));
   return assemble(collector.raw, description);
@@ -138,7 +142,9 @@ Mesh mesh_geo_file(const std::string& path) {
   const auto mesh_file = entry<HviGmshMeshFile>("hvi_gmsh_mesh_file");
   const HviGmshSink sink = collector.sink();
   std::string message(message_size, '\0');
-  if (mesh_file(path.c_str(), &sink, message.data(), message.size()))
+  const int status = mesh_file(path.c_str(), &sink, message.data(), message.size());
+  if (status == hvi_gmsh_no_memory) throw OutOfMemory("no memory to mesh with gmsh");
+  if (status != 0)
     throw Failure(FailureKind::broken_file, {},
                   fmt::format("gmsh could not mesh {}: {}", name, message.c_str()));
   return assemble(collector.raw, name);

@@ -5,6 +5,7 @@
 #include "solver/mesh/read_msh.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/common/read_file.hpp"
 #include "solver/mesh/msh_cursor.hpp"
 #include "solver/mesh/raw_mesh.hpp"
 
@@ -13,7 +14,6 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <set>
 #include <tuple>
 
@@ -278,20 +278,16 @@ Mesh parse_msh(std::string_view bytes, const std::string& name) {
 Mesh read_msh(const std::string& path) {
   const std::string name = std::filesystem::path(path).filename().string();
   std::error_code ignored;
-  // A pipe or a device may never end, not even to be opened.
-  std::ifstream file;
-  if (std::filesystem::is_regular_file(path, ignored)) file.open(path, std::ios::binary);
-  if (!file.is_open())
-    throw Failure(FailureKind::missing_file, {},
-                  fmt::format("cannot open the mesh file {}: {}", path, std::strerror(errno)));
   constexpr std::uintmax_t most_bytes = std::uintmax_t{8} << 30;
-  if (std::filesystem::file_size(path, ignored) > most_bytes)
+  if (std::filesystem::is_regular_file(path, ignored) &&
+      std::filesystem::file_size(path, ignored) > most_bytes)
     throw Failure(FailureKind::limit, {},
                   fmt::format("the mesh file {} is larger than 8 GiB", path));
-  std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (file.bad())
-    throw Failure(FailureKind::missing_file, {}, fmt::format("cannot read the mesh file {}", path));
-  return parse_msh(bytes, name);
+  const auto bytes = read_file(path);
+  if (!bytes)
+    throw Failure(FailureKind::missing_file, {},
+                  fmt::format("cannot read the mesh file {}: {}", path, std::strerror(errno)));
+  return parse_msh(*bytes, name);
 }
 
 } // namespace hvi::solver

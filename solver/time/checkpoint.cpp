@@ -1,6 +1,7 @@
 // The file a run can go on from; see checkpoint.hpp. Called by the loop in run.cpp.
 #include "solver/time/checkpoint.hpp"
 
+#include "solver/common/read_file.hpp"
 #include "solver/kernel/table.hpp"
 #include "solver/output/file.hpp"
 
@@ -10,8 +11,6 @@
 #include <xxhash.h>
 
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <set>
 
 namespace hvi::solver {
@@ -126,13 +125,6 @@ void add_mesh(const Mesh& mesh, Hash& hash) {
   }
 }
 
-std::string read_file(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  if (in.bad() || !in) throw CheckpointFailure(path, "cannot be read", "");
-  return bytes;
-}
-
 } // namespace
 
 std::uint64_t hash_of(std::string_view bytes) { return hash_of(bytes.data(), bytes.size()); }
@@ -172,7 +164,9 @@ void write_checkpoint(const std::filesystem::path& path, std::uint64_t fingerpri
 
 std::string read_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint) {
   const char* again = "remove it, or run without --resume, to begin at the first step";
-  std::string bytes = read_file(path);
+  const auto found = read_file(path);
+  if (!found) throw CheckpointFailure(path, "cannot be read", "");
+  const std::string& bytes = *found;
   Header header;
   if (bytes.size() < sizeof header) throw CheckpointFailure(path, "ends too early", again);
   std::memcpy(&header, bytes.data(), sizeof header);

@@ -414,6 +414,7 @@ private:
   void checkpoint() {
     const PhaseClock clock(result_.timing.output);
     std::ostringstream out;
+    out.exceptions(std::ios::badbit); // memory that runs out is no shorter state
     StateWriter w(out);
     restarts_.save(w);
     w.put(static_cast<std::uint8_t>(monitor_.has_value()));

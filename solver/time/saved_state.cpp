@@ -2,14 +2,13 @@
 // are functions of the coefficients they were made for, so only those are stored.
 #include "solver/time/saved_state.hpp"
 
+#include "solver/common/read_file.hpp"
 #include "solver/history/horizon.hpp"
 #include "solver/time/checkpoint.hpp"
 #include "solver/time/report.hpp"
 #include "solver/time/step.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 namespace hvi::solver {
 
@@ -210,11 +209,10 @@ namespace {
 std::string what_is_wrong(const std::filesystem::path& path, std::uint64_t hash) {
   std::error_code none;
   if (!std::filesystem::is_regular_file(path, none)) return "is gone";
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return "cannot be read";
-  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  if (bytes.empty()) return "is empty";
-  return hash_of(bytes) == hash ? "" : "was changed since";
+  const auto bytes = read_file(path);
+  if (!bytes) return "cannot be read";
+  if (bytes->empty()) return "is empty";
+  return hash_of(*bytes) == hash ? "" : "was changed since";
 }
 
 } // namespace

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <clocale>
 #include <cstring>
+#include <new>
 #include <stdexcept>
 
 namespace hvi::gmsh_module {
@@ -168,6 +169,8 @@ int guarded(F&& f, char* message, std::size_t capacity) {
   try {
     f();
     return 0;
+  } catch (const std::bad_alloc&) {
+    return hvi_gmsh_no_memory;
   } catch (const std::exception& e) {
     return report(e.what(), message, capacity);
   } catch (const std::string& text) {

@@ -18,7 +18,9 @@ struct HviGmshSink {
                    const std::size_t* nodes, std::size_t nodes_per_element);
 };
 
-/* Both return 0, or 1 after writing a message of at most `capacity` bytes to `message`. */
+/* Both return 0, or 1 after writing a message of at most `capacity` bytes to `message`, or this. */
+constexpr int hvi_gmsh_no_memory = 2;
+
 using HviGmshGenerate = int (*)(const char* geometry, const double* numbers, std::size_t n,
                                 const HviGmshSink* sink, char* message, std::size_t capacity);
 using HviGmshMeshFile = int (*)(const char* path, const HviGmshSink* sink, char* message,

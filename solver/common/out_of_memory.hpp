@@ -1,0 +1,25 @@
+// Memory that a library asked for and did not get.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <array>
+#include <new>
+
+namespace hvi::solver {
+
+/// A bad_alloc and no Failure, so that nobody who copes with failures goes on without what was to
+/// be computed. Its sentence is formed without an allocation.
+class OutOfMemory : public std::bad_alloc {
+public:
+  template <class... Arguments>
+  explicit OutOfMemory(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    fmt::format_to_n(text_.data(), text_.size() - 1, format, std::forward<Arguments>(arguments)...);
+  }
+  const char* what() const noexcept override { return text_.data(); }
+
+private:
+  std::array<char, 128> text_{};
+};
+
+} // namespace hvi::solver
