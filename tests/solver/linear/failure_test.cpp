@@ -73,6 +73,18 @@ TEST(NotFactorableMatrix, AcceptsBadScaling) {
   EXPECT_EQ(failing_unknown(loose, {}, true), -2);
 }
 
+// [1 1; 1 1 + e] leaves e of its last diagonal entry: below 1e-13 that is rounding.
+TEST(NotFactorableMatrix, RefusesPivotsThatAreRounding) {
+  for (const bool symmetric : {true, false})
+    for (const double e : {1e-12, 1e-14}) {
+      SparseMatrix k(2, 2);
+      k.insert(0, 0) = k.insert(0, 1) = k.insert(1, 0) = 1.0;
+      k.insert(1, 1) = 1.0 + e;
+      k.makeCompressed();
+      EXPECT_EQ(failing_unknown(k, {}, symmetric) == -2, e > 1e-13) << e << symmetric;
+    }
+}
+
 TEST(NotFactorableMatrix, RefusesValuesThatAreNotFinite) {
   for (const bool symmetric : {true, false}) {
     SparseMatrix k = grid_laplacian(6);
