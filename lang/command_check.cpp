@@ -1,6 +1,7 @@
 // hvi-run check: the mistakes of a script, then the hypotheses of the theory as numbers.
 #include "lang/check_report.hpp"
 #include "lang/driver.hpp"
+#include "lang/mesh_report.hpp"
 #include "lang/mesh_values.hpp"
 #include "lang/outputs.hpp"
 #include "lang/say.hpp"
@@ -20,6 +21,7 @@ bool check_on_mesh(Script& script, solver::Discretisation& discretisation) {
   try {
     for (const solver::Failure& failure : solver::discretise(*script.plan, discretisation))
       add_failure(script, failure);
+    if (!script.diagnostics.has_errors()) report_misfits(script, discretisation);
     if (!script.diagnostics.has_errors()) check_materials(script, discretisation);
     if (!script.diagnostics.has_errors()) {
       solver::Timing timing;

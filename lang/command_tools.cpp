@@ -1,4 +1,5 @@
 // hvi-run fmt, dump, explain, params and mesh: everything that solves nothing.
+#include "lang/check/mesh_findings.hpp"
 #include "lang/diag/catalogue.hpp"
 #include "lang/diag/render.hpp"
 #include "lang/diag/unreadable.hpp"
@@ -28,6 +29,15 @@ bool rewritten(const std::string& path, const std::string& text) {
     tell("error[E0610]: {}\n  = help: {}\n", failure.what(), failure.help);
     return false;
   }
+}
+
+void tell_findings(const solver::Mesh& mesh, const solver::Straightening& lost) {
+  auto found = straightened_cells(mesh, lost);
+  for (const MeshFinding& f : misfits(mesh)) found.push_back(f);
+  const auto all = solver::measure_pieces(mesh, solver::pieces_of(mesh));
+  if (all.size() > 1) found.push_back(pieces(all, {}, mesh.dim));
+  for (const MeshFinding& f : found)
+    tell("warning[{}]: {}\n  = help: {}\n", f.code, f.message, f.help);
 }
 
 } // namespace
@@ -122,8 +132,11 @@ int mesh_command(const std::string& path, const Options& options) {
       tell("error[E0606]: a `.geo` file can run programs; allow it with --allow-geo\n");
       return exit_script;
     }
-    const solver::Mesh mesh = geo ? solver::mesh_geo_file(path) : solver::read_msh(path);
+    solver::Straightening lost;
+    const solver::Mesh mesh =
+        geo ? solver::mesh_geo_file(path, &lost) : solver::read_msh(path, &lost);
     std::fputs(solver::describe_mesh(mesh).c_str(), stdout);
+    tell_findings(mesh, lost);
     return exit_ok;
   } catch (const solver::Failure& failure) {
     tell("error[{}]: {}\n", failure.kind == solver::FailureKind::missing_file ? "E0601" : "E0603",

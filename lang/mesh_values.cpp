@@ -2,6 +2,7 @@
 #include "lang/mesh_values.hpp"
 
 #include "lang/interrupt.hpp"
+#include "lang/mesh_report.hpp"
 #include "solver/fem/pointwise.hpp"
 
 #include <Eigen/Cholesky>
@@ -79,6 +80,7 @@ bool discretise_script(Script& script, solver::Discretisation& out) {
   try {
     for (const solver::Failure& failure : solver::discretise(*script.plan, out, &stop_flag()))
       add_failure(script, failure);
+    if (!script.diagnostics.has_errors()) report_misfits(script, out);
     if (!script.diagnostics.has_errors()) check_materials(script, out);
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);

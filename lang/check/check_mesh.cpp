@@ -1,6 +1,7 @@
 // Meshes and parts: which mesh is meant, what its parts are called, what files may be read.
 #include "lang/check/builtins.hpp"
 #include "lang/check/checker.hpp"
+#include "lang/check/mesh_findings.hpp"
 #include "lang/diag/real_path.hpp"
 #include "lang/diag/suggest.hpp"
 #include "solver/mesh/generate.hpp"
@@ -236,7 +237,11 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
     return false;
   }
   try {
-    const solver::Mesh mesh = geo ? solver::mesh_geo_file(*full) : solver::read_msh(*full);
+    solver::Straightening lost;
+    const solver::Mesh mesh =
+        geo ? solver::mesh_geo_file(*full, &lost) : solver::read_msh(*full, &lost);
+    for (const auto& f : straightened_cells(mesh, lost))
+      diagnostics_.add(diagnose(f.code, (*args)[0]->span, f.message).with_help(f.help));
     model_.dim = mesh.dim;
     for (const auto& [name, group] : mesh.groups) groups_[name] = group.kind;
     groups_known_ = true;

@@ -61,6 +61,44 @@ file the script names (`to "slab.png"`) is a result that was asked for: without 
 PATH= hvi-run slab.hvi)",
      R"(
 sudo apt-get install gnuplot-nox)"},
+    {"W0602", "curved cells become straight",
+     R"(
+A mesh of second order gives each edge a node in its middle, so that cells can follow a curved boundary.
+The cells of a space have straight edges here, P2 too: such nodes are dropped. The largest distance of one
+from the middle of its straight edge and the change of the body's area or volume are said; what is beside
+the edge by rounding only (1e-9 of it) is not. On a curved boundary that costs P2 its third order.)",
+     R"(
+gmsh -2 -order 2 disk.geo; hvi-run disk.hvi)",
+     R"(
+gmsh -2 -clscale 0.5 disk.geo; hvi-run disk.hvi)"},
+    {"W0603", "open seam",
+     R"(
+Nodes of the boundary stand at one place without a cell that joins them, or lie inside a side of a cell
+that they are no corner of: the body comes apart there, as along a crack. Mostly two parts were meshed one
+by one and not merged. Places count as one when they are closer than 1e-8 of the body and a thousandth of
+the edges there.)",
+     R"(
+Merge "left.msh"; Merge "right.msh"; Save "both.msh";)",
+     R"(
+Merge "left.msh"; Merge "right.msh"; Coherence Mesh; Save "both.msh";)"},
+    {"W0604", "cells overlap",
+     R"(
+Cells share more than their common corners, edges and sides: the body is there twice, with twice its
+stiffness and load. The depth is how far a cell would have to be moved to come free. Overlaps of less than
+1e-6 of a cell or 1e-9 of the body are not seen.)",
+     R"(
+Rectangle(1) = {0, 0, 0, 1, 1}; Rectangle(2) = {0.9, 0, 0, 1, 1};)",
+     R"(
+Rectangle(1) = {0, 0, 0, 1, 1}; Rectangle(2) = {0.9, 0, 0, 1, 1};
+BooleanUnion{ Surface{1}; Delete; }{ Surface{2}; Delete; })"},
+    {"W0605", "body in pieces",
+     R"(
+The cells are not all connected by common sides. Each piece moves by itself: what holds it is said for
+each. A piece that nothing holds has no equilibrium (E0425).)",
+     R"(
+Rectangle(1) = {0, 0, 0, 1, 1}; Rectangle(2) = {2, 0, 0, 1, 1};)",
+     R"(
+Rectangle(1) = {0, 0, 0, 3, 1};)"},
 });
 
 } // namespace

@@ -90,14 +90,20 @@ struct Collector {
   static void add_elements(void* self, int type, std::size_t n, const std::size_t* tags,
                            const std::size_t* nodes, std::size_t stride) {
     RawMesh& raw = of(self).raw;
-    const ElementType simplex = element_type(type, "gmsh's mesh");
+    const ElementType simplex = element_type(type, [] { return std::string("gmsh's mesh"); });
     for (std::size_t i = 0; i < n; ++i) {
       RawMesh::Element e{simplex.dim,
                          static_cast<std::int32_t>(raw.entities.size()) - 1,
                          static_cast<std::int64_t>(tags[i]),
                          {}};
-      for (int k = 0; k <= simplex.dim; ++k)
-        e.nodes[k] = static_cast<std::int64_t>(nodes[i * stride + static_cast<std::size_t>(k)]);
+      const std::size_t* const mine = nodes + i * stride;
+      for (int k = 0; k <= simplex.dim; ++k) e.nodes[k] = static_cast<std::int64_t>(mine[k]);
+      if (simplex.nodes > simplex.dim + 1) {
+        auto& middles = raw.middles.emplace_back();
+        middles.element = raw.elements.size();
+        for (int k = simplex.dim + 1; k < simplex.nodes; ++k)
+          middles.nodes[k - simplex.dim - 1] = static_cast<std::int64_t>(mine[k]);
+      }
       raw.elements.push_back(e);
     }
   }
@@ -133,7 +139,7 @@ Mesh generate_geometry(const std::string& name, const std::vector<double>& given
   return assemble(collector.raw, description);
 }
 
-Mesh mesh_geo_file(const std::string& path) {
+Mesh mesh_geo_file(const std::string& path, Straightening* straightened) {
   const std::string name = std::filesystem::path(path).filename().string();
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
@@ -147,7 +153,7 @@ Mesh mesh_geo_file(const std::string& path) {
   if (status != 0)
     throw Failure(FailureKind::broken_file, {},
                   fmt::format("gmsh could not mesh {}: {}", name, message.c_str()));
-  return assemble(collector.raw, name);
+  return assemble(collector.raw, name, straightened);
 }
 
 } // namespace hvi::solver

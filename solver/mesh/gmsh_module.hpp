@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/mesh/mesh.hpp"
+#include "solver/mesh/straightening.hpp"
 
 #include <string>
 #include <vector>
@@ -26,6 +27,6 @@ const std::vector<GeometryInfo>& geometries();
 /// Failure(missing_file) when the gmsh module cannot be loaded.
 Mesh generate_geometry(const std::string& name, const std::vector<double>& numbers);
 /// Meshes a .geo file (it can run programs: only with the user's --allow-geo).
-Mesh mesh_geo_file(const std::string& path);
+Mesh mesh_geo_file(const std::string& path, Straightening* straightened = nullptr);
 
 } // namespace hvi::solver

@@ -66,13 +66,14 @@ public:
   Assembler(const RawMesh& raw, const std::string& file)
       : raw_(raw), file_(file), index_(raw.node_tags, file) {}
 
-  Mesh run() {
+  Mesh run(Straightening* straightened) {
     find_dimension();
     add_cells();
     keep_used_nodes();
     check_flat();
     for (std::size_t c = 0; c < mesh_.cells.size(); ++c) orient(c);
     merge_repeated();
+    if (straightened) *straightened = straighten();
     name_groups();
     group_cells();
     group_facets();
@@ -225,6 +226,28 @@ private:
     for (auto& c : cell_of_source_) c = kept[c];
   }
 
+  /// What the cells lose with the nodes in the middle of their edges.
+  Straightening straighten() const {
+    std::vector<bool> seen(mesh_.cells.size(), false);
+    StraighteningSum sum(mesh_.dim, raw_.coordinates.size());
+    auto middles = raw_.middles.begin();
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+      while (middles != raw_.middles.end() && middles->element < sources_[i]) ++middles;
+      const bool again = seen[cell_of_source_[i]];
+      seen[cell_of_source_[i]] = true;
+      if (again || middles == raw_.middles.end() || middles->element != sources_[i]) continue;
+      const auto& e = raw_.elements[sources_[i]];
+      StraighteningSum::Cell cell;
+      for (int k = 0; k <= e.dim; ++k) cell.corners[k] = raw_.coordinates[index_(e.nodes[k], e)];
+      for (int k = 0; k < e.dim * (e.dim + 1) / 2; ++k) {
+        cell.indices[k] = index_(middles->nodes[k], e);
+        cell.middles[k] = raw_.coordinates[cell.indices[k]];
+      }
+      sum.add(cell);
+    }
+    return sum.result();
+  }
+
   Group::Kind kind_of(int dim) const {
     if (dim == mesh_.dim) return Group::Kind::cells;
     return dim == mesh_.dim - 1 ? Group::Kind::facets : Group::Kind::points;
@@ -320,7 +343,7 @@ private:
 
 } // namespace
 
-ElementType element_type(std::int64_t type, const std::string& where) {
+ElementType element_type(std::int64_t type, const std::function<std::string()>& where) {
   switch (type) {
   case 15:
     return {0, 1};
@@ -360,10 +383,12 @@ ElementType element_type(std::int64_t type, const std::string& where) {
       FailureKind::broken_file, {},
       fmt::format("{}: elements of type {}{}; a mesh here is made of points, lines, triangles and "
                   "tetrahedra, of first or second order",
-                  where, type, at == names.end() ? "" : fmt::format(" ({})", at->second)),
+                  where(), type, at == names.end() ? "" : fmt::format(" ({})", at->second)),
       "mesh again without recombination, with Mesh.ElementOrder 1");
 }
 
-Mesh assemble(const RawMesh& raw, const std::string& name) { return Assembler(raw, name).run(); }
+Mesh assemble(const RawMesh& raw, const std::string& name, Straightening* straightened) {
+  return Assembler(raw, name).run(straightened);
+}
 
 } // namespace hvi::solver

@@ -130,7 +130,7 @@ private:
     while (raw_.elements.size() < total) {
       std::int64_t tag = 0, n = 1;
       if (!in_.binary()) tag = in_.integer("an element tag");
-      const auto type = element_type(in_.integer("an element type"), in_.where());
+      const auto type = element_type(in_.integer("an element type"), [&] { return in_.where(); });
       if (in_.binary()) n = in_.integer("a number of elements");
       const auto tags = in_.count(in_.integer("a number of tags"), 2, 4, "the number of tags");
       if (n < 1 || static_cast<std::size_t>(n) > total - raw_.elements.size())
@@ -232,7 +232,7 @@ private:
   void read_element_block() {
     const auto dim = static_cast<int>(in_.integer("the dimension of an entity"));
     const auto tag = static_cast<int>(in_.integer("the tag of an entity"));
-    const auto type = element_type(in_.integer("an element type"), in_.where());
+    const auto type = element_type(in_.integer("an element type"), [&] { return in_.where(); });
     if (type.dim != dim)
       in_.fail(fmt::format("elements of dimension {} on an entity of dimension {}", type.dim, dim));
     const auto n =
@@ -246,13 +246,15 @@ private:
     }
   }
 
-  /// The corners come first; nodes of second order are read over.
+  /// The corners come first.
   void read_element_nodes(RawMesh::Element& e, ElementType type,
                           std::int64_t (MshCursor::*number)(const char*)) {
-    for (int k = 0; k < type.nodes; ++k) {
-      const auto node = (in_.*number)("a node tag");
-      if (k <= type.dim) e.nodes[k] = node;
-    }
+    for (int k = 0; k <= type.dim; ++k) e.nodes[k] = (in_.*number)("a node tag");
+    if (type.nodes == type.dim + 1) return;
+    auto& middles = raw_.middles.emplace_back();
+    middles.element = raw_.elements.size();
+    for (int k = type.dim + 1; k < type.nodes; ++k)
+      middles.nodes[k - type.dim - 1] = (in_.*number)("a node tag");
   }
 
   void check_total(const char* what, std::size_t found, std::size_t announced) const {
@@ -271,11 +273,11 @@ private:
 
 } // namespace
 
-Mesh parse_msh(std::string_view bytes, const std::string& name) {
-  return assemble(MshReader(bytes, name).run(), name);
+Mesh parse_msh(std::string_view bytes, const std::string& name, Straightening* straightened) {
+  return assemble(MshReader(bytes, name).run(), name, straightened);
 }
 
-Mesh read_msh(const std::string& path) {
+Mesh read_msh(const std::string& path, Straightening* straightened) {
   const std::string name = std::filesystem::path(path).filename().string();
   std::error_code ignored;
   constexpr std::uintmax_t most_bytes = std::uintmax_t{8} << 30;
@@ -287,7 +289,7 @@ Mesh read_msh(const std::string& path) {
   if (!bytes)
     throw Failure(FailureKind::missing_file, {},
                   fmt::format("cannot read the mesh file {}: {}", path, std::strerror(errno)));
-  return parse_msh(*bytes, name);
+  return parse_msh(*bytes, name, straightened);
 }
 
 } // namespace hvi::solver

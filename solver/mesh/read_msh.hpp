@@ -3,6 +3,7 @@
 #pragma once
 
 #include "solver/mesh/mesh.hpp"
+#include "solver/mesh/straightening.hpp"
 
 #include <string>
 #include <string_view>
@@ -10,9 +11,11 @@
 namespace hvi::solver {
 
 /// Parses the bytes of an .msh file. Physical groups become groups; nodes of no cell are dropped.
-/// Throws Failure(broken_file) saying what was expected and where (line, or byte offset).
-Mesh parse_msh(std::string_view bytes, const std::string& name);
+/// `straightened`, if given, gets what is lost of cells of second order. Throws
+/// Failure(broken_file) saying what was expected and where (line, or byte offset).
+Mesh parse_msh(std::string_view bytes, const std::string& name,
+               Straightening* straightened = nullptr);
 /// Reads the file, then parse_msh. Throws Failure(missing_file).
-Mesh read_msh(const std::string& path);
+Mesh read_msh(const std::string& path, Straightening* straightened = nullptr);
 
 } // namespace hvi::solver

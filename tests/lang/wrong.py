@@ -7,7 +7,7 @@ FOLDER holds right scripts (NAME.hvi) and changes to them (*.txt), separated by 
     old text => new text with <<E0301|what is underlined>>
 
 Further changes of one script are separated by `&&`. `\\n` is a line break; `<<E0204|~>>` marks a place where something is
-missing, `<<E0229/>>` a bar and `<<E0213|GT>>` a `>`. The scripts are written with comment lines below the marked places, and
+missing, `<<W0604,W0605|...>>` two codes, `<<E0229/>>` a bar and `<<E0213|GT>>` a `>`. The scripts are written with comment lines below the marked places, and
 check_errors.py compares. With OUTPUT they are kept there.
 """
 import pathlib
@@ -23,10 +23,10 @@ SIGNS = {"~": "", "GT": ">"}
 def marked_line(line):
     """The line without its marks, and below it a comment line for each."""
     marks, plain, rest = [], "", line
-    while mark := re.search(r"<<([EW]\d{4})(/>>|\|(.+?)>>(?!>))", rest):
+    while mark := re.search(r"<<([EW]\d{4}(?:,[EW]\d{4})*)(/>>|\|(.+?)>>(?!>))", rest):
         plain += rest[: mark.start()]
         text = "|" if mark[2] == "/>>" else SIGNS.get(mark[3], mark[3])
-        marks.append((len(plain), max(1, len(text)), mark[1]))
+        marks += [(len(plain), max(1, len(text)), code) for code in mark[1].split(",")]
         plain += text
         rest = rest[mark.end():]
     plain += rest

@@ -1,0 +1,93 @@
+// What a mesh that was read from a file does to a script's problem; see mesh_report.hpp.
+#include "lang/mesh_report.hpp"
+
+#include "lang/check/mesh_findings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace hvi::lang {
+
+namespace {
+
+using solver::Group;
+
+/// What may stop a piece from floating.
+enum Holder : unsigned { by_values = 1, by_law = 2, by_form = 4 };
+
+std::string holders(unsigned by) {
+  if (by & by_values) return "held by boundary values";
+  if (by & by_law) return "held by a law only";
+  return by & by_form ? "held by a form without derivatives" : "held by nothing";
+}
+
+bool has_values(const solver::FormTerm& form) {
+  constexpr int first_slope = 3;
+  return std::any_of(form.entries.begin(), form.entries.end(), [](const auto& e) {
+    return e.test < first_slope || e.trial < first_slope;
+  });
+}
+
+/// Which pieces parts of the plan touch.
+class Holding {
+public:
+  Holding(const solver::Discretisation& d, const std::vector<std::int32_t>& piece_of,
+          std::size_t pieces)
+      : d_(d), piece_of_(piece_of), by_(pieces, 0), piece_of_node_(d.mesh.nodes.size(), -1) {
+    for (std::size_t c = 0; c < d.mesh.cells.size(); ++c)
+      for (int k = 0; k <= d.mesh.dim; ++k) piece_of_node_[d.mesh.cells[c][k]] = piece_of[c];
+  }
+  void note(int part, Holder holder) {
+    const solver::Region& region = d_.parts[static_cast<std::size_t>(part)];
+    for (const auto e : region.entities) {
+      if (region.kind == Group::Kind::points) {
+        by_[piece_of_node_[e]] |= holder;
+        continue;
+      }
+      const bool facet = region.kind == Group::Kind::facets;
+      by_[piece_of_[facet ? d_.mesh.facets[e].cell : e]] |= holder;
+      if (facet && d_.mesh.facets[e].other >= 0) by_[piece_of_[d_.mesh.facets[e].other]] |= holder;
+    }
+  }
+  unsigned by(std::size_t piece) const { return by_[piece]; }
+
+private:
+  const solver::Discretisation& d_;
+  const std::vector<std::int32_t>& piece_of_;
+  std::vector<unsigned> by_;
+  std::vector<std::int32_t> piece_of_node_; ///< one of them, where pieces touch in a node
+};
+
+} // namespace
+
+void report_misfits(Script& script, const solver::Discretisation& d) {
+  const solver::Plan& plan = *script.plan;
+  if (plan.mesh.kind != solver::MeshSpec::Kind::file) return;
+  const Span span = script.model->origins[static_cast<std::size_t>(plan.mesh.origin.id)];
+  const auto add = [&](const MeshFinding& f) {
+    script.diagnostics.add(diagnose(f.code, span, f.message).with_help(f.help));
+  };
+  for (const MeshFinding& f : misfits(d.mesh)) add(f);
+  const auto piece_of = solver::pieces_of(d.mesh);
+  const auto all = solver::measure_pieces(d.mesh, piece_of);
+  if (all.size() < 2) return;
+  Holding holding(d, piece_of, all.size());
+  for (const auto& values : plan.space.dirichlet) holding.note(values.part, by_values);
+  for (const auto& law : plan.law_terms) holding.note(law.part, by_law);
+  for (const auto& form : plan.forms)
+    if (has_values(form)) holding.note(form.part, by_form);
+  std::vector<std::string> held;
+  for (std::size_t p = 0; p < all.size(); ++p) held.push_back(holders(holding.by(p)));
+  add(pieces(all, held, d.mesh.dim));
+  for (std::size_t p = 0; p < all.size(); ++p) {
+    if (holding.by(p) != 0) continue;
+    add({"E0425",
+         fmt::format("a piece of the body is held by nothing: {}", describe_piece(all[p], d.mesh.dim)),
+         "clamp it (`zero on ...`), give it a law, or join it to the rest: in gmsh with `Coherence "
+         "Mesh;` or BooleanFragments"});
+    return;
+  }
+}
+
+} // namespace hvi::lang
