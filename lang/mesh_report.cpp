@@ -14,19 +14,19 @@ namespace {
 using solver::Group;
 
 /// What may stop a piece from floating.
-enum Holder : unsigned { by_values = 1, by_law = 2, by_form = 4 };
+enum Holder : unsigned { by_values = 1, by_law = 2, by_form = 4, by_node = 8 };
 
 std::string holders(unsigned by) {
   if (by & by_values) return "held by boundary values";
   if (by & by_law) return "held by a law only";
-  return by & by_form ? "held by a form without derivatives" : "held by nothing";
+  if (by & by_form) return "held by a form without derivatives";
+  return by & by_node ? "hanging on single nodes of another" : "held by nothing";
 }
 
 bool has_values(const solver::FormTerm& form) {
   constexpr int first_slope = 3;
-  return std::any_of(form.entries.begin(), form.entries.end(), [](const auto& e) {
-    return e.test < first_slope || e.trial < first_slope;
-  });
+  return std::any_of(form.entries.begin(), form.entries.end(),
+                     [](const auto& e) { return e.test < first_slope || e.trial < first_slope; });
 }
 
 /// Which pieces parts of the plan touch.
@@ -36,7 +36,11 @@ public:
           std::size_t pieces)
       : d_(d), piece_of_(piece_of), by_(pieces, 0), piece_of_node_(d.mesh.nodes.size(), -1) {
     for (std::size_t c = 0; c < d.mesh.cells.size(); ++c)
-      for (int k = 0; k <= d.mesh.dim; ++k) piece_of_node_[d.mesh.cells[c][k]] = piece_of[c];
+      for (int k = 0; k <= d.mesh.dim; ++k) {
+        auto& known = piece_of_node_[d.mesh.cells[c][k]];
+        if (known >= 0 && known != piece_of[c]) by_[known] |= by_node, by_[piece_of[c]] |= by_node;
+        known = piece_of[c];
+      }
   }
   void note(int part, Holder holder) {
     const solver::Region& region = d_.parts[static_cast<std::size_t>(part)];
@@ -83,7 +87,8 @@ void report_misfits(Script& script, const solver::Discretisation& d) {
   for (std::size_t p = 0; p < all.size(); ++p) {
     if (holding.by(p) != 0) continue;
     add({"E0425",
-         fmt::format("a piece of the body is held by nothing: {}", describe_piece(all[p], d.mesh.dim)),
+         fmt::format("a piece of the body is held by nothing: {}",
+                     describe_piece(all[p], d.mesh.dim)),
          "clamp it (`zero on ...`), give it a law, or join it to the rest: in gmsh with `Coherence "
          "Mesh;` or BooleanFragments"});
     return;

@@ -5,8 +5,8 @@
 
 namespace hvi::lang {
 
-/// W0603 to W0605 (check/mesh_findings.hpp) at the mesh statement, with what holds each piece; E0425
-/// where a piece is held by nothing, so that no matrix needs to be factored to see it.
+/// W0603 to W0605 (check/mesh_findings.hpp) at the mesh statement, with what holds each piece;
+/// E0425 where a piece is held by nothing, so that no matrix needs to be factored to see it.
 void report_misfits(Script& script, const solver::Discretisation& discretisation);
 
 } // namespace hvi::lang

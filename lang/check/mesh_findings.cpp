@@ -33,8 +33,9 @@ std::string counted(std::size_t n, const char* one, const char* many) {
 
 std::string named(const std::vector<std::string>& groups) {
   if (groups.empty()) return "";
-  std::vector<std::string> first(groups.begin(), groups.begin() + static_cast<std::ptrdiff_t>(std::min(
-                                                     most_named, groups.size())));
+  std::vector<std::string> first(
+      groups.begin(),
+      groups.begin() + static_cast<std::ptrdiff_t>(std::min(most_named, groups.size())));
   return fmt::format(" (groups: {}{})", fmt::join(first, ", "),
                      groups.size() > most_named ? ", ..." : "");
 }
@@ -51,9 +52,10 @@ std::vector<MeshFinding> straightened_cells(const Mesh& mesh, const solver::Stra
   double measure = 0.0;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
     measure += solver::cell_measure(mesh, static_cast<int>(c));
-  const std::string change =
-      dim == 1 ? "" : fmt::format("; the {} changes by {:+.2g} %", measure_word(dim),
-                                  100.0 * lost.gain / (measure - lost.gain));
+  const std::string change = dim == 1
+                                 ? ""
+                                 : fmt::format("; the {} changes by {:+.2g} %", measure_word(dim),
+                                               100.0 * lost.gain / (measure - lost.gain));
   return {{"W0602",
            fmt::format("the cells of second order become straight: {} of {} edges have their "
                        "middle node elsewhere, by up to {:.3g} at {}, and up to {:.2g} % of an "
@@ -90,14 +92,12 @@ std::vector<MeshFinding> misfits(const Mesh& mesh) {
   return out;
 }
 
-
 std::string describe_piece(const Piece& piece, int dim) {
   return fmt::format("{} of {} {:.4g} around {}", counted(piece.cells, "cell", "cells"),
                      measure_word(dim), piece.measure, place(piece.at, dim));
 }
 
-MeshFinding pieces(const std::vector<Piece>& all, const std::vector<std::string>& held,
-                           int dim) {
+MeshFinding pieces(const std::vector<Piece>& all, const std::vector<std::string>& held, int dim) {
   std::string text = fmt::format("the body is in {} pieces that share no facet", all.size());
   for (std::size_t p = 0; p < std::min(all.size(), most_named); ++p)
     text += fmt::format("{} {}{}", p == 0 ? ":" : ";", describe_piece(all[p], dim),

@@ -12,9 +12,9 @@
 namespace hvi::solver {
 namespace {
 
-constexpr double same_place = 1e-8;    // of the body
-constexpr double of_an_edge = 1e-3;    // there, or of a cell's height: bodies may be thin
-constexpr double slack = 1e-9;         // of barycentric coordinates: edges belong to their sides
+constexpr double same_place = 1e-8; // of the body
+constexpr double of_an_edge = 1e-3; // there, or of a cell's height: bodies may be thin
+constexpr double slack = 1e-9;      // of barycentric coordinates: edges belong to their sides
 
 double distance(const Point& a, const Point& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
@@ -34,8 +34,7 @@ std::vector<std::int32_t> boundary_nodes(const Mesh& mesh) {
 
 /// The shortest edge at each of these nodes.
 std::unordered_map<std::int32_t, double>
-shortest_edges(const Mesh& mesh,
-               const std::vector<std::pair<std::int32_t, std::int32_t>>& pairs) {
+shortest_edges(const Mesh& mesh, const std::vector<std::pair<std::int32_t, std::int32_t>>& pairs) {
   std::unordered_map<std::int32_t, double> out;
   std::vector<bool> asked(mesh.nodes.size(), false);
   for (const auto& [a, b] : pairs) {
@@ -72,8 +71,7 @@ void for_close_pairs(const Mesh& mesh, const std::vector<std::int32_t>& nodes, d
 
 Box box_of(const Mesh& mesh, const Facet& f, double margin) {
   Box box{mesh.nodes[f.nodes[0]], mesh.nodes[f.nodes[0]]};
-  for (int k = 1; k < mesh.dim; ++k)
-    include(box, {mesh.nodes[f.nodes[k]], mesh.nodes[f.nodes[k]]});
+  for (int k = 1; k < mesh.dim; ++k) include(box, {mesh.nodes[f.nodes[k]], mesh.nodes[f.nodes[k]]});
   for (int a = 0; a < 3; ++a) box.low[a] -= margin, box.high[a] += margin;
   return box;
 }
@@ -94,8 +92,8 @@ bool lies_inside(const Mesh& mesh, const Facet& f, const Point& p, double reach)
   if (mesh.dim == 2) {
     x /= dot(side[0], side[0]);
   } else { // least squares: [uu uv; uv vv] (x, y) = (u.to, v.to)
-    const double uu = dot(side[0], side[0]), uv = dot(side[0], side[1]),
-                 vv = dot(side[1], side[1]), u = x, v = dot(side[1], to);
+    const double uu = dot(side[0], side[0]), uv = dot(side[0], side[1]), vv = dot(side[1], side[1]),
+                 u = x, v = dot(side[1], to);
     const double whole = uu * vv - uv * uv;
     x = (vv * u - uv * v) / whole;
     y = (uu * v - uv * u) / whole;
@@ -127,8 +125,8 @@ std::set<std::int32_t> hanging_nodes(const Mesh& mesh, const std::vector<std::in
     tree.for_each_meeting({p, p}, [&](std::int32_t i) {
       const Facet& f = mesh.facets[facets[i]];
       if (std::find(f.nodes.begin(), f.nodes.end(), n) != f.nodes.end()) return;
-      const double height = mesh.dim * cell_measure(mesh, f.cell) /
-                            facet_measure(mesh, static_cast<int>(facets[i]));
+      const double height =
+          mesh.dim * cell_measure(mesh, f.cell) / facet_measure(mesh, static_cast<int>(facets[i]));
       if (lies_inside(mesh, f, p, std::min(reach, of_an_edge * height))) out.insert(n);
     });
   }
@@ -159,9 +157,8 @@ std::optional<Seam> find_seam(const Mesh& mesh) {
   const auto nodes = boundary_nodes(mesh);
   const double reach = same_place * bounding_box(mesh).diagonal();
   std::vector<std::pair<std::int32_t, std::int32_t>> close;
-  for_close_pairs(mesh, nodes, reach, [&](std::int32_t a, std::int32_t b) {
-    close.emplace_back(std::minmax(a, b));
-  });
+  for_close_pairs(mesh, nodes, reach,
+                  [&](std::int32_t a, std::int32_t b) { close.emplace_back(std::minmax(a, b)); });
   std::set<std::int32_t> removed, marked;
   if (!close.empty()) {
     const auto shortest = shortest_edges(mesh, close);

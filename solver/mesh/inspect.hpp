@@ -16,18 +16,18 @@ namespace hvi::solver {
 /// and to a thousandth of the cells there) that no cell joins, and nodes that lie inside a side
 /// without being a corner of it: there the body is open, whether that was meant (a crack) or not.
 struct Seam {
-  std::size_t doubled = 0; ///< nodes that merging would remove
-  std::size_t hanging = 0; ///< nodes inside a side
-  Point at{};              ///< one of them
+  std::size_t doubled = 0;         ///< nodes that merging would remove
+  std::size_t hanging = 0;         ///< nodes inside a side
+  Point at{};                      ///< one of them
   std::vector<std::string> groups; ///< that have entities with such nodes, sorted
 };
 std::optional<Seam> find_seam(const Mesh& mesh);
 
 /// Cells that share more than their common corners, edges and facets.
 struct Overlap {
-  std::size_t cells = 0;  ///< of the boundary, that reach into others
-  double depth = 0.0;     ///< how far the deepest would have to be moved to come free
-  Point at{};             ///< centre of that one
+  std::size_t cells = 0; ///< of the boundary, that reach into others
+  double depth = 0.0;    ///< how far the deepest would have to be moved to come free
+  Point at{};            ///< centre of that one
   int cell = -1, other = -1;
 };
 /// Two bodies that overlap, and a body that overlaps itself, do so with a cell of the boundary of

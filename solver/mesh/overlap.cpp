@@ -59,8 +59,8 @@ struct Simplex {
     if (dim == 1) out.normal = {1, 0, 0};
     if (dim == 2) out.normal = {b[1] - a[1], a[0] - b[0], 0};
     if (dim == 3) out.normal = cross(minus(b, a), minus(c, a));
-    const double length = dot(out.normal, minus(a, x[corner])) < 0 ? -norm(out.normal)
-                                                                   : norm(out.normal);
+    const double length =
+        dot(out.normal, minus(a, x[corner])) < 0 ? -norm(out.normal) : norm(out.normal);
     for (double& v : out.normal) v /= length;
     out.at = dot(out.normal, a);
     return out;

@@ -5,7 +5,8 @@ usage: meshes.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER] [--d
 A scene is one or two blocks of simplices in 2D or 3D, sometimes stretched to slivers, turned, scaled by up to a million
 either way and moved: split along an interface, wholly or as a crack; apart; overlapping by any vector or by whole cells;
 one inside the other; side by side with other nodes; of second order with curved or straight edges; with a cell on
-either side of the limit of degenerate ones; or nothing of that. Wrong: a code that is missing, or too many, or a number
+either side of the limit of degenerate ones; joined in a corner; or
+nothing of that. Wrong: a code that is missing, or too many, or a number
 that is not the one of the construction. `--data`: folders whose .msh files are all good.
 """
 import argparse
@@ -21,7 +22,7 @@ import numpy as np
 
 from solids import Mesh, block, turning
 
-KINDS = ["good", "split", "crack", "apart", "overlap", "whole_cells", "inside", "beside", "curved", "straight", "flat"]
+KINDS = ["good", "split", "crack", "apart", "overlap", "whole_cells", "inside", "beside", "curved", "straight", "flat", "hinge"]
 
 
 def joined(a, b):
@@ -145,6 +146,18 @@ class Scene:
         self.codes.add("W0603")
         self.facts["doubled"] = 0
         self.pieces(held=True)
+
+    def hinge(self):
+        """Two blocks with one corner in common: the second one's value is the corner's."""
+        first, second = self.mesh, shifted(self.other(), self.sizes)
+        last, n = len(first.points) - 1, len(first.points)  # the corner is the first node of the second
+        both = joined(first, second)
+        new = np.array([*range(n), last, *range(n, len(both.points) - 1)])
+        self.mesh = Mesh(np.delete(both.points, n, axis=0), new[both.cells],
+                         {name: [tuple(int(new[v]) for v in f) for f in fs] for name, fs in both.facets.items()})
+        self.codes.add("W0605")
+        self.facts["pieces"] = 2
+        self.clamp = ["left"]
 
     def second_order(self, move):
         m, edges = self.mesh, {}

@@ -110,8 +110,9 @@ Straightening lost_of(const std::string& nodes, const std::string& elements) {
 /// One side is the parabola y = -4 h x (1 - x): the area between it and its chord is 2 h / 3.
 TEST(Straightening, OfATriangleWithAParabola) {
   const auto lost = [](double h) {
-    return lost_of(fmt::format("1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0.5 {} 0\n5 0.5 0.5 0\n6 0 0.5 0\n", -h),
-                   "1 9 2 0 1 1 2 3 4 5 6\n");
+    return lost_of(
+        fmt::format("1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0.5 {} 0\n5 0.5 0.5 0\n6 0 0.5 0\n", -h),
+        "1 9 2 0 1 1 2 3 4 5 6\n");
   };
   const auto curved = lost(0.125);
   EXPECT_EQ(curved.edges, 3U);
