@@ -27,7 +27,8 @@ public:
              const HistoryOptions& options, double window, std::string why)
       : kernel_(kernel), terms_(sum.terms), sum_(sum.terms, false), n_(n), order_(options.order),
         window_(window), tolerance_(options.tolerance), error_(sum.error),
-        horizon_(options.horizon), why_(std::move(why)), accepted_(options.shortest_step), fields_(n) {
+        horizon_(options.horizon), why_(std::move(why)), accepted_(options.shortest_step),
+        fields_(n) {
     if (!options.times.empty()) planned_end_ = options.times.back();
   }
 
@@ -149,7 +150,8 @@ private:
   std::size_t leaving() const {
     const double slack = 1e-9 * window_;
     std::size_t count = 0;
-    while (count + 1 < times_.size() && accepted_.now() - times_[count + 1] >= window_ - slack) ++count;
+    while (count + 1 < times_.size() && accepted_.now() - times_[count + 1] >= window_ - slack)
+      ++count;
     return count;
   }
 

@@ -214,8 +214,8 @@ private:
   /// Weights of a raw node's fields at t, `ahead` steps after the next one.
   void raw_weights(const Node& node, double t, std::size_t ahead, std::vector<double>& weights) {
     const auto after = static_cast<std::size_t>(steps_ - steps_to_end(node)) + ahead;
-    put_node_weights(weights_(kernel_, accepted_.common_step(t, ahead), t, node.times, after), order_,
-                     weights);
+    put_node_weights(weights_(kernel_, accepted_.common_step(t, ahead), t, node.times, after),
+                     order_, weights);
   }
 
   /// parts_: for the nodes from `first` on their fields and their weights at t_new.

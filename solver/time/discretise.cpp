@@ -1,5 +1,6 @@
 // Mesh, parts and space of a plan, with every mistake of theirs found at once. First stage of the
 // engine: plan -> Discretisation -> run (run.cpp), hypotheses, study.
+#include "solver/plan/validate.hpp"
 #include "solver/time/adapt.hpp"
 #include "solver/time/clock.hpp"
 #include "solver/time/law_sampler.hpp"
@@ -133,7 +134,8 @@ std::vector<Failure> discretise(const Plan& plan, Discretisation& out,
 }
 
 std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& out) {
-  std::vector<Failure> failures;
+  auto failures = validate(plan, mesh.dim);
+  if (!failures.empty()) return failures;
   check_grid(plan, failures);
   check_probe_times(plan, failures);
   out.mesh = std::move(mesh);

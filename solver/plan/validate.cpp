@@ -1,0 +1,244 @@
+#include "solver/plan/validate.hpp"
+
+#include "solver/kernel/slot.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace hvi::solver {
+namespace {
+
+/// Which variables an expression may have.
+struct Allowed {
+  bool place = false;       ///< x, and whether it lies in a part
+  bool normal = false;      ///< the unit normal
+  bool time = false;        ///< t
+  bool lag = false;         ///< t - s
+  bool argument = false;    ///< of a law
+  bool coupled = false;     ///< the multiplier a law's bound stands for
+  bool fields = false;      ///< u, u', memories and their derivatives
+  bool multipliers = false; ///< of law terms
+  int probes = 0;           ///< those before this one
+};
+constexpr Allowed of_place{.place = true};
+constexpr Allowed of_facet{.place = true, .normal = true};
+constexpr Allowed of_load{.place = true, .normal = true, .time = true};
+constexpr Allowed of_report{
+    .place = true, .normal = true, .time = true, .fields = true, .multipliers = true};
+
+template <class T>
+int count(const std::vector<T>& items) {
+  return static_cast<int>(items.size());
+}
+
+class Validation {
+public:
+  Validation(const Plan& plan, int dim)
+      : plan_(plan), dim_(dim), components_(plan.space.vector ? dim : 1),
+        n_fields_(first_history_field + count(plan.histories)) {}
+
+  std::vector<Failure> run() && {
+    for (const auto& part : plan_.parts) region(part.region, part.origin);
+    space();
+    if (plan_.forms.empty()) wrong(plan_.space.origin, "nothing resists: the plan has no form");
+    for (const auto& form : plan_.forms) this->form(form);
+    for (const auto& load : plan_.loads) this->load(load);
+    for (const auto& history : plan_.histories)
+      variables(history.kernel.expression, {.time = true, .lag = true}, history.origin,
+                "the kernel of a memory");
+    for (const auto& law : plan_.laws)
+      variables(law.expression,
+                {.place = true, .time = true, .argument = true, .coupled = !law.coupled.empty()},
+                law.origin, "a law");
+    for (const auto& term : plan_.law_terms) law_term(term);
+    time();
+    options();
+    report();
+    return std::move(out_);
+  }
+
+private:
+  void wrong(Origin origin, const std::string& message) {
+    out_.emplace_back(FailureKind::bad_value, origin, message);
+  }
+
+  /// 0 <= index < n.
+  bool index(int i, int n, Origin origin, std::string_view what, std::string_view of) {
+    if (i >= 0 && i < n) return true;
+    wrong(origin, fmt::format("{} names {} {}, of {}", what, of, i, n));
+    return false;
+  }
+  bool part(int i, Origin origin, std::string_view what) {
+    return index(i, count(plan_.parts), origin, what, "part");
+  }
+
+  bool derivative(int i) const {
+    if (i >= 0 && i < slot::gradient(0, 0)) return i < components_;
+    const int row = (i - 3) / 3, column = (i - 3) % 3;
+    return i >= 0 && row < components_ && column < dim_;
+  }
+  void derivative(int i, Origin origin, std::string_view what) {
+    if (!derivative(i))
+      wrong(origin, fmt::format("{} has the derivative {} of a function with {} component{} in "
+                                "{} dimension{}",
+                                what, i, components_, components_ == 1 ? "" : "s", dim_,
+                                dim_ == 1 ? "" : "s"));
+  }
+
+  bool known(Slot s, const Allowed& allowed) const {
+    if (s >= slot::x(0) && s <= slot::x(2)) return allowed.place;
+    if (s == slot::t) return allowed.time;
+    if (s == slot::lag) return allowed.lag;
+    if (s >= slot::normal(0) && s <= slot::normal(2)) return allowed.normal;
+    if (s == slot::argument(0)) return allowed.argument;
+    if (s == slot::coupled) return allowed.coupled;
+    if (s < slot::first_field) return false;
+    if (s < slot::first_multiplier) {
+      const int field = (s - slot::first_field) / slot::field_stride;
+      return allowed.fields && field < n_fields_ &&
+             (field != field_rate || !plan_.time.is_static) &&
+             derivative((s - slot::first_field) % slot::field_stride);
+    }
+    if (s < slot::first_inside) {
+      const int term = (s - slot::first_multiplier) / 4, row = (s - slot::first_multiplier) % 4;
+      return allowed.multipliers && term < count(plan_.law_terms) &&
+             row < count(plan_.law_terms[static_cast<std::size_t>(term)].rows);
+    }
+    if (s < slot::first_probe)
+      return allowed.place && s - slot::first_inside < count(plan_.parts);
+    return s - slot::first_probe < allowed.probes;
+  }
+
+  void variables(const Expr& e, const Allowed& allowed, Origin origin, std::string_view what) {
+    for (const Slot s : e.slots())
+      if (!known(s, allowed))
+        wrong(origin, fmt::format("{} has the variable {}, which it cannot have", what, s));
+  }
+
+  void region(const RegionSpec& spec, Origin origin) {
+    using Kind = RegionSpec::Kind;
+    if (spec.kind == Kind::where) variables(spec.predicate, of_place, origin, "a part's condition");
+    for (const auto& child : spec.children) region(child, origin);
+  }
+
+  void space() {
+    const auto& space = plan_.space;
+    if (space.order != 1 && space.order != 2)
+      wrong(space.origin, fmt::format("the space has order {}; there are 1 and 2", space.order));
+    for (const auto& d : space.dirichlet) part(d.part, d.origin, "an imposed value");
+  }
+
+  void form(const FormTerm& form) {
+    part(form.part, form.origin, "a form");
+    index(form.field, n_fields_, form.origin, "a form", "field");
+    for (const auto& entry : form.entries) {
+      derivative(entry.test, form.origin, "a form");
+      derivative(entry.trial, form.origin, "a form");
+      variables(entry.coefficient, of_facet, form.origin, "a form");
+    }
+  }
+
+  void load(const LoadTerm& load) {
+    part(load.part, load.origin, "a load");
+    for (const auto& entry : load.entries) {
+      derivative(entry.test, load.origin, "a load");
+      variables(entry.value, of_load, load.origin, "a load");
+    }
+  }
+
+  void law_term(const LawTerm& term) {
+    part(term.part, term.origin, "a law");
+    variables(term.factor, of_facet, term.origin, "the factor of a law");
+    for (const auto& row : term.rows) {
+      for (std::size_t i = 0; i < row.u.size(); ++i) {
+        variables(row.u[i], of_facet, term.origin, "the argument of a law");
+        if (static_cast<int>(i) >= components_ && !row.u[i].is(0.0))
+          wrong(term.origin, fmt::format("the argument of a law has component {} of u, of {}", i,
+                                         components_));
+      }
+      variables(row.offset, of_load, term.origin, "the argument of a law");
+    }
+    if (!index(term.law, count(plan_.laws), term.origin, "a law term", "law")) return;
+    const auto& law = plan_.laws[static_cast<std::size_t>(term.law)];
+    const int most = law.radial ? dim_ : 1;
+    if (term.rows.empty() || count(term.rows) > most)
+      wrong(term.origin, fmt::format("the argument of a law has {} rows; {} law has {}",
+                                     term.rows.size(), law.radial ? "a radial" : "a scalar",
+                                     law.radial ? fmt::format("1 to {}", most) : "1"));
+    if (!law.coupled.empty() &&
+        std::none_of(plan_.law_terms.begin(), plan_.law_terms.end(),
+                     [&](const LawTerm& other) { return other.name == law.coupled; }))
+      wrong(term.origin, fmt::format("the bound of a law is the multiplier of `{}`, which is not "
+                                     "among the terms",
+                                     law.coupled));
+  }
+
+  void time() {
+    const auto& time = plan_.time;
+    if (!time.initial.empty() && count(time.initial) != components_)
+      wrong(time.origin, fmt::format("the initial state has {} components instead of {}",
+                                     time.initial.size(), components_));
+    for (const auto& value : time.initial)
+      variables(value, of_place, time.origin, "the initial state");
+  }
+
+  void options() {
+    const auto& options = plan_.options;
+    const auto positive = [&](double value, std::string_view what) {
+      if (!(value > 0.0) || !std::isfinite(value))
+        wrong({}, fmt::format("the {} is {}, not positive", what, value));
+    };
+    positive(options.tolerance, "tolerance of the certificate");
+    positive(options.memory_tolerance, "tolerance of the memory");
+    if (options.threads < 1) wrong({}, fmt::format("{} threads", options.threads));
+  }
+
+  void field(const FieldSpec& field, Origin origin) {
+    const int n = count(field.components);
+    if (n != 1 && n != dim_ && n != dim_ * dim_)
+      wrong(origin, fmt::format("the field `{}` has {} components", field.name, n));
+    for (const auto& component : field.components)
+      variables(component, of_report, origin, "a field");
+  }
+
+  void every(int steps, Origin origin) {
+    if (steps < 1) wrong(origin, fmt::format("output every {} steps", steps));
+  }
+
+  void report() {
+    const auto& report = plan_.report;
+    for (int i = 0; i < count(report.probes); ++i) probe(report.probes[static_cast<std::size_t>(i)], i);
+    for (const auto& table : report.tables) {
+      every(table.every, table.origin);
+      for (const int i : table.probes)
+        index(i, count(report.probes), table.origin, "a table", "probe");
+    }
+    for (const auto& fields : report.fields) {
+      every(fields.every, fields.origin);
+      for (const auto& one : fields.fields) field(one, fields.origin);
+    }
+    for (const auto& picture : report.pictures) field(picture.field, picture.origin);
+  }
+
+  void probe(const Probe& probe, int i) {
+    using Kind = Probe::Kind;
+    if (probe.kind == Kind::integral) part(probe.part, probe.origin, "an integral");
+    if (probe.kind == Kind::norm_v) return;
+    const Allowed allowed =
+        probe.kind == Kind::combination ? Allowed{.time = true, .probes = i} : of_report;
+    variables(probe.expression, allowed, probe.origin, fmt::format("`{}`", probe.name));
+  }
+
+  const Plan& plan_;
+  int dim_, components_, n_fields_;
+  std::vector<Failure> out_;
+};
+
+} // namespace
+
+std::vector<Failure> validate(const Plan& plan, int dim) { return Validation(plan, dim).run(); }
+
+} // namespace hvi::solver

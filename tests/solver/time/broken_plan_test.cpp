@@ -1,0 +1,240 @@
+// Plans that are wrong: each is refused with a Failure, whatever is wrong with it, or it runs.
+// HVI_PLANS=100000 draws more of them, HVI_FIRST_PLAN=17 begins with that one.
+#include "solver/plan/validate.hpp"
+#include "tests/solver/time/plans.hpp"
+
+#include <cstdlib>
+#include <limits>
+#include <random>
+
+namespace hvi::solver {
+namespace {
+
+using namespace testing_plans;
+
+/// A plan with everything in it: friction, memory, every kind of probe, fields.
+Plan everything(int dim, int order) {
+  auto plan = slab(2, 2, dim, true);
+  plan.mesh.cells = {2, 1, 1};
+  plan.space.order = order;
+  plan.report.probes.push_back(integral("mass", u_value(0) * var(slot::x(0)), body));
+  Probe sum;
+  sum.name = "sum";
+  sum.kind = Probe::Kind::combination;
+  sum.expression = var(slot::probe(0)) + var(slot::probe(1)) * var(slot::t);
+  plan.report.probes.push_back(sum);
+  FieldsSpec fields;
+  fields.fields = {{"u", {}, {}}, {"xi", {}, {var(slot::multiplier(0, 0))}}};
+  for (int i = 0; i < dim; ++i) fields.fields[0].components.push_back(u_value(i));
+  plan.report.fields = {fields};
+  return plan;
+}
+
+template <class F>
+void each_index(Plan& plan, F&& f) {
+  for (auto& d : plan.space.dirichlet) f(d.part), f(d.component);
+  f(plan.space.order);
+  for (auto& form : plan.forms) {
+    f(form.part), f(form.field);
+    for (auto& entry : form.entries) f(entry.test), f(entry.trial);
+  }
+  for (auto& load : plan.loads) {
+    f(load.part);
+    for (auto& entry : load.entries) f(entry.test);
+  }
+  for (auto& term : plan.law_terms) f(term.law), f(term.part);
+  for (auto& probe : plan.report.probes) f(probe.part);
+  for (auto& table : plan.report.tables) {
+    f(table.every);
+    for (int& probe : table.probes) f(probe);
+  }
+  for (auto& fields : plan.report.fields) f(fields.every);
+  for (int& cells : plan.mesh.cells) f(cells);
+}
+
+template <class F>
+void each_expression(Plan& plan, F&& f) {
+  for (auto& d : plan.space.dirichlet)
+    for (auto& value : d.value) f(value);
+  for (auto& form : plan.forms)
+    for (auto& entry : form.entries) f(entry.coefficient);
+  for (auto& load : plan.loads)
+    for (auto& entry : load.entries) f(entry.value);
+  for (auto& history : plan.histories) f(history.kernel.expression);
+  for (auto& law : plan.laws) f(law.expression);
+  for (auto& term : plan.law_terms) {
+    f(term.factor);
+    for (auto& row : term.rows) {
+      f(row.offset);
+      for (auto& u : row.u) f(u);
+    }
+  }
+  for (auto& value : plan.time.initial) f(value);
+  for (auto& probe : plan.report.probes) f(probe.expression);
+  for (auto& fields : plan.report.fields)
+    for (auto& field : fields.fields)
+      for (auto& component : field.components) f(component);
+}
+
+template <class F>
+void each_list(Plan& plan, F&& f) {
+  f(plan.parts), f(plan.space.dirichlet), f(plan.forms), f(plan.histories), f(plan.laws);
+  f(plan.law_terms), f(plan.loads), f(plan.time.grid), f(plan.time.initial);
+  f(plan.report.probes), f(plan.report.tables), f(plan.report.fields);
+  for (auto& d : plan.space.dirichlet) f(d.value);
+  for (auto& form : plan.forms) f(form.entries);
+  for (auto& load : plan.loads) f(load.entries);
+  for (auto& term : plan.law_terms) f(term.rows);
+  for (auto& table : plan.report.tables) f(table.probes);
+  for (auto& fields : plan.report.fields) {
+    f(fields.fields);
+    for (auto& field : fields.fields) f(field.components);
+  }
+}
+
+class Breaker {
+public:
+  explicit Breaker(unsigned seed) : random_(seed) {}
+
+  void break_one(Plan& plan) {
+    switch (random_() % 4) {
+    case 0:
+      return chosen([&](auto&& f) { each_index(plan, f); }, [&](int& i) { i = an_index(); });
+    case 1:
+      return chosen([&](auto&& f) { each_expression(plan, f); },
+                    [&](Expr& e) { e = an_expression(e); });
+    case 2:
+      return chosen([&](auto&& f) { each_list(plan, f); }, [&](auto& list) { resize(list); });
+    default:
+      return flip(plan);
+    }
+  }
+
+private:
+  /// `act` on one of what `visit` shows, drawn evenly.
+  template <class Visit, class Act>
+  void chosen(Visit&& visit, Act&& act) {
+    std::size_t n = 0;
+    visit([&](auto&) { ++n; });
+    if (n == 0) return;
+    std::size_t left = random_() % n + 1;
+    visit([&](auto& item) {
+      if (--left == 0) act(item);
+    });
+  }
+
+  int an_index() {
+    constexpr int limits[] = {std::numeric_limits<int>::min(), std::numeric_limits<int>::max()};
+    const auto draw = random_() % 8;
+    return draw < 2 ? limits[draw] : static_cast<int>(random_() % 40) - 8;
+  }
+  double a_number() {
+    constexpr double all[] = {0.0, -1.0, 1e300, 1e-300, std::numeric_limits<double>::infinity(),
+                              std::numeric_limits<double>::quiet_NaN()};
+    return all[random_() % std::size(all)];
+  }
+  Expr an_expression(const Expr& old) {
+    constexpr Slot starts[] = {0, slot::first_field, slot::first_multiplier, slot::first_inside,
+                               slot::first_probe};
+    const auto draw = random_() % 3;
+    if (draw == 0) return Expr(a_number());
+    const Expr one = var(starts[random_() % std::size(starts)] + static_cast<int>(random_() % 60));
+    return draw == 1 ? one : old + one * 1e-3;
+  }
+  template <class T>
+  void resize(std::vector<T>& list) {
+    const auto draw = random_() % 3;
+    if (draw == 0) list.clear();
+    if (draw == 1 && !list.empty()) list.pop_back();
+    if (draw == 2) list.push_back(list.empty() ? T() : T(list[random_() % list.size()]));
+  }
+  void flip(Plan& plan) {
+    switch (random_() % 8) {
+    case 0: plan.time.is_static = !plan.time.is_static; break;
+    case 1: plan.space.vector = !plan.space.vector; break;
+    case 2: plan.mesh.kind = static_cast<MeshSpec::Kind>(random_() % 3); break;
+    case 3: plan.options.tolerance = a_number(); break;
+    case 4: plan.options.memory_tolerance = a_number(); break;
+    case 5: plan.mesh.high[random_() % 3] = a_number(); break;
+    case 6:
+      if (!plan.laws.empty()) plan.laws.back().radial = !plan.laws.back().radial;
+      break;
+    default:
+      if (!plan.laws.empty()) plan.laws.back().coupled = random_() % 2 ? "layer" : "nothing";
+    }
+  }
+
+  std::mt19937 random_;
+};
+
+TEST(BrokenPlans, RunBeforeTheyAreBroken) {
+  for (const int dim : {2, 3})
+    for (const int order : {1, 2})
+      EXPECT_TRUE(solve(everything(dim, order)).certificate.certified) << dim << ' ' << order;
+}
+
+TEST(BrokenPlans, AreRefusedOrRun) {
+  const auto number = [](const char* name, int otherwise) {
+    const char* asked = std::getenv(name);
+    return asked ? std::atoi(asked) : otherwise;
+  };
+  const int scenes = number("HVI_PLANS", 1500), first = number("HVI_FIRST_PLAN", 0);
+  int invalid = 0, refused = 0, ran = 0;
+  for (int scene = first; scene < first + scenes; ++scene) {
+    Breaker breaker(static_cast<unsigned>(scene));
+    auto plan = everything(2 + scene % 2, 1 + scene / 2 % 2);
+    for (int i = 0; i <= scene % 3; ++i) breaker.break_one(plan);
+    SCOPED_TRACE(scene);
+    try {
+      Discretisation d;
+      const bool valid = validate(plan, plan.mesh.kind == MeshSpec::Kind::box ? 3 : 2).empty();
+      if (!valid) ++invalid;
+      if (!discretise(plan, d).empty()) {
+        ++refused;
+        continue;
+      }
+      run(plan, d, {});
+      ++ran;
+    } catch (const Failure&) {
+      ++refused;
+    } catch (const std::exception& e) {
+      ADD_FAILURE() << e.what();
+    }
+  }
+  EXPECT_GT(invalid, scenes / 5);
+  EXPECT_GT(refused, scenes / 3);
+  EXPECT_GT(ran, scenes / 10);
+}
+
+/// What is said of a plan after one change.
+template <class Change>
+std::string said(Change&& change) {
+  auto plan = everything(2, 1);
+  change(plan);
+  const auto failures = validate(plan, 2);
+  return failures.empty() ? "" : failures.front().what();
+}
+
+TEST(Validate, NamesWhatIsWrong) {
+  EXPECT_EQ(said([](Plan&) {}), "");
+  EXPECT_EQ(said([](Plan& p) { p.forms[1].part = 9; }), "a form names part 9, of 4");
+  EXPECT_EQ(said([](Plan& p) { p.forms[1].field = 3; }), "a form names field 3, of 3");
+  EXPECT_EQ(said([](Plan& p) { p.law_terms[0].law = -1; }), "a law term names law -1, of 2");
+  EXPECT_EQ(said([](Plan& p) { p.report.tables[0].probes[1] = 6; }), "a table names probe 6, of 6");
+  EXPECT_EQ(said([](Plan& p) { p.loads[0].entries[0].test = slot::value(2); }),
+            "a load has the derivative 2 of a function with 2 components in 2 dimensions");
+  EXPECT_EQ(said([](Plan& p) { p.loads[0].entries[0].value = u_value(0); }),
+            "a load has the variable 32, which it cannot have");
+  EXPECT_EQ(said([](Plan& p) { p.law_terms[0].rows.clear(); }),
+            "the argument of a law has 0 rows; a scalar law has 1");
+  EXPECT_EQ(said([](Plan& p) { p.laws[1].coupled = "gone"; }),
+            "the bound of a law is the multiplier of `gone`, which is not among the terms");
+  EXPECT_EQ(said([](Plan& p) { p.time.initial = {0.0}; }),
+            "the initial state has 1 components instead of 2");
+  EXPECT_EQ(said([](Plan& p) { p.options.tolerance = 0.0; }),
+            "the tolerance of the certificate is 0, not positive");
+  EXPECT_EQ(said([](Plan& p) { p.report.fields[0].every = 0; }), "output every 0 steps");
+}
+
+} // namespace
+} // namespace hvi::solver
