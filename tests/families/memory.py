@@ -8,7 +8,8 @@ the integral of q(t_n, s) over the j-th step. Reference: y by forward substituti
 forms, or by composite Gauss rules graded to both ends of a step (nothing of the program's). Kernels: exponentials,
 separable, ageing in a reduced time, windows, peaks, weakly singular, products of powers; up to 1e12 relaxation
 times; uniform, graded and random grids; t0 of both signs; every route. Wrong: certified and further from y than
-30 memory tolerances. Refused: any other exit; at most 2 % may be.
+30 memory tolerances. Refused: any other exit where every step is coercive and errors
+of the data grow less than a million times; none may be.
 """
 import argparse
 import json
@@ -245,13 +246,20 @@ report
 
 
 def reference(kernel, times, load):
+    """m at the grid times, and by how much more than relative errors of load and stiffness, drawn at random, it changes
+    (infinite where a step is not coercive)."""
     t = np.array(times, dtype=L)
-    y = []
+    noise = np.random.default_rng(1).uniform(-1, 1, (2, len(t))).astype(L)
+    y, moved, coercive = [], [], True
     for n in range(1, len(t)):
         w = kernel.weights(t[n], t[:n + 1])
-        past = sum((w[j] * y[j] for j in range(n - 1)), L(0))
-        y.append((load(t[n]) - past) / (1 + w[n - 1]))
-    return np.array(y, dtype=L) / 2
+        coercive = coercive and 1 + w[n - 1] > 0
+        for values, change in ((y, L(0)), (moved, L(1e-8))):
+            past = sum((w[j] * values[j] for j in range(n - 1)), L(0))
+            values.append((load(t[n]) * (1 + change * noise[0, n]) - past) / (1 + change * noise[1, n] + w[n - 1]))
+    y, moved = np.array(y, dtype=L), np.array(moved, dtype=L)
+    growth = float(np.max(np.abs(moved - y)) / np.max(np.abs(y))) / 1e-8
+    return y / 2, growth if coercive else math.inf
 
 
 def run(program, text, folder):
@@ -272,7 +280,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--keep")
     given = parser.parse_args()
-    certified = wrong = refused = 0
+    certified = wrong = refused = rightly = 0
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         for i in range(given.scenes):
@@ -282,12 +290,15 @@ def main():
                 found, said = run(str(pathlib.Path(given.program).resolve()), text, folder)
             except subprocess.TimeoutExpired:
                 found, said = None, "no end within 120 s"
+            y, growth = reference(kernel, times, load)
+            off = 0.0
             if found is None:
-                refused += 1
-                print(f"scene {i} refused: {said.strip().splitlines()[:1]}")
+                badly_posed = growth > 1e6
+                rightly += badly_posed
+                refused += not badly_posed
+                print(f"scene {i} refused (errors of the data grow {growth:.0e} times): {said.strip().splitlines()[:1]}")
             else:
                 certified += 1
-                y = reference(kernel, times, load)
                 u = np.array(found["table"]["m"][-len(y):], dtype=L)
                 off = float(np.max(np.abs(u - y)) / np.max(np.abs(y)))
                 if not off <= 30 * TOLERANCE:
@@ -297,8 +308,9 @@ def main():
             if given.keep and (found is None or not off <= 30 * TOLERANCE):
                 pathlib.Path(given.keep).mkdir(parents=True, exist_ok=True)
                 (pathlib.Path(given.keep) / f"scene{i}.hvi").write_text(text)
+    print(f"refused rightly: {rightly}, of problems with a step that is not coercive or in which errors of the data grow more than a million times")
     print(f"family memory: scenes {given.scenes}, certified {certified}, wrong {wrong}, refused {refused}")
-    sys.exit(wrong > 0 or refused > 0.02 * given.scenes)
+    sys.exit(wrong > 0 or refused > 0)
 
 
 class Draw:
