@@ -75,8 +75,18 @@ std::optional<double> distance(const Trace& a, const Trace& b) {
   return size > 0 ? off / size : off;
 }
 
+/// A run with other numbers has failed: says why, or throws on what is no property of the numbers.
+void take_failure(const solver::Failure& failure, Variation& out) {
+  using K = solver::FailureKind;
+  if (failure.kind == K::interrupted || failure.kind == K::missing_file) throw failure;
+  out.failure = failure.what();
+}
+
+/// The text of the script's own file, read once: the file may change or be refused later.
+std::string text_of(const Script& script) { return std::string(script.sources.file(0).text()); }
+
 /// The script with a parameter moved by one unit in the last place; nothing where it must be whole.
-std::optional<Variation> moved_parameter(const std::string& path, const Options& options,
+std::optional<Variation> moved_parameter(const Script& given, const Options& options,
                                          const ModelParam& param, const Trace& base) {
   const auto* value = std::get_if<double>(&param.value);
   if (value == nullptr || *value == 0.0 || !std::isfinite(*value)) return std::nullopt;
@@ -86,17 +96,20 @@ std::optional<Variation> moved_parameter(const std::string& path, const Options&
     Options other = options;
     other.defines[param.name] = fmt::format("{:.17g}", next);
     Script script;
-    script.path = path;
-    if (!compile_script(script, other)) continue;
+    script.path = given.path;
+    script.text = text_of(given);
+    if (!compile_variation(script, other)) continue;
     solver::Discretisation d;
-    if (!solver::discretise(*script.plan, d).empty()) continue;
+    if (const auto failures = solver::discretise(*script.plan, d); !failures.empty()) {
+      take_failure(failures.front(), out);
+      continue;
+    }
     out.what = fmt::format("`{}` by one unit in the last place", param.name);
     out.moved = std::abs((next - *value) / *value);
     try {
       out.change = distance(base, traced(*script.plan, d, false));
     } catch (const solver::Failure& failure) {
-      if (failure.kind == solver::FailureKind::interrupted) throw;
-      out.failure = failure.what();
+      take_failure(failure, out);
     }
     return out;
   }
@@ -110,8 +123,7 @@ Variation compared(const std::string& what, const Trace& base,
   try {
     out.change = distance(base, other());
   } catch (const solver::Failure& failure) {
-    if (failure.kind == solver::FailureKind::interrupted) throw;
-    out.failure = failure.what();
+    take_failure(failure, out);
   }
   return out;
 }
@@ -123,21 +135,21 @@ solver::Failure refusal(const std::vector<solver::Failure>& failures) {
 }
 
 /// All numbers of the script at once, each by one unit in the last place, up or down at random.
-std::vector<Variation> moved_numbers(const std::string& path, const Options& options,
+std::vector<Variation> moved_numbers(const Script& given, const Options& options,
                                      const Trace& base) {
   std::vector<Variation> out;
-  const auto text = read_text(path);
-  const auto literals = movable_literals(path, options);
-  if (!text || literals.empty()) return out;
+  const std::string text = text_of(given);
+  const auto literals = movable_literals(given.path, text, options);
+  if (literals.empty()) return out;
   for (int sample = 1; sample <= samples; ++sample)
     out.push_back(compared(
         fmt::format("the {} numbers of the script by one unit in the last place, sample {}",
                     literals.size(), sample),
         base, [&] {
           Script script;
-          script.path = path;
-          script.text = moved_text(*text, literals, static_cast<std::uint64_t>(sample));
-          if (!compile_script(script, options)) throw refusal({});
+          script.path = given.path;
+          script.text = moved_text(text, literals, static_cast<std::uint64_t>(sample));
+          if (!compile_variation(script, options)) throw refusal({});
           solver::Discretisation d;
           if (const auto failures = solver::discretise(*script.plan, d); !failures.empty())
             throw refusal(failures);
@@ -191,8 +203,7 @@ Variation chosen(const std::string& what, const solver::Plan& plan, const solver
   try {
     out.change = distance(base, traced(plan, d, false));
   } catch (const solver::Failure& failure) {
-    if (failure.kind == solver::FailureKind::interrupted) throw;
-    out.failure = failure.what();
+    take_failure(failure, out);
   }
   return out;
 }
@@ -207,9 +218,9 @@ Stability examine(Script& script, const solver::Discretisation& d, const Options
     out.no_theory = failure.what();
   }
   for (const ModelParam& param : script.model->params)
-    if (auto moved = moved_parameter(script.path, options, param, out.base))
+    if (auto moved = moved_parameter(script, options, param, out.base))
       out.variations.push_back(std::move(*moved));
-  for (auto& moved : moved_numbers(script.path, options, out.base))
+  for (auto& moved : moved_numbers(script, options, out.base))
     out.variations.push_back(std::move(moved));
   for (auto& moved : moved_meshes(*script.plan, d, out.base))
     out.variations.push_back(std::move(moved));

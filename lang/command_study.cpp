@@ -3,6 +3,7 @@
 #include "lang/outputs.hpp"
 #include "lang/say.hpp"
 #include "lang/study.hpp"
+#include "solver/common/read_file.hpp"
 #include "solver/output/file.hpp"
 #include "solver/study/ladder.hpp"
 #include "solver/time/adapt.hpp"
@@ -133,7 +134,7 @@ private:
       all += fmt::format("{:016x};", solver::fingerprint(*setting.plan, {}));
       const auto& mesh = setting.plan->mesh;
       if (mesh.kind == solver::MeshSpec::Kind::file)
-        meshes.try_emplace(mesh.path, read_text(mesh.path).value_or(""));
+        meshes.try_emplace(mesh.path, solver::read_file(mesh.path).value_or(""));
     }
     for (const auto& [path, content] : meshes) all += content;
     return checksum(all);
@@ -149,7 +150,7 @@ private:
     for (const auto& [name, value] : row.values) here.defines[name] = value;
     Script script;
     script.path = path_;
-    if (!compile_script(script, here)) script.plan.reset();
+    if (!compile_variation(script, here)) script.plan.reset();
     return script;
   }
 
@@ -340,10 +341,11 @@ private:
       measure(script, discretisation, row, keeps);
       take_terms(script, *discretisation, row);
     } catch (const solver::Failure& failure) {
-      if (failure.kind == solver::FailureKind::interrupted) {
+      using K = solver::FailureKind; // these are no property of the row
+      if (failure.kind == K::interrupted || failure.kind == K::missing_file) {
         add_failure(script, failure);
         show_diagnostics(script, options_);
-        return exit_interrupted;
+        return exit_code(failure.kind);
       }
       row.failure = failure.what();
     }
@@ -477,7 +479,12 @@ int study_command(const std::string& path, const Options& options) {
   Study study;
   const InterruptGuard guard;
   Studying studying(path, options, study);
-  if (const int code = studying.go(); code != exit_ok) return code;
+  try {
+    if (const int code = studying.go(); code != exit_ok) return code;
+  } catch (const solver::Failure& failure) { // a file that was there is not to be read again
+    tell("error[E0601]: {}\n", failure.what());
+    return exit_code(failure.kind);
+  }
   judge(study, study.reference == "the finest run, extrapolated");
   return report_study(study, studying.folder(), options);
 }

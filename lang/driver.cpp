@@ -112,6 +112,14 @@ bool compile_script(Script& script, const Options& options) {
   return true;
 }
 
+bool compile_variation(Script& script, const Options& options) {
+  if (compile_script(script, options)) return true;
+  for (const Diagnostic& diagnostic : script.diagnostics.items())
+    if (diagnostic.code == "E0601")
+      throw solver::Failure(solver::FailureKind::missing_file, {}, diagnostic.message);
+  return false;
+}
+
 int exit_code(solver::FailureKind kind) {
   using K = solver::FailureKind;
   switch (kind) {

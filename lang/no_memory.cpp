@@ -22,9 +22,9 @@
 #ifdef __GLIBC__
 
 extern "C" { // what libc's own functions of memory are called beside their standard names
-void* __libc_malloc(std::size_t size);                         // NOLINT: not our name
-void* __libc_calloc(std::size_t count, std::size_t size);      // NOLINT
-void* __libc_realloc(void* old, std::size_t size);             // NOLINT
+void* __libc_malloc(std::size_t size);                          // NOLINT: not our name
+void* __libc_calloc(std::size_t count, std::size_t size);       // NOLINT
+void* __libc_realloc(void* old, std::size_t size);              // NOLINT
 void* __libc_memalign(std::size_t alignment, std::size_t size); // NOLINT
 }
 
@@ -36,7 +36,8 @@ std::atomic_flag told = ATOMIC_FLAG_INIT;
   if (told.test_and_set()) // another thread is at it
     for (;;) ::pause();
   std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "out of memory: %.3g bytes more are not to be had", bytes);
+  std::snprintf(text.data(), text.size(), "out of memory: %.3g bytes more are not to be had",
+                bytes);
   hvi::lang::tell_no_memory(text.data());
   std::fflush(stdout); // what was printed before is a result
   ::_exit(hvi::lang::exit_solve);

@@ -8,8 +8,9 @@ namespace hvi::lang {
 
 /// The one message of a run that gets no memory; `what` is its sentence. Allocates nothing.
 inline void tell_no_memory(const char* what = "out of memory") {
-  for (const char* text : {"error[E0607]: ", what,
-                           "\n  = help: a coarser mesh, fewer steps or a smaller table need less\n"})
+  for (const char* text :
+       {"error[E0607]: ", what,
+        "\n  = help: a coarser mesh, fewer steps or a smaller table need less\n"})
     std::fputs(text, stderr);
 }
 

@@ -16,12 +16,10 @@ double moved(double value, std::uint64_t index, std::uint64_t sample) {
 }
 
 /// The numbers of statements that are data of the problem.
-std::vector<Literal> candidates(const std::string& path) {
-  const auto text = read_text(path);
-  if (!text) return {};
+std::vector<Literal> candidates(const std::string& path, const std::string& text) {
   SourceMap sources;
   Diagnostics ignored;
-  const SourceFile& file = sources.file(sources.add(path, *text));
+  const SourceFile& file = sources.file(sources.add(path, text));
   std::vector<Literal> out;
   TokenKind statement = TokenKind::end, before = TokenKind::end;
   for (const Token& token : lex(file, ignored).tokens) {
@@ -42,17 +40,17 @@ bool compiles(const std::string& path, const Options& options, const std::string
   Script script;
   script.path = path;
   script.text = text;
-  return compile_script(script, options);
+  return compile_variation(script, options);
 }
 
 } // namespace
 
-std::vector<Literal> movable_literals(const std::string& path, const Options& options) {
-  const auto text = read_text(path);
+std::vector<Literal> movable_literals(const std::string& path, const std::string& text,
+                                      const Options& options) {
   std::vector<Literal> out;
-  for (const Literal& literal : candidates(path)) {
+  for (const Literal& literal : candidates(path, text)) {
     const bool whole = literal.value == std::floor(literal.value);
-    if (!whole || compiles(path, options, moved_text(*text, {literal}, 0))) out.push_back(literal);
+    if (!whole || compiles(path, options, moved_text(text, {literal}, 0))) out.push_back(literal);
   }
   return out;
 }

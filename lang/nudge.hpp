@@ -15,10 +15,12 @@ struct Literal {
   double value = 0.0;
 };
 
-/// The numbers of the script's own file that are data: not 0, no exponents behind `^`, not in
+/// The numbers of the script's own file, whose text this is, that are data: not 0, no exponents
+/// behind `^`, not in
 /// `param`, `report`, `expect` or `study`, and only those with which the script still compiles when
 /// they are moved (numbers of cells and steps must be whole).
-std::vector<Literal> movable_literals(const std::string& path, const Options& options);
+std::vector<Literal> movable_literals(const std::string& path, const std::string& text,
+                                      const Options& options);
 
 /// The text with each of them moved up or down, at random by `sample`.
 std::string moved_text(const std::string& text, const std::vector<Literal>& literals,

@@ -4,6 +4,8 @@
 #include "lang/check/mesh_findings.hpp"
 #include "lang/diag/real_path.hpp"
 #include "lang/diag/suggest.hpp"
+#include "lang/diag/unreadable.hpp"
+#include "solver/common/read_file.hpp"
 #include "solver/mesh/generate.hpp"
 #include "solver/mesh/gmsh_module.hpp"
 #include "solver/mesh/read_msh.hpp"
@@ -248,8 +250,9 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
   } catch (const solver::Failure& failure) {
     const bool missing = failure.kind == solver::FailureKind::missing_file;
     error(missing ? "E0601" : "E0603", (*args)[0]->span,
-          missing ? fmt::format("there is no file `{}`", path->text)
-                  : fmt::format("`{}`: {}", path->text, failure.what()),
+          missing && !solver::read_file(*full)
+              ? why_unreadable(*full, path->text)
+              : fmt::format("`{}`: {}", path->text, failure.what()),
           failure.help);
     return false;
   }

@@ -123,6 +123,7 @@ void rewrite_file(const fs::path& path, std::string_view bytes) {
   if (error) fail(path, error.message(), help);
   if (::access(target.c_str(), W_OK) != 0 || ::stat(target.c_str(), &status) != 0)
     fail(path, std::strerror(errno), help);
+  remove_leftovers(target.parent_path());
   if (can_be_replaced(target, status) && replace_file(target, status, bytes)) return;
   const OpenFile file(target, O_RDWR);
   if (!file.is_open()) fail(path, std::strerror(errno), help);

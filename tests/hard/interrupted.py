@@ -25,6 +25,7 @@ SCENES = {
     "lifted": ["-D", "lift=0.01"],
 }
 failures = []
+most_seconds = 60  # a run of the test takes one or two
 
 
 def check(good, what):
@@ -43,7 +44,7 @@ class Scene:
         return [*self.base, "-o", out, "--json", f"{out}.json", *more]
 
     def call(self, out, *more):
-        return subprocess.run(self.command(out, *more), cwd=self.folder, capture_output=True, text=True)
+        return subprocess.run(self.command(out, *more), cwd=self.folder, capture_output=True, text=True, timeout=10 * most_seconds)
 
     def killed(self, out, delay, sign, *more):
         """Starts, sends the signal after the delay; the return code."""
@@ -51,7 +52,11 @@ class Scene:
                               stderr=subprocess.DEVNULL) as process:
             time.sleep(delay)
             process.send_signal(sign)
-            return process.wait()
+            try:
+                return process.wait(timeout=most_seconds)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                sys.exit(f"FAILS {sign.name} does not end a run within {most_seconds} s")
 
     def differences(self, out, reference):
         """Files that are not the reference's bit for bit."""
@@ -93,8 +98,10 @@ def stops(scene, name, length):
     for sign in (signal.SIGINT, signal.SIGTERM):
         shutil.rmtree(scene.folder / "cut", ignore_errors=True)
         part = 0.6
-        while (code := scene.killed("cut", part * length, sign, "--checkpoint", "100000")) in (0, -sign):
+        tries = 0
+        while (code := scene.killed("cut", part * length, sign, "--checkpoint", "100000")) in (0, -sign) and tries < 30:
             part *= 0.7 if code == 0 else 1.2  # it was done, or had not begun
+            tries += 1
         saved = (scene.folder / "cut" / "longer.checkpoint").exists()
         check(code == 130 and saved, f"{name}: {sign.name} in the middle: exit {code}, checkpoint {saved}")
         done = scene.call("cut", "--resume")
