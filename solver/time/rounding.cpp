@@ -1,6 +1,7 @@
 // Random changes of the data by a unit in the last place; see rounding.hpp.
 #include "solver/time/rounding.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -18,12 +19,6 @@ std::uint64_t mixed(std::uint64_t x) {
 
 constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
 
-/// Sizes that agree to about nine digits share it: sums in another order differ in the last ones.
-std::uint64_t rough_size(double value) {
-  constexpr int dropped = 22;
-  return (std::bit_cast<std::uint64_t>(std::abs(value)) + (1ULL << (dropped - 1))) >> dropped;
-}
-
 } // namespace
 
 double random_unit(std::uint64_t of, std::uint64_t sample) {
@@ -31,20 +26,26 @@ double random_unit(std::uint64_t of, std::uint64_t sample) {
   return static_cast<double>(static_cast<std::int64_t>(bits)) * 0x1p-63;
 }
 
-void add_rounding(const SparseMatrix& a, const Vector& v, double unit,
-                  std::array<Vector, 2>& forces, Vector& size) {
-  const double scale = unit * 0x1p-31;
+void add_rounding(const SparseMatrix& a, const Vector& v, double unit, RoundingForces& forces,
+                  Vector& size) {
+  const double scale = unit * 0x1p-15;
+  const Vector size_of = a.diagonal().cwiseAbs().cwiseSqrt();
   for (int i = 0; i < a.rows(); ++i) {
-    double first = 0.0, second = 0.0, all = 0.0;
+    std::array<double, n_samples> sums{};
+    double all = 0.0;
     for (SparseMatrix::InnerIterator it(a, i); it; ++it) {
-      const double term = it.value() * v[it.col()];
-      const std::uint64_t bits = mixed(rough_size(it.value()) + golden); // 32 for each sample
-      first += static_cast<std::int32_t>(bits) * term;
-      second += static_cast<std::int32_t>(bits >> 32) * term;
-      all += std::abs(term);
+      const double value = std::abs(it.value());
+      if (!(value > 0.0)) continue;
+      const double other = size_of[it.col() < size_of.size() ? it.col() : i]; // imposed: no row
+      const double least = std::min(value / unit, size_of[i] * other);
+      const double term = std::copysign(std::max(value, least), it.value()) * v[it.col()];
+      // 16 bits for each sample
+      const std::uint64_t bits = mixed(std::bit_cast<std::uint64_t>(value) + golden);
+      for (std::size_t s = 0; s < n_samples; ++s)
+        sums[s] += static_cast<std::int16_t>(bits >> (16 * s)) * term;
+      all += std::abs(it.value() * v[it.col()]);
     }
-    forces[0][i] += scale * first;
-    forces[1][i] += scale * second;
+    for (std::size_t s = 0; s < n_samples; ++s) forces[s][i] += scale * sums[s];
     size[i] += all;
   }
 }

@@ -111,7 +111,8 @@ void Stepper::save(std::ostream& out) const {
   w.put(steps_taken(grid_, step_));
   w.put(memory_->extent());
   put_text(w, not_unique_);
-  for (const Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi, &gap_})
+  for (const Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi,
+                          &left_over_.force})
     put_vector(w, *v);
   w.put(inequality_.state);
   memory_->save(out);
@@ -133,7 +134,7 @@ void Stepper::save(std::ostream& out) const {
   w.put(std::array<int, 2>{shortened, never_shortened_ ? 1 : 0});
   sweeps_.save(out);
   w.put(std::array<int, 2>{refines_ ? 1 : 0, largest_.step});
-  w.put(std::array<double, 3>{last_correction_, largest_.size, last_error_});
+  w.put(std::array<double, 3>{last_correction_, largest_.size, left_over_.error});
   w.put(static_cast<std::uint64_t>(largest_.on_base.size()));
   for (const Vector& v : largest_.on_base) put_vector(w, v);
 }
@@ -162,7 +163,7 @@ void Stepper::restore(std::istream& in) {
   for (Vector* v : {&u_, &d_previous_, &d_before_}) get_vector(r, *v, layout_.n_state);
   get_vector(r, inequality_.c, inequality_.c.size());
   get_vector(r, inequality_.xi, contact_.n_rows());
-  get_vector(r, gap_, layout_.n_unknowns);
+  get_vector(r, left_over_.force, layout_.n_unknowns);
   inequality_.state = r.get_vector<int>();
   // Laws that move with time are prepared for the step's time before every solve.
   if (!contact_.none() && step_ > 0) prepare(contact_, plan_, grid_.t(step_), u_, inequality_.xi);
@@ -197,7 +198,7 @@ void Stepper::restore(std::istream& in) {
   if (rounding[1] < 0 || rounding[1] > step_) r.fail("is inconsistent");
   refines_ = rounding[0] != 0, largest_.step = rounding[1];
   last_correction_ = sizes[0], largest_.size = sizes[1];
-  last_error_ = sizes[2];
+  left_over_.error = sizes[2];
   largest_.on_base.resize(
       r.get_between<std::uint64_t>(0, static_cast<std::uint64_t>(operators_.n_bases())));
   for (Vector& v : largest_.on_base) get_vector(r, v, layout_.n_state);

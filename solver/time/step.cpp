@@ -55,6 +55,7 @@ void Stepper::allocate() {
   known_ = d_previous_ = d_before_ = combined_ = Vector::Zero(layout_.n_state);
   dz_ = Vector::Zero(contact_.n_rows());
   d_ = rhs_ = gap_ = scale_ = work_ = kd_ = Vector::Zero(layout_.n_unknowns);
+  left_over_.force = gap_;
   full_ = Vector::Zero(layout_.n_dofs);
   z_ = inequality_.xi = Vector::Zero(contact_.n_rows());
   inequality_.c = Vector::Zero(static_cast<Eigen::Index>(contact_.unknowns.size()));
@@ -452,7 +453,7 @@ StepResult Stepper::advance(int n) {
   if (out.certified) {
     if (checks_wait_ && !checked_.empty()) put_off_check(n);
     learn(n, matrix, out);
-    last_error_ = out.equilibrium;
+    note_left_over(out.equilibrium);
     accept(n);
   } else
     inequality_ = accepted_;

@@ -81,9 +81,9 @@ public:
   /// Why not every step is sure to have one solution; empty: each has (uniqueness.hpp). Found at
   /// the first step, for all of them.
   const std::string& not_unique() const { return not_unique_; }
-  /// Samples of the error that rounding may have left in the state, each for a random change of
-  /// the matrices and loads by a unit in the last place; `backward_error`: of the steps so far. To
-  /// be asked after the last step.
+  /// Samples of the error that rounding may have left in the state: each for a random change of
+  /// the matrices and loads by a unit in the last place, and one for what the steps left of their
+  /// equations; `backward_error`: of the steps so far. To be asked after the last step.
   std::vector<ErrorSample> rounding_errors(double backward_error);
   /// The condition number of the last step's matrix in the 1-norm, estimated; 0: not known.
   double condition();
@@ -134,8 +134,9 @@ private:
   bool bounds_agree(int n);
   void accept(int n);
   void note_size();
+  void note_left_over(double error);
   std::vector<double> memory_of_one() const;
-  std::array<Vector, 2> rounding_forces(double backward_error);
+  std::vector<Vector> rounding_forces(double backward_error);
   void look_at_conditioning(StepMatrix& matrix);
   double precise_gap(int n, const StepMatrix& matrix, const std::vector<Vector>& known,
                      const Vector& d);
@@ -181,8 +182,14 @@ private:
     std::vector<Vector> on_base;
   };
   Largest largest_;
+  /// What the worst step so far left of its equation, within a factor 1.6.
+  struct LeftOver {
+    double error = 0.0; ///< its backward error
+    Vector force;
+  };
+  LeftOver left_over_;
   bool refines_ = false;
-  double last_correction_ = 0.0, last_error_ = 0.0; ///< last_error_: the backward error of u_n
+  double last_correction_ = 0.0;
 
   int step_ = 0;
   std::string not_unique_;

@@ -6,7 +6,9 @@
 //
 //   A e' + B e + sum_m E_m (R_m e) + H e = r - sum_b dT_b v_b,    v_b: all that acts on T_b,
 //
-// with H the slopes of the laws. The right-hand side is the same in all steps but for the size of
+// with H the slopes of the laws. Of r the vector itself is taken, for it is no random one: where d
+// is rounded, or solved for with an approximate factor, r is large beside K times the error of d.
+// The right-hand side is the same in all steps but for the size of
 // the load, so e is at most what the largest one makes of the whole time as one step,
 //
 //   (K_w + H) e = r - sum_b dT_b v_b,    K_w: the matrix of that one step,
@@ -87,28 +89,38 @@ double Stepper::amplification() const {
   return std::min(most, steps);
 }
 
-/// Forces of random rounding, on the unknowns; `backward_error`: what steps left of their equation.
-std::array<Vector, 2> Stepper::rounding_forces(double backward_error) {
+/// Keeps what an attempted step leaves of its equation while that is the most so far.
+void Stepper::note_left_over(double error) {
+  if (!(error > clearly_larger * left_over_.error)) return;
+  left_over_.error = error;
+  left_over_.force = gap_;
+  if (!contact_.none()) left_over_.force.noalias() -= contact_.force * inequality_.xi;
+}
+
+/// Forces of random rounding, on the unknowns, and last what steps left of their equations;
+/// `backward_error`: that of the worst. Where states hold contact unknowns only, the left forces on
+/// the others are not known, and random ones of that size stand for them.
+std::vector<Vector> Stepper::rounding_forces(double backward_error) {
   const bool inside = layout_.interior != nullptr;
   const auto n = inside ? layout_.interior->matrix_of_all().rows() : Eigen::Index{n_unknowns_};
-  std::array<Vector, 2> out{Vector::Zero(n), Vector::Zero(n)};
-  Vector state, size = Vector::Zero(n), left_over = gap_;
-  if (!contact_.none()) left_over.noalias() -= contact_.force * accepted_.xi;
+  RoundingForces random;
+  random.fill(Vector::Zero(n));
+  Vector state, size = Vector::Zero(n);
   add_load(largest_.step);
   for (int b = 0; b < operators_.n_bases(); ++b) {
     const Vector& acting = largest_.on_base[static_cast<std::size_t>(b)];
     if (inside) layout_.interior->unknowns_of(acting, state);
     add_rounding(inside ? layout_.interior->matrix_of_all() : operators_.bases[b],
-                 inside ? state : acting, unit, out, size);
+                 inside ? state : acting, unit, random, size);
   }
-  // What the last step left of its equation stands for all, as large as in the worst one.
-  const double worst = last_error_ > 0.0 ? std::max(1.0, backward_error / last_error_) : 0.0;
-  for (std::size_t s = 0; s < out.size(); ++s)
+  for (std::size_t s = 0; s < n_samples; ++s)
     for (Eigen::Index i = 0; i < n; ++i) {
-      const double load = inside ? 0.0 : std::abs(rhs_[i]);
-      const double left = inside ? backward_error * size[i] : worst * std::abs(left_over[i]);
-      out[s][i] += (unit * load + left) * random_unit(static_cast<std::uint64_t>(i), s + 100);
+      const double more = inside ? backward_error * size[i] : unit * std::abs(rhs_[i]);
+      random[s][i] += more * random_unit(static_cast<std::uint64_t>(i), s + 100);
     }
+  std::vector<Vector> out(random.begin(), random.end());
+  if (!inside && left_over_.error > 0.0)
+    out.push_back(std::max(1.0, backward_error / left_over_.error) * left_over_.force);
   return out;
 }
 
@@ -143,7 +155,7 @@ std::vector<ErrorSample> Stepper::rounding_errors(double backward_error) {
     if (found) {
       const double before = x[s].norm();
       if (contact_.none()) xi.resize(forces.size());
-      if (!one_step || !one_step->relax(forces[s], most, x[s], xi[s])) {
+      if (!one_step || !one_step->relax(forces[s], most, bound, x[s], xi[s])) {
         x[s] *= bound;
         xi[s] *= bound;
       }
@@ -156,6 +168,7 @@ std::vector<ErrorSample> Stepper::rounding_errors(double backward_error) {
     }
     sample.rate = grid_.is_static() ? 0.0 : grid_.rate(step_) / grown;
     sample.memory = memory;
+    if (s < n_samples) sample.share = 1.0 / n_samples;
     out.push_back(std::move(sample));
   }
   return out;

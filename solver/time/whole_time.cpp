@@ -1,7 +1,7 @@
 // Errors of the steps together; see whole_time.hpp.
 #include "solver/time/whole_time.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/Jacobi>
 
 #include <algorithm>
 #include <cmath>
@@ -9,12 +9,41 @@
 namespace hvi::solver {
 namespace {
 
-constexpr int most_vectors = 30, least_vectors = 4;
-/// An estimate needs no more than this, relative to R f.
-constexpr double small_residual = 0.05;
+constexpr int most_vectors = 60, least_vectors = 4;
+/// An estimate needs no more than this, relative to e.
+constexpr double small_error = 0.01;
 /// Sweeps over one unknown that cost next to nothing, and the share of the run's own sweeps.
 constexpr double cheap_sweeps = 3e4;
 constexpr double share_of_run = 0.02;
+
+/// The weights w that make |size e_1 - H w| least, H growing by a column (of one entry below the
+/// diagonal) each time: H is kept turned into a triangle.
+class LeastSquares {
+public:
+  LeastSquares(int most, double size)
+      : triangle_(DenseMatrix::Zero(most, most)), right_(Vector::Unit(most + 1, 0) * size) {}
+
+  /// The residual with this column, too.
+  double add(Vector column) {
+    const auto m = static_cast<Eigen::Index>(turns_.size());
+    for (Eigen::Index k = 0; k < m; ++k)
+      column.applyOnTheLeft(k, k + 1, turns_[static_cast<std::size_t>(k)].adjoint());
+    turns_.emplace_back().makeGivens(column[m], column[m + 1]);
+    column.applyOnTheLeft(m, m + 1, turns_.back().adjoint());
+    right_.applyOnTheLeft(m, m + 1, turns_.back().adjoint());
+    triangle_.col(m).head(m + 1) = column.head(m + 1);
+    return std::abs(right_[m + 1]);
+  }
+  Vector weights() const {
+    const auto m = static_cast<Eigen::Index>(turns_.size());
+    return triangle_.topLeftCorner(m, m).triangularView<Eigen::Upper>().solve(right_.head(m));
+  }
+
+private:
+  DenseMatrix triangle_;
+  Vector right_;
+  std::vector<Eigen::JacobiRotation<double>> turns_;
+};
 
 } // namespace
 
@@ -45,30 +74,35 @@ bool WholeTime::respond(const Vector& v, const Vector& more) {
   return matrix_.respond(std::span<const Vector>(&force, 1), at_, answer_, multipliers_);
 }
 
-bool WholeTime::relax(const Vector& force, int most, Vector& x, Vector& xi) {
+bool WholeTime::relax(const Vector& force, int most, double bound, Vector& x, Vector& xi) {
   const double size = x.norm();
   if (!(size > 0.0) || !std::isfinite(size)) return false;
   const Vector none = Vector::Zero(x.size());
-  DenseMatrix basis(x.size(), most), images(x.size(), most);
+  DenseMatrix basis(x.size(), most);
+  LeastSquares least(most, size);
   Vector next = x / size;
   for (int m = 0; m < most; ++m) {
     basis.col(m) = next;
     if (!respond(next, none)) return false;
-    images.col(m) = next - answer_.front(); // (1 - R D) v
-    const DenseMatrix tried = images.leftCols(m + 1);
-    const Vector weights = tried.colPivHouseholderQr().solve(x);
-    if ((x - tried * weights).norm() <= small_residual * size) {
+    next -= answer_.front(); // (1 - R D) v
+    const double image = next.norm();
+    Vector products = Vector::Zero(m + 2);
+    for (int twice = 0; twice < 2; ++twice) {
+      const Vector part = basis.leftCols(m + 1).transpose() * next;
+      next.noalias() -= basis.leftCols(m + 1) * part;
+      products.head(m + 1) += part;
+    }
+    const double left = products[m + 1] = next.norm();
+    const double residual = least.add(std::move(products));
+    const Vector weights = least.weights();
+    if (residual * bound <= small_error * weights.norm()) {
       // Once more: what is left shrinks, and the multipliers are found.
       if (!respond(basis.leftCols(m + 1) * weights, force)) return false;
       x = answer_.front();
       if (!multipliers_.empty()) xi = multipliers_.front();
       return true;
     }
-    next = images.col(m);
-    for (int twice = 0; twice < 2; ++twice)
-      next -= basis.leftCols(m + 1) * (basis.leftCols(m + 1).transpose() * next);
-    const double left = next.norm();
-    if (!(left > 1e-12 * images.col(m).norm())) return false;
+    if (!(left > 1e-12 * image)) return false;
     next /= left;
   }
   return false;

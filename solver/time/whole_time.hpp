@@ -31,8 +31,9 @@ public:
       : operators_(operators), matrix_(matrix), at_(at), change_(std::move(change)),
         state_(Vector::Zero(n_state)) {}
   /// x = R f becomes e, with the multipliers' change xi; false: no e was found, both are as they
-  /// were. With laws of no points xi stays as it is.
-  bool relax(const Vector& force, int most, Vector& x, Vector& xi);
+  /// were. `bound`: of |e| / |R f|, so that a residual may hide that much of e. With laws of no
+  /// points xi stays as it is.
+  bool relax(const Vector& force, int most, double bound, Vector& x, Vector& xi);
 
 private:
   bool respond(const Vector& v, const Vector& more);
