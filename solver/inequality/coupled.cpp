@@ -309,11 +309,9 @@ bool InequalityEngine::Coupled::raise_share() {
   double step = 1.0 - share;
   Place last = here();
   double reached = share;
-  previous = waypoint();
   for (int raise = 0; reached < 1.0; ++raise) {
     set_share(std::min(1.0, reached + step));
     if (solve(25)) {
-      previous = {last, reached};
       reached = share, last = here();
       step *= 2.0;
       continue;

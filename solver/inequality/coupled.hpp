@@ -60,11 +60,19 @@ struct InequalityEngine::Coupled {
     Place place;
     double share = 0.0;
   };
+  /// Of the path, with unit length in (c, share); xi belongs to c.
+  struct Heading {
+    Vector c, xi;
+    double share = 0.0;
+  };
   Waypoint waypoint() const { return {here(), share}; }
   void go(const Waypoint& to);
   double product(const Vector& a, const Vector& b) const; ///< of displacements, without a unit
-  bool step_on_path(const Waypoint& last, const Vector& along, double along_share, double length);
-  bool turn_on_path(const Waypoint& last, const Vector& along, double along_share);
+  double product(const Heading& a, const Heading& b) const;
+  bool step_on_path(const Waypoint& last, const Heading& along, double length);
+  bool look_ahead(Heading& out);
+  bool keeps_to_path(const Waypoint& last, const Heading& along, double length, Heading& next);
+  bool turn_on_path(const Waypoint& last, const Heading& along);
   bool share_direction();
 
   // ---- pieces of a step
@@ -88,7 +96,6 @@ struct InequalityEngine::Coupled {
   std::vector<double> penalties; ///< the engine's
   std::vector<int> bound_of;     ///< by point; -1: a law of its own
   double share = 1.0;
-  Waypoint previous;      ///< the solution before the last one on the way up
   Vector path_c, path_xi; ///< what c and xi change with the share
   double energy = 1.0;    ///< of displacements: their unit
   double scale = 1.0;     ///< factor of gamma in the natural map

@@ -3,12 +3,12 @@
 // A solution exists at every share, but those at growing shares need not hang together: the path
 // may turn back, at a limit point or at a kink where a point changes its state, and reach share 1
 // by a detour. So it is followed by its arc length (H. B. Keller, Numerical solution of bifurcation
-// and nonlinear eigenvalue problems, in: Applications of Bifurcation Theory, 1977): with the
-// direction (a, b) of the last chord each solution is sought in the plane
+// and nonlinear eigenvalue problems, in: Applications of Bifurcation Theory, 1977): with its
+// direction (a, b) at the last solution each is sought in the plane
 //
 //     <a, c - c_last> + b (share - share_last) = length.
 //
-// Where that plane holds none, the path may have turned: the same with -b.
+// Where that plane holds none at any length there is a kink: the path goes on along other pieces.
 #include "solver/inequality/coupled.hpp"
 
 #include <algorithm>
@@ -19,9 +19,12 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr int most_steps = 400, most_failures = 400;
+constexpr int most_steps = 1000, most_failures = 1000;
 constexpr int most_corrections = 12;
 constexpr double first_length = 1e-2, shortest_length = 1e-6, longest_length = 0.2;
+/// Where points take other pieces in a longer step it may have gone over to another path, and where
+/// it turns by more than this cosine.
+constexpr double longest_across_kink = 1e-3, least_cosine = 0.97;
 
 } // namespace
 
@@ -32,6 +35,10 @@ void InequalityEngine::Coupled::go(const Waypoint& to) {
 
 double InequalityEngine::Coupled::product(const Vector& a, const Vector& b) const {
   return a.cwiseProduct(w.diagonal.cwiseAbs()).dot(b) / energy;
+}
+
+double InequalityEngine::Coupled::product(const Heading& a, const Heading& b) const {
+  return product(a.c, b.c) + a.share * b.share;
 }
 
 /// What (c, xi) of a linear step change with the share: path_c, path_xi. Needs the last factor.
@@ -59,21 +66,24 @@ bool InequalityEngine::Coupled::share_direction() {
   return path_c.allFinite();
 }
 
-/// Newton's method in the plane at `length` from the last solution; false leaves it anywhere.
-bool InequalityEngine::Coupled::step_on_path(const Waypoint& last, const Vector& along,
-                                             double along_share, double length) {
-  set_share(std::max(1e-3, last.share + length * along_share));
+/// Newton's method in the plane at `length` from the last solution; false leaves it anywhere. It
+/// begins at multipliers that fit the displacements there: else a law that falls is linearised far
+/// from both, and the points take other pieces than those of the path.
+bool InequalityEngine::Coupled::step_on_path(const Waypoint& last, const Heading& along,
+                                             double length) {
+  set_share(std::max(1e-3, last.share + length * along.share));
   go(last.place);
-  w.c += length * along;
+  w.c += length * along.c;
+  w.xi += length * along.xi;
   w.update_z();
   merit();
   for (int k = 0; k < most_corrections; ++k) {
     w.snap_factor = k < 4 ? tight_snap : certificate_snap;
     if (!direction() || !share_direction()) return false;
     const double gap =
-        length - product(along, w.c - last.place.c) - along_share * (share - last.share);
-    const double rate = product(along, path_c) + along_share;
-    const double ds = (gap - product(along, w.dc)) / rate;
+        length - product(along.c, w.c - last.place.c) - along.share * (share - last.share);
+    const double rate = product(along.c, path_c) + along.share;
+    const double ds = (gap - product(along.c, w.dc)) / rate;
     if (!std::isfinite(ds) || std::abs(ds) > 0.5 || share + ds <= 0.0) return false;
     w.c += w.dc + ds * path_c;
     w.xi = target_xi + ds * path_xi;
@@ -90,75 +100,73 @@ bool InequalityEngine::Coupled::step_on_path(const Waypoint& last, const Vector&
   return false;
 }
 
-/// At a kink: the direction of the path on the pieces a little further on, along or against which
-/// the solutions go on. True when one was found; not the way back.
-bool InequalityEngine::Coupled::turn_on_path(const Waypoint& last, const Vector& along,
-                                             double along_share) {
-  for (const double ahead : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) {
+/// Where the path goes on from the present place, on the pieces there: with the share where the
+/// determinant of the linearisation is positive, as it is at share 0, against it where not. A path
+/// keeps that orientation along pieces and across kinks (B. C. Eaves, H. Scarf, The solution of
+/// systems of piecewise linear equations, Math. Oper. Res. 1 (1976) 1-27), so that at a kink, where
+/// a chord says little, the piece says which way is on.
+bool InequalityEngine::Coupled::look_ahead(Heading& out) {
+  merit();
+  if (!direction() || !share_direction()) return false;
+  const double size =
+      std::copysign(std::sqrt(product(path_c, path_c) + 1.0), lu->determinant_sign());
+  out = {path_c / size, path_xi / size, 1.0 / size};
+  return true;
+}
+
+/// Has a step from `last` found the path, and not another one nearby? `next`: how it goes on.
+bool InequalityEngine::Coupled::keeps_to_path(const Waypoint& last, const Heading& along,
+                                              double length, Heading& next) {
+  const bool same = w.state == last.place.state;
+  if (!same && length > longest_across_kink) return false;
+  const Heading gone{w.c - last.place.c, {}, share - last.share};
+  if (!(product(gone, along) > least_cosine * std::sqrt(product(gone, gone)))) return false;
+  return look_ahead(next) && (!same || product(next, along) > least_cosine);
+}
+
+/// At a kink: on along the pieces a little further on.
+bool InequalityEngine::Coupled::turn_on_path(const Waypoint& last, const Heading& along) {
+  Heading there;
+  for (const double ahead : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2})
     for (const double side : {1.0, -1.0}) {
       go(last);
-      w.c += ahead * along;
-      set_share(std::max(1e-3, last.share + side * ahead * along_share));
-      merit();
-      if (!direction() || !share_direction()) continue;
-      Vector there = path_c;
-      double there_share = 1.0;
-      const double size = std::sqrt(product(there, there) + 1.0);
-      there /= size, there_share /= size;
-      for (const double sign : {1.0, -1.0}) {
-        const double way = sign * (product(there, along) + there_share * along_share);
-        if (way < -0.9999) continue;
-        const Vector to = sign * there;
-        for (const double length : {3.0 * ahead, 30.0 * ahead}) {
-          if (!step_on_path(last, to, sign * there_share, length)) continue;
-          const Vector gone = w.c - last.place.c;
-          const double gone_share = share - last.share;
-          const double far = std::sqrt(product(gone, gone) + gone_share * gone_share);
-          if (product(gone, along) + gone_share * along_share > -0.999 * far) return true;
-        }
-      }
+      w.c += ahead * along.c;
+      w.xi += ahead * along.xi;
+      set_share(std::max(1e-3, last.share + side * ahead * along.share));
+      if (!look_ahead(there)) continue;
+      for (const double length : {3.0 * ahead, 30.0 * ahead})
+        if (step_on_path(last, there, length) && w.state != last.place.state) return true;
     }
-  }
   return false;
 }
 
 bool InequalityEngine::Coupled::follow_share() {
   scale = 1.0;
+  if (!(share > 0.0)) return false;
+  energy = std::max(w.c.cwiseAbs2().dot(w.diagonal.cwiseAbs()), std::numeric_limits<double>::min());
+  double length = first_length;
+  Heading along, next;
   Waypoint last = waypoint();
-  if (!(last.share > 0.0)) return false;
-  energy = std::max(last.place.c.cwiseAbs2().dot(w.diagonal.cwiseAbs()),
-                    std::numeric_limits<double>::min());
-  Vector along = last.place.c - previous.place.c;
-  double along_share = last.share - previous.share, length = first_length;
-  const auto normalise = [&] {
-    const double size = std::sqrt(product(along, along) + along_share * along_share);
-    if (!(size > 0.0)) return false;
-    along /= size, along_share /= size;
-    return true;
-  };
-  if (!normalise()) return false;
+  if (!look_ahead(along)) return false;
   int failures = 0;
-  for (int step = 0; step < most_steps && failures < most_failures;) {
-    bool found = step_on_path(last, along, along_share, length);
-    if (!found) found = step_on_path(last, along, -along_share, length);
-    if (!found) {
+  for (int step = 0; step < most_steps && failures < most_failures; ++step) {
+    last = waypoint();
+    while (!step_on_path(last, along, length) || !keeps_to_path(last, along, length, next)) {
       ++failures;
       length /= 4.0;
       if (length >= shortest_length) continue;
-      if (!turn_on_path(last, along, along_share)) break;
-      length = first_length;
+      if (turn_on_path(last, along) && look_ahead(next)) break;
+      go(last);
+      return false;
     }
-    ++step;
-    const Waypoint now = waypoint();
-    if (now.share >= 1.0) {
+    if (share >= 1.0) {
+      const Waypoint now = waypoint();
       set_share(1.0);
       if (solve(most_corrections)) return true;
       go(now);
     }
-    along = now.place.c - last.place.c, along_share = now.share - last.share;
-    if (!normalise()) break;
-    last = now;
-    length = std::min(2.0 * length, longest_length);
+    along = next;
+    length = std::min(2.0 * std::max(length, shortest_length), longest_length);
   }
   go(last);
   return false;

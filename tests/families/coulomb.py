@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Random scenes with Coulomb's friction, in 2D and 3D, judged by an assembly of our own.
 
-    coulomb.py HVI_RUN [--scenes N] [--seed S] [--turned SHARE] [--keep DIR]
+    coulomb.py HVI_RUN [--scenes N] [--seed S] [--turned SHARE] [--only N,N,..] [--keep DIR]
 
 A body of P1 triangles or tetrahedra, its nodes shaken, most of them turned by a random angle, is held on one side, loaded at random and
 meets rigid or compliant ground with a friction coefficient up to 4, constant or weakening with slip, at the points of each rule; Poisson's
@@ -372,12 +372,12 @@ def main():
     arguments.add_argument('--seed', type=int, default=17)
     arguments.add_argument('--turned', type=float, default=.7, help='share of the scenes')
     arguments.add_argument('--keep', help='folder for the scenes')
-    arguments.add_argument('--only', type=int, help='one scene, by its number')
+    arguments.add_argument('--only', type=lambda s: [int(n) for n in s.split(',')], help='scenes by their numbers')
     a = arguments.parse_args()
     program = os.path.abspath(a.program)
     count = {'certified': 0, 'wrong': 0, 'refused': 0}
     refused = {2: 0, 3: 0}
-    asked = range(a.scenes) if a.only is None else [a.only]
+    asked = a.only or range(a.scenes)
     spatial = 0
     for i in asked:
         scene, verdict, why = judge(program, a.seed, i, a.turned, a.keep)
