@@ -88,7 +88,8 @@ std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples, 
   };
   for (const auto& sample : samples) {
     const auto change = change_along(sample, step_of(sample));
-    for (std::size_t i = 0; i < change.size(); ++i) squares[i] += sample.share * change[i] * change[i];
+    for (std::size_t i = 0; i < change.size(); ++i)
+      squares[i] += sample.share * change[i] * change[i];
   }
   bool small = true;
   std::vector<double> largest(values_.size());

@@ -34,8 +34,8 @@ double random_unit(std::uint64_t of, std::uint64_t sample);
 /// rounded differently. s_ij = A_ij, but where terms of an entry cancel it knows no more than they
 /// did: |s_ij| is sqrt(|A_ii A_jj|) there, and |e_ij s_ij| at most |A_ij|. size_i += sum_j
 /// |A_ij v_j|.
-void add_rounding(const SparseMatrix& a, const Vector& v, double unit,
-                  RoundingForces& forces, Vector& size);
+void add_rounding(const SparseMatrix& a, const Vector& v, double unit, RoundingForces& forces,
+                  Vector& size);
 
 /// About eps times the condition number of K in the 2-norm, for one or two sweeps: with b_i = +-
 /// sum_j |K_ij| of random signs, eps b^T K^-1 b / rms(b), or max_i |eps K^-1 b|_i times the square

@@ -111,8 +111,8 @@ void Stepper::save(std::ostream& out) const {
   w.put(steps_taken(grid_, step_));
   w.put(memory_->extent());
   put_text(w, not_unique_);
-  for (const Vector* v : {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi,
-                          &left_over_.force})
+  for (const Vector* v :
+       {&u_, &d_previous_, &d_before_, &inequality_.c, &inequality_.xi, &left_over_.force})
     put_vector(w, *v);
   w.put(inequality_.state);
   memory_->save(out);
