@@ -107,8 +107,7 @@ private:
       return allowed.multipliers && term < count(plan_.law_terms) &&
              row < count(plan_.law_terms[static_cast<std::size_t>(term)].rows);
     }
-    if (s < slot::first_probe)
-      return allowed.place && s - slot::first_inside < count(plan_.parts);
+    if (s < slot::first_probe) return allowed.place && s - slot::first_inside < count(plan_.parts);
     return s - slot::first_probe < allowed.probes;
   }
 
@@ -156,8 +155,8 @@ private:
       for (std::size_t i = 0; i < row.u.size(); ++i) {
         variables(row.u[i], of_facet, term.origin, "the argument of a law");
         if (static_cast<int>(i) >= components_ && !row.u[i].is(0.0))
-          wrong(term.origin, fmt::format("the argument of a law has component {} of u, of {}", i,
-                                         components_));
+          wrong(term.origin,
+                fmt::format("the argument of a law has component {} of u, of {}", i, components_));
       }
       variables(row.offset, of_load, term.origin, "the argument of a law");
     }
@@ -210,7 +209,8 @@ private:
 
   void report() {
     const auto& report = plan_.report;
-    for (int i = 0; i < count(report.probes); ++i) probe(report.probes[static_cast<std::size_t>(i)], i);
+    for (int i = 0; i < count(report.probes); ++i)
+      probe(report.probes[static_cast<std::size_t>(i)], i);
     for (const auto& table : report.tables) {
       every(table.every, table.origin);
       for (const int i : table.probes)

@@ -199,10 +199,6 @@ void Stepper::judge_uniqueness(StepMatrix& matrix) {
       uniqueness.judge_all(matrix.factorisation());
   }
   not_unique_ = uniqueness.obstacle();
-  // coupled laws: their own passes settle the bounds, the path matters where a law softens
-  const bool soft = std::any_of(contact_.softening.begin(), contact_.softening.end(),
-                                [](double m) { return m != 0.0; });
-  follows_ = !not_unique_.empty() && (soft || !contact_.coupled);
 }
 
 /// gap = rhs - K_n d with K_n = K + sum_b change_b T_b, its scale, and the backward error.
@@ -434,6 +430,11 @@ StepResult Stepper::advance(int n) {
   }
   auto& matrix = matrix_for(n);
   if (!uniqueness_judged_) judge_uniqueness(matrix);
+  // Also after a restart. Coupled laws: their own passes settle the bounds, the path matters where
+  // a law softens.
+  follows_ = !not_unique_.empty() &&
+             (!contact_.coupled ||
+              std::ranges::any_of(contact_.softening, [](double m) { return m != 0.0; }));
   auto out = attempt(n, matrix);
   if (!out.certified && predictor_.ready()) { // the extrapolated start may have led astray
     predictor_.clear();

@@ -129,7 +129,11 @@ private:
     return draw < 2 ? limits[draw] : static_cast<int>(random_() % 40) - 8;
   }
   double a_number() {
-    constexpr double all[] = {0.0, -1.0, 1e300, 1e-300, std::numeric_limits<double>::infinity(),
+    constexpr double all[] = {0.0,
+                              -1.0,
+                              1e300,
+                              1e-300,
+                              std::numeric_limits<double>::infinity(),
                               std::numeric_limits<double>::quiet_NaN()};
     return all[random_() % std::size(all)];
   }
@@ -150,12 +154,24 @@ private:
   }
   void flip(Plan& plan) {
     switch (random_() % 8) {
-    case 0: plan.time.is_static = !plan.time.is_static; break;
-    case 1: plan.space.vector = !plan.space.vector; break;
-    case 2: plan.mesh.kind = static_cast<MeshSpec::Kind>(random_() % 3); break;
-    case 3: plan.options.tolerance = a_number(); break;
-    case 4: plan.options.memory_tolerance = a_number(); break;
-    case 5: plan.mesh.high[random_() % 3] = a_number(); break;
+    case 0:
+      plan.time.is_static = !plan.time.is_static;
+      break;
+    case 1:
+      plan.space.vector = !plan.space.vector;
+      break;
+    case 2:
+      plan.mesh.kind = static_cast<MeshSpec::Kind>(random_() % 3);
+      break;
+    case 3:
+      plan.options.tolerance = a_number();
+      break;
+    case 4:
+      plan.options.memory_tolerance = a_number();
+      break;
+    case 5:
+      plan.mesh.high[random_() % 3] = a_number();
+      break;
     case 6:
       if (!plan.laws.empty()) plan.laws.back().radial = !plan.laws.back().radial;
       break;
