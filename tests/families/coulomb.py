@@ -316,7 +316,7 @@ def unbalanced(reach, forces, laws, enough):
         return v, eta, (v * eta).sum() - .5 * (eta ** 2).sum() - (target * y).sum()
 
     y, best = np.zeros_like(forces), math.inf
-    for _ in range(200):
+    for _ in range(2000):  # where only multipliers on the rim do, y grows without end
         v, eta, value = at(y)
         xi = size * eta / ratio
         gap = target - scaled @ eta
