@@ -177,7 +177,8 @@ table a = u.y at [1, 1])"},
     {"E0425", "not coercive",
      R"(
 What the script states does not determine the unknown: a rigid motion of the body or of a piece of it is
-left, or the sum of the forms is not positive.)",
+left, or the sum of the forms is not positive. Or a step's own part of a memory
+takes more stiffness than the body has: shorter steps have less of it.)",
      R"(
 space V = vector P1 on slab)",
      R"(

@@ -3,6 +3,7 @@
 
 #include "solver/time/run.hpp"
 #include "solver/time/strain.hpp"
+#include "solver/time/whole_time.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
@@ -112,6 +113,25 @@ bool strains_nothing(const Space& space, const Vector& motion) {
                       "to double precision the matrix is singular: " + where, better_conditioned);
 }
 
+/// A step's own part of a memory may take more stiffness than the body has: no mistake of the
+/// forms, nor of double precision.
+void blame_memory(StepMatrix& matrix, const MatrixOf& of, const Plan& plan) {
+  if (plan.histories.empty()) return;
+  const double length = of.grid.length(of.step);
+  try {
+    matrix.factor(whole_coefficients(of.operators, length, {}));
+  } catch (const NotFactorable&) {
+    return;
+  }
+  throw Failure(FailureKind::not_coercive, plan.histories.front().kernel.origin,
+                fmt::format("step {} (t = {:.6g}, length {:.3g}) is not coercive: the integral of "
+                            "the memory's kernel over the step itself takes more stiffness than "
+                            "the forms without memory give",
+                            of.step, of.grid.t(of.step), length),
+                "smaller steps (graded where the kernel is large) have a smaller integral; check "
+                "the sign and the size of the kernel");
+}
+
 /// Do the imposed values alone stop every rigid motion? Motions are measured where they are
 /// imposed: next to a body's length a short clamp would seem to leave a turn free.
 bool held_by_values(const Discretisation& d) {
@@ -168,8 +188,8 @@ std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisatio
   return out;
 }
 
-void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const Plan& plan,
-                       const Discretisation& d, const StateLayout& layout) {
+void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& of,
+                       const Plan& plan, const Discretisation& d, const StateLayout& layout) {
   try {
     matrix.factor(gamma);
   } catch (const NotFactorable& failure) {
@@ -182,7 +202,9 @@ void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const Plan& plan
                                 "{}",
                                 fmt::join(left, ", ")),
                     "clamp a part (`zero on ...`), or add a term that resists the motion");
-    explain(matrix.k(), failure, origin, d.space, layout);
+    const SparseMatrix k = matrix.k();
+    blame_memory(matrix, of, plan);
+    explain(k, failure, origin, d.space, layout);
   }
 }
 

@@ -2,15 +2,25 @@
 #pragma once
 
 #include "solver/time/step_matrix.hpp"
+#include "solver/time/time_grid.hpp"
 
 namespace hvi::solver {
 
+/// Which step a matrix belongs to.
+struct MatrixOf {
+  const Operators& operators;
+  const TimeGrid& grid;
+  int step;
+};
+
 /// matrix.factor(gamma); when there is no factor, throws Failure(not_coercive) that names the rigid
 /// motions that cost no energy ("translation along x"), or else the degree of freedom where the
-/// elimination broke down. Where K is positive but for rounding, and its softest motion strains
-/// cells, the script is right and double precision too short: TooInaccurate.
-void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const Plan& plan,
-                       const Discretisation& discretisation, const StateLayout& layout);
+/// elimination broke down, or says that without memories there would be one. Where K is positive
+/// but for rounding, and its softest motion strains cells, the script is right and double precision
+/// too short: TooInaccurate.
+void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& of,
+                       const Plan& plan, const Discretisation& discretisation,
+                       const StateLayout& layout);
 
 /// The rigid motions that the imposed values allow and K does not resist, each in words.
 std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisation& discretisation,

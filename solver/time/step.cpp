@@ -118,7 +118,8 @@ void Stepper::refactor(int n, StepMatrix& matrix) {
   for (int b = 0; b < operators_.n_bases(); ++b)
     if (change_[b] != 0.0) rhs_.noalias() += change_[b] * (operators_.bases[b] * expected_);
   change_.setZero();
-  factor_or_explain(matrix, coefficients(n), plan_, discretisation_, layout_);
+  factor_or_explain(matrix, coefficients(n), {operators_, grid_, n}, plan_, discretisation_,
+                    layout_);
 }
 
 /// combined_ = - what all fields put on base matrix b, with what is known of u_n. False: nothing.
@@ -184,7 +185,8 @@ StepMatrix& Stepper::matrix_for(int n) {
   auto& entry = matrices_.front();
   entry.rate = rate;
   entry.length = grid_.length(n);
-  factor_or_explain(*entry.matrix, coefficients(n), plan_, discretisation_, layout_);
+  factor_or_explain(*entry.matrix, coefficients(n), {operators_, grid_, n}, plan_, discretisation_,
+                    layout_);
   look_at_conditioning(*entry.matrix);
   return *entry.matrix;
 }
@@ -395,7 +397,8 @@ StepResult Stepper::attempt(int n, StepMatrix& matrix) {
   impose_values(n);
   find_change(n, matrix);
   if (follows_ && !change_.isZero(0.0)) { // where a branch ends, K_n itself has to say
-    factor_or_explain(matrix, coefficients(n), plan_, discretisation_, layout_);
+    factor_or_explain(matrix, coefficients(n), {operators_, grid_, n}, plan_, discretisation_,
+                      layout_);
     change_.setZero();
   }
   right_hand_side(n);

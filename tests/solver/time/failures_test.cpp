@@ -110,6 +110,15 @@ TEST(Coercivity, NegativeStiffnessIsRefused) {
   EXPECT_EQ(failure_of(plan).kind, FailureKind::not_coercive);
 }
 
+TEST(Coercivity, AMemoryThatTakesMoreThanTheBodyHasIsNoMistakeOfTheForms) {
+  auto plan = slab(4, 4);
+  plan.forms.back() = elastic(2, body, first_history_field, {1, 1}, -1e4);
+  const auto failure = failure_of(plan);
+  EXPECT_EQ(failure.kind, FailureKind::not_coercive);
+  EXPECT_THAT(failure.what(), HasSubstr("step 1"));
+  EXPECT_THAT(failure.what(), HasSubstr("memory's kernel"));
+}
+
 TEST(Coercivity, AMatrixThatRoundingMadeSingularIsNoMistakeOfTheScript) {
   auto plan = slab(4, 4);
   plan.forms = {elastic(2, body, field_u, from_young(70, 0.3))};
