@@ -20,6 +20,7 @@ Plan square(int n, int order, bool vector) {
   plan.parts = {all_cells("body"), group("bottom", "bottom"), group("left", "left")};
   plan.space.order = order;
   plan.space.vector = vector;
+  plan.forms = {vector ? elastic(2, 0, field_u, {1, 1}) : diffusion(2, 0, field_u)};
   return plan;
 }
 
