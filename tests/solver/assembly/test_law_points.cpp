@@ -217,6 +217,34 @@ TEST(LawPoints, ZeroRowsOfARadialLawAreAnError) {
   EXPECT_THROW(assemble_law(space, skin(mesh), term, 0, true), Failure);
 }
 
+/// A gap on one part of the contact only, asked for by the facet itself and by the cell behind it.
+TEST(LawPoints, OffsetsOfParts) {
+  const Mesh mesh = box_mesh(2, {4, 4, 0});
+  Region left;
+  for (const auto c : all_cells(mesh).entities) {
+    double middle = 0;
+    for (int k = 0; k < 3; ++k) middle += mesh.nodes[mesh.cells[c][k]][0] / 3;
+    if (middle < 0.5) left.entities.push_back(c);
+  }
+  const std::vector<Region> parts{left, group(mesh, "top")};
+  const Space space = make_space(mesh, 1, 2, parts);
+  LawTerm term = normal_law(2);
+  term.rule = Rule::midpoint; // no point is on both sides
+  for (const int part : {0, 1}) {
+    term.rows[0].offset = Expr::variable(slot::inside(part));
+    const LawPoints p = assemble_law(space, skin(mesh), term, 0, false);
+    Vector offsets;
+    law_offsets(p, term, 0.0, offsets);
+    double sum = 0;
+    for (std::size_t k = 0; k < p.x.size(); ++k) {
+      const bool inside = part == 0 ? p.x[k][0] < 0.5 : p.x[k][1] == 1.0;
+      EXPECT_EQ(offsets[Eigen::Index(k)], inside ? 1.0 : 0.0) << p.x[k][0] << " " << p.x[k][1];
+      sum += p.weight[k] * offsets[Eigen::Index(k)];
+    }
+    EXPECT_NEAR(sum, part == 0 ? 2.0 : 1.0, 1e-14);
+  }
+}
+
 TEST(LawPoints, OffsetsOfScalarAndRadialLaws) {
   const Mesh mesh = skew_mesh(3, 2);
   const Space space = make_space(mesh, 1, 3);

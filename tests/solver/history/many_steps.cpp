@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <sstream>
 
 namespace hvi::solver::test {
@@ -247,6 +248,45 @@ TEST(Audit, SurvivesSaveAndRestore) {
   }
   EXPECT_EQ(one->report().audit, two->report().audit);
   EXPECT_EQ(one->report().audits, two->report().audits);
+}
+
+/// A record that no run can have written is refused.
+TEST(Audit, RefusesARecordThatCannotBe) {
+  const KernelSpec spec{"q", {}, kernel_case("stretched").expression};
+  const auto options = options_for(grid(Grid::uniform, 30), HistoryRoute::fit, 1);
+  const double begin = 3.0; // not 0: the time that has gone by is not the time
+  const auto one = make_audited_history(spec, field_size, options, 2);
+  one->start(begin, sample_field(0));
+  std::vector<double> out(field_size);
+  for (int n = 1; n <= 20; ++n) {
+    one->rhs(begin + 0.01 * n, out);
+    one->commit(begin + 0.01 * n, sample_field(0.01 * n));
+  }
+  std::ostringstream saved;
+  one->save(saved);
+  const auto restores = [&](std::size_t at, auto value) {
+    const auto two = make_audited_history(spec, field_size, options, 2);
+    two->start(begin, sample_field(0));
+    std::string bytes = saved.str();
+    if (at > 0) std::memcpy(bytes.data() + at, &value, sizeof value);
+    std::istringstream in(bytes);
+    try {
+      two->restore(in);
+    } catch (const Failure&) {
+      return false;
+    }
+    return true;
+  };
+  // A mark, then t0, the largest values, the worst difference, the norm and where it ends, a step;
+  // then how many steps and audits there were, and the last and the next of these.
+  constexpr std::size_t numbers = 4, counts = numbers + 7 * 8;
+  EXPECT_TRUE(restores(0, 0));
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_FALSE(restores(counts + 8 * k, std::int64_t{-1})) << k;
+  for (std::size_t k = 1; k < 5; ++k) EXPECT_FALSE(restores(numbers + 8 * k, std::nan(""))) << k;
+  EXPECT_FALSE(restores(numbers, 2.0)); // another first time
+  EXPECT_FALSE(restores(numbers + 8 * 5, -1.0));
+  // A norm over more than twice the time there is.
+  EXPECT_FALSE(restores(numbers + 8 * 5, 2.1 * std::max(options.horizon, 0.2)));
 }
 
 /// u' = -int_0^t u' ds ... as the equation y(t) + int_0^t lag^{-1/2}/Gamma(1/2) y ds = 1 has the

@@ -51,7 +51,9 @@ std::vector<Scene> scenes() {
                          with_route(HistoryRoute::fit, "fit", 7),
                          with_route(HistoryRoute::tree, "tree", 22),
                          with_route(HistoryRoute::direct, "direct", 7),
+                         with_route(HistoryRoute::fit, "from -2 on", 7),
                          rich()};
+  for (double& t : out[6].plan.time.grid) t -= 2.0;
   out[1].plan.options.proportional_path = false;
   return out;
 }
