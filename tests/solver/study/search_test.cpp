@@ -325,6 +325,28 @@ TEST(Search, StepsFollowALayer) {
   }
 }
 
+/// The first base of all has the data's intervals where there are enough, and twice as many where
+/// there are few.
+TEST(Search, StepsAreFollowedFromTheDatasIntervals) {
+  for (const int kinks : {0, 20}) {
+    std::vector<double> times{0.0}, values{1.0};
+    for (int i = 1; i <= kinks + 1; ++i)
+      times.push_back(static_cast<double>(i) / (kinks + 1)), values.push_back(1.0 + 0.1 * (i % 2));
+    const auto table =
+        std::make_shared<const Table>("zigzag", times, values, Table::Interpolation::linear);
+    const Plan plan = rod(Expr::tabulated(table, t()) * exp(2.0 * x()), 4, 1e-3);
+    const AccuracyRequest request{2e-2};
+    const auto result = reached(plan, request);
+    const auto intervals = static_cast<int>(family_of(plan, request).intervals(0).size()) - 1;
+    const auto first = std::find_if(result.runs.begin(), result.runs.end(), [](const auto& r) {
+      return r.purpose.starts_with("steps where errors in time arise, round 1");
+    });
+    ASSERT_NE(first, result.runs.end());
+    EXPECT_EQ(intervals >= 15, kinks > 0);
+    EXPECT_EQ(first->setting.steps, 2 * (kinks > 0 ? intervals : 2 * intervals));
+  }
+}
+
 /// The error in time is what four runs on the ladders' mesh show, each of twice the steps of the
 /// one before: the distance of the second to the last, and what is left by the order seen.
 TEST(Search, TheErrorInTimeIsThatOfFourRuns) {

@@ -1,4 +1,5 @@
 // Files of a run as independent readers see them: python3-meshio for VTU, jsonschema for JSON.
+#include "solver/fem/geometry.hpp"
 #include "solver/output/file.hpp"
 #include "solver/time/result_json.hpp"
 #include "solver/time/trust.hpp"
@@ -172,6 +173,7 @@ TEST(Files, ResultJsonFollowsItsSchema) {
   ResultContext context;
   context.params = {{"n", 4.0}};
   context.line_of = [](Origin origin) { return origin.id; };
+  context.bandwidth = 2e10;
   write_atomically(folder / "result.json", result_json(result, plan, context));
   EXPECT_EQ(0, python(folder, std::string(R"(
 import json, jsonschema
@@ -185,7 +187,64 @@ assert result["table"]["u_y"][-1] == result["final"]["u_y"]
 assert result["table"]["half"][:2] == [None, None] and result["table"]["half"][5] == result["final"]["half"]
 assert result["plan"]["effects"][1]["line"] == 100 and result["plan"]["effects"][0]["state"] == "on"
 assert result["certificate"]["certified"] is True
+limit, steps = result["timing"]["limit"], 6
+assert limit["bandwidth"] > 0 and limit["swept_bytes"] > 0
+assert abs(limit["sweeps"] * limit["bandwidth"] / limit["swept_bytes"] - 1) < 1e-12
+assert abs(limit["sweeps_per_step"] * steps / limit["sweeps"] - 1) < 1e-12
 )"));
+}
+
+/// Values, strains and multipliers together, at the points of the law: with midpoints each lies in
+/// one facet of one cell, whose gradient is constant. In space on a side whose normal is along z.
+TEST(Probes, MultipliersTimesFields) {
+  for (const int dim : {2, 3}) {
+    auto plan = slab(3, 3, dim);
+    const int axis = dim - 1;
+    if (dim == 3) {
+      plan.parts[ground] = group("ground", "back");
+      plan.loads[0] = force(body, {0.0, 0.0, -10.0 * var(slot::t)});
+    }
+    plan.law_terms[0].rule = Rule::midpoint;
+    const std::vector<int> fields = {slot::value(0),       slot::value(1),
+                                     slot::gradient(0, 0), slot::gradient(1, 0),
+                                     slot::gradient(1, 1), slot::gradient(0, axis)};
+    plan.report.probes.clear(), plan.report.tables.clear();
+    for (const int field : fields) {
+      const Expr e = var(slot::multiplier(0, 0)) * var(slot::field(field_u, field));
+      plan.report.probes.push_back(integral(std::to_string(field), e, ground));
+      plan.report.probes.back().rule = Rule::midpoint;
+    }
+    Discretisation d;
+    for (const auto& mistake : discretise(plan, d)) throw mistake;
+    const auto result = run(plan, d, {});
+    std::map<std::string, double> expected;
+    for (const auto f : d.parts[ground].entities) {
+      const auto& facet = d.mesh.facets[f];
+      const auto u = [&](int node, int i) { return result.u[d.space.dof(node, i)]; };
+      const auto mean = [&](int i) {
+        double sum = 0;
+        for (int k = 0; k < dim; ++k) sum += u(facet.nodes[k], i) / dim;
+        return sum;
+      };
+      const double r = -mean(axis);
+      const double xi = r < 0 ? 0 : r < 0.02 ? 100 * r : r < 0.08 ? 2 - 15 * (r - 0.02) : 1.1;
+      const auto geometry = cell_geometry(d.mesh, facet.cell);
+      const auto gradient = [&](int i, int j) {
+        double sum = 0;
+        for (int k = 0; k <= dim; ++k)
+          sum += geometry.gradient[k][j] * u(d.mesh.cells[facet.cell][k], i);
+        return sum;
+      };
+      const double values[] = {mean(0),        mean(1),        gradient(0, 0),
+                               gradient(1, 0), gradient(1, 1), gradient(0, axis)};
+      for (std::size_t k = 0; k < fields.size(); ++k)
+        expected[std::to_string(fields[k])] += facet_measure(d.mesh, f) * xi * values[k];
+    }
+    for (const auto& [name, value] : expected) {
+      EXPECT_NEAR(result.final.at(name), value, 1e-9 * std::abs(value)) << dim << " " << name;
+      EXPECT_GT(std::abs(value), 1e-7) << dim << " " << name;
+    }
+  }
 }
 
 // Analytic: with u affine between grid times, a probe in the middle is the mean of its neighbours.
