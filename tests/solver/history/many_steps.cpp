@@ -1,6 +1,8 @@
 // N = 2,000 steps: every route against the direct sum, on uniform and graded grids; what it stores;
 // horizons extended; long runs against closed forms.
 #include "cases.hpp"
+#include "solver/history/independent.hpp"
+#include "solver/history/prepared.hpp"
 
 #include <boost/math/special_functions/erf.hpp>
 #include <gtest/gtest.h>
@@ -71,6 +73,8 @@ TEST_P(ManySteps, AgreesWithTheDirectSum) {
             << routes[r]->report().route << ", step " << n << ", component " << i;
       }
       ASSERT_NEAR(routes[r]->w0(times[n]), routes[0]->w0(times[n]), 1e-13 * l1);
+      const double bound = 2.2 * l1 * (routes[r]->report().error + 1e-11); // with rounding
+      for (std::size_t i = 0; i < field_size; ++i) ASSERT_NEAR(found[i], expected[i], bound);
     }
     for (auto& route : routes) route->commit(times[n], sample_field(times[n]));
   }
@@ -248,6 +252,41 @@ TEST(Audit, SurvivesSaveAndRestore) {
   }
   EXPECT_EQ(one->report().audit, two->report().audit);
   EXPECT_EQ(one->report().audits, two->report().audits);
+}
+
+/// The first step has no past; the direct sum needs no audit by itself.
+TEST(Audit, BeginsWithTheSecondStep) {
+  const KernelSpec spec{"q", {}, kernel_case("stretched").expression};
+  const auto times = grid(Grid::uniform, 30);
+  for (const HistoryRoute route : {HistoryRoute::fit, HistoryRoute::direct}) {
+    const auto history = make_audited_history(spec, field_size, options_for(times, route, 1), 2);
+    history->start(0, sample_field(0));
+    std::vector<double> out(field_size);
+    for (int n = 1; n <= 12; ++n) {
+      history->rhs(times[n], out);
+      history->commit(times[n], sample_field(times[n]));
+      const auto report = history->report();
+      EXPECT_EQ(report.audits, route == HistoryRoute::direct ? 0 : n - 1) << n;
+      EXPECT_EQ(report.audited_until, route == HistoryRoute::direct || n == 1 ? 0 : n);
+    }
+  }
+}
+
+/// Nothing absolute decides how far the pieces are halved.
+TEST(Audit, IntegralsAreTheSameInEveryUnit) {
+  for (const char* name : {"stretched", "power_50"}) {
+    const Expr q = kernel_case(name).expression;
+    const auto of = [&](double unit) {
+      return independent_integral(prepare_kernel({"q", {}, Expr(unit) * q}, {}), 3.0, 2.0);
+    };
+    const Moments one = of(1.0);
+    for (const double unit : {1e-14, 1e-6, 1e8}) {
+      EXPECT_NEAR(of(unit).zero / unit, one.zero, 1e-13 * std::abs(one.zero)) << name;
+      EXPECT_NEAR(of(unit).one / unit, one.one, 1e-13 * std::abs(one.one)) << name;
+    }
+    EXPECT_NEAR(one.zero, absolute_integral(q, name[0] == 'p' ? 0.5 : 0.0, 3.0, 2.0),
+                1e-10 * one.zero);
+  }
 }
 
 /// A record that no run can have written is refused.

@@ -206,6 +206,10 @@ TEST(Norms, AreProvedByIntervals) {
   EXPECT_LE(ageing.l1.low, largest * (1 + 1e-12));
   EXPECT_GE(ageing.l1.high, largest);
   EXPECT_LT(ageing.l1.high, 1.1 * largest);
+  // of lags no longer than the time: lag / (1 + t) is largest at lag = t = 4, not at t = 0
+  const auto triangle = proofs(lag() / (Expr(1.0) + Expr::variable(slot::t)));
+  EXPECT_GE(triangle.sup.high, 0.8);
+  EXPECT_LE(triangle.sup.high, 0.8 + 1e-3);
   // a jump is not seen by slopes: no proof of the Lipschitz constant
   const auto jump = proofs(select(less(lag(), Expr(1.0)), Expr(2.0), Expr(1.0)));
   EXPECT_TRUE(std::isinf(jump.lipschitz.high));

@@ -1,6 +1,7 @@
 // Weights where rules that compare two formulas are easily fooled, and memories that do not start
 // at time 0. References: closed forms, and the brute-force sums of cases.hpp.
 #include "cases.hpp"
+#include "solver/history/kernel_function.hpp"
 #include "solver/history/pole_fit.hpp"
 #include "solver/history/proved_quadrature.hpp"
 #include "solver/history/strip.hpp"
@@ -8,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace hvi::solver::test {
@@ -184,6 +186,34 @@ TEST(PoleFit, CountsTheFieldsOfItsPoles) {
 }
 
 /// E_{a,b} is completely monotone for b >= a and 0 < a <= 1 only.
+/// A narrow peak is resolved in any unit of time: the panels are the same parts of the range.
+TEST(Panels, AreTheSameInEveryUnitOfTime) {
+  std::vector<double> of_one;
+  for (const double unit : {1.0, 1e-12, 1e-6, 1e6, 1e12}) {
+    const Expr from_peak = (lag() / unit - Expr(0.3)) / 1e-9;
+    const KernelFunction kernel(exp(-from_peak * from_peak) + exp(-lag() / unit), {});
+    std::vector<double> edges;
+    kernel.resolved_edges(unit, 0.0, unit, edges);
+    for (double& edge : edges) edge /= unit;
+    if (unit == 1.0) of_one = edges;
+    ASSERT_EQ(edges.size(), of_one.size()) << unit;
+    for (std::size_t i = 0; i < edges.size(); ++i) EXPECT_NEAR(edges[i], of_one[i], 1e-12);
+  }
+  const auto near = [](double edge) { return std::abs(edge - 0.3) < 2e-8; };
+  EXPECT_GT(std::count_if(of_one.begin(), of_one.end(), near), 4);
+  // A jump: panels become as narrow as rounding of the range, not narrower.
+  for (const double unit : {1.0, 1e-9, 1e9}) {
+    const KernelFunction jump(select(less(lag(), 0.3 * unit), 1.0, 2.0), {});
+    std::vector<double> edges{0.0};
+    jump.resolved_edges(unit, 0.0, unit, edges);
+    double shortest = unit;
+    for (std::size_t i = 1; i < edges.size(); ++i)
+      shortest = std::min(shortest, edges[i] - edges[i - 1]);
+    EXPECT_LE(shortest, 1e-14 * unit);
+    EXPECT_GE(shortest, 0.4e-14 * unit);
+  }
+}
+
 TEST(Strips, OfMittagLefflerFunctionsAreGivenWhereTheyAreProved) {
   const auto strip_of = [&](double a, double b) {
     const Expr e = Expr::make(Op::mittag_leffler, {Expr(a), Expr(b), -lag()});

@@ -367,6 +367,21 @@ TEST(Search, TheErrorInTimeIsThatOfFourRuns) {
   EXPECT_GT((d(1, 3) + left) * more, last.time_distance);
 }
 
+/// A load on cells that the coarsest mesh has none of: finer ones do.
+TEST(Search, PartsThatACoarseMeshDoesNotHave) {
+  Plan plan = rod(exp(2.0 * x()), 0);
+  plan.parts.push_back(all_cells("tail"));
+  plan.parts[3].region.kind = RegionSpec::Kind::where;
+  plan.parts[3].region.children.resize(1);
+  plan.parts[3].region.predicate = less(0.85, x());
+  plan.loads.push_back(force(3, {2.0}));
+  const AccuracyRequest request{1e-1};
+  const auto result = reached(plan, request);
+  for (const auto& r : result.runs) EXPECT_EQ(r.failure.empty(), r.setting.level > 1) << r.text;
+  EXPECT_FALSE(result.runs.front().failure.empty() && result.runs.back().failure.empty() &&
+               result.runs.size() < 3);
+}
+
 /// More cells than the longest ladder has: the choice stands, or is refused; it does not go on.
 TEST(Search, ChoicesFarBeyondTheLaddersComeToAnEnd) {
   AccuracyRequest request{1e-5};

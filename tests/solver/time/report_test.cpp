@@ -162,7 +162,9 @@ TEST(Files, ResultJsonFollowsItsSchema) {
   const auto folder = fresh_folder("json");
   auto plan = slab(4, 6);
   plan.effects = {{"viscosity", EffectNote::State::on, {5}, ""},
-                  {"normal law `layer`", EffectNote::State::on, plan.law_terms[0].origin, ""}};
+                  {"normal law `layer`", EffectNote::State::on, plan.law_terms[0].origin, ""},
+                  {"first", EffectNote::State::on, {0}, ""},
+                  {"nowhere", EffectNote::State::on, {}, ""}};
   auto timed = plan.report.probes[0];
   timed.name = "half";
   timed.time = 0.5;
@@ -172,7 +174,7 @@ TEST(Files, ResultJsonFollowsItsSchema) {
   result.script = "slab.hvi";
   ResultContext context;
   context.params = {{"n", 4.0}};
-  context.line_of = [](Origin origin) { return origin.id; };
+  context.line_of = [](Origin origin) { return origin.id + 1; };
   context.bandwidth = 2e10;
   write_atomically(folder / "result.json", result_json(result, plan, context));
   EXPECT_EQ(0, python(folder, std::string(R"(
@@ -185,8 +187,9 @@ jsonschema.validate(result, schema, cls=jsonschema.Draft202012Validator)
 assert result["table"]["t"] == [i / 6 for i in range(1, 7)]
 assert result["table"]["u_y"][-1] == result["final"]["u_y"]
 assert result["table"]["half"][:2] == [None, None] and result["table"]["half"][5] == result["final"]["half"]
-assert result["plan"]["effects"][1]["line"] == 100 and result["plan"]["effects"][0]["state"] == "on"
+assert result["plan"]["effects"][1]["line"] == 101 and result["plan"]["effects"][0]["state"] == "on"
 assert result["certificate"]["certified"] is True
+assert [e["line"] for e in result["plan"]["effects"][2:4]] == [1, 0]
 limit, steps = result["timing"]["limit"], 6
 assert limit["bandwidth"] > 0 and limit["swept_bytes"] > 0
 assert abs(limit["sweeps"] * limit["bandwidth"] / limit["swept_bytes"] - 1) < 1e-12
@@ -268,6 +271,27 @@ TEST(Probes, CombinationsReadOtherProbes) {
   plan.report.probes.push_back(ratio);
   const auto result = solve(plan);
   EXPECT_DOUBLE_EQ(result.final.at("ratio"), result.final.at("u_y") / result.final.at("u_x") + 1.0);
+}
+
+/// A scalar that depends on one coordinate only: its slope along the other is zero, not an error.
+TEST(Probes, ASlopeThatIsZeroIsNotMadeOfErrors) {
+  for (const int along : {0, 1}) {
+    Plan plan;
+    plan.mesh.cells = {7, 6, 1};
+    const char* sides[][2] = {{"left", "right"}, {"bottom", "top"}};
+    plan.parts = {all_cells("plate"), group("low", sides[along][0]),
+                  group("high", sides[along][1])};
+    plan.space.vector = false;
+    plan.space.dirichlet = {clamp(1), clamp(2, -1, {1.0})};
+    plan.forms = {diffusion(2, 0, field_u, 0.3)};
+    const auto slope = [](int j) { return var(slot::field(field_u, slot::gradient(0, j))); };
+    plan.report.probes = {at_point("x", slope(0), {0.45, 0.55, 0}),
+                          at_point("y", slope(1), {0.45, 0.55, 0})};
+    const auto result = solve(plan);
+    EXPECT_NEAR(result.final.at(along == 0 ? "x" : "y"), 1.0, 1e-12);
+    EXPECT_NEAR(result.final.at(along == 0 ? "y" : "x"), 0.0, 1e-12);
+    for (const auto& column : result.forward_error.columns) EXPECT_LT(column.relative, 1e-9);
+  }
 }
 
 // Analytic: a bar that is moved as a whole has no strain; what rounding leaves of one is no error.
