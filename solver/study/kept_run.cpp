@@ -71,13 +71,13 @@ double distance(const KeptRun& coarse, const KeptRun& fine, const std::string& p
 
 std::shared_ptr<const Discretisation> Runner::discretisation_of(const Setting& setting,
                                                                 const Plan& plan) {
-  auto& known = meshes_[{setting.order, setting.level, setting.grade}];
-  if (known) return known;
+  const std::tuple key{setting.order, setting.level, setting.grade};
+  if (const auto known = meshes_.find(key); known != meshes_.end()) return known->second;
   auto made = std::make_shared<Discretisation>();
   const auto failures = discretise(plan, *made, settings_.stop);
   if (!failures.empty()) throw failures.front();
   made->shared = std::make_shared<SharedWork>();
-  return known = made;
+  return meshes_[key] = made; // only now: a setting without a mesh has no entry
 }
 
 Spared Runner::spared() const {

@@ -34,6 +34,12 @@ Expr t() { return var(slot::t); }
 /// Smooth in x and t, and of no space and no grid.
 Expr smooth() { return exp(2.0 * x()) * sin(3.0 * t() + x()); }
 
+AccuracyRequest asking(double wanted, const std::string& probe = {}) {
+  AccuracyRequest out;
+  out.wanted = wanted, out.probe = probe;
+  return out;
+}
+
 /// A run at a setting, made here.
 struct Made {
   Plan plan;
@@ -142,7 +148,7 @@ TEST(Search, EveryDistanceIsThatOfTheTwoRuns) {
   for (const std::string& probe : {std::string(), std::string("tip")}) {
     SCOPED_TRACE(probe);
     const Plan plan = rod(smooth(), 8);
-    const AccuracyRequest request{2e-2, probe};
+    const AccuracyRequest request = asking(2e-2, probe);
     const auto result = reached(plan, request);
     const auto family = family_of(plan, request);
     int seen = 0;
@@ -169,7 +175,7 @@ TEST(Search, EveryDistanceIsThatOfTheTwoRuns) {
 /// runs cost.)
 TEST(Search, LaddersDouble) {
   const Plan plan = rod(smooth(), 8);
-  const AccuracyRequest request{2e-2};
+  const AccuracyRequest request = asking(2e-2);
   const auto result = reached(plan, request);
   const int first = family_of(plan, request).coarsest_steps();
   std::vector<Setting> expected, climbed;
@@ -190,7 +196,7 @@ TEST(Search, LaddersDouble) {
 /// Where no setting is in sight each ladder is climbed six rungs further, but for those whose next
 /// run would be too large.
 TEST(Search, LaddersThatPromiseNothingAreClimbedToTheirLimits) {
-  AccuracyRequest request{1e-9};
+  AccuracyRequest request = asking(1e-9);
   request.as_written = true;
   request.most_unknowns = 10;        // no choice is possible
   std::vector<double> times, values; // a load with so many kinks that short grids are no use
@@ -216,7 +222,7 @@ TEST(Search, LaddersThatPromiseNothingAreClimbedToTheirLimits) {
 
 TEST(Search, StaticProblemsHaveNoTime) {
   const Plan plan = rod(exp(2.0 * x()), 0);
-  const AccuracyRequest request{1e-2};
+  const AccuracyRequest request = asking(1e-2);
   const auto result = reached(plan, request);
   for (const auto& r : result.runs) {
     EXPECT_EQ(r.setting.base, 0);
@@ -229,7 +235,7 @@ TEST(Search, StaticProblemsHaveNoTime) {
 /// Backward Euler is exact for what is linear in time: no error there is no reason to give up.
 TEST(Search, ASolutionWithoutErrorInTimeIsReached) {
   const Plan plan = rod((0.2 + t()) * exp(2.0 * x()), 4); // u = t g(x)
-  AccuracyRequest request{1e-2};
+  AccuracyRequest request = asking(1e-2);
   request.as_written = true;
   const auto result = reached(plan, request);
   EXPECT_LT(result.tries.back().time_error, 1e-8);
@@ -239,7 +245,7 @@ TEST(Search, ASolutionWithoutErrorInTimeIsReached) {
 
 /// With a probe, P2 shows orders of twice its degree.
 TEST(Search, ValuesOfProbesFallFasterThanNorms) {
-  AccuracyRequest request{1e-4, "tip"};
+  AccuracyRequest request = asking(1e-4, "tip");
   request.as_written = true;
   Plan plan = rod(exp(5.0 * sin(7.0 * x())), 0);
   plan.space.order = 2;
@@ -252,7 +258,7 @@ TEST(Search, ValuesOfProbesFallFasterThanNorms) {
 /// A body that grows by itself: long steps have no solution. Ladders begin where runs succeed.
 TEST(Search, RungsThatFailAreLeftOut) {
   const Plan plan = rod(smooth(), 4, 0.2, -1.0);
-  const AccuracyRequest request{5e-2};
+  const AccuracyRequest request = asking(5e-2);
   const auto result = reached(plan, request);
   const auto failed = std::count_if(result.runs.begin(), result.runs.end(),
                                     [](const auto& r) { return !r.failure.empty(); });
@@ -284,7 +290,7 @@ struct Layer {
 /// No uniform grid of few steps sees it: steps are put where the error arises.
 TEST(Search, StepsFollowALayer) {
   const Layer layer;
-  const AccuracyRequest request{2e-2};
+  const AccuracyRequest request = asking(2e-2);
   const auto result = reached(layer.plan(), request);
   std::vector<double> times{0.0}, tip{0.0};
   RunSettings settings;
@@ -335,7 +341,7 @@ TEST(Search, StepsAreFollowedFromTheDatasIntervals) {
     const auto table =
         std::make_shared<const Table>("zigzag", times, values, Table::Interpolation::linear);
     const Plan plan = rod(Expr::tabulated(table, t()) * exp(2.0 * x()), 4, 1e-3);
-    const AccuracyRequest request{2e-2};
+    const AccuracyRequest request = asking(2e-2);
     const auto result = reached(plan, request);
     const auto intervals = static_cast<int>(family_of(plan, request).intervals(0).size()) - 1;
     const auto first = std::find_if(result.runs.begin(), result.runs.end(), [](const auto& r) {
@@ -350,7 +356,7 @@ TEST(Search, StepsAreFollowedFromTheDatasIntervals) {
 /// The error in time is what four runs on the ladders' mesh show, each of twice the steps of the
 /// one before: the distance of the second to the last, and what is left by the order seen.
 TEST(Search, TheErrorInTimeIsThatOfFourRuns) {
-  AccuracyRequest request{8e-2};
+  AccuracyRequest request = asking(8e-2);
   request.as_written = true;
   const auto result = reached(rod(smooth(), 8), request);
   const auto& last = result.tries.back();
@@ -375,7 +381,7 @@ TEST(Search, PartsThatACoarseMeshDoesNotHave) {
   plan.parts[3].region.children.resize(1);
   plan.parts[3].region.predicate = less(0.85, x());
   plan.loads.push_back(force(3, {2.0}));
-  const AccuracyRequest request{1e-1};
+  const AccuracyRequest request = asking(1e-1);
   const auto result = reached(plan, request);
   for (const auto& r : result.runs) EXPECT_EQ(r.failure.empty(), r.setting.level > 1) << r.text;
   EXPECT_FALSE(result.runs.front().failure.empty() && result.runs.back().failure.empty() &&
@@ -384,7 +390,7 @@ TEST(Search, PartsThatACoarseMeshDoesNotHave) {
 
 /// More cells than the longest ladder has: the choice stands, or is refused; it does not go on.
 TEST(Search, ChoicesFarBeyondTheLaddersComeToAnEnd) {
-  AccuracyRequest request{1e-5};
+  AccuracyRequest request = asking(1e-5);
   request.as_written = true;
   const auto result = reached(rod(exp(2.0 * x()), 0), request);
   EXPECT_GT(result.tries.back().setting.level, 2048);
