@@ -146,7 +146,7 @@ std::vector<std::string> groups_with(const Mesh& mesh, const std::set<std::int32
   std::vector<std::string> out;
   for (const auto& [name, group] : mesh.groups)
     if (std::any_of(group.entities.begin(), group.entities.end(),
-                    [&](std::int32_t e) { return has_any(mesh, group, e, nodes); }))
+                    [&, &one = group](std::int32_t e) { return has_any(mesh, one, e, nodes); }))
       out.push_back(name);
   return out;
 }
