@@ -6,7 +6,8 @@
      kill         SIGKILL before the N-th change of the disk (a file made, written, renamed, synced, removed); MODE `half`: in the
                   middle of it where it is a write
      loss         the same with the power lost: what was written and not synced is cut away, renames whose folder was not synced are
-                  undone. MODE: the number of an fsync that only pretended; 0: none
+                  undone; with ERRNO 1 they came through before what they name.
+                  MODE: the number of an fsync that only pretended; 0: none
      N = 0 counts only.
    HVI_FAULT_COUNTS = FILE   at the end of the program: how many calls of each kind there were, a line each
    HVI_FAULT_UNDO = FOLDER   for `loss`: where the old files of renames are kept, on the same disk
@@ -142,7 +143,7 @@ static void note_rename(const char *to) {
 }
 
 static void lose_power(void) {
-  for (int i = renaming_count - 1; i >= 0; --i) {
+  for (int i = error_number ? -1 : renaming_count - 1; i >= 0; --i) {
     if (renamings[i].kept[0])
       syscall(SYS_renameat2, AT_FDCWD, renamings[i].kept, AT_FDCWD, renamings[i].path, 0);
     else

@@ -246,9 +246,9 @@ class Bench:
         left = [n for n in next_end.temporary if n.endswith((".hvi-part", ".lock"))]
         return bad + [("half", f"left after the next run: {left}")] * bool(left)
 
-    def try_kill(self, kind, n, mode):
+    def try_kill(self, kind, n, mode, number):
         """The process ends at change n of the disk, and when it goes on at some more."""
-        fault = f"{kind},{n},{mode},0"
+        fault = f"{kind},{n},{mode},{number}"
         with tempfile.TemporaryDirectory(dir=self.folder, prefix="point") as folder:
             work = pathlib.Path(folder) / "w"
             shutil.copytree(self.start, work)
@@ -263,7 +263,7 @@ class Bench:
     def try_point(self, kind, n, mode, number):
         fault = f"{kind},{n},{mode},{number}"
         if kind in ("kill", "loss"):
-            return self.try_kill(kind, n, mode)
+            return self.try_kill(kind, n, mode, number)
         with tempfile.TemporaryDirectory(dir=self.folder, prefix="point") as folder:
             work = pathlib.Path(folder) / "w"
             shutil.copytree(self.start, work)
@@ -287,10 +287,11 @@ KILLED = ("killed", "fmt", "study", "stability", "print")
 def points(bench, kinds, most, offset):
     for kind in kinds:
         if kind in ("kill", "loss"):
-            lies = spread(bench.counts["fsync"], most // 4 or 3, offset) if bench.counts["fsync"] else ()
+            # Only a checkpoint tells of an fsync that only pretended; a script that it was for is lost.
+            lies = spread(bench.counts["fsync"], most // 4 or 3, offset) if bench.counts["fsync"] and bench.name == "killed" else ()
             for mode in ("once", "half") if kind == "kill" else ("0", *map(str, lies)):
                 for n in spread(bench.counts[kind], most, offset) if bench.name in KILLED else ():
-                    yield kind, n, mode, 0
+                    yield kind, n, mode, 0 if kind == "kill" else n % 2  # with and without the renames
             continue
         if bench.name == "killed":
             continue
