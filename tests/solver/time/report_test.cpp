@@ -290,7 +290,10 @@ TEST(Probes, ASlopeThatIsZeroIsNotMadeOfErrors) {
     const auto result = solve(plan);
     EXPECT_NEAR(result.final.at(along == 0 ? "x" : "y"), 1.0, 1e-12);
     EXPECT_NEAR(result.final.at(along == 0 ? "y" : "x"), 0.0, 1e-12);
-    for (const auto& column : result.forward_error.columns) EXPECT_LT(column.relative, 1e-9);
+    for (const auto& column : result.forward_error.columns) {
+      EXPECT_LT(column.relative, 1e-9);
+      EXPECT_GT(column.relative, 0.0);
+    }
   }
 }
 
