@@ -1,8 +1,6 @@
 // Errors of the steps together; see whole_time.hpp.
 #include "solver/time/whole_time.hpp"
 
-#include <Eigen/Jacobi>
-
 #include <algorithm>
 #include <cmath>
 
@@ -15,35 +13,6 @@ constexpr double small_error = 0.01;
 /// Sweeps over one unknown that cost next to nothing, and the share of the run's own sweeps.
 constexpr double cheap_sweeps = 3e4;
 constexpr double share_of_run = 0.02;
-
-/// The weights w that make |size e_1 - H w| least, H growing by a column (of one entry below the
-/// diagonal) each time: H is kept turned into a triangle.
-class LeastSquares {
-public:
-  LeastSquares(int most, double size)
-      : triangle_(DenseMatrix::Zero(most, most)), right_(Vector::Unit(most + 1, 0) * size) {}
-
-  /// The residual with this column, too.
-  double add(Vector column) {
-    const auto m = static_cast<Eigen::Index>(turns_.size());
-    for (Eigen::Index k = 0; k < m; ++k)
-      column.applyOnTheLeft(k, k + 1, turns_[static_cast<std::size_t>(k)].adjoint());
-    turns_.emplace_back().makeGivens(column[m], column[m + 1]);
-    column.applyOnTheLeft(m, m + 1, turns_.back().adjoint());
-    right_.applyOnTheLeft(m, m + 1, turns_.back().adjoint());
-    triangle_.col(m).head(m + 1) = column.head(m + 1);
-    return std::abs(right_[m + 1]);
-  }
-  Vector weights() const {
-    const auto m = static_cast<Eigen::Index>(turns_.size());
-    return triangle_.topLeftCorner(m, m).triangularView<Eigen::Upper>().solve(right_.head(m));
-  }
-
-private:
-  DenseMatrix triangle_;
-  Vector right_;
-  std::vector<Eigen::JacobiRotation<double>> turns_;
-};
 
 } // namespace
 
@@ -77,35 +46,40 @@ bool WholeTime::respond(const Vector& v, const Vector& more) {
 bool WholeTime::relax(const Vector& force, int most, double bound, Vector& x, Vector& xi) {
   const double size = x.norm();
   if (!(size > 0.0) || !std::isfinite(size)) return false;
-  const Vector none = Vector::Zero(x.size());
-  DenseMatrix basis(x.size(), most);
-  LeastSquares least(most, size);
-  Vector next = x / size;
-  for (int m = 0; m < most; ++m) {
-    basis.col(m) = next;
-    if (!respond(next, none)) return false;
-    next -= answer_.front(); // (1 - R D) v
-    const double image = next.norm();
-    Vector products = Vector::Zero(m + 2);
-    for (int twice = 0; twice < 2; ++twice) {
-      const Vector part = basis.leftCols(m + 1).transpose() * next;
-      next.noalias() -= basis.leftCols(m + 1) * part;
-      products.head(m + 1) += part;
-    }
-    const double left = products[m + 1] = next.norm();
-    const double residual = least.add(std::move(products));
-    const Vector weights = least.weights();
-    if (residual * bound <= small_error * weights.norm()) {
-      // Once more: what is left shrinks, and the multipliers are found.
-      if (!respond(basis.leftCols(m + 1) * weights, force)) return false;
-      x = answer_.front();
-      if (!multipliers_.empty()) xi = multipliers_.front();
-      return true;
-    }
-    if (!(left > 1e-12 * image)) return false;
-    next /= left;
+  Vector left = x, e = Vector::Zero(x.size());
+  const auto take = [&](const Direction& d) {
+    const double part = d.image.dot(left);
+    e += part * d.vector;
+    left -= part * d.image;
+  };
+  for (const Direction& d : directions_) take(d);
+  while (!(left.norm() * bound <= small_error * e.norm())) {
+    if (std::ssize(directions_) >= most || !add_direction(left)) return false;
+    take(directions_.back());
   }
-  return false;
+  // Once more: what is left shrinks, and the multipliers are found.
+  if (!respond(e, force)) return false;
+  x = answer_.front();
+  if (!multipliers_.empty()) xi = multipliers_.front();
+  return true;
+}
+
+/// v and (1 - R D) v, orthogonal to the images before and of length one.
+bool WholeTime::add_direction(const Vector& v) {
+  if (!respond(v, Vector::Zero(v.size()))) return false;
+  Direction d{v, v - answer_.front()};
+  const double size = d.image.norm();
+  for (int twice = 0; twice < 2; ++twice)
+    for (const Direction& before : directions_) {
+      const double part = before.image.dot(d.image);
+      d.vector -= part * before.vector;
+      d.image -= part * before.image;
+    }
+  const double left = d.image.norm();
+  if (!(left > 1e-12 * size)) return false;
+  d.vector /= left, d.image /= left;
+  directions_.push_back(std::move(d));
+  return true;
 }
 
 } // namespace hvi::solver

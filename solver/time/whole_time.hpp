@@ -21,8 +21,9 @@ int vectors_for_whole_time(int unknowns, int contact_rows, int steps);
 ///
 ///   (K_w + H) e = f   is   (1 - R D) e = R f,   e in the span of R f, R D R f, (R D)^2 R f, ..
 ///
-/// Y. Saad, M. H. Schultz, GMRES: a generalized minimal residual algorithm for solving nonsymmetric
-/// linear systems, SIAM J. Sci. Stat. Comput. 7 (1986) 856-869.
+/// The method of generalised conjugate residuals, whose directions serve all right-hand sides:
+/// S. C. Eisenstat, H. C. Elman, M. H. Schultz, Variational iterative methods for nonsymmetric
+/// systems of linear equations, SIAM J. Numer. Anal. 20 (1983) 345-357.
 class WholeTime {
 public:
   /// `change`: the coefficients of D. Keeps references to the first three.
@@ -31,18 +32,23 @@ public:
       : operators_(operators), matrix_(matrix), at_(at), change_(std::move(change)),
         state_(Vector::Zero(n_state)) {}
   /// x = R f becomes e, with the multipliers' change xi; false: no e was found, both are as they
-  /// were. `bound`: of |e| / |R f|, so that a residual may hide that much of e. With laws of no
-  /// points xi stays as it is.
+  /// were. `bound`: of |e| / |R f|, so that a residual may hide that much of e. `most`: directions,
+  /// of all calls together. With laws of no points xi stays as it is.
   bool relax(const Vector& force, int most, double bound, Vector& x, Vector& xi);
 
 private:
+  struct Direction {
+    Vector vector, image; ///< v, (1 - R D) v; the images are orthonormal
+  };
   bool respond(const Vector& v, const Vector& more);
+  bool add_direction(const Vector& v);
 
   const Operators& operators_;
   StepMatrix& matrix_;
   const InequalityState& at_;
   Vector change_, state_;
   std::vector<Vector> answer_, multipliers_;
+  std::vector<Direction> directions_;
 };
 
 } // namespace hvi::solver
