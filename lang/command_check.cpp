@@ -5,6 +5,7 @@
 #include "lang/mesh_values.hpp"
 #include "lang/outputs.hpp"
 #include "lang/say.hpp"
+#include "solver/common/memory_room.hpp"
 #include "solver/time/step.hpp"
 
 #include <fmt/format.h>
@@ -28,6 +29,8 @@ bool check_on_mesh(Script& script, solver::Discretisation& discretisation) {
       solver::Stepper stepper(*script.plan, discretisation, timing);
       stepper.advance(1);
     }
+  } catch (const solver::TooLarge&) {
+    throw; // no mistake of the script
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);
   }

@@ -3,6 +3,7 @@
 #include "lang/memory_lines.hpp"
 #include "lang/mesh_values.hpp"
 #include "lang/say.hpp"
+#include "solver/common/memory_room.hpp"
 #include "solver/linear/bandwidth.hpp"
 #include "solver/time/memory.hpp"
 #include "solver/time/rehearsal.hpp"
@@ -24,6 +25,7 @@ struct Forecast {
   solver::MemoryForecast memory;
   double last = 0;                                       ///< CPU seconds after the last step taken
   double each = std::numeric_limits<double>::infinity(); ///< of the cheapest: first ones prepare
+  double most_bytes = 0; ///< the most that is held, of the steps not taken too
   int taken = 0, steps = 0;
   bool friction = false;
   /// Of the memories after the steps taken, beyond what the first of them took.
@@ -60,6 +62,10 @@ Forecast forecast(const solver::Plan& plan, const solver::Discretisation& discre
   } catch (const solver::Failure& failure) {
     if (failure.kind != solver::FailureKind::interrupted) throw;
   }
+  const auto& r = out.result;
+  out.most_bytes = solver::memory_peak() +
+                   solver::history_bytes_to_come(plan, r.histories,
+                                                 r.path.empty() ? r.contact_unknowns : r.unknowns);
   if (out.taken < out.steps) out.memory = solver::rehearse_memory(plan, out.taken);
   return out;
 }
@@ -82,6 +88,10 @@ void print_forecast(const Forecast& f) {
       f.memory.rehearsed > 0 ? fmt::format("; {} of its memory alone", f.memory.rehearsed) : "";
   say("predicted: {:.3g} s for {} step{}, without files (from the first {}{})\n", f.seconds(),
       f.steps, f.steps == 1 ? "" : "s", f.taken, rehearsed);
+  const auto room = solver::memory_room();
+  const double more = f.most_bytes - solver::memory_held();
+  say("memory: {} at most{}\n", solver::bytes_text(f.most_bytes),
+      more > room.bytes ? fmt::format(", MORE than {} leaves", room.from) : "");
 }
 
 /// The effects as declared, or with what the first steps showed of them.
@@ -111,31 +121,33 @@ int plan_command(const std::string& path, const Options& options) {
     show_diagnostics(script, options);
     return exit_script;
   }
-  show_diagnostics(script, options);
   std::vector<solver::HistoryReport> memory;
   try {
     memory = solver::planned_memory(*script.plan);
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);
     show_diagnostics(script, options);
-    return exit_code(failure.kind);
+    return exit_code(failure);
   }
   solver::Discretisation discretisation;
   std::optional<Forecast> first_steps;
+  int code = discretise_script(script, discretisation);
   try {
-    if (discretise_script(script, discretisation))
-      first_steps = forecast(*script.plan, discretisation);
+    if (code == exit_ok) first_steps = forecast(*script.plan, discretisation);
+  } catch (const solver::TooLarge& failure) {
+    add_failure(script, failure);
+    code = exit_solve;
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);
+    code = exit_script;
   }
   print_effects(script, first_steps);
   print_memory(*script.plan, memory);
   say("{} forms, {} memory fields, {} laws, {} loads\n", script.plan->forms.size(),
       script.plan->histories.size(), script.plan->law_terms.size(), script.plan->loads.size());
   if (first_steps) print_forecast(*first_steps);
-  if (!script.diagnostics.has_errors()) return exit_ok;
   show_diagnostics(script, options);
-  return exit_script;
+  return code;
 }
 
 } // namespace hvi::lang

@@ -217,7 +217,7 @@ int solve(Script& script, const Options& options, bool writes, HeldOutputs& outp
   if (!compile_script(script, options)) return exit_script;
   int refused = exit_ok;
   if (!outputs.take(outputs_of_run(script, options), options, script, refused)) return refused;
-  if (!discretise_script(script, discretisation)) return exit_script;
+  if (const int code = discretise_script(script, discretisation); code != exit_ok) return code;
   if (options.strict) {
     const auto report = solver::check_hypotheses(*script.plan, discretisation);
     if (!report.discrete || !report.continuous) {
@@ -259,10 +259,10 @@ int solve(Script& script, const Options& options, bool writes, HeldOutputs& outp
     return exit_solve;
   } catch (const solver::CheckpointFailure& failure) {
     script.diagnostics.add(diagnose("E0704", Span{}, failure.what()).with_help(failure.help));
-    return exit_code(failure.kind);
+    return exit_code(failure);
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);
-    return exit_code(failure.kind);
+    return exit_code(failure);
   }
 }
 

@@ -421,7 +421,7 @@ int report_on(Script& script, const Options& options) {
     if (!options.json.empty()) write_json_text(options, report_json(found, script));
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);
-    code = exit_code(failure.kind);
+    code = exit_code(failure);
   }
   if (!json_only(options) && !options.quiet) print_report(found);
   if (names.empty()) return code;
@@ -445,7 +445,7 @@ int stability_command(const std::string& path, const Options& options) {
     code = report_on(script, options);
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);
-    code = exit_code(failure.kind);
+    code = exit_code(failure);
   }
   show_diagnostics(script, options);
   return code;

@@ -3,6 +3,7 @@
 #include "lang/outputs.hpp"
 #include "lang/say.hpp"
 #include "lang/study.hpp"
+#include "solver/common/memory_room.hpp"
 #include "solver/common/read_file.hpp"
 #include "solver/output/file.hpp"
 #include "solver/study/ladder.hpp"
@@ -39,13 +40,7 @@ constexpr double most_dofs_kept = 5e5; ///< of meshes (with factors) for setting
 
 constexpr double short_run = 0.3; ///< CPU seconds below which a run is timed three times
 
-/// Highest resident memory since the last call of `forget_peak`, in bytes (Linux).
-double peak_memory() {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.starts_with("VmHWM:")) return 1024.0 * std::stod(line.substr(6));
-  return 0.0;
-}
+/// What solver::memory_peak() says from now on begins at what is held (Linux).
 void forget_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 
 std::string machine_line() {
@@ -335,7 +330,7 @@ private:
     }
     script.plan->report.fields.clear(), script.plan->report.pictures.clear();
     forget_peak();
-    resident_ = peak_memory();
+    resident_ = solver::memory_peak();
     try {
       const auto discretisation = discretisation_of(*script.plan);
       measure(script, discretisation, row, keeps);
@@ -392,10 +387,10 @@ private:
     row.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
                watching_wall + d->seconds;
     row.cpu = result.timing.total - watching;
-    row.peak_bytes = std::max(0.0, peak_memory() - resident_);
+    row.peak_bytes = std::max(0.0, solver::memory_peak() - resident_);
     if (meshes_.back().held < 0.0) {
       forget_peak();
-      meshes_.back().held = std::max(0.0, peak_memory() - resident_);
+      meshes_.back().held = std::max(0.0, solver::memory_peak() - resident_);
     }
     row.unknowns = result.unknowns, row.steps = result.steps, row.newton = result.work.newton;
     for (const auto& [name, value] : result.final)

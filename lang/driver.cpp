@@ -9,6 +9,7 @@
 #include "lang/lower/lower.hpp"
 #include "lang/stdlib.hpp"
 #include "lang/syntax/parser.hpp"
+#include "solver/common/memory_room.hpp"
 #include "solver/output/folder_lock.hpp"
 
 #include <fmt/format.h>
@@ -120,9 +121,11 @@ bool compile_variation(Script& script, const Options& options) {
   return false;
 }
 
-int exit_code(solver::FailureKind kind) {
+int exit_code(const solver::Failure& failure) {
   using K = solver::FailureKind;
-  switch (kind) {
+  // The script may be right on another machine.
+  if (dynamic_cast<const solver::TooLarge*>(&failure) != nullptr) return exit_solve;
+  switch (failure.kind) {
   case K::missing_file:
   case K::broken_file:
   case K::unknown_group:

@@ -78,7 +78,7 @@ bool compile_variation(Script& script, const Options& options);
 /// Adds an engine's failure as a diagnostic at the line its origin stands for.
 void add_failure(Script& script, const solver::Failure& failure);
 /// The exit code that belongs to a failure of the engine.
-int exit_code(solver::FailureKind kind);
+int exit_code(const solver::Failure& failure);
 /// Prints the diagnostics to stderr (text or JSON).
 void show_diagnostics(const Script& script, const Options& options);
 /// Line (from 1) of an origin in the script's own file; 0 when it lies elsewhere.

@@ -3,6 +3,7 @@
 #include "lang/driver.hpp"
 #include "lang/no_memory.hpp"
 #include "lang/say.hpp"
+#include "solver/common/memory_room.hpp"
 #include "solver/common/out_of_memory.hpp"
 #include "solver/linear/blas_memory.hpp"
 
@@ -217,6 +218,9 @@ int run_program(int argc, char** argv) {
     return dispatch(static_cast<int>(arguments.size()), arguments.data());
   } catch (const hvi::solver::OutOfMemory& error) {
     hvi::lang::tell_no_memory(error.what());
+    return hvi::lang::exit_solve;
+  } catch (const hvi::solver::TooLarge& error) {
+    tell("error[E0607]: {}\n  = help: {}\n", error.what(), error.help);
     return hvi::lang::exit_solve;
   } catch (const std::bad_alloc&) {
     hvi::lang::tell_no_memory();

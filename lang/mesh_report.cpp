@@ -2,6 +2,7 @@
 #include "lang/mesh_report.hpp"
 
 #include "lang/check/mesh_findings.hpp"
+#include "solver/kernel/slot.hpp"
 
 #include <fmt/format.h>
 
@@ -23,8 +24,9 @@ std::string holders(unsigned by) {
   return by & by_node ? "hanging on single nodes of another" : "held by nothing";
 }
 
+constexpr int first_slope = solver::slot::gradient(0, 0); ///< values come before
+
 bool has_values(const solver::FormTerm& form) {
-  constexpr int first_slope = 3;
   return std::any_of(form.entries.begin(), form.entries.end(),
                      [](const auto& e) { return e.test < first_slope || e.trial < first_slope; });
 }

@@ -76,7 +76,7 @@ void check_materials(Script& script, const solver::Discretisation& d) {
   }
 }
 
-bool discretise_script(Script& script, solver::Discretisation& out) {
+int discretise_script(Script& script, solver::Discretisation& out) {
   try {
     for (const solver::Failure& failure : solver::discretise(*script.plan, out, &stop_flag()))
       add_failure(script, failure);
@@ -84,8 +84,9 @@ bool discretise_script(Script& script, solver::Discretisation& out) {
     if (!script.diagnostics.has_errors()) check_materials(script, out);
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);
+    return exit_code(failure);
   }
-  return !script.diagnostics.has_errors();
+  return script.diagnostics.has_errors() ? exit_script : exit_ok;
 }
 
 } // namespace hvi::lang

@@ -11,8 +11,8 @@ namespace hvi::lang {
 /// cell, where the assembly of constant strains does.
 void check_materials(Script& script, const solver::Discretisation& discretisation);
 
-/// Mesh, parts and materials of a script; every mistake becomes a diagnostic. False when there are
-/// any. A Ctrl-C ends the adaptation of a mesh.
-bool discretise_script(Script& script, solver::Discretisation& out);
+/// Mesh, parts and materials of a script; every mistake becomes a diagnostic. The exit code, which
+/// is exit_ok when there are none. A Ctrl-C ends the adaptation of a mesh.
+int discretise_script(Script& script, solver::Discretisation& out);
 
 } // namespace hvi::lang

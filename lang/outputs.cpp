@@ -136,7 +136,7 @@ bool HeldOutputs::take(const Outputs& outputs, const Options& options, Script& s
     for (const auto& file : outputs.files) solver::try_to_write(file);
   } catch (const solver::Failure& failure) {
     add_failure(script, failure);
-    code = exit_code(failure.kind);
+    code = exit_code(failure);
     return false;
   }
   return true;

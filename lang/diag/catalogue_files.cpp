@@ -52,7 +52,10 @@ mesh m = gmsh("part.geo"))",
 mesh m = gmsh("part.msh"))"},
     {"E0607", "limit met",
      R"(
-A mesh, a number of steps or a file beyond the limits of the program.)",
+A mesh, a number of steps or a file beyond the limits of the program; or a run that needs more memory than
+there is (exit code 3). What matrices, factor and memories will take is compared with the limits of the
+process (ulimit -v, -d), of its control group and of the machine before it is taken; `plan` says it as well.
+A process cannot see that others will want the same memory.)",
      R"(
 mesh m = box(1, 1, 1, cells = [999, 999, 999]))",
      R"(

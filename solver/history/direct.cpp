@@ -16,13 +16,15 @@ public:
   DirectHistory(const PreparedKernel& kernel, std::size_t n, const HistoryOptions& options,
                 std::string why)
       : kernel_(kernel), n_(n), order_(options.order), why_(std::move(why)),
-        accepted_(options.shortest_step), fields_(n) {}
+        expected_(options.steps), accepted_(options.shortest_step), fields_(n) {}
 
   void start(double t0, std::span<const double> u0) override {
     accepted_.start(t0);
     times_.assign(1, t0);
     fields_.clear();
     weights_.reset();
+    if (kernel_.traits.max_lag <= 0.0)
+      fields_.reserve(static_cast<std::size_t>(expected_ + order_));
     if (order_ == 1) {
       check_field(kernel_, n_, u0.size());
       fields_.push(u0);
@@ -107,6 +109,7 @@ private:
   std::size_t n_;
   int order_;
   std::string why_;
+  std::int64_t expected_; ///< steps
   AcceptedSteps accepted_;
   WeightCache near_;
   PastWeights weights_;

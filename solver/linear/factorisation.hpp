@@ -20,7 +20,7 @@ namespace hvi::solver {
 struct FactorStatistics {
   double nonzeros = 0; ///< of the factor(s)
   double flops = 0;    ///< of one numeric factorisation
-  double bytes = 0;    ///< held: the factor, what was made of it for sweeps, S
+  double bytes = 0;    ///< held: the factor, what was made of it for sweeps, S; before: to factor
   double seconds_analyse = 0, seconds_factor = 0;
   int analyses = 0, factorisations = 0,
       sweeps = 0;         ///< work counters; a sweep reads the factor once

@@ -107,6 +107,7 @@ private:
   DenseMatrix lower22_, upper22_, schur_, no_factor_;
   Vector y_, x_, reduced_;
   bool factored_ = false;
+  double bytes_to_factor_ = 0.0;
   FactorStatistics statistics_;
 };
 
@@ -137,6 +138,7 @@ std::unique_ptr<Factorisation> Lu::another() const {
   out->factored_ = false;
   out->statistics_ = {};
   out->statistics_.ordering = statistics_.ordering;
+  out->statistics_.bytes = bytes_to_factor_;
   return out;
 }
 
@@ -145,6 +147,9 @@ void Lu::order(const SparseMatrix& k, std::span<const int> contact) {
   CholmodSession session;
   const ContactLastOrder order = order_contact_last(k, contact, session);
   statistics_.ordering = order.name;
+  // UMFPACK's own L and U, their copy with indices of 64 bits, and ours with 32.
+  bytes_to_factor_ = 2.0 * order.nonzeros * (2 * sizeof(double) + 3 * sizeof(Long) - sizeof(int));
+  statistics_.bytes = bytes_to_factor_;
   permutation_ = order.permutation;
   if (!std::equal(contact.begin(), contact.end(), permutation_.begin() + interior_))
     throw std::logic_error("the postorder moved a contact unknown from the end of the elimination");

@@ -1,5 +1,6 @@
 // Mesh, parts and space of a plan, with every mistake of theirs found at once. First stage of the
 // engine: plan -> Discretisation -> run (run.cpp), hypotheses, study.
+#include "solver/common/memory_room.hpp"
 #include "solver/plan/validate.hpp"
 #include "solver/time/adapt.hpp"
 #include "solver/time/clock.hpp"
@@ -45,6 +46,37 @@ bool resolve_parts(const Plan& plan, Discretisation& out, std::vector<Failure>& 
     }
   }
   return failures.size() == before;
+}
+
+/// Throws TooLarge where a mesh of so many nodes, the space on it and two matrices with the pattern
+/// of its cells (a form and their sum) do not fit. A node of P1 has 3, 7 and 15 neighbours in a
+/// regular mesh, itself among them; of P2, which has 2, 4 and 8 times as many, 4, 11.5 and 28.
+void require_space(const Plan& plan, int dim, double nodes, double bytes_of_mesh) {
+  static constexpr double neighbours[2][3] = {{3, 7, 15}, {4, 11.5, 28}};
+  const bool quadratic = plan.space.order == 2;
+  const int components = plan.space.vector ? dim : 1;
+  const double space_nodes = nodes * (quadratic ? std::exp2(dim) : 1.0);
+  const double entries = space_nodes * neighbours[quadratic ? 1 : 0][dim - 1];
+  const double matrix = entries * components * components * (sizeof(double) + sizeof(int));
+  require_memory(
+      bytes_of_mesh + entries * sizeof(int) + 2.0 * matrix,
+      fmt::format("the mesh and the matrices of some {:.2g} unknowns", space_nodes * components));
+}
+
+/// Before the first cell is made.
+void require_structured(const Plan& plan) {
+  const MeshSpec& spec = plan.mesh;
+  const int dim = spec.kind == MeshSpec::Kind::interval    ? 1
+                  : spec.kind == MeshSpec::Kind::rectangle ? 2
+                  : spec.kind == MeshSpec::Kind::box       ? 3
+                                                           : 0;
+  if (dim == 0) return;
+  double boxes = 1.0;
+  for (int a = 0; a < dim; ++a)
+    boxes *= spec.grading[a].empty() ? spec.cells[a] : static_cast<double>(spec.grading[a].size());
+  const double cells = boxes * (dim == 3 ? 6 : dim == 2 ? (spec.crossed ? 4 : 2) : 1);
+  const double bytes = cells * (4 * sizeof(std::int32_t)) + boxes * sizeof(Point);
+  require_space(plan, dim, boxes * (spec.crossed ? 2 : 1), bytes);
 }
 
 void check_grid(const Plan& plan, std::vector<Failure>& failures) {
@@ -118,6 +150,7 @@ std::vector<Failure> discretise(const Plan& plan, Discretisation& out,
                                 const std::atomic<bool>* stop) {
   const double start = cpu_seconds();
   Mesh mesh;
+  require_structured(plan);
   try {
     mesh = plan.mesh.adapted > 0 ? adapted_mesh(plan, stop) : make_mesh(plan.mesh);
   } catch (const Failure& failure) {
@@ -139,6 +172,7 @@ std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& 
   check_grid(plan, failures);
   check_probe_times(plan, failures);
   out.mesh = std::move(mesh);
+  require_space(plan, out.mesh.dim, static_cast<double>(out.mesh.nodes.size()), 0.0);
   check_probe_points(plan, out, failures);
   if (!resolve_parts(plan, out, failures)) return failures;
   for (auto& failure : overlaps(plan, out.mesh, out.parts)) failures.push_back(std::move(failure));

@@ -96,6 +96,39 @@ std::string extension_obstacle(const Plan& plan, const MemoryExtent& earlier) {
   return {};
 }
 
+namespace {
+
+/// Fields of a direct sum at the end of a run.
+std::int64_t direct_fields(const HistoryTerm& term, const Plan& plan,
+                           const HistoryOptions& options) {
+  const double reach =
+      kernel_traits(term.kernel.expression, options.horizon, plan.time.grid.front()).max_lag;
+  if (!(reach > 0)) return options.steps;
+  return std::min<std::int64_t>(options.steps, 1 + std::llround(reach / options.shortest_step));
+}
+
+/// Of a moment tree: raw steps in its open node, and moments in two nodes a level; measured on
+/// smooth and singular kernels, of which a hard one keeps more of its past raw.
+double tree_fields(std::int64_t steps) {
+  return std::min(static_cast<double>(steps),
+                  60.0 + 24.0 * std::log2(1.0 + static_cast<double>(steps) / 32.0));
+}
+
+} // namespace
+
+double history_bytes_to_come(const Plan& plan, std::span<const HistoryReport> now, int n_state) {
+  double fields = 0.0;
+  for (std::size_t m = 0; m < now.size(); ++m) {
+    const bool direct = now[m].route == "direct";
+    if (!direct && now[m].route != "tree") continue; // the others have their fields from the start
+    const HistoryOptions options = history_options(plan, memory_extent(plan));
+    const double end = direct ? static_cast<double>(direct_fields(plan.histories[m], plan, options))
+                              : tree_fields(options.steps);
+    fields += std::max(0.0, end - static_cast<double>(now[m].fields));
+  }
+  return fields * n_state * sizeof(double);
+}
+
 std::vector<HistoryReport> planned_memory(const Plan& plan) {
   std::vector<HistoryReport> out;
   if (plan.time.is_static || plan.histories.empty()) return out;
@@ -105,14 +138,7 @@ std::vector<HistoryReport> planned_memory(const Plan& plan) {
     const double initial = 0;
     history->start(plan.time.grid.front(), {&initial, 1});
     auto report = history->report();
-    if (report.route == "direct") {
-      const double reach =
-          kernel_traits(term.kernel.expression, options.horizon, plan.time.grid.front()).max_lag;
-      report.fields = reach > 0
-                          ? std::min<std::int64_t>(options.steps,
-                                                   1 + std::llround(reach / options.shortest_step))
-                          : options.steps;
-    }
+    if (report.route == "direct") report.fields = direct_fields(term, plan, options);
     if (report.route == "tree") report.fields = 0;
     out.push_back(std::move(report));
   }

@@ -9,6 +9,7 @@
 #include "solver/time/state.hpp"
 
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace hvi::solver {
@@ -36,6 +37,9 @@ std::string extension_obstacle(const Plan& plan, const MemoryExtent& earlier);
 
 /// The routes of a plan without running it: what `plan` prints. Fields: 0 when only a run knows.
 std::vector<HistoryReport> planned_memory(const Plan& plan);
+
+/// What the memories of a run will hold at its end, beyond what they hold now.
+double history_bytes_to_come(const Plan& plan, std::span<const HistoryReport> now, int n_state);
 
 /// Where a route that was asked for does not serve its kernel: a sentence each.
 std::vector<std::string> route_notes(const Plan& plan, const std::vector<HistoryReport>& reports);

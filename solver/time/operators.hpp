@@ -25,6 +25,7 @@ struct Operators {
   /// Set: the first so many unknowns, the contact, are coupled with no other, and those with none.
   std::optional<int> separate;
   SharedWork* shared = nullptr; ///< of the discretisation; factors may be had from there
+  double memory_to_come = 0.0;  ///< bytes that a run will take besides its factors
 
   int n_bases() const { return static_cast<int>(bases.size()); }
   int n_fields() const { return static_cast<int>(weights.rows()); }

@@ -1,8 +1,11 @@
 // Matrices, orders and factors that runs share; see shared_work.hpp.
 #include "solver/time/shared_work.hpp"
 
+#include "solver/common/memory_room.hpp"
 #include "solver/linear/ordering.hpp"
 #include "solver/time/clock.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -66,8 +69,8 @@ SparseMatrix SharedWork::form(const FormTerm& term, const std::function<SparseMa
   return made;
 }
 
-LentFactor SharedWork::factored(const SparseMatrix& k, std::span<const int> contact,
-                                bool symmetric) {
+LentFactor SharedWork::factored(const SparseMatrix& k, std::span<const int> contact, bool symmetric,
+                                double to_come) {
   for (const Factor& known : factors_) {
     const bool free = known.factor.use_count() == 1; // two users would choose its storage
     if (!free || known.symmetric != symmetric || !std::ranges::equal(known.contact, contact) ||
@@ -80,7 +83,7 @@ LentFactor SharedWork::factored(const SparseMatrix& k, std::span<const int> cont
   }
   const double start = cpu_seconds();
   std::shared_ptr<Factorisation> made = analyse(k, contact, symmetric, orders_.get());
-  made->factor(k);
+  factor_where_it_fits(*made, k, contact.size(), to_come);
   const double seconds = cpu_seconds() - start + orders_->seconds_of_last();
   if (made->statistics().bytes > most_bytes) return {made, false, false};
   if (factors_.size() == most_factors) factors_.erase(factors_.begin());
@@ -95,11 +98,27 @@ Spared SharedWork::spared() const {
   return out;
 }
 
+/// The factor, the values of K in its order, and of the contact unknowns S, its factor and what
+/// Newton's method makes of them.
+void factor_where_it_fits(Factorisation& factorisation, const SparseMatrix& k,
+                          std::size_t n_contact, double to_come) {
+  const auto contacts = static_cast<double>(n_contact);
+  const double factor = factorisation.statistics().bytes,
+               values = 4.0 * static_cast<double>(k.nonZeros()),
+               dense = 2.0 * sizeof(double) * contacts * contacts;
+  require_memory(factor + values + dense + to_come,
+                 fmt::format("the factor of a matrix of {} unknowns ({})", k.rows(),
+                             to_come > 0.0
+                                 ? bytes_text(factor) + ") and its memories (" + bytes_text(to_come)
+                                 : bytes_text(factor)));
+  factorisation.factor(k);
+}
+
 LentFactor lend_factor(SharedWork* shared, const SparseMatrix& k, std::span<const int> contact,
-                       bool symmetric) {
-  if (shared != nullptr) return shared->factored(k, contact, symmetric);
+                       bool symmetric, double to_come) {
+  if (shared != nullptr) return shared->factored(k, contact, symmetric, to_come);
   std::shared_ptr<Factorisation> made = analyse(k, contact, symmetric);
-  made->factor(k);
+  factor_where_it_fits(*made, k, contact.size(), to_come);
   return {made, false, false};
 }
 

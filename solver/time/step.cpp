@@ -1,6 +1,7 @@
 // One step of the fully discrete scheme; see step.hpp. Called by the loop in run.cpp.
 #include "solver/time/step.hpp"
 
+#include "solver/common/memory_room.hpp"
 #include "solver/common/parallel.hpp"
 #include "solver/time/clock.hpp"
 #include "solver/time/rigid.hpp"
@@ -47,6 +48,8 @@ Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
     layout_.gather(interpolate(d.space, plan.time.initial, grid_.t(0), plan.time.origin), u_);
   reduce_if_possible();
   memory_.emplace(plan, layout_.n_state);
+  operators_.memory_to_come = history_bytes_to_come(plan, memory_->reports(), layout_.n_state);
+  require_memory(operators_.memory_to_come, "the fields its memories will hold");
   allocate();
   if (!grid_.is_static()) memory_->start(grid_.t(0), u_);
 }

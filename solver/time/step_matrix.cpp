@@ -50,10 +50,11 @@ void StepMatrix::make_factor() {
   auto* from = factorisation_ ? nullptr : operators_.shared;
   if (from == nullptr && like != nullptr && like->factorisation_) {
     factorisation_ = LentFactor(like->factorisation_->another(), false, false);
-    factorisation_->factor(k_);
+    factor_where_it_fits(*factorisation_.operator->(), k_, contact_.unknowns.size(), 0.0);
     return;
   }
-  factorisation_ = lend_factor(from, k_, contact_.unknowns, operators_.symmetric);
+  factorisation_ =
+      lend_factor(from, k_, contact_.unknowns, operators_.symmetric, operators_.memory_to_come);
 }
 
 void StepMatrix::condense(const Vector& gap, const Vector* rhs, InequalityState& state) {
