@@ -340,7 +340,7 @@ private:
       if (failure.kind == K::interrupted || failure.kind == K::missing_file) {
         add_failure(script, failure);
         show_diagnostics(script, options_);
-        return exit_code(failure.kind);
+        return exit_code(failure);
       }
       row.failure = failure.what();
     }
@@ -478,7 +478,7 @@ int study_command(const std::string& path, const Options& options) {
     if (const int code = studying.go(); code != exit_ok) return code;
   } catch (const solver::Failure& failure) { // a file that was there is not to be read again
     tell("error[E0601]: {}\n", failure.what());
-    return exit_code(failure.kind);
+    return exit_code(failure);
   }
   judge(study, study.reference == "the finest run, extrapolated");
   return report_study(study, studying.folder(), options);
