@@ -25,6 +25,7 @@ function(hvi_tests folder label)
   add_executable(${program} ${sources})
   target_link_libraries(${program} PRIVATE ${ARGN} GTest::gtest GTest::gtest_main GTest::gmock)
   target_compile_definitions(${program} PRIVATE HVI_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/tmp) # of this build: another one may be tested at once
   gtest_discover_tests(${program} TEST_PREFIX "${folder}:" DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS "${label}")
+    PROPERTIES LABELS "${label}" ENVIRONMENT "TEST_TMPDIR=${CMAKE_BINARY_DIR}/tmp;TMPDIR=${CMAKE_BINARY_DIR}/tmp")
 endfunction()

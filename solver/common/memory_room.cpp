@@ -60,7 +60,8 @@ std::vector<Mount> control_group_mounts() {
     std::istringstream words(line);
     std::string skip, root, place;
     words >> skip >> skip >> skip >> root >> place;
-    while (words >> skip && skip != "-") {}
+    while (words >> skip && skip != "-") {
+    }
     Mount mount{root, place, "", ""};
     words >> mount.type >> skip >> mount.options;
     if (mount.type == "cgroup" || mount.type == "cgroup2") out.push_back(std::move(mount));
@@ -113,8 +114,7 @@ constexpr const char* what_helps =
 std::optional<double> control_group_room(fs::path folder, const fs::path& top) {
   std::optional<double> least;
   for (;;) {
-    if (const auto room = room_of_group(folder))
-      least = std::min(*room, least.value_or(unknown));
+    if (const auto room = room_of_group(folder)) least = std::min(*room, least.value_or(unknown));
     if (folder == top || !folder.has_relative_path() || folder == folder.parent_path()) break;
     folder = folder.parent_path();
   }
@@ -141,7 +141,8 @@ double memory_held() { return own("VmRSS:"); }
 double memory_peak() { return own("VmHWM:"); }
 
 std::string bytes_text(double bytes) {
-  return bytes < 1e9 ? fmt::format("{:.3g} MB", bytes / 1e6) : fmt::format("{:.3g} GB", bytes / 1e9);
+  return bytes < 1e9 ? fmt::format("{:.3g} MB", bytes / 1e6)
+                     : fmt::format("{:.3g} GB", bytes / 1e9);
 }
 
 void require_memory(double bytes, const std::string& what) {

@@ -43,7 +43,6 @@ public:
   std::vector<Failure> run() && {
     for (const auto& part : plan_.parts) region(part.region, part.origin);
     space();
-    if (plan_.forms.empty()) wrong(plan_.space.origin, "nothing resists: the plan has no form");
     for (const auto& form : plan_.forms) this->form(form);
     for (const auto& load : plan_.loads) this->load(load);
     for (const auto& history : plan_.histories)

@@ -107,8 +107,8 @@ std::int64_t direct_fields(const HistoryTerm& term, const Plan& plan,
   return std::min<std::int64_t>(options.steps, 1 + std::llround(reach / options.shortest_step));
 }
 
-/// Of a moment tree: raw steps in its open node, and moments in two nodes a level; measured on
-/// smooth and singular kernels, of which a hard one keeps more of its past raw.
+/// Of a moment tree, roughly: raw steps in its open node, and moments in two nodes a level. A
+/// kernel that varies much keeps more of its past raw.
 double tree_fields(std::int64_t steps) {
   return std::min(static_cast<double>(steps),
                   60.0 + 24.0 * std::log2(1.0 + static_cast<double>(steps) / 32.0));

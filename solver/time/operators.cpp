@@ -149,6 +149,9 @@ bool is_symmetric(const SparseMatrix& matrix) {
 
 Operators assemble_operators(const Plan& plan, const Discretisation& discretisation,
                              const StateLayout& layout) {
+  if (plan.forms.empty())
+    throw Failure(FailureKind::bad_value, plan.space.origin,
+                  "nothing resists: the plan has no form");
   const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
   auto distinct = distinct_terms(plan, n_fields);
   auto matrices = assemble_distinct(plan, discretisation, layout, distinct.terms);
