@@ -4,6 +4,7 @@
 #include "solver/history/history.hpp"
 #include "solver/mesh/generate.hpp"
 #include "solver/time/contact.hpp"
+#include "solver/time/operators.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,23 +12,16 @@
 namespace hvi::solver {
 namespace {
 
-SparseMatrix of_field(const Plan& plan, const Discretisation& d, int field) {
-  SparseMatrix out(d.space.n_dofs(), d.space.n_dofs());
-  for (const auto& form : plan.forms)
-    if (form.field == field)
-      out = SparseMatrix(out + assemble_form(d.space, d.parts[form.part], form));
-  return out;
-}
-
 /// u, u' and the memory in the fine space, and what the paper makes of them at one time.
 class Residual {
 public:
   Residual(const FineSolution& solution, const TimeSpec& time)
       : plan_(solution.plan), d_(*solution.discretisation), layout_(make_layout(d_.space, d_.dofs)),
         contact_(make_contact(plan_, d_, layout_)), loads_(d_.space, d_.parts, plan_.loads),
-        viscous_(of_field(plan_, d_, field_rate)), elastic_(of_field(plan_, d_, field_u)) {
+        viscous_(matrix_of_field(plan_, d_, field_rate)),
+        elastic_(matrix_of_field(plan_, d_, field_u)) {
     for (std::size_t m = 0; m < plan_.histories.size(); ++m) {
-      memory_.push_back(of_field(plan_, d_, first_history_field + static_cast<int>(m)));
+      memory_.push_back(matrix_of_field(plan_, d_, first_history_field + static_cast<int>(m)));
       HistoryOptions options;
       options.order = 1;
       options.horizon = time.grid.back() - time.grid.front();

@@ -2,6 +2,7 @@
 #include "solver/time/energy.hpp"
 
 #include "solver/history/stream.hpp"
+#include "solver/time/operators.hpp"
 #include "solver/time/saved_state.hpp"
 
 #include <algorithm>
@@ -22,14 +23,6 @@ enum Sum {
   n_sums
 };
 
-SparseMatrix of_field(const Plan& plan, const Discretisation& d, int field) {
-  SparseMatrix out(d.space.n_dofs(), d.space.n_dofs());
-  for (const auto& form : plan.forms)
-    if (form.field == field)
-      out = SparseMatrix(out + assemble_form(d.space, d.parts[form.part], form));
-  return out;
-}
-
 double asymmetry(const SparseMatrix& k) {
   const SparseMatrix skew = SparseMatrix(k - SparseMatrix(k.transpose()));
   double size = 0, off = 0;
@@ -41,8 +34,9 @@ double asymmetry(const SparseMatrix& k) {
 } // namespace
 
 EnergyMonitor::EnergyMonitor(const Plan& plan, const Discretisation& d, const Stepper& stepper)
-    : plan_(plan), d_(d), rate_(of_field(plan, d, field_rate)),
-      elastic_(of_field(plan, d, field_u)), gram_(gram_v(d.space, d.dofs.eliminated.empty())),
+    : plan_(plan), d_(d), rate_(matrix_of_field(plan, d, field_rate)),
+      elastic_(matrix_of_field(plan, d, field_u)),
+      gram_(gram_v(d.space, d.dofs.eliminated.empty())),
       loads_(d.space, d.parts, plan.loads), names_{"energy",      "elastic",    "contact",
                                                    "work",        "viscous",    "memory",
                                                    "lost",        "lemma_u",    "lemma_jumps",
@@ -51,7 +45,7 @@ EnergyMonitor::EnergyMonitor(const Plan& plan, const Discretisation& d, const St
                                                    "snap"},
       sums_(n_sums, 0.0), columns_(names_.size()) {
   for (std::size_t m = 0; m < plan.histories.size(); ++m)
-    memory_.push_back(of_field(plan, d, first_history_field + static_cast<int>(m)));
+    memory_.push_back(matrix_of_field(plan, d, first_history_field + static_cast<int>(m)));
   symmetric_ = asymmetry(elastic_) <= 1e-12;
   for (Vector* v : {&u_, &before_, &d_u_, &f_, &work_, &viscous_force_, &elastic_force_,
                     &memory_force_, &contact_force_})

@@ -147,6 +147,16 @@ bool is_symmetric(const SparseMatrix& matrix) {
 
 } // namespace
 
+SparseMatrix matrix_of_field(const Plan& plan, const Discretisation& discretisation, int field) {
+  const int n = discretisation.space.n_dofs();
+  SparseMatrix out(n, n);
+  for (const auto& form : plan.forms)
+    if (form.field == field)
+      out = SparseMatrix(
+          out + assemble_form(discretisation.space, discretisation.parts[form.part], form));
+  return out;
+}
+
 Operators assemble_operators(const Plan& plan, const Discretisation& discretisation,
                              const StateLayout& layout) {
   if (plan.forms.empty())

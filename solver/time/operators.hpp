@@ -44,6 +44,9 @@ Operators assemble_operators(const Plan& plan, const Discretisation& discretisat
 std::optional<Vector> as_combination(const Operators& operators,
                                      const Discretisation& discretisation, const FormTerm& form);
 
+/// The sum of the plan's forms on one field, on all dofs.
+SparseMatrix matrix_of_field(const Plan& plan, const Discretisation& discretisation, int field);
+
 /// The columns of a base matrix that belong to unknowns.
 SparseMatrix on_unknowns(const SparseMatrix& base, int n_unknowns);
 

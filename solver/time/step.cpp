@@ -206,6 +206,13 @@ void Stepper::judge_uniqueness(StepMatrix& matrix) {
   not_unique_ = uniqueness.obstacle();
 }
 
+/// Coupled laws: their own passes settle the bounds, the path matters where a law softens.
+bool Stepper::follows() const {
+  return !not_unique_.empty() &&
+         (!contact_.coupled ||
+          std::ranges::any_of(contact_.softening, [](double m) { return m != 0.0; }));
+}
+
 /// gap = rhs - K_n d with K_n = K + sum_b change_b T_b, its scale, and the backward error.
 double Stepper::residual(StepMatrix& matrix) {
   ++products_;
@@ -370,7 +377,7 @@ bool Stepper::bounds_agree(int n) {
 /// certificate judges all laws at one state.
 void Stepper::couple_bounds(int n, StepMatrix& matrix, StepResult& out) {
   const auto again = [&] {
-    if (follows_) {
+    if (follows()) {
       inequality_.z_before = path_start_.z_before;
       inequality_.xi_before = path_start_.xi, inequality_.state_before = path_start_.state;
     }
@@ -399,14 +406,14 @@ void Stepper::couple_bounds(int n, StepMatrix& matrix, StepResult& out) {
 StepResult Stepper::attempt(int n, StepMatrix& matrix) {
   impose_values(n);
   find_change(n, matrix);
-  if (follows_ && !change_.isZero(0.0)) { // where a branch ends, K_n itself has to say
+  if (follows() && !change_.isZero(0.0)) { // where a branch ends, K_n itself has to say
     factor_or_explain(matrix, coefficients(n), {operators_, grid_, n}, plan_, discretisation_,
                       layout_);
     change_.setZero();
   }
   right_hand_side(n);
   if (!contact_.none()) prepare(contact_, plan_, grid_.t(n), known_, inequality_.xi);
-  if (follows_) {
+  if (follows()) {
     const double before = grid_.is_static() ? 0.0 : grid_.t(n - 1);
     arguments_of(contact_, plan_, before, u_, inequality_.z_before);
     if (contact_.coupled) path_start_ = inequality_;
@@ -436,11 +443,6 @@ StepResult Stepper::advance(int n) {
   }
   auto& matrix = matrix_for(n);
   if (!uniqueness_judged_) judge_uniqueness(matrix);
-  // Also after a restart. Coupled laws: their own passes settle the bounds, the path matters where
-  // a law softens.
-  follows_ = !not_unique_.empty() &&
-             (!contact_.coupled ||
-              std::ranges::any_of(contact_.softening, [](double m) { return m != 0.0; }));
   auto out = attempt(n, matrix);
   if (!out.certified && predictor_.ready()) { // the extrapolated start may have led astray
     predictor_.clear();

@@ -132,6 +132,8 @@ private:
   StepResult attempt(int n, StepMatrix& matrix);
   void couple_bounds(int n, StepMatrix& matrix, StepResult& out);
   bool bounds_agree(int n);
+  /// Steps may have several solutions: branches are followed.
+  bool follows() const;
   void accept(int n);
   void note_size();
   void note_left_over(double error);
@@ -204,7 +206,6 @@ private:
   double mismatch_ = 0; ///< backward error due to the part of K_n that its factor does not know
   std::int64_t earlier_reads_ = 0;
   int products_ = 0, corrections_ = 0, newton_ = 0, fallbacks_ = 0;
-  bool follows_ = false;       ///< steps may have several solutions: branches are followed
   InequalityState path_start_; ///< with coupled laws: where each pass begins its path
   int followed_ = 0, inner_steps_ = 0, unfollowed_ = 0;
 };

@@ -39,6 +39,22 @@ constexpr double unit = std::numeric_limits<double>::epsilon();
 /// A state is kept as the largest when it is so much larger than the last one that was.
 constexpr double clearly_larger = 1.6;
 
+/// Answers x of the last step's matrix to forces become those of the whole time; where `whole` is
+/// null or finds none, `bound` times as large. By how much each of them has grown.
+std::vector<double> grow(WholeTime* whole, std::span<const Vector> forces, int most, double bound,
+                         std::vector<Vector>& x, std::vector<Vector>& xi) {
+  std::vector<double> out;
+  for (std::size_t s = 0; s < forces.size(); ++s) {
+    const double before = x[s].norm();
+    if (whole == nullptr || !whole->relax(forces[s], most, bound, x[s], xi[s])) {
+      x[s] *= bound;
+      xi[s] *= bound;
+    }
+    out.push_back(before > 0.0 ? std::max(1.0, x[s].norm() / before) : bound);
+  }
+  return out;
+}
+
 } // namespace
 
 /// Keeps what acts on each base matrix while the state is the largest so far.
@@ -135,41 +151,36 @@ std::vector<ErrorSample> Stepper::rounding_errors(double backward_error) {
   const bool found = layout_.interior ? layout_.interior->respond(forces, matrix,
                                                                   coefficients(step_)[0], at, x, xi)
                                       : matrix.respond(forces, at, x, xi);
-  std::vector<ErrorSample> out;
   const double bound = amplification();
   const auto memory = memory_of_one();
-  const int most = found && !layout_.interior && bound >= 2.0
-                       ? vectors_for_whole_time(n_unknowns_, contact_.n_rows(), step_)
-                       : 0;
-  std::optional<WholeTime> one_step;
-  if (most > 0)
-    one_step.emplace(operators_, matrix, at, layout_.n_state,
-                     coefficients(step_) -
-                         whole_coefficients(operators_, t() - grid_.t(0), memory));
+  if (contact_.none()) xi.resize(forces.size());
+  std::vector<double> growth(forces.size(), bound);
+  if (found) {
+    const int most = !layout_.interior && bound >= 2.0
+                         ? vectors_for_whole_time(n_unknowns_, contact_.n_rows(), step_)
+                         : 0;
+    std::optional<WholeTime> whole;
+    if (most > 0)
+      whole.emplace(operators_, matrix, at, layout_.n_state,
+                    coefficients(step_) - whole_coefficients(operators_, t() - grid_.t(0), memory));
+    growth = grow(whole ? &*whole : nullptr, forces, most, bound, x, xi);
+  }
   const StateLayout& layout = layout_.interior ? layout_.interior->layout() : layout_;
   Vector state = Vector::Zero(layout.n_state);
+  std::vector<ErrorSample> out(forces.size());
   for (std::size_t s = 0; s < forces.size(); ++s) {
-    ErrorSample sample;
-    double grown = bound;
+    auto& sample = out[s];
     sample.u = Vector::Zero(layout.n_dofs);
     if (found) {
-      const double before = x[s].norm();
-      if (contact_.none()) xi.resize(forces.size());
-      if (!one_step || !one_step->relax(forces[s], most, bound, x[s], xi[s])) {
-        x[s] *= bound;
-        xi[s] *= bound;
-      }
-      if (before > 0.0) grown = std::max(1.0, x[s].norm() / before);
       state.head(layout.n_unknowns) = x[s];
       layout.scatter(state, sample.u);
       if (!contact_.none()) sample.xi = xi[s];
     } else { // the tangent has no factor: nothing is known
       sample.u.setConstant(std::numeric_limits<double>::infinity());
     }
-    sample.rate = grid_.is_static() ? 0.0 : grid_.rate(step_) / grown;
+    sample.rate = grid_.is_static() ? 0.0 : grid_.rate(step_) / growth[s];
     sample.memory = memory;
     if (s < n_samples) sample.share = 1.0 / n_samples;
-    out.push_back(std::move(sample));
   }
   return out;
 }

@@ -31,14 +31,6 @@ std::vector<Expr> exact() {
   return {t * t * right + y * sin(t + x), t * y * exp(x) - (1.0 + t) * right};
 }
 
-SparseMatrix matrix_of(const Plan& plan, const Discretisation& d, int field) {
-  SparseMatrix out(d.space.n_dofs(), d.space.n_dofs());
-  for (const auto& form : plan.forms)
-    if (form.field == field)
-      out = SparseMatrix(out + assemble_form(d.space, d.parts[form.part], form));
-  return out;
-}
-
 /// The ground's nodes in a P2 space with the weights of Simpson's rule on each facet.
 std::vector<std::pair<int, double>> ground_of(const Discretisation& d, double facet) {
   std::vector<std::pair<int, double>> out;

@@ -153,7 +153,7 @@ private:
     if (draw == 2) list.push_back(list.empty() ? T() : T(list[random_() % list.size()]));
   }
   void flip(Plan& plan) {
-    switch (random_() % 8) {
+    switch (random_() % 10) {
     case 0:
       plan.time.is_static = !plan.time.is_static;
       break;
@@ -168,6 +168,12 @@ private:
       break;
     case 4:
       plan.options.memory_tolerance = a_number();
+      break;
+    case 8:
+      plan.mesh.adapted = static_cast<int>(random_() % 40);
+      break;
+    case 9:
+      plan.mesh.refinements = static_cast<int>(random_() % 4) - 1;
       break;
     case 5:
       plan.mesh.high[random_() % 3] = a_number();

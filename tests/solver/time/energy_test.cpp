@@ -10,14 +10,6 @@ namespace {
 
 using namespace testing_plans;
 
-SparseMatrix matrix_of(const Plan& plan, const Discretisation& d, int field) {
-  SparseMatrix out(d.space.n_dofs(), d.space.n_dofs());
-  for (const auto& form : plan.forms)
-    if (form.field == field)
-      out = SparseMatrix(out + assemble_form(d.space, d.parts[form.part], form));
-  return out;
-}
-
 /// softening_layer(): its slope and its potential.
 double slope(double r) {
   return r < 0 ? 0.0 : r < 0.02 ? 100 * r : r < 0.08 ? 2 - 15 * (r - 0.02) : 1.1;

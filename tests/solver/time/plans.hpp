@@ -188,6 +188,15 @@ inline RunResult solve(const Plan& plan, const RunSettings& settings = {}) {
   return run(plan, d, settings);
 }
 
+/// The sum of the forms on a field, on all dofs.
+inline SparseMatrix matrix_of(const Plan& plan, const Discretisation& d, int field) {
+  SparseMatrix out(d.space.n_dofs(), d.space.n_dofs());
+  for (const auto& form : plan.forms)
+    if (form.field == field)
+      out = SparseMatrix(out + assemble_form(d.space, d.parts[form.part], form));
+  return out;
+}
+
 inline void expect_relative(double value, double reference, double tolerance,
                             const std::string& what) {
   EXPECT_LE(std::abs(value - reference), tolerance * std::abs(reference))
