@@ -93,13 +93,21 @@ if(HVI_SANITIZE)
   target_link_options(hvi_options INTERFACE -fsanitize=address,undefined)
 endif()
 
-# What is shipped is hardened: at addresses of its own at every start, with relocations that are read-only.
+# What is shipped is hardened: addresses of its own at every start, canaries on stacks, checked copies.
+# The sanitizers have checks of their own, and FORTIFY needs an optimising compiler.
 function(hvi_harden target)
   if(HVI_SANITIZE OR HVI_FUZZ)
     return()
   endif()
   get_target_property(type ${target} TYPE)
-  target_link_options(${target} PRIVATE -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
+  target_compile_options(${target} PRIVATE -fstack-protector-strong
+    $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE> $<$<NOT:$<CONFIG:Debug>>:-D_FORTIFY_SOURCE=2>)
+  if(NOT type STREQUAL "MODULE_LIBRARY")
+    target_compile_options(${target} PRIVATE -fPIE)
+  endif()
+  if(NOT type STREQUAL "STATIC_LIBRARY")
+    target_link_options(${target} PRIVATE -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
+  endif()
   if(type STREQUAL "EXECUTABLE")
     target_link_options(${target} PRIVATE -pie)
   endif()
