@@ -124,13 +124,6 @@ A setting, element, rule or scheme that does not exist.)",
 space V = vector P3 on slab)",
      R"(
 space V = vector P2 on slab)"},
-    {"E0317", "not constant",
-     R"(
-This must be the same everywhere and always.)",
-     R"(
-expect a = 1 within 1e-6 when x > 0)",
-     R"(
-expect a = 1 within 1e-6 when n > 0)"},
     {"E0318", "unknown module",
      R"(
 There is no module of this name in the standard library. A file is imported by its name in quotes.)",

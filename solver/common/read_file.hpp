@@ -22,6 +22,7 @@ namespace hvi::solver {
 /// take memory that runs out for the end of the file; here it is a bad_alloc.
 inline std::optional<std::string> read_file(const std::filesystem::path& path,
                                             std::size_t most = std::numeric_limits<off_t>::max()) {
+  constexpr std::size_t least_room = 4096;
   struct Descriptor {
     int number;
     ~Descriptor() { // the reason is told afterwards
@@ -40,13 +41,15 @@ inline std::optional<std::string> read_file(const std::filesystem::path& path,
     errno = EINVAL;
     return std::nullopt;
   }
-  std::string bytes(std::min(most, static_cast<std::size_t>(status.st_size)), '\0');
+  // One more than its size shows the end; files of the system have no size before they are read.
+  std::string bytes(std::min(most, static_cast<std::size_t>(status.st_size) + 1), '\0');
   std::size_t done = 0;
-  while (done < bytes.size()) {
+  while (done < most) {
+    if (done == bytes.size()) bytes.resize(std::min(most, 2 * done + least_room));
     const auto got = ::read(file.number, bytes.data() + done, bytes.size() - done);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return std::nullopt;
-    if (got == 0) break; // it has become shorter
+    if (got == 0) break;
     done += static_cast<std::size_t>(got);
   }
   bytes.resize(done);

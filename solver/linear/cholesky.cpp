@@ -58,6 +58,8 @@ public:
   void extend(const Vector& c, Vector& x) override;
   Vector kept() const override;
   void resume(const Vector& kept) override;
+  void reduce_each(std::span<const Vector> b, std::vector<Vector>& r,
+                   std::vector<Vector>& kept) override;
   void back_all(const DenseMatrix& c, std::span<const Vector> kept, const DenseMatrix& weights,
                 DenseMatrix& x, std::vector<int>& place) override;
   std::optional<double> energy(const Vector& b) override;
@@ -74,6 +76,7 @@ private:
   void check_pivots();
   void read_trailing_block();
   void count_sweep();
+  void count_sweeps_at_once();
   [[noreturn]] void fail_at(int position, double pivot) const;
   const double* values() const { return static_cast<const double*>(l_->x); }
 
@@ -316,6 +319,27 @@ void Cholesky::resume(const Vector& kept) {
 }
 
 /// In double precision: what asks for many of them checks results.
+void Cholesky::reduce_each(std::span<const Vector> b, std::vector<Vector>& r,
+                           std::vector<Vector>& kept) {
+  if (!factored_) throw std::logic_error("reduce before a successful factorisation");
+  constexpr int lanes = Supernodes::lanes;
+  const auto count = static_cast<int>(b.size()), groups = (count + lanes - 1) / lanes;
+  if (count == 1) return Factorisation::reduce_each(b, r, kept);
+  if (count == 0 || count > most_at_once) throw std::logic_error("too many sweeps at once");
+  DenseMatrix y = DenseMatrix::Zero(groups * lanes, size_);
+  for (int k = 0; k < count; ++k)
+    for (int position = 0; position < size_; ++position)
+      y(k, position) = b[k][permutation_[position]];
+  supernodes_.forward_all(values(), inverse_diagonal_.data(), groups, y.data());
+  r.resize(b.size());
+  kept.resize(b.size());
+  for (int k = 0; k < count; ++k) {
+    kept[k] = y.row(k).head(interior_);
+    r[k] = y.row(k).tail(size_ - interior_);
+  }
+  count_sweeps_at_once();
+}
+
 void Cholesky::back_all(const DenseMatrix& c, std::span<const Vector> kept,
                         const DenseMatrix& weights, DenseMatrix& x, std::vector<int>& place) {
   if (!factored_) throw std::logic_error("back before a successful factorisation");
@@ -338,6 +362,10 @@ void Cholesky::back_all(const DenseMatrix& c, std::span<const Vector> kept,
   supernodes_.backward_all(values(), inverse_diagonal_.data(), groups, x.data());
   place.resize(static_cast<std::size_t>(size_));
   for (int position = 0; position < size_; ++position) place[permutation_[position]] = position;
+  count_sweeps_at_once();
+}
+
+void Cholesky::count_sweeps_at_once() {
   ++statistics_.sweeps;
   statistics_.bytes_swept += supernodes_.nonzeros() * sizeof(double);
 }

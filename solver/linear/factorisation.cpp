@@ -5,6 +5,16 @@
 
 namespace hvi::solver {
 
+void Factorisation::reduce_each(std::span<const Vector> b, std::vector<Vector>& r,
+                                std::vector<Vector>& kept) {
+  r.resize(b.size());
+  kept.resize(b.size());
+  for (std::size_t k = 0; k < b.size(); ++k) {
+    reduce(b[k], r[k]);
+    kept[k] = this->kept();
+  }
+}
+
 void Factorisation::back_all(const DenseMatrix& c, std::span<const Vector> kept,
                              const DenseMatrix& weights, DenseMatrix& x, std::vector<int>& place) {
   constexpr Eigen::Index unit = 8;
@@ -30,6 +40,11 @@ void Factorisation::back_all(const DenseMatrix& c, std::span<const Vector> kept,
 void Factorisation::back_each(std::span<const Vector> c, std::span<const Vector> kept,
                               std::vector<Vector>& x) {
   const auto count = static_cast<Eigen::Index>(c.size());
+  if (count == 1) {
+    resume(kept.front());
+    x.resize(1);
+    return back(c.front(), x.front());
+  }
   DenseMatrix contact(c.front().size(), count), all;
   for (Eigen::Index k = 0; k < count; ++k) contact.col(k) = c[static_cast<std::size_t>(k)];
   std::vector<int> place;

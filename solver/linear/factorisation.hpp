@@ -61,6 +61,10 @@ public:
   virtual Vector kept() const = 0;
   /// As if the last `reduce` had kept this.
   virtual void resume(const Vector& kept) = 0;
+  /// First sweeps of up to 16 right-hand sides in one reading of the factor, each with what is kept
+  /// of it. Forgets the last `reduce`.
+  virtual void reduce_each(std::span<const Vector> b, std::vector<Vector>& r,
+                           std::vector<Vector>& kept);
   /// x with K x = 0 on the interior and contact part c: one sweep. Forgets the last `reduce`.
   virtual void extend(const Vector& c, Vector& x) = 0;
   /// Second sweeps of up to 16 x_r in one reading of the factor: with the contact part c.col(r), as

@@ -184,6 +184,89 @@ HVI_INLINE void subtract_all(const double* column, std::size_t stride, int count
       std::memcpy(t + a * row + g * Lanes, &sum[a][g], sizeof sum[a][g]);
 }
 
+/// w[i][g] -= sum_a column_a[i] t[a][g], shaped like that.
+template <int Width, int Packs, int Lanes>
+HVI_INLINE void subtract_from_all(const double* column, std::size_t stride, int count,
+                                  const double* t, int row, double* w) {
+  Pack<Lanes> known[Width][Packs];
+#pragma GCC unroll 4
+  for (int a = 0; a < Width; ++a)
+#pragma GCC unroll 2
+    for (int g = 0; g < Packs; ++g) load<Lanes>(t + a * row + g * Lanes, known[a][g]);
+  for (int i = 0; i < count; ++i)
+#pragma GCC unroll 2
+    for (int g = 0; g < Packs; ++g) {
+      Pack<Lanes> sum;
+      load<Lanes>(w + i * row + g * Lanes, sum);
+#pragma GCC unroll 4
+      for (int a = 0; a < Width; ++a) sum -= column[a * stride + i] * known[a][g];
+      std::memcpy(w + i * row + g * Lanes, &sum, sizeof sum);
+    }
+}
+
+template <int Width, int Packs, int Lanes>
+HVI_INLINE void forward_block_all(const double* l, std::size_t stride, int j, int rows,
+                                  const double* inverse, int row, double* w) {
+  const double* column = l + static_cast<std::size_t>(j) * stride;
+  double* t = w + j * row;
+  for (int a = 0; a < Width; ++a)
+    for (int g = 0; g < Packs; ++g) {
+      Pack<Lanes> own, other;
+      load<Lanes>(t + a * row + g * Lanes, own);
+      for (int b = 0; b < a; ++b) {
+        load<Lanes>(t + b * row + g * Lanes, other);
+        own -= column[b * stride + j + a] * other;
+      }
+      own *= inverse[j + a];
+      std::memcpy(t + a * row + g * Lanes, &own, sizeof own);
+    }
+  subtract_from_all<Width, Packs, Lanes>(column + j + Width, stride, rows - j - Width, t, row,
+                                         t + Width * row);
+}
+
+template <int Packs, int Lanes>
+HVI_INLINE void forward_panel_all(const double* l, const Panel& panel, const double* inverse,
+                                  int row, double* w) {
+  const auto stride = static_cast<std::size_t>(panel.stride);
+  int j = 0;
+  for (; j + width <= panel.columns; j += width)
+    forward_block_all<width, Packs, Lanes>(l, stride, j, panel.rows, inverse, row, w);
+  for (; j < panel.columns; ++j)
+    forward_block_all<1, Packs, Lanes>(l, stride, j, panel.rows, inverse, row, w);
+}
+
+/// `Packs` of `Lanes` are what the registers hold; a panel is in the cache when the next ones come.
+template <int Packs, int Lanes>
+HVI_INLINE void forward_sweep_all(const Sweep& sweep, int row, double* y) {
+  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(row);
+  for (const Panel& panel : sweep.panels) {
+    double* w = sweep.work;
+    double* own = y + static_cast<std::ptrdiff_t>(panel.first) * row;
+    const int beneath = panel.rows - panel.columns;
+    const int* place = sweep.below + panel.below;
+    const double* l = sweep.values + panel.values;
+    const double* inverse = sweep.inverse_diagonal + panel.first;
+    std::memcpy(w, own, bytes * static_cast<std::size_t>(panel.columns));
+    std::memset(w + panel.columns * row, 0, bytes * static_cast<std::size_t>(beneath));
+    int r = 0;
+    for (; r + Packs * Lanes <= row; r += Packs * Lanes)
+      forward_panel_all<Packs, Lanes>(l, panel, inverse, row, w + r);
+    for (; r < row; r += Lanes) forward_panel_all<1, Lanes>(l, panel, inverse, row, w + r);
+    std::memcpy(own, w, bytes * static_cast<std::size_t>(panel.columns));
+    for (int i = 0; i < beneath; ++i) {
+      const double* from = w + (panel.columns + i) * row;
+      double* to = y + static_cast<std::ptrdiff_t>(place[i]) * row;
+      for (int k = 0; k < row; k += Lanes) {
+        Pack<Lanes> sum, more;
+        load<Lanes>(to + k, sum);
+        load<Lanes>(from + k, more);
+        sum += more;
+        std::memcpy(to + k, &sum, sizeof sum);
+      }
+    }
+  }
+}
+
 template <int Width, int Packs, int Lanes>
 HVI_INLINE void backward_block_all(const double* l, std::size_t stride, int j, int rows,
                                    const double* inverse, int row, double* w) {
@@ -245,6 +328,12 @@ HVI_INLINE void backward_sweep_all(const Sweep& sweep, int row, double* x) {
   }
 }
 
+HVI_AVX2 void forward_all_avx2(const Sweep& s, int row, double* y) {
+  forward_sweep_all<2, 4>(s, row, y);
+}
+HVI_AVX512 void forward_all_avx512(const Sweep& s, int row, double* y) {
+  forward_sweep_all<2, 8>(s, row, y);
+}
 HVI_AVX2 void backward_all_avx2(const Sweep& s, int row, double* x) {
   backward_sweep_all<2, 4>(s, row, x);
 }
@@ -313,13 +402,31 @@ void Supernodes::backward(const double* values, const double* inverse_diagonal, 
   }
 }
 
+std::vector<double> Supernodes::work_for(int row) const {
+  int tallest = 0;
+  for (const Panel& panel : panels_) tallest = std::max(tallest, panel.rows);
+  return std::vector<double>(static_cast<std::size_t>(tallest) * static_cast<std::size_t>(row));
+}
+
+void Supernodes::forward_all(const double* values, const double* inverse_diagonal, int groups,
+                             double* y) {
+  const int row = groups * lanes;
+  auto work = work_for(row);
+  const Sweep sweep{panels_, below_.data(), values, inverse_diagonal, work.data()};
+  switch (instruction_set()) {
+  case InstructionSet::avx512:
+    return forward_all_avx512(sweep, row, y);
+  case InstructionSet::avx2:
+    return forward_all_avx2(sweep, row, y);
+  case InstructionSet::baseline:
+    return forward_sweep_all<2, 4>(sweep, row, y);
+  }
+}
+
 void Supernodes::backward_all(const double* values, const double* inverse_diagonal, int groups,
                               double* x) {
-  std::size_t tallest = 0;
-  for (const Panel& panel : panels_)
-    tallest = std::max(tallest, static_cast<std::size_t>(panel.rows));
   const int row = groups * lanes;
-  std::vector<double> work(tallest * static_cast<std::size_t>(row));
+  auto work = work_for(row);
   const Sweep sweep{panels_, below_.data(), values, inverse_diagonal, work.data()};
   switch (instruction_set()) {
   case InstructionSet::avx512:

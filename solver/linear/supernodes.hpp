@@ -33,10 +33,11 @@ public:
   /// x_I := L_II^-T (y_I - L_cI^T x_c), where x_c is given in x; y is not changed.
   void backward(const double* values, const double* inverse_diagonal, const double* y, double* x);
 
-  /// Right-hand sides that `backward_all` takes at once: one pack of the widest registers.
+  /// Right-hand sides that a sweep takes at once: one pack of the widest registers.
   static constexpr int lanes = 8;
   /// The same for `groups` times `lanes` right-hand sides in one reading of L, in place: y_I stands
-  /// in x_I. x has all of them for a column of L next to each other.
+  /// in x_I. y and x have all of them for a column of L next to each other.
+  void forward_all(const double* values, const double* inverse_diagonal, int groups, double* y);
   void backward_all(const double* values, const double* inverse_diagonal, int groups, double* x);
 
   std::span<const Panel> panels() const { return panels_; }
@@ -45,6 +46,8 @@ public:
   double nonzeros() const;
 
 private:
+  std::vector<double> work_for(int row) const; ///< rows of the tallest panel, `row` numbers each
+
   std::vector<Panel> panels_;
   std::vector<int> below_;
   std::vector<double> work_; ///< as long as the tallest panel

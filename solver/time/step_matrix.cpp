@@ -141,16 +141,12 @@ bool StepMatrix::respond(std::span<const Vector> forces, const InequalityState& 
   x.resize(forces.size());
   if (contact_.whole) return solver_->respond(at, forces, x, xi);
   factorisation_->sweep_in(SweepStorage::full);
-  if (contact_.none()) {
-    for (std::size_t k = 0; k < forces.size(); ++k) factorisation_->solve(forces[k], x[k]);
-    return true;
-  }
-  std::vector<Vector> r(forces.size()), kept, c;
-  for (std::size_t k = 0; k < forces.size(); ++k) {
-    factorisation_->reduce(forces[k], r[k]);
-    kept.push_back(factorisation_->kept());
-  }
-  if (!solver_->respond(at, r, c, xi)) return false;
+  std::vector<Vector> r, kept, c;
+  factorisation_->reduce_each(forces, r, kept);
+  if (contact_.none())
+    c = r; // without entries
+  else if (!solver_->respond(at, r, c, xi))
+    return false;
   factorisation_->back_each(c, kept, x);
   return true;
 }

@@ -100,6 +100,18 @@ void check_against_dense(const SparseMatrix& k, const std::vector<int>& contact,
   }
 
   // Several at once: what each of them gives, to rounding of the sweep.
+  for (const unsigned count : {1u, 5u, 8u, 13u, 16u}) {
+    std::vector<Vector> many, first, kept_of, second;
+    for (unsigned j = 0; j < count; ++j) many.push_back(random_vector(k.rows(), 20 + j));
+    factorisation->reduce_each(many, first, kept_of);
+    factorisation->back_each(first, kept_of, second);
+    for (unsigned j = 0; j < count; ++j) {
+      factorisation->reduce(many[j], r);
+      EXPECT_LE((first[j] - r).lpNorm<1>(), 1e-12 * (1.0 + r.lpNorm<1>()));
+      factorisation->back(first[j], x);
+      EXPECT_LE((second[j] - x).norm(), 1e-10 * x.norm());
+    }
+  }
   for (const int count : {1, 7, 11, 16})
     for (const std::size_t modes : {0, 1, 2}) {
       DenseMatrix many(c.size(), count), all;

@@ -1,0 +1,62 @@
+"""Codes that no script alone gives: options, files of the system, tolerances out of reach, interruptions.  usage: codes.py HVI_RUN SLAB"""
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+failures = []
+
+
+def check(what, good, shown):
+    print(f"{'ok   ' if good else 'FAILS'} {what}")
+    if not good:
+        failures.append(what)
+        print(shown)
+
+
+def told(done, code, exit_code, *words):
+    return done.returncode == exit_code and f"error[{code}]" in done.stderr and all(word in done.stderr for word in words)
+
+
+def main():
+    program, slab = sys.argv[1], pathlib.Path(sys.argv[2]).read_text()
+    with tempfile.TemporaryDirectory() as folder:
+        def call(*arguments):
+            return subprocess.run([program, *arguments], cwd=folder, capture_output=True, text=True)
+
+        def write(name, text):
+            (pathlib.Path(folder) / name).write_text(text)
+
+        write("slab.hvi", slab)
+        for command in ("check", "run", "plan", "params", "test"):
+            done = call(command, "slab.hvi", "-D", "cells=3")
+            check(f"{command}: E0320 of an unknown parameter", told(done, "E0320", 1, "`cells`"), done)
+            done = call(command, "slab.hvi", "-D", "n=banana")
+            check(f"{command}: E0321 of what is no number", told(done, "E0321", 1, "`banana`"), done)
+
+        # A file of the system that has no size and refuses to be read is no empty script.
+        for command in ("check", "run", "fmt"):
+            done = call(command, "/proc/self/mem")
+            check(f"{command}: E0601 and the system's reason", told(done, "E0601", 1, "Input/output error"), done)
+        write("strict.hvi", slab.replace("from u = 0\n", "from u = 0 using tolerance = 1e-30\n"))
+        done = call("run", "strict.hvi", "-D", "n=4", "-D", "N=4", "-o", "strict")
+        check("a tolerance below rounding: E0701, exit code 3", told(done, "E0701", 3, "step 1", "tolerance 1e-30"), done)
+        rows = (pathlib.Path(folder) / "strict" / "strict.csv").read_text().splitlines()
+        check("no row of the step without a certificate", len(rows) <= 2 and not any(row.startswith("0.25") for row in rows), rows)
+
+        command = [program, "run", "slab.hvi", "-D", "n=8", "-D", "N=1000000", "-o", "long"]
+        with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+            table = pathlib.Path(folder) / "long" / "slab.csv"
+            while process.poll() is None and not (pathlib.Path(folder) / "long").exists():
+                time.sleep(0.01)
+            process.send_signal(signal.SIGINT)
+            out, err = process.communicate()
+        check("an interruption: E0703, exit code 130", process.returncode == 130 and "error[E0703]" in err, (process.returncode, out, err))
+        check("and the rows before it", not table.exists() or table.read_text().startswith("t,"), err)
+    print(f"{len(failures)} failures")
+    sys.exit(bool(failures))
+
+
+main()
