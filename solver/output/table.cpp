@@ -47,8 +47,10 @@ std::string padded_line(const std::vector<std::string>& cells,
 
 std::string csv_text(const ReportTable& table) {
   std::string out;
-  for (std::size_t c = 0; c < table.names.size(); ++c)
-    out += (c == 0 ? "" : ",") + csv_name(table.names[c]);
+  for (std::size_t c = 0; c < table.names.size(); ++c) {
+    if (c > 0) out += ',';
+    out += csv_name(table.names[c]);
+  }
   out += '\n';
   for (std::size_t r = 0; r < rows_of(table); ++r) {
     for (std::size_t c = 0; c < table.columns.size(); ++c) {

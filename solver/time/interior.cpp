@@ -198,12 +198,9 @@ void Interior::scatter_observed(const Vector& y, Vector& full) const {
 
 bool Interior::respond(std::span<const Vector> forces, StepMatrix& matrix, double gamma,
                        const InequalityState& at, std::vector<Vector>& x, std::vector<Vector>& xi) {
-  std::vector<Vector> r(forces.size()), kept, c;
-  for (std::size_t k = 0; k < forces.size(); ++k) {
-    factor_->reduce(forces[k] / gamma, r[k]);
-    kept.push_back(factor_->kept());
-    r[k] *= gamma; // the step's problem is stated for the contact unknowns alone
-  }
+  std::vector<Vector> r, kept, c;
+  factor_->reduce_each(forces, r, kept);
+  for (auto& of_force : kept) of_force /= gamma; // the factor's matrix times gamma is the step's
   if (!matrix.respond_there(r, at, c, xi)) return false;
   factor_->back_each(c, kept, x);
   return true;

@@ -16,14 +16,14 @@ double slope_along(const Contact& contact, const ContactPoint& point, const Vect
                    const Vector& dz, double s) {
   const auto& graph = contact.problem.graphs[point.graph];
   const auto& law = *contact.laws[point.law];
-  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> z =
-      z0.segment(point.first_row, point.rows) + s * dz.segment(point.first_row, point.rows);
-  if (!law.spec().radial)
-    return law.slope(graph, piece_of(graph, z[0]), z[0]) * dz[point.first_row];
-  const double r = z.norm();
-  if (r == 0.0) return 0.0;
-  return law.slope(graph, piece_of(graph, r), r) / r *
-         z.dot(dz.segment(point.first_row, point.rows));
+  double along = 0.0, square = 0.0;
+  for (int row = point.first_row; row < point.first_row + point.rows; ++row) {
+    const double z = z0[row] + s * dz[row];
+    if (!law.spec().radial) return law.slope(graph, piece_of(graph, z), z) * dz[row];
+    along += z * dz[row], square += z * z;
+  }
+  const double r = std::sqrt(square);
+  return r == 0.0 ? 0.0 : law.slope(graph, piece_of(graph, r), r) / r * along;
 }
 
 } // namespace

@@ -10,7 +10,7 @@ namespace hvi::solver {
 namespace {
 
 HypothesisReport judged(const VerdictFacts& facts, RateForm rate_form = RateForm::none,
-                        Margins margins = {-1, -1, -1}) {
+                        Margins margins = {-1, -1, -1, -1, -1}) {
   HypothesisReport report;
   report.rate_form = rate_form;
   report.margins = margins;

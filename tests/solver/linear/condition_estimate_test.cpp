@@ -68,14 +68,15 @@ TEST(DoubleDouble, KeepsWhatCancels) {
   std::mt19937_64 random(1);
   for (int scene = 0; scene < 100; ++scene) {
     DoubleDouble sum;
-    __extension__ __int128 exact = 0;
+    __extension__ typedef __int128 Wide;
+    Wide exact = 0;
     double plain = 0.0;
     for (int i = 0; i < 40; ++i) {
       const auto a = static_cast<std::int64_t>(random() >> 14) - (std::int64_t{1} << 49);
       const auto b = static_cast<std::int64_t>(random() >> 40) - (1 << 23);
       sum.add_product(static_cast<double>(a), static_cast<double>(b));
       plain += static_cast<double>(a) * static_cast<double>(b);
-      exact += static_cast<__int128>(a) * b;
+      exact += static_cast<Wide>(a) * b;
     }
     EXPECT_EQ(sum.value(), static_cast<double>(exact)) << scene << ", plain: " << plain;
   }

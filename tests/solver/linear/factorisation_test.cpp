@@ -118,7 +118,7 @@ void check_against_dense(const SparseMatrix& k, const std::vector<int>& contact,
       for (int j = 0; j < count; ++j) many.col(j) = (1.0 - 0.3 * j) * c.reverse() + 0.1 * j * c;
       DenseMatrix weights(count, static_cast<Eigen::Index>(modes));
       for (int j = 0; j < count; ++j)
-        for (Eigen::Index m = 0; m < weights.cols(); ++m) weights(j, m) = 1.0 - 0.2 * j + 0.5 * m;
+        for (int m = 0; m < weights.cols(); ++m) weights(j, m) = 1.0 - 0.2 * j + 0.5 * m;
       std::vector<int> place;
       factorisation->back_all(many, {kept.data(), modes}, weights, all, place);
       ASSERT_EQ(all.cols(), k.rows());

@@ -123,9 +123,9 @@ INSTANTIATE_TEST_SUITE_P(Paths, Energies,
                                          Case{false, LoadSampling::endpoint},
                                          Case{true, LoadSampling::average},
                                          Case{false, LoadSampling::average}),
-                         [](const auto& info) {
-                           return std::string(info.param.proportional ? "ContactUnknowns" : "All") +
-                                  (info.param.sampling == LoadSampling::average ? "Mean" : "End");
+                         [](const auto& path) {
+                           return std::string(path.param.proportional ? "ContactUnknowns" : "All") +
+                                  (path.param.sampling == LoadSampling::average ? "Mean" : "End");
                          });
 
 /// Where the roof moves the work is that of its reactions.
