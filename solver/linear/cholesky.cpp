@@ -58,8 +58,8 @@ public:
   void extend(const Vector& c, Vector& x) override;
   Vector kept() const override;
   void resume(const Vector& kept) override;
-  void reduce_each(std::span<const Vector> b, std::vector<Vector>& r,
-                   std::vector<Vector>& kept) override;
+  void reduce_each(std::span<const Vector> b, std::vector<Vector>& r) override;
+  void back_each(std::span<const Vector> c, std::vector<Vector>& x) override;
   void back_all(const DenseMatrix& c, std::span<const Vector> kept, const DenseMatrix& weights,
                 DenseMatrix& x, std::vector<int>& place) override;
   std::optional<double> energy(const Vector& b) override;
@@ -93,6 +93,7 @@ private:
   PackedFactor packed_;                  ///< the interior of L once more, if swept shortened
   std::vector<double> inverse_diagonal_; ///< of L, interior
   std::vector<double> y_, x_;            ///< the sweeps' vectors, in the order of elimination
+  DenseMatrix each_; ///< a row for each right-hand side between `reduce_each` and `back_each`
   DenseMatrix l22_;
   mutable DenseMatrix schur_; ///< built at the first use after a factorisation
   mutable bool schur_ready_ = false;
@@ -319,27 +320,39 @@ void Cholesky::resume(const Vector& kept) {
 }
 
 /// In double precision: what asks for many of them checks results.
-void Cholesky::reduce_each(std::span<const Vector> b, std::vector<Vector>& r,
-                           std::vector<Vector>& kept) {
+void Cholesky::reduce_each(std::span<const Vector> b, std::vector<Vector>& r) {
   if (!factored_) throw std::logic_error("reduce before a successful factorisation");
   constexpr int lanes = Supernodes::lanes;
   const auto count = static_cast<int>(b.size()), groups = (count + lanes - 1) / lanes;
-  if (count == 1) return Factorisation::reduce_each(b, r, kept);
+  each_.resize(0, 0);
+  if (count == 1) return Factorisation::reduce_each(b, r);
   if (count == 0 || count > most_at_once) throw std::logic_error("too many sweeps at once");
-  DenseMatrix y = DenseMatrix::Zero(groups * lanes, size_);
-  for (int k = 0; k < count; ++k)
-    for (int position = 0; position < size_; ++position)
-      y(k, position) = b[k][permutation_[position]];
-  supernodes_.forward_all(values(), inverse_diagonal_.data(), groups, y.data());
+  each_.setZero(groups * lanes, size_);
+  for (int position = 0; position < size_; ++position)
+    for (int k = 0; k < count; ++k) each_(k, position) = b[k][permutation_[position]];
+  supernodes_.forward_all(values(), inverse_diagonal_.data(), groups, each_.data());
   r.resize(b.size());
-  kept.resize(b.size());
-  for (int k = 0; k < count; ++k) {
-    kept[k] = y.row(k).head(interior_);
-    r[k] = y.row(k).tail(size_ - interior_);
-  }
+  for (int k = 0; k < count; ++k) r[k] = each_.row(k).tail(size_ - interior_);
   count_sweeps_at_once();
 }
 
+void Cholesky::back_each(std::span<const Vector> c, std::vector<Vector>& x) {
+  const auto count = static_cast<int>(c.size());
+  if (count == 1) return Factorisation::back_each(c, x);
+  constexpr int lanes = Supernodes::lanes;
+  const int groups = static_cast<int>(each_.rows()) / lanes;
+  if (each_.size() == 0 || count > each_.rows())
+    throw std::logic_error("back_each before its reduce_each");
+  for (int k = 0; k < count; ++k) each_.row(k).tail(size_ - interior_) = c[k].transpose();
+  supernodes_.backward_all(values(), inverse_diagonal_.data(), groups, each_.data());
+  x.assign(c.size(), Vector(size_));
+  for (int position = 0; position < size_; ++position)
+    for (int k = 0; k < count; ++k) x[k][permutation_[position]] = each_(k, position);
+  each_.resize(0, 0);
+  count_sweeps_at_once();
+}
+
+/// In double precision, too.
 void Cholesky::back_all(const DenseMatrix& c, std::span<const Vector> kept,
                         const DenseMatrix& weights, DenseMatrix& x, std::vector<int>& place) {
   if (!factored_) throw std::logic_error("back before a successful factorisation");

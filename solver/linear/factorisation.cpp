@@ -2,16 +2,25 @@
 #include "solver/linear/factorisation.hpp"
 
 #include <numeric>
+#include <stdexcept>
 
 namespace hvi::solver {
 
-void Factorisation::reduce_each(std::span<const Vector> b, std::vector<Vector>& r,
-                                std::vector<Vector>& kept) {
+void Factorisation::reduce_each(std::span<const Vector> b, std::vector<Vector>& r) {
   r.resize(b.size());
-  kept.resize(b.size());
+  kept_of_each_.clear();
   for (std::size_t k = 0; k < b.size(); ++k) {
     reduce(b[k], r[k]);
-    kept[k] = this->kept();
+    kept_of_each_.push_back(kept());
+  }
+}
+
+void Factorisation::back_each(std::span<const Vector> c, std::vector<Vector>& x) {
+  if (c.size() != kept_of_each_.size()) throw std::logic_error("back_each before its reduce_each");
+  x.resize(c.size());
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    resume(kept_of_each_[k]);
+    back(c[k], x[k]);
   }
 }
 
@@ -35,24 +44,6 @@ void Factorisation::back_all(const DenseMatrix& c, std::span<const Vector> kept,
   }
   place.resize(static_cast<std::size_t>(x.cols()));
   std::iota(place.begin(), place.end(), 0);
-}
-
-void Factorisation::back_each(std::span<const Vector> c, std::span<const Vector> kept,
-                              std::vector<Vector>& x) {
-  const auto count = static_cast<Eigen::Index>(c.size());
-  if (count == 1) {
-    resume(kept.front());
-    x.resize(1);
-    return back(c.front(), x.front());
-  }
-  DenseMatrix contact(c.front().size(), count), all;
-  for (Eigen::Index k = 0; k < count; ++k) contact.col(k) = c[static_cast<std::size_t>(k)];
-  std::vector<int> place;
-  back_all(contact, kept, DenseMatrix::Identity(count, count), all, place);
-  x.assign(c.size(), Vector(static_cast<Eigen::Index>(place.size())));
-  for (std::size_t k = 0; k < c.size(); ++k)
-    for (std::size_t i = 0; i < place.size(); ++i)
-      x[k][static_cast<Eigen::Index>(i)] = all(static_cast<Eigen::Index>(k), place[i]);
 }
 
 } // namespace hvi::solver

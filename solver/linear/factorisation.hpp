@@ -61,10 +61,10 @@ public:
   virtual Vector kept() const = 0;
   /// As if the last `reduce` had kept this.
   virtual void resume(const Vector& kept) = 0;
-  /// First sweeps of up to 16 right-hand sides in one reading of the factor, each with what is kept
-  /// of it. Forgets the last `reduce`.
-  virtual void reduce_each(std::span<const Vector> b, std::vector<Vector>& r,
-                           std::vector<Vector>& kept);
+  /// Both sweeps of up to 16 right-hand sides at once, in one reading of the factor each:
+  /// `reduce_each` keeps what `back_each` needs of every one of them. Forget the last `reduce`.
+  virtual void reduce_each(std::span<const Vector> b, std::vector<Vector>& r);
+  virtual void back_each(std::span<const Vector> c, std::vector<Vector>& x);
   /// x with K x = 0 on the interior and contact part c: one sweep. Forgets the last `reduce`.
   virtual void extend(const Vector& c, Vector& x) = 0;
   /// Second sweeps of up to 16 x_r in one reading of the factor: with the contact part c.col(r), as
@@ -73,9 +73,6 @@ public:
   virtual void back_all(const DenseMatrix& c, std::span<const Vector> kept,
                         const DenseMatrix& weights, DenseMatrix& x, std::vector<int>& place);
   static constexpr int most_at_once = 16;
-  /// Second sweeps of up to 16 right-hand sides at once, for what `reduce` kept of each: x_k has
-  /// the contact part c_k.
-  void back_each(std::span<const Vector> c, std::span<const Vector> kept, std::vector<Vector>& x);
   /// b^T K^-1 b for one sweep; nothing of an LU factor, which has no such short cut.
   virtual std::optional<double> energy(const Vector&) { return std::nullopt; }
   /// x = K^-1 b, both sweeps with S c = r solved exactly.
@@ -92,6 +89,9 @@ public:
   /// Lower Cholesky factor L22 of S (empty for LU).
   virtual const DenseMatrix& schur_factor() const = 0;
   virtual const FactorStatistics& statistics() const = 0;
+
+private:
+  std::vector<Vector> kept_of_each_;
 };
 
 /// Orders of elimination that were found before; ordering.hpp.

@@ -159,6 +159,12 @@ HVI_INLINE void backward_sweep(const Sweep& sweep, const double* y, double* x) {
   }
 }
 
+template <int Width>
+HVI_INLINE void prefetch(const double* column, std::size_t stride) {
+#pragma GCC unroll 4
+  for (int a = 0; a < Width; ++a) __builtin_prefetch(column + a * stride);
+}
+
 /// t[a][g] -= sum_i column_a[i] w[i][g] for Packs packs g of rows that are `row` numbers wide.
 template <int Width, int Packs, int Lanes>
 HVI_INLINE void subtract_all(const double* column, std::size_t stride, int count, const double* w,
@@ -169,6 +175,7 @@ HVI_INLINE void subtract_all(const double* column, std::size_t stride, int count
 #pragma GCC unroll 2
     for (int g = 0; g < Packs; ++g) load<Lanes>(t + a * row + g * Lanes, sum[a][g]);
   for (int i = 0; i < count; ++i) {
+    if (i % 8 == 0) prefetch<Width>(column + i - ahead, stride);
     Pack<Lanes> other[Packs];
 #pragma GCC unroll 2
     for (int g = 0; g < Packs; ++g) load<Lanes>(w + i * row + g * Lanes, other[g]);
@@ -193,7 +200,8 @@ HVI_INLINE void subtract_from_all(const double* column, std::size_t stride, int 
   for (int a = 0; a < Width; ++a)
 #pragma GCC unroll 2
     for (int g = 0; g < Packs; ++g) load<Lanes>(t + a * row + g * Lanes, known[a][g]);
-  for (int i = 0; i < count; ++i)
+  for (int i = 0; i < count; ++i) {
+    if (i % 8 == 0) prefetch<Width>(column + i + ahead, stride);
 #pragma GCC unroll 2
     for (int g = 0; g < Packs; ++g) {
       Pack<Lanes> sum;
@@ -202,6 +210,7 @@ HVI_INLINE void subtract_from_all(const double* column, std::size_t stride, int 
       for (int a = 0; a < Width; ++a) sum -= column[a * stride + i] * known[a][g];
       std::memcpy(w + i * row + g * Lanes, &sum, sizeof sum);
     }
+  }
 }
 
 template <int Width, int Packs, int Lanes>

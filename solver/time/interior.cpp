@@ -198,11 +198,12 @@ void Interior::scatter_observed(const Vector& y, Vector& full) const {
 
 bool Interior::respond(std::span<const Vector> forces, StepMatrix& matrix, double gamma,
                        const InequalityState& at, std::vector<Vector>& x, std::vector<Vector>& xi) {
-  std::vector<Vector> r, kept, c;
-  factor_->reduce_each(forces, r, kept);
-  for (auto& of_force : kept) of_force /= gamma; // the factor's matrix times gamma is the step's
+  std::vector<Vector> r, c;
+  factor_->reduce_each(forces, r);
   if (!matrix.respond_there(r, at, c, xi)) return false;
-  factor_->back_each(c, kept, x);
+  for (auto& of_force : c) of_force *= gamma; // the factor's matrix times gamma is the step's
+  factor_->back_each(c, x);
+  for (auto& of_force : x) of_force /= gamma;
   return true;
 }
 

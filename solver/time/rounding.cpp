@@ -39,10 +39,9 @@ void add_rounding(const SparseMatrix& a, const Vector& v, double unit, RoundingF
       const double other = size_of[it.col() < size_of.size() ? it.col() : i]; // imposed: no row
       const double least = std::min(value / unit, size_of[i] * other);
       const double term = std::copysign(std::max(value, least), it.value()) * v[it.col()];
-      // 16 bits for each sample
-      const std::uint64_t bits = mixed(std::bit_cast<std::uint64_t>(value) + golden);
-      for (std::size_t s = 0; s < n_samples; ++s)
-        sums[s] += static_cast<std::int16_t>(bits >> (16 * s)) * term;
+      const auto draws = std::bit_cast<std::array<std::int16_t, n_samples>>(
+          mixed(std::bit_cast<std::uint64_t>(value) + golden));
+      for (std::size_t s = 0; s < n_samples; ++s) sums[s] += draws[s] * term;
       all += std::abs(it.value() * v[it.col()]);
     }
     for (std::size_t s = 0; s < n_samples; ++s) forces[s][i] += scale * sums[s];

@@ -141,13 +141,13 @@ bool StepMatrix::respond(std::span<const Vector> forces, const InequalityState& 
   x.resize(forces.size());
   if (contact_.whole) return solver_->respond(at, forces, x, xi);
   factorisation_->sweep_in(SweepStorage::full);
-  std::vector<Vector> r, kept, c;
-  factorisation_->reduce_each(forces, r, kept);
+  std::vector<Vector> r, c;
+  factorisation_->reduce_each(forces, r);
   if (contact_.none())
     c = r; // without entries
   else if (!solver_->respond(at, r, c, xi))
     return false;
-  factorisation_->back_each(c, kept, x);
+  factorisation_->back_each(c, x);
   return true;
 }
 
