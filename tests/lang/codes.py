@@ -30,11 +30,11 @@ def main():
             (pathlib.Path(folder) / name).write_text(text)
 
         write("slab.hvi", slab)
-        for command in ("check", "run", "plan", "params", "test"):
+        for command, exit_code in (("check", 1), ("run", 1), ("plan", 1), ("params", 1), ("test", 5)):
             done = call(command, "slab.hvi", "-D", "cells=3")
-            check(f"{command}: E0320 of an unknown parameter", told(done, "E0320", 1, "`cells`"), done)
+            check(f"{command}: E0320 of an unknown parameter", told(done, "E0320", exit_code, "`cells`"), done)
             done = call(command, "slab.hvi", "-D", "n=banana")
-            check(f"{command}: E0321 of what is no number", told(done, "E0321", 1, "`banana`"), done)
+            check(f"{command}: E0321 of what is no number", told(done, "E0321", exit_code, "`banana`"), done)
 
         # A file of the system that has no size and refuses to be read is no empty script.
         for command in ("check", "run", "fmt"):
@@ -43,8 +43,8 @@ def main():
         write("strict.hvi", slab.replace("from u = 0\n", "from u = 0 using tolerance = 1e-30\n"))
         done = call("run", "strict.hvi", "-D", "n=4", "-D", "N=4", "-o", "strict")
         check("a tolerance below rounding: E0701, exit code 3", told(done, "E0701", 3, "step 1", "tolerance 1e-30"), done)
-        rows = (pathlib.Path(folder) / "strict" / "strict.csv").read_text().splitlines()
-        check("no row of the step without a certificate", len(rows) <= 2 and not any(row.startswith("0.25") for row in rows), rows)
+        table = pathlib.Path(folder) / "strict" / "strict.csv"
+        check("no row of the step without a certificate", not table.exists() or "\n0.25" not in table.read_text(), done)
 
         command = [program, "run", "slab.hvi", "-D", "n=8", "-D", "N=1000000", "-o", "long"]
         with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:

@@ -13,7 +13,7 @@ std::string kinds(const std::string& text) {
   std::string result;
   for (const Token& token : lex(source, diagnostics).tokens)
     if (token.kind != TokenKind::end)
-      result += (result.empty() ? "" : " ") + std::string(info(token.kind).name);
+      result.append(result.empty() ? "" : " ").append(info(token.kind).name);
   return result;
 }
 
