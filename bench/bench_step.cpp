@@ -7,8 +7,8 @@
 //   product  y = T x with one matrix of the forms; a step needs one for the right-hand side per
 //            matrix that acts on something known, and one for its residual
 #include "lang/driver.hpp"
+#include "solver/common/clock.hpp"
 #include "solver/linear/factorisation.hpp"
-#include "solver/time/clock.hpp"
 #include "solver/time/step.hpp"
 
 #include <Eigen/CholmodSupport>

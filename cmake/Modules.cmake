@@ -1,18 +1,19 @@
-# One folder is one static library; what a module may use is written in one place, here as arguments.
+# One folder is one static library; what it stands on is in Floors.cmake.
+include(Floors)
 
-# hvi_module(solver mesh USES kernel LINKS ZLIB::ZLIB): library hvi_solver_mesh from solver/mesh/*.cpp
+# hvi_module(solver output LINKS ZLIB::ZLIB): library hvi_solver_output from solver/output/*.cpp
 function(hvi_module family name)
-  cmake_parse_arguments(ARG "" "" "USES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "LINKS" ${ARGN})
+  hvi_stands_on(floors ${family}_${name})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/${family}/${name}/*.cpp)
   set(target hvi_${family}_${name})
-  list(TRANSFORM ARG_USES PREPEND hvi_)
   if(sources)
     add_library(${target} STATIC ${sources})
-    target_link_libraries(${target} PUBLIC hvi_options hvi_headers ${ARG_USES} ${ARG_LINKS})
+    target_link_libraries(${target} PUBLIC hvi_options hvi_headers ${floors} ${ARG_LINKS})
     hvi_harden(${target})
   else()
     add_library(${target} INTERFACE)
-    target_link_libraries(${target} INTERFACE hvi_options hvi_headers ${ARG_USES} ${ARG_LINKS})
+    target_link_libraries(${target} INTERFACE hvi_options hvi_headers ${floors} ${ARG_LINKS})
   endif()
 endfunction()
 

@@ -136,9 +136,9 @@ void print_profile(const solver::RunResult& r, double bandwidth) {
   };
   line("mesh", t.mesh, false), line("assembly", t.assembly, false);
   line("ordering", t.ordering, false), line("factorisation", t.factor, false);
-  line("steps", t.steps, true), line("  history", t.history, true);
-  line("  sweeps", t.sweeps, true, t.swept_bytes / bandwidth),
-      line("  inequality", t.inequality, true);
+  line("steps", t.steps, true), line("  history (wall)", t.history, true);
+  line("  sweeps (wall)", t.sweeps, true, t.swept_bytes / bandwidth),
+      line("  inequality (wall)", t.inequality, true);
   line("output", t.output, true), line("set-up besides", std::max(0.0, rest), false);
   line("total", t.total, false);
   const auto& w = r.work;

@@ -3,13 +3,13 @@
 #include "lang/outputs.hpp"
 #include "lang/say.hpp"
 #include "lang/study.hpp"
+#include "solver/common/clock.hpp"
 #include "solver/common/memory_room.hpp"
 #include "solver/common/read_file.hpp"
 #include "solver/output/file.hpp"
 #include "solver/study/ladder.hpp"
 #include "solver/time/adapt.hpp"
 #include "solver/time/checkpoint.hpp"
-#include "solver/time/clock.hpp"
 #include "solver/time/shared_work.hpp"
 
 #include <fmt/format.h>
@@ -367,7 +367,7 @@ private:
     solver::RunSettings settings;
     settings.stop = &stop_flag();
     settings.on_step = [&](int, double t, const solver::Vector& u, const solver::Vector&) {
-      const solver::PhaseClock clock(watching);
+      const solver::PhaseClock<> clock(watching);
       const auto start = std::chrono::steady_clock::now();
       if (keeps) trajectory->times.push_back(t), trajectory->states.push_back(u);
       if (gauge) gauge->step(t, u);

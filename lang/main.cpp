@@ -6,6 +6,7 @@
 #include "solver/common/memory_room.hpp"
 #include "solver/common/out_of_memory.hpp"
 #include "solver/linear/blas_memory.hpp"
+#include "solver/linear/one_blas_thread.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -242,6 +243,7 @@ int main(int argc, char** argv) {
     hvi::lang::tell_no_memory("out of memory: a run needs some 200 MiB of addresses");
     return hvi::lang::exit_solve;
   }
+  const hvi::solver::OneBlasThread one_thread;
   open_standard_streams();
   std::signal(SIGXFSZ, SIG_IGN); // a file beyond a limit is a failed write, with a message
   std::signal(SIGPIPE, SIG_IGN); // and so is a pipe that nobody reads

@@ -1,6 +1,7 @@
 // What the terminal shows of the memory: one line for each kernel.
 #pragma once
 
+#include "solver/history/history.hpp"
 #include "solver/plan/plan.hpp"
 
 namespace hvi::lang {

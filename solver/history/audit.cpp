@@ -1,8 +1,8 @@
 // The audit of a memory: a few unknowns are summed directly beside the route that was chosen, with
 // weights by another quadrature, and the largest difference is reported.
+#include "solver/common/stream.hpp"
 #include "solver/history/independent.hpp"
 #include "solver/history/routes.hpp"
-#include "solver/history/stream.hpp"
 #include "solver/history/traits.hpp"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // The direct route: all fields are stored and summed with exact weights. O(N) per step; the
 // yardstick of the other routes, and the only one that needs nothing of the kernel.
+#include "solver/common/stream.hpp"
 #include "solver/history/fields.hpp"
 #include "solver/history/past_weights.hpp"
 #include "solver/history/routes.hpp"
-#include "solver/history/stream.hpp"
 
 namespace hvi::solver {
 

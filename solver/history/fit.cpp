@@ -1,11 +1,11 @@
 // The fitted route: a sum of exponentials for lags above a window, raw steps with exact weights
 // within the window. The window is the shortest step, or the last kink of the kernel.
+#include "solver/common/stream.hpp"
 #include "solver/history/exponentials.hpp"
 #include "solver/history/horizon.hpp"
 #include "solver/history/past_weights.hpp"
 #include "solver/history/pole_fit.hpp"
 #include "solver/history/routes.hpp"
-#include "solver/history/stream.hpp"
 
 #include <fmt/format.h>
 

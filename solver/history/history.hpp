@@ -3,7 +3,7 @@
 #pragma once
 
 #include "solver/common/failure.hpp"
-#include "solver/kernel/expr.hpp"
+#include "solver/kernel/kernel_spec.hpp"
 
 #include <cstdint>
 #include <iosfwd>
@@ -13,16 +13,6 @@
 #include <vector>
 
 namespace hvi::solver {
-
-/// A scalar kernel as data: an expression in slot::lag and slot::t (q(t, s) = expression(t, t -
-/// s)).
-struct KernelSpec {
-  std::string name;
-  Origin origin;
-  Expr expression;
-};
-
-enum class HistoryRoute { automatic, recursion, fit, tree, direct };
 
 struct HistoryOptions {
   HistoryRoute route = HistoryRoute::automatic;

@@ -1,8 +1,8 @@
 // The quadrature of the audit; see independent.hpp.
 #include "solver/history/independent.hpp"
 
+#include "solver/common/stream.hpp"
 #include "solver/history/past_weights.hpp"
-#include "solver/history/stream.hpp"
 #include "solver/kernel/algebra.hpp"
 
 #include <boost/math/quadrature/gauss.hpp>

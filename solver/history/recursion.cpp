@@ -1,8 +1,8 @@
 // The symbolic route: exact recursion, a few fields whatever the number of steps.
+#include "solver/common/stream.hpp"
 #include "solver/history/exponentials.hpp"
 #include "solver/history/routes.hpp"
 #include "solver/history/steps.hpp"
-#include "solver/history/stream.hpp"
 
 #include <fmt/format.h>
 

@@ -1,12 +1,12 @@
 // The moment tree: recent steps are raw, older ones are blocks of Chebyshev moments of u, merged in
 // pairs as they age. Needs nothing of the kernel but smoothness away from lag 0. Where the coming
 // times are known, all nodes but the open one are read once for as many steps as it will hold.
+#include "solver/common/stream.hpp"
 #include "solver/history/block_test.hpp"
 #include "solver/history/fields.hpp"
 #include "solver/history/horizon.hpp"
 #include "solver/history/past_weights.hpp"
 #include "solver/history/routes.hpp"
-#include "solver/history/stream.hpp"
 
 #include <fmt/format.h>
 

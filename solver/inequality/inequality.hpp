@@ -6,7 +6,7 @@
 // G_p (1 to 3 rows) takes the contact unknowns to the law's argument, g_p is what is known of it.
 #pragma once
 
-#include "solver/inequality/branch.hpp"
+#include "solver/law/branch.hpp"
 #include "solver/law/law.hpp"
 #include "solver/linear/sparse.hpp"
 

@@ -1,6 +1,6 @@
 // What a solver carries from one solve to the next, as bytes (engine.hpp, inequality.hpp): the
 // stiffnesses its last factor belongs to. All else is computed anew in every solve.
-#include "solver/history/stream.hpp"
+#include "solver/common/stream.hpp"
 #include "solver/inequality/engine.hpp"
 
 namespace hvi::solver {

@@ -1,8 +1,8 @@
 // See bandwidth.hpp.
 #include "solver/linear/bandwidth.hpp"
 
+#include "solver/common/clock.hpp"
 #include "solver/linear/large_pages.hpp"
-#include "solver/time/clock.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -30,11 +30,9 @@ double read_bandwidth(int megabytes) {
   double best = std::numeric_limits<double>::infinity();
   double checksum = 0.0;
   for (int pass = 0; pass < 3; ++pass) {
-    // What other programs take of the processor is not counted; no short cut of cpu_seconds()
-    // either.
-    const double start = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
+    const double start = cpu_seconds(); // what other programs take is not counted
     checksum += sum(array);
-    best = std::min(best, seconds_of(CLOCK_PROCESS_CPUTIME_ID) - start);
+    best = std::min(best, cpu_seconds() - start);
   }
   // The sum is used, so that the passes cannot be left out.
   return checksum > 0.0 ? 8.0 * static_cast<double>(count) / best : 0.0;

@@ -2,14 +2,15 @@
 // trailing block L22 of L gives the Schur complement S = L22 L22^T with no solve at all.
 #include "solver/linear/cholesky.hpp"
 
+#include "solver/common/clock.hpp"
 #include "solver/common/out_of_memory.hpp"
 #include "solver/linear/cholmod_session.hpp"
+#include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
 #include "solver/linear/packed_factor.hpp"
 #include "solver/linear/permuted_lower.hpp"
 #include "solver/linear/supernodes.hpp"
 #include "solver/linear/symbolic.hpp"
-#include "solver/time/clock.hpp"
 
 #include <fmt/format.h>
 

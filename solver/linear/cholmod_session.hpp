@@ -24,17 +24,4 @@ private:
 /// Throws Failure(limit) where CHOLMOD's last failure was one of size and not of memory.
 void refuse_too_large(const cholmod_common& common, int unknowns);
 
-/// Holds OpenBLAS and OpenMP to one thread while it lives: the same bits whatever the number of
-/// cores, and no idle threads that spin.
-class OneBlasThread {
-public:
-  OneBlasThread();
-  ~OneBlasThread();
-  OneBlasThread(const OneBlasThread&) = delete;
-  OneBlasThread& operator=(const OneBlasThread&) = delete;
-
-private:
-  int before_, levels_before_;
-};
-
 } // namespace hvi::solver

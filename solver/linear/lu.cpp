@@ -4,9 +4,10 @@
 // step read L once and U once, as with Cholesky.
 #include "solver/linear/lu.hpp"
 
+#include "solver/common/clock.hpp"
 #include "solver/common/out_of_memory.hpp"
+#include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
-#include "solver/time/clock.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 // See ordering.hpp.
 #include "solver/linear/ordering.hpp"
 
+#include "solver/common/clock.hpp"
 #include "solver/common/failure.hpp"
 #include "solver/common/out_of_memory.hpp"
-#include "solver/time/clock.hpp"
 
 #include <algorithm>
 #include <optional>

@@ -1,8 +1,8 @@
 // See separate.hpp.
 #include "solver/linear/separate.hpp"
 
+#include "solver/common/clock.hpp"
 #include "solver/linear/lapack.hpp"
-#include "solver/time/clock.hpp"
 
 #include <cmath>
 #include <limits>

@@ -9,9 +9,8 @@
 #pragma once
 
 #include "solver/common/failure.hpp"
-#include "solver/history/history.hpp"
-#include "solver/inequality/branch.hpp"
-#include "solver/kernel/expr.hpp"
+#include "solver/kernel/kernel_spec.hpp"
+#include "solver/law/branch.hpp"
 #include "solver/law/law.hpp"
 #include "solver/mesh/mesh.hpp"
 

@@ -1,8 +1,8 @@
 // The search for a wanted accuracy: its course, the runs and their check; see accuracy.hpp.
 #include "solver/study/accuracy.hpp"
 
+#include "solver/common/clock.hpp"
 #include "solver/study/search.hpp"
-#include "solver/time/clock.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // Runs that are kept to be compared; see kept_run.hpp.
 #include "solver/study/kept_run.hpp"
 
+#include "solver/common/clock.hpp"
 #include "solver/study/reference.hpp"
-#include "solver/time/clock.hpp"
 #include "solver/time/shared_work.hpp"
 
 #include <algorithm>
@@ -101,7 +101,7 @@ KeptRun Runner::make(const Setting& setting, const RunSettings& settings, bool e
   RunSettings here = settings;
   double watching = 0.0;
   here.on_step = [&](int n, double, const Vector& u, const Vector&) {
-    const PhaseClock clock(watching);
+    const PhaseClock<> clock(watching);
     if (!keeps_step(n, setting.steps, stride)) return;
     out.steps.push_back(n), out.states.push_back(u);
   };

@@ -2,6 +2,7 @@
 #include "solver/study/time_functions.hpp"
 
 #include "solver/fem/region.hpp"
+#include "solver/history/history.hpp"
 #include "solver/kernel/algebra.hpp"
 
 #include <algorithm>

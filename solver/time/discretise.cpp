@@ -1,9 +1,9 @@
 // Mesh, parts and space of a plan, with every mistake of theirs found at once. First stage of the
 // engine: plan -> Discretisation -> run (run.cpp), hypotheses, study.
+#include "solver/common/clock.hpp"
 #include "solver/common/memory_room.hpp"
 #include "solver/plan/validate.hpp"
 #include "solver/time/adapt.hpp"
-#include "solver/time/clock.hpp"
 #include "solver/time/law_sampler.hpp"
 #include "solver/time/overlaps.hpp"
 #include "solver/time/run.hpp"

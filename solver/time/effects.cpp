@@ -1,7 +1,7 @@
 // See effects.hpp. Called by the reporter in report.cpp.
 #include "solver/time/effects.hpp"
 
-#include "solver/history/stream.hpp"
+#include "solver/common/stream.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // Energies and the quantities of Lemma 3.2, step by step; see energy.hpp. Called by run.cpp.
 #include "solver/time/energy.hpp"
 
-#include "solver/history/stream.hpp"
+#include "solver/common/stream.hpp"
 #include "solver/time/operators.hpp"
 #include "solver/time/saved_state.hpp"
 

@@ -1,7 +1,7 @@
 // Extrapolation over steps of one length; see predictor.hpp.
 #include "solver/time/predictor.hpp"
 
-#include "solver/history/stream.hpp"
+#include "solver/common/stream.hpp"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // What the memories of a run will cost; see rehearsal.hpp.
 #include "solver/time/rehearsal.hpp"
 
-#include "solver/time/clock.hpp"
+#include "solver/common/clock.hpp"
 #include "solver/time/memory.hpp"
 
 #include <algorithm>

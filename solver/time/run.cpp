@@ -12,10 +12,10 @@
 // and keeps the last good state when it has to stop.
 #include "solver/time/run.hpp"
 
+#include "solver/common/clock.hpp"
 #include "solver/history/horizon.hpp"
 #include "solver/output/file.hpp"
 #include "solver/time/checkpoint.hpp"
-#include "solver/time/clock.hpp"
 #include "solver/time/energy.hpp"
 #include "solver/time/reduce.hpp"
 #include "solver/time/report.hpp"
@@ -257,6 +257,7 @@ public:
 
   void march() {
     const int steps = stepper_.grid().steps();
+    LapClock<> clock;
     for (int n = stepper_.step() + 1; n <= steps; ++n) {
       if (settings_.stop != nullptr && settings_.stop->load()) {
         if (settings_.checkpoint_every > 0 && stepper_.step() > 0) checkpoint();
@@ -264,29 +265,28 @@ public:
                       settings_.checkpoint_every > 0 ? "`--resume` goes on from here" : "");
       }
       step(n);
+      clock.charge(result_.timing.steps);
       record(n == steps);
       if (n < steps) reporter_.stream(stepper_.checked_up_to(), !stepper_.not_unique().empty());
       if (settings_.checkpoint_every > 0 && (n == steps || n % settings_.checkpoint_every == 0))
         checkpoint();
+      clock.charge(result_.timing.output);
     }
     result_.certificate.certified = true;
   }
 
   /// Everything known so far into the result; what tables hold goes to disk.
   RunResult conclude() {
-    {
-      const PhaseClock clock(result_.timing.steps);
-      stepper_.make_checks();
-    }
+    LapClock<> clock;
+    stepper_.make_checks();
+    clock.charge(result_.timing.steps);
     note_late_errors();
     record(true);
     tell_choice();
-    {
-      const PhaseClock clock(result_.timing.output);
-      reporter_.finish(result_);
-      if (monitor_) finish_monitors();
-      reporter_.tell_unwritten(result_);
-    }
+    reporter_.finish(result_);
+    if (monitor_) finish_monitors();
+    reporter_.tell_unwritten(result_);
+    clock.charge(result_.timing.output);
     account(result_.work, result_.timing);
     result_.histories = stepper_.memory().reports();
     result_.steps = stepper_.step();
@@ -307,7 +307,6 @@ private:
   }
 
   void step(int n) {
-    const PhaseClock clock(result_.timing.steps);
     const auto outcome = stepper_.advance(n);
     if (!outcome.certified) not_certified(outcome, n, stepper_, plan_);
     note(outcome, n, stepper_.t(), stepper_.grid(), plan_, result_);
@@ -334,7 +333,6 @@ private:
 
   void record(bool last) {
     if (stepper_.step() == 0) return; // nothing certified yet
-    const PhaseClock clock(result_.timing.output);
     reporter_.record(stepper_, last);
     if (!settings_.on_step || stepper_.step() == told_) return;
     told_ = stepper_.step();
@@ -345,7 +343,7 @@ private:
 
   /// What rounding may have done to the columns.
   void estimate_forward_error() {
-    const PhaseClock clock(result_.timing.output);
+    const PhaseClock<> clock(result_.timing.output);
     auto& error = result_.forward_error;
     const auto samples = stepper_.rounding_errors(result_.certificate.equilibrium);
     // Where a body sticks everywhere displacements are rounding of what its loads amount to.
@@ -412,7 +410,6 @@ private:
   }
 
   void checkpoint() {
-    const PhaseClock clock(result_.timing.output);
     std::ostringstream out;
     out.exceptions(std::ios::badbit); // memory that runs out is no shorter state
     StateWriter w(out);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/assembly/assembly.hpp"
+#include "solver/history/history.hpp"
 #include "solver/plan/plan.hpp"
 
 #include <atomic>
@@ -76,7 +77,8 @@ inline constexpr const char* better_conditioned =
     "fewer, better shaped cells, or units and stiffnesses closer to each other, make the matrix "
     "better conditioned";
 
-/// Seconds of CPU time by phase.
+/// Seconds of CPU time by phase; history, sweeps and inequality, parts of steps, by the clock on
+/// the wall.
 struct Timing {
   double mesh = 0, assembly = 0, ordering = 0, factor = 0, history = 0, sweeps = 0, inequality = 0,
          steps = 0, output = 0, total = 0;

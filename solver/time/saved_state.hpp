@@ -1,7 +1,7 @@
 // Vectors and texts in the bytes of a checkpoint.
 #pragma once
 
-#include "solver/history/stream.hpp"
+#include "solver/common/stream.hpp"
 #include "solver/linear/sparse.hpp"
 
 #include <string>

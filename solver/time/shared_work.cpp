@@ -1,9 +1,9 @@
 // Matrices, orders and factors that runs share; see shared_work.hpp.
 #include "solver/time/shared_work.hpp"
 
+#include "solver/common/clock.hpp"
 #include "solver/common/memory_room.hpp"
 #include "solver/linear/ordering.hpp"
-#include "solver/time/clock.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 // One step of the fully discrete scheme; see step.hpp. Called by the loop in run.cpp.
 #include "solver/time/step.hpp"
 
+#include "solver/common/clock.hpp"
 #include "solver/common/memory_room.hpp"
 #include "solver/common/parallel.hpp"
-#include "solver/time/clock.hpp"
 #include "solver/time/rigid.hpp"
 #include "solver/time/snap.hpp"
 #include "solver/time/uniqueness.hpp"
@@ -35,7 +35,7 @@ Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
     : plan_(plan), discretisation_(d), timing_(timing), grid_(plan.time),
       layout_(make_layout(d.space, d.dofs)), never_shortened_(!plan.options.shortened_sweeps),
       sweeps_(plan.options.tolerance) {
-  const PhaseClock clock(timing.assembly);
+  const PhaseClock<> clock(timing.assembly);
   operators_ = assemble_operators(plan, d, layout_);
   contact_ = make_contact(plan, d, layout_);
   loads_.emplace(d.space, d.parts, plan.loads);
@@ -438,7 +438,7 @@ StepResult Stepper::attempt(int n, StepMatrix& matrix) {
 
 StepResult Stepper::advance(int n) {
   {
-    const PhaseClock clock(timing_.history);
+    const PhaseClock<wall_seconds> clock(timing_.history);
     memory_->begin_step(grid_.t(n));
   }
   auto& matrix = matrix_for(n);
@@ -471,7 +471,7 @@ StepResult Stepper::advance(int n) {
 
 void Stepper::accept(int n) {
   if (!grid_.is_static()) {
-    const PhaseClock clock(timing_.history);
+    const PhaseClock<wall_seconds> clock(timing_.history);
     memory_->commit(grid_.t(n), known_);
     d_before_.swap(d_previous_);
     if (layout_.n_state == layout_.n_unknowns)

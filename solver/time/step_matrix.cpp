@@ -1,9 +1,9 @@
 // The matrix of a step with its factor, condensed to the contact unknowns; see step_matrix.hpp.
 #include "solver/time/step_matrix.hpp"
 
+#include "solver/common/clock.hpp"
 #include "solver/linear/condition_estimate.hpp"
 #include "solver/linear/separate.hpp"
-#include "solver/time/clock.hpp"
 
 namespace hvi::solver {
 
@@ -92,7 +92,7 @@ InequalityReport StepMatrix::solve(const Vector& gap, const Vector* rhs, Inequal
                                    const SweepLimits& limits) {
   InequalityReport report;
   if (factorisation_) factorisation_->sweep_in(limits.forward);
-  LapClock clock;
+  LapClock<wall_seconds> clock;
   if (contact_.none()) {
     factorisation_->solve(gap, x_);
     clock.charge(seconds_sweeps);

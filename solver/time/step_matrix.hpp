@@ -95,7 +95,7 @@ public:
   void save(std::ostream& out) const;
   /// Factors again for the saved coefficients.
   void restore(std::istream& in);
-  double seconds_inequality = 0, seconds_sweeps = 0; ///< CPU time so far
+  double seconds_inequality = 0, seconds_sweeps = 0; ///< of the clock on the wall, so far
 
 private:
   void make_factor();

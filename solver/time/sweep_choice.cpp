@@ -1,7 +1,7 @@
 // See sweep_choice.hpp.
 #include "solver/time/sweep_choice.hpp"
 
-#include "solver/history/stream.hpp"
+#include "solver/common/stream.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,19 @@
+// One thread for BLAS and OpenMP.
+#pragma once
+
+namespace hvi::solver {
+
+/// Holds OpenBLAS and OpenMP to one thread while it lives: the same bits whatever the number of
+/// cores, and no idle threads that spin.
+class OneBlasThread {
+public:
+  OneBlasThread();
+  ~OneBlasThread();
+  OneBlasThread(const OneBlasThread&) = delete;
+  OneBlasThread& operator=(const OneBlasThread&) = delete;
+
+private:
+  int before_, levels_before_;
+};
+
+} // namespace hvi::solver
