@@ -74,12 +74,14 @@ target_include_directories(hvi_headers SYSTEM INTERFACE ${SPECTRA_INCLUDE} ${BOO
 target_link_libraries(hvi_headers INTERFACE Eigen3::Eigen fmt::fmt)
 
 add_library(hvi_options INTERFACE)
-target_include_directories(hvi_options INTERFACE ${CMAKE_CURRENT_SOURCE_DIR})
-target_compile_options(hvi_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-  -Wno-sign-conversion -fno-math-errno)
+target_include_directories(hvi_options INTERFACE
+  $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/hvi>)
+target_compile_features(hvi_options INTERFACE cxx_std_20)
+set(warnings -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
 if(HVI_WERROR)
-  target_compile_options(hvi_options INTERFACE -Werror)
+  list(APPEND warnings -Werror)
 endif()
+target_compile_options(hvi_options INTERFACE "$<BUILD_INTERFACE:${warnings};-fno-math-errno>")
 if(HVI_SANITIZE)
   target_compile_options(hvi_options INTERFACE -fsanitize=address,undefined
     -fno-sanitize-recover=undefined -fno-omit-frame-pointer)

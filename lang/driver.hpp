@@ -18,7 +18,7 @@
 
 namespace hvi::lang {
 
-inline constexpr const char* version = "0.1.0";
+inline constexpr const char* version = HVI_VERSION; ///< CMakeLists.txt has it
 
 /// Exit codes, fixed (docs/language.md, "The command").
 enum Exit {

@@ -1,0 +1,51 @@
+"""What is installed works: program, library with find_package(hvi), man page, completions, and the Debian package.
+
+usage: install.py CMAKE SOURCE_FOLDER BUILD_FOLDER"""
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+cmake, source, build = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+FILES = ("bin/hvi-run", "lib/hvi/libhvi_gmsh.so", "lib/cmake/hvi/hviConfig.cmake", "include/hvi/solver/plan/plan.hpp", "share/hvi/stdlib/contact.hvi",
+         "share/man/man1/hvi-run.1", "share/bash-completion/completions/hvi-run")
+
+
+def call(*words, **more):
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, **more)
+    assert done.returncode == 0, f"{words}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+def works(prefix, folder):
+    """The program, with the module that makes meshes beside it."""
+    for name in FILES:
+        assert (prefix / name).is_file(), f"{name} is not installed"
+    for script, words in (("slab.hvi", ("-D", "n=4", "-D", "N=4")), ("bracket.hvi", ("--allow-geo",))):
+        call(prefix / "bin/hvi-run", source / "examples" / script, *words, "-o", folder / script, cwd=folder)
+
+
+def main():
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        prefix = folder / "prefix"
+        call(cmake, "--install", build, "--prefix", prefix)
+        works(prefix, folder)
+        shutil.copytree(source / "examples/cpp", folder / "cpp")
+        call(cmake, "-S", folder / "cpp", "-B", folder / "own", f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release")
+        call(cmake, "--build", folder / "own")
+        assert re.search(r"reaction = 3\.680214391.*certified true", call(folder / "own/slab_cpp"), re.S)
+        if shutil.which("dpkg-shlibdeps"):
+            call(pathlib.Path(cmake).with_name("cpack"), "--config", build / "CPackConfig.cmake", "-G", "DEB", "-B", folder / "deb")
+            package, = (folder / "deb").glob("*.deb")
+            needed = call("dpkg-deb", "-f", package, "Depends")
+            assert all(name in needed for name in ("libc6", "libopenblas", "libcholmod", "libfmt", "libgmsh")), needed
+            call("dpkg-deb", "-x", package, folder / "root")
+            works(folder / "root/usr", folder)
+            print(f"{package.name} needs {needed.strip()}")
+    print("installed, found, built against, run")
+
+
+main()
