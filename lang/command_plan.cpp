@@ -2,11 +2,13 @@
 #include "lang/driver.hpp"
 #include "lang/memory_lines.hpp"
 #include "lang/mesh_values.hpp"
+#include "lang/outputs.hpp"
 #include "lang/say.hpp"
 #include "solver/common/memory_room.hpp"
 #include "solver/linear/bandwidth.hpp"
 #include "solver/time/memory.hpp"
 #include "solver/time/rehearsal.hpp"
+#include "solver/time/result_json.hpp"
 
 #include <fmt/format.h>
 
@@ -94,6 +96,10 @@ void print_forecast(const Forecast& f) {
       more > room.bytes ? fmt::format(", MORE than {} leaves", room.from) : "");
 }
 
+std::string count(std::size_t number, const char* what) {
+  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+}
+
 /// The effects as declared, or with what the first steps showed of them.
 void print_effects(const Script& script, const std::optional<Forecast>& first_steps) {
   using State = solver::EffectNote::State;
@@ -112,14 +118,26 @@ void print_effects(const Script& script, const std::optional<Forecast>& first_st
   }
 }
 
+/// As hvi-plan/1.
+void write_forecast(const Script& script, Forecast& f, std::vector<solver::HistoryReport> memory,
+                    const Options& options) {
+  f.result.script = script.path;
+  f.result.histories = std::move(memory);
+  write_json_text(options, solver::plan_json(f.result, *script.plan, json_context(script),
+                                             {f.steps, f.taken, f.seconds(), f.most_bytes}));
+}
+
 } // namespace
 
 int plan_command(const std::string& path, const Options& options) {
   Script script;
   script.path = path;
-  if (!compile_script(script, options)) {
+  HeldOutputs outputs;
+  int refused = exit_ok;
+  if (!compile_script(script, options) ||
+      !outputs.take(outputs_in("", {}, options), options, script, refused)) {
     show_diagnostics(script, options);
-    return exit_script;
+    return refused != exit_ok ? refused : exit_script;
   }
   std::vector<solver::HistoryReport> memory;
   try {
@@ -141,11 +159,20 @@ int plan_command(const std::string& path, const Options& options) {
     add_failure(script, failure);
     code = exit_script;
   }
-  print_effects(script, first_steps);
-  print_memory(*script.plan, memory);
-  say("{} forms, {} memory fields, {} laws, {} loads\n", script.plan->forms.size(),
-      script.plan->histories.size(), script.plan->law_terms.size(), script.plan->loads.size());
-  if (first_steps) print_forecast(*first_steps);
+  if (!json_only(options)) {
+    print_effects(script, first_steps);
+    print_memory(*script.plan, memory);
+    say("{}, {}, {}, {}\n", count(script.plan->forms.size(), "form"),
+        count(script.plan->histories.size(), "memory field"),
+        count(script.plan->law_terms.size(), "law"), count(script.plan->loads.size(), "load"));
+    if (first_steps) print_forecast(*first_steps);
+  }
+  try {
+    if (first_steps) write_forecast(script, *first_steps, std::move(memory), options);
+  } catch (const solver::Failure& failure) {
+    add_failure(script, failure);
+    code = exit_code(failure);
+  }
   show_diagnostics(script, options);
   return code;
 }

@@ -153,11 +153,8 @@ void print_profile(const solver::RunResult& r, double bandwidth) {
 
 std::string json_of(const Script& script, const solver::RunResult& result,
                     const std::optional<solver::AccuracyResult>& accuracy, double bandwidth) {
-  solver::ResultContext context;
-  for (const ModelParam& p : script.model->params)
-    if (const auto* v = std::get_if<double>(&p.value)) context.params[p.name] = *v;
+  solver::ResultContext context = json_context(script);
   context.bandwidth = bandwidth;
-  context.line_of = [&](solver::Origin origin) { return line_of(script, origin); };
   std::string text = solver::result_json(result, *script.plan, context);
   return accuracy ? with_accuracy(text, *accuracy) : text;
 }

@@ -205,6 +205,14 @@ void add_failure(Script& script, const solver::Failure& failure) {
   report(script, code, span, failure.what(), failure.help);
 }
 
+solver::ResultContext json_context(const Script& script) {
+  solver::ResultContext context;
+  for (const ModelParam& p : script.model->params)
+    if (const auto* v = std::get_if<double>(&p.value)) context.params[p.name] = *v;
+  context.line_of = [&](solver::Origin origin) { return line_of(script, origin); };
+  return context;
+}
+
 int line_of(const Script& script, solver::Origin origin) {
   if (!script.model || origin.id < 0 || origin.id >= static_cast<int>(script.model->origins.size()))
     return 0;

@@ -9,6 +9,7 @@
 #include "lang/diag/source.hpp"
 #include "lang/syntax/ast.hpp"
 #include "solver/plan/plan.hpp"
+#include "solver/time/result_json.hpp"
 #include "solver/time/run.hpp"
 
 #include <map>
@@ -83,6 +84,9 @@ int exit_code(const solver::Failure& failure);
 void show_diagnostics(const Script& script, const Options& options);
 /// Line (from 1) of an origin in the script's own file; 0 when it lies elsewhere.
 int line_of(const Script& script, solver::Origin origin);
+
+/// Parameters and lines for the JSON of a script, which must outlive it.
+solver::ResultContext json_context(const Script& script);
 /// The folder results go to: -o, or one named after the script and the parameters given
 /// (outputs.cpp).
 std::string output_folder(const Script& script, const Options& options);

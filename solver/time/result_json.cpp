@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace hvi::solver {
@@ -182,6 +183,34 @@ std::string result_json(const RunResult& result, const Plan& plan, const ResultC
            {"files", result.files}};
   if (result.monitors) out["monitors"] = monitors(*result.monitors);
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string plan_json(const RunResult& first_steps, const Plan& plan, const ResultContext& context,
+                      const PredictedWork& predicted) {
+  Json work = what_was_done(first_steps, plan, context);
+  for (const char* counted : {"sweeps", "products", "newton"})
+    work[counted] = std::llround(work[counted].get<double>() * predicted.steps /
+                                 std::max(1, predicted.first_steps));
+  for (const char* of_a_run :
+       {"fallback_steps", "followed_steps", "inner_steps", "unfollowed_steps", "field_reads"})
+    work.erase(of_a_run);
+  for (Json& history : work["history"])
+    for (const char* measured : {"bytes", "norm", "bound", "audits", "audited_until", "audit"})
+      history.erase(measured);
+  std::int64_t fields = 0;
+  for (const auto& history : first_steps.histories) fields += history.fields;
+  work["fields"] = fields;
+  work["seconds"] = predicted.seconds, work["bytes"] = predicted.bytes;
+  return Json{{"schema", "hvi-plan/1"},
+              {"script", first_steps.script},
+              {"params", Json(context.params)},
+              {"unknowns", first_steps.unknowns},
+              {"contact_unknowns", first_steps.contact_unknowns},
+              {"steps", predicted.steps},
+              {"first_steps", predicted.first_steps},
+              {"plan", work}}
+             .dump(2, ' ', false, Json::error_handler_t::replace) +
+         "\n";
 }
 
 } // namespace hvi::solver

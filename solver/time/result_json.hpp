@@ -1,4 +1,5 @@
-// The result of a run as JSON, schema `hvi-result/1` (docs/schema/hvi-result-1.schema.json).
+// The result of a run as JSON, schema `hvi-result/1`, and what a run will do, `hvi-plan/1`
+// (docs/schema).
 #pragma once
 
 #include "solver/time/run.hpp"
@@ -18,5 +19,16 @@ struct ResultContext {
 
 /// The whole result as text, numbers with 17 digits; values that are not there (NaN) are null.
 std::string result_json(const RunResult& result, const Plan& plan, const ResultContext& context);
+
+/// What a run will take, foretold from its first steps.
+struct PredictedWork {
+  int steps = 0, first_steps = 0;
+  double seconds = 0.0, bytes = 0.0; ///< CPU time; the most that is held
+};
+
+/// What a run will do: effects, matrices and memories; sweeps, products and Newton iterations are
+/// those of the first steps times steps / first_steps.
+std::string plan_json(const RunResult& first_steps, const Plan& plan, const ResultContext& context,
+                      const PredictedWork& predicted);
 
 } // namespace hvi::solver
