@@ -47,10 +47,9 @@ std::array<double, 3> project(const Point& p, int dim) {
 }
 
 /// Norm of the field at every node.
-std::vector<double> magnitudes(const solver::Plan& plan, const solver::FieldSpec& field,
-                               const solver::Discretisation& d, const solver::RunResult& result) {
-  const std::array<const solver::Vector*, 1> fields = {&result.u};
-  const double t = plan.time.grid.empty() ? 0.0 : plan.time.grid.back();
+std::vector<double> magnitudes(const solver::FieldSpec& field, const solver::Discretisation& d,
+                               const solver::Vector& u, double t) {
+  const std::array<const solver::Vector*, 1> fields = {&u};
   const auto values = solver::nodal_values(d.space, field.components, {fields, t});
   const std::size_t m = field.components.size();
   std::vector<double> out(values.size() / m);
@@ -106,11 +105,13 @@ std::string polygons(const solver::Mesh& mesh, const std::vector<double>& values
 
 /// The commands of one picture.
 std::string commands_for(const solver::Plan& plan, const solver::PictureSpec& picture,
-                         const solver::Discretisation& d, const solver::RunResult& result) {
-  const auto values = magnitudes(plan, picture.field, d, result);
-  const std::string label = picture.field.components.size() > 1
-                                ? fmt::format("|{}|", picture.field.name)
-                                : picture.field.name;
+                         const solver::Discretisation& d, const solver::Vector& u) {
+  const double end = plan.time.grid.empty() ? 0.0 : plan.time.grid.back();
+  const auto values = magnitudes(picture.field, d, u, picture.time.value_or(end));
+  const std::string label =
+      (picture.field.components.size() > 1 ? fmt::format("|{}|", picture.field.name)
+                                           : picture.field.name) +
+      (picture.time ? fmt::format(", t = {:g}", *picture.time) : "");
   return fmt::format("set size ratio -1\nunset key\n{}"
                      "set palette defined (0 '#30123b', 1 '#28bbec', 2 '#a2fc3c', 3 '#fb8022', 4 "
                      "'#7a0403')\nset title {} noenhanced\n$data << HVI_END\n{}HVI_END\n"
@@ -124,18 +125,21 @@ std::string commands_for(const solver::Plan& plan, const solver::PictureSpec& pi
 } // namespace
 
 std::string picture_file(const solver::Plan& plan, const solver::PictureSpec& picture) {
-  return picture.file.empty() ? fmt::format("{}_{}.png", plan.title, picture.field.name)
-                              : picture.file;
+  if (!picture.file.empty()) return picture.file;
+  return fmt::format("{}_{}{}.png", plan.title, picture.field.name,
+                     picture.time ? fmt::format("_t{:g}", *picture.time) : "");
 }
 
 std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::Discretisation& d,
                                  const solver::RunResult& result, const std::string& folder) {
   std::vector<Drawn> out;
-  for (const solver::PictureSpec& picture : plan.report.pictures) {
+  for (std::size_t i = 0; i < plan.report.pictures.size(); ++i) {
+    const auto& picture = plan.report.pictures[i];
     if (d.mesh.dim == 1) continue;
     out.push_back({picture.origin, picture_file(plan, picture), {}, {}, !picture.file.empty()});
     try {
-      plot(commands_for(plan, picture, d, result), std::filesystem::path(folder) / out.back().file);
+      const auto& u = picture.time ? result.pictures.at(i) : result.u;
+      plot(commands_for(plan, picture, d, u), std::filesystem::path(folder) / out.back().file);
     } catch (const solver::Failure& failure) {
       out.back().failure = failure.what(), out.back().help = failure.help;
     }

@@ -129,19 +129,22 @@ void check_probe_points(const Plan& plan, const Discretisation& d, std::vector<F
   }
 }
 
-void check_probe_times(const Plan& plan, std::vector<Failure>& failures) {
+void check_times(const Plan& plan, std::vector<Failure>& failures) {
   const auto& grid = plan.time.grid;
-  for (const auto& probe : plan.report.probes) {
-    if (!probe.time) continue;
-    if (!plan.time.is_static && grid.size() > 1 && *probe.time >= grid.front() &&
-        *probe.time <= grid.back())
-      continue;
-    failures.emplace_back(FailureKind::bad_value, probe.origin,
-                          plan.time.is_static
-                              ? fmt::format("`{}` asks for a time of a static problem", probe.name)
-                              : fmt::format("the time {} of `{}` is outside the time interval",
-                                            *probe.time, probe.name));
-  }
+  const auto check = [&](const std::optional<double>& time, Origin origin,
+                         const std::string& name) {
+    if (!time) return;
+    if (!plan.time.is_static && grid.size() > 1 && *time >= grid.front() && *time <= grid.back())
+      return;
+    failures.emplace_back(
+        FailureKind::bad_value, origin,
+        plan.time.is_static
+            ? fmt::format("`{}` asks for a time of a static problem", name)
+            : fmt::format("the time {} of `{}` is outside the time interval", *time, name));
+  };
+  for (const auto& probe : plan.report.probes) check(probe.time, probe.origin, probe.name);
+  for (const auto& picture : plan.report.pictures)
+    check(picture.time, picture.origin, picture.field.name);
 }
 
 } // namespace
@@ -157,7 +160,7 @@ std::vector<Failure> discretise(const Plan& plan, Discretisation& out,
     if (failure.kind == FailureKind::interrupted) throw;
     std::vector<Failure> failures;
     check_grid(plan, failures);
-    check_probe_times(plan, failures);
+    check_times(plan, failures);
     failures.push_back(with_origin(failure, plan.mesh.origin));
     return failures;
   }
@@ -170,7 +173,7 @@ std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& 
   auto failures = validate(plan, mesh.dim);
   if (!failures.empty()) return failures;
   check_grid(plan, failures);
-  check_probe_times(plan, failures);
+  check_times(plan, failures);
   out.mesh = std::move(mesh);
   require_space(plan, out.mesh.dim, static_cast<double>(out.mesh.nodes.size()), 0.0);
   check_probe_points(plan, out, failures);

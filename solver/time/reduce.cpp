@@ -83,6 +83,10 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
   for (const auto& probe : plan.report.probes)
     if (probe.time && reads_interior(probe, n_fields))
       return fmt::format("`{}` reads the interior between two steps", probe.name);
+  for (const auto& picture : plan.report.pictures)
+    if (picture.time)
+      return fmt::format("the picture of `{}` reads the interior between two steps",
+                         picture.field.name);
   std::string who;
   const int every = interior_every(plan, &who);
   if (every > 0 && every < worth_recovering)

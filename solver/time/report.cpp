@@ -47,6 +47,7 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, const Stepper& ste
     rows_read_interior_ = rows_read_interior_ || reads_interior(probe, n_fields);
   if (const auto& interior = stepper.layout().interior) interior->observe(probes_.dofs_read());
   values_.assign(plan.report.probes.size(), std::nan(""));
+  pictures_.resize(plan.report.pictures.size());
   columns_.resize(values_.size());
 }
 
@@ -72,10 +73,13 @@ void Reporter::prepare_fields(const Discretisation& d, const Stepper& stepper,
     const auto more = fields_.back().second.expressions();
     expressions.insert(expressions.end(), more.begin(), more.end());
   }
+  const bool timed_pictures =
+      std::ranges::any_of(plan_.report.pictures, [](const auto& p) { return p.time.has_value(); });
+  if (timed_pictures) expressions.push_back(Expr::variable(slot::field(field_u, slot::value(0))));
   const int n_fields = first_history_field + static_cast<int>(plan_.histories.size());
   const auto needed = fields_read(expressions, n_fields);
   now_ = Snapshot(needed, stepper.layout().n_dofs, contact_.n_rows());
-  keeps_before_ = probes_.any_timed();
+  keeps_before_ = probes_.any_timed() || timed_pictures;
   if (!keeps_before_) return;
   before_ = between_ = now_;
   before_.take(stepper);
@@ -91,7 +95,7 @@ void Reporter::record(const Stepper& stepper, bool last) {
   });
   const bool whole = any_fields || last || (row && rows_read_interior_);
   if (row || whole || keeps_before_) now_.take(stepper, whole);
-  if (keeps_before_) timed_probes(stepper);
+  if (keeps_before_) read_between_steps(stepper);
   if (row || last) {
     probes_.evaluate(now_, values_);
     rows_.push_back(step);
@@ -112,15 +116,24 @@ void Reporter::mark(const StepResult& outcome) {
     pending_events_ = -1;
 }
 
-/// Probes at times between grid times read u_tau (affine) or bar u_tau (constant) of the paper.
-void Reporter::timed_probes(const Stepper& stepper) {
+/// Probes and pictures at times between grid times read u_tau (affine) or bar u_tau (constant) of
+/// the paper.
+void Reporter::read_between_steps(const Stepper& stepper) {
   const double from = before_.t(), to = now_.t();
-  for (const int i : probes_.timed(from, to, stepper.step() == 1)) {
-    const double at = *plan_.report.probes[i].time;
+  const bool first = stepper.step() == 1;
+  const auto go_to = [&](double at) {
     const bool constant = plan_.time.interpolant == Interpolant::constant && at > from;
-    const double theta = constant ? 1.0 : (at - from) / (to - from);
-    between_.interpolate(before_, now_, theta);
+    between_.interpolate(before_, now_, constant ? 1.0 : (at - from) / (to - from));
+  };
+  for (const int i : probes_.timed(from, to, first)) {
+    go_to(*plan_.report.probes[i].time);
     values_[i] = probes_.value(i, between_);
+  }
+  for (std::size_t i = 0; i < pictures_.size(); ++i) {
+    const auto& at = plan_.report.pictures[i].time;
+    if (!at || *at > to || *at < from || (*at == from && !first)) continue;
+    go_to(*at);
+    pictures_[i] = between_.field(field_u);
   }
 }
 
@@ -172,6 +185,7 @@ void Reporter::finish(RunResult& result) {
     for (const int probe : table.probes)
       if (shown.insert(probe).second)
         result.column_order.push_back(plan_.report.probes[probe].name);
+  result.pictures = pictures_;
   result.times = times_;
   result.events = events_;
   for (const int probe : shown) result.columns[plan_.report.probes[probe].name] = columns_[probe];

@@ -66,7 +66,7 @@ private:
   void prepare_tables(const std::string& name);
   void prepare_fields(const Discretisation& discretisation, const Stepper& stepper,
                       const RunSettings& settings);
-  void timed_probes(const Stepper& stepper);
+  void read_between_steps(const Stepper& stepper);
   std::vector<double> change_along(const ErrorSample& direction, double step);
   void write_table(const TableFile& table, std::size_t rows, bool with_events);
   bool due(int every, int step, bool last) const { return last || step % every == 0; }
@@ -86,6 +86,7 @@ private:
   std::vector<int> rows_; ///< steps recorded
   std::vector<double> times_;
   std::vector<std::vector<double>> columns_; ///< by probe
+  std::vector<Vector> pictures_;             ///< by picture with a time: u then
   LawRange range_;
   std::vector<EffectNote> found_; ///< effects that only the matrices and loads show
   std::vector<std::string> written_;

@@ -136,6 +136,7 @@ struct RunResult {
   std::string unwritten, unwritten_help;
   std::vector<std::string> files; ///< written, relative to the output folder
   Vector u;                       ///< full vector at the end
+  std::vector<Vector> pictures;   ///< the same at the time of each picture that has one
 };
 
 struct Progress {

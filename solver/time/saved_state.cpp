@@ -261,6 +261,10 @@ void Reporter::save(std::ostream& out) const {
   w.put(static_cast<std::uint64_t>(written_.size()));
   for (const auto& name : written_) put_text(w, name);
   for (const auto& files : fields_) files.second.save(out);
+  for (const Vector& u : pictures_) {
+    w.put(static_cast<std::uint8_t>(u.size() > 0));
+    if (u.size() > 0) put_vector(w, u);
+  }
 }
 
 void Reporter::restore(std::istream& in, const Stepper& stepper) {
@@ -276,6 +280,8 @@ void Reporter::restore(std::istream& in, const Stepper& stepper) {
   written_.clear();
   for (auto left = r.get<std::uint64_t>(); left > 0; --left) written_.push_back(get_text(r));
   for (auto& files : fields_) files.second.restore(in);
+  for (Vector& u : pictures_)
+    if (r.get<std::uint8_t>() != 0) get_vector(r, u, space_.n_dofs());
   now_.take(stepper);
   if (keeps_before_) before_ = now_;
 }

@@ -262,6 +262,41 @@ TEST(Probes, BetweenGridTimesTheInterpolantIsAffine) {
   EXPECT_NEAR(result.final.at("between"), 0.75 * u[2] + 0.25 * u[3], 1e-16);
 }
 
+// The states of all steps, by the callback, and the interpolant of the plan between them.
+TEST(Pictures, AtATimeShowTheStateThen) {
+  for (const bool constant : {false, true}) {
+    auto plan = slab(4, 8, 2, true);
+    plan.time.interpolant = constant ? Interpolant::constant : Interpolant::affine;
+    for (const double time : {0.0, (3 + 0.25) / 8, 0.5, 1.0})
+      plan.report.pictures.push_back({{}, {"u", {}, {u_value(0), u_value(1)}}, time, ""});
+    plan.report.pictures.push_back({{}, {"u", {}, {u_value(0)}}, {}, ""});
+    std::vector<Vector> states;
+    RunSettings settings;
+    settings.on_step = [&](int, double, const Vector& u, const Vector&) { states.push_back(u); };
+    const auto result = solve(plan, settings);
+    ASSERT_EQ(states.size(), 8u);
+    ASSERT_EQ(result.pictures.size(), 5u);
+    EXPECT_EQ(result.pictures[0], Vector::Zero(states[0].size()).eval());
+    const Vector between = constant ? states[3] : Vector(0.75 * states[2] + 0.25 * states[3]);
+    const double size = between.lpNorm<Eigen::Infinity>();
+    EXPECT_LE((result.pictures[1] - between).lpNorm<Eigen::Infinity>(), 1e-14 * size);
+    EXPECT_EQ(result.pictures[2], states[3]);
+    EXPECT_EQ(result.pictures[3], states[7]);
+    EXPECT_EQ(result.pictures[4].size(), 0); // that of the end is in u
+  }
+}
+
+TEST(Pictures, OutsideTheTimeIntervalAreRefused) {
+  for (const double time : {-0.1, 1.5}) {
+    auto plan = slab(2, 2);
+    plan.report.pictures.push_back({{}, {"u", {}, {u_value(0)}}, time, ""});
+    Discretisation d;
+    const auto failures = discretise(plan, d);
+    ASSERT_EQ(failures.size(), 1u);
+    EXPECT_NE(std::string(failures[0].what()).find("outside the time interval"), std::string::npos);
+  }
+}
+
 TEST(Probes, CombinationsReadOtherProbes) {
   auto plan = slab(4, 4);
   Probe ratio;

@@ -45,6 +45,7 @@ Scene rich() {
   fields.fields = {{"u", {}, {u_value(0), u_value(1)}}};
   fields.every = 4;
   plan.report.fields = {fields};
+  plan.report.pictures = {{{}, fields.fields[0], 0.3, "early.png"}, {{}, fields.fields[0], {}, ""}};
   return out;
 }
 
