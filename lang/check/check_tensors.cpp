@@ -20,7 +20,9 @@ namespace slot = solver::slot;
 
 namespace {
 
-using Symbols3 = std::array<Symbol, 3>;
+Eigen::Matrix3d matrix_of(const std::array<solver::Point, 3>& rows) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows[0].data());
+}
 
 /// lambda d_ij d_kl + mu (d_ik d_jl + d_il d_jk)
 Field isotropic(int d, const Symbol& lambda, const Symbol& mu) {
@@ -222,115 +224,131 @@ void Checker::check_tables() {
   }
 }
 
-Value Checker::material_call(const ast::Expr& e, const ast::Call& c, const std::string& name,
-                             const Scope& scope) {
-  const int d = model_.dim;
-  auto number = [&](const ast::Expr* a) -> std::optional<Symbol> {
-    auto f = scalar(*a, scope);
-    return f ? std::optional(f->scalar()) : std::nullopt;
-  };
-  auto three = [&](const ast::Expr* a, const char* what) -> std::optional<Symbols3> {
-    auto f = field(*a, scope);
-    if (!f) return std::nullopt;
-    if (f->rank == 1 && f->rows == 3)
-      return Symbols3{f->components[0], f->components[1], f->components[2]};
-    error("E0307", a->span, fmt::format("`{}` is a list of three, not {}", what, describe(*f)));
+std::optional<Symbol> Checker::symbol_of(const ast::Expr* a, const Scope& scope) {
+  auto f = scalar(*a, scope);
+  return f ? std::optional(f->scalar()) : std::nullopt;
+}
+
+std::optional<Symbols3> Checker::three_symbols(const ast::Expr* a, const char* what,
+                                               const Scope& scope) {
+  auto f = field(*a, scope);
+  if (!f) return std::nullopt;
+  if (f->rank == 1 && f->rows == 3)
+    return Symbols3{f->components[0], f->components[1], f->components[2]};
+  error("E0307", a->span, fmt::format("`{}` is a list of three, not {}", what, describe(*f)));
+  return std::nullopt;
+}
+
+/// Rows of length one; the identity where nothing is written.
+std::optional<std::array<solver::Point, 3>> Checker::material_axes(const ast::Expr* a) {
+  std::array<solver::Point, 3> rows{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  if (!a) return rows;
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> m(rows[0].data());
+  Scope constants;
+  constants.what = "material axes";
+  auto f = field(*a, constants);
+  if (!f) return std::nullopt;
+  if (f->rank == 2 && f->rows == f->columns && (f->rows == 2 || f->rows == 3) && is_constant(*f)) {
+    for (int i = 0; i < f->rows; ++i)
+      for (int j = 0; j < f->rows; ++j) m(i, j) = f->components[i * f->rows + j].value();
+    for (int i = 0; i < 3; ++i) m.row(i).normalize();
+    if ((m * m.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-10) return rows;
+  }
+  error("E0308", a->span, "axes are 2 or 3 orthogonal constant vectors: `[[1, 1], [-1, 1]]`");
+  return std::nullopt;
+}
+
+/// The third direction where nothing is written.
+std::optional<solver::Point> Checker::material_axis(const ast::Expr* a) {
+  if (!a) return solver::Point{0, 0, 1};
+  auto list = constant_list(*a, "the axis");
+  if (!list) return std::nullopt;
+  if (list->size() != 3 && static_cast<int>(list->size()) != model_.dim) {
+    error("E0307", a->span, fmt::format("the axis is a vector of {} or 3", model_.dim));
     return std::nullopt;
-  };
-  auto frame = [&](const ast::Expr* a) -> std::optional<Eigen::Matrix3d> {
-    if (!a) return Eigen::Matrix3d::Identity().eval();
-    Scope constants;
-    constants.what = "material axes";
-    auto f = field(*a, constants);
-    if (!f) return std::nullopt;
-    Eigen::Matrix3d m = Eigen::Matrix3d::Identity();
-    if (f->rank == 2 && f->rows == f->columns && (f->rows == 2 || f->rows == 3) &&
-        is_constant(*f)) {
-      for (int i = 0; i < f->rows; ++i)
-        for (int j = 0; j < f->rows; ++j) m(i, j) = f->components[i * f->rows + j].value();
-      for (int i = 0; i < 3; ++i) m.row(i).normalize();
-      if ((m * m.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-10) return m;
-    }
-    error("E0308", a->span, "axes are 2 or 3 orthogonal constant vectors: `[[1, 1], [-1, 1]]`");
-    return std::nullopt;
-  };
-  if (name == "isotropic") {
-    auto args = match(e, c, name, {"lambda", "mu", "young", "poisson"}, 0);
-    if (!args) return Poison{};
-    const bool lame = (*args)[0] && (*args)[1] && !(*args)[2] && !(*args)[3];
-    const bool engineering = (*args)[2] && (*args)[3] && !(*args)[0] && !(*args)[1];
-    if (!lame && !engineering) {
-      error("E0305", e.span,
-            "`isotropic` takes either `lambda` and `mu`, or `young` and `poisson`");
-      return Poison{};
-    }
-    auto a = number((*args)[lame ? 0 : 2]), b = number((*args)[lame ? 1 : 3]);
-    if (!a || !b) return Poison{};
-    if (lame) return isotropic(d, *a, *b);
-    if (b->is_constant() && !(b->value() > -1.0 && b->value() < 0.5)) {
-      error(
-          "E0504", (*args)[3]->span,
+  }
+  solver::Point axis{};
+  std::ranges::copy(*list, axis.begin());
+  if (axis != solver::Point{}) return axis;
+  error("E0308", a->span, "the axis is a vector that is not zero");
+  return std::nullopt;
+}
+
+Value Checker::isotropic_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
+  auto args = match(e, c, "isotropic", {"lambda", "mu", "young", "poisson"}, 0);
+  if (!args) return Poison{};
+  const bool lame = (*args)[0] && (*args)[1] && !(*args)[2] && !(*args)[3];
+  const bool engineering = (*args)[2] && (*args)[3] && !(*args)[0] && !(*args)[1];
+  if (!lame && !engineering) {
+    error("E0305", e.span, "`isotropic` takes either `lambda` and `mu`, or `young` and `poisson`");
+    return Poison{};
+  }
+  auto a = symbol_of((*args)[lame ? 0 : 2], scope), b = symbol_of((*args)[lame ? 1 : 3], scope);
+  if (!a || !b) return Poison{};
+  if (lame) return isotropic(model_.dim, *a, *b);
+  if (b->is_constant() && !(b->value() > -1.0 && b->value() < 0.5)) {
+    error("E0504", (*args)[3]->span,
           fmt::format("poisson = {} is outside (-1, 0.5): the tensor is not elliptic", b->value()),
           b->value() == 0.5 ? "an incompressible body needs a mixed method; take 0.4999 with P2"
                             : "");
-      return Poison{};
-    }
-    const Symbol one = 1.0, two = 2.0;
-    return isotropic(d, *a * *b / ((one + *b) * (one - two * *b)), *a / (two * (one + *b)));
+    return Poison{};
   }
-  if (name == "voigt") {
-    auto args = match(e, c, name, {"matrix"}, 1);
-    if (!args) return Poison{};
-    auto f = field(*(*args)[0], scope);
-    if (!f) return Poison{};
-    const int n = d * (d + 1) / 2;
-    if (f->rank != 2 || f->rows != n || f->columns != n) {
-      error("E0307", (*args)[0]->span,
-            fmt::format("in {}D a Voigt matrix is {} x {}, not {}", d, n, n, describe(*f)),
-            d == 2 ? "order: xx, yy, xy" : "order: xx, yy, zz, yz, xz, xy");
-      return Poison{};
-    }
-    return from_voigt(d, f->components);
+  const Symbol one = 1.0, two = 2.0;
+  return isotropic(model_.dim, *a * *b / ((one + *b) * (one - two * *b)), *a / (two * (one + *b)));
+}
+
+Value Checker::voigt_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
+  auto args = match(e, c, "voigt", {"matrix"}, 1);
+  if (!args) return Poison{};
+  auto f = field(*(*args)[0], scope);
+  if (!f) return Poison{};
+  const int d = model_.dim, n = d * (d + 1) / 2;
+  if (f->rank != 2 || f->rows != n || f->columns != n) {
+    error("E0307", (*args)[0]->span,
+          fmt::format("in {}D a Voigt matrix is {} x {}, not {}", d, n, n, describe(*f)),
+          d == 2 ? "order: xx, yy, xy" : "order: xx, yy, zz, yz, xz, xy");
+    return Poison{};
   }
-  if (name == "orthotropic") {
-    auto args = match(e, c, name, {"young", "poisson", "shear", "axes"}, 3);
-    if (!args) return Poison{};
-    auto young = three((*args)[0], "young"), poisson = three((*args)[1], "poisson"),
-         shear = three((*args)[2], "shear");
-    auto axes = frame((*args)[3]);
-    if (!young || !poisson || !shear || !axes) return Poison{};
-    return rotate(d, orthotropic(*young, *poisson, *shear), *axes);
-  }
-  // transverse: isotropic in the plane normal to `axis`
-  auto args = match(e, c, name,
+  return from_voigt(d, f->components);
+}
+
+Value Checker::orthotropic_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
+  auto args = match(e, c, "orthotropic", {"young", "poisson", "shear", "axes"}, 3);
+  if (!args) return Poison{};
+  auto young = three_symbols((*args)[0], "young", scope),
+       poisson = three_symbols((*args)[1], "poisson", scope),
+       shear = three_symbols((*args)[2], "shear", scope);
+  auto axes = material_axes((*args)[3]);
+  if (!young || !poisson || !shear || !axes) return Poison{};
+  return rotate(model_.dim, orthotropic(*young, *poisson, *shear), matrix_of(*axes));
+}
+
+/// Isotropic in the plane normal to `axis`.
+Value Checker::transverse_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
+  auto args = match(e, c, "transverse",
                     {"young", "poisson", "young_axis", "poisson_axis", "shear_axis", "axis"}, 5);
   if (!args) return Poison{};
   std::array<std::optional<Symbol>, 5> v;
-  for (int i = 0; i < 5; ++i) v[i] = number((*args)[i]);
+  for (int i = 0; i < 5; ++i) v[i] = symbol_of((*args)[i], scope);
   if (std::any_of(v.begin(), v.end(), [](const auto& o) { return !o; })) return Poison{};
-  Eigen::Vector3d axis(0, 0, 1);
-  if ((*args)[5]) {
-    auto list = constant_list(*(*args)[5], "the axis");
-    if (!list) return Poison{};
-    axis.setZero();
-    if (list->size() != 3 && static_cast<int>(list->size()) != d) {
-      error("E0307", (*args)[5]->span, fmt::format("the axis is a vector of {} or 3", d));
-      return Poison{};
-    }
-    for (std::size_t i = 0; i < list->size(); ++i) axis[i] = (*list)[i];
-    if (axis.norm() == 0.0) {
-      error("E0308", (*args)[5]->span, "the axis is a vector that is not zero");
-      return Poison{};
-    }
-  }
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis.normalized());
+  const auto axis = material_axis((*args)[5]);
+  if (!axis) return Poison{};
+  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(
+      Eigen::Vector3d::UnitZ(), Eigen::Map<const Eigen::Vector3d>(axis->data()).normalized());
   const Symbol in_plane = *v[0] / (Symbol(2.0) * (Symbol(1.0) + *v[1]));
   // poisson_axis is nu_zx: strain in the plane for stress along the axis; nu_xz = nu_zx E_p / E_a.
   const Symbol nu_xz = *v[3] * *v[0] / *v[2];
   const Field material =
       orthotropic({*v[0], *v[0], *v[2]}, {*v[1], nu_xz, nu_xz}, {in_plane, *v[4], *v[4]});
-  return rotate(d, material, turn.toRotationMatrix().transpose());
+  return rotate(model_.dim, material, turn.toRotationMatrix().transpose());
+}
+
+Value Checker::material_call(const ast::Expr& e, const ast::Call& c, const std::string& name,
+                             const Scope& scope) {
+  if (name == "isotropic") return isotropic_call(e, c, scope);
+  if (name == "voigt") return voigt_call(e, c, scope);
+  if (name == "orthotropic") return orthotropic_call(e, c, scope);
+  return transverse_call(e, c, scope);
 }
 
 Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {

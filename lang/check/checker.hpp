@@ -143,6 +143,14 @@ private:
   void check_kernels_in_time();
   Value tensor_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                     const Scope& scope);
+  std::optional<Symbol> symbol_of(const ast::Expr* a, const Scope& scope);
+  std::optional<Symbols3> three_symbols(const ast::Expr* a, const char* what, const Scope& scope);
+  std::optional<std::array<solver::Point, 3>> material_axes(const ast::Expr* a);
+  std::optional<solver::Point> material_axis(const ast::Expr* a);
+  Value isotropic_call(const ast::Expr& e, const ast::Call& c, const Scope& scope);
+  Value voigt_call(const ast::Expr& e, const ast::Call& c, const Scope& scope);
+  Value orthotropic_call(const ast::Expr& e, const ast::Call& c, const Scope& scope);
+  Value transverse_call(const ast::Expr& e, const ast::Call& c, const Scope& scope);
   Value material_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                       const Scope& scope);
   Symbol prony_through(const solver::Table& table, const Symbol& at, const Span& span, bool taken);

@@ -6,6 +6,7 @@
 #include "lang/diag/source.hpp"
 #include "solver/kernel/expr.hpp"
 
+#include <array>
 #include <string>
 #include <variant>
 #include <vector>
@@ -13,6 +14,7 @@
 namespace hvi::lang {
 
 using Symbol = solver::Expr; ///< a scalar symbolic expression
+using Symbols3 = std::array<Symbol, 3>;
 
 /// Row c of a law's argument: sum_i u[i] u_i + offset.
 struct LawRow {
