@@ -90,6 +90,27 @@ TEST(Proportional, RandomPlansEqualTheGeneralPath) {
   for (int k = 0; k < 24; ++k) expect_same(random_plan(random), 1e-9, "plan " + std::to_string(k));
 }
 
+// The steps' matrix is a multiple of the factor's: estimates that forget the multiple are off by
+// it.
+TEST(Proportional, ErrorsAreEstimatedAsOnTheGeneralPath) {
+  for (const int steps : {4, 40, 4000}) {
+    Plan plan = one_tensor(6, 4);
+    plan.time.grid = uniform_grid(4.0 / steps, 4);
+    const auto reduced = solve(plan).forward_error;
+    plan.options.proportional_path = false;
+    const auto full = solve(plan).forward_error;
+    const auto agree = [&](double a, double b, const std::string& what) {
+      EXPECT_GT(a, 0.0) << what;
+      EXPECT_LT(std::abs(std::log10(a / b)), 1.0)
+          << what << ", " << steps << ": " << a << " / " << b;
+    };
+    agree(reduced.solution, full.solution, "solution");
+    ASSERT_EQ(reduced.columns.size(), full.columns.size());
+    for (std::size_t i = 0; i < full.columns.size(); ++i)
+      agree(reduced.columns[i].absolute, full.columns[i].absolute, full.columns[i].name);
+  }
+}
+
 /// What a run comes to: its certificate, or the sentence it ends with and the steps before.
 struct End {
   std::string said;
