@@ -5,7 +5,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
 namespace hvi::solver {
+namespace {
+
+/// Supernodes of so many columns together are merged while at most this share of them becomes
+/// explicit zeros; larger than CHOLMOD's own 4, 16 and 48, as each pair of supernodes costs a start
+/// of OpenMP's threads and two looks at the clock.
+constexpr std::array<std::size_t, 3> merged_columns{8, 24, 64};
+constexpr std::array<double, 3> merged_zeros{0.8, 0.1, 0.05};
+
+} // namespace
 
 CholmodSession::CholmodSession() {
   cholmod_l_start(&common_);
@@ -13,6 +25,8 @@ CholmodSession::CholmodSession() {
   common_.useGPU = 0;
   common_.supernodal = CHOLMOD_SUPERNODAL;
   common_.final_ll = 1;
+  std::ranges::copy(merged_columns, common_.nrelax);
+  std::ranges::copy(merged_zeros, common_.zrelax);
 }
 
 CholmodSession::~CholmodSession() { cholmod_l_finish(&common_); }
