@@ -3,6 +3,7 @@
 
 #include "solver/common/failure.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <istream>
@@ -75,6 +76,14 @@ public:
     const T value = get<T>();
     if (!(value >= low && value <= high)) fail("is inconsistent");
     return value;
+  }
+  /// What a run counted: never so far that a few times as much is no int.
+  template <std::size_t N>
+  std::array<int, N> get_counts(int most = 1 << 28) {
+    const auto counts = get<std::array<int, N>>();
+    for (const int count : counts)
+      if (count < 0 || count > most) fail("is inconsistent");
+    return counts;
   }
   double get_finite() {
     constexpr double most = std::numeric_limits<double>::max();

@@ -36,7 +36,7 @@ void InequalityEngine::restore_inverse(std::istream& in) {
     updates.emplace_back(point, r.get<int>());
   }
   const double error = r.get<double>();
-  const auto counts = r.get<std::array<int, 3>>();
+  const auto counts = r.get_counts<3>(1 << 25);
   kept.made = false;
   if (was_made) {
     if (!kept.possible || static_cast<int>(first.size()) != n_points)
@@ -60,8 +60,8 @@ void InequalityEngine::restore_inverse(std::istream& in) {
 void InequalityEngine::restore(std::istream& in) {
   StateReader r(in, {});
   const bool was_factored = r.get<std::uint8_t>() != 0;
-  last_cg = r.get<int>();
-  const int served = r.get<int>();
+  const auto [iterations, served] = r.get_counts<2>();
+  last_cg = iterations;
   snap_factor = r.get_finite();
   d_factored = r.get_vector<std::array<double, 9>>();
   for (const auto& block : d_factored)

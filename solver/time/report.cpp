@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -167,11 +168,12 @@ void Reporter::write_table(const TableFile& table, std::size_t rows, bool with_e
   for (const int probe : table.probes) out.names.push_back(plan_.report.probes[probe].name);
   if (with_events) out.names.emplace_back(event_column);
   out.columns.resize(out.names.size());
-  int events = 0; // of the rows that this table leaves out, too
+  std::int64_t events = 0; // of the rows that this table leaves out, too
   for (std::size_t r = 0; r < rows; ++r) {
-    if (events_[r] != 0) events = events_[r] > 0 ? std::max(events, 0) + events_[r] : events_[r];
+    if (events_[r] > 0) events = std::max<std::int64_t>(events, 0) + events_[r];
+    if (events_[r] < 0) events = events_[r];
     if (!due(table.every, rows_[r], r + 1 == rows_.size())) continue;
-    if (with_events) out.columns.back().push_back(std::exchange(events, 0));
+    if (with_events) out.columns.back().push_back(static_cast<double>(std::exchange(events, 0)));
     out.columns[0].push_back(times_[r]);
     for (std::size_t c = 0; c < table.probes.size(); ++c)
       out.columns[c + 1].push_back(columns_[table.probes[c]][r]);

@@ -446,7 +446,7 @@ private:
     reporter_.restore(in, stepper_);
     result_.certificate.inclusion = r.get<double>();
     result_.certificate.equilibrium = r.get<double>();
-    const auto worst = r.get<std::array<int, 3>>();
+    const auto worst = r.get_counts<3>();
     result_.certificate.worst_step = worst[0];
     result_.certificate.inclusion_step = worst[1];
     result_.certificate.equilibrium_step = worst[2];
@@ -456,7 +456,7 @@ private:
     WorkCounters now;
     Timing timing;
     stepper_.account(now, timing);
-    const auto saved = r.get<std::array<int, 9>>(), here = grown(now);
+    const auto saved = r.get_counts<9>(), here = grown(now);
     for (std::size_t i = 0; i < saved.size(); ++i) grown_before_[i] = saved[i] - here[i];
     if (monitor_) {
       monitor_times_ = r.get_vector<double>();

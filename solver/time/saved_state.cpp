@@ -170,8 +170,8 @@ void Stepper::restore(std::istream& in) {
   check_states(contact_, inequality_.state, r);
   accepted_ = inequality_;
   memory_->restore(in);
-  earlier_reads_ = r.get<std::int64_t>();
-  const auto counters = r.get<std::array<int, 4>>();
+  earlier_reads_ = r.get_between<std::int64_t>(0, std::int64_t{1} << 60);
+  const auto counters = r.get_counts<4>();
   matrices_.clear();
   const auto count = r.get_between<std::uint64_t>(0, most_matrices);
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -248,6 +248,9 @@ void FieldFiles::restore(std::istream& in) {
   resumed_ = true;
 }
 
+/// More points than a body has; sums of two counts are still numbers.
+constexpr int most_events = 1 << 30;
+
 void Reporter::save(std::ostream& out) const {
   StateWriter w(out);
   w.put(values_);
@@ -271,12 +274,18 @@ void Reporter::restore(std::istream& in, const Stepper& stepper) {
   StateReader r(in, {});
   values_ = r.get_vector<double>(values_.size());
   rows_ = r.get_vector<int>();
+  if (!rows_.empty() && (rows_.front() < 1 || rows_.back() > stepper.step() ||
+                         std::ranges::adjacent_find(rows_, std::greater_equal{}) != rows_.end()))
+    r.fail("is inconsistent");
   times_ = r.get_vector<double>(rows_.size());
   for (auto& column : columns_) column = r.get_vector<double>(rows_.size());
   range_.restore(in);
-  last_recorded_ = r.get<int>();
+  last_recorded_ = r.get_between(0, stepper.step());
   events_ = r.get_vector<int>(rows_.size());
   pending_events_ = r.get<int>();
+  const auto no_count = [](int events) { return events < -1 || events > most_events; };
+  if (std::ranges::any_of(events_, no_count) || no_count(pending_events_))
+    r.fail("is inconsistent");
   written_.clear();
   for (auto left = r.get<std::uint64_t>(); left > 0; --left) written_.push_back(get_text(r));
   for (auto& files : fields_) files.second.restore(in);

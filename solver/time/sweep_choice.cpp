@@ -69,7 +69,7 @@ void SweepChoice::save(std::ostream& out) const {
 void SweepChoice::restore(std::istream& in) {
   StateReader r(in, {});
   const auto numbers = r.get<std::array<double, 3>>();
-  const auto counts = r.get<std::array<int, 3>>();
+  const auto counts = r.get_counts<3>();
   gain_single_ = numbers[0], gain_fine_ = numbers[1], moved_ = numbers[2];
   steps_ = counts[0], misses_ = counts[1], forward_single_ = counts[2] != 0;
 }
