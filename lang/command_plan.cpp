@@ -84,7 +84,8 @@ void print_forecast(const Forecast& f) {
       w.analyses, w.analyses == 1 ? "is" : "es", w.factorisations,
       w.factorisations == 1 ? "" : "s");
   const double per_step = f.taken > 0 ? 1.0 / f.taken : 0.0;
-  say("a step: {:.3g} sweeps, {:.3g} products, {:.3g} Newton iterations; {:.3g} MB held\n",
+  say("a step: {:.3g} triangular solves, {:.3g} products, {:.3g} Newton iterations; {:.3g} MB "
+      "held\n",
       w.sweeps * per_step, w.products * per_step, w.newton * per_step, w.bytes / 1e6);
   const std::string rehearsed =
       f.memory.rehearsed > 0 ? fmt::format("; {} of its memory alone", f.memory.rehearsed) : "";

@@ -123,7 +123,7 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
 
 constexpr double long_run = 0.2; ///< CPU seconds from which the JSON has the measured bandwidth
 
-/// Phases, what was counted, and the limit of the sweeps: one read of the factor each.
+/// Phases, counted work, and the lower limit of the triangular solves: one read of the factor each.
 void print_profile(const solver::RunResult& r, double bandwidth) {
   const auto& t = r.timing;
   const double steps = std::max(1, r.steps);
@@ -137,16 +137,17 @@ void print_profile(const solver::RunResult& r, double bandwidth) {
   line("mesh", t.mesh, false), line("assembly", t.assembly, false);
   line("ordering", t.ordering, false), line("factorisation", t.factor, false);
   line("steps", t.steps, true), line("  history (wall)", t.history, true);
-  line("  sweeps (wall)", t.sweeps, true, t.swept_bytes / bandwidth),
+  line("  solves (wall)", t.sweeps, true, t.swept_bytes / bandwidth),
       line("  inequality (wall)", t.inequality, true);
   line("output", t.output, true), line("set-up besides", std::max(0.0, rest), false);
   line("total", t.total, false);
   const auto& w = r.work;
   tell("counted: {} unknowns, {} steps, {} matrices, {} analyses, {} factorisations, {} "
-       "sweeps, {} products, {} Newton, {} fields read {} times\n",
+       "triangular solves, {} products, {} Newton, {} fields read {} times\n",
        r.unknowns, r.steps, w.matrices, w.analyses, w.factorisations, w.sweeps, w.products,
        w.newton, w.history_fields, w.field_reads);
-  tell("the limit: every sweep reads its factor once, {:.3g} MB in all, at the {:.3g} GB/s "
+  tell("the limit: every triangular solve reads its factor once, {:.3g} MB in all, at the {:.3g} "
+       "GB/s "
        "measured on this machine\nheld: {:.3g} MB (factors, matrices, memory)\n",
        t.swept_bytes / 1e6, bandwidth / 1e9, w.bytes / 1e6);
 }
