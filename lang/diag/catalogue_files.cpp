@@ -78,7 +78,7 @@ hvi-run slab.hvi --json load.csv)",
 hvi-run slab.hvi --json slab.json)"},
     {"E0610", "script not formatted",
      R"(
-`hvi-run fmt` cannot write the script: no permission, or no room. It is what it was.)",
+`hvi-run fmt` cannot write the script: no permission, or a full disk. The file is unchanged.)",
      R"(
 chmod a-w slab.hvi; hvi-run fmt slab.hvi)",
      R"(

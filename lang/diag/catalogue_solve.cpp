@@ -52,8 +52,9 @@ hvi-run slab.hvi --accuracy 1e-2)"},
 Every step was solved, but numbers of 16 digits do not determine the answer: the data, the matrix or the
 steps differ from the exact ones by a unit in the last place, and that changes the solution or a printed
 column by more than a hundredth of its size, or the matrix is singular to double precision though the
-script is right. Such a run is not certified. Steps were repeated with residuals in extended precision before. Bodies a thousand times longer than thick, Poisson's ratios within 1e-7 of
-1/2 and stiffnesses many decades apart do this; a mesh of better shaped cells or a softer contrast helps.)",
+script is right. Such a run is not certified; refinement with residuals in extended precision was tried and
+did not help. Bodies a thousand times longer than thick, Poisson's ratios within 1e-7 of 1/2 and stiffnesses
+many decades apart cause this; a mesh of better shaped cells or a softer contrast helps.)",
      R"(
 mesh beam = rectangle(100000, 1, cells = [8, 1]))",
      R"(

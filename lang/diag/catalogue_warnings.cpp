@@ -35,8 +35,8 @@ tensor B = voigt([[3, 1, 0], [1, 3, 0], [0, 0, 1]]))"},
     {"W0104", "nearly incompressible material with P1",
      R"(
 A material whose volume is much stiffer than its shape (poisson beyond 0.49) makes linear elements lock:
-they cannot change shape without changing volume, and the answer is much too stiff on any mesh that can
-be paid. P2 has enough freedom (it loses an order of convergence), and so have both elements on crossed
+they cannot change shape without changing volume, and the answer is much too stiff on any affordable
+mesh. P2 has enough freedom (it loses an order of convergence), and so have both elements on crossed
 rectangles (they lose none). The number printed is (lambda + 2 mu / d) / (2 mu) of an isotropic tensor.)",
      R"(
 tensor B = isotropic(young = 70, poisson = 0.4999)
@@ -64,19 +64,19 @@ sudo apt-get install gnuplot-nox)"},
     {"W0602", "curved cells become straight",
      R"(
 A mesh of second order gives each edge a node in its middle, so that cells can follow a curved boundary.
-The cells of a space have straight edges here, P2 too: such nodes are dropped. The largest distance of one
-from the middle of its straight edge and the change of the body's area or volume are said; what is beside
-the edge by rounding only (1e-9 of it) is not. On a curved boundary that costs P2 its third order.)",
+The cells of a space have straight edges here, P2 too: such nodes are dropped. The message has the largest
+distance of one from the middle of its straight edge and the change of the body's area or volume; distances
+of the size of rounding (1e-9 of the edge) do not count. On a curved boundary that costs P2 its third order.)",
      R"(
 gmsh -2 -order 2 disk.geo; hvi-run disk.hvi)",
      R"(
 gmsh -2 -clscale 0.5 disk.geo; hvi-run disk.hvi)"},
     {"W0603", "open seam",
      R"(
-Nodes of the boundary stand at one place without a cell that joins them, or lie inside a side of a cell
-that they are no corner of: the body comes apart there, as along a crack. Mostly two parts were meshed one
-by one and not merged. Places count as one when they are closer than 1e-8 of the body and a thousandth of
-the edges there.)",
+Nodes of the boundary stand at one place without a cell that joins them, or a node lies inside a side of a
+cell without being its corner: the body comes apart there, as along a crack. Mostly two parts were meshed
+separately and not merged. Places count as one when they are closer than 1e-8 of the body and a thousandth
+of the edges there.)",
      R"(
 Merge "left.msh"; Merge "right.msh"; Save "both.msh";)",
      R"(
