@@ -41,7 +41,10 @@ bool too_different(std::string_view wrong, std::string_view candidate) {
 } // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  // Three rows of the table d(i, j) = distance of the first i of a and the first j of b.
+  // Three rows of the table d(i, j) = distance of the first i of a and the first j of b
+  // (R. A. Wagner, M. J. Fischer, The string-to-string correction problem, J. ACM 21 (1974)
+  // 168-173; swaps: F. J. Damerau, A technique for computer detection and correction of spelling
+  // errors, Commun. ACM 7 (1964) 171-176).
   const std::size_t width = b.size() + 1;
   std::array<std::size_t, 3 * (longest + 1)> usual{};
   std::vector<std::size_t> larger(b.size() > longest ? 3 * width : 0);

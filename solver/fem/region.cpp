@@ -32,7 +32,8 @@ std::string shown(const Mesh& mesh, const Point& p) {
   return fmt::format("({:.9g})", fmt::join(p.begin(), p.begin() + mesh.dim, ", "));
 }
 
-/// Levenshtein distance, for "did you mean".
+/// Levenshtein distance, for "did you mean" (R. A. Wagner, M. J. Fischer, The string-to-string
+/// correction problem, J. ACM 21 (1974) 168-173).
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});

@@ -1,5 +1,6 @@
-// The test of the moment tree. Evidence, not proof: sampled times are geometric from now on, and
-// include the narrowest features of the kernel passing through the block; no kink may be to come.
+// The test of the moment tree. Evidence, not proof: the error is sampled at times that grow
+// geometrically from now on and at times when the narrowest features of the kernel pass through the
+// block. A block that a kink will pass through later is refused.
 #include "solver/history/block_test.hpp"
 
 #include "solver/history/kernel_samples.hpp"
@@ -79,10 +80,10 @@ double BlockTest::allowed(const TimeBlock& block) const {
 }
 
 std::optional<double> BlockTest::passes(const TimeBlock& block, double t0, double now) const {
-  // A kink that is yet to come cuts through the block sooner or later, wherever samples fall.
+  // A kink at a larger lag passes through the block sooner or later, wherever the samples are.
   const auto& kinks = kernel_.traits.breaks;
   if (!kinks.empty() && kinks.back() > now - block.b) return std::nullopt;
-  // The cheap times first: most failing blocks fail now.
+  // The cheap times first: most blocks that fail do so at the present time.
   const double at_once = moments_.interpolation_error(kernel_.function, block, now);
   if (!(at_once * (block.b - block.a) <= allowed(block) * norm_)) return std::nullopt;
   const double e = error(block, t0, now);

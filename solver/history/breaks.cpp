@@ -115,7 +115,8 @@ void Breaks::add_switch(const Expr& value, Origin origin) {
   curves_.emplace_back(value, origin);
 }
 
-/// Where an affine base is zero. Of others the quadrature finds the place, or refuses it.
+/// The zero of an affine base. For other bases the quadrature finds the place, or refuses the
+/// kernel.
 void Breaks::add_singularity(const Expr& value) {
   const auto a = affine_form(value);
   if (!a || a->lag == 0 || (a->time == 0 && a->constant == 0)) return; // lag 0 is always an end
@@ -125,7 +126,9 @@ void Breaks::add_singularity(const Expr& value) {
     lines_.push_back({-a->time / a->lag, -a->constant / a->lag});
 }
 
-/// Zeros by sign changes between samples.
+/// Zeros by sign changes between samples, refined by Boost's implementation of G. E. Alefeld,
+/// F. A. Potra, Y. Shi, Algorithm 748: enclosing zeros of continuous functions, ACM Trans. Math.
+/// Softw. 21 (1995) 327-344.
 void Breaks::add_roots(const KernelFunction& curve, double t, double low, double high,
                        std::vector<double>& found) {
   constexpr int samples = 16;

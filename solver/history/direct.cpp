@@ -1,5 +1,5 @@
-// The direct route: all fields are stored and summed with exact weights. O(N) per step; the
-// yardstick of the other routes, and the only one that needs nothing of the kernel.
+// The direct route: all fields are stored and summed with exact weights. O(N) per step; the other
+// routes are compared with it, and it is the only one without conditions on the kernel.
 #include "solver/common/stream.hpp"
 #include "solver/history/fields.hpp"
 #include "solver/history/past_weights.hpp"
@@ -95,7 +95,7 @@ public:
 private:
   Moments current(double t_new) { return near_(kernel_, t_new, 0, accepted_.step_to(t_new)); }
 
-  /// Drops what no later time can see.
+  /// Drops the fields that no later time reads.
   void forget(double t_now) {
     const double reach = kernel_.traits.max_lag;
     if (reach <= 0) return;

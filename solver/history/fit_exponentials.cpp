@@ -1,5 +1,5 @@
-// The search for a short sum of exponentials: all candidates, then elimination while the tolerance
-// holds, then elimination with refinement of the poles that remain, then verification.
+// The search for a short sum of exponentials: a fit with all candidate poles; elimination of poles
+// as long as the tolerance holds; elimination with refinement of the remaining poles; verification.
 #include "solver/history/pole_fit.hpp"
 
 #include <fmt/format.h>

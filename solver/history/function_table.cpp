@@ -30,7 +30,8 @@ double FunctionTable::operator()(double x) {
   return p.resolved ? p.value(x) : function_(x);
 }
 
-/// Clenshaw's sum.
+/// C. W. Clenshaw, A note on the summation of Chebyshev series, Math. Tables Aids Comput. 9 (1955)
+/// 118-120.
 double FunctionTable::Piece::value(double x) const {
   const double y = (x - middle) / half;
   double next = 0, current = 0;

@@ -36,8 +36,10 @@ namespace {
 
 Moments operator+(const Moments& a, const Moments& b) { return {a.zero + b.zero, a.one + b.one}; }
 
-/// int_0^1 f by the double exponential rule: for integrands that are not smooth at 0. Not a number
-/// where f is not (Boost throws; the caller says which kernel it was).
+/// int_0^1 f for integrands that are not smooth at 0, by Boost's double exponential rule
+/// (H. Takahasi, M. Mori, Double exponential formulas for numerical integration, Publ. RIMS Kyoto
+/// Univ. 9 (1974) 721-741). Not a number where f is not (Boost throws; the caller names the
+/// kernel).
 template <class F>
 double integrate_singular(TanhSinh& rule, const F& f) {
   try {

@@ -1,4 +1,4 @@
-// Chebyshev interpolation and moments on blocks of time.
+// Chebyshev interpolation and moments on blocks of time; see moments.hpp.
 #include "solver/history/moments.hpp"
 
 #include "solver/history/fields.hpp"

@@ -29,9 +29,9 @@ bool single_decaying(const ExponentialTerms& terms) {
   return terms.size() == 1 && real_exponential(terms[0]) && terms[0].lag_rate.real() <= 0;
 }
 
-/// Mean of |q| over lags of a piece on which q changes sign at every turn: breaks would be many,
-/// and a norm needs no more than three digits. Points by the golden ratio are in step with no
-/// oscillation.
+/// Mean of |q| over the lags of a piece on which q changes its sign very often: there would be many
+/// breaks, and a norm needs no more than three digits. Multiples of the golden ratio modulo 1 as
+/// sample points are in phase with no oscillation.
 double sampled_mean(const KernelFunction& q, double t, double from, double to) {
   constexpr int points = 4096;
   const double golden = (std::sqrt(5.0) - 1.0) / 2.0;
@@ -68,9 +68,9 @@ Expr at_fixed_source(const Expr& expression) {
   return substitute(expression, change);
 }
 
-/// At fixed s the time runs across the breaks of the kernel in the lag and in t: what does not get
-/// smaller with the distance is a jump, a slope that grows without end a root. A break at a fixed s
-/// is never crossed.
+/// At fixed s the time passes the breaks of the kernel in the lag and in t. A difference that does
+/// not become smaller with the distance is a jump; a slope that grows without bound is a root. A
+/// break at a fixed s is never passed.
 Crossings look_across_breaks(const Expr& expression, const KernelFunction& q,
                              const KernelFunction& slope, double t0, double length) {
   const Breaks breaks(at_fixed_source(expression), {});

@@ -17,7 +17,9 @@ using Eigen::VectorXd;
 constexpr int half = 60; ///< Hankel matrices of half + 1 rows
 
 /// The exponentials in 2 half + 1 equidistant values at distance `step`: eigenvalues of the shift
-/// on the signal space of the Hankel matrix.
+/// on the signal space of the Hankel matrix (R. Roy, T. Kailath, ESPRIT - estimation of signal
+/// parameters via rotational invariance techniques, IEEE Trans. Acoust. Speech Signal Process. 37
+/// (1989) 984-995, for a single series and by least squares).
 std::vector<Pole> esprit(const VectorXd& values, double step) {
   MatrixXd hankel(half + 1, half + 1);
   for (int i = 0; i <= half; ++i) hankel.col(i) = values.segment(i, half + 1);
@@ -99,8 +101,8 @@ std::vector<Pole> oscillating_candidates(const PreparedKernel& kernel,
     poles_on(samples.low, window);
     if (!largest) continue;
     largest = false;
-    // A wave may decay at any rate slower than this window shows. Its frequency is purest at the
-    // end, where the faster terms are gone.
+    // A wave may decay at any rate slower than this window shows. Its frequency is found best at
+    // the end, where the faster terms have decayed.
     for (const double f : frequencies(poles_on(samples.high - window, window), window)) {
       for (double decay = 0.1 / samples.high; decay < f; decay *= 2) poles.push_back({decay, f});
     }

@@ -1,5 +1,5 @@
-// Least squares over poles: solve for coefficients, measure what each pole is worth, move the
-// poles.
+// Least squares over poles: solve for coefficients, find by how much the residual would grow
+// without each pole, move the poles.
 #include "solver/history/pole_fit.hpp"
 
 #include <Eigen/Dense>
@@ -131,14 +131,15 @@ PoleFit::Linearised PoleFit::linearise(const Solution& at, const std::vector<Fre
   return out;
 }
 
-/// The poles after one damped step; the coefficients are solved for again.
+/// The poles after one damped step (D. W. Marquardt, An algorithm for least-squares estimation of
+/// nonlinear parameters, J. SIAM 11 (1963) 431-441); the coefficients are solved for again.
 PoleFit::Solution PoleFit::stepped(const Solution& from, const std::vector<Free>& free,
                                    Linearised& system, double damping) const {
   const auto moves = static_cast<Eigen::Index>(free.size());
   const Eigen::Index fields = system.jacobian.cols() - moves;
   const Eigen::Index last = system.jacobian.rows() - moves;
   for (Eigen::Index m = 0; m < moves; ++m) {
-    // A floor of the damping: directions that hardly matter must not run away.
+    // A least damping: numbers that hardly change the residual must not move far.
     system.jacobian(last + m, fields + m) =
         std::max(damping * system.size[m], 1e-3 * from.residual);
   }

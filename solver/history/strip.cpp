@@ -1,6 +1,7 @@
 // Arithmetic of sets that are symmetric about the real line; see strip.hpp.
 //
-// Ends are not rounded outwards: the bounds decide how a panel is cut, and are wanted to a factor.
+// Ends are not rounded outwards: the bounds decide how a panel is cut, and a factor does not
+// matter.
 #include "solver/history/strip.hpp"
 
 #include "solver/kernel/scalar.hpp"
@@ -32,7 +33,8 @@ double least(const Strip& z) { return z.low > 0 ? z.low : z.high < 0 ? -z.high :
 
 State worse(State a, State b) { return std::max(a, b); }
 
-/// Nothing but that it is not known to be analytic. A set that is not finite says no more.
+/// Nothing is known but that the function may not be analytic. A set that is not finite means the
+/// same.
 Strip nothing(State state) { return {-infinite, infinite, infinite, -infinite, infinite, state}; }
 
 Strip checked(const Strip& z) {
@@ -210,8 +212,9 @@ Strip ball(double radius) { return {-radius, radius, radius, -radius, radius, St
 
 bool is_number(const Strip& z) { return z.low == z.high && z.imaginary == 0; }
 
-/// E_{a,b}(-x) is completely monotone for 0 < a <= 1, b >= a, a mixture of exp(-x u), u >= 0 (W. R.
-/// Schneider, Completely monotone generalized Mittag-Leffler functions): |E(z)| <= E(Re z).
+/// E_{a,b}(-x) is completely monotone for 0 < a <= 1, b >= a, a mixture of exp(-x u), u >= 0
+/// (W. R. Schneider's theorem; see T. Simon, Mittag-Leffler functions and complete
+/// monotonicity, arXiv:1312.4513, 2013): |E(z)| <= E(Re z).
 Strip mittag_leffler(const Strip& a, const Strip& b, const Strip& z) {
   if (!is_number(a) || !is_number(b)) return nothing(State::unknown);
   if (!(a.low > 0 && a.low <= 1 && b.low >= a.low)) return nothing(State::unknown);

@@ -1,6 +1,13 @@
-// The moment tree: recent steps are raw, older ones are blocks of Chebyshev moments of u, merged in
-// pairs as they age. Needs nothing of the kernel but smoothness away from lag 0. Where the coming
-// times are known, all nodes but the open one are read once for as many steps as it will hold.
+// The moment tree: the fields of recent steps are stored themselves ("raw"), older ones as blocks
+// of Chebyshev moments of u, which are merged in pairs as they age. The kernel need only be smooth
+// away from lag 0. Where the coming times are known, all nodes but the newest, which still grows
+// (the "open" one), are read once for as many steps as it will hold.
+//
+// Moments and merging are the upward pass of W. Fong, E. Darve, The black-box fast multipole
+// method, J. Comput. Phys. 228 (2009) 8712-8725, in one dimension. Another way to sum a memory in
+// blocks of growing length, for kernels with a known Laplace transform: A. Schaedle, M.
+// Lopez-Fernandez, C. Lubich, Fast and oblivious convolution quadrature, SIAM J. Sci. Comput. 28
+// (2006) 421-438.
 #include "solver/common/stream.hpp"
 #include "solver/history/block_test.hpp"
 #include "solver/history/fields.hpp"
@@ -31,7 +38,7 @@ struct Node {
   bool raw() const { return level < 0; }
 };
 
-/// The share of all nodes but the open one in the memory at coming times.
+/// What all nodes but the open one contribute to the memory at coming times.
 struct Ahead {
   std::vector<double> times, fields; ///< a field for each time
   void clear() { times.clear(), fields.clear(); }

@@ -67,8 +67,7 @@ struct ShiftedInverse {
 };
 
 /// The eigenvalue next above sigma, where K - sigma G is positive definite (sigma itself, a lower
-/// bound, should the iteration not converge); nothing where it is
-/// not.
+/// bound, if the iteration does not converge); nothing where it is not.
 std::optional<double> least_above(const GramForm& gram, const SparseMatrix& k, double sigma) {
   const SparseMatrix shifted = k - sigma * gram.matrix();
   const Eigen::Index n = k.rows();
@@ -110,7 +109,7 @@ std::optional<double> extreme(const GramForm& gram, F&& apply, Spectra::SortRule
   return solver.eigenvalues()[0];
 }
 
-/// All of them, in small spaces.
+/// All eigenvalues, in small spaces.
 Vector dense_spectrum(const SparseMatrix& k, const SparseMatrix& g) {
   return Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix>(DenseMatrix(k), DenseMatrix(g),
                                                                Eigen::EigenvaluesOnly)
@@ -133,8 +132,8 @@ std::vector<int> support(const SparseMatrix& k) {
   return out;
 }
 
-/// Largest eigenvalue of a form on few unknowns I: that of K_II (G^-1)_II, as a Krylov space ends
-/// where the rank of K does.
+/// Largest eigenvalue of a form on few unknowns I: that of K_II (G^-1)_II. (The Krylov space of the
+/// whole matrix has no more dimensions than the rank of K.)
 double largest_on(const GramForm& gram, const SparseMatrix& k, const std::vector<int>& on) {
   const auto r = static_cast<Eigen::Index>(on.size());
   DenseMatrix inverse(r, r), form(r, r);

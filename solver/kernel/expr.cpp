@@ -13,7 +13,8 @@ namespace hvi::solver {
 
 namespace {
 
-/// Finaliser of splitmix64: every input bit reaches every output bit.
+/// The finaliser of SplitMix64, by which every output bit depends on every input bit (G. L. Steele,
+/// D. Lea, C. H. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014).
 std::size_t mix(std::size_t h) {
   h ^= h >> 30;
   h *= 0xbf58476d1ce4e5b9ULL;
@@ -63,8 +64,8 @@ bool same_head(const Expr& a, const Expr& b) {
 } // namespace
 
 /// Destroys a deep graph in a loop, and without an allocation: there may be no memory left. A node
-/// that only we still hold is emptied before it goes, so that its own destructor finds no argument;
-/// while we are below one, the place of the argument we went into holds the way back up.
+/// that nothing else holds loses its arguments before it is destroyed, so that its destructor does
+/// not recurse; on the way down the place of the visited argument stores the pointer to go back.
 Expr::Node::~Node() {
   std::shared_ptr<const Node> here, above; // null: this node, and what is above it
   const auto list_of = [this](const std::shared_ptr<const Node>& node) -> std::vector<Expr>& {

@@ -97,7 +97,9 @@ Bounds polygamma_bounds(const Bounds& order, const Bounds& x) {
   return between(a, b, x);
 }
 
-/// For 0 < alpha <= 1, beta >= alpha, E(-x) is completely monotone, so that E rises everywhere.
+/// For 0 < alpha <= 1, beta >= alpha, E(-x) is completely monotone (W. R. Schneider's theorem; see
+/// T. Simon, Mittag-Leffler functions and complete monotonicity, arXiv:1312.4513, 2013), so that E
+/// rises everywhere.
 Bounds mittag_leffler_bounds(const Bounds& alpha, const Bounds& beta, const Bounds& x) {
   const bool rises = is_point(alpha) && is_point(beta) && alpha.low > 0.0 && alpha.low <= 1.0 &&
                      beta.low >= alpha.low;

@@ -1,12 +1,18 @@
 // The Mittag-Leffler function E_{alpha,beta}(x) = sum_k x^k / Gamma(alpha k + beta) for real x:
 //   near 0    the series itself,
-//   elsewhere the inverse Laplace transform of s^(alpha-beta) / (s^alpha - x) at time 1, after the
-//             first m terms -x^-k / Gamma(beta - alpha k) of the expansion at infinity were taken
-//             out in closed form. What is left is small, so that the sum keeps its relative
-//             accuracy; for large |x| it vanishes altogether.
-// With s = w^2 the integration line is Re w = c and the integrand is analytic in Re w > 0 up to the
-// poles w^(2 alpha) = x. The trapezoidal rule then converges like exp(-2 pi c / h), and the
-// influence of a pole on it is known exactly.
+//   elsewhere the inverse Laplace transform of s^(alpha-beta) / (s^alpha - x) at time 1, less the
+//             first m terms -x^-k / Gamma(beta - alpha k) of the expansion at infinity, which are
+//             added in closed form. The rest is small, so that the sum keeps its relative accuracy;
+//             for large |x| it is zero.
+// With s = w^2 the integration line is Re w = c, a parabola in s, and the integrand is analytic in
+// Re w > 0 up to the poles w^(2 alpha) = x. The trapezoidal rule then converges like
+// exp(-2 pi c / h), and its error by a pole is known exactly.
+//
+// Parabolic contours: J. A. C. Weideman, L. N. Trefethen, Parabolic and hyperbolic contours for
+// computing the Bromwich integral, Math. Comp. 76 (2007) 1341-1356; for this function R. Garrappa,
+// Numerical evaluation of two and three parameter Mittag-Leffler functions, SIAM J. Numer. Anal. 53
+// (2015) 1350-1369. The rule: L. N. Trefethen, J. A. C. Weideman, The exponentially convergent
+// trapezoidal rule, SIAM Rev. 56 (2014) 385-458.
 #include "solver/kernel/scalar.hpp"
 
 #include <algorithm>
@@ -45,8 +51,8 @@ double power_series(double alpha, double beta, double x) {
   return sum;
 }
 
-/// What remains of the transform when `terms` terms of the expansion at infinity are gone, as an
-/// integral along Re w = line.
+/// The transform without `terms` terms of the expansion at infinity, as an integral along
+/// Re w = line.
 struct Inversion {
   double alpha, beta, x, line;
   int terms;

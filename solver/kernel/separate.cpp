@@ -111,7 +111,7 @@ private:
     }
   }
 
-  /// h(f g) = h(f) h(g), for a single term.
+  /// For a function with h(f g) = h(f) h(g), of a single term.
   template <class F>
   static Result each_part(const Separated& terms, F h) {
     if (terms.size() != 1) return {};

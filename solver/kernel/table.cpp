@@ -10,7 +10,8 @@ namespace hvi::solver {
 
 namespace {
 
-/// One-sided three-point slope at an end, limited so that the curve stays monotone (as in PCHIP).
+/// One-sided three-point slope at an end, limited so that the curve stays monotone (the end
+/// condition of PCHIP).
 double end_slope(double h0, double h1, double d0, double d1) {
   const double m = ((2.0 * h0 + h1) * d0 - h0 * d1) / (h0 + h1);
   if (m * d0 <= 0.0) return 0.0;
@@ -18,8 +19,9 @@ double end_slope(double h0, double h1, double d0, double d1) {
   return m;
 }
 
-/// Slopes of the Fritsch-Butland monotone cubic: a weighted harmonic mean of the neighbouring
-/// difference quotients, 0 where they change sign.
+/// Slopes of a monotone cubic: a weighted harmonic mean of the neighbouring difference quotients, 0
+/// where they change sign (F. N. Fritsch, J. Butland, A method for constructing local monotone
+/// piecewise cubic interpolants, SIAM J. Sci. Stat. Comput. 5 (1984) 300-304).
 std::vector<double> monotone_slopes(const std::vector<double>& x, const std::vector<double>& y) {
   const std::size_t n = x.size();
   std::vector<double> h(n - 1), d(n - 1), m(n);

@@ -18,7 +18,9 @@ constexpr double farthest = 1e15, nearest = 1e-30;
 constexpr double resolution = 1e-9; ///< relative: roots closer than this count as one
 constexpr int most_enclosures = 40000;
 
-/// A root of f between a and b, where its signs differ; the end with the smaller |f|.
+/// A root of f between a and b, where its signs differ, by Boost's implementation of G. E. Alefeld,
+/// F. A. Potra, Y. Shi, Algorithm 748: enclosing zeros of continuous functions, ACM Trans. Math.
+/// Softw. 21 (1995) 327-344; the end of the last bracket with the smaller |f|.
 template <class F>
 double bracketed(const F& f, double a, double b, double fa, double fb) {
   std::uintmax_t iterations = 400;

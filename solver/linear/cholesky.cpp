@@ -1,5 +1,8 @@
 // The symmetric factorisation: K = L L^T by CHOLMOD with the contact unknowns last, so that the
-// trailing block L22 of L gives the Schur complement S = L22 L22^T with no solve at all.
+// trailing block L22 of L gives the Schur complement S = L22 L22^T without a solve.
+//
+// Y. Chen, T. A. Davis, W. W. Hager, S. Rajamanickam, Algorithm 887: CHOLMOD, supernodal sparse
+// Cholesky factorization and update/downdate, ACM Trans. Math. Softw. 35 (2008).
 #include "solver/linear/cholesky.hpp"
 
 #include "solver/common/clock.hpp"
@@ -275,7 +278,7 @@ void Cholesky::reduce(const Vector& b, Vector& r) {
   count_sweep();
 }
 
-/// A sweep reads the columns of the interior, in the precision that is held for it.
+/// A triangular solve reads the columns of the interior in the chosen precision.
 void Cholesky::count_sweep() {
   ++statistics_.sweeps;
   const double n_contact = size_ - interior_;
@@ -320,7 +323,7 @@ void Cholesky::resume(const Vector& kept) {
   storage_of_y_ = SweepStorage::full;
 }
 
-/// In double precision: what asks for many of them checks results.
+/// In double precision: many right-hand sides are those of checks.
 void Cholesky::reduce_each(std::span<const Vector> b, std::vector<Vector>& r) {
   if (!factored_) throw std::logic_error("reduce before a successful factorisation");
   constexpr int lanes = Supernodes::lanes;

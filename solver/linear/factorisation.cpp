@@ -1,4 +1,4 @@
-// What every direct solver can do with its own sweeps; see factorisation.hpp.
+// What every direct solver derives from its triangular solves; see factorisation.hpp.
 #include "solver/linear/factorisation.hpp"
 
 #include <numeric>

@@ -1,7 +1,10 @@
 // The unsymmetric factorisation. K is coercive, so each diagonal pivot of an elimination in any
-// order is safe: UMFPACK is held to the diagonal and to an order with the contact unknowns last.
-// Then the trailing blocks of its L and U give S = L22 U22 with no solve, and the two sweeps of a
-// step read L once and U once, as with Cholesky.
+// order is safe: UMFPACK is made to use the diagonal and an order with the contact unknowns last.
+// Then the trailing blocks of its L and U give S = L22 U22 without a solve, and the two triangular
+// solves of a step read L once and U once, as with Cholesky.
+//
+// T. A. Davis, Algorithm 832: UMFPACK, an unsymmetric-pattern multifrontal method, ACM Trans. Math.
+// Softw. 30 (2004) 196-199.
 #include "solver/linear/lu.hpp"
 
 #include "solver/common/clock.hpp"
@@ -103,7 +106,7 @@ private:
   std::array<double, UMFPACK_CONTROL> control_{};
   Symbolic symbolic_;
   // UMFPACK takes the rows of K for columns, so it factors the transpose: K = L U with the lower
-  // triangle by rows and the (unit) upper one by columns, which is how the two sweeps read them.
+  // triangle by rows and the (unit) upper one by columns, as the two triangular solves read them.
   Triangle lower_, upper_transposed_;
   DenseMatrix lower22_, upper22_, schur_, no_factor_;
   Vector y_, x_, reduced_;
@@ -192,7 +195,7 @@ void Lu::factor(const SparseMatrix& k) {
 /// Copies L and U, with 32-bit indices in ascending order; throws where a pivot is not diagonal.
 void Lu::take_triangles(void* numeric) {
   Long l_entries = 0, u_entries = 0, rows = 0, columns = 0, diagonals = 0;
-  // What UMFPACK has no memory to unpack it leaves as it was.
+  // Where UMFPACK has no memory to unpack an array it leaves it unchanged.
   const auto check = [this](Long status) {
     if (status < 0) throw OutOfMemory("no memory for a factor of {} unknowns", size_);
   };

@@ -26,7 +26,7 @@ std::size_t block_size(int width, int below) {
   return static_cast<std::size_t>(width * width + tiles_of(below) * lanes * width);
 }
 
-/// What a sweep works on.
+/// The data of a triangular solve.
 struct Sweep {
   std::span<const Panel> panels;
   const int* below;
@@ -50,7 +50,7 @@ struct Packing {
 // alone is as near as can be.
 constexpr int rest_shift = 13;
 
-/// What is far below all others becomes zero, as processors stumble over subnormal numbers.
+/// Entries far below all others become zero: processors are slow with subnormal numbers.
 constexpr double negligible = 1e-30;
 
 void split(double v, float& value, std::int16_t& rest) {
@@ -64,7 +64,7 @@ void split(double v, float& value, std::int16_t& rest) {
   rest = static_cast<std::int16_t>(std::clamp<std::int64_t>(units, -32768, 32767));
 }
 
-// Packs are never passed between functions that are compiled apart.
+// Packs are never passed between functions compiled for different instruction sets.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 #pragma GCC push_options

@@ -108,7 +108,7 @@ void Bisection::cut(std::int32_t number) {
   cells_.push_back(b);
 }
 
-/// The rules of Arnold, Mukherjee and Pouly, section 2.
+/// The rules of Arnold, Mukherjee and Pouly (bisect.hpp), section 2.
 void Bisection::mark_children(const Cell& parent, std::int32_t m, Cell& a, Cell& b) const {
   const Edge& cut = parent.cut;
   Edge inherited_a{}, inherited_b{}; // marks of the two faces that are not cut

@@ -67,9 +67,10 @@ void add_rectangle(const Grid& g, int i, int j, Mesh& mesh) {
   mesh.cells.push_back({sw, ne, nw, -1});
 }
 
-/// Kuhn: the tetrahedra are the paths from the low to the high corner along the axes, one for each
-/// order of the axes. An odd order gives a negative tetrahedron: it is stored as refine() expects
-/// (path order is recoverable), reversed with the middle swapped.
+/// Kuhn's triangulation (H. W. Kuhn, Some combinatorial lemmas in topology, IBM J. Res. Dev. 4
+/// (1960) 518-524): the tetrahedra are the paths from the low to the high corner along the axes,
+/// one for each order of the axes. An odd order gives a negative tetrahedron: it is stored reversed
+/// with its middle nodes swapped, as refine() expects, which recovers the path order.
 void add_box(const Grid& g, int i, int j, int k, Mesh& mesh) {
   static constexpr int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
                                        {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};

@@ -1,5 +1,9 @@
 // Uniform refinement: red refinement of triangles, Bey's refinement of tetrahedra.
 //
+// R. E. Bank, A. H. Sherman, A. Weiser, Refinement algorithms and data structures for regular local
+// mesh refinement, in: Scientific Computing, 1983: a triangle is cut into four by the midpoints of
+// its edges.
+//
 // J. Bey, Tetrahedral grid refinement, Computing 55 (1995): with the nodes of a tetrahedron in path
 // order x0 x1 x2 x3 the octahedron left in its middle is cut along x02-x13, and the children listed
 // in path order again produce at most three shapes, however often one refines. Half of all path

@@ -64,8 +64,9 @@ double jacobian(int dim, const StraighteningSum::Cell& c, const std::array<doubl
   return determinant(dim, j);
 }
 
-/// Of the curved cell less that of the straight one, exact: the determinant has degree `dim` (P.
-/// Keast, Moderate-degree tetrahedral quadrature formulas, 1986, for degree 3).
+/// The measure of the curved cell less that of the straight one, exact: the determinant has degree
+/// `dim` (for degree 3 P. Keast, Moderate-degree tetrahedral quadrature formulas, Comput. Methods
+/// Appl. Mech. Engrg. 55 (1986) 339-348).
 double change_of_measure(int dim, const StraighteningSum::Cell& c) {
   if (dim == 1) return 0.0;
   const auto with = [&](double special, int at, double others) {
