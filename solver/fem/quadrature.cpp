@@ -43,9 +43,12 @@ private:
   Quadrature rule_;
 };
 
-/// Degree 2: Hammer and Stroud 1956. 4: Strang and Fix 1973. 5: Radon 1948, both in closed form.
-/// 6 and 8: Dunavant, Int. J. Numer. Meth. Engng 21 (1985) 1129, his 15 digits carried on to 20 by
-/// Newton's method on the moment equations.
+/// Degree 2: P. C. Hammer, A. H. Stroud, Numerical integration over simplexes, Math. Tables Aids
+/// Comput. 10 (1956) 137-139. 4: G. Strang, G. J. Fix, An analysis of the finite element method,
+/// 1973; 5: J. Radon, Zur mechanischen Kubatur, Monatsh. Math. 52 (1948) 286-300; both in closed
+/// form. 6 and 8: D. A. Dunavant, High degree efficient symmetrical Gaussian quadrature rules for
+/// the triangle, Int. J. Numer. Methods Eng. 21 (1985) 1129-1148, whose 15 digits were extended to
+/// 20 by Newton's method on the moment equations.
 Quadrature triangle_rule(int degree) {
   OrbitRule rule(2);
   if (degree <= 1) {
@@ -84,9 +87,12 @@ Quadrature triangle_rule(int degree) {
       .take();
 }
 
-/// Degree 2: Hammer and Stroud 1956. 3: vertices and face centroids, Stroud 1971. 5: Walkington
-/// 2000, 14 points. 6: Keast, Comput. Meth. Appl. Mech. Engng 55 (1986) 339, 24 points; the last
-/// two carried on to 20 digits by Newton's method on the moment equations.
+/// Degree 2: P. C. Hammer, A. H. Stroud (see triangle_rule). 3: vertices and face centroids,
+/// A. H. Stroud, Approximate calculation of multiple integrals, 1971. 5: 14 points, N. J.
+/// Walkington, Quadrature on simplices of arbitrary dimension, report, Carnegie Mellon University,
+/// 2000. 6: 24 points, P. Keast, Moderate-degree tetrahedral quadrature formulas, Comput. Methods
+/// Appl. Mech. Engrg. 55 (1986) 339-348. The last two were extended to 20 digits by Newton's method
+/// on the moment equations.
 Quadrature tetrahedron_rule(int degree) {
   OrbitRule rule(3);
   if (degree <= 1) {
@@ -113,8 +119,9 @@ Quadrature tetrahedron_rule(int degree) {
       .take();
 }
 
-/// Stroud's conical product: the simplex as an image of the cube, x_1 = s_1,
-/// x_2 = (1 - s_1) s_2, ..., whose Jacobian goes into the Gauss-Jacobi weights.
+/// The conical product (A. H. Stroud, Approximate calculation of multiple integrals, 1971): the
+/// simplex as an image of the cube, x_1 = s_1, x_2 = (1 - s_1) s_2, ..., whose Jacobian goes into
+/// the Gauss-Jacobi weights.
 Quadrature conical_rule(int dim, int degree) {
   const int n = degree / 2 + 1;
   Quadrature rule{dim, {Barycentric{}}, {1.0}};
@@ -151,8 +158,9 @@ Barycentric midpoint(int a, int b) {
 } // namespace
 
 IntervalRule gauss_jacobi(int n, int alpha) {
-  // Golub and Welsch: eigenvalues of the Jacobi matrix of the monic polynomials orthogonal on
-  // [-1, 1] for (1 - y)^alpha, mapped to x = (y + 1) / 2.
+  // G. H. Golub, J. H. Welsch, Calculation of Gauss quadrature rules, Math. Comp. 23 (1969)
+  // 221-230: eigenvalues of the Jacobi matrix of the monic polynomials orthogonal on [-1, 1] with
+  // the weight (1 - y)^alpha, mapped to x = (y + 1) / 2.
   Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(n, n);
   for (int k = 0; k < n; ++k) {
     const double s = 2.0 * k + alpha;

@@ -19,7 +19,7 @@ public:
   }
   const double* data() const { return values_.data() + first_ * n_; }
   void push(std::span<const double> field);
-  /// Room for so many fields at once, which otherwise grows by doubling.
+  /// Reserves memory for so many fields, which otherwise grows by doubling.
   void reserve(std::size_t fields) { values_.reserve(fields * n_); }
   /// Forgets the oldest fields; the memory is reclaimed when half of it is unused.
   void drop(std::size_t count);

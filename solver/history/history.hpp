@@ -1,5 +1,5 @@
 // Memory: (R u)(t_n) = sum_{j<=n} int_{t_{j-1}}^{t_j} q(t_n, s) u(s) ds for one scalar kernel q and
-// a field of n values, with exact interval integrals. Four routes behind four calls.
+// a field of n values, with exact interval integrals. One interface, four implementations (routes).
 #pragma once
 
 #include "solver/common/failure.hpp"

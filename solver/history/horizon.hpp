@@ -1,4 +1,4 @@
-// What a memory says that was made for an earlier end time than it is asked to go on to.
+// The failure of a memory that was made for an earlier end time and cannot go on to a later one.
 #pragma once
 
 #include "solver/common/failure.hpp"

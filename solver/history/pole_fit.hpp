@@ -19,20 +19,20 @@ struct Pole {
 };
 std::size_t fields_of(const std::vector<Pole>& poles);
 
-/// Poles that may be of use: log-spaced real decays from the slowest to the shortest lag.
+/// Candidate poles: log-spaced real decays from the slowest to the shortest lag.
 std::vector<Pole> real_candidates(const KernelSamples& samples, double per_decade);
 /// Poles found by ESPRIT on windows of length T/4^j, and decays around the frequencies found.
 std::vector<Pole> oscillating_candidates(const PreparedKernel& kernel,
                                          const KernelSamples& samples);
 
-/// Poles of the whole range at once: finds those of a kernel that is a short sum already.
+/// Poles found by ESPRIT on the whole range: those of a kernel that is itself a short sum.
 std::vector<Pole> window_candidates(const PreparedKernel& kernel, const KernelSamples& samples);
 
 /// Weighted least squares of the coefficients, relative to the kernel's norm: a residual r bounds
 /// the L1 error on the sample points by r * norm (Cauchy-Schwarz with the density of the samples).
 class PoleFit {
 public:
-  /// `cap`: coefficients above cap * norm are held down (they would cancel each other).
+  /// `cap`: coefficients above cap * norm are penalised (they would cancel each other).
   PoleFit(const KernelSamples& samples, double tolerance, double cap);
   struct Solution {
     std::vector<Pole> poles;

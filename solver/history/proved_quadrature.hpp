@@ -1,8 +1,10 @@
-// Quadrature that proves what it has seen: panels are halved until the integrand is analytic and
-// small enough around each of them for the rule's error to be rounding.
+// Quadrature with a proof that its panels resolve the integrand: they are halved until it is
+// analytic and small enough around each of them for the rule's error to be rounding.
 //
-// The idea is K. Petras's, used by F. Johansson, Numerical integration in arbitrary-precision ball
-// arithmetic (2018). A peak of any width is found: around a panel that hides it the bound is large.
+// K. Petras, Self-validating integration and approximation of piecewise analytic functions, J.
+// Comput. Appl. Math. 145 (2002) 345-359; F. Johansson, Numerical integration in
+// arbitrary-precision ball arithmetic, Mathematical Software - ICMS 2018. A peak of any width is
+// found: around a panel that hides it the bound is large.
 #pragma once
 
 #include "solver/history/quadrature.hpp"

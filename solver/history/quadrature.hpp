@@ -1,4 +1,6 @@
-// Adaptive Gauss-Kronrod quadrature of several integrands at once, to machine precision.
+// Adaptive Gauss-Kronrod quadrature of several integrands at once, to machine precision. The rules
+// and the bisection are those of R. Piessens, E. de Doncker-Kapenga, C. W. Ueberhuber,
+// D. K. Kahaner, QUADPACK: a subroutine package for automatic integration, 1983.
 #pragma once
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>

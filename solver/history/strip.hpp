@@ -33,7 +33,7 @@ struct Strip {
 /// The ellipse with foci low, high whose half axes add up to `ellipse` (high - low) / 2, in a
 /// rectangle. An analytic f with |f| <= M within it is approximated by polynomials of degree n
 /// to 2 M ellipse^-n / (ellipse - 1) (Bernstein; L. N. Trefethen, Approximation Theory and
-/// Approximation Practice, chapter 8).
+/// Approximation Practice, 2013, chapter 8).
 inline constexpr double ellipse = 2.5;
 Strip around(double low, double high);
 /// t - z, z^c (singular where the set reaches the left half plane and c is no whole number), c z.

@@ -24,8 +24,10 @@ public:
   }
   void solve(const Vector& b, Vector& x) const { factorisation_->solve(b, x); }
 
-  /// Extremes of <K v, v> / <G v, v> for the symmetric part of K. By Lanczos (Spectra), to 1e-9; in
-  /// small spaces by the dense solver. Nothing when the iteration does not converge.
+  /// Extremes of <K v, v> / <G v, v> for the symmetric part of K, to 1e-9, by Spectra's implicitly
+  /// restarted Lanczos method (D. C. Sorensen, Implicit application of polynomial filters in a
+  /// k-step Arnoldi method, SIAM J. Matrix Anal. Appl. 13 (1992) 357-385); in small spaces by the
+  /// dense solver. Nothing when the iteration does not converge.
   /// `below`: a lower bound of the least one where it is known (0: K may be positive definite).
   /// Just under it K is shifted and inverted, so that clusters at the bound converge at once.
   std::optional<double> least(const SparseMatrix& k, double below = 0.0) const;

@@ -19,7 +19,8 @@ struct PronySum {
 
 /// Least squares over the table's points with relaxation times on a logarithmic grid (twenty a
 /// decade, from half the least spacing to ten times the range), by the active-set method for
-/// weights that may not change sign (Lawson, Hanson 1974, chapter 23).
+/// weights that may not change sign (C. L. Lawson, R. J. Hanson, Solving least squares problems,
+/// 1974, chapter 23).
 PronySum fit_prony(const Table& table);
 
 } // namespace hvi::solver

@@ -5,7 +5,7 @@
 
 namespace hvi::solver::rules {
 
-/// e = coefficient * base; a pure number has base null. Borrowed from the expression it came from.
+/// e = coefficient * base; a pure number has base null. The base belongs to the expression e.
 struct Term {
   double coefficient;
   const Expr* base;

@@ -12,14 +12,14 @@
 namespace hvi::solver {
 namespace {
 
-/// Measured: in 2D constrained CAMD stays within 2 % of METIS at a tenth of its time; in 3D METIS
-/// saves 20 to 50 % of the work. The work per unknown under CAMD tells one from the other.
+/// Measured: in 2D constrained CAMD is within 2 % of METIS at a tenth of its time; in 3D
+/// METIS saves 20 to 50 % of the work. The work per unknown with CAMD tells 2D from 3D.
 constexpr double flops_per_unknown_for_metis = 1e5;
 
 [[noreturn]] void refuse_without_memory(const VertexGraph& graph) {
   throw OutOfMemory("no memory to order a matrix of {} unknowns", graph.first.back());
 }
-/// Another order would do, but it would give other bits.
+/// Falling back to another ordering would give other bits.
 void refuse_without_memory(const VertexGraph& graph, const cholmod_common& common) {
   if (common.status == CHOLMOD_OUT_OF_MEMORY) refuse_without_memory(graph);
 }
@@ -55,8 +55,10 @@ void join_components(const VertexGraph& graph, std::span<const Long> order, Link
   }
 }
 
-/// CAMD with two constraint sets, interior before contact: the interior's order. `flops`: of a
-/// factor of K, about.
+/// The interior's order by CAMD (approximate minimum degree with constraints: P. R. Amestoy,
+/// T. A. Davis, I. S. Duff, An approximate minimum degree ordering algorithm, SIAM J. Matrix Anal.
+/// Appl. 17 (1996) 886-905) with two constraint sets, interior before contact. `flops`: roughly
+/// those of a factorisation of K.
 std::optional<std::vector<Long>> camd_order(VertexGraph& graph, cholmod_common* common,
                                             double& flops) {
   flops = 0.0;
@@ -76,7 +78,8 @@ std::optional<std::vector<Long>> camd_order(VertexGraph& graph, cholmod_common* 
   return order;
 }
 
-/// METIS nested dissection of the interior's graph alone.
+/// METIS's nested dissection of the interior's graph (G. Karypis, V. Kumar, A fast and high quality
+/// multilevel scheme for partitioning irregular graphs, SIAM J. Sci. Comput. 20 (1998) 359-392).
 std::optional<std::vector<Long>> metis_order(const VertexGraph& graph, cholmod_common* common) {
   Pattern interior;
   std::vector<Long> vertex, local(graph.member.size(), -1);
@@ -94,7 +97,7 @@ std::optional<std::vector<Long>> metis_order(const VertexGraph& graph, cholmod_c
     refuse_without_memory(graph, *common);
     return {};
   }
-  // CHOLMOD does not hand on that METIS had no memory: then this is no permutation.
+  // CHOLMOD does not report that METIS had no memory; the order is then no permutation.
   std::vector<char> seen(order.size(), 0);
   for (Long& position : order) {
     if (position < 0 || position >= static_cast<Long>(seen.size()) || seen[position]++ != 0)
@@ -104,7 +107,7 @@ std::optional<std::vector<Long>> metis_order(const VertexGraph& graph, cholmod_c
   return order;
 }
 
-/// With the contact behind it.
+/// The interior's order with the contact vertices behind it.
 std::vector<Long> whole(const VertexGraph& graph, std::vector<Long> interior) {
   interior.insert(interior.end(), graph.contact.begin(), graph.contact.end());
   return interior;

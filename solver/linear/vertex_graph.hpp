@@ -1,5 +1,7 @@
-// The graph of a matrix with one vertex for unknowns that cannot be told apart, as the components
-// of a node: orders and elimination trees of it are those of the matrix at a fraction of the work.
+// The graph of a matrix with one vertex for unknowns of equal neighbours, as the components of a
+// node: its orders and elimination trees are those of the matrix at a fraction of the work
+// (C. Ashcraft, Compressed graphs and the minimum degree algorithm, SIAM J. Sci. Comput. 16 (1995)
+// 1404-1411).
 #pragma once
 
 #include "solver/linear/pattern.hpp"

@@ -1,11 +1,13 @@
-// Local refinement by bisection: cells that are named are halved, and others where conformity asks
-// for it. Between the generated mesh and the space, driven by solver/study/adapt.
+// Local refinement by bisection: given cells are halved, and others where conformity requires it.
+// Between the generated mesh and the space; called by solver/time/adapt.
 //
-// Every simplex knows the edge it will be cut at. Intervals and triangles: newest vertex bisection.
-// Tetrahedra: D. N. Arnold, A. Mukherjee, L. Pouly, Locally adapted tetrahedral meshes using
-// bisection, SIAM J. Sci. Comput. 22 (2000): every face has a marked edge, too, and a flag tells
-// two of the types apart. For any first mesh the closure ends, and a first cell has finitely many
-// shapes of descendants, so angles stay bounded however often one refines.
+// Every simplex has an edge at which it will be cut. Intervals and triangles: newest vertex
+// bisection (W. F. Mitchell, Adaptive refinement for arbitrary finite-element spaces with
+// hierarchical bases, J. Comput. Appl. Math. 36 (1991) 65-78). Tetrahedra: D. N. Arnold, A.
+// Mukherjee, L. Pouly, Locally adapted tetrahedral meshes using bisection, SIAM J. Sci. Comput. 22
+// (2000) 431-448: every face has a marked edge, too, and a flag tells two of the types apart. For
+// any first mesh the closure ends, and the descendants of a cell have finitely many shapes, so
+// angles stay bounded however often one refines.
 #pragma once
 
 #include "solver/mesh/mesh.hpp"
@@ -21,9 +23,9 @@ public:
   /// First cuts: the longest edges, ties by the numbers of the nodes.
   explicit Bisection(const Mesh& first);
 
-  /// Cuts each of these cells of `mesh()` into 2^times at least, and others where a node would
-  /// stand in the middle of an edge. Fewer cells give a coarser mesh, never another one. Throws
-  /// Failure(limit) beyond the limit of cells.
+  /// Cuts each of these cells of `mesh()` into 2^times at least, and others where a node would lie
+  /// in the middle of an edge. With fewer cells the result is a coarser version of the mesh made
+  /// with more. Throws Failure(limit) beyond the limit of cells.
   void bisect(std::span<const std::int32_t> cells, int times = 1);
 
   /// The present mesh: groups are those of the first, cells keep their number or stand at the end.

@@ -2,9 +2,12 @@
 // Between the generated mesh and `discretise`, for a mesh with MeshSpec::adapted.
 //
 // The indicator is the distance of the strain (scalar unknowns: the gradient) to its recovery, a
-// continuous field of the same degree: O. C. Zienkiewicz, J. Z. Zhu, Int. J. Numer. Meth. Eng. 24
-// (1987); reliable for averages of any kind: C. Carstensen, S. Bartels, Math. Comp. 71 (2002).
-// Cells are marked by W. Doerfler's bulk criterion, SIAM J. Numer. Anal. 33 (1996).
+// continuous field of the same degree: O. C. Zienkiewicz, J. Z. Zhu, A simple error estimator and
+// adaptive procedure for practical engineering analysis, Int. J. Numer. Methods Eng. 24 (1987)
+// 337-357; reliable for averages of any kind: C. Carstensen, S. Bartels, Each averaging technique
+// yields reliable a posteriori error control in FEM on unstructured grids, Math. Comp. 71 (2002).
+// Cells are marked by the bulk criterion of W. Doerfler, A convergent adaptive algorithm for
+// Poisson's equation, SIAM J. Numer. Anal. 33 (1996) 1106-1124.
 #pragma once
 
 #include "solver/time/run.hpp"
@@ -21,7 +24,7 @@ namespace hvi::solver {
 std::vector<double> recovery_indicator(const Space& space, const Vector& u,
                                        std::span<const int> kind = {});
 
-/// The least cells whose indicators add up to `bulk` of all, largest first.
+/// The fewest cells whose indicators add up to `bulk` of the sum of all, largest first.
 std::vector<std::int32_t> marked_cells(std::span<const double> indicators, double bulk);
 
 /// The mesh of plan.mesh (without `adapted`), bisected to at most plan.mesh.adapted cells where the

@@ -23,10 +23,12 @@ public:
   /// u'(t_n) = rate(n) d_n - carry(n) d_{n-1},  d_n = u_n - u_{n-1}.
   ///   backward Euler: 1/k, 0.   BDF2, w = k_n / k_{n-1}: (1 + 2 w) / ((1 + w) k), w^2 / ((1 + w)
   ///   k);
-  /// its first step is backward Euler, whose one local error of order k^2 keeps the second order.
+  /// its first step is backward Euler, whose single local error of order k^2 keeps the second order
+  /// (M. Crouzeix, F. J. Lisbona, The convergence of variable-stepsize, variable-formula, multistep
+  /// methods, SIAM J. Numer. Anal. 21 (1984) 512-534).
   double rate(int n) const;
   double carry(int n) const;
-  /// How many factors are worth keeping: 1 when no length comes back after another one.
+  /// How many factors are worth keeping: 1 when no step length occurs again after another one.
   int useful_factors() const { return useful_factors_; }
   /// The length of the shortest step; equal steps have one length.
   double shortest() const;
