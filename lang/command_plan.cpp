@@ -20,8 +20,8 @@ namespace hvi::lang {
 
 namespace {
 
-/// The first steps, really taken: what they count is what the run counts, and their seconds say
-/// what the others will take. But the sums of memories grow: those are rehearsed.
+/// Takes the first steps: their counted work is that of the run, and their seconds predict those of
+/// the other steps. The sums of memories grow, so the memories are run alone for more steps.
 struct Forecast {
   solver::RunResult result;
   solver::MemoryForecast memory;
@@ -30,7 +30,7 @@ struct Forecast {
   double most_bytes = 0; ///< the most that is held, of the steps not taken too
   int taken = 0, steps = 0;
   bool friction = false;
-  /// Of the memories after the steps taken, beyond what the first of them took.
+  /// Seconds of the memories in the steps not taken, beyond those of as many first steps.
   double history() const {
     const auto& r = result;
     const double bytes = sizeof(double) * (r.path.empty() ? r.contact_unknowns : r.unknowns);

@@ -264,7 +264,7 @@ int solve(Script& script, const Options& options, bool writes, HeldOutputs& outp
   }
 }
 
-/// Something that was asked for could not be written: told last, the rest is done.
+/// Reports at the end that a requested file could not be written; everything else is done.
 void add_unwritten(Script& script, const std::string& what, const std::string& help, int& code) {
   script.diagnostics.add(diagnose("E0702", Span{}, what).with_help(help));
   code = exit_solve;
@@ -280,8 +280,7 @@ void write_json(Script& script, Solved& solved, const Options& options, double b
   }
 }
 
-/// The last thing that is done: gnuplot may not be there, and draws nothing that is not in the
-/// files.
+/// Done last: gnuplot may be missing, and pictures show nothing that is not in the files.
 void add_pictures(Script& script, Solved& solved, const Options& options, double bandwidth,
                   int& code) {
   bool any = false;
@@ -310,7 +309,7 @@ void print_result(const Script& script, const Solved& solved, const Options& opt
   if (options.profile) print_profile(solved.result, bandwidth);
 }
 
-/// Files, then what is printed, then pictures: what fails takes nothing with it that came before.
+/// Files first, then printing, then pictures: a failure loses nothing that came before.
 int report_run(Script& script, Solved& solved, const Options& options) {
   int code = exit_ok;
   const auto& result = solved.result;

@@ -75,7 +75,7 @@ std::optional<double> distance(const Trace& a, const Trace& b) {
   return size > 0 ? off / size : off;
 }
 
-/// A run with other numbers has failed: says why, or throws on what is no property of the numbers.
+/// A run with other numbers has failed: says why, or throws where the numbers are not the reason.
 void take_failure(const solver::Failure& failure, Variation& out) {
   using K = solver::FailureKind;
   if (failure.kind == K::interrupted || failure.kind == K::missing_file) throw failure;

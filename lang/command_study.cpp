@@ -40,7 +40,7 @@ constexpr double most_dofs_kept = 5e5; ///< of meshes (with factors) for setting
 
 constexpr double short_run = 0.3; ///< CPU seconds below which a run is timed three times
 
-/// What solver::memory_peak() says from now on begins at what is held (Linux).
+/// Resets the peak of solver::memory_peak() to what is held now (Linux).
 void forget_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 
 std::string machine_line() {
@@ -205,7 +205,7 @@ private:
                       c->start,
                       c->step};
     entry["checksum"] = checksum(entry.dump());
-    // Without it a study that goes on later runs the row again: no reason to stop this one.
+    // Without it a later call runs the row again: no reason to stop this study.
     try {
       solver::append_line(journal_, entry.dump());
     } catch (const solver::Failure& failure) {
@@ -222,7 +222,7 @@ private:
     const bool all_known = std::all_of(study_.rows.begin(), study_.rows.end(),
                                        [&](const StudyRow& row) { return known(row); });
     if (against_run && !all_known) {
-      // The reference comes first, and again when a study goes on: its steps are not kept on disk.
+      // The reference is run first, also when a study is continued: its steps are not kept on disk.
       StudyRow& finest = study_.rows.back();
       if (const int code = run_row(finest, true); code != exit_ok) return code;
       if (!finest.failure.empty()) {

@@ -73,8 +73,8 @@ struct Script {
 void parse_script(Script& script);
 /// parse, check and lower. False when there are errors (they are in script.diagnostics).
 bool compile_script(Script& script, const Options& options);
-/// The same for a script that compiled before, with other numbers. That a file cannot be read now
-/// is no property of the numbers: it throws Failure(missing_file).
+/// The same for a script that compiled before, with other numbers. Throws Failure(missing_file)
+/// where a file cannot be read any more, which says nothing of the numbers.
 bool compile_variation(Script& script, const Options& options);
 /// Adds an engine's failure as a diagnostic at the line its origin stands for.
 void add_failure(Script& script, const solver::Failure& failure);

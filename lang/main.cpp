@@ -184,8 +184,8 @@ std::vector<char*> with_command(int argc, char** argv, std::string& word) {
   return out;
 }
 
-/// Matrices and vectors come and go while a problem is set up: memory that was touched once is kept
-/// for the next of them. Large blocks still go back to the system at once.
+/// Many matrices and vectors are allocated and freed while a problem is set up: their memory is
+/// kept for the next ones. Large blocks are still returned to the system at once.
 void keep_freed_memory() {
 #ifdef __GLIBC__
   mallopt(M_MMAP_THRESHOLD, 64 << 20);
@@ -195,8 +195,8 @@ void keep_freed_memory() {
 #endif
 }
 
-/// A standard stream that is closed would be the number of the next file that is opened, which
-/// messages would be written into.
+/// If a standard stream is closed, the next file to be opened gets its number, and messages would
+/// be written into that file.
 void open_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", O_RDONLY) < 0) return;

@@ -1,5 +1,5 @@
-// Memory for hvi-run, of libc; where libc has none left, the run ends with the one message and the
-// exit code that main.cpp gives for it.
+// malloc and its relatives for hvi-run, by those of libc; where there is no memory left, the run
+// ends with one message and the exit code that main.cpp has for it.
 //
 // An exception would not do. Eigen 3.4 frees a dense matrix before it asks for memory of another
 // size and leaves the old address where that fails, so that the matrix is freed twice on the way
@@ -36,7 +36,7 @@ std::atomic_flag told = ATOMIC_FLAG_INIT;
   if (told.test_and_set()) // another thread is at it
     for (;;) ::pause();
   std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "out of memory: %.3g bytes more are not to be had",
+  std::snprintf(text.data(), text.size(), "out of memory: %.3g bytes more are not available",
                 bytes);
   hvi::lang::tell_no_memory(text.data());
   std::fflush(stdout); // what was printed before is a result

@@ -1,4 +1,4 @@
-// What a command writes: asked for before the work begins, so that no work is lost.
+// What a command writes: checked before the work begins, so that no work is lost.
 #pragma once
 
 #include "lang/driver.hpp"

@@ -1,5 +1,5 @@
 // Second phase: from syntax trees to the typed model. All mistakes of a script are reported at
-// once, none twice; what depends on a wrong thing is silent.
+// once, none twice; consequences of a mistake are not reported.
 #pragma once
 
 #include "lang/check/model.hpp"

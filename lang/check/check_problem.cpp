@@ -60,7 +60,7 @@ std::optional<Model> Checker::run() {
   check_defines();
   locate_find();
   if (find_) find_statement();
-  // What nothing has used yet is checked too: a wrong line is an error even when it is idle.
+  // Unused declarations are checked, too: a wrong line is an error even when nothing uses it.
   for (std::size_t i = 0; i < declarations_.size(); ++i) {
     Declaration& d = declarations_[i];
     const bool used = d.used;

@@ -37,8 +37,8 @@ bool is_norm_of(const ast::Expr& e, const std::string& unknown) {
 
 } // namespace
 
-/// Sum of what stands against eps(v): sigma_ij = d integrand / d (dv_i/dx_j), symmetrised, on
-/// cells.
+/// The stress, the sum of all that is contracted with eps(v): sigma_ij = d integrand / d
+/// (dv_i/dx_j), symmetrised, on cells.
 Field Checker::stress() {
   const int d = model_.space.vector ? model_.dim : 1;
   Field out = matrix_field(d, model_.dim, std::vector<Symbol>(d * model_.dim, Symbol(0.0)));

@@ -93,7 +93,7 @@ param n = 4  // cells)",
 param n = 4  # cells)"},
     {"E0211", "`**` for a power",
      R"(
-A power is written `^`; it binds tighter than a sign and leans to the right: -a^b^c is -(a^(b^c)).)",
+A power is written `^`; it binds tighter than a sign and is right associative: -a^b^c is -(a^(b^c)).)",
      R"(
 fn f(x) = x**2)",
      R"(

@@ -40,7 +40,7 @@ EffectNote note(Model& model, const char* name, const Seen& seen, const char* of
   return out;
 }
 
-/// The origin that the law's term in the plan has: by it the run says whether the law slept.
+/// The origin of the law's term in the plan: by it the run reports whether the law ever acted.
 solver::Origin origin_of(Model& model, const solver::Plan& plan, const Span& span) {
   for (const solver::LawTerm& term : plan.law_terms) {
     if (model.origins[term.origin.id] == span) return term.origin;

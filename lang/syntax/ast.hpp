@@ -58,7 +58,7 @@ struct Negate {
 
 enum class BinaryOp { add, subtract, multiply, divide, contract, power }; // + - * / : ^
 
-/// a op b. Sums, products and contractions lean to the left, powers to the right.
+/// a op b. Sums, products and contractions are left associative, powers right associative.
 struct Binary {
   BinaryOp op = BinaryOp::add;
   Span op_span;

@@ -72,7 +72,7 @@ void Formatter::comment(const Span& span, const Token& next) {
   comment_ends_line_ = true;
 }
 
-// `*` and `/` keep the blanks of the author, who knows what belongs together.
+// `*` and `/` keep the author's blanks, which show what belongs together.
 bool Formatter::spaced_in_source(const Token& sign) const {
   const auto is_blank = [&](std::uint32_t at) {
     const std::string_view c = source_.text({source_.id(), at, at + 1});

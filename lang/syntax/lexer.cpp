@@ -131,7 +131,7 @@ void Lexer::comment() {
   result_.comments.push_back(span(begin, end));
 }
 
-// Left out like a comment, for that is what it is.
+// Skipped like a comment, which it is in another language.
 bool Lexer::foreign_comment() {
   const std::size_t begin = at_;
   const bool block = starts_with("/*");

@@ -277,9 +277,9 @@ double LoadAssembler::Impl::integral(std::size_t m, double begin, double end) {
   return sum;
 }
 
-/// The same, halved until halving changes less than `most`: kinks and jumps are closed in on. (The
-/// tolerance stays as it is on the way down, unlike in Boost's adaptive rules, whose tree grows
-/// without end once it is below rounding.)
+/// The same on halved intervals until halving changes less than `most`, which isolates kinks and
+/// jumps. (The tolerance is the same at every depth. Boost's adaptive rules divide it, and never
+/// end once it is below rounding.)
 double LoadAssembler::Impl::halved(std::size_t m, double begin, double end, double whole,
                                    double most, int depth) {
   const double middle = begin + (end - begin) / 2;

@@ -9,11 +9,11 @@ namespace hvi::solver {
 /// components, cut to the rows and columns of a selection of dofs. Rows sorted.
 class MatrixPattern {
 public:
-  /// Throws Failure(limit) when the entries do not fit 32-bit indices. The graph must live on.
+  /// Throws Failure(limit) when the entries do not fit 32-bit indices. The graph must outlive this.
   MatrixPattern(const NodeGraph& graph, int components, const DofSelection& dofs);
 
   const SparseMatrix& zeros() const { return zeros_; }
-  /// To the last matrix that needs them.
+  /// Moves the arrays of `zeros` into the last matrix that needs them.
   void hand_over(SparseMatrix& zeros) { zeros.swap(zeros_); }
 
   /// Of each pair of nodes of an element, its edge in the graph: edges[i * nodes + j].

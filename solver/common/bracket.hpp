@@ -40,7 +40,7 @@ struct Bracket {
   }
   /// A conclusion from an upper bound of the number stands on a proof.
   bool bounded_by_proof() const { return how() != Provenance::sampled; }
-  /// What to reckon with: the proved upper bound, else the largest that was seen.
+  /// The value to compute with: the proved upper bound, else the largest that was seen.
   double value() const { return how() == Provenance::sampled ? low : high; }
 };
 

@@ -14,7 +14,7 @@ inline double seconds_of(clockid_t clock) {
 /// CPU seconds of the process so far, all threads together: a system call.
 inline double cpu_seconds() { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); }
 
-/// Seconds of the clock on the wall, for parts of a step, which may be shorter than a system call.
+/// Wall-clock seconds, for parts of a step, which may be shorter than a system call.
 inline double wall_seconds() { return seconds_of(CLOCK_MONOTONIC); }
 
 /// Adds the time of its life to a phase.

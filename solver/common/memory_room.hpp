@@ -40,7 +40,7 @@ struct TooLarge : Failure {
 std::string bytes_text(double bytes);
 
 /// Throws TooLarge where `bytes` more than what is held do not fit: `what` names them ("the factor
-/// of 555003 unknowns"). Little is not looked at: asking takes as long as a small run.
+/// of 555003 unknowns"). Small amounts are not checked: a check takes as long as a small run.
 inline constexpr double little_memory = 32e6;
 void require_memory(double bytes, const std::string& what);
 

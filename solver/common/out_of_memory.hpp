@@ -8,8 +8,8 @@
 
 namespace hvi::solver {
 
-/// A bad_alloc and no Failure, so that nobody who copes with failures goes on without what was to
-/// be computed. Its sentence is formed without an allocation.
+/// A bad_alloc and not a Failure, so that code which handles failures does not continue without the
+/// result. Its message is made without an allocation.
 class OutOfMemory : public std::bad_alloc {
 public:
   template <class... Arguments>

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t magic = 0x41554433;
 
-/// max |u_i|, in eight chains that need not wait for each other.
+/// max |u_i|, as eight independent maxima, so that none waits for another.
 double largest(std::span<const double> u) {
   std::array<double, 8> most{};
   std::size_t i = 0;
@@ -35,7 +35,7 @@ public:
       : kernel_(kernel), horizon_(options.horizon), expected_steps_(options.steps),
         inner_(std::move(inner)), direct_(kernel, replayed, options.order, options.shortest_step),
         sample_(replayed), replayed_(replayed), order_(options.order) {
-    // A run that goes on beyond the end it was planned for knows its times.
+    // A run that is continued beyond its planned end has a list of times.
     if (options.horizon > 0 && !options.times.empty()) {
       horizon_ = std::max(horizon_, options.times.back() - options.times.front());
       expected_steps_ = static_cast<std::int64_t>(options.times.size()) - 1;
@@ -91,7 +91,8 @@ public:
     if (record_.steps >= most_audited_steps) return stop();
     direct_.commit(t_new, gather(u_new));
     for (const double u : sample_) record_.largest = std::max(record_.largest, std::abs(u));
-    // All of the first steps, then ever fewer: N steps cost the weights of about six full sums.
+    // Every one of the first steps, then a geometric sequence: N steps cost about as much as six
+    // full sums.
     constexpr std::int64_t dense = 16;
     if (record_.steps >= record_.next)
       record_.next = record_.steps + (record_.steps < dense ? 1 : record_.steps / 5);

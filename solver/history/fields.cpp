@@ -1,5 +1,5 @@
 // Loops over stored fields. Blocked over the points: `out` and `u` stay in the first-level cache
-// while the states stream by once.
+// while the states are read once.
 #include "solver/history/fields.hpp"
 
 #include <cblas.h>

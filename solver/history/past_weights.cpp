@@ -114,7 +114,7 @@ const std::vector<double>& PastWeights::edges(const PreparedKernel& kernel, doub
   return entry->second;
 }
 
-/// No more than three panels: 15 points see all of them.
+/// At most three panels: 15 points resolve them all.
 bool PastWeights::resolved(const PreparedKernel& kernel, double t, const Interval& i) {
   const auto& ends = edges(kernel, t, i);
   const auto first = std::upper_bound(ends.begin(), ends.end(), i.low);

@@ -15,7 +15,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double per_decade = 20;
-/// Of longer tables every so many points are fitted; the errors are those at all points.
+/// Of longer tables only a part of the points, evenly spaced, is fitted; errors are those at all
+/// points.
 constexpr std::size_t most_fitted = 5000;
 
 /// Relaxation times the points can tell apart; infinity stands for the constant.

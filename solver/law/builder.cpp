@@ -264,7 +264,7 @@ void GraphBuilder::set_limits(LawGraph& graph) const {
   close_rounding_gaps(graph);
 }
 
-/// Pieces meant to meet (2 - 15 (.08 - .02) and 1.1) differ by rounding: no jump of the law.
+/// Pieces that are meant to be continuous (2 - 15 (.08 - .02) and 1.1) differ by rounding: no jump.
 void GraphBuilder::close_rounding_gaps(LawGraph& graph) const {
   double largest = 0.0;
   for (std::size_t i = 0; i < graph.breaks.size(); ++i)

@@ -242,7 +242,7 @@ private:
     for (const double b : g.breaks) reach_ = std::max(reach_, std::abs(b));
   }
 
-  /// A few graphs: sizes, and jumps that are there to be seen.
+  /// A few graphs: sizes, and jumps that samples show.
   void look_at_graphs() {
     const std::size_t stride = std::max<std::size_t>(1, domain_.part.size() / (most_graphs / 5));
     for (std::size_t p = 0; p < domain_.part.size();

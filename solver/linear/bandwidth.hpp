@@ -1,4 +1,4 @@
-// How fast this machine reads memory: the limit of every sweep, for reports.
+// How fast this machine reads memory: the limit of every triangular solve, for reports.
 #pragma once
 
 namespace hvi::solver {

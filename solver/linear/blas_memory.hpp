@@ -3,9 +3,9 @@
 
 namespace hvi::solver {
 
-/// OpenBLAS asks for its workspace (128 MiB of addresses, hardly touched) at the first call and
-/// tries for ever where there is none. With a limit on the addresses of this process it is asked
-/// for now; false: there is no room for it. Without a limit nothing is done.
+/// OpenBLAS allocates its workspace (128 MiB of addresses, hardly touched) at the first call and
+/// tries for ever where there is no memory for it. With a limit on the addresses of this process
+/// the first call is made now; false: the workspace does not fit. Without a limit nothing is done.
 bool reserve_blas_memory();
 
 } // namespace hvi::solver

@@ -1,7 +1,8 @@
 // Direct solvers behind one interface, with the contact unknowns condensed out.
 //
 // K x = b is split as  [K_II K_Ic; K_cI K_cc] with c the contact unknowns. The interface gives the
-// Schur complement S = K_cc - K_cI K_II^-1 K_Ic and the two sweeps around the reduced problem:
+// Schur complement S = K_cc - K_cI K_II^-1 K_Ic and two triangular solves ("sweeps" in names), one
+// before and one after the reduced problem:
 //   reduce(b)      -> r   with  S c = r  equivalent to K x = b on c
 //   back(c)        -> x   the full solution whose contact part is c
 #pragma once
@@ -20,10 +21,10 @@ namespace hvi::solver {
 struct FactorStatistics {
   double nonzeros = 0; ///< of the factor(s)
   double flops = 0;    ///< of one numeric factorisation
-  double bytes = 0;    ///< held: the factor, what was made of it for sweeps, S; before: to factor
+  double bytes = 0;    ///< held: the factor and its copies, S; before a factorisation: predicted
   double seconds_analyse = 0, seconds_factor = 0;
   int analyses = 0, factorisations = 0,
-      sweeps = 0;         ///< work counters; a sweep reads the factor once
+      sweeps = 0;         ///< work counters; a sweep, forward or backward, reads the factor once
   double bytes_swept = 0; ///< that all sweeps had to read
   std::string ordering;   ///< "METIS", "CAMD", ...
 };
@@ -36,53 +37,56 @@ struct NotFactorable : Failure {
   double pivot; ///< the pivot relative to the diagonal entry of K; NaN if it was not finite
 };
 
-/// How the two sweeps read the factor. A sweep is bound by memory: `single` reads 32 bits an entry
-/// instead of 64, `fine` 48. The arithmetic is double and S stays exact, but L_II and L_cI are
-/// rounded to 24 or 40 bits, so that a sweep has a relative error of about 1e-7 or 2e-12 times the
-/// growth of the matrix. It pays where only a small correction is solved for and the true residual
-/// is known: with a guess x* (the last increments, extrapolated) and b* = b - K x*,
+/// The precision in which the triangular solves read the factor. Their time is that of reading it:
+/// `single` reads 32 bits of an entry instead of 64, `fine` 48. The arithmetic is double and S
+/// stays exact, but L_II and L_cI are rounded to 24 or 40 bits, so that a solve has a relative
+/// error of about 1e-7 or 2e-12 times the growth of the matrix. Reduced precision pays where only a
+/// small correction is solved for and the true residual is known: with a guess x* (the last
+/// increments, extrapolated) and b* = b - K x*,
 ///     reduce(b*) -> r*,  r = r* + S c*,  the reduced problem gives c,  back(c - c*) -> x - x*.
 enum class SweepStorage { full, fine, single };
 
 class Factorisation {
 public:
   virtual ~Factorisation() = default;
-  /// One more for matrices of the same pattern, not factored yet: the analysis is taken over.
+  /// Another one for matrices of the same pattern, not factored yet, which shares the analysis.
   virtual std::unique_ptr<Factorisation> another() const = 0;
   /// Numeric factorisation of a matrix with the analysed pattern. Throws Failure(not_coercive)
   /// with the offending unknown in the message when K is not positive definite / singular.
   virtual void factor(const SparseMatrix& k) = 0;
-  /// First sweep. Keeps what `back` needs; r has one entry per contact unknown, in their order.
+  /// Forward solve. Keeps what `back` needs; r has one entry per contact unknown, in their order.
   virtual void reduce(const Vector& b, Vector& r) = 0;
-  /// Second sweep, for the last `reduce`.
+  /// Backward solve, for the last `reduce`.
   virtual void back(const Vector& c, Vector& x) = 0;
   /// What the last `reduce` keeps, one number for each unknown of the interior; linear in its b. Of
   /// a Cholesky factor L_II^-1 b_I, so that kept_a . kept_b = a_I^T K_II^-1 b_I.
   virtual Vector kept() const = 0;
   /// As if the last `reduce` had kept this.
   virtual void resume(const Vector& kept) = 0;
-  /// Both sweeps of up to 16 right-hand sides at once, in one reading of the factor each:
-  /// `reduce_each` keeps what `back_each` needs of every one of them. Forget the last `reduce`.
+  /// Forward and backward solves of up to 16 right-hand sides at once, each in one reading of the
+  /// factor. `reduce_each` keeps what `back_each` needs for all of them. Afterwards `back` needs a
+  /// new `reduce`.
   virtual void reduce_each(std::span<const Vector> b, std::vector<Vector>& r);
   virtual void back_each(std::span<const Vector> c, std::vector<Vector>& x);
-  /// x with K x = 0 on the interior and contact part c: one sweep. Forgets the last `reduce`.
+  /// x with K x = 0 on the interior and contact part c: a backward solve. `back` then needs a new
+  /// `reduce`.
   virtual void extend(const Vector& c, Vector& x) = 0;
-  /// Second sweeps of up to 16 x_r in one reading of the factor: with the contact part c.col(r), as
-  /// if sum_k weights(r, k) kept_k had been kept. x has a row for every c, and rows of zeros up to
-  /// a multiple of 8; an unknown's column is place[unknown]. Forgets the last `reduce`.
+  /// Backward solves of up to 16 x_r in one reading of the factor: with the contact part c.col(r),
+  /// as if sum_k weights(r, k) kept_k had been kept. x has a row for every c, and rows of zeros up
+  /// to a multiple of 8; an unknown's column is place[unknown]. `back` then needs a new `reduce`.
   virtual void back_all(const DenseMatrix& c, std::span<const Vector> kept,
                         const DenseMatrix& weights, DenseMatrix& x, std::vector<int>& place);
   static constexpr int most_at_once = 16;
-  /// b^T K^-1 b for one sweep; nothing of an LU factor, which has no such short cut.
+  /// b^T K^-1 b by one forward solve; nothing for an LU factor, where one is not enough.
   virtual std::optional<double> energy(const Vector&) { return std::nullopt; }
-  /// x = K^-1 b, both sweeps with S c = r solved exactly.
+  /// x = K^-1 b: forward solve, S c = r, backward solve.
   virtual void solve(const Vector& b, Vector& x) = 0;
   /// x = K^-T b.
   virtual void solve_transposed(const Vector& b, Vector& x) { solve(b, x); }
-  /// Chooses how the sweeps read this and later factors; false when it cannot be had (LU, or
-  /// entries beyond the range of float), and then the storage is `full`. The rounded copy, one for
-  /// `fine` and `single`, is made the first time and kept: changing to and fro costs nothing,
-  /// between the sweeps of one solution too.
+  /// Chooses the precision in which this and later factors are read; false where there is no
+  /// reduced one (LU, or entries beyond the range of float), and then the storage is `full`. The
+  /// rounded copy, one for `fine` and `single`, is made the first time and kept: changing costs
+  /// nothing, also between the forward and the backward solve of one solution.
   virtual bool sweep_in(SweepStorage storage) = 0;
   /// The Schur complement S, n_c by n_c. For Cholesky it is L22 L22^T, read off the factor.
   virtual const DenseMatrix& schur() const = 0;
@@ -94,7 +98,7 @@ private:
   std::vector<Vector> kept_of_each_;
 };
 
-/// Orders of elimination that were found before; ordering.hpp.
+/// Fill-reducing orderings that were found before; ordering.hpp.
 class OrderStore;
 
 /// Analyses the pattern of K (symmetric pattern; `symmetric`: Cholesky through CHOLMOD, contact

@@ -1,5 +1,5 @@
-// Kernels of the sweeps and products are compiled once per instruction set and chosen at run time,
-// so that one program runs on any processor.
+// Kernels of triangular solves and products are compiled once per instruction set and chosen at run
+// time, so that one program runs on any processor.
 #pragma once
 
 #include <cstring>

@@ -1,5 +1,6 @@
-// Memory for what the sweeps stream through: in large pages where the system has them, so that
-// neither the first touch nor the addresses of a hundred megabytes cost more than the reading.
+// Memory for the streams of triangular solves: in large pages where the system has them, so that
+// neither the first touch of a hundred megabytes nor their address translation takes longer than
+// reading them.
 #pragma once
 
 #include <cstddef>

@@ -3,8 +3,8 @@
 
 namespace hvi::solver {
 
-/// Holds OpenBLAS and OpenMP to one thread while it lives: the same bits whatever the number of
-/// cores, and no idle threads that spin.
+/// Limits OpenBLAS and OpenMP to one thread while it lives: the same bits whatever the number of
+/// cores, and no waiting threads that use the processor.
 class OneBlasThread {
 public:
   OneBlasThread();

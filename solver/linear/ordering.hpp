@@ -16,8 +16,8 @@ struct ContactLastOrder {
   std::vector<Long> permutation; ///< position -> unknown; the contact unknowns last, in their order
   std::vector<Long> parent;      ///< in the elimination tree, which is postordered; -1: none
   std::vector<Long> count;       ///< nonzeros of each column of the factor
-  /// Upper triangle of the matrix and of the zero entries that keep the contact last (see below);
-  /// of unknowns that cannot be told apart the first stands for all, as a row.
+  /// Upper triangle of the matrix and of the zero entries that keep the contact last (see below),
+  /// with one row for unknowns of equal neighbours: that of the first of them.
   Pattern above;
   double nonzeros = 0, flops = 0; ///< of the factor
   std::string name;               ///< the method that won
@@ -31,12 +31,12 @@ struct ContactLastOrder {
 ContactLastOrder order_contact_last(const SparseMatrix& k, std::span<const int> contact,
                                     CholmodSession& session);
 
-/// Orders of the last few patterns. One that is known is handed out again, to the same bits.
+/// Orders of the last few patterns. A known one is used again, so that runs have the same bits.
 class OrderStore {
 public:
   ContactLastOrder order(const SparseMatrix& k, std::span<const int> contact,
                          CholmodSession& session);
-  /// What the last order handed out had cost when it was found; 0 if it was found just now.
+  /// The seconds that finding the last returned order took; 0 if it was found just now.
   double seconds_of_last() const { return seconds_of_last_; }
   int reused() const { return reused_; }
   double seconds_spared() const { return seconds_spared_; }

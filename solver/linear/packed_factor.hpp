@@ -1,6 +1,6 @@
-// The interior part of a Cholesky factor once more, shortened to 32 or 48 bits an entry and laid
-// out in the order in which the sweeps read it. For corrections whose true residual is known
-// (SweepStorage).
+// A second copy of the interior part of a Cholesky factor in reduced precision, 32 or 48 bits an
+// entry, stored in the order in which the triangular solves read it. For corrections whose true
+// residual is known (SweepStorage).
 #pragma once
 
 #include "solver/linear/large_pages.hpp"
@@ -15,11 +15,11 @@ namespace hvi::solver {
 /// L = U D with D the diagonal of L and U of unit diagonal, so that no unit system leaves the range
 /// of a float. The columns of a panel are cut into blocks of 8 (at the end 4, 2, 1). Of each block
 /// the inverse of its triangle is stored, then the rows below in tiles of 8: one linear stream of
-/// floats, forward in one sweep and backward in the other. A second stream holds the sixteen
-/// bits that follow those of the floats. The arithmetic is double.
+/// floats, read forward by the forward solve and backward by the backward solve. A second stream
+/// holds the sixteen bits that follow those of the floats. The arithmetic is double.
 class PackedFactor {
 public:
-  /// Shortens a factor of this structure. False when an entry is beyond a float; then it is empty.
+  /// Rounds a factor of this structure. False when an entry is beyond a float; then it is empty.
   bool pack(const Supernodes& structure, const double* values);
   void clear() { *this = {}; }
   bool empty() const { return structure_ == nullptr; }
@@ -29,7 +29,7 @@ public:
   /// x_I := U_II^-T (y_I - U_cI^T x_c) for the y of `forward`, x_c given in x.
   void backward(bool fine, const double* y, double* x);
   double bytes() const;
-  /// That a sweep reads.
+  /// That a triangular solve reads.
   double bytes_swept(bool fine) const;
 
 private:

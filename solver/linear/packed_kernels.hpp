@@ -1,5 +1,6 @@
-// Packing and the sweeps of packed_factor.cpp, which includes this file once per instruction set:
-// the arithmetic is compiled for the set that the pragma there names, in a namespace of its own.
+// Packing and the triangular solves of packed_factor.cpp, which includes this file once per
+// instruction set: the arithmetic is compiled for the set that the pragma there names, in a
+// namespace of its own.
 
 typedef double Pack __attribute__((vector_size(lanes * sizeof(double))));
 typedef float SinglePack __attribute__((vector_size(lanes * sizeof(float))));
@@ -11,8 +12,8 @@ HVI_INLINE Pack load(const double* from) {
 }
 HVI_INLINE void store(const Pack& from, double* to) { std::memcpy(to, &from, sizeof from); }
 
-/// Entries between what is used and what is asked for from memory: processors foresee streams
-/// within a page only.
+/// How many entries ahead of use memory is prefetched: processors foresee streams within a page
+/// only.
 constexpr int ahead = 1024;
 
 /// A place in the streams.
@@ -130,7 +131,8 @@ HVI_INLINE double sum_of(const Pack& s) {
   return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
 }
 
-/// t := triangle^-T (t - tiles^T w); from the last tile to the first, as the sweep reads backward.
+/// t := triangle^-T (t - tiles^T w); from the last tile to the first: the backward solve reads the
+/// stream backward.
 template <int Width, bool Fine>
 HVI_INLINE void solve_block_back(const Entries<Fine>& block, int count, double* t) {
   Pack sum[Width] = {};

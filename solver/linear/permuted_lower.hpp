@@ -20,7 +20,7 @@ public:
   void assign(const SparseMatrix& k);
   /// Of the assigned matrix, by position.
   const std::vector<double>& diagonal() const { return diagonal_; }
-  /// Gives the room of the values and the diagonal back until the next matrix.
+  /// Frees the memory of the values and the diagonal until the next matrix.
   void forget_values() {
     std::vector<double>().swap(value_);
     std::vector<double>().swap(diagonal_);

@@ -10,8 +10,8 @@
 namespace hvi::solver {
 namespace {
 
-/// Entries between what is used and what is asked for from memory: processors foresee streams
-/// within a page only.
+/// How many entries ahead of use memory is prefetched: processors foresee streams within a page
+/// only.
 constexpr int ahead = 1024;
 
 /// w[i..) -= sum_a column_a[i..) t[a], as many whole packs as fit before count; returns the end.
@@ -122,7 +122,7 @@ HVI_INLINE void backward_panel(const double* l, const Panel& panel, const double
   for (; j > 0; j -= width) backward_block<width>(l, stride, j - width, panel.rows, inverse, w);
 }
 
-/// What a sweep works on.
+/// The data of a triangular solve.
 struct Sweep {
   std::span<const Panel> panels;
   const int* below;
@@ -137,7 +137,7 @@ HVI_INLINE void forward_sweep(const Sweep& sweep, double* y) {
     const int beneath = panel.rows - panel.columns;
     const int* row = sweep.below + panel.below;
     const double* own = y + panel.first;
-    // A load at a few points reaches few panels.
+    // With a load at a few points most panels have a right-hand side of zeros.
     if (std::all_of(own, own + panel.columns, [](double v) { return v == 0.0; })) continue;
     std::memcpy(w, own, sizeof(double) * static_cast<std::size_t>(panel.columns));
     std::memset(w + panel.columns, 0, sizeof(double) * static_cast<std::size_t>(beneath));

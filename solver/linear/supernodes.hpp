@@ -1,5 +1,5 @@
-// The two triangular sweeps over the interior columns of a supernodal Cholesky factor. A sweep is
-// bound by the memory it reads; this code reads every entry of L once and nothing else twice.
+// The two triangular solves with the interior columns of a supernodal Cholesky factor. Their time
+// is that of reading memory; this code reads every entry of L once and nothing else twice.
 #pragma once
 
 #include "solver/linear/sparse.hpp"
@@ -27,13 +27,13 @@ public:
   /// contact columns is cut: its interior columns see the contact ones as rows below.
   Supernodes(const cholmod_factor& l, int interior);
 
-  /// y := forward sweep of y: y_I = L_II^-1 y_I and y_c = y_c - L_cI y_I. `inverse_diagonal` has an
-  /// entry per interior column.
+  /// Forward solve: y_I := L_II^-1 y_I, then y_c := y_c - L_cI y_I. `inverse_diagonal` has an entry
+  /// per interior column.
   void forward(const double* values, const double* inverse_diagonal, double* y);
   /// x_I := L_II^-T (y_I - L_cI^T x_c), where x_c is given in x; y is not changed.
   void backward(const double* values, const double* inverse_diagonal, const double* y, double* x);
 
-  /// Right-hand sides that a sweep takes at once: one pack of the widest registers.
+  /// Right-hand sides that a triangular solve takes at once: one pack of the widest registers.
   static constexpr int lanes = 8;
   /// The same for `groups` times `lanes` right-hand sides in one reading of L, in place: y_I stands
   /// in x_I. y and x have all of them for a column of L next to each other.
@@ -42,7 +42,7 @@ public:
 
   std::span<const Panel> panels() const { return panels_; }
   std::span<const int> below() const { return below_; } ///< row indices of all panels
-  /// Entries of L that a sweep reads.
+  /// Entries of L that a triangular solve reads.
   double nonzeros() const;
 
 private:

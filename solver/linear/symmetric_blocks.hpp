@@ -1,5 +1,5 @@
 // Products with a symmetric matrix that read half of it: its diagonal and upper blocks. The
-// products of the time loop are bound by memory, as the sweeps are.
+// products of the time loop are bound by memory, as the triangular solves are.
 #pragma once
 
 #include "solver/linear/sparse.hpp"
@@ -15,8 +15,8 @@ namespace hvi::solver {
 class SymmetricBlocks {
 public:
   SymmetricBlocks() = default;
-  /// Empty (see `empty`) when A is not square and symmetric to rounding; `known` to be: it is not
-  /// looked at.
+  /// Empty (see `empty`) when A is not square and symmetric to rounding; `known`: that is not
+  /// checked.
   explicit SymmetricBlocks(const SparseMatrix& a, bool known = false);
   /// sum_b factor_b A_b; empty when the patterns differ.
   static SymmetricBlocks sum(std::span<const SymmetricBlocks> parts, const Vector& factors);

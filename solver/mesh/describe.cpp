@@ -32,7 +32,7 @@ std::string describe_group(const Mesh& mesh, const std::string& name, const Grou
   return line + "\n";
 }
 
-/// Boundary facets in no group: often a forgotten physical group.
+/// Boundary facets in no group: a physical group may have been forgotten.
 std::size_t unnamed_boundary(const Mesh& mesh) {
   std::set<std::int32_t> named;
   for (const auto& [name, group] : mesh.groups)

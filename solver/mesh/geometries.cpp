@@ -54,7 +54,7 @@ void check_numbers(const GeometryInfo& info, const Numbers& p) {
     if (info.name == c.geometry && !c.holds(p)) throw bad(info, fmt::format("needs {}", c.text));
 }
 
-/// A bound on the number of cells from above, so that gmsh is not sent off for hours.
+/// An upper bound of the number of cells, so that gmsh does not run for hours.
 void check_size(const GeometryInfo& info, const Numbers& p) {
   const auto at = std::find(info.parameters.begin(), info.parameters.end(), "size");
   const auto i = static_cast<std::size_t>(at - info.parameters.begin());

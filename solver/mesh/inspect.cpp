@@ -49,7 +49,7 @@ shortest_edges(const Mesh& mesh, const std::vector<std::pair<std::int32_t, std::
 }
 
 /// Pairs of nodes no farther apart than `reach`: sorted along a direction that no mesh is aligned
-/// with, so that few stand near each other.
+/// with, so that few nodes are neighbours in that order.
 template <class Visit>
 void for_close_pairs(const Mesh& mesh, const std::vector<std::int32_t>& nodes, double reach,
                      const Visit& visit) {

@@ -27,8 +27,8 @@ std::string random_letters() {
   return out;
 }
 
-/// Is the lock had, and is the file still under its name? A system without locks has no one who
-/// would remove it, either.
+/// Do we have the lock, and is the file still under its name? (On a system without locks no other
+/// run removes the file either.)
 bool is_ours(int descriptor) {
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
   struct stat status {};

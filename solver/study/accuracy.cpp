@@ -14,11 +14,11 @@ namespace {
 
 constexpr int most_tries = 12;
 constexpr double margin = 1.2; ///< a setting is chosen for so much less than the check asks
-/// Parts of the data that are so much smaller than the others, of the wanted error, are left out
-/// when their times are looked for.
+/// Times are not looked for in parts of the data that are smaller than this times the wanted error,
+/// relative to the others.
 constexpr double negligible = 0.01;
 
-/// The memory need not be a thousand times closer than the answer.
+/// Memories are computed to a thousandth of the wanted error.
 Plan prepared(const Plan& plan, const AccuracyRequest& request) {
   Plan out = plan;
   out.options.memory_tolerance = std::clamp(1e-3 * request.wanted, 1e-10, 1e-5);
@@ -139,8 +139,8 @@ void Search::finish(AccuracyTry& now, const KeptRun& run, const KeptRun& compani
   if (!out_.reached) tighten(now.setting);
 }
 
-/// After a setting whose evidence says no: the laws know better now; where they would choose the
-/// same again, the aim is lowered.
+/// After a setting whose check failed: the laws are fitted again with its runs; where they would
+/// choose the same setting, the aim is lowered.
 void Search::tighten(const Setting& refused) {
   for (int k = 0; k < 40; ++k, target_ *= 0.85) {
     const auto again = cheapest(candidates(), family_, target_, out_.request.most_unknowns,

@@ -1,7 +1,7 @@
 // What the data do in time, read from their formulas: where loads, imposed values, offsets, laws
 // and kernels jump or have a kink, and how short the pieces of time are on which they vary little.
-// A grid made of these times sees a pulse between two steps, which no run of a blind grid would
-// show.
+// A grid made of these times resolves a pulse that would lie between two steps of another grid and
+// that no run on that grid would show.
 #pragma once
 
 #include "solver/plan/plan.hpp"

@@ -1,4 +1,4 @@
-// Rungs of a study: which settings, what order is seen between them, which are worth their time.
+// Rungs of a study: which settings, what order is seen between them, which no other one beats.
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@ int predecessor(std::span<const std::vector<int>> settings, std::size_t of);
 /// log(e_coarse / e_fine) / log(ratio): how the error falls when the parameter grows by `ratio`.
 std::optional<double> observed_order(double coarse_error, double fine_error, double ratio);
 
-/// Which points (cost, error) no other beats in both: the front of what is worth its time.
+/// Which points (cost, error) no other beats in both: the front.
 std::vector<bool> pareto_front(std::span<const double> cost, std::span<const double> error);
 
 /// What distances to the finest run say of the errors themselves, error_i = c s_i^-p (s_i: the

@@ -1,4 +1,4 @@
-// Laws of error and of cost, fitted to a few cheap runs, and the cheapest setting they promise.
+// Laws of error and of cost, fitted to a few cheap runs, and the cheapest setting they predict.
 //
 //   error(level, steps) = c_s (1/level)^p_s + c_t (1/steps)^p_t,   cost = setup + steps per_step
 #pragma once
@@ -48,7 +48,7 @@ struct CostLaw {
   double seconds(double unknowns, double steps) const;
 };
 /// From the two largest runs; powers are kept within [1, 1.5] and [1, 1.25] in 2D, [1, 2] and
-/// [1, 1.4] in 3D (factor and sweeps of a nested dissection).
+/// [1, 1.4] in 3D (factor and triangular solves of a nested dissection).
 CostLaw fit_cost(std::span<const CostPoint> points, int dim);
 
 /// What is known of one element and one scheme together.

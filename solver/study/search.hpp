@@ -14,9 +14,9 @@
 
 namespace hvi::solver {
 
-/// Element and grading: what a ladder in space is climbed with.
+/// Element and grading, which are fixed along a ladder in space.
 using Element = std::pair<int, double>;
-/// Scheme and base: what a ladder in time is climbed with.
+/// Scheme and base, which are fixed along a ladder in time.
 using Clock = std::pair<Scheme, int>;
 
 class Search {

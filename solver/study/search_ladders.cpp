@@ -1,4 +1,4 @@
-// Ladders of cheap runs, and the choice they lead to; see search.hpp.
+// Ladders of cheap runs, and the choice made by them; see search.hpp.
 #include "solver/study/search.hpp"
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@ namespace {
 constexpr int first_rungs = 3, most_rungs = 10, most_deeper = 6;
 constexpr double steep = 1.8, steeper = 3.0; ///< gradings tried beside the uniform mesh
 
-/// Where no choice is in sight, ladders are climbed until their runs are this large.
+/// Where no choice is found yet, ladders get further runs up to this size.
 constexpr int largest_ladder_steps = 8192;
 constexpr double largest_ladder_unknowns = 20000.0;
 
@@ -224,8 +224,8 @@ bool Search::extend(const Setting& choice) {
   return finest_steps_[clock_of(choice)] > steps;
 }
 
-/// Where the ladders promise nothing, they may not be where errors fall like a power yet: a
-/// further rung of each. False where none was climbed.
+/// Where no choice is found the runs may be too coarse for errors to fall like a power: a further
+/// rung for each ladder. False where no ladder got one.
 bool Search::deepen() {
   if (deepened_++ >= most_deeper) return false;
   bool any = false;

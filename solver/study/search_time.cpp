@@ -153,7 +153,7 @@ std::optional<double> Search::remaining_error(const Setting& half, double seen, 
   const double far = distance(*runs[1], *runs[3], out_.request.probe);
   const double error =
       far + finer_error(d[2], 2.0, std::clamp(order, 0.4, nominal), Distance::additive);
-  // The chosen mesh may show more of the error than the ladders' does, or less; not nothing.
+  // The chosen mesh may show more of the error than that of the ladders, or less, but not nothing.
   const double more = d[0] > floor_ ? seen / d[0] : 1.0;
   return std::max(error * std::max(more, 0.25), seen / (std::pow(2.0, nominal) - 1.0));
 }
@@ -169,8 +169,8 @@ bool Search::look_at_time(AccuracyTry& now, const Setting& half, const KeptRun& 
   const auto error = remaining_error(half, now.time_distance, now.time_order);
   if (!error) return false;
   now.time_error = *error;
-  // The ladder in time was climbed on a coarse mesh: its order stays, its constant becomes what
-  // this mesh shows.
+  // The runs of the ladder in time were on a coarse mesh: its order is kept, its constant is
+  // replaced by what this mesh shows.
   const Clock clock = clock_of(half);
   if (const double promised = time_law(clock).at(half.steps); promised > 0.0)
     for (Rung& r : time_[clock]) r.distance *= std::max(now.time_error, floor_) / promised;

@@ -156,7 +156,7 @@ std::vector<double> look(const Plan& plan, const Mesh& mesh, const std::atomic<b
       run(trial(plan, steps), d, settings);
       return out;
     } catch (const Failure& failure) {
-      // Laws that soften need short steps; other reasons stay.
+      // Laws that soften need short steps; failures for other reasons remain.
       const bool shorter = failure.kind == FailureKind::not_certified && !plan.time.is_static;
       if (!shorter || steps >= most_steps) throw;
       steps *= 2;
@@ -217,7 +217,7 @@ Mesh adapted_mesh(const Plan& plan, const std::atomic<bool>* stop) {
     Bisection next = now;
     next.bisect(marked, mesh.dim); // edges are halved
     if (next.n_cells() > most) {
-      // The most of the marked cells, the worst first, that there is room for.
+      // As many of the marked cells, the worst first, as the wanted number of cells allows.
       std::size_t fits = 0, too_many = marked.size();
       next = now;
       while (fits + 1 < too_many) {

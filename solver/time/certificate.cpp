@@ -73,10 +73,10 @@ public:
   double worst() const { return worst_; }
 
 private:
-  /// K_ii max |d_j| over the row's columns + sum |force_ij| max |xi|: of the row's terms were its
-  /// axis turned. Entries of K are sums over elements, known up to rounding of the diagonal, and
-  /// components of a multiplier up to that of the whole: a row where nothing acts holds rounding of
-  /// the others, and which rows these are depends on the axes.
+  /// K_ii max |d_j| over the row's columns + sum |force_ij| max |xi|: the size of the row's terms
+  /// with rotated axes. Entries of K are sums over elements, known up to rounding of the diagonal,
+  /// and components of a multiplier up to rounding of its norm: a row where nothing acts holds
+  /// rounding of the others, and which rows these are depends on the axes.
   double whole_scale(int i) const {
     double diagonal = 0.0, largest = 0.0, weight = 0.0;
     for (SparseMatrix::InnerIterator it(k_, i); it; ++it) {
@@ -88,7 +88,7 @@ private:
     return diagonal * largest + weight * largest_xi_;
   }
 
-  /// What a row's scale has of it at least: rounding must stay far below any tolerance.
+  /// The part of it in a row's scale: the rounding it covers stays far below any tolerance.
   static constexpr double least_part = 0.01;
   const SparseMatrix& k_;
   const Vector& d_;

@@ -1,4 +1,5 @@
-// Is a step solved? Two numbers, computed from the definitions and from nothing the solver claims.
+// Is a step solved? Two numbers, computed from the definitions, not from the solver's own
+// residuals.
 #pragma once
 
 #include "solver/time/contact.hpp"
@@ -18,8 +19,8 @@ void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vect
 /// backward error of the equilibrium on the unknowns (W. Oettli, W. Prager, "Compatibility of
 /// approximate solution of linear equations with given error bounds for coefficients and right-hand
 /// sides", Numer. Math. 6, 1964). s_i = K_ii max |d_j| + (|G^T W| 1)_i max |xi| with the d_j of the
-/// row is what its terms would be were its axis turned: in a row where they vanish the residual is
-/// rounding of the others, and which rows these are depends on the axes.
+/// row is the size its terms would have with rotated axes: in a row where they vanish the residual
+/// is rounding of the other rows, and which rows vanish depends on the axes.
 double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& gap,
                          const Vector& scale, const SparseMatrix& force, const Vector& xi);
 
@@ -35,8 +36,8 @@ double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Ve
                          const Vector& d, const Vector& b, std::span<const int> contact,
                          const SparseMatrix& force, const Vector& xi, Vector& gap);
 
-/// Sets contact.reach_i = |d_i| + (|(K d)_i - K_ii d_i| + |b_i|) / K_ii: how far unknown i would go
-/// under the forces of its own equation, were the others held. The scale of displacements where all
+/// Sets contact.reach_i = |d_i| + (|(K d)_i - K_ii d_i| + |b_i|) / K_ii: how far the forces of its
+/// own equation would move unknown i if the others were fixed. The scale of displacements where all
 /// of them are rounding (a body that sticks everywhere).
 /// `diagonal`: K_ii of the contact unknowns i, in their order.
 void find_reach(const Vector& diagonal, const Vector& kd, const Vector& d, const Vector& b,

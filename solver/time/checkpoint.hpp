@@ -1,4 +1,4 @@
-// The file a run can go on from: header, hashes, and the state as bytes (saved_state.cpp).
+// The file a run can be resumed from: header, hashes, and the state as bytes (saved_state.cpp).
 #pragma once
 
 #include "solver/plan/plan.hpp"
@@ -10,7 +10,7 @@
 
 namespace hvi::solver {
 
-/// A checkpoint that cannot be gone on from: damaged, of another format, or of another problem.
+/// A checkpoint that cannot be used: damaged, of another format, or of another problem.
 struct CheckpointFailure : Failure {
   CheckpointFailure(const std::filesystem::path& path, const std::string& what, std::string help_)
       : Failure(FailureKind::broken_file, {}, "the checkpoint `" + path.string() + "` " + what,
@@ -19,17 +19,17 @@ struct CheckpointFailure : Failure {
 
 /// A hash of everything that decides the numbers of a run: forms, laws, kernels, loads, tables,
 /// options, report, mesh. Neither paths nor the number of threads are in it, nor the time grid: a
-/// state is gone on from when its steps are the first ones of the grid (saved_state.cpp).
+/// state can be continued when its steps are the first ones of the grid (saved_state.cpp).
 std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh);
 
-/// Of the bytes of a file that a checkpoint counts on.
+/// The hash of the bytes of a field file, which a checkpoint holds.
 std::uint64_t hash_of(std::string_view bytes);
 
 /// Where the checkpoint of a run stands.
 std::filesystem::path checkpoint_path(const std::string& folder, const std::string& name);
 
-/// Header (magic, format version, fingerprint, size, hash of the state) and state; on the disk
-/// before the old file gives way. Throws Failure(output).
+/// Header (magic, format version, fingerprint, size, hash of the state) and state; synced to the
+/// disk before they replace the old file. Throws Failure(output).
 void write_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint,
                       std::string_view state);
 /// The state again. Throws CheckpointFailure when any bit of the file is not what was written, or

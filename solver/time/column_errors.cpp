@@ -9,7 +9,7 @@
 namespace hvi::solver {
 namespace {
 
-/// Random data show one column too small an error now and then.
+/// Random samples now and then give one of the columns too small an error.
 constexpr double safety = 3.0;
 /// Steps of difference quotients, by the size of the state.
 constexpr double small_step = 1e-5;
@@ -35,7 +35,7 @@ double body_size(const Space& space) {
 }
 
 /// Translations by the size of u, and strains of the size of its own (at least those that move by
-/// `nothing`): what a column is judged by that happens to be zero.
+/// `nothing`): a column that is zero is judged by its change under these.
 std::vector<ErrorSample> reference_motions(const Space& space, const ErrorSample& like,
                                            const Vector& u, SolutionSize scale, double xi) {
   std::vector<ErrorSample> out;

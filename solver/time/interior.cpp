@@ -70,7 +70,7 @@ HVI_INLINE void worst_of_row(const ManyStates& s, int row, int i, int first, dou
       sum[g] -= other;
     }
     drop_signs<Lanes>(sum[g]);
-    // A row of zeros has no error; one of zeros with a residual an infinite one, as good as.
+    // A row of zeros has no error; one of zeros with a residual has a practically infinite one.
     const Pack<Lanes> error = sum[g] / (size[g] + std::numeric_limits<double>::min());
     Pack<Lanes> most;
     load<Lanes>(worst + at, most);
@@ -174,7 +174,7 @@ void Interior::observe(std::span<const int> dofs) {
     if (unknown < 0 || std::any_of(observed_.begin(), observed_.end(), same)) continue;
     Observed out{dof, unknown, {}, {}};
     if (position_[unknown] < 0) {
-      // (E^T e_i)_c = -T_cI T_II^-1 e_i: what the forward sweep leaves of e_i.
+      // (E^T e_i)_c = -T_cI T_II^-1 e_i: what the forward solve makes of e_i.
       Vector e = Vector::Zero(layout_.n_unknowns);
       e[unknown] = 1.0;
       factor_->reduce(e, out.row);

@@ -7,8 +7,9 @@
 //
 //   S (gamma dc + what is known of c) + G_c^T W xi = sum_k g_k(t) (F_k,c - T_cI p_k),
 //
-// S the Schur complement of T. So a run lives on y = [c; phi], with the matrix diag(S, 1), and a
-// full field is one pair of sweeps away: T_II u_I = sum_k phi_k F_k,I - T_Ic c.
+// S the Schur complement of T. So the unknowns of a run are y = [c; phi], with the matrix
+// diag(S, 1), and a full field costs one forward and backward solve: T_II u_I = sum_k phi_k F_k,I -
+// T_Ic c.
 #pragma once
 
 #include "solver/linear/condition_estimate.hpp"
@@ -35,9 +36,9 @@ public:
   int size() const { return n_contact() + static_cast<int>(forces_.size()); }
   SparseMatrix matrix() const; ///< diag(S, 1)
 
-  /// Full vector of y: a pair of sweeps.
+  /// Full vector of y: a forward and a backward solve.
   void scatter(const Vector& y, Vector& full);
-  /// Makes these dofs known without sweeps: a sweep and a row each, once.
+  /// Makes these dofs available without triangular solves; prepares one row for each by a solve.
   void observe(std::span<const int> dofs);
   /// Only the observed dofs and the contact unknowns of `full` are set.
   void scatter_observed(const Vector& y, Vector& full) const;

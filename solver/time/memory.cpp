@@ -79,7 +79,7 @@ MemoryExtent memory_extent(const Plan& plan) {
   return out;
 }
 
-/// A kernel is looked at as far as the run goes: what comes later may call for another route.
+/// A kernel is studied up to the end of the run; beyond it another route may be needed.
 std::string extension_obstacle(const Plan& plan, const MemoryExtent& earlier) {
   const double longer = memory_extent(plan).horizon, t0 = plan.time.grid.front();
   for (const auto& term : plan.histories) {

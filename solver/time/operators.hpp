@@ -22,7 +22,8 @@ struct Operators {
   int n_unknowns = 0;
   /// Of the base matrices; empty where some were merged.
   std::vector<const FormTerm*> terms;
-  /// Set: the first so many unknowns, the contact, are coupled with no other, and those with none.
+  /// If set, the number of contact unknowns, which come first: they are coupled with no others, and
+  /// the others with none.
   std::optional<int> separate;
   SharedWork* shared = nullptr; ///< of the discretisation; factors may be had from there
   double memory_to_come = 0.0;  ///< bytes that a run will take besides its factors

@@ -1,5 +1,5 @@
-// What the last steps say about the next one, on a uniform grid: where the search starts, and what
-// is left to solve for.
+// The warm start of a step on a uniform grid: an extrapolation of the last steps, and what is left
+// to solve for.
 #pragma once
 
 #include "solver/linear/sparse.hpp"
@@ -13,8 +13,8 @@ namespace hvi::solver {
 ///
 ///   d* = 3 d_{n-1} - 3 d_{n-2} + d_{n-3},   K d* the same way,   xi* = 2 xi_{n-1} - xi_{n-2}
 ///
-/// K d_j is what the certificate of step j computed, so that b - K d* costs no product. The sweeps
-/// then solve for d - d* only, which may be done with a rounded factor.
+/// K d_j is what the certificate of step j computed, so that b - K d* costs no product. The
+/// triangular solves then find d - d* only, for which a factor in reduced precision may do.
 class Predictor {
 public:
   /// Forgets everything: the matrix or the step length changed.

@@ -1,4 +1,4 @@
-// Can the evolution of a plan live on the contact unknowns, and the change to them (interior.hpp).
+// Can the states of a run hold the contact unknowns only, and the change to them (interior.hpp).
 #pragma once
 
 #include "solver/time/contact.hpp"
@@ -9,9 +9,10 @@
 
 namespace hvi::solver {
 
-/// The first condition that fails, as a sentence; empty: the evolution lives on contact unknowns.
-/// They are: one base matrix, symmetric; laws on few of the unknowns; loads that separate in time;
-/// zero boundary values; no report that reads the interior at more than an eighth of the steps.
+/// The first condition that fails, as a sentence; empty: states hold the contact unknowns only. The
+/// conditions: one base matrix, symmetric; laws on few of the unknowns; loads that separate in
+/// time; zero boundary values; no report that reads the interior at more than an eighth of the
+/// steps.
 std::string proportional_obstacle(const Plan& plan, const Operators& operators,
                                   const Contact& contact, const LoadAssembler& loads,
                                   const StateLayout& layout);

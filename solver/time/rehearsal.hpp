@@ -6,7 +6,7 @@
 
 namespace hvi::solver {
 
-/// Of the steps after the first `from`, more than if each of them were as those.
+/// The cost of the steps after the first `from`, beyond that of as many first steps.
 struct MemoryForecast {
   int rehearsed = 0;      ///< steps gone through; the others are extrapolated
   double seconds = 0.0;   ///< CPU time for fields of one value
@@ -14,8 +14,9 @@ struct MemoryForecast {
   double all_reads = 0.0; ///< of all steps
 };
 
-/// Goes through the steps of the plan until `most_reads` fields have been read, and on from there
-/// by the power of the number of steps that both figures have followed since half of them.
+/// Runs the memories through the steps of the plan until `most_reads` fields have been read. Beyond
+/// that both figures are extrapolated by the power of the number of steps that the second half of
+/// these steps shows.
 inline constexpr double rehearsal_reads = 1e5;
 MemoryForecast rehearse_memory(const Plan& plan, int from, double most_reads = rehearsal_reads);
 

@@ -20,7 +20,7 @@ struct ResultContext {
 /// The whole result as text, numbers with 17 digits; values that are not there (NaN) are null.
 std::string result_json(const RunResult& result, const Plan& plan, const ResultContext& context);
 
-/// What a run will take, foretold from its first steps.
+/// What a run will take, predicted from its first steps.
 struct PredictedWork {
   int steps = 0, first_steps = 0;
   double seconds = 0.0, bytes = 0.0; ///< CPU time; the most that is held

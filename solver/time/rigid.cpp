@@ -87,7 +87,8 @@ bool strains_nothing(const Space& space, const Vector& motion) {
   return strain <= strain_of_rounding * motion.cwiseAbs().maxCoeff();
 }
 
-/// No rigid motion of the whole body is free: is K really not positive, or only in rounding?
+/// No rigid motion of the whole body is free: is K really not positive definite, or by rounding
+/// only?
 [[noreturn]] void explain(const SparseMatrix& k, const NotFactorable& failure, const Origin& origin,
                           const Space& space, const StateLayout& layout) {
   const auto place = failure.unknown >= 0 && failure.unknown < layout.n_unknowns
@@ -113,8 +114,8 @@ bool strains_nothing(const Space& space, const Vector& motion) {
                       "to double precision the matrix is singular: " + where, better_conditioned);
 }
 
-/// A step's own part of a memory may take more stiffness than the body has: no mistake of the
-/// forms, nor of double precision.
+/// The memory of a step within that step may subtract more stiffness than the body has: neither the
+/// forms nor double precision are to blame.
 void blame_memory(StepMatrix& matrix, const MatrixOf& of, const Plan& plan) {
   if (plan.histories.empty()) return;
   const double length = of.grid.length(of.step);
@@ -123,17 +124,18 @@ void blame_memory(StepMatrix& matrix, const MatrixOf& of, const Plan& plan) {
   } catch (const NotFactorable&) {
     return;
   }
-  throw Failure(FailureKind::not_coercive, plan.histories.front().kernel.origin,
-                fmt::format("step {} (t = {:.6g}, length {:.3g}) is not coercive: the integral of "
-                            "the memory's kernel over the step itself takes more stiffness than "
-                            "the forms without memory give",
-                            of.step, of.grid.t(of.step), length),
-                "smaller steps (graded where the kernel is large) have a smaller integral; check "
-                "the sign and the size of the kernel");
+  throw Failure(
+      FailureKind::not_coercive, plan.histories.front().kernel.origin,
+      fmt::format("step {} (t = {:.6g}, length {:.3g}) is not coercive: the integral of "
+                  "the memory's kernel over the step itself subtracts more stiffness than "
+                  "the forms without memory give",
+                  of.step, of.grid.t(of.step), length),
+      "smaller steps (graded where the kernel is large) have a smaller integral; check "
+      "the sign and the size of the kernel");
 }
 
-/// Do the imposed values alone stop every rigid motion? Motions are measured where they are
-/// imposed: next to a body's length a short clamp would seem to leave a turn free.
+/// Do the imposed values alone prevent every rigid motion? Motions are measured where values are
+/// imposed: measured by the length of the body, a short clamp would seem to leave a rotation free.
 bool held_by_values(const Discretisation& d) {
   const auto all = motions(d.space);
   const auto& imposed = d.dofs.eliminated;
@@ -141,7 +143,7 @@ bool held_by_values(const Discretisation& d) {
   for (Eigen::Index i = 0; i < at.rows(); ++i)
     for (Eigen::Index a = 0; a < at.cols(); ++a)
       at(i, a) = all[static_cast<std::size_t>(a)].values[imposed[static_cast<std::size_t>(i)].dof];
-  // Turns about the imposed values' own middle: without the translations they hold as well.
+  // Rotations about the centre of the imposed values, which they prevent without the translations.
   for (Eigen::Index a = 0; a < at.cols(); ++a) {
     for (Eigen::Index b = 0; b < a; ++b)
       if (const double square = at.col(b).squaredNorm(); square > 0.0)
@@ -182,7 +184,7 @@ std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisatio
   std::vector<std::string> out;
   for (Eigen::Index a = 0; a < m; ++a)
     if (symmetric(a, a) <= small) out.push_back(all[a].name);
-  // A body held at one point turns about that point: a combination of ours.
+  // A body held at one point rotates about that point: a combination of these motions.
   for (left -= static_cast<Eigen::Index>(out.size()); left > 0; --left)
     out.emplace_back("a combination of translation and rotation");
   return out;

@@ -37,9 +37,9 @@ double random_unit(std::uint64_t of, std::uint64_t sample);
 void add_rounding(const SparseMatrix& a, const Vector& v, double unit, RoundingForces& forces,
                   Vector& size);
 
-/// About eps times the condition number of K in the 2-norm, for one or two sweeps: with b_i = +-
-/// sum_j |K_ij| of random signs, eps b^T K^-1 b / rms(b), or max_i |eps K^-1 b|_i times the square
-/// root of the size where K has no Cholesky factor.
+/// About eps times the condition number of K in the 2-norm, by one or two triangular solves: with
+/// b_i = +- sum_j |K_ij| of random signs, eps b^T K^-1 b / rms(b), or max_i |eps K^-1 b|_i times
+/// the square root of the size where K has no Cholesky factor.
 double rounding_growth(const SparseMatrix& k, Factorisation& factor);
 
 /// From this growth on a run refines every step with residuals in extended precision.

@@ -33,9 +33,9 @@
 namespace hvi::solver {
 namespace {
 
-/// Displacements so far below what the loads would make of single unknowns are rounding.
+/// Displacements smaller than this part of those that the loads alone would cause are rounding.
 constexpr double negligible_share = 1e-8;
-/// The condition number of a problem that takes less memory costs next to nothing.
+/// The condition number of a problem that takes less memory than this costs almost nothing.
 constexpr double cheap_bytes = 1e5;
 
 /// "3 points released, 1 re-attached (downward jump)".
@@ -189,7 +189,7 @@ std::array<int, 9> grown(const WorkCounters& w) {
           w.fallback_steps, w.followed_steps, w.inner_steps, w.unfollowed_steps};
 }
 
-/// What audits of the memory have changed so far: the routes, and what is said of it.
+/// What audits of the memory have changed so far: the routes, and the notes on them.
 struct Restarts {
   std::vector<int> routes;     ///< by history; -1: the plan's own
   bool checks_at_once = false; ///< a check that was put off has failed before
@@ -215,7 +215,7 @@ struct Restarts {
   }
 };
 
-/// Whatever reading the state finds wrong is said of the file.
+/// Any error found while reading the state names the file.
 template <class Read>
 void with_its_name(const std::filesystem::path& file, const Read& read) {
   try {
@@ -248,7 +248,7 @@ public:
     note_choices(plan, stepper_.contact(), result_);
     if (settings.monitors) monitor_.emplace(plan, discretisation, stepper_);
     if (settings.checkpoint_every > 0) fingerprint_ = fingerprint(plan, discretisation.mesh);
-    // Nobody sees a step before the last check: no callback, no file, no state to go on from.
+    // No output shows a step before the last check: no callback, no file, no checkpoint.
     if (!restarts.checks_at_once && !settings.on_step && settings.checkpoint_every == 0 &&
         saved == nullptr && plan.report.fields.empty() && !settings.monitors)
       stepper_.let_checks_wait();
@@ -275,7 +275,7 @@ public:
     result_.certificate.certified = true;
   }
 
-  /// Everything known so far into the result; what tables hold goes to disk.
+  /// Puts everything known so far into the result and writes the tables.
   RunResult conclude() {
     LapClock<> clock;
     stepper_.make_checks();
@@ -452,7 +452,7 @@ private:
     result_.certificate.equilibrium_step = worst[2];
     result_.notes.clear();
     for (auto n = r.get<std::uint64_t>(); n > 0; --n) result_.notes.push_back(get_note(r));
-    // What is counted from here on comes on top of what was counted before the checkpoint.
+    // Work counted from here on is added to the work before the checkpoint.
     WorkCounters now;
     Timing timing;
     stepper_.account(now, timing);
@@ -514,7 +514,7 @@ RunResult run_once(const Plan& plan, const Discretisation& discretisation,
   return result;
 }
 
-/// The state to go on from, where one was asked for and is there.
+/// The state to resume from, if that was requested and there is one.
 std::optional<std::string> saved_state(const Plan& plan, const Discretisation& discretisation,
                                        const RunSettings& settings) {
   if (settings.checkpoint_every == 0 && !settings.resume) return std::nullopt;

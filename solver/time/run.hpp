@@ -77,8 +77,8 @@ inline constexpr const char* better_conditioned =
     "fewer, better shaped cells, or units and stiffnesses closer to each other, make the matrix "
     "better conditioned";
 
-/// Seconds of CPU time by phase; history, sweeps and inequality, parts of steps, by the clock on
-/// the wall.
+/// Seconds of CPU time by phase; history, sweeps (triangular solves) and inequality, parts of
+/// steps, by the wall clock.
 struct Timing {
   double mesh = 0, assembly = 0, ordering = 0, factor = 0, history = 0, sweeps = 0, inequality = 0,
          steps = 0, output = 0, total = 0;

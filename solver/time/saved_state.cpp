@@ -126,7 +126,7 @@ void Stepper::save(std::ostream& out) const {
   }
   predictor_.save(out);
   put_vector(w, predicted_gamma_);
-  int shortened = -1, index = 0; // which matrix has a shortened factor
+  int shortened = -1, index = 0; // which matrix has a factor in reduced precision
   for (const auto& cached : matrices_) {
     if (cached.matrix.get() == shortened_) shortened = index;
     ++index;
@@ -139,7 +139,7 @@ void Stepper::save(std::ostream& out) const {
   for (const Vector& v : largest_.on_base) put_vector(w, v);
 }
 
-/// The run was made for another end: its histories go on as they are, if that can be.
+/// For a run with another end time: its histories are continued unchanged, if they can be.
 void Stepper::continue_memory(const MemoryExtent& earlier) {
   if (earlier == memory_->extent()) return;
   if (const auto obstacle = extension_obstacle(plan_, earlier); !obstacle.empty())

@@ -1,8 +1,8 @@
-// What runs on one discretisation have in common: assembled forms, orders of elimination, factors
-// of equal matrices. Held by the Discretisation; a study and the search for an accuracy ask for it.
+// What runs on one discretisation share: assembled forms, fill-reducing orderings, factors of equal
+// matrices. Held by the Discretisation; a study and the search for an accuracy use it.
 //
-// A run that takes something from here has the same bits as one that computed it, and is charged
-// the seconds it took: what a setting costs does not depend on what ran before.
+// A run that takes something from here has the same bits as one that computed it, and the seconds
+// of computing it count for both: what a setting costs does not depend on what ran before.
 #pragma once
 
 #include "solver/linear/factorisation.hpp"
@@ -14,7 +14,7 @@
 
 namespace hvi::solver {
 
-/// A factor that belongs to a run, or is lent to it.
+/// A factor of a run: its own, or one that several runs use.
 class LentFactor {
 public:
   LentFactor() = default;
@@ -22,7 +22,7 @@ public:
   Factorisation* operator->() const { return factor_.get(); }
   const Factorisation* get() const { return factor_.get(); }
   explicit operator bool() const { return factor_ != nullptr; }
-  /// Another run may be lent it, too: it must not be factored again for other values.
+  /// Another run may use it, too: it must not be factored again for other values.
   bool is_shared() const { return shared_; }
   /// Of this run: work that another one did is not counted, its seconds are.
   FactorStatistics statistics() const;

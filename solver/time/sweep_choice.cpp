@@ -9,17 +9,17 @@
 namespace hvi::solver {
 namespace {
 
-/// Where a shortened factor solved for the difference to the extrapolated increment, one pair of
-/// sweeps is enough within this part of the certificate's tolerance.
+/// A correction of the extrapolated increment in reduced precision is accepted when its error is
+/// within this part of the certificate's tolerance.
 constexpr double part_for_rounding = 0.05;
-/// A shortened factor is made when at least so many steps are left.
+/// A reduced-precision factor is made when at least so many steps are left.
 constexpr int worth_rounding = 12;
 /// How far contact unknowns may move, over the target: first guesses, lowered where a step shows
 /// that they were too much.
 constexpr double first_most_single = 5e7, first_most_fine = 2e11;
 /// And by which part of their size at the most.
 constexpr double cap_single = 0.1, cap_fine = 1.0;
-/// Where they move further, little is left of the extrapolation: forward with more bits.
+/// Where they move further the extrapolation is poor: the forward solve takes more bits.
 constexpr double moved_for_single_forward = 0.02;
 
 } // namespace

@@ -1,5 +1,6 @@
-// With how many bits an entry the sweeps of a step read the factor: few while the extrapolation is
-// good. Asked by the Stepper before a correction, told by it afterwards what came of that.
+// In which precision the triangular solves ("sweeps") of a step read the factor: a reduced one
+// while the extrapolation is good. The Stepper asks before a correction and reports its error
+// afterwards.
 #pragma once
 
 #include "solver/linear/factorisation.hpp"
@@ -8,7 +9,7 @@
 
 namespace hvi::solver {
 
-/// How one correction may sweep.
+/// The precision allowed for one correction.
 struct SweepLimits {
   SweepStorage forward = SweepStorage::full;
   /// Back with 32, with 48 bits where the contact unknowns move by no more than this part of their
@@ -21,25 +22,26 @@ struct SweepLimits {
   }
 };
 
-/// The error of a sweep back is proportional to what the contact unknowns move beyond the
-/// extrapolation, that of a sweep forward to what the extrapolation leaves of the load. Both are
-/// learnt: a correction must end within `target`, or a second pair of sweeps is due.
+/// The error of a backward solve in reduced precision is proportional to how far the contact
+/// unknowns move beyond the extrapolation, that of a forward solve to the part of the load that the
+/// extrapolation leaves. Both factors are estimated from earlier steps: a correction must end
+/// within `target`, or a second forward and backward solve is needed.
 class SweepChoice {
 public:
   explicit SweepChoice(double tolerance);
 
-  /// Of the certificate: what a correction with a shortened factor must reach.
+  /// The error that a correction in reduced precision must reach, from the certificate's tolerance.
   double target() const { return target_; }
-  /// Is a shortened factor worth its making, when so many steps are left?
+  /// Does a reduced-precision factor pay, when so many steps are left?
   bool worthwhile(int steps_left) const;
-  /// Do shortened factors fail too often?
+  /// Do reduced-precision factors fail too often?
   bool failed() const { return misses_ >= 4 && 4 * misses_ >= steps_; }
   /// For a correction of an extrapolated step; the steps before it moved about as far as this one.
   SweepLimits limits(bool contact) const;
 
   /// After the first correction of a step from its extrapolation, or of one without (infinity).
   void note_moved(double moved) { moved_ = moved; }
-  /// With a shortened factor: it swept so, and its error was that.
+  /// After a correction in reduced precision: what was used, and its error.
   void learn(SweepStorage forward, SweepStorage back, double error);
   void count_step() { ++steps_; }
 

@@ -1,4 +1,4 @@
-// What a finished run must keep to be a result; see trust.hpp.
+// The conditions that a finished run must meet to be a result; see trust.hpp.
 #include "solver/time/trust.hpp"
 
 #include <fmt/format.h>

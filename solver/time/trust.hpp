@@ -1,4 +1,4 @@
-// What a finished run must keep to be a result.
+// The conditions that a finished run must meet to be a result.
 #pragma once
 
 #include "solver/time/run.hpp"

@@ -15,8 +15,8 @@ namespace hvi::solver {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Up to this size a factor of the dense Schur complement (at most 8000 eps of its norm wrong) is
-/// exact enough to be an answer; it is a small part of the factor of all unknowns.
+/// Up to this size the dense Schur complement and its factor (with an error of at most 8000 eps of
+/// its norm) are exact enough for the verdict, and cost little beside the factor of all unknowns.
 constexpr int most_condensed = 8000;
 constexpr int most_factors = 64; ///< of all unknowns; as a rule two to four suffice
 

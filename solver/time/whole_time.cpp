@@ -10,7 +10,8 @@ namespace {
 constexpr int most_vectors = 60, least_vectors = 4;
 /// An estimate needs no more than this, relative to e.
 constexpr double small_error = 0.01;
-/// Sweeps over one unknown that cost next to nothing, and the share of the run's own sweeps.
+/// The number of triangular solves times unknowns that costs next to nothing, and the allowed share
+/// of the run's own solves.
 constexpr double cheap_sweeps = 3e4;
 constexpr double share_of_run = 0.02;
 

@@ -12,8 +12,8 @@ namespace hvi::solver {
 Vector whole_coefficients(const Operators& operators, double length,
                           std::span<const double> memory);
 
-/// How many vectors the solution with K_w may take: few sweeps beside those of the run, or little
-/// work at all. 0: none.
+/// How many vectors the solution with K_w may take, so that its triangular solves are few beside
+/// those of the run, or little work at all. 0: none.
 int vectors_for_whole_time(int unknowns, int contact_rows, int steps);
 
 /// Turns solutions with K + H into those with K_w + H, by minimal residuals: with R = (K + H)^-1
