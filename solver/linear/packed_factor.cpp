@@ -27,7 +27,7 @@ std::size_t block_size(int width, int below) {
 }
 
 /// The data of a triangular solve.
-struct Sweep {
+struct TriangularSolve {
   std::span<const Panel> panels;
   const int* below;
   const float* values;
@@ -144,32 +144,34 @@ double PackedFactor::bytes_swept(bool fine) const {
 }
 
 void PackedFactor::forward(bool fine, double* y) {
-  const Sweep sweep{structure_->panels(), structure_->below().data(), values_.data(), rests_.data(),
-                    end_.data(),          inverse_square_.data(),     work_.data()};
+  const TriangularSolve solve{
+      structure_->panels(), structure_->below().data(), values_.data(), rests_.data(),
+      end_.data(),          inverse_square_.data(),     work_.data()};
   switch (instruction_set()) {
   case InstructionSet::avx512:
-    return fine ? avx512::forward_sweep<true>(sweep, y) : avx512::forward_sweep<false>(sweep, y);
+    return fine ? avx512::forward_solve<true>(solve, y) : avx512::forward_solve<false>(solve, y);
   case InstructionSet::avx2:
-    return fine ? avx2::forward_sweep<true>(sweep, y) : avx2::forward_sweep<false>(sweep, y);
+    return fine ? avx2::forward_solve<true>(solve, y) : avx2::forward_solve<false>(solve, y);
   case InstructionSet::baseline:
-    return fine ? baseline::forward_sweep<true>(sweep, y)
-                : baseline::forward_sweep<false>(sweep, y);
+    return fine ? baseline::forward_solve<true>(solve, y)
+                : baseline::forward_solve<false>(solve, y);
   }
 }
 
 void PackedFactor::backward(bool fine, const double* y, double* x) {
-  const Sweep sweep{structure_->panels(), structure_->below().data(), values_.data(), rests_.data(),
-                    end_.data(),          inverse_square_.data(),     work_.data()};
+  const TriangularSolve solve{
+      structure_->panels(), structure_->below().data(), values_.data(), rests_.data(),
+      end_.data(),          inverse_square_.data(),     work_.data()};
   switch (instruction_set()) {
   case InstructionSet::avx512:
-    return fine ? avx512::backward_sweep<true>(sweep, y, x)
-                : avx512::backward_sweep<false>(sweep, y, x);
+    return fine ? avx512::backward_solve<true>(solve, y, x)
+                : avx512::backward_solve<false>(solve, y, x);
   case InstructionSet::avx2:
-    return fine ? avx2::backward_sweep<true>(sweep, y, x)
-                : avx2::backward_sweep<false>(sweep, y, x);
+    return fine ? avx2::backward_solve<true>(solve, y, x)
+                : avx2::backward_solve<false>(solve, y, x);
   case InstructionSet::baseline:
-    return fine ? baseline::backward_sweep<true>(sweep, y, x)
-                : baseline::backward_sweep<false>(sweep, y, x);
+    return fine ? baseline::backward_solve<true>(solve, y, x)
+                : baseline::backward_solve<false>(solve, y, x);
   }
 }
 

@@ -208,35 +208,35 @@ HVI_INLINE void backward_panel(Entries<Fine> end, const Panel& panel, double* w)
 }
 
 template <bool Fine>
-void forward_sweep(const Sweep& sweep, double* y) {
-  Entries<Fine> first{sweep.values, sweep.rests}, block = first;
-  double* w = sweep.work;
-  for (std::size_t p = 0; p < sweep.panels.size(); ++p) {
-    const Panel& panel = sweep.panels[p];
+void forward_solve(const TriangularSolve& solve, double* y) {
+  Entries<Fine> first{solve.values, solve.rests}, block = first;
+  double* w = solve.work;
+  for (std::size_t p = 0; p < solve.panels.size(); ++p) {
+    const Panel& panel = solve.panels[p];
     const int beneath = panel.rows - panel.columns;
-    const int* row = sweep.below + panel.below;
+    const int* row = solve.below + panel.below;
     for (int j = 0; j < panel.columns; ++j) w[j] = y[panel.first + j];
     for (int i = 0; i < beneath + lanes; ++i) w[panel.columns + i] = 0.0;
     forward_panel(block, panel, w);
-    block = first + static_cast<std::ptrdiff_t>(sweep.end[p]);
-    const double* scale = sweep.inverse_square + panel.first;
+    block = first + static_cast<std::ptrdiff_t>(solve.end[p]);
+    const double* scale = solve.inverse_square + panel.first;
     for (int j = 0; j < panel.columns; ++j) y[panel.first + j] = w[j] * scale[j];
     for (int i = 0; i < beneath; ++i) y[row[i]] += w[panel.columns + i];
   }
 }
 
 template <bool Fine>
-void backward_sweep(const Sweep& sweep, const double* y, double* x) {
-  const Entries<Fine> first{sweep.values, sweep.rests};
-  double* w = sweep.work;
-  for (std::size_t p = sweep.panels.size(); p-- > 0;) {
-    const Panel& panel = sweep.panels[p];
+void backward_solve(const TriangularSolve& solve, const double* y, double* x) {
+  const Entries<Fine> first{solve.values, solve.rests};
+  double* w = solve.work;
+  for (std::size_t p = solve.panels.size(); p-- > 0;) {
+    const Panel& panel = solve.panels[p];
     const int beneath = panel.rows - panel.columns;
-    const int* row = sweep.below + panel.below;
+    const int* row = solve.below + panel.below;
     for (int j = 0; j < panel.columns; ++j) w[j] = y[panel.first + j];
     for (int i = 0; i < beneath; ++i) w[panel.columns + i] = x[row[i]];
     for (int i = 0; i < lanes; ++i) w[panel.rows + i] = 0.0;
-    backward_panel(first + static_cast<std::ptrdiff_t>(sweep.end[p]), panel, w);
+    backward_panel(first + static_cast<std::ptrdiff_t>(solve.end[p]), panel, w);
     for (int j = 0; j < panel.columns; ++j) x[panel.first + j] = w[j];
   }
 }

@@ -123,7 +123,7 @@ HVI_INLINE void backward_panel(const double* l, const Panel& panel, const double
 }
 
 /// The data of a triangular solve.
-struct Sweep {
+struct TriangularSolve {
   std::span<const Panel> panels;
   const int* below;
   const double* values;
@@ -131,30 +131,30 @@ struct Sweep {
   double* work;
 };
 
-HVI_INLINE void forward_sweep(const Sweep& sweep, double* y) {
-  for (const Panel& panel : sweep.panels) {
-    double* w = sweep.work;
+HVI_INLINE void forward_solve(const TriangularSolve& solve, double* y) {
+  for (const Panel& panel : solve.panels) {
+    double* w = solve.work;
     const int beneath = panel.rows - panel.columns;
-    const int* row = sweep.below + panel.below;
+    const int* row = solve.below + panel.below;
     const double* own = y + panel.first;
     // With a load at a few points most panels have a right-hand side of zeros.
     if (std::all_of(own, own + panel.columns, [](double v) { return v == 0.0; })) continue;
     std::memcpy(w, own, sizeof(double) * static_cast<std::size_t>(panel.columns));
     std::memset(w + panel.columns, 0, sizeof(double) * static_cast<std::size_t>(beneath));
-    forward_panel(sweep.values + panel.values, panel, sweep.inverse_diagonal + panel.first, w);
+    forward_panel(solve.values + panel.values, panel, solve.inverse_diagonal + panel.first, w);
     std::memcpy(y + panel.first, w, sizeof(double) * static_cast<std::size_t>(panel.columns));
     for (int i = 0; i < beneath; ++i) y[row[i]] += w[panel.columns + i];
   }
 }
 
-HVI_INLINE void backward_sweep(const Sweep& sweep, const double* y, double* x) {
-  for (auto panel = sweep.panels.rbegin(); panel != sweep.panels.rend(); ++panel) {
-    double* w = sweep.work;
+HVI_INLINE void backward_solve(const TriangularSolve& solve, const double* y, double* x) {
+  for (auto panel = solve.panels.rbegin(); panel != solve.panels.rend(); ++panel) {
+    double* w = solve.work;
     const int beneath = panel->rows - panel->columns;
-    const int* row = sweep.below + panel->below;
+    const int* row = solve.below + panel->below;
     std::memcpy(w, y + panel->first, sizeof(double) * static_cast<std::size_t>(panel->columns));
     for (int i = 0; i < beneath; ++i) w[panel->columns + i] = x[row[i]];
-    backward_panel(sweep.values + panel->values, *panel, sweep.inverse_diagonal + panel->first, w);
+    backward_panel(solve.values + panel->values, *panel, solve.inverse_diagonal + panel->first, w);
     std::memcpy(x + panel->first, w, sizeof(double) * static_cast<std::size_t>(panel->columns));
   }
 }
@@ -246,15 +246,15 @@ HVI_INLINE void forward_panel_all(const double* l, const Panel& panel, const dou
 
 /// `Packs` of `Lanes` are what the registers hold; a panel is in the cache when the next ones come.
 template <int Packs, int Lanes>
-HVI_INLINE void forward_sweep_all(const Sweep& sweep, int row, double* y) {
+HVI_INLINE void forward_solve_all(const TriangularSolve& solve, int row, double* y) {
   const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(row);
-  for (const Panel& panel : sweep.panels) {
-    double* w = sweep.work;
+  for (const Panel& panel : solve.panels) {
+    double* w = solve.work;
     double* own = y + static_cast<std::ptrdiff_t>(panel.first) * row;
     const int beneath = panel.rows - panel.columns;
-    const int* place = sweep.below + panel.below;
-    const double* l = sweep.values + panel.values;
-    const double* inverse = sweep.inverse_diagonal + panel.first;
+    const int* place = solve.below + panel.below;
+    const double* l = solve.values + panel.values;
+    const double* inverse = solve.inverse_diagonal + panel.first;
     std::memcpy(w, own, bytes * static_cast<std::size_t>(panel.columns));
     std::memset(w + panel.columns * row, 0, bytes * static_cast<std::size_t>(beneath));
     int r = 0;
@@ -310,15 +310,15 @@ HVI_INLINE void backward_panel_all(const double* l, const Panel& panel, const do
 
 /// `Packs` of `Lanes` are what the registers hold; a panel is in the cache when the next ones come.
 template <int Packs, int Lanes>
-HVI_INLINE void backward_sweep_all(const Sweep& sweep, int row, double* x) {
+HVI_INLINE void backward_solve_all(const TriangularSolve& solve, int row, double* x) {
   const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(row);
-  for (auto panel = sweep.panels.rbegin(); panel != sweep.panels.rend(); ++panel) {
-    double* w = sweep.work;
+  for (auto panel = solve.panels.rbegin(); panel != solve.panels.rend(); ++panel) {
+    double* w = solve.work;
     double* own = x + static_cast<std::ptrdiff_t>(panel->first) * row;
     const int beneath = panel->rows - panel->columns;
-    const int* place = sweep.below + panel->below;
-    const double* l = sweep.values + panel->values;
-    const double* inverse = sweep.inverse_diagonal + panel->first;
+    const int* place = solve.below + panel->below;
+    const double* l = solve.values + panel->values;
+    const double* inverse = solve.inverse_diagonal + panel->first;
     std::memcpy(w, own, bytes * static_cast<std::size_t>(panel->columns));
     for (int i = 0; i < beneath; ++i) {
       const double* from = x + static_cast<std::ptrdiff_t>(place[i]) * row;
@@ -337,24 +337,26 @@ HVI_INLINE void backward_sweep_all(const Sweep& sweep, int row, double* x) {
   }
 }
 
-HVI_AVX2 void forward_all_avx2(const Sweep& s, int row, double* y) {
-  forward_sweep_all<2, 4>(s, row, y);
+HVI_AVX2 void forward_all_avx2(const TriangularSolve& s, int row, double* y) {
+  forward_solve_all<2, 4>(s, row, y);
 }
-HVI_AVX512 void forward_all_avx512(const Sweep& s, int row, double* y) {
-  forward_sweep_all<2, 8>(s, row, y);
+HVI_AVX512 void forward_all_avx512(const TriangularSolve& s, int row, double* y) {
+  forward_solve_all<2, 8>(s, row, y);
 }
-HVI_AVX2 void backward_all_avx2(const Sweep& s, int row, double* x) {
-  backward_sweep_all<2, 4>(s, row, x);
+HVI_AVX2 void backward_all_avx2(const TriangularSolve& s, int row, double* x) {
+  backward_solve_all<2, 4>(s, row, x);
 }
-HVI_AVX512 void backward_all_avx512(const Sweep& s, int row, double* x) {
-  backward_sweep_all<2, 8>(s, row, x);
+HVI_AVX512 void backward_all_avx512(const TriangularSolve& s, int row, double* x) {
+  backward_solve_all<2, 8>(s, row, x);
 }
 
-HVI_AVX2 void forward_avx2(const Sweep& s, double* y) { forward_sweep(s, y); }
-HVI_AVX512 void forward_avx512(const Sweep& s, double* y) { forward_sweep(s, y); }
-HVI_AVX2 void backward_avx2(const Sweep& s, const double* y, double* x) { backward_sweep(s, y, x); }
-HVI_AVX512 void backward_avx512(const Sweep& s, const double* y, double* x) {
-  backward_sweep(s, y, x);
+HVI_AVX2 void forward_avx2(const TriangularSolve& s, double* y) { forward_solve(s, y); }
+HVI_AVX512 void forward_avx512(const TriangularSolve& s, double* y) { forward_solve(s, y); }
+HVI_AVX2 void backward_avx2(const TriangularSolve& s, const double* y, double* x) {
+  backward_solve(s, y, x);
+}
+HVI_AVX512 void backward_avx512(const TriangularSolve& s, const double* y, double* x) {
+  backward_solve(s, y, x);
 }
 
 } // namespace
@@ -387,27 +389,27 @@ double Supernodes::nonzeros() const {
 }
 
 void Supernodes::forward(const double* values, const double* inverse_diagonal, double* y) {
-  const Sweep sweep{panels_, below_.data(), values, inverse_diagonal, work_.data()};
+  const TriangularSolve solve{panels_, below_.data(), values, inverse_diagonal, work_.data()};
   switch (instruction_set()) {
   case InstructionSet::avx512:
-    return forward_avx512(sweep, y);
+    return forward_avx512(solve, y);
   case InstructionSet::avx2:
-    return forward_avx2(sweep, y);
+    return forward_avx2(solve, y);
   case InstructionSet::baseline:
-    return forward_sweep(sweep, y);
+    return forward_solve(solve, y);
   }
 }
 
 void Supernodes::backward(const double* values, const double* inverse_diagonal, const double* y,
                           double* x) {
-  const Sweep sweep{panels_, below_.data(), values, inverse_diagonal, work_.data()};
+  const TriangularSolve solve{panels_, below_.data(), values, inverse_diagonal, work_.data()};
   switch (instruction_set()) {
   case InstructionSet::avx512:
-    return backward_avx512(sweep, y, x);
+    return backward_avx512(solve, y, x);
   case InstructionSet::avx2:
-    return backward_avx2(sweep, y, x);
+    return backward_avx2(solve, y, x);
   case InstructionSet::baseline:
-    return backward_sweep(sweep, y, x);
+    return backward_solve(solve, y, x);
   }
 }
 
@@ -421,14 +423,14 @@ void Supernodes::forward_all(const double* values, const double* inverse_diagona
                              double* y) {
   const int row = groups * lanes;
   auto work = work_for(row);
-  const Sweep sweep{panels_, below_.data(), values, inverse_diagonal, work.data()};
+  const TriangularSolve solve{panels_, below_.data(), values, inverse_diagonal, work.data()};
   switch (instruction_set()) {
   case InstructionSet::avx512:
-    return forward_all_avx512(sweep, row, y);
+    return forward_all_avx512(solve, row, y);
   case InstructionSet::avx2:
-    return forward_all_avx2(sweep, row, y);
+    return forward_all_avx2(solve, row, y);
   case InstructionSet::baseline:
-    return forward_sweep_all<2, 4>(sweep, row, y);
+    return forward_solve_all<2, 4>(solve, row, y);
   }
 }
 
@@ -436,14 +438,14 @@ void Supernodes::backward_all(const double* values, const double* inverse_diagon
                               double* x) {
   const int row = groups * lanes;
   auto work = work_for(row);
-  const Sweep sweep{panels_, below_.data(), values, inverse_diagonal, work.data()};
+  const TriangularSolve solve{panels_, below_.data(), values, inverse_diagonal, work.data()};
   switch (instruction_set()) {
   case InstructionSet::avx512:
-    return backward_all_avx512(sweep, row, x);
+    return backward_all_avx512(solve, row, x);
   case InstructionSet::avx2:
-    return backward_all_avx2(sweep, row, x);
+    return backward_all_avx2(solve, row, x);
   case InstructionSet::baseline:
-    return backward_sweep_all<2, 4>(sweep, row, x);
+    return backward_solve_all<2, 4>(solve, row, x);
   }
 }
 
