@@ -1,4 +1,7 @@
-// The symbolic route: exact recursion, a few fields whatever the number of steps.
+// The symbolic route: exact recursion, a few fields whatever the number of steps. For one
+// exponential it is that of a Maxwell element: M. Kaliske, H. Rothert, Formulation and
+// implementation of three-dimensional viscoelasticity at small and finite strains, Comput. Mech. 19
+// (1997) 228-239.
 #include "solver/common/stream.hpp"
 #include "solver/history/exponentials.hpp"
 #include "solver/history/routes.hpp"

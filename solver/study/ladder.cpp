@@ -69,6 +69,8 @@ double misfit(std::span<const double> scales, std::span<const double> distances,
 
 } // namespace
 
+/// After L. F. Richardson, The approximate arithmetical solution by finite differences of physical
+/// problems involving differential equations, Phil. Trans. R. Soc. A 210 (1911) 307-357.
 std::optional<Richardson> richardson(std::span<const double> scales,
                                      std::span<const double> distances) {
   if (distances.size() < 2 || scales.size() != distances.size()) return std::nullopt;
