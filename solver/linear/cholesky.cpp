@@ -94,9 +94,9 @@ private:
   Supernodes supernodes_;
   SweepStorage storage_ = SweepStorage::full;
   SweepStorage storage_of_y_ = SweepStorage::full;
-  PackedFactor packed_;                  ///< the interior of L once more, if swept shortened
+  PackedFactor packed_;                  ///< the interior of L in reduced precision, if used
   std::vector<double> inverse_diagonal_; ///< of L, interior
-  std::vector<double> y_, x_;            ///< the sweeps' vectors, in the order of elimination
+  std::vector<double> y_, x_;            ///< of triangular solves, in the order of elimination
   DenseMatrix each_; ///< a row for each right-hand side between `reduce_each` and `back_each`
   DenseMatrix l22_;
   mutable DenseMatrix schur_; ///< built at the first use after a factorisation
@@ -192,7 +192,7 @@ void Cholesky::factor(const SparseMatrix& k) {
   read_trailing_block();
   if (!packed_.empty()) statistics_.bytes -= packed_.bytes();
   packed_.clear();
-  cholmod_l_free_work(common); // what sweeps are given may take the place of this
+  cholmod_l_free_work(common); // its memory serves for the copies of the factor
   a_.forget_values();
   sweep_in(storage_);
   statistics_.seconds_factor = cpu_seconds() - start;
@@ -292,7 +292,7 @@ void Cholesky::back(const Vector& c, Vector& x) {
   if (!factored_) throw std::logic_error("back before a successful factorisation");
   std::copy_n(c.data(), size_ - interior_, x_.begin() + interior_);
   const bool full = storage_ == SweepStorage::full;
-  if (full != (storage_of_y_ == SweepStorage::full)) // packed sweeps back take y over L's diagonal
+  if (full != (storage_of_y_ == SweepStorage::full)) // packed solves take y over L's diagonal
     for (int i = 0; i < interior_; ++i)
       y_[i] *= full ? 1.0 / inverse_diagonal_[i] : inverse_diagonal_[i];
   storage_of_y_ = storage_;
@@ -313,7 +313,7 @@ void Cholesky::extend(const Vector& c, Vector& x) {
 
 Vector Cholesky::kept() const {
   Vector out = Eigen::Map<const Vector>(y_.data(), interior_);
-  if (storage_of_y_ != SweepStorage::full) // packed sweeps leave y over L's diagonal
+  if (storage_of_y_ != SweepStorage::full) // packed solves leave y over L's diagonal
     out.array() /= Eigen::Map<const Vector>(inverse_diagonal_.data(), interior_).array();
   return out;
 }

@@ -1,6 +1,6 @@
 // Reader of gmsh's MSH 2.2 and 4.1 files (gmsh reference manual, "MSH file format").
 //
-// The input may be hostile: every count is held against the bytes left before anything is
+// The input may be hostile: every count is compared with the bytes left before anything is
 // allocated, nothing is executed and no other file is opened.
 #include "solver/mesh/read_msh.hpp"
 

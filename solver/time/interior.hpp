@@ -79,7 +79,7 @@ private:
   std::vector<int> contact_, position_;
   LentFactor factor_;
   std::vector<Vector> forces_; ///< F_k on unknowns,
-  std::vector<Vector> kept_;   ///< and what the first sweep makes of it: the second one gives p_k
+  std::vector<Vector> kept_;   ///< forward solves of the forces: a backward solve gives p_k
   struct Observed {
     int dof, unknown;
     Vector row;                ///< over c; empty: a contact unknown

@@ -61,7 +61,7 @@ Json forward_error(const ForwardError& error) {
           {"refined", error.refined}};
 }
 
-/// Phases, what a step takes of them, and the least the sweeps could take: reading their factors.
+/// Phases, what a step takes of them, and a lower limit for triangular solves: reading the factors.
 Json timing(const RunResult& result, double bandwidth) {
   const Timing& t = result.timing;
   const double steps = std::max(1, result.steps);

@@ -495,7 +495,7 @@ RunResult run_once(const Plan& plan, const Discretisation& discretisation,
     throw; // begun again
   } catch (const Failure&) {
     try {
-      auto so_far = run.conclude(); // the last good state goes to disk before the failure is told
+      auto so_far = run.conclude(); // writes the last good state before the failure is reported
       if (partial != nullptr) *partial = std::move(so_far);
     } catch (const LateCheck&) {
       throw;                   // begun again: a step before failed already
