@@ -191,7 +191,7 @@ void keep_freed_memory() {
   mallopt(M_MMAP_THRESHOLD, 64 << 20);
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
   mallopt(M_TOP_PAD, 1 << 20);
-  mallopt(M_MXFAST, 0); // OpenMP's teams, made and freed by the thousand, would have them joined
+  mallopt(M_MXFAST, 0); // else each of thousands of freed OpenMP teams joins all free blocks
 #endif
 }
 

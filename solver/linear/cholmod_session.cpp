@@ -11,9 +11,9 @@
 namespace hvi::solver {
 namespace {
 
-/// Supernodes of so many columns together are merged while at most this share of them becomes
-/// explicit zeros; larger than CHOLMOD's own 4, 16 and 48, as each pair of supernodes costs a start
-/// of OpenMP's threads and two looks at the clock.
+/// Two supernodes with up to so many columns together are merged if at most this share of the
+/// result is explicit zeros. The limits are larger than CHOLMOD's own 4, 16 and 48, because each
+/// pair of supernodes costs a start of OpenMP's threads and two readings of the clock.
 constexpr std::array<std::size_t, 3> merged_columns{8, 24, 64};
 constexpr std::array<double, 3> merged_zeros{0.8, 0.1, 0.05};
 
