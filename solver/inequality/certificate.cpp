@@ -1,33 +1,28 @@
-// The certificate of a solve, from nothing but (c, xi), the laws and the operator (engine.hpp).
-#include "solver/inequality/engine.hpp"
-
-#include <fmt/format.h>
+// The certificate of a solve (certificate.hpp).
+#include "solver/inequality/certificate.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace hvi::solver {
 
-/// inclusion = max_p dist(xi_p, dj_p(z_p)) / max(|xi|_inf, slope scale of p's law)
-/// residual  = max_i |S c + G^T W xi - r|_i / (|S||c| + |G^T W||xi| + |r|)_i
-void InequalityEngine::certify() {
-  update_z();
-  snap_factor = certificate_snap;
-  update_product();
-  update_reach();
-  report.residual = residual_ratio(xi);
-  const double largest = n_rows > 0 ? xi.lpNorm<Eigen::Infinity>() : 0.0;
+void certify(Position& at, double tolerance, InequalityReport& report) {
+  const ContactPoints& points = at.points;
+  at.update_arguments();
+  at.balance.product.update(at.c);
+  at.snap.update(at.c, at.balance, Snap::certificate);
+  report.residual = at.balance.errors(at.c, at.xi).worst;
+  const double largest = points.rows > 0 ? at.xi.lpNorm<Eigen::Infinity>() : 0.0;
   report.inclusion = 0.0;
-  for (int p = 0; p < n_points; ++p) {
-    const PreparedLaw& law = prepared[points[p].law];
-    const Small zp = at(z, p), xp = at(xi, p);
+  for (int p = 0; p < points.size(); ++p) {
+    const PreparedLaw& law = points.law(p);
+    const Small z = points[p].of(at.z), xi = points[p].of(at.xi);
     const double distance =
-        inclusion_distance(law.law(), law.graph(), zp.data(), xp.data(), points[p].rows, snap(p));
+        inclusion_distance(law.law(), law.graph(), z.data(), xi.data(), points[p].rows, at.snap(p));
     const double scale = std::max(largest, law.slope_scale());
     const double ratio = distance == 0.0 ? 0.0 : distance / scale;
     if (!(ratio <= report.inclusion)) report.inclusion = ratio, report.worst_point = p;
   }
-  report.converged = report.residual <= options.tolerance && report.inclusion <= options.tolerance;
+  report.converged = report.residual <= tolerance && report.inclusion <= tolerance;
 }
 
 } // namespace hvi::solver

@@ -1,93 +1,100 @@
-// A step's state of least energy (engine.hpp): the best of the solutions that Newton's method finds
-// from the last state, from released points, from nothing and near the states that the bounds of
-// least_energy.hpp suggest; with the bound.
-#include "solver/inequality/engine.hpp"
+// A step's state of least energy (least_state.hpp): the best of the solutions that Newton's method
+// finds from the last state, from released points, from nothing and near the states that the bounds
+// of least_energy.hpp suggest; with the bound.
+#include "solver/inequality/least_state.hpp"
+
 #include "solver/inequality/least_energy.hpp"
 
-#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hvi::solver {
 
 namespace {
+
 /// Boxes cost a dense product each.
 constexpr int most_points_bounded = 300;
-} // namespace
 
-Vector InequalityEngine::forces_of(const InequalityState& now) const {
-  Vector out(n_points);
-  for (int p = 0; p < n_points; ++p) out[p] = points[p].weight * now.xi[points[p].first];
+Vector forces_of(const ContactPoints& points, const InequalityState& now) {
+  Vector out(points.size());
+  for (int p = 0; p < points.size(); ++p) out[p] = points[p].weight * now.xi[points[p].first];
   return out;
 }
 
-/// The solution that Newton's method and releases reach from the body under these forces.
-Vector InequalityEngine::descend(const Vector& force_at, const Vector& free,
-                                 InequalityState& found) {
+} // namespace
+
+/// The solution that Newton's method and releases reach from the body under these forces, and its
+/// forces; empty where there is none.
+Vector LeastState::reach(StepAnswer& step, const Vector& force, const Vector& free,
+                         InequalityState& found) {
+  const ContactPoints& points = step.at.points;
   InequalityState from;
-  from.c = free - response * force_at;
-  from.xi = Vector::Zero(n_rows);
-  for (int p = 0; p < n_points; ++p) from.xi[points[p].first] = force_at[p] / points[p].weight;
-  load(from);
-  if (solve_components() != Outcome::solved) return {};
+  from.c = curve_.displaced(free, force);
+  from.xi = Vector::Zero(points.rows);
+  for (int p = 0; p < points.size(); ++p) from.xi[points[p].first] = force[p] / points[p].weight;
+  step.at.load(from);
+  if (components_.solve(step.at, step.methods, step.report) != MethodOutcome::solved) return {};
   found = {};
-  store(found);
-  return forces_of(found);
+  step.at.store(found);
+  return forces_of(points, found);
 }
 
-void InequalityEngine::find_least_energy(const Vector& b, const Vector& free, InequalityState& io) {
-  if (n_points > most_points_bounded) return;
-  std::vector<CurvePoint> all;
-  for (const PointData& q : points) all.push_back({&curve_graphs[q.law], q.weight});
-  LeastEnergy least(curve->compliance(), std::move(all));
-  const InequalityReport at_once = report;
-  const InequalityState first = io;
+void LeastState::descend(StepAnswer& step, const Vector& b, const Vector& free) {
+  const ContactPoints& points = step.at.points;
+  if (points.size() > most_points_bounded) return;
+  LeastEnergy least(curve_.curve().compliance(), curve_.curve_points());
+  const InequalityReport at_once = step.report;
+  const InequalityState first = step.io;
   InequalityState found, best;
-  Vector start = Vector::Zero(n_points);
+  Vector start = Vector::Zero(points.size());
   double ignored = 0.0, lowest = std::numeric_limits<double>::infinity();
-  const auto descend_and_keep = [&](const Vector& force_at) -> Vector {
-    Vector reached = descend(force_at, free, found);
+  const auto descend_and_keep = [&](const Vector& force) -> Vector {
+    Vector reached = reach(step, force, free, found);
     if (reached.size() == 0) return reached;
     const double e = least.energy(b, reached, ignored);
     if (e < lowest) lowest = e, best = found;
     return reached;
   };
-  if (report.converged)
-    start = forces_of(io);
+  if (step.report.converged)
+    start = forces_of(points, step.io);
   else if (const Vector reached = descend_and_keep(start); reached.size() > 0)
     start = reached;
   if (const double e = least.energy(b, start, ignored); e < lowest) lowest = e;
   const LeastEnergy::Result result = least.search(b, start, descend_and_keep);
-  report.least_gap = result.gap();
-  if (best.c.size() != n) return;
-  load(best);
-  if (accept_found(io)) return;
-  io = first, report = at_once; // not certified: what is left is the state that was
+  step.report.least_gap = result.gap();
+  if (best.c.size() != points.unknowns) return;
+  step.at.load(best);
+  if (accept_answer(step, tolerance_)) return;
+  step.io = first, step.report = at_once; // not certified: what is left is the state that was
 }
 
-/// Every solution on the curve through the last state, however often it turns, against the best of
-/// those that were found without it.
-void InequalityEngine::least_on_curve(const Vector& z0, const Vector& xi0, const Vector& b1,
-                                      const Vector& free, InequalityState& io) {
-  const auto energy_at = [&](const Vector& at) {
-    c = at;
-    update_product();
-    update_z();
-    return energy();
+void LeastState::along_curve(StepAnswer& step, const Vector& b, const Vector& free,
+                             const std::function<bool(const CurveSolution&)>& settle_on) {
+  const ContactPoints& points = step.at.points;
+  const auto energy_at = [&](const Vector& c) {
+    step.at.c = c;
+    step.at.balance.product.update(c);
+    step.at.update_arguments();
+    return energy(step.at);
   };
-  double lowest = report.converged ? energy_at(io.c) : std::numeric_limits<double>::infinity();
+  double lowest =
+      step.report.converged ? energy_at(step.io.c) : std::numeric_limits<double>::infinity();
   std::optional<CurveSolution> best;
-  curve->visit(z0, xi0, b1, [&] {
-    CurveSolution found = on_curve(free);
+  Vector xi(points.size());
+  for (int p = 0; p < points.size(); ++p) xi[p] = step.start.xi[points[p].first];
+  EquilibriumCurve& curve = curve_.curve();
+  curve.visit(curve_.start(step.start), xi, b, [&] {
+    CurveSolution found = curve_.solution(free);
     const double e = energy_at(found.c);
     if (!(e < lowest - 1e-9 * std::abs(lowest)) && std::isfinite(lowest)) return;
     lowest = e, best = std::move(found);
   });
-  report.inner_steps = curve->steps();
+  step.report.inner_steps = curve.steps();
   if (!best) return;
-  const InequalityReport at_once = report;
-  const InequalityState other = io;
-  if (settle_on(*best, io)) return;
-  io = other, report = at_once;
+  const InequalityReport at_once = step.report;
+  const InequalityState other = step.io;
+  if (settle_on(*best)) return;
+  step.io = other, step.report = at_once;
 }
 
 } // namespace hvi::solver

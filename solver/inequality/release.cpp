@@ -1,35 +1,32 @@
-// Downward jumps: solving on fixed components, then moving points that left theirs (engine.hpp).
+// Downward jumps (release.hpp).
 //
 // Around a downward jump the law's potential is the smaller of two components' potentials, each
 // extended beyond the jump. So a solution with a point beyond its component's end still has energy
 // to lose: the point moves to the next component (an event) and the problem is solved again. The
 // energy falls with every move, so no set of components comes back.
-#include "solver/inequality/engine.hpp"
+#include "solver/inequality/release.hpp"
+
+#include "solver/inequality/fallback.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hvi::solver {
 
-namespace {
-double size_of(const PreparedLaw& law, const Small& z) {
-  return law.radial() ? std::hypot(z[0], z[1], z[2]) : z[0];
-}
-} // namespace
-
-/// Moves the points that leave their component first on the way from z_start to z: those within
-/// `window` of the earliest. Returns their number.
-int InequalityEngine::release_next(double window) {
+int release_next(Position& at, double window) {
   struct Crossing {
     double when;
     int point, step;
   };
+  const ContactPoints& points = at.points;
   std::vector<Crossing> crossings;
-  for (int p = 0; p < n_points; ++p) {
-    const PreparedLaw& law = prepared[points[p].law];
+  for (int p = 0; p < points.size(); ++p) {
+    const PreparedLaw& law = points.law(p);
     if (law.components() == 1) continue;
-    const LawComponent& k = law.component(component[p]);
-    const double now = size_of(law, at(z, p)), was = size_of(law, at(z_start, p)), eps = snap(p);
+    const LawComponent& k = law.component(at.places.component[p]);
+    const double now = size_of(law, points[p].of(at.z)),
+                 was = size_of(law, points[p].of(at.z_start)), eps = at.snap(p);
     const bool above = now > k.high + eps, below = now < k.low - eps;
     if (!above && !below) continue;
     const double when = (above ? k.high : k.low) - was;
@@ -41,53 +38,24 @@ int InequalityEngine::release_next(double window) {
   int moved = 0;
   for (const Crossing& x : crossings) {
     if (x.when > first + window) continue;
-    const PreparedLaw& law = prepared[points[x.point].law];
-    const LawComponent& k = law.component(component[x.point] += x.step);
-    state[x.point] = 2 * (x.step > 0 ? k.first : k.last);
-    enter_state(x.point);
+    const LawComponent& k = points.law(x.point).component(at.places.component[x.point] += x.step);
+    at.places.state[x.point] = 2 * (x.step > 0 ? k.first : k.last);
+    at.places.enter(x.point, at.z, at.xi);
     ++moved;
   }
   return moved;
 }
 
-InequalityEngine::Outcome InequalityEngine::solve_components() {
-  components_before = component;
-  const int cap = 20 * n_points + 100;
-  int moves = 0;
-  for (int round = 0;; ++round) {
-    c_at_start = c, xi_at_start = xi, state_at_start = state;
-    Outcome outcome = options.force_fallback ? Outcome::failed : newton(options.max_iterations);
-    if (outcome != Outcome::solved && newton_only) return outcome;
-    if (outcome != Outcome::solved) {
-      c = c_at_start, xi = xi_at_start, state = state_at_start;
-      update_z();
-      for (int p = 0; p < n_points; ++p) enter_state(p);
-      outcome = fallback();
-    }
-    if (outcome != Outcome::solved) return outcome;
-    // One by one at first, as along a rising load; a collapse of many points in growing groups.
-    const int moved = release_next(round < 40 ? 1e-9 : 0.02 * (round - 39));
-    if (moved == 0) break;
-    moves += moved;
-    if (moves > cap) return Outcome::failed;
-    z_start = z;
-  }
-  count_events(components_before);
-  return Outcome::solved;
-}
-
-/// Downward jumps crossed since the points stood on those components.
-void InequalityEngine::count_events(const std::vector<int>& before) {
+void count_events(const Position& at, const std::vector<int>& before, InequalityReport& report) {
   report.events = report.reattached = 0;
-  for (int p = 0; p < n_points; ++p) count_crossings(p, before[p]);
+  for (int p = 0; p < at.points.size(); ++p) count_crossings(at, p, before[p], report);
 }
 
-/// The jumps between a component and the one that the point stands on now, and which way they were
-/// crossed.
-void InequalityEngine::count_crossings(int p, int before) {
-  const PreparedLaw& law = prepared[points[p].law];
-  const bool up = component[p] > before;
-  const int low = std::min(before, component[p]), high = std::max(before, component[p]);
+void count_crossings(const Position& at, int p, int before, InequalityReport& report) {
+  const PreparedLaw& law = at.points.law(p);
+  const int now = at.places.component[p];
+  const bool up = now > before;
+  const int low = std::min(before, now), high = std::max(before, now);
   report.events += high - low;
   for (int k = low; k < high; ++k) {
     const int b = law.component(k).last; // the break at its end
@@ -96,56 +64,95 @@ void InequalityEngine::count_crossings(int p, int before) {
   }
 }
 
-double InequalityEngine::energy() const {
-  double sum = 0.5 * c.dot(sc) - rhs->dot(c);
-  for (int p = 0; p < n_points; ++p) {
-    const PreparedLaw& law = prepared[points[p].law];
-    const double x = size_of(law, at(z, p));
-    sum += points[p].weight * law.law().potential(law.graph(), piece_of(law.graph(), x), x);
+double energy(const Position& at) {
+  double sum = 0.5 * at.c.dot(at.balance.product.value()) - at.balance.load().dot(at.c);
+  for (int p = 0; p < at.points.size(); ++p) {
+    const PreparedLaw& law = at.points.law(p);
+    const double x = size_of(law, at.points[p].of(at.z));
+    sum += at.points[p].weight * law.law().potential(law.graph(), piece_of(law.graph(), x), x);
   }
   return sum;
 }
 
-/// The branch that was asked for: the continued one; the one reached from a state with every point
-/// released; or of these and a cold start the one with the lowest energy.
-InequalityEngine::Outcome InequalityEngine::solve_branch() {
-  bool alternatives = false;
-  for (const PreparedLaw& law : prepared) alternatives = alternatives || law.components() > 1;
-  for (const PreparedLaw& law : prepared)
-    for (int k = 0; k < law.components(); ++k)
-      alternatives = alternatives || law.component(k).m > 0.0;
-  if (options.branch == Branch::continuing || !alternatives || !op.symmetric())
-    return solve_components();
+ComponentSearch::ComponentSearch(LastFactor& factor, ActiveSetNewton& newton,
+                                 const InequalityOptions& options)
+    : factor_(factor), newton_(newton), options_(options) {}
+
+/// Newton's method on the present components, then the globally convergent one from the same place.
+MethodOutcome ComponentSearch::solve_here(Position& at, Methods methods, InequalityReport& report) {
+  c_start_ = at.c, xi_start_ = at.xi, state_start_ = at.places.state;
+  const auto outcome = options_.force_fallback ? MethodOutcome::failed
+                                               : newton_.solve(at, options_.max_iterations, report);
+  if (outcome == MethodOutcome::solved || methods == Methods::newton) return outcome;
+  at.c = c_start_, at.xi = xi_start_, at.places.state = state_start_;
+  at.update_arguments();
+  at.enter_states();
+  return solve_globally(at, factor_, newton_, options_, report);
+}
+
+MethodOutcome ComponentSearch::solve(Position& at, Methods methods, InequalityReport& report) {
+  component_start_ = at.places.component;
+  const int cap = 20 * at.points.size() + 100;
+  int moves = 0;
+  for (int round = 0;; ++round) {
+    const auto outcome = solve_here(at, methods, report);
+    if (outcome != MethodOutcome::solved) return outcome;
+    // One by one at first, as along a rising load; a collapse of many points in growing groups.
+    const int moved = release_next(at, round < 40 ? 1e-9 : 0.02 * (round - 39));
+    if (moved == 0) break;
+    moves += moved;
+    if (moves > cap) return MethodOutcome::failed;
+    at.z_start = at.z;
+  }
+  count_events(at, component_start_, report);
+  return MethodOutcome::solved;
+}
+
+namespace {
+
+/// Puts every point beyond the last jump of its law on its side.
+void release_all(Position& at) {
+  for (int p = 0; p < at.points.size(); ++p) {
+    const PreparedLaw& law = at.points.law(p);
+    const bool upwards = size_of(law, at.points[p].of(at.z)) >= 0.0;
+    at.places.component[p] = upwards ? law.components() - 1 : 0;
+    const LawComponent& k = law.component(at.places.component[p]);
+    at.places.state[p] = 2 * (upwards ? k.first : k.last);
+    at.places.enter(p, at.z, at.xi);
+  }
+}
+
+} // namespace
+
+MethodOutcome ComponentSearch::solve_branch(Position& at, Methods methods,
+                                            InequalityReport& report) {
+  if (options_.branch == Branch::continuing || !at.points.laws.may_soften() ||
+      !factor_.op().symmetric())
+    return solve(at, methods, report);
 
   InequalityState start;
-  store(start);
-  const std::vector<int> first_components = component;
-  Outcome outcome = solve_components();
+  at.store(start);
+  const std::vector<int> first_components = at.places.component;
+  MethodOutcome outcome = solve(at, methods, report);
   InequalityState best;
-  store(best);
-  double lowest = outcome == Outcome::solved ? energy() : std::numeric_limits<double>::infinity();
+  at.store(best);
+  double lowest =
+      outcome == MethodOutcome::solved ? energy(at) : std::numeric_limits<double>::infinity();
   const auto attempt = [&](bool released) {
-    load(released ? start : InequalityState{});
-    for (int p = 0; released && p < n_points; ++p) {
-      const PreparedLaw& law = prepared[points[p].law];
-      const bool upwards = size_of(law, at(z, p)) >= 0.0;
-      component[p] = upwards ? law.components() - 1 : 0;
-      const LawComponent& k = law.component(component[p]);
-      state[p] = 2 * (upwards ? k.first : k.last);
-      enter_state(p);
-    }
-    if (solve_components() != Outcome::solved) return;
-    const double e = energy();
-    if (released && options.branch == Branch::release)
+    at.load(released ? start : InequalityState{});
+    if (released) release_all(at);
+    if (solve(at, methods, report) != MethodOutcome::solved) return;
+    const double e = energy(at);
+    if (released && options_.branch == Branch::release)
       lowest = std::numeric_limits<double>::infinity();
     if (!(e < lowest)) return;
-    lowest = e, outcome = Outcome::solved;
-    store(best);
+    lowest = e, outcome = MethodOutcome::solved;
+    at.store(best);
   };
   attempt(true);
-  if (options.branch == Branch::least_energy) attempt(false);
-  load(best);
-  count_events(first_components);
+  if (options_.branch == Branch::least_energy) attempt(false);
+  at.load(best);
+  count_events(at, first_components, report);
   return outcome;
 }
 

@@ -1,26 +1,27 @@
-// What a small change of the right-hand side does to a solution (engine.hpp).
-#include "solver/inequality/engine.hpp"
+// What a small change of the right-hand side does to a solution (tangent.hpp).
+#include "solver/inequality/tangent.hpp"
 
 namespace hvi::solver {
 
 /// (S + H) dc = r with the linearisation of the graphs at the state: slopes inside pieces, held
 /// points at breaks. The bound of a coupled law is taken as it is.
-bool InequalityEngine::respond(const InequalityState& at_state, std::span<const Vector> r,
-                               std::vector<Vector>& change_c, std::vector<Vector>& change_xi) {
-  refresh_laws();
-  InequalityState from = at_state;
+bool respond(const InequalityState& state, std::span<const Vector> r, Position& at,
+             const StiffnessPattern& pattern, LastFactor& factor, std::vector<Vector>& change_c,
+             std::vector<Vector>& change_xi) {
+  const ContactPoints& points = at.points;
+  InequalityState from = state;
   from.c_guess.resize(0), from.xi_guess.resize(0);
-  load(from);
-  factored = false;
-  forget_far();
-  assemble();
-  if (!op.factor(h, {})) return false;
+  at.load(from);
+  SparseMatrix h = pattern.zero();
+  pattern.assemble(at.places.d, h);
+  if (!factor.make_other(h)) return false;
   change_c.resize(r.size()), change_xi.resize(r.size());
   for (std::size_t k = 0; k < r.size(); ++k) {
-    op.solve(r[k], change_c[k]);
-    dz.noalias() = problem.g * change_c[k];
-    change_xi[k].resize(n_rows);
-    for (int p = 0; p < n_points; ++p) put(change_xi[k], p, apply_d(p, at(dz, p)));
+    factor.op().solve(r[k], change_c[k]);
+    const Vector dz = points.problem.g * change_c[k];
+    change_xi[k].resize(points.rows);
+    for (int p = 0; p < points.size(); ++p)
+      points[p].put(change_xi[k], at.places.times_stiffness(p, points[p].of(dz)));
   }
   return true;
 }

@@ -1,6 +1,6 @@
 // The solver's own check, on hand-made states: within rounding of a break, and a few hundred times
 // as far away, on rows along an axis and turned.
-#include "solver/inequality/engine.hpp"
+#include "solver/inequality/certificate.hpp"
 #include "tests/solver/inequality/problems.hpp"
 
 #include <gtest/gtest.h>
@@ -25,12 +25,15 @@ struct Node {
   /// The inclusion that the solver certifies at c with this multiplier.
   double inclusion(const Vector& c, double xi, const Vector& r) {
     const auto op = dense_operator(bench.s, true);
-    InequalityEngine engine(bench.problem, *op, {});
-    engine.rhs = &r;
-    engine.c = c;
-    engine.xi = Vector::Constant(1, xi);
-    engine.certify();
-    return engine.report.inclusion;
+    const InequalityOptions options;
+    const ContactPoints points(bench.problem, *op);
+    Position at(points, *op, 1e-2 * options.tolerance);
+    at.balance.set_load(r);
+    at.c = c;
+    at.xi = Vector::Constant(1, xi);
+    InequalityReport report;
+    certify(at, options.tolerance, report);
+    return report.inclusion;
   }
   Vector along() const { return Eigen::Vector2d(std::cos(angle), std::sin(angle)); }
   Vector across() const { return Eigen::Vector2d(-std::sin(angle), std::cos(angle)); }

@@ -1,0 +1,27 @@
+// Semismooth Newton on graph states: the active set method (active_set.cpp).
+#pragma once
+
+#include "solver/inequality/tangent_solver.hpp"
+
+namespace hvi::solver {
+
+/// Outcome of a method on fixed components.
+enum class MethodOutcome { solved, failed, indefinite };
+
+class ActiveSetNewton {
+public:
+  ActiveSetNewton(TangentSolver& tangent, double tolerance);
+  MethodOutcome solve(Position& at, int limit, InequalityReport& report);
+
+private:
+  MethodOutcome step(Position& at, bool settled, InequalityReport& report);
+
+  TangentSolver& tangent_;
+  double tolerance_;
+  // Room for a solve.
+  TangentStep step_;
+  Vector dz_, trial_;
+  std::vector<int> state_before_;
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,41 @@
+// The laws of the globally convergent method (fallback.cpp): convex, with multipliers.
+//
+// With the shift m of each component, jhat = j + m |.|^2 / 2 is convex, and the problem reads
+//     S c - theta G^T W M z - (1 - theta) G^T W M z_ref + sum w G^T lambda = r,
+//     lambda in d jhat(z),
+// theta = 1 where S - G^T W M G is positive definite: then this is one convex problem. Otherwise
+// the concave part is linearised at z_ref in part. For a fixed multiplier lambda the Moreau
+// envelope of jhat makes a convex C^1 function of c, whose derivative by z is `evaluate`.
+#pragma once
+
+#include "solver/inequality/position.hpp"
+
+namespace hvi::solver {
+
+class AugmentedLaws {
+public:
+  explicit AugmentedLaws(const Position& at); ///< multipliers, states and z_ref from there
+  /// New multiplier of jhat for point p at z; with `stiffness`, its D in `d`.
+  Small evaluate(int p, const Small& z, bool stiffness);
+  /// xi that stands in the equation: lambda - theta m z - (1 - theta) m z_ref.
+  Small in_equation(int p, const Small& lambda, const Small& z) const;
+  /// D of the concave part alone.
+  void take_concave_part(double theta);
+  /// Multipliers and states of the arguments there and lambda.
+  void hand_over(Position& to) const;
+
+  double shrink = 1.0;        ///< factor of gamma
+  Vector lambda, z_ref;       ///< per row: multiplier of jhat, point of linearisation
+  std::vector<SmallMatrix> d; ///< second derivatives, by point
+
+private:
+  double shift(int p) const { return points_.law(p).component(component_[p]).m; }
+  SmallMatrix stiffness(int p, const Small& y, double size, double gamma) const;
+
+  const ContactPoints& points_;
+  const std::vector<int>& component_;
+  double theta_ = 1.0;
+  std::vector<GraphPoint> hits_;
+};
+
+} // namespace hvi::solver

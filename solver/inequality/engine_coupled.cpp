@@ -1,0 +1,62 @@
+// The order of methods for coupled laws (engine.hpp).
+#include "solver/inequality/certificate.hpp"
+#include "solver/inequality/coupled_path.hpp"
+#include "solver/inequality/engine.hpp"
+
+#include <fmt/format.h>
+
+namespace hvi::solver {
+
+namespace {
+constexpr int most_iterations = 60;
+} // namespace
+
+InequalityReport InequalityEngine::solve_coupled(const Vector& r, InequalityState& io) {
+  InequalityReport report;
+  if (r.size() != points_.unknowns || !r.allFinite()) return report;
+  search_coupled(r, io, report);
+  factor_.forget(); // that of other penalties
+  return report;
+}
+
+/// Newton's method from the last state; where it fails from laws without bounds, which are raised
+/// then.
+void InequalityEngine::search_coupled(const Vector& r, InequalityState& io,
+                                      InequalityReport& report) {
+  at_.balance.set_load(r);
+  points_.laws.refresh();
+  const bool may_leave = points_.laws.may_soften() && io.z_before.size() == points_.rows;
+  if (may_leave) note_start(points_, io, start_);
+  at_.load(io);
+  at_.z_start = at_.z;
+  std::vector<int> components = at_.places.component;
+  CoupledBounds bounds(points_, at_);
+  CoupledTangent tangent(at_, bounds, factor_.op());
+  CoupledNewton newton(at_, bounds, tangent, options_.tolerance, report);
+  const CoupledPlace start = newton.here();
+  if (!newton.solve(most_iterations)) {
+    newton.go(start);
+    bounds.set_share(0.0);
+    for (CoupledBound& b : bounds.all) bounds.set(b, 0.0);
+    at_.enter_states();
+    components = at_.places.component; // laws without bounds may have fewer
+    if (components_.solve(at_, Methods::all, report) == MethodOutcome::solved &&
+        !newton.raise_share())
+      SharePath(at_, bounds, tangent, newton, report).follow();
+  }
+  certify(at_, options_.tolerance, report);
+  count_events(at_, components, report);
+  at_.store(io);
+  report.not_followed = may_leave && may_have_left(points_, start_, io);
+  io.z_before.resize(0), io.xi_before.resize(0);
+  if (!report.converged)
+    report.verdict =
+        fmt::format("the laws and the bounds that they give each other were not "
+                    "solved together, neither by Newton's "
+                    "method nor by raising the bounds from 0 (their last share: {:.3g}): "
+                    "a solution may not exist, "
+                    "or not near the last one; take smaller steps",
+                    bounds.share());
+}
+
+} // namespace hvi::solver

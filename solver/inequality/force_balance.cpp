@@ -1,0 +1,110 @@
+// The balance of forces and its errors (force_balance.hpp).
+#include "solver/inequality/force_balance.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace hvi::solver {
+
+KeptProduct::KeptProduct(const ReducedOperator& s)
+    : op_(s), s_c_(Vector::Zero(s.size())), c_(s_c_), magnitude_(s_c_) {}
+
+void KeptProduct::update(const Vector& c) {
+  if (c == c_) return;
+  op_.apply(c, s_c_);
+  belongs_to(c);
+}
+
+void KeptProduct::take(const Vector& c, const Vector& s_c) {
+  s_c_ = s_c;
+  belongs_to(c);
+}
+
+void KeptProduct::belongs_to(const Vector& c) {
+  c_ = c;
+  have_magnitude_ = false;
+}
+
+void KeptProduct::forget() {
+  c_.setConstant(std::numeric_limits<double>::quiet_NaN());
+  have_magnitude_ = false;
+}
+
+double KeptProduct::correct(const Vector& c) {
+  op_.apply(c, exact_);
+  s_c_.swap(exact_);
+  return (s_c_ - exact_).lpNorm<Eigen::Infinity>();
+}
+
+const Vector& KeptProduct::magnitude(const Vector& c) {
+  if (!have_magnitude_) op_.apply_magnitude(c, magnitude_);
+  have_magnitude_ = true;
+  return magnitude_;
+}
+
+namespace {
+
+double worst_ratio(const Errors& of) {
+  const double noise = of.size.size() > 0 ? 0x1p-53 * of.size.maxCoeff() : 0.0;
+  double worst = 0.0;
+  for (Eigen::Index i = 0; i < of.left.size(); ++i) {
+    // A row where nothing acts (0 = 0) holds rounding of the others: no error of its own.
+    const double error = std::abs(of.left[i]);
+    if (error <= noise || error <= worst * of.size[i]) continue;
+    worst = error / of.size[i];
+    if (std::isnan(worst)) return std::numeric_limits<double>::infinity();
+  }
+  return worst;
+}
+
+/// The rows of A x, and of |A||x|.
+template <class Row>
+void for_rows(const SparseMatrix& a, const Vector& x, const Row& row) {
+  const int* start = a.outerIndexPtr();
+  const int* column = a.innerIndexPtr();
+  const double* value = a.valuePtr();
+  for (int i = 0; i < a.rows(); ++i) {
+    double sum = 0.0, size = 0.0;
+    for (int e = start[i]; e < start[i + 1]; ++e) {
+      const double term = value[e] * x[column[e]];
+      sum += term;
+      size += std::abs(term);
+    }
+    row(i, sum, size);
+  }
+}
+
+} // namespace
+
+ForceBalance::ForceBalance(const ContactPoints& points, const ReducedOperator& s, double target)
+    : product(s), points_(points), target_(target) {}
+
+const Vector& ForceBalance::residual(const Vector& xi) {
+  force_.noalias() = points_.force_of * xi;
+  errors_.left = load_ - product.value() - force_;
+  return errors_.left;
+}
+
+/// First against |r| + |S_ii c_i| + |(S c)_i - S_ii c_i| + |G^T W x|, which bounds the ratio from
+/// above; |S||c| only where that could decide, as it gains two digits at the most: it costs another
+/// pass over S.
+const Errors& ForceBalance::errors(const Vector& c, const Vector& xi) {
+  Errors& out = errors_;
+  const Vector &s_c = product.value(), &diagonal = points_.diagonal;
+  out.left.resize(c.size()), out.size.resize(c.size());
+  for_rows(points_.force_of, xi, [&](int i, double force, double force_size) {
+    out.left[i] = load_[i] - s_c[i] - force;
+    const double own = diagonal[i] * c[i];
+    out.size[i] = std::abs(load_[i]) + std::abs(own) + std::abs(s_c[i] - own) + force_size;
+  });
+  out.worst = worst_ratio(out);
+  if (!(out.worst > target_) || out.worst > 1e2 * target_) return out;
+  const Vector& magnitude = product.magnitude(c);
+  for_rows(points_.force_of, xi, [&](int i, double, double force_size) {
+    out.size[i] = std::abs(load_[i]) + magnitude[i] + force_size;
+  });
+  out.worst = worst_ratio(out);
+  return out;
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,60 @@
+// The balance of forces at the contact unknowns, r - S c - G^T W xi, with S c kept.
+#pragma once
+
+#include "solver/inequality/points.hpp"
+
+namespace hvi::solver {
+
+/// S c of the displacements that were asked for last.
+class KeptProduct {
+public:
+  explicit KeptProduct(const ReducedOperator& s);
+  const Vector& value() const { return s_c_; }
+  void update(const Vector& c);                  ///< S c, unless c is what it was
+  void take(const Vector& c, const Vector& s_c); ///< as somebody else knows it
+  void belongs_to(const Vector& c);              ///< the value is S c
+  void forget();                                 ///< the value is nobody's
+  /// The value moves by `change`; |S||c| is taken for that of the displacements before, until
+  /// somebody says what it belongs to.
+  template <class Change>
+  void shift(const Change& change) {
+    s_c_ += change;
+  }
+  /// S c itself in place of what shifts made of it; the largest entry by which that was off.
+  double correct(const Vector& c);
+  const Vector& magnitude(const Vector& c); ///< |S||c|
+
+private:
+  const ReducedOperator& op_;
+  Vector s_c_, c_, magnitude_, exact_;
+  bool have_magnitude_ = false;
+};
+
+/// What is left of each equation, the sizes of what it is made of, and their worst ratio.
+struct Errors {
+  Vector left, size;
+  double worst = 0.0;
+};
+
+class ForceBalance {
+public:
+  /// `target`: the ratio that solves aim at.
+  ForceBalance(const ContactPoints& points, const ReducedOperator& s, double target);
+  void set_load(const Vector& r) { load_ = r; }
+  const Vector& load() const { return load_; }
+  double target() const { return target_; }
+  /// r - S c - G^T W xi, S c as it is kept; until the next call of either.
+  const Vector& residual(const Vector& xi);
+  /// The same with the sizes, componentwise.
+  const Errors& errors(const Vector& c, const Vector& xi);
+
+  KeptProduct product;
+
+private:
+  const ContactPoints& points_;
+  double target_;
+  Vector load_, force_;
+  Errors errors_; ///< room for what is returned
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,124 @@
+// States of the points and their linearisations (graph_states.hpp).
+#include "solver/inequality/graph_states.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+
+namespace {
+
+/// The smallest multiplier that a law allows at a break.
+double least_at_break(const LawGraph& g, int i) {
+  return std::clamp(0.0, std::min(g.left[i], g.right[i]), std::max(g.left[i], g.right[i]));
+}
+
+} // namespace
+
+GraphStates::GraphStates(const ContactPoints& points)
+    : state(points.size()), component(points.size()), z_hat(Vector::Zero(points.rows)),
+      xi_hat(z_hat), d(points.size()), points_(points) {}
+
+bool GraphStates::resting(int p) const {
+  if (state[p] < 0) return true;
+  return state[p] % 2 == 1 && points_[p].rows == 1;
+}
+
+void GraphStates::settle(int p, Vector& c) const {
+  const PointData& q = points_[p];
+  if (!q.single || !resting(p)) return;
+  for (int k = 0; k < q.rows; ++k) {
+    const int row = q.first + k;
+    for (SparseMatrix::InnerIterator it(points_.problem.g, row); it; ++it)
+      if (it.value() != 0.0) c[it.col()] = (z_hat[row] - points_.problem.offset[row]) / it.value();
+  }
+}
+
+Small GraphStates::times_stiffness(int p, const Small& v) const {
+  const auto& m = d[p];
+  return {m[0] * v[0] + m[1] * v[1] + m[2] * v[2], m[3] * v[0] + m[4] * v[1] + m[5] * v[2],
+          m[6] * v[0] + m[7] * v[1] + m[8] * v[2]};
+}
+
+Small GraphStates::on_tangent(int p, const Vector& z) const {
+  const PointData& q = points_[p];
+  Small v = q.of(z);
+  const Small base = q.of(z_hat), x0 = q.of(xi_hat);
+  for (int i = 0; i < 3; ++i) v[i] -= base[i];
+  v = times_stiffness(p, v);
+  return {x0[0] + v[0], x0[1] + v[1], x0[2] + v[2]};
+}
+
+/// A state at a break holds z there by a large stiffness around the present multiplier; repeating
+/// the step makes it exact. Where points share unknowns, some parts of their multipliers have no
+/// effect and would stay what they were for ever: a point that comes to rest brings none with it.
+void GraphStates::linearise(int p, const GraphPoint& hit, const Small& e, const Vector& xi) {
+  const PointData& q = points_[p];
+  const PreparedLaw& law = points_.law(p);
+  const bool at_break = hit.state < 0 || hit.state % 2 == 1;
+  const bool comes = at_break && !q.exclusive && state[p] != hit.state;
+  state[p] = hit.state;
+  auto& m = d[p];
+  m.fill(0.0);
+  if (!law.radial()) {
+    m[0] = at_break ? q.penalty : std::clamp(hit.d, -q.penalty, q.penalty);
+    q.put(z_hat, {hit.z, 0.0, 0.0});
+    if (!at_break)
+      q.put(xi_hat, {hit.s, 0.0, 0.0});
+    else
+      q.put(xi_hat, comes ? Small{least_at_break(law.graph(), hit.state / 2), 0.0, 0.0} : q.of(xi));
+    return;
+  }
+  if (hit.state < 0) {
+    for (int k = 0; k < q.rows; ++k) m[4 * k] = q.penalty;
+    q.put(z_hat, {});
+    q.put(xi_hat, comes ? Small{} : q.of(xi));
+    return;
+  }
+  const double s = at_break ? dot(q.of(xi), e) : hit.s;
+  const double across = std::min(s / hit.z, q.penalty);
+  const double along = at_break ? q.penalty : std::clamp(hit.d, -q.penalty, q.penalty);
+  for (int i = 0; i < q.rows; ++i)
+    for (int j = 0; j < q.rows; ++j)
+      m[3 * i + j] = (along - across) * e[i] * e[j] + (i == j ? across : 0.0);
+  q.put(z_hat, {hit.z * e[0], hit.z * e[1], hit.z * e[2]});
+  q.put(xi_hat, {s * e[0], s * e[1], s * e[2]});
+}
+
+void GraphStates::enter(int p, const Vector& z, const Vector& xi) {
+  const PreparedLaw& law = points_.law(p);
+  const LawGraph& g = law.graph();
+  const Small zp = points_[p].of(z), xp = points_[p].of(xi);
+  const int i = state[p] / 2;
+  if (state[p] < 0) return linearise(p, {-1, 0.0, 0.0, 0.0}, {}, xi);
+  const Small e = law.radial() ? direction_of(zp, xp) : Small{1.0, 0.0, 0.0};
+  if (state[p] % 2 == 1) return linearise(p, {state[p], g.breaks[i], 0.0, 0.0}, e, xi);
+  const LawComponent& k = law.component(component[p]);
+  double r = size_of(law, zp);
+  // The tangent is taken inside the piece, or on the extension of an outer one.
+  if (i > k.first) r = std::max(r, g.breaks[i - 1]);
+  if (i < k.last) r = std::min(r, g.breaks[i]);
+  GraphPoint hit = law.on_component(component[p], r);
+  if (hit.state != 2 * i) { // at a break: of the two pieces that meet there the wrong one
+    hit.state = 2 * i, hit.z = r;
+    law.law().slope_and_curvature(g, i, r, hit.s, hit.d);
+  }
+  if (law.radial() && !(r > 0.0)) return linearise(p, {-1, 0.0, 0.0, 0.0}, {}, xi);
+  if (!std::isfinite(hit.d)) hit.d = 0.0;
+  linearise(p, hit, e, xi);
+}
+
+void GraphStates::classify(int p, const Vector& z, const Vector& xi, double shrink) {
+  const PointData& q = points_[p];
+  const PreparedLaw& law = points_.law(p);
+  const LawComponent& k = law.component(component[p]);
+  const double gamma = q.gamma * shrink;
+  const Small zp = q.of(z), xp = q.of(xi);
+  Small y;
+  for (int i = 0; i < 3; ++i) y[i] = zp[i] + gamma * (xp[i] + k.m * zp[i]);
+  const GraphPoint hint{state[p], size_of(law, zp), 0.0, 0.0};
+  const Small e = law.radial() ? direction_of(y, zp) : Small{1.0, 0.0, 0.0};
+  linearise(p, law.resolvent(component[p], size_of(law, y), gamma, hint), e, xi);
+}
+
+} // namespace hvi::solver

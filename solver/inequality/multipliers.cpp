@@ -1,0 +1,91 @@
+// Multipliers from arguments (multipliers.hpp).
+#include "solver/inequality/multipliers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hvi::solver {
+
+namespace {
+
+Small scaled(double f, const Small& v) { return {f * v[0], f * v[1], f * v[2]}; }
+
+/// A slope of the point's component; one that stands for infinity is no multiplier: no state there
+/// solves anything.
+double slope_at(const PreparedLaw& law, int component, double r) {
+  const double s = law.on_component(component, r).s;
+  return std::abs(s) < unbounded_slope ? s : std::numeric_limits<double>::quiet_NaN();
+}
+
+double clipped(const LawGraph& g, int i, double v) {
+  return std::clamp(v, std::min(g.left[i], g.right[i]), std::max(g.left[i], g.right[i]));
+}
+
+double certain_scalar(const Position& at, int p, double z, double xi) {
+  const PointData& q = at.points[p];
+  const LawGraph& g = at.points.law(p).graph();
+  const double tolerance = at.snap(p);
+  const int state = at.places.state[p], i = state / 2;
+  if (state % 2 == 1 && std::abs(z - g.breaks[i]) <= tolerance) return clipped(g, i, xi);
+  const double s = slope_at(at.points.law(p), at.places.component[p], z);
+  // Far stiffer than the body: z cannot say what xi is, the increments of Newton's step can.
+  const double stiffness = std::abs(at.places.d[p][0]), slack = stiffness * tolerance;
+  const bool stiff = state % 2 == 0 && stiffness * q.local > PointData::far_stiffer;
+  return stiff ? std::clamp(xi, s - slack, s + slack) : s;
+}
+
+Small certain_radial(const Position& at, int p, const Small& z, const Small& xi) {
+  const PreparedLaw& law = at.points.law(p);
+  const LawGraph& g = law.graph();
+  const double tolerance = at.snap(p), r = norm(z);
+  const int state = at.places.state[p], component = at.places.component[p], i = state / 2;
+  // A slip that is rounding has no direction: there, too, it is xi that says where it pulls.
+  if ((state == -1 || state == 0) && r <= tolerance) {
+    const double ball = std::abs(law.on_component(component, 0.0).s), size = norm(xi);
+    return scaled(size > ball ? ball / size : 1.0, xi);
+  }
+  const Small e = direction_of(z, xi);
+  const bool at_break = state % 2 == 1 && state > 0 && std::abs(r - g.breaks[i]) <= tolerance;
+  return scaled(at_break ? clipped(g, i, dot(xi, e)) : slope_at(law, component, r), e);
+}
+
+} // namespace
+
+Small certain_multiplier(const Position& at, int p) {
+  const Small z = at.points[p].of(at.z), xi = at.points[p].of(at.xi);
+  if (at.points.law(p).radial()) return certain_radial(at, p, z, xi);
+  return {certain_scalar(at, p, z[0], xi[0]), 0.0, 0.0};
+}
+
+bool balance_point(const Position& at, int p, const Vector& residual, Vector& trial) {
+  const PointData& q = at.points[p];
+  const PreparedLaw& law = at.points.law(p);
+  const Small before = q.of(trial);
+  Small value = before;
+  for (int k = 0; k < q.rows; ++k)
+    for (SparseMatrix::InnerIterator it(at.points.problem.g, q.first + k); it; ++it)
+      value[k] += residual[it.col()] / (q.weight * it.value());
+  const Small zp = q.of(at.z);
+  const double distance =
+      inclusion_distance(law.law(), law.graph(), zp.data(), value.data(), q.rows, at.snap(p));
+  if (!(distance <= 1e-14 * norm(value))) return false;
+  q.put(trial, value);
+  return value != before;
+}
+
+double certain_multipliers(Position& at, double snap_factor, Vector& trial) {
+  const ContactPoints& points = at.points;
+  at.balance.product.update(at.c);
+  at.snap.update(at.c, at.balance, snap_factor);
+  trial.resize(points.rows);
+  for (int p = 0; p < points.size(); ++p) points[p].put(trial, certain_multiplier(at, p));
+  const Errors& errors = at.balance.errors(at.c, trial);
+  bool balanced = false;
+  for (int p = 0; p < points.size(); ++p)
+    if (points[p].exclusive && at.places.resting(p))
+      balanced = balance_point(at, p, errors.left, trial) || balanced;
+  return balanced ? at.balance.errors(at.c, trial).worst : errors.worst;
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,95 @@
+// What is fixed about the points of a reduced problem (inequality.hpp): their rows, weights and
+// scales, and their laws, prepared. Every part of the solver reads it.
+#pragma once
+
+#include "solver/inequality/inequality.hpp"
+#include "solver/inequality/prepared_law.hpp"
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace hvi::solver {
+
+/// A vector on the rows of a point; what is beyond them is 0.
+using Small = std::array<double, 3>;
+/// A matrix on them, row by row.
+using SmallMatrix = std::array<double, 9>;
+
+inline double norm(const Small& v) { return std::hypot(v[0], v[1], v[2]); }
+inline double dot(const Small& a, const Small& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+/// v / |v|, or the second choice, or the first axis, when v is 0.
+Small direction_of(const Small& v, const Small& otherwise);
+/// The argument that a law's graph is asked at: z of a scalar law, |z| of a radial one.
+inline double size_of(const PreparedLaw& law, const Small& z) {
+  return law.radial() ? norm(z) : z[0];
+}
+
+struct PointData {
+  /// A law's slope against the body's stiffness from which rounding of z shows in xi.
+  static constexpr double far_stiffer = 1e4;
+
+  int law = 0; ///< index into PreparedLaws
+  int first = 0, rows = 1;
+  double weight = 0.0;
+  double local = 0.0;     ///< compliance of the body there with everything else held, per weight
+  double gamma = 0.0;     ///< resolvent parameter, about the compliance of the body at the point
+  bool single = false;    ///< each row touches at most one unknown
+  bool exclusive = false; ///< and nothing else touches those unknowns
+  double penalty = 0.0;   ///< stiffness (per weight) that holds a resting point at its break
+
+  Small of(const Vector& v) const { ///< its rows of v
+    Small out{};
+    for (int k = 0; k < rows; ++k) out[k] = v[first + k];
+    return out;
+  }
+  void put(Vector& v, const Small& value) const {
+    for (int k = 0; k < rows; ++k) v[first + k] = value[k];
+  }
+};
+
+/// The graphs that points use, prepared.
+class PreparedLaws {
+public:
+  explicit PreparedLaws(const ReducedProblem& problem);
+  /// Prepares those again that move with time, and those that are not the problem's.
+  void refresh();
+  /// Another graph for a law, until the next `refresh`; it is kept by reference.
+  void replace(int law, const LawGraph& graph);
+  int revision() const { return revision_; } ///< another one after a `refresh` that had work to do
+  bool may_soften() const { return may_soften_; } ///< some slope falls or jumps down
+
+  const std::vector<PreparedLaw>& all() const { return prepared_; }
+  const PreparedLaw& operator[](int law) const { return prepared_[law]; }
+  int of_graph(int graph) const { return prepared_of_[graph]; }
+
+private:
+  void look_for_softening();
+
+  const ReducedProblem& problem_;
+  std::vector<PreparedLaw> prepared_;       ///< one per graph in use
+  std::vector<int> prepared_of_, graph_of_; ///< graph to prepared (-1: unused) and back
+  int revision_ = 0;
+  bool may_soften_ = false;
+};
+
+struct ContactPoints {
+  ContactPoints(const ReducedProblem& problem, const ReducedOperator& s);
+  /// gamma = w G S^-1 G^T of each point. `zero`: an H that is 0, on its pattern.
+  void estimate_compliance(ReducedOperator& s, const SparseMatrix& zero);
+
+  int size() const { return static_cast<int>(data.size()); }
+  const PointData& operator[](int p) const { return data[p]; }
+  const PreparedLaw& law(int p) const { return laws[data[p].law]; }
+
+  const ReducedProblem& problem;
+  int unknowns = 0, rows = 0; ///< of G: columns and rows
+  Vector diagonal;            ///< of S
+  PreparedLaws laws;
+  std::vector<PointData> data;
+  SparseMatrix force_of; ///< G^T W: unknowns by rows
+};
+
+} // namespace hvi::solver

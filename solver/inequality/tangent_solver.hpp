@@ -1,0 +1,24 @@
+// The linear solves of Newton's steps: (S + H) dc = residual, H from the linearised graphs.
+#pragma once
+
+#include "solver/inequality/position.hpp"
+
+namespace hvi::solver {
+
+struct TangentStep {
+  Vector dc;
+  Vector rest; ///< residual - (S + H) dc, which resting points take; 0 for solves by a factor
+  Vector s_dc; ///< S dc, where it is known
+  bool product_known = false;
+};
+
+class TangentSolver {
+public:
+  virtual ~TangentSolver() = default;
+  /// `settled`: no point changed its place in the last step of Newton's, so that digits pay.
+  /// False: S + H is not (positive definite and) regular.
+  virtual bool solve(const Position& at, const Vector& residual, bool settled,
+                     InequalityReport& report, TangentStep& out) = 0;
+};
+
+} // namespace hvi::solver
