@@ -1,11 +1,8 @@
-// The operator of the reduced inequality: dense (LAPACK) and sparse (Eigen) (inequality.hpp).
+// The dense operator of the reduced inequality, by LAPACK (inequality.hpp).
 #include "solver/inequality/inequality.hpp"
 #include "solver/linear/instruction_set.hpp"
 #include "solver/linear/lapack.hpp"
 #include "solver/linear/rough_inverse.hpp"
-
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseLU>
 
 #include <cblas.h>
 
@@ -326,85 +323,10 @@ private:
                inverted_ = false; ///< which factors there are: room is kept
 };
 
-class SparseOperator final : public ReducedOperator {
-public:
-  SparseOperator(const SparseMatrix& k, bool symmetric) : k_(k), symmetric_(symmetric) {}
-
-  int size() const override { return static_cast<int>(k_.rows()); }
-  bool symmetric() const override { return symmetric_; }
-  Vector diagonal() const override { return k_.diagonal(); }
-  /// Preconditioners ask for it, which symmetric matrices alone have: row j is column j.
-  void column(int j, double* out) const override {
-    std::fill_n(out, size(), 0.0);
-    for (SparseMatrix::InnerIterator it(k_, j); it; ++it) out[it.col()] = it.value();
-  }
-  std::unique_ptr<ReducedOperator> unsymmetric() const override {
-    return std::make_unique<SparseOperator>(k_, false);
-  }
-  int determinant_sign() const override {
-    return symmetric_ || lu_.info() != Eigen::Success ? 0 : static_cast<int>(lu_.signDeterminant());
-  }
-  int patience() const override { return 12; }
-  double bytes() const override { // the factor: at least as much as the sum
-    return static_cast<double>(k_.nonZeros() + 2 * sum_.nonZeros()) *
-           (sizeof(double) + sizeof(int));
-  }
-  void apply(const Vector& c, Vector& out) const override { out.noalias() = k_ * c; }
-
-  void apply_magnitude(const Vector& c, Vector& out) const override {
-    out.setZero(size());
-    for (int i = 0; i < size(); ++i)
-      for (SparseMatrix::InnerIterator it(k_, i); it; ++it)
-        out[i] += std::abs(it.value() * c[it.col()]);
-  }
-
-  bool factor(const SparseMatrix& h, std::span<const int>) override {
-    sum_ = k_ + h; // the pattern is the union: the same as long as h keeps its own
-    const bool same = analysed_ && sum_.nonZeros() == analysed_nonzeros_;
-    if (symmetric_) {
-      if (!same) cholesky_.analyzePattern(sum_);
-      cholesky_.factorize(sum_);
-    } else {
-      if (!same) lu_.analyzePattern(sum_);
-      lu_.factorize(sum_);
-    }
-    analysed_ = true, analysed_nonzeros_ = sum_.nonZeros();
-    return (symmetric_ ? cholesky_.info() : lu_.info()) == Eigen::Success;
-  }
-
-  void solve(const Vector& b, Vector& x) const override {
-    if (symmetric_)
-      x = cholesky_.solve(b);
-    else
-      x = lu_.solve(b);
-  }
-
-private:
-  using ColumnMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
-  SparseMatrix k_;
-  ColumnMatrix sum_;
-  bool symmetric_, analysed_ = false;
-  Eigen::Index analysed_nonzeros_ = 0;
-  Eigen::SimplicialLLT<ColumnMatrix> cholesky_;
-  mutable Eigen::SparseLU<ColumnMatrix> lu_; // signDeterminant is not const
-};
-
 } // namespace
-
-void ReducedOperator::solve_rough(DenseMatrix& columns) const {
-  Vector x(size());
-  for (Eigen::Index j = 0; j < columns.cols(); ++j) {
-    solve(columns.col(j), x);
-    columns.col(j) = x;
-  }
-}
 
 std::unique_ptr<ReducedOperator> dense_operator(const DenseMatrix& s, bool symmetric) {
   return std::make_unique<DenseOperator>(s, symmetric);
-}
-
-std::unique_ptr<ReducedOperator> sparse_operator(const SparseMatrix& k, bool symmetric) {
-  return std::make_unique<SparseOperator>(k, symmetric);
 }
 
 } // namespace hvi::solver
