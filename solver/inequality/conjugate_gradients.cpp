@@ -20,7 +20,7 @@ ConjugateGradients::ConjugateGradients(const ContactPoints& points, const Stiffn
     : points_(points), pattern_(pattern), factor_(factor), preconditioner_(points, factor),
       h_(pattern.zero()), drift_(pattern.zero()) {}
 
-void ConjugateGradients::restore(int last_iterations, Preconditioner::Columns columns, int served) {
+void ConjugateGradients::restore(int last_iterations, FarColumns columns, int served) {
   last_ = last_iterations;
   preconditioner_.restore(std::move(columns), served);
 }

@@ -21,7 +21,7 @@ public:
 
   const Preconditioner& preconditioner() const { return preconditioner_; }
   int last_iterations() const { return last_; } ///< of the last solve; it says whether they pay
-  void restore(int last_iterations, Preconditioner::Columns columns, int served);
+  void restore(int last_iterations, FarColumns columns, int served);
 
 private:
   bool is_close(const std::vector<SmallMatrix>& d);

@@ -35,7 +35,7 @@ void InequalityEngine::restore(std::istream& in) {
   for (const SmallMatrix& block : stiffnesses)
     for (const double v : block)
       if (!std::isfinite(v)) r.fail("is inconsistent");
-  Preconditioner::Columns columns;
+  FarColumns columns;
   for (auto left = r.get<std::uint64_t>(); left > 0; --left) {
     const int unknown = r.get_between(0, points_.unknowns - 1);
     const auto values = r.get_vector<double>(static_cast<std::size_t>(points_.unknowns));

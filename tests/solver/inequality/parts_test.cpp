@@ -1,0 +1,119 @@
+// Parts of the solver by themselves: the line search, the corrected factor, Newton's method with
+// and without conjugate gradients around the factor.
+#include "problems.hpp"
+#include "solver/inequality/active_set.hpp"
+#include "solver/inequality/certificate.hpp"
+#include "solver/inequality/conjugate_gradients.hpp"
+#include "solver/inequality/line_search.hpp"
+
+#include <gtest/gtest.h>
+
+namespace hvi::solver::test {
+namespace {
+
+TEST(Parts, LineSearchReducesTheSlopeToAThird) {
+  for (const double zero : {1e-6, 0.01, 0.3, 0.9, 1.0, 5.0})
+    for (const double power : {1.0, 3.0, 9.0}) {
+      const auto slope = [&](double t) {
+        return std::copysign(std::pow(std::abs(t - zero), power), t - zero);
+      };
+      const double t = line_search(slope);
+      EXPECT_GT(t, 0.0);
+      EXPECT_LE(t, 1.0);
+      EXPECT_TRUE(t == 1.0 || std::abs(slope(t)) <= 0.3 * std::abs(slope(0.0))) << zero << power;
+      if (zero >= 1.0) {
+        EXPECT_EQ(t, 1.0);
+      }
+    }
+  EXPECT_EQ(line_search([](double) { return 1.0; }), 1.0); // does not descend
+}
+
+/// Springs with a point on each unknown: the law may be anything, its stiffness is set by hand.
+Bench springs(int n) {
+  Bench setup;
+  setup.s = 20.0 * chain(n, 0.3);
+  const int law = setup.slope(Expr(0.4) + Expr(0.1) * exp(Expr(-2.0) * arg()), true);
+  for (int i = 0; i < n; ++i) setup.point(law, 0.1, {{{i, 1.0}}});
+  setup.finish();
+  return setup;
+}
+
+/// Where all points that moved are far, the preconditioner is S + H itself.
+TEST(Parts, ThePreconditionerSolvesExactlyForFarPoints) {
+  constexpr int n = 30;
+  const Bench setup = springs(n);
+  const auto op = dense_operator(setup.s, true);
+  const ContactPoints points(setup.problem, *op);
+  const StiffnessPattern pattern(points);
+  LastFactor factor(points, pattern, *op);
+  Preconditioner preconditioner(points, factor);
+  Vector r(n), x;
+  for (int i = 0; i < n; ++i) r[i] = std::sin(1.0 + i);
+  for (const bool frees : {true, false}) { // every third point comes free, or one is held
+    InequalityReport report;
+    std::vector<SmallMatrix> before(n), after(n);
+    for (int p = 0; p < n; ++p) {
+      before[p][0] = frees && p % 3 == 0 ? points[p].penalty : 0.5;
+      after[p][0] = p % 5 == 0 ? 1000.0 * (2 + p) : 0.5; // every fifth gets stiff
+    }
+    if (!frees) after[7][0] = points[7].penalty;
+    ASSERT_TRUE(factor.make(before, report));
+    EXPECT_EQ(report.factorisations, 1);
+    FarPoints far;
+    ASSERT_TRUE(find_far_points(points, after, before, n, far));
+    EXPECT_EQ(far.freed.size(), frees ? 10u : 0u);
+    EXPECT_EQ(far.changed.size(), frees ? 4u : 7u);
+    SparseMatrix h = pattern.zero();
+    pattern.assemble(after, h);
+    preconditioner.keep_up();
+    ASSERT_TRUE(preconditioner.prepare(far, h));
+    preconditioner.apply(r, x);
+    const Vector exact = (setup.s + DenseMatrix(h)).fullPivLu().solve(r);
+    EXPECT_LE((x - exact).lpNorm<Eigen::Infinity>(), 1e-5 * exact.lpNorm<Eigen::Infinity>());
+    EXPECT_EQ(preconditioner.served(), 1);
+    EXPECT_EQ(preconditioner.columns().size(), far.unknowns());
+    ASSERT_TRUE(factor.make(after, report)); // what is known belongs to the factor before
+    EXPECT_EQ(preconditioner.served(), 0);
+    EXPECT_TRUE(preconditioner.columns().empty());
+  }
+}
+
+/// Conjugate gradients around the factor can be left out: more factors, the same solutions.
+TEST(Parts, NewtonWithAndWithoutConjugateGradients) {
+  constexpr int n = 120, steps = 20;
+  const Bench setup = springs(n);
+  const InequalityOptions options;
+  const auto march = [&](bool with_iterations, int& factorisations) {
+    const auto op = dense_operator(setup.s, true);
+    const ContactPoints points(setup.problem, *op);
+    const StiffnessPattern pattern(points);
+    Position at(points, *op, 1e-2 * options.tolerance);
+    LastFactor factor(points, pattern, *op);
+    ConjugateGradients iterations(points, pattern, factor);
+    ActiveSetNewton newton(with_iterations ? static_cast<TangentSolver&>(iterations) : factor,
+                           options.tolerance);
+    InequalityReport report;
+    at.load({});
+    std::vector<Vector> path;
+    for (int k = 1; k <= steps; ++k) {
+      Vector r(n);
+      for (int i = 0; i < n; ++i) r[i] = 0.1 * std::sin(0.3 * k) * std::exp(-2.0 * i / n);
+      at.balance.set_load(r);
+      EXPECT_EQ(newton.solve(at, options.max_iterations, report), MethodOutcome::solved) << k;
+      certify(at, options.tolerance, report);
+      EXPECT_TRUE(report.converged) << k;
+      path.push_back(at.c);
+    }
+    factorisations = report.factorisations;
+    return path;
+  };
+  int with = 0, without = 0;
+  const auto path = march(true, with), exact = march(false, without);
+  EXPECT_LT(with, without);
+  for (int k = 0; k < steps; ++k)
+    EXPECT_LE((path[k] - exact[k]).lpNorm<Eigen::Infinity>(),
+              1e-9 * (1e-3 + exact[k].lpNorm<Eigen::Infinity>()));
+}
+
+} // namespace
+} // namespace hvi::solver::test
