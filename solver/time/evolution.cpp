@@ -1,0 +1,159 @@
+// The accepted state of a run; see evolution.hpp. Used by the Stepper and by Balance.
+#include "solver/time/evolution.hpp"
+
+#include "solver/history/horizon.hpp"
+#include "solver/time/saved_state.hpp"
+
+#include <cmath>
+
+namespace hvi::solver {
+
+Evolution::Evolution(const Plan& plan, Vector u0, bool imposed)
+    : plan_(plan), imposed_(imposed), scheme_(make_scheme(plan.time)), u_(std::move(u0)) {
+  scheme_->start(static_cast<int>(u_.size()));
+  memory_.emplace(plan, static_cast<int>(u_.size()));
+}
+
+void Evolution::start() {
+  if (!grid().is_static()) memory_->start(grid().t(0), u_);
+}
+
+void Evolution::rate(Vector& out) const {
+  if (step_ == 0)
+    out.setZero(u_.size());
+  else
+    scheme_->derivative(step_, 1, out);
+}
+
+void Evolution::history_field(int m, Vector& out) const {
+  out = memory_->known(m) + memory_->w0(m) * u_;
+}
+
+std::int64_t Evolution::field_reads() const {
+  std::int64_t sum = earlier_reads_;
+  for (const auto& report : memory_->reports()) sum += report.reads;
+  return sum;
+}
+
+void Evolution::begin_step(int n) { memory_->begin_step(grid().t(n)); }
+
+Vector Evolution::factors(int n) const {
+  Vector out(first_history_field + memory_->size());
+  out[field_u] = 1.0;
+  out[field_rate] = scheme_->factor(n, 1);
+  for (int m = 0; m < memory_->size(); ++m) out[first_history_field + m] = memory_->w0(m);
+  return out;
+}
+
+bool Evolution::known_part(int n, const DenseMatrix& weights, int b, const Vector& known,
+                           Vector& out) const {
+  const auto weight = weights.col(b);
+  double on_known = weight[field_u];
+  for (int m = 0; m < memory_->size(); ++m)
+    on_known += weight[first_history_field + m] * memory_->w0(m);
+  bool any = on_known != 0.0;
+  const auto add = [&](const auto& term) {
+    if (any)
+      out -= term;
+    else
+      out = -term;
+    any = true;
+  };
+  if (any) out = -on_known * known;
+  for (int m = 0; m < memory_->size(); ++m)
+    if (const double w = weight[first_history_field + m]; w != 0.0) add(w * memory_->known(m));
+  const double rate = scheme_->factor(n, 1);
+  if (rate == 0.0 || weight[field_rate] == 0.0) return any;
+  if (imposed_) add(weight[field_rate] * rate * (known - u_)); // imposed values move
+  for (const auto& [factor, of] : scheme_->known(n, 1))
+    if (of != nullptr) add(weight[field_rate] * factor * *of);
+  return any;
+}
+
+void Evolution::acting(const DenseMatrix& weights, int b, Vector& out, Vector& work) const {
+  const auto weight = weights.col(b);
+  out = weight[field_u] * u_;
+  if (weight[field_rate] != 0.0 && !grid().is_static()) {
+    rate(work);
+    out += weight[field_rate] * work;
+  }
+  for (int m = 0; m < memory_->size(); ++m)
+    if (const double w = weight[first_history_field + m]; w != 0.0)
+      out += w * (memory_->known(m) + memory_->w0(m) * u_);
+}
+
+void Evolution::accept(int n, Vector& u, Vector& d) {
+  if (!grid().is_static()) memory_->commit(grid().t(n), u);
+  u_.swap(u);
+  step_ = n;
+  if (imposed_) u = u_ - u; // the increment with that of the imposed values
+  scheme_->accept(n, imposed_ ? u : d);
+}
+
+namespace {
+
+/// The steps taken, equal ones counted: (length, how many) after (first time, last time).
+std::vector<double> steps_taken(const TimeGrid& grid, int step) {
+  std::vector<double> out{grid.t(0), grid.t(step)};
+  for (int n = 1; n <= step; ++n) {
+    if (out.size() > 2 && out[out.size() - 2] == grid.length(n))
+      out.back() += 1;
+    else
+      out.insert(out.end(), {grid.length(n), 1.0});
+  }
+  return out;
+}
+
+/// Are those the first `step` steps of the grid, up to the rounding of its times?
+bool begins_with(const TimeGrid& grid, int step, const std::vector<double>& taken) {
+  if (step > grid.steps() || taken.size() < 2) return false;
+  if (step == 0) return true;
+  const double rounding = grid.rounding(step) * grid.length(step);
+  if (grid.t(0) != taken[0] || std::abs(grid.t(step) - taken[1]) > rounding) return false;
+  int n = 0;
+  for (std::size_t i = 3; i < taken.size(); i += 2) // pairs of a length and how many steps have it
+    for (double left = taken[i], length = taken[i - 1]; left > 0; --left)
+      if (++n > step || std::abs(grid.length(n) - length) > 2 * grid.rounding(n) * length)
+        return false;
+  return n == step;
+}
+
+} // namespace
+
+void Evolution::save(std::ostream& out) const {
+  StateWriter w(out);
+  w.put(step_);
+  w.put(steps_taken(grid(), step_));
+  w.put(memory_->extent());
+  put_vector(w, u_);
+  scheme_->save(w);
+  memory_->save(out);
+  w.put(field_reads());
+}
+
+void Evolution::continue_memory(const MemoryExtent& earlier) {
+  if (const auto obstacle = extension_obstacle(plan_, earlier); !obstacle.empty())
+    throw HorizonFailure(FailureKind::limit, {}, obstacle);
+  memory_.emplace(plan_, static_cast<int>(u_.size()), earlier);
+  memory_->start(grid().t(0), u_);
+}
+
+bool Evolution::restore(std::istream& in) {
+  StateReader r(in, {});
+  step_ = r.get<int>();
+  if (!begins_with(grid(), step_, r.get_vector<double>()))
+    r.fail("was saved by a run of other times");
+  const auto earlier = r.get<MemoryExtent>();
+  if (!(earlier.horizon >= 0.0 && std::isfinite(earlier.horizon) && earlier.shortest_step >= 0.0 &&
+        std::isfinite(earlier.shortest_step) && earlier.steps >= 0))
+    r.fail("is inconsistent");
+  const bool same_end = earlier == memory_->extent();
+  if (!same_end) continue_memory(earlier); // from the initial state
+  get_vector(r, u_, u_.size());
+  scheme_->restore(r);
+  memory_->restore(in);
+  earlier_reads_ = r.get<std::int64_t>();
+  return same_end;
+}
+
+} // namespace hvi::solver

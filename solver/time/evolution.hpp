@@ -1,0 +1,65 @@
+// The accepted state of a run, and what is known at the next time before its step is solved.
+//
+// A field of a plan is u, a derivative of u, or a memory w_m. At t_n each of them is
+//
+//   factor d + known part,   d = u_n - u_{n-1}:
+//   u: 1, u_{n-1};   u^(j): by the scheme (time_scheme.hpp);   w_m: w0_m, h_m + w0_m u_{n-1}
+#pragma once
+
+#include "solver/time/memory.hpp"
+#include "solver/time/time_scheme.hpp"
+
+#include <optional>
+
+namespace hvi::solver {
+
+class Evolution {
+public:
+  /// At the initial time, with the state u0. `imposed`: states hold values that are no unknowns.
+  Evolution(const Plan& plan, Vector u0, bool imposed);
+  /// The memories begin. Before the first step.
+  void start();
+
+  const TimeGrid& grid() const { return scheme_->grid(); }
+  const TimeScheme& scheme() const { return *scheme_; }
+  const Memory& memory() const { return *memory_; }
+  int step() const { return step_; } ///< of the state; 0: the initial one
+  double t() const { return grid().t(step_); }
+  const Vector& u() const { return u_; }        ///< state u_n
+  void rate(Vector& out) const;                 ///< state u'(t_n); 0 at the initial time
+  void history_field(int m, Vector& out) const; ///< w_m(t_n)
+  /// Stored history fields read so far, those before a resume too.
+  std::int64_t field_reads() const;
+
+  /// The memories find what they know of step n. Throws MemoryMistrust.
+  void begin_step(int n);
+  /// The factor of each field in the step that was begun.
+  Vector factors(int n) const;
+  /// out = - sum_f weights(f, b) (known part of field f), u_n = known + d. False: nothing is known
+  /// that is not zero, and out is as it was.
+  bool known_part(int n, const DenseMatrix& weights, int b, const Vector& known, Vector& out) const;
+  /// The same of the accepted state itself: out = sum_f weights(f, b) field f. `work`: any vector.
+  void acting(const DenseMatrix& weights, int b, Vector& out, Vector& work) const;
+
+  /// Step n ends in the state u with the increment d on the unknowns. Takes both and leaves any
+  /// vectors in their places.
+  void accept(int n, Vector& u, Vector& d);
+
+  void save(std::ostream& out) const;
+  /// Where the state is one of a run for another end, the histories go on as they are. Throws
+  /// HorizonFailure where that cannot be. True: the run was made for the same end.
+  bool restore(std::istream& in);
+
+private:
+  void continue_memory(const MemoryExtent& earlier);
+
+  const Plan& plan_;
+  bool imposed_;
+  std::unique_ptr<TimeScheme> scheme_;
+  std::optional<Memory> memory_; ///< made again where a run goes on beyond its end
+  Vector u_;
+  int step_ = 0;
+  std::int64_t earlier_reads_ = 0;
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,102 @@
+// The schemes; see time_scheme.hpp.
+#include "solver/time/time_scheme.hpp"
+
+#include "solver/time/saved_state.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace hvi::solver {
+namespace {
+
+constexpr int most_factors = 4;
+
+/// The increment of a step so much shorter than the next says nothing of the slope there: such
+/// steps stand for jumps of the data, and BDF2 would carry the jump on.
+constexpr double begins_anew = 100.0;
+
+class Static final : public TimeScheme {
+public:
+  using TimeScheme::TimeScheme;
+  double factor(int, int) const override { return 0.0; }
+  void derivative(int, int, Vector& out) const override { out.setZero(last().size()); }
+  void accept(int, Vector&) override {} // there is no second step
+};
+
+class BackwardEuler : public TimeScheme {
+public:
+  using TimeScheme::TimeScheme;
+  double factor(int n, int derivative) const override {
+    return derivative == 1 ? 1.0 / grid().length(n) : 0.0;
+  }
+};
+
+class Bdf2 final : public BackwardEuler {
+public:
+  using BackwardEuler::BackwardEuler;
+  double factor(int n, int derivative) const override {
+    if (derivative != 1 || !second_order(n)) return BackwardEuler::factor(n, derivative);
+    const double w = ratio(n);
+    return (1 + 2 * w) / ((1 + w) * grid().length(n));
+  }
+  KnownTerms known(int n, int derivative) const override {
+    if (derivative != 1 || !second_order(n)) return {};
+    return {KnownTerm{-carry(n), &last()}};
+  }
+  void derivative(int n, int derivative, Vector& out) const override {
+    BackwardEuler::derivative(n, derivative, out);
+    if (derivative == 1 && second_order(n)) out -= carry(n) * before();
+  }
+
+private:
+  double ratio(int n) const { return grid().length(n) / grid().length(n - 1); }
+  bool second_order(int n) const { return n > 1 && ratio(n) <= begins_anew; }
+  double carry(int n) const {
+    const double w = ratio(n);
+    return w * w / ((1 + w) * grid().length(n));
+  }
+};
+
+} // namespace
+
+KnownTerms TimeScheme::known(int, int) const { return {}; }
+
+void TimeScheme::derivative(int n, int derivative, Vector& out) const {
+  out = factor(n, derivative) * last_;
+}
+
+void TimeScheme::start(int n_state) { last_ = before_ = Vector::Zero(n_state); }
+
+void TimeScheme::accept(int, Vector& d) {
+  before_.swap(last_);
+  last_.swap(d);
+}
+
+void TimeScheme::save(StateWriter& w) const {
+  put_vector(w, last_);
+  put_vector(w, before_);
+}
+
+void TimeScheme::restore(StateReader& r) {
+  get_vector(r, last_, last_.size());
+  get_vector(r, before_, before_.size());
+}
+
+std::unique_ptr<TimeScheme> make_scheme(const TimeSpec& spec) {
+  if (spec.is_static) return std::make_unique<Static>(spec);
+  if (spec.scheme == Scheme::bdf2) return std::make_unique<Bdf2>(spec);
+  return std::make_unique<BackwardEuler>(spec);
+}
+
+int useful_factors(const TimeScheme& scheme) {
+  std::set<double> seen;
+  bool comes_back = false;
+  for (int n = 1; n <= scheme.grid().steps(); ++n) {
+    const double rate = scheme.factor(n, 1);
+    const bool fresh = seen.insert(rate).second;
+    comes_back = comes_back || (!fresh && rate != scheme.factor(std::max(n - 1, 1), 1));
+  }
+  return comes_back ? std::min(most_factors, static_cast<int>(seen.size())) : 1;
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,104 @@
+// The schemes against polynomials whose derivatives they give without error.
+#include "solver/time/time_scheme.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+namespace hvi::solver {
+namespace {
+
+const std::vector<double> uneven{0.5, 0.6, 0.85, 0.9, 1.3, 1.301, 2.0};
+
+TimeSpec of(Scheme scheme, std::vector<double> grid = uneven) {
+  TimeSpec out;
+  out.is_static = false;
+  out.grid = std::move(grid);
+  out.scheme = scheme;
+  return out;
+}
+
+Vector values(double t, int degree) {
+  return Vector::NullaryExpr(3, [&](Eigen::Index i) { return (i + 1.0) * std::pow(t, degree); });
+}
+
+/// u'(t_n) of the scheme for t^degree, whose steps 1 .. n are taken.
+Vector rate_at(TimeScheme& scheme, int n, int degree) {
+  const auto& grid = scheme.grid();
+  scheme.start(3);
+  for (int i = 1; i <= n; ++i) {
+    Vector d = values(grid.t(i), degree) - values(grid.t(i - 1), degree);
+    scheme.accept(i, d);
+  }
+  Vector out;
+  scheme.derivative(n, 1, out);
+  return out;
+}
+
+TEST(TimeScheme, BackwardEulerIsExactForLines) {
+  const auto scheme = make_scheme(of(Scheme::backward_euler));
+  for (int n = 1; n < std::ssize(uneven); ++n)
+    EXPECT_LT((rate_at(*scheme, n, 1) - values(1.0, 1)).norm(), 1e-11) << n;
+}
+
+TEST(TimeScheme, Bdf2IsExactForParabolasFromItsSecondStepOn) {
+  const auto scheme = make_scheme(of(Scheme::bdf2));
+  for (int n = 2; n < std::ssize(uneven); ++n) {
+    const double t = uneven[static_cast<std::size_t>(n)];
+    // The step after 0.001 is 699 times as long: it begins anew.
+    const bool anew = n == std::ssize(uneven) - 1;
+    const double error = (rate_at(*scheme, n, 2) - 2.0 * values(t, 1)).norm();
+    EXPECT_EQ(error < 1e-9, !anew) << n << ' ' << error;
+  }
+}
+
+/// factor d + known before a step is the derivative after it.
+TEST(TimeScheme, WhatIsKnownAndTheIncrementMakeTheDerivative) {
+  for (const Scheme kind : {Scheme::backward_euler, Scheme::bdf2}) {
+    const auto scheme = make_scheme(of(kind));
+    scheme->start(3);
+    for (int n = 1; n < std::ssize(uneven); ++n) {
+      Vector d = Vector::Constant(3, std::sin(n)), predicted = scheme->factor(n, 1) * d, out;
+      for (const auto& [factor, vector] : scheme->known(n, 1))
+        if (vector != nullptr) predicted += factor * *vector;
+      scheme->accept(n, d);
+      scheme->derivative(n, 1, out);
+      EXPECT_LT((out - predicted).norm(), 1e-15 * scheme->factor(n, 1)) << n;
+    }
+  }
+}
+
+TEST(TimeScheme, GoesOnFromWhatItSaved) {
+  const auto scheme = make_scheme(of(Scheme::bdf2)), other = make_scheme(of(Scheme::bdf2));
+  const Vector rate = rate_at(*scheme, 4, 3);
+  std::stringstream bytes;
+  StateWriter w(bytes);
+  scheme->save(w);
+  other->start(3);
+  StateReader r(bytes, {});
+  other->restore(r);
+  Vector again;
+  other->derivative(4, 1, again);
+  EXPECT_EQ(again, rate);
+}
+
+TEST(TimeScheme, AStaticProblemHasNoRate) {
+  const auto scheme = make_scheme(TimeSpec{});
+  EXPECT_EQ(scheme->factor(1, 1), 0.0);
+  EXPECT_EQ(rate_at(*scheme, 1, 1).norm(), 0.0);
+  EXPECT_EQ(useful_factors(*scheme), 1);
+}
+
+TEST(TimeScheme, FactorsAreKeptWhereLengthsComeBack) {
+  const auto kept = [](Scheme scheme, std::vector<double> grid) {
+    return useful_factors(*make_scheme(of(scheme, std::move(grid))));
+  };
+  const std::vector<double> alternating{0, 1, 3, 4, 6, 7}, growing{0, 1, 3, 7, 15};
+  EXPECT_EQ(kept(Scheme::backward_euler, alternating), 2);
+  EXPECT_EQ(kept(Scheme::bdf2, alternating), 3); // the first one is backward Euler
+  EXPECT_EQ(kept(Scheme::backward_euler, growing), 1);
+}
+
+} // namespace
+} // namespace hvi::solver
