@@ -56,17 +56,17 @@ int measure(const Plan& plan) {
     if (!stepper.advance(n).certified) return 1;
     if (n > 1) steps.push_back(cpu_seconds() - start); // the first one factors
   }
-  const SparseMatrix k = combine(stepper.operators(), stepper.coefficients(1));
-  const auto factor = analyse(k, stepper.contact().unknowns, stepper.operators().symmetric);
+  const Operators& operators = stepper.formulation().operators();
+  const SparseMatrix k = combine(operators, stepper.balance().coefficients(1));
+  const auto factor = analyse(k, stepper.contact().unknowns, operators.symmetric);
   factor->factor(k);
   const Vector b = Vector::LinSpaced(k.rows(), -1.0, 1.0);
-  const Vector known = Vector::LinSpaced(stepper.operators().bases[0].cols(), -1.0, 1.0);
+  const Vector known = Vector::LinSpaced(operators.bases[0].cols(), -1.0, 1.0);
   Vector x, y = b, scale = b;
   const int repeats = std::max(15, static_cast<int>(steps.size()));
   const double solve = timed(repeats, [&] { factor->solve(b, x); });
   const double cholmod = cholmod_solve(k, b, repeats);
-  const double product =
-      timed(repeats, [&] { y.noalias() = stepper.operators().bases[0] * known; });
+  const double product = timed(repeats, [&] { y.noalias() = operators.bases[0] * known; });
   const double residual = timed(repeats, [&] { gap_and_scale(k, x, b, y, scale); });
   WorkCounters work;
   stepper.account(work, timing);

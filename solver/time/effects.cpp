@@ -84,7 +84,7 @@ std::vector<EffectNote> found_effects(const Plan& plan, const Discretisation& di
         {fmt::format("space dimension {}", "xyz"[a]), a < dim ? State::on : State::off,
          a < dim ? plan.mesh.origin : Origin{},
          a < dim ? "" : fmt::format("the mesh has {} dimension{}", dim, dim == 1 ? "" : "s")});
-  const bool symmetric = stepper.operators().symmetric;
+  const bool symmetric = stepper.formulation().operators().symmetric;
   out.push_back({"symmetry",
                  symmetric ? State::on : State::off,
                  {},
@@ -92,7 +92,7 @@ std::vector<EffectNote> found_effects(const Plan& plan, const Discretisation& di
                            : "a matrix is not symmetric: LU"});
   for (const LoadTerm& load : plan.loads)
     out.push_back({fmt::format("load on `{}`", plan.parts[load.part].name), State::on, load.origin,
-                   text_of(stepper.loads().cost(load.origin))});
+                   text_of(stepper.formulation().loads().cost(load.origin))});
   return out;
 }
 

@@ -51,7 +51,7 @@ EnergyMonitor::EnergyMonitor(const Plan& plan, const Discretisation& d, const St
                     &memory_force_, &contact_force_})
     *v = Vector::Zero(d.space.n_dofs());
   z_ = Vector::Zero(stepper.contact().n_rows());
-  stepper.layout().scatter(stepper.u(), u_);
+  stepper.formulation().scatter(stepper.u(), u_);
   elastic_energy_ = 0.5 * u_.dot(elastic_ * u_);
   contact_energy_ = contact_energy(stepper, u_);
 }
@@ -85,24 +85,24 @@ void EnergyMonitor::load(const Stepper& stepper) {
 }
 
 double EnergyMonitor::energy(const Stepper& stepper) {
-  stepper.layout().scatter(stepper.u(), work_);
+  stepper.formulation().scatter(stepper.u(), work_);
   load(stepper);
   return 0.5 * work_.dot(elastic_ * work_) + contact_energy(stepper, work_) - f_.dot(work_);
 }
 
 /// A u', B u, sum_m E_m w_m and G^T W xi.
 void EnergyMonitor::forces(const Stepper& stepper) {
-  const auto& layout = stepper.layout();
+  const Formulation& formulation = stepper.formulation();
+  const Evolution& evolution = stepper.evolution();
   elastic_force_.noalias() = elastic_ * u_;
   viscous_force_.setZero(), memory_force_.setZero(), contact_force_.setZero();
   if (!stepper.grid().is_static()) {
-    state_.resize(layout.n_state);
-    stepper.rate(state_);
-    layout.scatter(state_, work_);
+    evolution.rate(state_);
+    formulation.scatter(state_, work_);
     viscous_force_.noalias() += rate_ * work_;
     for (std::size_t m = 0; m < memory_.size(); ++m) {
-      stepper.history_field(static_cast<int>(m), state_);
-      layout.scatter(state_, work_);
+      evolution.history_field(static_cast<int>(m), state_);
+      formulation.scatter(state_, work_);
       memory_force_.noalias() += memory_[m] * work_;
     }
   }
@@ -117,7 +117,7 @@ void EnergyMonitor::forces(const Stepper& stepper) {
 
 void EnergyMonitor::take(const Stepper& stepper, const StepResult& outcome) {
   before_.swap(u_);
-  stepper.layout().scatter(stepper.u(), u_);
+  stepper.formulation().scatter(stepper.u(), u_);
   d_u_ = u_ - before_;
   load(stepper);
   forces(stepper);

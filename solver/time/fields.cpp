@@ -52,18 +52,19 @@ void Snapshot::point() {
 }
 
 void Snapshot::take(const Stepper& stepper, bool whole) {
-  const auto& layout = stepper.layout();
+  const Formulation& formulation = stepper.formulation();
+  const Evolution& evolution = stepper.evolution();
   const auto scatter = [&](const Vector& state, Vector& full) {
-    whole ? layout.scatter(state, full) : layout.scatter_observed(state, full);
+    whole ? formulation.scatter(state, full) : formulation.scatter_observed(state, full);
   };
   if (needed_[field_u]) scatter(stepper.u(), fields_[field_u]);
   if (needed_[field_rate]) {
-    stepper.rate(state_);
+    evolution.rate(state_);
     scatter(state_, fields_[field_rate]);
   }
-  for (int m = 0; m < stepper.memory().size(); ++m) {
+  for (int m = 0; m < evolution.memory().size(); ++m) {
     if (!needed_[first_history_field + m]) continue;
-    stepper.history_field(m, state_);
+    evolution.history_field(m, state_);
     scatter(state_, fields_[first_history_field + m]);
   }
   xi_ = stepper.xi();

@@ -1,5 +1,5 @@
-// Recovery of the interior from the contact unknowns; see interior.hpp. Used by reduce.cpp, and by
-// StateLayout::scatter when a report asks for a field.
+// Recovery of the interior from the contact unknowns; see interior.hpp. Used by the formulation on
+// contact unknowns, for the fields of a report among others.
 #include "solver/time/interior.hpp"
 
 #include "solver/linear/instruction_set.hpp"

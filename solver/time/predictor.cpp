@@ -1,13 +1,14 @@
 // Extrapolation over steps of one length; see predictor.hpp.
 #include "solver/time/predictor.hpp"
 
-#include "solver/common/stream.hpp"
+#include "solver/time/saved_state.hpp"
 
 #include <algorithm>
 
 namespace hvi::solver {
 
-void Predictor::note(const Vector& d, Vector& kd, const Vector& xi) {
+void Predictor::note(const Vector& gamma, const Vector& d, Vector& kd, const Vector& xi) {
+  gamma_ = gamma;
   newest_ = (newest_ + depth - 1) % depth;
   d_[newest_] = d;
   kd_[newest_].swap(kd);
@@ -27,6 +28,7 @@ void Predictor::save(std::ostream& out) const {
   StateWriter w(out);
   w.put(newest_);
   w.put(known_);
+  put_vector(w, gamma_);
   for (const auto* of : {&d_, &kd_, &xi_})
     for (const Vector& v : *of) w.put(std::vector<double>(v.data(), v.data() + v.size()));
 }
@@ -35,6 +37,7 @@ void Predictor::restore(std::istream& in, Eigen::Index n_unknowns, Eigen::Index 
   StateReader r(in, {});
   newest_ = r.get_between(0, depth - 1);
   known_ = r.get_between(0, depth);
+  get_vector(r, gamma_);
   for (auto* of : {&d_, &kd_, &xi_}) {
     for (Vector& v : *of) {
       const auto values = r.get_numbers();

@@ -19,9 +19,12 @@ class Predictor {
 public:
   /// Forgets everything: the matrix or the step length changed.
   void clear() { known_ = 0; }
-  /// After an accepted step: d, K d, xi. Takes K d and leaves any vector in its place.
-  void note(const Vector& d, Vector& kd, const Vector& xi);
+  /// After an accepted step with the matrix of these coefficients: d, K d, xi. Takes K d and leaves
+  /// any vector in its place.
+  void note(const Vector& gamma, const Vector& d, Vector& kd, const Vector& xi);
   bool ready() const { return known_ >= depth; }
+  /// Was that the matrix of the last step noted?
+  bool knows(const Vector& gamma) const { return gamma_.size() == gamma.size() && gamma_ == gamma; }
   /// d = d*
   void predict(Vector& d) const;
   /// gap = rhs - K d*
@@ -37,6 +40,7 @@ private:
   const Vector& back(const std::array<Vector, depth>& of, int j) const {
     return of[(newest_ + j) % depth];
   }
+  Vector gamma_;
   std::array<Vector, depth> d_, kd_, xi_;
   int newest_ = 0, known_ = 0;
 };

@@ -16,7 +16,7 @@ Match(F...) -> Match<F...>;
 } // namespace
 
 ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const Stepper& stepper)
-    : space_(d.space), layout_(stepper.layout()), contact_(stepper.contact()),
+    : space_(d.space), layout_(stepper.formulation().layout()), contact_(stepper.contact()),
       probes_(plan.report.probes),
       n_fields_(first_history_field + static_cast<int>(plan.histories.size())) {
   const CellLocator locator(d.mesh, probes_.size());
@@ -51,7 +51,7 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Plan& plan, const D
 void ProbeSet::make_gram(const Discretisation& d, const Stepper& stepper) {
   // Without imposed values the seminorm of a scalar space is no norm.
   const bool add_mass = space_.components == 1 && d.dofs.eliminated.empty();
-  if (!add_mass) gram_ = stepper.from_bases(strain_form(space_));
+  if (!add_mass) gram_ = stepper.balance().from_bases(strain_form(space_));
   if (gram_.empty())
     gram_ = SymmetricBlocks(gram_v(space_, add_mass), true);
   else

@@ -1,5 +1,5 @@
-// From all unknowns to the contact unknowns; see reduce.hpp. Called by the Stepper before its first
-// step, and by the forecast of a plan.
+// From all unknowns to the contact unknowns; see reduce.hpp. Called where a run's equations are
+// made.
 #include "solver/time/reduce.hpp"
 
 #include "solver/time/fields.hpp"
@@ -95,49 +95,62 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
   return {};
 }
 
-bool live_on_contact(StateLayout& layout, Operators& operators, Contact& contact,
-                     LoadAssembler& loads, Vector& u0) {
-  // All states are unknowns here. The factor comes first: what follows cannot fail.
-  auto factor = lend_factor(operators.shared, operators.bases[0], contact.unknowns, true);
-  if (rounding_growth(operators.bases[0], *factor.operator->()) > growth_to_refine) return false;
-  const auto interior =
-      std::make_shared<Interior>(operators.bases[0], std::move(factor), layout, contact.unknowns);
-  loads.map([&](const Vector& f) { return interior->add_mode(f); });
-  u0 = interior->add_state(u0);
-  const int n = interior->size(), nc = interior->n_contact();
+namespace {
+
+/// Operators of one matrix, diag(S, 1): the first unknowns, the contact, are coupled with no other.
+Operators of_interior(Operators all, const Interior& interior) {
+  all.bases = {interior.matrix()};
+  all.shared = nullptr; // what is left is small
+  all.separate = interior.n_contact();
+  all.n_unknowns = interior.size();
+  return all;
+}
+
+StateLayout of_interior(const StateLayout& all, const std::vector<int>& contact, int size) {
+  StateLayout out;
+  out.n_unknowns = out.n_state = size;
+  out.n_dofs = all.n_dofs;
+  out.dof_of.assign(size, -1); // a mode has none
+  out.entry_of.assign(all.n_dofs, -1);
+  for (std::size_t c = 0; c < contact.size(); ++c) {
+    out.dof_of[c] = all.dof_of[contact[c]];
+    out.entry_of[out.dof_of[c]] = static_cast<int>(c);
+  }
+  return out;
+}
+
+/// The contact unknowns come first, in their order.
+Contact of_interior(Contact all, int size) {
+  SparseMatrix g(all.problem.g), force(size, all.problem.g.rows());
+  g.conservativeResize(g.rows(), size);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t c = 0; c < all.unknowns.size(); ++c)
+    for (SparseMatrix::InnerIterator it(all.force, all.unknowns[c]); it; ++it)
+      entries.emplace_back(static_cast<int>(c), static_cast<int>(it.col()), it.value());
+  force.setFromTriplets(entries.begin(), entries.end());
+  all.g = std::move(g);
+  all.force = std::move(force);
+  std::iota(all.unknowns.begin(), all.unknowns.end(), 0);
+  return all;
+}
+
+} // namespace
+
+DiscreteProblem on_contact_unknowns(DiscreteProblem all, Interior& interior) {
+  LoadAssembler loads = std::move(all.loads);
+  loads.map([&](const Vector& f) { return interior.add_mode(f); });
+  Vector initial = interior.add_state(all.initial);
+  const int n = interior.size(); // all modes are known
   const auto padded = [n](const Vector& v) {
     Vector out = Vector::Zero(n);
     out.head(v.size()) = v;
     return out;
   };
   loads.map(padded);
-  u0 = padded(u0);
-
-  operators.bases = {interior->matrix()};
-  operators.shared = nullptr; // what is left is small
-  operators.separate = nc;
-  operators.n_unknowns = n;
-  interior->force = contact.force; // for the certificate on all rows
-  SparseMatrix g(contact.problem.g), force(n, contact.problem.g.rows());
-  g.conservativeResize(g.rows(), n);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int c = 0; c < nc; ++c)
-    for (SparseMatrix::InnerIterator it(contact.force, contact.unknowns[c]); it; ++it)
-      entries.emplace_back(c, static_cast<int>(it.col()), it.value());
-  force.setFromTriplets(entries.begin(), entries.end());
-  std::vector<std::int32_t> dof_of(n, -1), entry_of(layout.n_dofs, -1);
-  for (int c = 0; c < nc; ++c) {
-    dof_of[c] = layout.dof_of[contact.unknowns[c]];
-    entry_of[dof_of[c]] = c;
-  }
-  contact.g = std::move(g);
-  contact.force = std::move(force);
-  std::iota(contact.unknowns.begin(), contact.unknowns.end(), 0);
-  layout.n_unknowns = layout.n_state = n;
-  layout.dof_of = std::move(dof_of);
-  layout.entry_of = std::move(entry_of);
-  layout.interior = interior;
-  return true;
+  interior.force = all.contact.force; // for the certificate on all rows
+  StateLayout layout = of_interior(all.layout, all.contact.unknowns, n);
+  return {std::move(layout), of_interior(std::move(all.operators), interior),
+          of_interior(std::move(all.contact), n), std::move(loads), padded(initial)};
 }
 
 std::vector<char> checked_steps(const Plan& plan, int steps) {

@@ -1,9 +1,8 @@
 // Can the states of a run hold the contact unknowns only, and the change to them (interior.hpp).
 #pragma once
 
-#include "solver/time/contact.hpp"
+#include "solver/time/formulation.hpp"
 #include "solver/time/interior.hpp"
-#include "solver/time/operators.hpp"
 
 #include <string>
 
@@ -20,11 +19,9 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
 /// Does a probe read the fields at more than single points? (Multipliers live on contact points.)
 bool reads_interior(const Probe& probe, int n_fields);
 
-/// Rewrites layout, operators, contact and loads for y = [contact unknowns; modes] and u_0 to y_0.
-/// False where the matrix is so ill-conditioned that steps are to be refined on all unknowns, and
-/// then nothing is changed. Throws Failure(not_coercive), and then nothing is changed either.
-bool live_on_contact(StateLayout& layout, Operators& operators, Contact& contact,
-                     LoadAssembler& loads, Vector& u0);
+/// The problem for y = [contact unknowns; modes]; its loads and its initial state become modes of
+/// `interior`, and the parts that stay are taken from `all`.
+DiscreteProblem on_contact_unknowns(DiscreteProblem all, Interior& interior);
 
 /// Steps, drawn at random, at which the equilibrium of all rows is computed in any case: with the
 /// last one and the field that is read after it they fill one pack of eight numbers.

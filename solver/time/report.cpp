@@ -36,7 +36,7 @@ bool shows_events(const RunResult& result) {
   return !result.unique && !result.events.empty() && !result.columns.contains(event_column);
 }
 
-Reporter::Reporter(const Plan& plan, const Discretisation& d, const Stepper& stepper,
+Reporter::Reporter(const Plan& plan, const Discretisation& d, Stepper& stepper,
                    const RunSettings& settings)
     : plan_(plan), space_(d.space), contact_(stepper.contact()), folder_(settings.output_folder),
       writes_(!settings.output_folder.empty()), probes_(plan, d, stepper),
@@ -46,7 +46,7 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, const Stepper& ste
   const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
   for (const auto& probe : plan.report.probes)
     rows_read_interior_ = rows_read_interior_ || reads_interior(probe, n_fields);
-  if (const auto& interior = stepper.layout().interior) interior->observe(probes_.dofs_read());
+  stepper.observe(probes_.dofs_read());
   values_.assign(plan.report.probes.size(), std::nan(""));
   pictures_.resize(plan.report.pictures.size());
   columns_.resize(values_.size());
@@ -79,7 +79,7 @@ void Reporter::prepare_fields(const Discretisation& d, const Stepper& stepper,
   if (timed_pictures) expressions.push_back(Expr::variable(slot::field(field_u, slot::value(0))));
   const int n_fields = first_history_field + static_cast<int>(plan_.histories.size());
   const auto needed = fields_read(expressions, n_fields);
-  now_ = Snapshot(needed, stepper.layout().n_dofs, contact_.n_rows());
+  now_ = Snapshot(needed, d.space.n_dofs(), contact_.n_rows());
   keeps_before_ = probes_.any_timed() || timed_pictures;
   if (!keeps_before_) return;
   before_ = between_ = now_;

@@ -30,7 +30,7 @@ struct SolutionSize {
 
 class Reporter {
 public:
-  Reporter(const Plan& plan, const Discretisation& discretisation, const Stepper& stepper,
+  Reporter(const Plan& plan, const Discretisation& discretisation, Stepper& stepper,
            const RunSettings& settings);
 
   /// Records an accepted step: rows and files that are due (`last`: all of them).

@@ -90,7 +90,8 @@ bool strains_nothing(const Space& space, const Vector& motion) {
 /// No rigid motion of the whole body is free: is K really not positive definite, or by rounding
 /// only?
 [[noreturn]] void explain(const SparseMatrix& k, const NotFactorable& failure, const Origin& origin,
-                          const Space& space, const StateLayout& layout) {
+                          const Space& space, const Formulation& formulation) {
+  const StateLayout& layout = formulation.layout();
   const auto place = failure.unknown >= 0 && failure.unknown < layout.n_unknowns
                          ? describe_dof(space, layout.dof_of[failure.unknown])
                          : std::string("an unknown that is not known");
@@ -103,7 +104,7 @@ bool strains_nothing(const Space& space, const Vector& motion) {
                   "check the signs of the forms, and that every part of the body has a stiffness");
   Vector state = Vector::Zero(layout.n_state), motion = Vector::Zero(layout.n_dofs);
   state.head(layout.n_unknowns) = *softest;
-  layout.scatter(state, motion);
+  formulation.scatter(state, motion);
   if (strains_nothing(space, motion))
     throw Failure(
         FailureKind::not_coercive, origin,
@@ -120,7 +121,7 @@ void blame_memory(StepMatrix& matrix, const MatrixOf& of, const Plan& plan) {
   if (plan.histories.empty()) return;
   const double length = of.grid.length(of.step);
   try {
-    matrix.factor(whole_coefficients(of.operators, length, {}));
+    matrix.factor(whole_coefficients(of.formulation.operators(), length, {}));
   } catch (const NotFactorable&) {
     return;
   }
@@ -171,7 +172,10 @@ std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisatio
   const Vector diagonal = k.diagonal().cwiseAbs();
   const double stiffness = diagonal.maxCoeff();
   for (Eigen::Index a = 0; a < m; ++a)
-    for (Eigen::Index i = 0; i < k.rows(); ++i) inside(i, a) = all[a].values[layout.dof_of[i]];
+    for (Eigen::Index i = 0; i < k.rows(); ++i) {
+      const auto dof = layout.dof_of[i]; // a mode of the interior has none
+      inside(i, a) = dof >= 0 ? all[a].values[dof] : 0.0;
+    }
   energy = inside.transpose() * (k * inside);
   for (Eigen::Index a = 0; a < m; ++a)
     for (Eigen::Index b = 0; b < m; ++b)
@@ -191,13 +195,13 @@ std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisatio
 }
 
 void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& of,
-                       const Plan& plan, const Discretisation& d, const StateLayout& layout) {
+                       const Plan& plan, const Discretisation& d) {
   try {
     matrix.factor(gamma);
   } catch (const NotFactorable& failure) {
     const Origin origin = plan.forms.empty() ? plan.space.origin : plan.forms.front().origin;
-    const auto left =
-        held_by_values(d) ? std::vector<std::string>() : free_motions(matrix.k(), d, layout);
+    const auto left = held_by_values(d) ? std::vector<std::string>()
+                                        : free_motions(matrix.k(), d, of.formulation.layout());
     if (!left.empty())
       throw Failure(FailureKind::not_coercive, origin,
                     fmt::format("the forms and boundary values together leave rigid motions free: "
@@ -206,7 +210,7 @@ void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& 
                     "clamp a part (`zero on ...`), or add a term that resists the motion");
     const SparseMatrix k = matrix.k();
     blame_memory(matrix, of, plan);
-    explain(k, failure, origin, d.space, layout);
+    explain(k, failure, origin, d.space, of.formulation);
   }
 }
 

@@ -1,14 +1,14 @@
 // Why a matrix has no factor, in the user's words.
 #pragma once
 
-#include "solver/time/step_matrix.hpp"
+#include "solver/time/formulation.hpp"
 #include "solver/time/time_grid.hpp"
 
 namespace hvi::solver {
 
 /// Which step a matrix belongs to.
 struct MatrixOf {
-  const Operators& operators;
+  const Formulation& formulation;
   const TimeGrid& grid;
   int step;
 };
@@ -19,8 +19,7 @@ struct MatrixOf {
 /// but for rounding, and its softest motion strains cells, the script is right and double precision
 /// too short: TooInaccurate.
 void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& of,
-                       const Plan& plan, const Discretisation& discretisation,
-                       const StateLayout& layout);
+                       const Plan& plan, const Discretisation& discretisation);
 
 /// The rigid motions that the imposed values allow and K does not resist, each in words.
 std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisation& discretisation,

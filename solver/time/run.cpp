@@ -236,9 +236,9 @@ public:
         start_(cpu_seconds()), spared_(spared()), stepper_(plan, discretisation, result_.timing),
         reporter_(plan, discretisation, stepper_, settings) {
     result_.timing.mesh = discretisation.seconds;
-    result_.unknowns = stepper_.unknowns();
-    result_.path = stepper_.obstacle();
-    if (stepper_.obstacle().empty())
+    result_.unknowns = stepper_.formulation().whole_layout().n_unknowns;
+    result_.path = stepper_.formulation().obstacle();
+    if (result_.path.empty())
       result_.certificate.mode =
           fmt::format("contact rows every step; all rows at outputs, at the last step and at {} "
                       "random steps",
@@ -288,11 +288,11 @@ public:
     reporter_.tell_unwritten(result_);
     clock.charge(result_.timing.output);
     account(result_.work, result_.timing);
-    result_.histories = stepper_.memory().reports();
+    result_.histories = stepper_.evolution().memory().reports();
     result_.steps = stepper_.step();
     note_proofs(plan_, result_);
-    result_.u = Vector::Zero(stepper_.layout().n_dofs);
-    stepper_.layout().scatter(stepper_.u(), result_.u);
+    result_.u = Vector::Zero(discretisation_.space.n_dofs());
+    stepper_.formulation().scatter(stepper_.u(), result_.u);
     if (stepper_.step() > 0) estimate_forward_error();
     const Spared now = spared();
     result_.timing.assembly += now.seconds_assembly - spared_.seconds_assembly;
@@ -336,8 +336,8 @@ private:
     reporter_.record(stepper_, last);
     if (!settings_.on_step || stepper_.step() == told_) return;
     told_ = stepper_.step();
-    Vector full = Vector::Zero(stepper_.layout().n_dofs);
-    stepper_.layout().scatter(stepper_.u(), full);
+    Vector full = Vector::Zero(discretisation_.space.n_dofs());
+    stepper_.formulation().scatter(stepper_.u(), full);
     settings_.on_step(told_, stepper_.t(), full, stepper_.xi());
   }
 
@@ -355,8 +355,8 @@ private:
     for (const auto& sample : samples)
       square = std::max(square, sample.u.lpNorm<Eigen::Infinity>());
     error.solution = size > 0.0 ? 3.0 * square / size : 0.0;
-    error.solution = std::max(error.solution, stepper_.last_correction());
-    error.refined = stepper_.refines();
+    error.solution = std::max(error.solution, stepper_.solver().refinement().last_correction());
+    error.refined = stepper_.solver().refinement().on();
     error.amplification = stepper_.amplification();
     error.columns = reporter_.errors(samples, result_.u, {size, nothing});
     if (settings_.condition || error.refined || result_.work.bytes < cheap_bytes)

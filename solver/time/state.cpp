@@ -1,8 +1,6 @@
 // The numbering of the time loop; see state.hpp.
 #include "solver/time/state.hpp"
 
-#include "solver/time/interior.hpp"
-
 #include <algorithm>
 #include <tuple>
 #include <utility>
@@ -62,14 +60,8 @@ void StateLayout::gather(const Vector& full, Vector& state) const {
 }
 
 void StateLayout::scatter(const Vector& state, Vector& full) const {
-  if (interior) return interior->scatter(state, full);
   full.setZero();
   for (int i = 0; i < n_state; ++i) full[dof_of[i]] = state[i];
-}
-
-void StateLayout::scatter_observed(const Vector& state, Vector& full) const {
-  if (interior) return interior->scatter_observed(state, full);
-  scatter(state, full);
 }
 
 StateLayout make_layout(const Space& space, const DofMap& dofs) {

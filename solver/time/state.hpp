@@ -3,12 +3,9 @@
 
 #include "solver/fem/space.hpp"
 
-#include <memory>
 #include <vector>
 
 namespace hvi::solver {
-
-class Interior;
 
 /// A *state* is a vector of n_state values: [unknowns; imposed values]. Imposed values that are
 /// zero at all times are left out, so a problem with zero boundary values has states = unknowns.
@@ -19,11 +16,6 @@ struct StateLayout {
 
   void gather(const Vector& full, Vector& state) const;  ///< resizes nothing
   void scatter(const Vector& state, Vector& full) const; ///< entries without state become 0
-  /// The contact unknowns and the dofs that were announced only, where states are [contact; modes].
-  void scatter_observed(const Vector& state, Vector& full) const;
-
-  /// Set where states are [contact unknowns; modes] (interior.hpp): what recovers the rest.
-  std::shared_ptr<Interior> interior;
 };
 StateLayout make_layout(const Space& space, const DofMap& dofs);
 

@@ -22,7 +22,6 @@
 // C. S. Kenney, A. J. Laub, M. S. Reese, Statistical condition estimation for linear systems, SIAM
 // J. Sci. Comput. 19 (1998) 566-583: a few random e_ij show the size of every entry of e.
 #include "solver/linear/condition_estimate.hpp"
-#include "solver/time/interior.hpp"
 #include "solver/time/rounding.hpp"
 #include "solver/time/step.hpp"
 #include "solver/time/whole_time.hpp"
@@ -59,43 +58,34 @@ std::vector<double> grow(WholeTime* whole, std::span<const Vector> forces, int m
 
 /// Keeps what acts on each base matrix while the state is the largest so far.
 void Stepper::note_size() {
-  const double size = u_.lpNorm<Eigen::Infinity>();
+  const double size = u().lpNorm<Eigen::Infinity>();
   if (!(size > clearly_larger * largest_.size)) return;
   largest_.size = size;
-  largest_.step = step_;
-  largest_.on_base.resize(operators_.bases.size());
-  for (int b = 0; b < operators_.n_bases(); ++b) {
-    const auto weight = operators_.weights.col(b);
-    Vector& sum = largest_.on_base[static_cast<std::size_t>(b)];
-    sum = weight[field_u] * u_;
-    if (weight[field_rate] != 0.0 && !grid_.is_static()) {
-      rate(combined_);
-      sum += weight[field_rate] * combined_;
-    }
-    for (int m = 0; m < memory_->size(); ++m)
-      if (const double w = weight[first_history_field + m]; w != 0.0)
-        sum += w * (memory_->known(m) + memory_->w0(m) * u_);
-  }
+  largest_.step = step();
+  const auto& operators = formulation_->operators();
+  largest_.on_base.resize(operators.bases.size());
+  Vector& room = equation_.known; // of a state, and of the step before
+  for (int b = 0; b < operators.n_bases(); ++b)
+    evolution_.acting(operators.weights, b, largest_.on_base[static_cast<std::size_t>(b)], room);
 }
 
 /// int q_m(t_n, s) ds over the whole time, by memory.
 std::vector<double> Stepper::memory_of_one() const {
   std::vector<double> out;
   for (const auto& history : plan_.histories)
-    out.push_back(grid_.is_static() ? 0.0
-                                    : interval_integral(history.kernel.expression, t(), 0.0,
-                                                        t() - grid_.t(0), 0));
+    out.push_back(grid().is_static() ? 0.0
+                                     : interval_integral(history.kernel.expression, t(), 0.0,
+                                                         t() - grid().t(0), 0));
   return out;
 }
 
 double Stepper::amplification() const {
-  if (grid_.is_static() || step_ == 0) return 1.0;
-  const double steps = step_;
-  if (std::any_of(contact_.softening.begin(), contact_.softening.end(),
-                  [](double m) { return m > 0.0; }))
-    return steps;
-  const Vector now = coefficients(step_);
-  const Vector whole = whole_coefficients(operators_, t() - grid_.t(0), memory_of_one());
+  if (grid().is_static() || step() == 0) return 1.0;
+  const double steps = step();
+  if (std::ranges::any_of(contact().softening, [](double m) { return m > 0.0; })) return steps;
+  const Vector now = balance_.coefficients(step());
+  const Vector whole =
+      whole_coefficients(formulation_->operators(), t() - grid().t(0), memory_of_one());
   double most = 1.0;
   for (Eigen::Index b = 0; b < now.size(); ++b)
     if (now[b] != 0.0) {
@@ -109,63 +99,62 @@ double Stepper::amplification() const {
 void Stepper::note_left_over(double error) {
   if (!(error > clearly_larger * left_over_.error)) return;
   left_over_.error = error;
-  left_over_.force = gap_;
-  if (!contact_.none()) left_over_.force.noalias() -= contact_.force * inequality_.xi;
+  left_over_.force = trial_.gap;
+  if (!contact().none()) left_over_.force.noalias() -= contact().force * xi();
 }
 
 /// Forces of random rounding, on the unknowns, and last what steps left of their equations;
 /// `backward_error`: that of the worst. Where states hold contact unknowns only, the left forces on
 /// the others are not known, and random ones of that size stand for them.
 std::vector<Vector> Stepper::rounding_forces(double backward_error) {
-  const bool inside = layout_.interior != nullptr;
-  const auto n = inside ? layout_.interior->matrix_of_all().rows() : Eigen::Index{n_unknowns_};
+  const bool whole = formulation_->whole();
+  const auto n = Eigen::Index{formulation_->whole_layout().n_unknowns};
   RoundingForces random;
   random.fill(Vector::Zero(n));
-  Vector state, size = Vector::Zero(n);
-  add_load(largest_.step);
-  for (int b = 0; b < operators_.n_bases(); ++b) {
+  Vector room, load, size = Vector::Zero(n);
+  for (int b = 0; b < formulation_->operators().n_bases(); ++b) {
     const Vector& acting = largest_.on_base[static_cast<std::size_t>(b)];
-    if (inside) layout_.interior->unknowns_of(acting, state);
-    add_rounding(inside ? layout_.interior->matrix_of_all() : operators_.bases[b],
-                 inside ? state : acting, unit, random, size);
+    add_rounding(formulation_->whole_base(b), formulation_->whole_state(acting, room), unit, random,
+                 size);
   }
+  if (whole) balance_.load(largest_.step, load);
   for (std::size_t s = 0; s < n_samples; ++s)
     for (Eigen::Index i = 0; i < n; ++i) {
-      const double more = inside ? backward_error * size[i] : unit * std::abs(rhs_[i]);
+      const double more = whole ? unit * std::abs(load[i]) : backward_error * size[i];
       random[s][i] += more * random_unit(static_cast<std::uint64_t>(i), s + 100);
     }
   std::vector<Vector> out(random.begin(), random.end());
-  if (!inside && left_over_.error > 0.0)
+  if (whole && left_over_.error > 0.0)
     out.push_back(std::max(1.0, backward_error / left_over_.error) * left_over_.force);
   return out;
 }
 
 std::vector<ErrorSample> Stepper::rounding_errors(double backward_error) {
-  if (step_ == 0 || largest_.step == 0 || matrices_.empty()) return {};
-  auto& matrix = *matrices_.front().matrix;
+  StepMatrix* const matrix = solver_.matrices().latest();
+  if (step() == 0 || largest_.step == 0 || matrix == nullptr) return {};
   const auto forces = rounding_forces(backward_error);
-  InequalityState at = accepted_;
+  const auto& operators = formulation_->operators();
+  const Vector gamma = balance_.coefficients(step());
+  InequalityState at = solver_.accepted();
   at.c.setZero();
-  if (!contact_.none()) prepare(contact_, plan_, grid_.t(step_), u_, accepted_.xi);
+  if (!contact().none()) prepare(formulation_->contact(), plan_, t(), u(), at.xi);
   std::vector<Vector> x, xi;
-  const bool found = layout_.interior ? layout_.interior->respond(forces, matrix,
-                                                                  coefficients(step_)[0], at, x, xi)
-                                      : matrix.respond(forces, at, x, xi);
+  const bool found = formulation_->respond(forces, *matrix, gamma, at, x, xi);
   const double bound = amplification();
   const auto memory = memory_of_one();
-  if (contact_.none()) xi.resize(forces.size());
+  if (contact().none()) xi.resize(forces.size());
   std::vector<double> growth(forces.size(), bound);
   if (found) {
-    const int most = !layout_.interior && bound >= 2.0
-                         ? vectors_for_whole_time(n_unknowns_, contact_.n_rows(), step_)
+    const int most = formulation_->whole() && bound >= 2.0
+                         ? vectors_for_whole_time(operators.n_unknowns, contact().n_rows(), step())
                          : 0;
     std::optional<WholeTime> whole;
     if (most > 0)
-      whole.emplace(operators_, matrix, at, layout_.n_state,
-                    coefficients(step_) - whole_coefficients(operators_, t() - grid_.t(0), memory));
+      whole.emplace(operators, *matrix, at, formulation_->layout().n_state,
+                    gamma - whole_coefficients(operators, t() - grid().t(0), memory));
     growth = grow(whole ? &*whole : nullptr, forces, most, bound, x, xi);
   }
-  const StateLayout& layout = layout_.interior ? layout_.interior->layout() : layout_;
+  const StateLayout& layout = formulation_->whole_layout();
   Vector state = Vector::Zero(layout.n_state);
   std::vector<ErrorSample> out(forces.size());
   for (std::size_t s = 0; s < forces.size(); ++s) {
@@ -174,20 +163,17 @@ std::vector<ErrorSample> Stepper::rounding_errors(double backward_error) {
     if (found) {
       state.head(layout.n_unknowns) = x[s];
       layout.scatter(state, sample.u);
-      if (!contact_.none()) sample.xi = xi[s];
+      if (!contact().none()) sample.xi = xi[s];
     } else { // the tangent has no factor: nothing is known
       sample.u.setConstant(std::numeric_limits<double>::infinity());
     }
-    sample.rate = grid_.is_static() ? 0.0 : grid_.rate(step_) / growth[s];
+    sample.rate = evolution_.scheme().factor(step(), 1) / growth[s];
     sample.memory = memory;
     if (s < n_samples) sample.share = 1.0 / n_samples;
   }
   return out;
 }
 
-double Stepper::condition() {
-  if (layout_.interior) return layout_.interior->condition();
-  return matrices_.empty() ? 0.0 : matrices_.front().matrix->condition();
-}
+double Stepper::condition() { return formulation_->condition(solver_.matrices().latest()); }
 
 } // namespace hvi::solver

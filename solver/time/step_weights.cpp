@@ -2,7 +2,7 @@
 #include "solver/time/step_weights.hpp"
 
 #include "solver/history/traits.hpp"
-#include "solver/time/time_grid.hpp"
+#include "solver/time/time_scheme.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -74,9 +74,11 @@ bool surely_one_matrix(const Plan& plan) {
   if (plan.time.is_static) return true;
   for (const auto& term : plan.histories)
     if (term.kernel.expression.depends_on(slot::t)) return false;
-  const TimeGrid grid(plan.time);
+  const auto scheme = make_scheme(plan.time);
+  const TimeGrid& grid = scheme->grid();
   for (int n = 2; n <= grid.steps(); ++n)
-    if (grid.rate(n) != grid.rate(1) || grid.length(n) != grid.length(1)) return false;
+    if (scheme->factor(n, 1) != scheme->factor(1, 1) || grid.length(n) != grid.length(1))
+      return false;
   return true;
 }
 
@@ -84,7 +86,8 @@ StepWeights step_weights(const Plan& plan) {
   VectorXd c = VectorXd::Zero(fields(plan));
   c[field_u] = 1.0;
   if (plan.time.is_static) return {{1}, {c}};
-  const TimeGrid grid(plan.time);
+  const auto scheme = make_scheme(plan.time);
+  const TimeGrid& grid = scheme->grid();
   LastWeights memory(plan, grid, false);
   StepWeights out;
   const auto less = [](const VectorXd& a, const VectorXd& b) {
@@ -92,7 +95,7 @@ StepWeights step_weights(const Plan& plan) {
   };
   std::map<VectorXd, int, decltype(less)> seen(less);
   for (int n = 1; n <= grid.steps(); ++n) {
-    c[field_rate] = grid.rate(n);
+    c[field_rate] = scheme->factor(n, 1);
     memory.next(n, c);
     if (!seen.emplace(c, n).second) continue;
     out.steps.push_back(n);

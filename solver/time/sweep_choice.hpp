@@ -1,5 +1,5 @@
 // In which precision the triangular solves ("sweeps") of a step read the factor: a reduced one
-// while the extrapolation is good. The Stepper asks before a correction and reports its error
+// while the extrapolation is good. FactorStorage asks before a correction and reports its error
 // afterwards.
 #pragma once
 

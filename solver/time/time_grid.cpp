@@ -1,24 +1,19 @@
-// Steps of a time grid, and the difference formula of each; see time_grid.hpp.
+// Times and lengths of steps; see time_grid.hpp.
 #include "solver/time/time_grid.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 namespace hvi::solver {
 namespace {
 
-constexpr int most_factors = 4;
-
-/// The increment of a step so much shorter than the next says nothing of the slope there: such
-/// steps stand for jumps of the data, and BDF2 would carry the jump on.
-constexpr double begins_anew = 100.0;
+/// Lengths that are compared with the next one.
+constexpr std::size_t most_distinct = 8;
 
 } // namespace
 
-TimeGrid::TimeGrid(const TimeSpec& spec)
-    : is_static_(spec.is_static), scheme_(spec.scheme), times_(spec.grid) {
+TimeGrid::TimeGrid(const TimeSpec& spec) : is_static_(spec.is_static), times_(spec.grid) {
   lengths_.assign(static_cast<std::size_t>(steps()) + 1, 1.0);
   if (is_static_) return;
   std::vector<double> distinct; // of the last few lengths: a graded grid has as many as steps
@@ -31,10 +26,9 @@ TimeGrid::TimeGrid(const TimeSpec& spec)
       lengths_[n] = *same;
       continue;
     }
-    if (distinct.size() == 2 * most_factors) distinct.erase(distinct.begin());
+    if (distinct.size() == most_distinct) distinct.erase(distinct.begin());
     distinct.push_back(lengths_[n]);
   }
-  useful_factors_ = count_factors();
 }
 
 double TimeGrid::rounding(int n) const {
@@ -43,30 +37,8 @@ double TimeGrid::rounding(int n) const {
   return 8 * std::numeric_limits<double>::epsilon() * (1 + size / lengths_[n]);
 }
 
-double TimeGrid::rate(int n) const {
-  if (!second_order(n) || ratio(n) > begins_anew) return 1.0 / lengths_[n];
-  const double w = ratio(n);
-  return (1 + 2 * w) / ((1 + w) * lengths_[n]);
-}
-
-double TimeGrid::carry(int n) const {
-  if (!second_order(n) || ratio(n) > begins_anew) return 0.0;
-  const double w = ratio(n);
-  return w * w / ((1 + w) * lengths_[n]);
-}
-
 double TimeGrid::shortest() const {
   return *std::min_element(lengths_.begin() + 1, lengths_.end());
-}
-
-int TimeGrid::count_factors() const {
-  std::set<double> seen;
-  bool comes_back = false;
-  for (int n = 1; n <= steps(); ++n) {
-    const bool fresh = seen.insert(rate(n)).second;
-    comes_back = comes_back || (!fresh && rate(n) != rate(n - 1 > 0 ? n - 1 : n));
-  }
-  return comes_back ? std::min(most_factors, static_cast<int>(seen.size())) : 1;
 }
 
 } // namespace hvi::solver

@@ -1,0 +1,90 @@
+// The balance of forces of a step: its equation, and what an increment leaves of it.
+#pragma once
+
+#include "solver/linear/double_double.hpp"
+#include "solver/linear/symmetric_blocks.hpp"
+#include "solver/time/evolution.hpp"
+#include "solver/time/formulation.hpp"
+
+namespace hvi::solver {
+
+/// Step n:   K_n d + G^T W xi = rhs,   u_n = known + d.
+///
+/// Its matrix K_n may differ a little from K, which has a factor (q(t, s) changes it in every
+/// step): K_n = K + sum_b change_b T_b, and that part is moved to the right-hand side with an
+/// expected increment, rhs = rhs_n - sum_b change_b T_b expected.
+struct StepEquation {
+  int n = 0;
+  Vector known;    ///< state u_{n-1} with the values imposed at t_n
+  Vector rhs;      ///< on the unknowns
+  Vector change;   ///< by base matrix
+  Vector expected; ///< state
+  /// Is K_n the factored matrix?
+  bool exact() const { return change.isZero(0.0); }
+};
+
+/// An increment, and what it leaves of the equation.
+struct Trial {
+  Vector d;   ///< on the unknowns
+  Vector kd;  ///< K d, K the factored matrix
+  Vector gap; ///< rhs - K_n d, without the reactions
+  Vector z;   ///< the laws' arguments
+  Vector dz;  ///< and their change in the step, where it was asked for
+};
+
+class Balance {
+public:
+  /// Keeps references to all of them.
+  Balance(const Plan& plan, const Discretisation& discretisation, const Formulation& formulation,
+          const Evolution& evolution);
+
+  /// gamma with K_n = sum_b gamma_b T_b, in the step that was begun.
+  Vector coefficients(int n) const;
+  /// out = f_n, or its mean over the step.
+  void load(int n, Vector& out) const;
+  /// out = u_{n-1} with the values imposed at t_n.
+  void known_state(int n, Vector& out);
+  /// Sets rhs = f_n - sum_b T_b ( what is known on base matrix b ) - sum_b change_b T_b expected:
+  /// one product a base matrix.
+  void find_right_hand_side(StepEquation& equation);
+  /// K_n is the factored matrix from now on: what was moved goes back.
+  void take_back_change(StepEquation& equation) const;
+
+  struct Residual {
+    double error = 0.0;    ///< componentwise backward error of the equation
+    double mismatch = 0.0; ///< of that, what comes from the part of K_n that its factor lacks
+  };
+  /// Sets kd and gap of trial.d.
+  Residual residual(const StepEquation& equation, StepMatrix& matrix, const Vector& xi,
+                    Trial& trial);
+
+  /// What is known on every base matrix, negative.
+  std::vector<Vector> known_on_bases(const StepEquation& equation);
+  /// gap = f_n - sum_b T_b (gamma_b d - known_b) in extended precision; returns the backward error
+  /// of gap - G^T W xi.
+  double precise_gap(int n, const StepMatrix& matrix, const std::vector<Vector>& known,
+                     const Vector& d, const Vector& xi, Vector& gap);
+
+  /// What a check of step n on all rows is asked, its increment being d.
+  Interior::Question question(int n, const Vector& d, const Vector& xi) const;
+
+  /// The matrix of a form on all cells and on states, if it comes from the base matrices at the
+  /// price of adding them; else empty.
+  SymmetricBlocks from_bases(const FormTerm& form) const;
+  double bytes() const; ///< of base matrices
+  int products = 0;     ///< with matrices, so far
+
+private:
+  void halve_bases(int threads);
+
+  const Plan& plan_;
+  const Discretisation& discretisation_;
+  const Formulation& formulation_;
+  const Operators& operators_;
+  const Evolution& evolution_;
+  /// The base matrices once more for products, in half the memory; empty: not used.
+  std::vector<SymmetricBlocks> halves_;
+  Vector state_, full_, scale_, product_; ///< room within a call
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,40 @@
+// Whether the factor of a step is stored once more with fewer bits an entry: triangular solves are
+// bound by reading it, and fewer bits halve that where the extrapolation from the last steps is so
+// good that one pair of solves is enough.
+#pragma once
+
+#include "solver/time/step_matrices.hpp"
+#include "solver/time/sweep_choice.hpp"
+
+namespace hvi::solver {
+
+class FactorStorage {
+public:
+  FactorStorage(bool allowed, double tolerance)
+      : tolerance_(tolerance), allowed_(allowed), sweeps_(tolerance) {}
+
+  /// From now on all sweeps are in double precision.
+  void forbid() { allowed_ = false, shortened_ = nullptr; }
+  /// What corrections with this matrix must reach.
+  double target(const StepMatrix& matrix) const {
+    return shortened_ == &matrix ? sweeps_.target() : tolerance_;
+  }
+  /// Before the first correction of a step; `contact`: laws act.
+  void begin(StepMatrix& matrix, bool predicted, bool contact);
+  /// After the first correction of a predicted step, which left this error; `exact`: the factor is
+  /// that of the step's own matrix.
+  void learn(const StepMatrix& matrix, bool exact, double error);
+  /// After an accepted step. `predictable`: the next one can be extrapolated.
+  void choose(StepMatrix& matrix, bool predictable, int steps_left);
+
+  void save(std::ostream& out, const StepMatrices& matrices) const;
+  void restore(std::istream& in, const StepMatrices& matrices);
+
+private:
+  double tolerance_;
+  bool allowed_;
+  const StepMatrix* shortened_ = nullptr; ///< whose factor is there once more
+  SweepChoice sweeps_;
+};
+
+} // namespace hvi::solver

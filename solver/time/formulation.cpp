@@ -1,0 +1,108 @@
+// The two formulations of a problem; see formulation.hpp. Made by the Stepper.
+#include "solver/time/formulation.hpp"
+
+#include "solver/time/interior.hpp"
+#include "solver/time/reduce.hpp"
+
+namespace hvi::solver {
+namespace {
+
+class OnAllUnknowns final : public Formulation {
+public:
+  OnAllUnknowns(DiscreteProblem&& problem, std::string obstacle)
+      : Formulation(std::move(problem)), obstacle_(std::move(obstacle)) {}
+
+  const std::string& obstacle() const override { return obstacle_; }
+  void scatter(const Vector& state, Vector& full) const override { layout().scatter(state, full); }
+  void observe(std::span<const int>) override {}
+  void scatter_observed(const Vector& state, Vector& full) const override { scatter(state, full); }
+  const StateLayout& whole_layout() const override { return layout(); }
+  const SparseMatrix& whole_base(int b) const override { return operators().bases[b]; }
+  const Vector& whole_state(const Vector& state, Vector&) const override { return state; }
+  bool respond(std::span<const Vector> forces, StepMatrix& matrix, const Vector&,
+               const InequalityState& at, std::vector<Vector>& x,
+               std::vector<Vector>& xi) const override {
+    return matrix.respond(forces, at, x, xi);
+  }
+  double condition(StepMatrix* of_step) const override {
+    return of_step == nullptr ? 0.0 : of_step->condition();
+  }
+  std::unique_ptr<RowChecks> row_checks(const Plan&) const override { return nullptr; }
+  FactorStatistics statistics() const override { return {}; }
+
+private:
+  std::string obstacle_;
+};
+
+class OnContactUnknowns final : public Formulation {
+public:
+  OnContactUnknowns(DiscreteProblem&& problem, std::unique_ptr<Interior> interior)
+      : Formulation(std::move(problem)), interior_(std::move(interior)) {}
+
+  const std::string& obstacle() const override { return none_; }
+  void scatter(const Vector& state, Vector& full) const override {
+    interior_->scatter(state, full);
+  }
+  void observe(std::span<const int> dofs) override { interior_->observe(dofs); }
+  void scatter_observed(const Vector& state, Vector& full) const override {
+    interior_->scatter_observed(state, full);
+  }
+  const StateLayout& whole_layout() const override { return interior_->layout(); }
+  const SparseMatrix& whole_base(int) const override { return interior_->matrix_of_all(); }
+  const Vector& whole_state(const Vector& state, Vector& room) const override {
+    interior_->unknowns_of(state, room);
+    return room;
+  }
+  bool respond(std::span<const Vector> forces, StepMatrix& matrix, const Vector& gamma,
+               const InequalityState& at, std::vector<Vector>& x,
+               std::vector<Vector>& xi) const override {
+    return interior_->respond(forces, matrix, gamma[0], at, x, xi);
+  }
+  double condition(StepMatrix*) const override { return interior_->condition(); }
+  std::unique_ptr<RowChecks> row_checks(const Plan& plan) const override {
+    return std::make_unique<RowChecks>(*interior_, plan);
+  }
+  FactorStatistics statistics() const override { return interior_->statistics(); }
+
+private:
+  std::string none_;
+  std::unique_ptr<Interior> interior_;
+};
+
+DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
+  const StateLayout layout = make_layout(d.space, d.dofs);
+  LoadAssembler loads(d.space, d.parts, plan.loads);
+  loads.restrict_to({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)});
+  Vector initial = Vector::Zero(layout.n_state);
+  if (!plan.time.is_static && !plan.time.initial.empty())
+    layout.gather(interpolate(d.space, plan.time.initial, plan.time.grid.front(), plan.time.origin),
+                  initial);
+  return {layout, assemble_operators(plan, d, layout), make_contact(plan, d, layout),
+          std::move(loads), std::move(initial)};
+}
+
+} // namespace
+
+std::unique_ptr<Formulation> formulate(const Plan& plan, const Discretisation& discretisation) {
+  DiscreteProblem all = on_all_unknowns(plan, discretisation);
+  std::string obstacle =
+      proportional_obstacle(plan, all.operators, all.contact, all.loads, all.layout);
+  if (obstacle.empty()) {
+    try {
+      const SparseMatrix& t = all.operators.bases[0];
+      auto factor = lend_factor(all.operators.shared, t, all.contact.unknowns, true);
+      if (rounding_growth(t, *factor.operator->()) <= growth_to_refine) {
+        auto interior = std::make_unique<Interior>(all.operators.bases[0], std::move(factor),
+                                                   all.layout, all.contact.unknowns);
+        auto reduced = on_contact_unknowns(std::move(all), *interior);
+        return std::make_unique<OnContactUnknowns>(std::move(reduced), std::move(interior));
+      }
+      obstacle = "its matrix is ill-conditioned, and steps are refined on all unknowns";
+    } catch (const NotFactorable&) { // the first step will say which motion is free
+      obstacle = "its matrix has no factor";
+    }
+  }
+  return std::make_unique<OnAllUnknowns>(std::move(all), std::move(obstacle));
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,85 @@
+// Refinement in extended precision; see refinement.hpp. Called by the StepSolver.
+#include "solver/time/refinement.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hvi::solver {
+namespace {
+
+constexpr int most_passes = 60;
+/// A correction of this relative size is the rounding of the state itself.
+constexpr double smallest_correction = 4e-16;
+/// Corrections that shrink slower than this have come to their end.
+constexpr double slow = 0.5;
+/// The last correction must be smaller: else the factor of K gains nothing.
+constexpr double largest_last = 1e-6;
+
+[[noreturn]] void too_ill_conditioned(const Plan& plan, int n, double last) {
+  throw TooInaccurate(
+      FailureKind::not_certified, plan.space.origin,
+      fmt::format("the matrix of step {} is too ill-conditioned for double precision: corrections "
+                  "with residuals in extended precision still change the state by {:.1e} of its "
+                  "size",
+                  n, last),
+      better_conditioned);
+}
+
+} // namespace
+
+bool Refinement::begins_with(StepMatrix& matrix) {
+  if (on_) return false;
+  on_ = matrix.growth() > growth_to_refine;
+  return on_;
+}
+
+void Refinement::refine(StepMatrix& matrix, const StepEquation& equation, Trial& trial,
+                        InequalityState& laws, StepResult& out) {
+  if (!trial.d.allFinite()) return;
+  const int n = equation.n;
+  const double t = plan_.time.is_static ? 0.0 : plan_.time.grid[static_cast<std::size_t>(n)];
+  const std::vector<Vector> on_base = balance_.known_on_bases(equation);
+  Vector total = trial.d, state = equation.known;
+  auto moved_by = state.head(total.size());
+  const int iterations = out.inequality.iterations, events = out.inequality.events;
+  double last = std::numeric_limits<double>::infinity();
+  for (int pass = 0; pass < most_passes; ++pass) {
+    balance_.precise_gap(n, matrix, on_base, total, laws.xi, trial.gap);
+    moved_by = equation.known.head(total.size()) + total;
+    if (!contact_.none()) prepare(contact_, plan_, t, state, laws.xi);
+    laws.c.setZero();
+    const auto report = matrix.start(trial.gap, laws, trial.d);
+    ++out.corrections;
+    const double size = state.lpNorm<Eigen::Infinity>(), moved = trial.d.lpNorm<Eigen::Infinity>();
+    const double correction = size > 0.0 ? moved / size : 0.0;
+    if (!std::isfinite(correction) || correction > slow * last) break;
+    total += trial.d;
+    out.inequality = report;
+    last = correction;
+    if (correction <= smallest_correction) break;
+  }
+  out.inequality.iterations += iterations, out.inequality.events += events;
+  trial.d = total;
+  for (std::size_t i = 0; i < contact_.unknowns.size(); ++i)
+    laws.c[static_cast<Eigen::Index>(i)] = trial.d[contact_.unknowns[i]];
+  if (!contact_.none()) prepare(contact_, plan_, t, equation.known, laws.xi);
+  out.equilibrium = balance_.precise_gap(n, matrix, on_base, trial.d, laws.xi, trial.gap);
+  trial.kd.noalias() = matrix.k() * trial.d;
+  last_correction_ = std::max(last_correction_, last);
+  if (!(last <= largest_last)) too_ill_conditioned(plan_, n, last);
+}
+
+void Refinement::save(StateWriter& w) const {
+  w.put(std::uint8_t{on_});
+  w.put(last_correction_);
+}
+
+void Refinement::restore(StateReader& r) {
+  on_ = r.get<std::uint8_t>() != 0;
+  last_correction_ = r.get<double>();
+}
+
+} // namespace hvi::solver

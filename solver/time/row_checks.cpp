@@ -1,0 +1,56 @@
+// Checks on all rows; see row_checks.hpp. Called by the Stepper.
+#include "solver/time/row_checks.hpp"
+
+#include "solver/time/reduce.hpp"
+
+namespace hvi::solver {
+namespace {
+
+/// |T||a + b| for the scale of the error, which is not larger, where that is within this part of
+/// the tolerance (Interior::equilibrium).
+constexpr double clear_part = 0.1;
+/// Tables reach the disk up to the step before a check that waits.
+constexpr int longest_wait = 1024; // steps
+
+} // namespace
+
+RowChecks::RowChecks(Interior& interior, const Plan& plan)
+    : interior_(interior), tolerance_(plan.options.tolerance),
+      steps_(static_cast<int>(plan.time.grid.size()) - 1), chosen_(checked_steps(plan, steps_)) {}
+
+double RowChecks::error(int n, Interior::Question question) {
+  if (waits_) {
+    put_off(n, std::move(question));
+    settle();
+    const double error = late_errors_.back().second;
+    late_errors_.pop_back();
+    return error;
+  }
+  // By the same sums as many at once: a check that could not wait gives the same bits.
+  const Interior::Question asked[] = {std::move(question)};
+  return interior_.equilibria(asked, clear_part * tolerance_).front();
+}
+
+void RowChecks::put_off(int n, Interior::Question question) {
+  steps_waiting_.push_back(n);
+  waiting_.push_back(std::move(question));
+}
+
+void RowChecks::settle_in_time(int n) {
+  if (waiting_.empty()) return;
+  const bool full = waiting_.size() + 1 == static_cast<std::size_t>(Interior::most_steps);
+  if (full || n - steps_waiting_.front() == longest_wait) settle();
+}
+
+/// In one pass. A last step that fails is no late one.
+void RowChecks::settle() {
+  if (waiting_.empty()) return;
+  const auto errors = interior_.equilibria(waiting_, clear_part * tolerance_);
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    late_errors_.emplace_back(steps_waiting_[k], errors[k]);
+    if (!(errors[k] <= tolerance_) && steps_waiting_[k] < steps_) throw LateCheck();
+  }
+  steps_waiting_.clear(), waiting_.clear();
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,57 @@
+// The certificate on all rows, where steps are solved on the contact unknowns: at some steps, and
+// many of them together where nobody sees a step before the last one.
+#pragma once
+
+#include "solver/time/interior.hpp"
+
+#include <utility>
+#include <vector>
+
+namespace hvi::solver {
+
+/// A check that was put off found a step without a certificate: the run starts again and makes each
+/// check in its step, so that it ends there with what came before.
+struct LateCheck : Failure {
+  LateCheck() : Failure(FailureKind::not_certified, {}, "a check that was put off failed", "") {}
+};
+
+class RowChecks {
+public:
+  /// Keeps a reference to `interior`.
+  RowChecks(Interior& interior, const Plan& plan);
+
+  /// Checks may wait for others, up to the last step.
+  void let_wait() { waits_ = true; }
+  /// Is step n to be checked before it is accepted?
+  bool at_once(int n) const { return chosen_[n] != 0 && (!waits_ || n == steps_); }
+  /// Is it to be checked later?
+  bool later(int n) const { return chosen_[n] != 0 && waits_ && n < steps_; }
+  /// The backward error of step n on all rows. The last step makes the checks that were put off,
+  /// too. Throws LateCheck.
+  double error(int n, Interior::Question question);
+  void put_off(int n, Interior::Question question);
+  /// After step n: the checks that wait are made where they are many, or have waited long. Throws
+  /// LateCheck.
+  void settle_in_time(int n);
+  /// Makes all checks that wait. Throws LateCheck.
+  void settle();
+
+  /// All steps up to this one have had their checks; `step`: that of the run.
+  int checked_up_to(int step) const {
+    return steps_waiting_.empty() ? step : steps_waiting_[0] - 1;
+  }
+  /// Steps with the errors of checks that were put off; hands each out once.
+  std::vector<std::pair<int, double>> late_errors() { return std::exchange(late_errors_, {}); }
+
+private:
+  Interior& interior_;
+  double tolerance_;
+  int steps_;
+  std::vector<char> chosen_; ///< by step
+  bool waits_ = false;
+  std::vector<int> steps_waiting_;
+  std::vector<Interior::Question> waiting_;
+  std::vector<std::pair<int, double>> late_errors_;
+};
+
+} // namespace hvi::solver

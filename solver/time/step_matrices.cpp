@@ -1,0 +1,107 @@
+// Matrices with factors; see step_matrices.hpp. Used by the Stepper and the StepSolver.
+#include "solver/time/step_matrices.hpp"
+
+#include "solver/common/stream.hpp"
+#include "solver/time/rigid.hpp"
+
+#include <algorithm>
+
+namespace hvi::solver {
+namespace {
+
+/// No run keeps more factors at a time.
+constexpr std::uint64_t most_saved = 1000;
+
+} // namespace
+
+StepMatrices::StepMatrices(const Plan& plan, const Discretisation& discretisation,
+                           const Formulation& formulation, const TimeScheme& scheme)
+    : plan_(plan), discretisation_(discretisation), formulation_(formulation), scheme_(scheme),
+      most_(static_cast<std::size_t>(useful_factors(scheme))) {
+  options_.tolerance = plan.options.tolerance;
+  options_.branch = plan.options.branch;
+}
+
+std::unique_ptr<StepMatrix> StepMatrices::another() const {
+  return std::make_unique<StepMatrix>(formulation_.operators(), formulation_.contact(), options_,
+                                      latest());
+}
+
+StepMatrices::Found StepMatrices::find(int n, const Vector& gamma) {
+  const double rate = scheme_.factor(n, 1), length = scheme_.grid().length(n);
+  const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) {
+    return kept.rate == rate && kept.length == length;
+  });
+  if (found != kept_.end()) {
+    kept_.splice(kept_.begin(), kept_, found);
+    return {*kept_.front().matrix, false};
+  }
+  if (kept_.size() < most_)
+    kept_.push_front({0, 0, another()});
+  else
+    kept_.splice(kept_.begin(), kept_, std::prev(kept_.end()));
+  auto& kept = kept_.front();
+  kept.rate = rate, kept.length = length;
+  factor(n, gamma, *kept.matrix);
+  return {*kept.matrix, true};
+}
+
+void StepMatrices::factor(int n, const Vector& gamma, StepMatrix& matrix) const {
+  factor_or_explain(matrix, gamma, {formulation_, scheme_.grid(), n}, plan_, discretisation_);
+}
+
+int StepMatrices::place_of(const StepMatrix* matrix) const {
+  int place = 0;
+  for (const auto& kept : kept_) {
+    if (kept.matrix.get() == matrix) return place;
+    ++place;
+  }
+  return -1;
+}
+
+StepMatrix* StepMatrices::at(int place) const {
+  if (place < 0 || place >= static_cast<int>(kept_.size())) return nullptr;
+  return std::next(kept_.begin(), place)->matrix.get();
+}
+
+void charge(const FactorStatistics& factor, WorkCounters& work, Timing& timing) {
+  work.analyses += factor.analyses;
+  work.factorisations += factor.factorisations;
+  work.sweeps += factor.sweeps;
+  work.bytes += factor.bytes;
+  timing.ordering += factor.seconds_analyse;
+  timing.factor += factor.seconds_factor;
+  timing.swept_bytes += factor.bytes_swept;
+}
+
+void StepMatrices::account(WorkCounters& work, Timing& timing) const {
+  for (const auto& kept : kept_) {
+    work.bytes += kept.matrix->bytes();
+    charge(kept.matrix->statistics(), work, timing);
+    timing.inequality += kept.matrix->seconds_inequality;
+    timing.sweeps += kept.matrix->seconds_sweeps;
+  }
+}
+
+void StepMatrices::save(std::ostream& out) const {
+  StateWriter w(out);
+  w.put(static_cast<std::uint64_t>(kept_.size()));
+  for (const auto& kept : kept_) {
+    w.put(kept.rate);
+    w.put(kept.length);
+    kept.matrix->save(out);
+  }
+}
+
+void StepMatrices::restore(std::istream& in) {
+  StateReader r(in, {});
+  kept_.clear();
+  const auto count = r.get_between<std::uint64_t>(0, most_saved);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const double rate = r.get<double>(), length = r.get<double>();
+    kept_.push_back({rate, length, another()});
+    kept_.back().matrix->restore(in);
+  }
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,58 @@
+// The matrices of a run's steps that have a factor.
+#pragma once
+
+#include "solver/time/formulation.hpp"
+#include "solver/time/time_scheme.hpp"
+
+#include <list>
+
+namespace hvi::solver {
+
+/// A step's matrix depends on its length and on the scheme's factors; memories may change it a
+/// little in every step, and then the factor of another step serves (balance.hpp).
+class StepMatrices {
+public:
+  /// Keeps references to all of them.
+  StepMatrices(const Plan& plan, const Discretisation& discretisation,
+               const Formulation& formulation, const TimeScheme& scheme);
+
+  struct Found {
+    StepMatrix& matrix;
+    bool fresh; ///< it has just been factored
+  };
+  /// One that serves step n; else it is factored for these coefficients.
+  Found find(int n, const Vector& gamma);
+  /// Factors K_n. Throws Failure(not_coercive) in the user's words.
+  void factor(int n, const Vector& gamma, StepMatrix& matrix) const;
+  /// Of the last step; null before the first one.
+  StepMatrix* latest() const { return kept_.empty() ? nullptr : kept_.front().matrix.get(); }
+  /// Their places in the order of use; -1: none.
+  int place_of(const StepMatrix* matrix) const;
+  StepMatrix* at(int place) const;
+
+  /// Adds what factors cost, and the bytes they hold, to the counters and phases of a run.
+  void account(WorkCounters& work, Timing& timing) const;
+  void save(std::ostream& out) const;
+  /// Factors again for the saved coefficients.
+  void restore(std::istream& in);
+
+private:
+  struct Kept {
+    double rate, length; ///< the scheme's factor of u', and the length of the step
+    std::unique_ptr<StepMatrix> matrix;
+  };
+  std::unique_ptr<StepMatrix> another() const;
+
+  const Plan& plan_;
+  const Discretisation& discretisation_;
+  const Formulation& formulation_;
+  const TimeScheme& scheme_;
+  InequalityOptions options_;
+  std::size_t most_;
+  std::list<Kept> kept_; ///< most recently used first
+};
+
+/// Adds the cost of one factor.
+void charge(const FactorStatistics& factor, WorkCounters& work, Timing& timing);
+
+} // namespace hvi::solver
