@@ -158,7 +158,7 @@ Interior::Question Balance::question(int n, const Vector& d, const Vector& xi) c
 }
 
 SymmetricBlocks Balance::from_bases(const FormTerm& form) const {
-  if (halves_.empty() || !formulation_.whole()) return {};
+  if (halves_.empty() || formulation_.reduced()) return {};
   const auto factors = as_combination(operators_, discretisation_, form);
   return factors ? SymmetricBlocks::sum(halves_, *factors) : SymmetricBlocks();
 }

@@ -13,15 +13,17 @@ constexpr double largest_shortened = 4e9;
 
 } // namespace
 
-void FactorStorage::begin(StepMatrix& matrix, bool predicted, bool contact) {
-  matrix.limit_sweeps(shortened_ == &matrix && predicted ? sweeps_.limits(contact) : SweepLimits{});
+SweepLimits FactorStorage::begin(const StepMatrix& matrix, bool predicted, bool contact) {
+  const bool shortened = shortened_ == &matrix && predicted;
+  const SweepLimits out = shortened ? sweeps_.limits(contact) : SweepLimits{};
   sweeps_.note_moved(std::numeric_limits<double>::infinity());
+  return out;
 }
 
-void FactorStorage::learn(const StepMatrix& matrix, bool exact, double error) {
-  sweeps_.note_moved(matrix.moved());
-  if (matrix.swept_forward() != SweepStorage::full && exact)
-    sweeps_.learn(matrix.swept_forward(), matrix.swept_back(), error);
+void FactorStorage::learn(const Correction& correction, bool exact, double error) {
+  sweeps_.note_moved(correction.moved);
+  if (correction.forward != SweepStorage::full && exact)
+    sweeps_.learn(correction.forward, correction.back, error);
 }
 
 void FactorStorage::choose(StepMatrix& matrix, bool predictable, int steps_left) {

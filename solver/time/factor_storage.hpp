@@ -19,11 +19,11 @@ public:
   double target(const StepMatrix& matrix) const {
     return shortened_ == &matrix ? sweeps_.target() : tolerance_;
   }
-  /// Before the first correction of a step; `contact`: laws act.
-  void begin(StepMatrix& matrix, bool predicted, bool contact);
-  /// After the first correction of a predicted step, which left this error; `exact`: the factor is
-  /// that of the step's own matrix.
-  void learn(const StepMatrix& matrix, bool exact, double error);
+  /// How the first correction of a step may sweep; `contact`: laws act.
+  SweepLimits begin(const StepMatrix& matrix, bool predicted, bool contact);
+  /// What the first correction of a predicted step left; `exact`: the factor is that of the step's
+  /// own matrix.
+  void learn(const Correction& correction, bool exact, double error);
   /// After an accepted step. `predictable`: the next one can be extrapolated.
   void choose(StepMatrix& matrix, bool predictable, int steps_left);
 

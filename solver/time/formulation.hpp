@@ -42,7 +42,7 @@ public:
 
   /// Why states hold all unknowns of the problem; empty: they hold the contact unknowns.
   virtual const std::string& obstacle() const = 0;
-  bool whole() const { return !obstacle().empty(); }
+  bool reduced() const { return obstacle().empty(); }
   /// Full vector of a state; dofs without a value in it become 0.
   virtual void scatter(const Vector& state, Vector& full) const = 0;
   /// The same for dofs that will be read in every step. `scatter_observed` sets these and the

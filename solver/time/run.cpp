@@ -349,15 +349,15 @@ private:
     // Where a body sticks everywhere displacements are rounding of what its loads amount to.
     const Vector& reach = stepper_.contact().reach;
     const double moved = reach.size() > 0 ? reach.lpNorm<Eigen::Infinity>() : 0.0;
-    const double nothing = negligible_share * std::max(stepper_.largest_size(), moved);
-    const double size = std::max(stepper_.largest_size(), nothing);
+    const double nothing = negligible_share * std::max(stepper_.rounding().largest_size(), moved);
+    const double size = std::max(stepper_.rounding().largest_size(), nothing);
     double square = 0.0;
     for (const auto& sample : samples)
       square = std::max(square, sample.u.lpNorm<Eigen::Infinity>());
     error.solution = size > 0.0 ? 3.0 * square / size : 0.0;
     error.solution = std::max(error.solution, stepper_.solver().refinement().last_correction());
     error.refined = stepper_.solver().refinement().on();
-    error.amplification = stepper_.amplification();
+    error.amplification = stepper_.rounding().amplification();
     error.columns = reporter_.errors(samples, result_.u, {size, nothing});
     if (settings_.condition || error.refined || result_.work.bytes < cheap_bytes)
       error.condition = stepper_.condition();

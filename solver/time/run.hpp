@@ -47,7 +47,7 @@ struct Certificate {
 };
 
 /// What rounding, of the assembly too, may have done to a printed column: an estimate, three times
-/// the root mean square of samples (step_rounding.cpp).
+/// the root mean square of samples (rounding_estimate.cpp).
 struct ColumnError {
   std::string name;
   double absolute = 0.0;

@@ -32,11 +32,11 @@ Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing, cons
       balance_(plan, d, with_room_for_memories(plan, *formulation_, evolution_.memory()),
                evolution_),
       solver_(plan, d, evolution_, *formulation_, balance_),
+      rounding_(plan, *formulation_, evolution_, balance_),
       checks_(formulation_->row_checks(plan)) {
   const int n_unknowns = formulation_->layout().n_unknowns, n_rows = contact().n_rows();
   trial_.d = trial_.kd = trial_.gap = Vector::Zero(n_unknowns);
   trial_.z = trial_.dz = Vector::Zero(n_rows);
-  left_over_.force = trial_.gap;
   evolution_.start();
 }
 
@@ -124,12 +124,17 @@ void Stepper::accept(int n, StepMatrix& matrix, const StepResult& result) {
     checks_->settle_in_time(n);
   }
   solver_.accept(n, matrix, result, trial_);
-  note_left_over(result.equilibrium);
   {
     const PhaseClock<wall_seconds> clock(timing_.history);
     evolution_.accept(n, equation_.known, trial_.d);
   }
-  note_size();
+  rounding_.note(result.equilibrium, trial_.gap, xi(), equation_.known);
+}
+
+std::vector<ErrorSample> Stepper::rounding_errors(double backward_error) {
+  StepMatrix* const matrix = solver_.matrices().latest();
+  if (step() == 0 || matrix == nullptr) return {};
+  return rounding_.samples(*matrix, solver_.accepted(), backward_error);
 }
 
 void Stepper::account(WorkCounters& work, Timing& timing) const {
@@ -155,11 +160,7 @@ void Stepper::save(std::ostream& out) const {
   evolution_.save(out);
   put_text(w, not_unique_);
   solver_.save(out);
-  put_vector(w, left_over_.force);
-  w.put(std::array<double, 2>{left_over_.error, largest_.size});
-  w.put(largest_.step);
-  w.put(static_cast<std::uint64_t>(largest_.on_base.size()));
-  for (const Vector& v : largest_.on_base) put_vector(w, v);
+  rounding_.save(w);
 }
 
 void Stepper::restore(std::istream& in) {
@@ -167,14 +168,7 @@ void Stepper::restore(std::istream& in) {
   uniqueness_judged_ = evolution_.restore(in); // for another end there are other steps to judge
   not_unique_ = get_text(r);
   solver_.restore(in);
-  const auto& layout = formulation_->layout();
-  get_vector(r, left_over_.force, layout.n_unknowns);
-  const auto sizes = r.get<std::array<double, 2>>();
-  left_over_.error = sizes[0], largest_.size = sizes[1];
-  largest_.step = r.get_between(0, step());
-  largest_.on_base.resize(r.get_between<std::uint64_t>(
-      0, static_cast<std::uint64_t>(formulation_->operators().n_bases())));
-  for (Vector& v : largest_.on_base) get_vector(r, v, layout.n_state);
+  rounding_.restore(r);
 }
 
 } // namespace hvi::solver

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "solver/common/clock.hpp"
-#include "solver/time/rounding.hpp"
+#include "solver/time/rounding_estimate.hpp"
 #include "solver/time/step_solver.hpp"
 
 #include <utility>
@@ -50,16 +50,11 @@ public:
   /// Why not every step is sure to have one solution; empty: each has (uniqueness.hpp). Found at
   /// the first step, for all of them.
   const std::string& not_unique() const { return not_unique_; }
-  /// Samples of the error that rounding may have left in the state: each for a random change of
-  /// the matrices and loads by a unit in the last place, and one for what the steps left of their
-  /// equations; `backward_error`: of the steps so far. To be asked after the last step.
+  const RoundingEstimate& rounding() const { return rounding_; }
+  /// RoundingEstimate::samples, after the last step.
   std::vector<ErrorSample> rounding_errors(double backward_error);
   /// The condition number of the last step's matrix in the 1-norm, estimated; 0: not known.
-  double condition();
-  /// By what an error of every step's equation grows over the steps together (step_rounding.cpp).
-  double amplification() const;
-  /// The largest |u| that was seen, within a factor 1.6.
-  double largest_size() const { return largest_.size; }
+  double condition() const { return formulation_->condition(solver_.matrices().latest()); }
   /// Adds what was counted to the counters and phases of a run.
   void account(WorkCounters& work, Timing& timing) const;
 
@@ -74,10 +69,6 @@ private:
   StepResult attempt(int n, StepMatrix& matrix);
   void count(const StepResult& result);
   void accept(int n, StepMatrix& matrix, const StepResult& result);
-  void note_size();
-  void note_left_over(double error);
-  std::vector<double> memory_of_one() const;
-  std::vector<Vector> rounding_forces(double backward_error);
 
   const Plan& plan_;
   Timing& timing_;
@@ -85,26 +76,13 @@ private:
   Evolution evolution_;
   Balance balance_;
   StepSolver solver_;
+  RoundingEstimate rounding_;
   std::unique_ptr<RowChecks> checks_; ///< null: every step is checked on all rows
   StepEquation equation_;             ///< of the last attempted step
   Trial trial_;
   WorkCounters counted_;
   std::string not_unique_;
   bool uniqueness_judged_ = false;
-
-  /// The state of the largest size so far: what acted on each base matrix then.
-  struct Largest {
-    double size = 0.0;
-    int step = 0;
-    std::vector<Vector> on_base;
-  };
-  Largest largest_;
-  /// What the worst step so far left of its equation, within a factor 1.6.
-  struct LeftOver {
-    double error = 0.0; ///< its backward error
-    Vector force;
-  };
-  LeftOver left_over_;
 };
 
 } // namespace hvi::solver

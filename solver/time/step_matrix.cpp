@@ -74,59 +74,61 @@ void StepMatrix::condense(const Vector& gap, const Vector* rhs, InequalityState&
 
 /// The correction of the contact unknowns moves the whole body: where it is large a shortened
 /// factor would leave an error of its size, whatever is small before the sweep.
-void StepMatrix::expand(const InequalityState& state, const SweepLimits& limits) {
+void StepMatrix::expand(const InequalityState& state, const SweepLimits& limits, Correction& out) {
   c_ = state.c - c_;
   const double size = state.c.lpNorm<Eigen::Infinity>();
-  moved_ = size > 0.0 ? c_.lpNorm<Eigen::Infinity>() / size : 0.0;
+  out.moved = size > 0.0 ? c_.lpNorm<Eigen::Infinity>() / size : 0.0;
   if (contact_.whole) {
     x_ = c_;
     return;
   }
-  back_ = limits.back(moved_);
-  factorisation_->sweep_in(back_);
+  out.back = limits.back(out.moved);
+  factorisation_->sweep_in(out.back);
   factorisation_->back(c_, x_);
 }
 
 /// x_ = the correction of a d whose contact part is c_.
-InequalityReport StepMatrix::solve(const Vector& gap, const Vector* rhs, InequalityState& state,
-                                   const SweepLimits& limits) {
-  InequalityReport report;
-  if (factorisation_) factorisation_->sweep_in(limits.forward);
+Correction StepMatrix::solve(const Vector& gap, const Vector* rhs, InequalityState& state,
+                             const CorrectionOptions& options) {
+  Correction out;
+  out.forward = options.limits.forward;
+  if (factorisation_) factorisation_->sweep_in(out.forward);
   LapClock<wall_seconds> clock;
   if (contact_.none()) {
     factorisation_->solve(gap, x_);
     clock.charge(seconds_sweeps);
-    report.converged = true;
-    return report;
+    out.report.converged = true;
+    return out;
   }
   condense(gap, rhs, state);
   clock.charge(seconds_sweeps);
-  report = coupled_ ? solver_->solve_coupled(r_, state) : solver_->solve(r_, state);
+  out.report =
+      options.couple_bounds ? solver_->solve_coupled(r_, state) : solver_->solve(r_, state);
   if (state.s_c_guess.size() > 0) state.s_c_guess.swap(product_);
   clock.charge(seconds_inequality);
-  expand(state, limits);
+  expand(state, options.limits, out);
   clock.charge(seconds_sweeps);
-  return report;
+  return out;
 }
 
 InequalityReport StepMatrix::start(const Vector& gap, InequalityState& state, Vector& d) {
   c_.setZero();
-  auto report = solve(gap, nullptr, state, {});
+  auto out = solve(gap, nullptr, state, {});
   d.swap(x_);
-  return report;
+  return std::move(out.report);
 }
 
-InequalityReport StepMatrix::correct(const Vector& gap, const Vector* rhs, InequalityState& state,
-                                     Vector& d) {
+Correction StepMatrix::correct(const Vector& gap, const Vector* rhs, InequalityState& state,
+                               Vector& d, const CorrectionOptions& options) {
   for (Eigen::Index i = 0; i < c_.size(); ++i) c_[i] = d[contact_.unknowns[i]];
-  auto report = solve(gap, rhs, state, limits_);
+  auto out = solve(gap, rhs, state, options);
   d += x_;
   if (contact_.none()) { // nothing damps what rounding leaves: a hundred times as strict
     const double size = d.lpNorm<Eigen::Infinity>();
-    moved_ = size > 0.0 ? 100.0 * x_.lpNorm<Eigen::Infinity>() / size : 0.0;
-    back_ = limits_.forward;
+    out.moved = size > 0.0 ? 100.0 * x_.lpNorm<Eigen::Infinity>() / size : 0.0;
+    out.back = out.forward;
   }
-  return report;
+  return out;
 }
 
 double StepMatrix::condition() {

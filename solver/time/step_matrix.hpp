@@ -14,6 +14,19 @@
 
 namespace hvi::solver {
 
+/// How a correction is made.
+struct CorrectionOptions {
+  SweepLimits limits;         ///< anything but full sweeps needs StepMatrix::shorten first
+  bool couple_bounds = false; ///< finds the bounds of coupled laws, too
+};
+
+/// What a correction did.
+struct Correction {
+  InequalityReport report;
+  SweepStorage forward = SweepStorage::full, back = SweepStorage::full; ///< how it swept
+  double moved = 0.0; ///< max |c' - c| / max |c'|; without laws 100 max |d' - d| / max |d'|
+};
+
 class StepMatrix {
 public:
   /// Keeps references to all three. `gamma`: coefficients of the base matrices.
@@ -40,14 +53,11 @@ public:
   /// is where the search starts, and then holds (c', xi'). With an exact factor one correction of
   /// d = 0 is the solution; more of them are iterative refinement. `rhs`: gap + K d where the
   /// caller has it, else null.
-  InequalityReport correct(const Vector& gap, const Vector* rhs, InequalityState& state, Vector& d);
+  Correction correct(const Vector& gap, const Vector* rhs, InequalityState& state, Vector& d,
+                     const CorrectionOptions& options);
 
   /// The first correction: the same with d = 0, whatever d holds.
   InequalityReport start(const Vector& gap, InequalityState& state, Vector& d);
-
-  /// From now on corrections find the bounds of coupled laws, too
-  /// (InequalitySolver::solve_coupled).
-  void couple_bounds(bool on) { coupled_ = on; }
 
   /// Makes a shortened factor; false when it cannot be had, or for the matrix without one.
   bool shorten() {
@@ -55,13 +65,6 @@ public:
     if (shortened) factorisation_->sweep_in(SweepStorage::full);
     return shortened;
   }
-  /// How `correct` sweeps from now on. Anything but full needs `shorten` first.
-  void limit_sweeps(const SweepLimits& limits) { limits_ = limits; }
-  /// max |c' - c| / max |c'| of the last correction.
-  double moved() const { return moved_; }
-  /// How the last correction swept.
-  SweepStorage swept_forward() const { return limits_.forward; }
-  SweepStorage swept_back() const { return back_; }
 
   /// K_ii of the contact unknowns.
   const Vector& contact_diagonal() const { return contact_diagonal_; }
@@ -100,9 +103,9 @@ public:
 private:
   void make_factor();
   void condense(const Vector& gap, const Vector* rhs, InequalityState& state);
-  void expand(const InequalityState& state, const SweepLimits& limits);
-  InequalityReport solve(const Vector& gap, const Vector* rhs, InequalityState& state,
-                         const SweepLimits& limits);
+  void expand(const InequalityState& state, const SweepLimits& limits, Correction& out);
+  Correction solve(const Vector& gap, const Vector* rhs, InequalityState& state,
+                   const CorrectionOptions& options);
 
   const Operators& operators_;
   const Contact& contact_;
@@ -115,11 +118,7 @@ private:
   std::unique_ptr<ReducedOperator> reduced_;
   std::unique_ptr<InequalitySolver> solver_;
   Vector r_, x_, c_, product_; ///< x_: the correction; c_: d on the contact unknowns
-  SweepLimits limits_;
-  SweepStorage back_ = SweepStorage::full;
   Vector contact_diagonal_;
-  double moved_ = 0.0;
-  bool coupled_ = false;
 };
 
 } // namespace hvi::solver

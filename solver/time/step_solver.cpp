@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
@@ -53,7 +54,7 @@ StepSolver::StepSolver(const Plan& plan, const Discretisation& discretisation,
       contact_(formulation.contact()), balance_(balance),
       matrices_(plan, discretisation, formulation, evolution.scheme()),
       // Beside the contact unknowns there is next to nothing to sweep.
-      storage_(plan.options.shortened_sweeps && formulation.whole() && !contact_.whole,
+      storage_(plan.options.shortened_sweeps && !formulation.reduced() && !contact_.whole,
                plan.options.tolerance),
       refinement_(plan, balance, contact_) {
   laws_.xi = Vector::Zero(contact_.n_rows());
@@ -63,7 +64,7 @@ StepSolver::StepSolver(const Plan& plan, const Discretisation& discretisation,
 
 StepMatrix& StepSolver::matrix_for(int n) {
   const auto [matrix, fresh] = matrices_.find(n, balance_.coefficients(n));
-  if (fresh && formulation_.whole() && refinement_.begins_with(matrix)) {
+  if (fresh && !formulation_.reduced() && refinement_.begins_with(matrix)) {
     storage_.forbid();
     predictor_.clear();
   }
@@ -132,37 +133,39 @@ void StepSolver::drop_guess() {
   laws_.c_guess.resize(0), laws_.xi_guess.resize(0);
 }
 
-/// Solves the equation; `again`: the trial and the multipliers are those of the same step with
-/// other laws.
-StepResult StepSolver::correct(StepMatrix& matrix, bool again, StepEquation& equation,
+/// Solves the equation from a prediction, or as `start` says.
+StepResult StepSolver::correct(StepMatrix& matrix, Start start, StepEquation& equation,
                                Trial& trial) {
   StepResult out;
   const int n = equation.n;
   const double tolerance = plan_.options.tolerance, target = storage_.target(matrix);
-  if (again) {
+  if (start != Start::predicted) {
     laws_.xi_guess = laws_.xi;
     guess_from(trial.d);
   }
-  const bool predicted = again || predict(n, matrix, equation, trial);
-  storage_.begin(matrix, predicted, !contact_.none());
+  const bool predicted = start != Start::predicted || predict(n, matrix, equation, trial);
+  CorrectionOptions options{storage_.begin(matrix, predicted, !contact_.none()),
+                            start == Start::again_with_bounds};
   laws_.c.setZero(); // the path to the new state starts at the last one
   const Vector* const right = equation.exact() ? &equation.rhs : nullptr;
   Together together;
   double last = infinity;
   while (out.corrections < most_corrections) {
-    if (out.corrections > 0) matrix.limit_sweeps({});
-    out.inequality = out.corrections == 0 && !predicted
-                         ? matrix.start(equation.rhs, laws_, trial.d)
-                         : matrix.correct(trial.gap, right, laws_, trial.d);
+    const bool first = out.corrections++ == 0;
+    Correction made;
+    if (first && !predicted)
+      made.report = matrix.start(equation.rhs, laws_, trial.d);
+    else
+      made = matrix.correct(trial.gap, right, laws_, trial.d, options);
+    options.limits = {};
     drop_guess();
-    ++out.corrections;
+    out.inequality = std::move(made.report);
     together.add(out.inequality, out.branch_ends);
     const auto left = balance_.residual(equation, matrix, laws_.xi, trial);
     out.equilibrium = left.error;
     if (!contact_.none())
       find_reach(matrix.contact_diagonal(), trial.kd, trial.d, equation.rhs, contact_);
-    if (predicted && out.corrections == 1)
-      storage_.learn(matrix, equation.exact(), out.equilibrium);
+    if (predicted && first) storage_.learn(made, equation.exact(), out.equilibrium);
     const bool exact = equation.exact() || left.mismatch <= refined;
     if (!out.inequality.converged || (exact && out.equilibrium <= target)) break;
     const bool slow = out.equilibrium > slow_contraction * last;
@@ -196,13 +199,13 @@ void StepSolver::couple_bounds(StepMatrix& matrix, const InequalityState* path_s
                                StepEquation& equation, Trial& trial, StepResult& out) {
   const double tolerance = plan_.options.tolerance;
   double error = bounds_error(equation, trial);
-  const auto again = [&] {
+  const auto again = [&](Start start) {
     if (path_start != nullptr) {
       laws_.z_before = path_start->z_before;
       laws_.xi_before = path_start->xi, laws_.state_before = path_start->state;
     }
     const int iterations = out.inequality.iterations, corrections = out.corrections;
-    out = correct(matrix, true, equation, trial);
+    out = correct(matrix, start, equation, trial);
     out.inequality.iterations += iterations;
     out.corrections += corrections;
     error = bounds_error(equation, trial);
@@ -211,16 +214,14 @@ void StepSolver::couple_bounds(StepMatrix& matrix, const InequalityState* path_s
   if (error <= tolerance && out.inequality.converged) return;
   double before = error;
   for (int pass = 1; out.inequality.converged; ++pass) {
-    if (again() && out.inequality.converged) return;
+    if (again(Start::again) && out.inequality.converged) return;
     if (pass % passes_to_judge != 0) continue;
     if (!(error < contracts * before)) break; // infinite ones do not fall, either
     before = error;
   }
-  matrix.couple_bounds(true);
-  if (!again() && out.inequality.verdict.empty())
+  if (!again(Start::again_with_bounds) && out.inequality.verdict.empty())
     out.inequality.verdict =
         "the laws do not hold with the bounds that the multipliers of the same state make";
-  matrix.couple_bounds(false);
 }
 
 StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquation& equation,
@@ -242,7 +243,7 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
     arguments_of(contact_, plan_, before, evolution_.u(), laws_.z_before);
     if (contact_.coupled) path_start = laws_;
   }
-  auto out = correct(matrix, false, equation, trial);
+  auto out = correct(matrix, Start::predicted, equation, trial);
   if (contact_.coupled)
     couple_bounds(matrix, path_start ? &*path_start : nullptr, equation, trial, out);
   if (refinement_.on()) refinement_.refine(matrix, equation, trial, laws_, out);

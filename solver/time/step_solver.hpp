@@ -43,7 +43,13 @@ private:
   bool predict(int n, const StepMatrix& matrix, const StepEquation& equation, Trial& trial);
   void guess_from(const Vector& d);
   void drop_guess();
-  StepResult correct(StepMatrix& matrix, bool again, StepEquation& equation, Trial& trial);
+  /// Where the corrections of a step begin.
+  enum class Start {
+    predicted,        ///< at an extrapolation where there is one, else at the last state
+    again,            ///< at the trial: that of the same step with other laws
+    again_with_bounds ///< there, with the bounds of coupled laws unknown, too
+  };
+  StepResult correct(StepMatrix& matrix, Start start, StepEquation& equation, Trial& trial);
   double bounds_error(const StepEquation& equation, Trial& trial);
   void couple_bounds(StepMatrix& matrix, const InequalityState* path_start, StepEquation& equation,
                      Trial& trial, StepResult& out);

@@ -1,5 +1,5 @@
 // Errors of the steps together, by the matrix of one step of the whole time; see
-// step_rounding.cpp.
+// rounding_estimate.cpp.
 #pragma once
 
 #include "solver/time/step_matrix.hpp"
