@@ -97,7 +97,7 @@ void EnergyMonitor::forces(const Stepper& stepper) {
   elastic_force_.noalias() = elastic_ * u_;
   viscous_force_.setZero(), memory_force_.setZero(), contact_force_.setZero();
   if (!stepper.grid().is_static()) {
-    evolution.rate(state_);
+    evolution.derivative(1, state_);
     formulation.scatter(state_, work_);
     viscous_force_.noalias() += rate_ * work_;
     for (std::size_t m = 0; m < memory_.size(); ++m) {

@@ -7,6 +7,12 @@
 #include <cmath>
 
 namespace hvi::solver {
+namespace {
+
+/// Fields are numbered u, its derivatives in time (field_rate: the first one), memories.
+constexpr int past_derivatives = first_history_field;
+
+} // namespace
 
 Evolution::Evolution(const Plan& plan, Vector u0, bool imposed)
     : plan_(plan), imposed_(imposed), scheme_(make_scheme(plan.time)), u_(std::move(u0)) {
@@ -18,11 +24,11 @@ void Evolution::start() {
   if (!grid().is_static()) memory_->start(grid().t(0), u_);
 }
 
-void Evolution::rate(Vector& out) const {
+void Evolution::derivative(int j, Vector& out) const {
   if (step_ == 0)
     out.setZero(u_.size());
   else
-    scheme_->derivative(step_, 1, out);
+    scheme_->derivative(step_, j, out);
 }
 
 void Evolution::history_field(int m, Vector& out) const {
@@ -40,7 +46,7 @@ void Evolution::begin_step(int n) { memory_->begin_step(grid().t(n)); }
 Vector Evolution::factors(int n) const {
   Vector out(first_history_field + memory_->size());
   out[field_u] = 1.0;
-  out[field_rate] = scheme_->factor(n, 1);
+  for (int j = 1; j < past_derivatives; ++j) out[j] = scheme_->factor(n, j);
   for (int m = 0; m < memory_->size(); ++m) out[first_history_field + m] = memory_->w0(m);
   return out;
 }
@@ -62,20 +68,23 @@ bool Evolution::known_part(int n, const DenseMatrix& weights, int b, const Vecto
   if (any) out = -on_known * known;
   for (int m = 0; m < memory_->size(); ++m)
     if (const double w = weight[first_history_field + m]; w != 0.0) add(w * memory_->known(m));
-  const double rate = scheme_->factor(n, 1);
-  if (rate == 0.0 || weight[field_rate] == 0.0) return any;
-  if (imposed_) add(weight[field_rate] * rate * (known - u_)); // imposed values move
-  for (const auto& [factor, of] : scheme_->known(n, 1))
-    if (of != nullptr) add(weight[field_rate] * factor * *of);
+  for (int j = 1; j < past_derivatives; ++j) {
+    const double of_increment = scheme_->factor(n, j);
+    if (of_increment == 0.0 || weight[j] == 0.0) continue;
+    if (imposed_) add(weight[j] * of_increment * (known - u_)); // imposed values move
+    for (const auto& [factor, of] : scheme_->known(n, j))
+      if (of != nullptr) add(weight[j] * factor * *of);
+  }
   return any;
 }
 
 void Evolution::acting(const DenseMatrix& weights, int b, Vector& out, Vector& work) const {
   const auto weight = weights.col(b);
   out = weight[field_u] * u_;
-  if (weight[field_rate] != 0.0 && !grid().is_static()) {
-    rate(work);
-    out += weight[field_rate] * work;
+  for (int j = 1; j < past_derivatives; ++j) {
+    if (weight[j] == 0.0 || grid().is_static()) continue;
+    derivative(j, work);
+    out += weight[j] * work;
   }
   for (int m = 0; m < memory_->size(); ++m)
     if (const double w = weight[first_history_field + m]; w != 0.0)

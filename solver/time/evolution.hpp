@@ -25,8 +25,9 @@ public:
   const Memory& memory() const { return *memory_; }
   int step() const { return step_; } ///< of the state; 0: the initial one
   double t() const { return grid().t(step_); }
-  const Vector& u() const { return u_; }        ///< state u_n
-  void rate(Vector& out) const;                 ///< state u'(t_n); 0 at the initial time
+  const Vector& u() const { return u_; } ///< state u_n
+  /// State u^(j)(t_n); 0 at the initial time.
+  void derivative(int j, Vector& out) const;
   void history_field(int m, Vector& out) const; ///< w_m(t_n)
   /// Stored history fields read so far, those before a resume too.
   std::int64_t field_reads() const;

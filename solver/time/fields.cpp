@@ -59,7 +59,7 @@ void Snapshot::take(const Stepper& stepper, bool whole) {
   };
   if (needed_[field_u]) scatter(stepper.u(), fields_[field_u]);
   if (needed_[field_rate]) {
-    evolution.rate(state_);
+    evolution.derivative(1, state_);
     scatter(state_, fields_[field_rate]);
   }
   for (int m = 0; m < evolution.memory().size(); ++m) {

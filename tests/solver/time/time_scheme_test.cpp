@@ -20,7 +20,8 @@ TimeSpec of(Scheme scheme, std::vector<double> grid = uneven) {
 }
 
 Vector values(double t, int degree) {
-  return Vector::NullaryExpr(3, [&](Eigen::Index i) { return (i + 1.0) * std::pow(t, degree); });
+  return Vector::NullaryExpr(
+      3, [&](Eigen::Index i) { return static_cast<double>(i + 1) * std::pow(t, degree); });
 }
 
 /// u'(t_n) of the scheme for t^degree, whose steps 1 .. n are taken.
