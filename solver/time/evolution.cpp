@@ -10,7 +10,7 @@ namespace hvi::solver {
 namespace {
 
 /// Fields are numbered u, its derivatives in time (field_rate: the first one), memories.
-constexpr int past_derivatives = first_history_field;
+constexpr int end_of_derivatives = first_history_field;
 
 } // namespace
 
@@ -46,7 +46,7 @@ void Evolution::begin_step(int n) { memory_->begin_step(grid().t(n)); }
 Vector Evolution::factors(int n) const {
   Vector out(first_history_field + memory_->size());
   out[field_u] = 1.0;
-  for (int j = 1; j < past_derivatives; ++j) out[j] = scheme_->factor(n, j);
+  for (int j = 1; j < end_of_derivatives; ++j) out[j] = scheme_->factor(n, j);
   for (int m = 0; m < memory_->size(); ++m) out[first_history_field + m] = memory_->w0(m);
   return out;
 }
@@ -68,7 +68,7 @@ bool Evolution::known_part(int n, const DenseMatrix& weights, int b, const Vecto
   if (any) out = -on_known * known;
   for (int m = 0; m < memory_->size(); ++m)
     if (const double w = weight[first_history_field + m]; w != 0.0) add(w * memory_->known(m));
-  for (int j = 1; j < past_derivatives; ++j) {
+  for (int j = 1; j < end_of_derivatives; ++j) {
     const double of_increment = scheme_->factor(n, j);
     if (of_increment == 0.0 || weight[j] == 0.0) continue;
     if (imposed_) add(weight[j] * of_increment * (known - u_)); // imposed values move
@@ -81,7 +81,7 @@ bool Evolution::known_part(int n, const DenseMatrix& weights, int b, const Vecto
 void Evolution::acting(const DenseMatrix& weights, int b, Vector& out, Vector& work) const {
   const auto weight = weights.col(b);
   out = weight[field_u] * u_;
-  for (int j = 1; j < past_derivatives; ++j) {
+  for (int j = 1; j < end_of_derivatives; ++j) {
     if (weight[j] == 0.0 || grid().is_static()) continue;
     derivative(j, work);
     out += weight[j] * work;
@@ -121,8 +121,9 @@ bool begins_with(const TimeGrid& grid, int step, const std::vector<double>& take
   if (grid.t(0) != taken[0] || std::abs(grid.t(step) - taken[1]) > rounding) return false;
   int n = 0;
   for (std::size_t i = 3; i < taken.size(); i += 2) // pairs of a length and how many steps have it
-    for (double left = taken[i], length = taken[i - 1]; left > 0; --left)
-      if (++n > step || std::abs(grid.length(n) - length) > 2 * grid.rounding(n) * length)
+    for (int done = 0; done < taken[i]; ++done)
+      if (const double length = taken[i - 1];
+          ++n > step || std::abs(grid.length(n) - length) > 2 * grid.rounding(n) * length)
         return false;
   return n == step;
 }

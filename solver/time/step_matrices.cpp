@@ -37,7 +37,7 @@ StepMatrices::Found StepMatrices::find(int n, const Vector& gamma) {
     return {*kept_.front().matrix, false};
   }
   if (kept_.size() < most_)
-    kept_.push_front({0, 0, another()});
+    kept_.insert(kept_.begin(), Kept{rate, length, another()});
   else
     kept_.splice(kept_.begin(), kept_, std::prev(kept_.end()));
   auto& kept = kept_.front();
@@ -99,8 +99,9 @@ void StepMatrices::restore(std::istream& in) {
   const auto count = r.get_between<std::uint64_t>(0, most_saved);
   for (std::uint64_t i = 0; i < count; ++i) {
     const double rate = r.get<double>(), length = r.get<double>();
-    kept_.push_back({rate, length, another()});
-    kept_.back().matrix->restore(in);
+    auto matrix = another();
+    matrix->restore(in);
+    kept_.push_back({rate, length, std::move(matrix)});
   }
 }
 
