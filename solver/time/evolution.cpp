@@ -162,7 +162,7 @@ bool Evolution::restore(std::istream& in) {
   get_vector(r, u_, u_.size());
   scheme_->restore(r);
   memory_->restore(in);
-  earlier_reads_ = r.get<std::int64_t>();
+  earlier_reads_ = r.get_between<std::int64_t>(0, std::int64_t{1} << 60);
   return same_end;
 }
 

@@ -60,7 +60,9 @@ private:
 /// Backward Euler: u'(t_n) = d_n / k_n.
 /// BDF2 on steps of any length, w = k_n / k_{n-1}:
 ///   u'(t_n) = (1 + 2 w) / ((1 + w) k_n) d_n - w^2 / ((1 + w) k_n) d_{n-1};
-/// its first step is backward Euler, whose one local error of order k^2 keeps the second order.
+/// its first step is backward Euler, whose single local error of order k^2 keeps the second order
+/// (M. Crouzeix, F. J. Lisbona, The convergence of variable-stepsize, variable-formula, multistep
+/// methods, SIAM J. Numer. Anal. 21 (1984) 512-534).
 std::unique_ptr<TimeScheme> make_scheme(const TimeSpec& spec);
 
 /// How many factors of matrices are worth keeping: 1 where no coefficient of u' comes back after
