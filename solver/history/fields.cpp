@@ -6,9 +6,6 @@
 
 #include <algorithm>
 
-// Plain element-wise loops; the default optimisation level of g++ leaves them scalar.
-#pragma GCC optimize("O3")
-
 namespace hvi::solver {
 
 namespace {

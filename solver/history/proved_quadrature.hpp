@@ -44,7 +44,7 @@ Proved<M> integrate_proved(const F& f, const B& modulus, double a, double b, dou
   std::size_t panels = 0;
   std::vector<Open> open{{a, b}};
   while (!open.empty()) {
-    const auto [low, high] = open.back();
+    const double low = open.back().low, high = open.back().high;
     open.pop_back();
     const double length = high - low, middle = 0.5 * (low + high);
     const Modulus most = modulus(low, high);

@@ -16,7 +16,7 @@ constexpr double vanishing = 1e-13; ///< of the largest value: 0 but for roundin
 class Isolation {
 public:
   Isolation(const Expr& f, Slot variable, double low, double high)
-      : f_(f), slope_(derivative(f, variable)), variable_(variable), low_(low), high_(high) {}
+      : f_(f), slope_(derivative(f, variable)), low_(low), high_(high) {}
 
   Zeros find() {
     const Bounds all = over(f_, low_, high_);
@@ -115,7 +115,6 @@ private:
 
   const Expr& f_;
   Expr slope_;
-  Slot variable_;
   double low_, high_, size_ = 0.0;
   std::vector<double> double_;
   Zeros out_;

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#if defined(__x86_64__) && __has_include(<sys/platform/x86.h>)
+#if defined(__x86_64__) && !defined(__clang__) && __has_include(<sys/platform/x86.h>)
 #include <sys/platform/x86.h>
 // The C library has asked the processor already; asking again traps in a virtual machine.
 #define HVI_HAS(small, large) CPU_FEATURE_ACTIVE(large)
@@ -27,7 +27,11 @@ inline InstructionSet instruction_set() {
 // A kernel is inlined into functions that name the set it is compiled for.
 #define HVI_INLINE __attribute__((always_inline)) inline
 #define HVI_AVX2 __attribute__((target("avx2,fma")))
+#if defined(__clang__)
+#define HVI_AVX512 __attribute__((target("avx512f,avx2,fma")))
+#else // by itself GCC takes vectors of half the width
 #define HVI_AVX512 __attribute__((target("avx512f,avx2,fma,prefer-vector-width=512")))
+#endif
 
 template <int Lanes>
 struct PackOf {

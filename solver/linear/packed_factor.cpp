@@ -67,23 +67,36 @@ void split(double v, float& value, std::int16_t& rest) {
 // Packs are never passed between functions compiled for different instruction sets.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
+// All functions of a namespace for one instruction set, in the words of either compiler.
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx512f,avx2,fma"))), apply_to = function)
+#else
 #pragma GCC push_options
 #pragma GCC target("avx512f,avx2,fma,prefer-vector-width=512")
+#endif
 #define HVI_PACKED_512
 namespace avx512 {
 #include "solver/linear/packed_kernels.hpp"
 #undef HVI_PACKED_512
 } // namespace avx512
+#if defined(__clang__)
+#pragma clang attribute pop
+#pragma clang attribute push(__attribute__((target("avx2,fma"))), apply_to = function)
+#else
 #pragma GCC pop_options
-
 #pragma GCC push_options
 #pragma GCC target("avx2,fma")
+#endif
 #define HVI_PACKED_256
 namespace avx2 {
 #include "solver/linear/packed_kernels.hpp"
 #undef HVI_PACKED_256
 } // namespace avx2
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
 #pragma GCC pop_options
+#endif
 
 namespace baseline {
 #include "solver/linear/packed_kernels.hpp"

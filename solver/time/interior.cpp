@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <ranges>
+#include <numeric>
 
 namespace hvi::solver {
 
@@ -137,7 +137,8 @@ SparseMatrix Interior::matrix() const {
   double* value = out.valuePtr();
   for (int i = 0; i < nc; ++i) {
     out.outerIndexPtr()[i] = i * nc;
-    column = std::ranges::copy(std::views::iota(0, nc), column).out;
+    std::iota(column, column + nc, 0);
+    column += nc;
     for (int j = 0; j < nc; ++j) *value++ = s(j, i); // symmetric
   }
   for (int i = nc; i <= size(); ++i) out.outerIndexPtr()[i] = nc * nc + i - nc;

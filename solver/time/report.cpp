@@ -104,8 +104,8 @@ void Reporter::record(const Stepper& stepper, bool last) {
     events_.push_back(std::exchange(pending_events_, 0));
     for (std::size_t i = 0; i < values_.size(); ++i) columns_[i].push_back(values_[i]);
   }
-  for (auto& [every, files] : fields_)
-    if (due(every, step, last)) attempt([&] { files.write(now_, written_); });
+  for (auto& files : fields_)
+    if (due(files.first, step, last)) attempt([&] { files.second.write(now_, written_); });
   if (keeps_before_) before_ = now_;
   last_recorded_ = step;
 }
