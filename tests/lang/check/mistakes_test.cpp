@@ -1,0 +1,61 @@
+// Mistakes are said once each, all of them, in the order of the script; what depends on a wrong
+// thing is silent.
+#include "tests/lang/scripts.hpp"
+
+#include <gtest/gtest.h>
+
+namespace hvi::lang {
+namespace {
+
+using namespace testing_scripts;
+using Codes = std::vector<std::string>;
+
+const std::string tensor = "tensor B = isotropic(lambda = 1, mu = 1)\n";
+const std::string left = "integral(body, B : eps(u) : eps(v))", right = "integral(body, v.y)";
+
+TEST(Mistakes, ARightScriptHasNone) {
+  const auto script = checked(problem(2, tensor, left, right));
+  EXPECT_TRUE(script.model);
+  EXPECT_EQ(script.errors, Codes{});
+}
+
+TEST(Mistakes, EachIsSaidOnce) {
+  const auto script = checked(
+      problem(2, tensor, left,
+              "integral(body, wind*v.y) + integral(bodi, v.y) + 2*wind*integral(body, v.x)"));
+  EXPECT_FALSE(script.model);
+  EXPECT_EQ(script.errors,
+            (Codes{"E0301", "E0301"})); // wind and bodi; wind again is the same mistake
+}
+
+TEST(Mistakes, WhatDependsOnAWrongThingIsSilent) {
+  const auto script = checked(problem(2, "tensor B = isotropic(young = 1)\ntensor C = 2*B\n",
+                                      "integral(body, C : eps(u) : eps(v)) + " + left, right));
+  EXPECT_EQ(script.errors, Codes{"E0305"});
+}
+
+TEST(Mistakes, ParametersAreOverriddenWithinTheirRange) {
+  const std::string text =
+      problem(2, "param k = 2 in [1, 3]\n" + tensor, left, "integral(body, k*v.y)");
+  const auto script = checked(text, {{"k", "3"}});
+  ASSERT_TRUE(script.model);
+  const auto& k = script.model->params.front();
+  EXPECT_TRUE(k.overridden);
+  EXPECT_EQ(std::get<double>(k.value), 3.0);
+  std::mt19937 random(1);
+  Values at(random);
+  const auto& load = script.model->terms.back();
+  EXPECT_DOUBLE_EQ(at.of(load.factor * load.integrand.scalar()), 3 * at(solver::slot::test(1)));
+  EXPECT_FALSE(checked(text, {{"k", "4"}}).model);
+  EXPECT_FALSE(checked(text, {{"j", "1"}}).model);
+}
+
+TEST(Mistakes, FormsThatAreNotLinearAreRefused) {
+  for (const char* form : {"integral(body, u.x*u.y*v.x)", "integral(body, v.x*v.y)",
+                           "integral(body, u.x + v.x)", "integral(body, sin(v.x))"})
+    EXPECT_FALSE(checked(problem(2, tensor, left + " + " + form, right)).model) << form;
+  EXPECT_TRUE(checked(problem(2, tensor, left + " + integral(body, 3*u.x*v.x)", right)).model);
+}
+
+} // namespace
+} // namespace hvi::lang

@@ -1,0 +1,160 @@
+// From the model to the plan: entries test x trial that add up to the integrands, signs, effects,
+// arguments of laws, memories that nothing uses.
+#include "lang/lower/lower.hpp"
+#include "tests/lang/scripts.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace hvi::lang {
+namespace {
+
+using namespace testing_scripts;
+namespace slot = solver::slot;
+using solver::Effect;
+using solver::Plan;
+
+const std::string tensor = "tensor B = isotropic(lambda = 3, mu = 2)\n";
+const std::string form = "integral(body, B : eps(u) : eps(v))";
+
+Plan plan_of(const std::string& text) {
+  auto script = checked(text);
+  EXPECT_TRUE(script.model) << text;
+  return script.model ? lower(*script.model) : Plan{};
+}
+
+/// What the plan's forms and loads on part p come to at the values: left side minus right side.
+double balance(const Plan& plan, const std::string& part, Values& at) {
+  double sum = 0.0;
+  const auto is_there = [&](int p) { return plan.parts[static_cast<std::size_t>(p)].name == part; };
+  for (const auto& term : plan.forms)
+    for (const auto& entry : term.entries)
+      if (is_there(term.part))
+        sum += at.of(entry.coefficient) * at(slot::field(term.field, entry.trial)) *
+               at(slot::test(entry.test));
+  for (const auto& load : plan.loads)
+    for (const auto& entry : load.entries)
+      if (is_there(load.part)) sum -= at.of(entry.value) * at(slot::test(entry.test));
+  return sum;
+}
+
+// Random terms with signs and factors, in any order, those without u on both sides: the entries of
+// the plan add up to the left side minus the right side.
+TEST(Lower, EntriesAddUpToTheIntegrands) {
+  std::mt19937 random(4);
+  for (int k = 0; k < 300; ++k) {
+    const int dim = 2 + k % 2;
+    const auto number = [&] { return drawn(random, 0.1, 3); };
+    const auto component = [&] { return static_cast<int>(random() % static_cast<unsigned>(dim)); };
+    std::string text[2];
+    struct Piece {
+      double factor;
+      int i, j;
+      bool load;
+    };
+    std::vector<Piece> pieces;
+    for (int n = 0; n < 6; ++n) {
+      Piece piece{number(), component(), component(), random() % 2 == 0};
+      const bool right = piece.load && random() % 2 == 0, minus = random() % 2 == 0;
+      const char* names = "xyz";
+      text[right] +=
+          fmt::format(" {} integral(body, {}*{}v.{})", minus ? "-" : "+", piece.factor,
+                      piece.load ? "" : fmt::format("u.{}*", names[piece.j]), names[piece.i]);
+      if (right != minus) piece.factor = -piece.factor;
+      pieces.push_back(piece);
+    }
+    const auto plan =
+        plan_of(problem(dim, tensor, form + text[0], "integral(body, v.x)" + text[1]));
+    Values at(random);
+    double wanted = -at(slot::test(0)), size = 1.0, traces[2] = {};
+    for (int i = 0; i < dim; ++i) {
+      traces[0] += at.strain_of_u(i, i);
+      traces[1] += at.strain_of_v(i, i);
+      for (int j = 0; j < dim; ++j) wanted += 4 * at.strain_of_u(i, j) * at.strain_of_v(i, j);
+    }
+    wanted += 3 * traces[0] * traces[1];
+    for (const auto& piece : pieces) {
+      const double u = piece.load ? 1.0 : at(slot::field(solver::field_u, piece.j));
+      wanted += piece.factor * u * at(slot::test(piece.i));
+      size += std::abs(piece.factor);
+    }
+    EXPECT_NEAR(balance(plan, "body", at), wanted, 1e-12 * (size + 40))
+        << text[0] << " = " << text[1];
+  }
+}
+
+TEST(Lower, TermsThatFoldToZeroAreLeftOut) {
+  const auto with =
+      plan_of(problem(2, "param k = 0\n" + tensor, form + " + integral(body, k*u.x*v.x)",
+                      "integral(body, v.y) + integral(ground, k*v.y)"));
+  const auto without = plan_of(problem(2, "param k = 0\n" + tensor, form, "integral(body, v.y)"));
+  EXPECT_EQ(with.forms.size(), without.forms.size());
+  EXPECT_EQ(with.loads.size(), without.loads.size());
+}
+
+const std::string evolution =
+    "mesh body = rectangle(2, 1, cells = [2, 1])\npart ground = body.bottom\npart roof = body.top\n"
+    "tensor A = isotropic(lambda = 1, mu = 1)\ntensor B = isotropic(lambda = 2, mu = 1)\n"
+    "kernel C(lag) = -exp(-lag) * A\nkernel q(lag) = -exp(-3*lag)\n"
+    "superpotential layer(r) with slope\n  | r < 0 -> 0\n  | otherwise -> 5*r\n"
+    "superpotential slip(xi) = 0.1*norm(xi)\n"
+    "space V = vector P1 on body, zero on roof\n"
+    "find u in V for t in [0, 1] by 4 steps from u = 0\nsuch that for all v in V\n";
+
+TEST(Lower, EffectsAndArgumentsOfLaws) {
+  const auto plan = plan_of(
+      evolution + "    integral(body, A : eps(u') : eps(v)) + integral(body, B : eps(u) : eps(v))\n"
+                  "  + integral(body, history(C, eps(u)) : eps(v))\n"
+                  "  + integral(ground, layer^0(u.nu - 0.25*t; v.nu)) + integral(ground, "
+                  "slip^0(u.tau; v.tau))\n"
+                  " >= integral(body, v.y) + integral(ground, v.x)\n");
+  ASSERT_EQ(plan.forms.size(), 3u);
+  EXPECT_EQ(plan.forms[0].field, solver::field_rate);
+  EXPECT_EQ(plan.forms[0].effect, Effect::viscosity);
+  EXPECT_EQ(plan.forms[1].field, solver::field_u);
+  EXPECT_EQ(plan.forms[1].effect, Effect::elasticity);
+  EXPECT_EQ(plan.forms[2].field, solver::first_history_field);
+  EXPECT_EQ(plan.forms[2].effect, Effect::memory);
+  ASSERT_EQ(plan.histories.size(), 1u);
+  ASSERT_EQ(plan.law_terms.size(), 2u);
+  EXPECT_EQ(plan.law_terms[0].effect, Effect::normal_law);
+  EXPECT_EQ(plan.law_terms[1].effect, Effect::friction);
+  // u.nu - t/4, and u - (u.nu) nu, at a random normal.
+  std::mt19937 random(5);
+  Values at(random);
+  const auto& normal = plan.law_terms[0].rows;
+  ASSERT_EQ(normal.size(), 1u);
+  for (int i = 0; i < 2; ++i) EXPECT_DOUBLE_EQ(at.of(normal[0].u[i]), at(slot::normal(i)));
+  EXPECT_DOUBLE_EQ(at.of(normal[0].offset), -0.25 * at(slot::t));
+  const auto& tangential = plan.law_terms[1].rows;
+  ASSERT_EQ(tangential.size(), 2u);
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j)
+      EXPECT_NEAR(at.of(tangential[i].u[j]), (i == j) - at(slot::normal(i)) * at(slot::normal(j)),
+                  1e-15);
+  ASSERT_EQ(plan.loads.size(), 2u);
+  EXPECT_EQ(plan.loads[0].effect, Effect::body_force);
+  EXPECT_EQ(plan.loads[1].effect, Effect::traction);
+}
+
+TEST(Lower, MemoriesThatNothingUsesAreLeftOutAndTheOthersRenumbered) {
+  const auto plan = plan_of(
+      evolution +
+      "    integral(body, A : eps(u') : eps(v)) + 0*integral(body, history(C, eps(u)) : eps(v))\n"
+      "  + integral(ground, layer^0(u.nu; v.nu)) + integral(body, B : eps(u) : eps(v))\n"
+      "  + integral(body, B : history(q, eps(u)) : eps(v))\n"
+      " >= integral(body, v.y)\n");
+  ASSERT_EQ(plan.histories.size(), 1u);
+  int of_memory = 0;
+  for (const auto& term : plan.forms)
+    if (term.field >= solver::first_history_field) {
+      ++of_memory;
+      EXPECT_EQ(term.field, solver::first_history_field);
+    }
+  EXPECT_EQ(of_memory, 1);
+}
+
+} // namespace
+} // namespace hvi::lang
