@@ -5,8 +5,9 @@
 #include "lang/diag/unreadable.hpp"
 #include "solver/kernel/prony_fit.hpp"
 #include "solver/kernel/table.hpp"
+#include "solver/linear/dense.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -128,8 +129,8 @@ double volume_over_shape(int d, const Eigen::MatrixXd& mandel) {
   const Eigen::MatrixXd without =
       Eigen::MatrixXd::Identity(mandel.rows(), mandel.rows()) - identity * identity.transpose();
   const Eigen::MatrixXd shape = without * mandel * without;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(shape, Eigen::EigenvaluesOnly);
-  return identity.dot(mandel * identity) / d / spectrum.eigenvalues()[mandel.rows() - 1];
+  return identity.dot(mandel * identity) / d /
+         solver::symmetric_eigenvalues(shape)[mandel.rows() - 1];
 }
 
 /// Beyond this (poisson = 0.49) P1 answers much too stiffly.
@@ -150,9 +151,7 @@ Value Checker::tensor_call(const ast::Expr& e, const ast::Call& c, const std::st
     return value;
   }
   const Eigen::MatrixXd mandel = mandel_matrix(model_.dim, *material);
-  const double least =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(mandel, Eigen::EigenvaluesOnly)
-          .eigenvalues()[0];
+  const double least = solver::symmetric_eigenvalues(mandel)[0];
   if (least > 0.0 && model_.dim > 1)
     if (const double ratio = volume_over_shape(model_.dim, mandel); ratio > locking)
       locking_.insert_or_assign(e.span.begin, std::pair(e.span, ratio));

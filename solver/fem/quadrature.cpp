@@ -1,7 +1,7 @@
 // Quadrature on simplices: symmetric rules by orbits, conical products, nodal rules.
 #include "solver/fem/quadrature.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "solver/linear/dense.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -172,11 +172,11 @@ IntervalRule gauss_jacobi(int n, int alpha) {
     const double square = 4.0 * k * k * (k + alpha) * (k + alpha) / (s * s * (s * s - 1.0));
     jacobi(k, k - 1) = jacobi(k - 1, k) = std::sqrt(square);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(jacobi);
+  const auto [values, vectors] = symmetric_spectrum(jacobi);
   IntervalRule rule;
   for (int k = 0; k < n; ++k) {
-    const double first = eigen.eigenvectors()(0, k);
-    rule.points.push_back(0.5 * (1.0 + eigen.eigenvalues()(k)));
+    const double first = vectors(0, k);
+    rule.points.push_back(0.5 * (1.0 + values(k)));
     rule.weights.push_back(first * first / (alpha + 1.0));
   }
   return rule;

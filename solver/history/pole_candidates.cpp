@@ -1,7 +1,6 @@
 // Candidate poles: a real dictionary for kernels that decay, ESPRIT for those that oscillate.
 #include "solver/history/pole_fit.hpp"
-
-#include <Eigen/Dense>
+#include "solver/linear/dense.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,16 +22,14 @@ constexpr int half = 60; ///< Hankel matrices of half + 1 rows
 std::vector<Pole> esprit(const VectorXd& values, double step) {
   MatrixXd hankel(half + 1, half + 1);
   for (int i = 0; i <= half; ++i) hankel.col(i) = values.segment(i, half + 1);
-  const Eigen::BDCSVD<MatrixXd> svd(hankel, Eigen::ComputeThinU);
-  const auto& sigma = svd.singularValues();
+  const auto [sigma, space] = left_singular(hankel);
   Eigen::Index rank = 0;
   while (rank < 28 && rank < half && sigma[rank] > 1e-11 * sigma[0]) ++rank;
   if (rank == 0) return {};
-  const MatrixXd u = svd.matrixU().leftCols(rank);
-  const MatrixXd shift = u.topRows(half).colPivHouseholderQr().solve(u.bottomRows(half));
-  const Eigen::VectorXcd z = Eigen::EigenSolver<MatrixXd>(shift, false).eigenvalues();
+  const MatrixXd u = space.leftCols(rank);
+  const MatrixXd shift = least_squares(MatrixXd(u.topRows(half)), MatrixXd(u.bottomRows(half)));
   std::vector<Pole> poles;
-  for (const std::complex<double> value : z) {
+  for (const std::complex<double> value : eigenvalues(shift)) {
     if (value.imag() < 0 || std::abs(value) < 1e-7 || std::abs(value) > 1.02) continue;
     const std::complex<double> rate = std::log(value) / step;
     const bool real = std::abs(value.imag()) < 1e-9 && value.real() > 0;

@@ -2,7 +2,7 @@
 // without each pole, move the poles.
 #include "solver/history/pole_fit.hpp"
 
-#include <Eigen/Dense>
+#include "solver/linear/dense.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -72,10 +72,8 @@ PoleFit::Solution PoleFit::solve(const std::vector<Pole>& poles) const {
   system << scaled.basis, ridge_ * MatrixXd::Identity(count, count);
   VectorXd right = VectorXd::Zero(rows + count);
   right.head(rows) = Eigen::Map<const VectorXd>(right_.data(), rows);
-  const Eigen::HouseholderQR<MatrixXd> qr(system);
-  const VectorXd c = qr.solve(right);
-  const MatrixXd inverse = qr.matrixQR().topRows(count).triangularView<Eigen::Upper>().solve(
-      MatrixXd::Identity(count, count));
+  const auto [c, r] = solve_by_qr(system, right);
+  const MatrixXd inverse = r.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(count, count));
   Solution out{poles, {c.data(), c.data() + count}, {}, 0};
   out.residual = (system * c - right).norm();
   Eigen::Index column = 0;
@@ -143,7 +141,7 @@ PoleFit::Solution PoleFit::stepped(const Solution& from, const std::vector<Free>
     system.jacobian(last + m, fields + m) =
         std::max(damping * system.size[m], 1e-3 * from.residual);
   }
-  const VectorXd step = Eigen::HouseholderQR<MatrixXd>(system.jacobian).solve(system.right);
+  const VectorXd step = solve_by_qr(system.jacobian, system.right).x;
   std::vector<Pole> moved = from.poles;
   for (Eigen::Index m = 0; m < moves; ++m) {
     const Free& f = free[static_cast<std::size_t>(m)];

@@ -2,8 +2,8 @@
 #include "solver/hypotheses/extremes.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/linear/dense.hpp"
 
-#include <Eigen/Dense>
 #include <Spectra/SymGEigsShiftSolver.h>
 #include <Spectra/SymGEigsSolver.h>
 
@@ -111,9 +111,7 @@ std::optional<double> extreme(const GramForm& gram, F&& apply, Spectra::SortRule
 
 /// All eigenvalues, in small spaces.
 Vector dense_spectrum(const SparseMatrix& k, const SparseMatrix& g) {
-  return Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix>(DenseMatrix(k), DenseMatrix(g),
-                                                               Eigen::EigenvaluesOnly)
-      .eigenvalues();
+  return generalised_eigenvalues(DenseMatrix(k), DenseMatrix(g));
 }
 
 } // namespace
@@ -148,10 +146,8 @@ double largest_on(const GramForm& gram, const SparseMatrix& k, const std::vector
     }
   }
   // K y = lambda G_c y with G_c = ((G^-1)_II)^-1, the condensed Gram matrix.
-  const DenseMatrix condensed = inverse.llt().solve(DenseMatrix::Identity(r, r));
-  return Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix>(
-             form, DenseMatrix(0.5 * (condensed + condensed.transpose())), Eigen::EigenvaluesOnly)
-      .eigenvalues()[r - 1];
+  const DenseMatrix condensed = solve_positive(inverse, DenseMatrix::Identity(r, r));
+  return generalised_eigenvalues(form, 0.5 * (condensed + condensed.transpose()))[r - 1];
 }
 
 } // namespace
@@ -178,11 +174,9 @@ std::optional<double> GramForm::largest(const SparseMatrix& k) const {
 std::optional<double> GramForm::norm(const SparseMatrix& e) const {
   const SparseMatrix transposed = e.transpose();
   if (e.rows() <= dense_size) { // the iteration wants two unknowns at least
-    const DenseMatrix dense(e), half = DenseMatrix(g_).llt().matrixL().solve(dense);
+    const DenseMatrix dense(g_), half = solve_lower(dense, DenseMatrix(e));
     const DenseMatrix square = half.transpose() * half; // E^T G^-1 E
-    return std::sqrt(std::max(0.0, Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix>(
-                                       square, DenseMatrix(g_), Eigen::EigenvaluesOnly)
-                                       .eigenvalues()[e.rows() - 1]));
+    return std::sqrt(std::max(0.0, generalised_eigenvalues(square, dense)[e.rows() - 1]));
   }
   const auto square = extreme(
       *this,

@@ -2,8 +2,7 @@
 #include "solver/hypotheses/tensors.hpp"
 
 #include "solver/kernel/algebra.hpp"
-
-#include <Eigen/Dense>
+#include "solver/linear/dense.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -83,8 +82,7 @@ public:
     if (!any) return std::numeric_limits<double>::infinity();
     const DenseMatrix reduced = basis_ * full * basis_.transpose();
     const DenseMatrix symmetric = 0.5 * (reduced + reduced.transpose());
-    return Eigen::SelfAdjointEigenSolver<DenseMatrix>(symmetric, Eigen::EigenvaluesOnly)
-        .eigenvalues()[0];
+    return symmetric_eigenvalues(symmetric)[0];
   }
 
 private:

@@ -1,8 +1,9 @@
 // The equilibrium curve between two loads (equilibrium_curve.hpp).
 #include "solver/inequality/equilibrium_curve.hpp"
 
+#include "solver/linear/dense.hpp"
+
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -157,8 +158,7 @@ bool EquilibriumCurve::stable() {
     make_jacobian();
     for (int p = 0; p < n_; ++p)
       if (upright(p)) jacobian_.col(p) *= 1e9, jacobian_(p, p) += 1.0;
-    const Eigen::EigenSolver<DenseMatrix> eigen(jacobian_, false);
-    const auto& values = eigen.eigenvalues();
+    const auto values = eigenvalues(jacobian_);
     return std::none_of(values.begin(), values.end(),
                         [](const auto& v) { return v.real() <= 0.0 && v.imag() == 0.0; });
   }

@@ -3,12 +3,11 @@
 
 #include "solver/assembly/assembly.hpp"
 #include "solver/common/parallel.hpp"
+#include "solver/linear/dense.hpp"
 #include "solver/linear/mirror_pairs.hpp"
 #include "solver/linear/spmv.hpp"
 #include "solver/time/proportional.hpp"
 #include "solver/time/shared_work.hpp"
-
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -205,7 +204,7 @@ std::optional<Vector> as_combination(const Operators& operators,
   }
   if (columns.cols() == 0 || !is_constant(form)) return {};
   const Vector wanted = column_of(form);
-  const Vector factors = columns.colPivHouseholderQr().solve(wanted);
+  const Vector factors = least_squares(columns, wanted);
   const double size = wanted.norm();
   const double grown = factors.cwiseAbs().dot(columns.colwise().norm());
   const bool good = grown <= largest_factor * size && // false for NaN
