@@ -1,11 +1,11 @@
 // Why a matrix has no factor, in the user's words; see rigid.hpp.
 #include "solver/time/rigid.hpp"
 
+#include "solver/linear/dense.hpp"
 #include "solver/time/run.hpp"
 #include "solver/time/strain.hpp"
 #include "solver/time/whole_time.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -182,9 +182,8 @@ std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisatio
       for (const auto& e : d.dofs.eliminated)
         energy(a, b) += stiffness * all[a].values[e.dof] * all[b].values[e.dof];
   const DenseMatrix symmetric = (energy + energy.transpose()) / 2;
-  const Eigen::SelfAdjointEigenSolver<DenseMatrix> modes(symmetric, Eigen::EigenvaluesOnly);
   const double small = 1e-11 * stiffness;
-  auto left = (modes.eigenvalues().array() <= small).count();
+  auto left = (symmetric_eigenvalues(symmetric).array() <= small).count();
   std::vector<std::string> out;
   for (Eigen::Index a = 0; a < m; ++a)
     if (symmetric(a, a) <= small) out.push_back(all[a].name);
