@@ -194,7 +194,7 @@ std::string probe_table(const Study& study) {
       for (const std::string& name : varied(study))
         fmt::format_to(std::back_inserter(out), "  {} = {}", name, row.values.at(name));
       const auto of = [&](const std::map<std::string, double>& map) {
-        const auto at = map.find(probe);
+        const auto at = map.find(value->first);
         return at == map.end() ? std::nullopt : std::optional(at->second);
       };
       fmt::format_to(std::back_inserter(out), ": {:.9g}, off by {}, order {}\n", value->second,
