@@ -68,7 +68,13 @@ TemporaryFile::~TemporaryFile() {
 
 bool TemporaryFile::write(std::string_view bytes) { return write_all(descriptor_, bytes); }
 bool TemporaryFile::sync() { return ::fsync(descriptor_) == 0; }
-bool TemporaryFile::close() { return ::close(std::exchange(descriptor_, -1)) == 0; }
+
+/// The lock stays with a second descriptor of the open file, or another run would take the file for
+/// a dead writer's before it has its name.
+bool TemporaryFile::close() {
+  const int keeps_lock = ::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0);
+  return ::close(std::exchange(descriptor_, keeps_lock)) == 0;
+}
 
 bool TemporaryFile::rename_to(const std::filesystem::path& target) {
   if (::rename(name_.c_str(), target.c_str()) != 0) return false;

@@ -22,7 +22,7 @@ public:
   int descriptor() const { return descriptor_; }
   bool write(std::string_view bytes);
   bool sync();
-  /// Some systems report a full disk only here.
+  /// After the last write. Some systems report a full disk only here.
   bool close();
   bool rename_to(const std::filesystem::path& target);
 

@@ -91,6 +91,16 @@ TEST(File, LeftoversOfTheDeadGoAndNoOthers) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 3);
 }
 
+TEST(File, AWrittenFileIsNoLeftoverBeforeItHasItsName) {
+  const auto folder = fresh_folder("written");
+  fs::create_directories(folder);
+  TemporaryFile file(folder / "a.txt");
+  ASSERT_TRUE(file.write("whole") && file.sync() && file.close());
+  remove_leftovers(folder); // another run begins
+  EXPECT_TRUE(file.rename_to(folder / "a.txt"));
+  EXPECT_EQ(content(folder / "a.txt"), "whole");
+}
+
 TEST(File, ATemporaryFileThatIsTakenAwayIsAFailure) {
   const auto folder = fresh_folder("taken_away");
   fs::create_directories(folder);
