@@ -68,17 +68,19 @@ void Preconditioner::apply(const Vector& r, Vector& out) {
   Vector t(static_cast<Eigen::Index>(far_.freed.size()));
   for (Eigen::Index j = 0; j < t.size(); ++j) t[j] = r[far_.freed[j]];
   add_product(CblasTrans, -1.0, freed_.y(), kept_, t);
+  Vector force;
   if (!far_.changed.empty()) {
-    const Vector force = changed_.forces(far_, freed_, out, t);
+    force = changed_.forces(far_, freed_, out, t);
     add_product(CblasNoTrans, -1.0, changed_.z(), force, out);
-    // A held unknown moves by force / stiffness: the difference above would be rounding.
-    for (const auto& e : far_.delta)
-      if (e.held) out[far_.changed[e.row]] = force[e.row] / e.value;
   }
-  if (far_.freed.empty()) return;
-  const Vector x = freed_.displaced(t);
-  add_product(CblasNoTrans, -1.0, freed_.y(), x, out);
-  for (Eigen::Index j = 0; j < x.size(); ++j) out[far_.freed[j]] = x[j];
+  if (!far_.freed.empty()) {
+    const Vector x = freed_.displaced(t);
+    add_product(CblasNoTrans, -1.0, freed_.y(), x, out);
+    for (Eigen::Index j = 0; j < x.size(); ++j) out[far_.freed[j]] = x[j];
+  }
+  // A held unknown moves by force / stiffness: the differences above would be rounding.
+  for (const auto& e : far_.delta)
+    if (e.held) out[far_.changed[e.row]] = force[e.row] / e.value;
 }
 
 } // namespace hvi::solver

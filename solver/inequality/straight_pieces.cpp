@@ -24,16 +24,16 @@ bool StraightPieces::take(int p, int state) {
   const LawGraph& g = law.graph();
   const int i = state / 2;
   const auto& smooth = g.smooth[i];
-  StraightPiece& piece = pieces_[p];
-  piece = {piece_low(g, i, false),
-           piece_high(g, i),
-           smooth.centre,
-           smooth.a[0],
-           smooth.degree == 1 ? smooth.a[1] : 0.0,
-           law.component_of_piece(i)};
+  const StraightPiece piece{piece_low(g, i, false),
+                            piece_high(g, i),
+                            smooth.centre,
+                            smooth.a[0],
+                            smooth.degree == 1 ? smooth.a[1] : 0.0,
+                            law.component_of_piece(i)};
   if (!(std::abs(piece.s) < unbounded_slope) ||
       !(std::abs(piece.k) * points_[p].local <= PointData::far_stiffer))
     return false;
+  pieces_[p] = piece;
   states_[p] = state;
   return true;
 }
