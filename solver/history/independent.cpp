@@ -153,16 +153,41 @@ bool IndependentSum::reaches_source_zero(double t, const Interval& i) const {
   return by_source_ && std::abs(t - i.high) <= 4e-16 * t;
 }
 
+/// Breaks of q(t, .) between two lags, and where the proof found it to change.
+std::vector<double> IndependentSum::find_cuts(double t, double low, double high) const {
+  std::vector<double> cuts;
+  kernel_.function.resolved_edges(t, low, high, cuts);
+  if (!kernel_.breaks.searched()) {
+    const auto inside = kernel_.breaks.inside(t, low, high);
+    cuts.insert(cuts.end(), inside.begin(), inside.end());
+  }
+  std::sort(cuts.begin(), cuts.end());
+  return cuts;
+}
+
+/// The cuts of a convolution depend on the interval alone, not on those that are integrated with
+/// it: a resumed run, which finds all its weights at once, has the bits of one that found them step
+/// by step.
+const std::vector<double>& IndependentSum::cuts(double t, const Interval& i) {
+  if (!kernel_.traits.convolution) return cuts_;
+  const int k = std::ilogb(i.high) + 1;
+  const auto [entry, fresh] = octave_cuts_.try_emplace(k);
+  if (fresh) entry->second = find_cuts(t, 0, std::ldexp(1.0, k));
+  return entry->second;
+}
+
 /// Is q smooth within the interval, as far as the proof and the breaks say?
-bool IndependentSum::plain(double t, const Interval& i) const {
-  const auto cut = std::upper_bound(cuts_.begin(), cuts_.end(), i.low);
-  const bool whole = cut == cuts_.end() || *cut >= i.high;
+bool IndependentSum::plain(double t, const Interval& i) {
+  const auto& known = cuts(t, i);
+  const auto cut = std::upper_bound(known.begin(), known.end(), i.low);
+  const bool whole = cut == known.end() || *cut >= i.high;
   return whole && !kernel_.breaks.searched() && !reaches_source_zero(t, i);
 }
 
-Moments IndependentSum::weight(double t, const Interval& i) const {
-  const auto first = std::upper_bound(cuts_.begin(), cuts_.end(), i.low);
-  std::vector<double> ends(first, std::lower_bound(first, cuts_.end(), i.high));
+Moments IndependentSum::weight(double t, const Interval& i) {
+  const auto& known = cuts(t, i);
+  const auto first = std::upper_bound(known.begin(), known.end(), i.low);
+  std::vector<double> ends(first, std::lower_bound(first, known.end(), i.high));
   if (kernel_.breaks.searched()) {
     const auto inside = kernel_.breaks.inside(t, i.low, i.high);
     ends.insert(ends.end(), inside.begin(), inside.end());
@@ -192,15 +217,11 @@ Moments IndependentSum::from_source(double t, double from, const Interval& i) co
 void IndependentSum::integrate(double t, std::span<const Interval> intervals,
                                std::span<Moments> out) {
   if (intervals.empty()) return;
-  double low = intervals.front().low, high = intervals.front().high;
-  for (const Interval& i : intervals) low = std::min(low, i.low), high = std::max(high, i.high);
-  cuts_.clear();
-  kernel_.function.resolved_edges(t, low, high, cuts_);
-  if (!kernel_.breaks.searched()) {
-    const auto inside = kernel_.breaks.inside(t, low, high);
-    cuts_.insert(cuts_.end(), inside.begin(), inside.end());
+  if (!kernel_.traits.convolution) {
+    double low = intervals.front().low, high = intervals.front().high;
+    for (const Interval& i : intervals) low = std::min(low, i.low), high = std::max(high, i.high);
+    cuts_ = find_cuts(t, low, high);
   }
-  std::sort(cuts_.begin(), cuts_.end());
   constexpr std::size_t each = 3 * points;
   for (std::size_t begin = 0; begin < intervals.size(); begin += together) {
     const std::size_t count = std::min(together, intervals.size() - begin);

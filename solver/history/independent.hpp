@@ -5,6 +5,7 @@
 #include "solver/history/prepared.hpp"
 #include "solver/history/steps.hpp"
 
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
@@ -37,8 +38,10 @@ private:
     double low, high; ///< lags
   };
   void integrate(double t, std::span<const Interval> intervals, std::span<Moments> out);
-  bool plain(double t, const Interval& interval) const;
-  Moments weight(double t, const Interval& interval) const;
+  std::vector<double> find_cuts(double t, double low, double high) const;
+  const std::vector<double>& cuts(double t, const Interval& interval);
+  bool plain(double t, const Interval& interval);
+  Moments weight(double t, const Interval& interval);
   Moments from_source(double t, double from, const Interval& interval) const;
   bool reaches_source_zero(double t, const Interval& interval) const;
 
@@ -48,8 +51,9 @@ private:
   AcceptedSteps accepted_;
   std::shared_ptr<const KernelFunction> by_source_; ///< where q is singular at s = 0
   std::vector<double> times_, values_;              ///< n values a step; order 1: and at t0
-  std::vector<double> cuts_;      ///< breaks, and where the proof found the kernel to change
-  std::vector<Moments> by_index_; ///< of a convolution on equal steps
+  std::vector<double> cuts_;                        ///< of the sum at hand
+  std::map<int, std::vector<double>> octave_cuts_;  ///< of a convolution: of the lags (0, 2^k)
+  std::vector<Moments> by_index_;                   ///< of a convolution on equal steps
   std::vector<double> lags_, kernel_values_, node_weights_;
 };
 
