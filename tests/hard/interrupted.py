@@ -99,10 +99,12 @@ def stops(scene, name, length):
         shutil.rmtree(scene.folder / "cut", ignore_errors=True)
         part = 0.6
         tries = 0
-        while (code := scene.killed("cut", part * length, sign, "--checkpoint", "100000")) in (0, -sign) and tries < 30:
-            part *= 0.7 if code == 0 else 1.2  # it was done, or had not begun
+        code, saved = 0, False
+        while tries < 30 and not (code == 130 and saved) and code in (0, 130, -sign):
+            code = scene.killed("cut", part * length, sign, "--checkpoint", "100000")
+            saved = (scene.folder / "cut" / "longer.checkpoint").exists()
+            part *= 0.7 if code == 0 else 1.2  # it was done, or had not taken a step yet
             tries += 1
-        saved = (scene.folder / "cut" / "longer.checkpoint").exists()
         check(code == 130 and saved, f"{name}: {sign.name} in the middle: exit {code}, checkpoint {saved}")
         done = scene.call("cut", "--resume")
         check(done.returncode == 0 and not scene.differences("cut", "whole"), f"{name}: resumed after {sign.name}")
