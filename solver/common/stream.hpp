@@ -77,7 +77,7 @@ public:
     if (!(value >= low && value <= high)) fail("is inconsistent");
     return value;
   }
-  /// What a run counted: never so far that a few times as much is no int.
+  /// Counters of a run: not negative, and so small that a few times one of them is still an int.
   template <std::size_t N>
   std::array<int, N> get_counts(int most = 1 << 28) {
     const auto counts = get<std::array<int, N>>();

@@ -4,7 +4,7 @@
 #include "lang/check/check.hpp"
 #include "lang/syntax/parser.hpp"
 
-#include <array>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <optional>

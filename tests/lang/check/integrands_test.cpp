@@ -101,8 +101,6 @@ TEST(Integrands, RandomExpressionsHaveTheirValues) {
         problem(2, "tensor B = isotropic(lambda = 1, mu = 1)\n",
                 "integral(body, B : eps(u) : eps(v))", "integral(body, " + load.text + "*v.y)");
     const auto script = checked(text);
-    if (load.text.find_first_of("123456789xy") == std::string::npos)
-      continue; // a load that is zero
     ASSERT_TRUE(script.model) << text;
     Values at(random);
     const auto& term = script.model->terms.back();
