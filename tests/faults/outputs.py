@@ -397,6 +397,22 @@ def modes(place):
 
 
 @case
+def refused(place):
+    """What the system refuses, in a place that nobody foresaw, is no fault of ours."""
+    (place.folder / "disk.hvi").write_text(
+        "mesh plate = disk(1, 0.2)\npart rim = plate.rim\ntensor B = isotropic(lambda = 1, mu = 1)\nspace V = vector P1 on plate, zero on rim\n"
+        "find u in V\nsuch that for all v in V\n    integral(plate, B : eps(u) : eps(v)) = integral(plate, dot([0, -1], v))\n"
+        "report\n  table a = integral(plate, u.y)\n")
+    check("refused: with the module that is meant it runs", place.call("run", "disk.hvi").returncode == 0)
+    module = place.program.parent / "tests" / "libhvi_refusing.so"
+    check("refused: the module is there", module.exists(), module)
+    for command in ("run", "check", "plan", "stability"):
+        done = place.call(command, "disk.hvi", env={**os.environ, "HVI_GMSH_MODULE": str(module)})
+        check(f"{command}: E0611 with the system's reason", done.returncode == 3 and "E0611" in done.stderr
+              and "no thread for gmsh" in done.stderr and os.strerror(11) in done.stderr, (done.returncode, done.stderr))
+
+
+@case
 def signals(place):
     """A closed terminal stops a run like SIGTERM; one that was told to ignore it goes on."""
     run = place.begin("-o", "out", "--checkpoint", "10000000", "-D", "N=4000000", "-D", "n=2")
