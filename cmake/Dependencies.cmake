@@ -78,6 +78,9 @@ target_include_directories(hvi_options INTERFACE
   $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/hvi>)
 target_compile_features(hvi_options INTERFACE cxx_std_20)
 set(warnings -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
+if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  list(APPEND warnings -Wno-subobject-linkage) # it takes the files of a bundle for headers
+endif()
 if(HVI_WERROR)
   list(APPEND warnings -Werror)
 endif()

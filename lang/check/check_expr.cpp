@@ -13,13 +13,6 @@ namespace hvi::lang {
 
 namespace {
 
-template <class... F>
-struct Overloaded : F... {
-  using F::operator()...;
-};
-template <class... F>
-Overloaded(F...) -> Overloaded<F...>;
-
 using solver::Op;
 
 /// Index 0..2 of x, y, z; nothing for other words.

@@ -53,15 +53,6 @@ std::string describe(const Field& field) {
   }
 }
 
-namespace {
-template <class... F>
-struct Overloaded : F... {
-  using F::operator()...;
-};
-template <class... F>
-Overloaded(F...) -> Overloaded<F...>;
-} // namespace
-
 std::string describe(const Value& value) {
   return std::visit(
       Overloaded{[](const Poison&) { return std::string("something wrong"); },

@@ -13,6 +13,14 @@
 
 namespace hvi::lang {
 
+/// One function for each alternative of a variant: std::visit(Overloaded{...}, value).
+template <class... F>
+struct Overloaded : F... {
+  using F::operator()...;
+};
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;
+
 using Symbol = solver::Expr; ///< a scalar symbolic expression
 using Symbols3 = std::array<Symbol, 3>;
 

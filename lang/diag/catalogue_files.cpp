@@ -6,7 +6,7 @@
 namespace hvi::lang {
 namespace {
 
-constexpr auto entries = std::to_array<CatalogueEntry>({
+constexpr auto files_entries = std::to_array<CatalogueEntry>({
     {"E0601", "file not found",
      R"(
 The script, an import, a mesh or a table is not there or cannot be read.)",
@@ -95,6 +95,6 @@ hvi-run mesh part.geo --allow-geo)"},
 
 } // namespace
 
-std::span<const CatalogueEntry> catalogue_files() { return entries; }
+std::span<const CatalogueEntry> catalogue_files() { return files_entries; }
 
 } // namespace hvi::lang

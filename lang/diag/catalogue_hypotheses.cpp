@@ -6,7 +6,7 @@
 namespace hvi::lang {
 namespace {
 
-constexpr auto entries = std::to_array<CatalogueEntry>({
+constexpr auto hypotheses_entries = std::to_array<CatalogueEntry>({
     {"E0501", "not locally Lipschitz",
      R"(
 A superpotential is locally Lipschitz: it does not jump and its slope is finite. Jumps of the
@@ -40,6 +40,6 @@ tensor B = isotropic(young = 70, poisson = 0.4999))"},
 
 } // namespace
 
-std::span<const CatalogueEntry> catalogue_hypotheses() { return entries; }
+std::span<const CatalogueEntry> catalogue_hypotheses() { return hypotheses_entries; }
 
 } // namespace hvi::lang

@@ -6,7 +6,7 @@
 namespace hvi::lang {
 namespace {
 
-constexpr auto entries = std::to_array<CatalogueEntry>({
+constexpr auto lexical_entries = std::to_array<CatalogueEntry>({
     {"E0101", "character without a meaning",
      R"(
 The character begins no name, number, text or sign of the language. Groups are written with round
@@ -90,6 +90,6 @@ part roof = slab.boundary where y > 0.9 and x < 1)"},
 
 } // namespace
 
-std::span<const CatalogueEntry> catalogue_lexical() { return entries; }
+std::span<const CatalogueEntry> catalogue_lexical() { return lexical_entries; }
 
 } // namespace hvi::lang

@@ -6,7 +6,7 @@
 namespace hvi::lang {
 namespace {
 
-constexpr auto entries = std::to_array<CatalogueEntry>({
+constexpr auto names_entries = std::to_array<CatalogueEntry>({
     {"E0301", "unknown name",
      R"(
 Nothing of this name is declared in the script, in its imports or in the language. The help line
@@ -156,6 +156,6 @@ hvi-run slab.hvi -D n=8)"},
 
 } // namespace
 
-std::span<const CatalogueEntry> catalogue_names() { return entries; }
+std::span<const CatalogueEntry> catalogue_names() { return names_entries; }
 
 } // namespace hvi::lang

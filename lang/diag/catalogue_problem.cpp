@@ -6,7 +6,7 @@
 namespace hvi::lang {
 namespace {
 
-constexpr auto entries = std::to_array<CatalogueEntry>({
+constexpr auto problem_entries = std::to_array<CatalogueEntry>({
     {"E0401", "not linear in v",
      R"(
 The test function occurs exactly once in every term.)",
@@ -204,6 +204,6 @@ part base = slab where y < 1)"},
 
 } // namespace
 
-std::span<const CatalogueEntry> catalogue_problem() { return entries; }
+std::span<const CatalogueEntry> catalogue_problem() { return problem_entries; }
 
 } // namespace hvi::lang

@@ -6,7 +6,7 @@
 namespace hvi::lang {
 namespace {
 
-constexpr auto entries = std::to_array<CatalogueEntry>({
+constexpr auto solve_entries = std::to_array<CatalogueEntry>({
     {"E0701", "step without certificate",
      R"(
 No solution of this step could be certified to the tolerance. Nothing after the last good step is
@@ -70,6 +70,6 @@ A mistake of this program, not of the script. Please report it with the script.)
 
 } // namespace
 
-std::span<const CatalogueEntry> catalogue_solve() { return entries; }
+std::span<const CatalogueEntry> catalogue_solve() { return solve_entries; }
 
 } // namespace hvi::lang

@@ -6,7 +6,7 @@
 namespace hvi::lang {
 namespace {
 
-constexpr auto entries = std::to_array<CatalogueEntry>({
+constexpr auto syntax_entries = std::to_array<CatalogueEntry>({
     {"E0201", "something else was expected",
      R"(
 The statement goes on in a way the grammar does not know. The message says what could stand there and
@@ -276,6 +276,6 @@ fn f(x) =
 
 } // namespace
 
-std::span<const CatalogueEntry> catalogue_syntax() { return entries; }
+std::span<const CatalogueEntry> catalogue_syntax() { return syntax_entries; }
 
 } // namespace hvi::lang

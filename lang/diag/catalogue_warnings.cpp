@@ -6,7 +6,7 @@
 namespace hvi::lang {
 namespace {
 
-constexpr auto entries = std::to_array<CatalogueEntry>({
+constexpr auto warnings_entries = std::to_array<CatalogueEntry>({
     {"W0101", "never used",
      R"(
 A declaration that nothing uses. It is checked all the same, but for the body of a function: what
@@ -103,6 +103,6 @@ Rectangle(1) = {0, 0, 0, 3, 1};)"},
 
 } // namespace
 
-std::span<const CatalogueEntry> catalogue_warnings() { return entries; }
+std::span<const CatalogueEntry> catalogue_warnings() { return warnings_entries; }
 
 } // namespace hvi::lang

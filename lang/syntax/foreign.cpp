@@ -7,7 +7,7 @@
 namespace hvi::lang {
 namespace {
 
-constexpr auto table = std::to_array<Foreign>({
+constexpr auto foreign_table = std::to_array<Foreign>({
     {0x00A0, "a no-break space", " "},
     {0x00AB, "a quotation mark", "\""},
     {0x00AD, "a soft hyphen", "-"},
@@ -92,9 +92,9 @@ constexpr auto table = std::to_array<Foreign>({
 } // namespace
 
 const Foreign* find_foreign(char32_t code) {
-  const auto entry =
-      std::find_if(table.begin(), table.end(), [code](const Foreign& f) { return f.code == code; });
-  return entry == table.end() ? nullptr : &*entry;
+  const auto entry = std::find_if(foreign_table.begin(), foreign_table.end(),
+                                  [code](const Foreign& f) { return f.code == code; });
+  return entry == foreign_table.end() ? nullptr : &*entry;
 }
 
 bool is_foreign_letter(char32_t code) {

@@ -12,8 +12,6 @@
 namespace hvi::lang {
 namespace {
 
-constexpr std::size_t continuation_indent = 4;
-
 class Formatter {
 public:
   Formatter(const SourceFile& source, const TokenStream& stream, const Layout& layout)

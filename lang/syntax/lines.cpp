@@ -10,8 +10,6 @@
 namespace hvi::lang {
 namespace {
 
-constexpr std::size_t continuation_indent = 4;
-
 bool opens(const std::string& text) { return text.ends_with('(') || text == "["; }
 bool closes(const std::string& text) { return text == ")" || text == "]"; }
 bool is_text(const std::string& text) { return text.starts_with('"'); }

@@ -10,6 +10,8 @@ namespace hvi::lang {
 
 /// Widest line that is not wrapped. A comment at its end does not count.
 inline constexpr std::size_t max_line_width = 120;
+/// Of the lines after the first.
+inline constexpr std::size_t continuation_indent = 4;
 
 /// A token on its way to the output.
 struct Piece {

@@ -9,7 +9,7 @@ namespace {
 
 using enum TokenKind;
 
-constexpr auto table = std::to_array<TokenInfo>({
+constexpr auto kinds = std::to_array<TokenInfo>({
     {import_, "import", "import"},
     {param, "param", "param"},
     {mesh, "mesh", "mesh"},
@@ -59,19 +59,19 @@ constexpr auto table = std::to_array<TokenInfo>({
 
 // info() indexes the table by kind, so the order of the two must be the same.
 static_assert([] {
-  for (std::size_t i = 0; i < table.size(); ++i)
-    if (static_cast<std::size_t>(table[i].kind) != i) return false;
-  return table.size() == static_cast<std::size_t>(end) + 1;
+  for (std::size_t i = 0; i < kinds.size(); ++i)
+    if (static_cast<std::size_t>(kinds[i].kind) != i) return false;
+  return kinds.size() == static_cast<std::size_t>(end) + 1;
 }());
 
 } // namespace
 
-std::span<const TokenInfo> token_table() { return table; }
+std::span<const TokenInfo> token_table() { return kinds; }
 
-const TokenInfo& info(TokenKind kind) { return table[static_cast<std::size_t>(kind)]; }
+const TokenInfo& info(TokenKind kind) { return kinds[static_cast<std::size_t>(kind)]; }
 
 std::optional<TokenKind> reserved_word(std::string_view text) {
-  for (const TokenInfo& entry : table) {
+  for (const TokenInfo& entry : kinds) {
     if (!is_reserved(entry.kind)) break;
     if (entry.spelling == text) return entry.kind;
   }
@@ -81,7 +81,7 @@ std::optional<TokenKind> reserved_word(std::string_view text) {
 std::span<const std::string_view> statement_words() {
   static const std::vector<std::string_view> words = [] {
     std::vector<std::string_view> result;
-    for (const TokenInfo& entry : table)
+    for (const TokenInfo& entry : kinds)
       if (is_statement_word(entry.kind)) result.push_back(entry.spelling);
     return result;
   }();

@@ -19,7 +19,7 @@ namespace {
 
 /// Normals and rows closer than this are the same; far from the origin their own rounding adds to
 /// it.
-constexpr double same = 1e-12;
+constexpr double as_one = 1e-12;
 constexpr double rank_tolerance = 1e-10;
 
 /// One point before merging. rows: R, arguments x components.
@@ -153,7 +153,7 @@ private:
 };
 
 bool is_same(const RawPoint& a, const RawPoint& b) {
-  const double near = same + a.rounding + b.rounding;
+  const double near = as_one + a.rounding + b.rounding;
   for (int j = 0; j < 3; ++j) {
     if (std::abs(a.normal[j] - b.normal[j]) > near) {
       return false;

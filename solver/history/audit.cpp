@@ -13,7 +13,7 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr std::uint32_t magic = 0x41554433;
+constexpr std::uint32_t audit_magic = 0x41554433;
 
 /// max |u_i|, as eight independent maxima, so that none waits for another.
 double largest(std::span<const double> u) {
@@ -113,7 +113,7 @@ public:
 
   void save(std::ostream& out) const override {
     StateWriter w(out);
-    w.put(magic);
+    w.put(audit_magic);
     w.put(record_);
     w.put(static_cast<std::uint8_t>(replays_));
     w.put(now_);
@@ -123,7 +123,7 @@ public:
 
   void restore(std::istream& in) override {
     StateReader r(in, kernel_.spec.origin);
-    r.expect(magic, "audit");
+    r.expect(audit_magic, "audit");
     const Record saved = r.get<Record>();
     replays_ = r.get<std::uint8_t>() != 0;
     now_ = r.get_finite();

@@ -9,7 +9,7 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr std::uint32_t magic = 0x44495231;
+constexpr std::uint32_t direct_magic = 0x44495231;
 
 class DirectHistory final : public History {
 public:
@@ -70,7 +70,7 @@ public:
 
   void save(std::ostream& out) const override {
     StateWriter w(out);
-    w.put(magic);
+    w.put(direct_magic);
     w.put(static_cast<std::uint64_t>(n_));
     w.put(order_);
     accepted_.save(w);
@@ -80,7 +80,7 @@ public:
 
   void restore(std::istream& in) override {
     StateReader r(in, kernel_.spec.origin);
-    r.expect(magic, "route");
+    r.expect(direct_magic, "route");
     r.expect(static_cast<std::uint64_t>(n_), "number of unknowns");
     r.expect(order_, "order");
     accepted_.restore(r);

@@ -15,7 +15,7 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr std::uint32_t magic = 0x46495431;
+constexpr std::uint32_t fit_magic = 0x46495431;
 
 struct SavedTerm {
   Complex factor, rate;
@@ -95,7 +95,7 @@ public:
 
   void save(std::ostream& out) const override {
     StateWriter w(out);
-    w.put(magic);
+    w.put(fit_magic);
     w.put(static_cast<std::uint64_t>(n_));
     w.put(order_);
     accepted_.save(w);
@@ -115,7 +115,7 @@ public:
   /// verified again when the run goes beyond the time they were fitted for.
   void restore(std::istream& in) override {
     StateReader r(in, kernel_.spec.origin);
-    r.expect(magic, "route");
+    r.expect(fit_magic, "route");
     r.expect(static_cast<std::uint64_t>(n_), "number of unknowns");
     r.expect(order_, "order");
     accepted_.restore(r);

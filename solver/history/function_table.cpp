@@ -10,7 +10,7 @@ namespace hvi::solver {
 namespace {
 
 constexpr double agreement = 5e-14; ///< relative: a few roundings of a special function
-constexpr std::size_t most_pieces = 64;
+constexpr std::size_t most_in_octave = 64;
 
 double node(int i, int count) { return std::cos(std::numbers::pi * (i + 0.5) / count); }
 
@@ -55,7 +55,7 @@ const FunctionTable::Octave& FunctionTable::octave(double x) {
                                                   [](const Piece& p) { return !p.resolved; }));
   };
   o = cut(from, from + low, 1);
-  for (std::size_t n = 2; n <= most_pieces && open(o) > 0; n *= 2) o = cut(from, from + low, n);
+  for (std::size_t n = 2; n <= most_in_octave && open(o) > 0; n *= 2) o = cut(from, from + low, n);
   pieces_ += o.pieces.size();
   unresolved_ += open(o);
   return o;

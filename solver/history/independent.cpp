@@ -25,8 +25,6 @@ constexpr std::size_t together = 2048;
 using Rule = boost::math::quadrature::gauss<double, 6>;
 constexpr std::size_t points = 6;
 
-Moments operator+(const Moments& a, const Moments& b) { return {a.zero + b.zero, a.one + b.one}; }
-
 struct Part {
   Moments value;
   double size = 0; ///< int |f|

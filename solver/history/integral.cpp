@@ -34,8 +34,6 @@ struct KernelIntegral::Tally {
 
 namespace {
 
-Moments operator+(const Moments& a, const Moments& b) { return {a.zero + b.zero, a.one + b.one}; }
-
 /// int_0^1 f for integrands that are not smooth at 0, by Boost's double exponential rule
 /// (H. Takahasi, M. Mori, Double exponential formulas for numerical integration, Publ. RIMS Kyoto
 /// Univ. 9 (1974) 721-741). Not a number where f is not (Boost throws; the caller names the

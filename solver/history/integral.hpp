@@ -15,6 +15,9 @@ namespace hvi::solver {
 struct Moments {
   double zero = 0, one = 0;
 };
+inline Moments operator+(const Moments& a, const Moments& b) {
+  return {a.zero + b.zero, a.one + b.one};
+}
 
 using TanhSinh = boost::math::quadrature::tanh_sinh<double>;
 

@@ -12,39 +12,39 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr std::size_t points = 12;
-using Rule = boost::math::quadrature::gauss<double, points>;
+constexpr std::size_t points_each = 12;
+using SampleRule = boost::math::quadrature::gauss<double, points_each>;
 
-struct Node {
+struct SampleNode {
   double x, weight;
 };
 
-std::array<Node, points> gauss_nodes() {
-  std::array<Node, points> nodes;
-  for (std::size_t i = 0; i < points / 2; ++i) {
-    nodes[2 * i] = {-Rule::abscissa()[i], Rule::weights()[i]};
-    nodes[2 * i + 1] = {Rule::abscissa()[i], Rule::weights()[i]};
+std::array<SampleNode, points_each> gauss_nodes() {
+  std::array<SampleNode, points_each> nodes;
+  for (std::size_t i = 0; i < points_each / 2; ++i) {
+    nodes[2 * i] = {-SampleRule::abscissa()[i], SampleRule::weights()[i]};
+    nodes[2 * i + 1] = {SampleRule::abscissa()[i], SampleRule::weights()[i]};
   }
   return nodes;
 }
 
-struct Panel {
+struct SamplePanel {
   double a, b;
-  std::array<double, points> lag, value, weight;
+  std::array<double, points_each> lag, value, weight;
   double magnitude = 0; ///< int |q|
   double tail = 0;      ///< size of the last two Legendre coefficients
 };
 
-Panel sample_panel(const PreparedKernel& kernel, double a, double b) {
+SamplePanel sample_panel(const PreparedKernel& kernel, double a, double b) {
   static const auto nodes = gauss_nodes();
-  Panel p{a, b, {}, {}, {}, 0, 0};
-  for (std::size_t i = 0; i < points; ++i) {
+  SamplePanel p{a, b, {}, {}, {}, 0, 0};
+  for (std::size_t i = 0; i < points_each; ++i) {
     p.lag[i] = 0.5 * (a + b) + 0.5 * (b - a) * nodes[i].x;
     p.weight[i] = 0.5 * (b - a) * nodes[i].weight;
   }
   kernel.function.evaluate(0.0, p.lag, p.value);
   double last = 0, before_last = 0;
-  for (std::size_t i = 0; i < points; ++i) {
+  for (std::size_t i = 0; i < points_each; ++i) {
     p.magnitude += p.weight[i] * std::abs(p.value[i]);
     const double c = nodes[i].weight * p.value[i];
     last += c * boost::math::legendre_p(11, nodes[i].x) * 11.5;
@@ -67,7 +67,7 @@ std::vector<double> first_panels(const PreparedKernel& kernel, double low, doubl
   return ends;
 }
 
-void append(KernelSamples& samples, const Panel& p) {
+void append(KernelSamples& samples, const SamplePanel& p) {
   samples.lag.insert(samples.lag.end(), p.lag.begin(), p.lag.end());
   samples.value.insert(samples.value.end(), p.value.begin(), p.value.end());
   samples.weight.insert(samples.weight.end(), p.weight.begin(), p.weight.end());
@@ -97,10 +97,10 @@ std::optional<KernelSamples> sample_kernel(const PreparedKernel& kernel, double 
   while (!open.empty()) {
     const auto [a, b] = open.back();
     open.pop_back();
-    const Panel p = sample_panel(kernel, a, b);
+    const SamplePanel p = sample_panel(kernel, a, b);
     const double allowed = tolerance * samples.norm * samples.density(b);
     if (p.tail > 0.05 * allowed + 1e-15 * p.magnitude / (b - a)) {
-      if (samples.lag.size() + open.size() * points > max_points) return std::nullopt;
+      if (samples.lag.size() + open.size() * points_each > max_points) return std::nullopt;
       open.emplace_back(0.5 * (a + b), b);
       open.emplace_back(a, 0.5 * (a + b));
       continue;

@@ -1,6 +1,7 @@
 // Norms of a kernel by interval arithmetic (norm_proofs.hpp).
 #include "solver/history/norm_proofs.hpp"
 
+#include "solver/common/numbers.hpp"
 #include "solver/history/breaks.hpp"
 #include "solver/history/cancellation.hpp"
 #include "solver/kernel/largest.hpp"
@@ -13,7 +14,6 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr int lag_cells = 4096;                  ///< of a kernel of the lag only
 constexpr int time_cells = 48, cells_each = 384; ///< of another one
 
@@ -79,7 +79,7 @@ Bracket integral_over_lag(const Expr& q, double t1, double length) {
                  middle = 0.5 * (from + to);
     const bool smooth = cells({t1, t1}, {from, to});
     const Bounds value = cells.out[0], curvature = cells.out[1];
-    if (!value.known || !value.defined) return {0.0, infinite};
+    if (!value.known || !value.defined) return {0.0, infinity};
     const Bounds size = magnitude(value);
     double least = h * size.low, most = h * size.high;
     const bool bounded = curvature.known && curvature.defined && std::isfinite(curvature.low) &&
@@ -108,7 +108,7 @@ Bracket integral_over_times(const Expr& q, double t0, double t1) {
       const Bounds lag{length * i / cells_each, length * (i + 1) / cells_each};
       const double h = lag.high - lag.low;
       cells({early, late}, lag);
-      if (!cells.out[0].known || !cells.out[0].defined) return {0.0, infinite};
+      if (!cells.out[0].known || !cells.out[0].defined) return {0.0, infinity};
       high += h * magnitude(cells.out[0]).high;
       cells({late, late}, lag);
       low += h * magnitude(cells.out[0]).low;

@@ -1,4 +1,5 @@
 // Norms of a kernel for the hypotheses: sup |q|, the Lipschitz constant in t, int |q|.
+#include "solver/common/numbers.hpp"
 #include "solver/history/breaks.hpp"
 #include "solver/history/cancellation.hpp"
 #include "solver/history/history.hpp"
@@ -16,8 +17,6 @@
 namespace hvi::solver {
 
 namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 bool real_exponential(const ExponentialTerm& term) {
   return term.power == 0 && term.lag_rate.imag() == 0 && term.time_rate == 0.0 &&
@@ -150,7 +149,7 @@ KernelNorms kernel_norms(const Expr& as_written, double t0, double t1) {
     return {c, c * a, *prony_integral(verified->terms, length), true};
   }
   const KernelTraits traits = kernel_traits(expression, length, t0);
-  if (traits.singular_exponent >= 1) return {infinite, infinite, infinite, true};
+  if (traits.singular_exponent >= 1) return {infinity, infinity, infinity, true};
   const KernelFunction q(expression, {});
   // At fixed s the lag grows with t: d/dt q(t, t - s) = q_t + q_lag.
   const KernelFunction slope(derivative(expression, slot::t) + derivative(expression, slot::lag),
@@ -171,9 +170,9 @@ KernelNorms kernel_norms(const Expr& as_written, double t0, double t1) {
   };
   const Crossings crossings = look_across_breaks(expression, q, slope, t0, length);
   norms.sup = std::max(norms.sup, crossings.sup);
-  norms.lipschitz = crossings.jump ? infinite : std::max(norms.lipschitz, crossings.slope);
-  if (unbounded(q)) norms.sup = infinite;
-  if (unbounded(slope)) norms.lipschitz = infinite;
+  norms.lipschitz = crossings.jump ? infinity : std::max(norms.lipschitz, crossings.slope);
+  if (unbounded(q)) norms.sup = infinity;
+  if (unbounded(slope)) norms.lipschitz = infinity;
   const std::vector<double> parts = traits.convolution
                                         ? std::vector<double>{1.0}
                                         : std::vector<double>{0.05, 0.2, 0.4, 0.6, 0.8, 1.0};

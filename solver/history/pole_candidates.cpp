@@ -13,21 +13,21 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int half = 60; ///< Hankel matrices of half + 1 rows
+constexpr int order = 60; ///< Hankel matrices of order + 1 rows
 
-/// The exponentials in 2 half + 1 equidistant values at distance `step`: eigenvalues of the shift
+/// The exponentials in 2 order + 1 equidistant values at distance `step`: eigenvalues of the shift
 /// on the signal space of the Hankel matrix (R. Roy, T. Kailath, ESPRIT - estimation of signal
 /// parameters via rotational invariance techniques, IEEE Trans. Acoust. Speech Signal Process. 37
 /// (1989) 984-995, for a single series and by least squares).
 std::vector<Pole> esprit(const VectorXd& values, double step) {
-  MatrixXd hankel(half + 1, half + 1);
-  for (int i = 0; i <= half; ++i) hankel.col(i) = values.segment(i, half + 1);
+  MatrixXd hankel(order + 1, order + 1);
+  for (int i = 0; i <= order; ++i) hankel.col(i) = values.segment(i, order + 1);
   const auto [sigma, space] = left_singular(hankel);
   Eigen::Index rank = 0;
-  while (rank < 28 && rank < half && sigma[rank] > 1e-11 * sigma[0]) ++rank;
+  while (rank < 28 && rank < order && sigma[rank] > 1e-11 * sigma[0]) ++rank;
   if (rank == 0) return {};
   const MatrixXd u = space.leftCols(rank);
-  const MatrixXd shift = least_squares(MatrixXd(u.topRows(half)), MatrixXd(u.bottomRows(half)));
+  const MatrixXd shift = least_squares(MatrixXd(u.topRows(order)), MatrixXd(u.bottomRows(order)));
   std::vector<Pole> poles;
   for (const std::complex<double> value : eigenvalues(shift)) {
     if (value.imag() < 0 || std::abs(value) < 1e-7 || std::abs(value) > 1.02) continue;
@@ -73,10 +73,10 @@ std::vector<Pole> real_candidates(const KernelSamples& samples, double per_decad
 }
 
 std::vector<Pole> window_candidates(const PreparedKernel& kernel, const KernelSamples& samples) {
-  if (panels_within(samples, samples.low, samples.high) > 3 * half / 4) return {};
-  const double step = (samples.high - samples.low) / (2 * half);
-  VectorXd values(2 * half + 1);
-  for (int i = 0; i <= 2 * half; ++i) values[i] = kernel.function(0.0, samples.low + step * i);
+  if (panels_within(samples, samples.low, samples.high) > 3 * order / 4) return {};
+  const double step = (samples.high - samples.low) / (2 * order);
+  VectorXd values(2 * order + 1);
+  for (int i = 0; i <= 2 * order; ++i) values[i] = kernel.function(0.0, samples.low + step * i);
   return esprit(values, step);
 }
 
@@ -84,9 +84,9 @@ std::vector<Pole> oscillating_candidates(const PreparedKernel& kernel,
                                          const KernelSamples& samples) {
   std::vector<Pole> poles;
   const auto poles_on = [&](double from, double window) {
-    const double step = window / (2 * half);
-    VectorXd values(2 * half + 1);
-    for (int i = 0; i <= 2 * half; ++i) values[i] = kernel.function(0.0, from + step * i);
+    const double step = window / (2 * order);
+    VectorXd values(2 * order + 1);
+    for (int i = 0; i <= 2 * order; ++i) values[i] = kernel.function(0.0, from + step * i);
     const auto found = esprit(values, step);
     poles.insert(poles.end(), found.begin(), found.end());
     return found;
@@ -94,7 +94,7 @@ std::vector<Pole> oscillating_candidates(const PreparedKernel& kernel,
   bool largest = true;
   for (double window = samples.high - samples.low; window > 8 * samples.low; window /= 4) {
     // Four samples per wave at least; a panel of the samples holds up to three waves.
-    if (panels_within(samples, samples.low, samples.low + window) > half / 4) continue;
+    if (panels_within(samples, samples.low, samples.low + window) > order / 4) continue;
     poles_on(samples.low, window);
     if (!largest) continue;
     largest = false;

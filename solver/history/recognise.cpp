@@ -58,7 +58,7 @@ Maybe added(Terms a, const Terms& b) {
   return a;
 }
 
-ExponentialTerm product(const ExponentialTerm& a, const ExponentialTerm& b) {
+ExponentialTerm product_of(const ExponentialTerm& a, const ExponentialTerm& b) {
   ExponentialTerm c;
   c.factor = a.factor * b.factor;
   c.power = a.power + b.power;
@@ -73,7 +73,7 @@ Maybe multiplied(const Terms& a, const Terms& b) {
   Terms sum;
   for (const ExponentialTerm& x : a) {
     for (const ExponentialTerm& y : b) {
-      const ExponentialTerm term = product(x, y);
+      const ExponentialTerm term = product_of(x, y);
       if (term.power > max_power) return std::nullopt;
       Maybe next = added(std::move(sum), {term});
       if (!next) return std::nullopt;
@@ -121,7 +121,7 @@ std::optional<Expr> in_source(const Expr& e) {
 }
 
 Maybe exponential(const Expr& argument);
-Maybe expand(const Expr& e);
+Maybe expanded(const Expr& e);
 
 /// exp(factor * argument) for an affine argument.
 ExponentialTerm exponential_of(const AffineForm& a, Complex factor) {
@@ -176,7 +176,7 @@ Maybe power(const Expr& e) {
     return exponential(Expr(std::log(base.value())) * exponent);
   }
   if (!exponent.is_constant()) return std::nullopt;
-  const auto b = expand(base);
+  const auto b = expanded(base);
   if (!b) return std::nullopt;
   const double n = exponent.value();
   if (const auto single = raised(*b, n)) return single;
@@ -209,7 +209,7 @@ Terms affine_terms(const AffineForm& a) {
 
 /// By structure: sums, products, quotients, powers, exponentials.
 Maybe expand_structure(const Expr& e) {
-  const auto arg = [&](std::size_t i) { return expand(e.args()[i]); };
+  const auto arg = [&](std::size_t i) { return expanded(e.args()[i]); };
   switch (e.op()) {
   case Op::neg: {
     const auto a = arg(0);
@@ -246,7 +246,7 @@ Maybe expand_structure(const Expr& e) {
   }
 }
 
-Maybe expand(const Expr& e) {
+Maybe expanded(const Expr& e) {
   if (const auto a = affine_form(e)) return affine_terms(*a);
   // exp(-t) stays an exponential, to meet exp(s); other functions of t alone are not opened.
   const bool opens = e.op() == Op::exp || e.op() == Op::mul || e.op() == Op::add ||
@@ -280,7 +280,7 @@ void pull_numbers(ExponentialTerm& term) {
 } // namespace
 
 std::optional<ExponentialTerms> exponential_terms(const Expr& kernel) {
-  auto terms = expand(kernel);
+  auto terms = expanded(kernel);
   if (!terms) return std::nullopt;
   for (ExponentialTerm& term : *terms) pull_numbers(term);
   return added({}, *terms);

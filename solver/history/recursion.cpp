@@ -16,7 +16,7 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr std::uint32_t magic = 0x52454331;
+constexpr std::uint32_t recursion_magic = 0x52454331;
 
 class RecursionHistory final : public History {
 public:
@@ -91,7 +91,7 @@ public:
 
   void save(std::ostream& out) const override {
     StateWriter w(out);
-    w.put(magic);
+    w.put(recursion_magic);
     w.put(static_cast<std::uint64_t>(n_));
     w.put(order_);
     w.put(static_cast<std::uint64_t>(sum_.state_fields()));
@@ -105,7 +105,7 @@ public:
 
   void restore(std::istream& in) override {
     StateReader r(in, kernel_.spec.origin);
-    r.expect(magic, "route");
+    r.expect(recursion_magic, "route");
     r.expect(static_cast<std::uint64_t>(n_), "number of unknowns");
     r.expect(order_, "order");
     r.expect(static_cast<std::uint64_t>(sum_.state_fields()), "kernel");

@@ -4,6 +4,7 @@
 // matter.
 #include "solver/history/strip.hpp"
 
+#include "solver/common/numbers.hpp"
 #include "solver/kernel/scalar.hpp"
 #include "solver/kernel/table.hpp"
 
@@ -17,7 +18,6 @@ namespace {
 
 using State = Strip::State;
 constexpr double pi = std::numbers::pi;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 struct Range {
   double low, high;
@@ -35,7 +35,7 @@ State worse(State a, State b) { return std::max(a, b); }
 
 /// Nothing is known but that the function may not be analytic. A set that is not finite means the
 /// same.
-Strip nothing(State state) { return {-infinite, infinite, infinite, -infinite, infinite, state}; }
+Strip nothing(State state) { return {-infinity, infinity, infinity, -infinity, infinity, state}; }
 
 Strip checked(const Strip& z) {
   const bool finite = std::isfinite(z.low) && std::isfinite(z.high) && std::isfinite(z.imaginary) &&
@@ -380,7 +380,7 @@ Strip run(const Tape& tape, const Instruction& i, std::span<const Strip> inputs,
 } // namespace
 
 double Strip::modulus() const {
-  return state == State::analytic ? std::hypot(largest(*this), imaginary) : infinite;
+  return state == State::analytic ? std::hypot(largest(*this), imaginary) : infinity;
 }
 
 Strip around(double low, double high) {

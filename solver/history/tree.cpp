@@ -24,7 +24,7 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr std::uint32_t magic = 0x54524532;
+constexpr std::uint32_t tree_magic = 0x54524532;
 
 /// Steps [index * 2^level, (index + 1) * 2^level) * leaf: raw values or moments.
 struct Node {
@@ -123,7 +123,7 @@ public:
 
   void save(std::ostream& out) const override {
     StateWriter w(out);
-    w.put(magic);
+    w.put(tree_magic);
     w.put(static_cast<std::uint64_t>(n_));
     w.put(order_);
     w.put(static_cast<std::uint64_t>(leaf_));
@@ -145,7 +145,7 @@ public:
 
   void restore(std::istream& in) override {
     StateReader r(in, kernel_.spec.origin);
-    r.expect(magic, "route");
+    r.expect(tree_magic, "route");
     r.expect(static_cast<std::uint64_t>(n_), "number of unknowns");
     r.expect(order_, "order");
     r.expect(static_cast<std::uint64_t>(leaf_), "tolerance");

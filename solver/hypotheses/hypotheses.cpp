@@ -3,6 +3,7 @@
 // Paper: H(A), H(B), H(E), H(q), H(J), H(M), H(f), (H0), Theorem existencetheorem, Lemma lem3.1.
 #include "solver/hypotheses/hypotheses.hpp"
 
+#include "solver/common/numbers.hpp"
 #include "solver/history/norm_proofs.hpp"
 #include "solver/hypotheses/load_time.hpp"
 #include "solver/hypotheses/numbers.hpp"
@@ -20,8 +21,6 @@
 namespace hvi::solver {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int most_load_times = 65;
 
 Origin form_origin(const Plan& plan, int field) {
@@ -96,7 +95,7 @@ private:
 
   void judge_a() {
     const auto tensor = ellipticity(plan_, d_, field_rate);
-    c().m_1 = std::isfinite(tensor.least) ? tensor.least : nan;
+    c().m_1 = std::isfinite(tensor.least) ? tensor.least : not_a_number;
     c().m_A = numbers_.coercivity(field_rate, c().m_1);
     if (!numbers_.acts_on(field_rate)) {
       row("H(A)", "A is coercive", std::nullopt, Answer::open, plan_.time.origin,
@@ -119,7 +118,7 @@ private:
   void judge_rate() {
     if (!numbers_.acts_on(field_rate)) return;
     auto& answer = out_.hypotheses[rate_row_];
-    const double finer = m_a_finer_.value_or(nan);
+    const double finer = m_a_finer_.value_or(not_a_number);
     const bool keeps = c().m_1 > 0.0 || finer > 0.7 * c().m_A;
     if (c().m_A > 0.0 && keeps) {
       out_.rate_form = RateForm::in_v;
@@ -140,7 +139,7 @@ private:
 
   void judge_b() {
     const auto tensor = ellipticity(plan_, d_, field_u);
-    c().m_2 = std::isfinite(tensor.least) ? tensor.least : nan;
+    c().m_2 = std::isfinite(tensor.least) ? tensor.least : not_a_number;
     c().m_B = numbers_.coercivity(field_u, c().m_2);
     if (!numbers_.acts_on(field_u)) {
       row("H(B)", "B is coercive", std::nullopt, Answer::fails, plan_.time.origin,
@@ -361,7 +360,7 @@ private:
                          worst.within_budget ? "" : "; a bound for all of them");
     row("step", "1 - lambda_max(sum m_i M_i^T W M_i, sym K)", out_.margins.step,
         positive(out_.margins.step), worst_law(), note);
-    out_.usable = nan;
+    out_.usable = not_a_number;
     if (!plan_.time.is_static) bound_steps();
   }
 
@@ -413,7 +412,7 @@ private:
     if (!discretise_on(plan_, refine(d_.mesh), fine).empty()) return;
     const Numbers finer(plan_, fine);
     if (numbers_.acts_on(field_rate) && !(c().m_1 > 0.0)) {
-      m_a_finer_ = finer.coercivity(field_rate, nan);
+      m_a_finer_ = finer.coercivity(field_rate, not_a_number);
       m_h_finer_ = finer.coercivity_in_h(field_rate);
     }
     if (!plan_.law_terms.empty()) refine_margins(finer);

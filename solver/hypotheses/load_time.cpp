@@ -1,6 +1,7 @@
 // Singularities of a load in time; see load_time.hpp.
 #include "solver/hypotheses/load_time.hpp"
 
+#include "solver/common/numbers.hpp"
 #include "solver/kernel/algebra.hpp"
 
 #include <algorithm>
@@ -11,8 +12,6 @@
 
 namespace hvi::solver {
 namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// f as a function of t alone.
 Expr at_a_point(const Expr& f, double others) {
@@ -57,7 +56,7 @@ double exponent_beside(const Expr& f, double at, double side) {
   for (const auto& [near, far] : {std::pair{1e-60, 1e-40}, std::pair{1e-9, 1e-7}}) {
     const double a = size(near), b = size(far);
     if (std::isnan(a) || std::isnan(b) || b == 0.0) continue;
-    if (!std::isfinite(b)) return infinite;
+    if (!std::isfinite(b)) return infinity;
     if (!std::isfinite(a)) continue;
     const double slope = std::log(a / b) / std::log(far / near);
     exponent = std::max(exponent, slope > 0.02 ? slope : 0.0);

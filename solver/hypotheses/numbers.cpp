@@ -1,17 +1,14 @@
 // The matrices of a problem on one mesh and their constants; see numbers.hpp.
 #include "solver/hypotheses/numbers.hpp"
 
+#include "solver/common/numbers.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace hvi::solver {
-namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-} // namespace
+namespace {} // namespace
 
 Numbers::Numbers(const Plan& plan, const Discretisation& d)
     : plan_(plan), discretisation_(d), layout_(make_layout(d.space, d.dofs)),
@@ -27,18 +24,18 @@ SparseMatrix Numbers::of_field(int field) const {
 double Numbers::coercivity(int field, double pointwise) const {
   if (!acts_on(field)) return 0.0;
   const double below = std::isfinite(pointwise) ? std::max(0.0, pointwise) : 0.0;
-  return gram_.least(of_field(field), below).value_or(nan);
+  return gram_.least(of_field(field), below).value_or(not_a_number);
 }
 
 double Numbers::coercivity_in_h(int field) const {
   if (!acts_on(field)) return 0.0;
   const GramForm gram(
       restrict_rows(mass(discretisation_.space), layout_).leftCols(layout_.n_unknowns));
-  return gram.least(of_field(field)).value_or(nan);
+  return gram.least(of_field(field)).value_or(not_a_number);
 }
 
 double Numbers::memory_norm(int m) const {
-  return gram_.norm(of_field(first_history_field + m)).value_or(nan);
+  return gram_.norm(of_field(first_history_field + m)).value_or(not_a_number);
 }
 
 double Numbers::asymmetry(int field) const {
@@ -67,7 +64,7 @@ double Numbers::margin_against(const SparseMatrix& k) const {
   if (form->nonZeros() == 0) return 1.0;
   try {
     const GramForm against(SparseMatrix(0.5 * (k + SparseMatrix(k.transpose()))));
-    return 1.0 - against.largest(*form).value_or(nan);
+    return 1.0 - against.largest(*form).value_or(not_a_number);
   } catch (const Failure&) {
     return -infinity;
   }
@@ -75,12 +72,12 @@ double Numbers::margin_against(const SparseMatrix& k) const {
 
 double Numbers::script_norm() const {
   const std::vector<double> ones(plan_.law_terms.size(), 1.0);
-  return gram_.largest(law_form(contact_, ones, layout_.n_unknowns)).value_or(nan);
+  return gram_.largest(law_form(contact_, ones, layout_.n_unknowns)).value_or(not_a_number);
 }
 
 double Numbers::margin_split(double m_b) const {
   const auto form = descent();
-  return form ? m_b - gram_.largest(*form).value_or(nan) : -infinity;
+  return form ? m_b - gram_.largest(*form).value_or(not_a_number) : -infinity;
 }
 
 SparseMatrix StepRatio::symmetric(const Vector& c) const {

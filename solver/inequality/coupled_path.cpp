@@ -10,7 +10,7 @@ namespace hvi::solver {
 namespace {
 
 constexpr int most_steps = 1000, most_failures = 1000;
-constexpr int most_corrections = 12;
+constexpr int most_on_path = 12;
 constexpr double first_length = 1e-2, shortest_length = 1e-6, longest_length = 0.2;
 /// Where points take other pieces in a longer step it may have gone over to another path, and where
 /// it turns by more than this cosine.
@@ -46,7 +46,7 @@ bool SharePath::step(const Waypoint& last, const Heading& along, double length) 
   at_.update_arguments();
   newton_.merit();
   CoupledStep direction, by_share;
-  for (int k = 0; k < most_corrections; ++k) {
+  for (int k = 0; k < most_on_path; ++k) {
     const double share = bounds_.share();
     if (!tangent_.step(direction, report_) || !tangent_.by_share(by_share)) return false;
     const double gap =
@@ -62,7 +62,7 @@ bool SharePath::step(const Waypoint& last, const Heading& along, double length) 
     double ratio = 0.0;
     if (off <= 1e-9 && newton_.finish(k < 4 ? Snap::tight : Snap::certificate, ratio)) return true;
     if (off <= 1e-6 && k >= 2) { // the rest with the share that it has
-      return newton_.newton(most_corrections);
+      return newton_.newton(most_on_path);
     }
   }
   return false;
@@ -132,7 +132,7 @@ bool SharePath::follow() {
     if (bounds_.share() >= 1.0) {
       const Waypoint now = here();
       bounds_.set_share(1.0);
-      if (newton_.solve(most_corrections)) return true;
+      if (newton_.solve(most_on_path)) return true;
       go(now);
     }
     along = next;

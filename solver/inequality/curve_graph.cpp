@@ -1,5 +1,6 @@
 // A scalar law's graph over all arguments, as the equilibrium curve reads it
 // (equilibrium_curve.hpp).
+#include "solver/common/numbers.hpp"
 #include "solver/inequality/equilibrium_curve.hpp"
 
 #include <algorithm>
@@ -7,9 +8,7 @@
 
 namespace hvi::solver {
 
-namespace {
-constexpr double infinity = std::numeric_limits<double>::infinity();
-}
+namespace {}
 
 CurveGraph::CurveGraph(const PreparedLaw& law) : law_(&law), odd_(law.radial()) {
   const LawGraph& g = law.graph();

@@ -8,7 +8,7 @@
 namespace hvi::solver {
 
 namespace {
-constexpr int most_iterations = 60;
+constexpr int most_coupled = 60;
 } // namespace
 
 InequalityReport InequalityEngine::solve_coupled(const Vector& r, InequalityState& io) {
@@ -34,7 +34,7 @@ void InequalityEngine::search_coupled(const Vector& r, InequalityState& io,
   CoupledTangent tangent(at_, bounds, factor_.op());
   CoupledNewton newton(at_, bounds, tangent, options_.tolerance, report);
   const CoupledPlace start = newton.here();
-  if (!newton.solve(most_iterations)) {
+  if (!newton.solve(most_coupled)) {
     newton.go(start);
     bounds.set_share(0.0);
     for (CoupledBound& b : bounds.all) bounds.set(b, 0.0);

@@ -1,6 +1,7 @@
 // The equilibrium curve between two loads (equilibrium_curve.hpp).
 #include "solver/inequality/equilibrium_curve.hpp"
 
+#include "solver/common/numbers.hpp"
 #include "solver/linear/dense.hpp"
 
 #include <Eigen/Cholesky>
@@ -11,7 +12,6 @@
 namespace hvi::solver {
 
 namespace {
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// The start leaves corners of the graph by this part of the step, a little different for each
 /// point: no two of them reach an end at the same load then. b_1 knows nothing of it.
 constexpr double off_corner = 1e-10;

@@ -16,7 +16,7 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr int most_iterations = 6;
+constexpr int most_products = 6;
 constexpr int longest_pause = 1024;
 /// A measured error holds for other right-hand sides up to this factor.
 constexpr double safety = 100.0;
@@ -42,7 +42,7 @@ bool KeptInverse::iterate(Position& at, InequalityReport& report) {
   if (inverse_.follow(at.z) < 0) return false;
   pieces.multipliers(at.z, at.xi);
   residual_ = at.balance.residual(at.xi);
-  for (int k = 0; k < most_iterations; ++k) {
+  for (int k = 0; k < most_products; ++k) {
     inverse_.solve(residual_, dc_);
     ++report.iterations;
     dz_.noalias() = points_.problem.g * dc_;

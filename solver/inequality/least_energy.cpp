@@ -1,6 +1,8 @@
 // The least energy by branch and bound (least_energy.hpp).
 #include "solver/inequality/least_energy.hpp"
 
+#include "solver/common/numbers.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <queue>
@@ -8,7 +10,6 @@
 namespace hvi::solver {
 
 namespace {
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Part of the body's stiffness that the laws are given at most.
 constexpr double share = 0.9;
 /// Points of convex laws take this much less of it.
@@ -20,7 +21,7 @@ constexpr int most_boxes = 20000, most_sweeps = 400;
 /// Solutions looked for near the bounds' states: always, and where a state has less energy.
 constexpr int free_descents = 4, most_descents = 40;
 /// Energies are sums that cancel: no bound is better than this part of their terms.
-constexpr double rounding = 1e-13;
+constexpr double energy_rounding = 1e-13;
 } // namespace
 
 double LeastEnergy::Result::gap() const {
@@ -215,7 +216,7 @@ double LeastEnergy::dual_value() {
     sum += linear - law;
     terms += std::abs(linear) + std::abs(law);
   }
-  return sum - rounding * terms;
+  return sum - energy_rounding * terms;
 }
 
 /// Coordinate by coordinate, as long as that brings the bound closer to the lowest energy.
@@ -353,7 +354,7 @@ LeastEnergy::Result LeastEnergy::search(const Vector& b, const Vector& force,
     make_segments(box);
     double at = 0.0;
     const int p = worst_point(box, at);
-    if (p < 0) break; // rounding is all that is left
+    if (p < 0) break; // energy_rounding is all that is left
     open.pop();
     Box upper = box;
     box.high[p] = at, upper.low[p] = at;

@@ -1,6 +1,7 @@
 // Interval arithmetic and the walk over an expression (interval.hpp).
 #include "solver/kernel/interval.hpp"
 
+#include "solver/common/numbers.hpp"
 #include "solver/kernel/interval_rules.hpp"
 #include "solver/kernel/node.hpp"
 #include "solver/kernel/scalar.hpp"
@@ -15,10 +16,6 @@ namespace hvi::solver {
 namespace rules {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-/// glibc's elementary functions are off by less than this.
-constexpr int library_ulps = 4;
 
 /// 0 * inf is 0 here: the infinite end is a bound, not a value.
 double end_product(double a, double b) { return (a == 0.0 || b == 0.0) ? 0.0 : a * b; }

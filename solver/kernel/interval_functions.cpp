@@ -1,5 +1,6 @@
 // Interval extensions of functions (interval_rules.hpp): monotone ones from their ends, the others
 // from their turning points.
+#include "solver/common/numbers.hpp"
 #include "solver/kernel/interval_rules.hpp"
 #include "solver/kernel/scalar.hpp"
 
@@ -14,8 +15,6 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int library_ulps = 4;
 /// Beyond this the turning points of sin and cos cannot be told in floating point.
 constexpr double largest_angle = 1e8;
 /// Relative and absolute error granted to the special functions.

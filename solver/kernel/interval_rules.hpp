@@ -8,6 +8,9 @@
 
 namespace hvi::solver::rules {
 
+/// glibc's elementary functions are off by less than this.
+inline constexpr int library_ulps = 4;
+
 Bounds add(const Bounds& a, const Bounds& b);
 Bounds negate(const Bounds& a);
 Bounds multiply(const Bounds& a, const Bounds& b);

@@ -2,6 +2,7 @@
 #include "solver/kernel/largest.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/common/numbers.hpp"
 #include "solver/kernel/interval_rules.hpp"
 
 #include <algorithm>
@@ -11,8 +12,6 @@
 namespace hvi::solver {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double width(const Bounds& b) { return b.high - b.low; }
 

@@ -15,20 +15,20 @@ bool has(const Expr& e, std::initializer_list<Op> ops) {
   return std::ranges::any_of(e.args(), [&](const Expr& a) { return has(a, ops); });
 }
 
-struct Power {
+struct PowerOfSlot {
   Expr base;
   double exponent;
 };
 
 /// base^exponent of a factor: reciprocals and constant powers taken apart.
-Power power_of(const Expr& factor) {
+PowerOfSlot power_of(const Expr& factor) {
   if (factor.op() == Op::div && factor.args()[0].is(1.0)) {
-    Power p = power_of(factor.args()[1]);
+    PowerOfSlot p = power_of(factor.args()[1]);
     p.exponent = -p.exponent;
     return p;
   }
   if (factor.op() == Op::pow && factor.args()[1].is_constant()) {
-    Power p = power_of(factor.args()[0]);
+    PowerOfSlot p = power_of(factor.args()[0]);
     p.exponent *= factor.args()[1].value();
     return p;
   }
@@ -40,11 +40,11 @@ bool is_exponential_sum(const Expr& e) { return e.op() == Op::add && has(e, {Op:
 /// A product as exp(exponent) times powers.
 struct Product {
   Expr exponent = 0.0;
-  std::vector<Power> powers;
+  std::vector<PowerOfSlot> powers;
 
   explicit Product(const Expr& term) {
     for (const Expr& factor : factors(term)) {
-      const Power p = power_of(factor);
+      const PowerOfSlot p = power_of(factor);
       if (p.base.op() == Op::exp)
         exponent = exponent + Expr(p.exponent) * p.base.args()[0];
       else
@@ -55,7 +55,7 @@ struct Product {
 
   Expr result() const {
     Expr out = exponent.is(0.0) ? Expr(1.0) : exp(exponent);
-    for (const Power& p : powers)
+    for (const PowerOfSlot& p : powers)
       out = p.exponent < 0.0 ? out / (p.exponent == -1.0 ? p.base : pow(p.base, -p.exponent))
                              : out * (p.exponent == 1.0 ? p.base : pow(p.base, p.exponent));
     return out;
@@ -65,8 +65,8 @@ struct Product {
 /// exp(a) S^-n = (S exp(-a/n))^-n for the sum of exponentials with the largest n.
 bool move_into_sum(Product& product) {
   if (product.exponent.is(0.0)) return false;
-  Power* sum = nullptr;
-  for (Power& p : product.powers)
+  PowerOfSlot* sum = nullptr;
+  for (PowerOfSlot& p : product.powers)
     if (is_exponential_sum(p.base) && p.exponent < 0.0 && (!sum || p.exponent < sum->exponent))
       sum = &p;
   if (!sum) return false;
@@ -83,8 +83,8 @@ bool move_into_sum(Product& product) {
 
 /// sinh(a) / cosh(a) = tanh(a), as often as both are there.
 bool make_tanh(Product& product) {
-  for (const Power& up : product.powers)
-    for (const Power& down : product.powers) {
+  for (const PowerOfSlot& up : product.powers)
+    for (const PowerOfSlot& down : product.powers) {
       if (up.base.op() != Op::sinh || down.base.op() != Op::cosh) continue;
       if (!(up.exponent >= 1.0 && down.exponent <= -1.0)) continue;
       if (!(up.base.args()[0] == down.base.args()[0])) continue;
@@ -94,7 +94,7 @@ bool make_tanh(Product& product) {
                  j = static_cast<std::size_t>(&down - product.powers.data());
       product.powers[i].exponent -= shared, product.powers[j].exponent += shared;
       product.powers.push_back({Expr::make(Op::tanh, {argument}), shared});
-      std::erase_if(product.powers, [](const Power& p) { return p.exponent == 0.0; });
+      std::erase_if(product.powers, [](const PowerOfSlot& p) { return p.exponent == 0.0; });
       make_tanh(product);
       return true;
     }

@@ -2,6 +2,7 @@
 // and the tape all call it, so that they agree to the last bit.
 #pragma once
 
+#include "solver/common/numbers.hpp"
 #include "solver/kernel/expr.hpp"
 
 #include <cmath>
@@ -9,7 +10,6 @@
 
 namespace hvi::solver {
 
-inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 /// Integer exponents up to this size are repeated multiplication.
 inline constexpr int largest_multiplied_power = 64;
 

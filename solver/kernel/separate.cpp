@@ -11,7 +11,7 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr std::size_t most_terms = 400; ///< a separation with more terms is of no use
+constexpr std::size_t most_separated = 400; ///< a separation with more terms is of no use
 constexpr double largest_power = 12;
 
 using Result = std::optional<Separated>;
@@ -21,13 +21,13 @@ struct Sides {
   Expr first = 0.0, second = 0.0;
 };
 
-Separated negated(Separated terms) {
+Separated negative(Separated terms) {
   for (auto& term : terms) term.first = -term.first;
   return terms;
 }
 
-Result product(const Separated& a, const Separated& b) {
-  if (a.size() * b.size() > most_terms) return {};
+Result product_of(const Separated& a, const Separated& b) {
+  if (a.size() * b.size() > most_separated) return {};
   Separated terms;
   for (const auto& [f, g] : a)
     for (const auto& [p, q] : b) terms.emplace_back(f * p, g * q);
@@ -83,12 +83,12 @@ private:
     case Op::add:
       return joined(args[0], args[1]);
     case Op::neg:
-      return negated(args[0]);
+      return negative(args[0]);
     case Op::mul:
-      return product(args[0], args[1]);
+      return product_of(args[0], args[1]);
     case Op::div: {
       const Result reciprocal = each_part(args[1], [](const Expr& p) { return 1.0 / p; });
-      return reciprocal ? product(args[0], *reciprocal) : Result();
+      return reciprocal ? product_of(args[0], *reciprocal) : Result();
     }
     case Op::pow:
       return of_power(e, args[0], args[1]);
@@ -161,7 +161,7 @@ private:
     if (n.value() < 0.0 || n.value() > largest_power) return {};
     Result result = base;
     for (int k = 1; k < static_cast<int>(n.value()) && result; ++k) {
-      result = product(*result, base);
+      result = product_of(*result, base);
       if (result) result = merged(*result);
     }
     return result;

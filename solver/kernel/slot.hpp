@@ -17,6 +17,7 @@ inline constexpr int first_probe = 32768;
 inline constexpr Slot x(int i) { return i; }            ///< position, i < 3
 inline constexpr Slot normal(int i) { return 5 + i; }   ///< outward unit normal, i < 3
 inline constexpr Slot argument(int i) { return 8 + i; } ///< argument of a law, i < 3
+inline constexpr Slot r = argument(0);                  ///< of a law of a scalar, j(r)
 /// Components of a function and its gradient, in one numbering ("derivative index"):
 /// 0..2 are the values w_i, 3 + 3 i + j is dw_i/dx_j. A scalar function has i = 0.
 inline constexpr int value(int i) { return i; }

@@ -1,6 +1,7 @@
 // Growth of expressions on a ray (tail.hpp).
 #include "solver/kernel/tail.hpp"
 
+#include "solver/common/numbers.hpp"
 #include "solver/kernel/interval_rules.hpp"
 #include "solver/kernel/node.hpp"
 
@@ -14,7 +15,6 @@ namespace {
 
 using namespace rules;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double exponential = 40.0; ///< the power that stands for faster than every power
 
 Bounds point(double v) { return {v, v}; }

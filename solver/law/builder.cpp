@@ -1,6 +1,7 @@
 // From switches to the graph of a law at a point (builder.hpp).
 #include "solver/law/builder.hpp"
 
+#include "solver/common/numbers.hpp"
 #include "solver/kernel/table.hpp"
 #include "solver/law/law_failure.hpp"
 
@@ -15,8 +16,6 @@
 namespace hvi::solver {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A point inside a cell; of an unbounded cell one at the distance of its end's own size.
 double sample_of(double low, double high) {

@@ -1,5 +1,6 @@
 // The numbers of hypothesis H(J) for one law: relaxed monotonicity and growth
 // (known_constants.hpp).
+#include "solver/common/numbers.hpp"
 #include "solver/law/builder.hpp"
 #include "solver/law/descent.hpp"
 #include "solver/law/known_constants.hpp"
@@ -10,9 +11,6 @@
 namespace hvi::solver {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr Slot r_slot = slot::argument(0);
 
 /// One piece of a graph.
 struct Piece {
@@ -40,7 +38,7 @@ Descent descent(const Piece& p) {
 Bracket ascent(const Piece& p) {
   if (p.smooth.degree >= 0)
     return Bracket::exactly(std::max(0.0, polynomial_range(p.smooth, p.low, p.high).high));
-  return supremum(derivative(p.function.slope_expression(), r_slot), p);
+  return supremum(derivative(p.function.slope_expression(), slot::r), p);
 }
 
 /// sup |slope| / (1 + |r|) over one piece; infinite when the slope grows faster than r.
@@ -54,7 +52,7 @@ Bracket growth(const Piece& p) {
         c = std::max(c, std::abs(polynomial(p.smooth, r)) / (1.0 + std::abs(r)));
     return Bracket::exactly(c);
   }
-  const Expr ratio = p.function.slope_expression() / (Expr(1.0) + abs(Expr::variable(r_slot)));
+  const Expr ratio = p.function.slope_expression() / (Expr(1.0) + abs(Expr::variable(slot::r)));
   return larger(supremum(ratio, p), supremum(-ratio, p));
 }
 

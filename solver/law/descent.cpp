@@ -1,6 +1,8 @@
 // The steepest descent of one piece of a law (descent.hpp).
 #include "solver/law/descent.hpp"
 
+#include "solver/common/numbers.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -8,7 +10,6 @@
 namespace hvi::solver {
 
 namespace {
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// A few operations' rounding.
 constexpr double rounding = 64.0 * 0x1p-52;
 

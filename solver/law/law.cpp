@@ -1,6 +1,7 @@
 // Superpotentials (law.hpp): the public face of the graph builder.
 #include "solver/law/law.hpp"
 
+#include "solver/common/numbers.hpp"
 #include "solver/law/builder.hpp"
 #include "solver/law/descent.hpp"
 
@@ -9,7 +10,6 @@
 namespace hvi::solver {
 
 namespace {
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// What a run may spend on a law; `check` takes more (known_constants.hpp).
 constexpr ProofEffort small_effort{1000, 1e-3, 60};
 } // namespace

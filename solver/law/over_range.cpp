@@ -1,4 +1,5 @@
 // The numbers of H(J) over a part of space and a range of times (known_constants.hpp).
+#include "solver/common/numbers.hpp"
 #include "solver/law/descent.hpp"
 #include "solver/law/jumps.hpp"
 #include "solver/law/known_constants.hpp"
@@ -12,9 +13,7 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double rounding = 1e-12; ///< of a slope: pieces meant to meet
-constexpr Slot r_slot = slot::argument(0);
+constexpr double slope_rounding = 1e-12; ///< of a slope: pieces meant to meet
 constexpr std::size_t most_graphs = 80;
 
 bool is_place(Slot s) { return s >= slot::x(0) && s <= slot::x(2); }
@@ -110,12 +109,12 @@ public:
   OverRange(const Law& law, const LawDomain& domain, ProofEffort effort)
       : law_(law), domain_(domain), part_(domain), effort_(effort),
         slope_(law.spec().by_slope ? expose_kinks(law.spec().expression)
-                                   : derivative(expose_kinks(law.spec().expression), r_slot)) {}
+                                   : derivative(expose_kinks(law.spec().expression), slot::r)) {}
 
   KnownConstants constants() {
     look_at_graphs();
-    const Expr curvature = derivative(slope_, r_slot);
-    const Expr ratio = slope_ / (Expr(1.0) + abs(Expr::variable(r_slot)));
+    const Expr curvature = derivative(slope_, slot::r);
+    const Expr ratio = slope_ / (Expr(1.0) + abs(Expr::variable(slot::r)));
     out_.steepest_ascent = up_ ? Bracket::exactly(infinity) : supremum(curvature, 0.0).value;
     const double size = std::isfinite(out_.steepest_ascent.low) ? out_.steepest_ascent.low : 0.0;
     descend(supremum(-curvature, size));
@@ -127,7 +126,7 @@ public:
 
   Bracket descent() {
     look_at_graphs();
-    descend(supremum(-derivative(slope_, r_slot), slope_size_ / reach_));
+    descend(supremum(-derivative(slope_, slot::r), slope_size_ / reach_));
     return out_.m;
   }
 
@@ -135,7 +134,7 @@ private:
   std::vector<Slot> others(const Expr& f) const {
     std::vector<Slot> out;
     for (const Slot s : slots_of(f))
-      if (s != r_slot) out.push_back(s);
+      if (s != slot::r) out.push_back(s);
     return out;
   }
 
@@ -176,12 +175,12 @@ private:
   JumpAnswer at_switch(const Switch& s) {
     if (s.kind != Switch::Kind::two_sided) return JumpAnswer::unknown; // a table's slope
     const Expr jump = jump_across(slope_, s.node);
-    const Expr rise = derivative(s.function, r_slot);
-    const double allowed = rounding * slope_size_;
-    if (!rise.depends_on(r_slot)) {
-      const std::pair<Slot, Expr> zero{r_slot, Expr(0.0)};
+    const Expr rise = derivative(s.function, slot::r);
+    const double allowed = slope_rounding * slope_size_;
+    if (!rise.depends_on(slot::r)) {
+      const std::pair<Slot, Expr> zero{slot::r, Expr(0.0)};
       const Expr root = -substitute(s.function, {&zero, 1}) / rise;
-      const std::pair<Slot, Expr> there{r_slot, root};
+      const std::pair<Slot, Expr> there{slot::r, root};
       const Expr drop = -substitute(jump, {&there, 1}) * Expr::make(Op::sign, {rise});
       const std::vector<Slot> variables = others(drop);
       const LargestValue found = LargestSearch(drop, variables)(
@@ -211,7 +210,7 @@ private:
       std::vector<Bounds> inputs, work;
       for (const Slot v : function.inputs()) {
         const auto k = std::find(variables.begin(), variables.end(), v) - variables.begin();
-        inputs.push_back(v == r_slot ? box[0] : box[static_cast<std::size_t>(k) + 1]);
+        inputs.push_back(v == slot::r ? box[0] : box[static_cast<std::size_t>(k) + 1]);
       }
       Bounds value;
       function(inputs, {&value, 1}, work);

@@ -13,7 +13,6 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr Slot r_slot = slot::argument(0);
 constexpr double farthest = 1e15, nearest = 1e-30;
 constexpr double resolution = 1e-9; ///< relative: roots closer than this count as one
 constexpr int most_enclosures = 40000;
@@ -46,7 +45,7 @@ public:
         before_(roots.size()) {
     const auto fixed = fixed_at(x, t);
     for (const Slot s : finder.intervals_.inputs())
-      inputs_.push_back(s == r_slot ? Bounds{} : fixed(s));
+      inputs_.push_back(s == slot::r ? Bounds{} : fixed(s));
   }
 
   /// False when it was given up.
@@ -77,7 +76,7 @@ private:
     if (++enclosures_ > most_enclosures || roots_.size() - before_ > RootFinder::most_roots)
       return false;
     for (std::size_t i = 0; i < inputs_.size(); ++i)
-      if (finder_.intervals_.inputs()[i] == r_slot) inputs_[i] = {a, b};
+      if (finder_.intervals_.inputs()[i] == slot::r) inputs_[i] = {a, b};
     std::array<Bounds, 3> out;
     const bool continuous = finder_.intervals_(inputs_, out, work_);
     const Bounds value{out[0].low - target_, out[0].high - target_, out[0].known, out[0].defined};
@@ -143,13 +142,13 @@ private:
 };
 
 RootFinder::RootFinder(const Expr& f) {
-  const Expr slope = derivative(f, r_slot);
-  affine_ = !slope.depends_on(r_slot);
-  const std::pair<Slot, Expr> at_zero{r_slot, Expr(0.0)};
+  const Expr slope = derivative(f, slot::r);
+  affine_ = !slope.depends_on(slot::r);
+  const std::pair<Slot, Expr> at_zero{slot::r, Expr(0.0)};
   const Expr both[2] = {affine_ ? slope : f, affine_ ? substitute(f, {&at_zero, 1}) : slope};
   tape_ = PointTape(both);
   if (affine_) return;
-  const Expr all[3] = {f, slope, derivative(slope, r_slot)};
+  const Expr all[3] = {f, slope, derivative(slope, slot::r)};
   intervals_ = IntervalTape(all);
 }
 

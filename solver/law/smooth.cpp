@@ -8,7 +8,6 @@
 namespace hvi::solver {
 
 namespace {
-constexpr Slot r_slot = slot::argument(0);
 constexpr int largest_degree = 5;
 
 int degree_of_power(const Expr& e) {
@@ -21,7 +20,7 @@ int degree_of_power(const Expr& e) {
 } // namespace
 
 int polynomial_degree(const Expr& e) {
-  if (!e.depends_on(r_slot)) return 0;
+  if (!e.depends_on(slot::r)) return 0;
   const auto args = e.args();
   switch (e.op()) {
   case Op::slot:
@@ -29,7 +28,7 @@ int polynomial_degree(const Expr& e) {
   case Op::neg:
     return polynomial_degree(args[0]);
   case Op::div:
-    return args[1].depends_on(r_slot) ? -1 : polynomial_degree(args[0]);
+    return args[1].depends_on(slot::r) ? -1 : polynomial_degree(args[0]);
   case Op::pow:
     return degree_of_power(e);
   case Op::add:
@@ -45,8 +44,8 @@ int polynomial_degree(const Expr& e) {
 
 SmoothFunction::SmoothFunction(const Expr& expression, bool by_slope)
     : expression_(expression),
-      slope_expression_(by_slope ? expression : derivative(expression, r_slot)) {
-  const Expr both[2] = {slope_expression_, derivative(slope_expression_, r_slot)};
+      slope_expression_(by_slope ? expression : derivative(expression, slot::r)) {
+  const Expr both[2] = {slope_expression_, derivative(slope_expression_, slot::r)};
   slope_ = PointTape(both);
   if (!by_slope) potential_ = PointTape({&expression_, 1});
   degree_ = polynomial_degree(slope_expression_);
@@ -56,7 +55,7 @@ SmoothFunction::SmoothFunction(const Expr& expression, bool by_slope)
   Expr d = slope_expression_;
   double factorial = 1.0;
   for (int k = 1; k <= degree_; ++k) {
-    d = derivative(d, r_slot);
+    d = derivative(d, slot::r);
     factorial *= k;
     coefficients.push_back(d / Expr(factorial));
   }
@@ -80,7 +79,7 @@ LargestValue SmoothFunction::descent(const SupremumRange& range, const Point& x,
                                      const SearchEffort& effort) const {
   const std::lock_guard guard(descent_lock_);
   LastDescent& d = descent_;
-  if (!std::exchange(d.made, true)) d.search = Supremum(-derivative(slope_expression_, r_slot));
+  if (!std::exchange(d.made, true)) d.search = Supremum(-derivative(slope_expression_, slot::r));
   const bool same = d.answered && d.low == range.low && d.high == range.high && d.x == x &&
                     d.t.t == t.t && d.t.coupled == t.coupled && d.evaluations == effort.evaluations;
   if (!same) {

@@ -1,6 +1,7 @@
 // The largest value of a function of a law's argument (supremum.hpp).
 #include "solver/law/supremum.hpp"
 
+#include "solver/common/numbers.hpp"
 #include "solver/kernel/overflow.hpp"
 
 #include <algorithm>
@@ -11,13 +12,11 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double reach_in_scales = 1e9;
 constexpr int most_halvings = 400;
-constexpr Slot r_slot = slot::argument(0);
 
 std::vector<Slot> with_argument(const std::vector<Slot>& others) {
-  std::vector<Slot> out{r_slot};
+  std::vector<Slot> out{slot::r};
   out.insert(out.end(), others.begin(), others.end());
   return out;
 }
@@ -80,11 +79,11 @@ LargestValue Supremum::operator()(const SupremumRange& range, const SearchEffort
     add(std::max(low, 0.0), high);
   }
   LargestValue out = search_(space, effort);
-  if (!search_.function().depends_on(r_slot)) return out;
+  if (!search_.function().depends_on(slot::r)) return out;
   int left = most_halvings;
   for (const double sign : {-1.0, 1.0}) {
     if (std::isfinite(sign < 0.0 ? range.low : range.high)) continue;
-    const Ray ray{r_slot, sign, reach};
+    const Ray ray{slot::r, sign, reach};
     for (const SearchBox& box : others) take_tail(range.others, box, ray, left, out);
   }
   return out;

@@ -26,9 +26,6 @@
 namespace hvi::solver {
 namespace {
 
-/// A pivot below this fraction of the diagonal entry is rounding: a rigid motion is left.
-constexpr double smallest_pivot = 1e-13;
-
 /// L L^T for a lower triangle, by columns of blocks: a block column of the product takes only the
 /// columns of L up to its end. OpenBLAS, as Eigen's own product is compiled for any processor.
 DenseMatrix times_transpose(const DenseMatrix& l) {

@@ -18,6 +18,9 @@
 
 namespace hvi::solver {
 
+/// A pivot below this fraction of the diagonal entry is rounding: a rigid motion is left.
+inline constexpr double smallest_pivot = 1e-13;
+
 struct FactorStatistics {
   double nonzeros = 0; ///< of the factor(s)
   double flops = 0;    ///< of one numeric factorisation

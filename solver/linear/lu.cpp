@@ -23,9 +23,6 @@
 namespace hvi::solver {
 namespace {
 
-/// A pivot below this fraction of the diagonal entry is rounding: a rigid motion is left.
-constexpr double smallest_pivot = 1e-13;
-
 struct FreeSymbolic {
   void operator()(void* object) const { umfpack_dl_free_symbolic(&object); }
 };

@@ -27,7 +27,7 @@ std::size_t block_size(int width, int below) {
 }
 
 /// The data of a triangular solve.
-struct TriangularSolve {
+struct PackedSolve {
   std::span<const Panel> panels;
   const int* below;
   const float* values;
@@ -157,7 +157,7 @@ double PackedFactor::bytes_swept(bool fine) const {
 }
 
 void PackedFactor::forward(bool fine, double* y) {
-  const TriangularSolve solve{
+  const PackedSolve solve{
       structure_->panels(), structure_->below().data(), values_.data(), rests_.data(),
       end_.data(),          inverse_square_.data(),     work_.data()};
   switch (instruction_set()) {
@@ -172,7 +172,7 @@ void PackedFactor::forward(bool fine, double* y) {
 }
 
 void PackedFactor::backward(bool fine, const double* y, double* x) {
-  const TriangularSolve solve{
+  const PackedSolve solve{
       structure_->panels(), structure_->below().data(), values_.data(), rests_.data(),
       end_.data(),          inverse_square_.data(),     work_.data()};
   switch (instruction_set()) {

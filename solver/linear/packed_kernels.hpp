@@ -208,7 +208,7 @@ HVI_INLINE void backward_panel(Entries<Fine> end, const Panel& panel, double* w)
 }
 
 template <bool Fine>
-void forward_solve(const TriangularSolve& solve, double* y) {
+void forward_solve(const PackedSolve& solve, double* y) {
   Entries<Fine> first{solve.values, solve.rests}, block = first;
   double* w = solve.work;
   for (std::size_t p = 0; p < solve.panels.size(); ++p) {
@@ -226,7 +226,7 @@ void forward_solve(const TriangularSolve& solve, double* y) {
 }
 
 template <bool Fine>
-void backward_solve(const TriangularSolve& solve, const double* y, double* x) {
+void backward_solve(const PackedSolve& solve, const double* y, double* x) {
   const Entries<Fine> first{solve.values, solve.rests};
   double* w = solve.work;
   for (std::size_t p = solve.panels.size(); p-- > 0;) {

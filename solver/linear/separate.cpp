@@ -11,9 +11,6 @@
 namespace hvi::solver {
 namespace {
 
-/// A pivot below this fraction of the diagonal entry is rounding, as in cholesky.cpp.
-constexpr double smallest_pivot = 1e-13;
-
 class Separate final : public Factorisation {
 public:
   Separate(int n_contact, int size) : s_(n_contact, n_contact), diagonal_(size - n_contact) {

@@ -13,6 +13,13 @@ void include(Box& box, const Box& other) {
   }
 }
 
+Box box_of(const Mesh& mesh, std::int32_t cell) {
+  const auto& c = mesh.cells[cell];
+  Box box{mesh.nodes[c[0]], mesh.nodes[c[0]]};
+  for (int i = 1; i <= mesh.dim; ++i) include(box, {mesh.nodes[c[i]], mesh.nodes[c[i]]});
+  return box;
+}
+
 BoxTree::BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
   std::iota(order_.begin(), order_.end(), 0);
   if (order_.empty()) return;

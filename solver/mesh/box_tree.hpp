@@ -11,6 +11,8 @@ namespace hvi::solver {
 
 /// The smallest box around both.
 void include(Box& box, const Box& other);
+/// That of a cell.
+Box box_of(const Mesh& mesh, std::int32_t cell);
 inline bool meet(const Box& a, const Box& b) {
   for (int i = 0; i < 3; ++i)
     if (a.high[i] < b.low[i] || b.high[i] < a.low[i]) return false;

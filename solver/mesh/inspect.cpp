@@ -2,6 +2,7 @@
 #include "solver/mesh/inspect.hpp"
 
 #include "solver/mesh/box_tree.hpp"
+#include "solver/mesh/vectors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -75,8 +76,6 @@ Box box_of(const Mesh& mesh, const Facet& f, double margin) {
   for (int a = 0; a < 3; ++a) box.low[a] -= margin, box.high[a] += margin;
   return box;
 }
-
-double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// Does p lie in an edge (2D) or a triangle (3D), no farther from it than `reach`, and farther from
 /// its corners?

@@ -1,4 +1,5 @@
 // Which cell holds a point: a tree of bounding boxes over the cells, halved at the median centre.
+#include "solver/mesh/box_tree.hpp"
 #include "solver/mesh/mesh.hpp"
 
 #include <algorithm>
@@ -12,33 +13,20 @@ namespace {
 
 constexpr std::int32_t leaf_size = 8;
 constexpr std::size_t few_points = 16; // a tree costs as much as going through all cells for each
-constexpr double slack = 1e-9;         // of barycentric coordinates, and of the boxes of the cells
+constexpr double cell_slack = 1e-9;    // of barycentric coordinates, and of the boxes of the cells
 
-Box box_of(const Mesh& mesh, std::int32_t cell) {
-  const auto& c = mesh.cells[cell];
-  Box box{mesh.nodes[c[0]], mesh.nodes[c[0]]};
-  for (int i = 1; i <= mesh.dim; ++i) {
-    for (int a = 0; a < mesh.dim; ++a) {
-      box.low[a] = std::min(box.low[a], mesh.nodes[c[i]][a]);
-      box.high[a] = std::max(box.high[a], mesh.nodes[c[i]][a]);
-    }
-  }
-  // A point with barycentric coordinates above -slack is at most 3 slack diameters outside.
+/// A point with barycentric coordinates above -cell_slack is at most 3 cell_slack diameters
+/// outside.
+Box wide_box_of(const Mesh& mesh, std::int32_t cell) {
+  Box box = box_of(mesh, cell);
   double size = 0;
   for (int a = 0; a < mesh.dim; ++a) size += box.high[a] - box.low[a];
-  const double margin = 4 * slack * size;
+  const double margin = 4 * cell_slack * size;
   for (int a = 0; a < 3; ++a) {
     box.low[a] -= margin;
     box.high[a] += margin;
   }
   return box;
-}
-
-void include(Box& box, const Box& other) {
-  for (int a = 0; a < 3; ++a) {
-    box.low[a] = std::min(box.low[a], other.low[a]);
-    box.high[a] = std::max(box.high[a], other.high[a]);
-  }
 }
 
 bool holds(const Box& box, const Point& p) {
@@ -100,7 +88,7 @@ CellLocator::CellLocator(const Mesh& mesh, std::size_t points)
         {Box{{-far, -far, -far}, {far, far, far}}, 0, static_cast<std::int32_t>(order_.size())}};
     Box whole{mesh.nodes.front(), mesh.nodes.front()};
     for (const Point& x : mesh.nodes) include(whole, {x, x});
-    for (int a = 0; a < 3; ++a) widest_margin_ += 5 * slack * (whole.high[a] - whole.low[a]);
+    for (int a = 0; a < 3; ++a) widest_margin_ += 5 * cell_slack * (whole.high[a] - whole.low[a]);
     return;
   }
   std::vector<Point> centres(mesh.cells.size(), Point{});
@@ -116,8 +104,8 @@ CellLocator::CellLocator(const Mesh& mesh, std::size_t points)
 void CellLocator::build(std::int32_t node, std::int32_t first, std::int32_t past,
                         const std::vector<Point>& centres) {
   if (past - first <= leaf_size) {
-    Box box = box_of(*mesh_, order_[first]);
-    for (auto i = first + 1; i < past; ++i) include(box, box_of(*mesh_, order_[i]));
+    Box box = wide_box_of(*mesh_, order_[first]);
+    for (auto i = first + 1; i < past; ++i) include(box, wide_box_of(*mesh_, order_[i]));
     nodes_[node] = {box, first, past - first};
     return;
   }
@@ -144,7 +132,7 @@ int CellLocator::find(const Point& p, std::array<double, 4>& barycentric,
   if (nodes_.empty()) return -1;
   std::size_t compared = 0;
   int best = -1;
-  double best_depth = -slack;         // depth: the smallest barycentric coordinate
+  double best_depth = -cell_slack;    // depth: the smallest barycentric coordinate
   std::array<std::int32_t, 64> stack; // the tree is balanced: depth below 32
   int top = 0;
   stack[top++] = 0;
@@ -160,8 +148,8 @@ int CellLocator::find(const Point& p, std::array<double, 4>& barycentric,
     const bool many = node.count > leaf_size;
     compared += static_cast<std::size_t>(node.count);
     for (auto i = node.first; i < node.first + node.count; ++i) {
-      if (many &&
-          (beside(*mesh_, order_[i], p, widest_margin_) || !holds(box_of(*mesh_, order_[i]), p)))
+      if (many && (beside(*mesh_, order_[i], p, widest_margin_) ||
+                   !holds(wide_box_of(*mesh_, order_[i]), p)))
         continue;
       const auto lambda = barycentric_of(*mesh_, order_[i], p);
       const double depth = *std::min_element(lambda.begin(), lambda.begin() + mesh_->dim + 1);

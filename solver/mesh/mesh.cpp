@@ -1,22 +1,14 @@
 // Measures, normals and quality of a mesh.
 #include "solver/mesh/mesh.hpp"
 
+#include "solver/mesh/vectors.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace hvi::solver {
 namespace {
-
-Point minus(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-
-Point cross(const Point& a, const Point& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-double norm(const Point& a) { return std::hypot(a[0], a[1], a[2]); }
 
 /// Outward normal times the measure of the facet.
 Point scaled_normal(const Mesh& mesh, const Facet& facet) {

@@ -5,6 +5,7 @@
 // Manocha, OBBTree: a hierarchical structure for rapid interference detection, 1996).
 #include "solver/mesh/box_tree.hpp"
 #include "solver/mesh/inspect.hpp"
+#include "solver/mesh/vectors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,15 +14,8 @@
 namespace hvi::solver {
 namespace {
 
-constexpr double of_an_edge = 1e-6, of_the_body = 1e-9;
+constexpr double of_edges = 1e-6, of_the_body = 1e-9;
 constexpr double too_flat = 1e-9; // measure over the longest edge to the power of the dimension
-
-Point minus(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Point cross(const Point& a, const Point& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double norm(const Point& a) { return std::sqrt(dot(a, a)); }
 
 /// n . x <= at for the points of a cell, n of length one.
 struct Plane {
@@ -111,13 +105,6 @@ double depth(const Simplex& a, const Simplex& b, double least) {
   return out;
 }
 
-Box box_of(const Mesh& mesh, std::int32_t cell) {
-  const auto& c = mesh.cells[cell];
-  Box box{mesh.nodes[c[0]], mesh.nodes[c[0]]};
-  for (int i = 1; i <= mesh.dim; ++i) include(box, {mesh.nodes[c[i]], mesh.nodes[c[i]]});
-  return box;
-}
-
 /// Cells with a common facet lie on its two sides: build_facets has seen to that.
 bool share_a_facet(const Mesh& mesh, std::int32_t a, std::int32_t b) {
   const auto &p = mesh.cells[a], &q = mesh.cells[b];
@@ -159,7 +146,7 @@ std::optional<Overlap> find_overlap(const Mesh& mesh) {
       if (!mine) mine.emplace(mesh, c);
       const Simplex& its = simplices[i];
       const double least =
-          std::max(of_an_edge * std::min(mine->diameter, its.diameter), least_of_body);
+          std::max(of_edges * std::min(mine->diameter, its.diameter), least_of_body);
       const double found = depth(*mine, its, least);
       if (!(found > least) || mine->flat || its.flat) return;
       for (const auto at : {number[c], i}) {

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const fs::path& folder, const std::string& reason) {
+[[noreturn]] void refuse(const fs::path& folder, const std::string& reason) {
   throw Failure(
       FailureKind::output, {},
       fmt::format("cannot write into the folder `{}`: {}", folder.string(), reason),
@@ -61,7 +61,7 @@ FolderLock::FolderLock(fs::path folder)
     : folder_(std::move(folder)), name_(folder_ / ".hvi-run.lock") {
   std::error_code error;
   made_ = fs::create_directories(folder_, error);
-  if (error) fail(folder_, error.message());
+  if (error) refuse(folder_, error.message());
   while (!take()) {
   }
   const std::string text = fmt::format("{}\n", ourselves());
@@ -71,7 +71,7 @@ FolderLock::FolderLock(fs::path folder)
   const std::string reason = std::strerror(errno);
   ::unlink(name_.c_str());
   ::close(descriptor_);
-  fail(folder_, reason);
+  refuse(folder_, reason);
 }
 
 /// False when the file was removed by the one who held it: there is a new one to take.
@@ -83,7 +83,7 @@ bool FolderLock::take() {
     const int reason = errno;
     std::error_code error;
     if (reason == ENOENT && fs::create_directories(folder_, error)) return false; // it was empty
-    fail(folder_, std::strerror(reason));
+    refuse(folder_, std::strerror(reason));
   }
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     const std::string who = holder(descriptor_);

@@ -102,9 +102,9 @@ std::vector<Expr> switches_of(const Expr& node) {
 
 class DataSearch {
 public:
-  DataSearch(const Plan& plan, double negligible)
+  DataSearch(const Plan& plan, double least_size)
       : begin_(plan.time.grid.front()), end_(plan.time.grid.back()),
-        functions_(time_functions(plan)), lags_(kernel_breaks(plan)), negligible_(negligible) {}
+        functions_(time_functions(plan)), lags_(kernel_breaks(plan)), negligible_(least_size) {}
 
   DataTimes find() {
     std::vector<double> candidates;

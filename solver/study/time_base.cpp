@@ -12,7 +12,7 @@ constexpr int fewest = 4; ///< steps of any ladder
 /// equal steps between them then has a time at the jump itself, where rounding would choose the
 /// side.
 constexpr double after_a_jump = 1.718281828;
-constexpr std::size_t most_intervals = 1 << 16;
+constexpr std::size_t most_of_base = 1 << 16;
 
 /// The power p with t_n = t_0 + T (n/N)^p, or 0. Few listed times show no power but 1.
 double power_of(const std::vector<double>& grid) {
@@ -44,7 +44,7 @@ void halve(std::vector<double>& grid, const std::vector<bool>& marked) {
 /// Halves intervals more than twice as long as a neighbour, or longer than a part of the whole.
 void balance(std::vector<double>& grid) {
   const double jump = width_of_a_jump(grid), whole = grid.back() - grid.front();
-  for (bool again = true; again && grid.size() < most_intervals;) {
+  for (bool again = true; again && grid.size() < most_of_base;) {
     again = false;
     std::vector<bool> marked(grid.size() - 1, false);
     const auto length = [&](std::size_t i) { return grid[i + 1] - grid[i]; };

@@ -26,11 +26,13 @@ struct Header {
   std::uint64_t fingerprint = 0, size = 0, state_hash = 0, header_hash = 0;
 };
 
-std::uint64_t hash_of(const void* bytes, std::size_t size) { return XXH3_64bits(bytes, size); }
+std::uint64_t hash_of_bytes(const void* bytes, std::size_t size) {
+  return XXH3_64bits(bytes, size);
+}
 
 /// Of all before the hash itself.
 std::uint64_t header_hash(const Header& header) {
-  return hash_of(&header, offsetof(Header, header_hash));
+  return hash_of_bytes(&header, offsetof(Header, header_hash));
 }
 
 /// A hash that grows piece by piece.
@@ -127,7 +129,7 @@ void add_mesh(const Mesh& mesh, Hash& hash) {
 
 } // namespace
 
-std::uint64_t hash_of(std::string_view bytes) { return hash_of(bytes.data(), bytes.size()); }
+std::uint64_t hash_of(std::string_view bytes) { return hash_of_bytes(bytes.data(), bytes.size()); }
 
 std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh) {
   Hash hash;
@@ -154,7 +156,7 @@ void write_checkpoint(const std::filesystem::path& path, std::uint64_t fingerpri
   Header header;
   header.fingerprint = fingerprint;
   header.size = state.size();
-  header.state_hash = hash_of(state.data(), state.size());
+  header.state_hash = hash_of_bytes(state.data(), state.size());
   header.header_hash = header_hash(header);
   std::string bytes(sizeof header, '\0');
   std::memcpy(bytes.data(), &header, sizeof header);
@@ -177,7 +179,8 @@ std::string read_checkpoint(const std::filesystem::path& path, std::uint64_t fin
         fmt::format("has format {}, this program reads format {}", header.version, format_version),
         again);
   if (header.header_hash != header_hash(header) || header.size != bytes.size() - sizeof header ||
-      header.state_hash != hash_of(bytes.data() + sizeof header, bytes.size() - sizeof header))
+      header.state_hash !=
+          hash_of_bytes(bytes.data() + sizeof header, bytes.size() - sizeof header))
     throw CheckpointFailure(path, "is damaged: its hash does not fit its content", again);
   if (header.fingerprint != fingerprint)
     throw CheckpointFailure(path,

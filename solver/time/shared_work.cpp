@@ -12,7 +12,7 @@
 namespace hvi::solver {
 namespace {
 
-constexpr std::size_t most_forms = 8, most_factors = 2;
+constexpr std::size_t most_forms = 8, most_kept = 2;
 constexpr double most_bytes = 1e9; ///< of a factor that is kept
 
 template <class T>
@@ -86,7 +86,7 @@ LentFactor SharedWork::factored(const SparseMatrix& k, std::span<const int> cont
   factor_where_it_fits(*made, k, contact.size(), to_come);
   const double seconds = cpu_seconds() - start + orders_->seconds_of_last();
   if (made->statistics().bytes > most_bytes) return {made, false, false};
-  if (factors_.size() == most_factors) factors_.erase(factors_.begin());
+  if (factors_.size() == most_kept) factors_.erase(factors_.begin());
   factors_.push_back({k, {contact.begin(), contact.end()}, symmetric, made, seconds});
   return {made, true, false};
 }

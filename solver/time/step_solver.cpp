@@ -1,6 +1,7 @@
 // The solution of one step; see step_solver.hpp. Called by the Stepper.
 #include "solver/time/step_solver.hpp"
 
+#include "solver/common/numbers.hpp"
 #include "solver/time/saved_state.hpp"
 
 #include <algorithm>
@@ -11,8 +12,7 @@
 namespace hvi::solver {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int most_corrections = 40;
+constexpr int most_changes = 40;
 /// The fixed point of coupled bounds goes on while so many passes make its error so much smaller.
 constexpr int passes_to_judge = 8;
 constexpr double contracts = 0.1;
@@ -150,7 +150,7 @@ StepResult StepSolver::correct(StepMatrix& matrix, Start start, StepEquation& eq
   const Vector* const right = equation.exact() ? &equation.rhs : nullptr;
   Together together;
   double last = infinity;
-  while (out.corrections < most_corrections) {
+  while (out.corrections < most_changes) {
     const bool first = out.corrections++ == 0;
     Correction made;
     if (first && !predicted)

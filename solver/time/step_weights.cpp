@@ -120,11 +120,11 @@ std::vector<VectorXd> absolute_weights(const Plan& plan, const StepWeights& weig
 namespace {
 
 /// Some of the columns, the box around them, and the worst of its corners.
-struct Group {
+struct WeightBox {
   std::vector<int> members;
   VectorXd low, high;
   double bound = 0.0;
-  bool operator<(const Group& other) const { return bound < other.bound; }
+  bool operator<(const WeightBox& other) const { return bound < other.bound; }
 };
 
 class Search {
@@ -133,7 +133,7 @@ public:
       : w_(weights), ratio_(ratio), most_(most), known_(less) {}
 
   WorstStep run() {
-    Group all;
+    WeightBox all;
     for (int i = 0; i < static_cast<int>(w_.steps.size()); ++i) all.members.push_back(i);
     out_.ratio = -std::numeric_limits<double>::infinity();
     look_at(all.members.front()); // as a rule the first step and the last are the extreme ones
@@ -160,11 +160,11 @@ private:
     if (r > out_.ratio) out_.ratio = r, out_.step = w_.steps[member];
   }
   /// The relative side of the box along coordinate k.
-  static double side(const Group& g, Eigen::Index k) {
+  static double side(const WeightBox& g, Eigen::Index k) {
     const double size = std::max(std::abs(g.low[k]), std::abs(g.high[k]));
     return size > 0.0 ? (g.high[k] - g.low[k]) / size : 0.0;
   }
-  void push(Group g) {
+  void push(WeightBox g) {
     g.low = g.high = w_.c[g.members.front()];
     for (const int i : g.members)
       g.low = g.low.cwiseMin(w_.c[i]), g.high = g.high.cwiseMax(w_.c[i]);
@@ -187,7 +187,7 @@ private:
   }
   bool settled() {
     if (open_.empty() || std::isinf(out_.ratio)) return true;
-    const Group& worst = open_.top();
+    const WeightBox& worst = open_.top();
     const double enough = out_.ratio * (1.0 + room);
     if (worst.bound <= out_.ratio ||
         (worst.bound <= enough && (worst.bound < 1.0 || enough >= 1.0)))
@@ -197,21 +197,21 @@ private:
     out_.within_budget = static_cast<int>(known_.size()) < most_;
     return !out_.within_budget;
   }
-  static double widest(const Group& g, Eigen::Index& k) {
+  static double widest(const WeightBox& g, Eigen::Index& k) {
     double most = -1.0;
     for (Eigen::Index i = 0; i < g.low.size(); ++i)
       if (side(g, i) > most) most = side(g, i), k = i;
     return most;
   }
   void split() {
-    Group g = open_.top();
+    WeightBox g = open_.top();
     open_.pop();
     Eigen::Index k = 0;
     widest(g, k);
     std::sort(g.members.begin(), g.members.end(),
               [&](int a, int b) { return w_.c[a][k] < w_.c[b][k]; });
     const auto middle = static_cast<std::ptrdiff_t>(g.members.size() / 2);
-    Group lower, upper;
+    WeightBox lower, upper;
     lower.members.assign(g.members.begin(), g.members.begin() + middle);
     upper.members.assign(g.members.begin() + middle, g.members.end());
     look_at(lower.members.back());
@@ -224,7 +224,7 @@ private:
   const std::function<double(const VectorXd&)>& ratio_;
   int most_;
   std::map<VectorXd, double, bool (*)(const VectorXd&, const VectorXd&)> known_;
-  std::priority_queue<Group> open_;
+  std::priority_queue<WeightBox> open_;
   WorstStep out_;
 };
 

@@ -2,6 +2,7 @@
 #include "solver/time/uniqueness.hpp"
 
 #include "solver/assembly/assembly.hpp"
+#include "solver/common/numbers.hpp"
 #include "solver/law/known_constants.hpp"
 #include "solver/time/step_weights.hpp"
 
@@ -14,11 +15,10 @@
 namespace hvi::solver {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Up to this size the dense Schur complement and its factor (with an error of at most 8000 eps of
 /// its norm) are exact enough for the verdict, and cost little beside the factor of all unknowns.
-constexpr int most_condensed = 8000;
-constexpr int most_factors = 64; ///< of all unknowns; as a rule two to four suffice
+constexpr int most_judged_points = 8000;
+constexpr int most_judged = 64; ///< of all unknowns; as a rule two to four suffice
 
 } // namespace
 
@@ -75,9 +75,10 @@ void Uniqueness::look_at_laws() {
   }
   settled_ = !softens || !obstacle_.empty();
   if (settled_) return;
-  condensed_ = !moves && operators_.symmetric &&
-               (contact_.whole || static_cast<int>(contact_.unknowns.size()) <= most_condensed) &&
-               surely_one_matrix(plan_);
+  condensed_ =
+      !moves && operators_.symmetric &&
+      (contact_.whole || static_cast<int>(contact_.unknowns.size()) <= most_judged_points) &&
+      surely_one_matrix(plan_);
 }
 
 void Uniqueness::judge(bool convex) {
@@ -122,7 +123,7 @@ void Uniqueness::judge_all(const Factorisation* like) {
   take_over(like);
   const auto worst = worst_step(
       step_weights(plan_), [&](const Eigen::VectorXd& c) { return definite(c) ? 0.0 : infinity; },
-      most_factors);
+      most_judged);
   factor_.reset();
   descent_ = {};
   if (worst.bound == 0.0) return;
@@ -135,7 +136,7 @@ void Uniqueness::judge_all(const Factorisation* like) {
         worst.step, plan_.time.grid[worst.step]);
   else
     obstacle_ = fmt::format("it could not be shown for all {} steps in {} trials",
-                            plan_.time.grid.size() - 1, most_factors);
+                            plan_.time.grid.size() - 1, most_judged);
 }
 
 } // namespace hvi::solver
