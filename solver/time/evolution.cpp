@@ -12,6 +12,15 @@ namespace {
 /// Fields are numbered u, its derivatives in time (field_rate: the first one), memories.
 constexpr int end_of_derivatives = first_history_field;
 
+/// Can a run that has taken so many steps have been planned so?
+bool is_of_a_run(const MemoryExtent& extent, bool is_static, int step) {
+  if (is_static) return extent == MemoryExtent{};
+  constexpr double rounding = 1e-6;
+  const auto steps = static_cast<double>(extent.steps);
+  return std::isfinite(extent.horizon) && extent.shortest_step > 0.0 && extent.steps >= step &&
+         steps * extent.shortest_step <= (1.0 + rounding) * extent.horizon;
+}
+
 } // namespace
 
 Evolution::Evolution(const Plan& plan, Vector u0, bool imposed)
@@ -154,9 +163,7 @@ bool Evolution::restore(std::istream& in) {
   if (!begins_with(grid(), step_, r.get_vector<double>()))
     r.fail("was saved by a run of other times");
   const auto earlier = r.get<MemoryExtent>();
-  if (!(earlier.horizon >= 0.0 && std::isfinite(earlier.horizon) && earlier.shortest_step >= 0.0 &&
-        std::isfinite(earlier.shortest_step) && earlier.steps >= 0))
-    r.fail("is inconsistent");
+  if (!is_of_a_run(earlier, grid().is_static(), step_)) r.fail("is inconsistent");
   const bool same_end = earlier == memory_->extent();
   if (!same_end) continue_memory(earlier); // from the initial state
   get_vector(r, u_, u_.size());

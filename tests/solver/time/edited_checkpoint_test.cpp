@@ -3,6 +3,7 @@
 // scene.
 #include "plans.hpp"
 #include "solver/time/checkpoint.hpp"
+#include "solver/time/memory.hpp"
 
 #include <cstdlib>
 #include <cstring>
@@ -81,6 +82,47 @@ private:
       0.37};
   std::vector<std::uint64_t> counts_{0, 1, 5, 1000, 1ULL << 33, ~0ULL, 1ULL << 63};
 };
+
+/// What the memories were chosen for: numbers that no run has are refused before anything is
+/// allocated for them.
+TEST(EditedCheckpoint, ExtentsOfNoRunAreRefused) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "hvi_extent";
+  const auto scene = with_route(HistoryRoute::direct, "direct");
+  RunSettings settings;
+  settings.output_folder = folder.string();
+  settings.checkpoint_every = 100;
+  Discretisation d;
+  for (const auto& mistake : discretise(scene.plan, d)) throw mistake;
+  Plan half = scene.plan;
+  half.time.grid.resize(6);
+  (void)run(half, d, settings);
+  const auto file = checkpoint_path(settings.output_folder, settings.name);
+  const auto mark = fingerprint(scene.plan, d.mesh);
+  const std::string state = read_checkpoint(file, mark);
+  const MemoryExtent saved = memory_extent(half);
+  std::string bytes(sizeof saved, '\0');
+  std::memcpy(bytes.data(), &saved, sizeof saved);
+  const auto at = state.find(bytes);
+  ASSERT_NE(at, std::string::npos);
+  settings.resume = true;
+  const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
+  for (const MemoryExtent& wrong :
+       {MemoryExtent{saved.horizon, saved.shortest_step, std::int64_t{1} << 40},
+        {saved.horizon, saved.shortest_step, std::numeric_limits<std::int64_t>::max()},
+        {saved.horizon, saved.shortest_step, -1},
+        {saved.horizon, saved.shortest_step, 3},
+        {saved.horizon, 0.0, saved.steps},
+        {saved.horizon, nan, saved.steps},
+        {infinite, saved.shortest_step, saved.steps},
+        {-1.0, saved.shortest_step, saved.steps}}) {
+    std::string edited = state;
+    std::memcpy(edited.data() + at, &wrong, sizeof wrong);
+    write_checkpoint(file, mark, edited);
+    EXPECT_THROW(run(scene.plan, d, settings), CheckpointFailure)
+        << wrong.horizon << ' ' << wrong.shortest_step << ' ' << wrong.steps;
+  }
+  std::filesystem::remove_all(folder);
+}
 
 TEST(EditedCheckpoint, IsRefusedOrIsAnotherState) {
   const char* asked = std::getenv("HVI_EDITS");
