@@ -310,9 +310,11 @@ class Table:
 
     def add(self, kind, code, found):
         row = self.rows.setdefault(kind, {"points": 0, "survived": 0, "told": 0, "wrong": 0, "abort": 0, "half": 0})
-        row["points"] += code if kind in ("kill", "loss") else 1
-        row["survived"] += code == 0 or kind in ("kill", "loss")
-        row["told"] += code != 0 and kind not in ("kill", "loss")
+        ends = kind in ("kill", "loss")  # then `code` is how often the run was ended
+        row["points"] += code if ends else 1
+        if not found:
+            row["survived"] += code if ends else code == 0
+            row["told"] += not ends and code != 0
         for cls in {cls for cls, _ in found}:
             row[cls] += 1
         for cls, text in found:
