@@ -24,7 +24,8 @@ int main() {
   const int n = 16, steps = 64;
   const Expr t = Expr::variable(slot::t), lag = Expr::variable(slot::lag);
   const Expr r = Expr::variable(slot::argument(0)), nx = Expr::variable(slot::normal(0)),
-             ny = Expr::variable(slot::normal(1)), u_y = Expr::variable(slot::field(field_u, 1));
+             ny = Expr::variable(slot::normal(1)),
+             u_y = Expr::variable(slot::field(field_of_u(0), 1));
   const Expr xi = Expr::variable(slot::multiplier(0, 0));
   const Expr soft = select(less(r, 0.08), 2 - 15 * (r - 0.02), 1.1);
   const Expr slope = select(less(r, 0), 0, select(less(r, 0.02), 100 * r, soft));
@@ -37,8 +38,8 @@ int main() {
                 {"flank", {}, {.kind = RegionSpec::Kind::group, .name = "right"}},
                 {"ground", {}, {.kind = RegionSpec::Kind::group, .name = "bottom"}}};
   plan.space.dirichlet = {{.part = roof}};
-  plan.forms = {elastic(field_rate, 5, 10), elastic(field_u, lambda, mu),
-                elastic(first_history_field, lambda, mu, -1.0)};
+  plan.forms = {elastic(field_of_u(1), 5, 10), elastic(field_of_u(0), lambda, mu),
+                elastic(field_of_memory(0), lambda, mu, -1.0)};
   plan.histories = {{.kernel = {.name = "C", .expression = exp(-lag / 0.5)}}};
   plan.laws = {{.name = "layer", .by_slope = true, .expression = slope}};
   plan.law_terms = {{.name = "layer", .law = 0, .part = ground, .rows = {{.u = {nx, ny, 0.0}}}}};
@@ -48,7 +49,9 @@ int main() {
   for (int i = 0; i <= steps; ++i) plan.time.grid.push_back(i / double(steps));
   plan.report.probes = {
       {.name = "u_y", .expression = u_y, .point = {1, 0, 0}},
-      {.name = "u_x", .expression = Expr::variable(slot::field(field_u, 0)), .point = {2, 0, 0}},
+      {.name = "u_x",
+       .expression = Expr::variable(slot::field(field_of_u(0), 0)),
+       .point = {2, 0, 0}},
       {.name = "strain", .kind = Probe::Kind::norm_v},
       {.name = "reaction", .kind = Probe::Kind::integral, .expression = xi, .part = ground}};
 

@@ -493,8 +493,8 @@ Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope&
   for (const auto& [m, t] : tensors) {
     std::vector<std::pair<solver::Slot, Symbol>> rename;
     for (int k = 0; k < 12; ++k)
-      rename.emplace_back(slot::field(solver::field_u, k),
-                          Symbol::variable(slot::field(solver::first_history_field + m, k)));
+      rename.emplace_back(slot::field(solver::field_of_u(0), k),
+                          Symbol::variable(slot::field(solver::field_of_memory(m), k)));
     std::vector<Symbol> w;
     for (const Symbol& component : of->components) w.push_back(substitute(component, rename));
     for (int i = 0; i < n; ++i) {

@@ -321,7 +321,7 @@ Value Checker::prime(const ast::Expr& e, const ast::Prime& p, const Scope& scope
   }
   for (std::size_t i = 0; i < u->components.size(); ++i)
     u->components[i] = Symbol::variable(
-        solver::slot::field(solver::field_rate, solver::slot::value(static_cast<int>(i))));
+        solver::slot::field(solver::field_of_u(1), solver::slot::value(static_cast<int>(i))));
   u->rate = true;
   return *u;
 }

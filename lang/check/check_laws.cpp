@@ -266,30 +266,31 @@ std::optional<std::vector<LawRow>> Checker::law_rows(const ast::Clarke& clarke, 
   const int d = model_.space.vector ? model_.dim : 1;
   std::vector<LawRow> rows;
   std::vector<std::pair<solver::Slot, Symbol>> at_rest;
-  for (int k = 0; k < 12; ++k) at_rest.emplace_back(slot::field(solver::field_u, k), Symbol(0.0));
+  for (int k = 0; k < 12; ++k)
+    at_rest.emplace_back(slot::field(solver::field_of_u(0), k), Symbol(0.0));
   for (std::size_t c = 0; c < at.components.size(); ++c) {
     LawRow row;
     for (solver::Slot s : solver::slots_of(at.components[c])) {
       if (s >= slot::first_field && s < slot::first_multiplier) {
         const int k = (s - slot::first_field) % slot::field_stride;
         const int which = (s - slot::first_field) / slot::field_stride;
-        if (which == solver::field_u && k < 3) continue;
-        error(which == solver::field_rate ? "E0415" : "E0414", clarke.at->span,
-              which == solver::field_rate
+        if (which == solver::field_of_u(0) && k < 3) continue;
+        error(which == solver::field_of_u(1) ? "E0415" : "E0414", clarke.at->span,
+              which == solver::field_of_u(1)
                   ? fmt::format("a law on the rate `{}'` is not the problem of the theory",
                                 find_->unknown.text)
                   : std::string("M takes values of the unknown: its trace, a part of it or itself"),
-              which == solver::field_rate
+              which == solver::field_of_u(1)
                   ? "friction here is on displacement: j depends on u, not on u'"
                   : "write `u.nu`, `u.tau`, a component, `u` or `u.nu - gap`");
         return std::nullopt;
       }
     }
     for (int i = 0; i < d; ++i) {
-      const solver::Slot u = slot::field(solver::field_u, slot::value(i));
+      const solver::Slot u = slot::field(solver::field_of_u(0), slot::value(i));
       row.u.push_back(derivative(at.components[c], u));
       for (int j = 0; j < d; ++j)
-        if (row.u.back().depends_on(slot::field(solver::field_u, slot::value(j)))) {
+        if (row.u.back().depends_on(slot::field(solver::field_of_u(0), slot::value(j)))) {
           error("E0403", clarke.at->span,
                 fmt::format("the argument of a law is linear in `{}`", find_->unknown.text));
           return std::nullopt;

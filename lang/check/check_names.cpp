@@ -336,9 +336,9 @@ Value Checker::reference(const ast::Expr& e, const std::string& name, const Scop
     std::vector<Symbol> components;
     const int n = model_.space.vector ? model_.dim : 1;
     for (int i = 0; i < n; ++i)
-      components.push_back(
-          Symbol::variable(is_test ? solver::slot::test(solver::slot::value(i))
-                                   : solver::slot::field(solver::field_u, solver::slot::value(i))));
+      components.push_back(Symbol::variable(
+          is_test ? solver::slot::test(solver::slot::value(i))
+                  : solver::slot::field(solver::field_of_u(0), solver::slot::value(i))));
     Field f = model_.space.vector ? vector_field(components) : scalar_field(components[0]);
     (is_test ? f.test : f.trial) = Degree::linear;
     return f;

@@ -333,7 +333,7 @@ void Checker::check_clauses(const ast::Find& find) {
 /// W0103 where the forms on one part, summed for u and for u', are not symmetric: compared at a few
 /// places and values by their second derivatives, a(w, v) against a(v, w).
 void Checker::check_symmetry() {
-  for (const int which : {solver::field_u, solver::field_rate}) {
+  for (const int which : {solver::field_of_u(0), solver::field_of_u(1)}) {
     std::map<int, std::pair<Symbol, Span>> sums;
     std::set<int> culprits;
     for (const ModelTerm& term : model_.terms) {
@@ -349,8 +349,9 @@ void Checker::check_symmetry() {
         diagnostics_.add(
             diagnose("W0103", sum.second,
                      fmt::format("the form in `{}{}` on `{}` is not symmetric", find_->unknown.text,
-                                 which == solver::field_rate ? "'" : "", model_.parts[part].name))
-                .with_note(which == solver::field_rate
+                                 which == solver::field_of_u(1) ? "'" : "",
+                                 model_.parts[part].name))
+                .with_note(which == solver::field_of_u(1)
                                ? "H(A) asks for a symmetric A: the theorem does not apply; the "
                                  "systems are solved by LU in place of Cholesky"
                                : "the systems are solved by LU in place of Cholesky: about twice "

@@ -313,7 +313,7 @@ void Checker::picture(const ast::PictureItem& item) {
   if (item.time) spec.time = report_time(*item.time);
   if (!file || !f) return;
   for (const Symbol& c : f->components)
-    if (c.depends_on_any(slot::field(solver::field_rate, 0), slot::first_inside)) {
+    if (c.depends_on_any(slot::field(solver::field_of_u(1), 0), slot::first_inside)) {
       error("E0306", item.field.span,
             fmt::format("`{}` cannot be drawn: a picture shows functions of u", f->name),
             "write it with `fields` and open the VTU file");

@@ -26,8 +26,8 @@ int derivative_of(solver::Slot s) { return (s - slot::first_field) % slot::field
 
 /// What a form acting on this field is called.
 Effect effect_of(int field) {
-  if (field == solver::field_rate) return Effect::viscosity;
-  return field == solver::field_u ? Effect::elasticity : Effect::memory;
+  if (field == solver::field_of_u(1)) return Effect::viscosity;
+  return field == solver::field_of_u(0) ? Effect::elasticity : Effect::memory;
 }
 
 class Lowering {
@@ -62,7 +62,7 @@ private:
   void rename_report() {
     std::vector<int> fresh(model_.histories.size(), -1);
     auto use = [&](int field) {
-      if (field >= solver::first_history_field) fresh[field - solver::first_history_field] = 0;
+      if (solver::is_memory(field)) fresh[solver::memory_of(field)] = 0;
     };
     for (const FormTerm& form : plan_.forms) use(form.field);
     for_each_report_expression([&](Symbol& e) {
@@ -76,13 +76,12 @@ private:
       fresh[m] = static_cast<int>(kept.size());
       kept.push_back(plan_.histories[m]);
       for (int k = 0; k < n_derivatives; ++k)
-        rename.emplace_back(
-            slot::field(solver::first_history_field + static_cast<int>(m), k),
-            Symbol::variable(slot::field(solver::first_history_field + fresh[m], k)));
+        rename.emplace_back(slot::field(solver::field_of_memory(static_cast<int>(m)), k),
+                            Symbol::variable(slot::field(solver::field_of_memory(fresh[m]), k)));
     }
     for (FormTerm& form : plan_.forms)
-      if (form.field >= solver::first_history_field)
-        form.field = solver::first_history_field + fresh[form.field - solver::first_history_field];
+      if (solver::is_memory(form.field))
+        form.field = solver::field_of_memory(fresh[solver::memory_of(form.field)]);
     plan_.histories = std::move(kept);
     for (std::size_t a = 0; a < applications_.size(); ++a)
       for (int k = 0; k < 3; ++k)

@@ -207,9 +207,9 @@ std::string describe_slot(Slot slot) {
   }
   const int field = (slot - slot::first_field) / slot::field_stride;
   const int derivative = (slot - slot::first_field) % slot::field_stride;
-  const std::string name = field == field_u      ? "u"
-                           : field == field_rate ? "u'"
-                                                 : fmt::format("history field {}", field - 2);
+  const std::string name = field == field_of_u(0)   ? "u"
+                           : field == field_of_u(1) ? "u'"
+                                                    : fmt::format("history field {}", field - 2);
   return derivative < 3 ? name : "the gradient of " + name;
 }
 

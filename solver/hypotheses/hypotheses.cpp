@@ -94,17 +94,17 @@ private:
   }
 
   void judge_a() {
-    const auto tensor = ellipticity(plan_, d_, field_rate);
+    const auto tensor = ellipticity(plan_, d_, field_of_u(1));
     c().m_1 = std::isfinite(tensor.least) ? tensor.least : not_a_number;
-    c().m_A = numbers_.coercivity(field_rate, c().m_1);
-    if (!numbers_.acts_on(field_rate)) {
+    c().m_A = numbers_.coercivity(field_of_u(1), c().m_1);
+    if (!numbers_.acts_on(field_of_u(1))) {
       row("H(A)", "A is coercive", std::nullopt, Answer::open, plan_.time.origin,
           plan_.time.is_static ? "static: no A is asked for"
                                : "there is no term with u': static at each t, no A is asked for");
       return;
     }
-    const Origin origin = form_origin(plan_, field_rate);
-    const double defect = numbers_.asymmetry(field_rate);
+    const Origin origin = form_origin(plan_, field_of_u(1));
+    const double defect = numbers_.asymmetry(field_of_u(1));
     row("H(A)", "A is symmetric: its defect", defect, yes(defect <= 1e-12), origin);
     rate_row_ = out_.hypotheses.size();
     row("H(A)", "A is coercive in V: m_A", c().m_A, positive(c().m_A), origin,
@@ -116,7 +116,7 @@ private:
   /// Coercive in V or in H? A tensor that is elliptic everywhere is the former's proof; else the
   /// least eigenvalue goes to 0 under refinement where it is the latter only.
   void judge_rate() {
-    if (!numbers_.acts_on(field_rate)) return;
+    if (!numbers_.acts_on(field_of_u(1))) return;
     auto& answer = out_.hypotheses[rate_row_];
     const double finer = m_a_finer_.value_or(not_a_number);
     const bool keeps = c().m_1 > 0.0 || finer > 0.7 * c().m_A;
@@ -124,7 +124,7 @@ private:
       out_.rate_form = RateForm::in_v;
       return;
     }
-    const double in_h = numbers_.coercivity_in_h(field_rate);
+    const double in_h = numbers_.coercivity_in_h(field_of_u(1));
     const double in_h_finer = m_h_finer_.value_or(in_h);
     const bool in_l2 = in_h > 0.0 && in_h_finer > 0.7 * in_h;
     out_.rate_form = in_l2 ? RateForm::in_h : RateForm::weak;
@@ -138,22 +138,22 @@ private:
   }
 
   void judge_b() {
-    const auto tensor = ellipticity(plan_, d_, field_u);
+    const auto tensor = ellipticity(plan_, d_, field_of_u(0));
     c().m_2 = std::isfinite(tensor.least) ? tensor.least : not_a_number;
-    c().m_B = numbers_.coercivity(field_u, c().m_2);
-    if (!numbers_.acts_on(field_u)) {
+    c().m_B = numbers_.coercivity(field_of_u(0), c().m_2);
+    if (!numbers_.acts_on(field_of_u(0))) {
       row("H(B)", "B is coercive", std::nullopt, Answer::fails, plan_.time.origin,
           "there is no term with u itself");
       return;
     }
-    const double defect = numbers_.asymmetry(field_u);
+    const double defect = numbers_.asymmetry(field_of_u(0));
     std::string note;
     if (std::isfinite(tensor.least))
       note = fmt::format("pointwise m_2 = {:.6g}{}", tensor.least, place(tensor));
     if (defect > 1e-12)
       note += fmt::format("{}not symmetric ({:.2g}), which the theory does not ask for",
                           note.empty() ? "" : "; ", defect);
-    row("H(B)", "B is coercive: m_B", c().m_B, positive(c().m_B), form_origin(plan_, field_u),
+    row("H(B)", "B is coercive: m_B", c().m_B, positive(c().m_B), form_origin(plan_, field_of_u(0)),
         note);
   }
 
@@ -192,13 +192,13 @@ private:
   /// The modulus B + E int q after a jump of the strain, against B: told where it leaves (0, 1].
   /// E and B are compared by their traces, exactly where one is a multiple of the other.
   void judge_modulus(int m) {
-    if (!numbers_.acts_on(field_u)) return;
+    if (!numbers_.acts_on(field_of_u(0))) return;
     const auto& grid = plan_.time.grid;
     const auto& kernel = plan_.histories[static_cast<std::size_t>(m)].kernel;
     const double horizon = grid.back() - grid.front();
     if (!kernel_traits(kernel.expression, horizon).convolution) return;
-    const double b = numbers_.of_field(field_u).diagonal().sum(),
-                 e = numbers_.of_field(first_history_field + m).diagonal().sum();
+    const double b = numbers_.of_field(field_of_u(0)).diagonal().sum(),
+                 e = numbers_.of_field(field_of_memory(m)).diagonal().sum();
     const double ratio = b != 0.0 ? e / b : 0.0;
     const auto relaxed = [&](double lag) {
       return 1.0 + ratio * interval_integral(kernel.expression, grid.front() + lag, 0.0, lag, 0);
@@ -328,7 +328,7 @@ private:
     m.paper = less(c().m_J, std::max(c().norm_full, c().norm_script));
     m.largest = less(std::max(c().m_nu, c().m_tau), c().norm_script);
     m.split = numbers_.margin_split(m_b);
-    m.against_b = m_b > 0.0 ? numbers_.margin_against(numbers_.of_field(field_u)) : -infinity;
+    m.against_b = m_b > 0.0 ? numbers_.margin_against(numbers_.of_field(field_of_u(0))) : -infinity;
     const Origin origin = worst_law();
     row("(H0)", "m_B - (m_nu + m_tau) ||M||^2, full trace", m.paper, positive(m.paper), origin);
     row("(H0)", "m_B - max(m_nu, m_tau) ||M||^2, the script's M", m.largest, positive(m.largest),
@@ -382,7 +382,7 @@ private:
                   {"half of it (Lemma 3.2)", bound(script / 2.0)},
                   {"k_0 of the error estimate, with C_2 >= c_E c_q", bound(script)}};
     const double with_a = step_bound(c().m_A, room, product_);
-    if (numbers_.acts_on(field_rate))
+    if (numbers_.acts_on(field_of_u(1)))
       out_.tau_0.emplace_back("m_A/k > m_J ||M||^2 - m_B + c_E c_q k: without (H0)", with_a);
     for (const auto& [what, tau] : out_.tau_0)
       row("tau_0", what, tau, yes(k < tau), plan_.time.origin,
@@ -394,9 +394,9 @@ private:
     for (std::size_t n = 0; n < absolute.size(); ++n) {
       double memory = 0.0;
       for (std::size_t i = 0; i < memory_norms_.size(); ++i)
-        memory += memory_norms_[i] * absolute[n][first_history_field + static_cast<int>(i)];
+        memory += memory_norms_[i] * absolute[n][field_of_memory(static_cast<int>(i))];
       c().memory_step = std::max(c().memory_step, memory);
-      out_.usable = std::min(out_.usable, c().m_A * steps_.c[n][field_rate] + room - memory);
+      out_.usable = std::min(out_.usable, c().m_A * steps_.c[n][field_of_u(1)] + room - memory);
     }
     row("step", "m_A/k + margin - c_E int |q| over the step", out_.usable, positive(out_.usable),
         plan_.time.origin, "with the sharpest margin: the usable bound, of the worst step");
@@ -406,20 +406,20 @@ private:
   /// off the margins (as for order one, so rather too much).
   void refine_norms() {
     const bool asks =
-        !plan_.law_terms.empty() || (numbers_.acts_on(field_rate) && !(c().m_1 > 0.0));
+        !plan_.law_terms.empty() || (numbers_.acts_on(field_of_u(1)) && !(c().m_1 > 0.0));
     if (!asks || d_.dofs.n_unknowns() > 200000 >> d_.mesh.dim) return;
     Discretisation fine;
     if (!discretise_on(plan_, refine(d_.mesh), fine).empty()) return;
     const Numbers finer(plan_, fine);
-    if (numbers_.acts_on(field_rate) && !(c().m_1 > 0.0)) {
-      m_a_finer_ = finer.coercivity(field_rate, not_a_number);
-      m_h_finer_ = finer.coercivity_in_h(field_rate);
+    if (numbers_.acts_on(field_of_u(1)) && !(c().m_1 > 0.0)) {
+      m_a_finer_ = finer.coercivity(field_of_u(1), not_a_number);
+      m_h_finer_ = finer.coercivity_in_h(field_of_u(1));
     }
     if (!plan_.law_terms.empty()) refine_margins(finer);
   }
 
   void refine_margins(const Numbers& finer) {
-    const double m_b = finer.coercivity(field_u, c().m_2);
+    const double m_b = finer.coercivity(field_of_u(0), c().m_2);
     const auto limit = [](double coarse, double here) {
       return std::isfinite(coarse) && std::isfinite(here) ? 2.0 * here - coarse : -infinity;
     };
@@ -429,9 +429,9 @@ private:
                    : std::isfinite(softening) ? m_b - softening * norm
                                               : -infinity;
     facts_.split = limit(out_.margins.split, finer.margin_split(m_b));
-    facts_.against_b =
-        m_b > 0.0 ? limit(out_.margins.against_b, finer.margin_against(finer.of_field(field_u)))
-                  : -infinity;
+    facts_.against_b = m_b > 0.0 ? limit(out_.margins.against_b,
+                                         finer.margin_against(finer.of_field(field_of_u(0))))
+                                 : -infinity;
     row("H(M)", "||M||^2 on ever finer meshes (estimate)", norm, yes(std::isfinite(norm)),
         plan_.law_terms.front().origin,
         fmt::format(

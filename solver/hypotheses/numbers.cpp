@@ -35,7 +35,7 @@ double Numbers::coercivity_in_h(int field) const {
 }
 
 double Numbers::memory_norm(int m) const {
-  return gram_.norm(of_field(first_history_field + m)).value_or(not_a_number);
+  return gram_.norm(of_field(field_of_memory(m))).value_or(not_a_number);
 }
 
 double Numbers::asymmetry(int field) const {

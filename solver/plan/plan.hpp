@@ -82,10 +82,14 @@ struct SpaceSpec {
 
 enum class Rule { exact, nodal, midpoint, gauss };
 
-/// Fields a form acts on: u, u', or 2 + m for history field m. Numbering of slot::field.
-inline constexpr int field_u = 0;
-inline constexpr int field_rate = 1;
-inline constexpr int first_history_field = 2;
+/// Fields a form acts on, in the numbering of slot::field: u, its derivatives in time up to this
+/// order, then the memories.
+inline constexpr int highest_derivative = 1;
+/// u (order 0), u' (order 1).
+constexpr int field_of_u(int order) { return order; }
+constexpr int field_of_memory(int m) { return highest_derivative + 1 + m; }
+constexpr bool is_memory(int field) { return field > highest_derivative; }
+constexpr int memory_of(int field) { return field - field_of_memory(0); }
 
 /// What an effect is called in `plan` and `check`.
 enum class Effect {
@@ -108,7 +112,7 @@ struct FormTerm {
   };
   Origin origin;
   int part = 0;
-  int field = field_u;
+  int field = field_of_u(0);
   Rule rule = Rule::exact;
   Effect effect = Effect::other;
   std::vector<Entry> entries;
@@ -257,6 +261,11 @@ struct Plan {
   ReportSpec report;
   std::vector<EffectNote> effects;
 };
+
+/// Of one unknown: with its derivatives and memories.
+inline int count_fields(const Plan& plan) {
+  return field_of_memory(static_cast<int>(plan.histories.size()));
+}
 
 /// The whole plan in a readable, stable text (hvi-run dump --plan).
 std::string to_string(const Plan& plan);

@@ -56,9 +56,9 @@ std::string derivative_name(const char* function, int index) {
 }
 
 std::string field_name(int field) {
-  if (field == field_u) return "u";
-  if (field == field_rate) return "u'";
-  return fmt::format("w{}", field - first_history_field);
+  if (field == field_of_u(0)) return "u";
+  if (field == field_of_u(1)) return "u'";
+  return fmt::format("w{}", memory_of(field));
 }
 
 class Printer {

@@ -38,7 +38,7 @@ class Validation {
 public:
   Validation(const Plan& plan, int dim)
       : plan_(plan), dim_(dim), components_(plan.space.vector ? dim : 1),
-        n_fields_(first_history_field + count(plan.histories)) {}
+        n_fields_(count_fields(plan)) {}
 
   std::vector<Failure> run() && {
     for (const auto& part : plan_.parts) region(part.region, part.origin);
@@ -98,7 +98,7 @@ private:
     if (s < slot::first_multiplier) {
       const int field = (s - slot::first_field) / slot::field_stride;
       return allowed.fields && field < n_fields_ &&
-             (field != field_rate || !plan_.time.is_static) &&
+             (field != field_of_u(1) || !plan_.time.is_static) &&
              derivative((s - slot::first_field) % slot::field_stride);
     }
     if (s < slot::first_inside) {

@@ -18,10 +18,10 @@ public:
   Residual(const FineSolution& solution, const TimeSpec& time)
       : plan_(solution.plan), d_(*solution.discretisation), layout_(make_layout(d_.space, d_.dofs)),
         contact_(make_contact(plan_, d_, layout_)), loads_(d_.space, d_.parts, plan_.loads),
-        viscous_(matrix_of_field(plan_, d_, field_rate)),
-        elastic_(matrix_of_field(plan_, d_, field_u)) {
+        viscous_(matrix_of_field(plan_, d_, field_of_u(1))),
+        elastic_(matrix_of_field(plan_, d_, field_of_u(0))) {
     for (std::size_t m = 0; m < plan_.histories.size(); ++m) {
-      memory_.push_back(matrix_of_field(plan_, d_, first_history_field + static_cast<int>(m)));
+      memory_.push_back(matrix_of_field(plan_, d_, field_of_memory(static_cast<int>(m))));
       HistoryOptions options;
       options.order = 1;
       options.horizon = time.grid.back() - time.grid.front();

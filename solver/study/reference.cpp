@@ -52,11 +52,11 @@ private:
   static std::vector<Expr> integrands(const Space& space, std::span<const Expr> exact) {
     const auto slope = [&](int i, int j) { return derivative(exact[i], slot::x(j)); };
     const auto error = [&](int i, int j) {
-      return Expr::variable(slot::field(field_u, slot::gradient(i, j))) - slope(i, j);
+      return Expr::variable(slot::field(field_of_u(0), slot::gradient(i, j))) - slope(i, j);
     };
     Expr l2(0.0);
     for (int i = 0; i < space.components; ++i) {
-      const Expr off = Expr::variable(slot::field(field_u, slot::value(i))) - exact[i];
+      const Expr off = Expr::variable(slot::field(field_of_u(0), slot::value(i))) - exact[i];
       l2 = l2 + off * off;
     }
     return {v_density(space, error), l2, v_density(space, slope)};

@@ -75,7 +75,7 @@ bool Search::has_time_error() const {
   if (family_.is_static()) return false;
   const auto& forms = family_.plan().forms;
   return std::any_of(forms.begin(), forms.end(),
-                     [](const FormTerm& f) { return f.field != field_u; });
+                     [](const FormTerm& f) { return f.field != field_of_u(0); });
 }
 
 Setting Search::space_setting(Element element, int level) const {

@@ -23,7 +23,7 @@ constexpr double least_fall = 0.9; ///< distances that fall less do not fall
 /// Whether the solution can jump at the beginning: nothing there remembers u_0.
 bool may_jump_at_first(const Plan& plan) {
   return std::none_of(plan.forms.begin(), plan.forms.end(),
-                      [](const FormTerm& f) { return f.field == field_rate; });
+                      [](const FormTerm& f) { return f.field == field_of_u(1); });
 }
 
 Vector first_state(const KeptRun& run) {

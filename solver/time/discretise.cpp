@@ -86,7 +86,8 @@ void check_grid(const Plan& plan, std::vector<Failure>& failures) {
   };
   if (time.is_static) {
     for (const auto& form : plan.forms)
-      if (form.field != field_u) bad("a static problem has neither a rate nor memory", form.origin);
+      if (form.field != field_of_u(0))
+        bad("a static problem has neither a rate nor memory", form.origin);
     return;
   }
   if (time.grid.size() < 2) bad("the time grid needs at least one step", time.origin);

@@ -34,8 +34,8 @@ double asymmetry(const SparseMatrix& k) {
 } // namespace
 
 EnergyMonitor::EnergyMonitor(const Plan& plan, const Discretisation& d, const Stepper& stepper)
-    : plan_(plan), d_(d), rate_(matrix_of_field(plan, d, field_rate)),
-      elastic_(matrix_of_field(plan, d, field_u)),
+    : plan_(plan), d_(d), rate_(matrix_of_field(plan, d, field_of_u(1))),
+      elastic_(matrix_of_field(plan, d, field_of_u(0))),
       gram_(gram_v(d.space, d.dofs.eliminated.empty())),
       loads_(d.space, d.parts, plan.loads), names_{"energy",      "elastic",    "contact",
                                                    "work",        "viscous",    "memory",
@@ -45,7 +45,7 @@ EnergyMonitor::EnergyMonitor(const Plan& plan, const Discretisation& d, const St
                                                    "snap"},
       sums_(n_sums, 0.0), columns_(names_.size()) {
   for (std::size_t m = 0; m < plan.histories.size(); ++m)
-    memory_.push_back(matrix_of_field(plan, d, first_history_field + static_cast<int>(m)));
+    memory_.push_back(matrix_of_field(plan, d, field_of_memory(static_cast<int>(m))));
   symmetric_ = asymmetry(elastic_) <= 1e-12;
   for (Vector* v : {&u_, &before_, &d_u_, &f_, &work_, &viscous_force_, &elastic_force_,
                     &memory_force_, &contact_force_})

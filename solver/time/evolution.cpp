@@ -9,8 +9,7 @@
 namespace hvi::solver {
 namespace {
 
-/// Fields are numbered u, its derivatives in time (field_rate: the first one), memories.
-constexpr int end_of_derivatives = first_history_field;
+constexpr int end_of_derivatives = highest_derivative + 1;
 
 /// Can a run that has taken so many steps have been planned so?
 bool is_of_a_run(const MemoryExtent& extent, bool is_static, int step) {
@@ -53,19 +52,18 @@ std::int64_t Evolution::field_reads() const {
 void Evolution::begin_step(int n) { memory_->begin_step(grid().t(n)); }
 
 Vector Evolution::factors(int n) const {
-  Vector out(first_history_field + memory_->size());
-  out[field_u] = 1.0;
+  Vector out(field_of_memory(memory_->size()));
+  out[field_of_u(0)] = 1.0;
   for (int j = 1; j < end_of_derivatives; ++j) out[j] = scheme_->factor(n, j);
-  for (int m = 0; m < memory_->size(); ++m) out[first_history_field + m] = memory_->w0(m);
+  for (int m = 0; m < memory_->size(); ++m) out[field_of_memory(m)] = memory_->w0(m);
   return out;
 }
 
 bool Evolution::known_part(int n, const DenseMatrix& weights, int b, const Vector& known,
                            Vector& out) const {
   const auto weight = weights.col(b);
-  double on_known = weight[field_u];
-  for (int m = 0; m < memory_->size(); ++m)
-    on_known += weight[first_history_field + m] * memory_->w0(m);
+  double on_known = weight[field_of_u(0)];
+  for (int m = 0; m < memory_->size(); ++m) on_known += weight[field_of_memory(m)] * memory_->w0(m);
   bool any = on_known != 0.0;
   const auto add = [&](const auto& term) {
     if (any)
@@ -76,7 +74,7 @@ bool Evolution::known_part(int n, const DenseMatrix& weights, int b, const Vecto
   };
   if (any) out = -on_known * known;
   for (int m = 0; m < memory_->size(); ++m)
-    if (const double w = weight[first_history_field + m]; w != 0.0) add(w * memory_->known(m));
+    if (const double w = weight[field_of_memory(m)]; w != 0.0) add(w * memory_->known(m));
   for (int j = 1; j < end_of_derivatives; ++j) {
     const double of_increment = scheme_->factor(n, j);
     if (of_increment == 0.0 || weight[j] == 0.0) continue;
@@ -89,14 +87,14 @@ bool Evolution::known_part(int n, const DenseMatrix& weights, int b, const Vecto
 
 void Evolution::acting(const DenseMatrix& weights, int b, Vector& out, Vector& work) const {
   const auto weight = weights.col(b);
-  out = weight[field_u] * u_;
+  out = weight[field_of_u(0)] * u_;
   for (int j = 1; j < end_of_derivatives; ++j) {
     if (weight[j] == 0.0 || grid().is_static()) continue;
     derivative(j, work);
     out += weight[j] * work;
   }
   for (int m = 0; m < memory_->size(); ++m)
-    if (const double w = weight[first_history_field + m]; w != 0.0)
+    if (const double w = weight[field_of_memory(m)]; w != 0.0)
       out += w * (memory_->known(m) + memory_->w0(m) * u_);
 }
 

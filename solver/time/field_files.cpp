@@ -103,9 +103,8 @@ VtuGrid body_grid(const Space& space) {
 FieldFiles::FieldFiles(const Plan& plan, const Discretisation& d, const Contact& contact,
                        const FieldsSpec& spec, std::filesystem::path folder, std::string stem,
                        Durability durability)
-    : space_(d.space), contact_(contact),
-      n_fields_(first_history_field + static_cast<int>(plan.histories.size())),
-      folder_(std::move(folder)), stem_(std::move(stem)), durability_(durability) {
+    : space_(d.space), contact_(contact), n_fields_(count_fields(plan)), folder_(std::move(folder)),
+      stem_(std::move(stem)), durability_(durability) {
   for (const auto& field : spec.fields) {
     if (std::none_of(field.components.begin(), field.components.end(), reads_multiplier)) {
       body_.push_back(field);

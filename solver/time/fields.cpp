@@ -57,15 +57,15 @@ void Snapshot::take(const Stepper& stepper, bool whole) {
   const auto scatter = [&](const Vector& state, Vector& full) {
     whole ? formulation.scatter(state, full) : formulation.scatter_observed(state, full);
   };
-  if (needed_[field_u]) scatter(stepper.u(), fields_[field_u]);
-  if (needed_[field_rate]) {
+  if (needed_[field_of_u(0)]) scatter(stepper.u(), fields_[field_of_u(0)]);
+  if (needed_[field_of_u(1)]) {
     evolution.derivative(1, state_);
-    scatter(state_, fields_[field_rate]);
+    scatter(state_, fields_[field_of_u(1)]);
   }
   for (int m = 0; m < evolution.memory().size(); ++m) {
-    if (!needed_[first_history_field + m]) continue;
+    if (!needed_[field_of_memory(m)]) continue;
     evolution.history_field(m, state_);
-    scatter(state_, fields_[first_history_field + m]);
+    scatter(state_, fields_[field_of_memory(m)]);
   }
   xi_ = stepper.xi();
   t_ = stepper.t();
@@ -73,11 +73,11 @@ void Snapshot::take(const Stepper& stepper, bool whole) {
 }
 
 void Snapshot::move(const ErrorSample& error, double step) {
-  for (std::size_t k = 0; k < fields_.size(); ++k) {
+  for (int k = 0; k < static_cast<int>(fields_.size()); ++k) {
     if (!needed_[k]) continue;
-    const double factor = k == field_u      ? 1.0
-                          : k == field_rate ? error.rate
-                                            : error.memory[k - first_history_field];
+    const double factor = k == field_of_u(0)   ? 1.0
+                          : k == field_of_u(1) ? error.rate
+                                               : error.memory[memory_of(k)];
     fields_[k] += step * factor * error.u;
   }
   if (error.xi.size() == xi_.size()) xi_ += step * error.xi;
@@ -89,7 +89,7 @@ void Snapshot::interpolate(const Snapshot& a, const Snapshot& b, double theta) {
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     if (!needed_[k]) continue;
     fields_[k] = b.fields_[k];
-    if (k == field_rate && initial) continue;
+    if (k == field_of_u(1) && initial) continue;
     fields_[k] = (1 - theta) * a.fields_[k] + theta * b.fields_[k];
   }
   xi_ = initial ? b.xi_ : Vector((1 - theta) * a.xi_ + theta * b.xi_);

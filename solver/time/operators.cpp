@@ -161,7 +161,7 @@ Operators assemble_operators(const Plan& plan, const Discretisation& discretisat
   if (plan.forms.empty())
     throw Failure(FailureKind::bad_value, plan.space.origin,
                   "nothing resists: the plan has no form");
-  const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
+  const int n_fields = count_fields(plan);
   auto distinct = distinct_terms(plan, n_fields);
   auto matrices = assemble_distinct(plan, discretisation, layout, distinct.terms);
   merge_equal_values(matrices, distinct.weights);

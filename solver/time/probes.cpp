@@ -17,8 +17,7 @@ Match(F...) -> Match<F...>;
 
 ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const Stepper& stepper)
     : space_(d.space), layout_(stepper.formulation().layout()), contact_(stepper.contact()),
-      probes_(plan.report.probes),
-      n_fields_(first_history_field + static_cast<int>(plan.histories.size())) {
+      probes_(plan.report.probes), n_fields_(count_fields(plan)) {
   const CellLocator locator(d.mesh, probes_.size());
   for (const auto& probe : probes_) evaluators_.push_back(make(probe, plan, d, stepper, locator));
 }
@@ -69,7 +68,7 @@ std::vector<Expr> ProbeSet::expressions() const {
   std::vector<Expr> out;
   for (const auto& probe : probes_)
     out.push_back(probe.kind == Probe::Kind::norm_v
-                      ? Expr::variable(slot::field(field_u, slot::value(0)))
+                      ? Expr::variable(slot::field(field_of_u(0), slot::value(0)))
                       : probe.expression);
   return out;
 }
@@ -82,7 +81,7 @@ double ProbeSet::value(int i, const Snapshot& snapshot) {
                             return out;
                           },
                           [&](LawSampler& sampler) { return sampler.integral(contact_, snapshot); },
-                          [&](const NormV&) { return norm(snapshot.field(field_u)); },
+                          [&](const NormV&) { return norm(snapshot.field(field_of_u(0))); },
                           [](const Combination&) { return std::nan(""); }},
                     evaluators_[i]);
 }

@@ -42,7 +42,7 @@ std::string different_tensors(const Plan& plan, const Operators& operators) {
 
 /// How often whole fields are read: every so many steps; 0: at the end only.
 int interior_every(const Plan& plan, std::string* who) {
-  const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
+  const int n_fields = count_fields(plan);
   int every = 0, base = 0;
   for (const auto& table : plan.report.tables) base = std::gcd(base, std::max(table.every, 1));
   for (const auto& probe : plan.report.probes)
@@ -79,7 +79,7 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
   if (contact.whole) return "the laws act on most of the unknowns";
   if (!loads.separable()) return "a load does not separate into functions of t and of x";
   if (layout.n_state != layout.n_unknowns) return "boundary values other than zero are imposed";
-  const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
+  const int n_fields = count_fields(plan);
   for (const auto& probe : plan.report.probes)
     if (probe.time && reads_interior(probe, n_fields))
       return fmt::format("`{}` reads the interior between two steps", probe.name);

@@ -43,7 +43,7 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, Stepper& stepper,
       range_(plan.law_terms.size()), found_(found_effects(plan, d, stepper)), warn_(settings.warn) {
   prepare_tables(settings.name);
   prepare_fields(d, stepper, settings);
-  const int n_fields = first_history_field + static_cast<int>(plan.histories.size());
+  const int n_fields = count_fields(plan);
   for (const auto& probe : plan.report.probes)
     rows_read_interior_ = rows_read_interior_ || reads_interior(probe, n_fields);
   stepper.observe(probes_.dofs_read());
@@ -76,8 +76,9 @@ void Reporter::prepare_fields(const Discretisation& d, const Stepper& stepper,
   }
   const bool timed_pictures =
       std::ranges::any_of(plan_.report.pictures, [](const auto& p) { return p.time.has_value(); });
-  if (timed_pictures) expressions.push_back(Expr::variable(slot::field(field_u, slot::value(0))));
-  const int n_fields = first_history_field + static_cast<int>(plan_.histories.size());
+  if (timed_pictures)
+    expressions.push_back(Expr::variable(slot::field(field_of_u(0), slot::value(0))));
+  const int n_fields = count_fields(plan_);
   const auto needed = fields_read(expressions, n_fields);
   now_ = Snapshot(needed, d.space.n_dofs(), contact_.n_rows());
   keeps_before_ = probes_.any_timed() || timed_pictures;
@@ -134,7 +135,7 @@ void Reporter::read_between_steps(const Stepper& stepper) {
     const auto& at = plan_.report.pictures[i].time;
     if (!at || *at > to || *at < from || (*at == from && !first)) continue;
     go_to(*at);
-    pictures_[i] = between_.field(field_u);
+    pictures_[i] = between_.field(field_of_u(0));
   }
 }
 

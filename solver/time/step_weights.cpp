@@ -49,7 +49,7 @@ public:
         w0 = kernel.history->w0(grid_.t(n));
         if (kernel.convolution) kernel.by_length[grid_.length(n)] = w0;
       }
-      out[first_history_field + static_cast<Eigen::Index>(m)] = w0;
+      out[field_of_memory(static_cast<int>(m))] = w0;
       kernel.history->commit(grid_.t(n), {});
     }
   }
@@ -64,9 +64,7 @@ private:
   std::vector<Kernel> kernels_;
 };
 
-Eigen::Index fields(const Plan& plan) {
-  return first_history_field + static_cast<Eigen::Index>(plan.histories.size());
-}
+Eigen::Index fields(const Plan& plan) { return count_fields(plan); }
 
 } // namespace
 
@@ -84,7 +82,7 @@ bool surely_one_matrix(const Plan& plan) {
 
 StepWeights step_weights(const Plan& plan) {
   VectorXd c = VectorXd::Zero(fields(plan));
-  c[field_u] = 1.0;
+  c[field_of_u(0)] = 1.0;
   if (plan.time.is_static) return {{1}, {c}};
   const auto scheme = make_scheme(plan.time);
   const TimeGrid& grid = scheme->grid();
@@ -95,7 +93,7 @@ StepWeights step_weights(const Plan& plan) {
   };
   std::map<VectorXd, int, decltype(less)> seen(less);
   for (int n = 1; n <= grid.steps(); ++n) {
-    c[field_rate] = scheme->factor(n, 1);
+    c[field_of_u(1)] = scheme->factor(n, 1);
     memory.next(n, c);
     if (!seen.emplace(c, n).second) continue;
     out.steps.push_back(n);

@@ -20,10 +20,10 @@ constexpr double share_of_run = 0.02;
 Vector whole_coefficients(const Operators& operators, double length,
                           std::span<const double> memory) {
   Vector by_field = Vector::Zero(operators.n_fields());
-  by_field[field_u] = 1.0;
-  by_field[field_rate] = 1.0 / length;
+  by_field[field_of_u(0)] = 1.0;
+  by_field[field_of_u(1)] = 1.0 / length;
   for (std::size_t m = 0; m < memory.size(); ++m)
-    by_field[first_history_field + static_cast<int>(m)] = memory[m];
+    by_field[field_of_memory(static_cast<int>(m))] = memory[m];
   return operators.weights.transpose() * by_field;
 }
 

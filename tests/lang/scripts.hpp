@@ -58,7 +58,7 @@ public:
                   (*this)(slot_of(solver::slot::gradient(j, i))));
   }
   double strain_of_u(int i, int j) {
-    return strain([](int d) { return solver::slot::field(solver::field_u, d); }, i, j);
+    return strain([](int d) { return solver::slot::field(solver::field_of_u(0), d); }, i, j);
   }
   double strain_of_v(int i, int j) {
     return strain([](int d) { return solver::slot::test(d); }, i, j);

@@ -160,7 +160,7 @@ TEST(Integrands, OrthotropicTensorsInvertTheirComplianceInAnyFrame) {
         const auto value_of = [&](solver::Slot asked) {
           for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b) {
-              if (asked == slot::field(solver::field_u, slot::gradient(a, b)))
+              if (asked == slot::field(solver::field_of_u(0), slot::gradient(a, b)))
                 return turned(strain, a, b);
               if (asked == slot::test(slot::gradient(a, b))) return a == i && b == j ? 1.0 : 0.0;
             }

@@ -76,7 +76,7 @@ TEST(Lower, EntriesAddUpToTheIntegrands) {
     }
     wanted += 3 * traces[0] * traces[1];
     for (const auto& piece : pieces) {
-      const double u = piece.load ? 1.0 : at(slot::field(solver::field_u, piece.j));
+      const double u = piece.load ? 1.0 : at(slot::field(solver::field_of_u(0), piece.j));
       wanted += piece.factor * u * at(slot::test(piece.i));
       size += std::abs(piece.factor);
     }
@@ -111,11 +111,11 @@ TEST(Lower, EffectsAndArgumentsOfLaws) {
                   "slip^0(u.tau; v.tau))\n"
                   " >= integral(body, v.y) + integral(ground, v.x)\n");
   ASSERT_EQ(plan.forms.size(), 3u);
-  EXPECT_EQ(plan.forms[0].field, solver::field_rate);
+  EXPECT_EQ(plan.forms[0].field, solver::field_of_u(1));
   EXPECT_EQ(plan.forms[0].effect, Effect::viscosity);
-  EXPECT_EQ(plan.forms[1].field, solver::field_u);
+  EXPECT_EQ(plan.forms[1].field, solver::field_of_u(0));
   EXPECT_EQ(plan.forms[1].effect, Effect::elasticity);
-  EXPECT_EQ(plan.forms[2].field, solver::first_history_field);
+  EXPECT_EQ(plan.forms[2].field, solver::field_of_memory(0));
   EXPECT_EQ(plan.forms[2].effect, Effect::memory);
   ASSERT_EQ(plan.histories.size(), 1u);
   ASSERT_EQ(plan.law_terms.size(), 2u);
@@ -149,9 +149,9 @@ TEST(Lower, MemoriesThatNothingUsesAreLeftOutAndTheOthersRenumbered) {
   ASSERT_EQ(plan.histories.size(), 1u);
   int of_memory = 0;
   for (const auto& term : plan.forms)
-    if (term.field >= solver::first_history_field) {
+    if (solver::is_memory(term.field)) {
       ++of_memory;
-      EXPECT_EQ(term.field, solver::first_history_field);
+      EXPECT_EQ(term.field, solver::field_of_memory(0));
     }
   EXPECT_EQ(of_memory, 1);
 }

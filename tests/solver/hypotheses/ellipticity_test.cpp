@@ -17,11 +17,11 @@ Ellipticity of(const std::vector<FormTerm>& forms) {
   plan.forms = forms;
   Discretisation d;
   for (const auto& mistake : discretise(plan, d)) throw mistake;
-  return ellipticity(plan, d, field_u);
+  return ellipticity(plan, d, field_of_u(0));
 }
 
 FormTerm scaled(Expr by, int part = 0) {
-  FormTerm form = elastic(2, part, field_u, {3.0, 1.0});
+  FormTerm form = elastic(2, part, field_of_u(0), {3.0, 1.0});
   for (auto& entry : form.entries) entry.coefficient = entry.coefficient * by;
   return form;
 }

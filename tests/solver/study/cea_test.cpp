@@ -68,9 +68,11 @@ TEST(Cea, TermsAreThoseOfTheFormula) {
 
   const Discretisation& d = *solution.discretisation;
   ASSERT_EQ(d.mesh.cells.size(), 4 * coarse.mesh.cells.size());
-  const auto a = matrix_of(solution.plan, d, field_rate), b = matrix_of(solution.plan, d, field_u),
-             e = matrix_of(solution.plan, d, first_history_field);
-  const auto strains = assemble_form(d.space, d.parts[body], elastic(2, body, field_u, {0.0, 0.5}));
+  const auto a = matrix_of(solution.plan, d, field_of_u(1)),
+             b = matrix_of(solution.plan, d, field_of_u(0)),
+             e = matrix_of(solution.plan, d, field_of_memory(0));
+  const auto strains =
+      assemble_form(d.space, d.parts[body], elastic(2, body, field_of_u(0), {0.0, 0.5}));
   const auto square = [&](const Vector& v) { return v.dot(strains * v); };
   LoadAssembler loads(d.space, d.parts, plan.loads);
   const SparseMatrix down = transfer(d.space, coarse.space), up = transfer(coarse.space, d.space);

@@ -20,8 +20,8 @@ Plan rod(Expr load, int steps, Expr viscosity = 0.2, Expr stiffness = 1.0, int c
   plan.parts = {all_cells("rod"), group("held", "left"), group("tip", "right")};
   plan.space.vector = false;
   plan.space.dirichlet = {clamp(1)};
-  plan.forms = {diffusion(1, 0, field_u, stiffness)};
-  if (steps > 0) plan.forms.push_back(diffusion(1, 0, field_rate, viscosity));
+  plan.forms = {diffusion(1, 0, field_of_u(0), stiffness)};
+  if (steps > 0) plan.forms.push_back(diffusion(1, 0, field_of_u(1), viscosity));
   plan.loads = {force(0, {load})};
   plan.time.is_static = steps == 0;
   if (steps > 0) plan.time.grid = uniform_grid(1.0, steps);
@@ -249,7 +249,7 @@ TEST(Search, ValuesOfProbesFallFasterThanNorms) {
   request.as_written = true;
   Plan plan = rod(exp(5.0 * sin(7.0 * x())), 0);
   plan.space.order = 2;
-  plan.forms = {diffusion(1, 0, field_u, 1.0 + x())};
+  plan.forms = {diffusion(1, 0, field_of_u(0), 1.0 + x())};
   const auto result = reached(plan, request);
   EXPECT_GT(result.tries.back().space_order, 2.5);
   EXPECT_LE(true_error(plan, result), request.wanted);

@@ -20,7 +20,7 @@ Plan square(int n, int order, bool vector) {
   plan.parts = {all_cells("body"), group("bottom", "bottom"), group("left", "left")};
   plan.space.order = order;
   plan.space.vector = vector;
-  plan.forms = {vector ? elastic(2, 0, field_u, {1, 1}) : diffusion(2, 0, field_u)};
+  plan.forms = {vector ? elastic(2, 0, field_of_u(0), {1, 1}) : diffusion(2, 0, field_of_u(0))};
   return plan;
 }
 
@@ -99,7 +99,7 @@ Plan membrane(int cells) {
   Plan plan = square(4, 1, false);
   plan.mesh.adapted = cells;
   plan.space.dirichlet = {clamp(1)};
-  plan.forms = {diffusion(2, 0, field_u)};
+  plan.forms = {diffusion(2, 0, field_of_u(0))};
   plan.loads = {force(0, {1.0 + var(slot::x(0)) * 20.0 * var(slot::x(1))})};
   return plan;
 }
@@ -134,7 +134,7 @@ TEST(AdaptedMesh, StopsWhenAsked) {
 TEST(SharedWork, RunsThatTakeOverHaveTheSameBits) {
   Plan plan = square(12, 2, true);
   plan.space.dirichlet = {clamp(1)};
-  plan.forms = {elastic(2, 0, field_rate, {1, 2}), elastic(2, 0, field_u, {5, 7})};
+  plan.forms = {elastic(2, 0, field_of_u(1), {1, 2}), elastic(2, 0, field_of_u(0), {5, 7})};
   plan.loads = {force(0, {var(slot::t), Expr(-1.0)})};
   plan.time.is_static = false;
   plan.time.grid = uniform_grid(1.0, 8);

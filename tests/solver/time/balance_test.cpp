@@ -55,8 +55,8 @@ TEST_F(FirstStep, TheRightHandSideIsTheLoadLessWhatIsKnown) {
   for (int b = 0; b < operators().n_bases(); ++b) {
     const auto weight = operators().weights.col(b);
     expected -= operators().bases[b] *
-                (weight[field_u] * u0 +
-                 weight[first_history_field] * (w0 * u0 + evolution->memory().known(0)));
+                (weight[field_of_u(0)] * u0 +
+                 weight[field_of_memory(0)] * (w0 * u0 + evolution->memory().known(0)));
   }
   EXPECT_LT((equation.rhs - expected).norm(), 1e-13 * expected.norm());
 }

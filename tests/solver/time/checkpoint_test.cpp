@@ -64,7 +64,7 @@ TEST(Fingerprint, ChangesWithEachIngredient) {
       [](Plan& p) { p.laws[1].expression = Expr(0.5); },
       [](Plan& p) { p.histories[0].kernel = exponential_kernel(0.5 + 1e-15); },
       [](Plan& p) {
-        p.forms[0] = elastic(2, body, field_rate, {5, 10 + 1e-14});
+        p.forms[0] = elastic(2, body, field_of_u(1), {5, 10 + 1e-14});
       },
       [](Plan& p) { p.report.probes[0].expression = tabulated(7.0); },
       [](Plan& p) { p.report.probes[0].expression = tabulated(8.0); },

@@ -16,7 +16,7 @@ Plan square(int steps) {
   plan.mesh.cells = {6, 5, 1};
   plan.parts = {all_cells("body"), group("left", "left"), group("right", "right")};
   plan.space.dirichlet = {clamp(1)};
-  plan.forms = {elastic(2, 0, field_u, {3, 2})};
+  plan.forms = {elastic(2, 0, field_of_u(0), {3, 2})};
   plan.loads = {force(2, {0.3, -0.2})};
   plan.time.is_static = steps == 0;
   if (steps > 0) plan.time.grid = uniform_grid(1.0, steps);
@@ -29,7 +29,7 @@ Plan square(int steps) {
 TEST(KelvinVoigt, BackwardEulerInClosedForm) {
   const double u_static = solve(square(0)).final.at("u");
   auto plan = square(20);
-  plan.forms.push_back(elastic(2, 0, field_rate, {3, 2}));
+  plan.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
   const auto result = solve(plan);
   for (int n = 1; n <= 20; ++n)
     expect_relative(result.columns.at("u")[n - 1], (1 - std::pow(1.05, -n)) * u_static, 1e-12,
@@ -43,12 +43,12 @@ TEST(KelvinVoigt, BackwardEulerInClosedForm) {
 TEST(Memory, OwnStepWeightsThatVaryMuchFromStepToStep) {
   const double pi = 3.14159265358979323846;
   auto fixed = square(0);
-  fixed.forms.push_back(elastic(2, 0, field_u, {1, 2}, -0.125 * pi));
+  fixed.forms.push_back(elastic(2, 0, field_of_u(0), {1, 2}, -0.125 * pi));
   const double exact = solve(fixed).final.at("u");
   const Expr t = var(slot::t), s = t - var(slot::lag);
   for (const double grading : {1.0, 3.0, 0.5}) {
     auto plan = square(10);
-    plan.forms.push_back(elastic(2, 0, first_history_field, {1, 2}));
+    plan.forms.push_back(elastic(2, 0, field_of_memory(0), {1, 2}));
     plan.histories = {{{}, {"q", {}, Expr(-0.25) * pow(t * t - s * s, Expr(-0.5))}}};
     for (double& time : plan.time.grid) time = std::pow(time, grading);
     const auto result = solve(plan);
@@ -61,7 +61,7 @@ TEST(Memory, OwnStepWeightsThatVaryMuchFromStepToStep) {
 TEST(KelvinVoigt, GradedGrid) {
   const double u_static = solve(square(0)).final.at("u");
   auto plan = square(12);
-  plan.forms.push_back(elastic(2, 0, field_rate, {3, 2}));
+  plan.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
   for (std::size_t n = 0; n < plan.time.grid.size(); ++n)
     plan.time.grid[n] = std::pow(static_cast<double>(n) / 12, 2);
   const auto result = solve(plan);
@@ -76,7 +76,7 @@ TEST(KelvinVoigt, GradedGrid) {
 
 TEST(KelvinVoigt, ReturningLengthsKeepTheirFactors) {
   auto plan = square(1);
-  plan.forms.push_back(elastic(2, 0, field_rate, {3, 2}));
+  plan.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
   plan.time.grid = {0};
   for (int n = 0; n < 12; ++n)
     plan.time.grid.push_back(plan.time.grid.back() + (n % 3 == 2 ? 0.25 : 0.125));
@@ -91,7 +91,7 @@ TEST(KelvinVoigt, LoadSampledAsMeanOrAtTheEnd) {
   const double u_static = solve(square(0)).final.at("u");
   for (const auto sampling : {LoadSampling::endpoint, LoadSampling::average}) {
     auto plan = square(10);
-    plan.forms.push_back(elastic(2, 0, field_rate, {3, 2}));
+    plan.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
     for (auto& entry : plan.loads[0].entries) entry.value = entry.value * var(slot::t);
     plan.time.sampling = sampling;
     double u = 0;
@@ -109,7 +109,7 @@ TEST(Bdf2, SecondOrderOnUniformAndGradedGrids) {
     std::vector<double> errors;
     for (const int steps : {80, 160, 320}) {
       auto plan = square(steps);
-      plan.forms.push_back(elastic(2, 0, field_rate, {3, 2}));
+      plan.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
       plan.time.scheme = Scheme::bdf2;
       if (graded)
         for (auto& t : plan.time.grid) t = 0.5 * t + 0.5 * t * t;
@@ -126,7 +126,7 @@ TEST(Bdf2, SecondOrderOnUniformAndGradedGrids) {
 double standard_linear_solid_error(int steps, Scheme scheme) {
   const double tau = 0.5, c = 0.8;
   auto plan = square(steps);
-  plan.forms.push_back(elastic(2, 0, first_history_field, {3, 2}, -c));
+  plan.forms.push_back(elastic(2, 0, field_of_memory(0), {3, 2}, -c));
   plan.histories = {{{}, exponential_kernel(tau)}};
   for (auto& entry : plan.loads[0].entries) entry.value = entry.value * var(slot::t);
   plan.time.scheme = scheme;
@@ -154,8 +154,8 @@ TEST(StandardLinearSolid, StressRelaxesExactlyUnderImposedStrain) {
   plan.parts = {all_cells("body"), group("left", "left"), group("right", "right"),
                 group("bottom", "bottom"), group("top", "top")};
   plan.space.dirichlet = {clamp(1, 0), clamp(2, 0, {Expr(stretch)}), clamp(3, 1), clamp(4, 1)};
-  plan.forms = {elastic(2, 0, field_u, {1, 1}, e0 + e1),
-                elastic(2, 0, first_history_field, {1, 1}, -e1 / tau)};
+  plan.forms = {elastic(2, 0, field_of_u(0), {1, 1}, e0 + e1),
+                elastic(2, 0, field_of_memory(0), {1, 1}, -e1 / tau)};
   plan.histories = {{{}, exponential_kernel(tau)}};
   plan.time.is_static = false;
   plan.time.grid = uniform_grid(1.0, 10);
@@ -167,7 +167,7 @@ TEST(StandardLinearSolid, StressRelaxesExactlyUnderImposedStrain) {
     return 3.0 * d(field, 0, 0) + d(field, 1, 1);
   };
   plan.report.probes = {
-      at_point("s", (e0 + e1) * tensor(field_u) - Expr(e1 / tau) * tensor(first_history_field),
+      at_point("s", (e0 + e1) * tensor(field_of_u(0)) - Expr(e1 / tau) * tensor(field_of_memory(0)),
                {0.5, 0.5, 0})};
   plan.report.tables = {{{}, {0}, 1, ""}};
   const auto result = solve(plan);
@@ -187,8 +187,8 @@ TEST(NonConvolution, MatchesThePlainRecursion) {
   plan.parts = {all_cells("bar"), group("left", "left"), group("right", "right")};
   plan.space.vector = false;
   plan.space.dirichlet = {clamp(1), clamp(2)};
-  plan.forms = {diffusion(1, 0, field_rate), diffusion(1, 0, field_u),
-                diffusion(1, 0, first_history_field, -0.7)};
+  plan.forms = {diffusion(1, 0, field_of_u(1)), diffusion(1, 0, field_of_u(0)),
+                diffusion(1, 0, field_of_memory(0), -0.7)};
   plan.histories = {{{}, {"q", {}, exp(-lag) * (1.0 + t) / (1.0 + t - lag)}}};
   plan.loads = {force(0, {8.0 * t})};
   plan.time.is_static = false;
@@ -258,7 +258,7 @@ TEST(Unsymmetric, ConvectionDiffusion) {
   plan.space.dirichlet = {clamp(1), clamp(2)};
   FormTerm convection;
   convection.entries = {{slot::value(0), slot::gradient(0, 0), 1.0}};
-  plan.forms = {diffusion(1, 0, field_u), convection};
+  plan.forms = {diffusion(1, 0, field_of_u(0)), convection};
   plan.loads = {force(0, {1.0})};
   plan.report.probes = {at_point("u", u_value(0), {0.5, 0, 0})};
   const double exact = 0.5 - (std::exp(0.5) - 1) / (std::exp(1.0) - 1);
@@ -270,10 +270,10 @@ TEST(Imposed, MovingEndIsFollowed) {
   auto plan = square(8);
   plan.loads.clear();
   plan.space.dirichlet = {clamp(1), clamp(2, -1, {0.1 * var(slot::t), 0.0 * var(slot::t)})};
-  plan.forms = {elastic(2, 0, field_u, {0, 1}), elastic(2, 0, field_rate, {0, 1})};
+  plan.forms = {elastic(2, 0, field_of_u(0), {0, 1}), elastic(2, 0, field_of_u(1), {0, 1})};
   // lambda = 0 and u = (a x, 0): stress free at top and bottom, so this is the solution.
   plan.report.probes = {at_point("u", u_value(0), {0.5, 0.4, 0}),
-                        at_point("v", var(slot::field(field_rate, 0)), {0.5, 0.4, 0})};
+                        at_point("v", var(slot::field(field_of_u(1), 0)), {0.5, 0.4, 0})};
   const auto result = solve(plan);
   EXPECT_NEAR(result.final.at("u"), 0.05, 1e-13);
   EXPECT_NEAR(result.final.at("v"), 0.05, 1e-12);
@@ -288,7 +288,7 @@ TEST(DomainLaw, EqualsTheFormItStandsFor) {
   plan.parts = {all_cells("body"), group("left", "left")};
   plan.space.vector = false;
   plan.space.dirichlet = {clamp(1)};
-  plan.forms = {diffusion(2, 0, field_u)};
+  plan.forms = {diffusion(2, 0, field_of_u(0))};
   plan.loads = {force(0, {1.0 + var(slot::x(0))})};
   plan.report.probes = {at_point("u", u_value(0), {0.75, 0.5, 0})};
   auto with_form = plan;
@@ -317,7 +317,7 @@ TEST(Gap, ContactBeginsBeyondTheGap) {
   plan.parts = {all_cells("bar"), group("left", "left"), group("right", "right")};
   plan.space.vector = false;
   plan.space.dirichlet = {clamp(1)};
-  plan.forms = {diffusion(1, 0, field_u)};
+  plan.forms = {diffusion(1, 0, field_of_u(0))};
   plan.loads = {force(2, {0.3})};
   LawSpec law;
   law.by_slope = true;

@@ -72,11 +72,12 @@ TEST_P(Energies, AreThoseOfTheFormulas) {
     return table.columns.at(static_cast<std::size_t>(at - table.names.begin()));
   };
 
-  const auto a = matrix_of(plan, d, field_rate), b = matrix_of(plan, d, field_u);
+  const auto a = matrix_of(plan, d, field_of_u(1)), b = matrix_of(plan, d, field_of_u(0));
   const Ground ground(d, n);
   LoadAssembler loads(d.space, d.parts, plan.loads);
   // ||u||_V squared is the integral of eps(u) : eps(u)
-  const auto strains = assemble_form(d.space, d.parts[body], elastic(2, body, field_u, {0.0, 0.5}));
+  const auto strains =
+      assemble_form(d.space, d.parts[body], elastic(2, body, field_of_u(0), {0.0, 0.5}));
   const auto norm = [&](const Vector& u) { return std::sqrt(u.dot(strains * u)); };
   double work = 0, viscous = 0, memory = 0, lost = 0, jumps = 0, rates = 0, most = 0, most_xi = 0;
   double elastic = 0, contact = 0;
@@ -145,7 +146,7 @@ TEST(Energies, OfAMovingRoofAreTheWorkOfItsReactions) {
   states.push_back(Vector::Zero(d.space.n_dofs()));
   settings.on_step = [&](int, double, const Vector& u, const Vector&) { states.push_back(u); };
   const auto table = run(plan, d, settings).monitors.value();
-  const auto a = matrix_of(plan, d, field_rate), b = matrix_of(plan, d, field_u);
+  const auto a = matrix_of(plan, d, field_of_u(1)), b = matrix_of(plan, d, field_of_u(0));
   double work = 0;
   for (std::size_t m = 1; m < states.size(); ++m) {
     const Vector du = states[m] - states[m - 1];

@@ -105,14 +105,14 @@ TEST(Coercivity, RigidMotionsAreNamed) {
 
 TEST(Coercivity, NegativeStiffnessIsRefused) {
   auto plan = slab(4, 4);
-  plan.forms = {elastic(2, body, field_u, {1, 1}, -1.0)};
+  plan.forms = {elastic(2, body, field_of_u(0), {1, 1}, -1.0)};
   plan.histories.clear();
   EXPECT_EQ(failure_of(plan).kind, FailureKind::not_coercive);
 }
 
 TEST(Coercivity, AMemoryThatTakesMoreThanTheBodyHasIsNoMistakeOfTheForms) {
   auto plan = slab(4, 4);
-  plan.forms.back() = elastic(2, body, first_history_field, {1, 1}, -1e4);
+  plan.forms.back() = elastic(2, body, field_of_memory(0), {1, 1}, -1e4);
   const auto failure = failure_of(plan);
   EXPECT_EQ(failure.kind, FailureKind::not_coercive);
   EXPECT_THAT(failure.what(), HasSubstr("step 1"));
@@ -121,7 +121,7 @@ TEST(Coercivity, AMemoryThatTakesMoreThanTheBodyHasIsNoMistakeOfTheForms) {
 
 TEST(Coercivity, AMatrixThatRoundingMadeSingularIsNoMistakeOfTheScript) {
   auto plan = slab(4, 4);
-  plan.forms = {elastic(2, body, field_u, from_young(70, 0.3))};
+  plan.forms = {elastic(2, body, field_of_u(0), from_young(70, 0.3))};
   plan.histories.clear();
   plan.space.dirichlet = {clamp(flank)};
   plan.loads.pop_back();

@@ -11,7 +11,7 @@
 namespace hvi::solver::testing_plans {
 
 inline Expr var(Slot s) { return Expr::variable(s); }
-inline Expr u_value(int i) { return var(slot::field(field_u, slot::value(i))); }
+inline Expr u_value(int i) { return var(slot::field(field_of_u(0), slot::value(i))); }
 
 struct Lame {
   double lambda, mu;
@@ -160,8 +160,8 @@ inline Plan slab(int n, int steps, int dim = 2, bool friction = false) {
                 group("ground", "bottom")};
   plan.space.dirichlet = {clamp(roof)};
   const auto b = from_young(70, 0.3);
-  plan.forms = {elastic(dim, body, field_rate, {5, 10}), elastic(dim, body, field_u, b),
-                elastic(dim, body, first_history_field, b, -1.0)};
+  plan.forms = {elastic(dim, body, field_of_u(1), {5, 10}), elastic(dim, body, field_of_u(0), b),
+                elastic(dim, body, field_of_memory(0), b, -1.0)};
   plan.histories = {{{}, exponential_kernel(0.5)}};
   plan.laws = {softening_layer()};
   plan.law_terms = {normal_term(0, ground, dim)};

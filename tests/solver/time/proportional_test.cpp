@@ -16,7 +16,7 @@ using namespace testing_plans;
 Plan one_tensor(int n, int steps, int dim = 2, bool friction = false) {
   Plan plan = slab(n, steps, dim, friction);
   const auto b = from_young(70, 0.3);
-  plan.forms[0] = elastic(dim, body, field_rate, b, 0.2);
+  plan.forms[0] = elastic(dim, body, field_of_u(1), b, 0.2);
   plan.report.probes = {at_point("u_y", u_value(1), {1, 0, dim == 3 ? 0.5 : 0.0}),
                         at_point("u_x", u_value(0), {1.5, 0.5, dim == 3 ? 0.5 : 0.0}),
                         integral("reaction", var(slot::multiplier(0, 0)), ground)};
@@ -63,14 +63,14 @@ Plan random_plan(std::mt19937& random) {
   Plan plan = one_tensor(4 + static_cast<int>(random() % 4), 24, 2, coin());
   const Expr t = var(slot::t);
   const auto b = from_young(70 * about_one(random), 0.2 + 0.2 * about_one(random));
-  plan.forms = {elastic(2, body, field_rate, b, 0.3 * about_one(random)),
-                elastic(2, body, field_u, b)};
+  plan.forms = {elastic(2, body, field_of_u(1), b, 0.3 * about_one(random)),
+                elastic(2, body, field_of_u(0), b)};
   plan.histories.clear();
   if (coin()) {
-    plan.forms.push_back(elastic(2, body, first_history_field, b, -0.5 * about_one(random)));
+    plan.forms.push_back(elastic(2, body, field_of_memory(0), b, -0.5 * about_one(random)));
     plan.histories = {{{}, exponential_kernel(about_one(random)), {}}};
   }
-  if (coin()) plan.forms.push_back(elastic(2, body, field_u, b, 0.5 * about_one(random)));
+  if (coin()) plan.forms.push_back(elastic(2, body, field_of_u(0), b, 0.5 * about_one(random)));
   plan.loads = {force(body, {0.0, -10.0 * about_one(random) * t}),
                 force(flank, {3.0 * about_one(random) * t * t})};
   if (coin()) plan.loads.push_back(force(body, {sin(3.0 * t), 0.0}));

@@ -56,7 +56,7 @@ Plan block() {
   plan.mesh.path = HVI_SOURCE_DIR "/tests/solver/time/cross_5x2.msh";
   plan.parts = {group("body", "body"), group("left", "left"), group("bottom", "bottom")};
   plan.space.dirichlet = {clamp(1)};
-  plan.forms = {elastic(2, 0, field_u, {4, 4})};
+  plan.forms = {elastic(2, 0, field_of_u(0), {4, 4})};
   LawSpec law;
   law.by_slope = true;
   law.expression = max(var(slot::argument(0)), 0.0);
@@ -108,7 +108,7 @@ Plan strip(int steps) {
   plan.parts = {group("body", "body"), group("left", "left"), group("bottom", "bottom"),
                 group("top", "top"), group("right", "right")};
   plan.space.dirichlet = {clamp(1)};
-  plan.forms = {elastic(2, 0, field_u, from_young(1.378e11 * scale, 0.3))};
+  plan.forms = {elastic(2, 0, field_of_u(0), from_young(1.378e11 * scale, 0.3))};
   plan.laws = {sawtooth()};
   plan.law_terms = {normal_term(0, 2, 2, -1.0)}; // r = u_y = -u . nu on the bottom
   plan.law_terms[0].rule = Rule::midpoint;

@@ -16,7 +16,7 @@ Plan ageing(int steps, double grading, HistoryRoute route) {
   plan.mesh.cells = {1, 1, 1};
   plan.parts = {all_cells("body"), group("left", "left"), group("right", "right")};
   plan.space.dirichlet = {clamp(1)};
-  plan.forms = {elastic(2, 0, field_u, {3, 2}), elastic(2, 0, first_history_field, {3, 2})};
+  plan.forms = {elastic(2, 0, field_of_u(0), {3, 2}), elastic(2, 0, field_of_memory(0), {3, 2})};
   const Expr t = var(slot::t), s = t - var(slot::lag);
   const auto xi = [](const Expr& a) { return Expr(10.0) * a - Expr(9.0) * log(Expr(1.0) + a); };
   const Expr r = xi(t) - xi(s);

@@ -29,7 +29,7 @@ int python(const fs::path& folder, const std::string& program) {
   return std::system(("cd '" + folder.string() + "' && /usr/bin/python3 check.py").c_str());
 }
 
-Expr d(int i, int j) { return var(slot::field(field_u, slot::gradient(i, j))); }
+Expr d(int i, int j) { return var(slot::field(field_of_u(0), slot::gradient(i, j))); }
 
 /// The slab with u, a stress, the multiplier and a scalar of x among its fields.
 Plan slab_with_fields(int order) {
@@ -213,7 +213,7 @@ TEST(Probes, MultipliersTimesFields) {
                                      slot::gradient(1, 1), slot::gradient(0, axis)};
     plan.report.probes.clear(), plan.report.tables.clear();
     for (const int field : fields) {
-      const Expr e = var(slot::multiplier(0, 0)) * var(slot::field(field_u, field));
+      const Expr e = var(slot::multiplier(0, 0)) * var(slot::field(field_of_u(0), field));
       plan.report.probes.push_back(integral(std::to_string(field), e, ground));
       plan.report.probes.back().rule = Rule::midpoint;
     }
@@ -318,8 +318,8 @@ TEST(Probes, ASlopeThatIsZeroIsNotMadeOfErrors) {
                   group("high", sides[along][1])};
     plan.space.vector = false;
     plan.space.dirichlet = {clamp(1), clamp(2, -1, {1.0})};
-    plan.forms = {diffusion(2, 0, field_u, 0.3)};
-    const auto slope = [](int j) { return var(slot::field(field_u, slot::gradient(0, j))); };
+    plan.forms = {diffusion(2, 0, field_of_u(0), 0.3)};
+    const auto slope = [](int j) { return var(slot::field(field_of_u(0), slot::gradient(0, j))); };
     plan.report.probes = {at_point("x", slope(0), {0.45, 0.55, 0}),
                           at_point("y", slope(1), {0.45, 0.55, 0})};
     const auto result = solve(plan);
@@ -341,7 +341,7 @@ TEST(Probes, AStrainThatIsZeroIsNotMadeOfErrors) {
   plan.time.initial = {0.1, 0.7};
   plan.report.probes.resize(3); // the last one reads the law
   plan.report.probes.push_back(
-      integral("stretch", var(slot::field(field_u, slot::gradient(0, 0))), body));
+      integral("stretch", var(slot::field(field_of_u(0), slot::gradient(0, 0))), body));
   const auto result = solve(plan); // throws where it is not certified
   EXPECT_LT(std::abs(result.final.at("stretch")), 1e-12);
   for (const auto& column : result.forward_error.columns) {
@@ -377,7 +377,7 @@ TEST(Probes, ABodyThatSticksEverywhereIsNotMadeOfErrors) {
     plan.mesh.path = (folder / "square.msh").string();
     plan.parts = {group("body", "body"), group("top", "top"), group("ground", "ground")};
     plan.space.dirichlet = {clamp(1)};
-    plan.forms = {elastic(2, 0, field_u, from_young(70, 0.3))};
+    plan.forms = {elastic(2, 0, field_of_u(0), from_young(70, 0.3))};
     plan.laws = {slip_weakening()};
     plan.law_terms = {tangential_term(0, 2, 2)};
     plan.loads = {force(2, {0.1 * std::cos(angle), 0.1 * std::sin(angle)})};
@@ -476,10 +476,10 @@ TEST(Effects, LoadsDimensionsAndSymmetryAreSaid) {
 TEST(Effects, ProportionalFormsShareMatrices) {
   auto plan = slab(4, 4);
   EXPECT_EQ(solve(plan).work.matrices, 2);
-  plan.forms[0] = elastic(2, body, field_rate, from_young(35, 0.3)); // viscosity = B / 2
+  plan.forms[0] = elastic(2, body, field_of_u(1), from_young(35, 0.3)); // viscosity = B / 2
   EXPECT_EQ(solve(plan).work.matrices, 1);
   // The same numbers through expressions that only values reveal.
-  plan.forms[0] = elastic(2, body, field_rate, {1, 1});
+  plan.forms[0] = elastic(2, body, field_of_u(1), {1, 1});
   const auto b = from_young(35, 0.3);
   for (std::size_t e = 0; e < plan.forms[0].entries.size(); ++e)
     plan.forms[0].entries[e].coefficient =

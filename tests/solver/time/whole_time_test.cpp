@@ -22,7 +22,7 @@ struct Body {
   Body() {
     plan.law_terms.clear(), plan.laws.clear();
     plan.histories.clear(), plan.forms.pop_back();
-    plan.forms[0] = elastic(2, body, field_rate, {40, 1}); // of quite another shape than B
+    plan.forms[0] = elastic(2, body, field_of_u(1), {40, 1}); // of quite another shape than B
     plan.report = {};
     for (const auto& mistake : discretise(plan, d)) throw mistake;
     layout = make_layout(d.space, d.dofs);
