@@ -11,12 +11,12 @@ namespace {
 
 constexpr int end_of_derivatives = highest_derivative + 1;
 
-/// Can a run that has taken so many steps have been planned so?
-bool is_of_a_run(const MemoryExtent& extent, bool is_static, int step) {
+/// Can a run have been planned so? It may have been continued beyond that since.
+bool is_of_a_run(const MemoryExtent& extent, bool is_static) {
   if (is_static) return extent == MemoryExtent{};
   constexpr double rounding = 1e-6;
   const auto steps = static_cast<double>(extent.steps);
-  return std::isfinite(extent.horizon) && extent.shortest_step > 0.0 && extent.steps >= step &&
+  return std::isfinite(extent.horizon) && extent.shortest_step > 0.0 && extent.steps > 0 &&
          steps * extent.shortest_step <= (1.0 + rounding) * extent.horizon;
 }
 
@@ -161,7 +161,7 @@ bool Evolution::restore(std::istream& in) {
   if (!begins_with(grid(), step_, r.get_vector<double>()))
     r.fail("was saved by a run of other times");
   const auto earlier = r.get<MemoryExtent>();
-  if (!is_of_a_run(earlier, grid().is_static(), step_)) r.fail("is inconsistent");
+  if (!is_of_a_run(earlier, grid().is_static())) r.fail("is inconsistent");
   const bool same_end = earlier == memory_->extent();
   if (!same_end) continue_memory(earlier); // from the initial state
   get_vector(r, u_, u_.size());

@@ -110,7 +110,6 @@ TEST(EditedCheckpoint, ExtentsOfNoRunAreRefused) {
        {MemoryExtent{saved.horizon, saved.shortest_step, std::int64_t{1} << 40},
         {saved.horizon, saved.shortest_step, std::numeric_limits<std::int64_t>::max()},
         {saved.horizon, saved.shortest_step, -1},
-        {saved.horizon, saved.shortest_step, 3},
         {saved.horizon, 0.0, saved.steps},
         {saved.horizon, nan, saved.steps},
         {infinite, saved.shortest_step, saved.steps},
