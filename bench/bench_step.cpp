@@ -6,7 +6,8 @@
 //   cholmod  cholmod_l_solve with a factor of the same matrix as CHOLMOD orders it by itself
 //   product  y = T x with one matrix of the forms; a step needs one for the right-hand side per
 //            matrix that acts on something known, and one for its residual
-#include "lang/driver.hpp"
+#include "lang/diag/render.hpp"
+#include "lang/session.hpp"
 #include "solver/common/clock.hpp"
 #include "solver/linear/factorisation.hpp"
 #include "solver/time/step.hpp"
@@ -84,16 +85,15 @@ int measure(const Plan& plan) {
 
 int main(int argc, char** argv) {
   if (argc < 2) return 2;
-  hvi::lang::Script script;
-  script.path = argv[1];
-  hvi::lang::Options options;
+  hvi::lang::CompileSettings settings;
   for (int i = 2; i < argc; ++i) {
     const std::string word = argv[i];
-    options.defines[word.substr(0, word.find('='))] = word.substr(word.find('=') + 1);
+    settings.defines[word.substr(0, word.find('='))] = word.substr(word.find('=') + 1);
   }
-  if (!hvi::lang::compile_script(script, options)) {
-    hvi::lang::show_diagnostics(script, options);
-    return 1;
-  }
+  hvi::lang::Session session(argv[1], settings);
+  const hvi::lang::Exit code = session.compile();
+  const hvi::lang::Script& script = session.script;
+  fmt::print(stderr, "{}", hvi::lang::render(script.diagnostics, script.sources));
+  if (code != hvi::lang::exit_ok) return code;
   return measure(*script.plan);
 }

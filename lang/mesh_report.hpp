@@ -1,7 +1,8 @@
 // What a mesh that was read from a file does to a script's problem.
 #pragma once
 
-#include "lang/driver.hpp"
+#include "lang/script.hpp"
+#include "solver/time/run.hpp"
 
 namespace hvi::lang {
 

@@ -1,8 +1,6 @@
 // See mesh_values.hpp.
 #include "lang/mesh_values.hpp"
 
-#include "lang/interrupt.hpp"
-#include "lang/mesh_report.hpp"
 #include "solver/fem/pointwise.hpp"
 
 #include <Eigen/Cholesky>
@@ -74,19 +72,6 @@ void check_materials(Script& script, const solver::Discretisation& d) {
     }
     if (!found.empty()) script.diagnostics.add("E0504", material.span, found);
   }
-}
-
-int discretise_script(Script& script, solver::Discretisation& out) {
-  try {
-    for (const solver::Failure& failure : solver::discretise(*script.plan, out, &stop_flag()))
-      add_failure(script, failure);
-    if (!script.diagnostics.has_errors()) report_misfits(script, out);
-    if (!script.diagnostics.has_errors()) check_materials(script, out);
-  } catch (const solver::Failure& failure) {
-    add_failure(script, failure);
-    return exit_code(failure);
-  }
-  return script.diagnostics.has_errors() ? exit_script : exit_ok;
 }
 
 } // namespace hvi::lang

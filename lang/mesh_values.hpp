@@ -2,7 +2,8 @@
 // would only say that a form is not coercive.
 #pragma once
 
-#include "lang/driver.hpp"
+#include "lang/script.hpp"
+#include "solver/time/run.hpp"
 
 namespace hvi::lang {
 
@@ -10,9 +11,5 @@ namespace hvi::lang {
 /// where it is used, and for every material there that is not elliptic. Looks at the centre of each
 /// cell, where the assembly of constant strains does.
 void check_materials(Script& script, const solver::Discretisation& discretisation);
-
-/// Mesh, parts and materials of a script; every mistake becomes a diagnostic. The exit code, which
-/// is exit_ok when there are none. A Ctrl-C ends the adaptation of a mesh.
-int discretise_script(Script& script, solver::Discretisation& out);
 
 } // namespace hvi::lang

@@ -36,21 +36,18 @@ std::vector<Literal> candidates(const std::string& path, const std::string& text
   return out;
 }
 
-bool compiles(const std::string& path, const Options& options, const std::string& text) {
-  Script script;
-  script.path = path;
-  script.text = text;
-  return compile_variation(script, options);
+bool compiles(const std::string& path, const CompileSettings& settings, const std::string& text) {
+  return Session(path, settings, text).compile_variation();
 }
 
 } // namespace
 
 std::vector<Literal> movable_literals(const std::string& path, const std::string& text,
-                                      const Options& options) {
+                                      const CompileSettings& settings) {
   std::vector<Literal> out;
   for (const Literal& literal : candidates(path, text)) {
     const bool whole = literal.value == std::floor(literal.value);
-    if (!whole || compiles(path, options, moved_text(text, {literal}, 0))) out.push_back(literal);
+    if (!whole || compiles(path, settings, moved_text(text, {literal}, 0))) out.push_back(literal);
   }
   return out;
 }

@@ -1,7 +1,7 @@
 // Numbers of a script and of its mesh, moved by one unit in the last place: what `stability` runs.
 #pragma once
 
-#include "lang/driver.hpp"
+#include "lang/session.hpp"
 
 #include <cstdint>
 #include <string>
@@ -20,7 +20,7 @@ struct Literal {
 /// `param`, `report`, `expect` or `study`, and only those with which the script still compiles when
 /// they are moved (numbers of cells and steps must be whole).
 std::vector<Literal> movable_literals(const std::string& path, const std::string& text,
-                                      const Options& options);
+                                      const CompileSettings& settings);
 
 /// The text with each of them moved up or down, at random by `sample`.
 std::string moved_text(const std::string& text, const std::vector<Literal>& literals,

@@ -136,12 +136,12 @@ std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::Discret
   for (std::size_t i = 0; i < plan.report.pictures.size(); ++i) {
     const auto& picture = plan.report.pictures[i];
     if (d.mesh.dim == 1) continue;
-    out.push_back({picture.origin, picture_file(plan, picture), {}, {}, !picture.file.empty()});
+    out.push_back({picture.origin, picture_file(plan, picture), {}, !picture.file.empty()});
     try {
       const auto& u = picture.time ? result.pictures.at(i) : result.u;
       plot(commands_for(plan, picture, d, u), std::filesystem::path(folder) / out.back().file);
     } catch (const solver::Failure& failure) {
-      out.back().failure = failure.what(), out.back().help = failure.help;
+      out.back().failure = failure;
     }
   }
   return out;

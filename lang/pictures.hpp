@@ -4,6 +4,7 @@
 #include "solver/plan/plan.hpp"
 #include "solver/time/run.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,9 +16,9 @@ std::string picture_file(const solver::Plan& plan, const solver::PictureSpec& pi
 /// A picture, or why there is none.
 struct Drawn {
   solver::Origin origin;
-  std::string file;           ///< in the output folder
-  std::string failure, help;  ///< gnuplot is not there or refuses; no field of u alone
-  bool asked_by_name = false; ///< the script names the file
+  std::string file;                       ///< in the output folder
+  std::optional<solver::Failure> failure; ///< gnuplot is not there or refuses
+  bool asked_by_name = false;             ///< the script names the file
 };
 
 /// Draws every `picture` of the plan into `folder` (PNG, or SVG by the file's name). Vectors and

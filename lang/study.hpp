@@ -3,9 +3,11 @@
 //   ladders -> settings -> runs (each with a gauge) -> rows -> table, CSV, JSON, pictures
 #pragma once
 
-#include "lang/driver.hpp"
+#include "lang/check/model.hpp"
 #include "lang/pictures.hpp"
 #include "solver/study/cea.hpp"
+
+#include <nlohmann/json_fwd.hpp>
 
 #include <map>
 #include <optional>
@@ -17,7 +19,7 @@ namespace hvi::lang {
 /// One setting of a study and what it gave.
 struct StudyRow {
   std::vector<int> rungs;                    ///< index into each ladder
-  std::map<std::string, std::string> values; ///< parameter -> value, as -D takes it
+  std::map<std::string, std::string> values; ///< parameter -> value, as a parameter is given
   std::optional<solver::StudyError> error;   ///< absent: failed, or the finest run itself
   std::map<std::string, double> probes;      ///< final values
   /// Their distances to the finest run's (extrapolated: errors), and the orders seen.
@@ -48,10 +50,10 @@ struct Study {
 /// with `richardson` the errors are extrapolated from the distances.
 void judge(Study& study, bool richardson);
 
-/// Text for a terminal; CSV; JSON (schema hvi-study/1).
+/// Text for a terminal; CSV; schema hvi-study/1.
 std::string study_table(const Study& study);
 std::string study_csv(const Study& study);
-std::string study_json(const Study& study);
+nlohmann::ordered_json study_json(const Study& study);
 /// Every varied parameter, ladder by ladder.
 std::vector<std::string> varied(const Study& study);
 /// Error against CPU time with the front, and error against each ladder's numbers with triangles of

@@ -4,6 +4,7 @@
 
 #include "lang/check/model.hpp"
 #include "lang/diag/diagnostic.hpp"
+#include "lang/diag/words.hpp"
 #include "lang/syntax/ast.hpp"
 
 #include <map>
@@ -14,9 +15,10 @@
 namespace hvi::lang {
 
 struct CheckOptions {
-  std::map<std::string, std::string> defines; ///< -D name=value
+  std::map<std::string, std::string> defines; ///< parameter -> value
   std::string folder = ".";                   ///< of the script: what it may read lies below
   bool allow_geo = false;
+  Words words;
 };
 
 /// Checks a script with its imports; programs[0] is the script itself. Nothing when it has errors.

@@ -2,6 +2,7 @@
 #include "lang/check/builtins.hpp"
 #include "lang/check/checker.hpp"
 #include "lang/check/mesh_findings.hpp"
+#include "lang/diag/failures.hpp"
 #include "lang/diag/real_path.hpp"
 #include "lang/diag/suggest.hpp"
 #include "lang/diag/unreadable.hpp"
@@ -235,7 +236,7 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
   const bool geo = extension == ".geo";
   if (geo && !options_.allow_geo) {
     error("E0606", (*args)[0]->span, "a `.geo` file can run programs and is not read",
-          "mesh it with gmsh, or allow it with --allow-geo");
+          "mesh it with gmsh, or " + options_.words.allow_geometry);
     return false;
   }
   try {
@@ -249,7 +250,7 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
     groups_known_ = true;
   } catch (const solver::Failure& failure) {
     const bool missing = failure.kind == solver::FailureKind::missing_file;
-    error(missing ? "E0601" : "E0603", (*args)[0]->span,
+    error(ending_of(failure.kind).code, (*args)[0]->span,
           missing && !solver::read_file(*full)
               ? why_unreadable(*full, path->text)
               : fmt::format("`{}`: {}", path->text, failure.what()),

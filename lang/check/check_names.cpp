@@ -107,7 +107,8 @@ void Checker::check_defines() {
   for (const auto& [name, text] : options_.defines) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     error("E0320", Span{},
-          fmt::format("-D {}={}: the script has no parameter `{}`", name, text, name),
+          fmt::format("{}{}={}: the script has no parameter `{}`", options_.words.define, name,
+                      text, name),
           known.empty() ? "the script declares no `param`" : did_you_mean(name, known));
   }
 }
@@ -198,7 +199,8 @@ Value Checker::evaluate_param(const ast::Param& param) {
       value = scalar_field(*number);
     } else {
       error("E0321", Span{},
-            fmt::format("-D {}={}: `{}` is no number", param.name.text, text, text),
+            fmt::format("{}{}={}: `{}` is no number", options_.words.define, param.name.text, text,
+                        text),
             "write a number or one of the words P1, P2, ...");
       return Poison{};
     }
@@ -236,7 +238,8 @@ Value Checker::evaluate_param(const ast::Param& param) {
               fmt::format("`{}` = {} is outside its range [{}, {}]", param.name.text, v,
                           (*bounds)[0], (*bounds)[1]),
               "",
-              entry.overridden ? fmt::format("set by -D {}={}", param.name.text, define->second)
+              entry.overridden ? fmt::format("set by {}{}={}", options_.words.define,
+                                             param.name.text, define->second)
                                : "");
         return Poison{};
       }

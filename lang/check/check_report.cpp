@@ -245,7 +245,7 @@ std::optional<std::string> Checker::output_name(const std::optional<ast::Text>& 
           "give each its own name");
   if (plain) return to->text;
   error("E0604", to->span, fmt::format("`{}` is not a plain file name", to->text),
-        "results go into the output folder (-o DIR)");
+        "results go into " + options_.words.output_folder);
   return std::nullopt;
 }
 
@@ -390,7 +390,7 @@ bool Checker::varies(const ast::Name& name, std::vector<std::string>& known) {
   return false;
 }
 
-/// A value as -D would give it; false: said why not.
+/// A value as a parameter may be given it; false: said why not.
 bool Checker::study_value(const ast::Expr& item, std::vector<std::string>& out) {
   const auto* w = std::get_if<ast::Reference>(&item.node);
   if (w && is_word(w->name)) {

@@ -20,7 +20,7 @@ struct ModelParam {
   Span span;
   std::variant<double, std::string> value; ///< a number, or a word such as P2
   std::string range, doc;                  ///< as written
-  bool overridden = false;                 ///< by -D
+  bool overridden = false;                 ///< by whoever asks
 };
 
 struct ModelPart {
@@ -82,7 +82,7 @@ struct Expectation {
 struct StudyLadder {
   std::string parameter;
   Span span;
-  std::vector<std::string> values; ///< as -D would give them
+  std::vector<std::string> values; ///< as whoever asks would give them
   /// Parameters that climb together with it, each with as many values.
   std::vector<std::pair<std::string, std::vector<std::string>>> more{};
 };

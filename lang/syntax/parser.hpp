@@ -14,7 +14,7 @@ namespace hvi::lang {
 /// goes on at the next statement word; statements with errors are left out of the program.
 [[nodiscard]] ast::Program parse(const SourceFile& source, Diagnostics& diagnostics);
 
-/// Reads the text as one expression (the value of -D name=value, of --accuracy, ...).
+/// Reads the text as one expression (the value that a parameter is given from outside, ...).
 /// Nothing after an error.
 [[nodiscard]] std::optional<ast::Expr> parse_expression(const SourceFile& source,
                                                         Diagnostics& diagnostics);

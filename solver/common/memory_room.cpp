@@ -150,11 +150,12 @@ void require_memory(double bytes, const std::string& what) {
   const MemoryRoom room = memory_room();
   if (bytes <= room.bytes) return;
   const double held = memory_held();
-  throw TooLarge(fmt::format("the run needs about {}: {} more than it holds now, for {}; {} "
-                             "leaves {}",
-                             bytes_text(held + bytes), bytes_text(bytes), what, room.from,
-                             bytes_text(room.bytes)),
-                 what_helps);
+  throw Failure(FailureKind::too_large, {},
+                fmt::format("the run needs about {}: {} more than it holds now, for {}; {} "
+                            "leaves {}",
+                            bytes_text(held + bytes), bytes_text(bytes), what, room.from,
+                            bytes_text(room.bytes)),
+                what_helps);
 }
 
 } // namespace hvi::solver

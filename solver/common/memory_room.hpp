@@ -30,17 +30,12 @@ std::optional<double> control_group_room(std::filesystem::path folder,
 double memory_held();
 double memory_peak();
 
-/// A run that would not fit.
-struct TooLarge : Failure {
-  TooLarge(const std::string& message, const std::string& what_helps)
-      : Failure(FailureKind::limit, {}, message, what_helps) {}
-};
-
 /// "1.25 GB".
 std::string bytes_text(double bytes);
 
-/// Throws TooLarge where `bytes` more than what is held do not fit: `what` names them ("the factor
-/// of 555003 unknowns"). Small amounts are not checked: a check takes as long as a small run.
+/// Throws Failure(too_large) where `bytes` more than what is held do not fit: `what` names them
+/// ("the factor of 555003 unknowns"). Small amounts are not checked: a check takes as long as a
+/// small run.
 inline constexpr double little_memory = 32e6;
 void require_memory(double bytes, const std::string& what);
 

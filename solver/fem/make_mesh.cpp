@@ -30,10 +30,9 @@ Mesh structured(const MeshSpec& spec, int dim) {
 Mesh from_file(const MeshSpec& spec) {
   if (!spec.path.ends_with(".geo")) return read_msh(spec.path);
   if (!spec.allow_geo)
-    throw Failure(FailureKind::broken_file, spec.origin,
+    throw Failure(FailureKind::unasked_geometry, spec.origin,
                   fmt::format("{} is a geometry, not a mesh, and a geometry file can run programs",
-                              spec.path),
-                  "mesh it first (`gmsh -2 FILE.geo`), or allow it with --allow-geo");
+                              spec.path));
   return mesh_geo_file(spec.path);
 }
 

@@ -26,7 +26,7 @@ const std::vector<GeometryInfo>& geometries();
 /// Failure(bad_value) for impossible numbers, Failure(limit) for too many cells,
 /// Failure(missing_file) when the gmsh module cannot be loaded.
 Mesh generate_geometry(const std::string& name, const std::vector<double>& numbers);
-/// Meshes a .geo file (it can run programs: only with the user's --allow-geo).
+/// Meshes a .geo file (it can run programs: only where the user allows it).
 Mesh mesh_geo_file(const std::string& path, Straightening* straightened = nullptr);
 
 } // namespace hvi::solver

@@ -25,10 +25,13 @@ namespace fs = std::filesystem;
 constexpr const char* choose_another =
     "choose another output folder, or make room and give permission to write there";
 
+std::string refusal(const fs::path& path, const std::string& reason) {
+  return fmt::format("cannot write `{}`: {}", path.string(), reason);
+}
+
 [[noreturn]] void fail(const fs::path& path, const std::string& reason,
                        const char* help = choose_another) {
-  throw Failure(FailureKind::output, {},
-                fmt::format("cannot write `{}`: {}", path.string(), reason), help);
+  throw Failure(FailureKind::output, {}, refusal(path, reason), help);
 }
 
 void make_folder(const fs::path& path) {
@@ -44,9 +47,8 @@ void refuse_special(const fs::path& path) {
   const auto status = fs::status(path, error);
   if (error || !fs::exists(status) || fs::is_regular_file(status)) return;
   if (fs::is_directory(status)) fail(path, "a folder of this name is in the way");
-  fail(path, "it is a device, a pipe or a socket",
-       "results go to files; `--json -` writes JSON to the standard output, for a pipe of the "
-       "shell");
+  throw Failure(FailureKind::special_output, {},
+                refusal(path, "it is a device, a pipe or a socket"));
 }
 
 /// The descriptor of a file that is there.

@@ -25,10 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const fs::path& folder, const std::string& reason) {
-  throw Failure(
-      FailureKind::output, {},
-      fmt::format("cannot write into the folder `{}`: {}", folder.string(), reason),
-      "choose another output folder (-o), or make room and give permission to write there");
+  throw Failure(FailureKind::output_folder, {},
+                fmt::format("cannot write into the folder `{}`: {}", folder.string(), reason));
 }
 
 /// "process 4711 on host since 2026-01-31 12:00:00 UTC"
@@ -88,10 +86,9 @@ bool FolderLock::take() {
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     const std::string who = holder(descriptor_);
     ::close(descriptor_);
-    throw FolderBusy(
-        FailureKind::output, {},
-        fmt::format("another run writes into the folder `{}`: {}", folder_.string(), who),
-        "wait for it, or choose another output folder with -o");
+    throw Failure(
+        FailureKind::busy_folder, {},
+        fmt::format("another run writes into the folder `{}`: {}", folder_.string(), who));
   }
   struct stat held {
   }, named{};

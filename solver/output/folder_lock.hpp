@@ -7,18 +7,13 @@
 
 namespace hvi::solver {
 
-/// Another run writes into the folder.
-struct FolderBusy : Failure {
-  using Failure::Failure;
-};
-
 /// Makes the folder and holds it until the end of its life, or of the program, however that ends:
 /// the lock is the kernel's (flock) on a file `.hvi-run.lock`, in which stands who holds it. A
 /// folder that was made and stays empty is removed again.
 class FolderLock {
 public:
-  /// Throws FolderBusy with process, host and start of the run that has it, Failure(output) where
-  /// the folder cannot be made or written to.
+  /// Throws Failure(busy_folder) with process, host and start of the run that has it,
+  /// Failure(output_folder) where the folder cannot be made or written to.
   explicit FolderLock(std::filesystem::path folder);
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;

@@ -55,11 +55,9 @@ AccuracyResult Search::go() {
 void Search::give_up(const std::string& why) {
   const std::string what =
       out_.request.probe.empty() ? "of u in V" : "of `" + out_.request.probe + "`";
-  throw AccuracyFailure(
-      fmt::format("a relative error {} of {:.1e} is out of reach: {}", what, out_.request.wanted,
-                  why),
-      "ask for less, allow more with --budget SECONDS, or grade the mesh toward corners",
-      std::move(out_));
+  throw AccuracyFailure(fmt::format("a relative error {} of {:.1e} is out of reach: {}", what,
+                                    out_.request.wanted, why),
+                        std::move(out_));
 }
 
 void Search::attempt(const Choice& choice) {

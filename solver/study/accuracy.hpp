@@ -58,8 +58,8 @@ struct AccuracyResult {
 
 /// No setting within the limits reaches it, or the evidence never said so: `so_far` has the runs.
 struct AccuracyFailure : Failure {
-  AccuracyFailure(const std::string& message, std::string help_, AccuracyResult result)
-      : Failure(FailureKind::limit, {}, message, std::move(help_)), so_far(std::move(result)) {}
+  AccuracyFailure(const std::string& message, AccuracyResult result)
+      : Failure(FailureKind::out_of_reach, {}, message), so_far(std::move(result)) {}
   AccuracyResult so_far;
 };
 

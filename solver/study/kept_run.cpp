@@ -127,8 +127,9 @@ const KeptRun& Runner::cheap(const Setting& setting) {
     return runs_[setting] = make(setting, quiet, true);
   } catch (const Failure& failure) {
     using K = FailureKind;
-    const bool coarse = failure.kind == K::not_certified || failure.kind == K::empty_region ||
-                        failure.kind == K::not_coercive || failure.kind == K::bad_value;
+    const bool coarse = failure.kind == K::not_certified || failure.kind == K::mostly_rounding ||
+                        failure.kind == K::empty_region || failure.kind == K::not_coercive ||
+                        failure.kind == K::bad_value;
     if (!coarse) throw; // finer settings would not help
     KeptRun& out = runs_[setting];
     out.setting = setting;

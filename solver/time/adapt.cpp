@@ -157,7 +157,9 @@ std::vector<double> look(const Plan& plan, const Mesh& mesh, const std::atomic<b
       return out;
     } catch (const Failure& failure) {
       // Laws that soften need short steps; failures for other reasons remain.
-      const bool shorter = failure.kind == FailureKind::not_certified && !plan.time.is_static;
+      const bool uncertain = failure.kind == FailureKind::not_certified ||
+                             failure.kind == FailureKind::mostly_rounding;
+      const bool shorter = uncertain && !plan.time.is_static;
       if (!shorter || steps >= most_steps) throw;
       steps *= 2;
     }

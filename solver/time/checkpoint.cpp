@@ -164,29 +164,28 @@ void write_checkpoint(const std::filesystem::path& path, std::uint64_t fingerpri
   write_atomically(path, bytes, Durability::synced);
 }
 
+void refuse_checkpoint(const std::filesystem::path& path, const std::string& why) {
+  throw Failure(FailureKind::bad_checkpoint, {}, "the checkpoint `" + path.string() + "` " + why);
+}
+
 std::string read_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint) {
-  const char* again = "remove it, or run without --resume, to begin at the first step";
   const auto found = read_file(path);
-  if (!found) throw CheckpointFailure(path, "cannot be read", "");
+  if (!found) refuse_checkpoint(path, "cannot be read");
   const std::string& bytes = *found;
   Header header;
-  if (bytes.size() < sizeof header) throw CheckpointFailure(path, "ends too early", again);
+  if (bytes.size() < sizeof header) refuse_checkpoint(path, "ends too early");
   std::memcpy(&header, bytes.data(), sizeof header);
-  if (header.magic_word != magic) throw CheckpointFailure(path, "is no checkpoint", again);
+  if (header.magic_word != magic) refuse_checkpoint(path, "is no checkpoint");
   if (header.version != format_version || header.byte_order != Header{}.byte_order)
-    throw CheckpointFailure(
-        path,
-        fmt::format("has format {}, this program reads format {}", header.version, format_version),
-        again);
+    refuse_checkpoint(path, fmt::format("has format {}, this program reads format {}",
+                                        header.version, format_version));
   if (header.header_hash != header_hash(header) || header.size != bytes.size() - sizeof header ||
       header.state_hash !=
           hash_of_bytes(bytes.data() + sizeof header, bytes.size() - sizeof header))
-    throw CheckpointFailure(path, "is damaged: its hash does not fit its content", again);
+    refuse_checkpoint(path, "is damaged: its hash does not fit its content");
   if (header.fingerprint != fingerprint)
-    throw CheckpointFailure(path,
-                            "belongs to another problem: the script, its parameters or its mesh "
-                            "have changed",
-                            again);
+    refuse_checkpoint(path, "belongs to another problem: the script, its parameters or its mesh "
+                            "have changed");
   return bytes.substr(sizeof header);
 }
 

@@ -10,12 +10,8 @@
 
 namespace hvi::solver {
 
-/// A checkpoint that cannot be used: damaged, of another format, or of another problem.
-struct CheckpointFailure : Failure {
-  CheckpointFailure(const std::filesystem::path& path, const std::string& what, std::string help_)
-      : Failure(FailureKind::broken_file, {}, "the checkpoint `" + path.string() + "` " + what,
-                std::move(help_)) {}
-};
+/// A checkpoint that cannot be used, and why.
+[[noreturn]] void refuse_checkpoint(const std::filesystem::path& path, const std::string& why);
 
 /// A hash of everything that decides the numbers of a run: forms, laws, kernels, loads, tables,
 /// options, report, mesh. Neither paths nor the number of threads are in it, nor the time grid: a
@@ -32,8 +28,8 @@ std::filesystem::path checkpoint_path(const std::string& folder, const std::stri
 /// disk before they replace the old file. Throws Failure(output).
 void write_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint,
                       std::string_view state);
-/// The state again. Throws CheckpointFailure when any bit of the file is not what was written, or
-/// when it belongs to another problem.
+/// The state again. Throws Failure(bad_checkpoint) when any bit of the file is not what was
+/// written, or when it belongs to another problem.
 std::string read_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint);
 
 } // namespace hvi::solver

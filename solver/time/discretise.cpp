@@ -48,9 +48,10 @@ bool resolve_parts(const Plan& plan, Discretisation& out, std::vector<Failure>& 
   return failures.size() == before;
 }
 
-/// Throws TooLarge where a mesh of so many nodes, the space on it and two matrices with the pattern
-/// of its cells (a form and their sum) do not fit. A node of P1 has 3, 7 and 15 neighbours in a
-/// regular mesh, itself among them; of P2, which has 2, 4 and 8 times as many, 4, 11.5 and 28.
+/// Throws Failure(too_large) where a mesh of so many nodes, the space on it and two matrices with
+/// the pattern of its cells (a form and their sum) do not fit. A node of P1 has 3, 7 and 15
+/// neighbours in a regular mesh, itself among them; of P2, which has 2, 4 and 8 times as many,
+/// 4, 11.5 and 28.
 void require_space(const Plan& plan, int dim, double nodes, double bytes_of_mesh) {
   static constexpr double neighbours[2][3] = {{3, 7, 15}, {4, 11.5, 28}};
   const bool quadratic = plan.space.order == 2;

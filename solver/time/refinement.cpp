@@ -19,8 +19,8 @@ constexpr double slow = 0.5;
 constexpr double largest_last = 1e-6;
 
 [[noreturn]] void too_ill_conditioned(const Plan& plan, int n, double last) {
-  throw TooInaccurate(
-      FailureKind::not_certified, plan.space.origin,
+  throw Failure(
+      FailureKind::mostly_rounding, plan.space.origin,
       fmt::format("the matrix of step {} is too ill-conditioned for double precision: corrections "
                   "with residuals in extended precision still change the state by {:.1e} of its "
                   "size",

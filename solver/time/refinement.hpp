@@ -26,7 +26,7 @@ public:
   bool begins_with(StepMatrix& matrix);
   /// The increment and the multipliers of an attempted step, corrected until that moves nothing.
   /// The laws are solved about the present state, so their unknowns are corrections, too. Throws
-  /// TooInaccurate.
+  /// Failure(mostly_rounding).
   void refine(StepMatrix& matrix, const StepEquation& equation, Trial& trial, InequalityState& laws,
               StepResult& out);
 

@@ -143,11 +143,10 @@ void Reporter::attempt(const std::function<void()>& write) {
   try {
     write();
   } catch (const Failure& failure) {
-    if (failure.kind != FailureKind::output) throw;
-    if (!unwritten_.empty()) return;
-    unwritten_ = failure.what();
-    unwritten_help_ = failure.help;
-    if (warn_) warn_(unwritten_);
+    if (!concerns_output(failure.kind)) throw;
+    if (unwritten_) return;
+    unwritten_ = failure;
+    if (warn_) warn_(failure.what());
   }
 }
 

@@ -48,9 +48,7 @@ public:
   void finish(RunResult& result);
   /// Writes something. What cannot be written is told, and the run goes on.
   void attempt(const std::function<void()>& write);
-  void tell_unwritten(RunResult& result) const {
-    result.unwritten = unwritten_, result.unwritten_help = unwritten_help_;
-  }
+  void tell_unwritten(RunResult& result) const { result.unwritten = unwritten_; }
 
   void save(std::ostream& out) const;
   /// `stepper`: restored before. Throws Failure(broken_file) when a file written before is gone or
@@ -94,7 +92,7 @@ private:
   std::vector<int> events_; ///< by row: points released, or -1 for a snap
   int pending_events_ = 0;
   std::function<void(const std::string&)> warn_;
-  std::string unwritten_, unwritten_help_; ///< of the first file that could not be written
+  std::optional<Failure> unwritten_; ///< of the first file that could not be written
   std::chrono::steady_clock::time_point streamed_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::duration pause_ = std::chrono::seconds(1); ///< before the next time
 };

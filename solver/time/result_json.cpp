@@ -9,9 +9,10 @@
 #include <cmath>
 
 namespace hvi::solver {
-namespace {
 
 using Json = nlohmann::ordered_json;
+
+namespace {
 
 /// JSON knows neither NaN nor infinity.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -160,7 +161,7 @@ Json what_was_done(const RunResult& result, const Plan& plan, const ResultContex
 
 } // namespace
 
-std::string result_json(const RunResult& result, const Plan& plan, const ResultContext& context) {
+Json result_json(const RunResult& result, const Plan& plan, const ResultContext& context) {
   Json final = Json::object(), notes = Json::array();
   for (const auto& [name, value] : result.final) final[name] = number(value);
   for (const auto& note : result.notes)
@@ -182,11 +183,11 @@ std::string result_json(const RunResult& result, const Plan& plan, const ResultC
            {"notes", notes},
            {"files", result.files}};
   if (result.monitors) out["monitors"] = monitors(*result.monitors);
-  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return out;
 }
 
-std::string plan_json(const RunResult& first_steps, const Plan& plan, const ResultContext& context,
-                      const PredictedWork& predicted) {
+Json plan_json(const RunResult& first_steps, const Plan& plan, const ResultContext& context,
+               const PredictedWork& predicted) {
   Json work = what_was_done(first_steps, plan, context);
   for (const char* counted : {"sweeps", "products", "newton"})
     work[counted] = std::llround(work[counted].get<double>() * predicted.steps /
@@ -208,9 +209,11 @@ std::string plan_json(const RunResult& first_steps, const Plan& plan, const Resu
               {"contact_unknowns", first_steps.contact_unknowns},
               {"steps", predicted.steps},
               {"first_steps", predicted.first_steps},
-              {"plan", work}}
-             .dump(2, ' ', false, Json::error_handler_t::replace) +
-         "\n";
+              {"plan", work}};
+}
+
+std::string json_text(const Json& value) {
+  return value.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 } // namespace hvi::solver

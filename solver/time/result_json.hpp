@@ -4,6 +4,8 @@
 
 #include "solver/time/run.hpp"
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <functional>
 #include <map>
 #include <string>
@@ -17,8 +19,9 @@ struct ResultContext {
   double bandwidth = 0.0;             ///< bytes a second that this machine reads; 0: not measured
 };
 
-/// The whole result as text, numbers with 17 digits; values that are not there (NaN) are null.
-std::string result_json(const RunResult& result, const Plan& plan, const ResultContext& context);
+/// The whole result; values that are not there (NaN) are null.
+nlohmann::ordered_json result_json(const RunResult& result, const Plan& plan,
+                                   const ResultContext& context);
 
 /// What a run will take, predicted from its first steps.
 struct PredictedWork {
@@ -28,7 +31,10 @@ struct PredictedWork {
 
 /// What a run will do: effects, matrices and memories; sweeps, products and Newton iterations are
 /// those of the first steps times steps / first_steps.
-std::string plan_json(const RunResult& first_steps, const Plan& plan, const ResultContext& context,
-                      const PredictedWork& predicted);
+nlohmann::ordered_json plan_json(const RunResult& first_steps, const Plan& plan,
+                                 const ResultContext& context, const PredictedWork& predicted);
+
+/// As it stands in a file: numbers with 17 digits, what is no UTF-8 replaced.
+std::string json_text(const nlohmann::ordered_json& value);
 
 } // namespace hvi::solver

@@ -111,8 +111,8 @@ bool strains_nothing(const Space& space, const Vector& motion) {
         "the forms and boundary values leave a motion free that strains no cell: " + where,
         "hold each piece of the mesh; pieces that share a point only (in 3D an edge only) "
         "turn about it");
-  throw TooInaccurate(FailureKind::not_certified, origin,
-                      "to double precision the matrix is singular: " + where, better_conditioned);
+  throw Failure(FailureKind::mostly_rounding, origin,
+                "to double precision the matrix is singular: " + where, better_conditioned);
 }
 
 /// The memory of a step within that step may subtract more stiffness than the body has: neither the

@@ -17,7 +17,7 @@ struct MatrixOf {
 /// motions that cost no energy ("translation along x"), or else the degree of freedom where the
 /// elimination broke down, or says that without memories there would be one. Where K is positive
 /// but for rounding, and its softest motion strains cells, the script is right and double precision
-/// too short: TooInaccurate.
+/// too short: Failure(mostly_rounding).
 void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& of,
                        const Plan& plan, const Discretisation& discretisation);
 

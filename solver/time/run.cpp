@@ -223,8 +223,7 @@ void with_its_name(const std::filesystem::path& file, const Read& read) {
   } catch (const HorizonFailure&) {
     throw;
   } catch (const Failure& failure) {
-    throw CheckpointFailure(file, std::string("does not fit: ") + failure.what(),
-                            "remove it, or run without --resume, to begin at the first step");
+    refuse_checkpoint(file, std::string("does not fit: ") + failure.what());
   }
 }
 
@@ -261,8 +260,9 @@ public:
     for (int n = stepper_.step() + 1; n <= steps; ++n) {
       if (settings_.stop != nullptr && settings_.stop->load()) {
         if (settings_.checkpoint_every > 0 && stepper_.step() > 0) checkpoint();
-        throw Failure(FailureKind::interrupted, {}, fmt::format("interrupted before step {}", n),
-                      settings_.checkpoint_every > 0 ? "`--resume` goes on from here" : "");
+        throw Failure(settings_.checkpoint_every > 0 ? FailureKind::suspended
+                                                     : FailureKind::interrupted,
+                      {}, fmt::format("interrupted before step {}", n));
       }
       step(n);
       clock.charge(result_.timing.steps);
@@ -506,7 +506,7 @@ RunResult run_once(const Plan& plan, const Discretisation& discretisation,
   auto result = run.conclude();
   try {
     refuse_rounding(result, plan);
-  } catch (const TooInaccurate&) {
+  } catch (const Failure&) {
     result.certificate.certified = false;
     if (partial != nullptr) *partial = std::move(result);
     throw;

@@ -69,10 +69,7 @@ struct ForwardError {
   static constexpr double small = 1e-6;
 };
 
-/// A run whose result is mostly rounding.
-struct TooInaccurate : Failure {
-  using Failure::Failure;
-};
+/// What helps where a result is mostly rounding.
 inline constexpr const char* better_conditioned =
     "fewer, better shaped cells, or units and stiffnesses closer to each other, make the matrix "
     "better conditioned";
@@ -131,12 +128,11 @@ struct RunResult {
   bool unique = true;           ///< has every step's problem one solution?
   std::optional<double> energy; ///< of the last state, where more than one is possible
   std::optional<MonitorTable> monitors;
-  int resumed_from = 0; ///< the step of the checkpoint that was gone on from
-  /// Why the first file that could not be written was not, and what to do; empty: all were.
-  std::string unwritten, unwritten_help;
-  std::vector<std::string> files; ///< written, relative to the output folder
-  Vector u;                       ///< full vector at the end
-  std::vector<Vector> pictures;   ///< the same at the time of each picture that has one
+  int resumed_from = 0;             ///< the step of the checkpoint that was gone on from
+  std::optional<Failure> unwritten; ///< of the first file that could not be written; none: all were
+  std::vector<std::string> files;   ///< written, relative to the output folder
+  Vector u;                         ///< full vector at the end
+  std::vector<Vector> pictures;     ///< the same at the time of each picture that has one
 };
 
 struct Progress {
@@ -151,7 +147,8 @@ struct RunSettings {
   std::function<void(int, double, const Vector&, const Vector&)> on_step;
   /// Told at once when a file cannot be written. The run goes on: see RunResult::unwritten.
   std::function<void(const std::string&)> warn;
-  const std::atomic<bool>* stop = nullptr; ///< set by Ctrl-C: ends with Failure(interrupted)
+  const std::atomic<bool>* stop = nullptr; ///< set by Ctrl-C: ends with Failure(interrupted), or
+                                           ///< Failure(suspended) where it saves its state
   /// Every so many steps, at the end and on `stop` the state goes to <folder>/<name>.checkpoint;
   /// 0: never. `resume`: goes on from that file when it is there, with the same bits.
   int checkpoint_every = 0;

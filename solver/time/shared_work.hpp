@@ -49,8 +49,8 @@ public:
 
   /// The matrix of a form on the unknowns; a form is known by its part, rule and coefficients.
   SparseMatrix form(const FormTerm& term, const std::function<SparseMatrix()>& assemble);
-  /// K factored, contact unknowns last. Throws Failure(not_coercive), and TooLarge where the factor
-  /// and `to_come` more bytes do not fit.
+  /// K factored, contact unknowns last. Throws Failure(not_coercive), and Failure(too_large) where
+  /// the factor and `to_come` more bytes do not fit.
   LentFactor factored(const SparseMatrix& k, std::span<const int> contact, bool symmetric,
                       double to_come = 0.0);
   Spared spared() const;
@@ -77,7 +77,7 @@ private:
 /// From `shared`, or made for this run alone when it is null.
 LentFactor lend_factor(SharedWork* shared, const SparseMatrix& k, std::span<const int> contact,
                        bool symmetric, double to_come = 0.0);
-/// factorisation.factor(k) where it fits; throws TooLarge where it does not.
+/// factorisation.factor(k) where it fits; throws Failure(too_large) where it does not.
 void factor_where_it_fits(Factorisation& factorisation, const SparseMatrix& k,
                           std::size_t n_contact, double to_come);
 

@@ -23,18 +23,18 @@ void refuse_rounding(const RunResult& result, const Plan& plan) {
     std::string what = "the solution";
     for (const auto& column : error.columns)
       if (!(column.relative < worst)) what = "`" + column.name + "`";
-    throw TooInaccurate(FailureKind::not_certified, plan.space.origin,
-                        fmt::format("rounding may have changed {} by {:.1e} of its size; a run is "
-                                    "certified up to {:.0e}{}",
-                                    what, worst, ForwardError::largest, condition),
-                        better_conditioned);
+    throw Failure(FailureKind::mostly_rounding, plan.space.origin,
+                  fmt::format("rounding may have changed {} by {:.1e} of its size; a run is "
+                              "certified up to {:.0e}{}",
+                              what, worst, ForwardError::largest, condition),
+                  better_conditioned);
   }
   if (result.monitors && !(result.monitors->balance_error <= largest_imbalance))
-    throw TooInaccurate(FailureKind::not_certified, plan.space.origin,
-                        fmt::format("the work of the loads and the energies differ by {:.1e} of "
-                                    "their size; a run is certified up to {:.0e}{}",
-                                    result.monitors->balance_error, largest_imbalance, condition),
-                        better_conditioned);
+    throw Failure(FailureKind::mostly_rounding, plan.space.origin,
+                  fmt::format("the work of the loads and the energies differ by {:.1e} of "
+                              "their size; a run is certified up to {:.0e}{}",
+                              result.monitors->balance_error, largest_imbalance, condition),
+                  better_conditioned);
 }
 
 } // namespace hvi::solver

@@ -1,7 +1,9 @@
 // The collector, suggestions and the catalogue.
 #include "lang/diag/catalogue.hpp"
 #include "lang/diag/diagnostic.hpp"
+#include "lang/diag/failures.hpp"
 #include "lang/diag/suggest.hpp"
+#include "lang/diag/words.hpp"
 
 #include <gtest/gtest.h>
 
@@ -115,7 +117,8 @@ TEST(Catalogue, EveryCodeInTheSourcesHasAnEntry) {
   std::set<std::string> used;
   for (const auto& file : fs::recursive_directory_iterator(fs::path(HVI_SOURCE_DIR) / "lang")) {
     const std::string name = file.path().filename().string();
-    if (file.path().extension() != ".cpp" || name.starts_with("catalogue_")) continue;
+    const bool source_file = file.path().extension() == ".cpp" || file.path().extension() == ".hpp";
+    if (!source_file || name.starts_with("catalogue_")) continue;
     std::stringstream text;
     text << std::ifstream(file.path()).rdbuf();
     const std::string source = text.str();
@@ -131,6 +134,26 @@ TEST(Catalogue, EveryCodeInTheSourcesHasAnEntry) {
     EXPECT_TRUE(used.contains(std::string(entry.code))) << entry.code << " is never reported";
   for (const CatalogueEntry& entry : catalogue_syntax())
     EXPECT_TRUE(used.contains(std::string(entry.code))) << entry.code << " is never reported";
+}
+
+TEST(Failures, OfTheMachineAndOfTheScriptEndInAnotherWay) {
+  using K = solver::FailureKind;
+  for (const FailureEnding& row : failure_endings)
+    EXPECT_EQ(ending_of(row.kind).code, row.ending.code);
+  EXPECT_STREQ(ending_of(K::limit).code, ending_of(K::too_large).code);
+  EXPECT_EQ(ending_of(K::limit).exit, exit_script);
+  EXPECT_EQ(ending_of(K::too_large).exit, exit_solve);
+  EXPECT_EQ(ending_of(K::suspended).exit, exit_interrupted);
+}
+
+TEST(Words, HelpAFailureThatBringsNone) {
+  Words words;
+  const solver::Failure bare(solver::FailureKind::busy_folder, {}, "busy");
+  const solver::Failure helped(solver::FailureKind::busy_folder, {}, "busy", "wait");
+  EXPECT_EQ(words.help_for(bare), "");
+  words.help = [](solver::FailureKind) { return std::string("by its kind"); };
+  EXPECT_EQ(words.help_for(bare), "by its kind");
+  EXPECT_EQ(words.help_for(helped), "wait");
 }
 
 TEST(Catalogue, ExplainsACodeInEitherCase) {

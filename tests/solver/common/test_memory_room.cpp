@@ -73,8 +73,8 @@ TEST(MemoryRoom, RefusesWhatNoMachineHas) {
   try {
     require_memory(1e18, "a wish");
     FAIL();
-  } catch (const TooLarge& failure) {
-    EXPECT_EQ(failure.kind, FailureKind::limit);
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.kind, FailureKind::too_large);
     const std::string said = failure.what();
     EXPECT_NE(said.find("for a wish"), std::string::npos) << said;
     EXPECT_NE(said.find("1e+09 GB"), std::string::npos) << said;

@@ -129,7 +129,7 @@ TEST(File, LinesAreAppendedWhole) {
 }
 
 TEST(File, DevicesAndPipesAreRefused) {
-  EXPECT_EQ(kind_of_write("/dev/null"), FailureKind::output);
+  EXPECT_EQ(kind_of_write("/dev/null"), FailureKind::special_output);
   EXPECT_THROW(try_to_write("/dev/full"), Failure);
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
@@ -141,7 +141,8 @@ TEST(FolderLock, OneAtATimeAndItSaysWho) {
     try {
       const FolderLock second(folder);
       FAIL() << "two at once";
-    } catch (const FolderBusy& busy) {
+    } catch (const Failure& busy) {
+      EXPECT_EQ(busy.kind, FailureKind::busy_folder);
       const std::string said = busy.what();
       EXPECT_NE(said.find(std::to_string(::getpid())), std::string::npos) << said;
       EXPECT_NE(said.find(folder.string()), std::string::npos) << said;

@@ -5,6 +5,8 @@
 #include "solver/time/trust.hpp"
 #include "tests/solver/time/plans.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -176,7 +178,7 @@ TEST(Files, ResultJsonFollowsItsSchema) {
   context.params = {{"n", 4.0}};
   context.line_of = [](Origin origin) { return origin.id + 1; };
   context.bandwidth = 2e10;
-  write_atomically(folder / "result.json", result_json(result, plan, context));
+  write_atomically(folder / "result.json", json_text(result_json(result, plan, context)));
   EXPECT_EQ(0, python(folder, std::string(R"(
 import json, jsonschema
 result = json.load(open("result.json"))

@@ -1,9 +1,9 @@
 // hvi-run plan: what would be done, from the first steps.
-#include "lang/driver.hpp"
-#include "lang/memory_lines.hpp"
-#include "lang/mesh_values.hpp"
-#include "lang/outputs.hpp"
-#include "lang/say.hpp"
+#include "lang/cli/commands.hpp"
+#include "lang/cli/interrupt.hpp"
+#include "lang/cli/memory_lines.hpp"
+#include "lang/cli/outputs.hpp"
+#include "lang/cli/say.hpp"
 #include "solver/common/memory_room.hpp"
 #include "solver/linear/bandwidth.hpp"
 #include "solver/time/memory.hpp"
@@ -11,6 +11,7 @@
 #include "solver/time/result_json.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -124,42 +125,29 @@ void write_forecast(const Script& script, Forecast& f, std::vector<solver::Histo
                     const Options& options) {
   f.result.script = script.path;
   f.result.histories = std::move(memory);
-  write_json_text(options, solver::plan_json(f.result, *script.plan, json_context(script),
-                                             {f.steps, f.taken, f.seconds(), f.most_bytes}));
+  write_json(options, solver::plan_json(f.result, *script.plan, json_context(script),
+                                        {f.steps, f.taken, f.seconds(), f.most_bytes}));
 }
 
 } // namespace
 
 int plan_command(const std::string& path, const Options& options) {
-  Script script;
-  script.path = path;
   HeldOutputs outputs;
-  int refused = exit_ok;
-  if (!compile_script(script, options) ||
-      !outputs.take(outputs_in("", {}, options), options, script, refused)) {
-    show_diagnostics(script, options);
-    return refused != exit_ok ? refused : exit_script;
-  }
+  Session session(path, compile_settings(options));
+  Script& script = session.script;
   std::vector<solver::HistoryReport> memory;
-  try {
-    memory = solver::planned_memory(*script.plan);
-  } catch (const solver::Failure& failure) {
-    add_failure(script, failure);
+  Exit code = session.compile();
+  if (code == exit_ok) code = outputs.take(outputs_in("", {}, options), options, session);
+  if (code == exit_ok)
+    code = session.attempt([&] { memory = solver::planned_memory(*script.plan); });
+  if (code != exit_ok) {
     show_diagnostics(script, options);
-    return exit_code(failure);
+    return code;
   }
-  solver::Discretisation discretisation;
   std::optional<Forecast> first_steps;
-  int code = discretise_script(script, discretisation);
-  try {
-    if (code == exit_ok) first_steps = forecast(*script.plan, discretisation);
-  } catch (const solver::TooLarge& failure) {
-    add_failure(script, failure);
-    code = exit_solve;
-  } catch (const solver::Failure& failure) {
-    add_failure(script, failure);
-    code = exit_script;
-  }
+  code = session.discretise(&stop_flag());
+  if (code == exit_ok)
+    code = session.attempt([&] { first_steps = forecast(*script.plan, session.discretisation); });
   if (!json_only(options)) {
     print_effects(script, first_steps);
     print_memory(*script.plan, memory);
@@ -168,12 +156,9 @@ int plan_command(const std::string& path, const Options& options) {
         count(script.plan->law_terms.size(), "law"), count(script.plan->loads.size(), "load"));
     if (first_steps) print_forecast(*first_steps);
   }
-  try {
-    if (first_steps) write_forecast(script, *first_steps, std::move(memory), options);
-  } catch (const solver::Failure& failure) {
-    add_failure(script, failure);
-    code = exit_code(failure);
-  }
+  if (first_steps && code == exit_ok)
+    code =
+        session.attempt([&] { write_forecast(script, *first_steps, std::move(memory), options); });
   show_diagnostics(script, options);
   return code;
 }

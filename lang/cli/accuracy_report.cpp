@@ -1,7 +1,7 @@
 // What is said of a search for an accuracy; see accuracy_report.hpp.
-#include "lang/accuracy_report.hpp"
+#include "lang/cli/accuracy_report.hpp"
 
-#include "lang/say.hpp"
+#include "lang/cli/say.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -56,30 +56,6 @@ Json runs(const AccuracyResult& result) {
 
 } // namespace
 
-std::optional<solver::AccuracyRequest> accuracy_request(const Script& script,
-                                                        const Options& options) {
-  solver::AccuracyRequest out;
-  if (options.accuracy > 0.0)
-    out.wanted = options.accuracy, out.probe = options.accuracy_of;
-  else if (script.model->accuracy)
-    out.wanted = *script.model->accuracy,
-    out.probe = options.accuracy_of.empty() ? script.model->accuracy_of : options.accuracy_of;
-  else
-    return std::nullopt;
-  out.most_seconds = options.budget;
-  out.as_written = options.as_written;
-  const auto& probes = script.plan->report.probes;
-  const auto is_it = [&](const solver::Probe& p) { return p.name == out.probe; };
-  if (!out.probe.empty() && std::none_of(probes.begin(), probes.end(), is_it)) {
-    std::string names;
-    for (const auto& p : probes) names += (names.empty() ? "" : ", ") + p.name;
-    throw solver::Failure(solver::FailureKind::bad_value, {},
-                          "no column `" + out.probe + "` whose accuracy could be asked for",
-                          "the report has: " + names);
-  }
-  return out;
-}
-
 std::function<void(const std::string&)> accuracy_teller(const Options& options) {
   if (options.quiet) return [](const std::string&) {};
   return [](const std::string& line) { tell("accuracy: {}\n", line); };
@@ -118,19 +94,16 @@ std::string accuracy_text(const AccuracyResult& result) {
   return out;
 }
 
-std::string with_accuracy(const std::string& result_json, const AccuracyResult& result) {
-  Json all = Json::parse(result_json);
-  all["accuracy"] = {
-      {"wanted", result.request.wanted},
-      {"of", result.request.probe.empty() ? "V" : result.request.probe},
-      {"reached", result.reached},
-      {"estimate", number(result.tries.empty() ? NAN : result.tries.back().estimate)},
-      {"safety", solver::accuracy_safety},
-      {"memory_tolerance", result.memory_tolerance},
-      {"cpu", result.cpu},
-      {"tries", tries(result)},
-      {"runs", runs(result)}};
-  return all.dump(2) + "\n";
+Json accuracy_json(const AccuracyResult& result) {
+  return {{"wanted", result.request.wanted},
+          {"of", result.request.probe.empty() ? "V" : result.request.probe},
+          {"reached", result.reached},
+          {"estimate", number(result.tries.empty() ? NAN : result.tries.back().estimate)},
+          {"safety", solver::accuracy_safety},
+          {"memory_tolerance", result.memory_tolerance},
+          {"cpu", result.cpu},
+          {"tries", tries(result)},
+          {"runs", runs(result)}};
 }
 
 } // namespace hvi::lang

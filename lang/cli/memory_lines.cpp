@@ -1,7 +1,7 @@
 // Lines on the memory for run and plan.
-#include "lang/memory_lines.hpp"
+#include "lang/cli/memory_lines.hpp"
 
-#include "lang/say.hpp"
+#include "lang/cli/say.hpp"
 
 #include <fmt/format.h>
 

@@ -17,6 +17,7 @@ namespace hvi::lang {
 
 namespace {
 
+using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 std::string cell(std::optional<double> v, const char* format) {
@@ -315,8 +316,7 @@ std::string study_csv(const Study& study) {
   return out;
 }
 
-std::string study_json(const Study& study) {
-  using Json = nlohmann::ordered_json;
+nlohmann::ordered_json study_json(const Study& study) {
   Json rows = Json::array();
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < study.rows.size(); ++i) {
@@ -351,19 +351,18 @@ std::string study_json(const Study& study) {
     if (!row.failure.empty()) out["failure"] = row.failure;
     rows.push_back(out);
   }
-  const Json all = {{"schema", "hvi-study/1"},
-                    {"script", study.script},
-                    {"reference", study.reference},
-                    {"machine", study.machine},
-                    {"shared",
-                     {{"meshes", study.shared.meshes},
-                      {"matrices", study.shared.matrices},
-                      {"orders", study.shared.orders},
-                      {"factors", study.shared.factors},
-                      {"seconds", study.shared.seconds}}},
-                    {"rows", rows},
-                    {"best", best ? Json(*best) : Json(nullptr)}};
-  return all.dump(2) + "\n";
+  return {{"schema", "hvi-study/1"},
+          {"script", study.script},
+          {"reference", study.reference},
+          {"machine", study.machine},
+          {"shared",
+           {{"meshes", study.shared.meshes},
+            {"matrices", study.shared.matrices},
+            {"orders", study.shared.orders},
+            {"factors", study.shared.factors},
+            {"seconds", study.shared.seconds}}},
+          {"rows", rows},
+          {"best", best ? Json(*best) : Json(nullptr)}};
 }
 
 std::vector<std::string> files_of_study(const Study& study) {
@@ -378,11 +377,11 @@ std::vector<Drawn> draw_study(const Study& study, const std::string& folder) {
   if (curves(study, 0).empty()) return out;
   const auto draw = [&](const std::string& name, const std::string& commands) {
     for (const char* kind : kinds) {
-      out.push_back({{}, fmt::format("{}.{}", name, kind), {}, {}, false});
+      out.push_back({{}, fmt::format("{}.{}", name, kind), {}, false});
       try {
         plot(commands, fs::path(folder) / out.back().file, {.white = true});
       } catch (const solver::Failure& failure) {
-        out.back().failure = failure.what(), out.back().help = failure.help;
+        out.back().failure = failure;
       }
     }
   };

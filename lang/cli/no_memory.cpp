@@ -7,9 +7,9 @@
 // libc aborts where it cannot note the destructor of a thread's variable; static objects allocate
 // before `main`. What a run has written before is whole, and the next run removes the rest, as
 // after a kill.
-#include "lang/no_memory.hpp"
+#include "lang/cli/no_memory.hpp"
 
-#include "lang/driver.hpp"
+#include "lang/diag/failures.hpp"
 
 #include <unistd.h>
 
@@ -40,7 +40,7 @@ std::atomic_flag told = ATOMIC_FLAG_INIT;
                 bytes);
   hvi::lang::tell_no_memory(text.data());
   std::fflush(stdout); // what was printed before is a result
-  ::_exit(hvi::lang::exit_solve);
+  ::_exit(hvi::lang::ending_of(hvi::solver::FailureKind::too_large).exit);
 }
 
 void* had(void* memory, double bytes) {

@@ -1,7 +1,9 @@
 // hvi-run study: runs every setting of the script's ladders and shows what accuracy costs.
-#include "lang/interrupt.hpp"
-#include "lang/outputs.hpp"
-#include "lang/say.hpp"
+#include "lang/cli/commands.hpp"
+#include "lang/cli/interrupt.hpp"
+#include "lang/cli/outputs.hpp"
+#include "lang/cli/say.hpp"
+#include "lang/cli/study_journal.hpp"
 #include "lang/study.hpp"
 #include "solver/common/clock.hpp"
 #include "solver/common/memory_room.hpp"
@@ -67,11 +69,11 @@ public:
         folder_(output_folder(path, options, "_study")), journal_(folder_ / "study.jsonl") {}
 
   int go() {
-    Script script;
-    script.path = path_;
-    const bool good = compile_script(script, options_);
+    Session session(path_, compile_settings(options_));
+    const Script& script = session.script;
+    const Exit compiled = session.compile();
     show_diagnostics(script, options_);
-    if (!good) return exit_script;
+    if (compiled != exit_ok) return compiled;
     if (!script.model->study) {
       tell("hvi-run: `{}` has no `study` statement\n  = help: study vary n in [8, 16, "
            "32] and N in [8, 16, 32] against finest\n",
@@ -79,14 +81,14 @@ public:
       return exit_usage;
     }
     plan_rows(*script.model);
-    int code = exit_ok;
     auto names = files_of_study(study_);
-    names.push_back(journal_.filename().string());
-    if (!outputs_.take(outputs_in(folder_.string(), names, options_), options_, script, code)) {
+    names.push_back(journal_.name());
+    const Outputs wanted = outputs_in(folder_.string(), names, options_);
+    if (const Exit code = outputs_.take(wanted, options_, session); code != exit_ok) {
       show_diagnostics(script, options_);
       return code;
     }
-    read_journal(script);
+    journal_.read(what_decides(script), study_.rows);
     return run_all();
   }
   std::string folder() const { return folder_.string(); }
@@ -118,109 +120,37 @@ private:
 
   /// Everything that decides a row: the program, the script and its imports, the parameters, and
   /// for each setting the plan with the values of its tables and the content of its mesh file.
-  std::string fingerprint_of(const Script& script) const {
+  std::string what_decides(const Script& script) const {
     std::string all = fmt::format("journal 2, hvi-run {}\n", version);
     for (const auto& program : script.programs) all += script.sources.file(program.file).text();
     for (const auto& [name, value] : options_.defines) all += name + "=" + value + ";";
     std::map<std::string, std::string> meshes;
     for (const StudyRow& row : study_.rows) {
       const auto setting = compile_row(row);
-      if (!setting.plan) continue; // said when its turn comes
-      all += fmt::format("{:016x};", solver::fingerprint(*setting.plan, {}));
-      const auto& mesh = setting.plan->mesh;
+      const auto& plan = setting->script.plan;
+      if (!plan) continue; // said when its turn comes
+      all += fmt::format("{:016x};", solver::fingerprint(*plan, {}));
+      const auto& mesh = plan->mesh;
       if (mesh.kind == solver::MeshSpec::Kind::file)
         meshes.try_emplace(mesh.path, solver::read_file(mesh.path).value_or(""));
     }
     for (const auto& [path, content] : meshes) all += content;
-    return checksum(all);
-  }
-
-  static std::string checksum(const std::string& text) {
-    return fmt::format("{:016x}", std::hash<std::string>{}(text));
+    return all;
   }
 
   /// The script with the values of a row; without a plan where that has mistakes.
-  Script compile_row(const StudyRow& row) const {
-    Options here = options_;
+  std::unique_ptr<Session> compile_row(const StudyRow& row) const {
+    CompileSettings here = compile_settings(options_);
     for (const auto& [name, value] : row.values) here.defines[name] = value;
-    Script script;
-    script.path = path_;
-    if (!compile_variation(script, here)) script.plan.reset();
-    return script;
-  }
-
-  /// Rows that an interrupted study finished, if nothing that decides them has changed. A line
-  /// whose checksum does not fit is as if it were not there.
-  void read_journal(const Script& script) {
-    fingerprint_ = fingerprint_of(script);
-    std::ifstream in(journal_);
-    for (std::string line; std::getline(in, line);) {
-      auto entry = nlohmann::json::parse(line, nullptr, false);
-      if (!entry.is_object() || entry.value("fingerprint", "") != fingerprint_) continue;
-      const std::string written = entry.value("checksum", "");
-      entry.erase("checksum");
-      if (written != checksum(entry.dump())) continue;
-      for (StudyRow& row : study_.rows)
-        if (entry.value("values", std::map<std::string, std::string>{}) == row.values)
-          restore(entry, row);
-    }
-  }
-
-  void restore(const nlohmann::json& entry, StudyRow& row) {
-    if (entry.contains("error")) {
-      const auto& e = entry["error"];
-      row.error = solver::StudyError{e[0], e[1], e[2], e[3], e[4]};
-    }
-    if (entry.contains("cea")) {
-      const auto& c = entry["cea"];
-      row.cea = solver::CeaTerms{c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]};
-    }
-    row.probes = entry["probes"].get<std::map<std::string, double>>();
-    row.unknowns = entry["unknowns"], row.steps = entry["steps"], row.newton = entry["newton"];
-    row.cpu = entry["cpu"], row.wall = entry["wall"], row.peak_bytes = entry["peak_bytes"];
-    row.failure = entry["failure"];
-    done_.push_back(row.values);
-  }
-
-  void keep(const StudyRow& row) {
-    nlohmann::json entry = {{"fingerprint", fingerprint_},
-                            {"values", row.values},
-                            {"probes", row.probes},
-                            {"unknowns", row.unknowns},
-                            {"steps", row.steps},
-                            {"newton", row.newton},
-                            {"cpu", row.cpu},
-                            {"wall", row.wall},
-                            {"peak_bytes", row.peak_bytes},
-                            {"failure", row.failure}};
-    if (const auto& e = row.error)
-      entry["error"] = {e->v_max, e->v_final, e->l2_max, e->l2_final, e->size};
-    if (const auto& c = row.cea)
-      entry["cea"] = {c->interpolation,
-                      c->interpolation_rate,
-                      c->trace,
-                      c->residual,
-                      c->largest_residual,
-                      c->rate,
-                      c->start,
-                      c->step};
-    entry["checksum"] = checksum(entry.dump());
-    // Without it a later call runs the row again: no reason to stop this study.
-    try {
-      solver::append_line(journal_, entry.dump());
-    } catch (const solver::Failure& failure) {
-      if (!std::exchange(warned_, true)) tell("warning: {}; the study goes on\n", failure.what());
-    }
-  }
-
-  bool known(const StudyRow& row) const {
-    return std::find(done_.begin(), done_.end(), row.values) != done_.end();
+    auto out = std::make_unique<Session>(path_, here);
+    if (!out->compile_variation()) out->script.plan.reset();
+    return out;
   }
 
   int run_all() {
     const bool against_run = kind_ != ModelStudy::Reference::exact;
     const bool all_known = std::all_of(study_.rows.begin(), study_.rows.end(),
-                                       [&](const StudyRow& row) { return known(row); });
+                                       [&](const StudyRow& row) { return journal_.has(row); });
     if (against_run && !all_known) {
       // The reference is run first, also when a study is continued: its steps are not kept on disk.
       StudyRow& finest = study_.rows.back();
@@ -233,7 +163,7 @@ private:
     }
     for (std::size_t i = 0; i < study_.rows.size(); ++i) {
       StudyRow& row = study_.rows[i];
-      if (known(row)) continue;
+      if (journal_.has(row)) continue;
       tell_progress(i);
       if (const int code = run_row(row, false); code != exit_ok) return code;
     }
@@ -257,7 +187,7 @@ private:
     if (options_.quiet || !isatty(STDERR_FILENO)) return;
     double left = 0.0;
     for (std::size_t i = next; i < study_.rows.size(); ++i)
-      if (!known(study_.rows[i])) left += weight(study_.rows[i]);
+      if (!journal_.has(study_.rows[i])) left += weight(study_.rows[i]);
     const double wall =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
     const std::string when = done_weight_ > 0.0
@@ -322,8 +252,9 @@ private:
   }
 
   /// One setting; `keeps`: its steps become the reference.
-  int run_row(StudyRow& row, bool keeps) {
-    Script script = compile_row(row);
+  Exit run_row(StudyRow& row, bool keeps) {
+    const auto session = compile_row(row);
+    Script& script = session->script;
     if (!script.plan) {
       show_diagnostics(script, options_);
       return exit_script;
@@ -338,14 +269,13 @@ private:
     } catch (const solver::Failure& failure) {
       using K = solver::FailureKind; // these are no property of the row
       if (failure.kind == K::interrupted || failure.kind == K::missing_file) {
-        add_failure(script, failure);
+        const Exit code = session->refuse(failure);
         show_diagnostics(script, options_);
-        return exit_code(failure);
+        return code;
       }
       row.failure = failure.what();
     }
-    keep(row);
-    done_.push_back(row.values);
+    journal_.keep(row);
     done_weight_ += weight(row);
     return exit_ok;
   }
@@ -416,10 +346,9 @@ private:
   std::string path_;
   const Options& options_;
   Study& study_;
-  fs::path folder_, journal_;
-  std::string fingerprint_;
+  fs::path folder_;
+  StudyJournal journal_;
   ModelStudy::Reference kind_ = ModelStudy::Reference::finest;
-  std::vector<std::map<std::string, std::string>> done_;
   std::shared_ptr<const solver::Trajectory> reference_;
   std::optional<solver::Plan> reference_plan_;
   std::vector<KnownMesh> meshes_;
@@ -428,7 +357,6 @@ private:
   const solver::Discretisation* fine_for_ = nullptr;
   double done_weight_ = 0.0;
   HeldOutputs outputs_;
-  bool warned_ = false; ///< of a journal that cannot be written
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
 };
 
@@ -444,8 +372,9 @@ int report_study(const Study& study, const std::string& folder, const Options& o
     try {
       write();
     } catch (const solver::Failure& failure) {
-      tell("error[E0702]: {}\n", failure.what());
-      code = exit_solve;
+      const Ending ending = ending_of(failure.kind);
+      tell("error[{}]: {}\n", ending.code, failure.what());
+      code = ending.exit;
     }
   };
   attempt([&] {
@@ -453,15 +382,15 @@ int report_study(const Study& study, const std::string& folder, const Options& o
     files.emplace_back("study.csv");
   });
   attempt([&] {
-    if (!options.json.empty()) write_json_text(options, study_json(study));
+    if (!options.json.empty()) write_json(options, study_json(study));
   });
   if (!json_only(options)) say("{}", study_table(study));
   std::fflush(stdout);
   for (const Drawn& picture : draw_study(study, folder)) {
-    if (picture.failure.empty())
+    if (!picture.failure)
       files.push_back(picture.file);
     else
-      tell("warning[W0601]: {}\n", picture.failure);
+      tell("warning[W0601]: {}\n", picture.failure->what());
   }
   if (!options.quiet && !json_only(options))
     say("files: {} in {}/\n", fmt::join(files, ", "), folder);
@@ -477,8 +406,9 @@ int study_command(const std::string& path, const Options& options) {
   try {
     if (const int code = studying.go(); code != exit_ok) return code;
   } catch (const solver::Failure& failure) { // a file that was there is not to be read again
-    tell("error[E0601]: {}\n", failure.what());
-    return exit_code(failure);
+    const Ending ending = ending_of(failure.kind);
+    tell("error[{}]: {}\n", ending.code, failure.what());
+    return ending.exit;
   }
   judge(study, study.reference == "the finest run, extrapolated");
   return report_study(study, studying.folder(), options);

@@ -1,13 +1,15 @@
 // See outputs.hpp.
-#include "lang/outputs.hpp"
+#include "lang/cli/outputs.hpp"
 
 #include "lang/diag/real_path.hpp"
 #include "lang/pictures.hpp"
 #include "solver/output/file.hpp"
 #include "solver/time/checkpoint.hpp"
 #include "solver/time/report.hpp"
+#include "solver/time/result_json.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cctype>
@@ -108,24 +110,23 @@ Outputs outputs_of_run(const Script& script, const Options& options) {
   return out;
 }
 
-bool HeldOutputs::take(const Outputs& outputs, const Options& options, Script& script, int& code) {
-  const auto refuse = [&](const char* what, int exit, std::string message, std::string help) {
+Exit HeldOutputs::take(const Outputs& outputs, const Options& options, Session& session) {
+  Script& script = session.script;
+  const auto refuse = [&](const char* what, std::string message, std::string help) {
     script.diagnostics.add(diagnose(what, Span{}, std::move(message)).with_help(std::move(help)));
-    code = exit;
-    return false;
+    return exit_script;
   };
-  if (outputs.files.empty() && outputs.series.empty()) return true;
+  if (outputs.files.empty() && outputs.series.empty()) return exit_ok;
   const auto last = fs::path(outputs.folder).filename();
   if (last == ".." || (last == "." && options.output_folder.empty()))
-    return refuse("E0604", exit_script,
-                  fmt::format("`{}` is no name for a folder of results", outputs.folder),
+    return refuse("E0604", fmt::format("`{}` is no name for a folder of results", outputs.folder),
                   "name a folder: -o results");
   if (const auto input = overwritten(outputs, inputs_of(script)); !input.empty())
-    return refuse("E0609", exit_script,
+    return refuse("E0609",
                   fmt::format("a result would take the place of `{}`, which the script reads",
                               input.string()),
                   "choose another output folder (-o) or file");
-  try {
+  return session.attempt([&] {
     if (!outputs.folder.empty()) lock_.emplace(outputs.folder);
     std::vector<fs::path> folders;
     for (const auto& file : outputs.files) folders.push_back(file.parent_path());
@@ -134,18 +135,15 @@ bool HeldOutputs::take(const Outputs& outputs, const Options& options, Script& s
     folders.erase(std::unique(folders.begin(), folders.end()), folders.end());
     for (const auto& folder : folders) solver::remove_leftovers(folder);
     for (const auto& file : outputs.files) solver::try_to_write(file);
-  } catch (const solver::Failure& failure) {
-    add_failure(script, failure);
-    code = exit_code(failure);
-    return false;
-  }
-  return true;
+  });
 }
 
-void write_json_text(const Options& options, const std::string& text) {
+void write_json(const Options& options, const nlohmann::ordered_json& value) {
+  if (options.json.empty()) return;
+  const std::string text = solver::json_text(value);
   if (json_only(options))
     std::fwrite(text.data(), 1, text.size(), stdout);
-  else if (!options.json.empty())
+  else
     solver::write_atomically(options.json, text);
 }
 

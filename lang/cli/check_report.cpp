@@ -1,5 +1,5 @@
 // The hypotheses of a script as text and as JSON (check_report.hpp).
-#include "lang/check_report.hpp"
+#include "lang/cli/check_report.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +12,7 @@ namespace hvi::lang {
 
 namespace {
 
+using Json = nlohmann::ordered_json;
 using solver::Answer;
 
 const char* word(Answer answer) {
@@ -86,8 +87,8 @@ std::string hypotheses_text(const Script& script, const solver::HypothesisReport
   return out;
 }
 
-std::string hypotheses_json(const Script& script, const solver::HypothesisReport& report) {
-  using Json = nlohmann::ordered_json;
+nlohmann::ordered_json hypotheses_json(const Script& script,
+                                       const solver::HypothesisReport& report) {
   const auto value = [](double v) -> Json {
     if (std::isnan(v)) return nullptr;
     if (std::isinf(v)) return v > 0 ? "inf" : "-inf";
@@ -140,7 +141,7 @@ std::string hypotheses_json(const Script& script, const solver::HypothesisReport
   out["verdict"] = {
       {"discrete", {{"holds", report.discrete}, {"says", report.discrete_verdict}}},
       {"continuous", {{"holds", report.continuous}, {"says", report.continuous_verdict}}}};
-  return out.dump(2) + "\n";
+  return out;
 }
 
 } // namespace hvi::lang

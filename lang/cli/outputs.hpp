@@ -1,8 +1,10 @@
 // What a command writes: checked before the work begins, so that no work is lost.
 #pragma once
 
-#include "lang/driver.hpp"
+#include "lang/cli/options.hpp"
 #include "solver/output/folder_lock.hpp"
+
+#include <nlohmann/json_fwd.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -27,10 +29,10 @@ Outputs outputs_in(const std::string& folder, const std::vector<std::string>& na
 /// Holds the output folder while a command works in it.
 class HeldOutputs {
 public:
-  /// False, with a diagnostic, where an output would take the place of a file the script reads
+  /// A diagnostic and its exit code where an output would take the place of a file the script reads
   /// (E0609), another run writes into the folder (E0608), or something cannot be written (E0702).
-  /// What killed runs left there is removed. `code`: the exit code of a refusal.
-  bool take(const Outputs& outputs, const Options& options, Script& script, int& code);
+  /// What killed runs left there is removed.
+  Exit take(const Outputs& outputs, const Options& options, Session& session);
 
 private:
   std::optional<solver::FolderLock> lock_;
@@ -39,10 +41,11 @@ private:
 /// "-": JSON goes to the standard output, and nothing else does.
 inline bool json_only(const Options& options) { return options.json == "-"; }
 /// Into the file that was asked for, or to the standard output. Throws Failure(output).
-void write_json_text(const Options& options, const std::string& text);
+void write_json(const Options& options, const nlohmann::ordered_json& value);
 
 /// The folder results go to: -o, or one named after the script and the parameters given.
 std::string output_folder(const std::string& path, const Options& options,
                           const std::string& ending = "");
+std::string output_folder(const Script& script, const Options& options);
 
 } // namespace hvi::lang

@@ -1,5 +1,5 @@
 // Ctrl-C (interrupt.hpp).
-#include "lang/interrupt.hpp"
+#include "lang/cli/interrupt.hpp"
 
 #include <csignal>
 

@@ -1,8 +1,10 @@
 // The hypotheses of a script as text and as JSON.
 #pragma once
 
-#include "lang/driver.hpp"
+#include "lang/script.hpp"
 #include "solver/hypotheses/hypotheses.hpp"
+
+#include <nlohmann/json_fwd.hpp>
 
 #include <string>
 
@@ -12,6 +14,7 @@ namespace hvi::lang {
 std::string hypotheses_text(const Script& script, const solver::HypothesisReport& report,
                             bool colour);
 /// Schema hvi-check/1 (docs/schema/hvi-check-1.schema.json).
-std::string hypotheses_json(const Script& script, const solver::HypothesisReport& report);
+nlohmann::ordered_json hypotheses_json(const Script& script,
+                                       const solver::HypothesisReport& report);
 
 } // namespace hvi::lang

@@ -1,9 +1,8 @@
 // The command line, and nothing else.
+#include "lang/cli/commands.hpp"
+#include "lang/cli/no_memory.hpp"
+#include "lang/cli/say.hpp"
 #include "lang/diag/suggest.hpp"
-#include "lang/driver.hpp"
-#include "lang/no_memory.hpp"
-#include "lang/say.hpp"
-#include "solver/common/memory_room.hpp"
 #include "solver/common/out_of_memory.hpp"
 #include "solver/linear/blas_memory.hpp"
 #include "solver/linear/one_blas_thread.hpp"
@@ -28,6 +27,9 @@ namespace {
 
 using hvi::lang::Options;
 using hvi::lang::tell;
+using hvi::solver::FailureKind;
+
+constexpr int no_memory_exit = hvi::lang::ending_of(FailureKind::too_large).exit;
 
 /// -D name=value
 bool add_define(const std::string& text, Options& options) {
@@ -208,9 +210,16 @@ int flushed(int code) {
   const bool arrived = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
   if (arrived || code == hvi::lang::exit_bug) return code;
   const char* const reason = errno != 0 ? std::strerror(errno) : "it did not take all";
-  for (const char* text : {"error[E0702]: cannot write to the standard output: ", reason, "\n"})
+  const auto ending = hvi::lang::ending_of(FailureKind::output);
+  for (const char* text :
+       {"error[", ending.code, "]: cannot write to the standard output: ", reason, "\n"})
     std::fputs(text, stderr); // allocates nothing
-  return hvi::lang::exit_solve;
+  return ending.exit;
+}
+
+int ended(const hvi::lang::Ending& ending, const char* what, const std::exception& error) {
+  tell("error[{}]: {}: {}\n", ending.code, what, error.what());
+  return ending.exit;
 }
 
 int run_program(int argc, char** argv) {
@@ -220,19 +229,14 @@ int run_program(int argc, char** argv) {
     return dispatch(static_cast<int>(arguments.size()), arguments.data());
   } catch (const hvi::solver::OutOfMemory& error) {
     hvi::lang::tell_no_memory(error.what());
-    return hvi::lang::exit_solve;
-  } catch (const hvi::solver::TooLarge& error) {
-    tell("error[E0607]: {}\n  = help: {}\n", error.what(), error.help);
-    return hvi::lang::exit_solve;
+    return no_memory_exit;
   } catch (const std::bad_alloc&) {
     hvi::lang::tell_no_memory();
-    return hvi::lang::exit_solve;
+    return no_memory_exit;
   } catch (const std::system_error& error) { // no thread, no file, no process to be had
-    tell("error[E0611]: the system refused something: {}\n", error.what());
-    return hvi::lang::exit_solve;
+    return ended(hvi::lang::no_resources, "the system refused something", error);
   } catch (const std::exception& error) {
-    tell("error[E0901]: internal error: {}\n", error.what());
-    return hvi::lang::exit_bug;
+    return ended(hvi::lang::our_mistake, "internal error", error);
   }
 }
 
@@ -242,7 +246,7 @@ int main(int argc, char** argv) {
   keep_freed_memory();
   if (!hvi::solver::reserve_blas_memory()) {
     hvi::lang::tell_no_memory("out of memory: a run needs some 200 MiB of addresses");
-    return hvi::lang::exit_solve;
+    return no_memory_exit;
   }
   const hvi::solver::OneBlasThread one_thread;
   open_standard_streams();

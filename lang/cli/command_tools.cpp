@@ -1,10 +1,10 @@
 // hvi-run fmt, dump, explain, params and mesh: everything that solves nothing.
 #include "lang/check/mesh_findings.hpp"
+#include "lang/cli/commands.hpp"
+#include "lang/cli/say.hpp"
 #include "lang/diag/catalogue.hpp"
 #include "lang/diag/render.hpp"
 #include "lang/diag/unreadable.hpp"
-#include "lang/driver.hpp"
-#include "lang/say.hpp"
 #include "lang/syntax/lexer.hpp"
 #include "lang/syntax/print.hpp"
 #include "solver/mesh/gmsh_module.hpp"
@@ -26,7 +26,7 @@ bool rewritten(const std::string& path, const std::string& text) {
     solver::rewrite_file(path, text);
     return true;
   } catch (const solver::Failure& failure) {
-    tell("error[E0610]: {}\n  = help: {}\n", failure.what(), failure.help);
+    tell("error[E0610]: {}\n  = help: {}\n", failure.what(), option_words().help_for(failure));
     return false;
   }
 }
@@ -49,8 +49,9 @@ int format_command(const std::vector<std::string>& paths, bool only_check) {
     script.path = path;
     auto text = read_text(path);
     if (!text) {
-      tell("error[E0601]: {}\n", why_unreadable(path, path));
-      code = exit_script;
+      const Ending ending = ending_of(solver::FailureKind::missing_file);
+      tell("error[{}]: {}\n", ending.code, why_unreadable(path, path));
+      code = ending.exit;
       continue;
     }
     const int id = script.sources.add(path, *text);
@@ -71,15 +72,12 @@ int format_command(const std::vector<std::string>& paths, bool only_check) {
 }
 
 int dump_command(const std::string& path, const std::string& phase, const Options& options) {
-  Script script;
-  script.path = path;
+  Session session(path, compile_settings(options));
   const bool syntax = phase == "tokens" || phase == "ast";
-  if (syntax)
-    parse_script(script);
-  else
-    compile_script(script, options);
+  const Exit code = syntax ? session.parse() : session.compile();
+  const Script& script = session.script;
   show_diagnostics(script, options);
-  if (script.diagnostics.has_errors() || script.programs.empty()) return exit_script;
+  if (code != exit_ok) return code;
   const SourceFile& source = script.sources.file(0);
   std::string text;
   if (phase == "tokens") {
@@ -111,12 +109,11 @@ int explain_command(const std::string& code) {
 }
 
 int params_command(const std::string& path, const Options& options) {
-  Script script;
-  script.path = path;
-  const bool good = compile_script(script, options);
-  show_diagnostics(script, options);
-  if (!good) return exit_script;
-  for (const ModelParam& p : script.model->params) {
+  Session session(path, compile_settings(options));
+  const Exit code = session.compile();
+  show_diagnostics(session.script, options);
+  if (code != exit_ok) return code;
+  for (const ModelParam& p : session.script.model->params) {
     const auto* number = std::get_if<double>(&p.value);
     say("{} = {}{} ({}){}\n", p.name, number ? fmt::format("{}", *number) : std::get<1>(p.value),
         p.range.empty() ? "" : " in " + p.range, number ? "number" : "word",
@@ -139,9 +136,9 @@ int mesh_command(const std::string& path, const Options& options) {
     tell_findings(mesh, lost);
     return exit_ok;
   } catch (const solver::Failure& failure) {
-    tell("error[{}]: {}\n", failure.kind == solver::FailureKind::missing_file ? "E0601" : "E0603",
-         failure.what());
-    return exit_script;
+    const Ending ending = ending_of(failure.kind);
+    tell("error[{}]: {}\n", ending.code, failure.what());
+    return ending.exit;
   }
 }
 

@@ -1,0 +1,113 @@
+// A script and what it imports; see script.hpp.
+#include "lang/script.hpp"
+
+#include "lang/diag/real_path.hpp"
+#include "lang/diag/suggest.hpp"
+#include "lang/diag/unreadable.hpp"
+#include "lang/stdlib.hpp"
+#include "lang/syntax/parser.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <set>
+
+namespace hvi::lang {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void report(Script& script, std::string_view code, const Span& span, std::string message,
+            std::string help = {}) {
+  script.diagnostics.add(diagnose(code, span, std::move(message)).with_help(std::move(help)));
+}
+
+/// The text of an import: a module of the standard library, or a file beside the script.
+std::optional<int> load_import(Script& script, const ast::Import& import,
+                               std::set<std::string>& seen, bool& failed) {
+  if (const auto* name = std::get_if<ast::Name>(&import.module)) {
+    std::vector<std::string> known;
+    for (const Module& module : standard_library()) {
+      known.emplace_back(module.name);
+      if (module.name != name->text) continue;
+      const std::string path = fmt::format("stdlib/{}.hvi", name->text);
+      if (!seen.insert(path).second) return std::nullopt;
+      return script.sources.add(path, std::string(module.text));
+    }
+    const std::string near = did_you_mean(name->text, known);
+    failed = true;
+    report(script, "E0318", name->span, fmt::format("there is no module `{}`", name->text),
+           near.empty() ? fmt::format("modules: {}", fmt::join(known, ", ")) : near);
+    return std::nullopt;
+  }
+  const auto& text = std::get<ast::Text>(import.module);
+  failed = true; // until it is read
+  if (script.diagnostics.has_error_in(text.span)) return std::nullopt;
+  const fs::path folder = real_path(fs::path(script.path).parent_path() / ".");
+  const fs::path full = real_path(folder / text.text);
+  const fs::path relative = full.lexically_relative(folder);
+  if (fs::path(text.text).is_absolute() || relative.empty() || *relative.begin() == "..") {
+    report(script, "E0604", text.span,
+           fmt::format("`{}` lies outside the folder of the script", text.text),
+           "a script reads files beside it or below it only");
+    return std::nullopt;
+  }
+  if (!seen.insert(full.string()).second) {
+    failed = false;
+    return std::nullopt;
+  }
+  auto content = read_text(full.string());
+  if (!content) {
+    report(script, "E0601", text.span, why_unreadable(full.string(), text.text));
+    return std::nullopt;
+  }
+  failed = false;
+  return script.sources.add(text.text, std::move(*content));
+}
+
+} // namespace
+
+void parse_script(Script& script) {
+  auto text = script.text ? script.text : read_text(script.path);
+  if (!text) {
+    report(script, "E0601", Span{}, why_unreadable(script.path, script.path));
+    return;
+  }
+  std::set<std::string> seen;
+  seen.insert(real_path(script.path).string());
+  const int id = script.sources.add(script.path, std::move(*text));
+  script.programs.push_back(parse(script.sources.file(id), script.diagnostics));
+  for (std::size_t p = 0; p < script.programs.size(); ++p) {
+    std::vector<int> files;
+    for (const ast::Statement& statement : script.programs[p].statements)
+      if (const auto* import = std::get_if<ast::Import>(&statement))
+        if (auto file = load_import(script, *import, seen, script.programs[p].names_lost))
+          files.push_back(*file);
+    for (int file : files) {
+      script.programs.push_back(parse(script.sources.file(file), script.diagnostics));
+      script.programs.back().library = script.sources.file(file).path().starts_with("stdlib/");
+    }
+  }
+}
+
+Span span_of(const Script& script, solver::Origin origin) {
+  if (!script.model || origin.id < 0 || origin.id >= static_cast<int>(script.model->origins.size()))
+    return {};
+  return script.model->origins[static_cast<std::size_t>(origin.id)];
+}
+
+int line_of(const Script& script, solver::Origin origin) {
+  const Span span = span_of(script, origin);
+  return span.valid() && span.file == 0 ? script.sources.begin(span).line : 0;
+}
+
+solver::ResultContext json_context(const Script& script) {
+  solver::ResultContext context;
+  for (const ModelParam& p : script.model->params)
+    if (const auto* v = std::get_if<double>(&p.value)) context.params[p.name] = *v;
+  context.line_of = [&](solver::Origin origin) { return line_of(script, origin); };
+  return context;
+}
+
+} // namespace hvi::lang

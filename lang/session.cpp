@@ -1,0 +1,134 @@
+// Chains the phases. Each arrow of the pipeline map is one call here.
+#include "lang/session.hpp"
+
+#include "lang/check/check.hpp"
+#include "lang/lower/lower.hpp"
+#include "lang/mesh_report.hpp"
+#include "lang/mesh_values.hpp"
+#include "solver/time/step.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace hvi::lang {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What is asked for, else what the script wants. Throws Failure(bad_value) for a column that the
+/// report does not have.
+std::optional<solver::AccuracyRequest> accuracy_wanted(const Script& script,
+                                                       const RunRequest& request) {
+  solver::AccuracyRequest out;
+  if (request.accuracy > 0.0)
+    out.wanted = request.accuracy, out.probe = request.accuracy_of;
+  else if (script.model->accuracy)
+    out.wanted = *script.model->accuracy,
+    out.probe = request.accuracy_of.empty() ? script.model->accuracy_of : request.accuracy_of;
+  else
+    return std::nullopt;
+  out.most_seconds = request.budget;
+  out.as_written = request.as_written;
+  const auto& probes = script.plan->report.probes;
+  const auto is_it = [&](const solver::Probe& p) { return p.name == out.probe; };
+  if (!out.probe.empty() && std::none_of(probes.begin(), probes.end(), is_it)) {
+    std::string names;
+    for (const auto& p : probes) names += (names.empty() ? "" : ", ") + p.name;
+    throw solver::Failure(solver::FailureKind::bad_value, {},
+                          "no column `" + out.probe + "` whose accuracy could be asked for",
+                          "the report has: " + names);
+  }
+  return out;
+}
+
+} // namespace
+
+Session::Session(std::string path, CompileSettings settings, std::optional<std::string> text)
+    : settings_(std::move(settings)) {
+  script.path = std::move(path);
+  script.text = std::move(text);
+}
+
+Exit Session::parse() {
+  parse_script(script);
+  return script.diagnostics.has_errors() || script.programs.empty() ? exit_script : exit_ok;
+}
+
+Exit Session::compile() {
+  parse_script(script);
+  if (script.programs.empty()) return exit_script;
+  CheckOptions options;
+  options.defines = settings_.defines;
+  options.folder = (fs::path(script.path).parent_path() / ".").lexically_normal().string();
+  options.allow_geo = settings_.allow_geo;
+  options.words = settings_.words;
+  script.model = check(script.programs, options, script.diagnostics);
+  if (!script.model) return exit_script;
+  script.model->title = fs::path(script.path).stem().string();
+  script.model->options.threads = settings_.threads;
+  script.plan = lower(*script.model);
+  if (settings_.all_unknowns) script.plan->options.proportional_path = false;
+  return exit_ok;
+}
+
+bool Session::compile_variation() {
+  if (compile() == exit_ok) return true;
+  const auto missing = solver::FailureKind::missing_file;
+  for (const Diagnostic& diagnostic : script.diagnostics.items())
+    if (diagnostic.code == ending_of(missing).code)
+      throw solver::Failure(missing, {}, diagnostic.message);
+  return false;
+}
+
+Exit Session::discretise(const std::atomic<bool>* stop) {
+  return attempt([&] {
+    for (const solver::Failure& failure : solver::discretise(*script.plan, discretisation, stop))
+      refuse(failure);
+    if (!script.diagnostics.has_errors()) report_misfits(script, discretisation);
+    if (!script.diagnostics.has_errors()) check_materials(script, discretisation);
+  });
+}
+
+Exit Session::take_first_step() {
+  return attempt([&] {
+    solver::Timing timing;
+    solver::Stepper(*script.plan, discretisation, timing).advance(1);
+  });
+}
+
+void Session::solve(const RunRequest& request) {
+  if (const auto wanted = accuracy_wanted(script, request)) {
+    accuracy =
+        solver::reach_accuracy(*script.plan, *wanted, request.settings, request.tell_accuracy);
+    result = accuracy->run;
+    script.plan = accuracy->plan;
+  } else {
+    result = solver::run(*script.plan, discretisation, request.settings, &result);
+  }
+  result.script = script.path;
+}
+
+Exit Session::run(const RunRequest& request) {
+  return attempt([&] {
+    try {
+      solve(request);
+    } catch (const solver::AccuracyFailure& failure) {
+      accuracy = failure.so_far;
+      throw;
+    }
+  });
+}
+
+Exit Session::refuse(const solver::Failure& failure) {
+  const Ending ending = ending_of(failure.kind);
+  warn(ending.code, failure, failure.origin);
+  return ending.exit;
+}
+
+void Session::warn(const char* code, const solver::Failure& failure, solver::Origin origin) {
+  script.diagnostics.add(diagnose(code, span_of(script, origin), failure.what())
+                             .with_help(settings_.words.help_for(failure)));
+}
+
+} // namespace hvi::lang
