@@ -49,7 +49,9 @@ std::int64_t Evolution::field_reads() const {
   return sum;
 }
 
-void Evolution::begin_step(int n) { memory_->begin_step(grid().t(n)); }
+std::optional<MemoryMistrust> Evolution::begin_step(int n) {
+  return memory_->begin_step(grid().t(n));
+}
 
 Vector Evolution::factors(int n) const {
   Vector out(field_of_memory(memory_->size()));

@@ -32,8 +32,8 @@ public:
   /// Stored history fields read so far, those before a resume too.
   std::int64_t field_reads() const;
 
-  /// The memories find what they know of step n. Throws MemoryMistrust.
-  void begin_step(int n);
+  /// The memories find what they know of step n, unless an audit says that it is not right.
+  [[nodiscard]] std::optional<MemoryMistrust> begin_step(int n);
   /// The factor of each field in the step that was begun.
   Vector factors(int n) const;
   /// out = - sum_f weights(f, b) (known part of field f), u_n = known + d. False: nothing is known

@@ -49,18 +49,17 @@ const char* name_of(HistoryRoute route) {
   return "";
 }
 
-} // namespace
-
-MemoryMistrust::MemoryMistrust(const HistoryTerm& term, const HistoryReport& report,
-                               double tolerance, int index)
-    : Failure(FailureKind::limit, term.origin,
-              fmt::format("the memory `{}` ({}) is {:.1e} of its norm off the direct sum; its "
-                          "tolerance is {:.1e}",
-                          term.kernel.name, report.route, report.audit, tolerance),
-              "`using memory = direct` sums directly"),
-      history(index), next(report.route == "fit" ? HistoryRoute::tree : HistoryRoute::direct) {
-  said = fmt::format("{}: started again with the route `{}`", what(), name_of(next));
+MemoryMistrust mistrust(const HistoryTerm& term, const HistoryReport& report, double tolerance,
+                        int index) {
+  const HistoryRoute next = report.route == "fit" ? HistoryRoute::tree : HistoryRoute::direct;
+  return {index, term.origin,
+          fmt::format("the memory `{}` ({}) is {:.1e} of its norm off the direct sum; its "
+                      "tolerance is {:.1e}: started again with the route `{}`",
+                      term.kernel.name, report.route, report.audit, tolerance, name_of(next)),
+          next};
 }
+
+} // namespace
 
 MemoryExtent memory_extent(const Plan& plan) {
   MemoryExtent out;
@@ -175,14 +174,15 @@ void Memory::start(double t0, const Vector& u0) {
   for (auto& history : histories_) history->start(t0, view(u0));
 }
 
-void Memory::begin_step(double t) {
+std::optional<MemoryMistrust> Memory::begin_step(double t) {
   for (int m = 0; m < size(); ++m) {
     histories_[m]->rhs(t, {known_[m].data(), static_cast<std::size_t>(known_[m].size())});
     w0_[m] = histories_[m]->w0(t); // audited, too
     const double tolerance = plan_->options.memory_tolerance;
     if (histories_[m]->audited() > tolerance)
-      throw MemoryMistrust(plan_->histories[m], histories_[m]->report(), tolerance, m);
+      return mistrust(plan_->histories[m], histories_[m]->report(), tolerance, m);
   }
+  return std::nullopt;
 }
 
 void Memory::commit(double t, const Vector& u) {

@@ -9,16 +9,18 @@
 #include "solver/time/state.hpp"
 
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace hvi::solver {
 
 /// An audit found a memory outside its tolerance: a run starts again with the `next` route.
-struct MemoryMistrust : Failure {
-  MemoryMistrust(const HistoryTerm& term, const HistoryReport& report, double tolerance, int index);
-  int history;      ///< of Plan::histories
-  std::string said; ///< the report of it, without what is done about it
+struct MemoryMistrust {
+  int history; ///< of Plan::histories
+  Origin origin;
+  std::string said; ///< what the audit found, and what is done about it
   HistoryRoute next;
 };
 
@@ -52,8 +54,8 @@ public:
 
   int size() const { return static_cast<int>(histories_.size()); }
   void start(double t0, const Vector& u0);
-  /// Finds h_m and w0_m of the step that ends at t. Throws MemoryMistrust.
-  void begin_step(double t);
+  /// Finds h_m and w0_m of the step that ends at t, unless an audit says that they are not right.
+  [[nodiscard]] std::optional<MemoryMistrust> begin_step(double t);
   void commit(double t, const Vector& u);
 
   double w0(int m) const { return w0_[m]; }

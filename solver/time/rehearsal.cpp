@@ -49,7 +49,7 @@ MemoryForecast rehearse_memory(const Plan& plan, int from, double most_reads) {
   double least = 0.0, last = 0.0; // seconds of the cheapest first step, up to the last step
   try {
     for (int n = 1; n <= steps; ++n) {
-      memory.begin_step(grid[static_cast<std::size_t>(n)]);
+      if (memory.begin_step(grid[static_cast<std::size_t>(n)])) break; // a run takes another route
       memory.commit(grid[static_cast<std::size_t>(n)], one);
       if (n <= from) {
         const double now = cpu_seconds() - begin;
@@ -62,7 +62,7 @@ MemoryForecast rehearse_memory(const Plan& plan, int from, double most_reads) {
       out.rehearsed = n;
       if (n >= 4 * from && marks.back().reads > most_reads) break;
     }
-  } catch (const Failure&) { // the run itself will say it, or go on with another route
+  } catch (const Failure&) { // the run itself will say it
   }
   if (marks.empty()) return out;
   const double later = steps - from, all = continued(marks, &Mark::seconds, steps);

@@ -18,10 +18,10 @@ RowChecks::RowChecks(Interior& interior, const Plan& plan)
     : interior_(interior), tolerance_(plan.options.tolerance),
       steps_(static_cast<int>(plan.time.grid.size()) - 1), chosen_(checked_steps(plan, steps_)) {}
 
-double RowChecks::error(int n, Interior::Question question) {
+std::optional<double> RowChecks::error(int n, Interior::Question question) {
   if (waits_) {
     put_off(n, std::move(question));
-    settle();
+    if (!settle()) return std::nullopt;
     const double error = late_errors_.back().second;
     late_errors_.pop_back();
     return error;
@@ -36,21 +36,22 @@ void RowChecks::put_off(int n, Interior::Question question) {
   waiting_.push_back(std::move(question));
 }
 
-void RowChecks::settle_in_time(int n) {
-  if (waiting_.empty()) return;
+bool RowChecks::settle_in_time(int n) {
+  if (waiting_.empty()) return true;
   const bool full = waiting_.size() + 1 == static_cast<std::size_t>(Interior::most_steps);
-  if (full || n - steps_waiting_.front() == longest_wait) settle();
+  return full || n - steps_waiting_.front() == longest_wait ? settle() : true;
 }
 
 /// In one pass. A last step that fails is no late one.
-void RowChecks::settle() {
-  if (waiting_.empty()) return;
+bool RowChecks::settle() {
+  if (waiting_.empty()) return true;
   const auto errors = interior_.equilibria(waiting_, clear_part * tolerance_);
   for (std::size_t k = 0; k < errors.size(); ++k) {
     late_errors_.emplace_back(steps_waiting_[k], errors[k]);
-    if (!(errors[k] <= tolerance_) && steps_waiting_[k] < steps_) throw LateCheck();
+    if (!(errors[k] <= tolerance_) && steps_waiting_[k] < steps_) return false;
   }
   steps_waiting_.clear(), waiting_.clear();
+  return true;
 }
 
 } // namespace hvi::solver

@@ -4,16 +4,11 @@
 
 #include "solver/time/interior.hpp"
 
+#include <optional>
 #include <utility>
 #include <vector>
 
 namespace hvi::solver {
-
-/// A check that was put off found a step without a certificate: the run starts again and makes each
-/// check in its step, so that it ends there with what came before.
-struct LateCheck : Failure {
-  LateCheck() : Failure(FailureKind::not_certified, {}, "a check that was put off failed", "") {}
-};
 
 class RowChecks {
 public:
@@ -27,14 +22,14 @@ public:
   /// Is it to be checked later?
   bool later(int n) const { return chosen_[n] != 0 && waits_ && n < steps_; }
   /// The backward error of step n on all rows. The last step makes the checks that were put off,
-  /// too. Throws LateCheck.
-  double error(int n, Interior::Question question);
+  /// too; none: one of these failed.
+  [[nodiscard]] std::optional<double> error(int n, Interior::Question question);
   void put_off(int n, Interior::Question question);
-  /// After step n: the checks that wait are made where they are many, or have waited long. Throws
-  /// LateCheck.
-  void settle_in_time(int n);
-  /// Makes all checks that wait. Throws LateCheck.
-  void settle();
+  /// After step n: the checks that wait are made where they are many, or have waited long. False:
+  /// one failed.
+  [[nodiscard]] bool settle_in_time(int n);
+  /// Makes all checks that wait. False: one failed.
+  [[nodiscard]] bool settle();
 
   /// All steps up to this one have had their checks; `step`: that of the run.
   int checked_up_to(int step) const {

@@ -15,13 +15,12 @@
 #include "solver/common/clock.hpp"
 #include "solver/history/horizon.hpp"
 #include "solver/output/file.hpp"
-#include "solver/time/checkpoint.hpp"
 #include "solver/time/energy.hpp"
 #include "solver/time/reduce.hpp"
 #include "solver/time/report.hpp"
-#include "solver/time/saved_state.hpp"
+#include "solver/time/restarts.hpp"
 #include "solver/time/shared_work.hpp"
-#include "solver/time/step.hpp"
+#include "solver/time/step_notes.hpp"
 #include "solver/time/trust.hpp"
 
 #include <fmt/format.h>
@@ -38,193 +37,13 @@ constexpr double negligible_share = 1e-8;
 /// The condition number of a problem that takes less memory than this costs almost nothing.
 constexpr double cheap_bytes = 1e5;
 
-/// "3 points released, 1 re-attached (downward jump)".
-std::string crossings(const InequalityReport& report) {
-  const int back = report.reattached, off = report.events - back;
-  std::string out;
-  if (off > 0) out = fmt::format("{} points released", off);
-  if (back > 0) out += fmt::format("{}{} points re-attached", off > 0 ? ", " : "", back);
-  return out + " (downward jump)";
-}
-
-constexpr std::string_view not_proved = "least energy found, not proved";
-
-/// With `least_energy`: the state is the best that was found, and what may be below it.
-std::string what_is_below(double gap) {
-  if (!(gap > proved_least_gap)) return "";
-  return std::isfinite(gap)
-             ? fmt::format("{}: another state may have less, by up to {:.1e} of the energies "
-                           "involved",
-                           not_proved, gap)
-             : fmt::format("{}: how much less another state may have is not known (vector or "
-                           "coupled laws, more than 300 points, forms without symmetry, or laws "
-                           "whose curvature is only sampled)",
-                           not_proved);
-}
-
-/// With `least_energy`: in how many steps that is proved. Each of the others has its note.
-void note_proofs(const Plan& plan, RunResult& result) {
-  if (plan.options.branch != Branch::least_energy || plan.law_terms.empty()) return;
-  const auto open = std::count_if(result.notes.begin(), result.notes.end(), [](const auto& note) {
-    return note.what.starts_with(not_proved);
-  });
-  result.notes.push_back(
-      {0, 0.0,
-       fmt::format("least energy: proved in {} of {} steps, to {:.0e} of the energies involved",
-                   result.steps - open, result.steps, proved_least_gap),
-       plan.law_terms.front().origin});
-}
-
-/// Releases, ends of branches (with the load they ended at) and snaps; "" for a smooth step.
-std::string what_happened(const StepResult& step, int n, const TimeGrid& grid, Branch branch) {
-  std::string out;
-  if (step.inequality.events > 0) out = crossings(step.inequality);
-  const auto& ends = step.branch_ends;
-  if (ends.empty()) {
-    if (out.empty() && step.snap)
-      out = branch == Branch::least_energy
-                ? "snap: the state of least energy is beyond unstable states"
-                : "snap: the step crossed unstable states and its branch was not followed; smaller "
-                  "steps may show another";
-    return out;
-  }
-  const auto place = [&](double part) {
-    return grid.is_static() ? fmt::format("{:.6g} of the load", part)
-                            : fmt::format("t = {:.6g}", grid.t(n - 1) + part * grid.length(n));
-  };
-  out += fmt::format("{}snap: the branch ended at {} (a limit point)", out.empty() ? "" : "; ",
-                     place(ends.front()));
-  if (ends.size() > 1)
-    out += fmt::format(", the next ones up to {}, {} in all", place(ends.back()), ends.size());
-  return out + "; on with the next stable state of the equilibrium curve at that load";
-}
-
-/// Worst numbers over the steps, and the notes.
-void note(const StepResult& step, int n, double t, const TimeGrid& grid, const Plan& plan,
-          RunResult& result) {
-  auto& certificate = result.certificate;
-  if (std::max(step.equilibrium, step.inclusion.worst) >
-      std::max(certificate.equilibrium, certificate.inclusion))
-    certificate.worst_step = n;
-  if (step.equilibrium > certificate.equilibrium || n == 1) certificate.equilibrium_step = n;
-  if (step.inclusion.worst > certificate.inclusion || n == 1) certificate.inclusion_step = n;
-  certificate.equilibrium = std::max(certificate.equilibrium, step.equilibrium);
-  certificate.inclusion = std::max(certificate.inclusion, step.inclusion.worst);
-  const Origin origin = plan.law_terms.empty() ? Origin{} : plan.law_terms.front().origin;
-  if (const auto what = what_happened(step, n, grid, plan.options.branch); !what.empty())
-    result.notes.push_back({n, t, what, origin});
-  if (const auto what = what_is_below(step.inequality.least_gap); !what.empty())
-    result.notes.push_back({n, t, what, origin});
-}
-
-/// The law term to blame: of the worst point, else the first.
-Origin blamed(const StepResult& step, const Plan& plan, const Contact& contact) {
-  if (step.inclusion.worst_term >= 0) return plan.law_terms[step.inclusion.worst_term].origin;
-  const int worst = step.inequality.worst_point;
-  if (worst >= 0 && worst < static_cast<int>(contact.problem.points.size()))
-    return plan.law_terms[contact.problem.points[worst].application].origin;
-  return plan.law_terms.empty() ? plan.space.origin : plan.law_terms.front().origin;
-}
-
-[[noreturn]] void not_certified(const StepResult& step, int n, const Stepper& stepper,
-                                const Plan& plan) {
-  const auto& grid = stepper.grid();
-  const auto place = grid.is_static() ? std::string("the static problem")
-                                      : fmt::format("step {} (t = {:.6g})", n, grid.t(n));
-  throw Failure(
-      FailureKind::not_certified, blamed(step, plan, stepper.contact()),
-      fmt::format("no certified solution at {}: equilibrium error {:.2e}, inclusion error "
-                  "{:.2e}, tolerance {:.0e}{}{}",
-                  place, step.equilibrium, step.inclusion.worst, plan.options.tolerance,
-                  step.inequality.verdict.empty() ? "" : "; ", step.inequality.verdict),
-      "a smaller step, or a law that softens less, makes the step's problem convex; "
-      "`check` prints the step margin");
-}
-
-/// Laws beyond the theorem: that jump down (the run says which solution it follows), or are
-/// coupled.
-void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
-  for (const auto& term : contact.terms) {
-    if (term.n_points() == 0) continue;
-    const auto& spec = plan.law_terms[term.points.law_term];
-    const auto& law = *contact.laws[spec.law];
-    if (law.coupled())
-      result.notes.push_back(
-          {0, 0.0,
-           fmt::format("the bound of `{}` is the multiplier of `{}` (Coulomb): beyond the theory, "
-                       "found with it in each step; there may be other solutions",
-                       law.spec().name, law.spec().coupled),
-           spec.origin});
-    if (std::isfinite(
-            law.constants(term.points.x[0], plan.time.is_static ? 0.0 : plan.time.grid[0]).m))
-      continue;
-    result.notes.push_back(
-        {0, 0.0,
-         fmt::format("`{}` jumps down, so uniqueness is not guaranteed; {}; it is "
-                     "reversible: what broke holds again on the way back",
-                     law.spec().name, sentence(plan.options.branch)),
-         spec.origin});
-  }
-}
-
-void put_note(StateWriter& w, const StepNote& note) {
-  w.put(note.step);
-  w.put(note.t);
-  put_text(w, note.what);
-  w.put(note.origin);
-}
-
-StepNote get_note(StateReader& r) {
-  StepNote out{};
-  out.step = r.get<int>();
-  out.t = r.get<double>();
-  out.what = get_text(r);
-  out.origin = r.get<Origin>();
-  return out;
-}
+/// A result, or why the run has to start again.
+using Outcome = std::variant<RunResult, Restart>;
 
 /// The counters that grow with the steps.
 std::array<int, 9> grown(const WorkCounters& w) {
   return {w.analyses,       w.factorisations, w.sweeps,      w.products,        w.newton,
           w.fallback_steps, w.followed_steps, w.inner_steps, w.unfollowed_steps};
-}
-
-/// What audits of the memory have changed so far: the routes, and the notes on them.
-struct Restarts {
-  std::vector<int> routes;     ///< by history; -1: the plan's own
-  bool checks_at_once = false; ///< a check that was put off has failed before
-  std::vector<StepNote> notes;
-
-  void save(StateWriter& w) const {
-    w.put(routes);
-    w.put(static_cast<std::uint64_t>(notes.size()));
-    for (const auto& note : notes) put_note(w, note);
-  }
-  void restore(StateReader& r, std::size_t n_histories) {
-    routes = r.get_vector<int>(n_histories);
-    for (const int route : routes)
-      if (route < -1 || route > static_cast<int>(HistoryRoute::direct)) r.fail("is inconsistent");
-    notes.clear();
-    for (auto n = r.get<std::uint64_t>(); n > 0; --n) notes.push_back(get_note(r));
-  }
-  Plan applied(const Plan& plan) const {
-    Plan out = plan;
-    for (std::size_t m = 0; m < routes.size(); ++m)
-      if (routes[m] >= 0) out.histories[m].route = static_cast<HistoryRoute>(routes[m]);
-    return out;
-  }
-};
-
-/// Any error found while reading the state names the file.
-template <class Read>
-void with_its_name(const std::filesystem::path& file, const Read& read) {
-  try {
-    read();
-  } catch (const HorizonFailure&) {
-    throw;
-  } catch (const Failure& failure) {
-    refuse_checkpoint(file, std::string("does not fit: ") + failure.what());
-  }
 }
 
 class Run {
@@ -254,7 +73,8 @@ public:
     if (saved != nullptr) go_on(*saved);
   }
 
-  void march() {
+  /// All steps. Set: the run has to start again.
+  std::optional<Restart> march() {
     const int steps = stepper_.grid().steps();
     LapClock<> clock;
     for (int n = stepper_.step() + 1; n <= steps; ++n) {
@@ -264,7 +84,7 @@ public:
                                                      : FailureKind::interrupted,
                       {}, fmt::format("interrupted before step {}", n));
       }
-      step(n);
+      if (auto restart = step(n)) return restart;
       clock.charge(result_.timing.steps);
       record(n == steps);
       if (n < steps) reporter_.stream(stepper_.checked_up_to(), !stepper_.not_unique().empty());
@@ -273,12 +93,14 @@ public:
       clock.charge(result_.timing.output);
     }
     result_.certificate.certified = true;
+    return std::nullopt;
   }
 
-  /// Puts everything known so far into the result and writes the tables.
-  RunResult conclude() {
+  /// Puts everything known so far into the result and writes the tables, unless a check that was
+  /// put off fails.
+  Outcome conclude() {
     LapClock<> clock;
-    stepper_.make_checks();
+    if (!stepper_.make_checks()) return LateCheck();
     clock.charge(result_.timing.steps);
     note_late_errors();
     record(true);
@@ -306,10 +128,11 @@ private:
     return discretisation_.shared ? discretisation_.shared->spared() : Spared{};
   }
 
-  void step(int n) {
+  std::optional<Restart> step(int n) {
     const auto outcome = stepper_.advance(n);
-    if (!outcome.certified) not_certified(outcome, n, stepper_, plan_);
-    note(outcome, n, stepper_.t(), stepper_.grid(), plan_, result_);
+    if (outcome.restart) return outcome.restart;
+    if (!outcome.certified) refuse_step(outcome, n, stepper_, plan_);
+    note_step(outcome, n, stepper_.t(), stepper_.grid(), plan_, result_);
     reporter_.mark(outcome);
     if (monitor_) {
       monitor_->take(stepper_, outcome);
@@ -318,6 +141,7 @@ private:
     if (settings_.progress)
       settings_.progress(
           {n, stepper_.grid().steps(), outcome.inequality.iterations, cpu_seconds() - start_});
+    return std::nullopt;
   }
 
   /// Of checks that were put off.
@@ -421,8 +245,7 @@ private:
     w.put(result_.certificate.equilibrium);
     w.put(std::array<int, 3>{result_.certificate.worst_step, result_.certificate.inclusion_step,
                              result_.certificate.equilibrium_step});
-    w.put(static_cast<std::uint64_t>(result_.notes.size()));
-    for (const auto& note : result_.notes) put_note(w, note);
+    put_notes(w, result_.notes);
     WorkCounters work;
     Timing timing;
     account(work, timing);
@@ -450,8 +273,7 @@ private:
     result_.certificate.worst_step = worst[0];
     result_.certificate.inclusion_step = worst[1];
     result_.certificate.equilibrium_step = worst[2];
-    result_.notes.clear();
-    for (auto n = r.get<std::uint64_t>(); n > 0; --n) result_.notes.push_back(get_note(r));
+    result_.notes = get_notes(r);
     // Work counted from here on is added to the work before the checkpoint.
     WorkCounters now;
     Timing timing;
@@ -481,49 +303,40 @@ private:
   std::array<int, 9> grown_before_{};
 };
 
-RunResult run_once(const Plan& plan, const Discretisation& discretisation,
-                   const RunSettings& settings, const Restarts& restarts, const std::string* saved,
-                   RunResult* partial) {
-  Run run(plan, discretisation, settings, restarts, saved);
+/// What is known of a run that has failed is written before the failure is reported, and kept.
+std::optional<Restart> conclude_failed(Run& run, RunResult* partial) {
   try {
-    run.march();
-  } catch (const MemoryMistrust&) {
-    throw; // nothing that was computed with it is a result
-  } catch (const HorizonFailure&) {
-    throw; // begun again
-  } catch (const LateCheck&) {
-    throw; // begun again
-  } catch (const Failure&) {
-    try {
-      auto so_far = run.conclude(); // writes the last good state before the failure is reported
-      if (partial != nullptr) *partial = std::move(so_far);
-    } catch (const LateCheck&) {
-      throw;                   // begun again: a step before failed already
-    } catch (const Failure&) { // the reason to stop comes before a disk that is full as well
-    }
-    throw;
+    Outcome so_far = run.conclude();
+    if (auto* restart = std::get_if<Restart>(&so_far)) return *restart; // a step before has failed
+    if (partial != nullptr) *partial = std::get<RunResult>(std::move(so_far));
+  } catch (const Failure&) { // the reason to stop comes before a disk that is full as well
   }
-  auto result = run.conclude();
-  try {
-    refuse_rounding(result, plan);
-  } catch (const Failure&) {
-    result.certificate.certified = false;
-    if (partial != nullptr) *partial = std::move(result);
-    throw;
-  }
-  return result;
+  return std::nullopt;
 }
 
-/// The state to resume from, if that was requested and there is one.
-std::optional<std::string> saved_state(const Plan& plan, const Discretisation& discretisation,
-                                       const RunSettings& settings) {
-  if (settings.checkpoint_every == 0 && !settings.resume) return std::nullopt;
-  if (settings.output_folder.empty())
-    throw Failure(FailureKind::bad_value, {}, "a checkpoint needs an output folder");
-  const auto file = checkpoint_path(settings.output_folder, settings.name);
-  remove_leftovers(file.parent_path());
-  if (!settings.resume || !std::filesystem::exists(file)) return std::nullopt;
-  return read_checkpoint(file, fingerprint(plan, discretisation.mesh));
+Outcome run_once(const Plan& plan, const Discretisation& discretisation,
+                 const RunSettings& settings, const Restarts& restarts, const std::string* saved,
+                 RunResult* partial) {
+  Run run(plan, discretisation, settings, restarts, saved);
+  try {
+    if (const auto restart = run.march()) return *restart;
+  } catch (const HorizonFailure&) {
+    throw; // started again
+  } catch (const Failure&) {
+    if (const auto restart = conclude_failed(run, partial)) return *restart;
+    throw;
+  }
+  Outcome outcome = run.conclude();
+  auto* const result = std::get_if<RunResult>(&outcome);
+  if (result == nullptr) return outcome;
+  try {
+    refuse_rounding(*result, plan);
+  } catch (const Failure&) {
+    result->certificate.certified = false;
+    if (partial != nullptr) *partial = std::move(*result);
+    throw;
+  }
+  return outcome;
 }
 
 } // namespace
@@ -545,18 +358,18 @@ RunResult run(const Plan& plan, const Discretisation& discretisation, const RunS
   for (;;) {
     const Plan tried = restarts.applied(plan);
     try {
-      auto result =
+      Outcome outcome =
           run_once(tried, discretisation, settings, restarts, saved ? &*saved : nullptr, partial);
+      if (const auto* restart = std::get_if<Restart>(&outcome)) {
+        std::visit([&](const auto& why) { restarts.take(why); }, *restart);
+        if (std::holds_alternative<MemoryMistrust>(*restart)) saved.reset();
+        continue;
+      }
+      auto result = std::get<RunResult>(std::move(outcome));
       for (const auto& sentence : route_notes(plan, result.histories))
         if (restarts.notes.empty()) result.notes.push_back({0, 0.0, sentence, Origin{}});
       result.notes.insert(result.notes.begin(), restarts.notes.begin(), restarts.notes.end());
       return result;
-    } catch (const MemoryMistrust& mistrust) {
-      restarts.notes.push_back({0, 0.0, mistrust.said, mistrust.origin});
-      restarts.routes[mistrust.history] = static_cast<int>(mistrust.next);
-      saved.reset();
-    } catch (const LateCheck&) {
-      restarts.checks_at_once = true;
     } catch (const HorizonFailure& failure) {
       if (!saved) throw;
       restarts.notes.push_back({0, 0.0,

@@ -20,6 +20,12 @@ Formulation& with_room_for_memories(const Plan& plan, Formulation& formulation,
   return formulation;
 }
 
+StepResult start_again(Restart why) {
+  StepResult out;
+  out.restart = std::move(why);
+  return out;
+}
+
 } // namespace
 
 /// The clock runs while the members are made.
@@ -44,9 +50,7 @@ void Stepper::let_checks_wait() {
   if (checks_) checks_->let_wait();
 }
 
-void Stepper::make_checks() {
-  if (checks_) checks_->settle();
-}
+bool Stepper::make_checks() { return !checks_ || checks_->settle(); }
 
 int Stepper::checked_up_to() const { return checks_ ? checks_->checked_up_to(step()) : step(); }
 
@@ -80,9 +84,11 @@ StepResult Stepper::attempt(int n, StepMatrix& matrix) {
   auto out = solver_.attempt(n, matrix, follows(), equation_, trial_);
   counted_.newton += out.inequality.iterations;
   counted_.fallback_steps += out.inequality.used_fallback ? 1 : 0;
-  if (checks_ && checks_->at_once(n))
-    out.equilibrium =
-        std::max(out.equilibrium, checks_->error(n, balance_.question(n, trial_.d, xi())));
+  if (checks_ && checks_->at_once(n)) {
+    const auto error = checks_->error(n, balance_.question(n, trial_.d, xi()));
+    if (!error) return start_again(LateCheck());
+    out.equilibrium = std::max(out.equilibrium, *error);
+  }
   const double tolerance = plan_.options.tolerance;
   out.certified =
       out.inequality.converged && out.equilibrium <= tolerance && out.inclusion.worst <= tolerance;
@@ -99,29 +105,31 @@ void Stepper::count(const StepResult& result) {
 StepResult Stepper::advance(int n) {
   {
     const PhaseClock<wall_seconds> clock(timing_.history);
-    evolution_.begin_step(n);
+    if (auto mistrust = evolution_.begin_step(n)) return start_again(std::move(*mistrust));
   }
   auto& matrix = solver_.matrix_for(n);
   if (!uniqueness_judged_) judge_uniqueness(matrix);
   auto out = attempt(n, matrix);
-  if (!out.certified && solver_.can_begin_anew()) out = attempt(n, matrix);
+  if (!out.restart && !out.certified && solver_.can_begin_anew()) out = attempt(n, matrix);
+  if (out.restart) return out;
   const bool guess = out.inequality.inner_steps == 0 || out.inequality.not_followed;
   if (!out.branch_ends.empty())
     out.snap = true;
   else if (out.certified && guess && formulation_->operators().symmetric && !contact().none())
     out.snap = is_snap(contact(), solver_.laws().c, trial_.kd.dot(trial_.d), trial_.dz);
-  if (out.certified)
-    accept(n, matrix, out);
-  else
+  if (!out.certified)
     solver_.give_up();
+  else if (!accept(n, matrix, out))
+    return start_again(LateCheck());
   return out;
 }
 
-void Stepper::accept(int n, StepMatrix& matrix, const StepResult& result) {
+/// False: a check that was put off failed, and nothing is accepted.
+bool Stepper::accept(int n, StepMatrix& matrix, const StepResult& result) {
   count(result);
   if (checks_) {
     if (checks_->later(n)) checks_->put_off(n, balance_.question(n, trial_.d, xi()));
-    checks_->settle_in_time(n);
+    if (!checks_->settle_in_time(n)) return false;
   }
   solver_.accept(n, matrix, result, trial_);
   {
@@ -129,6 +137,7 @@ void Stepper::accept(int n, StepMatrix& matrix, const StepResult& result) {
     evolution_.accept(n, equation_.known, trial_.d);
   }
   rounding_.note(result.equilibrium, trial_.gap, xi(), equation_.known);
+  return true;
 }
 
 std::vector<ErrorSample> Stepper::rounding_errors(double backward_error) {

@@ -20,15 +20,15 @@ class Stepper {
 public:
   Stepper(const Plan& plan, const Discretisation& discretisation, Timing& timing);
 
-  /// Step n (1 .. steps). Without a certificate the state stays at step n - 1.
-  /// Throws Failure(not_coercive).
+  /// Step n (1 .. steps). Without a certificate, or with a reason to start again, the state stays
+  /// at step n - 1. Throws Failure(not_coercive).
   StepResult advance(int n);
 
   /// Checks on all rows may be made together, up to the last step: for runs of which nothing is
-  /// seen before that. `advance` throws LateCheck then, too.
+  /// seen before that.
   void let_checks_wait();
-  /// Makes the checks that were put off. Throws LateCheck.
-  void make_checks();
+  /// Makes the checks that were put off. False: one failed.
+  [[nodiscard]] bool make_checks();
   /// All steps up to this one have had their checks.
   int checked_up_to() const;
   /// Steps with the errors of checks that were put off; hands each out once.
@@ -68,7 +68,7 @@ private:
   bool follows() const;
   StepResult attempt(int n, StepMatrix& matrix);
   void count(const StepResult& result);
-  void accept(int n, StepMatrix& matrix, const StepResult& result);
+  [[nodiscard]] bool accept(int n, StepMatrix& matrix, const StepResult& result);
 
   const Plan& plan_;
   Timing& timing_;

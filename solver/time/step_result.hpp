@@ -2,10 +2,19 @@
 #pragma once
 
 #include "solver/time/certificate.hpp"
+#include "solver/time/memory.hpp"
 
+#include <optional>
+#include <variant>
 #include <vector>
 
 namespace hvi::solver {
+
+/// A check that was put off found a step without a certificate: the run starts again and makes each
+/// check in its step, so that it ends there with what came before.
+struct LateCheck {};
+/// Why nothing that was computed so far is a result: the run starts again in another way.
+using Restart = std::variant<MemoryMistrust, LateCheck>;
 
 struct StepResult {
   double equilibrium = 0.0; ///< componentwise backward error
@@ -13,6 +22,7 @@ struct StepResult {
   InequalityReport inequality; ///< of the last correction; iterations and events of all
   int corrections = 0;         ///< pairs of sweeps
   bool certified = false;
+  std::optional<Restart> restart; ///< set: nothing else of this result is
   /// It crossed unstable states: the branch ended, or where it was not followed, snap.hpp says so.
   bool snap = false;
   std::vector<double> branch_ends; ///< where, from 0 at the last state to 1 at this one

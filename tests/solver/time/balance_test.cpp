@@ -27,7 +27,7 @@ struct FirstStep : testing::Test {
     formulation = formulate(plan, d);
     evolution.emplace(plan, any(formulation->layout().n_state), formulation->imposed());
     evolution->start();
-    evolution->begin_step(1);
+    ASSERT_FALSE(evolution->begin_step(1));
     balance.emplace(plan, d, *formulation, *evolution);
     equation.n = 1;
     balance->known_state(1, equation.known);

@@ -1,0 +1,84 @@
+// See restarts.hpp.
+#include "solver/time/restarts.hpp"
+
+#include "solver/history/horizon.hpp"
+#include "solver/output/file.hpp"
+
+namespace hvi::solver {
+namespace {
+
+void put_note(StateWriter& w, const StepNote& note) {
+  w.put(note.step);
+  w.put(note.t);
+  put_text(w, note.what);
+  w.put(note.origin);
+}
+
+StepNote get_note(StateReader& r) {
+  StepNote out{};
+  out.step = r.get<int>();
+  out.t = r.get<double>();
+  out.what = get_text(r);
+  out.origin = r.get<Origin>();
+  return out;
+}
+
+} // namespace
+
+void put_notes(StateWriter& w, const std::vector<StepNote>& notes) {
+  w.put(static_cast<std::uint64_t>(notes.size()));
+  for (const auto& note : notes) put_note(w, note);
+}
+
+std::vector<StepNote> get_notes(StateReader& r) {
+  std::vector<StepNote> out;
+  for (auto n = r.get<std::uint64_t>(); n > 0; --n) out.push_back(get_note(r));
+  return out;
+}
+
+void Restarts::take(const MemoryMistrust& mistrust) {
+  notes.push_back({0, 0.0, mistrust.said, mistrust.origin});
+  routes[static_cast<std::size_t>(mistrust.history)] = static_cast<int>(mistrust.next);
+}
+
+Plan Restarts::applied(const Plan& plan) const {
+  Plan out = plan;
+  for (std::size_t m = 0; m < routes.size(); ++m)
+    if (routes[m] >= 0) out.histories[m].route = static_cast<HistoryRoute>(routes[m]);
+  return out;
+}
+
+void Restarts::save(StateWriter& w) const {
+  w.put(routes);
+  put_notes(w, notes);
+}
+
+void Restarts::restore(StateReader& r, std::size_t n_histories) {
+  routes = r.get_vector<int>(n_histories);
+  for (const int route : routes)
+    if (route < -1 || route > static_cast<int>(HistoryRoute::direct)) r.fail("is inconsistent");
+  notes = get_notes(r);
+}
+
+void with_its_name(const std::filesystem::path& file, const std::function<void()>& read) {
+  try {
+    read();
+  } catch (const HorizonFailure&) {
+    throw;
+  } catch (const Failure& failure) {
+    refuse_checkpoint(file, std::string("does not fit: ") + failure.what());
+  }
+}
+
+std::optional<std::string> saved_state(const Plan& plan, const Discretisation& discretisation,
+                                       const RunSettings& settings) {
+  if (settings.checkpoint_every == 0 && !settings.resume) return std::nullopt;
+  if (settings.output_folder.empty())
+    throw Failure(FailureKind::bad_value, {}, "a checkpoint needs an output folder");
+  const auto file = checkpoint_path(settings.output_folder, settings.name);
+  remove_leftovers(file.parent_path());
+  if (!settings.resume || !std::filesystem::exists(file)) return std::nullopt;
+  return read_checkpoint(file, fingerprint(plan, discretisation.mesh));
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,41 @@
+// How often a run has started again and why, and the state a run is resumed from. Used by run.cpp.
+#pragma once
+
+#include "solver/time/checkpoint.hpp"
+#include "solver/time/run.hpp"
+#include "solver/time/saved_state.hpp"
+#include "solver/time/step_result.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hvi::solver {
+
+void put_notes(StateWriter& w, const std::vector<StepNote>& notes);
+std::vector<StepNote> get_notes(StateReader& r);
+
+/// What audits of the memory have changed so far: the routes, and the notes on them.
+struct Restarts {
+  std::vector<int> routes;     ///< by history; -1: the plan's own
+  bool checks_at_once = false; ///< a check that was put off has failed before
+  std::vector<StepNote> notes;
+
+  void take(const MemoryMistrust& mistrust);
+  void take(const LateCheck&) { checks_at_once = true; }
+  Plan applied(const Plan& plan) const;
+
+  void save(StateWriter& w) const;
+  void restore(StateReader& r, std::size_t n_histories);
+};
+
+/// Reads a saved state: any error found in it names the file. Throws Failure(bad_checkpoint), and
+/// HorizonFailure where a memory cannot go on to a later end.
+void with_its_name(const std::filesystem::path& file, const std::function<void()>& read);
+
+/// The state to resume from, if that was requested and there is one.
+std::optional<std::string> saved_state(const Plan& plan, const Discretisation& discretisation,
+                                       const RunSettings& settings);
+
+} // namespace hvi::solver

@@ -1,0 +1,138 @@
+// See step_notes.hpp.
+#include "solver/time/step_notes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+/// "3 points released, 1 re-attached (downward jump)".
+std::string crossings(const InequalityReport& report) {
+  const int back = report.reattached, off = report.events - back;
+  std::string out;
+  if (off > 0) out = fmt::format("{} points released", off);
+  if (back > 0) out += fmt::format("{}{} points re-attached", off > 0 ? ", " : "", back);
+  return out + " (downward jump)";
+}
+
+constexpr std::string_view not_proved = "least energy found, not proved";
+
+/// With `least_energy`: the state is the best that was found, and what may be below it.
+std::string what_is_below(double gap) {
+  if (!(gap > proved_least_gap)) return "";
+  return std::isfinite(gap)
+             ? fmt::format("{}: another state may have less, by up to {:.1e} of the energies "
+                           "involved",
+                           not_proved, gap)
+             : fmt::format("{}: how much less another state may have is not known (vector or "
+                           "coupled laws, more than 300 points, forms without symmetry, or laws "
+                           "whose curvature is only sampled)",
+                           not_proved);
+}
+
+/// Releases, ends of branches (with the load they ended at) and snaps; "" for a smooth step.
+std::string what_happened(const StepResult& step, int n, const TimeGrid& grid, Branch branch) {
+  std::string out;
+  if (step.inequality.events > 0) out = crossings(step.inequality);
+  const auto& ends = step.branch_ends;
+  if (ends.empty()) {
+    if (out.empty() && step.snap)
+      out = branch == Branch::least_energy
+                ? "snap: the state of least energy is beyond unstable states"
+                : "snap: the step crossed unstable states and its branch was not followed; smaller "
+                  "steps may show another";
+    return out;
+  }
+  const auto place = [&](double part) {
+    return grid.is_static() ? fmt::format("{:.6g} of the load", part)
+                            : fmt::format("t = {:.6g}", grid.t(n - 1) + part * grid.length(n));
+  };
+  out += fmt::format("{}snap: the branch ended at {} (a limit point)", out.empty() ? "" : "; ",
+                     place(ends.front()));
+  if (ends.size() > 1)
+    out += fmt::format(", the next ones up to {}, {} in all", place(ends.back()), ends.size());
+  return out + "; on with the next stable state of the equilibrium curve at that load";
+}
+
+/// The law term to blame: of the worst point, else the first.
+Origin blamed(const StepResult& step, const Plan& plan, const Contact& contact) {
+  if (step.inclusion.worst_term >= 0) return plan.law_terms[step.inclusion.worst_term].origin;
+  const int worst = step.inequality.worst_point;
+  if (worst >= 0 && worst < static_cast<int>(contact.problem.points.size()))
+    return plan.law_terms[contact.problem.points[worst].application].origin;
+  return plan.law_terms.empty() ? plan.space.origin : plan.law_terms.front().origin;
+}
+
+} // namespace
+
+void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
+  for (const auto& term : contact.terms) {
+    if (term.n_points() == 0) continue;
+    const auto& spec = plan.law_terms[term.points.law_term];
+    const auto& law = *contact.laws[spec.law];
+    if (law.coupled())
+      result.notes.push_back(
+          {0, 0.0,
+           fmt::format("the bound of `{}` is the multiplier of `{}` (Coulomb): beyond the theory, "
+                       "found with it in each step; there may be other solutions",
+                       law.spec().name, law.spec().coupled),
+           spec.origin});
+    if (std::isfinite(
+            law.constants(term.points.x[0], plan.time.is_static ? 0.0 : plan.time.grid[0]).m))
+      continue;
+    result.notes.push_back(
+        {0, 0.0,
+         fmt::format("`{}` jumps down, so uniqueness is not guaranteed; {}; it is "
+                     "reversible: what broke holds again on the way back",
+                     law.spec().name, sentence(plan.options.branch)),
+         spec.origin});
+  }
+}
+
+void note_step(const StepResult& step, int n, double t, const TimeGrid& grid, const Plan& plan,
+               RunResult& result) {
+  auto& certificate = result.certificate;
+  if (std::max(step.equilibrium, step.inclusion.worst) >
+      std::max(certificate.equilibrium, certificate.inclusion))
+    certificate.worst_step = n;
+  if (step.equilibrium > certificate.equilibrium || n == 1) certificate.equilibrium_step = n;
+  if (step.inclusion.worst > certificate.inclusion || n == 1) certificate.inclusion_step = n;
+  certificate.equilibrium = std::max(certificate.equilibrium, step.equilibrium);
+  certificate.inclusion = std::max(certificate.inclusion, step.inclusion.worst);
+  const Origin origin = plan.law_terms.empty() ? Origin{} : plan.law_terms.front().origin;
+  if (const auto what = what_happened(step, n, grid, plan.options.branch); !what.empty())
+    result.notes.push_back({n, t, what, origin});
+  if (const auto what = what_is_below(step.inequality.least_gap); !what.empty())
+    result.notes.push_back({n, t, what, origin});
+}
+
+void note_proofs(const Plan& plan, RunResult& result) {
+  if (plan.options.branch != Branch::least_energy || plan.law_terms.empty()) return;
+  const auto open = std::count_if(result.notes.begin(), result.notes.end(), [](const auto& note) {
+    return note.what.starts_with(not_proved);
+  });
+  result.notes.push_back(
+      {0, 0.0,
+       fmt::format("least energy: proved in {} of {} steps, to {:.0e} of the energies involved",
+                   result.steps - open, result.steps, proved_least_gap),
+       plan.law_terms.front().origin});
+}
+
+void refuse_step(const StepResult& step, int n, const Stepper& stepper, const Plan& plan) {
+  const auto& grid = stepper.grid();
+  const auto place = grid.is_static() ? std::string("the static problem")
+                                      : fmt::format("step {} (t = {:.6g})", n, grid.t(n));
+  throw Failure(
+      FailureKind::not_certified, blamed(step, plan, stepper.contact()),
+      fmt::format("no certified solution at {}: equilibrium error {:.2e}, inclusion error "
+                  "{:.2e}, tolerance {:.0e}{}{}",
+                  place, step.equilibrium, step.inclusion.worst, plan.options.tolerance,
+                  step.inequality.verdict.empty() ? "" : "; ", step.inequality.verdict),
+      "a smaller step, or a law that softens less, makes the step's problem convex; "
+      "`check` prints the step margin");
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,22 @@
+// What a run says of its steps: the worst numbers, events, choices, and why one is no result.
+// Called by the loop in run.cpp.
+#pragma once
+
+#include "solver/time/run.hpp"
+#include "solver/time/step.hpp"
+
+namespace hvi::solver {
+
+/// Laws beyond the theorem: that jump down (the run says which solution it follows), or are
+/// coupled.
+void note_choices(const Plan& plan, const Contact& contact, RunResult& result);
+/// Worst numbers over the steps, releases, ends of branches and snaps of step n.
+void note_step(const StepResult& step, int n, double t, const TimeGrid& grid, const Plan& plan,
+               RunResult& result);
+/// With `least_energy`: in how many steps that is proved. Each of the others has its note.
+void note_proofs(const Plan& plan, RunResult& result);
+/// Throws Failure(not_certified) with the law to blame.
+[[noreturn]] void refuse_step(const StepResult& step, int n, const Stepper& stepper,
+                              const Plan& plan);
+
+} // namespace hvi::solver
