@@ -7,7 +7,6 @@
 #include "solver/kernel/table.hpp"
 #include "solver/linear/dense.hpp"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -56,6 +55,20 @@ Field from_voigt(int d, const std::vector<Symbol>& m) {
       for (int k = 0; k < d; ++k)
         for (int l = 0; l < d; ++l) c.push_back(m[voigt_index(d, i, j) * n + voigt_index(d, k, l)]);
   return tensor_field(d, std::move(c));
+}
+
+/// Rows: two directions normal to `axis`, then `axis`, each of length one; a coordinate axis gives
+/// coordinate axes.
+Eigen::Matrix3d frame_around(const solver::Point& axis) {
+  const Eigen::Vector3d a = Eigen::Map<const Eigen::Vector3d>(axis.data()).normalized();
+  Eigen::Index least = 0;
+  a.cwiseAbs().minCoeff(&least);
+  const Eigen::Vector3d b = (Eigen::Vector3d::Unit(least) - a[least] * a).normalized();
+  const Eigen::Vector3d c(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                          a[0] * b[1] - a[1] * b[0]);
+  Eigen::Matrix3d rows;
+  rows << b.transpose(), c.transpose(), a.transpose();
+  return rows;
 }
 
 /// c_ijkl = sum a_ip a_jq a_kr a_ls C_pqrs, rows of `axes` the material axes; then restricted to d.
@@ -332,14 +345,12 @@ Value Checker::transverse_call(const ast::Expr& e, const ast::Call& c, const Sco
   if (std::any_of(v.begin(), v.end(), [](const auto& o) { return !o; })) return Poison{};
   const auto axis = material_axis((*args)[5]);
   if (!axis) return Poison{};
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(
-      Eigen::Vector3d::UnitZ(), Eigen::Map<const Eigen::Vector3d>(axis->data()).normalized());
   const Symbol in_plane = *v[0] / (Symbol(2.0) * (Symbol(1.0) + *v[1]));
   // poisson_axis is nu_zx: strain in the plane for stress along the axis; nu_xz = nu_zx E_p / E_a.
   const Symbol nu_xz = *v[3] * *v[0] / *v[2];
   const Field material =
       orthotropic({*v[0], *v[0], *v[2]}, {*v[1], nu_xz, nu_xz}, {in_plane, *v[4], *v[4]});
-  return rotate(model_.dim, material, turn.toRotationMatrix().transpose());
+  return rotate(model_.dim, material, frame_around(*axis));
 }
 
 Value Checker::material_call(const ast::Expr& e, const ast::Call& c, const std::string& name,
