@@ -10,7 +10,7 @@ namespace hvi::solver {
 
 namespace {
 
-constexpr std::size_t block = 1024;
+constexpr std::size_t values_at_once = 1024;
 
 /// out += sum over W fields at stride n.
 template <std::size_t W>
@@ -150,8 +150,8 @@ void FieldQueue::unpack(std::vector<double> values) {
 
 void add_combinations(std::span<const Combination> parts, std::span<double> out) {
   const std::size_t n = out.size();
-  for (std::size_t from = 0; from < n; from += block) {
-    const std::size_t points = std::min(block, n - from);
+  for (std::size_t from = 0; from < n; from += values_at_once) {
+    const std::size_t points = std::min(values_at_once, n - from);
     double* target = out.data() + from;
     for (const Combination& part : parts) {
       const double* source = part.fields + from;
@@ -175,8 +175,8 @@ void add_columns(std::span<const double> weights, const double* fields, std::siz
   const auto whole = [](std::size_t value) { return static_cast<blasint>(value); };
   const std::size_t columns = out.size() / n;
   // Rows in blocks: those of `out` stay in the second-level cache.
-  for (std::size_t from = 0; from < n; from += block / 2) {
-    const std::size_t rows = std::min(block / 2, n - from);
+  for (std::size_t from = 0; from < n; from += values_at_once / 2) {
+    const std::size_t rows = std::min(values_at_once / 2, n - from);
     cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, whole(rows), whole(columns),
                 whole(count), 1.0, fields + from, whole(n), weights.data(), whole(count), 1.0,
                 out.data() + from, whole(n));
@@ -191,8 +191,8 @@ void advance_and_read(std::span<const LinearGroup> groups, std::span<double> sta
                       std::span<const double> u, std::span<const double> u_before,
                       std::span<double> out) {
   const std::size_t n = out.size();
-  for (std::size_t from = 0; from < n; from += block) {
-    const Points points{from, std::min(block, n - from), n};
+  for (std::size_t from = 0; from < n; from += values_at_once) {
+    const Points points{from, std::min(values_at_once, n - from), n};
     if (u_before.empty()) {
       advance_block<false>(groups, states.data(), points, u.data(), nullptr, out.data());
     } else {

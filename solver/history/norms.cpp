@@ -32,14 +32,14 @@ bool single_decaying(const ExponentialTerms& terms) {
 /// breaks, and a norm needs no more than three digits. Multiples of the golden ratio modulo 1 as
 /// sample points are in phase with no oscillation.
 double sampled_mean(const KernelFunction& q, double t, double from, double to) {
-  constexpr int points = 4096;
+  constexpr int samples = 4096;
   const double golden = (std::sqrt(5.0) - 1.0) / 2.0;
   double sum = 0.0, place = 0.5;
-  for (int i = 0; i < points; ++i) {
+  for (int i = 0; i < samples; ++i) {
     sum += std::abs(q(t, from + (to - from) * place));
     place += golden - std::floor(place + golden);
   }
-  return sum / points;
+  return sum / samples;
 }
 
 /// Does q change its sign so often between these lags that a few samples see it all the time?

@@ -11,7 +11,7 @@
 namespace hvi::solver {
 namespace {
 
-constexpr int columns = 2;         ///< of the block
+constexpr int block_columns = 2;
 constexpr int most_iterations = 5; ///< two or three are usual
 
 Vector signs_of(const Vector& y) {
@@ -51,7 +51,7 @@ public:
 private:
   /// A column of ones, the others of random signs; each has the 1-norm 1.
   std::vector<Vector> start() {
-    std::vector<Vector> x(std::min(columns, n_), Vector::Ones(n_));
+    std::vector<Vector> x(std::min(block_columns, n_), Vector::Ones(n_));
     for (std::size_t j = 1; j < x.size(); ++j) x[j] = random_signs();
     for (Vector& column : x) column /= n_;
     return x;
@@ -105,7 +105,7 @@ private:
     std::vector<int> order(n_);
     std::iota(order.begin(), order.end(), 0);
     std::erase_if(order, [&](int i) { return used_[i] != 0; });
-    const auto count = std::min<std::ptrdiff_t>(columns, std::ssize(order));
+    const auto count = std::min<std::ptrdiff_t>(block_columns, std::ssize(order));
     std::partial_sort(order.begin(), order.begin() + count, order.end(),
                       [&](int a, int b) { return h[a] > h[b]; });
     order.resize(static_cast<std::size_t>(count));

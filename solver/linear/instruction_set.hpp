@@ -4,7 +4,9 @@
 
 #include <cstring>
 
-#if defined(__x86_64__) && !defined(__clang__) && __has_include(<sys/platform/x86.h>)
+#if !defined(__x86_64__) // other processors have the baseline only, in packs as wide as they are
+#define HVI_HAS(small, large) false
+#elif !defined(__clang__) && __has_include(<sys/platform/x86.h>)
 #include <sys/platform/x86.h>
 // The C library has asked the processor already; asking again traps in a virtual machine.
 #define HVI_HAS(small, large) CPU_FEATURE_ACTIVE(large)
@@ -26,10 +28,14 @@ inline InstructionSet instruction_set() {
 
 // A kernel is inlined into functions that name the set it is compiled for.
 #define HVI_INLINE __attribute__((always_inline)) inline
+#if !defined(__x86_64__)
+#define HVI_AVX2
+#define HVI_AVX512
+#elif defined(__clang__)
 #define HVI_AVX2 __attribute__((target("avx2,fma")))
-#if defined(__clang__)
 #define HVI_AVX512 __attribute__((target("avx512f,avx2,fma")))
 #else // by itself GCC takes vectors of half the width
+#define HVI_AVX2 __attribute__((target("avx2,fma")))
 #define HVI_AVX512 __attribute__((target("avx512f,avx2,fma,prefer-vector-width=512")))
 #endif
 

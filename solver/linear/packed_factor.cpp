@@ -67,6 +67,11 @@ void split(double v, float& value, std::int16_t& rest) {
 // Packs are never passed between functions compiled for different instruction sets.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
+namespace baseline {
+#include "solver/linear/packed_kernels.hpp"
+} // namespace baseline
+
+#if defined(__x86_64__)
 // All functions of a namespace for one instruction set, in the words of either compiler.
 #if defined(__clang__)
 #pragma clang attribute push(__attribute__((target("avx512f,avx2,fma"))), apply_to = function)
@@ -97,10 +102,10 @@ namespace avx2 {
 #else
 #pragma GCC pop_options
 #endif
-
-namespace baseline {
-#include "solver/linear/packed_kernels.hpp"
-} // namespace baseline
+#else // one set of instructions
+namespace avx512 = baseline;
+namespace avx2 = baseline;
+#endif
 
 } // namespace
 
