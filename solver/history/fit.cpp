@@ -10,12 +10,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace hvi::solver {
 
 namespace {
 
 constexpr std::uint32_t fit_magic = 0x46495431;
+/// A fit takes some five exponentials a decade, and time like the fourth power of their number.
+constexpr double most_decades = 40.0;
 
 struct SavedTerm {
   Complex factor, rate;
@@ -244,6 +247,12 @@ RouteOutcome make_fit(const PreparedKernel& kernel, std::size_t n, const History
   std::string failure;
   for (const double window : windows) {
     if (window >= options.horizon) return {nullptr, "the whole time is one step"};
+    const double decades = std::log10(options.horizon / window);
+    if (decades > most_decades) {
+      failure = fmt::format("its lags reach over {:.0f} decades, a fit over {:.0f} at most",
+                            decades, most_decades);
+      continue;
+    }
     auto outcome = fit_exponentials(kernel, window, options.horizon, options.tolerance);
     if (!outcome.sum) {
       failure = outcome.failure;

@@ -4,19 +4,26 @@
 #include "solver/history/horizon.hpp"
 #include "solver/time/saved_state.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hvi::solver {
 namespace {
 
 constexpr int end_of_derivatives = highest_derivative + 1;
 
-/// Can a run have been planned so? It may have been continued beyond that since.
-bool is_of_a_run(const MemoryExtent& extent, bool is_static) {
-  if (is_static) return extent == MemoryExtent{};
+/// Can a run that has come this far have been planned so? It may have been continued beyond its
+/// plan since.
+bool is_of_a_run(const MemoryExtent& extent, const TimeGrid& grid, int step) {
+  if (grid.is_static()) return extent == MemoryExtent{};
   constexpr double rounding = 1e-6;
   const auto steps = static_cast<double>(extent.steps);
+  double shortest = std::numeric_limits<double>::infinity(); // of the steps that were planned
+  for (int n = 1; n <= std::min<std::int64_t>(step, extent.steps); ++n)
+    shortest = std::min(shortest, grid.length(n) * (1.0 + 4.0 * grid.rounding(n)));
   return std::isfinite(extent.horizon) && extent.shortest_step > 0.0 && extent.steps > 0 &&
+         extent.shortest_step <= (1.0 + rounding) * shortest &&
          steps * extent.shortest_step <= (1.0 + rounding) * extent.horizon;
 }
 
@@ -163,7 +170,7 @@ bool Evolution::restore(std::istream& in) {
   if (!begins_with(grid(), step_, r.get_vector<double>()))
     r.fail("was saved by a run of other times");
   const auto earlier = r.get<MemoryExtent>();
-  if (!is_of_a_run(earlier, grid().is_static())) r.fail("is inconsistent");
+  if (!is_of_a_run(earlier, grid(), step_)) r.fail("is inconsistent");
   const bool same_end = earlier == memory_->extent();
   if (!same_end) continue_memory(earlier); // from the initial state
   get_vector(r, u_, u_.size());

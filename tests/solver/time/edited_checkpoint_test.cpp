@@ -83,28 +83,56 @@ private:
   std::vector<std::uint64_t> counts_{0, 1, 5, 1000, 1ULL << 33, ~0ULL, 1ULL << 63};
 };
 
-/// What the memories were chosen for: numbers that no run has are refused before anything is
-/// allocated for them.
+/// A run that stopped halfway, whose checkpoint says otherwise for what extent its memories were
+/// chosen.
+class EditedExtent {
+public:
+  explicit EditedExtent(HistoryRoute route) : plan_(with_route(route, "").plan) {
+    settings_.output_folder = folder_.string();
+    settings_.checkpoint_every = 100;
+    for (const auto& mistake : discretise(plan_, d_)) throw mistake;
+    Plan half = plan_;
+    half.time.grid.resize(6);
+    (void)run(half, d_, settings_);
+    saved = memory_extent(half);
+    state_ = read_checkpoint(file(), fingerprint(plan_, d_.mesh));
+    settings_.resume = true;
+  }
+  ~EditedExtent() { std::filesystem::remove_all(folder_); }
+
+  void expect_refused(const MemoryExtent& wrong) const {
+    std::string bytes(sizeof saved, '\0'), edited = state_;
+    std::memcpy(bytes.data(), &saved, sizeof saved);
+    const auto at = state_.find(bytes);
+    ASSERT_NE(at, std::string::npos);
+    std::memcpy(edited.data() + at, &wrong, sizeof wrong);
+    write_checkpoint(file(), fingerprint(plan_, d_.mesh), edited);
+    try {
+      run(plan_, d_, settings_);
+      ADD_FAILURE() << wrong.horizon << ' ' << wrong.shortest_step << ' ' << wrong.steps;
+    } catch (const Failure& failure) {
+      EXPECT_EQ(failure.kind, FailureKind::bad_checkpoint) << failure.what();
+    }
+  }
+
+  MemoryExtent saved;
+
+private:
+  std::filesystem::path file() const {
+    return checkpoint_path(settings_.output_folder, settings_.name);
+  }
+
+  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "hvi_extent";
+  Plan plan_;
+  Discretisation d_;
+  RunSettings settings_;
+  std::string state_;
+};
+
+/// Numbers that no run has are refused before anything is allocated for them.
 TEST(EditedCheckpoint, ExtentsOfNoRunAreRefused) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "hvi_extent";
-  const auto scene = with_route(HistoryRoute::direct, "direct");
-  RunSettings settings;
-  settings.output_folder = folder.string();
-  settings.checkpoint_every = 100;
-  Discretisation d;
-  for (const auto& mistake : discretise(scene.plan, d)) throw mistake;
-  Plan half = scene.plan;
-  half.time.grid.resize(6);
-  (void)run(half, d, settings);
-  const auto file = checkpoint_path(settings.output_folder, settings.name);
-  const auto mark = fingerprint(scene.plan, d.mesh);
-  const std::string state = read_checkpoint(file, mark);
-  const MemoryExtent saved = memory_extent(half);
-  std::string bytes(sizeof saved, '\0');
-  std::memcpy(bytes.data(), &saved, sizeof saved);
-  const auto at = state.find(bytes);
-  ASSERT_NE(at, std::string::npos);
-  settings.resume = true;
+  const EditedExtent edited(HistoryRoute::direct);
+  const MemoryExtent saved = edited.saved;
   const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
   for (const MemoryExtent& wrong :
        {MemoryExtent{saved.horizon, saved.shortest_step, std::int64_t{1} << 40},
@@ -113,18 +141,16 @@ TEST(EditedCheckpoint, ExtentsOfNoRunAreRefused) {
         {saved.horizon, 0.0, saved.steps},
         {saved.horizon, nan, saved.steps},
         {infinite, saved.shortest_step, saved.steps},
-        {-1.0, saved.shortest_step, saved.steps}}) {
-    std::string edited = state;
-    std::memcpy(edited.data() + at, &wrong, sizeof wrong);
-    write_checkpoint(file, mark, edited);
-    try {
-      run(scene.plan, d, settings);
-      ADD_FAILURE() << wrong.horizon << ' ' << wrong.shortest_step << ' ' << wrong.steps;
-    } catch (const Failure& failure) {
-      EXPECT_EQ(failure.kind, FailureKind::bad_checkpoint) << failure.what();
-    }
-  }
-  std::filesystem::remove_all(folder);
+        {saved.horizon, 2.0 * saved.shortest_step, 1}, // longer than the steps taken
+        {-1.0, saved.shortest_step, saved.steps}})
+    edited.expect_refused(wrong);
+}
+
+/// A grid may have a step of 1e-290. Lags of 290 decades are not fitted, which would take hours; so
+/// these memories are others than the saved ones.
+TEST(EditedCheckpoint, LagsOfHundredsOfDecadesAreNotFitted) {
+  const EditedExtent edited(HistoryRoute::fit);
+  edited.expect_refused({edited.saved.horizon, 1e-290, edited.saved.steps});
 }
 
 TEST(EditedCheckpoint, IsRefusedOrIsAnotherState) {
