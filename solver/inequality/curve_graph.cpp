@@ -1,14 +1,12 @@
-// A scalar law's graph over all arguments, as the equilibrium curve reads it
-// (equilibrium_curve.hpp).
+// A scalar law's graph over all arguments (curve_graph.hpp).
+#include "solver/inequality/curve_graph.hpp"
+
 #include "solver/common/numbers.hpp"
-#include "solver/inequality/equilibrium_curve.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace hvi::solver {
-
-namespace {}
 
 CurveGraph::CurveGraph(const PreparedLaw& law) : law_(&law), odd_(law.radial()) {
   const LawGraph& g = law.graph();

@@ -84,18 +84,17 @@ void BranchFollower::follow(StepAnswer& step) {
 
 void BranchFollower::continue_branch(StepAnswer& step, const Vector& free, const Vector& b1) {
   InequalityReport& report = step.report;
-  EquilibriumCurve& curve = curve_.curve();
-  const bool arrived = curve.follow(curve_.start(step.start), by_point(points_, step.start.xi),
-                                    b1) == EquilibriumCurve::Outcome::arrived;
-  report.inner_steps = curve.steps();
-  report.not_followed = !arrived;
-  if (!arrived) return;
-  for (const auto& end : curve.ends()) report.branch_ends.push_back(end.load);
+  const FollowedBranch branch =
+      curve_.curve().follow(curve_.start(step.start), by_point(points_, step.start.xi), b1);
+  report.inner_steps = branch.steps;
+  report.not_followed = !branch.arrived;
+  if (!branch.arrived) return;
+  report.branch_ends.insert(report.branch_ends.end(), branch.ends.begin(), branch.ends.end());
   const Vector z1 = points_.problem.g * step.io.c + points_.problem.offset;
-  if (report.converged && is_same(by_point(points_, z1), curve.z())) return;
+  if (report.converged && is_same(by_point(points_, z1), branch.state.z)) return;
   const InequalityReport at_once = report;
   const InequalityState other = step.io;
-  if (settle_on(curve_.solution(free), step)) return;
+  if (settle_on(curve_.solution(branch.state, free), step)) return;
   step.io = other;
   report = at_once;
   report.branch_ends.clear();

@@ -82,14 +82,13 @@ void LeastState::along_curve(StepAnswer& step, const Vector& b, const Vector& fr
   std::optional<CurveSolution> best;
   Vector xi(points.size());
   for (int p = 0; p < points.size(); ++p) xi[p] = step.start.xi[points[p].first];
-  EquilibriumCurve& curve = curve_.curve();
-  curve.visit(curve_.start(step.start), xi, b, [&] {
-    CurveSolution found = curve_.solution(free);
+  const auto consider = [&](const CurveState& at) {
+    CurveSolution found = curve_.solution(at, free);
     const double e = energy_at(found.c);
     if (!(e < lowest - 1e-9 * std::abs(lowest)) && std::isfinite(lowest)) return;
     lowest = e, best = std::move(found);
-  });
-  step.report.inner_steps = curve.steps();
+  };
+  step.report.inner_steps = curve_.curve().visit(curve_.start(step.start), xi, b, consider);
   if (!best) return;
   const InequalityReport at_once = step.report;
   const InequalityState other = step.io;

@@ -22,7 +22,7 @@ bool PointCurve::prepare(const ReducedOperator& s) {
     if (q.rows != 1) return false;
   std::optional<DenseMatrix> c = compliance(s);
   if (!c) return false;
-  curve_.emplace(std::move(*c), curve_points(), s.symmetric());
+  curve_.emplace(std::move(*c), curve_points());
   return true;
 }
 
@@ -70,8 +70,8 @@ Vector PointCurve::start(const StepStart& start) const {
   return z0;
 }
 
-CurveSolution PointCurve::solution(const Vector& free) const {
-  CurveSolution out{free, curve_->z(), curve_->xi(), curve_->places()};
+CurveSolution PointCurve::solution(const CurveState& at, const Vector& free) const {
+  CurveSolution out{free, at.z, at.xi, at.place};
   for (int p = 0; p < points_.size(); ++p)
     out.c -= response_.col(p) * (points_[p].weight * out.xi[p]);
   return out;

@@ -21,13 +21,13 @@ public:
   /// With S factored by `s`, once for S. False: too large, a vector law, or no energy that says
   /// which states are stable.
   bool prepare(const ReducedOperator& s);
-  EquilibriumCurve& curve() { return *curve_; }
+  const EquilibriumCurve& curve() const { return *curve_; }
   std::vector<CurvePoint> curve_points() const;
 
   /// Where the curve begins: the last state's arguments, those that rest exactly on their breaks.
   Vector start(const StepStart& start) const;
-  /// Where the curve is now, `free` the displacements of the body without forces.
-  CurveSolution solution(const Vector& free) const;
+  /// A state of the curve with its displacements, `free` those of the body without forces.
+  CurveSolution solution(const CurveState& at, const Vector& free) const;
   /// The displacements under forces at the points.
   Vector displaced(const Vector& free, const Vector& force) const {
     return free - response_ * force;
