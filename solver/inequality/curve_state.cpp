@@ -32,8 +32,7 @@ double CurveProblem::end(const CurveState& at, int p, int side) const {
 
 void CurveProblem::take_slopes(CurveState& at) const {
   for (int p = 0; p < size(); ++p)
-    if (!at.upright(p))
-      points[p].graph->slope(at.place[p] / 2, at.z[p], at.xi[p], at.curvature[p]);
+    if (!at.upright(p)) points[p].graph->slope(at.place[p] / 2, at.z[p], at.xi[p], at.curvature[p]);
 }
 
 } // namespace hvi::solver

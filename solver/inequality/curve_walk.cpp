@@ -63,8 +63,8 @@ CurveEvent next_event(const CurveProblem& problem, const CurvePosition& now, dou
   for (int p = 0; p < problem.size(); ++p) {
     if (way[p] == 0.0) continue;
     const int side = way[p] > 0.0 ? 1 : -1;
-    const double length = std::max(
-        0.0, (problem.end(now.state, p, side) - problem.unknown(now.state, p)) / way[p]);
+    const double length =
+        std::max(0.0, (problem.end(now.state, p, side) - problem.unknown(now.state, p)) / way[p]);
     if (length < out.length) out = {length, p, side};
   }
   if (load > 0.0 && load <= out.length + on_break) return {load, by_load, 0};
@@ -83,9 +83,8 @@ CurveEvent overrun(const CurveEquations& equations, const CurvePosition& now, do
   }
   for (int p = 0; p < problem.size(); ++p)
     for (const int side : {1, -1}) {
-      const double over =
-          side * (problem.unknown(now.state, p) - problem.end(now.state, p, side)) /
-          equations.size();
+      const double over = side * (problem.unknown(now.state, p) - problem.end(now.state, p, side)) /
+                          equations.size();
       if (over > beyond) out = {over, p, side}, beyond = over;
     }
   return out;
@@ -211,9 +210,9 @@ CurveStep CurveWalk::step_on_curved(double length, double target) {
     if (found) {
       const CurveEvent over = overrun(equations_, now_, target, seeks_load);
       if (over.point != none && over.length > on_break) {
-        length *= std::clamp(
-            part_until(over, equations_.problem(), before.state, now_.state, target), 0.01,
-            1.0 - 1e-3 * (tries > 20));
+        length *=
+            std::clamp(part_until(over, equations_.problem(), before.state, now_.state, target),
+                       0.01, 1.0 - 1e-3 * (tries > 20));
         continue;
       }
       if (over.point == by_load) return to_load(equations_, now_, target);

@@ -49,8 +49,8 @@ private:
   int steps_ = 0;
 };
 
-/// From the state (z, xi) towards the load b1. The curve is the one through that state: xi is put on
-/// the graph first, then b_0 = z + C W xi.
+/// From the state (z, xi) towards the load b1. The curve is the one through that state: xi is put
+/// on the graph first, then b_0 = z + C W xi.
 CurveWalk walk_from(const CurveProblem& problem, const Vector& z, const Vector& xi,
                     const Vector& b1);
 

@@ -15,90 +15,38 @@
 // optimization method for general constrained nonconvex problems, 1995).
 #pragma once
 
-#include "solver/inequality/equilibrium_curve.hpp"
-#include "solver/inequality/inequality.hpp"
-
-#include <Eigen/Cholesky>
+#include "solver/common/numbers.hpp"
+#include "solver/inequality/box_bound.hpp"
 
 #include <functional>
-#include <vector>
 
 namespace hvi::solver {
 
+struct LeastEnergyResult {
+  LowestEnergy lowest;      ///< of the best state found, over the energy of the free body; its
+                            ///< scale at least b^T D b / 2
+  double bound = -infinity; ///< no state has less; -infinity where nothing is known
+  int boxes = 0;
+  /// (lowest - bound) / scale: by how much less another state may have.
+  double gap() const;
+};
+
 class LeastEnergy {
 public:
-  struct Result {
-    double lowest = 0.0; ///< energy of the best state found, over that of the free body
-    double bound = 0.0;  ///< no state has less; -infinity where nothing is known
-    double scale = 0.0;  ///< the size of the energies that make up `lowest`, or b^T D b / 2
-    int boxes = 0;
-    /// (lowest - bound) / scale: by how much less another state may have.
-    double gap() const;
-    bool proved() const { return gap() <= proved_least_gap; }
-  };
+  /// From the forces of a candidate to a solution nearby: its forces, or an empty vector.
+  using Descend = std::function<Vector(const Vector&)>;
 
-  /// C dense and square, one point a row; scalar laws only.
-  LeastEnergy(const DenseMatrix& compliance, std::vector<CurvePoint> points);
+  /// C dense and square, one point a row; scalar laws only. Keeps a reference to C.
+  LeastEnergy(const DenseMatrix& compliance, const std::vector<CurvePoint>& points);
 
-  /// The energy, over that of the free body, of the body under the points' forces (w_p xi_p), and
-  /// the size of its parts.
-  double energy(const Vector& b, const Vector& force, double& scale) const;
-
-  /// `force` is that of the best state known. `descend` goes from the forces of a candidate to a
-  /// solution nearby, and gives its forces, or an empty vector.
-  Result search(const Vector& b, const Vector& force,
-                const std::function<Vector(const Vector&)>& descend);
+  /// Over that of the free body, of the body under the points' forces (w_p xi_p).
+  LowestEnergy energy(const Vector& b, const Vector& force) const;
+  /// `force` is that of the best state known.
+  LeastEnergyResult search(const Vector& b, const Vector& force, const Descend& descend) const;
 
 private:
-  /// A part of a law's graph inside one piece, with a lower bound of its curvature.
-  struct Cell {
-    double low, high, curvature;
-    int piece;
-    bool straight;
-  };
-  /// A cell within a box: phi there, made convex.
-  struct Segment {
-    double a, b, fa, fb, slope, curvature; ///< slope of phi at a, least curvature of phi
-    int piece;
-    bool straight;
-  };
-  struct Box {
-    double bound;
-    Vector low, high, multiplier;
-    bool operator<(const Box& other) const { return bound > other.bound; }
-  };
-
-  bool take_from_body();
-  bool first_box(Box& box);
-  bool make_cells(const Box& box);
-  void make_segments(const Box& box);
-  double phi(int p, int piece, double z) const;
-  double phi_slope(int p, int piece, double z) const;
-  double phi_at(int p, double z) const;
-  double least_on(int p, int piece) const;
-  double conjugate_on(int p, const Segment& s, double slope, double& at) const;
-  double conjugate(int p, double slope, double& at);
-  void improve(int p, double box_low, double box_high);
-  double dual_value();
-  void maximise_dual(Box& box);
-  int worst_point(const Box& box, double& at);
-  void consider(const Vector& force);
-
-  DenseMatrix c_, c_tilde_; ///< C, (C^-1 - D)^-1
-  std::vector<CurvePoint> points_;
-  int n_;
-  Vector d_, root_;                              ///< D and its root
-  Eigen::LLT<DenseMatrix> rest_;                 ///< of 1 - D^1/2 C D^1/2
-  std::vector<double> domain_low_, domain_high_; ///< of finite energy
-  std::vector<std::vector<Cell>> cells_;         ///< by point
-  std::vector<std::vector<Segment>> segments_;
-  Vector b_, b_tilde_;       ///< the free body's arguments; (1 - C D)^-1 b
-  Vector lambda_, c_lambda_; ///< multipliers, and (C^-1 - D)^-1 times them
-  double shift_ = 0.0;       ///< the energy where lambda = 0 and phi = 0
-  Result result_;
-  double work_ = 0.0; ///< segments looked at, and entries of products
-  const std::function<Vector(const Vector&)>* descend_ = nullptr;
-  int descents_ = 0;
+  const DenseMatrix& c_;
+  std::vector<PointEnergy> points_;
 };
 
 } // namespace hvi::solver

@@ -42,16 +42,16 @@ Vector LeastState::reach(StepAnswer& step, const Vector& force, const Vector& fr
 void LeastState::descend(StepAnswer& step, const Vector& b, const Vector& free) {
   const ContactPoints& points = step.at.points;
   if (points.size() > most_points_bounded) return;
-  LeastEnergy least(curve_.curve().compliance(), curve_.curve_points());
+  const LeastEnergy least(curve_.curve().compliance(), curve_.curve_points());
   const InequalityReport at_once = step.report;
   const InequalityState first = step.io;
   InequalityState found, best;
   Vector start = Vector::Zero(points.size());
-  double ignored = 0.0, lowest = std::numeric_limits<double>::infinity();
+  double lowest = std::numeric_limits<double>::infinity();
   const auto descend_and_keep = [&](const Vector& force) -> Vector {
     Vector reached = reach(step, force, free, found);
     if (reached.size() == 0) return reached;
-    const double e = least.energy(b, reached, ignored);
+    const double e = least.energy(b, reached).value;
     if (e < lowest) lowest = e, best = found;
     return reached;
   };
@@ -59,9 +59,8 @@ void LeastState::descend(StepAnswer& step, const Vector& b, const Vector& free) 
     start = forces_of(points, step.io);
   else if (const Vector reached = descend_and_keep(start); reached.size() > 0)
     start = reached;
-  if (const double e = least.energy(b, start, ignored); e < lowest) lowest = e;
-  const LeastEnergy::Result result = least.search(b, start, descend_and_keep);
-  step.report.least_gap = result.gap();
+  if (const double e = least.energy(b, start).value; e < lowest) lowest = e;
+  step.report.least_gap = least.search(b, start, descend_and_keep).gap();
   if (best.c.size() != points.unknowns) return;
   step.at.load(best);
   if (accept_answer(step, tolerance_)) return;
