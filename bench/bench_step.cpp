@@ -1,8 +1,8 @@
 // bench_step SCRIPT [NAME=VALUE ...]: one step of a script against one solve with the same factor
 // and the products a step needs, all in this process. Prints CPU seconds (medians) as JSON.
 //
-//   step     Stepper::advance: history, right-hand side, both sweeps, inequality, certificate
-//   solve    the reduction and the back substitution of the same factor (solver/linear)
+//   step     Stepper::advance: history, right-hand side, both triangular solves, inequality,
+//   certificate solve    the reduction and the back substitution of the same factor (solver/linear)
 //   cholmod  cholmod_l_solve with a factor of the same matrix as CHOLMOD orders it by itself
 //   product  y = T x with one matrix of the forms; a step needs one for the right-hand side per
 //            matrix that acts on something known, and one for its residual

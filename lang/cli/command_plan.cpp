@@ -87,7 +87,7 @@ void print_forecast(const Forecast& f) {
   const double per_step = f.taken > 0 ? 1.0 / f.taken : 0.0;
   say("a step: {:.3g} triangular solves, {:.3g} products, {:.3g} Newton iterations; {:.3g} MB "
       "held\n",
-      w.sweeps * per_step, w.products * per_step, w.newton * per_step, w.bytes / 1e6);
+      w.triangular_solves * per_step, w.products * per_step, w.newton * per_step, w.bytes / 1e6);
   const std::string rehearsed =
       f.memory.rehearsed > 0 ? fmt::format("; {} of its memory alone", f.memory.rehearsed) : "";
   say("predicted: {:.3g} s for {} step{}, without files (from the first {}{})\n", f.seconds(),

@@ -103,19 +103,19 @@ void print_profile(const solver::RunResult& r, double bandwidth) {
   line("mesh", t.mesh, false), line("assembly", t.assembly, false);
   line("ordering", t.ordering, false), line("factorisation", t.factor, false);
   line("steps", t.steps, true), line("  history (wall)", t.history, true);
-  line("  solves (wall)", t.sweeps, true, t.swept_bytes / bandwidth),
+  line("  solves (wall)", t.triangular_solves, true, t.factor_bytes_read / bandwidth),
       line("  inequality (wall)", t.inequality, true);
   line("output", t.output, true), line("set-up besides", std::max(0.0, rest), false);
   line("total", t.total, false);
   const auto& w = r.work;
   tell("counted: {} unknowns, {} steps, {} matrices, {} analyses, {} factorisations, {} "
        "triangular solves, {} products, {} Newton, {} fields read {} times\n",
-       r.unknowns, r.steps, w.matrices, w.analyses, w.factorisations, w.sweeps, w.products,
-       w.newton, w.history_fields, w.field_reads);
+       r.unknowns, r.steps, w.matrices, w.analyses, w.factorisations, w.triangular_solves,
+       w.products, w.newton, w.history_fields, w.field_reads);
   tell("the limit: every triangular solve reads its factor once, {:.3g} MB in all, at the {:.3g} "
        "GB/s "
        "measured on this machine\nheld: {:.3g} MB (factors, matrices, memory)\n",
-       t.swept_bytes / 1e6, bandwidth / 1e9, w.bytes / 1e6);
+       t.factor_bytes_read / 1e6, bandwidth / 1e9, w.bytes / 1e6);
 }
 
 } // namespace

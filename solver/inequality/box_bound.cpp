@@ -105,8 +105,7 @@ double BoxBound::value() {
 void BoxBound::raise(EnergyBox& box, const LowestEnergy& lowest) {
   double last = -infinity;
   for (int k = 0; k < most_rounds; ++k) {
-    for (int p = 0; p < static_cast<int>(lambda_.size()); ++p)
-      improve(p, box.low[p], box.high[p]);
+    for (int p = 0; p < static_cast<int>(lambda_.size()); ++p) improve(p, box.low[p], box.high[p]);
     if (k % 4 != 3) continue;
     c_lambda_ = energy_.compliance * lambda_;
     const double now = value(), missing = lowest.value - now;

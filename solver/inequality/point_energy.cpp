@@ -139,8 +139,8 @@ double conjugate(const PointEnergy& law, const std::vector<EnergySegment>& segme
                  double& at) {
   double best = -infinity, where = 0.0;
   for (const EnergySegment& s : segments) {
-    const double value = s.straight ? conjugate_of_line(s, slope, where)
-                                    : conjugate_of_curve(law, s, slope, where);
+    const double value =
+        s.straight ? conjugate_of_line(s, slope, where) : conjugate_of_curve(law, s, slope, where);
     if (value > best) best = value, at = where;
   }
   return best;

@@ -1,4 +1,5 @@
-// The energy of one point's law with a share of the body's, and lower bounds of it (least_energy.hpp).
+// The energy of one point's law with a share of the body's, and lower bounds of it
+// (least_energy.hpp).
 #pragma once
 
 #include "solver/inequality/curve_state.hpp"
@@ -14,11 +15,11 @@ struct PointEnergy {
   double law(double z) const; ///< w j(z)
   double on_piece(int piece, double z) const;
   double slope(int piece, double z) const;
-  double at(double z) const;           ///< on the lowest piece that holds z; infinite outside
-  double least_on(int piece) const;    ///< it is nowhere less on the piece
-  bool convex() const;                 ///< j: no slope falls, no jump goes down
-  double inside(double z) const;       ///< the argument of finite energy that is closest
-  bool reaches(double z) const;        ///< is the energy finite there, but for rounding of z?
+  double at(double z) const;        ///< on the lowest piece that holds z; infinite outside
+  double least_on(int piece) const; ///< it is nowhere less on the piece
+  bool convex() const;              ///< j: no slope falls, no jump goes down
+  double inside(double z) const;    ///< the argument of finite energy that is closest
+  bool reaches(double z) const;     ///< is the energy finite there, but for rounding of z?
   bool holds(double z) const { return z >= low && z <= high; }
 
   const CurveGraph* graph;

@@ -65,7 +65,7 @@ public:
                 DenseMatrix& x, std::vector<int>& place) override;
   std::optional<double> energy(const Vector& b) override;
   void solve(const Vector& b, Vector& x) override;
-  bool sweep_in(SweepStorage storage) override;
+  bool set_precision(FactorPrecision storage) override;
   const DenseMatrix& schur() const override;
   const DenseMatrix& schur_factor() const override { return l22_; }
   const FactorStatistics& statistics() const override { return statistics_; }
@@ -76,8 +76,8 @@ private:
   void check_contact_last(std::span<const int> contact) const;
   void check_pivots();
   void read_trailing_block();
-  void count_sweep();
-  void count_sweeps_at_once();
+  void count_solve();
+  void count_solves_at_once();
   [[noreturn]] void fail_at(int position, double pivot) const;
   const double* values() const { return static_cast<const double*>(l_->x); }
 
@@ -89,8 +89,8 @@ private:
   bool factored_ = false;
   std::vector<int> permutation_; ///< position -> unknown
   Supernodes supernodes_;
-  SweepStorage storage_ = SweepStorage::full;
-  SweepStorage storage_of_y_ = SweepStorage::full;
+  FactorPrecision storage_ = FactorPrecision::full;
+  FactorPrecision storage_of_y_ = FactorPrecision::full;
   PackedFactor packed_;                  ///< the interior of L in reduced precision, if used
   std::vector<double> inverse_diagonal_; ///< of L, interior
   std::vector<double> y_, x_;            ///< of triangular solves, in the order of elimination
@@ -191,7 +191,7 @@ void Cholesky::factor(const SparseMatrix& k) {
   packed_.clear();
   cholmod_l_free_work(common); // its memory serves for the copies of the factor
   a_.forget_values();
-  sweep_in(storage_);
+  set_precision(storage_);
   statistics_.seconds_factor = cpu_seconds() - start;
   factored_ = true;
 }
@@ -243,13 +243,13 @@ void Cholesky::read_trailing_block() {
   }
 }
 
-bool Cholesky::sweep_in(SweepStorage storage) {
+bool Cholesky::set_precision(FactorPrecision storage) {
   storage_ = storage;
-  if (storage != SweepStorage::full && packed_.empty()) {
+  if (storage != FactorPrecision::full && packed_.empty()) {
     if (packed_.pack(supernodes_, values()))
       statistics_.bytes += packed_.bytes();
     else
-      storage_ = SweepStorage::full;
+      storage_ = FactorPrecision::full;
   }
   return storage_ == storage;
 }
@@ -266,40 +266,40 @@ void Cholesky::reduce(const Vector& b, Vector& r) {
   if (!factored_) throw std::logic_error("reduce before a successful factorisation");
   for (int position = 0; position < size_; ++position) y_[position] = b[permutation_[position]];
   storage_of_y_ = storage_;
-  if (storage_ == SweepStorage::full)
+  if (storage_ == FactorPrecision::full)
     supernodes_.forward(values(), inverse_diagonal_.data(), y_.data());
   else
-    packed_.forward(storage_ == SweepStorage::fine, y_.data());
+    packed_.forward(storage_ == FactorPrecision::fine, y_.data());
   r.resize(size_ - interior_);
   std::copy(y_.begin() + interior_, y_.end(), r.data());
-  count_sweep();
+  count_solve();
 }
 
 /// A triangular solve reads the columns of the interior in the chosen precision.
-void Cholesky::count_sweep() {
-  ++statistics_.sweeps;
+void Cholesky::count_solve() {
+  ++statistics_.triangular_solves;
   const double n_contact = size_ - interior_;
   const double entries = static_cast<double>(l_->xsize) - n_contact * n_contact;
-  statistics_.bytes_swept += storage_ == SweepStorage::full
-                                 ? entries * sizeof(double)
-                                 : packed_.bytes_swept(storage_ == SweepStorage::fine);
+  statistics_.bytes_read += storage_ == FactorPrecision::full
+                                ? entries * sizeof(double)
+                                : packed_.bytes_read(storage_ == FactorPrecision::fine);
 }
 
 void Cholesky::back(const Vector& c, Vector& x) {
   if (!factored_) throw std::logic_error("back before a successful factorisation");
   std::copy_n(c.data(), size_ - interior_, x_.begin() + interior_);
-  const bool full = storage_ == SweepStorage::full;
-  if (full != (storage_of_y_ == SweepStorage::full)) // packed solves take y over L's diagonal
+  const bool full = storage_ == FactorPrecision::full;
+  if (full != (storage_of_y_ == FactorPrecision::full)) // packed solves take y over L's diagonal
     for (int i = 0; i < interior_; ++i)
       y_[i] *= full ? 1.0 / inverse_diagonal_[i] : inverse_diagonal_[i];
   storage_of_y_ = storage_;
   if (full)
     supernodes_.backward(values(), inverse_diagonal_.data(), y_.data(), x_.data());
   else
-    packed_.backward(storage_ == SweepStorage::fine, y_.data(), x_.data());
+    packed_.backward(storage_ == FactorPrecision::fine, y_.data(), x_.data());
   x.resize(size_);
   for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
-  count_sweep();
+  count_solve();
 }
 
 void Cholesky::extend(const Vector& c, Vector& x) {
@@ -310,14 +310,14 @@ void Cholesky::extend(const Vector& c, Vector& x) {
 
 Vector Cholesky::kept() const {
   Vector out = Eigen::Map<const Vector>(y_.data(), interior_);
-  if (storage_of_y_ != SweepStorage::full) // packed solves leave y over L's diagonal
+  if (storage_of_y_ != FactorPrecision::full) // packed solves leave y over L's diagonal
     out.array() /= Eigen::Map<const Vector>(inverse_diagonal_.data(), interior_).array();
   return out;
 }
 
 void Cholesky::resume(const Vector& kept) {
   std::copy_n(kept.data(), interior_, y_.begin());
-  storage_of_y_ = SweepStorage::full;
+  storage_of_y_ = FactorPrecision::full;
 }
 
 /// In double precision: many right-hand sides are those of checks.
@@ -327,14 +327,15 @@ void Cholesky::reduce_each(std::span<const Vector> b, std::vector<Vector>& r) {
   const auto count = static_cast<int>(b.size()), groups = (count + lanes - 1) / lanes;
   each_.resize(0, 0);
   if (count == 1) return Factorisation::reduce_each(b, r);
-  if (count == 0 || count > most_at_once) throw std::logic_error("too many sweeps at once");
+  if (count == 0 || count > most_at_once)
+    throw std::logic_error("too many right-hand sides at once");
   each_.setZero(groups * lanes, size_);
   for (int position = 0; position < size_; ++position)
     for (int k = 0; k < count; ++k) each_(k, position) = b[k][permutation_[position]];
   supernodes_.forward_all(values(), inverse_diagonal_.data(), groups, each_.data());
   r.resize(b.size());
   for (int k = 0; k < count; ++k) r[k] = each_.row(k).tail(size_ - interior_);
-  count_sweeps_at_once();
+  count_solves_at_once();
 }
 
 void Cholesky::back_each(std::span<const Vector> c, std::vector<Vector>& x) {
@@ -350,7 +351,7 @@ void Cholesky::back_each(std::span<const Vector> c, std::vector<Vector>& x) {
   for (int position = 0; position < size_; ++position)
     for (int k = 0; k < count; ++k) x[k][permutation_[position]] = each_(k, position);
   each_.resize(0, 0);
-  count_sweeps_at_once();
+  count_solves_at_once();
 }
 
 /// In double precision, too.
@@ -359,7 +360,8 @@ void Cholesky::back_all(const DenseMatrix& c, std::span<const Vector> kept,
   if (!factored_) throw std::logic_error("back before a successful factorisation");
   constexpr int lanes = Supernodes::lanes;
   const auto count = static_cast<int>(c.cols()), groups = (count + lanes - 1) / lanes;
-  if (count == 0 || count > most_at_once) throw std::logic_error("too many sweeps at once");
+  if (count == 0 || count > most_at_once)
+    throw std::logic_error("too many right-hand sides at once");
   x.resize(groups * lanes, size_); // in the order of elimination
   auto inside = x.leftCols(interior_);
   if (kept.empty()) inside.setZero();
@@ -376,12 +378,12 @@ void Cholesky::back_all(const DenseMatrix& c, std::span<const Vector> kept,
   supernodes_.backward_all(values(), inverse_diagonal_.data(), groups, x.data());
   place.resize(static_cast<std::size_t>(size_));
   for (int position = 0; position < size_; ++position) place[permutation_[position]] = position;
-  count_sweeps_at_once();
+  count_solves_at_once();
 }
 
-void Cholesky::count_sweeps_at_once() {
-  ++statistics_.sweeps;
-  statistics_.bytes_swept += supernodes_.nonzeros() * sizeof(double);
+void Cholesky::count_solves_at_once() {
+  ++statistics_.triangular_solves;
+  statistics_.bytes_read += supernodes_.nonzeros() * sizeof(double);
 }
 
 /// |L^-1 b|^2.

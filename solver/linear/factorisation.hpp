@@ -1,8 +1,8 @@
 // Direct solvers behind one interface, with the contact unknowns condensed out.
 //
 // K x = b is split as  [K_II K_Ic; K_cI K_cc] with c the contact unknowns. The interface gives the
-// Schur complement S = K_cc - K_cI K_II^-1 K_Ic and two triangular solves ("sweeps" in names), one
-// before and one after the reduced problem:
+// Schur complement S = K_cc - K_cI K_II^-1 K_Ic and two triangular solves, one before and one
+// after the reduced problem:
 //   reduce(b)      -> r   with  S c = r  equivalent to K x = b on c
 //   back(c)        -> x   the full solution whose contact part is c
 #pragma once
@@ -27,9 +27,9 @@ struct FactorStatistics {
   double bytes = 0;    ///< held: the factor and its copies, S; before a factorisation: predicted
   double seconds_analyse = 0, seconds_factor = 0;
   int analyses = 0, factorisations = 0,
-      sweeps = 0;         ///< work counters; a sweep, forward or backward, reads the factor once
-  double bytes_swept = 0; ///< that all sweeps had to read
-  std::string ordering;   ///< "METIS", "CAMD", ...
+      triangular_solves = 0; ///< work counters; each solve, forward or backward, reads the factor
+  double bytes_read = 0;     ///< of the factor, by all triangular solves
+  std::string ordering;      ///< "METIS", "CAMD", ...
 };
 
 /// The matrix has no (safe) factor: a rigid motion is left, or it is not positive definite.
@@ -47,7 +47,7 @@ struct NotFactorable : Failure {
 /// small correction is solved for and the true residual is known: with a guess x* (the last
 /// increments, extrapolated) and b* = b - K x*,
 ///     reduce(b*) -> r*,  r = r* + S c*,  the reduced problem gives c,  back(c - c*) -> x - x*.
-enum class SweepStorage { full, fine, single };
+enum class FactorPrecision { full, fine, single };
 
 class Factorisation {
 public:
@@ -90,7 +90,7 @@ public:
   /// reduced one (LU, or entries beyond the range of float), and then the storage is `full`. The
   /// rounded copy, one for `fine` and `single`, is made the first time and kept: changing costs
   /// nothing, also between the forward and the backward solve of one solution.
-  virtual bool sweep_in(SweepStorage storage) = 0;
+  virtual bool set_precision(FactorPrecision storage) = 0;
   /// The Schur complement S, n_c by n_c. For Cholesky it is L22 L22^T, read off the factor.
   virtual const DenseMatrix& schur() const = 0;
   /// Lower Cholesky factor L22 of S (empty for LU).

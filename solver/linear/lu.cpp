@@ -84,7 +84,7 @@ public:
   void extend(const Vector& c, Vector& x) override;
   void solve(const Vector& b, Vector& x) override;
   void solve_transposed(const Vector& b, Vector& x) override;
-  bool sweep_in(SweepStorage storage) override { return storage == SweepStorage::full; }
+  bool set_precision(FactorPrecision storage) override { return storage == FactorPrecision::full; }
   const DenseMatrix& schur() const override { return schur_; }
   const DenseMatrix& schur_factor() const override { return no_factor_; }
   const FactorStatistics& statistics() const override { return statistics_; }
@@ -244,8 +244,8 @@ void Lu::reduce(const Vector& b, Vector& r) {
   for (int position = 0; position < size_; ++position) y_[position] = b[permutation_[position]];
   lower_.forward(interior_, y_.data());
   r = y_.tail(size_ - interior_);
-  ++statistics_.sweeps;
-  statistics_.bytes_swept += lower_.bytes();
+  ++statistics_.triangular_solves;
+  statistics_.bytes_read += lower_.bytes();
 }
 
 void Lu::back(const Vector& c, Vector& x) {
@@ -255,8 +255,8 @@ void Lu::back(const Vector& c, Vector& x) {
   upper_transposed_.backward(interior_, x_.data());
   x.resize(size_);
   for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
-  ++statistics_.sweeps;
-  statistics_.bytes_swept += upper_transposed_.bytes();
+  ++statistics_.triangular_solves;
+  statistics_.bytes_read += upper_transposed_.bytes();
 }
 
 void Lu::extend(const Vector& c, Vector& x) {
@@ -281,8 +281,8 @@ void Lu::solve_transposed(const Vector& b, Vector& x) {
   lower_.backward(size_, x_.data());
   x.resize(size_);
   for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
-  statistics_.sweeps += 2;
-  statistics_.bytes_swept += upper_transposed_.bytes() + lower_.bytes();
+  statistics_.triangular_solves += 2;
+  statistics_.bytes_read += upper_transposed_.bytes() + lower_.bytes();
 }
 
 } // namespace

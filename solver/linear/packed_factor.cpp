@@ -156,7 +156,7 @@ double PackedFactor::bytes() const {
          static_cast<double>(inverse_square_.size()) * sizeof(double);
 }
 
-double PackedFactor::bytes_swept(bool fine) const {
+double PackedFactor::bytes_read(bool fine) const {
   return static_cast<double>(values_.size()) *
          (sizeof(float) + (fine ? sizeof(std::int16_t) : std::size_t{0}));
 }

@@ -1,6 +1,6 @@
 // A second copy of the interior part of a Cholesky factor in reduced precision, 32 or 48 bits an
 // entry, stored in the order in which the triangular solves read it. For corrections whose true
-// residual is known (SweepStorage).
+// residual is known (FactorPrecision).
 #pragma once
 
 #include "solver/linear/large_pages.hpp"
@@ -30,7 +30,7 @@ public:
   void backward(bool fine, const double* y, double* x);
   double bytes() const;
   /// That a triangular solve reads.
-  double bytes_swept(bool fine) const;
+  double bytes_read(bool fine) const;
 
 private:
   std::size_t lay_out(const Supernodes& structure);

@@ -52,13 +52,13 @@ public:
     if (!factored_) throw std::logic_error("reduce before a successful factorisation");
     r = b.head(contacts());
     y_ = b.tail(diagonal_.size()).cwiseQuotient(diagonal_);
-    ++statistics_.sweeps;
+    ++statistics_.triangular_solves;
   }
   void back(const Vector& c, Vector& x) override {
     x.resize(contacts() + diagonal_.size());
     x.head(contacts()) = c;
     x.tail(diagonal_.size()) = y_;
-    ++statistics_.sweeps;
+    ++statistics_.triangular_solves;
   }
   Vector kept() const override { return y_; }
   void resume(const Vector& kept) override { y_ = kept; }
@@ -73,7 +73,7 @@ public:
     l_.transpose().triangularView<Eigen::Upper>().solveInPlace(r);
     back(r, x);
   }
-  bool sweep_in(SweepStorage storage) override { return storage == SweepStorage::full; }
+  bool set_precision(FactorPrecision storage) override { return storage == FactorPrecision::full; }
   const DenseMatrix& schur() const override { return s_; }
   const DenseMatrix& schur_factor() const override { return l_; }
   const FactorStatistics& statistics() const override { return statistics_; }

@@ -140,7 +140,7 @@ std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh) {
   for (auto& history : same.histories) history.route.reset(); // audits choose it: saved state
   hash.add(to_string(same));
   hash.add_number(plan.options.proportional_path);
-  hash.add_number(plan.options.shortened_sweeps);
+  hash.add_number(plan.options.reduced_precision);
   hash.add_number(plan.options.audit);
   add_tables(plan, hash);
   add_mesh(mesh, hash);

@@ -3,24 +3,24 @@
 // good that one pair of solves is enough.
 #pragma once
 
+#include "solver/time/precision_choice.hpp"
 #include "solver/time/step_matrices.hpp"
-#include "solver/time/sweep_choice.hpp"
 
 namespace hvi::solver {
 
 class FactorStorage {
 public:
   FactorStorage(bool allowed, double tolerance)
-      : tolerance_(tolerance), allowed_(allowed), sweeps_(tolerance) {}
+      : tolerance_(tolerance), allowed_(allowed), choice_(tolerance) {}
 
-  /// From now on all sweeps are in double precision.
-  void forbid() { allowed_ = false, shortened_ = nullptr; }
+  /// From now on all solves are in double precision.
+  void forbid() { allowed_ = false, reduced_ = nullptr; }
   /// What corrections with this matrix must reach.
   double target(const StepMatrix& matrix) const {
-    return shortened_ == &matrix ? sweeps_.target() : tolerance_;
+    return reduced_ == &matrix ? choice_.target() : tolerance_;
   }
-  /// How the first correction of a step may sweep; `contact`: laws act.
-  SweepLimits begin(const StepMatrix& matrix, bool predicted, bool contact);
+  /// The precision that the first correction of a step may use; `contact`: laws act.
+  PrecisionLimits begin(const StepMatrix& matrix, bool predicted, bool contact);
   /// What the first correction of a predicted step left; `exact`: the factor is that of the step's
   /// own matrix.
   void learn(const Correction& correction, bool exact, double error);
@@ -33,8 +33,8 @@ public:
 private:
   double tolerance_;
   bool allowed_;
-  const StepMatrix* shortened_ = nullptr; ///< whose factor is there once more
-  SweepChoice sweeps_;
+  const StepMatrix* reduced_ = nullptr; ///< whose factor is there once more
+  PrecisionChoice choice_;
 };
 
 } // namespace hvi::solver

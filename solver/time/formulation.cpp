@@ -90,7 +90,7 @@ std::unique_ptr<Formulation> formulate(const Plan& plan, const Discretisation& d
   if (obstacle.empty()) {
     try {
       const SparseMatrix& t = all.operators.bases[0];
-      auto factor = lend_factor(all.operators.shared, t, all.contact.unknowns, true);
+      auto factor = take_factor(all.operators.shared, t, all.contact.unknowns, true);
       if (rounding_growth(t, *factor.operator->()) <= growth_to_refine) {
         auto interior = std::make_unique<Interior>(all.operators.bases[0], std::move(factor),
                                                    all.layout, all.contact.unknowns);

@@ -99,7 +99,8 @@ HVI_AVX512 void worst_avx512(const ManyStates& s, int row, double* worst) {
 
 } // namespace
 
-Interior::Interior(SparseMatrix& t, LentFactor factor, StateLayout layout, std::vector<int> contact)
+Interior::Interior(SparseMatrix& t, SharedFactor factor, StateLayout layout,
+                   std::vector<int> contact)
     : layout_(std::move(layout)), contact_(std::move(contact)), position_(layout_.n_unknowns, -1),
       factor_(std::move(factor)) {
   t_.swap(t);

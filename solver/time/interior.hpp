@@ -26,7 +26,7 @@ class Interior {
 public:
   /// `t` symmetric, positive definite on the unknowns of `layout`; its factor. Takes what `t` holds
   /// (Eigen's own matrices would copy).
-  Interior(SparseMatrix& t, LentFactor factor, StateLayout layout, std::vector<int> contact);
+  Interior(SparseMatrix& t, SharedFactor factor, StateLayout layout, std::vector<int> contact);
 
   /// Adds the mode p of a force on the unknowns; returns the force on y (r_c and a 1).
   Vector add_mode(const Vector& f);
@@ -77,7 +77,7 @@ private:
   SparseMatrix t_;
   StateLayout layout_; ///< of the full problem
   std::vector<int> contact_, position_;
-  LentFactor factor_;
+  SharedFactor factor_;
   std::vector<Vector> forces_; ///< F_k on unknowns,
   std::vector<Vector> kept_;   ///< forward solves of the forces: a backward solve gives p_k
   struct Observed {

@@ -22,7 +22,8 @@ public:
   /// The largest relative size of a step's last correction.
   double last_correction() const { return last_correction_; }
 
-  /// Asked of each new factor: a pair of sweeps beside it. True: steps are refined from now on.
+  /// Asked of each new factor: a pair of triangular solves beside it. True: steps are refined from
+  /// now on.
   bool begins_with(StepMatrix& matrix);
   /// The increment and the multipliers of an attempted step, corrected until that moves nothing.
   /// The laws are solved about the present state, so their unknowns are corrections, too. Throws

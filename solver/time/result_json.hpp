@@ -29,8 +29,8 @@ struct PredictedWork {
   double seconds = 0.0, bytes = 0.0; ///< CPU time; the most that is held
 };
 
-/// What a run will do: effects, matrices and memories; sweeps, products and Newton iterations are
-/// those of the first steps times steps / first_steps.
+/// What a run will do: effects, matrices and memories; triangular solves, products and Newton
+/// iterations are those of the first steps times steps / first_steps.
 nlohmann::ordered_json plan_json(const RunResult& first_steps, const Plan& plan,
                                  const ResultContext& context, const PredictedWork& predicted);
 

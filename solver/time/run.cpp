@@ -42,8 +42,8 @@ using Outcome = std::variant<RunResult, Restart>;
 
 /// The counters that grow with the steps.
 std::array<int, 9> grown(const WorkCounters& w) {
-  return {w.analyses,       w.factorisations, w.sweeps,      w.products,        w.newton,
-          w.fallback_steps, w.followed_steps, w.inner_steps, w.unfollowed_steps};
+  return {w.analyses,       w.factorisations, w.triangular_solves, w.products,        w.newton,
+          w.fallback_steps, w.followed_steps, w.inner_steps,       w.unfollowed_steps};
 }
 
 class Run {
@@ -222,7 +222,7 @@ private:
 
   void account(WorkCounters& work, Timing& timing) const {
     stepper_.account(work, timing);
-    int* const all[] = {&work.analyses,       &work.factorisations, &work.sweeps,
+    int* const all[] = {&work.analyses,       &work.factorisations, &work.triangular_solves,
                         &work.products,       &work.newton,         &work.fallback_steps,
                         &work.followed_steps, &work.inner_steps,    &work.unfollowed_steps};
     for (std::size_t i = 0; i < grown_before_.size(); ++i) *all[i] += grown_before_[i];

@@ -38,17 +38,17 @@ bool same(const FormTerm& a, const FormTerm& b) {
 
 } // namespace
 
-LentFactor::LentFactor(std::shared_ptr<Factorisation> factor, bool shared, bool made_before)
+SharedFactor::SharedFactor(std::shared_ptr<Factorisation> factor, bool shared, bool made_before)
     : factor_(std::move(factor)), shared_(shared) {
   if (made_before) before_ = factor_->statistics();
 }
 
-FactorStatistics LentFactor::statistics() const {
+FactorStatistics SharedFactor::statistics() const {
   auto out = factor_->statistics();
   out.analyses -= before_.analyses;
   out.factorisations -= before_.factorisations;
-  out.sweeps -= before_.sweeps;
-  out.bytes_swept -= before_.bytes_swept;
+  out.triangular_solves -= before_.triangular_solves;
+  out.bytes_read -= before_.bytes_read;
   return out;
 }
 
@@ -69,14 +69,14 @@ SparseMatrix SharedWork::form(const FormTerm& term, const std::function<SparseMa
   return made;
 }
 
-LentFactor SharedWork::factored(const SparseMatrix& k, std::span<const int> contact, bool symmetric,
-                                double to_come) {
+SharedFactor SharedWork::factored(const SparseMatrix& k, std::span<const int> contact,
+                                  bool symmetric, double to_come) {
   for (const Factor& known : factors_) {
     const bool free = known.factor.use_count() == 1; // two users would choose its storage
     if (!free || known.symmetric != symmetric || !std::ranges::equal(known.contact, contact) ||
         !same(known.k, k))
       continue;
-    known.factor->sweep_in(SweepStorage::full);
+    known.factor->set_precision(FactorPrecision::full);
     ++spared_.factors;
     spared_.seconds_factors += known.seconds;
     return {known.factor, true, true};
@@ -114,8 +114,8 @@ void factor_where_it_fits(Factorisation& factorisation, const SparseMatrix& k,
   factorisation.factor(k);
 }
 
-LentFactor lend_factor(SharedWork* shared, const SparseMatrix& k, std::span<const int> contact,
-                       bool symmetric, double to_come) {
+SharedFactor take_factor(SharedWork* shared, const SparseMatrix& k, std::span<const int> contact,
+                         bool symmetric, double to_come) {
   if (shared != nullptr) return shared->factored(k, contact, symmetric, to_come);
   std::shared_ptr<Factorisation> made = analyse(k, contact, symmetric);
   factor_where_it_fits(*made, k, contact.size(), to_come);

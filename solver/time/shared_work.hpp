@@ -15,10 +15,10 @@
 namespace hvi::solver {
 
 /// A factor of a run: its own, or one that several runs use.
-class LentFactor {
+class SharedFactor {
 public:
-  LentFactor() = default;
-  LentFactor(std::shared_ptr<Factorisation> factor, bool shared, bool made_before);
+  SharedFactor() = default;
+  SharedFactor(std::shared_ptr<Factorisation> factor, bool shared, bool made_before);
   Factorisation* operator->() const { return factor_.get(); }
   const Factorisation* get() const { return factor_.get(); }
   explicit operator bool() const { return factor_ != nullptr; }
@@ -51,8 +51,8 @@ public:
   SparseMatrix form(const FormTerm& term, const std::function<SparseMatrix()>& assemble);
   /// K factored, contact unknowns last. Throws Failure(not_coercive), and Failure(too_large) where
   /// the factor and `to_come` more bytes do not fit.
-  LentFactor factored(const SparseMatrix& k, std::span<const int> contact, bool symmetric,
-                      double to_come = 0.0);
+  SharedFactor factored(const SparseMatrix& k, std::span<const int> contact, bool symmetric,
+                        double to_come = 0.0);
   Spared spared() const;
 
 private:
@@ -75,8 +75,8 @@ private:
 };
 
 /// From `shared`, or made for this run alone when it is null.
-LentFactor lend_factor(SharedWork* shared, const SparseMatrix& k, std::span<const int> contact,
-                       bool symmetric, double to_come = 0.0);
+SharedFactor take_factor(SharedWork* shared, const SparseMatrix& k, std::span<const int> contact,
+                         bool symmetric, double to_come = 0.0);
 /// factorisation.factor(k) where it fits; throws Failure(too_large) where it does not.
 void factor_where_it_fits(Factorisation& factorisation, const SparseMatrix& k,
                           std::size_t n_contact, double to_come);

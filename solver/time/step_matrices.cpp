@@ -67,11 +67,11 @@ StepMatrix* StepMatrices::at(int place) const {
 void charge(const FactorStatistics& factor, WorkCounters& work, Timing& timing) {
   work.analyses += factor.analyses;
   work.factorisations += factor.factorisations;
-  work.sweeps += factor.sweeps;
+  work.triangular_solves += factor.triangular_solves;
   work.bytes += factor.bytes;
   timing.ordering += factor.seconds_analyse;
   timing.factor += factor.seconds_factor;
-  timing.swept_bytes += factor.bytes_swept;
+  timing.factor_bytes_read += factor.bytes_read;
 }
 
 void StepMatrices::account(WorkCounters& work, Timing& timing) const {
@@ -79,7 +79,7 @@ void StepMatrices::account(WorkCounters& work, Timing& timing) const {
     work.bytes += kept.matrix->bytes();
     charge(kept.matrix->statistics(), work, timing);
     timing.inequality += kept.matrix->seconds_inequality;
-    timing.sweeps += kept.matrix->seconds_sweeps;
+    timing.triangular_solves += kept.matrix->seconds_triangular;
   }
 }
 

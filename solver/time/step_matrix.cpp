@@ -42,19 +42,19 @@ void StepMatrix::make_factor() {
   }
   if (operators_.separate) {
     factorisation_ =
-        LentFactor(separate_factor(*operators_.separate, operators_.n_unknowns), false, false);
+        SharedFactor(separate_factor(*operators_.separate, operators_.n_unknowns), false, false);
     factorisation_->factor(k_);
     return;
   }
   const StepMatrix* like = std::exchange(like_, nullptr);
   auto* from = factorisation_ ? nullptr : operators_.shared;
   if (from == nullptr && like != nullptr && like->factorisation_) {
-    factorisation_ = LentFactor(like->factorisation_->another(), false, false);
+    factorisation_ = SharedFactor(like->factorisation_->another(), false, false);
     factor_where_it_fits(*factorisation_.operator->(), k_, contact_.unknowns.size(), 0.0);
     return;
   }
   factorisation_ =
-      lend_factor(from, k_, contact_.unknowns, operators_.symmetric, operators_.memory_to_come);
+      take_factor(from, k_, contact_.unknowns, operators_.symmetric, operators_.memory_to_come);
 }
 
 void StepMatrix::condense(const Vector& gap, const Vector* rhs, InequalityState& state) {
@@ -72,9 +72,10 @@ void StepMatrix::condense(const Vector& gap, const Vector* rhs, InequalityState&
   if (state.c_guess.size() == c_.size() && state.c_guess == c_) state.s_c_guess.swap(product_);
 }
 
-/// The correction of the contact unknowns moves the whole body: where it is large a shortened
-/// factor would leave an error of its size, whatever is small before the sweep.
-void StepMatrix::expand(const InequalityState& state, const SweepLimits& limits, Correction& out) {
+/// The correction of the contact unknowns moves the whole body: where it is large,
+/// reduced precision would leave an error of its size, however small all was before the solve.
+void StepMatrix::expand(const InequalityState& state, const PrecisionLimits& limits,
+                        Correction& out) {
   c_ = state.c - c_;
   const double size = state.c.lpNorm<Eigen::Infinity>();
   out.moved = size > 0.0 ? c_.lpNorm<Eigen::Infinity>() / size : 0.0;
@@ -83,7 +84,7 @@ void StepMatrix::expand(const InequalityState& state, const SweepLimits& limits,
     return;
   }
   out.back = limits.back(out.moved);
-  factorisation_->sweep_in(out.back);
+  factorisation_->set_precision(out.back);
   factorisation_->back(c_, x_);
 }
 
@@ -92,22 +93,22 @@ Correction StepMatrix::solve(const Vector& gap, const Vector* rhs, InequalitySta
                              const CorrectionOptions& options) {
   Correction out;
   out.forward = options.limits.forward;
-  if (factorisation_) factorisation_->sweep_in(out.forward);
+  if (factorisation_) factorisation_->set_precision(out.forward);
   LapClock<wall_seconds> clock;
   if (contact_.none()) {
     factorisation_->solve(gap, x_);
-    clock.charge(seconds_sweeps);
+    clock.charge(seconds_triangular);
     out.report.converged = true;
     return out;
   }
   condense(gap, rhs, state);
-  clock.charge(seconds_sweeps);
+  clock.charge(seconds_triangular);
   out.report =
       options.couple_bounds ? solver_->solve_coupled(r_, state) : solver_->solve(r_, state);
   if (state.s_c_guess.size() > 0) state.s_c_guess.swap(product_);
   clock.charge(seconds_inequality);
   expand(state, options.limits, out);
-  clock.charge(seconds_sweeps);
+  clock.charge(seconds_triangular);
   return out;
 }
 
@@ -142,7 +143,7 @@ bool StepMatrix::respond(std::span<const Vector> forces, const InequalityState& 
                          std::vector<Vector>& x, std::vector<Vector>& xi) {
   x.resize(forces.size());
   if (contact_.whole) return solver_->respond(at, forces, x, xi);
-  factorisation_->sweep_in(SweepStorage::full);
+  factorisation_->set_precision(FactorPrecision::full);
   std::vector<Vector> r, c;
   factorisation_->reduce_each(forces, r);
   if (contact_.none())

@@ -6,9 +6,9 @@
 #include "solver/linear/symmetric_blocks.hpp"
 #include "solver/time/contact.hpp"
 #include "solver/time/operators.hpp"
+#include "solver/time/precision_choice.hpp"
 #include "solver/time/rounding.hpp"
 #include "solver/time/shared_work.hpp"
-#include "solver/time/sweep_choice.hpp"
 
 #include <memory>
 
@@ -16,14 +16,14 @@ namespace hvi::solver {
 
 /// How a correction is made.
 struct CorrectionOptions {
-  SweepLimits limits;         ///< anything but full sweeps needs StepMatrix::shorten first
+  PrecisionLimits limits;     ///< less than full needs StepMatrix::reduce_precision first
   bool couple_bounds = false; ///< finds the bounds of coupled laws, too
 };
 
 /// What a correction did.
 struct Correction {
   InequalityReport report;
-  SweepStorage forward = SweepStorage::full, back = SweepStorage::full; ///< how it swept
+  FactorPrecision forward = FactorPrecision::full, back = FactorPrecision::full; ///< as used
   double moved = 0.0; ///< max |c' - c| / max |c'|; without laws 100 max |d' - d| / max |d'|
 };
 
@@ -59,11 +59,12 @@ public:
   /// The first correction: the same with d = 0, whatever d holds.
   InequalityReport start(const Vector& gap, InequalityState& state, Vector& d);
 
-  /// Makes a shortened factor; false when it cannot be had, or for the matrix without one.
-  bool shorten() {
-    const bool shortened = factorisation_ && factorisation_->sweep_in(SweepStorage::fine);
-    if (shortened) factorisation_->sweep_in(SweepStorage::full);
-    return shortened;
+  /// Makes a copy of the factor in reduced precision; false when it cannot be had, or for the
+  /// matrix without one.
+  bool reduce_precision() {
+    const bool made = factorisation_ && factorisation_->set_precision(FactorPrecision::fine);
+    if (made) factorisation_->set_precision(FactorPrecision::full);
+    return made;
   }
 
   /// K_ii of the contact unknowns.
@@ -98,12 +99,12 @@ public:
   void save(std::ostream& out) const;
   /// Factors again for the saved coefficients.
   void restore(std::istream& in);
-  double seconds_inequality = 0, seconds_sweeps = 0; ///< of the clock on the wall, so far
+  double seconds_inequality = 0, seconds_triangular = 0; ///< of the clock on the wall, so far
 
 private:
   void make_factor();
   void condense(const Vector& gap, const Vector* rhs, InequalityState& state);
-  void expand(const InequalityState& state, const SweepLimits& limits, Correction& out);
+  void expand(const InequalityState& state, const PrecisionLimits& limits, Correction& out);
   Correction solve(const Vector& gap, const Vector* rhs, InequalityState& state,
                    const CorrectionOptions& options);
 
@@ -114,7 +115,7 @@ private:
   Vector gamma_;
   SparseMatrix k_;
   SymmetricBlocks half_;
-  LentFactor factorisation_; ///< absent when nothing is condensed
+  SharedFactor factorisation_; ///< absent when nothing is condensed
   std::unique_ptr<ReducedOperator> reduced_;
   std::unique_ptr<InequalitySolver> solver_;
   Vector r_, x_, c_, product_; ///< x_: the correction; c_: d on the contact unknowns

@@ -20,7 +20,7 @@ struct StepResult {
   double equilibrium = 0.0; ///< componentwise backward error
   Inclusion inclusion;
   InequalityReport inequality; ///< of the last correction; iterations and events of all
-  int corrections = 0;         ///< pairs of sweeps
+  int corrections = 0;         ///< pairs of a forward and a backward solve
   bool certified = false;
   std::optional<Restart> restart; ///< set: nothing else of this result is
   /// It crossed unstable states: the branch ended, or where it was not followed, snap.hpp says so.

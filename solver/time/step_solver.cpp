@@ -53,8 +53,8 @@ StepSolver::StepSolver(const Plan& plan, const Discretisation& discretisation,
     : plan_(plan), evolution_(evolution), formulation_(formulation),
       contact_(formulation.contact()), balance_(balance),
       matrices_(plan, discretisation, formulation, evolution.scheme()),
-      // Beside the contact unknowns there is next to nothing to sweep.
-      storage_(plan.options.shortened_sweeps && !formulation.reduced() && !contact_.whole,
+      // Beside the contact unknowns there is next to nothing to solve for.
+      storage_(plan.options.reduced_precision && !formulation.reduced() && !contact_.whole,
                plan.options.tolerance),
       refinement_(plan, balance, contact_) {
   laws_.xi = Vector::Zero(contact_.n_rows());
@@ -73,7 +73,7 @@ StepMatrix& StepSolver::matrix_for(int n) {
 
 /// What K_n differs from the factored matrix by, and the increment it is moved to the right-hand
 /// side with: the predictor's, else the one that continues the last two; the difference makes its
-/// error too small to need a second pair of sweeps.
+/// error too small to need a second pair of triangular solves.
 void StepSolver::find_change(int n, const StepMatrix& matrix, StepEquation& equation,
                              Trial& trial) const {
   const Vector gamma = balance_.coefficients(n);

@@ -12,7 +12,7 @@ constexpr int most_vectors = 60, least_vectors = 4;
 constexpr double small_error = 0.01;
 /// The number of triangular solves times unknowns that costs next to nothing, and the allowed share
 /// of the run's own solves.
-constexpr double cheap_sweeps = 3e4;
+constexpr double cheap_solves = 3e4;
 constexpr double share_of_run = 0.02;
 
 } // namespace
@@ -30,7 +30,7 @@ Vector whole_coefficients(const Operators& operators, double length,
 int vectors_for_whole_time(int unknowns, int contact_rows, int steps) {
   const double c = contact_rows; // laws make a dense tangent each time
   const double work = unknowns + c * c + c * c * c / 30.0;
-  const double allowed = cheap_sweeps / work + share_of_run * steps / 2.0;
+  const double allowed = cheap_solves / work + share_of_run * steps / 2.0;
   return allowed < least_vectors ? 0 : std::min(most_vectors, static_cast<int>(allowed));
 }
 

@@ -1,4 +1,5 @@
-// The direct solvers against dense linear algebra: S, the two sweeps, all kinds of contact sets.
+// The direct solvers against dense linear algebra: S, the two triangular solves, all kinds of
+// contact sets.
 #include "matrices.hpp"
 #include "solver/linear/factorisation.hpp"
 
@@ -77,9 +78,9 @@ void check_against_dense(const SparseMatrix& k, const std::vector<int>& contact,
   EXPECT_EQ((x(contact) - c).cwiseAbs().sum(), 0.0);
   residual(contact).setZero();
   EXPECT_LT(residual.lpNorm<1>(), 1e-11 * scale * (1.0 + x.lpNorm<1>()));
-  EXPECT_EQ(factorisation->statistics().sweeps, 5);
+  EXPECT_EQ(factorisation->statistics().triangular_solves, 5);
 
-  // What a first sweep keeps, handed over later.
+  // What a first forward solve keeps, handed over later.
   std::vector<Vector> kept;
   const Vector other_b = random_vector(k.rows(), 9);
   for (const Vector* of : {&b, &other_b}) {
@@ -99,7 +100,7 @@ void check_against_dense(const SparseMatrix& k, const std::vector<int>& contact,
     EXPECT_NEAR(kept[0].dot(kept[1]), inside.dot(x), 1e-11 * inside.norm() * x.norm());
   }
 
-  // Several at once: what each of them gives, to rounding of the sweep.
+  // Several at once: what each of them gives, to rounding of the solve.
   for (const unsigned count : {1u, 5u, 8u, 13u, 16u}) {
     std::vector<Vector> many, first, second;
     for (unsigned j = 0; j < count; ++j) many.push_back(random_vector(k.rows(), 20 + j));
@@ -228,17 +229,17 @@ TEST(Factorisation, CondensesUnderNestedDissection) {
   EXPECT_LT(reaction.norm(), 1e-12 * expected.norm());
 }
 
-// A sweep with a shortened factor solves for a correction; two or three of them reach full
+// A solve in reduced precision solves for a correction; two or three of them reach full
 // accuracy.
-TEST(Factorisation, RefinesWithAShortenedFactor) {
-  const auto check = [](const Problem& problem, SweepStorage storage,
+TEST(Factorisation, RefinesInReducedPrecision) {
+  const auto check = [](const Problem& problem, FactorPrecision storage,
                         std::initializer_list<double> bounds) {
     const auto factorisation = analyse(problem.k, problem.contact, true);
     factorisation->factor(problem.k);
     const Vector b = random_vector(problem.k.rows(), 11);
     Vector exact, x = Vector::Zero(problem.k.rows()), correction;
     factorisation->solve(b, exact);
-    ASSERT_TRUE(factorisation->sweep_in(storage));
+    ASSERT_TRUE(factorisation->set_precision(storage));
     double last = exact.norm();
     for (const double bound : bounds) {
       factorisation->solve(b - problem.k * x, correction);
@@ -249,23 +250,23 @@ TEST(Factorisation, RefinesWithAShortenedFactor) {
       last = error;
     }
     factorisation->solve(b, x);
-    EXPECT_GT((x - exact).norm(), 1e-14 * exact.norm()) << "not swept with a shortened factor";
+    EXPECT_GT((x - exact).norm(), 1e-14 * exact.norm()) << "not solved in reduced precision";
     factorisation->factor(problem.k); // keeps the choice
     factorisation->solve(b, correction);
     EXPECT_EQ((x - correction).norm(), 0.0);
-    EXPECT_TRUE(factorisation->sweep_in(SweepStorage::full));
+    EXPECT_TRUE(factorisation->set_precision(FactorPrecision::full));
     factorisation->solve(b, x);
     EXPECT_EQ((x - exact).norm(), 0.0);
   };
   for (const Problem& problem : {slab(24), cube(7)}) {
-    check(problem, SweepStorage::single, {1e-4, 1e-8, 1e-12});
-    check(problem, SweepStorage::fine, {2e-11, 1e-13});
+    check(problem, FactorPrecision::single, {1e-4, 1e-8, 1e-12});
+    check(problem, FactorPrecision::fine, {2e-11, 1e-13});
   }
 }
 
 // Forward rounded and back in full, as where little is left of the body's own gap and the contact
 // unknowns move far: the error is that of a small part.
-TEST(Factorisation, ChangesItsStorageBetweenTheSweeps) {
+TEST(Factorisation, ChangesItsPrecisionBetweenTheSolves) {
   for (const Problem& problem : {slab(24), cube(7)}) {
     const auto factorisation = analyse(problem.k, problem.contact, true);
     factorisation->factor(problem.k);
@@ -274,29 +275,30 @@ TEST(Factorisation, ChangesItsStorageBetweenTheSweeps) {
     Vector r, exact, x;
     factorisation->reduce(b, r);
     factorisation->back(c, exact);
-    const auto error_of = [&](SweepStorage forward, SweepStorage back) {
-      EXPECT_TRUE(factorisation->sweep_in(forward));
+    const auto error_of = [&](FactorPrecision forward, FactorPrecision back) {
+      EXPECT_TRUE(factorisation->set_precision(forward));
       factorisation->reduce(b, r);
-      EXPECT_TRUE(factorisation->sweep_in(back));
+      EXPECT_TRUE(factorisation->set_precision(back));
       factorisation->back(c, x);
       return (x - exact).norm() / exact.norm();
     };
-    EXPECT_EQ(error_of(SweepStorage::full, SweepStorage::full), 0.0);
-    const double mixed = error_of(SweepStorage::single, SweepStorage::full);
-    const double rounded = error_of(SweepStorage::single, SweepStorage::single);
+    EXPECT_EQ(error_of(FactorPrecision::full, FactorPrecision::full), 0.0);
+    const double mixed = error_of(FactorPrecision::single, FactorPrecision::full);
+    const double rounded = error_of(FactorPrecision::single, FactorPrecision::single);
     EXPECT_LT(mixed, 1e-12);
     EXPECT_GT(rounded, 1e3 * mixed);
-    EXPECT_NEAR(error_of(SweepStorage::full, SweepStorage::single), rounded, 1e-2 * rounded);
-    const double fine = error_of(SweepStorage::fine, SweepStorage::fine);
+    EXPECT_NEAR(error_of(FactorPrecision::full, FactorPrecision::single), rounded, 1e-2 * rounded);
+    const double fine = error_of(FactorPrecision::fine, FactorPrecision::fine);
     EXPECT_LT(fine, rounded / 1e4); // sixteen bits more
     EXPECT_GT(fine, rounded / 1e6);
-    EXPECT_NEAR(error_of(SweepStorage::full, SweepStorage::fine), fine, 1e-2 * fine);
-    EXPECT_LT(error_of(SweepStorage::fine, SweepStorage::full), mixed / 1e3);
-    for (const auto storage : {SweepStorage::full, SweepStorage::fine}) { // what is kept is L^-1 b
-      factorisation->sweep_in(storage);
+    EXPECT_NEAR(error_of(FactorPrecision::full, FactorPrecision::fine), fine, 1e-2 * fine);
+    EXPECT_LT(error_of(FactorPrecision::fine, FactorPrecision::full), mixed / 1e3);
+    for (const auto storage :
+         {FactorPrecision::full, FactorPrecision::fine}) { // what is kept is L^-1 b
+      factorisation->set_precision(storage);
       factorisation->reduce(b, r);
       const Vector kept = factorisation->kept();
-      factorisation->sweep_in(SweepStorage::full);
+      factorisation->set_precision(FactorPrecision::full);
       factorisation->resume(kept);
       factorisation->back(c, x);
       EXPECT_LT((x - exact).norm(), mixed / 1e3 * exact.norm());
@@ -304,14 +306,14 @@ TEST(Factorisation, ChangesItsStorageBetweenTheSweeps) {
   }
 }
 
-TEST(Factorisation, ShortenedFactorsServeInEverySystemOfUnits) {
+TEST(Factorisation, ReducedPrecisionServesInEverySystemOfUnits) {
   const Vector b = Vector::Ones(36);
-  for (const auto storage : {SweepStorage::single, SweepStorage::fine})
+  for (const auto storage : {FactorPrecision::single, FactorPrecision::fine})
     for (const double unit : {1.0, 1e-200, 1e-90, 1e80, 1e200}) {
       const SparseMatrix k = unit * grid_laplacian(6);
       const auto factorisation = analyse(k, {}, true);
       factorisation->factor(k);
-      ASSERT_TRUE(factorisation->sweep_in(storage));
+      ASSERT_TRUE(factorisation->set_precision(storage));
       Vector x, correction;
       factorisation->solve(unit * b, x);
       EXPECT_LT((grid_laplacian(6) * x - b).norm(), 1e-5) << unit;
@@ -320,7 +322,7 @@ TEST(Factorisation, ShortenedFactorsServeInEverySystemOfUnits) {
         x += correction;
       }
       EXPECT_LT((grid_laplacian(6) * x - b).norm(), 1e-13) << unit;
-      EXPECT_FALSE(analyse(k, {}, false)->sweep_in(storage));
+      EXPECT_FALSE(analyse(k, {}, false)->set_precision(storage));
     }
 }
 

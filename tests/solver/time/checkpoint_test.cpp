@@ -80,7 +80,7 @@ TEST(Fingerprint, ChangesWithEachIngredient) {
       [](Plan& p) { p.options.memory_tolerance = 1e-9; },
       [](Plan& p) { p.options.branch = Branch::least_energy; },
       [](Plan& p) { p.options.proportional_path = false; },
-      [](Plan& p) { p.options.shortened_sweeps = false; },
+      [](Plan& p) { p.options.reduced_precision = false; },
       [](Plan& p) { p.options.audit = false; },
   };
   std::set<std::uint64_t> seen;

@@ -38,7 +38,7 @@ struct Body : testing::Test {
     std::iota(layout.dof_of.begin(), layout.dof_of.end(), 0);
     layout.entry_of = layout.dof_of;
     SparseMatrix sparse = t.sparseView();
-    auto factor = lend_factor(nullptr, sparse, contact, true);
+    auto factor = take_factor(nullptr, sparse, contact, true);
     interior = std::make_unique<Interior>(sparse, std::move(factor), layout, contact);
     for (int k = 0; k < 3; ++k) {
       forces.push_back(any(n));

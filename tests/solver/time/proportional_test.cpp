@@ -134,7 +134,7 @@ End end_of(const Plan& plan, bool seen) {
 
 // A run of which every step is seen makes its checks on all rows in their steps, another one
 // together at the end. Tolerances above rounding pass all of them, those below fail the first; in
-// between it is rounding that decides, which differs from sweep to sweep.
+// between it is rounding that decides, which differs from solve to solve.
 TEST(Proportional, ChecksMadeTogetherDecideAsThoseInTheirSteps) {
   int certified = 0, refused = 0;
   for (const int steps : {20, 45})

@@ -1,5 +1,5 @@
-// See sweep_choice.hpp.
-#include "solver/time/sweep_choice.hpp"
+// See precision_choice.hpp.
+#include "solver/time/precision_choice.hpp"
 
 #include "solver/common/stream.hpp"
 
@@ -24,49 +24,50 @@ constexpr double moved_for_single_forward = 0.02;
 
 } // namespace
 
-SweepChoice::SweepChoice(double tolerance) : target_(part_for_rounding * tolerance) {}
+PrecisionChoice::PrecisionChoice(double tolerance) : target_(part_for_rounding * tolerance) {}
 
-double SweepChoice::most(SweepStorage storage) const {
-  const bool single = storage == SweepStorage::single;
+double PrecisionChoice::most(FactorPrecision storage) const {
+  const bool single = storage == FactorPrecision::single;
   const double gain = single ? gain_single_ : gain_fine_;
   const double learnt = gain > 0.0 ? 0.5 / gain : single ? first_most_single : first_most_fine;
   return std::min(single ? cap_single : cap_fine, learnt * target_);
 }
 
-bool SweepChoice::worthwhile(int steps_left) const {
-  return steps_left >= worth_rounding && !failed() && moved_ <= most(SweepStorage::fine);
+bool PrecisionChoice::worthwhile(int steps_left) const {
+  return steps_left >= worth_rounding && !failed() && moved_ <= most(FactorPrecision::fine);
 }
 
-SweepLimits SweepChoice::limits(bool contact) const {
-  SweepLimits out;
-  const double single = most(SweepStorage::single), fine = most(SweepStorage::fine);
+PrecisionLimits PrecisionChoice::limits(bool contact) const {
+  PrecisionLimits out;
+  const double single = most(FactorPrecision::single), fine = most(FactorPrecision::fine);
   if (!(moved_ <= fine)) return out;
   const bool near = moved_ <= (contact ? moved_for_single_forward : single);
-  out.forward = forward_single_ && near ? SweepStorage::single : SweepStorage::fine;
+  out.forward = forward_single_ && near ? FactorPrecision::single : FactorPrecision::fine;
   out.most_single = single, out.most_fine = fine;
   return out;
 }
 
-void SweepChoice::learn(SweepStorage forward, SweepStorage back, double error) {
-  const bool single = back == SweepStorage::single;
+void PrecisionChoice::learn(FactorPrecision forward, FactorPrecision back, double error) {
+  const bool single = back == FactorPrecision::single;
   if (single && moved_ > 0.0 && (error > 1e-3 * target_ || moved_ > 0.1 * most(back)))
     gain_single_ = std::max(gain_single_, error / moved_);
   if (single || error <= target_) return;
-  if (forward == SweepStorage::single) {
+  if (forward == FactorPrecision::single) {
     forward_single_ = false; // it is to blame: back with 48 bits leaves less
     return;
   }
   ++misses_;
-  if (back == SweepStorage::fine && moved_ > 0.0) gain_fine_ = std::max(gain_fine_, error / moved_);
+  if (back == FactorPrecision::fine && moved_ > 0.0)
+    gain_fine_ = std::max(gain_fine_, error / moved_);
 }
 
-void SweepChoice::save(std::ostream& out) const {
+void PrecisionChoice::save(std::ostream& out) const {
   StateWriter w(out);
   w.put(std::array<double, 3>{gain_single_, gain_fine_, moved_});
   w.put(std::array<int, 3>{steps_, misses_, forward_single_ ? 1 : 0});
 }
 
-void SweepChoice::restore(std::istream& in) {
+void PrecisionChoice::restore(std::istream& in) {
   StateReader r(in, {});
   const auto numbers = r.get<std::array<double, 3>>();
   const auto counts = r.get_counts<3>();

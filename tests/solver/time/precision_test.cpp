@@ -1,6 +1,6 @@
-// Runs whose sweeps read the factor with fewer bits against the same runs in double precision, and
-// how the choice between them is made.
-#include "solver/time/sweep_choice.hpp"
+// Runs whose triangular solves read the factor with fewer bits against the same runs in double
+// precision, and how the choice between them is made.
+#include "solver/time/precision_choice.hpp"
 #include "tests/solver/time/plans.hpp"
 
 #include <gtest/gtest.h>
@@ -17,36 +17,36 @@ using namespace testing_plans;
 /// The same results to `tolerance`, and at most so many times the bytes of factors read.
 void expect_same(Plan plan, double tolerance, double bytes, const std::string& what) {
   plan.options.proportional_path = false;
-  const auto shortened = solve(plan);
-  plan.options.shortened_sweeps = false;
+  const auto reduced = solve(plan);
+  plan.options.reduced_precision = false;
   const auto exact = solve(plan);
-  EXPECT_TRUE(shortened.certificate.certified && exact.certificate.certified) << what;
-  EXPECT_LE(shortened.timing.swept_bytes, bytes * exact.timing.swept_bytes) << what;
+  EXPECT_TRUE(reduced.certificate.certified && exact.certificate.certified) << what;
+  EXPECT_LE(reduced.timing.factor_bytes_read, bytes * exact.timing.factor_bytes_read) << what;
   const double scale = exact.u.lpNorm<Eigen::Infinity>();
   EXPECT_GT(scale, 0.0) << what;
-  EXPECT_LE((shortened.u - exact.u).lpNorm<Eigen::Infinity>(), tolerance * scale) << what;
-  EXPECT_GT((shortened.u - exact.u).lpNorm<Eigen::Infinity>(), 0.0) << what << ": not shortened";
+  EXPECT_LE((reduced.u - exact.u).lpNorm<Eigen::Infinity>(), tolerance * scale) << what;
+  EXPECT_GT((reduced.u - exact.u).lpNorm<Eigen::Infinity>(), 0.0) << what << ": not reduced";
   for (const auto& [name, column] : exact.columns) {
     double largest = 0, difference = 0;
     for (std::size_t i = 0; i < column.size(); ++i) {
       largest = std::max(largest, std::abs(column[i]));
-      difference = std::max(difference, std::abs(column[i] - shortened.columns.at(name)[i]));
+      difference = std::max(difference, std::abs(column[i] - reduced.columns.at(name)[i]));
     }
     EXPECT_LE(difference, tolerance * largest) << what << ", " << name;
   }
 }
 
-// One entry of the factor more than once: in 48 bits beside 64, without the halves that no sweep
+// One entry of the factor more than once: in 48 bits beside 64, without the halves that no solve
 // reads. And matrices that are kept for products that read half.
-TEST(Sweeps, WhatIsHeldTwiceIsCounted) {
+TEST(ReducedPrecision, WhatIsHeldTwiceIsCounted) {
   Plan plan = slab(12, 96, 2, true);
   plan.options.proportional_path = false;
-  const auto shortened = solve(plan);
-  plan.options.shortened_sweeps = false;
+  const auto reduced = solve(plan);
+  plan.options.reduced_precision = false;
   const auto exact = solve(plan);
-  const double sweep = exact.timing.swept_bytes / exact.work.sweeps;
-  EXPECT_GT(shortened.work.bytes - exact.work.bytes, 0.4 * sweep);
-  EXPECT_LT(shortened.work.bytes - exact.work.bytes, 1.1 * sweep);
+  const double one_solve = exact.timing.factor_bytes_read / exact.work.triangular_solves;
+  EXPECT_GT(reduced.work.bytes - exact.work.bytes, 0.4 * one_solve);
+  EXPECT_LT(reduced.work.bytes - exact.work.bytes, 1.1 * one_solve);
   Plan few = slab(12, 11), enough = slab(12, 12);
   few.options.proportional_path = enough.options.proportional_path = false;
   const auto whole = solve(few), halved = solve(enough);
@@ -55,7 +55,7 @@ TEST(Sweeps, WhatIsHeldTwiceIsCounted) {
   EXPECT_LT(halved.work.bytes - whole.work.bytes, 0.8 * 3.0 * matrix);
 }
 
-TEST(Sweeps, WithFewerBitsGiveTheSameRun) {
+TEST(ReducedPrecision, WithFewerBitsGiveTheSameRun) {
   expect_same(slab(12, 96), 1e-10, 0.8, "slab");
   expect_same(slab(12, 96, 2, true), 1e-10, 0.9, "slab with friction");
   expect_same(slab(4, 24, 3, true), 1e-10, 0.95, "3D with friction");
@@ -70,48 +70,48 @@ TEST(Sweeps, WithFewerBitsGiveTheSameRun) {
 constexpr double tolerance = 1e-10;
 const double unpredicted = std::numeric_limits<double>::infinity();
 
-TEST(Sweeps, AreExactUntilAStepWasPredicted) {
-  SweepChoice choice(tolerance);
+TEST(ReducedPrecision, AreExactUntilAStepWasPredicted) {
+  PrecisionChoice choice(tolerance);
   choice.note_moved(unpredicted);
   EXPECT_FALSE(choice.worthwhile(100));
-  EXPECT_EQ(choice.limits(true).forward, SweepStorage::full);
-  EXPECT_EQ(choice.limits(true).back(1e-9), SweepStorage::full);
+  EXPECT_EQ(choice.limits(true).forward, FactorPrecision::full);
+  EXPECT_EQ(choice.limits(true).back(1e-9), FactorPrecision::full);
   choice.note_moved(1e-3);
   EXPECT_TRUE(choice.worthwhile(12));
   EXPECT_FALSE(choice.worthwhile(11));
   const auto limits = choice.limits(true);
-  EXPECT_EQ(limits.forward, SweepStorage::single);
-  EXPECT_EQ(limits.back(1e-6), SweepStorage::single);
-  EXPECT_EQ(limits.back(1e-2), SweepStorage::fine);
-  EXPECT_EQ(limits.back(2.0), SweepStorage::full);
+  EXPECT_EQ(limits.forward, FactorPrecision::single);
+  EXPECT_EQ(limits.back(1e-6), FactorPrecision::single);
+  EXPECT_EQ(limits.back(1e-2), FactorPrecision::fine);
+  EXPECT_EQ(limits.back(2.0), FactorPrecision::full);
 }
 
-// The larger the error of a rounded sweep back, the less contact unknowns may move in the next.
-TEST(Sweeps, LearnFromTheErrorsTheyLeave) {
-  SweepChoice choice(tolerance);
+// The larger the error of a rounded backward solve, the less contact unknowns may move in the next.
+TEST(ReducedPrecision, LearnFromTheErrorsTheyLeave) {
+  PrecisionChoice choice(tolerance);
   choice.note_moved(1e-4);
   const double before = choice.limits(true).most_single;
-  choice.learn(SweepStorage::single, SweepStorage::single, 2 * choice.target());
+  choice.learn(FactorPrecision::single, FactorPrecision::single, 2 * choice.target());
   EXPECT_LT(choice.limits(true).most_single, before);
   EXPECT_DOUBLE_EQ(choice.limits(true).most_single, 1e-4 / 4);
-  EXPECT_EQ(choice.limits(true).back(1e-4), SweepStorage::fine);
-  // Back with 48 bits and still too much: the sweep forward is to blame, the first time.
-  choice.learn(SweepStorage::single, SweepStorage::fine, 2 * choice.target());
-  EXPECT_EQ(choice.limits(true).forward, SweepStorage::fine);
+  EXPECT_EQ(choice.limits(true).back(1e-4), FactorPrecision::fine);
+  // Back with 48 bits and still too much: the forward solve is to blame, the first time.
+  choice.learn(FactorPrecision::single, FactorPrecision::fine, 2 * choice.target());
+  EXPECT_EQ(choice.limits(true).forward, FactorPrecision::fine);
   EXPECT_FALSE(choice.failed());
   for (int k = 0; k < 4; ++k)
-    choice.learn(SweepStorage::fine, SweepStorage::fine, 2 * choice.target());
+    choice.learn(FactorPrecision::fine, FactorPrecision::fine, 2 * choice.target());
   EXPECT_LT(choice.limits(true).most_fine, 1e-3);
   EXPECT_TRUE(choice.failed());
   EXPECT_FALSE(choice.worthwhile(100));
 }
 
-TEST(Sweeps, GoOnFromASavedChoice) {
-  SweepChoice choice(tolerance), again(tolerance);
+TEST(ReducedPrecision, GoOnFromASavedChoice) {
+  PrecisionChoice choice(tolerance), again(tolerance);
   choice.note_moved(1e-4);
-  choice.learn(SweepStorage::single, SweepStorage::single, 1e-11);
-  choice.learn(SweepStorage::single, SweepStorage::fine, 1e-11);
-  choice.learn(SweepStorage::fine, SweepStorage::fine, 1e-11);
+  choice.learn(FactorPrecision::single, FactorPrecision::single, 1e-11);
+  choice.learn(FactorPrecision::single, FactorPrecision::fine, 1e-11);
+  choice.learn(FactorPrecision::fine, FactorPrecision::fine, 1e-11);
   std::stringstream saved;
   choice.save(saved);
   again.restore(saved);

@@ -1,4 +1,4 @@
-// In which precision the triangular solves ("sweeps") of a step read the factor: a reduced one
+// In which precision the triangular solves of a step read the factor: a reduced one
 // while the extrapolation is good. FactorStorage asks before a correction and reports its error
 // afterwards.
 #pragma once
@@ -10,15 +10,15 @@
 namespace hvi::solver {
 
 /// The precision allowed for one correction.
-struct SweepLimits {
-  SweepStorage forward = SweepStorage::full;
+struct PrecisionLimits {
+  FactorPrecision forward = FactorPrecision::full;
   /// Back with 32, with 48 bits where the contact unknowns move by no more than this part of their
   /// size; else in full.
   double most_single = -1.0, most_fine = -1.0;
 
-  SweepStorage back(double moved) const {
-    if (moved <= most_single) return SweepStorage::single;
-    return moved <= most_fine ? SweepStorage::fine : SweepStorage::full;
+  FactorPrecision back(double moved) const {
+    if (moved <= most_single) return FactorPrecision::single;
+    return moved <= most_fine ? FactorPrecision::fine : FactorPrecision::full;
   }
 };
 
@@ -26,9 +26,9 @@ struct SweepLimits {
 /// unknowns move beyond the extrapolation, that of a forward solve to the part of the load that the
 /// extrapolation leaves. Both factors are estimated from earlier steps: a correction must end
 /// within `target`, or a second forward and backward solve is needed.
-class SweepChoice {
+class PrecisionChoice {
 public:
-  explicit SweepChoice(double tolerance);
+  explicit PrecisionChoice(double tolerance);
 
   /// The error that a correction in reduced precision must reach, from the certificate's tolerance.
   double target() const { return target_; }
@@ -37,22 +37,22 @@ public:
   /// Do reduced-precision factors fail too often?
   bool failed() const { return misses_ >= 4 && 4 * misses_ >= steps_; }
   /// For a correction of an extrapolated step; the steps before it moved about as far as this one.
-  SweepLimits limits(bool contact) const;
+  PrecisionLimits limits(bool contact) const;
 
   /// After the first correction of a step from its extrapolation, or of one without (infinity).
   void note_moved(double moved) { moved_ = moved; }
   /// After a correction in reduced precision: what was used, and its error.
-  void learn(SweepStorage forward, SweepStorage back, double error);
+  void learn(FactorPrecision forward, FactorPrecision back, double error);
   void count_step() { ++steps_; }
 
   void save(std::ostream& out) const;
   void restore(std::istream& in);
 
 private:
-  double most(SweepStorage storage) const;
+  double most(FactorPrecision storage) const;
 
   double target_;
-  double gain_single_ = 0.0, gain_fine_ = 0.0; ///< largest error of a sweep back, over `moved`
+  double gain_single_ = 0.0, gain_fine_ = 0.0; ///< largest error of a backward solve, over `moved`
   double moved_ = 0.0;                         ///< of the last step
   int steps_ = 0, misses_ = 0;
   bool forward_single_ = true;
