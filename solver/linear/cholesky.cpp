@@ -6,22 +6,16 @@
 #include "solver/linear/cholesky.hpp"
 
 #include "solver/common/clock.hpp"
-#include "solver/common/out_of_memory.hpp"
-#include "solver/linear/cholmod_session.hpp"
+#include "solver/linear/cholesky_factor.hpp"
 #include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
 #include "solver/linear/packed_factor.hpp"
-#include "solver/linear/permuted_lower.hpp"
 #include "solver/linear/supernodes.hpp"
-#include "solver/linear/symbolic.hpp"
-
-#include <fmt/format.h>
 
 #include <cblas.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <stdexcept>
 
 namespace hvi::solver {
 namespace {
@@ -46,9 +40,6 @@ class Cholesky final : public Factorisation {
 public:
   Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known);
   explicit Cholesky(const Cholesky* analysed);
-  ~Cholesky() override { cholmod_l_free_factor(&l_, session_.common()); }
-  Cholesky(const Cholesky&) = delete;
-  Cholesky& operator=(const Cholesky&) = delete;
 
   std::unique_ptr<Factorisation> another() const override {
     return std::make_unique<Cholesky>(this);
@@ -71,23 +62,15 @@ public:
   const FactorStatistics& statistics() const override { return statistics_; }
 
 private:
-  void analyse_pattern(const SparseMatrix& k, std::span<const int> contact, OrderStore* known);
   void prepare();
-  void check_contact_last(std::span<const int> contact) const;
-  void check_pivots();
-  void read_trailing_block();
   void count_solve();
   void count_solves_at_once();
-  [[noreturn]] void fail_at(int position, double pivot) const;
-  const double* values() const { return static_cast<const double*>(l_->x); }
 
+  FactorStatistics statistics_; // the factor writes into it
   double start_;
-  CholmodSession session_;
-  PermutedLower a_;
-  cholmod_factor* l_ = nullptr;
+  CholeskyFactor l_;
   int size_, interior_;
   bool factored_ = false;
-  std::vector<int> permutation_; ///< position -> unknown
   Supernodes supernodes_;
   FactorPrecision storage_ = FactorPrecision::full;
   FactorPrecision storage_of_y_ = FactorPrecision::full;
@@ -99,14 +82,11 @@ private:
   mutable DenseMatrix schur_; ///< built at the first use after a factorisation
   mutable bool schur_ready_ = false;
   Vector reduced_; ///< workspace of `solve`
-  FactorStatistics statistics_;
 };
 
 Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known)
-    : start_(cpu_seconds()), size_(static_cast<int>(k.rows())),
-      interior_(size_ - static_cast<int>(contact.size())) {
-  analyse_pattern(k, contact, known);
-  check_contact_last(contact);
+    : start_(cpu_seconds()), l_(k, contact, known, statistics_), size_(static_cast<int>(k.rows())),
+      interior_(l_.interior()) {
   prepare();
   statistics_.analyses = 1;
   statistics_.seconds_analyse =
@@ -114,14 +94,7 @@ Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderSto
 }
 
 Cholesky::Cholesky(const Cholesky* analysed)
-    : start_(cpu_seconds()), a_(analysed->a_), size_(analysed->size_),
-      interior_(analysed->interior_), permutation_(analysed->permutation_) {
-  l_ = cholmod_l_copy_factor(analysed->l_, session_.common());
-  // Supernodal and symbolic again: the copied values are of no use.
-  const bool done = l_ != nullptr && (l_->xtype == CHOLMOD_PATTERN ||
-                                      cholmod_l_change_factor(CHOLMOD_PATTERN, 1, 1, 1, 1, l_,
-                                                              session_.common()) != 0);
-  if (!done) throw OutOfMemory("no memory for one more factor of {} unknowns", size_);
+    : start_(cpu_seconds()), l_(analysed->l_), size_(analysed->size_), interior_(l_.interior()) {
   prepare();
   statistics_.nonzeros = analysed->statistics_.nonzeros;
   statistics_.flops = analysed->statistics_.flops;
@@ -131,122 +104,32 @@ Cholesky::Cholesky(const Cholesky* analysed)
 
 /// Everything that has the size of the factor.
 void Cholesky::prepare() {
-  supernodes_ = Supernodes(*l_, interior_);
+  supernodes_ = Supernodes(l_.structure(), interior_);
   inverse_diagonal_.resize(static_cast<std::size_t>(interior_));
   y_.resize(static_cast<std::size_t>(size_));
   x_.resize(static_cast<std::size_t>(size_));
   reduced_.resize(size_ - interior_);
-  const double contacts = size_ - interior_; // L22 and S
-  statistics_.bytes = static_cast<double>(l_->xsize) * sizeof(double) +
-                      static_cast<double>(l_->ssize) * (sizeof(Long) + sizeof(int)) +
-                      2.0 * contacts * contacts * sizeof(double);
-}
-
-void Cholesky::analyse_pattern(const SparseMatrix& k, std::span<const int> contact,
-                               OrderStore* known) {
-  {
-    auto order = known != nullptr ? known->order(k, contact, session_)
-                                  : order_contact_last(k, contact, session_);
-    l_ = symbolic_factor(order, session_);
-    cholmod_l_free_work(session_.common()); // what comes next may take the place of both
-    if (l_ == nullptr || l_->is_super == 0) {
-      refuse_too_large(*session_.common(), size_);
-      throw OutOfMemory("no memory to analyse a matrix of {} unknowns", size_);
-    }
-    permutation_.assign(order.permutation.begin(), order.permutation.end());
-    statistics_.nonzeros = order.nonzeros;
-    statistics_.flops = order.flops;
-    statistics_.ordering = std::move(order.name);
-  }
-  a_ = PermutedLower(k, permutation_);
-}
-
-void Cholesky::check_contact_last(std::span<const int> contact) const {
-  if (!std::equal(contact.begin(), contact.end(), permutation_.begin() + interior_))
-    throw std::logic_error("the postorder moved a contact unknown from the end of the elimination");
+  statistics_.bytes = l_.bytes();
 }
 
 void Cholesky::factor(const SparseMatrix& k) {
   const double start = cpu_seconds();
-  const OneBlasThread one_thread;
   factored_ = schur_ready_ = false;
-  a_.assign(k);
-  cholmod_sparse view = a_.view();
-  cholmod_common* common = session_.common();
-  if (l_->xtype == CHOLMOD_PATTERN && // else CHOLMOD would make room itself, in small pages
-      cholmod_l_change_factor(CHOLMOD_REAL, true, true, true, true, l_, common) != 0)
-    advise_large_pages(l_->x, l_->xsize * sizeof(double));
-  double nothing[2] = {0.0, 0.0}; // is added to the diagonal
-  cholmod_l_super_numeric(&view, nullptr, nothing, l_, common);
-  if (common->status < CHOLMOD_OK) {
-    refuse_too_large(*common, size_);
-    throw OutOfMemory("no memory to factor a matrix of {} unknowns ({:.2g} bytes)", size_,
-                      statistics_.bytes);
-  }
+  l_.compute(k);
   ++statistics_.factorisations;
-  if (common->status == CHOLMOD_NOT_POSDEF) fail_at(static_cast<int>(l_->minor), 0.0);
-  check_pivots();
-  read_trailing_block();
+  l_.take_diagonal(inverse_diagonal_);
+  l_.take_trailing_block(l22_);
   if (!packed_.empty()) statistics_.bytes -= packed_.bytes();
   packed_.clear();
-  cholmod_l_free_work(common); // its memory serves for the copies of the factor
-  a_.forget_values();
   set_precision(storage_);
   statistics_.seconds_factor = cpu_seconds() - start;
   factored_ = true;
 }
 
-/// Reads the diagonal of L, which lies scattered in memory, once; throws where a pivot is not
-/// finite or is nothing but rounding.
-void Cholesky::check_pivots() {
-  const auto* super = static_cast<const Long*>(l_->super);
-  const auto* row_start = static_cast<const Long*>(l_->pi);
-  const auto* value_start = static_cast<const Long*>(l_->px);
-  double least = std::numeric_limits<double>::infinity();
-  int where = -1;
-  for (std::size_t s = 0; s < l_->nsuper; ++s) {
-    const Long stride = row_start[s + 1] - row_start[s];
-    for (Long position = super[s]; position < super[s + 1]; ++position) {
-      const double entry = values()[value_start[s] + (position - super[s]) * (stride + 1)];
-      const double pivot = entry * entry / a_.diagonal()[position];
-      if (!std::isfinite(pivot)) fail_at(static_cast<int>(position), pivot);
-      if (pivot < least) {
-        least = pivot;
-        where = static_cast<int>(position);
-      }
-      if (position < interior_) inverse_diagonal_[position] = 1.0 / entry;
-    }
-  }
-  if (least < smallest_pivot) fail_at(where, least);
-}
-
-void Cholesky::fail_at(int position, double pivot) const {
-  const bool known = position >= 0 && position < size_;
-  throw NotFactorable(known ? permutation_[position] : -1, pivot,
-                      "the matrix is not positive definite: the elimination breaks down");
-}
-
-/// Gathers the contact columns, which lie in one or several supernodes, into a dense L22.
-void Cholesky::read_trailing_block() {
-  const int contacts = size_ - interior_;
-  l22_.setZero(contacts, contacts);
-  const auto* super = static_cast<const Long*>(l_->super);
-  const auto* row_start = static_cast<const Long*>(l_->pi);
-  const auto* value_start = static_cast<const Long*>(l_->px);
-  const auto* row = static_cast<const Long*>(l_->s);
-  for (std::size_t s = 0; s < l_->nsuper; ++s) {
-    const Long stride = row_start[s + 1] - row_start[s];
-    for (Long column = std::max<Long>(super[s], interior_); column < super[s + 1]; ++column)
-      for (Long i = column - super[s]; i < stride; ++i)
-        l22_(row[row_start[s] + i] - interior_, column - interior_) =
-            values()[value_start[s] + (column - super[s]) * stride + i];
-  }
-}
-
 bool Cholesky::set_precision(FactorPrecision storage) {
   storage_ = storage;
   if (storage != FactorPrecision::full && packed_.empty()) {
-    if (packed_.pack(supernodes_, values()))
+    if (packed_.pack(supernodes_, l_.values()))
       statistics_.bytes += packed_.bytes();
     else
       storage_ = FactorPrecision::full;
@@ -264,10 +147,10 @@ const DenseMatrix& Cholesky::schur() const {
 
 void Cholesky::reduce(const Vector& b, Vector& r) {
   if (!factored_) throw std::logic_error("reduce before a successful factorisation");
-  for (int position = 0; position < size_; ++position) y_[position] = b[permutation_[position]];
+  for (int position = 0; position < size_; ++position) y_[position] = b[l_.permutation()[position]];
   storage_of_y_ = storage_;
   if (storage_ == FactorPrecision::full)
-    supernodes_.forward(values(), inverse_diagonal_.data(), y_.data());
+    supernodes_.forward(l_.values(), inverse_diagonal_.data(), y_.data());
   else
     packed_.forward(storage_ == FactorPrecision::fine, y_.data());
   r.resize(size_ - interior_);
@@ -279,7 +162,7 @@ void Cholesky::reduce(const Vector& b, Vector& r) {
 void Cholesky::count_solve() {
   ++statistics_.triangular_solves;
   const double n_contact = size_ - interior_;
-  const double entries = static_cast<double>(l_->xsize) - n_contact * n_contact;
+  const double entries = static_cast<double>(l_.structure().xsize) - n_contact * n_contact;
   statistics_.bytes_read += storage_ == FactorPrecision::full
                                 ? entries * sizeof(double)
                                 : packed_.bytes_read(storage_ == FactorPrecision::fine);
@@ -294,11 +177,11 @@ void Cholesky::back(const Vector& c, Vector& x) {
       y_[i] *= full ? 1.0 / inverse_diagonal_[i] : inverse_diagonal_[i];
   storage_of_y_ = storage_;
   if (full)
-    supernodes_.backward(values(), inverse_diagonal_.data(), y_.data(), x_.data());
+    supernodes_.backward(l_.values(), inverse_diagonal_.data(), y_.data(), x_.data());
   else
     packed_.backward(storage_ == FactorPrecision::fine, y_.data(), x_.data());
   x.resize(size_);
-  for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
+  for (int position = 0; position < size_; ++position) x[l_.permutation()[position]] = x_[position];
   count_solve();
 }
 
@@ -331,8 +214,8 @@ void Cholesky::reduce_each(std::span<const Vector> b, std::vector<Vector>& r) {
     throw std::logic_error("too many right-hand sides at once");
   each_.setZero(groups * lanes, size_);
   for (int position = 0; position < size_; ++position)
-    for (int k = 0; k < count; ++k) each_(k, position) = b[k][permutation_[position]];
-  supernodes_.forward_all(values(), inverse_diagonal_.data(), groups, each_.data());
+    for (int k = 0; k < count; ++k) each_(k, position) = b[k][l_.permutation()[position]];
+  supernodes_.forward_all(l_.values(), inverse_diagonal_.data(), groups, each_.data());
   r.resize(b.size());
   for (int k = 0; k < count; ++k) r[k] = each_.row(k).tail(size_ - interior_);
   count_solves_at_once();
@@ -346,10 +229,10 @@ void Cholesky::back_each(std::span<const Vector> c, std::vector<Vector>& x) {
   if (each_.size() == 0 || count > each_.rows())
     throw std::logic_error("back_each before its reduce_each");
   for (int k = 0; k < count; ++k) each_.row(k).tail(size_ - interior_) = c[k].transpose();
-  supernodes_.backward_all(values(), inverse_diagonal_.data(), groups, each_.data());
+  supernodes_.backward_all(l_.values(), inverse_diagonal_.data(), groups, each_.data());
   x.assign(c.size(), Vector(size_));
   for (int position = 0; position < size_; ++position)
-    for (int k = 0; k < count; ++k) x[k][permutation_[position]] = each_(k, position);
+    for (int k = 0; k < count; ++k) x[k][l_.permutation()[position]] = each_(k, position);
   each_.resize(0, 0);
   count_solves_at_once();
 }
@@ -375,9 +258,9 @@ void Cholesky::back_all(const DenseMatrix& c, std::span<const Vector> kept,
   }
   x.rightCols(size_ - interior_).topRows(count) = c.transpose();
   x.rightCols(size_ - interior_).bottomRows(groups * lanes - count).setZero();
-  supernodes_.backward_all(values(), inverse_diagonal_.data(), groups, x.data());
+  supernodes_.backward_all(l_.values(), inverse_diagonal_.data(), groups, x.data());
   place.resize(static_cast<std::size_t>(size_));
-  for (int position = 0; position < size_; ++position) place[permutation_[position]] = position;
+  for (int position = 0; position < size_; ++position) place[l_.permutation()[position]] = position;
   count_solves_at_once();
 }
 
