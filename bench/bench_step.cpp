@@ -52,14 +52,14 @@ int measure(const Plan& plan) {
   Timing timing;
   Stepper stepper(plan, discretisation, timing);
   std::vector<double> steps;
-  for (int n = 1; n <= stepper.grid().steps(); ++n) {
+  for (int n = 1; n <= stepper.state().evolution.grid().steps(); ++n) {
     const double start = cpu_seconds();
     if (!stepper.advance(n).certified) return 1;
     if (n > 1) steps.push_back(cpu_seconds() - start); // the first one factors
   }
-  const Operators& operators = stepper.formulation().operators();
-  const SparseMatrix k = combine(operators, stepper.balance().coefficients(1));
-  const auto factor = analyse(k, stepper.contact().unknowns, operators.symmetric);
+  const Operators& operators = stepper.state().formulation->operators();
+  const SparseMatrix k = combine(operators, stepper.state().balance.coefficients(1));
+  const auto factor = analyse(k, stepper.state().contact().unknowns, operators.symmetric);
   factor->factor(k);
   const Vector b = Vector::LinSpaced(k.rows(), -1.0, 1.0);
   const Vector known = Vector::LinSpaced(operators.bases[0].cols(), -1.0, 1.0);
@@ -71,13 +71,14 @@ int measure(const Plan& plan) {
   const double residual = timed(repeats, [&] { gap_and_scale(k, x, b, y, scale); });
   WorkCounters work;
   stepper.account(work, timing);
-  const double products = double(work.products) / stepper.grid().steps();
+  const double products = double(work.products) / stepper.state().evolution.grid().steps();
   fmt::print(
       "{{\"unknowns\": {}, \"contact\": {}, \"step\": {:.4g}, \"solve\": {:.4g}, "
       "\"cholmod\": {:.4g}, \"product\": {:.4g}, \"residual\": {:.4g}, \"products\": {:.3g}, "
       "\"newton\": {:.3g}, \"factor_bytes\": {:.4g}}}\n",
-      k.rows(), stepper.contact().unknowns.size(), median(steps), solve, cholmod, product, residual,
-      products, double(work.newton) / stepper.grid().steps(), factor->statistics().nonzeros * 8.0);
+      k.rows(), stepper.state().contact().unknowns.size(), median(steps), solve, cholmod, product,
+      residual, products, double(work.newton) / stepper.state().evolution.grid().steps(),
+      factor->statistics().nonzeros * 8.0);
   return 0;
 }
 

@@ -40,14 +40,14 @@ const char* text_of(LoadAssembler::Cost cost) {
 
 } // namespace
 
-void LawRange::note(const Stepper& stepper) {
-  const Contact& contact = stepper.contact();
+void LawRange::note(const RunState& run) {
+  const Contact& contact = run.contact();
   for (const auto& term : contact.terms) {
     char& reached = reached_[term.points.law_term];
     double& slope = slopes_[term.points.law_term];
     if (reached == acted && std::isnan(slope)) continue;
-    const auto z = stepper.arguments().segment(term.first_row, term.n_rows());
-    const auto xi = stepper.xi().segment(term.first_row, term.n_rows());
+    const auto z = run.trial.z.segment(term.first_row, term.n_rows());
+    const auto xi = run.xi().segment(term.first_row, term.n_rows());
     if (xi.isZero(0.0)) {
       // At rest with an argument: a law that acts later, or did before, is no line through zero.
       if (z.isZero(0.0)) continue;
@@ -76,7 +76,7 @@ void LawRange::restore(std::istream& in) {
 }
 
 std::vector<EffectNote> found_effects(const Plan& plan, const Discretisation& discretisation,
-                                      const Stepper& stepper) {
+                                      const RunState& run) {
   std::vector<EffectNote> out;
   const int dim = discretisation.mesh.dim;
   for (int a = 0; a < 3; ++a)
@@ -84,7 +84,7 @@ std::vector<EffectNote> found_effects(const Plan& plan, const Discretisation& di
         {fmt::format("space dimension {}", "xyz"[a]), a < dim ? State::on : State::off,
          a < dim ? plan.mesh.origin : Origin{},
          a < dim ? "" : fmt::format("the mesh has {} dimension{}", dim, dim == 1 ? "" : "s")});
-  const bool symmetric = stepper.formulation().operators().symmetric;
+  const bool symmetric = run.formulation->operators().symmetric;
   out.push_back({"symmetry",
                  symmetric ? State::on : State::off,
                  {},
@@ -92,7 +92,7 @@ std::vector<EffectNote> found_effects(const Plan& plan, const Discretisation& di
                            : "a matrix is not symmetric: LU"});
   for (const LoadTerm& load : plan.loads)
     out.push_back({fmt::format("load on `{}`", plan.parts[load.part].name), State::on, load.origin,
-                   text_of(stepper.formulation().loads().cost(load.origin))});
+                   text_of(run.formulation->loads().cost(load.origin))});
   return out;
 }
 

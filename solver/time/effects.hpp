@@ -1,7 +1,7 @@
 // What only the matrices, the loads and the run itself can say about the effects of a plan.
 #pragma once
 
-#include "solver/time/step.hpp"
+#include "solver/time/run_state.hpp"
 
 #include <iosfwd>
 
@@ -12,7 +12,7 @@ class LawRange {
 public:
   explicit LawRange(std::size_t law_terms) : reached_(law_terms, 0), slopes_(law_terms, 0.0) {}
   /// After an accepted step.
-  void note(const Stepper& stepper);
+  void note(const RunState& run);
   /// Its multiplier was zero at every point and step.
   bool asleep(std::size_t law_term) const { return reached_[law_term] != acted; }
   /// s where the multiplier was s times the argument at every point and step; NaN elsewhere.
@@ -29,7 +29,7 @@ private:
 
 /// Each space dimension, the symmetry of the matrices, and how often each load is assembled.
 std::vector<EffectNote> found_effects(const Plan& plan, const Discretisation& discretisation,
-                                      const Stepper& stepper);
+                                      const RunState& run);
 
 /// The plan's effects with what a run found: asleep, or linear on the range reached.
 std::vector<EffectNote> effects_of_run(const Plan& plan, const LawRange& range);

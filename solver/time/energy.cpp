@@ -33,7 +33,7 @@ double asymmetry(const SparseMatrix& k) {
 
 } // namespace
 
-EnergyMonitor::EnergyMonitor(const Plan& plan, const Discretisation& d, const Stepper& stepper)
+EnergyMonitor::EnergyMonitor(const Plan& plan, const Discretisation& d, const RunState& run)
     : plan_(plan), d_(d), rate_(matrix_of_field(plan, d, field_of_u(1))),
       elastic_(matrix_of_field(plan, d, field_of_u(0))),
       gram_(gram_v(d.space, d.dofs.eliminated.empty())),
@@ -50,15 +50,15 @@ EnergyMonitor::EnergyMonitor(const Plan& plan, const Discretisation& d, const St
   for (Vector* v : {&u_, &before_, &d_u_, &f_, &work_, &viscous_force_, &elastic_force_,
                     &memory_force_, &contact_force_})
     *v = Vector::Zero(d.space.n_dofs());
-  z_ = Vector::Zero(stepper.contact().n_rows());
-  stepper.formulation().scatter(stepper.u(), u_);
+  z_ = Vector::Zero(run.contact().n_rows());
+  run.formulation->scatter(run.evolution.u(), u_);
   elastic_energy_ = 0.5 * u_.dot(elastic_ * u_);
-  contact_energy_ = contact_energy(stepper, u_);
+  contact_energy_ = contact_energy(run, u_);
 }
 
-/// sum_p w_p j(z_p) with the laws and offsets of the stepper's time.
-double EnergyMonitor::contact_energy(const Stepper& stepper, const Vector& u) {
-  const Contact& contact = stepper.contact();
+/// sum_p w_p j(z_p) with the laws and offsets of the run's time.
+double EnergyMonitor::contact_energy(const RunState& run, const Vector& u) {
+  const Contact& contact = run.contact();
   z_ = contact.offset;
   double sum = 0;
   for (const auto& term : contact.terms) {
@@ -74,9 +74,9 @@ double EnergyMonitor::contact_energy(const Stepper& stepper, const Vector& u) {
   return sum;
 }
 
-void EnergyMonitor::load(const Stepper& stepper) {
-  const auto& grid = stepper.grid();
-  const int n = stepper.step();
+void EnergyMonitor::load(const RunState& run) {
+  const auto& grid = run.evolution.grid();
+  const int n = run.evolution.step();
   f_.setZero();
   if (plan_.time.sampling == LoadSampling::average && !grid.is_static() && n > 0)
     loads_.add_mean(grid.t(n - 1), grid.t(n), f_);
@@ -84,19 +84,19 @@ void EnergyMonitor::load(const Stepper& stepper) {
     loads_.add(grid.t(n), f_);
 }
 
-double EnergyMonitor::energy(const Stepper& stepper) {
-  stepper.formulation().scatter(stepper.u(), work_);
-  load(stepper);
-  return 0.5 * work_.dot(elastic_ * work_) + contact_energy(stepper, work_) - f_.dot(work_);
+double EnergyMonitor::energy(const RunState& run) {
+  run.formulation->scatter(run.evolution.u(), work_);
+  load(run);
+  return 0.5 * work_.dot(elastic_ * work_) + contact_energy(run, work_) - f_.dot(work_);
 }
 
 /// A u', B u, sum_m E_m w_m and G^T W xi.
-void EnergyMonitor::forces(const Stepper& stepper) {
-  const Formulation& formulation = stepper.formulation();
-  const Evolution& evolution = stepper.evolution();
+void EnergyMonitor::forces(const RunState& run) {
+  const Formulation& formulation = *run.formulation;
+  const Evolution& evolution = run.evolution;
   elastic_force_.noalias() = elastic_ * u_;
   viscous_force_.setZero(), memory_force_.setZero(), contact_force_.setZero();
-  if (!stepper.grid().is_static()) {
+  if (!run.evolution.grid().is_static()) {
     evolution.derivative(1, state_);
     formulation.scatter(state_, work_);
     viscous_force_.noalias() += rate_ * work_;
@@ -106,21 +106,21 @@ void EnergyMonitor::forces(const Stepper& stepper) {
       memory_force_.noalias() += memory_[m] * work_;
     }
   }
-  const Contact& contact = stepper.contact();
+  const Contact& contact = run.contact();
   for (const auto& term : contact.terms) {
-    Vector weighted = stepper.xi().segment(term.first_row, term.n_rows());
+    Vector weighted = run.xi().segment(term.first_row, term.n_rows());
     for (int p = 0; p < term.n_points(); ++p)
       weighted.segment(p * term.points.rows, term.points.rows) *= term.points.weight[p];
     contact_force_.noalias() += term.points.g.transpose() * weighted;
   }
 }
 
-void EnergyMonitor::take(const Stepper& stepper, const StepResult& outcome) {
+void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
   before_.swap(u_);
-  stepper.formulation().scatter(stepper.u(), u_);
+  run.formulation->scatter(run.evolution.u(), u_);
   d_u_ = u_ - before_;
-  load(stepper);
-  forces(stepper);
+  load(run);
+  forces(run);
   // On the unknowns the parts add up to the load; on imposed values the rest is the reaction.
   work_ = viscous_force_ + elastic_force_ + memory_force_ + contact_force_ - f_;
   const double viscous = viscous_force_.dot(d_u_), memory = memory_force_.dot(d_u_);
@@ -133,11 +133,11 @@ void EnergyMonitor::take(const Stepper& stepper, const StepResult& outcome) {
   largest_size_ = std::max(largest_size_, size);
 
   const double work = f_.dot(d_u_) + reaction, elastic = 0.5 * elastic_force_.dot(u_),
-               contact = contact_energy(stepper, u_);
-  const double k = stepper.grid().length(stepper.step()), jump = norm_squared(d_u_);
+               contact = contact_energy(run, u_);
+  const double k = run.evolution.grid().length(run.evolution.step()), jump = norm_squared(d_u_);
   double xi = 0;
-  for (const auto& point : stepper.contact().problem.points)
-    xi += point.weight * stepper.xi().segment(point.first_row, point.rows).squaredNorm();
+  for (const auto& point : run.contact().problem.points)
+    xi += point.weight * run.xi().segment(point.first_row, point.rows).squaredNorm();
   sums_[sum_work] += work, sums_[sum_viscous] += viscous, sums_[sum_memory] += memory;
   sums_[sum_lost] +=
       work - viscous - memory - (elastic - elastic_energy_) - (contact - contact_energy_);

@@ -1,6 +1,6 @@
 // Energies and the quantities of the a priori estimate, step by step: on request, beside the run.
 //
-// Everything is computed on full vectors with matrices of its own, so it also checks the stepper.
+// Everything is computed on full vectors with matrices of its own, so it also checks the steps.
 // With d = u_n - u_{n-1}, f_n the load, r_n the reaction on imposed values, W the laws' weights:
 //   work     += <f_n + r_n, d>         elastic = <B u_n, u_n>/2     contact = sum_p w_p j(z_p)
 //   viscous  += <A u'_n, d>            memory += <sum_m E_m w_m, d>
@@ -11,7 +11,7 @@
 //   max |u_n|_V,   sum |u_n - u_{n-1}|_V^2,   max |xi_n|_X*,   sum k |(u_n - u_{n-1})/k|_V^2.
 #pragma once
 
-#include "solver/time/step.hpp"
+#include "solver/time/run_state.hpp"
 
 #include <iosfwd>
 #include <string>
@@ -21,13 +21,13 @@ namespace hvi::solver {
 
 class EnergyMonitor {
 public:
-  /// The stepper stands at its initial state.
-  EnergyMonitor(const Plan& plan, const Discretisation& discretisation, const Stepper& stepper);
+  /// The run stands at its initial state.
+  EnergyMonitor(const Plan& plan, const Discretisation& discretisation, const RunState& run);
 
   /// Takes an accepted step. `outcome`: its certificate and iterations go into the columns.
-  void take(const Stepper& stepper, const StepResult& outcome);
-  /// Of the stepper's state: elastic + contact - <f, u>.
-  double energy(const Stepper& stepper);
+  void take(const RunState& run, const StepResult& outcome);
+  /// Of the run's state: elastic + contact - <f, u>.
+  double energy(const RunState& run);
   /// Is B symmetric, so that the energy is one?
   bool has_energy() const { return symmetric_; }
 
@@ -41,9 +41,9 @@ public:
 
 private:
   double norm_squared(const Vector& v) const { return v.dot(gram_ * v); }
-  double contact_energy(const Stepper& stepper, const Vector& u);
-  void load(const Stepper& stepper);
-  void forces(const Stepper& stepper);
+  double contact_energy(const RunState& run, const Vector& u);
+  void load(const RunState& run);
+  void forces(const RunState& run);
 
   const Plan& plan_;
   const Discretisation& d_;

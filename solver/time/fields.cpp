@@ -51,13 +51,13 @@ void Snapshot::point() {
   for (std::size_t k = 0; k < fields_.size(); ++k) pointers_[k] = &fields_[k];
 }
 
-void Snapshot::take(const Stepper& stepper, bool whole) {
-  const Formulation& formulation = stepper.formulation();
-  const Evolution& evolution = stepper.evolution();
+void Snapshot::take(const RunState& run, bool whole) {
+  const Formulation& formulation = *run.formulation;
+  const Evolution& evolution = run.evolution;
   const auto scatter = [&](const Vector& state, Vector& full) {
     whole ? formulation.scatter(state, full) : formulation.scatter_observed(state, full);
   };
-  if (needed_[field_of_u(0)]) scatter(stepper.u(), fields_[field_of_u(0)]);
+  if (needed_[field_of_u(0)]) scatter(run.evolution.u(), fields_[field_of_u(0)]);
   if (needed_[field_of_u(1)]) {
     evolution.derivative(1, state_);
     scatter(state_, fields_[field_of_u(1)]);
@@ -67,9 +67,9 @@ void Snapshot::take(const Stepper& stepper, bool whole) {
     evolution.history_field(m, state_);
     scatter(state_, fields_[field_of_memory(m)]);
   }
-  xi_ = stepper.xi();
-  t_ = stepper.t();
-  step_ = stepper.step();
+  xi_ = run.xi();
+  t_ = run.evolution.t();
+  step_ = run.evolution.step();
 }
 
 void Snapshot::move(const ErrorSample& error, double step) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "solver/assembly/assembly.hpp"
-#include "solver/time/step.hpp"
+#include "solver/time/run_state.hpp"
 
 #include <span>
 #include <vector>
@@ -20,10 +20,10 @@ public:
   Snapshot() = default;
   Snapshot(std::vector<bool> needed, int n_dofs, int n_rows);
 
-  /// The stepper's current state.
-  void take(const Stepper& stepper) { take(stepper, true); }
+  /// The run's current state.
+  void take(const RunState& run) { take(run, true); }
   /// Not `whole`: contact unknowns and observed dofs only, where states hold nothing else.
-  void take(const Stepper& stepper, bool whole);
+  void take(const RunState& run, bool whole);
   /// Adds `step` times the error to all fields and multipliers.
   void move(const ErrorSample& error, double step);
   /// this = (1 - theta) a + theta b: the piecewise affine interpolant between grid times.

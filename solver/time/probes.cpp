@@ -15,20 +15,20 @@ Match(F...) -> Match<F...>;
 
 } // namespace
 
-ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const Stepper& stepper)
-    : space_(d.space), layout_(stepper.formulation().layout()), contact_(stepper.contact()),
+ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const RunState& run)
+    : space_(d.space), layout_(run.formulation->layout()), contact_(run.contact()),
       probes_(plan.report.probes), n_fields_(count_fields(plan)) {
   const CellLocator locator(d.mesh, probes_.size());
-  for (const auto& probe : probes_) evaluators_.push_back(make(probe, plan, d, stepper, locator));
+  for (const auto& probe : probes_) evaluators_.push_back(make(probe, plan, d, run, locator));
 }
 
 ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Plan& plan, const Discretisation& d,
-                                   const Stepper& stepper, const CellLocator& locator) {
+                                   const RunState& run, const CellLocator& locator) {
   switch (probe.kind) {
   case Probe::Kind::combination:
     return Combination{};
   case Probe::Kind::norm_v:
-    if (gram_.empty()) make_gram(d, stepper);
+    if (gram_.empty()) make_gram(d, run);
     return NormV{};
   case Probe::Kind::integral:
     if (reads_multiplier(probe.expression))
@@ -47,10 +47,10 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Plan& plan, const D
   return AtPoint{cell, barycentric, PointValue(space_, probe.expression, cell, barycentric)};
 }
 
-void ProbeSet::make_gram(const Discretisation& d, const Stepper& stepper) {
+void ProbeSet::make_gram(const Discretisation& d, const RunState& run) {
   // Without imposed values the seminorm of a scalar space is no norm.
   const bool add_mass = space_.components == 1 && d.dofs.eliminated.empty();
-  if (!add_mass) gram_ = stepper.balance().from_bases(strain_form(space_));
+  if (!add_mass) gram_ = run.balance.from_bases(strain_form(space_));
   if (gram_.empty())
     gram_ = SymmetricBlocks(gram_v(space_, add_mass), true);
   else

@@ -3,7 +3,7 @@
 
 #include "solver/linear/symmetric_blocks.hpp"
 #include "solver/time/law_sampler.hpp"
-#include "solver/time/step.hpp"
+#include "solver/time/run_state.hpp"
 
 #include <variant>
 
@@ -11,7 +11,7 @@ namespace hvi::solver {
 
 class ProbeSet {
 public:
-  ProbeSet(const Plan& plan, const Discretisation& discretisation, const Stepper& stepper);
+  ProbeSet(const Plan& plan, const Discretisation& discretisation, const RunState& run);
 
   int size() const { return static_cast<int>(probes_.size()); }
   /// Expressions the probes read fields from (u itself for norms).
@@ -41,8 +41,8 @@ private:
   using Evaluator = std::variant<AtPoint, Integrator, LawSampler, NormV, Combination>;
 
   Evaluator make(const Probe& probe, const Plan& plan, const Discretisation& discretisation,
-                 const Stepper& stepper, const CellLocator& locator);
-  void make_gram(const Discretisation& discretisation, const Stepper& stepper);
+                 const RunState& run, const CellLocator& locator);
+  void make_gram(const Discretisation& discretisation, const RunState& run);
   double norm(const Vector& u);
   void combine(double t, std::span<double> values) const;
 

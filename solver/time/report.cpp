@@ -36,17 +36,17 @@ bool shows_events(const RunResult& result) {
   return !result.unique && !result.events.empty() && !result.columns.contains(event_column);
 }
 
-Reporter::Reporter(const Plan& plan, const Discretisation& d, Stepper& stepper,
+Reporter::Reporter(const Plan& plan, const Discretisation& d, const RunState& run,
                    const RunSettings& settings)
-    : plan_(plan), space_(d.space), contact_(stepper.contact()), folder_(settings.output_folder),
-      writes_(!settings.output_folder.empty()), probes_(plan, d, stepper),
-      range_(plan.law_terms.size()), found_(found_effects(plan, d, stepper)), warn_(settings.warn) {
+    : plan_(plan), space_(d.space), contact_(run.contact()), folder_(settings.output_folder),
+      writes_(!settings.output_folder.empty()), probes_(plan, d, run),
+      range_(plan.law_terms.size()), found_(found_effects(plan, d, run)), warn_(settings.warn) {
   prepare_tables(settings.name);
-  prepare_fields(d, stepper, settings);
+  prepare_fields(d, run, settings);
   const int n_fields = count_fields(plan);
   for (const auto& probe : plan.report.probes)
     rows_read_interior_ = rows_read_interior_ || reads_interior(probe, n_fields);
-  stepper.observe(probes_.dofs_read());
+  run.formulation->observe(probes_.dofs_read());
   values_.assign(plan.report.probes.size(), std::nan(""));
   pictures_.resize(plan.report.pictures.size());
   columns_.resize(values_.size());
@@ -61,7 +61,7 @@ void Reporter::prepare_tables(const std::string& name) {
   }
 }
 
-void Reporter::prepare_fields(const Discretisation& d, const Stepper& stepper,
+void Reporter::prepare_fields(const Discretisation& d, const RunState& run,
                               const RunSettings& settings) {
   // What a checkpoint counts on is on the disk before it is.
   const auto durability = settings.checkpoint_every > 0 ? Durability::synced : Durability::ordinary;
@@ -84,24 +84,24 @@ void Reporter::prepare_fields(const Discretisation& d, const Stepper& stepper,
   keeps_before_ = probes_.any_timed() || timed_pictures;
   if (!keeps_before_) return;
   before_ = between_ = now_;
-  before_.take(stepper);
+  before_.take(run);
 }
 
-void Reporter::record(const Stepper& stepper, bool last) {
-  const int step = stepper.step();
+void Reporter::record(const RunState& run, bool last) {
+  const int step = run.evolution.step();
   if (step == last_recorded_) return;
-  range_.note(stepper);
+  range_.note(run);
   const bool row = base_every_ > 0 && due(base_every_, step, last);
   const bool any_fields = std::any_of(fields_.begin(), fields_.end(), [&](const auto& files) {
     return due(files.first, step, last);
   });
   const bool whole = any_fields || last || (row && rows_read_interior_);
-  if (row || whole || keeps_before_) now_.take(stepper, whole);
-  if (keeps_before_) read_between_steps(stepper);
+  if (row || whole || keeps_before_) now_.take(run, whole);
+  if (keeps_before_) read_between_steps(run);
   if (row || last) {
     probes_.evaluate(now_, values_);
     rows_.push_back(step);
-    times_.push_back(stepper.t());
+    times_.push_back(run.evolution.t());
     events_.push_back(std::exchange(pending_events_, 0));
     for (std::size_t i = 0; i < values_.size(); ++i) columns_[i].push_back(values_[i]);
   }
@@ -120,9 +120,9 @@ void Reporter::mark(const StepResult& outcome) {
 
 /// Probes and pictures at times between grid times read u_tau (affine) or bar u_tau (constant) of
 /// the paper.
-void Reporter::read_between_steps(const Stepper& stepper) {
+void Reporter::read_between_steps(const RunState& run) {
   const double from = before_.t(), to = now_.t();
-  const bool first = stepper.step() == 1;
+  const bool first = run.evolution.step() == 1;
   const auto go_to = [&](double at) {
     const bool constant = plan_.time.interpolant == Interpolant::constant && at > from;
     between_.interpolate(before_, now_, constant ? 1.0 : (at - from) / (to - from));

@@ -30,11 +30,11 @@ struct SolutionSize {
 
 class Reporter {
 public:
-  Reporter(const Plan& plan, const Discretisation& discretisation, Stepper& stepper,
+  Reporter(const Plan& plan, const Discretisation& discretisation, const RunState& run,
            const RunSettings& settings);
 
   /// Records an accepted step: rows and files that are due (`last`: all of them).
-  void record(const Stepper& stepper, bool last);
+  void record(const RunState& run, bool last);
   /// Notes the events of a step: the next row counts those since the last one.
   void mark(const StepResult& outcome);
   /// What these errors make of the columns, to first order at the last state u (all dofs). After
@@ -51,9 +51,9 @@ public:
   void tell_unwritten(RunResult& result) const { result.unwritten = unwritten_; }
 
   void save(std::ostream& out) const;
-  /// `stepper`: restored before. Throws Failure(broken_file) when a file written before is gone or
+  /// `run`: restored before. Throws Failure(broken_file) when a file written before is gone or
   /// not what it was.
-  void restore(std::istream& in, const Stepper& stepper);
+  void restore(std::istream& in, const RunState& run);
 
 private:
   struct TableFile {
@@ -62,9 +62,9 @@ private:
     std::string file;
   };
   void prepare_tables(const std::string& name);
-  void prepare_fields(const Discretisation& discretisation, const Stepper& stepper,
+  void prepare_fields(const Discretisation& discretisation, const RunState& run,
                       const RunSettings& settings);
-  void read_between_steps(const Stepper& stepper);
+  void read_between_steps(const RunState& run);
   std::vector<double> change_along(const ErrorSample& direction, double step);
   void write_table(const TableFile& table, std::size_t rows, bool with_events);
   bool due(int every, int step, bool last) const { return last || step % every == 0; }

@@ -164,7 +164,7 @@ std::vector<double> RoundingEstimate::over_the_run(std::span<const Vector> force
 
 std::vector<ErrorSample> RoundingEstimate::samples(StepMatrix& matrix,
                                                    const InequalityState& accepted,
-                                                   double backward_error) {
+                                                   double backward_error) const {
   if (largest_.step == 0) return {};
   Contact& contact = formulation_.contact();
   const int step = evolution_.step();

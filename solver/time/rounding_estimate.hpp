@@ -23,7 +23,7 @@ public:
   /// equations; `backward_error`: of the steps so far. To be asked after the last step, with its
   /// matrix and multipliers.
   std::vector<ErrorSample> samples(StepMatrix& matrix, const InequalityState& accepted,
-                                   double backward_error);
+                                   double backward_error) const;
   /// By what an error of every step's equation grows over the steps together.
   double amplification() const;
 

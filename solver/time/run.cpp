@@ -20,6 +20,7 @@
 #include "solver/time/report.hpp"
 #include "solver/time/restarts.hpp"
 #include "solver/time/shared_work.hpp"
+#include "solver/time/step.hpp"
 #include "solver/time/step_notes.hpp"
 #include "solver/time/trust.hpp"
 
@@ -52,34 +53,34 @@ public:
       const Restarts& restarts, const std::string* saved)
       : plan_(plan), restarts_(restarts), discretisation_(discretisation), settings_(settings),
         start_(cpu_seconds()), spared_(spared()), stepper_(plan, discretisation, result_.timing),
-        reporter_(plan, discretisation, stepper_, settings) {
+        state_(stepper_.state()), reporter_(plan, discretisation, state_, settings) {
     result_.timing.mesh = discretisation.seconds;
-    result_.unknowns = stepper_.formulation().whole_layout().n_unknowns;
-    result_.path = stepper_.formulation().obstacle();
+    result_.unknowns = state_.formulation->whole_layout().n_unknowns;
+    result_.path = state_.formulation->obstacle();
     if (result_.path.empty())
       result_.certificate.mode =
           fmt::format("contact rows every step; all rows at outputs, at the last step and at {} "
                       "random steps",
                       random_checks);
-    result_.contact_unknowns = static_cast<int>(stepper_.contact().unknowns.size());
+    result_.contact_unknowns = static_cast<int>(state_.contact().unknowns.size());
     result_.certificate.tolerance = plan.options.tolerance;
-    note_choices(plan, stepper_.contact(), result_);
-    if (settings.monitors) monitor_.emplace(plan, discretisation, stepper_);
+    note_choices(plan, state_.contact(), result_);
+    if (settings.monitors) monitor_.emplace(plan, discretisation, state_);
     if (settings.checkpoint_every > 0) fingerprint_ = fingerprint(plan, discretisation.mesh);
     // No output shows a step before the last check: no callback, no file, no checkpoint.
     if (!restarts.checks_at_once && !settings.on_step && settings.checkpoint_every == 0 &&
         saved == nullptr && plan.report.fields.empty() && !settings.monitors)
-      stepper_.let_checks_wait();
+      if (RowChecks* const checks = stepper_.checks()) checks->let_wait();
     if (saved != nullptr) go_on(*saved);
   }
 
   /// All steps. Set: the run has to start again.
   std::optional<Restart> march() {
-    const int steps = stepper_.grid().steps();
+    const int steps = state_.evolution.grid().steps();
     LapClock<> clock;
-    for (int n = stepper_.step() + 1; n <= steps; ++n) {
+    for (int n = state_.evolution.step() + 1; n <= steps; ++n) {
       if (settings_.stop != nullptr && settings_.stop->load()) {
-        if (settings_.checkpoint_every > 0 && stepper_.step() > 0) checkpoint();
+        if (settings_.checkpoint_every > 0 && state_.evolution.step() > 0) checkpoint();
         throw Failure(settings_.checkpoint_every > 0 ? FailureKind::suspended
                                                      : FailureKind::interrupted,
                       {}, fmt::format("interrupted before step {}", n));
@@ -87,7 +88,7 @@ public:
       if (auto restart = step(n)) return restart;
       clock.charge(result_.timing.steps);
       record(n == steps);
-      if (n < steps) reporter_.stream(stepper_.checked_up_to(), !stepper_.not_unique().empty());
+      if (n < steps) reporter_.stream(checked_up_to(), !stepper_.not_unique().empty());
       if (settings_.checkpoint_every > 0 && (n == steps || n % settings_.checkpoint_every == 0))
         checkpoint();
       clock.charge(result_.timing.output);
@@ -100,7 +101,8 @@ public:
   /// put off fails.
   Outcome conclude() {
     LapClock<> clock;
-    if (!stepper_.make_checks()) return LateCheck();
+    if (RowChecks* const checks = stepper_.checks(); checks && !checks->settle())
+      return LateCheck();
     clock.charge(result_.timing.steps);
     note_late_errors();
     record(true);
@@ -110,12 +112,12 @@ public:
     reporter_.tell_unwritten(result_);
     clock.charge(result_.timing.output);
     account(result_.work, result_.timing);
-    result_.histories = stepper_.evolution().memory().reports();
-    result_.steps = stepper_.step();
+    result_.histories = state_.evolution.memory().reports();
+    result_.steps = state_.evolution.step();
     note_proofs(plan_, result_);
     result_.u = Vector::Zero(discretisation_.space.n_dofs());
-    stepper_.formulation().scatter(stepper_.u(), result_.u);
-    if (stepper_.step() > 0) estimate_forward_error();
+    state_.formulation->scatter(state_.evolution.u(), result_.u);
+    if (state_.evolution.step() > 0) estimate_forward_error();
     const Spared now = spared();
     result_.timing.assembly += now.seconds_assembly - spared_.seconds_assembly;
     result_.timing.total =
@@ -131,23 +133,32 @@ private:
   std::optional<Restart> step(int n) {
     const auto outcome = stepper_.advance(n);
     if (outcome.restart) return outcome.restart;
-    if (!outcome.certified) refuse_step(outcome, n, stepper_, plan_);
-    note_step(outcome, n, stepper_.t(), stepper_.grid(), plan_, result_);
+    if (!outcome.certified) refuse_step(outcome, n, state_, plan_);
+    note_step(outcome, n, state_.evolution.t(), state_.evolution.grid(), plan_, result_);
     reporter_.mark(outcome);
     if (monitor_) {
-      monitor_->take(stepper_, outcome);
-      monitor_times_.push_back(stepper_.t());
+      monitor_->take(state_, outcome);
+      monitor_times_.push_back(state_.evolution.t());
     }
     if (settings_.progress)
-      settings_.progress(
-          {n, stepper_.grid().steps(), outcome.inequality.iterations, cpu_seconds() - start_});
+      settings_.progress({n, state_.evolution.grid().steps(), outcome.inequality.iterations,
+                          cpu_seconds() - start_});
     return std::nullopt;
+  }
+
+  /// All steps up to this one have had their checks.
+  int checked_up_to() {
+    const int step = state_.evolution.step();
+    RowChecks* const checks = stepper_.checks();
+    return checks ? checks->checked_up_to(step) : step;
   }
 
   /// Of checks that were put off.
   void note_late_errors() {
     auto& certificate = result_.certificate;
-    for (const auto& [step, error] : stepper_.late_errors()) {
+    RowChecks* const checks = stepper_.checks();
+    if (checks == nullptr) return;
+    for (const auto& [step, error] : checks->late_errors()) {
       if (error > std::max(certificate.equilibrium, certificate.inclusion))
         certificate.worst_step = step;
       if (error > certificate.equilibrium) certificate.equilibrium_step = step;
@@ -156,41 +167,45 @@ private:
   }
 
   void record(bool last) {
-    if (stepper_.step() == 0) return; // nothing certified yet
-    reporter_.record(stepper_, last);
-    if (!settings_.on_step || stepper_.step() == told_) return;
-    told_ = stepper_.step();
+    if (state_.evolution.step() == 0) return; // nothing certified yet
+    reporter_.record(state_, last);
+    if (!settings_.on_step || state_.evolution.step() == told_) return;
+    told_ = state_.evolution.step();
     Vector full = Vector::Zero(discretisation_.space.n_dofs());
-    stepper_.formulation().scatter(stepper_.u(), full);
-    settings_.on_step(told_, stepper_.t(), full, stepper_.xi());
+    state_.formulation->scatter(state_.evolution.u(), full);
+    settings_.on_step(told_, state_.evolution.t(), full, state_.xi());
   }
 
   /// What rounding may have done to the columns.
   void estimate_forward_error() {
     const PhaseClock<> clock(result_.timing.output);
     auto& error = result_.forward_error;
-    const auto samples = stepper_.rounding_errors(result_.certificate.equilibrium);
+    StepMatrix* const matrix = state_.solver.matrices().latest();
+    std::vector<ErrorSample> samples;
+    if (matrix != nullptr)
+      samples = state_.rounding.samples(*matrix, state_.solver.accepted(),
+                                        result_.certificate.equilibrium);
     // Where a body sticks everywhere displacements are rounding of what its loads amount to.
-    const Vector& reach = stepper_.contact().reach;
+    const Vector& reach = state_.contact().reach;
     const double moved = reach.size() > 0 ? reach.lpNorm<Eigen::Infinity>() : 0.0;
-    const double nothing = negligible_share * std::max(stepper_.rounding().largest_size(), moved);
-    const double size = std::max(stepper_.rounding().largest_size(), nothing);
+    const double nothing = negligible_share * std::max(state_.rounding.largest_size(), moved);
+    const double size = std::max(state_.rounding.largest_size(), nothing);
     double square = 0.0;
     for (const auto& sample : samples)
       square = std::max(square, sample.u.lpNorm<Eigen::Infinity>());
     error.solution = size > 0.0 ? 3.0 * square / size : 0.0;
-    error.solution = std::max(error.solution, stepper_.solver().refinement().last_correction());
-    error.refined = stepper_.solver().refinement().on();
-    error.amplification = stepper_.rounding().amplification();
+    error.solution = std::max(error.solution, state_.solver.refinement().last_correction());
+    error.refined = state_.solver.refinement().on();
+    error.amplification = state_.rounding.amplification();
     error.columns = reporter_.errors(samples, result_.u, {size, nothing});
     if (settings_.condition || error.refined || result_.work.bytes < cheap_bytes)
-      error.condition = stepper_.condition();
+      error.condition = state_.formulation->condition(state_.solver.matrices().latest());
   }
 
   /// Where several solutions are possible: that it is so, which branch this is, and its energy.
   void tell_choice() {
     result_.unique = stepper_.not_unique().empty();
-    if (stepper_.step() == 0 || result_.unique) return;
+    if (state_.evolution.step() == 0 || result_.unique) return;
     const bool said = std::any_of(result_.notes.begin(), result_.notes.end(),
                                   [](const StepNote& n) { return n.step == 0; });
     if (!said)
@@ -200,8 +215,8 @@ private:
                                         stepper_.not_unique(), sentence(plan_.options.branch)),
                             plan_.law_terms.empty() ? Origin{} : plan_.law_terms.front().origin});
     std::optional<EnergyMonitor> own;
-    EnergyMonitor& monitor = monitor_ ? *monitor_ : own.emplace(plan_, discretisation_, stepper_);
-    if (monitor.has_energy()) result_.energy = monitor.energy(stepper_);
+    EnergyMonitor& monitor = monitor_ ? *monitor_ : own.emplace(plan_, discretisation_, state_);
+    if (monitor.has_energy()) result_.energy = monitor.energy(state_);
   }
 
   void finish_monitors() {
@@ -266,7 +281,7 @@ private:
     if ((r.get<std::uint8_t>() != 0) != monitor_.has_value())
       r.fail(monitor_ ? "was saved without monitors" : "was saved with monitors");
     stepper_.restore(in);
-    reporter_.restore(in, stepper_);
+    reporter_.restore(in, state_);
     result_.certificate.inclusion = r.get<double>();
     result_.certificate.equilibrium = r.get<double>();
     const auto worst = r.get_counts<3>();
@@ -284,7 +299,7 @@ private:
       monitor_times_ = r.get_vector<double>();
       monitor_->restore(in, monitor_times_.size());
     }
-    told_ = result_.resumed_from = stepper_.step();
+    told_ = result_.resumed_from = state_.evolution.step();
   }
 
   const Plan& plan_;
@@ -296,6 +311,7 @@ private:
   int told_ = 0;
   RunResult result_;
   Stepper stepper_;
+  const RunState& state_; ///< of the stepper
   Reporter reporter_;
   std::optional<EnergyMonitor> monitor_;
   std::vector<double> monitor_times_;

@@ -127,17 +127,17 @@ void Reporter::save(std::ostream& out) const {
   }
 }
 
-void Reporter::restore(std::istream& in, const Stepper& stepper) {
+void Reporter::restore(std::istream& in, const RunState& run) {
   StateReader r(in, {});
   values_ = r.get_vector<double>(values_.size());
   rows_ = r.get_vector<int>();
-  if (!rows_.empty() && (rows_.front() < 1 || rows_.back() > stepper.step() ||
+  if (!rows_.empty() && (rows_.front() < 1 || rows_.back() > run.evolution.step() ||
                          std::ranges::adjacent_find(rows_, std::greater_equal{}) != rows_.end()))
     r.fail("is inconsistent");
   times_ = r.get_vector<double>(rows_.size());
   for (auto& column : columns_) column = r.get_vector<double>(rows_.size());
   range_.restore(in);
-  last_recorded_ = r.get_between(0, stepper.step());
+  last_recorded_ = r.get_between(0, run.evolution.step());
   events_ = r.get_vector<int>(rows_.size());
   pending_events_ = r.get<int>();
   const auto no_count = [](int events) { return events < -1 || events > most_events; };
@@ -148,7 +148,7 @@ void Reporter::restore(std::istream& in, const Stepper& stepper) {
   for (auto& files : fields_) files.second.restore(in);
   for (Vector& u : pictures_)
     if (r.get<std::uint8_t>() != 0) get_vector(r, u, space_.n_dofs());
-  now_.take(stepper);
+  now_.take(run);
   if (keeps_before_) before_ = now_;
 }
 

@@ -1,11 +1,7 @@
-// One step of the fully discrete scheme: the state of a run and how it advances.
+// One step of the fully discrete scheme: how the state of a run advances.
 #pragma once
 
-#include "solver/common/clock.hpp"
-#include "solver/time/rounding_estimate.hpp"
-#include "solver/time/step_solver.hpp"
-
-#include <utility>
+#include "solver/time/run_state.hpp"
 
 namespace hvi::solver {
 
@@ -24,37 +20,12 @@ public:
   /// at step n - 1. Throws Failure(not_coercive).
   StepResult advance(int n);
 
-  /// Checks on all rows may be made together, up to the last step: for runs of which nothing is
-  /// seen before that.
-  void let_checks_wait();
-  /// Makes the checks that were put off. False: one failed.
-  [[nodiscard]] bool make_checks();
-  /// All steps up to this one have had their checks.
-  int checked_up_to() const;
-  /// Steps with the errors of checks that were put off; hands each out once.
-  std::vector<std::pair<int, double>> late_errors();
-
-  const Formulation& formulation() const { return *formulation_; }
-  const Evolution& evolution() const { return evolution_; }
-  const Balance& balance() const { return balance_; }
-  const StepSolver& solver() const { return solver_; }
-  const Contact& contact() const { return formulation().contact(); }
-  const TimeGrid& grid() const { return evolution_.grid(); }
-  int step() const { return evolution_.step(); }
-  double t() const { return evolution_.t(); }
-  const Vector& u() const { return evolution_.u(); }
-  const Vector& xi() const { return solver_.laws().xi; }
-  const Vector& arguments() const { return trial_.z; } ///< of the laws, at the last attempted step
-  /// Results may read these dofs in every step.
-  void observe(std::span<const int> dofs) { formulation_->observe(dofs); }
+  const RunState& state() const { return state_; }
+  /// Null: every step is checked on all rows, by itself.
+  RowChecks* checks() { return checks_.get(); }
   /// Why not every step is sure to have one solution; empty: each has (uniqueness.hpp). Found at
   /// the first step, for all of them.
   const std::string& not_unique() const { return not_unique_; }
-  const RoundingEstimate& rounding() const { return rounding_; }
-  /// RoundingEstimate::samples, after the last step.
-  std::vector<ErrorSample> rounding_errors(double backward_error);
-  /// The condition number of the last step's matrix in the 1-norm, estimated; 0: not known.
-  double condition() const { return formulation_->condition(solver_.matrices().latest()); }
   /// Adds what was counted to the counters and phases of a run.
   void account(WorkCounters& work, Timing& timing) const;
 
@@ -62,24 +33,14 @@ public:
   void restore(std::istream& in);
 
 private:
-  Stepper(const Plan& plan, const Discretisation& discretisation, Timing& timing,
-          const PhaseClock<>& clock);
-  void judge_uniqueness(StepMatrix& matrix);
-  bool follows() const;
   StepResult attempt(int n, StepMatrix& matrix);
-  void count(const StepResult& result);
   [[nodiscard]] bool accept(int n, StepMatrix& matrix, const StepResult& result);
 
   const Plan& plan_;
   Timing& timing_;
-  std::unique_ptr<Formulation> formulation_;
-  Evolution evolution_;
-  Balance balance_;
-  StepSolver solver_;
-  RoundingEstimate rounding_;
-  std::unique_ptr<RowChecks> checks_; ///< null: every step is checked on all rows
-  StepEquation equation_;             ///< of the last attempted step
-  Trial trial_;
+  RunState state_;
+  std::unique_ptr<RowChecks> checks_;
+  StepEquation equation_; ///< of the last attempted step
   WorkCounters counted_;
   std::string not_unique_;
   bool uniqueness_judged_ = false;

@@ -121,12 +121,12 @@ void note_proofs(const Plan& plan, RunResult& result) {
        plan.law_terms.front().origin});
 }
 
-void refuse_step(const StepResult& step, int n, const Stepper& stepper, const Plan& plan) {
-  const auto& grid = stepper.grid();
+void refuse_step(const StepResult& step, int n, const RunState& run, const Plan& plan) {
+  const auto& grid = run.evolution.grid();
   const auto place = grid.is_static() ? std::string("the static problem")
                                       : fmt::format("step {} (t = {:.6g})", n, grid.t(n));
   throw Failure(
-      FailureKind::not_certified, blamed(step, plan, stepper.contact()),
+      FailureKind::not_certified, blamed(step, plan, run.contact()),
       fmt::format("no certified solution at {}: equilibrium error {:.2e}, inclusion error "
                   "{:.2e}, tolerance {:.0e}{}{}",
                   place, step.equilibrium, step.inclusion.worst, plan.options.tolerance,

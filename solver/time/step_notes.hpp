@@ -3,7 +3,7 @@
 #pragma once
 
 #include "solver/time/run.hpp"
-#include "solver/time/step.hpp"
+#include "solver/time/run_state.hpp"
 
 namespace hvi::solver {
 
@@ -16,7 +16,6 @@ void note_step(const StepResult& step, int n, double t, const TimeGrid& grid, co
 /// With `least_energy`: in how many steps that is proved. Each of the others has its note.
 void note_proofs(const Plan& plan, RunResult& result);
 /// Throws Failure(not_certified) with the law to blame.
-[[noreturn]] void refuse_step(const StepResult& step, int n, const Stepper& stepper,
-                              const Plan& plan);
+[[noreturn]] void refuse_step(const StepResult& step, int n, const RunState& run, const Plan& plan);
 
 } // namespace hvi::solver

@@ -58,7 +58,7 @@ std::size_t most_allocated(const Plan& plan, int first) {
   Timing timing;
   Stepper stepper(plan, discretisation, timing);
   std::size_t most = 0;
-  for (int n = 1; n <= stepper.grid().steps(); ++n) {
+  for (int n = 1; n <= stepper.state().evolution.grid().steps(); ++n) {
     allocated = 0;
     counting = true;
     const auto result = stepper.advance(n);

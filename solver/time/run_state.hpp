@@ -1,0 +1,25 @@
+// What a run knows after its last accepted step, and the equations that it solves. Results read it.
+#pragma once
+
+#include "solver/time/rounding_estimate.hpp"
+#include "solver/time/step_solver.hpp"
+
+namespace hvi::solver {
+
+struct RunState {
+  RunState(const Plan& plan, const Discretisation& discretisation);
+  RunState(const RunState&) = delete; // its parts refer to each other
+  RunState& operator=(const RunState&) = delete;
+
+  const Contact& contact() const { return formulation->contact(); }
+  const Vector& xi() const { return solver.laws().xi; }
+
+  std::unique_ptr<Formulation> formulation; ///< never null
+  Evolution evolution;
+  Balance balance;
+  StepSolver solver;
+  RoundingEstimate rounding;
+  Trial trial; ///< the last attempted step
+};
+
+} // namespace hvi::solver
