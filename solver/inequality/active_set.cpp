@@ -16,7 +16,8 @@ namespace hvi::solver {
 
 namespace {
 
-/// States and sides: a radial point of one row that slips to and fro stays in one state.
+/// Of the states and the signs of xi: a radial point of one row that slips to and fro keeps its
+/// state, and only the sign shows that it turned.
 std::uint64_t hash_of(const std::vector<int>& state, const Vector& xi_hat) {
   std::uint64_t h = 1469598103934665603ULL;
   const auto mix = [&](int v) { h = (h ^ static_cast<std::uint64_t>(v + 1)) * 1099511628211ULL; };
@@ -25,7 +26,8 @@ std::uint64_t hash_of(const std::vector<int>& state, const Vector& xi_hat) {
   return h;
 }
 
-/// What conjugate gradients left of the equations of a resting point belongs to its multiplier.
+/// Adds to the multiplier of a resting point the residual that conjugate gradients left in its
+/// equations.
 void take_rest(const ContactPoints& points, int p, const Vector& rest, Vector& xi) {
   const PointData& q = points[p];
   for (int k = 0; k < q.rows; ++k)
@@ -33,7 +35,7 @@ void take_rest(const ContactPoints& points, int p, const Vector& rest, Vector& x
       if (it.value() != 0.0) xi[q.first + k] += rest[it.col()] / (q.weight * it.value());
 }
 
-// A cycle among the same states is left by weighing z against xi differently.
+// Factors of gamma, tried in turn where the iteration goes round among the same states.
 constexpr double other_scales[] = {0.1, 10.0, 0.01};
 
 } // namespace

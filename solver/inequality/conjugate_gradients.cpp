@@ -8,7 +8,7 @@ namespace hvi::solver {
 
 namespace {
 
-/// A factor pays for itself over the solves of a few steps when each takes more than this.
+/// When each solve takes more iterations than this, a new factor costs less within a few steps.
 constexpr int many_iterations = 6;
 /// Below this size a factor costs next to nothing.
 constexpr int worth_iterating = 64;
@@ -100,8 +100,9 @@ bool ConjugateGradients::iterate(const Vector& residual, bool settled, TangentSt
   return false;
 }
 
-/// What is really left of the residual: points that rest take it. Those that stand where they are
-/// held do not move at all, so that S c need not be formed anew.
+/// Computes what the step leaves of the residual; resting points add it to their multipliers. A
+/// resting point that stands exactly at its break does not move at all: with its entries of dc set
+/// to 0, S dc serves to update S c.
 void ConjugateGradients::accept(const Position& at, const Vector& residual,
                                 TangentStep& out) const {
   for (int p = 0; p < points_.size(); ++p) {

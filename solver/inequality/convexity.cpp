@@ -14,7 +14,7 @@ bool is_convex(const ContactPoints& points, const StiffnessPattern& pattern, Las
   for (int p = 0; p < points.size(); ++p) {
     const PreparedLaw& law = points.law(p);
     double m = 0.0;
-    bool proved = true; // a descent that was only seen proves nothing
+    bool proved = true; // a bound from samples proves nothing
     for (int k = 0; k < law.components(); ++k)
       m = std::max(m, law.component(k).m), proved = proved && law.component(k).proved;
     if (law.components() > 1 || !std::isfinite(m) || !proved) return false;
@@ -24,7 +24,7 @@ bool is_convex(const ContactPoints& points, const StiffnessPattern& pattern, Las
     pattern.add(p, d, h);
   }
   if (!softens) return true;
-  // A factor of an S that is not symmetric says nothing of its sign.
+  // Where S is not symmetric, a factor does not show whether the sum is positive definite.
   return factor.op().symmetric() && factor.make_other(h);
 }
 

@@ -117,7 +117,8 @@ bool CoupledNewton::finish(double snap_factor, double& ratio) {
   return false;
 }
 
-/// The longest of the steps 1, 1/2, ... that gets below `limit`, else 0 after the best of them.
+/// The longest of the steps 1, 1/2, ... after which the merit function is below `limit`; where none
+/// is, takes the best of them and returns 0.
 double CoupledNewton::line_search(const CoupledStep& step, double limit, double& after) {
   const Vector c0 = at_.c, xi0 = at_.xi;
   double best = 1.0;
@@ -148,7 +149,7 @@ bool CoupledNewton::newton(int limit) {
     if (!std::isfinite(after)) return false;
     if (finish(k < 8 ? Snap::tight : Snap::certificate, ratio)) return true;
     if (step == 1.0 && ratio <= tolerance_ && ratio > 0.25 * last_ratio) {
-      at_.xi = trial_; // at rounding
+      at_.xi = trial_; // no further progress but for rounding
       return true;
     }
     last_ratio = ratio;
@@ -159,7 +160,7 @@ bool CoupledNewton::newton(int limit) {
   return false;
 }
 
-/// Newton's method with z weighed against xi in one way, then in others.
+/// Newton's method with one factor of gamma, then with others.
 bool CoupledNewton::newton_with_scales(int limit) {
   const CoupledPlace start = here();
   for (const double weight : {1.0, 0.1, 10.0}) {

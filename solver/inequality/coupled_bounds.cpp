@@ -7,8 +7,9 @@
 namespace hvi::solver {
 
 namespace {
-/// Stiffness, against the body's own at the point, that holds a resting point in a linear step:
-/// what it gives way the next step takes back, and more would cost digits of the multiplier.
+/// The stiffness that holds a resting point in a linear step, over the body's own at the point. The
+/// small displacement that it allows is undone by the next step; a larger stiffness would cost
+/// digits of the multiplier.
 constexpr double holding = 1e8;
 } // namespace
 
@@ -38,7 +39,7 @@ void CoupledBounds::set_share(double value) {
 
 void CoupledBounds::set(CoupledBound& b, double multiplier) {
   if (b.known && b.multiplier == multiplier) return;
-  // A trial far inside an obstacle has no pressure that could bound anything; its own law says so.
+  // A trial far inside an obstacle has no finite pressure: the last bound stays.
   if (!(std::abs(multiplier) < unbounded_slope)) {
     if (b.known) return;
     multiplier = 0.0;
@@ -51,7 +52,7 @@ void CoupledBounds::set(CoupledBound& b, double multiplier) {
   component = std::clamp(component, 0, points_.laws[law].components() - 1);
 }
 
-/// A difference to a bound a little larger: exact for bounds that are linear in the multiplier.
+/// By a difference quotient, which is exact where the bound is linear in the multiplier.
 double CoupledBounds::slope_rate(const CoupledBound& b) const {
   const Law& law = points_.law(b.point).law();
   const double size = std::max(std::abs(b.multiplier), 1e-6 * at_.xi.lpNorm<Eigen::Infinity>());

@@ -12,8 +12,8 @@ namespace {
 constexpr int most_steps = 1000, most_failures = 1000;
 constexpr int most_on_path = 12;
 constexpr double first_length = 1e-2, shortest_length = 1e-6, longest_length = 0.2;
-/// Where points take other pieces in a longer step it may have gone over to another path, and where
-/// it turns by more than this cosine.
+/// A step longer than this in which points change their pieces, or one after which the direction
+/// has turned by more than this cosine, may have landed on another path.
 constexpr double longest_across_kink = 1e-3, least_cosine = 0.97;
 
 } // namespace
@@ -93,7 +93,7 @@ bool SharePath::keeps_to_path(const Waypoint& last, const Heading& along, double
   return look_ahead(next) && (!same || product(next, along) > least_cosine);
 }
 
-/// At a kink: on along the pieces a little further on.
+/// Past a kink: goes on in the direction of the pieces a little further along.
 bool SharePath::turn(const Waypoint& last, const Heading& along) {
   Heading there;
   for (const double ahead : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2})

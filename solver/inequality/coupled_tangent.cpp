@@ -41,7 +41,7 @@ void CoupledTangent::add_slip(const CoupledBound& b, double size, Vector& xi) co
   for (int k = 0; k < q.rows; ++k) xi[q.first + k] += size * e[k];
 }
 
-/// What the multipliers change with displacements.
+/// How the multipliers change with the displacements.
 void CoupledTangent::add_linear_change(const Vector& dc, Vector& xi) const {
   const ContactPoints& points = at_.points;
   const Vector dz = points.problem.g * dc;

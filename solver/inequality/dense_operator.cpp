@@ -252,8 +252,8 @@ private:
       dgetrf_(&n, &n, factor_.data(), &n, pivots_.data(), &info);
     return exact_ = info == 0;
   }
-  /// Single precision costs half the time. False where its pivots do not show beyond doubt that the
-  /// matrix is positive definite.
+  /// A factor in single precision takes half the time. False where its pivots leave it open whether
+  /// the matrix is positive definite.
   bool factor_rounded() const {
     const int n = static_cast<int>(free_.size());
     gather_free();
@@ -285,8 +285,8 @@ private:
           to[i] += static_cast<float>(it.value() * inverse);
     }
   }
-  /// x = (S + H)^-1 b with the rounded factor and residuals in double precision; false when that
-  /// does not get to rounding.
+  /// x = (S + H)^-1 b by iterative refinement: the rounded factor, residuals in double precision.
+  /// False where the residual does not fall to rounding.
   bool refine(const Vector& b, Vector& x) const {
     Vector r = b, dx, product;
     x = Vector::Zero(size());

@@ -60,14 +60,14 @@ InequalityReport InequalityEngine::solve(const Vector& r, InequalityState& io) {
   else
     solve_at_once(Methods::all, io, report);
   if (!may_soften && options_.branch == Branch::least_energy && report.converged)
-    report.least_gap = 0.0; // a convex problem has no other state
+    report.least_gap = 0.0; // a convex problem has one solution
   io.z_before.resize(0), io.xi_before.resize(0);
   return report;
 }
 
-/// Newton's method first, then the curve from the last state. Where the step is not convex the
-/// globally convergent method takes thousands of iterations to some state, often of another
-/// branch: only where the curve leads nowhere.
+/// Newton's method first, then the curve from the last state. The globally convergent method comes
+/// last, only where the curve finds no solution: where a step is not convex it takes thousands of
+/// iterations and often ends on another branch.
 void InequalityEngine::solve_and_follow(InequalityState& io, InequalityReport& report) {
   note_start(points_, io, start_);
   const bool newton_only = !follower_.known_convex() && !options_.force_fallback;
@@ -94,7 +94,7 @@ void InequalityEngine::solve_at_once(Methods methods, InequalityState& io,
   at_.idle = is_idle(at_);
   MethodOutcome outcome = components_.solve_branch(at_, methods, report);
   certify(at_, options_.tolerance, report);
-  if (!report.converged && io.c_guess.size() > 0) { // the guess may have led astray
+  if (!report.converged && io.c_guess.size() > 0) { // the guess may have been a bad start
     io.c_guess.resize(0), io.xi_guess.resize(0), io.s_c_guess.resize(0);
     at_.load(io);
     outcome = components_.solve_branch(at_, methods, report);

@@ -6,7 +6,7 @@
 //   LastFactor       the factor of S + H; ConjugateGradients around it does without a new one
 //   ActiveSetNewton  Newton on graph states; solve_globally (fallback.hpp) where it fails
 //   ComponentSearch  releases: from component to component of laws that jump down
-//   KeptInverse      the short way for laws of straight pieces, from a guess
+//   KeptInverse      Newton by an updated inverse, for laws of straight pieces, from a guess
 //   BranchFollower   the branch that continues the last state, the state of least energy
 //   CoupledNewton    bounds that are other laws' multipliers; SharePath: as they grow from 0
 #pragma once

@@ -10,7 +10,8 @@ namespace hvi::solver {
 
 namespace {
 
-/// A stiffness that moved by more than this, by the body's own, is far from the factored one.
+/// A stiffness is far from the factored one where it changed by more than this times the body's own
+/// stiffness at the point.
 constexpr double far_away = 2.0;
 
 /// A^T B, by OpenBLAS: Eigen's own products are compiled for any processor.
@@ -29,7 +30,7 @@ bool holds_some(const SmallMatrix& d, const PointData& q) {
                      [&](double v) { return std::abs(v) * q.local > holding_stiffness; });
 }
 
-/// Puts the unknowns of a far point, which has them to itself, among the freed or the changed ones.
+/// Adds the unknowns of a far point, which no other point uses, to the freed or the changed ones.
 /// False: the factor holds it along one direction.
 bool add_far(const ContactPoints& points, int p, const SmallMatrix& d,
              const SmallMatrix& d_factored, FarPoints& out) {

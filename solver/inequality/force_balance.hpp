@@ -11,11 +11,11 @@ public:
   explicit KeptProduct(const ReducedOperator& s);
   const Vector& value() const { return s_c_; }
   void update(const Vector& c);                  ///< S c, unless c is what it was
-  void take(const Vector& c, const Vector& s_c); ///< as somebody else knows it
+  void take(const Vector& c, const Vector& s_c); ///< as the caller computed it
   void belongs_to(const Vector& c);              ///< the value is S c
-  void forget();                                 ///< the value is nobody's
+  void forget();                                 ///< the value belongs to no displacements
   /// The value moves by `change`; |S||c| is taken for that of the displacements before, until
-  /// somebody says what it belongs to.
+  /// `belongs_to` names the new ones.
   template <class Change>
   void shift(const Change& change) {
     s_c_ += change;

@@ -49,9 +49,9 @@ Small GraphStates::on_tangent(int p, const Vector& z) const {
   return {x0[0] + v[0], x0[1] + v[1], x0[2] + v[2]};
 }
 
-/// A state at a break holds z there by a large stiffness around the present multiplier; repeating
-/// the step makes it exact. Where points share unknowns, some parts of their multipliers have no
-/// effect and would stay what they were for ever: a point that comes to rest brings none with it.
+/// A point at a break is held there by a large stiffness around its present multiplier; repeated
+/// steps make the multiplier exact. Where points share unknowns, parts of their multipliers cancel
+/// in the equations and no step would change them: a point that comes to rest begins without.
 void GraphStates::linearise(int p, const GraphPoint& hit, const Small& e, const Vector& xi) {
   const PointData& q = points_[p];
   const PreparedLaw& law = points_.law(p);

@@ -1,6 +1,6 @@
 // Newton's method for laws of straight pieces, from a guess: the short way of steps in which few
-// points change their piece (inverse.hpp). It goes through the same places as ActiveSetNewton, but
-// what a point does costs nothing until it leaves its piece, and then one update of (S + H)^-1.
+// points change their piece (inverse.hpp). It takes the same steps as ActiveSetNewton, but a point
+// costs nothing until it leaves its piece, and then one update of (S + H)^-1.
 //
 // A solve is a product with the inverse. S dc = r - H dc follows from it, and is computed only
 // where the inverse may be too rough for that. Whatever it cannot do (a point at a break where the

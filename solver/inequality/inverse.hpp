@@ -11,8 +11,8 @@ class KeptInverse {
 public:
   KeptInverse(const ContactPoints& points, const StiffnessPattern& pattern,
               const ReducedOperator& s, const InequalityOptions& options);
-  /// The solution from a guess in the short way. False: the general way has to be gone; `io` and
-  /// `report` are as they were.
+  /// The solution from a guess. False: the general method has to find it; `io` and `report` are as
+  /// they were.
   bool solve(Position& at, InequalityState& io, InequalityReport& report);
 
   void save(StateWriter& out) const;

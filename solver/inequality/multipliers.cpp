@@ -11,8 +11,8 @@ namespace {
 
 Small scaled(double f, const Small& v) { return {f * v[0], f * v[1], f * v[2]}; }
 
-/// A slope of the point's component; one that stands for infinity is no multiplier: no state there
-/// solves anything.
+/// A slope of the point's component. One that stands for infinity is no multiplier: a state with it
+/// is no solution.
 double slope_at(const PreparedLaw& law, int component, double r) {
   const double s = law.on_component(component, r).s;
   return std::abs(s) < unbounded_slope ? s : std::numeric_limits<double>::quiet_NaN();
@@ -29,7 +29,8 @@ double certain_scalar(const Position& at, int p, double z, double xi) {
   const int state = at.places.state[p], i = state / 2;
   if (state % 2 == 1 && std::abs(z - g.breaks[i]) <= tolerance) return clipped(g, i, xi);
   const double s = slope_at(at.points.law(p), at.places.component[p], z);
-  // Far stiffer than the body: z cannot say what xi is, the increments of Newton's step can.
+  // Where the law is far stiffer than the body, rounding of z hides xi: the increments of Newton's
+  // steps give it.
   const double stiffness = std::abs(at.places.d[p][0]), slack = stiffness * tolerance;
   const bool stiff = state % 2 == 0 && stiffness * q.local > PointData::far_stiffer;
   return stiff ? std::clamp(xi, s - slack, s + slack) : s;
@@ -40,7 +41,7 @@ Small certain_radial(const Position& at, int p, const Small& z, const Small& xi)
   const LawGraph& g = law.graph();
   const double tolerance = at.snap(p), r = norm(z);
   const int state = at.places.state[p], component = at.places.component[p], i = state / 2;
-  // A slip that is rounding has no direction: there, too, it is xi that says where it pulls.
+  // A slip that is nothing but rounding has no direction: that of xi counts there, too.
   if ((state == -1 || state == 0) && r <= tolerance) {
     const double ball = std::abs(law.on_component(component, 0.0).s), size = norm(xi);
     return scaled(size > ball ? ball / size : 1.0, xi);

@@ -49,7 +49,7 @@ void Position::load(const InequalityState& from) {
   for (int p = 0; p < points.size(); ++p) take_state(p, given ? from.state[p] : no_state);
   enter_states();
   if (from.c_guess.size() != points.unknowns || from.xi_guess.size() != points.rows) return;
-  // What each point does at the guess its resolvent says, on the component it has.
+  // The resolvents at the guess give the points their states, each on its component.
   c = from.c_guess, xi = from.xi_guess;
   if (from.s_c_guess.size() == points.unknowns) balance.product.take(c, from.s_c_guess);
   update_arguments();

@@ -7,7 +7,7 @@ namespace hvi::solver {
 
 namespace {
 
-/// A factor that has served so often serves on: the slopes change little.
+/// A factor that was applied this often will be applied again: the slopes change little.
 constexpr int served_long = 16;
 
 // OpenBLAS: Eigen's own products are compiled for any processor.

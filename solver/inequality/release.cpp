@@ -97,7 +97,7 @@ MethodOutcome ComponentSearch::solve(Position& at, Methods methods, InequalityRe
   for (int round = 0;; ++round) {
     const auto outcome = solve_here(at, methods, report);
     if (outcome != MethodOutcome::solved) return outcome;
-    // One by one at first, as along a rising load; a collapse of many points in growing groups.
+    // One by one at first, as under a rising load; in growing groups where many points follow.
     const int moved = release_next(at, round < 40 ? 1e-9 : 0.02 * (round - 39));
     if (moved == 0) break;
     moves += moved;

@@ -11,8 +11,9 @@ namespace hvi::solver {
 Snap::Snap(const ContactPoints& points) : points_(points), reach_(Vector::Zero(points.unknowns)) {}
 
 /// reach_i = |c_i| + (|r_i| + |(S c)_i - S_ii c_i|) / S_ii: how far unknown i would go under the
-/// forces of its own equation, were the others held. It stays where all displacements are rounding.
-/// And a part of the largest: where nothing acts, the displacement is rounding of the others.
+/// forces of its own equation if the others were held; it does not vanish where all displacements
+/// are rounding. A part of the largest reach is added: where nothing acts, the displacement is
+/// rounding of the others.
 void Snap::update(const Vector& c, const ForceBalance& balance, double factor_) {
   factor = factor_;
   const Vector &load = balance.load(), &s_c = balance.product.value();

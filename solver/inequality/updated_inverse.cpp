@@ -6,7 +6,7 @@
 namespace hvi::solver {
 
 namespace {
-/// An update that takes more of the matrix than this loses too many digits.
+/// An update after which less than this part is left along its direction loses too many digits.
 constexpr double least_left = 1e-3;
 /// Beyond this error the inverse is made again.
 constexpr double too_rough = 1e-8;

@@ -28,7 +28,7 @@ StepResult start_again(Restart why) {
 std::string obstacle_to_uniqueness(const Plan& plan, const RunState& state, StepMatrix& matrix) {
   Uniqueness uniqueness(plan, state.formulation->operators(), state.contact());
   if (!uniqueness.settled()) {
-    // A restored solver goes on with the same bits.
+    // Not in a restored run: asking would change the solver, and its later numbers.
     if (uniqueness.condensed() && state.evolution.step() == 0)
       uniqueness.judge(matrix.unique());
     else
@@ -37,8 +37,8 @@ std::string obstacle_to_uniqueness(const Plan& plan, const RunState& state, Step
   return uniqueness.obstacle();
 }
 
-/// Branches are followed where steps may have several solutions. Coupled laws: their own passes
-/// settle the bounds, the path matters where a law softens.
+/// Branches are followed where steps may have several solutions. Of coupled laws only those that
+/// soften need it: their bounds are found by passes of their own.
 bool follows_branches(const std::string& not_unique, const Contact& contact) {
   return !not_unique.empty() &&
          (!contact.coupled ||
@@ -154,7 +154,7 @@ void Stepper::save(std::ostream& out) const {
 void Stepper::restore(std::istream& in) {
   StateReader r(in, {});
   uniqueness_judged_ =
-      state_.evolution.restore(in); // for another end there are other steps to judge
+      state_.evolution.restore(in); // a run to another end has other steps to judge
   not_unique_ = get_text(r);
   state_.solver.restore(in);
   state_.rounding.restore(r);

@@ -9,7 +9,7 @@
 namespace hvi::solver {
 namespace {
 
-/// No run keeps more factors at a time.
+/// No run keeps more factors at a time: a file that says so is wrong.
 constexpr std::uint64_t most_saved = 1000;
 
 } // namespace

@@ -34,7 +34,8 @@ void StepMatrix::factor(const Vector& gamma) {
   solver_ = std::make_unique<InequalitySolver>(contact_.problem, *reduced_, options_);
 }
 
-/// The first factor may be another run's; a further one is made in place where it is not.
+/// The first factor may be shared with another run, and is then replaced by one of this run; a
+/// factor of this run is made anew in its place.
 void StepMatrix::make_factor() {
   if (factorisation_ && !factorisation_.is_shared()) {
     factorisation_->factor(k_);
@@ -124,7 +125,7 @@ Correction StepMatrix::correct(const Vector& gap, const Vector* rhs, InequalityS
   for (Eigen::Index i = 0; i < c_.size(); ++i) c_[i] = d[contact_.unknowns[i]];
   auto out = solve(gap, rhs, state, options);
   d += x_;
-  if (contact_.none()) { // nothing damps what rounding leaves: a hundred times as strict
+  if (contact_.none()) { // no law damps rounding: a hundred times as strict
     const double size = d.lpNorm<Eigen::Infinity>();
     out.moved = size > 0.0 ? 100.0 * x_.lpNorm<Eigen::Infinity>() / size : 0.0;
     out.back = out.forward;

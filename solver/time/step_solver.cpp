@@ -71,9 +71,10 @@ StepMatrix& StepSolver::matrix_for(int n) {
   return matrix;
 }
 
-/// What K_n differs from the factored matrix by, and the increment it is moved to the right-hand
-/// side with: the predictor's, else the one that continues the last two; the difference makes its
-/// error too small to need a second pair of triangular solves.
+/// The difference between K_n and the factored matrix, and the expected increment with which that
+/// difference is moved to the right-hand side: the predictor's, else the one that continues the
+/// last two. The difference is small, so that the error of the expected increment needs no second
+/// pair of triangular solves.
 void StepSolver::find_change(int n, const StepMatrix& matrix, StepEquation& equation,
                              Trial& trial) const {
   const Vector gamma = balance_.coefficients(n);
@@ -126,7 +127,7 @@ void StepSolver::guess_from(const Vector& d) {
   for (Eigen::Index i = 0; i < guess.size(); ++i) guess[i] = d[contact_.unknowns[i]];
 }
 
-/// The room of a guess is kept for the next step.
+/// The memory of a guess is kept for the next step.
 void StepSolver::drop_guess() {
   if (laws_.c_guess.size() > 0) laws_.c_guess.swap(c_guess_);
   if (laws_.xi_guess.size() > 0) laws_.xi_guess.swap(xi_guess_);

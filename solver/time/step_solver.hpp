@@ -20,8 +20,8 @@ public:
   /// Solves step n and judges it on the rows of the steps' unknowns; equation.known is u_n then.
   /// `follow`: the branch of the last state is followed, for there may be several solutions.
   StepResult attempt(int n, StepMatrix& matrix, bool follow, StepEquation& equation, Trial& trial);
-  /// After an attempt that failed: may another one go otherwise, since the first one began with an
-  /// extrapolation?
+  /// After an attempt that failed: did it begin with an extrapolation, so that another one without
+  /// it may succeed? Then the extrapolation is dropped.
   bool can_begin_anew();
   /// The attempt ends the step. Takes trial.kd and leaves any vector in its place.
   void accept(int n, StepMatrix& matrix, const StepResult& result, Trial& trial);
