@@ -68,9 +68,9 @@ private:
 } // namespace
 
 void report_misfits(Script& script, const solver::Discretisation& d) {
-  const solver::Plan& plan = *script.plan;
-  if (plan.mesh.kind != solver::MeshSpec::Kind::file) return;
-  const Span span = script.model->origins[static_cast<std::size_t>(plan.mesh.origin.id)];
+  const solver::Problem& problem = script.plan->problem;
+  if (problem.mesh.kind != solver::MeshSpec::Kind::file) return;
+  const Span span = script.model->origins[static_cast<std::size_t>(problem.mesh.origin.id)];
   const auto add = [&](const MeshFinding& f) {
     script.diagnostics.add(diagnose(f.code, span, f.message).with_help(f.help));
   };
@@ -79,9 +79,9 @@ void report_misfits(Script& script, const solver::Discretisation& d) {
   const auto all = solver::measure_pieces(d.mesh, piece_of);
   if (all.size() < 2) return;
   Holding holding(d, piece_of, all.size());
-  for (const auto& values : plan.space.dirichlet) holding.note(values.part, by_values);
-  for (const auto& law : plan.law_terms) holding.note(law.part, by_law);
-  for (const auto& form : plan.forms)
+  for (const auto& values : problem.space.dirichlet) holding.note(values.part, by_values);
+  for (const auto& law : problem.law_terms) holding.note(law.part, by_law);
+  for (const auto& form : problem.forms)
     if (has_values(form)) holding.note(form.part, by_form);
   std::vector<std::string> held;
   for (std::size_t p = 0; p < all.size(); ++p) held.push_back(holders(holding.by(p)));

@@ -104,9 +104,9 @@ std::string polygons(const solver::Mesh& mesh, const std::vector<double>& values
 }
 
 /// The commands of one picture.
-std::string commands_for(const solver::Plan& plan, const solver::PictureSpec& picture,
+std::string commands_for(const solver::Problem& problem, const solver::PictureSpec& picture,
                          const solver::Discretisation& d, const solver::Vector& u) {
-  const double end = plan.time.grid.empty() ? 0.0 : plan.time.grid.back();
+  const double end = problem.time.grid.empty() ? 0.0 : problem.time.grid.back();
   const auto values = magnitudes(picture.field, d, u, picture.time.value_or(end));
   const std::string label =
       (picture.field.components.size() > 1 ? fmt::format("|{}|", picture.field.name)
@@ -124,9 +124,9 @@ std::string commands_for(const solver::Plan& plan, const solver::PictureSpec& pi
 
 } // namespace
 
-std::string picture_file(const solver::Plan& plan, const solver::PictureSpec& picture) {
+std::string picture_file(const solver::Problem& problem, const solver::PictureSpec& picture) {
   if (!picture.file.empty()) return picture.file;
-  return fmt::format("{}_{}{}.png", plan.title, picture.field.name,
+  return fmt::format("{}_{}{}.png", problem.title, picture.field.name,
                      picture.time ? fmt::format("_t{:g}", *picture.time) : "");
 }
 
@@ -136,10 +136,11 @@ std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::Discret
   for (std::size_t i = 0; i < plan.report.pictures.size(); ++i) {
     const auto& picture = plan.report.pictures[i];
     if (d.mesh.dim == 1) continue;
-    out.push_back({picture.origin, picture_file(plan, picture), {}, !picture.file.empty()});
+    out.push_back({picture.origin, picture_file(plan.problem, picture), {}, !picture.file.empty()});
     try {
       const auto& u = picture.time ? result.pictures.at(i) : result.u;
-      plot(commands_for(plan, picture, d, u), std::filesystem::path(folder) / out.back().file);
+      plot(commands_for(plan.problem, picture, d, u),
+           std::filesystem::path(folder) / out.back().file);
     } catch (const solver::Failure& failure) {
       out.back().failure = failure;
     }

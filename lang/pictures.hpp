@@ -11,7 +11,7 @@
 namespace hvi::lang {
 
 /// The name of a picture's file in the output folder.
-std::string picture_file(const solver::Plan& plan, const solver::PictureSpec& picture);
+std::string picture_file(const solver::Problem& problem, const solver::PictureSpec& picture);
 
 /// A picture, or why there is none.
 struct Drawn {

@@ -24,7 +24,8 @@ Trace traced(const solver::Plan& plan, const solver::Discretisation& d, bool mon
   solver::RunSettings settings;
   settings.monitors = settings.condition = monitors;
   settings.stop = stop;
-  const int steps = plan.time.is_static ? 1 : static_cast<int>(plan.time.grid.size()) - 1;
+  const int steps =
+      plan.problem.time.is_static ? 1 : static_cast<int>(plan.problem.time.grid.size()) - 1;
   const int stride = std::max(1, steps / most_states);
   settings.on_step = [&](int n, double, const solver::Vector& u, const solver::Vector&) {
     if (n % stride == 0 || n == steps) out.states.push_back(u);
@@ -159,10 +160,10 @@ choices(const solver::Plan& plan) {
   std::vector<std::pair<std::string, std::function<void(solver::Plan&)>>> out;
   out.emplace_back("the certificate's tolerance times 1/100",
                    [](solver::Plan& p) { p.options.tolerance *= 0.01; });
-  if (!plan.histories.empty() && plan.options.route != solver::HistoryRoute::direct)
+  if (!plan.problem.histories.empty() && plan.options.route != solver::HistoryRoute::direct)
     out.emplace_back("memory by the direct sum",
                      [](solver::Plan& p) { p.options.route = solver::HistoryRoute::direct; });
-  if (plan.law_terms.empty()) return out;
+  if (plan.problem.law_terms.empty()) return out;
   if (plan.options.branch != solver::Branch::release)
     out.emplace_back("the released branch",
                      [](solver::Plan& p) { p.options.branch = solver::Branch::release; });

@@ -32,21 +32,22 @@ int main() {
   const double lambda = 70 * 0.3 / (1.3 * 0.4), mu = 70 / 2.6;
   enum { slab, roof, flank, ground };
   Plan plan;
-  plan.mesh = {.name = "slab", .high = {2, 1, 0}, .cells = {2 * n, n, 1}};
-  plan.parts = {{"slab", {}, {.kind = RegionSpec::Kind::all_cells}},
-                {"roof", {}, {.kind = RegionSpec::Kind::group, .name = "top"}},
-                {"flank", {}, {.kind = RegionSpec::Kind::group, .name = "right"}},
-                {"ground", {}, {.kind = RegionSpec::Kind::group, .name = "bottom"}}};
-  plan.space.dirichlet = {{.part = roof}};
-  plan.forms = {elastic(field_of_u(1), 5, 10), elastic(field_of_u(0), lambda, mu),
-                elastic(field_of_memory(0), lambda, mu, -1.0)};
-  plan.histories = {{.kernel = {.name = "C", .expression = exp(-lag / 0.5)}}};
-  plan.laws = {{.name = "layer", .by_slope = true, .expression = slope}};
-  plan.law_terms = {{.name = "layer", .law = 0, .part = ground, .rows = {{.u = {nx, ny, 0.0}}}}};
-  plan.loads = {{.part = slab, .entries = {{slot::value(1), -10 * t}}},
-                {.part = flank, .entries = {{slot::value(0), 3 * t}}}};
-  plan.time.is_static = false;
-  for (int i = 0; i <= steps; ++i) plan.time.grid.push_back(i / double(steps));
+  plan.problem.mesh = {.name = "slab", .high = {2, 1, 0}, .cells = {2 * n, n, 1}};
+  plan.problem.parts = {{"slab", {}, {.kind = RegionSpec::Kind::all_cells}},
+                        {"roof", {}, {.kind = RegionSpec::Kind::group, .name = "top"}},
+                        {"flank", {}, {.kind = RegionSpec::Kind::group, .name = "right"}},
+                        {"ground", {}, {.kind = RegionSpec::Kind::group, .name = "bottom"}}};
+  plan.problem.space.dirichlet = {{.part = roof}};
+  plan.problem.forms = {elastic(field_of_u(1), 5, 10), elastic(field_of_u(0), lambda, mu),
+                        elastic(field_of_memory(0), lambda, mu, -1.0)};
+  plan.problem.histories = {{.kernel = {.name = "C", .expression = exp(-lag / 0.5)}}};
+  plan.problem.laws = {{.name = "layer", .by_slope = true, .expression = slope}};
+  plan.problem.law_terms = {
+      {.name = "layer", .law = 0, .part = ground, .rows = {{.u = {nx, ny, 0.0}}}}};
+  plan.problem.loads = {{.part = slab, .entries = {{slot::value(1), -10 * t}}},
+                        {.part = flank, .entries = {{slot::value(0), 3 * t}}}};
+  plan.problem.time.is_static = false;
+  for (int i = 0; i <= steps; ++i) plan.problem.time.grid.push_back(i / double(steps));
   plan.report.probes = {
       {.name = "u_y", .expression = u_y, .point = {1, 0, 0}},
       {.name = "u_x",

@@ -3,7 +3,8 @@
 #pragma once
 
 #include "lang/check/value.hpp"
-#include "solver/plan/plan.hpp"
+#include "solver/plan/options.hpp"
+#include "solver/plan/report.hpp"
 
 #include <map>
 #include <optional>

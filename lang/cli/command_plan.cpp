@@ -50,7 +50,7 @@ struct Forecast {
 
 Forecast forecast(const solver::Plan& plan, const solver::Discretisation& discretisation) {
   Forecast out;
-  out.friction = std::any_of(plan.laws.begin(), plan.laws.end(),
+  out.friction = std::any_of(plan.problem.laws.begin(), plan.problem.laws.end(),
                              [](const solver::LawSpec& law) { return law.radial; });
   std::atomic<bool> stop = false;
   solver::RunSettings settings;
@@ -106,7 +106,8 @@ std::string count(std::size_t number, const char* what) {
 void print_effects(const Script& script, const std::optional<Forecast>& first_steps) {
   using State = solver::EffectNote::State;
   const bool ran = first_steps && !first_steps->result.effects.empty();
-  for (const solver::EffectNote& note : ran ? first_steps->result.effects : script.plan->effects) {
+  for (const solver::EffectNote& note :
+       ran ? first_steps->result.effects : script.plan->problem.effects) {
     const char* state = note.state == State::on        ? "on"
                         : note.state == State::off     ? "off"
                         : note.state == State::dropped ? "dropped"
@@ -125,7 +126,7 @@ void write_forecast(const Script& script, Forecast& f, std::vector<solver::Histo
                     const Options& options) {
   f.result.script = script.path;
   f.result.histories = std::move(memory);
-  write_json(options, solver::plan_json(f.result, *script.plan, json_context(script),
+  write_json(options, solver::plan_json(f.result, script.plan->problem, json_context(script),
                                         {f.steps, f.taken, f.seconds(), f.most_bytes}));
 }
 
@@ -150,10 +151,11 @@ int plan_command(const std::string& path, const Options& options) {
     code = session.attempt([&] { first_steps = forecast(*script.plan, session.discretisation); });
   if (!json_only(options)) {
     print_effects(script, first_steps);
-    print_memory(*script.plan, memory);
-    say("{}, {}, {}, {}\n", count(script.plan->forms.size(), "form"),
-        count(script.plan->histories.size(), "memory field"),
-        count(script.plan->law_terms.size(), "law"), count(script.plan->loads.size(), "load"));
+    print_memory(script.plan->problem, memory);
+    say("{}, {}, {}, {}\n", count(script.plan->problem.forms.size(), "form"),
+        count(script.plan->problem.histories.size(), "memory field"),
+        count(script.plan->problem.law_terms.size(), "law"),
+        count(script.plan->problem.loads.size(), "load"));
     if (first_steps) print_forecast(*first_steps);
   }
   if (first_steps && code == exit_ok)

@@ -49,7 +49,7 @@ constexpr double long_run = 0.2; ///< CPU seconds from which the JSON has the me
 nlohmann::ordered_json json_of(const Session& session, double bandwidth) {
   solver::ResultContext context = json_context(session.script);
   context.bandwidth = bandwidth;
-  auto out = solver::result_json(session.result, *session.script.plan, context);
+  auto out = solver::result_json(session.result, session.script.plan->problem, context);
   if (session.accuracy) out["accuracy"] = accuracy_json(*session.accuracy);
   return out;
 }

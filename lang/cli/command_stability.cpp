@@ -201,7 +201,7 @@ Exit report_on(Session& session, const Options& options, HeldOutputs& outputs) {
   if (const Exit code = session.compile(); code != exit_ok) return code;
   const Script& script = session.script;
   std::vector<std::string> names;
-  if (!script.plan->time.is_static)
+  if (!script.plan->problem.time.is_static)
     names.push_back(picture_name(script)); // one point is no picture
   const Outputs wanted = outputs_in(output_folder(script, options), names, options);
   if (const Exit code = outputs.take(wanted, options, session); code != exit_ok) return code;

@@ -130,7 +130,7 @@ private:
       const auto& plan = setting->script.plan;
       if (!plan) continue; // said when its turn comes
       all += fmt::format("{:016x};", solver::fingerprint(*plan, {}));
-      const auto& mesh = plan->mesh;
+      const auto& mesh = plan->problem.mesh;
       if (mesh.kind == solver::MeshSpec::Kind::file)
         meshes.try_emplace(mesh.path, solver::read_file(mesh.path).value_or(""));
     }
@@ -214,9 +214,10 @@ private:
   /// and factored on them.
   std::shared_ptr<solver::Discretisation> discretisation_of(const solver::Plan& plan) {
     solver::Plan space;
-    space.mesh = plan.mesh, space.parts = plan.parts, space.space = plan.space;
+    space.problem.mesh = plan.problem.mesh, space.problem.parts = plan.problem.parts,
+    space.problem.space = plan.problem.space;
     std::string key = solver::to_string(space);
-    if (plan.mesh.adapted > 0) key += solver::adapted_key(plan);
+    if (plan.problem.mesh.adapted > 0) key += solver::adapted_key(plan);
     const auto known = std::ranges::find(meshes_, key, &KnownMesh::key);
     if (known != meshes_.end()) {
       ++study_.shared.meshes;
@@ -239,16 +240,18 @@ private:
   /// The terms of the Cea type inequality for a row, against what its error is measured against.
   void take_terms(const Script& script, const solver::Discretisation& d, StudyRow& row) {
     const auto& plan = *script.plan;
-    if (!row.error || plan.time.is_static || plan.time.scheme != solver::Scheme::backward_euler)
+    if (!row.error || plan.problem.time.is_static ||
+        plan.problem.time.scheme != solver::Scheme::backward_euler)
       return;
     if (kind_ != ModelStudy::Reference::exact) {
-      row.cea = solver::cea_terms(solver::fine_trajectory(*reference_plan_, reference_), plan, d);
+      row.cea = solver::cea_terms(solver::fine_trajectory(*reference_problem_, reference_),
+                                  plan.problem, d);
       return;
     }
     if (d.space.n_dofs() > most_dofs_for_terms) return;
     if (fine_for_ != &d)
-      fine_ = solver::fine_exact(plan, d.mesh, script.model->study->exact), fine_for_ = &d;
-    row.cea = solver::cea_terms(fine_, plan, d);
+      fine_ = solver::fine_exact(plan.problem, d.mesh, script.model->study->exact), fine_for_ = &d;
+    row.cea = solver::cea_terms(fine_, plan.problem, d);
   }
 
   /// One setting; `keeps`: its steps become the reference.
@@ -304,13 +307,13 @@ private:
       watching_wall +=
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     };
-    if (keeps && !plan.time.is_static) {
-      trajectory->times.push_back(plan.time.grid.front());
-      trajectory->states.push_back(plan.time.initial.empty()
+    if (keeps && !plan.problem.time.is_static) {
+      trajectory->times.push_back(plan.problem.time.grid.front());
+      trajectory->states.push_back(plan.problem.time.initial.empty()
                                        ? solver::Vector(solver::Vector::Zero(d->space.n_dofs()))
-                                       : solver::interpolate(d->space, plan.time.initial,
-                                                             plan.time.grid.front(),
-                                                             plan.time.origin));
+                                       : solver::interpolate(d->space, plan.problem.time.initial,
+                                                             plan.problem.time.grid.front(),
+                                                             plan.problem.time.origin));
     }
     const auto start = std::chrono::steady_clock::now();
     const auto result = solver::run(plan, *d, settings);
@@ -326,7 +329,7 @@ private:
     for (const auto& [name, value] : result.final)
       if (std::isfinite(value) && !name.empty()) row.probes[name] = value; // parts have no name
     if (gauge) row.error = gauge->error();
-    if (keeps) reference_ = trajectory, reference_plan_ = plan;
+    if (keeps) reference_ = trajectory, reference_problem_ = plan.problem;
     if (row.cpu < short_run) repeat(plan, *d, row);
   }
 
@@ -350,7 +353,7 @@ private:
   StudyJournal journal_;
   ModelStudy::Reference kind_ = ModelStudy::Reference::finest;
   std::shared_ptr<const solver::Trajectory> reference_;
-  std::optional<solver::Plan> reference_plan_;
+  std::optional<solver::Problem> reference_problem_;
   std::vector<KnownMesh> meshes_;
   double resident_ = 0.0; ///< bytes before a row
   solver::FineSolution fine_;

@@ -23,11 +23,12 @@ std::string figures(const solver::HistoryReport& h) {
 
 } // namespace
 
-void print_memory(const solver::Plan& plan, const std::vector<solver::HistoryReport>& reports) {
-  for (const solver::EffectNote& effect : plan.effects)
+void print_memory(const solver::Problem& problem,
+                  const std::vector<solver::HistoryReport>& reports) {
+  for (const solver::EffectNote& effect : problem.effects)
     if (effect.name.starts_with("Prony sum")) say("{}: {}\n", effect.name, effect.why);
   for (std::size_t m = 0; m < reports.size(); ++m)
-    say("memory `{}`: {} ({}): {}\n", plan.histories[m].kernel.name, reports[m].route,
+    say("memory `{}`: {} ({}): {}\n", problem.histories[m].kernel.name, reports[m].route,
         figures(reports[m]), reports[m].why);
 }
 

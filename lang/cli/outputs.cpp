@@ -100,7 +100,7 @@ Outputs outputs_of_run(const Script& script, const Options& options) {
       names.push_back(series.back() + ".pvd");
     }
     for (const auto& picture : report.pictures)
-      names.push_back(picture_file(*script.plan, picture));
+      names.push_back(picture_file(script.plan->problem, picture));
     if (options.checkpoint > 0 || options.resume)
       names.push_back(solver::checkpoint_path("", title).string());
     if (options.monitors) names.push_back(title + "_monitors.csv");

@@ -79,7 +79,7 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
   if (r.work.fallback_steps > 0)
     say("steps that only the globally convergent method solved: {}\n", r.work.fallback_steps);
   if (r.monitors) print_monitors(*r.monitors);
-  print_memory(*script.plan, r.histories);
+  print_memory(script.plan->problem, r.histories);
   for (const solver::StepNote& note : r.notes) {
     const int line = line_of(script, note.origin);
     const std::string when =

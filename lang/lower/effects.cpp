@@ -41,8 +41,8 @@ EffectNote note(Model& model, const char* name, const Seen& seen, const char* of
 }
 
 /// The origin of the law's term in the plan: by it the run reports whether the law ever acted.
-solver::Origin origin_of(Model& model, const solver::Plan& plan, const Span& span) {
-  for (const solver::LawTerm& term : plan.law_terms) {
+solver::Origin origin_of(Model& model, const solver::Problem& problem, const Span& span) {
+  for (const solver::LawTerm& term : problem.law_terms) {
     if (model.origins[term.origin.id] == span) return term.origin;
   }
   return model.origin(span);
@@ -50,7 +50,7 @@ solver::Origin origin_of(Model& model, const solver::Plan& plan, const Span& spa
 
 } // namespace
 
-std::vector<EffectNote> effects(Model& model, const solver::Plan& plan) {
+std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
   std::array<Seen, 8> seen;
   auto mark = [&](Effect effect, bool on, const Span& span) {
     Seen& s = seen[static_cast<std::size_t>(effect)];
@@ -58,9 +58,9 @@ std::vector<EffectNote> effects(Model& model, const solver::Plan& plan) {
     (on ? s.on : s.dropped) = true;
     s.span = span;
   };
-  for (const solver::FormTerm& form : plan.forms)
+  for (const solver::FormTerm& form : problem.forms)
     mark(form.effect, true, model.origins[form.origin.id]);
-  for (const solver::LoadTerm& load : plan.loads)
+  for (const solver::LoadTerm& load : problem.loads)
     mark(load.effect, true, model.origins[load.origin.id]);
   for (const ModelTerm& term : model.terms)
     if (term.integrand.laws.empty() && folded(term)) mark(effect_of(model, term), false, term.span);
@@ -83,7 +83,7 @@ std::vector<EffectNote> effects(Model& model, const solver::Plan& plan) {
       law.name = fmt::format("{} `{}` on `{}`", radial ? "friction" : "law", use.name,
                              model.parts[term.part].name);
       law.state = zero || flat ? State::dropped : State::on;
-      law.origin = origin_of(model, plan, use.span);
+      law.origin = origin_of(model, problem, use.span);
       law.why = zero ? "its factor is zero" : flat ? "the superpotential is zero" : "";
       out.push_back(std::move(law));
     }

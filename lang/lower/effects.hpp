@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lang/check/model.hpp"
-#include "solver/plan/plan.hpp"
+#include "solver/plan/problem.hpp"
 
 #include <vector>
 
@@ -10,6 +10,6 @@ namespace hvi::lang {
 
 /// Notes for viscosity, elasticity, memory, body force, traction and every law, in this order.
 /// An effect that stands in the script but folds to zero is `dropped`, with its line.
-std::vector<solver::EffectNote> effects(Model& model, const solver::Plan& plan);
+std::vector<solver::EffectNote> effects(Model& model, const solver::Problem& problem);
 
 } // namespace hvi::lang

@@ -35,22 +35,22 @@ public:
   explicit Lowering(Model& model) : model_(model) {}
 
   solver::Plan run() {
-    plan_.title = model_.title;
-    plan_.mesh = model_.mesh;
+    plan_.problem.title = model_.title;
+    plan_.problem.mesh = model_.mesh;
     for (const ModelPart& part : model_.parts)
-      plan_.parts.push_back({part.name, origin(part.span), part.region});
-    plan_.space = model_.space;
-    plan_.time = model_.time;
+      plan_.problem.parts.push_back({part.name, origin(part.span), part.region});
+    plan_.problem.space = model_.space;
+    plan_.problem.time = model_.time;
     plan_.options = model_.options;
     plan_.report = model_.report;
-    for (const ModelLaw& law : model_.laws) plan_.laws.push_back(law.spec);
+    for (const ModelLaw& law : model_.laws) plan_.problem.laws.push_back(law.spec);
     for (const ModelHistory& h : model_.histories) {
       solver::KernelSpec kernel{h.name, origin(h.span), h.kernel};
-      plan_.histories.push_back({kernel.origin, kernel});
+      plan_.problem.histories.push_back({kernel.origin, kernel});
     }
     for (const ModelTerm& term : model_.terms) lower_term(term);
     rename_report();
-    plan_.effects = effects(model_, plan_);
+    plan_.problem.effects = effects(model_, plan_.problem);
     return std::move(plan_);
   }
 
@@ -64,7 +64,7 @@ private:
     auto use = [&](int field) {
       if (solver::is_memory(field)) fresh[solver::memory_of(field)] = 0;
     };
-    for (const FormTerm& form : plan_.forms) use(form.field);
+    for (const FormTerm& form : plan_.problem.forms) use(form.field);
     for_each_report_expression([&](Symbol& e) {
       for (solver::Slot s : solver::slots_of(e))
         if (is_trial(s)) use(field_of(s));
@@ -74,15 +74,15 @@ private:
     for (std::size_t m = 0; m < fresh.size(); ++m) {
       if (fresh[m] < 0) continue;
       fresh[m] = static_cast<int>(kept.size());
-      kept.push_back(plan_.histories[m]);
+      kept.push_back(plan_.problem.histories[m]);
       for (int k = 0; k < n_derivatives; ++k)
         rename.emplace_back(slot::field(solver::field_of_memory(static_cast<int>(m)), k),
                             Symbol::variable(slot::field(solver::field_of_memory(fresh[m]), k)));
     }
-    for (FormTerm& form : plan_.forms)
+    for (FormTerm& form : plan_.problem.forms)
       if (solver::is_memory(form.field))
         form.field = solver::field_of_memory(fresh[solver::memory_of(form.field)]);
-    plan_.histories = std::move(kept);
+    plan_.problem.histories = std::move(kept);
     for (std::size_t a = 0; a < applications_.size(); ++a)
       for (int k = 0; k < 3; ++k)
         rename.emplace_back(slot::multiplier(static_cast<int>(a), k),
@@ -128,7 +128,7 @@ private:
       form.field = field;
       form.rule = term.rule_given || term.integrand.laws.empty() ? term.rule : solver::Rule::exact;
       form.effect = effect_of(field);
-      plan_.forms.push_back(std::move(form));
+      plan_.problem.forms.push_back(std::move(form));
     }
     if (!load.entries.empty()) {
       load.origin = origin(term.span);
@@ -136,7 +136,7 @@ private:
       load.rule = term.rule_given || term.integrand.laws.empty() ? term.rule : solver::Rule::exact;
       load.effect = model_.parts[term.part].kind == Group::Kind::cells ? Effect::body_force
                                                                        : Effect::traction;
-      plan_.loads.push_back(std::move(load));
+      plan_.problem.loads.push_back(std::move(load));
     }
     for (const LawUse& use : term.integrand.laws) lower_law(term, use);
   }
@@ -145,7 +145,7 @@ private:
     const Symbol factor = term.factor * use.factor;
     applications_.push_back(-1);
     if (factor.is(0.0) || model_.laws[use.law].spec.expression.is(0.0)) return;
-    applications_.back() = static_cast<int>(plan_.law_terms.size());
+    applications_.back() = static_cast<int>(plan_.problem.law_terms.size());
     solver::LawTerm out;
     out.origin = origin(use.span);
     out.name = use.name;
@@ -160,7 +160,7 @@ private:
       r.offset = row.offset;
       out.rows.push_back(std::move(r));
     }
-    plan_.law_terms.push_back(std::move(out));
+    plan_.problem.law_terms.push_back(std::move(out));
   }
 
   Model& model_;

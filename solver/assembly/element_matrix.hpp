@@ -6,7 +6,7 @@
 #pragma once
 
 #include "solver/fem/geometry.hpp"
-#include "solver/plan/plan.hpp"
+#include "solver/plan/problem.hpp"
 
 namespace hvi::solver {
 

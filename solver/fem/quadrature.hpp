@@ -1,7 +1,7 @@
 // Quadrature on simplices. Used by every weak term; nothing here knows a mesh.
 #pragma once
 
-#include "solver/plan/plan.hpp"
+#include "solver/plan/problem.hpp"
 
 #include <array>
 #include <vector>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "solver/mesh/mesh.hpp"
-#include "solver/plan/plan.hpp"
+#include "solver/plan/problem.hpp"
 
 #include <vector>
 

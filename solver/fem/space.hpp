@@ -5,7 +5,7 @@
 #include "solver/fem/region.hpp"
 #include "solver/linear/sparse.hpp"
 #include "solver/mesh/mesh.hpp"
-#include "solver/plan/plan.hpp"
+#include "solver/plan/problem.hpp"
 
 #include <cstdint>
 #include <memory>

@@ -23,10 +23,10 @@ namespace {
 
 constexpr int most_load_times = 65;
 
-Origin form_origin(const Plan& plan, int field) {
-  for (const auto& form : plan.forms)
+Origin form_origin(const Problem& problem, int field) {
+  for (const auto& form : problem.forms)
     if (form.field == field) return form.origin;
-  return plan.time.origin;
+  return problem.time.origin;
 }
 
 /// A number of a kernel with how it was found.
@@ -49,14 +49,15 @@ double step_bound(double m_a, double room, double product) {
 
 class Judgement {
 public:
-  Judgement(const Plan& plan, const Discretisation& d) : plan_(plan), d_(d), numbers_(plan, d) {
-    facts_.is_static = plan.time.is_static;
-    facts_.has_laws = !plan.law_terms.empty();
+  Judgement(const Plan& plan, const Discretisation& d)
+      : plan_(plan), problem_(plan.problem), d_(d), numbers_(plan, d) {
+    facts_.is_static = problem_.time.is_static;
+    facts_.has_laws = !problem_.law_terms.empty();
   }
 
   HypothesisReport report(bool extrapolate) {
     longest_step();
-    steps_ = step_weights(plan_);
+    steps_ = step_weights(problem_);
     judge_a();
     judge_b();
     judge_memory();
@@ -83,7 +84,7 @@ private:
 
   void longest_step() {
     c().longest_step = 0.0;
-    const auto& grid = plan_.time.grid;
+    const auto& grid = problem_.time.grid;
     for (std::size_t n = 1; n < grid.size(); ++n)
       c().longest_step = std::max(c().longest_step, grid[n] - grid[n - 1]);
   }
@@ -94,16 +95,17 @@ private:
   }
 
   void judge_a() {
-    const auto tensor = ellipticity(plan_, d_, field_of_u(1));
+    const auto tensor = ellipticity(problem_, d_, field_of_u(1));
     c().m_1 = std::isfinite(tensor.least) ? tensor.least : not_a_number;
     c().m_A = numbers_.coercivity(field_of_u(1), c().m_1);
     if (!numbers_.acts_on(field_of_u(1))) {
-      row("H(A)", "A is coercive", std::nullopt, Answer::open, plan_.time.origin,
-          plan_.time.is_static ? "static: no A is asked for"
-                               : "there is no term with u': static at each t, no A is asked for");
+      row("H(A)", "A is coercive", std::nullopt, Answer::open, problem_.time.origin,
+          problem_.time.is_static
+              ? "static: no A is asked for"
+              : "there is no term with u': static at each t, no A is asked for");
       return;
     }
-    const Origin origin = form_origin(plan_, field_of_u(1));
+    const Origin origin = form_origin(problem_, field_of_u(1));
     const double defect = numbers_.asymmetry(field_of_u(1));
     row("H(A)", "A is symmetric: its defect", defect, yes(defect <= 1e-12), origin);
     rate_row_ = out_.hypotheses.size();
@@ -138,11 +140,11 @@ private:
   }
 
   void judge_b() {
-    const auto tensor = ellipticity(plan_, d_, field_of_u(0));
+    const auto tensor = ellipticity(problem_, d_, field_of_u(0));
     c().m_2 = std::isfinite(tensor.least) ? tensor.least : not_a_number;
     c().m_B = numbers_.coercivity(field_of_u(0), c().m_2);
     if (!numbers_.acts_on(field_of_u(0))) {
-      row("H(B)", "B is coercive", std::nullopt, Answer::fails, plan_.time.origin,
+      row("H(B)", "B is coercive", std::nullopt, Answer::fails, problem_.time.origin,
           "there is no term with u itself");
       return;
     }
@@ -153,15 +155,15 @@ private:
     if (defect > 1e-12)
       note += fmt::format("{}not symmetric ({:.2g}), which the theory does not ask for",
                           note.empty() ? "" : "; ", defect);
-    row("H(B)", "B is coercive: m_B", c().m_B, positive(c().m_B), form_origin(plan_, field_of_u(0)),
-        note);
+    row("H(B)", "B is coercive: m_B", c().m_B, positive(c().m_B),
+        form_origin(problem_, field_of_u(0)), note);
   }
 
   void judge_memory() {
     c().c_E = c().c_q = c().lipschitz_q = c().memory_step = 0.0;
-    const auto& grid = plan_.time.grid;
-    for (std::size_t m = 0; m < plan_.histories.size(); ++m) {
-      const auto& kernel = plan_.histories[m].kernel;
+    const auto& grid = problem_.time.grid;
+    for (std::size_t m = 0; m < problem_.histories.size(); ++m) {
+      const auto& kernel = problem_.histories[m].kernel;
       const double e = numbers_.memory_norm(static_cast<int>(m));
       const auto norms = kernel_norms(kernel.expression, grid.front(), grid.back());
       const auto known = prove_norms(kernel.expression, norms, grid.front(), grid.back());
@@ -174,11 +176,11 @@ private:
       facts_.has_memory = facts_.has_memory || e > 0.0;
       facts_.integrable = facts_.integrable && std::isfinite(norms.l1);
       row("H(E)", fmt::format("E of `{}` is bounded: ||E||", kernel.name), e, yes(std::isfinite(e)),
-          plan_.histories[m].origin);
+          problem_.histories[m].origin);
       const bool lipschitz = std::isfinite(slope);
       auto& h = row(
           "H(q)", fmt::format("`{}` is Lipschitz in t: its constant", kernel.name), slope,
-          yes(lipschitz), plan_.histories[m].origin,
+          yes(lipschitz), problem_.histories[m].origin,
           fmt::format("sup |q| = {}, int |q| = {}{}", with_word(sup, known.sup),
                       with_word(norms.l1, known.l1),
                       lipschitz ? ""
@@ -193,8 +195,8 @@ private:
   /// E and B are compared by their traces, exactly where one is a multiple of the other.
   void judge_modulus(int m) {
     if (!numbers_.acts_on(field_of_u(0))) return;
-    const auto& grid = plan_.time.grid;
-    const auto& kernel = plan_.histories[static_cast<std::size_t>(m)].kernel;
+    const auto& grid = problem_.time.grid;
+    const auto& kernel = problem_.histories[static_cast<std::size_t>(m)].kernel;
     const double horizon = grid.back() - grid.front();
     if (!kernel_traits(kernel.expression, horizon).convolution) return;
     const double b = numbers_.of_field(field_of_u(0)).diagonal().sum(),
@@ -204,7 +206,7 @@ private:
       return 1.0 + ratio * interval_integral(kernel.expression, grid.front() + lag, 0.0, lag, 0);
     };
     const double soon = 1e-9 * horizon, at_once = relaxed(soon) - 1.0, late = relaxed(horizon);
-    const Origin origin = plan_.histories[static_cast<std::size_t>(m)].origin;
+    const Origin origin = problem_.histories[static_cast<std::size_t>(m)].origin;
     if (at_once > 0.0)
       row("memory", fmt::format("`{}` relaxes: 1 + int q at the end", kernel.name), late,
           Answer::open, origin,
@@ -230,8 +232,8 @@ private:
     c().m_nu = c().m_tau = c().c_J = 0.0;
     Bracket m_nu, m_tau;
     for (const auto& law : numbers_.laws()) {
-      const auto& term = plan_.law_terms[law.term];
-      if (const std::string& other = plan_.laws[term.law].coupled; !other.empty()) {
+      const auto& term = problem_.law_terms[law.term];
+      if (const std::string& other = problem_.laws[term.law].coupled; !other.empty()) {
         c().m_nu = c().m_tau = c().c_J = infinity;
         m_nu = c().c_J_known = Bracket::exactly(infinity);
         row("H(J)", fmt::format("`{}` is a law of its argument alone", term.name), std::nullopt,
@@ -265,9 +267,9 @@ private:
     const auto& norms = numbers_.traces();
     c().norm_normal = norms.normal, c().norm_tangential = norms.tangential;
     c().norm_full = norms.full, c().norm_script = numbers_.script_norm();
-    if (!plan_.law_terms.empty())
+    if (!problem_.law_terms.empty())
       row("H(M)", "M is bounded and compact: ||M||^2", c().norm_script,
-          yes(std::isfinite(c().norm_script)), plan_.law_terms.front().origin,
+          yes(std::isfinite(c().norm_script)), problem_.law_terms.front().origin,
           fmt::format("the arguments of all laws, on this mesh; traces: normal {:.6g}, tangential "
                       "{:.6g}, full {:.6g}",
                       norms.normal, norms.tangential, norms.full));
@@ -276,10 +278,11 @@ private:
   void judge_loads() {
     if (judge_load_times()) return;
     Vector f = Vector::Zero(d_.space.n_dofs());
-    const LoadAssembler loads(d_.space, d_.parts, plan_.loads);
-    const Origin origin = plan_.loads.empty() ? plan_.time.origin : plan_.loads.front().origin;
+    const LoadAssembler loads(d_.space, d_.parts, problem_.loads);
+    const Origin origin =
+        problem_.loads.empty() ? problem_.time.origin : problem_.loads.front().origin;
     try {
-      const auto& grid = plan_.time.grid;
+      const auto& grid = problem_.time.grid;
       const std::size_t stride = std::max<std::size_t>(1, grid.size() / most_load_times);
       for (std::size_t n = 0; n < grid.size(); n += stride) loads.add(grid[n], f);
       if (grid.empty()) loads.add(0.0, f);
@@ -292,11 +295,11 @@ private:
 
   /// Whether a load was found that is not bounded in time: then it must be square integrable.
   bool judge_load_times() {
-    const auto& grid = plan_.time.grid;
+    const auto& grid = problem_.time.grid;
     if (grid.size() < 2) return false;
     const LoadTerm* where = nullptr;
     TimeSingularity worst;
-    for (const LoadTerm& load : plan_.loads)
+    for (const LoadTerm& load : problem_.loads)
       for (const auto& entry : load.entries)
         if (const auto s = time_singularity(entry.value, grid.front(), grid.back());
             s && (!where || s->exponent > worst.exponent))
@@ -312,10 +315,10 @@ private:
 
   /// The law that softens most: it decides (H0).
   Origin worst_law() const {
-    Origin out = plan_.time.origin;
+    Origin out = problem_.time.origin;
     double most = -1.0;
     for (const auto& law : numbers_.laws())
-      if (law.m.value() > most) most = law.m.value(), out = plan_.law_terms[law.term].origin;
+      if (law.m.value() > most) most = law.m.value(), out = problem_.law_terms[law.term].origin;
     return out;
   }
 
@@ -353,15 +356,15 @@ private:
     out_.margins.step = 1.0 - (worst.within_budget ? std::max(worst.ratio, 0.0) : worst.bound);
     out_.worst_step = worst.step;
     facts_.steps_margin = 1.0 - bound;
-    std::string note = plan_.time.is_static ? "K = B" : "all steps have one matrix";
+    std::string note = problem_.time.is_static ? "K = B" : "all steps have one matrix";
     if (steps_.steps.size() > 1)
       note = fmt::format("K of step {} (t = {:.6g}), the worst of {} different ones{}", n,
-                         plan_.time.grid[n], steps_.steps.size(),
+                         problem_.time.grid[n], steps_.steps.size(),
                          worst.within_budget ? "" : "; a bound for all of them");
     row("step", "1 - lambda_max(sum m_i M_i^T W M_i, sym K)", out_.margins.step,
         positive(out_.margins.step), worst_law(), note);
     out_.usable = not_a_number;
-    if (!plan_.time.is_static) bound_steps();
+    if (!problem_.time.is_static) bound_steps();
   }
 
   const Vector& weights_of(int step) const {
@@ -385,12 +388,12 @@ private:
     if (numbers_.acts_on(field_of_u(1)))
       out_.tau_0.emplace_back("m_A/k > m_J ||M||^2 - m_B + c_E c_q k: without (H0)", with_a);
     for (const auto& [what, tau] : out_.tau_0)
-      row("tau_0", what, tau, yes(k < tau), plan_.time.origin,
+      row("tau_0", what, tau, yes(k < tau), problem_.time.origin,
           fmt::format("the longest step is {:.6g}", k));
     facts_.step_bound = with_a;
     out_.usable = infinity;
     c().memory_step = 0.0;
-    const auto absolute = absolute_weights(plan_, steps_);
+    const auto absolute = absolute_weights(problem_, steps_);
     for (std::size_t n = 0; n < absolute.size(); ++n) {
       double memory = 0.0;
       for (std::size_t i = 0; i < memory_norms_.size(); ++i)
@@ -399,14 +402,14 @@ private:
       out_.usable = std::min(out_.usable, c().m_A * steps_.c[n][field_of_u(1)] + room - memory);
     }
     row("step", "m_A/k + margin - c_E int |q| over the step", out_.usable, positive(out_.usable),
-        plan_.time.origin, "with the sharpest margin: the usable bound, of the worst step");
+        problem_.time.origin, "with the sharpest margin: the usable bound, of the worst step");
   }
 
   /// Trace norms grow under refinement: twice the step from this mesh to the refined one is taken
   /// off the margins (as for order one, so rather too much).
   void refine_norms() {
     const bool asks =
-        !plan_.law_terms.empty() || (numbers_.acts_on(field_of_u(1)) && !(c().m_1 > 0.0));
+        !problem_.law_terms.empty() || (numbers_.acts_on(field_of_u(1)) && !(c().m_1 > 0.0));
     if (!asks || d_.dofs.n_unknowns() > 200000 >> d_.mesh.dim) return;
     Discretisation fine;
     if (!discretise_on(plan_, refine(d_.mesh), fine).empty()) return;
@@ -415,7 +418,7 @@ private:
       m_a_finer_ = finer.coercivity(field_of_u(1), not_a_number);
       m_h_finer_ = finer.coercivity_in_h(field_of_u(1));
     }
-    if (!plan_.law_terms.empty()) refine_margins(finer);
+    if (!problem_.law_terms.empty()) refine_margins(finer);
   }
 
   void refine_margins(const Numbers& finer) {
@@ -433,7 +436,7 @@ private:
                                          finer.margin_against(finer.of_field(field_of_u(0))))
                                  : -infinity;
     row("H(M)", "||M||^2 on ever finer meshes (estimate)", norm, yes(std::isfinite(norm)),
-        plan_.law_terms.front().origin,
+        problem_.law_terms.front().origin,
         fmt::format(
             "from this mesh and its refinement; there (H0) has the margin {:.6g}, the split "
             "condition {:.6g}, against B {:.6g}",
@@ -441,6 +444,7 @@ private:
   }
 
   const Plan& plan_;
+  const Problem& problem_;
   const Discretisation& d_;
   Numbers numbers_;
   HypothesisReport out_;

@@ -12,9 +12,10 @@ namespace hvi::solver {
 namespace {
 
 /// The entities of a part as simplices, and the times of the plan.
-LawDomain domain_of(const Plan& plan, const Mesh& mesh, const Region& region) {
+LawDomain domain_of(const Problem& problem, const Mesh& mesh, const Region& region) {
   LawDomain out;
-  if (!plan.time.is_static) out.t_low = plan.time.grid.front(), out.t_high = plan.time.grid.back();
+  if (!problem.time.is_static)
+    out.t_low = problem.time.grid.front(), out.t_high = problem.time.grid.back();
   for (const auto entity : region.entities) {
     LawDomain::Simplex s;
     s.n = region.kind == Group::Kind::cells    ? mesh.nodes_per_cell()
@@ -31,24 +32,24 @@ LawDomain domain_of(const Plan& plan, const Mesh& mesh, const Region& region) {
   return out;
 }
 
-KnownConstants constants_of(const Plan& plan, const Discretisation& d, const ContactTerm& term,
-                            const Law& law) {
-  const double start = plan.time.is_static ? 0.0 : plan.time.grid.front();
+KnownConstants constants_of(const Problem& problem, const Discretisation& d,
+                            const ContactTerm& term, const Law& law) {
+  const double start = problem.time.is_static ? 0.0 : problem.time.grid.front();
   if (law.coupled() || (!law.depends_on_x() && !law.depends_on_t()))
     return known_constants(law, term.points.x[0], start);
-  const auto& part = d.parts[plan.law_terms[term.points.law_term].part];
-  return known_constants(law, domain_of(plan, d.mesh, part));
+  const auto& part = d.parts[problem.law_terms[term.points.law_term].part];
+  return known_constants(law, domain_of(problem, d.mesh, part));
 }
 
-SparseMatrix trace_form(const Plan& plan, const Discretisation& d, const StateLayout& layout,
+SparseMatrix trace_form(const Problem& problem, const Discretisation& d, const StateLayout& layout,
                         Trace trace) {
   std::set<int> parts;
-  for (const auto& term : plan.law_terms)
+  for (const auto& term : problem.law_terms)
     if (d.parts[term.part].kind == Group::Kind::facets) parts.insert(term.part);
   SparseMatrix sum(layout.n_unknowns, layout.n_unknowns);
   for (const int part : parts) {
     const auto rule =
-        std::find_if(plan.law_terms.begin(), plan.law_terms.end(), [&](const LawTerm& t) {
+        std::find_if(problem.law_terms.begin(), problem.law_terms.end(), [&](const LawTerm& t) {
           return t.part == part;
         })->rule;
     const SparseMatrix full = boundary_mass(d.space, d.parts[part], rule, trace);
@@ -59,16 +60,16 @@ SparseMatrix trace_form(const Plan& plan, const Discretisation& d, const StateLa
 
 } // namespace
 
-std::vector<TermConstants> law_constants(const Plan& plan, const Discretisation& d,
+std::vector<TermConstants> law_constants(const Problem& problem, const Discretisation& d,
                                          const Contact& contact) {
   std::vector<TermConstants> out;
   for (const auto& term : contact.terms) {
-    const Law& law = *contact.laws[plan.law_terms[term.points.law_term].law];
+    const Law& law = *contact.laws[problem.law_terms[term.points.law_term].law];
     TermConstants here;
     here.term = term.points.law_term;
     here.radial = law.spec().radial;
     if (term.n_points() > 0) {
-      const KnownConstants k = constants_of(plan, d, term, law);
+      const KnownConstants k = constants_of(problem, d, term, law);
       here.m = k.m, here.c = k.c, here.at = k.worst_at;
       here.regular = k.clarke_regular || std::isfinite(k.m.value());
     }
@@ -77,10 +78,10 @@ std::vector<TermConstants> law_constants(const Plan& plan, const Discretisation&
   return out;
 }
 
-TraceNorms trace_norms(const Plan& plan, const Discretisation& d, const StateLayout& layout,
+TraceNorms trace_norms(const Problem& problem, const Discretisation& d, const StateLayout& layout,
                        const GramForm& gram) {
   const auto norm = [&](Trace trace) {
-    return gram.largest(trace_form(plan, d, layout, trace)).value_or(std::nan(""));
+    return gram.largest(trace_form(problem, d, layout, trace)).value_or(std::nan(""));
   };
   if (d.space.components == 1) { // a scalar has one trace
     const double all = norm(Trace::full);

@@ -11,11 +11,13 @@ namespace hvi::solver {
 namespace {} // namespace
 
 Numbers::Numbers(const Plan& plan, const Discretisation& d)
-    : plan_(plan), discretisation_(d), layout_(make_layout(d.space, d.dofs)),
-      operators_(assemble_operators(plan, d, layout_)), contact_(make_contact(plan, d, layout_)),
+    : problem_(plan.problem), discretisation_(d), layout_(make_layout(d.space, d.dofs)),
+      operators_(assemble_operators(problem_, d, layout_, plan.options.threads)),
+      contact_(make_contact(problem_, d, layout_)),
       gram_(restrict_rows(gram_v(d.space, d.dofs.eliminated.empty()), layout_)
                 .leftCols(layout_.n_unknowns)),
-      laws_(law_constants(plan, d, contact_)), traces_(trace_norms(plan, d, layout_, gram_)) {}
+      laws_(law_constants(problem_, d, contact_)),
+      traces_(trace_norms(problem_, d, layout_, gram_)) {}
 
 SparseMatrix Numbers::of_field(int field) const {
   return combine(operators_, operators_.weights.row(field).transpose());
@@ -48,7 +50,7 @@ double Numbers::asymmetry(int field) const {
 }
 
 std::optional<SparseMatrix> Numbers::descent() const {
-  std::vector<double> weight(plan_.law_terms.size(), 0.0);
+  std::vector<double> weight(problem_.law_terms.size(), 0.0);
   for (const auto& law : laws_) {
     if (!std::isfinite(law.m.value())) return std::nullopt;
     weight[law.term] = law.m.value();
@@ -71,7 +73,7 @@ double Numbers::margin_against(const SparseMatrix& k) const {
 }
 
 double Numbers::script_norm() const {
-  const std::vector<double> ones(plan_.law_terms.size(), 1.0);
+  const std::vector<double> ones(problem_.law_terms.size(), 1.0);
   return gram_.largest(law_form(contact_, ones, layout_.n_unknowns)).value_or(not_a_number);
 }
 

@@ -38,7 +38,7 @@ public:
   const Operators& operators() const { return operators_; }
 
 private:
-  const Plan& plan_;
+  const Problem& problem_;
   const Discretisation& discretisation_;
   StateLayout layout_;
   Operators operators_;

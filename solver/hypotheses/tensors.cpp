@@ -44,17 +44,18 @@ Point middle(const Mesh& mesh, int cell) {
 }
 
 /// The forms of the field on cells with gradients on both sides.
-std::vector<const FormTerm*> tensor_forms(const Plan& plan, const Discretisation& d, int field) {
+std::vector<const FormTerm*> tensor_forms(const Problem& problem, const Discretisation& d,
+                                          int field) {
   std::vector<const FormTerm*> out;
-  for (const FormTerm& form : plan.forms)
+  for (const FormTerm& form : problem.forms)
     if (form.field == field && d.parts[form.part].kind == Group::Kind::cells) out.push_back(&form);
   return out;
 }
 
 class PointwiseTensor {
 public:
-  PointwiseTensor(const Plan& plan, const Discretisation& d, int field)
-      : d_(d), forms_(tensor_forms(plan, d, field)),
+  PointwiseTensor(const Problem& problem, const Discretisation& d, int field)
+      : d_(d), forms_(tensor_forms(problem, d, field)),
         basis_(gradient_basis(d.space.components, d.mesh.dim)) {
     for (const FormTerm* form : forms_)
       for (const auto& entry : form->entries) varies_ = varies_ || !entry.coefficient.is_constant();
@@ -110,9 +111,9 @@ private:
 
 } // namespace
 
-Ellipticity ellipticity(const Plan& plan, const Discretisation& d, int field) {
+Ellipticity ellipticity(const Problem& problem, const Discretisation& d, int field) {
   Ellipticity out;
-  const PointwiseTensor tensor(plan, d, field);
+  const PointwiseTensor tensor(problem, d, field);
   if (tensor.empty()) return out;
   out.origin = tensor.origin();
   out.varies = tensor.varies();

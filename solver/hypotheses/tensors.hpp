@@ -17,6 +17,6 @@ struct Ellipticity {
   Origin origin;
   bool varies = false;
 };
-Ellipticity ellipticity(const Plan& plan, const Discretisation& discretisation, int field);
+Ellipticity ellipticity(const Problem& problem, const Discretisation& discretisation, int field);
 
 } // namespace hvi::solver

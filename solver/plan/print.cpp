@@ -63,25 +63,25 @@ std::string field_name(int field) {
 
 class Printer {
 public:
-  explicit Printer(const Plan& plan) : plan_(plan) {}
+  explicit Printer(const Problem& problem) : problem_(problem) {}
 
-  std::string print() {
-    line("plan `{}`", plan_.title);
+  std::string print(const SolverOptions& options, const ReportSpec& report) && {
+    line("plan `{}`", problem_.title);
     mesh();
-    for (std::size_t p = 0; p < plan_.parts.size(); ++p)
-      line("part {} `{}` = {}", p, plan_.parts[p].name, region(plan_.parts[p].region));
+    for (std::size_t p = 0; p < problem_.parts.size(); ++p)
+      line("part {} `{}` = {}", p, problem_.parts[p].name, region(problem_.parts[p].region));
     space();
-    for (std::size_t m = 0; m < plan_.histories.size(); ++m)
-      line("history w{} kernel `{}` = {}", m, plan_.histories[m].kernel.name,
-           to_string(plan_.histories[m].kernel.expression));
-    for (const auto& term : plan_.forms) form(term);
-    for (std::size_t l = 0; l < plan_.laws.size(); ++l) law(l);
-    for (std::size_t l = 0; l < plan_.law_terms.size(); ++l) law_term(l);
-    for (const auto& term : plan_.loads) load(term);
+    for (std::size_t m = 0; m < problem_.histories.size(); ++m)
+      line("history w{} kernel `{}` = {}", m, problem_.histories[m].kernel.name,
+           to_string(problem_.histories[m].kernel.expression));
+    for (const auto& term : problem_.forms) form(term);
+    for (std::size_t l = 0; l < problem_.laws.size(); ++l) law(l);
+    for (std::size_t l = 0; l < problem_.law_terms.size(); ++l) law_term(l);
+    for (const auto& term : problem_.loads) load(term);
     time();
-    options();
-    report();
-    for (const auto& effect : plan_.effects)
+    print(options);
+    print(report);
+    for (const auto& effect : problem_.effects)
       line("effect {}: {}{}", effect.name, to_string(effect.state),
            effect.why.empty() ? "" : " (" + effect.why + ")");
     return std::move(out_);
@@ -94,12 +94,12 @@ private:
   }
 
   std::string part(int index) const {
-    const bool known = index >= 0 && index < static_cast<int>(plan_.parts.size());
-    return known ? "`" + plan_.parts[index].name + "`" : fmt::format("part {}", index);
+    const bool known = index >= 0 && index < static_cast<int>(problem_.parts.size());
+    return known ? "`" + problem_.parts[index].name + "`" : fmt::format("part {}", index);
   }
 
   void mesh() {
-    const auto& m = plan_.mesh;
+    const auto& m = problem_.mesh;
     const auto kind =
         name_of(std::array{"interval", "rectangle", "box", "file", "geometry"}, m.kind);
     switch (m.kind) {
@@ -142,7 +142,7 @@ private:
   }
 
   void space() {
-    const auto& s = plan_.space;
+    const auto& s = problem_.space;
     line("space `{}` {} P{}", s.name, s.vector ? "vector" : "scalar", s.order);
     for (const auto& d : s.dirichlet)
       line("  on {} {} = {}", part(d.part),
@@ -166,13 +166,13 @@ private:
   }
 
   void law(std::size_t l) {
-    const auto& spec = plan_.laws[l];
+    const auto& spec = problem_.laws[l];
     line("law {} `{}`{} {} = {}", l, spec.name, spec.radial ? " radial" : "",
          spec.by_slope ? "slope" : "potential", to_string(spec.expression));
   }
 
   void law_term(std::size_t l) {
-    const auto& term = plan_.law_terms[l];
+    const auto& term = problem_.law_terms[l];
     line("law term {} {} * `{}` over {}, {}, rule {}", l, to_string(term.factor), term.name,
          part(term.part), to_string(term.effect), to_string(term.rule));
     for (const auto& row : term.rows)
@@ -181,7 +181,7 @@ private:
   }
 
   void time() {
-    const auto& t = plan_.time;
+    const auto& t = problem_.time;
     if (t.is_static) {
       line("static");
       return;
@@ -197,14 +197,12 @@ private:
     line("  from {}", t.initial.empty() ? "0" : expressions(t.initial));
   }
 
-  void options() {
-    const auto& o = plan_.options;
+  void print(const SolverOptions& o) {
     line("options tolerance {}, memory {} (route {}), branch {}, threads {}", number(o.tolerance),
          number(o.memory_tolerance), to_string(o.route), to_string(o.branch), o.threads);
   }
 
-  void probe(std::size_t i) {
-    const auto& p = plan_.report.probes[i];
+  void probe(std::size_t i, const Probe& p) {
     const auto when = p.time ? " at t = " + number(*p.time) : std::string();
     switch (p.kind) {
     case Probe::Kind::at_point:
@@ -224,9 +222,8 @@ private:
     }
   }
 
-  void report() {
-    const auto& r = plan_.report;
-    for (std::size_t i = 0; i < r.probes.size(); ++i) probe(i);
+  void print(const ReportSpec& r) {
+    for (std::size_t i = 0; i < r.probes.size(); ++i) probe(i, r.probes[i]);
     for (const auto& table : r.tables)
       line("table {} every {}{}", numbers(table.probes), table.every, to_file(table.file));
     for (const auto& fields : r.fields) {
@@ -243,12 +240,14 @@ private:
     return file.empty() ? "" : " to \"" + file + "\"";
   }
 
-  const Plan& plan_;
+  const Problem& problem_;
   std::string out_;
 };
 
 } // namespace
 
-std::string to_string(const Plan& plan) { return Printer(plan).print(); }
+std::string to_string(const Plan& plan) {
+  return Printer(plan.problem).print(plan.options, plan.report);
+}
 
 } // namespace hvi::solver

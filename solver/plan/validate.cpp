@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <span>
 
 namespace hvi::solver {
@@ -36,26 +37,40 @@ int count(const std::vector<T>& items) {
 
 class Validation {
 public:
-  Validation(const Plan& plan, int dim)
-      : plan_(plan), dim_(dim), components_(plan.space.vector ? dim : 1),
-        n_fields_(count_fields(plan)) {}
+  Validation(const Problem& problem, int dim)
+      : problem_(problem), dim_(dim), components_(problem.space.vector ? dim : 1),
+        n_fields_(count_fields(problem)) {}
 
-  std::vector<Failure> run() && {
-    for (const auto& part : plan_.parts) region(part.region, part.origin);
+  std::vector<Failure> of_problem() && {
+    for (const auto& part : problem_.parts) region(part.region, part.origin);
     space();
-    for (const auto& form : plan_.forms) this->form(form);
-    for (const auto& load : plan_.loads) this->load(load);
-    for (const auto& history : plan_.histories)
+    for (const auto& form : problem_.forms) this->form(form);
+    for (const auto& load : problem_.loads) this->load(load);
+    for (const auto& history : problem_.histories)
       variables(history.kernel.expression, {.time = true, .lag = true}, history.origin,
                 "the kernel of a memory");
-    for (const auto& law : plan_.laws)
+    for (const auto& law : problem_.laws)
       variables(law.expression,
                 {.place = true, .time = true, .argument = true, .coupled = !law.coupled.empty()},
                 law.origin, "a law");
-    for (const auto& term : plan_.law_terms) law_term(term);
+    for (const auto& term : problem_.law_terms) law_term(term);
     time();
-    options();
-    report();
+    return std::move(out_);
+  }
+
+  std::vector<Failure> of(const ReportSpec& report) && {
+    for (int i = 0; i < count(report.probes); ++i)
+      probe(report.probes[static_cast<std::size_t>(i)], i);
+    for (const auto& table : report.tables) {
+      every(table.every, table.origin);
+      for (const int i : table.probes)
+        index(i, count(report.probes), table.origin, "a table", "probe");
+    }
+    for (const auto& fields : report.fields) {
+      every(fields.every, fields.origin);
+      for (const auto& one : fields.fields) field(one, fields.origin);
+    }
+    for (const auto& picture : report.pictures) field(picture.field, picture.origin);
     return std::move(out_);
   }
 
@@ -71,7 +86,7 @@ private:
     return false;
   }
   bool part(int i, Origin origin, std::string_view what) {
-    return index(i, count(plan_.parts), origin, what, "part");
+    return index(i, count(problem_.parts), origin, what, "part");
   }
 
   bool derivative(int i) const {
@@ -98,15 +113,16 @@ private:
     if (s < slot::first_multiplier) {
       const int field = (s - slot::first_field) / slot::field_stride;
       return allowed.fields && field < n_fields_ &&
-             (field != field_of_u(1) || !plan_.time.is_static) &&
+             (field != field_of_u(1) || !problem_.time.is_static) &&
              derivative((s - slot::first_field) % slot::field_stride);
     }
     if (s < slot::first_inside) {
       const int term = (s - slot::first_multiplier) / 4, row = (s - slot::first_multiplier) % 4;
-      return allowed.multipliers && term < count(plan_.law_terms) &&
-             row < count(plan_.law_terms[static_cast<std::size_t>(term)].rows);
+      return allowed.multipliers && term < count(problem_.law_terms) &&
+             row < count(problem_.law_terms[static_cast<std::size_t>(term)].rows);
     }
-    if (s < slot::first_probe) return allowed.place && s - slot::first_inside < count(plan_.parts);
+    if (s < slot::first_probe)
+      return allowed.place && s - slot::first_inside < count(problem_.parts);
     return s - slot::first_probe < allowed.probes;
   }
 
@@ -123,7 +139,7 @@ private:
   }
 
   void space() {
-    const auto& space = plan_.space;
+    const auto& space = problem_.space;
     if (space.order != 1 && space.order != 2)
       wrong(space.origin, fmt::format("the space has order {}; there are 1 and 2", space.order));
     for (const auto& d : space.dirichlet) part(d.part, d.origin, "an imposed value");
@@ -159,15 +175,15 @@ private:
       }
       variables(row.offset, of_load, term.origin, "the argument of a law");
     }
-    if (!index(term.law, count(plan_.laws), term.origin, "a law term", "law")) return;
-    const auto& law = plan_.laws[static_cast<std::size_t>(term.law)];
+    if (!index(term.law, count(problem_.laws), term.origin, "a law term", "law")) return;
+    const auto& law = problem_.laws[static_cast<std::size_t>(term.law)];
     const int most = law.radial ? dim_ : 1;
     if (term.rows.empty() || count(term.rows) > most)
       wrong(term.origin, fmt::format("the argument of a law has {} rows; {} law has {}",
                                      term.rows.size(), law.radial ? "a radial" : "a scalar",
                                      law.radial ? fmt::format("1 to {}", most) : "1"));
     if (!law.coupled.empty() &&
-        std::none_of(plan_.law_terms.begin(), plan_.law_terms.end(),
+        std::none_of(problem_.law_terms.begin(), problem_.law_terms.end(),
                      [&](const LawTerm& other) { return other.name == law.coupled; }))
       wrong(term.origin, fmt::format("the bound of a law is the multiplier of `{}`, which is not "
                                      "among the terms",
@@ -175,23 +191,12 @@ private:
   }
 
   void time() {
-    const auto& time = plan_.time;
+    const auto& time = problem_.time;
     if (!time.initial.empty() && count(time.initial) != components_)
       wrong(time.origin, fmt::format("the initial state has {} components instead of {}",
                                      time.initial.size(), components_));
     for (const auto& value : time.initial)
       variables(value, of_place, time.origin, "the initial state");
-  }
-
-  void options() {
-    const auto& options = plan_.options;
-    const auto positive = [&](double value, std::string_view what) {
-      if (!(value > 0.0) || !std::isfinite(value))
-        wrong({}, fmt::format("the {} is {}, not positive", what, value));
-    };
-    positive(options.tolerance, "tolerance of the certificate");
-    positive(options.memory_tolerance, "tolerance of the memory");
-    if (options.threads < 1) wrong({}, fmt::format("{} threads", options.threads));
   }
 
   void field(const FieldSpec& field, Origin origin) {
@@ -206,22 +211,6 @@ private:
     if (steps < 1) wrong(origin, fmt::format("output every {} steps", steps));
   }
 
-  void report() {
-    const auto& report = plan_.report;
-    for (int i = 0; i < count(report.probes); ++i)
-      probe(report.probes[static_cast<std::size_t>(i)], i);
-    for (const auto& table : report.tables) {
-      every(table.every, table.origin);
-      for (const int i : table.probes)
-        index(i, count(report.probes), table.origin, "a table", "probe");
-    }
-    for (const auto& fields : report.fields) {
-      every(fields.every, fields.origin);
-      for (const auto& one : fields.fields) field(one, fields.origin);
-    }
-    for (const auto& picture : report.pictures) field(picture.field, picture.origin);
-  }
-
   void probe(const Probe& probe, int i) {
     using Kind = Probe::Kind;
     if (probe.kind == Kind::integral) part(probe.part, probe.origin, "an integral");
@@ -231,13 +220,41 @@ private:
     variables(probe.expression, allowed, probe.origin, fmt::format("`{}`", probe.name));
   }
 
-  const Plan& plan_;
+  const Problem& problem_;
   int dim_, components_, n_fields_;
   std::vector<Failure> out_;
 };
 
 } // namespace
 
-std::vector<Failure> validate(const Plan& plan, int dim) { return Validation(plan, dim).run(); }
+std::vector<Failure> validate(const Problem& problem, int dim) {
+  return Validation(problem, dim).of_problem();
+}
+
+std::vector<Failure> validate(const SolverOptions& options) {
+  std::vector<Failure> out;
+  const auto wrong = [&](const std::string& message) {
+    out.emplace_back(FailureKind::bad_value, Origin{}, message);
+  };
+  const auto positive = [&](double value, std::string_view what) {
+    if (!(value > 0.0) || !std::isfinite(value))
+      wrong(fmt::format("the {} is {}, not positive", what, value));
+  };
+  positive(options.tolerance, "tolerance of the certificate");
+  positive(options.memory_tolerance, "tolerance of the memory");
+  if (options.threads < 1) wrong(fmt::format("{} threads", options.threads));
+  return out;
+}
+
+std::vector<Failure> validate(const ReportSpec& report, const Problem& problem, int dim) {
+  return Validation(problem, dim).of(report);
+}
+
+std::vector<Failure> validate(const Plan& plan, int dim) {
+  auto out = validate(plan.problem, dim);
+  std::ranges::move(validate(plan.options), std::back_inserter(out));
+  std::ranges::move(validate(plan.report, plan.problem, dim), std::back_inserter(out));
+  return out;
+}
 
 } // namespace hvi::solver

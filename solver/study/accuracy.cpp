@@ -64,7 +64,7 @@ void Search::attempt(const Choice& choice) {
   const auto& s = choice.setting;
   AccuracyTry now;
   now.setting = s;
-  now.text = to_string(s, family_.at(s));
+  now.text = to_string(s, family_.at(s).problem);
   now.predicted_error = choice.error;
   now.steps = s.steps;
   tell_(fmt::format("chosen: {}; about {:.0f} unknowns, predicted error {:.1e}, {:.2g} CPU "

@@ -16,17 +16,18 @@ namespace {
 class Residual {
 public:
   Residual(const FineSolution& solution, const TimeSpec& time)
-      : plan_(solution.plan), d_(*solution.discretisation), layout_(make_layout(d_.space, d_.dofs)),
-        contact_(make_contact(plan_, d_, layout_)), loads_(d_.space, d_.parts, plan_.loads),
-        viscous_(matrix_of_field(plan_, d_, field_of_u(1))),
-        elastic_(matrix_of_field(plan_, d_, field_of_u(0))) {
-    for (std::size_t m = 0; m < plan_.histories.size(); ++m) {
-      memory_.push_back(matrix_of_field(plan_, d_, field_of_memory(static_cast<int>(m))));
+      : problem_(solution.problem), d_(*solution.discretisation),
+        layout_(make_layout(d_.space, d_.dofs)), contact_(make_contact(problem_, d_, layout_)),
+        loads_(d_.space, d_.parts, problem_.loads),
+        viscous_(matrix_of_field(problem_, d_, field_of_u(1))),
+        elastic_(matrix_of_field(problem_, d_, field_of_u(0))) {
+    for (std::size_t m = 0; m < problem_.histories.size(); ++m) {
+      memory_.push_back(matrix_of_field(problem_, d_, field_of_memory(static_cast<int>(m))));
       HistoryOptions options;
       options.order = 1;
       options.horizon = time.grid.back() - time.grid.front();
       options.steps = static_cast<std::int64_t>(time.grid.size()) - 1;
-      histories_.push_back(make_history(plan_.histories[m].kernel,
+      histories_.push_back(make_history(problem_.histories[m].kernel,
                                         static_cast<std::size_t>(d_.space.n_dofs()), options));
     }
   }
@@ -69,7 +70,7 @@ private:
     if (contact_.none()) return trace = 0.0;
     Vector state = Vector::Zero(layout_.n_state);
     layout_.gather(u, state);
-    prepare(contact_, plan_, t, state, Vector::Zero(contact_.n_rows()));
+    prepare(contact_, problem_, t, state, Vector::Zero(contact_.n_rows()));
     for (const auto& term : contact_.terms) {
       const Vector z = term.points.g * u + contact_.offset.segment(term.first_row, term.n_rows());
       const Vector direction = term.points.g * off;
@@ -100,7 +101,7 @@ private:
     return std::max(xi.low * along, xi.high * along);
   }
 
-  const Plan& plan_;
+  const Problem& problem_;
   const Discretisation& d_;
   StateLayout layout_;
   Contact contact_;
@@ -112,16 +113,15 @@ private:
 
 } // namespace
 
-FineSolution fine_exact(const Plan& plan, const Mesh& coarse, std::vector<Expr> exact) {
+FineSolution fine_exact(const Problem& problem, const Mesh& coarse, std::vector<Expr> exact) {
   FineSolution out;
-  out.plan = plan;
-  out.plan.space.order = 2;
-  out.plan.report = {};
+  out.problem = problem;
+  out.problem.space.order = 2;
   auto d = std::make_shared<Discretisation>();
-  const auto failures = discretise_on(out.plan, refine(coarse), *d);
+  const auto failures = discretise_on({out.problem, {}, {}}, refine(coarse), *d);
   if (!failures.empty()) throw failures.front();
   out.discretisation = d;
-  const Origin origin = plan.time.origin;
+  const Origin origin = problem.time.origin;
   std::vector<Expr> rates;
   for (const Expr& e : exact) rates.push_back(derivative(e, slot::t));
   out.u = [d, exact, origin](double t) { return interpolate(d->space, exact, t, origin); };
@@ -129,9 +129,9 @@ FineSolution fine_exact(const Plan& plan, const Mesh& coarse, std::vector<Expr> 
   return out;
 }
 
-FineSolution fine_trajectory(const Plan& plan, std::shared_ptr<const Trajectory> trajectory) {
+FineSolution fine_trajectory(const Problem& problem, std::shared_ptr<const Trajectory> trajectory) {
   FineSolution out;
-  out.plan = plan;
+  out.problem = problem;
   out.discretisation = trajectory->discretisation;
   out.u = [trajectory](double t) { return trajectory->at(t); };
   out.rate = [trajectory](double t) -> Vector {
@@ -145,18 +145,18 @@ FineSolution fine_trajectory(const Plan& plan, std::shared_ptr<const Trajectory>
   return out;
 }
 
-std::optional<CeaTerms> cea_terms(const FineSolution& solution, const Plan& plan,
+std::optional<CeaTerms> cea_terms(const FineSolution& solution, const Problem& problem,
                                   const Discretisation& coarse) {
   CeaTerms out;
-  if (plan.time.is_static) return std::nullopt;
+  if (problem.time.is_static) return std::nullopt;
   const Space& fine = solution.discretisation->space;
   // v = the interpolant of u: values of the fine function at the coarse nodes, seen in the fine
   // space.
   const SparseMatrix down = transfer(fine, coarse.space), up = transfer(coarse.space, fine);
   const SparseMatrix gram = gram_v(fine, false);
   const auto square = [&](const Vector& w) { return std::max(0.0, w.dot(gram * w)); };
-  const auto& grid = plan.time.grid;
-  Residual residual(solution, plan.time);
+  const auto& grid = problem.time.grid;
+  Residual residual(solution, problem.time);
   if (residual.unbounded()) return std::nullopt;
   Vector before = solution.u(grid.front());
   Vector off_before = up * (down * before) - before;

@@ -36,21 +36,21 @@ struct CeaTerms {
 
 /// The solution that stands for u: functions of a space finer than the run's, at any time.
 struct FineSolution {
-  Plan plan; ///< the problem; its mesh and grid are not read
+  Problem problem; ///< its mesh and grid are not read
   std::shared_ptr<const Discretisation> discretisation;
   std::function<Vector(double)> u, rate;
 };
 /// An exact solution, interpolated by P2 on the run's mesh refined once.
-FineSolution fine_exact(const Plan& plan, const Mesh& coarse, std::vector<Expr> exact);
+FineSolution fine_exact(const Problem& problem, const Mesh& coarse, std::vector<Expr> exact);
 /// The steps of a finer run; its rate is the difference quotient.
-FineSolution fine_trajectory(const Plan& plan, std::shared_ptr<const Trajectory> trajectory);
+FineSolution fine_trajectory(const Problem& problem, std::shared_ptr<const Trajectory> trajectory);
 
 /// The terms for a run on that space and the plan's time grid. R_n u is integrated with u affine on
 /// a step and exact kernel integrals: an error of order k^2 ||v - u|| in S_n, which is itself of
 /// the order of ||M(v - u)||. Nothing for a static plan, and where a law is unbounded (unilateral
 /// contact): J^0 is infinite there, the interpolant need not be admissible, and the inequality says
 /// nothing.
-std::optional<CeaTerms> cea_terms(const FineSolution& solution, const Plan& plan,
+std::optional<CeaTerms> cea_terms(const FineSolution& solution, const Problem& problem,
                                   const Discretisation& coarse);
 
 } // namespace hvi::solver

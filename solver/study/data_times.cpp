@@ -102,9 +102,10 @@ std::vector<Expr> switches_of(const Expr& node) {
 
 class DataSearch {
 public:
-  DataSearch(const Plan& plan, double least_size)
-      : begin_(plan.time.grid.front()), end_(plan.time.grid.back()),
-        functions_(time_functions(plan)), lags_(kernel_breaks(plan)), negligible_(least_size) {}
+  DataSearch(const Problem& problem, double least_size)
+      : begin_(problem.time.grid.front()), end_(problem.time.grid.back()),
+        functions_(time_functions(problem)), lags_(kernel_breaks(problem)),
+        negligible_(least_size) {}
 
   DataTimes find() {
     std::vector<double> candidates;
@@ -280,9 +281,9 @@ private:
 
 } // namespace
 
-DataTimes data_times(const Plan& plan, double negligible) {
-  if (plan.time.is_static || plan.time.grid.size() < 2) return {};
-  return DataSearch(plan, negligible).find();
+DataTimes data_times(const Problem& problem, double negligible) {
+  if (problem.time.is_static || problem.time.grid.size() < 2) return {};
+  return DataSearch(problem, negligible).find();
 }
 
 } // namespace hvi::solver

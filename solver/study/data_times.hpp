@@ -4,7 +4,7 @@
 // that no run on that grid would show.
 #pragma once
 
-#include "solver/plan/plan.hpp"
+#include "solver/plan/problem.hpp"
 
 #include <vector>
 
@@ -28,7 +28,7 @@ struct DataTimes {
 
 /// Parts of the data smaller than `negligible` times the largest of their kind are left out.
 /// Functions of x and t that do not separate are looked at at a few points of the mesh.
-DataTimes data_times(const Plan& plan, double negligible);
+DataTimes data_times(const Problem& problem, double negligible);
 
 /// How far from a jump, relative to T - t_0, the times lie that stand for its two sides.
 inline constexpr double beside_a_jump = 1e-9;

@@ -27,7 +27,7 @@ const KeptRun& Search::cheap(const Setting& setting, const std::string& purpose)
   for (const auto& r : out_.runs)
     if (r.setting == setting) return run;
   AccuracyRun record{setting,
-                     to_string(setting, family_.at(setting)),
+                     to_string(setting, family_.at(setting).problem),
                      purpose,
                      run.failure,
                      run.result.unknowns,
@@ -44,7 +44,7 @@ const KeptRun& Search::cheap(const Setting& setting, const std::string& purpose)
 void Search::record_distance(const KeptRun& run, const KeptRun& against, double d) {
   for (auto& r : out_.runs)
     if (r.setting == run.setting)
-      r.distance = d, r.against = to_string(against.setting, against.plan);
+      r.distance = d, r.against = to_string(against.setting, against.plan.problem);
 }
 
 double Search::compared(const KeptRun& coarse, const KeptRun& fine) {
@@ -73,13 +73,13 @@ int Search::climb(std::vector<Rung>& rungs, int first, int wanted, const std::st
 
 bool Search::has_time_error() const {
   if (family_.is_static()) return false;
-  const auto& forms = family_.plan().forms;
+  const auto& forms = family_.plan().problem.forms;
   return std::any_of(forms.begin(), forms.end(),
                      [](const FormTerm& f) { return f.field != field_of_u(0); });
 }
 
 Setting Search::space_setting(Element element, int level) const {
-  const auto scheme = family_.plan().time.scheme;
+  const auto scheme = family_.plan().problem.time.scheme;
   return {element.first, scheme, level, family_.is_static() ? 1 : space_steps_, element.second};
 }
 Setting Search::time_setting(Clock clock, int steps) const {
@@ -120,7 +120,7 @@ bool Search::is_singular() const {
 }
 
 void Search::choose_candidates() {
-  schemes_ = {family_.plan().time.scheme};
+  schemes_ = {family_.plan().problem.time.scheme};
   const bool fixed = out_.request.as_written;
   if (has_time_error() && !fixed) schemes_ = {Scheme::backward_euler, Scheme::bdf2};
   if (!family_.is_static())
@@ -130,7 +130,7 @@ void Search::choose_candidates() {
   for (int k = 0; k < 6 && !family_.is_static(); ++k, space_steps_ *= 2)
     if (cheap(space_setting({1, plain()}, 2), "space ladder, P1").failure.empty()) break;
   elements_ = {{1, plain()}, {2, plain()}};
-  if (fixed) elements_ = {{family_.plan().space.order, plain()}};
+  if (fixed) elements_ = {{family_.plan().problem.space.order, plain()}};
   if (family_.gradable() && !fixed && !family_.adapted())
     elements_.insert(elements_.end(), {{1, steep}, {2, steep}, {2, steeper}});
   for (const Element& element : elements_) climb_space(element, first_rungs);
@@ -204,8 +204,8 @@ Choice Search::choose() {
     if (choice->seconds > request.most_seconds)
       give_up(fmt::format("the cheapest setting ({}) would take about {:.2g} CPU seconds, more "
                           "than {:.2g}",
-                          to_string(choice->setting, family_.at(choice->setting)), choice->seconds,
-                          request.most_seconds));
+                          to_string(choice->setting, family_.at(choice->setting).problem),
+                          choice->seconds, request.most_seconds));
     if (!extend(choice->setting)) return *choice;
   }
 }

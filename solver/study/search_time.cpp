@@ -21,14 +21,14 @@ constexpr double between = 2.0;    ///< error between the steps, of the aim, whe
 constexpr double least_fall = 0.9; ///< distances that fall less do not fall
 
 /// Whether the solution can jump at the beginning: nothing there remembers u_0.
-bool may_jump_at_first(const Plan& plan) {
-  return std::none_of(plan.forms.begin(), plan.forms.end(),
+bool may_jump_at_first(const Problem& problem) {
+  return std::none_of(problem.forms.begin(), problem.forms.end(),
                       [](const FormTerm& f) { return f.field == field_of_u(1); });
 }
 
 Vector first_state(const KeptRun& run) {
   const auto& space = run.discretisation->space;
-  const auto& time = run.plan.time;
+  const auto& time = run.plan.problem.time;
   if (time.initial.empty()) return Vector::Zero(space.n_dofs());
   return interpolate(space, time.initial, time.grid.front(), time.origin);
 }
@@ -45,10 +45,10 @@ Arising arising_error(const KeptRun& coarse, const KeptRun& fine, const TimeBase
   const auto gram = gram_v(fine.discretisation->space, false);
   const auto norm = [&](const Vector& v) { return std::sqrt(std::max(0.0, v.dot(gram * v))); };
   const auto time = [](const KeptRun& run, std::size_t i) {
-    return run.plan.time.grid[static_cast<std::size_t>(run.steps[i])];
+    return run.plan.problem.time.grid[static_cast<std::size_t>(run.steps[i])];
   };
   Arising out{std::vector<double>(base.grid.size() - 1, 0.0), 0.0};
-  const bool skips_first = may_jump_at_first(fine.plan);
+  const bool skips_first = may_jump_at_first(fine.plan.problem);
   Vector left = first_state(coarse), begun = Vector::Zero(left.size()), error = begun;
   double left_time = base.grid.front(), size = norm(left);
   std::size_t interval = 0, i = 0;

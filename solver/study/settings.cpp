@@ -86,35 +86,35 @@ bool is_uneven(const std::vector<double>& times) {
 
 } // namespace
 
-std::string to_string(const Setting& setting, const Plan& plan) {
+std::string to_string(const Setting& setting, const Problem& problem) {
   std::string mesh;
-  const int dim = dimension(plan.mesh);
-  if (plan.mesh.kind == MeshSpec::Kind::file || plan.mesh.kind == MeshSpec::Kind::geometry) {
-    mesh = fmt::format("mesh refined {} times", plan.mesh.refinements);
+  const int dim = dimension(problem.mesh);
+  if (problem.mesh.kind == MeshSpec::Kind::file || problem.mesh.kind == MeshSpec::Kind::geometry) {
+    mesh = fmt::format("mesh refined {} times", problem.mesh.refinements);
   } else {
     for (int a = 0; a < dim; ++a)
-      mesh += fmt::format("{}{}", a ? " x " : "", cells_along(plan.mesh, a));
+      mesh += fmt::format("{}{}", a ? " x " : "", cells_along(problem.mesh, a));
     mesh += " cells";
   }
-  if (plan.mesh.adapted > 0)
-    mesh = fmt::format("adapted to {} cells", plan.mesh.adapted);
+  if (problem.mesh.adapted > 0)
+    mesh = fmt::format("adapted to {} cells", problem.mesh.adapted);
   else if (setting.grade != 1.0)
     mesh += fmt::format(" graded {}", setting.grade);
   std::string out = fmt::format("P{}, ", setting.order);
-  if (plan.time.is_static) return out + mesh;
+  if (problem.time.is_static) return out + mesh;
   return out + fmt::format("{}, {}, {}{} steps",
                            setting.scheme == Scheme::bdf2 ? "bdf2" : "backward Euler", mesh,
-                           setting.steps, is_uneven(plan.time.grid) ? " uneven" : "");
+                           setting.steps, is_uneven(problem.time.grid) ? " uneven" : "");
 }
 
-SettingFamily::SettingFamily(const Plan& plan) : plan_(plan), dim_(dimension(plan.mesh)) {
+SettingFamily::SettingFamily(const Plan& plan) : plan_(plan), dim_(dimension(plan.problem.mesh)) {
   find_coarsest_mesh();
-  if (!plan_.time.is_static) bases_ = {script_base(plan_.time)};
+  if (!plan_.problem.time.is_static) bases_ = {script_base(plan_.problem.time)};
 }
 
 void SettingFamily::follow_data(double negligible) {
   if (is_static()) return;
-  bases_.front() = data_base(plan_.time, data_times(plan_, negligible));
+  bases_.front() = data_base(plan_.problem.time, data_times(plan_.problem, negligible));
 }
 
 int SettingFamily::add_base(TimeBase base) {
@@ -123,7 +123,7 @@ int SettingFamily::add_base(TimeBase base) {
 }
 
 void SettingFamily::find_coarsest_mesh() {
-  MeshSpec& mesh = plan_.mesh;
+  MeshSpec& mesh = plan_.problem.mesh;
   bisected_ = mesh.kind == MeshSpec::Kind::file || mesh.kind == MeshSpec::Kind::geometry;
   if (bisected_) {
     const Mesh first = make_mesh(mesh);
@@ -131,7 +131,7 @@ void SettingFamily::find_coarsest_mesh() {
     first_cells_ = static_cast<double>(first.cells.size());
     return;
   }
-  gradable_ = dim_ > 1 && std::all_of(plan_.parts.begin(), plan_.parts.end(),
+  gradable_ = dim_ > 1 && std::all_of(plan_.problem.parts.begin(), plan_.problem.parts.end(),
                                       [](const PartSpec& p) { return is_whole(p.region); });
   for (int a = 0; a < dim_; ++a) {
     auto& lines = mesh.grading[a];
@@ -164,7 +164,7 @@ void SettingFamily::find_coarsest_mesh() {
 }
 
 MeshSpec SettingFamily::adapted_mesh_at(int level) const {
-  MeshSpec out = plan_.mesh;
+  MeshSpec out = plan_.problem.mesh;
   for (int a = 0; a < dim_ && !bisected_; ++a)
     if (grades_[a] != 1.0)
       out.grading[a] = graded(out.low[a], out.high[a], out.cells[a], grades_[a]);
@@ -174,7 +174,7 @@ MeshSpec SettingFamily::adapted_mesh_at(int level) const {
 
 MeshSpec SettingFamily::mesh_at(int level, double grade) const {
   if (grade == adaptive || adapted()) return adapted_mesh_at(level);
-  MeshSpec out = plan_.mesh;
+  MeshSpec out = plan_.problem.mesh;
   if (bisected_) {
     out.refinements += static_cast<int>(std::lround(std::log2(level)));
     return out;
@@ -209,13 +209,13 @@ std::vector<double> SettingFamily::grid_at(int steps, int base) const {
 
 Plan SettingFamily::at(const Setting& setting) const {
   Plan out = plan_;
-  out.mesh = mesh_at(setting.level, setting.grade);
-  out.space.order = setting.order;
+  out.problem.mesh = mesh_at(setting.level, setting.grade);
+  out.problem.space.order = setting.order;
   if (is_static()) return out;
   const double more =
-      static_cast<double>(setting.steps) / static_cast<double>(plan_.time.grid.size() - 1);
-  out.time.grid = grid_at(setting.steps, setting.base);
-  out.time.scheme = setting.scheme;
+      static_cast<double>(setting.steps) / static_cast<double>(plan_.problem.time.grid.size() - 1);
+  out.problem.time.grid = grid_at(setting.steps, setting.base);
+  out.problem.time.scheme = setting.scheme;
   const auto thinned = [&](int every) {
     return std::max(1, static_cast<int>(std::lround(every * more)));
   };

@@ -23,7 +23,7 @@ struct Setting {
   friend auto operator<=>(const Setting&, const Setting&) = default;
 };
 /// "P2, bdf2, 32 x 16 cells, 40 steps"; meshes from files: "refined 2 times".
-std::string to_string(const Setting& setting, const Plan& plan);
+std::string to_string(const Setting& setting, const Problem& problem);
 
 /// The family of settings around a plan. Structured meshes are coarsened while all numbers of cells
 /// are even, so that lines the data follow (kinks of a load, ends of parts) stay mesh lines, and
@@ -37,11 +37,11 @@ public:
 
   /// The plan at a setting. Tables keep their rows: `every` grows with the steps.
   Plan at(const Setting& setting) const;
-  bool is_static() const { return plan_.time.is_static; }
+  bool is_static() const { return plan_.problem.time.is_static; }
   /// Levels are powers of two only (a mesh that is bisected).
   bool bisected() const { return bisected_; }
   /// Does the script itself ask for an adapted mesh? Then all settings do.
-  bool adapted() const { return plan_.mesh.adapted > 0; }
+  bool adapted() const { return plan_.problem.mesh.adapted > 0; }
   /// May a mesh be graded? A uniform structured one whose parts are named sides or everything:
   /// predicates and points rely on where the lines are.
   bool gradable() const { return gradable_; }

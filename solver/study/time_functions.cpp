@@ -53,7 +53,7 @@ std::vector<Values> places_of(const MeshSpec& mesh) {
 /// Gathers functions of time. Points are made only where something varies in space.
 class Gathering {
 public:
-  explicit Gathering(const Plan& plan) : plan_(plan) {}
+  explicit Gathering(const Problem& problem) : problem_(problem) {}
 
   /// f(x, t): a sum of products, or at points.
   void add(const Expr& f, TimeFunction::Kind kind) {
@@ -82,7 +82,7 @@ public:
 
 private:
   const std::vector<Values>& places() {
-    if (places_.empty()) places_ = places_of(plan_.mesh);
+    if (places_.empty()) places_ = places_of(problem_.mesh);
     return places_;
   }
 
@@ -114,7 +114,7 @@ private:
     out_.push_back(found);
   }
 
-  const Plan& plan_;
+  const Problem& problem_;
   std::vector<Values> places_;
   int groups_ = 0;
   std::vector<TimeFunction> out_;
@@ -122,25 +122,25 @@ private:
 
 } // namespace
 
-std::vector<TimeFunction> time_functions(const Plan& plan) {
+std::vector<TimeFunction> time_functions(const Problem& problem) {
   using K = TimeFunction::Kind;
-  Gathering all(plan);
-  for (const auto& load : plan.loads)
+  Gathering all(problem);
+  for (const auto& load : problem.loads)
     for (const auto& entry : load.entries) all.add(entry.value, K::load);
-  for (const auto& side : plan.space.dirichlet)
+  for (const auto& side : problem.space.dirichlet)
     for (const Expr& value : side.value) all.add(value, K::imposed);
-  for (const auto& term : plan.law_terms)
+  for (const auto& term : problem.law_terms)
     for (const auto& row : term.rows) all.add(row.offset, K::law);
-  for (const auto& law : plan.laws) all.add_parts(law.expression, K::law);
-  for (const auto& history : plan.histories) all.add_parts(history.kernel.expression, K::kernel);
+  for (const auto& law : problem.laws) all.add_parts(law.expression, K::law);
+  for (const auto& history : problem.histories) all.add_parts(history.kernel.expression, K::kernel);
   return all.take();
 }
 
-std::vector<double> kernel_breaks(const Plan& plan) {
+std::vector<double> kernel_breaks(const Problem& problem) {
   std::vector<double> out;
-  if (plan.time.grid.size() < 2) return out;
-  const double horizon = plan.time.grid.back() - plan.time.grid.front();
-  for (const auto& history : plan.histories) {
+  if (problem.time.grid.size() < 2) return out;
+  const double horizon = problem.time.grid.back() - problem.time.grid.front();
+  for (const auto& history : problem.histories) {
     const auto traits = kernel_traits(history.kernel.expression, horizon);
     out.insert(out.end(), traits.breaks.begin(), traits.breaks.end());
     if (traits.max_lag > 0.0) out.push_back(traits.max_lag);

@@ -1,7 +1,7 @@
 // The functions of time in a plan: what multiplies what in space is taken apart first.
 #pragma once
 
-#include "solver/plan/plan.hpp"
+#include "solver/plan/problem.hpp"
 
 #include <vector>
 
@@ -17,9 +17,9 @@ struct TimeFunction {
 };
 
 /// All functions of t in loads, imposed values, offsets and expressions of laws, and kernels.
-std::vector<TimeFunction> time_functions(const Plan& plan);
+std::vector<TimeFunction> time_functions(const Problem& problem);
 
 /// Lags at which the kernels of a plan have a kink or a jump, sorted.
-std::vector<double> kernel_breaks(const Plan& plan);
+std::vector<double> kernel_breaks(const Problem& problem);
 
 } // namespace hvi::solver

@@ -105,12 +105,12 @@ private:
 };
 
 /// Numbers for the sets of parts of cells that forms act on: materials may change between them.
-std::vector<int> kinds_of_cells(const Plan& plan, const Discretisation& d) {
+std::vector<int> kinds_of_cells(const Problem& problem, const Discretisation& d) {
   std::vector<std::vector<bool>> inside(d.mesh.cells.size());
   for (std::size_t p = 0; p < d.parts.size(); ++p) {
-    const bool used = std::any_of(plan.forms.begin(), plan.forms.end(), [&](const FormTerm& form) {
-      return form.part == static_cast<int>(p);
-    });
+    const bool used =
+        std::any_of(problem.forms.begin(), problem.forms.end(),
+                    [&](const FormTerm& form) { return form.part == static_cast<int>(p); });
     if (!used || d.parts[p].kind != Group::Kind::cells) continue;
     for (auto& cell : inside) cell.push_back(false);
     for (const std::int32_t cell : d.parts[p].entities) inside[cell].back() = true;
@@ -125,14 +125,15 @@ std::vector<int> kinds_of_cells(const Plan& plan, const Discretisation& d) {
 /// The plan whose runs are looked at: few steps, nothing reported.
 Plan trial(const Plan& plan, int steps) {
   Plan out = plan;
-  out.mesh.adapted = 0;
+  out.problem.mesh.adapted = 0;
   out.report = {};
-  if (plan.time.is_static || plan.time.grid.size() < 2) return out;
-  out.time.scheme = Scheme::backward_euler;
-  const double first = plan.time.grid.front(), last = plan.time.grid.back();
-  out.time.grid.clear();
-  for (int n = 0; n <= steps; ++n) out.time.grid.push_back(first + (last - first) * n / steps);
-  out.time.grid.back() = last;
+  if (plan.problem.time.is_static || plan.problem.time.grid.size() < 2) return out;
+  out.problem.time.scheme = Scheme::backward_euler;
+  const double first = plan.problem.time.grid.front(), last = plan.problem.time.grid.back();
+  out.problem.time.grid.clear();
+  for (int n = 0; n <= steps; ++n)
+    out.problem.time.grid.push_back(first + (last - first) * n / steps);
+  out.problem.time.grid.back() = last;
   return out;
 }
 
@@ -142,7 +143,7 @@ std::vector<double> look(const Plan& plan, const Mesh& mesh, const std::atomic<b
   Discretisation d;
   const auto failures = discretise_on(trial(plan, steps), mesh, d);
   if (!failures.empty()) throw failures.front();
-  const auto kinds = kinds_of_cells(plan, d);
+  const auto kinds = kinds_of_cells(plan.problem, d);
   for (;;) {
     std::vector<double> out(d.mesh.cells.size(), 0.0);
     RunSettings settings;
@@ -159,7 +160,7 @@ std::vector<double> look(const Plan& plan, const Mesh& mesh, const std::atomic<b
       // Laws that soften need short steps; failures for other reasons remain.
       const bool uncertain = failure.kind == FailureKind::not_certified ||
                              failure.kind == FailureKind::mostly_rounding;
-      const bool shorter = uncertain && !plan.time.is_static;
+      const bool shorter = uncertain && !plan.problem.time.is_static;
       if (!shorter || steps >= most_steps) throw;
       steps *= 2;
     }
@@ -207,10 +208,10 @@ std::vector<std::int32_t> marked_cells(std::span<const double> indicators, doubl
 }
 
 Mesh adapted_mesh(const Plan& plan, const std::atomic<bool>* stop) {
-  MeshSpec spec = plan.mesh;
+  MeshSpec spec = plan.problem.mesh;
   spec.adapted = 0;
   const Mesh first = make_mesh(spec);
-  const auto most = static_cast<std::size_t>(std::max(plan.mesh.adapted, 0));
+  const auto most = static_cast<std::size_t>(std::max(plan.problem.mesh.adapted, 0));
   Bisection now(first);
   Mesh mesh = first;
   int steps = first_steps, round = 0;
@@ -244,9 +245,9 @@ Mesh adapted_mesh(const Plan& plan, const std::atomic<bool>* stop) {
 
 std::string adapted_key(const Plan& plan) {
   Plan key = trial(plan, 1);
-  key.mesh.adapted = plan.mesh.adapted;
+  key.problem.mesh.adapted = plan.problem.mesh.adapted;
   key.options = {};
-  key.effects.clear();
+  key.problem.effects.clear();
   return to_string(key);
 }
 

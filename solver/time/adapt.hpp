@@ -27,10 +27,10 @@ std::vector<double> recovery_indicator(const Space& space, const Vector& u,
 /// The fewest cells whose indicators add up to `bulk` of the sum of all, largest first.
 std::vector<std::int32_t> marked_cells(std::span<const double> indicators, double bulk);
 
-/// The mesh of plan.mesh (without `adapted`), bisected to at most plan.mesh.adapted cells where the
-/// problem's own solution on the mesh so far, at a few times, has its errors. Depends on neither
-/// the time grid nor the scheme; meshes for fewer cells are coarser versions of those for more.
-/// Throws what the problem throws on a coarse mesh, and Failure(interrupted).
+/// The mesh of plan.problem.mesh (without `adapted`), bisected to at most plan.problem.mesh.adapted
+/// cells where the problem's own solution on the mesh so far, at a few times, has its errors.
+/// Depends on neither the time grid nor the scheme; meshes for fewer cells are coarser versions of
+/// those for more. Throws what the problem throws on a coarse mesh, and Failure(interrupted).
 Mesh adapted_mesh(const Plan& plan, const std::atomic<bool>* stop = nullptr);
 
 /// What the adapted mesh depends on, as text: two plans with the same have the same mesh.

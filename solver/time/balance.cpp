@@ -16,7 +16,7 @@ constexpr int worth_halving = 12;
 
 Balance::Balance(const Plan& plan, const Discretisation& discretisation,
                  const Formulation& formulation, const Evolution& evolution)
-    : plan_(plan), discretisation_(discretisation), formulation_(formulation),
+    : problem_(plan.problem), discretisation_(discretisation), formulation_(formulation),
       operators_(formulation.operators()), evolution_(evolution) {
   const auto& layout = formulation.layout();
   state_ = Vector::Zero(layout.n_state);
@@ -42,7 +42,7 @@ Vector Balance::coefficients(int n) const {
 void Balance::load(int n, Vector& out) const {
   const auto& grid = evolution_.grid();
   out.setZero(formulation_.layout().n_unknowns);
-  if (plan_.time.sampling == LoadSampling::average && !grid.is_static())
+  if (problem_.time.sampling == LoadSampling::average && !grid.is_static())
     formulation_.loads().add_mean(grid.t(n - 1), grid.t(n), out);
   else
     formulation_.loads().add(grid.t(n), out);
@@ -54,7 +54,8 @@ void Balance::known_state(int n, Vector& out) {
   out = u;
   if (!formulation_.imposed()) return;
   layout.scatter(u, full_);
-  impose(discretisation_.space, plan_.space, discretisation_.dofs, evolution_.grid().t(n), full_);
+  impose(discretisation_.space, problem_.space, discretisation_.dofs, evolution_.grid().t(n),
+         full_);
   layout.gather(full_, out);
   out.head(layout.n_unknowns) = u.head(layout.n_unknowns);
 }

@@ -77,7 +77,7 @@ public:
 private:
   void halve_bases(int threads);
 
-  const Plan& plan_;
+  const Problem& problem_;
   const Discretisation& discretisation_;
   const Formulation& formulation_;
   const Operators& operators_;

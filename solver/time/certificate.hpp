@@ -45,7 +45,7 @@ void find_reach(const Vector& diagonal, const Vector& kd, const Vector& d, const
 
 struct Inclusion {
   double worst = 0.0;   ///< max_p dist(xi_p, dj_p(z_p)) / max(|xi|_inf, slope scale of the law)
-  int worst_term = -1;  ///< index into Plan::law_terms
+  int worst_term = -1;  ///< index into Problem::law_terms
   int worst_point = -1; ///< index into ReducedProblem::points
 };
 /// Inclusion xi_p in dj_p(z_p) at z = G u + offset, with |xi|_inf taken over the points of the law.

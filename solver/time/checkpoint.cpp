@@ -88,22 +88,22 @@ private:
 
 void add_tables(const Plan& plan, Hash& hash) {
   TableVisitor tables(hash);
-  for (const auto& part : plan.parts) tables.visit(part.region);
-  for (const auto& d : plan.space.dirichlet) tables.visit(d.value);
-  for (const auto& form : plan.forms)
+  for (const auto& part : plan.problem.parts) tables.visit(part.region);
+  for (const auto& d : plan.problem.space.dirichlet) tables.visit(d.value);
+  for (const auto& form : plan.problem.forms)
     for (const auto& entry : form.entries) tables.visit(entry.coefficient);
-  for (const auto& load : plan.loads)
+  for (const auto& load : plan.problem.loads)
     for (const auto& entry : load.entries) tables.visit(entry.value);
-  for (const auto& history : plan.histories) tables.visit(history.kernel.expression);
-  for (const auto& law : plan.laws) tables.visit(law.expression);
-  for (const auto& term : plan.law_terms) {
+  for (const auto& history : plan.problem.histories) tables.visit(history.kernel.expression);
+  for (const auto& law : plan.problem.laws) tables.visit(law.expression);
+  for (const auto& term : plan.problem.law_terms) {
     tables.visit(term.factor);
     for (const auto& row : term.rows) {
       tables.visit(row.offset);
       for (const auto& c : row.u) tables.visit(c);
     }
   }
-  tables.visit(plan.time.initial);
+  tables.visit(plan.problem.time.initial);
   for (const auto& probe : plan.report.probes) tables.visit(probe.expression);
   for (const auto& fields : plan.report.fields)
     for (const auto& field : fields.fields) tables.visit(field.components);
@@ -134,10 +134,11 @@ std::uint64_t hash_of(std::string_view bytes) { return hash_of_bytes(bytes.data(
 std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh) {
   Hash hash;
   Plan same = plan; // what may differ between two places or machines is left out
-  same.mesh.path.clear();
+  same.problem.mesh.path.clear();
   same.options.threads = 1;
-  same.time.grid.clear(); // a run may go on beyond its end: the state knows the steps taken
-  for (auto& history : same.histories) history.route.reset(); // audits choose it: saved state
+  same.problem.time.grid.clear(); // a run may go on beyond its end: the state knows the steps taken
+  for (auto& history : same.problem.histories)
+    history.route.reset(); // audits choose it: saved state
   hash.add(to_string(same));
   hash.add_number(plan.options.proportional_path);
   hash.add_number(plan.options.reduced_precision);

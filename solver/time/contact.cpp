@@ -14,22 +14,22 @@ constexpr int most_condensed = 12000;
 constexpr int always_condensed = 300;
 constexpr double most_condensed_share = 0.3;
 
-void make_laws(const Plan& plan, Contact& out) {
-  for (const auto& spec : plan.laws) out.laws.push_back(std::make_unique<Law>(spec));
+void make_laws(const Problem& problem, Contact& out) {
+  for (const auto& spec : problem.laws) out.laws.push_back(std::make_unique<Law>(spec));
   for (const auto& law : out.laws) out.problem.laws.push_back(law.get());
 }
 
 /// Points of all terms, with a graph each, or one per law that is the same everywhere.
-void add_points(const Plan& plan, Contact& out, const ContactTerm& term, double t) {
-  const int law = plan.law_terms[term.points.law_term].law;
+void add_points(const Problem& problem, Contact& out, const ContactTerm& term, double t) {
+  const int law = problem.law_terms[term.points.law_term].law;
   const auto& graph_of = *out.laws[law];
-  auto& problem = out.problem;
+  auto& inequality = out.problem;
   for (int p = 0; p < term.n_points(); ++p) {
     if (p == 0 || graph_of.depends_on_x())
-      problem.graphs.push_back(graph_of.graph(term.points.x[p], t));
-    problem.points.push_back({law, term.points.law_term, term.first_row + p * term.points.rows,
-                              term.points.rows, term.points.weight[p],
-                              static_cast<int>(problem.graphs.size()) - 1});
+      inequality.graphs.push_back(graph_of.graph(term.points.x[p], t));
+    inequality.points.push_back({law, term.points.law_term, term.first_row + p * term.points.rows,
+                                 term.points.rows, term.points.weight[p],
+                                 static_cast<int>(inequality.graphs.size()) - 1});
   }
 }
 
@@ -49,14 +49,14 @@ double softening(const Law& law, const ContactTerm& term, const TimeSpec& time) 
 }
 
 /// Finds the rows whose multipliers coupled laws read: of a scalar law at the very same points.
-void couple(const Plan& plan, Contact& out) {
+void couple(const Problem& problem, Contact& out) {
   for (auto& term : out.terms) {
-    const auto& spec = plan.law_terms[term.points.law_term];
-    const std::string& wanted = plan.laws[spec.law].coupled;
+    const auto& spec = problem.law_terms[term.points.law_term];
+    const std::string& wanted = problem.laws[spec.law].coupled;
     if (wanted.empty()) continue;
     out.coupled = true;
     for (const auto& other : out.terms) {
-      const auto& there = plan.law_terms[other.points.law_term];
+      const auto& there = problem.law_terms[other.points.law_term];
       if (there.name == wanted && other.points.rows == 1 && other.points.x == term.points.x)
         term.coupled_row = other.first_row;
     }
@@ -120,32 +120,32 @@ void restrict_to_unknowns(Contact& out, int n_unknowns) {
 
 } // namespace
 
-Contact make_contact(const Plan& plan, const Discretisation& d, const StateLayout& layout) {
+Contact make_contact(const Problem& problem, const Discretisation& d, const StateLayout& layout) {
   Contact out;
-  const double t = plan.time.is_static ? 0.0 : plan.time.grid.front();
-  make_laws(plan, out);
+  const double t = problem.time.is_static ? 0.0 : problem.time.grid.front();
+  make_laws(problem, out);
   out.scales.assign(out.laws.size(), 0.0);
   out.softening.assign(out.laws.size(), 0.0);
   int n_rows = 0;
-  for (std::size_t l = 0; l < plan.law_terms.size(); ++l) {
-    const auto& spec = plan.law_terms[l];
+  for (std::size_t l = 0; l < problem.law_terms.size(); ++l) {
+    const auto& spec = problem.law_terms[l];
     ContactTerm term{assemble_law(d.space, d.parts[spec.part], spec, static_cast<int>(l),
                                   out.laws[spec.law]->spec().radial),
                      static_cast<int>(out.problem.points.size()),
                      n_rows,
                      -1,
                      {}};
-    add_points(plan, out, term, t);
+    add_points(problem, out, term, t);
     n_rows += term.n_rows();
     if (term.n_points() > 0) {
       const auto numbers = out.laws[spec.law]->constants(term.points.x[0], t);
       out.scales[spec.law] = std::max(out.scales[spec.law], numbers.slope_scale);
       out.softening[spec.law] =
-          std::max(out.softening[spec.law], softening(*out.laws[spec.law], term, plan.time));
+          std::max(out.softening[spec.law], softening(*out.laws[spec.law], term, problem.time));
     }
     out.terms.push_back(std::move(term));
   }
-  couple(plan, out);
+  couple(problem, out);
   out.g = stacked(out.terms, layout, n_rows);
   out.offset = out.problem.offset = Vector::Zero(n_rows);
   choose_unknowns(out, layout.n_unknowns);
@@ -153,9 +153,10 @@ Contact make_contact(const Plan& plan, const Discretisation& d, const StateLayou
   return out;
 }
 
-void prepare(Contact& contact, const Plan& plan, double t, const Vector& known, const Vector& xi) {
+void prepare(Contact& contact, const Problem& problem, double t, const Vector& known,
+             const Vector& xi) {
   for (auto& term : contact.terms) {
-    const auto& spec = plan.law_terms[term.points.law_term];
+    const auto& spec = problem.law_terms[term.points.law_term];
     Vector& values = term.offsets;
     law_offsets(term.points, spec, t, values);
     contact.offset.segment(term.first_row, term.n_rows()) = values;
@@ -179,11 +180,12 @@ void prepare(Contact& contact, const Plan& plan, double t, const Vector& known, 
       size[row] += std::abs(it.value() * known[it.col()]);
 }
 
-void arguments_of(const Contact& contact, const Plan& plan, double t, const Vector& u, Vector& z) {
+void arguments_of(const Contact& contact, const Problem& problem, double t, const Vector& u,
+                  Vector& z) {
   z.noalias() = contact.g * u;
   Vector offsets;
   for (const auto& term : contact.terms) {
-    law_offsets(term.points, plan.law_terms[term.points.law_term], t, offsets);
+    law_offsets(term.points, problem.law_terms[term.points.law_term], t, offsets);
     z.segment(term.first_row, term.n_rows()) += offsets;
   }
 }

@@ -44,15 +44,17 @@ struct Contact {
 
 /// Laws whose points touch most unknowns (or very many) are not condensed: a dense Schur complement
 /// would cost more than the sparse matrix itself.
-Contact make_contact(const Plan& plan, const Discretisation& discretisation,
+Contact make_contact(const Problem& problem, const Discretisation& discretisation,
                      const StateLayout& layout);
 
 /// Sets offset, graphs of laws that change in time, and the reduced problem's known part. `xi`: the
 /// multipliers that coupled laws read.
-void prepare(Contact& contact, const Plan& plan, double t, const Vector& known, const Vector& xi);
+void prepare(Contact& contact, const Problem& problem, double t, const Vector& known,
+             const Vector& xi);
 
 /// The arguments of all laws of a state at time t.
-void arguments_of(const Contact& contact, const Plan& plan, double t, const Vector& u, Vector& z);
+void arguments_of(const Contact& contact, const Problem& problem, double t, const Vector& u,
+                  Vector& z);
 
 /// Multiplier of point p of a term in the global frame (scalar laws: component 0).
 std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& xi, int point);

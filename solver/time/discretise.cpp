@@ -34,10 +34,10 @@ Failure with_origin(const Failure& failure, Origin origin) {
   return Failure(failure.kind, origin, failure.what(), failure.help);
 }
 
-bool resolve_parts(const Plan& plan, Discretisation& out, std::vector<Failure>& failures) {
+bool resolve_parts(const Problem& problem, Discretisation& out, std::vector<Failure>& failures) {
   const auto before = failures.size();
   out.parts.clear();
-  for (const auto& part : plan.parts) {
+  for (const auto& part : problem.parts) {
     out.parts.emplace_back();
     try {
       out.parts.back() = resolve(out.mesh, part.region);
@@ -52,10 +52,10 @@ bool resolve_parts(const Plan& plan, Discretisation& out, std::vector<Failure>& 
 /// the pattern of its cells (a form and their sum) do not fit. A node of P1 has 3, 7 and 15
 /// neighbours in a regular mesh, itself among them; of P2, which has 2, 4 and 8 times as many,
 /// 4, 11.5 and 28.
-void require_space(const Plan& plan, int dim, double nodes, double bytes_of_mesh) {
+void require_space(const Problem& problem, int dim, double nodes, double bytes_of_mesh) {
   static constexpr double neighbours[2][3] = {{3, 7, 15}, {4, 11.5, 28}};
-  const bool quadratic = plan.space.order == 2;
-  const int components = plan.space.vector ? dim : 1;
+  const bool quadratic = problem.space.order == 2;
+  const int components = problem.space.vector ? dim : 1;
   const double space_nodes = nodes * (quadratic ? std::exp2(dim) : 1.0);
   const double entries = space_nodes * neighbours[quadratic ? 1 : 0][dim - 1];
   const double matrix = entries * components * components * (sizeof(double) + sizeof(int));
@@ -65,8 +65,8 @@ void require_space(const Plan& plan, int dim, double nodes, double bytes_of_mesh
 }
 
 /// Before the first cell is made.
-void require_structured(const Plan& plan) {
-  const MeshSpec& spec = plan.mesh;
+void require_structured(const Problem& problem) {
+  const MeshSpec& spec = problem.mesh;
   const int dim = spec.kind == MeshSpec::Kind::interval    ? 1
                   : spec.kind == MeshSpec::Kind::rectangle ? 2
                   : spec.kind == MeshSpec::Kind::box       ? 3
@@ -77,16 +77,16 @@ void require_structured(const Plan& plan) {
     boxes *= spec.grading[a].empty() ? spec.cells[a] : static_cast<double>(spec.grading[a].size());
   const double cells = boxes * (dim == 3 ? 6 : dim == 2 ? (spec.crossed ? 4 : 2) : 1);
   const double bytes = cells * (4 * sizeof(std::int32_t)) + boxes * sizeof(Point);
-  require_space(plan, dim, boxes * (spec.crossed ? 2 : 1), bytes);
+  require_space(problem, dim, boxes * (spec.crossed ? 2 : 1), bytes);
 }
 
-void check_grid(const Plan& plan, std::vector<Failure>& failures) {
-  const auto& time = plan.time;
+void check_grid(const Problem& problem, std::vector<Failure>& failures) {
+  const auto& time = problem.time;
   const auto bad = [&](const std::string& message, Origin origin) {
     failures.emplace_back(FailureKind::bad_value, origin, message);
   };
   if (time.is_static) {
-    for (const auto& form : plan.forms)
+    for (const auto& form : problem.forms)
       if (form.field != field_of_u(0))
         bad("a static problem has neither a rate nor memory", form.origin);
     return;
@@ -101,17 +101,18 @@ void check_grid(const Plan& plan, std::vector<Failure>& failures) {
 }
 
 /// u(t0) on eliminated dofs must be what the imposed values say there (to rounding).
-void check_initial(const Plan& plan, const Discretisation& d) {
-  if (plan.time.is_static || plan.time.grid.empty()) return;
-  const double t0 = plan.time.grid.front();
+void check_initial(const Problem& problem, const Discretisation& d) {
+  if (problem.time.is_static || problem.time.grid.empty()) return;
+  const double t0 = problem.time.grid.front();
   Vector u = Vector::Zero(d.space.n_dofs());
-  if (!plan.time.initial.empty()) u = interpolate(d.space, plan.time.initial, t0, plan.time.origin);
+  if (!problem.time.initial.empty())
+    u = interpolate(d.space, problem.time.initial, t0, problem.time.origin);
   Vector imposed = u;
-  impose(d.space, plan.space, d.dofs, t0, imposed);
+  impose(d.space, problem.space, d.dofs, t0, imposed);
   const double scale = std::max(u.lpNorm<Eigen::Infinity>(), imposed.lpNorm<Eigen::Infinity>());
   for (const auto& e : d.dofs.eliminated) {
     if (std::abs(imposed[e.dof] - u[e.dof]) <= 1e-9 * scale) continue;
-    throw Failure(FailureKind::bad_value, plan.space.dirichlet[e.dirichlet].origin,
+    throw Failure(FailureKind::bad_value, problem.space.dirichlet[e.dirichlet].origin,
                   fmt::format("the value imposed at t = {} is {:.6g}, the initial state is {:.6g} "
                               "({})",
                               t0, imposed[e.dof], u[e.dof], describe_dof(d.space, e.dof)),
@@ -119,10 +120,11 @@ void check_initial(const Plan& plan, const Discretisation& d) {
   }
 }
 
-void check_probe_points(const Plan& plan, const Discretisation& d, std::vector<Failure>& failures) {
-  const CellLocator locator(d.mesh, plan.report.probes.size());
+void check_probe_points(const ReportSpec& report, const Discretisation& d,
+                        std::vector<Failure>& failures) {
+  const CellLocator locator(d.mesh, report.probes.size());
   std::array<double, 4> barycentric{};
-  for (const auto& probe : plan.report.probes) {
+  for (const auto& probe : report.probes) {
     if (probe.kind != Probe::Kind::at_point || locator.find(probe.point, barycentric) >= 0)
       continue;
     failures.emplace_back(FailureKind::bad_value, probe.origin,
@@ -132,15 +134,16 @@ void check_probe_points(const Plan& plan, const Discretisation& d, std::vector<F
 }
 
 void check_times(const Plan& plan, std::vector<Failure>& failures) {
-  const auto& grid = plan.time.grid;
+  const auto& grid = plan.problem.time.grid;
   const auto check = [&](const std::optional<double>& time, Origin origin,
                          const std::string& name) {
     if (!time) return;
-    if (!plan.time.is_static && grid.size() > 1 && *time >= grid.front() && *time <= grid.back())
+    if (!plan.problem.time.is_static && grid.size() > 1 && *time >= grid.front() &&
+        *time <= grid.back())
       return;
     failures.emplace_back(
         FailureKind::bad_value, origin,
-        plan.time.is_static
+        plan.problem.time.is_static
             ? fmt::format("`{}` asks for a time of a static problem", name)
             : fmt::format("the time {} of `{}` is outside the time interval", *time, name));
   };
@@ -155,15 +158,15 @@ std::vector<Failure> discretise(const Plan& plan, Discretisation& out,
                                 const std::atomic<bool>* stop) {
   const double start = cpu_seconds();
   Mesh mesh;
-  require_structured(plan);
+  require_structured(plan.problem);
   try {
-    mesh = plan.mesh.adapted > 0 ? adapted_mesh(plan, stop) : make_mesh(plan.mesh);
+    mesh = plan.problem.mesh.adapted > 0 ? adapted_mesh(plan, stop) : make_mesh(plan.problem.mesh);
   } catch (const Failure& failure) {
     if (failure.kind == FailureKind::interrupted) throw;
     std::vector<Failure> failures;
-    check_grid(plan, failures);
+    check_grid(plan.problem, failures);
     check_times(plan, failures);
-    failures.push_back(with_origin(failure, plan.mesh.origin));
+    failures.push_back(with_origin(failure, plan.problem.mesh.origin));
     return failures;
   }
   auto failures = discretise_on(plan, std::move(mesh), out);
@@ -174,22 +177,23 @@ std::vector<Failure> discretise(const Plan& plan, Discretisation& out,
 std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& out) {
   auto failures = validate(plan, mesh.dim);
   if (!failures.empty()) return failures;
-  check_grid(plan, failures);
+  check_grid(plan.problem, failures);
   check_times(plan, failures);
   out.mesh = std::move(mesh);
-  require_space(plan, out.mesh.dim, static_cast<double>(out.mesh.nodes.size()), 0.0);
-  check_probe_points(plan, out, failures);
-  if (!resolve_parts(plan, out, failures)) return failures;
-  for (auto& failure : overlaps(plan, out.mesh, out.parts)) failures.push_back(std::move(failure));
+  require_space(plan.problem, out.mesh.dim, static_cast<double>(out.mesh.nodes.size()), 0.0);
+  check_probe_points(plan.report, out, failures);
+  if (!resolve_parts(plan.problem, out, failures)) return failures;
+  for (auto& failure : overlaps(plan.problem, out.mesh, out.parts))
+    failures.push_back(std::move(failure));
   const bool spaced = collect(failures, [&] {
-    out.space =
-        make_space(out.mesh, plan.space.order, plan.space.vector ? out.mesh.dim : 1, out.parts);
-    out.dofs = make_dof_map(out.space, plan.space, out.parts);
+    out.space = make_space(out.mesh, plan.problem.space.order,
+                           plan.problem.space.vector ? out.mesh.dim : 1, out.parts);
+    out.dofs = make_dof_map(out.space, plan.problem.space, out.parts);
     if (out.dofs.n_unknowns() == 0)
-      throw Failure(FailureKind::bad_value, plan.space.origin,
+      throw Failure(FailureKind::bad_value, plan.problem.space.origin,
                     "every degree of freedom is imposed: nothing is left to solve for");
   });
-  if (spaced) collect(failures, [&] { check_initial(plan, out); });
+  if (spaced) collect(failures, [&] { check_initial(plan.problem, out); });
   if (!failures.empty()) return failures;
   return misplaced_multipliers(plan, out); // a law in a wrong place has no second mistake
 }

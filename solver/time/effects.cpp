@@ -75,14 +75,14 @@ void LawRange::restore(std::istream& in) {
   slopes_ = r.get_vector<double>(slopes_.size());
 }
 
-std::vector<EffectNote> found_effects(const Plan& plan, const Discretisation& discretisation,
+std::vector<EffectNote> found_effects(const Problem& problem, const Discretisation& discretisation,
                                       const RunState& run) {
   std::vector<EffectNote> out;
   const int dim = discretisation.mesh.dim;
   for (int a = 0; a < 3; ++a)
     out.push_back(
         {fmt::format("space dimension {}", "xyz"[a]), a < dim ? State::on : State::off,
-         a < dim ? plan.mesh.origin : Origin{},
+         a < dim ? problem.mesh.origin : Origin{},
          a < dim ? "" : fmt::format("the mesh has {} dimension{}", dim, dim == 1 ? "" : "s")});
   const bool symmetric = run.formulation->operators().symmetric;
   out.push_back({"symmetry",
@@ -90,18 +90,18 @@ std::vector<EffectNote> found_effects(const Plan& plan, const Discretisation& di
                  {},
                  symmetric ? "all matrices are symmetric: one triangle is factored (Cholesky)"
                            : "a matrix is not symmetric: LU"});
-  for (const LoadTerm& load : plan.loads)
-    out.push_back({fmt::format("load on `{}`", plan.parts[load.part].name), State::on, load.origin,
-                   text_of(run.formulation->loads().cost(load.origin))});
+  for (const LoadTerm& load : problem.loads)
+    out.push_back({fmt::format("load on `{}`", problem.parts[load.part].name), State::on,
+                   load.origin, text_of(run.formulation->loads().cost(load.origin))});
   return out;
 }
 
-std::vector<EffectNote> effects_of_run(const Plan& plan, const LawRange& range) {
-  auto out = plan.effects;
+std::vector<EffectNote> effects_of_run(const Problem& problem, const LawRange& range) {
+  auto out = problem.effects;
   for (auto& effect : out) {
     if (effect.state != State::on || effect.origin.id < 0) continue;
-    for (std::size_t l = 0; l < plan.law_terms.size(); ++l) {
-      if (effect.origin != plan.law_terms[l].origin) continue;
+    for (std::size_t l = 0; l < problem.law_terms.size(); ++l) {
+      if (effect.origin != problem.law_terms[l].origin) continue;
       if (range.asleep(l)) {
         effect.state = State::asleep;
         effect.why = "its multiplier was zero at every point and step";

@@ -28,10 +28,10 @@ private:
 };
 
 /// Each space dimension, the symmetry of the matrices, and how often each load is assembled.
-std::vector<EffectNote> found_effects(const Plan& plan, const Discretisation& discretisation,
+std::vector<EffectNote> found_effects(const Problem& problem, const Discretisation& discretisation,
                                       const RunState& run);
 
 /// The plan's effects with what a run found: asleep, or linear on the range reached.
-std::vector<EffectNote> effects_of_run(const Plan& plan, const LawRange& range);
+std::vector<EffectNote> effects_of_run(const Problem& problem, const LawRange& range);
 
 } // namespace hvi::solver

@@ -33,19 +33,19 @@ double asymmetry(const SparseMatrix& k) {
 
 } // namespace
 
-EnergyMonitor::EnergyMonitor(const Plan& plan, const Discretisation& d, const RunState& run)
-    : plan_(plan), d_(d), rate_(matrix_of_field(plan, d, field_of_u(1))),
-      elastic_(matrix_of_field(plan, d, field_of_u(0))),
+EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, const RunState& run)
+    : problem_(problem), d_(d), rate_(matrix_of_field(problem, d, field_of_u(1))),
+      elastic_(matrix_of_field(problem, d, field_of_u(0))),
       gram_(gram_v(d.space, d.dofs.eliminated.empty())),
-      loads_(d.space, d.parts, plan.loads), names_{"energy",      "elastic",    "contact",
-                                                   "work",        "viscous",    "memory",
-                                                   "lost",        "lemma_u",    "lemma_jumps",
-                                                   "lemma_xi",    "lemma_rate", "inclusion",
-                                                   "equilibrium", "iterations", "events",
-                                                   "snap"},
+      loads_(d.space, d.parts, problem.loads), names_{"energy",      "elastic",    "contact",
+                                                      "work",        "viscous",    "memory",
+                                                      "lost",        "lemma_u",    "lemma_jumps",
+                                                      "lemma_xi",    "lemma_rate", "inclusion",
+                                                      "equilibrium", "iterations", "events",
+                                                      "snap"},
       sums_(n_sums, 0.0), columns_(names_.size()) {
-  for (std::size_t m = 0; m < plan.histories.size(); ++m)
-    memory_.push_back(matrix_of_field(plan, d, field_of_memory(static_cast<int>(m))));
+  for (std::size_t m = 0; m < problem.histories.size(); ++m)
+    memory_.push_back(matrix_of_field(problem, d, field_of_memory(static_cast<int>(m))));
   symmetric_ = asymmetry(elastic_) <= 1e-12;
   for (Vector* v : {&u_, &before_, &d_u_, &f_, &work_, &viscous_force_, &elastic_force_,
                     &memory_force_, &contact_force_})
@@ -78,7 +78,7 @@ void EnergyMonitor::load(const RunState& run) {
   const auto& grid = run.evolution.grid();
   const int n = run.evolution.step();
   f_.setZero();
-  if (plan_.time.sampling == LoadSampling::average && !grid.is_static() && n > 0)
+  if (problem_.time.sampling == LoadSampling::average && !grid.is_static() && n > 0)
     loads_.add_mean(grid.t(n - 1), grid.t(n), f_);
   else
     loads_.add(grid.t(n), f_);

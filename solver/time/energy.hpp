@@ -22,7 +22,7 @@ namespace hvi::solver {
 class EnergyMonitor {
 public:
   /// The run stands at its initial state.
-  EnergyMonitor(const Plan& plan, const Discretisation& discretisation, const RunState& run);
+  EnergyMonitor(const Problem& problem, const Discretisation& discretisation, const RunState& run);
 
   /// Takes an accepted step. `outcome`: its certificate and iterations go into the columns.
   void take(const RunState& run, const StepResult& outcome);
@@ -45,7 +45,7 @@ private:
   void load(const RunState& run);
   void forces(const RunState& run);
 
-  const Plan& plan_;
+  const Problem& problem_;
   const Discretisation& d_;
   SparseMatrix rate_, elastic_, gram_; ///< A, B and the Gram matrix of V on all dofs
   std::vector<SparseMatrix> memory_;   ///< E_m

@@ -30,7 +30,7 @@ bool is_of_a_run(const MemoryExtent& extent, const TimeGrid& grid, int step) {
 } // namespace
 
 Evolution::Evolution(const Plan& plan, Vector u0, bool imposed)
-    : plan_(plan), imposed_(imposed), scheme_(make_scheme(plan.time)), u_(std::move(u0)) {
+    : plan_(plan), imposed_(imposed), scheme_(make_scheme(plan.problem.time)), u_(std::move(u0)) {
   scheme_->start(static_cast<int>(u_.size()));
   memory_.emplace(plan, static_cast<int>(u_.size()));
 }
@@ -158,7 +158,7 @@ void Evolution::save(std::ostream& out) const {
 }
 
 void Evolution::continue_memory(const MemoryExtent& earlier) {
-  if (const auto obstacle = extension_obstacle(plan_, earlier); !obstacle.empty())
+  if (const auto obstacle = extension_obstacle(plan_.problem, earlier); !obstacle.empty())
     throw HorizonFailure(FailureKind::limit, {}, obstacle);
   memory_.emplace(plan_, static_cast<int>(u_.size()), earlier);
   memory_->start(grid().t(0), u_);

@@ -100,18 +100,18 @@ VtuGrid body_grid(const Space& space) {
   return grid;
 }
 
-FieldFiles::FieldFiles(const Plan& plan, const Discretisation& d, const Contact& contact,
+FieldFiles::FieldFiles(const Problem& problem, const Discretisation& d, const Contact& contact,
                        const FieldsSpec& spec, std::filesystem::path folder, std::string stem,
                        Durability durability)
-    : space_(d.space), contact_(contact), n_fields_(count_fields(plan)), folder_(std::move(folder)),
-      stem_(std::move(stem)), durability_(durability) {
+    : space_(d.space), contact_(contact), n_fields_(count_fields(problem)),
+      folder_(std::move(folder)), stem_(std::move(stem)), durability_(durability) {
   for (const auto& field : spec.fields) {
     if (std::none_of(field.components.begin(), field.components.end(), reads_multiplier)) {
       body_.push_back(field);
       continue;
     }
-    LawSampler sampler(plan, d, contact, field.components, field.origin);
-    const auto& term = plan.law_terms[sampler.law_term()];
+    LawSampler sampler(problem, d, contact, field.components, field.origin);
+    const auto& term = problem.law_terms[sampler.law_term()];
     OnContact part{field, std::move(sampler), {}, {}};
     const auto& nodes = part.sampler.nodes();
     if (std::all_of(nodes.begin(), nodes.end(), [](auto node) { return node >= 0; })) {

@@ -15,7 +15,7 @@ namespace hvi::solver {
 class FieldFiles {
 public:
   /// `stem`: file name without extension inside `folder`.
-  FieldFiles(const Plan& plan, const Discretisation& discretisation, const Contact& contact,
+  FieldFiles(const Problem& problem, const Discretisation& discretisation, const Contact& contact,
              const FieldsSpec& spec, std::filesystem::path folder, std::string stem,
              Durability durability);
 

@@ -71,14 +71,15 @@ private:
 
 DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
   const StateLayout layout = make_layout(d.space, d.dofs);
-  LoadAssembler loads(d.space, d.parts, plan.loads);
+  LoadAssembler loads(d.space, d.parts, plan.problem.loads);
   loads.restrict_to({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)});
   Vector initial = Vector::Zero(layout.n_state);
-  if (!plan.time.is_static && !plan.time.initial.empty())
-    layout.gather(interpolate(d.space, plan.time.initial, plan.time.grid.front(), plan.time.origin),
+  if (!plan.problem.time.is_static && !plan.problem.time.initial.empty())
+    layout.gather(interpolate(d.space, plan.problem.time.initial, plan.problem.time.grid.front(),
+                              plan.problem.time.origin),
                   initial);
-  return {layout, assemble_operators(plan, d, layout), make_contact(plan, d, layout),
-          std::move(loads), std::move(initial)};
+  return {layout, assemble_operators(plan.problem, d, layout, plan.options.threads),
+          make_contact(plan.problem, d, layout), std::move(loads), std::move(initial)};
 }
 
 } // namespace

@@ -33,12 +33,12 @@ Barycentric barycentric_of(const Mesh& mesh, int cell, const Point& x) {
 
 } // namespace
 
-LawSampler::LawSampler(const Plan& plan, const Discretisation& d, const Contact& contact,
+LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Contact& contact,
                        std::vector<Expr> expressions, Origin origin, int part)
     : expressions_(expressions), origin_(origin) {
   for (const auto s : expressions_.inputs())
     if (is_multiplier(s) && law_term_ < 0) law_term_ = term_of(s);
-  const auto& term = plan.law_terms[law_term_];
+  const auto& term = problem.law_terms[law_term_];
   const auto& own = contact.terms[law_term_].points;
   LawPoints other;
   if (part >= 0 && part != term.part)
@@ -53,9 +53,9 @@ LawSampler::LawSampler(const Plan& plan, const Discretisation& d, const Contact&
   }
 }
 
-LawSampler LawSampler::at(const Plan& plan, const Discretisation& d, const Contact& contact,
+LawSampler LawSampler::at(const Problem& problem, const Discretisation& d, const Contact& contact,
                           const Expr& expression, Origin origin, const Point& place) {
-  LawSampler out(plan, d, contact, {expression}, origin);
+  LawSampler out(problem, d, contact, {expression}, origin);
   const auto& points = contact.terms[out.law_term_].points;
   const auto quality = mesh_quality(d.mesh);
   std::vector<int> chosen;
@@ -65,10 +65,10 @@ LawSampler LawSampler::at(const Plan& plan, const Discretisation& d, const Conta
     throw Failure(FailureKind::bad_value, origin,
                   fmt::format("the multiplier of `{}` is known at its quadrature points only, and "
                               "{} is none of them",
-                              plan.law_terms[out.law_term_].name,
+                              problem.law_terms[out.law_term_].name,
                               describe_point(place, d.mesh.dim)),
                   "ask at a node of the contact part, or for an integral");
-  out.take_points(points, plan.law_terms[out.law_term_], chosen);
+  out.take_points(points, problem.law_terms[out.law_term_], chosen);
   const double total = std::accumulate(out.block_.weight.begin(), out.block_.weight.end(), 0.0);
   for (auto& weight : out.block_.weight) weight /= total;
   for (const auto s : out.expressions_.inputs()) {
@@ -172,10 +172,10 @@ double LawSampler::integral(const Contact& contact, const Snapshot& snapshot) {
 namespace {
 
 /// Does an expression read the multiplier of a law that acts on another part?
-bool reads_from_elsewhere(const Plan& plan, const Expr& expression, int part) {
-  for (int term = 0; term < static_cast<int>(plan.law_terms.size()); ++term) {
+bool reads_from_elsewhere(const Problem& problem, const Expr& expression, int part) {
+  for (int term = 0; term < static_cast<int>(problem.law_terms.size()); ++term) {
     const Slot first = slot::first_multiplier + 4 * term;
-    if (plan.law_terms[term].part != part && expression.depends_on_any(first, first + 4))
+    if (problem.law_terms[term].part != part && expression.depends_on_any(first, first + 4))
       return true;
   }
   return false;
@@ -188,7 +188,7 @@ std::vector<Failure> misplaced_multipliers(const Plan& plan, const Discretisatio
   std::optional<Contact> contact; // made where somebody asks
   const auto collect = [&](const auto& make) {
     try {
-      if (!contact) contact = make_contact(plan, d, make_layout(d.space, d.dofs));
+      if (!contact) contact = make_contact(plan.problem, d, make_layout(d.space, d.dofs));
       make();
     } catch (const Failure& failure) {
       failures.push_back(failure);
@@ -196,15 +196,16 @@ std::vector<Failure> misplaced_multipliers(const Plan& plan, const Discretisatio
   };
   for (const Probe& probe : plan.report.probes) {
     const Expr& e = probe.expression;
-    if (probe.kind == Probe::Kind::integral && reads_from_elsewhere(plan, e, probe.part))
-      collect([&] { LawSampler(plan, d, *contact, {e}, probe.origin, probe.part); });
+    if (probe.kind == Probe::Kind::integral && reads_from_elsewhere(plan.problem, e, probe.part))
+      collect([&] { LawSampler(plan.problem, d, *contact, {e}, probe.origin, probe.part); });
     if (probe.kind == Probe::Kind::at_point && reads_multiplier(e))
-      collect([&] { LawSampler::at(plan, d, *contact, e, probe.origin, probe.point); });
+      collect([&] { LawSampler::at(plan.problem, d, *contact, e, probe.origin, probe.point); });
   }
   for (const FieldsSpec& fields : plan.report.fields)
     for (const FieldSpec& field : fields.fields)
-      if (plan.law_terms.size() > 1 && std::ranges::any_of(field.components, reads_multiplier))
-        collect([&] { LawSampler(plan, d, *contact, field.components, field.origin); });
+      if (plan.problem.law_terms.size() > 1 &&
+          std::ranges::any_of(field.components, reads_multiplier))
+        collect([&] { LawSampler(plan.problem, d, *contact, field.components, field.origin); });
   return failures;
 }
 

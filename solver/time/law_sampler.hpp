@@ -17,10 +17,10 @@ class LawSampler {
 public:
   /// On the law's part (part = -1), or on another part whose points are among the law's: the law's
   /// rule is set up there. Throws Failure(bad_value) when a point has no multiplier.
-  LawSampler(const Plan& plan, const Discretisation& discretisation, const Contact& contact,
+  LawSampler(const Problem& problem, const Discretisation& discretisation, const Contact& contact,
              std::vector<Expr> expressions, Origin origin, int part = -1);
   /// At one place: the law's points there, weights adding up to 1.
-  static LawSampler at(const Plan& plan, const Discretisation& discretisation,
+  static LawSampler at(const Problem& problem, const Discretisation& discretisation,
                        const Contact& contact, const Expr& expression, Origin origin,
                        const Point& place);
 

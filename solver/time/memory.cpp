@@ -19,12 +19,12 @@ std::span<const double> view(const Vector& v) {
 HistoryOptions history_options(const Plan& plan, const MemoryExtent& extent) {
   HistoryOptions out;
   out.route = plan.options.route;
-  out.order = plan.time.scheme == Scheme::bdf2 ? 1 : 0;
+  out.order = plan.problem.time.scheme == Scheme::bdf2 ? 1 : 0;
   out.tolerance = plan.options.memory_tolerance;
   out.steps = extent.steps;
   out.horizon = extent.horizon;
   out.shortest_step = extent.shortest_step;
-  out.times = plan.time.grid;
+  out.times = plan.problem.time.grid;
   return out;
 }
 
@@ -61,14 +61,14 @@ MemoryMistrust mistrust(const HistoryTerm& term, const HistoryReport& report, do
 
 } // namespace
 
-MemoryExtent memory_extent(const Plan& plan) {
+MemoryExtent memory_extent(const Problem& problem) {
   MemoryExtent out;
-  if (plan.time.is_static) return out;
-  const auto& grid = plan.time.grid;
+  if (problem.time.is_static) return out;
+  const auto& grid = problem.time.grid;
   out.steps = static_cast<std::int64_t>(grid.size()) - 1;
   out.horizon = grid.back() - grid.front();
   // Of a uniform grid the exact step: histories tell equal steps from others by it.
-  const TimeGrid times(plan.time);
+  const TimeGrid times(problem.time);
   const double mean = out.horizon / static_cast<double>(out.steps);
   out.shortest_step = times.shortest();
   bool uniform = true;
@@ -79,9 +79,9 @@ MemoryExtent memory_extent(const Plan& plan) {
 }
 
 /// A kernel is studied up to the end of the run; beyond it another route may be needed.
-std::string extension_obstacle(const Plan& plan, const MemoryExtent& earlier) {
-  const double longer = memory_extent(plan).horizon, t0 = plan.time.grid.front();
-  for (const auto& term : plan.histories) {
+std::string extension_obstacle(const Problem& problem, const MemoryExtent& earlier) {
+  const double longer = memory_extent(problem).horizon, t0 = problem.time.grid.front();
+  for (const auto& term : problem.histories) {
     const auto then = kernel_traits(term.kernel.expression, earlier.horizon, t0);
     const auto now = kernel_traits(term.kernel.expression, longer, t0);
     if (!now.finite)
@@ -98,10 +98,10 @@ std::string extension_obstacle(const Plan& plan, const MemoryExtent& earlier) {
 namespace {
 
 /// Fields of a direct sum at the end of a run.
-std::int64_t direct_fields(const HistoryTerm& term, const Plan& plan,
+std::int64_t direct_fields(const HistoryTerm& term, const Problem& problem,
                            const HistoryOptions& options) {
   const double reach =
-      kernel_traits(term.kernel.expression, options.horizon, plan.time.grid.front()).max_lag;
+      kernel_traits(term.kernel.expression, options.horizon, problem.time.grid.front()).max_lag;
   if (!(reach > 0)) return options.steps;
   return std::min<std::int64_t>(options.steps, 1 + std::llround(reach / options.shortest_step));
 }
@@ -120,9 +120,11 @@ double history_bytes_to_come(const Plan& plan, std::span<const HistoryReport> no
   for (std::size_t m = 0; m < now.size(); ++m) {
     const bool direct = now[m].route == "direct";
     if (!direct && now[m].route != "tree") continue; // the others have their fields from the start
-    const HistoryOptions options = history_options(plan, memory_extent(plan));
-    const double end = direct ? static_cast<double>(direct_fields(plan.histories[m], plan, options))
-                              : tree_fields(options.steps);
+    const HistoryOptions options = history_options(plan, memory_extent(plan.problem));
+    const double end =
+        direct
+            ? static_cast<double>(direct_fields(plan.problem.histories[m], plan.problem, options))
+            : tree_fields(options.steps);
     fields += std::max(0.0, end - static_cast<double>(now[m].fields));
   }
   return fields * n_state * sizeof(double);
@@ -130,14 +132,14 @@ double history_bytes_to_come(const Plan& plan, std::span<const HistoryReport> no
 
 std::vector<HistoryReport> planned_memory(const Plan& plan) {
   std::vector<HistoryReport> out;
-  if (plan.time.is_static || plan.histories.empty()) return out;
-  const HistoryOptions options = history_options(plan, memory_extent(plan));
-  for (const auto& term : plan.histories) {
+  if (plan.problem.time.is_static || plan.problem.histories.empty()) return out;
+  const HistoryOptions options = history_options(plan, memory_extent(plan.problem));
+  for (const auto& term : plan.problem.histories) {
     const auto history = make_history(term.kernel, 1, with_route(options, term));
     const double initial = 0;
-    history->start(plan.time.grid.front(), {&initial, 1});
+    history->start(plan.problem.time.grid.front(), {&initial, 1});
     auto report = history->report();
-    if (report.route == "direct") report.fields = direct_fields(term, plan, options);
+    if (report.route == "direct") report.fields = direct_fields(term, plan.problem, options);
     if (report.route == "tree") report.fields = 0;
     out.push_back(std::move(report));
   }
@@ -147,21 +149,21 @@ std::vector<HistoryReport> planned_memory(const Plan& plan) {
 std::vector<std::string> route_notes(const Plan& plan, const std::vector<HistoryReport>& reports) {
   std::vector<std::string> out;
   for (std::size_t m = 0; m < reports.size(); ++m) {
-    const HistoryRoute wanted = plan.histories[m].route.value_or(plan.options.route);
+    const HistoryRoute wanted = plan.problem.histories[m].route.value_or(plan.options.route);
     if (wanted == HistoryRoute::automatic || reports[m].route == name_of(wanted)) continue;
     out.push_back(fmt::format("the route `{}` does not serve the memory `{}`, `{}` is used: {}",
-                              name_of(wanted), plan.histories[m].kernel.name, reports[m].route,
-                              reports[m].why));
+                              name_of(wanted), plan.problem.histories[m].kernel.name,
+                              reports[m].route, reports[m].why));
   }
   return out;
 }
 
 Memory::Memory(const Plan& plan, int n_state, const MemoryExtent& extent)
     : plan_(&plan), extent_(extent) {
-  if (plan.time.is_static || plan.histories.empty()) return;
+  if (plan.problem.time.is_static || plan.problem.histories.empty()) return;
   const HistoryOptions options = history_options(plan, extent);
   const auto n = static_cast<std::size_t>(n_state);
-  for (const auto& term : plan.histories) {
+  for (const auto& term : plan.problem.histories) {
     histories_.push_back(plan.options.audit
                              ? make_audited_history(term.kernel, n, with_route(options, term))
                              : make_history(term.kernel, n, with_route(options, term)));
@@ -180,7 +182,7 @@ std::optional<MemoryMistrust> Memory::begin_step(double t) {
     w0_[m] = histories_[m]->w0(t); // audited, too
     const double tolerance = plan_->options.memory_tolerance;
     if (histories_[m]->audited() > tolerance)
-      return mistrust(plan_->histories[m], histories_[m]->report(), tolerance, m);
+      return mistrust(plan_->problem.histories[m], histories_[m]->report(), tolerance, m);
   }
   return std::nullopt;
 }

@@ -18,7 +18,7 @@ namespace hvi::solver {
 
 /// An audit found a memory outside its tolerance: a run starts again with the `next` route.
 struct MemoryMistrust {
-  int history; ///< of Plan::histories
+  int history; ///< of Problem::histories
   Origin origin;
   std::string said; ///< what the audit found, and what is done about it
   HistoryRoute next;
@@ -31,11 +31,11 @@ struct MemoryExtent {
   std::int64_t steps = 0;
   bool operator==(const MemoryExtent&) const = default;
 };
-MemoryExtent memory_extent(const Plan& plan);
+MemoryExtent memory_extent(const Problem& problem);
 
 /// Why the memories of a run made for `earlier` cannot be continued to the plan's end; empty: they
 /// can, as far as their kernels go.
-std::string extension_obstacle(const Plan& plan, const MemoryExtent& earlier);
+std::string extension_obstacle(const Problem& problem, const MemoryExtent& earlier);
 
 /// The routes of a plan without running it: what `plan` prints. Fields: 0 when only a run knows.
 std::vector<HistoryReport> planned_memory(const Plan& plan);
@@ -49,7 +49,7 @@ std::vector<std::string> route_notes(const Plan& plan, const std::vector<History
 class Memory {
 public:
   /// Histories of states; order 0 for backward Euler, 1 (u affine on a step) for BDF2.
-  Memory(const Plan& plan, int n_state) : Memory(plan, n_state, memory_extent(plan)) {}
+  Memory(const Plan& plan, int n_state) : Memory(plan, n_state, memory_extent(plan.problem)) {}
   Memory(const Plan& plan, int n_state, const MemoryExtent& extent);
 
   int size() const { return static_cast<int>(histories_.size()); }

@@ -24,9 +24,9 @@ struct Distinct {
   std::vector<Vector> weights; ///< per distinct term, one entry per field
 };
 
-Distinct distinct_terms(const Plan& plan, int n_fields) {
+Distinct distinct_terms(const Problem& problem, int n_fields) {
   Distinct out;
-  for (const auto& term : plan.forms) {
+  for (const auto& term : problem.forms) {
     std::size_t known = 0;
     double ratio = 1.0;
     for (; known < out.terms.size(); ++known)
@@ -89,15 +89,15 @@ std::vector<std::vector<int>> in_passes(const Discretisation& discretisation,
   return passes;
 }
 
-std::vector<SparseMatrix> assemble_distinct(const Plan& plan, const Discretisation& discretisation,
+std::vector<SparseMatrix> assemble_distinct(const Discretisation& discretisation,
                                             const StateLayout& layout,
-                                            std::span<const FormTerm* const> terms) {
+                                            std::span<const FormTerm* const> terms, int threads) {
   std::vector<SparseMatrix> matrices(terms.size());
   const DofSelection dofs{layout.entry_of, layout.n_unknowns, layout.n_state};
   // What runs have in common is taken and put there one by one.
-  if (discretisation.shared || plan.options.threads > 1) {
-    const int threads = discretisation.shared ? 1 : plan.options.threads;
-    for_each_piece(static_cast<int>(terms.size()), threads, [&](int i) {
+  if (discretisation.shared || threads > 1) {
+    const int at_once = discretisation.shared ? 1 : threads;
+    for_each_piece(static_cast<int>(terms.size()), at_once, [&](int i) {
       const auto assemble = [&] {
         return assemble_form(discretisation.space, discretisation.parts[terms[i]->part], *terms[i],
                              dofs);
@@ -146,24 +146,25 @@ bool is_symmetric(const SparseMatrix& matrix) {
 
 } // namespace
 
-SparseMatrix matrix_of_field(const Plan& plan, const Discretisation& discretisation, int field) {
+SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& discretisation,
+                             int field) {
   const int n = discretisation.space.n_dofs();
   SparseMatrix out(n, n);
-  for (const auto& form : plan.forms)
+  for (const auto& form : problem.forms)
     if (form.field == field)
       out = SparseMatrix(
           out + assemble_form(discretisation.space, discretisation.parts[form.part], form));
   return out;
 }
 
-Operators assemble_operators(const Plan& plan, const Discretisation& discretisation,
-                             const StateLayout& layout) {
-  if (plan.forms.empty())
-    throw Failure(FailureKind::bad_value, plan.space.origin,
+Operators assemble_operators(const Problem& problem, const Discretisation& discretisation,
+                             const StateLayout& layout, int threads) {
+  if (problem.forms.empty())
+    throw Failure(FailureKind::bad_value, problem.space.origin,
                   "nothing resists: the plan has no form");
-  const int n_fields = count_fields(plan);
-  auto distinct = distinct_terms(plan, n_fields);
-  auto matrices = assemble_distinct(plan, discretisation, layout, distinct.terms);
+  const int n_fields = count_fields(problem);
+  auto distinct = distinct_terms(problem, n_fields);
+  auto matrices = assemble_distinct(discretisation, layout, distinct.terms, threads);
   merge_equal_values(matrices, distinct.weights);
   merge_equal_weights(matrices, distinct.weights);
 

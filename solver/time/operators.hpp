@@ -5,7 +5,7 @@
 // so proportional tensors share one matrix, and a product with B and E together reads it once.
 #pragma once
 
-#include "solver/plan/plan.hpp"
+#include "solver/plan/problem.hpp"
 #include "solver/time/run.hpp"
 #include "solver/time/state.hpp"
 
@@ -36,9 +36,9 @@ struct Operators {
 
 /// Assembles what is distinct: terms with the same part, rule and proportional coefficients are
 /// assembled once, equal patterns are compared by value, and bases that always occur in the same
-/// ratio (the same material law on two parts) are added up.
-Operators assemble_operators(const Plan& plan, const Discretisation& discretisation,
-                             const StateLayout& layout);
+/// ratio (the same material law on two parts) are added up. `threads`: so many terms at a time.
+Operators assemble_operators(const Problem& problem, const Discretisation& discretisation,
+                             const StateLayout& layout, int threads);
 
 /// The c with sum_b c_b T_b = the form on all cells, if its constant coefficients show that there
 /// is one: eps(u) : eps(v) is a combination of two isotropic tensors.
@@ -46,7 +46,8 @@ std::optional<Vector> as_combination(const Operators& operators,
                                      const Discretisation& discretisation, const FormTerm& form);
 
 /// The sum of the plan's forms on one field, on all dofs.
-SparseMatrix matrix_of_field(const Plan& plan, const Discretisation& discretisation, int field);
+SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& discretisation,
+                             int field);
 
 /// The columns of a base matrix that belong to unknowns.
 SparseMatrix on_unknowns(const SparseMatrix& base, int n_unknowns);

@@ -12,13 +12,13 @@ namespace {
 using Components = std::array<bool, 3>;
 
 /// Facets of `region` imposed with all `wanted` components by the Dirichlet entries together.
-std::vector<std::int32_t> clamped_facets(const Plan& plan, std::span<const Region> parts,
+std::vector<std::int32_t> clamped_facets(const Problem& problem, std::span<const Region> parts,
                                          const Region& region, const Components& wanted) {
   std::vector<std::int32_t> left = region.entities;
   for (int component = 0; component < 3 && !left.empty(); ++component) {
     if (!wanted[component]) continue;
     std::vector<std::int32_t> imposed;
-    for (const auto& entry : plan.space.dirichlet) {
+    for (const auto& entry : problem.space.dirichlet) {
       if (entry.component != -1 && entry.component != component) continue;
       Region candidates{region.kind, left, 0};
       for (const auto facet : common(candidates, parts[entry.part])) imposed.push_back(facet);
@@ -63,15 +63,15 @@ bool same_rows(const LawTerm& a, const LawTerm& b) {
   return true;
 }
 
-void check_clamped(const Plan& plan, const Mesh& mesh, std::span<const Region> parts, Origin origin,
-                   int part, const Components& components, const std::string& what,
+void check_clamped(const Problem& problem, const Mesh& mesh, std::span<const Region> parts,
+                   Origin origin, int part, const Components& components, const std::string& what,
                    std::vector<Failure>& failures) {
   if (parts[part].kind != Group::Kind::facets) return;
-  const auto clamped = clamped_facets(plan, parts, parts[part], components);
+  const auto clamped = clamped_facets(problem, parts, parts[part], components);
   if (clamped.empty()) return;
   failures.emplace_back(FailureKind::overlapping_regions, origin,
                         fmt::format("{} acts on part `{}`, of which {} facet{} clamped (at {})",
-                                    what, plan.parts[part].name, clamped.size(),
+                                    what, problem.parts[part].name, clamped.size(),
                                     clamped.size() == 1 ? " is" : "s are",
                                     place(mesh, clamped.front())),
                         "take the clamped facets out of the part: `part - clamped`");
@@ -79,22 +79,23 @@ void check_clamped(const Plan& plan, const Mesh& mesh, std::span<const Region> p
 
 } // namespace
 
-std::vector<Failure> overlaps(const Plan& plan, const Mesh& mesh, std::span<const Region> parts) {
+std::vector<Failure> overlaps(const Problem& problem, const Mesh& mesh,
+                              std::span<const Region> parts) {
   std::vector<Failure> failures;
-  for (const auto& term : plan.law_terms)
-    check_clamped(plan, mesh, parts, term.origin, term.part, acted_on(term),
+  for (const auto& term : problem.law_terms)
+    check_clamped(problem, mesh, parts, term.origin, term.part, acted_on(term),
                   "the law `" + term.name + "`", failures);
-  for (const auto& load : plan.loads)
-    check_clamped(plan, mesh, parts, load.origin, load.part, acted_on(load), "a load", failures);
-  for (std::size_t b = 0; b < plan.law_terms.size(); ++b)
+  for (const auto& load : problem.loads)
+    check_clamped(problem, mesh, parts, load.origin, load.part, acted_on(load), "a load", failures);
+  for (std::size_t b = 0; b < problem.law_terms.size(); ++b)
     for (std::size_t a = 0; a < b; ++a) {
-      const auto &first = plan.law_terms[a], &second = plan.law_terms[b];
+      const auto &first = problem.law_terms[a], &second = problem.law_terms[b];
       if (first.law != second.law || !same_rows(first, second) ||
           common(parts[first.part], parts[second.part]).empty())
         continue;
       failures.emplace_back(FailureKind::overlapping_regions, second.origin,
                             fmt::format("the law `{}` acts twice on part `{}`", second.name,
-                                        plan.parts[second.part].name),
+                                        problem.parts[second.part].name),
                             "put a factor before it instead");
     }
   return failures;

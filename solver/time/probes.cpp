@@ -17,13 +17,15 @@ Match(F...) -> Match<F...>;
 
 ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const RunState& run)
     : space_(d.space), layout_(run.formulation->layout()), contact_(run.contact()),
-      probes_(plan.report.probes), n_fields_(count_fields(plan)) {
+      probes_(plan.report.probes), n_fields_(count_fields(plan.problem)) {
   const CellLocator locator(d.mesh, probes_.size());
-  for (const auto& probe : probes_) evaluators_.push_back(make(probe, plan, d, run, locator));
+  for (const auto& probe : probes_)
+    evaluators_.push_back(make(probe, plan.problem, d, run, locator));
 }
 
-ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Plan& plan, const Discretisation& d,
-                                   const RunState& run, const CellLocator& locator) {
+ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
+                                   const Discretisation& d, const RunState& run,
+                                   const CellLocator& locator) {
   switch (probe.kind) {
   case Probe::Kind::combination:
     return Combination{};
@@ -32,13 +34,13 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Plan& plan, const D
     return NormV{};
   case Probe::Kind::integral:
     if (reads_multiplier(probe.expression))
-      return LawSampler(plan, d, contact_, {probe.expression}, probe.origin, probe.part);
+      return LawSampler(problem, d, contact_, {probe.expression}, probe.origin, probe.part);
     return Integrator(space_, d.parts[probe.part], probe.rule, {probe.expression});
   case Probe::Kind::at_point:
     break;
   }
   if (reads_multiplier(probe.expression))
-    return LawSampler::at(plan, d, contact_, probe.expression, probe.origin, probe.point);
+    return LawSampler::at(problem, d, contact_, probe.expression, probe.origin, probe.point);
   std::array<double, 4> barycentric{};
   const int cell = locator.find(probe.point, barycentric);
   if (cell < 0)

@@ -40,7 +40,7 @@ private:
   struct Combination {};
   using Evaluator = std::variant<AtPoint, Integrator, LawSampler, NormV, Combination>;
 
-  Evaluator make(const Probe& probe, const Plan& plan, const Discretisation& discretisation,
+  Evaluator make(const Probe& probe, const Problem& problem, const Discretisation& discretisation,
                  const RunState& run, const CellLocator& locator);
   void make_gram(const Discretisation& discretisation, const RunState& run);
   double norm(const Vector& u);

@@ -1,7 +1,7 @@
 // Which forms are multiples of one another.
 #pragma once
 
-#include "solver/plan/plan.hpp"
+#include "solver/plan/problem.hpp"
 #include "solver/time/state.hpp"
 
 #include <optional>

@@ -29,9 +29,9 @@ const char* name_of(Effect effect) {
 }
 
 /// The first two forms that act differently on the base matrices.
-std::string different_tensors(const Plan& plan, const Operators& operators) {
-  for (const auto& a : plan.forms)
-    for (const auto& b : plan.forms) {
+std::string different_tensors(const Problem& problem, const Operators& operators) {
+  for (const auto& a : problem.forms)
+    for (const auto& b : problem.forms) {
       const Vector x = operators.weights.row(a.field), y = operators.weights.row(b.field);
       if (std::abs(x.dot(y)) < (1 - 1e-12) * x.norm() * y.norm())
         return fmt::format("the tensors of {} and {} are not multiples of one tensor",
@@ -42,7 +42,7 @@ std::string different_tensors(const Plan& plan, const Operators& operators) {
 
 /// How often whole fields are read: every so many steps; 0: at the end only.
 int interior_every(const Plan& plan, std::string* who) {
-  const int n_fields = count_fields(plan);
+  const int n_fields = count_fields(plan.problem);
   int every = 0, base = 0;
   for (const auto& table : plan.report.tables) base = std::gcd(base, std::max(table.every, 1));
   for (const auto& probe : plan.report.probes)
@@ -72,14 +72,14 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
                                   const Contact& contact, const LoadAssembler& loads,
                                   const StateLayout& layout) {
   if (!plan.options.proportional_path) return "it was asked for";
-  if (plan.time.is_static) return "a static problem has one step";
+  if (plan.problem.time.is_static) return "a static problem has one step";
   if (contact.none()) return "there is no contact law";
-  if (operators.n_bases() != 1) return different_tensors(plan, operators);
+  if (operators.n_bases() != 1) return different_tensors(plan.problem, operators);
   if (!operators.symmetric) return "the matrix is not symmetric";
   if (contact.whole) return "the laws act on most of the unknowns";
   if (!loads.separable()) return "a load does not separate into functions of t and of x";
   if (layout.n_state != layout.n_unknowns) return "boundary values other than zero are imposed";
-  const int n_fields = count_fields(plan);
+  const int n_fields = count_fields(plan.problem);
   for (const auto& probe : plan.report.probes)
     if (probe.time && reads_interior(probe, n_fields))
       return fmt::format("`{}` reads the interior between two steps", probe.name);

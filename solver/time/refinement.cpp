@@ -18,9 +18,9 @@ constexpr double slow = 0.5;
 /// The last correction must be smaller: else the factor of K gains nothing.
 constexpr double largest_last = 1e-6;
 
-[[noreturn]] void too_ill_conditioned(const Plan& plan, int n, double last) {
+[[noreturn]] void too_ill_conditioned(const Problem& problem, int n, double last) {
   throw Failure(
-      FailureKind::mostly_rounding, plan.space.origin,
+      FailureKind::mostly_rounding, problem.space.origin,
       fmt::format("the matrix of step {} is too ill-conditioned for double precision: corrections "
                   "with residuals in extended precision still change the state by {:.1e} of its "
                   "size",
@@ -40,7 +40,7 @@ void Refinement::refine(StepMatrix& matrix, const StepEquation& equation, Trial&
                         InequalityState& laws, StepResult& out) {
   if (!trial.d.allFinite()) return;
   const int n = equation.n;
-  const double t = plan_.time.is_static ? 0.0 : plan_.time.grid[static_cast<std::size_t>(n)];
+  const double t = problem_.time.is_static ? 0.0 : problem_.time.grid[static_cast<std::size_t>(n)];
   const std::vector<Vector> on_base = balance_.known_on_bases(equation);
   Vector total = trial.d, state = equation.known;
   auto moved_by = state.head(total.size());
@@ -49,7 +49,7 @@ void Refinement::refine(StepMatrix& matrix, const StepEquation& equation, Trial&
   for (int pass = 0; pass < most_passes; ++pass) {
     balance_.precise_gap(n, matrix, on_base, total, laws.xi, trial.gap);
     moved_by = equation.known.head(total.size()) + total;
-    if (!contact_.none()) prepare(contact_, plan_, t, state, laws.xi);
+    if (!contact_.none()) prepare(contact_, problem_, t, state, laws.xi);
     laws.c.setZero();
     const auto report = matrix.start(trial.gap, laws, trial.d);
     ++out.corrections;
@@ -65,11 +65,11 @@ void Refinement::refine(StepMatrix& matrix, const StepEquation& equation, Trial&
   trial.d = total;
   for (std::size_t i = 0; i < contact_.unknowns.size(); ++i)
     laws.c[static_cast<Eigen::Index>(i)] = trial.d[contact_.unknowns[i]];
-  if (!contact_.none()) prepare(contact_, plan_, t, equation.known, laws.xi);
+  if (!contact_.none()) prepare(contact_, problem_, t, equation.known, laws.xi);
   out.equilibrium = balance_.precise_gap(n, matrix, on_base, trial.d, laws.xi, trial.gap);
   trial.kd.noalias() = matrix.k() * trial.d;
   last_correction_ = std::max(last_correction_, last);
-  if (!(last <= largest_last)) too_ill_conditioned(plan_, n, last);
+  if (!(last <= largest_last)) too_ill_conditioned(problem_, n, last);
 }
 
 void Refinement::save(StateWriter& w) const {

@@ -14,8 +14,8 @@ namespace hvi::solver {
 class Refinement {
 public:
   /// Keeps references to all three.
-  Refinement(const Plan& plan, Balance& balance, Contact& contact)
-      : plan_(plan), balance_(balance), contact_(contact) {}
+  Refinement(const Problem& problem, Balance& balance, Contact& contact)
+      : problem_(problem), balance_(balance), contact_(contact) {}
 
   /// Is every step refined?
   bool on() const { return on_; }
@@ -35,7 +35,7 @@ public:
   void restore(StateReader& r);
 
 private:
-  const Plan& plan_;
+  const Problem& problem_;
   Balance& balance_;
   Contact& contact_;
   bool on_ = false;

@@ -36,8 +36,8 @@ double continued(const std::vector<Mark>& marks, double Mark::*of, double n) {
 
 MemoryForecast rehearse_memory(const Plan& plan, int from, double most_reads) {
   MemoryForecast out;
-  if (plan.time.is_static || plan.histories.empty()) return out;
-  const auto& grid = plan.time.grid;
+  if (plan.problem.time.is_static || plan.problem.histories.empty()) return out;
+  const auto& grid = plan.problem.time.grid;
   const int steps = static_cast<int>(grid.size()) - 1;
   Memory memory(plan, 1);
   const Vector one = Vector::Ones(1);

@@ -40,10 +40,11 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, const RunState& ru
                    const RunSettings& settings)
     : plan_(plan), space_(d.space), contact_(run.contact()), folder_(settings.output_folder),
       writes_(!settings.output_folder.empty()), probes_(plan, d, run),
-      range_(plan.law_terms.size()), found_(found_effects(plan, d, run)), warn_(settings.warn) {
+      range_(plan.problem.law_terms.size()), found_(found_effects(plan.problem, d, run)),
+      warn_(settings.warn) {
   prepare_tables(settings.name);
   prepare_fields(d, run, settings);
-  const int n_fields = count_fields(plan);
+  const int n_fields = count_fields(plan.problem);
   for (const auto& probe : plan.report.probes)
     rows_read_interior_ = rows_read_interior_ || reads_interior(probe, n_fields);
   run.formulation->observe(probes_.dofs_read());
@@ -69,7 +70,7 @@ void Reporter::prepare_fields(const Discretisation& d, const RunState& run,
   for (std::size_t i = 0; writes_ && i < plan_.report.fields.size(); ++i) {
     const auto& spec = plan_.report.fields[i];
     fields_.emplace_back(std::max(spec.every, 1),
-                         FieldFiles(plan_, d, contact_, spec, folder_,
+                         FieldFiles(plan_.problem, d, contact_, spec, folder_,
                                     fields_stem(plan_.report, i, settings.name), durability));
     const auto more = fields_.back().second.expressions();
     expressions.insert(expressions.end(), more.begin(), more.end());
@@ -78,7 +79,7 @@ void Reporter::prepare_fields(const Discretisation& d, const RunState& run,
       std::ranges::any_of(plan_.report.pictures, [](const auto& p) { return p.time.has_value(); });
   if (timed_pictures)
     expressions.push_back(Expr::variable(slot::field(field_of_u(0), slot::value(0))));
-  const int n_fields = count_fields(plan_);
+  const int n_fields = count_fields(plan_.problem);
   const auto needed = fields_read(expressions, n_fields);
   now_ = Snapshot(needed, d.space.n_dofs(), contact_.n_rows());
   keeps_before_ = probes_.any_timed() || timed_pictures;
@@ -124,7 +125,7 @@ void Reporter::read_between_steps(const RunState& run) {
   const double from = before_.t(), to = now_.t();
   const bool first = run.evolution.step() == 1;
   const auto go_to = [&](double at) {
-    const bool constant = plan_.time.interpolant == Interpolant::constant && at > from;
+    const bool constant = plan_.problem.time.interpolant == Interpolant::constant && at > from;
     between_.interpolate(before_, now_, constant ? 1.0 : (at - from) / (to - from));
   };
   for (const int i : probes_.timed(from, to, first)) {
@@ -194,7 +195,7 @@ void Reporter::finish(RunResult& result) {
   for (std::size_t i = 0; i < values_.size(); ++i) // parts of other probes have no name
     if (const auto& name = plan_.report.probes[i].name; !name.empty())
       result.final[name] = values_[i];
-  result.effects = effects_of_run(plan_, range_);
+  result.effects = effects_of_run(plan_.problem, range_);
   result.effects.insert(result.effects.end(), found_.begin(), found_.end());
   const bool with_events = shows_events(result);
   if (writes_ && !rows_.empty())

@@ -44,7 +44,7 @@ void Restarts::take(const MemoryMistrust& mistrust) {
 Plan Restarts::applied(const Plan& plan) const {
   Plan out = plan;
   for (std::size_t m = 0; m < routes.size(); ++m)
-    if (routes[m] >= 0) out.histories[m].route = static_cast<HistoryRoute>(routes[m]);
+    if (routes[m] >= 0) out.problem.histories[m].route = static_cast<HistoryRoute>(routes[m]);
   return out;
 }
 

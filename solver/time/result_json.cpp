@@ -107,11 +107,11 @@ const char* state_name(EffectNote::State state) {
   return "";
 }
 
-Json histories(const RunResult& result, const Plan& plan) {
+Json histories(const RunResult& result, const Problem& problem) {
   Json out = Json::array();
   for (std::size_t m = 0; m < result.histories.size(); ++m) {
     const auto& h = result.histories[m];
-    out.push_back({{"kernel", m < plan.histories.size() ? plan.histories[m].kernel.name : ""},
+    out.push_back({{"kernel", m < problem.histories.size() ? problem.histories[m].kernel.name : ""},
                    {"route", h.route},
                    {"why", h.why},
                    {"fields", h.fields},
@@ -127,7 +127,7 @@ Json histories(const RunResult& result, const Plan& plan) {
   return out;
 }
 
-Json what_was_done(const RunResult& result, const Plan& plan, const ResultContext& context) {
+Json what_was_done(const RunResult& result, const Problem& problem, const ResultContext& context) {
   const auto line_of = [&](Origin origin) {
     return context.line_of && origin.id >= 0 ? context.line_of(origin) : 0;
   };
@@ -154,14 +154,14 @@ Json what_was_done(const RunResult& result, const Plan& plan, const ResultContex
           {"unfollowed_steps", work.unfollowed_steps},
           {"fields", work.history_fields},
           {"field_reads", work.field_reads},
-          {"history", histories(result, plan)},
+          {"history", histories(result, problem)},
           {"bytes", work.bytes},
           {"seconds", result.timing.total}};
 }
 
 } // namespace
 
-Json result_json(const RunResult& result, const Plan& plan, const ResultContext& context) {
+Json result_json(const RunResult& result, const Problem& problem, const ResultContext& context) {
   Json final = Json::object(), notes = Json::array();
   for (const auto& [name, value] : result.final) final[name] = number(value);
   for (const auto& note : result.notes)
@@ -177,7 +177,7 @@ Json result_json(const RunResult& result, const Plan& plan, const ResultContext&
            {"certificate", certificate(result.certificate)},
            {"forward_error", forward_error(result.forward_error)},
            {"timing", timing(result, context.bandwidth)},
-           {"plan", what_was_done(result, plan, context)},
+           {"plan", what_was_done(result, problem, context)},
            {"uniqueness", result.unique ? "guaranteed" : "not guaranteed"},
            {"energy", result.energy ? number(*result.energy) : Json(nullptr)},
            {"notes", notes},
@@ -186,9 +186,9 @@ Json result_json(const RunResult& result, const Plan& plan, const ResultContext&
   return out;
 }
 
-Json plan_json(const RunResult& first_steps, const Plan& plan, const ResultContext& context,
+Json plan_json(const RunResult& first_steps, const Problem& problem, const ResultContext& context,
                const PredictedWork& predicted) {
-  Json work = what_was_done(first_steps, plan, context);
+  Json work = what_was_done(first_steps, problem, context);
   for (const char* counted : {"sweeps", "products", "newton"})
     work[counted] = std::llround(work[counted].get<double>() * predicted.steps /
                                  std::max(1, predicted.first_steps));

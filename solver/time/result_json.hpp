@@ -20,7 +20,7 @@ struct ResultContext {
 };
 
 /// The whole result; values that are not there (NaN) are null.
-nlohmann::ordered_json result_json(const RunResult& result, const Plan& plan,
+nlohmann::ordered_json result_json(const RunResult& result, const Problem& problem,
                                    const ResultContext& context);
 
 /// What a run will take, predicted from its first steps.
@@ -31,7 +31,7 @@ struct PredictedWork {
 
 /// What a run will do: effects, matrices and memories; triangular solves, products and Newton
 /// iterations are those of the first steps times steps / first_steps.
-nlohmann::ordered_json plan_json(const RunResult& first_steps, const Plan& plan,
+nlohmann::ordered_json plan_json(const RunResult& first_steps, const Problem& problem,
                                  const ResultContext& context, const PredictedWork& predicted);
 
 /// As it stands in a file: numbers with 17 digits, what is no UTF-8 replaced.

@@ -117,8 +117,8 @@ bool strains_nothing(const Space& space, const Vector& motion) {
 
 /// The memory of a step within that step may subtract more stiffness than the body has: neither the
 /// forms nor double precision are to blame.
-void blame_memory(StepMatrix& matrix, const MatrixOf& of, const Plan& plan) {
-  if (plan.histories.empty()) return;
+void blame_memory(StepMatrix& matrix, const MatrixOf& of, const Problem& problem) {
+  if (problem.histories.empty()) return;
   const double length = of.grid.length(of.step);
   try {
     matrix.factor(whole_coefficients(of.formulation.operators(), length, {}));
@@ -126,7 +126,7 @@ void blame_memory(StepMatrix& matrix, const MatrixOf& of, const Plan& plan) {
     return;
   }
   throw Failure(
-      FailureKind::not_coercive, plan.histories.front().kernel.origin,
+      FailureKind::not_coercive, problem.histories.front().kernel.origin,
       fmt::format("step {} (t = {:.6g}, length {:.3g}) is not coercive: the integral of "
                   "the memory's kernel over the step itself subtracts more stiffness than "
                   "the forms without memory give",
@@ -194,11 +194,12 @@ std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisatio
 }
 
 void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& of,
-                       const Plan& plan, const Discretisation& d) {
+                       const Problem& problem, const Discretisation& d) {
   try {
     matrix.factor(gamma);
   } catch (const NotFactorable& failure) {
-    const Origin origin = plan.forms.empty() ? plan.space.origin : plan.forms.front().origin;
+    const Origin origin =
+        problem.forms.empty() ? problem.space.origin : problem.forms.front().origin;
     const auto left = held_by_values(d) ? std::vector<std::string>()
                                         : free_motions(matrix.k(), d, of.formulation.layout());
     if (!left.empty())
@@ -208,7 +209,7 @@ void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& 
                                 fmt::join(left, ", ")),
                     "clamp a part (`zero on ...`), or add a term that resists the motion");
     const SparseMatrix k = matrix.k();
-    blame_memory(matrix, of, plan);
+    blame_memory(matrix, of, problem);
     explain(k, failure, origin, d.space, of.formulation);
   }
 }

@@ -19,7 +19,7 @@ struct MatrixOf {
 /// but for rounding, and its softest motion strains cells, the script is right and double precision
 /// too short: Failure(mostly_rounding).
 void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& of,
-                       const Plan& plan, const Discretisation& discretisation);
+                       const Problem& problem, const Discretisation& discretisation);
 
 /// The rigid motions that the imposed values allow and K does not resist, each in words.
 std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisation& discretisation,

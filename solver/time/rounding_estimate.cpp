@@ -56,9 +56,9 @@ std::vector<double> grow(WholeTime* whole, std::span<const Vector> forces, int m
 
 } // namespace
 
-RoundingEstimate::RoundingEstimate(const Plan& plan, Formulation& formulation,
+RoundingEstimate::RoundingEstimate(const Problem& problem, Formulation& formulation,
                                    const Evolution& evolution, const Balance& balance)
-    : plan_(plan), formulation_(formulation), evolution_(evolution), balance_(balance) {
+    : problem_(problem), formulation_(formulation), evolution_(evolution), balance_(balance) {
   left_over_.force = Vector::Zero(formulation.layout().n_unknowns);
 }
 
@@ -89,7 +89,7 @@ std::vector<double> RoundingEstimate::memory_of_one() const {
   const auto& grid = evolution_.grid();
   const double t = evolution_.t();
   std::vector<double> out;
-  for (const auto& history : plan_.histories)
+  for (const auto& history : problem_.histories)
     out.push_back(grid.is_static()
                       ? 0.0
                       : interval_integral(history.kernel.expression, t, 0.0, t - grid.t(0), 0));
@@ -171,7 +171,7 @@ std::vector<ErrorSample> RoundingEstimate::samples(StepMatrix& matrix,
   const auto random = forces(backward_error);
   InequalityState at = accepted;
   at.c.setZero();
-  if (!contact.none()) prepare(contact, plan_, evolution_.t(), evolution_.u(), at.xi);
+  if (!contact.none()) prepare(contact, problem_, evolution_.t(), evolution_.u(), at.xi);
   std::vector<Vector> x, xi;
   const bool found = formulation_.respond(random, matrix, balance_.coefficients(step), at, x, xi);
   if (contact.none()) xi.resize(random.size());

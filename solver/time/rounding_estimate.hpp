@@ -9,7 +9,7 @@ namespace hvi::solver {
 class RoundingEstimate {
 public:
   /// Keeps references to all of them.
-  RoundingEstimate(const Plan& plan, Formulation& formulation, const Evolution& evolution,
+  RoundingEstimate(const Problem& problem, Formulation& formulation, const Evolution& evolution,
                    const Balance& balance);
 
   /// After each accepted step: what it left of its equation, with that backward error. `room`: any
@@ -39,7 +39,7 @@ private:
                                    const InequalityState& at, std::vector<Vector>& x,
                                    std::vector<Vector>& xi) const;
 
-  const Plan& plan_;
+  const Problem& problem_;
   Formulation& formulation_;
   const Evolution& evolution_;
   const Balance& balance_;

@@ -16,7 +16,8 @@ constexpr int longest_wait = 1024; // steps
 
 RowChecks::RowChecks(Interior& interior, const Plan& plan)
     : interior_(interior), tolerance_(plan.options.tolerance),
-      steps_(static_cast<int>(plan.time.grid.size()) - 1), chosen_(checked_steps(plan, steps_)) {}
+      steps_(static_cast<int>(plan.problem.time.grid.size()) - 1),
+      chosen_(checked_steps(plan, steps_)) {}
 
 std::optional<double> RowChecks::error(int n, Interior::Question question) {
   if (waits_) {

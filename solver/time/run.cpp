@@ -65,7 +65,7 @@ public:
     result_.contact_unknowns = static_cast<int>(state_.contact().unknowns.size());
     result_.certificate.tolerance = plan.options.tolerance;
     note_choices(plan, state_.contact(), result_);
-    if (settings.monitors) monitor_.emplace(plan, discretisation, state_);
+    if (settings.monitors) monitor_.emplace(plan.problem, discretisation, state_);
     if (settings.checkpoint_every > 0) fingerprint_ = fingerprint(plan, discretisation.mesh);
     // No output shows a step before the last check: no callback, no file, no checkpoint.
     if (!restarts.checks_at_once && !settings.on_step && settings.checkpoint_every == 0 &&
@@ -209,13 +209,15 @@ private:
     const bool said = std::any_of(result_.notes.begin(), result_.notes.end(),
                                   [](const StepNote& n) { return n.step == 0; });
     if (!said)
-      result_.notes.insert(result_.notes.begin(),
-                           {0, 0.0,
-                            fmt::format("uniqueness is not guaranteed: {}; {}",
-                                        stepper_.not_unique(), sentence(plan_.options.branch)),
-                            plan_.law_terms.empty() ? Origin{} : plan_.law_terms.front().origin});
+      result_.notes.insert(
+          result_.notes.begin(),
+          {0, 0.0,
+           fmt::format("uniqueness is not guaranteed: {}; {}", stepper_.not_unique(),
+                       sentence(plan_.options.branch)),
+           plan_.problem.law_terms.empty() ? Origin{} : plan_.problem.law_terms.front().origin});
     std::optional<EnergyMonitor> own;
-    EnergyMonitor& monitor = monitor_ ? *monitor_ : own.emplace(plan_, discretisation_, state_);
+    EnergyMonitor& monitor =
+        monitor_ ? *monitor_ : own.emplace(plan_.problem, discretisation_, state_);
     if (monitor.has_energy()) result_.energy = monitor.energy(state_);
   }
 
@@ -277,7 +279,7 @@ private:
 
   void restore(std::istream& in) {
     StateReader r(in, {});
-    Restarts().restore(r, plan_.histories.size()); // read before: they decide the plan
+    Restarts().restore(r, plan_.problem.histories.size()); // read before: they decide the plan
     if ((r.get<std::uint8_t>() != 0) != monitor_.has_value())
       r.fail(monitor_ ? "was saved without monitors" : "was saved with monitors");
     stepper_.restore(in);
@@ -346,7 +348,7 @@ Outcome run_once(const Plan& plan, const Discretisation& discretisation,
   auto* const result = std::get_if<RunResult>(&outcome);
   if (result == nullptr) return outcome;
   try {
-    refuse_rounding(*result, plan);
+    refuse_rounding(*result, plan.problem);
   } catch (const Failure&) {
     result->certificate.certified = false;
     if (partial != nullptr) *partial = std::move(*result);
@@ -363,13 +365,13 @@ Outcome run_once(const Plan& plan, const Discretisation& discretisation,
 RunResult run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
               RunResult* partial) {
   Restarts restarts;
-  restarts.routes.assign(plan.histories.size(), -1);
+  restarts.routes.assign(plan.problem.histories.size(), -1);
   std::optional<std::string> saved = saved_state(plan, discretisation, settings);
   if (saved) {
     std::istringstream in(*saved);
     StateReader r(in, {});
     with_its_name(checkpoint_path(settings.output_folder, settings.name),
-                  [&] { restarts.restore(r, plan.histories.size()); });
+                  [&] { restarts.restore(r, plan.problem.histories.size()); });
   }
   for (;;) {
     const Plan tried = restarts.applied(plan);

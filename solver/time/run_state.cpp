@@ -22,7 +22,7 @@ RunState::RunState(const Plan& plan, const Discretisation& d)
       evolution(plan, formulation->initial(), formulation->imposed()),
       balance(plan, d, with_room_for_memories(plan, *formulation, evolution.memory()), evolution),
       solver(plan, d, evolution, *formulation, balance),
-      rounding(plan, *formulation, evolution, balance) {
+      rounding(plan.problem, *formulation, evolution, balance) {
   trial.d = trial.kd = trial.gap = Vector::Zero(formulation->layout().n_unknowns);
   trial.z = trial.dz = Vector::Zero(contact().n_rows());
   evolution.start();

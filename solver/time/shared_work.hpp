@@ -6,7 +6,7 @@
 #pragma once
 
 #include "solver/linear/factorisation.hpp"
-#include "solver/plan/plan.hpp"
+#include "solver/plan/problem.hpp"
 
 #include <functional>
 #include <memory>

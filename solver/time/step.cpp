@@ -25,8 +25,9 @@ StepResult start_again(Restart why) {
 }
 
 /// Why not every step is sure to have one solution, asked at the first step with its matrix.
-std::string obstacle_to_uniqueness(const Plan& plan, const RunState& state, StepMatrix& matrix) {
-  Uniqueness uniqueness(plan, state.formulation->operators(), state.contact());
+std::string obstacle_to_uniqueness(const Problem& problem, const RunState& state,
+                                   StepMatrix& matrix) {
+  Uniqueness uniqueness(problem, state.formulation->operators(), state.contact());
   if (!uniqueness.settled()) {
     // Not in a restored run: asking would change the solver, and its later numbers.
     if (uniqueness.condensed() && state.evolution.step() == 0)
@@ -93,7 +94,7 @@ StepResult Stepper::advance(int n) {
   }
   auto& matrix = state_.solver.matrix_for(n);
   if (!std::exchange(uniqueness_judged_, true))
-    not_unique_ = obstacle_to_uniqueness(plan_, state_, matrix);
+    not_unique_ = obstacle_to_uniqueness(plan_.problem, state_, matrix);
   auto out = attempt(n, matrix);
   if (!out.restart && !out.certified && state_.solver.can_begin_anew()) out = attempt(n, matrix);
   if (out.restart) return out;

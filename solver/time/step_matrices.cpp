@@ -16,8 +16,8 @@ constexpr std::uint64_t most_saved = 1000;
 
 StepMatrices::StepMatrices(const Plan& plan, const Discretisation& discretisation,
                            const Formulation& formulation, const TimeScheme& scheme)
-    : plan_(plan), discretisation_(discretisation), formulation_(formulation), scheme_(scheme),
-      most_(static_cast<std::size_t>(useful_factors(scheme))) {
+    : problem_(plan.problem), discretisation_(discretisation), formulation_(formulation),
+      scheme_(scheme), most_(static_cast<std::size_t>(useful_factors(scheme))) {
   options_.tolerance = plan.options.tolerance;
   options_.branch = plan.options.branch;
 }
@@ -47,7 +47,7 @@ StepMatrices::Found StepMatrices::find(int n, const Vector& gamma) {
 }
 
 void StepMatrices::factor(int n, const Vector& gamma, StepMatrix& matrix) const {
-  factor_or_explain(matrix, gamma, {formulation_, scheme_.grid(), n}, plan_, discretisation_);
+  factor_or_explain(matrix, gamma, {formulation_, scheme_.grid(), n}, problem_, discretisation_);
 }
 
 int StepMatrices::place_of(const StepMatrix* matrix) const {

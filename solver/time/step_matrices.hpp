@@ -43,7 +43,7 @@ private:
   };
   std::unique_ptr<StepMatrix> another() const;
 
-  const Plan& plan_;
+  const Problem& problem_;
   const Discretisation& discretisation_;
   const Formulation& formulation_;
   const TimeScheme& scheme_;

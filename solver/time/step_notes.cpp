@@ -58,12 +58,12 @@ std::string what_happened(const StepResult& step, int n, const TimeGrid& grid, B
 }
 
 /// The law term to blame: of the worst point, else the first.
-Origin blamed(const StepResult& step, const Plan& plan, const Contact& contact) {
-  if (step.inclusion.worst_term >= 0) return plan.law_terms[step.inclusion.worst_term].origin;
+Origin blamed(const StepResult& step, const Problem& problem, const Contact& contact) {
+  if (step.inclusion.worst_term >= 0) return problem.law_terms[step.inclusion.worst_term].origin;
   const int worst = step.inequality.worst_point;
   if (worst >= 0 && worst < static_cast<int>(contact.problem.points.size()))
-    return plan.law_terms[contact.problem.points[worst].application].origin;
-  return plan.law_terms.empty() ? plan.space.origin : plan.law_terms.front().origin;
+    return problem.law_terms[contact.problem.points[worst].application].origin;
+  return problem.law_terms.empty() ? problem.space.origin : problem.law_terms.front().origin;
 }
 
 } // namespace
@@ -71,7 +71,7 @@ Origin blamed(const StepResult& step, const Plan& plan, const Contact& contact) 
 void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
   for (const auto& term : contact.terms) {
     if (term.n_points() == 0) continue;
-    const auto& spec = plan.law_terms[term.points.law_term];
+    const auto& spec = plan.problem.law_terms[term.points.law_term];
     const auto& law = *contact.laws[spec.law];
     if (law.coupled())
       result.notes.push_back(
@@ -80,8 +80,9 @@ void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
                        "found with it in each step; there may be other solutions",
                        law.spec().name, law.spec().coupled),
            spec.origin});
-    if (std::isfinite(
-            law.constants(term.points.x[0], plan.time.is_static ? 0.0 : plan.time.grid[0]).m))
+    if (std::isfinite(law.constants(term.points.x[0],
+                                    plan.problem.time.is_static ? 0.0 : plan.problem.time.grid[0])
+                          .m))
       continue;
     result.notes.push_back(
         {0, 0.0,
@@ -102,7 +103,8 @@ void note_step(const StepResult& step, int n, double t, const TimeGrid& grid, co
   if (step.inclusion.worst > certificate.inclusion || n == 1) certificate.inclusion_step = n;
   certificate.equilibrium = std::max(certificate.equilibrium, step.equilibrium);
   certificate.inclusion = std::max(certificate.inclusion, step.inclusion.worst);
-  const Origin origin = plan.law_terms.empty() ? Origin{} : plan.law_terms.front().origin;
+  const Origin origin =
+      plan.problem.law_terms.empty() ? Origin{} : plan.problem.law_terms.front().origin;
   if (const auto what = what_happened(step, n, grid, plan.options.branch); !what.empty())
     result.notes.push_back({n, t, what, origin});
   if (const auto what = what_is_below(step.inequality.least_gap); !what.empty())
@@ -110,7 +112,7 @@ void note_step(const StepResult& step, int n, double t, const TimeGrid& grid, co
 }
 
 void note_proofs(const Plan& plan, RunResult& result) {
-  if (plan.options.branch != Branch::least_energy || plan.law_terms.empty()) return;
+  if (plan.options.branch != Branch::least_energy || plan.problem.law_terms.empty()) return;
   const auto open = std::count_if(result.notes.begin(), result.notes.end(), [](const auto& note) {
     return note.what.starts_with(not_proved);
   });
@@ -118,7 +120,7 @@ void note_proofs(const Plan& plan, RunResult& result) {
       {0, 0.0,
        fmt::format("least energy: proved in {} of {} steps, to {:.0e} of the energies involved",
                    result.steps - open, result.steps, proved_least_gap),
-       plan.law_terms.front().origin});
+       plan.problem.law_terms.front().origin});
 }
 
 void refuse_step(const StepResult& step, int n, const RunState& run, const Plan& plan) {
@@ -126,7 +128,7 @@ void refuse_step(const StepResult& step, int n, const RunState& run, const Plan&
   const auto place = grid.is_static() ? std::string("the static problem")
                                       : fmt::format("step {} (t = {:.6g})", n, grid.t(n));
   throw Failure(
-      FailureKind::not_certified, blamed(step, plan, run.contact()),
+      FailureKind::not_certified, blamed(step, plan.problem, run.contact()),
       fmt::format("no certified solution at {}: equilibrium error {:.2e}, inclusion error "
                   "{:.2e}, tolerance {:.0e}{}{}",
                   place, step.equilibrium, step.inclusion.worst, plan.options.tolerance,

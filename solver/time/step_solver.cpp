@@ -56,7 +56,7 @@ StepSolver::StepSolver(const Plan& plan, const Discretisation& discretisation,
       // Beside the contact unknowns there is next to nothing to solve for.
       storage_(plan.options.reduced_precision && !formulation.reduced() && !contact_.whole,
                plan.options.tolerance),
-      refinement_(plan, balance, contact_) {
+      refinement_(plan.problem, balance, contact_) {
   laws_.xi = Vector::Zero(contact_.n_rows());
   laws_.c = Vector::Zero(static_cast<Eigen::Index>(contact_.unknowns.size()));
   accepted_ = laws_;
@@ -185,7 +185,7 @@ StepResult StepSolver::correct(StepMatrix& matrix, Start start, StepEquation& eq
 
 /// Prepares the laws with the multipliers of the trial itself; the error of their inclusion then.
 double StepSolver::bounds_error(const StepEquation& equation, Trial& trial) {
-  prepare(contact_, plan_, evolution_.grid().t(equation.n), equation.known, laws_.xi);
+  prepare(contact_, plan_.problem, evolution_.grid().t(equation.n), equation.known, laws_.xi);
   state_ = equation.known;
   state_.head(trial.d.size()) += trial.d;
   return inclusion_error(contact_, state_, laws_.xi, plan_.options.tolerance, trial.z).worst;
@@ -237,11 +237,11 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
     equation.change.setZero();
   }
   balance_.find_right_hand_side(equation);
-  if (!contact_.none()) prepare(contact_, plan_, grid.t(n), equation.known, laws_.xi);
+  if (!contact_.none()) prepare(contact_, plan_.problem, grid.t(n), equation.known, laws_.xi);
   std::optional<InequalityState> path_start;
   if (follow) {
     const double before = grid.is_static() ? 0.0 : grid.t(n - 1);
-    arguments_of(contact_, plan_, before, evolution_.u(), laws_.z_before);
+    arguments_of(contact_, plan_.problem, before, evolution_.u(), laws_.z_before);
     if (contact_.coupled) path_start = laws_;
   }
   auto out = correct(matrix, Start::predicted, equation, trial);
@@ -302,7 +302,7 @@ void StepSolver::restore(std::istream& in) {
   laws_.state = r.get_vector<int>();
   // Laws that move with time are prepared for the step's time before every solve.
   if (!contact_.none() && evolution_.step() > 0)
-    prepare(contact_, plan_, evolution_.t(), evolution_.u(), laws_.xi);
+    prepare(contact_, plan_.problem, evolution_.t(), evolution_.u(), laws_.xi);
   check_states(contact_, laws_.state, r);
   accepted_ = laws_;
   matrices_.restore(in);

@@ -22,19 +22,20 @@ constexpr double point = 1e-7; ///< boxes with relative sides below it are one p
 /// w0 of every step, and nothing else, of one kernel: histories that remember no field.
 class LastWeights {
 public:
-  LastWeights(const Plan& plan, const TimeGrid& grid, bool absolute) : grid_(grid) {
+  LastWeights(const Problem& problem, const TimeGrid& grid, bool absolute) : grid_(grid) {
     HistoryOptions options;
     options.route = HistoryRoute::direct;
-    options.order = plan.time.scheme == Scheme::bdf2 && !absolute ? 1 : 0;
+    options.order = problem.time.scheme == Scheme::bdf2 && !absolute ? 1 : 0;
     options.steps = grid.steps();
-    options.horizon = plan.time.grid.back() - plan.time.grid.front();
-    options.times = plan.time.grid;
-    for (const auto& term : plan.histories) {
+    options.horizon = problem.time.grid.back() - problem.time.grid.front();
+    options.times = problem.time.grid;
+    for (const auto& term : problem.histories) {
       KernelSpec kernel = term.kernel;
       if (absolute) kernel.expression = abs(kernel.expression);
-      const auto traits = kernel_traits(kernel.expression, options.horizon, plan.time.grid.front());
+      const auto traits =
+          kernel_traits(kernel.expression, options.horizon, problem.time.grid.front());
       kernels_.push_back({make_history(kernel, 0, options), traits.convolution, {}});
-      kernels_.back().history->start(plan.time.grid.front(), {});
+      kernels_.back().history->start(problem.time.grid.front(), {});
     }
   }
   /// Of the next step.
@@ -64,15 +65,15 @@ private:
   std::vector<Kernel> kernels_;
 };
 
-Eigen::Index fields(const Plan& plan) { return count_fields(plan); }
+Eigen::Index fields(const Problem& problem) { return count_fields(problem); }
 
 } // namespace
 
-bool surely_one_matrix(const Plan& plan) {
-  if (plan.time.is_static) return true;
-  for (const auto& term : plan.histories)
+bool surely_one_matrix(const Problem& problem) {
+  if (problem.time.is_static) return true;
+  for (const auto& term : problem.histories)
     if (term.kernel.expression.depends_on(slot::t)) return false;
-  const auto scheme = make_scheme(plan.time);
+  const auto scheme = make_scheme(problem.time);
   const TimeGrid& grid = scheme->grid();
   for (int n = 2; n <= grid.steps(); ++n)
     if (scheme->factor(n, 1) != scheme->factor(1, 1) || grid.length(n) != grid.length(1))
@@ -80,13 +81,13 @@ bool surely_one_matrix(const Plan& plan) {
   return true;
 }
 
-StepWeights step_weights(const Plan& plan) {
-  VectorXd c = VectorXd::Zero(fields(plan));
+StepWeights step_weights(const Problem& problem) {
+  VectorXd c = VectorXd::Zero(fields(problem));
   c[field_of_u(0)] = 1.0;
-  if (plan.time.is_static) return {{1}, {c}};
-  const auto scheme = make_scheme(plan.time);
+  if (problem.time.is_static) return {{1}, {c}};
+  const auto scheme = make_scheme(problem.time);
   const TimeGrid& grid = scheme->grid();
-  LastWeights memory(plan, grid, false);
+  LastWeights memory(problem, grid, false);
   StepWeights out;
   const auto less = [](const VectorXd& a, const VectorXd& b) {
     return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
@@ -102,11 +103,11 @@ StepWeights step_weights(const Plan& plan) {
   return out;
 }
 
-std::vector<VectorXd> absolute_weights(const Plan& plan, const StepWeights& weights) {
-  const TimeGrid grid(plan.time);
-  std::vector<VectorXd> out(weights.steps.size(), VectorXd::Zero(fields(plan)));
-  LastWeights memory(plan, grid, true);
-  VectorXd c = VectorXd::Zero(fields(plan));
+std::vector<VectorXd> absolute_weights(const Problem& problem, const StepWeights& weights) {
+  const TimeGrid grid(problem.time);
+  std::vector<VectorXd> out(weights.steps.size(), VectorXd::Zero(fields(problem)));
+  LastWeights memory(problem, grid, true);
+  VectorXd c = VectorXd::Zero(fields(problem));
   std::size_t next = 0;
   for (int n = 1; n <= grid.steps() && next < weights.steps.size(); ++n) {
     memory.next(n, c);

@@ -6,7 +6,7 @@
 // that a box is no worse than the worst of its corners.
 #pragma once
 
-#include "solver/plan/plan.hpp"
+#include "solver/plan/problem.hpp"
 
 #include <Eigen/Core>
 
@@ -21,13 +21,13 @@ struct StepWeights {
   std::vector<Eigen::VectorXd> c;
 };
 /// By exact integrals, as the direct sum has them. Static: one, (1, 0, ...).
-StepWeights step_weights(const Plan& plan);
+StepWeights step_weights(const Problem& problem);
 /// Have all steps surely one matrix? Without an integral: backward Euler with equal steps and
 /// kernels written without t.
-bool surely_one_matrix(const Plan& plan);
+bool surely_one_matrix(const Problem& problem);
 
 /// int |q_m(t_n, s)| ds over the last interval, for every column of `weights` and memory m.
-std::vector<Eigen::VectorXd> absolute_weights(const Plan& plan, const StepWeights& weights);
+std::vector<Eigen::VectorXd> absolute_weights(const Problem& problem, const StepWeights& weights);
 
 struct WorstStep {
   int step = 1;

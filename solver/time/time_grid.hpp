@@ -1,7 +1,7 @@
 // The times of a run, and the lengths of its steps.
 #pragma once
 
-#include "solver/plan/plan.hpp"
+#include "solver/plan/problem.hpp"
 
 #include <vector>
 

@@ -11,7 +11,7 @@ constexpr double largest_imbalance = 1e-6;
 
 } // namespace
 
-void refuse_rounding(const RunResult& result, const Plan& plan) {
+void refuse_rounding(const RunResult& result, const Problem& problem) {
   const auto& error = result.forward_error;
   const std::string condition =
       error.condition > 0.0
@@ -23,14 +23,14 @@ void refuse_rounding(const RunResult& result, const Plan& plan) {
     std::string what = "the solution";
     for (const auto& column : error.columns)
       if (!(column.relative < worst)) what = "`" + column.name + "`";
-    throw Failure(FailureKind::mostly_rounding, plan.space.origin,
+    throw Failure(FailureKind::mostly_rounding, problem.space.origin,
                   fmt::format("rounding may have changed {} by {:.1e} of its size; a run is "
                               "certified up to {:.0e}{}",
                               what, worst, ForwardError::largest, condition),
                   better_conditioned);
   }
   if (result.monitors && !(result.monitors->balance_error <= largest_imbalance))
-    throw Failure(FailureKind::mostly_rounding, plan.space.origin,
+    throw Failure(FailureKind::mostly_rounding, problem.space.origin,
                   fmt::format("the work of the loads and the energies differ by {:.1e} of "
                               "their size; a run is certified up to {:.0e}{}",
                               result.monitors->balance_error, largest_imbalance, condition),

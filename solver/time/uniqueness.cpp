@@ -35,22 +35,22 @@ SparseMatrix law_form(const Contact& contact, const std::vector<double>& weight,
   return SparseMatrix(SparseMatrix(g.transpose()) * weighted);
 }
 
-Uniqueness::Uniqueness(const Plan& plan, const Operators& operators, const Contact& contact)
-    : plan_(plan), operators_(operators), contact_(contact) {
+Uniqueness::Uniqueness(const Problem& problem, const Operators& operators, const Contact& contact)
+    : problem_(problem), operators_(operators), contact_(contact) {
   look_at_laws();
 }
 
 namespace {
 
 /// The steepest descent of a law's slope at the term's points, at all times of the plan.
-Bracket descent_of(const Plan& plan, const ContactTerm& term, const Law& law) {
+Bracket descent_of(const Problem& problem, const ContactTerm& term, const Law& law) {
   LawDomain domain;
   for (const Point& x : term.points.x) {
     domain.part.push_back({{x}, 1});
     if (!law.depends_on_x()) break;
   }
-  if (!plan.time.is_static)
-    domain.t_low = plan.time.grid.front(), domain.t_high = plan.time.grid.back();
+  if (!problem.time.is_static)
+    domain.t_low = problem.time.grid.front(), domain.t_high = problem.time.grid.back();
   return steepest_descent(law, domain);
 }
 
@@ -59,13 +59,13 @@ Bracket descent_of(const Plan& plan, const ContactTerm& term, const Law& law) {
 void Uniqueness::look_at_laws() {
   if (contact_.coupled) obstacle_ = "a law is coupled to another one";
   bool softens = false, moves = false;
-  weight_.assign(plan_.law_terms.size(), 0.0);
+  weight_.assign(problem_.law_terms.size(), 0.0);
   for (const auto& term : contact_.terms) {
-    const int index = plan_.law_terms[term.points.law_term].law;
+    const int index = problem_.law_terms[term.points.law_term].law;
     const Law& law = *contact_.laws[index];
     moves = moves || law.depends_on_x() || law.depends_on_t();
     if (!obstacle_.empty() || term.n_points() == 0) continue;
-    const Bracket m = descent_of(plan_, term, law);
+    const Bracket m = descent_of(problem_, term, law);
     weight_[term.points.law_term] = m.value();
     softens = softens || m.value() > 0.0;
     if (std::isinf(m.value()))
@@ -78,7 +78,7 @@ void Uniqueness::look_at_laws() {
   condensed_ =
       !moves && operators_.symmetric &&
       (contact_.whole || static_cast<int>(contact_.unknowns.size()) <= most_judged_points) &&
-      surely_one_matrix(plan_);
+      surely_one_matrix(problem_);
 }
 
 void Uniqueness::judge(bool convex) {
@@ -122,21 +122,21 @@ void Uniqueness::judge_all(const Factorisation* like) {
   descent_ = law_form(contact_, weight_, operators_.n_unknowns);
   take_over(like);
   const auto worst = worst_step(
-      step_weights(plan_), [&](const Eigen::VectorXd& c) { return definite(c) ? 0.0 : infinity; },
-      most_judged);
+      step_weights(problem_),
+      [&](const Eigen::VectorXd& c) { return definite(c) ? 0.0 : infinity; }, most_judged);
   factor_.reset();
   descent_ = {};
   if (worst.bound == 0.0) return;
-  if (plan_.time.is_static)
+  if (problem_.time.is_static)
     judge(false);
   else if (worst.ratio > 0.0)
     obstacle_ = fmt::format(
         "in step {} (t = {:.6g}) the laws soften faster than the body is stiff (step ratio of 1 or "
         "more)",
-        worst.step, plan_.time.grid[worst.step]);
+        worst.step, problem_.time.grid[worst.step]);
   else
     obstacle_ = fmt::format("it could not be shown for all {} steps in {} trials",
-                            plan_.time.grid.size() - 1, most_judged);
+                            problem_.time.grid.size() - 1, most_judged);
 }
 
 } // namespace hvi::solver

@@ -15,7 +15,7 @@ namespace hvi::solver {
 /// the steepest descent of law i, by proof (Cholesky factors: up to rounding).
 class Uniqueness {
 public:
-  Uniqueness(const Plan& plan, const Operators& operators, const Contact& contact);
+  Uniqueness(const Problem& problem, const Operators& operators, const Contact& contact);
 
   /// No law softens or they cannot be judged: nothing is left to be asked of the matrices.
   bool settled() const { return settled_; }
@@ -34,7 +34,7 @@ private:
   bool definite(const Eigen::VectorXd& c);
   void take_over(const Factorisation* like);
 
-  const Plan& plan_;
+  const Problem& problem_;
   const Operators& operators_;
   const Contact& contact_;
   bool settled_ = false, condensed_ = false;

@@ -28,13 +28,15 @@ Plan plan_of(const std::string& text) {
 /// What the plan's forms and loads on part p come to at the values: left side minus right side.
 double balance(const Plan& plan, const std::string& part, Values& at) {
   double sum = 0.0;
-  const auto is_there = [&](int p) { return plan.parts[static_cast<std::size_t>(p)].name == part; };
-  for (const auto& term : plan.forms)
+  const auto is_there = [&](int p) {
+    return plan.problem.parts[static_cast<std::size_t>(p)].name == part;
+  };
+  for (const auto& term : plan.problem.forms)
     for (const auto& entry : term.entries)
       if (is_there(term.part))
         sum += at.of(entry.coefficient) * at(slot::field(term.field, entry.trial)) *
                at(slot::test(entry.test));
-  for (const auto& load : plan.loads)
+  for (const auto& load : plan.problem.loads)
     for (const auto& entry : load.entries)
       if (is_there(load.part)) sum -= at.of(entry.value) * at(slot::test(entry.test));
   return sum;
@@ -90,8 +92,8 @@ TEST(Lower, TermsThatFoldToZeroAreLeftOut) {
       plan_of(problem(2, "param k = 0\n" + tensor, form + " + integral(body, k*u.x*v.x)",
                       "integral(body, v.y) + integral(ground, k*v.y)"));
   const auto without = plan_of(problem(2, "param k = 0\n" + tensor, form, "integral(body, v.y)"));
-  EXPECT_EQ(with.forms.size(), without.forms.size());
-  EXPECT_EQ(with.loads.size(), without.loads.size());
+  EXPECT_EQ(with.problem.forms.size(), without.problem.forms.size());
+  EXPECT_EQ(with.problem.loads.size(), without.problem.loads.size());
 }
 
 const std::string evolution =
@@ -110,33 +112,33 @@ TEST(Lower, EffectsAndArgumentsOfLaws) {
                   "  + integral(ground, layer^0(u.nu - 0.25*t; v.nu)) + integral(ground, "
                   "slip^0(u.tau; v.tau))\n"
                   " >= integral(body, v.y) + integral(ground, v.x)\n");
-  ASSERT_EQ(plan.forms.size(), 3u);
-  EXPECT_EQ(plan.forms[0].field, solver::field_of_u(1));
-  EXPECT_EQ(plan.forms[0].effect, Effect::viscosity);
-  EXPECT_EQ(plan.forms[1].field, solver::field_of_u(0));
-  EXPECT_EQ(plan.forms[1].effect, Effect::elasticity);
-  EXPECT_EQ(plan.forms[2].field, solver::field_of_memory(0));
-  EXPECT_EQ(plan.forms[2].effect, Effect::memory);
-  ASSERT_EQ(plan.histories.size(), 1u);
-  ASSERT_EQ(plan.law_terms.size(), 2u);
-  EXPECT_EQ(plan.law_terms[0].effect, Effect::normal_law);
-  EXPECT_EQ(plan.law_terms[1].effect, Effect::friction);
+  ASSERT_EQ(plan.problem.forms.size(), 3u);
+  EXPECT_EQ(plan.problem.forms[0].field, solver::field_of_u(1));
+  EXPECT_EQ(plan.problem.forms[0].effect, Effect::viscosity);
+  EXPECT_EQ(plan.problem.forms[1].field, solver::field_of_u(0));
+  EXPECT_EQ(plan.problem.forms[1].effect, Effect::elasticity);
+  EXPECT_EQ(plan.problem.forms[2].field, solver::field_of_memory(0));
+  EXPECT_EQ(plan.problem.forms[2].effect, Effect::memory);
+  ASSERT_EQ(plan.problem.histories.size(), 1u);
+  ASSERT_EQ(plan.problem.law_terms.size(), 2u);
+  EXPECT_EQ(plan.problem.law_terms[0].effect, Effect::normal_law);
+  EXPECT_EQ(plan.problem.law_terms[1].effect, Effect::friction);
   // u.nu - t/4, and u - (u.nu) nu, at a random normal.
   std::mt19937 random(5);
   Values at(random);
-  const auto& normal = plan.law_terms[0].rows;
+  const auto& normal = plan.problem.law_terms[0].rows;
   ASSERT_EQ(normal.size(), 1u);
   for (int i = 0; i < 2; ++i) EXPECT_DOUBLE_EQ(at.of(normal[0].u[i]), at(slot::normal(i)));
   EXPECT_DOUBLE_EQ(at.of(normal[0].offset), -0.25 * at(slot::t));
-  const auto& tangential = plan.law_terms[1].rows;
+  const auto& tangential = plan.problem.law_terms[1].rows;
   ASSERT_EQ(tangential.size(), 2u);
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j)
       EXPECT_NEAR(at.of(tangential[i].u[j]), (i == j) - at(slot::normal(i)) * at(slot::normal(j)),
                   1e-15);
-  ASSERT_EQ(plan.loads.size(), 2u);
-  EXPECT_EQ(plan.loads[0].effect, Effect::body_force);
-  EXPECT_EQ(plan.loads[1].effect, Effect::traction);
+  ASSERT_EQ(plan.problem.loads.size(), 2u);
+  EXPECT_EQ(plan.problem.loads[0].effect, Effect::body_force);
+  EXPECT_EQ(plan.problem.loads[1].effect, Effect::traction);
 }
 
 TEST(Lower, MemoriesThatNothingUsesAreLeftOutAndTheOthersRenumbered) {
@@ -146,9 +148,9 @@ TEST(Lower, MemoriesThatNothingUsesAreLeftOutAndTheOthersRenumbered) {
       "  + integral(ground, layer^0(u.nu; v.nu)) + integral(body, B : eps(u) : eps(v))\n"
       "  + integral(body, B : history(q, eps(u)) : eps(v))\n"
       " >= integral(body, v.y)\n");
-  ASSERT_EQ(plan.histories.size(), 1u);
+  ASSERT_EQ(plan.problem.histories.size(), 1u);
   int of_memory = 0;
-  for (const auto& term : plan.forms)
+  for (const auto& term : plan.problem.forms)
     if (solver::is_memory(term.field)) {
       ++of_memory;
       EXPECT_EQ(term.field, solver::field_of_memory(0));

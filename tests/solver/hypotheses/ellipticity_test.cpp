@@ -9,15 +9,15 @@ using namespace testing_plans;
 
 Ellipticity of(const std::vector<FormTerm>& forms) {
   Plan plan;
-  plan.mesh.cells = {4, 4, 1};
-  plan.parts = {all_cells("body"), all_cells("half")};
-  plan.parts[1].region.kind = RegionSpec::Kind::where;
-  plan.parts[1].region.children.resize(1);
-  plan.parts[1].region.predicate = less(var(slot::x(0)), 0.5);
-  plan.forms = forms;
+  plan.problem.mesh.cells = {4, 4, 1};
+  plan.problem.parts = {all_cells("body"), all_cells("half")};
+  plan.problem.parts[1].region.kind = RegionSpec::Kind::where;
+  plan.problem.parts[1].region.children.resize(1);
+  plan.problem.parts[1].region.predicate = less(var(slot::x(0)), 0.5);
+  plan.problem.forms = forms;
   Discretisation d;
   for (const auto& mistake : discretise(plan, d)) throw mistake;
-  return ellipticity(plan, d, field_of_u(0));
+  return ellipticity(plan.problem, d, field_of_u(0));
 }
 
 FormTerm scaled(Expr by, int part = 0) {

@@ -10,22 +10,22 @@ using testing::HasSubstr;
 
 Plan small_plan() {
   Plan plan;
-  plan.title = "bar";
-  plan.mesh.kind = MeshSpec::Kind::interval;
-  plan.mesh.name = "bar";
+  plan.problem.title = "bar";
+  plan.problem.mesh.kind = MeshSpec::Kind::interval;
+  plan.problem.mesh.name = "bar";
   PartSpec end{"end", {}, {}};
   end.region.kind = RegionSpec::Kind::group;
   end.region.name = "right";
-  plan.parts = {{"bar", {}, {}}, end};
-  plan.space.name = "V";
-  plan.space.dirichlet = {{{}, 1, -1, {}}};
+  plan.problem.parts = {{"bar", {}, {}}, end};
+  plan.problem.space.name = "V";
+  plan.problem.space.dirichlet = {{{}, 1, -1, {}}};
   FormTerm form;
   form.effect = Effect::elasticity;
   form.entries = {{3, 3, 2.5}};
-  plan.forms = {form};
+  plan.problem.forms = {form};
   LoadTerm load;
   load.entries = {{0, 2.0 * Expr::variable(slot::t)}};
-  plan.loads = {load};
+  plan.problem.loads = {load};
   return plan;
 }
 
@@ -50,23 +50,23 @@ TEST(PrintPlan, ReadsAsThePlan) {
 
 TEST(PrintPlan, LawsMemoryTimeAndReport) {
   auto plan = small_plan();
-  plan.histories = {{{}, {"C", {}, exp(-Expr::variable(slot::lag))}}};
-  plan.laws = {{"layer", {}, true, true, Expr::variable(slot::argument(0))}};
+  plan.problem.histories = {{{}, {"C", {}, exp(-Expr::variable(slot::lag))}}};
+  plan.problem.laws = {{"layer", {}, true, true, Expr::variable(slot::argument(0))}};
   LawTerm term;
   term.name = "layer";
   term.part = 1;
   term.rows.resize(1);
-  plan.law_terms = {term};
-  plan.time.is_static = false;
-  plan.time.scheme = Scheme::bdf2;
-  for (int n = 0; n <= 20; ++n) plan.time.grid.push_back(n);
+  plan.problem.law_terms = {term};
+  plan.problem.time.is_static = false;
+  plan.problem.time.scheme = Scheme::bdf2;
+  for (int n = 0; n <= 20; ++n) plan.problem.time.grid.push_back(n);
   Probe norm;
   norm.name = "size";
   norm.kind = Probe::Kind::norm_v;
   norm.time = 0.5;
   plan.report.probes = {norm};
   plan.report.tables = {{{}, {0}, 4, "t.csv"}};
-  plan.effects = {{"memory", EffectNote::State::dropped, {}, "the kernel is zero"}};
+  plan.problem.effects = {{"memory", EffectNote::State::dropped, {}, "the kernel is zero"}};
   const auto text = to_string(plan);
   for (const char* line :
        {"history w0 kernel `C`", "law 0 `layer` radial slope", "law term 0 1 * `layer` over `end`",

@@ -17,10 +17,10 @@ constexpr double tau = 0.5; ///< of slab()'s memory
 /// A law for the normal part that jumps where it is touched, and friction of bound 0.7.
 Plan plan_of() {
   Plan plan = slab(cells, steps, 2, true);
-  plan.laws[0].expression = select(less(var(slot::argument(0)), 0.0), 0.0, 3.0);
-  plan.laws[1].expression = Expr(0.7);
-  for (double& t : plan.time.grid) t = 0.25 + t * (1 + t) / 2;
-  plan.time.initial = {}; // of the functions below, not read here
+  plan.problem.laws[0].expression = select(less(var(slot::argument(0)), 0.0), 0.0, 3.0);
+  plan.problem.laws[1].expression = Expr(0.7);
+  for (double& t : plan.problem.time.grid) t = 0.25 + t * (1 + t) / 2;
+  plan.problem.time.initial = {}; // of the functions below, not read here
   return plan;
 }
 
@@ -62,22 +62,22 @@ TEST(Cea, TermsAreThoseOfTheFormula) {
   const Plan plan = plan_of();
   Discretisation coarse;
   for (const auto& mistake : discretise(plan, coarse)) throw mistake;
-  const FineSolution solution = fine_exact(plan, coarse.mesh, exact());
-  const auto terms = cea_terms(solution, plan, coarse);
+  const FineSolution solution = fine_exact(plan.problem, coarse.mesh, exact());
+  const auto terms = cea_terms(solution, plan.problem, coarse);
   ASSERT_TRUE(terms);
 
   const Discretisation& d = *solution.discretisation;
   ASSERT_EQ(d.mesh.cells.size(), 4 * coarse.mesh.cells.size());
-  const auto a = matrix_of(solution.plan, d, field_of_u(1)),
-             b = matrix_of(solution.plan, d, field_of_u(0)),
-             e = matrix_of(solution.plan, d, field_of_memory(0));
+  const auto a = matrix_of(solution.problem, d, field_of_u(1)),
+             b = matrix_of(solution.problem, d, field_of_u(0)),
+             e = matrix_of(solution.problem, d, field_of_memory(0));
   const auto strains =
       assemble_form(d.space, d.parts[body], elastic(2, body, field_of_u(0), {0.0, 0.5}));
   const auto square = [&](const Vector& v) { return v.dot(strains * v); };
-  LoadAssembler loads(d.space, d.parts, plan.loads);
+  LoadAssembler loads(d.space, d.parts, plan.problem.loads);
   const SparseMatrix down = transfer(d.space, coarse.space), up = transfer(coarse.space, d.space);
   const auto ground = ground_of(d, 0.5 / cells);
-  const auto& grid = plan.time.grid;
+  const auto& grid = plan.problem.time.grid;
   std::vector<Expr> rates;
   for (const Expr& component : exact()) rates.push_back(derivative(component, slot::t));
 
@@ -135,11 +135,12 @@ TEST(Cea, SaysNothingOfStaticPlansAndUnilateralContact) {
   Plan plan = plan_of();
   Discretisation coarse;
   for (const auto& mistake : discretise(plan, coarse)) throw mistake;
-  plan.laws[0].expression = select(less(var(slot::argument(0)), 0.0), 0.0, 1e300);
-  EXPECT_FALSE(cea_terms(fine_exact(plan, coarse.mesh, exact()), plan, coarse));
+  plan.problem.laws[0].expression = select(less(var(slot::argument(0)), 0.0), 0.0, 1e300);
+  EXPECT_FALSE(cea_terms(fine_exact(plan.problem, coarse.mesh, exact()), plan.problem, coarse));
   Plan still = plan_of();
-  still.time.is_static = true;
-  EXPECT_FALSE(cea_terms(fine_exact(plan_of(), coarse.mesh, exact()), still, coarse));
+  still.problem.time.is_static = true;
+  EXPECT_FALSE(
+      cea_terms(fine_exact(plan_of().problem, coarse.mesh, exact()), still.problem, coarse));
 }
 
 /// Between the times of a finer run the state is affine and its rate the step's difference
@@ -152,7 +153,7 @@ TEST(Cea, ARunGivesItsRates) {
   trajectory->times = {0.0, 0.5, 2.0, 2.25};
   for (const double value : {0.0, 1.0, 4.0, 6.0})
     trajectory->states.push_back(Vector::Constant(d->space.n_dofs(), value));
-  const auto fine = fine_trajectory(plan_of(), trajectory);
+  const auto fine = fine_trajectory(plan_of().problem, trajectory);
   for (const auto& [t, value, rate] : {std::array{0.0, 0.0, 2.0},
                                        {0.25, 0.5, 2.0},
                                        {0.5, 1.0, 2.0},

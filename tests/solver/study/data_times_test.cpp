@@ -1,5 +1,6 @@
 // What data do in time, against formulas whose breaks and scales are known; and the grids made of
 // it.
+#include "solver/plan/problem.hpp"
 #include "solver/study/time_base.hpp"
 
 #include <gtest/gtest.h>
@@ -14,14 +15,14 @@ namespace {
 const Expr t = Expr::variable(slot::t);
 const Expr x = Expr::variable(slot::x(0));
 
-Plan loaded(const Expr& f, double first = 0.0, double last = 1.0) {
-  Plan plan;
-  plan.mesh.kind = MeshSpec::Kind::interval;
-  plan.time.is_static = false;
-  for (int n = 0; n <= 8; ++n) plan.time.grid.push_back(first + (last - first) * n / 8);
-  plan.loads.push_back({});
-  plan.loads.back().entries.push_back({0, f});
-  return plan;
+Problem loaded(const Expr& f, double first = 0.0, double last = 1.0) {
+  Problem problem;
+  problem.mesh.kind = MeshSpec::Kind::interval;
+  problem.time.is_static = false;
+  for (int n = 0; n <= 8; ++n) problem.time.grid.push_back(first + (last - first) * n / 8);
+  problem.loads.push_back({});
+  problem.loads.back().entries.push_back({0, f});
+  return problem;
 }
 
 Expr pulse(double a, double length) {
@@ -94,18 +95,18 @@ TEST(DataTimes, SmallPartsAndMovingBreaksAreLeftOut) {
 }
 
 TEST(DataTimes, ImposedValuesOffsetsLawsAndKernels) {
-  Plan plan = loaded(Expr(1.0));
-  plan.space.dirichlet.push_back({});
-  plan.space.dirichlet.back().value = {abs(t - Expr(0.2))};
-  plan.law_terms.push_back({});
-  plan.law_terms.back().rows.push_back({});
-  plan.law_terms.back().rows.back().offset = pulse(0.4, 0.05);
-  plan.laws.push_back({});
-  plan.laws.back().expression = Expr::variable(slot::argument(0)) * pulse(0.6, 0.03);
-  plan.histories.push_back({});
-  plan.histories.back().kernel.expression =
+  Problem problem = loaded(Expr(1.0));
+  problem.space.dirichlet.push_back({});
+  problem.space.dirichlet.back().value = {abs(t - Expr(0.2))};
+  problem.law_terms.push_back({});
+  problem.law_terms.back().rows.push_back({});
+  problem.law_terms.back().rows.back().offset = pulse(0.4, 0.05);
+  problem.laws.push_back({});
+  problem.laws.back().expression = Expr::variable(slot::argument(0)) * pulse(0.6, 0.03);
+  problem.histories.push_back({});
+  problem.histories.back().kernel.expression =
       select(less(Expr::variable(slot::lag), Expr(0.25)), Expr(1.0), Expr(0.0));
-  const auto data = data_times(plan, 1e-4);
+  const auto data = data_times(problem, 1e-4);
   std::vector<double> times;
   for (const auto& b : data.breaks) times.push_back(b.t);
   for (const double b : {0.2, 0.4, 0.45, 0.6, 0.63, 0.25, 0.85, 0.88})
@@ -116,30 +117,30 @@ TEST(DataTimes, ImposedValuesOffsetsLawsAndKernels) {
 }
 
 TEST(DataTimes, ABreakOfAnImposedValueStaysOneWhereAnotherMeetsIt) {
-  Plan plan = loaded(Expr(1.0));
-  plan.space.dirichlet.push_back({});
-  plan.space.dirichlet.back().value = {abs(t - Expr(0.25)) + abs(t - Expr(0.5))};
-  plan.histories.push_back({}); // passes the first on to the second
-  plan.histories.back().kernel.expression =
+  Problem problem = loaded(Expr(1.0));
+  problem.space.dirichlet.push_back({});
+  problem.space.dirichlet.back().value = {abs(t - Expr(0.25)) + abs(t - Expr(0.5))};
+  problem.histories.push_back({}); // passes the first on to the second
+  problem.histories.back().kernel.expression =
       select(less(Expr::variable(slot::lag), Expr(0.25)), Expr(1.0), Expr(0.0));
-  const auto data = data_times(plan, 1e-4);
+  const auto data = data_times(problem, 1e-4);
   ASSERT_EQ(data.breaks.size(), 3U); // .25, .5, and .75 from it
   EXPECT_TRUE(data.breaks[0].imposed && data.breaks[1].imposed);
   EXPECT_FALSE(data.breaks[2].imposed);
 }
 
 TEST(DataTimes, NothingHappensInNoTime) {
-  Plan plan = loaded(t);
-  plan.time.grid.resize(1);
-  EXPECT_TRUE(data_times(plan, 1e-4).pieces.empty());
-  plan = loaded(t);
-  plan.time.is_static = true;
-  EXPECT_TRUE(data_times(plan, 1e-4).pieces.empty());
+  Problem problem = loaded(t);
+  problem.time.grid.resize(1);
+  EXPECT_TRUE(data_times(problem, 1e-4).pieces.empty());
+  problem = loaded(t);
+  problem.time.is_static = true;
+  EXPECT_TRUE(data_times(problem, 1e-4).pieces.empty());
 }
 
 TEST(TimeBase, AGridHasBothSidesOfAJumpAndNeighboursWithinAFactorTwo) {
-  const Plan plan = loaded(pulse(0.4, 1e-3));
-  const auto base = data_base(plan.time, data_times(plan, 1e-4));
+  const Problem problem = loaded(pulse(0.4, 1e-3));
+  const auto base = data_base(problem.time, data_times(problem, 1e-4));
   EXPECT_EQ(base.power, 0.0);
   for (const double jump : {0.4, 0.401}) {
     const auto after = std::upper_bound(base.grid.begin(), base.grid.end(), jump);
@@ -158,17 +159,17 @@ TEST(TimeBase, AGridHasBothSidesOfAJumpAndNeighboursWithinAFactorTwo) {
 }
 
 TEST(TimeBase, SmoothDataLeaveAUniformGrid) {
-  const Plan plan = loaded(sin(Expr(2.5) * t) * x);
-  const auto base = data_base(plan.time, data_times(plan, 1e-4));
+  const Problem problem = loaded(sin(Expr(2.5) * t) * x);
+  const auto base = data_base(problem.time, data_times(problem, 1e-4));
   EXPECT_EQ(base.power, 1.0);
   EXPECT_EQ(base.coarsest, 4);
-  const Plan fast = loaded(sin(Expr(40.0) * t) * x);
+  const Problem fast = loaded(sin(Expr(40.0) * t) * x);
   EXPECT_GE(data_base(fast.time, data_times(fast, 1e-4)).coarsest, 16);
 }
 
 TEST(TimeBase, RefiningKeepsTheTimesThereAre) {
-  const Plan plan = loaded(pulse(0.4, 0.1));
-  const auto base = data_base(plan.time, data_times(plan, 1e-4));
+  const Problem problem = loaded(pulse(0.4, 0.1));
+  const auto base = data_base(problem.time, data_times(problem, 1e-4));
   std::vector<int> cut(base.grid.size() - 1, 0);
   cut.front() = 2;
   const auto finer = refined_base(base, cut);

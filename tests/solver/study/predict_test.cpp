@@ -10,11 +10,11 @@ namespace {
 
 Plan square(int n, int steps) {
   Plan plan;
-  plan.mesh.kind = MeshSpec::Kind::rectangle;
-  plan.mesh.high = {2, 1, 0};
-  plan.mesh.cells = {2 * n, n, 1};
-  plan.time.is_static = false;
-  for (int i = 0; i <= steps; ++i) plan.time.grid.push_back(static_cast<double>(i) / steps);
+  plan.problem.mesh.kind = MeshSpec::Kind::rectangle;
+  plan.problem.mesh.high = {2, 1, 0};
+  plan.problem.mesh.cells = {2 * n, n, 1};
+  plan.problem.time.is_static = false;
+  for (int i = 0; i <= steps; ++i) plan.problem.time.grid.push_back(static_cast<double>(i) / steps);
   return plan;
 }
 
@@ -71,27 +71,28 @@ TEST(Predict, TheChoiceIsTheCheapestOfAll) {
 
 TEST(Settings, MeshesAndGridsOfAFamilyAreNested) {
   const SettingFamily family(square(16, 64));
-  EXPECT_EQ(family.plan().mesh.cells[1], 4);
+  EXPECT_EQ(family.plan().problem.mesh.cells[1], 4);
   const auto coarse = family.at({1, Scheme::backward_euler, 3, 10});
   const auto fine = family.at({2, Scheme::bdf2, 6, 20});
-  EXPECT_EQ(coarse.mesh.cells[0], 24);
-  EXPECT_EQ(fine.mesh.cells[0], 48);
-  EXPECT_EQ(fine.space.order, 2);
-  for (std::size_t n = 0; n <= 10; ++n) EXPECT_EQ(coarse.time.grid[n], fine.time.grid[2 * n]);
+  EXPECT_EQ(coarse.problem.mesh.cells[0], 24);
+  EXPECT_EQ(fine.problem.mesh.cells[0], 48);
+  EXPECT_EQ(fine.problem.space.order, 2);
+  for (std::size_t n = 0; n <= 10; ++n)
+    EXPECT_EQ(coarse.problem.time.grid[n], fine.problem.time.grid[2 * n]);
 }
 
 TEST(Settings, APowerGradedGridStaysOne) {
   Plan plan = square(8, 16);
-  for (double& t : plan.time.grid) t = t * t;
-  const auto grid = SettingFamily(plan).at({1, Scheme::backward_euler, 1, 10}).time.grid;
+  for (double& t : plan.problem.time.grid) t = t * t;
+  const auto grid = SettingFamily(plan).at({1, Scheme::backward_euler, 1, 10}).problem.time.grid;
   ASSERT_EQ(grid.size(), 11U);
   EXPECT_NEAR(grid[3], 0.09, 1e-12);
 }
 
 TEST(Settings, ListedTimesAreSubdivided) {
   Plan plan = square(8, 2);
-  plan.time.grid = {0, 0.1, 1};
-  const auto grid = SettingFamily(plan).at({1, Scheme::backward_euler, 1, 4}).time.grid;
+  plan.problem.time.grid = {0, 0.1, 1};
+  const auto grid = SettingFamily(plan).at({1, Scheme::backward_euler, 1, 4}).problem.time.grid;
   ASSERT_EQ(grid.size(), 5U);
   EXPECT_NEAR(grid[1], 0.05, 1e-15);
   EXPECT_NEAR(grid[3], 0.55, 1e-15);
@@ -99,15 +100,16 @@ TEST(Settings, ListedTimesAreSubdivided) {
 
 TEST(Settings, AdaptedMeshesGrowByTheLevel) {
   const SettingFamily family(square(16, 64));
-  const auto one = family.at({1, Scheme::backward_euler, 1, 8, adaptive}).mesh;
-  const auto three = family.at({1, Scheme::backward_euler, 3, 8, adaptive}).mesh;
-  EXPECT_EQ(one.cells, family.plan().mesh.cells); // bisected from the coarsest
+  const auto one = family.at({1, Scheme::backward_euler, 1, 8, adaptive}).problem.mesh;
+  const auto three = family.at({1, Scheme::backward_euler, 3, 8, adaptive}).problem.mesh;
+  EXPECT_EQ(one.cells, family.plan().problem.mesh.cells); // bisected from the coarsest
   EXPECT_EQ(one.adapted, 2 * 2 * one.cells[0] * one.cells[1]);
   EXPECT_EQ(three.adapted, 9 * one.adapted);
   EXPECT_EQ(three.cells, one.cells);
   Plan plan = square(16, 64);
-  plan.mesh.adapted = 4000; // the script's own wish: every setting
-  EXPECT_EQ(SettingFamily(plan).at({1, Scheme::bdf2, 3, 8, 1.0}).mesh.adapted, three.adapted);
+  plan.problem.mesh.adapted = 4000; // the script's own wish: every setting
+  EXPECT_EQ(SettingFamily(plan).at({1, Scheme::bdf2, 3, 8, 1.0}).problem.mesh.adapted,
+            three.adapted);
 }
 
 } // namespace

@@ -11,11 +11,11 @@ namespace {
 /// The unit square with n x n cells and a P1 or P2 vector space.
 std::shared_ptr<Discretisation> square(int n, int order) {
   Plan plan;
-  plan.mesh.kind = MeshSpec::Kind::rectangle;
-  plan.mesh.low = {0, 0, 0}, plan.mesh.high = {1, 1, 0};
-  plan.mesh.cells = {n, n, 1};
-  plan.parts.push_back({"body", {}, RegionSpec{}});
-  plan.space.order = order;
+  plan.problem.mesh.kind = MeshSpec::Kind::rectangle;
+  plan.problem.mesh.low = {0, 0, 0}, plan.problem.mesh.high = {1, 1, 0};
+  plan.problem.mesh.cells = {n, n, 1};
+  plan.problem.parts.push_back({"body", {}, RegionSpec{}});
+  plan.problem.space.order = order;
   auto out = std::make_shared<Discretisation>();
   EXPECT_TRUE(discretise(plan, *out).empty());
   return out;

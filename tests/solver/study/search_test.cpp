@@ -15,16 +15,16 @@ using namespace testing_plans;
 /// c u' + u'' = load on [0, 1], u = 0 at the left end: viscosity `c` and a tip to look at.
 Plan rod(Expr load, int steps, Expr viscosity = 0.2, Expr stiffness = 1.0, int cells = 5) {
   Plan plan;
-  plan.mesh.kind = MeshSpec::Kind::interval;
-  plan.mesh.cells = {cells, 1, 1};
-  plan.parts = {all_cells("rod"), group("held", "left"), group("tip", "right")};
-  plan.space.vector = false;
-  plan.space.dirichlet = {clamp(1)};
-  plan.forms = {diffusion(1, 0, field_of_u(0), stiffness)};
-  if (steps > 0) plan.forms.push_back(diffusion(1, 0, field_of_u(1), viscosity));
-  plan.loads = {force(0, {load})};
-  plan.time.is_static = steps == 0;
-  if (steps > 0) plan.time.grid = uniform_grid(1.0, steps);
+  plan.problem.mesh.kind = MeshSpec::Kind::interval;
+  plan.problem.mesh.cells = {cells, 1, 1};
+  plan.problem.parts = {all_cells("rod"), group("held", "left"), group("tip", "right")};
+  plan.problem.space.vector = false;
+  plan.problem.space.dirichlet = {clamp(1)};
+  plan.problem.forms = {diffusion(1, 0, field_of_u(0), stiffness)};
+  if (steps > 0) plan.problem.forms.push_back(diffusion(1, 0, field_of_u(1), viscosity));
+  plan.problem.loads = {force(0, {load})};
+  plan.problem.time.is_static = steps == 0;
+  if (steps > 0) plan.problem.time.grid = uniform_grid(1.0, steps);
   plan.report.probes = {at_point("tip", u_value(0), {1, 0, 0})};
   plan.report.tables = {{{}, {0}, 1, ""}};
   return plan;
@@ -160,7 +160,7 @@ TEST(Search, EveryDistanceIsThatOfTheTwoRuns) {
                                       [&](const auto& other) { return other.text == r.against; });
       const Setting other =
           finer != result.runs.end() ? finer->setting : result.tries.back().setting;
-      EXPECT_EQ(to_string(other, family.at(other)), r.against);
+      EXPECT_EQ(to_string(other, family.at(other).problem), r.against);
       const double d = distance_of(*make(family, r.setting), *make(family, other), probe);
       EXPECT_NEAR(*r.distance, d, 1e-7 * d + 1e-9) << r.text << " against " << r.against;
       ++seen;
@@ -248,8 +248,8 @@ TEST(Search, ValuesOfProbesFallFasterThanNorms) {
   AccuracyRequest request = asking(1e-4, "tip");
   request.as_written = true;
   Plan plan = rod(exp(5.0 * sin(7.0 * x())), 0);
-  plan.space.order = 2;
-  plan.forms = {diffusion(1, 0, field_of_u(0), 1.0 + x())};
+  plan.problem.space.order = 2;
+  plan.problem.forms = {diffusion(1, 0, field_of_u(0), 1.0 + x())};
   const auto result = reached(plan, request);
   EXPECT_GT(result.tries.back().space_order, 2.5);
   EXPECT_LE(true_error(plan, result), request.wanted);
@@ -376,11 +376,11 @@ TEST(Search, TheErrorInTimeIsThatOfFourRuns) {
 /// A load on cells that the coarsest mesh has none of: finer ones do.
 TEST(Search, PartsThatACoarseMeshDoesNotHave) {
   Plan plan = rod(exp(2.0 * x()), 0);
-  plan.parts.push_back(all_cells("tail"));
-  plan.parts[3].region.kind = RegionSpec::Kind::where;
-  plan.parts[3].region.children.resize(1);
-  plan.parts[3].region.predicate = less(0.85, x());
-  plan.loads.push_back(force(3, {2.0}));
+  plan.problem.parts.push_back(all_cells("tail"));
+  plan.problem.parts[3].region.kind = RegionSpec::Kind::where;
+  plan.problem.parts[3].region.children.resize(1);
+  plan.problem.parts[3].region.predicate = less(0.85, x());
+  plan.problem.loads.push_back(force(3, {2.0}));
   const AccuracyRequest request = asking(1e-1);
   const auto result = reached(plan, request);
   for (const auto& r : result.runs) EXPECT_EQ(r.failure.empty(), r.setting.level > 1) << r.text;

@@ -15,12 +15,13 @@ using namespace testing_plans;
 
 Plan square(int n, int order, bool vector) {
   Plan plan;
-  plan.mesh.kind = MeshSpec::Kind::rectangle;
-  plan.mesh.cells = {n, n, 1};
-  plan.parts = {all_cells("body"), group("bottom", "bottom"), group("left", "left")};
-  plan.space.order = order;
-  plan.space.vector = vector;
-  plan.forms = {vector ? elastic(2, 0, field_of_u(0), {1, 1}) : diffusion(2, 0, field_of_u(0))};
+  plan.problem.mesh.kind = MeshSpec::Kind::rectangle;
+  plan.problem.mesh.cells = {n, n, 1};
+  plan.problem.parts = {all_cells("body"), group("bottom", "bottom"), group("left", "left")};
+  plan.problem.space.order = order;
+  plan.problem.space.vector = vector;
+  plan.problem.forms = {vector ? elastic(2, 0, field_of_u(0), {1, 1})
+                               : diffusion(2, 0, field_of_u(0))};
   return plan;
 }
 
@@ -97,10 +98,10 @@ TEST(MarkedCells, AreTheLeastThatHoldTheBulk) {
 /// where they end.
 Plan membrane(int cells) {
   Plan plan = square(4, 1, false);
-  plan.mesh.adapted = cells;
-  plan.space.dirichlet = {clamp(1)};
-  plan.forms = {diffusion(2, 0, field_of_u(0))};
-  plan.loads = {force(0, {1.0 + var(slot::x(0)) * 20.0 * var(slot::x(1))})};
+  plan.problem.mesh.adapted = cells;
+  plan.problem.space.dirichlet = {clamp(1)};
+  plan.problem.forms = {diffusion(2, 0, field_of_u(0))};
+  plan.problem.loads = {force(0, {1.0 + var(slot::x(0)) * 20.0 * var(slot::x(1))})};
   return plan;
 }
 
@@ -133,17 +134,17 @@ TEST(AdaptedMesh, StopsWhenAsked) {
 /// A run that takes matrices, orders and factors from an earlier one has its bits.
 TEST(SharedWork, RunsThatTakeOverHaveTheSameBits) {
   Plan plan = square(12, 2, true);
-  plan.space.dirichlet = {clamp(1)};
-  plan.forms = {elastic(2, 0, field_of_u(1), {1, 2}), elastic(2, 0, field_of_u(0), {5, 7})};
-  plan.loads = {force(0, {var(slot::t), Expr(-1.0)})};
-  plan.time.is_static = false;
-  plan.time.grid = uniform_grid(1.0, 8);
+  plan.problem.space.dirichlet = {clamp(1)};
+  plan.problem.forms = {elastic(2, 0, field_of_u(1), {1, 2}), elastic(2, 0, field_of_u(0), {5, 7})};
+  plan.problem.loads = {force(0, {var(slot::t), Expr(-1.0)})};
+  plan.problem.time.is_static = false;
+  plan.problem.time.grid = uniform_grid(1.0, 8);
   Discretisation own, common;
   ASSERT_TRUE(discretise(plan, own).empty());
   ASSERT_TRUE(discretise(plan, common).empty());
   common.shared = std::make_shared<SharedWork>();
   for (const int steps : {8, 16, 16, 5}) {
-    plan.time.grid = uniform_grid(1.0, steps);
+    plan.problem.time.grid = uniform_grid(1.0, steps);
     const auto alone = run(plan, own, {}), shared = run(plan, common, {});
     ASSERT_EQ(alone.u.size(), shared.u.size());
     for (Eigen::Index i = 0; i < alone.u.size(); ++i) ASSERT_EQ(alone.u[i], shared.u[i]);

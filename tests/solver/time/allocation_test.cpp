@@ -73,7 +73,7 @@ std::size_t most_allocated(const Plan& plan, int first) {
 Plan early(int n, bool friction) {
   Plan plan = slab(n, 32, 2, friction);
   plan.options.proportional_path = false;
-  plan.time.grid = uniform_grid(0.02, 32);
+  plan.problem.time.grid = uniform_grid(0.02, 32);
   return plan;
 }
 
@@ -90,7 +90,7 @@ TEST(Allocation, OfAStepDoesNotGrowWithTheMesh) {
       EXPECT_EQ(most(early(24, friction)), coarse) << friction;
     }
     Plan free = early(8, false), fine = early(24, false);
-    for (Plan* plan : {&free, &fine}) plan->law_terms.clear(), plan->report = {};
+    for (Plan* plan : {&free, &fine}) plan->problem.law_terms.clear(), plan->report = {};
     EXPECT_TRUE(audit || most(free) < few) << most(free);
     EXPECT_EQ(most(fine), most(free));
   }

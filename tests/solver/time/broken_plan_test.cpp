@@ -15,8 +15,8 @@ using namespace testing_plans;
 /// A plan with everything in it: friction, memory, every kind of probe, fields.
 Plan everything(int dim, int order) {
   auto plan = slab(2, 2, dim, true);
-  plan.mesh.cells = {2, 1, 1};
-  plan.space.order = order;
+  plan.problem.mesh.cells = {2, 1, 1};
+  plan.problem.space.order = order;
   plan.report.probes.push_back(integral("mass", u_value(0) * var(slot::x(0)), body));
   Probe sum;
   sum.name = "sum";
@@ -32,44 +32,44 @@ Plan everything(int dim, int order) {
 
 template <class F>
 void each_index(Plan& plan, F&& f) {
-  for (auto& d : plan.space.dirichlet) f(d.part), f(d.component);
-  f(plan.space.order);
-  for (auto& form : plan.forms) {
+  for (auto& d : plan.problem.space.dirichlet) f(d.part), f(d.component);
+  f(plan.problem.space.order);
+  for (auto& form : plan.problem.forms) {
     f(form.part), f(form.field);
     for (auto& entry : form.entries) f(entry.test), f(entry.trial);
   }
-  for (auto& load : plan.loads) {
+  for (auto& load : plan.problem.loads) {
     f(load.part);
     for (auto& entry : load.entries) f(entry.test);
   }
-  for (auto& term : plan.law_terms) f(term.law), f(term.part);
+  for (auto& term : plan.problem.law_terms) f(term.law), f(term.part);
   for (auto& probe : plan.report.probes) f(probe.part);
   for (auto& table : plan.report.tables) {
     f(table.every);
     for (int& probe : table.probes) f(probe);
   }
   for (auto& fields : plan.report.fields) f(fields.every);
-  for (int& cells : plan.mesh.cells) f(cells);
+  for (int& cells : plan.problem.mesh.cells) f(cells);
 }
 
 template <class F>
 void each_expression(Plan& plan, F&& f) {
-  for (auto& d : plan.space.dirichlet)
+  for (auto& d : plan.problem.space.dirichlet)
     for (auto& value : d.value) f(value);
-  for (auto& form : plan.forms)
+  for (auto& form : plan.problem.forms)
     for (auto& entry : form.entries) f(entry.coefficient);
-  for (auto& load : plan.loads)
+  for (auto& load : plan.problem.loads)
     for (auto& entry : load.entries) f(entry.value);
-  for (auto& history : plan.histories) f(history.kernel.expression);
-  for (auto& law : plan.laws) f(law.expression);
-  for (auto& term : plan.law_terms) {
+  for (auto& history : plan.problem.histories) f(history.kernel.expression);
+  for (auto& law : plan.problem.laws) f(law.expression);
+  for (auto& term : plan.problem.law_terms) {
     f(term.factor);
     for (auto& row : term.rows) {
       f(row.offset);
       for (auto& u : row.u) f(u);
     }
   }
-  for (auto& value : plan.time.initial) f(value);
+  for (auto& value : plan.problem.time.initial) f(value);
   for (auto& probe : plan.report.probes) f(probe.expression);
   for (auto& fields : plan.report.fields)
     for (auto& field : fields.fields)
@@ -78,13 +78,15 @@ void each_expression(Plan& plan, F&& f) {
 
 template <class F>
 void each_list(Plan& plan, F&& f) {
-  f(plan.parts), f(plan.space.dirichlet), f(plan.forms), f(plan.histories), f(plan.laws);
-  f(plan.law_terms), f(plan.loads), f(plan.time.grid), f(plan.time.initial);
+  f(plan.problem.parts), f(plan.problem.space.dirichlet), f(plan.problem.forms),
+      f(plan.problem.histories), f(plan.problem.laws);
+  f(plan.problem.law_terms), f(plan.problem.loads), f(plan.problem.time.grid),
+      f(plan.problem.time.initial);
   f(plan.report.probes), f(plan.report.tables), f(plan.report.fields);
-  for (auto& d : plan.space.dirichlet) f(d.value);
-  for (auto& form : plan.forms) f(form.entries);
-  for (auto& load : plan.loads) f(load.entries);
-  for (auto& term : plan.law_terms) f(term.rows);
+  for (auto& d : plan.problem.space.dirichlet) f(d.value);
+  for (auto& form : plan.problem.forms) f(form.entries);
+  for (auto& load : plan.problem.loads) f(load.entries);
+  for (auto& term : plan.problem.law_terms) f(term.rows);
   for (auto& table : plan.report.tables) f(table.probes);
   for (auto& fields : plan.report.fields) {
     f(fields.fields);
@@ -155,13 +157,13 @@ private:
   void flip(Plan& plan) {
     switch (random_() % 10) {
     case 0:
-      plan.time.is_static = !plan.time.is_static;
+      plan.problem.time.is_static = !plan.problem.time.is_static;
       break;
     case 1:
-      plan.space.vector = !plan.space.vector;
+      plan.problem.space.vector = !plan.problem.space.vector;
       break;
     case 2:
-      plan.mesh.kind = static_cast<MeshSpec::Kind>(random_() % 3);
+      plan.problem.mesh.kind = static_cast<MeshSpec::Kind>(random_() % 3);
       break;
     case 3:
       plan.options.tolerance = a_number();
@@ -170,19 +172,21 @@ private:
       plan.options.memory_tolerance = a_number();
       break;
     case 8:
-      plan.mesh.adapted = static_cast<int>(random_() % 40);
+      plan.problem.mesh.adapted = static_cast<int>(random_() % 40);
       break;
     case 9:
-      plan.mesh.refinements = static_cast<int>(random_() % 4) - 1;
+      plan.problem.mesh.refinements = static_cast<int>(random_() % 4) - 1;
       break;
     case 5:
-      plan.mesh.high[random_() % 3] = a_number();
+      plan.problem.mesh.high[random_() % 3] = a_number();
       break;
     case 6:
-      if (!plan.laws.empty()) plan.laws.back().radial = !plan.laws.back().radial;
+      if (!plan.problem.laws.empty())
+        plan.problem.laws.back().radial = !plan.problem.laws.back().radial;
       break;
     default:
-      if (!plan.laws.empty()) plan.laws.back().coupled = random_() % 2 ? "layer" : "nothing";
+      if (!plan.problem.laws.empty())
+        plan.problem.laws.back().coupled = random_() % 2 ? "layer" : "nothing";
     }
   }
 
@@ -209,7 +213,8 @@ TEST(BrokenPlans, AreRefusedOrRun) {
     SCOPED_TRACE(scene);
     try {
       Discretisation d;
-      const bool valid = validate(plan, plan.mesh.kind == MeshSpec::Kind::box ? 3 : 2).empty();
+      const bool valid =
+          validate(plan, plan.problem.mesh.kind == MeshSpec::Kind::box ? 3 : 2).empty();
       if (!valid) ++invalid;
       if (!discretise(plan, d).empty()) {
         ++refused;
@@ -239,23 +244,35 @@ std::string said(Change&& change) {
 
 TEST(Validate, NamesWhatIsWrong) {
   EXPECT_EQ(said([](Plan&) {}), "");
-  EXPECT_EQ(said([](Plan& p) { p.forms[1].part = 9; }), "a form names part 9, of 4");
-  EXPECT_EQ(said([](Plan& p) { p.forms[1].field = 3; }), "a form names field 3, of 3");
-  EXPECT_EQ(said([](Plan& p) { p.law_terms[0].law = -1; }), "a law term names law -1, of 2");
+  EXPECT_EQ(said([](Plan& p) { p.problem.forms[1].part = 9; }), "a form names part 9, of 4");
+  EXPECT_EQ(said([](Plan& p) { p.problem.forms[1].field = 3; }), "a form names field 3, of 3");
+  EXPECT_EQ(said([](Plan& p) { p.problem.law_terms[0].law = -1; }),
+            "a law term names law -1, of 2");
   EXPECT_EQ(said([](Plan& p) { p.report.tables[0].probes[1] = 6; }), "a table names probe 6, of 6");
-  EXPECT_EQ(said([](Plan& p) { p.loads[0].entries[0].test = slot::value(2); }),
+  EXPECT_EQ(said([](Plan& p) { p.problem.loads[0].entries[0].test = slot::value(2); }),
             "a load has the derivative 2 of a function with 2 components in 2 dimensions");
-  EXPECT_EQ(said([](Plan& p) { p.loads[0].entries[0].value = u_value(0); }),
+  EXPECT_EQ(said([](Plan& p) { p.problem.loads[0].entries[0].value = u_value(0); }),
             "a load has the variable 32, which it cannot have");
-  EXPECT_EQ(said([](Plan& p) { p.law_terms[0].rows.clear(); }),
+  EXPECT_EQ(said([](Plan& p) { p.problem.law_terms[0].rows.clear(); }),
             "the argument of a law has 0 rows; a scalar law has 1");
-  EXPECT_EQ(said([](Plan& p) { p.laws[1].coupled = "gone"; }),
+  EXPECT_EQ(said([](Plan& p) { p.problem.laws[1].coupled = "gone"; }),
             "the bound of a law is the multiplier of `gone`, which is not among the terms");
-  EXPECT_EQ(said([](Plan& p) { p.time.initial = {0.0}; }),
+  EXPECT_EQ(said([](Plan& p) { p.problem.time.initial = {0.0}; }),
             "the initial state has 1 components instead of 2");
   EXPECT_EQ(said([](Plan& p) { p.options.tolerance = 0.0; }),
             "the tolerance of the certificate is 0, not positive");
   EXPECT_EQ(said([](Plan& p) { p.report.fields[0].every = 0; }), "output every 0 steps");
+}
+
+TEST(Validate, JudgesEachPieceByItself) {
+  auto plan = everything(2, 1);
+  plan.problem.forms[1].part = 9;
+  plan.options.threads = 0;
+  plan.report.tables[0].probes[1] = 6;
+  EXPECT_EQ(validate(plan.problem, 2).size(), 1u);
+  EXPECT_EQ(validate(plan.options).size(), 1u);
+  EXPECT_EQ(validate(plan.report, plan.problem, 2).size(), 1u);
+  EXPECT_EQ(validate(plan, 2).size(), 3u);
 }
 
 } // namespace

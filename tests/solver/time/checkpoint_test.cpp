@@ -38,43 +38,44 @@ std::uint64_t fingerprint_of(const Plan& plan) {
 TEST(Fingerprint, ChangesWithEachIngredient) {
   const auto changed = [](const std::function<void(Plan&)>& change) {
     Plan plan = slab(3, 4, 2, true);
-    plan.loads.push_back(force(flank, {tabulated(7.0)}));
+    plan.problem.loads.push_back(force(flank, {tabulated(7.0)}));
     change(plan);
     return fingerprint_of(plan);
   };
   using Change = std::function<void(Plan&)>;
   const std::vector<Change> changes = {
       [](Plan&) {},
-      [](Plan& p) { p.loads.back() = force(flank, {tabulated(7.0 + 1e-15)}); },
+      [](Plan& p) { p.problem.loads.back() = force(flank, {tabulated(7.0 + 1e-15)}); },
       [](Plan& p) {
-        p.loads.back() = force(flank, {tabulated(7.0, Table::Interpolation::monotone_cubic)});
+        p.problem.loads.back() =
+            force(flank, {tabulated(7.0, Table::Interpolation::monotone_cubic)});
       },
       [](Plan& p) {
-        p.loads.front() = force(body, {0.0, tabulated(7.0)});
+        p.problem.loads.front() = force(body, {0.0, tabulated(7.0)});
       },
       [](Plan& p) {
-        p.space.dirichlet[0].value = {0.0, tabulated(7.0)};
+        p.problem.space.dirichlet[0].value = {0.0, tabulated(7.0)};
       },
       [](Plan& p) {
-        p.space.dirichlet[0].value = {0.0, tabulated(8.0)};
+        p.problem.space.dirichlet[0].value = {0.0, tabulated(8.0)};
       },
-      [](Plan& p) { p.law_terms[0].rows[0].offset = tabulated(7.0); },
-      [](Plan& p) { p.law_terms[0].rows[0].offset = tabulated(8.0); },
-      [](Plan& p) { p.law_terms[0].factor = 1.0 + 1e-15; },
-      [](Plan& p) { p.laws[1].expression = Expr(0.5); },
-      [](Plan& p) { p.histories[0].kernel = exponential_kernel(0.5 + 1e-15); },
+      [](Plan& p) { p.problem.law_terms[0].rows[0].offset = tabulated(7.0); },
+      [](Plan& p) { p.problem.law_terms[0].rows[0].offset = tabulated(8.0); },
+      [](Plan& p) { p.problem.law_terms[0].factor = 1.0 + 1e-15; },
+      [](Plan& p) { p.problem.laws[1].expression = Expr(0.5); },
+      [](Plan& p) { p.problem.histories[0].kernel = exponential_kernel(0.5 + 1e-15); },
       [](Plan& p) {
-        p.forms[0] = elastic(2, body, field_of_u(1), {5, 10 + 1e-14});
+        p.problem.forms[0] = elastic(2, body, field_of_u(1), {5, 10 + 1e-14});
       },
       [](Plan& p) { p.report.probes[0].expression = tabulated(7.0); },
       [](Plan& p) { p.report.probes[0].expression = tabulated(8.0); },
-      [](Plan& p) { p.mesh.high[0] = 2 + 1e-15; },
-      [](Plan& p) { p.mesh.cells[1] = 4; },
-      [](Plan& p) { p.space.order = 2; },
-      [](Plan& p) { p.time.scheme = Scheme::bdf2; },
-      [](Plan& p) { p.time.sampling = LoadSampling::average; },
+      [](Plan& p) { p.problem.mesh.high[0] = 2 + 1e-15; },
+      [](Plan& p) { p.problem.mesh.cells[1] = 4; },
+      [](Plan& p) { p.problem.space.order = 2; },
+      [](Plan& p) { p.problem.time.scheme = Scheme::bdf2; },
+      [](Plan& p) { p.problem.time.sampling = LoadSampling::average; },
       [](Plan& p) {
-        p.time.initial = {0.0, 1e-300 * (1.0 - var(slot::x(1)))};
+        p.problem.time.initial = {0.0, 1e-300 * (1.0 - var(slot::x(1)))};
       },
       [](Plan& p) { p.options.tolerance = 1e-9; },
       [](Plan& p) { p.options.memory_tolerance = 1e-9; },
@@ -87,9 +88,9 @@ TEST(Fingerprint, ChangesWithEachIngredient) {
   for (std::size_t i = 0; i < changes.size(); ++i)
     EXPECT_TRUE(seen.insert(changed(changes[i])).second) << "change " << i << " is not seen";
   // What may differ: where the mesh lies, how many threads work, how far the run goes.
-  for (const Change& same : {Change([](Plan& p) { p.mesh.path = "elsewhere.msh"; }),
+  for (const Change& same : {Change([](Plan& p) { p.problem.mesh.path = "elsewhere.msh"; }),
                              Change([](Plan& p) { p.options.threads = 2; }),
-                             Change([](Plan& p) { p.time.grid.push_back(1.25); })})
+                             Change([](Plan& p) { p.problem.time.grid.push_back(1.25); })})
     EXPECT_TRUE(seen.contains(changed(same)));
 }
 

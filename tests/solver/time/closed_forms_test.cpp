@@ -12,14 +12,14 @@ using namespace testing_plans;
 /// A unit square held on the left, pulled by a constant load.
 Plan square(int steps) {
   Plan plan;
-  plan.mesh.high = {1, 1, 0};
-  plan.mesh.cells = {6, 5, 1};
-  plan.parts = {all_cells("body"), group("left", "left"), group("right", "right")};
-  plan.space.dirichlet = {clamp(1)};
-  plan.forms = {elastic(2, 0, field_of_u(0), {3, 2})};
-  plan.loads = {force(2, {0.3, -0.2})};
-  plan.time.is_static = steps == 0;
-  if (steps > 0) plan.time.grid = uniform_grid(1.0, steps);
+  plan.problem.mesh.high = {1, 1, 0};
+  plan.problem.mesh.cells = {6, 5, 1};
+  plan.problem.parts = {all_cells("body"), group("left", "left"), group("right", "right")};
+  plan.problem.space.dirichlet = {clamp(1)};
+  plan.problem.forms = {elastic(2, 0, field_of_u(0), {3, 2})};
+  plan.problem.loads = {force(2, {0.3, -0.2})};
+  plan.problem.time.is_static = steps == 0;
+  if (steps > 0) plan.problem.time.grid = uniform_grid(1.0, steps);
   plan.report.probes = {at_point("u", u_value(1), {1, 1, 0})};
   plan.report.tables = {{{}, {0}, 1, ""}};
   return plan;
@@ -29,7 +29,7 @@ Plan square(int steps) {
 TEST(KelvinVoigt, BackwardEulerInClosedForm) {
   const double u_static = solve(square(0)).final.at("u");
   auto plan = square(20);
-  plan.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
+  plan.problem.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
   const auto result = solve(plan);
   for (int n = 1; n <= 20; ++n)
     expect_relative(result.columns.at("u")[n - 1], (1 - std::pow(1.05, -n)) * u_static, 1e-12,
@@ -43,14 +43,14 @@ TEST(KelvinVoigt, BackwardEulerInClosedForm) {
 TEST(Memory, OwnStepWeightsThatVaryMuchFromStepToStep) {
   const double pi = 3.14159265358979323846;
   auto fixed = square(0);
-  fixed.forms.push_back(elastic(2, 0, field_of_u(0), {1, 2}, -0.125 * pi));
+  fixed.problem.forms.push_back(elastic(2, 0, field_of_u(0), {1, 2}, -0.125 * pi));
   const double exact = solve(fixed).final.at("u");
   const Expr t = var(slot::t), s = t - var(slot::lag);
   for (const double grading : {1.0, 3.0, 0.5}) {
     auto plan = square(10);
-    plan.forms.push_back(elastic(2, 0, field_of_memory(0), {1, 2}));
-    plan.histories = {{{}, {"q", {}, Expr(-0.25) * pow(t * t - s * s, Expr(-0.5))}}};
-    for (double& time : plan.time.grid) time = std::pow(time, grading);
+    plan.problem.forms.push_back(elastic(2, 0, field_of_memory(0), {1, 2}));
+    plan.problem.histories = {{{}, {"q", {}, Expr(-0.25) * pow(t * t - s * s, Expr(-0.5))}}};
+    for (double& time : plan.problem.time.grid) time = std::pow(time, grading);
     const auto result = solve(plan);
     for (const double u : result.columns.at("u"))
       expect_relative(u, exact, 1e-11, "graded by " + std::to_string(grading));
@@ -61,13 +61,13 @@ TEST(Memory, OwnStepWeightsThatVaryMuchFromStepToStep) {
 TEST(KelvinVoigt, GradedGrid) {
   const double u_static = solve(square(0)).final.at("u");
   auto plan = square(12);
-  plan.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
-  for (std::size_t n = 0; n < plan.time.grid.size(); ++n)
-    plan.time.grid[n] = std::pow(static_cast<double>(n) / 12, 2);
+  plan.problem.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
+  for (std::size_t n = 0; n < plan.problem.time.grid.size(); ++n)
+    plan.problem.time.grid[n] = std::pow(static_cast<double>(n) / 12, 2);
   const auto result = solve(plan);
   double factor = 1;
   for (int n = 1; n <= 12; ++n) {
-    factor /= 1 + plan.time.grid[n] - plan.time.grid[n - 1];
+    factor /= 1 + plan.problem.time.grid[n] - plan.problem.time.grid[n - 1];
     expect_relative(result.columns.at("u")[n - 1], (1 - factor) * u_static, 1e-12, "graded");
   }
   EXPECT_EQ(result.work.analyses, 1);
@@ -76,10 +76,10 @@ TEST(KelvinVoigt, GradedGrid) {
 
 TEST(KelvinVoigt, ReturningLengthsKeepTheirFactors) {
   auto plan = square(1);
-  plan.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
-  plan.time.grid = {0};
+  plan.problem.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
+  plan.problem.time.grid = {0};
   for (int n = 0; n < 12; ++n)
-    plan.time.grid.push_back(plan.time.grid.back() + (n % 3 == 2 ? 0.25 : 0.125));
+    plan.problem.time.grid.push_back(plan.problem.time.grid.back() + (n % 3 == 2 ? 0.25 : 0.125));
   const auto alternating = solve(plan);
   EXPECT_EQ(alternating.work.factorisations, 2);
   EXPECT_EQ(alternating.work.analyses, 1); // of the pattern, which no step size changes
@@ -91,9 +91,9 @@ TEST(KelvinVoigt, LoadSampledAsMeanOrAtTheEnd) {
   const double u_static = solve(square(0)).final.at("u");
   for (const auto sampling : {LoadSampling::endpoint, LoadSampling::average}) {
     auto plan = square(10);
-    plan.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
-    for (auto& entry : plan.loads[0].entries) entry.value = entry.value * var(slot::t);
-    plan.time.sampling = sampling;
+    plan.problem.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
+    for (auto& entry : plan.problem.loads[0].entries) entry.value = entry.value * var(slot::t);
+    plan.problem.time.sampling = sampling;
     double u = 0;
     for (int n = 1; n <= 10; ++n)
       u = (u + 0.1 * (sampling == LoadSampling::average ? 0.1 * n - 0.05 : 0.1 * n) * u_static) /
@@ -109,10 +109,10 @@ TEST(Bdf2, SecondOrderOnUniformAndGradedGrids) {
     std::vector<double> errors;
     for (const int steps : {80, 160, 320}) {
       auto plan = square(steps);
-      plan.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
-      plan.time.scheme = Scheme::bdf2;
+      plan.problem.forms.push_back(elastic(2, 0, field_of_u(1), {3, 2}));
+      plan.problem.time.scheme = Scheme::bdf2;
       if (graded)
-        for (auto& t : plan.time.grid) t = 0.5 * t + 0.5 * t * t;
+        for (auto& t : plan.problem.time.grid) t = 0.5 * t + 0.5 * t * t;
       errors.push_back(std::abs(solve(plan).final.at("u") - exact));
     }
     for (int i = 0; i < 2; ++i) EXPECT_NEAR(std::log2(errors[i] / errors[i + 1]), 2.0, 0.1);
@@ -126,10 +126,10 @@ TEST(Bdf2, SecondOrderOnUniformAndGradedGrids) {
 double standard_linear_solid_error(int steps, Scheme scheme) {
   const double tau = 0.5, c = 0.8;
   auto plan = square(steps);
-  plan.forms.push_back(elastic(2, 0, field_of_memory(0), {3, 2}, -c));
-  plan.histories = {{{}, exponential_kernel(tau)}};
-  for (auto& entry : plan.loads[0].entries) entry.value = entry.value * var(slot::t);
-  plan.time.scheme = scheme;
+  plan.problem.forms.push_back(elastic(2, 0, field_of_memory(0), {3, 2}, -c));
+  plan.problem.histories = {{{}, exponential_kernel(tau)}};
+  for (auto& entry : plan.problem.loads[0].entries) entry.value = entry.value * var(slot::t);
+  plan.problem.time.scheme = scheme;
   const double a = (1 - c * tau) / tau, b = c * tau / (1 - c * tau);
   const double exact = solve(square(0)).final.at("u") * (1 + b * (1 - (1 - std::exp(-a)) / a));
   return std::abs(solve(plan).final.at("u") - exact) / std::abs(exact);
@@ -149,17 +149,18 @@ TEST(StandardLinearSolid, ConvergesWithTheOrderOfItsScheme) {
 TEST(StandardLinearSolid, StressRelaxesExactlyUnderImposedStrain) {
   const double e0 = 2, e1 = 3, tau = 0.4, stretch = 0.01;
   Plan plan;
-  plan.mesh.high = {1, 1, 0};
-  plan.mesh.cells = {3, 3, 1};
-  plan.parts = {all_cells("body"), group("left", "left"), group("right", "right"),
-                group("bottom", "bottom"), group("top", "top")};
-  plan.space.dirichlet = {clamp(1, 0), clamp(2, 0, {Expr(stretch)}), clamp(3, 1), clamp(4, 1)};
-  plan.forms = {elastic(2, 0, field_of_u(0), {1, 1}, e0 + e1),
-                elastic(2, 0, field_of_memory(0), {1, 1}, -e1 / tau)};
-  plan.histories = {{{}, exponential_kernel(tau)}};
-  plan.time.is_static = false;
-  plan.time.grid = uniform_grid(1.0, 10);
-  plan.time.initial = {stretch * var(slot::x(0)), 0.0};
+  plan.problem.mesh.high = {1, 1, 0};
+  plan.problem.mesh.cells = {3, 3, 1};
+  plan.problem.parts = {all_cells("body"), group("left", "left"), group("right", "right"),
+                        group("bottom", "bottom"), group("top", "top")};
+  plan.problem.space.dirichlet = {clamp(1, 0), clamp(2, 0, {Expr(stretch)}), clamp(3, 1),
+                                  clamp(4, 1)};
+  plan.problem.forms = {elastic(2, 0, field_of_u(0), {1, 1}, e0 + e1),
+                        elastic(2, 0, field_of_memory(0), {1, 1}, -e1 / tau)};
+  plan.problem.histories = {{{}, exponential_kernel(tau)}};
+  plan.problem.time.is_static = false;
+  plan.problem.time.grid = uniform_grid(1.0, 10);
+  plan.problem.time.initial = {stretch * var(slot::x(0)), 0.0};
   const auto d = [](int field, int i, int j) {
     return var(slot::field(field, slot::gradient(i, j)));
   };
@@ -182,18 +183,18 @@ TEST(NonConvolution, MatchesThePlainRecursion) {
   const auto q = [](double t, double s) { return std::exp(-(t - s)) * (1 + t) / (1 + s); };
   const Expr t = var(slot::t), lag = var(slot::lag);
   Plan plan; // u' ' = f on (0, 1) with two cells: one unknown, stiffness 4
-  plan.mesh.kind = MeshSpec::Kind::interval;
-  plan.mesh.cells = {2, 1, 1};
-  plan.parts = {all_cells("bar"), group("left", "left"), group("right", "right")};
-  plan.space.vector = false;
-  plan.space.dirichlet = {clamp(1), clamp(2)};
-  plan.forms = {diffusion(1, 0, field_of_u(1)), diffusion(1, 0, field_of_u(0)),
-                diffusion(1, 0, field_of_memory(0), -0.7)};
-  plan.histories = {{{}, {"q", {}, exp(-lag) * (1.0 + t) / (1.0 + t - lag)}}};
-  plan.loads = {force(0, {8.0 * t})};
-  plan.time.is_static = false;
+  plan.problem.mesh.kind = MeshSpec::Kind::interval;
+  plan.problem.mesh.cells = {2, 1, 1};
+  plan.problem.parts = {all_cells("bar"), group("left", "left"), group("right", "right")};
+  plan.problem.space.vector = false;
+  plan.problem.space.dirichlet = {clamp(1), clamp(2)};
+  plan.problem.forms = {diffusion(1, 0, field_of_u(1)), diffusion(1, 0, field_of_u(0)),
+                        diffusion(1, 0, field_of_memory(0), -0.7)};
+  plan.problem.histories = {{{}, {"q", {}, exp(-lag) * (1.0 + t) / (1.0 + t - lag)}}};
+  plan.problem.loads = {force(0, {8.0 * t})};
+  plan.problem.time.is_static = false;
   const int steps = 24;
-  plan.time.grid = uniform_grid(1.0, steps);
+  plan.problem.time.grid = uniform_grid(1.0, steps);
   plan.report.probes = {at_point("u", u_value(0), {0.5, 0, 0})};
   plan.report.tables = {{{}, {0}, 1, ""}};
   const auto result = solve(plan);
@@ -226,11 +227,12 @@ TEST(Memory, BeginsAtTheFirstTimeOfTheGrid) {
   const Expr t = var(slot::t);
   const auto moved = [&](double t0, bool graded) {
     Plan plan = slab(4, 16);
-    plan.loads = {force(body, {0.0, -10.0 * (t - Expr(t0))}), force(flank, {3.0 * (t - Expr(t0))})};
-    if (graded) plan.histories[0].route = HistoryRoute::direct;
-    for (std::size_t n = 0; n < plan.time.grid.size(); ++n) {
-      const double part = plan.time.grid[n];
-      plan.time.grid[n] = t0 + (graded ? part * (1.0 + part) / 2.0 : part);
+    plan.problem.loads = {force(body, {0.0, -10.0 * (t - Expr(t0))}),
+                          force(flank, {3.0 * (t - Expr(t0))})};
+    if (graded) plan.problem.histories[0].route = HistoryRoute::direct;
+    for (std::size_t n = 0; n < plan.problem.time.grid.size(); ++n) {
+      const double part = plan.problem.time.grid[n];
+      plan.problem.time.grid[n] = t0 + (graded ? part * (1.0 + part) / 2.0 : part);
     }
     return solve(plan);
   };
@@ -250,16 +252,16 @@ TEST(Memory, BeginsAtTheFirstTimeOfTheGrid) {
 // Analytic: unsymmetric B (diffusion + convection) on an interval, nodally exact linear solution.
 TEST(Unsymmetric, ConvectionDiffusion) {
   Plan plan; // -u'' + u' = 1 with u(0) = u(1) = 0 on a fine grid
-  plan.mesh.kind = MeshSpec::Kind::interval;
-  plan.mesh.cells = {400, 1, 1};
-  plan.parts = {all_cells("bar"), group("left", "left"), group("right", "right")};
-  plan.space.vector = false;
-  plan.space.order = 2;
-  plan.space.dirichlet = {clamp(1), clamp(2)};
+  plan.problem.mesh.kind = MeshSpec::Kind::interval;
+  plan.problem.mesh.cells = {400, 1, 1};
+  plan.problem.parts = {all_cells("bar"), group("left", "left"), group("right", "right")};
+  plan.problem.space.vector = false;
+  plan.problem.space.order = 2;
+  plan.problem.space.dirichlet = {clamp(1), clamp(2)};
   FormTerm convection;
   convection.entries = {{slot::value(0), slot::gradient(0, 0), 1.0}};
-  plan.forms = {diffusion(1, 0, field_of_u(0)), convection};
-  plan.loads = {force(0, {1.0})};
+  plan.problem.forms = {diffusion(1, 0, field_of_u(0)), convection};
+  plan.problem.loads = {force(0, {1.0})};
   plan.report.probes = {at_point("u", u_value(0), {0.5, 0, 0})};
   const double exact = 0.5 - (std::exp(0.5) - 1) / (std::exp(1.0) - 1);
   expect_relative(solve(plan).final.at("u"), exact, 1e-9, "u(1/2)");
@@ -268,9 +270,9 @@ TEST(Unsymmetric, ConvectionDiffusion) {
 // Analytic: a bar pulled by an imposed, moving displacement: linear in x at all times.
 TEST(Imposed, MovingEndIsFollowed) {
   auto plan = square(8);
-  plan.loads.clear();
-  plan.space.dirichlet = {clamp(1), clamp(2, -1, {0.1 * var(slot::t), 0.0 * var(slot::t)})};
-  plan.forms = {elastic(2, 0, field_of_u(0), {0, 1}), elastic(2, 0, field_of_u(1), {0, 1})};
+  plan.problem.loads.clear();
+  plan.problem.space.dirichlet = {clamp(1), clamp(2, -1, {0.1 * var(slot::t), 0.0 * var(slot::t)})};
+  plan.problem.forms = {elastic(2, 0, field_of_u(0), {0, 1}), elastic(2, 0, field_of_u(1), {0, 1})};
   // lambda = 0 and u = (a x, 0): stress free at top and bottom, so this is the solution.
   plan.report.probes = {at_point("u", u_value(0), {0.5, 0.4, 0}),
                         at_point("v", var(slot::field(field_of_u(1), 0)), {0.5, 0.4, 0})};
@@ -283,27 +285,27 @@ TEST(Imposed, MovingEndIsFollowed) {
 // unknowns): -u'' + c u = f with the law's slope c r, against the same problem with a mass form.
 TEST(DomainLaw, EqualsTheFormItStandsFor) {
   Plan plan;
-  plan.mesh.high = {1, 1, 0};
-  plan.mesh.cells = {24, 24, 1};
-  plan.parts = {all_cells("body"), group("left", "left")};
-  plan.space.vector = false;
-  plan.space.dirichlet = {clamp(1)};
-  plan.forms = {diffusion(2, 0, field_of_u(0))};
-  plan.loads = {force(0, {1.0 + var(slot::x(0))})};
+  plan.problem.mesh.high = {1, 1, 0};
+  plan.problem.mesh.cells = {24, 24, 1};
+  plan.problem.parts = {all_cells("body"), group("left", "left")};
+  plan.problem.space.vector = false;
+  plan.problem.space.dirichlet = {clamp(1)};
+  plan.problem.forms = {diffusion(2, 0, field_of_u(0))};
+  plan.problem.loads = {force(0, {1.0 + var(slot::x(0))})};
   plan.report.probes = {at_point("u", u_value(0), {0.75, 0.5, 0})};
   auto with_form = plan;
   FormTerm mass;
   mass.rule = Rule::nodal;
   mass.entries = {{slot::value(0), slot::value(0), 5.0}};
-  with_form.forms.push_back(mass);
+  with_form.problem.forms.push_back(mass);
   LawSpec law;
   law.by_slope = true;
   law.expression = 5.0 * var(slot::argument(0));
-  plan.laws = {law};
+  plan.problem.laws = {law};
   LawTerm term;
   term.rows.resize(1);
   term.rows[0].u[0] = 1.0;
-  plan.law_terms = {term};
+  plan.problem.law_terms = {term};
   const auto by_law = solve(plan);
   expect_relative(by_law.final.at("u"), solve(with_form).final.at("u"), 1e-11, "u");
   EXPECT_EQ(by_law.work.factorisations, 0); // nothing is condensed
@@ -312,23 +314,23 @@ TEST(DomainLaw, EqualsTheFormItStandsFor) {
 // Analytic: an argument with a gap, u . nu - g: one spring per node closes the gap linearly.
 TEST(Gap, ContactBeginsBeyondTheGap) {
   Plan plan; // a bar pressed against a spring: u(1) = (f + c g) / (1 + c), E = 1
-  plan.mesh.kind = MeshSpec::Kind::interval;
-  plan.mesh.cells = {5, 1, 1};
-  plan.parts = {all_cells("bar"), group("left", "left"), group("right", "right")};
-  plan.space.vector = false;
-  plan.space.dirichlet = {clamp(1)};
-  plan.forms = {diffusion(1, 0, field_of_u(0))};
-  plan.loads = {force(2, {0.3})};
+  plan.problem.mesh.kind = MeshSpec::Kind::interval;
+  plan.problem.mesh.cells = {5, 1, 1};
+  plan.problem.parts = {all_cells("bar"), group("left", "left"), group("right", "right")};
+  plan.problem.space.vector = false;
+  plan.problem.space.dirichlet = {clamp(1)};
+  plan.problem.forms = {diffusion(1, 0, field_of_u(0))};
+  plan.problem.loads = {force(2, {0.3})};
   LawSpec law;
   law.by_slope = true;
   law.expression = 50.0 * max(var(slot::argument(0)), 0.0);
-  plan.laws = {law};
+  plan.problem.laws = {law};
   LawTerm term;
   term.part = 2;
   term.rows.resize(1);
   term.rows[0].u[0] = 1.0;
   term.rows[0].offset = -0.1;
-  plan.law_terms = {term};
+  plan.problem.law_terms = {term};
   plan.report.probes = {at_point("u", u_value(0), {1, 0, 0}),
                         integral("p", var(slot::multiplier(0, 0)), 2)};
   const auto result = solve(plan);

@@ -23,7 +23,7 @@ struct Scene {
 
 Scene with_route(HistoryRoute route, std::string name) {
   Scene scene{std::move(name), slab(2, 22)};
-  scene.plan.histories[0].route = route;
+  scene.plan.problem.histories[0].route = route;
   return scene;
 }
 
@@ -33,7 +33,7 @@ std::vector<Scene> scenes() {
       {"friction in space", slab(2, 7, 3, true)}, with_route(HistoryRoute::fit, "fit"),
       with_route(HistoryRoute::tree, "tree"),     with_route(HistoryRoute::direct, "direct"),
       {"graded", slab(2, 9, 2, true), true}};
-  auto& graded = out.back().plan.time;
+  auto& graded = out.back().plan.problem.time;
   for (double& t : graded.grid) t *= t;
   graded.scheme = Scheme::bdf2;
   return out;
@@ -92,9 +92,9 @@ public:
     settings_.checkpoint_every = 100;
     for (const auto& mistake : discretise(plan_, d_)) throw mistake;
     Plan half = plan_;
-    half.time.grid.resize(6);
+    half.problem.time.grid.resize(6);
     (void)run(half, d_, settings_);
-    saved = memory_extent(half);
+    saved = memory_extent(half.problem);
     state_ = read_checkpoint(file(), fingerprint(plan_, d_.mesh));
     settings_.resume = true;
   }
@@ -167,13 +167,13 @@ TEST(EditedCheckpoint, IsRefusedOrIsAnotherState) {
     Discretisation d;
     for (const auto& mistake : discretise(scene.plan, d)) throw mistake;
     Plan half = scene.plan;
-    half.time.grid.resize(scene.name == "tree" ? 20 : 6);
+    half.problem.time.grid.resize(scene.name == "tree" ? 20 : 6);
     (void)run(half, d, settings);
     const auto file = checkpoint_path(settings.output_folder, settings.name);
     const auto mark = fingerprint(scene.plan, d.mesh);
     const std::string state = read_checkpoint(file, mark);
     settings.resume = true;
-    EXPECT_EQ(run(scene.plan, d, settings).resumed_from, std::ssize(half.time.grid) - 1);
+    EXPECT_EQ(run(scene.plan, d, settings).resumed_from, std::ssize(half.problem.time.grid) - 1);
     Editor editor(seed++);
     int refused = 0;
     for (int i = 0; i < edits; ++i) {

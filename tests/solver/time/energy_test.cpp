@@ -56,10 +56,10 @@ class Energies : public testing::TestWithParam<Case> {};
 TEST_P(Energies, AreThoseOfTheFormulas) {
   constexpr int n = 3, steps = 7;
   Plan plan = slab(n, steps);
-  for (double& t : plan.time.grid) t = t * (1 + t) / 2;
-  plan.loads[0] = force(body, {0.0, -12.0 * var(slot::t)});
+  for (double& t : plan.problem.time.grid) t = t * (1 + t) / 2;
+  plan.problem.loads[0] = force(body, {0.0, -12.0 * var(slot::t)});
   plan.options.proportional_path = GetParam().proportional;
-  plan.time.sampling = GetParam().sampling;
+  plan.problem.time.sampling = GetParam().sampling;
   Discretisation d;
   for (const auto& mistake : discretise(plan, d)) throw mistake;
   std::vector<Vector> states{Vector::Zero(d.space.n_dofs())};
@@ -72,9 +72,10 @@ TEST_P(Energies, AreThoseOfTheFormulas) {
     return table.columns.at(static_cast<std::size_t>(at - table.names.begin()));
   };
 
-  const auto a = matrix_of(plan, d, field_of_u(1)), b = matrix_of(plan, d, field_of_u(0));
+  const auto a = matrix_of(plan.problem, d, field_of_u(1)),
+             b = matrix_of(plan.problem, d, field_of_u(0));
   const Ground ground(d, n);
-  LoadAssembler loads(d.space, d.parts, plan.loads);
+  LoadAssembler loads(d.space, d.parts, plan.problem.loads);
   // ||u||_V squared is the integral of eps(u) : eps(u)
   const auto strains =
       assemble_form(d.space, d.parts[body], elastic(2, body, field_of_u(0), {0.0, 0.5}));
@@ -83,7 +84,8 @@ TEST_P(Energies, AreThoseOfTheFormulas) {
   double elastic = 0, contact = 0;
   for (int m = 1; m <= steps; ++m) {
     const auto i = static_cast<std::size_t>(m), row = i - 1;
-    const double before = plan.time.grid[i - 1], now = plan.time.grid[i], k = now - before;
+    const double before = plan.problem.time.grid[i - 1], now = plan.problem.time.grid[i],
+                 k = now - before;
     const Vector &u = states[i], du = u - states[i - 1];
     Vector f = Vector::Zero(u.size()); // linear in t: its mean is its value half way
     loads.add(GetParam().sampling == LoadSampling::average ? (before + now) / 2 : now, f);
@@ -113,7 +115,8 @@ TEST_P(Energies, AreThoseOfTheFormulas) {
     EXPECT_LT(column("inclusion")[row], 1e-9);
     EXPECT_EQ(column("snap")[row], 0.0);
   }
-  EXPECT_EQ(table.times, std::vector<double>(plan.time.grid.begin() + 1, plan.time.grid.end()));
+  EXPECT_EQ(table.times,
+            std::vector<double>(plan.problem.time.grid.begin() + 1, plan.problem.time.grid.end()));
   EXPECT_GT(contact, 1e-3); // the layer is pressed, the memory works
   EXPECT_LT(memory, -1e-3);
   EXPECT_LT(table.balance_error, 1e-10);
@@ -132,11 +135,11 @@ INSTANTIATE_TEST_SUITE_P(Paths, Energies,
 /// Where the roof moves the work is that of its reactions.
 TEST(Energies, OfAMovingRoofAreTheWorkOfItsReactions) {
   Plan plan = slab(2, 4);
-  plan.space.dirichlet = {
+  plan.problem.space.dirichlet = {
       clamp(roof, -1, {0.0, 0.1 * var(slot::t) * var(slot::x(0)) * var(slot::x(0))})};
-  plan.histories.clear(), plan.forms.pop_back();
-  plan.loads.clear();
-  plan.law_terms.clear(), plan.laws.clear();
+  plan.problem.histories.clear(), plan.problem.forms.pop_back();
+  plan.problem.loads.clear();
+  plan.problem.law_terms.clear(), plan.problem.laws.clear();
   plan.report = {};
   RunSettings settings;
   settings.monitors = true;
@@ -146,7 +149,8 @@ TEST(Energies, OfAMovingRoofAreTheWorkOfItsReactions) {
   states.push_back(Vector::Zero(d.space.n_dofs()));
   settings.on_step = [&](int, double, const Vector& u, const Vector&) { states.push_back(u); };
   const auto table = run(plan, d, settings).monitors.value();
-  const auto a = matrix_of(plan, d, field_of_u(1)), b = matrix_of(plan, d, field_of_u(0));
+  const auto a = matrix_of(plan.problem, d, field_of_u(1)),
+             b = matrix_of(plan.problem, d, field_of_u(0));
   double work = 0;
   for (std::size_t m = 1; m < states.size(); ++m) {
     const Vector du = states[m] - states[m - 1];

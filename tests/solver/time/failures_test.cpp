@@ -33,10 +33,10 @@ Failure failure_of(const Plan& plan, const RunSettings& settings = {},
 
 TEST(Discretise, SeveralMistakesAtOnce) {
   auto plan = slab(4, 4);
-  plan.parts.push_back(group("a", "nowhere"));
-  plan.parts.push_back(group("b", "elsewhere"));
-  plan.parts[4].origin = {7};
-  plan.time.grid = {0, 1, 1};
+  plan.problem.parts.push_back(group("a", "nowhere"));
+  plan.problem.parts.push_back(group("b", "elsewhere"));
+  plan.problem.parts[4].origin = {7};
+  plan.problem.time.grid = {0, 1, 1};
   const auto found = mistakes(plan);
   ASSERT_EQ(found.size(), 3u);
   EXPECT_EQ(found[0].kind, FailureKind::bad_value);
@@ -46,20 +46,20 @@ TEST(Discretise, SeveralMistakesAtOnce) {
 
 TEST(Discretise, ALawOnAClampedFacetIsRefusedASharedNodeIsNot) {
   auto plan = slab(4, 4);
-  plan.space.dirichlet.push_back(clamp(flank)); // shares a node with the ground
-  plan.loads.pop_back();
+  plan.problem.space.dirichlet.push_back(clamp(flank)); // shares a node with the ground
+  plan.problem.loads.pop_back();
   EXPECT_TRUE(mistakes(plan).empty());
-  plan.space.dirichlet.push_back(clamp(ground));
+  plan.problem.space.dirichlet.push_back(clamp(ground));
   const auto found = mistakes(plan);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].kind, FailureKind::overlapping_regions);
-  EXPECT_EQ(found[0].origin, plan.law_terms[0].origin);
+  EXPECT_EQ(found[0].origin, plan.problem.law_terms[0].origin);
   EXPECT_THAT(found[0].what(), HasSubstr("`ground`"));
 }
 
 TEST(Discretise, ALawTwiceOnAPart) {
   auto plan = slab(4, 4);
-  plan.law_terms.push_back(plan.law_terms[0]);
+  plan.problem.law_terms.push_back(plan.problem.law_terms[0]);
   const auto found = mistakes(plan);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].kind, FailureKind::overlapping_regions);
@@ -67,11 +67,11 @@ TEST(Discretise, ALawTwiceOnAPart) {
 
 TEST(Discretise, InitialStateAgainstImposedValues) {
   auto plan = slab(4, 4);
-  plan.time.initial = {1.0, 0.0};
+  plan.problem.time.initial = {1.0, 0.0};
   const auto found = mistakes(plan);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].kind, FailureKind::bad_value);
-  plan.time.initial = {1.0 - var(slot::x(1)), 0.0};
+  plan.problem.time.initial = {1.0 - var(slot::x(1)), 0.0};
   EXPECT_TRUE(mistakes(plan).empty());
 }
 
@@ -84,11 +84,11 @@ TEST(Discretise, PointsAndTimesOfProbes) {
 
 TEST(Coercivity, RigidMotionsAreNamed) {
   auto plan = slab(4, 4);
-  plan.space.dirichlet = {clamp(roof, 1)}; // free along x
+  plan.problem.space.dirichlet = {clamp(roof, 1)}; // free along x
   auto failure = failure_of(plan);
   EXPECT_EQ(failure.kind, FailureKind::not_coercive);
   EXPECT_THAT(failure.what(), HasSubstr("translation along x"));
-  plan.space.dirichlet.clear();
+  plan.problem.space.dirichlet.clear();
   failure = failure_of(plan);
   EXPECT_EQ(failure.kind, FailureKind::not_coercive);
   EXPECT_THAT(failure.what(), HasSubstr("rotation"));
@@ -96,8 +96,8 @@ TEST(Coercivity, RigidMotionsAreNamed) {
   PartSpec corner{"corner", {}, {}};
   corner.region.kind = RegionSpec::Kind::point;
   corner.region.point = {0, 1, 0};
-  plan.parts.push_back(corner);
-  plan.space.dirichlet = {clamp(4)}; // turns about its corner
+  plan.problem.parts.push_back(corner);
+  plan.problem.space.dirichlet = {clamp(4)}; // turns about its corner
   failure = failure_of(plan);
   EXPECT_EQ(failure.kind, FailureKind::not_coercive);
   EXPECT_THAT(failure.what(), HasSubstr("a combination of translation and rotation"));
@@ -105,14 +105,14 @@ TEST(Coercivity, RigidMotionsAreNamed) {
 
 TEST(Coercivity, NegativeStiffnessIsRefused) {
   auto plan = slab(4, 4);
-  plan.forms = {elastic(2, body, field_of_u(0), {1, 1}, -1.0)};
-  plan.histories.clear();
+  plan.problem.forms = {elastic(2, body, field_of_u(0), {1, 1}, -1.0)};
+  plan.problem.histories.clear();
   EXPECT_EQ(failure_of(plan).kind, FailureKind::not_coercive);
 }
 
 TEST(Coercivity, AMemoryThatTakesMoreThanTheBodyHasIsNoMistakeOfTheForms) {
   auto plan = slab(4, 4);
-  plan.forms.back() = elastic(2, body, field_of_memory(0), {1, 1}, -1e4);
+  plan.problem.forms.back() = elastic(2, body, field_of_memory(0), {1, 1}, -1e4);
   const auto failure = failure_of(plan);
   EXPECT_EQ(failure.kind, FailureKind::not_coercive);
   EXPECT_THAT(failure.what(), HasSubstr("step 1"));
@@ -121,11 +121,11 @@ TEST(Coercivity, AMemoryThatTakesMoreThanTheBodyHasIsNoMistakeOfTheForms) {
 
 TEST(Coercivity, AMatrixThatRoundingMadeSingularIsNoMistakeOfTheScript) {
   auto plan = slab(4, 4);
-  plan.forms = {elastic(2, body, field_of_u(0), from_young(70, 0.3))};
-  plan.histories.clear();
-  plan.space.dirichlet = {clamp(flank)};
-  plan.loads.pop_back();
-  plan.mesh.high = {1e6, 1, 0};
+  plan.problem.forms = {elastic(2, body, field_of_u(0), from_young(70, 0.3))};
+  plan.problem.histories.clear();
+  plan.problem.space.dirichlet = {clamp(flank)};
+  plan.problem.loads.pop_back();
+  plan.problem.mesh.high = {1e6, 1, 0};
   const auto failure = failure_of(plan);
   EXPECT_EQ(failure.kind, FailureKind::mostly_rounding);
 }
@@ -133,7 +133,7 @@ TEST(Coercivity, AMatrixThatRoundingMadeSingularIsNoMistakeOfTheScript) {
 /// The kind of what a result of this sort is refused with.
 std::optional<FailureKind> refused(const RunResult& result, const Plan& plan) {
   try {
-    refuse_rounding(result, plan);
+    refuse_rounding(result, plan.problem);
     return std::nullopt;
   } catch (const Failure& failure) {
     return failure.kind;
@@ -145,7 +145,7 @@ TEST(Rounding, WorkThatIsNotTheEnergiesIsNoResult) {
   RunSettings settings;
   settings.monitors = true;
   auto result = solve(plan, settings);
-  refuse_rounding(result, plan);
+  refuse_rounding(result, plan.problem);
   result.monitors->balance_error = 1e-5;
   EXPECT_EQ(refused(result, plan), FailureKind::mostly_rounding);
   result.monitors->balance_error = std::numeric_limits<double>::quiet_NaN();
@@ -155,7 +155,7 @@ TEST(Rounding, WorkThatIsNotTheEnergiesIsNoResult) {
 TEST(Rounding, AColumnThatIsMostlyRoundingIsNoResult) {
   const auto plan = slab(4, 4);
   auto result = solve(plan);
-  refuse_rounding(result, plan);
+  refuse_rounding(result, plan.problem);
   result.forward_error.columns[1].relative = 0.02;
   EXPECT_EQ(refused(result, plan), FailureKind::mostly_rounding);
   result.forward_error.columns[1].relative = 0.0;
@@ -168,7 +168,7 @@ Plan hopeless() {
   auto plan = slab(4, 8);
   const Expr r = var(slot::argument(0));
   // Softens faster than the whole body is stiff: the step's problem has no minimum.
-  plan.laws[0].expression = select(less(r, 0.004), 100.0 * r, 0.4 - 1e7 * (r - 0.004));
+  plan.problem.laws[0].expression = select(less(r, 0.004), 100.0 * r, 0.4 - 1e7 * (r - 0.004));
   return plan;
 }
 
@@ -181,7 +181,7 @@ TEST(Certificate, WithoutOneTheRunStopsAndKeepsTheLastGoodState) {
   const auto plan = hopeless();
   const auto failure = failure_of(plan, settings, &partial);
   EXPECT_EQ(failure.kind, FailureKind::not_certified);
-  EXPECT_EQ(failure.origin, plan.law_terms[0].origin);
+  EXPECT_EQ(failure.origin, plan.problem.law_terms[0].origin);
   EXPECT_THAT(failure.what(), HasSubstr("step " + std::to_string(partial.steps + 1)));
   EXPECT_FALSE(partial.certificate.certified);
   ASSERT_GT(partial.steps, 0);

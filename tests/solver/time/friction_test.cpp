@@ -89,8 +89,8 @@ Reference reference_slab(const Plan& plan, const Discretisation& d, int steps) {
       for (int j = 0; j < n; ++j) out(i, j) = dense(d.dofs.free[i], d.dofs.free[j]);
     return out;
   };
-  const DenseMatrix a = free(assemble_form(d.space, d.parts[body], plan.forms[0]));
-  const DenseMatrix b = free(assemble_form(d.space, d.parts[body], plan.forms[1]));
+  const DenseMatrix a = free(assemble_form(d.space, d.parts[body], plan.problem.forms[0]));
+  const DenseMatrix b = free(assemble_form(d.space, d.parts[body], plan.problem.forms[1]));
   const double k = 1.0 / steps, tau = 0.5;
   const auto weight = [&](int step, int j) {
     return tau * (std::exp(-(step - j) * k / tau) - std::exp(-(step - j + 1) * k / tau));
@@ -125,7 +125,7 @@ Reference reference_slab(const Plan& plan, const Discretisation& d, int steps) {
 
   Reference out;
   std::vector<Vector> u{Vector::Zero(n)};
-  const LoadAssembler loads(d.space, d.parts, plan.loads);
+  const LoadAssembler loads(d.space, d.parts, plan.problem.loads);
   int probe = -1;
   for (int node = 0; node < static_cast<int>(d.space.nodes.size()); ++node)
     if (d.space.nodes[node] == plan.report.probes[0].point) probe = node;

@@ -26,7 +26,7 @@ TEST(Norm, OfTwoIsotropicTensorsNeedsNoMatrixOfItsOwn) {
   for (const int dim : {2, 3})
     for (const int order : {1, 2}) {
       Plan plan = slab(3, 16, dim, true);
-      plan.space.order = order;
+      plan.problem.space.order = order;
       EXPECT_TRUE(compare(plan));
     }
 }
@@ -34,18 +34,18 @@ TEST(Norm, OfTwoIsotropicTensorsNeedsNoMatrixOfItsOwn) {
 TEST(Norm, IsTheSameWhereTheTensorsDoNotHoldIt) {
   EXPECT_FALSE(compare(slab(3, 4))); // too short for halves
   Plan plan = slab(3, 16);
-  plan.forms.resize(1); // one tensor
-  plan.histories.clear();
+  plan.problem.forms.resize(1); // one tensor
+  plan.problem.histories.clear();
   EXPECT_FALSE(compare(plan));
   plan = slab(3, 16);
-  plan.forms[0].entries.front().coefficient = 20.0 + var(slot::x(0)); // varies
+  plan.problem.forms[0].entries.front().coefficient = 20.0 + var(slot::x(0)); // varies
   EXPECT_FALSE(compare(plan));
   plan = slab(3, 16);
-  plan.space.dirichlet[0].value = {0.0, 0.01 * var(slot::t)}; // states hold imposed values
+  plan.problem.space.dirichlet[0].value = {0.0, 0.01 * var(slot::t)}; // states hold imposed values
   EXPECT_FALSE(compare(plan));
   plan = slab(3, 16);
-  plan.forms[1].rule = Rule::nodal; // another quadrature
-  plan.forms[2].rule = Rule::nodal;
+  plan.problem.forms[1].rule = Rule::nodal; // another quadrature
+  plan.problem.forms[2].rule = Rule::nodal;
   EXPECT_FALSE(compare(plan));
 }
 

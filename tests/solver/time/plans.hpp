@@ -153,26 +153,27 @@ enum SlabPart { body, roof, flank, ground };
 /// The slab of the reference cases in 2D or 3D (cells across the height n, steps N).
 inline Plan slab(int n, int steps, int dim = 2, bool friction = false) {
   Plan plan;
-  plan.mesh.kind = dim == 2 ? MeshSpec::Kind::rectangle : MeshSpec::Kind::box;
-  plan.mesh.high = {2, 1, dim == 3 ? 1.0 : 0.0};
-  plan.mesh.cells = {2 * n, n, n};
-  plan.parts = {all_cells("slab"), group("roof", "top"), group("flank", "right"),
-                group("ground", "bottom")};
-  plan.space.dirichlet = {clamp(roof)};
+  plan.problem.mesh.kind = dim == 2 ? MeshSpec::Kind::rectangle : MeshSpec::Kind::box;
+  plan.problem.mesh.high = {2, 1, dim == 3 ? 1.0 : 0.0};
+  plan.problem.mesh.cells = {2 * n, n, n};
+  plan.problem.parts = {all_cells("slab"), group("roof", "top"), group("flank", "right"),
+                        group("ground", "bottom")};
+  plan.problem.space.dirichlet = {clamp(roof)};
   const auto b = from_young(70, 0.3);
-  plan.forms = {elastic(dim, body, field_of_u(1), {5, 10}), elastic(dim, body, field_of_u(0), b),
-                elastic(dim, body, field_of_memory(0), b, -1.0)};
-  plan.histories = {{{}, exponential_kernel(0.5)}};
-  plan.laws = {softening_layer()};
-  plan.law_terms = {normal_term(0, ground, dim)};
+  plan.problem.forms = {elastic(dim, body, field_of_u(1), {5, 10}),
+                        elastic(dim, body, field_of_u(0), b),
+                        elastic(dim, body, field_of_memory(0), b, -1.0)};
+  plan.problem.histories = {{{}, exponential_kernel(0.5)}};
+  plan.problem.laws = {softening_layer()};
+  plan.problem.law_terms = {normal_term(0, ground, dim)};
   if (friction) {
-    plan.laws.push_back(slip_weakening());
-    plan.law_terms.push_back(tangential_term(1, ground, dim));
+    plan.problem.laws.push_back(slip_weakening());
+    plan.problem.law_terms.push_back(tangential_term(1, ground, dim));
   }
   const Expr t = var(slot::t);
-  plan.loads = {force(body, {0.0, -10.0 * t}), force(flank, {3.0 * t})};
-  plan.time.is_static = false;
-  plan.time.grid = uniform_grid(1.0, steps);
+  plan.problem.loads = {force(body, {0.0, -10.0 * t}), force(flank, {3.0 * t})};
+  plan.problem.time.is_static = false;
+  plan.problem.time.grid = uniform_grid(1.0, steps);
   const double z = dim == 3 ? 0.5 : 0.0;
   plan.report.probes = {at_point("u_y", u_value(1), {1, 0, z}),
                         at_point("u_x", u_value(0), {2, 0, z}), norm("strain"),
@@ -189,9 +190,9 @@ inline RunResult solve(const Plan& plan, const RunSettings& settings = {}) {
 }
 
 /// The sum of the forms on a field, on all dofs.
-inline SparseMatrix matrix_of(const Plan& plan, const Discretisation& d, int field) {
+inline SparseMatrix matrix_of(const Problem& problem, const Discretisation& d, int field) {
   SparseMatrix out(d.space.n_dofs(), d.space.n_dofs());
-  for (const auto& form : plan.forms)
+  for (const auto& form : problem.forms)
     if (form.field == field)
       out = SparseMatrix(out + assemble_form(d.space, d.parts[form.part], form));
   return out;

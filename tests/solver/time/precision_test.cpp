@@ -60,7 +60,7 @@ TEST(ReducedPrecision, WithFewerBitsGiveTheSameRun) {
   expect_same(slab(12, 96, 2, true), 1e-10, 0.9, "slab with friction");
   expect_same(slab(4, 24, 3, true), 1e-10, 0.95, "3D with friction");
   Plan free = slab(12, 64);
-  free.law_terms.clear();
+  free.problem.law_terms.clear();
   while (!free.report.probes.empty() && free.report.probes.back().kind == Probe::Kind::integral)
     free.report.probes.pop_back();
   free.report.tables[0].probes.resize(free.report.probes.size());

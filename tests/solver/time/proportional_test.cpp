@@ -16,7 +16,7 @@ using namespace testing_plans;
 Plan one_tensor(int n, int steps, int dim = 2, bool friction = false) {
   Plan plan = slab(n, steps, dim, friction);
   const auto b = from_young(70, 0.3);
-  plan.forms[0] = elastic(dim, body, field_of_u(1), b, 0.2);
+  plan.problem.forms[0] = elastic(dim, body, field_of_u(1), b, 0.2);
   plan.report.probes = {at_point("u_y", u_value(1), {1, 0, dim == 3 ? 0.5 : 0.0}),
                         at_point("u_x", u_value(0), {1.5, 0.5, dim == 3 ? 0.5 : 0.0}),
                         integral("reaction", var(slot::multiplier(0, 0)), ground)};
@@ -63,25 +63,26 @@ Plan random_plan(std::mt19937& random) {
   Plan plan = one_tensor(4 + static_cast<int>(random() % 4), 24, 2, coin());
   const Expr t = var(slot::t);
   const auto b = from_young(70 * about_one(random), 0.2 + 0.2 * about_one(random));
-  plan.forms = {elastic(2, body, field_of_u(1), b, 0.3 * about_one(random)),
-                elastic(2, body, field_of_u(0), b)};
-  plan.histories.clear();
+  plan.problem.forms = {elastic(2, body, field_of_u(1), b, 0.3 * about_one(random)),
+                        elastic(2, body, field_of_u(0), b)};
+  plan.problem.histories.clear();
   if (coin()) {
-    plan.forms.push_back(elastic(2, body, field_of_memory(0), b, -0.5 * about_one(random)));
-    plan.histories = {{{}, exponential_kernel(about_one(random)), {}}};
+    plan.problem.forms.push_back(elastic(2, body, field_of_memory(0), b, -0.5 * about_one(random)));
+    plan.problem.histories = {{{}, exponential_kernel(about_one(random)), {}}};
   }
-  if (coin()) plan.forms.push_back(elastic(2, body, field_of_u(0), b, 0.5 * about_one(random)));
-  plan.loads = {force(body, {0.0, -10.0 * about_one(random) * t}),
-                force(flank, {3.0 * about_one(random) * t * t})};
-  if (coin()) plan.loads.push_back(force(body, {sin(3.0 * t), 0.0}));
-  if (coin()) plan.time.scheme = Scheme::bdf2;
-  if (coin()) plan.time.sampling = LoadSampling::average;
+  if (coin())
+    plan.problem.forms.push_back(elastic(2, body, field_of_u(0), b, 0.5 * about_one(random)));
+  plan.problem.loads = {force(body, {0.0, -10.0 * about_one(random) * t}),
+                        force(flank, {3.0 * about_one(random) * t * t})};
+  if (coin()) plan.problem.loads.push_back(force(body, {sin(3.0 * t), 0.0}));
+  if (coin()) plan.problem.time.scheme = Scheme::bdf2;
+  if (coin()) plan.problem.time.sampling = LoadSampling::average;
   if (coin()) { // steps of two lengths
-    for (std::size_t n = 13; n < plan.time.grid.size(); ++n)
-      plan.time.grid[n] = plan.time.grid[n - 1] + 0.5 / 24;
+    for (std::size_t n = 13; n < plan.problem.time.grid.size(); ++n)
+      plan.problem.time.grid[n] = plan.problem.time.grid[n - 1] + 0.5 / 24;
   }
   if (coin()) // zero on the roof
-    plan.time.initial = {0.0, 0.01 * var(slot::x(0)) * (Expr(1.0) - var(slot::x(1)))};
+    plan.problem.time.initial = {0.0, 0.01 * var(slot::x(0)) * (Expr(1.0) - var(slot::x(1)))};
   return plan;
 }
 
@@ -95,7 +96,7 @@ TEST(Proportional, RandomPlansEqualTheGeneralPath) {
 TEST(Proportional, ErrorsAreEstimatedAsOnTheGeneralPath) {
   for (const int steps : {4, 40, 4000}) {
     Plan plan = one_tensor(6, 4);
-    plan.time.grid = uniform_grid(4.0 / steps, 4);
+    plan.problem.time.grid = uniform_grid(4.0 / steps, 4);
     const auto reduced = solve(plan).forward_error;
     plan.options.proportional_path = false;
     const auto full = solve(plan).forward_error;
@@ -198,13 +199,13 @@ TEST(Proportional, TheConditionThatFailsIsNamed) {
   plan.report.tables[0].probes.push_back(3);
   EXPECT_NE(why(plan).find("`strain`"), std::string::npos);
   plan = one_tensor(3, 4);
-  plan.loads.push_back(force(body, {sin(var(slot::t) * var(slot::x(0))), 0.0}));
+  plan.problem.loads.push_back(force(body, {sin(var(slot::t) * var(slot::x(0))), 0.0}));
   EXPECT_NE(why(plan).find("does not separate"), std::string::npos);
   plan = one_tensor(3, 4);
-  plan.space.dirichlet[0].value = {0.0, 0.01 * var(slot::t)};
+  plan.problem.space.dirichlet[0].value = {0.0, 0.01 * var(slot::t)};
   EXPECT_NE(why(plan).find("boundary values"), std::string::npos);
   plan = one_tensor(3, 4);
-  plan.law_terms.clear();
+  plan.problem.law_terms.clear();
   plan.report.probes.pop_back();
   plan.report.tables[0].probes.pop_back();
   EXPECT_NE(why(plan).find("no contact law"), std::string::npos);
@@ -212,7 +213,7 @@ TEST(Proportional, TheConditionThatFailsIsNamed) {
 
 TEST(Proportional, AContactThatNeverTouchesCostsNoNewtonIteration) {
   Plan plan = one_tensor(4, 16);
-  plan.loads = {force(body, {0.0, 10.0 * var(slot::t)})}; // away from the ground
+  plan.problem.loads = {force(body, {0.0, 10.0 * var(slot::t)})}; // away from the ground
   for (const bool reduced : {true, false}) {
     plan.options.proportional_path = reduced;
     EXPECT_EQ(solve(plan).work.newton, 0);

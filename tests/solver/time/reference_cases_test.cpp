@@ -39,7 +39,7 @@ TEST(Slab, SolvesToTheToleranceAskedFor) {
   for (const bool fine : {false, true}) {
     auto plan = slab(4, 32, 2, true);
     // Curved, so that each Newton iteration only comes closer.
-    plan.laws[0].expression = 2.0 * (exp(50.0 * max(var(slot::argument(0)), 0.0)) - 1.0);
+    plan.problem.laws[0].expression = 2.0 * (exp(50.0 * max(var(slot::argument(0)), 0.0)) - 1.0);
     plan.options.tolerance = fine ? 1e-13 : 1e-6;
     const auto result = solve(plan);
     EXPECT_TRUE(result.certificate.certified) << fine;
@@ -52,18 +52,18 @@ TEST(Slab, SolvesToTheToleranceAskedFor) {
 
 Plan block() {
   Plan plan;
-  plan.mesh.kind = MeshSpec::Kind::file;
-  plan.mesh.path = HVI_SOURCE_DIR "/tests/solver/time/cross_5x2.msh";
-  plan.parts = {group("body", "body"), group("left", "left"), group("bottom", "bottom")};
-  plan.space.dirichlet = {clamp(1)};
-  plan.forms = {elastic(2, 0, field_of_u(0), {4, 4})};
+  plan.problem.mesh.kind = MeshSpec::Kind::file;
+  plan.problem.mesh.path = HVI_SOURCE_DIR "/tests/solver/time/cross_5x2.msh";
+  plan.problem.parts = {group("body", "body"), group("left", "left"), group("bottom", "bottom")};
+  plan.problem.space.dirichlet = {clamp(1)};
+  plan.problem.forms = {elastic(2, 0, field_of_u(0), {4, 4})};
   LawSpec law;
   law.by_slope = true;
   law.expression = max(var(slot::argument(0)), 0.0);
-  plan.laws = {law};
-  plan.law_terms = {normal_term(0, 2)};
-  plan.law_terms[0].rule = Rule::midpoint;
-  plan.loads = {force(0, {-0.2, -0.2})};
+  plan.problem.laws = {law};
+  plan.problem.law_terms = {normal_term(0, 2)};
+  plan.problem.law_terms[0].rule = Rule::midpoint;
+  plan.problem.loads = {force(0, {-0.2, -0.2})};
   return plan;
 }
 
@@ -103,21 +103,21 @@ LawSpec sawtooth() {
 
 Plan strip(int steps) {
   Plan plan;
-  plan.mesh.kind = MeshSpec::Kind::file;
-  plan.mesh.path = HVI_SOURCE_DIR "/tests/solver/time/zigzag_33x5.msh";
-  plan.parts = {group("body", "body"), group("left", "left"), group("bottom", "bottom"),
-                group("top", "top"), group("right", "right")};
-  plan.space.dirichlet = {clamp(1)};
-  plan.forms = {elastic(2, 0, field_of_u(0), from_young(1.378e11 * scale, 0.3))};
-  plan.laws = {sawtooth()};
-  plan.law_terms = {normal_term(0, 2, 2, -1.0)}; // r = u_y = -u . nu on the bottom
-  plan.law_terms[0].rule = Rule::midpoint;
+  plan.problem.mesh.kind = MeshSpec::Kind::file;
+  plan.problem.mesh.path = HVI_SOURCE_DIR "/tests/solver/time/zigzag_33x5.msh";
+  plan.problem.parts = {group("body", "body"), group("left", "left"), group("bottom", "bottom"),
+                        group("top", "top"), group("right", "right")};
+  plan.problem.space.dirichlet = {clamp(1)};
+  plan.problem.forms = {elastic(2, 0, field_of_u(0), from_young(1.378e11 * scale, 0.3))};
+  plan.problem.laws = {sawtooth()};
+  plan.problem.law_terms = {normal_term(0, 2, 2, -1.0)}; // r = u_y = -u . nu on the bottom
+  plan.problem.law_terms[0].rule = Rule::midpoint;
   const Expr ramp = 26.2e6 * scale * var(slot::t);
-  plan.loads = {force(3, {0.0, ramp}),
-                force(4, {0.0, select(less(0.0099, var(slot::x(1))), ramp, 0.0)})};
-  plan.loads[0].rule = plan.loads[1].rule = Rule::nodal;
-  plan.time.is_static = false;
-  plan.time.grid = uniform_grid(1.0, steps);
+  plan.problem.loads = {force(3, {0.0, ramp}),
+                        force(4, {0.0, select(less(0.0099, var(slot::x(1))), ramp, 0.0)})};
+  plan.problem.loads[0].rule = plan.problem.loads[1].rule = Rule::nodal;
+  plan.problem.time.is_static = false;
+  plan.problem.time.grid = uniform_grid(1.0, steps);
   plan.report.probes = {at_point("tip_x", u_value(0), {.08, 0, 0}),
                         at_point("tip_y", u_value(1), {.08, 0, 0})};
   return plan;

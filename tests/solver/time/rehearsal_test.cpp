@@ -12,20 +12,21 @@ using namespace testing_plans;
 /// A bar that ages over decades: q(t, s) = g(xi(t) - xi(s)) xi'(s), xi(t) = 10 t - 9 log(1 + t).
 Plan ageing(int steps, double grading, HistoryRoute route) {
   Plan plan;
-  plan.mesh.high = {1, 1, 0};
-  plan.mesh.cells = {1, 1, 1};
-  plan.parts = {all_cells("body"), group("left", "left"), group("right", "right")};
-  plan.space.dirichlet = {clamp(1)};
-  plan.forms = {elastic(2, 0, field_of_u(0), {3, 2}), elastic(2, 0, field_of_memory(0), {3, 2})};
+  plan.problem.mesh.high = {1, 1, 0};
+  plan.problem.mesh.cells = {1, 1, 1};
+  plan.problem.parts = {all_cells("body"), group("left", "left"), group("right", "right")};
+  plan.problem.space.dirichlet = {clamp(1)};
+  plan.problem.forms = {elastic(2, 0, field_of_u(0), {3, 2}),
+                        elastic(2, 0, field_of_memory(0), {3, 2})};
   const Expr t = var(slot::t), s = t - var(slot::lag);
   const auto xi = [](const Expr& a) { return Expr(10.0) * a - Expr(9.0) * log(Expr(1.0) + a); };
   const Expr r = xi(t) - xi(s);
-  plan.histories = {
+  plan.problem.histories = {
       {{}, {"q", {}, Expr(-0.3) * exp(-r) * (Expr(1.0) + Expr(9.0) * s / (Expr(1.0) + s))}}};
-  plan.loads = {force(2, {0.3, -0.2})};
-  plan.time.is_static = false;
-  plan.time.grid = uniform_grid(1.0, steps);
-  for (double& time : plan.time.grid) time = 1e6 * std::pow(time, grading);
+  plan.problem.loads = {force(2, {0.3, -0.2})};
+  plan.problem.time.is_static = false;
+  plan.problem.time.grid = uniform_grid(1.0, steps);
+  for (double& time : plan.problem.time.grid) time = 1e6 * std::pow(time, grading);
   plan.options.route = route;
   plan.report.probes = {at_point("u", u_value(1), {1, 1, 0})};
   plan.report.tables = {{{}, {0}, 1, ""}};
@@ -57,8 +58,8 @@ TEST(Rehearsal, GoesOnByThePowerOfTheSteps) {
 
 TEST(Rehearsal, NothingWithoutMemory) {
   auto plan = ageing(20, 1.0, HistoryRoute::direct);
-  plan.histories.clear();
-  plan.forms.pop_back();
+  plan.problem.histories.clear();
+  plan.problem.forms.pop_back();
   EXPECT_EQ(rehearse_memory(plan, 4).rehearsed, 0);
 }
 

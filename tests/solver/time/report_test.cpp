@@ -36,7 +36,7 @@ Expr d(int i, int j) { return var(slot::field(field_of_u(0), slot::gradient(i, j
 /// The slab with u, a stress, the multiplier and a scalar of x among its fields.
 Plan slab_with_fields(int order) {
   auto plan = slab(4, 8, 2, true);
-  plan.space.order = order;
+  plan.problem.space.order = order;
   const Expr shear = 0.5 * (d(0, 1) + d(1, 0));
   FieldsSpec fields;
   fields.every = 3;
@@ -79,16 +79,16 @@ TEST(Files, AMultiplierOfAPointIsAVertex) {
   PartSpec corner{"corner", {}, {}};
   corner.region.kind = RegionSpec::Kind::point;
   corner.region.point = {1, 0, 0};
-  plan.parts.push_back(corner);
+  plan.problem.parts.push_back(corner);
   LawTerm support;
   support.origin = {200};
   support.name = "support";
   support.law = 0;
-  support.part = static_cast<int>(plan.parts.size()) - 1;
+  support.part = static_cast<int>(plan.problem.parts.size()) - 1;
   LawTerm::Row row;
   row.u[1] = Expr(-1.0);
   support.rows = {row};
-  plan.law_terms.push_back(support);
+  plan.problem.law_terms.push_back(support);
   FieldsSpec fields;
   fields.every = 4;
   fields.fields = {{"xi", {}, {var(slot::multiplier(1, 0))}}};
@@ -163,10 +163,11 @@ assert times == [0.375]*3 + [0.75]*3 + [1.0]*3
 TEST(Files, ResultJsonFollowsItsSchema) {
   const auto folder = fresh_folder("json");
   auto plan = slab(4, 6);
-  plan.effects = {{"viscosity", EffectNote::State::on, {5}, ""},
-                  {"normal law `layer`", EffectNote::State::on, plan.law_terms[0].origin, ""},
-                  {"first", EffectNote::State::on, {0}, ""},
-                  {"nowhere", EffectNote::State::on, {}, ""}};
+  plan.problem.effects = {
+      {"viscosity", EffectNote::State::on, {5}, ""},
+      {"normal law `layer`", EffectNote::State::on, plan.problem.law_terms[0].origin, ""},
+      {"first", EffectNote::State::on, {0}, ""},
+      {"nowhere", EffectNote::State::on, {}, ""}};
   auto timed = plan.report.probes[0];
   timed.name = "half";
   timed.time = 0.5;
@@ -178,7 +179,7 @@ TEST(Files, ResultJsonFollowsItsSchema) {
   context.params = {{"n", 4.0}};
   context.line_of = [](Origin origin) { return origin.id + 1; };
   context.bandwidth = 2e10;
-  write_atomically(folder / "result.json", json_text(result_json(result, plan, context)));
+  write_atomically(folder / "result.json", json_text(result_json(result, plan.problem, context)));
   EXPECT_EQ(0, python(folder, std::string(R"(
 import json, jsonschema
 result = json.load(open("result.json"))
@@ -206,10 +207,10 @@ TEST(Probes, MultipliersTimesFields) {
     auto plan = slab(3, 3, dim);
     const int axis = dim - 1;
     if (dim == 3) {
-      plan.parts[ground] = group("ground", "back");
-      plan.loads[0] = force(body, {0.0, 0.0, -10.0 * var(slot::t)});
+      plan.problem.parts[ground] = group("ground", "back");
+      plan.problem.loads[0] = force(body, {0.0, 0.0, -10.0 * var(slot::t)});
     }
-    plan.law_terms[0].rule = Rule::midpoint;
+    plan.problem.law_terms[0].rule = Rule::midpoint;
     const std::vector<int> fields = {slot::value(0),       slot::value(1),
                                      slot::gradient(0, 0), slot::gradient(1, 0),
                                      slot::gradient(1, 1), slot::gradient(0, axis)};
@@ -268,7 +269,7 @@ TEST(Probes, BetweenGridTimesTheInterpolantIsAffine) {
 TEST(Pictures, AtATimeShowTheStateThen) {
   for (const bool constant : {false, true}) {
     auto plan = slab(4, 8, 2, true);
-    plan.time.interpolant = constant ? Interpolant::constant : Interpolant::affine;
+    plan.problem.time.interpolant = constant ? Interpolant::constant : Interpolant::affine;
     for (const double time : {0.0, (3 + 0.25) / 8, 0.5, 1.0})
       plan.report.pictures.push_back({{}, {"u", {}, {u_value(0), u_value(1)}}, time, ""});
     plan.report.pictures.push_back({{}, {"u", {}, {u_value(0)}}, {}, ""});
@@ -314,13 +315,13 @@ TEST(Probes, CombinationsReadOtherProbes) {
 TEST(Probes, ASlopeThatIsZeroIsNotMadeOfErrors) {
   for (const int along : {0, 1}) {
     Plan plan;
-    plan.mesh.cells = {7, 6, 1};
+    plan.problem.mesh.cells = {7, 6, 1};
     const char* sides[][2] = {{"left", "right"}, {"bottom", "top"}};
-    plan.parts = {all_cells("plate"), group("low", sides[along][0]),
-                  group("high", sides[along][1])};
-    plan.space.vector = false;
-    plan.space.dirichlet = {clamp(1), clamp(2, -1, {1.0})};
-    plan.forms = {diffusion(2, 0, field_of_u(0), 0.3)};
+    plan.problem.parts = {all_cells("plate"), group("low", sides[along][0]),
+                          group("high", sides[along][1])};
+    plan.problem.space.vector = false;
+    plan.problem.space.dirichlet = {clamp(1), clamp(2, -1, {1.0})};
+    plan.problem.forms = {diffusion(2, 0, field_of_u(0), 0.3)};
     const auto slope = [](int j) { return var(slot::field(field_of_u(0), slot::gradient(0, j))); };
     plan.report.probes = {at_point("x", slope(0), {0.45, 0.55, 0}),
                           at_point("y", slope(1), {0.45, 0.55, 0})};
@@ -337,10 +338,11 @@ TEST(Probes, ASlopeThatIsZeroIsNotMadeOfErrors) {
 // Analytic: a bar that is moved as a whole has no strain; what rounding leaves of one is no error.
 TEST(Probes, AStrainThatIsZeroIsNotMadeOfErrors) {
   auto plan = slab(4, 8);
-  plan.loads.clear();
-  plan.law_terms.clear();
-  plan.space.dirichlet = {clamp(flank, 0, {0.1 + var(slot::t) / 3}), clamp(flank, 1, {0.7})};
-  plan.time.initial = {0.1, 0.7};
+  plan.problem.loads.clear();
+  plan.problem.law_terms.clear();
+  plan.problem.space.dirichlet = {clamp(flank, 0, {0.1 + var(slot::t) / 3}),
+                                  clamp(flank, 1, {0.7})};
+  plan.problem.time.initial = {0.1, 0.7};
   plan.report.probes.resize(3); // the last one reads the law
   plan.report.probes.push_back(
       integral("stretch", var(slot::field(field_of_u(0), slot::gradient(0, 0))), body));
@@ -375,17 +377,17 @@ TEST(Probes, ABodyThatSticksEverywhereIsNotMadeOfErrors) {
   for (const double angle : {0.0, 0.3, 1.0, 2.2}) {
     write_turned_square(folder / "square.msh", angle);
     Plan plan;
-    plan.mesh.kind = MeshSpec::Kind::file;
-    plan.mesh.path = (folder / "square.msh").string();
-    plan.parts = {group("body", "body"), group("top", "top"), group("ground", "ground")};
-    plan.space.dirichlet = {clamp(1)};
-    plan.forms = {elastic(2, 0, field_of_u(0), from_young(70, 0.3))};
-    plan.laws = {slip_weakening()};
-    plan.law_terms = {tangential_term(0, 2, 2)};
-    plan.loads = {force(2, {0.1 * std::cos(angle), 0.1 * std::sin(angle)})};
+    plan.problem.mesh.kind = MeshSpec::Kind::file;
+    plan.problem.mesh.path = (folder / "square.msh").string();
+    plan.problem.parts = {group("body", "body"), group("top", "top"), group("ground", "ground")};
+    plan.problem.space.dirichlet = {clamp(1)};
+    plan.problem.forms = {elastic(2, 0, field_of_u(0), from_young(70, 0.3))};
+    plan.problem.laws = {slip_weakening()};
+    plan.problem.law_terms = {tangential_term(0, 2, 2)};
+    plan.problem.loads = {force(2, {0.1 * std::cos(angle), 0.1 * std::sin(angle)})};
     plan.report.probes = {norm("size")};
     const auto result = solve(plan);
-    refuse_rounding(result, plan);
+    refuse_rounding(result, plan.problem);
     EXPECT_LT(result.final.at("size"), 1e-15) << angle; // the load alone would make it 1e-3
   }
 }
@@ -410,8 +412,8 @@ TEST(Probes, PartsHaveNoErrorOfTheirOwn) {
 // law scales its force, not its multiplier.
 TEST(Probes, MultipliersAtNodesAndUnderAFactor) {
   auto plan = slab(4, 4);
-  plan.law_terms[0].factor = 0.5;
-  plan.laws[0].expression = 8.0 * max(var(slot::argument(0)), 0.0);
+  plan.problem.law_terms[0].factor = 0.5;
+  plan.problem.laws[0].expression = 8.0 * max(var(slot::argument(0)), 0.0);
   plan.report.probes = {at_point("xi", var(slot::multiplier(0, 0)), {1, 0, 0}),
                         at_point("u_y", u_value(1), {1, 0, 0}),
                         integral("p", var(slot::multiplier(0, 0)), ground),
@@ -419,8 +421,8 @@ TEST(Probes, MultipliersAtNodesAndUnderAFactor) {
   const auto result = solve(plan);
   expect_relative(result.final.at("xi"), -8.0 * result.final.at("u_y"), 1e-12, "xi");
   auto plain = plan;
-  plain.law_terms[0].factor = 1.0;
-  plain.laws[0].expression = 4.0 * max(var(slot::argument(0)), 0.0);
+  plain.problem.law_terms[0].factor = 1.0;
+  plain.problem.laws[0].expression = 4.0 * max(var(slot::argument(0)), 0.0);
   const auto same = solve(plain);
   expect_relative(result.final.at("p"), 2 * same.final.at("p"), 1e-11, "p");
   expect_relative(result.final.at("work"), 2 * same.final.at("work"), 1e-11, "work");
@@ -429,8 +431,9 @@ TEST(Probes, MultipliersAtNodesAndUnderAFactor) {
 // A load that lifts the slab off: the law never acts, costs no iteration and is reported asleep.
 TEST(Effects, ALawThatNeverActsIsAsleep) {
   auto plan = slab(4, 8);
-  plan.loads = {force(body, {0.0, 10.0 * var(slot::t)})};
-  plan.effects = {{"normal law", EffectNote::State::on, plan.law_terms[0].origin, ""}};
+  plan.problem.loads = {force(body, {0.0, 10.0 * var(slot::t)})};
+  plan.problem.effects = {
+      {"normal law", EffectNote::State::on, plan.problem.law_terms[0].origin, ""}};
   const auto result = solve(plan);
   EXPECT_EQ(result.effects[0].state, EffectNote::State::asleep);
   EXPECT_EQ(result.work.newton, 0);
@@ -447,12 +450,12 @@ std::string why_of(const RunResult& result, const std::string& name) {
 // only is not, once points have left it.
 TEST(Effects, ALawIsLinearWhereOnlyOneOfItsPiecesIsReached) {
   auto plan = slab(4, 8);
-  plan.effects = {{"law", EffectNote::State::on, plan.law_terms[0].origin, ""}};
-  plan.laws[0].expression = 4.0 * var(slot::argument(0));
+  plan.problem.effects = {{"law", EffectNote::State::on, plan.problem.law_terms[0].origin, ""}};
+  plan.problem.laws[0].expression = 4.0 * var(slot::argument(0));
   EXPECT_EQ(why_of(solve(plan), "law"), "linear on the range reached: 4 times its argument");
-  plan.laws[0].expression = 4.0 * max(var(slot::argument(0)), 0.0);
+  plan.problem.laws[0].expression = 4.0 * max(var(slot::argument(0)), 0.0);
   EXPECT_EQ(why_of(solve(plan), "law"), "linear on the range reached: 4 times its argument");
-  plan.loads = {force(body, {0.0, -10.0 * sin(7.0 * var(slot::t))})}; // down, then up
+  plan.problem.loads = {force(body, {0.0, -10.0 * sin(7.0 * var(slot::t))})}; // down, then up
   EXPECT_EQ(why_of(solve(plan), "law"), "");
 }
 
@@ -460,9 +463,9 @@ TEST(Effects, LoadsDimensionsAndSymmetryAreSaid) {
   auto plan = slab(4, 4);
   const Expr t = var(slot::t), x = var(slot::x(0));
   const auto said = [&](const Expr& pull) {
-    plan.loads = {force(ground, {0.0, t}), force(body, {0.0, pull})};
-    plan.loads[1].origin = {77};
-    return why_of(solve(plan), "load on `" + plan.parts[body].name + "`");
+    plan.problem.loads = {force(ground, {0.0, t}), force(body, {0.0, pull})};
+    plan.problem.loads[1].origin = {77};
+    return why_of(solve(plan), "load on `" + plan.problem.parts[body].name + "`");
   };
   EXPECT_EQ(said(-10.0 * x), "the same at all times: assembled once");
   EXPECT_EQ(said(-10.0 * t * x), "separable in time: assembled once for each function of time");
@@ -478,13 +481,13 @@ TEST(Effects, LoadsDimensionsAndSymmetryAreSaid) {
 TEST(Effects, ProportionalFormsShareMatrices) {
   auto plan = slab(4, 4);
   EXPECT_EQ(solve(plan).work.matrices, 2);
-  plan.forms[0] = elastic(2, body, field_of_u(1), from_young(35, 0.3)); // viscosity = B / 2
+  plan.problem.forms[0] = elastic(2, body, field_of_u(1), from_young(35, 0.3)); // viscosity = B / 2
   EXPECT_EQ(solve(plan).work.matrices, 1);
   // The same numbers through expressions that only values reveal.
-  plan.forms[0] = elastic(2, body, field_of_u(1), {1, 1});
+  plan.problem.forms[0] = elastic(2, body, field_of_u(1), {1, 1});
   const auto b = from_young(35, 0.3);
-  for (std::size_t e = 0; e < plan.forms[0].entries.size(); ++e)
-    plan.forms[0].entries[e].coefficient =
+  for (std::size_t e = 0; e < plan.problem.forms[0].entries.size(); ++e)
+    plan.problem.forms[0].entries[e].coefficient =
         (e % 3 == 0 ? b.lambda : b.mu) + 0.0 * var(slot::x(0)) + max(-1.0 - var(slot::x(0)), 0.0);
   EXPECT_EQ(solve(plan).work.matrices, 1);
 }

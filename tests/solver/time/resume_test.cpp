@@ -20,7 +20,7 @@ struct Scene {
 
 Scene with_route(HistoryRoute route, std::string name, int steps) {
   Scene scene{std::move(name), slab(2, steps)};
-  scene.plan.histories[0].route = route;
+  scene.plan.problem.histories[0].route = route;
   return scene;
 }
 
@@ -28,14 +28,14 @@ Scene with_route(HistoryRoute route, std::string name, int steps) {
 Scene rich() {
   Scene out{"graded, bdf2, fields", slab(3, 12, 2, true), true};
   Plan& plan = out.plan;
-  for (double& t : plan.time.grid) t *= t;
-  plan.time.scheme = Scheme::bdf2;
-  plan.time.sampling = LoadSampling::average;
+  for (double& t : plan.problem.time.grid) t *= t;
+  plan.problem.time.scheme = Scheme::bdf2;
+  plan.problem.time.sampling = LoadSampling::average;
   const Expr t = var(slot::t);
-  plan.loads = {force(body, {0.0, -60.0 * t}), force(flank, {3.0 * t})};
+  plan.problem.loads = {force(body, {0.0, -60.0 * t}), force(flank, {3.0 * t})};
   // What breaks off is told at the beginning and where it happens.
   const Expr r = var(slot::argument(0));
-  plan.laws[0].expression =
+  plan.problem.laws[0].expression =
       select(less(r, 0.0), 0.0, select(less(r, 0.02), 100.0 * r, select(less(r, 0.08), 2.0, 0.5)));
   plan.report.tables[0].every = 5;
   plan.report.probes.push_back(at_point("inside", u_value(1), {1, 1.0 / 3, 0}));
@@ -58,7 +58,7 @@ std::vector<Scene> scenes() {
                          with_route(HistoryRoute::direct, "direct", 7),
                          with_route(HistoryRoute::fit, "from -2 on", 7),
                          rich()};
-  for (double& t : out[6].plan.time.grid) t -= 2.0;
+  for (double& t : out[6].plan.problem.time.grid) t -= 2.0;
   out[1].plan.options.proportional_path = false;
   return out;
 }
@@ -132,7 +132,7 @@ TEST(Resume, AfterAnyStepGoesOnWithTheSameBits) {
     Discretisation d;
     for (const auto& mistake : discretise(scene.plan, d)) throw mistake;
     const auto whole = run_in(folder_of("whole"), scene, d, false);
-    const int steps = static_cast<int>(scene.plan.time.grid.size()) - 1;
+    const int steps = static_cast<int>(scene.plan.problem.time.grid.size()) - 1;
     if (scene.name.starts_with("graded")) {
       EXPECT_GE(whole.result.notes.size(), 2U);
     }
@@ -157,7 +157,7 @@ TEST(Resume, IsRefusedWhereTheTimesWereOthers) {
     const auto folder = folder_of("times");
     (void)run_in(folder, scene, d, false, 4);
     Scene other = scene;
-    change(other.plan.time.grid);
+    change(other.plan.problem.time.grid);
     try {
       return run_in(folder, other, d, true).result.resumed_from != 4;
     } catch (const Failure& failure) {

@@ -20,14 +20,15 @@ struct Body {
   Contact none;
 
   Body() {
-    plan.law_terms.clear(), plan.laws.clear();
-    plan.histories.clear(), plan.forms.pop_back();
-    plan.forms[0] = elastic(2, body, field_of_u(1), {40, 1}); // of quite another shape than B
+    plan.problem.law_terms.clear(), plan.problem.laws.clear();
+    plan.problem.histories.clear(), plan.problem.forms.pop_back();
+    plan.problem.forms[0] =
+        elastic(2, body, field_of_u(1), {40, 1}); // of quite another shape than B
     plan.report = {};
     for (const auto& mistake : discretise(plan, d)) throw mistake;
     layout = make_layout(d.space, d.dofs);
-    operators = assemble_operators(plan, d, layout);
-    none = make_contact(plan, d, layout);
+    operators = assemble_operators(plan.problem, d, layout, 1);
+    none = make_contact(plan.problem, d, layout);
   }
   Vector coefficients(double length) const { return whole_coefficients(operators, length, {}); }
   DenseMatrix matrix(double length) const {
@@ -46,7 +47,7 @@ TEST(WholeTime, CoefficientsAreThoseOfOneStep) {
   Plan plan = slab(3, 4);
   Discretisation d;
   for (const auto& mistake : discretise(plan, d)) throw mistake;
-  const auto operators = assemble_operators(plan, d, make_layout(d.space, d.dofs));
+  const auto operators = assemble_operators(plan.problem, d, make_layout(d.space, d.dofs), 1);
   const double w[] = {1.0};
   // The memory's tensor is -B: with the weight 1 the two cancel, and A / length is left.
   const DenseMatrix viscous = combine(operators, whole_coefficients(operators, 4.0, w));

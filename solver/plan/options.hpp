@@ -1,0 +1,20 @@
+// How a problem is solved.
+#pragma once
+
+#include "solver/kernel/kernel_spec.hpp"
+#include "solver/law/branch.hpp"
+
+namespace hvi::solver {
+
+struct SolverOptions {
+  double tolerance = 1e-10; ///< certificate
+  double memory_tolerance = 1e-8;
+  HistoryRoute route = HistoryRoute::automatic;
+  Branch branch = Branch::continuing;
+  int threads = 1;
+  bool proportional_path = true; ///< the evolution on contact unknowns where it is possible
+  bool reduced_precision = true; ///< the factor with fewer bits an entry where that is enough
+  bool audit = true;             ///< replay a few scalars of the memory against the direct sum
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,208 @@
+// What is stated: mesh, parts, space, the terms of the inequality and time. How it is solved and
+// what is asked of it stand in options.hpp and report.hpp.
+//
+// With u the unknown and v the test function (paper, eq. (111) and Problem P):
+//
+//   sum_forms  int_region  C(x, nu) D(field) . D(v)          field in { u, u', w_m = int q_m u }
+// + sum_laws   int_region  factor j^0( arg(u); arg'(v) )
+// >= sum_loads int_region  F(x, t, nu) . D(v)
+#pragma once
+
+#include "solver/common/failure.hpp"
+#include "solver/kernel/kernel_spec.hpp"
+#include "solver/law/law.hpp"
+#include "solver/mesh/mesh.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hvi::solver {
+
+/// ---- where -------------------------------------------------------------------------------------
+
+/// How the mesh comes to be. `size` and `cells` as the kind needs them.
+struct MeshSpec {
+  enum class Kind { interval, rectangle, box, file, geometry };
+  std::string name;
+  Origin origin;
+  Kind kind = Kind::rectangle;
+  std::array<double, 3> low{0, 0, 0}, high{1, 1, 1};
+  std::array<int, 3> cells{1, 1, 1};
+  std::array<std::vector<double>, 3> grading; ///< explicit coordinates per axis, or empty
+  bool crossed = false;                       ///< rectangle: both diagonals, four triangles a cell
+  std::string path;                           ///< file: absolute, already checked to be allowed
+  bool allow_geo = false;
+  std::string geometry;        ///< geometry: a gmsh model of ours ("disk", "bracket"...)
+  std::vector<double> numbers; ///< its numbers
+  int refinements = 0;         ///< uniform refinements after that
+  int adapted = 0; ///< then bisected to so many cells where an error indicator says; 0: not
+};
+
+/// A part of the mesh as a small tree; resolved to entities by solver/mesh/region.hpp.
+struct RegionSpec {
+  enum class Kind { all_cells, boundary, group, point, unite, subtract, where };
+  Kind kind = Kind::all_cells;
+  Origin origin;
+  std::string name; ///< group (sides of generated meshes are groups)
+  Point point{};
+  std::vector<RegionSpec> children; ///< unite, subtract: two; where: one
+  Expr predicate;                   ///< where: non-zero inside, of slot::x
+};
+
+/// A named part; everything below refers to parts by index.
+struct PartSpec {
+  std::string name;
+  Origin origin;
+  RegionSpec region;
+};
+
+/// ---- space -------------------------------------------------------------------------------------
+
+/// Zero or imposed values on a part. `component` -1: all components.
+struct DirichletSpec {
+  Origin origin;
+  int part = 0;
+  int component = -1;
+  std::vector<Expr> value; ///< of slot::x and slot::t, one per imposed component; empty: zero
+};
+
+struct SpaceSpec {
+  std::string name;
+  Origin origin;
+  bool vector = true; ///< dim components, or 1
+  int order = 1;      ///< P1 or P2
+  std::vector<DirichletSpec> dirichlet;
+};
+
+/// ---- forms -------------------------------------------------------------------------------------
+
+enum class Rule { exact, nodal, midpoint, gauss };
+
+/// Fields a form acts on, in the numbering of slot::field: u, its derivatives in time up to this
+/// order, then the memories.
+inline constexpr int highest_derivative = 1;
+/// u (order 0), u' (order 1).
+constexpr int field_of_u(int order) { return order; }
+constexpr int field_of_memory(int m) { return highest_derivative + 1 + m; }
+constexpr bool is_memory(int field) { return field > highest_derivative; }
+constexpr int memory_of(int field) { return field - field_of_memory(0); }
+
+/// What an effect is called in `plan` and `check`.
+enum class Effect {
+  viscosity,
+  elasticity,
+  memory,
+  body_force,
+  traction,
+  normal_law,
+  friction,
+  other
+};
+
+/// int_part  sum_e coefficient_e(x, nu)  D_{trial_e}(field)  D_{test_e}(v);  D_i numbered as in
+/// slot::value / slot::gradient.
+struct FormTerm {
+  struct Entry {
+    int test = 0, trial = 0;
+    Expr coefficient; ///< of slot::x, slot::normal
+  };
+  Origin origin;
+  int part = 0;
+  int field = field_of_u(0);
+  Rule rule = Rule::exact;
+  Effect effect = Effect::other;
+  std::vector<Entry> entries;
+};
+
+/// int_part  sum_e F_e(x, t, nu) D_{test_e}(v), on the right-hand side.
+struct LoadTerm {
+  struct Entry {
+    int test = 0;
+    Expr value; ///< of slot::x, slot::t, slot::normal
+  };
+  Origin origin;
+  int part = 0;
+  Rule rule = Rule::exact;
+  Effect effect = Effect::body_force;
+  std::vector<Entry> entries;
+};
+
+/// Memory field m: w_m(t) = int_0^t q_m(t, s) u(s) ds. Forms use it as field 2 + m.
+struct HistoryTerm {
+  Origin origin;
+  KernelSpec kernel;
+  std::optional<HistoryRoute> route{}; ///< instead of SolverOptions::route
+};
+
+/// factor * int_part law^0( arg(u); arg'(v) ). Argument component c is
+///   sum_i rows[c].u[i] u_i + rows[c].offset,   coefficients of slot::x, slot::normal, offset also
+///   of t.
+/// One row: a scalar law. dim rows: a radial law of a vector; the engine reduces the rows to an
+/// orthonormal basis of their range (2D u.tau: one row, 3D: two).
+struct LawTerm {
+  struct Row {
+    std::array<Expr, 3> u{Expr(0.0), Expr(0.0), Expr(0.0)};
+    Expr offset = 0.0;
+  };
+  Origin origin;
+  std::string name; ///< of the law, for `layer.xi`
+  int law = 0;      ///< index into Problem::laws
+  int part = 0;
+  Rule rule = Rule::nodal;
+  Effect effect = Effect::normal_law;
+  Expr factor = 1.0; ///< positive, of slot::x and slot::normal
+  std::vector<Row> rows;
+};
+
+/// ---- time --------------------------------------------------------------------------------------
+
+enum class Scheme { backward_euler, bdf2 };
+/// f(t_n), or the Rothe problem's mean over the step.
+enum class LoadSampling { endpoint, average };
+
+/// What stands between grid times: u_tau (affine) or bar u_tau (u_n on (t_{n-1}, t_n]).
+enum class Interpolant { affine, constant };
+
+struct TimeSpec {
+  Origin origin;
+  bool is_static = true;    ///< one step, no u', no memory
+  std::vector<double> grid; ///< t_0 < t_1 < ... < t_N; empty when static
+  Scheme scheme = Scheme::backward_euler;
+  LoadSampling sampling = LoadSampling::endpoint;
+  Interpolant interpolant = Interpolant::affine; ///< read by probes at times of their own
+  std::vector<Expr> initial;                     ///< u(t0) by component, of slot::x; empty: 0
+};
+
+/// ---- all of it ---------------------------------------------------------------------------------
+
+/// An effect of the theory and what became of it.
+struct EffectNote {
+  enum class State { on, off, dropped, asleep };
+  std::string name; ///< "viscosity", "normal law `layer` on `ground`"
+  State state = State::on;
+  Origin origin; ///< the line that declares or drops it
+  std::string why;
+};
+
+struct Problem {
+  std::string title;
+  MeshSpec mesh;
+  std::vector<PartSpec> parts;
+  SpaceSpec space;
+  std::vector<FormTerm> forms;
+  std::vector<HistoryTerm> histories;
+  std::vector<LawSpec> laws;
+  std::vector<LawTerm> law_terms;
+  std::vector<LoadTerm> loads;
+  TimeSpec time;
+  std::vector<EffectNote> effects;
+};
+
+/// Of one unknown: with its derivatives and memories.
+inline int count_fields(const Problem& problem) {
+  return field_of_memory(static_cast<int>(problem.histories.size()));
+}
+
+} // namespace hvi::solver

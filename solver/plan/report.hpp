@@ -1,0 +1,55 @@
+// What is asked of a solution: values, tables, field files, pictures.
+#pragma once
+
+#include "solver/plan/problem.hpp"
+
+namespace hvi::solver {
+
+/// An expression of position, t, normal, fields (slot::field) and multipliers (slot::multiplier).
+struct Probe {
+  enum class Kind { at_point, integral, norm_v, combination };
+  std::string name;
+  Origin origin;
+  Kind kind = Kind::at_point;
+  Expr expression; ///< norm_v: unused, the V norm of u; combination: of slot::probe, slot::t
+  Point point{};   ///< at_point
+  int part = -1;   ///< integral
+  Rule rule = Rule::exact;    ///< integral; with a multiplier, the law's own rule
+  std::optional<double> time; ///< the value at this time, by the interpolant
+};
+
+struct TableSpec {
+  Origin origin;
+  std::vector<int> probes;
+  int every = 1;
+  std::string file; ///< "" : the default
+};
+
+/// A field written to VTU. One component: scalar; dim: vector; dim*dim: tensor. Nodal fields depend
+/// on values of u only; others are cell averages; a multiplier lives on the contact part's nodes.
+struct FieldSpec {
+  std::string name;
+  Origin origin;
+  std::vector<Expr> components;
+};
+struct FieldsSpec {
+  Origin origin;
+  std::vector<FieldSpec> fields;
+  int every = 1;
+  std::string file;
+};
+struct PictureSpec {
+  Origin origin;
+  FieldSpec field;
+  std::optional<double> time;
+  std::string file;
+};
+
+struct ReportSpec {
+  std::vector<Probe> probes;
+  std::vector<TableSpec> tables;
+  std::vector<FieldsSpec> fields;
+  std::vector<PictureSpec> pictures;
+};
+
+} // namespace hvi::solver
