@@ -22,6 +22,12 @@ constexpr std::size_t deepest_call = 100;
 
 bool depends_on_memory_time(solver::Slot s) { return s == slot::t || s == slot::lag; }
 
+/// Component i of a kernel as a sum of products of place and time.
+std::optional<solver::Separated> separated(const Field& kernel, std::size_t i) {
+  if (!kernel.series) return solver::split_separable(kernel.components[i], depends_on_memory_time);
+  return solver::Separated{{kernel.series->of_place[i], kernel.series->sum}};
+}
+
 } // namespace
 
 std::optional<std::vector<const ast::Expr*>>
@@ -390,8 +396,8 @@ std::optional<Field> Checker::kernel_field(const ast::Expr& callee, const Scope&
   return f;
 }
 
-int Checker::history_index(const Symbol& kernel, const std::string& name, const Span& span,
-                           double& factor) {
+int Checker::history_index(const Symbol& kernel, const std::optional<SeriesTimes>& written,
+                           const std::string& name, const Span& span, double& factor) {
   factor = 1.0;
   const Symbol negative = -kernel;
   for (std::size_t i = 0; i < model_.histories.size(); ++i) {
@@ -401,7 +407,8 @@ int Checker::history_index(const Symbol& kernel, const std::string& name, const 
       return static_cast<int>(i);
     }
   }
-  model_.histories.push_back({name, span, kernel});
+  model_.histories.push_back({name, span, kernel, {}});
+  if (written) model_.histories.back().series = written->series;
   return static_cast<int>(model_.histories.size()) - 1;
 }
 
@@ -470,7 +477,7 @@ Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope&
   // K = sum_m c_m(t, lag) T_m(x): one memory field for each distinct c_m.
   std::map<int, std::vector<Symbol>> tensors;
   for (std::size_t i = 0; i < kernel->components.size(); ++i) {
-    auto split = solver::split_separable(kernel->components[i], depends_on_memory_time);
+    const auto split = separated(*kernel, i);
     if (!split) {
       error("E0502", kernel_span,
             fmt::format("the kernel `{}` is not a sum of products of time and place", name),
@@ -480,7 +487,7 @@ Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope&
     for (const auto& [of_x, of_time] : *split) {
       if (of_x.is(0.0) || of_time.is(0.0)) continue;
       double factor = 1.0;
-      const int m = history_index(of_time, name, kernel_span, factor);
+      const int m = history_index(of_time, kernel->series, name, kernel_span, factor);
       auto& t = tensors[m];
       t.resize(kernel->components.size(), Symbol(0.0));
       t[i] = t[i] + Symbol(factor) * of_x;

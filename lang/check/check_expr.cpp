@@ -71,6 +71,8 @@ Value Checker::expr_node(const ast::Expr& e, const Scope& scope) {
                    auto f = field(*n.operand, scope);
                    if (!f) return Poison{};
                    for (Symbol& c : f->components) c = -c;
+                   if (f->series)
+                     for (Symbol& c : f->series->of_place) c = -c;
                    for (LawUse& use : f->laws) {
                      use.factor = -use.factor;
                      use.factor_span = n.op;
@@ -205,6 +207,7 @@ Value Checker::cases(const ast::Expr& e, const ast::Cases& c, const Scope& scope
     if (here.conditions.size() == rows.size()) law_cases_.push_back(std::move(here));
   }
   Field out = *otherwise;
+  out.series.reset();
   for (std::size_t i = rows.size(); i-- > 0;) {
     auto& [when, value] = rows[i];
     if (!when || !value) return Poison{};

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace hvi::lang {
@@ -28,6 +29,28 @@ Field shaped_like(const Field& f) {
   Field out = f;
   out.components.clear();
   out.laws.clear();
+  out.series.reset();
+  return out;
+}
+
+bool is_of_place(const Field& f) {
+  return f.test == Degree::none && f.trial == Degree::none && f.laws.empty() &&
+         std::ranges::none_of(f.components, [](const Symbol& c) {
+           return c.depends_on(solver::slot::t) || c.depends_on(solver::slot::lag);
+         });
+}
+
+/// A Prony series times a quantity of place stays one; whatever else is made of it is an expression
+/// like any other.
+std::optional<SeriesTimes> series_of_product(const Field& factor, const Field& body) {
+  const bool first = factor.series.has_value();
+  if (first == body.series.has_value() || (body.rank != 0 && body.rank != 4) ||
+      !is_of_place(first ? body : factor))
+    return std::nullopt;
+  SeriesTimes out = first ? *factor.series : *body.series;
+  const Symbol by = first ? out.of_place.front() : factor.scalar();
+  if (first) out.of_place = body.components;
+  for (Symbol& c : out.of_place) c = by * c;
   return out;
 }
 
@@ -155,6 +178,7 @@ std::optional<Field> Checker::multiply(const ast::Expr& e, const ast::Binary& b,
   }
   out.by_slope = left.by_slope || right.by_slope;
   for (const Symbol& c : body.components) out.components.push_back(factor.scalar() * c);
+  out.series = series_of_product(factor, body);
   for (LawUse use : body.laws) {
     use.factor = factor.scalar() * use.factor;
     use.factor_span = &factor == &left ? b.left->span : b.right->span;

@@ -3,6 +3,7 @@
 #include "lang/check/checker.hpp"
 #include "lang/diag/suggest.hpp"
 #include "lang/diag/unreadable.hpp"
+#include "solver/kernel/algebra.hpp"
 #include "solver/kernel/prony_fit.hpp"
 #include "solver/kernel/table.hpp"
 #include "solver/linear/dense.hpp"
@@ -361,6 +362,22 @@ Value Checker::material_call(const ast::Expr& e, const ast::Call& c, const std::
   return transverse_call(e, c, scope);
 }
 
+/// A Prony series of `at`. Of the lag, it reaches the plan as such; a constant factor of it goes to
+/// the quantities of place.
+Field Checker::series_field(const solver::PronySeries& series, const Symbol& at) {
+  const Symbol sum = solver::expression(series, at);
+  Field out = scalar_field(sum);
+  const auto is_lag = [](solver::Slot s) { return s == slot::lag; };
+  const auto split = solver::split_separable(sum, is_lag);
+  if (!(at == Symbol::variable(slot::lag)) || !split || split->size() != 1) return out;
+  const auto& [factor, rest] = split->front();
+  SeriesTimes written{series, rest, {factor}};
+  written.series.constant /= factor.value();
+  for (double& weight : written.series.weights) weight /= factor.value();
+  out.series = std::move(written);
+  return out;
+}
+
 Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
   auto args = match(e, c, "table", {"file", "at", "interpolation"}, 1);
   if (!args) return Poison{};
@@ -407,9 +424,10 @@ Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& s
     // A table of the lag is material data: what a Prony sum makes of it is said in any case.
     const auto& where = at->scalar();
     const bool relaxation = scope.lag && where.depends_on(slot::lag) && !where.depends_on(slot::t);
-    const Symbol sum =
-        prony || relaxation ? prony_through(*table, where, e.span, prony) : Symbol(0.0);
-    out.components = {prony ? sum : Symbol::tabulated(table, where)};
+    Field series;
+    if (prony || relaxation) series = prony_through(*table, where, e.span, prony);
+    out.components = {prony ? series.scalar() : Symbol::tabulated(table, where)};
+    if (prony) out.series = series.series;
   } catch (const std::invalid_argument& problem) {
     error("E0605", (*args)[0]->span, fmt::format("`{}`: {}", path->text, problem.what()),
           "a table is two columns of numbers, the first increasing");
@@ -420,12 +438,9 @@ Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& s
 
 /// The Prony sum through the table's points; its error becomes a note of the plan, which says
 /// whether the sum is `taken` or the table itself.
-Symbol Checker::prony_through(const solver::Table& table, const Symbol& at, const Span& span,
-                              bool taken) {
+Field Checker::prony_through(const solver::Table& table, const Symbol& at, const Span& span,
+                             bool taken) {
   const auto fit = solver::fit_prony(table);
-  Symbol sum = fit.constant;
-  for (std::size_t i = 0; i < fit.weights.size(); ++i)
-    sum = sum + Symbol(fit.weights[i]) * exp(-at / Symbol(fit.times[i]));
   const bool known = std::any_of(model_.notes.begin(), model_.notes.end(),
                                  [&](const ModelNote& n) { return n.span == span; });
   if (!known)
@@ -433,13 +448,13 @@ Symbol Checker::prony_through(const solver::Table& table, const Symbol& at, cons
         {fmt::format("Prony sum through `{}`", table.name()), span,
          fmt::format("{} exponentials{}, largest error {:.1e} of the largest "
                      "value, root mean square {:.1e}{}",
-                     fit.weights.size(), fit.constant != 0 ? " and a constant" : "", fit.largest,
-                     fit.mean,
+                     fit.series.weights.size(), fit.series.constant != 0 ? " and a constant" : "",
+                     fit.largest, fit.mean,
                      taken ? ""
                            : " (the table itself is taken, without this error; "
                              "`interpolation = prony` takes the sum)"),
          taken});
-  return sum;
+  return series_field(fit.series, at);
 }
 
 Value Checker::prony_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
@@ -460,15 +475,21 @@ Value Checker::prony_call(const ast::Expr& e, const ast::Call& c, const Scope& s
     error("E0305", e.span, "`prony` needs its argument `at` outside a kernel");
   if (!at) return Poison{};
   Symbol sum = 0.0;
+  solver::PronySeries series;
   for (int i = 0; i < weights->rows; ++i) {
     const Symbol& time = times->components[i];
     if (time.is_constant() && !(time.value() > 0.0)) {
       error("E0407", item_span(*(*args)[1], i), "relaxation times are positive");
       return Poison{};
     }
-    sum = sum + weights->components[i] * exp(-at->scalar() / time);
+    const Symbol& weight = weights->components[i];
+    sum = sum + weight * exp(-at->scalar() / time);
+    if (!weight.is_constant() || !time.is_constant()) continue;
+    series.weights.push_back(weight.value());
+    series.times.push_back(time.value());
   }
-  return scalar_field(sum);
+  const bool numbers = static_cast<int>(series.weights.size()) == weights->rows;
+  return numbers ? series_field(series, at->scalar()) : scalar_field(sum);
 }
 
 } // namespace hvi::lang

@@ -153,7 +153,8 @@ private:
   Value transverse_call(const ast::Expr& e, const ast::Call& c, const Scope& scope);
   Value material_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                       const Scope& scope);
-  Symbol prony_through(const solver::Table& table, const Symbol& at, const Span& span, bool taken);
+  static Field series_field(const solver::PronySeries& series, const Symbol& at);
+  Field prony_through(const solver::Table& table, const Symbol& at, const Span& span, bool taken);
   Value table_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
   Value prony_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
   Value history_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
@@ -165,8 +166,8 @@ private:
                                                      const std::vector<std::string>& names,
                                                      std::size_t required);
   std::optional<Field> kernel_field(const ast::Expr& callee, const Scope& scope);
-  int history_index(const Symbol& kernel, const std::string& name, const Span& span,
-                    double& factor);
+  int history_index(const Symbol& kernel, const std::optional<SeriesTimes>& written,
+                    const std::string& name, const Span& span, double& factor);
   std::optional<Field> total_gradient(const Span& span, const Field& f);
 
   // --- laws (check_laws.cpp)

@@ -48,6 +48,7 @@ struct ModelHistory {
   std::string name;
   Span span;
   Symbol kernel;
+  std::optional<solver::PronySeries> series; ///< where it was written as one
 };
 
 struct ModelLaw {

@@ -5,8 +5,10 @@
 
 #include "lang/diag/source.hpp"
 #include "solver/kernel/expr.hpp"
+#include "solver/kernel/prony_series.hpp"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -40,22 +42,30 @@ struct LawUse {
   std::vector<LawRow> rows;
 };
 
+/// What a kernel was written as: a Prony series of the lag times quantities of place.
+struct SeriesTimes {
+  solver::PronySeries series;
+  Symbol sum;                   ///< the series as an expression
+  std::vector<Symbol> of_place; ///< one for each component
+};
+
 /// How a quantity depends on a function: not at all, homogeneously linear, affine, or otherwise.
 enum class Degree { none, linear, affine, nonlinear };
 
 /// A pointwise quantity: rank 0 (scalar), 1 (vector), 2 (matrix), 4 (fourth-order tensor).
 struct Field {
   int rank = 0;
-  int rows = 1, columns = 1;      ///< rank 1: rows; rank 2: rows x columns; rank 4: rows = d
-  std::vector<Symbol> components; ///< row-major
-  Degree test = Degree::none;     ///< in v
-  Degree trial = Degree::none;    ///< in u, u' and the memory of u
-  bool rate = false;              ///< contains u'
-  bool memory = false;            ///< contains history(...)
-  bool by_slope = false;          ///< the body of a superpotential: a slope, not a potential
-  bool law_vector = false;        ///< the vector argument of a superpotential: norm(xi) only
-  std::vector<LawUse> laws;       ///< rank 0 only
-  int depth = 0;                  ///< operations within each other, at most
+  int rows = 1, columns = 1;         ///< rank 1: rows; rank 2: rows x columns; rank 4: rows = d
+  std::vector<Symbol> components;    ///< row-major
+  Degree test = Degree::none;        ///< in v
+  Degree trial = Degree::none;       ///< in u, u' and the memory of u
+  bool rate = false;                 ///< contains u'
+  bool memory = false;               ///< contains history(...)
+  bool by_slope = false;             ///< the body of a superpotential: a slope, not a potential
+  bool law_vector = false;           ///< the vector argument of a superpotential: norm(xi) only
+  std::vector<LawUse> laws;          ///< rank 0 only
+  std::optional<SeriesTimes> series; ///< of a scalar or a fourth-order tensor written as that
+  int depth = 0;                     ///< operations within each other, at most
 
   const Symbol& scalar() const { return components.front(); }
 };

@@ -45,7 +45,7 @@ public:
     plan_.report = model_.report;
     for (const ModelLaw& law : model_.laws) plan_.problem.laws.push_back(law.spec);
     for (const ModelHistory& h : model_.histories) {
-      solver::KernelSpec kernel{h.name, origin(h.span), h.kernel};
+      solver::KernelSpec kernel{h.name, origin(h.span), h.kernel, h.series};
       plan_.problem.histories.push_back({kernel.origin, kernel});
     }
     for (const ModelTerm& term : model_.terms) lower_term(term);

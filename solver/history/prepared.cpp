@@ -15,7 +15,7 @@ PreparedKernel prepare_kernel(const KernelSpec& kernel, const HistoryOptions& op
   KernelSpec spec = kernel;
   spec.expression = without_cancellation(kernel.expression);
   const double t0 = options.times.empty() ? 0.0 : options.times.front();
-  return {spec, study_kernel(spec.expression, options.horizon, t0)};
+  return {spec, study_kernel(spec, options.horizon, t0)};
 }
 
 void check_step(const PreparedKernel& kernel, double t_before, double t_new) {

@@ -39,23 +39,28 @@ ExponentialTerm constant(double c) {
   return term;
 }
 
-Maybe added(Terms a, const Terms& b) {
+Terms merged(Terms a, const Terms& b) {
   for (const ExponentialTerm& term : b) {
-    bool merged = false;
+    bool known = false;
     for (ExponentialTerm& other : a) {
       if (!alike(term, other)) continue;
       // What cancels up to rounding is gone: cosh^2 - sinh^2 leaves no exponential.
       const double size = std::abs(other.factor) + std::abs(term.factor);
       other.factor += term.factor;
       if (std::abs(other.factor) <= 8e-16 * size) other.factor = 0.0;
-      merged = true;
+      known = true;
       break;
     }
-    if (!merged) a.push_back(term);
+    if (!known) a.push_back(term);
   }
   std::erase_if(a, [](const ExponentialTerm& term) { return term.factor == 0.0; });
-  if (a.size() > max_terms) return std::nullopt;
   return a;
+}
+
+Maybe added(Terms a, const Terms& b) {
+  Terms sum = merged(std::move(a), b);
+  if (sum.size() > max_terms) return std::nullopt;
+  return sum;
 }
 
 ExponentialTerm product_of(const ExponentialTerm& a, const ExponentialTerm& b) {
@@ -284,6 +289,15 @@ std::optional<ExponentialTerms> exponential_terms(const Expr& kernel) {
   if (!terms) return std::nullopt;
   for (ExponentialTerm& term : *terms) pull_numbers(term);
   return added({}, *terms);
+}
+
+ExponentialTerms exponential_terms(const PronySeries& series) {
+  Terms terms{constant(series.constant)};
+  for (std::size_t i = 0; i < series.weights.size(); ++i) {
+    terms.push_back(constant(series.weights[i]));
+    terms.back().lag_rate = -1.0 / series.times[i];
+  }
+  return merged({}, terms);
 }
 
 double evaluate(const ExponentialTerms& terms, double t, double lag) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "solver/kernel/expr.hpp"
+#include "solver/kernel/prony_series.hpp"
 
 #include <complex>
 #include <optional>
@@ -30,6 +31,8 @@ using ExponentialTerms = std::vector<ExponentialTerm>;
 /// The terms of a kernel in (t, lag), like terms collected; none when it is not such a sum or has
 /// too many terms to be worth it. The identity is algebraic; callers check it numerically.
 std::optional<ExponentialTerms> exponential_terms(const Expr& kernel);
+/// Those of a kernel that was written as a Prony series: nothing to recognise.
+ExponentialTerms exponential_terms(const PronySeries& series);
 
 /// The value of the sum at (t, lag).
 double evaluate(const ExponentialTerms& terms, double t, double lag);

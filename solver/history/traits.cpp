@@ -139,8 +139,9 @@ std::vector<Sample> samples_of(const KernelFunction& q, double horizon, double t
   return samples;
 }
 
-std::optional<VerifiedTerms> terms_at(const Expr& expression, std::span<const Sample> samples) {
-  auto terms = exponential_terms(expression);
+/// The terms, if they are those of the kernel at the samples.
+std::optional<VerifiedTerms> verified(std::optional<ExponentialTerms> terms,
+                                      std::span<const Sample> samples) {
   if (!terms) return std::nullopt;
   double error = 0, integral = 0, sum = 0, largest = 0, now = samples.front().t;
   for (const auto& [t, lag, value, width] : samples) {
@@ -172,7 +173,7 @@ std::vector<std::pair<double, double>> sample_points(double horizon) {
 
 std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horizon, double t0) {
   const KernelFunction q(expression, {});
-  return terms_at(expression, samples_of(q, positive_horizon(horizon), t0));
+  return verified(exponential_terms(expression), samples_of(q, positive_horizon(horizon), t0));
 }
 
 KernelTraits kernel_traits(const Expr& expression, double horizon) {
@@ -180,10 +181,17 @@ KernelTraits kernel_traits(const Expr& expression, double horizon) {
 }
 
 KernelTraits kernel_traits(const Expr& expression, double horizon, double t0) {
-  return study_kernel(without_cancellation(expression), horizon, t0).traits;
+  return kernel_traits(KernelSpec{{}, {}, expression, {}}, horizon, t0);
 }
 
-StudiedKernel study_kernel(const Expr& expression, double horizon, double t0) {
+KernelTraits kernel_traits(const KernelSpec& kernel, double horizon, double t0) {
+  KernelSpec computed = kernel;
+  computed.expression = without_cancellation(kernel.expression);
+  return study_kernel(computed, horizon, t0).traits;
+}
+
+StudiedKernel study_kernel(const KernelSpec& kernel, double horizon, double t0) {
+  const Expr& expression = kernel.expression;
   const double length = positive_horizon(horizon);
   const KernelFunction q(expression, {});
   const Breaks breaks(expression, {});
@@ -204,7 +212,9 @@ StudiedKernel study_kernel(const Expr& expression, double horizon, double t0) {
   if (!breaks.empty()) traits.breaks = fixed_breaks(breaks, length, t0);
   traits.zero = traits.zero && expression.is(0); // a peak may lie between the samples
   if (!traits.breaks.empty()) traits.max_lag = reach(q, traits.breaks, length, t0);
-  out.terms = terms_at(expression, samples);
+  // A series that was written as one needs no recognition.
+  out.terms = verified(
+      kernel.series ? exponential_terms(*kernel.series) : exponential_terms(expression), samples);
   if (out.terms) {
     const auto& terms = out.terms->terms;
     const bool plain = std::all_of(terms.begin(), terms.end(), [](const ExponentialTerm& term) {

@@ -29,7 +29,7 @@ struct StudiedKernel {
   std::optional<VerifiedTerms> terms; ///< of an exponential sum
 };
 /// For times t0 < t <= t0 + horizon.
-StudiedKernel study_kernel(const Expr& expression, double horizon, double t0 = 0);
+StudiedKernel study_kernel(const KernelSpec& kernel, double horizon, double t0 = 0);
 
 /// `kernel_traits` for times t0 < t <= t0 + horizon.
 KernelTraits kernel_traits(const Expr& expression, double horizon, double t0);

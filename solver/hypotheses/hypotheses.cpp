@@ -198,7 +198,7 @@ private:
     const auto& grid = problem_.time.grid;
     const auto& kernel = problem_.histories[static_cast<std::size_t>(m)].kernel;
     const double horizon = grid.back() - grid.front();
-    if (!kernel_traits(kernel.expression, horizon).convolution) return;
+    if (!kernel_traits(kernel, horizon).convolution) return;
     const double b = numbers_.of_field(field_of_u(0)).diagonal().sum(),
                  e = numbers_.of_field(field_of_memory(m)).diagonal().sum();
     const double ratio = b != 0.0 ? e / b : 0.0;

@@ -3,7 +3,9 @@
 
 #include "solver/common/failure.hpp"
 #include "solver/kernel/expr.hpp"
+#include "solver/kernel/prony_series.hpp"
 
+#include <optional>
 #include <string>
 
 namespace hvi::solver {
@@ -14,6 +16,7 @@ struct KernelSpec {
   std::string name;
   Origin origin;
   Expr expression;
+  std::optional<PronySeries> series{}; ///< where the expression was written as one
 };
 
 /// How a memory is evaluated; solver/history.

@@ -76,13 +76,7 @@ VectorXd non_negative_least_squares(const MatrixXd& a, const VectorXd& b) {
 
 } // namespace
 
-double PronySum::value(double x) const {
-  double sum = constant;
-  for (std::size_t i = 0; i < weights.size(); ++i) sum += weights[i] * std::exp(-x / times[i]);
-  return sum;
-}
-
-PronySum fit_prony(const Table& table) {
+PronyFit fit_prony(const Table& table) {
   const auto& all = table.abscissae();
   const auto times = candidates(all);
   std::vector<double> x;
@@ -98,23 +92,23 @@ PronySum fit_prony(const Table& table) {
   }
   const double sign = b.sum() < 0 ? -1.0 : 1.0;
   const VectorXd found = sign * non_negative_least_squares(a, sign * b);
-  PronySum sum;
-  sum.constant = found[0];
+  PronyFit fit;
+  fit.series.constant = found[0];
   for (Eigen::Index j = 1; j < columns; ++j) {
     if (found[j] == 0) continue;
-    sum.weights.push_back(found[j]);
-    sum.times.push_back(times[static_cast<std::size_t>(j)]);
+    fit.series.weights.push_back(found[j]);
+    fit.series.times.push_back(times[static_cast<std::size_t>(j)]);
   }
   double size = std::numeric_limits<double>::min(), squares = 0;
   for (const double at : all) {
-    const double value = table.value(at), off = std::abs(sum.value(at) - value);
+    const double value = table.value(at), off = std::abs(fit.series.value(at) - value);
     size = std::max(size, std::abs(value));
-    sum.largest = std::max(sum.largest, off);
+    fit.largest = std::max(fit.largest, off);
     squares += off * off;
   }
-  sum.largest /= size;
-  sum.mean = std::sqrt(squares / static_cast<double>(all.size())) / size;
-  return sum;
+  fit.largest /= size;
+  fit.mean = std::sqrt(squares / static_cast<double>(all.size())) / size;
+  return fit;
 }
 
 } // namespace hvi::solver

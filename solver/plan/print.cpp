@@ -72,8 +72,7 @@ public:
       line("part {} `{}` = {}", p, problem_.parts[p].name, region(problem_.parts[p].region));
     space();
     for (std::size_t m = 0; m < problem_.histories.size(); ++m)
-      line("history w{} kernel `{}` = {}", m, problem_.histories[m].kernel.name,
-           to_string(problem_.histories[m].kernel.expression));
+      history(m, problem_.histories[m].kernel);
     for (const auto& term : problem_.forms) form(term);
     for (std::size_t l = 0; l < problem_.laws.size(); ++l) law(l);
     for (std::size_t l = 0; l < problem_.law_terms.size(); ++l) law_term(l);
@@ -149,6 +148,13 @@ private:
            d.component < 0 ? std::string("all components")
                            : fmt::format("component {}", d.component),
            d.value.empty() ? "0" : expressions(d.value));
+  }
+
+  void history(std::size_t m, const KernelSpec& kernel) {
+    line("history w{} kernel `{}` = {}", m, kernel.name, to_string(kernel.expression));
+    if (kernel.series)
+      line("  Prony series: constant {}, weights {}, times {}", number(kernel.series->constant),
+           numbers(kernel.series->weights), numbers(kernel.series->times));
   }
 
   void form(const FormTerm& term) {

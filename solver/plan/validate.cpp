@@ -35,6 +35,23 @@ int count(const std::vector<T>& items) {
   return static_cast<int>(items.size());
 }
 
+/// Is this the series, at lags from none to beyond all relaxation times?
+bool is_series(const Expr& kernel, const PronySeries& series) {
+  const auto positive = [](double time) { return time > 0.0 && std::isfinite(time); };
+  if (series.weights.size() != series.times.size() ||
+      !std::ranges::all_of(series.times, positive) ||
+      std::ranges::any_of(kernel.slots(), [](Slot s) { return s != slot::lag; }))
+    return false;
+  std::vector<double> lags{0.0};
+  for (const double time : series.times) lags.insert(lags.end(), {0.5 * time, time, 4 * time});
+  double size = std::abs(series.constant);
+  for (const double weight : series.weights) size += std::abs(weight);
+  return std::ranges::all_of(lags, [&](double lag) {
+    const double value = evaluate(kernel, [&](Slot) { return lag; });
+    return std::abs(value - series.value(lag)) <= 1e-12 * size; // false for NaN
+  });
+}
+
 class Validation {
 public:
   Validation(const Problem& problem, int dim)
@@ -46,9 +63,7 @@ public:
     space();
     for (const auto& form : problem_.forms) this->form(form);
     for (const auto& load : problem_.loads) this->load(load);
-    for (const auto& history : problem_.histories)
-      variables(history.kernel.expression, {.time = true, .lag = true}, history.origin,
-                "the kernel of a memory");
+    for (const auto& history : problem_.histories) this->history(history);
     for (const auto& law : problem_.laws)
       variables(law.expression,
                 {.place = true, .time = true, .argument = true, .coupled = !law.coupled.empty()},
@@ -161,6 +176,15 @@ private:
       derivative(entry.test, load.origin, "a load");
       variables(entry.value, of_load, load.origin, "a load");
     }
+  }
+
+  void history(const HistoryTerm& history) {
+    const KernelSpec& kernel = history.kernel;
+    variables(kernel.expression, {.time = true, .lag = true}, history.origin,
+              "the kernel of a memory");
+    if (kernel.series && !is_series(kernel.expression, *kernel.series))
+      wrong(history.origin,
+            fmt::format("the kernel `{}` is not the Prony series that comes with it", kernel.name));
   }
 
   void law_term(const LawTerm& term) {

@@ -141,7 +141,7 @@ std::vector<double> kernel_breaks(const Problem& problem) {
   if (problem.time.grid.size() < 2) return out;
   const double horizon = problem.time.grid.back() - problem.time.grid.front();
   for (const auto& history : problem.histories) {
-    const auto traits = kernel_traits(history.kernel.expression, horizon);
+    const auto traits = kernel_traits(history.kernel, horizon);
     out.insert(out.end(), traits.breaks.begin(), traits.breaks.end());
     if (traits.max_lag > 0.0) out.push_back(traits.max_lag);
   }

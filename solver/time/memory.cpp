@@ -82,8 +82,8 @@ MemoryExtent memory_extent(const Problem& problem) {
 std::string extension_obstacle(const Problem& problem, const MemoryExtent& earlier) {
   const double longer = memory_extent(problem).horizon, t0 = problem.time.grid.front();
   for (const auto& term : problem.histories) {
-    const auto then = kernel_traits(term.kernel.expression, earlier.horizon, t0);
-    const auto now = kernel_traits(term.kernel.expression, longer, t0);
+    const auto then = kernel_traits(term.kernel, earlier.horizon, t0);
+    const auto now = kernel_traits(term.kernel, longer, t0);
     if (!now.finite)
       return fmt::format("the kernel `{}` is not finite at every lag up to the new end time",
                          term.kernel.name);
@@ -101,7 +101,7 @@ namespace {
 std::int64_t direct_fields(const HistoryTerm& term, const Problem& problem,
                            const HistoryOptions& options) {
   const double reach =
-      kernel_traits(term.kernel.expression, options.horizon, problem.time.grid.front()).max_lag;
+      kernel_traits(term.kernel, options.horizon, problem.time.grid.front()).max_lag;
   if (!(reach > 0)) return options.steps;
   return std::min<std::int64_t>(options.steps, 1 + std::llround(reach / options.shortest_step));
 }

@@ -31,9 +31,8 @@ public:
     options.times = problem.time.grid;
     for (const auto& term : problem.histories) {
       KernelSpec kernel = term.kernel;
-      if (absolute) kernel.expression = abs(kernel.expression);
-      const auto traits =
-          kernel_traits(kernel.expression, options.horizon, problem.time.grid.front());
+      if (absolute) kernel.expression = abs(kernel.expression), kernel.series.reset();
+      const auto traits = kernel_traits(kernel, options.horizon, problem.time.grid.front());
       kernels_.push_back({make_history(kernel, 0, options), traits.convolution, {}});
       kernels_.back().history->start(problem.time.grid.front(), {});
     }

@@ -1,11 +1,13 @@
 // From the model to the plan: entries test x trial that add up to the integrands, signs, effects,
 // arguments of laws, memories that nothing uses.
 #include "lang/lower/lower.hpp"
+#include "solver/plan/validate.hpp"
 #include "tests/lang/scripts.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 namespace hvi::lang {
@@ -156,6 +158,63 @@ TEST(Lower, MemoriesThatNothingUsesAreLeftOutAndTheOthersRenumbered) {
       EXPECT_EQ(term.field, solver::field_of_memory(0));
     }
   EXPECT_EQ(of_memory, 1);
+}
+
+/// The plan of a body with this kernel and the memory integral(body, `memory`).
+Plan with_memory(const std::string& kernel, const std::string& memory) {
+  return plan_of("mesh body = rectangle(2, 1, cells = [2, 1])\npart roof = body.top\n"
+                 "param w = 0.25\ntensor B = isotropic(lambda = 2, mu = 1)\n" +
+                 kernel +
+                 "\nspace V = vector P1 on body, zero on roof\n"
+                 "find u in V for t in [0, 1] by 4 steps from u = 0\nsuch that for all v in V\n"
+                 "    integral(body, B : eps(u') : eps(v)) + integral(body, " +
+                 memory + ")\n >= integral(body, v.y)\n");
+}
+
+/// A Prony series reaches the plan as such, whatever stands before or behind it; the plan is else
+/// the one of the same sum of exponentials written out, which carries no series.
+TEST(Lower, AKernelWrittenAsAPronySeriesArrivesAsOne) {
+  const std::string list = "prony(weights = [0.5, w], times = [0.5, 2])",
+                    sum = "(0.5*exp(-lag/0.5) + w*exp(-lag/2))",
+                    by_tensor = "history(C, eps(u)) : eps(v)",
+                    by_scalar = "B : history(C, eps(u)) : eps(v)";
+  for (const auto& [before, behind, memory] : {std::array<std::string, 3>{"-", " * B", by_tensor},
+                                               {"", " * (B + B)", by_tensor},
+                                               {"2 * B * ", "", by_tensor},
+                                               {"-", "", by_scalar},
+                                               {"", " * 3", by_scalar}}) {
+    const auto kernel = [&](const std::string& series) {
+      return "kernel C(lag) = " + before + series + behind;
+    };
+    auto plan = with_memory(kernel(list), memory);
+    ASSERT_EQ(plan.problem.histories.size(), 1u);
+    auto& series = plan.problem.histories[0].kernel.series;
+    ASSERT_TRUE(series) << before << behind;
+    EXPECT_EQ(series->constant, 0.0);
+    EXPECT_EQ(series->weights, (std::vector<double>{0.5, 0.25}));
+    EXPECT_EQ(series->times, (std::vector<double>{0.5, 2.0}));
+    EXPECT_TRUE(validate(plan, 2).empty());
+    series.reset();
+    EXPECT_EQ(to_string(plan), to_string(with_memory(kernel(sum), memory)));
+  }
+}
+
+/// One exponential's weight goes to the tensor, as that of a written exponential does; what is no
+/// product of a series and a quantity of place is recognised by the engine.
+TEST(Lower, WhatIsNoSeriesTimesAQuantityOfPlaceCarriesNone) {
+  const std::string memory = "history(C, eps(u)) : eps(v)";
+  const auto one = with_memory("kernel C(lag) = prony(weights = [3], times = [2]) * B", memory);
+  ASSERT_TRUE(one.problem.histories[0].kernel.series);
+  EXPECT_EQ(one.problem.histories[0].kernel.series->weights, std::vector<double>{1.0});
+  for (const char* kernel :
+       {"kernel C(lag) = 3*exp(-lag/2) * B",
+        "kernel C(lag) = (1 + prony(weights = [1, 2], times = [1, 2])) * B",
+        "kernel C(lag) = exp(-lag) * prony(weights = [1, 2], times = [1, 2]) * B",
+        "kernel C(lag) = prony(weights = [1, 2], times = [1, 2], at = 2*lag) * B"}) {
+    const auto plan = with_memory(kernel, memory);
+    ASSERT_EQ(plan.problem.histories.size(), 1u) << kernel;
+    EXPECT_FALSE(plan.problem.histories[0].kernel.series) << kernel;
+  }
 }
 
 } // namespace

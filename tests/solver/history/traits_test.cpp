@@ -33,6 +33,51 @@ FailureKind refusal(const Expr& kernel, HistoryRoute route = HistoryRoute::autom
   return FailureKind::interrupted;
 }
 
+/// What a kernel answers over 40 steps of growing length: its weights and memories, and the route.
+std::pair<std::vector<double>, std::string> answer(const KernelSpec& kernel) {
+  HistoryOptions options;
+  options.horizon = 2;
+  options.steps = 40;
+  const auto history = make_history(kernel, 1, options);
+  std::vector<double> out;
+  double t = 0, u = 1;
+  history->start(t, {&u, 1});
+  for (int n = 1; n <= options.steps; ++n) {
+    t = 2.0 * n * n / 1600.0, u = std::cos(3 * t);
+    double memory = 0;
+    history->rhs(t, {&memory, 1});
+    out.insert(out.end(), {memory, history->w0(t)});
+    history->commit(t, {&u, 1});
+  }
+  const auto report = history->report();
+  return {out, report.route + ": " + report.why};
+}
+
+/// A series that comes as one is computed with as the same sum that was recognised, bit for bit:
+/// one term, equal times, a time twice, weights of both signs, zero weights, a constant.
+TEST(Recognition, ASeriesThatCameAsOneHasTheSameAnswer) {
+  for (const PronySeries& series :
+       {PronySeries{0, {1}, {0.5}}, PronySeries{0.25, {-0.3, 0.7}, {0.1, 3}},
+        PronySeries{0, {0.5, 0.25, 2}, {0.3, 7, 0.3}}, PronySeries{-1, {0, 0.1}, {0.2, 1e3}}}) {
+    KernelSpec kernel{"q", {}, expression(series, lag()), {}};
+    const auto recognised = answer(kernel);
+    kernel.series = series;
+    EXPECT_EQ(answer(kernel), recognised) << to_string(kernel.expression);
+    EXPECT_EQ(recognised.second.substr(0, 9), "recursion");
+  }
+}
+
+/// The list is what is read, not the expression: sums too long to be recognised are known as well.
+TEST(Recognition, ALongSeriesIsKnownWithoutRecognition) {
+  PronySeries series;
+  for (int i = 0; i < 250; ++i)
+    series.weights.push_back(1.0), series.times.push_back(0.01 * std::pow(1.04, i));
+  KernelSpec kernel{"q", {}, expression(series, lag()), {}};
+  EXPECT_FALSE(study_kernel(kernel, 2).traits.exponential_sum);
+  kernel.series = series;
+  EXPECT_TRUE(study_kernel(kernel, 2).traits.exponential_sum);
+}
+
 /// exp(-2 lag) in ten ways: one real exponential, one field.
 TEST(Recognition, SeesOneExponentialHoweverWritten) {
   const Expr l = lag(), t = time(), s = source();

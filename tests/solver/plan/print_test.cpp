@@ -75,5 +75,13 @@ TEST(PrintPlan, LawsMemoryTimeAndReport) {
     EXPECT_THAT(text, HasSubstr(line));
 }
 
+TEST(PrintPlan, ASeriesShowsBelowItsKernel) {
+  auto plan = small_plan();
+  const PronySeries series{0.5, {1.0, 2.0}, {3.0, 4.0}};
+  plan.problem.histories = {{{}, {"C", {}, expression(series, Expr::variable(slot::lag)), series}}};
+  EXPECT_THAT(to_string(plan),
+              HasSubstr("\n  Prony series: constant 0.5, weights [1, 2], times [3, 4]\n"));
+}
+
 } // namespace
 } // namespace hvi::solver

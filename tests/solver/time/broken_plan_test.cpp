@@ -264,6 +264,23 @@ TEST(Validate, NamesWhatIsWrong) {
   EXPECT_EQ(said([](Plan& p) { p.report.fields[0].every = 0; }), "output every 0 steps");
 }
 
+TEST(Validate, ASeriesIsThatOfItsKernel) {
+  const PronySeries series{0.5, {1.0, 2.0}, {3.0, 0.25}};
+  const auto with = [](const PronySeries& changed) {
+    return [&changed](Plan& p) {
+      KernelSpec& kernel = p.problem.histories[0].kernel;
+      kernel.name = "C", kernel.series = changed;
+      kernel.expression = expression({0.5, {1.0, 2.0}, {3.0, 0.25}}, Expr::variable(slot::lag));
+    };
+  };
+  EXPECT_EQ(said(with(series)), "");
+  auto other = std::vector(5, series);
+  other[0].constant = 0.5 + 1e-9, other[1].weights[1] = 2.1, other[2].times[0] = -3.0;
+  other[3].times.pop_back(), other[4].weights[0] = std::nan("");
+  for (const auto& wrong : other)
+    EXPECT_EQ(said(with(wrong)), "the kernel `C` is not the Prony series that comes with it");
+}
+
 TEST(Validate, JudgesEachPieceByItself) {
   auto plan = everything(2, 1);
   plan.problem.forms[1].part = 9;
