@@ -261,46 +261,56 @@ void Checker::check_law_alone(int declaration) {
   for (const Diagnostic& d : trial.items()) diagnostics_.add(d);
 }
 
+/// Which derivative of the unknown the argument of a law is made of; nothing (reported) when it has
+/// two of them, or anything else than values.
+std::optional<int> Checker::law_derivative(const ast::Clarke& clarke, const Field& at) {
+  std::optional<int> out;
+  for (const Symbol& component : at.components)
+    for (const solver::Slot s : solver::slots_of(component)) {
+      if (s < slot::first_field || s >= slot::first_multiplier) continue;
+      const int k = (s - slot::first_field) % slot::field_stride;
+      const int field = (s - slot::first_field) / slot::field_stride;
+      if (k >= 3 || solver::is_memory(field)) {
+        error("E0414", clarke.at->span,
+              "M takes values of the unknown: its trace, a part of it or itself",
+              "write `u.nu`, `u.tau`, a component, `u` or `u.nu - gap`");
+        return std::nullopt;
+      }
+      if (out && *out != field) {
+        error("E0415", clarke.at->span,
+              fmt::format("the argument of the law has `{0}` and `{0}'` in it", find_->unknown.text),
+              "a law sees one of them; write two laws");
+        return std::nullopt;
+      }
+      out = field;
+    }
+  return out;
+}
+
 std::optional<std::vector<LawRow>> Checker::law_rows(const ast::Clarke& clarke, const Field& at,
-                                                     const Field& direction) {
+                                                     const Field& direction, int of) {
   const int d = model_.space.vector ? model_.dim : 1;
   std::vector<LawRow> rows;
   std::vector<std::pair<solver::Slot, Symbol>> at_rest;
-  for (int k = 0; k < 12; ++k)
-    at_rest.emplace_back(slot::field(solver::field_of_u(0), k), Symbol(0.0));
+  for (int k = 0; k < 12; ++k) at_rest.emplace_back(slot::field(of, k), Symbol(0.0));
   for (std::size_t c = 0; c < at.components.size(); ++c) {
     LawRow row;
-    for (solver::Slot s : solver::slots_of(at.components[c])) {
-      if (s >= slot::first_field && s < slot::first_multiplier) {
-        const int k = (s - slot::first_field) % slot::field_stride;
-        const int which = (s - slot::first_field) / slot::field_stride;
-        if (which == solver::field_of_u(0) && k < 3) continue;
-        error(which == solver::field_of_u(1) ? "E0415" : "E0414", clarke.at->span,
-              which == solver::field_of_u(1)
-                  ? fmt::format("a law on the rate `{}'` is not the problem of the theory",
-                                find_->unknown.text)
-                  : std::string("M takes values of the unknown: its trace, a part of it or itself"),
-              which == solver::field_of_u(1)
-                  ? "friction here is on displacement: j depends on u, not on u'"
-                  : "write `u.nu`, `u.tau`, a component, `u` or `u.nu - gap`");
-        return std::nullopt;
-      }
-    }
     for (int i = 0; i < d; ++i) {
-      const solver::Slot u = slot::field(solver::field_of_u(0), slot::value(i));
-      row.u.push_back(derivative(at.components[c], u));
+      row.u.push_back(derivative(at.components[c], slot::field(of, slot::value(i))));
       for (int j = 0; j < d; ++j)
-        if (row.u.back().depends_on(slot::field(solver::field_of_u(0), slot::value(j)))) {
+        if (row.u.back().depends_on(slot::field(of, slot::value(j)))) {
           error("E0403", clarke.at->span,
-                fmt::format("the argument of a law is linear in `{}`", find_->unknown.text));
+                fmt::format("the argument of a law is linear in `{}{}`", find_->unknown.text,
+                            of == solver::field_of_u(0) ? "" : "'"));
           return std::nullopt;
         }
       const Symbol v = derivative(direction.components[c], slot::test(slot::value(i)));
       if (!agree(row.u.back(), v)) {
         diagnostics_.add(
             diagnose("E0414", clarke.direction->span,
-                     fmt::format("the direction is not the argument with `{}` in place of `{}`",
-                                 find_->test.text, find_->unknown.text))
+                     fmt::format("the direction is not the argument with `{}` in place of `{}{}`",
+                                 find_->test.text, find_->unknown.text,
+                                 of == solver::field_of_u(0) ? "" : "'"))
                 .with_secondary(clarke.at->span, "the argument")
                 .with_help("j^0(Mu; Mv) takes the same M twice: `j^0(u.nu; v.nu)`, "
                            "`j^0(-u.nu; -v.nu)`"));
@@ -351,7 +361,8 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
           fmt::format("the direction is {}, the argument {}", describe(*direction), describe(*at)));
     return Poison{};
   }
-  auto rows = law_rows(c, *at, *direction);
+  const auto of = law_derivative(c, *at);
+  auto rows = of ? law_rows(c, *at, *direction, *of) : std::nullopt;
   if (rows && !find_->time && offset_in_time(*rows)) {
     error("E0412", c.at->span, "a static problem has no time `t`",
           "add `for t in [0, T] by N steps from u = 0` to the find statement");
@@ -368,10 +379,12 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
   }
   Field out = scalar_field(0.0);
   out.test = Degree::linear;
+  out.rate = at->rate;
   LawUse use;
   use.law = *law;
   use.name = r->name;
   use.span = e.span;
+  use.derivative = *of;
   use.rows = std::move(*rows);
   out.laws.push_back(std::move(use));
   return out;

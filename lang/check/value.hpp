@@ -39,6 +39,7 @@ struct LawUse {
   Span span; ///< of the whole j^0(...)
   Symbol factor = 1.0;
   Span factor_span; ///< where a factor stands, if any
+  int derivative = 0; ///< of the unknown in time, that the law sees
   std::vector<LawRow> rows;
 };
 

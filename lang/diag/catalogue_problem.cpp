@@ -110,14 +110,14 @@ component, or the value itself.)",
 layer^0(u.nu; v.x))",
      R"(
 layer^0(u.nu; v.nu))"},
-    {"E0415", "law on the rate",
+    {"E0415", "law of the unknown and its rate at once",
      R"(
-In the theory the superpotential acts on u: friction is on displacement, so that a reversed load
-retraces its curve. A law on u' is another problem.)",
+A law sees u, as a layer that is pressed, or u', as friction that dissipates. Two laws may act on one
+part, each with its own argument; one argument cannot have both in it.)",
      R"(
-slip^0(u'.tau; v.tau))",
+layer^0(u.nu + 0.1*u'.nu; v.nu))",
      R"(
-slip^0(u.tau; v.tau))"},
+layer^0(u.nu; v.nu) + damper^0(u'.nu; v.nu))"},
     {"E0416", "value imposed where the space is not zero",
      R"(
 Values are imposed on parts where the space is zero, or on parts inside of these, and only once for

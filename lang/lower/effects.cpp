@@ -80,7 +80,8 @@ std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
       const bool flat = model.laws[use.law].spec.expression.is(0.0);
       (radial ? any_friction : any_normal) = true;
       EffectNote law;
-      law.name = fmt::format("{} `{}` on `{}`", radial ? "friction" : "law", use.name,
+      law.name = fmt::format("{}{} `{}` on `{}`", radial ? "friction" : "law",
+                             use.derivative > 0 ? " on the rate" : "", use.name,
                              model.parts[term.part].name);
       law.state = zero || flat ? State::dropped : State::on;
       law.origin = origin_of(model, problem, use.span);

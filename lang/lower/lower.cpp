@@ -151,6 +151,7 @@ private:
     out.name = use.name;
     out.law = use.law;
     out.part = term.part;
+    out.field = solver::field_of_u(use.derivative);
     out.rule = term.rule == solver::Rule::exact ? solver::Rule::gauss : term.rule;
     out.effect = model_.laws[use.law].spec.radial ? Effect::friction : Effect::normal_law;
     out.factor = factor;

@@ -52,7 +52,8 @@ public:
   Judgement(const Plan& plan, const Discretisation& d)
       : plan_(plan), problem_(plan.problem), d_(d), numbers_(plan, d) {
     facts_.is_static = problem_.time.is_static;
-    facts_.has_laws = !problem_.law_terms.empty();
+    for (const auto& term : problem_.law_terms)
+      (term.field == field_of_u(0) ? facts_.has_laws : facts_.has_rate_laws) = true;
   }
 
   HypothesisReport report(bool extrapolate) {
@@ -230,7 +231,7 @@ private:
 
   void judge_laws() {
     c().m_nu = c().m_tau = c().c_J = 0.0;
-    Bracket m_nu, m_tau;
+    Bracket m_nu, m_tau, m_rate;
     for (const auto& law : numbers_.laws()) {
       const auto& term = problem_.law_terms[law.term];
       if (const std::string& other = problem_.laws[term.law].coupled; !other.empty()) {
@@ -243,10 +244,15 @@ private:
         continue;
       }
       const double m = law.m.value(), growth = law.c.value();
-      double& most = law.radial ? c().m_tau : c().m_nu;
-      most = std::max(most, m);
-      Bracket& known = law.radial ? m_tau : m_nu;
-      known = larger(known, law.m);
+      if (term.field == field_of_u(0)) {
+        double& most = law.radial ? c().m_tau : c().m_nu;
+        most = std::max(most, m);
+        Bracket& known = law.radial ? m_tau : m_nu;
+        known = larger(known, law.m);
+        facts_.lipschitz = std::max(facts_.lipschitz, law.lipschitz);
+      } else {
+        m_rate = larger(m_rate, law.m);
+      }
       c().c_J = std::max(c().c_J, growth);
       c().c_J_known = larger(c().c_J_known, law.c);
       row("H(J)", fmt::format("`{}` grows linearly: c_J", term.name), growth,
@@ -263,16 +269,26 @@ private:
     }
     c().m_J = c().m_nu + c().m_tau;
     c().m_J_known = m_nu + m_tau;
-    facts_.proved = c().m_J_known.bounded_by_proof();
+    facts_.proved = c().m_J_known.bounded_by_proof() && m_rate.bounded_by_proof();
     const auto& norms = numbers_.traces();
     c().norm_normal = norms.normal, c().norm_tangential = norms.tangential;
-    c().norm_full = norms.full, c().norm_script = numbers_.script_norm();
-    if (!problem_.law_terms.empty())
+    c().norm_full = norms.full, c().norm_script = numbers_.script_norm(field_of_u(0));
+    if (facts_.has_laws) {
+      const char* which = facts_.has_rate_laws ? "all laws on the unknown" : "all laws";
       row("H(M)", "M is bounded and compact: ||M||^2", c().norm_script,
-          yes(std::isfinite(c().norm_script)), problem_.law_terms.front().origin,
-          fmt::format("the arguments of all laws, on this mesh; traces: normal {:.6g}, tangential "
-                      "{:.6g}, full {:.6g}",
-                      norms.normal, norms.tangential, norms.full));
+          yes(std::isfinite(c().norm_script)), law_origin(field_of_u(0)),
+          fmt::format("the arguments of {}, on this mesh; traces: normal {:.6g}, tangential {:.6g}, "
+                      "full {:.6g}",
+                      which, norms.normal, norms.tangential, norms.full));
+    }
+    if (!facts_.has_rate_laws) return;
+    const double norm = numbers_.script_norm(field_of_u(1));
+    row("H(M)", "M of the laws on the rate is bounded and compact: ||M||^2", norm,
+        yes(std::isfinite(norm)), law_origin(field_of_u(1)), "on this mesh");
+  }
+
+  Origin law_origin(int field) const {
+    return std::ranges::find(problem_.law_terms, field, &LawTerm::field)->origin;
   }
 
   void judge_loads() {
@@ -317,8 +333,11 @@ private:
   Origin worst_law() const {
     Origin out = problem_.time.origin;
     double most = -1.0;
-    for (const auto& law : numbers_.laws())
-      if (law.m.value() > most) most = law.m.value(), out = problem_.law_terms[law.term].origin;
+    for (const auto& law : numbers_.laws()) {
+      const auto& term = problem_.law_terms[law.term];
+      if (term.field == field_of_u(0) && law.m.value() > most)
+        most = law.m.value(), out = term.origin;
+    }
     return out;
   }
 
@@ -330,8 +349,8 @@ private:
     };
     m.paper = less(c().m_J, std::max(c().norm_full, c().norm_script));
     m.largest = less(std::max(c().m_nu, c().m_tau), c().norm_script);
-    m.split = numbers_.margin_split(m_b);
-    m.against_b = m_b > 0.0 ? numbers_.margin_against(numbers_.of_field(field_of_u(0))) : -infinity;
+    m.split = numbers_.margin_split(field_of_u(0), m_b);
+    m.against_b = m_b > 0.0 ? numbers_.margin_against(field_of_u(0)) : -infinity;
     const Origin origin = worst_law();
     row("(H0)", "m_B - (m_nu + m_tau) ||M||^2, full trace", m.paper, positive(m.paper), origin);
     row("(H0)", "m_B - max(m_nu, m_tau) ||M||^2, the script's M", m.largest, positive(m.largest),
@@ -340,6 +359,25 @@ private:
         "the split condition: each law against its own trace");
     row("(H0)", "1 - lambda_max(sum m_i M_i^T W M_i, sym B)", m.against_b, positive(m.against_b),
         origin, "the same against B itself");
+    judge_rate_laws();
+  }
+
+  /// Of laws on u': each family of laws against the form of its own argument.
+  void judge_rate_laws() {
+    Margins& m = out_.margins;
+    m.rate_split = c().m_A, m.rate_against_a = 1.0;
+    if (!facts_.has_rate_laws) return;
+    m.rate_split = numbers_.margin_split(field_of_u(1), c().m_A);
+    m.rate_against_a = c().m_A > 0.0 ? numbers_.margin_against(field_of_u(1)) : -infinity;
+    const Origin origin = law_origin(field_of_u(1));
+    row("rates", "m_A - lambda_max(sum m_i M_i^T W M_i), laws on u'", m.rate_split,
+        positive(m.rate_split), origin, "what (H0) asks of laws on the rate: m_A > m_J ||M||^2");
+    row("rates", "1 - lambda_max(sum m_i M_i^T W M_i, sym A), laws on u'", m.rate_against_a,
+        positive(m.rate_against_a), origin, "the same against A itself");
+    if (facts_.has_laws)
+      row("rates", "the slopes of the laws on u are Lipschitz: their constant", facts_.lipschitz,
+          yes(std::isfinite(facts_.lipschitz)), law_origin(field_of_u(0)),
+          "beside a law on the rate they are a part of the history");
   }
 
   /// The step whose matrix leaves the least room, of all that differ.
@@ -384,7 +422,7 @@ private:
                   {"(m_B - m_J ||M||^2) / (c_E c_q)", bound(script)},
                   {"half of it (Lemma 3.2)", bound(script / 2.0)},
                   {"k_0 of the error estimate, with C_2 >= c_E c_q", bound(script)}};
-    const double with_a = step_bound(c().m_A, room, product_);
+    const double with_a = step_bound(m.rate_split, room, product_);
     if (numbers_.acts_on(field_of_u(1)))
       out_.tau_0.emplace_back("m_A/k > m_J ||M||^2 - m_B + c_E c_q k: without (H0)", with_a);
     for (const auto& [what, tau] : out_.tau_0)
@@ -399,7 +437,7 @@ private:
       for (std::size_t i = 0; i < memory_norms_.size(); ++i)
         memory += memory_norms_[i] * absolute[n][field_of_memory(static_cast<int>(i))];
       c().memory_step = std::max(c().memory_step, memory);
-      out_.usable = std::min(out_.usable, c().m_A * steps_.c[n][field_of_u(1)] + room - memory);
+      out_.usable = std::min(out_.usable, m.rate_split * steps_.c[n][field_of_u(1)] + room - memory);
     }
     row("step", "m_A/k + margin - c_E int |q| over the step", out_.usable, positive(out_.usable),
         problem_.time.origin, "with the sharpest margin: the usable bound, of the worst step");
@@ -427,16 +465,18 @@ private:
       return std::isfinite(coarse) && std::isfinite(here) ? 2.0 * here - coarse : -infinity;
     };
     const double softening = std::max(c().m_nu, c().m_tau);
-    const double norm = limit(c().norm_script, finer.script_norm());
+    const double norm = limit(c().norm_script, finer.script_norm(field_of_u(0)));
     facts_.whole = softening == 0.0           ? m_b
                    : std::isfinite(softening) ? m_b - softening * norm
                                               : -infinity;
-    facts_.split = limit(out_.margins.split, finer.margin_split(m_b));
-    facts_.against_b = m_b > 0.0 ? limit(out_.margins.against_b,
-                                         finer.margin_against(finer.of_field(field_of_u(0))))
-                                 : -infinity;
-    row("H(M)", "||M||^2 on ever finer meshes (estimate)", norm, yes(std::isfinite(norm)),
-        problem_.law_terms.front().origin,
+    facts_.split = limit(out_.margins.split, finer.margin_split(field_of_u(0), m_b));
+    facts_.against_b =
+        m_b > 0.0 ? limit(out_.margins.against_b, finer.margin_against(field_of_u(0))) : -infinity;
+    if (facts_.has_rate_laws)
+      facts_.rate_against_a =
+          limit(out_.margins.rate_against_a, finer.margin_against(field_of_u(1)));
+    if (facts_.has_laws) row("H(M)", "||M||^2 on ever finer meshes (estimate)", norm, yes(std::isfinite(norm)),
+        law_origin(field_of_u(0)),
         fmt::format(
             "from this mesh and its refinement; there (H0) has the margin {:.6g}, the split "
             "condition {:.6g}, against B {:.6g}",

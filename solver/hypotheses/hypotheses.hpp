@@ -30,9 +30,9 @@ struct TheoryConstants {
   double m_A, m_B;              ///< coercivity of A and of B on this mesh
   double c_E, c_q, lipschitz_q; ///< of the memory: ||E||, sup |q|, Lipschitz in t
   double memory_step;           ///< largest sum ||E_m|| int over a step of |q_m(t_n, s)| ds
-  double m_nu, m_tau, m_J, c_J; ///< of the laws: m_J = m_nu + m_tau as in the paper
+  double m_nu, m_tau, m_J, c_J; ///< of the laws on u: m_J = m_nu + m_tau as in the paper
   double norm_normal, norm_tangential, norm_full; ///< ||M||^2 on the parts with laws
-  double norm_script; ///< ||M||^2 of the script's own M: the arguments of all its laws together
+  double norm_script; ///< ||M||^2 of the script's own M: the arguments of all laws on u together
   double longest_step;
   Bracket m_J_known, c_J_known; ///< m_J and c_J with how they were found
 };
@@ -44,6 +44,9 @@ struct Margins {
   double split;     ///< m_B - lambda_max(sum m_i M_i^T W M_i, Gram)
   double against_b; ///< 1 - lambda_max(sum m_i M_i^T W M_i, sym B)
   double step;      ///< 1 - lambda_max(sum m_i M_i^T W M_i, sym K), K of the worst step
+  /// Of the laws on u', against A: m_A - lambda_max(sum m_i M_i^T W M_i, Gram), and against A
+  /// itself; m_A and 1 where there are none. The others are of the laws on u.
+  double rate_split, rate_against_a;
 };
 
 /// What the form A of u' is: it decides which theorem there is for the evolution.

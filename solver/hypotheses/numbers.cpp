@@ -49,21 +49,28 @@ double Numbers::asymmetry(int field) const {
   return largest > 0.0 ? off / largest : 0.0;
 }
 
-std::optional<SparseMatrix> Numbers::descent() const {
+Vector Numbers::only(int field) const {
+  return Vector::Unit(count_fields(problem_), field);
+}
+
+std::optional<SparseMatrix> Numbers::descent(const Vector& factors) const {
   std::vector<double> weight(problem_.law_terms.size(), 0.0);
   for (const auto& law : laws_) {
+    const double factor = factors[problem_.law_terms[law.term].field];
+    if (factor == 0.0) continue;
     if (!std::isfinite(law.m.value())) return std::nullopt;
-    weight[law.term] = law.m.value();
+    weight[law.term] = law.m.value() * factor;
   }
   const bool softens = std::any_of(weight.begin(), weight.end(), [](double m) { return m > 0.0; });
   if (!softens) return SparseMatrix(layout_.n_unknowns, layout_.n_unknowns);
   return law_form(contact_, weight, layout_.n_unknowns);
 }
 
-double Numbers::margin_against(const SparseMatrix& k) const {
-  const auto form = descent();
+double Numbers::margin_against(int field) const {
+  const auto form = descent(only(field));
   if (!form) return -infinity;
   if (form->nonZeros() == 0) return 1.0;
+  const SparseMatrix k = of_field(field);
   try {
     const GramForm against(SparseMatrix(0.5 * (k + SparseMatrix(k.transpose()))));
     return 1.0 - against.largest(*form).value_or(not_a_number);
@@ -72,27 +79,36 @@ double Numbers::margin_against(const SparseMatrix& k) const {
   }
 }
 
-double Numbers::script_norm() const {
+double Numbers::script_norm(int field) const {
   const std::vector<double> ones(problem_.law_terms.size(), 1.0);
-  return gram_.largest(law_form(contact_, ones, layout_.n_unknowns)).value_or(not_a_number);
+  const SparseMatrix form =
+      law_form(contact_, in_step(contact_, ones, only(field)), layout_.n_unknowns);
+  return gram_.largest(form).value_or(not_a_number);
 }
 
-double Numbers::margin_split(double m_b) const {
-  const auto form = descent();
-  return form ? m_b - gram_.largest(*form).value_or(not_a_number) : -infinity;
+double Numbers::margin_split(int field, double m) const {
+  const auto form = descent(only(field));
+  return form ? m - gram_.largest(*form).value_or(not_a_number) : -infinity;
 }
 
-SparseMatrix StepRatio::symmetric(const Vector& c) const {
+bool StepRatio::take(const Vector& c, SparseMatrix& k) {
+  if (!taken_ || numbers_.has_laws_on_rates()) {
+    auto form = numbers_.descent(c);
+    if (!form) return false;
+    descent_.swap(*form);
+    taken_ = true;
+  }
   const auto& operators = numbers_.operators();
-  const SparseMatrix k = combine(operators, operators.weights.transpose() * c);
+  const SparseMatrix all = combine(operators, operators.weights.transpose() * c);
   // With the pattern of the laws' form, so that one analysis serves all combinations.
-  const SparseMatrix both = k + 0.0 * *descent_;
-  return operators.symmetric ? both : SparseMatrix(0.5 * (both + SparseMatrix(both.transpose())));
+  k = all + 0.0 * descent_;
+  if (!operators.symmetric) k = SparseMatrix(0.5 * (k + SparseMatrix(k.transpose())));
+  return true;
 }
 
 double StepRatio::operator()(const Vector& c) {
-  if (!descent_) return infinity;
-  const SparseMatrix k = symmetric(c);
+  SparseMatrix k;
+  if (!take(c, k)) return infinity;
   try {
     if (against_)
       against_->replace(k);
@@ -101,14 +117,14 @@ double StepRatio::operator()(const Vector& c) {
   } catch (const NotFactorable&) {
     return infinity;
   }
-  if (descent_->nonZeros() == 0) return 0.0;
-  const auto ratio = against_->largest(*descent_);
+  if (descent_.nonZeros() == 0) return 0.0;
+  const auto ratio = against_->largest(descent_);
   return ratio ? *ratio : by_factors(k);
 }
 
 /// Is ratio K - descent positive definite?
 bool StepRatio::exceeds(const SparseMatrix& k, double ratio) {
-  const SparseMatrix rest = ratio * k - *descent_;
+  const SparseMatrix rest = ratio * k - descent_;
   try {
     if (trial_)
       trial_->replace(rest);
@@ -120,7 +136,10 @@ bool StepRatio::exceeds(const SparseMatrix& k, double ratio) {
   return true;
 }
 
-bool StepRatio::below_one(const Vector& c) { return descent_ && exceeds(symmetric(c), 1.0); }
+bool StepRatio::below_one(const Vector& c) {
+  SparseMatrix k;
+  return take(c, k) && exceeds(k, 1.0);
+}
 
 /// A bound from above, where the iteration for the eigenvalue does not converge.
 double StepRatio::by_factors(const SparseMatrix& k) {

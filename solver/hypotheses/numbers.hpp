@@ -24,14 +24,19 @@ public:
   double coercivity_in_h(int field) const;
   double memory_norm(int m) const;       ///< ||E|| of memory m; NaN when not found
   double asymmetry(int field) const;     ///< max |K_ij - K_ji| / max |K_ij|
-  double script_norm() const;            ///< ||M||^2 of the arguments of all laws together
-  double margin_split(double m_b) const; ///< m_b - lambda_max(sum m_i M_i^T W M_i)
-  /// 1 - lambda_max(sum m_i M_i^T W M_i, sym K); minus infinity when K is not positive definite or
-  /// a law jumps down.
-  double margin_against(const SparseMatrix& k) const;
+  double script_norm(int field) const;   ///< ||M||^2 of the arguments of all laws on a field
+  /// m - lambda_max(sum m_i M_i^T W M_i), of the laws on a field and the constant m of its form.
+  double margin_split(int field, double m) const;
+  /// 1 - lambda_max(sum m_i M_i^T W M_i, sym K), K the field's form; minus infinity when K is not
+  /// positive definite or a law jumps down.
+  double margin_against(int field) const;
 
-  /// sum m_i M_i^T W M_i, without entries where no law softens; nothing when a law jumps down.
-  std::optional<SparseMatrix> descent() const;
+  /// sum_i c_i m_i M_i^T W M_i, c_i the factor of the field that law i acts on; without entries
+  /// where no law softens; nothing when a law jumps down.
+  std::optional<SparseMatrix> descent(const Vector& factors) const;
+  /// By field: 1 for this one, else 0.
+  Vector only(int field) const;
+  bool has_laws_on_rates() const { return !contact_.other_fields.empty(); }
 
   const std::vector<TermConstants>& laws() const { return laws_; }
   const TraceNorms& traces() const { return traces_; }
@@ -53,7 +58,7 @@ private:
 class StepRatio {
 public:
   /// Keeps a reference.
-  explicit StepRatio(const Numbers& numbers) : numbers_(numbers), descent_(numbers.descent()) {}
+  explicit StepRatio(const Numbers& numbers) : numbers_(numbers) {}
   /// K = sum_f c_f F_f (step_weights.hpp). Infinite when K is not positive definite or a law jumps
   /// down; 0 when no law softens.
   double operator()(const Vector& c);
@@ -61,12 +66,14 @@ public:
   bool below_one(const Vector& c);
 
 private:
-  SparseMatrix symmetric(const Vector& c) const;
+  /// sym K with the pattern of the laws' form; false where a law jumps down.
+  bool take(const Vector& c, SparseMatrix& k);
   double by_factors(const SparseMatrix& k);
   bool exceeds(const SparseMatrix& k, double ratio);
 
   const Numbers& numbers_;
-  std::optional<SparseMatrix> descent_;
+  SparseMatrix descent_; ///< of the last c
+  bool taken_ = false;
   std::unique_ptr<GramForm> against_, trial_;
 };
 

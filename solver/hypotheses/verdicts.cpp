@@ -21,6 +21,8 @@ public:
     discrete();
     if (facts_.is_static)
       at_one_time();
+    else if (facts_.has_rate_laws)
+      on_rates();
     else if (out_.rate_form == RateForm::none)
       at_each_time();
     else if (out_.rate_form == RateForm::in_v)
@@ -37,7 +39,7 @@ private:
   bool h0_split() const { return facts_.split.value_or(out_.margins.split) > 0.0; }
   bool h0_against_b() const { return facts_.against_b.value_or(out_.margins.against_b) > 0.0; }
   const char* estimate() const {
-    return facts_.has_laws ? " (estimate: trace norms from meshes)" : "";
+    return facts_.has_laws || facts_.has_rate_laws ? " (estimate: trace norms from meshes)" : "";
   }
 
   void discrete() {
@@ -160,6 +162,24 @@ private:
           "every m_J, to which the scheme converges for steps k < {:.6g}{}",
           b ? "(H0)" : "H(B)", facts_.step_bound, estimate()));
     }
+  }
+
+  void on_rates() {
+    theorem_ = "Migorski, Ochal, Sofonea (2011): for u', the rest being its history";
+    order_failed_ = "the paper's estimate is for laws on u; `study` measures the orders";
+    if (out_.rate_form != RateForm::in_v)
+      return refuse("a law acts on u', and no form A coercive in V does: of the continuous problem "
+                    "nothing is claimed, of the steps see `step`");
+    if (refused({"H(A)", "H(E)", "H(J)", "H(M)", "H(f)"})) return;
+    if (!(facts_.rate_against_a.value_or(out_.margins.rate_against_a) > 0.0))
+      return refuse("the laws on u' soften faster than A: m_A > m_J ||M||^2 fails for them");
+    if (!std::isfinite(facts_.lipschitz))
+      return refuse("the slope of a law on u jumps, beside a law on u': of the continuous problem "
+                    "nothing is claimed, of the steps see `step`");
+    accept(fmt::format("the theorem for history-dependent inequalities of u' applies (Migorski, "
+                       "Ochal, Sofonea 2011): A is coercive in V with m_A > m_J ||M||^2 of the laws "
+                       "on u', one solution{}",
+                       estimate()));
   }
 
   void in_h() {

@@ -7,7 +7,9 @@ namespace hvi::solver {
 
 /// What the verdicts need beside the rows.
 struct VerdictFacts {
-  bool is_static = false, has_laws = false;
+  bool is_static = false;
+  bool has_laws = false, has_rate_laws = false; ///< on u; on u'
+  double lipschitz = 0.0;                       ///< of the slopes of the laws on u
   bool has_memory = false;   ///< some of it acts
   bool integrable = true;    ///< int |q| of every kernel is finite
   bool proved = true;        ///< m_J of the laws is bounded by proof, not sampled
@@ -16,6 +18,7 @@ struct VerdictFacts {
   double step_bound = 0.0;   ///< on the step, where A is coercive and (H0) fails
   /// (H0) in three sharpnesses, on ever finer meshes; where there is no estimate: of this mesh.
   std::optional<double> whole, split, against_b;
+  std::optional<double> rate_against_a; ///< m_A > m_J ||M||^2 of the laws on u', against A itself
 };
 
 /// Sets both verdicts, and adds the rows `theorem`: one solution, its regularity, its error.
@@ -35,6 +38,11 @@ struct VerdictFacts {
 /// - A coercive in H only: the same in the norm of H, for M is compact, so that
 ///   m_J |M e|^2 <= (m_B / 2) |e|^2 + C |e|_H^2 (Ehrling's lemma); B must be coercive. Then u' is
 ///   in L2(0, T; V*) only, and the error estimate, which tests with A in V, falls away.
+/// - Laws on u': with w = u' the problem is one for w whose operators B, R and, where their slopes
+///   are Lipschitz, the laws on u act on the history of w; one solution where A is coercive in V and
+///   m_A > m_J |M|^2 of the laws on u' (S. Migorski, A. Ochal, M. Sofonea, History-dependent
+///   subdifferential inclusions and hemivariational inequalities in contact mechanics, Nonlinear
+///   Anal. Real World Appl. 12 (2011) 3384-3396).
 void give_verdicts(const VerdictFacts& facts, HypothesisReport& report);
 
 } // namespace hvi::solver

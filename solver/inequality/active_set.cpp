@@ -31,7 +31,7 @@ std::uint64_t hash_of(const std::vector<int>& state, const Vector& xi_hat) {
 void take_rest(const ContactPoints& points, int p, const Vector& rest, Vector& xi) {
   const PointData& q = points[p];
   for (int k = 0; k < q.rows; ++k)
-    for (SparseMatrix::InnerIterator it(points.problem.g, q.first + k); it; ++it)
+    for (SparseMatrix::InnerIterator it(points.g, q.first + k); it; ++it)
       if (it.value() != 0.0) xi[q.first + k] += rest[it.col()] / (q.weight * it.value());
 }
 
@@ -57,7 +57,7 @@ MethodOutcome ActiveSetNewton::step(Position& at, bool settled, InequalityReport
     at.balance.product.shift(step_.s_dc);
     at.balance.product.belongs_to(at.c);
   }
-  dz_.noalias() = points.problem.g * step_.dc;
+  dz_.noalias() = points.g * step_.dc;
   // By the increment, not from z - z_hat again: a held point's z is exact only up to rounding,
   // which its large stiffness would turn into an error of xi.
   for (int p = 0; p < points.size(); ++p) {

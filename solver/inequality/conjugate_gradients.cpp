@@ -109,7 +109,7 @@ void ConjugateGradients::accept(const Position& at, const Vector& residual,
     const PointData& q = points_[p];
     if (!q.exclusive || !at.places.resting(p) || q.of(at.z) != q.of(at.places.z_hat)) continue;
     for (int row = q.first; row < q.first + q.rows; ++row)
-      for (SparseMatrix::InnerIterator it(points_.problem.g, row); it; ++it)
+      for (SparseMatrix::InnerIterator it(points_.g, row); it; ++it)
         if (it.value() != 0.0) out.dc[it.col()] = 0.0;
   }
   factor_.op().apply(out.dc, out.s_dc);

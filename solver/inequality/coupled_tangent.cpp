@@ -10,7 +10,7 @@ CoupledTangent::CoupledTangent(Position& at, const CoupledBounds& bounds, const 
 /// points.
 void CoupledTangent::assemble() {
   const ContactPoints& points = at_.points;
-  const SparseMatrix& g = points.problem.g;
+  const SparseMatrix& g = points.g;
   entries_.clear();
   const auto add = [&](int row, int column, double factor) {
     if (factor == 0.0) return;
@@ -44,7 +44,7 @@ void CoupledTangent::add_slip(const CoupledBound& b, double size, Vector& xi) co
 /// How the multipliers change with the displacements.
 void CoupledTangent::add_linear_change(const Vector& dc, Vector& xi) const {
   const ContactPoints& points = at_.points;
-  const Vector dz = points.problem.g * dc;
+  const Vector dz = points.g * dc;
   for (int p = 0; p < points.size(); ++p) {
     const Small v = at_.places.times_stiffness(p, points[p].of(dz)), x = points[p].of(xi);
     points[p].put(xi, {x[0] + v[0], x[1] + v[1], x[2] + v[2]});

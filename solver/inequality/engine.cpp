@@ -9,8 +9,8 @@
 namespace hvi::solver {
 
 InequalityEngine::InequalityEngine(const ReducedProblem& problem, ReducedOperator& s,
-                                   InequalityOptions options)
-    : options_(options), points_(problem, s), pattern_(points_),
+                                   InequalityOptions options, std::span<const double> factors)
+    : options_(options), points_(problem, s, factors), pattern_(points_),
       at_(points_, s, 1e-2 * options.tolerance), factor_(points_, pattern_, s),
       tangent_(points_, pattern_, factor_), newton_(tangent_, options.tolerance),
       components_(factor_, newton_, options_), inverse_(points_, pattern_, s, options_),

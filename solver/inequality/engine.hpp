@@ -19,7 +19,8 @@ namespace hvi::solver {
 
 class InequalityEngine {
 public:
-  InequalityEngine(const ReducedProblem& problem, ReducedOperator& s, InequalityOptions options);
+  InequalityEngine(const ReducedProblem& problem, ReducedOperator& s, InequalityOptions options,
+                   std::span<const double> factors);
   // As in InequalitySolver.
   InequalityReport solve(const Vector& r, InequalityState& io);
   InequalityReport solve_coupled(const Vector& r, InequalityState& io);

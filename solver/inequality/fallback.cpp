@@ -114,7 +114,7 @@ MethodOutcome AugmentedProblem::minimise(int limit, InequalityReport& report) {
     const double unit = line.direction.lpNorm<Eigen::Infinity>();
     if (!(unit > 0.0) || !std::isfinite(unit)) return MethodOutcome::failed;
     ++report.iterations;
-    line.z_direction = w_.points.problem.g * line.direction;
+    line.z_direction = w_.points.g * line.direction;
     line.z = w_.z, line.s_c = w_.balance.product.value();
     double t = 1.0;
     if (op.symmetric()) {

@@ -40,7 +40,7 @@ bool add_far(const ContactPoints& points, int p, const SmallMatrix& d,
   int unknown[3] = {};
   double g[3] = {};
   for (int a = 0; a < q.rows; ++a)
-    for (SparseMatrix::InnerIterator it(points.problem.g, q.first + a); it; ++it)
+    for (SparseMatrix::InnerIterator it(points.g, q.first + a); it; ++it)
       if (it.value() != 0.0) unknown[a] = static_cast<int>(it.col()), g[a] = it.value();
   const bool now_held = holds_all(d, q);
   for (int a = 0; a < q.rows; ++a) {

@@ -73,7 +73,7 @@ void BranchFollower::follow(StepAnswer& step) {
   }
   Vector free(points_.unknowns);
   s.solve(step.at.balance.load(), free);
-  const Vector b1 = by_point(points_, points_.problem.g * free + points_.problem.offset);
+  const Vector b1 = by_point(points_, points_.g * free + points_.problem.offset);
   if (!least) return continue_branch(step, free, b1);
   LeastState search(curve_, components_, options_.tolerance);
   search.descend(step, b1, free);
@@ -90,7 +90,7 @@ void BranchFollower::continue_branch(StepAnswer& step, const Vector& free, const
   report.not_followed = !branch.arrived;
   if (!branch.arrived) return;
   report.branch_ends.insert(report.branch_ends.end(), branch.ends.begin(), branch.ends.end());
-  const Vector z1 = points_.problem.g * step.io.c + points_.problem.offset;
+  const Vector z1 = points_.g * step.io.c + points_.problem.offset;
   if (report.converged && is_same(by_point(points_, z1), branch.state.z)) return;
   const InequalityReport at_once = report;
   const InequalityState other = step.io;

@@ -29,7 +29,7 @@ void GraphStates::settle(int p, Vector& c) const {
   if (!q.single || !resting(p)) return;
   for (int k = 0; k < q.rows; ++k) {
     const int row = q.first + k;
-    for (SparseMatrix::InnerIterator it(points_.problem.g, row); it; ++it)
+    for (SparseMatrix::InnerIterator it(points_.g, row); it; ++it)
       if (it.value() != 0.0) c[it.col()] = (z_hat[row] - points_.problem.offset[row]) / it.value();
   }
 }

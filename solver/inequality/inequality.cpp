@@ -10,8 +10,8 @@ struct InequalitySolver::Impl : InequalityEngine {
 };
 
 InequalitySolver::InequalitySolver(const ReducedProblem& problem, ReducedOperator& s,
-                                   InequalityOptions options)
-    : impl_(std::make_unique<Impl>(problem, s, options)) {}
+                                   InequalityOptions options, std::span<const double> factors)
+    : impl_(std::make_unique<Impl>(problem, s, options, factors)) {}
 InequalitySolver::~InequalitySolver() = default;
 
 InequalityReport InequalitySolver::solve(const Vector& r, InequalityState& state) {

@@ -1,9 +1,11 @@
 // The reduced inequality of one step: find c with
 //
-//     S c + sum_p w_p G_p^T xi_p = r,     xi_p in dj_p(z_p),   z_p = G_p c + g_p        (*)
+//     S c + sum_p w_p G_p^T xi_p = r,     xi_p in dj_p(z_p),   z_p = s_p G_p c + g_p        (*)
 //
 // S is the Schur complement on the contact unknowns, p runs over the quadrature points of all laws,
 // G_p (1 to 3 rows) takes the contact unknowns to the law's argument, g_p is what is known of it.
+// s_p > 0 is 1 where c is what the law sees; where it sees a rate and c is an increment, it is about
+// 1 / k. With rows s_p G_p and weights w_p / s_p that is the same problem with s = 1.
 #pragma once
 
 #include "solver/law/branch.hpp"
@@ -141,7 +143,9 @@ struct InequalityState {
 
 class InequalitySolver {
 public:
-  InequalitySolver(const ReducedProblem& problem, ReducedOperator& s, InequalityOptions options);
+  /// `factors`: s_p of every application (ContactPoint); empty: they are 1.
+  InequalitySolver(const ReducedProblem& problem, ReducedOperator& s, InequalityOptions options,
+                   std::span<const double> factors = {});
   ~InequalitySolver();
   /// Solves (*) from the warm start in `state`; on return `state` holds the solution.
   InequalityReport solve(const Vector& r, InequalityState& state);

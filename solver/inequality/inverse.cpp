@@ -45,7 +45,7 @@ bool KeptInverse::iterate(Position& at, InequalityReport& report) {
   for (int k = 0; k < most_products; ++k) {
     inverse_.solve(residual_, dc_);
     ++report.iterations;
-    dz_.noalias() = points_.problem.g * dc_;
+    dz_.noalias() = points_.g * dc_;
     pieces.times_stiffness(dz_, stiffness_dz_);
     h_dc_.noalias() = points_.force_of * stiffness_dz_;
     at.c += dc_;

@@ -25,7 +25,7 @@ void LastFactor::find_held_unknowns() {
     const PointData& q = points_[p];
     if (!q.exclusive || !holds_all(d_[p], q)) continue;
     for (int row = q.first; row < q.first + q.rows; ++row)
-      for (SparseMatrix::InnerIterator it(points_.problem.g, row); it; ++it)
+      for (SparseMatrix::InnerIterator it(points_.g, row); it; ++it)
         if (it.value() != 0.0) held_.push_back(static_cast<int>(it.col()));
   }
   std::sort(held_.begin(), held_.end());

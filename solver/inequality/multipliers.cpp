@@ -65,7 +65,7 @@ bool balance_point(const Position& at, int p, const Vector& residual, Vector& tr
   const Small before = q.of(trial);
   Small value = before;
   for (int k = 0; k < q.rows; ++k)
-    for (SparseMatrix::InnerIterator it(at.points.problem.g, q.first + k); it; ++it)
+    for (SparseMatrix::InnerIterator it(at.points.g, q.first + k); it; ++it)
       value[k] += residual[it.col()] / (q.weight * it.value());
   const Small zp = q.of(at.z);
   const double distance =

@@ -33,7 +33,7 @@ std::vector<CurvePoint> PointCurve::curve_points() const {
 }
 
 std::optional<DenseMatrix> PointCurve::compliance(const ReducedOperator& s) {
-  const SparseMatrix& g = points_.problem.g;
+  const SparseMatrix& g = points_.g;
   const int count = points_.size();
   Vector column(points_.unknowns), right(points_.unknowns);
   response_.resize(points_.unknowns, count);

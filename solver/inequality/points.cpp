@@ -57,14 +57,14 @@ namespace {
 /// sets both scales: gamma = w / k, penalty = kappa k / w. Where a row touches one unknown only,
 /// the penalty stands on the diagonal and cannot spoil the factor; else it costs digits.
 /// `users`: how many rows touch each unknown; `typical`: a stiffness for points that feel none.
-PointData point_data(const ReducedProblem& problem, const ContactPoint& in, const Vector& diagonal,
-                     const std::vector<int>& users, double typical) {
+PointData point_data(const SparseMatrix& g, const ContactPoint& in, double weight,
+                     const Vector& diagonal, const std::vector<int>& users, double typical) {
   double k = 0.0;
   bool single = true, exclusive = true;
   for (int row = in.first_row; row < in.first_row + in.rows; ++row) {
     double sum = 0.0, weighted = 0.0;
     int entries = 0;
-    for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it) {
+    for (SparseMatrix::InnerIterator it(g, row); it; ++it) {
       sum += it.value() * it.value();
       weighted += std::abs(diagonal[it.col()]) * it.value() * it.value();
       entries += it.value() != 0.0;
@@ -76,35 +76,45 @@ PointData point_data(const ReducedProblem& problem, const ContactPoint& in, cons
   }
   if (!(k > 0.0)) k = typical > 0.0 ? typical : 1.0;
   PointData q;
-  q.first = in.first_row, q.rows = in.rows, q.weight = in.weight;
-  q.gamma = q.local = in.weight / k;
+  q.first = in.first_row, q.rows = in.rows, q.weight = weight;
+  q.gamma = q.local = weight / k;
   q.single = single, q.exclusive = exclusive;
-  q.penalty = (single ? 1e13 : 1e7) * k / in.weight;
+  q.penalty = (single ? 1e13 : 1e7) * k / weight;
   return q;
+}
+
+void scale_rows(SparseMatrix& g, const ContactPoint& point, double factor) {
+  for (int row = point.first_row; row < point.first_row + point.rows; ++row)
+    for (SparseMatrix::InnerIterator it(g, row); it; ++it) it.valueRef() *= factor;
 }
 
 } // namespace
 
-ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperator& s)
-    : problem(problem_), unknowns(s.size()), rows(static_cast<int>(problem_.g.rows())),
+ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperator& s,
+                             std::span<const double> factors)
+    : problem(problem_), g(problem_.g), unknowns(s.size()), rows(static_cast<int>(problem_.g.rows())),
       diagonal(s.diagonal()), laws(problem_), force_of(unknowns, rows) {
-  if (problem.g.cols() != unknowns && rows > 0)
+  if (g.cols() != unknowns && rows > 0)
     throw Failure(FailureKind::bad_value, {}, "the contact matrix does not fit the operator");
   const double typical = unknowns > 0 ? diagonal.cwiseAbs().maxCoeff() : 1.0;
   std::vector<int> users(unknowns, 0);
   for (int row = 0; row < rows; ++row)
-    for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
+    for (SparseMatrix::InnerIterator it(g, row); it; ++it)
       users[it.col()] += it.value() != 0.0;
   std::vector<Eigen::Triplet<double>> weights;
   for (const ContactPoint& in : problem.points) {
     if (!(in.weight > 0.0) || in.rows < 1 || in.rows > 3 || in.first_row + in.rows > rows)
       throw Failure(FailureKind::bad_value, {},
                     "a contact point needs a positive weight and 1 to 3 rows");
-    data.push_back(point_data(problem, in, diagonal, users, typical));
+    const double factor =
+        factors.empty() ? 1.0 : factors[static_cast<std::size_t>(in.application)];
+    if (factor != 1.0) scale_rows(g, in, factor);
+    const double weight = in.weight / factor;
+    data.push_back(point_data(g, in, weight, diagonal, users, typical));
     data.back().law = laws.of_graph(in.graph);
     for (int row = in.first_row; row < in.first_row + in.rows; ++row)
-      for (SparseMatrix::InnerIterator i(problem.g, row); i; ++i)
-        weights.emplace_back(static_cast<int>(i.col()), row, in.weight * i.value());
+      for (SparseMatrix::InnerIterator i(g, row); i; ++i)
+        weights.emplace_back(static_cast<int>(i.col()), row, weight * i.value());
   }
   force_of.setFromTriplets(weights.begin(), weights.end());
 }
@@ -128,7 +138,7 @@ void ContactPoints::estimate_compliance(ReducedOperator& s, const SparseMatrix& 
   for (PointData& q : data) {
     double compliance = 0.0;
     for (int row = q.first; row < q.first + q.rows; ++row)
-      for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
+      for (SparseMatrix::InnerIterator it(g, row); it; ++it)
         compliance += it.value() * it.value() * flexibility[it.col()] / q.rows;
     q.gamma = std::clamp(q.weight * compliance, q.local, 1e6 * q.local);
   }

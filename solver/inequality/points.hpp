@@ -76,7 +76,9 @@ private:
 };
 
 struct ContactPoints {
-  ContactPoints(const ReducedProblem& problem, const ReducedOperator& s);
+  /// `factors`: as in InequalitySolver.
+  ContactPoints(const ReducedProblem& problem, const ReducedOperator& s,
+                std::span<const double> factors = {});
   /// gamma = w G S^-1 G^T of each point. `zero`: an H that is 0, on its pattern.
   void estimate_compliance(ReducedOperator& s, const SparseMatrix& zero);
 
@@ -85,6 +87,7 @@ struct ContactPoints {
   const PreparedLaw& law(int p) const { return laws[data[p].law]; }
 
   const ReducedProblem& problem;
+  SparseMatrix g;             ///< each row times its factor
   int unknowns = 0, rows = 0; ///< of G: columns and rows
   Vector diagonal;            ///< of S
   PreparedLaws laws;

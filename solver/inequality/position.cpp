@@ -10,7 +10,7 @@ Position::Position(const ContactPoints& points_, const ReducedOperator& s, doubl
       places(points_), balance(points_, s, target), snap(points_), z_start(z) {}
 
 void Position::update_arguments() {
-  z.noalias() = points.problem.g * c;
+  z.noalias() = points.g * c;
   z += points.problem.offset;
 }
 

@@ -34,7 +34,7 @@ double Snap::operator()(int p) const {
   double size = 0.0;
   for (int row = q.first; row < q.first + q.rows; ++row) {
     double sum = std::abs(known[row]);
-    for (SparseMatrix::InnerIterator it(problem.g, row); it; ++it)
+    for (SparseMatrix::InnerIterator it(points_.g, row); it; ++it)
       sum += std::abs(it.value()) * reach_[it.col()];
     size = std::max(size, sum);
   }

@@ -7,7 +7,7 @@ namespace hvi::solver {
 
 StiffnessPattern::StiffnessPattern(const ContactPoints& points)
     : zero_(points.unknowns, points.unknowns), first_contribution_{0} {
-  const SparseMatrix& g = points.problem.g;
+  const SparseMatrix& g = points.g;
   const auto for_pairs = [&](const PointData& q, const auto& f) {
     for (int a = 0; a < q.rows; ++a)
       for (int b = 0; b < q.rows; ++b)

@@ -18,7 +18,7 @@ bool respond(const InequalityState& state, std::span<const Vector> r, Position& 
   change_c.resize(r.size()), change_xi.resize(r.size());
   for (std::size_t k = 0; k < r.size(); ++k) {
     factor.op().solve(r[k], change_c[k]);
-    const Vector dz = points.problem.g * change_c[k];
+    const Vector dz = points.g * change_c[k];
     change_xi[k].resize(points.rows);
     for (int p = 0; p < points.size(); ++p)
       points[p].put(change_xi[k], at.places.times_stiffness(p, points[p].of(dz)));

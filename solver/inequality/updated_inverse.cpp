@@ -43,12 +43,12 @@ bool UpdatedInverse::update(int p, int to_state) {
   const int n = points_.unknowns;
   Vector v = Vector::Zero(n);
   double along = 0.0; // g . v
-  for (SparseMatrix::InnerIterator it(points_.problem.g, points_[p].first); it; ++it) {
+  for (SparseMatrix::InnerIterator it(points_.g, points_[p].first); it; ++it) {
     const auto j = it.col();
     v.head(j) += it.value() * inverse_.row(j).head(j).transpose();
     v.tail(n - j) += it.value() * inverse_.col(j).tail(n - j);
   }
-  for (SparseMatrix::InnerIterator it(points_.problem.g, points_[p].first); it; ++it)
+  for (SparseMatrix::InnerIterator it(points_.g, points_[p].first); it; ++it)
     along += it.value() * v[it.col()];
   const double left = 1.0 + change * along, alpha = -change / left;
   if (!(left > least_left)) return false;

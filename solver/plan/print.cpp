@@ -182,8 +182,8 @@ private:
     line("law term {} {} * `{}` over {}, {}, rule {}", l, to_string(term.factor), term.name,
          part(term.part), to_string(term.effect), to_string(term.rule));
     for (const auto& row : term.rows)
-      line("  argument {} . u + {}", expressions({row.u.begin(), row.u.end()}),
-           to_string(row.offset));
+      line("  argument {} . {} + {}", expressions({row.u.begin(), row.u.end()}),
+           field_name(term.field), to_string(row.offset));
   }
 
   void time() {

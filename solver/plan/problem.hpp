@@ -136,8 +136,8 @@ struct HistoryTerm {
   std::optional<HistoryRoute> route{}; ///< instead of SolverOptions::route
 };
 
-/// factor * int_part law^0( arg(u); arg'(v) ). Argument component c is
-///   sum_i rows[c].u[i] u_i + rows[c].offset,   coefficients of slot::x, slot::normal, offset also
+/// factor * int_part law^0( arg(w); arg'(v) ), w the field. Argument component c is
+///   sum_i rows[c].u[i] w_i + rows[c].offset,   coefficients of slot::x, slot::normal, offset also
 ///   of t.
 /// One row: a scalar law. dim rows: a radial law of a vector; the engine reduces the rows to an
 /// orthonormal basis of their range (2D u.tau: one row, 3D: two).
@@ -150,6 +150,7 @@ struct LawTerm {
   std::string name; ///< of the law, for `layer.xi`
   int law = 0;      ///< index into Problem::laws
   int part = 0;
+  int field = field_of_u(0); ///< what the law sees: u, or u'
   Rule rule = Rule::nodal;
   Effect effect = Effect::normal_law;
   Expr factor = 1.0; ///< positive, of slot::x and slot::normal

@@ -60,19 +60,23 @@ public:
       r += memory_[m] * w;
       histories_[m]->commit(t, {u.data(), n});
     }
-    return r.dot(off) + directional(t, u, off, trace);
+    return r.dot(off) + directional(t, u, rate, off, trace);
   }
 
 private:
   /// J^0(M u; M off) by the points of the laws.
-  double directional(double t, const Vector& u, const Vector& off, double& trace) {
+  double directional(double t, const Vector& u, const Vector& rate, const Vector& off,
+                     double& trace) {
     double sum = 0.0, square = 0.0;
     if (contact_.none()) return trace = 0.0;
     Vector state = Vector::Zero(layout_.n_state);
     layout_.gather(u, state);
-    prepare(contact_, problem_, t, state, Vector::Zero(contact_.n_rows()));
+    LawFields fields(state);
+    for (const int j : contact_.other_fields) fields.add(j, 1.0, Vector::Zero(layout_.n_state));
+    prepare(contact_, problem_, t, fields, Vector::Zero(contact_.n_rows()));
     for (const auto& term : contact_.terms) {
-      const Vector z = term.points.g * u + contact_.offset.segment(term.first_row, term.n_rows());
+      const Vector z = term.points.g * (term.field == field_of_u(0) ? u : rate) +
+                       contact_.offset.segment(term.first_row, term.n_rows());
       const Vector direction = term.points.g * off;
       for (int p = 0; p < term.n_points(); ++p) {
         const auto& point = contact_.problem.points[term.first_point + p];

@@ -199,12 +199,14 @@ double largest(const ContactTerm& term, const Vector& rows) {
 }
 
 /// The largest displacement that the argument of a point is made of (certificate.hpp).
-double argument_scale(const Contact& contact, const ContactPoint& point, const Vector& u) {
+double argument_scale(const Contact& contact, const ContactPoint& point, const Vector& field,
+                      double factor) {
   double largest = 0.0;
   for (int row = point.first_row; row < point.first_row + point.rows; ++row) {
     double size = std::abs(contact.offset[row]);
     for (SparseMatrix::InnerIterator it(contact.g, row); it; ++it)
-      size += std::abs(it.value()) * (std::abs(u[it.col()]) + contact.reach[it.col()]);
+      size +=
+          std::abs(it.value()) * (std::abs(field[it.col()]) + factor * contact.reach[it.col()]);
     largest = std::max(largest, size);
   }
   return largest;
@@ -212,20 +214,22 @@ double argument_scale(const Contact& contact, const ContactPoint& point, const V
 
 } // namespace
 
-Inclusion inclusion_error(const Contact& contact, const Vector& u, const Vector& xi,
+Inclusion inclusion_error(const Contact& contact, const LawFields& fields, const Vector& xi,
                           double tolerance, Vector& z) {
   Inclusion out;
   z = contact.offset;
-  z.noalias() += contact.g * u;
+  add_arguments(contact, fields, z);
   for (const auto& term : contact.terms) {
-    const double largest_xi = largest(term, xi);
+    const double largest_xi = largest(term, xi), factor = fields.factor(term.field);
+    const Vector& field = fields[term.field];
     for (int p = 0; p < term.n_points(); ++p) {
       const auto& point = contact.problem.points[term.first_point + p];
       const double scale = std::max(largest_xi, contact.scales[point.law]);
       const double distance =
           inclusion_distance(*contact.laws[point.law], contact.problem.graphs[point.graph],
                              &z[point.first_row], &xi[point.first_row], point.rows,
-                             tolerance * argument_scale(contact, point, u), out.worst * scale);
+                             tolerance * argument_scale(contact, point, field, factor),
+                             out.worst * scale);
       if (distance == 0.0) continue;
       const double error = distance / scale;
       if (error <= out.worst) continue;

@@ -48,12 +48,12 @@ struct Inclusion {
   int worst_term = -1;  ///< index into Problem::law_terms
   int worst_point = -1; ///< index into ReducedProblem::points
 };
-/// Inclusion xi_p in dj_p(z_p) at z = G u + offset, with |xi|_inf taken over the points of the law.
-/// An argument is known up to `tolerance` times the largest entry of |offset| + |G| (|u| + reach)
-/// on its rows: what it is made of, however much of that cancels, and the displacement that the
-/// forces at its unknowns amount to. A relative error of that size in the data of the step moves it
-/// so far.
-Inclusion inclusion_error(const Contact& contact, const Vector& u, const Vector& xi,
+/// Inclusion xi_p in dj_p(z_p) at z = G w + offset, w the field the law acts on and s its factor,
+/// with |xi|_inf taken over the points of the law. An argument is known up to `tolerance` times the
+/// largest entry of |offset| + |G| (|w| + s reach) on its rows: what it is made of, however much of
+/// that cancels, and the displacement that the forces at its unknowns amount to. A relative error
+/// of that size in the data of the step moves it so far.
+Inclusion inclusion_error(const Contact& contact, const LawFields& fields, const Vector& xi,
                           double tolerance, Vector& z);
 
 } // namespace hvi::solver

@@ -131,6 +131,7 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
     const auto& spec = problem.law_terms[l];
     ContactTerm term{assemble_law(d.space, d.parts[spec.part], spec, static_cast<int>(l),
                                   out.laws[spec.law]->spec().radial),
+                     spec.field,
                      static_cast<int>(out.problem.points.size()),
                      n_rows,
                      -1,
@@ -144,6 +145,9 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
           std::max(out.softening[spec.law], softening(*out.laws[spec.law], term, problem.time));
     }
     out.terms.push_back(std::move(term));
+    auto& others = out.other_fields;
+    if (spec.field != field_of_u(0) && std::ranges::find(others, spec.field) == others.end())
+      others.push_back(spec.field);
   }
   couple(problem, out);
   out.g = stacked(out.terms, layout, n_rows);
@@ -153,7 +157,36 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
   return out;
 }
 
-void prepare(Contact& contact, const Problem& problem, double t, const Vector& known,
+void LawFields::add(int field, double factor, Vector value) {
+  others_.push_back({field, factor, std::move(value)});
+}
+
+const LawFields::Other& LawFields::other(int field) const {
+  return *std::ranges::find(others_, field, &Other::field);
+}
+
+const Vector& LawFields::operator[](int field) const {
+  return field == field_of_u(0) ? u_ : other(field).value;
+}
+
+double LawFields::factor(int field) const {
+  return field == field_of_u(0) ? 1.0 : other(field).factor;
+}
+
+std::vector<double> law_factors(const Contact& contact, const Vector& of_fields) {
+  if (contact.other_fields.empty()) return {};
+  std::vector<double> out;
+  for (const auto& term : contact.terms) out.push_back(of_fields[term.field]);
+  return out;
+}
+
+void add_arguments(const Contact& contact, const LawFields& fields, Vector& z) {
+  for (const auto& term : contact.terms)
+    z.segment(term.first_row, term.n_rows()).noalias() +=
+        contact.g.middleRows(term.first_row, term.n_rows()) * fields[term.field];
+}
+
+void prepare(Contact& contact, const Problem& problem, double t, const LawFields& known,
              const Vector& xi) {
   for (auto& term : contact.terms) {
     const auto& spec = problem.law_terms[term.points.law_term];
@@ -173,16 +206,20 @@ void prepare(Contact& contact, const Problem& problem, double t, const Vector& k
   auto& offset = contact.problem.offset;
   auto& size = contact.problem.offset_size;
   offset = contact.offset;
-  offset.noalias() += contact.g * known;
+  add_arguments(contact, known, offset);
   size = contact.offset.cwiseAbs();
-  for (int row = 0; row < contact.n_rows(); ++row)
-    for (SparseMatrix::InnerIterator it(contact.g, row); it; ++it)
-      size[row] += std::abs(it.value() * known[it.col()]);
+  for (const auto& term : contact.terms) {
+    const Vector& field = known[term.field];
+    for (int row = term.first_row; row < term.first_row + term.n_rows(); ++row)
+      for (SparseMatrix::InnerIterator it(contact.g, row); it; ++it)
+        size[row] += std::abs(it.value() * field[it.col()]);
+  }
 }
 
-void arguments_of(const Contact& contact, const Problem& problem, double t, const Vector& u,
+void arguments_of(const Contact& contact, const Problem& problem, double t, const LawFields& fields,
                   Vector& z) {
-  z.noalias() = contact.g * u;
+  z.setZero(contact.n_rows());
+  add_arguments(contact, fields, z);
   Vector offsets;
   for (const auto& term : contact.terms) {
     law_offsets(term.points, problem.law_terms[term.points.law_term], t, offsets);

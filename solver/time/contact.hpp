@@ -1,8 +1,9 @@
 // The laws of a plan as the reduced problem of one step.
 //
-// Law term l has points p with arguments z_p = G_p u + offset_p(t). In the increment form of a
-// step, u_n = u_known + d (u_known: u_{n-1} with the values imposed at t_n), the reduced problem is
-// stated for c = d on the contact unknowns:  z = G_c c + (G u_known + offset(t_n)).
+// Law term l has points p with arguments z_p = G_p w + offset_p(t), w the field that it acts on: u,
+// or u'. In the increment form of a step, u_n = u_known + d (u_known: u_{n-1} with the values
+// imposed at t_n), w = w_known + s d (evolution.hpp), and the reduced problem is stated for c = d
+// on the contact unknowns:  z = s G_c c + (G w_known + offset(t_n)),  s = 1 for u.
 #pragma once
 
 #include "solver/inequality/inequality.hpp"
@@ -14,9 +15,31 @@
 
 namespace hvi::solver {
 
+/// What the laws see of a state: u, and the other fields that laws act on.
+class LawFields {
+public:
+  /// Keeps a reference to u.
+  explicit LawFields(const Vector& u) : u_(u) {}
+  /// A field besides u, and its factor s of the increment.
+  void add(int field, double factor, Vector value);
+  const Vector& operator[](int field) const;
+  double factor(int field) const;
+
+private:
+  struct Other {
+    int field;
+    double factor;
+    Vector value;
+  };
+  const Other& other(int field) const;
+  const Vector& u_;
+  std::vector<Other> others_;
+};
+
 /// One law term: its points, and where its rows stand in xi.
 struct ContactTerm {
   LawPoints points;
+  int field = field_of_u(0);
   int first_point = 0, first_row = 0;
   int coupled_row = -1; ///< first row of the term whose multiplier this one's law reads; -1: none
   Vector offsets;       ///< scratch of `prepare`
@@ -37,6 +60,7 @@ struct Contact {
   bool coupled = false;          ///< a law's bound is another law's multiplier: `prepare` reads xi
   Vector offset;                 ///< of the argument at the time of the last `prepare`
   Vector reach; ///< of states, 0 but on `unknowns`: a displacement each (find_reach)
+  std::vector<int> other_fields; ///< that laws act on besides u
 
   int n_rows() const { return static_cast<int>(g.rows()); }
   bool none() const { return terms.empty(); }
@@ -49,12 +73,17 @@ Contact make_contact(const Problem& problem, const Discretisation& discretisatio
 
 /// Sets offset, graphs of laws that change in time, and the reduced problem's known part. `xi`: the
 /// multipliers that coupled laws read.
-void prepare(Contact& contact, const Problem& problem, double t, const Vector& known,
+void prepare(Contact& contact, const Problem& problem, double t, const LawFields& known,
              const Vector& xi);
 
+/// z += G w, w the field of each law.
+void add_arguments(const Contact& contact, const LawFields& fields, Vector& z);
 /// The arguments of all laws of a state at time t.
-void arguments_of(const Contact& contact, const Problem& problem, double t, const Vector& u,
+void arguments_of(const Contact& contact, const Problem& problem, double t, const LawFields& fields,
                   Vector& z);
+
+/// The factor s of every law term, from those of the fields; empty where all laws act on u.
+std::vector<double> law_factors(const Contact& contact, const Vector& of_fields);
 
 /// Multiplier of point p of a term in the global frame (scalar laws: component 0).
 std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& xi, int point);

@@ -44,6 +44,10 @@ EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, co
                                                       "equilibrium", "iterations", "events",
                                                       "snap"},
       sums_(n_sums, 0.0), columns_(names_.size()) {
+  for (const auto& term : problem.law_terms)
+    if (term.field != field_of_u(0)) names_.push_back("friction_" + term.name);
+  friction_.assign(names_.size() - columns_.size(), 0.0);
+  columns_.resize(names_.size());
   for (std::size_t m = 0; m < problem.histories.size(); ++m)
     memory_.push_back(matrix_of_field(problem, d, field_of_memory(static_cast<int>(m))));
   symmetric_ = asymmetry(elastic_) <= 1e-12;
@@ -56,12 +60,13 @@ EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, co
   contact_energy_ = contact_energy(run, u_);
 }
 
-/// sum_p w_p j(z_p) with the laws and offsets of the run's time.
+/// sum_p w_p j(z_p) of the laws on u with the laws and offsets of the run's time.
 double EnergyMonitor::contact_energy(const RunState& run, const Vector& u) {
   const Contact& contact = run.contact();
   z_ = contact.offset;
   double sum = 0;
   for (const auto& term : contact.terms) {
+    if (term.field != field_of_u(0)) continue;
     z_.segment(term.first_row, term.n_rows()) += term.points.g * u;
     for (int p = 0; p < term.n_points(); ++p) {
       const auto& point = contact.problem.points[term.first_point + p];
@@ -115,6 +120,22 @@ void EnergyMonitor::forces(const RunState& run) {
   }
 }
 
+/// The laws on rates: what they dissipate in the step.
+void EnergyMonitor::add_friction(const RunState& run) {
+  auto sum = friction_.begin();
+  for (const auto& term : run.contact().terms) {
+    if (term.field == field_of_u(0)) continue;
+    const Vector slip = term.points.g * d_u_;
+    for (int p = 0; p < term.n_points(); ++p) {
+      const auto& point = run.contact().problem.points[term.first_point + p];
+      *sum += point.weight * run.xi()
+                                 .segment(point.first_row, point.rows)
+                                 .dot(slip.segment(p * point.rows, point.rows));
+    }
+    ++sum;
+  }
+}
+
 void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
   before_.swap(u_);
   run.formulation->scatter(run.evolution.u(), u_);
@@ -145,7 +166,8 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
   sums_[sum_jumps] += jump, sums_[sum_rate] += jump / k;
   sums_[max_xi] = std::max(sums_[max_xi], std::sqrt(xi));
   elastic_energy_ = elastic, contact_energy_ = contact;
-  const double row[] = {elastic + contact - f_.dot(u_),
+  add_friction(run);
+  std::vector<double> row = {elastic + contact - f_.dot(u_),
                         elastic,
                         contact,
                         sums_[sum_work],
@@ -161,6 +183,7 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
                         static_cast<double>(outcome.inequality.iterations),
                         static_cast<double>(outcome.inequality.events),
                         outcome.snap ? 1.0 : 0.0};
+  row.insert(row.end(), friction_.begin(), friction_.end());
   for (std::size_t c = 0; c < columns_.size(); ++c) columns_[c].push_back(row[c]);
 }
 
@@ -169,6 +192,7 @@ void EnergyMonitor::save(std::ostream& out) const {
   put_vector(w, u_);
   w.put(std::array<double, 4>{elastic_energy_, contact_energy_, largest_error_, largest_size_});
   w.put(sums_);
+  w.put(friction_);
   for (const auto& column : columns_) w.put(column);
 }
 
@@ -179,6 +203,7 @@ void EnergyMonitor::restore(std::istream& in, std::size_t rows) {
   elastic_energy_ = numbers[0], contact_energy_ = numbers[1];
   largest_error_ = numbers[2], largest_size_ = numbers[3];
   sums_ = r.get_vector<double>(sums_.size());
+  friction_ = r.get_vector<double>(friction_.size());
   for (auto& column : columns_) column = r.get_vector<double>(rows);
 }
 

@@ -5,8 +5,10 @@
 //   work     += <f_n + r_n, d>         elastic = <B u_n, u_n>/2     contact = sum_p w_p j(z_p)
 //   viscous  += <A u'_n, d>            memory += <sum_m E_m w_m, d>
 //   lost     += work - viscous - memory - (change of elastic + contact)
+//   friction += <G^T W xi, d> of each law on u', which stores nothing: a part of `lost`
 //   energy    = elastic + contact - <f_n, u_n>: what a stable state makes least
-// `lost` is the dissipation of the scheme, <B d, d>/2 to first order, and what snaps set free.
+// `lost` is that friction, the dissipation of the scheme, <B d, d>/2 to first order, and what snaps
+// set free.
 // Lemma 3.2 bounds, independent of the step k (V: the norm of eps(u); X: L2 with the laws' weights)
 //   max |u_n|_V,   sum |u_n - u_{n-1}|_V^2,   max |xi_n|_X*,   sum k |(u_n - u_{n-1})/k|_V^2.
 #pragma once
@@ -42,6 +44,7 @@ public:
 private:
   double norm_squared(const Vector& v) const { return v.dot(gram_ * v); }
   double contact_energy(const RunState& run, const Vector& u);
+  void add_friction(const RunState& run);
   void load(const RunState& run);
   void forces(const RunState& run);
 
@@ -58,6 +61,7 @@ private:
   double elastic_energy_ = 0, contact_energy_ = 0, largest_error_ = 0, largest_size_ = 0;
   std::vector<std::string> names_;
   std::vector<double> sums_; ///< work, viscous, memory, lost, and the four of Lemma 3.2
+  std::vector<double> friction_; ///< so far, of every law on u', in the order of the terms
   std::vector<std::vector<double>> columns_;
 };
 

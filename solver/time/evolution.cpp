@@ -60,6 +60,31 @@ std::optional<MemoryMistrust> Evolution::begin_step(int n) {
   return memory_->begin_step(grid().t(n));
 }
 
+LawFields Evolution::law_fields(int n, std::span<const int> others, const Vector& u,
+                                const Vector* d) const {
+  LawFields out(u);
+  for (const int j : others) {
+    Vector increment = u - u_; // imposed values move, too
+    if (d != nullptr) increment.head(d->size()) = *d;
+    const double factor = scheme_->factor(n, j);
+    increment *= factor;
+    for (const auto& [of_known, known] : scheme_->known(n, j))
+      if (known != nullptr) increment += of_known * *known;
+    out.add(j, factor, std::move(increment));
+  }
+  return out;
+}
+
+LawFields Evolution::law_fields(std::span<const int> others) const {
+  LawFields out(u_);
+  for (const int j : others) {
+    Vector value;
+    derivative(j, value);
+    out.add(j, scheme_->factor(std::max(step_, 1), j), std::move(value));
+  }
+  return out;
+}
+
 Vector Evolution::factors(int n) const {
   Vector out(field_of_memory(memory_->size()));
   out[field_of_u(0)] = 1.0;

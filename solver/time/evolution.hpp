@@ -6,6 +6,7 @@
 //   u: 1, u_{n-1};   u^(j): by the scheme (time_scheme.hpp);   w_m: w0_m, h_m + w0_m u_{n-1}
 #pragma once
 
+#include "solver/time/contact.hpp"
 #include "solver/time/memory.hpp"
 #include "solver/time/time_scheme.hpp"
 
@@ -34,6 +35,12 @@ public:
 
   /// The memories find what they know of step n, unless an audit says that it is not right.
   [[nodiscard]] std::optional<MemoryMistrust> begin_step(int n);
+  /// What laws see of the state u that step n, which was begun, may end in: u and `others`. `d`: its
+  /// increment on the unknowns; null: they have not moved.
+  LawFields law_fields(int n, std::span<const int> others, const Vector& u, const Vector* d) const;
+  /// The same of the accepted state; step() > 0, or a state at rest.
+  LawFields law_fields(std::span<const int> others) const;
+
   /// The factor of each field in the step that was begun.
   Vector factors(int n) const;
   /// out = - sum_f weights(f, b) (known part of field f), u_n = known + d. False: nothing is known

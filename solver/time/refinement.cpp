@@ -36,11 +36,17 @@ bool Refinement::begins_with(StepMatrix& matrix) {
   return on_;
 }
 
+/// About the state u with the increment d.
+void Refinement::prepare_laws(int n, const Vector& u, const Vector* d, const Vector& xi) {
+  if (contact_.none()) return;
+  const auto fields = evolution_.law_fields(n, contact_.other_fields, u, d);
+  prepare(contact_, problem_, evolution_.grid().t(n), fields, xi);
+}
+
 void Refinement::refine(StepMatrix& matrix, const StepEquation& equation, Trial& trial,
                         InequalityState& laws, StepResult& out) {
   if (!trial.d.allFinite()) return;
   const int n = equation.n;
-  const double t = problem_.time.is_static ? 0.0 : problem_.time.grid[static_cast<std::size_t>(n)];
   const std::vector<Vector> on_base = balance_.known_on_bases(equation);
   Vector total = trial.d, state = equation.known;
   auto moved_by = state.head(total.size());
@@ -49,7 +55,7 @@ void Refinement::refine(StepMatrix& matrix, const StepEquation& equation, Trial&
   for (int pass = 0; pass < most_passes; ++pass) {
     balance_.precise_gap(n, matrix, on_base, total, laws.xi, trial.gap);
     moved_by = equation.known.head(total.size()) + total;
-    if (!contact_.none()) prepare(contact_, problem_, t, state, laws.xi);
+    prepare_laws(n, state, &total, laws.xi);
     laws.c.setZero();
     const auto report = matrix.start(trial.gap, laws, trial.d);
     ++out.corrections;
@@ -65,7 +71,7 @@ void Refinement::refine(StepMatrix& matrix, const StepEquation& equation, Trial&
   trial.d = total;
   for (std::size_t i = 0; i < contact_.unknowns.size(); ++i)
     laws.c[static_cast<Eigen::Index>(i)] = trial.d[contact_.unknowns[i]];
-  if (!contact_.none()) prepare(contact_, problem_, t, equation.known, laws.xi);
+  prepare_laws(n, equation.known, nullptr, laws.xi);
   out.equilibrium = balance_.precise_gap(n, matrix, on_base, trial.d, laws.xi, trial.gap);
   trial.kd.noalias() = matrix.k() * trial.d;
   last_correction_ = std::max(last_correction_, last);

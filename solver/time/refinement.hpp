@@ -13,9 +13,9 @@ namespace hvi::solver {
 
 class Refinement {
 public:
-  /// Keeps references to all three.
-  Refinement(const Problem& problem, Balance& balance, Contact& contact)
-      : problem_(problem), balance_(balance), contact_(contact) {}
+  /// Keeps references to all of them.
+  Refinement(const Problem& problem, const Evolution& evolution, Balance& balance, Contact& contact)
+      : problem_(problem), evolution_(evolution), balance_(balance), contact_(contact) {}
 
   /// Is every step refined?
   bool on() const { return on_; }
@@ -35,7 +35,10 @@ public:
   void restore(StateReader& r);
 
 private:
+  void prepare_laws(int n, const Vector& u, const Vector* d, const Vector& xi);
+
   const Problem& problem_;
+  const Evolution& evolution_;
   Balance& balance_;
   Contact& contact_;
   bool on_ = false;

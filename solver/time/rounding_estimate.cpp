@@ -17,7 +17,7 @@
 // with it (whole_time.cpp), where that costs little beside the run. Else e is at most
 // amplification x, where (K + H) x is that right-hand side and amplification =
 // max_b gamma_b / gamma_b(w), gamma_b the coefficients of the base matrices. The number of steps
-// bounds it, and is taken where a law softens.
+// bounds it, and is taken where a law softens or acts on a rate.
 //
 // C. S. Kenney, A. J. Laub, M. S. Reese, Statistical condition estimation for linear systems, SIAM
 // J. Sci. Comput. 19 (1998) 566-583: a few random e_ij show the size of every entry of e.
@@ -105,7 +105,9 @@ Vector RoundingEstimate::coefficients_of_one() const {
 double RoundingEstimate::amplification() const {
   if (evolution_.grid().is_static() || evolution_.step() == 0) return 1.0;
   const double steps = evolution_.step();
-  if (std::ranges::any_of(formulation_.contact().softening, [](double m) { return m > 0.0; }))
+  // A law on a rate is stiffer in one step than over the whole time.
+  if (!formulation_.contact().other_fields.empty() ||
+      std::ranges::any_of(formulation_.contact().softening, [](double m) { return m > 0.0; }))
     return steps;
   const Vector now = balance_.coefficients(evolution_.step()), whole = coefficients_of_one();
   double most = 1.0;
@@ -152,7 +154,7 @@ std::vector<double> RoundingEstimate::over_the_run(std::span<const Vector> force
   const double bound = amplification();
   const int step = evolution_.step();
   const int most =
-      !formulation_.reduced() && bound >= 2.0
+      !formulation_.reduced() && bound >= 2.0 && formulation_.contact().other_fields.empty()
           ? vectors_for_whole_time(operators.n_unknowns, formulation_.contact().n_rows(), step)
           : 0;
   std::optional<WholeTime> whole;
@@ -171,7 +173,8 @@ std::vector<ErrorSample> RoundingEstimate::samples(StepMatrix& matrix,
   const auto random = forces(backward_error);
   InequalityState at = accepted;
   at.c.setZero();
-  if (!contact.none()) prepare(contact, problem_, evolution_.t(), evolution_.u(), at.xi);
+  if (!contact.none())
+    prepare(contact, problem_, evolution_.t(), evolution_.law_fields(contact.other_fields), at.xi);
   std::vector<Vector> x, xi;
   const bool found = formulation_.respond(random, matrix, balance_.coefficients(step), at, x, xi);
   if (contact.none()) xi.resize(random.size());

@@ -50,6 +50,7 @@ void Memory::restore(std::istream& in) {
 void StepMatrix::save(std::ostream& out) const {
   StateWriter w(out);
   put_vector(w, gamma_);
+  w.put(law_factors_);
   if (solver_) solver_->save(out);
 }
 
@@ -57,6 +58,11 @@ void StepMatrix::restore(std::istream& in) {
   StateReader r(in, {});
   Vector gamma;
   get_vector(r, gamma, operators_.n_bases());
+  law_factors_ = r.get_vector<double>();
+  if (!law_factors_.empty() && law_factors_.size() != contact_.terms.size())
+    r.fail("is inconsistent");
+  for (const double factor : law_factors_)
+    if (!(factor > 0.0)) r.fail("is inconsistent");
   factor(gamma);
   if (solver_) solver_->restore(in);
 }

@@ -31,6 +31,8 @@ double slope_along(const Contact& contact, const ContactPoint& point, const Vect
 bool is_snap(const Contact& contact, const Vector& c, double stiffness, Vector& dz) {
   const Vector& z0 = contact.problem.offset;
   dz.noalias() = contact.problem.g * c;
+  for (const auto& term : contact.terms) // no path leads from one rate to another
+    if (term.field != field_of_u(0)) dz.segment(term.first_row, term.n_rows()).setZero();
   double softening = 0; // the most that the laws can take off the stiffness along d
   for (const auto& point : contact.problem.points) {
     const double m = contact.softening[point.law];

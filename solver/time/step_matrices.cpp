@@ -27,7 +27,7 @@ std::unique_ptr<StepMatrix> StepMatrices::another() const {
                                       latest());
 }
 
-StepMatrices::Found StepMatrices::find(int n, const Vector& gamma) {
+StepMatrices::Found StepMatrices::find(int n, const Vector& factors) {
   const double rate = scheme_.factor(n, 1), length = scheme_.grid().length(n);
   const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) {
     return kept.rate == rate && kept.length == length;
@@ -42,11 +42,13 @@ StepMatrices::Found StepMatrices::find(int n, const Vector& gamma) {
     kept_.splice(kept_.begin(), kept_, std::prev(kept_.end()));
   auto& kept = kept_.front();
   kept.rate = rate, kept.length = length;
-  factor(n, gamma, *kept.matrix);
+  factor(n, factors, *kept.matrix);
   return {*kept.matrix, true};
 }
 
-void StepMatrices::factor(int n, const Vector& gamma, StepMatrix& matrix) const {
+void StepMatrices::factor(int n, const Vector& factors, StepMatrix& matrix) const {
+  matrix.set_law_factors(law_factors(formulation_.contact(), factors));
+  const Vector gamma = formulation_.operators().weights.transpose() * factors;
   factor_or_explain(matrix, gamma, {formulation_, scheme_.grid(), n}, problem_, discretisation_);
 }
 

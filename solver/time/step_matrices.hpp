@@ -20,10 +20,11 @@ public:
     StepMatrix& matrix;
     bool fresh; ///< it has just been factored
   };
-  /// One that serves step n; else it is factored for these coefficients.
-  Found find(int n, const Vector& gamma);
+  /// One that serves step n; else it is factored for the fields' factors in that step
+  /// (Evolution::factors).
+  Found find(int n, const Vector& factors);
   /// Factors K_n. Throws Failure(not_coercive) in the user's words.
-  void factor(int n, const Vector& gamma, StepMatrix& matrix) const;
+  void factor(int n, const Vector& factors, StepMatrix& matrix) const;
   /// Of the last step; null before the first one.
   StepMatrix* latest() const { return kept_.empty() ? nullptr : kept_.front().matrix.get(); }
   /// Their places in the order of use; -1: none.

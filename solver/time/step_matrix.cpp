@@ -31,7 +31,7 @@ void StepMatrix::factor(const Vector& gamma) {
     if (contact_.none()) return;
     reduced_ = dense_operator(factorisation_->schur(), operators_.symmetric);
   }
-  solver_ = std::make_unique<InequalitySolver>(contact_.problem, *reduced_, options_);
+  solver_ = std::make_unique<InequalitySolver>(contact_.problem, *reduced_, options_, law_factors_);
 }
 
 /// The first factor may be shared with another run, and is then replaced by one of this run; a

@@ -35,6 +35,8 @@ public:
   StepMatrix(const Operators& operators, const Contact& contact, const InequalityOptions& options,
              const StepMatrix* like = nullptr);
 
+  /// What laws see moves so much faster than the unknowns (law_factors), from the next `factor` on.
+  void set_law_factors(std::vector<double> factors) { law_factors_ = std::move(factors); }
   /// Numeric factorisation for these coefficients; the pattern is analysed the first time only.
   /// Throws Failure(not_coercive).
   void factor(const Vector& gamma);
@@ -113,6 +115,7 @@ private:
   InequalityOptions options_;
   const StepMatrix* like_;
   Vector gamma_;
+  std::vector<double> law_factors_; ///< by law term; empty: they are 1
   SparseMatrix k_;
   SymmetricBlocks half_;
   SharedFactor factorisation_; ///< absent when nothing is condensed

@@ -56,14 +56,14 @@ StepSolver::StepSolver(const Plan& plan, const Discretisation& discretisation,
       // Beside the contact unknowns there is next to nothing to solve for.
       storage_(plan.options.reduced_precision && !formulation.reduced() && !contact_.whole,
                plan.options.tolerance),
-      refinement_(plan.problem, balance, contact_) {
+      refinement_(plan.problem, evolution, balance, contact_) {
   laws_.xi = Vector::Zero(contact_.n_rows());
   laws_.c = Vector::Zero(static_cast<Eigen::Index>(contact_.unknowns.size()));
   accepted_ = laws_;
 }
 
 StepMatrix& StepSolver::matrix_for(int n) {
-  const auto [matrix, fresh] = matrices_.find(n, balance_.coefficients(n));
+  const auto [matrix, fresh] = matrices_.find(n, evolution_.factors(n));
   if (fresh && !formulation_.reduced() && refinement_.begins_with(matrix)) {
     storage_.forbid();
     predictor_.clear();
@@ -175,7 +175,7 @@ StepResult StepSolver::correct(StepMatrix& matrix, Start start, StepEquation& eq
     last = out.equilibrium;
     if (!slow) continue;
     balance_.take_back_change(equation);
-    matrices_.factor(n, balance_.coefficients(n), matrix);
+    matrices_.factor(n, evolution_.factors(n), matrix);
     // The error is measured anew: what was moved with the change may have been most of its scale.
     last = infinity;
   }
@@ -185,10 +185,13 @@ StepResult StepSolver::correct(StepMatrix& matrix, Start start, StepEquation& eq
 
 /// Prepares the laws with the multipliers of the trial itself; the error of their inclusion then.
 double StepSolver::bounds_error(const StepEquation& equation, Trial& trial) {
-  prepare(contact_, plan_.problem, evolution_.grid().t(equation.n), equation.known, laws_.xi);
+  prepare(contact_, plan_.problem, evolution_.grid().t(equation.n),
+          law_fields(equation.n, equation.known, nullptr), laws_.xi);
   state_ = equation.known;
   state_.head(trial.d.size()) += trial.d;
-  return inclusion_error(contact_, state_, laws_.xi, plan_.options.tolerance, trial.z).worst;
+  return inclusion_error(contact_, law_fields(equation.n, state_, &trial.d), laws_.xi,
+                         plan_.options.tolerance, trial.z)
+      .worst;
 }
 
 /// Coulomb's bound depends on the normal multiplier: the step is solved again with the bounds of
@@ -233,15 +236,17 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   balance_.known_state(n, equation.known);
   find_change(n, matrix, equation, trial);
   if (follow && !equation.exact()) { // where a branch ends, K_n itself has to say
-    matrices_.factor(n, balance_.coefficients(n), matrix);
+    matrices_.factor(n, evolution_.factors(n), matrix);
     equation.change.setZero();
   }
   balance_.find_right_hand_side(equation);
-  if (!contact_.none()) prepare(contact_, plan_.problem, grid.t(n), equation.known, laws_.xi);
+  if (!contact_.none())
+    prepare(contact_, plan_.problem, grid.t(n), law_fields(n, equation.known, nullptr), laws_.xi);
   std::optional<InequalityState> path_start;
   if (follow) {
     const double before = grid.is_static() ? 0.0 : grid.t(n - 1);
-    arguments_of(contact_, plan_.problem, before, evolution_.u(), laws_.z_before);
+    arguments_of(contact_, plan_.problem, before, evolution_.law_fields(contact_.other_fields),
+                 laws_.z_before);
     if (contact_.coupled) path_start = laws_;
   }
   auto out = correct(matrix, Start::predicted, equation, trial);
@@ -249,7 +254,8 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
     couple_bounds(matrix, path_start ? &*path_start : nullptr, equation, trial, out);
   if (refinement_.on()) refinement_.refine(matrix, equation, trial, laws_, out);
   equation.known.head(trial.d.size()) += trial.d; // now u_n
-  out.inclusion = inclusion_error(contact_, equation.known, laws_.xi, tolerance, trial.z);
+  out.inclusion = inclusion_error(contact_, law_fields(n, equation.known, &trial.d), laws_.xi,
+                                  tolerance, trial.z);
   return out;
 }
 
@@ -302,7 +308,8 @@ void StepSolver::restore(std::istream& in) {
   laws_.state = r.get_vector<int>();
   // Laws that move with time are prepared for the step's time before every solve.
   if (!contact_.none() && evolution_.step() > 0)
-    prepare(contact_, plan_.problem, evolution_.t(), evolution_.u(), laws_.xi);
+    prepare(contact_, plan_.problem, evolution_.t(),
+            evolution_.law_fields(contact_.other_fields), laws_.xi);
   check_states(contact_, laws_.state, r);
   accepted_ = laws_;
   matrices_.restore(in);

@@ -38,6 +38,10 @@ public:
   void restore(std::istream& in);
 
 private:
+  /// What laws see of the state u with the increment d (Evolution::law_fields).
+  LawFields law_fields(int n, const Vector& u, const Vector* d) const {
+    return evolution_.law_fields(n, contact_.other_fields, u, d);
+  }
   void find_change(int n, const StepMatrix& matrix, StepEquation& equation, Trial& trial) const;
   bool continues(int n, const StepMatrix& matrix) const;
   bool predict(int n, const StepMatrix& matrix, const StepEquation& equation, Trial& trial);

@@ -35,6 +35,13 @@ SparseMatrix law_form(const Contact& contact, const std::vector<double>& weight,
   return SparseMatrix(SparseMatrix(g.transpose()) * weighted);
 }
 
+std::vector<double> in_step(const Contact& contact, std::vector<double> weight,
+                            const Vector& of_fields) {
+  for (const auto& term : contact.terms)
+    weight[static_cast<std::size_t>(term.points.law_term)] *= of_fields[term.field];
+  return weight;
+}
+
 Uniqueness::Uniqueness(const Problem& problem, const Operators& operators, const Contact& contact)
     : problem_(problem), operators_(operators), contact_(contact) {
   look_at_laws();
@@ -90,6 +97,8 @@ void Uniqueness::judge(bool convex) {
 /// A Cholesky factor of sym K(c) - D; the pattern is analysed once.
 bool Uniqueness::definite(const Eigen::VectorXd& c) {
   SparseMatrix rest = combine(operators_, operators_.weights.transpose() * c);
+  if (!contact_.other_fields.empty())
+    descent_ = law_form(contact_, in_step(contact_, weight_, c), operators_.n_unknowns);
   if (same_pattern_)
     add_scaled(rest, -1.0, descent_);
   else

@@ -40,12 +40,16 @@ private:
   bool settled_ = false, condensed_ = false;
   std::string obstacle_;
   std::vector<double> weight_; ///< steepest descent of each law term's slope
-  SparseMatrix descent_;
+  SparseMatrix descent_; ///< of all laws; where some act on rates, of the step that is looked at
   std::unique_ptr<Factorisation> factor_;
   bool same_pattern_ = false; ///< `factor_` is for the pattern of K
 };
 
 /// sum_i weight_i M_i^T W M_i on the unknowns, weight_i per law term.
 SparseMatrix law_form(const Contact& contact, const std::vector<double>& weight, int n_unknowns);
+/// The weights of laws in a step whose fields have these factors: a law on u' descends in the
+/// increment as much faster as u' does.
+std::vector<double> in_step(const Contact& contact, std::vector<double> weight,
+                            const Vector& of_fields);
 
 } // namespace hvi::solver

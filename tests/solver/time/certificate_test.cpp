@@ -45,7 +45,7 @@ DenseMatrix along(double angle) {
 
 double error_at(const Contact& contact, const Vector& u, double xi) {
   Vector z;
-  return inclusion_error(contact, u, Vector::Constant(1, xi), tolerance, z).worst;
+  return inclusion_error(contact, LawFields(u), Vector::Constant(1, xi), tolerance, z).worst;
 }
 
 LawSpec sticks() { return {"sticks", Origin{1}, true, true, Expr(1.0)}; }
