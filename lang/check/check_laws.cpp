@@ -277,9 +277,10 @@ std::optional<int> Checker::law_derivative(const ast::Clarke& clarke, const Fiel
         return std::nullopt;
       }
       if (out && *out != field) {
-        error("E0415", clarke.at->span,
-              fmt::format("the argument of the law has `{0}` and `{0}'` in it", find_->unknown.text),
-              "a law sees one of them; write two laws");
+        error(
+            "E0415", clarke.at->span,
+            fmt::format("the argument of the law has `{0}` and `{0}'` in it", find_->unknown.text),
+            "a law sees one of them; write two laws");
         return std::nullopt;
       }
       out = field;

@@ -38,7 +38,7 @@ struct LawUse {
   std::string name;
   Span span; ///< of the whole j^0(...)
   Symbol factor = 1.0;
-  Span factor_span; ///< where a factor stands, if any
+  Span factor_span;   ///< where a factor stands, if any
   int derivative = 0; ///< of the unknown in time, that the law sees
   std::vector<LawRow> rows;
 };

@@ -277,9 +277,10 @@ private:
       const char* which = facts_.has_rate_laws ? "all laws on the unknown" : "all laws";
       row("H(M)", "M is bounded and compact: ||M||^2", c().norm_script,
           yes(std::isfinite(c().norm_script)), law_origin(field_of_u(0)),
-          fmt::format("the arguments of {}, on this mesh; traces: normal {:.6g}, tangential {:.6g}, "
-                      "full {:.6g}",
-                      which, norms.normal, norms.tangential, norms.full));
+          fmt::format(
+              "the arguments of {}, on this mesh; traces: normal {:.6g}, tangential {:.6g}, "
+              "full {:.6g}",
+              which, norms.normal, norms.tangential, norms.full));
     }
     if (!facts_.has_rate_laws) return;
     const double norm = numbers_.script_norm(field_of_u(1));
@@ -437,7 +438,8 @@ private:
       for (std::size_t i = 0; i < memory_norms_.size(); ++i)
         memory += memory_norms_[i] * absolute[n][field_of_memory(static_cast<int>(i))];
       c().memory_step = std::max(c().memory_step, memory);
-      out_.usable = std::min(out_.usable, m.rate_split * steps_.c[n][field_of_u(1)] + room - memory);
+      out_.usable =
+          std::min(out_.usable, m.rate_split * steps_.c[n][field_of_u(1)] + room - memory);
     }
     row("step", "m_A/k + margin - c_E int |q| over the step", out_.usable, positive(out_.usable),
         problem_.time.origin, "with the sharpest margin: the usable bound, of the worst step");
@@ -475,12 +477,13 @@ private:
     if (facts_.has_rate_laws)
       facts_.rate_against_a =
           limit(out_.margins.rate_against_a, finer.margin_against(field_of_u(1)));
-    if (facts_.has_laws) row("H(M)", "||M||^2 on ever finer meshes (estimate)", norm, yes(std::isfinite(norm)),
-        law_origin(field_of_u(0)),
-        fmt::format(
-            "from this mesh and its refinement; there (H0) has the margin {:.6g}, the split "
-            "condition {:.6g}, against B {:.6g}",
-            *facts_.whole, *facts_.split, *facts_.against_b));
+    if (facts_.has_laws)
+      row("H(M)", "||M||^2 on ever finer meshes (estimate)", norm, yes(std::isfinite(norm)),
+          law_origin(field_of_u(0)),
+          fmt::format(
+              "from this mesh and its refinement; there (H0) has the margin {:.6g}, the split "
+              "condition {:.6g}, against B {:.6g}",
+              *facts_.whole, *facts_.split, *facts_.against_b));
   }
 
   const Plan& plan_;

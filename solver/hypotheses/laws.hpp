@@ -12,9 +12,9 @@ namespace hvi::solver {
 
 /// Constants of one law term: the worst over its part of space and over all times.
 struct TermConstants {
-  int term = 0;        ///< index into Problem::law_terms
-  bool radial = false; ///< of a vector, as friction
-  Bracket m, c;        ///< m_J and c_J of H(J)
+  int term = 0;           ///< index into Problem::law_terms
+  bool radial = false;    ///< of a vector, as friction
+  Bracket m, c;           ///< m_J and c_J of H(J)
   double lipschitz = 0.0; ///< of the slope; infinite where it jumps
   bool regular = true;
   double at = 0.0; ///< the argument where m is attained

@@ -49,9 +49,7 @@ double Numbers::asymmetry(int field) const {
   return largest > 0.0 ? off / largest : 0.0;
 }
 
-Vector Numbers::only(int field) const {
-  return Vector::Unit(count_fields(problem_), field);
-}
+Vector Numbers::only(int field) const { return Vector::Unit(count_fields(problem_), field); }
 
 std::optional<SparseMatrix> Numbers::descent(const Vector& factors) const {
   std::vector<double> weight(problem_.law_terms.size(), 0.0);

@@ -22,9 +22,9 @@ public:
   double coercivity(int field, double pointwise) const;
   /// The same against the mass matrix: coercivity in H = L2.
   double coercivity_in_h(int field) const;
-  double memory_norm(int m) const;       ///< ||E|| of memory m; NaN when not found
-  double asymmetry(int field) const;     ///< max |K_ij - K_ji| / max |K_ij|
-  double script_norm(int field) const;   ///< ||M||^2 of the arguments of all laws on a field
+  double memory_norm(int m) const;     ///< ||E|| of memory m; NaN when not found
+  double asymmetry(int field) const;   ///< max |K_ij - K_ji| / max |K_ij|
+  double script_norm(int field) const; ///< ||M||^2 of the arguments of all laws on a field
   /// m - lambda_max(sum m_i M_i^T W M_i), of the laws on a field and the constant m of its form.
   double margin_split(int field, double m) const;
   /// 1 - lambda_max(sum m_i M_i^T W M_i, sym K), K the field's form; minus infinity when K is not

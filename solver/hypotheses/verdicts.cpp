@@ -176,10 +176,11 @@ private:
     if (!std::isfinite(facts_.lipschitz))
       return refuse("the slope of a law on u jumps, beside a law on u': of the continuous problem "
                     "nothing is claimed, of the steps see `step`");
-    accept(fmt::format("the theorem for history-dependent inequalities of u' applies (Migorski, "
-                       "Ochal, Sofonea 2011): A is coercive in V with m_A > m_J ||M||^2 of the laws "
-                       "on u', one solution{}",
-                       estimate()));
+    accept(
+        fmt::format("the theorem for history-dependent inequalities of u' applies (Migorski, "
+                    "Ochal, Sofonea 2011): A is coercive in V with m_A > m_J ||M||^2 of the laws "
+                    "on u', one solution{}",
+                    estimate()));
   }
 
   void in_h() {

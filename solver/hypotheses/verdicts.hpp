@@ -10,8 +10,8 @@ struct VerdictFacts {
   bool is_static = false;
   bool has_laws = false, has_rate_laws = false; ///< on u; on u'
   double lipschitz = 0.0;                       ///< of the slopes of the laws on u
-  bool has_memory = false;   ///< some of it acts
-  bool integrable = true;    ///< int |q| of every kernel is finite
+  bool has_memory = false;                      ///< some of it acts
+  bool integrable = true;                       ///< int |q| of every kernel is finite
   bool proved = true;        ///< m_J of the laws is bounded by proof, not sampled
   bool coupled = false;      ///< a law's bound is another law's multiplier
   double steps_margin = 0.0; ///< no step has a smaller one
@@ -39,8 +39,8 @@ struct VerdictFacts {
 ///   m_J |M e|^2 <= (m_B / 2) |e|^2 + C |e|_H^2 (Ehrling's lemma); B must be coercive. Then u' is
 ///   in L2(0, T; V*) only, and the error estimate, which tests with A in V, falls away.
 /// - Laws on u': with w = u' the problem is one for w whose operators B, R and, where their slopes
-///   are Lipschitz, the laws on u act on the history of w; one solution where A is coercive in V and
-///   m_A > m_J |M|^2 of the laws on u' (S. Migorski, A. Ochal, M. Sofonea, History-dependent
+///   are Lipschitz, the laws on u act on the history of w; one solution where A is coercive in V
+///   and m_A > m_J |M|^2 of the laws on u' (S. Migorski, A. Ochal, M. Sofonea, History-dependent
 ///   subdifferential inclusions and hemivariational inequalities in contact mechanics, Nonlinear
 ///   Anal. Real World Appl. 12 (2011) 3384-3396).
 void give_verdicts(const VerdictFacts& facts, HypothesisReport& report);

@@ -4,8 +4,8 @@
 //
 // S is the Schur complement on the contact unknowns, p runs over the quadrature points of all laws,
 // G_p (1 to 3 rows) takes the contact unknowns to the law's argument, g_p is what is known of it.
-// s_p > 0 is 1 where c is what the law sees; where it sees a rate and c is an increment, it is about
-// 1 / k. With rows s_p G_p and weights w_p / s_p that is the same problem with s = 1.
+// s_p > 0 is 1 where c is what the law sees; where it sees a rate and c is an increment, it is
+// about 1 / k. With rows s_p G_p and weights w_p / s_p that is the same problem with s = 1.
 #pragma once
 
 #include "solver/law/branch.hpp"

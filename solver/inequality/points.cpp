@@ -92,22 +92,21 @@ void scale_rows(SparseMatrix& g, const ContactPoint& point, double factor) {
 
 ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperator& s,
                              std::span<const double> factors)
-    : problem(problem_), g(problem_.g), unknowns(s.size()), rows(static_cast<int>(problem_.g.rows())),
-      diagonal(s.diagonal()), laws(problem_), force_of(unknowns, rows) {
+    : problem(problem_), g(problem_.g), unknowns(s.size()),
+      rows(static_cast<int>(problem_.g.rows())), diagonal(s.diagonal()), laws(problem_),
+      force_of(unknowns, rows) {
   if (g.cols() != unknowns && rows > 0)
     throw Failure(FailureKind::bad_value, {}, "the contact matrix does not fit the operator");
   const double typical = unknowns > 0 ? diagonal.cwiseAbs().maxCoeff() : 1.0;
   std::vector<int> users(unknowns, 0);
   for (int row = 0; row < rows; ++row)
-    for (SparseMatrix::InnerIterator it(g, row); it; ++it)
-      users[it.col()] += it.value() != 0.0;
+    for (SparseMatrix::InnerIterator it(g, row); it; ++it) users[it.col()] += it.value() != 0.0;
   std::vector<Eigen::Triplet<double>> weights;
   for (const ContactPoint& in : problem.points) {
     if (!(in.weight > 0.0) || in.rows < 1 || in.rows > 3 || in.first_row + in.rows > rows)
       throw Failure(FailureKind::bad_value, {},
                     "a contact point needs a positive weight and 1 to 3 rows");
-    const double factor =
-        factors.empty() ? 1.0 : factors[static_cast<std::size_t>(in.application)];
+    const double factor = factors.empty() ? 1.0 : factors[static_cast<std::size_t>(in.application)];
     if (factor != 1.0) scale_rows(g, in, factor);
     const double weight = in.weight / factor;
     data.push_back(point_data(g, in, weight, diagonal, users, typical));

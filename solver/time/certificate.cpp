@@ -205,8 +205,7 @@ double argument_scale(const Contact& contact, const ContactPoint& point, const V
   for (int row = point.first_row; row < point.first_row + point.rows; ++row) {
     double size = std::abs(contact.offset[row]);
     for (SparseMatrix::InnerIterator it(contact.g, row); it; ++it)
-      size +=
-          std::abs(it.value()) * (std::abs(field[it.col()]) + factor * contact.reach[it.col()]);
+      size += std::abs(it.value()) * (std::abs(field[it.col()]) + factor * contact.reach[it.col()]);
     largest = std::max(largest, size);
   }
   return largest;
@@ -225,11 +224,10 @@ Inclusion inclusion_error(const Contact& contact, const LawFields& fields, const
     for (int p = 0; p < term.n_points(); ++p) {
       const auto& point = contact.problem.points[term.first_point + p];
       const double scale = std::max(largest_xi, contact.scales[point.law]);
-      const double distance =
-          inclusion_distance(*contact.laws[point.law], contact.problem.graphs[point.graph],
-                             &z[point.first_row], &xi[point.first_row], point.rows,
-                             tolerance * argument_scale(contact, point, field, factor),
-                             out.worst * scale);
+      const double distance = inclusion_distance(
+          *contact.laws[point.law], contact.problem.graphs[point.graph], &z[point.first_row],
+          &xi[point.first_row], point.rows,
+          tolerance * argument_scale(contact, point, field, factor), out.worst * scale);
       if (distance == 0.0) continue;
       const double error = distance / scale;
       if (error <= out.worst) continue;

@@ -168,21 +168,21 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
   elastic_energy_ = elastic, contact_energy_ = contact;
   add_friction(run);
   std::vector<double> row = {elastic + contact - f_.dot(u_),
-                        elastic,
-                        contact,
-                        sums_[sum_work],
-                        sums_[sum_viscous],
-                        sums_[sum_memory],
-                        sums_[sum_lost],
-                        sums_[max_u],
-                        sums_[sum_jumps],
-                        sums_[max_xi],
-                        sums_[sum_rate],
-                        outcome.inclusion.worst,
-                        outcome.equilibrium,
-                        static_cast<double>(outcome.inequality.iterations),
-                        static_cast<double>(outcome.inequality.events),
-                        outcome.snap ? 1.0 : 0.0};
+                             elastic,
+                             contact,
+                             sums_[sum_work],
+                             sums_[sum_viscous],
+                             sums_[sum_memory],
+                             sums_[sum_lost],
+                             sums_[max_u],
+                             sums_[sum_jumps],
+                             sums_[max_xi],
+                             sums_[sum_rate],
+                             outcome.inclusion.worst,
+                             outcome.equilibrium,
+                             static_cast<double>(outcome.inequality.iterations),
+                             static_cast<double>(outcome.inequality.events),
+                             outcome.snap ? 1.0 : 0.0};
   row.insert(row.end(), friction_.begin(), friction_.end());
   for (std::size_t c = 0; c < columns_.size(); ++c) columns_[c].push_back(row[c]);
 }

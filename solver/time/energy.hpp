@@ -60,7 +60,7 @@ private:
   Vector z_;
   double elastic_energy_ = 0, contact_energy_ = 0, largest_error_ = 0, largest_size_ = 0;
   std::vector<std::string> names_;
-  std::vector<double> sums_; ///< work, viscous, memory, lost, and the four of Lemma 3.2
+  std::vector<double> sums_;     ///< work, viscous, memory, lost, and the four of Lemma 3.2
   std::vector<double> friction_; ///< so far, of every law on u', in the order of the terms
   std::vector<std::vector<double>> columns_;
 };

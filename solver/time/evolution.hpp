@@ -35,8 +35,8 @@ public:
 
   /// The memories find what they know of step n, unless an audit says that it is not right.
   [[nodiscard]] std::optional<MemoryMistrust> begin_step(int n);
-  /// What laws see of the state u that step n, which was begun, may end in: u and `others`. `d`: its
-  /// increment on the unknowns; null: they have not moved.
+  /// What laws see of the state u that step n, which was begun, may end in: u and `others`. `d`:
+  /// its increment on the unknowns; null: they have not moved.
   LawFields law_fields(int n, std::span<const int> others, const Vector& u, const Vector* d) const;
   /// The same of the accepted state; step() > 0, or a state at rest.
   LawFields law_fields(std::span<const int> others) const;

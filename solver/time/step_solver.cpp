@@ -308,8 +308,8 @@ void StepSolver::restore(std::istream& in) {
   laws_.state = r.get_vector<int>();
   // Laws that move with time are prepared for the step's time before every solve.
   if (!contact_.none() && evolution_.step() > 0)
-    prepare(contact_, plan_.problem, evolution_.t(),
-            evolution_.law_fields(contact_.other_fields), laws_.xi);
+    prepare(contact_, plan_.problem, evolution_.t(), evolution_.law_fields(contact_.other_fields),
+            laws_.xi);
   check_states(contact_, laws_.state, r);
   accepted_ = laws_;
   matrices_.restore(in);

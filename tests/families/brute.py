@@ -143,11 +143,11 @@ class Step:
                 change = max(change, float(np.abs(new - old).max()))
         return change
 
-    def solve(self, f):
+    def solve(self, f, turns=400):
         free = self.inverse @ f
         self.scale = float(np.abs(free).max()) or 1.0
         start = self.g @ free + self.offset
-        for turn in range(400):
+        for turn in range(turns):
             self.z = start - self.c @ (self.weights * self.xi)
             for _ in range(3 + turn):
                 if self.sweep() == 0.0:

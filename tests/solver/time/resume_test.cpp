@@ -49,6 +49,16 @@ Scene rich() {
   return out;
 }
 
+/// Friction on the rate beside a layer on u.
+Scene on_rates(std::string name, bool graded) {
+  Scene out{std::move(name), slab(3, 9, 2, true), true};
+  out.plan.problem.law_terms.back().field = field_of_u(1);
+  if (!graded) return out;
+  for (double& t : out.plan.problem.time.grid) t *= t;
+  out.plan.problem.time.scheme = Scheme::bdf2;
+  return out;
+}
+
 std::vector<Scene> scenes() {
   std::vector<Scene> out{{"contact unknowns", slab(3, 9, 2, true), true},
                          {"all unknowns", slab(3, 9, 2, true), true},
@@ -57,6 +67,8 @@ std::vector<Scene> scenes() {
                          with_route(HistoryRoute::tree, "tree", 22),
                          with_route(HistoryRoute::direct, "direct", 7),
                          with_route(HistoryRoute::fit, "from -2 on", 7),
+                         on_rates("laws on rates", false),
+                         on_rates("laws on rates, graded, bdf2", true),
                          rich()};
   for (double& t : out[6].plan.problem.time.grid) t -= 2.0;
   out[1].plan.options.proportional_path = false;

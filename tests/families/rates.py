@@ -1,0 +1,261 @@
+"""Laws on u and on u' together, on random scenes: the answers of brute force at every step.
+
+usage: rates.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
+
+Each scene is a viscoelastic block in 2D or 3D, P1 or P2, some with memory, turned and scaled, with one to three laws on
+its ground (each rule), at least one of them on the rate, whose steps are strictly convex. Loads come and go, and what
+holds the block may move. Grids are even, uneven or graded, schemes backward Euler and BDF2. A step is solved again by a
+dense brute force (brute.py) with derivatives and memories of its own.
+"""
+import argparse
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+import orientation
+from brute import Friction, Point, Step, Unilateral, ratio
+from orientation import CONVEX, TOLERANCE, Term, number
+from solids import turning
+
+TURNS = 60  # of brute force: where many points stick, multipliers are not unique, and it may not find any
+WITHOUT_REFERENCE = 0.06
+
+
+class RateTerm(Term):
+    """A law on u, or on u'."""
+
+    def __init__(self, *of_term, rate):
+        super().__init__(*of_term)
+        self.rate = rate
+
+    def form(self):
+        return super().form().replace("^0(u", "^0(u'") if self.rate else super().form()
+
+
+class Scene(orientation.Scene):
+    def __init__(self, random):
+        self.random = random
+        self.grid = self.choose_grid()
+        self.bdf2 = random.random() < 0.4
+        self.memory = (random.uniform(-0.5, 0.5), 10 ** random.uniform(-1, 1)) if random.random() < 0.4 else None
+        self.moves = random.normal(size=3) * 10 ** random.uniform(-2, 0) if random.random() < 0.4 else None
+        self.wave = random.uniform(1, 12)
+        super().__init__(random)
+
+    def choose_grid(self):
+        random = self.random
+        steps = int(random.integers(2, 7))
+        kind = random.choice(["even", "uneven", "graded"])
+        if kind == "even":
+            self.times = f"in [0, 1] by {steps} steps"
+            return np.linspace(0, 1, steps + 1)
+        if kind == "graded":
+            self.times = f"in [0, 1] at graded({steps}, 2)"
+            return np.linspace(0, 1, steps + 1) ** 2
+        inner = np.sort(random.uniform(0.05, 0.95, steps - 1))
+        grid = np.array([0, *inner, 1])
+        self.times = "in [0, 1] at [" + ", ".join(map(number, grid)) + "]"
+        return grid
+
+    def rate(self, n):
+        """(s, carry): u'(t_n) = s d_n - carry d_{n-1}."""
+        k = self.grid[n] - self.grid[n - 1]
+        w = k / (self.grid[n - 1] - self.grid[n - 2]) if n > 1 else math.inf
+        if not self.bdf2 or w > 100:
+            return 1 / k, 0.0
+        return (1 + 2 * w) / ((1 + w) * k), w * w / ((1 + w) * k)
+
+    def history(self, n):
+        """Weights of u_0 .. u_n in int_0^t_n a/tau exp(-(t_n - s)/tau) u(s) ds: constant or linear between grid times."""
+        out = np.zeros(n + 1)
+        a, tau = self.memory
+        x, w = np.polynomial.legendre.leggauss(24)
+        for j in range(1, n + 1):
+            low, high = self.grid[j - 1], self.grid[j]
+            for p, weight in zip((1 + x) / 2, w / 2):
+                q = a / tau * math.exp(-(self.grid[n] - low - p * (high - low)) / tau) * weight * (high - low)
+                out[j] += q * (p if self.bdf2 else 1.0)
+                out[j - 1] += q * (1 - p if self.bdf2 else 0.0)
+        return out
+
+    def assemble(self):
+        random, solid = self.random, self.solid
+        part = 10 ** random.uniform(-2, 0)
+        self.viscous = tuple(v * part * (1 if random.random() < 0.5 else random.uniform(0.5, 2)) for v in self.elastic)
+        self.clamped_dofs = solid.dofs(solid.on(self.clamped))
+        self.free = np.setdiff1d(np.arange(solid.n), self.clamped_dofs)
+        self.all_a, self.all_b = solid.stiffness(*self.viscous), solid.stiffness(*self.elastic)
+        self.k = self.matrix(1)
+        self.inverse = np.linalg.inv(self.k)
+
+    def matrix(self, n):
+        k = self.rate(n)[0] * self.all_a + self.all_b
+        if self.memory:
+            k = k + self.history(n)[n] * self.all_b
+        return k[np.ix_(self.free, self.free)]
+
+    def load_at(self, t):
+        return math.sin(self.wave * t)
+
+    def held_at(self, t):
+        """The displacement of what is held."""
+        moves = np.zeros(self.dim) if self.moves is None else self.reach * self.moves[:self.dim]
+        return np.tile(moves * t * (1.3 - t), len(self.clamped_dofs) // self.dim)
+
+    def choose_laws(self):
+        random = self.random
+        free = np.linalg.solve(self.all_b[np.ix_(self.free, self.free)], self.load)
+        self.reach = float(np.abs(free).max()) or 1.0
+        area = sum(self.solid.facet(f)[0] for f in self.mesh.facets["bottom"])
+        self.pressure = float(np.abs(self.load).sum()) / area
+        self.terms = []
+        for name in ("first", "second", "third")[:1 + int(random.integers(3))]:
+            rate = not self.terms or random.random() < 0.4
+            reach, self.reach = self.reach, self.reach * (self.wave if rate else 1.0)  # of what the law sees
+            rubs = any(isinstance(t.law, Friction) for t in self.terms)  # two leave brute force no end of multipliers
+            if rubs or random.random() < 0.5:
+                law, arguments = self.normal_law(), [".nu"]
+            else:
+                law, arguments = self.friction_law(), [".tau", ".tau", ""]
+            while isinstance(law, Unilateral) and self.moves is not None and self.clamped == "left":
+                law = self.normal_law()  # a corner of the ground may be moved through the obstacle
+            self.reach = reach
+            rule = str(random.choice(["nodal", "midpoint", "gauss"]))
+            self.terms.append(RateTerm(name, "bottom", str(random.choice(arguments)), rule, law, rate=rate))
+        for _ in range(80):
+            if self.ratio() <= CONVEX:
+                return
+            self.soften(0.5)
+        raise AssertionError("no convex step")
+
+    def law_points(self, n=1, known=None):
+        """Of step n from u_{n-1} and d_{n-1}; `known`: u_n where it is given, 0 elsewhere."""
+        out = []
+        s, carry = self.rate(n)
+        for term in self.terms:
+            for p in term.points(self.solid):
+                if known is not None:
+                    held, last, before = known
+                    p.offset = p.rows @ (s * (held - last) - carry * before if term.rate else held)
+                if term.rate:
+                    p.rows, p.weight = s * p.rows, p.weight / s
+                p.rows = p.rows[:, self.free]
+                out.append(p)
+        return out
+
+    def ratio(self):
+        return max(ratio(np.linalg.inv(self.matrix(n)), self.law_points(n)) for n in range(1, len(self.grid)))
+
+    def reference(self):
+        """u after every step on all unknowns, or None where brute force gives up."""
+        states, before = [np.zeros(self.solid.n)], np.zeros(self.solid.n)
+        for n in range(1, len(self.grid)):
+            t, last = self.grid[n], states[-1]
+            s, carry = self.rate(n)
+            held = np.zeros(self.solid.n)
+            held[self.clamped_dofs] = self.held_at(t)
+            right = -self.all_a @ (s * (held - last) - carry * before) - self.all_b @ held
+            if self.memory:
+                weights = self.history(n)
+                right -= self.all_b @ (sum(w * u for w, u in zip(weights, states)) + weights[n] * held)
+            points = self.law_points(n, (held, last, before))
+            u = Step(self.matrix(n), points).solve(self.load * self.load_at(t) + right[self.free],
+                                                          TURNS)
+            if u is None:
+                return None
+            new = held.copy()
+            new[self.free] = u
+            before = new - last
+            states.append(new)
+        return [u.reshape(-1, self.dim) for u in states[1:]]
+
+    def script(self, turn, scale):
+        text = super().script(turn, scale)
+        begin, end = text.index("find u"), text.index(" such that")
+        values = ""
+        if self.moves is not None:
+            total = turn @ (self.reach * scale * self.moves[:self.dim])
+            values = " with u = [" + ", ".join(f"{number(v)}*t*(1.3 - t)" for v in total) + f"] on {self.clamped}"
+        scheme = " using scheme = bdf2" if self.bdf2 else ""
+        text = text[:begin] + f"find u in V{values} for t {self.times} from u = 0{scheme}" + text[end:]
+        text = text.replace(", t * dot(", f", sin({number(self.wave)}*t) * dot(")
+        if self.memory:
+            a, tau = self.memory
+            text = text.replace("space V", f"kernel Q(lag) = {number(a / tau)}*exp(-lag/{number(tau)})*B\nspace V")
+            text = text.replace("(body, B : eps(u) : eps(v))",
+                                "(body, B : eps(u) : eps(v))\n  + integral(body, history(Q, eps(u)) : eps(v))")
+        return text
+
+    def told(self):
+        laws = [(t.name, "u'" if t.rate else "u", t.argument, t.rule, type(t.law).__name__) for t in self.terms]
+        return (f"{self.dim}D P{self.order}, {'BDF2' if self.bdf2 else 'Euler'} {self.times}"
+                f"{', memory' if self.memory else ''}{', moved' if self.moves is not None else ''}, {laws}")
+
+
+def run(program, folder, scene, turn, scale, options):
+    """u at the reference's nodes after every step, or what was said instead."""
+    import meshio
+
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "body.msh").write_text(scene.mesh.moved(turn, scale, 0.0).msh())
+    (folder / "scene.hvi").write_text(scene.script(turn, scale))
+    done = subprocess.run([program, "run", "scene.hvi", "--quiet", "-o", "out", *options], cwd=folder,
+                          capture_output=True, text=True, timeout=120)
+    if done.returncode != 0:
+        return None, f"exit {done.returncode}: " + " ".join(done.stderr.split())[:300]
+    out = []
+    for file in sorted((folder / "out").glob("*.vtu")):
+        grid = meshio.read(file)
+        at = grid.points[:, :scene.dim] @ turn / scale
+        nearest = [int(np.argmin(((at - x) ** 2).sum(1))) for x in scene.solid.points]
+        out.append((grid.point_data["u"][:, :scene.dim] @ turn / scale)[nearest])
+    return out, ""
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("program", type=lambda p: str(pathlib.Path(p).resolve()))
+    parser.add_argument("--scenes", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", type=int)
+    parser.add_argument("--keep", type=pathlib.Path)
+    options = parser.parse_args()
+    certified = wrong = refused = skipped = 0
+    worst = 0.0
+    asked = range(options.scenes) if options.only is None else [options.only]
+    for k in asked:
+        random = np.random.default_rng([options.seed, k])
+        scene = Scene(random)
+        turn, scale = turning(random, scene.dim), 10 ** random.uniform(-6, 6)
+        expected = scene.reference()
+        if expected is None:
+            skipped += 1
+            continue
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = (options.keep or pathlib.Path(temporary)) / str(k)
+            u, said = run(options.program, folder, scene, turn, scale, ["--full"] if k % 3 == 0 else [])
+        if u is None or len(u) != len(expected):
+            refused += 1
+            print(f"scene {k}: refused ({scene.told()}): {said}", file=sys.stderr)
+            continue
+        certified += 1
+        # Certified residuals reach the displacements through the matrix; softening and earlier steps add to that.
+        steps = range(1, len(scene.grid))
+        bound = 10 * TOLERANCE * sum(np.linalg.cond(scene.matrix(n)) for n in steps) / (1 - scene.ratio())
+        size = max(scene.reach, max(float(np.abs(e).max()) for e in expected))
+        error = max(float(np.abs(a - b).max()) for a, b in zip(u, expected)) / size
+        worst = max(worst, error / bound)
+        if error > bound:
+            wrong += 1
+            print(f"scene {k}: off by {error:.2e}, bound {bound:.2e} ({scene.told()})", file=sys.stderr)
+    print(f"worst error by its bound {worst:.2e}, without reference {skipped}")
+    print(f"family rates: scenes {len(asked)}, certified {certified}, wrong {wrong}, refused {refused}")
+    return 0 if wrong == refused == 0 and skipped <= WITHOUT_REFERENCE * len(asked) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,136 @@
+// Laws on u': what friction dissipates, sticking that does not creep, resumed runs, both paths.
+#include "plans.hpp"
+#include "solver/plan/validate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace hvi::solver {
+namespace {
+
+using namespace testing_plans;
+
+constexpr double bound = 0.4;
+
+/// Tresca's friction on the rate of the ground, under a shear of the flank that comes and goes.
+Plan joint(int n, int steps, double cycles, double pull, int dim = 2) {
+  Plan plan = slab(n, steps, dim);
+  LawSpec slip;
+  slip.name = "slip";
+  slip.radial = true;
+  slip.expression = Expr(bound) * var(slot::argument(0));
+  plan.problem.laws.push_back(slip);
+  plan.problem.law_terms.push_back(tangential_term(1, ground, dim));
+  plan.problem.law_terms.back().field = field_of_u(1);
+  const Expr turns = Expr(2.0 * std::numbers::pi * cycles) * var(slot::t);
+  plan.problem.loads = {force(body, {0.0, -10.0}), force(flank, {Expr(pull) * sin(turns)})};
+  return plan;
+}
+
+struct Recorded {
+  RunResult result;
+  std::vector<Vector> states, multipliers;
+};
+
+Recorded record(const Plan& plan, bool monitors = true) {
+  Discretisation d;
+  for (const auto& mistake : discretise(plan, d)) throw mistake;
+  Recorded out;
+  out.states.push_back(Vector::Zero(d.space.n_dofs()));
+  RunSettings settings;
+  settings.monitors = monitors;
+  settings.on_step = [&](int, double, const Vector& u, const Vector& xi) {
+    out.states.push_back(u);
+    out.multipliers.push_back(xi);
+  };
+  out.result = run(plan, d, settings);
+  return out;
+}
+
+std::vector<double> column(const Recorded& run, const std::string& name) {
+  const auto& table = *run.result.monitors;
+  const auto at = std::find(table.names.begin(), table.names.end(), name);
+  return table.columns.at(static_cast<std::size_t>(at - table.names.begin()));
+}
+
+/// Over a hundred cycles friction dissipates the bound times the path of every point, by the
+/// trapezoidal rule of the ground's nodes, and the work balances.
+TEST(Rates, DissipationIsTheBoundTimesThePath) {
+  constexpr int n = 2;
+  const Plan plan = joint(n, 2000, 100.0, 60.0);
+  const auto run = record(plan);
+  Discretisation d;
+  ASSERT_TRUE(discretise(plan, d).empty());
+  double path = 0.0;
+  const auto friction = column(run, "friction_slip"), work = column(run, "work");
+  for (std::size_t m = 1; m < run.states.size(); ++m) {
+    for (int v = 0; v < static_cast<int>(d.mesh.nodes.size()); ++v) {
+      const auto& x = d.mesh.nodes[static_cast<std::size_t>(v)];
+      if (x[1] != 0.0) continue;
+      const double weight = (x[0] == 0.0 || x[0] == 2.0 ? 0.5 : 1.0) / n;
+      const int dof = d.space.dof(v, 0);
+      path += weight * std::abs(run.states[m][dof] - run.states[m - 1][dof]);
+    }
+    ASSERT_NEAR(friction[m - 1], bound * path, 1e-9 * bound * path) << "after step " << m;
+  }
+  EXPECT_GT(path, 1.0);
+  EXPECT_GT(friction.back(), 0.05 * work.back());
+  EXPECT_LT(run.result.monitors->balance_error, 1e-12);
+}
+
+/// Below the bound nothing slips, and ten thousand steps later nothing has.
+TEST(Rates, StickingDoesNotCreep) {
+  Plan plan = joint(2, 10000, 50.0, 0.1);
+  plan.problem.loads[0] = force(body, {0.0, 0.0});
+  const auto run = record(plan, false);
+  Discretisation d;
+  ASSERT_TRUE(discretise(plan, d).empty());
+  double moved = 0.0, size = 0.0;
+  for (const auto& u : run.states) {
+    size = std::max(size, u.lpNorm<Eigen::Infinity>());
+    for (int v = 0; v < static_cast<int>(d.mesh.nodes.size()); ++v)
+      if (d.mesh.nodes[static_cast<std::size_t>(v)][1] == 0.0)
+        moved = std::max(moved, std::abs(u[d.space.dof(v, 0)]));
+  }
+  EXPECT_GT(size, 1e-5);
+  EXPECT_LE(moved, 1e-13 * size);
+}
+
+/// On all unknowns and on the contact unknowns; in 3D friction has two rows.
+TEST(Rates, BothPathsGiveTheSame) {
+  for (const int dim : {2, 3})
+    for (const Scheme scheme : {Scheme::backward_euler, Scheme::bdf2}) {
+      Plan plan = joint(2, 12, 1.0, 6.0, dim);
+      plan.problem.time.scheme = scheme;
+      for (double& t : plan.problem.time.grid) t = t * (2 + t) / 3; // every step has its own length
+      const auto b = from_young(70, 0.3);
+      plan.problem.forms[0] = elastic(dim, body, field_of_u(1), b, 0.2); // multiples of one tensor
+      const auto reduced = record(plan, false);
+      plan.options.proportional_path = false;
+      const auto all = record(plan, false);
+      double size = 0.0, apart = 0.0;
+      for (std::size_t m = 0; m < all.states.size(); ++m) {
+        size = std::max(size, all.states[m].lpNorm<Eigen::Infinity>());
+        apart = std::max(apart, (all.states[m] - reduced.states[m]).lpNorm<Eigen::Infinity>());
+      }
+      EXPECT_LE(apart, 1e-9 * size) << dim;
+      EXPECT_GT(size, 1e-3);
+    }
+}
+
+/// A law on the rate of a plan without time, or on a memory, is a mistake of the plan.
+TEST(Rates, PlansWithoutARateAreRefused) {
+  Plan plan = joint(1, 2, 1.0, 1.0);
+  EXPECT_TRUE(validate(plan, 2).empty());
+  plan.problem.law_terms.back().field = field_of_memory(0);
+  EXPECT_FALSE(validate(plan, 2).empty());
+  plan.problem.law_terms.back().field = -1;
+  EXPECT_FALSE(validate(plan, 2).empty());
+  plan.problem.law_terms.back().field = field_of_u(1);
+  plan.problem.time.is_static = true;
+  EXPECT_FALSE(validate(plan, 2).empty());
+}
+
+} // namespace
+} // namespace hvi::solver
