@@ -41,8 +41,13 @@ void print_monitors(const solver::MonitorTable& m) {
   };
   say("energy: {:.9g} = elastic {:.9g} + contact {:.9g} - load\n", last("energy"), last("elastic"),
       last("contact"));
-  say("work: {:.9g}; viscous {:.6g}, memory {:.6g}, lost {:.6g} (balance to {:.1e})\n",
-      last("work"), last("viscous"), last("memory"), last("lost"), m.balance_error);
+  std::string of_laws;
+  for (const auto& name : m.names)
+    if (name.starts_with("friction_"))
+      of_laws +=
+          fmt::format(", of it `{}` {:.6g}", name.substr(name.find('_') + 1), last(name.c_str()));
+  say("work: {:.9g}; viscous {:.6g}, memory {:.6g}, lost {:.6g}{} (balance to {:.1e})\n",
+      last("work"), last("viscous"), last("memory"), last("lost"), of_laws, m.balance_error);
   say("lemma 3.2: max|u| {:.6g}, sum|du|^2 {:.6g}, max|xi| {:.6g}, sum k|du/k|^2 {:.6g}\n",
       last("lemma_u"), last("lemma_jumps"), last("lemma_xi"), last("lemma_rate"));
 }

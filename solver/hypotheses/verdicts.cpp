@@ -165,7 +165,8 @@ private:
   }
 
   void on_rates() {
-    theorem_ = "Migorski, Ochal, Sofonea (2011): for u', the rest being its history";
+    theorem_ = "the problem for u' with its history: A coercive in V, m_A > m_J ||M||^2 of the "
+               "laws on u', Banach's fixed point";
     order_failed_ = "the paper's estimate is for laws on u; `study` measures the orders";
     if (out_.rate_form != RateForm::in_v)
       return refuse("a law acts on u', and no form A coercive in V does: of the continuous problem "
@@ -176,11 +177,9 @@ private:
     if (!std::isfinite(facts_.lipschitz))
       return refuse("the slope of a law on u jumps, beside a law on u': of the continuous problem "
                     "nothing is claimed, of the steps see `step`");
-    accept(
-        fmt::format("the theorem for history-dependent inequalities of u' applies (Migorski, "
-                    "Ochal, Sofonea 2011): A is coercive in V with m_A > m_J ||M||^2 of the laws "
-                    "on u', one solution{}",
-                    estimate()));
+    accept(fmt::format("laws act on u', and the rest of the problem is the history of u': A is "
+                       "coercive in V with m_A > m_J ||M||^2 of these laws, one solution{}",
+                       estimate()));
   }
 
   void in_h() {

@@ -40,9 +40,7 @@ struct VerdictFacts {
 ///   in L2(0, T; V*) only, and the error estimate, which tests with A in V, falls away.
 /// - Laws on u': with w = u' the problem is one for w whose operators B, R and, where their slopes
 ///   are Lipschitz, the laws on u act on the history of w; one solution where A is coercive in V
-///   and m_A > m_J |M|^2 of the laws on u' (S. Migorski, A. Ochal, M. Sofonea, History-dependent
-///   subdifferential inclusions and hemivariational inequalities in contact mechanics, Nonlinear
-///   Anal. Real World Appl. 12 (2011) 3384-3396).
+///   and m_A > m_J |M|^2 of the laws on u' (the same fixed point; docs/theory.md).
 void give_verdicts(const VerdictFacts& facts, HypothesisReport& report);
 
 } // namespace hvi::solver

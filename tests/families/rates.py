@@ -22,7 +22,7 @@ from orientation import CONVEX, TOLERANCE, Term, number
 from solids import turning
 
 TURNS = 60  # of brute force: where many points stick, multipliers are not unique, and it may not find any
-WITHOUT_REFERENCE = 0.06
+WITHOUT_REFERENCE = 0.1
 
 
 class RateTerm(Term):

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Random small scenes whose uniqueness is decided here, by dense eigenvalues at every step.
 
-Usage: verdicts.py HVI_RUN [--scenes N] [--seed S]
+Usage: verdicts.py HVI_RUN [--scenes N] [--seed S] [--rates SHARE]
 
 Each scene has a viscosity (or none), an elasticity, memories q(t, s) (or none) and a law whose steepest descent m is
 known by construction, on a chain or on a slab of triangles, over a uniform grid, a graded one or random times, by
 backward Euler or BDF2, or it is static. Independent of the program: stiffness matrices are assembled here, the weights
 of the memories are Gauss-Legendre sums, and the problem of step n has one solution for every load iff
-K_n - m sum_p w_p g_p g_p^T is positive definite (the law is as steep everywhere on an interval of arguments, and the load is free).
+K_n - m sum_p w_p g_p g_p^T is positive definite (the law is as steep everywhere on an interval of arguments, and the load is free). In a share of the scenes the law sees u', and
+m counts as much more as u' grows with the increment.
 
 Wrong: `check` says "exactly one solution" or `run` "guaranteed" where a step has several, or the step margin is more than
 0.5 % of the ratio off. Refused: one of them says no where every step is unique with 1 % to spare. Both must be 0.
@@ -100,7 +101,7 @@ def step_matrices(stiff, tensors, kernels, times, bdf2):
         matrix = stiff(*b) + (rate * stiff(*a) if a else 0)
         for (_, q), e in zip(kernels, memories):
             matrix = matrix + k / 2 * np.sum(weights * q(times[n], lag) * shape) * stiff(*e)
-        yield matrix
+        yield matrix, rate
 
 
 def ratio(matrix, form):
@@ -111,13 +112,14 @@ def ratio(matrix, form):
     return np.linalg.eigvalsh(inverse @ form @ inverse.T)[-1]
 
 
-def scene(random):
-    """Script, and lambda_max of every step with the law's m."""
+def scene(random, rates):
+    """Script, and lambda_max of every step with the law's m. `rates`: how likely it acts on u'."""
+    on_rate = rates > 0 and random.random() < rates
     flat = random.random() < 0.3
     cells = int(random.integers(1, 3) if flat else random.integers(1, 9))
     stiff, points = slab(cells) if flat else chain(cells)
     constants = lambda scale: tuple(float(v) for v in scale * np.exp(random.uniform(-1.5, 1.5, 2)))
-    static = random.random() < 0.1
+    static = random.random() < 0.1 and not on_rate
     a = None if static or random.random() < 0.2 else constants(random.choice([1e-3, 0.05, 1]))
     b = constants(1)
     kernels = [] if static else [kernel(random) for _ in range(random.integers(0, 3))]
@@ -126,7 +128,8 @@ def scene(random):
     bdf2 = not static and random.random() < 0.25
     times = np.array([0.0, 1.0]) if static else times
     form = sum(w * np.outer(g, g) for w, g in points)
-    ratios = np.array([ratio(k, form) for k in step_matrices(stiff, (a, b, memories), kernels, times, bdf2)])
+    ratios = np.array([ratio(k, rate * form if on_rate else form)
+                       for k, rate in step_matrices(stiff, (a, b, memories), kernels, times, bdf2)])
     if static:
         ratios = np.array([ratio(stiff(*b), form)])
     worst = ratios.max()
@@ -143,6 +146,8 @@ def scene(random):
         grad = lambda c, u: f"{c[0] + 2 * c[1]!r}*dot(grad({u}), grad(v))"
         head = f"mesh body = interval(1, cells = {cells})\npart held = body.left\npart touched = body.right\n"
         load = "integral(touched, 1e-6*v)"
+    if on_rate:
+        arg = arg.replace("u", "u'", 1)
     tensors, forms = "", []
 
     def form_of(c, u):
@@ -188,6 +193,7 @@ def main():
     parser.add_argument("hvi_run")
     parser.add_argument("--scenes", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1706)
+    parser.add_argument("--rates", type=float, default=0.0)
     options = parser.parse_args()
     random = np.random.default_rng(options.seed)
     unique = wrong = refused = solved = 0
@@ -195,7 +201,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         for number in range(options.scenes):
-            script, ratios = scene(random)
+            script, ratios = scene(random, options.rates)
             (folder / "scene.hvi").write_text(script)
 
             def tell(what):

@@ -21,7 +21,8 @@ Bench random_bench(std::mt19937& random) {
     if (std::isfinite(law.m)) laws.push_back(out.law(law.spec));
   const auto pick = [&](std::size_t count) { return static_cast<int>(random() % count); };
   for (int p = 0; p < 2 * unknowns; ++p)
-    out.point(laws[static_cast<std::size_t>(pick(laws.size()))], 0.1 + 0.2 * std::abs(uniform(random)),
+    out.point(laws[static_cast<std::size_t>(pick(laws.size()))],
+              0.1 + 0.2 * std::abs(uniform(random)),
               {{{pick(unknowns), uniform(random)}, {pick(unknowns), uniform(random)}}},
               {0.3 * uniform(random)});
   out.finish();
