@@ -93,7 +93,7 @@ int EquilibriumCurve::visit(const Vector& z, const Vector& xi, const Vector& b1,
       if (step == CurveStep::failed) break;
       if (step == CurveStep::at_load) solution(walk.here().state);
     }
-    steps = walk.steps();
+    steps += walk.steps();
   }
   return steps;
 }

@@ -43,7 +43,7 @@ public:
   /// on the graph first), to l = 1, where b = b_1.
   FollowedBranch follow(const Vector& z, const Vector& xi, const Vector& b1) const;
   /// Along the whole curve, both ways, however often it turns: `solution` is called at each l = 1.
-  /// The steps of the second way.
+  /// Returns the steps of both ways.
   int visit(const Vector& z, const Vector& xi, const Vector& b1,
             const std::function<void(const CurveState&)>& solution) const;
 

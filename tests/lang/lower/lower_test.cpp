@@ -143,6 +143,36 @@ TEST(Lower, EffectsAndArgumentsOfLaws) {
   EXPECT_EQ(plan.problem.loads[1].effect, Effect::traction);
 }
 
+// A law sees u or its rate, through the same rows.
+TEST(Lower, LawsOnTheRateKnowTheirField) {
+  const auto with = [](const std::string& laws) {
+    return plan_of(evolution + "    integral(body, B : eps(u) : eps(v)) + integral(ground, " +
+                   laws + ")\n >= integral(body, v.y)\n");
+  };
+  const auto plan = with("layer^0(0.5 - 2*u'.nu; -2*v.nu) + slip^0(u'.tau; v.tau)"),
+             on_u = with("layer^0(0.5 - 2*u.nu; -2*v.nu) + slip^0(u.tau; v.tau)");
+  ASSERT_EQ(plan.problem.law_terms.size(), 2u);
+  std::mt19937 random(6);
+  Values at(random);
+  for (std::size_t l = 0; l < 2; ++l) {
+    const auto &term = plan.problem.law_terms[l], &same = on_u.problem.law_terms[l];
+    EXPECT_EQ(term.field, solver::field_of_u(1));
+    EXPECT_EQ(same.field, solver::field_of_u(0));
+    ASSERT_EQ(term.rows.size(), same.rows.size());
+    for (std::size_t r = 0; r < term.rows.size(); ++r) {
+      for (int i = 0; i < 2; ++i) EXPECT_EQ(at.of(term.rows[r].u[i]), at.of(same.rows[r].u[i]));
+      EXPECT_EQ(at.of(term.rows[r].offset), at.of(same.rows[r].offset));
+    }
+  }
+  EXPECT_EQ(at.of(plan.problem.law_terms[0].rows[0].offset), 0.5);
+  EXPECT_TRUE(validate(plan, 2).empty());
+  const auto& effects = plan.problem.effects;
+  for (const char* name :
+       {"law on the rate `layer` on `ground`", "friction on the rate `slip` on `ground`"})
+    EXPECT_TRUE(std::ranges::any_of(effects, [&](const auto& e) { return e.name == name; }))
+        << name;
+}
+
 TEST(Lower, MemoriesThatNothingUsesAreLeftOutAndTheOthersRenumbered) {
   const auto plan = plan_of(
       evolution +

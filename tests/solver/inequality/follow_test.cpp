@@ -1,6 +1,7 @@
 // Branches followed from the last state: limit points by hand, and answers that do not depend on
 // the number of steps.
 #include "problems.hpp"
+#include "solver/inequality/equilibrium_curve.hpp"
 
 #include <gtest/gtest.h>
 
@@ -293,6 +294,30 @@ TEST(LeastEnergy, IsTheLeastOfAllCombinations) {
   }
   EXPECT_GE(proved, scenes * 99 / 100);
   EXPECT_GT(better, scenes / 20);
+}
+
+/// A visit goes both ways from the last state and counts the steps of both: three kinks lie each
+/// way.
+TEST(Follow, AVisitCountsTheStepsOfBothWays) {
+  Expr slope = 2.0 * arg();
+  for (const double kink : {-3.0, -2.0, -1.0, 1.0, 2.0, 3.0})
+    slope = slope + 0.25 * abs(arg() - Expr(kink));
+  Bench setup = one_spring(slope);
+  const PreparedLaw law(*setup.owned[0], setup.problem.graphs[0]);
+  const CurveGraph graph(law);
+  const EquilibriumCurve curve(DenseMatrix::Constant(1, 1, 1.0), {{&graph, 1.0}});
+  const auto steps = [&](double z, double load) {
+    const Vector at = Vector::Constant(1, z);
+    int solutions = 0;
+    const Vector xi = Vector::Constant(
+        1, setup.owned[0]->slope(setup.problem.graphs[0], piece_of(setup.problem.graphs[0], z), z));
+    const int out =
+        curve.visit(at, xi, Vector::Constant(1, load), [&](const CurveState&) { ++solutions; });
+    EXPECT_EQ(solutions, 1);
+    return out;
+  };
+  EXPECT_GE(steps(0.0, 50.0), 6);
+  EXPECT_GE(steps(0.0, -50.0), 6);
 }
 
 } // namespace
