@@ -60,23 +60,19 @@ public:
       r += memory_[m] * w;
       histories_[m]->commit(t, {u.data(), n});
     }
-    return r.dot(off) + directional(t, u, rate, off, trace);
+    return r.dot(off) + directional(t, u, off, trace);
   }
 
 private:
   /// J^0(M u; M off) by the points of the laws.
-  double directional(double t, const Vector& u, const Vector& rate, const Vector& off,
-                     double& trace) {
+  double directional(double t, const Vector& u, const Vector& off, double& trace) {
     double sum = 0.0, square = 0.0;
     if (contact_.none()) return trace = 0.0;
     Vector state = Vector::Zero(layout_.n_state);
     layout_.gather(u, state);
-    LawFields fields(state);
-    for (const int j : contact_.other_fields) fields.add(j, 1.0, Vector::Zero(layout_.n_state));
-    prepare(contact_, problem_, t, fields, Vector::Zero(contact_.n_rows()));
+    prepare(contact_, problem_, t, LawFields(state), Vector::Zero(contact_.n_rows()));
     for (const auto& term : contact_.terms) {
-      const Vector z = term.points.g * (term.field == field_of_u(0) ? u : rate) +
-                       contact_.offset.segment(term.first_row, term.n_rows());
+      const Vector z = term.points.g * u + contact_.offset.segment(term.first_row, term.n_rows());
       const Vector direction = term.points.g * off;
       for (int p = 0; p < term.n_points(); ++p) {
         const auto& point = contact_.problem.points[term.first_point + p];
@@ -153,6 +149,9 @@ std::optional<CeaTerms> cea_terms(const FineSolution& solution, const Problem& p
                                   const Discretisation& coarse) {
   CeaTerms out;
   if (problem.time.is_static) return std::nullopt;
+  if (std::ranges::any_of(problem.law_terms,
+                          [](const LawTerm& term) { return term.field != field_of_u(0); }))
+    return std::nullopt;
   const Space& fine = solution.discretisation->space;
   // v = the interpolant of u: values of the fine function at the coarse nodes, seen in the fine
   // space.
