@@ -261,26 +261,26 @@ void Checker::check_law_alone(int declaration) {
   for (const Diagnostic& d : trial.items()) diagnostics_.add(d);
 }
 
-/// Which derivative of the unknown the argument of a law is made of; nothing (reported) when it has
-/// two of them, or anything else than values.
-std::optional<int> Checker::law_derivative(const ast::Clarke& clarke, const Field& at) {
+/// What the argument of a law is made of: u, u' or a memory; nothing (reported) when there are two
+/// of them, or anything else than values.
+std::optional<int> Checker::law_field(const ast::Clarke& clarke, const Field& at) {
   std::optional<int> out;
   for (const Symbol& component : at.components)
     for (const solver::Slot s : solver::slots_of(component)) {
       if (s < slot::first_field || s >= slot::first_multiplier) continue;
       const int k = (s - slot::first_field) % slot::field_stride;
       const int field = (s - slot::first_field) / slot::field_stride;
-      if (k >= 3 || solver::is_memory(field)) {
+      if (k >= 3) {
         error("E0414", clarke.at->span,
               "M takes values of the unknown: its trace, a part of it or itself",
               "write `u.nu`, `u.tau`, a component, `u` or `u.nu - gap`");
         return std::nullopt;
       }
       if (out && *out != field) {
-        error(
-            "E0415", clarke.at->span,
-            fmt::format("the argument of the law has `{0}` and `{0}'` in it", find_->unknown.text),
-            "a law sees one of them; write two laws");
+        error("E0415", clarke.at->span,
+              fmt::format("the argument of the law has two of `{0}`, `{0}'` and memories in it",
+                          find_->unknown.text),
+              "a law sees one of them; write two laws");
         return std::nullopt;
       }
       out = field;
@@ -288,40 +288,68 @@ std::optional<int> Checker::law_derivative(const ast::Clarke& clarke, const Fiel
   return out;
 }
 
-std::optional<std::vector<LawRow>> Checker::law_rows(const ast::Clarke& clarke, const Field& at,
-                                                     const Field& direction, int of) {
+namespace {
+
+/// The c with a = c b at a few points that share no special value.
+std::optional<double> ratio(const Symbol& a, const Symbol& b) {
+  std::optional<double> out;
+  for (int trial = 0; trial < 4; ++trial) {
+    const auto at = [&](solver::Slot s) { return std::sin(1.7 * s + 2.3 * trial + 0.4); };
+    const double x = evaluate(a, at), y = evaluate(b, at);
+    if (x == 0.0 && y == 0.0) continue;
+    const double c = x / y;
+    if (!std::isfinite(c) || c == 0.0 || (out && std::abs(c - *out) > 1e-12 * std::abs(c)))
+      return std::nullopt;
+    if (!out) out = c;
+  }
+  return out;
+}
+
+} // namespace
+
+/// The rows of a law's argument, whose direction has the same: M is one operator. A kernel's
+/// constant factor stands before its memory: there the direction has the rows, and the argument
+/// `of_memory` times them.
+bool Checker::law_rows(const ast::Clarke& clarke, const Field& at, const Field& direction,
+                       LawUse& use) {
   const int d = model_.space.vector ? model_.dim : 1;
-  std::vector<LawRow> rows;
+  const std::string& u = find_->unknown.text;
+  const std::string seen = use.field == solver::field_of_u(1) ? u + "'" : u;
+  std::optional<double> of_memory;
   std::vector<std::pair<solver::Slot, Symbol>> at_rest;
-  for (int k = 0; k < 12; ++k) at_rest.emplace_back(slot::field(of, k), Symbol(0.0));
+  for (int k = 0; k < 12; ++k) at_rest.emplace_back(slot::field(use.field, k), Symbol(0.0));
   for (std::size_t c = 0; c < at.components.size(); ++c) {
     LawRow row;
     for (int i = 0; i < d; ++i) {
-      row.u.push_back(derivative(at.components[c], slot::field(of, slot::value(i))));
+      Symbol own = derivative(at.components[c], slot::field(use.field, slot::value(i)));
       for (int j = 0; j < d; ++j)
-        if (row.u.back().depends_on(slot::field(of, slot::value(j)))) {
+        if (own.depends_on(slot::field(use.field, slot::value(j)))) {
           error("E0403", clarke.at->span,
-                fmt::format("the argument of a law is linear in `{}{}`", find_->unknown.text,
-                            of == solver::field_of_u(0) ? "" : "'"));
-          return std::nullopt;
+                fmt::format("the argument of a law is linear in `{}`", seen));
+          return false;
         }
       const Symbol v = derivative(direction.components[c], slot::test(slot::value(i)));
+      if (solver::is_memory(use.field) && !own.is(0.0)) {
+        if (!of_memory) of_memory = ratio(own, v);
+        if (of_memory && agree(own, Symbol(*of_memory) * v)) own = v;
+      }
+      row.u.push_back(own);
       if (!agree(row.u.back(), v)) {
         diagnostics_.add(
             diagnose("E0414", clarke.direction->span,
-                     fmt::format("the direction is not the argument with `{}` in place of `{}{}`",
-                                 find_->test.text, find_->unknown.text,
-                                 of == solver::field_of_u(0) ? "" : "'"))
+                     fmt::format("the direction is not the argument with `{}` in place of `{}`",
+                                 find_->test.text, seen))
                 .with_secondary(clarke.at->span, "the argument")
                 .with_help("j^0(Mu; Mv) takes the same M twice: `j^0(u.nu; v.nu)`, "
                            "`j^0(-u.nu; -v.nu)`"));
-        return std::nullopt;
+        return false;
       }
     }
     row.offset = substitute(at.components[c], at_rest);
-    rows.push_back(std::move(row));
+    use.rows.push_back(std::move(row));
   }
-  return rows;
+  use.of_memory = of_memory.value_or(1.0);
+  return true;
 }
 
 Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& scope) {
@@ -362,16 +390,18 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
           fmt::format("the direction is {}, the argument {}", describe(*direction), describe(*at)));
     return Poison{};
   }
-  const auto of = law_derivative(c, *at);
-  auto rows = of ? law_rows(c, *at, *direction, *of) : std::nullopt;
-  if (rows && !find_->time && offset_in_time(*rows)) {
+  LawUse use;
+  const auto seen = law_field(c, *at);
+  use.field = seen.value_or(solver::field_of_u(0));
+  const bool same = seen && law_rows(c, *at, *direction, use);
+  if (same && !find_->time && offset_in_time(use.rows)) {
     error("E0412", c.at->span, "a static problem has no time `t`",
           "add `for t in [0, T] by N steps from u = 0` to the find statement");
     return Poison{};
   }
   if (at->rank == 1 && !is_law_of_vectors(index, *c.at, *at)) return Poison{};
   auto law = law_for(index, at->rank == 1, c.law->span);
-  if (!rows || !law) return Poison{};
+  if (!same || !law) return Poison{};
   if (!find_->time && model_.laws[*law].spec.expression.depends_on(slot::t)) {
     error("E0412", c.law->span,
           fmt::format("`{}` depends on the time `t`, and a static problem has none", r->name),
@@ -381,12 +411,9 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
   Field out = scalar_field(0.0);
   out.test = Degree::linear;
   out.rate = at->rate;
-  LawUse use;
   use.law = *law;
   use.name = r->name;
   use.span = e.span;
-  use.derivative = *of;
-  use.rows = std::move(*rows);
   out.laws.push_back(std::move(use));
   return out;
 }

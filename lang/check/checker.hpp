@@ -175,9 +175,8 @@ private:
   Span place_in_law(const solver::Failure& failure, const Span& otherwise) const;
   void warn_of_unreached_cases(bool radial);
   std::optional<int> law_for(int declaration, bool radial, const Span& use);
-  std::optional<int> law_derivative(const ast::Clarke& clarke, const Field& at);
-  std::optional<std::vector<LawRow>> law_rows(const ast::Clarke& clarke, const Field& at,
-                                              const Field& direction, int of);
+  std::optional<int> law_field(const ast::Clarke& clarke, const Field& at);
+  bool law_rows(const ast::Clarke& clarke, const Field& at, const Field& direction, LawUse& use);
   std::optional<Field> law_body(int declaration, const Field& argument,
                                 const std::map<std::string, Value>& parameters, const Span& use);
   bool is_law_of_vectors(int declaration, const ast::Expr& argument, const Field& at);

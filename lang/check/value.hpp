@@ -38,8 +38,9 @@ struct LawUse {
   std::string name;
   Span span; ///< of the whole j^0(...)
   Symbol factor = 1.0;
-  Span factor_span;   ///< where a factor stands, if any
-  int derivative = 0; ///< of the unknown in time, that the law sees
+  Span factor_span;       ///< where a factor stands, if any
+  int field = 0;          ///< what the law sees (solver::field_of_u, field_of_memory)
+  double of_memory = 1.0; ///< and how many times a memory
   std::vector<LawRow> rows;
 };
 

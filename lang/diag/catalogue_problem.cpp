@@ -110,10 +110,11 @@ component, or the value itself.)",
 layer^0(u.nu; v.x))",
      R"(
 layer^0(u.nu; v.nu))"},
-    {"E0415", "law of the unknown and its rate at once",
+    {"E0415", "law of two things at once",
      R"(
-A law sees u, as a layer that is pressed, or u', as friction that dissipates. Two laws may act on one
-part, each with its own argument; one argument cannot have both in it.)",
+A law sees u, as a layer that is pressed, or u', as friction that dissipates, or a memory,
+`history(q, u).nu`. Two laws may act on one part, each with its own argument; one argument cannot
+have two of them in it.)",
      R"(
 layer^0(u.nu + 0.1*u'.nu; v.nu))",
      R"(

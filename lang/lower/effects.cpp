@@ -48,6 +48,11 @@ solver::Origin origin_of(Model& model, const solver::Problem& problem, const Spa
   return model.origin(span);
 }
 
+const char* on_what(int field) {
+  if (field == solver::field_of_u(0)) return "";
+  return solver::is_memory(field) ? " on the memory" : " on the rate";
+}
+
 } // namespace
 
 std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
@@ -80,9 +85,8 @@ std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
       const bool flat = model.laws[use.law].spec.expression.is(0.0);
       (radial ? any_friction : any_normal) = true;
       EffectNote law;
-      law.name = fmt::format("{}{} `{}` on `{}`", radial ? "friction" : "law",
-                             use.derivative > 0 ? " on the rate" : "", use.name,
-                             model.parts[term.part].name);
+      law.name = fmt::format("{}{} `{}` on `{}`", radial ? "friction" : "law", on_what(use.field),
+                             use.name, model.parts[term.part].name);
       law.state = zero || flat ? State::dropped : State::on;
       law.origin = origin_of(model, problem, use.span);
       law.why = zero ? "its factor is zero" : flat ? "the superpotential is zero" : "";

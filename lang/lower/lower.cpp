@@ -60,11 +60,12 @@ private:
   /// Leaves out memory fields that nothing uses any more and laws that were dropped: the report's
   /// expressions and the forms get the new numbers; the multiplier of a dropped law is 0.
   void rename_report() {
-    std::vector<int> fresh(model_.histories.size(), -1);
+    std::vector<int> fresh(plan_.problem.histories.size(), -1);
     auto use = [&](int field) {
       if (solver::is_memory(field)) fresh[solver::memory_of(field)] = 0;
     };
     for (const FormTerm& form : plan_.problem.forms) use(form.field);
+    for (const solver::LawTerm& term : plan_.problem.law_terms) use(term.field);
     for_each_report_expression([&](Symbol& e) {
       for (solver::Slot s : solver::slots_of(e))
         if (is_trial(s)) use(field_of(s));
@@ -82,6 +83,9 @@ private:
     for (FormTerm& form : plan_.problem.forms)
       if (solver::is_memory(form.field))
         form.field = solver::field_of_memory(fresh[solver::memory_of(form.field)]);
+    for (solver::LawTerm& term : plan_.problem.law_terms)
+      if (solver::is_memory(term.field))
+        term.field = solver::field_of_memory(fresh[solver::memory_of(term.field)]);
     plan_.problem.histories = std::move(kept);
     for (std::size_t a = 0; a < applications_.size(); ++a)
       for (int k = 0; k < 3; ++k)
@@ -141,6 +145,17 @@ private:
     for (const LawUse& use : term.integrand.laws) lower_law(term, use);
   }
 
+  /// A law that sees c times a memory sees that of the kernel c q.
+  int field_of_law(const LawUse& use) {
+    if (!solver::is_memory(use.field) || use.of_memory == 1.0) return use.field;
+    auto& histories = plan_.problem.histories;
+    histories.push_back(histories[static_cast<std::size_t>(solver::memory_of(use.field))]);
+    auto& kernel = histories.back().kernel;
+    kernel.expression = Symbol(use.of_memory) * kernel.expression;
+    kernel.series.reset(); // found again in the expression
+    return solver::field_of_memory(static_cast<int>(histories.size()) - 1);
+  }
+
   void lower_law(const ModelTerm& term, const LawUse& use) {
     const Symbol factor = term.factor * use.factor;
     applications_.push_back(-1);
@@ -151,7 +166,7 @@ private:
     out.name = use.name;
     out.law = use.law;
     out.part = term.part;
-    out.field = solver::field_of_u(use.derivative);
+    out.field = field_of_law(use);
     out.rule = term.rule == solver::Rule::exact ? solver::Rule::gauss : term.rule;
     out.effect = model_.laws[use.law].spec.radial ? Effect::friction : Effect::normal_law;
     out.factor = factor;

@@ -53,7 +53,9 @@ public:
       : plan_(plan), problem_(plan.problem), d_(d), numbers_(plan, d) {
     facts_.is_static = problem_.time.is_static;
     for (const auto& term : problem_.law_terms)
-      (term.field == field_of_u(0) ? facts_.has_laws : facts_.has_rate_laws) = true;
+      (term.field == field_of_u(0) ? facts_.has_laws
+       : is_memory(term.field)     ? facts_.has_memory_laws
+                                   : facts_.has_rate_laws) = true;
   }
 
   HypothesisReport report(bool extrapolate) {
@@ -250,6 +252,8 @@ private:
         Bracket& known = law.radial ? m_tau : m_nu;
         known = larger(known, law.m);
         facts_.lipschitz = std::max(facts_.lipschitz, law.lipschitz);
+      } else if (is_memory(term.field)) {
+        facts_.lipschitz_memory = std::max(facts_.lipschitz_memory, law.lipschitz);
       } else {
         m_rate = larger(m_rate, law.m);
       }
@@ -286,6 +290,12 @@ private:
     const double norm = numbers_.script_norm(field_of_u(1));
     row("H(M)", "M of the laws on the rate is bounded and compact: ||M||^2", norm,
         yes(std::isfinite(norm)), law_origin(field_of_u(1)), "on this mesh");
+  }
+
+  Origin law_on_memory() const {
+    return std::ranges::find_if(problem_.law_terms,
+                                [](const LawTerm& term) { return is_memory(term.field); })
+        ->origin;
   }
 
   Origin law_origin(int field) const {
@@ -367,6 +377,10 @@ private:
   void judge_rate_laws() {
     Margins& m = out_.margins;
     m.rate_split = c().m_A, m.rate_against_a = 1.0;
+    if (facts_.has_memory_laws)
+      row("memory", "the slopes of the laws on memories are Lipschitz: their constant",
+          facts_.lipschitz_memory, yes(std::isfinite(facts_.lipschitz_memory)), law_on_memory(),
+          "then they are a part of the history, as R is");
     if (!facts_.has_rate_laws) return;
     m.rate_split = numbers_.margin_split(field_of_u(1), c().m_A);
     m.rate_against_a = c().m_A > 0.0 ? numbers_.margin_against(field_of_u(1)) : -infinity;

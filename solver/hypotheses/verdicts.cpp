@@ -19,7 +19,10 @@ public:
 
   void give() {
     discrete();
-    if (facts_.is_static)
+    if (!std::isfinite(facts_.lipschitz_memory))
+      refuse("the slope of a law on a memory jumps: of the continuous problem nothing is claimed, "
+             "of the steps see `step`");
+    else if (facts_.is_static)
       at_one_time();
     else if (facts_.has_rate_laws)
       on_rates();
@@ -31,6 +34,7 @@ public:
       in_h();
     else
       refuse("A is not coercive (H(A)), neither in V nor in H: the theory asks for it");
+    if (facts_.has_memory_laws && out_.continuous) with_memory_laws();
     theorem_rows();
   }
 
@@ -162,6 +166,13 @@ private:
           "every m_J, to which the scheme converges for steps k < {:.6g}{}",
           b ? "(H0)" : "H(B)", facts_.step_bound, estimate()));
     }
+  }
+
+  /// They are a part of the history, which the paper's estimate knows as a linear one.
+  void with_memory_laws() {
+    theorem_ += ", the laws on memories being a part of the history";
+    if (order_failed_.empty())
+      order_failed_ = "the paper's estimate is for laws on u; `study` measures the orders";
   }
 
   void on_rates() {

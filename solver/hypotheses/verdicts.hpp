@@ -8,10 +8,11 @@ namespace hvi::solver {
 /// What the verdicts need beside the rows.
 struct VerdictFacts {
   bool is_static = false;
-  bool has_laws = false, has_rate_laws = false; ///< on u; on u'
-  double lipschitz = 0.0;                       ///< of the slopes of the laws on u
-  bool has_memory = false;                      ///< some of it acts
-  bool integrable = true;                       ///< int |q| of every kernel is finite
+  bool has_laws = false, has_rate_laws = false,
+       has_memory_laws = false;                   ///< on u; on u'; on memories
+  double lipschitz = 0.0, lipschitz_memory = 0.0; ///< of the slopes of laws on u; on memories
+  bool has_memory = false;                        ///< some of it acts
+  bool integrable = true;                         ///< int |q| of every kernel is finite
   bool proved = true;        ///< m_J of the laws is bounded by proof, not sampled
   bool coupled = false;      ///< a law's bound is another law's multiplier
   double steps_margin = 0.0; ///< no step has a smaller one

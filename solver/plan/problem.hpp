@@ -150,7 +150,7 @@ struct LawTerm {
   std::string name; ///< of the law, for `layer.xi`
   int law = 0;      ///< index into Problem::laws
   int part = 0;
-  int field = field_of_u(0); ///< what the law sees: u, or u'
+  int field = field_of_u(0); ///< what the law sees: u, u', or a memory
   Rule rule = Rule::nodal;
   Effect effect = Effect::normal_law;
   Expr factor = 1.0; ///< positive, of slot::x and slot::normal

@@ -189,11 +189,9 @@ private:
 
   void law_term(const LawTerm& term) {
     part(term.part, term.origin, "a law");
-    if (term.field < field_of_u(0) || term.field > field_of_u(highest_derivative))
-      wrong(term.origin,
-            fmt::format("a law acts on field {}, which is no derivative of u", term.field));
-    else if (term.field != field_of_u(0) && problem_.time.is_static)
-      wrong(term.origin, "a law acts on a rate, and a static problem has none");
+    if (index(term.field, n_fields_, term.origin, "a law", "field") &&
+        term.field != field_of_u(0) && problem_.time.is_static)
+      wrong(term.origin, "a law acts on a rate or a memory, and a static problem has none");
     variables(term.factor, of_facet, term.origin, "the factor of a law");
     for (const auto& row : term.rows) {
       for (std::size_t i = 0; i < row.u.size(); ++i) {

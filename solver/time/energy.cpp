@@ -45,7 +45,8 @@ EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, co
                                                       "snap"},
       sums_(n_sums, 0.0), columns_(names_.size()) {
   for (const auto& term : problem.law_terms)
-    if (term.field != field_of_u(0)) names_.push_back("friction_" + term.name);
+    if (term.field != field_of_u(0))
+      names_.push_back((is_memory(term.field) ? "law_" : "friction_") + term.name);
   friction_.assign(names_.size() - columns_.size(), 0.0);
   columns_.resize(names_.size());
   for (std::size_t m = 0; m < problem.histories.size(); ++m)

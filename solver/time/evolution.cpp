@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace hvi::solver {
 namespace {
@@ -32,6 +33,10 @@ bool is_of_a_run(const MemoryExtent& extent, const TimeGrid& grid, int step) {
 Evolution::Evolution(const Plan& plan, Vector u0, bool imposed)
     : plan_(plan), imposed_(imposed), scheme_(make_scheme(plan.problem.time)), u_(std::move(u0)) {
   scheme_->start(static_cast<int>(u_.size()));
+  std::set<int> seen;
+  for (const auto& term : plan.problem.law_terms)
+    if (is_memory(term.field) && seen.insert(memory_of(term.field)).second)
+      memories_of_laws_.emplace_back(memory_of(term.field), Vector::Zero(u_.size()));
   memory_.emplace(plan, static_cast<int>(u_.size()));
 }
 
@@ -64,6 +69,11 @@ LawFields Evolution::law_fields(int n, std::span<const int> others, const Vector
                                 const Vector* d) const {
   LawFields out(u);
   for (const int j : others) {
+    if (is_memory(j)) {
+      const int m = memory_of(j);
+      out.add(j, memory_->w0(m), memory_->known(m) + memory_->w0(m) * u);
+      continue;
+    }
     Vector increment = u - u_; // imposed values move, too
     if (d != nullptr) increment.head(d->size()) = *d;
     const double factor = scheme_->factor(n, j);
@@ -77,7 +87,10 @@ LawFields Evolution::law_fields(int n, std::span<const int> others, const Vector
 
 LawFields Evolution::law_fields(std::span<const int> others) const {
   LawFields out(u_);
+  for (const auto& [m, value] : memories_of_laws_)
+    out.add(field_of_memory(m), memory_->w0(m), value);
   for (const int j : others) {
+    if (is_memory(j)) continue;
     Vector value;
     derivative(j, value);
     out.add(j, scheme_->factor(std::max(step_, 1), j), std::move(value));
@@ -135,6 +148,7 @@ void Evolution::acting(const DenseMatrix& weights, int b, Vector& out, Vector& w
 void Evolution::accept(int n, Vector& u, Vector& d) {
   if (!grid().is_static()) memory_->commit(grid().t(n), u);
   u_.swap(u);
+  for (auto& [m, value] : memories_of_laws_) history_field(m, value);
   step_ = n;
   if (imposed_) u = u_ - u; // the increment with that of the imposed values
   scheme_->accept(n, imposed_ ? u : d);
@@ -179,6 +193,7 @@ void Evolution::save(std::ostream& out) const {
   put_vector(w, u_);
   scheme_->save(w);
   memory_->save(out);
+  for (const auto& [m, value] : memories_of_laws_) put_vector(w, value);
   w.put(field_reads());
 }
 
@@ -201,6 +216,7 @@ bool Evolution::restore(std::istream& in) {
   get_vector(r, u_, u_.size());
   scheme_->restore(r);
   memory_->restore(in);
+  for (auto& [m, value] : memories_of_laws_) get_vector(r, value, u_.size());
   earlier_reads_ = r.get_between<std::int64_t>(0, std::int64_t{1} << 60);
   return same_end;
 }

@@ -66,6 +66,7 @@ private:
   std::unique_ptr<TimeScheme> scheme_;
   std::optional<Memory> memory_; ///< made again where a run goes on beyond its end
   Vector u_;
+  std::vector<std::pair<int, Vector>> memories_of_laws_; ///< m, and w_m of the accepted state
   int step_ = 0;
   std::int64_t earlier_reads_ = 0;
 };

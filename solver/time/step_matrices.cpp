@@ -4,6 +4,8 @@
 #include "solver/common/stream.hpp"
 #include "solver/time/rigid.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace hvi::solver {
@@ -34,7 +36,10 @@ StepMatrices::Found StepMatrices::find(int n, const Vector& factors) {
   });
   if (found != kept_.end()) {
     kept_.splice(kept_.begin(), kept_, found);
-    return {*kept_.front().matrix, false};
+    StepMatrix& matrix = *kept_.front().matrix;
+    const bool same = matrix.law_factors() == law_factors(formulation_.contact(), factors);
+    if (!same) factor(n, factors, matrix);
+    return {matrix, !same};
   }
   if (kept_.size() < most_)
     kept_.insert(kept_.begin(), Kept{rate, length, another()});
@@ -47,6 +52,13 @@ StepMatrices::Found StepMatrices::find(int n, const Vector& factors) {
 }
 
 void StepMatrices::factor(int n, const Vector& factors, StepMatrix& matrix) const {
+  for (const auto& term : problem_.law_terms)
+    if (!(factors[term.field] > 0.0))
+      throw Failure(FailureKind::bad_kernel, term.origin,
+                    fmt::format("the law `{}` sees a memory in which the present counts {:.3g} in "
+                                "step {}, not more than 0",
+                                term.name, factors[term.field], n),
+                    "a law acts on memories whose kernel is positive at lag 0");
   matrix.set_law_factors(law_factors(formulation_.contact(), factors));
   const Vector gamma = formulation_.operators().weights.transpose() * factors;
   factor_or_explain(matrix, gamma, {formulation_, scheme_.grid(), n}, problem_, discretisation_);

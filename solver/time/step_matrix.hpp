@@ -37,6 +37,7 @@ public:
 
   /// What laws see moves so much faster than the unknowns (law_factors), from the next `factor` on.
   void set_law_factors(std::vector<double> factors) { law_factors_ = std::move(factors); }
+  const std::vector<double>& law_factors() const { return law_factors_; }
   /// Numeric factorisation for these coefficients; the pattern is analysed the first time only.
   /// Throws Failure(not_coercive).
   void factor(const Vector& gamma);

@@ -1,9 +1,9 @@
-"""Laws on u and on u' together, on random scenes: the answers of brute force at every step.
+"""Laws on u, on u' and on memories together, on random scenes: the answers of brute force at every step.
 
 usage: rates.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
 
 Each scene is a viscoelastic block in 2D or 3D, P1 or P2, some with memory, turned and scaled, with one to three laws on
-its ground (each rule), at least one of them on the rate, whose steps are strictly convex. Loads come and go, and what
+its ground (each rule), at least one of them on the rate or on a memory, whose steps are strictly convex. Loads come and go, and what
 holds the block may move. Grids are even, uneven or graded, schemes backward Euler and BDF2. A step is solved again by a
 dense brute force (brute.py) with derivatives and memories of its own.
 """
@@ -26,14 +26,14 @@ WITHOUT_REFERENCE = 0.1
 
 
 class RateTerm(Term):
-    """A law on u, or on u'."""
+    """A law on u, on u' or on int q u."""
 
-    def __init__(self, *of_term, rate):
+    def __init__(self, *of_term, sees):
         super().__init__(*of_term)
-        self.rate = rate
+        self.sees = sees
 
     def form(self):
-        return super().form().replace("^0(u", "^0(u'") if self.rate else super().form()
+        return super().form().replace("^0(u", "^0(" + {"u": "u", "rate": "u'", "memory": "history(Own, u)"}[self.sees])
 
 
 class Scene(orientation.Scene):
@@ -44,6 +44,7 @@ class Scene(orientation.Scene):
         self.memory = (random.uniform(-0.5, 0.5), 10 ** random.uniform(-1, 1)) if random.random() < 0.4 else None
         self.moves = random.normal(size=3) * 10 ** random.uniform(-2, 0) if random.random() < 0.4 else None
         self.wave = random.uniform(1, 12)
+        self.own = random.uniform(0.2, 3), 10 ** random.uniform(-1, 1)  # the kernel that laws see
         super().__init__(random)
 
     def choose_grid(self):
@@ -69,10 +70,10 @@ class Scene(orientation.Scene):
             return 1 / k, 0.0
         return (1 + 2 * w) / ((1 + w) * k), w * w / ((1 + w) * k)
 
-    def history(self, n):
+    def history(self, n, kernel):
         """Weights of u_0 .. u_n in int_0^t_n a/tau exp(-(t_n - s)/tau) u(s) ds: constant or linear between grid times."""
         out = np.zeros(n + 1)
-        a, tau = self.memory
+        a, tau = kernel
         x, w = np.polynomial.legendre.leggauss(24)
         for j in range(1, n + 1):
             low, high = self.grid[j - 1], self.grid[j]
@@ -95,7 +96,7 @@ class Scene(orientation.Scene):
     def matrix(self, n):
         k = self.rate(n)[0] * self.all_a + self.all_b
         if self.memory:
-            k = k + self.history(n)[n] * self.all_b
+            k = k + self.history(n, self.memory)[n] * self.all_b
         return k[np.ix_(self.free, self.free)]
 
     def load_at(self, t):
@@ -114,8 +115,9 @@ class Scene(orientation.Scene):
         self.pressure = float(np.abs(self.load).sum()) / area
         self.terms = []
         for name in ("first", "second", "third")[:1 + int(random.integers(3))]:
-            rate = not self.terms or random.random() < 0.4
-            reach, self.reach = self.reach, self.reach * (self.wave if rate else 1.0)  # of what the law sees
+            draw = random.random()
+            sees = "memory" if draw < 0.25 else "rate" if draw < 0.6 or not self.terms else "u"
+            reach, self.reach = self.reach, self.reach * (self.wave if sees == "rate" else 1.0)  # of what the law sees
             rubs = any(isinstance(t.law, Friction) for t in self.terms)  # two leave brute force no end of multipliers
             if rubs or random.random() < 0.5:
                 law, arguments = self.normal_law(), [".nu"]
@@ -125,7 +127,7 @@ class Scene(orientation.Scene):
                 law = self.normal_law()  # a corner of the ground may be moved through the obstacle
             self.reach = reach
             rule = str(random.choice(["nodal", "midpoint", "gauss"]))
-            self.terms.append(RateTerm(name, "bottom", str(random.choice(arguments)), rule, law, rate=rate))
+            self.terms.append(RateTerm(name, "bottom", str(random.choice(arguments)), rule, law, sees=sees))
         for _ in range(80):
             if self.ratio() <= CONVEX:
                 return
@@ -133,16 +135,23 @@ class Scene(orientation.Scene):
         raise AssertionError("no convex step")
 
     def law_points(self, n=1, known=None):
-        """Of step n from u_{n-1} and d_{n-1}; `known`: u_n where it is given, 0 elsewhere."""
+        """Of step n from u_0 .. u_{n-1}; `known`: u_n where it is given, 0 elsewhere, and these states."""
         out = []
-        s, carry = self.rate(n)
+        rate, carry = self.rate(n)
+        own = self.history(n, self.own)
+        factors = {"u": 1.0, "rate": rate, "memory": own[n]}
         for term in self.terms:
+            s = factors[term.sees]
             for p in term.points(self.solid):
                 if known is not None:
-                    held, last, before = known
-                    p.offset = p.rows @ (s * (held - last) - carry * before if term.rate else held)
-                if term.rate:
-                    p.rows, p.weight = s * p.rows, p.weight / s
+                    held, states, before = known
+                    if term.sees == "rate":
+                        p.offset = p.rows @ (s * (held - states[-1]) - carry * before)
+                    else:
+                        p.offset = p.rows @ (s * held)
+                    if term.sees == "memory":
+                        p.offset = p.offset + p.rows @ sum(w * u for w, u in zip(own, states))
+                p.rows, p.weight = s * p.rows, p.weight / s
                 p.rows = p.rows[:, self.free]
                 out.append(p)
         return out
@@ -160,9 +169,9 @@ class Scene(orientation.Scene):
             held[self.clamped_dofs] = self.held_at(t)
             right = -self.all_a @ (s * (held - last) - carry * before) - self.all_b @ held
             if self.memory:
-                weights = self.history(n)
+                weights = self.history(n, self.memory)
                 right -= self.all_b @ (sum(w * u for w, u in zip(weights, states)) + weights[n] * held)
-            points = self.law_points(n, (held, last, before))
+            points = self.law_points(n, (held, states, before))
             u = Step(self.matrix(n), points).solve(self.load * self.load_at(t) + right[self.free],
                                                           TURNS)
             if u is None:
@@ -188,10 +197,13 @@ class Scene(orientation.Scene):
             text = text.replace("space V", f"kernel Q(lag) = {number(a / tau)}*exp(-lag/{number(tau)})*B\nspace V")
             text = text.replace("(body, B : eps(u) : eps(v))",
                                 "(body, B : eps(u) : eps(v))\n  + integral(body, history(Q, eps(u)) : eps(v))")
+        if any(t.sees == "memory" for t in self.terms):
+            a, tau = self.own
+            text = text.replace("space V", f"kernel Own(lag) = {number(a / tau)}*exp(-lag/{number(tau)})\nspace V")
         return text
 
     def told(self):
-        laws = [(t.name, "u'" if t.rate else "u", t.argument, t.rule, type(t.law).__name__) for t in self.terms]
+        laws = [(t.name, t.sees, t.argument, t.rule, type(t.law).__name__) for t in self.terms]
         return (f"{self.dim}D P{self.order}, {'BDF2' if self.bdf2 else 'Euler'} {self.times}"
                 f"{', memory' if self.memory else ''}{', moved' if self.moves is not None else ''}, {laws}")
 

@@ -173,6 +173,28 @@ TEST(Lower, LawsOnTheRateKnowTheirField) {
         << name;
 }
 
+// A kernel's factor stays with the memory that a law sees; one that no form uses is kept for it.
+TEST(Lower, LawsOnMemoriesSeeTheWholeKernel) {
+  const auto with = [](const std::string& kernel) {
+    return plan_of("kernel own(lag) = " + kernel + "\n" + evolution +
+                   "    integral(body, B : eps(u) : eps(v)) + integral(ground, "
+                   "layer^0(history(own, u).nu - 0.5; v.nu))\n >= integral(body, v.y)\n");
+  };
+  for (const double factor : {1.0, 0.25, -2.0}) {
+    const auto plan = with(fmt::format("{}*exp(-lag/2)", factor));
+    ASSERT_EQ(plan.problem.histories.size(), 1u);
+    const auto& term = plan.problem.law_terms.at(0);
+    EXPECT_EQ(term.field, solver::field_of_memory(0));
+    std::mt19937 random(7);
+    Values at(random);
+    for (int i = 0; i < 2; ++i) EXPECT_EQ(at.of(term.rows[0].u[i]), at(slot::normal(i)));
+    EXPECT_EQ(at.of(term.rows[0].offset), -0.5);
+    EXPECT_NEAR(at.of(plan.problem.histories[0].kernel.expression),
+                factor * std::exp(-at(slot::lag) / 2), 1e-14);
+    EXPECT_TRUE(validate(plan, 2).empty());
+  }
+}
+
 TEST(Lower, MemoriesThatNothingUsesAreLeftOutAndTheOthersRenumbered) {
   const auto plan = plan_of(
       evolution +

@@ -119,11 +119,30 @@ TEST(Rates, BothPathsGiveTheSame) {
     }
 }
 
-/// A law on the rate of a plan without time, or on a memory, is a mistake of the plan.
+/// In a memory that a law sees the present must count: the step's problem has the law's row times
+/// it.
+TEST(Rates, LawsSeeMemoriesThatArePositiveAtLagZero) {
+  Plan plan = slab(2, 4);
+  plan.problem.histories.push_back({{}, exponential_kernel(0.1)});
+  plan.problem.law_terms[0].field = field_of_memory(1);
+  EXPECT_TRUE(record(plan, false).result.certificate.certified);
+  auto& kernel = plan.problem.histories.back().kernel;
+  kernel.expression = -1.0 * kernel.expression;
+  try {
+    solve(plan);
+    FAIL() << "it ran";
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.kind, FailureKind::bad_kernel);
+    EXPECT_EQ(failure.origin, plan.problem.law_terms[0].origin);
+  }
+}
+
+/// A law on the rate of a plan without time, or on a field that there is not, is a mistake of the
+/// plan.
 TEST(Rates, PlansWithoutARateAreRefused) {
   Plan plan = joint(1, 2, 1.0, 1.0);
   EXPECT_TRUE(validate(plan, 2).empty());
-  plan.problem.law_terms.back().field = field_of_memory(0);
+  plan.problem.law_terms.back().field = field_of_memory(1);
   EXPECT_FALSE(validate(plan, 2).empty());
   plan.problem.law_terms.back().field = -1;
   EXPECT_FALSE(validate(plan, 2).empty());

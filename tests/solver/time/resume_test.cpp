@@ -59,6 +59,15 @@ Scene on_rates(std::string name, bool graded) {
   return out;
 }
 
+/// A layer that softens in what the ground remembers; branches are followed.
+Scene on_memory() {
+  Scene out{"law on a memory", slab(3, 9), true};
+  out.plan.problem.histories.push_back({{}, exponential_kernel(0.1)});
+  out.plan.problem.law_terms[0].field = field_of_memory(1);
+  out.plan.problem.loads[0] = force(body, {0.0, -600.0 * var(slot::t)});
+  return out;
+}
+
 std::vector<Scene> scenes() {
   std::vector<Scene> out{{"contact unknowns", slab(3, 9, 2, true), true},
                          {"all unknowns", slab(3, 9, 2, true), true},
@@ -69,6 +78,7 @@ std::vector<Scene> scenes() {
                          with_route(HistoryRoute::fit, "from -2 on", 7),
                          on_rates("laws on rates", false),
                          on_rates("laws on rates, graded, bdf2", true),
+                         on_memory(),
                          rich()};
   for (double& t : out[6].plan.problem.time.grid) t -= 2.0;
   out[1].plan.options.proportional_path = false;
