@@ -6,6 +6,10 @@
 //   cholmod  cholmod_l_solve with a factor of the same matrix as CHOLMOD orders it by itself
 //   product  y = T x with one matrix of the forms; a step needs one for the right-hand side per
 //            matrix that acts on something known, and one for its residual
+//
+// bench_step --precision SCRIPT [NAME=VALUE ...]: CPU seconds of all steps of a run, the first
+// factor among them, whose corrections read it in reduced precision, and of the same steps in
+// double precision; medians of alternating runs.
 #include "lang/diag/render.hpp"
 #include "lang/session.hpp"
 #include "solver/common/clock.hpp"
@@ -16,6 +20,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 #include <vector>
 
 namespace {
@@ -82,9 +87,37 @@ int measure(const Plan& plan) {
   return 0;
 }
 
+/// CPU seconds of all steps; negative: one of them is not certified.
+double seconds_of_steps(const Plan& plan) {
+  Discretisation discretisation;
+  discretise(plan, discretisation);
+  Timing timing;
+  Stepper stepper(plan, discretisation, timing);
+  const double start = cpu_seconds();
+  for (int n = 1; n <= stepper.state().evolution.grid().steps(); ++n)
+    if (!stepper.advance(n).certified) return -1.0;
+  return cpu_seconds() - start;
+}
+
+int compare_precisions(Plan plan) {
+  constexpr int runs = 5;
+  std::vector<double> mixed, in_double;
+  for (int i = 0; i < runs; ++i)
+    for (const bool reduced : {true, false}) {
+      plan.options.reduced_precision = reduced;
+      const double seconds = seconds_of_steps(plan);
+      if (seconds < 0.0) return 1;
+      (reduced ? mixed : in_double).push_back(seconds);
+    }
+  fmt::print("{{\"mixed\": {:.4g}, \"double\": {:.4g}}}\n", median(mixed), median(in_double));
+  return 0;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
+  const bool precision = argc > 1 && std::string_view(argv[1]) == "--precision";
+  if (precision) ++argv, --argc;
   if (argc < 2) return 2;
   hvi::lang::CompileSettings settings;
   for (int i = 2; i < argc; ++i) {
@@ -96,5 +129,5 @@ int main(int argc, char** argv) {
   const hvi::lang::Script& script = session.script;
   fmt::print(stderr, "{}", hvi::lang::render(script.diagnostics, script.sources));
   if (code != hvi::lang::exit_ok) return code;
-  return measure(*script.plan);
+  return precision ? compare_precisions(*script.plan) : measure(*script.plan);
 }

@@ -9,7 +9,6 @@
 #include "solver/linear/cholesky_factor.hpp"
 #include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
-#include "solver/linear/packed_factor.hpp"
 #include "solver/linear/supernodes.hpp"
 
 #include <cblas.h>
@@ -56,7 +55,7 @@ public:
                 DenseMatrix& x, std::vector<int>& place) override;
   std::optional<double> energy(const Vector& b) override;
   void solve(const Vector& b, Vector& x) override;
-  bool set_precision(FactorPrecision storage) override;
+  std::optional<LowerFactor> lower() const override;
   const DenseMatrix& schur() const override;
   const DenseMatrix& schur_factor() const override { return l22_; }
   const FactorStatistics& statistics() const override { return statistics_; }
@@ -72,9 +71,6 @@ private:
   int size_, interior_;
   bool factored_ = false;
   Supernodes supernodes_;
-  FactorPrecision storage_ = FactorPrecision::full;
-  FactorPrecision storage_of_y_ = FactorPrecision::full;
-  PackedFactor packed_;                  ///< the interior of L in reduced precision, if used
   std::vector<double> inverse_diagonal_; ///< of L, interior
   std::vector<double> y_, x_;            ///< of triangular solves, in the order of elimination
   DenseMatrix each_; ///< a row for each right-hand side between `reduce_each` and `back_each`
@@ -119,22 +115,13 @@ void Cholesky::factor(const SparseMatrix& k) {
   ++statistics_.factorisations;
   l_.take_diagonal(inverse_diagonal_);
   l_.take_trailing_block(l22_);
-  if (!packed_.empty()) statistics_.bytes -= packed_.bytes();
-  packed_.clear();
-  set_precision(storage_);
   statistics_.seconds_factor = cpu_seconds() - start;
   factored_ = true;
 }
 
-bool Cholesky::set_precision(FactorPrecision storage) {
-  storage_ = storage;
-  if (storage != FactorPrecision::full && packed_.empty()) {
-    if (packed_.pack(supernodes_, l_.values()))
-      statistics_.bytes += packed_.bytes();
-    else
-      storage_ = FactorPrecision::full;
-  }
-  return storage_ == storage;
+std::optional<LowerFactor> Cholesky::lower() const {
+  if (!factored_) return std::nullopt;
+  return LowerFactor{supernodes_, l_.values(), inverse_diagonal_, l_.permutation()};
 }
 
 const DenseMatrix& Cholesky::schur() const {
@@ -148,38 +135,24 @@ const DenseMatrix& Cholesky::schur() const {
 void Cholesky::reduce(const Vector& b, Vector& r) {
   if (!factored_) throw std::logic_error("reduce before a successful factorisation");
   for (int position = 0; position < size_; ++position) y_[position] = b[l_.permutation()[position]];
-  storage_of_y_ = storage_;
-  if (storage_ == FactorPrecision::full)
-    supernodes_.forward(l_.values(), inverse_diagonal_.data(), y_.data());
-  else
-    packed_.forward(storage_ == FactorPrecision::fine, y_.data());
+  supernodes_.forward(l_.values(), inverse_diagonal_.data(), y_.data());
   r.resize(size_ - interior_);
   std::copy(y_.begin() + interior_, y_.end(), r.data());
   count_solve();
 }
 
-/// A triangular solve reads the columns of the interior in the chosen precision.
+/// A triangular solve reads the columns of the interior.
 void Cholesky::count_solve() {
   ++statistics_.triangular_solves;
   const double n_contact = size_ - interior_;
   const double entries = static_cast<double>(l_.structure().xsize) - n_contact * n_contact;
-  statistics_.bytes_read += storage_ == FactorPrecision::full
-                                ? entries * sizeof(double)
-                                : packed_.bytes_read(storage_ == FactorPrecision::fine);
+  statistics_.bytes_read += entries * sizeof(double);
 }
 
 void Cholesky::back(const Vector& c, Vector& x) {
   if (!factored_) throw std::logic_error("back before a successful factorisation");
   std::copy_n(c.data(), size_ - interior_, x_.begin() + interior_);
-  const bool full = storage_ == FactorPrecision::full;
-  if (full != (storage_of_y_ == FactorPrecision::full)) // packed solves take y over L's diagonal
-    for (int i = 0; i < interior_; ++i)
-      y_[i] *= full ? 1.0 / inverse_diagonal_[i] : inverse_diagonal_[i];
-  storage_of_y_ = storage_;
-  if (full)
-    supernodes_.backward(l_.values(), inverse_diagonal_.data(), y_.data(), x_.data());
-  else
-    packed_.backward(storage_ == FactorPrecision::fine, y_.data(), x_.data());
+  supernodes_.backward(l_.values(), inverse_diagonal_.data(), y_.data(), x_.data());
   x.resize(size_);
   for (int position = 0; position < size_; ++position) x[l_.permutation()[position]] = x_[position];
   count_solve();
@@ -187,23 +160,13 @@ void Cholesky::back(const Vector& c, Vector& x) {
 
 void Cholesky::extend(const Vector& c, Vector& x) {
   std::fill_n(y_.begin(), interior_, 0.0);
-  storage_of_y_ = storage_;
   back(c, x);
 }
 
-Vector Cholesky::kept() const {
-  Vector out = Eigen::Map<const Vector>(y_.data(), interior_);
-  if (storage_of_y_ != FactorPrecision::full) // packed solves leave y over L's diagonal
-    out.array() /= Eigen::Map<const Vector>(inverse_diagonal_.data(), interior_).array();
-  return out;
-}
+Vector Cholesky::kept() const { return Eigen::Map<const Vector>(y_.data(), interior_); }
 
-void Cholesky::resume(const Vector& kept) {
-  std::copy_n(kept.data(), interior_, y_.begin());
-  storage_of_y_ = FactorPrecision::full;
-}
+void Cholesky::resume(const Vector& kept) { std::copy_n(kept.data(), interior_, y_.begin()); }
 
-/// In double precision: many right-hand sides are those of checks.
 void Cholesky::reduce_each(std::span<const Vector> b, std::vector<Vector>& r) {
   if (!factored_) throw std::logic_error("reduce before a successful factorisation");
   constexpr int lanes = Supernodes::lanes;
@@ -237,7 +200,6 @@ void Cholesky::back_each(std::span<const Vector> c, std::vector<Vector>& x) {
   count_solves_at_once();
 }
 
-/// In double precision, too.
 void Cholesky::back_all(const DenseMatrix& c, std::span<const Vector> kept,
                         const DenseMatrix& weights, DenseMatrix& x, std::vector<int>& place) {
   if (!factored_) throw std::logic_error("back before a successful factorisation");

@@ -40,14 +40,15 @@ struct NotFactorable : Failure {
   double pivot; ///< the pivot relative to the diagonal entry of K; NaN if it was not finite
 };
 
-/// The precision in which the triangular solves read the factor. Their time is that of reading it:
-/// `single` reads 32 bits of an entry instead of 64, `fine` 48. The arithmetic is double and S
-/// stays exact, but L_II and L_cI are rounded to 24 or 40 bits, so that a solve has a relative
-/// error of about 1e-7 or 2e-12 times the growth of the matrix. Reduced precision pays where only a
-/// small correction is solved for and the true residual is known: with a guess x* (the last
-/// increments, extrapolated) and b* = b - K x*,
-///     reduce(b*) -> r*,  r = r* + S c*,  the reduced problem gives c,  back(c - c*) -> x - x*.
-enum class FactorPrecision { full, fine, single };
+class Supernodes;
+
+/// The parts of L, K = L L^T in an order with the contact unknowns last: for those who copy it.
+struct LowerFactor {
+  const Supernodes& interior; ///< structure of the columns of the interior
+  const double* values;
+  std::span<const double> inverse_diagonal; ///< of the interior
+  std::span<const int> permutation;         ///< position -> unknown
+};
 
 class Factorisation {
 public:
@@ -86,11 +87,8 @@ public:
   virtual void solve(const Vector& b, Vector& x) = 0;
   /// x = K^-T b.
   virtual void solve_transposed(const Vector& b, Vector& x) { solve(b, x); }
-  /// Chooses the precision in which this and later factors are read; false where there is no
-  /// reduced one (LU, or entries beyond the range of float), and then the storage is `full`. The
-  /// rounded copy, one for `fine` and `single`, is made the first time and kept: changing costs
-  /// nothing, also between the forward and the backward solve of one solution.
-  virtual bool set_precision(FactorPrecision storage) = 0;
+  /// Of the last factorisation, valid until the next one; nothing where K has no such factor.
+  virtual std::optional<LowerFactor> lower() const { return std::nullopt; }
   /// The Schur complement S, n_c by n_c. For Cholesky it is L22 L22^T, read off the factor.
   virtual const DenseMatrix& schur() const = 0;
   /// Lower Cholesky factor L22 of S (empty for LU).

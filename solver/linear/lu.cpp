@@ -84,7 +84,6 @@ public:
   void extend(const Vector& c, Vector& x) override;
   void solve(const Vector& b, Vector& x) override;
   void solve_transposed(const Vector& b, Vector& x) override;
-  bool set_precision(FactorPrecision storage) override { return storage == FactorPrecision::full; }
   const DenseMatrix& schur() const override { return schur_; }
   const DenseMatrix& schur_factor() const override { return no_factor_; }
   const FactorStatistics& statistics() const override { return statistics_; }

@@ -73,7 +73,6 @@ public:
     l_.transpose().triangularView<Eigen::Upper>().solveInPlace(r);
     back(r, x);
   }
-  bool set_precision(FactorPrecision storage) override { return storage == FactorPrecision::full; }
   const DenseMatrix& schur() const override { return s_; }
   const DenseMatrix& schur_factor() const override { return l_; }
   const FactorStatistics& statistics() const override { return statistics_; }

@@ -2,6 +2,7 @@
 #include "solver/time/run_state.hpp"
 
 #include "solver/common/memory_room.hpp"
+#include "solver/linear/mixed/mixed_solves.hpp"
 
 namespace hvi::solver {
 namespace {
@@ -15,13 +16,23 @@ Formulation& with_room_for_memories(const Plan& plan, Formulation& formulation,
   return formulation;
 }
 
+/// Rough ones, if wanted; beside the contact unknowns there may be next to nothing to solve for.
+std::unique_ptr<CorrectionSolves> correction_solves(const Plan& plan,
+                                                    const Formulation& formulation) {
+  const Contact& contact = formulation.contact();
+  const double tolerance = plan.options.tolerance;
+  if (plan.options.reduced_precision && !formulation.reduced() && !contact.whole)
+    return mixed_solves(tolerance, !contact.none());
+  return std::make_unique<CorrectionSolves>(tolerance);
+}
+
 } // namespace
 
 RunState::RunState(const Plan& plan, const Discretisation& d)
     : formulation(formulate(plan, d)),
       evolution(plan, formulation->initial(), formulation->imposed()),
       balance(plan, d, with_room_for_memories(plan, *formulation, evolution.memory()), evolution),
-      solver(plan, d, evolution, *formulation, balance),
+      solver(plan, d, evolution, *formulation, balance, correction_solves(plan, *formulation)),
       rounding(plan.problem, *formulation, evolution, balance) {
   trial.d = trial.kd = trial.gap = Vector::Zero(formulation->layout().n_unknowns);
   trial.z = trial.dz = Vector::Zero(contact().n_rows());

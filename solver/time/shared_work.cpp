@@ -72,11 +72,10 @@ SparseMatrix SharedWork::form(const FormTerm& term, const std::function<SparseMa
 SharedFactor SharedWork::factored(const SparseMatrix& k, std::span<const int> contact,
                                   bool symmetric, double to_come) {
   for (const Factor& known : factors_) {
-    const bool free = known.factor.use_count() == 1; // two users would choose its storage
+    const bool free = known.factor.use_count() == 1; // what a forward solve keeps is for one user
     if (!free || known.symmetric != symmetric || !std::ranges::equal(known.contact, contact) ||
         !same(known.k, k))
       continue;
-    known.factor->set_precision(FactorPrecision::full);
     ++spared_.factors;
     spared_.seconds_factors += known.seconds;
     return {known.factor, true, true};

@@ -142,6 +142,7 @@ void Stepper::account(WorkCounters& work, Timing& timing) const {
   charge(state_.formulation->statistics(), work, timing);
   work.bytes += state_.balance.bytes();
   state_.solver.matrices().account(work, timing);
+  charge(state_.solver.solves().statistics(), work, timing);
 }
 
 void Stepper::save(std::ostream& out) const {

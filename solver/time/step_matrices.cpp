@@ -64,18 +64,10 @@ void StepMatrices::factor(int n, const Vector& factors, StepMatrix& matrix) cons
   factor_or_explain(matrix, gamma, {formulation_, scheme_.grid(), n}, problem_, discretisation_);
 }
 
-int StepMatrices::place_of(const StepMatrix* matrix) const {
-  int place = 0;
-  for (const auto& kept : kept_) {
-    if (kept.matrix.get() == matrix) return place;
-    ++place;
-  }
-  return -1;
-}
-
-StepMatrix* StepMatrices::at(int place) const {
-  if (place < 0 || place >= static_cast<int>(kept_.size())) return nullptr;
-  return std::next(kept_.begin(), place)->matrix.get();
+std::vector<const SparseMatrix*> StepMatrices::all() const {
+  std::vector<const SparseMatrix*> out;
+  for (const auto& kept : kept_) out.push_back(&kept.matrix->k());
+  return out;
 }
 
 void charge(const FactorStatistics& factor, WorkCounters& work, Timing& timing) {

@@ -27,9 +27,8 @@ public:
   void factor(int n, const Vector& factors, StepMatrix& matrix) const;
   /// Of the last step; null before the first one.
   StepMatrix* latest() const { return kept_.empty() ? nullptr : kept_.front().matrix.get(); }
-  /// Their places in the order of use; -1: none.
-  int place_of(const StepMatrix* matrix) const;
-  StepMatrix* at(int place) const;
+  /// All of them, in the order of use.
+  std::vector<const SparseMatrix*> all() const;
 
   /// Adds what factors cost, and the bytes they hold, to the counters and phases of a run.
   void account(WorkCounters& work, Timing& timing) const;

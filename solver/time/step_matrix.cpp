@@ -58,12 +58,13 @@ void StepMatrix::make_factor() {
       take_factor(from, k_, contact_.unknowns, operators_.symmetric, operators_.memory_to_come);
 }
 
-void StepMatrix::condense(const Vector& gap, const Vector* rhs, InequalityState& state) {
+void StepMatrix::condense(const Vector& gap, const Vector* rhs, CorrectionSolves& solves,
+                          InequalityState& state) {
   const bool separate = operators_.separate && rhs != nullptr;
   if (contact_.whole)
     r_ = gap;
   else
-    factorisation_->reduce(gap, r_);
+    solves.reduce(*factorisation_.operator->(), gap, r_);
   if (c_.isZero(0.0)) return;
   if (separate) // gap = rhs - K d, and no other unknown has a part in S c
     product_ = rhs->head(c_.size()) - gap.head(c_.size());
@@ -73,62 +74,54 @@ void StepMatrix::condense(const Vector& gap, const Vector* rhs, InequalityState&
   if (state.c_guess.size() == c_.size() && state.c_guess == c_) state.s_c_guess.swap(product_);
 }
 
-/// The correction of the contact unknowns moves the whole body: where it is large,
-/// reduced precision would leave an error of its size, however small all was before the solve.
-void StepMatrix::expand(const InequalityState& state, const PrecisionLimits& limits,
-                        Correction& out) {
+void StepMatrix::expand(const InequalityState& state, CorrectionSolves& solves, Correction& out) {
   c_ = state.c - c_;
   const double size = state.c.lpNorm<Eigen::Infinity>();
   out.moved = size > 0.0 ? c_.lpNorm<Eigen::Infinity>() / size : 0.0;
-  if (contact_.whole) {
+  if (contact_.whole)
     x_ = c_;
-    return;
-  }
-  out.back = limits.back(out.moved);
-  factorisation_->set_precision(out.back);
-  factorisation_->back(c_, x_);
+  else
+    solves.back(*factorisation_.operator->(), c_, out.moved, x_);
 }
 
 /// x_ = the correction of a d whose contact part is c_.
-Correction StepMatrix::solve(const Vector& gap, const Vector* rhs, InequalityState& state,
-                             const CorrectionOptions& options) {
+Correction StepMatrix::solve(const Vector& gap, const Vector* rhs, bool couple_bounds,
+                             CorrectionSolves& solves, InequalityState& state) {
   Correction out;
-  out.forward = options.limits.forward;
-  if (factorisation_) factorisation_->set_precision(out.forward);
   LapClock<wall_seconds> clock;
   if (contact_.none()) {
-    factorisation_->solve(gap, x_);
+    solves.reduce(*factorisation_.operator->(), gap, r_);
+    solves.back(*factorisation_.operator->(), r_, 0.0, x_);
     clock.charge(seconds_triangular);
     out.report.converged = true;
     return out;
   }
-  condense(gap, rhs, state);
+  condense(gap, rhs, solves, state);
   clock.charge(seconds_triangular);
-  out.report =
-      options.couple_bounds ? solver_->solve_coupled(r_, state) : solver_->solve(r_, state);
+  out.report = couple_bounds ? solver_->solve_coupled(r_, state) : solver_->solve(r_, state);
   if (state.s_c_guess.size() > 0) state.s_c_guess.swap(product_);
   clock.charge(seconds_inequality);
-  expand(state, options.limits, out);
+  expand(state, solves, out);
   clock.charge(seconds_triangular);
   return out;
 }
 
 InequalityReport StepMatrix::start(const Vector& gap, InequalityState& state, Vector& d) {
   c_.setZero();
-  auto out = solve(gap, nullptr, state, {});
+  CorrectionSolves own(0.0);
+  auto out = solve(gap, nullptr, false, own, state);
   d.swap(x_);
   return std::move(out.report);
 }
 
-Correction StepMatrix::correct(const Vector& gap, const Vector* rhs, InequalityState& state,
-                               Vector& d, const CorrectionOptions& options) {
+Correction StepMatrix::correct(const Vector& gap, const Vector* rhs, bool couple_bounds,
+                               CorrectionSolves& solves, InequalityState& state, Vector& d) {
   for (Eigen::Index i = 0; i < c_.size(); ++i) c_[i] = d[contact_.unknowns[i]];
-  auto out = solve(gap, rhs, state, options);
+  auto out = solve(gap, rhs, couple_bounds, solves, state);
   d += x_;
   if (contact_.none()) { // no law damps rounding: a hundred times as strict
     const double size = d.lpNorm<Eigen::Infinity>();
     out.moved = size > 0.0 ? 100.0 * x_.lpNorm<Eigen::Infinity>() / size : 0.0;
-    out.back = out.forward;
   }
   return out;
 }
@@ -144,7 +137,6 @@ bool StepMatrix::respond(std::span<const Vector> forces, const InequalityState& 
                          std::vector<Vector>& x, std::vector<Vector>& xi) {
   x.resize(forces.size());
   if (contact_.whole) return solver_->respond(at, forces, x, xi);
-  factorisation_->set_precision(FactorPrecision::full);
   std::vector<Vector> r, c;
   factorisation_->reduce_each(forces, r);
   if (contact_.none())

@@ -2,11 +2,10 @@
 #pragma once
 
 #include "solver/inequality/inequality.hpp"
-#include "solver/linear/factorisation.hpp"
+#include "solver/linear/correction_solves.hpp"
 #include "solver/linear/symmetric_blocks.hpp"
 #include "solver/time/contact.hpp"
 #include "solver/time/operators.hpp"
-#include "solver/time/precision_choice.hpp"
 #include "solver/time/rounding.hpp"
 #include "solver/time/shared_work.hpp"
 
@@ -14,16 +13,9 @@
 
 namespace hvi::solver {
 
-/// How a correction is made.
-struct CorrectionOptions {
-  PrecisionLimits limits;     ///< less than full needs StepMatrix::reduce_precision first
-  bool couple_bounds = false; ///< finds the bounds of coupled laws, too
-};
-
 /// What a correction did.
 struct Correction {
   InequalityReport report;
-  FactorPrecision forward = FactorPrecision::full, back = FactorPrecision::full; ///< as used
   double moved = 0.0; ///< max |c' - c| / max |c'|; without laws 100 max |d' - d| / max |d'|
 };
 
@@ -55,20 +47,12 @@ public:
   /// and adds to d the x with K x = gap on the interior and c' - c on the contact unknowns. `state`
   /// is where the search starts, and then holds (c', xi'). With an exact factor one correction of
   /// d = 0 is the solution; more of them are iterative refinement. `rhs`: gap + K d where the
-  /// caller has it, else null.
-  Correction correct(const Vector& gap, const Vector* rhs, InequalityState& state, Vector& d,
-                     const CorrectionOptions& options);
+  /// caller has it, else null. `couple_bounds`: finds the bounds of coupled laws, too.
+  Correction correct(const Vector& gap, const Vector* rhs, bool couple_bounds,
+                     CorrectionSolves& solves, InequalityState& state, Vector& d);
 
   /// The first correction: the same with d = 0, whatever d holds.
   InequalityReport start(const Vector& gap, InequalityState& state, Vector& d);
-
-  /// Makes a copy of the factor in reduced precision; false when it cannot be had, or for the
-  /// matrix without one.
-  bool reduce_precision() {
-    const bool made = factorisation_ && factorisation_->set_precision(FactorPrecision::fine);
-    if (made) factorisation_->set_precision(FactorPrecision::full);
-    return made;
-  }
 
   /// K_ii of the contact unknowns.
   const Vector& contact_diagonal() const { return contact_diagonal_; }
@@ -106,10 +90,11 @@ public:
 
 private:
   void make_factor();
-  void condense(const Vector& gap, const Vector* rhs, InequalityState& state);
-  void expand(const InequalityState& state, const PrecisionLimits& limits, Correction& out);
-  Correction solve(const Vector& gap, const Vector* rhs, InequalityState& state,
-                   const CorrectionOptions& options);
+  void condense(const Vector& gap, const Vector* rhs, CorrectionSolves& solves,
+                InequalityState& state);
+  void expand(const InequalityState& state, CorrectionSolves& solves, Correction& out);
+  Correction solve(const Vector& gap, const Vector* rhs, bool couple_bounds,
+                   CorrectionSolves& solves, InequalityState& state);
 
   const Operators& operators_;
   const Contact& contact_;

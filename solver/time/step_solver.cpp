@@ -49,13 +49,11 @@ private:
 } // namespace
 
 StepSolver::StepSolver(const Plan& plan, const Discretisation& discretisation,
-                       const Evolution& evolution, Formulation& formulation, Balance& balance)
+                       const Evolution& evolution, Formulation& formulation, Balance& balance,
+                       std::unique_ptr<CorrectionSolves> solves)
     : plan_(plan), evolution_(evolution), formulation_(formulation),
       contact_(formulation.contact()), balance_(balance),
-      matrices_(plan, discretisation, formulation, evolution.scheme()),
-      // Beside the contact unknowns there is next to nothing to solve for.
-      storage_(plan.options.reduced_precision && !formulation.reduced() && !contact_.whole,
-               plan.options.tolerance),
+      matrices_(plan, discretisation, formulation, evolution.scheme()), solves_(std::move(solves)),
       refinement_(plan.problem, evolution, balance, contact_) {
   laws_.xi = Vector::Zero(contact_.n_rows());
   laws_.c = Vector::Zero(static_cast<Eigen::Index>(contact_.unknowns.size()));
@@ -65,7 +63,7 @@ StepSolver::StepSolver(const Plan& plan, const Discretisation& discretisation,
 StepMatrix& StepSolver::matrix_for(int n) {
   const auto [matrix, fresh] = matrices_.find(n, evolution_.factors(n));
   if (fresh && !formulation_.reduced() && refinement_.begins_with(matrix)) {
-    storage_.forbid();
+    solves_->stop();
     predictor_.clear();
   }
   return matrix;
@@ -139,14 +137,14 @@ StepResult StepSolver::correct(StepMatrix& matrix, Start start, StepEquation& eq
                                Trial& trial) {
   StepResult out;
   const int n = equation.n;
-  const double tolerance = plan_.options.tolerance, target = storage_.target(matrix);
+  const double tolerance = plan_.options.tolerance;
   if (start != Start::predicted) {
     laws_.xi_guess = laws_.xi;
     guess_from(trial.d);
   }
   const bool predicted = start != Start::predicted || predict(n, matrix, equation, trial);
-  CorrectionOptions options{storage_.begin(matrix, predicted, !contact_.none()),
-                            start == Start::again_with_bounds};
+  const double target = solves_->begin(matrix.k(), predicted);
+  const bool with_bounds = start == Start::again_with_bounds;
   laws_.c.setZero(); // the path to the new state starts at the last one
   const Vector* const right = equation.exact() ? &equation.rhs : nullptr;
   Together together;
@@ -157,8 +155,7 @@ StepResult StepSolver::correct(StepMatrix& matrix, Start start, StepEquation& eq
     if (first && !predicted)
       made.report = matrix.start(equation.rhs, laws_, trial.d);
     else
-      made = matrix.correct(trial.gap, right, laws_, trial.d, options);
-    options.limits = {};
+      made = matrix.correct(trial.gap, right, with_bounds, *solves_, laws_, trial.d);
     drop_guess();
     out.inequality = std::move(made.report);
     together.add(out.inequality, out.branch_ends);
@@ -166,7 +163,7 @@ StepResult StepSolver::correct(StepMatrix& matrix, Start start, StepEquation& eq
     out.equilibrium = left.error;
     if (!contact_.none())
       find_reach(matrix.contact_diagonal(), trial.kd, trial.d, equation.rhs, contact_);
-    if (predicted && first) storage_.learn(made, equation.exact(), out.equilibrium);
+    solves_->judge(made.moved, out.equilibrium, equation.exact());
     const bool exact = equation.exact() || left.mismatch <= refined;
     if (!out.inequality.converged || (exact && out.equilibrium <= target)) break;
     const bool slow = out.equilibrium > slow_contraction * last;
@@ -274,7 +271,8 @@ void StepSolver::accept(int n, StepMatrix& matrix, const StepResult& result, Tri
     return predictor_.clear();
   if (!continues(n, matrix)) predictor_.clear();
   predictor_.note(matrix.gamma(), trial.d, trial.kd, laws_.xi);
-  storage_.choose(matrix, predictor_.ready(), grid.steps() - n);
+  if (const auto* factor = matrix.factorisation())
+    solves_->accept(matrix.k(), *factor, predictor_.ready(), grid.steps() - n);
 }
 
 void StepSolver::save(std::ostream& out) const {
@@ -284,7 +282,7 @@ void StepSolver::save(std::ostream& out) const {
   w.put(laws_.state);
   matrices_.save(out);
   predictor_.save(out);
-  storage_.save(out, matrices_);
+  solves_->save(out, matrices_.all());
   refinement_.save(w);
 }
 
@@ -314,7 +312,7 @@ void StepSolver::restore(std::istream& in) {
   accepted_ = laws_;
   matrices_.restore(in);
   predictor_.restore(in, formulation_.layout().n_unknowns, contact_.n_rows());
-  storage_.restore(in, matrices_);
+  solves_->restore(in, matrices_.all());
   refinement_.restore(r);
 }
 

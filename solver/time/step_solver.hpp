@@ -2,9 +2,9 @@
 #pragma once
 
 #include "solver/time/balance.hpp"
-#include "solver/time/factor_storage.hpp"
 #include "solver/time/predictor.hpp"
 #include "solver/time/refinement.hpp"
+#include "solver/time/step_matrices.hpp"
 #include "solver/time/step_result.hpp"
 
 namespace hvi::solver {
@@ -13,7 +13,7 @@ class StepSolver {
 public:
   /// Keeps references to all of them.
   StepSolver(const Plan& plan, const Discretisation& discretisation, const Evolution& evolution,
-             Formulation& formulation, Balance& balance);
+             Formulation& formulation, Balance& balance, std::unique_ptr<CorrectionSolves> solves);
 
   /// The matrix of step n with a factor.
   StepMatrix& matrix_for(int n);
@@ -33,6 +33,7 @@ public:
   const InequalityState& accepted() const { return accepted_; }
   const Refinement& refinement() const { return refinement_; }
   const StepMatrices& matrices() const { return matrices_; }
+  const CorrectionSolves& solves() const { return *solves_; }
 
   void save(std::ostream& out) const;
   void restore(std::istream& in);
@@ -65,7 +66,7 @@ private:
   Balance& balance_;
   StepMatrices matrices_;
   Predictor predictor_;
-  FactorStorage storage_;
+  std::unique_ptr<CorrectionSolves> solves_;
   Refinement refinement_;
   InequalityState laws_, accepted_;
   Vector c_guess_, xi_guess_, state_; ///< room for guesses, and within a call

@@ -17,8 +17,9 @@ def floors(text):
     return below
 
 
-def module_of(path):
-    return "/".join(path.parts[:2]) if len(path.parts) > 2 else path.parts[0]
+def module_of(path, below):
+    """The deepest folder of the list that the file lies in, else its own."""
+    return next((str(folder) for folder in path.parents if str(folder) in below), str(path.parent))
 
 
 def main():
@@ -27,7 +28,7 @@ def main():
     includes, wrong = 0, []
     for family in ("solver", "lang"):
         for path in sorted([*(source / family).rglob("*.hpp"), *(source / family).rglob("*.cpp")]):
-            module = module_of(path.relative_to(source))
+            module = module_of(path.relative_to(source), below)
             if module not in below:
                 wrong.append(f"{path.relative_to(source)}: cmake/Floors.cmake has no {module}")
                 continue
@@ -35,7 +36,7 @@ def main():
                 if not (found := re.match(r'\s*#\s*include\s*"((?:solver|lang)/[^"]+)"', text)):
                     continue
                 includes += 1
-                used = module_of(pathlib.PurePath(found[1]))
+                used = module_of(pathlib.PurePath(found[1]), below)
                 if used != module and used not in below[module]:
                     wrong.append(f"{path.relative_to(source)}:{line}: {module} does not stand on {used}")
                 if not (source / found[1]).is_file():

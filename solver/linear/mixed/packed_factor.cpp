@@ -1,5 +1,5 @@
 // See packed_factor.hpp.
-#include "solver/linear/packed_factor.hpp"
+#include "solver/linear/mixed/packed_factor.hpp"
 
 #include "solver/linear/instruction_set.hpp"
 
@@ -68,7 +68,7 @@ void split(double v, float& value, std::int16_t& rest) {
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace baseline {
-#include "solver/linear/packed_kernels.hpp"
+#include "solver/linear/mixed/packed_kernels.hpp"
 } // namespace baseline
 
 #if defined(__x86_64__)
@@ -81,7 +81,7 @@ namespace baseline {
 #endif
 #define HVI_PACKED_512
 namespace avx512 {
-#include "solver/linear/packed_kernels.hpp"
+#include "solver/linear/mixed/packed_kernels.hpp"
 #undef HVI_PACKED_512
 } // namespace avx512
 #if defined(__clang__)
@@ -94,7 +94,7 @@ namespace avx512 {
 #endif
 #define HVI_PACKED_256
 namespace avx2 {
-#include "solver/linear/packed_kernels.hpp"
+#include "solver/linear/mixed/packed_kernels.hpp"
 #undef HVI_PACKED_256
 } // namespace avx2
 #if defined(__clang__)

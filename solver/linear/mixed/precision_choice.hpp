@@ -1,9 +1,9 @@
 // In which precision the triangular solves of a step read the factor: a reduced one
-// while the extrapolation is good. FactorStorage asks before a correction and reports its error
+// while the extrapolation is good. MixedSolves asks before a correction and reports its error
 // afterwards.
 #pragma once
 
-#include "solver/linear/factorisation.hpp"
+#include "solver/linear/mixed/precision.hpp"
 
 #include <iosfwd>
 

@@ -1,6 +1,6 @@
 // A second copy of the interior part of a Cholesky factor in reduced precision, 32 or 48 bits an
 // entry, stored in the order in which the triangular solves read it. For corrections whose true
-// residual is known (FactorPrecision).
+// residual is known (precision.hpp).
 #pragma once
 
 #include "solver/linear/large_pages.hpp"

@@ -1,5 +1,5 @@
 // See precision_choice.hpp.
-#include "solver/time/precision_choice.hpp"
+#include "solver/linear/mixed/precision_choice.hpp"
 
 #include "solver/common/stream.hpp"
 
