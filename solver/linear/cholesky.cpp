@@ -46,18 +46,15 @@ public:
   void factor(const SparseMatrix& k) override;
   void reduce(const Vector& b, Vector& r) override;
   void back(const Vector& c, Vector& x) override;
-  void extend(const Vector& c, Vector& x) override;
   Vector kept() const override;
   void resume(const Vector& kept) override;
   void reduce_each(std::span<const Vector> b, std::vector<Vector>& r) override;
   void back_each(std::span<const Vector> c, std::vector<Vector>& x) override;
   void back_all(const DenseMatrix& c, std::span<const Vector> kept, const DenseMatrix& weights,
                 DenseMatrix& x, std::vector<int>& place) override;
-  std::optional<double> energy(const Vector& b) override;
   void solve(const Vector& b, Vector& x) override;
   std::optional<LowerFactor> lower() const override;
   const DenseMatrix& schur() const override;
-  const DenseMatrix& schur_factor() const override { return l22_; }
   const FactorStatistics& statistics() const override { return statistics_; }
 
 private:
@@ -121,7 +118,7 @@ void Cholesky::factor(const SparseMatrix& k) {
 
 std::optional<LowerFactor> Cholesky::lower() const {
   if (!factored_) return std::nullopt;
-  return LowerFactor{supernodes_, l_.values(), inverse_diagonal_, l_.permutation()};
+  return LowerFactor{supernodes_, l_.values(), inverse_diagonal_, l_.permutation(), l22_};
 }
 
 const DenseMatrix& Cholesky::schur() const {
@@ -156,11 +153,6 @@ void Cholesky::back(const Vector& c, Vector& x) {
   x.resize(size_);
   for (int position = 0; position < size_; ++position) x[l_.permutation()[position]] = x_[position];
   count_solve();
-}
-
-void Cholesky::extend(const Vector& c, Vector& x) {
-  std::fill_n(y_.begin(), interior_, 0.0);
-  back(c, x);
 }
 
 Vector Cholesky::kept() const { return Eigen::Map<const Vector>(y_.data(), interior_); }
@@ -229,13 +221,6 @@ void Cholesky::back_all(const DenseMatrix& c, std::span<const Vector> kept,
 void Cholesky::count_solves_at_once() {
   ++statistics_.triangular_solves;
   statistics_.bytes_read += supernodes_.nonzeros() * sizeof(double);
-}
-
-/// |L^-1 b|^2.
-std::optional<double> Cholesky::energy(const Vector& b) {
-  reduce(b, reduced_);
-  if (interior_ < size_) l22_.triangularView<Eigen::Lower>().solveInPlace(reduced_);
-  return kept().squaredNorm() + reduced_.squaredNorm();
 }
 
 void Cholesky::solve(const Vector& b, Vector& x) {

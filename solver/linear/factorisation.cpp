@@ -30,15 +30,11 @@ void Factorisation::back_all(const DenseMatrix& c, std::span<const Vector> kept,
   const Eigen::Index rows = (c.cols() + unit - 1) / unit * unit;
   Vector one;
   for (Eigen::Index k = 0; k < c.cols(); ++k) {
-    if (kept.empty()) {
-      extend(c.col(k), one);
-    } else {
-      Vector sum = Vector::Zero(kept.front().size());
-      for (std::size_t m = 0; m < kept.size(); ++m)
-        sum += weights(k, static_cast<Eigen::Index>(m)) * kept[m];
-      resume(sum);
-      back(c.col(k), one);
-    }
+    Vector sum = Vector::Zero(this->kept().size());
+    for (std::size_t m = 0; m < kept.size(); ++m)
+      sum += weights(k, static_cast<Eigen::Index>(m)) * kept[m];
+    resume(sum);
+    back(c.col(k), one);
     if (k == 0) x.setZero(rows, one.size());
     x.row(k) = one.transpose();
   }

@@ -42,12 +42,14 @@ struct NotFactorable : Failure {
 
 class Supernodes;
 
-/// The parts of L, K = L L^T in an order with the contact unknowns last: for those who copy it.
+/// The parts of L, K = L L^T in an order with the contact unknowns last: for those who copy it or
+/// need one of the two solves only.
 struct LowerFactor {
   const Supernodes& interior; ///< structure of the columns of the interior
   const double* values;
   std::span<const double> inverse_diagonal; ///< of the interior
   std::span<const int> permutation;         ///< position -> unknown
+  const DenseMatrix& contact;               ///< L22, S = L22 L22^T
 };
 
 class Factorisation {
@@ -72,17 +74,12 @@ public:
   /// new `reduce`.
   virtual void reduce_each(std::span<const Vector> b, std::vector<Vector>& r);
   virtual void back_each(std::span<const Vector> c, std::vector<Vector>& x);
-  /// x with K x = 0 on the interior and contact part c: a backward solve. `back` then needs a new
-  /// `reduce`.
-  virtual void extend(const Vector& c, Vector& x) = 0;
   /// Backward solves of up to 16 x_r in one reading of the factor: with the contact part c.col(r),
   /// as if sum_k weights(r, k) kept_k had been kept. x has a row for every c, and rows of zeros up
   /// to a multiple of 8; an unknown's column is place[unknown]. `back` then needs a new `reduce`.
   virtual void back_all(const DenseMatrix& c, std::span<const Vector> kept,
                         const DenseMatrix& weights, DenseMatrix& x, std::vector<int>& place);
   static constexpr int most_at_once = 16;
-  /// b^T K^-1 b by one forward solve; nothing for an LU factor, where one is not enough.
-  virtual std::optional<double> energy(const Vector&) { return std::nullopt; }
   /// x = K^-1 b: forward solve, S c = r, backward solve.
   virtual void solve(const Vector& b, Vector& x) = 0;
   /// x = K^-T b.
@@ -91,8 +88,6 @@ public:
   virtual std::optional<LowerFactor> lower() const { return std::nullopt; }
   /// The Schur complement S, n_c by n_c. For Cholesky it is L22 L22^T, read off the factor.
   virtual const DenseMatrix& schur() const = 0;
-  /// Lower Cholesky factor L22 of S (empty for LU).
-  virtual const DenseMatrix& schur_factor() const = 0;
   virtual const FactorStatistics& statistics() const = 0;
 
 private:

@@ -81,11 +81,9 @@ public:
   void back(const Vector& c, Vector& x) override;
   Vector kept() const override { return y_.head(interior_); }
   void resume(const Vector& kept) override { y_.head(interior_) = kept; }
-  void extend(const Vector& c, Vector& x) override;
   void solve(const Vector& b, Vector& x) override;
   void solve_transposed(const Vector& b, Vector& x) override;
   const DenseMatrix& schur() const override { return schur_; }
-  const DenseMatrix& schur_factor() const override { return no_factor_; }
   const FactorStatistics& statistics() const override { return statistics_; }
 
 private:
@@ -104,7 +102,7 @@ private:
   // UMFPACK takes the rows of K for columns, so it factors the transpose: K = L U with the lower
   // triangle by rows and the (unit) upper one by columns, as the two triangular solves read them.
   Triangle lower_, upper_transposed_;
-  DenseMatrix lower22_, upper22_, schur_, no_factor_;
+  DenseMatrix lower22_, upper22_, schur_;
   Vector y_, x_, reduced_;
   bool factored_ = false;
   double bytes_to_factor_ = 0.0;
@@ -256,11 +254,6 @@ void Lu::back(const Vector& c, Vector& x) {
   for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
   ++statistics_.triangular_solves;
   statistics_.bytes_read += upper_transposed_.bytes();
-}
-
-void Lu::extend(const Vector& c, Vector& x) {
-  y_.head(interior_).setZero();
-  back(c, x);
 }
 
 void Lu::solve(const Vector& b, Vector& x) {

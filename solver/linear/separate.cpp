@@ -13,7 +13,8 @@ namespace {
 
 class Separate final : public Factorisation {
 public:
-  Separate(int n_contact, int size) : s_(n_contact, n_contact), diagonal_(size - n_contact) {
+  Separate(int n_contact, int size)
+      : s_(n_contact, n_contact), diagonal_(size - n_contact), y_(Vector::Zero(size - n_contact)) {
     statistics_.ordering = "none";
     statistics_.nonzeros = static_cast<double>(n_contact) * (n_contact + 1.0) / 2.0;
     statistics_.bytes = 2.0 * n_contact * n_contact * sizeof(double);
@@ -62,10 +63,6 @@ public:
   }
   Vector kept() const override { return y_; }
   void resume(const Vector& kept) override { y_ = kept; }
-  void extend(const Vector& c, Vector& x) override {
-    y_.setZero(diagonal_.size());
-    back(c, x);
-  }
   void solve(const Vector& b, Vector& x) override {
     Vector r;
     reduce(b, r);
@@ -74,7 +71,6 @@ public:
     back(r, x);
   }
   const DenseMatrix& schur() const override { return s_; }
-  const DenseMatrix& schur_factor() const override { return l_; }
   const FactorStatistics& statistics() const override { return statistics_; }
 
 private:

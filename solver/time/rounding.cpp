@@ -59,8 +59,11 @@ double rounding_growth(const SparseMatrix& k, Factorisation& factor) {
     b[i] = random_unit(static_cast<std::uint64_t>(i), 0) < 0.0 ? -sum : sum;
   }
   double growth = 0.0;
-  if (const auto energy = factor.energy(b)) {
-    growth = eps * *energy * std::sqrt(n) / b.norm();
+  if (const auto l = factor.lower()) { // b^T K^-1 b = |L^-1 b|^2 by a forward solve
+    factor.reduce(b, x);
+    if (x.size() > 0) l->contact.triangularView<Eigen::Lower>().solveInPlace(x);
+    const double energy = factor.kept().squaredNorm() + x.squaredNorm();
+    growth = eps * energy * std::sqrt(n) / b.norm();
   } else {
     factor.solve(b, x);
     growth = eps * x.lpNorm<Eigen::Infinity>() * std::sqrt(n);

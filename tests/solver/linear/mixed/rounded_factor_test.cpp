@@ -106,8 +106,7 @@ TEST(RoundedFactor, ServesInEverySystemOfUnits) {
       Rounded rounded(SparseMatrix(unit * laplacian), {});
       Vector x = rounded.solve(precision, unit * b);
       EXPECT_LT((laplacian * x - b).norm(), 1e-5) << unit;
-      for (int k = 0; k < 2; ++k)
-        x += rounded.solve(precision, unit * (b - laplacian * x));
+      for (int k = 0; k < 2; ++k) x += rounded.solve(precision, unit * (b - laplacian * x));
       EXPECT_LT((laplacian * x - b).norm(), 1e-13) << unit;
     }
 }
