@@ -91,17 +91,17 @@ Balance::Residual Balance::residual(const StepEquation& equation, StepMatrix& ma
   const Vector &rhs = equation.rhs, &d = trial.d;
   ++products;
   if (equation.exact()) {
-    if (!halves_.empty()) matrix.halve(halves_);
-    if (matrix.half().empty()) {
+    const SymmetricBlocks& half = matrix.half(halves_);
+    if (half.empty()) {
       const double error =
           equilibrium_error(matrix.k(), d, rhs, contact.unknowns, contact.force, xi, trial.gap);
       trial.kd = rhs - trial.gap;
       return {error, 0.0};
     }
     trial.kd.setZero(rhs.size());
-    matrix.half().add_product(d, trial.kd);
-    return {equilibrium_error(matrix.k(), matrix.half().diagonal(), trial.kd, d, rhs,
-                              contact.unknowns, contact.force, xi, trial.gap),
+    half.add_product(d, trial.kd);
+    return {equilibrium_error(matrix.k(), half.diagonal(), trial.kd, d, rhs, contact.unknowns,
+                              contact.force, xi, trial.gap),
             0.0};
   }
   gap_and_scale(matrix.k(), d, rhs, trial.gap, scale_);

@@ -3,6 +3,7 @@
 
 #include "solver/time/interior.hpp"
 #include "solver/time/reduce.hpp"
+#include "solver/time/rounding.hpp"
 
 namespace hvi::solver {
 namespace {
@@ -22,10 +23,10 @@ public:
   bool respond(std::span<const Vector> forces, StepMatrix& matrix, const Vector&,
                const InequalityState& at, std::vector<Vector>& x,
                std::vector<Vector>& xi) const override {
-    return matrix.respond(forces, at, x, xi);
+    return hvi::solver::respond(matrix, forces, at, x, xi);
   }
   double condition(StepMatrix* of_step) const override {
-    return of_step == nullptr ? 0.0 : of_step->condition();
+    return of_step == nullptr ? 0.0 : hvi::solver::condition(*of_step, operators().symmetric);
   }
   std::unique_ptr<RowChecks> row_checks(const Plan&) const override { return nullptr; }
   FactorStatistics statistics() const override { return {}; }
@@ -92,7 +93,7 @@ std::unique_ptr<Formulation> formulate(const Plan& plan, const Discretisation& d
     try {
       const SparseMatrix& t = all.operators.bases[0];
       auto factor = take_factor(all.operators.shared, t, all.contact.unknowns, true);
-      if (rounding_growth(t, *factor.operator->()) <= growth_to_refine) {
+      if (rounding_growth(t, *factor) <= growth_to_refine) {
         auto interior = std::make_unique<Interior>(all.operators.bases[0], std::move(factor),
                                                    all.layout, all.contact.unknowns);
         auto reduced = on_contact_unknowns(std::move(all), *interior);

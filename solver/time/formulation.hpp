@@ -55,7 +55,7 @@ public:
   virtual const StateLayout& whole_layout() const = 0;
   virtual const SparseMatrix& whole_base(int b) const = 0;
   virtual const Vector& whole_state(const Vector& state, Vector& room) const = 0;
-  /// StepMatrix::respond of the matrix on all unknowns; `matrix` is that of a step with these
+  /// respond (step_matrix.hpp) of the matrix on all unknowns; `matrix` is that of a step with these
   /// coefficients.
   virtual bool respond(std::span<const Vector> forces, StepMatrix& matrix, const Vector& gamma,
                        const InequalityState& at, std::vector<Vector>& x,

@@ -202,7 +202,7 @@ bool Interior::respond(std::span<const Vector> forces, StepMatrix& matrix, doubl
                        const InequalityState& at, std::vector<Vector>& x, std::vector<Vector>& xi) {
   std::vector<Vector> r, c;
   factor_->reduce_each(forces, r);
-  if (!matrix.respond_there(r, at, c, xi)) return false;
+  if (!matrix.laws()->respond(at, r, c, xi)) return false;
   for (auto& of_force : c) of_force *= gamma; // the factor's matrix times gamma is the step's
   factor_->back_each(c, x);
   for (auto& of_force : x) of_force /= gamma;

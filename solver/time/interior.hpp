@@ -61,8 +61,8 @@ public:
   const SparseMatrix& matrix_of_all() const { return t_; }
   const StateLayout& layout() const { return layout_; }
   void unknowns_of(const Vector& y, Vector& x) { expand(y, x); }
-  double condition() { return estimate_condition(t_, *factor_.operator->()); }
-  /// StepMatrix::respond with K = gamma T on all unknowns; `matrix` is that of the states.
+  double condition() { return estimate_condition(t_, *factor_); }
+  /// respond (step_matrix.hpp) with K = gamma T on all unknowns; `matrix` is that of the states.
   bool respond(std::span<const Vector> forces, StepMatrix& matrix, double gamma,
                const InequalityState& at, std::vector<Vector>& x, std::vector<Vector>& xi);
   static constexpr int most_steps = Factorisation::most_at_once;

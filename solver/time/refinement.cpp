@@ -1,6 +1,8 @@
 // Refinement in extended precision; see refinement.hpp. Called by the StepSolver.
 #include "solver/time/refinement.hpp"
 
+#include "solver/time/rounding.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,22 +32,17 @@ constexpr double largest_last = 1e-6;
 
 } // namespace
 
-bool Refinement::begins_with(StepMatrix& matrix) {
+bool Refinement::begins_with(const StepMatrix& matrix) {
   if (on_) return false;
-  on_ = matrix.growth() > growth_to_refine;
+  on_ = matrix.factorisation() &&
+        rounding_growth(matrix.k(), *matrix.factorisation()) > growth_to_refine;
   return on_;
 }
 
-/// About the state u with the increment d.
-void Refinement::prepare_laws(int n, const Vector& u, const Vector* d, const Vector& xi) {
-  if (contact_.none()) return;
-  const auto fields = evolution_.law_fields(n, contact_.other_fields, u, d);
-  prepare(contact_, problem_, evolution_.grid().t(n), fields, xi);
-}
-
-void Refinement::refine(StepMatrix& matrix, const StepEquation& equation, Trial& trial,
-                        InequalityState& laws, StepResult& out) {
+void Refinement::refine(const StepMatrix& matrix, const StepEquation& equation,
+                        Corrector& corrector, StepLaws& step_laws, Trial& trial, StepResult& out) {
   if (!trial.d.allFinite()) return;
+  auto& laws = step_laws.now;
   const int n = equation.n;
   const std::vector<Vector> on_base = balance_.known_on_bases(equation);
   Vector total = trial.d, state = equation.known;
@@ -55,9 +52,9 @@ void Refinement::refine(StepMatrix& matrix, const StepEquation& equation, Trial&
   for (int pass = 0; pass < most_passes; ++pass) {
     balance_.precise_gap(n, matrix, on_base, total, laws.xi, trial.gap);
     moved_by = equation.known.head(total.size()) + total;
-    prepare_laws(n, state, &total, laws.xi);
+    step_laws.prepare(n, state, &total);
     laws.c.setZero();
-    const auto report = matrix.start(trial.gap, laws, trial.d);
+    const auto report = corrector.start(matrix, trial.gap, laws, trial.d);
     ++out.corrections;
     const double size = state.lpNorm<Eigen::Infinity>(), moved = trial.d.lpNorm<Eigen::Infinity>();
     const double correction = size > 0.0 ? moved / size : 0.0;
@@ -71,7 +68,7 @@ void Refinement::refine(StepMatrix& matrix, const StepEquation& equation, Trial&
   trial.d = total;
   for (std::size_t i = 0; i < contact_.unknowns.size(); ++i)
     laws.c[static_cast<Eigen::Index>(i)] = trial.d[contact_.unknowns[i]];
-  prepare_laws(n, equation.known, nullptr, laws.xi);
+  step_laws.prepare(n, equation.known);
   out.equilibrium = balance_.precise_gap(n, matrix, on_base, trial.d, laws.xi, trial.gap);
   trial.kd.noalias() = matrix.k() * trial.d;
   last_correction_ = std::max(last_correction_, last);

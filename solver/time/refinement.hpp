@@ -7,15 +7,17 @@
 #pragma once
 
 #include "solver/time/balance.hpp"
+#include "solver/time/corrector.hpp"
+#include "solver/time/step_laws.hpp"
 #include "solver/time/step_result.hpp"
 
 namespace hvi::solver {
 
 class Refinement {
 public:
-  /// Keeps references to all of them.
-  Refinement(const Problem& problem, const Evolution& evolution, Balance& balance, Contact& contact)
-      : problem_(problem), evolution_(evolution), balance_(balance), contact_(contact) {}
+  /// Keeps references to all three.
+  Refinement(const Problem& problem, Balance& balance, const Contact& contact)
+      : problem_(problem), balance_(balance), contact_(contact) {}
 
   /// Is every step refined?
   bool on() const { return on_; }
@@ -24,23 +26,20 @@ public:
 
   /// Asked of each new factor: a pair of triangular solves beside it. True: steps are refined from
   /// now on.
-  bool begins_with(StepMatrix& matrix);
+  bool begins_with(const StepMatrix& matrix);
   /// The increment and the multipliers of an attempted step, corrected until that moves nothing.
   /// The laws are solved about the present state, so their unknowns are corrections, too. Throws
   /// Failure(mostly_rounding).
-  void refine(StepMatrix& matrix, const StepEquation& equation, Trial& trial, InequalityState& laws,
-              StepResult& out);
+  void refine(const StepMatrix& matrix, const StepEquation& equation, Corrector& corrector,
+              StepLaws& step_laws, Trial& trial, StepResult& out);
 
   void save(StateWriter& w) const;
   void restore(StateReader& r);
 
 private:
-  void prepare_laws(int n, const Vector& u, const Vector* d, const Vector& xi);
-
   const Problem& problem_;
-  const Evolution& evolution_;
   Balance& balance_;
-  Contact& contact_;
+  const Contact& contact_;
   bool on_ = false;
   double last_correction_ = 0.0;
 };

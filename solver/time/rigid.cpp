@@ -2,6 +2,7 @@
 #include "solver/time/rigid.hpp"
 
 #include "solver/linear/dense.hpp"
+#include "solver/time/rounding.hpp"
 #include "solver/time/run.hpp"
 #include "solver/time/strain.hpp"
 #include "solver/time/whole_time.hpp"
@@ -150,12 +151,12 @@ bool held_by_values(const Discretisation& d) {
       if (const double square = at.col(b).squaredNorm(); square > 0.0)
         for (int twice = 0; twice < 2; ++twice)
           at.col(a) -= at.col(b).dot(at.col(a)) / square * at.col(b);
-    constexpr double rounding = 1e-10; // of the motion at the imposed values before
+    constexpr double smallest = 1e-10; // of the motion at the imposed values before: else rounding
     const double left = at.col(a).norm();
     double before = 0.0;
     for (const auto& e : imposed)
       before = std::max(before, std::abs(all[static_cast<std::size_t>(a)].values[e.dof]));
-    if (!(left > rounding * before)) return false;
+    if (!(left > smallest * before)) return false;
   }
   return at.cols() > 0 && at.rows() > 0;
 }

@@ -180,10 +180,10 @@ private:
   void estimate_forward_error() {
     const PhaseClock<> clock(result_.timing.output);
     auto& error = result_.forward_error;
-    StepMatrix* const matrix = state_.solver.matrices().latest();
+    StepMatrix* const matrix = state_.solver.equations.matrices.latest();
     std::vector<ErrorSample> samples;
     if (matrix != nullptr)
-      samples = state_.rounding.samples(*matrix, state_.solver.accepted(),
+      samples = state_.rounding.samples(*matrix, state_.solver.equations.laws.accepted(),
                                         result_.certificate.equilibrium);
     // Where a body sticks everywhere displacements are rounding of what its loads amount to.
     const Vector& reach = state_.contact().reach;
@@ -194,12 +194,12 @@ private:
     for (const auto& sample : samples)
       square = std::max(square, sample.u.lpNorm<Eigen::Infinity>());
     error.solution = size > 0.0 ? 3.0 * square / size : 0.0;
-    error.solution = std::max(error.solution, state_.solver.refinement().last_correction());
-    error.refined = state_.solver.refinement().on();
+    error.solution = std::max(error.solution, state_.solver.refinement.last_correction());
+    error.refined = state_.solver.refinement.on();
     error.amplification = state_.rounding.amplification();
     error.columns = reporter_.errors(samples, result_.u, {size, nothing});
     if (settings_.condition || error.refined || result_.work.bytes < cheap_bytes)
-      error.condition = state_.formulation->condition(state_.solver.matrices().latest());
+      error.condition = state_.formulation->condition(state_.solver.equations.matrices.latest());
   }
 
   /// Where several solutions are possible: that it is so, which branch this is, and its energy.

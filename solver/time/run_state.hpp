@@ -12,7 +12,7 @@ struct RunState {
   RunState& operator=(const RunState&) = delete;
 
   const Contact& contact() const { return formulation->contact(); }
-  const Vector& xi() const { return solver.laws().xi; }
+  const Vector& xi() const { return solver.equations.laws.now.xi; }
 
   std::unique_ptr<Formulation> formulation; ///< never null
   Evolution evolution;

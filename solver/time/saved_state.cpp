@@ -49,21 +49,21 @@ void Memory::restore(std::istream& in) {
 
 void StepMatrix::save(std::ostream& out) const {
   StateWriter w(out);
-  put_vector(w, gamma_);
+  put_vector(w, gamma());
   w.put(law_factors_);
   if (solver_) solver_->save(out);
 }
 
 void StepMatrix::restore(std::istream& in) {
   StateReader r(in, {});
-  Vector gamma;
-  get_vector(r, gamma, operators_.n_bases());
+  Vector saved;
+  get_vector(r, saved, operators_.n_bases());
   law_factors_ = r.get_vector<double>();
   if (!law_factors_.empty() && law_factors_.size() != contact_.terms.size())
     r.fail("is inconsistent");
   for (const double factor : law_factors_)
     if (!(factor > 0.0)) r.fail("is inconsistent");
-  factor(gamma);
+  factor(saved);
   if (solver_) solver_->restore(in);
 }
 

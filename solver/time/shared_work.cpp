@@ -44,6 +44,7 @@ SharedFactor::SharedFactor(std::shared_ptr<Factorisation> factor, bool shared, b
 }
 
 FactorStatistics SharedFactor::statistics() const {
+  if (!factor_) return {};
   auto out = factor_->statistics();
   out.analyses -= before_.analyses;
   out.factorisations -= before_.factorisations;

@@ -20,11 +20,13 @@ public:
   SharedFactor() = default;
   SharedFactor(std::shared_ptr<Factorisation> factor, bool shared, bool made_before);
   Factorisation* operator->() const { return factor_.get(); }
+  Factorisation& operator*() const { return *factor_; }
   const Factorisation* get() const { return factor_.get(); }
   explicit operator bool() const { return factor_ != nullptr; }
   /// Another run may use it, too: it must not be factored again for other values.
   bool is_shared() const { return shared_; }
-  /// Of this run: work that another one did is not counted, its seconds are.
+  /// Of this run: work that another one did is not counted, its seconds are. Zeros where there is
+  /// no factor.
   FactorStatistics statistics() const;
 
 private:

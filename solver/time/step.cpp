@@ -31,9 +31,9 @@ std::string obstacle_to_uniqueness(const Problem& problem, const RunState& state
   if (!uniqueness.settled()) {
     // Not in a restored run: asking would change the solver, and its later numbers.
     if (uniqueness.condensed() && state.evolution.step() == 0)
-      uniqueness.judge(matrix.unique());
+      uniqueness.judge(matrix.laws() == nullptr || matrix.laws()->convex());
     else
-      uniqueness.judge_all(matrix.factorisation());
+      uniqueness.judge_all(matrix.factorisation().get());
   }
   return uniqueness.obstacle();
 }
@@ -62,7 +62,8 @@ bool is_snap(RunState& state, const StepResult& step) {
   const bool guess = step.inequality.inner_steps == 0 || step.inequality.not_followed;
   if (!guess || !state.formulation->operators().symmetric || state.contact().none()) return false;
   Trial& trial = state.trial;
-  return is_snap(state.contact(), state.solver.laws().c, trial.kd.dot(trial.d), trial.dz);
+  return is_snap(state.contact(), state.solver.equations.laws.now.c, trial.kd.dot(trial.d),
+                 trial.dz);
 }
 
 } // namespace
@@ -103,7 +104,7 @@ StepResult Stepper::advance(int n) {
   else if (out.certified)
     out.snap = is_snap(state_, out);
   if (!out.certified)
-    state_.solver.give_up();
+    state_.solver.equations.laws.give_up();
   else if (!accept(n, matrix, out))
     return start_again(LateCheck());
   return out;
@@ -141,8 +142,7 @@ void Stepper::account(WorkCounters& work, Timing& timing) const {
   }
   charge(state_.formulation->statistics(), work, timing);
   work.bytes += state_.balance.bytes();
-  state_.solver.matrices().account(work, timing);
-  charge(state_.solver.solves().statistics(), work, timing);
+  state_.solver.equations.account(work, timing);
 }
 
 void Stepper::save(std::ostream& out) const {

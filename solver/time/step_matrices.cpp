@@ -83,9 +83,7 @@ void charge(const FactorStatistics& factor, WorkCounters& work, Timing& timing) 
 void StepMatrices::account(WorkCounters& work, Timing& timing) const {
   for (const auto& kept : kept_) {
     work.bytes += kept.matrix->bytes();
-    charge(kept.matrix->statistics(), work, timing);
-    timing.inequality += kept.matrix->seconds_inequality;
-    timing.triangular_solves += kept.matrix->seconds_triangular;
+    charge(kept.matrix->factorisation().statistics(), work, timing);
   }
 }
 

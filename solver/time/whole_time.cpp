@@ -41,7 +41,8 @@ bool WholeTime::respond(const Vector& v, const Vector& more) {
   for (Eigen::Index b = 0; b < change_.size(); ++b)
     if (change_[b] != 0.0)
       force.noalias() += change_[b] * (operators_.bases[static_cast<std::size_t>(b)] * state_);
-  return matrix_.respond(std::span<const Vector>(&force, 1), at_, answer_, multipliers_);
+  return hvi::solver::respond(matrix_, std::span<const Vector>(&force, 1), at_, answer_,
+                              multipliers_);
 }
 
 bool WholeTime::relax(const Vector& force, int most, double bound, Vector& x, Vector& xi) {

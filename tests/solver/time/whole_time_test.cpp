@@ -68,7 +68,7 @@ TEST(WholeTime, FindsTheSolutionOfOneLongStep) {
     const Vector force =
         Vector::NullaryExpr(body.layout.n_unknowns, [&](Eigen::Index) { return unit(random); });
     std::vector<Vector> x, xi;
-    ASSERT_TRUE(matrix.respond(std::span<const Vector>(&force, 1), at, x, xi));
+    ASSERT_TRUE(respond(matrix, std::span<const Vector>(&force, 1), at, x, xi));
     const DenseMatrix of_step = body.matrix(step), of_all = body.matrix(whole);
     EXPECT_LT((of_step * x[0] - force).norm(), 1e-10 * force.norm());
     WholeTime one(body.operators, matrix, at, body.layout.n_state,

@@ -1,0 +1,67 @@
+// See factored_matrix.hpp.
+#include "solver/time/factored_matrix.hpp"
+
+#include "solver/linear/condition_estimate.hpp"
+#include "solver/linear/separate.hpp"
+
+#include <utility>
+
+namespace hvi::solver {
+namespace {
+
+SharedFactor own(std::unique_ptr<Factorisation> factor) {
+  return {std::move(factor), false, false};
+}
+
+/// Of K. `shared`: may have it already; `like`: shares its analysis; both may be null.
+SharedFactor make_factor(const Operators& operators, const Contact& contact, const SparseMatrix& k,
+                         SharedWork* shared, const FactoredMatrix* like) {
+  if (operators.separate) {
+    auto out = own(separate_factor(*operators.separate, operators.n_unknowns));
+    out->factor(k);
+    return out;
+  }
+  if (shared == nullptr && like != nullptr && like->factorisation()) {
+    auto out = own(like->factorisation()->another());
+    factor_where_it_fits(*out, k, contact.unknowns.size(), 0.0);
+    return out;
+  }
+  return take_factor(shared, k, contact.unknowns, operators.symmetric, operators.memory_to_come);
+}
+
+} // namespace
+
+/// The first factor may be shared with another run, and is then replaced by one of this run; a
+/// factor of this run is made anew in its place.
+void FactoredMatrix::factor(const Vector& gamma) {
+  gamma_ = gamma;
+  SparseMatrix k = combine(operators_, gamma);
+  k_.swap(k); // Eigen 3.4 copies what is moved
+  half_ = {};
+  if (contact_.whole) return;
+  if (factorisation_ && !factorisation_.is_shared()) {
+    factorisation_->factor(k_);
+    return;
+  }
+  auto* const shared = factorisation_ ? nullptr : operators_.shared;
+  factorisation_ = make_factor(operators_, contact_, k_, shared, std::exchange(like_, nullptr));
+}
+
+const SymmetricBlocks& FactoredMatrix::half(std::span<const SymmetricBlocks> bases) {
+  if (half_.empty() && !bases.empty()) half_ = SymmetricBlocks::sum(bases, gamma_);
+  if (half_.empty() && !bases.empty()) half_ = SymmetricBlocks(k_);
+  return half_;
+}
+
+double FactoredMatrix::bytes() const {
+  return static_cast<double>(k_.nonZeros()) * (sizeof(double) + sizeof(int)) + half_.bytes();
+}
+
+double condition(const FactoredMatrix& matrix, bool symmetric) {
+  if (matrix.factorisation()) return estimate_condition(matrix.k(), *matrix.factorisation());
+  const auto factor = analyse(matrix.k(), {}, symmetric);
+  factor->factor(matrix.k());
+  return estimate_condition(matrix.k(), *factor);
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,45 @@
+// The matrix of a step, K = sum_b gamma_b T_b, with its factor.
+#pragma once
+
+#include "solver/linear/symmetric_blocks.hpp"
+#include "solver/time/contact.hpp"
+#include "solver/time/operators.hpp"
+#include "solver/time/shared_work.hpp"
+
+namespace hvi::solver {
+
+class FactoredMatrix {
+public:
+  /// Keeps references to operators and contact. `like`: one for another step size, whose analysis
+  /// is taken over; it must outlive the first `factor`.
+  FactoredMatrix(const Operators& operators, const Contact& contact,
+                 const FactoredMatrix* like = nullptr)
+      : operators_(operators), contact_(contact), like_(like) {}
+
+  /// Numeric factorisation for these coefficients; the pattern is analysed the first time only.
+  /// Throws Failure(not_coercive).
+  void factor(const Vector& gamma);
+
+  const Vector& gamma() const { return gamma_; }
+  const SparseMatrix& k() const { return k_; }
+  /// Absent where all unknowns are contact unknowns, so that nothing is condensed.
+  const SharedFactor& factorisation() const { return factorisation_; }
+  /// K once more for products, in half the memory, from such matrices of the T_b; empty without
+  /// those, or if K is not symmetric. Made at the first call.
+  const SymmetricBlocks& half(std::span<const SymmetricBlocks> bases);
+  double bytes() const; ///< held besides the factorisation
+
+private:
+  const Operators& operators_;
+  const Contact& contact_;
+  const FactoredMatrix* like_;
+  Vector gamma_;
+  SparseMatrix k_;
+  SymmetricBlocks half_;
+  SharedFactor factorisation_;
+};
+
+/// The condition number of K, estimated; factors K where there is no factor of it.
+double condition(const FactoredMatrix& matrix, bool symmetric);
+
+} // namespace hvi::solver

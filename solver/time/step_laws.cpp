@@ -1,0 +1,71 @@
+// See step_laws.hpp.
+#include "solver/time/step_laws.hpp"
+
+#include "solver/time/saved_state.hpp"
+
+namespace hvi::solver {
+
+StepLaws::StepLaws(const Problem& problem, double tolerance, const Evolution& evolution,
+                   Contact& contact)
+    : problem_(problem), tolerance_(tolerance), evolution_(evolution), contact_(contact) {
+  now.xi = Vector::Zero(contact.n_rows());
+  now.c = Vector::Zero(static_cast<Eigen::Index>(contact.unknowns.size()));
+  accepted_ = now;
+}
+
+void StepLaws::prepare(int n, const Vector& u, const Vector* d) {
+  if (contact_.none()) return;
+  const auto fields = evolution_.law_fields(n, contact_.other_fields, u, d);
+  solver::prepare(contact_, problem_, evolution_.grid().t(n), fields, now.xi);
+}
+
+void StepLaws::start_path(int n) {
+  const auto& grid = evolution_.grid();
+  arguments_of(contact_, problem_, grid.is_static() ? 0.0 : grid.t(n - 1),
+               evolution_.law_fields(contact_.other_fields), now.z_before);
+}
+
+Inclusion StepLaws::inclusion(int n, const Vector& u, const Vector& d, Vector& z) const {
+  const auto fields = evolution_.law_fields(n, contact_.other_fields, u, &d);
+  return inclusion_error(contact_, fields, now.xi, tolerance_, z);
+}
+
+double StepLaws::settle_bounds(int n, const Vector& u, const Vector& d, Vector& z) {
+  prepare(n, u);
+  state_ = u;
+  state_.head(d.size()) += d;
+  return inclusion(n, state_, d, z).worst;
+}
+
+void StepLaws::save(StateWriter& w) const {
+  put_vector(w, now.c);
+  put_vector(w, now.xi);
+  w.put(now.state);
+}
+
+namespace {
+
+/// The pieces that contact points are on must be pieces of their laws.
+void check_states(const Contact& contact, const std::vector<int>& states, const StateReader& r) {
+  const auto& points = contact.problem.points;
+  bool good = states.empty() || states.size() == points.size();
+  for (std::size_t p = 0; good && p < states.size(); ++p)
+    good = states[p] >= -1 && states[p] / 2 < contact.problem.graphs[points[p].graph].pieces();
+  if (!good) r.fail("is inconsistent");
+}
+
+} // namespace
+
+void StepLaws::restore(StateReader& r) {
+  get_vector(r, now.c, now.c.size());
+  get_vector(r, now.xi, contact_.n_rows());
+  now.state = r.get_vector<int>();
+  // Laws that move with time are prepared for the step's time before every solve.
+  if (!contact_.none() && evolution_.step() > 0)
+    solver::prepare(contact_, problem_, evolution_.t(),
+                    evolution_.law_fields(contact_.other_fields), now.xi);
+  check_states(contact_, now.state, r);
+  accepted_ = now;
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,46 @@
+// The laws in the steps of a run, and their unknowns.
+#pragma once
+
+#include "solver/common/stream.hpp"
+#include "solver/time/certificate.hpp"
+#include "solver/time/evolution.hpp"
+#include "solver/time/formulation.hpp"
+
+namespace hvi::solver {
+
+class StepLaws {
+public:
+  /// Keeps references to problem, evolution and contact.
+  StepLaws(const Problem& problem, double tolerance, const Evolution& evolution, Contact& contact);
+
+  /// States the laws' problem about the state u of step n; bounds of coupled laws are those of the
+  /// present multipliers. `d`: the increment of the unknowns, where u has not got it yet.
+  void prepare(int n, const Vector& u, const Vector* d = nullptr);
+  /// Step n follows the branch that the last state is on.
+  void start_path(int n);
+  /// Prepares the laws about u, with the present multipliers, and returns the error of their
+  /// inclusion at u with the increment d.
+  double settle_bounds(int n, const Vector& u, const Vector& d, Vector& z);
+  /// Of the present multipliers, at the state u of step n with the increment d.
+  Inclusion inclusion(int n, const Vector& u, const Vector& d, Vector& z) const;
+
+  /// The attempt ends its step.
+  void accept() { accepted_ = now; }
+  /// The last accepted step's multipliers hold again.
+  void give_up() { now = accepted_; }
+  const InequalityState& accepted() const { return accepted_; }
+  InequalityState now; ///< of the last attempt
+
+  void save(StateWriter& w) const;
+  void restore(StateReader& r);
+
+private:
+  const Problem& problem_;
+  double tolerance_;
+  const Evolution& evolution_;
+  Contact& contact_;
+  InequalityState accepted_;
+  Vector state_; ///< room within a call
+};
+
+} // namespace hvi::solver
