@@ -13,7 +13,7 @@ namespace {
 /// within this part of the certificate's tolerance.
 constexpr double part_for_rounding = 0.05;
 /// A reduced-precision factor is made when at least so many steps are left.
-constexpr int worth_rounding = 12;
+constexpr int worth_rounding = 24;
 /// How far contact unknowns may move, over the target: first guesses, lowered where a step shows
 /// that they were too much.
 constexpr double first_most_single = 5e7, first_most_fine = 2e11;

@@ -55,7 +55,7 @@ TEST(ReducedPrecision, WhatIsHeldTwiceIsCounted) {
 TEST(ReducedPrecision, WithFewerBitsGiveTheSameRun) {
   expect_same(slab(12, 96), 1e-10, 0.8, "slab");
   expect_same(slab(12, 96, 2, true), 1e-10, 0.9, "slab with friction");
-  expect_same(slab(4, 24, 3, true), 1e-10, 0.95, "3D with friction");
+  expect_same(slab(4, 36, 3, true), 1e-10, 0.95, "3D with friction");
   Plan free = slab(12, 64);
   free.problem.law_terms.clear();
   while (!free.report.probes.empty() && free.report.probes.back().kind == Probe::Kind::integral)

@@ -83,11 +83,11 @@ TEST_F(MixedSolvesTest, AreNotWorthTheCopyForAFewSteps) {
   const auto solves = mixed_solves(tolerance, true);
   solves->begin(problem_.k, true);
   solves->judge(1e-6, 1e-14, true);
-  solves->accept(problem_.k, *factor_, true, 11);
+  solves->accept(problem_.k, *factor_, true, 23);
   EXPECT_EQ(solves->statistics().bytes, 0.0);
   solves->accept(problem_.k, *factor_, false, 100);
   EXPECT_EQ(solves->statistics().bytes, 0.0);
-  solves->accept(problem_.k, *factor_, true, 12);
+  solves->accept(problem_.k, *factor_, true, 24);
   EXPECT_GT(solves->statistics().bytes, 0.0);
 }
 

@@ -19,8 +19,8 @@ TEST(PrecisionChoice, IsFullUntilAStepWasPredicted) {
   EXPECT_EQ(choice.limits(true).forward, FactorPrecision::full);
   EXPECT_EQ(choice.limits(true).back(1e-9), FactorPrecision::full);
   choice.note_moved(1e-3);
-  EXPECT_TRUE(choice.worthwhile(12));
-  EXPECT_FALSE(choice.worthwhile(11));
+  EXPECT_TRUE(choice.worthwhile(24));
+  EXPECT_FALSE(choice.worthwhile(23));
   const auto limits = choice.limits(true);
   EXPECT_EQ(limits.forward, FactorPrecision::single);
   EXPECT_EQ(limits.back(1e-6), FactorPrecision::single);
