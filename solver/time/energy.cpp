@@ -31,6 +31,14 @@ double asymmetry(const SparseMatrix& k) {
   return size > 0 ? off / size : 0.0;
 }
 
+/// The column of a law that stores nothing: its name, and where that stands on several parts the
+/// part's.
+std::string column_of(const Problem& problem, const LawTerm& term) {
+  const std::string name = (is_memory(term.field) ? "law_" : "friction_") + term.name;
+  const auto same = std::ranges::count(problem.law_terms, term.name, &LawTerm::name);
+  return same > 1 ? name + "_" + problem.parts[static_cast<std::size_t>(term.part)].name : name;
+}
+
 } // namespace
 
 EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, const RunState& run)
@@ -45,8 +53,7 @@ EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, co
                                                       "snap"},
       sums_(n_sums, 0.0), columns_(names_.size()) {
   for (const auto& term : problem.law_terms)
-    if (term.field != field_of_u(0))
-      names_.push_back((is_memory(term.field) ? "law_" : "friction_") + term.name);
+    if (term.field != field_of_u(0)) names_.push_back(column_of(problem, term));
   friction_.assign(names_.size() - columns_.size(), 0.0);
   columns_.resize(names_.size());
   for (std::size_t m = 0; m < problem.histories.size(); ++m)

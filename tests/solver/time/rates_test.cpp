@@ -79,6 +79,16 @@ TEST(Rates, DissipationIsTheBoundTimesThePath) {
   EXPECT_LT(run.result.monitors->balance_error, 1e-12);
 }
 
+/// A law on two parts has two columns.
+TEST(Rates, EveryApplicationHasItsColumn) {
+  Plan plan = joint(2, 4, 1.0, 6.0);
+  plan.problem.law_terms.push_back(plan.problem.law_terms.back());
+  plan.problem.law_terms.back().part = flank;
+  const auto names = record(plan).result.monitors->names;
+  EXPECT_EQ(std::vector<std::string>(names.end() - 2, names.end()),
+            (std::vector<std::string>{"friction_slip_ground", "friction_slip_flank"}));
+}
+
 /// Below the bound nothing slips, and ten thousand steps later nothing has.
 TEST(Rates, StickingDoesNotCreep) {
   Plan plan = joint(2, 10000, 50.0, 0.1);
