@@ -21,6 +21,7 @@ part ground = slab.bottom
 tensor A      = isotropic(lambda = 5, mu = 10)
 tensor B      = isotropic(young = 70, poisson = 0.3)
 kernel C(lag) = -exp(-lag/0.5) * B
+kernel q(lag) = exp(-lag)
 superpotential layer(r) with slope
   | r < 0     -> 0
   | r < 0.02  -> 100*r
@@ -60,6 +61,10 @@ PAIRS = [
      [VISCOSITY, ELASTICITY, MEMORY, "0 * " + LAYER], [BODY, PULL]),
     ("friction", BASE, [BODY, PULL],
      BASE + ["0 * integral(ground, slip^0(u.tau; v.tau))"], [BODY, PULL]),
+    ("friction on the rate", BASE, [BODY, PULL],
+     BASE + ["0 * integral(ground, slip^0(u'.tau; v.tau))"], [BODY, PULL]),
+    ("law on a memory", BASE, [BODY, PULL],
+     BASE + ["0 * integral(ground, spring^0(history(q, u).nu; v.nu))"], [BODY, PULL]),
     ("one tensor in two terms", BASE, [BODY, PULL],
      [VISCOSITY, "0.25 * " + ELASTICITY, "0.75 * " + ELASTICITY, MEMORY, LAYER], [BODY, PULL]),
 ]
