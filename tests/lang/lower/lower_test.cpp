@@ -5,6 +5,7 @@
 #include "tests/lang/scripts.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -248,6 +249,51 @@ TEST(Lower, AKernelWrittenAsAPronySeriesArrivesAsOne) {
     EXPECT_TRUE(validate(plan, 2).empty());
     series.reset();
     EXPECT_EQ(to_string(plan), to_string(with_memory(kernel(sum), memory)));
+  }
+}
+
+// Random lists, weights of either sign, times over ten decades, repeats, factors before and behind:
+// what the memory's form does to a strain is the tensor's times the series, at any lag.
+TEST(Lower, RandomPronySeriesAreWhatTheScriptSays) {
+  std::mt19937 random(19);
+  const auto text_of = [](const std::vector<double>& list) {
+    return fmt::format("[{}]", fmt::join(list, ", "));
+  };
+  for (int k = 0; k < 300; ++k) {
+    const auto n = 1 + random() % 6;
+    std::vector<double> weights, times;
+    for (unsigned i = 0; i < n; ++i) {
+      weights.push_back(drawn(random, 0.1, 2.0) * (random() % 2 == 0 ? 1.0 : -1.0));
+      const bool again = !times.empty() && random() % 5 == 0;
+      times.push_back(again ? times.back() : std::pow(10.0, drawn(random, -5.0, 5.0)));
+    }
+    const double before = drawn(random, -3.0, 3.0), behind = drawn(random, 0.1, 3.0);
+    const auto plan =
+        with_memory(fmt::format("kernel C(lag) = {} * prony(weights = {}, times = {}) * {} * B",
+                                before, text_of(weights), text_of(times), behind),
+                    "history(C, eps(u)) : eps(v)");
+    EXPECT_TRUE(validate(plan, 2).empty());
+    ASSERT_EQ(plan.problem.histories.size(), 1u);
+    const auto& kernel = plan.problem.histories[0].kernel.expression;
+    Values at(random);
+    const auto entry_of = [&](int field) {
+      for (const auto& term : plan.problem.forms)
+        if (term.field == field) return at.of(term.entries.front().coefficient);
+      return std::nan("");
+    };
+    for (const double lag : {0.0, 1e-3, 0.7, 400.0}) {
+      double series = 0.0, size = 0.0;
+      for (std::size_t i = 0; i < weights.size(); ++i) {
+        series += weights[i] * std::exp(-lag / times[i]);
+        size += std::abs(weights[i]) * std::exp(-lag / times[i]);
+      }
+      const double value =
+          solver::evaluate(kernel, [&](solver::Slot) { return lag; }); // of the lag alone
+      const double factor = before * behind * entry_of(solver::field_of_u(1));
+      EXPECT_NEAR(entry_of(solver::field_of_memory(0)) * value, factor * series,
+                  1e-12 * std::abs(factor) * size)
+          << k << " at lag " << lag;
+    }
   }
 }
 
