@@ -3,6 +3,10 @@
 
 #include "solver/time/saved_state.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
 namespace hvi::solver {
 
 StepLaws::StepLaws(const Problem& problem, double tolerance, const Evolution& evolution,
@@ -11,6 +15,29 @@ StepLaws::StepLaws(const Problem& problem, double tolerance, const Evolution& ev
   now.xi = Vector::Zero(contact.n_rows());
   now.c = Vector::Zero(static_cast<Eigen::Index>(contact.unknowns.size()));
   accepted_ = now;
+  const auto& points = contact.problem.points;
+  for (std::size_t p = 0; p < points.size(); ++p)
+    if (contact.problem.g.middleRows(points[p].first_row, points[p].rows).nonZeros() == 0)
+      given_.push_back(static_cast<int>(p));
+}
+
+/// No multiplier is large enough for an obstacle that imposed values go through.
+void StepLaws::refuse_impossible(double t) const {
+  for (const int p : given_) {
+    const auto& point = contact_.problem.points[static_cast<std::size_t>(p)];
+    const auto z = contact_.problem.offset.segment(point.first_row, point.rows);
+    const Law& law = *contact_.laws[point.law];
+    const double r = law.spec().radial ? z.norm() : z[0];
+    const double snap = tolerance_ * contact_.problem.offset_size[point.first_row];
+    const Interval xi = clarke(law, contact_.problem.graphs[point.graph], r, snap);
+    if (xi.low < unbounded_slope && xi.high > -unbounded_slope) continue;
+    const auto& term = problem_.law_terms[static_cast<std::size_t>(point.application)];
+    throw Failure(FailureKind::not_certified, term.origin,
+                  fmt::format("there is no solution at t = {:.6g}: imposed values take the "
+                              "argument of `{}` to {:.6g}, where the law is infinite",
+                              t, term.name, r),
+                  "let the imposed values keep off the obstacle");
+  }
 }
 
 void StepLaws::prepare(int n, const Vector& u, const Vector* d) {
@@ -27,7 +54,9 @@ void StepLaws::start_path(int n) {
 
 Inclusion StepLaws::inclusion(int n, const Vector& u, const Vector& d, Vector& z) const {
   const auto fields = evolution_.law_fields(n, contact_.other_fields, u, &d);
-  return inclusion_error(contact_, fields, now.xi, tolerance_, z);
+  const auto out = inclusion_error(contact_, fields, now.xi, tolerance_, z);
+  if (!std::isfinite(out.worst)) refuse_impossible(evolution_.grid().t(n));
+  return out;
 }
 
 double StepLaws::settle_bounds(int n, const Vector& u, const Vector& d, Vector& z) {

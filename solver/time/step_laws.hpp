@@ -14,14 +14,15 @@ public:
   StepLaws(const Problem& problem, double tolerance, const Evolution& evolution, Contact& contact);
 
   /// States the laws' problem about the state u of step n; bounds of coupled laws are those of the
-  /// present multipliers. `d`: the increment of the unknowns, where u has not got it yet.
+  /// present multipliers. `d`: the increment of the unknowns, where u has it already.
   void prepare(int n, const Vector& u, const Vector* d = nullptr);
   /// Step n follows the branch that the last state is on.
   void start_path(int n);
   /// Prepares the laws about u, with the present multipliers, and returns the error of their
   /// inclusion at u with the increment d.
   double settle_bounds(int n, const Vector& u, const Vector& d, Vector& z);
-  /// Of the present multipliers, at the state u of step n with the increment d.
+  /// Of the present multipliers, at the state u of step n with the increment d. Throws
+  /// Failure(not_certified) where imposed values take a law to where it is infinite.
   Inclusion inclusion(int n, const Vector& u, const Vector& d, Vector& z) const;
 
   /// The attempt ends its step.
@@ -35,12 +36,15 @@ public:
   void restore(StateReader& r);
 
 private:
+  void refuse_impossible(double t) const;
+
   const Problem& problem_;
   double tolerance_;
   const Evolution& evolution_;
   Contact& contact_;
   InequalityState accepted_;
-  Vector state_; ///< room within a call
+  std::vector<int> given_; ///< points whose arguments no unknown moves: imposed values make them
+  Vector state_;           ///< room within a call
 };
 
 } // namespace hvi::solver

@@ -8,6 +8,23 @@ import time
 
 failures = []
 
+# The corner of the ground is moved down, through the obstacle or not.
+THROUGH = """
+mesh body = rectangle(1, 1, cells = [2, 2])
+part left = body.left
+part ground = body.bottom
+tensor B = isotropic(young = 10, poisson = 0.3)
+superpotential wall(r) with slope | r <= 0 -> 0 | otherwise -> 1e300
+space V = vector P1 on body, zero on left
+find u in V with u = [0, -0.1*t] on left for t in [0, 1] by 2 steps
+such that for all v in V
+    integral(body, B : eps(u) : eps(v))
+  + integral(ground, wall^0(u.nu - {gap}; v.nu))
+ >= integral(body, dot([0, -1], v))
+report
+  table a = u.y at [1, 0]
+"""
+
 
 def check(what, good, shown):
     print(f"{'ok   ' if good else 'FAILS'} {what}")
@@ -45,6 +62,12 @@ def main():
         check("a tolerance below rounding: E0701, exit code 3", told(done, "E0701", 3, "step 1", "tolerance 1e-30"), done)
         table = pathlib.Path(folder) / "strict" / "strict.csv"
         check("no row of the step without a certificate", not table.exists() or "\n0.25" not in table.read_text(), done)
+
+        for gap, allowed in ((0.2, True), (0.06, False)):
+            write("through.hvi", THROUGH.format(gap=gap))
+            done = call("run", "through.hvi", "--no-files")
+            good = done.returncode == 0 if allowed else told(done, "E0701", 3, "t = 1", "imposed values", "`wall` to 0.04")
+            check(f"imposed values and an obstacle, gap {gap}", good, done)
 
         command = [program, "run", "slab.hvi", "-D", "n=8", "-D", "N=1000000", "-o", "long", "--checkpoint", "50"]
         with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
