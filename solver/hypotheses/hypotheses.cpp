@@ -370,11 +370,11 @@ private:
         "the split condition: each law against its own trace");
     row("(H0)", "1 - lambda_max(sum m_i M_i^T W M_i, sym B)", m.against_b, positive(m.against_b),
         origin, "the same against B itself");
-    judge_rate_laws();
+    judge_other_laws();
   }
 
-  /// Of laws on u': each family of laws against the form of its own argument.
-  void judge_rate_laws() {
+  /// Laws on memories, which are a part of the history, and laws on u', against A in place of B.
+  void judge_other_laws() {
     Margins& m = out_.margins;
     m.rate_split = c().m_A, m.rate_against_a = 1.0;
     if (facts_.has_memory_laws)

@@ -108,7 +108,7 @@ bool KeptInverse::solve(Position& at, InequalityState& io, InequalityReport& rep
 }
 
 void KeptInverse::save(StateWriter& out) const {
-  const InverseHistory& history = inverse_.history();
+  const InverseHistory history = inverse_.made() ? inverse_.history() : InverseHistory{};
   out.put(static_cast<std::uint8_t>(inverse_.made()));
   out.put(history.first_states);
   out.put(static_cast<std::uint64_t>(history.updates.size()));

@@ -32,10 +32,11 @@ bool UpdatedInverse::make(const std::vector<int>& states) {
   return made_ = op_.inverse(h, inverse_);
 }
 
-/// Puts a point on another piece.
+/// Puts a point on another piece. Where that cannot be, pieces and inverse no longer agree, and it
+/// has to be made anew.
 bool UpdatedInverse::update(int p, int to_state) {
   const double before = pieces_[p].k;
-  if (!pieces_.take(p, to_state)) return false;
+  if (!pieces_.take(p, to_state)) return made_ = false;
   history_.updates.emplace_back(p, to_state);
   const double change = points_[p].weight * (pieces_[p].k - before);
   if (change == 0.0) return true;
@@ -51,7 +52,7 @@ bool UpdatedInverse::update(int p, int to_state) {
   for (SparseMatrix::InnerIterator it(points_.g, points_[p].first); it; ++it)
     along += it.value() * v[it.col()];
   const double left = 1.0 + change * along, alpha = -change / left;
-  if (!(left > least_left)) return false;
+  if (!(left > least_left)) return made_ = false;
   cblas_dsyr(CblasColMajor, CblasLower, n, alpha, v.data(), 1, inverse_.data(), n);
   return true;
 }

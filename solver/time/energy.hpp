@@ -5,8 +5,8 @@
 //   work     += <f_n + r_n, d>         elastic = <B u_n, u_n>/2     contact = sum_p w_p j(z_p)
 //   viscous  += <A u'_n, d>            memory += <sum_m E_m w_m, d>
 //   lost     += work - viscous - memory - (change of elastic + contact)
-//   friction += <G^T W xi, d> of each law on u', which stores nothing: a part of `lost`
-//   energy    = elastic + contact - <f_n, u_n>: what a stable state makes least
+//   friction += <G^T W xi, d> of each law on u' or on a memory, which stores nothing: a part of
+//   `lost` energy    = elastic + contact - <f_n, u_n>: what a stable state makes least
 // `lost` is that friction, the dissipation of the scheme, <B d, d>/2 to first order, and what snaps
 // set free.
 // Lemma 3.2 bounds, independent of the step k (V: the norm of eps(u); X: L2 with the laws' weights)
@@ -60,8 +60,9 @@ private:
   Vector z_;
   double elastic_energy_ = 0, contact_energy_ = 0, largest_error_ = 0, largest_size_ = 0;
   std::vector<std::string> names_;
-  std::vector<double> sums_;     ///< work, viscous, memory, lost, and the four of Lemma 3.2
-  std::vector<double> friction_; ///< so far, of every law on u', in the order of the terms
+  std::vector<double> sums_; ///< work, viscous, memory, lost, and the four of Lemma 3.2
+  std::vector<double>
+      friction_; ///< so far, of every law that is not on u, in the order of the terms
   std::vector<std::vector<double>> columns_;
 };
 

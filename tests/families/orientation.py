@@ -229,14 +229,19 @@ def run(program, folder, scene, turn, scale, shift):
     return u[nearest], ""
 
 
-def main():
+def asked_for():
+    """The options of a family."""
     parser = argparse.ArgumentParser()
     parser.add_argument("program", type=lambda p: str(pathlib.Path(p).resolve()))
     parser.add_argument("--scenes", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", type=int)
     parser.add_argument("--keep", type=pathlib.Path)
-    options = parser.parse_args()
+    return parser.parse_args()
+
+
+def main():
+    options = asked_for()
     certified = wrong = refused = skipped = 0
     refused_in, scenes_in = {2: 0, 3: 0}, {2: 0, 3: 0}
     worst = 0.0

@@ -62,9 +62,12 @@ Scene on_rates(std::string name, bool graded) {
 /// A layer that softens in what the ground remembers; branches are followed.
 Scene on_memory() {
   Scene out{"law on a memory", slab(3, 9), true};
-  out.plan.problem.histories.push_back({{}, exponential_kernel(0.1)});
+  auto kernel = exponential_kernel(0.1);
+  kernel.expression =
+      1000.0 * kernel.expression; // so stiff that the layer's descent outweighs the body
+  out.plan.problem.histories.push_back({{}, kernel});
   out.plan.problem.law_terms[0].field = field_of_memory(1);
-  out.plan.problem.loads[0] = force(body, {0.0, -600.0 * var(slot::t)});
+  out.plan.problem.loads[0] = force(body, {0.0, -8.0 * var(slot::t)});
   return out;
 }
 
