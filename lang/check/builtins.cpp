@@ -29,6 +29,7 @@ constexpr std::array table = {
     BuiltIn{"min", K::pointwise, "min(a, b, ...)", "least of its arguments"},
     BuiltIn{"mittag_leffler", K::pointwise, "mittag_leffler(alpha, [beta,] a)",
             "Mittag-Leffler function E_{alpha,beta}(a), beta = 1 when left out"},
+    BuiltIn{"pos", K::pointwise, "pos(a)", "positive part, max(a, 0)"},
     BuiltIn{"sign", K::pointwise, "sign(a)", "-1, 0 or 1"},
     BuiltIn{"sin", K::pointwise, "sin(a)", "sine"},
     BuiltIn{"sinh", K::pointwise, "sinh(a)", "hyperbolic sine"},
@@ -72,11 +73,11 @@ constexpr std::array table = {
             "structured mesh of (0, a) x (0, b), one diagonal or two (crossed)"},
 };
 
-constexpr std::array<std::string_view, 24> word_table = {
-    "P1",           "P2",        "backward_euler", "bdf2",     "nodal",      "midpoint",
-    "gauss",        "exact",     "endpoint",       "average",  "continuing", "release",
-    "least_energy", "automatic", "recursion",      "fit",      "tree",       "direct",
-    "linear",       "cubic",     "affine",         "constant", "diagonal",   "crossed"};
+constexpr std::array<std::string_view, 27> word_table = {
+    "P1",        "P2",       "backward_euler", "bdf2",       "nodal",   "midpoint",     "gauss",
+    "exact",     "endpoint", "average",        "continuing", "release", "least_energy", "automatic",
+    "recursion", "fit",      "tree",           "direct",     "linear",  "cubic",        "affine",
+    "constant",  "diagonal", "crossed",        "euler",      "newmark", "hht"};
 
 constexpr std::array<std::string_view, 8> reserved_names = {"t",  "x",   "y",      "z",
                                                             "pi", "lag", "normal", "sigma"};
@@ -100,7 +101,7 @@ bool is_word(std::string_view name) {
 std::span<const std::string_view> words() { return word_table; }
 
 bool is_reserved_builtin(std::string_view name) {
-  return is_function_name(name) ||
+  return (is_function_name(name) && name != "pos") || // scripts had a `pos` of their own
          std::find(reserved_names.begin(), reserved_names.end(), name) != reserved_names.end();
 }
 

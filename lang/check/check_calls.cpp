@@ -207,6 +207,10 @@ Value Checker::pointwise(const ast::Expr& e, const ast::Call& c, const std::stri
   }
   Field out;
   if (!nonlinear_degrees(e.span, fmt::format("`{}`", name), pointers, out, scope)) return Poison{};
+  if (name == "pos") {
+    out.components = {Symbol::make(Op::max, {symbols.front(), Symbol(0.0)})};
+    return out;
+  }
   if (mittag_leffler && given == 2) symbols.insert(symbols.begin() + 1, Symbol(1.0));
   Symbol result = Symbol::make(pointwise_op(name), {symbols.begin(), symbols.begin() + wanted});
   if (variadic)
@@ -441,13 +445,17 @@ void Checker::check_kernels_in_time() {
 Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
   auto args = match(e, c, "history", {"kernel", "of"}, 2);
   if (!args) return Poison{};
-  if (!scope.unknown) {
+  const bool read = scope.law && find_ != nullptr;
+  if (!scope.unknown && !read) {
     error("E0309", e.span, fmt::format("`history` cannot be used in {}", scope.what));
     return Poison{};
   }
   auto kernel = kernel_field(*(*args)[0], scope);
   if (!kernel) return Poison{}; // `history(eps(u), C)` is one mistake
-  auto of = field(*(*args)[1], scope);
+  Scope inside = scope;
+  inside.unknown = true;
+  inside.normal = scope.normal || read;
+  auto of = field(*(*args)[1], inside);
   if (!of) return Poison{};
   if (!find_->time) {
     error("E0412", e.span, "`history` needs a problem in time",
@@ -513,6 +521,7 @@ Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope&
     }
   }
   uses_memory_ = true;
+  if (read) out.trial = Degree::none; // a law knows what it reads
   return out;
 }
 

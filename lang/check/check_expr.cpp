@@ -159,6 +159,7 @@ Value Checker::list(const ast::Expr& e, const ast::List& l, const Scope& scope) 
     if (item.test != Degree::none) out.test = item.test;
     if (item.trial != Degree::none) out.trial = item.trial;
     out.rate = out.rate || item.rate;
+    out.acceleration = out.acceleration || item.acceleration;
     out.memory = out.memory || item.memory;
   }
   const int n = static_cast<int>(items.size());
@@ -226,6 +227,7 @@ Value Checker::cases(const ast::Expr& e, const ast::Cases& c, const Scope& scope
     if (value->test != Degree::none) out.test = value->test;
     if (value->trial != Degree::none) out.trial = value->trial;
     out.rate = out.rate || value->rate;
+    out.acceleration = out.acceleration || value->acceleration;
     out.memory = out.memory || value->memory;
   }
   return out;
@@ -304,28 +306,38 @@ std::optional<Symbol> Checker::compare(const ast::Compare& c, const Scope& scope
 }
 
 Value Checker::prime(const ast::Expr& e, const ast::Prime& p, const Scope& scope) {
-  const auto* r = std::get_if<ast::Reference>(&p.operand->node);
+  const auto* inner = std::get_if<ast::Prime>(&p.operand->node);
+  const ast::Expr& operand = inner ? *inner->operand : *p.operand;
+  const int order = inner ? 2 : 1;
+  const auto* r = std::get_if<ast::Reference>(&operand.node);
   if (!r || !find_ || r->name != find_->unknown.text) {
-    if (is_poison(expr(*p.operand, scope))) return Poison{};
+    if (is_poison(expr(operand, scope))) return Poison{};
     error("E0303", p.op,
           fmt::format("only the unknown{} has a time derivative",
                       find_ ? fmt::format(" `{}`", find_->unknown.text) : ""),
           "write `u'` and take `eps(u')` of it");
     return Poison{};
   }
-  Value value = reference(*p.operand, r->name, scope);
+  Value value = reference(operand, r->name, scope);
   auto* u = std::get_if<Field>(&value);
   if (!u) return Poison{};
   if (!find_->time) {
     error(
-        "E0412", e.span, fmt::format("`{}'` needs a problem in time", r->name),
+        "E0412", e.span,
+        fmt::format("`{}{}` needs a problem in time", r->name, order == 2 ? "''" : "'"),
         "add `for t in [0, T] by N steps from u = 0` to the find statement, or leave the term out");
+    return Poison{};
+  }
+  if (order == 2 && scope.report && !has_second_derivative()) {
+    error("E0431", e.span, fmt::format("`{}''` in a problem without inertia", r->name),
+          "it is known where a form has it: `integral(body, rho*dot(u'', v))`");
     return Poison{};
   }
   for (std::size_t i = 0; i < u->components.size(); ++i)
     u->components[i] = Symbol::variable(
-        solver::slot::field(solver::field_of_u(1), solver::slot::value(static_cast<int>(i))));
+        solver::slot::field(solver::field_of_u(order), solver::slot::value(static_cast<int>(i))));
   u->rate = true;
+  u->acceleration = order == 2;
   return *u;
 }
 
@@ -370,6 +382,7 @@ Value Checker::field_member(const ast::Expr&, const ast::Member& m, const Field&
   out.test = f.test;
   out.trial = f.trial;
   out.rate = f.rate;
+  out.acceleration = f.acceleration;
   out.memory = f.memory;
   if (f.rank == 2) { // sigma.xy
     if (name.size() != 2) return no_member({"xx", "yy", "xy"});
@@ -392,7 +405,8 @@ Value Checker::field_member(const ast::Expr&, const ast::Member& m, const Field&
   }
   if (name != "nu" && name != "tau") return no_member({"nu", "tau", "x", "y", "z"});
   if (f.rows != model_.dim) return no_member({"x", "y", "z"});
-  if (!scope.normal) {
+  const bool read = scope.law && f.memory; // the part that the law acts on has one, or it is said
+  if (!scope.normal && !read) {
     // One wrong part makes every `.nu` of its integral wrong: one error says it.
     if (scope.test && std::exchange(normal_missed_, true)) return Poison{};
     error("E0309", m.member.span,

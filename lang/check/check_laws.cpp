@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 namespace hvi::lang {
@@ -66,7 +67,7 @@ std::optional<Field> Checker::law_body(int declaration, const Field& argument,
   scope.what = "a superpotential";
   scope.position = true;
   scope.time = true;
-  scope.law = true;
+  scope.law = scope.states = true;
   scope.locals = parameters;
   scope.locals[law.argument.text] = argument;
   auto f = field(law.value, scope);
@@ -155,8 +156,7 @@ Span Checker::place_in_law(const solver::Failure& failure, const Span& otherwise
   std::size_t i = 0;
   const auto value = [&](solver::Slot s) {
     if (s == slot::argument(0)) return *bad->argument;
-    if (s == slot::t) return bad->t.t;
-    return s == slot::coupled ? bad->t.coupled : bad->x[static_cast<std::size_t>(s)];
+    return bad->t.value(s, bad->x);
   };
   while (i < outer.conditions.size() && solver::evaluate(outer.conditions[i], value) != 1.0) ++i;
   return outer.values[i];
@@ -170,6 +170,74 @@ void Checker::warn_of_unreached_cases(bool radial) {
                            .with_help("put the narrower condition first"));
 }
 
+namespace {
+
+bool is_read(solver::Slot s) {
+  return s >= slot::first_field || (s >= slot::normal(0) && s <= slot::normal(2));
+}
+
+/// The expression with the largest parts of it that know memories, but not what the law acts on,
+/// as readings.
+class ReadingsTaken {
+public:
+  explicit ReadingsTaken(std::vector<Symbol>& readings) : readings_(readings) {}
+
+  Symbol operator()(const Symbol& e) {
+    const auto slots = e.slots();
+    if (std::ranges::none_of(slots, is_read)) return e;
+    if (const auto known = taken_.find(e.id()); known != taken_.end()) return known->second;
+    const bool acts = e.depends_on(slot::argument(0)) || e.depends_on(slot::coupled);
+    const Symbol out = acts ? with_readings(e) : reading(e);
+    taken_.emplace(e.id(), out);
+    return out;
+  }
+
+private:
+  Symbol with_readings(const Symbol& e) {
+    std::vector<Symbol> args;
+    for (const Symbol& argument : e.args()) args.push_back((*this)(argument));
+    if (e.table()) return Symbol::tabulated(e.table(), args[0], e.op() == solver::Op::table_slope);
+    return Symbol::make(e.op(), std::move(args));
+  }
+  Symbol reading(const Symbol& e) {
+    const auto found = std::ranges::find(readings_, e);
+    const auto i = static_cast<int>(found - readings_.begin());
+    if (found == readings_.end()) readings_.push_back(e);
+    return Symbol::variable(slot::reading(std::min(i, slot::most_readings - 1)));
+  }
+
+  std::vector<Symbol>& readings_;
+  std::map<const void*, Symbol> taken_;
+};
+
+} // namespace
+
+/// The law as an expression of its argument and of what it reads of memories. False (reported) when
+/// it reads what it cannot.
+bool Checker::take_readings(const ast::Superpotential& law, const Symbol& body,
+                            solver::LawSpec& spec) {
+  spec.expression = ReadingsTaken(spec.readings)(body);
+  for (const Symbol& reading : spec.readings)
+    for (const solver::Slot s : reading.slots())
+      if (s >= slot::first_field &&
+          (s >= slot::first_multiplier ||
+           (s - slot::first_field) % slot::field_stride >= slot::gradient(0, 0))) {
+        error(
+            "E0432", law.value.span,
+            fmt::format("`{}` reads more of a memory than its values at the point", law.name.text),
+            fmt::format("write `history(q, {0}).nu`, `norm(history(q, {0}).tau)` or "
+                        "`history(q, {0}).x`",
+                        find_->unknown.text));
+        return false;
+      }
+  if (spec.readings.size() <= slot::most_readings) return true;
+  error("E0432", law.value.span,
+        fmt::format("`{}` reads {} quantities of memories, more than {}", law.name.text,
+                    spec.readings.size(), slot::most_readings),
+        "put what depends on memories alone into one factor or summand");
+  return false;
+}
+
 std::optional<int> Checker::law_for(int declaration, bool radial, const Span& use) {
   auto key = std::pair(declaration, radial);
   if (auto found = law_index_.find(key); found != law_index_.end())
@@ -179,7 +247,7 @@ std::optional<int> Checker::law_for(int declaration, bool radial, const Span& us
   std::map<std::string, Value> parameters;
   Scope scope;
   scope.what = "a superpotential";
-  scope.position = scope.time = scope.law = true;
+  scope.position = scope.time = scope.law = scope.states = true;
   for (const ast::LawParameter& p : law.parameters) {
     if (!p.value) {
       error("E0305", use,
@@ -203,7 +271,11 @@ std::optional<int> Checker::law_for(int declaration, bool radial, const Span& us
   spec.origin = model_.origin(law.name.span);
   spec.radial = radial;
   spec.by_slope = body->by_slope;
-  spec.expression = body->scalar();
+  Symbol expression = body->scalar();
+  const auto states = take_states(expression, law.name.span);
+  if (!states) return std::nullopt;
+  spec.states = *states;
+  if (!take_readings(law, expression, spec)) return std::nullopt;
   try {
     solver::Law probe(spec);
     if (!probe.depends_on_x() && !probe.depends_on_t()) probe.graph({}, 0.0);
@@ -285,6 +357,12 @@ std::optional<int> Checker::law_field(const ast::Clarke& clarke, const Field& at
       }
       out = field;
     }
+  if (out == solver::field_of_u(2)) {
+    error("E0415", clarke.at->span,
+          fmt::format("a law does not act on `{}''`", find_->unknown.text),
+          "laws act on the unknown, its rate or a memory");
+    return std::nullopt;
+  }
   return out;
 }
 
@@ -328,6 +406,12 @@ bool Checker::law_rows(const ast::Clarke& clarke, const Field& at, const Field& 
                 fmt::format("the argument of a law is linear in `{}`", seen));
           return false;
         }
+      if (own.depends_on_any(slot::first_state, slot::first_probe)) {
+        error("E0403", clarke.at->span,
+              "a state stands before the unknown in the argument of a law",
+              "the superpotential itself may depend on it");
+        return false;
+      }
       const Symbol v = derivative(direction.components[c], slot::test(slot::value(i)));
       if (solver::is_memory(use.field) && !own.is(0.0)) {
         if (!of_memory) of_memory = ratio(own, v);
@@ -369,7 +453,9 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
           scope.report ? fmt::format("the multiplier is `{}.xi`", r->name) : "");
     return Poison{};
   }
-  auto at = field(*c.at, scope);
+  Scope of_argument = scope;
+  of_argument.states = true;
+  auto at = field(*c.at, of_argument);
   auto direction = field(*c.direction, scope);
   if (!at || !direction) return Poison{};
   const std::string u = find_->unknown.text, v = find_->test.text;
@@ -402,6 +488,17 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
   if (at->rank == 1 && !is_law_of_vectors(index, *c.at, *at)) return Poison{};
   auto law = law_for(index, at->rank == 1, c.law->span);
   if (!same || !law) return Poison{};
+  const auto& readings = model_.laws[*law].spec.readings;
+  const auto wants_normal = [](const Symbol& reading) {
+    return reading.depends_on_any(slot::normal(0), slot::normal(2) + 1);
+  };
+  if (!scope.normal && std::ranges::any_of(readings, wants_normal)) {
+    error("E0309", c.law->span,
+          fmt::format("`{}` reads the normal or tangential part of a memory, which there is on the "
+                      "boundary only",
+                      r->name));
+    return Poison{};
+  }
   if (!find_->time && model_.laws[*law].spec.expression.depends_on(slot::t)) {
     error("E0412", c.law->span,
           fmt::format("`{}` depends on the time `t`, and a static problem has none", r->name),

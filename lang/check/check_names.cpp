@@ -23,7 +23,8 @@ const ast::Name* declared_name(const ast::Statement& statement) {
         if constexpr (std::is_same_v<T, ast::Param> || std::is_same_v<T, ast::Mesh> ||
                       std::is_same_v<T, ast::Part> || std::is_same_v<T, ast::Tensor> ||
                       std::is_same_v<T, ast::Kernel> || std::is_same_v<T, ast::Superpotential> ||
-                      std::is_same_v<T, ast::Fn> || std::is_same_v<T, ast::Space>)
+                      std::is_same_v<T, ast::State> || std::is_same_v<T, ast::Fn> ||
+                      std::is_same_v<T, ast::Space>)
           return &s.name;
         else
           return nullptr;
@@ -170,6 +171,7 @@ Value Checker::evaluate(Declaration& declaration) {
   }
   if (std::holds_alternative<ast::Kernel>(statement)) return KernelValue{index};
   if (std::holds_alternative<ast::Superpotential>(statement)) return LawValue{index};
+  if (std::holds_alternative<ast::State>(statement)) return state(index);
   if (std::holds_alternative<ast::Fn>(statement)) return FunctionValue{index};
   if (const auto* s = std::get_if<ast::Space>(&statement)) {
     // The space of the problem is the one of the find statement; others are only checked.
@@ -324,6 +326,17 @@ std::string Checker::nearest(const std::string& name, const Scope& scope) {
   return known->second = suggestion.help();
 }
 
+Value Checker::hidden_state(const Span& span, int declaration, const Scope& scope) {
+  declarations_[declaration].used = true;
+  error(
+      "E0309", span,
+      fmt::format("the state `{}` cannot be used{}", declarations_[declaration].name,
+                  visible_note(scope)),
+      "it stands in superpotentials, beside the unknown in the argument of a law, in rates and in "
+      "`report`");
+  return Poison{};
+}
+
 Value Checker::reference(const ast::Expr& e, const std::string& name, const Scope& scope) {
   if (auto local = scope.locals.find(name); local != scope.locals.end()) return local->second;
   if (find_ && (name == find_->unknown.text || name == find_->test.text) &&
@@ -348,7 +361,11 @@ Value Checker::reference(const ast::Expr& e, const std::string& name, const Scop
   }
   if (auto built_in = built_in_name(e, name, scope)) return *built_in;
   const int index = find_declaration(name);
-  if (index >= 0) return value_of(index, e.span);
+  if (index >= 0) {
+    if (std::holds_alternative<ast::State>(*declarations_[index].statement) && !scope.states)
+      return hidden_state(e.span, index, scope);
+    return value_of(index, e.span);
+  }
   if (is_word(name)) return Word{name};
   if (is_function_name(name)) {
     error("E0306", e.span, fmt::format("`{}` is a function: it is called with arguments", name),

@@ -156,6 +156,7 @@ void Checker::find_statement() {
   time_clause(find);
   if (space_declaration_ >= 0) imposed_values(find);
   forms(find);
+  states();
   place_materials();
   settings(find);
   check_tables();
@@ -164,6 +165,7 @@ void Checker::find_statement() {
   if (!diagnostics_.has_errors()) {
     check_clauses(find);
     check_one_law_per_part();
+    check_states_of_laws();
     check_symmetry();
   }
 }
@@ -324,6 +326,10 @@ void Checker::check_clauses(const ast::Find& find) {
     error("E0425", find.left.span,
           fmt::format("no form acts on the unknown `{}`: nothing determines it", find.unknown.text),
           "add the elasticity: `integral(body, B : eps(u) : eps(v))`");
+  if (find.time && find.time->velocity && !has_second_derivative())
+    error("E0431", find.time->velocity->span,
+          fmt::format("an initial velocity, and no term with `{}''`", find.unknown.text),
+          "a velocity is given where a form has inertia: `integral(body, rho*dot(u'', v))`");
   if (rate && find.time && !find.time->initial)
     error("E0412", find.time->span,
           fmt::format("a problem with `{}'` needs the initial state", find.unknown.text),
@@ -333,7 +339,7 @@ void Checker::check_clauses(const ast::Find& find) {
 /// W0103 where the forms on one part, summed for u and for u', are not symmetric: compared at a few
 /// places and values by their second derivatives, a(w, v) against a(v, w).
 void Checker::check_symmetry() {
-  for (const int which : {solver::field_of_u(0), solver::field_of_u(1)}) {
+  for (const int which : {solver::field_of_u(0), solver::field_of_u(1), solver::field_of_u(2)}) {
     std::map<int, std::pair<Symbol, Span>> sums;
     std::set<int> culprits;
     for (const ModelTerm& term : model_.terms) {
@@ -349,7 +355,7 @@ void Checker::check_symmetry() {
         diagnostics_.add(
             diagnose("W0103", sum.second,
                      fmt::format("the form in `{}{}` on `{}` is not symmetric", find_->unknown.text,
-                                 which == solver::field_of_u(1) ? "'" : "",
+                                 std::string(static_cast<std::size_t>(which), '\''),
                                  model_.parts[part].name))
                 .with_note(which == solver::field_of_u(1)
                                ? "H(A) asks for a symmetric A: the theorem does not apply; the "

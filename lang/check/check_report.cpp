@@ -19,7 +19,7 @@ namespace {
 Scope report_scope() {
   Scope scope;
   scope.what = "a report";
-  scope.position = scope.time = scope.unknown = scope.report = true;
+  scope.position = scope.time = scope.unknown = scope.report = scope.states = true;
   return scope;
 }
 
@@ -166,6 +166,7 @@ Value Checker::integral_call(const ast::Expr& e, const ast::Call& c, const Scope
       ++application;
     }
   p.expression = substitute(p.expression, rename);
+  if (!reads_states_of(e.span, p.expression, *part, "an integral")) return Poison{};
   Field out = scalar_field(Symbol::variable(slot::probe(probe(std::move(p)))));
   out.trial = Degree::nonlinear;
   return out;
@@ -203,6 +204,7 @@ void Checker::binding(const ast::Binding& b, solver::TableSpec& table) {
     good = p.time.has_value();
   }
   Scope scope = report_scope();
+  const std::size_t first = model_.report.probes.size();
   if (!b.point && is_norm_of(b.value, find_->unknown.text)) {
     p.kind = Probe::Kind::norm_v;
     if (good) table.probes.push_back(probe(std::move(p)));
@@ -233,7 +235,17 @@ void Checker::binding(const ast::Binding& b, solver::TableSpec& table) {
     p.kind = Probe::Kind::combination;
   }
   p.expression = value->scalar();
+  if (p.kind == Probe::Kind::combination && p.time) take_at_its_time(first, p);
   table.probes.push_back(probe(std::move(p)));
+}
+
+/// A combination of integrals at a time of its own: its integrals, the probes from `first` on, are
+/// taken then, and t is that time.
+void Checker::take_at_its_time(std::size_t first, Probe& p) {
+  for (std::size_t i = first; i < model_.report.probes.size(); ++i)
+    model_.report.probes[i].time = p.time;
+  const std::pair<solver::Slot, Symbol> then[] = {{slot::t, Symbol(*p.time)}};
+  p.expression = substitute(p.expression, then);
 }
 
 std::optional<std::string> Checker::output_name(const std::optional<ast::Text>& to) {
@@ -282,7 +294,10 @@ std::optional<solver::FieldSpec> Checker::output_field(const ast::Expr& e) {
     if (const auto* r = std::get_if<ast::Reference>(&part.node)) return r->name;
     if (const auto* m = std::get_if<ast::Member>(&part.node))
       return name(*m->object) + "." + m->member.text;
-    if (const auto* p = std::get_if<ast::Prime>(&part.node)) return name(*p->operand) + "_rate";
+    if (const auto* p = std::get_if<ast::Prime>(&part.node)) {
+      const auto* inner = std::get_if<ast::Prime>(&p->operand->node);
+      return inner ? name(*inner->operand) + "_acceleration" : name(*p->operand) + "_rate";
+    }
     if (const auto* c = std::get_if<ast::Call>(&part.node))
       return c->arguments.empty() ? name(*c->callee)
                                   : name(*c->callee) + "_" + name(c->arguments[0].value);
@@ -313,7 +328,8 @@ void Checker::picture(const ast::PictureItem& item) {
   if (item.time) spec.time = report_time(*item.time);
   if (!file || !f) return;
   for (const Symbol& c : f->components)
-    if (c.depends_on_any(slot::field(solver::field_of_u(1), 0), slot::first_inside)) {
+    if (c.depends_on_any(slot::field(solver::field_of_u(1), 0), slot::first_inside) ||
+        c.depends_on_any(slot::first_state, slot::first_probe)) {
       error("E0306", item.field.span,
             fmt::format("`{}` cannot be drawn: a picture shows functions of u", f->name),
             "write it with `fields` and open the VTU file");

@@ -256,36 +256,89 @@ void Checker::time_clause(const ast::Find& find) {
 }
 
 void Checker::initial_state(const ast::Find& find) {
-  if (!find.time->initial) return;
-  const ast::InitialValue& initial = *find.time->initial;
-  if (initial.unknown.text != find.unknown.text) {
+  if (find.time->initial) {
+    if (const auto value = initial_value(*find.time->initial, find.unknown, "initial state")) {
+      model_.time.initial = *value;
+      model_.time.origin = model_.origin(find.time->initial->span);
+    }
+  }
+  if (!find.time->velocity) return;
+  model_.time.velocity_origin = model_.origin(find.time->velocity->span);
+  auto value = initial_value(*find.time->velocity, find.unknown, "initial velocity");
+  if (value && value->empty()) value->assign(model_.space.vector ? model_.dim : 1, Symbol(0.0));
+  model_.time.velocity = std::move(value);
+}
+
+/// By component; empty: 0. Nothing where it is wrong (reported).
+std::optional<std::vector<Symbol>> Checker::initial_value(const ast::InitialValue& initial,
+                                                          const ast::Name& unknown,
+                                                          const std::string& what) {
+  if (initial.unknown.text != unknown.text) {
     error("E0301", initial.unknown.span,
-          fmt::format("the initial state is of the unknown `{}`, not of `{}`", find.unknown.text,
+          fmt::format("the {} is of the unknown `{}`, not of `{}`", what, unknown.text,
                       initial.unknown.text));
-    return;
+    return std::nullopt;
   }
   Scope scope;
-  scope.what = "an initial state";
+  scope.what = "an " + what;
   scope.position = true;
   auto value = field(initial.value, scope);
-  if (!value) return;
+  if (!value) return std::nullopt;
   const int n = model_.space.vector ? model_.dim : 1;
-  if (value->rank == 0 && value->scalar().is(0.0)) return;
+  if (value->rank == 0 && value->scalar().is(0.0)) return std::vector<Symbol>{};
   if ((value->rank == 1) != model_.space.vector ||
       static_cast<int>(value->components.size()) != n || value->rank > 1) {
     error("E0307", initial.value.span,
-          fmt::format("the initial state is {}, the unknown {}", describe(*value),
+          fmt::format("the {} is {}, the unknown {}", what, describe(*value),
                       model_.space.vector ? fmt::format("a vector of {}", n) : "a scalar"));
-    return;
+    return std::nullopt;
   }
-  model_.time.initial = value->components;
-  model_.time.origin = model_.origin(initial.span);
+  return value->components;
+}
+
+namespace {
+
+std::vector<std::string> scheme_words() {
+  return {"backward_euler", "euler", "bdf2", "newmark", "hht", "midpoint"};
+}
+
+} // namespace
+
+void Checker::set_scheme(const std::string& word, const Span& span) {
+  using solver::Scheme;
+  for (const Scheme scheme :
+       {Scheme::backward_euler, Scheme::bdf2, Scheme::newmark, Scheme::hht, Scheme::midpoint})
+    if (word == solver::name_of(scheme)) model_.time.scheme = scheme;
+  if (solver::needs_inertia(model_.time.scheme) && !has_second_derivative())
+    error("E0431", span,
+          fmt::format("the scheme `{}` is for problems with `{}''`", word, find_->unknown.text),
+          "without inertia there are `backward_euler` and `bdf2`");
+}
+
+void Checker::set_hht_alpha(const ast::Setting& setting) {
+  const auto alpha = constant(setting.value, setting.name.text);
+  if (!alpha) return;
+  if (*alpha >= -1.0 / 3.0 && *alpha <= 0.0)
+    model_.time.hht_alpha = *alpha;
+  else
+    error("E0408", setting.value.span, "`hht_alpha` is between -1/3 and 0");
+}
+
+/// Has a form of the inequality u'' in it, and not times zero?
+bool Checker::has_second_derivative() const {
+  constexpr int order = 2;
+  return std::ranges::any_of(model_.terms, [](const ModelTerm& term) {
+    return term.integrand.laws.empty() &&
+           (term.factor * term.integrand.scalar())
+               .depends_on_any(slot::field(solver::field_of_u(order), 0),
+                               slot::field(solver::field_of_u(order) + 1, 0));
+  });
 }
 
 void Checker::settings(const ast::Find& find) {
   const std::vector<std::string> known = {
-      "scheme", "load",     "quadrature",  "tolerance", "branch",     "memory_tolerance",
-      "memory", "accuracy", "accuracy_of", "threads",   "interpolant"};
+      "scheme", "load",     "quadrature",  "tolerance", "branch",      "memory_tolerance",
+      "memory", "accuracy", "accuracy_of", "threads",   "interpolant", "hht_alpha"};
   std::vector<std::string> seen;
   for (const ast::Setting& s : find.settings) {
     const std::string& name = s.name.text;
@@ -307,9 +360,9 @@ void Checker::settings(const ast::Find& find) {
     };
     solver::SolverOptions& options = model_.options;
     if (name == "scheme") {
-      auto w = word(s.value, "scheme", {"backward_euler", "bdf2"});
-      if (w)
-        model_.time.scheme = *w == "bdf2" ? solver::Scheme::bdf2 : solver::Scheme::backward_euler;
+      if (const auto w = word(s.value, "scheme", scheme_words())) set_scheme(*w, s.value.span);
+    } else if (name == "hht_alpha") {
+      set_hht_alpha(s);
     } else if (name == "load") {
       auto w = word(s.value, "load sampling", {"endpoint", "average"});
       if (w)

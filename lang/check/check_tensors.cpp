@@ -192,7 +192,7 @@ void Checker::check_locking() {
 void Checker::note_material(const Span& span, const Field& value, bool elliptic) {
   for (const Symbol& c : value.components)
     for (solver::Slot s : solver::slots_of(c))
-      if (s > slot::x(2) && (s < slot::first_inside || s >= slot::first_probe)) return;
+      if (s > slot::x(2) && (s < slot::first_inside || s >= slot::first_state)) return;
   ModelMaterial material{span, value, elliptic, {}};
   if (part_at_hand_ >= 0) material.parts.insert(part_at_hand_);
   model_.materials.push_back(std::move(material));

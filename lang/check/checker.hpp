@@ -26,12 +26,13 @@ struct Scope {
   bool test = false;     ///< v
   bool report = false;   ///< nonlinear in u is welcome; sigma, layer.xi, integral(...)
   bool law = false;      ///< the body of a superpotential
+  bool states = false;   ///< states of points
   std::map<std::string, Value> locals;
   Span call; ///< the call that brought us into another file, if any
 
   /// The same things visible inside a function, whose arguments are its only locals.
   [[nodiscard]] Scope without_locals() const {
-    return {what, position, time, lag, normal, unknown, test, report, law, {}, call};
+    return {what, position, time, lag, normal, unknown, test, report, law, states, {}, call};
   }
 };
 
@@ -174,6 +175,7 @@ private:
   bool is_law_parameter(const Value& value, const ast::Expr& given);
   Span place_in_law(const solver::Failure& failure, const Span& otherwise) const;
   void warn_of_unreached_cases(bool radial);
+  bool take_readings(const ast::Superpotential& law, const Symbol& body, solver::LawSpec& spec);
   std::optional<int> law_for(int declaration, bool radial, const Span& use);
   std::optional<int> law_field(const ast::Clarke& clarke, const Field& at);
   bool law_rows(const ast::Clarke& clarke, const Field& at, const Field& direction, LawUse& use);
@@ -212,11 +214,30 @@ private:
   void time_clause(const ast::Find& find);
   void time_grid(const ast::TimeClause& clause);
   void initial_state(const ast::Find& find);
+  std::optional<std::vector<Symbol>> initial_value(const ast::InitialValue& initial,
+                                                   const ast::Name& unknown,
+                                                   const std::string& what);
+  void set_scheme(const std::string& word, const Span& span);
+  void set_hht_alpha(const ast::Setting& setting);
+  bool has_second_derivative() const;
   void settings(const ast::Find& find);
   void forms(const ast::Find& find);
   void form_term(const ast::FormTerm& term, bool right);
   std::optional<Symbol> form_factors(const ast::FormTerm& term);
   void law_factors(ModelTerm& term, const ast::FormTerm& source);
+
+  // --- states (check_states.cpp)
+  Value state(int declaration);
+  Value hidden_state(const Span& span, int declaration, const Scope& scope);
+  void states();
+  void state_rate(ModelState& state);
+  void state_range(ModelState& state);
+  void state_initial(ModelState& state);
+  bool multipliers_on_part(const Span& span, int part, Symbol& expression);
+  bool reads_states_of(const Span& span, const Symbol& expression, int part,
+                       const std::string& who);
+  std::optional<std::vector<int>> take_states(Symbol& expression, const Span& span);
+  void check_states_of_laws();
   bool check_integrand(const ModelTerm& term, const ast::FormTerm& source);
   void check_relation(const ast::Find& find);
   void check_clauses(const ast::Find& find);
@@ -229,6 +250,7 @@ private:
   void fields(const ast::FieldsItem& item);
   void picture(const ast::PictureItem& item);
   void binding(const ast::Binding& binding, solver::TableSpec& table);
+  void take_at_its_time(std::size_t first, solver::Probe& p);
   std::optional<solver::FieldSpec> output_field(const ast::Expr& e);
   std::optional<std::string> output_name(const std::optional<ast::Text>& to);
   int probe(solver::Probe probe);

@@ -57,6 +57,13 @@ struct ModelLaw {
   solver::LawSpec spec;
 };
 
+/// A state of the points of a part.
+struct ModelState {
+  int declaration = -1; ///< of the checker
+  Span span, rate_span;
+  solver::StateTerm spec;
+};
+
 /// A tensor that varies in place: looked at on the mesh, on the parts where it is used.
 struct ModelMaterial {
   Span span;
@@ -116,6 +123,7 @@ struct Model {
   std::vector<ModelTerm> terms;
   std::vector<ModelHistory> histories;
   std::vector<ModelLaw> laws;
+  std::vector<ModelState> states;
   std::vector<ModelNote> notes;
   std::vector<ModelMaterial> materials;
   solver::TimeSpec time;

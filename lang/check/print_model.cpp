@@ -73,6 +73,10 @@ std::string to_string(const Model& model) {
     fmt::format_to(line, "law {} ({}, by {}): {}\n", law.name,
                    law.spec.radial ? "radial" : "scalar", law.spec.by_slope ? "slope" : "potential",
                    to_string(law.spec.expression));
+  for (const ModelState& state : model.states)
+    fmt::format_to(line, "state {} on {}: {} from {} in [{}, {}]\n", state.spec.name,
+                   model.parts[state.spec.part].name, to_string(state.spec.rate),
+                   to_string(state.spec.initial), state.spec.low, state.spec.high);
   for (std::size_t i = 0; i < model.histories.size(); ++i)
     fmt::format_to(line, "memory w{} of {}: {}\n", i, model.histories[i].name,
                    to_string(model.histories[i].kernel));

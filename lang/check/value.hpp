@@ -61,7 +61,8 @@ struct Field {
   std::vector<Symbol> components;    ///< row-major
   Degree test = Degree::none;        ///< in v
   Degree trial = Degree::none;       ///< in u, u' and the memory of u
-  bool rate = false;                 ///< contains u'
+  bool rate = false;                 ///< contains u' or u''
+  bool acceleration = false;         ///< contains u''
   bool memory = false;               ///< contains history(...)
   bool by_slope = false;             ///< the body of a superpotential: a slope, not a potential
   bool law_vector = false;           ///< the vector argument of a superpotential: norm(xi) only

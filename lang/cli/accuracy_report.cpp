@@ -29,7 +29,7 @@ Json tries(const AccuracyResult& result) {
   for (const auto& t : result.tries)
     out.push_back({{"setting", t.text},
                    {"order", t.setting.order},
-                   {"scheme", t.setting.scheme == solver::Scheme::bdf2 ? "bdf2" : "backward_euler"},
+                   {"scheme", solver::name_of(t.setting.scheme)},
                    {"level", t.setting.level},
                    {"steps", t.steps},
                    {"unknowns", t.unknowns},

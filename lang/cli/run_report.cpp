@@ -39,7 +39,9 @@ void print_monitors(const solver::MonitorTable& m) {
     const auto at = std::find(m.names.begin(), m.names.end(), name) - m.names.begin();
     return m.columns[static_cast<std::size_t>(at)].back();
   };
-  say("energy: {:.9g} = elastic {:.9g} + contact {:.9g} - load\n", last("energy"), last("elastic"),
+  const bool moves = std::ranges::find(m.names, "kinetic") != m.names.end();
+  say("energy: {:.9g} = {}elastic {:.9g} + contact {:.9g} - load\n", last("energy"),
+      moves ? fmt::format("kinetic {:.9g} + ", last("kinetic")) : std::string(), last("elastic"),
       last("contact"));
   std::string of_laws;
   for (const auto& name : m.names)
@@ -69,9 +71,10 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
   const solver::Certificate& c = r.certificate;
   if (c.certified)
     say("certified: {}, worst inclusion {:.1e} at step {}, worst equilibrium {:.1e} at step "
-        "{}, tolerance {:.0e}\n",
+        "{}, {}tolerance {:.0e}\n",
         r.steps == 1 ? "1 step" : fmt::format("all {} steps", r.steps), c.inclusion,
-        c.inclusion_step, c.equilibrium, c.equilibrium_step, c.tolerance);
+        c.inclusion_step, c.equilibrium, c.equilibrium_step,
+        c.states ? fmt::format("worst state {:.1e}, ", *c.states) : "", c.tolerance);
   print_forward_error(r.forward_error);
   if (r.work.followed_steps > 0)
     say("{} steps followed their branch by {} inner steps\n", r.work.followed_steps,

@@ -201,6 +201,56 @@ mesh base = rectangle(2, 1, cells = [16, 8]))",
      R"(
 mesh slab = rectangle(2, 2, cells = [32, 32])
 part base = slab where y < 1)"},
+    {"E0428", "rate of a state out of reach",
+     R"(
+The rate of a state is asked at the points of the laws on its part: it may depend on states of that
+part, on x and t, on values of the unknown and of its rate there (`u.nu`, `u.tau`, `u'.tau`) and on
+multipliers of laws on that part (`layer.xi`). Gradients, memories and integrals are not known there.)",
+     R"(
+state wear on ground with rate 0.1*sigma.yy from wear = 0)",
+     R"(
+state wear on ground with rate 0.1*abs(layer.xi)*norm(u'.tau) from wear = 0)"},
+    {"E0429", "state of another part",
+     R"(
+A state lives at the points of the laws on its part, and nowhere else: superpotentials that read it,
+rates and integrals are on the same part.)",
+     R"(
+state beta on glue with rate -beta from beta = 1
+superpotential bond(r) = 0.5*beta^2*r^2
+... integral(ground, bond^0(u.nu; v.nu)))",
+     R"(
+state beta on glue with rate -beta from beta = 1
+superpotential bond(r) = 0.5*beta^2*r^2
+... integral(glue, bond^0(u.nu; v.nu)))"},
+    {"E0430", "state without a law",
+     R"(
+A state lives at the points of a law on its part. States at the points of a body (damage, ageing) are
+not part of the language yet.)",
+     R"(
+state beta on glue with rate -beta from beta = 1
+... integral(ground, layer^0(u.nu; v.nu)))",
+     R"(
+state beta on glue with rate -beta from beta = 1
+... integral(glue, layer^0(u.nu; v.nu)))"},
+    {"E0431", "inertia missing",
+     R"(
+Initial velocities, the schemes `newmark`, `hht` and `midpoint`, and u'' in a report are for problems
+with a term in u'', the inertia.)",
+     R"(
+find u in V for t in [0, 1] by 8 steps from u = 0, u' = [0, -1] such that for all v in V
+  integral(body, B : eps(u) : eps(v)) >= 0)",
+     R"(
+find u in V for t in [0, 1] by 8 steps from u = 0, u' = [0, -1] such that for all v in V
+  integral(body, rho*dot(u'', v)) + integral(body, B : eps(u) : eps(v)) >= 0)"},
+    {"E0432", "what a law cannot read",
+     R"(
+A bound or coefficient of a law may depend on memories of the unknown at the law's point: on
+components, on the normal and the tangential part, not on derivatives. A law reads up to four such
+quantities; what depends on memories alone is one of them, however long its expression.)",
+     R"(
+superpotential rub(w) = (1 + abs(div(history(q, u)))) * norm(w))",
+     R"(
+superpotential rub(w) = (1 + abs(history(q, u).nu)) * norm(w))"},
 });
 
 } // namespace

@@ -18,7 +18,7 @@ param n = 4)"},
     {"E0202", "not a statement",
      R"(
 Every statement begins with one of the words import, param, mesh, part, tensor, kernel,
-superpotential, fn, space, find, report, expect, study. What stands here is none of them, and does not
+superpotential, state, fn, space, find, report, expect, study. What stands here is none of them, and does not
 continue the statement before.)",
      R"(
 tensr A = isotropic(lambda = 5, mu = 10))",
@@ -26,7 +26,7 @@ tensr A = isotropic(lambda = 5, mu = 10))",
 tensor A = isotropic(lambda = 5, mu = 10))"},
     {"E0203", "reserved word used as a name",
      R"(
-The thirteen words that begin statements, and `and`, `or`, `not`, `otherwise`, cannot be names.
+The words that begin statements (`state` only before a name and `on`), and `and`, `or`, `not`, `otherwise`, cannot be names.
 They may follow a dot, as in `model.part`.)",
      R"(
 param mesh = 4)",

@@ -23,6 +23,7 @@ struct Seen {
 
 /// What a term without a law would be called if it did not fold to zero.
 Effect effect_of(const Model& model, const ModelTerm& term) {
+  if (term.integrand.acceleration) return Effect::inertia;
   if (term.integrand.rate) return Effect::viscosity;
   if (term.integrand.memory) return Effect::memory;
   if (term.integrand.trial != Degree::none) return Effect::elasticity;
@@ -56,7 +57,7 @@ const char* on_what(int field) {
 } // namespace
 
 std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
-  std::array<Seen, 8> seen;
+  std::array<Seen, 9> seen;
   auto mark = [&](Effect effect, bool on, const Span& span) {
     Seen& s = seen[static_cast<std::size_t>(effect)];
     if (s.on) return;
@@ -72,6 +73,7 @@ std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
 
   auto of = [&](Effect effect) -> const Seen& { return seen[static_cast<std::size_t>(effect)]; };
   std::vector<EffectNote> out;
+  out.push_back(note(model, "inertia", of(Effect::inertia), "no term with the acceleration"));
   out.push_back(note(model, "viscosity", of(Effect::viscosity), "no term with the rate"));
   out.push_back(note(model, "elasticity", of(Effect::elasticity), "no term with the unknown"));
   out.push_back(note(model, "memory", of(Effect::memory), "no history term"));
@@ -89,11 +91,23 @@ std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
                              use.name, model.parts[term.part].name);
       law.state = zero || flat ? State::dropped : State::on;
       law.origin = origin_of(model, problem, use.span);
-      law.why = zero ? "its factor is zero" : flat ? "the superpotential is zero" : "";
+      const bool reads = !model.laws[use.law].spec.readings.empty();
+      law.why = zero    ? "its factor is zero"
+                : flat  ? "the superpotential is zero"
+                : reads ? "reads memories, found with each step"
+                        : "";
       out.push_back(std::move(law));
     }
   if (!any_normal) out.push_back(note(model, "normal law", {}, "no superpotential of a scalar"));
   if (!any_friction) out.push_back(note(model, "friction", {}, "no superpotential of a vector"));
+  for (const solver::StateTerm& state : problem.states) {
+    EffectNote one;
+    one.name = fmt::format("state `{}` on `{}`", state.name, problem.parts[state.part].name);
+    one.state = State::on;
+    one.origin = state.origin;
+    one.why = "an ordinary differential equation at every point, solved with the step";
+    out.push_back(std::move(one));
+  }
   for (const ModelNote& found : model.notes)
     out.push_back(
         {found.name, found.taken ? State::on : State::off, model.origin(found.span), found.what});

@@ -26,6 +26,7 @@ int derivative_of(solver::Slot s) { return (s - slot::first_field) % slot::field
 
 /// What a form acting on this field is called.
 Effect effect_of(int field) {
+  if (field == solver::field_of_u(2)) return Effect::inertia;
   if (field == solver::field_of_u(1)) return Effect::viscosity;
   return field == solver::field_of_u(0) ? Effect::elasticity : Effect::memory;
 }
@@ -44,6 +45,7 @@ public:
     plan_.options = model_.options;
     plan_.report = model_.report;
     for (const ModelLaw& law : model_.laws) plan_.problem.laws.push_back(law.spec);
+    for (const ModelState& state : model_.states) plan_.problem.states.push_back(state.spec);
     for (const ModelHistory& h : model_.histories) {
       solver::KernelSpec kernel{h.name, origin(h.span), h.kernel, h.series};
       plan_.problem.histories.push_back({kernel.origin, kernel});
@@ -65,15 +67,22 @@ private:
       if (solver::is_memory(field)) fresh[solver::memory_of(field)] = 0;
     };
     for (const FormTerm& form : plan_.problem.forms) use(form.field);
-    for (const solver::LawTerm& term : plan_.problem.law_terms) use(term.field);
+    for (const solver::LawTerm& term : plan_.problem.law_terms) {
+      use(term.field);
+      for_each_field_read(law_of(term), use);
+    }
     for_each_report_expression([&](Symbol& e) {
       for (solver::Slot s : solver::slots_of(e))
         if (is_trial(s)) use(field_of(s));
     });
     std::vector<solver::HistoryTerm> kept;
-    std::vector<std::pair<solver::Slot, Symbol>> rename;
+    std::vector<std::pair<solver::Slot, Symbol>> rename, unused; // unused: by laws that are dropped
     for (std::size_t m = 0; m < fresh.size(); ++m) {
-      if (fresh[m] < 0) continue;
+      if (fresh[m] < 0) {
+        for (int k = 0; k < n_derivatives; ++k)
+          unused.emplace_back(slot::field(solver::field_of_memory(static_cast<int>(m)), k), 0.0);
+        continue;
+      }
       fresh[m] = static_cast<int>(kept.size());
       kept.push_back(plan_.problem.histories[m]);
       for (int k = 0; k < n_derivatives; ++k)
@@ -86,6 +95,9 @@ private:
     for (solver::LawTerm& term : plan_.problem.law_terms)
       if (solver::is_memory(term.field))
         term.field = solver::field_of_memory(fresh[solver::memory_of(term.field)]);
+    for (solver::LawSpec& law : plan_.problem.laws)
+      for (Symbol& reading : law.readings)
+        reading = substitute(substitute(reading, unused), rename);
     plan_.problem.histories = std::move(kept);
     for (std::size_t a = 0; a < applications_.size(); ++a)
       for (int k = 0; k < 3; ++k)
@@ -94,6 +106,19 @@ private:
                                 ? Symbol(0.0)
                                 : Symbol::variable(slot::multiplier(applications_[a], k)));
     for_each_report_expression([&](Symbol& e) { e = substitute(e, rename); });
+    for (solver::StateTerm& state : plan_.problem.states)
+      state.rate = substitute(state.rate, rename);
+  }
+
+  const solver::LawSpec& law_of(const solver::LawTerm& term) const {
+    return plan_.problem.laws[static_cast<std::size_t>(term.law)];
+  }
+
+  template <class F>
+  static void for_each_field_read(const solver::LawSpec& law, F f) {
+    for (const Symbol& reading : law.readings)
+      for (const solver::Slot s : reading.slots())
+        if (is_trial(s)) f(field_of(s));
   }
 
   template <class F>

@@ -245,6 +245,24 @@ struct Superpotential {
   Expr value;
 };
 
+/// from u = value
+struct InitialValue {
+  Span span;
+  Name unknown;
+  Expr value;
+};
+
+/// state beta on glue with rate -beta from beta = 1 in [0, 1]
+struct State {
+  Span span;
+  Span keyword;
+  Name name;
+  Name part;
+  Expr rate;
+  InitialValue initial;
+  std::optional<Expr> range; // a List
+};
+
 struct Fn {
   Span span;
   Span keyword;
@@ -282,20 +300,13 @@ struct ImposedValue {
   Name part;
 };
 
-/// from u = value
-struct InitialValue {
-  Span span;
-  Name unknown;
-  Expr value;
-};
-
-/// for t in [t0, T] by N steps from u = u0, or at [times]
+/// for t in [t0, T] by N steps from u = u0, u' = v0; or at [times]
 struct TimeClause {
   Span span;
   Expr range;           // a List
   bool by_steps = true; // "by expr steps"; otherwise "at expr"
   Expr steps;           // the number of steps, or the times
-  std::optional<InitialValue> initial;
+  std::optional<InitialValue> initial, velocity;
 };
 
 /// name = value behind "using"
@@ -424,8 +435,8 @@ struct Study {
   std::optional<Name> norm;
 };
 
-using Statement = std::variant<Import, Param, Mesh, Part, Tensor, Kernel, Superpotential, Fn, Space,
-                               Find, Report, Expect, Study>;
+using Statement = std::variant<Import, Param, Mesh, Part, Tensor, Kernel, Superpotential, State, Fn,
+                               Space, Find, Report, Expect, Study>;
 
 /// One file. A statement with a syntax error is left out (its declared name is in `broken`, so that
 /// later phases do not call it unknown).

@@ -58,6 +58,7 @@ public:
     definition(node.value);
   }
   void operator()(const ast::Superpotential& node);
+  void operator()(const ast::State& node);
   void operator()(const ast::Fn& node) {
     glue_behind(node.name.span);
     definition(node.value);
@@ -145,6 +146,13 @@ void LayoutMaker::operator()(const ast::Superpotential& node) {
   definition(node.value);
 }
 
+void LayoutMaker::operator()(const ast::State& node) {
+  expr(node.rate);
+  expr(node.initial.value);
+  optional(node.range);
+  soft_break_at(node.initial.span, 2);
+}
+
 void LayoutMaker::region(const ast::Region& region) {
   for (const ast::RegionTerm& term : region.terms) {
     if (const auto* path = std::get_if<ast::Expr>(&term.term))
@@ -163,6 +171,7 @@ void LayoutMaker::operator()(const ast::Find& node) {
     expr(node.time->range);
     expr(node.time->steps);
     if (node.time->initial) expr(node.time->initial->value);
+    if (node.time->velocity) expr(node.time->velocity->value);
   }
   if (!node.settings.empty()) soft_break_at(node.using_word, 2);
   for (const ast::Setting& setting : node.settings) expr(setting.value);

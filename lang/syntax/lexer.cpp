@@ -361,8 +361,26 @@ void Lexer::typographic_string(std::uint32_t opening) {
 
 } // namespace
 
+namespace {
+
+/// `state` became a statement word when scripts had it as a name: it is one before `name on` only.
+void find_states(const SourceFile& source, std::vector<Token>& tokens) {
+  const auto is_word = [&](const Token& token, std::string_view word) {
+    return token.kind == TokenKind::name && source.text(token.span) == word;
+  };
+  for (std::size_t i = 0; i + 2 < tokens.size(); ++i)
+    if (is_word(tokens[i], info(TokenKind::state).spelling) &&
+        (tokens[i + 1].kind == TokenKind::name || is_reserved(tokens[i + 1].kind)) &&
+        is_word(tokens[i + 2], "on"))
+      tokens[i].kind = TokenKind::state;
+}
+
+} // namespace
+
 TokenStream lex(const SourceFile& source, Diagnostics& diagnostics) {
-  return Lexer(source, diagnostics).run();
+  TokenStream out = Lexer(source, diagnostics).run();
+  find_states(source, out.tokens);
+  return out;
 }
 
 } // namespace hvi::lang

@@ -46,7 +46,8 @@ bool may_align(const std::vector<Line>& lines, std::size_t i) {
   const Line& line = lines[i];
   if (!line.begins_statement || line.pieces.empty()) return false;
   const std::string& word = line.pieces.front().text;
-  if (word == "find" || word == "expect" || word == "study" || word == "report") return false;
+  for (const char* other : {"find", "expect", "study", "report", "state"})
+    if (word == other) return false;
   const bool one_line = i + 1 == lines.size() || lines[i + 1].begins_statement ||
                         (lines[i + 1].pieces.empty() && lines[i + 1].indent == 0);
   return one_line && width(line) <= max_line_width && definition_sign(line) < line.pieces.size();

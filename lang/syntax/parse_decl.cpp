@@ -7,8 +7,8 @@
 
 namespace hvi::lang {
 
-// statement = import | param | mesh | part | tensor | kernel | superpotential | fn | space | find |
-// report | expect | study ;
+// statement = import | param | mesh | part | tensor | kernel | superpotential | state | fn | space
+// | find | report | expect | study ;
 std::optional<ast::Statement> Parser::statement() {
   const auto read = [this]() -> ast::Statement {
     switch (peek().kind) {
@@ -26,6 +26,8 @@ std::optional<ast::Statement> Parser::statement() {
       return kernel();
     case TokenKind::superpotential:
       return superpotential();
+    case TokenKind::state:
+      return state();
     case TokenKind::fn:
       return fn();
     case TokenKind::space:
@@ -247,6 +249,26 @@ std::vector<ast::LawParameter> Parser::law_parameters() {
     parameter.name = name("the name of a parameter");
     if (accept(TokenKind::equal)) parameter.value = expr();
   }
+  return result;
+}
+
+// state = "state" name "on" name "with" "rate" expr "from" name "=" expr [ "in" list ] ;
+ast::State Parser::state() {
+  ast::State result;
+  result.keyword = take().span;
+  result.name = declared_name("the name of the state");
+  expect_word("on");
+  result.part = name("the name of a part");
+  expect_word("with");
+  expect_word("rate");
+  result.rate = expr();
+  const Span first = expect_word("from").span;
+  result.initial.unknown = name("the name of the state");
+  expect(TokenKind::equal);
+  result.initial.value = expr();
+  result.initial.span = span_from(first);
+  if (accept_word("in")) result.range = list();
+  result.span = span_from(result.keyword);
   return result;
 }
 

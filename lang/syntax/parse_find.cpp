@@ -14,7 +14,8 @@ constexpr std::array<std::string_view, 3> clause_words{"with", "for", "using"};
 
 // find = "find" name "in" name
 //        [ "with" value { "," value } ]
-//        [ "for" "t" "in" list ( "by" expr "steps" | "at" expr ) [ "from" name "=" expr ] ]
+//        [ "for" "t" "in" list ( "by" expr "steps" | "at" expr )
+//          [ "from" name "=" expr [ "," name "'" "=" expr ] ] ]
 //        [ "using" name "=" expr { "," name "=" expr } ]
 //        "such" "that" "for" "all" name "in" name
 //        form ( ">=" | "=" ) form ;
@@ -137,7 +138,19 @@ ast::TimeClause Parser::time_clause() {
     expect(TokenKind::equal);
     initial.value = expr();
     initial.span = span_from(from);
+    if (accept(TokenKind::comma)) result.velocity = initial_velocity();
   }
+  result.span = span_from(first);
+  return result;
+}
+
+ast::InitialValue Parser::initial_velocity() {
+  ast::InitialValue result;
+  const Span first = peek().span;
+  result.unknown = name("the unknown");
+  expect(TokenKind::prime);
+  expect(TokenKind::equal);
+  result.value = expr();
   result.span = span_from(first);
   return result;
 }

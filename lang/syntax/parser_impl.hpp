@@ -98,6 +98,7 @@ private:
   ast::Tensor tensor();
   ast::Kernel kernel();
   ast::Superpotential superpotential();
+  ast::State state();
   std::vector<ast::LawParameter> law_parameters();
   ast::Fn fn();
   ast::Space space();
@@ -117,6 +118,7 @@ private:
   void imposed_values(ast::Find& find);
   ast::ImposedValue imposed_value();
   ast::TimeClause time_clause();
+  ast::InitialValue initial_velocity();
   void settings(ast::Find& find);
   void relation(ast::Find& find);
   ast::Form form();

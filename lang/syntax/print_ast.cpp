@@ -48,6 +48,7 @@ public:
   void operator()(const ast::Tensor& node) { named("tensor", node); }
   void operator()(const ast::Kernel& node);
   void operator()(const ast::Superpotential& node);
+  void operator()(const ast::State& node);
   void operator()(const ast::Fn& node);
   void operator()(const ast::Space& node);
   void operator()(const ast::Find& node);
@@ -262,6 +263,14 @@ void Printer::operator()(const ast::Superpotential& node) {
   print("", node.value);
 }
 
+void Printer::operator()(const ast::State& node) {
+  line("state " + node.name.text + " on " + node.part.text, node.span);
+  const Indent indent(*this);
+  print("rate: ", node.rate);
+  print("from: ", node.initial.value);
+  optional("range: ", node.range);
+}
+
 void Printer::operator()(const ast::Fn& node) {
   line("fn " + node.name.text + "(" + names(node.parameters) + ")", node.span);
   const Indent indent(*this);
@@ -303,10 +312,14 @@ void Printer::find_time(const ast::TimeClause& time) {
   const Indent indent(*this);
   print("in: ", time.range);
   print(time.by_steps ? "steps: " : "times: ", time.steps);
-  if (!time.initial) return;
-  line("from " + time.initial->unknown.text, time.initial->span);
-  const Indent deeper(*this);
-  print("", time.initial->value);
+  const auto start = [&](const std::optional<ast::InitialValue>& value, const char* prime) {
+    if (!value) return;
+    line("from " + value->unknown.text + prime, value->span);
+    const Indent deeper(*this);
+    print("", value->value);
+  };
+  start(time.initial, "");
+  start(time.velocity, "'");
 }
 
 void Printer::setting(std::string_view role, const ast::Setting& setting) {

@@ -17,6 +17,7 @@ constexpr auto kinds = std::to_array<TokenInfo>({
     {tensor, "tensor", "tensor"},
     {kernel, "kernel", "kernel"},
     {superpotential, "superpotential", "superpotential"},
+    {state, "state", "state"},
     {fn, "fn", "fn"},
     {space, "space", "space"},
     {find, "find", "find"},
@@ -73,7 +74,7 @@ const TokenInfo& info(TokenKind kind) { return kinds[static_cast<std::size_t>(ki
 std::optional<TokenKind> reserved_word(std::string_view text) {
   for (const TokenInfo& entry : kinds) {
     if (!is_reserved(entry.kind)) break;
-    if (entry.spelling == text) return entry.kind;
+    if (entry.spelling == text && entry.kind != state) return entry.kind;
   }
   return std::nullopt;
 }

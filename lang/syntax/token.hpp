@@ -21,6 +21,7 @@ enum class TokenKind : std::uint8_t {
   tensor,
   kernel,
   superpotential,
+  state, // where `state name on` stands; elsewhere it is a name
   fn,
   space,
   find,
@@ -85,7 +86,7 @@ struct TokenInfo {
 /// The reserved word of this spelling.
 [[nodiscard]] std::optional<TokenKind> reserved_word(std::string_view text);
 
-/// One of the thirteen words that begin a statement.
+/// One of the words that begin a statement.
 [[nodiscard]] constexpr bool is_statement_word(TokenKind kind) { return kind <= TokenKind::study; }
 
 /// A word that cannot be a name.

@@ -1,6 +1,7 @@
 // From weak terms to matrices and vectors. All act on full vectors (free and eliminated dofs).
 #pragma once
 
+#include "solver/fem/pointwise.hpp"
 #include "solver/fem/space.hpp"
 #include "solver/linear/sparse.hpp"
 
@@ -78,6 +79,7 @@ struct LawPoints {
   int rows = 1;
   std::vector<DenseMatrix> frames; ///< radial laws only
   SparseMatrix g;                  ///< (points * rows) x n_dofs
+  SparseMatrix trace; ///< (points * components) x n_dofs: u at the points; if asked for
   bool offset_depends_on_t = false;
   // What the offsets are evaluated with.
   int dim = 2;
@@ -87,10 +89,14 @@ struct LawPoints {
 };
 /// Throws Failure(bad_value) when the factor is not positive or a row not finite, naming the point.
 LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& term, int law_term,
-                       bool radial);
+                       bool radial, bool with_trace = false);
 /// Offsets of the argument rows at time t, points * rows. Throws Failure(bad_value) when one is not
 /// finite, or (radial laws) not in the range of the rows: |R u + o| would not be |Q^T (R u + o)|.
-void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector& out);
+/// `more`: the values of other slots at the points (states).
+void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector& out,
+                 const std::function<const double*(Slot)>& more = {});
+/// The points as those of a region: for expressions of place, normal, time and parts.
+PointBlock as_block(const LawPoints& points);
 
 /// Gram matrices. V: eps : eps (vector) or grad . grad (scalar, plus the mass where nothing is
 /// eliminated). Mass: u . v. Boundary mass of a part with a rule.

@@ -266,7 +266,7 @@ SparseMatrix make_g(const Space& space, const std::vector<RawPoint>& raw, int ro
 } // namespace
 
 LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& term, int law_term,
-                       bool radial) {
+                       bool radial, bool with_trace) {
   check_shape(space, term, radial);
   std::vector<RawPoint> raw = merge(Collector(space, region, term).collect());
   LawPoints out;
@@ -277,6 +277,11 @@ LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& 
     reduce_radial(raw, term, out);
   }
   out.g = make_g(space, raw, out.rows);
+  if (with_trace) {
+    for (RawPoint& point : raw)
+      point.rows = DenseMatrix::Identity(space.components, space.components);
+    out.trace = make_g(space, raw, space.components);
+  }
   for (const RawPoint& point : raw) {
     out.x.push_back(point.x);
     out.normal.push_back(point.normal);
@@ -293,9 +298,7 @@ LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& 
   return out;
 }
 
-namespace {
-
-PointBlock block_of(const LawPoints& points) {
+PointBlock as_block(const LawPoints& points) {
   PointBlock block;
   for (std::size_t p = 0; p < points.x.size(); ++p) {
     for (int j = 0; j < 3; ++j) {
@@ -310,6 +313,8 @@ PointBlock block_of(const LawPoints& points) {
   block.indicators = points.indicators;
   return block;
 }
+
+namespace {
 
 /// The offset of point p in the rows of G.
 Vector reduced_offset(const LawPoints& points, const LawTerm& term, std::size_t p,
@@ -331,7 +336,8 @@ Vector reduced_offset(const LawPoints& points, const LawTerm& term, std::size_t 
 
 } // namespace
 
-void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector& out) {
+void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector& out,
+                 const std::function<const double*(Slot)>& more) {
   const std::size_t n = points.x.size(), n_args = term.rows.size();
   out.setZero(static_cast<Eigen::Index>(n) * points.rows);
   std::vector<Expr> offsets;
@@ -342,7 +348,7 @@ void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector&
     return;
   }
   std::vector<double> values(n * n_args);
-  Pointwise(offsets).evaluate(block_of(points), t, term.origin, values);
+  Pointwise(offsets).evaluate(as_block(points), t, term.origin, values, more);
   Vector offset(static_cast<Eigen::Index>(n_args));
   for (std::size_t p = 0; p < n; ++p) {
     for (std::size_t c = 0; c < n_args; ++c) {

@@ -156,7 +156,7 @@ void Pointwise::evaluate(const PointBlock& block, double t, Origin origin, std::
         return block.normal[j].data();
       }
     }
-    if (slot >= slot::first_inside && slot < slot::first_probe && block.indicators) {
+    if (slot >= slot::first_inside && slot < slot::first_state && block.indicators) {
       return inside_column(block, slot);
     }
     return more ? more(slot) : nullptr;
@@ -196,6 +196,9 @@ std::string describe_slot(Slot slot) {
   if (slot >= slot::first_probe) {
     return "another probe";
   }
+  if (slot::is_state(slot)) {
+    return "a state";
+  }
   if (slot >= slot::first_inside) {
     return "membership in a part";
   }
@@ -209,7 +212,9 @@ std::string describe_slot(Slot slot) {
   const int derivative = (slot - slot::first_field) % slot::field_stride;
   const std::string name = field == field_of_u(0)   ? "u"
                            : field == field_of_u(1) ? "u'"
-                                                    : fmt::format("history field {}", field - 2);
+                           : field == field_of_u(2)
+                               ? "u''"
+                               : fmt::format("history field {}", memory_of(field));
   return derivative < 3 ? name : "the gradient of " + name;
 }
 

@@ -7,6 +7,7 @@
 #include "solver/history/norm_proofs.hpp"
 #include "solver/hypotheses/load_time.hpp"
 #include "solver/hypotheses/numbers.hpp"
+#include "solver/hypotheses/states.hpp"
 #include "solver/hypotheses/tensors.hpp"
 #include "solver/hypotheses/verdicts.hpp"
 #include "solver/mesh/generate.hpp"
@@ -52,6 +53,7 @@ public:
   Judgement(const Plan& plan, const Discretisation& d)
       : plan_(plan), problem_(plan.problem), d_(d), numbers_(plan, d) {
     facts_.is_static = problem_.time.is_static;
+    facts_.moves = in_motion(problem_);
     for (const auto& term : problem_.law_terms)
       (term.field == field_of_u(0) ? facts_.has_laws
        : is_memory(term.field)     ? facts_.has_memory_laws
@@ -61,10 +63,12 @@ public:
   HypothesisReport report(bool extrapolate) {
     longest_step();
     steps_ = step_weights(problem_);
+    judge_inertia();
     judge_a();
     judge_b();
     judge_memory();
     judge_laws();
+    judge_states();
     judge_loads();
     judge_smallness();
     judge_steps();
@@ -97,15 +101,24 @@ private:
                     : std::string();
   }
 
+  void judge_inertia() {
+    if (!facts_.moves) return;
+    const Origin origin = form_origin(problem_, field_of_u(2));
+    const double defect = numbers_.asymmetry(field_of_u(2));
+    row("H(rho)", "the mass is symmetric: its defect", defect, yes(defect <= 1e-12), origin);
+    const double in_h = numbers_.coercivity_in_h(field_of_u(2));
+    row("H(rho)", "the mass is coercive in H = L2: m_rho", in_h, positive(in_h), origin);
+  }
+
   void judge_a() {
     const auto tensor = ellipticity(problem_, d_, field_of_u(1));
     c().m_1 = std::isfinite(tensor.least) ? tensor.least : not_a_number;
     c().m_A = numbers_.coercivity(field_of_u(1), c().m_1);
     if (!numbers_.acts_on(field_of_u(1))) {
       row("H(A)", "A is coercive", std::nullopt, Answer::open, problem_.time.origin,
-          problem_.time.is_static
-              ? "static: no A is asked for"
-              : "there is no term with u': static at each t, no A is asked for");
+          problem_.time.is_static ? "static: no A is asked for"
+          : facts_.moves          ? "there is no term with u': nothing damps the motion"
+                         : "there is no term with u': static at each t, no A is asked for");
       return;
     }
     const Origin origin = form_origin(problem_, field_of_u(1));
@@ -236,15 +249,23 @@ private:
     Bracket m_nu, m_tau, m_rate;
     for (const auto& law : numbers_.laws()) {
       const auto& term = problem_.law_terms[law.term];
-      if (const std::string& other = problem_.laws[term.law].coupled; !other.empty()) {
+      const auto& spec = problem_.laws[static_cast<std::size_t>(term.law)];
+      if (!spec.coupled.empty() || !spec.readings.empty()) {
         c().m_nu = c().m_tau = c().c_J = infinity;
         m_nu = c().c_J_known = Bracket::exactly(infinity);
         row("H(J)", fmt::format("`{}` is a law of its argument alone", term.name), std::nullopt,
             Answer::fails, term.origin,
-            fmt::format("its bound is the multiplier of `{}` (Coulomb): beyond the theory", other));
-        facts_.coupled = true;
+            spec.coupled.empty()
+                ? "it reads a memory of the unknown: beyond the theorems here"
+                : fmt::format("its bound is the multiplier of `{}` (Coulomb): beyond the theory",
+                              spec.coupled));
+        (spec.coupled.empty() ? facts_.reads : facts_.coupled) = true;
         continue;
       }
+      if (!problem_.laws[term.law].states.empty())
+        row("H(J)", fmt::format("`{}` keeps its graph", term.name), std::nullopt, Answer::open,
+            term.origin,
+            "it changes with its states: its numbers are those at their initial values");
       const double m = law.m.value(), growth = law.c.value();
       if (term.field == field_of_u(0)) {
         double& most = law.radial ? c().m_tau : c().m_nu;
@@ -290,6 +311,27 @@ private:
     const double norm = numbers_.script_norm(field_of_u(1));
     row("H(M)", "M of the laws on the rate is bounded and compact: ||M||^2", norm,
         yes(std::isfinite(norm)), law_origin(field_of_u(1)), "on this mesh");
+  }
+
+  /// Lipschitz constants of the rates, by the state itself and by what they read.
+  void judge_states() {
+    facts_.states = !problem_.states.empty();
+    for (const auto& state : problem_.states) {
+      const RateConstants found = rate_constants(problem_, d_.mesh, state);
+      const auto one = [&](const std::string& by, const RateConstant& l) {
+        const double everywhere = l.everywhere.value();
+        auto& made =
+            row("H(state)", fmt::format("the rate of `{}` is Lipschitz in {}", state.name, by),
+                everywhere, std::isfinite(everywhere) ? Answer::holds : Answer::open, state.origin,
+                std::isfinite(everywhere)
+                    ? ""
+                    : fmt::format("on bounded sets only: {} for inputs up to 1 in size",
+                                  with_word(l.near.value(), l.near)));
+        if (std::isfinite(everywhere)) made.known = l.everywhere;
+      };
+      one(found.other_states ? "the states" : "the state", found.by_states);
+      if (found.reads_inputs) one("its inputs", found.by_inputs);
+    }
   }
 
   Origin law_on_memory() const {
@@ -417,7 +459,7 @@ private:
     row("step", "1 - lambda_max(sum m_i M_i^T W M_i, sym K)", out_.margins.step,
         positive(out_.margins.step), worst_law(), note);
     out_.usable = not_a_number;
-    if (!problem_.time.is_static) bound_steps();
+    if (!problem_.time.is_static && !facts_.moves) bound_steps();
   }
 
   const Vector& weights_of(int step) const {

@@ -2,20 +2,20 @@
 #include "solver/hypotheses/numbers.hpp"
 
 #include "solver/common/numbers.hpp"
+#include "solver/time/time_scheme.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace hvi::solver {
-namespace {} // namespace
-
 Numbers::Numbers(const Plan& plan, const Discretisation& d)
     : problem_(plan.problem), discretisation_(d), layout_(make_layout(d.space, d.dofs)),
       operators_(assemble_operators(problem_, d, layout_, plan.options.threads)),
       contact_(make_contact(problem_, d, layout_)),
       gram_(restrict_rows(gram_v(d.space, d.dofs.eliminated.empty()), layout_)
                 .leftCols(layout_.n_unknowns)),
+      shares_(present_shares(*make_scheme(problem_), count_fields(problem_))),
       laws_(law_constants(problem_, d, contact_)),
       traces_(trace_norms(problem_, d, layout_, gram_)) {}
 
@@ -26,14 +26,25 @@ SparseMatrix Numbers::of_field(int field) const {
 double Numbers::coercivity(int field, double pointwise) const {
   if (!acts_on(field)) return 0.0;
   const double below = std::isfinite(pointwise) ? std::max(0.0, pointwise) : 0.0;
-  return gram_.least(of_field(field), below).value_or(not_a_number);
+  const SparseMatrix form = of_field(field);
+  const double least = gram_.least(form, below).value_or(not_a_number);
+  // A body that nothing holds has rigid motions, which strains do not see.
+  const bool held = !discretisation_.dofs.eliminated.empty();
+  const double rounding = held ? 0.0 : 1e-10 * gram_.norm(form).value_or(0.0);
+  return std::abs(least) <= rounding ? 0.0 : least;
 }
 
 double Numbers::coercivity_in_h(int field) const {
   if (!acts_on(field)) return 0.0;
   const GramForm gram(
       restrict_rows(mass(discretisation_.space), layout_).leftCols(layout_.n_unknowns));
-  return gram.least(of_field(field)).value_or(not_a_number);
+  // As it is stated: a scheme may take mass off some nodes.
+  const SparseMatrix form =
+      field == field_of_u(2)
+          ? SparseMatrix(restrict_rows(matrix_of_field(problem_, discretisation_, field), layout_)
+                             .leftCols(layout_.n_unknowns))
+          : of_field(field);
+  return gram.least(form).value_or(not_a_number);
 }
 
 double Numbers::memory_norm(int m) const {
@@ -97,7 +108,8 @@ bool StepRatio::take(const Vector& c, SparseMatrix& k) {
     taken_ = true;
   }
   const auto& operators = numbers_.operators();
-  const SparseMatrix all = combine(operators, operators.weights.transpose() * c);
+  const SparseMatrix all =
+      combine(operators, operators.weights.transpose() * numbers_.shares().cwiseProduct(c));
   // With the pattern of the laws' form, so that one analysis serves all combinations.
   k = all + 0.0 * descent_;
   if (!operators.symmetric) k = SparseMatrix(0.5 * (k + SparseMatrix(k.transpose())));

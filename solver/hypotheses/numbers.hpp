@@ -41,6 +41,8 @@ public:
   const std::vector<TermConstants>& laws() const { return laws_; }
   const TraceNorms& traces() const { return traces_; }
   const Operators& operators() const { return operators_; }
+  /// Of the fields in a step's equation (TimeScheme::present).
+  const Vector& shares() const { return shares_; }
 
 private:
   const Problem& problem_;
@@ -49,6 +51,7 @@ private:
   Operators operators_;
   Contact contact_;
   GramForm gram_;
+  Vector shares_;
   std::vector<TermConstants> laws_;
   TraceNorms traces_;
 };

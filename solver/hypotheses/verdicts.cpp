@@ -24,6 +24,8 @@ public:
              "of the steps see `step`");
     else if (facts_.is_static)
       at_one_time();
+    else if (facts_.moves)
+      in_motion();
     else if (facts_.has_rate_laws)
       on_rates();
     else if (out_.rate_form == RateForm::none)
@@ -49,13 +51,23 @@ private:
   void discrete() {
     const char* what = facts_.is_static ? "the problem" : "every step";
     const bool positive = facts_.steps_margin > least_margin;
-    out_.discrete = positive && facts_.proved && !facts_.coupled && failing({"H(f)"}).empty();
+    out_.discrete = positive && facts_.proved && !facts_.coupled && !facts_.reads &&
+                    !facts_.states && failing({"H(f)"}).empty();
     if (out_.discrete)
       out_.discrete_verdict = fmt::format("on this mesh {} has exactly one solution", what);
     else if (facts_.coupled)
       out_.discrete_verdict =
           "neither existence for large bounds nor uniqueness is guaranteed: the "
           "bound of a law is the multiplier of another one";
+    else if (facts_.reads)
+      out_.discrete_verdict = "uniqueness is not guaranteed: a law reads a memory of the unknown";
+    else if (facts_.states)
+      out_.discrete_verdict =
+          positive ? "with its states held, every step has exactly one solution; of both together "
+                     "this is not shown, but for steps that are short against the Lipschitz "
+                     "constants H(state)"
+                   : "uniqueness is not guaranteed: a step may have several solutions, and laws "
+                     "change with states";
     else if (positive && !facts_.proved)
       out_.discrete_verdict =
           fmt::format("uniqueness is not guaranteed: m_J is sampled, not proved (with it {} would "
@@ -91,6 +103,10 @@ private:
   }
   /// Says no where one of these fails, or the constants of the laws are not proved.
   bool refused(std::initializer_list<const char*> needed) {
+    if (facts_.states) {
+      refuse("it knows no states; what is said of a step on this mesh stands");
+      return true;
+    }
     const auto missing = failing(needed);
     if (!missing.empty())
       refuse(fmt::format("{} above {}", fmt::join(missing, ", "),
@@ -190,6 +206,24 @@ private:
                     "nothing is claimed, of the steps see `step`");
     accept(fmt::format("laws act on u', and the rest of the problem is the history of u': A is "
                        "coercive in V with m_A > m_J ||M||^2 of these laws, one solution{}",
+                       estimate()));
+  }
+
+  void in_motion() {
+    theorem_ = "the problem for u' with its history: a mass coercive in H = L2, A coercive in V";
+    order_failed_ = "the paper's estimate is for problems without inertia; `study` measures the "
+                    "orders";
+    if (out_.rate_form != RateForm::in_v)
+      return refuse("there is inertia, and no form A coercive in V acts on u': of the continuous "
+                    "problem nothing is claimed, of the steps see `step`");
+    if (refused({"H(rho)", "H(A)", "H(E)", "H(J)", "H(M)", "H(f)"})) return;
+    if (!facts_.integrable) return refuse("a kernel is not integrable");
+    if (!std::isfinite(facts_.lipschitz))
+      return refuse("the slope of a law on u jumps, and there is inertia: of the continuous "
+                    "problem nothing is claimed, of the steps see `step`");
+    accept(fmt::format("with inertia the problem is one for u' and its history: the mass is "
+                       "coercive in H and A in V, one solution with u' in L2(0, T; V) and u'' in "
+                       "L2(0, T; V*); (H0) is not needed, as M is compact{}",
                        estimate()));
   }
 

@@ -8,6 +8,7 @@ namespace hvi::solver {
 /// What the verdicts need beside the rows.
 struct VerdictFacts {
   bool is_static = false;
+  bool moves = false; ///< there is inertia
   bool has_laws = false, has_rate_laws = false,
        has_memory_laws = false;                   ///< on u; on u'; on memories
   double lipschitz = 0.0, lipschitz_memory = 0.0; ///< of the slopes of laws on u; on memories
@@ -15,6 +16,8 @@ struct VerdictFacts {
   bool integrable = true;                         ///< int |q| of every kernel is finite
   bool proved = true;        ///< m_J of the laws is bounded by proof, not sampled
   bool coupled = false;      ///< a law's bound is another law's multiplier
+  bool reads = false;        ///< a law without such a bound reads a memory
+  bool states = false;       ///< laws act with states at their points
   double steps_margin = 0.0; ///< no step has a smaller one
   double step_bound = 0.0;   ///< on the step, where A is coercive and (H0) fails
   /// (H0) in three sharpnesses, on ever finer meshes; where there is no estimate: of this mesh.
@@ -42,6 +45,10 @@ struct VerdictFacts {
 /// - Laws on u': with w = u' the problem is one for w whose operators B, R and, where their slopes
 ///   are Lipschitz, the laws on u act on the history of w; one solution where A is coercive in V
 ///   and m_A > m_J |M|^2 of the laws on u' (the same fixed point; docs/theory.md).
+/// - Inertia: the same for w = u' in the evolution triple V, H, V*, with a mass coercive in H; M is
+///   compact, so that Ehrling's lemma takes the place of m_A > m_J |M|^2 (A. Kulig, Hyperbolic
+///   hemivariational inequalities for dynamic viscoelastic contact problems, J. Elasticity 110
+///   (2013) 1-31, for problems with long memory; docs/theory.md).
 void give_verdicts(const VerdictFacts& facts, HypothesisReport& report);
 
 } // namespace hvi::solver

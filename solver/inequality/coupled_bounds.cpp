@@ -46,10 +46,18 @@ void CoupledBounds::set(CoupledBound& b, double multiplier) {
   }
   const int law = points_[b.point].law;
   b.multiplier = multiplier, b.known = true;
-  b.graph = points_.laws[law].law().graph(b.x, {points_.problem.t, share_ * multiplier});
+  b.graph = graph(b, multiplier);
   points_.laws.replace(law, b.graph);
   int& component = at_.places.component[b.point];
   component = std::clamp(component, 0, points_.laws[law].components() - 1);
+}
+
+/// At the time and with the readings of the problem's own graph.
+LawGraph CoupledBounds::graph(const CoupledBound& b, double multiplier) const {
+  const ReducedProblem& problem = points_.problem;
+  LawTime when = problem.graphs[static_cast<std::size_t>(problem.points[b.point].graph)].t;
+  when.coupled = share_ * multiplier;
+  return points_.law(b.point).law().graph(b.x, when);
 }
 
 /// By a difference quotient, which is exact where the bound is linear in the multiplier.
@@ -57,7 +65,7 @@ double CoupledBounds::slope_rate(const CoupledBound& b) const {
   const Law& law = points_.law(b.point).law();
   const double size = std::max(std::abs(b.multiplier), 1e-6 * at_.xi.lpNorm<Eigen::Infinity>());
   const double step = std::copysign(1e-6 * std::max(size, 1e-300), b.multiplier);
-  const LawGraph other = law.graph(b.x, {points_.problem.t, share_ * (b.multiplier + step)});
+  const LawGraph other = graph(b, b.multiplier + step);
   const double r = norm(points_[b.point].of(at_.places.z_hat));
   const int state = at_.places.state[b.point], piece = state / 2;
   if (other.pieces() != b.graph.pieces() || state < 0) return 0.0;

@@ -27,6 +27,7 @@ public:
   double share() const { return share_; }
   void set_share(double value);
   void set(CoupledBound& b, double multiplier);
+  LawGraph graph(const CoupledBound& b, double multiplier) const; ///< in the present share of it
   bool is_coupled(int p) const { return bound_of_[p] >= 0; }
   /// d slope / d multiplier at the point's place now.
   double slope_rate(const CoupledBound& b) const;

@@ -20,7 +20,7 @@ namespace hvi::solver {
 namespace {
 
 /// gamma as parts of the body's compliance.
-constexpr double smallest_gamma = 1e-6, step_of_gamma = 10.0;
+constexpr double smallest_gamma = 1e-9, step_of_gamma = 10.0;
 /// Below this residual, so many steps that do not halve it show that rounding is all that is left.
 constexpr double nearly_solved = 1e-6;
 constexpr int patience = 10;

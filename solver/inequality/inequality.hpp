@@ -82,7 +82,6 @@ struct ReducedProblem {
   SparseMatrix g; ///< rows of all points by contact unknowns
   Vector offset;  ///< known part of z, a row each: set before every step
   std::vector<CoupledPoint> coupled;
-  double t = 0.0; ///< when laws are asked: set before every step
   /// What |offset| was before anything cancelled in it, a row each; empty: |offset|.
   Vector offset_size;
 };

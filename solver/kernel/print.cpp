@@ -49,8 +49,12 @@ std::string slot_name(Slot s) {
   if (s < slot::argument(0)) return fmt::format("nu[{}]", s - slot::normal(0));
   if (s == slot::argument(0)) return "r";
   if (s < slot::argument(3)) return fmt::format("arg[{}]", s - slot::argument(0));
-  if (s < slot::test(0)) return fmt::format("slot[{}]", s);
+  if (s == slot::coupled) return fmt::format("slot[{}]", s);
+  if (s < slot::test(0)) return fmt::format("state[{}]", s - slot::law_state(0));
+  if (s >= slot::reading(0) && s < slot::reading(slot::most_readings))
+    return fmt::format("read[{}]", s - slot::reading(0));
   if (s < slot::first_field) return derivative_name("v", s - slot::test(0));
+  if (slot::is_state(s)) return fmt::format("state[{}]", s - slot::first_state);
   if (s >= slot::first_multiplier)
     return fmt::format("xi[{}][{}]", (s - slot::first_multiplier) / 4,
                        (s - slot::first_multiplier) % 4);

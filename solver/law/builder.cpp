@@ -41,15 +41,18 @@ std::string where(double r, const LawSpec& spec, const Point& x, LawTime t) {
   throw failure;
 }
 
+/// Is it the slot of a state that the law reads?
+bool is_read(const LawSpec& spec, Slot s) {
+  return s >= slot::law_state(0) && s < slot::law_state(static_cast<int>(spec.states.size()));
+}
+
 /// Sum of the sizes of the terms of a sum.
 double size_of_terms(const Expr& e, double r, const Point& x, const LawTime& t) {
   if (e.op() == Op::neg) return size_of_terms(e.args()[0], r, x, t);
   if (e.op() == Op::add)
     return size_of_terms(e.args()[0], r, x, t) + size_of_terms(e.args()[1], r, x, t);
-  const double v = std::abs(evaluate(e, [&](Slot s) {
-    if (s == slot::argument(0)) return r;
-    return s == slot::t ? t.t : s == slot::coupled ? t.coupled : x[static_cast<std::size_t>(s)];
-  }));
+  const double v =
+      std::abs(evaluate(e, [&](Slot s) { return s == slot::argument(0) ? r : t.value(s, x); }));
   return std::isfinite(v) ? v : 0.0;
 }
 
@@ -70,11 +73,12 @@ double size_of_terms(const Expr& e, double r, const Point& x, const LawTime& t) 
 GraphBuilder::GraphBuilder(const LawSpec& spec)
     : spec_(spec), expression_(expose_kinks(spec.expression)) {
   for (const Slot s : slots_of(expression_))
-    if (s != slot::argument(0) && s != slot::t && s != slot::coupled &&
+    if (s != slot::argument(0) && s != slot::t && s != slot::coupled && !is_read(spec, s) &&
+        !(s >= slot::reading(0) && s < slot::reading(slot::most_readings)) &&
         !(s >= slot::x(0) && s <= slot::x(2)))
       throw Failure(
           FailureKind::bad_law, spec.origin,
-          fmt::format("the law `{}` may depend on its argument, x and t only", spec.name));
+          fmt::format("the law `{}` may depend on its argument, x, t and states only", spec.name));
   switches_ = find_switches({&expression_, 1});
   std::vector<Expr> functions;
   for (const Switch& s : switches_) functions.push_back(s.function);

@@ -21,8 +21,11 @@ struct Law::Impl {
 
   explicit Impl(LawSpec s)
       : spec(std::move(s)), builder(spec),
-        on_x(spec.expression.depends_on_any(slot::x(0), slot::x(2) + 1) || !spec.coupled.empty()),
-        on_t(spec.expression.depends_on(slot::t) || !spec.coupled.empty()) {}
+        on_x(spec.expression.depends_on_any(slot::x(0), slot::x(2) + 1) || bound_varies()),
+        on_t(spec.expression.depends_on(slot::t) || bound_varies()) {}
+  bool bound_varies() const {
+    return !spec.coupled.empty() || !spec.readings.empty() || !spec.states.empty();
+  }
   const SmoothFunction& function(const LawGraph& g, int piece) const {
     return builder.function(g.functions[piece]);
   }
@@ -39,6 +42,8 @@ const LawSpec& Law::spec() const { return impl_->spec; }
 bool Law::depends_on_x() const { return impl_->on_x; }
 bool Law::depends_on_t() const { return impl_->on_t; }
 bool Law::coupled() const { return !impl_->spec.coupled.empty(); }
+bool Law::reads() const { return !impl_->spec.readings.empty(); }
+bool Law::reads_states() const { return !impl_->spec.states.empty(); }
 
 LawGraph Law::graph(const Point& x, LawTime t) const { return impl_->builder.build(x, t); }
 

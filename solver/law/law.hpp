@@ -13,11 +13,26 @@
 
 namespace hvi::solver {
 
-/// When a law is asked: the time, and for a law whose bound is another law's multiplier at the
-/// same point (Coulomb's friction), that multiplier.
+/// The values of what a law reads, in the order of LawSpec::readings.
+using Readings = std::array<double, slot::most_readings>;
+
+/// When a law is asked: the time; for a law whose bound is another law's multiplier at the same
+/// point (Coulomb's friction), that multiplier; and what it reads of memories there.
 struct LawTime {
   double t = 0.0, coupled = 0.0;
-  LawTime(double time = 0.0, double multiplier = 0.0) : t(time), coupled(multiplier) {}
+  Readings readings{};
+  std::array<double, slot::most_law_states> states{}; ///< that it reads there
+  LawTime(double time = 0.0, double multiplier = 0.0, const Readings& read = {})
+      : t(time), coupled(multiplier), readings(read) {}
+  /// Of a variable of a law other than its argument.
+  double value(Slot s, const Point& x) const {
+    if (s == slot::t) return t;
+    if (s == slot::coupled) return coupled;
+    if (s >= slot::reading(0)) return readings[static_cast<std::size_t>(s - slot::reading(0))];
+    if (s >= slot::law_state(0)) return states[static_cast<std::size_t>(s - slot::law_state(0))];
+    return x[static_cast<std::size_t>(s)];
+  }
+  friend bool operator==(const LawTime&, const LawTime&) = default;
 };
 
 /// A law as data. The argument is slot::argument(0): the scalar r, or for a radial law |xi| >= 0
@@ -29,6 +44,10 @@ struct LawSpec {
   bool by_slope = false; ///< `expression` is the slope j', else the potential j
   Expr expression;
   std::string coupled{}; ///< the law whose multiplier slot::coupled stands for; "": none
+  /// What slot::reading(i) stands for: of slot::x, slot::t, slot::normal and the values (no
+  /// gradients) of memories at the point of the law.
+  std::vector<Expr> readings{};
+  std::vector<int> states{}; ///< the states of the plan that slot::law_state(k) stand for
 };
 
 /// The graph of r -> dj(r) at one point of space and time, jumps filled in. Piece i is smooth on
@@ -81,10 +100,13 @@ public:
   Law& operator=(Law&&) noexcept;
 
   const LawSpec& spec() const;
-  /// The first two also where the law is coupled: a graph for each point, found again in each step.
+  /// The first two also where the law is coupled or reads memories or states: a graph for each
+  /// point, found again in each step.
   bool depends_on_x() const;
   bool depends_on_t() const;
   bool coupled() const;
+  bool reads() const; ///< memories
+  bool reads_states() const;
 
   /// The graph at a point. Throws Failure(bad_law) as the constructor does, for this point.
   LawGraph graph(const Point& x, LawTime t) const;

@@ -19,15 +19,13 @@ public:
   /// All outputs at (r, x, t).
   void operator()(double r, const Point& x, LawTime t, std::span<double> out) const {
     thread_local TapeWorkspace workspace;
-    std::array<double, 6> values{};
-    std::array<const double*, 6> inputs{};
+    constexpr std::size_t most_inputs = 6 + slot::most_readings + slot::most_law_states;
+    std::array<double, most_inputs> values{};
+    std::array<const double*, most_inputs> inputs{};
     const std::size_t n = tape_.inputs.size();
     for (std::size_t i = 0; i < n; ++i) {
       const Slot s = tape_.inputs[i];
-      values[i] = s == slot::argument(0) ? r
-                  : s == slot::t         ? t.t
-                  : s == slot::coupled   ? t.coupled
-                                         : x[s];
+      values[i] = s == slot::argument(0) ? r : t.value(s, x);
       inputs[i] = &values[i];
     }
     evaluate(tape_, {inputs.data(), n}, 1, out, workspace);

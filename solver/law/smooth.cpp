@@ -81,7 +81,7 @@ LargestValue SmoothFunction::descent(const SupremumRange& range, const Point& x,
   LastDescent& d = descent_;
   if (!std::exchange(d.made, true)) d.search = Supremum(-derivative(slope_expression_, slot::r));
   const bool same = d.answered && d.low == range.low && d.high == range.high && d.x == x &&
-                    d.t.t == t.t && d.t.coupled == t.coupled && d.evaluations == effort.evaluations;
+                    d.t == t && d.evaluations == effort.evaluations;
   if (!same) {
     d.answer = d.search(range, effort);
     d.answered = true;

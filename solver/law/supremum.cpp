@@ -91,7 +91,7 @@ LargestValue Supremum::operator()(const SupremumRange& range, const SearchEffort
 
 std::function<Bounds(Slot)> fixed_at(const Point& x, const LawTime& t) {
   return [x, t](Slot s) {
-    const double v = s == slot::t ? t.t : s == slot::coupled ? t.coupled : x[s];
+    const double v = t.value(s, x);
     return Bounds{v, v};
   };
 }

@@ -37,6 +37,17 @@ DenseMatrix solve_lower(const DenseMatrix& g, const DenseMatrix& b) {
 
 DenseMatrix solve_positive(const DenseMatrix& g, const DenseMatrix& b) { return g.llt().solve(b); }
 
+DenseMatrix solve_square(const DenseMatrix& a, const DenseMatrix& b) {
+  return a.partialPivLu().solve(b);
+}
+
+Vector shortest_least_squares(const DenseMatrix& a, const Vector& b, double dependent) {
+  Eigen::CompleteOrthogonalDecomposition<DenseMatrix> least;
+  least.setThreshold(dependent);
+  least.compute(a);
+  return least.solve(b);
+}
+
 Vector least_squares(const DenseMatrix& a, const Vector& b) {
   return a.colPivHouseholderQr().solve(b);
 }

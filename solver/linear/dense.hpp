@@ -31,6 +31,13 @@ LeftSingular left_singular(const DenseMatrix& a);
 DenseMatrix solve_lower(const DenseMatrix& g, const DenseMatrix& b);
 DenseMatrix solve_positive(const DenseMatrix& g, const DenseMatrix& b);
 
+/// a^-1 b, a square and regular, by LU with row pivoting.
+DenseMatrix solve_square(const DenseMatrix& a, const DenseMatrix& b);
+
+/// The shortest x of least |a x - b|: singular values below `dependent` of the largest count as
+/// zero (a complete orthogonal decomposition, whose pivots stand for them).
+Vector shortest_least_squares(const DenseMatrix& a, const Vector& b, double dependent);
+
 /// The shortest-residual x of a x = b, by Householder QR with column pivoting: a may have dependent
 /// columns.
 Vector least_squares(const DenseMatrix& a, const Vector& b);

@@ -17,8 +17,8 @@ std::string to_string(Rule rule) {
 }
 
 std::string to_string(Effect effect) {
-  return name_of(std::array{"viscosity", "elasticity", "memory", "body force", "traction",
-                            "normal law", "friction", "other"},
+  return name_of(std::array{"inertia", "viscosity", "elasticity", "memory", "body force",
+                            "traction", "normal law", "friction", "other"},
                  effect);
 }
 
@@ -58,6 +58,7 @@ std::string derivative_name(const char* function, int index) {
 std::string field_name(int field) {
   if (field == field_of_u(0)) return "u";
   if (field == field_of_u(1)) return "u'";
+  if (field == field_of_u(2)) return "u''";
   return fmt::format("w{}", memory_of(field));
 }
 
@@ -76,6 +77,7 @@ public:
     for (const auto& term : problem_.forms) form(term);
     for (std::size_t l = 0; l < problem_.laws.size(); ++l) law(l);
     for (std::size_t l = 0; l < problem_.law_terms.size(); ++l) law_term(l);
+    for (std::size_t i = 0; i < problem_.states.size(); ++i) state(i);
     for (const auto& term : problem_.loads) load(term);
     time();
     print(options);
@@ -175,6 +177,17 @@ private:
     const auto& spec = problem_.laws[l];
     line("law {} `{}`{} {} = {}", l, spec.name, spec.radial ? " radial" : "",
          spec.by_slope ? "slope" : "potential", to_string(spec.expression));
+    for (std::size_t i = 0; i < spec.readings.size(); ++i)
+      line("  reads {} = {}", to_string(Expr::variable(slot::reading(static_cast<int>(i)))),
+           to_string(spec.readings[i]));
+    for (std::size_t k = 0; k < spec.states.size(); ++k)
+      line("  its state[{}] is state {}", k, spec.states[k]);
+  }
+
+  void state(std::size_t i) {
+    const auto& s = problem_.states[i];
+    line("state {} `{}` over {}, rate {}", i, s.name, part(s.part), to_string(s.rate));
+    line("  from {} in [{}, {}]", to_string(s.initial), number(s.low), number(s.high));
   }
 
   void law_term(std::size_t l) {
@@ -192,7 +205,8 @@ private:
       line("static");
       return;
     }
-    line("time {}, loads at {}", t.scheme == Scheme::bdf2 ? "bdf2" : "backward euler",
+    line("time {}{}, loads at {}", name_of(t.scheme),
+         t.scheme == Scheme::hht ? fmt::format(" (alpha {})", number(t.hht_alpha)) : std::string(),
          t.sampling == LoadSampling::average ? "average of the step" : "end of the step");
     if (t.grid.size() <= 12)
       line("  grid {}", numbers(t.grid));
@@ -201,6 +215,8 @@ private:
            t.grid.size() - 1);
     if (t.interpolant == Interpolant::constant) line("  constant between grid times");
     line("  from {}", t.initial.empty() ? "0" : expressions(t.initial));
+    if (in_motion(problem_))
+      line("  with the velocity {}", t.velocity ? expressions(*t.velocity) : "0");
   }
 
   void print(const SolverOptions& o) {

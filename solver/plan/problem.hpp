@@ -3,7 +3,7 @@
 //
 // With u the unknown and v the test function (paper, eq. (111) and Problem P):
 //
-//   sum_forms  int_region  C(x, nu) D(field) . D(v)          field in { u, u', w_m = int q_m u }
+//   sum_forms  int_region  C(x, nu) D(field) . D(v)     field in { u, u', u'', w_m = int q_m u }
 // + sum_laws   int_region  factor j^0( arg(u); arg'(v) )
 // >= sum_loads int_region  F(x, t, nu) . D(v)
 #pragma once
@@ -14,6 +14,7 @@
 #include "solver/mesh/mesh.hpp"
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -82,15 +83,17 @@ enum class Rule { exact, nodal, midpoint, gauss };
 
 /// Fields a form acts on, in the numbering of slot::field: u, its derivatives in time up to this
 /// order, then the memories.
-inline constexpr int highest_derivative = 1;
-/// u (order 0), u' (order 1).
+inline constexpr int highest_derivative = 2;
+/// u (order 0), u' (order 1), u'' (order 2).
 constexpr int field_of_u(int order) { return order; }
 constexpr int field_of_memory(int m) { return highest_derivative + 1 + m; }
+constexpr bool is_rate(int field) { return field > 0 && field <= highest_derivative; }
 constexpr bool is_memory(int field) { return field > highest_derivative; }
 constexpr int memory_of(int field) { return field - field_of_memory(0); }
 
 /// What an effect is called in `plan` and `check`.
 enum class Effect {
+  inertia,
   viscosity,
   elasticity,
   memory,
@@ -129,7 +132,7 @@ struct LoadTerm {
   std::vector<Entry> entries;
 };
 
-/// Memory field m: w_m(t) = int_0^t q_m(t, s) u(s) ds. Forms use it as field 2 + m.
+/// Memory field m: w_m(t) = int_0^t q_m(t, s) u(s) ds. Forms use it as field_of_memory(m).
 struct HistoryTerm {
   Origin origin;
   KernelSpec kernel;
@@ -153,18 +156,50 @@ struct LawTerm {
   int field = field_of_u(0); ///< what the law sees: u, u', or a memory
   Rule rule = Rule::nodal;
   Effect effect = Effect::normal_law;
-  Expr factor = 1.0; ///< positive, of slot::x and slot::normal
-  std::vector<Row> rows;
+  Expr factor = 1.0;     ///< positive, of slot::x and slot::normal
+  std::vector<Row> rows; ///< offsets: of states of the part, too
+};
+
+/// ---- states --------------------------------------------------------------------------------
+
+/// A state z at every point of the laws on a part: z' = rate, z(t0) = initial, kept in [low, high]
+/// by projection: where the rate would take it out, it stays at the end.
+struct StateTerm {
+  Origin origin;
+  std::string name;
+  int part = 0;
+  Expr rate;    ///< of slot::x, t, normal, states, values of u and u', multipliers of this part
+  Expr initial; ///< of slot::x
+  double low = -std::numeric_limits<double>::infinity(),
+         high = std::numeric_limits<double>::infinity();
 };
 
 /// ---- time --------------------------------------------------------------------------------------
 
-enum class Scheme { backward_euler, bdf2 };
+/// How a step advances (time_scheme.hpp); the last three are for problems with u''.
+enum class Scheme { backward_euler, bdf2, newmark, hht, midpoint };
+/// Of its error in the step for smooth solutions; `laws`: do any act? Those of `midpoint` are taken
+/// at the end of a step.
+constexpr int order_of(Scheme scheme, bool laws) {
+  return scheme == Scheme::backward_euler || (scheme == Scheme::midpoint && laws) ? 1 : 2;
+}
+/// Memories take u to be affine on a step, else constant.
+constexpr bool affine_on_steps(Scheme scheme) { return scheme != Scheme::backward_euler; }
+constexpr bool needs_inertia(Scheme scheme) {
+  return scheme != Scheme::backward_euler && scheme != Scheme::bdf2;
+}
+/// As scripts write it.
+constexpr const char* name_of(Scheme scheme) {
+  constexpr const char* names[] = {"backward_euler", "bdf2", "newmark", "hht", "midpoint"};
+  return names[static_cast<int>(scheme)];
+}
 /// f(t_n), or the Rothe problem's mean over the step.
 enum class LoadSampling { endpoint, average };
 
 /// What stands between grid times: u_tau (affine) or bar u_tau (u_n on (t_{n-1}, t_n]).
 enum class Interpolant { affine, constant };
+
+inline constexpr double default_hht_alpha = -0.1;
 
 struct TimeSpec {
   Origin origin;
@@ -174,6 +209,10 @@ struct TimeSpec {
   LoadSampling sampling = LoadSampling::endpoint;
   Interpolant interpolant = Interpolant::affine; ///< read by probes at times of their own
   std::vector<Expr> initial;                     ///< u(t0) by component, of slot::x; empty: 0
+  /// u'(t0), where there is u''. None: 0, and what imposed values say.
+  std::optional<std::vector<Expr>> velocity;
+  Origin velocity_origin;
+  double hht_alpha = default_hht_alpha; ///< of Scheme::hht, from -1/3 to 0
 };
 
 /// ---- all of it ---------------------------------------------------------------------------------
@@ -196,6 +235,7 @@ struct Problem {
   std::vector<HistoryTerm> histories;
   std::vector<LawSpec> laws;
   std::vector<LawTerm> law_terms;
+  std::vector<StateTerm> states;
   std::vector<LoadTerm> loads;
   TimeSpec time;
   std::vector<EffectNote> effects;
@@ -204,6 +244,13 @@ struct Problem {
 /// Of one unknown: with its derivatives and memories.
 inline int count_fields(const Problem& problem) {
   return field_of_memory(static_cast<int>(problem.histories.size()));
+}
+
+/// Does a form act on u''?
+inline bool in_motion(const Problem& problem) {
+  for (const auto& form : problem.forms)
+    if (form.field == field_of_u(2)) return true;
+  return false;
 }
 
 } // namespace hvi::solver

@@ -20,15 +20,23 @@ struct Allowed {
   bool lag = false;         ///< t - s
   bool argument = false;    ///< of a law
   bool coupled = false;     ///< the multiplier a law's bound stands for
+  int readings = 0;         ///< what a law reads of memories
   bool fields = false;      ///< u, u', memories and their derivatives
   bool multipliers = false; ///< of law terms
+  int law_states = 0;       ///< that a law reads
+  bool states = false;      ///< of the plan
   int probes = 0;           ///< those before this one
 };
 constexpr Allowed of_place{.place = true};
 constexpr Allowed of_facet{.place = true, .normal = true};
 constexpr Allowed of_load{.place = true, .normal = true, .time = true};
-constexpr Allowed of_report{
-    .place = true, .normal = true, .time = true, .fields = true, .multipliers = true};
+constexpr Allowed of_argument{.place = true, .normal = true, .time = true, .states = true};
+constexpr Allowed of_report{.place = true,
+                            .normal = true,
+                            .time = true,
+                            .fields = true,
+                            .multipliers = true,
+                            .states = true};
 
 template <class T>
 int count(const std::vector<T>& items) {
@@ -64,11 +72,9 @@ public:
     for (const auto& form : problem_.forms) this->form(form);
     for (const auto& load : problem_.loads) this->load(load);
     for (const auto& history : problem_.histories) this->history(history);
-    for (const auto& law : problem_.laws)
-      variables(law.expression,
-                {.place = true, .time = true, .argument = true, .coupled = !law.coupled.empty()},
-                law.origin, "a law");
+    for (const auto& law : problem_.laws) this->law(law);
     for (const auto& term : problem_.law_terms) law_term(term);
+    for (const auto& state : problem_.states) this->state(state);
     time();
     return std::move(out_);
   }
@@ -124,11 +130,16 @@ private:
     if (s >= slot::normal(0) && s <= slot::normal(2)) return allowed.normal;
     if (s == slot::argument(0)) return allowed.argument;
     if (s == slot::coupled) return allowed.coupled;
+    if (s >= slot::reading(0) && s < slot::reading(slot::most_readings))
+      return s < slot::reading(allowed.readings);
+    if (s >= slot::law_state(0) && s < slot::law_state(slot::most_law_states))
+      return s - slot::law_state(0) < allowed.law_states;
+    if (slot::is_state(s)) return allowed.states && s - slot::first_state < count(problem_.states);
     if (s < slot::first_field) return false;
     if (s < slot::first_multiplier) {
       const int field = (s - slot::first_field) / slot::field_stride;
-      return allowed.fields && field < n_fields_ &&
-             (field != field_of_u(1) || !problem_.time.is_static) &&
+      return allowed.fields && field < n_fields_ && (!is_rate(field) || !problem_.time.is_static) &&
+             (field != field_of_u(2) || in_motion(problem_)) &&
              derivative((s - slot::first_field) % slot::field_stride);
     }
     if (s < slot::first_inside) {
@@ -187,6 +198,52 @@ private:
             fmt::format("the kernel `{}` is not the Prony series that comes with it", kernel.name));
   }
 
+  void law(const LawSpec& law) {
+    variables(law.expression,
+              {.place = true,
+               .time = true,
+               .argument = true,
+               .coupled = !law.coupled.empty(),
+               .readings = std::min(count(law.readings), slot::most_readings),
+               .law_states = count(law.states)},
+              law.origin, "a law");
+    if (count(law.readings) > slot::most_readings)
+      wrong(law.origin, fmt::format("a law reads {} quantities, more than {}", law.readings.size(),
+                                    slot::most_readings));
+    for (const auto& reading : law.readings) {
+      variables(reading, of_report, law.origin, "what a law reads");
+      for (const Slot s : reading.slots())
+        if (s >= slot::first_field &&
+            (s >= slot::first_multiplier ||
+             !is_memory((s - slot::first_field) / slot::field_stride) ||
+             (s - slot::first_field) % slot::field_stride >= slot::gradient(0, 0)))
+          wrong(law.origin, "a law reads values of memories only");
+    }
+    if (count(law.states) > slot::most_law_states)
+      wrong(law.origin, fmt::format("a law reads {} states; {} are the most", law.states.size(),
+                                    slot::most_law_states));
+    for (const int i : law.states) index(i, count(problem_.states), law.origin, "a law", "state");
+  }
+
+  void state(const StateTerm& state) {
+    part(state.part, state.origin, "a state");
+    if (problem_.time.is_static)
+      wrong(state.origin, "a state changes with time, and a static problem has none");
+    if (!(state.low <= state.high))
+      wrong(state.origin,
+            fmt::format("the state `{}` is kept in [{}, {}]", state.name, state.low, state.high));
+    variables(state.initial, of_place, state.origin, "the initial value of a state");
+    variables(state.rate, of_report, state.origin, "the rate of a state");
+    for (const Slot s : state.rate.slots())
+      if (s >= slot::first_field && s < slot::first_multiplier &&
+          ((s - slot::first_field) / slot::field_stride > highest_derivative ||
+           (s - slot::first_field) % slot::field_stride >= slot::gradient(0, 0)))
+        wrong(state.origin,
+              fmt::format("the rate of `{}` reads a memory or a gradient; it may read "
+                          "values of the unknown and of its rate",
+                          state.name));
+  }
+
   void law_term(const LawTerm& term) {
     part(term.part, term.origin, "a law");
     if (index(term.field, n_fields_, term.origin, "a law", "field") &&
@@ -200,7 +257,7 @@ private:
           wrong(term.origin,
                 fmt::format("the argument of a law has component {} of u, of {}", i, components_));
       }
-      variables(row.offset, of_load, term.origin, "the argument of a law");
+      variables(row.offset, of_argument, term.origin, "the argument of a law");
     }
     if (!index(term.law, count(problem_.laws), term.origin, "a law term", "law")) return;
     const auto& law = problem_.laws[static_cast<std::size_t>(term.law)];
@@ -224,6 +281,25 @@ private:
                                      time.initial.size(), components_));
     for (const auto& value : time.initial)
       variables(value, of_place, time.origin, "the initial state");
+    motion();
+  }
+
+  void motion() {
+    const auto& time = problem_.time;
+    const bool moves = in_motion(problem_);
+    if (needs_inertia(time.scheme) && !moves)
+      wrong(time.origin,
+            fmt::format("the scheme {} is for problems with a form in u''", name_of(time.scheme)));
+    if (!(time.hht_alpha >= -1.0 / 3.0 && time.hht_alpha <= 0.0))
+      wrong(time.origin, fmt::format("alpha of hht is {}, not between -1/3 and 0", time.hht_alpha));
+    if (!time.velocity) return;
+    if (!moves) wrong(time.velocity_origin, "an initial velocity, and no form in u''");
+    if (count(*time.velocity) != components_)
+      wrong(time.velocity_origin,
+            fmt::format("the initial velocity has {} components instead of {}",
+                        time.velocity->size(), components_));
+    for (const auto& value : *time.velocity)
+      variables(value, of_place, time.velocity_origin, "the initial velocity");
   }
 
   void field(const FieldSpec& field, Origin origin) {

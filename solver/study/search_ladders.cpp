@@ -16,10 +16,6 @@ constexpr double steep = 1.8, steeper = 3.0; ///< gradings tried beside the unif
 constexpr int largest_ladder_steps = 8192;
 constexpr double largest_ladder_unknowns = 20000.0;
 
-const char* scheme_name(Scheme scheme) {
-  return scheme == Scheme::bdf2 ? "bdf2" : "backward Euler";
-}
-
 } // namespace
 
 const KeptRun& Search::cheap(const Setting& setting, const std::string& purpose) {
@@ -97,7 +93,7 @@ void Search::climb_space(Element element, int rungs) {
 }
 void Search::climb_time(Clock clock, int rungs) {
   finest_steps_[clock] = climb(time_[clock], family_.coarsest_steps(clock.second), rungs,
-                               fmt::format("time ladder, {}", scheme_name(clock.first)),
+                               fmt::format("time ladder, {}", in_prose(clock.first)),
                                [&](int steps) { return time_setting(clock, steps); });
 }
 
@@ -122,7 +118,8 @@ bool Search::is_singular() const {
 void Search::choose_candidates() {
   schemes_ = {family_.plan().problem.time.scheme};
   const bool fixed = out_.request.as_written;
-  if (has_time_error() && !fixed) schemes_ = {Scheme::backward_euler, Scheme::bdf2};
+  if (has_time_error() && !fixed && !needs_inertia(schemes_.front()))
+    schemes_ = {Scheme::backward_euler, Scheme::bdf2};
   if (!family_.is_static())
     for (const Scheme scheme : schemes_) climb_time({scheme, 0}, first_rungs);
   // Enough steps that every level could be certified, and few.
@@ -165,8 +162,8 @@ ErrorLaw Search::space_law(Element element) const {
 }
 ErrorLaw Search::time_law(Clock clock) const {
   if (family_.is_static()) return {};
-  return fit_error(time_.at(clock), clock.first == Scheme::bdf2 ? 2.0 : 1.0, Distance::additive,
-                   floor_);
+  const bool laws = !family_.plan().problem.law_terms.empty();
+  return fit_error(time_.at(clock), order_of(clock.first, laws), Distance::additive, floor_);
 }
 
 std::vector<Candidate> Search::candidates() const {

@@ -23,7 +23,7 @@ constexpr double least_fall = 0.9; ///< distances that fall less do not fall
 /// Whether the solution can jump at the beginning: nothing there remembers u_0.
 bool may_jump_at_first(const Problem& problem) {
   return std::none_of(problem.forms.begin(), problem.forms.end(),
-                      [](const FormTerm& f) { return f.field == field_of_u(1); });
+                      [](const FormTerm& f) { return is_rate(f.field); });
 }
 
 Vector first_state(const KeptRun& run) {
@@ -145,7 +145,7 @@ std::optional<double> Search::remaining_error(const Setting& half, double seen, 
     d[k] = compared(*runs[k], *runs[k + 1]);
     add_rung(time_[clock], {0.5 * half.steps * (1 << k), 2.0, d[k]});
   }
-  const double nominal = half.scheme == Scheme::bdf2 ? 2.0 : 1.0;
+  const double nominal = order_of(half.scheme, !family_.plan().problem.law_terms.empty());
   order = time_law(clock).order;
   if (d[1] <= floor_ && d[2] <= floor_)
     return std::max({seen / (std::pow(2.0, nominal) - 1.0), d[1], d[2]});

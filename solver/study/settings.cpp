@@ -102,9 +102,8 @@ std::string to_string(const Setting& setting, const Problem& problem) {
     mesh += fmt::format(" graded {}", setting.grade);
   std::string out = fmt::format("P{}, ", setting.order);
   if (problem.time.is_static) return out + mesh;
-  return out + fmt::format("{}, {}, {}{} steps",
-                           setting.scheme == Scheme::bdf2 ? "bdf2" : "backward Euler", mesh,
-                           setting.steps, is_uneven(problem.time.grid) ? " uneven" : "");
+  return out + fmt::format("{}, {}, {}{} steps", in_prose(setting.scheme), mesh, setting.steps,
+                           is_uneven(problem.time.grid) ? " uneven" : "");
 }
 
 SettingFamily::SettingFamily(const Plan& plan) : plan_(plan), dim_(dimension(plan.problem.mesh)) {

@@ -22,6 +22,11 @@ struct Setting {
   int base = 0; ///< which of the family's bases of time
   friend auto operator<=>(const Setting&, const Setting&) = default;
 };
+/// The scheme's name as sentences have it.
+inline const char* in_prose(Scheme scheme) {
+  return scheme == Scheme::backward_euler ? "backward Euler" : name_of(scheme);
+}
+
 /// "P2, bdf2, 32 x 16 cells, 40 steps"; meshes from files: "refined 2 times".
 std::string to_string(const Setting& setting, const Problem& problem);
 

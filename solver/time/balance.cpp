@@ -3,6 +3,8 @@
 
 #include "solver/common/parallel.hpp"
 #include "solver/time/certificate.hpp"
+#include "solver/time/inertia.hpp"
+#include "solver/time/step_load.hpp"
 
 #include <algorithm>
 
@@ -19,6 +21,9 @@ Balance::Balance(const Plan& plan, const Discretisation& discretisation,
     : problem_(plan.problem), discretisation_(discretisation), formulation_(formulation),
       operators_(formulation.operators()), evolution_(evolution) {
   const auto& layout = formulation.layout();
+  if (const SparseMatrix transfer = load_transfer(problem_, discretisation);
+      transfer.nonZeros() > 0)
+    load_transfer_ = restrict_rows(transfer, layout).leftCols(layout.n_unknowns);
   state_ = Vector::Zero(layout.n_state);
   full_ = Vector::Zero(layout.n_dofs);
   scale_ = product_ = Vector::Zero(layout.n_unknowns);
@@ -36,16 +41,21 @@ void Balance::halve_bases(int threads) {
 }
 
 Vector Balance::coefficients(int n) const {
-  return operators_.weights.transpose() * evolution_.factors(n);
+  return operators_.weights.transpose() * evolution_.in_equation(n);
 }
 
 void Balance::load(int n, Vector& out) const {
-  const auto& grid = evolution_.grid();
+  const auto& scheme = evolution_.scheme();
   out.setZero(formulation_.layout().n_unknowns);
-  if (problem_.time.sampling == LoadSampling::average && !grid.is_static())
-    formulation_.loads().add_mean(grid.t(n - 1), grid.t(n), out);
-  else
-    formulation_.loads().add(grid.t(n), out);
+  add_step_load(formulation_.loads(), problem_.time, scheme, n, out);
+  if (load_transfer_.nonZeros() > 0) out = load_transfer_ * out;
+  if (scheme.past_of_laws() != 0.0 && !formulation_.contact().none())
+    out -= scheme.past_of_laws() * last_reaction_;
+}
+
+void Balance::note_multipliers(const Vector& xi) {
+  if (evolution_.scheme().past_of_laws() != 0.0 && !formulation_.contact().none())
+    last_reaction_ = formulation_.contact().force * xi;
 }
 
 void Balance::known_state(int n, Vector& out) {

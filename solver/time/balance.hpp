@@ -40,8 +40,10 @@ public:
 
   /// gamma with K_n = sum_b gamma_b T_b, in the step that was begun.
   Vector coefficients(int n) const;
-  /// out = f_n, or its mean over the step.
+  /// out = f_n, or its mean over the step; with what the equation holds of the step before.
   void load(int n, Vector& out) const;
+  /// xi_{n-1} of the next step, n.
+  void note_multipliers(const Vector& xi);
   /// out = u_{n-1} with the values imposed at t_n.
   void known_state(int n, Vector& out);
   /// Sets rhs = f_n - sum_b T_b ( what is known on base matrix b ) - sum_b change_b T_b expected:
@@ -84,6 +86,8 @@ private:
   const Evolution& evolution_;
   /// The base matrices once more for products, in half the memory; empty: not used.
   std::vector<SymmetricBlocks> halves_;
+  SparseMatrix load_transfer_;            ///< on the unknowns (inertia.hpp); without entries: none
+  Vector last_reaction_;                  ///< G^T W xi_{n-1}, where the scheme asks for it
   Vector state_, full_, scale_, product_; ///< room within a call
 };
 

@@ -198,7 +198,8 @@ double largest(const ContactTerm& term, const Vector& rows) {
                             : rows.segment(term.first_row, term.n_rows()).lpNorm<Eigen::Infinity>();
 }
 
-/// The largest displacement that the argument of a point is made of (certificate.hpp).
+} // namespace
+
 double argument_scale(const Contact& contact, const ContactPoint& point, const Vector& field,
                       double factor) {
   double largest = 0.0;
@@ -210,8 +211,6 @@ double argument_scale(const Contact& contact, const ContactPoint& point, const V
   }
   return largest;
 }
-
-} // namespace
 
 Inclusion inclusion_error(const Contact& contact, const LawFields& fields, const Vector& xi,
                           double tolerance, Vector& z) {

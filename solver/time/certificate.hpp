@@ -43,6 +43,11 @@ double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Ve
 void find_reach(const Vector& diagonal, const Vector& kd, const Vector& d, const Vector& b,
                 Contact& contact);
 
+/// The largest entry of |offset| + |G| (|w| + s reach) on the rows of a point: what its argument is
+/// made of.
+double argument_scale(const Contact& contact, const ContactPoint& point, const Vector& field,
+                      double factor);
+
 struct Inclusion {
   double worst = 0.0;   ///< max_p dist(xi_p, dj_p(z_p)) / max(|xi|_inf, slope scale of the law)
   int worst_term = -1;  ///< index into Problem::law_terms

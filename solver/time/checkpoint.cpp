@@ -16,7 +16,7 @@
 namespace hvi::solver {
 namespace {
 
-constexpr std::uint32_t format_version = 12;
+constexpr std::uint32_t format_version = 13;
 constexpr std::array<char, 8> magic{'h', 'v', 'i', '-', 's', 't', 'e', 'p'};
 
 struct Header {
@@ -95,13 +95,20 @@ void add_tables(const Plan& plan, Hash& hash) {
   for (const auto& load : plan.problem.loads)
     for (const auto& entry : load.entries) tables.visit(entry.value);
   for (const auto& history : plan.problem.histories) tables.visit(history.kernel.expression);
-  for (const auto& law : plan.problem.laws) tables.visit(law.expression);
+  for (const auto& law : plan.problem.laws) {
+    tables.visit(law.expression);
+    tables.visit(law.readings);
+  }
   for (const auto& term : plan.problem.law_terms) {
     tables.visit(term.factor);
     for (const auto& row : term.rows) {
       tables.visit(row.offset);
       for (const auto& c : row.u) tables.visit(c);
     }
+  }
+  for (const auto& state : plan.problem.states) {
+    tables.visit(state.rate);
+    tables.visit(state.initial);
   }
   tables.visit(plan.problem.time.initial);
   for (const auto& probe : plan.report.probes) tables.visit(probe.expression);

@@ -1,6 +1,8 @@
 // The laws of a plan as the reduced problem of one step; see contact.hpp.
 #include "solver/time/contact.hpp"
 
+#include "solver/time/contact_states.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,10 +25,11 @@ void make_laws(const Problem& problem, Contact& out) {
 void add_points(const Problem& problem, Contact& out, const ContactTerm& term, double t) {
   const int law = problem.law_terms[term.points.law_term].law;
   const auto& graph_of = *out.laws[law];
+  const auto times = initial_law_times(problem, graph_of, term.points, t);
   auto& inequality = out.problem;
   for (int p = 0; p < term.n_points(); ++p) {
     if (p == 0 || graph_of.depends_on_x())
-      inequality.graphs.push_back(graph_of.graph(term.points.x[p], t));
+      inequality.graphs.push_back(graph_of.graph(term.points.x[p], times[p]));
     inequality.points.push_back({law, term.points.law_term, term.first_row + p * term.points.rows,
                                  term.points.rows, term.points.weight[p],
                                  static_cast<int>(inequality.graphs.size()) - 1});
@@ -34,16 +37,18 @@ void add_points(const Problem& problem, Contact& out, const ContactTerm& term, d
 }
 
 /// The steepest descent of a law's slope; of one that depends on place or time, over a sample.
-double softening(const Law& law, const ContactTerm& term, const TimeSpec& time) {
+double softening(const Problem& problem, const Law& law, const ContactTerm& term) {
+  const TimeSpec& time = problem.time;
   constexpr int most = 16;
   const int stride = law.depends_on_x() ? std::max(1, term.n_points() / most) : term.n_points();
+  auto times = initial_law_times(problem, law, term.points, 0.0);
   double out = 0;
   for (int p = 0; p < term.n_points(); p += stride)
     for (const double part : {0.0, 0.5, 1.0}) {
       if (part > 0 && (!law.depends_on_t() || time.is_static)) break;
-      const double t =
-          time.is_static ? 0.0 : time.grid.front() + part * (time.grid.back() - time.grid.front());
-      out = std::max(out, law.constants(term.points.x[p], t).m);
+      if (!time.is_static)
+        times[p].t = time.grid.front() + part * (time.grid.back() - time.grid.front());
+      out = std::max(out, law.constants(term.points.x[p], times[p]).m);
     }
   return out;
 }
@@ -85,12 +90,17 @@ SparseMatrix stacked(const std::vector<ContactTerm>& terms, const StateLayout& l
   return out;
 }
 
-/// Unknowns with a non-zero column of G, or all of them.
+/// Unknowns with a non-zero column of G, what laws and rates of states read, or all of them.
 void choose_unknowns(Contact& out, int n_unknowns) {
   std::vector<char> touched(n_unknowns, 0);
-  for (int r = 0; r < out.g.rows(); ++r)
-    for (SparseMatrix::InnerIterator it(out.g, r); it; ++it)
-      if (it.col() < n_unknowns) touched[it.col()] = 1;
+  const auto touch = [&](const SparseMatrix& rows) {
+    for (int r = 0; r < rows.rows(); ++r)
+      for (SparseMatrix::InnerIterator it(rows, r); it; ++it)
+        if (it.col() < n_unknowns) touched[it.col()] = 1;
+  };
+  touch(out.g);
+  for (const auto& readings : out.readings) touch(readings.trace());
+  touch(out.trace);
   const auto count = static_cast<int>(std::count(touched.begin(), touched.end(), 1));
   out.whole = count > most_condensed ||
               (count > always_condensed && count > most_condensed_share * n_unknowns);
@@ -112,6 +122,12 @@ void restrict_to_unknowns(Contact& out, int n_unknowns) {
         columns.emplace_back(r, position[col], it.value());
         forces.emplace_back(col, r, point.weight * it.value());
       }
+  std::vector<Eigen::Triplet<double>> of_states;
+  for (int r = 0; r < out.trace.rows(); ++r)
+    for (SparseMatrix::InnerIterator it(out.trace, r); it; ++it)
+      if (it.col() < n_unknowns) of_states.emplace_back(r, position[it.col()], it.value());
+  out.trace_c.resize(out.trace.rows(), static_cast<Eigen::Index>(out.unknowns.size()));
+  out.trace_c.setFromTriplets(of_states.begin(), of_states.end());
   out.problem.g.resize(out.g.rows(), static_cast<Eigen::Index>(out.unknowns.size()));
   out.problem.g.setFromTriplets(columns.begin(), columns.end());
   out.force.resize(n_unknowns, out.g.rows());
@@ -129,48 +145,45 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
   int n_rows = 0;
   for (std::size_t l = 0; l < problem.law_terms.size(); ++l) {
     const auto& spec = problem.law_terms[l];
+    const Law& law = *out.laws[spec.law];
     ContactTerm term{assemble_law(d.space, d.parts[spec.part], spec, static_cast<int>(l),
-                                  out.laws[spec.law]->spec().radial),
+                                  law.spec().radial, law.reads()),
                      spec.field,
                      static_cast<int>(out.problem.points.size()),
                      n_rows,
                      -1,
+                     {},
+                     false,
                      {}};
     add_points(problem, out, term, t);
     n_rows += term.n_rows();
     if (term.n_points() > 0) {
-      const auto numbers = out.laws[spec.law]->constants(term.points.x[0], t);
+      const auto numbers = out.laws[spec.law]->constants(
+          term.points.x[0],
+          initial_law_times(problem, *out.laws[spec.law], term.points, t).front());
       out.scales[spec.law] = std::max(out.scales[spec.law], numbers.slope_scale);
       out.softening[spec.law] =
-          std::max(out.softening[spec.law], softening(*out.laws[spec.law], term, problem.time));
+          std::max(out.softening[spec.law], softening(problem, *out.laws[spec.law], term));
+    }
+    auto& others = out.other_fields;
+    const auto needs = [&](int field) {
+      if (field != field_of_u(0) && std::ranges::find(others, field) == others.end())
+        others.push_back(field);
+    };
+    needs(spec.field);
+    if (law.reads()) {
+      out.readings.emplace_back(law.spec(), term.points, layout);
+      for (const int field : out.readings.back().fields()) needs(field);
     }
     out.terms.push_back(std::move(term));
-    auto& others = out.other_fields;
-    if (spec.field != field_of_u(0) && std::ranges::find(others, spec.field) == others.end())
-      others.push_back(spec.field);
   }
   couple(problem, out);
+  add_states(problem, d, layout, out);
   out.g = stacked(out.terms, layout, n_rows);
   out.offset = out.problem.offset = Vector::Zero(n_rows);
   choose_unknowns(out, layout.n_unknowns);
   restrict_to_unknowns(out, layout.n_unknowns);
   return out;
-}
-
-void LawFields::add(int field, double factor, Vector value) {
-  others_.push_back({field, factor, std::move(value)});
-}
-
-const LawFields::Other& LawFields::other(int field) const {
-  return *std::ranges::find(others_, field, &Other::field);
-}
-
-const Vector& LawFields::operator[](int field) const {
-  return field == field_of_u(0) ? u_ : other(field).value;
-}
-
-double LawFields::factor(int field) const {
-  return field == field_of_u(0) ? 1.0 : other(field).factor;
 }
 
 std::vector<double> law_factors(const Contact& contact, const Vector& of_fields) {
@@ -186,23 +199,51 @@ void add_arguments(const Contact& contact, const LawFields& fields, Vector& z) {
         contact.g.middleRows(term.first_row, term.n_rows()) * fields[term.field];
 }
 
+void read_memories(Contact& contact, double t, const LawFields& fields) {
+  for (LawReadings& readings : contact.readings) readings.read(t, fields);
+}
+
+void offsets_of(const Contact& contact, const Problem& problem, const ContactTerm& term, double t,
+                const Vector& states, Vector& out) {
+  const auto& spec = problem.law_terms[term.points.law_term];
+  law_offsets(term.points, spec, t, out, [&](Slot s) -> const double* {
+    if (!slot::is_state(s)) return nullptr;
+    return states.data() + contact.first_state[s - slot::first_state];
+  });
+}
+
+namespace {
+
+/// When the law of point p is asked.
+LawTime law_time(const Contact& contact, const ContactTerm& term, int p, double t, const Vector& xi,
+                 const LawReadings* readings) {
+  LawTime out(t, term.coupled_row < 0 ? 0.0 : xi[term.coupled_row + p],
+              readings ? readings->at(p) : Readings{});
+  for (std::size_t k = 0; k < term.first_states.size(); ++k)
+    out.states[k] = contact.state_values[term.first_states[k] + p];
+  return out;
+}
+
+} // namespace
+
 void prepare(Contact& contact, const Problem& problem, double t, const LawFields& known,
              const Vector& xi) {
+  auto read = contact.readings.begin();
   for (auto& term : contact.terms) {
     const auto& spec = problem.law_terms[term.points.law_term];
     Vector& values = term.offsets;
-    law_offsets(term.points, spec, t, values);
+    offsets_of(contact, problem, term, t, contact.state_values, values);
     contact.offset.segment(term.first_row, term.n_rows()) = values;
     const auto& law = *contact.laws[spec.law];
     if (!law.depends_on_t()) continue;
+    const LawReadings* readings = law.reads() ? &*read++ : nullptr;
     for (int p = 0; p < term.n_points(); ++p) {
       const int graph = contact.problem.points[term.first_point + p].graph;
       if (p == 0 || law.depends_on_x())
         contact.problem.graphs[graph] =
-            law.graph(term.points.x[p], {t, term.coupled_row < 0 ? 0.0 : xi[term.coupled_row + p]});
+            law.graph(term.points.x[p], law_time(contact, term, p, t, xi, readings));
     }
   }
-  contact.problem.t = t;
   auto& offset = contact.problem.offset;
   auto& size = contact.problem.offset_size;
   offset = contact.offset;
@@ -222,7 +263,7 @@ void arguments_of(const Contact& contact, const Problem& problem, double t, cons
   add_arguments(contact, fields, z);
   Vector offsets;
   for (const auto& term : contact.terms) {
-    law_offsets(term.points, problem.law_terms[term.points.law_term], t, offsets);
+    offsets_of(contact, problem, term, t, contact.state_values, offsets);
     z.segment(term.first_row, term.n_rows()) += offsets;
   }
 }

@@ -4,9 +4,13 @@
 // or u'. In the increment form of a step, u_n = u_known + d (u_known: u_{n-1} with the values
 // imposed at t_n), w = w_known + s d (evolution.hpp), and the reduced problem is stated for c = d
 // on the contact unknowns:  z = s G_c c + (G w_known + offset(t_n)),  s = 1 for u.
+//
+// States live at the points of a law of their part (contact_states.hpp); laws and offsets that read
+// them are those of `state_values`.
 #pragma once
 
 #include "solver/inequality/inequality.hpp"
+#include "solver/time/law_readings.hpp"
 #include "solver/time/run.hpp"
 #include "solver/time/state.hpp"
 
@@ -15,36 +19,28 @@
 
 namespace hvi::solver {
 
-/// What the laws see of a state: u, and the other fields that laws act on.
-class LawFields {
-public:
-  /// Keeps a reference to u.
-  explicit LawFields(const Vector& u) : u_(u) {}
-  /// A field besides u, and its factor s of the increment.
-  void add(int field, double factor, Vector value);
-  const Vector& operator[](int field) const;
-  double factor(int field) const;
-
-private:
-  struct Other {
-    int field;
-    double factor;
-    Vector value;
-  };
-  const Other& other(int field) const;
-  const Vector& u_;
-  std::vector<Other> others_;
-};
-
 /// One law term: its points, and where its rows stand in xi.
 struct ContactTerm {
   LawPoints points;
   int field = field_of_u(0);
   int first_point = 0, first_row = 0;
   int coupled_row = -1; ///< first row of the term whose multiplier this one's law reads; -1: none
-  Vector offsets;       ///< scratch of `prepare`
+  std::vector<int> first_states{}; ///< of the states that its law reads: the first in state_values
+  bool offset_of_states = false;
+  Vector offsets; ///< scratch of `prepare`
   int n_points() const { return static_cast<int>(points.x.size()); }
   int n_rows() const { return n_points() * points.rows; }
+};
+
+/// The states of one part, and what their rates read at the points of a law term there. Input j of
+/// point p has the number first_input + j n_points + p: first values of fields, then multipliers.
+struct StateGroup {
+  int part = 0;
+  int host = 0;            ///< the term at whose points they live
+  std::vector<int> states; ///< of the plan
+  std::vector<Slot> fields, multipliers;
+  int first_input = 0, n_points = 0;
+  int n_inputs() const { return static_cast<int>(fields.size() + multipliers.size()) * n_points; }
 };
 
 struct Contact {
@@ -58,9 +54,16 @@ struct Contact {
   SparseMatrix g;                ///< all rows x state
   SparseMatrix force;            ///< unknowns x all rows: G^T W
   bool coupled = false;          ///< a law's bound is another law's multiplier: `prepare` reads xi
-  Vector offset;                 ///< of the argument at the time of the last `prepare`
+  std::vector<LawReadings> readings; ///< of the terms whose laws read memories
+  Vector offset;                     ///< of the argument at the time of the last `prepare`
   Vector reach; ///< of states, 0 but on `unknowns`: a displacement each (find_reach)
-  std::vector<int> other_fields; ///< that laws act on besides u
+  std::vector<int> other_fields; ///< that laws act on, or read, besides u
+  std::vector<StateGroup> state_groups;
+  std::vector<int> first_state;  ///< of each state of the plan in state_values; -1: no group has it
+  Vector state_values;           ///< at the points, which `prepare` reads
+  std::vector<int> state_fields; ///< that rates read besides u
+  /// Inputs of rates that are values of fields: all of them x state, and x unknowns.
+  SparseMatrix trace, trace_c;
 
   int n_rows() const { return static_cast<int>(g.rows()); }
   bool none() const { return terms.empty(); }
@@ -71,11 +74,17 @@ struct Contact {
 Contact make_contact(const Problem& problem, const Discretisation& discretisation,
                      const StateLayout& layout);
 
-/// Sets offset, graphs of laws that change in time, and the reduced problem's known part. `xi`: the
-/// multipliers that coupled laws read.
+/// What laws read is read in these fields of the time t: `prepare` makes their graphs of it.
+void read_memories(Contact& contact, double t, const LawFields& fields);
+
+/// Sets offset, graphs of laws that change in time or with states, and the reduced problem's known
+/// part. `xi`: the multipliers that coupled laws read.
 void prepare(Contact& contact, const Problem& problem, double t, const LawFields& known,
              const Vector& xi);
 
+/// Offsets of a term's arguments at time t with these states.
+void offsets_of(const Contact& contact, const Problem& problem, const ContactTerm& term, double t,
+                const Vector& states, Vector& out);
 /// z += G w, w the field of each law.
 void add_arguments(const Contact& contact, const LawFields& fields, Vector& z);
 /// The arguments of all laws of a state at time t.

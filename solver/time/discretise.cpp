@@ -7,6 +7,7 @@
 #include "solver/time/law_sampler.hpp"
 #include "solver/time/overlaps.hpp"
 #include "solver/time/run.hpp"
+#include "solver/time/start_motion.hpp"
 
 #include <fmt/format.h>
 
@@ -120,6 +121,26 @@ void check_initial(const Problem& problem, const Discretisation& d) {
   }
 }
 
+/// A given u'(t0) must be the rate of imposed values on eliminated dofs.
+void check_velocity(const Problem& problem, const Discretisation& d) {
+  const auto& time = problem.time;
+  if (time.is_static || time.grid.empty() || !time.velocity) return;
+  const Vector given =
+      interpolate(d.space, *time.velocity, time.grid.front(), time.velocity_origin);
+  const Vector imposed = starting_velocity(problem, d);
+  const double scale = std::max(given.lpNorm<Eigen::Infinity>(), imposed.lpNorm<Eigen::Infinity>());
+  for (const auto& e : d.dofs.eliminated) {
+    if (std::abs(imposed[e.dof] - given[e.dof]) <= 1e-9 * scale) continue;
+    throw Failure(FailureKind::bad_value, time.velocity_origin,
+                  fmt::format("the imposed value has the rate {:.6g} at t = {}, the initial "
+                              "velocity is {:.6g} ({})",
+                              imposed[e.dof], time.grid.front(), given[e.dof],
+                              describe_dof(d.space, e.dof)),
+                  "start with a velocity that imposed values have, or leave it out where the "
+                  "body is at rest");
+  }
+}
+
 void check_probe_points(const ReportSpec& report, const Discretisation& d,
                         std::vector<Failure>& failures) {
   const CellLocator locator(d.mesh, report.probes.size());
@@ -194,6 +215,7 @@ std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& 
                     "every degree of freedom is imposed: nothing is left to solve for");
   });
   if (spaced) collect(failures, [&] { check_initial(plan.problem, out); });
+  if (spaced) collect(failures, [&] { check_velocity(plan.problem, out); });
   if (!failures.empty()) return failures;
   return misplaced_multipliers(plan, out); // a law in a wrong place has no second mistake
 }

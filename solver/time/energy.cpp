@@ -2,6 +2,7 @@
 #include "solver/time/energy.hpp"
 
 #include "solver/common/stream.hpp"
+#include "solver/time/inertia.hpp"
 #include "solver/time/operators.hpp"
 #include "solver/time/saved_state.hpp"
 
@@ -31,6 +32,15 @@ double asymmetry(const SparseMatrix& k) {
   return size > 0 ? off / size : 0.0;
 }
 
+/// j(r). Beyond an obstacle, where only rounding takes r, it is what it is at the obstacle.
+double potential_at(const Law& law, const LawGraph& graph, double r) {
+  int piece = piece_of(graph, r);
+  const double slope = law.slope(graph, piece, r);
+  if (slope >= unbounded_slope) r = graph.breaks[static_cast<std::size_t>(--piece)];
+  if (slope <= -unbounded_slope) r = graph.breaks[static_cast<std::size_t>(piece++)];
+  return law.potential(graph, piece, r);
+}
+
 /// The column of a law that stores nothing: its name, and where that stands on several parts the
 /// part's.
 std::string column_of(const Problem& problem, const LawTerm& term) {
@@ -42,16 +52,23 @@ std::string column_of(const Problem& problem, const LawTerm& term) {
 } // namespace
 
 EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, const RunState& run)
-    : problem_(problem), d_(d), rate_(matrix_of_field(problem, d, field_of_u(1))),
+    : problem_(problem), d_(d), inertia_(inertia_matrix(problem, d)),
+      rate_(matrix_of_field(problem, d, field_of_u(1))),
       elastic_(matrix_of_field(problem, d, field_of_u(0))),
-      gram_(gram_v(d.space, d.dofs.eliminated.empty())),
+      gram_(gram_v(d.space, d.dofs.eliminated.empty())), load_transfer_(load_transfer(problem, d)),
       loads_(d.space, d.parts, problem.loads), names_{"energy",      "elastic",    "contact",
                                                       "work",        "viscous",    "memory",
                                                       "lost",        "lemma_u",    "lemma_jumps",
                                                       "lemma_xi",    "lemma_rate", "inclusion",
                                                       "equilibrium", "iterations", "events",
                                                       "snap"},
-      sums_(n_sums, 0.0), columns_(names_.size()) {
+      sums_(n_sums, 0.0) {
+  const TimeScheme& scheme = run.evolution.scheme();
+  moves_ = in_motion(problem);
+  looks_back_ = scheme.looks_back() || problem.time.scheme == Scheme::newmark;
+  energy_scale_ = 1.0 / (scheme.present(0) + scheme.past(0));
+  if (moves_) names_.push_back("kinetic");
+  columns_.resize(names_.size());
   for (const auto& term : problem.law_terms)
     if (term.field != field_of_u(0)) names_.push_back(column_of(problem, term));
   friction_.assign(names_.size() - columns_.size(), 0.0);
@@ -59,13 +76,25 @@ EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, co
   for (std::size_t m = 0; m < problem.histories.size(); ++m)
     memory_.push_back(matrix_of_field(problem, d, field_of_memory(static_cast<int>(m))));
   symmetric_ = asymmetry(elastic_) <= 1e-12;
-  for (Vector* v : {&u_, &before_, &d_u_, &f_, &work_, &viscous_force_, &elastic_force_,
-                    &memory_force_, &contact_force_})
-    *v = Vector::Zero(d.space.n_dofs());
+  for (Vector* v : {&u_, &before_, &d_u_, &work_}) *v = Vector::Zero(d.space.n_dofs());
+  for (Forces* forces : {&now_, &last_, &acting_})
+    for (const auto force : all_forces) forces->*force = Vector::Zero(d.space.n_dofs());
   z_ = Vector::Zero(run.contact().n_rows());
   run.formulation->scatter(run.evolution.u(), u_);
   elastic_energy_ = 0.5 * u_.dot(elastic_ * u_);
   contact_energy_ = contact_energy(run, u_);
+  kinetic_energy_ = kinetic_energy(run);
+  if (!looks_back_) return;
+  last_xi_ = run.xi();
+  load(run);
+  forces(run);
+}
+
+double EnergyMonitor::kinetic_energy(const RunState& run) {
+  const Vector* velocity = run.evolution.scheme().velocity();
+  if (velocity == nullptr) return 0.0;
+  run.formulation->scatter(*velocity, work_);
+  return 0.5 * work_.dot(inertia_ * work_);
 }
 
 /// sum_p w_p j(z_p) of the laws on u with the laws and offsets of the run's time.
@@ -80,8 +109,8 @@ double EnergyMonitor::contact_energy(const RunState& run, const Vector& u) {
       const auto& point = contact.problem.points[term.first_point + p];
       const auto& graph = contact.problem.graphs[point.graph];
       const auto z = z_.segment(point.first_row, point.rows);
-      const double r = contact.laws[point.law]->spec().radial ? z.norm() : z[0];
-      sum += point.weight * contact.laws[point.law]->potential(graph, piece_of(graph, r), r);
+      const Law& law = *contact.laws[point.law];
+      sum += point.weight * potential_at(law, graph, law.spec().radial ? z.norm() : z[0]);
     }
   }
   return sum;
@@ -90,42 +119,70 @@ double EnergyMonitor::contact_energy(const RunState& run, const Vector& u) {
 void EnergyMonitor::load(const RunState& run) {
   const auto& grid = run.evolution.grid();
   const int n = run.evolution.step();
-  f_.setZero();
+  now_.load.setZero();
   if (problem_.time.sampling == LoadSampling::average && !grid.is_static() && n > 0)
-    loads_.add_mean(grid.t(n - 1), grid.t(n), f_);
+    loads_.add_mean(grid.t(n - 1), grid.t(n), now_.load);
   else
-    loads_.add(grid.t(n), f_);
+    loads_.add(grid.t(n), now_.load);
+  if (load_transfer_.nonZeros() > 0) now_.load = load_transfer_ * now_.load;
 }
 
 double EnergyMonitor::energy(const RunState& run) {
   run.formulation->scatter(run.evolution.u(), work_);
   load(run);
-  return 0.5 * work_.dot(elastic_ * work_) + contact_energy(run, work_) - f_.dot(work_);
+  return 0.5 * work_.dot(elastic_ * work_) + contact_energy(run, work_) - now_.load.dot(work_);
 }
 
-/// A u', B u, sum_m E_m w_m and G^T W xi.
+/// M u'', A u', B u, sum_m E_m w_m and G^T W xi at the run's time.
 void EnergyMonitor::forces(const RunState& run) {
   const Formulation& formulation = *run.formulation;
   const Evolution& evolution = run.evolution;
-  elastic_force_.noalias() = elastic_ * u_;
-  viscous_force_.setZero(), memory_force_.setZero(), contact_force_.setZero();
+  now_.elastic.noalias() = elastic_ * u_;
+  now_.inertia.setZero(), now_.viscous.setZero(), now_.memory.setZero(), now_.contact.setZero();
   if (!run.evolution.grid().is_static()) {
     evolution.derivative(1, state_);
     formulation.scatter(state_, work_);
-    viscous_force_.noalias() += rate_ * work_;
-    for (std::size_t m = 0; m < memory_.size(); ++m) {
+    now_.viscous.noalias() += rate_ * work_;
+    for (std::size_t m = 0; m < memory_.size() && evolution.step() > 0; ++m) {
       evolution.history_field(static_cast<int>(m), state_);
       formulation.scatter(state_, work_);
-      memory_force_.noalias() += memory_[m] * work_;
+      now_.memory.noalias() += memory_[m] * work_;
     }
+  }
+  if (moves_) {
+    evolution.derivative(2, state_);
+    formulation.scatter(state_, work_);
+    now_.inertia.noalias() += inertia_ * work_;
   }
   const Contact& contact = run.contact();
   for (const auto& term : contact.terms) {
     Vector weighted = run.xi().segment(term.first_row, term.n_rows());
     for (int p = 0; p < term.n_points(); ++p)
       weighted.segment(p * term.points.rows, term.points.rows) *= term.points.weight[p];
-    contact_force_.noalias() += term.points.g.transpose() * weighted;
+    now_.contact.noalias() += term.points.g.transpose() * weighted;
   }
+}
+
+void EnergyMonitor::mix(Vector Forces::*force, double present, double past) {
+  acting_.*force = energy_scale_ * (present * (now_.*force) + past * (last_.*force));
+}
+
+/// The forces of the step's equation.
+void EnergyMonitor::mix_steps(const TimeScheme& scheme) {
+  if (problem_.time.scheme == Scheme::newmark) {
+    for (const auto force : all_forces) mix(force, 0.5, 0.5);
+    acting_xi_ = 0.5 * (acting_xi_ + last_xi_);
+    return;
+  }
+  mix(&Forces::inertia, scheme.present(2), 0.0);
+  mix(&Forces::viscous, scheme.present(1), scheme.past(1));
+  mix(&Forces::elastic, scheme.present(0), scheme.past(0));
+  mix(&Forces::memory, scheme.present(0), scheme.past(0));
+  mix(&Forces::contact, 1.0, scheme.past_of_laws());
+  acting_xi_ = energy_scale_ * (acting_xi_ + scheme.past_of_laws() * last_xi_);
+  const bool mean = problem_.time.sampling == LoadSampling::average &&
+                    problem_.time.scheme == Scheme::midpoint; // it stands for both ends
+  mix(&Forces::load, mean ? 1.0 : scheme.present(0), mean ? 0.0 : scheme.past(0));
 }
 
 /// The laws on rates: what they dissipate in the step.
@@ -136,8 +193,7 @@ void EnergyMonitor::add_friction(const RunState& run) {
     const Vector slip = term.points.g * d_u_;
     for (int p = 0; p < term.n_points(); ++p) {
       const auto& point = run.contact().problem.points[term.first_point + p];
-      *sum += point.weight * run.xi()
-                                 .segment(point.first_row, point.rows)
+      *sum += point.weight * acting_xi_.segment(point.first_row, point.rows)
                                  .dot(slip.segment(p * point.rows, point.rows));
     }
     ++sum;
@@ -148,34 +204,39 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
   before_.swap(u_);
   run.formulation->scatter(run.evolution.u(), u_);
   d_u_ = u_ - before_;
+  if (looks_back_) std::swap(now_, last_);
   load(run);
   forces(run);
+  acting_xi_ = run.xi();
+  if (looks_back_) mix_steps(run.evolution.scheme()), last_xi_ = run.xi();
+  const Forces& acting = looks_back_ ? acting_ : now_;
   // On the unknowns the parts add up to the load; on imposed values the rest is the reaction.
-  work_ = viscous_force_ + elastic_force_ + memory_force_ + contact_force_ - f_;
-  const double viscous = viscous_force_.dot(d_u_), memory = memory_force_.dot(d_u_);
+  work_ = acting.viscous + acting.elastic + acting.memory + acting.contact - acting.load;
+  if (moves_) work_ += acting.inertia;
+  const double viscous = acting.viscous.dot(d_u_), memory = acting.memory.dot(d_u_);
   double reaction = 0, error = 0, size = 0;
   for (const auto& e : d_.dofs.eliminated) reaction += work_[e.dof] * d_u_[e.dof];
   for (const auto i : d_.dofs.free) error += work_[i] * d_u_[i];
-  for (const Vector* force : {&viscous_force_, &elastic_force_, &memory_force_, &contact_force_})
-    size += force->cwiseAbs().dot(d_u_.cwiseAbs());
+  for (const auto force : all_forces)
+    if (force != &Forces::load) size += (acting.*force).cwiseAbs().dot(d_u_.cwiseAbs());
   largest_error_ = std::max(largest_error_, std::abs(error));
   largest_size_ = std::max(largest_size_, size);
 
-  const double work = f_.dot(d_u_) + reaction, elastic = 0.5 * elastic_force_.dot(u_),
-               contact = contact_energy(run, u_);
+  const double work = acting.load.dot(d_u_) + reaction, elastic = 0.5 * now_.elastic.dot(u_),
+               contact = contact_energy(run, u_), kinetic = kinetic_energy(run);
   const double k = run.evolution.grid().length(run.evolution.step()), jump = norm_squared(d_u_);
   double xi = 0;
   for (const auto& point : run.contact().problem.points)
     xi += point.weight * run.xi().segment(point.first_row, point.rows).squaredNorm();
   sums_[sum_work] += work, sums_[sum_viscous] += viscous, sums_[sum_memory] += memory;
-  sums_[sum_lost] +=
-      work - viscous - memory - (elastic - elastic_energy_) - (contact - contact_energy_);
+  sums_[sum_lost] += work - viscous - memory - (elastic - elastic_energy_) -
+                     (contact - contact_energy_) - (kinetic - kinetic_energy_);
   sums_[max_u] = std::max(sums_[max_u], std::sqrt(norm_squared(u_)));
   sums_[sum_jumps] += jump, sums_[sum_rate] += jump / k;
   sums_[max_xi] = std::max(sums_[max_xi], std::sqrt(xi));
-  elastic_energy_ = elastic, contact_energy_ = contact;
+  elastic_energy_ = elastic, contact_energy_ = contact, kinetic_energy_ = kinetic;
   add_friction(run);
-  std::vector<double> row = {elastic + contact - f_.dot(u_),
+  std::vector<double> row = {kinetic + elastic + contact - now_.load.dot(u_),
                              elastic,
                              contact,
                              sums_[sum_work],
@@ -191,6 +252,7 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
                              static_cast<double>(outcome.inequality.iterations),
                              static_cast<double>(outcome.inequality.events),
                              outcome.snap ? 1.0 : 0.0};
+  if (moves_) row.push_back(kinetic);
   row.insert(row.end(), friction_.begin(), friction_.end());
   for (std::size_t c = 0; c < columns_.size(); ++c) columns_[c].push_back(row[c]);
 }
@@ -198,7 +260,11 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
 void EnergyMonitor::save(std::ostream& out) const {
   StateWriter w(out);
   put_vector(w, u_);
-  w.put(std::array<double, 4>{elastic_energy_, contact_energy_, largest_error_, largest_size_});
+  w.put(std::array<double, 5>{elastic_energy_, contact_energy_, kinetic_energy_, largest_error_,
+                              largest_size_});
+  if (looks_back_)
+    for (const auto force : all_forces) put_vector(w, now_.*force);
+  if (looks_back_) put_vector(w, last_xi_);
   w.put(sums_);
   w.put(friction_);
   for (const auto& column : columns_) w.put(column);
@@ -207,9 +273,12 @@ void EnergyMonitor::save(std::ostream& out) const {
 void EnergyMonitor::restore(std::istream& in, std::size_t rows) {
   StateReader r(in, {});
   get_vector(r, u_, u_.size());
-  const auto numbers = r.get<std::array<double, 4>>();
-  elastic_energy_ = numbers[0], contact_energy_ = numbers[1];
-  largest_error_ = numbers[2], largest_size_ = numbers[3];
+  const auto numbers = r.get<std::array<double, 5>>();
+  elastic_energy_ = numbers[0], contact_energy_ = numbers[1], kinetic_energy_ = numbers[2];
+  largest_error_ = numbers[3], largest_size_ = numbers[4];
+  if (looks_back_)
+    for (const auto force : all_forces) get_vector(r, now_.*force, u_.size());
+  if (looks_back_) get_vector(r, last_xi_, z_.size());
   sums_ = r.get_vector<double>(sums_.size());
   friction_ = r.get_vector<double>(friction_.size());
   for (auto& column : columns_) column = r.get_vector<double>(rows);

@@ -3,10 +3,12 @@
 // Everything is computed on full vectors with matrices of its own, so it also checks the steps.
 // With d = u_n - u_{n-1}, f_n the load, r_n the reaction on imposed values, W the laws' weights:
 //   work     += <f_n + r_n, d>         elastic = <B u_n, u_n>/2     contact = sum_p w_p j(z_p)
-//   viscous  += <A u'_n, d>            memory += <sum_m E_m w_m, d>
-//   lost     += work - viscous - memory - (change of elastic + contact)
+//   viscous  += <A u'_n, d>            memory += <sum_m E_m w_m, d>  kinetic = <M v_n, v_n>/2
+//   lost     += work - viscous - memory - (change of elastic + contact + kinetic)
 //   friction += <G^T W xi, d> of each law on u' or on a memory, which stores nothing: a part of
-//   `lost` energy    = elastic + contact - <f_n, u_n>: what a stable state makes least
+//   `lost` energy    = elastic + contact - <f_n, u_n>: what a stable state makes least, and kinetic
+// Forces are those of the scheme's equation (time_scheme.hpp); with `newmark` the means of t_n and
+// t_{n-1}, so that what it loses while nothing touches is rounding.
 // `lost` is that friction, the dissipation of the scheme, <B d, d>/2 to first order, and what snaps
 // set free.
 // Lemma 3.2 bounds, independent of the step k (V: the norm of eps(u); X: L2 with the laws' weights)
@@ -15,6 +17,7 @@
 
 #include "solver/time/run_state.hpp"
 
+#include <array>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -30,8 +33,8 @@ public:
   void take(const RunState& run, const StepResult& outcome);
   /// Of the run's state: elastic + contact - <f, u>.
   double energy(const RunState& run);
-  /// Is B symmetric, so that the energy is one?
-  bool has_energy() const { return symmetric_; }
+  /// Is B symmetric, so that the energy is one, and is it what a state of rest makes least?
+  bool has_energy() const { return symmetric_ && !moves_; }
 
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<std::vector<double>>& columns() const { return columns_; }
@@ -44,21 +47,34 @@ public:
 private:
   double norm_squared(const Vector& v) const { return v.dot(gram_ * v); }
   double contact_energy(const RunState& run, const Vector& u);
+  double kinetic_energy(const RunState& run);
   void add_friction(const RunState& run);
   void load(const RunState& run);
+  /// What does work in a step: vectors on all dofs.
+  struct Forces {
+    Vector inertia, viscous, elastic, memory, contact, load;
+  };
+  static constexpr std::array all_forces{&Forces::inertia, &Forces::viscous, &Forces::elastic,
+                                         &Forces::memory,  &Forces::contact, &Forces::load};
   void forces(const RunState& run);
+  void mix(Vector Forces::*force, double present, double past);
+  void mix_steps(const TimeScheme& scheme);
 
   const Problem& problem_;
   const Discretisation& d_;
-  SparseMatrix rate_, elastic_, gram_; ///< A, B and the Gram matrix of V on all dofs
-  std::vector<SparseMatrix> memory_;   ///< E_m
+  SparseMatrix inertia_, rate_, elastic_, gram_; ///< M, A, B, the Gram matrix of V on all dofs
+  SparseMatrix load_transfer_;                   ///< of loads to where the mass is (inertia.hpp)
+  std::vector<SparseMatrix> memory_;             ///< E_m
   LoadAssembler loads_;
   bool symmetric_ = true;
 
-  Vector u_, before_, d_u_, f_, work_, state_; ///< full vectors
-  Vector viscous_force_, elastic_force_, memory_force_, contact_force_;
-  Vector z_;
-  double elastic_energy_ = 0, contact_energy_ = 0, largest_error_ = 0, largest_size_ = 0;
+  Vector u_, before_, d_u_, work_, state_; ///< full vectors
+  Forces now_, last_, acting_;             ///< at t_n, at t_{n-1}; what the step's equation has
+  bool moves_, looks_back_;                ///< is there inertia; do earlier forces act in a step
+  double energy_scale_ = 1.0;              ///< the equation was divided by it
+  Vector z_, acting_xi_, last_xi_;         ///< of laws: arguments; multipliers as forces are
+  double elastic_energy_ = 0, contact_energy_ = 0, kinetic_energy_ = 0, largest_error_ = 0,
+         largest_size_ = 0;
   std::vector<std::string> names_;
   std::vector<double> sums_; ///< work, viscous, memory, lost, and the four of Lemma 3.2
   std::vector<double>

@@ -31,12 +31,21 @@ bool is_of_a_run(const MemoryExtent& extent, const TimeGrid& grid, int step) {
 } // namespace
 
 Evolution::Evolution(const Plan& plan, Vector u0, bool imposed)
-    : plan_(plan), imposed_(imposed), scheme_(make_scheme(plan.problem.time)), u_(std::move(u0)) {
+    : plan_(plan), imposed_(imposed), scheme_(make_scheme(plan.problem)), u_(std::move(u0)) {
   scheme_->start(static_cast<int>(u_.size()));
+  shares_ = present_shares(*scheme_, count_fields(plan.problem));
   std::set<int> seen;
-  for (const auto& term : plan.problem.law_terms)
-    if (is_memory(term.field) && seen.insert(memory_of(term.field)).second)
-      memories_of_laws_.emplace_back(memory_of(term.field), Vector::Zero(u_.size()));
+  const auto keep = [&](int field) {
+    if (is_memory(field) && seen.insert(memory_of(field)).second)
+      accepted_memories_.emplace_back(memory_of(field), Vector::Zero(u_.size()));
+  };
+  for (const auto& term : plan.problem.law_terms) {
+    keep(term.field);
+    for (const int field : fields_read(plan.problem.laws[static_cast<std::size_t>(term.law)]))
+      keep(field);
+  }
+  if (scheme_->looks_back())
+    for (int m = 0; m < std::ssize(plan.problem.histories); ++m) keep(field_of_memory(m));
   memory_.emplace(plan, static_cast<int>(u_.size()));
 }
 
@@ -45,10 +54,18 @@ void Evolution::start() {
 }
 
 void Evolution::derivative(int j, Vector& out) const {
-  if (step_ == 0)
-    out.setZero(u_.size());
-  else
+  if (step_ > 0)
     scheme_->derivative(step_, j, out);
+  else if (const Vector* velocity = scheme_->velocity(); j == 1 && velocity != nullptr)
+    out = *velocity;
+  else if (scheme_->needs_acceleration())
+    scheme_->derivative(0, j, out);
+  else
+    out.setZero(u_.size());
+}
+
+const Vector& Evolution::accepted_memory(int m) const {
+  return std::ranges::find(accepted_memories_, m, &std::pair<int, Vector>::first)->second;
 }
 
 void Evolution::history_field(int m, Vector& out) const {
@@ -87,7 +104,7 @@ LawFields Evolution::law_fields(int n, std::span<const int> others, const Vector
 
 LawFields Evolution::law_fields(std::span<const int> others) const {
   LawFields out(u_);
-  for (const auto& [m, value] : memories_of_laws_)
+  for (const auto& [m, value] : accepted_memories_)
     out.add(field_of_memory(m), memory_->w0(m), value);
   for (const int j : others) {
     if (is_memory(j)) continue;
@@ -106,11 +123,15 @@ Vector Evolution::factors(int n) const {
   return out;
 }
 
+Vector Evolution::in_equation(int n) const { return factors(n).cwiseProduct(shares_); }
+
 bool Evolution::known_part(int n, const DenseMatrix& weights, int b, const Vector& known,
                            Vector& out) const {
   const auto weight = weights.col(b);
+  const double present = scheme_->present(0), past = scheme_->past(0); // of u and of memories
   double on_known = weight[field_of_u(0)];
   for (int m = 0; m < memory_->size(); ++m) on_known += weight[field_of_memory(m)] * memory_->w0(m);
+  on_known *= present;
   bool any = on_known != 0.0;
   const auto add = [&](const auto& term) {
     if (any)
@@ -121,13 +142,26 @@ bool Evolution::known_part(int n, const DenseMatrix& weights, int b, const Vecto
   };
   if (any) out = -on_known * known;
   for (int m = 0; m < memory_->size(); ++m)
-    if (const double w = weight[field_of_memory(m)]; w != 0.0) add(w * memory_->known(m));
+    if (const double w = weight[field_of_memory(m)]; w != 0.0) add(present * w * memory_->known(m));
   for (int j = 1; j < end_of_derivatives; ++j) {
     const double of_increment = scheme_->factor(n, j);
     if (of_increment == 0.0 || weight[j] == 0.0) continue;
-    if (imposed_) add(weight[j] * of_increment * (known - u_)); // imposed values move
+    const double w = scheme_->present(j) * weight[j];
+    if (imposed_) add(w * of_increment * (known - u_)); // imposed values move
     for (const auto& [factor, of] : scheme_->known(n, j))
-      if (of != nullptr) add(weight[j] * factor * *of);
+      if (of != nullptr) add(w * factor * *of);
+  }
+  if (scheme_->looks_back()) {
+    if (weight[field_of_u(0)] != 0.0) add(past * weight[field_of_u(0)] * u_);
+    for (int m = 0; m < memory_->size(); ++m)
+      if (const double w = weight[field_of_memory(m)]; w != 0.0) add(past * w * accepted_memory(m));
+    for (int j = 1; j < end_of_derivatives; ++j) {
+      const double w = scheme_->past(j) * weight[j];
+      if (w == 0.0) continue;
+      Vector before;
+      derivative(j, before);
+      add(w * before);
+    }
   }
   return any;
 }
@@ -148,7 +182,7 @@ void Evolution::acting(const DenseMatrix& weights, int b, Vector& out, Vector& w
 void Evolution::accept(int n, Vector& u, Vector& d) {
   if (!grid().is_static()) memory_->commit(grid().t(n), u);
   u_.swap(u);
-  for (auto& [m, value] : memories_of_laws_) history_field(m, value);
+  for (auto& [m, value] : accepted_memories_) history_field(m, value);
   step_ = n;
   if (imposed_) u = u_ - u; // the increment with that of the imposed values
   scheme_->accept(n, imposed_ ? u : d);
@@ -193,7 +227,7 @@ void Evolution::save(std::ostream& out) const {
   put_vector(w, u_);
   scheme_->save(w);
   memory_->save(out);
-  for (const auto& [m, value] : memories_of_laws_) put_vector(w, value);
+  for (const auto& [m, value] : accepted_memories_) put_vector(w, value);
   w.put(field_reads());
 }
 
@@ -216,7 +250,7 @@ bool Evolution::restore(std::istream& in) {
   get_vector(r, u_, u_.size());
   scheme_->restore(r);
   memory_->restore(in);
-  for (auto& [m, value] : memories_of_laws_) get_vector(r, value, u_.size());
+  for (auto& [m, value] : accepted_memories_) get_vector(r, value, u_.size());
   earlier_reads_ = r.get_between<std::int64_t>(0, std::int64_t{1} << 60);
   return same_end;
 }

@@ -27,8 +27,12 @@ public:
   int step() const { return step_; } ///< of the state; 0: the initial one
   double t() const { return grid().t(step_); }
   const Vector& u() const { return u_; } ///< state u_n
-  /// State u^(j)(t_n); 0 at the initial time.
+  /// State u^(j)(t_n); at the initial time what the scheme starts from, else 0.
   void derivative(int j, Vector& out) const;
+  /// u'(t_0) and u''(t_0) of a problem with u''. Before the first step.
+  void start_motion(const Vector& velocity, const Vector& acceleration) {
+    scheme_->start_motion(velocity, acceleration);
+  }
   void history_field(int m, Vector& out) const; ///< w_m(t_n)
   /// Stored history fields read so far, those before a resume too.
   std::int64_t field_reads() const;
@@ -43,8 +47,10 @@ public:
 
   /// The factor of each field in the step that was begun.
   Vector factors(int n) const;
-  /// out = - sum_f weights(f, b) (known part of field f), u_n = known + d. False: nothing is known
-  /// that is not zero, and out is as it was.
+  /// The same times what its forms count in the step's equation (TimeScheme::present).
+  Vector in_equation(int n) const;
+  /// out = - sum_f weights(f, b) (what the step's equation knows of field f), u_n = known + d.
+  /// False: nothing is known that is not zero, and out is as it was.
   bool known_part(int n, const DenseMatrix& weights, int b, const Vector& known, Vector& out) const;
   /// The same of the accepted state itself: out = sum_f weights(f, b) field f. `work`: any vector.
   void acting(const DenseMatrix& weights, int b, Vector& out, Vector& work) const;
@@ -60,13 +66,16 @@ public:
 
 private:
   void continue_memory(const MemoryExtent& earlier);
+  const Vector& accepted_memory(int m) const;
 
   const Plan& plan_;
   bool imposed_;
   std::unique_ptr<TimeScheme> scheme_;
   std::optional<Memory> memory_; ///< made again where a run goes on beyond its end
   Vector u_;
-  std::vector<std::pair<int, Vector>> memories_of_laws_; ///< m, and w_m of the accepted state
+  Vector shares_; ///< of the fields in a step's equation
+  /// m, and w_m of the accepted state, where a law or the next step's equation asks for it.
+  std::vector<std::pair<int, Vector>> accepted_memories_;
   int step_ = 0;
   std::int64_t earlier_reads_ = 0;
 };

@@ -1,4 +1,4 @@
-// Full vectors of u, u' and the history fields for a report; see fields.hpp.
+// Full vectors of u, its derivatives and the history fields for a report; see fields.hpp.
 #include "solver/time/fields.hpp"
 
 namespace hvi::solver {
@@ -12,7 +12,8 @@ std::vector<bool> fields_read(std::span<const Expr> expressions, int n_fields) {
 }
 
 bool reads_multiplier(const Expr& expression) {
-  return expression.depends_on_any(slot::first_multiplier, slot::first_inside);
+  return expression.depends_on_any(slot::first_multiplier, slot::first_inside) ||
+         expression.depends_on_any(slot::first_state, slot::first_probe);
 }
 
 bool reads_gradient(const Expr& expression, int n_fields) {
@@ -30,8 +31,8 @@ Snapshot::Snapshot(std::vector<bool> needed, int n_dofs, int n_rows)
 }
 
 Snapshot::Snapshot(const Snapshot& other)
-    : needed_(other.needed_), fields_(other.fields_), xi_(other.xi_), state_(other.state_),
-      t_(other.t_), step_(other.step_) {
+    : needed_(other.needed_), fields_(other.fields_), xi_(other.xi_), states_(other.states_),
+      state_(other.state_), t_(other.t_), step_(other.step_) {
   point();
 }
 
@@ -39,6 +40,7 @@ Snapshot& Snapshot::operator=(const Snapshot& other) {
   needed_ = other.needed_;
   fields_ = other.fields_;
   xi_ = other.xi_;
+  states_ = other.states_;
   state_ = other.state_;
   t_ = other.t_;
   step_ = other.step_;
@@ -58,9 +60,10 @@ void Snapshot::take(const RunState& run, bool whole) {
     whole ? formulation.scatter(state, full) : formulation.scatter_observed(state, full);
   };
   if (needed_[field_of_u(0)]) scatter(run.evolution.u(), fields_[field_of_u(0)]);
-  if (needed_[field_of_u(1)]) {
-    evolution.derivative(1, state_);
-    scatter(state_, fields_[field_of_u(1)]);
+  for (int j = 1; j <= highest_derivative; ++j) {
+    if (!needed_[field_of_u(j)]) continue;
+    evolution.derivative(j, state_);
+    scatter(state_, fields_[field_of_u(j)]);
   }
   for (int m = 0; m < evolution.memory().size(); ++m) {
     if (!needed_[field_of_memory(m)]) continue;
@@ -68,6 +71,7 @@ void Snapshot::take(const RunState& run, bool whole) {
     scatter(state_, fields_[field_of_memory(m)]);
   }
   xi_ = run.xi();
+  states_ = run.states();
   t_ = run.evolution.t();
   step_ = run.evolution.step();
 }
@@ -75,9 +79,9 @@ void Snapshot::take(const RunState& run, bool whole) {
 void Snapshot::move(const ErrorSample& error, double step) {
   for (int k = 0; k < static_cast<int>(fields_.size()); ++k) {
     if (!needed_[k]) continue;
-    const double factor = k == field_of_u(0)   ? 1.0
-                          : k == field_of_u(1) ? error.rate
-                                               : error.memory[memory_of(k)];
+    const double factor = k == field_of_u(0) ? 1.0
+                          : is_rate(k)       ? error.rates[k - 1]
+                                             : error.memory[memory_of(k)];
     fields_[k] += step * factor * error.u;
   }
   if (error.xi.size() == xi_.size()) xi_ += step * error.xi;
@@ -89,10 +93,11 @@ void Snapshot::interpolate(const Snapshot& a, const Snapshot& b, double theta) {
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     if (!needed_[k]) continue;
     fields_[k] = b.fields_[k];
-    if (k == field_of_u(1) && initial) continue;
+    if (is_rate(static_cast<int>(k)) && initial) continue;
     fields_[k] = (1 - theta) * a.fields_[k] + theta * b.fields_[k];
   }
   xi_ = initial ? b.xi_ : Vector((1 - theta) * a.xi_ + theta * b.xi_);
+  states_ = (1 - theta) * a.states_ + theta * b.states_;
   t_ = (1 - theta) * a.t_ + theta * b.t_;
   step_ = b.step_;
 }

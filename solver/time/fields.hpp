@@ -11,6 +11,7 @@ namespace hvi::solver {
 
 /// Which fields a set of expressions reads (slot::field numbering).
 std::vector<bool> fields_read(std::span<const Expr> expressions, int n_fields);
+/// Or a state: what is known at the points of laws only.
 bool reads_multiplier(const Expr& expression);
 bool reads_gradient(const Expr& expression, int n_fields);
 
@@ -34,6 +35,7 @@ public:
   int step() const { return step_; }
   const Vector& field(int k) const { return fields_[k]; }
   const Vector& xi() const { return xi_; }
+  const Vector& states() const { return states_; } ///< as Contact::state_values
 
   Snapshot(const Snapshot& other);
   Snapshot& operator=(const Snapshot& other);
@@ -44,7 +46,7 @@ private:
   std::vector<bool> needed_;
   std::vector<Vector> fields_;
   std::vector<const Vector*> pointers_;
-  Vector xi_, state_;
+  Vector xi_, states_, state_;
   double t_ = 0.0;
   int step_ = 0;
 };

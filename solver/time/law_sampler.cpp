@@ -14,6 +14,15 @@ namespace {
 bool is_multiplier(Slot s) { return s >= slot::first_multiplier && s < slot::first_inside; }
 bool is_field(Slot s) { return s >= slot::first_field && s < slot::first_multiplier; }
 int term_of(Slot s) { return (s - slot::first_multiplier) / 4; }
+/// The term at whose points a multiplier or a state is known; -1: it is neither.
+int term_of(const Contact& contact, Slot s) {
+  if (is_multiplier(s)) return term_of(s);
+  if (!slot::is_state(s)) return -1;
+  for (const auto& group : contact.state_groups)
+    if (std::ranges::find(group.states, s - slot::first_state) != group.states.end())
+      return group.host;
+  return -1;
+}
 int component_of(Slot s) { return (s - slot::first_multiplier) % 4; }
 
 double distance(const Point& a, const Point& b) {
@@ -37,7 +46,7 @@ LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Co
                        std::vector<Expr> expressions, Origin origin, int part)
     : expressions_(expressions), origin_(origin) {
   for (const auto s : expressions_.inputs())
-    if (is_multiplier(s) && law_term_ < 0) law_term_ = term_of(s);
+    if (law_term_ < 0) law_term_ = term_of(contact, s);
   const auto& term = problem.law_terms[law_term_];
   const auto& own = contact.terms[law_term_].points;
   LawPoints other;
@@ -48,7 +57,7 @@ LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Co
   std::iota(all.begin(), all.end(), 0);
   take_points(points, term, all);
   for (const auto s : expressions_.inputs()) {
-    if (is_multiplier(s)) match(contact, term_of(s), d.mesh.dim);
+    if (const int known = term_of(contact, s); known >= 0) match(contact, known, d.mesh.dim);
     if (is_field(s)) prepare_field(d.space, s);
   }
 }
@@ -62,17 +71,17 @@ LawSampler LawSampler::at(const Problem& problem, const Discretisation& d, const
   for (int p = 0; p < static_cast<int>(points.x.size()); ++p)
     if (distance(points.x[p], place) <= 1e-6 * quality.shortest_edge) chosen.push_back(p);
   if (chosen.empty())
-    throw Failure(FailureKind::bad_value, origin,
-                  fmt::format("the multiplier of `{}` is known at its quadrature points only, and "
-                              "{} is none of them",
-                              problem.law_terms[out.law_term_].name,
-                              describe_point(place, d.mesh.dim)),
-                  "ask at a node of the contact part, or for an integral");
+    throw Failure(
+        FailureKind::bad_value, origin,
+        fmt::format("what lives at the points of `{}` is known there only, and {} is none of "
+                    "them",
+                    problem.law_terms[out.law_term_].name, describe_point(place, d.mesh.dim)),
+        "ask at a node of the contact part, or for an integral");
   out.take_points(points, problem.law_terms[out.law_term_], chosen);
   const double total = std::accumulate(out.block_.weight.begin(), out.block_.weight.end(), 0.0);
   for (auto& weight : out.block_.weight) weight /= total;
   for (const auto s : out.expressions_.inputs()) {
-    if (is_multiplier(s)) out.match(contact, term_of(s), d.mesh.dim);
+    if (const int known = term_of(contact, s); known >= 0) out.match(contact, known, d.mesh.dim);
     if (is_field(s)) out.prepare_field(d.space, s);
   }
   return out;
@@ -114,10 +123,10 @@ void LawSampler::match(const Contact& contact, int term, int dim) {
         if (found.size() == p && distance(theirs.normal[candidate], normal) <= 1e-9)
           found.push_back(candidate);
     if (found.size() == p)
-      throw Failure(
-          FailureKind::bad_value, origin_,
-          fmt::format("the multiplier is not known at {}", describe_point(block_.point(p), dim)),
-          "integrate a multiplier over the part where its law acts");
+      throw Failure(FailureKind::bad_value, origin_,
+                    fmt::format("what lives at the points of a law is not known at {}",
+                                describe_point(block_.point(p), dim)),
+                    "integrate a multiplier over the part where its law acts");
   }
   point_of_[term] = std::move(found);
 }
@@ -147,6 +156,12 @@ void LawSampler::evaluate(const Contact& contact, const Snapshot& snapshot, std:
     if (is_field(s)) {
       const int k = (s - slot::first_field) / slot::field_stride;
       columns_[s] = rows_.at(s) * snapshot.field(k);
+    } else if (slot::is_state(s)) {
+      auto& column = columns_[s];
+      column.resize(size());
+      const auto& theirs = point_of_.at(term_of(contact, s));
+      const int first = contact.first_state[static_cast<std::size_t>(s - slot::first_state)];
+      for (int p = 0; p < size(); ++p) column[p] = snapshot.states()[first + theirs[p]];
     } else if (is_multiplier(s)) {
       auto& column = columns_[s];
       column.resize(size());
@@ -178,6 +193,9 @@ bool reads_from_elsewhere(const Problem& problem, const Expr& expression, int pa
     if (problem.law_terms[term].part != part && expression.depends_on_any(first, first + 4))
       return true;
   }
+  for (std::size_t i = 0; i < problem.states.size(); ++i)
+    if (problem.states[i].part != part && expression.depends_on(slot::state(static_cast<int>(i))))
+      return true;
   return false;
 }
 

@@ -19,7 +19,7 @@ std::span<const double> view(const Vector& v) {
 HistoryOptions history_options(const Plan& plan, const MemoryExtent& extent) {
   HistoryOptions out;
   out.route = plan.options.route;
-  out.order = plan.problem.time.scheme == Scheme::bdf2 ? 1 : 0;
+  out.order = affine_on_steps(plan.problem.time.scheme) ? 1 : 0;
   out.tolerance = plan.options.memory_tolerance;
   out.steps = extent.steps;
   out.horizon = extent.horizon;

@@ -6,6 +6,7 @@
 #include "solver/linear/dense.hpp"
 #include "solver/linear/mirror_pairs.hpp"
 #include "solver/linear/spmv.hpp"
+#include "solver/time/inertia.hpp"
 #include "solver/time/proportional.hpp"
 #include "solver/time/shared_work.hpp"
 
@@ -24,9 +25,10 @@ struct Distinct {
   std::vector<Vector> weights; ///< per distinct term, one entry per field
 };
 
-Distinct distinct_terms(const Problem& problem, int n_fields) {
+Distinct distinct_terms(const Problem& problem, int n_fields, bool with_inertia) {
   Distinct out;
   for (const auto& term : problem.forms) {
+    if (!with_inertia && term.field == field_of_u(2)) continue;
     std::size_t known = 0;
     double ratio = 1.0;
     for (; known < out.terms.size(); ++known)
@@ -163,8 +165,13 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
     throw Failure(FailureKind::bad_value, problem.space.origin,
                   "nothing resists: the plan has no form");
   const int n_fields = count_fields(problem);
-  auto distinct = distinct_terms(problem, n_fields);
+  const bool plain_inertia = !takes_mass_off_contact(problem);
+  auto distinct = distinct_terms(problem, n_fields, plain_inertia);
   auto matrices = assemble_distinct(discretisation, layout, distinct.terms, threads);
+  if (!plain_inertia) {
+    matrices.push_back(restrict_rows(inertia_matrix(problem, discretisation), layout));
+    distinct.weights.push_back(Vector::Unit(n_fields, field_of_u(2)));
+  }
   merge_equal_values(matrices, distinct.weights);
   merge_equal_weights(matrices, distinct.weights);
 

@@ -17,6 +17,8 @@ constexpr int worth_recovering = 8; ///< steps per recovery of the interior
 
 const char* name_of(Effect effect) {
   switch (effect) {
+  case Effect::inertia:
+    return "inertia";
   case Effect::viscosity:
     return "viscosity";
   case Effect::elasticity:
@@ -74,6 +76,7 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
   if (!plan.options.proportional_path) return "it was asked for";
   if (plan.problem.time.is_static) return "a static problem has one step";
   if (contact.none()) return "there is no contact law";
+  if (in_motion(plan.problem)) return "there is inertia";
   if (operators.n_bases() != 1) return different_tensors(plan.problem, operators);
   if (!operators.symmetric) return "the matrix is not symmetric";
   if (contact.whole) return "the laws act on most of the unknowns";
@@ -129,7 +132,10 @@ Contact of_interior(Contact all, int size) {
       entries.emplace_back(static_cast<int>(c), static_cast<int>(it.col()), it.value());
   force.setFromTriplets(entries.begin(), entries.end());
   all.g = std::move(g);
+  all.trace = all.trace_c;
+  all.trace.conservativeResize(all.trace.rows(), size);
   all.force = std::move(force);
+  for (auto& readings : all.readings) readings.restrict_to(all.unknowns, size);
   std::iota(all.unknowns.begin(), all.unknowns.end(), 0);
   return all;
 }

@@ -39,14 +39,16 @@ Json monitors(const MonitorTable& table) {
 }
 
 Json certificate(const Certificate& c) {
-  return {{"certified", c.certified},
-          {"inclusion", number(c.inclusion)},
-          {"equilibrium", number(c.equilibrium)},
-          {"tolerance", c.tolerance},
-          {"mode", c.mode},
-          {"worst_step", c.worst_step},
-          {"inclusion_step", c.inclusion_step},
-          {"equilibrium_step", c.equilibrium_step}};
+  Json out = {{"certified", c.certified},
+              {"inclusion", number(c.inclusion)},
+              {"equilibrium", number(c.equilibrium)},
+              {"tolerance", c.tolerance},
+              {"mode", c.mode},
+              {"worst_step", c.worst_step},
+              {"inclusion_step", c.inclusion_step},
+              {"equilibrium_step", c.equilibrium_step}};
+  if (c.states) out["states"] = number(*c.states);
+  return out;
 }
 
 /// What rounding may have done to the columns; null: infinite.

@@ -14,7 +14,7 @@ namespace hvi::solver {
 struct ErrorSample {
   Vector u;                   ///< on all dofs
   Vector xi;                  ///< a row for each multiplier
-  double rate = 0.0;          ///< the error of u' is so much times u
+  std::vector<double> rates;  ///< the error of u', u'' is so much times u
   std::vector<double> memory; ///< that of w_m so much times u
   double share = 1.0;         ///< its share in the mean square of the samples
 };

@@ -16,8 +16,8 @@
 // which relaxes what the single steps add up. Only K of the last step has a factor; K_w is solved
 // with it (whole_time.cpp), where that costs little beside the run. Else e is at most
 // amplification x, where (K + H) x is that right-hand side and amplification =
-// max_b gamma_b / gamma_b(w), gamma_b the coefficients of the base matrices. The number of steps
-// bounds it, and is taken where a law softens or acts on a rate.
+// max_b gamma_b / gamma_b(w), gamma_b the coefficients of the base matrices. The number of steps,
+// with u'' its square, bounds it, and is taken where a law softens or acts on a rate.
 //
 // C. S. Kenney, A. J. Laub, M. S. Reese, Statistical condition estimation for linear systems, SIAM
 // J. Sci. Comput. 19 (1998) 566-583: a few random e_ij show the size of every entry of e.
@@ -104,7 +104,8 @@ Vector RoundingEstimate::coefficients_of_one() const {
 
 double RoundingEstimate::amplification() const {
   if (evolution_.grid().is_static() || evolution_.step() == 0) return 1.0;
-  const double steps = evolution_.step();
+  // Errors of velocities add up, too.
+  const double n = evolution_.step(), steps = in_motion(problem_) ? n * n : n;
   // A law on a rate is stiffer in one step than over the whole time.
   if (!formulation_.contact().other_fields.empty() ||
       std::ranges::any_of(formulation_.contact().softening, [](double m) { return m > 0.0; }))
@@ -194,7 +195,8 @@ std::vector<ErrorSample> RoundingEstimate::samples(StepMatrix& matrix,
     } else { // the tangent has no factor: nothing is known
       sample.u.setConstant(std::numeric_limits<double>::infinity());
     }
-    sample.rate = evolution_.scheme().factor(step, 1) / growth[s];
+    for (int j = 1; j <= highest_derivative; ++j)
+      sample.rates.push_back(evolution_.scheme().factor(step, j) / growth[s]);
     sample.memory = memory;
     if (s < n_samples) sample.share = 1.0 / n_samples;
   }

@@ -262,6 +262,7 @@ private:
     w.put(result_.certificate.equilibrium);
     w.put(std::array<int, 3>{result_.certificate.worst_step, result_.certificate.inclusion_step,
                              result_.certificate.equilibrium_step});
+    if (!plan_.problem.states.empty()) w.put(result_.certificate.states.value_or(0.0));
     put_notes(w, result_.notes);
     WorkCounters work;
     Timing timing;
@@ -290,6 +291,7 @@ private:
     result_.certificate.worst_step = worst[0];
     result_.certificate.inclusion_step = worst[1];
     result_.certificate.equilibrium_step = worst[2];
+    if (!plan_.problem.states.empty()) result_.certificate.states = r.get<double>();
     result_.notes = get_notes(r);
     // Work counted from here on is added to the work before the checkpoint.
     WorkCounters now;

@@ -41,7 +41,8 @@ std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& 
 struct Certificate {
   bool certified = false;
   double inclusion = 0, equilibrium = 0, tolerance = 0; ///< worst over the steps
-  std::string mode = "full";                            ///< or "contact rows every step, ..."
+  std::optional<double> states; ///< the same of the states' equations, where there are states
+  std::string mode = "full";    ///< or "contact rows every step, ..."
   int worst_step = 0;
   int inclusion_step = 0, equilibrium_step = 0; ///< where each was worst
 };

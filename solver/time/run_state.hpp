@@ -13,6 +13,7 @@ struct RunState {
 
   const Contact& contact() const { return formulation->contact(); }
   const Vector& xi() const { return solver.equations.laws.now.xi; }
+  const Vector& states() const { return solver.equations.laws.states.accepted(); }
 
   std::unique_ptr<Formulation> formulation; ///< never null
   Evolution evolution;

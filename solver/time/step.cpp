@@ -38,17 +38,18 @@ std::string obstacle_to_uniqueness(const Problem& problem, const RunState& state
   return uniqueness.obstacle();
 }
 
-/// Branches are followed where steps may have several solutions. Of coupled laws only those that
-/// soften need it: their bounds are found by passes of their own.
+/// Branches are followed where steps may have several solutions. Of laws that are coupled or read
+/// states only those that soften need it: their bounds are found by passes of their own. A law that
+/// reads memories may soften with any of their values.
 bool follows_branches(const std::string& not_unique, const Contact& contact) {
   return !not_unique.empty() &&
-         (!contact.coupled ||
+         ((!contact.coupled && contact.state_groups.empty()) || !contact.readings.empty() ||
           std::ranges::any_of(contact.softening, [](double m) { return m != 0.0; }));
 }
 
 bool is_certified(const StepResult& step, double tolerance) {
   return step.inequality.converged && step.equilibrium <= tolerance &&
-         step.inclusion.worst <= tolerance;
+         step.inclusion.worst <= tolerance && step.states.worst <= tolerance;
 }
 
 void count(const InequalityReport& inequality, WorkCounters& counted) {
@@ -123,6 +124,7 @@ bool Stepper::accept(int n, StepMatrix& matrix, const StepResult& result) {
     const PhaseClock<wall_seconds> clock(timing_.history);
     state_.evolution.accept(n, equation_.known, trial.d);
   }
+  state_.balance.note_multipliers(state_.xi());
   state_.rounding.note(result.equilibrium, trial.gap, state_.xi(), equation_.known);
   return true;
 }
@@ -159,6 +161,7 @@ void Stepper::restore(std::istream& in) {
       state_.evolution.restore(in); // a run to another end has other steps to judge
   not_unique_ = get_text(r);
   state_.solver.restore(in);
+  state_.balance.note_multipliers(state_.xi());
   state_.rounding.restore(r);
 }
 

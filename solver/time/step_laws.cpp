@@ -11,7 +11,8 @@ namespace hvi::solver {
 
 StepLaws::StepLaws(const Problem& problem, double tolerance, const Evolution& evolution,
                    Contact& contact)
-    : problem_(problem), tolerance_(tolerance), evolution_(evolution), contact_(contact) {
+    : states(problem, evolution, contact), problem_(problem), tolerance_(tolerance),
+      evolution_(evolution), contact_(contact) {
   now.xi = Vector::Zero(contact.n_rows());
   now.c = Vector::Zero(static_cast<Eigen::Index>(contact.unknowns.size()));
   accepted_ = now;
@@ -46,6 +47,14 @@ void StepLaws::prepare(int n, const Vector& u, const Vector* d) {
   solver::prepare(contact_, problem_, evolution_.grid().t(n), fields, now.xi);
 }
 
+void StepLaws::read_memories(int n, const Vector& u, const Vector* d) {
+  if (contact_.readings.empty()) return;
+  state_ = u;
+  if (d != nullptr) state_.head(d->size()) += *d;
+  solver::read_memories(contact_, evolution_.grid().t(n),
+                        evolution_.law_fields(n, contact_.other_fields, state_, d));
+}
+
 void StepLaws::start_path(int n) {
   const auto& grid = evolution_.grid();
   arguments_of(contact_, problem_, grid.is_static() ? 0.0 : grid.t(n - 1),
@@ -59,6 +68,12 @@ Inclusion StepLaws::inclusion(int n, const Vector& u, const Vector& d, Vector& z
   return out;
 }
 
+StateError StepLaws::state_error(const Vector& u, const Vector& d) const {
+  StateInputs inputs;
+  states.inputs(u, &d, now.xi, inputs);
+  return states.error(inputs);
+}
+
 double StepLaws::settle_bounds(int n, const Vector& u, const Vector& d, Vector& z) {
   prepare(n, u);
   state_ = u;
@@ -70,6 +85,7 @@ void StepLaws::save(StateWriter& w) const {
   put_vector(w, now.c);
   put_vector(w, now.xi);
   w.put(now.state);
+  states.save(w);
 }
 
 namespace {
@@ -89,10 +105,13 @@ void StepLaws::restore(StateReader& r) {
   get_vector(r, now.c, now.c.size());
   get_vector(r, now.xi, contact_.n_rows());
   now.state = r.get_vector<int>();
+  states.restore(r);
   // Laws that move with time are prepared for the step's time before every solve.
-  if (!contact_.none() && evolution_.step() > 0)
-    solver::prepare(contact_, problem_, evolution_.t(),
-                    evolution_.law_fields(contact_.other_fields), now.xi);
+  if (!contact_.none() && evolution_.step() > 0) {
+    const auto fields = evolution_.law_fields(contact_.other_fields);
+    solver::read_memories(contact_, evolution_.t(), fields);
+    solver::prepare(contact_, problem_, evolution_.t(), fields, now.xi);
+  }
   check_states(contact_, now.state, r);
   accepted_ = now;
 }

@@ -5,6 +5,7 @@
 #include "solver/time/certificate.hpp"
 #include "solver/time/evolution.hpp"
 #include "solver/time/formulation.hpp"
+#include "solver/time/point_states.hpp"
 
 namespace hvi::solver {
 
@@ -14,8 +15,12 @@ public:
   StepLaws(const Problem& problem, double tolerance, const Evolution& evolution, Contact& contact);
 
   /// States the laws' problem about the state u of step n; bounds of coupled laws are those of the
-  /// present multipliers. `d`: the increment of the unknowns, where u has it already.
+  /// present multipliers, what laws read of memories is as it was. `d`: the increment of the
+  /// unknowns, where u has it already.
   void prepare(int n, const Vector& u, const Vector* d = nullptr);
+  /// Laws read the memories of the state u with the increment d that step n may end in (null: the
+  /// unknowns have not moved).
+  void read_memories(int n, const Vector& u, const Vector* d = nullptr);
   /// Step n follows the branch that the last state is on.
   void start_path(int n);
   /// Prepares the laws about u, with the present multipliers, and returns the error of their
@@ -24,13 +29,24 @@ public:
   /// Of the present multipliers, at the state u of step n with the increment d. Throws
   /// Failure(not_certified) where imposed values take a law to where it is infinite.
   Inclusion inclusion(int n, const Vector& u, const Vector& d, Vector& z) const;
+  /// Of the present states with the present multipliers, at the state u with the increment d.
+  StateError state_error(const Vector& u, const Vector& d) const;
 
+  /// The multipliers at the initial time, where they are known.
+  void start(const Vector& xi) { now.xi = accepted_.xi = xi; }
   /// The attempt ends its step.
-  void accept() { accepted_ = now; }
-  /// The last accepted step's multipliers hold again.
-  void give_up() { now = accepted_; }
+  void accept(int n) {
+    accepted_ = now;
+    states.accept(n);
+  }
+  /// The last accepted step's multipliers and states hold again.
+  void give_up() {
+    now = accepted_;
+    states.give_up();
+  }
   const InequalityState& accepted() const { return accepted_; }
   InequalityState now; ///< of the last attempt
+  PointStates states;
 
   void save(StateWriter& w) const;
   void restore(StateReader& r);

@@ -60,7 +60,9 @@ void StepMatrices::factor(int n, const Vector& factors, StepMatrix& matrix) cons
                                 term.name, factors[term.field], n),
                     "a law acts on memories whose kernel is positive at lag 0");
   matrix.set_law_factors(law_factors(formulation_.contact(), factors));
-  const Vector gamma = formulation_.operators().weights.transpose() * factors;
+  const Vector gamma =
+      formulation_.operators().weights.transpose() *
+      factors.cwiseProduct(present_shares(scheme_, static_cast<int>(factors.size())));
   factor_or_explain(matrix, gamma, {formulation_, scheme_.grid(), n}, problem_, discretisation_);
 }
 

@@ -1,6 +1,8 @@
 // See step_notes.hpp.
 #include "solver/time/step_notes.hpp"
 
+#include "solver/time/contact_states.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -73,6 +75,7 @@ void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
     if (term.n_points() == 0) continue;
     const auto& spec = plan.problem.law_terms[term.points.law_term];
     const auto& law = *contact.laws[spec.law];
+    const double start = plan.problem.time.is_static ? 0.0 : plan.problem.time.grid[0];
     if (law.coupled())
       result.notes.push_back(
           {0, 0.0,
@@ -80,9 +83,16 @@ void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
                        "found with it in each step; there may be other solutions",
                        law.spec().name, law.spec().coupled),
            spec.origin});
-    if (std::isfinite(law.constants(term.points.x[0],
-                                    plan.problem.time.is_static ? 0.0 : plan.problem.time.grid[0])
-                          .m))
+    if (law.reads())
+      result.notes.push_back({0, 0.0,
+                              fmt::format("`{}` reads a memory of the unknown: beyond the theorems "
+                                          "here, found with it in each step",
+                                          law.spec().name),
+                              spec.origin});
+    if (std::isfinite(
+            law.constants(term.points.x[0],
+                          initial_law_times(plan.problem, law, term.points, start).front())
+                .m))
       continue;
     result.notes.push_back(
         {0, 0.0,
@@ -96,9 +106,11 @@ void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
 void note_step(const StepResult& step, int n, double t, const TimeGrid& grid, const Plan& plan,
                RunResult& result) {
   auto& certificate = result.certificate;
-  if (std::max(step.equilibrium, step.inclusion.worst) >
-      std::max(certificate.equilibrium, certificate.inclusion))
+  if (std::max({step.equilibrium, step.inclusion.worst, step.states.worst}) >
+      std::max({certificate.equilibrium, certificate.inclusion, certificate.states.value_or(0.0)}))
     certificate.worst_step = n;
+  if (!plan.problem.states.empty())
+    certificate.states = std::max(certificate.states.value_or(0.0), step.states.worst);
   if (step.equilibrium > certificate.equilibrium || n == 1) certificate.equilibrium_step = n;
   if (step.inclusion.worst > certificate.inclusion || n == 1) certificate.inclusion_step = n;
   certificate.equilibrium = std::max(certificate.equilibrium, step.equilibrium);
@@ -129,10 +141,13 @@ void refuse_step(const StepResult& step, int n, const RunState& run, const Plan&
                                       : fmt::format("step {} (t = {:.6g})", n, grid.t(n));
   throw Failure(
       FailureKind::not_certified, blamed(step, plan.problem, run.contact()),
-      fmt::format("no certified solution at {}: equilibrium error {:.2e}, inclusion error "
-                  "{:.2e}, tolerance {:.0e}{}{}",
-                  place, step.equilibrium, step.inclusion.worst, plan.options.tolerance,
-                  step.inequality.verdict.empty() ? "" : "; ", step.inequality.verdict),
+      fmt::format(
+          "no certified solution at {}: equilibrium error {:.2e}, inclusion error "
+          "{:.2e}, {}tolerance {:.0e}{}{}",
+          place, step.equilibrium, step.inclusion.worst,
+          plan.problem.states.empty() ? "" : fmt::format("state error {:.2e}, ", step.states.worst),
+          plan.options.tolerance, step.inequality.verdict.empty() ? "" : "; ",
+          step.inequality.verdict),
       "a smaller step, or a law that softens less, makes the step's problem convex; "
       "`check` prints the step margin");
 }

@@ -3,6 +3,7 @@
 
 #include "solver/time/certificate.hpp"
 #include "solver/time/memory.hpp"
+#include "solver/time/point_states.hpp"
 
 #include <optional>
 #include <variant>
@@ -19,6 +20,7 @@ using Restart = std::variant<MemoryMistrust, LateCheck>;
 struct StepResult {
   double equilibrium = 0.0; ///< componentwise backward error
   Inclusion inclusion;
+  StateError states;
   InequalityReport inequality; ///< of the last correction; iterations and events of all
   int corrections = 0;         ///< pairs of a forward and a backward solve
   bool certified = false;

@@ -2,6 +2,8 @@
 #include "solver/time/step_solver.hpp"
 
 #include "solver/time/coupled_bounds.hpp"
+#include "solver/time/coupled_readings.hpp"
+#include "solver/time/state_coupling.hpp"
 
 #include <optional>
 #include <utility>
@@ -26,7 +28,7 @@ StepMatrix& StepSolver::matrix_for(int n) {
 
 StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquation& equation,
                                Trial& trial) {
-  const Contact& contact = formulation_.contact();
+  Contact& contact = formulation_.contact();
   StepLaws& laws = equations.laws;
   equation.n = n;
   balance_.known_state(n, equation.known);
@@ -36,19 +38,38 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
     equation.change.setZero();
   }
   balance_.find_right_hand_side(equation);
+  laws.states.begin(n);
+  laws.read_memories(n, equation.known);
   laws.prepare(n, equation.known);
   std::optional<InequalityState> path_start;
   if (follow) {
     laws.start_path(n);
-    if (contact.coupled) path_start = laws.now;
+    if (contact.coupled || !contact.readings.empty() || !laws.states.none()) path_start = laws.now;
   }
-  auto out = equations.solve(matrix, CorrectionStart::predicted, equation, trial);
-  if (contact.coupled)
-    couple_bounds(equations, plan_.options.tolerance, matrix, path_start ? &*path_start : nullptr,
-                  equation, trial, out);
-  if (refinement.on()) refinement.refine(matrix, equation, equations.corrector, laws, trial, out);
+  const double tolerance = plan_.options.tolerance;
+  const auto* const start = path_start ? &*path_start : nullptr;
+  const auto solve = [&](CorrectionStart from) {
+    auto result = equations.solve(matrix, from, equation, trial);
+    if (contact.coupled)
+      couple_bounds(equations, tolerance, matrix, start, equation, trial, result);
+    if (!laws.states.none())
+      couple_states(plan_.problem, equations, contact, tolerance, matrix, start, equation, trial,
+                    result);
+    return result;
+  };
+  auto out = solve(CorrectionStart::predicted);
+  if (!contact.readings.empty())
+    couple_readings(laws, contact, tolerance, start, equation, trial, solve, out);
+  if (refinement.on()) {
+    refinement.refine(matrix, equation, equations.corrector, laws, trial, out);
+    if (!contact.readings.empty()) {
+      laws.read_memories(n, equation.known, &trial.d);
+      laws.prepare(n, equation.known);
+    }
+  }
   equation.known.head(trial.d.size()) += trial.d; // now u_n
   out.inclusion = laws.inclusion(n, equation.known, trial.d, trial.z);
+  if (!laws.states.none()) out.states = laws.state_error(equation.known, trial.d);
   return out;
 }
 
@@ -60,7 +81,7 @@ bool StepSolver::can_begin_anew() {
 }
 
 void StepSolver::accept(int n, StepMatrix& matrix, const StepResult& result, Trial& trial) {
-  equations.laws.accept();
+  equations.laws.accept(n);
   const auto& grid = evolution_.grid();
   auto& warm_start = equations.warm_start;
   // Nothing is smooth across a jump.

@@ -25,7 +25,7 @@ public:
   LastWeights(const Problem& problem, const TimeGrid& grid, bool absolute) : grid_(grid) {
     HistoryOptions options;
     options.route = HistoryRoute::direct;
-    options.order = problem.time.scheme == Scheme::bdf2 && !absolute ? 1 : 0;
+    options.order = affine_on_steps(problem.time.scheme) && !absolute ? 1 : 0;
     options.steps = grid.steps();
     options.horizon = problem.time.grid.back() - problem.time.grid.front();
     options.times = problem.time.grid;
@@ -72,7 +72,7 @@ bool surely_one_matrix(const Problem& problem) {
   if (problem.time.is_static) return true;
   for (const auto& term : problem.histories)
     if (term.kernel.expression.depends_on(slot::t)) return false;
-  const auto scheme = make_scheme(problem.time);
+  const auto scheme = make_scheme(problem);
   const TimeGrid& grid = scheme->grid();
   for (int n = 2; n <= grid.steps(); ++n)
     if (scheme->factor(n, 1) != scheme->factor(1, 1) || grid.length(n) != grid.length(1))
@@ -84,7 +84,7 @@ StepWeights step_weights(const Problem& problem) {
   VectorXd c = VectorXd::Zero(fields(problem));
   c[field_of_u(0)] = 1.0;
   if (problem.time.is_static) return {{1}, {c}};
-  const auto scheme = make_scheme(problem.time);
+  const auto scheme = make_scheme(problem);
   const TimeGrid& grid = scheme->grid();
   LastWeights memory(problem, grid, false);
   StepWeights out;
@@ -93,7 +93,7 @@ StepWeights step_weights(const Problem& problem) {
   };
   std::map<VectorXd, int, decltype(less)> seen(less);
   for (int n = 1; n <= grid.steps(); ++n) {
-    c[field_of_u(1)] = scheme->factor(n, 1);
+    for (int j = 1; j <= highest_derivative; ++j) c[field_of_u(j)] = scheme->factor(n, j);
     memory.next(n, c);
     if (!seen.emplace(c, n).second) continue;
     out.steps.push_back(n);

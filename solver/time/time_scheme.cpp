@@ -1,6 +1,8 @@
 // The schemes; see time_scheme.hpp.
 #include "solver/time/time_scheme.hpp"
 
+#include "solver/common/numbers.hpp"
+#include "solver/time/motion.hpp"
 #include "solver/time/saved_state.hpp"
 
 #include <algorithm>
@@ -10,10 +12,6 @@ namespace hvi::solver {
 namespace {
 
 constexpr int most_factors = 4;
-
-/// The increment of a step so much shorter than the next says nothing of the slope there: such
-/// steps stand for jumps of the data, and BDF2 would carry the jump on.
-constexpr double begins_anew = 100.0;
 
 class Static final : public TimeScheme {
 public:
@@ -35,31 +33,36 @@ class Bdf2 final : public BackwardEuler {
 public:
   using BackwardEuler::BackwardEuler;
   double factor(int n, int derivative) const override {
-    if (derivative != 1 || !second_order(n)) return BackwardEuler::factor(n, derivative);
-    const double w = ratio(n);
-    return (1 + 2 * w) / ((1 + w) * grid().length(n));
+    return derivative == 1 ? bdf2_at(grid(), n).factor : 0.0;
   }
   KnownTerms known(int n, int derivative) const override {
-    if (derivative != 1 || !second_order(n)) return {};
-    return {KnownTerm{-carry(n), &last()}};
+    const double carry = bdf2_at(grid(), n).carry;
+    if (derivative != 1 || carry == 0.0) return {};
+    return {KnownTerm{-carry, &last()}};
   }
   void derivative(int n, int derivative, Vector& out) const override {
     BackwardEuler::derivative(n, derivative, out);
-    if (derivative == 1 && second_order(n)) out -= carry(n) * before();
-  }
-
-private:
-  double ratio(int n) const { return grid().length(n) / grid().length(n - 1); }
-  bool second_order(int n) const { return n > 1 && ratio(n) <= begins_anew; }
-  double carry(int n) const {
-    const double w = ratio(n);
-    return w * w / ((1 + w) * grid().length(n));
+    const double carry = bdf2_at(grid(), n).carry;
+    if (derivative == 1 && carry != 0.0) out -= carry * before();
   }
 };
 
 } // namespace
 
+Bdf2Weights bdf2_at(const TimeGrid& grid, int n) {
+  // The increment of a step so much shorter than the next says nothing of the slope there: such
+  // steps stand for jumps of the data, and BDF2 would carry the jump on.
+  constexpr double begins_anew = 100.0;
+  const double k = grid.length(n);
+  const double w = n > 1 ? k / grid.length(n - 1) : infinity;
+  if (w > begins_anew) return {1.0 / k, 0.0};
+  return {(1 + 2 * w) / ((1 + w) * k), w * w / ((1 + w) * k)};
+}
+
 KnownTerms TimeScheme::known(int, int) const { return {}; }
+double TimeScheme::present(int) const { return 1.0; }
+double TimeScheme::past(int) const { return 0.0; }
+void TimeScheme::start_motion(const Vector&, const Vector&) {}
 
 void TimeScheme::derivative(int n, int derivative, Vector& out) const {
   out = factor(n, derivative) * last_;
@@ -82,10 +85,18 @@ void TimeScheme::restore(StateReader& r) {
   get_vector(r, before_, before_.size());
 }
 
-std::unique_ptr<TimeScheme> make_scheme(const TimeSpec& spec) {
+std::unique_ptr<TimeScheme> make_scheme(const Problem& problem) {
+  const TimeSpec& spec = problem.time;
   if (spec.is_static) return std::make_unique<Static>(spec);
+  if (in_motion(problem)) return scheme_of_motion(spec);
   if (spec.scheme == Scheme::bdf2) return std::make_unique<Bdf2>(spec);
   return std::make_unique<BackwardEuler>(spec);
+}
+
+Vector present_shares(const TimeScheme& scheme, int n_fields) {
+  Vector out(n_fields);
+  for (int f = 0; f < n_fields; ++f) out[f] = scheme.present(is_memory(f) ? 0 : f);
+  return out;
 }
 
 int useful_factors(const TimeScheme& scheme) {

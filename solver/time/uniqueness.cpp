@@ -5,6 +5,7 @@
 #include "solver/common/numbers.hpp"
 #include "solver/law/known_constants.hpp"
 #include "solver/time/step_weights.hpp"
+#include "solver/time/time_scheme.hpp"
 
 #include <fmt/format.h>
 
@@ -43,7 +44,8 @@ std::vector<double> in_step(const Contact& contact, std::vector<double> weight,
 }
 
 Uniqueness::Uniqueness(const Problem& problem, const Operators& operators, const Contact& contact)
-    : problem_(problem), operators_(operators), contact_(contact) {
+    : problem_(problem), operators_(operators), contact_(contact),
+      shares_(present_shares(*make_scheme(problem), count_fields(problem))) {
   look_at_laws();
 }
 
@@ -65,6 +67,8 @@ Bracket descent_of(const Problem& problem, const ContactTerm& term, const Law& l
 
 void Uniqueness::look_at_laws() {
   if (contact_.coupled) obstacle_ = "a law is coupled to another one";
+  if (!contact_.readings.empty()) obstacle_ = "a law reads a memory of the unknown";
+  if (!contact_.state_groups.empty()) obstacle_ = "laws with states are solved together with them";
   bool softens = false, moves = false;
   weight_.assign(problem_.law_terms.size(), 0.0);
   for (const auto& term : contact_.terms) {
@@ -96,7 +100,7 @@ void Uniqueness::judge(bool convex) {
 
 /// A Cholesky factor of sym K(c) - D; the pattern is analysed once.
 bool Uniqueness::definite(const Eigen::VectorXd& c) {
-  SparseMatrix rest = combine(operators_, operators_.weights.transpose() * c);
+  SparseMatrix rest = combine(operators_, operators_.weights.transpose() * shares_.cwiseProduct(c));
   if (!contact_.other_fields.empty())
     descent_ = law_form(contact_, in_step(contact_, weight_, c), operators_.n_unknowns);
   if (same_pattern_)

@@ -37,6 +37,7 @@ private:
   const Problem& problem_;
   const Operators& operators_;
   const Contact& contact_;
+  Vector shares_; ///< of the fields in a step's equation
   bool settled_ = false, condensed_ = false;
   std::string obstacle_;
   std::vector<double> weight_; ///< steepest descent of each law term's slope

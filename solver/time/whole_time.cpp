@@ -22,6 +22,7 @@ Vector whole_coefficients(const Operators& operators, double length,
   Vector by_field = Vector::Zero(operators.n_fields());
   by_field[field_of_u(0)] = 1.0;
   by_field[field_of_u(1)] = 1.0 / length;
+  by_field[field_of_u(2)] = 2.0 / (length * length); // u = a t^2 / 2
   for (std::size_t m = 0; m < memory.size(); ++m)
     by_field[field_of_memory(static_cast<int>(m))] = memory[m];
   return operators.weights.transpose() * by_field;

@@ -27,6 +27,7 @@ superpotential layer(r) with slope
   | r < 0.02  -> 100*r
   | otherwise -> 2
 superpotential slip(xi) = 0.4 * norm(xi)
+superpotential reader(r) = abs(history(q, u).x) * r^2
 superpotential spring(r) with slope
   | r < 0.5   -> 50*r
   | otherwise -> 25
@@ -55,6 +56,7 @@ PAIRS = [
      [VISCOSITY, "0 * " + ELASTICITY, MEMORY, LAYER], [BODY, PULL]),
     ("memory", [VISCOSITY, ELASTICITY, LAYER], [BODY, PULL],
      [VISCOSITY, ELASTICITY, "0 * " + MEMORY, LAYER], [BODY, PULL]),
+    ("inertia", BASE, [BODY, PULL], ["0 * integral(slab, dot(u'', v))", *BASE], [BODY, PULL]),
     ("body force", BASE, [PULL], BASE, ["integral(slab, dot([0, 0*t], v))", PULL]),
     ("traction", BASE, [BODY], BASE, [BODY, "integral(flank, dot([0, 0], v))"]),
     ("normal law", [VISCOSITY, ELASTICITY, MEMORY], [BODY, PULL],
@@ -65,6 +67,13 @@ PAIRS = [
      BASE + ["0 * integral(ground, slip^0(u'.tau; v.tau))"], [BODY, PULL]),
     ("law on a memory", BASE, [BODY, PULL],
      BASE + ["0 * integral(ground, spring^0(history(q, u).nu; v.nu))"], [BODY, PULL]),
+    ("law that reads a memory", BASE, [BODY, PULL],
+     BASE + ["0 * integral(ground, reader^0(u.nu; v.nu))"], [BODY, PULL]),
+    ("state that nothing reads and that stands still", BASE, [BODY, PULL], BASE, [BODY, PULL],
+     "state beta on ground with rate 0 from beta = 1\n"),
+    ("state before a law at zero", BASE, [BODY, PULL],
+     BASE + ["0 * integral(ground, weak^0(u.nu; v.nu))"], [BODY, PULL],
+     "superpotential weak(r) = beta*r^2\nstate beta on ground with rate -beta from beta = 1\n"),
     ("one tensor in two terms", BASE, [BODY, PULL],
      [VISCOSITY, "0.25 * " + ELASTICITY, "0.75 * " + ELASTICITY, MEMORY, LAYER], [BODY, PULL]),
 ]
@@ -72,9 +81,9 @@ PAIRS = [
 SLEEPING = ([VISCOSITY, ELASTICITY, MEMORY, LAYER], ["integral(slab, dot([0, 10*t], v))"])
 
 
-def run(hvi, folder, terms, loads):
+def run(hvi, folder, terms, loads, more=""):
     script = pathlib.Path(folder) / "effect.hvi"
-    script.write_text(SCRIPT.format(terms="    " + "\n  + ".join(terms), loads="\n  + ".join(loads)))
+    script.write_text(SCRIPT.format(terms="    " + "\n  + ".join(terms), loads="\n  + ".join(loads)).replace("space V", more + "space V"))
     out = pathlib.Path(folder) / "effect.json"
     done = subprocess.run([hvi, "run", script, "--quiet", "--json", out, "-o", folder], capture_output=True, text=True)
     if done.returncode != 0:
@@ -114,8 +123,8 @@ def differences(a, b):
 def main():
     hvi, failed = str(pathlib.Path(sys.argv[1]).resolve()), 0
     with tempfile.TemporaryDirectory() as folder:
-        for name, terms, loads, with_terms, with_loads in PAIRS:
-            found = differences(run(hvi, folder, terms, loads), run(hvi, folder, with_terms, with_loads))
+        for name, terms, loads, with_terms, with_loads, *more in PAIRS:
+            found = differences(run(hvi, folder, terms, loads), run(hvi, folder, with_terms, with_loads, *more))
             failed += bool(found)
             print(f"{'FAILED' if found else 'ok'}  {name}", *found, sep="\n    " if found else " ")
         asleep = run(hvi, folder, *SLEEPING)

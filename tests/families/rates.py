@@ -202,6 +202,16 @@ class Scene(orientation.Scene):
             text = text.replace("space V", f"kernel Own(lag) = {number(a / tau)}*exp(-lag/{number(tau)})\nspace V")
         return text
 
+    def bound(self):
+        """Of displacements: certified residuals reach them through the matrix; softening and earlier steps add to that."""
+        steps = range(1, len(self.grid))
+        of_matrices = sum(np.linalg.cond(self.matrix(n)) for n in steps)
+        return min(AGREES, 10 * TOLERANCE * of_matrices / (1 - self.ratio()))
+
+    def size(self):
+        """What errors are compared with, where the answer is smaller."""
+        return self.reach
+
     def told(self):
         laws = [(t.name, t.sees, t.argument, t.rule, type(t.law).__name__) for t in self.terms]
         return (f"{self.dim}D P{self.order}, {'BDF2' if self.bdf2 else 'Euler'} {self.times}"
@@ -228,14 +238,15 @@ def run(program, folder, scene, turn, scale, options):
     return out, ""
 
 
-def main():
+def judge(name, make_scene):
+    """The scenes of a family, whose answers are those of their references; the program's exit code."""
     options = orientation.asked_for()
     certified = wrong = refused = skipped = 0
     worst = largest = 0.0
     asked = range(options.scenes) if options.only is None else [options.only]
     for k in asked:
         random = np.random.default_rng([options.seed, k])
-        scene = Scene(random)
+        scene = make_scene(random)
         turn, scale = turning(random, scene.dim), 10 ** random.uniform(-6, 6)
         expected = scene.reference()
         if expected is None:
@@ -249,19 +260,17 @@ def main():
             print(f"scene {k}: refused ({scene.told()}): {said}", file=sys.stderr)
             continue
         certified += 1
-        # Certified residuals reach the displacements through the matrix; softening and earlier steps add to that.
-        steps = range(1, len(scene.grid))
-        bound = min(AGREES, 10 * TOLERANCE * sum(np.linalg.cond(scene.matrix(n)) for n in steps) / (1 - scene.ratio()))
-        size = max(scene.reach, max(float(np.abs(e).max()) for e in expected))
+        bound = scene.bound()
+        size = max(scene.size(), max(float(np.abs(e).max()) for e in expected))
         error = max(float(np.abs(a - b).max()) for a, b in zip(u, expected)) / size
         worst, largest = max(worst, error / bound), max(largest, error)
         if error > bound:
             wrong += 1
             print(f"scene {k}: off by {error:.2e}, bound {bound:.2e} ({scene.told()})", file=sys.stderr)
     print(f"largest error {largest:.1e}, worst by its bound {worst:.2e}, without reference {skipped}")
-    print(f"family rates: scenes {len(asked)}, certified {certified}, wrong {wrong}, refused {refused}")
+    print(f"family {name}: scenes {len(asked)}, certified {certified}, wrong {wrong}, refused {refused}")
     return 0 if wrong == refused == 0 and skipped <= WITHOUT_REFERENCE * len(asked) else 1
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(judge("rates", Scene))

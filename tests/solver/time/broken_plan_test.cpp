@@ -245,7 +245,7 @@ std::string said(Change&& change) {
 TEST(Validate, NamesWhatIsWrong) {
   EXPECT_EQ(said([](Plan&) {}), "");
   EXPECT_EQ(said([](Plan& p) { p.problem.forms[1].part = 9; }), "a form names part 9, of 4");
-  EXPECT_EQ(said([](Plan& p) { p.problem.forms[1].field = 3; }), "a form names field 3, of 3");
+  EXPECT_EQ(said([](Plan& p) { p.problem.forms[1].field = 4; }), "a form names field 4, of 4");
   EXPECT_EQ(said([](Plan& p) { p.problem.law_terms[0].law = -1; }),
             "a law term names law -1, of 2");
   EXPECT_EQ(said([](Plan& p) { p.report.tables[0].probes[1] = 6; }), "a table names probe 6, of 6");

@@ -339,12 +339,13 @@ TEST(Gap, ContactBeginsBeyondTheGap) {
 }
 
 TEST(TimeGrid, UniformGridHasOneLength) {
-  TimeSpec spec;
+  Problem problem;
+  TimeSpec& spec = problem.time;
   spec.is_static = false;
   spec.grid = uniform_grid(0.7, 1000);
   const TimeGrid grid(spec);
   for (int n = 2; n <= 1000; ++n) EXPECT_EQ(grid.length(n), grid.length(1));
-  EXPECT_EQ(useful_factors(*make_scheme(spec)), 1);
+  EXPECT_EQ(useful_factors(*make_scheme(problem)), 1);
 }
 
 } // namespace

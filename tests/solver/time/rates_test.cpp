@@ -107,6 +107,42 @@ TEST(Rates, StickingDoesNotCreep) {
   EXPECT_LE(moved, 1e-13 * size);
 }
 
+/// What slipped and is let go a little sticks: nothing moves in ten thousand steps,
+/// with either scheme (the last rate of bdf2 fades within a few steps).
+TEST(Rates, WhatStopsStays) {
+  for (const int dim : {2, 3})
+    for (const Scheme scheme : {Scheme::backward_euler, Scheme::bdf2}) {
+      Plan plan = joint(1, 16000, 1.0, 1.0, dim);
+      plan.problem.time.scheme = scheme;
+      plan.problem.time.grid = uniform_grid(16.0, 16000);
+      plan.problem.histories.clear();
+      std::erase_if(plan.problem.forms, [](const FormTerm& f) { return is_memory(f.field); });
+      const Expr pull = select(less(var(slot::t), 5.0), 6.0, 5.8);
+      plan.problem.loads = {force(body, {pull, -10.0})};
+      const auto run = record(plan, false);
+      Discretisation d;
+      ASSERT_TRUE(discretise(plan, d).empty());
+      const auto ground_of = [&](std::size_t step) {
+        std::vector<double> out;
+        for (int v = 0; v < static_cast<int>(d.mesh.nodes.size()); ++v)
+          if (d.mesh.nodes[static_cast<std::size_t>(v)][1] == 0.0)
+            out.push_back(run.states[step][d.space.dof(v, 0)]);
+        return out;
+      };
+      const auto stopped = ground_of(6000);
+      double slipped = 0.0, moved = 0.0;
+      for (std::size_t step = 6000; step < run.states.size(); ++step) {
+        const auto now = ground_of(step);
+        for (std::size_t i = 0; i < now.size(); ++i) {
+          slipped = std::max(slipped, std::abs(now[i]));
+          moved = std::max(moved, std::abs(now[i] - stopped[i]));
+        }
+      }
+      EXPECT_GT(slipped, 1e-3);
+      EXPECT_LE(moved, 1e-13 * slipped) << dim;
+    }
+}
+
 /// On all unknowns and on the contact unknowns; in 3D friction has two rows.
 TEST(Rates, BothPathsGiveTheSame) {
   for (const int dim : {2, 3})
@@ -145,6 +181,67 @@ TEST(Rates, LawsSeeMemoriesThatArePositiveAtLagZero) {
     EXPECT_EQ(failure.kind, FailureKind::bad_kernel);
     EXPECT_EQ(failure.origin, plan.problem.law_terms[0].origin);
   }
+}
+
+/// The joint whose bound grows with what the memory of u holds at the point.
+Plan remembering(double share, int steps, int dim, Scheme scheme) {
+  Plan plan = joint(2, steps, 1.0, 6.0, dim);
+  plan.problem.time.scheme = scheme;
+  const auto past = [](int i) { return var(slot::field(field_of_memory(0), slot::value(i))); };
+  Expr square = 0.0;
+  for (int i = 0; i < dim; ++i) square = square + past(i) * past(i);
+  LawSpec& slip = plan.problem.laws.back();
+  slip.readings = {sqrt(square)};
+  slip.expression = slip.expression * (1.0 + share * var(slot::reading(0)));
+  const auto b = from_young(70, 0.3);
+  plan.problem.forms[0] = elastic(dim, body, field_of_u(1), b, 0.2); // multiples of one tensor
+  return plan;
+}
+
+/// The memory is that of the end of the step: where a point slips, its multiplier is the bound that
+/// the state after the step makes, on contact unknowns and on all of them.
+TEST(Rates, BoundsReadMemoriesOfTheSameState) {
+  for (const int dim : {2, 3})
+    for (const Scheme scheme : {Scheme::backward_euler, Scheme::bdf2}) {
+      Plan plan = remembering(100.0, 12, dim, scheme);
+      const auto reduced = record(plan, false);
+      plan.options.proportional_path = false;
+      const auto all = record(plan, false);
+      plan.problem.laws.back().readings = {0.0};
+      const auto without = record(plan, false);
+      double size = 0.0, apart = 0.0, changed = 0.0;
+      for (std::size_t m = 0; m < all.states.size(); ++m) {
+        size = std::max(size, all.states[m].lpNorm<Eigen::Infinity>());
+        apart = std::max(apart, (all.states[m] - reduced.states[m]).lpNorm<Eigen::Infinity>());
+        changed = std::max(changed, (all.states[m] - without.states[m]).lpNorm<Eigen::Infinity>());
+      }
+      EXPECT_LE(apart, 1e-9 * size) << dim;
+      EXPECT_GT(changed, 1e-2 * size) << dim;
+    }
+}
+
+/// Readings that the step's own solution moves by more than they moved it are found, too.
+TEST(Rates, ReadingsNeedNotContract) {
+  const auto run = record(remembering(1e6, 2, 2, Scheme::backward_euler), false);
+  EXPECT_TRUE(run.result.certificate.certified);
+  EXPECT_LE(run.result.certificate.inclusion, 1e-10);
+}
+
+/// What is no value of a memory cannot be read, nor a fifth quantity.
+TEST(Rates, WhatLawsCannotReadIsRefused) {
+  const auto good = [](const Expr& reading, int count = 1) {
+    Plan plan = remembering(1.0, 2, 2, Scheme::backward_euler);
+    plan.problem.laws.back().readings.assign(static_cast<std::size_t>(count), reading);
+    return validate(plan, 2).empty();
+  };
+  const int memory = field_of_memory(0);
+  EXPECT_TRUE(good(var(slot::field(memory, slot::value(1))), slot::most_readings));
+  EXPECT_FALSE(good(var(slot::field(memory, slot::value(1))), slot::most_readings + 1));
+  EXPECT_FALSE(good(var(slot::field(memory, slot::gradient(0, 0)))));
+  EXPECT_FALSE(good(var(slot::field(memory + 1, slot::value(0)))));
+  EXPECT_FALSE(good(var(slot::field(field_of_u(0), slot::value(0)))));
+  EXPECT_FALSE(good(var(slot::multiplier(0, 0))));
+  EXPECT_FALSE(good(var(slot::argument(0))));
 }
 
 /// A law on the rate of a plan without time, or on a field that there is not, is a mistake of the

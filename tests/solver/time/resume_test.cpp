@@ -71,6 +71,41 @@ Scene on_memory() {
   return out;
 }
 
+/// A block with memory that is thrown on a ground which is stiff, rubs and gives way.
+Scene in_motion(Scheme scheme) {
+  Scene out{std::string("in motion, ") + name_of(scheme), slab(2, 9, 2, true), true};
+  auto& problem = out.plan.problem;
+  FormTerm inertia;
+  inertia.field = field_of_u(2);
+  inertia.entries = {{slot::value(0), slot::value(0), 3.0}, {slot::value(1), slot::value(1), 3.0}};
+  problem.forms.push_back(inertia);
+  problem.law_terms.back().field = field_of_u(1);
+  const Expr r = var(slot::argument(0));
+  problem.laws.push_back({"stop", {}, false, true, select(less(r, 0.03), 0.0, 1e300)});
+  problem.law_terms.push_back(normal_term(2, ground));
+  problem.time.scheme = scheme;
+  for (double& t : problem.time.grid) t *= t;
+  return out;
+}
+
+/// Friction on the rate with a bound that reads the memory of both parts of u.
+Scene reading(std::string name, int dim, bool proportional) {
+  Scene out{std::move(name), slab(dim == 2 ? 3 : 2, 9, dim, true), true};
+  Problem& problem = out.plan.problem;
+  problem.law_terms.back().field = field_of_u(1);
+  const auto past = [](int i) { return var(slot::field(field_of_memory(0), slot::value(i))); };
+  Expr along = 0.0;
+  for (int i = 0; i < dim; ++i) along = along + past(i) * var(slot::normal(i));
+  LawSpec& slip = problem.laws.back();
+  slip.readings = {abs(along), abs(past(0))};
+  slip.expression = (1.0 + 200.0 * var(slot::reading(0)) + 50.0 * var(slot::reading(1))) *
+                    Expr(0.4) * var(slot::argument(0));
+  out.plan.options.proportional_path = proportional;
+  const auto b = from_young(70, 0.3);
+  problem.forms[0] = elastic(dim, body, field_of_u(1), b, 0.2); // multiples of one tensor
+  return out;
+}
+
 std::vector<Scene> scenes() {
   std::vector<Scene> out{{"contact unknowns", slab(3, 9, 2, true), true},
                          {"all unknowns", slab(3, 9, 2, true), true},
@@ -82,6 +117,14 @@ std::vector<Scene> scenes() {
                          on_rates("laws on rates", false),
                          on_rates("laws on rates, graded, bdf2", true),
                          on_memory(),
+                         in_motion(Scheme::backward_euler),
+                         in_motion(Scheme::bdf2),
+                         in_motion(Scheme::newmark),
+                         in_motion(Scheme::hht),
+                         in_motion(Scheme::midpoint),
+                         reading("reads memories", 2, true),
+                         reading("reads memories, all unknowns", 2, false),
+                         reading("reads memories, in space", 3, true),
                          rich()};
   for (double& t : out[6].plan.problem.time.grid) t -= 2.0;
   out[1].plan.options.proportional_path = false;

@@ -11,11 +11,19 @@ namespace {
 
 const std::vector<double> uneven{0.5, 0.6, 0.85, 0.9, 1.3, 1.301, 2.0};
 
-TimeSpec of(Scheme scheme, std::vector<double> grid = uneven) {
-  TimeSpec out;
-  out.is_static = false;
-  out.grid = std::move(grid);
-  out.scheme = scheme;
+Problem of(Scheme scheme, std::vector<double> grid = uneven) {
+  Problem out;
+  out.time.is_static = false;
+  out.time.grid = std::move(grid);
+  out.time.scheme = scheme;
+  return out;
+}
+
+/// With a form in u''.
+Problem in_motion_of(Scheme scheme) {
+  Problem out = of(scheme);
+  out.forms.emplace_back();
+  out.forms.back().field = field_of_u(2);
   return out;
 }
 
@@ -55,19 +63,38 @@ TEST(TimeScheme, Bdf2IsExactForParabolasFromItsSecondStepOn) {
 }
 
 /// factor d + known before a step is the derivative after it.
-TEST(TimeScheme, WhatIsKnownAndTheIncrementMakeTheDerivative) {
-  for (const Scheme kind : {Scheme::backward_euler, Scheme::bdf2}) {
-    const auto scheme = make_scheme(of(kind));
-    scheme->start(3);
-    for (int n = 1; n < std::ssize(uneven); ++n) {
-      Vector d = Vector::Constant(3, std::sin(n)), predicted = scheme->factor(n, 1) * d, out;
-      for (const auto& [factor, vector] : scheme->known(n, 1))
-        if (vector != nullptr) predicted += factor * *vector;
-      scheme->accept(n, d);
-      scheme->derivative(n, 1, out);
-      EXPECT_LT((out - predicted).norm(), 1e-15 * scheme->factor(n, 1)) << n;
+void expect_known_parts(TimeScheme& scheme, int derivatives) {
+  scheme.start(3);
+  scheme.start_motion(Vector::Constant(3, 0.7), Vector::Constant(3, -0.2));
+  for (int n = 1; n < std::ssize(uneven); ++n) {
+    Vector d = Vector::Constant(3, std::sin(n));
+    std::vector<Vector> predicted;
+    std::vector<double> size;
+    for (int j = 1; j <= derivatives; ++j) {
+      predicted.emplace_back(scheme.factor(n, j) * d);
+      size.push_back(predicted.back().norm());
+      for (const auto& [factor, vector] : scheme.known(n, j)) {
+        if (vector == nullptr) continue;
+        predicted.back() += factor * *vector;
+        size.back() += std::abs(factor) * vector->norm();
+      }
+    }
+    scheme.accept(n, d);
+    for (int j = 1; j <= derivatives; ++j) {
+      Vector out;
+      scheme.derivative(n, j, out);
+      const auto i = static_cast<std::size_t>(j) - 1;
+      EXPECT_LT((out - predicted[i]).norm(), 1e-14 * size[i]) << n << ' ' << j;
     }
   }
+}
+
+TEST(TimeScheme, WhatIsKnownAndTheIncrementMakeTheDerivative) {
+  for (const Scheme kind : {Scheme::backward_euler, Scheme::bdf2})
+    expect_known_parts(*make_scheme(of(kind)), 1);
+  for (const Scheme kind :
+       {Scheme::backward_euler, Scheme::bdf2, Scheme::newmark, Scheme::hht, Scheme::midpoint})
+    expect_known_parts(*make_scheme(in_motion_of(kind)), 2);
 }
 
 TEST(TimeScheme, GoesOnFromWhatItSaved) {
@@ -85,7 +112,7 @@ TEST(TimeScheme, GoesOnFromWhatItSaved) {
 }
 
 TEST(TimeScheme, AStaticProblemHasNoRate) {
-  const auto scheme = make_scheme(TimeSpec{});
+  const auto scheme = make_scheme(Problem{});
   EXPECT_EQ(scheme->factor(1, 1), 0.0);
   EXPECT_EQ(rate_at(*scheme, 1, 1).norm(), 0.0);
   EXPECT_EQ(useful_factors(*scheme), 1);

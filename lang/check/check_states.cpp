@@ -1,0 +1,212 @@
+// States: ordinary differential equations at the points of a part.
+#include "lang/check/checker.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::lang {
+
+namespace slot = solver::slot;
+
+namespace {
+
+bool is_multiplier(solver::Slot s) { return s >= slot::first_multiplier && s < slot::first_inside; }
+int application_of(solver::Slot s) { return (s - slot::first_multiplier) / 4; }
+
+/// What a rate reads that no point of a law knows; "" when there is nothing.
+std::string out_of_reach(solver::Slot s) {
+  if (s >= slot::first_probe) return "an integral";
+  if (s < slot::first_field || s >= slot::first_multiplier) return {};
+  if (solver::is_memory((s - slot::first_field) / slot::field_stride)) return "a memory";
+  const bool gradient = (s - slot::first_field) % slot::field_stride >= slot::gradient(0, 0);
+  return gradient ? "a gradient of the unknown" : "";
+}
+
+} // namespace
+
+/// The value at a point; rate, initial value and range are read when all laws are known.
+Value Checker::state(int declaration) {
+  const auto& written = std::get<ast::State>(*declarations_[declaration].statement);
+  const auto part = part_index(written.part);
+  if (!part) return Poison{};
+  ModelState out;
+  out.declaration = declaration;
+  out.span = written.span;
+  out.rate_span = written.rate.span;
+  out.spec.origin = model_.origin(written.name.span);
+  out.spec.name = written.name.text;
+  out.spec.part = *part;
+  model_.states.push_back(std::move(out));
+  return scalar_field(Symbol::variable(slot::state(static_cast<int>(model_.states.size()) - 1)));
+}
+
+/// Those that nothing reads, too. Rates may read states that were not met before.
+void Checker::states() {
+  for (std::size_t i = 0; i < declarations_.size(); ++i) {
+    if (!std::holds_alternative<ast::State>(*declarations_[i].statement)) continue;
+    const bool used = declarations_[i].used;
+    value_of(static_cast<int>(i), declarations_[i].span);
+    declarations_[i].used = used;
+  }
+  for (std::size_t i = 0; i < model_.states.size(); ++i) {
+    ModelState state = model_.states[i]; // rates may add others
+    if (!find_->time) {
+      error("E0412", state.span,
+            fmt::format("the state `{}` changes with time, and a static problem has none",
+                        state.spec.name),
+            "add `for t in [0, T] by N steps from u = 0` to the find statement");
+      continue;
+    }
+    state_rate(state);
+    state_range(state);
+    state_initial(state);
+    model_.states[i] = std::move(state);
+  }
+}
+
+void Checker::state_rate(ModelState& state) {
+  const auto& written = std::get<ast::State>(*declarations_[state.declaration].statement);
+  Scope scope;
+  scope.what = "the rate of a state";
+  scope.position = scope.time = scope.unknown = scope.report = scope.states = true;
+  const auto kind = model_.parts[state.spec.part].kind;
+  scope.normal = kind.value_or(solver::Group::Kind::facets) == solver::Group::Kind::facets;
+  const bool read_by_others = declarations_[state.declaration].used;
+  auto rate = scalar(written.rate, scope);
+  declarations_[state.declaration].used = read_by_others;
+  if (!rate) return;
+  Symbol expression = rate->scalar();
+  for (const solver::Slot s : solver::slots_of(expression))
+    if (const std::string what = out_of_reach(s); !what.empty()) {
+      error("E0428", written.rate.span,
+            fmt::format("the rate of `{}` reads {}", state.spec.name, what),
+            fmt::format("it may read states, x, t, `{0}.nu`, `{0}'.tau` and the like, and "
+                        "multipliers of laws on its part",
+                        find_->unknown.text));
+      return;
+    }
+  if (!multipliers_on_part(written.rate.span, state.spec.part, expression)) return;
+  if (!reads_states_of(written.rate.span, expression, state.spec.part,
+                       fmt::format("the rate of `{}`", state.spec.name)))
+    return;
+  state.spec.rate = expression;
+}
+
+void Checker::state_range(ModelState& state) {
+  const auto& written = std::get<ast::State>(*declarations_[state.declaration].statement);
+  if (!written.range) return;
+  const auto ends = constant_list(*written.range, "the range of a state");
+  if (!ends) return;
+  if (ends->size() != 2 || (*ends)[0] > (*ends)[1]) {
+    error("E0408", written.range->span, "the range of a state is `[least, greatest]`");
+    return;
+  }
+  state.spec.low = (*ends)[0], state.spec.high = (*ends)[1];
+}
+
+void Checker::state_initial(ModelState& state) {
+  const auto& written = std::get<ast::State>(*declarations_[state.declaration].statement);
+  const ast::InitialValue& initial = written.initial;
+  if (initial.unknown.text != state.spec.name) {
+    error("E0301", initial.unknown.span,
+          fmt::format("the initial value is that of the state `{}`, not of `{}`", state.spec.name,
+                      initial.unknown.text));
+    return;
+  }
+  Scope scope;
+  scope.what = "the initial value of a state";
+  scope.position = true;
+  auto value = scalar(initial.value, scope);
+  if (!value) return;
+  state.spec.initial = value->scalar();
+  if (!state.spec.initial.is_constant()) return; // looked at on the mesh
+  const double v = state.spec.initial.value();
+  if (v < state.spec.low || v > state.spec.high)
+    error("E0408", initial.value.span,
+          fmt::format("`{}` begins with {}, outside its range [{}, {}]", state.spec.name, v,
+                      state.spec.low, state.spec.high));
+}
+
+/// `layer.xi` meant the first application of the law; here it is the one on this part.
+bool Checker::multipliers_on_part(const Span& span, int part, Symbol& expression) {
+  std::vector<std::pair<std::string, int>> applications; // law, part
+  for (const ModelTerm& term : model_.terms)
+    for (const LawUse& use : term.integrand.laws) applications.emplace_back(use.name, term.part);
+  std::vector<std::pair<solver::Slot, Symbol>> rename;
+  for (const solver::Slot s : solver::slots_of(expression)) {
+    if (!is_multiplier(s)) continue;
+    const auto& [law, where] = applications[static_cast<std::size_t>(application_of(s))];
+    if (where == part) continue;
+    const auto here = std::find(applications.begin(), applications.end(), std::pair(law, part));
+    if (here == applications.end()) {
+      error("E0428", span,
+            fmt::format("`{}` does not act on `{}`, where this is asked", law,
+                        model_.parts[part].name),
+            "a multiplier is known on the part of its law only");
+      return false;
+    }
+    rename.emplace_back(
+        s, Symbol::variable(slot::multiplier(static_cast<int>(here - applications.begin()),
+                                             (s - slot::first_multiplier) % 4)));
+  }
+  expression = substitute(expression, rename);
+  return true;
+}
+
+/// False (reported) where an expression on one part reads a state of another.
+bool Checker::reads_states_of(const Span& span, const Symbol& expression, int part,
+                              const std::string& who) {
+  for (const solver::Slot s : solver::slots_of(expression)) {
+    if (!slot::is_state(s)) continue;
+    const auto& state = model_.states[static_cast<std::size_t>(s - slot::first_state)].spec;
+    if (state.part == part) continue;
+    error("E0429", span,
+          fmt::format("{} on `{}` reads the state `{}` of `{}`", who, model_.parts[part].name,
+                      state.name, model_.parts[state.part].name),
+          "a state is known on its own part only");
+    return false;
+  }
+  return true;
+}
+
+/// The states that a law reads: its expression gets their numbers among them.
+std::optional<std::vector<int>> Checker::take_states(Symbol& expression, const Span& span) {
+  std::vector<int> out;
+  std::vector<std::pair<solver::Slot, Symbol>> rename;
+  for (const solver::Slot s : solver::slots_of(expression)) {
+    if (!slot::is_state(s)) continue;
+    if (out.size() == slot::most_law_states) {
+      error("E0306", span,
+            fmt::format("a superpotential reads {} states at most", slot::most_law_states));
+      return std::nullopt;
+    }
+    rename.emplace_back(s, Symbol::variable(slot::law_state(static_cast<int>(out.size()))));
+    out.push_back(s - slot::first_state);
+  }
+  if (!rename.empty()) expression = substitute(expression, rename);
+  return out;
+}
+
+/// Laws read states of their own part; states live where a law acts.
+void Checker::check_states_of_laws() {
+  std::set<int> with_laws;
+  for (const ModelTerm& term : model_.terms)
+    for (const LawUse& use : term.integrand.laws) {
+      with_laws.insert(term.part);
+      Symbol all = 0.0; // of everything that the law reads
+      for (const int i : model_.laws[use.law].spec.states)
+        all = all + Symbol::variable(slot::state(i));
+      for (const LawRow& row : use.rows) all = all + row.offset;
+      reads_states_of(use.span, all, term.part, fmt::format("the law `{}`", use.name));
+    }
+  for (const ModelState& state : model_.states)
+    if (with_laws.count(state.spec.part) == 0)
+      error("E0430", declarations_[state.declaration].span,
+            fmt::format("no law acts on `{}`, where the state `{}` is to live",
+                        model_.parts[state.spec.part].name, state.spec.name),
+            "a state lives at the points of a law: put one on its part");
+}
+
+} // namespace hvi::lang

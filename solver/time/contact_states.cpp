@@ -1,0 +1,229 @@
+// States at the points of laws; see contact_states.hpp. Called by make_contact.
+#include "solver/time/contact_states.hpp"
+
+#include "solver/fem/pointwise.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace hvi::solver {
+namespace {
+
+std::vector<double> initial_values(const Problem& problem, const StateTerm& state,
+                                   const LawPoints& points) {
+  std::vector<double> out(points.x.size());
+  if (out.empty()) return out;
+  const double t = problem.time.is_static ? 0.0 : problem.time.grid.front();
+  Pointwise({&state.initial, 1}).evaluate(as_block(points), t, state.origin, out);
+  for (std::size_t p = 0; p < out.size(); ++p) {
+    if (!std::isfinite(out[p]))
+      throw_not_finite(state.origin, fmt::format("the initial value of `{}`", state.name), out[p],
+                       points.x[p], points.dim);
+    if (out[p] < state.low || out[p] > state.high)
+      throw Failure(FailureKind::bad_value, state.origin,
+                    fmt::format("`{}` begins with {:.6g} at {}, outside [{:.6g}, {:.6g}]",
+                                state.name, out[p], describe_point(points.x[p], points.dim),
+                                state.low, state.high),
+                    "let it begin inside the interval that it is kept in");
+  }
+  return out;
+}
+
+/// The states that a law term reads, in its law or in the offset of its argument.
+std::vector<int> states_read(const Problem& problem, const LawTerm& term) {
+  std::vector<int> out = problem.laws[term.law].states;
+  for (const auto& row : term.rows)
+    for (const Slot s : row.offset.slots())
+      if (slot::is_state(s)) out.push_back(s - slot::first_state);
+  return out;
+}
+
+bool reads(const Problem& problem, const LawTerm& term, const StateTerm& state) {
+  const auto all = states_read(problem, term);
+  return std::ranges::any_of(
+      all, [&](int i) { return &problem.states[static_cast<std::size_t>(i)] == &state; });
+}
+
+/// The first law term on the part that reads the state, else the first one there.
+int host_of(const Problem& problem, const StateTerm& state) {
+  int out = -1;
+  for (std::size_t l = 0; l < problem.law_terms.size(); ++l) {
+    const auto& term = problem.law_terms[l];
+    if (term.part != state.part) continue;
+    if (reads(problem, term, state)) return static_cast<int>(l);
+    if (out < 0) out = static_cast<int>(l);
+  }
+  if (out >= 0) return out;
+  throw Failure(FailureKind::bad_value, state.origin,
+                fmt::format("no law acts on `{}`, where the state `{}` is to live",
+                            problem.parts[state.part].name, state.name),
+                "a state lives at the points of a law: put one on its part");
+}
+
+bool same_points(const LawPoints& a, const LawPoints& b) {
+  return a.x == b.x && a.normal == b.normal;
+}
+
+StateGroup& group_of(const Problem& problem, int part, const StateTerm& state, Contact& contact) {
+  const auto known = std::ranges::find(contact.state_groups, part, &StateGroup::part);
+  if (known != contact.state_groups.end()) return *known;
+  const int host = host_of(problem, state);
+  contact.state_groups.push_back({part, host, {}, {}, {}, 0, contact.terms[host].n_points()});
+  return contact.state_groups.back();
+}
+
+/// What the rates of a group read besides place, time and each other.
+void find_inputs(const Problem& problem, const Contact& contact, StateGroup& group) {
+  for (const int i : group.states) {
+    const StateTerm& state = problem.states[static_cast<std::size_t>(i)];
+    for (const Slot s : state.rate.slots()) {
+      if (slot::is_state(s)) {
+        const StateTerm& other = problem.states[static_cast<std::size_t>(s - slot::first_state)];
+        if (other.part != state.part)
+          throw Failure(FailureKind::bad_value, state.origin,
+                        fmt::format("the rate of `{}` reads `{}`, which lives on `{}`", state.name,
+                                    other.name, problem.parts[other.part].name),
+                        "states that read each other live on one part");
+      } else if (s >= slot::first_multiplier && s < slot::first_inside) {
+        const int term = (s - slot::first_multiplier) / 4;
+        if (!same_points(contact.terms[term].points, contact.terms[group.host].points))
+          throw Failure(FailureKind::bad_value, state.origin,
+                        fmt::format("the rate of `{}` reads the multiplier of `{}`, which does not "
+                                    "act at its points",
+                                    state.name, problem.law_terms[term].name),
+                        "put both on the same part, the laws with the same rule");
+        group.multipliers.push_back(s);
+      } else if (s >= slot::first_field && s < slot::first_multiplier) {
+        group.fields.push_back(s);
+      }
+    }
+  }
+  for (auto* slots : {&group.fields, &group.multipliers}) {
+    std::ranges::sort(*slots);
+    slots->erase(std::unique(slots->begin(), slots->end()), slots->end());
+  }
+}
+
+int field_of(Slot s) { return (s - slot::first_field) / slot::field_stride; }
+
+/// Which fields the rates of a group read at points with this normal: u.nu on a flat side reads one
+/// component.
+std::vector<char> fields_read_at(const Problem& problem, const StateGroup& group,
+                                 const Point& normal) {
+  std::vector<std::pair<Slot, Expr>> values;
+  for (int j = 0; j < 3; ++j) values.emplace_back(slot::normal(j), Expr(normal[j]));
+  std::vector<char> out(group.fields.size(), 0);
+  for (const int i : group.states) {
+    const Expr rate = substitute(problem.states[static_cast<std::size_t>(i)].rate, values);
+    for (std::size_t f = 0; f < out.size(); ++f)
+      if (rate.depends_on(group.fields[f])) out[f] = 1;
+  }
+  return out;
+}
+
+/// Rows of the values of component `component` at the points of a group.
+SparseMatrix values_at(const Problem& problem, const Discretisation& d, const StateLayout& layout,
+                       const StateGroup& group, int component) {
+  LawTerm term;
+  term.origin = problem.states[static_cast<std::size_t>(group.states.front())].origin;
+  term.part = group.part;
+  term.rule = problem.law_terms[group.host].rule;
+  term.rows.resize(1);
+  term.rows.front().u[static_cast<std::size_t>(component)] = 1.0;
+  return restrict_columns(assemble_law(d.space, d.parts[group.part], term, -1, false).g, layout);
+}
+
+void add_trace(const Problem& problem, const Discretisation& d, const StateLayout& layout,
+               const Contact& contact, const StateGroup& group,
+               std::vector<Eigen::Triplet<double>>& entries) {
+  const auto& normals = contact.terms[group.host].points.normal;
+  std::map<Point, std::vector<char>> read;
+  for (std::size_t f = 0; f < group.fields.size(); ++f) {
+    const int component = (group.fields[f] - slot::first_field) % slot::field_stride;
+    const SparseMatrix rows = values_at(problem, d, layout, group, component);
+    for (int p = 0; p < group.n_points; ++p) {
+      auto [known, fresh] = read.try_emplace(normals[p]);
+      if (fresh) known->second = fields_read_at(problem, group, normals[p]);
+      if (known->second[f] == 0) continue;
+      const int row = group.first_input + static_cast<int>(f) * group.n_points + p;
+      for (SparseMatrix::InnerIterator it(rows, p); it; ++it)
+        entries.emplace_back(row, static_cast<int>(it.col()), it.value());
+    }
+  }
+}
+
+/// Where a term finds the states that it reads.
+void place_states(const Problem& problem, Contact& contact, ContactTerm& term) {
+  const auto& spec = problem.law_terms[term.points.law_term];
+  for (const int i : states_read(problem, spec)) {
+    const StateTerm& state = problem.states[static_cast<std::size_t>(i)];
+    const auto group = std::ranges::find(contact.state_groups, state.part, &StateGroup::part);
+    const auto& host = contact.terms[group->host].points;
+    if (state.part != spec.part || !same_points(term.points, host))
+      throw Failure(
+          FailureKind::bad_value, spec.origin,
+          state.part != spec.part
+              ? fmt::format("`{}` acts on `{}` and reads the state `{}` of `{}`", spec.name,
+                            problem.parts[spec.part].name, state.name,
+                            problem.parts[state.part].name)
+              : fmt::format("`{}` reads the state `{}`, which lives at the points of `{}`",
+                            spec.name, state.name, problem.law_terms[group->host].name),
+          state.part != spec.part ? "a state is known on its own part only"
+                                  : "give the laws of one part the same rule");
+  }
+  for (const int i : problem.laws[spec.law].states)
+    term.first_states.push_back(contact.first_state[static_cast<std::size_t>(i)]);
+  term.offset_of_states = std::ranges::any_of(spec.rows, [](const LawTerm::Row& row) {
+    return row.offset.depends_on_any(slot::first_state, slot::first_probe);
+  });
+}
+
+} // namespace
+
+std::vector<LawTime> initial_law_times(const Problem& problem, const Law& law,
+                                       const LawPoints& points, double t) {
+  std::vector<LawTime> out(points.x.size(), LawTime(t));
+  const auto& states = law.spec().states;
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const auto values =
+        initial_values(problem, problem.states[static_cast<std::size_t>(states[k])], points);
+    for (std::size_t p = 0; p < out.size(); ++p) out[p].states[k] = values[p];
+  }
+  return out;
+}
+
+void add_states(const Problem& problem, const Discretisation& d, const StateLayout& layout,
+                Contact& contact) {
+  int n_values = 0, n_inputs = 0;
+  std::vector<double> values;
+  for (std::size_t i = 0; i < problem.states.size(); ++i) {
+    const StateTerm& state = problem.states[i];
+    StateGroup& group = group_of(problem, state.part, state, contact);
+    group.states.push_back(static_cast<int>(i));
+    const auto initial = initial_values(problem, state, contact.terms[group.host].points);
+    contact.first_state.push_back(n_values);
+    values.insert(values.end(), initial.begin(), initial.end());
+    n_values += group.n_points;
+  }
+  contact.state_values =
+      Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
+  std::vector<Eigen::Triplet<double>> entries;
+  for (auto& group : contact.state_groups) {
+    find_inputs(problem, contact, group);
+    group.first_input = n_inputs;
+    n_inputs += group.n_inputs();
+    add_trace(problem, d, layout, contact, group, entries);
+    auto& others = contact.state_fields;
+    for (const Slot s : group.fields)
+      if (field_of(s) != field_of_u(0) && std::ranges::find(others, field_of(s)) == others.end())
+        others.push_back(field_of(s));
+  }
+  contact.trace.resize(n_inputs, layout.n_state);
+  contact.trace.setFromTriplets(entries.begin(), entries.end());
+  for (auto& term : contact.terms) place_states(problem, contact, term);
+}
+
+} // namespace hvi::solver

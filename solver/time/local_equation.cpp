@@ -1,0 +1,207 @@
+// See local_equation.hpp. Called for every point by PointStates.
+#include "solver/time/local_equation.hpp"
+
+#include "solver/linear/sparse.hpp"
+
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hvi::solver {
+namespace {
+
+constexpr double rounding_unit = std::numeric_limits<double>::epsilon();
+constexpr int most_expansions = 200;
+constexpr int most_bisections = 200;
+constexpr int most_newton = 60;
+constexpr int most_sweeps = 400;
+constexpr double shortest_step = 1.0 / 1024.0;
+
+/// r(z) = z_i - b_i - c g_i(z) of one of the equations, the others' values held.
+class OneEquation {
+public:
+  OneEquation(const LocalEquation& all, std::span<double> z, std::size_t i)
+      : all_(all), z_(z), i_(i), g_(z.size()), by_(z.size() * z.size()) {}
+
+  double low() const { return all_.low[i_]; }
+  double high() const { return all_.high[i_]; }
+  double residual(double value) {
+    z_[i_] = value;
+    all_.rates(z_, g_);
+    return value - all_.known[i_] - all_.factor * g_[i_];
+  }
+  /// At the last value.
+  double slope() {
+    all_.derivatives(z_, by_);
+    return 1.0 - all_.factor * by_[i_ * z_.size() + i_];
+  }
+  /// Of the terms of the residual at the last value.
+  double size() const {
+    return std::abs(z_[i_]) + std::abs(all_.known[i_]) + std::abs(all_.factor * g_[i_]);
+  }
+
+private:
+  const LocalEquation& all_;
+  std::span<double> z_;
+  std::size_t i_;
+  std::vector<double> g_, by_;
+};
+
+/// Between `inside`, where the residual has a sign, and `outside`, where it has none (a rate that
+/// is not defined there): moves both together until the sign changes or nothing is left between.
+bool bracket_before_the_edge(OneEquation& e, double& inside, double& outside, double sign) {
+  for (int k = 0; k < most_bisections; ++k) {
+    const double middle = inside + (outside - inside) / 2.0;
+    if (middle == inside || middle == outside) return false;
+    const double r = e.residual(middle);
+    if (!std::isfinite(r)) {
+      outside = middle;
+      continue;
+    }
+    if (r * sign <= 0.0) {
+      outside = middle;
+      return true;
+    }
+    inside = middle;
+  }
+  return false;
+}
+
+/// The root between a and b, where the residual has other signs.
+double root_between(OneEquation& e, double a, double b, double sign_at_a) {
+  double z = a;
+  for (int k = 0; k < most_bisections; ++k) {
+    const double r = e.residual(z);
+    if (std::abs(r) <= 2.0 * rounding_unit * e.size()) return z;
+    (r * sign_at_a > 0.0 ? a : b) = z;
+    double next = z - r / e.slope();
+    const bool between = next > std::min(a, b) && next < std::max(a, b);
+    // Newton's steps must halve the bracket now and then.
+    if (!between || k % 4 == 3) next = a + (b - a) / 2.0;
+    if (next == a || next == b || next == z) return z;
+    z = next;
+  }
+  return z;
+}
+
+/// The first solution from z[i] on. False: the rate is not finite, or no end is found.
+bool solve_one(const LocalEquation& all, std::span<double> z, std::size_t i) {
+  OneEquation e(all, z, i);
+  const double start = std::clamp(z[i], e.low(), e.high());
+  const double r = e.residual(start);
+  if (!std::isfinite(r)) return false;
+  if (std::abs(r) <= 2.0 * rounding_unit * e.size()) return true;
+  const double sign = r > 0.0 ? 1.0 : -1.0, end = r > 0.0 ? e.low() : e.high();
+  // Newton's step first, so that a root is not stepped over where the rate falls steeply.
+  double inside = start, step = 1.5 * std::abs(r) / std::max(1.0, e.slope());
+  for (int k = 0; k < most_expansions; ++k, step *= 2.0) {
+    double outside = start - sign * step;
+    const bool at_end = sign > 0.0 ? outside <= end : outside >= end;
+    if (at_end) outside = end;
+    if (inside == end) return true; // the residual would take it out: it stays
+    if (!std::isfinite(outside)) return false;
+    const double there = e.residual(outside);
+    if (std::isfinite(there) && there * sign > 0.0) {
+      inside = outside;
+      continue;
+    }
+    if (!std::isfinite(there) && !bracket_before_the_edge(e, inside, outside, sign)) return false;
+    e.residual(root_between(e, inside, outside, sign));
+    return true;
+  }
+  return false;
+}
+
+class System {
+public:
+  System(const LocalEquation& e, std::span<double> z)
+      : e_(e), z_(z), n_(static_cast<Eigen::Index>(z.size())), g_(z.size()),
+        by_(z.size() * z.size()) {}
+
+  /// max_i |z_i - P_i(b_i + c g_i)| / (|z_i| + |b_i| + |c g_i|), and the residual.
+  double residual(Vector& r) {
+    e_.rates(z_, g_);
+    double worst = 0.0;
+    r.resize(n_);
+    for (std::size_t i = 0; i < z_.size(); ++i) {
+      const double moved = e_.known[i] + e_.factor * g_[i];
+      const auto k = static_cast<Eigen::Index>(i);
+      r[k] = z_[i] - std::clamp(moved, e_.low[i], e_.high[i]);
+      const double size = std::abs(z_[i]) + std::abs(e_.known[i]) + std::abs(e_.factor * g_[i]);
+      if (!std::isfinite(moved)) return std::numeric_limits<double>::infinity();
+      if (r[k] != 0.0) worst = std::max(worst, std::abs(r[k]) / size);
+    }
+    return worst;
+  }
+
+  bool newton() {
+    Vector r, step;
+    double error = residual(r);
+    if (!std::isfinite(error)) return false;
+    for (int k = 0; k < most_newton && error > 2.0 * rounding_unit; ++k) {
+      step = solve_square(jacobian(), r);
+      if (!step.allFinite()) return false;
+      const std::vector<double> before(z_.begin(), z_.end());
+      double after = error;
+      double t = 1.0;
+      for (; t >= shortest_step; t /= 2.0) {
+        for (std::size_t i = 0; i < z_.size(); ++i)
+          z_[i] =
+              std::clamp(before[i] - t * step[static_cast<Eigen::Index>(i)], e_.low[i], e_.high[i]);
+        after = residual(r);
+        if (after < error) break;
+      }
+      if (t < shortest_step) {
+        std::ranges::copy(before, z_.begin());
+        break;
+      }
+      error = after;
+    }
+    return error <= 1e3 * rounding_unit;
+  }
+
+  bool one_by_one() {
+    Vector r;
+    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+      for (std::size_t i = 0; i < z_.size(); ++i)
+        if (!solve_one(e_, z_, i)) return false;
+      if (residual(r) <= 16.0 * rounding_unit) return true;
+    }
+    return false;
+  }
+
+private:
+  DenseMatrix jacobian() {
+    e_.derivatives(z_, by_);
+    DenseMatrix out = DenseMatrix::Identity(n_, n_);
+    for (Eigen::Index i = 0; i < n_; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double moved = e_.known[k] + e_.factor * g_[k];
+      if (moved <= e_.low[k] || moved >= e_.high[k]) continue;
+      for (Eigen::Index j = 0; j < n_; ++j) {
+        const double slope = by_[k * z_.size() + static_cast<std::size_t>(j)];
+        if (std::isfinite(slope)) out(i, j) -= e_.factor * slope;
+      }
+    }
+    return out;
+  }
+
+  const LocalEquation& e_;
+  std::span<double> z_;
+  Eigen::Index n_;
+  std::vector<double> g_, by_;
+};
+
+} // namespace
+
+bool solve_local(const LocalEquation& equation, std::span<double> z) {
+  if (z.size() == 1) return solve_one(equation, z, 0);
+  const std::vector<double> start(z.begin(), z.end());
+  System system(equation, z);
+  if (system.newton()) return true;
+  std::ranges::copy(start, z.begin());
+  return system.one_by_one();
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,448 @@
+// States at contact points; see point_states.hpp. Held by StepLaws.
+#include "solver/time/point_states.hpp"
+
+#include "solver/common/numbers.hpp"
+#include "solver/linear/dense.hpp"
+#include "solver/time/certificate.hpp"
+#include "solver/time/local_equation.hpp"
+#include "solver/time/saved_state.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+bool is_field_value(Slot s) { return s >= slot::first_field && s < slot::first_multiplier; }
+bool is_multiplier_slot(Slot s) { return s >= slot::first_multiplier && s < slot::first_inside; }
+
+int index_in(const std::vector<Slot>& slots, Slot s) {
+  return static_cast<int>(std::ranges::find(slots, s) - slots.begin());
+}
+
+/// A derivative at a kink of the rate, as of norm at 0, may be no number: taken as 0.
+void without_kinks(std::span<double> values) {
+  for (double& v : values)
+    if (!std::isfinite(v)) v = 0.0;
+}
+
+} // namespace
+
+StateRates::StateRates(const Problem& problem, const StateGroup& group, const LawPoints& points)
+    : n_(static_cast<int>(group.states.size())), points_(points) {
+  std::vector<Expr> rates, derivatives;
+  for (const int i : group.states)
+    rates.push_back(problem.states[static_cast<std::size_t>(i)].rate);
+  for (const Expr& rate : rates)
+    for (const int j : group.states) derivatives.push_back(derivative(rate, slot::state(j)));
+  for (const Expr& rate : rates)
+    for (const auto* slots : {&group.fields, &group.multipliers})
+      for (const Slot s : *slots) derivatives.push_back(derivative(rate, s));
+  rates_ = compile(rates), derivatives_ = compile(derivatives);
+  of_rates_ = sources(rates_, group);
+  of_derivatives_ = sources(derivatives_, group);
+}
+
+std::vector<StateRates::Source> StateRates::sources(const Tape& tape,
+                                                    const StateGroup& group) const {
+  std::vector<Source> out;
+  const int n_fields = static_cast<int>(group.fields.size());
+  for (const Slot s : tape.inputs) {
+    if (s <= slot::x(2))
+      out.push_back({Source::Kind::place, s});
+    else if (s == slot::t)
+      out.push_back({Source::Kind::time, 0});
+    else if (is_field_value(s))
+      out.push_back({Source::Kind::input, index_in(group.fields, s)});
+    else if (is_multiplier_slot(s))
+      out.push_back({Source::Kind::input, n_fields + index_in(group.multipliers, s)});
+    else if (slot::is_state(s))
+      out.push_back({Source::Kind::state, index_in(group.states, s - slot::first_state)});
+    else if (s >= slot::first_inside)
+      out.push_back({Source::Kind::inside, s - slot::first_inside});
+    else
+      out.push_back({Source::Kind::normal, s - slot::normal(0)});
+  }
+  return out;
+}
+
+void StateRates::run(const Tape& tape, const std::vector<Source>& sources, int p, double t,
+                     std::span<const double> z, std::span<const double> inputs,
+                     std::span<double> out) const {
+  thread_local TapeWorkspace workspace;
+  thread_local std::vector<double> values;
+  thread_local std::vector<const double*> pointers;
+  values.resize(sources.size());
+  pointers.resize(sources.size());
+  const auto at = static_cast<std::size_t>(p);
+  const auto value = [&](const Source& s) {
+    const auto i = static_cast<std::size_t>(s.index);
+    switch (s.kind) {
+    case Source::Kind::place:
+      return points_.x[at][i];
+    case Source::Kind::normal:
+      return points_.normal[at][i];
+    case Source::Kind::time:
+      return t;
+    case Source::Kind::state:
+      return z[i];
+    case Source::Kind::input:
+      return inputs[i];
+    case Source::Kind::inside:
+      return points_.indicators->value(s.index, points_.kind, points_.facet[at], points_.cell[at]);
+    }
+    return 0.0;
+  };
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    values[i] = value(sources[i]);
+    pointers[i] = &values[i];
+  }
+  evaluate(tape, {pointers.data(), pointers.size()}, 1, out, workspace);
+}
+
+void StateRates::rates(int p, double t, std::span<const double> z, std::span<const double> inputs,
+                       std::span<double> out) const {
+  run(rates_, of_rates_, p, t, z, inputs, out);
+}
+
+void StateRates::derivatives(int p, double t, std::span<const double> z,
+                             std::span<const double> inputs, std::span<double> by_state,
+                             std::span<double> by_input) const {
+  thread_local std::vector<double> both;
+  both.resize(derivatives_.outputs.size());
+  run(derivatives_, of_derivatives_, p, t, z, inputs, both);
+  without_kinks(both);
+  std::copy_n(both.begin(), by_state.size(), by_state.begin());
+  std::copy(both.begin() + static_cast<std::ptrdiff_t>(by_state.size()),
+            both.begin() + static_cast<std::ptrdiff_t>(by_state.size() + by_input.size()),
+            by_input.begin());
+}
+
+/// States have first derivatives only: a scheme of the second order serves u'', and them its own.
+PointStates::PointStates(const Problem& problem, const Evolution& evolution, Contact& contact)
+    : problem_(problem), evolution_(evolution), contact_(contact), accepted_(contact.state_values) {
+  if (none()) return;
+  for (const auto& group : contact.state_groups)
+    rates_.emplace_back(problem, group, contact.terms[group.host].points);
+  Problem first_order; // without inertia
+  first_order.time = problem.time;
+  if (problem.time.scheme != Scheme::bdf2) first_order.time.scheme = Scheme::backward_euler;
+  scheme_ = make_scheme(first_order);
+  scheme_->start(static_cast<int>(accepted_.size()));
+}
+
+void PointStates::begin(int n) {
+  if (none()) return;
+  give_up();
+  n_ = n;
+  t_ = evolution_.grid().t(n);
+  factor_ = 1.0 / scheme_->factor(n, 1);
+  known_ = accepted_;
+  for (const auto& [factor, of] : scheme_->known(n, 1))
+    if (of != nullptr) known_ -= factor_ * factor * *of;
+}
+
+void PointStates::inputs(const Vector& u, const Vector* d, const Vector& xi,
+                         StateInputs& out) const {
+  out.values.setZero(n_inputs());
+  out.scales.setZero(n_inputs());
+  const auto fields = evolution_.law_fields(n_, contact_.state_fields, u, d);
+  const auto laws = evolution_.law_fields(n_, contact_.other_fields, u, d);
+  const bool reached = contact_.reach.size() == contact_.trace.cols();
+  for (const auto& group : contact_.state_groups) {
+    int row = group.first_input;
+    for (const Slot s : group.fields) {
+      const int field = (s - slot::first_field) / slot::field_stride;
+      const Vector& values = fields[field];
+      const double factor = reached ? fields.factor(field) : 0.0;
+      for (const int end = row + group.n_points; row < end; ++row)
+        for (SparseMatrix::InnerIterator it(contact_.trace, row); it; ++it) {
+          out.values[row] += it.value() * values[it.col()];
+          out.scales[row] +=
+              std::abs(it.value()) * (std::abs(values[it.col()]) +
+                                      (factor > 0.0 ? factor * contact_.reach[it.col()] : 0.0));
+        }
+    }
+    for (const Slot s : group.multipliers) {
+      const auto& term = contact_.terms[(s - slot::first_multiplier) / 4];
+      const auto component = static_cast<std::size_t>((s - slot::first_multiplier) % 4);
+      for (int p = 0; p < group.n_points; ++p)
+        out.values[row + p] = global_multiplier(term, xi, p)[component];
+      out.scales.segment(row, group.n_points).setConstant(multiplier_scale(term, laws, xi));
+      row += group.n_points;
+    }
+  }
+}
+
+/// The largest multiplier of a term, or what its law makes of the sizes of its arguments.
+double PointStates::multiplier_scale(const ContactTerm& term, const LawFields& fields,
+                                     const Vector& xi) const {
+  double out = xi.segment(term.first_row, term.n_rows()).lpNorm<Eigen::Infinity>();
+  for (int p = 0; p < term.n_points(); ++p) {
+    const auto& point = contact_.problem.points[static_cast<std::size_t>(term.first_point + p)];
+    const Law& law = *contact_.laws[point.law];
+    const LawGraph& graph = contact_.problem.graphs[point.graph];
+    const double size =
+        argument_scale(contact_, point, fields[term.field], fields.factor(term.field));
+    double made = 0.0; // within pieces: a jump is no rounding
+    for (int i = 0; i < graph.pieces(); ++i) {
+      const double low = std::max(piece_low(graph, i, law.spec().radial), -size),
+                   high = std::min(piece_high(graph, i), size);
+      if (!(low < high)) continue;
+      const double change = std::abs(law.slope(graph, i, high) - law.slope(graph, i, low));
+      if (change < unbounded_slope) made += change;
+    }
+    out = std::max(out, made);
+  }
+  return out;
+}
+
+std::vector<double> PointStates::of_point(const StateGroup& group, int p,
+                                          const Vector& values) const {
+  std::vector<double> out;
+  for (const int i : group.states) out.push_back(values[contact_.first_state[i] + p]);
+  return out;
+}
+
+std::vector<double> PointStates::inputs_of_point(const StateGroup& group, int p,
+                                                 const Vector& inputs) const {
+  std::vector<double> out;
+  for (int row = group.first_input + p; row < group.first_input + group.n_inputs();
+       row += group.n_points)
+    out.push_back(inputs[row]);
+  return out;
+}
+
+bool PointStates::solve(const Vector& inputs, double share, Vector& values) const {
+  values = accepted_;
+  if (!inputs.allFinite()) return false;
+  for (std::size_t g = 0; g < rates_.size(); ++g) {
+    const auto& group = contact_.state_groups[g];
+    LocalEquation local;
+    local.factor = share * factor_;
+    for (const int i : group.states) {
+      local.low.push_back(problem_.states[i].low);
+      local.high.push_back(problem_.states[i].high);
+    }
+    for (int p = 0; p < group.n_points; ++p) {
+      const auto own = inputs_of_point(group, p, inputs);
+      auto z = of_point(group, p, accepted_);
+      local.known = of_point(group, p, known_);
+      for (std::size_t i = 0; i < z.size(); ++i)
+        local.known[i] = z[i] + share * (local.known[i] - z[i]);
+      local.rates = [&](std::span<const double> at, std::span<double> out) {
+        rates_[g].rates(p, t_, at, own, out);
+      };
+      local.derivatives = [&](std::span<const double> at, std::span<double> out) {
+        rates_[g].derivatives(p, t_, at, own, out, {});
+      };
+      if (!solve_local(local, z)) return false;
+      for (std::size_t i = 0; i < z.size(); ++i)
+        values[contact_.first_state[group.states[i]] + p] = z[i];
+    }
+  }
+  return values.allFinite();
+}
+
+/// (I - c dg/dz) dz = c dg/da da on the states that are not held at an end.
+SparseMatrix PointStates::slopes(const Vector& inputs, double share, const Vector& values) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  const double c = share * factor_;
+  for (std::size_t g = 0; g < rates_.size(); ++g) {
+    const auto& group = contact_.state_groups[g];
+    const auto n = static_cast<Eigen::Index>(group.states.size());
+    const auto n_in = static_cast<Eigen::Index>(group.fields.size() + group.multipliers.size());
+    std::vector<double> rate(group.states.size()), by_state(static_cast<std::size_t>(n * n)),
+        by_input(static_cast<std::size_t>(n * n_in));
+    for (int p = 0; p < group.n_points; ++p) {
+      const auto own = inputs_of_point(group, p, inputs), z = of_point(group, p, values);
+      rates_[g].rates(p, t_, z, own, rate);
+      rates_[g].derivatives(p, t_, z, own, by_state, by_input);
+      DenseMatrix left = DenseMatrix::Identity(n, n), right = DenseMatrix::Zero(n, n_in);
+      for (Eigen::Index i = 0; i < n; ++i) {
+        const int state = group.states[static_cast<std::size_t>(i)];
+        const auto& spec = problem_.states[static_cast<std::size_t>(state)];
+        const int at = contact_.first_state[state] + p;
+        const double known = accepted_[at] + share * (known_[at] - accepted_[at]);
+        const double moved = known + c * rate[static_cast<std::size_t>(i)];
+        if (moved <= spec.low || moved >= spec.high) continue;
+        for (Eigen::Index j = 0; j < n; ++j)
+          left(i, j) -= c * by_state[static_cast<std::size_t>(i * n + j)];
+        for (Eigen::Index j = 0; j < n_in; ++j)
+          right(i, j) = c * by_input[static_cast<std::size_t>(i * n_in + j)];
+      }
+      const DenseMatrix of_point = solve_square(left, right);
+      if (!of_point.allFinite()) continue;
+      for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index j = 0; j < n_in; ++j)
+          entries.emplace_back(contact_.first_state[group.states[static_cast<std::size_t>(i)]] + p,
+                               group.first_input + static_cast<int>(j) * group.n_points + p,
+                               of_point(i, j));
+    }
+  }
+  SparseMatrix out(values.size(), n_inputs());
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+SparseMatrix PointStates::by_unknowns() const {
+  SparseMatrix out = contact_.trace_c;
+  const Vector room = Vector::Zero(contact_.trace.cols());
+  const auto fields = evolution_.law_fields(n_, contact_.state_fields, room, nullptr);
+  for (const auto& group : contact_.state_groups)
+    for (std::size_t f = 0; f < group.fields.size(); ++f) {
+      const int field = (group.fields[f] - slot::first_field) / slot::field_stride;
+      const int first = group.first_input + static_cast<int>(f) * group.n_points;
+      for (int row = first; row < first + group.n_points; ++row)
+        for (SparseMatrix::InnerIterator it(out, row); it; ++it)
+          it.valueRef() *= fields.factor(field);
+    }
+  return out;
+}
+
+SparseMatrix PointStates::by_multipliers() const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const auto& group : contact_.state_groups) {
+    int row = group.first_input + static_cast<int>(group.fields.size()) * group.n_points;
+    for (const Slot s : group.multipliers) {
+      const auto& term = contact_.terms[(s - slot::first_multiplier) / 4];
+      const int component = (s - slot::first_multiplier) % 4, rows = term.points.rows;
+      for (int p = 0; p < group.n_points; ++p)
+        for (int r = 0; r < rows; ++r) {
+          const double factor = term.points.frames.empty() ? (component == 0 ? 1.0 : 0.0)
+                                                           : term.points.frames[p](component, r);
+          if (factor != 0.0) entries.emplace_back(row + p, term.first_row + p * rows + r, factor);
+        }
+      row += group.n_points;
+    }
+  }
+  SparseMatrix out(n_inputs(), contact_.n_rows());
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+StateError PointStates::error(const StateInputs& inputs) const {
+  StateError out;
+  const auto size = sizes(inputs);
+  for (std::size_t g = 0; g < rates_.size(); ++g) {
+    const auto& group = contact_.state_groups[g];
+    const std::size_t n = group.states.size();
+    std::vector<double> rate(n), by_state(n * n), residual(n, 0.0);
+    for (int p = 0; p < group.n_points; ++p) {
+      const auto own = inputs_of_point(group, p, inputs.values);
+      const auto z = of_point(group, p, contact_.state_values);
+      rates_[g].rates(p, t_, z, own, rate);
+      rates_[g].derivatives(p, t_, z, own, by_state, {});
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto& spec = problem_.states[static_cast<std::size_t>(group.states[i])];
+        const double moved = known_[contact_.first_state[group.states[i]] + p] + factor_ * rate[i];
+        const double left = std::abs(z[i] - std::clamp(moved, spec.low, spec.high)) /
+                            steepness(std::span(by_state).subspan(i * n, n));
+        residual[i] = std::isfinite(left) ? std::max(residual[i], left) : infinity;
+      }
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const double worst =
+          residual[i] > 0.0 ? residual[i] / size[static_cast<std::size_t>(group.states[i])] : 0.0;
+      if (worst > out.worst || out.state < 0) out = {worst, group.states[i]};
+    }
+  }
+  return out;
+}
+
+/// By how much more the residual of an equation changes than its state.
+double PointStates::steepness(std::span<const double> by_state) const {
+  double out = 1.0;
+  for (const double slope : by_state) out = std::max(out, std::abs(factor_ * slope));
+  return out;
+}
+
+/// What the inputs' scales make of the rates of a point: by their slopes, and where products of
+/// inputs are products of rounding, by the rates one scale away.
+std::vector<double> PointStates::made_of_scales(std::size_t g, int p,
+                                                const StateInputs& inputs) const {
+  const auto& group = contact_.state_groups[g];
+  const std::size_t n = group.states.size(), n_in = group.fields.size() + group.multipliers.size();
+  const auto own = inputs_of_point(group, p, inputs.values),
+             scales = inputs_of_point(group, p, inputs.scales);
+  const auto z = of_point(group, p, contact_.state_values);
+  std::vector<double> by_state(n * n), by_input(n * n_in), here(n), there(n), out(n, 0.0);
+  rates_[g].derivatives(p, t_, z, own, by_state, by_input);
+  rates_[g].rates(p, t_, z, own, here);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n_in; ++j) out[i] += std::abs(by_input[i * n_in + j]) * scales[j];
+  for (const double sign : {-1.0, 1.0}) {
+    auto moved = own;
+    for (std::size_t j = 0; j < n_in; ++j) moved[j] += sign * scales[j];
+    rates_[g].rates(p, t_, z, moved, there);
+    for (std::size_t i = 0; i < n; ++i)
+      if (const double change = std::abs(there[i] - here[i]); std::isfinite(change))
+        out[i] = std::max(out[i], change);
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    out[i] *= factor_ / steepness(std::span(by_state).subspan(i * n, n));
+  return out;
+}
+
+std::vector<double> PointStates::sizes(const StateInputs& inputs) const {
+  std::vector<double> out(problem_.states.size(), 0.0);
+  for (std::size_t g = 0; g < rates_.size(); ++g) {
+    const auto& group = contact_.state_groups[g];
+    for (int p = 0; p < group.n_points; ++p) {
+      const auto made = made_of_scales(g, p, inputs);
+      for (std::size_t i = 0; i < made.size(); ++i) {
+        const int at = contact_.first_state[group.states[i]] + p;
+        double& size = out[static_cast<std::size_t>(group.states[i])];
+        size = std::max({size, std::abs(contact_.state_values[at]), std::abs(known_[at]),
+                         std::abs(accepted_[at]), made[i]});
+      }
+    }
+  }
+  return out;
+}
+
+StateError PointStates::distance(const Vector& values, const StateInputs& inputs) const {
+  StateError out;
+  const auto size = sizes(inputs);
+  for (const auto& group : contact_.state_groups)
+    for (const int i : group.states) {
+      const int first = contact_.first_state[i];
+      double moved = 0.0;
+      for (int at = first; at < first + group.n_points; ++at)
+        moved = std::max(moved, std::abs(values[at] - contact_.state_values[at]));
+      const double of_size = moved > 0.0 ? moved / size[static_cast<std::size_t>(i)] : 0.0;
+      if (of_size > out.worst || out.state < 0) out = {of_size, i};
+    }
+  return out;
+}
+
+Vector PointStates::kept(Vector values) const {
+  for (const auto& group : contact_.state_groups)
+    for (const int i : group.states) {
+      auto own = values.segment(contact_.first_state[i], group.n_points);
+      own = own.cwiseMax(problem_.states[i].low).cwiseMin(problem_.states[i].high).eval();
+    }
+  return values;
+}
+
+void PointStates::accept(int n) {
+  if (none()) return;
+  Vector moved = contact_.state_values - accepted_;
+  scheme_->accept(n, moved);
+  accepted_ = contact_.state_values;
+}
+
+void PointStates::save(StateWriter& w) const {
+  if (none()) return;
+  put_vector(w, accepted_);
+  scheme_->save(w);
+}
+
+void PointStates::restore(StateReader& r) {
+  if (none()) return;
+  get_vector(r, accepted_, accepted_.size());
+  scheme_->restore(r);
+  give_up();
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,268 @@
+// See start_motion.hpp. Called when the state of a run is made.
+#include "solver/time/start_motion.hpp"
+
+#include "solver/time/rigid.hpp"
+#include "solver/time/step_load.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+/// Bounds that are multipliers are found by so many passes, to this change.
+constexpr int most_bound_passes = 100;
+constexpr double settled = 1e-12;
+/// A set of slopes smaller than this, by the largest of them, is one slope.
+constexpr double one_slope = 1e-13;
+
+/// The function of t is differentiated so many times in every imposed value.
+Vector imposed_rate(const Problem& problem, const Discretisation& d, int times, Vector out) {
+  SpaceSpec rates = problem.space;
+  for (auto& entry : rates.dirichlet)
+    for (auto& value : entry.value)
+      for (int i = 0; i < times; ++i) value = derivative(value, slot::t);
+  impose(d.space, rates, d.dofs, problem.time.grid.front(), out);
+  return out;
+}
+
+/// Two laws, of which a point's place gives the numbers: dj(0) = [x_0, x_1], and for a vector the
+/// ball of radius x_0.
+LawSpec support_law(bool radial) {
+  LawSpec out;
+  out.name = "the forces that laws leave open";
+  out.radial = radial, out.by_slope = true;
+  const Expr low = Expr::variable(slot::x(0)), high = Expr::variable(slot::x(1));
+  const Expr negative = less(Expr::variable(slot::argument(0)), Expr(0.0));
+  out.expression = radial ? low : select(negative, low, high);
+  return out;
+}
+
+using Rows = Eigen::Ref<const Vector>;
+
+/// By which arguments of laws on u move at t_0, and what that is made of.
+struct ArgumentRates {
+  Vector value, size;
+  /// Those of a point; zero where they are rounding.
+  Vector of(const ContactPoint& point) const {
+    Vector out = value.segment(point.first_row, point.rows);
+    if (out.norm() <= one_slope * size.segment(point.first_row, point.rows).norm()) out.setZero();
+    return out;
+  }
+};
+
+ArgumentRates argument_rates(const Problem& problem, const Contact& contact, double t,
+                             const Vector& velocity) {
+  ArgumentRates out{Vector::Zero(contact.n_rows()), Vector::Zero(contact.n_rows())};
+  Vector moving;
+  for (const auto& term : contact.terms) {
+    if (term.field != field_of_u(0)) continue;
+    LawTerm spec = problem.law_terms[static_cast<std::size_t>(term.points.law_term)];
+    for (auto& row : spec.rows) row.offset = derivative(row.offset, slot::t);
+    law_offsets(term.points, spec, t, moving);
+    for (int row = 0; row < term.n_rows(); ++row) {
+      double& value = out.value[term.first_row + row];
+      double& size = out.size[term.first_row + row];
+      value = moving[row], size = std::abs(moving[row]);
+      for (SparseMatrix::InnerIterator it(contact.g, term.first_row + row); it; ++it) {
+        value += it.value() * velocity[it.col()];
+        size += std::abs(it.value() * velocity[it.col()]);
+      }
+    }
+  }
+  return out;
+}
+
+/// The laws at t_0: forces that are known, and the sets of those that are not.
+class OpenForces {
+public:
+  /// The laws are prepared for t_0. Keeps references to both.
+  OpenForces(const Contact& contact, const ArgumentRates& rates)
+      : known(Vector::Zero(contact.n_rows())), problem(contact.problem), contact_(contact),
+        rates_(rates), scalar_(support_law(false)), radial_(support_law(true)) {
+    problem.laws = {&scalar_, &radial_};
+    problem.graphs.clear();
+    problem.coupled.clear();
+    problem.offset.setZero();
+    problem.offset_size.resize(0);
+    for (auto& point : problem.points) take(point);
+  }
+  OpenForces(const OpenForces&) = delete; // the problem refers to the laws
+  OpenForces& operator=(const OpenForces&) = delete;
+
+  Vector known;           ///< a row each
+  ReducedProblem problem; ///< of the others
+
+private:
+  void take(ContactPoint& point) {
+    const Law& law = *contact_.laws[static_cast<std::size_t>(point.law)];
+    const bool radial = law.spec().radial;
+    const LawGraph& graph = contact_.problem.graphs[static_cast<std::size_t>(point.graph)];
+    const Point set = radial ? ball(law, graph, point) : interval(law, graph, point);
+    point.law = radial ? 1 : 0;
+    point.graph = static_cast<int>(problem.graphs.size());
+    problem.graphs.push_back((radial ? radial_ : scalar_).graph(set, 0.0));
+  }
+
+  double snap(const ContactPoint& point) const {
+    return one_slope * contact_.problem.offset_size[point.first_row];
+  }
+
+  /// The ends of the open set; both 0 where the force is known.
+  Point interval(const Law& law, const LawGraph& graph, const ContactPoint& point) {
+    auto [low, high] = clarke(law, graph, contact_.problem.offset[point.first_row], snap(point));
+    const double moves = rates_.of(point)[0];
+    if (moves > 0.0 && high < unbounded_slope) low = high;
+    if (moves < 0.0 && low > -unbounded_slope) high = low;
+    if (high - low > one_slope * std::max(std::abs(low), std::abs(high))) return {low, high, 0.0};
+    // Beyond an obstacle no force is known: the first step takes the state back.
+    if (std::abs(low) < unbounded_slope) known[point.first_row] = low;
+    return {};
+  }
+
+  /// The radius of the open ball; 0 where the force is known.
+  Point ball(const Law& law, const LawGraph& graph, const ContactPoint& point) {
+    const Rows z = contact_.problem.offset.segment(point.first_row, point.rows);
+    const Vector moves = rates_.of(point);
+    auto xi = known.segment(point.first_row, point.rows);
+    const double r = z.norm(), speed = moves.norm();
+    if (r > snap(point)) {
+      const auto [low, high] = clarke(law, graph, r, snap(point));
+      xi = (z.dot(moves) < 0.0 ? low : high) / r * z;
+      return {};
+    }
+    const double radius = std::abs(law.slope(graph, 0, 0.0));
+    if (!(speed > 0.0)) return {radius, 0.0, 0.0};
+    xi = radius / speed * moves;
+    return {};
+  }
+
+  const Contact& contact_;
+  const ArgumentRates& rates_;
+  Law scalar_, radial_;
+};
+
+/// M a = f on the unknowns, with laws that leave forces open.
+class MassSolver {
+public:
+  MassSolver(const Plan& plan, const Formulation& formulation)
+      : plan_(plan), formulation_(formulation),
+        matrix_(formulation.operators(), formulation.contact()) {
+    try {
+      matrix_.factor(formulation.operators().weights.row(field_of_u(2)).transpose());
+      if (formulation.contact().whole)
+        reduced_ = sparse_operator(matrix_.k(), formulation.operators().symmetric);
+      else if (!formulation.contact().none())
+        reduced_ =
+            dense_operator(matrix_.factorisation()->schur(), formulation.operators().symmetric);
+    } catch (const NotFactorable&) {
+      no_mass();
+    }
+  }
+
+  Vector solve(const Vector& f) const {
+    Vector out;
+    matrix_.factorisation()->solve(f, out);
+    return out;
+  }
+
+  /// The same with the open forces; xi: all multipliers.
+  Vector solve(const Vector& f, const OpenForces& open, Vector& xi) const {
+    const Contact& contact = formulation_.contact();
+    const SharedFactor& factor = matrix_.factorisation();
+    const Vector rest = f - contact.force * open.known;
+    Vector r = rest, a;
+    if (factor) factor->reduce(rest, r);
+    InequalityOptions options;
+    options.tolerance = plan_.options.tolerance;
+    InequalityState state;
+    state.c = Vector::Zero(r.size());
+    state.xi = Vector::Zero(contact.n_rows());
+    const auto report = InequalitySolver(open.problem, *reduced_, options).solve(r, state);
+    if (!report.converged)
+      throw Failure(FailureKind::not_certified, plan_.problem.time.origin,
+                    "no acceleration at the initial time was found: " + report.verdict,
+                    "use `scheme = midpoint`, which needs none");
+    xi = open.known + state.xi;
+    if (!factor) return state.c;
+    factor->back(state.c, a);
+    return a;
+  }
+
+private:
+  [[noreturn]] void no_mass() const {
+    throw Failure(FailureKind::not_coercive, plan_.problem.time.origin,
+                  fmt::format("the scheme {} starts from u'' at the initial time, and not every "
+                              "unknown has a mass",
+                              name_of(plan_.problem.time.scheme)),
+                  "let the form in u'' act on the whole body, or use backward_euler, bdf2 or "
+                  "midpoint");
+  }
+
+  const Plan& plan_;
+  const Formulation& formulation_;
+  FactoredMatrix matrix_;
+  std::unique_ptr<ReducedOperator> reduced_;
+};
+
+/// f(t_0) - A v_0 - B u_0 - M a_0, a_0 the acceleration of imposed values only.
+Vector forces_at_start(const Formulation& formulation, const Evolution& evolution,
+                       const Vector& velocity, const Vector& imposed) {
+  const Operators& operators = formulation.operators();
+  Vector out = Vector::Zero(operators.n_unknowns);
+  formulation.loads().add(evolution.grid().t(0), out);
+  for (int b = 0; b < operators.n_bases(); ++b) {
+    const auto weight = operators.weights.col(b);
+    const Vector state = weight[field_of_u(0)] * evolution.u() + weight[field_of_u(1)] * velocity +
+                         weight[field_of_u(2)] * imposed;
+    subtract_product(operators.bases[static_cast<std::size_t>(b)], state, out);
+  }
+  return out;
+}
+
+} // namespace
+
+Vector starting_velocity(const Problem& problem, const Discretisation& d) {
+  Vector out = Vector::Zero(d.space.n_dofs());
+  const auto& time = problem.time;
+  if (time.velocity)
+    out = interpolate(d.space, *time.velocity, time.grid.front(), time.velocity_origin);
+  return imposed_rate(problem, d, 1, std::move(out));
+}
+
+void start_motion(const Plan& plan, const Discretisation& d, RunState& run) {
+  Formulation& formulation = *run.formulation;
+  const StateLayout& layout = formulation.layout();
+  Evolution& evolution = run.evolution;
+  Vector velocity = Vector::Zero(layout.n_state), acceleration = velocity;
+  layout.gather(starting_velocity(plan.problem, d), velocity);
+  evolution.start_motion(velocity, acceleration);
+  if (!evolution.scheme().needs_acceleration()) return;
+
+  layout.gather(imposed_rate(plan.problem, d, 2, Vector::Zero(d.space.n_dofs())), acceleration);
+  const Vector f = forces_at_start(formulation, evolution, velocity, acceleration);
+  auto unknowns = acceleration.head(layout.n_unknowns);
+  const MassSolver mass(plan, formulation);
+  Contact& contact = formulation.contact();
+  Vector xi = Vector::Zero(contact.n_rows());
+  if (contact.none()) {
+    unknowns = mass.solve(f);
+  } else {
+    const double t = evolution.grid().t(0);
+    const auto rates = argument_rates(plan.problem, contact, t, velocity);
+    const auto fields = evolution.law_fields(contact.other_fields);
+    read_memories(contact, t, fields);
+    for (int pass = 0; pass < most_bound_passes; ++pass) {
+      const Vector before = xi;
+      prepare(contact, plan.problem, t, fields, xi);
+      unknowns = mass.solve(f, OpenForces(contact, rates), xi);
+      if (!contact.coupled || (xi - before).norm() <= settled * xi.norm()) break;
+    }
+  }
+  evolution.start_motion(velocity, acceleration);
+  run.solver.equations.laws.start(xi);
+  run.balance.note_multipliers(xi);
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,333 @@
+#!/usr/bin/env python3
+"""States against closed forms and an integrator of its own: orders, stiff steps, bonds that break, restart, turned scenes.
+
+usage: closed_forms.py HVI_RUN
+"""
+import json
+import math
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+
+HVI = str(pathlib.Path(sys.argv[1]).resolve())
+failed = []
+
+
+def check(what, good, shown=""):
+    print(f"{'ok    ' if good else 'FAILED'} {what} {shown}")
+    if not good:
+        failed.append(what)
+
+
+def run(folder, script, *options, name="scene"):
+    path = pathlib.Path(folder) / f"{name}.hvi"
+    path.write_text(script)
+    out = pathlib.Path(folder) / f"{name}.json"
+    out.unlink(missing_ok=True)
+    done = subprocess.run([HVI, "run", path.name, "--quiet", "--json", out.name, "-o", "out", *options], cwd=folder,
+                          capture_output=True, text=True, timeout=300)
+    return done, json.loads(out.read_text()) if out.exists() else None
+
+
+def orders(errors):
+    return [math.log2(a / b) for a, b in zip(errors, errors[1:])]
+
+
+# The bottom of a block is held open by d: beta' = -max(0, c beta d^2 - e) from 1 gives
+# beta = e/(c d^2) + (1 - e/(c d^2)) exp(-c d^2 t).
+HELD = """
+param N = 20
+param method = backward_euler
+mesh body = rectangle(1, 1, cells = [2, 2])
+part roof = body.top
+part glue = body.bottom
+tensor B = isotropic(lambda = 10, mu = 10)
+superpotential bond(r) = 0.5*beta^2*10*r^2
+state beta on glue with rate -max(0, 5*beta*pos(u.nu)^2 - 0.1) from beta = 1 in [0, 1]
+space V = vector P1 on body, zero on roof, zero.y on glue
+find u in V with u.y = -0.5 on glue for t in [0, 2] by N steps from u = [0, -0.5*(1 - y)]
+  using scheme = method
+such that for all v in V
+    integral(body, B : eps(u) : eps(v))
+  + integral(glue, bond^0(u.nu; v.nu))
+ >= 0
+report
+  table b = beta at [0.5, 0], whole = integral(glue, beta), xi = bond.xi at [0.5, 0]
+"""
+
+
+def held_bond(folder):
+    a = 5 * 0.25
+    exact = 0.1 / a + (1 - 0.1 / a) * math.exp(-a * 2)
+    for method, order in (("backward_euler", 1), ("bdf2", 2)):
+        errors = []
+        for n in (40, 80, 160, 320):
+            done, out = run(folder, HELD, "-D", f"N={n}", "-D", f"method={method}")
+            assert done.returncode == 0, done.stderr
+            errors.append(abs(out["final"]["b"] - exact))
+        found = orders(errors)
+        check(f"bond under held opening, {method}: order {order}", all(abs(o - order) < 0.1 for o in found[1:]),
+              f"errors {errors[-1]:.1e}, orders {[round(o, 2) for o in found]}")
+    done, out = run(folder, HELD, "-D", "N=10")
+    k, b = 0.2, 1.0
+    for _ in range(10):
+        b = (b + k * 0.1) / (1 + k * a)
+    check("bond: the formula of backward Euler to rounding", abs(out["final"]["b"] - b) < 1e-15 and
+          abs(out["final"]["whole"] - b) < 1e-15 and abs(out["final"]["xi"] - b * b * 10 * 0.5) < 1e-14,
+          f"{out['final']['b'] - b:.1e}")
+    check("the certificate has the states' error", out["certificate"]["states"] <= 1e-14)
+
+
+# A block pressed on its ground slides at the speed 1; springs in series make the pressure p = c (0.01 - worn gap),
+# c = 1/(1/1000 + 1/100): wear' = 0.02 p.
+WEAR = """
+param N = 10
+param method = backward_euler
+mesh body = {mesh}
+part roof = body.top
+part ground = body.bottom
+tensor B = isotropic(lambda = 0, mu = 50)
+superpotential press(r) = 0.5*1000*pos(r)^2
+state wear on ground with rate 0.02*abs(press.xi)*norm(u'.tau) from wear = 0
+state path on ground with rate norm(u'.tau) from path = 0
+space V = vector P1 on body, zero on roof, {zero}
+find u in V with {held} for t in [0, 1] by N steps from u = {held0}
+  using scheme = method
+such that for all v in V
+    integral(body, B : eps(u) : eps(v))
+  + integral(ground, press^0(u.nu{worn}; v.nu))
+ >= 0
+report
+  table w = wear at {at}, s = path at {at}, p = press.xi at {at}
+"""
+SLIDING = {2: dict(mesh="rectangle(1, 1, cells = [2, 2])", zero="zero.x on ground",
+                   held="u = [t, -0.01] on roof, u.x = t on ground", held0="[0, -0.01*y]", at="[0.5, 0]"),
+           3: dict(mesh="box(1, 1, 1, cells = [1, 2, 1])", zero="zero.x on ground, zero.z on ground",
+                   held="u = [0.6*t, -0.01, 0.8*t] on roof, u.x = 0.6*t on ground, u.z = 0.8*t on ground",
+                   held0="[0, -0.01*y, 0]", at="[0, 0, 0]")}
+
+
+def wear(folder):
+    c = 1 / (1 / 1000 + 1 / 100)
+    for dim, made in SLIDING.items():
+        done, out = run(folder, WEAR.format(worn="", **made))
+        assert done.returncode == 0, done.stderr
+        last, want = [out["final"][k] for k in "wsp"], [0.02 * 0.01 * c, 1, 0.01 * c]
+        check(f"wear under a held pressure, {dim}D", all(abs(a - b) < 1e-13 for a, b in zip(last, want)),
+              f"{[f'{a - b:.0e}' for a, b in zip(last, want)]}")
+        # The worn gap relieves the pressure; the law's argument moves, or the law itself.
+        for where in (" - wear", ""):
+            script = WEAR.format(worn=where, **made)
+            if not where:
+                script = script.replace("pos(r)", "pos(r - wear)")
+            done, out = run(folder, script)
+            w = 0.0
+            for _ in range(10):
+                w = (w + 0.1 * 0.02 * c * 0.01) / (1 + 0.1 * 0.02 * c)
+            check(f"wear that relieves the pressure, {dim}D", done.returncode == 0 and abs(out["final"]["w"] - w) < 1e-14 and
+                  abs(out["final"]["p"] - c * (0.01 - w)) < 1e-12, done.stderr[:300] or f"{out['final']['w'] - w:.0e}")
+    exact = 0.01 * (1 - math.exp(-0.02 * c))
+    for method, order in (("backward_euler", 1), ("bdf2", 2)):
+        errors = []
+        for n in (20, 40, 80, 160):
+            done, out = run(folder, WEAR.format(worn=" - wear", **SLIDING[2]), "-D", f"N={n}", "-D", f"method={method}")
+            errors.append(abs(out["final"]["w"] - exact))
+        found = orders(errors)
+        check(f"wear that relieves the pressure, {method}: order {order}", all(abs(o - order) < 0.1 for o in found[1:]),
+              f"errors {errors[-1]:.1e}, orders {[round(o, 2) for o in found]}")
+
+
+# A slider on a spring with rate-and-state friction: velocity steps.
+FAULT = """
+param N = 400
+param method = backward_euler
+param stiff = 4
+param last = 2
+param L = 0.01
+mesh body = rectangle(1, 1, cells = [1, 1])
+part roof = body.top
+part fault = body.bottom
+tensor B = isotropic(lambda = 0, mu = stiff)
+superpotential slip(xi) with slope 0.6 + 0.02*log(1 + norm(xi)/0.001) + 0.03*log(1 + 0.1*theta/L)
+{state}
+space V = vector P1 on body, zero on roof, zero.y on fault
+find u in V with u.x = (| t < 1 -> t | otherwise -> 1 + 3*(t - 1)) on roof for t in [0, last] by N steps from u = 0
+  using scheme = method
+such that for all v in V
+    integral(body, B : eps(u) : eps(v))
+  + integral(fault, slip^0(u'.tau; v.tau))
+ >= 0
+report
+  table a = theta at [0, 0], x = u.x at [0, 0], tau = integral(fault, slip.xi.x)
+"""
+LAWS = {"ageing": "state theta on fault with rate 1 - norm(u'.tau)*theta/L from theta = L",
+        "slip": "state theta on fault with rate -norm(u'.tau)*theta/L*log(max(norm(u'.tau)*theta/L, 1e-200)) from theta = L"}
+
+
+def fault_reference(law, stiff, last):
+    """x and theta at the last time: the slider's speed follows from the balance at every moment; classical Runge-Kutta, with the start
+    of sliding and the jump of the pull at ends of steps."""
+    L = 0.01
+
+    def speed(tau, theta):
+        level = (tau - 0.6 - 0.03 * math.log(1 + 0.1 * theta / L)) / 0.02
+        return 0.001 * (math.exp(level) - 1) if level > 0 else 0.0
+
+    def rate(t, y, pull):
+        x, theta = y
+        v = speed(stiff * (pull(t) - x), theta)
+        q = v * theta / L
+        return v, (1 - q if law == "ageing" else -q * math.log(max(q, 1e-200)))
+
+    y = (0.0, L)
+    for start, end, pull in ((0.0, 1.0, lambda t: t), (1.0, last, lambda t: 1 + 3 * (t - 1))):
+        steps = 200000 if end == 1.0 else 20000
+        h = (end - start) / steps
+        for j in range(steps):
+            t = start + j * h
+            k1 = rate(t, y, pull)
+            k2 = rate(t + h / 2, [a + h / 2 * b for a, b in zip(y, k1)], pull)
+            k3 = rate(t + h / 2, [a + h / 2 * b for a, b in zip(y, k2)], pull)
+            k4 = rate(t + h, [a + h * b for a, b in zip(y, k3)], pull)
+            y = [a + h / 6 * (p + 2 * q + 2 * r + s) for a, p, q, r, s in zip(y, k1, k2, k3, k4)]
+    return y
+
+
+def fault(folder):
+    for law, state in LAWS.items():
+        x, theta = fault_reference(law, 4, 1.005)
+        script = FAULT.format(state=state)
+        for method, order in (("backward_euler", 1), ("bdf2", 2)):
+            errors = []
+            for n in (804, 1608, 3216):
+                done, out = run(folder, script, "-D", "last=1.005", "-D", f"N={n}", "-D", f"method={method}")
+                assert done.returncode == 0, done.stderr
+                errors.append(abs(out["final"]["x"] - x) / x + abs(out["final"]["a"] - theta) / theta)
+            found = orders(errors)
+            # Its start of sliding and the jump of the pull cost BDF2 its order, not its accuracy.
+            good = errors[-1] < 2e-2 and (method == "bdf2" or abs(found[-1] - 1) < 0.15)
+            check(f"velocity step, {law} law, {method}", good,
+                  f"errors {[f'{e:.1e}' for e in errors]}, orders {[round(o, 2) for o in found]}")
+        # The state settles within a step: steps of ten and a hundred times its own time.
+        for n in (2, 4, 20):
+            done, out = run(folder, script, "-D", f"N={n}")
+            good = done.returncode == 0 and abs(out["final"]["a"] - 0.01 / 3) < 0.01 / 3 * (1e-2 if n == 20 else 0.5)
+            check(f"{law} law in {n} steps", good, done.stderr[:200] if done.returncode else f"{out['final']['a']:.6f}")
+
+
+# A bond that breaks when the pull passes what it bears: all in one step, or over many.
+BREAKS = """
+param N = 10
+param fast = 1000
+mesh body = rectangle(1, 1, cells = [4, 4])
+part roof = body.top
+part glue = body.bottom
+tensor B = isotropic(lambda = 10, mu = 10)
+superpotential bond(r) = 0.5*beta^2*40*r^2
+state beta on glue with rate -fast*max(0, 40*pos(u.nu)^2 - 0.3) from beta = 1 in [0, 1]
+space V = vector P1 on body, zero on roof
+find u in V for t in [0, 1] by N steps from u = 0
+such that for all v in V
+    integral(body, B : eps(u) : eps(v)) + integral(glue, bond^0(u.nu; v.nu))
+ >= integral(glue, dot([0, -24*t], v))
+report
+  table low = integral(glue, beta), b = beta at [0.5, 0], open = -integral(glue, u.y)
+"""
+
+
+def breaks(folder):
+    done, out = run(folder, BREAKS.replace("from beta = 1", "from beta = 0"))
+    free = out["final"]["open"]  # of the block alone
+    for fast in (1, 1000, 1e6):
+        for n in (1, 2, 10, 1000):
+            done, out = run(folder, BREAKS, "-D", f"N={n}", "-D", f"fast={fast}")
+            good = done.returncode == 0
+            if good:
+                good = out["final"]["low"] == 0 and abs(out["final"]["open"] - free) < 1e-12
+            check(f"bond that breaks, rate {fast:g}, {n} steps", good, done.stderr[:300] if done.returncode else
+                  f"bond {out['final']['low']:.3e}, open {out['final']['open']:.4f}")
+
+
+def restart(folder):
+    """Interrupted and resumed, more than once: the same bits."""
+    fault = FAULT.format(state=LAWS["ageing"]).replace("N = 400", "N = 2000").replace("cells = [1, 1]", "cells = [8, 8]")
+    bond = BREAKS.replace("N = 10", "N = 1500").replace("cells = [4, 4]", "cells = [8, 8]").replace(
+        "from u = 0", "from u = 0 using scheme = method").replace("param fast = 1000", "param method = bdf2\nparam fast = 1")
+    for name, script in (("fault", fault), ("bond", bond)):
+        for method in ("backward_euler", "bdf2"):
+            done, whole = run(folder, script, "-D", f"method={method}", name=f"whole_{name}_{method}")
+            assert done.returncode == 0, done.stderr
+            pieces = f"pieces_{name}_{method}"
+            (pathlib.Path(folder) / f"{pieces}.hvi").write_text(script)
+            command = [HVI, "run", f"{pieces}.hvi", "--quiet", "--json", f"{pieces}.json", "-o", "out", "-D", f"method={method}",
+                       "--checkpoint", "20", "--resume"]
+            stops = 0
+            for wait in (0.15, 0.25, 0.35, None):
+                process = subprocess.Popen(command, cwd=folder, stderr=subprocess.DEVNULL)
+                try:
+                    process.wait(wait)
+                except subprocess.TimeoutExpired:
+                    process.send_signal(signal.SIGINT)
+                    process.wait(60)
+                    stops += 1
+            resumed = json.loads((pathlib.Path(folder) / f"{pieces}.json").read_text())
+            same = resumed["final"] == whole["final"] and resumed["table"] == whole["table"]
+            check(f"restart of the {name}, {method}: the same bits after {stops} stops", same and stops > 0)
+
+
+def turned(folder):
+    """Turned by an angle: the same bond and wear."""
+    out = []
+    for angle in (0.0, 0.7):
+        c, s = math.cos(angle), math.sin(angle)
+        mesh = pathlib.Path(folder) / "turned.msh"
+        n = 4
+        nodes = [(i / n, j / n) for j in range(n + 1) for i in range(n + 1)]
+        lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "3", '1 1 "roof"', '1 2 "glue"', '2 3 "all"',
+                 "$EndPhysicalNames", "$Nodes", str(len(nodes))]
+        lines += [f"{k + 1} {c * x - s * y!r} {s * x + c * y!r} 0" for k, (x, y) in enumerate(nodes)]
+        at = lambda i, j: j * (n + 1) + i + 1
+        elements = [f"1 2 1 1 {at(i, n)} {at(i + 1, n)}" for i in range(n)] + [f"1 2 2 2 {at(i, 0)} {at(i + 1, 0)}" for i in range(n)]
+        for j in range(n):
+            for i in range(n):
+                elements += [f"2 2 3 3 {at(i, j)} {at(i + 1, j)} {at(i + 1, j + 1)}", f"2 2 3 3 {at(i, j)} {at(i + 1, j + 1)} {at(i, j + 1)}"]
+        lines += ["$EndNodes", "$Elements", str(len(elements))] + [f"{k + 1} {e}" for k, e in enumerate(elements)] + ["$EndElements"]
+        mesh.write_text("\n".join(lines) + "\n")
+        force = [c * 4 + s * 9, s * 4 - c * 9]
+        script = f"""
+mesh body = gmsh("turned.msh")
+part roof = body.group("roof")
+part glue = body.group("glue")
+tensor B = isotropic(lambda = 10, mu = 10)
+tensor A = isotropic(lambda = 1, mu = 1)
+superpotential bond(r) = 0.5*beta^2*40*r^2
+superpotential drag(xi) = (1 + path)*norm(xi)
+state beta on glue with rate -max(0, 20*(beta*pos(u.nu)^2 - 0.01*path)) from beta = 1 in [0, 1]
+state path on glue with rate norm(u'.tau) from path = 0.1
+space V = vector P2 on body, zero on roof
+find u in V for t in [0, 1] by 12 steps from u = 0
+such that for all v in V
+    integral(body, A : eps(u') : eps(v)) + integral(body, B : eps(u) : eps(v))
+  + integral(glue, bond^0(u.nu; v.nu) + drag^0(u'.tau; v.tau))
+ >= integral(glue, t*dot([{force[0]!r}, {force[1]!r}], v))
+report
+  table b = integral(glue, beta), p = integral(glue, path), size = norm(u)
+"""
+        done, result = run(folder, script)
+        assert done.returncode == 0, done.stderr
+        out.append(result["final"])
+    check("turned", all(abs(out[0][k] - out[1][k]) < 1e-9 * abs(out[0][k]) for k in out[0]) and out[0]["b"] < 0.999, str(out[0]))
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        for test in (held_bond, wear, fault, breaks, restart, turned):
+            test(folder)
+    print("all hold" if not failed else f"{len(failed)} failed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
