@@ -1,8 +1,7 @@
 // See local_equation.hpp. Called for every point by PointStates.
 #include "solver/time/local_equation.hpp"
 
-#include "solver/linear/sparse.hpp"
-
+#include "solver/linear/dense.hpp"
 
 #include <algorithm>
 #include <cmath>
