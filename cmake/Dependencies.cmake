@@ -87,7 +87,8 @@ endif()
 target_compile_options(hvi_options INTERFACE "$<BUILD_INTERFACE:${warnings};-fno-math-errno>")
 if(HVI_SANITIZE)
   target_compile_options(hvi_options INTERFACE -fsanitize=address,undefined
-    -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+    -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+    $<$<CXX_COMPILER_ID:Clang>:-fno-sanitize=pointer-overflow>) # Eigen 3.4 adds to the null pointer of an empty block
   target_link_options(hvi_options INTERFACE -fsanitize=address,undefined)
 endif()
 

@@ -46,7 +46,7 @@ struct Margins {
   double step;      ///< 1 - lambda_max(sum m_i M_i^T W M_i, sym K), K of the worst step
   /// Of the laws on u', against A: m_A - lambda_max(sum m_i M_i^T W M_i, Gram), and against A
   /// itself; m_A and 1 where there are none. The others are of the laws on u.
-  double rate_split, rate_against_a;
+  double rate_split = 0.0, rate_against_a = 0.0;
 };
 
 /// What the form A of u' is: it decides which theorem there is for the evolution.
