@@ -332,8 +332,8 @@ Value Checker::hidden_state(const Span& span, int declaration, const Scope& scop
       "E0309", span,
       fmt::format("the state `{}` cannot be used{}", declarations_[declaration].name,
                   visible_note(scope)),
-      "it stands in superpotentials, beside the unknown in the argument of a law, in rates and in "
-      "`report`");
+      "it stands in superpotentials, beside the unknown in the argument of a law, in coefficients "
+      "of forms over cells, in rates and in `report`");
   return Poison{};
 }
 

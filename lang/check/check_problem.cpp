@@ -197,6 +197,7 @@ void Checker::form_term(const ast::FormTerm& term, bool right) {
   const auto kind = part ? model_.parts[*part].kind : std::nullopt;
   scope.normal = part && (!kind || *kind == Group::Kind::facets);
   if (part && !scope.normal) scope.what = "an integral over cells";
+  scope.states = !right && part && model_.parts[*part].kind == Group::Kind::cells;
   ModelTerm out;
   for (const ast::Setting& option : integral.options) {
     if (option.name.text != "rule") {
@@ -227,7 +228,7 @@ void Checker::form_term(const ast::FormTerm& term, bool right) {
   out.factor = *factor;
   out.integrand = std::move(*integrand);
   if (!out.integrand.laws.empty() && !out.rule_given) out.rule = Rule::nodal;
-  if (!check_integrand(out, term)) return;
+  if (!check_integrand(out, term) || !states_of_form(out, integral.integrand.span)) return;
   law_factors(out, term);
   model_.terms.push_back(std::move(out));
 }
@@ -284,6 +285,12 @@ void Checker::law_factors(ModelTerm& term, const ast::FormTerm&) {
     }
     const Symbol factor = term.factor * use.factor;
     const Span place = use.factor_span.valid() ? use.factor_span : term.factor_span;
+    if (factor.depends_on_any(slot::first_state, slot::first_probe)) {
+      error("E0309", place, fmt::format("a state stands in the factor before `{}^0`", use.name),
+            "let the superpotential itself depend on it");
+      use.factor = 1.0;
+      continue;
+    }
     if (factor.depends_on_any(slot::first_field, slot::first_multiplier)) {
       error("E0403", place,
             fmt::format("the factor before `{}^0` depends on the unknown `{}`", use.name,

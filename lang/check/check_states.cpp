@@ -1,4 +1,5 @@
-// States: ordinary differential equations at the points of a part.
+// States: ordinary differential equations at the points of a part: those of its laws, or inside a
+// body.
 #include "lang/check/checker.hpp"
 
 #include <fmt/format.h>
@@ -15,10 +16,10 @@ namespace {
 bool is_multiplier(solver::Slot s) { return s >= slot::first_multiplier && s < slot::first_inside; }
 int application_of(solver::Slot s) { return (s - slot::first_multiplier) / 4; }
 
-/// What a rate reads that no point of a law knows; "" when there is nothing.
-std::string out_of_reach(solver::Slot s) {
+/// What a rate reads that its points do not know; "" when there is nothing.
+std::string out_of_reach(solver::Slot s, bool in_body) {
   if (s >= slot::first_probe) return "an integral";
-  if (s < slot::first_field || s >= slot::first_multiplier) return {};
+  if (in_body || s < slot::first_field || s >= slot::first_multiplier) return {};
   if (solver::is_memory((s - slot::first_field) / slot::field_stride)) return "a memory";
   const bool gradient = (s - slot::first_field) % slot::field_stride >= slot::gradient(0, 0);
   return gradient ? "a gradient of the unknown" : "";
@@ -78,13 +79,18 @@ void Checker::state_rate(ModelState& state) {
   declarations_[state.declaration].used = read_by_others;
   if (!rate) return;
   Symbol expression = rate->scalar();
+  const bool in_body = lives_in_body(state.spec.part);
   for (const solver::Slot s : solver::slots_of(expression))
-    if (const std::string what = out_of_reach(s); !what.empty()) {
+    if (const std::string what = out_of_reach(s, in_body); !what.empty()) {
       error("E0428", written.rate.span,
             fmt::format("the rate of `{}` reads {}", state.spec.name, what),
-            fmt::format("it may read states, x, t, `{0}.nu`, `{0}'.tau` and the like, and "
-                        "multipliers of laws on its part",
-                        find_->unknown.text));
+            in_body
+                ? fmt::format("it may read states, x, t, `{0}`, `eps({0})`, `sigma`, memories "
+                              "and the like",
+                              find_->unknown.text)
+                : fmt::format("it may read states, x, t, `{0}.nu`, `{0}'.tau` and the like, and "
+                              "multipliers of laws on its part",
+                              find_->unknown.text));
       return;
     }
   if (!multipliers_on_part(written.rate.span, state.spec.part, expression)) return;
@@ -189,10 +195,43 @@ std::optional<std::vector<int>> Checker::take_states(Symbol& expression, const S
   return out;
 }
 
-/// Laws read states of their own part; states live where a law acts.
+/// Do states of a part live inside its cells? Else at the points of its laws.
+bool Checker::lives_in_body(int part) const {
+  return model_.parts[part].kind == solver::Group::Kind::cells &&
+         std::none_of(model_.terms.begin(), model_.terms.end(), [&](const ModelTerm& term) {
+           return term.part == part && !term.integrand.laws.empty();
+         });
+}
+
+/// States in the coefficients of a form.
+bool Checker::states_of_form(const ModelTerm& term, const Span& span) {
+  const Symbol integrand = term.integrand.scalar();
+  if (!integrand.depends_on_any(slot::first_state, slot::first_probe)) return true;
+  if (!reads_states_of(span, integrand, term.part, "the form")) return false;
+  std::vector<std::pair<solver::Slot, Symbol>> at_rest;
+  for (const solver::Slot s : solver::slots_of(integrand)) {
+    if (s < slot::first_field || s >= slot::first_multiplier) continue;
+    at_rest.emplace_back(s, Symbol(0.0));
+    if ((s - slot::first_field) / slot::field_stride != solver::field_of_u(2)) continue;
+    if (!derivative(integrand, s).depends_on_any(slot::first_state, slot::first_probe)) continue;
+    error("E0309", span, "a state stands in the inertia",
+          "a mass that changes is not the problem of the theory");
+    return false;
+  }
+  if (!substitute(integrand, at_rest).depends_on_any(slot::first_state, slot::first_probe))
+    return true;
+  error("E0309", span, "a state stands beside the unknown, in a load",
+        fmt::format("in a form it stands before the unknown: `(1 - d)*B : eps({}) : eps({})`",
+                    find_->unknown.text, find_->test.text));
+  return false;
+}
+
+/// Laws and forms read states of their own part; states live where a law acts, or in a body.
 void Checker::check_states_of_laws() {
   std::set<int> with_laws;
-  for (const ModelTerm& term : model_.terms)
+  for (const ModelTerm& term : model_.terms) {
+    if (term.integrand.scalar().depends_on_any(slot::first_state, slot::first_probe))
+      check_changing_form(term);
     for (const LawUse& use : term.integrand.laws) {
       with_laws.insert(term.part);
       Symbol all = 0.0; // of everything that the law reads
@@ -201,12 +240,28 @@ void Checker::check_states_of_laws() {
       for (const LawRow& row : use.rows) all = all + row.offset;
       reads_states_of(use.span, all, term.part, fmt::format("the law `{}`", use.name));
     }
+  }
   for (const ModelState& state : model_.states)
-    if (with_laws.count(state.spec.part) == 0)
+    if (with_laws.count(state.spec.part) == 0 && !lives_in_body(state.spec.part))
       error("E0430", declarations_[state.declaration].span,
             fmt::format("no law acts on `{}`, where the state `{}` is to live",
                         model_.parts[state.spec.part].name, state.spec.name),
-            "a state lives at the points of a law: put one on its part");
+            "a state lives inside a body or at the points of a law: put one on its part");
+}
+
+void Checker::check_changing_form(const ModelTerm& term) {
+  if (!lives_in_body(term.part)) {
+    error("E0430", term.span,
+          fmt::format("this form reads a state that lives at the points of the laws on `{}`",
+                      model_.parts[term.part].name),
+          "let the laws act on another part");
+    return;
+  }
+  const auto scheme = model_.time.scheme;
+  if (scheme == solver::Scheme::hht || scheme == solver::Scheme::midpoint)
+    error("E0430", term.span,
+          fmt::format("with the scheme `{}` no state changes a form", name_of(scheme)),
+          "use backward_euler, bdf2 or newmark");
 }
 
 } // namespace hvi::lang

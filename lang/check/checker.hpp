@@ -237,7 +237,10 @@ private:
   bool reads_states_of(const Span& span, const Symbol& expression, int part,
                        const std::string& who);
   std::optional<std::vector<int>> take_states(Symbol& expression, const Span& span);
+  bool states_of_form(const ModelTerm& term, const Span& span);
+  bool lives_in_body(int part) const;
   void check_states_of_laws();
+  void check_changing_form(const ModelTerm& term);
   bool check_integrand(const ModelTerm& term, const ast::FormTerm& source);
   void check_relation(const ast::Find& find);
   void check_clauses(const ast::Find& find);

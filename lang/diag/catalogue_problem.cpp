@@ -205,15 +205,16 @@ part base = slab where y < 1)"},
      R"(
 The rate of a state is asked at the points of the laws on its part: it may depend on states of that
 part, on x and t, on values of the unknown and of its rate there (`u.nu`, `u.tau`, `u'.tau`) and on
-multipliers of laws on that part (`layer.xi`). Gradients, memories and integrals are not known there.)",
+multipliers of laws on that part (`layer.xi`). Gradients and memories are known inside a body only,
+where multipliers are not; integrals nowhere.)",
      R"(
 state wear on ground with rate 0.1*sigma.yy from wear = 0)",
      R"(
 state wear on ground with rate 0.1*abs(layer.xi)*norm(u'.tau) from wear = 0)"},
     {"E0429", "state of another part",
      R"(
-A state lives at the points of the laws on its part, and nowhere else: superpotentials that read it,
-rates and integrals are on the same part.)",
+A state lives at the points of its part, and nowhere else: superpotentials and forms that read it, rates
+and integrals are on the same part.)",
      R"(
 state beta on glue with rate -beta from beta = 1
 superpotential bond(r) = 0.5*beta^2*r^2
@@ -222,10 +223,11 @@ superpotential bond(r) = 0.5*beta^2*r^2
 state beta on glue with rate -beta from beta = 1
 superpotential bond(r) = 0.5*beta^2*r^2
 ... integral(glue, bond^0(u.nu; v.nu)))"},
-    {"E0430", "state without a law",
+    {"E0430", "state without a place",
      R"(
-A state lives at the points of a law on its part. States at the points of a body (damage, ageing) are
-not part of the language yet.)",
+A state on a boundary lives at the points of a law there. A state of cells lives inside them (damage,
+ageing) and may stand in coefficients of forms there; where a law acts on the same cells it lives at the
+law's points, and no form knows it. With the schemes `hht` and `midpoint` no state changes a form.)",
      R"(
 state beta on glue with rate -beta from beta = 1
 ... integral(ground, layer^0(u.nu; v.nu)))",

@@ -105,7 +105,16 @@ std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
     one.name = fmt::format("state `{}` on `{}`", state.name, problem.parts[state.part].name);
     one.state = State::on;
     one.origin = state.origin;
-    one.why = "an ordinary differential equation at every point, solved with the step";
+    const auto index = static_cast<solver::Slot>(&state - problem.states.data());
+    const bool in_form = std::ranges::any_of(problem.forms, [&](const solver::FormTerm& form) {
+      return std::ranges::any_of(form.entries, [&](const solver::FormTerm::Entry& entry) {
+        return entry.coefficient.depends_on(solver::slot::state(index));
+      });
+    });
+    one.why = in_form
+                  ? "an ordinary differential equation at every point, solved with the step; it "
+                    "changes the matrix: a factor in every pass"
+                  : "an ordinary differential equation at every point, solved with the step";
     out.push_back(std::move(one));
   }
   for (const ModelNote& found : model.notes)

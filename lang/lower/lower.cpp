@@ -71,10 +71,12 @@ private:
       use(term.field);
       for_each_field_read(law_of(term), use);
     }
-    for_each_report_expression([&](Symbol& e) {
+    const auto use_all = [&](const Symbol& e) {
       for (solver::Slot s : solver::slots_of(e))
         if (is_trial(s)) use(field_of(s));
-    });
+    };
+    for_each_report_expression(use_all);
+    for (const solver::StateTerm& state : plan_.problem.states) use_all(state.rate);
     std::vector<solver::HistoryTerm> kept;
     std::vector<std::pair<solver::Slot, Symbol>> rename, unused; // unused: by laws that are dropped
     for (std::size_t m = 0; m < fresh.size(); ++m) {

@@ -59,6 +59,17 @@ Point point_in_cell(const Mesh& mesh, int cell, const Barycentric& point) {
   return x;
 }
 
+/// From the gradients and the centroid.
+Barycentric barycentric_in_cell(const Mesh& mesh, int cell, const Point& x) {
+  const auto geometry = cell_geometry(mesh, cell);
+  Barycentric out{};
+  for (int k = 0; k <= mesh.dim; ++k) out[k] = 1.0 / (mesh.dim + 1);
+  const Point centroid = point_in_cell(mesh, cell, out);
+  for (int k = 0; k <= mesh.dim; ++k)
+    for (int i = 0; i < mesh.dim; ++i) out[k] += geometry.gradient[k][i] * (x[i] - centroid[i]);
+  return out;
+}
+
 std::array<int, 3> facet_in_cell(const Mesh& mesh, int facet) {
   const Facet& f = mesh.facets[facet];
   const auto& corners = mesh.cells[f.cell];

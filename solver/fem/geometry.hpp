@@ -15,6 +15,8 @@ CellGeometry cell_geometry(const Mesh& mesh, int cell);
 
 /// The point of a cell with these barycentric coordinates.
 Point point_in_cell(const Mesh& mesh, int cell, const Barycentric& point);
+/// The coordinates of a point in or near a cell.
+Barycentric barycentric_in_cell(const Mesh& mesh, int cell, const Point& x);
 
 /// Which local vertices of facets[facet].cell the facet's vertices are.
 std::array<int, 3> facet_in_cell(const Mesh& mesh, int facet);

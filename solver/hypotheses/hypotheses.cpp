@@ -11,6 +11,7 @@
 #include "solver/hypotheses/tensors.hpp"
 #include "solver/hypotheses/verdicts.hpp"
 #include "solver/mesh/generate.hpp"
+#include "solver/time/body_states.hpp"
 #include "solver/time/step_weights.hpp"
 
 #include <fmt/format.h>
@@ -316,6 +317,10 @@ private:
   /// Lipschitz constants of the rates, by the state itself and by what they read.
   void judge_states() {
     facts_.states = !problem_.states.empty();
+    for (const auto& form : problem_.forms)
+      if (reads_states(form))
+        row("H(state)", "a form keeps its coefficients", std::nullopt, Answer::open, form.origin,
+            "they change with states: what is said of it holds at their initial values");
     for (const auto& state : problem_.states) {
       const RateConstants found = rate_constants(problem_, d_.mesh, state);
       const auto one = [&](const std::string& by, const RateConstant& l) {

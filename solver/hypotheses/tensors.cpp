@@ -3,6 +3,7 @@
 
 #include "solver/kernel/algebra.hpp"
 #include "solver/linear/dense.hpp"
+#include "solver/time/body_states.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -43,12 +44,12 @@ Point middle(const Mesh& mesh, int cell) {
   return out;
 }
 
-/// The forms of the field on cells with gradients on both sides.
-std::vector<const FormTerm*> tensor_forms(const Problem& problem, const Discretisation& d,
-                                          int field) {
-  std::vector<const FormTerm*> out;
+/// The forms of the field on cells with gradients on both sides, with the initial states.
+std::vector<FormTerm> tensor_forms(const Problem& problem, const Discretisation& d, int field) {
+  std::vector<FormTerm> out;
   for (const FormTerm& form : problem.forms)
-    if (form.field == field && d.parts[form.part].kind == Group::Kind::cells) out.push_back(&form);
+    if (form.field == field && d.parts[form.part].kind == Group::Kind::cells)
+      out.push_back(reads_states(form) ? at_initial_states(problem, form) : form);
   return out;
 }
 
@@ -57,22 +58,22 @@ public:
   PointwiseTensor(const Problem& problem, const Discretisation& d, int field)
       : d_(d), forms_(tensor_forms(problem, d, field)),
         basis_(gradient_basis(d.space.components, d.mesh.dim)) {
-    for (const FormTerm* form : forms_)
-      for (const auto& entry : form->entries) varies_ = varies_ || !entry.coefficient.is_constant();
+    for (const FormTerm& form : forms_)
+      for (const auto& entry : form.entries) varies_ = varies_ || !entry.coefficient.is_constant();
   }
   bool empty() const { return forms_.empty(); }
   bool varies() const { return varies_ || forms_.size() > 1 || !covers(); }
-  Origin origin() const { return forms_.front()->origin; }
+  Origin origin() const { return forms_.front().origin; }
 
   double least(int cell) const {
     const Point x = middle(d_.mesh, cell);
     const int n = d_.space.components * d_.mesh.dim;
     DenseMatrix full = DenseMatrix::Zero(n, n);
     bool any = false;
-    for (const FormTerm* form : forms_) {
-      const auto& cells = d_.parts[form->part].entities;
+    for (const FormTerm& form : forms_) {
+      const auto& cells = d_.parts[form.part].entities;
       if (!std::binary_search(cells.begin(), cells.end(), cell)) continue;
-      for (const auto& entry : form->entries) {
+      for (const auto& entry : form.entries) {
         const int a = gradient_index(entry.test, d_.space.components, d_.mesh.dim);
         const int b = gradient_index(entry.trial, d_.space.components, d_.mesh.dim);
         if (a < 0 || b < 0) continue;
@@ -88,7 +89,7 @@ public:
 
 private:
   bool covers() const {
-    return d_.parts[forms_.front()->part].entities.size() == d_.mesh.cells.size();
+    return d_.parts[forms_.front().part].entities.size() == d_.mesh.cells.size();
   }
   double value(const Expr& coefficient, const Point& x, int cell) const {
     if (coefficient.is_constant()) return coefficient.value();
@@ -104,7 +105,7 @@ private:
   }
 
   const Discretisation& d_;
-  std::vector<const FormTerm*> forms_;
+  std::vector<FormTerm> forms_;
   DenseMatrix basis_;
   bool varies_ = false;
 };

@@ -29,6 +29,7 @@ struct Allowed {
 };
 constexpr Allowed of_place{.place = true};
 constexpr Allowed of_facet{.place = true, .normal = true};
+constexpr Allowed of_form{.place = true, .normal = true, .states = true};
 constexpr Allowed of_load{.place = true, .normal = true, .time = true};
 constexpr Allowed of_argument{.place = true, .normal = true, .time = true, .states = true};
 constexpr Allowed of_report{.place = true,
@@ -177,7 +178,23 @@ private:
     for (const auto& entry : form.entries) {
       derivative(entry.test, form.origin, "a form");
       derivative(entry.trial, form.origin, "a form");
-      variables(entry.coefficient, of_facet, form.origin, "a form");
+      variables(entry.coefficient, of_form, form.origin, "a form");
+      states_of_form(entry.coefficient, form);
+    }
+  }
+
+  void states_of_form(const Expr& coefficient, const FormTerm& form) {
+    for (const Slot s : coefficient.slots()) {
+      if (!slot::is_state(s) || s - slot::first_state >= count(problem_.states)) continue;
+      const auto& state = problem_.states[static_cast<std::size_t>(s - slot::first_state)];
+      if (state.part != form.part)
+        wrong(form.origin, fmt::format("a form reads the state `{}` of another part", state.name));
+      if (form.field == field_of_u(2))
+        wrong(form.origin, fmt::format("the state `{}` changes a mass", state.name));
+      const auto scheme = problem_.time.scheme;
+      if (scheme == Scheme::hht || scheme == Scheme::midpoint)
+        wrong(form.origin, fmt::format("the state `{}` changes a form with the scheme {}",
+                                       state.name, name_of(scheme)));
     }
   }
 
@@ -234,8 +251,10 @@ private:
             fmt::format("the state `{}` is kept in [{}, {}]", state.name, state.low, state.high));
     variables(state.initial, of_place, state.origin, "the initial value of a state");
     variables(state.rate, of_report, state.origin, "the rate of a state");
+    const bool with_laws = std::ranges::any_of(
+        problem_.law_terms, [&](const LawTerm& term) { return term.part == state.part; });
     for (const Slot s : state.rate.slots())
-      if (s >= slot::first_field && s < slot::first_multiplier &&
+      if (with_laws && s >= slot::first_field && s < slot::first_multiplier &&
           ((s - slot::first_field) / slot::field_stride > highest_derivative ||
            (s - slot::first_field) % slot::field_stride >= slot::gradient(0, 0)))
         wrong(state.origin,

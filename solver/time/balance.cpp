@@ -27,7 +27,8 @@ Balance::Balance(const Plan& plan, const Discretisation& discretisation,
   state_ = Vector::Zero(layout.n_state);
   full_ = Vector::Zero(layout.n_dofs);
   scale_ = product_ = Vector::Zero(layout.n_unknowns);
-  if (evolution.grid().steps() >= worth_halving && operators_.symmetric && !formulation.imposed())
+  if (evolution.grid().steps() >= worth_halving && operators_.symmetric && !formulation.imposed() &&
+      operators_.changing.empty())
     halve_bases(plan.options.threads);
 }
 

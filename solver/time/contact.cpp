@@ -136,6 +136,11 @@ void restrict_to_unknowns(Contact& out, int n_unknowns) {
 
 } // namespace
 
+const LawPoints& points_of(const Contact& contact, const StateGroup& group) {
+  return group.body ? group.body->points
+                    : contact.terms[static_cast<std::size_t>(group.host)].points;
+}
+
 Contact make_contact(const Problem& problem, const Discretisation& d, const StateLayout& layout) {
   Contact out;
   const double t = problem.time.is_static ? 0.0 : problem.time.grid.front();

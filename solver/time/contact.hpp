@@ -32,12 +32,20 @@ struct ContactTerm {
   int n_rows() const { return n_points() * points.rows; }
 };
 
-/// The states of one part, and what their rates read at the points of a law term there. Input j of
-/// point p has the number first_input + j n_points + p: first values of fields, then multipliers.
+/// The points of a body where states live, as those of a law that does nothing there.
+struct BodyPoints {
+  LawTerm term;
+  LawPoints points;
+};
+
+/// The states of one part, and what their rates read at their points: those of a law term there, or
+/// points inside the cells. Input j of point p has the number first_input + j n_points + p: first
+/// values of fields, then multipliers.
 struct StateGroup {
   int part = 0;
-  int host = 0;            ///< the term at whose points they live
-  std::vector<int> states; ///< of the plan
+  int host = -1;                          ///< the term at whose points they live; -1: in a body
+  std::shared_ptr<const BodyPoints> body; ///< null: not in a body
+  std::vector<int> states;                ///< of the plan
   std::vector<Slot> fields, multipliers;
   int first_input = 0, n_points = 0;
   int n_inputs() const { return static_cast<int>(fields.size() + multipliers.size()) * n_points; }
@@ -64,10 +72,14 @@ struct Contact {
   std::vector<int> state_fields; ///< that rates read besides u
   /// Inputs of rates that are values of fields: all of them x state, and x unknowns.
   SparseMatrix trace, trace_c;
+  SparseMatrix body_trace; ///< the same of states in bodies, which make no unknown one of contact
 
   int n_rows() const { return static_cast<int>(g.rows()); }
   bool none() const { return terms.empty(); }
 };
+
+/// Where the states of a group live.
+const LawPoints& points_of(const Contact& contact, const StateGroup& group);
 
 /// Laws whose points touch most unknowns (or very many) are not condensed: a dense Schur complement
 /// would cost more than the sparse matrix itself.

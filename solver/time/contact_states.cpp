@@ -2,6 +2,7 @@
 #include "solver/time/contact_states.hpp"
 
 #include "solver/fem/pointwise.hpp"
+#include "solver/time/body_states.hpp"
 
 #include <fmt/format.h>
 
@@ -47,7 +48,7 @@ bool reads(const Problem& problem, const LawTerm& term, const StateTerm& state) 
       all, [&](int i) { return &problem.states[static_cast<std::size_t>(i)] == &state; });
 }
 
-/// The first law term on the part that reads the state, else the first one there.
+/// The first law term on the part that reads the state, else the first one there; -1: none.
 int host_of(const Problem& problem, const StateTerm& state) {
   int out = -1;
   for (std::size_t l = 0; l < problem.law_terms.size(); ++l) {
@@ -56,22 +57,30 @@ int host_of(const Problem& problem, const StateTerm& state) {
     if (reads(problem, term, state)) return static_cast<int>(l);
     if (out < 0) out = static_cast<int>(l);
   }
-  if (out >= 0) return out;
-  throw Failure(FailureKind::bad_value, state.origin,
-                fmt::format("no law acts on `{}`, where the state `{}` is to live",
-                            problem.parts[state.part].name, state.name),
-                "a state lives at the points of a law: put one on its part");
+  return out;
 }
 
 bool same_points(const LawPoints& a, const LawPoints& b) {
   return a.x == b.x && a.normal == b.normal;
 }
 
-StateGroup& group_of(const Problem& problem, int part, const StateTerm& state, Contact& contact) {
-  const auto known = std::ranges::find(contact.state_groups, part, &StateGroup::part);
+StateGroup& group_of(const Problem& problem, const Discretisation& d, const StateTerm& state,
+                     Contact& contact) {
+  const auto known = std::ranges::find(contact.state_groups, state.part, &StateGroup::part);
   if (known != contact.state_groups.end()) return *known;
-  const int host = host_of(problem, state);
-  contact.state_groups.push_back({part, host, {}, {}, {}, 0, contact.terms[host].n_points()});
+  StateGroup group;
+  group.part = state.part;
+  group.host = host_of(problem, state);
+  if (group.host < 0) {
+    if (d.parts[static_cast<std::size_t>(state.part)].kind != Group::Kind::cells)
+      throw Failure(FailureKind::bad_value, state.origin,
+                    fmt::format("no law acts on `{}`, where the state `{}` is to live",
+                                problem.parts[state.part].name, state.name),
+                    "a state lives inside a body or at the points of a law: put one on its part");
+    group.body = make_body_points(problem, d, state);
+  }
+  group.n_points = static_cast<int>(points_of(contact, group).x.size());
+  contact.state_groups.push_back(std::move(group));
   return contact.state_groups.back();
 }
 
@@ -89,7 +98,7 @@ void find_inputs(const Problem& problem, const Contact& contact, StateGroup& gro
                         "states that read each other live on one part");
       } else if (s >= slot::first_multiplier && s < slot::first_inside) {
         const int term = (s - slot::first_multiplier) / 4;
-        if (!same_points(contact.terms[term].points, contact.terms[group.host].points))
+        if (!same_points(contact.terms[term].points, points_of(contact, group)))
           throw Failure(FailureKind::bad_value, state.origin,
                         fmt::format("the rate of `{}` reads the multiplier of `{}`, which does not "
                                     "act at its points",
@@ -161,7 +170,7 @@ void place_states(const Problem& problem, Contact& contact, ContactTerm& term) {
   for (const int i : states_read(problem, spec)) {
     const StateTerm& state = problem.states[static_cast<std::size_t>(i)];
     const auto group = std::ranges::find(contact.state_groups, state.part, &StateGroup::part);
-    const auto& host = contact.terms[group->host].points;
+    const auto& host = points_of(contact, *group);
     if (state.part != spec.part || !same_points(term.points, host))
       throw Failure(
           FailureKind::bad_value, spec.origin,
@@ -170,7 +179,9 @@ void place_states(const Problem& problem, Contact& contact, ContactTerm& term) {
                             problem.parts[spec.part].name, state.name,
                             problem.parts[state.part].name)
               : fmt::format("`{}` reads the state `{}`, which lives at the points of `{}`",
-                            spec.name, state.name, problem.law_terms[group->host].name),
+                            spec.name, state.name,
+                            group->body ? problem.parts[group->part].name
+                                        : problem.law_terms[group->host].name),
           state.part != spec.part ? "a state is known on its own part only"
                                   : "give the laws of one part the same rule");
   }
@@ -201,21 +212,22 @@ void add_states(const Problem& problem, const Discretisation& d, const StateLayo
   std::vector<double> values;
   for (std::size_t i = 0; i < problem.states.size(); ++i) {
     const StateTerm& state = problem.states[i];
-    StateGroup& group = group_of(problem, state.part, state, contact);
+    StateGroup& group = group_of(problem, d, state, contact);
     group.states.push_back(static_cast<int>(i));
-    const auto initial = initial_values(problem, state, contact.terms[group.host].points);
+    const auto initial = initial_values(problem, state, points_of(contact, group));
     contact.first_state.push_back(n_values);
     values.insert(values.end(), initial.begin(), initial.end());
     n_values += group.n_points;
   }
   contact.state_values =
       Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
-  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<Eigen::Triplet<double>> entries, in_bodies;
   for (auto& group : contact.state_groups) {
     find_inputs(problem, contact, group);
     group.first_input = n_inputs;
     n_inputs += group.n_inputs();
-    add_trace(problem, d, layout, contact, group, entries);
+    group.body ? add_body_trace(d, layout, group, in_bodies)
+               : add_trace(problem, d, layout, contact, group, entries);
     auto& others = contact.state_fields;
     for (const Slot s : group.fields)
       if (field_of(s) != field_of_u(0) && std::ranges::find(others, field_of(s)) == others.end())
@@ -223,6 +235,8 @@ void add_states(const Problem& problem, const Discretisation& d, const StateLayo
   }
   contact.trace.resize(n_inputs, layout.n_state);
   contact.trace.setFromTriplets(entries.begin(), entries.end());
+  contact.body_trace.resize(n_inputs, layout.n_state);
+  contact.body_trace.setFromTriplets(in_bodies.begin(), in_bodies.end());
   for (auto& term : contact.terms) place_states(problem, contact, term);
 }
 

@@ -1,4 +1,5 @@
-// Where the states of a plan live: at the points of a law on their part.
+// Where the states of a plan live: at the points of a law on their part, or inside a body
+// (body_states.hpp).
 #pragma once
 
 #include "solver/time/contact.hpp"

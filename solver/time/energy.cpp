@@ -81,6 +81,7 @@ EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, co
     for (const auto force : all_forces) forces->*force = Vector::Zero(d.space.n_dofs());
   z_ = Vector::Zero(run.contact().n_rows());
   run.formulation->scatter(run.evolution.u(), u_);
+  take_states(run);
   elastic_energy_ = 0.5 * u_.dot(elastic_ * u_);
   contact_energy_ = contact_energy(run, u_);
   kinetic_energy_ = kinetic_energy(run);
@@ -88,6 +89,17 @@ EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, co
   last_xi_ = run.xi();
   load(run);
   forces(run);
+}
+
+/// Forms that states change are those of the run's; what that takes from the energy is lost.
+void EnergyMonitor::take_states(const RunState& run) {
+  if (!run.formulation->changes()) return;
+  const auto now = [&](int field) {
+    return matrix_of_field(problem_, d_, field, run.contact(), run.states());
+  };
+  rate_ = now(field_of_u(1)), elastic_ = now(field_of_u(0));
+  for (std::size_t m = 0; m < memory_.size(); ++m)
+    memory_[m] = now(field_of_memory(static_cast<int>(m)));
 }
 
 double EnergyMonitor::kinetic_energy(const RunState& run) {
@@ -205,6 +217,7 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
   run.formulation->scatter(run.evolution.u(), u_);
   d_u_ = u_ - before_;
   if (looks_back_) std::swap(now_, last_);
+  take_states(run);
   load(run);
   forces(run);
   acting_xi_ = run.xi();

@@ -47,6 +47,7 @@ public:
 private:
   double norm_squared(const Vector& v) const { return v.dot(gram_ * v); }
   double contact_energy(const RunState& run, const Vector& u);
+  void take_states(const RunState& run);
   double kinetic_energy(const RunState& run);
   void add_friction(const RunState& run);
   void load(const RunState& run);

@@ -111,12 +111,17 @@ FieldFiles::FieldFiles(const Problem& problem, const Discretisation& d, const Co
       continue;
     }
     LawSampler sampler(problem, d, contact, field.components, field.origin);
-    const auto& term = problem.law_terms[sampler.law_term()];
+    const Region& region = d.parts[static_cast<std::size_t>(sampler.part())];
     OnContact part{field, std::move(sampler), {}, {}};
     const auto& nodes = part.sampler.nodes();
-    if (std::all_of(nodes.begin(), nodes.end(), [](auto node) { return node >= 0; })) {
-      std::vector<std::int64_t> point_of_node;
-      part.grid = entity_grid(d.space, d.parts[term.part], point_of_node);
+    std::vector<std::int64_t> point_of_node;
+    if (part.sampler.in_body()) {
+      part.grid = entity_grid(d.space, region, point_of_node);
+      for (const auto cell : part.sampler.points().cell)
+        part.grid_point.push_back(std::ranges::lower_bound(region.entities, cell) -
+                                  region.entities.begin());
+    } else if (std::all_of(nodes.begin(), nodes.end(), [](auto node) { return node >= 0; })) {
+      part.grid = entity_grid(d.space, region, point_of_node);
       for (const auto node : nodes) part.grid_point.push_back(point_of_node[node]);
     } else {
       part.grid = point_grid(part.sampler.points());
@@ -145,14 +150,18 @@ void FieldFiles::add_body_array(const FieldSpec& field, const Snapshot& snapshot
   (on_cells ? grid_.cell_data : grid_.point_data).push_back(vtk_array(field.name, n, values));
 }
 
-/// Where several law points share a grid point (a corner with two normals): their weighted mean.
+/// Where several points share a grid point (a corner with two normals) or a cell: their weighted
+/// mean.
 void FieldFiles::fill_contact(OnContact& part, const Snapshot& snapshot) const {
   auto sampler = part.sampler;
   const auto n = static_cast<std::size_t>(part.field.components.size());
   const auto size = static_cast<std::size_t>(sampler.size());
-  std::vector<double> at_points(n * size), weights(part.grid.points.size(), 0.0);
+  const bool in_body = sampler.in_body();
+  const std::size_t places =
+      in_body ? part.grid.connectivity.size() / nodes_of(part.grid.cell) : part.grid.points.size();
+  std::vector<double> at_points(n * size), weights(places, 0.0);
   sampler.evaluate(contact_, snapshot, at_points);
-  std::vector<double> values(n * part.grid.points.size(), 0.0);
+  std::vector<double> values(n * places, 0.0);
   for (std::size_t p = 0; p < size; ++p) {
     const double weight = sampler.points().weight[p];
     weights[part.grid_point[p]] += weight;
@@ -162,7 +171,8 @@ void FieldFiles::fill_contact(OnContact& part, const Snapshot& snapshot) const {
   for (std::size_t g = 0; g < weights.size(); ++g)
     for (std::size_t c = 0; c < n; ++c)
       if (weights[g] > 0) values[g * n + c] /= weights[g];
-  part.grid.point_data = {vtk_array(part.field.name, static_cast<int>(n), values)};
+  auto& data = in_body ? part.grid.cell_data : part.grid.point_data;
+  data.assign(1, vtk_array(part.field.name, static_cast<int>(n), values));
 }
 
 void FieldFiles::write_vtu(const VtuGrid& grid, int part, const std::string& name, double t,

@@ -34,7 +34,7 @@ private:
     FieldSpec field;
     LawSampler sampler;
     VtuGrid grid;
-    std::vector<std::int64_t> grid_point; ///< of each law point
+    std::vector<std::int64_t> grid_point; ///< of each point of the sampler; in a body: its cell
   };
   void add_body_array(const FieldSpec& field, const Snapshot& snapshot);
   void fill_contact(OnContact& part, const Snapshot& snapshot) const;

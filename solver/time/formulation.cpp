@@ -79,8 +79,12 @@ DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
     layout.gather(interpolate(d.space, plan.problem.time.initial, plan.problem.time.grid.front(),
                               plan.problem.time.origin),
                   initial);
-  return {layout, assemble_operators(plan.problem, d, layout, plan.options.threads),
-          make_contact(plan.problem, d, layout), std::move(loads), std::move(initial)};
+  Operators operators = assemble_operators(plan.problem, d, layout, plan.options.threads);
+  Contact contact = make_contact(plan.problem, d, layout);
+  ChangingForms changing(plan.problem, d, contact, operators);
+  changing.take(contact, layout, operators);
+  return {layout,           std::move(operators), std::move(contact),
+          std::move(loads), std::move(initial),   std::move(changing)};
 }
 
 } // namespace

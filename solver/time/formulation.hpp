@@ -4,8 +4,7 @@
 // contact unknowns with a few modes (interior.hpp). A step is the same equation in both.
 #pragma once
 
-#include "solver/time/contact.hpp"
-#include "solver/time/operators.hpp"
+#include "solver/time/body_states.hpp"
 #include "solver/time/row_checks.hpp"
 #include "solver/time/step_matrix.hpp"
 
@@ -21,6 +20,7 @@ struct DiscreteProblem {
   Contact contact;
   LoadAssembler loads; ///< on the unknowns
   Vector initial;      ///< state u_0
+  ChangingForms changing{};
 };
 
 class Formulation {
@@ -34,6 +34,12 @@ public:
   const Operators& operators() const { return problem_.operators; }
   const Contact& contact() const { return problem_.contact; }
   Contact& contact() { return problem_.contact; } ///< laws are prepared for each step
+  /// Do states change forms?
+  bool changes() const { return !problem_.changing.none(); }
+  /// Forms that read states become those of contact().state_values.
+  void take_states() {
+    problem_.changing.take(problem_.contact, problem_.layout, problem_.operators);
+  }
   const LoadAssembler& loads() const { return problem_.loads; }
   const Vector& initial() const { return problem_.initial; }
   bool imposed() const { return layout().n_state > layout().n_unknowns; }

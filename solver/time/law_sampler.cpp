@@ -1,5 +1,7 @@
-// Expressions that read multipliers, at the laws' own quadrature points; see law_sampler.hpp.
+// See law_sampler.hpp.
 #include "solver/time/law_sampler.hpp"
+
+#include "solver/assembly/point_form.hpp"
 
 #include <fmt/format.h>
 
@@ -14,14 +16,29 @@ namespace {
 bool is_multiplier(Slot s) { return s >= slot::first_multiplier && s < slot::first_inside; }
 bool is_field(Slot s) { return s >= slot::first_field && s < slot::first_multiplier; }
 int term_of(Slot s) { return (s - slot::first_multiplier) / 4; }
-/// The term at whose points a multiplier or a state is known; -1: it is neither.
-int term_of(const Contact& contact, Slot s) {
+/// Where a multiplier or a state is known: the number of a law term, or behind these that of a
+/// group of states in a body; -1: it is neither.
+int place_of(const Contact& contact, Slot s) {
   if (is_multiplier(s)) return term_of(s);
   if (!slot::is_state(s)) return -1;
-  for (const auto& group : contact.state_groups)
+  for (std::size_t g = 0; g < contact.state_groups.size(); ++g) {
+    const auto& group = contact.state_groups[g];
     if (std::ranges::find(group.states, s - slot::first_state) != group.states.end())
-      return group.host;
+      return group.body ? static_cast<int>(contact.terms.size() + g) : group.host;
+  }
   return -1;
+}
+const BodyPoints* body_at(const Contact& contact, int place) {
+  const int group = place - static_cast<int>(contact.terms.size());
+  return group < 0 ? nullptr : contact.state_groups[static_cast<std::size_t>(group)].body.get();
+}
+const LawPoints& points_at(const Contact& contact, int place) {
+  const BodyPoints* const body = body_at(contact, place);
+  return body != nullptr ? body->points : contact.terms[static_cast<std::size_t>(place)].points;
+}
+const LawTerm& term_at(const Problem& problem, const Contact& contact, int place) {
+  const BodyPoints* const body = body_at(contact, place);
+  return body != nullptr ? body->term : problem.law_terms[static_cast<std::size_t>(place)];
 }
 int component_of(Slot s) { return (s - slot::first_multiplier) % 4; }
 
@@ -29,14 +46,21 @@ double distance(const Point& a, const Point& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-/// Barycentric coordinates of a point in a cell, from the gradients and the centroid.
-Barycentric barycentric_of(const Mesh& mesh, int cell, const Point& x) {
-  const auto geometry = cell_geometry(mesh, cell);
-  Barycentric out{};
-  for (int k = 0; k <= mesh.dim; ++k) out[k] = 1.0 / (mesh.dim + 1);
-  const Point centroid = point_in_cell(mesh, cell, out);
-  for (int k = 0; k <= mesh.dim; ++k)
-    for (int i = 0; i < mesh.dim; ++i) out[k] += geometry.gradient[k][i] * (x[i] - centroid[i]);
+/// Does a closed cell contain a point, but for rounding?
+bool contains(const Mesh& mesh, int cell, const Point& x) {
+  constexpr double outside = -1e-9;
+  const auto at = barycentric_in_cell(mesh, cell, x);
+  return std::all_of(at.begin(), at.begin() + mesh.dim + 1, [](double b) { return b >= outside; });
+}
+
+/// The points of a law at a place; those of a body in the cells there.
+std::vector<int> points_near(const Mesh& mesh, const LawPoints& points, const Point& place) {
+  std::vector<int> out;
+  const double near = 1e-6 * mesh_quality(mesh).shortest_edge;
+  for (int p = 0; p < static_cast<int>(points.x.size()); ++p)
+    if (points.kind == Group::Kind::cells ? contains(mesh, points.cell[p], place)
+                                          : distance(points.x[p], place) <= near)
+      out.push_back(p);
   return out;
 }
 
@@ -46,18 +70,20 @@ LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Co
                        std::vector<Expr> expressions, Origin origin, int part)
     : expressions_(expressions), origin_(origin) {
   for (const auto s : expressions_.inputs())
-    if (law_term_ < 0) law_term_ = term_of(contact, s);
-  const auto& term = problem.law_terms[law_term_];
-  const auto& own = contact.terms[law_term_].points;
+    if (place_ < 0) place_ = place_of(contact, s);
+  const auto& term = term_at(problem, contact, place_);
+  const auto& own = points_at(contact, place_);
+  part_ = part >= 0 ? part : term.part;
+  in_body_ = body_at(contact, place_) != nullptr;
   LawPoints other;
-  if (part >= 0 && part != term.part)
-    other = assemble_law(d.space, d.parts[part], term, law_term_, !own.frames.empty());
+  if (part_ != term.part)
+    other = assemble_law(d.space, d.parts[part], term, place_, !own.frames.empty());
   const auto& points = other.x.empty() ? own : other;
   std::vector<int> all(points.x.size());
   std::iota(all.begin(), all.end(), 0);
   take_points(points, term, all);
   for (const auto s : expressions_.inputs()) {
-    if (const int known = term_of(contact, s); known >= 0) match(contact, known, d.mesh.dim);
+    if (const int known = place_of(contact, s); known >= 0) match(contact, known, d.mesh.dim);
     if (is_field(s)) prepare_field(d.space, s);
   }
 }
@@ -65,23 +91,22 @@ LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Co
 LawSampler LawSampler::at(const Problem& problem, const Discretisation& d, const Contact& contact,
                           const Expr& expression, Origin origin, const Point& place) {
   LawSampler out(problem, d, contact, {expression}, origin);
-  const auto& points = contact.terms[out.law_term_].points;
-  const auto quality = mesh_quality(d.mesh);
-  std::vector<int> chosen;
-  for (int p = 0; p < static_cast<int>(points.x.size()); ++p)
-    if (distance(points.x[p], place) <= 1e-6 * quality.shortest_edge) chosen.push_back(p);
+  const auto& points = points_at(contact, out.place_);
+  const auto chosen = points_near(d.mesh, points, place);
   if (chosen.empty())
     throw Failure(
         FailureKind::bad_value, origin,
         fmt::format("what lives at the points of `{}` is known there only, and {} is none of "
                     "them",
-                    problem.law_terms[out.law_term_].name, describe_point(place, d.mesh.dim)),
-        "ask at a node of the contact part, or for an integral");
-  out.take_points(points, problem.law_terms[out.law_term_], chosen);
+                    term_at(problem, contact, out.place_).name, describe_point(place, d.mesh.dim)),
+        points.kind == Group::Kind::cells
+            ? "ask inside its part, or for an integral"
+            : "ask at a node of the contact part, or for an integral");
+  out.take_points(points, term_at(problem, contact, out.place_), chosen);
   const double total = std::accumulate(out.block_.weight.begin(), out.block_.weight.end(), 0.0);
   for (auto& weight : out.block_.weight) weight /= total;
   for (const auto s : out.expressions_.inputs()) {
-    if (const int known = term_of(contact, s); known >= 0) out.match(contact, known, d.mesh.dim);
+    if (const int known = place_of(contact, s); known >= 0) out.match(contact, known, d.mesh.dim);
     if (is_field(s)) out.prepare_field(d.space, s);
   }
   return out;
@@ -109,9 +134,9 @@ void LawSampler::take_points(const LawPoints& points, const LawTerm& term,
   for (std::size_t p = 0; p < block_.size(); ++p) block_.weight[p] /= values_[p];
 }
 
-/// Finds for each of our points the point of `term` at the same place with the same normal.
-void LawSampler::match(const Contact& contact, int term, int dim) {
-  const auto& theirs = contact.terms[term].points;
+/// Finds for each of our points the one of another place where it is, with the same normal.
+void LawSampler::match(const Contact& contact, int place, int dim) {
+  const auto& theirs = points_at(contact, place);
   std::map<Point, std::vector<int>> by_place;
   for (int p = 0; p < static_cast<int>(theirs.x.size()); ++p) by_place[theirs.x[p]].push_back(p);
   std::vector<int> found;
@@ -128,27 +153,12 @@ void LawSampler::match(const Contact& contact, int term, int dim) {
                                 describe_point(block_.point(p), dim)),
                     "integrate a multiplier over the part where its law acts");
   }
-  point_of_[term] = std::move(found);
+  point_of_[place] = std::move(found);
 }
 
 /// Rows that take a full vector to the values of a field's derivative at our points.
 void LawSampler::prepare_field(const Space& space, Slot s) {
-  const int index = (s - slot::first_field) % slot::field_stride;
-  const auto derivative = decode(space, index, origin_);
-  std::vector<Eigen::Triplet<double>> entries;
-  ShapeTable shapes;
-  for (std::size_t p = 0; p < block_.size(); ++p) {
-    const int cell = block_.cell[p];
-    evaluate_shapes(space, cell_geometry(*space.mesh, cell),
-                    barycentric_of(*space.mesh, cell, block_.point(p)), true, shapes);
-    const auto nodes = space.nodes_of_cell(cell);
-    for (int i = 0; i < shapes.size; ++i)
-      entries.emplace_back(static_cast<int>(p), space.dof(nodes[i], derivative.component),
-                           shapes.at(derivative.row, i));
-  }
-  auto& rows = rows_[s];
-  rows.resize(static_cast<Eigen::Index>(block_.size()), space.n_dofs());
-  rows.setFromTriplets(entries.begin(), entries.end());
+  rows_[s] = derivative_rows(space, block_, (s - slot::first_field) % slot::field_stride, origin_);
 }
 
 void LawSampler::evaluate(const Contact& contact, const Snapshot& snapshot, std::span<double> out) {
@@ -159,7 +169,7 @@ void LawSampler::evaluate(const Contact& contact, const Snapshot& snapshot, std:
     } else if (slot::is_state(s)) {
       auto& column = columns_[s];
       column.resize(size());
-      const auto& theirs = point_of_.at(term_of(contact, s));
+      const auto& theirs = point_of_.at(place_of(contact, s));
       const int first = contact.first_state[static_cast<std::size_t>(s - slot::first_state)];
       for (int p = 0; p < size(); ++p) column[p] = snapshot.states()[first + theirs[p]];
     } else if (is_multiplier(s)) {

@@ -1,4 +1,5 @@
-// Expressions that read multipliers, at the laws' own quadrature points: where multipliers live.
+// Expressions that read multipliers or states, at the points where these live: quadrature points of
+// laws, and of bodies.
 #pragma once
 
 #include "solver/fem/pointwise.hpp"
@@ -9,17 +10,18 @@
 
 namespace hvi::solver {
 
-/// Expressions of x, t, normal, fields and multipliers at the points of the first law term whose
-/// multiplier they read. The weights are the law's quadrature weights *without* the factor before
-/// the law: xi is in dj, and the factor stands outside. Multipliers of other terms must have their
-/// points at the same places (normal law and friction on one part do).
+/// Expressions of x, t, normal, fields, multipliers and states at the points of the first one of
+/// the last two that they read. The weights are the law's quadrature weights *without* the factor
+/// before the law: xi is in dj, and the factor stands outside. Multipliers of other terms must have
+/// their points at the same places (normal law and friction on one part do).
 class LawSampler {
 public:
   /// On the law's part (part = -1), or on another part whose points are among the law's: the law's
   /// rule is set up there. Throws Failure(bad_value) when a point has no multiplier.
   LawSampler(const Problem& problem, const Discretisation& discretisation, const Contact& contact,
              std::vector<Expr> expressions, Origin origin, int part = -1);
-  /// At one place: the law's points there, weights adding up to 1.
+  /// At one place: the law's points there, or those of a body's cells there, weights adding up
+  /// to 1.
   static LawSampler at(const Problem& problem, const Discretisation& discretisation,
                        const Contact& contact, const Expr& expression, Origin origin,
                        const Point& place);
@@ -27,7 +29,8 @@ public:
   int size() const { return static_cast<int>(block_.size()); }
   const PointBlock& points() const { return block_; }
   const std::vector<std::int32_t>& nodes() const { return nodes_; } ///< -1 where not nodal
-  int law_term() const { return law_term_; }
+  int part() const { return part_; }                                ///< where these points are
+  bool in_body() const { return in_body_; } ///< they are those of a state in cells
   /// out[e * size + p]: expression e at point p.
   void evaluate(const Contact& contact, const Snapshot& snapshot, std::span<double> out);
   /// sum_p weight_p expression(p), of the first expression.
@@ -35,15 +38,16 @@ public:
 
 private:
   void take_points(const LawPoints& points, const LawTerm& term, const std::vector<int>& chosen);
-  void match(const Contact& contact, int term, int dim);
+  void match(const Contact& contact, int place, int dim);
   void prepare_field(const Space& space, Slot slot);
 
   Pointwise expressions_;
   Origin origin_;
-  int law_term_ = -1;
+  int place_ = -1, part_ = -1;
+  bool in_body_ = false;
   PointBlock block_;
   std::vector<std::int32_t> nodes_;
-  std::map<int, std::vector<int>> point_of_; ///< by law term: its point at each of ours
+  std::map<int, std::vector<int>> point_of_; ///< by place: its point at each of ours
   std::map<Slot, SparseMatrix> rows_;        ///< by field slot: points x dofs
   std::map<Slot, Vector> columns_;           ///< values of the slots that change
   std::vector<double> values_;

@@ -6,6 +6,7 @@
 #include "solver/linear/dense.hpp"
 #include "solver/linear/mirror_pairs.hpp"
 #include "solver/linear/spmv.hpp"
+#include "solver/time/body_states.hpp"
 #include "solver/time/inertia.hpp"
 #include "solver/time/proportional.hpp"
 #include "solver/time/shared_work.hpp"
@@ -25,10 +26,12 @@ struct Distinct {
   std::vector<Vector> weights; ///< per distinct term, one entry per field
 };
 
-Distinct distinct_terms(const Problem& problem, int n_fields, bool with_inertia) {
+/// Of the forms that `chosen` chooses.
+template <class F>
+Distinct distinct_terms(const Problem& problem, int n_fields, F chosen) {
   Distinct out;
   for (const auto& term : problem.forms) {
-    if (!with_inertia && term.field == field_of_u(2)) continue;
+    if (!chosen(term)) continue;
     std::size_t known = 0;
     double ratio = 1.0;
     for (; known < out.terms.size(); ++known)
@@ -137,6 +140,44 @@ bool is_mirrored(const FormTerm& term) {
   });
 }
 
+/// The same of coefficients that change.
+bool stays_mirrored(const FormTerm& term) {
+  std::map<std::pair<int, int>, Expr> c;
+  for (const auto& entry : term.entries) {
+    const auto [at, fresh] = c.try_emplace({entry.test, entry.trial}, entry.coefficient);
+    if (!fresh) at->second = at->second + entry.coefficient;
+  }
+  return std::all_of(c.begin(), c.end(), [&](const auto& one) {
+    const auto mirror = c.find({one.first.second, one.first.first});
+    return mirror != c.end() ? mirror->second == one.second : one.second.is(0.0);
+  });
+}
+
+/// Appends the forms that read states, each kind with a base matrix of its own.
+void add_changing(const Problem& problem, const Discretisation& discretisation,
+                  const StateLayout& layout, int threads, Operators& operators) {
+  const auto distinct = distinct_terms(problem, operators.n_fields(), reads_states);
+  if (distinct.terms.empty()) return;
+  std::vector<FormTerm> initial;
+  for (const FormTerm* term : distinct.terms) initial.push_back(at_initial_states(problem, *term));
+  std::vector<const FormTerm*> terms;
+  for (const FormTerm& term : initial) terms.push_back(&term);
+  auto matrices = assemble_distinct(discretisation, layout, terms, threads);
+  const auto before = operators.weights.cols();
+  operators.weights.conservativeResize(Eigen::NoChange,
+                                       before + static_cast<Eigen::Index>(terms.size()));
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    operators.weights.col(before + static_cast<Eigen::Index>(i)) = distinct.weights[i];
+    operators.changing.emplace_back(operators.n_bases(), distinct.terms[i]);
+    operators.bases.push_back(std::move(matrices[i]));
+    const bool mirrored = stays_mirrored(*distinct.terms[i]);
+    operators.symmetric = operators.symmetric && mirrored;
+    operators.mirrored = operators.mirrored && mirrored;
+  }
+  operators.terms.clear();
+  operators.shared = nullptr; // these factors are of one moment
+}
+
 /// Symmetric on the unknowns to rounding of the assembly.
 bool is_symmetric(const SparseMatrix& matrix) {
   const double largest =
@@ -155,7 +196,8 @@ SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& discr
   for (const auto& form : problem.forms)
     if (form.field == field)
       out = SparseMatrix(
-          out + assemble_form(discretisation.space, discretisation.parts[form.part], form));
+          out + assemble_form(discretisation.space, discretisation.parts[form.part],
+                              reads_states(form) ? at_initial_states(problem, form) : form));
   return out;
 }
 
@@ -166,7 +208,9 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
                   "nothing resists: the plan has no form");
   const int n_fields = count_fields(problem);
   const bool plain_inertia = !takes_mass_off_contact(problem);
-  auto distinct = distinct_terms(problem, n_fields, plain_inertia);
+  auto distinct = distinct_terms(problem, n_fields, [&](const FormTerm& term) {
+    return (plain_inertia || term.field != field_of_u(2)) && !reads_states(term);
+  });
   auto matrices = assemble_distinct(discretisation, layout, distinct.terms, threads);
   if (!plain_inertia) {
     matrices.push_back(restrict_rows(inertia_matrix(problem, discretisation), layout));
@@ -187,6 +231,7 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
   }
   if (matrices.size() == distinct.terms.size()) out.terms = std::move(distinct.terms);
   out.bases = std::move(matrices);
+  add_changing(problem, discretisation, layout, threads, out);
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include "solver/time/state.hpp"
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace hvi::solver {
@@ -20,6 +21,9 @@ struct Operators {
   bool symmetric = true;           ///< all of them, on the unknowns
   bool mirrored = true;            ///< and by their coefficients already
   int n_unknowns = 0;
+  /// Base matrices whose forms read states, with these: they are those of the states at hand
+  /// (body_states.hpp).
+  std::vector<std::pair<int, const FormTerm*>> changing;
   /// Of the base matrices; empty where some were merged.
   std::vector<const FormTerm*> terms;
   /// If set, the number of contact unknowns, which come first: they are coupled with no others, and
@@ -45,7 +49,7 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
 std::optional<Vector> as_combination(const Operators& operators,
                                      const Discretisation& discretisation, const FormTerm& form);
 
-/// The sum of the plan's forms on one field, on all dofs.
+/// The sum of the plan's forms on one field, on all dofs, with the initial states.
 SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& discretisation,
                              int field);
 

@@ -123,7 +123,7 @@ PointStates::PointStates(const Problem& problem, const Evolution& evolution, Con
     : problem_(problem), evolution_(evolution), contact_(contact), accepted_(contact.state_values) {
   if (none()) return;
   for (const auto& group : contact.state_groups)
-    rates_.emplace_back(problem, group, contact.terms[group.host].points);
+    rates_.emplace_back(problem, group, points_of(contact, group));
   Problem first_order; // without inertia
   first_order.time = problem.time;
   if (problem.time.scheme != Scheme::bdf2) first_order.time.scheme = Scheme::backward_euler;
@@ -148,15 +148,16 @@ void PointStates::inputs(const Vector& u, const Vector* d, const Vector& xi,
   out.scales.setZero(n_inputs());
   const auto fields = evolution_.law_fields(n_, contact_.state_fields, u, d);
   const auto laws = evolution_.law_fields(n_, contact_.other_fields, u, d);
-  const bool reached = contact_.reach.size() == contact_.trace.cols();
   for (const auto& group : contact_.state_groups) {
+    const SparseMatrix& trace = group.body ? contact_.body_trace : contact_.trace;
+    const bool reached = !group.body && contact_.reach.size() == trace.cols();
     int row = group.first_input;
     for (const Slot s : group.fields) {
       const int field = (s - slot::first_field) / slot::field_stride;
       const Vector& values = fields[field];
       const double factor = reached ? fields.factor(field) : 0.0;
       for (const int end = row + group.n_points; row < end; ++row)
-        for (SparseMatrix::InnerIterator it(contact_.trace, row); it; ++it) {
+        for (SparseMatrix::InnerIterator it(trace, row); it; ++it) {
           out.values[row] += it.value() * values[it.col()];
           out.scales[row] +=
               std::abs(it.value()) * (std::abs(values[it.col()]) +
@@ -407,10 +408,12 @@ StateError PointStates::distance(const Vector& values, const StateInputs& inputs
   for (const auto& group : contact_.state_groups)
     for (const int i : group.states) {
       const int first = contact_.first_state[i];
-      double moved = 0.0;
-      for (int at = first; at < first + group.n_points; ++at)
+      double moved = 0.0, most = size[static_cast<std::size_t>(i)];
+      for (int at = first; at < first + group.n_points; ++at) {
         moved = std::max(moved, std::abs(values[at] - contact_.state_values[at]));
-      const double of_size = moved > 0.0 ? moved / size[static_cast<std::size_t>(i)] : 0.0;
+        most = std::max(most, std::abs(values[at]));
+      }
+      const double of_size = moved > 0.0 ? moved / most : 0.0;
       if (of_size > out.worst || out.state < 0) out = {of_size, i};
     }
   return out;

@@ -77,6 +77,7 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
   if (plan.problem.time.is_static) return "a static problem has one step";
   if (contact.none()) return "there is no contact law";
   if (in_motion(plan.problem)) return "there is inertia";
+  if (!operators.changing.empty()) return "states change a form";
   if (operators.n_bases() != 1) return different_tensors(plan.problem, operators);
   if (!operators.symmetric) return "the matrix is not symmetric";
   if (contact.whole) return "the laws act on most of the unknowns";

@@ -3,6 +3,7 @@
 
 #include "solver/common/numbers.hpp"
 #include "solver/time/coupled_bounds.hpp"
+#include "solver/time/mixing.hpp"
 #include "solver/time/state_tangent.hpp"
 
 #include <fmt/format.h>
@@ -20,6 +21,8 @@ constexpr double part_of_tolerance = 1e-3;
 constexpr double contracts = 0.1;
 constexpr int most_newton = 40;
 constexpr int most_plain = 400;
+constexpr int most_mixed = 100;
+constexpr double least_part = 0.05;
 /// From one step of a march to the next.
 constexpr double longer = 1.2;
 constexpr double shortest_newton = 1.0 / 64.0;
@@ -29,25 +32,28 @@ constexpr double smallest_share = 1e-4;
 class StateCoupling {
 public:
   StateCoupling(const Problem& problem, EquationSolver& solver, Contact& contact, double tolerance,
-                StepMatrix& matrix, const InequalityState* path_start, StepEquation& equation,
-                Trial& trial, StepResult& out)
+                StepMatrix& matrix, const InequalityState* path_start,
+                const std::function<void()>& renew, StepEquation& equation, Trial& trial,
+                StepResult& out)
       : problem_(problem), solver_(solver), states_(solver.laws.states), contact_(contact),
-        tolerance_(tolerance), matrix_(matrix), path_start_(path_start), equation_(equation),
-        trial_(trial), out_(out) {}
+        tolerance_(tolerance), matrix_(matrix), path_start_(path_start), renew_(renew),
+        equation_(equation), trial_(trial), out_(out) {}
 
   void run() {
     judge();
     if (!usable()) return; // the inequality itself has no solution: its verdict stands
-    if (wanted_.size() > 0 && !read()) { // a wear that is only told
+    if (wanted_.size() > 0 && !read() && !in_forms()) { // a wear that is only told
       contact_.state_values = wanted_;
       return;
     }
     const Here first = here();
     if (settle()) return;
     go(first);
-    if (settle_by_marching()) return;
-    go(first);
-    if (settle_on_path()) return;
+    if (!in_forms()) {
+      if (settle_by_marching()) return;
+      go(first);
+      if (settle_on_path()) return;
+    }
     if (out_.inequality.converged && error_ <= tolerance_) return;
     out_.inequality.converged = false;
     out_.inequality.verdict = fmt::format(
@@ -63,6 +69,9 @@ private:
       return !term.first_states.empty() || term.offset_of_states;
     });
   }
+
+  /// Do forms depend on states?
+  bool in_forms() const { return std::ranges::any_of(problem_.forms, reads_states); }
 
   struct Here {
     Vector values, wanted;
@@ -81,6 +90,7 @@ private:
     inputs_ = place.inputs, wanted_ = place.wanted, error_ = place.error;
     trial_ = place.trial, solver_.laws.now = place.now, out_ = place.out;
     out_.inequality.iterations = iterations, out_.corrections = corrections;
+    if (in_forms()) renew_();
     solver_.laws.prepare(equation_.n, equation_.known);
   }
 
@@ -106,10 +116,11 @@ private:
     contact_.state_values = values;
     auto& now = solver_.laws.now;
     try {
+      renew_();
       solver_.laws.prepare(equation_.n, equation_.known);
     } catch (const Failure& failure) {
-      if (failure.kind != FailureKind::bad_law) throw;
-      error_ = infinity; // states for which there is no law
+      if (failure.kind != FailureKind::bad_law && failure.kind != FailureKind::not_coercive) throw;
+      error_ = infinity; // states for which there is no law, or no stiffness
       return;
     }
     if (path_start_ != nullptr) {
@@ -126,7 +137,7 @@ private:
 
   bool near() const { return error_ <= part_of_tolerance * tolerance_; }
 
-  /// Plain passes while they contract, then Newton's method. False: neither gets there.
+  /// Plain passes while they contract, then Newton's method, or Anderson's. False: none gets there.
   bool settle() {
     double before = infinity;
     while (!near() && error_ < contracts * before) {
@@ -135,6 +146,12 @@ private:
     }
     if (near()) return true;
     if (!std::isfinite(error_)) return false;
+    if (in_forms()) {
+      const Here place = here();
+      if (settle_by_mixing()) return true;
+      go(place);
+      return settle_by_parts();
+    }
     for (int k = 0; k < most_newton; ++k) {
       before = error_;
       if (!newton()) return error_ <= tolerance_ && usable();
@@ -142,6 +159,30 @@ private:
       if (error_ <= tolerance_ && error_ > 0.25 * before) return true; // rounding is left
     }
     return false;
+  }
+
+  bool settle_by_mixing() {
+    Mixing mixing;
+    double best = error_;
+    for (int k = 0; k < most_mixed && std::isfinite(error_); ++k) {
+      solve_with(states_.kept(mixing.next(contact_.state_values, wanted_)));
+      if (near()) return true;
+      if (error_ <= tolerance_ && error_ > 0.5 * best) return true; // rounding is left
+      best = std::min(best, error_);
+    }
+    return false;
+  }
+
+  /// Passes that go a part of the way, less where the error does not fall.
+  bool settle_by_parts() {
+    double part = 1.0, before = error_;
+    for (int k = 0; k < most_plain && std::isfinite(error_); ++k) {
+      solve_with(states_.kept(contact_.state_values + part * (wanted_ - contact_.state_values)));
+      if (near()) return true;
+      if (error_ > 0.9 * before) part = std::max(least_part, 0.7 * part);
+      before = error_;
+    }
+    return error_ <= tolerance_;
   }
 
   /// One step, halved until the error falls. False: it does not, and the place is as it was.
@@ -226,6 +267,7 @@ private:
   double tolerance_;
   StepMatrix& matrix_;
   const InequalityState* path_start_;
+  const std::function<void()>& renew_;
   StepEquation& equation_;
   Trial& trial_;
   StepResult& out_;
@@ -239,8 +281,10 @@ private:
 
 void couple_states(const Problem& problem, EquationSolver& solver, Contact& contact,
                    double tolerance, StepMatrix& matrix, const InequalityState* path_start,
-                   StepEquation& equation, Trial& trial, StepResult& out) {
-  StateCoupling(problem, solver, contact, tolerance, matrix, path_start, equation, trial, out)
+                   const std::function<void()>& renew, StepEquation& equation, Trial& trial,
+                   StepResult& out) {
+  StateCoupling(problem, solver, contact, tolerance, matrix, path_start, renew, equation, trial,
+                out)
       .run();
 }
 

@@ -17,7 +17,12 @@ StepSolver::StepSolver(const Plan& plan, const Discretisation& discretisation,
       refinement(plan.problem, balance, formulation.contact()), plan_(plan), evolution_(evolution),
       formulation_(formulation), balance_(balance) {}
 
+/// Forms that states change begin at the last ones; then every step has its own factor.
 StepMatrix& StepSolver::matrix_for(int n) {
+  if (formulation_.changes()) {
+    equations.laws.states.begin(n);
+    formulation_.take_states();
+  }
   const auto [matrix, fresh] = equations.matrices.find(n, evolution_.factors(n));
   if (fresh && !formulation_.reduced() && refinement.begins_with(matrix)) {
     equations.solves->stop();
@@ -33,7 +38,8 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   equation.n = n;
   balance_.known_state(n, equation.known);
   equations.warm_start.find_change(n, balance_.coefficients(n), matrix, equation, trial.d);
-  if (follow && !equation.exact()) { // where a branch ends, K_n itself has to say
+  // Where a branch ends, K_n itself has to say.
+  if (formulation_.changes() || (follow && !equation.exact())) {
     equations.matrices.factor(n, evolution_.factors(n), matrix);
     equation.change.setZero();
   }
@@ -53,8 +59,9 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
     if (contact.coupled)
       couple_bounds(equations, tolerance, matrix, start, equation, trial, result);
     if (!laws.states.none())
-      couple_states(plan_.problem, equations, contact, tolerance, matrix, start, equation, trial,
-                    result);
+      couple_states(
+          plan_.problem, equations, contact, tolerance, matrix, start,
+          [&] { renew(n, matrix, equation, trial); }, equation, trial, result);
     return result;
   };
   auto out = solve(CorrectionStart::predicted);
@@ -73,6 +80,15 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   return out;
 }
 
+/// The equation with the forms of the states at hand.
+void StepSolver::renew(int n, StepMatrix& matrix, StepEquation& equation, Trial& trial) {
+  if (!formulation_.changes()) return;
+  formulation_.take_states();
+  equations.matrices.factor(n, evolution_.factors(n), matrix);
+  balance_.find_right_hand_side(equation);
+  balance_.residual(equation, matrix, equations.laws.now.xi, trial);
+}
+
 bool StepSolver::can_begin_anew() {
   if (!equations.warm_start.ready()) return false;
   equations.warm_start.clear();
@@ -85,7 +101,8 @@ void StepSolver::accept(int n, StepMatrix& matrix, const StepResult& result, Tri
   const auto& grid = evolution_.grid();
   auto& warm_start = equations.warm_start;
   // Nothing is smooth across a jump.
-  if (grid.is_static() || refinement.on() || result.snap || result.inequality.events > 0)
+  if (grid.is_static() || refinement.on() || formulation_.changes() || result.snap ||
+      result.inequality.events > 0)
     return warm_start.clear();
   warm_start.note(n, matrix, trial, equations.laws.now.xi);
   if (matrix.factorisation())

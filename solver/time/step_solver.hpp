@@ -30,6 +30,8 @@ public:
   Refinement refinement;
 
 private:
+  void renew(int n, StepMatrix& matrix, StepEquation& equation, Trial& trial);
+
   const Plan& plan_;
   const Evolution& evolution_;
   Formulation& formulation_;

@@ -69,6 +69,7 @@ void Uniqueness::look_at_laws() {
   if (contact_.coupled) obstacle_ = "a law is coupled to another one";
   if (!contact_.readings.empty()) obstacle_ = "a law reads a memory of the unknown";
   if (!contact_.state_groups.empty()) obstacle_ = "laws with states are solved together with them";
+  if (!operators_.changing.empty()) obstacle_ = "states change the forms";
   bool softens = false, moves = false;
   weight_.assign(problem_.law_terms.size(), 0.0);
   for (const auto& term : contact_.terms) {

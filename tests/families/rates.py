@@ -230,7 +230,7 @@ def run(program, folder, scene, turn, scale, options):
     if done.returncode != 0:
         return None, f"exit {done.returncode}: " + " ".join(done.stderr.split())[:300]
     out = []
-    for file in sorted((folder / "out").glob("*.vtu")):
+    for file in sorted((folder / "out").glob("scene_[0-9]*.vtu")):
         grid = meshio.read(file)
         at = grid.points[:, :scene.dim] @ turn / scale
         nearest = [int(np.argmin(((at - x) ** 2).sum(1))) for x in scene.solid.points]

@@ -321,9 +321,91 @@ report
     check("turned", all(abs(out[0][k] - out[1][k]) < 1e-9 * abs(out[0][k]) for k in out[0]) and out[0]["b"] < 0.999, str(out[0]))
 
 
+# A bar is pulled: eps_xx = t/10, and d' = 5 max(0, eps_xx - 0.02) gives d = (t - 0.2)^2/4 from t = 0.2 on.
+PULLED = """
+param N = 20
+param method = backward_euler
+mesh bar = rectangle(1, 1, cells = [2, 2])
+part wall = bar.left
+part base = bar.bottom
+part grip = bar.right
+tensor B = isotropic(young = 100, poisson = 0)
+state d on bar with rate 5*max(0, norm(eps(u)) - 0.02) from d = 0 in [0, 0.9]
+space V = vector P1 on bar, zero.x on wall, zero.y on base, zero.x on grip
+find u in V with u.x = 0.1*t on grip for t in [0, 1] by N steps from u = 0
+  using scheme = method
+such that for all v in V
+    integral(bar, (1 - d)*B : eps(u) : eps(v))
+ = 0
+report
+  table d = d at [0.4, 0.6], whole = integral(bar, d), s = sigma.xx at [0.4, 0.6]
+"""
+
+
+def pulled(folder):
+    """Damage by strain: exact in the step, its orders, and what is dissipated: int E/2 eps^2 d' dt."""
+    n = 20
+    done, result = run(folder, PULLED)
+    assert done.returncode == 0, done.stderr
+    d = sum(5 / n * max(0, 0.1 * j / n - 0.02) for j in range(1, n + 1))
+    final = result["final"]
+    exact = {"d": d, "whole": d, "s": (1 - d) * 10}
+    check("pulled, backward Euler as written out", all(abs(final[k] - exact[k]) < 1e-11 * exact[k] for k in exact), str(final))
+    for method, order in (("backward_euler", 1), ("bdf2", 2)):
+        errors = []
+        for steps in (40, 80, 160, 320):
+            done, result = run(folder, PULLED, "-D", f"N={steps}", "-D", f"method={method}")
+            errors.append(abs(result["final"]["d"] - 0.16))
+        check(f"pulled, order of {method}", abs(orders(errors)[-1] - order) < 0.1, str(orders(errors)))
+    truth = 50 * 0.1 ** 2 * 0.5 * ((1 - 0.2 ** 4) / 4 - 0.2 * (1 - 0.2 ** 3) / 3)
+    errors = []
+    for steps in (80, 160, 320):
+        done, result = run(folder, PULLED, "-D", f"N={steps}", "--monitors")
+        table = result["monitors"]
+        errors.append(table["lost"][-1] - truth)
+        check("pulled, balance of work", table["balance_error"] < 1e-11, str(table["balance_error"]))
+    check("pulled, dissipation", abs(2 * errors[-1] - errors[-2]) < 1e-4 * truth and abs(orders(errors)[-1] - 1) < 0.1,
+          f"{errors} of {truth}")
+
+
+# Creep damage under a constant load (stdlib/states.hvi): (1 - d)^(r+1) = 1 - (r + 1) (s/S)^r t.
+CREEP = """
+import states
+param N = 20
+param method = backward_euler
+mesh bar = rectangle(1, 1, cells = [2, 1])
+part wall = bar.left
+part base = bar.bottom
+part grip = bar.right
+tensor B = isotropic(young = 100, poisson = 0)
+state d on bar with rate creep_damage(d, sigma.xx, 1.5, 3) from d = 0 in [0, 0.99]
+space V = vector P2 on bar, zero.x on wall, zero.y on base
+find u in V for t in [0, 0.5] by N steps from u = [0.01*x, 0]
+  using scheme = method
+such that for all v in V
+    integral(bar, (1 - d)*B : eps(u) : eps(v))
+ = integral(grip, dot([1, 0], v))
+report
+  table d = d at [0.4, 0.6], end = u.x at [1, 0.5]
+"""
+
+
+def creep(folder):
+    left = (1 - 4 * 1.5 ** -3 * 0.5) ** 0.25
+    for method, order in (("backward_euler", 1), ("bdf2", 2)):
+        errors = []
+        for steps in (40, 80, 160, 320):
+            done, result = run(folder, CREEP, "-D", f"N={steps}", "-D", f"method={method}")
+            assert done.returncode == 0, done.stderr
+            final = result["final"]
+            errors.append(abs(final["d"] - (1 - left)))
+            check("creep, strain", abs(final["end"] * 100 * (1 - final["d"]) - 1) < 1e-9, str(final))
+        check(f"creep, order of {method}", abs(orders(errors)[-1] - order) < 0.1 and errors[-1] < 2e-3, str(errors))
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
-        for test in (held_bond, wear, fault, breaks, restart, turned):
+        for test in (held_bond, wear, fault, breaks, restart, turned, pulled, creep):
             test(folder)
     print("all hold" if not failed else f"{len(failed)} failed")
     return 1 if failed else 0

@@ -1,0 +1,111 @@
+// See point_form.hpp.
+#include "solver/assembly/point_form.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+std::vector<Expr> coefficients_of(const FormTerm& term) {
+  std::vector<Expr> out;
+  for (const auto& entry : term.entries) out.push_back(entry.coefficient);
+  return out;
+}
+
+void shapes_at(const Space& space, const PointBlock& points, std::size_t p, ShapeTable& shapes) {
+  const int cell = points.cell[p];
+  const Point x = points.point(p);
+  evaluate_shapes(space, cell_geometry(*space.mesh, cell),
+                  barycentric_in_cell(*space.mesh, cell, x), true, shapes);
+}
+
+/// into(row, column) += value, which is in its pattern.
+void add_to(SparseMatrix& into, int row, int column, double value) {
+  const int* const begin = into.innerIndexPtr() + into.outerIndexPtr()[row];
+  const int* const end = into.innerIndexPtr() + into.outerIndexPtr()[row + 1];
+  into.valuePtr()[std::lower_bound(begin, end, column) - into.innerIndexPtr()] += value;
+}
+
+/// into += the rows and columns of one cell.
+void scatter(const Space& space, int cell, const DofSelection& dofs, const DenseMatrix& of_cell,
+             SparseMatrix& into) {
+  const auto nodes = space.nodes_of_cell(cell);
+  const auto entry_of = [&](Eigen::Index local) {
+    const int dof = space.dof(nodes[static_cast<std::size_t>(local) / space.components],
+                              static_cast<int>(local) % space.components);
+    return dofs.entry_of.empty() ? dof : dofs.entry_of[static_cast<std::size_t>(dof)];
+  };
+  for (Eigen::Index i = 0; i < of_cell.rows(); ++i) {
+    const int row = entry_of(i);
+    if (row < 0 || row >= into.rows()) continue;
+    for (Eigen::Index j = 0; j < of_cell.cols(); ++j)
+      if (const int column = entry_of(j); column >= 0 && column < into.cols())
+        add_to(into, row, column, of_cell(i, j));
+  }
+}
+
+} // namespace
+
+SparseMatrix derivative_rows(const Space& space, const PointBlock& points, int index,
+                             Origin origin) {
+  const Derivative derivative = decode(space, index, origin);
+  std::vector<Eigen::Triplet<double>> entries;
+  ShapeTable shapes;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    shapes_at(space, points, p, shapes);
+    const auto nodes = space.nodes_of_cell(points.cell[p]);
+    for (int i = 0; i < shapes.size; ++i)
+      entries.emplace_back(static_cast<int>(p),
+                           space.dof(nodes[static_cast<std::size_t>(i)], derivative.component),
+                           shapes.at(derivative.row, i));
+  }
+  SparseMatrix out(static_cast<Eigen::Index>(points.size()), space.n_dofs());
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+PointForm::PointForm(const Space& space, PointBlock points, const FormTerm& term)
+    : space_(&space), term_(&term), points_(std::move(points)),
+      coefficients_(coefficients_of(term)), values_(points_.size() * term.entries.size()) {
+  for (const auto& entry : term.entries)
+    entries_.push_back(
+        {decode(space, entry.test, term.origin), decode(space, entry.trial, term.origin)});
+}
+
+void PointForm::add_point(std::size_t p, DenseMatrix& of_cell) {
+  ShapeTable shapes;
+  shapes_at(*space_, points_, p, shapes);
+  const int n = space_->components;
+  for (std::size_t e = 0; e < entries_.size(); ++e) {
+    const double c = points_.weight[p] * values_[e * points_.size() + p];
+    if (!std::isfinite(c))
+      throw_not_finite(term_->origin, "a coefficient of the form", c, points_.point(p),
+                       space_->mesh->dim);
+    if (c == 0.0) continue;
+    const auto& [test, trial] = entries_[e];
+    for (int i = 0; i < shapes.size; ++i)
+      for (int j = 0; j < shapes.size; ++j)
+        of_cell(i * n + test.component, j * n + trial.component) +=
+            c * shapes.at(test.row, i) * shapes.at(trial.row, j);
+  }
+}
+
+void PointForm::assemble(const DofSelection& dofs, const Pointwise::Columns& more,
+                         SparseMatrix& into) {
+  coefficients_.evaluate(points_, 0.0, term_->origin, values_, more);
+  into.coeffs().setZero();
+  const auto size = static_cast<Eigen::Index>(space_->components) *
+                    static_cast<Eigen::Index>(space_->nodes_of_cell(0).size());
+  DenseMatrix of_cell(size, size);
+  for (std::size_t p = 0; p < points_.size();) {
+    const int cell = points_.cell[p];
+    of_cell.setZero();
+    for (; p < points_.size() && points_.cell[p] == cell; ++p) add_point(p, of_cell);
+    scatter(*space_, cell, dofs, of_cell, into);
+  }
+}
+
+} // namespace hvi::solver
