@@ -98,8 +98,8 @@ void add_body_trace(const Discretisation& d, const StateLayout& layout, const St
   const PointBlock points = as_block(group.body->points);
   for (std::size_t f = 0; f < group.fields.size(); ++f) {
     const int index = (group.fields[f] - slot::first_field) % slot::field_stride;
-    const SparseMatrix rows = restrict_columns(
-        derivative_rows(d.space, points, index, group.body->term.origin), layout);
+    const SparseMatrix rows =
+        restrict_columns(derivative_rows(d.space, points, index, group.body->term.origin), layout);
     const int first = group.first_input + static_cast<int>(f) * group.n_points;
     for (int p = 0; p < group.n_points; ++p)
       for (SparseMatrix::InnerIterator it(rows, p); it; ++it)

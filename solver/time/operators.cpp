@@ -158,10 +158,12 @@ void add_changing(const Problem& problem, const Discretisation& discretisation,
                   const StateLayout& layout, int threads, Operators& operators) {
   const auto distinct = distinct_terms(problem, operators.n_fields(), reads_states);
   if (distinct.terms.empty()) return;
-  std::vector<FormTerm> initial;
-  for (const FormTerm* term : distinct.terms) initial.push_back(at_initial_states(problem, *term));
-  std::vector<const FormTerm*> terms;
-  for (const FormTerm& term : initial) terms.push_back(&term);
+  std::vector<FormTerm> initial(distinct.terms.size());
+  std::vector<const FormTerm*> terms(distinct.terms.size());
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    initial[i] = at_initial_states(problem, *distinct.terms[i]);
+    terms[i] = &initial[i];
+  }
   auto matrices = assemble_distinct(discretisation, layout, terms, threads);
   const auto before = operators.weights.cols();
   operators.weights.conservativeResize(Eigen::NoChange,
