@@ -11,23 +11,18 @@ each point's equation by bisection, until nothing changes.
 """
 import json
 import math
-import pathlib
 import sys
-import tempfile
 
 import numpy as np
 
-import orientation
 import rates
-from brute import Step
-from orientation import CONVEX, TOLERANCE, number
-from solids import Solid, block, cell_rule, shapes, slopes, triangle_rule, turning
+from orientation import number
+from rates import AGREES
+from solids import Solid, cell_rule, shapes, slopes, triangle_rule
 
-TURNS = 60
 PASSES = 400
 SETTLED = 1e-13
 WITHOUT_REFERENCE = 0.15
-AGREES = 1e-8
 
 
 class CellPoint:
@@ -105,15 +100,10 @@ class Scene(rates.Scene):
             out[np.ix_(p.dofs, p.dofs)] += factor * p.stiffness(*lame)
         return out
 
-    def matrix(self, n):
-        k = self.rate(n)[0] * self.all_a + self.all_b
-        if self.memory:
-            k = k + self.history(n, self.memory)[n] * self.all_q
-        return k[np.ix_(self.free, self.free)]
-
     def choose_laws(self):
         super().choose_laws()  # convex with the weakest matrices
         random = self.random
+        self.told_first, self.told_second = [np.zeros(len(self.inside))], [np.zeros(len(self.inside))]
         steps = np.diff(self.grid)
         self.c = 10 ** random.uniform(-1, 1.5) / steps.max()
         self.c2 = 10 ** random.uniform(-1, 1)
@@ -182,50 +172,29 @@ class Scene(rates.Scene):
         z = np.where(left(np.zeros(len(known))) >= 0, 0.0, z)
         return np.where(left(np.full(len(known), self.most)) <= 0, self.most, z), other
 
-    def solve_step(self, n, states, before, z):
-        """u_n with the first state z, or None."""
-        self.all_a, self.all_b, self.all_q = (self.of_states(f, z) for f in FORMS)
-        last, (s, carry) = states[-1], self.rate(n)
-        held = np.zeros(self.solid.n)
-        held[self.clamped_dofs] = self.held_at(self.grid[n])
-        right = -self.all_a @ (s * (held - last) - carry * before) - self.all_b @ held
-        if self.memory:
-            weights = self.history(n, self.memory)
-            right -= self.all_q @ (sum(w * u for w, u in zip(weights, states)) + weights[n] * held)
-        points = self.law_points(n, (held, states, before))
-        u = Step(self.matrix(n), points).solve(self.load * self.load_at(self.grid[n]) + right[self.free], TURNS)
-        if u is None:
-            return None
-        held[self.free] = u
-        return held
-
-    def reference(self):
-        states, before = [np.zeros(self.solid.n)], np.zeros(self.solid.n)
-        count = len(self.inside)
-        self.told_first, self.told_second = [np.zeros(count)], [np.zeros(count)]
-        for n in range(1, len(self.grid)):
-            s, carry = self.rate(n)
-            known = [of[-1] + carry / s * (of[-1] - of[-2] if n > 1 else 0.0) for of in (self.told_first, self.told_second)]
-            z, damping, last_change = self.told_first[-1], 1.0, math.inf
-            for _ in range(PASSES):
-                u = self.solve_step(n, states, before, z)
-                if u is None:
-                    return None
-                new, other = self.local(known[0], known[1], 1 / s, self.inputs(n, states, u, before))
-                change = float(np.abs(new - z).max())
-                if change <= SETTLED:
-                    break
-                if change > 0.9 * last_change:
-                    damping = max(0.05, 0.7 * damping)
-                last_change = change
-                z = z + damping * (new - z)
-            else:
+    def step(self, n, states, before):
+        """u_n with the states of its own; these are kept."""
+        weight, carry = 1 / self.rate(n)[0], self.rate(n)[1]
+        kept = (self.told_first, self.told_second)
+        of_states = [of[-1] + weight * carry * (of[-1] - of[-2] if n > 1 else 0.0) for of in kept]
+        known = self.known(n, states, before)
+        z, part, last_change = self.told_first[-1], 1.0, math.inf
+        for _ in range(PASSES):
+            self.all_a, self.all_b, self.all_q = (self.of_states(f, z) for f in FORMS)
+            u = self.solve(n, known, states, self.law_points(n, known))
+            if u is None:
                 return None
-            before = u - states[-1]
-            states.append(u)
-            self.told_first.append(new)
-            self.told_second.append(other)
-        return [u.reshape(-1, self.dim) for u in states[1:]]
+            new, other = self.local(*of_states, weight, self.inputs(n, states, u, before))
+            change = float(np.abs(new - z).max())
+            if change <= SETTLED:
+                self.told_first.append(new)
+                self.told_second.append(other)
+                return u
+            if change > 0.9 * last_change:
+                part = max(0.05, 0.7 * part)
+            last_change = change
+            z = z + part * (new - z)
+        return None
 
     def script(self, turn, scale):
         text = super().script(turn, scale)
@@ -252,8 +221,15 @@ class Scene(rates.Scene):
     def cells(self):
         return [self.mesh.points[cell].mean(0) for cell in self.mesh.cells]
 
-    def errors_of_states(self, columns, scale):
+    def options(self, k):
+        return ["--json", "out.json"]
+
+    def bound(self):
+        return AGREES
+
+    def error_besides(self, folder, scale):
         """Of the states' means on cells, and of the integral."""
+        columns = json.loads((folder / "out.json").read_text())["table"]
         weights = np.array([p.weight for p in self.inside]).reshape(-1, self.per_cell)
         worst = 0.0
         for n in range(1, len(self.grid)):
@@ -270,39 +246,5 @@ class Scene(rates.Scene):
                 f"{', two states' if self.second else ''}, up to {self.most:.2g}")
 
 
-def main():
-    options = orientation.asked_for()
-    certified = wrong = refused = skipped = 0
-    largest = of_states = 0.0
-    asked = range(options.scenes) if options.only is None else [options.only]
-    for k in asked:
-        random = np.random.default_rng([options.seed, k])
-        scene = Scene(random)
-        turn, scale = turning(random, scene.dim), 10 ** random.uniform(-4, 4)
-        expected = scene.reference()
-        if expected is None:
-            skipped += 1
-            continue
-        with tempfile.TemporaryDirectory() as temporary:
-            folder = (options.keep or pathlib.Path(temporary)) / str(k)
-            u, said = rates.run(options.program, folder, scene, turn, scale, ["--json", "out.json"])
-            columns = json.loads((folder / "out.json").read_text())["table"] if u is not None else None
-        if u is None:
-            refused += 1
-            print(f"scene {k}: refused ({scene.told()}): {said}", file=sys.stderr)
-            continue
-        certified += 1
-        size = max(scene.reach, max(float(np.abs(e).max()) for e in expected))
-        error = max(float(np.abs(a - e).max()) for a, e in zip(u, expected)) / size
-        of_z = scene.errors_of_states(columns, scale)
-        largest, of_states = max(largest, error), max(of_states, of_z)
-        if max(error, of_z) > AGREES:
-            wrong += 1
-            print(f"scene {k}: u off by {error:.2e}, states by {of_z:.2e} ({scene.told()})", file=sys.stderr)
-    print(f"largest error of u {largest:.1e}, of states {of_states:.1e}, without reference {skipped}")
-    print(f"family damage: scenes {len(asked)}, certified {certified}, wrong {wrong}, refused {refused}")
-    return 0 if wrong == refused == 0 and skipped <= WITHOUT_REFERENCE * len(asked) else 1
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(rates.judge("damage", Scene, WITHOUT_REFERENCE))

@@ -168,26 +168,6 @@ class Scene(rates.Scene):
         k = a * self.acceleration(n) * self.moved_mass + v * self.rate(n)[0] * viscous + u * (1 + memory) * self.all_b
         return k[np.ix_(self.free, self.free)]
 
-    def law_points(self, n=1, known=None):
-        out = []
-        own = self.history(n, self.own)
-        factors = {"u": 1.0, "rate": self.rate(n)[0], "memory": own[n]}
-        for term in self.terms:
-            s = factors[term.sees]
-            for p in term.points(self.solid):
-                if known is not None:
-                    held, states, known_rate = known
-                    if term.sees == "rate":
-                        p.offset = p.rows @ (s * (held - states[-1]) + known_rate)
-                    else:
-                        p.offset = p.rows @ (s * held)
-                    if term.sees == "memory":
-                        p.offset = p.offset + p.rows @ sum(w * u for w, u in zip(own, states))
-                p.rows, p.weight = s * p.rows, p.weight / s
-                p.rows = p.rows[:, self.free]
-                out.append(p)
-        return out
-
     def open_forces(self):
         """At t = 0: the known forces of the laws on all unknowns, and points whose forces are open."""
         force, points = np.zeros(self.solid.n), []

@@ -7,17 +7,14 @@ the unknown at the same point. A step is solved again by a dense brute force (br
 last solution until they no longer change, and memories of its own.
 """
 import copy
-import pathlib
 import sys
-import tempfile
 
 import numpy as np
 
 import orientation
 import rates
-from brute import Friction, Step, Unilateral
-from orientation import TOLERANCE, number
-from solids import turning
+from brute import Friction, Unilateral
+from orientation import number
 
 PASSES = 80  # of the reference; where it has not found the factors then, it has no answer
 SETTLED = 1e-13
@@ -89,34 +86,14 @@ class Scene(rates.Scene):
                 point.law = times(point.law, factor)
         return points
 
-    def reference(self):
-        states, before = [np.zeros(self.solid.n)], np.zeros(self.solid.n)
-        for n in range(1, len(self.grid)):
-            new = self.step(n, states, before)
-            if new is None:
-                return None
-            before = new - states[-1]
-            states.append(new)
-        return [u.reshape(-1, self.dim) for u in states[1:]]
-
     def step(self, n, states, before):
         """u_n with the factors that it makes itself."""
-        last = states[-1]
-        s, carry = self.rate(n)
-        held = np.zeros(self.solid.n)
-        held[self.clamped_dofs] = self.held_at(self.grid[n])
-        right = -self.all_a @ (s * (held - last) - carry * before) - self.all_b @ held
-        if self.memory:
-            weights = self.history(n, self.memory)
-            right -= self.all_b @ (sum(w * u for w, u in zip(weights, states)) + weights[n] * held)
-        self.trial = last.copy()
+        known = self.known(n, states, before)
+        self.trial = states[-1].copy()
         for _ in range(PASSES):
-            points = self.law_points(n, (held, states, before))
-            u = Step(self.matrix(n), points).solve(self.load * self.load_at(self.grid[n]) + right[self.free], rates.TURNS)
-            if u is None:
+            new = self.solve(n, known, states, self.law_points(n, known))
+            if new is None:
                 return None
-            new = held.copy()
-            new[self.free] = u
             moved, self.trial = np.abs(new - self.trial).max(), new
             if moved <= SETTLED * max(self.reach, np.abs(new).max()):
                 return new

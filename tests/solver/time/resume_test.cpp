@@ -88,6 +88,25 @@ Scene in_motion(Scheme scheme) {
   return out;
 }
 
+/// A block that loses stiffness inside, on glue that gives way.
+Scene with_states(Scheme scheme, int dim) {
+  Scene out{std::string("states, ") + name_of(scheme), slab(dim == 2 ? 3 : 2, 9, dim, true), true};
+  Problem& problem = out.plan.problem;
+  problem.time.scheme = scheme;
+  const Expr strain = var(slot::field(field_of_u(0), slot::gradient(1, 1))),
+             opening = var(slot::field(field_of_u(0), slot::value(1)));
+  const Expr lost = var(slot::state(0)), bond = var(slot::state(1));
+  problem.states = {{{}, "lost", body, 2e3 * strain * strain * (1.5 - lost), 0.0, 0.0, 0.9},
+                    {{}, "bond", ground, Expr(-30.0) * bond * abs(opening), 1.0, 0.0, 1.0}};
+  for (auto& form : problem.forms)
+    if (form.field == field_of_u(0))
+      for (auto& entry : form.entries) entry.coefficient = (1.0 - lost) * entry.coefficient;
+  LawSpec& law = problem.laws.front();
+  law.states = {1};
+  law.expression = var(slot::law_state(0)) * law.expression;
+  return out;
+}
+
 /// Friction on the rate with a bound that reads the memory of both parts of u.
 Scene reading(std::string name, int dim, bool proportional) {
   Scene out{std::move(name), slab(dim == 2 ? 3 : 2, 9, dim, true), true};
@@ -122,6 +141,9 @@ std::vector<Scene> scenes() {
                          in_motion(Scheme::newmark),
                          in_motion(Scheme::hht),
                          in_motion(Scheme::midpoint),
+                         with_states(Scheme::backward_euler, 2),
+                         with_states(Scheme::bdf2, 2),
+                         with_states(Scheme::bdf2, 3),
                          reading("reads memories", 2, true),
                          reading("reads memories, all unknowns", 2, false),
                          reading("reads memories, in space", 3, true),
