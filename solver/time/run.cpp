@@ -213,7 +213,8 @@ private:
           result_.notes.begin(),
           {0, 0.0,
            fmt::format("uniqueness is not guaranteed: {}; {}", stepper_.not_unique(),
-                       sentence(plan_.options.branch)),
+                       stepper_.follows() ? sentence(plan_.options.branch)
+                                          : "each step's solution is sought from the last step's"),
            plan_.problem.law_terms.empty() ? Origin{} : plan_.problem.law_terms.front().origin});
     std::optional<EnergyMonitor> own;
     EnergyMonitor& monitor =

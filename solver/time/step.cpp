@@ -73,11 +73,12 @@ Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
     : plan_(plan), timing_(timing), state_(make_state(plan, d, timing)),
       checks_(state_.formulation->row_checks(plan)) {}
 
+bool Stepper::follows() const { return follows_branches(not_unique_, state_.contact()); }
+
 /// From the last accepted state to equation_.known = u_n, with its certificate; nothing is
 /// accepted.
 StepResult Stepper::attempt(int n, StepMatrix& matrix) {
-  const bool follow = follows_branches(not_unique_, state_.contact());
-  auto out = state_.solver.attempt(n, matrix, follow, equation_, state_.trial);
+  auto out = state_.solver.attempt(n, matrix, follows(), equation_, state_.trial);
   counted_.newton += out.inequality.iterations;
   counted_.fallback_steps += out.inequality.used_fallback ? 1 : 0;
   if (checks_ && checks_->at_once(n)) {

@@ -26,6 +26,8 @@ public:
   /// Why not every step is sure to have one solution; empty: each has (uniqueness.hpp). Found at
   /// the first step, for all of them.
   const std::string& not_unique() const { return not_unique_; }
+  /// Are branches followed where a step may have several solutions?
+  bool follows() const;
   /// Adds what was counted to the counters and phases of a run.
   void account(WorkCounters& work, Timing& timing) const;
 
