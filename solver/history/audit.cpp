@@ -99,6 +99,7 @@ public:
   }
 
   double audited() const override { return record_.worst; }
+  const HorizonEnd* ended() const override { return inner_->ended(); }
 
   HistoryReport report() const override {
     HistoryReport r = inner_->report();

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace hvi::solver {
 
@@ -84,6 +85,8 @@ public:
     times_.push_back(t_new);
     fields_.push(u_new);
   }
+
+  const HorizonEnd* ended() const override { return ended_ ? &*ended_ : nullptr; }
 
   HistoryReport report() const override {
     HistoryReport r;
@@ -189,8 +192,9 @@ private:
     advance(steps_.front(), unread);
   }
 
-  /// Lags beyond the fitted range: verified once per doubling, or the run ends with a message.
+  /// Lags beyond the fitted range: verified once per doubling, or the memory ends.
   void check_horizon(double t_new) {
+    ended_.reset();
     const double needed = t_new - accepted_.start_time();
     if (needed <= horizon_ * (1 + 1e-9)) return;
     for (const double extended : {2 * needed, needed}) {
@@ -200,12 +204,12 @@ private:
       horizon_ = extended;
       return;
     }
-    throw HorizonFailure(
-        FailureKind::limit, kernel_.spec.origin,
-        fmt::format("the memory `{}` was fitted for lags up to {:.6g} and is not within "
-                    "its tolerance at lag {:.6g}",
-                    kernel_.spec.name, horizon_, needed),
-        "run from the start with the longer end time, or with the route `tree`");
+    ended_ =
+        HorizonEnd{kernel_.spec.origin,
+                   fmt::format("the memory `{}` was fitted for lags up to {:.6g} and is not within "
+                               "its tolerance at lag {:.6g}",
+                               kernel_.spec.name, horizon_, needed),
+                   "run from the start with the longer end time, or with the route `tree`"};
   }
 
   PreparedKernel kernel_;
@@ -215,6 +219,7 @@ private:
   int order_;
   double window_, tolerance_, error_, horizon_;
   std::optional<double> planned_end_;
+  std::optional<HorizonEnd> ended_;
   std::string why_;
   AcceptedSteps accepted_;
   WeightCache near_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "solver/common/failure.hpp"
+#include "solver/history/horizon.hpp"
 #include "solver/kernel/kernel_spec.hpp"
 
 #include <cstdint>
@@ -55,6 +56,8 @@ public:
   virtual HistoryReport report() const = 0;
   /// HistoryReport::audit so far: cheap, to be asked in every step.
   virtual double audited() const { return 0; }
+  /// Set by rhs, commit and restore where the memory cannot go on: what it gives is no result.
+  virtual const HorizonEnd* ended() const { return nullptr; }
   /// Exact state, bit for bit: a restored history continues with the same bits.
   virtual void save(std::ostream& out) const = 0;
   virtual void restore(std::istream& in) = 0;

@@ -1,13 +1,17 @@
-// The failure of a memory that was made for an earlier end time and cannot go on to a later one.
+// Where a memory that was made for an earlier end time cannot go on to a later one.
 #pragma once
 
 #include "solver/common/failure.hpp"
 
+#include <string>
+
 namespace hvi::solver {
 
-/// The memory cannot go on beyond the end it was made for within its tolerance.
-struct HorizonFailure : Failure {
-  using Failure::Failure;
+/// Beyond the end it was made for a memory is not within its tolerance: a run that continues it
+/// starts again from its first step.
+struct HorizonEnd {
+  Origin origin;
+  std::string said, help;
 };
 
 } // namespace hvi::solver

@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace hvi::solver {
 
@@ -104,6 +105,8 @@ public:
       compress(t_new);
     }
   }
+
+  const HorizonEnd* ended() const override { return ended_ ? &*ended_ : nullptr; }
 
   HistoryReport report() const override {
     HistoryReport r;
@@ -306,12 +309,12 @@ private:
       total += node.error;
     }
     if (total <= options_.tolerance) return;
-    throw HorizonFailure(
-        FailureKind::limit, kernel_.spec.origin,
+    ended_ = HorizonEnd{
+        kernel_.spec.origin,
         fmt::format("the memory `{}` was compressed for an earlier end time; continued to "
                     "{:.6g} it would be within {:.1e} only",
                     kernel_.spec.name, now, total),
-        "run from the start with the longer end time");
+        "run from the start with the longer end time"};
   }
 
   void forget(double now) {
@@ -391,6 +394,7 @@ private:
   BlockTest test_;
   WeightCache near_;
   PastWeights weights_;
+  std::optional<HorizonEnd> ended_;
   std::vector<Node> nodes_; ///< from old to new; the last one is raw and open
   std::int64_t steps_ = 0;
   Ahead ahead_;

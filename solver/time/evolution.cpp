@@ -1,7 +1,6 @@
 // The accepted state of a run; see evolution.hpp. Used by the Stepper and by Balance.
 #include "solver/time/evolution.hpp"
 
-#include "solver/history/horizon.hpp"
 #include "solver/time/saved_state.hpp"
 
 #include <algorithm>
@@ -78,9 +77,7 @@ std::int64_t Evolution::field_reads() const {
   return sum;
 }
 
-std::optional<MemoryMistrust> Evolution::begin_step(int n) {
-  return memory_->begin_step(grid().t(n));
-}
+std::optional<MemoryStop> Evolution::begin_step(int n) { return memory_->begin_step(grid().t(n)); }
 
 LawFields Evolution::law_fields(int n, std::span<const int> others, const Vector& u,
                                 const Vector* d) const {
@@ -231,14 +228,15 @@ void Evolution::save(std::ostream& out) const {
   w.put(field_reads());
 }
 
-void Evolution::continue_memory(const MemoryExtent& earlier) {
-  if (const auto obstacle = extension_obstacle(plan_.problem, earlier); !obstacle.empty())
-    throw HorizonFailure(FailureKind::limit, {}, obstacle);
+std::optional<HorizonEnd> Evolution::continue_memory(const MemoryExtent& earlier) {
+  if (auto obstacle = extension_obstacle(plan_.problem, earlier); !obstacle.empty())
+    return HorizonEnd{{}, std::move(obstacle), ""};
   memory_.emplace(plan_, static_cast<int>(u_.size()), earlier);
   memory_->start(grid().t(0), u_);
+  return std::nullopt;
 }
 
-bool Evolution::restore(std::istream& in) {
+std::variant<bool, HorizonEnd> Evolution::restore(std::istream& in) {
   StateReader r(in, {});
   step_ = r.get<int>();
   if (!begins_with(grid(), step_, r.get_vector<double>()))
@@ -246,12 +244,14 @@ bool Evolution::restore(std::istream& in) {
   const auto earlier = r.get<MemoryExtent>();
   if (!is_of_a_run(earlier, grid(), step_)) r.fail("is inconsistent");
   const bool same_end = earlier == memory_->extent();
-  if (!same_end) continue_memory(earlier); // from the initial state
+  if (!same_end) // from the initial state
+    if (auto end = continue_memory(earlier)) return *std::move(end);
   get_vector(r, u_, u_.size());
   scheme_->restore(r);
   memory_->restore(in);
   for (auto& [m, value] : accepted_memories_) get_vector(r, value, u_.size());
   earlier_reads_ = r.get_between<std::int64_t>(0, std::int64_t{1} << 60);
+  if (auto end = memory_->ended()) return *std::move(end);
   return same_end;
 }
 

@@ -11,6 +11,7 @@
 #include "solver/time/time_scheme.hpp"
 
 #include <optional>
+#include <variant>
 
 namespace hvi::solver {
 
@@ -37,8 +38,8 @@ public:
   /// Stored history fields read so far, those before a resume too.
   std::int64_t field_reads() const;
 
-  /// The memories find what they know of step n, unless an audit says that it is not right.
-  [[nodiscard]] std::optional<MemoryMistrust> begin_step(int n);
+  /// The memories find what they know of step n, unless that is not right.
+  [[nodiscard]] std::optional<MemoryStop> begin_step(int n);
   /// What laws see of the state u that step n, which was begun, may end in: u and `others`. `d`:
   /// its increment on the unknowns; null: they have not moved.
   LawFields law_fields(int n, std::span<const int> others, const Vector& u, const Vector* d) const;
@@ -60,12 +61,12 @@ public:
   void accept(int n, Vector& u, Vector& d);
 
   void save(std::ostream& out) const;
-  /// Where the state is one of a run for another end, the histories go on as they are. Throws
-  /// HorizonFailure where that cannot be. True: the run was made for the same end.
-  bool restore(std::istream& in);
+  /// Where the state is one of a run for another end, the histories go on as they are, or say that
+  /// they cannot: what is read then is not to be used. True: the run was made for the same end.
+  std::variant<bool, HorizonEnd> restore(std::istream& in);
 
 private:
-  void continue_memory(const MemoryExtent& earlier);
+  std::optional<HorizonEnd> continue_memory(const MemoryExtent& earlier);
   const Vector& accepted_memory(int m) const;
 
   const Plan& plan_;

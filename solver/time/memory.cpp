@@ -176,7 +176,7 @@ void Memory::start(double t0, const Vector& u0) {
   for (auto& history : histories_) history->start(t0, view(u0));
 }
 
-std::optional<MemoryMistrust> Memory::begin_step(double t) {
+std::optional<MemoryStop> Memory::begin_step(double t) {
   for (int m = 0; m < size(); ++m) {
     histories_[m]->rhs(t, {known_[m].data(), static_cast<std::size_t>(known_[m].size())});
     w0_[m] = histories_[m]->w0(t); // audited, too
@@ -184,6 +184,13 @@ std::optional<MemoryMistrust> Memory::begin_step(double t) {
     if (histories_[m]->audited() > tolerance)
       return mistrust(plan_->problem.histories[m], histories_[m]->report(), tolerance, m);
   }
+  if (auto end = ended()) return *std::move(end);
+  return std::nullopt;
+}
+
+std::optional<HorizonEnd> Memory::ended() const {
+  for (const auto& history : histories_)
+    if (const HorizonEnd* end = history->ended()) return *end;
   return std::nullopt;
 }
 

@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace hvi::solver {
@@ -23,6 +24,9 @@ struct MemoryMistrust {
   std::string said; ///< what the audit found, and what is done about it
   HistoryRoute next;
 };
+
+/// Why a step cannot begin.
+using MemoryStop = std::variant<MemoryMistrust, HorizonEnd>;
 
 /// What the routes were chosen for. A run that is continued beyond its end keeps them: each history
 /// verifies itself beyond that horizon, or refuses.
@@ -54,9 +58,11 @@ public:
 
   int size() const { return static_cast<int>(histories_.size()); }
   void start(double t0, const Vector& u0);
-  /// Finds h_m and w0_m of the step that ends at t, unless an audit says that they are not right.
-  [[nodiscard]] std::optional<MemoryMistrust> begin_step(double t);
+  /// Finds h_m and w0_m of the step that ends at t, unless they are not right.
+  [[nodiscard]] std::optional<MemoryStop> begin_step(double t);
   void commit(double t, const Vector& u);
+  /// Of the first history that cannot go on beyond the end it was made for.
+  std::optional<HorizonEnd> ended() const;
 
   double w0(int m) const { return w0_[m]; }
   const Vector& known(int m) const { return known_[m]; } ///< h_m

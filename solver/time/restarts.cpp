@@ -1,7 +1,6 @@
 // See restarts.hpp.
 #include "solver/time/restarts.hpp"
 
-#include "solver/history/horizon.hpp"
 #include "solver/output/file.hpp"
 
 namespace hvi::solver {
@@ -41,6 +40,10 @@ void Restarts::take(const MemoryMistrust& mistrust) {
   routes[static_cast<std::size_t>(mistrust.history)] = static_cast<int>(mistrust.next);
 }
 
+void Restarts::take(const HorizonEnd& end) {
+  notes.push_back({0, 0.0, end.said + ": started again from the first step", end.origin});
+}
+
 Plan Restarts::applied(const Plan& plan) const {
   Plan out = plan;
   for (std::size_t m = 0; m < routes.size(); ++m)
@@ -63,8 +66,6 @@ void Restarts::restore(StateReader& r, std::size_t n_histories) {
 void with_its_name(const std::filesystem::path& file, const std::function<void()>& read) {
   try {
     read();
-  } catch (const HorizonFailure&) {
-    throw;
   } catch (const Failure& failure) {
     refuse_checkpoint(file, std::string("does not fit: ") + failure.what());
   }

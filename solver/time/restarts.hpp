@@ -23,6 +23,7 @@ struct Restarts {
   std::vector<StepNote> notes;
 
   void take(const MemoryMistrust& mistrust);
+  void take(const HorizonEnd& end);
   void take(const LateCheck&) { checks_at_once = true; }
   Plan applied(const Plan& plan) const;
 
@@ -30,8 +31,7 @@ struct Restarts {
   void restore(StateReader& r, std::size_t n_histories);
 };
 
-/// Reads a saved state: any error found in it names the file. Throws Failure(bad_checkpoint), and
-/// HorizonFailure where a memory cannot go on to a later end.
+/// Reads a saved state: any error found in it names the file. Throws Failure(bad_checkpoint).
 void with_its_name(const std::filesystem::path& file, const std::function<void()>& read);
 
 /// The state to resume from, if that was requested and there is one.

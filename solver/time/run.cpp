@@ -13,7 +13,6 @@
 #include "solver/time/run.hpp"
 
 #include "solver/common/clock.hpp"
-#include "solver/history/horizon.hpp"
 #include "solver/output/file.hpp"
 #include "solver/time/energy.hpp"
 #include "solver/time/reduce.hpp"
@@ -76,6 +75,7 @@ public:
 
   /// All steps. Set: the run has to start again.
   std::optional<Restart> march() {
+    if (ended_) return *ended_;
     const int steps = state_.evolution.grid().steps();
     LapClock<> clock;
     for (int n = state_.evolution.step() + 1; n <= steps; ++n) {
@@ -248,7 +248,8 @@ private:
 
   void go_on(const std::string& saved) {
     std::istringstream in(saved);
-    with_its_name(checkpoint_path(settings_.output_folder, settings_.name), [&] { restore(in); });
+    with_its_name(checkpoint_path(settings_.output_folder, settings_.name),
+                  [&] { ended_ = restore(in); });
   }
 
   void checkpoint() {
@@ -279,12 +280,13 @@ private:
     });
   }
 
-  void restore(std::istream& in) {
+  /// Set: a memory cannot go on from there.
+  std::optional<HorizonEnd> restore(std::istream& in) {
     StateReader r(in, {});
     Restarts().restore(r, plan_.problem.histories.size()); // read before: they decide the plan
     if ((r.get<std::uint8_t>() != 0) != monitor_.has_value())
       r.fail(monitor_ ? "was saved without monitors" : "was saved with monitors");
-    stepper_.restore(in);
+    if (auto end = stepper_.restore(in)) return end;
     reporter_.restore(in, state_);
     result_.certificate.inclusion = r.get<double>();
     result_.certificate.equilibrium = r.get<double>();
@@ -305,6 +307,7 @@ private:
       monitor_->restore(in, monitor_times_.size());
     }
     told_ = result_.resumed_from = state_.evolution.step();
+    return std::nullopt;
   }
 
   const Plan& plan_;
@@ -312,7 +315,8 @@ private:
   const Discretisation& discretisation_;
   const RunSettings& settings_;
   double start_;
-  Spared spared_; ///< by earlier runs' work, when this one began
+  Spared spared_;                   ///< by earlier runs' work, when this one began
+  std::optional<HorizonEnd> ended_; ///< set: the saved state cannot be gone on from
   int told_ = 0;
   RunResult result_;
   Stepper stepper_;
@@ -341,8 +345,6 @@ Outcome run_once(const Plan& plan, const Discretisation& discretisation,
   Run run(plan, discretisation, settings, restarts, saved);
   try {
     if (const auto restart = run.march()) return *restart;
-  } catch (const HorizonFailure&) {
-    throw; // started again
   } catch (const Failure&) {
     if (const auto restart = conclude_failed(run, partial)) return *restart;
     throw;
@@ -378,26 +380,21 @@ RunResult run(const Plan& plan, const Discretisation& discretisation, const RunS
   }
   for (;;) {
     const Plan tried = restarts.applied(plan);
-    try {
-      Outcome outcome =
-          run_once(tried, discretisation, settings, restarts, saved ? &*saved : nullptr, partial);
-      if (const auto* restart = std::get_if<Restart>(&outcome)) {
-        std::visit([&](const auto& why) { restarts.take(why); }, *restart);
-        if (std::holds_alternative<MemoryMistrust>(*restart)) saved.reset();
-        continue;
-      }
-      auto result = std::get<RunResult>(std::move(outcome));
-      for (const auto& sentence : route_notes(plan, result.histories))
-        if (restarts.notes.empty()) result.notes.push_back({0, 0.0, sentence, Origin{}});
-      result.notes.insert(result.notes.begin(), restarts.notes.begin(), restarts.notes.end());
-      return result;
-    } catch (const HorizonFailure& failure) {
-      if (!saved) throw;
-      restarts.notes.push_back({0, 0.0,
-                                std::string(failure.what()) + ": started again from the first step",
-                                failure.origin});
-      saved.reset();
+    Outcome outcome =
+        run_once(tried, discretisation, settings, restarts, saved ? &*saved : nullptr, partial);
+    if (const auto* restart = std::get_if<Restart>(&outcome)) {
+      const auto* end = std::get_if<HorizonEnd>(restart);
+      if (end != nullptr && !saved)
+        throw Failure(FailureKind::limit, end->origin, end->said, end->help);
+      std::visit([&](const auto& why) { restarts.take(why); }, *restart);
+      if (!std::holds_alternative<LateCheck>(*restart)) saved.reset();
+      continue;
     }
+    auto result = std::get<RunResult>(std::move(outcome));
+    for (const auto& sentence : route_notes(plan, result.histories))
+      if (restarts.notes.empty()) result.notes.push_back({0, 0.0, sentence, Origin{}});
+    result.notes.insert(result.notes.begin(), restarts.notes.begin(), restarts.notes.end());
+    return result;
   }
 }
 

@@ -93,7 +93,8 @@ StepResult Stepper::attempt(int n, StepMatrix& matrix) {
 StepResult Stepper::advance(int n) {
   {
     const PhaseClock<wall_seconds> clock(timing_.history);
-    if (auto mistrust = state_.evolution.begin_step(n)) return start_again(std::move(*mistrust));
+    if (auto stop = state_.evolution.begin_step(n))
+      return std::visit([](auto& why) { return start_again(std::move(why)); }, *stop);
   }
   auto& matrix = state_.solver.matrix_for(n);
   if (!std::exchange(uniqueness_judged_, true))
@@ -109,6 +110,8 @@ StepResult Stepper::advance(int n) {
     state_.solver.equations.laws.give_up();
   else if (!accept(n, matrix, out))
     return start_again(LateCheck());
+  else if (auto end = state_.evolution.memory().ended())
+    return start_again(*std::move(end));
   return out;
 }
 
@@ -156,14 +159,16 @@ void Stepper::save(std::ostream& out) const {
   state_.rounding.save(w);
 }
 
-void Stepper::restore(std::istream& in) {
+std::optional<HorizonEnd> Stepper::restore(std::istream& in) {
   StateReader r(in, {});
-  uniqueness_judged_ =
-      state_.evolution.restore(in); // a run to another end has other steps to judge
+  auto same_end = state_.evolution.restore(in);
+  if (auto* end = std::get_if<HorizonEnd>(&same_end)) return std::move(*end);
+  uniqueness_judged_ = std::get<bool>(same_end); // a run to another end has other steps to judge
   not_unique_ = get_text(r);
   state_.solver.restore(in);
   state_.balance.note_multipliers(state_.xi());
   state_.rounding.restore(r);
+  return std::nullopt;
 }
 
 } // namespace hvi::solver

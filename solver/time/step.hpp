@@ -32,7 +32,8 @@ public:
   void account(WorkCounters& work, Timing& timing) const;
 
   void save(std::ostream& out) const;
-  void restore(std::istream& in);
+  /// Set: a memory cannot go on from there, and what was read is not to be used.
+  std::optional<HorizonEnd> restore(std::istream& in);
 
 private:
   StepResult attempt(int n, StepMatrix& matrix);

@@ -15,7 +15,7 @@ namespace hvi::solver {
 /// check in its step, so that it ends there with what came before.
 struct LateCheck {};
 /// Why nothing that was computed so far is a result: the run starts again in another way.
-using Restart = std::variant<MemoryMistrust, LateCheck>;
+using Restart = std::variant<MemoryMistrust, HorizonEnd, LateCheck>;
 
 struct StepResult {
   double equilibrium = 0.0; ///< componentwise backward error
