@@ -49,7 +49,7 @@ std::string mistake(const ModelMaterial& material, int dim, const solver::PointB
       here[k] = out[k * n + p];
       finite = finite && std::isfinite(here[k]);
     }
-    if (finite && (!material.elliptic || is_elliptic(dim, here))) continue;
+    if (finite && (!material.elliptic || is_elliptic(material.value.rows, here))) continue;
     return fmt::format("the tensor is not {} at {}", finite ? "elliptic" : "finite",
                        place(block.point(p), dim));
   }

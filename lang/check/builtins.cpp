@@ -61,7 +61,8 @@ constexpr std::array table = {
         "transverse(young = , poisson = , young_axis = , poisson_axis = , shear_axis = , axis = )",
         "transversely isotropic about an axis"},
     BuiltIn{"voigt", K::tensor, "voigt([[..], ..])",
-            "by its matrix on (xx, yy, [zz, yz, xz,] xy) with engineering shear strains"},
+            "by its matrix on (xx, yy, [zz, yz, xz,] xy), axisymmetric (xx, yy, zz, xy), with "
+            "engineering shear strains"},
     BuiltIn{"history", K::memory, "history(C, eps(u))", "int_0^t C(t - s) eps(u(s)) ds"},
     BuiltIn{"integral", K::region, "integral(part, a, rule = nodal)", "integral over a part"},
     BuiltIn{"inside", K::region, "inside(part)", "condition: the point lies in the part"},
@@ -70,14 +71,16 @@ constexpr std::array table = {
     BuiltIn{"gmsh", K::mesh, "gmsh(\"file.msh\")", "mesh from a file"},
     BuiltIn{"interval", K::mesh, "interval(a, cells = n)", "mesh of (0, a)"},
     BuiltIn{"rectangle", K::mesh, "rectangle(a, b, cells = [n, m], pattern = diagonal)",
-            "structured mesh of (0, a) x (0, b), one diagonal or two (crossed)"},
+            "structured mesh of (0, a) x (0, b), one diagonal or two (crossed); with "
+            "`axisymmetric = true` a body of revolution"},
 };
 
-constexpr std::array<std::string_view, 27> word_table = {
+constexpr std::array<std::string_view, 29> word_table = {
     "P1",        "P2",       "backward_euler", "bdf2",       "nodal",   "midpoint",     "gauss",
     "exact",     "endpoint", "average",        "continuing", "release", "least_energy", "automatic",
     "recursion", "fit",      "tree",           "direct",     "linear",  "cubic",        "affine",
-    "constant",  "diagonal", "crossed",        "euler",      "newmark", "hht"};
+    "constant",  "diagonal", "crossed",        "euler",      "newmark", "hht",          "true",
+    "false"};
 
 constexpr std::array<std::string_view, 8> reserved_names = {"t",  "x",   "y",      "z",
                                                             "pi", "lag", "normal", "sigma"};

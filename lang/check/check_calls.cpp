@@ -254,6 +254,29 @@ std::optional<Field> Checker::total_gradient(const Span& span, const Field& f) {
   return out;
 }
 
+/// The gradient of a vector on an axisymmetric mesh, on (e_r, e_axis, e_hoop): with f_x/x as its
+/// entry zz. In values of functions f_x/x is their entry, which has a limit on the axis.
+Field Checker::with_hoop(const Field& gradient, const Field& f) const {
+  const Symbol x = Symbol::variable(slot::x(0)), &radial = f.components[0];
+  Symbol along = 0.0, rest = radial;
+  for (solver::Slot s : solver::slots_of(radial)) {
+    const bool of_test = s == slot::test(slot::value(0));
+    const bool of_field = s >= slot::first_field && s < slot::first_multiplier &&
+                          (s - slot::first_field) % slot::field_stride == slot::value(0);
+    if (!of_test && !of_field) continue;
+    const Symbol slope = derivative(radial, s);
+    if (slope.depends_on(s)) continue;
+    along = along + slope * Symbol::variable(s + slot::hoop);
+    rest = substitute(rest, std::vector<std::pair<solver::Slot, Symbol>>{{s, Symbol(0.0)}});
+  }
+  if (!rest.is(0.0)) along = along + rest / x;
+  const std::vector<Symbol>& g = gradient.components;
+  Field out = gradient;
+  out.rows = out.columns = 3;
+  out.components = {g[0], g[1], 0.0, g[2], g[3], 0.0, 0.0, 0.0, along};
+  return out;
+}
+
 Value Checker::differential(const ast::Expr& e, const ast::Call& c, const std::string& name,
                             const Scope& scope) {
   auto args = match(e, c, name, {"u"}, 1);
@@ -273,6 +296,8 @@ Value Checker::differential(const ast::Expr& e, const ast::Call& c, const std::s
   }
   auto g = total_gradient(e.span, *f);
   if (!g) return Poison{};
+  if (model_.mesh.axisymmetric && f->rank == 1) g = with_hoop(*g, *f);
+  const int n = g->columns;
   if (name == "grad") {
     if (f->rank == 0) {
       g->rank = 1;
@@ -284,23 +309,23 @@ Value Checker::differential(const ast::Expr& e, const ast::Call& c, const std::s
   Field out = *g;
   if (name == "div") {
     Symbol sum = 0.0;
-    for (int i = 0; i < d; ++i) sum = sum + g->components[i * d + i];
+    for (int i = 0; i < n; ++i) sum = sum + g->components[i * n + i];
     out.rank = 0;
     out.rows = out.columns = 1;
     out.components = {sum};
     return out;
   }
-  for (int i = 0; i < d; ++i)
-    for (int j = 0; j < d; ++j)
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
       if (i != j)
-        out.components[i * d + j] =
-            Symbol(0.5) * (g->components[i * d + j] + g->components[j * d + i]);
+        out.components[i * n + j] =
+            Symbol(0.5) * (g->components[i * n + j] + g->components[j * n + i]);
   return out;
 }
 
 Value Checker::algebraic(const ast::Expr& e, const ast::Call& c, const std::string& name,
                          const Scope& scope) {
-  const int d = model_.dim;
+  const int d = tensor_dim();
   if (name == "identity") {
     if (!match(e, c, name, {}, 0)) return Poison{};
     std::vector<Symbol> unit;
@@ -472,7 +497,7 @@ Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope&
           fmt::format("`history` takes an expression linear in `{}`", find_->unknown.text));
     return Poison{};
   }
-  if (kernel->rank == 4 && (of->rank != 2 || of->rows != model_.dim)) {
+  if (kernel->rank == 4 && (of->rank != 2 || of->rows != tensor_dim())) {
     error("E0308", (*args)[1]->span,
           fmt::format("a kernel of fourth order acts on a strain, not on {}", describe(*of)),
           "write `history(C, eps(u))`");

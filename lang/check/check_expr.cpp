@@ -170,13 +170,16 @@ Value Checker::list(const ast::Expr& e, const ast::List& l, const Scope& scope) 
   if (items[0].rank == 3) {
     out.rank = 4;
     const std::size_t wanted = std::size_t(n) * n * n * n;
-    if (out.components.size() != wanted || n != model_.dim) {
-      error(
-          "E0307", e.span,
-          fmt::format("a fourth-order tensor in {0}D is a {0} x {0} x {0} x {0} list", model_.dim));
+    if (out.components.size() != wanted || n != tensor_dim()) {
+      error("E0307", e.span,
+            fmt::format("a fourth-order tensor {0} is a {1} x {1} x {1} x {1} list",
+                        model_.mesh.axisymmetric ? std::string("in a body of revolution")
+                                                 : fmt::format("in {}D", model_.dim),
+                        tensor_dim()));
       return Poison{};
     }
     out.columns = n;
+    if (twists(e.span, out)) return Poison{};
   }
   return out;
 }

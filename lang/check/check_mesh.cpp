@@ -109,13 +109,25 @@ bool Checker::adapted_cells(const ast::Expr* written, MeshSpec& spec) {
   return n.has_value();
 }
 
+/// `axisymmetric = true`, where it is written: for 2D.
+bool Checker::axisymmetric(const ast::Expr* written, int dim, MeshSpec& spec) {
+  if (!written) return true;
+  const auto yes = word(*written, "axisymmetric", {"true", "false"});
+  if (!yes) return false;
+  spec.axisymmetric = yes == "true";
+  if (!spec.axisymmetric || dim == 2) return true;
+  error("E0440", written->span, fmt::format("a mesh in {}D is no section of a body", dim),
+        "`axisymmetric` is for meshes in 2D: the half of a section, x is r and y is z");
+  return false;
+}
+
 bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const std::string& name) {
   const int dim = name == "interval" ? 1 : name == "rectangle" ? 2 : 3;
   std::vector<std::string> names = {"width", "height", "depth"};
   names.resize(dim);
   names.insert(names.end(), {"cells", "origin", "grading"});
   if (dim == 2) names.push_back("pattern");
-  names.push_back("adapted");
+  names.insert(names.end(), {"adapted", "axisymmetric"});
   auto args = match(m.value, call, name, names, dim + 1);
   if (!args) return false;
   MeshSpec spec;
@@ -184,7 +196,13 @@ bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const s
         good = false;
       }
   }
-  good = adapted_cells(args->back(), spec) && good;
+  good = adapted_cells((*args)[names.size() - 2], spec) && good;
+  good = axisymmetric(args->back(), dim, spec) && good;
+  if (good && spec.axisymmetric && spec.low[0] < 0.0) {
+    error("E0440", (*args)[dim + 1]->span, fmt::format("the mesh begins at x = {}", spec.low[0]),
+          "x is the distance from the axis, at least 0");
+    good = false;
+  }
   if (!good) return false;
   for (int a = 0; a < dim; ++a) {
     if (grading[a] == 1.0) continue;
@@ -205,7 +223,7 @@ bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const s
 }
 
 bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
-  auto args = match(m.value, call, "gmsh", {"file", "refinements", "adapted"}, 1);
+  auto args = match(m.value, call, "gmsh", {"file", "refinements", "adapted", "axisymmetric"}, 1);
   if (!args) return false;
   const auto* path = std::get_if<ast::String>(&(*args)[0]->node);
   if (!path) {
@@ -246,6 +264,7 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
     for (const auto& f : straightened_cells(mesh, lost))
       diagnostics_.add(diagnose(f.code, (*args)[0]->span, f.message).with_help(f.help));
     model_.dim = mesh.dim;
+    if (!axisymmetric((*args)[3], mesh.dim, spec)) return false;
     for (const auto& [name, group] : mesh.groups) groups_[name] = group.kind;
     groups_known_ = true;
   } catch (const solver::Failure& failure) {
@@ -266,7 +285,7 @@ bool Checker::geometry_mesh(const ast::Mesh& m, const ast::Call& call, const std
   const auto& info =
       *std::find_if(known.begin(), known.end(), [&](const auto& g) { return g.name == name; });
   auto names = info.parameters;
-  names.push_back("adapted");
+  names.insert(names.end(), {"adapted", "axisymmetric"});
   auto args = match(m.value, call, name, names, 0);
   if (!args) return false;
   MeshSpec spec;
@@ -275,7 +294,8 @@ bool Checker::geometry_mesh(const ast::Mesh& m, const ast::Call& call, const std
   spec.kind = MeshSpec::Kind::geometry;
   spec.geometry = name;
   spec.numbers = info.defaults;
-  bool good = adapted_cells(args->back(), spec);
+  bool good = adapted_cells((*args)[names.size() - 2], spec);
+  good = axisymmetric(args->back(), info.dim, spec) && good;
   for (std::size_t i = 0; i < info.parameters.size(); ++i) {
     if (!(*args)[i]) continue;
     auto v = constant(*(*args)[i], info.parameters[i]);

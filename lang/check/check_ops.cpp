@@ -242,9 +242,13 @@ std::optional<Field> Checker::contract(const ast::Expr& e, const ast::Binary& b,
     return wrong(left.rank == 0 || right.rank == 0
                      ? "use `*` to multiply by a scalar"
                      : "a vector is contracted with `dot`; a strain is `eps(u)`");
-  if (left.rank == 2 && right.rank == 2 && !same_shape(left, right)) return wrong("");
+  const char* const sizes =
+      model_.mesh.axisymmetric
+          ? "matrices of a body of revolution are 3 x 3, with zz along the circles"
+          : "";
+  if (left.rank == 2 && right.rank == 2 && !same_shape(left, right)) return wrong(sizes);
   if (left.rank != right.rank && (left.rows != right.rows || left.columns != right.columns))
-    return wrong("");
+    return wrong(sizes);
   Field out;
   if (!product_degrees(e.span, left, right, out, scope)) return std::nullopt;
   const int d = left.rows;
@@ -275,6 +279,19 @@ std::optional<Field> Checker::dot(const Span& span, const Field& left, const Fie
   if (left.law_vector || right.law_vector) return wrong("use `norm(xi)`");
   if (left.rank == 4 || right.rank == 4) return wrong("use `:`");
   if (left.rank == 0 || right.rank == 0) return wrong("use `*` to multiply by a scalar");
+  const auto in_section = [&](const Field& f) {
+    return model_.mesh.axisymmetric && f.rank == 1 && f.rows == 2;
+  };
+  if (left.rank == 2 && left.columns == 3 && in_section(right))
+    return dot_in_section(span, left, right, scope);
+  if (right.rank == 2 && right.rows == 3 && in_section(left)) {
+    Field turned = right;
+    for (int i = 0; i < right.rows; ++i)
+      for (int j = 0; j < right.columns; ++j)
+        turned.components[j * right.rows + i] = right.components[i * right.columns + j];
+    std::swap(turned.rows, turned.columns);
+    return dot_in_section(span, turned, left, scope);
+  }
   const int inner_left = left.rank == 1 ? left.rows : left.columns;
   if (inner_left != right.rows)
     return wrong(fmt::format("the sizes {} and {} do not match", inner_left, right.rows));
@@ -293,6 +310,25 @@ std::optional<Field> Checker::dot(const Span& span, const Field& left, const Fie
   out.rows = out.rank == 0 ? 1 : (out.rank == 2 ? rows : rows * columns);
   out.columns = out.rank == 2 ? columns : 1;
   return out;
+}
+
+/// A matrix of a body of revolution times a vector of its section, which has no part along the
+/// circles; neither has the product.
+std::optional<Field> Checker::dot_in_section(const Span& span, const Field& left,
+                                             const Field& right, const Scope& scope) {
+  Field out;
+  if (!product_degrees(span, left, right, out, scope)) return std::nullopt;
+  const auto product = [&](int i) {
+    return left.components[i * 3] * right.components[0] +
+           left.components[i * 3 + 1] * right.components[1];
+  };
+  out.rank = 1;
+  out.rows = left.rows == 3 ? 2 : left.rows;
+  for (int i = 0; i < out.rows; ++i) out.components.push_back(product(i));
+  if (left.rows != 3 || product(2).is(0.0)) return out;
+  error("E0440", span, "this vector has a part along the circles of a body of revolution",
+        "matrices that turn vectors out of the section are not axisymmetric here");
+  return std::nullopt;
 }
 
 bool Checker::check_finite(const Span& span, const Field& result) {

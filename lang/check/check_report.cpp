@@ -38,11 +38,12 @@ bool is_norm_of(const ast::Expr& e, const std::string& unknown) {
 } // namespace
 
 /// The stress, the sum of all that is contracted with eps(v): sigma_ij = d integrand / d
-/// (dv_i/dx_j), symmetrised, on cells.
+/// (dv_i/dx_j), symmetrised, on cells; axisymmetric: 3 x 3, zz along the circles.
 Field Checker::stress() {
   const int d = model_.space.vector ? model_.dim : 1;
   Field out = matrix_field(d, model_.dim, std::vector<Symbol>(d * model_.dim, Symbol(0.0)));
-  std::vector<std::pair<solver::Slot, Symbol>> none;
+  const bool ring = model_.mesh.axisymmetric && model_.space.vector;
+  Symbol hoop = 0.0;
   for (const ModelTerm& term : model_.terms) {
     if (term.right || model_.parts[term.part].kind != Group::Kind::cells) continue;
     const bool whole = model_.parts[term.part].region.kind == solver::RegionSpec::Kind::all_cells;
@@ -53,6 +54,13 @@ Field Checker::stress() {
         out.components[i * model_.dim + j] =
             out.components[i * model_.dim + j] + term.factor * where * entry;
       }
+    if (ring)
+      hoop =
+          hoop + term.factor * where * derivative(term.integrand.scalar(), slot::test(slot::hoop));
+  }
+  if (ring) {
+    const std::vector<Symbol> s = out.components;
+    out = matrix_field(3, 3, {s[0], s[1], 0.0, s[2], s[3], 0.0, 0.0, 0.0, hoop});
   }
   if (!model_.space.vector) {
     out.rank = 1;

@@ -58,6 +58,17 @@ Field from_voigt(int d, const std::vector<Symbol>& m) {
   return tensor_field(d, std::move(c));
 }
 
+/// The 6 x 6 matrix in the order of Voigt of a 4 x 4 one on xx, yy, zz, xy: no shear out of the
+/// section.
+std::vector<Symbol> without_twist(const std::vector<Symbol>& m) {
+  constexpr std::array<int, 4> place = {0, 1, 2, 5};
+  std::vector<Symbol> out(36, Symbol(0.0));
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < 4; ++j)
+      out[static_cast<std::size_t>(place[i] * 6 + place[j])] = m[i * 4 + j];
+  return out;
+}
+
 /// Rows: two directions normal to `axis`, then `axis`, each of length one; a coordinate axis gives
 /// coordinate axes.
 Eigen::Matrix3d frame_around(const solver::Point& axis) {
@@ -158,16 +169,17 @@ Value Checker::tensor_call(const ast::Expr& e, const ast::Call& c, const std::st
   if (name == "prony") return prony_call(e, c, scope);
   Value value = material_call(e, c, name, scope);
   const auto* material = std::get_if<Field>(&value);
+  if (material && twists(e.span, *material)) return Poison{};
   // A Voigt matrix may be part of a memory kernel, which need not be elliptic.
   if (!material || name == "voigt") return value;
   if (!is_constant(*material)) {
     note_material(e.span, *material, true);
     return value;
   }
-  const Eigen::MatrixXd mandel = mandel_matrix(model_.dim, *material);
+  const Eigen::MatrixXd mandel = mandel_matrix(tensor_dim(), *material);
   const double least = solver::symmetric_eigenvalues(mandel)[0];
   if (least > 0.0 && model_.dim > 1)
-    if (const double ratio = volume_over_shape(model_.dim, mandel); ratio > locking)
+    if (const double ratio = volume_over_shape(tensor_dim(), mandel); ratio > locking)
       locking_.insert_or_assign(e.span.begin, std::pair(e.span, ratio));
   if (least > 0.0) return value;
   error("E0504", e.span,
@@ -175,18 +187,43 @@ Value Checker::tensor_call(const ast::Expr& e, const ast::Call& c, const std::st
   return Poison{};
 }
 
+/// E0440 for a fourth-order tensor of an axisymmetric body that couples strains in the section with
+/// shears out of it: a load in the section would twist the body.
+bool Checker::twists(const Span& span, const Field& tensor) {
+  if (!model_.mesh.axisymmetric || tensor.rank != 4) return false;
+  double largest = 0.0;
+  for (const Symbol& c : tensor.components)
+    if (c.is_constant()) largest = std::max(largest, std::abs(c.value()));
+  constexpr double rounding = 1e-12;
+  for (int at = 0; at < 81; ++at) {
+    const std::array<int, 4> index = {at / 27, at / 9 % 3, at / 3 % 3, at % 3};
+    const bool left = (index[0] == 2) != (index[1] == 2),
+               right = (index[2] == 2) != (index[3] == 2);
+    const Symbol& c = tensor.components[static_cast<std::size_t>(at)];
+    if (left == right || (c.is_constant() && std::abs(c.value()) <= rounding * largest)) continue;
+    error("E0440", span, "this tensor couples the section with shears out of it",
+          "the body would be twisted: axes lie in the section or along the circles (z)");
+    return true;
+  }
+  return false;
+}
+
 /// W0104 for every nearly incompressible tensor in a space of P1 vectors. Crossed triangles do not
-/// lock: the divergence of P1 on them leaves enough freedom (tests/convergence).
+/// lock in the plane: the divergence of P1 on them leaves enough freedom (tests/convergence).
 void Checker::check_locking() {
-  if (!model_.space.vector || model_.space.order != 1 || model_.mesh.crossed) return;
+  const bool free = model_.mesh.crossed && !model_.mesh.axisymmetric;
+  if (!model_.space.vector || model_.space.order != 1 || free) return;
   for (const auto& [at, tensor] : locking_)
     diagnostics_.add(
         diagnose("W0104", tensor.first,
                  fmt::format("nearly incompressible: the volume is {:.3g} times stiffer than the "
                              "shape, and P1 locks",
                              tensor.second))
-            .with_help("take P2, `space V = vector P2 on ...`; on a rectangle `pattern = crossed` "
-                       "keeps the full order of both"));
+            .with_help(
+                std::string("take P2, `space V = vector P2 on ...`") +
+                (model_.mesh.axisymmetric
+                     ? ""
+                     : "; on a rectangle `pattern = crossed` keeps the full order of both")));
 }
 
 void Checker::note_material(const Span& span, const Field& value, bool elliptic) {
@@ -298,7 +335,7 @@ Value Checker::isotropic_call(const ast::Expr& e, const ast::Call& c, const Scop
   }
   auto a = symbol_of((*args)[lame ? 0 : 2], scope), b = symbol_of((*args)[lame ? 1 : 3], scope);
   if (!a || !b) return Poison{};
-  if (lame) return isotropic(model_.dim, *a, *b);
+  if (lame) return isotropic(tensor_dim(), *a, *b);
   if (b->is_constant() && !(b->value() > -1.0 && b->value() < 0.5)) {
     error("E0504", (*args)[3]->span,
           fmt::format("poisson = {} is outside (-1, 0.5): the tensor is not elliptic", b->value()),
@@ -307,7 +344,8 @@ Value Checker::isotropic_call(const ast::Expr& e, const ast::Call& c, const Scop
     return Poison{};
   }
   const Symbol one = 1.0, two = 2.0;
-  return isotropic(model_.dim, *a * *b / ((one + *b) * (one - two * *b)), *a / (two * (one + *b)));
+  return isotropic(tensor_dim(), *a * *b / ((one + *b) * (one - two * *b)),
+                   *a / (two * (one + *b)));
 }
 
 Value Checker::voigt_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
@@ -315,14 +353,19 @@ Value Checker::voigt_call(const ast::Expr& e, const ast::Call& c, const Scope& s
   if (!args) return Poison{};
   auto f = field(*(*args)[0], scope);
   if (!f) return Poison{};
-  const int d = model_.dim, n = d * (d + 1) / 2;
+  const bool ring = model_.mesh.axisymmetric;
+  const int d = model_.dim, n = ring ? 4 : d * (d + 1) / 2;
   if (f->rank != 2 || f->rows != n || f->columns != n) {
     error("E0307", (*args)[0]->span,
-          fmt::format("in {}D a Voigt matrix is {} x {}, not {}", d, n, n, describe(*f)),
-          d == 2 ? "order: xx, yy, xy" : "order: xx, yy, zz, yz, xz, xy");
+          fmt::format("{} a Voigt matrix is {} x {}, not {}",
+                      ring ? "in a body of revolution" : fmt::format("in {}D", d), n, n,
+                      describe(*f)),
+          ring     ? "order: xx, yy, zz, xy, where zz is along the circles"
+          : d == 2 ? "order: xx, yy, xy"
+                   : "order: xx, yy, zz, yz, xz, xy");
     return Poison{};
   }
-  return from_voigt(d, f->components);
+  return ring ? from_voigt(3, without_twist(f->components)) : from_voigt(d, f->components);
 }
 
 Value Checker::orthotropic_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
@@ -333,7 +376,7 @@ Value Checker::orthotropic_call(const ast::Expr& e, const ast::Call& c, const Sc
        shear = three_symbols((*args)[2], "shear", scope);
   auto axes = material_axes((*args)[3]);
   if (!young || !poisson || !shear || !axes) return Poison{};
-  return rotate(model_.dim, orthotropic(*young, *poisson, *shear), matrix_of(*axes));
+  return rotate(tensor_dim(), orthotropic(*young, *poisson, *shear), matrix_of(*axes));
 }
 
 /// Isotropic in the plane normal to `axis`.
@@ -351,7 +394,7 @@ Value Checker::transverse_call(const ast::Expr& e, const ast::Call& c, const Sco
   const Symbol nu_xz = *v[3] * *v[0] / *v[2];
   const Field material =
       orthotropic({*v[0], *v[0], *v[2]}, {*v[1], nu_xz, nu_xz}, {in_plane, *v[4], *v[4]});
-  return rotate(model_.dim, material, frame_around(*axis));
+  return rotate(tensor_dim(), material, frame_around(*axis));
 }
 
 Value Checker::material_call(const ast::Expr& e, const ast::Call& c, const std::string& name,

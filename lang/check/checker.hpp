@@ -115,6 +115,8 @@ private:
                          const std::vector<const Field*>& args, Field& out, const Scope& scope);
   std::optional<Field> dot(const Span& span, const Field& left, const Field& right,
                            const Scope& scope);
+  std::optional<Field> dot_in_section(const Span& span, const Field& left, const Field& right,
+                                      const Scope& scope);
   bool check_finite(const Span& span, const Field& result);
 
   // --- constants
@@ -138,6 +140,7 @@ private:
   Value algebraic(const ast::Expr& e, const ast::Call& call, const std::string& name,
                   const Scope& scope);
   void check_locking();
+  bool twists(const Span& span, const Field& tensor);
   void note_material(const Span& span, const Field& value, bool elliptic);
   void place_materials();
   void check_tables();
@@ -170,6 +173,9 @@ private:
   int history_index(const Symbol& kernel, const std::optional<SeriesTimes>& written,
                     const std::string& name, const Span& span, double& factor);
   std::optional<Field> total_gradient(const Span& span, const Field& f);
+  Field with_hoop(const Field& gradient, const Field& f) const;
+  /// Of tensors: 3 on axisymmetric meshes, where zz is along the circles.
+  int tensor_dim() const { return model_.mesh.axisymmetric ? 3 : model_.dim; }
 
   // --- laws (check_laws.cpp)
   bool is_law_parameter(const Value& value, const ast::Expr& given);
@@ -188,6 +194,7 @@ private:
   Value mesh(const ast::Mesh& mesh);
   void second_mesh(const Span& span);
   bool adapted_cells(const ast::Expr* written, solver::MeshSpec& spec);
+  bool axisymmetric(const ast::Expr* written, int dim, solver::MeshSpec& spec);
   bool structured_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);
   bool file_mesh(const ast::Mesh& mesh, const ast::Call& call);
   bool geometry_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);

@@ -60,7 +60,8 @@ std::string text_of(const LawUse& use, const Model& model) {
 } // namespace
 
 std::string to_string(const Model& model) {
-  std::string out = fmt::format("model in {}D\n", model.dim);
+  std::string out =
+      fmt::format("model in {}D{}\n", model.dim, model.mesh.axisymmetric ? ", axisymmetric" : "");
   auto line = std::back_inserter(out);
   for (const ModelParam& p : model.params)
     fmt::format_to(line, "param {} = {}{}\n", p.name, text_of(p), p.overridden ? " (set)" : "");

@@ -253,6 +253,15 @@ quantities; what depends on memories alone is one of them, however long its expr
 superpotential rub(w) = (1 + abs(div(history(q, u)))) * norm(w))",
      R"(
 superpotential rub(w) = (1 + abs(history(q, u).nu)) * norm(w))"},
+    {"E0440", "no body of revolution",
+     R"(
+`axisymmetric = true` makes a mesh in 2D the half of a section of a body of revolution: x is the
+distance from the axis, at least 0, y runs along the axis. Its fields have no part along the circles:
+a tensor or a matrix that turns what lies in the section out of it has no place there.)",
+     R"(
+mesh tube = rectangle(1, 2, cells = [4, 8], origin = [-1, 0], axisymmetric = true))",
+     R"(
+mesh tube = rectangle(1, 2, cells = [4, 8], origin = [1, 0], axisymmetric = true))"},
 });
 
 } // namespace

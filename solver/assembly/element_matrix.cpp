@@ -137,7 +137,7 @@ ElementKernel whole_cell_kernel(const Space& space, const FormEntries& entries) 
   if (entries.values) {
     return general_kernel;
   }
-  switch (space.mesh->dim) {
+  switch (has_hoop(space) ? hoop_row : space.mesh->dim) {
   case 1:
     return fixed_kernel_of_size<1, 2>(size);
   case 2:

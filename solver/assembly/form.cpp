@@ -237,7 +237,8 @@ std::vector<SparseMatrix> assemble_forms(const Space& space, const Region& regio
   std::vector<ConstantForm> constant;
   for (std::size_t f = 0; f < terms.size(); ++f) {
     double* const values = matrices[f].valuePtr();
-    if (on_cells && entries[f].constant)
+    // The weight of an axisymmetric mesh varies in a cell: through the points.
+    if (on_cells && entries[f].constant && !space.mesh->axisymmetric)
       constant.push_back({std::move(entries[f]), nullptr, values, terms[f]->rule});
     else if (!entries[f].coefficients.empty())
       VariableAssembler(space, region, *terms[f], entries[f]).run(pattern, values);

@@ -1,5 +1,6 @@
 // Gram matrices of V and L2, and boundary masses.
 #include "solver/assembly/assembly.hpp"
+#include "solver/fem/geometry.hpp"
 
 #include <numeric>
 
@@ -24,6 +25,7 @@ void add_mass(const Space& space, FormTerm& term) {
 } // namespace
 
 /// eps(u) : eps(v) = 1/2 sum_ij (d_j u_i d_j v_i + d_i u_j d_j v_i); scalar: grad u . grad v.
+/// Axisymmetric: with u_x v_x / x^2.
 FormTerm strain_form(const Space& space) {
   FormTerm term;
   const int dim = space.mesh->dim;
@@ -38,6 +40,9 @@ FormTerm strain_form(const Space& space) {
       term.entries.push_back({slot::gradient(i, j), slot::gradient(i, j), Expr(0.5)});
       term.entries.push_back({slot::gradient(i, j), slot::gradient(j, i), Expr(0.5)});
     }
+  }
+  if (has_hoop(space)) {
+    term.entries.push_back({slot::hoop, slot::hoop, Expr(1.0)});
   }
   return term;
 }

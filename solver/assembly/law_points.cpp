@@ -71,7 +71,7 @@ void check_shape(const Space& space, const LawTerm& term, bool radial) {
   }
 }
 
-/// Evaluates factor and rows at all points of the region.
+/// Evaluates factor and rows at all points of the region that have a weight.
 class Collector {
 public:
   Collector(const Space& space, const Region& region, const LawTerm& term)
@@ -98,6 +98,8 @@ private:
     values_.resize(n * (1 + 3 * term_.rows.size()));
     tape_.evaluate(block, 0.0, term_.origin, values_);
     for (std::size_t p = 0; p < n; ++p) {
+      // A side on the axis has no area.
+      if (block.weight[p] == 0.0 && space_.mesh->axisymmetric) continue;
       const double factor = values_[p];
       check_factor(factor, block.point(p));
       RawPoint point{

@@ -23,6 +23,7 @@ enum class FailureKind {
   empty_region,        ///< a part without entities
   overlapping_regions, ///< clamped and contact part share a face, a law twice on a part
   bad_mesh,            ///< inverted, degenerate or disconnected cells
+  no_revolution,       ///< a mesh that is no half section of a body of revolution
   bad_value,           ///< data not finite, a point outside the mesh, incompatible initial state
   not_coercive,        ///< rigid motions left, or a matrix that is not positive definite
   not_elliptic,        ///< a tensor that is not positive definite

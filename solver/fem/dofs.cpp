@@ -1,4 +1,5 @@
 // Free and eliminated degrees of freedom, imposed values, interpolation.
+#include "solver/fem/geometry.hpp"
 #include "solver/fem/pointwise.hpp"
 #include "solver/fem/space.hpp"
 
@@ -93,6 +94,26 @@ public:
       }
     }
   }
+  /// Functions of V vanish on the axis in x: u_x/x is square integrable with the weight x.
+  void add_axis() {
+    for (int node = 0; node < static_cast<int>(space_.nodes.size()); ++node) {
+      if (space_.nodes[node][0] != 0.0) {
+        continue;
+      }
+      const int dof = space_.dof(node, 0);
+      if (taken_[dof] < 0) {
+        eliminated_.push_back({dof, -1, -1});
+        continue;
+      }
+      const Eliminated& before = eliminated_[taken_[dof]];
+      if (!agree(expression(before), Expr(0.0), space_.nodes[node])) {
+        throw Failure(FailureKind::overlapping_regions, spec_.dirichlet[before.dirichlet].origin,
+                      fmt::format("on the axis {} is 0, here it is {}", describe_dof(space_, dof),
+                                  to_string(expression(before))),
+                      "the points of the axis do not leave it: impose the other component only");
+      }
+    }
+  }
   std::vector<Eliminated> take() {
     std::sort(eliminated_.begin(), eliminated_.end(),
               [](const Eliminated& a, const Eliminated& b) { return a.dof < b.dof; });
@@ -157,11 +178,16 @@ DofMap make_dof_map(const Space& space, const SpaceSpec& spec, std::span<const R
     check_spec(space, spec.dirichlet[d]);
     collector.add(static_cast<int>(d), nodes_on(space, parts[spec.dirichlet[d].part]));
   }
+  if (has_hoop(space)) {
+    collector.add_axis();
+  }
   DofMap map;
   map.eliminated = collector.take();
   map.unknown_of.assign(std::size_t(space.n_dofs()), 0);
   for (const Eliminated& e : map.eliminated) {
     map.unknown_of[e.dof] = -1;
+    // Around the axis only translations along it strain nothing.
+    map.held = map.held || !has_hoop(space) || e.dof % space.components > 0;
     map.homogeneous = map.homogeneous && collector.expression(e).is(0.0);
   }
   for (int dof = 0; dof < space.n_dofs(); ++dof) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace hvi::solver {
 namespace {
@@ -32,10 +33,36 @@ CellGeometry geometry_of(const Mesh& mesh, int cell) {
       geometry.gradient[0][j] -= inverse(k, j);
     }
   }
+  if (mesh.axisymmetric) {
+    for (int k = 0; k <= dim; ++k) {
+      geometry.radius[k] = mesh.nodes[corners[k]][0];
+    }
+  }
   return geometry;
 }
 
+/// phi_i / x, or its limit on the axis. Points of sides on the axis that a search has found are off
+/// it by rounding.
+void hoop_shapes(const CellGeometry& geometry, const Barycentric& point, ShapeTable& shapes) {
+  constexpr double rounding = 1e-12;
+  double x = 0.0, largest = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    x += point[k] * geometry.radius[k];
+    largest = std::max(largest, geometry.radius[k]);
+  }
+  const bool on_axis = std::abs(x) <= rounding * largest;
+  double* row = shapes.row(hoop_row);
+  for (int i = 0; i < shapes.size; ++i) {
+    row[i] = on_axis ? shapes.at(1, i) : shapes.at(0, i) / x;
+  }
+  shapes.rows = hoop_row + 1;
+}
+
 } // namespace
+
+double circumference(const Mesh& mesh, double x) {
+  return mesh.axisymmetric ? 2.0 * std::numbers::pi * x : 1.0;
+}
 
 CellGeometry cell_geometry(const Mesh& mesh, int cell) {
   switch (mesh.dim) {
@@ -102,9 +129,15 @@ void evaluate_shapes(const Space& space, const CellGeometry& geometry, const Bar
       row[i] = sum;
     }
   }
+  if (has_hoop(space)) {
+    hoop_shapes(geometry, point, shapes);
+  }
 }
 
 Derivative decode(const Space& space, int index, Origin origin) {
+  if (index == slot::hoop && has_hoop(space)) {
+    return {0, hoop_row};
+  }
   const bool is_value = index >= 0 && index < 3;
   const int component = is_value ? index : (index - 3) / 3;
   const int direction = is_value ? 0 : (index - 3) % 3;

@@ -10,6 +10,7 @@ namespace hvi::solver {
 struct CellGeometry {
   double measure = 0.0;
   std::array<std::array<double, 3>, 4> gradient{}; ///< of lambda_k, k <= dim
+  std::array<double, 4> radius{}; ///< x of the corners of an axisymmetric mesh, else 0
 };
 CellGeometry cell_geometry(const Mesh& mesh, int cell);
 
@@ -21,8 +22,17 @@ Barycentric barycentric_in_cell(const Mesh& mesh, int cell, const Point& x);
 /// Which local vertices of facets[facet].cell the facet's vertices are.
 std::array<int, 3> facet_in_cell(const Mesh& mesh, int facet);
 
+/// 2 pi x on axisymmetric meshes, where a point stands for its circle; else 1.
+double circumference(const Mesh& mesh, double x);
+/// Has the space the row `hoop`? Vectors on axisymmetric meshes.
+inline bool has_hoop(const Space& space) {
+  return space.mesh->axisymmetric && space.components > 1;
+}
+inline constexpr int hoop_row = 3;
+
 /// Shape functions of the space at one point of a cell: row 0 the values, row 1 + j the derivatives
-/// d phi_i / d x_j; at(row, i) with i < size.
+/// d phi_i / d x_j; at(row, i) with i < size. Vectors on axisymmetric meshes have phi_i / x in row
+/// hoop_row: on the axis, where functions of V vanish, its limit d phi_i / d x.
 struct ShapeTable {
   int size = 0, rows = 1;
   std::array<double, 4 * max_cell_nodes> data{};

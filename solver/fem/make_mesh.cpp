@@ -52,6 +52,26 @@ Mesh make(const MeshSpec& spec) {
   throw Failure(FailureKind::bad_value, spec.origin, "an unknown kind of mesh");
 }
 
+/// x is r: no node beyond the axis; those on it by rounding are put on it.
+void make_axisymmetric(Mesh& mesh) {
+  if (mesh.dim != 2)
+    throw Failure(FailureKind::no_revolution, {},
+                  fmt::format("`axisymmetric` is for meshes in 2D, this one is in {}D", mesh.dim),
+                  "mesh the half of a section through the axis: x is r, y is z");
+  constexpr double rounding = 1e-10;
+  const double nothing = rounding * bounding_box(mesh).diagonal();
+  for (Point& node : mesh.nodes) {
+    if (node[0] < -nothing)
+      throw Failure(FailureKind::no_revolution, {},
+                    fmt::format("the mesh is axisymmetric, and its node ({:.6g}, {:.6g}) lies "
+                                "beyond the axis x = 0",
+                                node[0], node[1]),
+                    "x is the distance from the axis: mesh one half of the section, x >= 0");
+    if (node[0] < nothing) node[0] = 0.0;
+  }
+  mesh.axisymmetric = true;
+}
+
 } // namespace
 
 Mesh make_mesh(const MeshSpec& spec) {
@@ -64,6 +84,7 @@ Mesh make_mesh(const MeshSpec& spec) {
     check_cell_limit(static_cast<double>(mesh.cells.size()) *
                      std::exp2(static_cast<double>(mesh.dim) * spec.refinements));
     for (int i = 0; i < spec.refinements; ++i) mesh = refine(mesh);
+    if (spec.axisymmetric) make_axisymmetric(mesh);
     return mesh;
   } catch (const Failure& failure) {
     // The mesh module does not know the plan: its failures get the mesh statement as their place.

@@ -57,13 +57,33 @@ int dimension_of(const Mesh& mesh, const Region& region) {
   return 0;
 }
 
+namespace {
+
+/// The rule of a plan; on axisymmetric meshes of a higher degree.
+Quadrature rule_on(const Space& space, const Region& region, Rule rule, int exact_degree) {
+  const int dim = dimension_of(*space.mesh, region);
+  if (!space.mesh->axisymmetric) {
+    return make_rule(rule, dim, space.order, exact_degree);
+  }
+  if (rule == Rule::gauss) {
+    return simplex_rule(dim, 2 * space.order + 1);
+  }
+  return make_rule(rule, dim, space.order, exact_degree + (has_hoop(space) ? 3 : 1));
+}
+
+} // namespace
+
 RegionPoints::RegionPoints(const Space& space, const Region& region, Rule rule, int exact_degree)
-    : RegionPoints(space, region,
-                   make_rule(rule, dimension_of(*space.mesh, region), space.order, exact_degree)) {}
+    : RegionPoints(space, region, rule_on(space, region, rule, exact_degree)) {
+  if (mesh_->axisymmetric) {
+    const bool by_node = rule == Rule::nodal && kind_ != Group::Kind::points;
+    ring_ = by_node ? Ring::by_node : Ring::by_point;
+  }
+}
 
 RegionPoints::RegionPoints(const Space& space, const Region& region, Quadrature rule)
     : mesh_(space.mesh), indicators_(space.indicators), kind_(region.kind),
-      entities_(region.entities), rule_(std::move(rule)) {
+      entities_(region.entities), rule_(std::move(rule)), order_(space.order) {
   if (kind_ == Group::Kind::cells) {
     cells_ = entities_;
   } else if (kind_ == Group::Kind::points) {
@@ -93,12 +113,43 @@ RegionPoints::Simplex RegionPoints::simplex(std::size_t e) const {
   return out;
 }
 
+void RegionPoints::weigh(std::size_t e, const Simplex& entity, std::vector<double>& out) const {
+  if (ring_ == Ring::none) {
+    out = rule_.weights;
+    return;
+  }
+  std::array<double, 4> x{};
+  for (int k = 0; k < entity.n_corners; ++k) {
+    x[k] = mesh_->nodes[mesh_->cells[cells_[e]][entity.corners[k]]][0];
+  }
+  if (kind_ == Group::Kind::points) {
+    out.assign(1, x[0] > 0.0 ? circumference(*mesh_, x[0]) : 1.0);
+  } else if (ring_ == Ring::by_node) {
+    out = weighted_nodal_rule(entity.n_corners - 1, order_,
+                              {x.data(), static_cast<std::size_t>(entity.n_corners)});
+    for (double& weight : out) {
+      weight = circumference(*mesh_, weight);
+    }
+  } else {
+    out = rule_.weights;
+    for (std::size_t q = 0; q < out.size(); ++q) {
+      double at = 0.0;
+      for (int k = 0; k < entity.n_corners; ++k) {
+        at += rule_.points[q][k] * x[k];
+      }
+      out[q] *= circumference(*mesh_, at);
+    }
+  }
+}
+
 void RegionPoints::fill(std::size_t first, std::size_t last, PointBlock& block) const {
   block.clear();
   block.kind = kind_;
   block.indicators = indicators_;
+  std::vector<double> weights;
   for (std::size_t e = first; e < last; ++e) {
     const Simplex entity = simplex(e);
+    weigh(e, entity, weights);
     for (std::size_t q = 0; q < rule_.size(); ++q) {
       Barycentric local{};
       for (int k = 0; k < entity.n_corners; ++k) {
@@ -109,7 +160,7 @@ void RegionPoints::fill(std::size_t first, std::size_t last, PointBlock& block) 
         block.x[j].push_back(x[j]);
         block.normal[j].push_back(entity.normal[j]);
       }
-      block.weight.push_back(entity.measure * rule_.weights[q]);
+      block.weight.push_back(entity.measure * weights[q]);
       block.cell.push_back(cells_[e]);
       block.entity.push_back(entities_[e]);
       block.barycentric.push_back(local);

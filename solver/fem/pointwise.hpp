@@ -25,9 +25,16 @@ struct PointBlock {
 
 /// The quadrature points of a region, made on demand block by block. A point region has one point
 /// per node, with weight 1.
+///
+/// On axisymmetric meshes all weights carry 2 pi x, here and nowhere else: cells stand for rings,
+/// facets for surfaces and points for circles of revolution (a point on the axis for itself, with
+/// weight 1). `exact` and `gauss` are then of a higher degree: by 1 for the weight, and for vectors
+/// by 2 more for products with u_x/x, which are rational. `nodal` has the weights
+/// int phi_i 2 pi x of weighted_nodal_rule.
 class RegionPoints {
 public:
   RegionPoints(const Space& space, const Region& region, Rule rule, int exact_degree);
+  /// For means: the weights do not carry 2 pi x.
   RegionPoints(const Space& space, const Region& region, Quadrature rule);
   std::size_t entities() const { return entities_.size(); }
   std::size_t per_entity() const { return rule_.size(); }
@@ -45,12 +52,18 @@ private:
     int n_corners = 1;
   };
   Simplex simplex(std::size_t e) const;
+  /// Weights of the rule on this entity.
+  void weigh(std::size_t e, const Simplex& entity, std::vector<double>& out) const;
+
+  enum class Ring { none, by_point, by_node };
 
   const Mesh* mesh_;
   std::shared_ptr<const PartIndicators> indicators_;
   Group::Kind kind_;
   std::vector<std::int32_t> entities_, cells_; ///< cells_: the cell of each entity
   Quadrature rule_;
+  Ring ring_ = Ring::none;
+  int order_ = 1;
 };
 
 /// Dimension of the entities of a region.

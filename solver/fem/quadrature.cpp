@@ -230,6 +230,30 @@ std::vector<int> nodal_rule_nodes(int dim, int order) {
   return nodes;
 }
 
+namespace {
+
+std::vector<double> weighted_interval(int order, double a, double b) {
+  if (order == 1) {
+    return {(2.0 * a + b) / 6.0, (a + 2.0 * b) / 6.0};
+  }
+  return {a / 6.0, b / 6.0, (a + b) / 3.0};
+}
+
+std::vector<double> weighted_triangle(int order, double a, double b, double c) {
+  const double sum = a + b + c;
+  if (order == 1) {
+    return {(sum + a) / 12.0, (sum + b) / 12.0, (sum + c) / 12.0};
+  }
+  return {(2.0 * sum - c) / 15.0, (2.0 * sum - b) / 15.0, (2.0 * sum - a) / 15.0};
+}
+
+} // namespace
+
+std::vector<double> weighted_nodal_rule(int dim, int order, std::span<const double> r) {
+  return dim == 1 ? weighted_interval(order, r[0], r[1])
+                  : weighted_triangle(order, r[0], r[1], r[2]);
+}
+
 Quadrature make_rule(Rule rule, int dim, int order, int exact_degree) {
   switch (rule) {
   case Rule::exact:

@@ -4,6 +4,7 @@
 #include "solver/plan/problem.hpp"
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace hvi::solver {
@@ -39,6 +40,13 @@ Quadrature simplex_rule(int dim, int degree);
 Quadrature nodal_rule(int dim, int order);
 /// For each point of nodal_rule(dim, order) the local node it lies on.
 std::vector<int> nodal_rule_nodes(int dim, int order);
+
+/// The weights of nodal_rule(dim, order), on intervals and triangles, against the affine function
+/// with the values r >= 0 at the corners: sum_q w_q f(node_q) ~ mean of f r. Order 1: the means of
+/// phi_i r, positive where r is not zero throughout. Order 2: on intervals these means too, exact
+/// for f of degree 2; an end with r = 0 has the weight 0. On triangles those of the phi_i of the
+/// middles, which are positive and sum to the mean of r.
+std::vector<double> weighted_nodal_rule(int dim, int order, std::span<const double> r);
 
 /// The rule a plan names. `exact` needs the degree to integrate; `gauss` is of degree 2 order.
 Quadrature make_rule(Rule rule, int dim, int order, int exact_degree);

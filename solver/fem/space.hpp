@@ -76,19 +76,20 @@ std::string describe_point(const Point& point, int dim);
 /// One eliminated degree of freedom: its value is values[expression](x(node), t).
 struct Eliminated {
   std::int32_t dof;
-  std::int32_t dirichlet; ///< index into SpaceSpec::dirichlet
+  std::int32_t dirichlet; ///< index into SpaceSpec::dirichlet; -1: u_x on the axis
   std::int32_t value;     ///< which of its value expressions; -1: zero
 };
 
 /// Free and eliminated degrees of freedom. On one part and component an entry with a value wins
 /// over one without (the statement fills in what the space left at zero). Otherwise values imposed
 /// twice on one dof must be the same expressions, or agree at the node at several sample times;
-/// else Failure(overlapping_regions).
+/// else Failure(overlapping_regions). On axisymmetric meshes u_x of vectors is 0 on the axis.
 struct DofMap {
   std::vector<std::int32_t> free;       ///< dof of each unknown
   std::vector<std::int32_t> unknown_of; ///< unknown of each dof, -1 when eliminated
   std::vector<Eliminated> eliminated;
   bool homogeneous = true; ///< every eliminated value is zero at all times
+  bool held = false;       ///< some value is imposed that a rigid motion does not have by itself
   int n_unknowns() const { return static_cast<int>(free.size()); }
 };
 DofMap make_dof_map(const Space& space, const SpaceSpec& spec, std::span<const Region> parts);

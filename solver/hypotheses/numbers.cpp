@@ -13,8 +13,7 @@ Numbers::Numbers(const Plan& plan, const Discretisation& d)
     : problem_(plan.problem), discretisation_(d), layout_(make_layout(d.space, d.dofs)),
       operators_(assemble_operators(problem_, d, layout_, plan.options.threads)),
       contact_(make_contact(problem_, d, layout_)),
-      gram_(restrict_rows(gram_v(d.space, d.dofs.eliminated.empty()), layout_)
-                .leftCols(layout_.n_unknowns)),
+      gram_(restrict_rows(gram_v(d.space, !d.dofs.held), layout_).leftCols(layout_.n_unknowns)),
       shares_(present_shares(*make_scheme(problem_), count_fields(problem_))),
       laws_(law_constants(problem_, d, contact_)),
       traces_(trace_norms(problem_, d, layout_, gram_)) {}
@@ -29,7 +28,7 @@ double Numbers::coercivity(int field, double pointwise) const {
   const SparseMatrix form = of_field(field);
   const double least = gram_.least(form, below).value_or(not_a_number);
   // A body that nothing holds has rigid motions, which strains do not see.
-  const bool held = !discretisation_.dofs.eliminated.empty();
+  const bool held = discretisation_.dofs.held;
   const double rounding = held ? 0.0 : 1e-10 * gram_.norm(form).value_or(0.0);
   return std::abs(least) <= rounding ? 0.0 : least;
 }

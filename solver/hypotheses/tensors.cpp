@@ -1,6 +1,7 @@
 // The tensor behind a form, point by point; see tensors.hpp.
 #include "solver/hypotheses/tensors.hpp"
 
+#include "solver/fem/geometry.hpp"
 #include "solver/kernel/algebra.hpp"
 #include "solver/linear/dense.hpp"
 #include "solver/time/body_states.hpp"
@@ -13,10 +14,12 @@ namespace hvi::solver {
 namespace {
 
 /// Orthonormal basis of the matrices a gradient contributes: symmetric ones (Mandel) for vectors,
-/// e_j for scalars. Entry (basis element, gradient index).
-DenseMatrix gradient_basis(int components, int dim) {
-  const int n = components == 1 ? dim : dim * (dim + 1) / 2;
-  DenseMatrix basis = DenseMatrix::Zero(n, components * dim);
+/// e_j for scalars. Entry (basis element, gradient index); the last one is the hoop's.
+DenseMatrix gradient_basis(int components, int dim, bool hoop) {
+  const int more = hoop ? 1 : 0;
+  const int n = (components == 1 ? dim : dim * (dim + 1) / 2) + more;
+  DenseMatrix basis = DenseMatrix::Zero(n, components * dim + more);
+  if (hoop) basis(n - 1, components * dim) = 1.0;
   if (components == 1) {
     basis.setIdentity();
     return basis;
@@ -30,7 +33,8 @@ DenseMatrix gradient_basis(int components, int dim) {
 }
 
 /// Row of a gradient entry, or -1 for values.
-int gradient_index(int derivative, int components, int dim) {
+int gradient_index(int derivative, int components, int dim, bool hoop) {
+  if (hoop && derivative == slot::hoop) return components * dim;
   for (int i = 0; i < components; ++i)
     for (int j = 0; j < dim; ++j)
       if (derivative == slot::gradient(i, j)) return i * dim + j;
@@ -56,8 +60,8 @@ std::vector<FormTerm> tensor_forms(const Problem& problem, const Discretisation&
 class PointwiseTensor {
 public:
   PointwiseTensor(const Problem& problem, const Discretisation& d, int field)
-      : d_(d), forms_(tensor_forms(problem, d, field)),
-        basis_(gradient_basis(d.space.components, d.mesh.dim)) {
+      : d_(d), forms_(tensor_forms(problem, d, field)), hoop_(has_hoop(d.space)),
+        basis_(gradient_basis(d.space.components, d.mesh.dim, hoop_)) {
     for (const FormTerm& form : forms_)
       for (const auto& entry : form.entries) varies_ = varies_ || !entry.coefficient.is_constant();
   }
@@ -67,15 +71,15 @@ public:
 
   double least(int cell) const {
     const Point x = middle(d_.mesh, cell);
-    const int n = d_.space.components * d_.mesh.dim;
+    const int n = d_.space.components * d_.mesh.dim + (hoop_ ? 1 : 0);
     DenseMatrix full = DenseMatrix::Zero(n, n);
     bool any = false;
     for (const FormTerm& form : forms_) {
       const auto& cells = d_.parts[form.part].entities;
       if (!std::binary_search(cells.begin(), cells.end(), cell)) continue;
       for (const auto& entry : form.entries) {
-        const int a = gradient_index(entry.test, d_.space.components, d_.mesh.dim);
-        const int b = gradient_index(entry.trial, d_.space.components, d_.mesh.dim);
+        const int a = gradient_index(entry.test, d_.space.components, d_.mesh.dim, hoop_);
+        const int b = gradient_index(entry.trial, d_.space.components, d_.mesh.dim, hoop_);
         if (a < 0 || b < 0) continue;
         full(a, b) += value(entry.coefficient, x, cell);
         any = true;
@@ -106,6 +110,7 @@ private:
 
   const Discretisation& d_;
   std::vector<FormTerm> forms_;
+  bool hoop_;
   DenseMatrix basis_;
   bool varies_ = false;
 };

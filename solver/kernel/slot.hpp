@@ -20,9 +20,11 @@ inline constexpr Slot normal(int i) { return 5 + i; }   ///< outward unit normal
 inline constexpr Slot argument(int i) { return 8 + i; } ///< argument of a law, i < 3
 inline constexpr Slot r = argument(0);                  ///< of a law of a scalar, j(r)
 /// Components of a function and its gradient, in one numbering ("derivative index"):
-/// 0..2 are the values w_i, 3 + 3 i + j is dw_i/dx_j. A scalar function has i = 0.
+/// 0..2 are the values w_i, 3 + 3 i + j is dw_i/dx_j. A scalar function has i = 0. On axisymmetric
+/// meshes 3 + 3 * 2 + 2 is w_x/x, the entry of the gradient along the circles.
 inline constexpr int value(int i) { return i; }
 inline constexpr int gradient(int i, int j) { return 3 + 3 * i + j; }
+inline constexpr int hoop = gradient(2, 2);
 /// Inside a law: the multiplier of another law at the same point (Coulomb's bound).
 inline constexpr Slot coupled = 11;
 /// Inside a law: what it reads of memories at its point (LawSpec::readings), i < most_readings.

@@ -178,6 +178,7 @@ void Bisection::pieces(const std::array<std::int32_t, 3>& facet, const Edge& cut
 Mesh Bisection::mesh() const {
   Mesh out;
   out.dim = first_.dim;
+  out.axisymmetric = first_.axisymmetric;
   out.nodes = nodes_;
   out.description = first_.description + ", bisected";
   std::vector<std::vector<std::int32_t>> children(first_.cells.size());

@@ -28,6 +28,8 @@ struct Group {
 
 struct Mesh {
   int dim = 2;
+  /// The half plane x >= 0 of a body of revolution about the y axis: x is r, y is z (2D only).
+  bool axisymmetric = false;
   std::vector<Point> nodes;
   std::vector<std::array<std::int32_t, 4>> cells; ///< dim + 1 nodes each, positively oriented
   std::vector<Facet> facets;                      ///< all boundary facets, then named interior ones

@@ -172,6 +172,7 @@ Mesh refine(const Mesh& mesh) {
   const Midpoints mid(mesh);
   Mesh fine;
   fine.dim = mesh.dim;
+  fine.axisymmetric = mesh.axisymmetric;
   mid.add_nodes(mesh.nodes, fine.nodes);
   fine.cells = refine_cells(mesh, mid);
   fine.description = mesh.description + ", refined";

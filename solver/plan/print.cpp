@@ -117,6 +117,7 @@ private:
     }
     for (int axis = 0; axis < 3; ++axis)
       if (!m.grading[axis].empty()) line("  grading {}: {}", "xyz"[axis], numbers(m.grading[axis]));
+    if (m.axisymmetric) line("  axisymmetric");
     if (m.refinements > 0) line("  refinements {}", m.refinements);
     if (m.adapted > 0) line("  adapted to {} cells", m.adapted);
   }

@@ -38,6 +38,7 @@ struct MeshSpec {
   std::string geometry;        ///< geometry: a gmsh model of ours ("disk", "bracket"...)
   std::vector<double> numbers; ///< its numbers
   int refinements = 0;         ///< uniform refinements after that
+  bool axisymmetric = false;   ///< x is r, y is z: Mesh::axisymmetric
   int adapted = 0; ///< then bisected to so many cells where an error indicator says; 0: not
 };
 

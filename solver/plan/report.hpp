@@ -25,8 +25,9 @@ struct TableSpec {
   std::string file; ///< "" : the default
 };
 
-/// A field written to VTU. One component: scalar; dim: vector; dim*dim: tensor. Nodal fields depend
-/// on values of u only; others are cell averages; a multiplier lives on the contact part's nodes.
+/// A field written to VTU. One component: scalar; dim: vector; dim*dim (axisymmetric: 9): tensor.
+/// Nodal fields depend on values of u only; others are cell averages; a multiplier lives on the
+/// contact part's nodes.
 struct FieldSpec {
   std::string name;
   Origin origin;

@@ -113,6 +113,7 @@ private:
 
   bool derivative(int i) const {
     if (i >= 0 && i < slot::gradient(0, 0)) return i < components_;
+    if (i == slot::hoop && problem_.mesh.axisymmetric) return components_ > 1;
     const int row = (i - 3) / 3, column = (i - 3) % 3;
     return i >= 0 && row < components_ && column < dim_;
   }
@@ -323,7 +324,8 @@ private:
 
   void field(const FieldSpec& field, Origin origin) {
     const int n = count(field.components);
-    if (n != 1 && n != dim_ && n != dim_ * dim_)
+    const bool tensor = n == dim_ * dim_ || (n == 9 && problem_.mesh.axisymmetric);
+    if (n != 1 && n != dim_ && !tensor)
       wrong(origin, fmt::format("the field `{}` has {} components", field.name, n));
     for (const auto& component : field.components)
       variables(component, of_report, origin, "a field");

@@ -21,7 +21,7 @@ void Gauge::note(double v_squared, double l2_squared, double size_squared) {
 
 namespace {
 
-/// || eps(w) ||^2 or || grad w ||^2 pointwise, from the gradient entries of w.
+/// || eps(w) ||^2 or || grad w ||^2 pointwise, from the gradient entries of w; (2, 2): the hoop's.
 template <class Entry>
 Expr v_density(const Space& space, Entry&& gradient) {
   const int d = space.mesh->dim;
@@ -32,6 +32,10 @@ Expr v_density(const Space& space, Entry&& gradient) {
           space.components == 1 ? gradient(0, j) : Expr(0.5) * (gradient(i, j) + gradient(j, i));
       sum = sum + entry * entry;
     }
+  if (has_hoop(space)) {
+    const Expr along = gradient(2, 2);
+    sum = sum + along * along;
+  }
   return sum;
 }
 
@@ -50,7 +54,10 @@ public:
 
 private:
   static std::vector<Expr> integrands(const Space& space, std::span<const Expr> exact) {
-    const auto slope = [&](int i, int j) { return derivative(exact[i], slot::x(j)); };
+    const auto slope = [&](int i, int j) {
+      return i == 2 && space.components == 2 ? exact[0] / Expr::variable(slot::x(0))
+                                             : derivative(exact[i], slot::x(j));
+    };
     const auto error = [&](int i, int j) {
       return Expr::variable(slot::field(field_of_u(0), slot::gradient(i, j))) - slope(i, j);
     };
@@ -121,7 +128,8 @@ public:
       for (std::size_t q = 0; q < rule_.size(); ++q, ++k) {
         if (seen_[k].cell != before)
           before = seen_[k].cell, there = cell_geometry(*coarse_.mesh, before);
-        const double w = here.measure * rule_.weights[q];
+        const double x = point_in_cell(*fine_.mesh, c, rule_.points[q])[0];
+        const double w = here.measure * rule_.weights[q] * circumference(*fine_.mesh, x);
         const auto mine = values(coarse_, before, there, seen_[k].at, u);
         const auto right = values(fine_, c, here, rule_.points[q], exact);
         add(mine, right, w, v, l2, size);
@@ -148,6 +156,8 @@ private:
         out[i] += c * shapes_.at(0, static_cast<int>(n));
         for (int j = 0; j < space.mesh->dim; ++j)
           out[3 + 3 * i + j] += c * shapes_.at(1 + j, static_cast<int>(n));
+        if (i == 0 && has_hoop(space))
+          out[slot::hoop] += c * shapes_.at(hoop_row, static_cast<int>(n));
       }
     return out;
   }
@@ -165,6 +175,9 @@ private:
         v += weight * off * off, size += weight * e * e;
       }
     }
+    if (!has_hoop(fine_)) return;
+    const double e = right[slot::hoop], off = mine[slot::hoop] - e;
+    v += weight * off * off, size += weight * e * e;
   }
 
   std::shared_ptr<const Trajectory> reference_;

@@ -17,12 +17,13 @@ constexpr double bulk = 0.6; ///< of the squared indicator that is refined in a 
 constexpr int first_steps = 4, most_steps = 256; ///< of the runs that are looked at
 constexpr int most_rounds = 60;
 
-/// Entries of D u at a point of a cell from the shapes there: dim x dim, or dim for a scalar.
+/// Entries of D u at a point of a cell from the shapes there: dim x dim, or dim for a scalar; with
+/// the hoop's last.
 class Strain {
 public:
   explicit Strain(const Space& space)
       : space_(space), dim_(space.mesh->dim), vector_(space.components > 1),
-        size_(vector_ ? dim_ * dim_ : dim_) {}
+        plane_(vector_ ? dim_ * dim_ : dim_), size_(plane_ + (has_hoop(space) ? 1 : 0)) {}
   int size() const { return size_; }
 
   void at(int cell, const CellGeometry& geometry, const Barycentric& point, const Vector& u,
@@ -35,8 +36,12 @@ public:
         for (std::size_t k = 0; k < nodes.size(); ++k)
           slope[i * dim_ + j] +=
               shapes_.at(1 + j, static_cast<int>(k)) * u[space_.dof(nodes[k], i)];
-    for (int e = 0; e < size_; ++e)
+    for (int e = 0; e < plane_; ++e)
       out[e] = vector_ ? 0.5 * (slope[e] + slope[e % dim_ * dim_ + e / dim_]) : slope[e];
+    if (size_ == plane_) return;
+    out[plane_] = 0.0;
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      out[plane_] += shapes_.at(hoop_row, static_cast<int>(k)) * u[space_.dof(nodes[k], 0)];
   }
   const ShapeTable& shapes() const { return shapes_; }
 
@@ -44,7 +49,7 @@ private:
   const Space& space_;
   int dim_;
   bool vector_;
-  int size_;
+  int plane_, size_;
   ShapeTable shapes_;
 };
 
@@ -188,7 +193,8 @@ std::vector<double> recovery_indicator(const Space& space, const Vector& u,
           off += strain.shapes().at(0, static_cast<int>(k)) * nodes[k][e];
         square += off * off;
       }
-      out[cell] += geometry.measure * rule.weights[q] * square;
+      const double x = point_in_cell(*space.mesh, c, rule.points[q])[0];
+      out[cell] += geometry.measure * rule.weights[q] * circumference(*space.mesh, x) * square;
     }
   }
   return out;

@@ -119,6 +119,7 @@ void add_tables(const Plan& plan, Hash& hash) {
 
 void add_mesh(const Mesh& mesh, Hash& hash) {
   hash.add_number(mesh.dim);
+  if (mesh.axisymmetric) hash.add_number(1);
   hash.add_all(mesh.nodes);
   hash.add_all(mesh.cells);
   hash.add_number(mesh.facets.size());

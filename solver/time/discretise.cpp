@@ -4,6 +4,7 @@
 #include "solver/common/memory_room.hpp"
 #include "solver/plan/validate.hpp"
 #include "solver/time/adapt.hpp"
+#include "solver/time/axis_parts.hpp"
 #include "solver/time/law_sampler.hpp"
 #include "solver/time/overlaps.hpp"
 #include "solver/time/run.hpp"
@@ -113,7 +114,10 @@ void check_initial(const Problem& problem, const Discretisation& d) {
   const double scale = std::max(u.lpNorm<Eigen::Infinity>(), imposed.lpNorm<Eigen::Infinity>());
   for (const auto& e : d.dofs.eliminated) {
     if (std::abs(imposed[e.dof] - u[e.dof]) <= 1e-9 * scale) continue;
-    throw Failure(FailureKind::bad_value, problem.space.dirichlet[e.dirichlet].origin,
+    const Origin origin =
+        e.dirichlet < 0 ? problem.time.origin
+                        : problem.space.dirichlet[static_cast<std::size_t>(e.dirichlet)].origin;
+    throw Failure(FailureKind::bad_value, origin,
                   fmt::format("the value imposed at t = {} is {:.6g}, the initial state is {:.6g} "
                               "({})",
                               t0, imposed[e.dof], u[e.dof], describe_dof(d.space, e.dof)),
@@ -205,6 +209,8 @@ std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& 
   check_probe_points(plan.report, out, failures);
   if (!resolve_parts(plan.problem, out, failures)) return failures;
   for (auto& failure : overlaps(plan.problem, out.mesh, out.parts))
+    failures.push_back(std::move(failure));
+  for (auto& failure : integrals_on_axis(plan, out.mesh, out.parts))
     failures.push_back(std::move(failure));
   const bool spaced = collect(failures, [&] {
     out.space = make_space(out.mesh, plan.problem.space.order,

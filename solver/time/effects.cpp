@@ -84,6 +84,11 @@ std::vector<EffectNote> found_effects(const Problem& problem, const Discretisati
         {fmt::format("space dimension {}", "xyz"[a]), a < dim ? State::on : State::off,
          a < dim ? problem.mesh.origin : Origin{},
          a < dim ? "" : fmt::format("the mesh has {} dimension{}", dim, dim == 1 ? "" : "s")});
+  if (discretisation.mesh.axisymmetric)
+    out.push_back({"axisymmetry", State::on, problem.mesh.origin,
+                   problem.space.vector ? "integrals carry 2 pi x, strains the hoop part u_x/x; "
+                                          "u_x = 0 on the axis"
+                                        : "integrals carry 2 pi x"});
   const bool symmetric = run.formulation->operators().symmetric;
   out.push_back({"symmetry",
                  symmetric ? State::on : State::off,

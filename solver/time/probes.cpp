@@ -51,7 +51,7 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
 
 void ProbeSet::make_gram(const Discretisation& d, const RunState& run) {
   // Without imposed values the seminorm of a scalar space is no norm.
-  const bool add_mass = space_.components == 1 && d.dofs.eliminated.empty();
+  const bool add_mass = space_.components == 1 && !d.dofs.held;
   if (!add_mass) gram_ = run.balance.from_bases(strain_form(space_));
   if (gram_.empty())
     gram_ = SymmetricBlocks(gram_v(space_, add_mass), true);

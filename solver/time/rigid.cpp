@@ -1,6 +1,7 @@
 // Why a matrix has no factor, in the user's words; see rigid.hpp.
 #include "solver/time/rigid.hpp"
 
+#include "solver/fem/geometry.hpp"
 #include "solver/linear/dense.hpp"
 #include "solver/time/rounding.hpp"
 #include "solver/time/run.hpp"
@@ -22,7 +23,8 @@ struct Motion {
 
 constexpr const char* axis_names[] = {"x", "y", "z"};
 
-/// Scalar: the constant. Vector: translations and infinitesimal rotations about the centre.
+/// Scalar: the constant. Vector: translations and infinitesimal rotations about the centre;
+/// axisymmetric: the translation along the axis only.
 std::vector<Motion> motions(const Space& space) {
   std::vector<Motion> out;
   const int n = space.components;
@@ -31,12 +33,13 @@ std::vector<Motion> motions(const Space& space) {
   Point centre{};
   for (const auto& node : space.nodes)
     for (int i = 0; i < 3; ++i) centre[i] += node[i] / n_nodes;
-  for (int i = 0; i < n; ++i) {
+  const bool ring = has_hoop(space);
+  for (int i = ring ? 1 : 0; i < n; ++i) {
     out.push_back(
         {std::string("translation along ") + axis_names[i], Vector::Zero(space.n_dofs())});
     for (int p = 0; p < n_nodes; ++p) out.back().values[space.dof(p, i)] = 1.0;
   }
-  for (int i = 0; i < n; ++i)
+  for (int i = 0; i < n && !ring; ++i)
     for (int j = i + 1; j < n; ++j) {
       const auto name =
           n == 2 ? std::string("rotation") : std::string("rotation about ") + axis_names[3 - i - j];

@@ -1,6 +1,8 @@
 // Strains of a field, cell by cell; see strain.hpp.
 #include "solver/time/strain.hpp"
 
+#include "solver/fem/geometry.hpp"
+
 #include <Eigen/LU>
 
 namespace hvi::solver {
@@ -28,7 +30,16 @@ DenseMatrix cell_strain(const Space& space, const Vector& u, int cell) {
       moved(c, j) = u[space.dof(nodes[j + 1], c)] - u[space.dof(nodes[0], c)];
   const DenseMatrix gradient = moved * edges_of(space, cell).inverse();
   if (space.components != dim) return gradient;
-  return 0.5 * (gradient + gradient.transpose());
+  DenseMatrix strain = 0.5 * (gradient + gradient.transpose());
+  if (!has_hoop(space)) return strain;
+  double x = 0.0, along = 0.0; // at the centroid, each three times
+  for (int k = 0; k <= dim; ++k) {
+    x += space.nodes[nodes[k]][0];
+    along += u[space.dof(nodes[k], 0)];
+  }
+  strain.conservativeResizeLike(DenseMatrix::Zero(3, 3));
+  strain(2, 2) = along / x;
+  return strain;
 }
 
 double cell_size(const Space& space, int cell) {

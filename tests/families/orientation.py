@@ -71,13 +71,13 @@ class Scene:
 
     def __init__(self, random):
         self.random = random
-        self.dim = 2 if random.random() < 0.7 else 3
+        self.dim = self.choose_dim()
         self.order = 1 if random.random() < 0.7 else 2
         most = (6, 4) if self.dim == 2 else (3, 2, 2) if self.order == 1 else (2, 1, 1)
         counts = [int(random.integers(1, m + 1)) for m in most]
         bumps = 0.2 if random.random() < 0.25 else 0.0
         self.mesh = block(random, counts, random.uniform(0.5, 2.0, self.dim), 0.2, bumps)
-        self.solid = Solid(self.mesh, self.order)
+        self.solid = self.make_solid()
         young = 10 ** random.uniform(0, 3)
         poisson = 0.0 if random.random() < 0.15 else random.uniform(0.05, 0.42)
         self.elastic = young * poisson / (1 + poisson) / (1 - 2 * poisson), young / 2 / (1 + poisson)
@@ -87,6 +87,12 @@ class Scene:
         self.assemble()
         self.choose_loads()
         self.choose_laws()
+
+    def choose_dim(self):
+        return 2 if self.random.random() < 0.7 else 3
+
+    def make_solid(self):
+        return Solid(self.mesh, self.order)
 
     def assemble(self):
         solid, clamped = self.solid, self.solid.on(self.clamped)

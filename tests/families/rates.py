@@ -259,7 +259,7 @@ def run(program, folder, scene, turn, scale, options):
     return out, ""
 
 
-def judge(name, make_scene, without_reference=WITHOUT_REFERENCE):
+def judge(name, make_scene, without_reference=WITHOUT_REFERENCE, turning=turning):
     """The scenes of a family, whose answers are those of their references; the program's exit code."""
     options = orientation.asked_for()
     certified = wrong = refused = skipped = 0

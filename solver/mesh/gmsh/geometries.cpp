@@ -111,6 +111,21 @@ Blueprint half_disk(Numbers p) {
   return b;
 }
 
+/// The half x >= 0 of half_disk: the section of a half ball.
+Blueprint quarter_disk(Numbers p) {
+  const double r = p[0];
+  const int pole = occ::addPoint(0, 0, 0), rim = occ::addPoint(r, r, 0);
+  const int centre = occ::addPoint(0, r, 0);
+  const int loop = occ::addCurveLoop({occ::addCircleArc(pole, centre, rim),
+                                      occ::addLine(rim, centre), occ::addLine(centre, pole)});
+  occ::addPlaneSurface({loop});
+  Blueprint b{.size = p[1], .fine = p[2], .reach = r};
+  b.sides = {{"top", on(1, r)}, {"left", on(0, 0)}, {"bottom", everything()}};
+  b.points = {{"pole", {0, 0, 0}}};
+  b.distance = [](double x, double y, double z) { return std::hypot(x, y, z); };
+  return b;
+}
+
 /// (0, width) x (0, height), fine at its four corners.
 Blueprint graded_rectangle(Numbers p) {
   const double width = p[0], height = p[1];
@@ -230,6 +245,7 @@ Blueprint build(const std::string& geometry, Numbers numbers) {
       {"annulus", annulus},
       {"plate_with_hole", plate_with_hole},
       {"half_disk", half_disk},
+      {"quarter_disk", quarter_disk},
       {"graded_rectangle", graded_rectangle},
       {"l_shape", l_shape},
       {"dogbone", dogbone},

@@ -98,6 +98,45 @@ TEST(Quadrature, NodalRulesLieOnNodesWithPositiveWeights) {
   }
 }
 
+/// The means of phi_i r for the shape functions at the nodes of the rule, by a rule of degree 6.
+std::vector<double> means_against(int dim, int order, const std::vector<double>& r) {
+  const Quadrature exact = simplex_rule(dim, 6);
+  const auto nodes = nodal_rule_nodes(dim, order);
+  std::vector<double> out(nodes.size(), 0.0);
+  for (std::size_t q = 0; q < exact.size(); ++q) {
+    std::array<double, max_cell_nodes> phi{};
+    lagrange_values(dim, order, exact.points[q], phi.data());
+    double at = 0;
+    for (int k = 0; k <= dim; ++k) at += exact.points[q][k] * r[k];
+    for (std::size_t i = 0; i < nodes.size(); ++i) out[i] += exact.weights[q] * at * phi[nodes[i]];
+  }
+  return out;
+}
+
+TEST(Quadrature, NodalRulesAgainstAnAffineWeightAreMeansOfShapeFunctions) {
+  const std::vector<std::vector<double>> weights[] = {
+      {}, {{0.3, 1.1}, {0, 2}, {1.7, 0}}, {{0.3, 1.1, 0.7}, {0, 2, 1}, {0, 0, 1}, {1, 0, 0}}};
+  for (int order = 1; order <= 2; ++order) {
+    for (int dim = 1; dim <= 2; ++dim) {
+      for (const auto& r : weights[dim]) {
+        const auto expected = means_against(dim, order, r);
+        const auto found = weighted_nodal_rule(dim, order, r);
+        ASSERT_EQ(found.size(), expected.size());
+        double sum = 0, mean = 0;
+        for (std::size_t i = 0; i < found.size(); ++i) {
+          EXPECT_NEAR(found[i], expected[i], 1e-15);
+          sum += found[i];
+          // Only ends of edges of P2 on the axis have no weight.
+          const bool end_on_axis = order == 2 && dim == 1 && i < 2 && r[i] == 0;
+          EXPECT_EQ(found[i] > 0, !end_on_axis);
+        }
+        for (const double value : r) mean += value / (dim + 1);
+        EXPECT_NEAR(sum, mean, 1e-15);
+      }
+    }
+  }
+}
+
 TEST(Element, ReproducesPolynomialsAndItsOwnSlopes) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(0.05, 1);

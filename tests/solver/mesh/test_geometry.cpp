@@ -60,6 +60,7 @@ TEST(Geometry, PlaneMeasures) {
   expect_measures("plate_with_hole", {4, 2, 0.5, 0.2, 0.03}, 8 - pi / 4,
                   {{"left", 2}, {"right", 2}, {"bottom", 4}, {"top", 4}, {"hole", pi}}, 1e-3);
   expect_measures("half_disk", {2, 0.1}, 2 * pi, {{"top", 4}, {"bottom", 2 * pi}}, 1e-3);
+  expect_measures("quarter_disk", {2, 0.1}, pi, {{"top", 2}, {"left", 2}, {"bottom", pi}}, 1e-3);
   expect_measures("graded_rectangle", {3, 1, 0.2, 0.01}, 3,
                   {{"left", 1}, {"right", 1}, {"bottom", 3}, {"top", 3}}, 1e-12);
   expect_measures("l_shape", {2, 0.2}, 3,
