@@ -255,7 +255,7 @@ std::optional<Field> Checker::total_gradient(const Span& span, const Field& f) {
 }
 
 /// The gradient of a vector on an axisymmetric mesh, on (e_r, e_axis, e_hoop): with f_x/x as its
-/// entry zz. In values of functions f_x/x is their entry, which has a limit on the axis.
+/// entry zz, on the axis its limit d f_x/dx. In functions of V it is an entry of their own.
 Field Checker::with_hoop(const Field& gradient, const Field& f) const {
   const Symbol x = Symbol::variable(slot::x(0)), &radial = f.components[0];
   Symbol along = 0.0, rest = radial;
@@ -269,8 +269,8 @@ Field Checker::with_hoop(const Field& gradient, const Field& f) const {
     along = along + slope * Symbol::variable(s + slot::hoop);
     rest = substitute(rest, std::vector<std::pair<solver::Slot, Symbol>>{{s, Symbol(0.0)}});
   }
-  if (!rest.is(0.0)) along = along + rest / x;
   const std::vector<Symbol>& g = gradient.components;
+  if (!rest.is(0.0)) along = select(less(Symbol(0.0), x), along + rest / x, g[0]);
   Field out = gradient;
   out.rows = out.columns = 3;
   out.components = {g[0], g[1], 0.0, g[2], g[3], 0.0, 0.0, 0.0, along};
