@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 namespace hvi::lang {
 
@@ -46,6 +47,7 @@ public:
   }
   void note(int part, Holder holder) {
     const solver::Region& region = d_.parts[static_cast<std::size_t>(part)];
+    for (const auto e : region.second) by_[piece_of_[d_.mesh.facets[e].cell]] |= holder;
     for (const auto e : region.entities) {
       if (region.kind == Group::Kind::points) {
         by_[piece_of_node_[e]] |= holder;
@@ -65,16 +67,37 @@ private:
   std::vector<std::int32_t> piece_of_node_; ///< one of them, where pieces touch in a node
 };
 
+/// Points of pairs that have no partner.
+void report_alone(Script& script, const solver::Discretisation& d) {
+  for (const auto& alone : d.alone) {
+    const auto& part = script.model->parts[static_cast<std::size_t>(alone.part)];
+    script.diagnostics.add(
+        diagnose("W0607", part.span,
+                 fmt::format("{} node{} of the first side of `{}` {} no partner on the second one, "
+                             "and {} free ({}at {})",
+                             alone.points, alone.points == 1 ? "" : "s", part.name,
+                             alone.points == 1 ? "has" : "have", alone.points == 1 ? "is" : "are",
+                             alone.points == 1 ? "" : "the first one ",
+                             solver::describe_point(alone.first, d.mesh.dim)))
+            .with_help("where sides are to touch beyond that, `pair(a, b, reach = ..)` looks "
+                       "farther; else take these facets out of the part"));
+  }
+}
+
 } // namespace
 
 void report_misfits(Script& script, const solver::Discretisation& d) {
   const solver::Problem& problem = script.plan->problem;
+  report_alone(script, d);
   if (problem.mesh.kind != solver::MeshSpec::Kind::file) return;
   const Span span = script.model->origins[static_cast<std::size_t>(problem.mesh.origin.id)];
   const auto add = [&](const MeshFinding& f) {
     script.diagnostics.add(diagnose(f.code, span, f.message).with_help(f.help));
   };
-  for (const MeshFinding& f : misfits(d.mesh)) add(f);
+  const bool apart = std::ranges::any_of(d.parts, [](const auto& part) { return part.is_pair(); });
+  for (const MeshFinding& f : misfits(d.mesh))
+    if (!apart || f.code != std::string_view("W0603"))
+      add(f); // the sides of a pair are meant to be two
   const auto piece_of = solver::pieces_of(d.mesh);
   const auto all = solver::measure_pieces(d.mesh, piece_of);
   if (all.size() < 2) return;

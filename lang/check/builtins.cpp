@@ -64,6 +64,11 @@ constexpr std::array table = {
             "by its matrix on (xx, yy, [zz, yz, xz,] xy), axisymmetric (xx, yy, zz, xy), with "
             "engineering shear strains"},
     BuiltIn{"history", K::memory, "history(C, eps(u))", "int_0^t C(t - s) eps(u(s)) ds"},
+    BuiltIn{"gap", K::interface, "gap(seam)", "distance of the sides of a pair, along the normal"},
+    BuiltIn{"jump", K::interface, "jump(u)",
+            "on a pair: the value on its first side minus that on the second"},
+    BuiltIn{"pair", K::interface, "pair(upper.bottom, lower.top, reach = )",
+            "two sides that touch; the first carries the integral and the normal"},
     BuiltIn{"integral", K::region, "integral(part, a, rule = nodal)", "integral over a part"},
     BuiltIn{"inside", K::region, "inside(part)", "condition: the point lies in the part"},
     BuiltIn{"point", K::region, "point(mesh, [x, y])", "a node of the mesh as a part"},
@@ -104,7 +109,10 @@ bool is_word(std::string_view name) {
 std::span<const std::string_view> words() { return word_table; }
 
 bool is_reserved_builtin(std::string_view name) {
-  return (is_function_name(name) && name != "pos") || // scripts had a `pos` of their own
+  const BuiltIn* const found = find_built_in(name);
+  // Scripts had names of their own before these.
+  const bool free = name == "pos" || (found && found->kind == BuiltInKind::interface);
+  return (found && !free) ||
          std::find(reserved_names.begin(), reserved_names.end(), name) != reserved_names.end();
 }
 

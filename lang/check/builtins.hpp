@@ -18,6 +18,7 @@ enum class BuiltInKind {
   algebraic,    ///< tr dev norm dot transpose identity
   tensor,       ///< isotropic ... prony table
   memory,       ///< history
+  interface,    ///< jump, gap, pair: names that scripts may take for themselves
   region,       ///< integral, point, inside
   mesh
 };

@@ -154,6 +154,11 @@ Value Checker::call_built_in(const ast::Expr& e, const ast::Call& c, const std::
     return tensor_call(e, c, name, scope);
   case BuiltInKind::memory:
     return history_call(e, c, scope);
+  case BuiltInKind::interface:
+    if (name == "jump") return jump_call(e, c, scope);
+    if (name == "gap") return gap_call(e, c, scope);
+    error("E0306", e.span, "a pair is declared as a part", "`part seam = pair(a.bottom, b.top)`");
+    return Poison{};
   case BuiltInKind::mesh:
     error("E0306", e.span, "a mesh is declared by itself", fmt::format("`mesh m = {}(...)`", name));
     return Poison{};

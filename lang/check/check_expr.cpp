@@ -408,7 +408,9 @@ Value Checker::field_member(const ast::Expr&, const ast::Member& m, const Field&
   }
   if (name != "nu" && name != "tau") return no_member({"nu", "tau", "x", "y", "z"});
   if (f.rows != model_.dim) return no_member({"x", "y", "z"});
-  const bool read = scope.law && f.memory; // the part that the law acts on has one, or it is said
+  const bool on_pair = has_jumps(f.components.front()); // where that is, there is a normal
+  const bool read =
+      on_pair || (scope.law && f.memory); // the part that the law acts on has one, or it is said
   if (!scope.normal && !read) {
     // One wrong part makes every `.nu` of its integral wrong: one error says it.
     if (scope.test && std::exchange(normal_missed_, true)) return Poison{};

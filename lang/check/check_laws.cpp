@@ -272,6 +272,8 @@ std::optional<int> Checker::law_for(int declaration, bool radial, const Span& us
   spec.radial = radial;
   spec.by_slope = body->by_slope;
   Symbol expression = body->scalar();
+  const bool of_jumps = has_jumps(expression);
+  if (of_jumps) expression = without_jumps(expression);
   const auto states = take_states(expression, law.name.span);
   if (!states) return std::nullopt;
   spec.states = *states;
@@ -286,6 +288,7 @@ std::optional<int> Checker::law_for(int declaration, bool radial, const Span& us
   warn_of_unreached_cases(radial);
   model_.laws.push_back({law.name.text, law.name.span, spec});
   const int index = static_cast<int>(model_.laws.size()) - 1;
+  if (of_jumps) laws_of_jumps_.insert(index);
   law_index_[key] = index;
   return index;
 }
@@ -476,6 +479,9 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
           fmt::format("the direction is {}, the argument {}", describe(*direction), describe(*at)));
     return Poison{};
   }
+  if (!take_jumps(c.at->span, at->components, part_at_hand_) ||
+      !take_jumps(c.direction->span, direction->components, part_at_hand_))
+    return Poison{};
   LawUse use;
   const auto seen = law_field(c, *at);
   use.field = seen.value_or(solver::field_of_u(0));
@@ -489,6 +495,17 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
   auto law = law_for(index, at->rank == 1, c.law->span);
   if (!same || !law) return Poison{};
   const auto& readings = model_.laws[*law].spec.readings;
+  if (!readings.empty() && part_at_hand_ >= 0 &&
+      is_pair(part_at_hand_) != laws_of_jumps_.contains(*law)) {
+    error("E0441", c.law->span,
+          fmt::format("`{}` reads {}", r->name,
+                      is_pair(part_at_hand_) ? "a memory of one side, and acts on a pair"
+                                             : "the jump of a memory, and acts on no pair"),
+          fmt::format("on a pair a law reads `jump(history(q, {})).nu`, elsewhere "
+                      "`history(q, {}).nu`",
+                      u, u));
+    return Poison{};
+  }
   const auto wants_normal = [](const Symbol& reading) {
     return reading.depends_on_any(slot::normal(0), slot::normal(2) + 1);
   };

@@ -53,11 +53,14 @@ std::optional<std::string> Checker::allowed_path(const std::string& path, const 
 }
 
 void Checker::second_mesh(const Span& span) {
+  if (!silenced_.empty()) return; // what puts them together may be what cannot be read
   error("E0427", span, fmt::format("a second mesh: the script has `{}` already", mesh_name_),
-        "a problem lives on one mesh; regions of it are parts");
+        "a problem lives on one mesh; regions of it are parts, and several meshes are put together "
+        "by `mesh both = upper + lower`");
 }
 
 Value Checker::mesh(const ast::Mesh& m) {
+  if (std::holds_alternative<ast::Binary>(m.value.node)) return mesh_of_pieces(m);
   const auto* call = std::get_if<ast::Call>(&m.value.node);
   const auto* callee = call ? std::get_if<ast::Reference>(&call->callee->node) : nullptr;
   if (!callee) {
@@ -65,32 +68,41 @@ Value Checker::mesh(const ast::Mesh& m) {
           "`rectangle(2, 1, cells = [32, 16])`, `box(...)` or `gmsh(\"file.msh\")`");
     return Poison{};
   }
-  if (!mesh_name_.empty()) {
+  if (!mesh_name_.empty() && !making_pieces_) {
     second_mesh(m.name.span);
     return Poison{};
   }
-  mesh_name_ = m.name.text;
-  bool good = false;
-  const std::string& name = callee->name;
-  if (name == "rectangle" || name == "box" || name == "interval") {
-    good = structured_mesh(m, *call, name);
-  } else if (name == "gmsh") {
-    good = file_mesh(m, *call);
-  } else {
-    const auto& known = solver::geometries();
-    const bool is_geometry =
-        std::any_of(known.begin(), known.end(), [&](const auto& g) { return g.name == name; });
-    if (is_geometry) {
-      good = geometry_mesh(m, *call, name);
-    } else {
-      std::vector<std::string> candidates = {"rectangle", "box", "interval", "gmsh"};
-      for (const auto& g : known) candidates.push_back(g.name);
-      const std::string near = did_you_mean(name, candidates);
-      error("E0301", call->callee->span, fmt::format("there is no mesh `{}`", name),
-            near.empty() ? fmt::format("meshes: {}", fmt::join(candidates, ", ")) : near);
-    }
+  if (!making_pieces_) mesh_name_ = m.name.text;
+  if (!mesh_of_call(m, *call, callee->name)) return Poison{};
+  return MeshValue{making_pieces_ ? static_cast<int>(pieces_.size()) + 1 : 0};
+}
+
+bool Checker::mesh_of_call(const ast::Mesh& m, const ast::Call& call, const std::string& name) {
+  if (name == "rectangle" || name == "box" || name == "interval")
+    return structured_mesh(m, call, name);
+  if (name == "gmsh") return file_mesh(m, call);
+  const auto& known = solver::geometries();
+  if (std::any_of(known.begin(), known.end(), [&](const auto& g) { return g.name == name; }))
+    return geometry_mesh(m, call, name);
+  std::vector<std::string> candidates = {"rectangle", "box", "interval", "gmsh"};
+  for (const auto& g : known) candidates.push_back(g.name);
+  const std::string near = did_you_mean(name, candidates);
+  error("E0301", call.callee->span, fmt::format("there is no mesh `{}`", name),
+        near.empty() ? fmt::format("meshes: {}", fmt::join(candidates, ", ")) : near);
+  return false;
+}
+
+/// `at = [x, y]`, where it is written: the vector by which the mesh is moved.
+bool Checker::move_to(const ast::Expr* written, int dim, solver::Point& at) {
+  if (!written) return true;
+  const auto list = constant_list(*written, "the place of a mesh");
+  if (!list) return false;
+  if (static_cast<int>(list->size()) != dim) {
+    error("E0307", written->span, fmt::format("the place of a mesh has {} coordinates", dim));
+    return false;
   }
-  return good ? Value(MeshValue{0}) : Value(Poison{});
+  std::copy(list->begin(), list->end(), at.begin());
+  return true;
 }
 
 /// `adapted = CELLS`, where it is written; 0: not adapted.
@@ -116,7 +128,7 @@ bool Checker::axisymmetric(const ast::Expr* written, int dim, MeshSpec& spec) {
   if (!yes) return false;
   spec.axisymmetric = yes == "true";
   if (!spec.axisymmetric || dim == 2) return true;
-  error("E0440", written->span, fmt::format("a mesh in {}D is no section of a body", dim),
+  error("E0442", written->span, fmt::format("a mesh in {}D is no section of a body", dim),
         "`axisymmetric` is for meshes in 2D: the half of a section, x is r and y is z");
   return false;
 }
@@ -127,7 +139,7 @@ bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const s
   names.resize(dim);
   names.insert(names.end(), {"cells", "origin", "grading"});
   if (dim == 2) names.push_back("pattern");
-  names.insert(names.end(), {"adapted", "axisymmetric"});
+  names.insert(names.end(), {"at", "adapted", "axisymmetric"});
   auto args = match(m.value, call, name, names, dim + 1);
   if (!args) return false;
   MeshSpec spec;
@@ -146,6 +158,9 @@ bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const s
       error("E0307", (*args)[dim + 1]->span, fmt::format("the origin has {} coordinates", dim));
     good = list && static_cast<int>(list->size()) == dim;
   }
+  solver::Point at{};
+  good = move_to((*args)[args->size() - 3], dim, at) && good;
+  for (int a = 0; a < dim; ++a) corner[a] += at[a];
   for (int a = 0; a < dim; ++a) {
     auto size = constant(*(*args)[a], "a length of the mesh");
     good = good && size;
@@ -199,7 +214,8 @@ bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const s
   good = adapted_cells((*args)[names.size() - 2], spec) && good;
   good = axisymmetric(args->back(), dim, spec) && good;
   if (good && spec.axisymmetric && spec.low[0] < 0.0) {
-    error("E0440", (*args)[dim + 1]->span, fmt::format("the mesh begins at x = {}", spec.low[0]),
+    const ast::Expr* low = (*args)[dim + 1] ? &*(*args)[dim + 1] : &*(*args)[args->size() - 3];
+    error("E0442", low->span, fmt::format("the mesh begins at x = {}", spec.low[0]),
           "x is the distance from the axis, at least 0");
     good = false;
   }
@@ -223,7 +239,8 @@ bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const s
 }
 
 bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
-  auto args = match(m.value, call, "gmsh", {"file", "refinements", "adapted", "axisymmetric"}, 1);
+  auto args = match(m.value, call, "gmsh",
+                    {"file", "refinements", "adapted", "at", "split", "axisymmetric"}, 1);
   if (!args) return false;
   const auto* path = std::get_if<ast::String>(&(*args)[0]->node);
   if (!path) {
@@ -264,9 +281,11 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
     for (const auto& f : straightened_cells(mesh, lost))
       diagnostics_.add(diagnose(f.code, (*args)[0]->span, f.message).with_help(f.help));
     model_.dim = mesh.dim;
-    if (!axisymmetric((*args)[3], mesh.dim, spec)) return false;
+    if (!move_to((*args)[3], mesh.dim, spec.at)) return false;
+    if (!axisymmetric((*args)[5], mesh.dim, spec)) return false;
     for (const auto& [name, group] : mesh.groups) groups_[name] = group.kind;
     groups_known_ = true;
+    if (!split_along((*args)[4], spec)) return false;
   } catch (const solver::Failure& failure) {
     const bool missing = failure.kind == solver::FailureKind::missing_file;
     error(ending_of(failure.kind).code, (*args)[0]->span,
@@ -285,7 +304,7 @@ bool Checker::geometry_mesh(const ast::Mesh& m, const ast::Call& call, const std
   const auto& info =
       *std::find_if(known.begin(), known.end(), [&](const auto& g) { return g.name == name; });
   auto names = info.parameters;
-  names.insert(names.end(), {"adapted", "axisymmetric"});
+  names.insert(names.end(), {"at", "adapted", "axisymmetric"});
   auto args = match(m.value, call, name, names, 0);
   if (!args) return false;
   MeshSpec spec;
@@ -295,6 +314,7 @@ bool Checker::geometry_mesh(const ast::Mesh& m, const ast::Call& call, const std
   spec.geometry = name;
   spec.numbers = info.defaults;
   bool good = adapted_cells((*args)[names.size() - 2], spec);
+  good = move_to((*args)[names.size() - 3], info.dim, spec.at) && good;
   good = axisymmetric(args->back(), info.dim, spec) && good;
   for (std::size_t i = 0; i < info.parameters.size(); ++i) {
     if (!(*args)[i]) continue;
@@ -349,6 +369,12 @@ std::optional<RegionSpec> Checker::region(const ast::Region& r) {
       out = std::move(spec);
       continue;
     }
+    const bool pairs = out->kind == RegionSpec::Kind::pair || spec->kind == RegionSpec::Kind::pair;
+    if (pairs) {
+      error("E0441", term.span, "a pair is no part of another part",
+            "put sides together inside it: `pair(a.left + a.bottom, b.right)`");
+      return std::nullopt;
+    }
     const auto left = kind_of(*out), right = kind_of(*spec);
     if (left && right && *left != *right) {
       error("E0306", term.span,
@@ -363,6 +389,12 @@ std::optional<RegionSpec> Checker::region(const ast::Region& r) {
     both.children.push_back(std::move(*out));
     both.children.push_back(std::move(*spec));
     out = std::move(both);
+  }
+  if (r.where && out && out->kind == RegionSpec::Kind::pair) {
+    error(
+        "E0441", r.where->span, "a condition on a pair",
+        "take it on a side: `part some = upper.bottom where x < 1`, then `pair(some, lower.top)`");
+    return std::nullopt;
   }
   if (r.where) {
     Scope scope;
@@ -390,6 +422,8 @@ std::optional<RegionSpec> Checker::region_path(const ast::Expr& path) {
   if (const auto* call = std::get_if<ast::Call>(&path.node)) {
     const auto* callee = std::get_if<ast::Reference>(&call->callee->node);
     if (callee && callee->name == "point") return point_region(path, *call);
+    if (callee && callee->name == "pair" && find_declaration("pair") < 0)
+      return pair_region(path, *call);
     if (std::holds_alternative<ast::Member>(call->callee->node)) return mesh_group(path, *call);
     if (callee && find_declaration(callee->name) < 0) {
       Scope none;
@@ -403,8 +437,8 @@ std::optional<RegionSpec> Checker::region_path(const ast::Expr& path) {
       Scope none;
       Value value = reference(*m->object, object->name, none);
       if (is_poison(value)) return std::nullopt;
-      if (std::holds_alternative<MeshValue>(value))
-        return mesh_member(path, object->name, m->member);
+      if (const auto* mesh = std::get_if<MeshValue>(&value))
+        return mesh_member(path, *mesh, object->name, m->member);
       error("E0303", m->member.span,
             fmt::format("{} has no member `{}`", describe(value), m->member.text),
             "sides belong to a mesh: `slab.top`");
@@ -415,9 +449,7 @@ std::optional<RegionSpec> Checker::region_path(const ast::Expr& path) {
     Scope none;
     Value value = reference(path, r->name, none);
     if (is_poison(value)) return std::nullopt;
-    RegionSpec spec;
-    spec.origin = model_.origin(path.span);
-    if (std::holds_alternative<MeshValue>(value)) return spec;
+    if (const auto* mesh = std::get_if<MeshValue>(&value)) return whole(*mesh, path.span);
     if (const auto* part = std::get_if<PartValue>(&value)) return model_.parts[part->index].region;
     error("E0306", path.span,
           fmt::format("a part of a mesh is expected here, not {}", describe(value)));
@@ -429,19 +461,20 @@ std::optional<RegionSpec> Checker::region_path(const ast::Expr& path) {
   return std::nullopt;
 }
 
-std::optional<RegionSpec> Checker::mesh_member(const ast::Expr& path, const std::string& mesh,
-                                               const ast::Name& name) {
+std::optional<RegionSpec> Checker::mesh_member(const ast::Expr& path, const MeshValue& value,
+                                               const std::string& mesh, const ast::Name& name) {
   RegionSpec spec;
   spec.origin = model_.origin(path.span);
-  if (name.text == "boundary") {
+  if (name.text == "boundary" && value.index == 0) {
     spec.kind = RegionSpec::Kind::boundary;
     return spec;
   }
   spec.kind = RegionSpec::Kind::group;
-  spec.name = name.text;
-  if (groups_known_ && !groups_.count(name.text)) {
-    std::vector<std::string> known = {"boundary"};
-    for (const auto& [group, kind] : groups_) known.push_back(group);
+  spec.name = group_named(value, name.text, name.span);
+  if (spec.name.empty()) return std::nullopt;
+  if (groups_known_ && !groups_.count(spec.name) && !cuts_.contains(spec.name)) {
+    std::vector<std::string> known = groups_of(value);
+    if (value.index == 0) known.insert(known.begin(), "boundary");
     const bool structured = model_.mesh.kind != MeshSpec::Kind::file;
     const std::string near = did_you_mean(name.text, known);
     error(
@@ -450,7 +483,7 @@ std::optional<RegionSpec> Checker::mesh_member(const ast::Expr& path, const std:
         near.empty() ? fmt::format("there are: {}", fmt::join(known, ", ")) : near);
     return std::nullopt;
   }
-  return spec;
+  return group_region(spec.name, path.span);
 }
 
 std::optional<RegionSpec> Checker::mesh_group(const ast::Expr& path, const ast::Call& call) {
@@ -476,9 +509,11 @@ std::optional<RegionSpec> Checker::mesh_group(const ast::Expr& path, const ast::
     error("E0306", (*args)[0]->span, "the name of a group is a text: `slab.group(\"roof\")`");
     return std::nullopt;
   }
-  if (groups_known_ && !groups_.count(name->text)) {
-    std::vector<std::string> known;
-    for (const auto& [group, kind] : groups_) known.push_back(group);
+  const auto& mesh = std::get<MeshValue>(value);
+  const std::string group = group_named(mesh, name->text, (*args)[0]->span);
+  if (group.empty()) return std::nullopt;
+  if (groups_known_ && !groups_.count(group) && !cuts_.contains(group)) {
+    const std::vector<std::string> known = groups_of(mesh);
     const std::string near = did_you_mean(name->text, known);
     error("E0602", (*args)[0]->span,
           fmt::format("the mesh `{}` has no group \"{}\"", object->name, name->text),
@@ -487,11 +522,7 @@ std::optional<RegionSpec> Checker::mesh_group(const ast::Expr& path, const ast::
                        : near);
     return std::nullopt;
   }
-  RegionSpec spec;
-  spec.kind = RegionSpec::Kind::group;
-  spec.origin = model_.origin(path.span);
-  spec.name = name->text;
-  return spec;
+  return group_region(group, path.span);
 }
 
 std::optional<RegionSpec> Checker::point_region(const ast::Expr& path, const ast::Call& call) {
@@ -512,14 +543,16 @@ std::optional<RegionSpec> Checker::point_region(const ast::Expr& path, const ast
     return std::nullopt;
   }
   RegionSpec spec;
+  spec = whole(std::get<MeshValue>(value), path.span); // of a piece: among its nodes
   spec.kind = RegionSpec::Kind::point;
-  spec.origin = model_.origin(path.span);
   for (int i = 0; i < model_.dim; ++i) spec.point[i] = (*at)[i];
   return spec;
 }
 
 std::optional<Group::Kind> Checker::kind_of(const RegionSpec& r) const {
   switch (r.kind) {
+  case RegionSpec::Kind::pair:
+    return Group::Kind::facets;
   case RegionSpec::Kind::all_cells:
     return Group::Kind::cells;
   case RegionSpec::Kind::boundary:
@@ -546,10 +579,9 @@ std::optional<int> Checker::part_index(const ast::Name& name) {
   Value value = reference(as_expr, name.text, none);
   if (is_poison(value)) return std::nullopt;
   if (const auto* part = std::get_if<PartValue>(&value)) return part->index;
-  if (std::holds_alternative<MeshValue>(value)) {
+  if (const auto* mesh = std::get_if<MeshValue>(&value)) {
     if (auto found = part_of_.find(name.text); found != part_of_.end()) return found->second;
-    RegionSpec spec;
-    spec.origin = model_.origin(name.span);
+    RegionSpec spec = whole(*mesh, name.span);
     model_.parts.push_back({name.text, name.span, spec, Group::Kind::cells});
     part_of_[name.text] = static_cast<int>(model_.parts.size()) - 1;
     return part_of_[name.text];

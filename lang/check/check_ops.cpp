@@ -326,7 +326,7 @@ std::optional<Field> Checker::dot_in_section(const Span& span, const Field& left
   out.rows = left.rows == 3 ? 2 : left.rows;
   for (int i = 0; i < out.rows; ++i) out.components.push_back(product(i));
   if (left.rows != 3 || product(2).is(0.0)) return out;
-  error("E0440", span, "this vector has a part along the circles of a body of revolution",
+  error("E0442", span, "this vector has a part along the circles of a body of revolution",
         "matrices that turn vectors out of the section are not axisymmetric here");
   return std::nullopt;
 }

@@ -59,6 +59,7 @@ std::optional<Model> Checker::run() {
   collect_declarations();
   check_defines();
   locate_find();
+  locate_pieces();
   if (find_) find_statement();
   // Unused declarations are checked, too: a wrong line is an error even when nothing uses it.
   for (std::size_t i = 0; i < declarations_.size(); ++i) {
@@ -217,9 +218,13 @@ void Checker::form_term(const ast::FormTerm& term, bool right) {
   normal_missed_ = false;
   if (!part) scope.normal = true; // its kind is unknown: no second complaint about u.nu
   part_at_hand_ = part.value_or(-1);
+  gap_part_ = -1;
   auto integrand = field(integral.integrand, scope);
   part_at_hand_ = -1;
   if (!factor || !part || !integrand) return;
+  if (!take_jumps(integral.integrand.span, integrand->components, *part)) return;
+  if (!integrand->scalar().is(0.0) && refuse_pair(*part, integral.integrand.span, "a form or load"))
+    return;
   out.span = integral.span;
   out.factor_span =
       term.factors.empty() ? (term.minus ? term.sign : integral.span) : term.factors.front().span;
@@ -285,6 +290,12 @@ void Checker::law_factors(ModelTerm& term, const ast::FormTerm&) {
     }
     const Symbol factor = term.factor * use.factor;
     const Span place = use.factor_span.valid() ? use.factor_span : term.factor_span;
+    if (factor.depends_on(slot::gap)) {
+      error("E0441", place, fmt::format("a gap in the factor before `{}^0`", use.name),
+            "it stands in the argument of a law");
+      use.factor = 1.0;
+      continue;
+    }
     if (factor.depends_on_any(slot::first_state, slot::first_probe)) {
       error("E0309", place, fmt::format("a state stands in the factor before `{}^0`", use.name),
             "let the superpotential itself depend on it");

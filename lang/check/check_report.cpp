@@ -139,8 +139,9 @@ Value Checker::integral_call(const ast::Expr& e, const ast::Call& c, const Scope
   Scope inner = scope;
   const auto kind = part ? model_.parts[*part].kind : std::nullopt;
   inner.normal = kind.value_or(Group::Kind::facets) == Group::Kind::facets;
+  gap_part_ = -1;
   auto of = scalar(*(*args)[1], inner);
-  if (!part || !of) return Poison{};
+  if (!part || !of || !take_jumps((*args)[1]->span, of->components, *part)) return Poison{};
   Probe p;
   p.origin = model_.origin(e.span);
   p.kind = Probe::Kind::integral;
@@ -149,6 +150,7 @@ Value Checker::integral_call(const ast::Expr& e, const ast::Call& c, const Scope
   if ((*args)[2]) {
     auto w = word(*(*args)[2], "rule", {"exact", "nodal", "midpoint", "gauss"});
     if (!w) return Poison{};
+    if (*w != "nodal" && refuse_pair(*part, (*args)[2]->span, "a rule of its own")) return Poison{};
     p.rule = *w == "nodal"      ? solver::Rule::nodal
              : *w == "midpoint" ? solver::Rule::midpoint
              : *w == "gauss"    ? solver::Rule::gauss
@@ -218,6 +220,7 @@ void Checker::binding(const ast::Binding& b, solver::TableSpec& table) {
     if (good) table.probes.push_back(probe(std::move(p)));
     return;
   }
+  gap_part_ = -1;
   auto value = scalar(b.value, scope);
   if (b.point) {
     auto at = constant_list(*b.point, "a point");
@@ -226,6 +229,7 @@ void Checker::binding(const ast::Binding& b, solver::TableSpec& table) {
       error("E0307", b.point->span, fmt::format("a point in {0}D has {0} coordinates", model_.dim));
       return;
     }
+    if (!take_jumps_at_point(b.value.span, value->components.front(), p)) return;
     p.kind = Probe::Kind::at_point;
     p.origin = model_.origin(b.point->span);
     for (int i = 0; i < model_.dim; ++i) p.point[i] = (*at)[i];
@@ -285,6 +289,13 @@ std::optional<solver::FieldSpec> Checker::output_field(const ast::Expr& e) {
   Scope scope = report_scope();
   auto f = field(e, scope);
   if (!f) return std::nullopt;
+  for (const Symbol& c : f->components)
+    if (has_jumps(c) || c.depends_on(slot::gap)) {
+      error("E0441", e.span, "a jump or a gap is written at points, not as a field",
+            "probe it (`jump(u).nu at [..]`) or integrate it; `layer.xi` of a law on the pair is a "
+            "field");
+      return std::nullopt;
+    }
   if (f->rank > 2 || f->law_vector) {
     error("E0306", e.span, fmt::format("{} cannot be written as a field", describe(*f)));
     return std::nullopt;

@@ -46,12 +46,18 @@ std::optional<int> Checker::space(const ast::Space& s) {
     error("E0306", s.domain.span,
           fmt::format("a space lives on a mesh, not on {}", describe(mesh)));
     good = false;
+  } else if (good && std::get<MeshValue>(mesh).index > 0) {
+    error("E0440", s.domain.span,
+          fmt::format("`{}` is a piece of `{}`: the space lives on all of them", s.domain.text,
+                      mesh_name_),
+          fmt::format("write `on {}`", mesh_name_));
+    good = false;
   }
   for (const ast::ZeroCondition& zero : s.zero) {
     solver::DirichletSpec d;
     d.origin = model_.origin(zero.span);
     auto part = part_index(zero.part);
-    good = good && part;
+    good = good && part && !refuse_pair(*part, zero.part.span, "a zero value");
     d.part = part.value_or(0);
     if (part && !zero.component &&
         model_.parts[*part].region.kind == solver::RegionSpec::Kind::all_cells) {
@@ -133,7 +139,7 @@ void Checker::imposed_values(const ast::Find& find) {
     scope.what = "an imposed value";
     scope.position = scope.time = true;
     auto value = field(imposed.value, scope);
-    if (!part || !value) continue;
+    if (!part || !value || refuse_pair(*part, imposed.part.span, "an imposed value")) continue;
     int component = -1;
     if (imposed.component) {
       auto c = model_.space.vector ? component_index(*imposed.component, model_.dim) : std::nullopt;

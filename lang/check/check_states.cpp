@@ -18,6 +18,7 @@ int application_of(solver::Slot s) { return (s - slot::first_multiplier) / 4; }
 
 /// What a rate reads that its points do not know; "" when there is nothing.
 std::string out_of_reach(solver::Slot s, bool in_body) {
+  if (s == slot::gap) return "the gap of a pair";
   if (s >= slot::first_probe) return "an integral";
   if (in_body || s < slot::first_field || s >= slot::first_multiplier) return {};
   if (solver::is_memory((s - slot::first_field) / slot::field_stride)) return "a memory";
@@ -75,9 +76,10 @@ void Checker::state_rate(ModelState& state) {
   const auto kind = model_.parts[state.spec.part].kind;
   scope.normal = kind.value_or(solver::Group::Kind::facets) == solver::Group::Kind::facets;
   const bool read_by_others = declarations_[state.declaration].used;
+  gap_part_ = state.spec.part;
   auto rate = scalar(written.rate, scope);
   declarations_[state.declaration].used = read_by_others;
-  if (!rate) return;
+  if (!rate || !take_jumps(written.rate.span, rate->components, state.spec.part)) return;
   Symbol expression = rate->scalar();
   const bool in_body = lives_in_body(state.spec.part);
   for (const solver::Slot s : solver::slots_of(expression))

@@ -187,7 +187,7 @@ Value Checker::tensor_call(const ast::Expr& e, const ast::Call& c, const std::st
   return Poison{};
 }
 
-/// E0440 for a fourth-order tensor of an axisymmetric body that couples strains in the section with
+/// E0442 for a fourth-order tensor of an axisymmetric body that couples strains in the section with
 /// shears out of it: a load in the section would twist the body.
 bool Checker::twists(const Span& span, const Field& tensor) {
   if (!model_.mesh.axisymmetric || tensor.rank != 4) return false;
@@ -201,7 +201,7 @@ bool Checker::twists(const Span& span, const Field& tensor) {
                right = (index[2] == 2) != (index[3] == 2);
     const Symbol& c = tensor.components[static_cast<std::size_t>(at)];
     if (left == right || (c.is_constant() && std::abs(c.value()) <= rounding * largest)) continue;
-    error("E0440", span, "this tensor couples the section with shears out of it",
+    error("E0442", span, "this tensor couples the section with shears out of it",
           "the body would be twisted: axes lie in the section or along the circles (z)");
     return true;
   }

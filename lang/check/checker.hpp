@@ -42,6 +42,10 @@ struct Arguments {
   std::vector<const ast::Expr*> positional;
 };
 
+/// Jumps that a law's body reads (check_pairs.cpp).
+bool has_jumps(const Symbol& symbol);
+Symbol without_jumps(const Symbol& symbol);
+
 struct Declaration {
   enum class State { untouched, busy, done };
   std::string name;
@@ -192,23 +196,44 @@ private:
 
   // --- meshes and parts (check_mesh.cpp)
   Value mesh(const ast::Mesh& mesh);
+  bool mesh_of_call(const ast::Mesh& mesh, const ast::Call& call, const std::string& callee);
+  bool move_to(const ast::Expr* written, int dim, solver::Point& at);
+  // ... of several pieces (check_pieces.cpp)
+  void locate_pieces();
+  Value mesh_of_pieces(const ast::Mesh& mesh);
+  bool add_piece(const ast::Expr& name);
+  std::string group_named(const MeshValue& mesh, const std::string& name, const Span& span);
+  std::vector<std::string> groups_of(const MeshValue& mesh) const;
+  solver::RegionSpec whole(const MeshValue& mesh, const Span& span);
   void second_mesh(const Span& span);
   bool adapted_cells(const ast::Expr* written, solver::MeshSpec& spec);
   bool axisymmetric(const ast::Expr* written, int dim, solver::MeshSpec& spec);
   bool structured_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);
   bool file_mesh(const ast::Mesh& mesh, const ast::Call& call);
+  bool split_along(const ast::Expr* written, solver::MeshSpec& spec);
+  solver::RegionSpec group_region(const std::string& group, const Span& span);
   bool geometry_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);
   std::optional<solver::RegionSpec> region(const ast::Region& region);
   std::optional<solver::RegionSpec> region_term(const ast::RegionTerm& term);
   std::optional<solver::RegionSpec> region_path(const ast::Expr& path);
-  std::optional<solver::RegionSpec> mesh_member(const ast::Expr& path, const std::string& mesh,
-                                                const ast::Name& name);
+  std::optional<solver::RegionSpec> mesh_member(const ast::Expr& path, const MeshValue& value,
+                                                const std::string& mesh, const ast::Name& name);
   std::optional<solver::RegionSpec> mesh_group(const ast::Expr& path, const ast::Call& call);
   std::optional<solver::RegionSpec> point_region(const ast::Expr& path, const ast::Call& call);
   std::optional<solver::Group::Kind> kind_of(const solver::RegionSpec& region) const;
   std::optional<std::string> allowed_path(const std::string& path, const Span& span);
   /// The index of a part (or of a mesh, as all its cells) by its name.
   std::optional<int> part_index(const ast::Name& name);
+
+  // --- pairs (check_pairs.cpp)
+  std::optional<solver::RegionSpec> pair_region(const ast::Expr& path, const ast::Call& call);
+  std::optional<solver::RegionSpec> side_of_pair(const ast::Expr& e);
+  Value jump_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  Value gap_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  bool is_pair(int part) const;
+  bool refuse_pair(int part, const Span& span, const std::string& what);
+  bool take_jumps(const Span& span, std::vector<Symbol>& components, int part);
+  bool take_jumps_at_point(const Span& span, Symbol& expression, solver::Probe& probe);
 
   // --- the inequality (check_problem.cpp, check_space.cpp)
   void find_statement();
@@ -287,6 +312,9 @@ private:
   std::string mesh_name_; ///< of the mesh that was declared; empty before
   std::map<std::string, solver::Group::Kind> groups_; ///< of the mesh in use
   bool groups_known_ = false;
+  bool making_pieces_ = false;
+  std::set<std::string> cuts_;      ///< groups along which the mesh is cut: each is a pair
+  std::vector<std::string> pieces_; ///< their names; MeshValue i > 0 is pieces_[i - 1]
   std::map<std::pair<int, bool>, int> law_index_;
   /// Cases in the body of the law being checked.
   struct LawCases {
@@ -309,6 +337,8 @@ private:
     double first, last;
   };
   std::vector<TableUse> table_uses_;
+  int gap_part_ = -1;                     ///< whose gap the expression at hand has read
+  std::set<int> laws_of_jumps_;           ///< of model_.laws: their bodies read jumps
   int part_at_hand_ = -1;                 ///< of the integral that is read
   int evaluated_ = -1;                    ///< the declaration that is evaluated
   std::vector<int> owners_;               ///< of model_.materials: a declaration, or -1

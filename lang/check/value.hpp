@@ -82,7 +82,7 @@ struct TextValue {
 };
 /// A declared thing that is no quantity, by its index in the model.
 struct MeshValue {
-  int index;
+  int index; ///< 0: the mesh of the problem, i: its i-th piece
 };
 struct PartValue {
   int index;

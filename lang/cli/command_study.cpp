@@ -130,9 +130,11 @@ private:
       const auto& plan = setting->script.plan;
       if (!plan) continue; // said when its turn comes
       all += fmt::format("{:016x};", solver::fingerprint(*plan, {}));
-      const auto& mesh = plan->problem.mesh;
-      if (mesh.kind == solver::MeshSpec::Kind::file)
-        meshes.try_emplace(mesh.path, solver::read_file(mesh.path).value_or(""));
+      std::vector<const solver::MeshSpec*> used{&plan->problem.mesh};
+      for (const auto& piece : plan->problem.mesh.pieces) used.push_back(&piece);
+      for (const auto* mesh : used)
+        if (mesh->kind == solver::MeshSpec::Kind::file)
+          meshes.try_emplace(mesh->path, solver::read_file(mesh->path).value_or(""));
     }
     for (const auto& [path, content] : meshes) all += content;
     return all;

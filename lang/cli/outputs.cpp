@@ -30,6 +30,11 @@ fs::path place_of(const fs::path& path) {
   return real_path(fs::absolute(folder, ignore)) / path.filename();
 }
 
+void add_mesh_files(const solver::MeshSpec& mesh, std::vector<fs::path>& out) {
+  if (mesh.kind == solver::MeshSpec::Kind::file) out.emplace_back(mesh.path);
+  for (const auto& piece : mesh.pieces) add_mesh_files(piece, out);
+}
+
 /// All files a script is made of.
 std::vector<fs::path> inputs_of(const Script& script) {
   std::vector<fs::path> out{script.path};
@@ -38,8 +43,7 @@ std::vector<fs::path> inputs_of(const Script& script) {
     out.push_back(folder / script.sources.file(f).path());
   if (script.model) {
     out.insert(out.end(), script.model->files_read.begin(), script.model->files_read.end());
-    if (script.model->mesh.kind == solver::MeshSpec::Kind::file)
-      out.emplace_back(script.model->mesh.path);
+    add_mesh_files(script.model->mesh, out);
   }
   return out;
 }

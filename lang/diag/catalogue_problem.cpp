@@ -253,7 +253,33 @@ quantities; what depends on memories alone is one of them, however long its expr
 superpotential rub(w) = (1 + abs(div(history(q, u)))) * norm(w))",
      R"(
 superpotential rub(w) = (1 + abs(history(q, u).nu)) * norm(w))"},
-    {"E0440", "no body of revolution",
+    {"E0440", "pieces of a mesh",
+     R"(
+Meshes that are put together share no node, and are all of the mesh that the space lives on. A side
+that several of them have is called by its piece. Each is made by a call, once; `adapted` is for a
+mesh alone.)",
+     R"(
+mesh upper = rectangle(1, 1, cells = [8, 8], at = [0.5, 1])
+mesh lower = rectangle(2, 1, cells = [12, 6])
+mesh both  = upper + lower
+part base  = both.bottom)",
+     R"(
+mesh upper = rectangle(1, 1, cells = [8, 8], at = [0.5, 1])
+mesh lower = rectangle(2, 1, cells = [12, 6])
+mesh both  = upper + lower
+part base  = lower.bottom)"},
+    {"E0441", "pair",
+     R"(
+A pair is of two parts of the boundary, the first of which carries the integral and the normal. Laws
+act on it, on jumps: `jump(u)` is the value on the first side minus that on the second, `gap(seam)`
+their distance. Neither is known anywhere else, and on a pair nothing else of the unknown is.)",
+     R"(
+part seam = pair(upper.bottom, lower.top)
+... integral(seam, glue^0(u.nu; v.nu)))",
+     R"(
+part seam = pair(upper.bottom, lower.top)
+... integral(seam, glue^0(jump(u).nu; jump(v).nu)))"},
+    {"E0442", "no body of revolution",
      R"(
 `axisymmetric = true` makes a mesh in 2D the half of a section of a body of revolution: x is the
 distance from the axis, at least 0, y runs along the axis. Its fields have no part along the circles:

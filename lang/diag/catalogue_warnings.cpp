@@ -99,6 +99,16 @@ each. A piece that nothing holds has no equilibrium (E0425).)",
 Rectangle(1) = {0, 0, 0, 1, 1}; Rectangle(2) = {2, 0, 0, 1, 1};)",
      R"(
 Rectangle(1) = {0, 0, 0, 3, 1};)"},
+    {"W0607", "points without a partner",
+     R"(
+The sides of a pair are matched once, in the reference state: along the averaged normal of the first
+side, with facets of the second one that face it and are no farther than `reach` (the size of the
+first side when left out). Nodes of the first side around which there are none are free.)",
+     R"(
+part seam = pair(upper.bottom, lower.top, reach = 0.01))",
+     R"(
+part over = upper.bottom where x < 1
+part seam = pair(over, lower.top))"},
 });
 
 } // namespace

@@ -46,7 +46,7 @@ inline constexpr std::array failure_endings = [] {
       {K::empty_region, {"E0418", exit_script}},
       {K::overlapping_regions, {"E0419", exit_script}},
       {K::bad_mesh, {"E0603", exit_script}},
-      {K::no_revolution, {"E0440", exit_script}},
+      {K::no_revolution, {"E0442", exit_script}},
       {K::bad_value, {"E0423", exit_script}},
       {K::not_coercive, {"E0425", exit_script}},
       {K::not_elliptic, {"E0504", exit_script}},

@@ -98,6 +98,17 @@ std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
                         : "";
       out.push_back(std::move(law));
     }
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const auto on_it = [&](const solver::LawTerm& term) {
+      return term.part == static_cast<int>(p);
+    };
+    if (model.parts[p].region.kind == solver::RegionSpec::Kind::pair &&
+        std::ranges::any_of(problem.law_terms, on_it))
+      out.push_back({fmt::format("pair `{}`", model.parts[p].name), State::on,
+                     model.origin(model.parts[p].span),
+                     "its sides are matched once, by the intersections of their facets; the "
+                     "unknowns of both are contact unknowns"});
+  }
   if (!any_normal) out.push_back(note(model, "normal law", {}, "no superpotential of a scalar"));
   if (!any_friction) out.push_back(note(model, "friction", {}, "no superpotential of a vector"));
   for (const solver::StateTerm& state : problem.states) {

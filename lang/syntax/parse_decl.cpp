@@ -167,18 +167,32 @@ ast::Param Parser::param() {
   return result;
 }
 
-// mesh = "mesh" name "=" call ;
+namespace {
+
+bool is_sum_of_names(const ast::Expr& e) {
+  const auto* sum = std::get_if<ast::Binary>(&e.node);
+  if (sum == nullptr || sum->op != ast::BinaryOp::add || e.parens > 0) return false;
+  const auto is_name = [](const ast::Expr& part) {
+    return std::holds_alternative<ast::Reference>(part.node) && part.parens == 0;
+  };
+  return is_name(*sum->right) && (is_name(*sum->left) || is_sum_of_names(*sum->left));
+}
+
+} // namespace
+
+// mesh = "mesh" name "=" ( call | name "+" name { "+" name } ) ;
 ast::Mesh Parser::mesh() {
   ast::Mesh result;
   result.keyword = take().span;
   result.name = declared_name("the name of the mesh");
   expect(TokenKind::equal);
   if (!at(TokenKind::name)) fail_expected("a mesh such as `rectangle(2, 1, cells = [64, 32])`");
-  result.value = postfix();
-  const auto* call = std::get_if<ast::Call>(&result.value.node);
-  if (call == nullptr || result.value.parens > 0)
+  result.value = sum();
+  const bool call = std::holds_alternative<ast::Call>(result.value.node);
+  if (!(call || is_sum_of_names(result.value)) || result.value.parens > 0)
     fail(diagnose("E0201", result.value.span, "expected a call that makes a mesh")
-             .with_help("write `rectangle(...)`, `box(...)` or `gmsh(\"file.msh\")`"));
+             .with_help("write `rectangle(...)`, `box(...)` or `gmsh(\"file.msh\")`; meshes are "
+                        "put together by their names: `upper + lower`"));
   result.span = span_from(result.keyword);
   return result;
 }

@@ -83,7 +83,9 @@ struct LawPoints {
   bool offset_depends_on_t = false;
   // What the offsets are evaluated with.
   int dim = 2;
-  std::vector<std::int32_t> cell; ///< the cell behind `facet`, or itself
+  std::vector<std::int32_t> cell;             ///< the cell behind `facet`, or itself
+  std::vector<double> gap{};                  ///< on a pair, where u is the jump of u
+  std::shared_ptr<const SparseMatrix> jump{}; ///< on a pair: points x nodes, u -> jump of u
   Group::Kind kind = Group::Kind::facets;
   std::shared_ptr<const PartIndicators> indicators;
 };
@@ -104,7 +106,7 @@ SparseMatrix gram_v(const Space& space, bool add_mass);
 /// The form eps : eps or grad . grad of `gram_v`, without a part.
 FormTerm strain_form(const Space& space);
 SparseMatrix mass(const Space& space);
-/// int_region  (u . nu)(v . nu)  |  u_tau . v_tau  |  u . v.
+/// int_region  (u . nu)(v . nu)  |  u_tau . v_tau  |  u . v; of jumps on a pair.
 enum class Trace { normal, tangential, full };
 SparseMatrix boundary_mass(const Space& space, const Region& region, Rule rule, Trace trace);
 

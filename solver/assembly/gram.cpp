@@ -1,5 +1,6 @@
 // Gram matrices of V and L2, and boundary masses.
 #include "solver/assembly/assembly.hpp"
+#include "solver/assembly/pairing.hpp"
 #include "solver/fem/geometry.hpp"
 
 #include <numeric>
@@ -62,7 +63,37 @@ SparseMatrix mass(const Space& space) {
   return assemble_form(space, all_cells(space), term);
 }
 
+namespace {
+
+/// sum_p w_p [u].N[v] on a pair, N = nu nu^T, 1 - nu nu^T or 1.
+SparseMatrix pair_mass(const Space& space, const Region& region, Trace trace) {
+  const Pairing pairing = make_pairing(space, region);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t p = 0; p < pairing.x.size(); ++p) {
+    const auto entry = [&](int i, int j) {
+      const double normal = pairing.normal[p][static_cast<std::size_t>(i)] *
+                            pairing.normal[p][static_cast<std::size_t>(j)];
+      return trace == Trace::normal ? normal
+                                    : (i == j ? 1.0 : 0.0) - (trace == Trace::full ? 0.0 : normal);
+    };
+    const auto row = static_cast<Eigen::Index>(p);
+    for (SparseMatrix::InnerIterator a(pairing.jump, row); a; ++a)
+      for (SparseMatrix::InnerIterator b(pairing.jump, row); b; ++b)
+        for (int i = 0; i < space.components; ++i)
+          for (int j = 0; j < space.components; ++j)
+            entries.emplace_back(space.dof(static_cast<int>(a.col()), i),
+                                 space.dof(static_cast<int>(b.col()), j),
+                                 pairing.weight[p] * a.value() * b.value() * entry(i, j));
+  }
+  SparseMatrix out(space.n_dofs(), space.n_dofs());
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+} // namespace
+
 SparseMatrix boundary_mass(const Space& space, const Region& region, Rule rule, Trace trace) {
+  if (region.is_pair()) return pair_mass(space, region, trace);
   FormTerm term;
   term.rule = rule;
   if (trace != Trace::normal) {

@@ -5,7 +5,7 @@
 // with Q an orthonormal basis of their range at the point: |Q^T R u| = |R u|, and 2D friction on
 // u.tau becomes one scalar row, 3D friction two.
 #include "solver/assembly/assembly.hpp"
-#include "solver/fem/pointwise.hpp"
+#include "solver/assembly/pairing.hpp"
 
 #include <fmt/format.h>
 
@@ -77,6 +77,12 @@ public:
   Collector(const Space& space, const Region& region, const LawTerm& term)
       : space_(space), region_(region), term_(term), tape_(expressions(term)) {}
 
+  std::vector<RawPoint> collect(const Pairing& pairing) {
+    add(as_block(space_, pairing), pairing.x.size());
+    for (std::size_t p = 0; p < raw_.size(); ++p) raw_[p].node = pairing.node[p];
+    return std::move(raw_);
+  }
+
   std::vector<RawPoint> collect() {
     const int dim = dimension_of(*space_.mesh, region_);
     local_nodes_ = nodal_rule_nodes(dim, dim == 0 ? 1 : space_.order);
@@ -103,12 +109,12 @@ private:
       const double factor = values_[p];
       check_factor(factor, block.point(p));
       RawPoint point{
-          block.point(p),       {}, block.weight[p] * factor, -1, block.entity[p], block.cell[p],
-          block.barycentric[p], {}};
+          block.point(p), {}, block.weight[p] * factor, -1, block.entity[p], block.cell[p], {}, {}};
+      if (!block.barycentric.empty()) point.barycentric = block.barycentric[p];
       for (int j = 0; j < 3; ++j) {
         point.normal[j] = block.normal[j][p];
       }
-      point.node = node_of(block.entity[p], p % per_entity);
+      if (!region_.is_pair()) point.node = node_of(block.entity[p], p % per_entity);
       if (point.node >= 0 && region_.kind == Group::Kind::facets)
         point.rounding = rounding_of_normal(*space_.mesh, block.entity[p]);
       point.rows.resize(static_cast<Eigen::Index>(term_.rows.size()), space_.components);
@@ -265,24 +271,60 @@ SparseMatrix make_g(const Space& space, const std::vector<RawPoint>& raw, int ro
   return g;
 }
 
+/// The same on a pair: rows_p(c, k) times the row of u_k's jump.
+SparseMatrix make_g_of_jumps(const Space& space, const SparseMatrix& jump,
+                             const std::vector<RawPoint>& raw, int rows) {
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (std::size_t p = 0; p < raw.size(); ++p)
+    for (SparseMatrix::InnerIterator it(jump, static_cast<Eigen::Index>(p)); it; ++it)
+      for (int c = 0; c < rows; ++c)
+        for (int k = 0; k < space.components; ++k)
+          if (const double value = it.value() * raw[p].rows(c, k); value != 0.0)
+            triplets.emplace_back(static_cast<int>(p) * rows + c,
+                                  space.dof(static_cast<int>(it.col()), k), value);
+  SparseMatrix g(static_cast<Eigen::Index>(raw.size()) * rows, space.n_dofs());
+  g.setFromTriplets(triplets.begin(), triplets.end());
+  return g;
+}
+
+/// The points of a term before its rows are made.
+std::vector<RawPoint> raw_points(const Space& space, const Region& region, const LawTerm& term,
+                                 LawPoints& out) {
+  Collector collector(space, region, term);
+  if (!region.is_pair()) return merge(collector.collect());
+  if (term.rule != Rule::nodal)
+    throw Failure(
+        FailureKind::bad_value, term.origin,
+        fmt::format("the law `{}` acts on a pair, at the nodes of its first side", term.name),
+        "leave out `rule`");
+  Pairing pairing = make_pairing(space, region);
+  auto raw = collector.collect(pairing);
+  out.gap = std::move(pairing.gap);
+  out.jump = std::make_shared<const SparseMatrix>(std::move(pairing.jump));
+  return raw;
+}
+
 } // namespace
 
 LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& term, int law_term,
                        bool radial, bool with_trace) {
   check_shape(space, term, radial);
-  std::vector<RawPoint> raw = merge(Collector(space, region, term).collect());
   LawPoints out;
+  std::vector<RawPoint> raw = raw_points(space, region, term, out);
   out.law_term = law_term;
   out.dim = space.mesh->dim;
   out.rows = static_cast<int>(term.rows.size());
   if (radial) {
     reduce_radial(raw, term, out);
   }
-  out.g = make_g(space, raw, out.rows);
+  const auto g_of = [&](int rows) {
+    return out.jump ? make_g_of_jumps(space, *out.jump, raw, rows) : make_g(space, raw, rows);
+  };
+  out.g = g_of(out.rows);
   if (with_trace) {
     for (RawPoint& point : raw)
       point.rows = DenseMatrix::Identity(space.components, space.components);
-    out.trace = make_g(space, raw, space.components);
+    out.trace = g_of(space.components);
   }
   for (const RawPoint& point : raw) {
     out.x.push_back(point.x);
@@ -313,6 +355,7 @@ PointBlock as_block(const LawPoints& points) {
   block.entity = points.facet;
   block.kind = points.kind;
   block.indicators = points.indicators;
+  block.gap = points.gap;
   return block;
 }
 

@@ -47,11 +47,27 @@ void scatter(const Space& space, int cell, const DofSelection& dofs, const Dense
   }
 }
 
+/// At points of a pair: the jump of a component.
+SparseMatrix jump_rows(const Space& space, const PointBlock& points, const Derivative& derivative,
+                       Origin origin) {
+  if (derivative.row != 0)
+    throw Failure(FailureKind::bad_value, origin, "on a pair there are jumps of values only");
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t p = 0; p < points.size(); ++p)
+    for (SparseMatrix::InnerIterator it(*points.jump, points.pair_point[p]); it; ++it)
+      entries.emplace_back(static_cast<int>(p),
+                           space.dof(static_cast<int>(it.col()), derivative.component), it.value());
+  SparseMatrix out(static_cast<Eigen::Index>(points.size()), space.n_dofs());
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
 } // namespace
 
 SparseMatrix derivative_rows(const Space& space, const PointBlock& points, int index,
                              Origin origin) {
   const Derivative derivative = decode(space, index, origin);
+  if (points.jump) return jump_rows(space, points, derivative, origin);
   std::vector<Eigen::Triplet<double>> entries;
   ShapeTable shapes;
   for (std::size_t p = 0; p < points.size(); ++p) {

@@ -5,7 +5,8 @@
 
 namespace hvi::solver {
 
-/// The values of D_index(phi_j) at points inside cells: points x n_dofs. Throws Failure(bad_value)
+/// The values of D_index(phi_j) at points inside cells, or of their jumps at points of a pair:
+/// points x n_dofs. Throws Failure(bad_value)
 /// for an index that the space does not have.
 SparseMatrix derivative_rows(const Space& space, const PointBlock& points, int index,
                              Origin origin);

@@ -3,7 +3,9 @@
 #include "solver/mesh/generate.hpp"
 #include "solver/mesh/gmsh_module.hpp"
 #include "solver/mesh/limits.hpp"
+#include "solver/mesh/pieces.hpp"
 #include "solver/mesh/read_msh.hpp"
+#include "solver/mesh/split.hpp"
 
 #include <fmt/format.h>
 
@@ -48,6 +50,8 @@ Mesh make(const MeshSpec& spec) {
     return from_file(spec);
   case MeshSpec::Kind::geometry:
     return generate_geometry(spec.geometry, spec.numbers);
+  case MeshSpec::Kind::pieces:
+    break; // made one by one
   }
   throw Failure(FailureKind::bad_value, spec.origin, "an unknown kind of mesh");
 }
@@ -72,9 +76,25 @@ void make_axisymmetric(Mesh& mesh) {
   mesh.axisymmetric = true;
 }
 
+void move(Mesh& mesh, const Point& by) {
+  for (Point& x : mesh.nodes)
+    for (int a = 0; a < 3; ++a) x[a] += by[a];
+}
+
+Mesh pieces_of(const MeshSpec& spec) {
+  std::vector<Mesh> meshes;
+  std::vector<std::string> names;
+  for (const MeshSpec& piece : spec.pieces) {
+    meshes.push_back(make_mesh(piece));
+    names.push_back(piece.name);
+  }
+  return side_by_side(meshes, names);
+}
+
 } // namespace
 
 Mesh make_mesh(const MeshSpec& spec) {
+  if (spec.kind == MeshSpec::Kind::pieces) return pieces_of(spec);
   try {
     if (spec.refinements < 0)
       throw Failure(FailureKind::bad_value, {},
@@ -84,6 +104,8 @@ Mesh make_mesh(const MeshSpec& spec) {
     check_cell_limit(static_cast<double>(mesh.cells.size()) *
                      std::exp2(static_cast<double>(mesh.dim) * spec.refinements));
     for (int i = 0; i < spec.refinements; ++i) mesh = refine(mesh);
+    if (spec.at != Point{}) move(mesh, spec.at);
+    split(mesh, spec.split);
     if (spec.axisymmetric) make_axisymmetric(mesh);
     return mesh;
   } catch (const Failure& failure) {

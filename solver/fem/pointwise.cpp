@@ -43,6 +43,9 @@ void PointBlock::clear() {
   cell.clear();
   entity.clear();
   barycentric.clear();
+  gap.clear();
+  pair_point.clear();
+  jump.reset();
 }
 
 int dimension_of(const Mesh& mesh, const Region& region) {
@@ -207,6 +210,7 @@ void Pointwise::evaluate(const PointBlock& block, double t, Origin origin, std::
         return block.normal[j].data();
       }
     }
+    if (slot == slot::gap && !block.gap.empty()) return block.gap.data();
     if (slot >= slot::first_inside && slot < slot::first_state && block.indicators) {
       return inside_column(block, slot);
     }
@@ -238,6 +242,7 @@ std::string describe_slot(Slot slot) {
   if (slot == slot::lag) {
     return "the lag t - s";
   }
+  if (slot == slot::gap) return "the gap of a pair";
   if (slot >= slot::normal(0) && slot <= slot::normal(2)) {
     return "the normal";
   }

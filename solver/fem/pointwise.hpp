@@ -17,6 +17,10 @@ struct PointBlock {
   std::vector<std::int32_t> entity;             ///< cell, facet or node it was made from
   std::vector<Barycentric> barycentric;         ///< in `cell`
   Group::Kind kind = Group::Kind::cells;        ///< of the entities
+  std::vector<double> gap;                      ///< points of a pair: slot::gap
+  /// Points of a pair: the value of a field is the jump of it, row pair_point[p] of `jump`.
+  std::shared_ptr<const SparseMatrix> jump;
+  std::vector<std::int32_t> pair_point;
   std::shared_ptr<const PartIndicators> indicators; ///< for slot::inside
   std::size_t size() const { return weight.size(); }
   void clear();
@@ -26,11 +30,11 @@ struct PointBlock {
 /// The quadrature points of a region, made on demand block by block. A point region has one point
 /// per node, with weight 1.
 ///
-/// On axisymmetric meshes all weights carry 2 pi x, here and nowhere else: cells stand for rings,
-/// facets for surfaces and points for circles of revolution (a point on the axis for itself, with
-/// weight 1). `exact` and `gauss` are then of a higher degree: by 1 for the weight, and for vectors
-/// by 2 more for products with u_x/x, which are rational. `nodal` has the weights
-/// int phi_i 2 pi x of weighted_nodal_rule.
+/// On axisymmetric meshes all weights carry 2 pi x, here and in pairing.cpp only: cells stand for
+/// rings, facets for surfaces and points for circles of revolution (a point on the axis for itself,
+/// with weight 1). `exact` and `gauss` are then of a higher degree: by 1 for the weight, and for
+/// vectors by 2 more for products with u_x/x, which are rational. `nodal` has the weights int phi_i
+/// 2 pi x of weighted_nodal_rule.
 class RegionPoints {
 public:
   RegionPoints(const Space& space, const Region& region, Rule rule, int exact_degree);

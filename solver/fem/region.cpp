@@ -177,10 +177,24 @@ Region boundary(const Mesh& mesh) {
   return region;
 }
 
+Region find(const Mesh& mesh, const RegionSpec& spec);
+
+/// By node: may it be the point that is meant? Empty: any.
+std::vector<bool> candidates(const Mesh& mesh, const RegionSpec& spec) {
+  if (spec.name.empty()) return {};
+  RegionSpec piece = spec;
+  piece.kind = RegionSpec::Kind::group;
+  std::vector<bool> out(mesh.nodes.size(), false);
+  for (const auto n : nodes_of(mesh, find(mesh, piece))) out[static_cast<std::size_t>(n)] = true;
+  return out;
+}
+
 Region point(const Mesh& mesh, const RegionSpec& spec) {
   std::int32_t nearest = -1;
   double best = std::numeric_limits<double>::infinity();
+  const auto among = candidates(mesh, spec);
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+    if (!among.empty() && !among[i]) continue;
     const Point& p = mesh.nodes[i];
     const double d = std::hypot(p[0] - spec.point[0], p[1] - spec.point[1], p[2] - spec.point[2]);
     if (d < best) {
@@ -197,8 +211,6 @@ Region point(const Mesh& mesh, const RegionSpec& spec) {
                   "a point must be a node of the mesh");
   return {Group::Kind::points, {nearest}, 0};
 }
-
-Region find(const Mesh& mesh, const RegionSpec& spec);
 
 /// Union or difference of two parts of one kind.
 Region combine(const Mesh& mesh, const RegionSpec& spec) {
@@ -235,8 +247,26 @@ Region where(const Mesh& mesh, const RegionSpec& spec) {
   return out;
 }
 
+Region pair(const Mesh& mesh, const RegionSpec& spec) {
+  if (spec.children.size() != 2)
+    throw Failure(FailureKind::bad_value, spec.origin, "a pair has two sides");
+  Region out = resolve(mesh, spec.children[0]);
+  const Region second = resolve(mesh, spec.children[1]);
+  if (out.kind != Group::Kind::facets || second.kind != Group::Kind::facets || out.is_pair() ||
+      second.is_pair())
+    throw Failure(FailureKind::bad_value, spec.origin,
+                  fmt::format("a pair is of two sides, not of {} and {}", kind_name(out.kind),
+                              kind_name(second.kind)));
+  out.straddling += second.straddling;
+  out.second = second.entities;
+  out.reach = spec.reach;
+  return out;
+}
+
 Region find(const Mesh& mesh, const RegionSpec& spec) {
   switch (spec.kind) {
+  case RegionSpec::Kind::pair:
+    return pair(mesh, spec);
   case RegionSpec::Kind::all_cells:
     return all_cells(mesh);
   case RegionSpec::Kind::boundary:

@@ -16,6 +16,10 @@ struct Region {
   Group::Kind kind = Group::Kind::cells;
   std::vector<std::int32_t> entities; ///< cells, facets or nodes (for points), sorted, unique
   int straddling = 0;                 ///< entities a predicate cut in two (left out); for a warning
+  /// Of a pair, whose `entities` are its first side: the second side, and RegionSpec::reach.
+  std::vector<std::int32_t> second{};
+  double reach = 0.0;
+  bool is_pair() const { return !second.empty(); }
 };
 
 /// `where` keeps an entity when its centroid and its corners, each moved by 1e-6 towards the

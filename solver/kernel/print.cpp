@@ -42,6 +42,7 @@ std::string derivative_name(const std::string& base, int derivative) {
 }
 
 std::string slot_name(Slot s) {
+  if (s == slot::gap) return "gap";
   if (s < 0) return fmt::format("slot[{}]", s);
   if (s < 3) return std::string(1, "xyz"[s]);
   if (s == slot::t) return "t";

@@ -6,8 +6,9 @@ namespace hvi::solver {
 using Slot = int;
 
 namespace slot {
-inline constexpr Slot t = 3;   ///< time
-inline constexpr Slot lag = 4; ///< t - s, always formed as a lag, never as a difference
+inline constexpr Slot gap = -1; ///< at the points of a pair: the distance of its sides
+inline constexpr Slot t = 3;    ///< time
+inline constexpr Slot lag = 4;  ///< t - s, always formed as a lag, never as a difference
 inline constexpr int first_field = 32;
 inline constexpr int field_stride = 16;
 inline constexpr int first_multiplier = 4096;

@@ -132,6 +132,7 @@ int CellLocator::find(const Point& p, std::array<double, 4>& barycentric,
   if (nodes_.empty()) return -1;
   std::size_t compared = 0;
   int best = -1;
+  int best_piece = 0;
   double best_depth = -cell_slack;    // depth: the smallest barycentric coordinate
   std::array<std::int32_t, 64> stack; // the tree is balanced: depth below 32
   int top = 0;
@@ -153,7 +154,11 @@ int CellLocator::find(const Point& p, std::array<double, 4>& barycentric,
         continue;
       const auto lambda = barycentric_of(*mesh_, order_[i], p);
       const double depth = *std::min_element(lambda.begin(), lambda.begin() + mesh_->dim + 1);
-      if (depth > best_depth || (depth == best_depth && best >= 0 && order_[i] < best)) {
+      if (!(depth > -cell_slack)) continue;
+      const int piece = mesh_->piece_of_cell(order_[i]);
+      const bool deeper = depth > best_depth || (depth == best_depth && order_[i] < best);
+      if (best < 0 || piece < best_piece || (piece == best_piece && deeper)) {
+        best_piece = piece;
         best = order_[i];
         best_depth = depth;
         barycentric = lambda;

@@ -55,6 +55,11 @@ CellShape shape_of(const Mesh& mesh, int cell, double measure) {
 
 } // namespace
 
+int Mesh::piece_of_cell(std::int32_t cell) const {
+  const auto next = std::upper_bound(pieces.begin(), pieces.end(), cell);
+  return std::max(static_cast<int>(next - pieces.begin()) - 1, 0);
+}
+
 double cell_measure(const Mesh& mesh, int cell) {
   const auto& c = mesh.cells[cell];
   const Point& a = mesh.nodes[c[0]];

@@ -35,6 +35,11 @@ struct Mesh {
   std::vector<Facet> facets;                      ///< all boundary facets, then named interior ones
   std::map<std::string, Group> groups; ///< sides of generated meshes too: left right bottom top ...
   std::string description;             ///< "rectangle(2, 1, cells = [32, 16])", "cross.msh"
+  /// The first cell of each of several meshes put together, in their order; empty: one mesh.
+  std::vector<std::int32_t> pieces{};
+
+  /// Which of them a cell belongs to; 0 where there is one mesh.
+  int piece_of_cell(std::int32_t cell) const;
 
   int nodes_per_cell() const { return dim + 1; }
   int nodes_per_facet() const { return dim; }
@@ -62,8 +67,9 @@ Box bounding_box(const Mesh& mesh);
 
 /// Finds the cell that holds a point and its barycentric coordinates there (-1: outside, some
 /// barycentric coordinate below -1e-9). On a common side of cells the answer is one of them, always
-/// the same. A tree of boxes: O(log cells) a look-up whatever the grading and the stretching of the
-/// cells, where a uniform grid of buckets degrades. Keeps a pointer to the mesh.
+/// the same; where several pieces of a mesh meet, one of the first of them. A tree of boxes: O(log
+/// cells) a look-up whatever the grading and the stretching of the cells, where a uniform grid of
+/// buckets degrades. Keeps a pointer to the mesh.
 class CellLocator {
 public:
   /// For about so many points: a few are found by going through all cells.

@@ -175,6 +175,7 @@ Mesh refine(const Mesh& mesh) {
   fine.axisymmetric = mesh.axisymmetric;
   mid.add_nodes(mesh.nodes, fine.nodes);
   fine.cells = refine_cells(mesh, mid);
+  for (const auto first : mesh.pieces) fine.pieces.push_back(first << mesh.dim);
   fine.description = mesh.description + ", refined";
 
   const int children = 1 << (mesh.dim - 1);

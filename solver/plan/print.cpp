@@ -68,7 +68,7 @@ public:
 
   std::string print(const SolverOptions& options, const ReportSpec& report) && {
     line("plan `{}`", problem_.title);
-    mesh();
+    mesh(problem_.mesh);
     for (std::size_t p = 0; p < problem_.parts.size(); ++p)
       line("part {} `{}` = {}", p, problem_.parts[p].name, region(problem_.parts[p].region));
     space();
@@ -99,11 +99,14 @@ private:
     return known ? "`" + problem_.parts[index].name + "`" : fmt::format("part {}", index);
   }
 
-  void mesh() {
-    const auto& m = problem_.mesh;
+  void mesh(const MeshSpec& m) {
     const auto kind =
-        name_of(std::array{"interval", "rectangle", "box", "file", "geometry"}, m.kind);
+        name_of(std::array{"interval", "rectangle", "box", "file", "geometry", "pieces"}, m.kind);
     switch (m.kind) {
+    case MeshSpec::Kind::pieces:
+      line("mesh `{}` of {} pieces", m.name, m.pieces.size());
+      for (const MeshSpec& piece : m.pieces) mesh(piece);
+      return;
     case MeshSpec::Kind::file:
       line("mesh `{}` file \"{}\"", m.name, m.path);
       break;
@@ -120,6 +123,8 @@ private:
     if (m.axisymmetric) line("  axisymmetric");
     if (m.refinements > 0) line("  refinements {}", m.refinements);
     if (m.adapted > 0) line("  adapted to {} cells", m.adapted);
+    if (m.at != Point{}) line("  at {}", numbers(m.at));
+    for (const std::string& group : m.split) line("  cut along \"{}\"", group);
   }
 
   std::string region(const RegionSpec& r) const {
@@ -137,6 +142,9 @@ private:
       return fmt::format("({} + {})", region(r.children.at(0)), region(r.children.at(1)));
     case Kind::subtract:
       return fmt::format("({} - {})", region(r.children.at(0)), region(r.children.at(1)));
+    case Kind::pair:
+      return fmt::format("pair({}, {}, {})", region(r.children.at(0)), region(r.children.at(1)),
+                         r.reach);
     case Kind::where:
       return fmt::format("({} where {})", region(r.children.at(0)), to_string(r.predicate));
     }

@@ -25,7 +25,7 @@ namespace hvi::solver {
 
 /// How the mesh comes to be. `size` and `cells` as the kind needs them.
 struct MeshSpec {
-  enum class Kind { interval, rectangle, box, file, geometry };
+  enum class Kind { interval, rectangle, box, file, geometry, pieces };
   std::string name;
   Origin origin;
   Kind kind = Kind::rectangle;
@@ -40,17 +40,26 @@ struct MeshSpec {
   int refinements = 0;         ///< uniform refinements after that
   bool axisymmetric = false;   ///< x is r, y is z: Mesh::axisymmetric
   int adapted = 0; ///< then bisected to so many cells where an error indicator says; 0: not
+  Point at{};      ///< file and geometry: then moved by this vector
+  /// file: then cut along these groups, of which `crack` becomes `crack.first`, `crack.second`.
+  std::vector<std::string> split;
+  /// pieces: meshes side by side, which share no node. Group `top` of the piece `upper` is called
+  /// `upper.top`, its boundary `upper.boundary`, its cells `upper`.
+  std::vector<MeshSpec> pieces;
 };
 
-/// A part of the mesh as a small tree; resolved to entities by solver/mesh/region.hpp.
+/// A part of the mesh as a small tree; resolved to entities by solver/mesh/region.hpp. A pair is
+/// the root of its tree: the first side, whose integral and normal it has, and the second one. Laws
+/// on it act on jumps: there a value of a field is that of the first side minus that of the second.
 struct RegionSpec {
-  enum class Kind { all_cells, boundary, group, point, unite, subtract, where };
+  enum class Kind { all_cells, boundary, group, point, unite, subtract, where, pair };
   Kind kind = Kind::all_cells;
   Origin origin;
-  std::string name; ///< group (sides of generated meshes are groups)
+  std::string name; ///< group (sides of generated meshes are groups); point: the piece meant, or ""
   Point point{};
-  std::vector<RegionSpec> children; ///< unite, subtract: two; where: one
+  std::vector<RegionSpec> children; ///< unite, subtract, pair: two; where: one
   Expr predicate;                   ///< where: non-zero inside, of slot::x
+  double reach = 0.0; ///< pair: partners are no farther; 0: the size of the first side
 };
 
 /// A named part; everything below refers to parts by index.

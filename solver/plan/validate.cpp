@@ -25,19 +25,22 @@ struct Allowed {
   bool multipliers = false; ///< of law terms
   int law_states = 0;       ///< that a law reads
   bool states = false;      ///< of the plan
+  bool gap = false;         ///< between the sides of a pair
   int probes = 0;           ///< those before this one
 };
 constexpr Allowed of_place{.place = true};
 constexpr Allowed of_facet{.place = true, .normal = true};
 constexpr Allowed of_form{.place = true, .normal = true, .states = true};
 constexpr Allowed of_load{.place = true, .normal = true, .time = true};
-constexpr Allowed of_argument{.place = true, .normal = true, .time = true, .states = true};
+constexpr Allowed of_argument{
+    .place = true, .normal = true, .time = true, .states = true, .gap = true};
 constexpr Allowed of_report{.place = true,
                             .normal = true,
                             .time = true,
                             .fields = true,
                             .multipliers = true,
-                            .states = true};
+                            .states = true,
+                            .gap = true};
 
 template <class T>
 int count(const std::vector<T>& items) {
@@ -127,6 +130,7 @@ private:
 
   bool known(Slot s, const Allowed& allowed) const {
     if (s >= slot::x(0) && s <= slot::x(2)) return allowed.place;
+    if (s == slot::gap) return allowed.gap;
     if (s == slot::t) return allowed.time;
     if (s == slot::lag) return allowed.lag;
     if (s >= slot::normal(0) && s <= slot::normal(2)) return allowed.normal;
@@ -163,18 +167,34 @@ private:
   void region(const RegionSpec& spec, Origin origin) {
     using Kind = RegionSpec::Kind;
     if (spec.kind == Kind::where) variables(spec.predicate, of_place, origin, "a part's condition");
-    for (const auto& child : spec.children) region(child, origin);
+    for (const auto& child : spec.children) {
+      region(child, origin);
+      if (child.kind == Kind::pair) wrong(origin, "a pair is no part of another part");
+    }
+  }
+
+  bool is_pair(int i) const {
+    return i >= 0 && i < count(problem_.parts) &&
+           problem_.parts[static_cast<std::size_t>(i)].region.kind == RegionSpec::Kind::pair;
+  }
+  /// On a pair there are laws.
+  void no_pair(int i, Origin origin, std::string_view what) {
+    if (is_pair(i)) wrong(origin, fmt::format("{} stands on a pair, where laws act", what));
   }
 
   void space() {
     const auto& space = problem_.space;
     if (space.order != 1 && space.order != 2)
       wrong(space.origin, fmt::format("the space has order {}; there are 1 and 2", space.order));
-    for (const auto& d : space.dirichlet) part(d.part, d.origin, "an imposed value");
+    for (const auto& d : space.dirichlet) {
+      part(d.part, d.origin, "an imposed value");
+      no_pair(d.part, d.origin, "an imposed value");
+    }
   }
 
   void form(const FormTerm& form) {
     part(form.part, form.origin, "a form");
+    no_pair(form.part, form.origin, "a form");
     index(form.field, n_fields_, form.origin, "a form", "field");
     for (const auto& entry : form.entries) {
       derivative(entry.test, form.origin, "a form");
@@ -201,6 +221,7 @@ private:
 
   void load(const LoadTerm& load) {
     part(load.part, load.origin, "a load");
+    no_pair(load.part, load.origin, "a load");
     for (const auto& entry : load.entries) {
       derivative(entry.test, load.origin, "a load");
       variables(entry.value, of_load, load.origin, "a load");
@@ -266,6 +287,9 @@ private:
 
   void law_term(const LawTerm& term) {
     part(term.part, term.origin, "a law");
+    const auto reads_gap = [](const LawTerm::Row& row) { return row.offset.depends_on(slot::gap); };
+    if (!is_pair(term.part) && std::ranges::any_of(term.rows, reads_gap))
+      wrong(term.origin, "a law reads the gap of a pair on another part");
     if (index(term.field, n_fields_, term.origin, "a law", "field") &&
         term.field != field_of_u(0) && problem_.time.is_static)
       wrong(term.origin, "a law acts on a rate or a memory, and a static problem has none");

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 
 namespace hvi::solver {
 
@@ -99,19 +100,59 @@ constexpr double inside = 1e-9; ///< barycentric coordinates of a point of a cel
                     " lies outside");
 }
 
+/// Finds points of a piece of another mesh in the same piece of this one: where bodies touch or lie
+/// over each other, a point alone does not say which is meant.
+class PieceLocator {
+public:
+  explicit PieceLocator(const Mesh& mesh) {
+    std::vector<std::int32_t> first = mesh.pieces;
+    if (first.empty()) first.push_back(0);
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const auto past = i + 1 < first.size() ? first[i + 1] : static_cast<int>(mesh.cells.size());
+      first_.push_back(first[i]);
+      Mesh& piece = meshes_.emplace_back();
+      if (first.size() > 1) {
+        piece.dim = mesh.dim;
+        piece.nodes = mesh.nodes;
+        piece.cells.assign(mesh.cells.begin() + first[i], mesh.cells.begin() + past);
+      }
+      locators_.emplace_back(first.size() > 1 ? piece : mesh);
+    }
+  }
+  int find(const Point& p, int piece, Barycentric& at) const {
+    const auto i = static_cast<std::size_t>(piece);
+    const int found = i < locators_.size() ? locators_[i].find(p, at) : -1;
+    return found < 0 ? found : first_[i] + found;
+  }
+
+private:
+  std::deque<Mesh> meshes_; // locators point to them
+  std::vector<CellLocator> locators_;
+  std::vector<int> first_;
+};
+
+/// By node of a space: the piece of the mesh it belongs to.
+std::vector<int> pieces_of_nodes(const Space& space) {
+  std::vector<int> out(space.nodes.size(), 0);
+  for (std::size_t c = 0; c < space.mesh->cells.size(); ++c)
+    for (const auto node : space.nodes_of_cell(static_cast<int>(c)))
+      out[static_cast<std::size_t>(node)] = space.mesh->piece_of_cell(static_cast<std::int32_t>(c));
+  return out;
+}
+
 /// Both functions at the quadrature points of the finer mesh, one after the other.
 class PointGauge final : public Gauge {
 public:
   PointGauge(std::shared_ptr<const Trajectory> reference, const Discretisation& coarse)
       : reference_(std::move(reference)), fine_(reference_->discretisation->space),
         coarse_(coarse.space), rule_(simplex_rule(fine_.mesh->dim, 4)) {
-    const CellLocator locator(*coarse_.mesh);
+    const PieceLocator locator(*coarse_.mesh);
     const auto n_cells = static_cast<int>(fine_.mesh->cells.size());
     for (int cell = 0; cell < n_cells; ++cell)
       for (const auto& at : rule_.points) {
         const Point p = point_in_cell(*fine_.mesh, cell, at);
         Seen seen;
-        seen.cell = locator.find(p, seen.at);
+        seen.cell = locator.find(p, fine_.mesh->piece_of_cell(cell), seen.at);
         if (seen.cell < 0) other_body(p, fine_.mesh->dim);
         seen_.push_back(seen);
       }
@@ -191,12 +232,14 @@ private:
 } // namespace
 
 bool is_nested(const Mesh& coarse, const Mesh& fine) {
-  const CellLocator locator(coarse);
+  const PieceLocator locator(coarse);
   Barycentric at{};
   for (std::size_t cell = 0; cell < fine.cells.size(); ++cell) {
     Barycentric centre{};
     for (int k = 0; k <= fine.dim; ++k) centre[k] = 1.0 / (fine.dim + 1);
-    const int around = locator.find(point_in_cell(fine, static_cast<int>(cell), centre), at);
+    const int number = static_cast<int>(cell);
+    const int around =
+        locator.find(point_in_cell(fine, number, centre), fine.piece_of_cell(number), at);
     if (around < 0) return false;
     const auto geometry = cell_geometry(coarse, around);
     const Point& origin = coarse.nodes[coarse.cells[around][0]];
@@ -212,12 +255,13 @@ bool is_nested(const Mesh& coarse, const Mesh& fine) {
 }
 
 SparseMatrix transfer(const Space& coarse, const Space& fine) {
-  const CellLocator locator(*coarse.mesh);
+  const PieceLocator locator(*coarse.mesh);
+  const auto piece_of = pieces_of_nodes(fine);
   std::vector<Eigen::Triplet<double>> entries;
   std::array<double, max_cell_nodes> shapes{};
   for (std::size_t node = 0; node < fine.nodes.size(); ++node) {
     std::array<double, 4> barycentric{};
-    const int cell = locator.find(fine.nodes[node], barycentric);
+    const int cell = locator.find(fine.nodes[node], piece_of[node], barycentric);
     if (cell < 0) other_body(fine.nodes[node], fine.mesh->dim);
     lagrange_values(coarse.mesh->dim, coarse.order, barycentric, shapes.data());
     const auto nodes = coarse.nodes_of_cell(cell);

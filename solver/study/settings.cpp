@@ -123,6 +123,10 @@ int SettingFamily::add_base(TimeBase base) {
 
 void SettingFamily::find_coarsest_mesh() {
   MeshSpec& mesh = plan_.problem.mesh;
+  if (mesh.kind == MeshSpec::Kind::pieces)
+    throw Failure(FailureKind::bad_value, mesh.origin,
+                  "a wanted accuracy is found for one mesh, not for one put together of pieces",
+                  "give the cells, and compare meshes with a `study`");
   bisected_ = mesh.kind == MeshSpec::Kind::file || mesh.kind == MeshSpec::Kind::geometry;
   if (bisected_) {
     const Mesh first = make_mesh(mesh);

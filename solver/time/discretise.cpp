@@ -1,5 +1,6 @@
 // Mesh, parts and space of a plan, with every mistake of theirs found at once. First stage of the
 // engine: plan -> Discretisation -> run (run.cpp), hypotheses, study.
+#include "solver/assembly/pairing.hpp"
 #include "solver/common/clock.hpp"
 #include "solver/common/memory_room.hpp"
 #include "solver/plan/validate.hpp"
@@ -67,8 +68,8 @@ void require_space(const Problem& problem, int dim, double nodes, double bytes_o
 }
 
 /// Before the first cell is made.
-void require_structured(const Problem& problem) {
-  const MeshSpec& spec = problem.mesh;
+void require_structured(const Problem& problem, const MeshSpec& spec) {
+  for (const MeshSpec& piece : spec.pieces) require_structured(problem, piece);
   const int dim = spec.kind == MeshSpec::Kind::interval    ? 1
                   : spec.kind == MeshSpec::Kind::rectangle ? 2
                   : spec.kind == MeshSpec::Kind::box       ? 3
@@ -80,6 +81,21 @@ void require_structured(const Problem& problem) {
   const double cells = boxes * (dim == 3 ? 6 : dim == 2 ? (spec.crossed ? 4 : 2) : 1);
   const double bytes = cells * (4 * sizeof(std::int32_t)) + boxes * sizeof(Point);
   require_space(problem, dim, boxes * (spec.crossed ? 2 : 1), bytes);
+}
+
+/// Matches the sides of every pair.
+void check_pairs(const Problem& problem, Discretisation& out, std::vector<Failure>& failures) {
+  out.alone.clear();
+  for (std::size_t i = 0; i < out.parts.size(); ++i) {
+    if (!out.parts[i].is_pair()) continue;
+    try {
+      const Pairing pairing = make_pairing(out.space, out.parts[i]);
+      if (pairing.alone > 0)
+        out.alone.push_back({static_cast<int>(i), pairing.alone, pairing.first_alone});
+    } catch (const Failure& failure) {
+      failures.push_back(with_origin(failure, problem.parts[i].origin));
+    }
+  }
 }
 
 void check_grid(const Problem& problem, std::vector<Failure>& failures) {
@@ -183,7 +199,7 @@ std::vector<Failure> discretise(const Plan& plan, Discretisation& out,
                                 const std::atomic<bool>* stop) {
   const double start = cpu_seconds();
   Mesh mesh;
-  require_structured(plan.problem);
+  require_structured(plan.problem, plan.problem.mesh);
   try {
     mesh = plan.problem.mesh.adapted > 0 ? adapted_mesh(plan, stop) : make_mesh(plan.problem.mesh);
   } catch (const Failure& failure) {
@@ -220,6 +236,7 @@ std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& 
       throw Failure(FailureKind::bad_value, plan.problem.space.origin,
                     "every degree of freedom is imposed: nothing is left to solve for");
   });
+  if (spaced) check_pairs(plan.problem, out, failures);
   if (spaced) collect(failures, [&] { check_initial(plan.problem, out); });
   if (spaced) collect(failures, [&] { check_velocity(plan.problem, out); });
   if (!failures.empty()) return failures;

@@ -42,6 +42,16 @@ const LawTerm& term_at(const Problem& problem, const Contact& contact, int place
 }
 int component_of(Slot s) { return (s - slot::first_multiplier) % 4; }
 
+/// A law that does nothing, to have the points of a part.
+LawTerm no_law(Origin origin) {
+  LawTerm out;
+  out.origin = origin;
+  out.part = -1;
+  out.rows.resize(1);
+  out.rows.front().u[0] = 1.0;
+  return out;
+}
+
 double distance(const Point& a, const Point& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
@@ -71,14 +81,17 @@ LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Co
     : expressions_(expressions), origin_(origin) {
   for (const auto s : expressions_.inputs())
     if (place_ < 0) place_ = place_of(contact, s);
-  const auto& term = term_at(problem, contact, place_);
-  const auto& own = points_at(contact, place_);
+  const LawTerm none = no_law(origin);
+  const auto& term = place_ < 0 ? none : term_at(problem, contact, place_);
   part_ = part >= 0 ? part : term.part;
-  in_body_ = body_at(contact, place_) != nullptr;
+  in_body_ = place_ >= 0 && body_at(contact, place_) != nullptr;
   LawPoints other;
-  if (part_ != term.part)
-    other = assemble_law(d.space, d.parts[part], term, place_, !own.frames.empty());
-  const auto& points = other.x.empty() ? own : other;
+  if (place_ < 0)
+    other = assemble_law(d.space, d.parts[part], term, -1, false);
+  else if (part_ != term.part)
+    other = assemble_law(d.space, d.parts[part], term, place_,
+                         !points_at(contact, place_).frames.empty());
+  const auto& points = other.x.empty() ? points_at(contact, place_) : other;
   std::vector<int> all(points.x.size());
   std::iota(all.begin(), all.end(), 0);
   take_points(points, term, all);
@@ -92,24 +105,59 @@ LawSampler LawSampler::at(const Problem& problem, const Discretisation& d, const
                           const Expr& expression, Origin origin, const Point& place) {
   LawSampler out(problem, d, contact, {expression}, origin);
   const auto& points = points_at(contact, out.place_);
+  out.take_place(d, contact, points, term_at(problem, contact, out.place_), place,
+                 points.kind == Group::Kind::cells
+                     ? "ask inside its part, or for an integral"
+                     : "ask at a node of the contact part, or for an integral");
+  return out;
+}
+
+/// Keeps the points at one place.
+void LawSampler::take_place(const Discretisation& d, const Contact& contact,
+                            const LawPoints& points, const LawTerm& term, const Point& place,
+                            const std::string& help) {
   const auto chosen = points_near(d.mesh, points, place);
   if (chosen.empty())
     throw Failure(
-        FailureKind::bad_value, origin,
+        FailureKind::bad_value, origin_,
         fmt::format("what lives at the points of `{}` is known there only, and {} is none of "
                     "them",
-                    term_at(problem, contact, out.place_).name, describe_point(place, d.mesh.dim)),
-        points.kind == Group::Kind::cells
-            ? "ask inside its part, or for an integral"
-            : "ask at a node of the contact part, or for an integral");
-  out.take_points(points, term_at(problem, contact, out.place_), chosen);
-  const double total = std::accumulate(out.block_.weight.begin(), out.block_.weight.end(), 0.0);
-  for (auto& weight : out.block_.weight) weight /= total;
-  for (const auto s : out.expressions_.inputs()) {
-    if (const int known = place_of(contact, s); known >= 0) out.match(contact, known, d.mesh.dim);
-    if (is_field(s)) out.prepare_field(d.space, s);
+                    term.name, describe_point(place, d.mesh.dim)),
+        help);
+  take_points(points, term, chosen);
+  const double total = std::accumulate(block_.weight.begin(), block_.weight.end(), 0.0);
+  for (auto& weight : block_.weight) weight /= total;
+  for (const auto s : expressions_.inputs()) {
+    if (const int known = place_of(contact, s); known >= 0) match(contact, known, d.mesh.dim);
+    if (is_field(s)) prepare_field(d.space, s);
   }
-  return out;
+}
+
+LawSampler LawSampler::at_pair(const Problem& problem, const Discretisation& d,
+                               const Contact& contact, const Probe& probe) {
+  LawTerm none = no_law(probe.origin);
+  std::optional<LawSampler> out;
+  for (int part = 0; part < static_cast<int>(d.parts.size()); ++part) {
+    const Region& region = d.parts[static_cast<std::size_t>(part)];
+    if (!region.is_pair() || (probe.part >= 0 && part != probe.part)) continue;
+    none.name = problem.parts[static_cast<std::size_t>(part)].name;
+    const LawPoints points = assemble_law(d.space, region, none, -1, false);
+    if (probe.part < 0 && points_near(d.mesh, points, probe.point).empty()) continue;
+    if (out && out->part_ != part &&
+        d.parts[static_cast<std::size_t>(out->part_)].second != region.second)
+      throw Failure(
+          FailureKind::bad_value, probe.origin,
+          fmt::format("{} is a point of two pairs", describe_point(probe.point, d.mesh.dim)),
+          "say which by `gap(..)`, or take an integral");
+    out.emplace(problem, d, contact, std::vector<Expr>{probe.expression}, probe.origin, part);
+    out->take_place(d, contact, points, none, probe.point,
+                    "ask at a node of the pair's first side, or for an integral");
+  }
+  if (!out)
+    throw Failure(FailureKind::bad_value, probe.origin,
+                  fmt::format("{} is no point of a pair", describe_point(probe.point, d.mesh.dim)),
+                  "ask at a node of the pair's first side, or for an integral");
+  return std::move(*out);
 }
 
 void LawSampler::take_points(const LawPoints& points, const LawTerm& term,
@@ -124,9 +172,12 @@ void LawSampler::take_points(const LawPoints& points, const LawTerm& term,
     block_.weight.push_back(points.weight[p]);
     block_.cell.push_back(points.cell[p]);
     block_.entity.push_back(points.facet[p]);
+    if (points.jump) block_.gap.push_back(points.gap[static_cast<std::size_t>(p)]);
+    if (points.jump) block_.pair_point.push_back(p);
     nodes_.push_back(points.node[p]);
   }
   block_.kind = points.kind;
+  block_.jump = points.jump;
   block_.indicators = points.indicators;
   const std::vector<Expr> factor{term.factor};
   values_.assign(std::max<std::size_t>(block_.size(), 1), 0.0);
@@ -226,7 +277,9 @@ std::vector<Failure> misplaced_multipliers(const Plan& plan, const Discretisatio
     const Expr& e = probe.expression;
     if (probe.kind == Probe::Kind::integral && reads_from_elsewhere(plan.problem, e, probe.part))
       collect([&] { LawSampler(plan.problem, d, *contact, {e}, probe.origin, probe.part); });
-    if (probe.kind == Probe::Kind::at_point && reads_multiplier(e))
+    if (probe.kind == Probe::Kind::at_point && probe.on_pair)
+      collect([&] { LawSampler::at_pair(plan.problem, d, *contact, probe); });
+    else if (probe.kind == Probe::Kind::at_point && reads_multiplier(e))
       collect([&] { LawSampler::at(plan.problem, d, *contact, e, probe.origin, probe.point); });
   }
   for (const FieldsSpec& fields : plan.report.fields)

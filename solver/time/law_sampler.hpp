@@ -17,7 +17,8 @@ namespace hvi::solver {
 class LawSampler {
 public:
   /// On the law's part (part = -1), or on another part whose points are among the law's: the law's
-  /// rule is set up there. Throws Failure(bad_value) when a point has no multiplier.
+  /// rule is set up there. Expressions that read neither multiplier nor state: at the points of a
+  /// pair. Throws Failure(bad_value) when a point has no multiplier.
   LawSampler(const Problem& problem, const Discretisation& discretisation, const Contact& contact,
              std::vector<Expr> expressions, Origin origin, int part = -1);
   /// At one place: the law's points there, or those of a body's cells there, weights adding up
@@ -25,6 +26,9 @@ public:
   static LawSampler at(const Problem& problem, const Discretisation& discretisation,
                        const Contact& contact, const Expr& expression, Origin origin,
                        const Point& place);
+  /// A probe of jumps: at its place on its pair, or on the pair that has the place.
+  static LawSampler at_pair(const Problem& problem, const Discretisation& discretisation,
+                            const Contact& contact, const Probe& probe);
 
   int size() const { return static_cast<int>(block_.size()); }
   const PointBlock& points() const { return block_; }
@@ -39,6 +43,9 @@ public:
 private:
   void take_points(const LawPoints& points, const LawTerm& term, const std::vector<int>& chosen);
   void match(const Contact& contact, int place, int dim);
+  void take_place(const Discretisation& discretisation, const Contact& contact,
+                  const LawPoints& points, const LawTerm& term, const Point& place,
+                  const std::string& help);
   void prepare_field(const Space& space, Slot slot);
 
   Pointwise expressions_;

@@ -91,6 +91,7 @@ std::vector<Failure> overlaps(const Problem& problem, const Mesh& mesh,
     for (std::size_t a = 0; a < b; ++a) {
       const auto &first = problem.law_terms[a], &second = problem.law_terms[b];
       if (first.law != second.law || !same_rows(first, second) ||
+          parts[first.part].second != parts[second.part].second ||
           common(parts[first.part], parts[second.part]).empty())
         continue;
       failures.emplace_back(FailureKind::overlapping_regions, second.origin,

@@ -33,12 +33,14 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
     if (gram_.empty()) make_gram(d, run);
     return NormV{};
   case Probe::Kind::integral:
-    if (reads_multiplier(probe.expression))
+    if (reads_multiplier(probe.expression) ||
+        d.parts[static_cast<std::size_t>(probe.part)].is_pair())
       return LawSampler(problem, d, contact_, {probe.expression}, probe.origin, probe.part);
     return Integrator(space_, d.parts[probe.part], probe.rule, {probe.expression});
   case Probe::Kind::at_point:
     break;
   }
+  if (probe.on_pair) return LawSampler::at_pair(problem, d, contact_, probe);
   if (reads_multiplier(probe.expression))
     return LawSampler::at(problem, d, contact_, probe.expression, probe.origin, probe.point);
   std::array<double, 4> barycentric{};

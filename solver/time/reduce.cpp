@@ -65,7 +65,7 @@ int interior_every(const Plan& plan, std::string* who) {
 
 bool reads_interior(const Probe& probe, int n_fields) {
   if (probe.kind == Probe::Kind::norm_v) return true;
-  if (probe.kind != Probe::Kind::integral) return false;
+  if (probe.kind != Probe::Kind::integral && !probe.on_pair) return false;
   const auto read = fields_read({&probe.expression, 1}, n_fields);
   return std::find(read.begin(), read.end(), true) != read.end();
 }

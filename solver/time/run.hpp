@@ -24,6 +24,12 @@ struct Discretisation {
   Space space; ///< points into `mesh`
   DofMap dofs;
   double seconds = 0;
+  /// Nodes of the first side of a pair that have no partner: how many, and one of them.
+  struct Alone {
+    int part = 0, points = 0;
+    Point first{};
+  };
+  std::vector<Alone> alone;
   std::shared_ptr<SharedWork> shared; ///< set: what a run computes, later runs on it take over
   Discretisation() = default;
   Discretisation(const Discretisation&) = delete;

@@ -173,11 +173,11 @@ report
              .replace("zero.y on roof", "zero on roof"), "E0419"),
         (base.replace(">= integral(side", ">= integral(centre"), "E0418"),
         (base.replace("table axis", "table area = integral(centre, 1), axis"), "E0418"),
-        (base.replace("cells = [3, 3]", "cells = [3, 3], origin = [-0.1, 0]"), "E0440"),
-        (base.replace("rectangle(1, 1, cells = [3, 3],", "box(1, 1, 1, cells = [3, 3, 3],"), "E0440"),
+        (base.replace("cells = [3, 3]", "cells = [3, 3], origin = [-0.1, 0]"), "E0442"),
+        (base.replace("rectangle(1, 1, cells = [3, 3],", "box(1, 1, 1, cells = [3, 3, 3],"), "E0442"),
         (base.replace("isotropic(young = 100, poisson = 0.3)",
                       "transverse(young = 70, poisson = 0.3, young_axis = 20, poisson_axis = 0.1, shear_axis = 9, "
-                      "axis = [1, 0, 1])"), "E0440"),
+                      "axis = [1, 0, 1])"), "E0442"),
         (base.replace("isotropic(young = 100, poisson = 0.3)", "voigt([[3, 1, 0], [1, 3, 0], [0, 0, 1]])"), "E0307"),
         (base.replace("= true)", "= maybe)"), "E0316"),
     ]
@@ -197,7 +197,7 @@ report
 """
     for command in ("check", "run"):
         exit_code, said, _ = run(across, wobbly(2, -0.4), command=command)
-        assert exit_code == 1 and said.count("E0440") == 1 and "beyond the axis" in said, said
+        assert exit_code == 1 and said.count("E0442") == 1 and "beyond the axis" in said, said
     table(across, wobbly(2, -1e-12))  # rounding: put on the axis
 
 

@@ -37,6 +37,8 @@ class RateTerm(Term):
 
 
 class Scene(orientation.Scene):
+    term_type = RateTerm
+
     def __init__(self, random):
         self.random = random
         self.grid = self.choose_grid()
@@ -128,7 +130,7 @@ class Scene(orientation.Scene):
                 law = self.normal_law()  # a corner of the ground may be moved through the obstacle
             self.reach = reach
             rule = str(random.choice(["nodal", "midpoint", "gauss"]))
-            self.terms.append(RateTerm(name, "bottom", str(random.choice(arguments)), rule, law, sees=sees))
+            self.terms.append(self.term_type(name, "bottom", str(random.choice(arguments)), rule, law, sees=sees))
         for _ in range(80):
             if self.ratio() <= CONVEX:
                 return
@@ -259,7 +261,7 @@ def run(program, folder, scene, turn, scale, options):
     return out, ""
 
 
-def judge(name, make_scene, without_reference=WITHOUT_REFERENCE, turning=turning):
+def judge(name, make_scene, without_reference=WITHOUT_REFERENCE, turning=turning, run=run):
     """The scenes of a family, whose answers are those of their references; the program's exit code."""
     options = orientation.asked_for()
     certified = wrong = refused = skipped = 0

@@ -1,0 +1,43 @@
+// The intersections of two sides: facets of the second one, projected along given directions onto
+// those of the first one. Internal to solver/assembly.
+#pragma once
+
+#include "solver/fem/element.hpp"
+#include "solver/fem/space.hpp"
+#include "solver/mesh/box_tree.hpp"
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace hvi::solver {
+
+/// A quadrature point where both sides are.
+struct Meeting {
+  Barycentric first{}, second{}; ///< in the facets
+  int facet = 0;                 ///< of the second side, in its list
+  double weight = 0.0;           ///< a share of the first facet's measure
+  double distance = 0.0;         ///< along the direction
+};
+
+/// The second side, prepared for many facets of the first one.
+class SecondSide {
+public:
+  /// `up`: about the normal of the first side; the look-up is quick along it.
+  SecondSide(const Mesh& mesh, std::span<const std::int32_t> facets, const Point& up, double reach);
+  /// Where the facet meets the second side along the direction, no farther than `reach`: points of
+  /// a rule of this degree on every piece.
+  std::vector<Meeting> meet(int facet, const Point& direction, const Quadrature& rule) const;
+
+private:
+  Box box_around(std::span<const Point> corners, const Point& sweep) const;
+  Point turned(const Point& x) const;
+
+  const Mesh* mesh_;
+  std::vector<std::int32_t> facets_;
+  std::array<Point, 3> axes_;
+  double reach_;
+  std::optional<BoxTree> tree_;
+};
+
+} // namespace hvi::solver
