@@ -354,5 +354,39 @@ report
     close(t["force"][-1], z * 10 * math.pi * 0.25, 1e-8, "force")
 
 
+def pairs():
+    """Two rings, or cylinders, of other meshes pressed on each other: a uniform stress, by a spring law and by a wall with a gap."""
+    laws = {"spring": ("0.5*40*r^2", "jump(u).nu", 1 / 40, 0.0),
+            "wall": ("0", "jump(u).nu - gap(seam)", 0.0, 0.01)}
+    for name, (potential, argument, give, gap) in laws.items():
+        law = "superpotential layer(r) with slope | r < 0 -> 0 | otherwise -> 1e300" if name == "wall" else f"superpotential layer(r) = {potential}"
+        for element in ("P1", "P2"):
+            for inner in (0.0, 0.7):
+                t = table(f"""
+mesh upper = rectangle(1, 0.5, cells = [5, 2], at = [{inner}, {1 + gap}], axisymmetric = true)
+mesh lower = rectangle(1, 1, cells = [3, 4], origin = [{inner}, 0], grading = [1.5, 1], axisymmetric = true)
+mesh both  = upper + lower
+part head = upper.top
+part foot = lower.bottom
+part seam = pair(upper.bottom, lower.top)
+tensor B = isotropic(young = 100, poisson = 0.3)
+{law}
+space V = vector {element} on both, zero.y on foot, zero.y on head
+find u in V with u.y = -0.1*t on head for t in [0, 1] by 2 steps from u = 0 such that for all v in V
+  integral(both, B : eps(u) : eps(v)) + integral(seam, layer^0({argument}; jump(v).nu)) >= 0
+report
+  table stress = sigma.yy at [{inner + 0.3}, 0.4], wide = u.x at [{inner + 1}, 0.2], hoop = sigma.zz at [{inner + 0.5}, 0.6],
+        pressed = integral(seam, layer.xi), area = integral(seam, 1, rule = nodal), held = integral(foot, sigma.yy)
+""")
+                stress = (0.1 - gap) / (1.5 / 100 + give)
+                area = math.pi * ((1 + inner) ** 2 - inner ** 2)
+                said = f"{name}, {element}, from r = {inner}"
+                close(-t["stress"][-1], stress, 1e-12, f"{said}: stress")
+                close(t["wide"][-1], 0.3 * stress / 100 * (1 + inner), 1e-12, "u.x at the outside")
+                below(abs(t["hoop"][-1]) / stress, 1e-12, "hoop stress")
+                close(t["pressed"][-1], stress * area, 1e-12, "force between them")
+                close(-t["held"][-1], stress * area, 1e-12, "force below")
+
+
 if __name__ == "__main__":
-    sys.exit(judge([patch, measures, scalar, resultants, free_motion, axis, bits, sphere, creep, tube, turned, inertia, damage]))
+    sys.exit(judge([patch, measures, scalar, resultants, free_motion, axis, bits, sphere, creep, tube, turned, inertia, damage, pairs]))
