@@ -14,9 +14,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <string_view>
 
 namespace hvi::lang {
 
@@ -92,17 +94,21 @@ bool Checker::mesh_of_call(const ast::Mesh& m, const ast::Call& call, const std:
   return false;
 }
 
+/// A list of `dim` numbers, where it is written. `wrong`: of a list of another length.
+bool Checker::coordinates(const ast::Expr* written, int dim, const std::string& what,
+                          const std::string& wrong, solver::Point& out) {
+  if (!written) return true;
+  const auto list = constant_list(*written, what);
+  if (list && static_cast<int>(list->size()) != dim) error("E0307", written->span, wrong);
+  if (!list || static_cast<int>(list->size()) != dim) return false;
+  std::copy(list->begin(), list->end(), out.begin());
+  return true;
+}
+
 /// `at = [x, y]`, where it is written: the vector by which the mesh is moved.
 bool Checker::move_to(const ast::Expr* written, int dim, solver::Point& at) {
-  if (!written) return true;
-  const auto list = constant_list(*written, "the place of a mesh");
-  if (!list) return false;
-  if (static_cast<int>(list->size()) != dim) {
-    error("E0307", written->span, fmt::format("the place of a mesh has {} coordinates", dim));
-    return false;
-  }
-  std::copy(list->begin(), list->end(), at.begin());
-  return true;
+  return coordinates(written, dim, "the place of a mesh",
+                     fmt::format("the place of a mesh has {} coordinates", dim), at);
 }
 
 /// `adapted = CELLS`, where it is written; 0: not adapted.
@@ -133,97 +139,78 @@ bool Checker::axisymmetric(const ast::Expr* written, int dim, MeshSpec& spec) {
   return false;
 }
 
-bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const std::string& name) {
-  const int dim = name == "interval" ? 1 : name == "rectangle" ? 2 : 3;
-  std::vector<std::string> names = {"width", "height", "depth"};
-  names.resize(dim);
-  names.insert(names.end(), {"cells", "origin", "grading"});
-  if (dim == 2) names.push_back("pattern");
-  names.insert(names.end(), {"at", "adapted", "axisymmetric"});
-  auto args = match(m.value, call, name, names, dim + 1);
-  if (!args) return false;
-  MeshSpec spec;
-  spec.name = m.name.text;
-  spec.origin = model_.origin(m.value.span);
-  spec.kind = dim == 1   ? MeshSpec::Kind::interval
-              : dim == 2 ? MeshSpec::Kind::rectangle
-                         : MeshSpec::Kind::box;
-  bool good = true;
-  std::vector<double> corner(dim, 0.0), grading(dim, 1.0);
-  if ((*args)[dim + 1]) {
-    auto list = constant_list(*(*args)[dim + 1], "the origin");
-    if (list && static_cast<int>(list->size()) == dim)
-      corner = *list;
-    else if (list)
-      error("E0307", (*args)[dim + 1]->span, fmt::format("the origin has {} coordinates", dim));
-    good = list && static_cast<int>(list->size()) == dim;
-  }
-  solver::Point at{};
-  good = move_to((*args)[args->size() - 3], dim, at) && good;
-  for (int a = 0; a < dim; ++a) corner[a] += at[a];
+/// From the sizes, `origin` and `at`: the box that the mesh fills.
+bool Checker::box_of_mesh(std::span<const ast::Expr* const> sizes, const ast::Expr* origin,
+                          const ast::Expr* at, MeshSpec& spec) {
+  const int dim = static_cast<int>(sizes.size());
+  solver::Point moved{};
+  bool good = coordinates(origin, dim, "the origin",
+                          fmt::format("the origin has {} coordinates", dim), spec.low);
+  good = move_to(at, dim, moved) && good;
   for (int a = 0; a < dim; ++a) {
-    auto size = constant(*(*args)[a], "a length of the mesh");
+    const auto size = constant(*sizes[a], "a length of the mesh");
     good = good && size;
     if (size && *size <= 0.0) {
-      error("E0408", (*args)[a]->span, fmt::format("the {} of a mesh is positive", names[a]));
+      constexpr std::array names = {"width", "height", "depth"};
+      error("E0408", sizes[a]->span, fmt::format("the {} of a mesh is positive", names[a]));
       good = false;
     }
-    spec.low[a] = corner[a];
-    spec.high[a] = corner[a] + size.value_or(1.0);
+    spec.low[a] += moved[a];
+    spec.high[a] = spec.low[a] + size.value_or(1.0);
   }
-  const ast::Expr& cells = *(*args)[dim];
+  if (!good || !spec.axisymmetric || spec.low[0] >= 0.0) return good;
+  error("E0442", (origin ? origin : at)->span,
+        fmt::format("the mesh begins at x = {}", spec.low[0]),
+        "x is the distance from the axis, at least 0");
+  return false;
+}
+
+/// `cells = n` of an interval or `cells = [n, m]`, and `pattern` in 2D.
+bool Checker::cells_of_mesh(const ast::Expr& cells, const ast::Expr* pattern, int dim,
+                            MeshSpec& spec) {
   const auto* list = std::get_if<ast::List>(&cells.node);
   if (dim == 1 && !list) {
-    auto n = positive_integer(cells, "the number of cells");
-    good = good && n;
+    const auto n = positive_integer(cells, "the number of cells");
     spec.cells[0] = n.value_or(1);
-  } else if (!list || static_cast<int>(list->items.size()) != dim) {
+    return n.has_value();
+  }
+  if (!list || static_cast<int>(list->items.size()) != dim) {
     error("E0307", cells.span, fmt::format("`cells` is a list of {} numbers", dim));
-    good = false;
-  } else {
-    double total = 1.0;
-    for (int a = 0; a < dim; ++a) {
-      auto n = positive_integer(list->items[a], "the number of cells");
-      good = good && n;
-      spec.cells[a] = n.value_or(1);
-      total *= spec.cells[a];
-    }
-    if (dim == 2 && (*args)[dim + 3]) {
-      const auto pattern = word(*(*args)[dim + 3], "the pattern", {"diagonal", "crossed"});
-      good = good && pattern;
-      spec.crossed = pattern == "crossed";
-    }
-    if (total * (dim == 3 ? 6 : spec.crossed ? 4 : 2) > 5e7) {
-      error("E0607", cells.span, "more than 50 million elements");
-      good = false;
-    }
+    return false;
   }
-  if ((*args)[dim + 2]) {
-    auto ratios = constant_list(*(*args)[dim + 2], "the grading");
-    if (ratios && static_cast<int>(ratios->size()) == dim)
-      grading = *ratios;
-    else if (ratios)
-      error("E0307", (*args)[dim + 2]->span, fmt::format("`grading` is a list of {} numbers", dim));
-    good = good && ratios && static_cast<int>(ratios->size()) == dim;
-    for (std::size_t a = 0; good && a < ratios->size(); ++a)
-      if (!((*ratios)[a] > 0.0)) {
-        error("E0408", item_span(*(*args)[dim + 2], a), "the grading of a mesh is positive");
-        good = false;
-      }
-  }
-  good = adapted_cells((*args)[names.size() - 2], spec) && good;
-  good = axisymmetric(args->back(), dim, spec) && good;
-  if (good && spec.axisymmetric && spec.low[0] < 0.0) {
-    const ast::Expr* low = (*args)[dim + 1] ? &*(*args)[dim + 1] : &*(*args)[args->size() - 3];
-    error("E0442", low->span, fmt::format("the mesh begins at x = {}", spec.low[0]),
-          "x is the distance from the axis, at least 0");
-    good = false;
-  }
-  if (!good) return false;
+  bool good = true;
+  double total = 1.0;
   for (int a = 0; a < dim; ++a) {
-    if (grading[a] == 1.0) continue;
-    // Grid lines symmetric about the middle, denser towards both ends: s -> power of the distance.
-    const double p = grading[a], low = spec.low[a], length = spec.high[a] - spec.low[a];
+    const auto n = positive_integer(list->items[a], "the number of cells");
+    good = good && n;
+    spec.cells[a] = n.value_or(1);
+    total *= spec.cells[a];
+  }
+  if (pattern) {
+    const auto chosen = word(*pattern, "the pattern", {"diagonal", "crossed"});
+    good = good && chosen;
+    spec.crossed = chosen == "crossed";
+  }
+  if (total * (dim == 3 ? 6 : spec.crossed ? 4 : 2) <= 5e7) return good;
+  error("E0607", cells.span, "more than 50 million elements");
+  return false;
+}
+
+/// `grading`, where it is written: grid lines symmetric about the middle, denser towards both ends,
+/// where the distance from an end is that power of the even one.
+bool Checker::grading_of_mesh(const ast::Expr* written, int dim, MeshSpec& spec) {
+  solver::Point powers{1.0, 1.0, 1.0};
+  if (!coordinates(written, dim, "the grading",
+                   fmt::format("`grading` is a list of {} numbers", dim), powers))
+    return false;
+  for (int a = 0; a < dim; ++a) {
+    const double p = powers[a], low = spec.low[a], length = spec.high[a] - low;
+    if (!(p > 0.0)) {
+      error("E0408", item_span(*written, static_cast<std::size_t>(a)),
+            "the grading of a mesh is positive");
+      return false;
+    }
+    if (p == 1.0) continue;
     for (int i = 0; i <= spec.cells[a]; ++i) {
       const double s = double(i) / spec.cells[a];
       const double g = s <= 0.5 ? 0.5 * std::pow(2 * s, p) : 1.0 - 0.5 * std::pow(2 * (1 - s), p);
@@ -231,7 +218,37 @@ bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const s
     }
     spec.grading[a].back() = spec.high[a];
   }
-  model_.mesh = spec;
+  return true;
+}
+
+bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const std::string& name) {
+  const int dim = name == "interval" ? 1 : name == "rectangle" ? 2 : 3;
+  std::vector<std::string> names = {"width", "height", "depth"};
+  names.resize(dim);
+  names.insert(names.end(), {"cells", "origin", "grading"});
+  if (dim == 2) names.push_back("pattern");
+  names.insert(names.end(), {"at", "adapted", "axisymmetric"});
+  const auto args = match(m.value, call, name, names, dim + 1);
+  if (!args) return false;
+  const auto argument = [&](std::string_view wanted) -> const ast::Expr* {
+    const auto at = std::ranges::find(names, wanted);
+    return at == names.end() ? nullptr : (*args)[static_cast<std::size_t>(at - names.begin())];
+  };
+  MeshSpec spec;
+  spec.name = m.name.text;
+  spec.origin = model_.origin(m.value.span);
+  spec.kind = dim == 1   ? MeshSpec::Kind::interval
+              : dim == 2 ? MeshSpec::Kind::rectangle
+                         : MeshSpec::Kind::box;
+  bool good = axisymmetric(argument("axisymmetric"), dim, spec);
+  good = box_of_mesh(std::span(*args).first(static_cast<std::size_t>(dim)), argument("origin"),
+                     argument("at"), spec) &&
+         good;
+  good = cells_of_mesh(*argument("cells"), argument("pattern"), dim, spec) && good;
+  good = grading_of_mesh(argument("grading"), dim, spec) && good;
+  good = adapted_cells(argument("adapted"), spec) && good;
+  if (!good) return false;
+  model_.mesh = std::move(spec);
   model_.dim = dim;
   for (const std::string& side : sides(dim)) groups_[side] = Group::Kind::facets;
   groups_known_ = true;

@@ -11,6 +11,7 @@
 #include <functional>
 #include <map>
 #include <set>
+#include <span>
 #include <unordered_map>
 
 namespace hvi::lang {
@@ -197,6 +198,8 @@ private:
   // --- meshes and parts (check_mesh.cpp)
   Value mesh(const ast::Mesh& mesh);
   bool mesh_of_call(const ast::Mesh& mesh, const ast::Call& call, const std::string& callee);
+  bool coordinates(const ast::Expr* written, int dim, const std::string& what,
+                   const std::string& wrong, solver::Point& out);
   bool move_to(const ast::Expr* written, int dim, solver::Point& at);
   // ... of several pieces (check_pieces.cpp)
   void locate_pieces();
@@ -208,6 +211,11 @@ private:
   void second_mesh(const Span& span);
   bool adapted_cells(const ast::Expr* written, solver::MeshSpec& spec);
   bool axisymmetric(const ast::Expr* written, int dim, solver::MeshSpec& spec);
+  bool box_of_mesh(std::span<const ast::Expr* const> sizes, const ast::Expr* origin,
+                   const ast::Expr* at, solver::MeshSpec& spec);
+  bool cells_of_mesh(const ast::Expr& cells, const ast::Expr* pattern, int dim,
+                     solver::MeshSpec& spec);
+  bool grading_of_mesh(const ast::Expr* written, int dim, solver::MeshSpec& spec);
   bool structured_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);
   bool file_mesh(const ast::Mesh& mesh, const ast::Call& call);
   bool split_along(const ast::Expr* written, solver::MeshSpec& spec);

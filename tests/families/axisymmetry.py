@@ -135,6 +135,7 @@ class Scene(rates.Scene):
         self.clamped_dofs = solid.dofs(solid.on(self.clamped))
         self.free = np.setdiff1d(np.arange(solid.n), [*self.clamped_dofs, *axis])
         self.all_a, self.all_b = solid.stiffness(*self.tensor(self.viscous)), solid.stiffness(*self.tensor(self.elastic))
+        self.all_q = self.all_b  # of the memory
         self.k = self.matrix(1)
         self.inverse = np.linalg.inv(self.k)
 

@@ -167,4 +167,4 @@ def run(program, folder, scene, turn, scale, options):
 
 
 if __name__ == "__main__":
-    sys.exit(rates.judge("pairs", Scene, run))
+    sys.exit(rates.judge("pairs", Scene, run=run))
