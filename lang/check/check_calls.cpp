@@ -101,8 +101,11 @@ Value Checker::call(const ast::Expr& e, const ast::Call& c, const Scope& scope) 
   Value value = value_of(index, c.callee->span);
   if (const auto* fn = std::get_if<FunctionValue>(&value))
     return call_function(e, c, fn->declaration, scope);
-  if (const auto* law = std::get_if<LawValue>(&value))
+  if (const auto* law = std::get_if<LawValue>(&value)) {
+    // A superpotential called `jump`, as in the module `contact`, leaves jump(u) its meaning.
+    if (!scope.law && find_built_in(r->name) != nullptr) return call_built_in(e, c, r->name, scope);
     return call_law(e, c, law->declaration, scope);
+  }
   if (is_poison(value)) return Poison{};
   std::string help;
   if (std::holds_alternative<KernelValue>(value)) help = "a kernel stands in `history(C, eps(u))`";
