@@ -1,4 +1,4 @@
-"""Impact of an elastic bar, and a bar that bounces ten times: every scheme against the exact solution, in one table.
+"""Impact of an elastic bar, a bar that bounces ten times, and two bars: every scheme against the exact solution, in one table.
 
 usage: impact.py HVI_RUN [--cells N]
 
@@ -84,6 +84,21 @@ def bounced(program, folder, cells, method):
     return rebounds, error, 1 + energy.max() / scale, 1 + energy[-1] / scale
 
 
+def collided(program, folder, method):
+    """A bar and one at rest: contact time / 2, force over the exact one, both speeds after it over that before, the largest energy."""
+    subprocess.run([program, str(HERE / "two_bars.hvi"), "--quiet", "--monitors", "-o", str(folder), "-D", f"method={method}"],
+                   check=True, capture_output=True)
+    read = lambda name: list(csv.DictReader(open(folder / name)))
+    table, monitors = read("two_bars.csv"), read("two_bars_monitors.csv")
+    column = lambda rows, name: np.array([float(r[name]) for r in rows])
+    t, push = column(table, "t"), column(table, "push")
+    touching = t[push > 1e-3]
+    energy = column(monitors, "energy")
+    steady = (t > 0.5) & (t < 1.7)
+    return ((touching[-1] - touching[0] + t[1] - t[0]) / 2, push[steady].mean() / 0.05,
+            column(table, "v_left")[-1] / 0.1, column(table, "v_right")[-1] / 0.1, energy.max() / 0.0005)
+
+
 def require(bad, what, holds):
     if not holds:
         bad.append(what)
@@ -117,6 +132,19 @@ def main():
             require(bad, "midpoint: energy of rebounds", most < 1 + 1e-12 and last > 0.98)
         if method in ("backward_euler", "bdf2"):
             require(bad, f"{method}: gains no energy", most < 1 + 1e-12)
+    print("at a bar at rest       contact/2L  force  speeds after it  energy: largest")
+    for method in SCHEMES:
+        with tempfile.TemporaryDirectory() as folder:
+            contact, force, first, second, most = collided(options.program, pathlib.Path(folder), method)
+        print(f"  {method:<20} {contact:10.4f} {force:6.3f} {first:7.4f} {second:7.4f} {most:15.4f}")
+        # `midpoint` takes the mass off the nodes that touch, so that the integral of u' is not quite its momentum.
+        require(bad, f"{method}: momentum", abs(first + second - 1) < (1e-4 if method == "midpoint" else 1e-9))
+        if method in ("bdf2", "hht", "midpoint"):
+            require(bad, f"{method}: the bars exchange their speeds", abs(first) < 0.02)
+        if method == "midpoint":
+            require(bad, "midpoint: contact time of two bars", abs(contact - 1) < 0.02)
+            require(bad, "midpoint: force of two bars", abs(force - 1) < 0.02)
+            require(bad, "midpoint: energy of two bars", most < 1 + 1e-11)
     for what in bad:
         print("missed:", what)
     return 1 if bad else 0
