@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 namespace hvi::solver {
 namespace {
@@ -34,6 +35,39 @@ void add_points(const Problem& problem, Contact& out, const ContactTerm& term, d
                                  term.points.rows, term.points.weight[p],
                                  static_cast<int>(inequality.graphs.size()) - 1});
   }
+}
+
+bool have_same_row(const LawPoints& points, int a, int b) {
+  if (!points.frames.empty() && points.frames[a] != points.frames[b]) return false;
+  for (int c = 0; c < points.rows; ++c) {
+    SparseMatrix::InnerIterator x(points.g, a * points.rows + c), y(points.g, b * points.rows + c);
+    for (; x && y; ++x, ++y)
+      if (x.col() != y.col() || x.value() != y.value()) return false;
+    if (x || y) return false;
+  }
+  return true;
+}
+
+/// Points at one node with the same argument, as where facets meet at an angle under a law on u.y.
+/// Of a law with a jump they may share their force in any way: the graph's sets are convex.
+std::vector<std::vector<int>> points_alike(const LawTerm& spec, const Law& law,
+                                           const LawPoints& points) {
+  const auto reads_normal = [](const LawTerm::Row& row) {
+    return row.offset.depends_on_any(slot::normal(0), slot::normal(2) + 1);
+  };
+  if (law.reads() || points.jump || std::ranges::any_of(spec.rows, reads_normal)) return {};
+  std::unordered_map<std::int32_t, std::vector<int>> at_node;
+  for (int p = 0; p < std::ssize(points.x); ++p)
+    if (points.node[p] >= 0) at_node[points.node[p]].push_back(p);
+  std::vector<std::vector<int>> out;
+  for (const auto& [node, here] : at_node)
+    for (const int p : here) {
+      if (here.size() == 1) continue;
+      out.resize(points.x.size());
+      for (const int other : here)
+        if (have_same_row(points, p, other)) out[p].push_back(other);
+    }
+  return out;
 }
 
 /// The steepest descent of a law's slope; of one that depends on place or time, over a sample.
@@ -161,6 +195,7 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
                      false,
                      {}};
     add_points(problem, out, term, t);
+    if (spec.rule == Rule::nodal) term.alike = points_alike(spec, law, term.points);
     n_rows += term.n_rows();
     if (term.n_points() > 0) {
       const auto numbers = out.laws[spec.law]->constants(
@@ -184,6 +219,8 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
   }
   couple(problem, out);
   add_states(problem, d, layout, out);
+  for (ContactTerm& term : out.terms) // states live at points with a normal each
+    if (!term.first_states.empty() || term.offset_of_states) term.alike.clear();
   out.g = stacked(out.terms, layout, n_rows);
   out.offset = out.problem.offset = Vector::Zero(n_rows);
   choose_unknowns(out, layout.n_unknowns);
@@ -276,7 +313,17 @@ void arguments_of(const Contact& contact, const Problem& problem, double t, cons
 std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& xi, int point) {
   std::array<double, 3> out{};
   const int rows = term.points.rows;
-  const auto values = xi.segment(term.first_row + point * rows, rows);
+  const auto of_point = [&](int p) { return xi.segment(term.first_row + p * rows, rows); };
+  Vector values = of_point(point);
+  if (!term.alike.empty() && term.alike[point].size() > 1) {
+    double weight = 0.0;
+    values.setZero();
+    for (const int p : term.alike[point]) {
+      values += term.points.weight[p] * of_point(p);
+      weight += term.points.weight[p];
+    }
+    values /= weight;
+  }
   if (term.points.frames.empty()) {
     out[0] = values[0];
     return out;

@@ -28,6 +28,8 @@ struct ContactTerm {
   std::vector<int> first_states{}; ///< of the states that its law reads: the first in state_values
   bool offset_of_states = false;
   Vector offsets; ///< scratch of `prepare`
+  /// By point: those that see the same argument, itself among them. Empty: no two do.
+  std::vector<std::vector<int>> alike{};
   int n_points() const { return static_cast<int>(points.x.size()); }
   int n_rows() const { return n_points() * points.rows; }
 };
@@ -106,7 +108,8 @@ void arguments_of(const Contact& contact, const Problem& problem, double t, cons
 /// The factor s of every law term, from those of the fields; empty where all laws act on u.
 std::vector<double> law_factors(const Contact& contact, const Vector& of_fields);
 
-/// Multiplier of point p of a term in the global frame (scalar laws: component 0).
+/// Multiplier of point p of a term in the global frame (scalar laws: component 0); the mean of
+/// points that are alike.
 std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& xi, int point);
 
 } // namespace hvi::solver

@@ -16,10 +16,10 @@ PROGRAM = str(pathlib.Path(sys.argv[1]).resolve())
 TWO_PI = 2 * math.pi
 
 
-def run(script, mesh=None, command="run", options=()):
-    """(exit code, what was said, the results)."""
+def run(script, mesh=None, command="run", options=(), keep=None):
+    """(exit code, what was said, the results). `keep`: a folder for the files."""
     with tempfile.TemporaryDirectory() as folder:
-        folder = pathlib.Path(folder)
+        folder = pathlib.Path(keep or folder)
         (folder / "a.hvi").write_text(script)
         if mesh is not None:
             (folder / "body.msh").write_text(mesh.msh())

@@ -8,6 +8,7 @@ import math
 import pathlib
 import re
 import sys
+import tempfile
 
 import numpy as np
 
@@ -354,6 +355,39 @@ report
     close(t["force"][-1], z * 10 * math.pi * 0.25, 1e-8, "force")
 
 
+def corners():
+    """Where facets meet at an angle a law on u.y has two points with one argument: what an integral reads is their mean, as files do."""
+    import meshio
+
+    for element in ("P1", "P2"):
+        script = f"""
+mesh ring = disk(10, 0, 1, size = 0.12, axisymmetric = true)
+part foot = ring.rim where y < -0.9
+part lid  = ring.rim where y > 0.6
+tensor B  = isotropic(young = 5, poisson = 0.45)
+superpotential pressed(r) with slope | r < 0 -> 0 | otherwise -> 1e300
+space V = vector {element} on ring, zero.y on foot
+find u in V such that for all v in V
+  integral(ring, B : eps(u) : eps(v)) + integral(lid, pressed^0(u.y + y - 0.85; v.y)) >= 0
+report
+  table force = integral(lid, pressed.xi), square = integral(lid, pressed.xi^2)
+  fields pressed.xi
+"""
+        with tempfile.TemporaryDirectory() as folder:
+            values = run(script, keep=folder)[2]["table"]
+            grid = meshio.read(next(pathlib.Path(folder, "out").glob("*pressed_xi*.vtu")))
+        xi = grid.point_data["pressed.xi"].ravel()
+        force = square = 0.0
+        for cell in grid.cells[0].data:
+            a, b = grid.points[cell[0]], grid.points[cell[1]]
+            weights = [a[0] / 3 + b[0] / 6, a[0] / 6 + b[0] / 3] if element == "P1" else [a[0] / 6, b[0] / 6, (a[0] + b[0]) / 3]
+            for node, w in zip(cell, weights):
+                force += TWO_PI * np.linalg.norm(a - b) * w * xi[node]
+                square += TWO_PI * np.linalg.norm(a - b) * w * xi[node] ** 2
+        close(values["force"][-1], force, 1e-12, f"{element}: force")
+        close(values["square"][-1], square, 1e-12, "integral of the square")
+
+
 def pairs():
     """Two rings, or cylinders, of other meshes pressed on each other: a uniform stress, by a spring law and by a wall with a gap."""
     laws = {"spring": ("0.5*40*r^2", "jump(u).nu", 1 / 40, 0.0),
@@ -389,4 +423,4 @@ report
 
 
 if __name__ == "__main__":
-    sys.exit(judge([patch, measures, scalar, resultants, free_motion, axis, bits, sphere, creep, tube, turned, inertia, damage, pairs]))
+    sys.exit(judge([patch, measures, scalar, resultants, free_motion, axis, bits, sphere, creep, tube, turned, inertia, damage, corners, pairs]))
