@@ -12,6 +12,15 @@ using solver::Group;
 using solver::MeshSpec;
 using solver::RegionSpec;
 
+namespace {
+
+/// The group `piece.group` of the whole mesh.
+std::string of_piece(const std::string& piece, const std::string& group) {
+  return fmt::format("{}.{}", piece, group);
+}
+
+} // namespace
+
 /// The mesh that is put together comes first: the others are its pieces then.
 void Checker::locate_pieces() {
   for (std::size_t i = 0; i < declarations_.size(); ++i) {
@@ -61,9 +70,9 @@ Value Checker::mesh_of_pieces(const ast::Mesh& m) {
     spec.axisymmetric = model_.mesh.axisymmetric;
     const std::string& piece = pieces_.back();
     groups[piece] = Group::Kind::cells;
-    groups[piece + ".boundary"] = Group::Kind::facets;
-    for (const auto& [group, kind] : groups_) groups[piece + "." + group] = kind;
-    for (const auto& group : std::exchange(cuts_, {})) cuts.insert(piece + "." + group);
+    groups[of_piece(piece, "boundary")] = Group::Kind::facets;
+    for (const auto& [group, kind] : groups_) groups[of_piece(piece, group)] = kind;
+    for (const auto& group : std::exchange(cuts_, {})) cuts.insert(of_piece(piece, group));
     spec.pieces.push_back(model_.mesh);
   }
   making_pieces_ = false;
@@ -111,13 +120,13 @@ bool Checker::add_piece(const ast::Expr& e) {
 /// The group of the whole mesh that a piece's group is. Of the whole mesh itself: the one that a
 /// single piece has. "" (reported): of several pieces.
 std::string Checker::group_named(const MeshValue& mesh, const std::string& name, const Span& span) {
-  if (mesh.index > 0) return pieces_[static_cast<std::size_t>(mesh.index) - 1] + "." + name;
+  if (mesh.index > 0) return of_piece(pieces_[static_cast<std::size_t>(mesh.index) - 1], name);
   const auto known = [&](const std::string& group) {
     return groups_.count(group) > 0 || cuts_.contains(group);
   };
   std::vector<std::string> found;
   for (const std::string& piece : pieces_)
-    if (known(piece + "." + name)) found.push_back(piece + "." + name);
+    if (auto whole = of_piece(piece, name); known(whole)) found.push_back(std::move(whole));
   if (known(name) || found.empty()) return name;
   if (found.size() == 1) return found.front();
   error("E0440", span, fmt::format("`{}` is in several pieces of `{}`", name, mesh_name_),

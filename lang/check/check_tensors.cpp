@@ -61,11 +61,10 @@ Field from_voigt(int d, const std::vector<Symbol>& m) {
 /// The 6 x 6 matrix in the order of Voigt of a 4 x 4 one on xx, yy, zz, xy: no shear out of the
 /// section.
 std::vector<Symbol> without_twist(const std::vector<Symbol>& m) {
-  constexpr std::array<int, 4> place = {0, 1, 2, 5};
+  constexpr std::array<std::size_t, 4> place = {0, 1, 2, 5};
   std::vector<Symbol> out(36, Symbol(0.0));
   for (std::size_t i = 0; i < 4; ++i)
-    for (std::size_t j = 0; j < 4; ++j)
-      out[static_cast<std::size_t>(place[i] * 6 + place[j])] = m[i * 4 + j];
+    for (std::size_t j = 0; j < 4; ++j) out[place[i] * 6 + place[j]] = m[i * 4 + j];
   return out;
 }
 
