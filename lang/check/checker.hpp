@@ -195,7 +195,7 @@ private:
   bool is_law_of_vectors(int declaration, const ast::Expr& argument, const Field& at);
   void check_law_alone(int declaration);
 
-  // --- meshes and parts (check_mesh.cpp)
+  // --- meshes (check_mesh.cpp) and their parts (check_parts.cpp)
   Value mesh(const ast::Mesh& mesh);
   bool mesh_of_call(const ast::Mesh& mesh, const ast::Call& call, const std::string& callee);
   bool coordinates(const ast::Expr* written, int dim, const std::string& what,
