@@ -314,7 +314,7 @@ std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& x
   std::array<double, 3> out{};
   const int rows = term.points.rows;
   const auto of_point = [&](int p) { return xi.segment(term.first_row + p * rows, rows); };
-  Vector values = of_point(point);
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> values = of_point(point);
   if (!term.alike.empty() && term.alike[point].size() > 1) {
     double weight = 0.0;
     values.setZero();
