@@ -61,7 +61,7 @@ struct ShiftedInverse {
   void set_shift(double) {} // the factor belongs to one shift
   void perform_op(const double* x_in, double* y_out) const {
     Vector x;
-    shifted.solve(Eigen::Map<const Vector>(x_in, n), x);
+    hvi::solver::solve(shifted, Eigen::Map<const Vector>(x_in, n), x);
     Eigen::Map<Vector>(y_out, n) = x;
   }
 };

@@ -22,7 +22,7 @@ public:
     g_ = std::move(g);
     factorisation_->factor(g_);
   }
-  void solve(const Vector& b, Vector& x) const { factorisation_->solve(b, x); }
+  void solve(const Vector& b, Vector& x) const { hvi::solver::solve(*factorisation_, b, x); }
 
   /// Extremes of <K v, v> / <G v, v> for the symmetric part of K, to 1e-9, by Spectra's implicitly
   /// restarted Lanczos method (D. C. Sorensen, Implicit application of polynomial filters in a

@@ -9,7 +9,6 @@
 #include "solver/linear/cholesky_factor.hpp"
 #include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
-#include "solver/linear/supernodes.hpp"
 
 #include <cblas.h>
 
@@ -35,208 +34,128 @@ DenseMatrix times_transpose(const DenseMatrix& l) {
   return product;
 }
 
-class Cholesky final : public Factorisation {
+/// L22 of the contact unknowns, and S = L22 L22^T.
+class ContactFactor {
 public:
-  Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known);
-  explicit Cholesky(const Cholesky* analysed);
-
-  std::unique_ptr<Factorisation> another() const override {
-    return std::make_unique<Cholesky>(this);
+  void take_from(const CholeskyFactor& l) {
+    l.take_trailing_block(l22_);
+    schur_.resize(0, 0);
   }
-  void factor(const SparseMatrix& k) override;
-  void reduce(const Vector& b, Vector& r) override;
-  void back(const Vector& c, Vector& x) override;
-  Vector kept() const override;
-  void resume(const Vector& kept) override;
-  void reduce_each(std::span<const Vector> b, std::vector<Vector>& r) override;
-  void back_each(std::span<const Vector> c, std::vector<Vector>& x) override;
-  void back_all(const DenseMatrix& c, std::span<const Vector> kept, const DenseMatrix& weights,
-                DenseMatrix& x, std::vector<int>& place) override;
-  void solve(const Vector& b, Vector& x) override;
-  std::optional<LowerFactor> lower() const override;
-  const DenseMatrix& schur() const override;
-  const FactorStatistics& statistics() const override { return statistics_; }
+  const DenseMatrix& schur() const {
+    if (schur_.size() < l22_.size()) schur_ = times_transpose(l22_);
+    return schur_;
+  }
+  /// In place, for one right-hand side.
+  void forward(double* y_c) const {
+    l22_.triangularView<Eigen::Lower>().solveInPlace(entries(y_c));
+  }
+  void back(double* y_c) const {
+    l22_.transpose().triangularView<Eigen::Upper>().solveInPlace(entries(y_c));
+  }
 
 private:
-  void prepare();
-  void count_solve();
-  void count_solves_at_once();
+  Eigen::Map<Vector> entries(double* y_c) const { return {y_c, l22_.rows()}; }
 
-  FactorStatistics statistics_; // the factor writes into it
-  double start_;
-  CholeskyFactor l_;
-  int size_, interior_;
-  bool factored_ = false;
-  Supernodes supernodes_;
-  std::vector<double> inverse_diagonal_; ///< of L, interior
-  std::vector<double> y_, x_;            ///< of triangular solves, in the order of elimination
-  DenseMatrix each_; ///< a row for each right-hand side between `reduce_each` and `back_each`
   DenseMatrix l22_;
-  mutable DenseMatrix schur_; ///< built at the first use after a factorisation
-  mutable bool schur_ready_ = false;
-  Vector reduced_; ///< workspace of `solve`
+  mutable DenseMatrix schur_; ///< made at the first use after a factorisation
 };
 
-Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known)
-    : start_(cpu_seconds()), l_(k, contact, known, statistics_), size_(static_cast<int>(k.rows())),
-      interior_(l_.interior()) {
-  prepare();
-  statistics_.analyses = 1;
-  statistics_.seconds_analyse =
-      cpu_seconds() - start_ + (known != nullptr ? known->seconds_of_last() : 0.0);
-}
+class Cholesky final : public Factorisation {
+public:
+  /// `start`: of the analysis, in cpu_seconds().
+  Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known, double start);
+  Cholesky(const Cholesky& analysed, double start);
 
-Cholesky::Cholesky(const Cholesky* analysed)
-    : start_(cpu_seconds()), l_(analysed->l_), size_(analysed->size_), interior_(l_.interior()) {
-  prepare();
-  statistics_.nonzeros = analysed->statistics_.nonzeros;
-  statistics_.flops = analysed->statistics_.flops;
-  statistics_.ordering = analysed->statistics_.ordering;
-  statistics_.seconds_analyse = cpu_seconds() - start_;
-}
+  std::unique_ptr<Factorisation> another() const override {
+    return std::make_unique<Cholesky>(*this, cpu_seconds());
+  }
+  void factor(const SparseMatrix& k) override;
+  void forward(RightHandSides y, Columns columns) override;
+  void back(RightHandSides y, Columns columns) override;
+  const DenseMatrix& schur() const override { return contact_.schur(); }
+  const EliminationOrder& order() const override { return l_.order(); }
+  const FactorStatistics& statistics() const override { return statistics_; }
+  const LowerFactor* lower() const { return lower_.values != nullptr ? &lower_ : nullptr; }
+
+private:
+  void count_solve(RightHandSides y);
+
+  FactorStatistics statistics_; // the factor writes into it
+  CholeskyFactor l_;
+  LowerFactor lower_;
+  ContactFactor contact_;
+};
 
 /// Everything that has the size of the factor.
-void Cholesky::prepare() {
-  supernodes_ = Supernodes(l_.structure(), interior_);
-  inverse_diagonal_.resize(static_cast<std::size_t>(interior_));
-  y_.resize(static_cast<std::size_t>(size_));
-  x_.resize(static_cast<std::size_t>(size_));
-  reduced_.resize(size_ - interior_);
+LowerFactor without_values(const CholeskyFactor& l) {
+  const int interior = l.order().interior;
+  return {Supernodes(l.structure(), interior), nullptr,
+          std::vector<double>(static_cast<std::size_t>(interior))};
+}
+
+Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known,
+                   double start)
+    : l_(k, contact, known, statistics_), lower_(without_values(l_)) {
   statistics_.bytes = l_.bytes();
+  statistics_.analyses = 1;
+  statistics_.seconds_analyse =
+      cpu_seconds() - start + (known != nullptr ? known->seconds_of_last() : 0.0);
+}
+
+Cholesky::Cholesky(const Cholesky& analysed, double start)
+    : l_(analysed.l_), lower_(without_values(l_)) {
+  statistics_.nonzeros = analysed.statistics_.nonzeros;
+  statistics_.flops = analysed.statistics_.flops;
+  statistics_.bytes = l_.bytes();
+  statistics_.ordering = analysed.statistics_.ordering;
+  statistics_.seconds_analyse = cpu_seconds() - start;
 }
 
 void Cholesky::factor(const SparseMatrix& k) {
   const double start = cpu_seconds();
-  factored_ = schur_ready_ = false;
+  lower_.values = nullptr;
   l_.compute(k);
   ++statistics_.factorisations;
-  l_.take_diagonal(inverse_diagonal_);
-  l_.take_trailing_block(l22_);
+  l_.take_diagonal(lower_.inverse_diagonal);
+  contact_.take_from(l_);
   statistics_.seconds_factor = cpu_seconds() - start;
-  factored_ = true;
+  lower_.values = l_.values();
 }
 
-std::optional<LowerFactor> Cholesky::lower() const {
-  if (!factored_) return std::nullopt;
-  return LowerFactor{supernodes_, l_.values(), inverse_diagonal_, l_.permutation(), l22_};
+void Cholesky::forward(RightHandSides y, Columns columns) {
+  count_solve(y);
+  lower_.structure.forward(lower_.values, lower_.inverse_diagonal.data(), y);
+  if (columns != Columns::interior) contact_.forward(y.only() + order().interior);
 }
 
-const DenseMatrix& Cholesky::schur() const {
-  if (!schur_ready_) {
-    schur_ = times_transpose(l22_);
-    schur_ready_ = true;
-  }
-  return schur_;
+void Cholesky::back(RightHandSides y, Columns columns) {
+  count_solve(y);
+  if (columns != Columns::interior) contact_.back(y.only() + order().interior);
+  lower_.structure.backward(lower_.values, lower_.inverse_diagonal.data(), y);
 }
 
-void Cholesky::reduce(const Vector& b, Vector& r) {
-  if (!factored_) throw std::logic_error("reduce before a successful factorisation");
-  for (int position = 0; position < size_; ++position) y_[position] = b[l_.permutation()[position]];
-  supernodes_.forward(l_.values(), inverse_diagonal_.data(), y_.data());
-  r.resize(size_ - interior_);
-  std::copy(y_.begin() + interior_, y_.end(), r.data());
-  count_solve();
-}
-
-/// A triangular solve reads the columns of the interior.
-void Cholesky::count_solve() {
+/// A triangular solve reads the columns of the interior; with one right-hand side it is said what
+/// CHOLMOD stores of them.
+void Cholesky::count_solve(RightHandSides y) {
+  if (lower_.values == nullptr) throw std::logic_error("a solve before a factorisation");
   ++statistics_.triangular_solves;
-  const double n_contact = size_ - interior_;
-  const double entries = static_cast<double>(l_.structure().xsize) - n_contact * n_contact;
+  const double contacts = order().contacts();
+  const double entries = y.stride == 1
+                             ? static_cast<double>(l_.structure().xsize) - contacts * contacts
+                             : lower_.structure.nonzeros();
   statistics_.bytes_read += entries * sizeof(double);
-}
-
-void Cholesky::back(const Vector& c, Vector& x) {
-  if (!factored_) throw std::logic_error("back before a successful factorisation");
-  std::copy_n(c.data(), size_ - interior_, x_.begin() + interior_);
-  supernodes_.backward(l_.values(), inverse_diagonal_.data(), y_.data(), x_.data());
-  x.resize(size_);
-  for (int position = 0; position < size_; ++position) x[l_.permutation()[position]] = x_[position];
-  count_solve();
-}
-
-Vector Cholesky::kept() const { return Eigen::Map<const Vector>(y_.data(), interior_); }
-
-void Cholesky::resume(const Vector& kept) { std::copy_n(kept.data(), interior_, y_.begin()); }
-
-void Cholesky::reduce_each(std::span<const Vector> b, std::vector<Vector>& r) {
-  if (!factored_) throw std::logic_error("reduce before a successful factorisation");
-  constexpr int lanes = Supernodes::lanes;
-  const auto count = static_cast<int>(b.size()), groups = (count + lanes - 1) / lanes;
-  each_.resize(0, 0);
-  if (count == 1) return Factorisation::reduce_each(b, r);
-  if (count == 0 || count > most_at_once)
-    throw std::logic_error("too many right-hand sides at once");
-  each_.setZero(groups * lanes, size_);
-  for (int position = 0; position < size_; ++position)
-    for (int k = 0; k < count; ++k) each_(k, position) = b[k][l_.permutation()[position]];
-  supernodes_.forward_all(l_.values(), inverse_diagonal_.data(), groups, each_.data());
-  r.resize(b.size());
-  for (int k = 0; k < count; ++k) r[k] = each_.row(k).tail(size_ - interior_);
-  count_solves_at_once();
-}
-
-void Cholesky::back_each(std::span<const Vector> c, std::vector<Vector>& x) {
-  const auto count = static_cast<int>(c.size());
-  if (count == 1) return Factorisation::back_each(c, x);
-  constexpr int lanes = Supernodes::lanes;
-  const int groups = static_cast<int>(each_.rows()) / lanes;
-  if (each_.size() == 0 || count > each_.rows())
-    throw std::logic_error("back_each before its reduce_each");
-  for (int k = 0; k < count; ++k) each_.row(k).tail(size_ - interior_) = c[k].transpose();
-  supernodes_.backward_all(l_.values(), inverse_diagonal_.data(), groups, each_.data());
-  x.assign(c.size(), Vector(size_));
-  for (int position = 0; position < size_; ++position)
-    for (int k = 0; k < count; ++k) x[k][l_.permutation()[position]] = each_(k, position);
-  each_.resize(0, 0);
-  count_solves_at_once();
-}
-
-void Cholesky::back_all(const DenseMatrix& c, std::span<const Vector> kept,
-                        const DenseMatrix& weights, DenseMatrix& x, std::vector<int>& place) {
-  if (!factored_) throw std::logic_error("back before a successful factorisation");
-  constexpr int lanes = Supernodes::lanes;
-  const auto count = static_cast<int>(c.cols()), groups = (count + lanes - 1) / lanes;
-  if (count == 0 || count > most_at_once)
-    throw std::logic_error("too many right-hand sides at once");
-  x.resize(groups * lanes, size_); // in the order of elimination
-  auto inside = x.leftCols(interior_);
-  if (kept.empty()) inside.setZero();
-  Vector weight = Vector::Zero(x.rows());
-  for (std::size_t k = 0; k < kept.size(); ++k) {
-    weight.head(count) = weights.col(static_cast<Eigen::Index>(k));
-    if (k == 0)
-      inside.noalias() = weight * kept[k].transpose();
-    else
-      inside.noalias() += weight * kept[k].transpose();
-  }
-  x.rightCols(size_ - interior_).topRows(count) = c.transpose();
-  x.rightCols(size_ - interior_).bottomRows(groups * lanes - count).setZero();
-  supernodes_.backward_all(l_.values(), inverse_diagonal_.data(), groups, x.data());
-  place.resize(static_cast<std::size_t>(size_));
-  for (int position = 0; position < size_; ++position) place[l_.permutation()[position]] = position;
-  count_solves_at_once();
-}
-
-void Cholesky::count_solves_at_once() {
-  ++statistics_.triangular_solves;
-  statistics_.bytes_read += supernodes_.nonzeros() * sizeof(double);
-}
-
-void Cholesky::solve(const Vector& b, Vector& x) {
-  reduce(b, reduced_);
-  if (interior_ < size_) {
-    l22_.triangularView<Eigen::Lower>().solveInPlace(reduced_);
-    l22_.transpose().triangularView<Eigen::Upper>().solveInPlace(reduced_);
-  }
-  back(reduced_, x);
 }
 
 } // namespace
 
 std::unique_ptr<Factorisation> analyse_cholesky(const SparseMatrix& k, std::span<const int> contact,
                                                 OrderStore* known) {
-  return std::make_unique<Cholesky>(k, contact, known);
+  return std::make_unique<Cholesky>(k, contact, known, cpu_seconds());
+}
+
+const LowerFactor* lower_factor(const Factorisation& of) {
+  const auto* const cholesky = dynamic_cast<const Cholesky*>(&of);
+  return cholesky != nullptr ? cholesky->lower() : nullptr;
 }
 
 } // namespace hvi::solver

@@ -2,11 +2,16 @@
 #pragma once
 
 #include "solver/linear/factorisation.hpp"
+#include "solver/linear/supernodes.hpp"
 
 namespace hvi::solver {
 
 /// Analyses the pattern; `analyse` (factorisation.hpp) calls this for a symmetric matrix.
 std::unique_ptr<Factorisation> analyse_cholesky(const SparseMatrix& k, std::span<const int> contact,
                                                 OrderStore* known = nullptr);
+
+/// The factor itself, valid until the next factorisation; null before one, and for a factorisation
+/// of another kind.
+const LowerFactor* lower_factor(const Factorisation& of);
 
 } // namespace hvi::solver

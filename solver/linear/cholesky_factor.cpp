@@ -13,52 +13,35 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 namespace hvi::solver {
 
 CholeskyFactor::CholeskyFactor(const SparseMatrix& k, std::span<const int> contact,
-                               OrderStore* known, FactorStatistics& statistics)
-    : interior_(static_cast<int>(k.rows()) - static_cast<int>(contact.size())) {
+                               OrderStore* known, FactorStatistics& statistics) {
+  CholmodSession& session = factor_.session;
   {
-    auto order = known != nullptr ? known->order(k, contact, session_)
-                                  : order_contact_last(k, contact, session_);
-    l_ = symbolic_factor(order, session_);
-    cholmod_l_free_work(session_.common()); // what comes next may take the place of both
-    if (l_ == nullptr || l_->is_super == 0) {
+    auto order = known != nullptr ? known->order(k, contact, session)
+                                  : order_contact_last(k, contact, session);
+    factor_.l = symbolic_factor(order, session);
+    cholmod_l_free_work(session.common()); // what comes next may take the place of both
+    if (factor_.l == nullptr || factor_.l->is_super == 0) {
       const auto size = static_cast<int>(k.rows());
-      cholmod_l_free_factor(&l_, session_.common());
-      refuse_too_large(*session_.common(), size);
+      refuse_too_large(*session.common(), size);
       throw OutOfMemory("no memory to analyse a matrix of {} unknowns", size);
     }
-    permutation_.assign(order.permutation.begin(), order.permutation.end());
+    order_ = elimination_order(order, contact);
     statistics.nonzeros = order.nonzeros;
     statistics.flops = order.flops;
     statistics.ordering = std::move(order.name);
   }
-  a_ = PermutedLower(k, permutation_);
-  if (!std::equal(contact.begin(), contact.end(), permutation_.begin() + interior_))
-    throw std::logic_error("the postorder moved a contact unknown from the end of the elimination");
+  a_ = PermutedLower(k, order_.unknown);
 }
-
-CholeskyFactor::CholeskyFactor(const CholeskyFactor& analysed)
-    : a_(analysed.a_), interior_(analysed.interior_), permutation_(analysed.permutation_) {
-  l_ = cholmod_l_copy_factor(analysed.l_, session_.common());
-  // Supernodal and symbolic again: the copied values are of no use.
-  const bool done = l_ != nullptr && (l_->xtype == CHOLMOD_PATTERN ||
-                                      cholmod_l_change_factor(CHOLMOD_PATTERN, 1, 1, 1, 1, l_,
-                                                              session_.common()) != 0);
-  if (done) return;
-  cholmod_l_free_factor(&l_, session_.common());
-  throw OutOfMemory("no memory for one more factor of {} unknowns", permutation_.size());
-}
-
-CholeskyFactor::~CholeskyFactor() { cholmod_l_free_factor(&l_, session_.common()); }
 
 double CholeskyFactor::bytes() const {
-  const double contacts = static_cast<double>(permutation_.size()) - interior_; // L22 and S
-  return static_cast<double>(l_->xsize) * sizeof(double) +
-         static_cast<double>(l_->ssize) * (sizeof(Long) + sizeof(int)) +
+  const cholmod_factor& l = structure();
+  const double contacts = order_.contacts(); // L22 and S
+  return static_cast<double>(l.xsize) * sizeof(double) +
+         static_cast<double>(l.ssize) * (sizeof(Long) + sizeof(int)) +
          2.0 * contacts * contacts * sizeof(double);
 }
 
@@ -66,27 +49,27 @@ void CholeskyFactor::compute(const SparseMatrix& k) {
   const OneBlasThread one_thread;
   a_.assign(k);
   cholmod_sparse view = a_.view();
-  cholmod_common* common = session_.common();
-  if (l_->xtype == CHOLMOD_PATTERN && // else CHOLMOD would make room itself, in small pages
-      cholmod_l_change_factor(CHOLMOD_REAL, true, true, true, true, l_, common) != 0)
-    advise_large_pages(l_->x, l_->xsize * sizeof(double));
+  cholmod_factor* l = factor_.l;
+  cholmod_common* common = factor_.session.common();
+  if (l->xtype == CHOLMOD_PATTERN && // else CHOLMOD would make room itself, in small pages
+      cholmod_l_change_factor(CHOLMOD_REAL, true, true, true, true, l, common) != 0)
+    advise_large_pages(l->x, l->xsize * sizeof(double));
   double nothing[2] = {0.0, 0.0}; // is added to the diagonal
-  cholmod_l_super_numeric(&view, nullptr, nothing, l_, common);
+  cholmod_l_super_numeric(&view, nullptr, nothing, l, common);
   if (common->status >= CHOLMOD_OK) return;
-  const auto size = static_cast<int>(permutation_.size());
+  const auto size = order_.size();
   refuse_too_large(*common, size);
   throw OutOfMemory("no memory to factor a matrix of {} unknowns ({:.2g} bytes)", size, bytes());
 }
 
 /// Reads the diagonal, which lies scattered in memory, once; then nothing but L is kept.
 void CholeskyFactor::take_diagonal(std::vector<double>& inverse) {
-  if (session_.common()->status == CHOLMOD_NOT_POSDEF) fail_at(static_cast<int>(l_->minor), 0.0);
-  const auto* super = static_cast<const Long*>(l_->super);
-  const auto* row_start = static_cast<const Long*>(l_->pi);
-  const auto* value_start = static_cast<const Long*>(l_->px);
+  if (factor_.session.common()->status == CHOLMOD_NOT_POSDEF)
+    fail_at(static_cast<int>(factor_.l->minor), 0.0);
+  const auto [super, row_start, value_start, row] = arrays_of(structure());
   double least = std::numeric_limits<double>::infinity();
   int where = -1;
-  for (std::size_t s = 0; s < l_->nsuper; ++s) {
+  for (std::size_t s = 0; s < factor_.l->nsuper; ++s) {
     const Long stride = row_start[s + 1] - row_start[s];
     for (Long position = super[s]; position < super[s + 1]; ++position) {
       const double entry = values()[value_start[s] + (position - super[s]) * (stride + 1)];
@@ -96,33 +79,30 @@ void CholeskyFactor::take_diagonal(std::vector<double>& inverse) {
         least = pivot;
         where = static_cast<int>(position);
       }
-      if (position < interior_) inverse[position] = 1.0 / entry;
+      if (position < order_.interior) inverse[position] = 1.0 / entry;
     }
   }
   if (least < smallest_pivot) fail_at(where, least);
-  cholmod_l_free_work(session_.common()); // its memory serves for the copies of the factor
+  cholmod_l_free_work(factor_.session.common()); // its memory serves for the copies of the factor
   a_.forget_values();
 }
 
 void CholeskyFactor::fail_at(int position, double pivot) const {
-  const bool known = position >= 0 && position < static_cast<int>(permutation_.size());
-  throw NotFactorable(known ? permutation_[position] : -1, pivot,
+  const bool known = position >= 0 && position < order_.size();
+  throw NotFactorable(known ? order_.unknown[position] : -1, pivot,
                       "the matrix is not positive definite: the elimination breaks down");
 }
 
 /// Gathers the contact columns, which lie in one or several supernodes, into a dense L22.
 void CholeskyFactor::take_trailing_block(DenseMatrix& l22) const {
-  const auto contacts = static_cast<int>(permutation_.size()) - interior_;
+  const auto contacts = order_.contacts();
   l22.setZero(contacts, contacts);
-  const auto* super = static_cast<const Long*>(l_->super);
-  const auto* row_start = static_cast<const Long*>(l_->pi);
-  const auto* value_start = static_cast<const Long*>(l_->px);
-  const auto* row = static_cast<const Long*>(l_->s);
-  for (std::size_t s = 0; s < l_->nsuper; ++s) {
+  const auto [super, row_start, value_start, row] = arrays_of(structure());
+  for (std::size_t s = 0; s < factor_.l->nsuper; ++s) {
     const Long stride = row_start[s + 1] - row_start[s];
-    for (Long column = std::max<Long>(super[s], interior_); column < super[s + 1]; ++column)
+    for (Long column = std::max<Long>(super[s], order_.interior); column < super[s + 1]; ++column)
       for (Long i = column - super[s]; i < stride; ++i)
-        l22(row[row_start[s] + i] - interior_, column - interior_) =
+        l22(row[row_start[s] + i] - order_.interior, column - order_.interior) =
             values()[value_start[s] + (column - super[s]) * stride + i];
   }
 }

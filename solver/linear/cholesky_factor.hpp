@@ -7,15 +7,12 @@
 
 namespace hvi::solver {
 
+/// A copy is another one for matrices of the same pattern, not factored yet.
 class CholeskyFactor {
 public:
   /// Analyses the pattern; what is known of the factor goes to `statistics`.
   CholeskyFactor(const SparseMatrix& k, std::span<const int> contact, OrderStore* known,
                  FactorStatistics& statistics);
-  /// Another one for matrices of the same pattern, not factored yet.
-  CholeskyFactor(const CholeskyFactor& analysed);
-  CholeskyFactor& operator=(const CholeskyFactor&) = delete;
-  ~CholeskyFactor();
 
   /// The values of L. `take_diagonal` has to be asked whether they are any good.
   void compute(const SparseMatrix& k);
@@ -25,20 +22,17 @@ public:
   /// L22, of the contact unknowns.
   void take_trailing_block(DenseMatrix& l22) const;
 
-  int interior() const { return interior_; }
-  const std::vector<int>& permutation() const { return permutation_; } ///< position -> unknown
-  const cholmod_factor& structure() const { return *l_; }
-  const double* values() const { return static_cast<const double*>(l_->x); }
+  const EliminationOrder& order() const { return order_; }
+  const cholmod_factor& structure() const { return *factor_.l; }
+  const double* values() const { return static_cast<const double*>(factor_.l->x); }
   double bytes() const; ///< with L22 and S
 
 private:
   [[noreturn]] void fail_at(int position, double pivot) const;
 
-  CholmodSession session_;
+  CholmodFactor factor_;
   PermutedLower a_;
-  cholmod_factor* l_ = nullptr;
-  int interior_;
-  std::vector<int> permutation_;
+  EliminationOrder order_;
 };
 
 } // namespace hvi::solver

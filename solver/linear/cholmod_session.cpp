@@ -2,6 +2,7 @@
 #include "solver/linear/cholmod_session.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/common/out_of_memory.hpp"
 
 #include <fmt/format.h>
 
@@ -30,6 +31,24 @@ CholmodSession::CholmodSession() {
 }
 
 CholmodSession::~CholmodSession() { cholmod_l_finish(&common_); }
+
+CholmodFactor::CholmodFactor(const CholmodFactor& other)
+    : l(cholmod_l_copy_factor(other.l, session.common())) {
+  // Supernodal and symbolic again: the copied values are of no use.
+  const bool done = l != nullptr && (l->xtype == CHOLMOD_PATTERN ||
+                                     cholmod_l_change_factor(CHOLMOD_PATTERN, 1, 1, 1, 1, l,
+                                                             session.common()) != 0);
+  if (done) return;
+  cholmod_l_free_factor(&l, session.common());
+  throw OutOfMemory("no memory for one more factor of {} unknowns", other.l->n);
+}
+
+CholmodFactor::~CholmodFactor() { cholmod_l_free_factor(&l, session.common()); }
+
+SupernodalArrays arrays_of(const cholmod_factor& l) {
+  return {static_cast<const Long*>(l.super), static_cast<const Long*>(l.pi),
+          static_cast<const Long*>(l.px), static_cast<const Long*>(l.s)};
+}
 
 void refuse_too_large(const cholmod_common& common, int unknowns) {
   if (common.status == CHOLMOD_TOO_LARGE)

@@ -135,10 +135,10 @@ double estimate_norm_1(int n, const Operator& product, const Operator& transpose
 }
 
 double estimate_condition(const SparseMatrix& k, Factorisation& factor) {
-  return norm_1(k) * estimate_norm_1(
-                         static_cast<int>(k.rows()),
-                         [&](const Vector& b, Vector& x) { factor.solve(b, x); },
-                         [&](const Vector& b, Vector& x) { factor.solve_transposed(b, x); });
+  return norm_1(k) *
+         estimate_norm_1(
+             static_cast<int>(k.rows()), [&](const Vector& b, Vector& x) { solve(factor, b, x); },
+             [&](const Vector& b, Vector& x) { solve(factor, b, x, Columns::transposed); });
 }
 
 } // namespace hvi::solver

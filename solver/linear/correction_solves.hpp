@@ -21,13 +21,11 @@ public:
   /// Begins the corrections of one step, whose matrix is known by where K is; `guessed`: of a state
   /// near the solution. The error that they have to reach.
   virtual double begin(const SparseMatrix& /*k*/, bool /*guessed*/) { return tolerance_; }
-  /// Factorisation::reduce and Factorisation::back. `moved`: how far the correction takes the
-  /// contact unknowns, over their size.
-  virtual void reduce(Factorisation& factor, const Vector& gap, Vector& r) {
-    factor.reduce(gap, r);
-  }
-  virtual void back(Factorisation& factor, const Vector& c, double /*moved*/, Vector& x) {
-    factor.back(c, x);
+  /// Factorisation::forward and Factorisation::back with the columns of the interior. `moved`: how
+  /// far the correction takes the contact unknowns, over their size.
+  virtual void forward(Factorisation& factor, Vector& y) { factor.forward(y, Columns::interior); }
+  virtual void back(Factorisation& factor, double /*moved*/, Vector& y) {
+    factor.back(y, Columns::interior);
   }
   /// What the correction left of the equation. `exact`: the factor is that of the step's own
   /// matrix.

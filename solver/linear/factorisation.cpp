@@ -1,45 +1,57 @@
-// What every direct solver derives from its triangular solves; see factorisation.hpp.
+// Solves in the numbering of K by any direct solver; see factorisation.hpp.
 #include "solver/linear/factorisation.hpp"
 
-#include <numeric>
 #include <stdexcept>
 
 namespace hvi::solver {
+namespace {
 
-void Factorisation::reduce_each(std::span<const Vector> b, std::vector<Vector>& r) {
+RightHandSides several(DenseMatrix& y, std::size_t count) { return {y, static_cast<int>(count)}; }
+
+} // namespace
+
+void forward(Factorisation& factor, const Vector& b, Vector& y, Vector& r) {
+  factor.order().gather(b, y);
+  factor.forward(y, Columns::interior);
+  r = y.tail(factor.order().contacts());
+}
+
+void back(Factorisation& factor, const Vector& c, Vector& y, Vector& x) {
+  y.tail(factor.order().contacts()) = c;
+  factor.back(y, Columns::interior);
+  factor.order().scatter(y, x);
+}
+
+void solve(Factorisation& factor, const Vector& b, Vector& x, Columns columns) {
+  Vector y;
+  factor.order().gather(b, y);
+  factor.forward(y, columns);
+  factor.back(y, columns);
+  factor.order().scatter(y, x);
+}
+
+void forward(Factorisation& factor, std::span<const Vector> b, DenseMatrix& y,
+             std::vector<Vector>& r) {
+  const EliminationOrder& order = factor.order();
+  const auto count = static_cast<int>(b.size());
+  y.setZero(count == 1 ? 1 : RightHandSides::stride_of(count), order.size());
+  for (int position = 0; position < order.size(); ++position)
+    for (int k = 0; k < count; ++k) y(k, position) = b[k][order.unknown[position]];
+  factor.forward(several(y, b.size()), Columns::interior);
   r.resize(b.size());
-  kept_of_each_.clear();
-  for (std::size_t k = 0; k < b.size(); ++k) {
-    reduce(b[k], r[k]);
-    kept_of_each_.push_back(kept());
-  }
+  for (int k = 0; k < count; ++k) r[k] = y.row(k).tail(order.contacts());
 }
 
-void Factorisation::back_each(std::span<const Vector> c, std::vector<Vector>& x) {
-  if (c.size() != kept_of_each_.size()) throw std::logic_error("back_each before its reduce_each");
-  x.resize(c.size());
-  for (std::size_t k = 0; k < c.size(); ++k) {
-    resume(kept_of_each_[k]);
-    back(c[k], x[k]);
-  }
-}
-
-void Factorisation::back_all(const DenseMatrix& c, std::span<const Vector> kept,
-                             const DenseMatrix& weights, DenseMatrix& x, std::vector<int>& place) {
-  constexpr Eigen::Index unit = 8;
-  const Eigen::Index rows = (c.cols() + unit - 1) / unit * unit;
-  Vector one;
-  for (Eigen::Index k = 0; k < c.cols(); ++k) {
-    Vector sum = Vector::Zero(this->kept().size());
-    for (std::size_t m = 0; m < kept.size(); ++m)
-      sum += weights(k, static_cast<Eigen::Index>(m)) * kept[m];
-    resume(sum);
-    back(c.col(k), one);
-    if (k == 0) x.setZero(rows, one.size());
-    x.row(k) = one.transpose();
-  }
-  place.resize(static_cast<std::size_t>(x.cols()));
-  std::iota(place.begin(), place.end(), 0);
+void back(Factorisation& factor, std::span<const Vector> c, DenseMatrix& y,
+          std::vector<Vector>& x) {
+  const EliminationOrder& order = factor.order();
+  const auto count = static_cast<int>(c.size());
+  if (y.rows() < count) throw std::logic_error("a backward solve before its forward solve");
+  for (int k = 0; k < count; ++k) y.row(k).tail(order.contacts()) = c[k].transpose();
+  factor.back(several(y, c.size()), Columns::interior);
+  x.assign(c.size(), Vector(order.size()));
+  for (int position = 0; position < order.size(); ++position)
+    for (int k = 0; k < count; ++k) x[k][order.unknown[position]] = y(k, position);
 }
 
 } // namespace hvi::solver

@@ -1,17 +1,17 @@
 // Direct solvers behind one interface, with the contact unknowns condensed out.
 //
-// K x = b is split as  [K_II K_Ic; K_cI K_cc] with c the contact unknowns. The interface gives the
-// Schur complement S = K_cc - K_cI K_II^-1 K_Ic and two triangular solves, one before and one
-// after the reduced problem:
-//   reduce(b)      -> r   with  S c = r  equivalent to K x = b on c
-//   back(c)        -> x   the full solution whose contact part is c
+// K x = b is split as  [K_II K_Ic; K_cI K_cc] with c the contact unknowns, which are eliminated
+// last. The interface gives the Schur complement S = K_cc - K_cI K_II^-1 K_Ic and two triangular
+// solves, one before and one after the reduced problem; both work in place on a vector y in the
+// order of elimination, [y_I; y_c], and keep nothing between them:
+//   forward    y = b       ->  y_c = r  with  S c = r  equivalent to K x = b on c
+//   back       y, y_c = c  ->  y = x, the full solution whose contact part is c
 #pragma once
 
 #include "solver/common/failure.hpp"
-#include "solver/linear/sparse.hpp"
+#include "solver/linear/elimination_order.hpp"
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,16 +40,11 @@ struct NotFactorable : Failure {
   double pivot; ///< the pivot relative to the diagonal entry of K; NaN if it was not finite
 };
 
-class Supernodes;
-
-/// The parts of L, K = L L^T in an order with the contact unknowns last: for those who copy it or
-/// need one of the two solves only.
-struct LowerFactor {
-  const Supernodes& interior; ///< structure of the columns of the interior
-  const double* values;
-  std::span<const double> inverse_diagonal; ///< of the interior
-  std::span<const int> permutation;         ///< position -> unknown
-  const DenseMatrix& contact;               ///< L22, S = L22 L22^T
+/// With which columns of the factor a triangular solve is made.
+enum class Columns {
+  interior,  ///< those of the interior: the contact unknowns are condensed
+  all,       ///< y = K^-1 b after both solves; of one right-hand side
+  transposed ///< y = K^-T b, the same
 };
 
 class Factorisation {
@@ -60,39 +55,27 @@ public:
   /// Numeric factorisation of a matrix with the analysed pattern. Throws Failure(not_coercive)
   /// with the offending unknown in the message when K is not positive definite / singular.
   virtual void factor(const SparseMatrix& k) = 0;
-  /// Forward solve. Keeps what `back` needs; r has one entry per contact unknown, in their order.
-  virtual void reduce(const Vector& b, Vector& r) = 0;
-  /// Backward solve, for the last `reduce`.
-  virtual void back(const Vector& c, Vector& x) = 0;
-  /// What the last `reduce` keeps, one number for each unknown of the interior; linear in its b. Of
-  /// a Cholesky factor L_II^-1 b_I, so that kept_a . kept_b = a_I^T K_II^-1 b_I.
-  virtual Vector kept() const = 0;
-  /// As if the last `reduce` had kept this.
-  virtual void resume(const Vector& kept) = 0;
-  /// Forward and backward solves of up to 16 right-hand sides at once, each in one reading of the
-  /// factor. `reduce_each` keeps what `back_each` needs for all of them. Afterwards `back` needs a
-  /// new `reduce`.
-  virtual void reduce_each(std::span<const Vector> b, std::vector<Vector>& r);
-  virtual void back_each(std::span<const Vector> c, std::vector<Vector>& x);
-  /// Backward solves of up to 16 x_r in one reading of the factor: with the contact part c.col(r),
-  /// as if sum_k weights(r, k) kept_k had been kept. x has a row for every c, and rows of zeros up
-  /// to a multiple of 8; an unknown's column is place[unknown]. `back` then needs a new `reduce`.
-  virtual void back_all(const DenseMatrix& c, std::span<const Vector> kept,
-                        const DenseMatrix& weights, DenseMatrix& x, std::vector<int>& place);
-  static constexpr int most_at_once = 16;
-  /// x = K^-1 b: forward solve, S c = r, backward solve.
-  virtual void solve(const Vector& b, Vector& x) = 0;
-  /// x = K^-T b.
-  virtual void solve_transposed(const Vector& b, Vector& x) { solve(b, x); }
-  /// Of the last factorisation, valid until the next one; nothing where K has no such factor.
-  virtual std::optional<LowerFactor> lower() const { return std::nullopt; }
+  /// Forward solve, in place. What it leaves in y_I is linear in b; of a Cholesky factor it is
+  /// L_II^-1 b_I, so that y_I(a) . y_I(b) = a_I^T K_II^-1 b_I.
+  virtual void forward(RightHandSides y, Columns columns) = 0;
+  /// Backward solve, in place, of what a forward solve left in y_I and the y_c given since.
+  virtual void back(RightHandSides y, Columns columns) = 0;
   /// The Schur complement S, n_c by n_c. For Cholesky it is L22 L22^T, read off the factor.
   virtual const DenseMatrix& schur() const = 0;
+  virtual const EliminationOrder& order() const = 0;
   virtual const FactorStatistics& statistics() const = 0;
-
-private:
-  std::vector<Vector> kept_of_each_;
 };
+
+/// y = the forward solve of b, and r = y_c.
+void forward(Factorisation& factor, const Vector& b, Vector& y, Vector& r);
+/// x with the contact part c, from the y of `forward`, which is used up.
+void back(Factorisation& factor, const Vector& c, Vector& y, Vector& x);
+/// The same for several right-hand sides in one reading of the factor.
+void forward(Factorisation& factor, std::span<const Vector> b, DenseMatrix& y,
+             std::vector<Vector>& r);
+void back(Factorisation& factor, std::span<const Vector> c, DenseMatrix& y, std::vector<Vector>& x);
+/// x = K^-1 b, or K^-T b.
+void solve(Factorisation& factor, const Vector& b, Vector& x, Columns columns = Columns::all);
 
 /// Fill-reducing orderings that were found before; ordering.hpp.
 class OrderStore;

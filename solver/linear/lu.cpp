@@ -12,13 +12,12 @@
 #include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
 
-#include <fmt/format.h>
-
 #include <umfpack.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 
 namespace hvi::solver {
 namespace {
@@ -29,7 +28,7 @@ struct FreeSymbolic {
 struct FreeNumeric {
   void operator()(void* object) const { umfpack_dl_free_numeric(&object); }
 };
-using Symbolic = std::shared_ptr<void>; ///< of one or several factors
+using Symbolic = std::unique_ptr<void, FreeSymbolic>;
 using Numeric = std::unique_ptr<void, FreeNumeric>;
 
 /// A triangle by rows, or its transpose by columns; the last entry of a row is the diagonal.
@@ -72,49 +71,35 @@ struct Triangle {
   }
 };
 
-class Lu final : public Factorisation {
+/// An order of elimination for a pattern and what UMFPACK makes of both; factors may share it.
+class LuAnalysis {
 public:
-  Lu(const SparseMatrix& k, std::span<const int> contact);
-  std::unique_ptr<Factorisation> another() const override;
-  void factor(const SparseMatrix& k) override;
-  void reduce(const Vector& b, Vector& r) override;
-  void back(const Vector& c, Vector& x) override;
-  Vector kept() const override { return y_.head(interior_); }
-  void resume(const Vector& kept) override { y_.head(interior_) = kept; }
-  void solve(const Vector& b, Vector& x) override;
-  void solve_transposed(const Vector& b, Vector& x) override;
-  const DenseMatrix& schur() const override { return schur_; }
-  const FactorStatistics& statistics() const override { return statistics_; }
+  LuAnalysis(const SparseMatrix& k, std::span<const int> contact);
+  /// Throws Failure(bad_value) where K has another pattern, OutOfMemory.
+  Numeric factor(const SparseMatrix& k, double& flops) const;
+
+  EliminationOrder order;
+  std::string ordering; ///< who found it
+  double bytes = 0.0;   ///< that a factorisation takes
 
 private:
-  void order(const SparseMatrix& k, std::span<const int> contact);
   void check_pattern(const SparseMatrix& k) const;
-  Numeric factor_with_umfpack(const SparseMatrix& k);
-  void take_triangles(void* numeric);
-  void check_pivots(const SparseMatrix& k) const;
-  [[noreturn]] void fail_at(int position, double pivot) const;
 
-  int size_, interior_;
   std::vector<Long> start_, column_; ///< the pattern of K by rows
-  std::vector<Long> permutation_;    ///< position -> unknown
   std::array<double, UMFPACK_CONTROL> control_{};
   Symbolic symbolic_;
-  // UMFPACK takes the rows of K for columns, so it factors the transpose: K = L U with the lower
-  // triangle by rows and the (unit) upper one by columns, as the two triangular solves read them.
-  Triangle lower_, upper_transposed_;
-  DenseMatrix lower22_, upper22_, schur_;
-  Vector y_, x_, reduced_;
-  bool factored_ = false;
-  double bytes_to_factor_ = 0.0;
-  FactorStatistics statistics_;
 };
 
-Lu::Lu(const SparseMatrix& k, std::span<const int> contact)
-    : size_(static_cast<int>(k.rows())), interior_(size_ - static_cast<int>(contact.size())),
-      start_(k.outerIndexPtr(), k.outerIndexPtr() + k.rows() + 1),
-      column_(k.innerIndexPtr(), k.innerIndexPtr() + k.nonZeros()), y_(size_), x_(size_) {
-  const double start = cpu_seconds();
-  order(k, contact);
+/// Contact last, then postordered: the frontal matrices of UMFPACK follow the elimination tree.
+LuAnalysis::LuAnalysis(const SparseMatrix& k, std::span<const int> contact)
+    : start_(k.outerIndexPtr(), k.outerIndexPtr() + k.rows() + 1),
+      column_(k.innerIndexPtr(), k.innerIndexPtr() + k.nonZeros()) {
+  CholmodSession session;
+  const ContactLastOrder found = order_contact_last(k, contact, session);
+  order = elimination_order(found, contact);
+  ordering = found.name;
+  // UMFPACK's own L and U, their copy with indices of 64 bits, and ours with 32.
+  bytes = 2.0 * found.nonzeros * (2 * sizeof(double) + 3 * sizeof(Long) - sizeof(int));
   umfpack_dl_defaults(control_.data());
   control_[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
   control_[UMFPACK_SYM_PIVOT_TOLERANCE] = 0.0;
@@ -123,81 +108,59 @@ Lu::Lu(const SparseMatrix& k, std::span<const int> contact)
   control_[UMFPACK_SCALE] = UMFPACK_SCALE_NONE;
   void* symbolic = nullptr;
   const auto status =
-      umfpack_dl_qsymbolic(size_, size_, start_.data(), column_.data(), nullptr,
-                           permutation_.data(), &symbolic, control_.data(), nullptr);
-  symbolic_ = Symbolic(symbolic, FreeSymbolic{});
-  if (status < 0) throw OutOfMemory("no memory to analyse a matrix of {} unknowns", size_);
-  statistics_.analyses = 1;
-  statistics_.seconds_analyse = cpu_seconds() - start;
+      umfpack_dl_qsymbolic(order.size(), order.size(), start_.data(), column_.data(), nullptr,
+                           found.permutation.data(), &symbolic, control_.data(), nullptr);
+  symbolic_ = Symbolic(symbolic);
+  if (status < 0) throw OutOfMemory("no memory to analyse a matrix of {} unknowns", order.size());
 }
 
-std::unique_ptr<Factorisation> Lu::another() const {
-  auto out = std::make_unique<Lu>(*this);
-  out->factored_ = false;
-  out->statistics_ = {};
-  out->statistics_.ordering = statistics_.ordering;
-  out->statistics_.bytes = bytes_to_factor_;
-  return out;
-}
-
-/// Contact last, then postordered: the frontal matrices of UMFPACK follow the elimination tree.
-void Lu::order(const SparseMatrix& k, std::span<const int> contact) {
-  CholmodSession session;
-  const ContactLastOrder order = order_contact_last(k, contact, session);
-  statistics_.ordering = order.name;
-  // UMFPACK's own L and U, their copy with indices of 64 bits, and ours with 32.
-  bytes_to_factor_ = 2.0 * order.nonzeros * (2 * sizeof(double) + 3 * sizeof(Long) - sizeof(int));
-  statistics_.bytes = bytes_to_factor_;
-  permutation_ = order.permutation;
-  if (!std::equal(contact.begin(), contact.end(), permutation_.begin() + interior_))
-    throw std::logic_error("the postorder moved a contact unknown from the end of the elimination");
-}
-
-void Lu::check_pattern(const SparseMatrix& k) const {
-  if (!k.isCompressed() || k.rows() != size_ ||
+void LuAnalysis::check_pattern(const SparseMatrix& k) const {
+  if (!k.isCompressed() || k.rows() != order.size() ||
       !std::equal(start_.begin(), start_.end(), k.outerIndexPtr()) ||
       !std::equal(column_.begin(), column_.end(), k.innerIndexPtr()))
     throw Failure(FailureKind::bad_value, {},
                   "the matrix to factor does not have the pattern that was analysed");
 }
 
-Numeric Lu::factor_with_umfpack(const SparseMatrix& k) {
+Numeric LuAnalysis::factor(const SparseMatrix& k, double& flops) const {
+  check_pattern(k);
   std::array<double, UMFPACK_INFO> info{};
   void* numeric = nullptr;
   const auto status = umfpack_dl_numeric(start_.data(), column_.data(), k.valuePtr(),
                                          symbolic_.get(), &numeric, control_.data(), info.data());
-  if (status < 0) throw OutOfMemory("no memory to factor a matrix of {} unknowns", size_);
-  ++statistics_.factorisations;
-  statistics_.flops = info[UMFPACK_FLOPS];
+  if (status < 0) throw OutOfMemory("no memory to factor a matrix of {} unknowns", order.size());
+  flops = info[UMFPACK_FLOPS];
   return Numeric(numeric);
 }
 
-void Lu::factor(const SparseMatrix& k) {
-  const double start = cpu_seconds();
-  const OneBlasThread one_thread;
-  factored_ = false;
-  check_pattern(k);
-  take_triangles(factor_with_umfpack(k).get());
-  check_pivots(k);
-  lower22_ = lower_.trailing(interior_);
-  upper22_ = upper_transposed_.trailing(interior_).transpose();
-  schur_.noalias() = lower22_ * upper22_;
-  statistics_.seconds_factor = cpu_seconds() - start;
-  factored_ = true;
+[[noreturn]] void fail_at(int position, double pivot, const EliminationOrder& order) {
+  throw NotFactorable(order.unknown[position], pivot,
+                      "the matrix is not coercive: the elimination breaks down");
 }
 
+/// UMFPACK takes the rows of K for columns, so it factors the transpose: K = L U with the lower
+/// triangle by rows and the (unit) upper one by columns, as the two triangular solves read them.
+struct LuFactor {
+  Triangle lower, upper_transposed;
+  DenseMatrix lower22, upper22, schur; ///< of the contact unknowns, S = L22 U22
+
+  void take_triangles(void* numeric, const EliminationOrder& order);
+  void check_pivots(const SparseMatrix& k, const EliminationOrder& order) const;
+  void take_trailing_blocks(int interior);
+};
+
 /// Copies L and U, with 32-bit indices in ascending order; throws where a pivot is not diagonal.
-void Lu::take_triangles(void* numeric) {
+void LuFactor::take_triangles(void* numeric, const EliminationOrder& order) {
   Long l_entries = 0, u_entries = 0, rows = 0, columns = 0, diagonals = 0;
   // Where UMFPACK has no memory to unpack an array it leaves it unchanged.
-  const auto check = [this](Long status) {
-    if (status < 0) throw OutOfMemory("no memory for a factor of {} unknowns", size_);
+  const auto check = [&](Long status) {
+    if (status < 0) throw OutOfMemory("no memory for a factor of {} unknowns", order.size());
   };
   check(umfpack_dl_get_lunz(&l_entries, &u_entries, &rows, &columns, &diagonals, numeric));
-  const auto n = static_cast<std::size_t>(size_);
+  const auto n = order.unknown.size();
   std::vector<Long> l_index(l_entries), u_index(u_entries), row_order(n), column_order(n);
-  Triangle& u = lower_; // U of the transpose is L of K
-  Triangle& l = upper_transposed_;
+  Triangle& u = lower; // U of the transpose is L of K
+  Triangle& l = upper_transposed;
   l.start.resize(n + 1);
   u.start.resize(n + 1);
   l.value.resize(l_entries);
@@ -207,80 +170,134 @@ void Lu::take_triangles(void* numeric) {
                                column_order.data(), nullptr, nullptr, nullptr, numeric));
   l.index.assign(l_index.begin(), l_index.end());
   u.index.assign(u_index.begin(), u_index.end());
-  if (column_order != permutation_) throw std::logic_error("UMFPACK changed the given order");
+  if (!std::ranges::equal(column_order, order.unknown))
+    throw std::logic_error("UMFPACK changed the given order");
   // A zero on the diagonal is the only reason to leave it.
-  const auto moved = std::ranges::mismatch(row_order, permutation_).in1 - row_order.begin();
-  if (moved < size_) fail_at(static_cast<int>(moved), 0.0);
-  statistics_.nonzeros = static_cast<double>(l_entries + u_entries);
-  statistics_.bytes = statistics_.nonzeros * (sizeof(double) + sizeof(int));
+  const auto moved = std::ranges::mismatch(row_order, order.unknown).in1 - row_order.begin();
+  if (moved < order.size()) fail_at(static_cast<int>(moved), 0.0, order);
 }
 
-void Lu::check_pivots(const SparseMatrix& k) const {
+void LuFactor::check_pivots(const SparseMatrix& k, const EliminationOrder& order) const {
   const Vector diagonal = k.diagonal();
   double least = 1.0;
   int where = -1;
-  for (int position = 0; position < size_; ++position) {
-    const double entry = lower_.value[lower_.start[position + 1] - 1];
-    const double pivot = entry / diagonal[permutation_[position]];
-    if (!std::isfinite(pivot)) fail_at(position, pivot);
+  for (int position = 0; position < order.size(); ++position) {
+    const double entry = lower.value[lower.start[position + 1] - 1];
+    const double pivot = entry / diagonal[order.unknown[position]];
+    if (!std::isfinite(pivot)) fail_at(position, pivot, order);
     if (pivot < least) {
       least = pivot;
       where = position;
     }
   }
-  if (least < smallest_pivot) fail_at(where, least);
+  if (least < smallest_pivot) fail_at(where, least, order);
 }
 
-void Lu::fail_at(int position, double pivot) const {
-  throw NotFactorable(static_cast<int>(permutation_[position]), pivot,
-                      "the matrix is not coercive: the elimination breaks down");
+void LuFactor::take_trailing_blocks(int interior) {
+  lower22 = lower.trailing(interior);
+  upper22 = upper_transposed.trailing(interior).transpose();
+  schur.noalias() = lower22 * upper22;
 }
 
-void Lu::reduce(const Vector& b, Vector& r) {
-  if (!factored_) throw std::logic_error("reduce before a successful factorisation");
-  for (int position = 0; position < size_; ++position) y_[position] = b[permutation_[position]];
-  lower_.forward(interior_, y_.data());
-  r = y_.tail(size_ - interior_);
-  ++statistics_.triangular_solves;
-  statistics_.bytes_read += lower_.bytes();
-}
-
-void Lu::back(const Vector& c, Vector& x) {
-  if (!factored_) throw std::logic_error("back before a successful factorisation");
-  x_ = y_;
-  x_.tail(size_ - interior_) = c;
-  upper_transposed_.backward(interior_, x_.data());
-  x.resize(size_);
-  for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
-  ++statistics_.triangular_solves;
-  statistics_.bytes_read += upper_transposed_.bytes();
-}
-
-void Lu::solve(const Vector& b, Vector& x) {
-  reduce(b, reduced_);
-  if (interior_ < size_) {
-    lower22_.triangularView<Eigen::Lower>().solveInPlace(reduced_);
-    upper22_.triangularView<Eigen::UnitUpper>().solveInPlace(reduced_);
+/// As `act` has it, for each of the right-hand sides by itself.
+template <class F>
+void for_each_of(RightHandSides y, int size, F&& act) {
+  if (y.stride == 1) return act(y.values);
+  Vector one(size);
+  for (int k = 0; k < y.count; ++k) {
+    for (int i = 0; i < size; ++i) one[i] = y.values[static_cast<std::ptrdiff_t>(i) * y.stride + k];
+    act(one.data());
+    for (int i = 0; i < size; ++i) y.values[static_cast<std::ptrdiff_t>(i) * y.stride + k] = one[i];
   }
-  back(reduced_, x);
 }
 
-/// U^T first, then L^T: the same two triangles the other way round.
-void Lu::solve_transposed(const Vector& b, Vector& x) {
-  if (!factored_) throw std::logic_error("solve before a successful factorisation");
-  for (int position = 0; position < size_; ++position) x_[position] = b[permutation_[position]];
-  upper_transposed_.forward(size_, x_.data());
-  lower_.backward(size_, x_.data());
-  x.resize(size_);
-  for (int position = 0; position < size_; ++position) x[permutation_[position]] = x_[position];
-  statistics_.triangular_solves += 2;
-  statistics_.bytes_read += upper_transposed_.bytes() + lower_.bytes();
+class Lu final : public Factorisation {
+public:
+  Lu(std::shared_ptr<const LuAnalysis> analysis, FactorStatistics so_far)
+      : analysis_(std::move(analysis)), statistics_(std::move(so_far)) {
+    statistics_.ordering = analysis_->ordering;
+    statistics_.bytes = analysis_->bytes;
+  }
+  std::unique_ptr<Factorisation> another() const override {
+    return std::make_unique<Lu>(analysis_, FactorStatistics());
+  }
+  void factor(const SparseMatrix& k) override;
+  void forward(RightHandSides y, Columns columns) override;
+  void back(RightHandSides y, Columns columns) override;
+  const DenseMatrix& schur() const override { return factor_.schur; }
+  const EliminationOrder& order() const override { return analysis_->order; }
+  const FactorStatistics& statistics() const override { return statistics_; }
+
+private:
+  void count_solve(const Triangle& read);
+
+  std::shared_ptr<const LuAnalysis> analysis_;
+  LuFactor factor_;
+  bool factored_ = false;
+  FactorStatistics statistics_;
+};
+
+void Lu::factor(const SparseMatrix& k) {
+  const double start = cpu_seconds();
+  const OneBlasThread one_thread;
+  factored_ = false;
+  {
+    const Numeric numeric = analysis_->factor(k, statistics_.flops);
+    ++statistics_.factorisations;
+    factor_.take_triangles(numeric.get(), order());
+  }
+  statistics_.nonzeros =
+      static_cast<double>(factor_.lower.value.size() + factor_.upper_transposed.value.size());
+  statistics_.bytes = statistics_.nonzeros * (sizeof(double) + sizeof(int));
+  factor_.check_pivots(k, order());
+  factor_.take_trailing_blocks(order().interior);
+  statistics_.seconds_factor = cpu_seconds() - start;
+  factored_ = true;
+}
+
+/// The transpose has U^T first, then L^T: the same two triangles the other way round.
+void Lu::forward(RightHandSides y, Columns columns) {
+  const bool transposed = columns == Columns::transposed;
+  const Triangle& triangle = transposed ? factor_.upper_transposed : factor_.lower;
+  const int interior = order().interior;
+  for_each_of(y, order().size(), [&](double* of) {
+    count_solve(triangle);
+    triangle.forward(transposed ? order().size() : interior, of);
+  });
+  if (columns != Columns::all) return;
+  Eigen::Map<Vector> contact(y.only() + interior, order().contacts());
+  factor_.lower22.triangularView<Eigen::Lower>().solveInPlace(contact);
+}
+
+void Lu::back(RightHandSides y, Columns columns) {
+  const bool transposed = columns == Columns::transposed;
+  const Triangle& triangle = transposed ? factor_.lower : factor_.upper_transposed;
+  const int interior = order().interior;
+  if (columns == Columns::all) {
+    Eigen::Map<Vector> contact(y.only() + interior, order().contacts());
+    factor_.upper22.triangularView<Eigen::UnitUpper>().solveInPlace(contact);
+  }
+  for_each_of(y, order().size(), [&](double* of) {
+    count_solve(triangle);
+    triangle.backward(transposed ? order().size() : interior, of);
+  });
+}
+
+void Lu::count_solve(const Triangle& read) {
+  if (!factored_) throw std::logic_error("a solve before a factorisation");
+  ++statistics_.triangular_solves;
+  statistics_.bytes_read += read.bytes();
 }
 
 } // namespace
 
 std::unique_ptr<Factorisation> analyse_lu(const SparseMatrix& k, std::span<const int> contact) {
-  return std::make_unique<Lu>(k, contact);
+  const double start = cpu_seconds();
+  auto analysis = std::make_shared<const LuAnalysis>(k, contact);
+  FactorStatistics so_far;
+  so_far.analyses = 1;
+  so_far.seconds_analyse = cpu_seconds() - start;
+  return std::make_unique<Lu>(std::move(analysis), so_far);
 }
 
 } // namespace hvi::solver

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 namespace hvi::solver {
@@ -177,6 +178,14 @@ ContactLastOrder of_unknowns(const VertexGraph& graph, const Links& links,
 }
 
 } // namespace
+
+EliminationOrder elimination_order(const ContactLastOrder& order, std::span<const int> contact) {
+  EliminationOrder out{{order.permutation.begin(), order.permutation.end()}, 0};
+  out.interior = out.size() - static_cast<int>(contact.size());
+  if (!std::equal(contact.begin(), contact.end(), out.unknown.begin() + out.interior))
+    throw std::logic_error("the postorder moved a contact unknown from the end of the elimination");
+  return out;
+}
 
 ContactLastOrder OrderStore::order(const SparseMatrix& k, std::span<const int> contact,
                                    CholmodSession& session) {

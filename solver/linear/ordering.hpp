@@ -2,6 +2,7 @@
 // symbolic factorisation.
 #pragma once
 
+#include "solver/linear/elimination_order.hpp"
 #include "solver/linear/elimination_tree.hpp"
 
 #include <span>
@@ -30,6 +31,9 @@ struct ContactLastOrder {
 /// trailing block.
 ContactLastOrder order_contact_last(const SparseMatrix& k, std::span<const int> contact,
                                     CholmodSession& session);
+
+/// The same for those who solve in it.
+EliminationOrder elimination_order(const ContactLastOrder& order, std::span<const int> contact);
 
 /// Orders of the last few patterns. A known one is used again, so that runs have the same bits.
 class OrderStore {

@@ -11,16 +11,28 @@
 namespace hvi::solver {
 namespace {
 
+/// The least pivot, relative to its diagonal entry, and where.
+struct LeastPivot {
+  double value = std::numeric_limits<double>::infinity();
+  int unknown = -1;
+  void take(int of, double pivot) {
+    if (!(pivot > 0.0) || !std::isfinite(pivot)) pivot = 0.0;
+    if (pivot < value) value = pivot, unknown = of;
+  }
+};
+
 class Separate final : public Factorisation {
 public:
-  Separate(int n_contact, int size)
-      : s_(n_contact, n_contact), diagonal_(size - n_contact), y_(Vector::Zero(size - n_contact)) {
+  Separate(int n_contact, int size) : s_(n_contact, n_contact), diagonal_(size - n_contact) {
+    order_.interior = size - n_contact;
+    for (int i = n_contact; i < size; ++i) order_.unknown.push_back(i);
+    for (int i = 0; i < n_contact; ++i) order_.unknown.push_back(i);
     statistics_.ordering = "none";
     statistics_.nonzeros = static_cast<double>(n_contact) * (n_contact + 1.0) / 2.0;
     statistics_.bytes = 2.0 * n_contact * n_contact * sizeof(double);
   }
   std::unique_ptr<Factorisation> another() const override {
-    return separate_factor(contacts(), contacts() + static_cast<int>(diagonal_.size()));
+    return separate_factor(order_.contacts(), order_.size());
   }
 
   void factor(const SparseMatrix& k) override {
@@ -29,55 +41,49 @@ public:
     read(k);
     ++statistics_.factorisations;
     l_ = s_.triangularView<Eigen::Lower>();
-    const int n = contacts();
+    const int n = order_.contacts();
     int info = 0;
     if (n > 0) dpotrf_("L", &n, l_.data(), &n, &info);
-    double least = std::numeric_limits<double>::infinity();
-    int where = -1;
-    const auto take = [&](int unknown, double pivot) {
-      if (!(pivot > 0.0) || !std::isfinite(pivot)) pivot = 0.0;
-      if (pivot < least) least = pivot, where = unknown;
-    };
-    if (info > 0) take(info - 1, 0.0);
-    for (int i = 0; i < (info > 0 ? info - 1 : n); ++i) take(i, l_(i, i) * l_(i, i) / s_(i, i));
-    for (Eigen::Index i = 0; i < diagonal_.size(); ++i)
-      take(contacts() + static_cast<int>(i), diagonal_[i] > 0.0 ? 1.0 : 0.0);
-    if (info != 0 || least < smallest_pivot)
-      throw NotFactorable(where, least,
+    LeastPivot least;
+    if (info > 0) least.take(info - 1, 0.0);
+    for (int i = 0; i < (info > 0 ? info - 1 : n); ++i)
+      least.take(i, l_(i, i) * l_(i, i) / s_(i, i));
+    for (int i = 0; i < order_.interior; ++i) least.take(n + i, diagonal_[i] > 0.0 ? 1.0 : 0.0);
+    if (info != 0 || least.value < smallest_pivot)
+      throw NotFactorable(least.unknown, least.value,
                           "the matrix is not positive definite: the elimination breaks down");
     statistics_.seconds_factor = cpu_seconds() - start;
     factored_ = true;
   }
 
-  void reduce(const Vector& b, Vector& r) override {
-    if (!factored_) throw std::logic_error("reduce before a successful factorisation");
-    r = b.head(contacts());
-    y_ = b.tail(diagonal_.size()).cwiseQuotient(diagonal_);
-    ++statistics_.triangular_solves;
+  void forward(RightHandSides y, Columns columns) override {
+    count_solve();
+    double* entry = y.values;
+    for (int i = 0; i < order_.interior; ++i)
+      for (int k = 0; k < y.stride; ++k) *entry++ /= diagonal_[i];
+    if (columns != Columns::interior)
+      l_.triangularView<Eigen::Lower>().solveInPlace(contact_part(y));
   }
-  void back(const Vector& c, Vector& x) override {
-    x.resize(contacts() + diagonal_.size());
-    x.head(contacts()) = c;
-    x.tail(diagonal_.size()) = y_;
-    ++statistics_.triangular_solves;
-  }
-  Vector kept() const override { return y_; }
-  void resume(const Vector& kept) override { y_ = kept; }
-  void solve(const Vector& b, Vector& x) override {
-    Vector r;
-    reduce(b, r);
-    l_.triangularView<Eigen::Lower>().solveInPlace(r);
-    l_.transpose().triangularView<Eigen::Upper>().solveInPlace(r);
-    back(r, x);
+  void back(RightHandSides y, Columns columns) override {
+    count_solve();
+    if (columns != Columns::interior)
+      l_.transpose().triangularView<Eigen::Upper>().solveInPlace(contact_part(y));
   }
   const DenseMatrix& schur() const override { return s_; }
+  const EliminationOrder& order() const override { return order_; }
   const FactorStatistics& statistics() const override { return statistics_; }
 
 private:
-  int contacts() const { return static_cast<int>(s_.rows()); }
+  void count_solve() {
+    if (!factored_) throw std::logic_error("a solve before a factorisation");
+    ++statistics_.triangular_solves;
+  }
+  Eigen::Map<Vector> contact_part(RightHandSides y) const {
+    return {y.only() + order_.interior, order_.contacts()};
+  }
 
   void read(const SparseMatrix& k) {
-    const int n = contacts();
+    const int n = order_.contacts();
     bool fits = k.rows() == n + diagonal_.size() && k.cols() == k.rows();
     s_.setZero();
     diagonal_.setZero();
@@ -95,8 +101,9 @@ private:
       throw Failure(FailureKind::bad_value, {}, "the matrix couples what is to be separate");
   }
 
-  DenseMatrix s_, l_;
-  Vector diagonal_, y_;
+  EliminationOrder order_;
+  DenseMatrix s_, l_; ///< S = L L^T
+  Vector diagonal_;
   bool factored_ = false;
   FactorStatistics statistics_;
 };

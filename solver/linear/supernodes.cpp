@@ -2,6 +2,7 @@
 // side, which stays in the first cache, is read once for four columns of L from memory.
 #include "solver/linear/supernodes.hpp"
 
+#include "solver/linear/cholmod_session.hpp"
 #include "solver/linear/instruction_set.hpp"
 
 #include <algorithm>
@@ -147,12 +148,12 @@ HVI_INLINE void forward_solve(const TriangularSolve& solve, double* y) {
   }
 }
 
-HVI_INLINE void backward_solve(const TriangularSolve& solve, const double* y, double* x) {
+HVI_INLINE void backward_solve(const TriangularSolve& solve, double* x) {
   for (auto panel = solve.panels.rbegin(); panel != solve.panels.rend(); ++panel) {
     double* w = solve.work;
     const int beneath = panel->rows - panel->columns;
     const int* row = solve.below + panel->below;
-    std::memcpy(w, y + panel->first, sizeof(double) * static_cast<std::size_t>(panel->columns));
+    std::memcpy(w, x + panel->first, sizeof(double) * static_cast<std::size_t>(panel->columns));
     for (int i = 0; i < beneath; ++i) w[panel->columns + i] = x[row[i]];
     backward_panel(solve.values + panel->values, *panel, solve.inverse_diagonal + panel->first, w);
     std::memcpy(x + panel->first, w, sizeof(double) * static_cast<std::size_t>(panel->columns));
@@ -337,48 +338,45 @@ HVI_INLINE void backward_solve_all(const TriangularSolve& solve, int row, double
   }
 }
 
-HVI_AVX2 void forward_all_avx2(const TriangularSolve& s, int row, double* y) {
-  forward_solve_all<2, 4>(s, row, y);
+/// One right-hand side, or several with packs of 4, or of 8.
+template <int Lanes>
+HVI_INLINE void forward_any(const TriangularSolve& s, int stride, double* y) {
+  if (stride == 1) return forward_solve(s, y);
+  forward_solve_all<2, Lanes>(s, stride, y);
 }
-HVI_AVX512 void forward_all_avx512(const TriangularSolve& s, int row, double* y) {
-  forward_solve_all<2, 8>(s, row, y);
-}
-HVI_AVX2 void backward_all_avx2(const TriangularSolve& s, int row, double* x) {
-  backward_solve_all<2, 4>(s, row, x);
-}
-HVI_AVX512 void backward_all_avx512(const TriangularSolve& s, int row, double* x) {
-  backward_solve_all<2, 8>(s, row, x);
+template <int Lanes>
+HVI_INLINE void backward_any(const TriangularSolve& s, int stride, double* x) {
+  if (stride == 1) return backward_solve(s, x);
+  backward_solve_all<2, Lanes>(s, stride, x);
 }
 
-HVI_AVX2 void forward_avx2(const TriangularSolve& s, double* y) { forward_solve(s, y); }
-HVI_AVX512 void forward_avx512(const TriangularSolve& s, double* y) { forward_solve(s, y); }
-HVI_AVX2 void backward_avx2(const TriangularSolve& s, const double* y, double* x) {
-  backward_solve(s, y, x);
+HVI_AVX2 void forward_avx2(const TriangularSolve& s, int stride, double* y) {
+  forward_any<4>(s, stride, y);
 }
-HVI_AVX512 void backward_avx512(const TriangularSolve& s, const double* y, double* x) {
-  backward_solve(s, y, x);
+HVI_AVX512 void forward_avx512(const TriangularSolve& s, int stride, double* y) {
+  forward_any<8>(s, stride, y);
+}
+HVI_AVX2 void backward_avx2(const TriangularSolve& s, int stride, double* x) {
+  backward_any<4>(s, stride, x);
+}
+HVI_AVX512 void backward_avx512(const TriangularSolve& s, int stride, double* x) {
+  backward_any<8>(s, stride, x);
 }
 
 } // namespace
 
 Supernodes::Supernodes(const cholmod_factor& l, int interior) {
-  using Index = SuiteSparse_long;
-  const auto* super = static_cast<const Index*>(l.super);
-  const auto* row_start = static_cast<const Index*>(l.pi);
-  const auto* value_start = static_cast<const Index*>(l.px);
-  const auto* row = static_cast<const Index*>(l.s);
-  int tallest = 0;
+  const auto [super, row_start, value_start, row] = arrays_of(l);
   for (std::size_t s = 0; s < l.nsuper && super[s] < interior; ++s) {
     const int first = static_cast<int>(super[s]);
-    const int last = static_cast<int>(std::min<Index>(super[s + 1], interior));
+    const int last = static_cast<int>(std::min<Long>(super[s + 1], interior));
     const int rows = static_cast<int>(row_start[s + 1] - row_start[s]);
     panels_.push_back(
         {first, last - first, rows, rows, static_cast<std::size_t>(value_start[s]), below_.size()});
-    for (Index at = row_start[s] + (last - first); at < row_start[s + 1]; ++at)
+    for (Long at = row_start[s] + (last - first); at < row_start[s + 1]; ++at)
       below_.push_back(static_cast<int>(row[at]));
-    tallest = std::max(tallest, rows);
+    tallest_ = std::max(tallest_, rows);
   }
-  work_.resize(static_cast<std::size_t>(tallest));
 }
 
 double Supernodes::nonzeros() const {
@@ -388,64 +386,34 @@ double Supernodes::nonzeros() const {
   return sum;
 }
 
-void Supernodes::forward(const double* values, const double* inverse_diagonal, double* y) {
-  const TriangularSolve solve{panels_, below_.data(), values, inverse_diagonal, work_.data()};
+/// It stays for the next solve: a step makes two or more of them.
+double* Supernodes::work_for(int stride) {
+  const auto size = static_cast<std::size_t>(tallest_) * static_cast<std::size_t>(stride);
+  if (work_.size() < size) work_.resize(size);
+  return work_.data();
+}
+
+void Supernodes::forward(const double* values, const double* inverse_diagonal, RightHandSides y) {
+  const TriangularSolve solve{panels_, below_.data(), values, inverse_diagonal, work_for(y.stride)};
   switch (instruction_set()) {
   case InstructionSet::avx512:
-    return forward_avx512(solve, y);
+    return forward_avx512(solve, y.stride, y.values);
   case InstructionSet::avx2:
-    return forward_avx2(solve, y);
+    return forward_avx2(solve, y.stride, y.values);
   case InstructionSet::baseline:
-    return forward_solve(solve, y);
+    return forward_any<4>(solve, y.stride, y.values);
   }
 }
 
-void Supernodes::backward(const double* values, const double* inverse_diagonal, const double* y,
-                          double* x) {
-  const TriangularSolve solve{panels_, below_.data(), values, inverse_diagonal, work_.data()};
+void Supernodes::backward(const double* values, const double* inverse_diagonal, RightHandSides x) {
+  const TriangularSolve solve{panels_, below_.data(), values, inverse_diagonal, work_for(x.stride)};
   switch (instruction_set()) {
   case InstructionSet::avx512:
-    return backward_avx512(solve, y, x);
+    return backward_avx512(solve, x.stride, x.values);
   case InstructionSet::avx2:
-    return backward_avx2(solve, y, x);
+    return backward_avx2(solve, x.stride, x.values);
   case InstructionSet::baseline:
-    return backward_solve(solve, y, x);
-  }
-}
-
-std::vector<double> Supernodes::work_for(int row) const {
-  int tallest = 0;
-  for (const Panel& panel : panels_) tallest = std::max(tallest, panel.rows);
-  return std::vector<double>(static_cast<std::size_t>(tallest) * static_cast<std::size_t>(row));
-}
-
-void Supernodes::forward_all(const double* values, const double* inverse_diagonal, int groups,
-                             double* y) {
-  const int row = groups * lanes;
-  auto work = work_for(row);
-  const TriangularSolve solve{panels_, below_.data(), values, inverse_diagonal, work.data()};
-  switch (instruction_set()) {
-  case InstructionSet::avx512:
-    return forward_all_avx512(solve, row, y);
-  case InstructionSet::avx2:
-    return forward_all_avx2(solve, row, y);
-  case InstructionSet::baseline:
-    return forward_solve_all<2, 4>(solve, row, y);
-  }
-}
-
-void Supernodes::backward_all(const double* values, const double* inverse_diagonal, int groups,
-                              double* x) {
-  const int row = groups * lanes;
-  auto work = work_for(row);
-  const TriangularSolve solve{panels_, below_.data(), values, inverse_diagonal, work.data()};
-  switch (instruction_set()) {
-  case InstructionSet::avx512:
-    return backward_all_avx512(solve, row, x);
-  case InstructionSet::avx2:
-    return backward_all_avx2(solve, row, x);
-  case InstructionSet::baseline:
-    return backward_solve_all<2, 4>(solve, row, x);
+    return backward_any<4>(solve, x.stride, x.values);
   }
 }
 

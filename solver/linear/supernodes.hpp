@@ -2,7 +2,7 @@
 // is that of reading memory; this code reads every entry of L once and nothing else twice.
 #pragma once
 
-#include "solver/linear/sparse.hpp"
+#include "solver/linear/elimination_order.hpp"
 
 #include <cholmod.h>
 
@@ -29,16 +29,9 @@ public:
 
   /// Forward solve: y_I := L_II^-1 y_I, then y_c := y_c - L_cI y_I. `inverse_diagonal` has an entry
   /// per interior column.
-  void forward(const double* values, const double* inverse_diagonal, double* y);
-  /// x_I := L_II^-T (y_I - L_cI^T x_c), where x_c is given in x; y is not changed.
-  void backward(const double* values, const double* inverse_diagonal, const double* y, double* x);
-
-  /// Right-hand sides that a triangular solve takes at once: one pack of the widest registers.
-  static constexpr int lanes = 8;
-  /// The same for `groups` times `lanes` right-hand sides in one reading of L, in place: y_I stands
-  /// in x_I. y and x have all of them for a column of L next to each other.
-  void forward_all(const double* values, const double* inverse_diagonal, int groups, double* y);
-  void backward_all(const double* values, const double* inverse_diagonal, int groups, double* x);
+  void forward(const double* values, const double* inverse_diagonal, RightHandSides y);
+  /// x_I := L_II^-T (y_I - L_cI^T x_c), with y_I where x_I is to stand, and x_c given.
+  void backward(const double* values, const double* inverse_diagonal, RightHandSides x);
 
   std::span<const Panel> panels() const { return panels_; }
   std::span<const int> below() const { return below_; } ///< row indices of all panels
@@ -46,11 +39,19 @@ public:
   double nonzeros() const;
 
 private:
-  std::vector<double> work_for(int row) const; ///< rows of the tallest panel, `row` numbers each
+  double* work_for(int stride);
 
   std::vector<Panel> panels_;
   std::vector<int> below_;
-  std::vector<double> work_; ///< as long as the tallest panel
+  int tallest_ = 0;          ///< rows of a panel
+  std::vector<double> work_; ///< room within a solve: the rows of a panel
+};
+
+/// L of K = L L^T on the columns of the interior: for those who copy it.
+struct LowerFactor {
+  Supernodes structure;
+  const double* values = nullptr; ///< null: there is none yet
+  std::vector<double> inverse_diagonal;
 };
 
 } // namespace hvi::solver

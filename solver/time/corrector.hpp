@@ -34,16 +34,15 @@ public:
   double seconds_inequality = 0, seconds_triangular = 0; ///< of the clock on the wall, so far
 
 private:
-  void condense(const StepMatrix& matrix, const Vector& gap, const Vector* rhs,
-                CorrectionSolves& solves, InequalityState& state);
-  void expand(const StepMatrix& matrix, const InequalityState& state, CorrectionSolves& solves,
-              Correction& out);
   Correction solve(const StepMatrix& matrix, const Vector& gap, const Vector* rhs,
                    bool couple_bounds, CorrectionSolves& solves, InequalityState& state);
+  void add_part_of(const Vector& c, const StepMatrix& matrix, const Vector& gap, const Vector* rhs,
+                   InequalityState& state);
 
   const Contact& contact_;
   bool separate_;
-  Vector r_, x_, c_, product_; ///< x_: the correction; c_: d on the contact unknowns
+  // Room within a correction: what is condensed, the correction, d on the contact unknowns, S d.
+  Vector y_, r_, x_, c_, product_;
 };
 
 } // namespace hvi::solver

@@ -108,10 +108,10 @@ Interior::Interior(SparseMatrix& t, SharedFactor factor, StateLayout layout,
 }
 
 Vector Interior::add_mode(const Vector& f) {
-  Vector r;
-  factor_->reduce(f, r);
+  Vector y, r;
+  forward(*factor_, f, y, r);
   forces_.push_back(f);
-  kept_.push_back(factor_->kept());
+  kept_.push_back(y.head(n_interior()));
   Vector out = Vector::Zero(size());
   out.head(n_contact()) = r;
   out[size() - 1] = 1.0;
@@ -149,11 +149,11 @@ SparseMatrix Interior::matrix() const {
 
 /// x = E c + sum_k phi_k p_k
 void Interior::expand(const Vector& y, Vector& x) {
-  Vector kept = Vector::Zero(layout_.n_unknowns - n_contact());
+  Vector kept = Vector::Zero(layout_.n_unknowns);
   for (std::size_t k = 0; k < kept_.size(); ++k)
-    if (const double phi = y[n_contact() + static_cast<int>(k)]; phi != 0.0) kept += phi * kept_[k];
-  factor_->resume(kept);
-  factor_->back(y.head(n_contact()), x);
+    if (const double phi = y[n_contact() + static_cast<int>(k)]; phi != 0.0)
+      kept.head(n_interior()) += phi * kept_[k];
+  back(*factor_, y.head(n_contact()), kept, x);
 }
 
 /// f = sum_k y_k F_k
@@ -179,9 +179,9 @@ void Interior::observe(std::span<const int> dofs) {
       // (E^T e_i)_c = -T_cI T_II^-1 e_i: what the forward solve makes of e_i.
       Vector e = Vector::Zero(layout_.n_unknowns);
       e[unknown] = 1.0;
-      factor_->reduce(e, out.row);
-      const Vector kept = factor_->kept();
-      for (const Vector& of_mode : kept_) out.modes.push_back(kept.dot(of_mode));
+      Vector y;
+      forward(*factor_, e, y, out.row);
+      for (const Vector& of_mode : kept_) out.modes.push_back(y.head(n_interior()).dot(of_mode));
     }
     observed_.push_back(std::move(out));
   }
@@ -200,11 +200,12 @@ void Interior::scatter_observed(const Vector& y, Vector& full) const {
 
 bool Interior::respond(std::span<const Vector> forces, StepMatrix& matrix, double gamma,
                        const InequalityState& at, std::vector<Vector>& x, std::vector<Vector>& xi) {
+  DenseMatrix y;
   std::vector<Vector> r, c;
-  factor_->reduce_each(forces, r);
+  forward(*factor_, forces, y, r);
   if (!matrix.laws()->respond(at, r, c, xi)) return false;
   for (auto& of_force : c) of_force *= gamma; // the factor's matrix times gamma is the step's
-  factor_->back_each(c, x);
+  back(*factor_, c, y, x);
   for (auto& of_force : x) of_force /= gamma;
   return true;
 }
@@ -227,15 +228,24 @@ double Interior::equilibrium(const Vector& known, const Vector& change, const Ve
   return equilibrium_error(t_, state_, gap_, scale_, force, xi);
 }
 
-/// expand() of several, a row of x each; an unknown's column is place[unknown].
-void Interior::expand_all(std::span<const Vector* const> y, DenseMatrix& x,
-                          std::vector<int>& place) {
-  const auto count = static_cast<Eigen::Index>(y.size());
-  DenseMatrix c(n_contact(), count);
-  for (Eigen::Index r = 0; r < count; ++r) c.col(r) = y[r]->head(n_contact());
-  DenseMatrix phi(count, static_cast<Eigen::Index>(kept_.size()));
-  for (Eigen::Index r = 0; r < count; ++r) phi.row(r) = y[r]->tail(phi.cols()).transpose();
-  factor_->back_all(c, kept_, phi, x, place);
+/// expand() of several in one backward solve, a row of x each, in the order of elimination.
+void Interior::expand_all(std::span<const Vector* const> y, DenseMatrix& x) {
+  const auto count = static_cast<int>(y.size());
+  x.resize(RightHandSides::stride_of(count), layout_.n_unknowns);
+  auto inside = x.leftCols(n_interior());
+  if (kept_.empty()) inside.setZero();
+  Vector phi = Vector::Zero(x.rows());
+  for (std::size_t k = 0; k < kept_.size(); ++k) {
+    for (int r = 0; r < count; ++r) phi[r] = (*y[r])[n_contact() + static_cast<int>(k)];
+    if (k == 0)
+      inside.noalias() = phi * kept_[k].transpose();
+    else
+      inside.noalias() += phi * kept_[k].transpose();
+  }
+  auto contact = x.rightCols(n_contact());
+  for (int r = 0; r < count; ++r) contact.row(r) = y[r]->head(n_contact()).transpose();
+  contact.bottomRows(x.rows() - count).setZero();
+  factor_->back({x, count}, Columns::interior);
 }
 
 std::vector<double> Interior::equilibria(std::span<const Question> steps, double enough) {
@@ -247,8 +257,10 @@ std::vector<double> Interior::equilibria(std::span<const Question> steps, double
     states.push_back(&sums.back());
   }
   DenseMatrix x;
-  std::vector<int> place;
-  expand_all(states, x, place);
+  expand_all(states, x);
+  const auto& unknown = factor_->order().unknown;
+  std::vector<int> place(unknown.size());
+  for (std::size_t i = 0; i < unknown.size(); ++i) place[unknown[i]] = static_cast<int>(i);
   DenseMatrix load = DenseMatrix::Zero(x.rows(), static_cast<Eigen::Index>(forces_.size()));
   DenseMatrix reaction = DenseMatrix::Zero(x.rows(), n_contact());
   for (std::size_t r = 0; r < steps.size(); ++r) {

@@ -65,14 +65,15 @@ public:
   /// respond (step_matrix.hpp) with K = gamma T on all unknowns; `matrix` is that of the states.
   bool respond(std::span<const Vector> forces, StepMatrix& matrix, double gamma,
                const InequalityState& at, std::vector<Vector>& x, std::vector<Vector>& xi);
-  static constexpr int most_steps = Factorisation::most_at_once;
+  static constexpr int most_steps = 2 * RightHandSides::at_once;
   SparseMatrix force; ///< G^T W on all unknowns
   FactorStatistics statistics() const { return factor_.statistics(); }
 
 private:
   void expand(const Vector& y, Vector& x);
   void force_of_modes(const Vector& y, Vector& f) const;
-  void expand_all(std::span<const Vector* const> y, DenseMatrix& x, std::vector<int>& place);
+  void expand_all(std::span<const Vector* const> y, DenseMatrix& x);
+  int n_interior() const { return factor_->order().interior; }
 
   SparseMatrix t_;
   StateLayout layout_; ///< of the full problem

@@ -73,7 +73,7 @@ std::optional<Vector> softest_motion(const SparseMatrix& k) {
     for (int i = 0; i < k.rows(); ++i) x[i] = random_unit(static_cast<std::uint64_t>(i), 0);
     for (int pass = 0; pass < 4; ++pass) {
       b = diagonal.cwiseProduct(x);
-      factor->solve(b, x);
+      solve(*factor, b, x);
       x.normalize();
     }
     if (x.allFinite()) return x;

@@ -1,6 +1,8 @@
 // Random changes of the data by a unit in the last place; see rounding.hpp.
 #include "solver/time/rounding.hpp"
 
+#include "solver/linear/cholesky.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -59,13 +61,15 @@ double rounding_growth(const SparseMatrix& k, Factorisation& factor) {
     b[i] = random_unit(static_cast<std::uint64_t>(i), 0) < 0.0 ? -sum : sum;
   }
   double growth = 0.0;
-  if (const auto l = factor.lower()) { // b^T K^-1 b = |L^-1 b|^2 by a forward solve
-    factor.reduce(b, x);
-    if (x.size() > 0) l->contact.triangularView<Eigen::Lower>().solveInPlace(x);
-    const double energy = factor.kept().squaredNorm() + x.squaredNorm();
+  if (lower_factor(factor) != nullptr) { // b^T K^-1 b = |L^-1 b|^2 by a forward solve
+    factor.order().gather(b, x);
+    factor.forward(x, Columns::all);
+    const int interior = factor.order().interior;
+    const double energy =
+        x.head(interior).squaredNorm() + x.tail(x.size() - interior).squaredNorm();
     growth = eps * energy * std::sqrt(n) / b.norm();
   } else {
-    factor.solve(b, x);
+    solve(factor, b, x);
     growth = eps * x.lpNorm<Eigen::Infinity>() * std::sqrt(n);
   }
   return std::isfinite(growth) ? growth : std::numeric_limits<double>::infinity();

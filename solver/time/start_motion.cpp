@@ -163,7 +163,7 @@ public:
 
   Vector solve(const Vector& f) const {
     Vector out;
-    matrix_.factorisation()->solve(f, out);
+    hvi::solver::solve(*matrix_.factorisation(), f, out);
     return out;
   }
 
@@ -172,8 +172,8 @@ public:
     const Contact& contact = formulation_.contact();
     const SharedFactor& factor = matrix_.factorisation();
     const Vector rest = f - contact.force * open.known;
-    Vector r = rest, a;
-    if (factor) factor->reduce(rest, r);
+    Vector r = rest, y, a;
+    if (factor) forward(*factor, rest, y, r);
     InequalityOptions options;
     options.tolerance = plan_.options.tolerance;
     InequalityState state;
@@ -186,7 +186,7 @@ public:
                     "use `scheme = midpoint`, which needs none");
     xi = open.known + state.xi;
     if (!factor) return state.c;
-    factor->back(state.c, a);
+    back(*factor, state.c, y, a);
     return a;
   }
 

@@ -24,13 +24,14 @@ bool respond(const StepMatrix& matrix, std::span<const Vector> forces, const Ine
   x.resize(forces.size());
   const SharedFactor& factor = matrix.factorisation();
   if (!factor) return matrix.laws()->respond(at, forces, x, xi);
+  DenseMatrix y;
   std::vector<Vector> r, c;
-  factor->reduce_each(forces, r);
+  forward(*factor, forces, y, r);
   if (matrix.laws() == nullptr)
     c = r; // without entries
   else if (!matrix.laws()->respond(at, r, c, xi))
     return false;
-  factor->back_each(c, x);
+  back(*factor, c, y, x);
   return true;
 }
 

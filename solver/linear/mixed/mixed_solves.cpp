@@ -21,8 +21,8 @@ public:
       : CorrectionSolves(tolerance), laws_(laws), choice_(tolerance) {}
 
   double begin(const SparseMatrix& k, bool guessed) override;
-  void reduce(Factorisation& factor, const Vector& gap, Vector& r) override;
-  void back(Factorisation& factor, const Vector& c, double moved, Vector& x) override;
+  void forward(Factorisation& factor, Vector& y) override;
+  void back(Factorisation& factor, double moved, Vector& y) override;
   void judge(double moved, double error, bool exact) override;
   void accept(const SparseMatrix& k, const Factorisation& factor, bool predictable,
               int steps_left) override;
@@ -48,24 +48,23 @@ double MixedSolves::begin(const SparseMatrix& k, bool guessed) {
   return of_ == &k ? choice_.target() : tolerance();
 }
 
-void MixedSolves::reduce(Factorisation& factor, const Vector& gap, Vector& r) {
+void MixedSolves::forward(Factorisation& factor, Vector& y) {
   forward_ = limits_.forward;
-  if (forward_ != FactorPrecision::full && rounded_.take(factor)) {
-    rounded_.reduce(forward_, gap, r);
-  } else {
-    forward_ = FactorPrecision::full;
-    factor.reduce(gap, r);
-  }
+  if (forward_ != FactorPrecision::full && rounded_.take(factor))
+    return rounded_.forward(forward_, y);
+  forward_ = FactorPrecision::full;
+  factor.forward(y, Columns::interior);
 }
 
 /// The correction of the contact unknowns moves the whole body: where it is large, reduced
 /// precision would leave an error of its size, however small all was before the solve.
-void MixedSolves::back(Factorisation& factor, const Vector& c, double moved, Vector& x) {
+void MixedSolves::back(Factorisation& factor, double moved, Vector& y) {
   back_ = forward_;
-  if (forward_ != FactorPrecision::full && c.size() > 0) back_ = limits_.back(moved);
-  if (back_ != FactorPrecision::full) return rounded_.back(back_, c, x);
-  if (forward_ != FactorPrecision::full) factor.resume(rounded_.kept());
-  factor.back(c, x);
+  if (forward_ != FactorPrecision::full && factor.order().contacts() > 0)
+    back_ = limits_.back(moved);
+  if (back_ != FactorPrecision::full) return rounded_.back(back_, y);
+  if (forward_ != FactorPrecision::full) rounded_.complete(y);
+  factor.back(y, Columns::interior);
 }
 
 void MixedSolves::judge(double moved, double error, bool exact) {

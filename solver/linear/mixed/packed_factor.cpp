@@ -176,20 +176,18 @@ void PackedFactor::forward(bool fine, double* y) {
   }
 }
 
-void PackedFactor::backward(bool fine, const double* y, double* x) {
+void PackedFactor::backward(bool fine, double* x) {
   const PackedSolve solve{
       structure_->panels(), structure_->below().data(), values_.data(), rests_.data(),
       end_.data(),          inverse_square_.data(),     work_.data()};
   switch (instruction_set()) {
   case InstructionSet::avx512:
-    return fine ? avx512::backward_solve<true>(solve, y, x)
-                : avx512::backward_solve<false>(solve, y, x);
+    return fine ? avx512::backward_solve<true>(solve, x) : avx512::backward_solve<false>(solve, x);
   case InstructionSet::avx2:
-    return fine ? avx2::backward_solve<true>(solve, y, x)
-                : avx2::backward_solve<false>(solve, y, x);
+    return fine ? avx2::backward_solve<true>(solve, x) : avx2::backward_solve<false>(solve, x);
   case InstructionSet::baseline:
-    return fine ? baseline::backward_solve<true>(solve, y, x)
-                : baseline::backward_solve<false>(solve, y, x);
+    return fine ? baseline::backward_solve<true>(solve, x)
+                : baseline::backward_solve<false>(solve, x);
   }
 }
 

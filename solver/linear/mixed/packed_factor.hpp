@@ -26,8 +26,9 @@ public:
 
   /// y_I := D^-2 U_II^-1 y_I, y_c := y_c - L_cI (L_II^-1 y_I). `fine`: with 48 bits, else 32.
   void forward(bool fine, double* y);
-  /// x_I := U_II^-T (y_I - U_cI^T x_c) for the y of `forward`, x_c given in x.
-  void backward(bool fine, const double* y, double* x);
+  /// x_I := U_II^-T (y_I - U_cI^T x_c) for the y of `forward`, with y_I where x_I is to stand, and
+  /// x_c given.
+  void backward(bool fine, double* x);
   double bytes() const;
   /// That a triangular solve reads.
   double bytes_read(bool fine) const;

@@ -226,14 +226,14 @@ void forward_solve(const PackedSolve& solve, double* y) {
 }
 
 template <bool Fine>
-void backward_solve(const PackedSolve& solve, const double* y, double* x) {
+void backward_solve(const PackedSolve& solve, double* x) {
   const Entries<Fine> first{solve.values, solve.rests};
   double* w = solve.work;
   for (std::size_t p = solve.panels.size(); p-- > 0;) {
     const Panel& panel = solve.panels[p];
     const int beneath = panel.rows - panel.columns;
     const int* row = solve.below + panel.below;
-    for (int j = 0; j < panel.columns; ++j) w[j] = y[panel.first + j];
+    for (int j = 0; j < panel.columns; ++j) w[j] = x[panel.first + j];
     for (int i = 0; i < beneath; ++i) w[panel.columns + i] = x[row[i]];
     for (int i = 0; i < lanes; ++i) w[panel.rows + i] = 0.0;
     backward_panel(first + static_cast<std::ptrdiff_t>(solve.end[p]), panel, w);

@@ -8,7 +8,7 @@ namespace hvi::solver {
 /// bits, so that a solve has a relative error of about 1e-7 or 2e-12 times the growth of the
 /// matrix. Reduced precision pays where only a small correction is solved for and the true residual
 /// is known: with a guess x* (the last increments, extrapolated) and b* = b - K x*,
-///     reduce(b*) -> r*,  r = r* + S c*,  the reduced problem gives c,  back(c - c*) -> x - x*.
+///     forward(b*) -> r*,  r = r* + S c*,  the reduced problem gives c,  back(c - c*) -> x - x*.
 enum class FactorPrecision { full, fine, single };
 
 } // namespace hvi::solver

@@ -1,6 +1,8 @@
 // See rounded_factor.hpp.
 #include "solver/linear/mixed/rounded_factor.hpp"
 
+#include "solver/linear/cholesky.hpp"
+
 namespace hvi::solver {
 
 /// A factorisation that was factored again is another one. Its address may be that of one that is
@@ -10,11 +12,8 @@ bool RoundedFactor::take(const Factorisation& of) {
   if (of_ == &of && factorisation_ == factorisation) return !packed_.empty();
   of_ = &of, factorisation_ = factorisation;
   packed_.clear();
-  const auto l = of.lower();
-  if (!l || !packed_.pack(l->interior, l->values)) return false;
-  y_.resize(static_cast<Eigen::Index>(l->permutation.size()));
-  x_.resize(y_.size());
-  return true;
+  const LowerFactor* l = lower_factor(of);
+  return l != nullptr && packed_.pack(l->structure, l->values);
 }
 
 void RoundedFactor::forget() {
@@ -27,32 +26,21 @@ void RoundedFactor::count(FactorPrecision precision) {
   counted_.bytes_read += packed_.bytes_read(precision == FactorPrecision::fine);
 }
 
-void RoundedFactor::reduce(FactorPrecision precision, const Vector& b, Vector& r) {
-  const auto l = of_->lower();
-  const auto size = y_.size(), interior = static_cast<Eigen::Index>(l->inverse_diagonal.size());
-  for (Eigen::Index position = 0; position < size; ++position)
-    y_[position] = b[l->permutation[static_cast<std::size_t>(position)]];
-  packed_.forward(precision == FactorPrecision::fine, y_.data());
-  r = y_.tail(size - interior);
+void RoundedFactor::forward(FactorPrecision precision, Vector& y) {
+  packed_.forward(precision == FactorPrecision::fine, y.data());
   count(precision);
 }
 
-void RoundedFactor::back(FactorPrecision precision, const Vector& c, Vector& x) {
-  const auto l = of_->lower();
-  x_.tail(c.size()) = c;
-  packed_.backward(precision == FactorPrecision::fine, y_.data(), x_.data());
-  x.resize(x_.size());
-  for (Eigen::Index position = 0; position < x_.size(); ++position)
-    x[l->permutation[static_cast<std::size_t>(position)]] = x_[position];
+void RoundedFactor::back(FactorPrecision precision, Vector& y) {
+  packed_.backward(precision == FactorPrecision::fine, y.data());
   count(precision);
 }
 
-Vector RoundedFactor::kept() const {
-  const auto inverse = of_->lower()->inverse_diagonal;
-  Vector out(static_cast<Eigen::Index>(inverse.size()));
-  for (Eigen::Index i = 0; i < out.size(); ++i)
-    out[i] = y_[i] * (1.0 / inverse[static_cast<std::size_t>(i)]);
-  return out;
+/// y_I is over the diagonal of L.
+void RoundedFactor::complete(Vector& y) const {
+  const auto& inverse = lower_factor(*of_)->inverse_diagonal;
+  for (std::size_t i = 0; i < inverse.size(); ++i)
+    y[static_cast<Eigen::Index>(i)] *= 1.0 / inverse[i];
 }
 
 FactorStatistics RoundedFactor::statistics() const {

@@ -15,11 +15,12 @@ public:
   bool take(const Factorisation& of);
   void forget();
 
-  /// Factorisation::reduce and Factorisation::back, in `fine` or `single`.
-  void reduce(FactorPrecision precision, const Vector& b, Vector& r);
-  void back(FactorPrecision precision, const Vector& c, Vector& x);
-  /// Factorisation::kept of the last `reduce`.
-  Vector kept() const;
+  /// Factorisation::forward and Factorisation::back of one right-hand side with the columns of the
+  /// interior, in `fine` or `single`. What a forward solve leaves in y_I is for one of these
+  /// backward solves, until `complete` has made of it what the factor's own would have left.
+  void forward(FactorPrecision precision, Vector& y);
+  void back(FactorPrecision precision, Vector& y);
+  void complete(Vector& y) const;
 
   /// Solves made here, bytes of the copy.
   FactorStatistics statistics() const;
@@ -30,7 +31,6 @@ private:
   const Factorisation* of_ = nullptr;
   int factorisation_ = 0; ///< of of_, by its own count
   PackedFactor packed_;
-  Vector y_, x_; ///< in the order of elimination; y over the diagonal of L
   FactorStatistics counted_;
 };
 

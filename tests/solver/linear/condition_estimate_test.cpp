@@ -59,7 +59,7 @@ TEST(ConditionEstimate, SolvesWithTheTranspose) {
   factor->factor(k);
   const Vector b = Vector::Random(40);
   Vector x;
-  factor->solve_transposed(b, x);
+  solve(*factor, b, x, Columns::transposed);
   EXPECT_LT((k.transpose() * x - b).norm(), 1e-12 * b.norm());
 }
 

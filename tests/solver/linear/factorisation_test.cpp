@@ -39,11 +39,91 @@ DenseReduction reduce_densely(const SparseMatrix& k, const std::vector<int>& con
   return result;
 }
 
+/// The solution of K x = b but for the contact part, which is c.
+void expect_interior_rows(const SparseMatrix& k, const std::vector<int>& contact, const Vector& b,
+                          const Vector& c, const Vector& x) {
+  const double scale = DenseMatrix(k).cwiseAbs().maxCoeff();
+  Vector residual = b - k * x;
+  EXPECT_EQ((x(contact) - c).cwiseAbs().sum(), 0.0);
+  residual(contact).setZero();
+  EXPECT_LT(residual.cwiseAbs().maxCoeff(), 1e-11 * (1.0 + scale * x.cwiseAbs().maxCoeff()));
+}
+
+void check_order(const EliminationOrder& order, const std::vector<int>& contact) {
+  ASSERT_EQ(order.contacts(), static_cast<int>(contact.size()));
+  EXPECT_TRUE(std::ranges::equal(std::span(order.unknown).last(contact.size()), contact));
+  std::vector<int> sorted = order.unknown, all(order.unknown.size());
+  std::ranges::sort(sorted);
+  std::iota(all.begin(), all.end(), 0);
+  EXPECT_EQ(sorted, all);
+}
+
+/// What forward solves leave may be added up, and is handed over whenever it is wanted.
+void check_sums(Factorisation& factor, const SparseMatrix& k, const std::vector<int>& contact,
+                bool symmetric) {
+  const Vector b = random_vector(k.rows(), 7), other_b = random_vector(k.rows(), 9);
+  const Vector c = random_vector(static_cast<Eigen::Index>(contact.size()), 8);
+  Vector y, other_y, r, x;
+  forward(factor, b, y, r);
+  forward(factor, other_b, other_y, r);
+  Vector sum = 2.0 * y - 0.5 * other_y;
+  back(factor, c, sum, x);
+  expect_interior_rows(k, contact, 2.0 * b - 0.5 * other_b, c, x);
+  sum.setZero();
+  back(factor, c, sum, x);
+  expect_interior_rows(k, contact, Vector::Zero(b.size()), c, x);
+  if (!symmetric) return;
+  const int interior = factor.order().interior; // a_I^T K_II^-1 b_I
+  const double product = y.head(interior).dot(other_y.head(interior));
+  back(factor, Vector::Zero(c.size()), other_y, x);
+  Vector inside = b;
+  inside(contact).setZero();
+  EXPECT_NEAR(product, inside.dot(x), 1e-11 * inside.norm() * x.norm());
+  Vector whole; // with all columns: b^T K^-1 b
+  factor.order().gather(b, whole);
+  factor.forward(whole, Columns::all);
+  solve(factor, b, x);
+  EXPECT_NEAR(whole.squaredNorm(), b.dot(x), 1e-11 * b.norm() * x.norm());
+}
+
+/// Several at once: what each of them gives, to rounding of the solve.
+void check_several(Factorisation& factor, Eigen::Index size) {
+  Vector y, r, x;
+  for (const unsigned count : {1u, 5u, 8u, 13u, 16u}) {
+    std::vector<Vector> many, first, second;
+    for (unsigned j = 0; j < count; ++j) many.push_back(random_vector(size, 20 + j));
+    DenseMatrix all;
+    forward(factor, many, all, first);
+    back(factor, first, all, second); // any contact part will do
+    for (unsigned j = 0; j < count; ++j) {
+      forward(factor, many[j], y, r);
+      EXPECT_LE((first[j] - r).lpNorm<1>(), 1e-12 * (1.0 + r.lpNorm<1>()));
+      back(factor, first[j], y, x);
+      EXPECT_LE((second[j] - x).norm(), 1e-10 * x.norm());
+    }
+  }
+  // In place, with rows of zeros beside them that stay zeros.
+  for (const int count : {1, 7, 11, 16}) {
+    DenseMatrix all = DenseMatrix::Zero(RightHandSides::stride_of(count), size);
+    for (int j = 0; j < count; ++j) all.row(j) = random_vector(size, 40 + j).transpose();
+    const DenseMatrix given = all;
+    factor.back({all, count}, Columns::interior);
+    for (int j = 0; j < count; ++j) {
+      y = given.row(j);
+      factor.back(y, Columns::interior);
+      EXPECT_LE((all.row(j).transpose() - y).lpNorm<Eigen::Infinity>(),
+                1e-10 * y.lpNorm<Eigen::Infinity>());
+    }
+    EXPECT_TRUE(all.bottomRows(all.rows() - count).isZero(0.0));
+  }
+}
+
 /// Everything a factorisation promises, for one matrix and contact set.
 void check_against_dense(const SparseMatrix& k, const std::vector<int>& contact, bool symmetric) {
   SCOPED_TRACE("unknowns " + std::to_string(k.rows()) + ", contact " +
                std::to_string(contact.size()));
   const auto factorisation = analyse(k, contact, symmetric);
+  check_order(factorisation->order(), contact);
   factorisation->factor(k);
   const Vector b = random_vector(k.rows(), 7);
   const DenseReduction dense = reduce_densely(k, contact, b);
@@ -51,98 +131,32 @@ void check_against_dense(const SparseMatrix& k, const std::vector<int>& contact,
   const DenseMatrix& s = factorisation->schur();
   ASSERT_EQ(s.rows(), static_cast<Eigen::Index>(contact.size()));
   EXPECT_LT((s - dense.s).cwiseAbs().sum(), 1e-11 * scale * static_cast<double>(s.size() + 1));
-  if (symmetric) {
-    const DenseMatrix& l = factorisation->lower()->contact;
-    EXPECT_EQ(l.triangularView<Eigen::StrictlyUpper>().toDenseMatrix().cwiseAbs().sum(), 0.0);
-    EXPECT_LT((l * l.transpose() - dense.s).cwiseAbs().sum(),
-              1e-11 * scale * static_cast<double>(s.size() + 1));
-  }
-  Vector r, x;
-  factorisation->reduce(b, r);
-  EXPECT_LT((r - dense.r).cwiseAbs().sum(), 1e-10 * (1.0 + dense.r.cwiseAbs().sum()));
 
+  Vector y, r, x;
+  forward(*factorisation, b, y, r);
+  EXPECT_LT((r - dense.r).cwiseAbs().sum(), 1e-10 * (1.0 + dense.r.cwiseAbs().sum()));
   // A contact part that is not the solution: the interior rows hold all the same.
   const Vector c = random_vector(s.rows(), 8);
-  factorisation->back(c, x);
-  Vector residual = b - k * x;
-  EXPECT_EQ((x(contact) - c).cwiseAbs().sum(), 0.0);
-  residual(contact).setZero();
-  EXPECT_LT(residual.cwiseAbs().maxCoeff(), 1e-11 * (1.0 + scale * x.cwiseAbs().maxCoeff()));
+  back(*factorisation, c, y, x);
+  expect_interior_rows(k, contact, b, c, x);
 
-  const Vector exact = DenseMatrix(k).partialPivLu().solve(b);
-  factorisation->solve(b, x);
+  const Eigen::PartialPivLU<DenseMatrix> lu{DenseMatrix(k)};
+  const Vector exact = lu.solve(b), exact_transposed = lu.transpose().solve(b);
+  solve(*factorisation, b, x);
   EXPECT_LT((x - exact).norm(), 1e-9 * exact.norm());
+  solve(*factorisation, b, x, Columns::transposed);
+  EXPECT_LT((x - exact_transposed).norm(), 1e-9 * exact_transposed.norm());
+  EXPECT_EQ(factorisation->statistics().triangular_solves, 6);
 
-  factorisation->resume(Vector::Zero(x.size() - c.size()));
-  factorisation->back(c, x);
-  residual = k * x;
-  EXPECT_EQ((x(contact) - c).cwiseAbs().sum(), 0.0);
-  residual(contact).setZero();
-  EXPECT_LT(residual.lpNorm<1>(), 1e-11 * scale * (1.0 + x.lpNorm<1>()));
-  EXPECT_EQ(factorisation->statistics().triangular_solves, 5);
-
-  // What a first forward solve keeps, handed over later.
-  std::vector<Vector> kept;
-  const Vector other_b = random_vector(k.rows(), 9);
-  for (const Vector* of : {&b, &other_b}) {
-    factorisation->reduce(*of, r);
-    kept.push_back(factorisation->kept());
-  }
-  factorisation->resume(2.0 * kept[0] - 0.5 * kept[1]);
-  factorisation->back(c, x);
-  residual = 2.0 * b - 0.5 * other_b - k * x;
-  residual(contact).setZero();
-  EXPECT_LT(residual.cwiseAbs().maxCoeff(), 1e-11 * (1.0 + scale * x.cwiseAbs().maxCoeff()));
-  if (symmetric) { // a_I^T K_II^-1 b_I
-    factorisation->resume(kept[1]);
-    factorisation->back(Vector::Zero(c.size()), x);
-    Vector inside = b;
-    inside(contact).setZero();
-    EXPECT_NEAR(kept[0].dot(kept[1]), inside.dot(x), 1e-11 * inside.norm() * x.norm());
-  }
-
-  // Several at once: what each of them gives, to rounding of the solve.
-  for (const unsigned count : {1u, 5u, 8u, 13u, 16u}) {
-    std::vector<Vector> many, first, second;
-    for (unsigned j = 0; j < count; ++j) many.push_back(random_vector(k.rows(), 20 + j));
-    factorisation->reduce_each(many, first);
-    factorisation->back_each(first, second);
-    for (unsigned j = 0; j < count; ++j) {
-      factorisation->reduce(many[j], r);
-      EXPECT_LE((first[j] - r).lpNorm<1>(), 1e-12 * (1.0 + r.lpNorm<1>()));
-      factorisation->back(first[j], x); // any contact part will do
-      EXPECT_LE((second[j] - x).norm(), 1e-10 * x.norm());
-    }
-  }
-  for (const int count : {1, 7, 11, 16})
-    for (const std::size_t modes : {0, 1, 2}) {
-      DenseMatrix many(c.size(), count), all;
-      for (int j = 0; j < count; ++j) many.col(j) = (1.0 - 0.3 * j) * c.reverse() + 0.1 * j * c;
-      DenseMatrix weights(count, static_cast<Eigen::Index>(modes));
-      for (int j = 0; j < count; ++j)
-        for (int m = 0; m < weights.cols(); ++m) weights(j, m) = 1.0 - 0.2 * j + 0.5 * m;
-      std::vector<int> place;
-      factorisation->back_all(many, {kept.data(), modes}, weights, all, place);
-      ASSERT_EQ(all.cols(), k.rows());
-      ASSERT_EQ(all.rows() % 8, 0);
-      for (int j = 0; j < count; ++j) {
-        Vector sum = Vector::Zero(kept[0].size());
-        for (std::size_t m = 0; m < modes; ++m)
-          sum += weights(j, static_cast<Eigen::Index>(m)) * kept[m];
-        factorisation->resume(sum);
-        factorisation->back(many.col(j), x);
-        for (int i = 0; i < k.rows(); ++i)
-          EXPECT_LE(std::abs(all(j, place[i]) - x[i]), 1e-10 * x.lpNorm<Eigen::Infinity>());
-      }
-      EXPECT_TRUE(all.bottomRows(all.rows() - count).isZero(0.0));
-    }
+  check_sums(*factorisation, k, contact, symmetric);
+  check_several(*factorisation, k.rows());
 
   // One more with the same analysis: its values are its own.
   const auto other = factorisation->another();
   other->factor(SparseMatrix(3.0 * k));
-  other->solve(b, x);
+  solve(*other, b, x);
   EXPECT_LT((3.0 * x - exact).norm(), 1e-9 * exact.norm());
-  factorisation->solve(b, x);
+  solve(*factorisation, b, x);
   EXPECT_LT((x - exact).norm(), 1e-9 * exact.norm());
   EXPECT_EQ(other->statistics().analyses, 0);
   EXPECT_EQ(other->statistics().factorisations, 1);
@@ -218,11 +232,11 @@ TEST(Factorisation, CondensesUnderNestedDissection) {
   const auto factorisation = analyse(space.k, space.contact, true);
   factorisation->factor(space.k);
   EXPECT_EQ(factorisation->statistics().ordering, "METIS");
-  Vector r, x;
-  factorisation->reduce(Vector::Zero(space.k.rows()), r);
+  Vector y, r, x;
+  forward(*factorisation, Vector::Zero(space.k.rows()), y, r);
   EXPECT_EQ(r.cwiseAbs().sum(), 0.0);
   const Vector c = random_vector(r.size(), 12);
-  factorisation->back(c, x);
+  back(*factorisation, c, y, x);
   Vector reaction = space.k * x;
   const Vector expected = factorisation->schur() * c;
   EXPECT_LT((reaction(space.contact) - expected).norm(), 1e-12 * expected.norm());

@@ -20,12 +20,14 @@ protected:
   /// Corrects once, and moves so far; returns the interior's error against the factor's own solves.
   double error_of(CorrectionSolves& solves, double moved) {
     const Vector b = Vector::LinSpaced(problem_.k.rows(), -1.0, 1.0);
-    Vector r, exact, x;
-    factor_->reduce(b, r);
-    factor_->back(r, exact);
-    solves.reduce(*factor_, b, r);
-    solves.back(*factor_, r, moved, x);
-    return (x - exact).norm() / exact.norm();
+    Vector y, exact;
+    factor_->order().gather(b, y);
+    exact = y;
+    factor_->forward(exact, Columns::interior);
+    factor_->back(exact, Columns::interior);
+    solves.forward(*factor_, y);
+    solves.back(*factor_, moved, y);
+    return (y - exact).norm() / exact.norm();
   }
   /// A step of this matrix that began at a guess; the first correction's error.
   double step(CorrectionSolves& solves, double moved) {

@@ -25,27 +25,35 @@ struct Rounded {
     factor->factor(k);
     EXPECT_TRUE(copy.take(*factor));
   }
-  /// K^-1 b as Factorisation::solve has it.
+  /// K^-1 b with two rounded solves.
   Vector solve(FactorPrecision precision, const Vector& b) {
-    Vector r, x;
-    copy.reduce(precision, b, r);
-    const Vector c = factor->schur().llt().solve(r);
-    copy.back(precision, c, x);
+    const EliminationOrder& order = factor->order();
+    Vector y, x;
+    order.gather(b, y);
+    copy.forward(precision, y);
+    const Vector c = factor->schur().llt().solve(Vector(y.tail(order.contacts())));
+    y.tail(order.contacts()) = c;
+    copy.back(precision, y);
+    order.scatter(y, x);
     return x;
   }
   /// The backward solve of c after the forward solve of b.
   Vector back(FactorPrecision forward, FactorPrecision back, const Vector& b, const Vector& c) {
-    Vector r, x;
+    const EliminationOrder& order = factor->order();
+    Vector y, x;
+    order.gather(b, y);
     if (forward == full)
-      factor->reduce(b, r);
+      factor->forward(y, Columns::interior);
     else
-      copy.reduce(forward, b, r);
+      copy.forward(forward, y);
+    y.tail(order.contacts()) = c;
     if (back != full) {
-      copy.back(back, c, x);
-      return x;
+      copy.back(back, y);
+    } else {
+      if (forward != full) copy.complete(y);
+      factor->back(y, Columns::interior);
     }
-    if (forward != full) factor->resume(copy.kept());
-    factor->back(c, x);
+    order.scatter(y, x);
     return x;
   }
   std::unique_ptr<Factorisation> factor;
@@ -59,7 +67,7 @@ TEST(RoundedFactor, ThreeCorrectionsAreFullAccuracy) {
     Rounded rounded(problem.k, problem.contact);
     const Vector b = random_vector(problem.k.rows(), 11);
     Vector exact, x = Vector::Zero(problem.k.rows());
-    rounded.factor->solve(b, exact);
+    hvi::solver::solve(*rounded.factor, b, exact);
     double last = exact.norm();
     for (const double bound : bounds) {
       x += rounded.solve(precision, b - problem.k * x);
