@@ -149,6 +149,11 @@ double longest_curved(const CurveEquations& equations, const CurvePosition& now,
   return fastest > 0.0 ? stride * equations.size() / fastest : infinity;
 }
 
+void return_to(const CurvePosition& before, const CurveProblem& problem, CurvePosition& now) {
+  now = before;
+  problem.take_slopes(now.state);
+}
+
 } // namespace
 
 CurveWalk walk_from(const CurveProblem& problem, const Vector& z, const Vector& xi,
@@ -181,11 +186,6 @@ bool CurveWalk::go(double length) {
   return equations_.correct(now_.state, along);
 }
 
-void CurveWalk::return_to(const CurvePosition& before) {
-  now_ = before;
-  equations_.problem().take_slopes(now_.state);
-}
-
 CurveStep CurveWalk::step(double target) {
   const CurveEvent e = next_event(equations_.problem(), now_, target);
   const double longest = longest_curved(equations_, now_, stride_);
@@ -205,7 +205,7 @@ CurveStep CurveWalk::step_on_curved(double length, double target) {
   const CurvePosition before = now_;
   const bool seeks_load = (target - before.state.load) * before.tangent.load > 0.0;
   for (int tries = 0; tries < 80; ++tries) {
-    return_to(before);
+    return_to(before, equations_.problem(), now_);
     const bool found = go(length);
     if (found) {
       const CurveEvent over = overrun(equations_, now_, target, seeks_load);
@@ -238,7 +238,7 @@ bool CurveWalk::keeps_direction(const CurveTangent& before, bool first_try) {
 }
 
 void CurveWalk::find_turn(const CurvePosition& before) {
-  return_to(before);
+  return_to(before, equations_.problem(), now_);
   double length = longest_curved(equations_, now_, stride_);
   for (int k = 0; k < 60 && length * now_.tangent.load > 1e-15; ++k) {
     const CurvePosition last = now_;
@@ -247,7 +247,7 @@ void CurveWalk::find_turn(const CurvePosition& before) {
       now_.tangent = std::move(*tangent);
       continue;
     }
-    return_to(last);
+    return_to(last, equations_.problem(), now_);
     length *= 0.5;
   }
 }

@@ -16,6 +16,7 @@ enum class CurveStep {
 struct CurvePosition {
   CurveState state;
   CurveTangent tangent; ///< the way the walk goes on
+  bool load_rises() const { return tangent.load > 0.0; }
 };
 
 class CurveWalk {
@@ -33,13 +34,11 @@ public:
   void find_turn(const CurvePosition& before);
 
   const CurvePosition& here() const { return now_; }
-  bool load_rises() const { return now_.tangent.load > 0.0; }
   int steps() const { return steps_; } ///< segments, and steps on curved pieces
   bool may_go_on() const { return steps_ < 2000 + 100 * equations_.problem().size(); }
 
 private:
   CurveStep step_on_curved(double length, double target);
-  void return_to(const CurvePosition& before);
   bool go(double length);
   bool keeps_direction(const CurveTangent& before, bool first_try);
 

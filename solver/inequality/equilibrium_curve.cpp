@@ -44,7 +44,8 @@ bool EquilibriumCurve::jump_at(double load, CurveWalk& walk) const {
   while (walk.may_go_on()) {
     const CurveStep step = walk.step(load);
     if (step == CurveStep::failed) return false;
-    if (step == CurveStep::at_load && walk.load_rises() && stable(walk.here().state)) return true;
+    if (step == CurveStep::at_load && walk.here().load_rises() && stable(walk.here().state))
+      return true;
   }
   return false;
 }
@@ -62,7 +63,7 @@ bool EquilibriumCurve::arrive(CurveWalk& walk, std::vector<double>& ends) const 
     const CurveStep step = walk.step(1.0);
     if (step == CurveStep::failed) return false;
     if (step == CurveStep::at_load) return stable(walk.here().state);
-    if (walk.load_rises()) continue;
+    if (walk.here().load_rises()) continue;
     const bool smooth = step == CurveStep::moved;
     if (smooth) walk.find_turn(before);
     const double load = walk.here().state.load;

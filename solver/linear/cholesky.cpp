@@ -60,6 +60,19 @@ private:
   mutable DenseMatrix schur_; ///< made at the first use after a factorisation
 };
 
+/// A triangular solve reads the columns of the interior; with one right-hand side what counts is
+/// all that CHOLMOD stores of them.
+void count_solve(const CholeskyFactor& l, const LowerFactor& lower, RightHandSides y,
+                 FactorStatistics& statistics) {
+  if (lower.values == nullptr) throw std::logic_error("a solve before a factorisation");
+  ++statistics.triangular_solves;
+  const double contacts = l.order().contacts();
+  const double entries = y.stride == 1
+                             ? static_cast<double>(l.structure().xsize) - contacts * contacts
+                             : lower.structure.nonzeros();
+  statistics.bytes_read += entries * sizeof(double);
+}
+
 class Cholesky final : public Factorisation {
 public:
   /// `start`: of the analysis, in cpu_seconds().
@@ -78,8 +91,6 @@ public:
   const LowerFactor* lower() const { return lower_.values != nullptr ? &lower_ : nullptr; }
 
 private:
-  void count_solve(RightHandSides y);
-
   FactorStatistics statistics_; // the factor writes into it
   CholeskyFactor l_;
   LowerFactor lower_;
@@ -123,27 +134,15 @@ void Cholesky::factor(const SparseMatrix& k) {
 }
 
 void Cholesky::forward(RightHandSides y, Columns columns) {
-  count_solve(y);
+  count_solve(l_, lower_, y, statistics_);
   lower_.structure.forward(lower_.values, lower_.inverse_diagonal.data(), y);
   if (columns != Columns::interior) contact_.forward(y.only() + order().interior);
 }
 
 void Cholesky::back(RightHandSides y, Columns columns) {
-  count_solve(y);
+  count_solve(l_, lower_, y, statistics_);
   if (columns != Columns::interior) contact_.back(y.only() + order().interior);
   lower_.structure.backward(lower_.values, lower_.inverse_diagonal.data(), y);
-}
-
-/// A triangular solve reads the columns of the interior; with one right-hand side it is said what
-/// CHOLMOD stores of them.
-void Cholesky::count_solve(RightHandSides y) {
-  if (lower_.values == nullptr) throw std::logic_error("a solve before a factorisation");
-  ++statistics_.triangular_solves;
-  const double contacts = order().contacts();
-  const double entries = y.stride == 1
-                             ? static_cast<double>(l_.structure().xsize) - contacts * contacts
-                             : lower_.structure.nonzeros();
-  statistics_.bytes_read += entries * sizeof(double);
 }
 
 } // namespace

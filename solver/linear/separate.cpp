@@ -21,6 +21,29 @@ struct LeastPivot {
   }
 };
 
+/// The dense S and the diagonal of what follows it.
+void read(const SparseMatrix& k, DenseMatrix& s, Vector& diagonal) {
+  const auto n = static_cast<int>(s.rows());
+  bool fits = k.rows() == n + diagonal.size() && k.cols() == k.rows();
+  s.setZero();
+  diagonal.setZero();
+  for (int i = 0; fits && i < k.rows(); ++i)
+    for (SparseMatrix::InnerIterator it(k, i); it; ++it) {
+      const auto j = static_cast<int>(it.col());
+      if (i < n && j < n)
+        s(i, j) = it.value();
+      else if (i == j)
+        diagonal[i - n] = it.value();
+      else
+        fits = fits && it.value() == 0.0;
+    }
+  if (!fits) throw Failure(FailureKind::bad_value, {}, "the matrix couples what is to be separate");
+}
+
+Eigen::Map<Vector> contact_part(RightHandSides y, const EliminationOrder& order) {
+  return {y.only() + order.interior, order.contacts()};
+}
+
 class Separate final : public Factorisation {
 public:
   Separate(int n_contact, int size) : s_(n_contact, n_contact), diagonal_(size - n_contact) {
@@ -38,7 +61,7 @@ public:
   void factor(const SparseMatrix& k) override {
     const double start = cpu_seconds();
     factored_ = false;
-    read(k);
+    read(k, s_, diagonal_);
     ++statistics_.factorisations;
     l_ = s_.triangularView<Eigen::Lower>();
     const int n = order_.contacts();
@@ -62,12 +85,12 @@ public:
     for (int i = 0; i < order_.interior; ++i)
       for (int k = 0; k < y.stride; ++k) *entry++ /= diagonal_[i];
     if (columns != Columns::interior)
-      l_.triangularView<Eigen::Lower>().solveInPlace(contact_part(y));
+      l_.triangularView<Eigen::Lower>().solveInPlace(contact_part(y, order_));
   }
   void back(RightHandSides y, Columns columns) override {
     count_solve();
     if (columns != Columns::interior)
-      l_.transpose().triangularView<Eigen::Upper>().solveInPlace(contact_part(y));
+      l_.transpose().triangularView<Eigen::Upper>().solveInPlace(contact_part(y, order_));
   }
   const DenseMatrix& schur() const override { return s_; }
   const EliminationOrder& order() const override { return order_; }
@@ -77,28 +100,6 @@ private:
   void count_solve() {
     if (!factored_) throw std::logic_error("a solve before a factorisation");
     ++statistics_.triangular_solves;
-  }
-  Eigen::Map<Vector> contact_part(RightHandSides y) const {
-    return {y.only() + order_.interior, order_.contacts()};
-  }
-
-  void read(const SparseMatrix& k) {
-    const int n = order_.contacts();
-    bool fits = k.rows() == n + diagonal_.size() && k.cols() == k.rows();
-    s_.setZero();
-    diagonal_.setZero();
-    for (int i = 0; fits && i < k.rows(); ++i)
-      for (SparseMatrix::InnerIterator it(k, i); it; ++it) {
-        const auto j = static_cast<int>(it.col());
-        if (i < n && j < n)
-          s_(i, j) = it.value();
-        else if (i == j)
-          diagonal_[i - n] = it.value();
-        else
-          fits = fits && it.value() == 0.0;
-      }
-    if (!fits)
-      throw Failure(FailureKind::bad_value, {}, "the matrix couples what is to be separate");
   }
 
   EliminationOrder order_;

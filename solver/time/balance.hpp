@@ -1,10 +1,10 @@
 // The balance of forces of a step: its equation, and what an increment leaves of it.
 #pragma once
 
-#include "solver/linear/double_double.hpp"
 #include "solver/linear/symmetric_blocks.hpp"
 #include "solver/time/evolution.hpp"
-#include "solver/time/formulation.hpp"
+#include "solver/time/imposed_values.hpp"
+#include "solver/time/step_load.hpp"
 
 namespace hvi::solver {
 
@@ -32,6 +32,12 @@ struct Trial {
   Vector dz;  ///< and their change in the step, where it was asked for
 };
 
+/// What an increment leaves of the equation of its step.
+struct EquationResidual {
+  double error = 0.0;    ///< componentwise backward error of the equation
+  double mismatch = 0.0; ///< of that, what comes from the part of K_n that its factor lacks
+};
+
 class Balance {
 public:
   /// Keeps references to all of them.
@@ -40,55 +46,37 @@ public:
 
   /// gamma with K_n = sum_b gamma_b T_b, in the step that was begun.
   Vector coefficients(int n) const;
-  /// out = f_n, or its mean over the step; with what the equation holds of the step before.
-  void load(int n, Vector& out) const;
-  /// xi_{n-1} of the next step, n.
-  void note_multipliers(const Vector& xi);
   /// out = u_{n-1} with the values imposed at t_n.
   void known_state(int n, Vector& out);
   /// Sets rhs = f_n - sum_b T_b ( what is known on base matrix b ) - sum_b change_b T_b expected:
   /// one product a base matrix.
   void find_right_hand_side(StepEquation& equation);
-  /// K_n is the factored matrix from now on: what was moved goes back.
-  void take_back_change(StepEquation& equation) const;
-
-  struct Residual {
-    double error = 0.0;    ///< componentwise backward error of the equation
-    double mismatch = 0.0; ///< of that, what comes from the part of K_n that its factor lacks
-  };
   /// Sets kd and gap of trial.d.
-  Residual residual(const StepEquation& equation, StepMatrix& matrix, const Vector& xi,
-                    Trial& trial);
-
-  /// What is known on every base matrix, negative.
-  std::vector<Vector> known_on_bases(const StepEquation& equation);
-  /// gap = f_n - sum_b T_b (gamma_b d - known_b) in extended precision; returns the backward error
-  /// of gap - G^T W xi.
-  double precise_gap(int n, const StepMatrix& matrix, const std::vector<Vector>& known,
-                     const Vector& d, const Vector& xi, Vector& gap);
-
+  EquationResidual residual(const StepEquation& equation, StepMatrix& matrix, const Vector& xi,
+                            Trial& trial);
   /// What a check of step n on all rows is asked, its increment being d.
   Interior::Question question(int n, const Vector& d, const Vector& xi) const;
+  /// The base matrices once more for products, in half the memory; empty: not used.
+  const std::vector<SymmetricBlocks>& halves() const { return halves_; }
 
-  /// The matrix of a form on all cells and on states, if it comes from the base matrices at the
-  /// price of adding them; else empty.
-  SymmetricBlocks from_bases(const FormTerm& form) const;
-  double bytes() const; ///< of base matrices
-  int products = 0;     ///< with matrices, so far
+  StepLoad load;
+  int products = 0; ///< with matrices, so far
 
 private:
-  void halve_bases(int threads);
-
-  const Problem& problem_;
-  const Discretisation& discretisation_;
   const Formulation& formulation_;
-  const Operators& operators_;
   const Evolution& evolution_;
-  /// The base matrices once more for products, in half the memory; empty: not used.
+  ImposedValues imposed_;
   std::vector<SymmetricBlocks> halves_;
-  SparseMatrix load_transfer_;            ///< on the unknowns (inertia.hpp); without entries: none
-  Vector last_reaction_;                  ///< G^T W xi_{n-1}, where the scheme asks for it
-  Vector state_, full_, scale_, product_; ///< room within a call
+  Vector state_, scale_, product_; ///< room within a call
 };
+
+/// K_n is the factored matrix from now on: what was moved goes back.
+void take_back_change(const Operators& operators, StepEquation& equation);
+/// The matrix of a form on all cells and on states, if it comes from the halves of the base
+/// matrices at the price of adding them; else empty.
+SymmetricBlocks from_bases(const Balance& balance, const Formulation& formulation,
+                           const Discretisation& discretisation, const FormTerm& form);
+/// Of base matrices and of their halves.
+double bytes_of(const Operators& operators, std::span<const SymmetricBlocks> halves);
 
 } // namespace hvi::solver

@@ -87,7 +87,7 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
     if (slow && out.equilibrium <= tolerance_) break; // at the rounding of the products
     last = out.equilibrium;
     if (!slow) continue;
-    balance_.take_back_change(equation);
+    take_back_change(formulation_.operators(), equation);
     matrices.factor(equation.n, evolution_.factors(equation.n), matrix);
     // The error is measured anew: what was moved with the change may have been most of its scale.
     last = infinity;

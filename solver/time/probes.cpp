@@ -54,7 +54,7 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
 void ProbeSet::make_gram(const Discretisation& d, const RunState& run) {
   // Without imposed values the seminorm of a scalar space is no norm.
   const bool add_mass = space_.components == 1 && !d.dofs.held;
-  if (!add_mass) gram_ = run.balance.from_bases(strain_form(space_));
+  if (!add_mass) gram_ = from_bases(run.balance, *run.formulation, d, strain_form(space_));
   if (gram_.empty())
     gram_ = SymmetricBlocks(gram_v(space_, add_mass), true);
   else

@@ -1,6 +1,8 @@
 // Refinement in extended precision; see refinement.hpp. Called by the StepSolver.
 #include "solver/time/refinement.hpp"
 
+#include "solver/linear/double_double.hpp"
+#include "solver/time/certificate.hpp"
 #include "solver/time/rounding.hpp"
 
 #include <fmt/format.h>
@@ -32,6 +34,36 @@ constexpr double largest_last = 1e-6;
 
 } // namespace
 
+PreciseEquation::PreciseEquation(const Formulation& formulation, const Evolution& evolution,
+                                 Balance& balance, const StepEquation& equation)
+    : formulation_(formulation), balance_(balance), step_(equation.n),
+      known_(formulation.operators().bases.size()) {
+  const Operators& operators = formulation.operators();
+  for (int b = 0; b < operators.n_bases(); ++b)
+    if (Vector& of = known_[static_cast<std::size_t>(b)];
+        !evolution.known_part(step_, operators.weights, b, equation.known, of))
+      of.setZero(equation.known.size());
+}
+
+double PreciseEquation::gap(const StepMatrix& matrix, const Vector& d, const Vector& xi,
+                            Vector& gap) {
+  const Operators& operators = formulation_.operators();
+  Vector load, state;
+  balance_.load.find(step_, load);
+  Vector scale = load.cwiseAbs();
+  std::vector<DoubleDouble> sums(static_cast<std::size_t>(d.size()));
+  for (Eigen::Index i = 0; i < d.size(); ++i) sums[static_cast<std::size_t>(i)].high = load[i];
+  const Vector gamma = balance_.coefficients(step_);
+  for (int b = 0; b < operators.n_bases(); ++b) {
+    state = -known_[static_cast<std::size_t>(b)];
+    state.head(d.size()) += gamma[b] * d;
+    subtract_product(operators.bases[b], state, sums, scale);
+    ++balance_.products;
+  }
+  for (Eigen::Index i = 0; i < d.size(); ++i) gap[i] = sums[static_cast<std::size_t>(i)].value();
+  return equilibrium_error(matrix.k(), d, gap, scale, formulation_.contact().force, xi);
+}
+
 bool Refinement::begins_with(const StepMatrix& matrix) {
   if (on_) return false;
   on_ = matrix.factorisation() &&
@@ -44,13 +76,13 @@ void Refinement::refine(const StepMatrix& matrix, const StepEquation& equation,
   if (!trial.d.allFinite()) return;
   auto& laws = step_laws.now;
   const int n = equation.n;
-  const std::vector<Vector> on_base = balance_.known_on_bases(equation);
+  PreciseEquation precise(formulation_, evolution_, balance_, equation);
   Vector total = trial.d, state = equation.known;
   auto moved_by = state.head(total.size());
   const int iterations = out.inequality.iterations, events = out.inequality.events;
   double last = std::numeric_limits<double>::infinity();
   for (int pass = 0; pass < most_passes; ++pass) {
-    balance_.precise_gap(n, matrix, on_base, total, laws.xi, trial.gap);
+    precise.gap(matrix, total, laws.xi, trial.gap);
     moved_by = equation.known.head(total.size()) + total;
     step_laws.prepare(n, state, &total);
     laws.c.setZero();
@@ -66,10 +98,11 @@ void Refinement::refine(const StepMatrix& matrix, const StepEquation& equation,
   }
   out.inequality.iterations += iterations, out.inequality.events += events;
   trial.d = total;
-  for (std::size_t i = 0; i < contact_.unknowns.size(); ++i)
-    laws.c[static_cast<Eigen::Index>(i)] = trial.d[contact_.unknowns[i]];
+  const auto& unknowns = formulation_.contact().unknowns;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    laws.c[static_cast<Eigen::Index>(i)] = trial.d[unknowns[i]];
   step_laws.prepare(n, equation.known);
-  out.equilibrium = balance_.precise_gap(n, matrix, on_base, trial.d, laws.xi, trial.gap);
+  out.equilibrium = precise.gap(matrix, trial.d, laws.xi, trial.gap);
   trial.kd.noalias() = matrix.k() * trial.d;
   last_correction_ = std::max(last_correction_, last);
   if (!(last <= largest_last)) too_ill_conditioned(problem_, n, last);

@@ -13,11 +13,28 @@
 
 namespace hvi::solver {
 
+/// The equation of a step in extended precision.
+class PreciseEquation {
+public:
+  /// Keeps references to all of them.
+  PreciseEquation(const Formulation& formulation, const Evolution& evolution, Balance& balance,
+                  const StepEquation& equation);
+  /// gap = f_n - sum_b T_b (gamma_b d - known_b); returns the backward error of gap - G^T W xi.
+  double gap(const StepMatrix& matrix, const Vector& d, const Vector& xi, Vector& gap);
+
+private:
+  const Formulation& formulation_;
+  Balance& balance_;
+  int step_;
+  std::vector<Vector> known_; ///< on every base matrix, negative
+};
+
 class Refinement {
 public:
-  /// Keeps references to all three.
-  Refinement(const Problem& problem, Balance& balance, const Contact& contact)
-      : problem_(problem), balance_(balance), contact_(contact) {}
+  /// Keeps references to all of them.
+  Refinement(const Problem& problem, const Formulation& formulation, const Evolution& evolution,
+             Balance& balance)
+      : problem_(problem), formulation_(formulation), evolution_(evolution), balance_(balance) {}
 
   /// Is every step refined?
   bool on() const { return on_; }
@@ -38,8 +55,9 @@ public:
 
 private:
   const Problem& problem_;
+  const Formulation& formulation_;
+  const Evolution& evolution_;
   Balance& balance_;
-  const Contact& contact_;
   bool on_ = false;
   double last_correction_ = 0.0;
 };

@@ -134,7 +134,7 @@ std::vector<Vector> RoundingEstimate::forces(double backward_error) const {
     add_rounding(formulation_.whole_base(b), formulation_.whole_state(acting, room), unit, random,
                  size);
   }
-  if (!reduced) balance_.load(largest_.step, load);
+  if (!reduced) balance_.load.find(largest_.step, load);
   for (std::size_t s = 0; s < n_samples; ++s)
     for (Eigen::Index i = 0; i < n; ++i) {
       const double more = reduced ? backward_error * size[i] : unit * std::abs(load[i]);

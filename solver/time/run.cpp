@@ -69,7 +69,7 @@ public:
     // No output shows a step before the last check: no callback, no file, no checkpoint.
     if (!restarts.checks_at_once && !settings.on_step && settings.checkpoint_every == 0 &&
         saved == nullptr && plan.report.fields.empty() && !settings.monitors)
-      if (RowChecks* const checks = stepper_.checks()) checks->let_wait();
+      if (RowChecks* const checks = state_.checks.get()) checks->let_wait();
     if (saved != nullptr) go_on(*saved);
   }
 
@@ -101,7 +101,7 @@ public:
   /// put off fails.
   Outcome conclude() {
     LapClock<> clock;
-    if (RowChecks* const checks = stepper_.checks(); checks && !checks->settle())
+    if (RowChecks* const checks = state_.checks.get(); checks && !checks->settle())
       return LateCheck();
     clock.charge(result_.timing.steps);
     note_late_errors();
@@ -149,14 +149,14 @@ private:
   /// All steps up to this one have had their checks.
   int checked_up_to() {
     const int step = state_.evolution.step();
-    RowChecks* const checks = stepper_.checks();
+    RowChecks* const checks = state_.checks.get();
     return checks ? checks->checked_up_to(step) : step;
   }
 
   /// Of checks that were put off.
   void note_late_errors() {
     auto& certificate = result_.certificate;
-    RowChecks* const checks = stepper_.checks();
+    RowChecks* const checks = state_.checks.get();
     if (checks == nullptr) return;
     for (const auto& [step, error] : checks->late_errors()) {
       if (error > std::max(certificate.equilibrium, certificate.inclusion))
@@ -213,8 +213,9 @@ private:
           result_.notes.begin(),
           {0, 0.0,
            fmt::format("uniqueness is not guaranteed: {}; {}", stepper_.not_unique(),
-                       stepper_.follows() ? sentence(plan_.options.branch)
-                                          : "each step's solution is sought from the last step's"),
+                       follows_branches(stepper_.not_unique(), state_.contact())
+                           ? sentence(plan_.options.branch)
+                           : "each step's solution is sought from the last step's"),
            plan_.problem.law_terms.empty() ? Origin{} : plan_.problem.law_terms.front().origin});
     std::optional<EnergyMonitor> own;
     EnergyMonitor& monitor =

@@ -34,7 +34,8 @@ RunState::RunState(const Plan& plan, const Discretisation& d)
       evolution(plan, formulation->initial(), formulation->imposed()),
       balance(plan, d, with_room_for_memories(plan, *formulation, evolution.memory()), evolution),
       solver(plan, d, evolution, *formulation, balance, correction_solves(plan, *formulation)),
-      rounding(plan.problem, *formulation, evolution, balance) {
+      rounding(plan.problem, *formulation, evolution, balance),
+      checks(formulation->row_checks(plan)) {
   trial.d = trial.kd = trial.gap = Vector::Zero(formulation->layout().n_unknowns);
   trial.z = trial.dz = Vector::Zero(contact().n_rows());
   evolution.start();

@@ -20,7 +20,9 @@ struct RunState {
   Balance balance;
   StepSolver solver;
   RoundingEstimate rounding;
-  Trial trial; ///< the last attempted step
+  std::unique_ptr<RowChecks> checks; ///< null: every step is checked on all rows, by itself
+  StepEquation equation;             ///< of the last attempted step,
+  Trial trial;                       ///< and what was tried
 };
 
 } // namespace hvi::solver

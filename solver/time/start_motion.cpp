@@ -262,7 +262,7 @@ void start_motion(const Plan& plan, const Discretisation& d, RunState& run) {
   }
   evolution.start_motion(velocity, acceleration);
   run.solver.equations.laws.start(xi);
-  run.balance.note_multipliers(xi);
+  run.balance.load.note_multipliers(xi);
 }
 
 } // namespace hvi::solver

@@ -38,15 +38,6 @@ std::string obstacle_to_uniqueness(const Problem& problem, const RunState& state
   return uniqueness.obstacle();
 }
 
-/// Branches are followed where steps may have several solutions. Of laws that are coupled or read
-/// states only those that soften need it: their bounds are found by passes of their own. A law that
-/// reads memories may soften with any of their values.
-bool follows_branches(const std::string& not_unique, const Contact& contact) {
-  return !not_unique.empty() &&
-         ((!contact.coupled && contact.state_groups.empty()) || !contact.readings.empty() ||
-          std::ranges::any_of(contact.softening, [](double m) { return m != 0.0; }));
-}
-
 bool is_certified(const StepResult& step, double tolerance) {
   return step.inequality.converged && step.equilibrium <= tolerance &&
          step.inclusion.worst <= tolerance && step.states.worst <= tolerance;
@@ -69,20 +60,27 @@ bool is_snap(RunState& state, const StepResult& step) {
 
 } // namespace
 
+/// Of laws that are coupled or read
+/// states only those that soften need it: their bounds are found by passes of their own. A law that
+/// reads memories may soften with any of their values.
+bool follows_branches(const std::string& not_unique, const Contact& contact) {
+  return !not_unique.empty() &&
+         ((!contact.coupled && contact.state_groups.empty()) || !contact.readings.empty() ||
+          std::ranges::any_of(contact.softening, [](double m) { return m != 0.0; }));
+}
+
 Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
-    : plan_(plan), timing_(timing), state_(make_state(plan, d, timing)),
-      checks_(state_.formulation->row_checks(plan)) {}
+    : plan_(plan), timing_(timing), state_(make_state(plan, d, timing)) {}
 
-bool Stepper::follows() const { return follows_branches(not_unique_, state_.contact()); }
-
-/// From the last accepted state to equation_.known = u_n, with its certificate; nothing is
-/// accepted.
+/// From the last accepted state to u_n, with its certificate; nothing is accepted.
 StepResult Stepper::attempt(int n, StepMatrix& matrix) {
-  auto out = state_.solver.attempt(n, matrix, follows(), equation_, state_.trial);
+  auto out = state_.solver.attempt(n, matrix, follows_branches(not_unique(), state_.contact()),
+                                   state_.equation, state_.trial);
   counted_.newton += out.inequality.iterations;
   counted_.fallback_steps += out.inequality.used_fallback ? 1 : 0;
-  if (checks_ && checks_->at_once(n)) {
-    const auto error = checks_->error(n, state_.balance.question(n, state_.trial.d, state_.xi()));
+  if (state_.checks && state_.checks->at_once(n)) {
+    const auto error =
+        state_.checks->error(n, state_.balance.question(n, state_.trial.d, state_.xi()));
     if (!error) return start_again(LateCheck());
     out.equilibrium = std::max(out.equilibrium, *error);
   }
@@ -97,8 +95,8 @@ StepResult Stepper::advance(int n) {
       return std::visit([](auto& why) { return start_again(std::move(why)); }, *stop);
   }
   auto& matrix = state_.solver.matrix_for(n);
-  if (!std::exchange(uniqueness_judged_, true))
-    not_unique_ = obstacle_to_uniqueness(plan_.problem, state_, matrix);
+  if (!std::exchange(uniqueness_.judged, true))
+    uniqueness_.obstacle = obstacle_to_uniqueness(plan_.problem, state_, matrix);
   auto out = attempt(n, matrix);
   if (!out.restart && !out.certified && state_.solver.can_begin_anew()) out = attempt(n, matrix);
   if (out.restart) return out;
@@ -119,17 +117,17 @@ StepResult Stepper::advance(int n) {
 bool Stepper::accept(int n, StepMatrix& matrix, const StepResult& result) {
   Trial& trial = state_.trial;
   count(result.inequality, counted_);
-  if (checks_) {
-    if (checks_->later(n)) checks_->put_off(n, state_.balance.question(n, trial.d, state_.xi()));
-    if (!checks_->settle_in_time(n)) return false;
+  if (auto* const checks = state_.checks.get()) {
+    if (checks->later(n)) checks->put_off(n, state_.balance.question(n, trial.d, state_.xi()));
+    if (!checks->settle_in_time(n)) return false;
   }
   state_.solver.accept(n, matrix, result, trial);
   {
     const PhaseClock<wall_seconds> clock(timing_.history);
-    state_.evolution.accept(n, equation_.known, trial.d);
+    state_.evolution.accept(n, state_.equation.known, trial.d);
   }
-  state_.balance.note_multipliers(state_.xi());
-  state_.rounding.note(result.equilibrium, trial.gap, state_.xi(), equation_.known);
+  state_.balance.load.note_multipliers(state_.xi());
+  state_.rounding.note(result.equilibrium, trial.gap, state_.xi(), state_.equation.known);
   return true;
 }
 
@@ -147,14 +145,14 @@ void Stepper::account(WorkCounters& work, Timing& timing) const {
     work.bytes += report.bytes;
   }
   charge(state_.formulation->statistics(), work, timing);
-  work.bytes += state_.balance.bytes();
+  work.bytes += bytes_of(state_.formulation->operators(), state_.balance.halves());
   state_.solver.equations.account(work, timing);
 }
 
 void Stepper::save(std::ostream& out) const {
   StateWriter w(out);
   state_.evolution.save(out);
-  put_text(w, not_unique_);
+  put_text(w, not_unique());
   state_.solver.save(out);
   state_.rounding.save(w);
 }
@@ -163,10 +161,10 @@ std::optional<HorizonEnd> Stepper::restore(std::istream& in) {
   StateReader r(in, {});
   auto same_end = state_.evolution.restore(in);
   if (auto* end = std::get_if<HorizonEnd>(&same_end)) return std::move(*end);
-  uniqueness_judged_ = std::get<bool>(same_end); // a run to another end has other steps to judge
-  not_unique_ = get_text(r);
+  uniqueness_.judged = std::get<bool>(same_end); // a run to another end has other steps to judge
+  uniqueness_.obstacle = get_text(r);
   state_.solver.restore(in);
-  state_.balance.note_multipliers(state_.xi());
+  state_.balance.load.note_multipliers(state_.xi());
   state_.rounding.restore(r);
   return std::nullopt;
 }

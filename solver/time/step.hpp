@@ -5,6 +5,12 @@
 
 namespace hvi::solver {
 
+/// Asked at the first step, for all of them.
+struct UniquenessVerdict {
+  std::string obstacle; ///< why not every step is sure to have one solution (uniqueness.hpp)
+  bool judged = false;  ///< not yet: it is that of the run this one goes on from
+};
+
 /// Advances u_{n-1} to u_n:  find d = u_n - u_{n-1} and xi with
 ///
 ///   K d + G^T W xi = f_n - B u_{n-1} - sum_m E_m (w0_m u_{n-1} + h_m) + A carry d_{n-1},
@@ -21,13 +27,8 @@ public:
   StepResult advance(int n);
 
   const RunState& state() const { return state_; }
-  /// Null: every step is checked on all rows, by itself.
-  RowChecks* checks() { return checks_.get(); }
-  /// Why not every step is sure to have one solution; empty: each has (uniqueness.hpp). Found at
-  /// the first step, for all of them.
-  const std::string& not_unique() const { return not_unique_; }
-  /// Are branches followed where a step may have several solutions?
-  bool follows() const;
+  /// Why not every step is sure to have one solution; empty: each has.
+  const std::string& not_unique() const { return uniqueness_.obstacle; }
   /// Adds what was counted to the counters and phases of a run.
   void account(WorkCounters& work, Timing& timing) const;
 
@@ -42,11 +43,11 @@ private:
   const Plan& plan_;
   Timing& timing_;
   RunState state_;
-  std::unique_ptr<RowChecks> checks_;
-  StepEquation equation_; ///< of the last attempted step
   WorkCounters counted_;
-  std::string not_unique_;
-  bool uniqueness_judged_ = false;
+  UniquenessVerdict uniqueness_;
 };
+
+/// Are branches followed where steps may have several solutions, for this reason?
+bool follows_branches(const std::string& not_unique, const Contact& contact);
 
 } // namespace hvi::solver

@@ -1,6 +1,8 @@
 // See step_load.hpp. Used by Balance and by the energies that check it.
 #include "solver/time/step_load.hpp"
 
+#include "solver/time/inertia.hpp"
+
 namespace hvi::solver {
 
 void add_step_load(const LoadAssembler& loads, const TimeSpec& time, const TimeScheme& scheme,
@@ -18,6 +20,29 @@ void add_step_load(const LoadAssembler& loads, const TimeSpec& time, const TimeS
   add_sample(n, now);
   add_sample(n - 1, before);
   out += scheme.present(0) * now + scheme.past(0) * before;
+}
+
+StepLoad::StepLoad(const Problem& problem, const Discretisation& discretisation,
+                   const Formulation& formulation, const TimeScheme& scheme)
+    : problem_(problem), formulation_(formulation), scheme_(scheme) {
+  const auto& layout = formulation.layout();
+  if (const SparseMatrix transfer = load_transfer(problem, discretisation); transfer.nonZeros() > 0)
+    transfer_ = restrict_rows(transfer, layout).leftCols(layout.n_unknowns);
+}
+
+bool StepLoad::keeps_reactions() const {
+  return scheme_.past_of_laws() != 0.0 && !formulation_.contact().none();
+}
+
+void StepLoad::find(int n, Vector& out) const {
+  out.setZero(formulation_.layout().n_unknowns);
+  add_step_load(formulation_.loads(), problem_.time, scheme_, n, out);
+  if (transfer_.nonZeros() > 0) out = transfer_ * out;
+  if (keeps_reactions()) out -= scheme_.past_of_laws() * last_reaction_;
+}
+
+void StepLoad::note_multipliers(const Vector& xi) {
+  if (keeps_reactions()) last_reaction_ = formulation_.contact().force * xi;
 }
 
 } // namespace hvi::solver

@@ -14,24 +14,26 @@ namespace {
 /// No run keeps more factors at a time: a file that says so is wrong.
 constexpr std::uint64_t most_saved = 1000;
 
+/// Not factored yet. `like`: whose analysis is taken over; may be null.
+std::unique_ptr<StepMatrix> new_matrix(const SolverOptions& options, const Formulation& formulation,
+                                       const StepMatrix* like) {
+  InequalityOptions of_laws;
+  of_laws.tolerance = options.tolerance;
+  of_laws.branch = options.branch;
+  return std::make_unique<StepMatrix>(formulation.operators(), formulation.contact(), of_laws,
+                                      like);
+}
+
 } // namespace
 
 StepMatrices::StepMatrices(const Plan& plan, const Discretisation& discretisation,
                            const Formulation& formulation, const TimeScheme& scheme)
-    : problem_(plan.problem), discretisation_(discretisation), formulation_(formulation),
-      scheme_(scheme), most_(static_cast<std::size_t>(useful_factors(scheme))) {
-  options_.tolerance = plan.options.tolerance;
-  options_.branch = plan.options.branch;
-}
+    : plan_(plan), discretisation_(discretisation), formulation_(formulation), scheme_(scheme),
+      most_(static_cast<std::size_t>(useful_factors(scheme))) {}
 
-std::unique_ptr<StepMatrix> StepMatrices::another() const {
-  return std::make_unique<StepMatrix>(formulation_.operators(), formulation_.contact(), options_,
-                                      latest());
-}
-
-StepMatrices::Found StepMatrices::find(int n, const Vector& factors) {
+FoundMatrix StepMatrices::find(int n, const Vector& factors) {
   const double rate = scheme_.factor(n, 1), length = scheme_.grid().length(n);
-  const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) {
+  const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const KeptMatrix& kept) {
     return kept.rate == rate && kept.length == length;
   });
   if (found != kept_.end()) {
@@ -42,7 +44,8 @@ StepMatrices::Found StepMatrices::find(int n, const Vector& factors) {
     return {matrix, !same};
   }
   if (kept_.size() < most_)
-    kept_.insert(kept_.begin(), Kept{rate, length, another()});
+    kept_.insert(kept_.begin(),
+                 KeptMatrix{rate, length, new_matrix(plan_.options, formulation_, latest())});
   else
     kept_.splice(kept_.begin(), kept_, std::prev(kept_.end()));
   auto& kept = kept_.front();
@@ -52,7 +55,7 @@ StepMatrices::Found StepMatrices::find(int n, const Vector& factors) {
 }
 
 void StepMatrices::factor(int n, const Vector& factors, StepMatrix& matrix) const {
-  for (const auto& term : problem_.law_terms)
+  for (const auto& term : plan_.problem.law_terms)
     if (!(factors[term.field] > 0.0))
       throw Failure(FailureKind::bad_kernel, term.origin,
                     fmt::format("the law `{}` sees a memory in which the present counts {:.3g} in "
@@ -63,7 +66,8 @@ void StepMatrices::factor(int n, const Vector& factors, StepMatrix& matrix) cons
   const Vector gamma =
       formulation_.operators().weights.transpose() *
       factors.cwiseProduct(present_shares(scheme_, static_cast<int>(factors.size())));
-  factor_or_explain(matrix, gamma, {formulation_, scheme_.grid(), n}, problem_, discretisation_);
+  factor_or_explain(matrix, gamma, {formulation_, scheme_.grid(), n}, plan_.problem,
+                    discretisation_);
 }
 
 std::vector<const SparseMatrix*> StepMatrices::all() const {
@@ -105,7 +109,7 @@ void StepMatrices::restore(std::istream& in) {
   const auto count = r.get_between<std::uint64_t>(0, most_saved);
   for (std::uint64_t i = 0; i < count; ++i) {
     const double rate = r.get<double>(), length = r.get<double>();
-    auto matrix = another();
+    auto matrix = new_matrix(plan_.options, formulation_, latest());
     matrix->restore(in);
     kept_.push_back({rate, length, std::move(matrix)});
   }

@@ -8,6 +8,18 @@
 
 namespace hvi::solver {
 
+/// The matrix of a step.
+struct FoundMatrix {
+  StepMatrix& matrix;
+  bool fresh; ///< it has just been factored
+};
+
+/// One that is kept, for steps of its kind.
+struct KeptMatrix {
+  double rate, length; ///< the scheme's factor of u', and the length of the step
+  std::unique_ptr<StepMatrix> matrix;
+};
+
 /// A step's matrix depends on its length and on the scheme's factors; memories may change it a
 /// little in every step, and then the factor of another step serves (balance.hpp).
 class StepMatrices {
@@ -16,13 +28,9 @@ public:
   StepMatrices(const Plan& plan, const Discretisation& discretisation,
                const Formulation& formulation, const TimeScheme& scheme);
 
-  struct Found {
-    StepMatrix& matrix;
-    bool fresh; ///< it has just been factored
-  };
   /// One that serves step n; else it is factored for the fields' factors in that step
   /// (Evolution::factors).
-  Found find(int n, const Vector& factors);
+  FoundMatrix find(int n, const Vector& factors);
   /// Factors K_n. Throws Failure(not_coercive) in the user's words.
   void factor(int n, const Vector& factors, StepMatrix& matrix) const;
   /// Of the last step; null before the first one.
@@ -37,19 +45,12 @@ public:
   void restore(std::istream& in);
 
 private:
-  struct Kept {
-    double rate, length; ///< the scheme's factor of u', and the length of the step
-    std::unique_ptr<StepMatrix> matrix;
-  };
-  std::unique_ptr<StepMatrix> another() const;
-
-  const Problem& problem_;
+  const Plan& plan_;
   const Discretisation& discretisation_;
   const Formulation& formulation_;
   const TimeScheme& scheme_;
-  InequalityOptions options_;
   std::size_t most_;
-  std::list<Kept> kept_; ///< most recently used first
+  std::list<KeptMatrix> kept_; ///< most recently used first
 };
 
 /// Adds the cost of one factor.

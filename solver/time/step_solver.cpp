@@ -14,7 +14,7 @@ StepSolver::StepSolver(const Plan& plan, const Discretisation& discretisation,
                        const Evolution& evolution, Formulation& formulation, Balance& balance,
                        std::unique_ptr<CorrectionSolves> solves)
     : equations(plan, discretisation, formulation, evolution, balance, std::move(solves)),
-      refinement(plan.problem, balance, formulation.contact()), plan_(plan), evolution_(evolution),
+      refinement(plan.problem, formulation, evolution, balance), plan_(plan), evolution_(evolution),
       formulation_(formulation), balance_(balance) {}
 
 /// Forms that states change begin at the last ones; then every step has its own factor.

@@ -1,5 +1,5 @@
 // The equation of a step against its terms, written out.
-#include "solver/time/balance.hpp"
+#include "solver/time/refinement.hpp"
 #include "tests/solver/time/plans.hpp"
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ struct FirstStep : testing::Test {
 
 TEST_F(FirstStep, TheRightHandSideIsTheLoadLessWhatIsKnown) {
   Vector expected;
-  balance->load(1, expected);
+  balance->load.find(1, expected);
   const Vector& u0 = evolution->u();
   const double w0 = evolution->memory().w0(0);
   for (int b = 0; b < operators().n_bases(); ++b) {
@@ -66,7 +66,7 @@ TEST_F(FirstStep, AChangeOfTheMatrixGoesOverAndComesBack) {
   move_change();
   EXPECT_GT((equation.rhs - before).norm(), 1e-3 * before.norm());
   EXPECT_FALSE(equation.exact());
-  balance->take_back_change(equation);
+  take_back_change(operators(), equation);
   EXPECT_LT((equation.rhs - before).norm(), 1e-13 * before.norm());
   EXPECT_TRUE(equation.exact());
 }
@@ -96,8 +96,8 @@ TEST_F(FirstStep, ResidualsInExtendedPrecisionAreTheSame) {
   Vector gap = Vector::Zero(n);
   const Vector xi = Vector::Zero(formulation->contact().n_rows());
   const double error = balance->residual(equation, matrix, xi, trial).error;
-  const double precise =
-      balance->precise_gap(1, matrix, balance->known_on_bases(equation), trial.d, xi, gap);
+  PreciseEquation extended(*formulation, *evolution, *balance, equation);
+  const double precise = extended.gap(matrix, trial.d, xi, gap);
   EXPECT_LT((gap - trial.gap).norm(), 1e-12 * gap.norm());
   EXPECT_NEAR(precise, error, 0.5 * error); // each by a scale of its own
 }

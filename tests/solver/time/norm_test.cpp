@@ -19,7 +19,9 @@ bool compare(const Plan& plan) {
   const double norm = std::sqrt(result.u.dot(gram_v(d.space, false) * result.u));
   EXPECT_NEAR(result.final.at("strain"), norm, 1e-13 * norm);
   Timing timing;
-  return !Stepper(plan, d, timing).state().balance.from_bases(strain_form(d.space)).empty();
+  const Stepper stepper(plan, d, timing);
+  const RunState& state = stepper.state();
+  return !from_bases(state.balance, *state.formulation, d, strain_form(d.space)).empty();
 }
 
 TEST(Norm, OfTwoIsotropicTensorsNeedsNoMatrixOfItsOwn) {
