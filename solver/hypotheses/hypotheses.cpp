@@ -15,6 +15,7 @@
 #include "solver/time/step_weights.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -69,6 +70,7 @@ public:
     judge_b();
     judge_memory();
     judge_laws();
+    judge_free_body();
     judge_states();
     judge_loads();
     judge_smallness();
@@ -145,7 +147,7 @@ private:
     }
     const double in_h = numbers_.coercivity_in_h(field_of_u(1));
     const double in_h_finer = m_h_finer_.value_or(in_h);
-    const bool in_l2 = in_h > 0.0 && in_h_finer > 0.7 * in_h;
+    const bool in_l2 = numbers_.free_body() == nullptr && in_h > 0.0 && in_h_finer > 0.7 * in_h;
     out_.rate_form = in_l2 ? RateForm::in_h : RateForm::weak;
     answer.answer = Answer::fails;
     if (c().m_A > 0.0)
@@ -312,6 +314,55 @@ private:
     const double norm = numbers_.script_norm(field_of_u(1));
     row("H(M)", "M of the laws on the rate is bounded and compact: ||M||^2", norm,
         yes(std::isfinite(norm)), law_origin(field_of_u(1)), "on this mesh");
+  }
+
+  /// What the forms leave free has to be held by laws, and these need the load's help.
+  void judge_free_body() {
+    const FreeBody* const body = numbers_.free_body();
+    if (body == nullptr || problem_.law_terms.empty()) return;
+    const auto unseen = unseen_motions(*body, numbers_.contact());
+    facts_.semi_coercive = true;
+    facts_.springs_hold = c().m_J == 0.0 && held_strongly(*body, numbers_.contact());
+    const auto words = [](const std::vector<std::string>& motions) {
+      return fmt::format("{}", fmt::join(motions, "; "));
+    };
+    const std::string springs = facts_.springs_hold
+                                    ? ", by slopes that rise everywhere: coercive with the laws"
+                                    : ": semi-coercive";
+    row("rigid", "laws hold the motions that forms and values leave free", std::nullopt,
+        yes(unseen.empty()), problem_.law_terms.front().origin,
+        unseen.empty() ? words(free_motions(*body)) + springs
+                       : "no law sees that " + words(unseen));
+    if (unseen.empty()) judge_balance(*body);
+  }
+
+  /// At some times of the grid, for laws that are the same at all times.
+  void judge_balance(const FreeBody& body) {
+    const Contact& contact = numbers_.contact();
+    const auto& grid = problem_.time.grid;
+    const auto moves = [](const auto& law) { return law->depends_on_t() && !law->coupled(); };
+    if (facts_.springs_hold || std::ranges::any_of(contact.laws, moves)) return;
+    const auto n = static_cast<int>(grid.size());
+    LoadAssembler loads(d_.space, d_.parts, problem_.loads);
+    const StateLayout& layout = numbers_.layout();
+    loads.restrict_to({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)});
+    const int stride = std::max(1, n / most_load_times);
+    std::string refused;
+    const Origin origin =
+        problem_.loads.empty() ? problem_.time.origin : problem_.loads.front().origin;
+    for (int i = problem_.time.is_static ? 0 : 1; i < std::max(1, n) && refused.empty();
+         i += stride) {
+      Vector f = Vector::Zero(layout.n_unknowns);
+      const double t = grid.empty() ? 0.0 : grid[static_cast<std::size_t>(i)];
+      try {
+        loads.add(t, f);
+        refuse_unbalanced(body, contact, problem_, f, t);
+      } catch (const Failure& failure) {
+        refused = failure.what();
+      }
+    }
+    row("rigid", "the laws can balance the load", std::nullopt, yes(refused.empty()), origin,
+        refused);
   }
 
   /// Lipschitz constants of the rates, by the state itself and by what they read.

@@ -12,8 +12,11 @@ namespace hvi::solver {
 Numbers::Numbers(const Plan& plan, const Discretisation& d)
     : problem_(plan.problem), discretisation_(d), layout_(make_layout(d.space, d.dofs)),
       operators_(assemble_operators(problem_, d, layout_, plan.options.threads)),
-      contact_(make_contact(problem_, d, layout_)),
-      gram_(restrict_rows(gram_v(d.space, !d.dofs.held), layout_).leftCols(layout_.n_unknowns)),
+      contact_(make_contact(problem_, d, layout_)), motions_(d),
+      free_(find_free_body(motions_, combine(operators_, Vector::Ones(operators_.n_bases())),
+                           layout_)),
+      gram_(restrict_rows(gram_v(d.space, !d.dofs.held || motions_.count() > 0), layout_)
+                .leftCols(layout_.n_unknowns)),
       shares_(present_shares(*make_scheme(problem_), count_fields(problem_))),
       laws_(law_constants(problem_, d, contact_)),
       traces_(trace_norms(problem_, d, layout_, gram_)) {}
@@ -28,7 +31,7 @@ double Numbers::coercivity(int field, double pointwise) const {
   const SparseMatrix form = of_field(field);
   const double least = gram_.least(form, below).value_or(not_a_number);
   // A body that nothing holds has rigid motions, which strains do not see.
-  const bool held = discretisation_.dofs.held;
+  const bool held = discretisation_.dofs.held && motions_.count() == 0;
   const double rounding = held ? 0.0 : 1e-10 * gram_.norm(form).value_or(0.0);
   return std::abs(least) <= rounding ? 0.0 : least;
 }
@@ -77,6 +80,7 @@ std::optional<SparseMatrix> Numbers::descent(const Vector& factors) const {
 double Numbers::margin_against(int field) const {
   const auto form = descent(only(field));
   if (!form) return -infinity;
+  if (free_) return -infinity;
   if (form->nonZeros() == 0) return 1.0;
   const SparseMatrix k = of_field(field);
   try {
@@ -100,6 +104,7 @@ double Numbers::margin_split(int field, double m) const {
 }
 
 bool StepRatio::take(const Vector& c, SparseMatrix& k) {
+  if (numbers_.free_body() != nullptr) return false;
   if (!taken_ || numbers_.has_laws_on_rates()) {
     auto form = numbers_.descent(c);
     if (!form) return false;

@@ -3,6 +3,7 @@
 
 #include "solver/hypotheses/extremes.hpp"
 #include "solver/hypotheses/laws.hpp"
+#include "solver/time/held_by_laws.hpp"
 #include "solver/time/operators.hpp"
 #include "solver/time/uniqueness.hpp"
 
@@ -38,6 +39,10 @@ public:
   Vector only(int field) const;
   bool has_laws_on_rates() const { return !contact_.other_fields.empty(); }
 
+  /// Rigid motions that no form sees, whatever its field; null: there are none.
+  const FreeBody* free_body() const { return free_.get(); }
+  const Contact& contact() const { return contact_; }
+  const StateLayout& layout() const { return layout_; }
   const std::vector<TermConstants>& laws() const { return laws_; }
   const TraceNorms& traces() const { return traces_; }
   const Operators& operators() const { return operators_; }
@@ -50,7 +55,9 @@ private:
   StateLayout layout_;
   Operators operators_;
   Contact contact_;
-  GramForm gram_;
+  RigidMotions motions_; ///< that imposed values allow
+  std::shared_ptr<const FreeBody> free_;
+  GramForm gram_; ///< with the mass where there are such motions
   Vector shares_;
   std::vector<TermConstants> laws_;
   TraceNorms traces_;

@@ -19,7 +19,9 @@ public:
 
   void give() {
     discrete();
-    if (!std::isfinite(facts_.lipschitz_memory))
+    if (facts_.semi_coercive && !facts_.moves)
+      semi_coercive();
+    else if (!std::isfinite(facts_.lipschitz_memory))
       refuse("the slope of a law on a memory jumps: of the continuous problem nothing is claimed, "
              "of the steps see `step`");
     else if (facts_.is_static)
@@ -51,7 +53,8 @@ private:
   void discrete() {
     const char* what = facts_.is_static ? "the problem" : "every step";
     const bool positive = facts_.steps_margin > least_margin;
-    out_.discrete = positive && facts_.proved && !facts_.coupled && !facts_.reads &&
+    const bool springs = facts_.semi_coercive && facts_.springs_hold;
+    out_.discrete = (positive || springs) && facts_.proved && !facts_.coupled && !facts_.reads &&
                     !facts_.states && failing({"H(f)"}).empty();
     if (out_.discrete)
       out_.discrete_verdict = fmt::format("on this mesh {} has exactly one solution", what);
@@ -59,6 +62,9 @@ private:
       out_.discrete_verdict =
           "neither existence for large bounds nor uniqueness is guaranteed: the "
           "bound of a law is the multiplier of another one";
+    else if (facts_.semi_coercive && !facts_.springs_hold)
+      out_.discrete_verdict =
+          "uniqueness is not guaranteed: laws alone hold the body (semi-coercive)";
     else if (facts_.reads)
       out_.discrete_verdict = "uniqueness is not guaranteed: a law reads a memory of the unknown";
     else if (facts_.states)
@@ -118,6 +124,21 @@ private:
   void accept(std::string text) {
     out_.continuous = true;
     out_.continuous_verdict = std::move(text);
+  }
+
+  void semi_coercive() {
+    theorem_ = "B and the laws together are monotone and coercive";
+    order_failed_ = "its proof needs a coercive B; `study` measures the orders";
+    if (facts_.is_static && facts_.springs_hold && failing({"H(J)", "H(f)"}).empty() &&
+        out_.discrete)
+      return accept("laws whose slopes rise everywhere hold the motions that B leaves free: B and "
+                    "the laws together are coercive, one solution");
+    if (facts_.springs_hold)
+      return refuse("the forms alone are not coercive; with the laws that hold the body every step "
+                    "is, and its certificate stands");
+    refuse("the forms alone are not coercive (semi-coercive: laws hold the body). For convex laws "
+           "there is a solution where the load presses into them, <f, v> < J_inf(M v) for all free "
+           "motions v, which each step is asked; strains are then unique, motions need not be");
   }
 
   void at_one_time() {

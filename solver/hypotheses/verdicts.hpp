@@ -14,12 +14,14 @@ struct VerdictFacts {
   double lipschitz = 0.0, lipschitz_memory = 0.0; ///< of the slopes of laws on u; on memories
   bool has_memory = false;                        ///< some of it acts
   bool integrable = true;                         ///< int |q| of every kernel is finite
-  bool proved = true;        ///< m_J of the laws is bounded by proof, not sampled
-  bool coupled = false;      ///< a law's bound is another law's multiplier
-  bool reads = false;        ///< a law without such a bound reads a memory
-  bool states = false;       ///< laws act with states at their points
-  double steps_margin = 0.0; ///< no step has a smaller one
-  double step_bound = 0.0;   ///< on the step, where A is coercive and (H0) fails
+  bool proved = true;         ///< m_J of the laws is bounded by proof, not sampled
+  bool coupled = false;       ///< a law's bound is another law's multiplier
+  bool reads = false;         ///< a law without such a bound reads a memory
+  bool states = false;        ///< laws act with states at their points
+  bool semi_coercive = false; ///< no form and no value holds the body, laws do
+  bool springs_hold = false;  ///< and these have slopes that rise everywhere, and do not soften
+  double steps_margin = 0.0;  ///< no step has a smaller one
+  double step_bound = 0.0;    ///< on the step, where A is coercive and (H0) fails
   /// (H0) in three sharpnesses, on ever finer meshes; where there is no estimate: of this mesh.
   std::optional<double> whole, split, against_b;
   std::optional<double> rate_against_a; ///< m_A > m_J ||M||^2 of the laws on u', against A itself
@@ -49,6 +51,11 @@ struct VerdictFacts {
 ///   compact, so that Ehrling's lemma takes the place of m_A > m_J |M|^2 (A. Kulig, Hyperbolic
 ///   hemivariational inequalities for dynamic viscoelastic contact problems, J. Elasticity 110
 ///   (2013) 1-31, for problems with long memory; docs/theory.md).
+/// - Forms that leave rigid motions free: laws that rise everywhere and see them make B and the
+/// laws
+///   together coercive and monotone. Else the problem is semi-coercive, with a solution for convex
+///   laws where <f, v> < J_inf(M v) for all these motions v (held_by_laws.hpp); its strains are
+///   unique, the motion need not be.
 void give_verdicts(const VerdictFacts& facts, HypothesisReport& report);
 
 } // namespace hvi::solver

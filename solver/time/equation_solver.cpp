@@ -3,6 +3,7 @@
 
 #include "solver/common/numbers.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace hvi::solver {
@@ -12,6 +13,8 @@ constexpr int most_changes = 40;
 /// A factor of another matrix (q(t, s) changes it) is kept while it gains three digits a
 /// correction.
 constexpr double slow_contraction = 1e-3;
+/// A body that laws alone hold (held_by_laws.hpp) is corrected while that gains anything.
+constexpr double slow_when_free = 0.9;
 /// With such a factor corrections go on until what it does not know is rounding: that error would
 /// pile up over the steps.
 constexpr double refined = 1e-13;
@@ -77,12 +80,15 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
     together.add(out.inequality, out.branch_ends);
     const auto left = balance_.residual(equation, matrix, now.xi, trial);
     out.equilibrium = left.error;
+    if (const FreeBody* const body = matrix.free_body())
+      out.equilibrium = std::max(left.error, balance_error(*body, contact, equation.rhs, now.xi));
     if (!contact.none())
       find_reach(matrix.contact_diagonal(), trial.kd, trial.d, equation.rhs, contact);
     solves->judge(made.moved, out.equilibrium, equation.exact());
     const bool exact = equation.exact() || left.mismatch <= refined;
     if (!out.inequality.converged || (exact && out.equilibrium <= target)) break;
-    const bool slow = out.equilibrium > slow_contraction * last;
+    const bool free = matrix.free_body() != nullptr;
+    const bool slow = out.equilibrium > (free ? slow_when_free : slow_contraction) * last;
     if (slow && equation.exact()) break;
     if (slow && out.equilibrium <= tolerance_) break; // at the rounding of the products
     last = out.equilibrium;

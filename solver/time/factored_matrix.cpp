@@ -4,6 +4,7 @@
 #include "solver/linear/condition_estimate.hpp"
 #include "solver/linear/separate.hpp"
 
+#include <cmath>
 #include <utility>
 
 namespace hvi::solver {
@@ -38,13 +39,22 @@ void FactoredMatrix::factor(const Vector& gamma) {
   SparseMatrix k = combine(operators_, gamma);
   k_.swap(k); // Eigen 3.4 copies what is moved
   half_ = {};
+  free_ = motions_ != nullptr ? find_free_body(*motions_, k_, *layout_) : nullptr;
   if (contact_.whole) return;
+  const SparseMatrix instead = free_ ? held() : SparseMatrix();
+  const SparseMatrix& matrix = free_ ? instead : k_;
   if (factorisation_ && !factorisation_.is_shared()) {
-    factorisation_->factor(k_);
+    factorisation_->factor(matrix);
     return;
   }
   auto* const shared = factorisation_ ? nullptr : operators_.shared;
-  factorisation_ = make_factor(operators_, contact_, k_, shared, std::exchange(like_, nullptr));
+  factorisation_ = make_factor(operators_, contact_, matrix, shared, std::exchange(like_, nullptr));
+}
+
+SparseMatrix FactoredMatrix::held() const {
+  SparseMatrix out = k_;
+  for (const int i : contact_.unknowns) out.coeffRef(i, i) += hold * std::abs(k_.coeff(i, i));
+  return out;
 }
 
 const SymmetricBlocks& FactoredMatrix::half(std::span<const SymmetricBlocks> bases) {
@@ -58,6 +68,7 @@ double FactoredMatrix::bytes() const {
 }
 
 double condition(const FactoredMatrix& matrix, bool symmetric) {
+  if (matrix.free_body() != nullptr) return 0.0;
   if (matrix.factorisation()) return estimate_condition(matrix.k(), *matrix.factorisation());
   const auto factor = analyse(matrix.k(), {}, symmetric);
   factor->factor(matrix.k());

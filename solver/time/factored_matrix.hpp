@@ -3,6 +3,7 @@
 
 #include "solver/linear/symmetric_blocks.hpp"
 #include "solver/time/contact.hpp"
+#include "solver/time/held_by_laws.hpp"
 #include "solver/time/operators.hpp"
 #include "solver/time/shared_work.hpp"
 
@@ -20,6 +21,20 @@ public:
   /// Throws Failure(not_coercive).
   void factor(const Vector& gamma);
 
+  /// From the next `factor` on K may leave such motions free, which laws hold (held_by_laws.hpp).
+  /// Then what is factored is K + hold D on the contact unknowns, D = diag K: corrections with it
+  /// are steps of the proximal point method (R. T. Rockafellar, Monotone operators and the proximal
+  /// point algorithm, SIAM J. Control Optim. 14 (1976) 877-898), whose limit solves the equation of
+  /// K itself. `motions` and `layout` are kept by reference.
+  void may_be_free(const RigidMotions& motions, const StateLayout& layout) {
+    motions_ = &motions, layout_ = &layout;
+  }
+  static constexpr double hold = 1e-8;
+  /// What K leaves free; null: nothing, and K itself is factored.
+  const FreeBody* free_body() const { return free_.get(); }
+  /// What is factored, where that is not K.
+  SparseMatrix held() const;
+
   const Vector& gamma() const { return gamma_; }
   const SparseMatrix& k() const { return k_; }
   /// Absent where all unknowns are contact unknowns, so that nothing is condensed.
@@ -33,13 +48,17 @@ private:
   const Operators& operators_;
   const Contact& contact_;
   const FactoredMatrix* like_;
+  const RigidMotions* motions_ = nullptr;
+  const StateLayout* layout_ = nullptr;
+  std::shared_ptr<const FreeBody> free_;
   Vector gamma_;
   SparseMatrix k_;
   SymmetricBlocks half_;
   SharedFactor factorisation_;
 };
 
-/// The condition number of K, estimated; factors K where there is no factor of it.
+/// The condition number of K, estimated; factors K where there is no factor of it. 0: K has a free
+/// body, and there is none.
 double condition(const FactoredMatrix& matrix, bool symmetric);
 
 } // namespace hvi::solver

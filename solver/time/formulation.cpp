@@ -93,6 +93,9 @@ std::unique_ptr<Formulation> formulate(const Plan& plan, const Discretisation& d
   DiscreteProblem all = on_all_unknowns(plan, discretisation);
   std::string obstacle =
       proportional_obstacle(plan, all.operators, all.contact, all.loads, all.layout);
+  if (obstacle.empty() && !all.contact.none() &&
+      find_free_body(RigidMotions(discretisation), all.operators.bases[0], all.layout))
+    obstacle = "laws alone hold the body";
   if (obstacle.empty()) {
     try {
       const SparseMatrix& t = all.operators.bases[0];

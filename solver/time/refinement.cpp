@@ -66,7 +66,8 @@ double PreciseEquation::gap(const StepMatrix& matrix, const Vector& d, const Vec
 
 bool Refinement::begins_with(const StepMatrix& matrix) {
   if (on_) return false;
-  on_ = matrix.factorisation() &&
+  // The factor of a free body is that of a matrix made almost singular, whose errors laws stop.
+  on_ = matrix.factorisation() && matrix.free_body() == nullptr &&
         rounding_growth(matrix.k(), *matrix.factorisation()) > growth_to_refine;
   return on_;
 }
@@ -105,7 +106,8 @@ void Refinement::refine(const StepMatrix& matrix, const StepEquation& equation,
   out.equilibrium = precise.gap(matrix, trial.d, laws.xi, trial.gap);
   trial.kd.noalias() = matrix.k() * trial.d;
   last_correction_ = std::max(last_correction_, last);
-  if (!(last <= largest_last)) too_ill_conditioned(problem_, n, last);
+  if (!(last <= largest_last) && matrix.free_body() == nullptr)
+    too_ill_conditioned(problem_, n, last);
 }
 
 void Refinement::save(StateWriter& w) const {

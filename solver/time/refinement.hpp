@@ -44,6 +44,8 @@ public:
   /// Asked of each new factor: a pair of triangular solves beside it. True: steps are refined from
   /// now on.
   bool begins_with(const StepMatrix& matrix);
+  /// From now on, whatever the factor.
+  void begin() { on_ = true; }
   /// The increment and the multipliers of an attempted step, corrected until that moves nothing.
   /// The laws are solved about the present state, so their unknowns are corrections, too. Throws
   /// Failure(mostly_rounding).

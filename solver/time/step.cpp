@@ -28,6 +28,12 @@ StepResult start_again(Restart why) {
 std::string obstacle_to_uniqueness(const Problem& problem, const RunState& state,
                                    StepMatrix& matrix) {
   Uniqueness uniqueness(problem, state.formulation->operators(), state.contact());
+  if (const FreeBody* const body = matrix.free_body()) {
+    if (!uniqueness.holds()) return uniqueness.obstacle();
+    return uniqueness.settled() && held_strongly(*body, state.contact())
+               ? std::string()
+               : "laws alone hold the body";
+  }
   if (!uniqueness.settled()) {
     // Not in a restored run: asking would change the solver, and its later numbers.
     if (uniqueness.condensed() && state.evolution.step() == 0)

@@ -14,14 +14,17 @@ namespace {
 /// No run keeps more factors at a time: a file that says so is wrong.
 constexpr std::uint64_t most_saved = 1000;
 
-/// Not factored yet. `like`: whose analysis is taken over; may be null.
+/// Not factored yet. `like`: whose analysis is taken over; `motions`: that it may leave free; both
+/// may be null.
 std::unique_ptr<StepMatrix> new_matrix(const SolverOptions& options, const Formulation& formulation,
-                                       const StepMatrix* like) {
+                                       const StepMatrix* like, const RigidMotions* motions) {
   InequalityOptions of_laws;
   of_laws.tolerance = options.tolerance;
   of_laws.branch = options.branch;
-  return std::make_unique<StepMatrix>(formulation.operators(), formulation.contact(), of_laws,
-                                      like);
+  auto out =
+      std::make_unique<StepMatrix>(formulation.operators(), formulation.contact(), of_laws, like);
+  if (motions != nullptr) out->may_be_free(*motions, formulation.layout());
+  return out;
 }
 
 } // namespace
@@ -29,7 +32,11 @@ std::unique_ptr<StepMatrix> new_matrix(const SolverOptions& options, const Formu
 StepMatrices::StepMatrices(const Plan& plan, const Discretisation& discretisation,
                            const Formulation& formulation, const TimeScheme& scheme)
     : plan_(plan), discretisation_(discretisation), formulation_(formulation), scheme_(scheme),
-      most_(static_cast<std::size_t>(useful_factors(scheme))) {}
+      most_(static_cast<std::size_t>(useful_factors(scheme))) {
+  if (formulation.contact().none() || formulation.reduced()) return;
+  motions_ = std::make_unique<RigidMotions>(discretisation);
+  if (motions_->count() == 0) motions_.reset();
+}
 
 FoundMatrix StepMatrices::find(int n, const Vector& factors) {
   const double rate = scheme_.factor(n, 1), length = scheme_.grid().length(n);
@@ -45,7 +52,7 @@ FoundMatrix StepMatrices::find(int n, const Vector& factors) {
   }
   if (kept_.size() < most_)
     kept_.insert(kept_.begin(),
-                 KeptMatrix{rate, length, new_matrix(plan_.options, formulation_, latest())});
+                 KeptMatrix{rate, length, new_matrix(plan_.options, formulation_, latest(), motions_.get())});
   else
     kept_.splice(kept_.begin(), kept_, std::prev(kept_.end()));
   auto& kept = kept_.front();
@@ -109,7 +116,7 @@ void StepMatrices::restore(std::istream& in) {
   const auto count = r.get_between<std::uint64_t>(0, most_saved);
   for (std::uint64_t i = 0; i < count; ++i) {
     const double rate = r.get<double>(), length = r.get<double>();
-    auto matrix = new_matrix(plan_.options, formulation_, latest());
+    auto matrix = new_matrix(plan_.options, formulation_, latest(), motions_.get());
     matrix->restore(in);
     kept_.push_back({rate, length, std::move(matrix)});
   }

@@ -10,7 +10,7 @@ void StepMatrix::factor(const Vector& gamma) {
   for (Eigen::Index i = 0; i < contact_diagonal_.size(); ++i)
     contact_diagonal_[i] = k().coeff(contact_.unknowns[i], contact_.unknowns[i]);
   if (contact_.none()) return;
-  reduced_ = contact_.whole ? sparse_operator(k(), operators_.symmetric)
+  reduced_ = contact_.whole ? sparse_operator(free_body() ? held() : k(), operators_.symmetric)
                             : dense_operator(factorisation()->schur(), operators_.symmetric);
   solver_ = std::make_unique<InequalitySolver>(contact_.problem, *reduced_, options_, law_factors_);
 }

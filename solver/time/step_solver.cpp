@@ -47,6 +47,8 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   laws.states.begin(n);
   laws.read_memories(n, equation.known);
   laws.prepare(n, equation.known);
+  if (const FreeBody* const body = matrix.free_body())
+    refuse_unbalanced(*body, contact, plan_.problem, equation.rhs, evolution_.grid().t(n));
   std::optional<InequalityState> path_start;
   if (follow) {
     laws.start_path(n);
@@ -67,6 +69,8 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   auto out = solve(CorrectionStart::predicted);
   if (!contact.readings.empty())
     couple_readings(laws, contact, tolerance, start, equation, trial, solve, out);
+  const bool too_far = matrix.free_body() != nullptr && out.equilibrium > tolerance;
+  if (too_far && out.inequality.converged) refinement.begin();
   if (refinement.on()) {
     refinement.refine(matrix, equation, equations.corrector, laws, trial, out);
     if (!contact.readings.empty()) {
@@ -77,6 +81,11 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   equation.known.head(trial.d.size()) += trial.d; // now u_n
   out.inclusion = laws.inclusion(n, equation.known, trial.d, trial.z);
   if (!laws.states.none()) out.states = laws.state_error(equation.known, trial.d);
+  const FreeBody* const body = matrix.free_body();
+  if (body != nullptr && !(out.inequality.converged && out.equilibrium <= tolerance)) {
+    std::string& verdict = out.inequality.verdict;
+    verdict += (verdict.empty() ? "" : "; ") + runaway(*body, trial.d);
+  }
   return out;
 }
 
