@@ -178,7 +178,8 @@ table a = u.y at [1, 1])"},
     {"E0425", "not coercive",
      R"(
 What the script states does not determine the unknown: a rigid motion of the body or of a piece of it is
-left, or the sum of the forms is not positive definite. Or the memory of a step within that step subtracts
+left, or the sum of the forms is not positive definite. Laws may hold a body, as a table does: then they have
+to see each of its motions, and to balance the load at every time. Or the memory of a step within that step subtracts
 more stiffness than the body has: shorter steps make it smaller.)",
      R"(
 space V = vector P1 on slab)",

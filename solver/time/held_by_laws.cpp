@@ -282,6 +282,15 @@ bool held_strongly(const FreeBody& body, const Contact& contact) {
   return kernel(seen, least_seen).cols() == 0;
 }
 
+void refuse_free(const std::vector<std::string>& motions, const std::string& when,
+                 const Origin& origin) {
+  if (motions.empty()) return;
+  throw Failure(FailureKind::not_coercive, origin,
+                fmt::format("nothing holds the body{}, neither values nor forms nor laws: {}", when,
+                            fmt::join(motions, "; ")),
+                "impose a value, or add a law or a term that resists the motion");
+}
+
 void refuse_unbalanced(const FreeBody& body, const Contact& contact, const Problem& problem,
                        const Vector& r, double t) {
   const Origin origin =
@@ -289,11 +298,7 @@ void refuse_unbalanced(const FreeBody& body, const Contact& contact, const Probl
   const std::string when =
       problem.time.is_static ? std::string() : fmt::format(" at t = {:.6g}", t);
   const Admitted admitted(body, contact, problem, t);
-  if (const auto free = each_in_words(body, admitted.unseen()); !free.empty())
-    throw Failure(FailureKind::not_coercive, origin,
-                  fmt::format("nothing holds the body{}, neither values nor forms nor laws: {}",
-                              when, fmt::join(free, "; ")),
-                  "impose a value, or add a law or a term that resists the motion");
+  refuse_free(each_in_words(body, admitted.unseen()), when, origin);
   const auto nearest = nearest_point(body.on_unknowns.transpose() * r, admitted.start(),
                                      [&](const Vector& y) { return admitted.support(y); });
   if (!nearest.outside) return;

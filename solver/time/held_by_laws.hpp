@@ -10,7 +10,9 @@
 // Outside C there is no solution, and a v with  <r, v> > sup { <c, v> : c in C }  is a motion that
 // nothing stops. For convex laws that supremum is the recession function J_inf(M v) of J, and
 // r inside C is the condition <f, v> < J_inf(M v) for all v != 0 under which the problem has a
-// solution (Fichera 1964; Lions and Stampacchia 1967; Goeleven and Thera 1995).
+// solution (C. Baiocchi, F. Gastaldi, F. Tomarelli, Some existence results on noncoercive
+// variational inequalities, Ann. Sc. Norm. Super. Pisa 13 (1986) 617-659, after Fichera, Lions and
+// Stampacchia).
 #pragma once
 
 #include "solver/time/contact.hpp"
@@ -45,6 +47,11 @@ std::vector<std::string> unseen_motions(const FreeBody& body, const Contact& con
 /// Do laws whose slopes rise everywhere (springs) see all motions? With laws that do not soften a
 /// step then has one solution.
 bool held_strongly(const FreeBody& body, const Contact& contact);
+
+/// Throws Failure(not_coercive) naming these motions, where there are any. `when`: "", or at what
+/// time.
+void refuse_free(const std::vector<std::string>& motions, const std::string& when,
+                 const Origin& origin);
 
 /// Throws Failure(not_coercive) naming the motion where no subgradients of the laws at hand
 /// (`prepare` has made their graphs) balance the load r of a step at time t. `origin`: of the load.

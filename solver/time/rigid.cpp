@@ -204,6 +204,8 @@ void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& 
   } catch (const NotFactorable& failure) {
     const Origin origin =
         problem.forms.empty() ? problem.space.origin : problem.forms.front().origin;
+    if (const FreeBody* const body = matrix.free_body())
+      refuse_free(unseen_motions(*body, of.formulation.contact()), "", origin);
     const auto left = held_by_values(d) ? std::vector<std::string>()
                                         : free_motions(matrix.k(), d, of.formulation.layout());
     if (!left.empty())

@@ -14,10 +14,11 @@ struct MatrixOf {
 };
 
 /// matrix.factor(gamma); when there is no factor, throws Failure(not_coercive) that names the rigid
-/// motions that cost no energy ("translation along x"), or else the degree of freedom where the
-/// elimination broke down, or says that without memories there would be one. Where K is positive
-/// but for rounding, and its softest motion strains cells, the script is right and double precision
-/// too short: Failure(mostly_rounding).
+/// motions that no law sees (held_by_laws.hpp), or without laws those that cost no energy
+/// ("translation along x"), or else the degree of freedom where the elimination broke down, or says
+/// that without memories there would be one. Where K is positive but for rounding, and its softest
+/// motion strains cells, the script is right and double precision too short:
+/// Failure(mostly_rounding).
 void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& of,
                        const Problem& problem, const Discretisation& discretisation);
 
