@@ -27,6 +27,7 @@ RigidMotions motions_of(Plan plan, std::vector<DirichletSpec> values, Discretisa
   plan.problem.space.dirichlet = std::move(values);
   plan.problem.law_terms.clear();
   plan.problem.loads.clear();
+  plan.report = {};
   for (const auto& mistake : discretise(plan, d)) throw mistake;
   return RigidMotions(d);
 }
@@ -110,8 +111,11 @@ TEST(SlopeBounds, OfLawsThatGrowFallAndStop) {
   EXPECT_EQ(bounds.high, infinity);
   const Law bounded({"bounded", {}, false, true, r / sqrt(1.0 + r * r)});
   bounds = slope_bounds(bounded, graph_of(bounded));
-  EXPECT_NEAR(bounds.low, -1.0, 1e-12);
-  EXPECT_NEAR(bounds.high, 1.0, 1e-12);
+  EXPECT_LE(bounds.low, -1.0 + 1e-12); // within the tenth of what is sampled
+  EXPECT_GE(bounds.low, -1.1);
+  EXPECT_GE(bounds.high, 1.0 - 1e-12);
+  EXPECT_LE(bounds.high, 1.1);
+  EXPECT_NEAR(bounds.at_plus, 1.0, 1e-12);
   // r exp(-r^2): up to 1/sqrt(2 e) = 0.4289, back to 0.
   const Law falls({"falls", {}, false, true, r * exp(-r * r)});
   bounds = slope_bounds(falls, graph_of(falls));
