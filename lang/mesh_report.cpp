@@ -25,11 +25,10 @@ std::string holders(unsigned by) {
   return by & by_node ? "hanging on single nodes of another" : "held by nothing";
 }
 
-constexpr int first_slope = solver::slot::gradient(0, 0); ///< values come before
-
 bool has_values(const solver::FormTerm& form) {
-  return std::any_of(form.entries.begin(), form.entries.end(),
-                     [](const auto& e) { return e.test < first_slope || e.trial < first_slope; });
+  return std::any_of(form.entries.begin(), form.entries.end(), [](const auto& e) {
+    return solver::slot::is_value(e.test) || solver::slot::is_value(e.trial);
+  });
 }
 
 /// Which pieces parts of the plan touch.

@@ -91,7 +91,7 @@ Value Checker::call(const ast::Expr& e, const ast::Call& c, const Scope& scope) 
   const int index = find_declaration(r->name);
   if (index < 0) {
     if (is_function_name(r->name)) return call_built_in(e, c, r->name, scope);
-    if (find_ && (r->name == find_->unknown.text || r->name == find_->test.text)) {
+    if (unknown_named(r->name) >= 0 || unknown_tested_by(r->name) >= 0) {
       error("E0310", c.callee->span, fmt::format("`{}` is not a function to be called", r->name),
             "a value at a point stands in `report`: `u.y at [1, 0]`");
       return Poison{};
@@ -237,21 +237,21 @@ std::optional<Field> Checker::total_gradient(const Span& span, const Field& f) {
     for (int j = 0; j < d; ++j) {
       Symbol sum = derivative(c, slot::x(j));
       for (solver::Slot s : solver::slots_of(c)) {
-        int base = -1, index = -1;
-        if (s >= slot::first_field && s < slot::first_multiplier) {
-          index = (s - slot::first_field) % slot::field_stride;
-          base = s - index;
-        } else if (s >= slot::test(0) && s < slot::test(12)) {
+        int index = 0;
+        if (slot::is_field(s))
+          index = slot::derivative_of(s);
+        else if (slot::is_test(s))
           index = s - slot::test(0);
-          base = slot::test(0);
-        }
-        if (base < 0) continue;
-        if (index >= 3) {
+        else
+          continue;
+        if (!slot::is_value(index)) {
           error("E0421", span, "second derivatives are not available",
                 "elements of order 1 and 2 have one weak derivative; integrate by parts");
           return std::nullopt;
         }
-        sum = sum + derivative(c, s) * Symbol::variable(base + slot::gradient(index, j));
+        const int component = index % slot::own_derivatives;
+        sum =
+            sum + derivative(c, s) * Symbol::variable(s - component + slot::gradient(component, j));
       }
       out.components.push_back(sum);
     }
@@ -268,10 +268,10 @@ Field Checker::with_hoop(const Field& gradient, const Field& f) const {
   const Symbol x = Symbol::variable(slot::x(0)), &radial = f.components[0];
   Symbol along = 0.0, rest = radial;
   for (solver::Slot s : solver::slots_of(radial)) {
-    const bool of_test = s == slot::test(slot::value(0));
-    const bool of_field = s >= slot::first_field && s < slot::first_multiplier &&
-                          (s - slot::first_field) % slot::field_stride == slot::value(0);
-    if (!of_test && !of_field) continue;
+    const int index = slot::is_test(s)    ? s - slot::test(0)
+                      : slot::is_field(s) ? slot::derivative_of(s)
+                                          : -1;
+    if (index < 0 || index % slot::own_derivatives != slot::value(0)) continue;
     const Symbol slope = derivative(radial, s);
     if (slope.depends_on(s)) continue;
     along = along + slope * Symbol::variable(s + slot::hoop);
@@ -502,7 +502,7 @@ Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope&
   }
   if (of->trial != Degree::linear || of->test != Degree::none) {
     error("E0403", (*args)[1]->span,
-          fmt::format("`history` takes an expression linear in `{}`", find_->unknown.text));
+          fmt::format("`history` takes an expression linear in {}", names_of_unknowns()));
     return Poison{};
   }
   if (kernel->rank == 4 && (of->rank != 2 || of->rows != tensor_dim())) {
@@ -540,7 +540,7 @@ Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope&
   const int n = static_cast<int>(of->components.size());
   for (const auto& [m, t] : tensors) {
     std::vector<std::pair<solver::Slot, Symbol>> rename;
-    for (int k = 0; k < 12; ++k)
+    for (int k = 0; k < slot::n_derivatives; ++k)
       rename.emplace_back(slot::field(solver::field_of_u(0), k),
                           Symbol::variable(slot::field(solver::field_of_memory(m), k)));
     std::vector<Symbol> w;

@@ -313,17 +313,16 @@ Value Checker::prime(const ast::Expr& e, const ast::Prime& p, const Scope& scope
   const ast::Expr& operand = inner ? *inner->operand : *p.operand;
   const int order = inner ? 2 : 1;
   const auto* r = std::get_if<ast::Reference>(&operand.node);
-  if (!r || !find_ || r->name != find_->unknown.text) {
+  const int unknown = r ? unknown_named(r->name) : -1;
+  if (unknown < 0) {
     if (is_poison(expr(operand, scope))) return Poison{};
     error("E0303", p.op,
           fmt::format("only the unknown{} has a time derivative",
-                      find_ ? fmt::format(" `{}`", find_->unknown.text) : ""),
+                      find_ ? fmt::format(" {}", names_of_unknowns()) : ""),
           "write `u'` and take `eps(u')` of it");
     return Poison{};
   }
-  Value value = reference(operand, r->name, scope);
-  auto* u = std::get_if<Field>(&value);
-  if (!u) return Poison{};
+  if (is_poison(reference(operand, r->name, scope))) return Poison{};
   if (!find_->time) {
     error(
         "E0412", e.span,
@@ -336,12 +335,7 @@ Value Checker::prime(const ast::Expr& e, const ast::Prime& p, const Scope& scope
           "it is known where a form has it: `integral(body, rho*dot(u'', v))`");
     return Poison{};
   }
-  for (std::size_t i = 0; i < u->components.size(); ++i)
-    u->components[i] = Symbol::variable(
-        solver::slot::field(solver::field_of_u(order), solver::slot::value(static_cast<int>(i))));
-  u->rate = true;
-  u->acceleration = order == 2;
-  return *u;
+  return value_of_unknown(unknown, order, false);
 }
 
 Value Checker::member(const ast::Expr& e, const ast::Member& m, const Scope& scope) {

@@ -219,15 +219,13 @@ bool Checker::take_readings(const ast::Superpotential& law, const Symbol& body,
   spec.expression = ReadingsTaken(spec.readings)(body);
   for (const Symbol& reading : spec.readings)
     for (const solver::Slot s : reading.slots())
-      if (s >= slot::first_field &&
-          (s >= slot::first_multiplier ||
-           (s - slot::first_field) % slot::field_stride >= slot::gradient(0, 0))) {
+      if (s >= slot::first_multiplier || slot::is_field_gradient(s)) {
         error(
             "E0432", law.value.span,
             fmt::format("`{}` reads more of a memory than its values at the point", law.name.text),
             fmt::format("write `history(q, {0}).nu`, `norm(history(q, {0}).tau)` or "
                         "`history(q, {0}).x`",
-                        find_->unknown.text));
+                        name_of(0)));
         return false;
       }
   if (spec.readings.size() <= slot::most_readings) return true;
@@ -342,10 +340,9 @@ std::optional<int> Checker::law_field(const ast::Clarke& clarke, const Field& at
   std::optional<int> out;
   for (const Symbol& component : at.components)
     for (const solver::Slot s : solver::slots_of(component)) {
-      if (s < slot::first_field || s >= slot::first_multiplier) continue;
-      const int k = (s - slot::first_field) % slot::field_stride;
-      const int field = (s - slot::first_field) / slot::field_stride;
-      if (k >= 3) {
+      if (!slot::is_field(s)) continue;
+      const int field = slot::field_of(s);
+      if (slot::is_field_gradient(s)) {
         error("E0414", clarke.at->span,
               "M takes values of the unknown: its trace, a part of it or itself",
               "write `u.nu`, `u.tau`, a component, `u` or `u.nu - gap`");
@@ -354,19 +351,42 @@ std::optional<int> Checker::law_field(const ast::Clarke& clarke, const Field& at
       if (out && *out != field) {
         error("E0415", clarke.at->span,
               fmt::format("the argument of the law has two of `{0}`, `{0}'` and memories in it",
-                          find_->unknown.text),
+                          name_of(0)),
               "a law sees one of them; write two laws");
         return std::nullopt;
       }
       out = field;
     }
   if (out == solver::field_of_u(2)) {
-    error("E0415", clarke.at->span,
-          fmt::format("a law does not act on `{}''`", find_->unknown.text),
+    error("E0415", clarke.at->span, fmt::format("a law does not act on `{}''`", name_of(0)),
           "laws act on the unknown, its rate or a memory");
     return std::nullopt;
   }
   return out;
+}
+
+/// The unknown whose values a law sees, in the argument and in the direction.
+std::optional<int> Checker::law_unknown(const ast::Clarke& clarke, const Field& at,
+                                        const Field& direction) {
+  std::set<int> seen, tested;
+  for (const Symbol& component : at.components)
+    for (const solver::Slot s : solver::slots_of(component))
+      if (slot::is_field(s)) seen.insert(slot::unknown_of(slot::derivative_of(s)));
+  for (const Symbol& component : direction.components)
+    for (const solver::Slot s : solver::slots_of(component))
+      if (slot::is_test(s)) tested.insert(slot::unknown_of(s - slot::test(0)));
+  if (seen.size() > 1) {
+    error("E0444", clarke.at->span, "the argument of a law has two unknowns in it",
+          "a law sees one of them; its superpotential may read others");
+    return std::nullopt;
+  }
+  if (seen.empty() || tested == seen) return seen.empty() ? 0 : *seen.begin();
+  const auto& mine = find_->unknowns[static_cast<std::size_t>(*seen.begin())];
+  error("E0444", clarke.direction->span,
+        fmt::format("the argument is of `{}`, the direction not of its test function `{}`",
+                    mine.unknown.text, mine.test.text),
+        "j^0(Mu; Mv) takes the same M of an unknown and of its own test function");
+  return std::nullopt;
 }
 
 namespace {
@@ -393,18 +413,20 @@ std::optional<double> ratio(const Symbol& a, const Symbol& b) {
 /// `of_memory` times them.
 bool Checker::law_rows(const ast::Clarke& clarke, const Field& at, const Field& direction,
                        LawUse& use) {
-  const int d = model_.space.vector ? model_.dim : 1;
-  const std::string& u = find_->unknown.text;
+  const int d = components_of(use.unknown);
+  const std::string& u = name_of(use.unknown);
+  const auto own_value = [&](int i) { return slot::of_unknown(use.unknown, slot::value(i)); };
   const std::string seen = use.field == solver::field_of_u(1) ? u + "'" : u;
   std::optional<double> of_memory;
   std::vector<std::pair<solver::Slot, Symbol>> at_rest;
-  for (int k = 0; k < 12; ++k) at_rest.emplace_back(slot::field(use.field, k), Symbol(0.0));
+  for (int k = 0; k < slot::n_derivatives; ++k)
+    at_rest.emplace_back(slot::field(use.field, k), Symbol(0.0));
   for (std::size_t c = 0; c < at.components.size(); ++c) {
     LawRow row;
     for (int i = 0; i < d; ++i) {
-      Symbol own = derivative(at.components[c], slot::field(use.field, slot::value(i)));
+      Symbol own = derivative(at.components[c], slot::field(use.field, own_value(i)));
       for (int j = 0; j < d; ++j)
-        if (own.depends_on(slot::field(use.field, slot::value(j)))) {
+        if (own.depends_on(slot::field(use.field, own_value(j)))) {
           error("E0403", clarke.at->span,
                 fmt::format("the argument of a law is linear in `{}`", seen));
           return false;
@@ -415,7 +437,7 @@ bool Checker::law_rows(const ast::Clarke& clarke, const Field& at, const Field& 
               "the superpotential itself may depend on it");
         return false;
       }
-      const Symbol v = derivative(direction.components[c], slot::test(slot::value(i)));
+      const Symbol v = derivative(direction.components[c], slot::test(own_value(i)));
       if (solver::is_memory(use.field) && !own.is(0.0)) {
         if (!of_memory) of_memory = ratio(own, v);
         if (of_memory && agree(own, Symbol(*of_memory) * v)) own = v;
@@ -425,7 +447,8 @@ bool Checker::law_rows(const ast::Clarke& clarke, const Field& at, const Field& 
         diagnostics_.add(
             diagnose("E0414", clarke.direction->span,
                      fmt::format("the direction is not the argument with `{}` in place of `{}`",
-                                 find_->test.text, seen))
+                                 find_->unknowns[static_cast<std::size_t>(use.unknown)].test.text,
+                                 seen))
                 .with_secondary(clarke.at->span, "the argument")
                 .with_help("j^0(Mu; Mv) takes the same M twice: `j^0(u.nu; v.nu)`, "
                            "`j^0(-u.nu; -v.nu)`"));
@@ -461,7 +484,7 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
   auto at = field(*c.at, of_argument);
   auto direction = field(*c.direction, scope);
   if (!at || !direction) return Poison{};
-  const std::string u = find_->unknown.text, v = find_->test.text;
+  const std::string u = name_of(0), v = find_->unknowns.front().test.text;
   if (at->trial == Degree::none || at->test != Degree::none) {
     error("E0414", c.at->span,
           fmt::format("the argument of `{}` does not contain `{}`", r->name, u),
@@ -485,7 +508,9 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
   LawUse use;
   const auto seen = law_field(c, *at);
   use.field = seen.value_or(solver::field_of_u(0));
-  const bool same = seen && law_rows(c, *at, *direction, use);
+  const auto of = seen ? law_unknown(c, *at, *direction) : std::nullopt;
+  use.unknown = of.value_or(0);
+  const bool same = of && law_rows(c, *at, *direction, use);
   if (same && !find_->time && offset_in_time(use.rows)) {
     error("E0412", c.at->span, "a static problem has no time `t`",
           "add `for t in [0, T] by N steps from u = 0` to the find statement");

@@ -174,10 +174,7 @@ Value Checker::evaluate(Declaration& declaration) {
   if (std::holds_alternative<ast::State>(statement)) return state(index);
   if (std::holds_alternative<ast::Fn>(statement)) return FunctionValue{index};
   if (const auto* s = std::get_if<ast::Space>(&statement)) {
-    // The space of the problem is the one of the find statement; others are only checked.
-    solver::SpaceSpec kept = model_.space;
     auto made = space(*s);
-    if (find_ && find_->space.text != s->name.text) model_.space = std::move(kept);
     return made ? Value(SpaceValue{*made}) : Value(Poison{});
   }
   return Poison{};
@@ -321,8 +318,10 @@ std::string Checker::nearest(const std::string& name, const Scope& scope) {
   for (const auto& [local, value] : scope.locals) suggestion.consider(local);
   for (const Declaration& d : declarations_) suggestion.consider(d.name);
   for (const std::string_view built_in : visible_built_ins()) suggestion.consider(built_in);
-  if (scope.unknown && find_) suggestion.consider(find_->unknown.text);
-  if (scope.test && find_) suggestion.consider(find_->test.text);
+  if (scope.unknown && find_)
+    for (const ast::Unknown& u : find_->unknowns) suggestion.consider(u.unknown.text);
+  if (scope.test && find_)
+    for (const ast::Unknown& u : find_->unknowns) suggestion.consider(u.test.text);
   return known->second = suggestion.help();
 }
 
@@ -337,27 +336,40 @@ Value Checker::hidden_state(const Span& span, int declaration, const Scope& scop
   return Poison{};
 }
 
+/// A derivative in time of the b-th unknown, or its test function.
+Value Checker::value_of_unknown(int unknown, int order, bool is_test) const {
+  namespace slot = solver::slot;
+  std::vector<Symbol> components;
+  for (int i = 0; i < components_of(unknown); ++i) {
+    const int of = slot::of_unknown(unknown, slot::value(i));
+    components.push_back(
+        Symbol::variable(is_test ? slot::test(of) : slot::field(solver::field_of_u(order), of)));
+  }
+  const bool vector = unknowns_of(model_.space)[static_cast<std::size_t>(unknown)].vector;
+  Field f = vector ? vector_field(components) : scalar_field(components[0]);
+  (is_test ? f.test : f.trial) = Degree::linear;
+  f.rate = order > 0;
+  f.acceleration = order == 2;
+  return f;
+}
+
 Value Checker::reference(const ast::Expr& e, const std::string& name, const Scope& scope) {
   if (auto local = scope.locals.find(name); local != scope.locals.end()) return local->second;
-  if (find_ && (name == find_->unknown.text || name == find_->test.text) &&
-      find_declaration(name) < 0) {
-    const bool is_test = name == find_->test.text;
+  const int unknown = unknown_named(name), tested = unknown_tested_by(name);
+  if ((unknown >= 0 || tested >= 0) && find_declaration(name) < 0) {
+    const bool is_test = unknown < 0;
     if (is_test ? !scope.test : !scope.unknown) {
+      const bool one = find_->unknowns.size() == 1;
       error("E0309", e.span,
-            fmt::format("`{}` is the {} of the inequality: it cannot be used{}", name,
+            fmt::format("`{}` is {} {} of the inequality: it cannot be used{}", name,
+                        one       ? "the"
+                        : is_test ? "a"
+                                  : "an",
                         is_test ? "test function" : "unknown", visible_note(scope)));
       return Poison{};
     }
-    if (space_declaration_ < 0) return Poison{};
-    std::vector<Symbol> components;
-    const int n = model_.space.vector ? model_.dim : 1;
-    for (int i = 0; i < n; ++i)
-      components.push_back(Symbol::variable(
-          is_test ? solver::slot::test(solver::slot::value(i))
-                  : solver::slot::field(solver::field_of_u(0), solver::slot::value(i))));
-    Field f = model_.space.vector ? vector_field(components) : scalar_field(components[0]);
-    (is_test ? f.test : f.trial) = Degree::linear;
-    return f;
+    if (!spaces_known_) return Poison{};
+    return value_of_unknown(is_test ? tested : unknown, 0, is_test);
   }
   if (auto built_in = built_in_name(e, name, scope)) return *built_in;
   const int index = find_declaration(name);

@@ -75,7 +75,7 @@ std::optional<Field> Checker::add(const ast::Expr& e, const ast::Binary& b, Fiel
       (left.test == Degree::none || right.test == Degree::none)) {
     const ast::Expr& lacking = left.test == Degree::none ? *b.left : *b.right;
     error("E0402", lacking.span,
-          fmt::format("this does not contain the test function `{}`", find_->test.text),
+          fmt::format("this does not contain the test function {}", names_of_tests()),
           "every summand of an integral is linear in the test function");
     return std::nullopt;
   }
@@ -108,12 +108,12 @@ std::optional<Field> Checker::add(const ast::Expr& e, const ast::Binary& b, Fiel
 bool Checker::product_degrees(const Span& span, const Field& left, const Field& right, Field& out,
                               const Scope& scope) {
   if (left.test != Degree::none && right.test != Degree::none) {
-    error("E0401", span, fmt::format("this product is not linear in `{}`", find_->test.text),
+    error("E0401", span, fmt::format("this product is not linear in {}", names_of_tests()),
           "the test function occurs once in every term");
     return false;
   }
   if (left.trial != Degree::none && right.trial != Degree::none && !scope.report) {
-    error("E0403", span, fmt::format("this product is not linear in `{}`", find_->unknown.text),
+    error("E0403", span, fmt::format("this product is not linear in {}", names_of_unknowns()),
           "the forms of the inequality are bilinear; a nonlinear law is a superpotential");
     return false;
   }
@@ -129,13 +129,13 @@ bool Checker::nonlinear_degrees(const Span& span, const std::string& what,
                                 const Scope& scope) {
   for (const Field* f : args) {
     if (f->test != Degree::none) {
-      error("E0401", span, fmt::format("{} is not linear in `{}`", what, find_->test.text),
+      error("E0401", span, fmt::format("{} is not linear in {}", what, names_of_tests()),
             "the test function enters linearly");
       return false;
     }
     if (f->trial == Degree::none) continue;
     if (!scope.report) {
-      error("E0403", span, fmt::format("{} is not linear in `{}`", what, find_->unknown.text),
+      error("E0403", span, fmt::format("{} is not linear in {}", what, names_of_unknowns()),
             "the forms of the inequality are bilinear; a nonlinear law is a superpotential");
       return false;
     }

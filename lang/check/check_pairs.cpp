@@ -20,9 +20,7 @@ namespace {
 constexpr int first_jump = 128; ///< the jump of field k is field first_jump + k
 constexpr int jump_of_test = 252;
 
-bool is_field(solver::Slot s) { return s >= slot::first_field && s < slot::first_multiplier; }
-int field_of(solver::Slot s) { return (s - slot::first_field) / slot::field_stride; }
-bool is_test(solver::Slot s) { return s >= slot::test(0) && s < slot::test(12); }
+using slot::field_of, slot::is_field, slot::is_test;
 bool is_jump(solver::Slot s) { return is_field(s) && field_of(s) >= first_jump; }
 
 solver::Slot jump_of(solver::Slot s) {
@@ -140,9 +138,8 @@ Value Checker::jump_call(const ast::Expr& e, const ast::Call& c, const Scope& sc
   auto f = field(*(*args)[0], scope);
   if (!f) return Poison{};
   const auto is_value = [](solver::Slot s) {
-    return is_test(s) ? s < slot::test(slot::gradient(0, 0))
-                      : is_field(s) && !is_jump(s) &&
-                            (s - slot::first_field) % slot::field_stride < slot::gradient(0, 0);
+    return is_test(s) ? slot::is_value(s - slot::test(0))
+                      : is_field(s) && !is_jump(s) && !slot::is_field_gradient(s);
   };
   std::vector<std::pair<solver::Slot, Symbol>> rename;
   bool good = f->rank <= 1 && !f->law_vector && f->laws.empty();
@@ -193,7 +190,7 @@ Value Checker::gap_call(const ast::Expr& e, const ast::Call& c, const Scope& sco
 /// on a pair and gaps of others are reported.
 bool Checker::take_jumps(const Span& span, std::vector<Symbol>& components, int part) {
   const Reads reads = reads_of(components);
-  const std::string& u = find_->unknown.text;
+  const std::string& u = name_of(0);
   if (!is_pair(part)) {
     if (!reads.jumps && !reads.gap) return true;
     if (part >= 0)

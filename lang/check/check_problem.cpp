@@ -18,17 +18,19 @@ using solver::Rule;
 
 namespace {
 
-/// Whether d2 f / d w_k d v_l = d2 f / d w_l d v_k for the values and gradients w of a field.
-bool symmetric(const Symbol& f, int field) {
-  constexpr int n = 12;
+/// Whether d2 f / d w_k d v_l = d2 f / d w_l d v_k for the values and gradients w of a field, w and
+/// v of one unknown.
+bool symmetric_in(const Symbol& f, int field, int unknown) {
+  constexpr int n = slot::own_derivatives;
   std::vector<std::pair<int, Symbol>> rows; // of test slots that occur
   for (int l = 0; l < n; ++l)
-    if (f.depends_on(slot::test(l))) rows.emplace_back(l, derivative(f, slot::test(l)));
+    if (const auto s = slot::test(slot::of_unknown(unknown, l)); f.depends_on(s))
+      rows.emplace_back(l, derivative(f, s));
   std::array<std::array<std::optional<Symbol>, n>, n> hessian; // zero unless set
   for (const auto& [l, row] : rows)
     for (int k = 0; k < n; ++k)
-      if (row.depends_on(slot::field(field, k)))
-        hessian[l][k] = derivative(row, slot::field(field, k));
+      if (const auto s = slot::field(field, slot::of_unknown(unknown, k)); row.depends_on(s))
+        hessian[l][k] = derivative(row, s);
   auto entry = [&](int l, int k, int trial) {
     const auto& d = hessian[l][k];
     if (!d || d->is_constant()) return d ? d->value() : 0.0;
@@ -40,6 +42,13 @@ bool symmetric(const Symbol& f, int field) {
         const double a = entry(l, k, trial), b = entry(k, l, trial);
         if (std::abs(a - b) > 1e-9 * (std::abs(a) + std::abs(b))) return false;
       }
+  return true;
+}
+
+/// Of each unknown by itself: coupled ones may act on each other as they like.
+bool symmetric(const Symbol& f, int field) {
+  for (int b = 0; b < slot::most_unknowns; ++b)
+    if (!symmetric_in(f, field, b)) return false;
   return true;
 }
 
@@ -111,10 +120,70 @@ void Checker::locate_find() {
           "state the inequality: `find u in V ... such that for all v in V ... >= ...`");
 }
 
+int Checker::unknown_named(const std::string& name) const {
+  for (std::size_t b = 0; find_ && b < find_->unknowns.size(); ++b)
+    if (find_->unknowns[b].unknown.text == name) return static_cast<int>(b);
+  return -1;
+}
+
+int Checker::unknown_tested_by(const std::string& name) const {
+  for (std::size_t b = 0; find_ && b < find_->unknowns.size(); ++b)
+    if (find_->unknowns[b].test.text == name) return static_cast<int>(b);
+  return -1;
+}
+
+namespace {
+
+std::string either(const std::vector<ast::Unknown>& all, ast::Name ast::Unknown::*name) {
+  std::string out;
+  for (std::size_t b = 0; b < all.size(); ++b)
+    out += fmt::format("{}`{}`",
+                       b == 0               ? ""
+                       : b + 1 < all.size() ? ", "
+                                            : " or ",
+                       (all[b].*name).text);
+  return out;
+}
+
+} // namespace
+
+std::string Checker::names_of_unknowns() const {
+  return either(find_->unknowns, &ast::Unknown::unknown);
+}
+std::string Checker::names_of_tests() const { return either(find_->unknowns, &ast::Unknown::test); }
+const std::string& Checker::name_of(int unknown) const {
+  return find_->unknowns[static_cast<std::size_t>(unknown)].unknown.text;
+}
+
+/// Of the values of the b-th unknown.
+int Checker::components_of(int unknown) const {
+  return solver::components_of(unknowns_of(model_.space)[static_cast<std::size_t>(unknown)],
+                               model_.dim);
+}
+
 bool Checker::check_find_names(const ast::Find& find) {
-  bool good = find.unknown.text != find.test.text;
-  if (!good) error("E0302", find.test.span, "the unknown and the test function have the same name");
-  for (const ast::Name* name : {&find.unknown, &find.test}) {
+  bool good = true;
+  std::map<std::string, const ast::Name*> seen;
+  std::vector<const ast::Name*> names;
+  for (const ast::Unknown& u : find.unknowns) names.push_back(&u.unknown);
+  for (const ast::Unknown& u : find.unknowns) names.push_back(&u.test);
+  if (find.unknowns.size() > solver::slot::most_unknowns) {
+    error("E0443", find.unknowns[solver::slot::most_unknowns].unknown.span,
+          fmt::format("more than {} unknowns", solver::slot::most_unknowns));
+    return false;
+  }
+  for (const ast::Name* name : names) {
+    if (const auto [before, fresh] = seen.try_emplace(name->text, name); !fresh) {
+      diagnostics_.add(
+          diagnose("E0302", name->span,
+                   find.unknowns.size() == 1
+                       ? std::string("the unknown and the test function have the same name")
+                       : fmt::format("two of the unknowns and test functions are called `{}`",
+                                     name->text))
+              .with_secondary(before->second->span, "the first one"));
+      good = false;
+      continue;
+    }
     if (is_reserved_builtin(name->text)) {
       error("E0311", name->span, fmt::format("`{}` is built in and cannot be declared", name->text),
             "choose another name");
@@ -128,34 +197,61 @@ bool Checker::check_find_names(const ast::Find& find) {
         diagnose("E0302", name->span, fmt::format("`{}` is declared twice", name->text))
             .with_secondary(declarations_[index].span, "first declared here"));
   }
-  if (find.test_space.text != find.space.text)
-    error("E0312", find.test_space.span,
-          fmt::format("the test functions run through `{}`, the space of the unknown",
-                      find.space.text));
+  for (const ast::Unknown& u : find.unknowns)
+    if (u.test_space.text != u.space.text)
+      error("E0312", u.test_space.span,
+            fmt::format("the test functions run through `{}`, the space of the unknown",
+                        u.space.text));
   return good;
+}
+
+/// The space of the problem: that of the unknown, or the product of those of all.
+void Checker::unknowns(const ast::Find& find) {
+  spaces_known_ = true;
+  solver::SpaceSpec product;
+  for (std::size_t b = 0; b < find.unknowns.size(); ++b) {
+    const ast::Unknown& written = find.unknowns[b];
+    const int index = find_declaration(written.space.text);
+    if (index < 0) {
+      Scope none;
+      unknown_name(written.space.span, written.space.text, none);
+      spaces_known_ = false;
+      continue;
+    }
+    Value value = value_of(index, written.space.span);
+    const auto* space = std::get_if<SpaceValue>(&value);
+    spaces_known_ = spaces_known_ && space != nullptr;
+    if (space == nullptr) {
+      if (!is_poison(value))
+        error("E0306", written.space.span,
+              fmt::format("a space is expected here, not {}", describe(value)));
+      continue;
+    }
+    solver::SpaceSpec one = spaces_[static_cast<std::size_t>(space->index)];
+    for (solver::DirichletSpec& d : one.dirichlet) d.unknown = static_cast<int>(b);
+    one.unknown = written.unknown.text;
+    if (b == 0) {
+      product = std::move(one);
+      continue;
+    }
+    product.more.push_back({one.unknown, one.name, one.origin, one.vector, one.order});
+    std::ranges::move(one.dirichlet, std::back_inserter(product.dirichlet));
+  }
+  if (spaces_known_) model_.space = std::move(product);
 }
 
 void Checker::find_statement() {
   const ast::Find& find = *find_;
-  const int index = find_declaration(find.space.text);
-  if (index < 0) {
-    Scope none;
-    unknown_name(find.space.span, find.space.text, none);
-  } else {
-    Value value = value_of(index, find.space.span);
-    if (std::holds_alternative<SpaceValue>(value))
-      space_declaration_ = index;
-    else if (!is_poison(value))
-      error("E0306", find.space.span,
-            fmt::format("a space is expected here, not {}", describe(value)));
-  }
+  unknowns(find);
   // Whose names are not clear cannot be read: one mistake, not one for each use.
   readable_ = check_find_names(find);
-  model_.unknown = find.unknown.text;
-  model_.test = find.test.text;
+  for (const ast::Unknown& u : find.unknowns) {
+    model_.unknowns.push_back(u.unknown.text);
+    model_.tests.push_back(u.test.text);
+  }
   if (!readable_) return;
   time_clause(find);
-  if (space_declaration_ >= 0) imposed_values(find);
+  if (spaces_known_) imposed_values(find);
   forms(find);
   states();
   place_materials();
@@ -249,24 +345,23 @@ bool Checker::check_integrand(const ModelTerm& term, const ast::FormTerm& source
   if (f.scalar().is(0.0)) return true; // folds to zero: dropped, and the plan says so
   if (f.test == Degree::none) {
     error("E0402", e.span,
-          fmt::format("this does not contain the test function `{}`", find_->test.text),
+          fmt::format("this does not contain the test function {}", names_of_tests()),
           "every integral of the inequality is linear in the test function");
     return false;
   }
   if (f.test != Degree::linear) {
-    error("E0401", e.span, fmt::format("this is not linear in `{}`", find_->test.text));
+    error("E0401", e.span, fmt::format("this is not linear in {}", names_of_tests()));
     return false;
   }
   if (term.right && f.trial != Degree::none) {
     error("E0403", e.span,
-          fmt::format("the right side contains the unknown `{}`", find_->unknown.text),
+          fmt::format("the right side contains the unknown {}", names_of_unknowns()),
           "bring the term to the left of >=");
     return false;
   }
   const bool timed = f.scalar().depends_on(slot::t);
   for (solver::Slot s : solver::slots_of(f.scalar())) {
-    const bool trial = s >= slot::first_field && s < slot::first_multiplier;
-    if (!trial || !timed) continue;
+    if (!slot::is_field(s) || !timed) continue;
     if (derivative(f.scalar(), s).depends_on(slot::t)) {
       error("E0413", e.span, "a form that changes in time is not the problem of the theory",
             "A and B do not depend on t; loads, laws and kernels q(t, s) may");
@@ -304,8 +399,8 @@ void Checker::law_factors(ModelTerm& term, const ast::FormTerm&) {
     }
     if (factor.depends_on_any(slot::first_field, slot::first_multiplier)) {
       error("E0403", place,
-            fmt::format("the factor before `{}^0` depends on the unknown `{}`", use.name,
-                        find_->unknown.text),
+            fmt::format("the factor before `{}^0` depends on the unknown {}", use.name,
+                        names_of_unknowns()),
             "what depends on the unknown stands in the superpotential itself");
       use.factor = 1.0; // no second complaint on the mesh
       continue;
@@ -335,23 +430,131 @@ void Checker::check_relation(const ast::Find& find) {
 }
 
 void Checker::check_clauses(const ast::Find& find) {
-  bool any_form = false, rate = false;
+  std::array<bool, slot::most_unknowns> acts{}, tested{}, rate{};
   for (const ModelTerm& term : model_.terms) {
-    any_form = any_form || (!term.right && term.integrand.trial != Degree::none);
-    rate = rate || term.integrand.rate;
+    if (term.integrand.laws.empty() && term.factor.is(0.0)) continue;
+    for (const LawUse& use : term.integrand.laws) {
+      const auto b = static_cast<std::size_t>(use.unknown);
+      rate[b] = rate[b] || use.field == solver::field_of_u(1);
+    }
+    for (const solver::Slot s : solver::slots_of(term.integrand.scalar())) {
+      if (slot::is_test(s))
+        tested[static_cast<std::size_t>(slot::unknown_of(s - slot::test(0)))] = true;
+      if (!slot::is_field(s) || term.right) continue;
+      const auto b = static_cast<std::size_t>(slot::unknown_of(slot::derivative_of(s)));
+      acts[b] = true;
+      rate[b] = rate[b] || solver::is_rate(slot::field_of(s));
+    }
   }
-  if (!any_form)
-    error("E0425", find.left.span,
-          fmt::format("no form acts on the unknown `{}`: nothing determines it", find.unknown.text),
-          "add the elasticity: `integral(body, B : eps(u) : eps(v))`");
-  if (find.time && find.time->velocity && !has_second_derivative())
-    error("E0431", find.time->velocity->span,
-          fmt::format("an initial velocity, and no term with `{}''`", find.unknown.text),
-          "a velocity is given where a form has inertia: `integral(body, rho*dot(u'', v))`");
-  if (rate && find.time && !find.time->initial)
-    error("E0412", find.time->span,
-          fmt::format("a problem with `{}'` needs the initial state", find.unknown.text),
-          fmt::format("add `from {} = 0`", find.unknown.text));
+  for (std::size_t b = 0; b < find.unknowns.size(); ++b) {
+    const std::string& u = find.unknowns[b].unknown.text;
+    if (!acts[b])
+      error("E0425", find.left.span,
+            fmt::format("no form acts on the unknown `{}`: nothing determines it", u),
+            "add the elasticity: `integral(body, B : eps(u) : eps(v))`");
+    else if (!tested[b])
+      error("E0425", find.left.span,
+            fmt::format("no form has the test function `{}`: the equation of `{}` is missing",
+                        find.unknowns[b].test.text, u),
+            "each unknown brings an equation, tested by its own test function");
+    if (!rate[b] || !find.time) continue;
+    const bool given = std::ranges::any_of(find.time->initial, [&](const ast::InitialValue& i) {
+      return i.unknown.text == u && !i.rate;
+    });
+    if (!given)
+      error("E0412", find.time->span,
+            fmt::format("a problem with `{}'` needs the initial state", u),
+            fmt::format("add `from {} = 0`", u));
+  }
+  if (find.unknowns.size() > 1) {
+    of_one_unknown(find);
+    pairs_of_elements(find);
+  }
+  if (!find.time || has_second_derivative()) return;
+  for (const ast::InitialValue& initial : find.time->initial)
+    if (initial.rate)
+      error("E0431", initial.span,
+            fmt::format("an initial velocity, and no term with `{}''`", initial.unknown.text),
+            "a velocity is given where a form has inertia: `integral(body, rho*dot(u'', v))`");
+}
+
+namespace {
+
+/// Of a test function (row) and an unknown (column): what forms there are.
+struct Couplings {
+  std::array<std::array<bool, slot::most_unknowns>, slot::most_unknowns> any{}, slopes{};
+
+  void add(const Symbol& integrand) {
+    for (const solver::Slot v : solver::slots_of(integrand)) {
+      if (!slot::is_test(v)) continue;
+      const int test = v - slot::test(0);
+      for (const solver::Slot w : solver::slots_of(derivative(integrand, v))) {
+        if (!slot::is_field(w)) continue;
+        const int trial = slot::derivative_of(w);
+        const auto a = static_cast<std::size_t>(slot::unknown_of(test)),
+                   b = static_cast<std::size_t>(slot::unknown_of(trial));
+        any[a][b] = true;
+        slopes[a][b] = slopes[a][b] || !slot::is_value(trial);
+      }
+    }
+  }
+};
+
+} // namespace
+
+/// E0446: a pressure, an unknown without a form of its own, needs an element of lower order than
+/// the unknown whose divergence it sees. (P. Hood, C. Taylor, 1974: P2 with P1; in equal orders
+/// some pressures are seen by no displacement.)
+void Checker::pairs_of_elements(const ast::Find& find) {
+  Couplings couplings;
+  std::set<int> with_laws;
+  for (const ModelTerm& term : model_.terms) {
+    if (!term.right) couplings.add(term.integrand.scalar());
+    for (const LawUse& use : term.integrand.laws) with_laws.insert(use.unknown);
+  }
+  const auto all = unknowns_of(model_.space);
+  for (std::size_t p = 0; p < all.size(); ++p)
+    for (std::size_t u = 0; u < all.size(); ++u) {
+      const bool multiplier = !couplings.any[p][p] && !with_laws.contains(static_cast<int>(p));
+      if (!multiplier || !couplings.slopes[p][u] || all[p].order < all[u].order) continue;
+      error("E0446", find.unknowns[p].unknown.span,
+            fmt::format("`{}` in P{} has no form of its own and sees the gradient of `{}` in P{}: "
+                        "parts of it are seen by no `{}`",
+                        all[p].name, all[p].order, all[u].name, all[u].order, all[u].name),
+            fmt::format("take P2 for `{}` and P1 for `{}` (Taylor and Hood)", all[u].name,
+                        all[p].name));
+    }
+}
+
+/// What is known for one unknown alone.
+void Checker::of_one_unknown(const ast::Find& find) {
+  const auto refuse = [&](const Span& span, const std::string& what, const std::string& help) {
+    error("E0445", span, fmt::format("{} of a problem with several unknowns", what), help);
+  };
+  for (const ModelTerm& term : model_.terms)
+    if (term.integrand.acceleration) {
+      refuse(term.span, "inertia", "motion is that of one unknown");
+      break;
+    }
+  if (model_.mesh.adapted > 0)
+    refuse(find.unknowns[1].unknown.span, "an adapted mesh",
+           "leave out `adapted`: its indicator sees the stress of one unknown");
+  for (const ast::Setting& setting : find.settings)
+    if (setting.name.text == "accuracy")
+      refuse(setting.span, "an accuracy", "choose n and N, and compare two of them");
+  for (const ast::Statement& statement : programs_[0].statements)
+    if (const auto* study = std::get_if<ast::Study>(&statement))
+      refuse(study->keyword, "a study", "run it with several `-D n=..` and compare columns");
+  for (const ModelTerm& term : model_.terms)
+    for (const LawUse& use : term.integrand.laws) {
+      const auto all = unknowns_of(model_.space);
+      const auto order = [&](int b) { return all[static_cast<std::size_t>(b)].order; };
+      int highest = 1;
+      for (const auto& u : all) highest = std::max(highest, u.order);
+      if (is_pair(term.part) && order(use.unknown) < highest)
+        refuse(use.span, "a law of an unknown in P1 beside others in P2 on a pair",
+               "take one order for all of them");
+    }
 }
 
 /// W0103 where the forms on one part, summed for u and for u', are not symmetric: compared at a few
@@ -372,7 +575,7 @@ void Checker::check_symmetry() {
       if (culprits.contains(part) && !symmetric(sum.first, which)) {
         diagnostics_.add(
             diagnose("W0103", sum.second,
-                     fmt::format("the form in `{}{}` on `{}` is not symmetric", find_->unknown.text,
+                     fmt::format("the form in `{}{}` on `{}` is not symmetric", name_of(0),
                                  std::string(static_cast<std::size_t>(which), '\''),
                                  model_.parts[part].name))
                 .with_note(which == solver::field_of_u(1)

@@ -28,21 +28,30 @@ bool is_reference_to(const ast::Expr& e, const std::string& name) {
   return r && r->name == name;
 }
 
-/// norm(u) as written.
-bool is_norm_of(const ast::Expr& e, const std::string& unknown) {
-  const auto* call = std::get_if<ast::Call>(&e.node);
-  return call && is_reference_to(*call->callee, "norm") && call->arguments.size() == 1 &&
-         !call->arguments[0].name && is_reference_to(call->arguments[0].value, unknown);
-}
-
 } // namespace
 
+/// norm(u) as written: of which unknown; -1: it is something else.
+int Checker::norm_of_unknown(const ast::Expr& e) const {
+  const auto* call = std::get_if<ast::Call>(&e.node);
+  const bool norm = call && is_reference_to(*call->callee, "norm") && call->arguments.size() == 1 &&
+                    !call->arguments[0].name;
+  if (!norm) return -1;
+  const auto* r = std::get_if<ast::Reference>(&call->arguments[0].value.node);
+  return r ? unknown_named(r->name) : -1;
+}
+
 /// The stress, the sum of all that is contracted with eps(v): sigma_ij = d integrand / d
-/// (dv_i/dx_j), symmetrised, on cells; axisymmetric: 3 x 3, zz along the circles.
+/// (dv_i/dx_j), symmetrised, on cells; axisymmetric: 3 x 3, zz along the circles. Of the first
+/// unknown that is a vector, else of the first.
 Field Checker::stress() {
-  const int d = model_.space.vector ? model_.dim : 1;
+  const auto all = unknowns_of(model_.space);
+  const auto first_vector = std::ranges::find(all, true, &solver::UnknownSpec::vector);
+  const bool vector = first_vector != all.end();
+  const int unknown = vector ? static_cast<int>(first_vector - all.begin()) : 0;
+  const int d = components_of(unknown);
+  const auto of = [&](int derivative) { return slot::test(slot::of_unknown(unknown, derivative)); };
   Field out = matrix_field(d, model_.dim, std::vector<Symbol>(d * model_.dim, Symbol(0.0)));
-  const bool ring = model_.mesh.axisymmetric && model_.space.vector;
+  const bool ring = model_.mesh.axisymmetric && vector;
   Symbol hoop = 0.0;
   for (const ModelTerm& term : model_.terms) {
     if (term.right || model_.parts[term.part].kind != Group::Kind::cells) continue;
@@ -50,19 +59,18 @@ Field Checker::stress() {
     const Symbol where = whole ? Symbol(1.0) : Symbol::variable(slot::inside(term.part));
     for (int i = 0; i < d; ++i)
       for (int j = 0; j < model_.dim; ++j) {
-        Symbol entry = derivative(term.integrand.scalar(), slot::test(slot::gradient(i, j)));
+        Symbol entry = derivative(term.integrand.scalar(), of(slot::gradient(i, j)));
         out.components[i * model_.dim + j] =
             out.components[i * model_.dim + j] + term.factor * where * entry;
       }
     if (ring)
-      hoop =
-          hoop + term.factor * where * derivative(term.integrand.scalar(), slot::test(slot::hoop));
+      hoop = hoop + term.factor * where * derivative(term.integrand.scalar(), of(slot::hoop));
   }
   if (ring) {
     const std::vector<Symbol> s = out.components;
     out = matrix_field(3, 3, {s[0], s[1], 0.0, s[2], s[3], 0.0, 0.0, 0.0, hoop});
   }
-  if (!model_.space.vector) {
+  if (!vector) {
     out.rank = 1;
     out.rows = model_.dim;
     out.columns = 1;
@@ -215,8 +223,10 @@ void Checker::binding(const ast::Binding& b, solver::TableSpec& table) {
   }
   Scope scope = report_scope();
   const std::size_t first = model_.report.probes.size();
-  if (!b.point && is_norm_of(b.value, find_->unknown.text)) {
+  const int normed = b.point ? -1 : norm_of_unknown(b.value);
+  if (normed >= 0) {
     p.kind = Probe::Kind::norm_v;
+    p.unknown = normed;
     if (good) table.probes.push_back(probe(std::move(p)));
     return;
   }
@@ -362,7 +372,7 @@ void Checker::picture(const ast::PictureItem& item) {
 void Checker::reports() {
   for (const ast::Statement& statement : programs_[0].statements) {
     const auto* report = std::get_if<ast::Report>(&statement);
-    if (!report || space_declaration_ < 0) continue;
+    if (!report || !spaces_known_) continue;
     for (const ast::ReportItem& item : report->items) {
       if (const auto* t = std::get_if<ast::TableItem>(&item)) table(*t);
       if (const auto* f = std::get_if<ast::FieldsItem>(&item)) fields(*f);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace hvi::lang {
 
@@ -23,9 +24,37 @@ std::optional<int> component_index(const ast::Name& name, int dim) {
 
 } // namespace
 
+std::optional<solver::DirichletSpec> Checker::zero_condition(const ast::ZeroCondition& zero,
+                                                             bool vector) {
+  solver::DirichletSpec d;
+  d.origin = model_.origin(zero.span);
+  auto part = part_index(zero.part);
+  bool good = part && !refuse_pair(*part, zero.part.span, "a zero value");
+  d.part = part.value_or(0);
+  if (part && !zero.component &&
+      model_.parts[*part].region.kind == solver::RegionSpec::Kind::all_cells) {
+    error("E0423", zero.part.span, "zero on the whole mesh: nothing is left to solve for",
+          "the space is zero on a part of the boundary");
+    good = false;
+  }
+  if (zero.component) {
+    auto c = vector ? component_index(*zero.component, model_.dim) : std::nullopt;
+    if (!c) {
+      error("E0315", zero.component->span,
+            vector
+                ? fmt::format("there is no component `{}` in {}D", zero.component->text, model_.dim)
+                : "a scalar space has no components",
+            "components are x, y, z");
+      good = false;
+    }
+    d.component = c.value_or(0);
+  }
+  return good ? std::optional(std::move(d)) : std::nullopt;
+}
+
+/// Its index in spaces_.
 std::optional<int> Checker::space(const ast::Space& s) {
-  model_.space = {};
-  solver::SpaceSpec& spec = model_.space;
+  solver::SpaceSpec spec;
   spec.name = s.name.text;
   spec.origin = model_.origin(s.span);
   spec.vector = s.vector;
@@ -54,32 +83,13 @@ std::optional<int> Checker::space(const ast::Space& s) {
     good = false;
   }
   for (const ast::ZeroCondition& zero : s.zero) {
-    solver::DirichletSpec d;
-    d.origin = model_.origin(zero.span);
-    auto part = part_index(zero.part);
-    good = good && part && !refuse_pair(*part, zero.part.span, "a zero value");
-    d.part = part.value_or(0);
-    if (part && !zero.component &&
-        model_.parts[*part].region.kind == solver::RegionSpec::Kind::all_cells) {
-      error("E0423", zero.part.span, "zero on the whole mesh: nothing is left to solve for",
-            "the space is zero on a part of the boundary");
-      good = false;
-    }
-    if (zero.component) {
-      auto c = s.vector ? component_index(*zero.component, model_.dim) : std::nullopt;
-      if (!c) {
-        error("E0315", zero.component->span,
-              s.vector ? fmt::format("there is no component `{}` in {}D", zero.component->text,
-                                     model_.dim)
-                       : "a scalar space has no components",
-              "components are x, y, z");
-        good = false;
-      }
-      d.component = c.value_or(0);
-    }
-    spec.dirichlet.push_back(std::move(d));
+    auto d = zero_condition(zero, s.vector);
+    good = good && d;
+    if (d) spec.dirichlet.push_back(std::move(*d));
   }
-  return good ? std::optional(0) : std::nullopt;
+  if (!good) return std::nullopt;
+  spaces_.push_back(std::move(spec));
+  return static_cast<int>(spaces_.size()) - 1;
 }
 
 /// Whether every point of `part` lies in `larger`, as far as the way they are written tells.
@@ -103,12 +113,13 @@ bool Checker::contains(const solver::RegionSpec& larger, const solver::RegionSpe
          contains(larger, part.children[0]);
 }
 
-/// The entry of the space that a value on a part fills in: the one of the part itself, or a new one
-/// inside a larger part on which the space is zero. Null when the space is not zero there.
-solver::DirichletSpec* Checker::imposed_entry(int part, int component) {
+/// The entry of an unknown's space that a value on a part fills in: the one of the part itself, or
+/// a new one inside a larger part on which the space is zero. Null when the space is not zero
+/// there.
+solver::DirichletSpec* Checker::imposed_entry(int unknown, int part, int component) {
   auto& entries = model_.space.dirichlet;
   const auto acts = [&](const solver::DirichletSpec& d) {
-    return d.component == component || d.component == -1;
+    return d.unknown == unknown && (d.component == component || d.component == -1);
   };
   for (solver::DirichletSpec& d : entries)
     if (d.part == part && acts(d)) return &d;
@@ -120,80 +131,84 @@ solver::DirichletSpec* Checker::imposed_entry(int part, int component) {
   solver::DirichletSpec entry;
   entry.part = part;
   entry.component = component;
+  entry.unknown = unknown;
   entries.push_back(entry);
   return &entries.back();
 }
 
 void Checker::imposed_values(const ast::Find& find) {
-  const int n = model_.space.vector ? model_.dim : 1;
-  std::set<std::pair<int, int>> imposed_before; // part and component
-  for (const ast::ImposedValue& imposed : find.imposed) {
-    if (imposed.unknown.text != find.unknown.text) {
-      error("E0301", imposed.unknown.span,
-            fmt::format("values are imposed on the unknown `{}`, not on `{}`", find.unknown.text,
-                        imposed.unknown.text));
-      continue;
+  std::set<std::array<int, 3>> before; // unknown, part and component
+  for (const ast::ImposedValue& imposed : find.imposed) imposed_value(imposed, before);
+}
+
+void Checker::imposed_value(const ast::ImposedValue& imposed,
+                            std::set<std::array<int, 3>>& before) {
+  const std::string& u = imposed.unknown.text;
+  const int unknown = unknown_named(u);
+  if (unknown < 0) {
+    error("E0301", imposed.unknown.span,
+          fmt::format("values are imposed on the unknown {}, not on `{}`", names_of_unknowns(), u));
+    return;
+  }
+  const int n = components_of(unknown);
+  const bool vector = unknowns_of(model_.space)[static_cast<std::size_t>(unknown)].vector;
+  auto part = part_index(imposed.part);
+  Scope scope;
+  scope.what = "an imposed value";
+  scope.position = scope.time = true;
+  auto value = field(imposed.value, scope);
+  if (!part || !value || refuse_pair(*part, imposed.part.span, "an imposed value")) return;
+  int component = -1;
+  if (imposed.component) {
+    auto c = vector ? component_index(*imposed.component, model_.dim) : std::nullopt;
+    if (!c) {
+      error("E0315", imposed.component->span,
+            fmt::format("`{}` has no component `{}`", u, imposed.component->text));
+      return;
     }
-    auto part = part_index(imposed.part);
-    Scope scope;
-    scope.what = "an imposed value";
-    scope.position = scope.time = true;
-    auto value = field(imposed.value, scope);
-    if (!part || !value || refuse_pair(*part, imposed.part.span, "an imposed value")) continue;
-    int component = -1;
-    if (imposed.component) {
-      auto c = model_.space.vector ? component_index(*imposed.component, model_.dim) : std::nullopt;
-      if (!c) {
-        error(
-            "E0315", imposed.component->span,
-            fmt::format("`{}` has no component `{}`", find.unknown.text, imposed.component->text));
-        continue;
-      }
-      component = *c;
-    }
-    const int wanted = component >= 0 ? 1 : n;
-    const bool zero = value->rank == 0 && value->scalar().is(0.0);
-    if (!zero && (static_cast<int>(value->components.size()) != wanted || value->rank > 1 ||
-                  (value->rank == 1) != (wanted > 1 || (component < 0 && model_.space.vector)))) {
-      error("E0307", imposed.value.span,
-            fmt::format("{} is imposed where {} is expected", describe(*value),
-                        wanted == 1 ? "a scalar" : fmt::format("a vector of {}", wanted)));
-      continue;
-    }
-    if (!find.time)
-      for (const Symbol& c : value->components)
-        if (c.depends_on(slot::t))
-          error("E0412", imposed.value.span, "a static problem has no time `t`",
-                "add `for t in [0, T] by N steps from u = 0`");
-    bool twice = false;
-    for (int c = std::max(component, 0); c < (component < 0 ? n : component + 1); ++c)
-      twice = !imposed_before.insert({*part, c}).second || twice;
-    if (twice) {
-      error("E0416", imposed.span,
-            fmt::format("a value of `{}` is imposed twice on `{}`", find.unknown.text,
-                        imposed.part.text));
-      continue;
-    }
-    solver::DirichletSpec* found = imposed_entry(*part, component);
-    if (found == nullptr) {
-      error("E0416", imposed.span,
-            fmt::format("the space is not zero on `{}`{}", imposed.part.text,
-                        component >= 0 ? fmt::format(" in component `{}`", imposed.component->text)
-                                       : ""),
-            fmt::format("add `, zero{} on {}` to the space",
-                        component >= 0 ? "." + imposed.component->text : "", imposed.part.text) +
-                ": values are imposed on a part where the space is zero, or inside one");
-      continue;
-    }
-    found->origin = model_.origin(imposed.span);
-    if (found->component == -1 && component >= 0) {
-      // One component of a clamped part moves, the others stay zero.
-      if (found->value.empty()) found->value.assign(n, Symbol(0.0));
-      found->value[component] = value->scalar();
-    } else {
-      found->value = value->components;
-      if (zero) found->value.clear();
-    }
+    component = *c;
+  }
+  const int wanted = component >= 0 ? 1 : n;
+  const bool zero = value->rank == 0 && value->scalar().is(0.0);
+  if (!zero && (static_cast<int>(value->components.size()) != wanted || value->rank > 1 ||
+                (value->rank == 1) != (wanted > 1 || (component < 0 && vector)))) {
+    error("E0307", imposed.value.span,
+          fmt::format("{} is imposed where {} is expected", describe(*value),
+                      wanted == 1 ? "a scalar" : fmt::format("a vector of {}", wanted)));
+    return;
+  }
+  if (!find_->time)
+    for (const Symbol& c : value->components)
+      if (c.depends_on(slot::t))
+        error("E0412", imposed.value.span, "a static problem has no time `t`",
+              "add `for t in [0, T] by N steps from u = 0`");
+  bool twice = false;
+  for (int c = std::max(component, 0); c < (component < 0 ? n : component + 1); ++c)
+    twice = !before.insert({unknown, *part, c}).second || twice;
+  if (twice) {
+    error("E0416", imposed.span,
+          fmt::format("a value of `{}` is imposed twice on `{}`", u, imposed.part.text));
+    return;
+  }
+  solver::DirichletSpec* found = imposed_entry(unknown, *part, component);
+  if (found == nullptr) {
+    error("E0416", imposed.span,
+          fmt::format("the space is not zero on `{}`{}", imposed.part.text,
+                      component >= 0 ? fmt::format(" in component `{}`", imposed.component->text)
+                                     : ""),
+          fmt::format("add `, zero{} on {}` to the space",
+                      component >= 0 ? "." + imposed.component->text : "", imposed.part.text) +
+              ": values are imposed on a part where the space is zero, or inside one");
+    return;
+  }
+  found->origin = model_.origin(imposed.span);
+  if (found->component == -1 && component >= 0) {
+    // One component of a clamped part moves, the others stay zero.
+    if (found->value.empty()) found->value.assign(n, Symbol(0.0));
+    found->value[component] = value->scalar();
+  } else {
+    found->value = value->components;
+    if (zero) found->value.clear();
   }
 }
 
@@ -261,42 +276,58 @@ void Checker::time_clause(const ast::Find& find) {
   initial_state(find);
 }
 
+/// u(t0) and u'(t0) by component of all unknowns; what is not given is 0.
 void Checker::initial_state(const ast::Find& find) {
-  if (find.time->initial) {
-    if (const auto value = initial_value(*find.time->initial, find.unknown, "initial state")) {
-      model_.time.initial = *value;
-      model_.time.origin = model_.origin(find.time->initial->span);
+  if (!spaces_known_) return;
+  std::vector<Symbol> none;
+  for (std::size_t b = 0; b < find.unknowns.size(); ++b)
+    none.insert(none.end(), components_of(static_cast<int>(b)), Symbol(0.0));
+  std::map<std::pair<int, bool>, const ast::InitialValue*> given;
+  for (const ast::InitialValue& initial : find.time->initial) {
+    const int unknown = unknown_named(initial.unknown.text);
+    if (unknown < 0) {
+      error("E0301", initial.unknown.span,
+            fmt::format("the initial {} is of the unknown {}, not of `{}`",
+                        initial.rate ? "velocity" : "state", names_of_unknowns(),
+                        initial.unknown.text));
+      continue;
     }
+    if (!given.try_emplace({unknown, initial.rate}, &initial).second) {
+      error("E0302", initial.span,
+            fmt::format("the initial {} of `{}` is given twice",
+                        initial.rate ? "velocity" : "state", initial.unknown.text));
+      continue;
+    }
+    const auto value = initial_value(initial, unknown);
+    if (!value) continue;
+    (initial.rate ? model_.time.velocity_origin : model_.time.origin) = model_.origin(initial.span);
+    if (initial.rate && !model_.time.velocity) model_.time.velocity = none;
+    if (value->empty()) continue;
+    auto& all = initial.rate ? *model_.time.velocity : model_.time.initial;
+    if (all.empty()) all = none;
+    int first = 0;
+    for (int b = 0; b < unknown; ++b) first += components_of(b);
+    std::ranges::copy(*value, all.begin() + first);
   }
-  if (!find.time->velocity) return;
-  model_.time.velocity_origin = model_.origin(find.time->velocity->span);
-  auto value = initial_value(*find.time->velocity, find.unknown, "initial velocity");
-  if (value && value->empty()) value->assign(model_.space.vector ? model_.dim : 1, Symbol(0.0));
-  model_.time.velocity = std::move(value);
 }
 
 /// By component; empty: 0. Nothing where it is wrong (reported).
 std::optional<std::vector<Symbol>> Checker::initial_value(const ast::InitialValue& initial,
-                                                          const ast::Name& unknown,
-                                                          const std::string& what) {
-  if (initial.unknown.text != unknown.text) {
-    error("E0301", initial.unknown.span,
-          fmt::format("the {} is of the unknown `{}`, not of `{}`", what, unknown.text,
-                      initial.unknown.text));
-    return std::nullopt;
-  }
+                                                          int unknown) {
+  const std::string what = initial.rate ? "initial velocity" : "initial state";
   Scope scope;
   scope.what = "an " + what;
   scope.position = true;
   auto value = field(initial.value, scope);
   if (!value) return std::nullopt;
-  const int n = model_.space.vector ? model_.dim : 1;
+  const int n = components_of(unknown);
+  const bool vector = unknowns_of(model_.space)[static_cast<std::size_t>(unknown)].vector;
   if (value->rank == 0 && value->scalar().is(0.0)) return std::vector<Symbol>{};
-  if ((value->rank == 1) != model_.space.vector ||
-      static_cast<int>(value->components.size()) != n || value->rank > 1) {
+  if ((value->rank == 1) != vector || static_cast<int>(value->components.size()) != n ||
+      value->rank > 1) {
     error("E0307", initial.value.span,
           fmt::format("the {} is {}, the unknown {}", what, describe(*value),
-                      model_.space.vector ? fmt::format("a vector of {}", n) : "a scalar"));
+                      vector ? fmt::format("a vector of {}", n) : "a scalar"));
     return std::nullopt;
   }
   return value->components;
@@ -317,7 +348,7 @@ void Checker::set_scheme(const std::string& word, const Span& span) {
     if (word == solver::name_of(scheme)) model_.time.scheme = scheme;
   if (solver::needs_inertia(model_.time.scheme) && !has_second_derivative())
     error("E0431", span,
-          fmt::format("the scheme `{}` is for problems with `{}''`", word, find_->unknown.text),
+          fmt::format("the scheme `{}` is for problems with `{}''`", word, name_of(0)),
           "without inertia there are `backward_euler` and `bdf2`");
 }
 

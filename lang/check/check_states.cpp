@@ -20,9 +20,9 @@ int application_of(solver::Slot s) { return (s - slot::first_multiplier) / 4; }
 std::string out_of_reach(solver::Slot s, bool in_body) {
   if (s == slot::gap) return "the gap of a pair";
   if (s >= slot::first_probe) return "an integral";
-  if (in_body || s < slot::first_field || s >= slot::first_multiplier) return {};
-  if (solver::is_memory((s - slot::first_field) / slot::field_stride)) return "a memory";
-  const bool gradient = (s - slot::first_field) % slot::field_stride >= slot::gradient(0, 0);
+  if (in_body || !slot::is_field(s)) return {};
+  if (solver::is_memory(slot::field_of(s))) return "a memory";
+  const bool gradient = slot::is_field_gradient(s);
   return gradient ? "a gradient of the unknown" : "";
 }
 
@@ -89,10 +89,10 @@ void Checker::state_rate(ModelState& state) {
             in_body
                 ? fmt::format("it may read states, x, t, `{0}`, `eps({0})`, `sigma`, memories "
                               "and the like",
-                              find_->unknown.text)
+                              name_of(0))
                 : fmt::format("it may read states, x, t, `{0}.nu`, `{0}'.tau` and the like, and "
                               "multipliers of laws on its part",
-                              find_->unknown.text));
+                              name_of(0)));
       return;
     }
   if (!multipliers_on_part(written.rate.span, state.spec.part, expression)) return;
@@ -212,9 +212,9 @@ bool Checker::states_of_form(const ModelTerm& term, const Span& span) {
   if (!reads_states_of(span, integrand, term.part, "the form")) return false;
   std::vector<std::pair<solver::Slot, Symbol>> at_rest;
   for (const solver::Slot s : solver::slots_of(integrand)) {
-    if (s < slot::first_field || s >= slot::first_multiplier) continue;
+    if (!slot::is_field(s)) continue;
     at_rest.emplace_back(s, Symbol(0.0));
-    if ((s - slot::first_field) / slot::field_stride != solver::field_of_u(2)) continue;
+    if (slot::field_of(s) != solver::field_of_u(2)) continue;
     if (!derivative(integrand, s).depends_on_any(slot::first_state, slot::first_probe)) continue;
     error("E0309", span, "a state stands in the inertia",
           "a mass that changes is not the problem of the theory");
@@ -224,7 +224,7 @@ bool Checker::states_of_form(const ModelTerm& term, const Span& span) {
     return true;
   error("E0309", span, "a state stands beside the unknown, in a load",
         fmt::format("in a form it stands before the unknown: `(1 - d)*B : eps({}) : eps({})`",
-                    find_->unknown.text, find_->test.text));
+                    name_of(0), find_->unknowns.front().test.text));
   return false;
 }
 
@@ -262,7 +262,7 @@ void Checker::check_changing_form(const ModelTerm& term) {
   const auto scheme = model_.time.scheme;
   if (scheme == solver::Scheme::hht || scheme == solver::Scheme::midpoint)
     error("E0430", term.span,
-          fmt::format("with the scheme `{}` no state changes a form", name_of(scheme)),
+          fmt::format("with the scheme `{}` no state changes a form", solver::name_of(scheme)),
           "use backward_euler, bdf2 or newmark");
 }
 

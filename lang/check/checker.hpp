@@ -8,6 +8,7 @@
 #include "lang/check/value.hpp"
 #include "solver/mesh/mesh.hpp"
 
+#include <array>
 #include <functional>
 #include <map>
 #include <set>
@@ -189,6 +190,8 @@ private:
   bool take_readings(const ast::Superpotential& law, const Symbol& body, solver::LawSpec& spec);
   std::optional<int> law_for(int declaration, bool radial, const Span& use);
   std::optional<int> law_field(const ast::Clarke& clarke, const Field& at);
+  std::optional<int> law_unknown(const ast::Clarke& clarke, const Field& at,
+                                 const Field& direction);
   bool law_rows(const ast::Clarke& clarke, const Field& at, const Field& direction, LawUse& use);
   std::optional<Field> law_body(int declaration, const Field& argument,
                                 const std::map<std::string, Value>& parameters, const Span& use);
@@ -247,16 +250,26 @@ private:
   void find_statement();
   void locate_find();
   std::optional<int> space(const ast::Space& space);
+  std::optional<solver::DirichletSpec> zero_condition(const ast::ZeroCondition& zero, bool vector);
   bool check_find_names(const ast::Find& find);
+  void unknowns(const ast::Find& find);
+  // Of a name: which unknown, or whose test function, it is; -1: of none.
+  int unknown_named(const std::string& name) const;
+  int unknown_tested_by(const std::string& name) const;
+  /// "`u`", "`u` or `theta`": for messages.
+  std::string names_of_unknowns() const;
+  std::string names_of_tests() const;
+  const std::string& name_of(int unknown) const;
+  int components_of(int unknown) const;
+  Value value_of_unknown(int unknown, int order, bool is_test) const;
   void imposed_values(const ast::Find& find);
   bool contains(const solver::RegionSpec& larger, const solver::RegionSpec& part) const;
-  solver::DirichletSpec* imposed_entry(int part, int component);
+  solver::DirichletSpec* imposed_entry(int unknown, int part, int component);
+  void imposed_value(const ast::ImposedValue& imposed, std::set<std::array<int, 3>>& before);
   void time_clause(const ast::Find& find);
   void time_grid(const ast::TimeClause& clause);
   void initial_state(const ast::Find& find);
-  std::optional<std::vector<Symbol>> initial_value(const ast::InitialValue& initial,
-                                                   const ast::Name& unknown,
-                                                   const std::string& what);
+  std::optional<std::vector<Symbol>> initial_value(const ast::InitialValue& initial, int unknown);
   void set_scheme(const std::string& word, const Span& span);
   void set_hht_alpha(const ast::Setting& setting);
   bool has_second_derivative() const;
@@ -284,6 +297,8 @@ private:
   bool check_integrand(const ModelTerm& term, const ast::FormTerm& source);
   void check_relation(const ast::Find& find);
   void check_clauses(const ast::Find& find);
+  void of_one_unknown(const ast::Find& find);
+  void pairs_of_elements(const ast::Find& find);
   void check_one_law_per_part();
   void check_symmetry();
 
@@ -297,6 +312,7 @@ private:
   std::optional<solver::FieldSpec> output_field(const ast::Expr& e);
   std::optional<std::string> output_name(const std::optional<ast::Text>& to);
   int probe(solver::Probe probe);
+  int norm_of_unknown(const ast::Expr& e) const;
   std::optional<double> report_time(const ast::Expr& e);
   Field stress();
   void expectations();
@@ -352,7 +368,8 @@ private:
   std::vector<int> owners_;               ///< of model_.materials: a declaration, or -1
   std::map<int, std::set<int>> parts_of_; ///< by declaration: parts on which it is used
   std::map<int, std::set<int>> used_by_;  ///< by declaration: declarations that use it
-  int space_declaration_ = -1;
+  std::vector<solver::SpaceSpec> spaces_; ///< as declared; SpaceValue is an index
+  bool spaces_known_ = false;             ///< those of all unknowns
   bool uses_memory_ = false;
   std::map<std::string, std::string> nearest_; ///< what may be meant by names that are unknown
   std::vector<int> functions_at_hand_;         ///< declarations, as they call one another

@@ -119,7 +119,7 @@ struct Model {
   solver::MeshSpec mesh;
   std::vector<ModelPart> parts;
   solver::SpaceSpec space; ///< its dirichlet values are filled in
-  std::string unknown, test;
+  std::vector<std::string> unknowns, tests;
   std::vector<ModelTerm> terms;
   std::vector<ModelHistory> histories;
   std::vector<ModelLaw> laws;

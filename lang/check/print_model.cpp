@@ -48,7 +48,7 @@ std::string text_of(const LawUse& use, const Model& model) {
     for (std::size_t i = 0; i < row.u.size(); ++i)
       if (!row.u[i].is(0.0))
         sum += fmt::format("{}({}) {}_{}", sum.empty() ? "" : " + ", to_string(row.u[i]),
-                           model.unknown, "xyz"[i]);
+                           model.unknowns[static_cast<std::size_t>(use.unknown)], "xyz"[i]);
     if (!row.offset.is(0.0)) sum += fmt::format(" + ({})", to_string(row.offset));
     rows += fmt::format("\n      row {}", sum);
   }
@@ -67,9 +67,10 @@ std::string to_string(const Model& model) {
     fmt::format_to(line, "param {} = {}{}\n", p.name, text_of(p), p.overridden ? " (set)" : "");
   for (const ModelPart& p : model.parts)
     fmt::format_to(line, "part {}: {}\n", p.name, word(p.kind));
-  fmt::format_to(line, "space {}: {} P{}, {} conditions\n", model.space.name,
-                 model.space.vector ? "vector" : "scalar", model.space.order,
-                 model.space.dirichlet.size());
+  for (const solver::UnknownSpec& unknown : unknowns_of(model.space))
+    fmt::format_to(line, "space {}: {} P{}, {} conditions\n", unknown.space,
+                   unknown.vector ? "vector" : "scalar", unknown.order,
+                   model.space.dirichlet.size());
   for (const ModelLaw& law : model.laws)
     fmt::format_to(line, "law {} ({}, by {}): {}\n", law.name,
                    law.spec.radial ? "radial" : "scalar", law.spec.by_slope ? "slope" : "potential",

@@ -41,6 +41,7 @@ struct LawUse {
   Span factor_span;       ///< where a factor stands, if any
   int field = 0;          ///< what the law sees (solver::field_of_u, field_of_memory)
   double of_memory = 1.0; ///< and how many times a memory
+  int unknown = 0;        ///< of which unknown
   std::vector<LawRow> rows;
 };
 

@@ -289,6 +289,49 @@ a tensor or a matrix that turns what lies in the section out of it has no place 
 mesh tube = rectangle(1, 2, cells = [4, 8], origin = [-1, 0], axisymmetric = true))",
      R"(
 mesh tube = rectangle(1, 2, cells = [4, 8], origin = [1, 0], axisymmetric = true))"},
+    {"E0443", "unknowns and test functions",
+     R"(
+Each unknown has a test function of its own, in the same order and the same space, and brings one
+equation: that of the terms with its test function. There are four unknowns at most.)",
+     R"(
+find u in V, p in Q such that for all v in V
+  integral(body, 2*mu*(eps(u) : eps(v)) - p*div(v)) = integral(body, dot(f(), v)))",
+     R"(
+find u in V, p in Q such that for all v in V, q in Q
+  integral(body, 2*mu*(eps(u) : eps(v)) - p*div(v) + q*div(u)) = integral(body, dot(f(), v)))"},
+    {"E0444", "a law of two unknowns",
+     R"(
+A law sees one unknown, and stands in the equation of that unknown: j^0(Mu; Mv) takes the same M of
+an unknown and of its own test function.)",
+     R"(
+... integral(ground, layer^0(u.nu + p; v.nu)))",
+     R"(
+... integral(ground, layer^0(u.nu; v.nu)) + integral(ground, p*v.nu))"},
+    {"E0445", "of one unknown only",
+     R"(
+A few things are known of problems with one unknown only: inertia, adapted meshes, `study`,
+`--accuracy`, and on pairs a law of an unknown in P1 beside others in P2.)",
+     R"(
+find u in V, theta in W ...
+study vary n in [8, 16] against finest)",
+     R"(
+find u in V, theta in W ...)"},
+    {"E0446", "a pair of elements that is not stable",
+     R"(
+An unknown without a form of its own, such as the pressure of an incompressible body or flow, is known
+through the couplings alone. Where it sees the divergence of an unknown of the same order, some of its
+functions are seen by none of that unknown: the inf-sup condition fails, and the matrix is singular or
+worse with every refinement. P2 with P1 is stable.)",
+     R"(
+space V = vector P1 on body, zero on walls
+space Q = scalar P1 on body
+find u in V, p in Q such that for all v in V, q in Q
+  integral(body, 2*mu*(eps(u) : eps(v)) - p*div(v) + q*div(u)) = integral(body, dot(f(), v)))",
+     R"(
+space V = vector P2 on body, zero on walls
+space Q = scalar P1 on body
+find u in V, p in Q such that for all v in V, q in Q
+  integral(body, 2*mu*(eps(u) : eps(v)) - p*div(v) + q*div(u)) = integral(body, dot(f(), v)))"},
 });
 
 } // namespace

@@ -18,11 +18,7 @@ using solver::LoadTerm;
 
 namespace {
 
-constexpr int n_derivatives = 12; // values 0..2 and gradients 3..11
-
-bool is_trial(solver::Slot s) { return s >= slot::first_field && s < slot::first_multiplier; }
-int field_of(solver::Slot s) { return (s - slot::first_field) / slot::field_stride; }
-int derivative_of(solver::Slot s) { return (s - slot::first_field) % slot::field_stride; }
+using slot::n_derivatives;
 
 /// What a form acting on this field is called.
 Effect effect_of(int field) {
@@ -73,7 +69,7 @@ private:
     }
     const auto use_all = [&](const Symbol& e) {
       for (solver::Slot s : solver::slots_of(e))
-        if (is_trial(s)) use(field_of(s));
+        if (slot::is_field(s)) use(slot::field_of(s));
     };
     for_each_report_expression(use_all);
     for (const solver::StateTerm& state : plan_.problem.states) use_all(state.rate);
@@ -120,7 +116,7 @@ private:
   static void for_each_field_read(const solver::LawSpec& law, F f) {
     for (const Symbol& reading : law.readings)
       for (const solver::Slot s : reading.slots())
-        if (is_trial(s)) f(field_of(s));
+        if (slot::is_field(s)) f(slot::field_of(s));
   }
 
   template <class F>
@@ -137,18 +133,21 @@ private:
     std::map<int, FormTerm> forms;
     LoadTerm load;
     const Symbol integrand = term.factor * term.integrand.scalar();
-    for (int test = 0; test < n_derivatives; ++test) {
-      const Symbol against = derivative(integrand, slot::test(test));
+    for (const solver::Slot s_test : solver::slots_of(integrand)) {
+      if (!slot::is_test(s_test)) continue;
+      const int test = s_test - slot::test(0);
+      const Symbol against = derivative(integrand, s_test);
       if (against.is(0.0)) continue;
       Symbol rest = against;
       std::vector<std::pair<solver::Slot, Symbol>> at_rest;
       for (solver::Slot s : solver::slots_of(against)) {
-        if (!is_trial(s)) continue;
+        if (!slot::is_field(s)) continue;
         at_rest.emplace_back(s, Symbol(0.0));
         const Symbol coefficient = derivative(against, s);
         if (coefficient.is(0.0)) continue;
-        FormTerm& form = forms[field_of(s)];
-        form.entries.push_back({test, derivative_of(s), term.right ? -coefficient : coefficient});
+        FormTerm& form = forms[slot::field_of(s)];
+        form.entries.push_back(
+            {test, slot::derivative_of(s), term.right ? -coefficient : coefficient});
       }
       rest = substitute(against, at_rest);
       if (!rest.is(0.0)) load.entries.push_back({test, term.right ? rest : -rest});
@@ -194,6 +193,7 @@ private:
     out.law = use.law;
     out.part = term.part;
     out.field = field_of_law(use);
+    out.unknown = use.unknown;
     out.rule = term.rule == solver::Rule::exact ? solver::Rule::gauss : term.rule;
     out.effect = model_.laws[use.law].spec.radial ? Effect::friction : Effect::normal_law;
     out.factor = factor;

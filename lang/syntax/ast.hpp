@@ -250,6 +250,7 @@ struct InitialValue {
   Span span;
   Name unknown;
   Expr value;
+  bool rate = false; // name' = value
 };
 
 /// state beta on glue with rate -beta from beta = 1 in [0, 1]
@@ -306,7 +307,7 @@ struct TimeClause {
   Expr range;           // a List
   bool by_steps = true; // "by expr steps"; otherwise "at expr"
   Expr steps;           // the number of steps, or the times
-  std::optional<InitialValue> initial, velocity;
+  std::vector<InitialValue> initial;
 };
 
 /// name = value behind "using"
@@ -339,19 +340,24 @@ struct Form {
   std::vector<FormTerm> terms; // at least one
 };
 
+/// unknown in space ..., for all test in test_space
+struct Unknown {
+  Name unknown;
+  Name space;
+  Name test;
+  Name test_space;
+};
+
 struct Find {
   Span span;
   Span keyword;
-  Name unknown;
-  Name space;
-  Span with_word; // of the imposed values; invalid when there are none
+  std::vector<Unknown> unknowns; // at least one
+  Span with_word;                // of the imposed values; invalid when there are none
   std::vector<ImposedValue> imposed;
   std::optional<TimeClause> time;
   Span using_word; // of the settings; invalid when there are none
   std::vector<Setting> settings;
   Span such_that;
-  Name test;
-  Name test_space;
   Form left;
   bool inequality = true; // ">="; otherwise "="
   Span relation;          // the sign itself

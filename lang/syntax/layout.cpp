@@ -170,8 +170,7 @@ void LayoutMaker::operator()(const ast::Find& node) {
     soft_break_at(node.time->span, 2);
     expr(node.time->range);
     expr(node.time->steps);
-    if (node.time->initial) expr(node.time->initial->value);
-    if (node.time->velocity) expr(node.time->velocity->value);
+    for (const ast::InitialValue& value : node.time->initial) expr(value.value);
   }
   if (!node.settings.empty()) soft_break_at(node.using_word, 2);
   for (const ast::Setting& setting : node.settings) expr(setting.value);

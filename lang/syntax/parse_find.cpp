@@ -12,26 +12,27 @@ constexpr std::array<std::string_view, 3> clause_words{"with", "for", "using"};
 
 } // namespace
 
-// find = "find" name "in" name
+// find = "find" name "in" name { "," name "in" name }
 //        [ "with" value { "," value } ]
 //        [ "for" "t" "in" list ( "by" expr "steps" | "at" expr )
-//          [ "from" name "=" expr [ "," name "'" "=" expr ] ] ]
+//          [ "from" name [ "'" ] "=" expr { "," name [ "'" ] "=" expr } ] ]
 //        [ "using" name "=" expr { "," name "=" expr } ]
-//        "such" "that" "for" "all" name "in" name
+//        "such" "that" "for" "all" name "in" name { "," name "in" name }
 //        form ( ">=" | "=" ) form ;
 ast::Find Parser::find() {
   ast::Find result;
   result.keyword = take().span;
-  result.unknown = declared_name("the name of the unknown");
-  expect_word("in");
-  result.space = name("the name of a space");
+  do {
+    ast::Unknown& unknown = result.unknowns.emplace_back();
+    unknown.unknown = declared_name("the name of the unknown");
+    expect_word("in");
+    unknown.space = name("the name of a space");
+  } while (accept(TokenKind::comma));
   find_clauses(result);
   such_that(result);
   expect_word("for");
   expect_word("all");
-  result.test = declared_name("the name of the test function");
-  expect_word("in");
-  result.test_space = name("the name of a space");
+  test_functions(result);
   result.left = form();
   relation(result);
   result.right = form();
@@ -39,6 +40,29 @@ ast::Find Parser::find() {
   if (spoilt_) throw Abandoned{};
   result.span = span_from(result.keyword);
   return result;
+}
+
+/// One for each unknown, in their order.
+void Parser::test_functions(ast::Find& find) {
+  const Span first = peek().span;
+  std::size_t count = 0;
+  do {
+    const ast::Name test = declared_name("the name of the test function");
+    expect_word("in");
+    const ast::Name space = name("the name of a space");
+    if (count < find.unknowns.size()) {
+      find.unknowns[count].test = test;
+      find.unknowns[count].test_space = space;
+    }
+    ++count;
+  } while (accept(TokenKind::comma));
+  if (count == find.unknowns.size()) return;
+  spoilt_ = true;
+  report(diagnose("E0443", span_from(first),
+                  fmt::format("{} test function{} for {} unknown{}", count, count == 1 ? "" : "s",
+                              find.unknowns.size(), find.unknowns.size() == 1 ? "" : "s"))
+             .with_help("each unknown has its own, in the same order: `find u in V, p in Q ... "
+                        "for all v in V, q in Q`"));
 }
 
 void Parser::find_clauses(ast::Find& find) {
@@ -132,23 +156,19 @@ ast::TimeClause Parser::time_clause() {
     fail_expected("`by N steps` or `at [times]`");
   }
   if (at_word("from")) {
-    ast::InitialValue& initial = result.initial.emplace();
-    const Span from = take().span;
-    initial.unknown = name("the unknown");
-    expect(TokenKind::equal);
-    initial.value = expr();
-    initial.span = span_from(from);
-    if (accept(TokenKind::comma)) result.velocity = initial_velocity();
+    Span from = take().span; // a part of the first one
+    do {
+      result.initial.push_back(initial_value(result.initial.empty() ? from : peek().span));
+    } while (accept(TokenKind::comma));
   }
   result.span = span_from(first);
   return result;
 }
 
-ast::InitialValue Parser::initial_velocity() {
+ast::InitialValue Parser::initial_value(const Span& first) {
   ast::InitialValue result;
-  const Span first = peek().span;
   result.unknown = name("the unknown");
-  expect(TokenKind::prime);
+  result.rate = accept(TokenKind::prime);
   expect(TokenKind::equal);
   result.value = expr();
   result.span = span_from(first);

@@ -118,7 +118,8 @@ private:
   void imposed_values(ast::Find& find);
   ast::ImposedValue imposed_value();
   ast::TimeClause time_clause();
-  ast::InitialValue initial_velocity();
+  ast::InitialValue initial_value(const Span& first);
+  void test_functions(ast::Find& find);
   void settings(ast::Find& find);
   void relation(ast::Find& find);
   ast::Form form();

@@ -290,9 +290,13 @@ void Printer::operator()(const ast::Space& node) {
 // --- the inequality ----------------------------------------------------------------------------
 
 void Printer::operator()(const ast::Find& node) {
-  line(fmt::format("find {} in {} for all {} in {}", node.unknown.text, node.space.text,
-                   node.test.text, node.test_space.text),
-       node.span);
+  std::string unknowns, tests;
+  for (const ast::Unknown& u : node.unknowns) {
+    const char* comma = unknowns.empty() ? "" : ", ";
+    unknowns += fmt::format("{}{} in {}", comma, u.unknown.text, u.space.text);
+    tests += fmt::format("{}{} in {}", comma, u.test.text, u.test_space.text);
+  }
+  line(fmt::format("find {} for all {}", unknowns, tests), node.span);
   const Indent indent(*this);
   for (const ast::ImposedValue& value : node.imposed) {
     const std::string component = value.component ? "." + value.component->text : "";
@@ -312,14 +316,11 @@ void Printer::find_time(const ast::TimeClause& time) {
   const Indent indent(*this);
   print("in: ", time.range);
   print(time.by_steps ? "steps: " : "times: ", time.steps);
-  const auto start = [&](const std::optional<ast::InitialValue>& value, const char* prime) {
-    if (!value) return;
-    line("from " + value->unknown.text + prime, value->span);
+  for (const ast::InitialValue& value : time.initial) {
+    line("from " + value.unknown.text + (value.rate ? "'" : ""), value.span);
     const Indent deeper(*this);
-    print("", value->value);
-  };
-  start(time.initial, "");
-  start(time.velocity, "'");
+    print("", value.value);
+  }
 }
 
 void Printer::setting(std::string_view role, const ast::Setting& setting) {

@@ -79,7 +79,8 @@ struct LawPoints {
   int rows = 1;
   std::vector<DenseMatrix> frames; ///< radial laws only
   SparseMatrix g;                  ///< (points * rows) x n_dofs
-  SparseMatrix trace; ///< (points * components) x n_dofs: u at the points; if asked for
+  /// (points * 3 n_unknowns) x n_dofs: values at the points, if asked for; see `traced`.
+  SparseMatrix trace;
   bool offset_depends_on_t = false;
   // What the offsets are evaluated with.
   int dim = 2;
@@ -88,6 +89,11 @@ struct LawPoints {
   std::shared_ptr<const SparseMatrix> jump{}; ///< on a pair: points x nodes, u -> jump of u
   Group::Kind kind = Group::Kind::facets;
   std::shared_ptr<const PartIndicators> indicators;
+
+  /// Which row of a point's in `trace` is that of a value (slot::value, slot::of_unknown).
+  static constexpr int traced(int derivative) {
+    return 3 * slot::unknown_of(derivative) + derivative % slot::own_derivatives;
+  }
 };
 /// Throws Failure(bad_value) when the factor is not positive or a row not finite, naming the point.
 LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& term, int law_term,
@@ -100,11 +106,13 @@ void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector&
 /// The points as those of a region: for expressions of place, normal, time and parts.
 PointBlock as_block(const LawPoints& points);
 
-/// Gram matrices. V: eps : eps (vector) or grad . grad (scalar, plus the mass where nothing is
-/// eliminated). Mass: u . v. Boundary mass of a part with a rule.
-SparseMatrix gram_v(const Space& space, bool add_mass);
+/// Gram matrices. V: eps : eps (vector) or grad . grad (scalar) of each unknown, plus the mass of
+/// those that ask for it. Mass: u . v. Boundary mass of a part with a rule; with several unknowns
+/// Trace::normal and tangential are of the first one.
+SparseMatrix gram_v(const Space& space, std::span<const char> with_mass);
+SparseMatrix gram_of_unknown(const Space& space, int unknown, bool with_mass);
 /// The form eps : eps or grad . grad of `gram_v`, without a part.
-FormTerm strain_form(const Space& space);
+FormTerm strain_form(const Space& space, int unknown = 0);
 SparseMatrix mass(const Space& space);
 /// int_region  (u . nu)(v . nu)  |  u_tau . v_tau  |  u . v; of jumps on a pair.
 enum class Trace { normal, tangential, full };

@@ -13,10 +13,7 @@ int slot_degree(Slot slot, int order) {
   if (slot <= slot::x(2)) {
     return 1;
   }
-  if (slot < slot::first_field || slot >= slot::first_multiplier) {
-    return 0;
-  }
-  return shape_degree((slot - slot::first_field) % slot::field_stride, order);
+  return slot::is_field(slot) ? shape_degree(slot::derivative_of(slot), order) : 0;
 }
 
 /// base^exponent for a constant whole exponent.
@@ -37,7 +34,7 @@ std::optional<int> power_degree(const Expr& expression, int base) {
 } // namespace
 
 int shape_degree(int derivative_index, int order) {
-  return derivative_index < 3 ? order : order - 1;
+  return slot::is_value(derivative_index) ? order : order - 1;
 }
 
 std::optional<int> polynomial_degree(const Expr& expression, int order) {

@@ -9,35 +9,42 @@
 namespace hvi::solver {
 namespace {
 
-int block_of(std::vector<FormEntries::Block>& blocks, int test, int trial) {
+int rows_of(const Derivative& derivative) { return derivative.row < linear_rows ? 0 : linear_rows; }
+
+int block_of(std::vector<FormEntries::Block>& blocks, const Derivative& test,
+             const Derivative& trial) {
   for (std::size_t b = 0; b < blocks.size(); ++b) {
-    if (blocks[b].test_component == test && blocks[b].trial_component == trial) {
+    if (blocks[b].test_component == test.component &&
+        blocks[b].trial_component == trial.component) {
       return static_cast<int>(b);
     }
   }
-  blocks.push_back({test, trial, {}});
+  blocks.push_back({test.component, trial.component, rows_of(test), rows_of(trial), {}});
   return static_cast<int>(blocks.size()) - 1;
 }
 
 /// The rows of S that take part, gathered for the shape functions that take part.
 struct Picked {
-  double row[4][max_cell_nodes];
+  double row[2 * linear_rows][max_cell_nodes];
 };
 
-/// data += weight S^T T S over rows [first, past) and `size` shape functions. Inlined into callers
-/// that pass constants, which fixes all loop bounds but the number of blocks.
+/// data += weight S^T T S over rows [first, past) and `size` shape functions; `mixed`: behind those
+/// at which the rows of a block begin. Inlined into callers that pass constants, which fixes all
+/// loop bounds but the number of blocks.
 inline __attribute__((always_inline)) void add_blocks(ElementMatrix& element,
                                                       const FormEntries& entries, const Picked& s,
-                                                      double weight, int first, int past,
-                                                      int size) {
+                                                      double weight, int first, int past, int size,
+                                                      bool mixed) {
   const int m = element.components, width = size * m;
   for (const auto& block : entries.blocks) {
     double ts[4][max_cell_nodes];
+    const auto* const tests = s.row + (mixed ? block.test_rows : 0);
+    const auto* const trials = s.row + (mixed ? block.trial_rows : 0);
     for (int r = first; r < past; ++r) {
       for (int j = 0; j < size; ++j) {
         double sum = 0.0;
         for (int k = first; k < past; ++k) {
-          sum += block.t[r][k] * s.row[k][j];
+          sum += block.t[r][k] * trials[k][j];
         }
         ts[r][j] = weight * sum;
       }
@@ -48,7 +55,7 @@ inline __attribute__((always_inline)) void add_blocks(ElementMatrix& element,
       for (int j = 0; j < size; ++j) {
         double sum = 0.0;
         for (int r = first; r < past; ++r) {
-          sum += s.row[r][i] * ts[r][j];
+          sum += tests[r][i] * ts[r][j];
         }
         line[j] = sum;
       }
@@ -66,7 +73,7 @@ void fixed_kernel(ElementMatrix& element, const FormEntries& entries, const Shap
   for (int r = first; r < past; ++r) {
     std::copy_n(shapes.row(r), size, s.row[r]);
   }
-  add_blocks(element, entries, s, weight, first, past, size);
+  add_blocks(element, entries, s, weight, first, past, size, false);
 }
 
 template <int first, int past>
@@ -102,11 +109,13 @@ FormEntries sort_entries(const Space& space, const FormTerm& term) {
     const Derivative test = decode(space, entry.test, term.origin);
     const Derivative trial = decode(space, entry.trial, term.origin);
     out.places.push_back(
-        {block_of(out.blocks, test.component, trial.component), test.row, trial.row});
+        {block_of(out.blocks, test, trial), test.row % linear_rows, trial.row % linear_rows});
+    out.mixed = out.mixed || rows_of(test) > 0 || rows_of(trial) > 0;
     out.coefficients.push_back(coefficient);
     out.constant = out.constant && coefficient.is_constant();
-    out.gradients = out.gradients || test.row > 0 || trial.row > 0;
-    out.values = out.values || test.row == 0 || trial.row == 0;
+    const bool values[] = {slot::is_value(entry.test), slot::is_value(entry.trial)};
+    out.gradients = out.gradients || !values[0] || !values[1];
+    out.values = out.values || values[0] || values[1];
     const int shapes =
         shape_degree(entry.test, space.order) + shape_degree(entry.trial, space.order);
     out.degree = std::max(out.degree, exact_degree(coefficient, shapes, space.order));
@@ -126,11 +135,14 @@ void FormEntries::set(const double* at_point, std::size_t stride) {
 
 void ElementMatrix::clear() {
   const std::size_t width = nodes.size() * components;
-  std::fill_n(data.begin(), width * width, 0.0);
+  data.assign(width * width, 0.0);
 }
 
 ElementKernel whole_cell_kernel(const Space& space, const FormEntries& entries) {
   const int size = space.nodes_per_cell;
+  if (entries.mixed) {
+    return general_kernel;
+  }
   if (!entries.gradients) {
     return fixed_kernel_of_size<0, 1>(size);
   }
@@ -151,12 +163,16 @@ void general_kernel(ElementMatrix& element, const FormEntries& entries, const Sh
                     double weight) {
   const int size = static_cast<int>(element.local.size());
   Picked s;
-  for (int r = 0; r < shapes.rows; ++r) {
-    for (int i = 0; i < size; ++i) {
-      s.row[r][i] = shapes.row(r)[element.local[i]];
+  const auto pick = [&](int first) {
+    for (int r = first; r < first + shapes.rows; ++r) {
+      for (int i = 0; i < size; ++i) {
+        s.row[r][i] = shapes.row(r)[element.local[i]];
+      }
     }
-  }
-  add_blocks(element, entries, s, weight, 0, shapes.rows, size);
+  };
+  pick(0);
+  if (entries.mixed) pick(linear_rows);
+  add_blocks(element, entries, s, weight, 0, shapes.rows, size, entries.mixed);
 }
 
 } // namespace hvi::solver

@@ -2,7 +2,8 @@
 //
 // At a quadrature point the entries between component c of the test function and component d of the
 // trial function form a small matrix T over the rows of a ShapeTable S (value, d/dx_0, ...); the
-// element matrix of that pair is  sum_q w_q S^T T S.
+// element matrix of that pair is  sum_q w_q S^T T S. In mixed spaces S has the rows of P1 on the
+// side of an unknown in P1.
 #pragma once
 
 #include "solver/fem/geometry.hpp"
@@ -18,13 +19,15 @@ struct FormEntries {
   };
   struct Block {
     int test_component, trial_component;
+    int test_rows, trial_rows; ///< where its rows begin: 0, or linear_rows
     std::array<std::array<double, 4>, 4> t{};
   };
   std::vector<Place> places;
   std::vector<Block> blocks;
   std::vector<Expr> coefficients;
   bool constant = true, gradients = false, values = false;
-  int degree = 0; ///< for the rule `exact`
+  bool mixed = false; ///< rows of P1 beside the space's own
+  int degree = 0;     ///< for the rule `exact`
 
   /// Sets T of every block from the coefficients at one point, `stride` apart.
   void set(const double* at_point, std::size_t stride);
@@ -40,7 +43,7 @@ struct ElementMatrix {
   std::vector<std::int32_t> nodes;
   std::vector<int> local;
   int components = 1;
-  std::array<double, 9 * max_cell_nodes * max_cell_nodes> data{};
+  std::vector<double> data;
   void clear();
 };
 

@@ -3,21 +3,14 @@
 
 namespace hvi::solver {
 
-bool is_field(Slot slot) { return slot >= slot::first_field && slot < slot::first_multiplier; }
-
-bool is_field_gradient(Slot slot) {
-  return is_field(slot) && (slot - slot::first_field) % slot::field_stride >= slot::gradient(0, 0);
-}
-
 FieldColumns::FieldColumns(const Space& space, std::span<const Slot> slots) : space_(space) {
   for (const Slot slot : slots) {
-    if (!is_field(slot)) {
+    if (!slot::is_field(slot)) {
       continue;
     }
-    const int field = (slot - slot::first_field) / slot::field_stride;
-    const int index = (slot - slot::first_field) % slot::field_stride;
+    const int field = slot::field_of(slot), index = slot::derivative_of(slot);
     columns_.push_back({slot, field, decode(space, index, Origin{}), {}});
-    gradients_ = gradients_ || columns_.back().derivative.row > 0;
+    gradients_ = gradients_ || !slot::is_value(index);
   }
 }
 

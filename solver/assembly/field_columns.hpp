@@ -6,9 +6,6 @@
 
 namespace hvi::solver {
 
-bool is_field(Slot slot);
-bool is_field_gradient(Slot slot);
-
 /// The columns of the field slots among `slots`: sum_i D(phi_i)(x_p) u_i.
 class FieldColumns {
 public:

@@ -21,7 +21,8 @@ Region all_cells(const Mesh& mesh) {
 bool is_cellwise(const Expr& e) {
   const auto slots = slots_of(e);
   return std::any_of(slots.begin(), slots.end(), [](Slot slot) {
-    return is_field_gradient(slot) || (slot >= slot::first_inside && slot < slot::first_state);
+    return slot::is_field_gradient(slot) ||
+           (slot >= slot::first_inside && slot < slot::first_state);
   });
 }
 

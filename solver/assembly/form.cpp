@@ -38,8 +38,10 @@ public:
   std::vector<ElementMatrix>& next(const CellGeometry& geometry) {
     shapes_[next_] = geometry;
     auto& elements = elements_[next_];
-    if (elements.empty()) elements = blank();
-    for (auto& element : elements) element.clear();
+    if (elements.empty())
+      elements = blank();
+    else
+      for (auto& element : elements) element.clear();
     next_ = (next_ + 1) % most;
     known_ = std::min(known_ + 1, most);
     return elements;
@@ -55,6 +57,7 @@ private:
       element.local.resize(space_.nodes_per_cell);
       std::iota(element.local.begin(), element.local.end(), 0);
       element.nodes.resize(space_.nodes_per_cell);
+      element.clear();
     }
     return out;
   }

@@ -16,44 +16,63 @@ Region all_cells(const Space& space) {
   return region;
 }
 
-/// u . v
-void add_mass(const Space& space, FormTerm& term) {
-  for (int i = 0; i < space.components; ++i) {
-    term.entries.push_back({slot::value(i), slot::value(i), Expr(1.0)});
+/// u . v of one unknown
+void add_mass(const Space& space, int unknown, FormTerm& term) {
+  for (int i = 0; i < space.blocks[static_cast<std::size_t>(unknown)].components; ++i) {
+    const int value = slot::of_unknown(unknown, slot::value(i));
+    term.entries.push_back({value, value, Expr(1.0)});
   }
+}
+
+/// Of all unknowns.
+void add_mass(const Space& space, FormTerm& term) {
+  for (int b = 0; b < n_unknowns(space); ++b) add_mass(space, b, term);
 }
 
 } // namespace
 
 /// eps(u) : eps(v) = 1/2 sum_ij (d_j u_i d_j v_i + d_i u_j d_j v_i); scalar: grad u . grad v.
 /// Axisymmetric: with u_x v_x / x^2.
-FormTerm strain_form(const Space& space) {
+FormTerm strain_form(const Space& space, int unknown) {
   FormTerm term;
   const int dim = space.mesh->dim;
-  if (space.components == 1) {
-    for (int j = 0; j < dim; ++j) {
-      term.entries.push_back({slot::gradient(0, j), slot::gradient(0, j), Expr(1.0)});
-    }
+  const SpaceBlock& block = space.blocks[static_cast<std::size_t>(unknown)];
+  const auto add = [&](int test, int trial, double factor) {
+    term.entries.push_back(
+        {slot::of_unknown(unknown, test), slot::of_unknown(unknown, trial), Expr(factor)});
+  };
+  if (block.components == 1) {
+    for (int j = 0; j < dim; ++j) add(slot::gradient(0, j), slot::gradient(0, j), 1.0);
     return term;
   }
   for (int i = 0; i < dim; ++i) {
     for (int j = 0; j < dim; ++j) {
-      term.entries.push_back({slot::gradient(i, j), slot::gradient(i, j), Expr(0.5)});
-      term.entries.push_back({slot::gradient(i, j), slot::gradient(j, i), Expr(0.5)});
+      add(slot::gradient(i, j), slot::gradient(i, j), 0.5);
+      add(slot::gradient(i, j), slot::gradient(j, i), 0.5);
     }
   }
-  if (has_hoop(space)) {
-    term.entries.push_back({slot::hoop, slot::hoop, Expr(1.0)});
-  }
+  if (has_hoop(space, block)) add(slot::hoop, slot::hoop, 1.0);
   return term;
 }
 
-SparseMatrix gram_v(const Space& space, bool add_mass_term) {
-  SparseMatrix gram = assemble_form(space, all_cells(space), strain_form(space));
-  // A second form, so that the strain keeps its cheap one-point rule.
-  if (add_mass_term) {
-    add_scaled(gram, 1.0, mass(space));
+SparseMatrix gram_v(const Space& space, std::span<const char> with_mass) {
+  FormTerm strains, masses;
+  for (int b = 0; b < n_unknowns(space); ++b) {
+    std::ranges::copy(strain_form(space, b).entries, std::back_inserter(strains.entries));
+    if (with_mass[static_cast<std::size_t>(b)] != 0) add_mass(space, b, masses);
   }
+  SparseMatrix gram = assemble_form(space, all_cells(space), strains);
+  // A second form, so that the strain keeps its cheap one-point rule.
+  if (!masses.entries.empty())
+    add_scaled(gram, 1.0, assemble_form(space, all_cells(space), masses));
+  return gram;
+}
+
+SparseMatrix gram_of_unknown(const Space& space, int unknown, bool with_mass) {
+  SparseMatrix gram = assemble_form(space, all_cells(space), strain_form(space, unknown));
+  FormTerm masses;
+  add_mass(space, unknown, masses);
+  if (with_mass) add_scaled(gram, 1.0, assemble_form(space, all_cells(space), masses));
   return gram;
 }
 
@@ -101,8 +120,8 @@ SparseMatrix boundary_mass(const Space& space, const Region& region, Rule rule, 
   }
   if (trace != Trace::full) {
     const double sign = trace == Trace::normal ? 1.0 : -1.0;
-    for (int i = 0; i < space.components; ++i) {
-      for (int j = 0; j < space.components; ++j) {
+    for (int i = 0; i < space.blocks.front().components; ++i) {
+      for (int j = 0; j < space.blocks.front().components; ++j) {
         term.entries.push_back(
             {slot::value(i), slot::value(j),
              Expr(sign) * Expr::variable(slot::normal(i)) * Expr::variable(slot::normal(j))});

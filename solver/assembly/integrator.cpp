@@ -52,7 +52,7 @@ bool split_affine(const Expr& e, AffineParts& parts) {
   }
   std::vector<std::pair<Slot, Expr>> zero;
   for (const Slot slot : slots_of(e)) {
-    if (!is_field(slot)) {
+    if (!slot::is_field(slot)) {
       continue;
     }
     parts.slots.push_back(slot);
@@ -90,9 +90,8 @@ LinearIntegral assemble_linear(const Space& space, const RegionPoints& points,
   std::map<int, Vector> dense;
   std::vector<Derivative> derivatives;
   for (const Slot slot : parts.slots) {
-    const int index = slot - slot::first_field;
-    derivatives.push_back(decode(space, index % slot::field_stride, Origin{}));
-    dense.try_emplace(index / slot::field_stride, Vector::Zero(space.n_dofs()));
+    derivatives.push_back(decode(space, slot::derivative_of(slot), Origin{}));
+    dense.try_emplace(slot::field_of(slot), Vector::Zero(space.n_dofs()));
   }
   Pointwise tape(parts.coefficients);
   std::vector<double> a;
@@ -107,7 +106,7 @@ LinearIntegral assemble_linear(const Space& space, const RegionPoints& points,
       evaluate_shapes(space, cell_geometry(*space.mesh, block.cell[p]), block.barycentric[p], true,
                       shapes);
       for (std::size_t s = 0; s < parts.slots.size(); ++s) {
-        Vector& to = dense[(parts.slots[s] - slot::first_field) / slot::field_stride];
+        Vector& to = dense[slot::field_of(parts.slots[s])];
         const double w = block.weight[p] * a[s * n + p];
         for (int i = 0; i < shapes.size; ++i) {
           to[space.dof(nodes[i], derivatives[s].component)] += w * shapes.at(derivatives[s].row, i);

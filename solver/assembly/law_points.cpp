@@ -52,7 +52,11 @@ double rounding_of_normal(const Mesh& mesh, int facet) {
   return height > 0.0 ? units * largest / height : 0.0;
 }
 
-void check_shape(const Space& space, const LawTerm& term, bool radial) {
+const SpaceBlock& block_of(const Space& space, const LawTerm& term) {
+  return space.blocks[static_cast<std::size_t>(term.unknown)];
+}
+
+void check_shape(const SpaceBlock& block, const LawTerm& term, bool radial) {
   const bool scalar = !radial && term.rows.size() == 1;
   if (!scalar && !(radial && !term.rows.empty() && term.rows.size() <= 3)) {
     throw Failure(
@@ -60,13 +64,13 @@ void check_shape(const Space& space, const LawTerm& term, bool radial) {
         fmt::format("a {} law with {} arguments", radial ? "radial" : "scalar", term.rows.size()));
   }
   for (const auto& row : term.rows) {
-    for (int i = space.components; i < 3; ++i) {
+    for (int i = block.components; i < 3; ++i) {
       if (row.u[i].is(0.0)) {
         continue;
       }
       throw Failure(FailureKind::bad_value, term.origin,
                     fmt::format("the argument of the law uses component {} of a field with {}",
-                                i + 1, space.components));
+                                i + 1, block.components));
     }
   }
 }
@@ -75,7 +79,8 @@ void check_shape(const Space& space, const LawTerm& term, bool radial) {
 class Collector {
 public:
   Collector(const Space& space, const Region& region, const LawTerm& term)
-      : space_(space), region_(region), term_(term), tape_(expressions(term)) {}
+      : space_(space), block_(block_of(space, term)), region_(region), term_(term),
+        tape_(expressions(term)) {}
 
   std::vector<RawPoint> collect(const Pairing& pairing) {
     add(as_block(space_, pairing), pairing.x.size());
@@ -85,8 +90,8 @@ public:
 
   std::vector<RawPoint> collect() {
     const int dim = dimension_of(*space_.mesh, region_);
-    local_nodes_ = nodal_rule_nodes(dim, dim == 0 ? 1 : space_.order);
-    const RegionPoints points(space_, region_, term_.rule, 2 * (space_.order + 1));
+    local_nodes_ = nodal_rule_nodes(dim, dim == 0 ? 1 : block_.order);
+    const RegionPoints points(space_, region_, term_.rule, 2 * (block_.order + 1), block_.order);
     points.for_blocks([&](const PointBlock& block) { add(block, points.per_entity()); });
     return std::move(raw_);
   }
@@ -117,9 +122,9 @@ private:
       if (!region_.is_pair()) point.node = node_of(block.entity[p], p % per_entity);
       if (point.node >= 0 && region_.kind == Group::Kind::facets)
         point.rounding = rounding_of_normal(*space_.mesh, block.entity[p]);
-      point.rows.resize(static_cast<Eigen::Index>(term_.rows.size()), space_.components);
+      point.rows.resize(static_cast<Eigen::Index>(term_.rows.size()), block_.components);
       for (Eigen::Index c = 0; c < point.rows.rows(); ++c) {
-        for (int i = 0; i < space_.components; ++i) {
+        for (int i = 0; i < block_.components; ++i) {
           point.rows(c, i) = values_[(1 + 3 * std::size_t(c) + i) * n + p];
         }
       }
@@ -152,6 +157,7 @@ private:
   }
 
   const Space& space_;
+  const SpaceBlock& block_;
   const Region& region_;
   const LawTerm& term_;
   Pointwise tape_;
@@ -244,47 +250,60 @@ void reduce_radial(std::vector<RawPoint>& raw, const LawTerm& term, LawPoints& o
   out.rows = largest;
 }
 
-/// G: row (p, c), column dof (i, k): rows_p(c, k) phi_i(x_p).
-SparseMatrix make_g(const Space& space, const std::vector<RawPoint>& raw, int rows) {
-  std::vector<Eigen::Triplet<double>> triplets;
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+/// Where the rows of points stand: so many of each point, those in question from `first` on.
+struct RowPlaces {
+  int per_point, first;
+  int of(std::size_t point, Eigen::Index row) const {
+    return static_cast<int>(point) * per_point + first + static_cast<int>(row);
+  }
+};
+
+/// Row (p, c), column dof (i, k): rows_p(c, k) phi_i(x_p), k among the components of an unknown.
+void add_rows(const Space& space, const SpaceBlock& block, const std::vector<RawPoint>& raw,
+              const RowPlaces& places, Triplets& triplets) {
   ShapeTable shapes;
+  const int values = block.order < space.order ? linear_rows : 0;
   for (std::size_t p = 0; p < raw.size(); ++p) {
     const RawPoint& point = raw[p];
     evaluate_shapes(space, {}, point.barycentric, false, shapes);
     const auto nodes = space.nodes_of_cell(point.cell);
     for (int i = 0; i < shapes.size; ++i) {
       // Nodal points: shape functions of other nodes are zero there up to rounding.
-      const double phi = point.node < 0 ? shapes.at(0, i) : (nodes[i] == point.node ? 1.0 : 0.0);
-      for (int c = 0; c < rows && phi != 0.0; ++c) {
-        for (int k = 0; k < space.components; ++k) {
+      // (Of P1 beside P2 they have values at every node.)
+      const bool own_node = point.node >= 0 && block.order == space.order;
+      const double phi = own_node ? (nodes[i] == point.node ? 1.0 : 0.0) : shapes.at(values, i);
+      for (Eigen::Index c = 0; c < point.rows.rows() && phi != 0.0; ++c) {
+        for (int k = 0; k < block.components; ++k) {
           const double value = phi * point.rows(c, k);
           if (value == 0.0) {
             continue;
           }
-          triplets.emplace_back(static_cast<int>(p) * rows + c, space.dof(nodes[i], k), value);
+          triplets.emplace_back(places.of(p, c), space.dof(nodes[i], block.first + k), value);
         }
       }
     }
   }
-  SparseMatrix g(static_cast<Eigen::Index>(raw.size()) * rows, space.n_dofs());
-  g.setFromTriplets(triplets.begin(), triplets.end());
-  return g;
 }
 
 /// The same on a pair: rows_p(c, k) times the row of u_k's jump.
-SparseMatrix make_g_of_jumps(const Space& space, const SparseMatrix& jump,
-                             const std::vector<RawPoint>& raw, int rows) {
-  std::vector<Eigen::Triplet<double>> triplets;
+void add_rows_of_jumps(const Space& space, const SpaceBlock& block, const SparseMatrix& jump,
+                       const std::vector<RawPoint>& raw, const RowPlaces& places,
+                       Triplets& triplets) {
   for (std::size_t p = 0; p < raw.size(); ++p)
     for (SparseMatrix::InnerIterator it(jump, static_cast<Eigen::Index>(p)); it; ++it)
-      for (int c = 0; c < rows; ++c)
-        for (int k = 0; k < space.components; ++k)
+      for (Eigen::Index c = 0; c < raw[p].rows.rows(); ++c)
+        for (int k = 0; k < block.components; ++k)
           if (const double value = it.value() * raw[p].rows(c, k); value != 0.0)
-            triplets.emplace_back(static_cast<int>(p) * rows + c,
-                                  space.dof(static_cast<int>(it.col()), k), value);
-  SparseMatrix g(static_cast<Eigen::Index>(raw.size()) * rows, space.n_dofs());
-  g.setFromTriplets(triplets.begin(), triplets.end());
-  return g;
+            triplets.emplace_back(places.of(p, c),
+                                  space.dof(static_cast<int>(it.col()), block.first + k), value);
+}
+
+SparseMatrix from_triplets(const Space& space, std::size_t rows, const Triplets& triplets) {
+  SparseMatrix out(static_cast<Eigen::Index>(rows), space.n_dofs());
+  out.setFromTriplets(triplets.begin(), triplets.end());
+  return out;
 }
 
 /// The points of a term before its rows are made.
@@ -308,7 +327,8 @@ std::vector<RawPoint> raw_points(const Space& space, const Region& region, const
 
 LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& term, int law_term,
                        bool radial, bool with_trace) {
-  check_shape(space, term, radial);
+  const SpaceBlock& block = block_of(space, term);
+  check_shape(block, term, radial);
   LawPoints out;
   std::vector<RawPoint> raw = raw_points(space, region, term, out);
   out.law_term = law_term;
@@ -317,14 +337,24 @@ LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& 
   if (radial) {
     reduce_radial(raw, term, out);
   }
-  const auto g_of = [&](int rows) {
-    return out.jump ? make_g_of_jumps(space, *out.jump, raw, rows) : make_g(space, raw, rows);
+  Triplets triplets;
+  const auto add = [&](const SpaceBlock& of, const RowPlaces& places) {
+    out.jump ? add_rows_of_jumps(space, of, *out.jump, raw, places, triplets)
+             : add_rows(space, of, raw, places, triplets);
   };
-  out.g = g_of(out.rows);
+  add(block, {out.rows, 0});
+  out.g = from_triplets(space, raw.size() * static_cast<std::size_t>(out.rows), triplets);
   if (with_trace) {
-    for (RawPoint& point : raw)
-      point.rows = DenseMatrix::Identity(space.components, space.components);
-    out.trace = g_of(space.components);
+    const int per_point =
+        LawPoints::traced(slot::of_unknown(static_cast<int>(space.blocks.size()), 0));
+    triplets.clear();
+    for (std::size_t b = 0; b < space.blocks.size(); ++b) {
+      const int n = space.blocks[b].components;
+      for (RawPoint& point : raw) point.rows = DenseMatrix::Identity(n, n);
+      add(space.blocks[b],
+          {per_point, LawPoints::traced(slot::of_unknown(static_cast<int>(b), 0))});
+    }
+    out.trace = from_triplets(space, raw.size() * static_cast<std::size_t>(per_point), triplets);
   }
   for (const RawPoint& point : raw) {
     out.x.push_back(point.x);

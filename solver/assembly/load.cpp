@@ -43,7 +43,7 @@ void for_each_weight(const Space& space, const PointBlock& block, const LoadEntr
   bool gradients = false;
   for (const auto& entry : entries) {
     tests.push_back(decode(space, entry.test, origin));
-    gradients = gradients || tests.back().row > 0;
+    gradients = gradients || !slot::is_value(entry.test);
   }
   ShapeTable shapes;
   CellGeometry geometry;
@@ -79,7 +79,7 @@ RegionPoints points_of(const Space& space, const Region& region, const LoadTerm&
   int degree = 0;
   for (const auto& entry : entries) {
     const int shapes = shape_degree(entry.test, space.order);
-    if (shapes < space.order && region.kind == Group::Kind::points) {
+    if (!slot::is_value(entry.test) && region.kind == Group::Kind::points) {
       throw Failure(FailureKind::bad_value, term.origin,
                     "a gradient has no value at a single point; a point load acts on v itself");
     }

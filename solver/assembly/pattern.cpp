@@ -113,22 +113,29 @@ void MatrixPattern::locate(std::span<const std::int32_t> nodes, std::vector<int>
 template <int Components>
 void MatrixPattern::add_fixed(std::span<const std::int32_t> nodes, std::span<const int> edges,
                               const double* element, double* values) const {
-  const std::size_t n = nodes.size(), width = n * Components;
+  add_of(Components, nodes, edges, element, values);
+}
+
+/// Inlined where the number of components is known when this is compiled.
+inline __attribute__((always_inline)) void
+MatrixPattern::add_of(int components, std::span<const std::int32_t> nodes,
+                      std::span<const int> edges, const double* element, double* values) const {
+  const std::size_t n = nodes.size(), width = n * static_cast<std::size_t>(components);
   for (std::size_t i = 0; i < n; ++i)
-    for (int c = 0; c < Components; ++c, element += width) {
-      const int start = row_start_[nodes[i] * Components + c];
+    for (int c = 0; c < components; ++c, element += width) {
+      const int start = row_start_[nodes[i] * components + c];
       if (start < 0) continue;
       double* const row = values + start;
       for (std::size_t j = 0; j < n; ++j) {
         const int edge = edges[i * n + j];
-        const double* from = element + j * Components;
+        const double* from = element + j * static_cast<std::size_t>(components);
         double* with = row + with_row_[edge];
         if (whole_[nodes[j]] != 0) {
-          for (int d = 0; d < Components; ++d) with[d] += from[d];
+          for (int d = 0; d < components; ++d) with[d] += from[d];
           continue;
         }
         double* without = row + without_row_[edge];
-        for (int d = 0; d < Components; ++d)
+        for (int d = 0; d < components; ++d)
           if (const int e = entry(nodes[j], d); e >= 0)
             *(e < dofs_.n_rows ? with++ : without++) += from[d];
       }
@@ -142,8 +149,10 @@ void MatrixPattern::add(std::span<const std::int32_t> nodes, std::span<const int
     return add_fixed<1>(nodes, edges, element, values);
   case 2:
     return add_fixed<2>(nodes, edges, element, values);
-  default:
+  case 3:
     return add_fixed<3>(nodes, edges, element, values);
+  default: // of several unknowns
+    return add_of(components_, nodes, edges, element, values);
   }
 }
 

@@ -31,6 +31,8 @@ private:
   template <int Components>
   void add_fixed(std::span<const std::int32_t> nodes, std::span<const int> edges,
                  const double* element, double* values) const;
+  void add_of(int components, std::span<const std::int32_t> nodes, std::span<const int> edges,
+              const double* element, double* values) const;
   int entry(int node, int component) const {
     const int dof = node * components_ + component;
     return dofs_.entry_of.empty() ? dof : dofs_.entry_of[dof];

@@ -50,7 +50,7 @@ void scatter(const Space& space, int cell, const DofSelection& dofs, const Dense
 /// At points of a pair: the jump of a component.
 SparseMatrix jump_rows(const Space& space, const PointBlock& points, const Derivative& derivative,
                        Origin origin) {
-  if (derivative.row != 0)
+  if (derivative.row % linear_rows != 0)
     throw Failure(FailureKind::bad_value, origin, "on a pair there are jumps of values only");
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t p = 0; p < points.size(); ++p)

@@ -50,11 +50,12 @@ bool agree(const Expr& a, const Expr& b, const Point& x) {
 }
 
 void check_spec(const Space& space, const DirichletSpec& entry) {
-  const std::size_t imposed = entry.component < 0 ? std::size_t(space.components) : 1;
-  if (entry.component >= space.components) {
+  const SpaceBlock& block = space.blocks[static_cast<std::size_t>(entry.unknown)];
+  const std::size_t imposed = entry.component < 0 ? std::size_t(block.components) : 1;
+  if (entry.component >= block.components) {
     throw Failure(
         FailureKind::bad_value, entry.origin,
-        fmt::format("component {} of a field with {}", entry.component + 1, space.components));
+        fmt::format("component {} of a field with {}", entry.component + 1, block.components));
   }
   if (!entry.value.empty() && entry.value.size() != imposed) {
     throw Failure(FailureKind::bad_value, entry.origin,
@@ -70,6 +71,11 @@ void check_spec(const Space& space, const DirichletSpec& entry) {
   }
 }
 
+/// Has the unknown a function at this node? In P1 beside others in P2: at vertices.
+bool has_node(const Space& space, const SpaceBlock& block, int node) {
+  return block.order == space.order || node < static_cast<int>(space.mesh->nodes.size());
+}
+
 /// Collects what is imposed, dof by dof, in the order of the specification.
 class Collector {
 public:
@@ -82,25 +88,52 @@ public:
     sorted.assign(nodes.begin(), nodes.end());
     std::sort(sorted.begin(), sorted.end());
     const DirichletSpec& entry = spec_.dirichlet[index];
+    const SpaceBlock& block = space_.blocks[static_cast<std::size_t>(entry.unknown)];
     const int first = std::max(entry.component, 0);
-    const int past = entry.component < 0 ? space_.components : first + 1;
+    const int past = entry.component < 0 ? block.components : first + 1;
     for (int c = first; c < past; ++c) {
       if (overridden(index, c)) {
         continue;
       }
       const int value = entry.value.empty() ? -1 : c - first;
       for (const auto node : nodes) {
-        add_dof({space_.dof(node, c), index, value}, node);
+        if (has_node(space_, block, node))
+          add_dof({space_.dof(node, block.first + c), index, value}, node);
       }
     }
   }
   /// Functions of V vanish on the axis in x: u_x/x is square integrable with the weight x.
   void add_axis() {
+    for (const SpaceBlock& block : space_.blocks)
+      if (has_hoop(space_, block)) add_axis(block);
+  }
+  /// Unknowns in P1 beside others in P2 have no functions at the nodes of edges.
+  void add_missing() {
+    for (const SpaceBlock& block : space_.blocks) {
+      if (block.order == space_.order) continue;
+      for (int node = static_cast<int>(space_.mesh->nodes.size());
+           node < static_cast<int>(space_.nodes.size()); ++node)
+        for (int c = 0; c < block.components; ++c)
+          eliminated_.push_back({space_.dof(node, block.first + c), -1, -1});
+    }
+  }
+  std::vector<Eliminated> take() {
+    std::sort(eliminated_.begin(), eliminated_.end(),
+              [](const Eliminated& a, const Eliminated& b) { return a.dof < b.dof; });
+    return std::move(eliminated_);
+  }
+  Expr expression(const Eliminated& e) const {
+    return e.value < 0 ? Expr(0.0) : spec_.dirichlet[e.dirichlet].value[e.value];
+  }
+
+private:
+  void add_axis(const SpaceBlock& block) {
     for (int node = 0; node < static_cast<int>(space_.nodes.size()); ++node) {
       if (space_.nodes[node][0] != 0.0) {
         continue;
       }
-      const int dof = space_.dof(node, 0);
+      if (!has_node(space_, block, node)) continue;
+      const int dof = space_.dof(node, block.first);
       if (taken_[dof] < 0) {
         eliminated_.push_back({dof, -1, -1});
         continue;
@@ -114,16 +147,6 @@ public:
       }
     }
   }
-  std::vector<Eliminated> take() {
-    std::sort(eliminated_.begin(), eliminated_.end(),
-              [](const Eliminated& a, const Eliminated& b) { return a.dof < b.dof; });
-    return std::move(eliminated_);
-  }
-  Expr expression(const Eliminated& e) const {
-    return e.value < 0 ? Expr(0.0) : spec_.dirichlet[e.dirichlet].value[e.value];
-  }
-
-private:
   /// A zero of the space that another entry on the same part fills in.
   bool overridden(int index, int component) const {
     const DirichletSpec& entry = spec_.dirichlet[index];
@@ -131,7 +154,7 @@ private:
       return false;
     }
     return std::any_of(spec_.dirichlet.begin(), spec_.dirichlet.end(), [&](const auto& other) {
-      return !other.value.empty() && other.part == entry.part &&
+      return !other.value.empty() && other.part == entry.part && other.unknown == entry.unknown &&
              (other.component < 0 || other.component == component);
     });
   }
@@ -178,16 +201,20 @@ DofMap make_dof_map(const Space& space, const SpaceSpec& spec, std::span<const R
     check_spec(space, spec.dirichlet[d]);
     collector.add(static_cast<int>(d), nodes_on(space, parts[spec.dirichlet[d].part]));
   }
-  if (has_hoop(space)) {
-    collector.add_axis();
-  }
+  collector.add_axis();
+  collector.add_missing();
   DofMap map;
   map.eliminated = collector.take();
+  map.held_of.assign(space.blocks.size(), 0);
   map.unknown_of.assign(std::size_t(space.n_dofs()), 0);
   for (const Eliminated& e : map.eliminated) {
     map.unknown_of[e.dof] = -1;
+    const int component = e.dof % space.components;
+    const SpaceBlock& block = space.blocks[static_cast<std::size_t>(space.block_of(component))];
+    if (!has_node(space, block, e.dof / space.components)) continue;
     // Around the axis only translations along it strain nothing.
-    map.held = map.held || !has_hoop(space) || e.dof % space.components > 0;
+    if (!has_hoop(space, block) || component > block.first)
+      map.held_of[static_cast<std::size_t>(space.block_of(component))] = 1;
     map.homogeneous = map.homogeneous && collector.expression(e).is(0.0);
   }
   for (int dof = 0; dof < space.n_dofs(); ++dof) {
@@ -198,6 +225,12 @@ DofMap make_dof_map(const Space& space, const SpaceSpec& spec, std::span<const R
     map.free.push_back(dof);
   }
   return map;
+}
+
+std::vector<char> DofMap::needs_mass() const {
+  std::vector<char> out(held_of);
+  for (char& of : out) of = of != 0 ? 0 : 1;
+  return out;
 }
 
 void impose(const Space& space, const SpaceSpec& spec, const DofMap& map, double t, Vector& u) {
@@ -246,7 +279,9 @@ Vector interpolate(const Space& space, std::span<const Expr> components, double 
   std::vector<double> values(nodes.size() * components.size());
   Pointwise(components).evaluate(block_of_nodes(space, nodes), t, origin, values);
   for (std::size_t c = 0; c < components.size(); ++c) {
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const int of = static_cast<int>(c);
+    const SpaceBlock& block = space.blocks[static_cast<std::size_t>(space.block_of(of))];
+    for (std::size_t i = 0; i < nodes.size() && has_node(space, block, static_cast<int>(i)); ++i) {
       const double value = values[c * nodes.size() + i];
       if (!std::isfinite(value)) {
         throw_not_finite(origin, "the function", value, space.nodes[i], space.mesh->dim, &t);

@@ -43,7 +43,8 @@ CellGeometry geometry_of(const Mesh& mesh, int cell) {
 
 /// phi_i / x, or its limit on the axis. Points of sides on the axis that a search has found are off
 /// it by rounding.
-void hoop_shapes(const CellGeometry& geometry, const Barycentric& point, ShapeTable& shapes) {
+void hoop_shapes(const CellGeometry& geometry, const Barycentric& point, int first,
+                 ShapeTable& shapes) {
   constexpr double rounding = 1e-12;
   double x = 0.0, largest = 0.0;
   for (int k = 0; k < 3; ++k) {
@@ -51,9 +52,9 @@ void hoop_shapes(const CellGeometry& geometry, const Barycentric& point, ShapeTa
     largest = std::max(largest, geometry.radius[k]);
   }
   const bool on_axis = std::abs(x) <= rounding * largest;
-  double* row = shapes.row(hoop_row);
+  double* row = shapes.row(first + hoop_row);
   for (int i = 0; i < shapes.size; ++i) {
-    row[i] = on_axis ? shapes.at(1, i) : shapes.at(0, i) / x;
+    row[i] = on_axis ? shapes.at(first + 1, i) : shapes.at(first, i) / x;
   }
   shapes.rows = hoop_row + 1;
 }
@@ -108,20 +109,22 @@ std::array<int, 3> facet_in_cell(const Mesh& mesh, int facet) {
   return local;
 }
 
-void evaluate_shapes(const Space& space, const CellGeometry& geometry, const Barycentric& point,
-                     bool gradients, ShapeTable& shapes) {
-  const int dim = space.mesh->dim;
-  shapes.size = space.nodes_per_cell;
-  shapes.rows = gradients ? 1 + dim : 1;
-  lagrange_values(dim, space.order, point, shapes.row(0));
+namespace {
+
+/// Values and, where they are asked for, gradients of the functions of this order: rows of
+/// max_cell_nodes numbers.
+void fill_rows(int dim, int order, const CellGeometry& geometry, const Barycentric& point,
+               bool gradients, double* rows) {
+  lagrange_values(dim, order, point, rows);
   if (!gradients) {
     return;
   }
+  const int size = lagrange_size(dim, order);
   std::array<double, max_cell_nodes * 4> slopes;
-  lagrange_slopes(dim, space.order, point, slopes.data());
+  lagrange_slopes(dim, order, point, slopes.data());
   for (int j = 0; j < dim; ++j) {
-    double* row = shapes.row(1 + j);
-    for (int i = 0; i < shapes.size; ++i) {
+    double* row = rows + (1 + j) * max_cell_nodes;
+    for (int i = 0; i < size; ++i) {
       double sum = 0.0;
       for (int k = 0; k <= dim; ++k) {
         sum += slopes[i * (dim + 1) + k] * geometry.gradient[k][j];
@@ -129,25 +132,42 @@ void evaluate_shapes(const Space& space, const CellGeometry& geometry, const Bar
       row[i] = sum;
     }
   }
-  if (has_hoop(space)) {
-    hoop_shapes(geometry, point, shapes);
-  }
+}
+
+} // namespace
+
+void evaluate_shapes(const Space& space, const CellGeometry& geometry, const Barycentric& point,
+                     bool gradients, ShapeTable& shapes) {
+  shapes.size = space.nodes_per_cell;
+  const bool hoop = gradients && has_hoop(space);
+  fill_rows(space.mesh->dim, space.order, geometry, point, gradients, shapes.row(0));
+  shapes.rows = gradients ? 1 + space.mesh->dim : 1;
+  if (hoop) hoop_shapes(geometry, point, 0, shapes);
+  if (!space.is_mixed()) return;
+  std::fill_n(shapes.row(linear_rows), linear_rows * max_cell_nodes, 0.0);
+  fill_rows(space.mesh->dim, 1, geometry, point, gradients, shapes.row(linear_rows));
+  if (hoop) hoop_shapes(geometry, point, linear_rows, shapes);
 }
 
 Derivative decode(const Space& space, int index, Origin origin) {
-  if (index == slot::hoop && has_hoop(space)) {
-    return {0, hoop_row};
+  const auto b = static_cast<std::size_t>(std::max(0, slot::unknown_of(index)));
+  const SpaceBlock& block = space.blocks[std::min(b, space.blocks.size() - 1)];
+  const int rows = block.order < space.order ? linear_rows : 0;
+  const int own = index - slot::of_unknown(static_cast<int>(b), 0);
+  if (own == slot::hoop && has_hoop(space, block)) {
+    return {block.first, rows + hoop_row};
   }
-  const bool is_value = index >= 0 && index < 3;
-  const int component = is_value ? index : (index - 3) / 3;
-  const int direction = is_value ? 0 : (index - 3) % 3;
-  if (index < 0 || index >= 12 || component >= space.components || direction >= space.mesh->dim) {
+  const bool is_value = own >= 0 && own < 3;
+  const int component = is_value ? own : (own - 3) / 3;
+  const int direction = is_value ? 0 : (own - 3) % 3;
+  if (index < 0 || b >= space.blocks.size() || component >= block.components ||
+      direction >= space.mesh->dim) {
     throw Failure(FailureKind::bad_value, origin,
                   fmt::format("derivative {} does not exist in a space with {} components in {} "
                               "dimensions",
                               index, space.components, space.mesh->dim));
   }
-  return {component, is_value ? 0 : 1 + direction};
+  return {block.first + component, rows + (is_value ? 0 : 1 + direction)};
 }
 
 } // namespace hvi::solver

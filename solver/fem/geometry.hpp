@@ -24,18 +24,27 @@ std::array<int, 3> facet_in_cell(const Mesh& mesh, int facet);
 
 /// 2 pi x on axisymmetric meshes, where a point stands for its circle; else 1.
 double circumference(const Mesh& mesh, double x);
-/// Has the space the row `hoop`? Vectors on axisymmetric meshes.
+/// Has the unknown the row `hoop`? Vectors on axisymmetric meshes.
+inline bool has_hoop(const Space& space, const SpaceBlock& block) {
+  return space.mesh->axisymmetric && block.components > 1;
+}
+/// Has any?
 inline bool has_hoop(const Space& space) {
-  return space.mesh->axisymmetric && space.components > 1;
+  for (const SpaceBlock& block : space.blocks)
+    if (has_hoop(space, block)) return true;
+  return false;
 }
 inline constexpr int hoop_row = 3;
+/// Where the rows of P1 begin in the table of a space that is mixed.
+inline constexpr int linear_rows = 4;
 
 /// Shape functions of the space at one point of a cell: row 0 the values, row 1 + j the derivatives
 /// d phi_i / d x_j; at(row, i) with i < size. Vectors on axisymmetric meshes have phi_i / x in row
-/// hoop_row: on the axis, where functions of V vanish, its limit d phi_i / d x.
+/// hoop_row: on the axis, where functions of V vanish, its limit d phi_i / d x. Mixed spaces have
+/// the same of P1 in the rows from linear_rows on, zero for nodes of edges.
 struct ShapeTable {
   int size = 0, rows = 1;
-  std::array<double, 4 * max_cell_nodes> data{};
+  std::array<double, 2 * linear_rows * max_cell_nodes> data{};
   double* row(int r) { return data.data() + r * max_cell_nodes; }
   const double* row(int r) const { return data.data() + r * max_cell_nodes; }
   double at(int r, int i) const { return row(r)[i]; }
@@ -44,7 +53,8 @@ struct ShapeTable {
 void evaluate_shapes(const Space& space, const CellGeometry& geometry, const Barycentric& point,
                      bool gradients, ShapeTable& shapes);
 
-/// Row of a ShapeTable and component of a derivative index (slot::value, slot::gradient).
+/// Row of a ShapeTable and component, among those of all unknowns, of a derivative index
+/// (slot::value, slot::gradient, slot::of_unknown).
 struct Derivative {
   int component, row;
 };

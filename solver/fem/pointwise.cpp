@@ -63,21 +63,25 @@ int dimension_of(const Mesh& mesh, const Region& region) {
 namespace {
 
 /// The rule of a plan; on axisymmetric meshes of a higher degree.
-Quadrature rule_on(const Space& space, const Region& region, Rule rule, int exact_degree) {
+Quadrature rule_on(const Space& space, const Region& region, Rule rule, int exact_degree,
+                   int order) {
   const int dim = dimension_of(*space.mesh, region);
   if (!space.mesh->axisymmetric) {
-    return make_rule(rule, dim, space.order, exact_degree);
+    return make_rule(rule, dim, order, exact_degree);
   }
   if (rule == Rule::gauss) {
-    return simplex_rule(dim, 2 * space.order + 1);
+    return simplex_rule(dim, 2 * order + 1);
   }
-  return make_rule(rule, dim, space.order, exact_degree + (has_hoop(space) ? 3 : 1));
+  return make_rule(rule, dim, order, exact_degree + (has_hoop(space) ? 3 : 1));
 }
 
 } // namespace
 
-RegionPoints::RegionPoints(const Space& space, const Region& region, Rule rule, int exact_degree)
-    : RegionPoints(space, region, rule_on(space, region, rule, exact_degree)) {
+RegionPoints::RegionPoints(const Space& space, const Region& region, Rule rule, int exact_degree,
+                           int order)
+    : RegionPoints(space, region,
+                   rule_on(space, region, rule, exact_degree, order > 0 ? order : space.order)) {
+  if (order > 0) order_ = order;
   if (mesh_->axisymmetric) {
     const bool by_node = rule == Rule::nodal && kind_ != Group::Kind::points;
     ring_ = by_node ? Ring::by_node : Ring::by_point;
@@ -264,14 +268,13 @@ std::string describe_slot(Slot slot) {
   if (slot < slot::first_field) {
     return "the test function";
   }
-  const int field = (slot - slot::first_field) / slot::field_stride;
-  const int derivative = (slot - slot::first_field) % slot::field_stride;
+  const int field = slot::field_of(slot);
   const std::string name = field == field_of_u(0)   ? "u"
                            : field == field_of_u(1) ? "u'"
                            : field == field_of_u(2)
                                ? "u''"
                                : fmt::format("history field {}", memory_of(field));
-  return derivative < 3 ? name : "the gradient of " + name;
+  return slot::is_field_gradient(slot) ? "the gradient of " + name : name;
 }
 
 void throw_not_finite(Origin origin, const std::string& what, double value, const Point& point,

@@ -37,7 +37,9 @@ struct PointBlock {
 /// 2 pi x of weighted_nodal_rule.
 class RegionPoints {
 public:
-  RegionPoints(const Space& space, const Region& region, Rule rule, int exact_degree);
+  /// `order`: of the nodes of the rule `nodal`; 0: the space's.
+  RegionPoints(const Space& space, const Region& region, Rule rule, int exact_degree,
+               int order = 0);
   /// For means: the weights do not carry 2 pi x.
   RegionPoints(const Space& space, const Region& region, Quadrature rule);
   std::size_t entities() const { return entities_.size(); }

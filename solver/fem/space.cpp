@@ -157,14 +157,14 @@ std::shared_ptr<const PartIndicators> make_indicators(const Mesh& mesh,
   return indicators;
 }
 
-Space make_space(const Mesh& mesh, int order, int components, std::span<const Region> parts) {
-  if (order < 1 || order > 2 || components < 1 || components > 3) {
-    throw std::invalid_argument("a space is P1 or P2 with one to three components");
-  }
+namespace {
+
+/// A space of this order without unknowns.
+Space nodes_of_order(const Mesh& mesh, int order) {
+  if (order < 1 || order > 2) throw std::invalid_argument("a space is P1 or P2");
   Space space;
   space.mesh = &mesh;
   space.order = order;
-  space.components = components;
   space.nodes = mesh.nodes;
   space.nodes_per_cell = lagrange_size(mesh.dim, order);
   space.nodes_per_facet = lagrange_size(mesh.dim - 1, order);
@@ -183,8 +183,47 @@ Space make_space(const Mesh& mesh, int order, int components, std::span<const Re
   }
   space.graph = std::make_shared<const NodeGraph>(
       make_node_graph(space.nodes.size(), space.cell_nodes, space.nodes_per_cell));
+  return space;
+}
+
+} // namespace
+
+Space make_space(const Mesh& mesh, int order, int components, std::span<const Region> parts) {
+  if (components < 1 || components > 3) {
+    throw std::invalid_argument("a function has one to three components");
+  }
+  Space space = nodes_of_order(mesh, order);
+  space.components = components;
+  space.blocks.front() = {"u", 0, components, order};
   space.indicators = make_indicators(mesh, parts);
   return space;
+}
+
+Space make_space(const Mesh& mesh, const SpaceSpec& spec, std::span<const Region> parts) {
+  const auto unknowns = unknowns_of(spec);
+  const auto highest = std::ranges::max_element(unknowns, {}, &UnknownSpec::order);
+  Space space = nodes_of_order(mesh, highest->order);
+  space.blocks.clear();
+  space.components = 0;
+  for (const UnknownSpec& unknown : unknowns) {
+    const int components = components_of(unknown, mesh.dim);
+    space.blocks.push_back({unknown.name, space.components, components, unknown.order});
+    space.components += components;
+  }
+  space.indicators = make_indicators(mesh, parts);
+  return space;
+}
+
+bool Space::is_mixed() const {
+  return std::ranges::any_of(blocks, [&](const SpaceBlock& b) { return b.order < order; });
+}
+
+int Space::block_of(int component) const {
+  int b = 0;
+  while (component >=
+         blocks[static_cast<std::size_t>(b)].first + blocks[static_cast<std::size_t>(b)].components)
+    ++b;
+  return b;
 }
 
 std::vector<std::int32_t> nodes_on(const Space& space, const Region& region) {
@@ -208,8 +247,11 @@ std::string describe_point(const Point& point, int dim) {
 
 std::string describe_dof(const Space& space, int dof) {
   const auto& node = space.nodes[static_cast<std::size_t>(dof / space.components)];
-  const std::string name =
-      space.components == 1 ? "u" : fmt::format("u_{}", "xyz"[dof % space.components]);
+  const int component = dof % space.components;
+  const SpaceBlock& block = space.blocks[static_cast<std::size_t>(space.block_of(component))];
+  const std::string name = block.components == 1
+                               ? block.name
+                               : fmt::format("{}_{}", block.name, "xyz"[component - block.first]);
   return name + " at node " + describe_point(node, space.mesh->dim);
 }
 

@@ -7,6 +7,7 @@
 #include "solver/mesh/mesh.hpp"
 #include "solver/plan/problem.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -37,12 +38,23 @@ struct PartIndicators {
 std::shared_ptr<const PartIndicators> make_indicators(const Mesh& mesh,
                                                       std::span<const Region> parts);
 
-/// V^h before boundary values. Nodes: the mesh's, then for P2 one per edge.
-/// dof = node * components + component.
+/// The functions of one unknown in a product of spaces.
+struct SpaceBlock {
+  std::string name = "u"; ///< of the unknown
+  int first = 0;          ///< of its components among all
+  int components = 1;
+  int order = 1;
+};
+
+/// V^h before boundary values, or a product of several. Nodes: the mesh's, then for P2 one per
+/// edge. dof = node * components + component, the components of all unknowns one behind the other.
+/// An unknown in P1 beside others in P2 has no functions at the edges' nodes: its dofs there are
+/// eliminated, and zero.
 struct Space {
   const Mesh* mesh = nullptr;
-  int order = 1;
+  int order = 1; ///< the highest of the unknowns
   int components = 1;
+  std::vector<SpaceBlock> blocks{SpaceBlock{}};
   std::vector<Point> nodes;
   int nodes_per_cell = 3, nodes_per_facet = 2;
   std::vector<std::int32_t> cell_nodes;  ///< n_cells x nodes_per_cell, vertices first, then edges
@@ -53,6 +65,9 @@ struct Space {
 
   int n_dofs() const { return static_cast<int>(nodes.size()) * components; }
   int dof(int node, int component) const { return node * components + component; }
+  bool is_product() const { return blocks.size() > 1; }
+  bool is_mixed() const; ///< are there unknowns in P1 beside others in P2?
+  int block_of(int component) const;
   std::span<const std::int32_t> nodes_of_cell(int cell) const {
     return {cell_nodes.data() + static_cast<std::size_t>(cell) * nodes_per_cell,
             static_cast<std::size_t>(nodes_per_cell)};
@@ -62,10 +77,13 @@ struct Space {
             static_cast<std::size_t>(nodes_per_facet)};
   }
 };
+inline int n_unknowns(const Space& space) { return static_cast<int>(space.blocks.size()); }
 /// Edges of a cell or facet come in the order of simplex_edges (element.hpp). `mesh` must outlive
 /// the space. Throws std::invalid_argument for an order that is not 1 or 2.
 /// `parts`: of the plan, for expressions with slot::inside.
 Space make_space(const Mesh& mesh, int order, int components, std::span<const Region> parts = {});
+/// Of a plan, for all its unknowns.
+Space make_space(const Mesh& mesh, const SpaceSpec& spec, std::span<const Region> parts = {});
 /// Nodes of the space on a region (P2: edge nodes too), sorted, unique.
 std::vector<std::int32_t> nodes_on(const Space& space, const Region& region);
 /// For messages: "u_y at node (0.5, 1)", for a scalar space "u at node (0.5, 1)".
@@ -89,7 +107,11 @@ struct DofMap {
   std::vector<std::int32_t> unknown_of; ///< unknown of each dof, -1 when eliminated
   std::vector<Eliminated> eliminated;
   bool homogeneous = true; ///< every eliminated value is zero at all times
-  bool held = false;       ///< some value is imposed that a rigid motion does not have by itself
+  /// By unknown: some value is imposed that a rigid motion does not have by itself.
+  std::vector<char> held_of;
+  bool held() const { return std::ranges::find(held_of, 0) == held_of.end(); }
+  /// By unknown: the seminorm of strains or gradients alone is no norm.
+  std::vector<char> needs_mass() const;
   int n_unknowns() const { return static_cast<int>(free.size()); }
 };
 DofMap make_dof_map(const Space& space, const SpaceSpec& spec, std::span<const Region> parts);

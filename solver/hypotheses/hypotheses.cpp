@@ -25,6 +25,8 @@ namespace hvi::solver {
 namespace {
 
 constexpr int most_load_times = 65;
+/// Below it an unknown without a form of its own has parts that the others do not see.
+constexpr double smallest_inf_sup = 1e-6;
 
 Origin form_origin(const Problem& problem, int field) {
   for (const auto& form : problem.forms)
@@ -68,6 +70,7 @@ public:
     judge_inertia();
     judge_a();
     judge_b();
+    judge_multipliers();
     judge_memory();
     judge_laws();
     judge_free_body();
@@ -127,6 +130,7 @@ private:
     const Origin origin = form_origin(problem_, field_of_u(1));
     const double defect = numbers_.asymmetry(field_of_u(1));
     row("H(A)", "A is symmetric: its defect", defect, yes(defect <= 1e-12), origin);
+    facts_.skew_rates = numbers_.has_several_unknowns() && defect > 1e-12;
     rate_row_ = out_.hypotheses.size();
     row("H(A)", "A is coercive in V: m_A", c().m_A, positive(c().m_A), origin,
         std::isfinite(tensor.least)
@@ -176,6 +180,21 @@ private:
                           note.empty() ? "" : "; ", defect);
     row("H(B)", "B is coercive: m_B", c().m_B, positive(c().m_B),
         form_origin(problem_, field_of_u(0)), note);
+  }
+
+  /// Unknowns without a form of their own: a pressure.
+  void judge_multipliers() {
+    for (int b = 0; b < n_unknowns(d_.space); ++b) {
+      if (!d_.space.is_product()) return;
+      const auto beta = numbers_.inf_sup(b);
+      if (!beta) continue;
+      const auto name = d_.space.blocks[static_cast<std::size_t>(b)].name;
+      multipliers_.emplace_back(b, out_.hypotheses.size());
+      facts_.multipliers = true;
+      facts_.inf_sup = facts_.inf_sup && *beta > smallest_inf_sup;
+      row("H(B)", fmt::format("`{}` is a multiplier, seen by the others: inf-sup constant", name),
+          *beta, yes(*beta > smallest_inf_sup), form_origin(problem_, field_of_u(0)));
+    }
   }
 
   void judge_memory() {
@@ -560,8 +579,8 @@ private:
   /// Trace norms grow under refinement: twice the step from this mesh to the refined one is taken
   /// off the margins (as for order one, so rather too much).
   void refine_norms() {
-    const bool asks =
-        !problem_.law_terms.empty() || (numbers_.acts_on(field_of_u(1)) && !(c().m_1 > 0.0));
+    const bool asks = !problem_.law_terms.empty() || !multipliers_.empty() ||
+                      (numbers_.acts_on(field_of_u(1)) && !(c().m_1 > 0.0));
     if (!asks || d_.dofs.n_unknowns() > 200000 >> d_.mesh.dim) return;
     Discretisation fine;
     if (!discretise_on(plan_, refine(d_.mesh), fine).empty()) return;
@@ -570,7 +589,21 @@ private:
       m_a_finer_ = finer.coercivity(field_of_u(1), not_a_number);
       m_h_finer_ = finer.coercivity_in_h(field_of_u(1));
     }
+    refine_inf_sup(finer);
     if (!problem_.law_terms.empty()) refine_margins(finer);
+  }
+
+  /// A pair of elements is stable where the constant keeps off 0 on ever finer meshes.
+  void refine_inf_sup(const Numbers& finer) {
+    for (const auto& [unknown, row] : multipliers_) {
+      Hypothesis& h = out_.hypotheses[row];
+      const double there = finer.inf_sup(unknown).value_or(0.0);
+      const bool keeps = there > 0.7 * *h.value;
+      h.note = fmt::format("{:.6g} on the refined mesh{}", there,
+                           keeps ? "" : ": it goes to 0, and this pair of elements is not stable");
+      if (!keeps) h.answer = Answer::fails;
+      facts_.inf_sup = facts_.inf_sup && keeps;
+    }
   }
 
   void refine_margins(const Numbers& finer) {
@@ -605,10 +638,11 @@ private:
   HypothesisReport out_;
   VerdictFacts facts_;
   StepWeights steps_;
-  std::size_t rate_row_ = 0;                    ///< of "A is coercive in V"
-  double product_ = 0.0;                        ///< sum c_E c_q over the kernels
-  std::vector<double> memory_norms_;            ///< ||E_m||
-  std::optional<double> m_a_finer_, m_h_finer_; ///< on the refined mesh
+  std::size_t rate_row_ = 0;                             ///< of "A is coercive in V"
+  double product_ = 0.0;                                 ///< sum c_E c_q over the kernels
+  std::vector<double> memory_norms_;                     ///< ||E_m||
+  std::vector<std::pair<int, std::size_t>> multipliers_; ///< unknowns, and their rows
+  std::optional<double> m_a_finer_, m_h_finer_;          ///< on the refined mesh
 };
 
 } // namespace

@@ -88,11 +88,10 @@ TraceNorms trace_norms(const Problem& problem, const Discretisation& d, const St
   const auto norm = [&](Trace trace) {
     return gram.largest(trace_form(problem, d, layout, trace)).value_or(std::nan(""));
   };
-  if (d.space.components == 1) { // a scalar has one trace
-    const double all = norm(Trace::full);
-    return {all, 0.0, all};
-  }
-  return {norm(Trace::normal), norm(Trace::tangential), norm(Trace::full)};
+  const double all = norm(Trace::full);
+  if (d.space.is_product()) return {all, all, all};    // each of its parts is at most the whole
+  if (d.space.components == 1) return {all, 0.0, all}; // a scalar has one trace
+  return {norm(Trace::normal), norm(Trace::tangential), all};
 }
 
 } // namespace hvi::solver

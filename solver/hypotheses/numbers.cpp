@@ -2,6 +2,8 @@
 #include "solver/hypotheses/numbers.hpp"
 
 #include "solver/common/numbers.hpp"
+#include "solver/linear/general_lu.hpp"
+#include "solver/time/product_form.hpp"
 #include "solver/time/time_scheme.hpp"
 
 #include <algorithm>
@@ -9,17 +11,96 @@
 #include <limits>
 
 namespace hvi::solver {
+namespace {
+
+/// By unknown: has the Gram matrix its mass?
+std::vector<char> masses_of(const Discretisation& d, const RigidMotions& motions) {
+  auto out = d.dofs.needs_mass();
+  if (motions.count() > 0) std::ranges::fill(out, 1);
+  return out;
+}
+
+} // namespace
+
 Numbers::Numbers(const Plan& plan, const Discretisation& d)
     : problem_(plan.problem), discretisation_(d), layout_(make_layout(d.space, d.dofs)),
       operators_(assemble_operators(problem_, d, layout_, plan.options.threads)),
       contact_(make_contact(problem_, d, layout_)), motions_(d),
       free_(find_free_body(motions_, combine(operators_, Vector::Ones(operators_.n_bases())),
                            layout_)),
-      gram_(restrict_rows(gram_v(d.space, !d.dofs.held || motions_.count() > 0), layout_)
+      gram_(restrict_rows(gram_v(d.space, masses_of(d, motions_)), layout_)
                 .leftCols(layout_.n_unknowns)),
       shares_(present_shares(*make_scheme(problem_), count_fields(problem_))),
       laws_(law_constants(problem_, d, contact_)),
       traces_(trace_norms(problem_, d, layout_, gram_)) {}
+
+SparseMatrix Numbers::definite_part(const SparseMatrix& k) const {
+  if (contact_.of_unknown.empty()) return 0.5 * (k + SparseMatrix(k.transpose()));
+  return ProductForm(k, contact_.of_unknown, unknowns_with_laws(problem_)).symmetric_part(k);
+}
+
+namespace {
+
+/// [G C^T; C 0]: the couplings C of one unknown, the Gram matrix G of the others.
+SparseMatrix saddle_point(const SparseMatrix& gram, const SparseMatrix& couplings,
+                          std::span<const std::uint8_t> of_unknown, int unknown) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto own = [&](Eigen::Index i) { return of_unknown[i] == unknown; };
+  for (int i = 0; i < gram.rows(); ++i) {
+    for (SparseMatrix::InnerIterator it(gram, i); it && !own(i); ++it)
+      if (!own(it.col())) entries.emplace_back(i, static_cast<int>(it.col()), it.value());
+    for (SparseMatrix::InnerIterator it(couplings, i); it && own(i); ++it) {
+      if (own(it.col())) continue;
+      entries.emplace_back(i, static_cast<int>(it.col()), it.value());
+      entries.emplace_back(static_cast<int>(it.col()), i, it.value());
+    }
+  }
+  SparseMatrix out(gram.rows(), gram.cols());
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+} // namespace
+
+std::optional<double> Numbers::inf_sup(int unknown) const {
+  SparseMatrix couplings(layout_.n_unknowns, layout_.n_unknowns);
+  for (const int field : {field_of_u(0), field_of_u(1)}) couplings += of_field(field);
+  const auto with_laws = unknowns_with_laws(problem_);
+  if (!ProductForm(couplings, contact_.of_unknown, with_laws).is_multiplier(unknown))
+    return std::nullopt;
+  const SparseMatrix l2 =
+      restrict_rows(mass(discretisation_.space), layout_).leftCols(layout_.n_unknowns);
+  const auto own = [&](Vector& x) {
+    for (Eigen::Index i = 0; i < x.size(); ++i)
+      if (contact_.of_unknown[static_cast<std::size_t>(i)] != unknown) x[i] = 0.0;
+  };
+  const auto factor = general_factor({});
+  try {
+    factor->factor(saddle_point(gram_.matrix(), couplings, contact_.of_unknown, unknown));
+  } catch (const NotFactorable&) {
+    return 0.0;
+  }
+  // Inverse iteration: the other part of the solution for [0; M p] is (C G^-1 C^T)^-1 M p.
+  constexpr int passes = 60;
+  Vector p(layout_.n_unknowns), x;
+  for (Eigen::Index i = 0; i < p.size(); ++i)
+    p[i] = 1.0 + 0.5 * std::sin(1.7 * static_cast<double>(i));
+  own(p);
+  double squared = 0.0;
+  for (int pass = 0; pass < passes; ++pass) {
+    p /= std::sqrt(p.dot(l2 * p));
+    solve(*factor, l2 * p, x);
+    own(x);
+    squared = 1.0 / std::sqrt(x.dot(l2 * x));
+    p = x;
+  }
+  return std::sqrt(squared);
+}
+
+SparseMatrix Numbers::weighted_as(const SparseMatrix& k, const SparseMatrix& form) const {
+  if (contact_.of_unknown.empty()) return form;
+  return ProductForm(k, contact_.of_unknown, unknowns_with_laws(problem_)).weighted(form);
+}
 
 SparseMatrix Numbers::of_field(int field) const {
   return combine(operators_, operators_.weights.row(field).transpose());
@@ -28,10 +109,10 @@ SparseMatrix Numbers::of_field(int field) const {
 double Numbers::coercivity(int field, double pointwise) const {
   if (!acts_on(field)) return 0.0;
   const double below = std::isfinite(pointwise) ? std::max(0.0, pointwise) : 0.0;
-  const SparseMatrix form = of_field(field);
+  const SparseMatrix form = definite_part(of_field(field));
   const double least = gram_.least(form, below).value_or(not_a_number);
   // A body that nothing holds has rigid motions, which strains do not see.
-  const bool held = discretisation_.dofs.held && motions_.count() == 0;
+  const bool held = discretisation_.dofs.held() && motions_.count() == 0;
   const double rounding = held ? 0.0 : 1e-10 * gram_.norm(form).value_or(0.0);
   return std::abs(least) <= rounding ? 0.0 : least;
 }
@@ -84,8 +165,8 @@ double Numbers::margin_against(int field) const {
   if (form->nonZeros() == 0) return 1.0;
   const SparseMatrix k = of_field(field);
   try {
-    const GramForm against(SparseMatrix(0.5 * (k + SparseMatrix(k.transpose()))));
-    return 1.0 - against.largest(*form).value_or(not_a_number);
+    const GramForm against(definite_part(k));
+    return 1.0 - against.largest(weighted_as(k, *form)).value_or(not_a_number);
   } catch (const Failure&) {
     return -infinity;
   }
@@ -116,7 +197,10 @@ bool StepRatio::take(const Vector& c, SparseMatrix& k) {
       combine(operators, operators.weights.transpose() * numbers_.shares().cwiseProduct(c));
   // With the pattern of the laws' form, so that one analysis serves all combinations.
   k = all + 0.0 * descent_;
-  if (!operators.symmetric) k = SparseMatrix(0.5 * (k + SparseMatrix(k.transpose())));
+  if (operators.symmetric) return true;
+  descent_ = numbers_.weighted_as(all, descent_);
+  taken_ = taken_ && !numbers_.has_several_unknowns();
+  k = numbers_.definite_part(k);
   return true;
 }
 

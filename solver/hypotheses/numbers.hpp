@@ -17,12 +17,20 @@ public:
   Numbers(const Plan& plan, const Discretisation& d);
 
   SparseMatrix of_field(int field) const; ///< the sum of all forms in a field
+  /// Of the matrix of a form: its symmetric part; of several unknowns see ProductForm.
+  SparseMatrix definite_part(const SparseMatrix& k) const;
+  /// The form of laws with the weights that the equations of `k` have there.
+  SparseMatrix weighted_as(const SparseMatrix& k, const SparseMatrix& form) const;
+  bool has_several_unknowns() const { return !contact_.of_unknown.empty(); }
   bool acts_on(int field) const { return operators_.acts_on(field); }
   /// Least eigenvalue against the Gram matrix (0 for no form, NaN when not found). `pointwise`: a
   /// lower bound of it where the form is one of strains alone.
   double coercivity(int field, double pointwise) const;
   /// The same against the mass matrix: coercivity in H = L2.
   double coercivity_in_h(int field) const;
+  /// Of an unknown p without a form of its own: the least of  sup_v c(v, p) / |v|_V  over p of size
+  /// 1 in L2, c its couplings; 0 where some p is not seen at all. Nothing for other unknowns.
+  std::optional<double> inf_sup(int unknown) const;
   double memory_norm(int m) const;     ///< ||E|| of memory m; NaN when not found
   double asymmetry(int field) const;   ///< max |K_ij - K_ji| / max |K_ij|
   double script_norm(int field) const; ///< ||M||^2 of the arguments of all laws on a field

@@ -119,6 +119,7 @@ private:
 
 Ellipticity ellipticity(const Problem& problem, const Discretisation& d, int field) {
   Ellipticity out;
+  if (d.space.is_product()) return out; // a tensor of one unknown bounds nothing of the product
   const PointwiseTensor tensor(problem, d, field);
   if (tensor.empty()) return out;
   out.origin = tensor.origin();

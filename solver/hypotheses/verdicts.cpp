@@ -26,6 +26,14 @@ public:
              "of the steps see `step`");
     else if (facts_.is_static)
       at_one_time();
+    else if (facts_.multipliers)
+      refuse(
+          "an unknown has no form of its own, and the problem changes in time: of the continuous "
+          "problem nothing is claimed, of the steps see `step`");
+    else if (facts_.skew_rates)
+      refuse(
+          "A is not symmetric (H(A)): of the continuous problem nothing is claimed, of the steps "
+          "see `step`");
     else if (facts_.moves)
       in_motion();
     else if (facts_.has_rate_laws)
@@ -55,9 +63,11 @@ private:
     const bool positive = facts_.steps_margin > least_margin;
     const bool springs = facts_.semi_coercive && facts_.springs_hold;
     out_.discrete = (positive || springs) && facts_.proved && !facts_.coupled && !facts_.reads &&
-                    !facts_.states && failing({"H(f)"}).empty();
+                    !facts_.states && facts_.inf_sup && failing({"H(f)"}).empty();
     if (out_.discrete)
       out_.discrete_verdict = fmt::format("on this mesh {} has exactly one solution", what);
+    else if (!facts_.inf_sup)
+      out_.discrete_verdict = "uniqueness is not guaranteed: the inf-sup condition fails";
     else if (facts_.coupled)
       out_.discrete_verdict =
           "neither existence for large bounds nor uniqueness is guaranteed: the "

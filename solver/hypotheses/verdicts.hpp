@@ -20,6 +20,9 @@ struct VerdictFacts {
   bool states = false;        ///< laws act with states at their points
   bool semi_coercive = false; ///< no form and no value holds the body, laws do
   bool springs_hold = false;  ///< and these have slopes that rise everywhere, and do not soften
+  bool multipliers = false;   ///< an unknown has no form of its own
+  bool inf_sup = true;        ///< and the others see all of it
+  bool skew_rates = false;    ///< several unknowns, whose A is not symmetric
   double steps_margin = 0.0;  ///< no step has a smaller one
   double step_bound = 0.0;    ///< on the step, where A is coercive and (H0) fails
   /// (H0) in three sharpnesses, on ever finer meshes; where there is no estimate: of this mesh.

@@ -84,6 +84,8 @@ struct ReducedProblem {
   std::vector<CoupledPoint> coupled;
   /// What |offset| was before anything cancelled in it, a row each; empty: |offset|.
   Vector offset_size;
+  /// By contact unknown: of which of several unknowns it is; empty: there is one.
+  std::vector<std::uint8_t> of_unknown;
 };
 
 struct InequalityOptions {

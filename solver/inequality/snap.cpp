@@ -23,7 +23,16 @@ void Snap::update(const Vector& c, const ForceBalance& balance, double factor_) 
     if (stiffness > 0.0)
       reach_[i] += (std::abs(load[i]) + std::abs(s_c[i] - own * c[i])) / stiffness;
   }
-  if (points_.unknowns > 0) reach_.array() += part_of_largest_reach * reach_.maxCoeff();
+  const auto& of_unknown = points_.problem.of_unknown;
+  if (of_unknown.empty()) {
+    if (points_.unknowns > 0) reach_.array() += part_of_largest_reach * reach_.maxCoeff();
+    return;
+  }
+  std::array<double, slot::most_unknowns> largest{};
+  for (int i = 0; i < points_.unknowns; ++i)
+    largest[of_unknown[i]] = std::max(largest[of_unknown[i]], reach_[i]);
+  for (int i = 0; i < points_.unknowns; ++i)
+    reach_[i] += part_of_largest_reach * largest[of_unknown[i]];
 }
 
 double Snap::operator()(int p) const {

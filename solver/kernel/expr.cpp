@@ -30,7 +30,7 @@ std::size_t combine(std::size_t seed, std::size_t h) {
 std::size_t hash_of(const Expr::Node& node) {
   std::size_t h = mix(static_cast<std::size_t>(node.op) + 1);
   if (node.op == Op::constant) h = combine(h, std::bit_cast<std::uint64_t>(node.value));
-  if (node.op == Op::slot) h = combine(h, static_cast<std::size_t>(node.slot));
+  if (node.op == Op::slot) h = combine(h, static_cast<std::size_t>(slot::order_key(node.slot)));
   // By name, not by address: the order of operands follows the hash and must not change from run
   // to run.
   if (node.table) h = combine(h, std::hash<std::string>{}(node.table->name()));

@@ -37,7 +37,10 @@ struct Item {
 };
 
 std::string derivative_name(const std::string& base, int derivative) {
-  if (derivative < 3 || derivative > 11) return fmt::format("{}[{}]", base, derivative);
+  if (const int b = slot::unknown_of(derivative); b > 0)
+    return derivative_name(fmt::format("{}.unknown[{}]", base, b),
+                           derivative % slot::own_derivatives);
+  if (slot::is_value(derivative)) return fmt::format("{}[{}]", base, derivative);
   return fmt::format("grad({})[{}, {}]", base, (derivative - 3) / 3, (derivative - 3) % 3);
 }
 
@@ -56,11 +59,11 @@ std::string slot_name(Slot s) {
     return fmt::format("read[{}]", s - slot::reading(0));
   if (s < slot::first_field) return derivative_name("v", s - slot::test(0));
   if (slot::is_state(s)) return fmt::format("state[{}]", s - slot::first_state);
+  if (s >= slot::first_probe) return fmt::format("probe[{}]", s - slot::first_probe);
   if (s >= slot::first_multiplier)
     return fmt::format("xi[{}][{}]", (s - slot::first_multiplier) / 4,
                        (s - slot::first_multiplier) % 4);
-  const int k = (s - slot::first_field) / slot::field_stride;
-  return derivative_name(fmt::format("field[{}]", k), (s - slot::first_field) % slot::field_stride);
+  return derivative_name(fmt::format("field[{}]", slot::field_of(s)), slot::derivative_of(s));
 }
 
 /// Does the text of e begin with a minus sign that a sum may absorb?

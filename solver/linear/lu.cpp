@@ -11,8 +11,8 @@
 #include "solver/common/out_of_memory.hpp"
 #include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
+#include "solver/linear/umfpack_objects.hpp"
 
-#include <umfpack.h>
 
 #include <algorithm>
 #include <array>
@@ -22,12 +22,6 @@
 namespace hvi::solver {
 namespace {
 
-struct FreeSymbolic {
-  void operator()(void* object) const { umfpack_dl_free_symbolic(&object); }
-};
-struct FreeNumeric {
-  void operator()(void* object) const { umfpack_dl_free_numeric(&object); }
-};
 using Symbolic = std::unique_ptr<void, FreeSymbolic>;
 using Numeric = std::unique_ptr<void, FreeNumeric>;
 

@@ -153,7 +153,8 @@ private:
 
   void space() {
     const auto& s = problem_.space;
-    line("space `{}` {} P{}", s.name, s.vector ? "vector" : "scalar", s.order);
+    for (const auto& unknown : unknowns_of(s))
+      line("space `{}` {} P{}", unknown.space, unknown.vector ? "vector" : "scalar", unknown.order);
     for (const auto& d : s.dirichlet)
       line("  on {} {} = {}", part(d.part),
            d.component < 0 ? std::string("all components")

@@ -77,6 +77,16 @@ struct DirichletSpec {
   int part = 0;
   int component = -1;
   std::vector<Expr> value; ///< of slot::x and slot::t, one per imposed component; empty: zero
+  int unknown = 0;
+};
+
+/// An unknown of a problem with several, and its space.
+struct UnknownSpec {
+  std::string name;  ///< "theta"
+  std::string space; ///< "W"
+  Origin origin;
+  bool vector = false; ///< dim components, or 1
+  int order = 1;       ///< P1 or P2
 };
 
 struct SpaceSpec {
@@ -85,7 +95,24 @@ struct SpaceSpec {
   bool vector = true; ///< dim components, or 1
   int order = 1;      ///< P1 or P2
   std::vector<DirichletSpec> dirichlet;
+  std::string unknown = "u";
+  std::vector<UnknownSpec> more{}; ///< further unknowns: the space is a product
 };
+
+/// All of them, the first one too.
+inline std::vector<UnknownSpec> unknowns_of(const SpaceSpec& space) {
+  std::vector<UnknownSpec> out{
+      {space.unknown, space.name, space.origin, space.vector, space.order}};
+  out.insert(out.end(), space.more.begin(), space.more.end());
+  return out;
+}
+inline int components_of(const UnknownSpec& unknown, int dim) { return unknown.vector ? dim : 1; }
+/// Of all unknowns together: values of functions of the product, one unknown behind the other.
+inline int components_of(const SpaceSpec& space, int dim) {
+  int out = 0;
+  for (const UnknownSpec& unknown : unknowns_of(space)) out += components_of(unknown, dim);
+  return out;
+}
 
 /// ---- forms -------------------------------------------------------------------------------------
 
@@ -151,7 +178,7 @@ struct HistoryTerm {
 
 /// factor * int_part law^0( arg(w); arg'(v) ), w the field. Argument component c is
 ///   sum_i rows[c].u[i] w_i + rows[c].offset,   coefficients of slot::x, slot::normal, offset also
-///   of t.
+///   of t, w_i the components of one unknown.
 /// One row: a scalar law. dim rows: a radial law of a vector; the engine reduces the rows to an
 /// orthonormal basis of their range (2D u.tau: one row, 3D: two).
 struct LawTerm {
@@ -164,6 +191,7 @@ struct LawTerm {
   int law = 0;      ///< index into Problem::laws
   int part = 0;
   int field = field_of_u(0); ///< what the law sees: u, u', or a memory
+  int unknown = 0;           ///< of which unknown
   Rule rule = Rule::nodal;
   Effect effect = Effect::normal_law;
   Expr factor = 1.0;     ///< positive, of slot::x and slot::normal
@@ -218,7 +246,7 @@ struct TimeSpec {
   Scheme scheme = Scheme::backward_euler;
   LoadSampling sampling = LoadSampling::endpoint;
   Interpolant interpolant = Interpolant::affine; ///< read by probes at times of their own
-  std::vector<Expr> initial;                     ///< u(t0) by component, of slot::x; empty: 0
+  std::vector<Expr> initial; ///< u(t0) by component of all unknowns, of slot::x; empty: 0
   /// u'(t0), where there is u''. None: 0, and what imposed values say.
   std::optional<std::vector<Expr>> velocity;
   Origin velocity_origin;

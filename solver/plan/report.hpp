@@ -11,12 +11,14 @@ struct Probe {
   std::string name;
   Origin origin;
   Kind kind = Kind::at_point;
-  Expr expression;      ///< norm_v: unused, the V norm of u; combination: of slot::probe, slot::t
-  Point point{};        ///< at_point
-  bool on_pair = false; ///< at_point: values of fields are jumps, at a point of a pair
-  int part = -1;        ///< integral; on_pair: of this pair, or of the one that has the point
-  Rule rule = Rule::exact;    ///< integral; with a multiplier, the law's own rule
+  Expr expression;         ///< norm_v: unused, the norm of an unknown in its space; combination: of
+                           ///< slot::probe, slot::t
+  Point point{};           ///< at_point
+  bool on_pair = false;    ///< at_point: values of fields are jumps, at a point of a pair
+  int part = -1;           ///< integral; on_pair: of this pair, or of the one that has the point
+  Rule rule = Rule::exact; ///< integral; with a multiplier, the law's own rule
   std::optional<double> time; ///< the value at this time, by the interpolant
+  int unknown = 0;            ///< norm_v: of which one
 };
 
 struct TableSpec {

@@ -67,7 +67,7 @@ bool is_series(const Expr& kernel, const PronySeries& series) {
 class Validation {
 public:
   Validation(const Problem& problem, int dim)
-      : problem_(problem), dim_(dim), components_(problem.space.vector ? dim : 1),
+      : problem_(problem), dim_(dim), components_(components_of(problem.space, dim)),
         n_fields_(count_fields(problem)) {}
 
   std::vector<Failure> of_problem() && {
@@ -115,10 +115,14 @@ private:
   }
 
   bool derivative(int i) const {
-    if (i >= 0 && i < slot::gradient(0, 0)) return i < components_;
-    if (i == slot::hoop && problem_.mesh.axisymmetric) return components_ > 1;
-    const int row = (i - 3) / 3, column = (i - 3) % 3;
-    return i >= 0 && row < components_ && column < dim_;
+    const auto unknowns = unknowns_of(problem_.space);
+    const int b = slot::unknown_of(i);
+    if (i < 0 || b >= count(unknowns)) return false;
+    const int own = i % slot::own_derivatives;
+    const int components = components_of(unknowns[static_cast<std::size_t>(b)], dim_);
+    if (slot::is_value(own)) return own < components;
+    if (own == slot::hoop && problem_.mesh.axisymmetric) return components > 1;
+    return (own - 3) / 3 < components && (own - 3) % 3 < dim_;
   }
   void derivative(int i, Origin origin, std::string_view what) {
     if (!derivative(i))
@@ -143,10 +147,9 @@ private:
     if (slot::is_state(s)) return allowed.states && s - slot::first_state < count(problem_.states);
     if (s < slot::first_field) return false;
     if (s < slot::first_multiplier) {
-      const int field = (s - slot::first_field) / slot::field_stride;
+      const int field = slot::field_of(s);
       return allowed.fields && field < n_fields_ && (!is_rate(field) || !problem_.time.is_static) &&
-             (field != field_of_u(2) || in_motion(problem_)) &&
-             derivative((s - slot::first_field) % slot::field_stride);
+             (field != field_of_u(2) || in_motion(problem_)) && derivative(slot::derivative_of(s));
     }
     if (s < slot::first_inside) {
       const int term = (s - slot::first_multiplier) / 4, row = (s - slot::first_multiplier) % 4;
@@ -184,9 +187,16 @@ private:
 
   void space() {
     const auto& space = problem_.space;
-    if (space.order != 1 && space.order != 2)
-      wrong(space.origin, fmt::format("the space has order {}; there are 1 and 2", space.order));
+    const auto unknowns = unknowns_of(space);
+    if (count(unknowns) > slot::most_unknowns)
+      wrong(space.origin,
+            fmt::format("{} unknowns, more than {}", unknowns.size(), slot::most_unknowns));
+    for (const auto& unknown : unknowns)
+      if (unknown.order != 1 && unknown.order != 2)
+        wrong(unknown.origin,
+              fmt::format("the space has order {}; there are 1 and 2", unknown.order));
     for (const auto& d : space.dirichlet) {
+      index(d.unknown, count(unknowns), d.origin, "an imposed value", "unknown");
       part(d.part, d.origin, "an imposed value");
       no_pair(d.part, d.origin, "an imposed value");
     }
@@ -253,9 +263,7 @@ private:
       variables(reading, of_report, law.origin, "what a law reads");
       for (const Slot s : reading.slots())
         if (s >= slot::first_field &&
-            (s >= slot::first_multiplier ||
-             !is_memory((s - slot::first_field) / slot::field_stride) ||
-             (s - slot::first_field) % slot::field_stride >= slot::gradient(0, 0)))
+            (!slot::is_field(s) || !is_memory(slot::field_of(s)) || slot::is_field_gradient(s)))
           wrong(law.origin, "a law reads values of memories only");
     }
     if (count(law.states) > slot::most_law_states)
@@ -276,9 +284,8 @@ private:
     const bool with_laws = std::ranges::any_of(
         problem_.law_terms, [&](const LawTerm& term) { return term.part == state.part; });
     for (const Slot s : state.rate.slots())
-      if (with_laws && s >= slot::first_field && s < slot::first_multiplier &&
-          ((s - slot::first_field) / slot::field_stride > highest_derivative ||
-           (s - slot::first_field) % slot::field_stride >= slot::gradient(0, 0)))
+      if (with_laws && slot::is_field(s) &&
+          (slot::field_of(s) > highest_derivative || slot::is_field_gradient(s)))
         wrong(state.origin,
               fmt::format("the rate of `{}` reads a memory or a gradient; it may read "
                           "values of the unknown and of its rate",
@@ -294,12 +301,17 @@ private:
         term.field != field_of_u(0) && problem_.time.is_static)
       wrong(term.origin, "a law acts on a rate or a memory, and a static problem has none");
     variables(term.factor, of_facet, term.origin, "the factor of a law");
+    const auto unknowns = unknowns_of(problem_.space);
+    const int components =
+        index(term.unknown, count(unknowns), term.origin, "a law", "unknown")
+            ? components_of(unknowns[static_cast<std::size_t>(term.unknown)], dim_)
+            : 0;
     for (const auto& row : term.rows) {
       for (std::size_t i = 0; i < row.u.size(); ++i) {
         variables(row.u[i], of_facet, term.origin, "the argument of a law");
-        if (static_cast<int>(i) >= components_ && !row.u[i].is(0.0))
+        if (static_cast<int>(i) >= components && !row.u[i].is(0.0))
           wrong(term.origin,
-                fmt::format("the argument of a law has component {} of u, of {}", i, components_));
+                fmt::format("the argument of a law has component {} of u, of {}", i, components));
       }
       variables(row.offset, of_argument, term.origin, "the argument of a law");
     }

@@ -156,7 +156,7 @@ std::optional<CeaTerms> cea_terms(const FineSolution& solution, const Problem& p
   // v = the interpolant of u: values of the fine function at the coarse nodes, seen in the fine
   // space.
   const SparseMatrix down = transfer(fine, coarse.space), up = transfer(coarse.space, fine);
-  const SparseMatrix gram = gram_v(fine, false);
+  const SparseMatrix gram = gram_of_unknown(fine, 0, false);
   const auto square = [&](const Vector& w) { return std::max(0.0, w.dot(gram * w)); };
   const auto& grid = problem.time.grid;
   Residual residual(solution, problem.time);

@@ -78,7 +78,7 @@ public:
   TrajectoryGauge(std::shared_ptr<const Trajectory> reference, const Discretisation& coarse)
       : reference_(std::move(reference)),
         transfer_(transfer(coarse.space, reference_->discretisation->space)),
-        gram_(gram_v(reference_->discretisation->space, false)),
+        gram_(gram_of_unknown(reference_->discretisation->space, 0, false)),
         mass_(mass(reference_->discretisation->space)) {}
 
   void step(double t, const Vector& u) override {

@@ -42,7 +42,7 @@ struct Arising {
 
 /// Both runs are on one mesh; norms in V, relative to the largest of `fine`.
 Arising arising_error(const KeptRun& coarse, const KeptRun& fine, const TimeBase& base) {
-  const auto gram = gram_v(fine.discretisation->space, false);
+  const auto gram = gram_of_unknown(fine.discretisation->space, 0, false);
   const auto norm = [&](const Vector& v) { return std::sqrt(std::max(0.0, v.dot(gram * v))); };
   const auto time = [](const KeptRun& run, std::size_t i) {
     return run.plan.problem.time.grid[static_cast<std::size_t>(run.steps[i])];

@@ -75,15 +75,15 @@ EquationResidual Balance::residual(const StepEquation& equation, StepMatrix& mat
   if (equation.exact()) {
     const SymmetricBlocks& half = matrix.half(halves_);
     if (half.empty()) {
-      const double error =
-          equilibrium_error(matrix.k(), d, rhs, contact.unknowns, contact.force, xi, trial.gap);
+      const double error = equilibrium_error(matrix.k(), d, rhs, contact.unknowns,
+                                             contact.reactions(), xi, trial.gap);
       trial.kd = rhs - trial.gap;
       return {error, 0.0};
     }
     trial.kd.setZero(rhs.size());
     half.add_product(d, trial.kd);
     return {equilibrium_error(matrix.k(), half.diagonal(), trial.kd, d, rhs, contact.unknowns,
-                              contact.force, xi, trial.gap),
+                              contact.reactions(), xi, trial.gap),
             0.0};
   }
   gap_and_scale(matrix.k(), d, rhs, trial.gap, scale_);
@@ -99,7 +99,7 @@ EquationResidual Balance::residual(const StepEquation& equation, StepMatrix& mat
     out.mismatch += (product_.array().abs() / scale_.array().max(1e-300)).maxCoeff();
     ++products;
   }
-  out.error = equilibrium_error(matrix.k(), d, trial.gap, scale_, contact.force, xi);
+  out.error = equilibrium_error(matrix.k(), d, trial.gap, scale_, contact.reactions(), xi);
   return out;
 }
 

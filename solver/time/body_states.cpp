@@ -8,8 +8,7 @@
 namespace hvi::solver {
 namespace {
 
-bool is_value(int derivative) { return derivative < slot::gradient(0, 0); }
-bool is_field_slot(Slot s) { return s >= slot::first_field && s < slot::first_multiplier; }
+using slot::is_value;
 
 bool reads_values(const FormTerm& form) {
   return std::ranges::any_of(form.entries, [](const FormTerm::Entry& entry) {
@@ -19,9 +18,8 @@ bool reads_values(const FormTerm& form) {
 
 bool reads_values(const StateTerm& state) {
   const auto slots = state.rate.slots();
-  return std::ranges::any_of(slots, [](Slot s) {
-    return is_field_slot(s) && is_value((s - slot::first_field) % slot::field_stride);
-  });
+  return std::ranges::any_of(
+      slots, [](Slot s) { return slot::is_field(s) && !slot::is_field_gradient(s); });
 }
 
 Rule rule_of(const Problem& problem, int part) {
@@ -97,7 +95,7 @@ void add_body_trace(const Discretisation& d, const StateLayout& layout, const St
                     std::vector<Eigen::Triplet<double>>& entries) {
   const PointBlock points = as_block(group.body->points);
   for (std::size_t f = 0; f < group.fields.size(); ++f) {
-    const int index = (group.fields[f] - slot::first_field) % slot::field_stride;
+    const int index = slot::derivative_of(group.fields[f]);
     const SparseMatrix rows =
         restrict_columns(derivative_rows(d.space, points, index, group.body->term.origin), layout);
     const int first = group.first_input + static_cast<int>(f) * group.n_points;

@@ -58,8 +58,8 @@ void for_each_row(int n, std::span<const int> contact, const SparseMatrix& force
 /// The worst of all rows' errors.
 class WorstRow {
 public:
-  WorstRow(const SparseMatrix& k, const Vector& d, const SparseMatrix& force, const Vector& xi)
-      : k_(k), d_(d), force_(force),
+  WorstRow(const SparseMatrix& k, const Vector& d, const Reactions& reactions, const Vector& xi)
+      : k_(k), d_(d), xi_(xi), force_(reactions.force), of_unknown_(reactions.of_unknown),
         largest_xi_(xi.size() > 0 ? xi.lpNorm<Eigen::Infinity>() : 0.0) {}
   /// Divides only where it is the worst so far; a NaN is worse than anything. A residual without
   /// any scale has an infinite error.
@@ -76,13 +76,17 @@ private:
   /// K_ii max |d_j| over the row's columns + sum |force_ij| max |xi|: the size of the row's terms
   /// with rotated axes. Entries of K are sums over elements, known up to rounding of the diagonal,
   /// and components of a multiplier up to rounding of its norm: a row where nothing acts holds
-  /// rounding of the others, and which rows these are depends on the axes.
+  /// rounding of the others, and which rows these are depends on the axes. Of several unknowns each
+  /// has its own size and multipliers.
   double whole_scale(int i) const {
     double diagonal = 0.0, largest = 0.0, weight = 0.0;
+    const bool several = !of_unknown_.empty();
     for (SparseMatrix::InnerIterator it(k_, i); it; ++it) {
+      if (several && of_unknown_[it.col()] != of_unknown_[i]) continue;
       if (it.col() == i) diagonal = std::abs(it.value());
       largest = std::max(largest, std::abs(d_[it.col()]));
     }
+    if (several) return diagonal * largest + reaction_of(force_, i, xi_).size;
     if (largest_xi_ > 0.0)
       for (SparseMatrix::InnerIterator it(force_, i); it; ++it) weight += std::abs(it.value());
     return diagonal * largest + weight * largest_xi_;
@@ -91,8 +95,9 @@ private:
   /// The part of it in a row's scale: the rounding it covers stays far below any tolerance.
   static constexpr double least_part = 0.01;
   const SparseMatrix& k_;
-  const Vector& d_;
+  const Vector &d_, &xi_;
   const SparseMatrix& force_;
+  std::span<const std::uint8_t> of_unknown_;
   double largest_xi_;
   double worst_ = 0.0;
 };
@@ -132,46 +137,48 @@ void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vect
 }
 
 double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& gap,
-                         const Vector& scale, const SparseMatrix& force, const Vector& xi) {
-  WorstRow worst(k, d, force, xi);
+                         const Vector& scale, const Reactions& reactions, const Vector& xi) {
+  WorstRow worst(k, d, reactions, xi);
   for (int i = 0; i < gap.size(); ++i) {
-    const auto reaction = xi.size() > 0 ? reaction_of(force, i, xi) : RowSums{};
+    const auto reaction = xi.size() > 0 ? reaction_of(reactions.force, i, xi) : RowSums{};
     worst.take(i, std::abs(gap[i] - reaction.sum), scale[i] + reaction.size);
   }
   return worst.worst();
 }
 
 double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& b,
-                         std::span<const int> contact, const SparseMatrix& force, const Vector& xi,
+                         std::span<const int> contact, const Reactions& reactions, const Vector& xi,
                          Vector& gap) {
   const int* starts = k.outerIndexPtr();
   const int* columns = k.innerIndexPtr();
   const double* values = k.valuePtr();
   const double* x = d.data();
-  WorstRow worst(k, d, force, xi);
-  for_each_row(static_cast<int>(k.rows()), contact, force, xi, [&](int i, RowSums reaction) {
-    const auto [sum, size] =
-        row_sums(values + starts[i], columns + starts[i], starts[i + 1] - starts[i], x);
-    gap[i] = b[i] - sum;
-    worst.take(i, std::abs(gap[i] - reaction.sum), size + std::abs(b[i]) + reaction.size);
-  });
+  WorstRow worst(k, d, reactions, xi);
+  for_each_row(
+      static_cast<int>(k.rows()), contact, reactions.force, xi, [&](int i, RowSums reaction) {
+        const auto [sum, size] =
+            row_sums(values + starts[i], columns + starts[i], starts[i + 1] - starts[i], x);
+        gap[i] = b[i] - sum;
+        worst.take(i, std::abs(gap[i] - reaction.sum), size + std::abs(b[i]) + reaction.size);
+      });
   return worst.worst();
 }
 
 double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Vector& kd,
                          const Vector& d, const Vector& b, std::span<const int> contact,
-                         const SparseMatrix& force, const Vector& xi, Vector& gap) {
-  WorstRow worst(k, d, force, xi);
-  for_each_row(static_cast<int>(k.rows()), contact, force, xi, [&](int i, RowSums reaction) {
-    gap[i] = b[i] - kd[i];
-    const double error = std::abs(gap[i] - reaction.sum), own = diagonal[i] * d[i];
-    const double others = std::abs(b[i]) + reaction.size;
-    if (error <= worst.worst() * (std::abs(own) + std::abs(kd[i] - own) + others)) return;
-    const int start = k.outerIndexPtr()[i], count = k.outerIndexPtr()[i + 1] - start;
-    const double size =
-        row_sums(k.valuePtr() + start, k.innerIndexPtr() + start, count, d.data()).size;
-    worst.take(i, error, size + others);
-  });
+                         const Reactions& reactions, const Vector& xi, Vector& gap) {
+  WorstRow worst(k, d, reactions, xi);
+  for_each_row(
+      static_cast<int>(k.rows()), contact, reactions.force, xi, [&](int i, RowSums reaction) {
+        gap[i] = b[i] - kd[i];
+        const double error = std::abs(gap[i] - reaction.sum), own = diagonal[i] * d[i];
+        const double others = std::abs(b[i]) + reaction.size;
+        if (error <= worst.worst() * (std::abs(own) + std::abs(kd[i] - own) + others)) return;
+        const int start = k.outerIndexPtr()[i], count = k.outerIndexPtr()[i + 1] - start;
+        const double size =
+            row_sums(k.valuePtr() + start, k.innerIndexPtr() + start, count, d.data()).size;
+        worst.take(i, error, size + others);
+      });
   return worst.worst();
 }
 
@@ -179,15 +186,17 @@ double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Ve
 void find_reach(const Vector& diagonal, const Vector& kd, const Vector& d, const Vector& b,
                 Contact& contact) {
   contact.reach.setZero(contact.g.cols());
-  double largest = 0.0;
+  std::array<double, slot::most_unknowns> largest{};
   for (Eigen::Index c = 0; c < diagonal.size(); ++c) {
     const int i = contact.unknowns[static_cast<std::size_t>(c)];
     const double own = std::abs(diagonal[c]);
     contact.reach[i] = std::abs(d[i]);
     if (own > 0.0) contact.reach[i] += (std::abs(kd[i] - own * d[i]) + std::abs(b[i])) / own;
-    largest = std::max(largest, contact.reach[i]);
+    double& most = largest[contact.unknown_of(i)];
+    most = std::max(most, contact.reach[i]);
   }
-  for (const int i : contact.unknowns) contact.reach[i] += part_of_largest_reach * largest;
+  for (const int i : contact.unknowns)
+    contact.reach[i] += part_of_largest_reach * largest[contact.unknown_of(i)];
 }
 
 namespace {

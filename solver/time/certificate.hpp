@@ -22,19 +22,19 @@ void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vect
 /// row is the size its terms would have with rotated axes: in a row where they vanish the residual
 /// is rounding of the other rows, and which rows vanish depends on the axes.
 double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& gap,
-                         const Vector& scale, const SparseMatrix& force, const Vector& xi);
+                         const Vector& scale, const Reactions& reactions, const Vector& xi);
 
 /// Both in one reading of K: gap = b - K d, and the backward error. `contact`: the unknowns,
 /// increasing, outside of which `force` has no entries.
 double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& b,
-                         std::span<const int> contact, const SparseMatrix& force, const Vector& xi,
+                         std::span<const int> contact, const Reactions& reactions, const Vector& xi,
                          Vector& gap);
 
 /// The same with the product K d given: gap = b - K d. Reads a row of K only where |K_ii d_i| +
 /// |(K d)_i - K_ii d_i|, which |K| |d| cannot fall below, does not show that another row is worse.
 double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Vector& kd,
                          const Vector& d, const Vector& b, std::span<const int> contact,
-                         const SparseMatrix& force, const Vector& xi, Vector& gap);
+                         const Reactions& reactions, const Vector& xi, Vector& gap);
 
 /// Sets contact.reach_i = |d_i| + (|(K d)_i - K_ii d_i| + |b_i|) / K_ii: how far the forces of its
 /// own equation would move unknown i if the others were fixed. The scale of displacements where all

@@ -15,10 +15,10 @@ constexpr double safety = 3.0;
 constexpr double small_step = 1e-5;
 
 /// The largest |sym grad u| (scalar spaces: |grad u|) of the cells.
-double largest_strain(const Space& space, const Vector& u) {
+double largest_strain(const Space& space, const SpaceBlock& block, const Vector& u) {
   double out = 0.0;
   for (int cell = 0; cell < n_cells(space); ++cell)
-    out = std::max(out, cell_strain(space, u, cell).cwiseAbs().maxCoeff());
+    out = std::max(out, cell_strain(space, block, u, cell).cwiseAbs().maxCoeff());
   return out;
 }
 
@@ -34,29 +34,50 @@ double body_size(const Space& space) {
   return out;
 }
 
+/// Of an unknown: with several of them each has its own size.
+SolutionSize own_size(const Space& space, const SpaceBlock& block, const Vector& u,
+                      SolutionSize all) {
+  if (!space.is_product()) return all;
+  double largest = 0.0;
+  for (int node = 0; node < static_cast<int>(space.nodes.size()); ++node)
+    for (int c = 0; c < block.components; ++c)
+      largest = std::max(largest, std::abs(u[space.dof(node, block.first + c)]));
+  all.nothing *= all.size > 0.0 ? largest / all.size : 1.0;
+  all.size = largest;
+  return all;
+}
+
+/// Of one unknown; see reference_motions.
+void motions_of(const Space& space, const SpaceBlock& block, const ErrorSample& like,
+                const Vector& u, SolutionSize scale, std::vector<ErrorSample>& out) {
+  const int n = block.components, dim = space.mesh->dim;
+  const auto add = [&](const auto& value) {
+    ErrorSample motion = like;
+    motion.u.setZero();
+    for (int node = 0; node < static_cast<int>(space.nodes.size()); ++node)
+      for (int c = 0; c < n; ++c)
+        motion.u[space.dof(node, block.first + c)] =
+            value(space.nodes[static_cast<std::size_t>(node)], c);
+    motion.xi.setZero();
+    out.push_back(std::move(motion));
+  };
+  for (int c = 0; c < n; ++c) add([&](const Point&, int of) { return of == c ? scale.size : 0.0; });
+  const double strain = std::max(largest_strain(space, block, u), scale.nothing / body_size(space));
+  for (int c = 0; c < n; ++c)
+    for (int j = n == dim ? c : 0; j < dim; ++j)
+      add([&](const Point& x, int of) {
+        if (n != dim) return of == c ? strain * x[j] : 0.0;
+        return 0.5 * strain * ((of == c ? x[j] : 0.0) + (of == j ? x[c] : 0.0));
+      });
+}
+
 /// Translations by the size of u, and strains of the size of its own (at least those that move by
 /// `nothing`): a column that is zero is judged by its change under these.
 std::vector<ErrorSample> reference_motions(const Space& space, const ErrorSample& like,
                                            const Vector& u, SolutionSize scale, double xi) {
   std::vector<ErrorSample> out;
-  const auto add = [&](const auto& value) {
-    ErrorSample motion = like;
-    for (int node = 0; node < static_cast<int>(space.nodes.size()); ++node)
-      for (int c = 0; c < space.components; ++c)
-        motion.u[space.dof(node, c)] = value(space.nodes[static_cast<std::size_t>(node)], c);
-    motion.xi.setZero();
-    out.push_back(std::move(motion));
-  };
-  for (int c = 0; c < space.components; ++c)
-    add([&](const Point&, int of) { return of == c ? scale.size : 0.0; });
-  const double strain = std::max(largest_strain(space, u), scale.nothing / body_size(space));
-  const int dim = space.mesh->dim;
-  for (int c = 0; c < space.components; ++c)
-    for (int j = space.components == dim ? c : 0; j < dim; ++j)
-      add([&](const Point& x, int of) {
-        if (space.components != dim) return of == c ? strain * x[j] : 0.0;
-        return 0.5 * strain * ((of == c ? x[j] : 0.0) + (of == j ? x[c] : 0.0));
-      });
+  for (const SpaceBlock& block : space.blocks)
+    motions_of(space, block, like, u, own_size(space, block, u, scale), out);
   ErrorSample multipliers = like;
   multipliers.u.setZero();
   multipliers.xi.setConstant(xi);

@@ -164,8 +164,39 @@ void restrict_to_unknowns(Contact& out, int n_unknowns) {
   out.trace_c.setFromTriplets(of_states.begin(), of_states.end());
   out.problem.g.resize(out.g.rows(), static_cast<Eigen::Index>(out.unknowns.size()));
   out.problem.g.setFromTriplets(columns.begin(), columns.end());
+  for (const int i : out.unknowns)
+    if (!out.of_unknown.empty())
+      out.problem.of_unknown.push_back(out.of_unknown[static_cast<std::size_t>(i)]);
   out.force.resize(n_unknowns, out.g.rows());
   out.force.setFromTriplets(forces.begin(), forces.end());
+}
+
+/// Those of several unknowns have different units and sizes.
+void tell_unknowns_apart(const Space& space, const StateLayout& layout, Contact& out) {
+  if (!space.is_product()) return;
+  for (int i = 0; i < layout.n_unknowns; ++i) {
+    const int component = layout.dof_of[static_cast<std::size_t>(i)] % space.components;
+    out.of_unknown.push_back(static_cast<std::uint8_t>(space.block_of(component)));
+  }
+}
+
+/// A pressure between contact unknowns on all sides is known up to a constant without them: one of
+/// its values is kept with them.
+void add_multipliers(const Problem& problem, const Space& space, Contact& out) {
+  if (!space.is_product() || out.whole || out.none()) return;
+  for (int b = 0; b < n_unknowns(space); ++b) {
+    const auto own = [&](const FormTerm::Entry& entry) {
+      return slot::unknown_of(entry.test) == b && slot::unknown_of(entry.trial) == b;
+    };
+    const bool has_form = std::ranges::any_of(problem.forms, [&](const FormTerm& form) {
+      return std::ranges::any_of(form.entries, own);
+    });
+    const bool has_law = std::ranges::find(problem.law_terms, b, &LawTerm::unknown) != problem.law_terms.end();
+    const auto first = std::ranges::find(out.of_unknown, b);
+    if (has_form || has_law || first == out.of_unknown.end()) continue;
+    const int i = static_cast<int>(first - out.of_unknown.begin());
+    out.unknowns.insert(std::ranges::lower_bound(out.unknowns, i), i);
+  }
 }
 
 } // namespace
@@ -223,7 +254,9 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
     if (!term.first_states.empty() || term.offset_of_states) term.alike.clear();
   out.g = stacked(out.terms, layout, n_rows);
   out.offset = out.problem.offset = Vector::Zero(n_rows);
+  tell_unknowns_apart(d.space, layout, out);
   choose_unknowns(out, layout.n_unknowns);
+  add_multipliers(problem, d.space, out);
   restrict_to_unknowns(out, layout.n_unknowns);
   return out;
 }

@@ -53,6 +53,12 @@ struct StateGroup {
   int n_inputs() const { return static_cast<int>(fields.size() + multipliers.size()) * n_points; }
 };
 
+/// What laws do to the rows of the matrix: force xi.
+struct Reactions {
+  const SparseMatrix& force;
+  std::span<const std::uint8_t> of_unknown; ///< see Contact
+};
+
 struct Contact {
   std::vector<std::unique_ptr<Law>> laws;
   std::vector<ContactTerm> terms;
@@ -60,10 +66,15 @@ struct Contact {
   std::vector<double> scales;    ///< slope scale of each law
   std::vector<double> softening; ///< steepest descent of each law's slope
   std::vector<int> unknowns;     ///< the contact unknowns, increasing
-  bool whole = false;            ///< every unknown is kept: no Schur complement is formed
-  SparseMatrix g;                ///< all rows x state
-  SparseMatrix force;            ///< unknowns x all rows: G^T W
-  bool coupled = false;          ///< a law's bound is another law's multiplier: `prepare` reads xi
+  /// By unknown of the matrix: of which of several unknowns it is; empty: there is one.
+  std::vector<std::uint8_t> of_unknown;
+  std::size_t unknown_of(int i) const {
+    return of_unknown.empty() ? 0 : of_unknown[static_cast<std::size_t>(i)];
+  }
+  bool whole = false;   ///< every unknown is kept: no Schur complement is formed
+  SparseMatrix g;       ///< all rows x state
+  SparseMatrix force;   ///< unknowns x all rows: G^T W
+  bool coupled = false; ///< a law's bound is another law's multiplier: `prepare` reads xi
   std::vector<LawReadings> readings; ///< of the terms whose laws read memories
   Vector offset;                     ///< of the argument at the time of the last `prepare`
   Vector reach; ///< of states, 0 but on `unknowns`: a displacement each (find_reach)
@@ -78,6 +89,7 @@ struct Contact {
 
   int n_rows() const { return static_cast<int>(g.rows()); }
   bool none() const { return terms.empty(); }
+  Reactions reactions() const { return {force, of_unknown}; }
 };
 
 /// Where the states of a group live.

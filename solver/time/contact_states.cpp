@@ -105,7 +105,7 @@ void find_inputs(const Problem& problem, const Contact& contact, StateGroup& gro
                                     state.name, problem.law_terms[term].name),
                         "put both on the same part, the laws with the same rule");
         group.multipliers.push_back(s);
-      } else if (s >= slot::first_field && s < slot::first_multiplier) {
+      } else if (slot::is_field(s)) {
         group.fields.push_back(s);
       }
     }
@@ -116,7 +116,7 @@ void find_inputs(const Problem& problem, const Contact& contact, StateGroup& gro
   }
 }
 
-int field_of(Slot s) { return (s - slot::first_field) / slot::field_stride; }
+using slot::field_of;
 
 /// Which fields the rates of a group read at points with this normal: u.nu on a flat side reads one
 /// component.
@@ -133,15 +133,16 @@ std::vector<char> fields_read_at(const Problem& problem, const StateGroup& group
   return out;
 }
 
-/// Rows of the values of component `component` at the points of a group.
+/// Rows of a value at the points of a group.
 SparseMatrix values_at(const Problem& problem, const Discretisation& d, const StateLayout& layout,
-                       const StateGroup& group, int component) {
+                       const StateGroup& group, int derivative) {
   LawTerm term;
   term.origin = problem.states[static_cast<std::size_t>(group.states.front())].origin;
   term.part = group.part;
   term.rule = problem.law_terms[group.host].rule;
   term.rows.resize(1);
-  term.rows.front().u[static_cast<std::size_t>(component)] = 1.0;
+  term.unknown = slot::unknown_of(derivative);
+  term.rows.front().u[static_cast<std::size_t>(derivative % slot::own_derivatives)] = 1.0;
   return restrict_columns(assemble_law(d.space, d.parts[group.part], term, -1, false).g, layout);
 }
 
@@ -151,8 +152,8 @@ void add_trace(const Problem& problem, const Discretisation& d, const StateLayou
   const auto& normals = contact.terms[group.host].points.normal;
   std::map<Point, std::vector<char>> read;
   for (std::size_t f = 0; f < group.fields.size(); ++f) {
-    const int component = (group.fields[f] - slot::first_field) % slot::field_stride;
-    const SparseMatrix rows = values_at(problem, d, layout, group, component);
+    const int derivative = slot::derivative_of(group.fields[f]);
+    const SparseMatrix rows = values_at(problem, d, layout, group, derivative);
     for (int p = 0; p < group.n_points; ++p) {
       auto [known, fresh] = read.try_emplace(normals[p]);
       if (fresh) known->second = fields_read_at(problem, group, normals[p]);

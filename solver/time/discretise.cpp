@@ -57,8 +57,10 @@ bool resolve_parts(const Problem& problem, Discretisation& out, std::vector<Fail
 /// 4, 11.5 and 28.
 void require_space(const Problem& problem, int dim, double nodes, double bytes_of_mesh) {
   static constexpr double neighbours[2][3] = {{3, 7, 15}, {4, 11.5, 28}};
-  const bool quadratic = problem.space.order == 2;
-  const int components = problem.space.vector ? dim : 1;
+  const auto unknowns = unknowns_of(problem.space);
+  const bool quadratic =
+      std::ranges::any_of(unknowns, [](const UnknownSpec& u) { return u.order == 2; });
+  const int components = components_of(problem.space, dim);
   const double space_nodes = nodes * (quadratic ? std::exp2(dim) : 1.0);
   const double entries = space_nodes * neighbours[quadratic ? 1 : 0][dim - 1];
   const double matrix = entries * components * components * (sizeof(double) + sizeof(int));
@@ -229,8 +231,7 @@ std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& 
   for (auto& failure : integrals_on_axis(plan, out.mesh, out.parts))
     failures.push_back(std::move(failure));
   const bool spaced = collect(failures, [&] {
-    out.space = make_space(out.mesh, plan.problem.space.order,
-                           plan.problem.space.vector ? out.mesh.dim : 1, out.parts);
+    out.space = make_space(out.mesh, plan.problem.space, out.parts);
     out.dofs = make_dof_map(out.space, plan.problem.space, out.parts);
     if (out.dofs.n_unknowns() == 0)
       throw Failure(FailureKind::bad_value, plan.problem.space.origin,

@@ -94,7 +94,9 @@ std::vector<EffectNote> found_effects(const Problem& problem, const Discretisati
                  symmetric ? State::on : State::off,
                  {},
                  symmetric ? "all matrices are symmetric: one triangle is factored (Cholesky)"
-                           : "a matrix is not symmetric: LU"});
+                 : run.formulation->operators().coupled
+                     ? "unknowns act on each other: LU with pivots by size (UMFPACK)"
+                     : "a matrix is not symmetric: LU"});
   for (const LoadTerm& load : problem.loads)
     out.push_back({fmt::format("load on `{}`", problem.parts[load.part].name), State::on,
                    load.origin, text_of(run.formulation->loads().cost(load.origin))});

@@ -54,8 +54,8 @@ std::string column_of(const Problem& problem, const LawTerm& term) {
 EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, const RunState& run)
     : problem_(problem), d_(d), inertia_(inertia_matrix(problem, d)),
       rate_(matrix_of_field(problem, d, field_of_u(1))),
-      elastic_(matrix_of_field(problem, d, field_of_u(0))), gram_(gram_v(d.space, !d.dofs.held)),
-      load_transfer_(load_transfer(problem, d)),
+      elastic_(matrix_of_field(problem, d, field_of_u(0))),
+      gram_(gram_v(d.space, d.dofs.needs_mass())), load_transfer_(load_transfer(problem, d)),
       loads_(d.space, d.parts, problem.loads), names_{"energy",      "elastic",    "contact",
                                                       "work",        "viscous",    "memory",
                                                       "lost",        "lemma_u",    "lemma_jumps",

@@ -2,6 +2,7 @@
 #include "solver/time/factored_matrix.hpp"
 
 #include "solver/linear/condition_estimate.hpp"
+#include "solver/linear/general_lu.hpp"
 #include "solver/linear/separate.hpp"
 
 #include <cmath>
@@ -19,6 +20,11 @@ SharedFactor make_factor(const Operators& operators, const Contact& contact, con
                          SharedWork* shared, const FactoredMatrix* like) {
   if (operators.separate) {
     auto out = own(separate_factor(*operators.separate, operators.n_unknowns));
+    out->factor(k);
+    return out;
+  }
+  if (operators.coupled) {
+    auto out = own(general_factor(contact.unknowns));
     out->factor(k);
     return out;
   }
@@ -67,10 +73,11 @@ double FactoredMatrix::bytes() const {
   return static_cast<double>(k_.nonZeros()) * (sizeof(double) + sizeof(int)) + half_.bytes();
 }
 
-double condition(const FactoredMatrix& matrix, bool symmetric) {
+double condition(const FactoredMatrix& matrix, const Operators& operators) {
   if (matrix.free_body() != nullptr) return 0.0;
   if (matrix.factorisation()) return estimate_condition(matrix.k(), *matrix.factorisation());
-  const auto factor = analyse(matrix.k(), {}, symmetric);
+  const auto factor =
+      operators.coupled ? general_factor({}) : analyse(matrix.k(), {}, operators.symmetric);
   factor->factor(matrix.k());
   return estimate_condition(matrix.k(), *factor);
 }

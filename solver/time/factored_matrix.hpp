@@ -59,6 +59,6 @@ private:
 
 /// The condition number of K, estimated; factors K where there is no factor of it. 0: K has a free
 /// body, and there is none.
-double condition(const FactoredMatrix& matrix, bool symmetric);
+double condition(const FactoredMatrix& matrix, const Operators& operators);
 
 } // namespace hvi::solver

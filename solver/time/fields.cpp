@@ -1,6 +1,8 @@
 // Full vectors of u, its derivatives and the history fields for a report; see fields.hpp.
 #include "solver/time/fields.hpp"
 
+#include <algorithm>
+
 namespace hvi::solver {
 
 std::vector<bool> fields_read(std::span<const Expr> expressions, int n_fields) {
@@ -17,10 +19,9 @@ bool reads_multiplier(const Expr& expression) {
 }
 
 bool reads_gradient(const Expr& expression, int n_fields) {
-  for (int k = 0; k < n_fields; ++k)
-    if (expression.depends_on_any(slot::field(k, slot::gradient(0, 0)), slot::field(k + 1, 0)))
-      return true;
-  return false;
+  return std::ranges::any_of(expression.slots(), [&](Slot s) {
+    return slot::is_field_gradient(s) && slot::field_of(s) < n_fields;
+  });
 }
 
 Snapshot::Snapshot(std::vector<bool> needed, int n_dofs, int n_rows)

@@ -26,7 +26,7 @@ public:
     return hvi::solver::respond(matrix, forces, at, x, xi);
   }
   double condition(StepMatrix* of_step) const override {
-    return of_step == nullptr ? 0.0 : hvi::solver::condition(*of_step, operators().symmetric);
+    return of_step == nullptr ? 0.0 : hvi::solver::condition(*of_step, operators());
   }
   std::unique_ptr<RowChecks> row_checks(const Plan&) const override { return nullptr; }
   FactorStatistics statistics() const override { return {}; }

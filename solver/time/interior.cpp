@@ -216,7 +216,7 @@ double Interior::equilibrium(const Vector& known, const Vector& change, const Ve
   force_of_modes(load, f_);
   expand(known + change, state_);
   gap_and_scale(t_, state_, f_, gap_, scale_);
-  const double of_sum = equilibrium_error(t_, state_, gap_, scale_, force, xi);
+  const double of_sum = equilibrium_error(t_, state_, gap_, scale_, {force, {}}, xi);
   if (of_sum <= enough) return of_sum;
   expand(known, state_);
   gap_and_scale(t_, state_, f_, gap_, scale_);
@@ -225,7 +225,7 @@ double Interior::equilibrium(const Vector& known, const Vector& change, const Ve
   gap_and_scale(t_, state_, f_, change_gap_, work_);
   gap_ += change_gap_;
   scale_ += work_;
-  return equilibrium_error(t_, state_, gap_, scale_, force, xi);
+  return equilibrium_error(t_, state_, gap_, scale_, {force, {}}, xi);
 }
 
 /// expand() of several in one backward solve, a row of x each, in the order of elimination.

@@ -8,8 +8,8 @@ namespace hvi::solver {
 namespace {
 
 bool is_of_field(Slot s) { return s >= slot::first_field; }
-int field_read(Slot s) { return (s - slot::first_field) / slot::field_stride; }
-int component_read(Slot s) { return (s - slot::first_field) % slot::field_stride; }
+using slot::field_of;
+int component_read(Slot s) { return LawPoints::traced(slot::derivative_of(s)); }
 
 } // namespace
 
@@ -17,8 +17,8 @@ std::vector<int> fields_read(const LawSpec& law) {
   std::vector<int> out;
   for (const Expr& reading : law.readings)
     for (const Slot s : reading.slots())
-      if (is_of_field(s) && std::ranges::find(out, field_read(s)) == out.end())
-        out.push_back(field_read(s));
+      if (is_of_field(s) && std::ranges::find(out, field_of(s)) == out.end())
+        out.push_back(field_of(s));
   return out;
 }
 
@@ -64,7 +64,7 @@ void LawReadings::read(double t, const LawFields& fields) {
     pointers.push_back(inputs_[i].data());
     if (s == slot::t) std::ranges::fill(inputs_[i], t);
     if (!is_of_field(s)) continue;
-    if (const int field = field_read(s); std::exchange(traced, field) != field)
+    if (const int field = field_of(s); std::exchange(traced, field) != field)
       of_field_.noalias() = trace_ * fields[field];
     for (std::size_t p = 0; p < points_; ++p)
       inputs_[i][p] = of_field_[static_cast<Eigen::Index>(p) * components_ + component_read(s)];

@@ -14,7 +14,6 @@ namespace hvi::solver {
 namespace {
 
 bool is_multiplier(Slot s) { return s >= slot::first_multiplier && s < slot::first_inside; }
-bool is_field(Slot s) { return s >= slot::first_field && s < slot::first_multiplier; }
 int term_of(Slot s) { return (s - slot::first_multiplier) / 4; }
 /// Where a multiplier or a state is known: the number of a law term, or behind these that of a
 /// group of states in a body; -1: it is neither.
@@ -97,7 +96,7 @@ LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Co
   take_points(points, term, all);
   for (const auto s : expressions_.inputs()) {
     if (const int known = place_of(contact, s); known >= 0) match(contact, known, d.mesh.dim);
-    if (is_field(s)) prepare_field(d.space, s);
+    if (slot::is_field(s)) prepare_field(d.space, s);
   }
 }
 
@@ -129,7 +128,7 @@ void LawSampler::take_place(const Discretisation& d, const Contact& contact,
   for (auto& weight : block_.weight) weight /= total;
   for (const auto s : expressions_.inputs()) {
     if (const int known = place_of(contact, s); known >= 0) match(contact, known, d.mesh.dim);
-    if (is_field(s)) prepare_field(d.space, s);
+    if (slot::is_field(s)) prepare_field(d.space, s);
   }
 }
 
@@ -209,14 +208,13 @@ void LawSampler::match(const Contact& contact, int place, int dim) {
 
 /// Rows that take a full vector to the values of a field's derivative at our points.
 void LawSampler::prepare_field(const Space& space, Slot s) {
-  rows_[s] = derivative_rows(space, block_, (s - slot::first_field) % slot::field_stride, origin_);
+  rows_[s] = derivative_rows(space, block_, slot::derivative_of(s), origin_);
 }
 
 void LawSampler::evaluate(const Contact& contact, const Snapshot& snapshot, std::span<double> out) {
   for (const auto s : expressions_.inputs()) {
-    if (is_field(s)) {
-      const int k = (s - slot::first_field) / slot::field_stride;
-      columns_[s] = rows_.at(s) * snapshot.field(k);
+    if (slot::is_field(s)) {
+      columns_[s] = rows_.at(s) * snapshot.field(slot::field_of(s));
     } else if (slot::is_state(s)) {
       auto& column = columns_[s];
       column.resize(size());

@@ -180,6 +180,15 @@ void add_changing(const Problem& problem, const Discretisation& discretisation,
   operators.shared = nullptr; // these factors are of one moment
 }
 
+/// Does a form have one unknown in it and the test function of another?
+bool couples_unknowns(const Problem& problem) {
+  return std::ranges::any_of(problem.forms, [](const FormTerm& form) {
+    return std::ranges::any_of(form.entries, [](const FormTerm::Entry& entry) {
+      return slot::unknown_of(entry.test) != slot::unknown_of(entry.trial);
+    });
+  });
+}
+
 /// Symmetric on the unknowns to rounding of the assembly.
 bool is_symmetric(const SparseMatrix& matrix) {
   const double largest =
@@ -231,6 +240,8 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
     out.weights.col(static_cast<Eigen::Index>(b)) = distinct.weights[b];
     out.symmetric = out.symmetric && (out.mirrored || is_symmetric(matrices[b]));
   }
+  out.coupled = couples_unknowns(problem);
+  out.symmetric = out.symmetric && !out.coupled;
   if (matrices.size() == distinct.terms.size()) out.terms = std::move(distinct.terms);
   out.bases = std::move(matrices);
   add_changing(problem, discretisation, layout, threads, out);

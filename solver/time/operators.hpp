@@ -20,6 +20,8 @@ struct Operators {
   DenseMatrix weights;             ///< fields (slot::field numbering) x bases
   bool symmetric = true;           ///< all of them, on the unknowns
   bool mirrored = true;            ///< and by their coefficients already
+  /// Unknowns that act on each other: pivots of K are chosen by size, its symmetry is not used.
+  bool coupled = false;
   int n_unknowns = 0;
   /// Base matrices whose forms read states, with these: they are those of the states at hand
   /// (body_states.hpp).

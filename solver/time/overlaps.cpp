@@ -9,16 +9,19 @@
 namespace hvi::solver {
 namespace {
 
-using Components = std::array<bool, 3>;
+/// Three of each unknown.
+using Components = std::array<bool, 3 * slot::most_unknowns>;
 
 /// Facets of `region` imposed with all `wanted` components by the Dirichlet entries together.
 std::vector<std::int32_t> clamped_facets(const Problem& problem, std::span<const Region> parts,
                                          const Region& region, const Components& wanted) {
   std::vector<std::int32_t> left = region.entities;
-  for (int component = 0; component < 3 && !left.empty(); ++component) {
-    if (!wanted[component]) continue;
+  for (std::size_t c = 0; c < wanted.size() && !left.empty(); ++c) {
+    if (!wanted[c]) continue;
+    const int component = static_cast<int>(c % 3), unknown = static_cast<int>(c / 3);
     std::vector<std::int32_t> imposed;
     for (const auto& entry : problem.space.dirichlet) {
+      if (entry.unknown != unknown) continue;
       if (entry.component != -1 && entry.component != component) continue;
       Region candidates{region.kind, left, 0};
       for (const auto facet : common(candidates, parts[entry.part])) imposed.push_back(facet);
@@ -32,15 +35,19 @@ std::vector<std::int32_t> clamped_facets(const Problem& problem, std::span<const
 
 Components acted_on(const LawTerm& term) {
   Components out{};
+  const auto first = static_cast<std::size_t>(3 * term.unknown);
   for (const auto& row : term.rows)
-    for (int i = 0; i < 3; ++i) out[i] = out[i] || !row.u[i].is(0.0);
+    for (std::size_t i = 0; i < 3; ++i) out[first + i] = out[first + i] || !row.u[i].is(0.0);
   return out;
 }
 
 Components acted_on(const LoadTerm& term) {
   Components out{};
-  for (const auto& entry : term.entries)
-    out[entry.test < 3 ? entry.test : (entry.test - 3) / 3] = true;
+  for (const auto& entry : term.entries) {
+    const int own = entry.test % slot::own_derivatives;
+    const int component = slot::is_value(own) ? own : (own - 3) / 3;
+    out[static_cast<std::size_t>(3 * slot::unknown_of(entry.test) + component)] = true;
+  }
   return out;
 }
 
@@ -56,6 +63,7 @@ std::string place(const Mesh& mesh, std::int32_t facet) {
 }
 
 bool same_rows(const LawTerm& a, const LawTerm& b) {
+  if (a.unknown != b.unknown) return false;
   if (a.rows.size() != b.rows.size()) return false;
   for (std::size_t r = 0; r < a.rows.size(); ++r)
     for (int i = 0; i < 3; ++i)

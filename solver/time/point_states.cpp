@@ -13,7 +13,6 @@
 namespace hvi::solver {
 namespace {
 
-bool is_field_value(Slot s) { return s >= slot::first_field && s < slot::first_multiplier; }
 bool is_multiplier_slot(Slot s) { return s >= slot::first_multiplier && s < slot::first_inside; }
 
 int index_in(const std::vector<Slot>& slots, Slot s) {
@@ -52,7 +51,7 @@ std::vector<StateRates::Source> StateRates::sources(const Tape& tape,
       out.push_back({Source::Kind::place, s});
     else if (s == slot::t)
       out.push_back({Source::Kind::time, 0});
-    else if (is_field_value(s))
+    else if (slot::is_field(s))
       out.push_back({Source::Kind::input, index_in(group.fields, s)});
     else if (is_multiplier_slot(s))
       out.push_back({Source::Kind::input, n_fields + index_in(group.multipliers, s)});
@@ -153,7 +152,7 @@ void PointStates::inputs(const Vector& u, const Vector* d, const Vector& xi,
     const bool reached = !group.body && contact_.reach.size() == trace.cols();
     int row = group.first_input;
     for (const Slot s : group.fields) {
-      const int field = (s - slot::first_field) / slot::field_stride;
+      const int field = slot::field_of(s);
       const Vector& values = fields[field];
       const double factor = reached ? fields.factor(field) : 0.0;
       for (const int end = row + group.n_points; row < end; ++row)
@@ -292,7 +291,7 @@ SparseMatrix PointStates::by_unknowns() const {
   const auto fields = evolution_.law_fields(n_, contact_.state_fields, room, nullptr);
   for (const auto& group : contact_.state_groups)
     for (std::size_t f = 0; f < group.fields.size(); ++f) {
-      const int field = (group.fields[f] - slot::first_field) / slot::field_stride;
+      const int field = slot::field_of(group.fields[f]);
       const int first = group.first_input + static_cast<int>(f) * group.n_points;
       for (int row = first; row < first + group.n_points; ++row)
         for (SparseMatrix::InnerIterator it(out, row); it; ++it)

@@ -6,6 +6,13 @@
 namespace hvi::solver {
 namespace {
 
+/// The derivative index of the value of a component of the space.
+int value_of(const Space& space, int component) {
+  const int b = space.block_of(component);
+  return slot::of_unknown(b,
+                          slot::value(component - space.blocks[static_cast<std::size_t>(b)].first));
+}
+
 template <class... F>
 struct Match : F... {
   using F::operator()...;
@@ -30,8 +37,8 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
   case Probe::Kind::combination:
     return Combination{};
   case Probe::Kind::norm_v:
-    if (gram_.empty()) make_gram(d, run);
-    return NormV{};
+    make_gram(d, run, probe.unknown);
+    return NormV{probe.unknown};
   case Probe::Kind::integral:
     if (reads_multiplier(probe.expression) ||
         d.parts[static_cast<std::size_t>(probe.part)].is_pair())
@@ -51,21 +58,25 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
   return AtPoint{cell, barycentric, PointValue(space_, probe.expression, cell, barycentric)};
 }
 
-void ProbeSet::make_gram(const Discretisation& d, const RunState& run) {
+void ProbeSet::make_gram(const Discretisation& d, const RunState& run, int unknown) {
+  const auto b = static_cast<std::size_t>(unknown);
+  grams_.resize(space_.blocks.size());
+  if (!grams_[b].matrix.empty()) return;
   // Without imposed values the seminorm of a scalar space is no norm.
-  const bool add_mass = space_.components == 1 && !d.dofs.held;
-  if (!add_mass) gram_ = from_bases(run.balance, *run.formulation, d, strain_form(space_));
-  if (gram_.empty())
-    gram_ = SymmetricBlocks(gram_v(space_, add_mass), true);
-  else
+  const bool add_mass = space_.blocks[b].components == 1 && d.dofs.held_of[b] == 0;
+  if (!add_mass) grams_[b].matrix = from_bases(run.balance, *run.formulation, d, strain_form(space_, unknown));
+  grams_[b].on_states = !grams_[b].matrix.empty();
+  if (!grams_[b].on_states)
+    grams_[b].matrix = SymmetricBlocks(gram_of_unknown(space_, unknown, add_mass), true);
+  else if (state_.size() == 0)
     state_ = Vector::Zero(layout_.n_state);
 }
 
 /// sqrt(u^T G u); roundoff cannot make it NaN.
-double ProbeSet::norm(const Vector& u) {
-  const bool on_states = state_.size() > 0;
-  if (on_states) layout_.gather(u, state_);
-  return std::sqrt(std::max(gram_.energy(on_states ? state_ : u), 0.0));
+double ProbeSet::norm(const Vector& u, int unknown) {
+  const Gram& gram = grams_[static_cast<std::size_t>(unknown)];
+  if (gram.on_states) layout_.gather(u, state_);
+  return std::sqrt(std::max(gram.matrix.energy(gram.on_states ? state_ : u), 0.0));
 }
 
 std::vector<Expr> ProbeSet::expressions() const {
@@ -78,16 +89,17 @@ std::vector<Expr> ProbeSet::expressions() const {
 }
 
 double ProbeSet::value(int i, const Snapshot& snapshot) {
-  return std::visit(Match{[&](AtPoint& at) { return at.value(snapshot.values()); },
-                          [&](const Integrator& integrator) {
-                            double out = 0;
-                            integrator.integrate(snapshot.values(), {&out, 1});
-                            return out;
-                          },
-                          [&](LawSampler& sampler) { return sampler.integral(contact_, snapshot); },
-                          [&](const NormV&) { return norm(snapshot.field(field_of_u(0))); },
-                          [](const Combination&) { return std::nan(""); }},
-                    evaluators_[i]);
+  return std::visit(
+      Match{[&](AtPoint& at) { return at.value(snapshot.values()); },
+            [&](const Integrator& integrator) {
+              double out = 0;
+              integrator.integrate(snapshot.values(), {&out, 1});
+              return out;
+            },
+            [&](LawSampler& sampler) { return sampler.integral(contact_, snapshot); },
+            [&](const NormV& of) { return norm(snapshot.field(field_of_u(0)), of.unknown); },
+            [](const Combination&) { return std::nan(""); }},
+      evaluators_[i]);
 }
 
 void ProbeSet::evaluate(const Snapshot& snapshot, std::span<double> values) {
@@ -138,7 +150,7 @@ std::vector<int> ProbeSet::dofs_read() const {
       for (int c = 0; c < space_.components; ++c) {
         bool read = gradient;
         for (int k = 0; k < n_fields_ && !read; ++k)
-          read = probes_[i].expression.depends_on(slot::field(k, slot::value(c)));
+          read = probes_[i].expression.depends_on(slot::field(k, value_of(space_, c)));
         if (read) out.push_back(space_.dof(nodes[v], c));
       }
     }

@@ -36,14 +36,16 @@ private:
     std::array<double, 4> barycentric;
     PointValue value;
   };
-  struct NormV {};
+  struct NormV {
+    int unknown;
+  };
   struct Combination {};
   using Evaluator = std::variant<AtPoint, Integrator, LawSampler, NormV, Combination>;
 
   Evaluator make(const Probe& probe, const Problem& problem, const Discretisation& discretisation,
                  const RunState& run, const CellLocator& locator);
-  void make_gram(const Discretisation& discretisation, const RunState& run);
-  double norm(const Vector& u);
+  void make_gram(const Discretisation& discretisation, const RunState& run, int unknown);
+  double norm(const Vector& u, int unknown);
   void combine(double t, std::span<double> values) const;
 
   const Space& space_;
@@ -52,8 +54,12 @@ private:
   std::vector<Probe> probes_;
   int n_fields_;
   std::vector<Evaluator> evaluators_;
-  SymmetricBlocks gram_; ///< of V, when a norm asks for it
-  Vector state_;         ///< u, where the Gram matrix is one of states; else empty
+  struct Gram {
+    SymmetricBlocks matrix;
+    bool on_states = false;
+  };
+  std::vector<Gram> grams_; ///< by unknown, of its space, when a norm asks for it
+  Vector state_;            ///< u, where a Gram matrix is one of states; else empty
 };
 
 } // namespace hvi::solver

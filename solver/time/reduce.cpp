@@ -79,6 +79,7 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
   if (in_motion(plan.problem)) return "there is inertia";
   if (!operators.changing.empty()) return "states change a form";
   if (operators.n_bases() != 1) return different_tensors(plan.problem, operators);
+  if (operators.coupled) return "unknowns act on each other";
   if (!operators.symmetric) return "the matrix is not symmetric";
   if (contact.whole) return "the laws act on most of the unknowns";
   if (!loads.separable()) return "a load does not separate into functions of t and of x";

@@ -61,7 +61,7 @@ double PreciseEquation::gap(const StepMatrix& matrix, const Vector& d, const Vec
     ++balance_.products;
   }
   for (Eigen::Index i = 0; i < d.size(); ++i) gap[i] = sums[static_cast<std::size_t>(i)].value();
-  return equilibrium_error(matrix.k(), d, gap, scale, formulation_.contact().force, xi);
+  return equilibrium_error(matrix.k(), d, gap, scale, formulation_.contact().reactions(), xi);
 }
 
 bool Refinement::begins_with(const StepMatrix& matrix) {

@@ -23,21 +23,30 @@ struct Motion {
 
 constexpr const char* axis_names[] = {"x", "y", "z"};
 
+/// Has the unknown a function at this node?
+int nodes_of(const Space& space, const SpaceBlock& block) {
+  return static_cast<int>(block.order == space.order ? space.nodes.size()
+                                                     : space.mesh->nodes.size());
+}
+
 /// Scalar: the constant. Vector: translations and infinitesimal rotations about the centre;
 /// axisymmetric: the translation along the axis only.
-std::vector<Motion> motions(const Space& space) {
+std::vector<Motion> motions(const Space& space, const SpaceBlock& block) {
   std::vector<Motion> out;
-  const int n = space.components;
-  if (n == 1) return {{"a constant", Vector::Ones(space.n_dofs())}};
-  const auto n_nodes = static_cast<int>(space.nodes.size());
+  const int n = block.components, n_nodes = nodes_of(space, block);
+  if (n == 1) {
+    out.push_back({"a constant", Vector::Zero(space.n_dofs())});
+    for (int p = 0; p < n_nodes; ++p) out.back().values[space.dof(p, block.first)] = 1.0;
+    return out;
+  }
   Point centre{};
-  for (const auto& node : space.nodes)
-    for (int i = 0; i < 3; ++i) centre[i] += node[i] / n_nodes;
-  const bool ring = has_hoop(space);
+  for (int p = 0; p < n_nodes; ++p)
+    for (int i = 0; i < 3; ++i) centre[i] += space.nodes[p][i] / n_nodes;
+  const bool ring = has_hoop(space, block);
   for (int i = ring ? 1 : 0; i < n; ++i) {
     out.push_back(
         {std::string("translation along ") + axis_names[i], Vector::Zero(space.n_dofs())});
-    for (int p = 0; p < n_nodes; ++p) out.back().values[space.dof(p, i)] = 1.0;
+    for (int p = 0; p < n_nodes; ++p) out.back().values[space.dof(p, block.first + i)] = 1.0;
   }
   for (int i = 0; i < n && !ring; ++i)
     for (int j = i + 1; j < n; ++j) {
@@ -45,11 +54,21 @@ std::vector<Motion> motions(const Space& space) {
           n == 2 ? std::string("rotation") : std::string("rotation about ") + axis_names[3 - i - j];
       out.push_back({name, Vector::Zero(space.n_dofs())});
       for (int p = 0; p < n_nodes; ++p) {
-        out.back().values[space.dof(p, i)] = -(space.nodes[p][j] - centre[j]);
-        out.back().values[space.dof(p, j)] = space.nodes[p][i] - centre[i];
+        out.back().values[space.dof(p, block.first + i)] = -(space.nodes[p][j] - centre[j]);
+        out.back().values[space.dof(p, block.first + j)] = space.nodes[p][i] - centre[i];
       }
     }
   for (auto& motion : out) motion.values.normalize();
+  return out;
+}
+
+/// Of every unknown.
+std::vector<Motion> motions(const Space& space) {
+  if (!space.is_product()) return motions(space, space.blocks.front());
+  std::vector<Motion> out;
+  for (const SpaceBlock& block : space.blocks)
+    for (Motion& motion : motions(space, block))
+      out.push_back({fmt::format("{} of `{}`", motion.name, block.name), std::move(motion.values)});
   return out;
 }
 
@@ -85,9 +104,10 @@ std::optional<Vector> softest_motion(const SparseMatrix& k) {
 /// Does the motion strain no cell? Then pieces of the mesh are not held, or turn about a point.
 bool strains_nothing(const Space& space, const Vector& motion) {
   double strain = 0.0;
-  for (int cell = 0; cell < n_cells(space); ++cell)
-    strain = std::max(strain, cell_size(space, cell) *
-                                  cell_strain(space, motion, cell).cwiseAbs().maxCoeff());
+  for (const SpaceBlock& block : space.blocks)
+    for (int cell = 0; cell < n_cells(space); ++cell)
+      strain = std::max(strain, cell_size(space, cell) *
+                                    cell_strain(space, block, motion, cell).cwiseAbs().maxCoeff());
   return strain <= strain_of_rounding * motion.cwiseAbs().maxCoeff();
 }
 

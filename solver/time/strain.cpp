@@ -21,21 +21,22 @@ DenseMatrix edges_of(const Space& space, int cell) {
 
 } // namespace
 
-DenseMatrix cell_strain(const Space& space, const Vector& u, int cell) {
-  const int dim = space.mesh->dim;
+DenseMatrix cell_strain(const Space& space, const SpaceBlock& block, const Vector& u, int cell) {
+  const int dim = space.mesh->dim, n = block.components;
   const auto nodes = space.nodes_of_cell(cell);
-  DenseMatrix moved(space.components, dim);
+  DenseMatrix moved(n, dim);
   for (int j = 0; j < dim; ++j)
-    for (int c = 0; c < space.components; ++c)
-      moved(c, j) = u[space.dof(nodes[j + 1], c)] - u[space.dof(nodes[0], c)];
+    for (int c = 0; c < n; ++c)
+      moved(c, j) =
+          u[space.dof(nodes[j + 1], block.first + c)] - u[space.dof(nodes[0], block.first + c)];
   const DenseMatrix gradient = moved * edges_of(space, cell).inverse();
-  if (space.components != dim) return gradient;
+  if (n != dim) return gradient;
   DenseMatrix strain = 0.5 * (gradient + gradient.transpose());
-  if (!has_hoop(space)) return strain;
+  if (!has_hoop(space, block)) return strain;
   double x = 0.0, along = 0.0; // at the centroid, each three times
   for (int k = 0; k <= dim; ++k) {
     x += space.nodes[nodes[k]][0];
-    along += u[space.dof(nodes[k], 0)];
+    along += u[space.dof(nodes[k], block.first)];
   }
   strain.conservativeResizeLike(DenseMatrix::Zero(3, 3));
   strain(2, 2) = along / x;

@@ -10,9 +10,9 @@ inline int n_cells(const Space& space) {
   return static_cast<int>(space.cell_nodes.size()) / space.nodes_per_cell;
 }
 
-/// sym grad u of a cell (scalar spaces: grad u, one row), u on all dofs, affine between the cell's
-/// vertices.
-DenseMatrix cell_strain(const Space& space, const Vector& u, int cell);
+/// sym grad u of an unknown in a cell (scalars: grad u, one row), u on all dofs, affine between the
+/// cell's vertices.
+DenseMatrix cell_strain(const Space& space, const SpaceBlock& block, const Vector& u, int cell);
 
 /// The longest edge from the cell's first vertex.
 double cell_size(const Space& space, int cell);

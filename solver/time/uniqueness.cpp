@@ -4,6 +4,7 @@
 #include "solver/assembly/assembly.hpp"
 #include "solver/common/numbers.hpp"
 #include "solver/law/known_constants.hpp"
+#include "solver/time/product_form.hpp"
 #include "solver/time/step_weights.hpp"
 #include "solver/time/time_scheme.hpp"
 
@@ -108,7 +109,11 @@ bool Uniqueness::definite(const Eigen::VectorXd& c) {
     add_scaled(rest, -1.0, descent_);
   else
     rest = SparseMatrix(rest - descent_);
-  if (!operators_.symmetric) rest = SparseMatrix(0.5 * (rest + SparseMatrix(rest.transpose())));
+  if (!contact_.of_unknown.empty())
+    rest =
+        ProductForm(rest, contact_.of_unknown, unknowns_with_laws(problem_)).symmetric_part(rest);
+  else if (!operators_.symmetric)
+    rest = SparseMatrix(0.5 * (rest + SparseMatrix(rest.transpose())));
   try {
     if (!factor_) factor_ = analyse(rest, {}, true);
     factor_->factor(rest);

@@ -214,10 +214,10 @@ TEST(Form, PatchesOfPolynomialsHaveTheirEnergy) {
   EXPECT_NEAR(v.dot(k * u), 2 * mu * 7.0 / 12, 1e-14);
   // int (div u)^2 = int (3 x)^2 = 3, eps(u):eps(u) = 5/3 + 1/6.
   EXPECT_NEAR(u.dot(k * u), 3 * 3 + 2 * mu * (5.0 / 3 + 1.0 / 6), 1e-13);
-  EXPECT_NEAR(u.dot(gram_v(space, false) * u), 5.0 / 3 + 1.0 / 6, 1e-14);
+  EXPECT_NEAR(u.dot(gram_of_unknown(space, 0, false) * u), 5.0 / 3 + 1.0 / 6, 1e-14);
   // int x^4 + x^2 y^2 = 1/5 + 1/9.
   EXPECT_NEAR(u.dot(mass(space) * u), 0.2 + 1.0 / 9, 1e-14);
-  EXPECT_NEAR(u.dot(gram_v(space, true) * u), 11.0 / 6 + 0.2 + 1.0 / 9, 1e-14);
+  EXPECT_NEAR(u.dot(gram_of_unknown(space, 0, true) * u), 11.0 / 6 + 0.2 + 1.0 / 9, 1e-14);
 }
 
 TEST(Form, LinearPatchIsInEquilibrium) {

@@ -16,7 +16,7 @@ bool compare(const Plan& plan) {
   Discretisation d;
   for (const auto& mistake : discretise(plan, d)) throw mistake;
   const auto result = run(plan, d, RunSettings{});
-  const double norm = std::sqrt(result.u.dot(gram_v(d.space, false) * result.u));
+  const double norm = std::sqrt(result.u.dot(gram_of_unknown(d.space, 0, false) * result.u));
   EXPECT_NEAR(result.final.at("strain"), norm, 1e-13 * norm);
   Timing timing;
   const Stepper stepper(plan, d, timing);

@@ -1,0 +1,12 @@
+// Factors of matrices whose diagonal gives no safe pivots: problems with several unknowns.
+#pragma once
+
+#include "solver/linear/factorisation.hpp"
+
+namespace hvi::solver {
+
+/// Of saddle points (a pressure has no stiffness of its own), unknowns of different units and
+/// couplings that are not symmetric. `contact` as in analyse().
+std::unique_ptr<Factorisation> general_factor(std::span<const int> contact);
+
+} // namespace hvi::solver

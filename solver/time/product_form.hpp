@@ -1,0 +1,49 @@
+// What decides about uniqueness where several unknowns act on each other.
+#pragma once
+
+#include "solver/kernel/slot.hpp"
+#include "solver/linear/sparse.hpp"
+#include "solver/plan/problem.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace hvi::solver {
+
+/// Weights w_b of the equations of a problem K x + M* xi = f with several unknowns b: two solutions
+/// differ by e with  sum_b w_b <(K e)_b + (M* dxi)_b, e_b> = 0.  K has one e for every f, hence the
+/// problem one solution, where sym(W (K - D)) is positive definite on the unknowns with forms of
+/// their own, D the descent of the laws, and does not see the others (multipliers: a pressure).
+/// (F. Brezzi, On the existence, uniqueness and approximation of saddle-point problems arising from
+/// Lagrangian multipliers, RAIRO 8 (R2), 1974, for the theory behind.)
+class ProductForm {
+public:
+  /// `of_unknown`: by row, which unknown it is of. `with_laws`: by unknown, do laws act on it? Its
+  /// weight is positive then. The weights are those that cancel most of the couplings:
+  /// w_a K_ab + w_b K_ba^T, from the first unknown on.
+  ProductForm(const SparseMatrix& k, std::span<const std::uint8_t> of_unknown,
+              std::span<const char> with_laws);
+
+  /// sym(W form).
+  SparseMatrix weighted(const SparseMatrix& form) const;
+  /// The same with a large diagonal for multipliers: positive definite where sym(W form) is on the
+  /// others and does not see them.
+  SparseMatrix symmetric_part(const SparseMatrix& form) const;
+  /// Has no form of its own: a multiplier.
+  bool is_multiplier(int unknown) const { return multiplier_[static_cast<std::size_t>(unknown)]; }
+  double weight(int unknown) const { return weights_[static_cast<std::size_t>(unknown)]; }
+
+private:
+  static constexpr std::size_t most = slot::most_unknowns;
+  std::span<const std::uint8_t> of_unknown_;
+  std::array<double, most> weights_;
+  std::array<bool, most> multiplier_{};
+  double size_ = 0.0; ///< of the entries of W K
+};
+
+/// By unknown: do laws act on it?
+std::vector<char> unknowns_with_laws(const Problem& problem);
+
+} // namespace hvi::solver

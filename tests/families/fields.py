@@ -1,0 +1,298 @@
+"""Two unknowns that act on each other, on random scenes: the answers of brute force at every step.
+
+usage: fields.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
+
+Each scene is a block in 2D or 3D with a displacement in P1 or P2 and a scalar in P1 or P2: a temperature or a pressure
+that acts on the body and is acted on (couplings of u, u' and of the scalar, of either sign and of any size against each
+other), or the pressure of an incompressible body (P2 with P1). One to three laws act on the ground, on u, on u' or on the
+scalar, whose steps are convex; turned and scaled, the scalar with units of its own. A step is solved again by a dense
+brute force (brute.py) on matrices assembled here.
+"""
+import math
+import sys
+
+import numpy as np
+
+import orientation
+import rates
+from brute import Friction, Point, Step, Unilateral, ratio
+from orientation import CONVEX, number
+from solids import Solid, block, facet_rule, shapes, slopes, triangle_rule
+
+
+def tetrahedron_rule():
+    """Exact for degree 4: a product of line rules, collapsed."""
+    x, w = np.polynomial.legendre.leggauss(5)
+    x, w = (1 + x) / 2, w / 2
+    out = []
+    for a, wa in zip(x, w):
+        for b, wb in zip(x, w):
+            for c, wc in zip(x, w):
+                p = (a, b * (1 - a), c * (1 - a) * (1 - b))
+                out.append(((1 - sum(p), *p), 6 * wa * wb * wc * (1 - a) ** 2 * (1 - b)))
+    return out
+
+
+class Scalar:
+    """A scalar space of order 1 or 2, and its products with a solid's divergence."""
+
+    def __init__(self, mesh, order):
+        self.solid = Solid(mesh, order)
+        self.mesh, self.order, self.dim = mesh, order, mesh.dim
+        self.n = len(self.solid.points)
+        self.rule = triangle_rule(4) if mesh.dim == 2 else tetrahedron_rule()
+
+    def cells(self):
+        for cell in self.mesh.cells:
+            x = self.mesh.points[cell]
+            edges = (x[1:] - x[0]).T
+            inner = np.linalg.inv(edges)
+            yield cell, abs(np.linalg.det(edges)) / math.factorial(self.dim), np.vstack([-inner.sum(0), inner])
+
+    def mass_and_stiffness(self):
+        mass, stiffness = np.zeros((2, self.n, self.n))
+        for cell, volume, barycentric in self.cells():
+            nodes = self.solid.nodes(cell)
+            for b, weight in self.rule:
+                v, g = shapes(self.order, b), slopes(self.order, b) @ barycentric
+                mass[np.ix_(nodes, nodes)] += weight * volume * np.outer(v, v)
+                stiffness[np.ix_(nodes, nodes)] += weight * volume * g @ g.T
+        return mass, stiffness
+
+    def divergence(self, body):
+        """int p div u: rows p, columns u."""
+        out = np.zeros((self.n, body.n))
+        for cell, volume, barycentric in self.cells():
+            nodes, dofs = self.solid.nodes(cell), body.dofs(body.nodes(cell))
+            for b, weight in self.rule:
+                g = slopes(body.order, b) @ barycentric
+                out[np.ix_(nodes, dofs)] += weight * volume * np.outer(shapes(self.order, b), g.ravel())
+        return out
+
+    def law_points(self, name, rule):
+        """(weight, row of values)"""
+        out = []
+        for f in self.mesh.facets[name]:
+            size, _ = self.solid.facet(f)
+            for b, weight in facet_rule(self.dim, self.order, rule):
+                row = np.zeros(self.n)
+                row[self.solid.nodes(f)] = shapes(self.order, b)
+                out.append((weight * size, row))
+        return out
+
+
+class FieldTerm(orientation.Term):
+    """A law on u, on u' or on the scalar."""
+
+    def __init__(self, *of_term, sees):
+        super().__init__(*of_term)
+        self.sees = sees
+
+    def points_of(self, scene):
+        """Points with rows on all unknowns of a scene, and whose equation they stand in."""
+        wide = lambda rows: np.hstack([rows, np.zeros((len(rows), scene.scalar.n))])
+        if self.sees != "p":
+            return [Point(p.law, p.weight, wide(p.rows), p.offset) for p in self.points(scene.solid)]
+        before = np.zeros(scene.solid.n)
+        return [Point(self.law, w, np.concatenate([before, row])[None, :], np.zeros(1))
+                for w, row in scene.scalar.law_points(self.part, self.rule)]
+
+    def text(self, scene, scale):
+        """Declaration and form at a length scale, with the scene's units of p and of its equation."""
+        if self.sees == "p":
+            form = f"  + {number(scene.unit_of_row * scale)} * integral(bottom, {self.name}^0(p; q), rule = {self.rule})"
+            return self.declaration(scene.unit), form
+        prime = "'" if self.sees == "rate" else ""
+        return self.declaration(scale), self.form().replace("^0(u", f"^0(u{prime}")
+
+
+class Scene:
+    def __init__(self, random):
+        self.random = random
+        self.dim = 2 if random.random() < 0.75 else 3
+        self.kind = str(random.choice(["coupled", "coupled", "incompressible"]))
+        high = self.dim == 2 or random.random() < 0.4
+        self.order = 2 if self.kind == "incompressible" or (high and random.random() < 0.5) else 1
+        order_p = 1 if self.kind == "incompressible" or not high else int(random.integers(1, 3))
+        most = (4, 3) if self.dim == 2 else (2, 1, 1) if max(self.order, order_p) == 2 else (3, 2, 2)
+        counts = [int(random.integers(1, m + 1)) for m in most]
+        self.mesh = block(random, counts, random.uniform(0.5, 2.0, self.dim), 0.2, 0.2 if random.random() < 0.25 else 0.0)
+        self.solid, self.scalar = Solid(self.mesh, self.order), Scalar(self.mesh, order_p)
+        self.steps = int(random.integers(1, 4))
+        self.unit, self.unit_of_row = 10 ** random.uniform(-5, 5), 10 ** random.uniform(-5, 5)
+        self.clamped, self.given = random.choice(["left", "top"]), random.choice(["right", "top"])
+        self.choose_forms()
+        self.assemble()
+        self.choose_loads()
+        self.choose_laws()
+
+    def choose_forms(self):
+        random = self.random
+        young, poisson = 10 ** random.uniform(0, 3), random.uniform(0.0, 0.42)
+        self.elastic = young * poisson / (1 + poisson) / (1 - 2 * poisson), young / 2 / (1 + poisson)
+        self.viscous = tuple(v * 10 ** random.uniform(-2, 0) for v in self.elastic)
+        if self.kind == "incompressible":
+            self.elastic, self.viscous = (0.0, self.elastic[1]), (0.0, self.viscous[1])
+            self.to_u, self.to_p, self.to_p_rate = 1.0, float(random.choice([-1.0, 1.0])), 0.0
+            self.capacity = self.diffusion = 0.0
+            return
+        self.to_u = 10 ** random.uniform(-2, 2) * random.choice([-1, 1])
+        self.to_p = random.choice([0.0, 1.0]) * 10 ** random.uniform(-2, 1) * np.sign(self.to_u)
+        self.to_p_rate = random.choice([0.0, 1.0]) * 10 ** random.uniform(-2, 1) * np.sign(self.to_u)
+        self.capacity = random.choice([0.0, 1.0]) * 10 ** random.uniform(-3, 1)
+        self.diffusion = 10 ** random.uniform(-3, 1)
+
+    def assemble(self):
+        solid, scalar, k = self.solid, self.scalar, 1 / self.steps
+        n, m = solid.n, scalar.n
+        mass, stiffness = scalar.mass_and_stiffness()
+        div = scalar.divergence(solid)
+        self.b, self.a = np.zeros((2, n + m, n + m))
+        self.b[:n, :n], self.a[:n, :n] = solid.stiffness(*self.elastic), solid.stiffness(*self.viscous)
+        self.b[:n, n:] = -self.to_u * div.T
+        self.b[n:, :n], self.a[n:, :n] = self.to_p * div, self.to_p_rate * div
+        self.b[n:, n:], self.a[n:, n:] = self.diffusion * stiffness, self.capacity * mass
+        held = [solid.dofs(solid.on(self.clamped))]
+        if self.kind != "incompressible":
+            held.append(n + np.array(scalar.solid.on(self.given)))
+        self.free = np.setdiff1d(np.arange(n + m), np.concatenate(held))
+        self.of_p = self.free >= n
+        self.k = (self.a / k + self.b)[np.ix_(self.free, self.free)]
+
+    def weight(self):
+        """Of the scalar's equation, with which the couplings cancel."""
+        back = self.to_p + self.to_p_rate * self.steps
+        return self.to_u / back if back != 0 else 1.0
+
+    def choose_loads(self):
+        random, dim = self.random, self.dim
+        self.force, self.traction = (random.normal(size=dim) * 10 ** random.uniform(-1, 1) for _ in range(2))
+        self.source = 0.0 if self.kind == "incompressible" else float(random.normal()) * 10 ** random.uniform(-2, 1)
+        solid, scalar = self.solid, self.scalar
+        of_u = solid.body_load(self.force) + solid.facet_load("right", self.traction)
+        of_p = np.zeros(scalar.n)
+        for cell, volume, _ in scalar.cells():
+            of_p[scalar.solid.nodes(cell)] += self.source * volume * sum(w * shapes(scalar.order, b) for b, w in scalar.rule)
+        self.load = np.concatenate([of_u, of_p])[self.free]
+
+    def choose_laws(self):
+        random = self.random
+        free = np.linalg.solve(self.k, self.load)
+        area = sum(self.solid.facet(f)[0] for f in self.mesh.facets["bottom"])
+        reaches = {"u": float(np.abs(free[~self.of_p]).max()) or 1.0, "p": float(np.abs(free[self.of_p]).max()) or 1.0}
+        self.reaches = dict(reaches, rate=reaches["u"] * self.steps)
+        pressures = {"u": float(np.abs(self.load[~self.of_p]).sum()) / area, "p": float(np.abs(self.load[self.of_p]).sum()) / area}
+        pressures = {key: v or 1.0 for key, v in dict(pressures, rate=pressures["u"]).items()}
+        self.terms = []
+        for name in ("first", "second", "third")[:1 + int(random.integers(3))]:
+            sees = str(random.choice(["u", "rate"] if self.kind == "incompressible" else ["u", "rate", "p"]))
+            self.reach, self.pressure = self.reaches[sees], pressures[sees]
+            rubs = any(isinstance(t.law, Friction) for t in self.terms)
+            if sees == "p":
+                law, argument = orientation.Scene.normal_law(self), ""
+                while isinstance(law, Unilateral):  # nothing is known to hold p there
+                    law = orientation.Scene.normal_law(self)
+            elif rubs or random.random() < 0.6:
+                law, argument = orientation.Scene.normal_law(self), ".nu"
+            else:
+                law, argument = orientation.Scene.friction_law(self), ".tau"
+            rule = str(random.choice(["nodal", "midpoint", "gauss"]))
+            self.terms.append(FieldTerm(name, "bottom", argument, rule, law, sees=sees))
+        for _ in range(80):
+            if self.ratio() <= CONVEX:
+                return
+            orientation.Scene.soften(self, 0.5)
+        raise AssertionError("no convex step")
+
+    def law_points(self, before=None):
+        """Of a step: rows on the free unknowns; `before`: those of the last one."""
+        out = []
+        for term in self.terms:
+            s = self.steps if term.sees == "rate" else 1.0
+            for p in term.points_of(self):
+                rows = s * p.rows[:, self.free]
+                offset = np.zeros(len(rows)) if term.sees != "rate" or before is None else -rows @ before
+                out.append(Point(p.law, p.weight / s, rows, offset))
+                out[-1].of_p = term.sees == "p"
+        return out
+
+    def ratio(self):
+        """Of softening to stiffness, in the form that the weight of the scalar's equation makes of the couplings."""
+        weights = np.where(self.of_p, self.weight(), 1.0)
+        k = (weights[:, None] * self.k + (weights[:, None] * self.k).T) / 2
+        seen = ~self.of_p if self.kind == "incompressible" else np.ones(len(k), bool)
+        points = self.law_points()
+        for p in points:
+            p.rows, p.weight = p.rows[:, seen], p.weight * (self.weight() if p.of_p else 1.0)
+        return ratio(np.linalg.inv(k[np.ix_(seen, seen)]), points)
+
+    def reference(self):
+        states = [np.zeros(len(self.free))]
+        for n in range(1, self.steps + 1):
+            step = Step(self.k, self.law_points(states[-1]))
+            a = self.a[np.ix_(self.free, self.free)]
+            new = step.solve(self.load * (n / self.steps) + self.steps * (a @ states[-1]), rates.TURNS)
+            if new is None:
+                return None
+            states.append(new)
+        full = np.zeros((self.steps, self.solid.n + self.scalar.n))
+        full[:, self.free] = states[1:]
+        self.expected_p = full[:, self.solid.n:]
+        return [u.reshape(-1, self.dim) for u in full[:, :self.solid.n]]
+
+    def script(self, turn, scale):
+        vector = lambda v: "[" + ", ".join(number(x) for x in turn @ v) + "]"
+        p, row = self.unit, self.unit_of_row
+        texts = [t.text(self, scale) for t in self.terms]
+        zero_p = f", zero on {self.given}" if self.kind != "incompressible" else ""
+        parts = sorted({"bottom", "right", str(self.clamped), str(self.given)})
+        lines = ['mesh body = gmsh("body.msh")'] + [f'part {name} = body.group("{name}")' for name in parts]
+        lines += ["tensor B = isotropic(lambda = {}, mu = {})".format(*map(number, self.elastic)),
+                  "tensor A = isotropic(lambda = {}, mu = {})".format(*map(number, self.viscous))]
+        lines += [declaration for declaration, _ in texts]
+        lines += [f"space V = vector P{self.order} on body, zero on {self.clamped}",
+                  f"space Q = scalar P{self.scalar.order} on body{zero_p}",
+                  f"find u in V, p in Q for t in [0, 1] by {self.steps} steps from u = 0, p = 0",
+                  "such that for all v in V, q in Q",
+                  "    integral(body, B : eps(u) : eps(v)) + integral(body, A : eps(u') : eps(v))",
+                  f"  - integral(body, {number(self.to_u / p)}*p*div(v))"]
+        for factor, what in ((self.to_p * row, "div(u)*q"), (self.to_p_rate * row, "div(u')*q"),
+                             (self.capacity * row / p, "p'*q"), (self.diffusion * row * scale ** 2 / p, "dot(grad(p), grad(q))")):
+            if factor != 0.0:
+                lines.append(f"  + integral(body, {number(factor)}*{what})")
+        lines += [form for _, form in texts]
+        lines.append(f" >= integral(body, t * dot({vector(self.force / scale)}, v))")
+        lines.append(f"  + integral(right, t * dot({vector(self.traction)}, v))")
+        lines.append(f"  + integral(body, t * {number(self.source * row)} * q)")
+        lines.append("report\n  table size = norm(u), other = norm(p)\n  fields u, p")
+        return "\n".join(lines) + "\n"
+
+    def bound(self):
+        equilibrated = self.k / np.sqrt(np.outer(np.abs(self.k).max(1), np.abs(self.k).max(0)))
+        return min(rates.AGREES, 10 * orientation.TOLERANCE * self.steps * np.linalg.cond(equilibrated) / (1 - self.ratio()))
+
+    def size(self):
+        return self.reaches["u"]
+
+    def options(self, k):
+        return []
+
+    def error_besides(self, folder, scale):
+        """Of p at the vertices."""
+        import meshio
+
+        size = max(self.reaches["p"], float(np.abs(self.expected_p).max()))
+        worst = 0.0
+        for file, p in zip(sorted((folder / "out").glob("scene_[0-9]*.vtu")), self.expected_p):
+            grid = meshio.read(file)
+            n = len(self.mesh.points)
+            worst = max(worst, float(np.abs(grid.point_data["p"].ravel()[:n] / self.unit - p[:n]).max()) / size)
+        return worst
+
+    def told(self):
+        laws = [(t.name, t.sees, t.argument, t.rule, type(t.law).__name__) for t in self.terms]
+        return f"{self.dim}D {self.kind} P{self.order}/P{self.scalar.order}, {self.steps} steps, {laws}"
+
+
+if __name__ == "__main__":
+    sys.exit(rates.judge("fields", Scene))
