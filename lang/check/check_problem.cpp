@@ -448,12 +448,13 @@ void Checker::check_clauses(const ast::Find& find) {
   }
   for (std::size_t b = 0; b < find.unknowns.size(); ++b) {
     const std::string& u = find.unknowns[b].unknown.text;
+    const Span& place = find.unknowns.size() == 1 ? find.left.span : find.unknowns[b].unknown.span;
     if (!acts[b])
-      error("E0425", find.left.span,
+      error("E0425", place,
             fmt::format("no form acts on the unknown `{}`: nothing determines it", u),
             "add the elasticity: `integral(body, B : eps(u) : eps(v))`");
     else if (!tested[b])
-      error("E0425", find.left.span,
+      error("E0425", place,
             fmt::format("no form has the test function `{}`: the equation of `{}` is missing",
                         find.unknowns[b].test.text, u),
             "each unknown brings an equation, tested by its own test function");
@@ -503,8 +504,9 @@ struct Couplings {
 } // namespace
 
 /// E0446: a pressure, an unknown without a form of its own, needs an element of lower order than
-/// the unknown whose divergence it sees. (P. Hood, C. Taylor, 1974: P2 with P1; in equal orders
-/// some pressures are seen by no displacement.)
+/// the unknown whose divergence it sees: in equal orders some pressures are seen by no
+/// displacement. (D. Boffi, F. Brezzi, M. Fortin, Mixed Finite Element Methods and Applications,
+/// 2013.)
 void Checker::pairs_of_elements(const ast::Find& find) {
   Couplings couplings;
   std::set<int> with_laws;
@@ -532,7 +534,7 @@ void Checker::of_one_unknown(const ast::Find& find) {
     error("E0445", span, fmt::format("{} of a problem with several unknowns", what), help);
   };
   for (const ModelTerm& term : model_.terms)
-    if (term.integrand.acceleration) {
+    if (has_acceleration(term)) {
       refuse(term.span, "inertia", "motion is that of one unknown");
       break;
     }

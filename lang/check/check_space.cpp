@@ -361,15 +361,18 @@ void Checker::set_hht_alpha(const ast::Setting& setting) {
     error("E0408", setting.value.span, "`hht_alpha` is between -1/3 and 0");
 }
 
-/// Has a form of the inequality u'' in it, and not times zero?
-bool Checker::has_second_derivative() const {
+/// Has a form u'' in it, and not times zero?
+bool has_acceleration(const ModelTerm& term) {
   constexpr int order = 2;
-  return std::ranges::any_of(model_.terms, [](const ModelTerm& term) {
-    return term.integrand.laws.empty() &&
-           (term.factor * term.integrand.scalar())
-               .depends_on_any(slot::field(solver::field_of_u(order), 0),
-                               slot::field(solver::field_of_u(order) + 1, 0));
-  });
+  return term.integrand.laws.empty() &&
+         (term.factor * term.integrand.scalar())
+             .depends_on_any(slot::field(solver::field_of_u(order), 0),
+                             slot::field(solver::field_of_u(order) + 1, 0));
+}
+
+/// Has a form of the inequality?
+bool Checker::has_second_derivative() const {
+  return std::ranges::any_of(model_.terms, has_acceleration);
 }
 
 void Checker::settings(const ast::Find& find) {

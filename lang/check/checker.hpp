@@ -48,6 +48,9 @@ struct Arguments {
 bool has_jumps(const Symbol& symbol);
 Symbol without_jumps(const Symbol& symbol);
 
+/// Has a form u'' in it, and not times zero? (check_space.cpp)
+bool has_acceleration(const ModelTerm& term);
+
 struct Declaration {
   enum class State { untouched, busy, done };
   std::string name;

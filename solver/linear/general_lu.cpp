@@ -3,8 +3,8 @@
 // Pivoting leaves no order with the contact unknowns last, so the whole of K is factored, and
 //   S = ((K^-1)_cc)^-1,   r = S x0_c,   x = x0 + K^-1 E_c S (c - x0_c),   x0 = K^-1 b.
 //
-// D. Ruiz, A scaling algorithm to equilibrate both rows and columns norms in matrices, Rutherford
-// Appleton Laboratory, RAL-TR-2001-034, 2001.
+// The scaling: P. A. Knight, D. Ruiz, B. Ucar, A symmetry preserving algorithm for matrix scaling,
+// INRIA research report 7552, 2012.
 #include "solver/linear/general_lu.hpp"
 
 #include "solver/common/clock.hpp"

@@ -16,8 +16,8 @@ namespace hvi::solver {
 /// differ by e with  sum_b w_b <(K e)_b + (M* dxi)_b, e_b> = 0.  K has one e for every f, hence the
 /// problem one solution, where sym(W (K - D)) is positive definite on the unknowns with forms of
 /// their own, D the descent of the laws, and does not see the others (multipliers: a pressure).
-/// (F. Brezzi, On the existence, uniqueness and approximation of saddle-point problems arising from
-/// Lagrangian multipliers, RAIRO 8 (R2), 1974, for the theory behind.)
+/// (D. Boffi, F. Brezzi, M. Fortin, Mixed Finite Element Methods and Applications, 2013, has the
+/// theory of those.)
 class ProductForm {
 public:
   /// `of_unknown`: by row, which unknown it is of. `with_laws`: by unknown, do laws act on it? Its
