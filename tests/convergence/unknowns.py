@@ -1,0 +1,162 @@
+"""Several unknowns against closed forms, against runs of one unknown, and against themselves in other units.
+
+usage: unknowns.py HVI_RUN [CHECK...]
+"""
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+from turned import PROGRAM, below, close, judge, run, table
+
+
+def tube():
+    """An incompressible tube under pressure in an elastic soil: u = c/r. Its error in P2 is of order 3 at least."""
+    errors = []
+    for n in (4, 8):
+        found = table(f"""
+mesh tube = rectangle(1, 1, cells = [{n}, {n}], origin = [1, 0], axisymmetric = true)
+part inner = tube.left
+part outer = tube.right
+part ends = tube.top + tube.bottom
+superpotential soil(r) with slope | r < 0 -> 0 | otherwise -> 3*r
+space V = vector P2 on tube, zero.y on ends
+space Q = scalar P1 on tube
+find u in V, p in Q
+such that for all v in V, q in Q
+    integral(tube, 2*(eps(u) : eps(v))) - integral(tube, p*div(v)) + integral(tube, q*div(u)) + integral(outer, soil^0(u.nu; v.nu))
+ >= integral(inner, 1.5*v.x)
+report
+  table inside = u.x at [1, 0.5], outside = u.x at [2, 0.5], pressure = p at [1.5, 0.5]
+""")
+        # 2 c/r_i^2 + p = 1.5 inside, and outside -2 c/r_o^2 + p... from the two tractions: c = 0.5, p = 0.5.
+        errors.append(max(abs(found["inside"][-1] - 0.5), abs(found["outside"][-1] - 0.25), abs(found["pressure"][-1] - 0.5)))
+    order = np.log2(errors[0] / errors[1])
+    print(f"  errors {errors}, order {order:.2f}")
+    assert order > 2.5 and errors[1] < 1e-4
+
+
+BODY = """
+mesh body = rectangle(1.5, 1, cells = [6, 4])
+part held = body.left
+part ground = body.bottom
+part roof = body.top
+tensor A = isotropic(young = 1, poisson = 0.3)
+tensor B = isotropic(young = 10, poisson = 0.3)
+kernel C(lag) = -0.3*exp(-lag)*B
+kernel q(lag) = 0.5*exp(-2*lag)
+superpotential layer(r) with slope | r < 0 -> 0 | r < 0.01 -> 20*r | otherwise -> 0.2
+superpotential rub(w) = 0.05*norm(w)
+superpotential wall(s) with slope | s < 0.2 -> 2*s | otherwise -> 0.4
+"""
+OF_U = """integral(body, A : eps(u') : eps(v)) + integral(body, B : eps(u) : eps(v)) + integral(body, history(C, eps(u)) : eps(v))
+  + integral(ground, layer^0(u.nu; v.nu)) + integral(ground, rub^0(u'.tau; v.tau))"""
+OF_P = """integral(body, 0.3*p'*s) + integral(body, dot(grad(p), grad(s))) + integral(body, dot(history(q, grad(p)), grad(s)))
+  + integral(ground, wall^0(p; s))"""
+LOAD_U, LOAD_P = "integral(body, dot([0.2, -0.5]*sin(3*t), v))", "integral(body, 3*t*s)"
+COLUMNS_U = "a = u.y at [1.5, 0], b = u.x at [0.7, 0.3], c = integral(ground, layer.xi), d = norm(u)"
+COLUMNS_P = "e = p at [0.7, 0.3], f = integral(ground, wall.xi), g = norm(p), h = integral(body, p)"
+TIME = "for t in [0, 2] by 12 steps"
+
+
+def apart():
+    """Unknowns that no form couples are those of two runs, also with elements of different orders and coupled by a form times zero."""
+    for scheme in ("backward_euler", "bdf2"):
+        for element, other in (("P1", "P1"), ("P2", "P2"), ("P2", "P1"), ("P1", "P2")):
+            spaces = f"space V = vector {element} on body, zero on held\n", f"space W = scalar {other} on body, zero on roof\n"
+            using = f"using scheme = {scheme}"
+            first = table(BODY + spaces[0] + f"find u in V {TIME} from u = 0 {using} such that for all v in V {OF_U} >= {LOAD_U}\nreport table {COLUMNS_U}")
+            second = table(BODY + spaces[1] + f"find p in W {TIME} from p = 0 {using} such that for all s in W {OF_P} >= {LOAD_P}\nreport table {COLUMNS_P}")
+            for coupling in ("", "+ integral(body, 1e-300*p*div(v))"):
+                both = table(BODY + "".join(spaces) + f"find u in V, p in W {TIME} from u = 0, p = 0 {using} such that for all v in V, s in W "
+                             f"{OF_U} + {OF_P} {coupling} >= {LOAD_U} + {LOAD_P}\nreport table {COLUMNS_U}, {COLUMNS_P}")
+                for alone in (first, second):
+                    for name in "abcdefgh":
+                        if name in alone:
+                            error = np.abs(both[name] - alone[name]).max() / np.abs(alone[name]).max()
+                            assert error <= 1e-9, (scheme, element, other, coupling, name, error)
+    print("  16 problems with two unknowns are two problems with one")
+
+
+def units():
+    """The unit of one unknown, and of its equation, change nothing but rounding."""
+    reference = None
+    random = np.random.default_rng(3)
+    for k in range(6):
+        p, row = (1.0, 1.0) if k == 0 else 10 ** random.uniform(-9, 9, 2)
+        found = table(BODY.replace("s < 0.2 -> 2*s", f"s < {0.2 * p} -> {2 / p}*s") + f"""
+space V = vector P2 on body, zero on held
+space W = scalar P1 on body, zero on roof
+find u in V, p in W {TIME} from u = 0, p = 0
+such that for all v in V, s in W
+    {OF_U} - integral(body, {0.4 / p}*p*div(v)) + integral(body, {0.3 * row / p}*p'*s) + integral(body, {row / p}*dot(grad(p), grad(s)))
+  + integral(body, {0.6 * row}*div(u')*s) + {row} * integral(ground, wall^0(p; s))
+ >= {LOAD_U} + integral(body, {3 * row}*t*s)
+report table {COLUMNS_U}, e = p at [0.7, 0.3], f = integral(ground, wall.xi)""")
+        found["e"] = found["e"] / p
+        if reference is None:
+            reference = found
+            continue
+        for name in "abcdef":
+            below(np.abs(found[name] - reference[name]).max() / np.abs(reference[name]).max(), 1e-9, f"units {p:.1e}, {row:.1e}: {name}")
+
+
+def resumed():
+    """A run that goes on beyond its end has the bits of one to the later end."""
+    script = BODY + f"""
+param T = 2
+param N = 12
+space V = vector P2 on body, zero on held
+space W = scalar P1 on body, zero on roof
+find u in V, p in W for t in [0, T] by N steps from u = 0, p = 0
+such that for all v in V, s in W
+    {OF_U} - integral(body, 0.4*p*div(v)) + {OF_P} + integral(body, 0.6*div(u')*s)
+ >= {LOAD_U} + {LOAD_P}
+report table {COLUMNS_U}, {COLUMNS_P}"""
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        (folder / "a.hvi").write_text(script)
+
+        def go(out, steps, *words):
+            subprocess.run([PROGRAM, "run", "a.hvi", "--quiet", "-o", out, "-D", f"T={steps / 6}", "-D", f"N={steps}", "--checkpoint", "1", *words],
+                           cwd=folder, check=True, capture_output=True)
+
+        go("whole", 12)
+        go("parts", 6)
+        go("parts", 12, "--resume")
+        whole, parts = ((folder / name / "a.csv").read_text() for name in ("whole", "parts"))
+        assert whole == parts, "a resumed run has other bits"
+    print("  the same bits")
+
+
+def heat_between():
+    """Two bars that touch: displacement and temperature both jump at the pair, which conducts by a law."""
+    found = table("""
+mesh first = rectangle(1, 1, cells = [4, 3])
+mesh second = rectangle(1, 1, cells = [3, 5], at = [1, 0])
+mesh both = first + second
+part hot = first.left
+part cold = second.right
+part flanks = first.top + first.bottom + second.top + second.bottom
+part seam = pair(first.right, second.left)
+tensor B = isotropic(young = 5, poisson = 0.3)
+superpotential wall(r) with slope | r < 0 -> 0 | otherwise -> 1e300
+superpotential film(s) = 1.5*s^2
+space V = vector P1 on both, zero.x on hot, zero.x on cold, zero.y on flanks
+space W = scalar P1 on both, zero on hot, zero on cold
+find u in V, theta in W with theta = 100 on hot
+such that for all v in V, eta in W
+    integral(both, B : eps(u) : eps(v)) - integral(both, 0.01*theta*div(v)) + integral(both, 2*dot(grad(theta), grad(eta)))
+  + integral(seam, wall^0(jump(u).nu; jump(v).nu)) + integral(seam, film^0(jump(theta); jump(eta)))
+ >= 0
+report
+  table push = integral(seam, wall.xi), flux = integral(seam, film.xi)
+""")
+    # Flux 100/(1/2 + 1/2 + 1/3); the stress of held bars is 0.01 times their mean temperature, which is 50.
+    close(found["flux"][-1], 75.0, 1e-12, "flux")
+    close(found["push"][-1], 0.5, 1e-12, "push")
+
+
+sys.exit(judge([tube, apart, units, resumed, heat_between]))
