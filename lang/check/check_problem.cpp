@@ -546,7 +546,7 @@ void Checker::of_one_unknown(const ast::Find& find) {
       refuse(setting.span, "an accuracy", "choose n and N, and compare two of them");
   for (const ast::Statement& statement : programs_[0].statements)
     if (const auto* study = std::get_if<ast::Study>(&statement))
-      refuse(study->keyword, "a study", "run it with several `-D n=..` and compare columns");
+      refuse(study->keyword, "a study", "run it for several n, and compare columns");
   for (const ModelTerm& term : model_.terms)
     for (const LawUse& use : term.integrand.laws) {
       const auto all = unknowns_of(model_.space);

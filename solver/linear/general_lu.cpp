@@ -68,6 +68,9 @@ void ScaledMatrix::scale_once() {
   column_scale = column_scale.cwiseProduct(columns);
 }
 
+/// Below it the matrix of contact unknowns is rounding.
+constexpr double smallest_condition = 1e-16;
+
 class GeneralLu final : public Factorisation {
 public:
   explicit GeneralLu(std::span<const int> contact) : contact_(contact.begin(), contact.end()) {
@@ -161,10 +164,13 @@ void GeneralLu::make_schur() {
     inverse.col(j) = x(contact_);
   }
   if (n == 0) return;
-  const auto lu = inverse.partialPivLu();
-  if (!(lu.rcond() > smallest_pivot))
+  // Without units, as the matrix was factored.
+  const Vector rows = matrix_->column_scale(contact_).cwiseInverse(),
+               columns = matrix_->row_scale(contact_).cwiseInverse();
+  const Eigen::PartialPivLU<DenseMatrix> lu(rows.asDiagonal() * inverse * columns.asDiagonal());
+  if (!(lu.rcond() > smallest_condition))
     throw NotFactorable(-1, lu.rcond(), "the matrix is singular without its contact unknowns");
-  schur_ = lu.inverse();
+  schur_ = columns.asDiagonal() * lu.inverse() * rows.asDiagonal();
 }
 
 void GeneralLu::place(Eigen::Index size) {
@@ -233,8 +239,7 @@ void GeneralLu::back(RightHandSides y, Columns columns) {
   for (int k = 0; k < y.count; ++k) {
     for (int i = 0; i < c.size(); ++i) c[i] = y.values[(order_.interior + i) * y.stride + k];
     const Vector x = moved_by(c);
-    for (int p = 0; p < order_.interior; ++p)
-      y.values[p * y.stride + k] += x[order_.unknown[p]];
+    for (int p = 0; p < order_.interior; ++p) y.values[p * y.stride + k] += x[order_.unknown[p]];
   }
 }
 

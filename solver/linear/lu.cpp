@@ -13,7 +13,6 @@
 #include "solver/linear/ordering.hpp"
 #include "solver/linear/umfpack_objects.hpp"
 
-
 #include <algorithm>
 #include <array>
 #include <cmath>

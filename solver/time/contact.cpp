@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <unordered_map>
 
 namespace hvi::solver {
@@ -180,23 +181,37 @@ void tell_unknowns_apart(const Space& space, const StateLayout& layout, Contact&
   }
 }
 
-/// A pressure between contact unknowns on all sides is known up to a constant without them: one of
-/// its values is kept with them.
-void add_multipliers(const Problem& problem, const Space& space, Contact& out) {
+/// Has an unknown forms or laws of its own?
+bool stands_alone(const Problem& problem, int unknown) {
+  const auto own = [&](const FormTerm::Entry& entry) {
+    return slot::unknown_of(entry.test) == unknown && slot::unknown_of(entry.trial) == unknown;
+  };
+  return std::ranges::any_of(
+             problem.forms,
+             [&](const FormTerm& form) { return std::ranges::any_of(form.entries, own); }) ||
+         std::ranges::find(problem.law_terms, unknown, &LawTerm::unknown) !=
+             problem.law_terms.end();
+}
+
+/// A pressure that only contact unknowns see is not known without them: those around contact nodes
+/// are kept with them.
+void add_multipliers(const Problem& problem, const Space& space, const StateLayout& layout,
+                     Contact& out) {
   if (!space.is_product() || out.whole || out.none()) return;
+  std::vector<int> unknown_of(static_cast<std::size_t>(space.n_dofs()), -1);
+  for (int i = 0; i < layout.n_unknowns; ++i) unknown_of[layout.dof_of[i]] = i;
+  std::set<int> all(out.unknowns.begin(), out.unknowns.end());
   for (int b = 0; b < n_unknowns(space); ++b) {
-    const auto own = [&](const FormTerm::Entry& entry) {
-      return slot::unknown_of(entry.test) == b && slot::unknown_of(entry.trial) == b;
-    };
-    const bool has_form = std::ranges::any_of(problem.forms, [&](const FormTerm& form) {
-      return std::ranges::any_of(form.entries, own);
-    });
-    const bool has_law = std::ranges::find(problem.law_terms, b, &LawTerm::unknown) != problem.law_terms.end();
-    const auto first = std::ranges::find(out.of_unknown, b);
-    if (has_form || has_law || first == out.of_unknown.end()) continue;
-    const int i = static_cast<int>(first - out.of_unknown.begin());
-    out.unknowns.insert(std::ranges::lower_bound(out.unknowns, i), i);
+    if (stands_alone(problem, b)) continue;
+    for (const int c : out.unknowns) {
+      const auto node = static_cast<std::size_t>(layout.dof_of[c] / space.components);
+      for (auto k = space.graph->offsets[node]; k < space.graph->offsets[node + 1]; ++k) {
+        const int dof = space.dof(space.graph->neighbours[k], space.blocks[b].first);
+        if (unknown_of[dof] >= 0) all.insert(unknown_of[dof]);
+      }
+    }
   }
+  out.unknowns.assign(all.begin(), all.end());
 }
 
 } // namespace
@@ -256,7 +271,7 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
   out.offset = out.problem.offset = Vector::Zero(n_rows);
   tell_unknowns_apart(d.space, layout, out);
   choose_unknowns(out, layout.n_unknowns);
-  add_multipliers(problem, d.space, out);
+  add_multipliers(problem, d.space, layout, out);
   restrict_to_unknowns(out, layout.n_unknowns);
   return out;
 }

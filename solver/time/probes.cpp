@@ -64,7 +64,8 @@ void ProbeSet::make_gram(const Discretisation& d, const RunState& run, int unkno
   if (!grams_[b].matrix.empty()) return;
   // Without imposed values the seminorm of a scalar space is no norm.
   const bool add_mass = space_.blocks[b].components == 1 && d.dofs.held_of[b] == 0;
-  if (!add_mass) grams_[b].matrix = from_bases(run.balance, *run.formulation, d, strain_form(space_, unknown));
+  if (!add_mass)
+    grams_[b].matrix = from_bases(run.balance, *run.formulation, d, strain_form(space_, unknown));
   grams_[b].on_states = !grams_[b].matrix.empty();
   if (!grams_[b].on_states)
     grams_[b].matrix = SymmetricBlocks(gram_of_unknown(space_, unknown, add_mass), true);

@@ -200,7 +200,10 @@ std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisatio
       const auto dof = layout.dof_of[i]; // a mode of the interior has none
       inside(i, a) = dof >= 0 ? all[a].values[dof] : 0.0;
     }
-  energy = inside.transpose() * (k * inside);
+  const DenseMatrix forces = k * inside;
+  // Of several unknowns a pressure has no energy: what is free has no forces.
+  energy = d.space.is_product() ? DenseMatrix(forces.transpose() * forces) / stiffness
+                                : DenseMatrix(inside.transpose() * forces);
   for (Eigen::Index a = 0; a < m; ++a)
     for (Eigen::Index b = 0; b < m; ++b)
       for (const auto& e : d.dofs.eliminated)

@@ -52,7 +52,8 @@ FoundMatrix StepMatrices::find(int n, const Vector& factors) {
   }
   if (kept_.size() < most_)
     kept_.insert(kept_.begin(),
-                 KeptMatrix{rate, length, new_matrix(plan_.options, formulation_, latest(), motions_.get())});
+                 KeptMatrix{rate, length,
+                            new_matrix(plan_.options, formulation_, latest(), motions_.get())});
   else
     kept_.splice(kept_.begin(), kept_, std::prev(kept_.end()));
   auto& kept = kept_.front();

@@ -139,6 +139,8 @@ def turned(path, turner, rule):
             if "point(" in s:
                 raise CannotTurn("a part of one point")
             s = turner.expression(s)
+        elif rule == "gauss" and re.search(r"superpotential .*\.xi\b.*norm", s):
+            raise CannotTurn("Coulomb's bound at more points than there are nodes: multipliers are not unique")
         elif word in ("fn", "superpotential"):
             arguments = re.findall(r"\w+", s[s.index("(") + 1:s.index(")")])
             head, body = s[:closing(s, s.index("("))], s[closing(s, s.index("(")):]

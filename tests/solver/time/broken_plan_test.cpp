@@ -252,7 +252,7 @@ TEST(Validate, NamesWhatIsWrong) {
   EXPECT_EQ(said([](Plan& p) { p.problem.loads[0].entries[0].test = slot::value(2); }),
             "a load has the derivative 2 of a function with 2 components in 2 dimensions");
   EXPECT_EQ(said([](Plan& p) { p.problem.loads[0].entries[0].value = u_value(0); }),
-            "a load has the variable 32, which it cannot have");
+            "a load has the variable 96, which it cannot have");
   EXPECT_EQ(said([](Plan& p) { p.problem.law_terms[0].rows.clear(); }),
             "the argument of a law has 0 rows; a scalar law has 1");
   EXPECT_EQ(said([](Plan& p) { p.problem.laws[1].coupled = "gone"; }),

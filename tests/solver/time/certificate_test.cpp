@@ -120,6 +120,7 @@ TEST(Inclusion, ScaleHoldsTheOffset) {
 struct Row {
   SparseMatrix k{2, 2}, force{2, 2};
   Vector d = Vector::Zero(2), b = Vector::Zero(2), xi = Vector::Zero(2), gap{2};
+  std::vector<std::uint8_t> of_unknown{};
   Row() {
     k.insert(0, 0) = k.insert(1, 1) = 2.0;
     force.insert(0, 0) = force.insert(1, 1) = 1.0;
@@ -129,11 +130,12 @@ struct Row {
     k.makeCompressed(), force.makeCompressed();
     const std::vector<int> contact{0, 1};
     const Vector kd = k * d, diagonal = k.diagonal();
-    const double one = equilibrium_error(k, d, b, contact, force, xi, gap);
-    const double two = equilibrium_error(k, diagonal, kd, d, b, contact, force, xi, gap);
+    const Reactions reactions{force, of_unknown};
+    const double one = equilibrium_error(k, d, b, contact, reactions, xi, gap);
+    const double two = equilibrium_error(k, diagonal, kd, d, b, contact, reactions, xi, gap);
     Vector scale(2);
     gap_and_scale(k, d, b, gap, scale);
-    const double three = equilibrium_error(k, d, gap, scale, force, xi);
+    const double three = equilibrium_error(k, d, gap, scale, reactions, xi);
     EXPECT_EQ(one, two);
     EXPECT_EQ(one, three);
     return one;
@@ -164,6 +166,18 @@ TEST(Equilibrium, RoundingOfProductsIsNoForce) {
   EXPECT_LT(row.error(), 2e-14);
   row.d[1] = 1e-9;
   EXPECT_GT(row.error(), 9e-8);
+}
+
+// A row is judged by what is of its own unknown: the others have other units.
+TEST(Equilibrium, EachOfSeveralUnknownsHasItsOwnSize) {
+  Row row;
+  row.k.coeffRef(1, 0) = 1e-16;
+  row.d << 1e9, 1.0;
+  row.b << 2e9, 2.0 + 1e-6;
+  const double as_one = row.error();
+  row.of_unknown = {0, 1};
+  EXPECT_GT(row.error(), 100.0 * as_one);
+  EXPECT_GT(row.error(), 1e-7);
 }
 
 TEST(Equilibrium, CancellingReactionsHaveAScale) {

@@ -53,7 +53,7 @@ TEST(RigidMotions, AreThoseThatImposedValuesAllow) {
 TEST(RigidMotions, StrainNothing) {
   Discretisation d;
   const auto motions = motions_of(slab(4, 4), {}, d);
-  const SparseMatrix strain = gram_v(d.space, false);
+  const SparseMatrix strain = gram_of_unknown(d.space, 0, false);
   std::vector<std::int32_t> dofs(static_cast<std::size_t>(d.space.n_dofs()));
   for (std::size_t i = 0; i < dofs.size(); ++i) dofs[i] = static_cast<std::int32_t>(i);
   const DenseMatrix all = motions.on(dofs);

@@ -1,0 +1,81 @@
+// Factors with pivots by size: against dense algebra, on random saddle points in any units.
+#include "solver/linear/general_lu.hpp"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace hvi::solver {
+namespace {
+
+/// [A, B^T; C, 0] with A positive definite: an elimination in this order meets no zero, in others
+/// it does.
+struct SaddlePoint {
+  DenseMatrix dense;
+  SparseMatrix sparse;
+  Vector units, units_of_rows; ///< sizes of solutions, of K and of its transpose
+  SaddlePoint(std::mt19937& random, int n, int m) : dense(DenseMatrix::Zero(n + m, n + m)) {
+    std::uniform_real_distribution<double> unit(-1.0, 1.0), exponent(-8.0, 8.0);
+    const auto any = [&](int rows, int columns) {
+      return DenseMatrix(DenseMatrix::NullaryExpr(rows, columns, [&] { return unit(random); }));
+    };
+    const DenseMatrix root = any(n, n);
+    dense.topLeftCorner(n, n) = root * root.transpose() + DenseMatrix::Identity(n, n);
+    dense.topRightCorner(n, m) = any(n, m);
+    dense.bottomLeftCorner(m, n) = dense.topRightCorner(n, m).transpose() + 0.1 * any(m, n);
+    const double column = std::pow(10.0, exponent(random)), row = std::pow(10.0, exponent(random));
+    dense.rightCols(m) *= column;
+    dense.bottomRows(m) *= row;
+    sparse = dense.sparseView();
+    units = units_of_rows = Vector::Ones(n + m);
+    units.tail(m) /= column, units_of_rows.tail(m) /= row;
+  }
+};
+
+double error(const Vector& a, const Vector& b) {
+  return (a - b).cwiseQuotient(b).lpNorm<Eigen::Infinity>();
+}
+
+TEST(GeneralLu, SolvesAndCondensesSaddlePointsInAnyUnits) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(0.5, 1.0);
+  for (int trial = 0; trial < 50; ++trial) {
+    const int n = 6 + trial % 5, m = 1 + trial % 3;
+    const SaddlePoint k(random, n, m);
+    const std::vector<int> contact{0, 2};
+    const auto factor = general_factor(contact);
+    factor->factor(k.sparse);
+    const Vector any = Vector::NullaryExpr(n + m, [&] { return unit(random); });
+    const Vector wanted = any.cwiseProduct(k.units), other = any.cwiseProduct(k.units_of_rows);
+    Vector x, y, r;
+    solve(*factor, k.dense * wanted, x);
+    EXPECT_LT(error(x, wanted), 1e-9);
+    solve(*factor, k.dense.transpose() * other, x, Columns::transposed);
+    EXPECT_LT(error(x, other), 1e-9);
+    forward(*factor, k.dense * wanted, y, r);
+    const Vector at_contact = wanted(contact);
+    EXPECT_LT(error(factor->schur() * at_contact, r), 1e-8);
+    back(*factor, at_contact, y, x);
+    EXPECT_LT(error(x, wanted), 1e-8);
+  }
+}
+
+TEST(GeneralLu, WhatIsSingularHasNoFactor) {
+  std::mt19937 random(5);
+  SaddlePoint k(random, 6, 2);
+  k.dense.row(7) = 2.0 * k.dense.row(6);
+  EXPECT_THROW(general_factor({})->factor(SparseMatrix(k.dense.sparseView())), NotFactorable);
+  // The pressure is seen by the contact unknown alone: without it there is no way to condense.
+  DenseMatrix between = DenseMatrix::Identity(3, 3);
+  between(2, 2) = 0.0;
+  between(0, 2) = between(2, 0) = 1.0;
+  const std::vector<int> contact{0};
+  EXPECT_THROW(general_factor(contact)->factor(SparseMatrix(between.sparseView())), NotFactorable);
+  const std::vector<int> with_pressure{0, 2};
+  EXPECT_NO_THROW(general_factor(with_pressure)->factor(SparseMatrix(between.sparseView())));
+}
+
+} // namespace
+} // namespace hvi::solver
