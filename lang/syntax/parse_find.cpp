@@ -2,6 +2,8 @@
 #include "lang/diag/suggest.hpp"
 #include "lang/syntax/parser_impl.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 
 namespace hvi::lang {

@@ -89,6 +89,14 @@ std::vector<EffectNote> found_effects(const Problem& problem, const Discretisati
                    problem.space.vector ? "integrals carry 2 pi x, strains the hoop part u_x/x; "
                                           "u_x = 0 on the axis"
                                         : "integrals carry 2 pi x"});
+  if (!problem.space.more.empty()) {
+    std::string names;
+    for (const UnknownSpec& unknown : unknowns_of(problem.space))
+      names += fmt::format("{}`{}` in P{}", names.empty() ? "" : ", ", unknown.name, unknown.order);
+    out.push_back({"several unknowns", State::on, problem.space.more.front().origin,
+                   names + (run.formulation->operators().coupled ? "; forms couple them"
+                                                                 : "; no form couples them")});
+  }
   const bool symmetric = run.formulation->operators().symmetric;
   out.push_back({"symmetry",
                  symmetric ? State::on : State::off,

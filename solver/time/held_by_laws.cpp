@@ -70,8 +70,8 @@ struct Range {
 /// The multipliers that laws admit at their points, whatever the arguments.
 class Admitted {
 public:
-  Admitted(const FreeBody& body, const Contact& contact, const Problem& problem, double t)
-      : contact_(contact), problem_(problem), t_(t), seen_(seen_by_laws(body, contact)) {
+  Admitted(const FreeBody& body, const Contact& contact, double t)
+      : contact_(contact), t_(t), seen_(seen_by_laws(body, contact)) {
     for (const auto& term : contact.terms)
       for (int p = 0; p < term.n_points(); ++p) add(term, p);
   }
@@ -146,7 +146,6 @@ private:
   }
 
   const Contact& contact_;
-  const Problem& problem_;
   double t_;
   DenseMatrix seen_;
   std::vector<Point> points_;
@@ -297,7 +296,7 @@ void refuse_unbalanced(const FreeBody& body, const Contact& contact, const Probl
       problem.loads.empty() ? problem.law_terms.front().origin : problem.loads.front().origin;
   const std::string when =
       problem.time.is_static ? std::string() : fmt::format(" at t = {:.6g}", t);
-  const Admitted admitted(body, contact, problem, t);
+  const Admitted admitted(body, contact, t);
   refuse_free(each_in_words(body, admitted.unseen()), when, origin);
   const auto nearest = nearest_point(body.on_unknowns.transpose() * r, admitted.start(),
                                      [&](const Vector& y) { return admitted.support(y); });

@@ -12,6 +12,7 @@
 #include "solver/time/shared_work.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <span>
@@ -180,13 +181,39 @@ void add_changing(const Problem& problem, const Discretisation& discretisation,
   operators.shared = nullptr; // these factors are of one moment
 }
 
+/// Which unknowns (columns) stand with the test functions of which (rows) in a form.
+using Couplings = std::array<std::array<bool, slot::most_unknowns>, slot::most_unknowns>;
+
+Couplings couplings_of(const Problem& problem) {
+  Couplings out{};
+  for (const FormTerm& form : problem.forms)
+    for (const FormTerm::Entry& entry : form.entries)
+      out[slot::unknown_of(entry.test)][slot::unknown_of(entry.trial)] = true;
+  return out;
+}
+
 /// Does a form have one unknown in it and the test function of another?
-bool couples_unknowns(const Problem& problem) {
-  return std::ranges::any_of(problem.forms, [](const FormTerm& form) {
-    return std::ranges::any_of(form.entries, [](const FormTerm::Entry& entry) {
-      return slot::unknown_of(entry.test) != slot::unknown_of(entry.trial);
+bool couples_unknowns(const Couplings& couplings) {
+  for (std::size_t a = 0; a < couplings.size(); ++a)
+    for (std::size_t b = 0; b < couplings.size(); ++b)
+      if (a != b && couplings[a][b]) return true;
+  return false;
+}
+
+/// Unknowns that no form couples have no entries in common: they are apart in memory and factors.
+void take_apart(const Couplings& couplings, const Space& space, const StateLayout& layout,
+                std::vector<SparseMatrix>& matrices) {
+  if (!space.is_product()) return;
+  std::vector<std::size_t> of;
+  for (const auto dof : layout.dof_of)
+    of.push_back(static_cast<std::size_t>(space.block_of(dof % space.components)));
+  for (SparseMatrix& matrix : matrices) {
+    matrix.prune([&](Eigen::Index i, Eigen::Index j, double) {
+      const std::size_t a = of[static_cast<std::size_t>(i)], b = of[static_cast<std::size_t>(j)];
+      return a == b || couplings[a][b] || couplings[b][a];
     });
-  });
+    matrix.makeCompressed();
+  }
 }
 
 /// Symmetric on the unknowns to rounding of the assembly.
@@ -227,6 +254,8 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
     matrices.push_back(restrict_rows(inertia_matrix(problem, discretisation), layout));
     distinct.weights.push_back(Vector::Unit(n_fields, field_of_u(2)));
   }
+  const Couplings couplings = couplings_of(problem);
+  take_apart(couplings, discretisation.space, layout, matrices);
   merge_equal_values(matrices, distinct.weights);
   merge_equal_weights(matrices, distinct.weights);
 
@@ -240,7 +269,7 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
     out.weights.col(static_cast<Eigen::Index>(b)) = distinct.weights[b];
     out.symmetric = out.symmetric && (out.mirrored || is_symmetric(matrices[b]));
   }
-  out.coupled = couples_unknowns(problem);
+  out.coupled = couples_unknowns(couplings);
   out.symmetric = out.symmetric && !out.coupled;
   if (matrices.size() == distinct.terms.size()) out.terms = std::move(distinct.terms);
   out.bases = std::move(matrices);
