@@ -249,7 +249,7 @@ private:
   bool take_jumps(const Span& span, std::vector<Symbol>& components, int part);
   bool take_jumps_at_point(const Span& span, Symbol& expression, solver::Probe& probe);
 
-  // --- the inequality (check_problem.cpp, check_space.cpp)
+  // --- the inequality (check_problem.cpp, check_unknowns.cpp, check_space.cpp)
   void find_statement();
   void locate_find();
   std::optional<int> space(const ast::Space& space);

@@ -42,9 +42,8 @@ SolutionSize own_size(const Space& space, const SpaceBlock& block, const Vector&
   for (int node = 0; node < static_cast<int>(space.nodes.size()); ++node)
     for (int c = 0; c < block.components; ++c)
       largest = std::max(largest, std::abs(u[space.dof(node, block.first + c)]));
-  all.nothing *= all.size > 0.0 ? largest / all.size : 1.0;
-  all.size = largest;
-  return all;
+  const double nothing = all.nothing_of[static_cast<std::size_t>(space.block_of(block.first))];
+  return {std::max(largest, nothing), nothing, {}};
 }
 
 /// Of one unknown; see reference_motions.

@@ -6,6 +6,7 @@
 #include "solver/time/field_files.hpp"
 #include "solver/time/probes.hpp"
 
+#include <array>
 #include <chrono>
 #include <functional>
 #include <optional>
@@ -26,6 +27,8 @@ std::string fields_stem(const ReportSpec& report, std::size_t i, const std::stri
 struct SolutionSize {
   double size = 0.0;
   double nothing = 0.0;
+  /// Of several unknowns, what is rounding of each.
+  std::array<double, slot::most_unknowns> nothing_of{};
 };
 
 class Reporter {

@@ -197,9 +197,28 @@ private:
     error.solution = std::max(error.solution, state_.solver.refinement.last_correction());
     error.refined = state_.solver.refinement.on();
     error.amplification = state_.rounding.amplification();
-    error.columns = reporter_.errors(samples, result_.u, {size, nothing});
+    error.columns = reporter_.errors(samples, result_.u, {size, nothing, nothing_of_each(matrix)});
     if (settings_.condition || error.refined || result_.work.bytes < cheap_bytes)
       error.condition = state_.formulation->condition(state_.solver.equations.matrices.latest());
+  }
+
+  /// Of several unknowns: parts of how far the forces in its rows would move each of them, which
+  /// may cancel (a fluid at rest under its pressure).
+  std::array<double, slot::most_unknowns> nothing_of_each(const StepMatrix* matrix) const {
+    std::array<double, slot::most_unknowns> out{};
+    const auto& of_unknown = state_.contact().of_unknown;
+    if (matrix == nullptr || of_unknown.empty()) return out;
+    const Vector& u = state_.evolution.u();
+    for (int i = 0; i < matrix->k().rows(); ++i) {
+      double forces = 0.0, own = 0.0;
+      for (SparseMatrix::InnerIterator it(matrix->k(), i); it; ++it) {
+        forces += std::abs(it.value() * u[it.col()]);
+        if (it.col() == i) own = std::abs(it.value());
+      }
+      double& most = out[of_unknown[static_cast<std::size_t>(i)]];
+      if (own > 0.0) most = std::max(most, negligible_share * forces / own);
+    }
+    return out;
   }
 
   /// Where several solutions are possible: that it is so, which branch this is, and its energy.

@@ -159,4 +159,22 @@ report
     close(found["push"][-1], 0.5, 1e-12, "push")
 
 
-sys.exit(judge([tube, apart, units, resumed, heat_between]))
+def at_rest():
+    """A fluid in a closed box carries its weight by pressure and does not move: a speed that is rounding is no error."""
+    for weight in (1e-6, 2.0, 1e7):
+        found = table(f"""
+mesh flow = rectangle(2, 1, cells = [4, 2])
+part walls = flow.boundary
+part corner = point(flow, [0, 0])
+space V = vector P2 on flow, zero on walls
+space Q = scalar P1 on flow, zero on corner
+find u in V, p in Q such that for all v in V, q in Q
+    integral(flow, 2*(eps(u) : eps(v)) - p*div(v)) + integral(flow, q*div(u)) = integral(flow, {-weight}*v.y)
+report
+  table speed = norm(u), here = u.x at [0.6, 0.4], above = p at [1, 1]
+""")
+        close(found["above"][-1], -weight, 1e-10, "pressure")
+        below(found["speed"][-1], 1e-12 * weight, "speed")
+
+
+sys.exit(judge([tube, apart, units, resumed, heat_between, at_rest]))
