@@ -103,6 +103,20 @@ std::string polygons(const solver::Mesh& mesh, const std::vector<double>& values
   return out;
 }
 
+/// A body so slender that labels along its short side would lie on each other has three of them,
+/// and its colour box lies below it.
+std::string layout(const solver::Mesh& mesh) {
+  if (mesh.dim == 3) return "unset border\nunset xtics\nunset ytics\n";
+  const solver::Box box = solver::bounding_box(mesh);
+  const double wide = box.high[0] - box.low[0], tall = box.high[1] - box.low[1];
+  constexpr double slender = 4.0;
+  if (wide > slender * tall)
+    return fmt::format(
+        "set ytics {:.6g}\nset colorbox horizontal user origin 0.1,0.2 size 0.8,0.03\n", tall / 2);
+  if (tall > slender * wide) return fmt::format("set xtics {:.6g}\n", wide / 2);
+  return {};
+}
+
 /// The commands of one picture.
 std::string commands_for(const solver::Problem& problem, const solver::PictureSpec& picture,
                          const solver::Discretisation& d, const solver::Vector& u) {
@@ -116,8 +130,7 @@ std::string commands_for(const solver::Problem& problem, const solver::PictureSp
                      "set palette defined (0 '#30123b', 1 '#28bbec', 2 '#a2fc3c', 3 '#fb8022', 4 "
                      "'#7a0403')\nset title {} noenhanced\n$data << HVI_END\n{}HVI_END\n"
                      "plot $data using 1:2:3 with filledcurves closed fc palette {}notitle\n",
-                     d.mesh.dim == 3 ? "unset border\nunset xtics\nunset ytics\n" : "",
-                     quoted(label), polygons(d.mesh, values),
+                     layout(d.mesh), quoted(label), polygons(d.mesh, values),
                      // borders are drawn after all areas: those of hidden ones would be seen
                      d.mesh.dim == 3 ? "fs solid noborder " : "");
 }

@@ -554,7 +554,10 @@ Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope&
     }
   }
   uses_memory_ = true;
-  if (read) out.trial = Degree::none; // a law knows what it reads
+  if (read) { // a law knows what it reads
+    out.trial = Degree::none;
+    out.read = true;
+  }
   return out;
 }
 

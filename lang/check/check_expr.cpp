@@ -335,7 +335,7 @@ Value Checker::prime(const ast::Expr& e, const ast::Prime& p, const Scope& scope
           "it is known where a form has it: `integral(body, rho*dot(u'', v))`");
     return Poison{};
   }
-  return value_of_unknown(unknown, order, false);
+  return value_of_unknown(unknown, order, false, scope);
 }
 
 Value Checker::member(const ast::Expr& e, const ast::Member& m, const Scope& scope) {
@@ -381,6 +381,7 @@ Value Checker::field_member(const ast::Expr&, const ast::Member& m, const Field&
   out.rate = f.rate;
   out.acceleration = f.acceleration;
   out.memory = f.memory;
+  out.read = f.read;
   if (f.rank == 2) { // sigma.xy
     if (name.size() != 2) return no_member({"xx", "yy", "xy"});
     const auto i = axis_of(name.substr(0, 1)), j = axis_of(name.substr(1, 1));
@@ -403,8 +404,7 @@ Value Checker::field_member(const ast::Expr&, const ast::Member& m, const Field&
   if (name != "nu" && name != "tau") return no_member({"nu", "tau", "x", "y", "z"});
   if (f.rows != model_.dim) return no_member({"x", "y", "z"});
   const bool on_pair = has_jumps(f.components.front()); // where that is, there is a normal
-  const bool read =
-      on_pair || (scope.law && f.memory); // the part that the law acts on has one, or it is said
+  const bool read = on_pair || f.read; // the part that the law acts on has one, or it is said
   if (!scope.normal && !read) {
     // One wrong part makes every `.nu` of its integral wrong: one error says it.
     if (scope.test && std::exchange(normal_missed_, true)) return Poison{};

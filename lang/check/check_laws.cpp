@@ -176,8 +176,8 @@ bool is_read(solver::Slot s) {
   return s >= slot::first_field || (s >= slot::normal(0) && s <= slot::normal(2));
 }
 
-/// The expression with the largest parts of it that know memories, but not what the law acts on,
-/// as readings.
+/// The expression with the largest parts of it that know the solution, but not what the law acts
+/// on or its states, as readings.
 class ReadingsTaken {
 public:
   explicit ReadingsTaken(std::vector<Symbol>& readings) : readings_(readings) {}
@@ -186,7 +186,7 @@ public:
     const auto slots = e.slots();
     if (std::ranges::none_of(slots, is_read)) return e;
     if (const auto known = taken_.find(e.id()); known != taken_.end()) return known->second;
-    const bool acts = e.depends_on(slot::argument(0)) || e.depends_on(slot::coupled);
+    const bool acts = e.depends_on_any(slot::argument(0), slot::law_state(slot::most_law_states));
     const Symbol out = acts ? with_readings(e) : reading(e);
     taken_.emplace(e.id(), out);
     return out;
@@ -212,27 +212,32 @@ private:
 
 } // namespace
 
-/// The law as an expression of its argument and of what it reads of memories. False (reported) when
-/// it reads what it cannot.
-bool Checker::take_readings(const ast::Superpotential& law, const Symbol& body,
+/// The law as an expression of its argument and of what it reads of the solution. False (reported)
+/// when it reads what it cannot.
+bool Checker::take_readings(const std::string& name, const Span& span, const Symbol& body,
                             solver::LawSpec& spec) {
   spec.expression = ReadingsTaken(spec.readings)(body);
   for (const Symbol& reading : spec.readings)
-    for (const solver::Slot s : reading.slots())
-      if (s >= slot::first_multiplier || slot::is_field_gradient(s)) {
-        error(
-            "E0432", law.value.span,
-            fmt::format("`{}` reads more of a memory than its values at the point", law.name.text),
-            fmt::format("write `history(q, {0}).nu`, `norm(history(q, {0}).tau)` or "
-                        "`history(q, {0}).x`",
-                        name_of(0)));
+    for (const solver::Slot s : reading.slots()) {
+      if (slot::is_field(s) && slot::field_of(s) == solver::field_of_u(2)) {
+        error("E0432", span, fmt::format("`{}` reads `{}''`", name, name_of(0)),
+              "a law reads unknowns, their rates and memories");
         return false;
       }
+      if (slot::is_multiplier(s) || (s < slot::first_multiplier && !slot::is_field_gradient(s)))
+        continue;
+      error("E0432", span,
+            fmt::format("`{}` reads more of the solution than its values at the point", name),
+            fmt::format("write `{0}.nu`, `norm({0}.tau)`, `{0}.x` or such a part of `{0}'` and "
+                        "`history(q, {0})`",
+                        name_of(0)));
+      return false;
+    }
   if (spec.readings.size() <= slot::most_readings) return true;
-  error("E0432", law.value.span,
-        fmt::format("`{}` reads {} quantities of memories, more than {}", law.name.text,
+  error("E0432", span,
+        fmt::format("`{}` reads {} quantities of the solution, more than {}", name,
                     spec.readings.size(), slot::most_readings),
-        "put what depends on memories alone into one factor or summand");
+        "put what depends on the solution alone into one factor or summand");
   return false;
 }
 
@@ -275,7 +280,7 @@ std::optional<int> Checker::law_for(int declaration, bool radial, const Span& us
   const auto states = take_states(expression, law.name.span);
   if (!states) return std::nullopt;
   spec.states = *states;
-  if (!take_readings(law, expression, spec)) return std::nullopt;
+  if (!take_readings(law.name.text, law.value.span, expression, spec)) return std::nullopt;
   try {
     solver::Law probe(spec);
     if (!probe.depends_on_x() && !probe.depends_on_t()) probe.graph({}, 0.0);
@@ -524,11 +529,11 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
       is_pair(part_at_hand_) != laws_of_jumps_.contains(*law)) {
     error("E0441", c.law->span,
           fmt::format("`{}` reads {}", r->name,
-                      is_pair(part_at_hand_) ? "a memory of one side, and acts on a pair"
-                                             : "the jump of a memory, and acts on no pair"),
-          fmt::format("on a pair a law reads `jump(history(q, {})).nu`, elsewhere "
-                      "`history(q, {}).nu`",
-                      u, u));
+                      is_pair(part_at_hand_) ? "one side, and acts on a pair"
+                                             : "a jump, and acts on no pair"),
+          fmt::format("on a pair a law reads `jump({0}).nu` or `jump(history(q, {0})).nu`, "
+                      "elsewhere `{0}.nu`",
+                      u));
     return Poison{};
   }
   const auto wants_normal = [](const Symbol& reading) {
@@ -536,8 +541,7 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
   };
   if (!scope.normal && std::ranges::any_of(readings, wants_normal)) {
     error("E0309", c.law->span,
-          fmt::format("`{}` reads the normal or tangential part of a memory, which there is on the "
-                      "boundary only",
+          fmt::format("`{}` reads a normal or tangential part, which there is on the boundary only",
                       r->name));
     return Poison{};
   }

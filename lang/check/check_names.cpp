@@ -336,8 +336,9 @@ Value Checker::hidden_state(const Span& span, int declaration, const Scope& scop
   return Poison{};
 }
 
-/// A derivative in time of the b-th unknown, or its test function.
-Value Checker::value_of_unknown(int unknown, int order, bool is_test) const {
+/// A derivative in time of the b-th unknown, or its test function. A law knows what it reads: there
+/// it is a number like any other.
+Value Checker::value_of_unknown(int unknown, int order, bool is_test, const Scope& scope) const {
   namespace slot = solver::slot;
   std::vector<Symbol> components;
   for (int i = 0; i < components_of(unknown); ++i) {
@@ -347,7 +348,10 @@ Value Checker::value_of_unknown(int unknown, int order, bool is_test) const {
   }
   const bool vector = unknowns_of(model_.space)[static_cast<std::size_t>(unknown)].vector;
   Field f = vector ? vector_field(components) : scalar_field(components[0]);
-  (is_test ? f.test : f.trial) = Degree::linear;
+  if (is_test || scope.unknown)
+    (is_test ? f.test : f.trial) = Degree::linear;
+  else
+    f.read = true;
   f.rate = order > 0;
   f.acceleration = order == 2;
   return f;
@@ -358,7 +362,7 @@ Value Checker::reference(const ast::Expr& e, const std::string& name, const Scop
   const int unknown = unknown_named(name), tested = unknown_tested_by(name);
   if ((unknown >= 0 || tested >= 0) && find_declaration(name) < 0) {
     const bool is_test = unknown < 0;
-    if (is_test ? !scope.test : !scope.unknown) {
+    if (is_test ? !scope.test : !(scope.unknown || scope.law)) {
       const bool one = find_->unknowns.size() == 1;
       error("E0309", e.span,
             fmt::format("`{}` is {} {} of the inequality: it cannot be used{}", name,
@@ -369,7 +373,7 @@ Value Checker::reference(const ast::Expr& e, const std::string& name, const Scop
       return Poison{};
     }
     if (!spaces_known_) return Poison{};
-    return value_of_unknown(is_test ? tested : unknown, 0, is_test);
+    return value_of_unknown(is_test ? tested : unknown, 0, is_test, scope);
   }
   if (auto built_in = built_in_name(e, name, scope)) return *built_in;
   const int index = find_declaration(name);

@@ -88,6 +88,7 @@ std::optional<Field> Checker::add(const ast::Expr& e, const ast::Binary& b, Fiel
   out.trial = sum_degree(left.trial, right.trial, is_zero(left), is_zero(right));
   out.rate = left.rate || right.rate;
   out.memory = left.memory || right.memory;
+  out.read = left.read || right.read;
   out.laws = left.laws;
   for (LawUse use : right.laws) {
     use.factor = sign * use.factor;
@@ -112,7 +113,7 @@ bool Checker::product_degrees(const Span& span, const Field& left, const Field& 
           "the test function occurs once in every term");
     return false;
   }
-  if (left.trial != Degree::none && right.trial != Degree::none && !scope.report) {
+  if (left.trial != Degree::none && right.trial != Degree::none && !scope.may_be_nonlinear()) {
     error("E0403", span, fmt::format("this product is not linear in {}", names_of_unknowns()),
           "the forms of the inequality are bilinear; a nonlinear law is a superpotential");
     return false;
@@ -121,6 +122,7 @@ bool Checker::product_degrees(const Span& span, const Field& left, const Field& 
   out.trial = left.trial != Degree::none ? left.trial : right.trial;
   out.rate = left.rate || right.rate;
   out.memory = left.memory || right.memory;
+  out.read = left.read || right.read;
   return true;
 }
 
@@ -134,7 +136,7 @@ bool Checker::nonlinear_degrees(const Span& span, const std::string& what,
       return false;
     }
     if (f->trial == Degree::none) continue;
-    if (!scope.report) {
+    if (!scope.may_be_nonlinear()) {
       error("E0403", span, fmt::format("{} is not linear in {}", what, names_of_unknowns()),
             "the forms of the inequality are bilinear; a nonlinear law is a superpotential");
       return false;

@@ -148,8 +148,17 @@ void Checker::find_statement() {
 }
 
 void Checker::forms(const ast::Find& find) {
-  for (const ast::FormTerm& term : find.left.terms) form_term(term, false);
-  for (const ast::FormTerm& term : find.right.terms) form_term(term, true);
+  std::vector<std::pair<const ast::FormTerm*, bool>> sources; // wait until all laws are known
+  const auto take = [&](const std::vector<ast::FormTerm>& terms, bool right) {
+    for (const ast::FormTerm& term : terms) {
+      reads_multiplier_ = false;
+      form_term(term, right, false);
+      if (reads_multiplier_) sources.emplace_back(&term, right);
+    }
+  };
+  take(find.left.terms, false);
+  take(find.right.terms, true);
+  for (const auto& [term, right] : sources) form_term(*term, right, true);
 }
 
 std::optional<Symbol> Checker::form_factors(const ast::FormTerm& term) {
@@ -163,7 +172,7 @@ std::optional<Symbol> Checker::form_factors(const ast::FormTerm& term) {
   return good ? std::optional(factor) : std::nullopt;
 }
 
-void Checker::form_term(const ast::FormTerm& term, bool right) {
+void Checker::form_term(const ast::FormTerm& term, bool right, bool source) {
   auto factor = form_factors(term);
   if (!term.integral) return;
   const ast::Integral& integral = *term.integral;
@@ -171,10 +180,11 @@ void Checker::form_term(const ast::FormTerm& term, bool right) {
   Scope scope;
   scope.what = right ? "a load" : "a form";
   scope.position = scope.time = scope.unknown = scope.test = true;
+  scope.source = source;
   const auto kind = part ? model_.parts[*part].kind : std::nullopt;
   scope.normal = part && (!kind || *kind == Group::Kind::facets);
   if (part && !scope.normal) scope.what = "an integral over cells";
-  scope.states = !right && part && model_.parts[*part].kind == Group::Kind::cells;
+  scope.states = source || (!right && part && model_.parts[*part].kind == Group::Kind::cells);
   ModelTerm out;
   for (const ast::Setting& option : integral.options) {
     if (option.name.text != "rule") {
@@ -208,14 +218,16 @@ void Checker::form_term(const ast::FormTerm& term, bool right) {
   out.right = right;
   out.factor = *factor;
   out.integrand = std::move(*integrand);
+  if (source && (!check_integrand(out, term, true) || !take_source(out, integral.integrand.span)))
+    return;
   if (!out.integrand.laws.empty() && !out.rule_given) out.rule = Rule::nodal;
-  if (!check_integrand(out, term) || !states_of_form(out, integral.integrand.span)) return;
+  if (!check_integrand(out, term, false) || !states_of_form(out, integral.integrand.span)) return;
   law_factors(out, term);
   model_.terms.push_back(std::move(out));
 }
 
-bool Checker::check_integrand(const ModelTerm& term, const ast::FormTerm& source) {
-  const ast::Expr& e = source.integral->integrand;
+bool Checker::check_integrand(const ModelTerm& term, const ast::FormTerm& written, bool source) {
+  const ast::Expr& e = written.integral->integrand;
   const Field& f = term.integrand;
   if (f.rank != 0) {
     error("E0306", e.span, fmt::format("an integrand is a scalar, not {}", describe(f)),
@@ -233,7 +245,7 @@ bool Checker::check_integrand(const ModelTerm& term, const ast::FormTerm& source
     error("E0401", e.span, fmt::format("this is not linear in {}", names_of_tests()));
     return false;
   }
-  if (term.right && f.trial != Degree::none) {
+  if (!source && term.right && f.trial != Degree::none) {
     error("E0403", e.span,
           fmt::format("the right side contains the unknown {}", names_of_unknowns()),
           "bring the term to the left of >=");
@@ -241,7 +253,7 @@ bool Checker::check_integrand(const ModelTerm& term, const ast::FormTerm& source
   }
   const bool timed = f.scalar().depends_on(slot::t);
   for (solver::Slot s : solver::slots_of(f.scalar())) {
-    if (!slot::is_field(s) || !timed) continue;
+    if (!slot::is_field(s) || !timed || source) continue;
     if (derivative(f.scalar(), s).depends_on(slot::t)) {
       error("E0413", e.span, "a form that changes in time is not the problem of the theory",
             "A and B do not depend on t; loads, laws and kernels q(t, s) may");

@@ -103,9 +103,13 @@ Value Checker::law_member(const ast::Member& m, int declaration, const Scope& sc
     return Poison{};
   }
   if (scope.law) return coupled_multiplier(m, declaration);
-  if (!scope.report) {
+  if (scope.test && !scope.source) { // to be read again when all laws are known
+    reads_multiplier_ = true;
+    return Poison{};
+  }
+  if (!scope.report && !scope.source) {
     error("E0309", m.member.span, fmt::format("`{}.xi` is a result", law),
-          "it may stand in `report`");
+          "it may stand in `report`, in sources on the part of the law and in superpotentials");
     return Poison{};
   }
   int application = 0;
@@ -125,8 +129,14 @@ Value Checker::law_member(const ast::Member& m, int declaration, const Scope& sc
     }
   // Its term may have been left out because of an error in it.
   if (diagnostics_.has_errors()) return Poison{};
-  error("E0301", m.object->span, fmt::format("the law `{}` does not stand in the inequality", law),
-        "its multiplier exists only where it acts");
+  if (scope.source)
+    error("E0447", m.object->span,
+          fmt::format("no other integral of the inequality has the law `{}` in it", law),
+          "a source that reads a multiplier stands in an integral of its own");
+  else
+    error("E0301", m.object->span,
+          fmt::format("the law `{}` does not stand in the inequality", law),
+          "its multiplier exists only where it acts");
   return Poison{};
 }
 
@@ -174,7 +184,8 @@ Value Checker::integral_call(const ast::Expr& e, const ast::Call& c, const Scope
         for (const ModelTerm& other : model_.terms)
           for (const LawUse& earlier : other.integrand.laws) {
             if (earlier.name == use.name && first != application &&
-                p.expression.depends_on_any(slot::multiplier(first, 0), slot::multiplier(first, 4)))
+                p.expression.depends_on_any(slot::multiplier(first, 0),
+                                            slot::multiplier(first, slot::rows_of_multiplier)))
               for (int k = 0; k < 3; ++k)
                 rename.emplace_back(slot::multiplier(first, k),
                                     Symbol::variable(slot::multiplier(application, k)));

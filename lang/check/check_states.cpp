@@ -13,9 +13,6 @@ namespace slot = solver::slot;
 
 namespace {
 
-bool is_multiplier(solver::Slot s) { return s >= slot::first_multiplier && s < slot::first_inside; }
-int application_of(solver::Slot s) { return (s - slot::first_multiplier) / 4; }
-
 /// What a rate reads that its points do not know; "" when there is nothing.
 std::string out_of_reach(solver::Slot s, bool in_body) {
   if (s == slot::gap) return "the gap of a pair";
@@ -144,8 +141,8 @@ bool Checker::multipliers_on_part(const Span& span, int part, Symbol& expression
     for (const LawUse& use : term.integrand.laws) applications.emplace_back(use.name, term.part);
   std::vector<std::pair<solver::Slot, Symbol>> rename;
   for (const solver::Slot s : solver::slots_of(expression)) {
-    if (!is_multiplier(s)) continue;
-    const auto& [law, where] = applications[static_cast<std::size_t>(application_of(s))];
+    if (!slot::is_multiplier(s)) continue;
+    const auto& [law, where] = applications[static_cast<std::size_t>(slot::term_of(s))];
     if (where == part) continue;
     const auto here = std::find(applications.begin(), applications.end(), std::pair(law, part));
     if (here == applications.end()) {
@@ -155,9 +152,8 @@ bool Checker::multipliers_on_part(const Span& span, int part, Symbol& expression
             "a multiplier is known on the part of its law only");
       return false;
     }
-    rename.emplace_back(
-        s, Symbol::variable(slot::multiplier(static_cast<int>(here - applications.begin()),
-                                             (s - slot::first_multiplier) % 4)));
+    rename.emplace_back(s, Symbol::variable(slot::multiplier(
+                               static_cast<int>(here - applications.begin()), slot::row_of(s))));
   }
   expression = substitute(expression, rename);
   return true;

@@ -29,12 +29,16 @@ struct Scope {
   bool report = false;   ///< nonlinear in u is welcome; sigma, layer.xi, integral(...)
   bool law = false;      ///< the body of a superpotential
   bool states = false;   ///< states of points
+  bool source = false;   ///< a source that reads multipliers of laws, nonlinear in u as it likes
   std::map<std::string, Value> locals;
   Span call; ///< the call that brought us into another file, if any
 
+  [[nodiscard]] bool may_be_nonlinear() const { return report || source; }
+
   /// The same things visible inside a function, whose arguments are its only locals.
   [[nodiscard]] Scope without_locals() const {
-    return {what, position, time, lag, normal, unknown, test, report, law, states, {}, call};
+    return {what,   position, time,   lag,    normal, unknown, test,
+            report, law,      states, source, {},     call};
   }
 };
 
@@ -190,7 +194,12 @@ private:
   bool is_law_parameter(const Value& value, const ast::Expr& given);
   Span place_in_law(const solver::Failure& failure, const Span& otherwise) const;
   void warn_of_unreached_cases(bool radial);
-  bool take_readings(const ast::Superpotential& law, const Symbol& body, solver::LawSpec& spec);
+  bool take_readings(const std::string& name, const Span& span, const Symbol& body,
+                     solver::LawSpec& spec);
+  // check_sources.cpp
+  std::optional<int> source_law(const std::string& name, const Symbol& g, const Span& span);
+  int take_rule(ModelTerm& source, const Symbol& integrand) const;
+  bool take_source(ModelTerm& term, const Span& span);
   std::optional<int> law_for(int declaration, bool radial, const Span& use);
   std::optional<int> law_field(const ast::Clarke& clarke, const Field& at);
   std::optional<int> law_unknown(const ast::Clarke& clarke, const Field& at,
@@ -264,7 +273,7 @@ private:
   std::string names_of_tests() const;
   const std::string& name_of(int unknown) const;
   int components_of(int unknown) const;
-  Value value_of_unknown(int unknown, int order, bool is_test) const;
+  Value value_of_unknown(int unknown, int order, bool is_test, const Scope& scope) const;
   void imposed_values(const ast::Find& find);
   bool contains(const solver::RegionSpec& larger, const solver::RegionSpec& part) const;
   solver::DirichletSpec* imposed_entry(int unknown, int part, int component);
@@ -278,7 +287,7 @@ private:
   bool has_second_derivative() const;
   void settings(const ast::Find& find);
   void forms(const ast::Find& find);
-  void form_term(const ast::FormTerm& term, bool right);
+  void form_term(const ast::FormTerm& term, bool right, bool source);
   std::optional<Symbol> form_factors(const ast::FormTerm& term);
   void law_factors(ModelTerm& term, const ast::FormTerm& source);
 
@@ -297,7 +306,7 @@ private:
   bool lives_in_body(int part) const;
   void check_states_of_laws();
   void check_changing_form(const ModelTerm& term);
-  bool check_integrand(const ModelTerm& term, const ast::FormTerm& source);
+  bool check_integrand(const ModelTerm& term, const ast::FormTerm& written, bool source);
   void check_relation(const ast::Find& find);
   void check_clauses(const ast::Find& find);
   void of_one_unknown(const ast::Find& find);
@@ -349,6 +358,7 @@ private:
     std::vector<Span> places, values; ///< of the conditions; of the values, the last one's too
   };
   std::vector<LawCases> law_cases_; ///< inner ones first
+  bool reads_multiplier_ = false;   ///< the form term at hand has `slip.xi` in it
   std::string coupled_;             ///< the law whose multiplier the law being checked reads
   std::map<std::size_t, std::pair<Span, double>> locking_; ///< nearly incompressible tensors
   std::set<int> laws_applied_;

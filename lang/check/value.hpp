@@ -38,10 +38,11 @@ struct LawUse {
   std::string name;
   Span span; ///< of the whole j^0(...)
   Symbol factor = 1.0;
-  Span factor_span;       ///< where a factor stands, if any
-  int field = 0;          ///< what the law sees (solver::field_of_u, field_of_memory)
-  double of_memory = 1.0; ///< and how many times a memory
-  int unknown = 0;        ///< of which unknown
+  Span factor_span;           ///< where a factor stands, if any
+  int field = 0;              ///< what the law sees (solver::field_of_u, field_of_memory)
+  double of_memory = 1.0;     ///< and how many times a memory
+  int unknown = 0;            ///< of which unknown
+  std::optional<int> rule_of; ///< see solver::LawTerm
   std::vector<LawRow> rows;
 };
 
@@ -65,6 +66,7 @@ struct Field {
   bool rate = false;                 ///< contains u' or u''
   bool acceleration = false;         ///< contains u''
   bool memory = false;               ///< contains history(...)
+  bool read = false;                 ///< in a superpotential: is of what it reads of the solution
   bool by_slope = false;             ///< the body of a superpotential: a slope, not a potential
   bool law_vector = false;           ///< the vector argument of a superpotential: norm(xi) only
   std::vector<LawUse> laws;          ///< rank 0 only

@@ -247,9 +247,10 @@ find u in V for t in [0, 1] by 8 steps from u = 0, u' = [0, -1] such that for al
   integral(body, rho*dot(u'', v)) + integral(body, B : eps(u) : eps(v)) >= 0)"},
     {"E0432", "what a law cannot read",
      R"(
-A bound or coefficient of a law may depend on memories of the unknown at the law's point: on
-components, on the normal and the tangential part, not on derivatives. A law reads up to four such
-quantities; what depends on memories alone is one of them, however long its expression.)",
+A bound or coefficient of a law may depend on the solution at the law's point: on unknowns, their
+rates and memories, by components, by the normal and the tangential part, not on derivatives. A law
+reads up to four such quantities; what depends on the solution alone is one of them, however long
+its expression.)",
      R"(
 superpotential rub(w) = (1 + abs(div(history(q, u)))) * norm(w))",
      R"(
@@ -332,6 +333,23 @@ space V = vector P2 on body, zero on walls
 space Q = scalar P1 on body
 find u in V, p in Q such that for all v in V, q in Q
   integral(body, 2*mu*(eps(u) : eps(v)) - p*div(v) + q*div(u)) = integral(body, dot(f(), v)))"},
+    {"E0447", "a source that reads a multiplier",
+     R"(
+A linear form on the part of a law may read the law's multiplier and, as it likes, the solution
+there: the heat that friction makes is `dot(slip.xi, u'.tau) * eta`. It is found with each step. It
+stands in an integral of its own, before values of a test function, and not on a pair.)",
+     R"(
+find u in V, theta in W for t in [0, 1] by 8 steps from u = 0, theta = 0
+such that for all v in V, eta in W
+    integral(body, A : eps(u') : eps(v)) + integral(body, dot(grad(theta), grad(eta)))
+  + integral(ground, slip^0(u'.tau; v.tau))
+  - integral(ground, dot(slip.xi, grad(eta))) >= 0)",
+     R"(
+find u in V, theta in W for t in [0, 1] by 8 steps from u = 0, theta = 0
+such that for all v in V, eta in W
+    integral(body, A : eps(u') : eps(v)) + integral(body, dot(grad(theta), grad(eta)))
+  + integral(ground, slip^0(u'.tau; v.tau))
+  - integral(ground, dot(slip.xi, u'.tau) * eta) >= 0)"},
 });
 
 } // namespace

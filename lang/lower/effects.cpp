@@ -94,7 +94,7 @@ std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
       const bool reads = !model.laws[use.law].spec.readings.empty();
       law.why = zero    ? "its factor is zero"
                 : flat  ? "the superpotential is zero"
-                : reads ? "reads memories, found with each step"
+                : reads ? "reads the solution, found with each step"
                         : "";
       out.push_back(std::move(law));
     }

@@ -93,9 +93,6 @@ private:
     for (solver::LawTerm& term : plan_.problem.law_terms)
       if (solver::is_memory(term.field))
         term.field = solver::field_of_memory(fresh[solver::memory_of(term.field)]);
-    for (solver::LawSpec& law : plan_.problem.laws)
-      for (Symbol& reading : law.readings)
-        reading = substitute(substitute(reading, unused), rename);
     plan_.problem.histories = std::move(kept);
     for (std::size_t a = 0; a < applications_.size(); ++a)
       for (int k = 0; k < 3; ++k)
@@ -103,6 +100,9 @@ private:
                             applications_[a] < 0
                                 ? Symbol(0.0)
                                 : Symbol::variable(slot::multiplier(applications_[a], k)));
+    for (solver::LawSpec& law : plan_.problem.laws)
+      for (Symbol& reading : law.readings)
+        reading = substitute(substitute(reading, unused), rename);
     for_each_report_expression([&](Symbol& e) { e = substitute(e, rename); });
     for (solver::StateTerm& state : plan_.problem.states)
       state.rate = substitute(state.rate, rename);
@@ -194,6 +194,7 @@ private:
     out.part = term.part;
     out.field = field_of_law(use);
     out.unknown = use.unknown;
+    out.rule_of = use.rule_of;
     out.rule = term.rule == solver::Rule::exact ? solver::Rule::gauss : term.rule;
     out.effect = model_.laws[use.law].spec.radial ? Effect::friction : Effect::normal_law;
     out.factor = factor;

@@ -55,12 +55,9 @@ FormTerm strain_form(const Space& space, int unknown) {
   return term;
 }
 
-SparseMatrix gram_v(const Space& space, std::span<const char> with_mass) {
-  FormTerm strains, masses;
-  for (int b = 0; b < n_unknowns(space); ++b) {
-    std::ranges::copy(strain_form(space, b).entries, std::back_inserter(strains.entries));
-    if (with_mass[static_cast<std::size_t>(b)] != 0) add_mass(space, b, masses);
-  }
+namespace {
+
+SparseMatrix gram_of(const Space& space, const FormTerm& strains, const FormTerm& masses) {
   SparseMatrix gram = assemble_form(space, all_cells(space), strains);
   // A second form, so that the strain keeps its cheap one-point rule.
   if (!masses.entries.empty())
@@ -68,12 +65,21 @@ SparseMatrix gram_v(const Space& space, std::span<const char> with_mass) {
   return gram;
 }
 
+} // namespace
+
+SparseMatrix gram_v(const Space& space, std::span<const char> with_mass) {
+  FormTerm strains, masses;
+  for (int b = 0; b < n_unknowns(space); ++b) {
+    std::ranges::copy(strain_form(space, b).entries, std::back_inserter(strains.entries));
+    if (with_mass[static_cast<std::size_t>(b)] != 0) add_mass(space, b, masses);
+  }
+  return gram_of(space, strains, masses);
+}
+
 SparseMatrix gram_of_unknown(const Space& space, int unknown, bool with_mass) {
-  SparseMatrix gram = assemble_form(space, all_cells(space), strain_form(space, unknown));
   FormTerm masses;
-  add_mass(space, unknown, masses);
-  if (with_mass) add_scaled(gram, 1.0, assemble_form(space, all_cells(space), masses));
-  return gram;
+  if (with_mass) add_mass(space, unknown, masses);
+  return gram_of(space, strain_form(space, unknown), masses);
 }
 
 SparseMatrix mass(const Space& space) {

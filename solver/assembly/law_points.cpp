@@ -79,8 +79,9 @@ void check_shape(const SpaceBlock& block, const LawTerm& term, bool radial) {
 class Collector {
 public:
   Collector(const Space& space, const Region& region, const LawTerm& term)
-      : space_(space), block_(block_of(space, term)), region_(region), term_(term),
-        tape_(expressions(term)) {}
+      : space_(space), block_(block_of(space, term)),
+        order_(space.blocks[static_cast<std::size_t>(term.rule_of.value_or(term.unknown))].order),
+        region_(region), term_(term), tape_(expressions(term)) {}
 
   std::vector<RawPoint> collect(const Pairing& pairing) {
     add(as_block(space_, pairing), pairing.x.size());
@@ -90,8 +91,8 @@ public:
 
   std::vector<RawPoint> collect() {
     const int dim = dimension_of(*space_.mesh, region_);
-    local_nodes_ = nodal_rule_nodes(dim, dim == 0 ? 1 : block_.order);
-    const RegionPoints points(space_, region_, term_.rule, 2 * (block_.order + 1), block_.order);
+    local_nodes_ = nodal_rule_nodes(dim, dim == 0 ? 1 : order_);
+    const RegionPoints points(space_, region_, term_.rule, 2 * (order_ + 1), order_);
     points.for_blocks([&](const PointBlock& block) { add(block, points.per_entity()); });
     return std::move(raw_);
   }
@@ -158,6 +159,7 @@ private:
 
   const Space& space_;
   const SpaceBlock& block_;
+  const int order_; ///< of the rule
   const Region& region_;
   const LawTerm& term_;
   Pointwise tape_;

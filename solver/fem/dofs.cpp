@@ -71,11 +71,6 @@ void check_spec(const Space& space, const DirichletSpec& entry) {
   }
 }
 
-/// Has the unknown a function at this node? In P1 beside others in P2: at vertices.
-bool has_node(const Space& space, const SpaceBlock& block, int node) {
-  return block.order == space.order || node < static_cast<int>(space.mesh->nodes.size());
-}
-
 /// Collects what is imposed, dof by dof, in the order of the specification.
 class Collector {
 public:

@@ -36,10 +36,11 @@ LawDomain domain_of(const Problem& problem, const Mesh& mesh, const Region& regi
 KnownConstants constants_of(const Problem& problem, const Discretisation& d,
                             const ContactTerm& term, const Law& law) {
   const double start = problem.time.is_static ? 0.0 : problem.time.grid.front();
-  if (law.reads_states())
-    return known_constants(law, term.points.x[0],
-                           initial_law_times(problem, law, term.points, start).front());
-  if (law.coupled() || law.reads() || (!law.depends_on_x() && !law.depends_on_t()))
+  if (law.reads_states() || law.reads())
+    return known_constants(
+        law, term.points.x[0],
+        initial_law_times(problem, law, term.points, start, term.first_readings).front());
+  if (law.coupled() || (!law.depends_on_x() && !law.depends_on_t()))
     return known_constants(law, term.points.x[0], start);
   const auto& part = d.parts[problem.law_terms[term.points.law_term].part];
   return known_constants(law, domain_of(problem, d.mesh, part));

@@ -3,12 +3,13 @@
 
 #include "solver/common/numbers.hpp"
 #include "solver/linear/general_lu.hpp"
-#include "solver/time/product_form.hpp"
+#include "solver/plan/couplings.hpp"
 #include "solver/time/time_scheme.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
@@ -34,9 +35,14 @@ Numbers::Numbers(const Plan& plan, const Discretisation& d)
       laws_(law_constants(problem_, d, contact_)),
       traces_(trace_norms(problem_, d, layout_, gram_)) {}
 
+std::optional<ProductForm> Numbers::product_form(const SparseMatrix& k) const {
+  if (!has_several_unknowns()) return std::nullopt;
+  return ProductForm(k, contact_.of_unknown, unknowns_with_laws(problem_));
+}
+
 SparseMatrix Numbers::definite_part(const SparseMatrix& k) const {
-  if (contact_.of_unknown.empty()) return 0.5 * (k + SparseMatrix(k.transpose()));
-  return ProductForm(k, contact_.of_unknown, unknowns_with_laws(problem_)).symmetric_part(k);
+  if (const auto form = product_form(k)) return form->symmetric_part(k);
+  return 0.5 * (k + SparseMatrix(k.transpose()));
 }
 
 namespace {
@@ -65,23 +71,25 @@ SparseMatrix saddle_point(const SparseMatrix& gram, const SparseMatrix& coupling
 std::optional<double> Numbers::inf_sup(int unknown) const {
   SparseMatrix couplings(layout_.n_unknowns, layout_.n_unknowns);
   for (const int field : {field_of_u(0), field_of_u(1)}) couplings += of_field(field);
-  const auto with_laws = unknowns_with_laws(problem_);
-  if (!ProductForm(couplings, contact_.of_unknown, with_laws).is_multiplier(unknown))
-    return std::nullopt;
+  const auto form = product_form(couplings);
+  if (!form || !form->is_multiplier(unknown)) return std::nullopt;
   const SparseMatrix l2 =
       restrict_rows(mass(discretisation_.space), layout_).leftCols(layout_.n_unknowns);
   const auto own = [&](Vector& x) {
     for (Eigen::Index i = 0; i < x.size(); ++i)
       if (contact_.of_unknown[static_cast<std::size_t>(i)] != unknown) x[i] = 0.0;
   };
-  const auto factor = general_factor({});
+  const SparseMatrix k = saddle_point(gram_.matrix(), couplings, contact_.of_unknown, unknown);
+  std::unique_ptr<Factorisation> factor;
   try {
-    factor->factor(saddle_point(gram_.matrix(), couplings, contact_.of_unknown, unknown));
+    factor = general_factor(k, {});
+    factor->factor(k);
   } catch (const NotFactorable&) {
     return 0.0;
   }
   // Inverse iteration: the other part of the solution for [0; M p] is (C G^-1 C^T)^-1 M p.
-  constexpr int passes = 60;
+  constexpr int passes = 2000;
+  constexpr double settled = 1e-10;
   Vector p(layout_.n_unknowns), x;
   for (Eigen::Index i = 0; i < p.size(); ++i)
     p[i] = 1.0 + 0.5 * std::sin(1.7 * static_cast<double>(i));
@@ -91,15 +99,11 @@ std::optional<double> Numbers::inf_sup(int unknown) const {
     p /= std::sqrt(p.dot(l2 * p));
     solve(*factor, l2 * p, x);
     own(x);
-    squared = 1.0 / std::sqrt(x.dot(l2 * x));
+    const double before = std::exchange(squared, 1.0 / std::sqrt(x.dot(l2 * x)));
     p = x;
+    if (std::abs(squared - before) <= settled * squared) break;
   }
   return std::sqrt(squared);
-}
-
-SparseMatrix Numbers::weighted_as(const SparseMatrix& k, const SparseMatrix& form) const {
-  if (contact_.of_unknown.empty()) return form;
-  return ProductForm(k, contact_.of_unknown, unknowns_with_laws(problem_)).weighted(form);
 }
 
 SparseMatrix Numbers::of_field(int field) const {
@@ -165,8 +169,10 @@ double Numbers::margin_against(int field) const {
   if (form->nonZeros() == 0) return 1.0;
   const SparseMatrix k = of_field(field);
   try {
-    const GramForm against(definite_part(k));
-    return 1.0 - against.largest(weighted_as(k, *form)).value_or(not_a_number);
+    const auto of_product = product_form(k);
+    const GramForm against(of_product ? of_product->symmetric_part(k) : definite_part(k));
+    return 1.0 -
+           against.largest(of_product ? of_product->weighted(*form) : *form).value_or(not_a_number);
   } catch (const Failure&) {
     return -infinity;
   }
@@ -198,9 +204,9 @@ bool StepRatio::take(const Vector& c, SparseMatrix& k) {
   // With the pattern of the laws' form, so that one analysis serves all combinations.
   k = all + 0.0 * descent_;
   if (operators.symmetric) return true;
-  descent_ = numbers_.weighted_as(all, descent_);
-  taken_ = taken_ && !numbers_.has_several_unknowns();
-  k = numbers_.definite_part(k);
+  const auto of_product = numbers_.product_form(all);
+  if (of_product) descent_ = of_product->weighted(descent_), taken_ = false;
+  k = of_product ? of_product->symmetric_part(k) : numbers_.definite_part(k);
   return true;
 }
 

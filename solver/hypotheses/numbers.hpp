@@ -5,6 +5,7 @@
 #include "solver/hypotheses/laws.hpp"
 #include "solver/time/held_by_laws.hpp"
 #include "solver/time/operators.hpp"
+#include "solver/time/product_form.hpp"
 #include "solver/time/uniqueness.hpp"
 
 #include <optional>
@@ -19,8 +20,8 @@ public:
   SparseMatrix of_field(int field) const; ///< the sum of all forms in a field
   /// Of the matrix of a form: its symmetric part; of several unknowns see ProductForm.
   SparseMatrix definite_part(const SparseMatrix& k) const;
-  /// The form of laws with the weights that the equations of `k` have there.
-  SparseMatrix weighted_as(const SparseMatrix& k, const SparseMatrix& form) const;
+  /// With the weights of the equations of `k`; of one unknown there is none.
+  std::optional<ProductForm> product_form(const SparseMatrix& k) const;
   bool has_several_unknowns() const { return !contact_.of_unknown.empty(); }
   bool acts_on(int field) const { return operators_.acts_on(field); }
   /// Least eigenvalue against the Gram matrix (0 for no form, NaN when not found). `pointwise`: a

@@ -1,4 +1,4 @@
-// See states.hpp. Called by hypotheses.cpp.
+// See states.hpp. Called by law_rows.cpp.
 #include "solver/hypotheses/states.hpp"
 
 #include "solver/common/numbers.hpp"

@@ -76,7 +76,7 @@ private:
       out_.discrete_verdict =
           "uniqueness is not guaranteed: laws alone hold the body (semi-coercive)";
     else if (facts_.reads)
-      out_.discrete_verdict = "uniqueness is not guaranteed: a law reads a memory of the unknown";
+      out_.discrete_verdict = "uniqueness is not guaranteed: a law reads the solution";
     else if (facts_.states)
       out_.discrete_verdict =
           positive ? "with its states held, every step has exactly one solution; of both together "

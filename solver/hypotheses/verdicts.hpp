@@ -16,7 +16,7 @@ struct VerdictFacts {
   bool integrable = true;                         ///< int |q| of every kernel is finite
   bool proved = true;         ///< m_J of the laws is bounded by proof, not sampled
   bool coupled = false;       ///< a law's bound is another law's multiplier
-  bool reads = false;         ///< a law without such a bound reads a memory
+  bool reads = false;         ///< a law without such a bound reads the solution
   bool states = false;        ///< laws act with states at their points
   bool semi_coercive = false; ///< no form and no value holds the body, laws do
   bool springs_hold = false;  ///< and these have slopes that rise everywhere, and do not soften
@@ -54,11 +54,10 @@ struct VerdictFacts {
 ///   compact, so that Ehrling's lemma takes the place of m_A > m_J |M|^2 (A. Kulig, Hyperbolic
 ///   hemivariational inequalities for dynamic viscoelastic contact problems, J. Elasticity 110
 ///   (2013) 1-31, for problems with long memory; docs/theory.md).
-/// - Forms that leave rigid motions free: laws that rise everywhere and see them make B and the
-/// laws
-///   together coercive and monotone. Else the problem is semi-coercive, with a solution for convex
-///   laws where <f, v> < J_inf(M v) for all these motions v (held_by_laws.hpp); its strains are
-///   unique, the motion need not be.
+/// - Forms that leave rigid motions free: laws that rise everywhere and see them make the sum of B
+///   and the laws coercive and monotone. Else the problem is semi-coercive, with a solution for
+///   convex laws where <f, v> < J_inf(M v) for all these motions v (held_by_laws.hpp); its strains
+///   are unique, the motion need not be.
 void give_verdicts(const VerdictFacts& facts, HypothesisReport& report);
 
 } // namespace hvi::solver

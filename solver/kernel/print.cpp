@@ -61,8 +61,7 @@ std::string slot_name(Slot s) {
   if (slot::is_state(s)) return fmt::format("state[{}]", s - slot::first_state);
   if (s >= slot::first_probe) return fmt::format("probe[{}]", s - slot::first_probe);
   if (s >= slot::first_multiplier)
-    return fmt::format("xi[{}][{}]", (s - slot::first_multiplier) / 4,
-                       (s - slot::first_multiplier) % 4);
+    return fmt::format("xi[{}][{}]", slot::term_of(s), slot::row_of(s));
   return derivative_name(fmt::format("field[{}]", slot::field_of(s)), slot::derivative_of(s));
 }
 

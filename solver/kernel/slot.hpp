@@ -36,7 +36,7 @@ inline constexpr int unknown_of(int derivative) { return derivative / own_deriva
 inline constexpr bool is_value(int derivative) { return derivative % own_derivatives < 3; }
 /// Inside a law: the multiplier of another law at the same point (Coulomb's bound).
 inline constexpr Slot coupled = 11;
-/// Inside a law: what it reads of memories at its point (LawSpec::readings), i < most_readings.
+/// Inside a law: what it reads of the solution at its point (LawSpec::readings), i < most_readings.
 inline constexpr int most_readings = 4;
 inline constexpr Slot reading(int i) { return 64 + i; }
 /// Inside a law: the k-th state that it reads, k < most_law_states.
@@ -57,7 +57,13 @@ inline constexpr bool is_field_gradient(Slot s) {
   return is_field(s) && !is_value(derivative_of(s));
 }
 /// Multiplier xi of the l-th law application, component c (in the global frame).
-inline constexpr Slot multiplier(int l, int c) { return first_multiplier + 4 * l + c; }
+inline constexpr int rows_of_multiplier = 4;
+inline constexpr Slot multiplier(int l, int c) {
+  return first_multiplier + rows_of_multiplier * l + c;
+}
+inline constexpr bool is_multiplier(Slot s) { return s >= first_multiplier && s < first_inside; }
+inline constexpr int term_of(Slot s) { return (s - first_multiplier) / rows_of_multiplier; }
+inline constexpr int row_of(Slot s) { return (s - first_multiplier) % rows_of_multiplier; }
 /// 1 on part p of the plan, else 0 (a facet asks for itself, then for the cell behind it).
 inline constexpr Slot inside(int p) { return first_inside + p; }
 /// State i of the plan at the point (problem.hpp, StateTerm).

@@ -17,7 +17,7 @@ namespace hvi::solver {
 using Readings = std::array<double, slot::most_readings>;
 
 /// When a law is asked: the time; for a law whose bound is another law's multiplier at the same
-/// point (Coulomb's friction), that multiplier; and what it reads of memories there.
+/// point (Coulomb's friction), that multiplier; and what it reads of the solution there.
 struct LawTime {
   double t = 0.0, coupled = 0.0;
   Readings readings{};
@@ -44,8 +44,9 @@ struct LawSpec {
   bool by_slope = false; ///< `expression` is the slope j', else the potential j
   Expr expression;
   std::string coupled{}; ///< the law whose multiplier slot::coupled stands for; "": none
-  /// What slot::reading(i) stands for: of slot::x, slot::t, slot::normal and the values (no
-  /// gradients) of memories at the point of the law.
+  /// What slot::reading(i) stands for: of slot::x, slot::t, slot::normal, the values (no gradients)
+  /// of the unknowns, their rates and memories at the point of the law, and slot::multiplier of
+  /// laws at the same points.
   std::vector<Expr> readings{};
   std::vector<int> states{}; ///< the states of the plan that slot::law_state(k) stand for
 };
@@ -100,12 +101,12 @@ public:
   Law& operator=(Law&&) noexcept;
 
   const LawSpec& spec() const;
-  /// The first two also where the law is coupled or reads memories or states: a graph for each
+  /// The first two also where the law is coupled or reads the solution or states: a graph for each
   /// point, found again in each step.
   bool depends_on_x() const;
   bool depends_on_t() const;
   bool coupled() const;
-  bool reads() const; ///< memories
+  bool reads() const; ///< the solution
   bool reads_states() const;
 
   /// The graph at a point. Throws Failure(bad_law) as the constructor does, for this point.

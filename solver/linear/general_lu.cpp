@@ -22,6 +22,9 @@
 namespace hvi::solver {
 namespace {
 
+/// Each halves the exponent of what is too large or too small.
+constexpr int scaling_passes = 6;
+
 /// K without its zeros, by rows, with R K C in place of K: the largest entries of its rows and
 /// columns are near 1 whatever the units of the unknowns are.
 struct ScaledMatrix {
@@ -49,8 +52,7 @@ ScaledMatrix::ScaledMatrix(const SparseMatrix& k)
       }
     start.push_back(static_cast<Long>(column.size()));
   }
-  constexpr int passes = 6; // each halves the exponent of what is too large or too small
-  for (int pass = 0; pass < passes; ++pass) scale_once();
+  for (int pass = 0; pass < scaling_passes; ++pass) scale_once();
 }
 
 void ScaledMatrix::scale_once() {
@@ -69,18 +71,38 @@ void ScaledMatrix::scale_once() {
 }
 
 /// Below it the matrix of contact unknowns is rounding.
-constexpr double smallest_condition = 1e-16;
+constexpr double smallest_condition = 1e-13;
+
+/// Of a dense matrix: factors of its rows and columns that bring their largest entries near 1.
+struct DenseScaling {
+  Vector rows, columns;
+  explicit DenseScaling(const DenseMatrix& m)
+      : rows(Vector::Ones(m.rows())), columns(Vector::Ones(m.cols())) {
+    DenseMatrix scaled = m;
+    const auto factor = [](double largest) {
+      return largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
+    };
+    for (int pass = 0; pass < scaling_passes; ++pass) {
+      const Vector r = scaled.cwiseAbs().rowwise().maxCoeff().unaryExpr(factor),
+                   c = scaled.cwiseAbs().colwise().maxCoeff().transpose().unaryExpr(factor);
+      rows = rows.cwiseProduct(r), columns = columns.cwiseProduct(c);
+      scaled = r.asDiagonal() * scaled * c.asDiagonal();
+    }
+  }
+};
 
 class GeneralLu final : public Factorisation {
 public:
   explicit GeneralLu(std::span<const int> contact) : contact_(contact.begin(), contact.end()) {
     umfpack_dl_defaults(control_.data());
     control_[UMFPACK_SCALE] = UMFPACK_SCALE_NONE; // it is
+    control_[UMFPACK_IRSTEP] = 0;                 // those who solve correct what they have to
     statistics_.ordering = "AMD or COLAMD";
   }
   std::unique_ptr<Factorisation> another() const override {
     return std::make_unique<GeneralLu>(contact_);
   }
+  void analyse(const SparseMatrix& k);
   void factor(const SparseMatrix& k) override;
   void forward(RightHandSides y, Columns columns) override;
   void back(RightHandSides y, Columns columns) override;
@@ -89,7 +111,7 @@ public:
   const FactorStatistics& statistics() const override { return statistics_; }
 
 private:
-  void analyse(const ScaledMatrix& matrix);
+  void find_order(const ScaledMatrix& matrix);
   void factor_numbers();
   void check_pivots() const;
   void make_schur();
@@ -107,17 +129,28 @@ private:
   FactorStatistics statistics_;
 };
 
-void GeneralLu::analyse(const ScaledMatrix& matrix) {
+/// What a factorisation will take. In an order for a symmetric pattern UMFPACK counts the entries
+/// of the factors; else it has a bound, of which a Stokes problem fills 0.38.
+double bytes_to_come(std::span<const double> info) {
+  constexpr double bytes_per_entry = 9.0, part_of_bound = 0.4;
+  const double bound = info[UMFPACK_PEAK_MEMORY_ESTIMATE] * info[UMFPACK_SIZE_OF_UNIT];
+  const double counted = info[UMFPACK_SYMMETRIC_LUNZ] * bytes_per_entry;
+  return counted > 0.0 ? std::min(counted, bound) : part_of_bound * bound;
+}
+
+void GeneralLu::find_order(const ScaledMatrix& matrix) {
   if (symbolic_ && matrix_ && matrix.same_pattern(*matrix_)) return;
   const double start = cpu_seconds();
+  std::array<double, UMFPACK_INFO> info{};
   void* symbolic = nullptr;
   const auto status =
       umfpack_dl_symbolic(matrix.size(), matrix.size(), matrix.start.data(), matrix.column.data(),
-                          matrix.value.data(), &symbolic, control_.data(), nullptr);
+                          matrix.value.data(), &symbolic, control_.data(), info.data());
   symbolic_.reset(symbolic);
   if (status == UMFPACK_ERROR_out_of_memory)
     throw OutOfMemory("no memory to analyse a matrix of {} unknowns", matrix.size());
   if (status < 0) throw NotFactorable(-1, 0.0, "the matrix has an empty row");
+  statistics_.bytes = bytes_to_come(info);
   ++statistics_.analyses;
   statistics_.seconds_analyse += cpu_seconds() - start;
 }
@@ -164,9 +197,9 @@ void GeneralLu::make_schur() {
     inverse.col(j) = x(contact_);
   }
   if (n == 0) return;
-  // Without units, as the matrix was factored.
-  const Vector rows = matrix_->column_scale(contact_).cwiseInverse(),
-               columns = matrix_->row_scale(contact_).cwiseInverse();
+  // With a scaling of its own. That of K leaves the stiffness of a displacement as far below 1 as a
+  // pressure in small units has large couplings, and its inverse as far above.
+  const auto [rows, columns] = DenseScaling(inverse);
   const Eigen::PartialPivLU<DenseMatrix> lu(rows.asDiagonal() * inverse * columns.asDiagonal());
   if (!(lu.rcond() > smallest_condition))
     throw NotFactorable(-1, lu.rcond(), "the matrix is singular without its contact unknowns");
@@ -184,11 +217,18 @@ void GeneralLu::place(Eigen::Index size) {
   order_.unknown.insert(order_.unknown.end(), contact_.begin(), contact_.end());
 }
 
+void GeneralLu::analyse(const SparseMatrix& k) {
+  place(k.rows());
+  auto matrix = std::make_unique<ScaledMatrix>(k);
+  find_order(*matrix);
+  matrix_ = std::move(matrix);
+}
+
 void GeneralLu::factor(const SparseMatrix& k) {
   const OneBlasThread one_thread;
   place(k.rows());
   auto matrix = std::make_unique<ScaledMatrix>(k);
-  analyse(*matrix);
+  find_order(*matrix);
   matrix_ = std::move(matrix);
   const double start = cpu_seconds();
   factor_numbers();
@@ -245,8 +285,10 @@ void GeneralLu::back(RightHandSides y, Columns columns) {
 
 } // namespace
 
-std::unique_ptr<Factorisation> general_factor(std::span<const int> contact) {
-  return std::make_unique<GeneralLu>(contact);
+std::unique_ptr<Factorisation> general_factor(const SparseMatrix& k, std::span<const int> contact) {
+  auto out = std::make_unique<GeneralLu>(contact);
+  out->analyse(k);
+  return out;
 }
 
 } // namespace hvi::solver

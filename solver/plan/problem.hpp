@@ -193,6 +193,9 @@ struct LawTerm {
   int field = field_of_u(0); ///< what the law sees: u, u', or a memory
   int unknown = 0;           ///< of which unknown
   Rule rule = Rule::nodal;
+  /// The unknown whose elements the rule is of, if not its own: what reads a law's multiplier has
+  /// the points of that law.
+  std::optional<int> rule_of;
   Effect effect = Effect::normal_law;
   Expr factor = 1.0;     ///< positive, of slot::x and slot::normal
   std::vector<Row> rows; ///< offsets: of states of the part, too

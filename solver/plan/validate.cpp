@@ -20,7 +20,7 @@ struct Allowed {
   bool lag = false;         ///< t - s
   bool argument = false;    ///< of a law
   bool coupled = false;     ///< the multiplier a law's bound stands for
-  int readings = 0;         ///< what a law reads of memories
+  int readings = 0;         ///< what a law reads of the solution
   bool fields = false;      ///< u, u', memories and their derivatives
   bool multipliers = false; ///< of law terms
   int law_states = 0;       ///< that a law reads
@@ -152,7 +152,7 @@ private:
              (field != field_of_u(2) || in_motion(problem_)) && derivative(slot::derivative_of(s));
     }
     if (s < slot::first_inside) {
-      const int term = (s - slot::first_multiplier) / 4, row = (s - slot::first_multiplier) % 4;
+      const int term = slot::term_of(s), row = slot::row_of(s);
       return allowed.multipliers && term < count(problem_.law_terms) &&
              row < count(problem_.law_terms[static_cast<std::size_t>(term)].rows);
     }
@@ -262,9 +262,11 @@ private:
     for (const auto& reading : law.readings) {
       variables(reading, of_report, law.origin, "what a law reads");
       for (const Slot s : reading.slots())
-        if (s >= slot::first_field &&
-            (!slot::is_field(s) || !is_memory(slot::field_of(s)) || slot::is_field_gradient(s)))
-          wrong(law.origin, "a law reads values of memories only");
+        if (s >= slot::first_field && !slot::is_multiplier(s) &&
+            (!slot::is_field(s) || slot::field_of(s) == field_of_u(2) ||
+             slot::is_field_gradient(s)))
+          wrong(law.origin, "a law reads values of the unknowns, their rates and memories, and "
+                            "multipliers, only");
     }
     if (count(law.states) > slot::most_law_states)
       wrong(law.origin, fmt::format("a law reads {} states; {} are the most", law.states.size(),
@@ -306,6 +308,7 @@ private:
         index(term.unknown, count(unknowns), term.origin, "a law", "unknown")
             ? components_of(unknowns[static_cast<std::size_t>(term.unknown)], dim_)
             : 0;
+    if (term.rule_of) index(*term.rule_of, count(unknowns), term.origin, "a rule", "unknown");
     for (const auto& row : term.rows) {
       for (std::size_t i = 0; i < row.u.size(); ++i) {
         variables(row.u[i], of_facet, term.origin, "the argument of a law");

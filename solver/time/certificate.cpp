@@ -221,6 +221,29 @@ double argument_scale(const Contact& contact, const ContactPoint& point, const V
   return largest;
 }
 
+double multiplier_scale(const Contact& contact, const ContactTerm& term, const LawFields& fields,
+                        const Vector& xi) {
+  double out = largest(term, xi);
+  if (contact.reach.size() != contact.g.cols()) return out; // not known yet
+  for (int p = 0; p < term.n_points(); ++p) {
+    const auto& point = contact.problem.points[static_cast<std::size_t>(term.first_point + p)];
+    const Law& law = *contact.laws[point.law];
+    const LawGraph& graph = contact.problem.graphs[point.graph];
+    const double size =
+        argument_scale(contact, point, fields[term.field], fields.factor(term.field));
+    double made = 0.0; // within pieces: a jump is no rounding
+    for (int i = 0; i < graph.pieces(); ++i) {
+      const double low = std::max(piece_low(graph, i, law.spec().radial), -size),
+                   high = std::min(piece_high(graph, i), size);
+      if (!(low < high)) continue;
+      const double change = std::abs(law.slope(graph, i, high) - law.slope(graph, i, low));
+      if (change < unbounded_slope) made += change;
+    }
+    out = std::max(out, made);
+  }
+  return out;
+}
+
 Inclusion inclusion_error(const Contact& contact, const LawFields& fields, const Vector& xi,
                           double tolerance, Vector& z) {
   Inclusion out;

@@ -48,6 +48,10 @@ void find_reach(const Vector& diagonal, const Vector& kd, const Vector& d, const
 double argument_scale(const Contact& contact, const ContactPoint& point, const Vector& field,
                       double factor);
 
+/// The largest multiplier of a term, or what its law makes of the sizes of its arguments.
+double multiplier_scale(const Contact& contact, const ContactTerm& term, const LawFields& fields,
+                        const Vector& xi);
+
 struct Inclusion {
   double worst = 0.0;   ///< max_p dist(xi_p, dj_p(z_p)) / max(|xi|_inf, slope scale of the law)
   int worst_term = -1;  ///< index into Problem::law_terms

@@ -1,6 +1,8 @@
 // The laws of a plan as the reduced problem of one step; see contact.hpp.
 #include "solver/time/contact.hpp"
 
+#include "solver/plan/couplings.hpp"
+#include "solver/time/certificate.hpp"
 #include "solver/time/contact_states.hpp"
 
 #include <fmt/format.h>
@@ -27,7 +29,7 @@ void make_laws(const Problem& problem, Contact& out) {
 void add_points(const Problem& problem, Contact& out, const ContactTerm& term, double t) {
   const int law = problem.law_terms[term.points.law_term].law;
   const auto& graph_of = *out.laws[law];
-  const auto times = initial_law_times(problem, graph_of, term.points, t);
+  const auto times = initial_law_times(problem, graph_of, term.points, t, term.first_readings);
   auto& inequality = out.problem;
   for (int p = 0; p < term.n_points(); ++p) {
     if (p == 0 || graph_of.depends_on_x())
@@ -76,7 +78,7 @@ double softening(const Problem& problem, const Law& law, const ContactTerm& term
   const TimeSpec& time = problem.time;
   constexpr int most = 16;
   const int stride = law.depends_on_x() ? std::max(1, term.n_points() / most) : term.n_points();
-  auto times = initial_law_times(problem, law, term.points, 0.0);
+  auto times = initial_law_times(problem, law, term.points, 0.0, term.first_readings);
   double out = 0;
   for (int p = 0; p < term.n_points(); p += stride)
     for (const double part : {0.0, 0.5, 1.0}) {
@@ -86,6 +88,36 @@ double softening(const Problem& problem, const Law& law, const ContactTerm& term
       out = std::max(out, law.constants(term.points.x[p], times[p]).m);
     }
   return out;
+}
+
+/// What a law reads of the initial state; of multipliers, rates and memories nothing is known then.
+std::vector<Readings> first_readings(const Problem& problem, const Discretisation& d,
+                                     const StateLayout& layout, LawReadings& readings,
+                                     std::size_t points) {
+  const Vector u = initial_state(problem, d, layout);
+  LawFields fields(u);
+  for (const int field : readings.fields())
+    if (field != field_of_u(0)) fields.add(field, 0.0, Vector::Zero(u.size()));
+  readings.read(problem.time.is_static ? 0.0 : problem.time.grid.front(), fields,
+                [](int, int, int) { return 0.0; });
+  std::vector<Readings> out;
+  for (std::size_t p = 0; p < points; ++p) out.push_back(readings.at(static_cast<int>(p)));
+  return out;
+}
+
+/// Throws Failure(bad_law) where a law reads the multiplier of one at other points.
+void check_readings(const Problem& problem, const Contact& contact) {
+  for (const auto& term : contact.terms) {
+    const auto& spec = problem.law_terms[term.points.law_term];
+    for (const int other : terms_read(problem.laws[spec.law]))
+      if (contact.terms[static_cast<std::size_t>(other)].points.x != term.points.x)
+        throw Failure(FailureKind::bad_law, spec.origin,
+                      fmt::format("`{}` reads the multiplier of `{}`, which does not act at its "
+                                  "points",
+                                  spec.name,
+                                  problem.law_terms[static_cast<std::size_t>(other)].name),
+                      "put both on the same part with the same rule");
+  }
 }
 
 /// Finds the rows whose multipliers coupled laws read: of a scalar law at the very same points.
@@ -181,18 +213,6 @@ void tell_unknowns_apart(const Space& space, const StateLayout& layout, Contact&
   }
 }
 
-/// Has an unknown forms or laws of its own?
-bool stands_alone(const Problem& problem, int unknown) {
-  const auto own = [&](const FormTerm::Entry& entry) {
-    return slot::unknown_of(entry.test) == unknown && slot::unknown_of(entry.trial) == unknown;
-  };
-  return std::ranges::any_of(
-             problem.forms,
-             [&](const FormTerm& form) { return std::ranges::any_of(form.entries, own); }) ||
-         std::ranges::find(problem.law_terms, unknown, &LawTerm::unknown) !=
-             problem.law_terms.end();
-}
-
 /// A pressure that only contact unknowns see is not known without them: those around contact nodes
 /// are kept with them.
 void add_multipliers(const Problem& problem, const Space& space, const StateLayout& layout,
@@ -201,8 +221,9 @@ void add_multipliers(const Problem& problem, const Space& space, const StateLayo
   std::vector<int> unknown_of(static_cast<std::size_t>(space.n_dofs()), -1);
   for (int i = 0; i < layout.n_unknowns; ++i) unknown_of[layout.dof_of[i]] = i;
   std::set<int> all(out.unknowns.begin(), out.unknowns.end());
+  const auto multipliers = multipliers_of(problem);
   for (int b = 0; b < n_unknowns(space); ++b) {
-    if (stands_alone(problem, b)) continue;
+    if (multipliers[static_cast<std::size_t>(b)] == 0) continue;
     for (const int c : out.unknowns) {
       const auto node = static_cast<std::size_t>(layout.dof_of[c] / space.components);
       for (auto k = space.graph->offsets[node]; k < space.graph->offsets[node + 1]; ++k) {
@@ -239,15 +260,22 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
                      -1,
                      {},
                      false,
+                     {},
                      {}};
+    if (law.reads()) {
+      out.readings.emplace_back(law.spec(), spec.law, term.points, layout);
+      term.first_readings =
+          first_readings(problem, d, layout, out.readings.back(), term.points.x.size());
+    }
     add_points(problem, out, term, t);
     if (spec.rule == Rule::nodal) term.alike = points_alike(spec, law, term.points);
     n_rows += term.n_rows();
     if (term.n_points() > 0) {
       const auto numbers = out.laws[spec.law]->constants(
           term.points.x[0],
-          initial_law_times(problem, *out.laws[spec.law], term.points, t).front());
+          initial_law_times(problem, law, term.points, t, term.first_readings).front());
       out.scales[spec.law] = std::max(out.scales[spec.law], numbers.slope_scale);
+      if (law.reads()) out.readings.back().first_scale = numbers.slope_scale;
       out.softening[spec.law] =
           std::max(out.softening[spec.law], softening(problem, *out.laws[spec.law], term));
     }
@@ -257,13 +285,12 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
         others.push_back(field);
     };
     needs(spec.field);
-    if (law.reads()) {
-      out.readings.emplace_back(law.spec(), term.points, layout);
+    if (law.reads())
       for (const int field : out.readings.back().fields()) needs(field);
-    }
     out.terms.push_back(std::move(term));
   }
   couple(problem, out);
+  check_readings(problem, out);
   add_states(problem, d, layout, out);
   for (ContactTerm& term : out.terms) // states live at points with a normal each
     if (!term.first_states.empty() || term.offset_of_states) term.alike.clear();
@@ -289,8 +316,19 @@ void add_arguments(const Contact& contact, const LawFields& fields, Vector& z) {
         contact.g.middleRows(term.first_row, term.n_rows()) * fields[term.field];
 }
 
-void read_memories(Contact& contact, double t, const LawFields& fields) {
-  for (LawReadings& readings : contact.readings) readings.read(t, fields);
+void read_solution(Contact& contact, double t, const LawFields& fields, const Vector& xi) {
+  const auto multiplier = [&](int term, int component, int point) {
+    return global_multiplier(contact.terms[static_cast<std::size_t>(term)], xi,
+                             point)[static_cast<std::size_t>(component)];
+  };
+  const auto size = [&](int term) {
+    return multiplier_scale(contact, contact.terms[static_cast<std::size_t>(term)], fields, xi);
+  };
+  for (LawReadings& readings : contact.readings) {
+    readings.read(t, fields, multiplier);
+    double& scale = contact.scales[static_cast<std::size_t>(readings.law())];
+    scale = std::max(readings.first_scale, readings.slope_scale(fields, contact.reach, size));
+  }
 }
 
 void offsets_of(const Contact& contact, const Problem& problem, const ContactTerm& term, double t,

@@ -30,6 +30,7 @@ struct ContactTerm {
   Vector offsets; ///< scratch of `prepare`
   /// By point: those that see the same argument, itself among them. Empty: no two do.
   std::vector<std::vector<int>> alike{};
+  std::vector<Readings> first_readings{}; ///< what its law reads at the initial time, by point
   int n_points() const { return static_cast<int>(points.x.size()); }
   int n_rows() const { return n_points() * points.rows; }
 };
@@ -75,7 +76,7 @@ struct Contact {
   SparseMatrix g;       ///< all rows x state
   SparseMatrix force;   ///< unknowns x all rows: G^T W
   bool coupled = false; ///< a law's bound is another law's multiplier: `prepare` reads xi
-  std::vector<LawReadings> readings; ///< of the terms whose laws read memories
+  std::vector<LawReadings> readings; ///< of the terms whose laws read the solution
   Vector offset;                     ///< of the argument at the time of the last `prepare`
   Vector reach; ///< of states, 0 but on `unknowns`: a displacement each (find_reach)
   std::vector<int> other_fields; ///< that laws act on, or read, besides u
@@ -100,8 +101,9 @@ const LawPoints& points_of(const Contact& contact, const StateGroup& group);
 Contact make_contact(const Problem& problem, const Discretisation& discretisation,
                      const StateLayout& layout);
 
-/// What laws read is read in these fields of the time t: `prepare` makes their graphs of it.
-void read_memories(Contact& contact, double t, const LawFields& fields);
+/// What laws read is read in these fields and multipliers of the time t: `prepare` makes their
+/// graphs of it.
+void read_solution(Contact& contact, double t, const LawFields& fields, const Vector& xi);
 
 /// Sets offset, graphs of laws that change in time or with states, and the reduced problem's known
 /// part. `xi`: the multipliers that coupled laws read.

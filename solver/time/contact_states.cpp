@@ -96,8 +96,8 @@ void find_inputs(const Problem& problem, const Contact& contact, StateGroup& gro
                         fmt::format("the rate of `{}` reads `{}`, which lives on `{}`", state.name,
                                     other.name, problem.parts[other.part].name),
                         "states that read each other live on one part");
-      } else if (s >= slot::first_multiplier && s < slot::first_inside) {
-        const int term = (s - slot::first_multiplier) / 4;
+      } else if (slot::is_multiplier(s)) {
+        const int term = slot::term_of(s);
         if (!same_points(contact.terms[term].points, points_of(contact, group)))
           throw Failure(FailureKind::bad_value, state.origin,
                         fmt::format("the rate of `{}` reads the multiplier of `{}`, which does not "
@@ -196,8 +196,10 @@ void place_states(const Problem& problem, Contact& contact, ContactTerm& term) {
 } // namespace
 
 std::vector<LawTime> initial_law_times(const Problem& problem, const Law& law,
-                                       const LawPoints& points, double t) {
+                                       const LawPoints& points, double t,
+                                       std::span<const Readings> first_readings) {
   std::vector<LawTime> out(points.x.size(), LawTime(t));
+  for (std::size_t p = 0; p < first_readings.size(); ++p) out[p].readings = first_readings[p];
   const auto& states = law.spec().states;
   for (std::size_t k = 0; k < states.size(); ++k) {
     const auto values =

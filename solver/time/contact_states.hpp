@@ -6,10 +6,12 @@
 
 namespace hvi::solver {
 
-/// When a law is asked at each of its points before the first step: with the initial states. Throws
-/// Failure(bad_value) where one is not finite or outside its range.
+/// When a law is asked at each of its points before the first step: with the initial states, and
+/// with what it reads then (empty: nothing, or it is not known). Throws Failure(bad_value) where a
+/// state is not finite or outside its range.
 std::vector<LawTime> initial_law_times(const Problem& problem, const Law& law,
-                                       const LawPoints& points, double t);
+                                       const LawPoints& points, double t,
+                                       std::span<const Readings> first_readings = {});
 
 /// Sets the groups of states with their initial values and the inputs of their rates. Throws
 /// Failure(bad_value) where no law acts on the part of a state, where laws that read it or are read

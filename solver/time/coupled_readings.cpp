@@ -32,12 +32,11 @@ void couple_readings(StepLaws& laws, Contact& contact, double tolerance,
   Mixing mixing;
   Vector used = readings_of(contact);
   for (int pass = 0; out.inequality.converged && trial.d.allFinite(); ++pass) {
-    laws.read_memories(equation.n, equation.known, &trial.d);
+    laws.read_solution(equation.n, equation.known, &trial.d);
     const double error = laws.settle_bounds(equation.n, equation.known, trial.d, trial.z);
     if (error <= tolerance) return;
     if (pass == most_passes) {
-      out.inequality.verdict =
-          "the laws do not hold with what they read of the memories of the same state";
+      out.inequality.verdict = "the laws do not hold with what they read of the same state";
       return;
     }
     used = mixing.next(used, readings_of(contact));

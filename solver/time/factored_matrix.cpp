@@ -24,8 +24,8 @@ SharedFactor make_factor(const Operators& operators, const Contact& contact, con
     return out;
   }
   if (operators.coupled) {
-    auto out = own(general_factor(contact.unknowns));
-    out->factor(k);
+    auto out = own(general_factor(k, contact.unknowns));
+    factor_where_it_fits(*out, k, contact.unknowns.size(), operators.memory_to_come);
     return out;
   }
   if (shared == nullptr && like != nullptr && like->factorisation()) {
@@ -76,8 +76,8 @@ double FactoredMatrix::bytes() const {
 double condition(const FactoredMatrix& matrix, const Operators& operators) {
   if (matrix.free_body() != nullptr) return 0.0;
   if (matrix.factorisation()) return estimate_condition(matrix.k(), *matrix.factorisation());
-  const auto factor =
-      operators.coupled ? general_factor({}) : analyse(matrix.k(), {}, operators.symmetric);
+  const auto factor = operators.coupled ? general_factor(matrix.k(), {})
+                                        : analyse(matrix.k(), {}, operators.symmetric);
   factor->factor(matrix.k());
   return estimate_condition(matrix.k(), *factor);
 }

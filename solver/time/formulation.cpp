@@ -74,11 +74,7 @@ DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
   const StateLayout layout = make_layout(d.space, d.dofs);
   LoadAssembler loads(d.space, d.parts, plan.problem.loads);
   loads.restrict_to({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)});
-  Vector initial = Vector::Zero(layout.n_state);
-  if (!plan.problem.time.is_static && !plan.problem.time.initial.empty())
-    layout.gather(interpolate(d.space, plan.problem.time.initial, plan.problem.time.grid.front(),
-                              plan.problem.time.origin),
-                  initial);
+  Vector initial = initial_state(plan.problem, d, layout);
   Operators operators = assemble_operators(plan.problem, d, layout, plan.options.threads);
   Contact contact = make_contact(plan.problem, d, layout);
   ChangingForms changing(plan.problem, d, contact, operators);

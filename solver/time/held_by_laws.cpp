@@ -15,53 +15,16 @@
 namespace hvi::solver {
 namespace {
 
-/// K v is rounding below this part of sum_j |K_ij v_j|.
-constexpr double product_of_rounding = 2e-14;
 /// Laws see a motion whose arguments move by more than this part of it.
 constexpr double least_seen = 1e-9;
 /// Rays and motions whose scalar product is below this part of their sizes are at right angles.
 constexpr double no_angle = 1e-12;
 
-/// An orthonormal basis of what these orthonormal columns span, near to unit vectors where that is
-/// possible: motions that people have names for.
-DenseMatrix aligned(const DenseMatrix& columns) {
-  constexpr double clearly = 1e-9;
-  DenseMatrix rest = columns * columns.transpose(), out(columns.rows(), columns.cols());
-  for (Eigen::Index found = 0; found < out.cols(); ++found) {
-    Eigen::Index most = 0;
-    for (Eigen::Index i = 1; i < rest.cols(); ++i)
-      if (rest.col(i).norm() > (1.0 + clearly) * rest.col(most).norm()) most = i;
-    out.col(found) = rest.col(most).normalized();
-    for (int twice = 0; twice < 2; ++twice)
-      rest -= out.col(found) * (out.col(found).transpose() * rest);
-  }
-  return out;
-}
-
-/// The combinations x, orthonormal columns, with |a x| <= small |x|.
-DenseMatrix kernel(const DenseMatrix& a, double small) {
-  const Eigen::Index n = a.cols();
-  DenseMatrix square = DenseMatrix::Zero(n, n);
-  if (a.rows() > n)
-    square = solve_by_qr(a, Vector::Zero(a.rows())).r;
-  else
-    square.topRows(a.rows()) = a;
-  const auto found = left_singular(DenseMatrix(square.transpose()));
-  const auto seen = (found.values.array() > small).count();
-  return aligned(found.vectors.rightCols(n - seen));
-}
-
-/// Root of the mean square of sum_j |K_ij v_j| over the columns v.
-double product_size(const SparseMatrix& k, const DenseMatrix& v) {
-  return (k.cwiseAbs() * v.cwiseAbs()).norm() / std::sqrt(static_cast<double>(v.cols()));
-}
-
 DenseMatrix seen_by_laws(const FreeBody& body, const Contact& contact) {
   return contact.g.leftCols(body.on_unknowns.rows()) * body.on_unknowns;
 }
 
-/// What a law's subgradients at a point lie between: an interval, or a ball; `per_pressure`: a ball
-/// of so much times the multiplier of another law.
+/// What a law's subgradients at a point lie between: an interval, or a ball of radius `high`.
 struct Range {
   double low = 0.0, high = 0.0;
   bool empty() const { return low == 0.0 && high == 0.0; }

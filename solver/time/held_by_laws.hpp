@@ -54,7 +54,7 @@ void refuse_free(const std::vector<std::string>& motions, const std::string& whe
                  const Origin& origin);
 
 /// Throws Failure(not_coercive) naming the motion where no subgradients of the laws at hand
-/// (`prepare` has made their graphs) balance the load r of a step at time t. `origin`: of the load.
+/// (`prepare` has made their graphs) balance the load r of a step at time t.
 void refuse_unbalanced(const FreeBody& body, const Contact& contact, const Problem& problem,
                        const Vector& r, double t);
 

@@ -13,8 +13,8 @@
 namespace hvi::solver {
 namespace {
 
-bool is_multiplier(Slot s) { return s >= slot::first_multiplier && s < slot::first_inside; }
-int term_of(Slot s) { return (s - slot::first_multiplier) / 4; }
+using slot::is_multiplier, slot::row_of, slot::term_of;
+
 /// Where a multiplier or a state is known: the number of a law term, or behind these that of a
 /// group of states in a body; -1: it is neither.
 int place_of(const Contact& contact, Slot s) {
@@ -39,7 +39,6 @@ const LawTerm& term_at(const Problem& problem, const Contact& contact, int place
   const BodyPoints* const body = body_at(contact, place);
   return body != nullptr ? body->term : problem.law_terms[static_cast<std::size_t>(place)];
 }
-int component_of(Slot s) { return (s - slot::first_multiplier) % 4; }
 
 /// A law that does nothing, to have the points of a part.
 LawTerm no_law(Origin origin) {
@@ -227,7 +226,7 @@ void LawSampler::evaluate(const Contact& contact, const Snapshot& snapshot, std:
       const auto& theirs = point_of_.at(term_of(s));
       for (int p = 0; p < size(); ++p)
         column[p] =
-            global_multiplier(contact.terms[term_of(s)], snapshot.xi(), theirs[p])[component_of(s)];
+            global_multiplier(contact.terms[term_of(s)], snapshot.xi(), theirs[p])[row_of(s)];
     }
   }
   expressions_.evaluate(block_, snapshot.t(), origin_, out, [&](Slot s) -> const double* {

@@ -6,13 +6,13 @@
 #include "solver/linear/dense.hpp"
 #include "solver/linear/mirror_pairs.hpp"
 #include "solver/linear/spmv.hpp"
+#include "solver/plan/couplings.hpp"
 #include "solver/time/body_states.hpp"
 #include "solver/time/inertia.hpp"
 #include "solver/time/proportional.hpp"
 #include "solver/time/shared_work.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <span>
@@ -179,25 +179,6 @@ void add_changing(const Problem& problem, const Discretisation& discretisation,
   }
   operators.terms.clear();
   operators.shared = nullptr; // these factors are of one moment
-}
-
-/// Which unknowns (columns) stand with the test functions of which (rows) in a form.
-using Couplings = std::array<std::array<bool, slot::most_unknowns>, slot::most_unknowns>;
-
-Couplings couplings_of(const Problem& problem) {
-  Couplings out{};
-  for (const FormTerm& form : problem.forms)
-    for (const FormTerm::Entry& entry : form.entries)
-      out[slot::unknown_of(entry.test)][slot::unknown_of(entry.trial)] = true;
-  return out;
-}
-
-/// Does a form have one unknown in it and the test function of another?
-bool couples_unknowns(const Couplings& couplings) {
-  for (std::size_t a = 0; a < couplings.size(); ++a)
-    for (std::size_t b = 0; b < couplings.size(); ++b)
-      if (a != b && couplings[a][b]) return true;
-  return false;
 }
 
 /// Unknowns that no form couples have no entries in common: they are apart in memory and factors.

@@ -13,8 +13,6 @@
 namespace hvi::solver {
 namespace {
 
-bool is_multiplier_slot(Slot s) { return s >= slot::first_multiplier && s < slot::first_inside; }
-
 int index_in(const std::vector<Slot>& slots, Slot s) {
   return static_cast<int>(std::ranges::find(slots, s) - slots.begin());
 }
@@ -53,7 +51,7 @@ std::vector<StateRates::Source> StateRates::sources(const Tape& tape,
       out.push_back({Source::Kind::time, 0});
     else if (slot::is_field(s))
       out.push_back({Source::Kind::input, index_in(group.fields, s)});
-    else if (is_multiplier_slot(s))
+    else if (slot::is_multiplier(s))
       out.push_back({Source::Kind::input, n_fields + index_in(group.multipliers, s)});
     else if (slot::is_state(s))
       out.push_back({Source::Kind::state, index_in(group.states, s - slot::first_state)});
@@ -164,37 +162,15 @@ void PointStates::inputs(const Vector& u, const Vector* d, const Vector& xi,
         }
     }
     for (const Slot s : group.multipliers) {
-      const auto& term = contact_.terms[(s - slot::first_multiplier) / 4];
-      const auto component = static_cast<std::size_t>((s - slot::first_multiplier) % 4);
+      const auto& term = contact_.terms[slot::term_of(s)];
+      const auto component = static_cast<std::size_t>(slot::row_of(s));
       for (int p = 0; p < group.n_points; ++p)
         out.values[row + p] = global_multiplier(term, xi, p)[component];
-      out.scales.segment(row, group.n_points).setConstant(multiplier_scale(term, laws, xi));
+      out.scales.segment(row, group.n_points)
+          .setConstant(multiplier_scale(contact_, term, laws, xi));
       row += group.n_points;
     }
   }
-}
-
-/// The largest multiplier of a term, or what its law makes of the sizes of its arguments.
-double PointStates::multiplier_scale(const ContactTerm& term, const LawFields& fields,
-                                     const Vector& xi) const {
-  double out = xi.segment(term.first_row, term.n_rows()).lpNorm<Eigen::Infinity>();
-  for (int p = 0; p < term.n_points(); ++p) {
-    const auto& point = contact_.problem.points[static_cast<std::size_t>(term.first_point + p)];
-    const Law& law = *contact_.laws[point.law];
-    const LawGraph& graph = contact_.problem.graphs[point.graph];
-    const double size =
-        argument_scale(contact_, point, fields[term.field], fields.factor(term.field));
-    double made = 0.0; // within pieces: a jump is no rounding
-    for (int i = 0; i < graph.pieces(); ++i) {
-      const double low = std::max(piece_low(graph, i, law.spec().radial), -size),
-                   high = std::min(piece_high(graph, i), size);
-      if (!(low < high)) continue;
-      const double change = std::abs(law.slope(graph, i, high) - law.slope(graph, i, low));
-      if (change < unbounded_slope) made += change;
-    }
-    out = std::max(out, made);
-  }
-  return out;
 }
 
 std::vector<double> PointStates::of_point(const StateGroup& group, int p,
@@ -305,8 +281,8 @@ SparseMatrix PointStates::by_multipliers() const {
   for (const auto& group : contact_.state_groups) {
     int row = group.first_input + static_cast<int>(group.fields.size()) * group.n_points;
     for (const Slot s : group.multipliers) {
-      const auto& term = contact_.terms[(s - slot::first_multiplier) / 4];
-      const int component = (s - slot::first_multiplier) % 4, rows = term.points.rows;
+      const auto& term = contact_.terms[slot::term_of(s)];
+      const int component = slot::row_of(s), rows = term.points.rows;
       for (int p = 0; p < group.n_points; ++p)
         for (int r = 0; r < rows; ++r) {
           const double factor = term.points.frames.empty() ? (component == 0 ? 1.0 : 0.0)

@@ -100,7 +100,6 @@ public:
 private:
   std::vector<double> of_point(const StateGroup& group, int p, const Vector& values) const;
   std::vector<double> inputs_of_point(const StateGroup& group, int p, const Vector& inputs) const;
-  double multiplier_scale(const ContactTerm& term, const LawFields& fields, const Vector& xi) const;
   std::vector<double> sizes(const StateInputs& inputs) const;
   std::vector<double> made_of_scales(std::size_t g, int p, const StateInputs& inputs) const;
   double steepness(std::span<const double> by_state) const;

@@ -76,10 +76,4 @@ SparseMatrix ProductForm::symmetric_part(const SparseMatrix& form) const {
   return entries.empty() ? out : SparseMatrix(out + diagonal);
 }
 
-std::vector<char> unknowns_with_laws(const Problem& problem) {
-  std::vector<char> out(unknowns_of(problem.space).size(), 0);
-  for (const LawTerm& term : problem.law_terms) out[static_cast<std::size_t>(term.unknown)] = 1;
-  return out;
-}
-
 } // namespace hvi::solver

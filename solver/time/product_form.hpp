@@ -3,7 +3,6 @@
 
 #include "solver/kernel/slot.hpp"
 #include "solver/linear/sparse.hpp"
-#include "solver/plan/problem.hpp"
 
 #include <array>
 #include <cstdint>
@@ -42,8 +41,5 @@ private:
   std::array<bool, most> multiplier_{};
   double size_ = 0.0; ///< of the entries of W K
 };
-
-/// By unknown: do laws act on it?
-std::vector<char> unknowns_with_laws(const Problem& problem);
 
 } // namespace hvi::solver

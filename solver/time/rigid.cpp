@@ -16,62 +16,6 @@
 namespace hvi::solver {
 namespace {
 
-struct Motion {
-  std::string name;
-  Vector values; ///< on all dofs
-};
-
-constexpr const char* axis_names[] = {"x", "y", "z"};
-
-/// Has the unknown a function at this node?
-int nodes_of(const Space& space, const SpaceBlock& block) {
-  return static_cast<int>(block.order == space.order ? space.nodes.size()
-                                                     : space.mesh->nodes.size());
-}
-
-/// Scalar: the constant. Vector: translations and infinitesimal rotations about the centre;
-/// axisymmetric: the translation along the axis only.
-std::vector<Motion> motions(const Space& space, const SpaceBlock& block) {
-  std::vector<Motion> out;
-  const int n = block.components, n_nodes = nodes_of(space, block);
-  if (n == 1) {
-    out.push_back({"a constant", Vector::Zero(space.n_dofs())});
-    for (int p = 0; p < n_nodes; ++p) out.back().values[space.dof(p, block.first)] = 1.0;
-    return out;
-  }
-  Point centre{};
-  for (int p = 0; p < n_nodes; ++p)
-    for (int i = 0; i < 3; ++i) centre[i] += space.nodes[p][i] / n_nodes;
-  const bool ring = has_hoop(space, block);
-  for (int i = ring ? 1 : 0; i < n; ++i) {
-    out.push_back(
-        {std::string("translation along ") + axis_names[i], Vector::Zero(space.n_dofs())});
-    for (int p = 0; p < n_nodes; ++p) out.back().values[space.dof(p, block.first + i)] = 1.0;
-  }
-  for (int i = 0; i < n && !ring; ++i)
-    for (int j = i + 1; j < n; ++j) {
-      const auto name =
-          n == 2 ? std::string("rotation") : std::string("rotation about ") + axis_names[3 - i - j];
-      out.push_back({name, Vector::Zero(space.n_dofs())});
-      for (int p = 0; p < n_nodes; ++p) {
-        out.back().values[space.dof(p, block.first + i)] = -(space.nodes[p][j] - centre[j]);
-        out.back().values[space.dof(p, block.first + j)] = space.nodes[p][i] - centre[i];
-      }
-    }
-  for (auto& motion : out) motion.values.normalize();
-  return out;
-}
-
-/// Of every unknown.
-std::vector<Motion> motions(const Space& space) {
-  if (!space.is_product()) return motions(space, space.blocks.front());
-  std::vector<Motion> out;
-  for (const SpaceBlock& block : space.blocks)
-    for (Motion& motion : motions(space, block))
-      out.push_back({fmt::format("{} of `{}`", motion.name, block.name), std::move(motion.values)});
-  return out;
-}
-
 /// Energies below this, relative to those of single unknowns, may be rounding.
 constexpr double energy_of_rounding = 1e-12;
 /// Strains times the cell's size below this, relative to the motion, are rounding.
@@ -159,64 +103,44 @@ void blame_memory(StepMatrix& matrix, const MatrixOf& of, const Problem& problem
       "the sign and the size of the kernel");
 }
 
-/// Do the imposed values alone prevent every rigid motion? Motions are measured where values are
-/// imposed: measured by the length of the body, a short clamp would seem to leave a rotation free.
-bool held_by_values(const Discretisation& d) {
-  const auto all = motions(d.space);
-  const auto& imposed = d.dofs.eliminated;
-  DenseMatrix at(static_cast<Eigen::Index>(imposed.size()), static_cast<Eigen::Index>(all.size()));
-  for (Eigen::Index i = 0; i < at.rows(); ++i)
-    for (Eigen::Index a = 0; a < at.cols(); ++a)
-      at(i, a) = all[static_cast<std::size_t>(a)].values[imposed[static_cast<std::size_t>(i)].dof];
-  // Rotations about the centre of the imposed values, which they prevent without the translations.
-  for (Eigen::Index a = 0; a < at.cols(); ++a) {
-    for (Eigen::Index b = 0; b < a; ++b)
-      if (const double square = at.col(b).squaredNorm(); square > 0.0)
-        for (int twice = 0; twice < 2; ++twice)
-          at.col(a) -= at.col(b).dot(at.col(a)) / square * at.col(b);
-    constexpr double smallest = 1e-10; // of the motion at the imposed values before: else rounding
-    const double left = at.col(a).norm();
-    double before = 0.0;
-    for (const auto& e : imposed)
-      before = std::max(before, std::abs(all[static_cast<std::size_t>(a)].values[e.dof]));
-    if (!(left > smallest * before)) return false;
+/// Rows of K that are equations of this unknown; the others are 0.
+SparseMatrix rows_of_unknown(const SparseMatrix& k, const Space& space, const StateLayout& layout,
+                             int unknown) {
+  SparseMatrix out = k;
+  out.prune([&](Eigen::Index row, Eigen::Index, double) {
+    const auto dof = layout.dof_of[static_cast<std::size_t>(row)];
+    return space.block_of(dof % space.components) == unknown;
+  });
+  return out;
+}
+
+/// The combinations of these motions that K does not resist. Rows of each unknown are judged by
+/// their own products: they have units of their own.
+DenseMatrix not_resisted(const SparseMatrix& k, const DenseMatrix& motions, const Space& space,
+                         const StateLayout& layout) {
+  DenseMatrix forces = DenseMatrix::Zero(k.rows() * n_unknowns(space), motions.cols());
+  for (int b = 0; b < n_unknowns(space); ++b) {
+    const SparseMatrix rows = rows_of_unknown(k, space, layout, b);
+    const double size = product_size(rows, motions);
+    if (size > 0.0) forces.middleRows(b * k.rows(), k.rows()) = rows * motions / size;
   }
-  return at.cols() > 0 && at.rows() > 0;
+  return kernel(forces, product_of_rounding);
 }
 
 } // namespace
 
 std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisation& d,
                                       const StateLayout& layout) {
-  const auto all = motions(d.space);
-  const auto m = static_cast<Eigen::Index>(all.size());
-  // Minimise (energy on the unknowns + size on the imposed dofs): zero for a motion left free.
-  DenseMatrix energy = DenseMatrix::Zero(m, m);
-  DenseMatrix inside(k.rows(), m);
-  const Vector diagonal = k.diagonal().cwiseAbs();
-  const double stiffness = diagonal.maxCoeff();
-  for (Eigen::Index a = 0; a < m; ++a)
-    for (Eigen::Index i = 0; i < k.rows(); ++i) {
-      const auto dof = layout.dof_of[i]; // a mode of the interior has none
-      inside(i, a) = dof >= 0 ? all[a].values[dof] : 0.0;
-    }
-  const DenseMatrix forces = k * inside;
-  // Of several unknowns a pressure has no energy: what is free has no forces.
-  energy = d.space.is_product() ? DenseMatrix(forces.transpose() * forces) / stiffness
-                                : DenseMatrix(inside.transpose() * forces);
-  for (Eigen::Index a = 0; a < m; ++a)
-    for (Eigen::Index b = 0; b < m; ++b)
-      for (const auto& e : d.dofs.eliminated)
-        energy(a, b) += stiffness * all[a].values[e.dof] * all[b].values[e.dof];
-  const DenseMatrix symmetric = (energy + energy.transpose()) / 2;
-  const double small = 1e-11 * stiffness;
-  auto left = (symmetric_eigenvalues(symmetric).array() <= small).count();
   std::vector<std::string> out;
-  for (Eigen::Index a = 0; a < m; ++a)
-    if (symmetric(a, a) <= small) out.push_back(all[a].name);
-  // A body held at one point rotates about that point: a combination of these motions.
-  for (left -= static_cast<Eigen::Index>(out.size()); left > 0; --left)
-    out.emplace_back("a combination of translation and rotation");
+  if (layout.n_unknowns != d.dofs.n_unknowns()) return out; // modes of the interior have a factor
+  for (int b = 0; b < n_unknowns(d.space); ++b) {
+    const RigidMotions motions(d, b);
+    if (motions.count() == 0) continue;
+    const DenseMatrix all = motions.on(d.dofs.free);
+    DenseMatrix left = not_resisted(k, all, d.space, layout);
+    if (left.cols() == 0) left = not_resisted(k.transpose(), all, d.space, layout);
+    for (Eigen::Index i = 0; i < left.cols(); ++i) out.push_back(motions.describe(left.col(i)));
+  }
   return out;
 }
 
@@ -229,13 +153,12 @@ void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& 
         problem.forms.empty() ? problem.space.origin : problem.forms.front().origin;
     if (const FreeBody* const body = matrix.free_body())
       refuse_free(unseen_motions(*body, of.formulation.contact()), "", origin);
-    const auto left = held_by_values(d) ? std::vector<std::string>()
-                                        : free_motions(matrix.k(), d, of.formulation.layout());
+    const auto left = free_motions(matrix.k(), d, of.formulation.layout());
     if (!left.empty())
       throw Failure(FailureKind::not_coercive, origin,
                     fmt::format("the forms and boundary values together leave rigid motions free: "
                                 "{}",
-                                fmt::join(left, ", ")),
+                                fmt::join(left, "; ")),
                     "clamp a part (`zero on ...`), or add a term that resists the motion");
     const SparseMatrix k = matrix.k();
     blame_memory(matrix, of, problem);

@@ -14,15 +14,16 @@ struct MatrixOf {
 };
 
 /// matrix.factor(gamma); when there is no factor, throws Failure(not_coercive) that names the rigid
-/// motions that no law sees (held_by_laws.hpp), or without laws those that cost no energy
-/// ("translation along x"), or else the degree of freedom where the elimination broke down, or says
+/// motions that no law sees (held_by_laws.hpp), or without laws those that no form resists ("the
+/// body moves along x"), or else the degree of freedom where the elimination broke down, or says
 /// that without memories there would be one. Where K is positive but for rounding, and its softest
 /// motion strains cells, the script is right and double precision too short:
 /// Failure(mostly_rounding).
 void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& of,
                        const Problem& problem, const Discretisation& discretisation);
 
-/// The rigid motions that the imposed values allow and K does not resist, each in words.
+/// The rigid motions of each unknown that the imposed values allow and K, or else its transpose,
+/// does not resist, each in words.
 std::vector<std::string> free_motions(const SparseMatrix& k, const Discretisation& discretisation,
                                       const StateLayout& layout);
 

@@ -23,9 +23,24 @@ constexpr double not_told = 1e-6;
 /// A centre that many sizes away makes a turn a translation.
 constexpr double far_away = 1e4;
 
-int amplitudes_per_piece(const Space& space) {
-  if (space.components == 1 || has_hoop(space)) return 1;
-  return space.components == 2 ? 3 : 6;
+int amplitudes_per_piece(const Space& space, const SpaceBlock& block) {
+  if (block.components == 1 || has_hoop(space, block)) return 1;
+  return block.components == 2 ? 3 : 6;
+}
+
+/// An orthonormal basis of what these orthonormal columns span, near to unit vectors.
+DenseMatrix aligned(const DenseMatrix& columns) {
+  constexpr double clearly = 1e-9;
+  DenseMatrix rest = columns * columns.transpose(), out(columns.rows(), columns.cols());
+  for (Eigen::Index found = 0; found < out.cols(); ++found) {
+    Eigen::Index most = 0;
+    for (Eigen::Index i = 1; i < rest.cols(); ++i)
+      if (rest.col(i).norm() > (1.0 + clearly) * rest.col(most).norm()) most = i;
+    out.col(found) = rest.col(most).normalized();
+    for (int twice = 0; twice < 2; ++twice)
+      rest -= out.col(found) * (out.col(found).transpose() * rest);
+  }
+  return out;
 }
 
 /// An orthonormal basis of what the rows added so far span.
@@ -83,15 +98,38 @@ double cut(double x, double size) { return std::abs(x) < not_told * size ? 0.0 :
 
 } // namespace
 
-RigidMotions::RigidMotions(const Discretisation& d)
-    : space_(&d.space), components_(d.space.components), per_piece_(amplitudes_per_piece(d.space)) {
-  if (d.space.is_product()) return; // what no form holds is found as it is factored
-  find_pieces(d);
-  find_basis(d);
+DenseMatrix kernel(const DenseMatrix& a, double small) {
+  const Eigen::Index n = a.cols();
+  DenseMatrix square = DenseMatrix::Zero(n, n);
+  if (a.rows() > n)
+    square = solve_by_qr(a, Vector::Zero(a.rows())).r;
+  else
+    square.topRows(a.rows()) = a;
+  const auto found = left_singular(DenseMatrix(square.transpose()));
+  const auto seen = (found.values.array() > small).count();
+  return aligned(found.vectors.rightCols(n - seen));
 }
 
-void RigidMotions::find_pieces(const Discretisation& d) {
+double product_size(const SparseMatrix& k, const DenseMatrix& v) {
+  return (k.cwiseAbs() * v.cwiseAbs()).norm() / std::sqrt(static_cast<double>(v.cols()));
+}
+
+RigidMotions::RigidMotions(const Discretisation& d, int unknown)
+    : space_(&d.space), block_(d.space.blocks[static_cast<std::size_t>(unknown)]),
+      components_(block_.components), per_piece_(amplitudes_per_piece(d.space, block_)) {
   const auto piece_of_cell = pieces_of(d.mesh);
+  find_pieces(d, piece_of_cell);
+  find_basis(d, piece_of_cell);
+}
+
+RigidMotions::RigidMotions(const Discretisation& d)
+    : space_(&d.space), block_(d.space.blocks.front()), components_(block_.components),
+      per_piece_(amplitudes_per_piece(d.space, block_)) {
+  if (!d.space.is_product()) *this = RigidMotions(d, 0);
+}
+
+void RigidMotions::find_pieces(const Discretisation& d,
+                               std::span<const std::int32_t> piece_of_cell) {
   const int n = 1 + *std::max_element(piece_of_cell.begin(), piece_of_cell.end());
   piece_of_node_.assign(d.space.nodes.size(), -1);
   pieces_.resize(static_cast<std::size_t>(n));
@@ -146,7 +184,14 @@ Vector RigidMotions::row(int piece, const Point& x, int c) const {
   return out;
 }
 
-void RigidMotions::find_basis(const Discretisation& d) {
+int RigidMotions::component_of(std::int32_t dof) const {
+  if (dof < 0) return -1;
+  const int c = dof % space_->components - block_.first;
+  return c >= 0 && c < components_ && has_node(*space_, block_, dof / space_->components) ? c : -1;
+}
+
+void RigidMotions::find_basis(const Discretisation& d,
+                              std::span<const std::int32_t> piece_of_cell) {
   const auto n = static_cast<int>(pieces_.size());
   const Eigen::Index size = Eigen::Index{per_piece_} * n;
   basis_.resize(size, 0);
@@ -154,19 +199,21 @@ void RigidMotions::find_basis(const Discretisation& d) {
   RowSpace conditions(size);
   for (const auto& e : d.dofs.eliminated) {
     if (conditions.full()) return;
-    const auto node = static_cast<std::size_t>(e.dof / components_);
+    const int c = component_of(e.dof);
+    if (c < 0) continue;
+    const auto node = static_cast<std::size_t>(e.dof / space_->components);
     Vector all = Vector::Zero(size);
     all.segment(first(piece_of_node_[node]), per_piece_) =
-        row(piece_of_node_[node], d.space.nodes[node], e.dof % components_);
+        row(piece_of_node_[node], d.space.nodes[node], c);
     if (!all.isZero(0.0)) conditions.add(std::move(all));
   }
   if (n > 1) {
-    const auto piece_of_cell = pieces_of(d.mesh);
     for (int cell = 0; cell < n_cells(d.space) && !conditions.full(); ++cell)
       for (const auto node : d.space.nodes_of_cell(cell)) {
         const auto other = piece_of_node_[static_cast<std::size_t>(node)],
                    own = piece_of_cell[static_cast<std::size_t>(cell)];
         if (other == own) continue;
+        if (!has_node(d.space, block_, node)) continue;
         const Point& x = d.space.nodes[static_cast<std::size_t>(node)];
         for (int c = 0; c < components_; ++c) {
           Vector all = Vector::Zero(size);
@@ -180,13 +227,14 @@ void RigidMotions::find_basis(const Discretisation& d) {
 }
 
 DenseMatrix RigidMotions::on(std::span<const std::int32_t> dofs) const {
-  DenseMatrix out(static_cast<Eigen::Index>(dofs.size()), basis_.cols());
+  DenseMatrix out = DenseMatrix::Zero(static_cast<Eigen::Index>(dofs.size()), basis_.cols());
   for (std::size_t i = 0; i < dofs.size(); ++i) {
-    const auto node = static_cast<std::size_t>(dofs[i] / components_);
+    const int c = component_of(dofs[i]);
+    if (c < 0) continue;
+    const auto node = static_cast<std::size_t>(dofs[i] / space_->components);
     const int piece = piece_of_node_[node];
-    out.row(static_cast<Eigen::Index>(i)) =
-        row(piece, space_->nodes[node], dofs[i] % components_).transpose() *
-        basis_.middleRows(first(piece), per_piece_);
+    out.row(static_cast<Eigen::Index>(i)) = row(piece, space_->nodes[node], c).transpose() *
+                                            basis_.middleRows(first(piece), per_piece_);
   }
   return out;
 }
@@ -230,7 +278,8 @@ std::string RigidMotions::describe(const Vector& motion) const {
       out.push_back(components_ == 1 ? words(pieces_[k], a) + " to " + pieces_[k].name
                                      : pieces_[k].name + " " + words(pieces_[k], a));
   }
-  return fmt::format("{}", fmt::join(out, " and "));
+  const std::string of = space_->is_product() ? fmt::format("`{}`: ", block_.name) : std::string();
+  return fmt::format("{}{}", of, fmt::join(out, " and "));
 }
 
 } // namespace hvi::solver

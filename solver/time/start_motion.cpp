@@ -252,7 +252,7 @@ void start_motion(const Plan& plan, const Discretisation& d, RunState& run) {
     const double t = evolution.grid().t(0);
     const auto rates = argument_rates(plan.problem, contact, t, velocity);
     const auto fields = evolution.law_fields(contact.other_fields);
-    read_memories(contact, t, fields);
+    read_solution(contact, t, fields, xi);
     for (int pass = 0; pass < most_bound_passes; ++pass) {
       const Vector before = xi;
       prepare(contact, plan.problem, t, fields, xi);

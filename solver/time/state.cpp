@@ -1,6 +1,8 @@
 // The numbering of the time loop; see state.hpp.
 #include "solver/time/state.hpp"
 
+#include "solver/time/run.hpp"
+
 #include <algorithm>
 #include <tuple>
 #include <utility>
@@ -83,6 +85,14 @@ SparseMatrix restrict_rows(const SparseMatrix& full, const StateLayout& layout) 
 
 SparseMatrix restrict_columns(const SparseMatrix& full, const StateLayout& layout) {
   return restricted(full, layout, static_cast<int>(full.rows()), [](int r) { return r; });
+}
+
+Vector initial_state(const Problem& problem, const Discretisation& d, const StateLayout& layout) {
+  Vector out = Vector::Zero(layout.n_state);
+  const TimeSpec& time = problem.time;
+  if (!time.is_static && !time.initial.empty())
+    layout.gather(interpolate(d.space, time.initial, time.grid.front(), time.origin), out);
+  return out;
 }
 
 } // namespace hvi::solver

@@ -7,6 +7,9 @@
 
 namespace hvi::solver {
 
+struct Discretisation;
+struct Problem;
+
 /// A *state* is a vector of n_state values: [unknowns; imposed values]. Imposed values that are
 /// zero at all times are left out, so a problem with zero boundary values has states = unknowns.
 struct StateLayout {
@@ -18,6 +21,9 @@ struct StateLayout {
   void scatter(const Vector& state, Vector& full) const; ///< entries without state become 0
 };
 StateLayout make_layout(const Space& space, const DofMap& dofs);
+/// u0 of the problem, interpolated at the nodes; zero in a static one.
+Vector initial_state(const Problem& problem, const Discretisation& discretisation,
+                     const StateLayout& layout);
 
 /// Rows: unknowns, columns: state entries, of a matrix on full dofs.
 SparseMatrix restrict_rows(const SparseMatrix& full, const StateLayout& layout);

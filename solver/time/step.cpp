@@ -66,9 +66,8 @@ bool is_snap(RunState& state, const StepResult& step) {
 
 } // namespace
 
-/// Of laws that are coupled or read
-/// states only those that soften need it: their bounds are found by passes of their own. A law that
-/// reads memories may soften with any of their values.
+/// Of laws that are coupled or read states only those that soften need it: their bounds are found
+/// by passes of their own. A law that reads the solution may soften with any of its values.
 bool follows_branches(const std::string& not_unique, const Contact& contact) {
   return !not_unique.empty() &&
          ((!contact.coupled && contact.state_groups.empty()) || !contact.readings.empty() ||

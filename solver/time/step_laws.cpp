@@ -47,12 +47,12 @@ void StepLaws::prepare(int n, const Vector& u, const Vector* d) {
   solver::prepare(contact_, problem_, evolution_.grid().t(n), fields, now.xi);
 }
 
-void StepLaws::read_memories(int n, const Vector& u, const Vector* d) {
+void StepLaws::read_solution(int n, const Vector& u, const Vector* d) {
   if (contact_.readings.empty()) return;
   state_ = u;
   if (d != nullptr) state_.head(d->size()) += *d;
-  solver::read_memories(contact_, evolution_.grid().t(n),
-                        evolution_.law_fields(n, contact_.other_fields, state_, d));
+  solver::read_solution(contact_, evolution_.grid().t(n),
+                        evolution_.law_fields(n, contact_.other_fields, state_, d), now.xi);
 }
 
 void StepLaws::start_path(int n) {
@@ -109,7 +109,7 @@ void StepLaws::restore(StateReader& r) {
   // Laws that move with time are prepared for the step's time before every solve.
   if (!contact_.none() && evolution_.step() > 0) {
     const auto fields = evolution_.law_fields(contact_.other_fields);
-    solver::read_memories(contact_, evolution_.t(), fields);
+    solver::read_solution(contact_, evolution_.t(), fields, now.xi);
     solver::prepare(contact_, problem_, evolution_.t(), fields, now.xi);
   }
   check_states(contact_, now.state, r);

@@ -15,12 +15,12 @@ public:
   StepLaws(const Problem& problem, double tolerance, const Evolution& evolution, Contact& contact);
 
   /// States the laws' problem about the state u of step n; bounds of coupled laws are those of the
-  /// present multipliers, what laws read of memories is as it was. `d`: the increment of the
+  /// present multipliers, what laws read is as it was. `d`: the increment of the
   /// unknowns, where u has it already.
   void prepare(int n, const Vector& u, const Vector* d = nullptr);
-  /// Laws read the memories of the state u with the increment d that step n may end in (null: the
-  /// unknowns have not moved).
-  void read_memories(int n, const Vector& u, const Vector* d = nullptr);
+  /// Laws read the state u with the increment d that step n may end in (null: the unknowns have not
+  /// moved), and the present multipliers.
+  void read_solution(int n, const Vector& u, const Vector* d = nullptr);
   /// Step n follows the branch that the last state is on.
   void start_path(int n);
   /// Prepares the laws about u, with the present multipliers, and returns the error of their

@@ -85,13 +85,14 @@ void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
            spec.origin});
     if (law.reads())
       result.notes.push_back({0, 0.0,
-                              fmt::format("`{}` reads a memory of the unknown: beyond the theorems "
-                                          "here, found with it in each step",
+                              fmt::format("`{}` reads the solution: beyond the theorems here, "
+                                          "found with it in each step",
                                           law.spec().name),
                               spec.origin});
     if (std::isfinite(
-            law.constants(term.points.x[0],
-                          initial_law_times(plan.problem, law, term.points, start).front())
+            law.constants(term.points.x[0], initial_law_times(plan.problem, law, term.points, start,
+                                                              term.first_readings)
+                                                .front())
                 .m))
       continue;
     result.notes.push_back(

@@ -45,7 +45,7 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   }
   balance_.find_right_hand_side(equation);
   laws.states.begin(n);
-  laws.read_memories(n, equation.known);
+  laws.read_solution(n, equation.known);
   laws.prepare(n, equation.known);
   if (const FreeBody* const body = matrix.free_body())
     refuse_unbalanced(*body, contact, plan_.problem, equation.rhs, evolution_.grid().t(n));
@@ -74,7 +74,7 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   if (refinement.on()) {
     refinement.refine(matrix, equation, equations.corrector, laws, trial, out);
     if (!contact.readings.empty()) {
-      laws.read_memories(n, equation.known, &trial.d);
+      laws.read_solution(n, equation.known, &trial.d);
       laws.prepare(n, equation.known);
     }
   }

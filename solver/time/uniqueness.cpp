@@ -4,6 +4,7 @@
 #include "solver/assembly/assembly.hpp"
 #include "solver/common/numbers.hpp"
 #include "solver/law/known_constants.hpp"
+#include "solver/plan/couplings.hpp"
 #include "solver/time/product_form.hpp"
 #include "solver/time/step_weights.hpp"
 #include "solver/time/time_scheme.hpp"
@@ -68,7 +69,7 @@ Bracket descent_of(const Problem& problem, const ContactTerm& term, const Law& l
 
 void Uniqueness::look_at_laws() {
   if (contact_.coupled) obstacle_ = "a law is coupled to another one";
-  if (!contact_.readings.empty()) obstacle_ = "a law reads a memory of the unknown";
+  if (!contact_.readings.empty()) obstacle_ = "a law reads the solution";
   if (!contact_.state_groups.empty()) obstacle_ = "laws with states are solved together with them";
   if (!operators_.changing.empty()) obstacle_ = "states change the forms";
   bool softens = false, moves = false;

@@ -140,8 +140,8 @@ report
 """
     code, said, _ = run(script)
     print("  ", [line for line in said.split("\n") if "rigid" in line])
-    assert code == 1 and "E0425" in said and "translation along y" in said
-    assert "translation along x" not in said and "rotation" not in said and "combination" not in said
+    assert code == 1 and "E0425" in said and "the body moves along y" in said
+    assert "along x" not in said and "turns" not in said
     table(script.replace("on ring\n", "on ring, zero.y on foot\n"))
 
 

@@ -155,6 +155,23 @@ def no_gnuplot(place):
 
 
 @case
+def slender_picture(place):
+    """Labels along a short side do not lie on each other: there are three of them, and the colour box is elsewhere."""
+    tools = place.folder / "tools"
+    tools.mkdir()
+    (tools / "gnuplot").write_text(f"#!/bin/sh\n/usr/bin/tee {place.folder}/commands > drawn\n")
+    (tools / "gnuplot").chmod(0o755)
+    for sides, words in (("2, 1", []), ("20, 1", ["set ytics 0.5\n", "colorbox horizontal"]), ("1, 20", ["set xtics 0.5\n"])):
+        place.write(more="  picture u\n")
+        script = place.folder / "s.hvi"
+        script.write_text(script.read_text().replace("rectangle(2, 1", f"rectangle({sides}").replace("[1, 0]", "[0, 0]").replace("[2, 0]", "[0, 0]"))
+        done = place.call("-o", "out", env=dict(os.environ, PATH=str(tools)))
+        commands = place.text("commands")
+        check(f"picture of a body of sides {sides}", done.returncode == 0 and all(word in commands for word in words)
+              and ("tics" in commands) == bool(words), (done.stderr, commands[:400]))
+
+
+@case
 def ladder_with_zero(place):
     """A rung that a logarithmic axis does not show."""
     place.write(load="(t + N)", more=STUDY.replace("vary N in [0, 2, 4] and n", "vary shift in [0, 1, 2] and n"))

@@ -49,11 +49,29 @@ def scene(dim, order, n, steps=0, route=None, law=False, tensors=0, friction=Fal
     return "\n".join(lines) + "\n"
 
 
+def several(n, pressure):
+    """A displacement with the pressure of an incompressible body, or with heat."""
+    own = "" if pressure else " + integral(body, dot(grad(p), grad(q)))"
+    return f"""mesh body = rectangle(1, 1, cells = [{n}, {n}])
+part roof = body.top
+space V = vector P2 on body, zero on roof
+space Q = scalar P1 on body{"" if pressure else ", zero on roof"}
+find u in V, p in Q
+such that for all v in V, q in Q
+    integral(body, 2*(eps(u) : eps(v)) - p*div(v)) + integral(body, q*div(u)){own}
+  = integral(body, v.x)
+report
+  table size = norm(u)
+"""
+
+
 SMALL = {
     "3D P1, n 18": scene(3, 1, 18),
     "3D P2, n 8": scene(3, 2, 8),
     "2D P2, n 90": scene(2, 2, 90),
     "2D P1, n 110, not symmetric": scene(2, 1, 110, lopsided=True),
+    "2D P2 and P1, n 70, pressure": several(70, True),
+    "2D P2 and P1, n 80, heat": several(80, False),
     "3D P1, n 20, friction, 6 steps": scene(3, 1, 20, 6, law=True, friction=True, tensors=1),
     "2D P1, n 70, direct, 600 steps": scene(2, 1, 70, 600, "direct", tensors=1),
 }

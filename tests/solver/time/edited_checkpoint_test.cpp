@@ -122,7 +122,9 @@ private:
     return checkpoint_path(settings_.output_folder, settings_.name);
   }
 
-  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "hvi_extent";
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string("hvi_") + testing::UnitTest::GetInstance()->current_test_info()->name());
   Plan plan_;
   Discretisation d_;
   RunSettings settings_;

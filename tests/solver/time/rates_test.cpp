@@ -239,8 +239,11 @@ TEST(Rates, WhatLawsCannotReadIsRefused) {
   EXPECT_FALSE(good(var(slot::field(memory, slot::value(1))), slot::most_readings + 1));
   EXPECT_FALSE(good(var(slot::field(memory, slot::gradient(0, 0)))));
   EXPECT_FALSE(good(var(slot::field(memory + 1, slot::value(0)))));
-  EXPECT_FALSE(good(var(slot::field(field_of_u(0), slot::value(0)))));
-  EXPECT_FALSE(good(var(slot::multiplier(0, 0))));
+  EXPECT_TRUE(good(var(slot::field(field_of_u(0), slot::value(0)))));
+  EXPECT_TRUE(good(var(slot::field(field_of_u(1), slot::value(1)))));
+  EXPECT_FALSE(good(var(slot::field(field_of_u(2), slot::value(0)))));
+  EXPECT_TRUE(good(var(slot::multiplier(0, 0))));
+  EXPECT_FALSE(good(var(slot::multiplier(7, 0)))); // there is no such law
   EXPECT_FALSE(good(var(slot::argument(0))));
 }
 

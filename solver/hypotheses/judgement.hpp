@@ -1,0 +1,106 @@
+// The rows of a report of hypotheses, one after the other; internal to solver/hypotheses.
+#pragma once
+
+#include "solver/hypotheses/hypotheses.hpp"
+#include "solver/hypotheses/numbers.hpp"
+#include "solver/hypotheses/tensors.hpp"
+#include "solver/hypotheses/verdicts.hpp"
+#include "solver/time/step_weights.hpp"
+
+#include <cmath>
+
+namespace hvi::solver {
+
+inline constexpr int most_load_times = 65;
+
+/// A number of a kernel or of a state with how it was found.
+std::string with_word(double value, const Bracket& known);
+
+class Judgement {
+public:
+  Judgement(const Plan& plan, const Discretisation& d)
+      : plan_(plan), problem_(plan.problem), d_(d), numbers_(plan, d) {
+    facts_.is_static = problem_.time.is_static;
+    facts_.moves = in_motion(problem_);
+    for (const auto& term : problem_.law_terms)
+      (term.field == field_of_u(0) ? facts_.has_laws
+       : is_memory(term.field)     ? facts_.has_memory_laws
+                                   : facts_.has_rate_laws) = true;
+  }
+  HypothesisReport report(bool extrapolate);
+
+private:
+  Hypothesis& row(std::string name, std::string what, std::optional<double> value, Answer answer,
+                  Origin origin = {}, std::string note = {});
+  static Answer yes(bool holds) { return holds ? Answer::holds : Answer::fails; }
+  static Answer positive(double v) { return std::isnan(v) ? Answer::open : yes(v > 0.0); }
+  TheoryConstants& c() { return out_.constants; }
+
+  // Forms, memories and loads: hypotheses.cpp
+  void longest_step();
+  std::string place(const Ellipticity& e) const;
+  void judge_inertia();
+  void judge_a();
+  /// Coercive in V or in H? A tensor that is elliptic everywhere is the former's proof; else the
+  /// least eigenvalue goes to 0 under refinement where it is the latter only.
+  void judge_rate();
+  void judge_b();
+  void judge_memory();
+  /// The modulus B + E int q after a jump of the strain, against B: told where it leaves (0, 1].
+  /// E and B are compared by their traces, exactly where one is a multiple of the other.
+  void judge_modulus(int m);
+  void judge_loads();
+  /// Whether a load was found that is not bounded in time: then it must be square integrable.
+  bool judge_load_times();
+  Origin form_origin(int field) const;
+
+  // held_rows.cpp
+  /// Unknowns without a form of their own: a pressure.
+  void judge_multipliers();
+  /// A pair of elements is stable where the constant keeps off 0 on ever finer meshes.
+  void refine_inf_sup(const Numbers& finer);
+  /// What the forms leave free has to be held by laws, and these need the load's help.
+  void judge_free_body();
+  /// At some times of the grid, for laws that are the same at all times.
+  void judge_balance(const FreeBody& body);
+
+  // law_rows.cpp
+  void judge_laws();
+  /// Lipschitz constants of the rates, by the state itself and by what they read.
+  void judge_states();
+  Origin law_on_memory() const;
+  Origin law_origin(int field) const;
+  /// The law that softens most: it decides (H0).
+  Origin worst_law() const;
+  void judge_smallness();
+  /// Laws on memories, which are a part of the history, and laws on u', against A in place of B.
+  void judge_other_laws();
+
+  // step_rows.cpp
+  /// The step whose matrix leaves the least room, of all that differ.
+  void judge_steps();
+  const Vector& weights_of(int step) const;
+  /// The paper's bounds on the step, the one that A alone gives, and the usable one.
+  void bound_steps();
+
+  // refined_rows.cpp
+  /// Trace norms grow under refinement: twice the step from this mesh to the refined one is taken
+  /// off the margins (as for order one, so rather too much).
+  void refine_norms();
+  void refine_margins(const Numbers& finer);
+
+  const Plan& plan_;
+  const Problem& problem_;
+  const Discretisation& d_;
+  Numbers numbers_;
+  HypothesisReport out_;
+  VerdictFacts facts_;
+  StepWeights steps_;
+  std::size_t rate_row_ = 0;                             ///< of "A is coercive in V"
+  double product_ = 0.0;                                 ///< sum c_E c_q over the kernels
+  std::vector<double> memory_norms_;                     ///< ||E_m||
+  std::vector<std::pair<int, std::size_t>> multipliers_; ///< unknowns, and their rows
+  std::optional<double> m_a_finer_, m_h_finer_;          ///< on the refined mesh
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,168 @@
+// Rows of laws and their states, and the smallness condition (H0) on them; see hypotheses.hpp.
+#include "solver/common/numbers.hpp"
+#include "solver/hypotheses/judgement.hpp"
+#include "solver/hypotheses/states.hpp"
+#include "solver/time/body_states.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+
+void Judgement::judge_laws() {
+  c().m_nu = c().m_tau = c().c_J = 0.0;
+  Bracket m_nu, m_tau, m_rate;
+  for (const auto& law : numbers_.laws()) {
+    const auto& term = problem_.law_terms[law.term];
+    const auto& spec = problem_.laws[static_cast<std::size_t>(term.law)];
+    if (!spec.coupled.empty() || !spec.readings.empty()) {
+      c().m_nu = c().m_tau = c().c_J = infinity;
+      m_nu = c().c_J_known = Bracket::exactly(infinity);
+      row("H(J)", fmt::format("`{}` is a law of its argument alone", term.name), std::nullopt,
+          Answer::fails, term.origin,
+          spec.coupled.empty()
+              ? "it reads the solution: beyond the theorems here"
+              : fmt::format("its bound is the multiplier of `{}` (Coulomb): beyond the theory",
+                            spec.coupled));
+      (spec.coupled.empty() ? facts_.reads : facts_.coupled) = true;
+      continue;
+    }
+    if (!problem_.laws[term.law].states.empty())
+      row("H(J)", fmt::format("`{}` keeps its graph", term.name), std::nullopt, Answer::open,
+          term.origin, "it changes with its states: its numbers are those at their initial values");
+    const double m = law.m.value(), growth = law.c.value();
+    if (term.field == field_of_u(0)) {
+      double& most = law.radial ? c().m_tau : c().m_nu;
+      most = std::max(most, m);
+      Bracket& known = law.radial ? m_tau : m_nu;
+      known = larger(known, law.m);
+      facts_.lipschitz = std::max(facts_.lipschitz, law.lipschitz);
+    } else if (is_memory(term.field)) {
+      facts_.lipschitz_memory = std::max(facts_.lipschitz_memory, law.lipschitz);
+    } else {
+      m_rate = larger(m_rate, law.m);
+    }
+    c().c_J = std::max(c().c_J, growth);
+    c().c_J_known = larger(c().c_J_known, law.c);
+    row("H(J)", fmt::format("`{}` grows linearly: c_J", term.name), growth,
+        yes(std::isfinite(growth)), term.origin)
+        .known = law.c;
+    row("H(J)", fmt::format("`{}` is relaxed monotone: m_J", term.name), m, yes(std::isfinite(m)),
+        term.origin,
+        std::isfinite(m)
+            ? fmt::format("steepest descent of the slope{}; regular, as j + m r^2/2 is convex",
+                          m > 0.0 ? fmt::format(" at {:.6g}", law.at) : "")
+            : fmt::format("the slope jumps down at {:.6g}{}", law.at,
+                          law.regular ? "; -j is regular" : "; neither j nor -j is regular"))
+        .known = law.m;
+  }
+  c().m_J = c().m_nu + c().m_tau;
+  c().m_J_known = m_nu + m_tau;
+  facts_.proved = c().m_J_known.bounded_by_proof() && m_rate.bounded_by_proof();
+  const auto& norms = numbers_.traces();
+  c().norm_normal = norms.normal, c().norm_tangential = norms.tangential;
+  c().norm_full = norms.full, c().norm_script = numbers_.script_norm(field_of_u(0));
+  if (facts_.has_laws) {
+    const char* which = facts_.has_rate_laws ? "all laws on the unknown" : "all laws";
+    row("H(M)", "M is bounded and compact: ||M||^2", c().norm_script,
+        yes(std::isfinite(c().norm_script)), law_origin(field_of_u(0)),
+        fmt::format("the arguments of {}, on this mesh; traces: normal {:.6g}, tangential {:.6g}, "
+                    "full {:.6g}",
+                    which, norms.normal, norms.tangential, norms.full));
+  }
+  if (!facts_.has_rate_laws) return;
+  const double norm = numbers_.script_norm(field_of_u(1));
+  row("H(M)", "M of the laws on the rate is bounded and compact: ||M||^2", norm,
+      yes(std::isfinite(norm)), law_origin(field_of_u(1)), "on this mesh");
+}
+
+void Judgement::judge_states() {
+  facts_.states = !problem_.states.empty();
+  for (const auto& form : problem_.forms)
+    if (reads_states(form))
+      row("H(state)", "a form keeps its coefficients", std::nullopt, Answer::open, form.origin,
+          "they change with states: what is said of it holds at their initial values");
+  for (const auto& state : problem_.states) {
+    const RateConstants found = rate_constants(problem_, d_.mesh, state);
+    const auto one = [&](const std::string& by, const RateConstant& l) {
+      const double everywhere = l.everywhere.value();
+      auto& made =
+          row("H(state)", fmt::format("the rate of `{}` is Lipschitz in {}", state.name, by),
+              everywhere, std::isfinite(everywhere) ? Answer::holds : Answer::open, state.origin,
+              std::isfinite(everywhere)
+                  ? ""
+                  : fmt::format("on bounded sets only: {} for inputs up to 1 in size",
+                                with_word(l.near.value(), l.near)));
+      if (std::isfinite(everywhere)) made.known = l.everywhere;
+    };
+    one(found.other_states ? "the states" : "the state", found.by_states);
+    if (found.reads_inputs) one("its inputs", found.by_inputs);
+  }
+}
+
+Origin Judgement::law_on_memory() const {
+  return std::ranges::find_if(problem_.law_terms,
+                              [](const LawTerm& term) { return is_memory(term.field); })
+      ->origin;
+}
+
+Origin Judgement::law_origin(int field) const {
+  return std::ranges::find(problem_.law_terms, field, &LawTerm::field)->origin;
+}
+
+Origin Judgement::worst_law() const {
+  Origin out = problem_.time.origin;
+  double most = -1.0;
+  for (const auto& law : numbers_.laws()) {
+    const auto& term = problem_.law_terms[law.term];
+    if (term.field == field_of_u(0) && law.m.value() > most)
+      most = law.m.value(), out = term.origin;
+  }
+  return out;
+}
+
+void Judgement::judge_smallness() {
+  Margins& m = out_.margins;
+  const double m_b = c().m_B;
+  const auto less = [&](double softening, double norm) {
+    return softening == 0.0 ? m_b : std::isfinite(softening) ? m_b - softening * norm : -infinity;
+  };
+  m.paper = less(c().m_J, std::max(c().norm_full, c().norm_script));
+  m.largest = less(std::max(c().m_nu, c().m_tau), c().norm_script);
+  m.split = numbers_.margin_split(field_of_u(0), m_b);
+  m.against_b = m_b > 0.0 ? numbers_.margin_against(field_of_u(0)) : -infinity;
+  const Origin origin = worst_law();
+  row("(H0)", "m_B - (m_nu + m_tau) ||M||^2, full trace", m.paper, positive(m.paper), origin);
+  row("(H0)", "m_B - max(m_nu, m_tau) ||M||^2, the script's M", m.largest, positive(m.largest),
+      origin, "its parts are orthogonal: the larger constant suffices");
+  row("(H0)", "m_B - lambda_max(sum m_i M_i^T W M_i)", m.split, positive(m.split), origin,
+      "the split condition: each law against its own trace");
+  row("(H0)", "1 - lambda_max(sum m_i M_i^T W M_i, sym B)", m.against_b, positive(m.against_b),
+      origin, "the same against B itself");
+  judge_other_laws();
+}
+
+void Judgement::judge_other_laws() {
+  Margins& m = out_.margins;
+  m.rate_split = c().m_A, m.rate_against_a = 1.0;
+  if (facts_.has_memory_laws)
+    row("memory", "the slopes of the laws on memories are Lipschitz: their constant",
+        facts_.lipschitz_memory, yes(std::isfinite(facts_.lipschitz_memory)), law_on_memory(),
+        "then they are a part of the history, as R is");
+  if (!facts_.has_rate_laws) return;
+  m.rate_split = numbers_.margin_split(field_of_u(1), c().m_A);
+  m.rate_against_a = c().m_A > 0.0 ? numbers_.margin_against(field_of_u(1)) : -infinity;
+  const Origin origin = law_origin(field_of_u(1));
+  row("rates", "m_A - lambda_max(sum m_i M_i^T W M_i), laws on u'", m.rate_split,
+      positive(m.rate_split), origin, "what (H0) asks of laws on the rate: m_A > m_J ||M||^2");
+  row("rates", "1 - lambda_max(sum m_i M_i^T W M_i, sym A), laws on u'", m.rate_against_a,
+      positive(m.rate_against_a), origin, "the same against A itself");
+  if (facts_.has_laws)
+    row("rates", "the slopes of the laws on u are Lipschitz: their constant", facts_.lipschitz,
+        yes(std::isfinite(facts_.lipschitz)), law_origin(field_of_u(0)),
+        "beside a law on the rate they are a part of the history");
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,34 @@
+// See couplings.hpp.
+#include "solver/plan/couplings.hpp"
+
+namespace hvi::solver {
+
+Couplings couplings_of(const Problem& problem) {
+  Couplings out{};
+  for (const FormTerm& form : problem.forms)
+    for (const FormTerm::Entry& entry : form.entries)
+      out[slot::unknown_of(entry.test)][slot::unknown_of(entry.trial)] = true;
+  return out;
+}
+
+bool couples_unknowns(const Couplings& couplings) {
+  for (std::size_t a = 0; a < couplings.size(); ++a)
+    for (std::size_t b = 0; b < couplings.size(); ++b)
+      if (a != b && couplings[a][b]) return true;
+  return false;
+}
+
+std::vector<char> unknowns_with_laws(const Problem& problem) {
+  std::vector<char> out(unknowns_of(problem.space).size(), 0);
+  for (const LawTerm& term : problem.law_terms) out[static_cast<std::size_t>(term.unknown)] = 1;
+  return out;
+}
+
+std::vector<char> multipliers_of(const Problem& problem) {
+  const Couplings couplings = couplings_of(problem);
+  std::vector<char> out = unknowns_with_laws(problem);
+  for (std::size_t b = 0; b < out.size(); ++b) out[b] = out[b] == 0 && !couplings[b][b] ? 1 : 0;
+  return out;
+}
+
+} // namespace hvi::solver

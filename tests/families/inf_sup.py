@@ -1,0 +1,91 @@
+"""The inf-sup constant that `check` prints, against dense algebra on matrices assembled here.
+
+usage: inf_sup.py HVI_RUN
+
+The least of sup_v c(v, p) / |v|_V over p of size 1 in L2 is the root of the least eigenvalue of C G^-1 C^T against the
+mass M of p, G the Gram matrix eps : eps. Stokes flow with Taylor and Hood's elements keeps its constant on finer
+meshes; a multiplier in P1, for displacements in P1 that it sees by p*u.x, has one that falls. References: independent.
+"""
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+from fields import Scalar
+from solids import Solid, block, shapes
+
+PROGRAM = pathlib.Path(sys.argv[1]).resolve()
+
+
+def values(scalar, body):
+    """int p v.x: rows p, columns v."""
+    out = np.zeros((scalar.n, body.n))
+    for cell, volume, _ in scalar.cells():
+        nodes, dofs = scalar.solid.nodes(cell), body.dofs(body.nodes(cell))
+        for b, weight in scalar.rule:
+            v = np.kron(shapes(body.order, b), [1.0, 0.0])
+            out[np.ix_(nodes, dofs)] += weight * volume * np.outer(shapes(scalar.order, b), v)
+    return out
+
+
+def dense(mesh, order, stable):
+    body, scalar = Solid(mesh, order), Scalar(mesh, 1)
+    walls = "left", "right", "bottom"
+    free = np.setdiff1d(np.arange(body.n), np.concatenate([body.dofs(body.on(name)) for name in walls]))
+    seen = np.arange(scalar.n)
+    if not stable:
+        seen = np.setdiff1d(seen, np.concatenate([scalar.solid.on(name) for name in walls]))
+    gram = body.stiffness(0.0, 0.5)[np.ix_(free, free)]
+    couplings = (scalar.divergence(body) if stable else values(scalar, body))[np.ix_(seen, free)]
+    mass = scalar.mass_and_stiffness()[0][np.ix_(seen, seen)]
+    inner = np.linalg.inv(np.linalg.cholesky(mass))
+    return np.sqrt(np.linalg.eigvalsh(inner @ couplings @ np.linalg.solve(gram, couplings.T) @ inner.T)[0])
+
+
+def printed(mesh, order, stable):
+    """On this mesh, whether it holds, and on the refined mesh."""
+    coupled = "- p*div(v) + q*div(u)" if stable else "- p*v.x + q*u.x"
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        (folder / "body.msh").write_text(mesh.msh())
+        (folder / "a.hvi").write_text(f"""
+mesh flow  = gmsh("body.msh")
+part walls = flow.group("left") + flow.group("right") + flow.group("bottom")
+space V = vector P{order} on flow, zero on walls
+space Q = scalar P1 on flow{"" if stable else ", zero on walls"}
+find u in V, p in Q
+such that for all v in V, q in Q
+    integral(flow, 2*(eps(u) : eps(v)) {coupled})
+ >= integral(flow, v.y)
+report
+  table speed = norm(u)
+""")
+        subprocess.run([PROGRAM, "check", "a.hvi", "--json", "a.json"], cwd=folder, check=True, capture_output=True)
+        rows = json.loads((folder / "a.json").read_text())["hypotheses"]
+    row, = (r for r in rows if "inf-sup" in r["bound"])
+    return row["value"], row["holds"], float(re.match(r"([\d.e+-]+) on the refined mesh", row["note"])[1])
+
+
+def main():
+    random, wrong = np.random.default_rng(4), 0
+    for order, stable in ((2, True), (1, False)):
+        last = None
+        for n in (2, 4, 8):
+            mesh = block(random, (n, n), (1.3, 1.0), wobble=0.2 if n == 2 else 0.0)
+            expected = dense(mesh, order, stable)
+            value, holds, finer = printed(mesh, order, stable)
+            falls = last is not None and expected < 0.7 * last
+            print(f"P{order}/P1, n {n}: {value:.6g}, dense {expected:.6g}; refined {finer:.6g}; {'holds' if holds else 'fails'}")
+            wrong += not abs(value - expected) <= 1e-5 * expected
+            wrong += holds != (finer > 0.7 * value) or holds != stable
+            wrong += last is not None and falls == stable
+            last = expected
+    print(f"{wrong} faults")
+    return int(wrong > 0)
+
+
+sys.exit(main())
