@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <string_view>
 
 namespace hvi::lang {
@@ -66,6 +67,26 @@ private:
   std::vector<std::int32_t> piece_of_node_; ///< one of them, where pieces touch in a node
 };
 
+/// Whether pairs of sides join all pieces: then they are meant to be apart.
+bool joined_by_pairs(const solver::Discretisation& d, const std::vector<std::int32_t>& piece_of,
+                     std::size_t pieces) {
+  std::vector<std::size_t> group(pieces);
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  for (const solver::Region& region : d.parts) {
+    if (!region.is_pair() || region.entities.empty()) continue;
+    const auto of = [&](std::int32_t facet) {
+      return group[static_cast<std::size_t>(piece_of[d.mesh.facets[facet].cell])];
+    };
+    const std::size_t one = of(region.entities.front());
+    const auto join = [&](std::int32_t facet) {
+      std::ranges::replace(group, std::size_t{of(facet)}, one);
+    };
+    std::ranges::for_each(region.entities, join);
+    std::ranges::for_each(region.second, join);
+  }
+  return std::ranges::all_of(group, [&](std::size_t g) { return g == group.front(); });
+}
+
 /// Points of pairs that have no partner.
 void report_alone(Script& script, const solver::Discretisation& d) {
   for (const auto& alone : d.alone) {
@@ -107,7 +128,7 @@ void report_misfits(Script& script, const solver::Discretisation& d) {
     if (has_values(form)) holding.note(form.part, by_form);
   std::vector<std::string> held;
   for (std::size_t p = 0; p < all.size(); ++p) held.push_back(holders(holding.by(p)));
-  add(pieces(all, held, d.mesh.dim));
+  if (!joined_by_pairs(d, piece_of, all.size())) add(pieces(all, held, d.mesh.dim));
   for (std::size_t p = 0; p < all.size(); ++p) {
     if (holding.by(p) != 0) continue;
     add({"E0425",

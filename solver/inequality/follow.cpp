@@ -17,13 +17,6 @@ namespace {
 /// Arguments this close, by the largest, are the same solution.
 constexpr double same_solution = 1e-7;
 
-/// An entry of v for each point, of one row each.
-Vector by_point(const ContactPoints& points, const Vector& v) {
-  Vector out(points.size());
-  for (int p = 0; p < points.size(); ++p) out[p] = v[points[p].first];
-  return out;
-}
-
 bool is_same(const Vector& z, const Vector& on_curve) {
   double apart = 0.0;
   for (Eigen::Index p = 0; p < z.size(); ++p) apart = std::max(apart, std::abs(z[p] - on_curve[p]));
@@ -54,7 +47,7 @@ bool BranchFollower::settle_on(const CurveSolution& found, StepAnswer& step) {
   curve_.go(found, step.at);
   if (newton_.solve(step.at, options_.max_iterations, step.report) != MethodOutcome::solved)
     return false;
-  return is_same(by_point(points_, step.at.z), found.z) && accept_answer(step, options_.tolerance);
+  return is_same(curve_.on_curve(step.at.z), found.z) && accept_answer(step, options_.tolerance);
 }
 
 void BranchFollower::follow(StepAnswer& step) {
@@ -73,7 +66,7 @@ void BranchFollower::follow(StepAnswer& step) {
   }
   Vector free(points_.unknowns);
   s.solve(step.at.balance.load(), free);
-  const Vector b1 = by_point(points_, points_.g * free + points_.problem.offset);
+  const Vector b1 = curve_.on_curve(points_.g * free + points_.problem.offset);
   if (!least) return continue_branch(step, free, b1);
   LeastState search(curve_, components_, options_.tolerance);
   search.descend(step, b1, free);
@@ -85,13 +78,13 @@ void BranchFollower::follow(StepAnswer& step) {
 void BranchFollower::continue_branch(StepAnswer& step, const Vector& free, const Vector& b1) {
   InequalityReport& report = step.report;
   const FollowedBranch branch =
-      curve_.curve().follow(curve_.start(step.start), by_point(points_, step.start.xi), b1);
+      curve_.curve().follow(curve_.start(step.start), curve_.on_curve(step.start.xi), b1);
   report.inner_steps = branch.steps;
   report.not_followed = !branch.arrived;
   if (!branch.arrived) return;
   report.branch_ends.insert(report.branch_ends.end(), branch.ends.begin(), branch.ends.end());
   const Vector z1 = points_.g * step.io.c + points_.problem.offset;
-  if (report.converged && is_same(by_point(points_, z1), branch.state.z)) return;
+  if (report.converged && is_same(curve_.on_curve(z1), branch.state.z)) return;
   const InequalityReport at_once = report;
   const InequalityState other = step.io;
   if (settle_on(curve_.solution(branch.state, free), step)) return;

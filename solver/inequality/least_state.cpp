@@ -15,28 +15,20 @@ namespace {
 /// Boxes cost a dense product each.
 constexpr int most_points_bounded = 300;
 
-Vector forces_of(const ContactPoints& points, const InequalityState& now) {
-  Vector out(points.size());
-  for (int p = 0; p < points.size(); ++p) out[p] = points[p].weight * now.xi[points[p].first];
-  return out;
-}
-
 } // namespace
 
 /// The solution that Newton's method and releases reach from the body under these forces, and its
 /// forces; empty where there is none.
 Vector LeastState::reach(StepAnswer& step, const Vector& force, const Vector& free,
                          InequalityState& found) {
-  const ContactPoints& points = step.at.points;
   InequalityState from;
   from.c = curve_.displaced(free, force);
-  from.xi = Vector::Zero(points.rows);
-  for (int p = 0; p < points.size(); ++p) from.xi[points[p].first] = force[p] / points[p].weight;
+  from.xi = curve_.multipliers(force);
   step.at.load(from);
   if (components_.solve(step.at, step.methods, step.report) != MethodOutcome::solved) return {};
   found = {};
   step.at.store(found);
-  return forces_of(points, found);
+  return curve_.forces(found.xi);
 }
 
 void LeastState::descend(StepAnswer& step, const Vector& b, const Vector& free) {
@@ -46,7 +38,7 @@ void LeastState::descend(StepAnswer& step, const Vector& b, const Vector& free) 
   const InequalityReport at_once = step.report;
   const InequalityState first = step.io;
   InequalityState found, best;
-  Vector start = Vector::Zero(points.size());
+  Vector start = Vector::Zero(curve_.curve().compliance().rows());
   double lowest = std::numeric_limits<double>::infinity();
   const auto descend_and_keep = [&](const Vector& force) -> Vector {
     Vector reached = reach(step, force, free, found);
@@ -56,7 +48,7 @@ void LeastState::descend(StepAnswer& step, const Vector& b, const Vector& free) 
     return reached;
   };
   if (step.report.converged)
-    start = forces_of(points, step.io);
+    start = curve_.forces(step.io.xi);
   else if (const Vector reached = descend_and_keep(start); reached.size() > 0)
     start = reached;
   if (const double e = least.energy(b, start).value; e < lowest) lowest = e;
@@ -69,7 +61,6 @@ void LeastState::descend(StepAnswer& step, const Vector& b, const Vector& free) 
 
 void LeastState::along_curve(StepAnswer& step, const Vector& b, const Vector& free,
                              const std::function<bool(const CurveSolution&)>& settle_on) {
-  const ContactPoints& points = step.at.points;
   const auto energy_at = [&](const Vector& c) {
     step.at.c = c;
     step.at.balance.product.update(c);
@@ -79,8 +70,7 @@ void LeastState::along_curve(StepAnswer& step, const Vector& b, const Vector& fr
   double lowest =
       step.report.converged ? energy_at(step.io.c) : std::numeric_limits<double>::infinity();
   std::optional<CurveSolution> best;
-  Vector xi(points.size());
-  for (int p = 0; p < points.size(); ++p) xi[p] = step.start.xi[points[p].first];
+  const Vector xi = curve_.on_curve(step.start.xi);
   const auto consider = [&](const CurveState& at) {
     CurveSolution found = curve_.solution(at, free);
     const double e = energy_at(found.c);

@@ -20,6 +20,9 @@ bool PointCurve::prepare(const ReducedOperator& s) {
     return false;
   for (const PointData& q : points_.data)
     if (q.rows != 1) return false;
+  moved_.clear();
+  for (int p = 0; p < points_.size(); ++p)
+    if (SparseMatrix::InnerIterator(points_.g, points_[p].first)) moved_.push_back(p);
   std::optional<DenseMatrix> c = compliance(s);
   if (!c) return false;
   curve_.emplace(std::move(*c), curve_points());
@@ -28,18 +31,37 @@ bool PointCurve::prepare(const ReducedOperator& s) {
 
 std::vector<CurvePoint> PointCurve::curve_points() const {
   std::vector<CurvePoint> all;
-  for (const PointData& q : points_.data) all.push_back({&graphs_[q.law], q.weight});
+  for (const int p : moved_) all.push_back({&graphs_[points_[p].law], points_[p].weight});
   return all;
+}
+
+Vector PointCurve::on_curve(const Vector& rows) const {
+  Vector out(moved_.size());
+  for (std::size_t k = 0; k < moved_.size(); ++k) out[k] = rows[points_[moved_[k]].first];
+  return out;
+}
+
+Vector PointCurve::forces(const Vector& xi) const {
+  Vector out = on_curve(xi);
+  for (std::size_t k = 0; k < moved_.size(); ++k) out[k] *= points_[moved_[k]].weight;
+  return out;
+}
+
+Vector PointCurve::multipliers(const Vector& force) const {
+  Vector out = Vector::Zero(points_.rows);
+  for (std::size_t k = 0; k < moved_.size(); ++k)
+    out[points_[moved_[k]].first] = force[k] / points_[moved_[k]].weight;
+  return out;
 }
 
 std::optional<DenseMatrix> PointCurve::compliance(const ReducedOperator& s) {
   const SparseMatrix& g = points_.g;
-  const int count = points_.size();
+  const auto count = static_cast<int>(moved_.size());
   Vector column(points_.unknowns), right(points_.unknowns);
   response_.resize(points_.unknowns, count);
   for (int p = 0; p < count; ++p) {
     right.setZero();
-    for (SparseMatrix::InnerIterator it(g, points_[p].first); it; ++it)
+    for (SparseMatrix::InnerIterator it(g, points_[moved_[p]].first); it; ++it)
       right[it.col()] += it.value();
     s.solve(right, column);
     response_.col(p) = column;
@@ -47,24 +69,24 @@ std::optional<DenseMatrix> PointCurve::compliance(const ReducedOperator& s) {
   DenseMatrix out(count, count);
   for (int p = 0; p < count; ++p) {
     out.row(p).setZero();
-    for (SparseMatrix::InnerIterator it(g, points_[p].first); it; ++it)
+    for (SparseMatrix::InnerIterator it(g, points_[moved_[p]].first); it; ++it)
       out.row(p) += it.value() * response_.row(it.col());
   }
-  if (!out.allFinite() || !(out.diagonal().minCoeff() > 0.0)) return {};
+  if (count == 0 || !out.allFinite() || !(out.diagonal().minCoeff() > 0.0)) return {};
   return out;
 }
 
 Vector PointCurve::start(const StepStart& start) const {
-  Vector z0(points_.size());
-  for (int p = 0; p < points_.size(); ++p) {
-    z0[p] = start.z[points_[p].first];
+  Vector z0 = on_curve(start.z);
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    const int p = moved_[k];
     const PreparedLaw& law = points_.law(p);
     const int state = start.state[p];
     if (!law.valid_state(state)) continue;
-    if (state < 0) z0[p] = 0.0;
+    if (state < 0) z0[k] = 0.0;
     if (state >= 0 && state % 2 == 1) {
       const double at_break = law.graph().breaks[state / 2];
-      z0[p] = law.radial() ? std::copysign(at_break, z0[p]) : at_break;
+      z0[k] = law.radial() ? std::copysign(at_break, z0[k]) : at_break;
     }
   }
   return z0;
@@ -72,23 +94,23 @@ Vector PointCurve::start(const StepStart& start) const {
 
 CurveSolution PointCurve::solution(const CurveState& at, const Vector& free) const {
   CurveSolution out{free, at.z, at.xi, at.place};
-  for (int p = 0; p < points_.size(); ++p)
-    out.c -= response_.col(p) * (points_[p].weight * out.xi[p]);
+  for (std::size_t k = 0; k < moved_.size(); ++k)
+    out.c -= response_.col(k) * (points_[moved_[k]].weight * out.xi[k]);
   return out;
 }
 
 void PointCurve::go(const CurveSolution& to, Position& at) const {
-  at.load(InequalityState{});
-  at.c = to.c;
-  for (int p = 0; p < points_.size(); ++p) at.xi[points_[p].first] = to.xi[p];
-  at.update_arguments();
-  for (int p = 0; p < points_.size(); ++p) {
+  InequalityState state;
+  state.c = to.c;
+  at.load(state);
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    const int p = moved_[k];
     const CurveGraph& g = graphs_[points_[p].law];
-    at.places.state[p] = g.engine_state(to.places[p]);
-    at.places.component[p] = g.component(to.places[p]);
+    at.xi[points_[p].first] = to.xi[k];
+    at.places.state[p] = g.engine_state(to.places[k]);
+    at.places.component[p] = g.component(to.places[k]);
   }
   at.enter_states();
-  at.z_start = at.z;
 }
 
 } // namespace hvi::solver

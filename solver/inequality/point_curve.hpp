@@ -1,5 +1,6 @@
 // The equilibrium curve (equilibrium_curve.hpp) of the points of a reduced problem: the body is its
-// compliance at the points, C = G S^-1 G^T.
+// compliance at the points, C = G S^-1 G^T. Points whose argument no unknown moves, at nodes with
+// imposed values, act on nothing that is solved for: the curve leaves them out.
 #pragma once
 
 #include "solver/inequality/equilibrium_curve.hpp"
@@ -9,7 +10,7 @@
 
 namespace hvi::solver {
 
-/// A solution that the curve found; c from S c = r - G^T W xi.
+/// A solution that the curve found, by its points; c from S c = r - G^T W xi.
 struct CurveSolution {
   Vector c, z, xi;
   std::vector<int> places;
@@ -23,6 +24,11 @@ public:
   bool prepare(const ReducedOperator& s);
   const EquilibriumCurve& curve() const { return *curve_; }
   std::vector<CurvePoint> curve_points() const;
+  /// Of rows of all points, those of the curve's.
+  Vector on_curve(const Vector& rows) const;
+  /// Forces at the curve's points from multipliers, and multipliers from forces (others: zero).
+  Vector forces(const Vector& xi) const;
+  Vector multipliers(const Vector& force) const;
 
   /// Where the curve begins: the last state's arguments, those that rest exactly on their breaks.
   Vector start(const StepStart& start) const;
@@ -39,6 +45,7 @@ private:
   std::optional<DenseMatrix> compliance(const ReducedOperator& s);
 
   const ContactPoints& points_;
+  std::vector<int> moved_;         ///< the points of the curve
   std::vector<CurveGraph> graphs_; ///< by prepared law
   std::optional<EquilibriumCurve> curve_;
   DenseMatrix response_; ///< S^-1 G^T

@@ -4,9 +4,10 @@
     branches.py HVI_RUN [--scenes N] [--seed S] [--most STEPS]
 
 Random elastic bodies (2D; every eighth 3D), turned, scaled, long or stiff, pulled and pushed by their
-roof; on the ground a random law of straight pieces that softens, jumps up and drops. The reference
-assembles the body itself, condenses it to the ground's nodes (dense Schur complement) and follows the
-equilibrium curve from event to event by the sign of the determinant, with no step at all: where the
+roof, every third by a wall, too, so that nothing is left to solve for at ends of the ground; on the
+ground a random law of straight pieces that softens, jumps up and drops. The reference assembles the
+body itself, condenses it to the ground's free nodes (dense Schur complement) and follows the equilibrium
+curve from event to event by the sign of the determinant, with no step at all: where the
 load turns back a branch has ended, and the state after it is the next stable one at that load.
 
 wrong: a certified answer that is not the reference's, or differs between two N. refused: exit code
@@ -256,15 +257,19 @@ def scene(rng, folder, number):
     mu = young / 2 / (1 + poisson)
     k = stiffness(nodes, cells, lam, mu)
     up = turn[:, dim - 1]
-    ground_facets, roof_facets = facets_on(cells, ground), facets_on(cells, roof)
-    weight = dict.fromkeys(ground.tolist(), 0.0)
+    wall = np.where(local[:, 0] == 0)[0] if number % 3 == 2 else np.array([], int)
+    ground_facets = facets_on(cells, ground)
+    held_facets = facets_on(cells, roof) + facets_on(cells, wall)
+    held = np.union1d(roof, wall)
+    ground = np.setdiff1d(ground, held)  # where the law has something to say
+    weight = dict.fromkeys(range(len(nodes)), 0.0)
     for f in ground_facets:
         e = nodes[list(f[1:])] - nodes[f[0]]
         area = math.sqrt(np.linalg.det(e @ e.T)) / math.factorial(dim - 1)
         for v in f:
             weight[v] += area / dim
     w = np.array([weight[int(v)] for v in ground])
-    fixed = np.concatenate([roof * dim + i for i in range(dim)])
+    fixed = np.concatenate([held * dim + i for i in range(dim)])
     free = np.setdiff1d(np.arange(nodes.size), fixed)
     g = np.zeros((len(ground), nodes.size))
     for row, v in enumerate(ground):
@@ -286,9 +291,9 @@ def scene(rng, folder, number):
     tilt, side = rng.uniform(-0.6, 0.6), rng.uniform(-0.5, 0.5)
     axis, across = turn[:, 0], turn[:, 0]
     direction = up + side * across
-    shape = 1 + tilt * (2 * local[roof, 0] / lengths[0] - 1)
+    shape = 1 + tilt * (2 * local[held, 0] / lengths[0] - 1)
     moved = np.zeros(nodes.size)
-    for i, v in enumerate(roof):
+    for i, v in enumerate(held):
         moved[v * dim:(v + 1) * dim] = direction * shape[i] * pull
     response = np.zeros(nodes.size)
     response[fixed] = moved[fixed]
@@ -302,20 +307,20 @@ def scene(rng, folder, number):
         before, start = levels[i], ([0.0] + TIMES)[i]
         slope = (levels[i + 1] - before) / 0.2
         cases += f"\n  | {'t < ' + repr(t) if i < 4 else 'otherwise'} -> {float(before)!r} + {float(slope)!r}*(t - {start!r})"
-    write_mesh(folder / f"m{number}.msh", nodes, cells, {"ground": ground_facets, "roof": roof_facets})
+    write_mesh(folder / f"m{number}.msh", nodes, cells, {"ground": ground_facets, "held": held_facets})
     probes = [int(v) for v in ground]
     columns = ", ".join(f"u{i}{names[a]} = u.{names[a]} at [{', '.join(repr(float(x)) for x in nodes[v])}]"
                         for i, v in enumerate(probes) for a in range(dim))
     script = f"""param N = 5
 mesh body = gmsh("m{number}.msh")
-part roof = body.group("roof")
+part held = body.group("held")
 part ground = body.group("ground")
 tensor B = isotropic(lambda = {float(lam)!r}, mu = {float(mu)!r})
 superpotential glue(r) with slope
 {law_text(breaks, pieces)}
 fn level(t) ={cases}
-space V = vector P1 on body, zero on roof
-find u in V with u = [{', '.join(f'{float(direction[i] * pull)!r}*level(t)*{form}' for i in range(dim))}] on roof for t in [0, 1] by N steps
+space V = vector P1 on body, zero on held
+find u in V with u = [{', '.join(f'{float(direction[i] * pull)!r}*level(t)*{form}' for i in range(dim))}] on held for t in [0, 1] by N steps
 such that for all v in V
     integral(body, B : eps(u) : eps(v)) + integral(ground, glue^0(-u.nu; -v.nu)) >= 0
 report
