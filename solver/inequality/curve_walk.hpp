@@ -3,6 +3,8 @@
 
 #include "solver/inequality/curve_equations.hpp"
 
+#include <algorithm>
+
 namespace hvi::solver {
 
 /// How a step ended.
@@ -18,6 +20,13 @@ struct CurvePosition {
   CurveTangent tangent; ///< the way the walk goes on
   bool load_rises() const { return tangent.load > 0.0; }
 };
+
+/// A walk gives up after so many steps. Between a state that a branch lost and the next stable one
+/// the curve of a body that peels may fold thousands of times; a step solves a dense system, so
+/// that few points may take more of them.
+constexpr int most_curve_steps(int points) {
+  return std::max(2000 + 100 * points, 50000 - 500 * points);
+}
 
 class CurveWalk {
 public:
@@ -35,7 +44,7 @@ public:
 
   const CurvePosition& here() const { return now_; }
   int steps() const { return steps_; } ///< segments, and steps on curved pieces
-  bool may_go_on() const { return steps_ < 2000 + 100 * equations_.problem().size(); }
+  bool may_go_on() const { return steps_ < most_curve_steps(equations_.problem().size()); }
 
 private:
   CurveStep step_on_curved(double length, double target);
