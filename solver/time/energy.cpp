@@ -76,6 +76,10 @@ EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, co
   for (std::size_t m = 0; m < problem.histories.size(); ++m)
     memory_.push_back(matrix_of_field(problem, d, field_of_memory(static_cast<int>(m))));
   symmetric_ = asymmetry(elastic_) <= 1e-12;
+  potentials_ = std::ranges::all_of(problem.law_terms, [&](const LawTerm& term) {
+    const LawSpec& law = problem.laws[static_cast<std::size_t>(term.law)];
+    return law.coupled.empty() && law.readings.empty();
+  });
   for (Vector* v : {&u_, &before_, &d_u_, &work_}) *v = Vector::Zero(d.space.n_dofs());
   for (Forces* forces : {&now_, &last_, &acting_})
     for (const auto force : all_forces) forces->*force = Vector::Zero(d.space.n_dofs());

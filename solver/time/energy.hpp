@@ -33,8 +33,9 @@ public:
   void take(const RunState& run, const StepResult& outcome);
   /// Of the run's state: elastic + contact - <f, u>.
   double energy(const RunState& run);
-  /// Is B symmetric, so that the energy is one, and is it what a state of rest makes least?
-  bool has_energy() const { return symmetric_ && !moves_; }
+  /// Is the energy one (B symmetric, and no law that reads the solution or a multiplier, as
+  /// Coulomb's bound does), and is it what a state of rest makes least?
+  bool has_energy() const { return symmetric_ && potentials_ && !moves_; }
 
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<std::vector<double>>& columns() const { return columns_; }
@@ -67,7 +68,7 @@ private:
   SparseMatrix load_transfer_;                   ///< of loads to where the mass is (inertia.hpp)
   std::vector<SparseMatrix> memory_;             ///< E_m
   LoadAssembler loads_;
-  bool symmetric_ = true;
+  bool symmetric_ = true, potentials_ = true;
 
   Vector u_, before_, d_u_, work_, state_; ///< full vectors
   Forces now_, last_, acting_;             ///< at t_n, at t_{n-1}; what the step's equation has
