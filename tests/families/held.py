@@ -27,7 +27,7 @@ class Scene:
         pick, real = self.draw.choice, self.draw.uniform
         self.dim = pick([2, 2, 3])
         self.order = pick(["P1", "P1", "P2"])
-        self.pair = self.dim == 2 and real(0, 1) < 0.3
+        self.pair = real(0, 1) < 0.3
         self.time = pick(["static", "euler", "bdf2"])
         self.memory = self.time != "static" and real(0, 1) < 0.5
         self.young = 10 ** real(-1, 5)
@@ -91,8 +91,9 @@ class Scene:
             lines.append(f"mesh block = box({s!r}, {s * self.height!r}, {s * self.depth!r}, cells = [{n}, 3, 3])")
         top = "block.top"
         if self.pair:
-            lines += [f"mesh floor = rectangle({3 * s!r}, {s!r}, cells = [23, 5], at = [{-s!r}, {-s!r}])",
-                      "mesh both = block + floor", "part ground = pair(block.bottom, floor.top)",
+            floor = f"rectangle({3 * s!r}, {s!r}, cells = [23, 5], at = [{-s!r}, {-s!r}])" if self.dim == 2 else \
+                f"box({2 * s!r}, {s!r}, {2 * s * self.depth!r}, cells = [7, 2, 5], at = [{-0.4 * s!r}, {-s!r}, {-0.6 * s * self.depth!r}])"
+            lines += [f"mesh floor = {floor}", "mesh both = block + floor", "part ground = pair(block.bottom, floor.top)",
                       "part base = floor.bottom"]
         else:
             lines += ["part ground = block.bottom"]
