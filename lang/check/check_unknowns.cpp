@@ -249,11 +249,6 @@ void Checker::of_one_unknown(const ast::Find& find) {
   const auto refuse = [&](const Span& span, const std::string& what, const std::string& help) {
     error("E0445", span, fmt::format("{} of a problem with several unknowns", what), help);
   };
-  for (const ModelTerm& term : model_.terms)
-    if (has_acceleration(term)) {
-      refuse(term.span, "inertia", "motion is that of one unknown");
-      break;
-    }
   if (model_.mesh.adapted > 0)
     refuse(find.unknowns[1].unknown.span, "an adapted mesh",
            "leave out `adapted`: its indicator sees the stress of one unknown");

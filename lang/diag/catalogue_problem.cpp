@@ -310,7 +310,7 @@ an unknown and of its own test function.)",
 ... integral(ground, layer^0(u.nu; v.nu)) + integral(ground, p*v.nu))"},
     {"E0445", "of one unknown only",
      R"(
-A few things are known of problems with one unknown only: inertia, adapted meshes, `study`,
+A few things are known of problems with one unknown only: adapted meshes, `study`,
 `--accuracy`, and on pairs a law of an unknown in P1 beside others in P2.)",
      R"(
 find u in V, theta in W ...

@@ -7,6 +7,7 @@
 #include "solver/history/norm_proofs.hpp"
 #include "solver/hypotheses/judgement.hpp"
 #include "solver/hypotheses/load_time.hpp"
+#include "solver/plan/couplings.hpp"
 
 #include <fmt/format.h>
 
@@ -73,7 +74,12 @@ void Judgement::judge_inertia() {
   const double defect = numbers_.asymmetry(field_of_u(2));
   row("H(rho)", "the mass is symmetric: its defect", defect, yes(defect <= 1e-12), origin);
   const double in_h = numbers_.coercivity_in_h(field_of_u(2));
-  row("H(rho)", "the mass is coercive in H = L2: m_rho", in_h, positive(in_h), origin);
+  std::string with_mass;
+  const auto unknowns = unknowns_of(problem_.space);
+  for (std::size_t b = 0; b < unknowns.size() && unknowns.size() > 1; ++b)
+    if (has_inertia(problem_, static_cast<int>(b)))
+      with_mass += (with_mass.empty() ? "of " : " and ") + unknowns[b].name;
+  row("H(rho)", "the mass is coercive in H = L2: m_rho", in_h, positive(in_h), origin, with_mass);
 }
 
 void Judgement::judge_a() {

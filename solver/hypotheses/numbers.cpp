@@ -121,17 +121,39 @@ double Numbers::coercivity(int field, double pointwise) const {
   return std::abs(least) <= rounding ? 0.0 : least;
 }
 
+/// Rows and columns of the unknowns that have a form on this field, of which `matrix` is part.
+SparseMatrix Numbers::of_those_with(int field, const SparseMatrix& matrix) const {
+  const std::vector<int> orders = orders_in_time(problem_);
+  std::vector<int> kept(static_cast<std::size_t>(matrix.rows()), -1);
+  int n = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (orders[contact_.of_unknown[i]] >= field) kept[i] = n++;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < matrix.rows(); ++i)
+    for (SparseMatrix::InnerIterator it(matrix, i); it; ++it)
+      if (const int row = kept[static_cast<std::size_t>(i)],
+          column = kept[static_cast<std::size_t>(it.col())];
+          row >= 0 && column >= 0)
+        entries.emplace_back(row, column, it.value());
+  SparseMatrix out(n, n);
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
 double Numbers::coercivity_in_h(int field) const {
   if (!acts_on(field)) return 0.0;
-  const GramForm gram(
-      restrict_rows(mass(discretisation_.space), layout_).leftCols(layout_.n_unknowns));
+  const SparseMatrix l2 =
+      restrict_rows(mass(discretisation_.space), layout_).leftCols(layout_.n_unknowns);
   // As it is stated: a scheme may take mass off some nodes.
   const SparseMatrix form =
       field == field_of_u(2)
           ? SparseMatrix(restrict_rows(matrix_of_field(problem_, discretisation_, field), layout_)
                              .leftCols(layout_.n_unknowns))
           : of_field(field);
-  return gram.least(form).value_or(not_a_number);
+  // Beside a displacement with mass a temperature has none, nor is it asked to have.
+  const bool some = field == field_of_u(2) && has_several_unknowns();
+  const GramForm gram(some ? of_those_with(field, l2) : l2);
+  return gram.least(some ? of_those_with(field, form) : form).value_or(not_a_number);
 }
 
 double Numbers::memory_norm(int m) const {

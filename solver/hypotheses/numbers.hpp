@@ -59,6 +59,8 @@ public:
   const Vector& shares() const { return shares_; }
 
 private:
+  SparseMatrix of_those_with(int field, const SparseMatrix& matrix) const;
+
   const Problem& problem_;
   const Discretisation& discretisation_;
   StateLayout layout_;

@@ -22,4 +22,11 @@ std::vector<char> unknowns_with_laws(const Problem& problem);
 /// By unknown: has it neither forms nor laws of its own? A pressure, whose diagonal is 0.
 std::vector<char> multipliers_of(const Problem& problem);
 
+/// By unknown: the highest derivative in time of it that a form has. 0: its equation holds at every
+/// time by itself (a potential).
+std::vector<int> orders_in_time(const Problem& problem);
+
+/// Has a form u'' of this unknown?
+bool has_inertia(const Problem& problem, int unknown);
+
 } // namespace hvi::solver

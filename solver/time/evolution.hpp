@@ -30,6 +30,11 @@ public:
   const Vector& u() const { return u_; } ///< state u_n
   /// State u^(j)(t_n); at the initial time what the scheme starts from, else 0.
   void derivative(int j, Vector& out) const;
+  /// Another state at the initial time: the memories begin with it. Before the first step.
+  void start_from(const Vector& u0) {
+    u_ = u0;
+    start();
+  }
   /// u'(t_0) and u''(t_0) of a problem with u''. Before the first step.
   void start_motion(const Vector& velocity, const Vector& acceleration) {
     scheme_->start_motion(velocity, acceleration);

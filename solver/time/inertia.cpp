@@ -3,6 +3,7 @@
 
 #include "solver/assembly/assembly.hpp"
 #include "solver/linear/dense.hpp"
+#include "solver/plan/couplings.hpp"
 #include "solver/time/contact_states.hpp"
 #include "solver/time/operators.hpp"
 
@@ -22,12 +23,12 @@ bool is_unilateral(const LawGraph& graph) {
   return std::ranges::any_of(graph.left, infinite) || std::ranges::any_of(graph.right, infinite);
 }
 
-/// By node of the space: does a law on u with a unilateral part touch it?
-std::vector<char> unilateral_nodes(const Problem& problem, const Discretisation& d) {
+/// By node of the space: does a law on this unknown with a unilateral part touch it?
+std::vector<char> unilateral_nodes(const Problem& problem, const Discretisation& d, int unknown) {
   std::vector<char> out(d.space.nodes.size(), 0);
   for (std::size_t l = 0; l < problem.law_terms.size(); ++l) {
     const LawTerm& term = problem.law_terms[l];
-    if (term.field != field_of_u(0)) continue;
+    if (term.field != field_of_u(0) || term.unknown != unknown) continue;
     const Law law(problem.laws[static_cast<std::size_t>(term.law)]);
     const LawPoints points = assemble_law(d.space, d.parts[static_cast<std::size_t>(term.part)],
                                           term, static_cast<int>(l), law.spec().radial);
@@ -70,10 +71,11 @@ std::optional<Vector> affine_weights(const Space& space, const Point& x,
   return Vector(v * solve_positive(gram, Vector::Unit(dim + 1, 0)));
 }
 
-/// What stands for node c: weights on nodes that keep their mass, of as few rings as will do; none
-/// where there are not enough of them.
-std::optional<Weighted> around(const Space& space, const std::vector<char>& massless,
+/// What stands for node c: weights on nodes that keep their mass and have functions of that order,
+/// of as few rings as will do; none where there are not enough of them.
+std::optional<Weighted> around(const Space& space, const std::vector<char>& massless, int order,
                                std::int32_t c) {
+  const auto vertices = static_cast<std::int32_t>(space.mesh->nodes.size());
   const NodeGraph& graph = *space.graph;
   std::vector<std::int32_t> seen{c};
   Weighted out;
@@ -87,7 +89,8 @@ std::optional<Weighted> around(const Space& space, const std::vector<char>& mass
     seen.swap(next);
     out.nodes.clear();
     for (const auto j : seen)
-      if (massless[static_cast<std::size_t>(j)] == 0) out.nodes.push_back(j);
+      if (massless[static_cast<std::size_t>(j)] == 0 && (order == space.order || j < vertices))
+        out.nodes.push_back(j);
     if (auto weights = affine_weights(space, space.nodes[static_cast<std::size_t>(c)], out.nodes)) {
       out.weights = std::move(*weights);
       return out;
@@ -96,18 +99,19 @@ std::optional<Weighted> around(const Space& space, const std::vector<char>& mass
   return std::nullopt;
 }
 
-/// P on all dofs; a node without enough others around it keeps its mass. None: all do.
-std::optional<SparseMatrix> extension(const Problem& problem, const Discretisation& d) {
-  if (!takes_mass_off_contact(problem)) return std::nullopt;
-  const auto massless = unilateral_nodes(problem, d);
-  if (std::ranges::find(massless, 1) == massless.end()) return std::nullopt;
+/// Adds the rows of P on the dofs of one unknown. True: some node loses its mass.
+bool extend(const Problem& problem, const Discretisation& d, int unknown,
+            std::vector<Eigen::Triplet<double>>& entries) {
   const Space& space = d.space;
-  std::vector<Eigen::Triplet<double>> entries;
+  const SpaceBlock& block = space.blocks[static_cast<std::size_t>(unknown)];
+  const std::vector<char> massless = has_inertia(problem, unknown)
+                                         ? unilateral_nodes(problem, d, unknown)
+                                         : std::vector<char>(space.nodes.size(), 0);
   for (std::int32_t node = 0; node < std::ssize(space.nodes); ++node) {
     const auto others = massless[static_cast<std::size_t>(node)] != 0
-                            ? around(space, massless, node)
+                            ? around(space, massless, block.order, node)
                             : std::nullopt;
-    for (int c = 0; c < space.components; ++c) {
+    for (int c = block.first; c < block.first + block.components; ++c) {
       if (!others) {
         entries.emplace_back(space.dof(node, c), space.dof(node, c), 1.0);
         continue;
@@ -117,7 +121,17 @@ std::optional<SparseMatrix> extension(const Problem& problem, const Discretisati
                              others->weights[static_cast<Eigen::Index>(j)]);
     }
   }
-  SparseMatrix out(space.n_dofs(), space.n_dofs());
+  return std::ranges::find(massless, 1) != massless.end();
+}
+
+/// P on all dofs; a node without enough others around it keeps its mass. None: all do.
+std::optional<SparseMatrix> extension(const Problem& problem, const Discretisation& d) {
+  if (!takes_mass_off_contact(problem)) return std::nullopt;
+  std::vector<Eigen::Triplet<double>> entries;
+  bool any = false;
+  for (int b = 0; b < n_unknowns(d.space); ++b) any = extend(problem, d, b, entries) || any;
+  if (!any) return std::nullopt;
+  SparseMatrix out(d.space.n_dofs(), d.space.n_dofs());
   out.setFromTriplets(entries.begin(), entries.end());
   return out;
 }
@@ -126,8 +140,9 @@ std::optional<SparseMatrix> extension(const Problem& problem, const Discretisati
 
 bool takes_mass_off_contact(const Problem& problem) {
   return problem.time.scheme == Scheme::midpoint && in_motion(problem) &&
-         std::ranges::any_of(problem.law_terms,
-                             [](const LawTerm& term) { return term.field == field_of_u(0); });
+         std::ranges::any_of(problem.law_terms, [&](const LawTerm& term) {
+           return term.field == field_of_u(0) && has_inertia(problem, term.unknown);
+         });
 }
 
 SparseMatrix inertia_matrix(const Problem& problem, const Discretisation& d) {

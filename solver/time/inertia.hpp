@@ -13,11 +13,12 @@ namespace hvi::solver {
 ///
 /// j the nodes around it that are not of these laws, w_cj the shortest weights that are exact for
 /// affine functions. So M_r is symmetric, positive on the others, has the kinetic energy of every
-/// rigid motion, and turns with the scene. Why nodes in contact should have none: F. Dabaghi, A.
-/// Petrov, J. Pousin, Y. Renard, Convergence of mass redistribution method for the one-dimensional
-/// wave equation with a unilateral constraint at the boundary, ESAIM Math. Model. Numer. Anal. 48
-/// (2014) no. 4; D. Doyen, A. Ern, Analysis of the modified mass method for the dynamic Signorini
-/// problem with Coulomb friction, SIAM J. Numer. Anal. 49 (2011) 2039-2056.
+/// rigid motion, and turns with the scene. Of several unknowns those with mass lose it at laws of
+/// their own. Why nodes in contact should have none: F. Dabaghi, A. Petrov, J. Pousin, Y. Renard,
+/// Convergence of mass redistribution method for the one-dimensional wave equation with a
+/// unilateral constraint at the boundary, ESAIM Math. Model. Numer. Anal. 48 (2014) no. 4; D.
+/// Doyen, A. Ern, Analysis of the modified mass method for the dynamic Signorini problem with
+/// Coulomb friction, SIAM J. Numer. Anal. 49 (2011) 2039-2056.
 SparseMatrix inertia_matrix(const Problem& problem, const Discretisation& discretisation);
 
 /// P^T on all dofs, by which loads go where the mass is, so that a body falls as a whole: forces

@@ -1,12 +1,17 @@
 // See start_motion.hpp. Called when the state of a run is made.
 #include "solver/time/start_motion.hpp"
 
+#include "solver/plan/couplings.hpp"
+#include "solver/time/leading_forms.hpp"
 #include "solver/time/rigid.hpp"
 #include "solver/time/step_load.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 namespace hvi::solver {
 namespace {
@@ -143,19 +148,19 @@ private:
   Law scalar_, radial_;
 };
 
-/// M a = f on the unknowns, with laws that leave forces open.
+/// M a = f on the unknowns, with laws that leave forces open; or L y = f (leading_forms.hpp).
 class MassSolver {
 public:
-  MassSolver(const Plan& plan, const Formulation& formulation)
-      : plan_(plan), formulation_(formulation),
-        matrix_(formulation.operators(), formulation.contact()) {
+  /// Keeps references; `weights`: of the base matrices, whose sum is M.
+  MassSolver(const Plan& plan, const Formulation& formulation, const Operators& operators,
+             const Vector& weights)
+      : plan_(plan), formulation_(formulation), matrix_(operators, formulation.contact()) {
     try {
-      matrix_.factor(formulation.operators().weights.row(field_of_u(2)).transpose());
+      matrix_.factor(weights);
       if (formulation.contact().whole)
-        reduced_ = sparse_operator(matrix_.k(), formulation.operators().symmetric);
+        reduced_ = sparse_operator(matrix_.k(), operators.symmetric);
       else if (!formulation.contact().none())
-        reduced_ =
-            dense_operator(matrix_.factorisation()->schur(), formulation.operators().symmetric);
+        reduced_ = dense_operator(matrix_.factorisation()->schur(), operators.symmetric);
     } catch (const NotFactorable&) {
       no_mass();
     }
@@ -221,6 +226,106 @@ Vector forces_at_start(const Formulation& formulation, const Evolution& evolutio
   return out;
 }
 
+/// Solves for what a run starts from.
+class Start {
+public:
+  Start(const Plan& plan, const Discretisation& d, RunState& run)
+      : plan_(plan), run_(run), formulation_(*run.formulation),
+        orders_(orders_in_time(plan.problem)) {
+    const StateLayout& layout = formulation_.layout();
+    for (Vector& derivative : derivatives_) derivative = Vector::Zero(layout.n_state);
+    derivatives_[0] = run.evolution.u();
+    layout.gather(starting_velocity(plan.problem, d), derivatives_[1]);
+    run.evolution.start_motion(derivatives_[1], derivatives_[2]);
+    if (!needed()) return;
+    layout.gather(imposed_rate(plan.problem, d, 2, Vector::Zero(d.space.n_dofs())),
+                  derivatives_[2]);
+    if (std::ranges::all_of(orders_, [](int order) { return order == highest_derivative; })) {
+      solve(formulation_.operators(),
+            formulation_.operators().weights.row(field_of_u(2)).transpose(),
+            forces_at_start(formulation_, run.evolution, derivatives_[1], derivatives_[2]));
+      return;
+    }
+    require_known_arguments();
+    leading_.emplace(plan.problem, d, layout);
+    Operators leading;
+    leading.bases = {leading_->matrix()};
+    leading.weights = DenseMatrix::Ones(1, 1);
+    leading.symmetric = formulation_.operators().symmetric;
+    leading.coupled = formulation_.operators().coupled;
+    leading.n_unknowns = layout.n_unknowns;
+    Vector f = -leading_->known(derivatives_);
+    formulation_.loads().add(run.evolution.grid().t(0), f);
+    solve(leading, Vector::Ones(1), f);
+  }
+
+private:
+  bool needed() const {
+    const TimeScheme& scheme = run_.evolution.scheme();
+    return scheme.needs_acceleration() ||
+           (scheme.looks_back() && std::ranges::find(orders_, 0) != orders_.end());
+  }
+
+  /// A law on what is sought here has no place on its graph yet.
+  void require_known_arguments() const {
+    for (const LawTerm& term : plan_.problem.law_terms)
+      if (!is_memory(term.field) && term.field >= orders_[static_cast<std::size_t>(term.unknown)])
+        throw Failure(
+            FailureKind::bad_value, term.origin,
+            fmt::format("the scheme {} starts from a balance at the initial time, where the "
+                        "argument of this law is not known",
+                        name_of(plan_.problem.time.scheme)),
+            "use backward_euler or bdf2, which start from initial values alone");
+  }
+
+  void solve(const Operators& operators, const Vector& weights, const Vector& f) {
+    const MassSolver mass(plan_, formulation_, operators, weights);
+    Contact& contact = formulation_.contact();
+    Vector xi = Vector::Zero(contact.n_rows());
+    if (contact.none())
+      take(mass.solve(f));
+    else
+      solve_with_laws(mass, f, xi);
+    run_.solver.equations.laws.start(xi);
+    run_.balance.load.note_multipliers(xi);
+  }
+
+  void solve_with_laws(const MassSolver& mass, const Vector& f, Vector& xi) {
+    Evolution& evolution = run_.evolution;
+    Contact& contact = formulation_.contact();
+    const double t = evolution.grid().t(0);
+    const auto rates = argument_rates(plan_.problem, contact, t, derivatives_[1]);
+    for (int pass = 0; pass < most_bound_passes; ++pass) {
+      const auto fields = evolution.law_fields(contact.other_fields);
+      if (pass == 0 || leading_) read_solution(contact, t, fields, xi);
+      const Vector before = xi;
+      prepare(contact, plan_.problem, t, fields, xi);
+      take(mass.solve(f, OpenForces(contact, rates), xi));
+      if (!contact.coupled || (xi - before).norm() <= settled * xi.norm()) return;
+    }
+  }
+
+  /// Of the unknowns: their second derivatives, or those that leading_ is of.
+  void take(const Vector& y) {
+    Evolution& evolution = run_.evolution;
+    if (!leading_) {
+      derivatives_[2].head(y.size()) = y;
+    } else {
+      for (int k = 0; k <= highest_derivative; ++k)
+        leading_->put(y, k, derivatives_[static_cast<std::size_t>(k)]);
+      evolution.start_from(derivatives_[0]);
+    }
+    evolution.start_motion(derivatives_[1], derivatives_[2]);
+  }
+
+  const Plan& plan_;
+  RunState& run_;
+  Formulation& formulation_;
+  std::vector<int> orders_;
+  std::array<Vector, 3> derivatives_; ///< states, by order
+  std::optional<LeadingForms> leading_;
+};
+
 } // namespace
 
 Vector starting_velocity(const Problem& problem, const Discretisation& d) {
@@ -231,38 +336,6 @@ Vector starting_velocity(const Problem& problem, const Discretisation& d) {
   return imposed_rate(problem, d, 1, std::move(out));
 }
 
-void start_motion(const Plan& plan, const Discretisation& d, RunState& run) {
-  Formulation& formulation = *run.formulation;
-  const StateLayout& layout = formulation.layout();
-  Evolution& evolution = run.evolution;
-  Vector velocity = Vector::Zero(layout.n_state), acceleration = velocity;
-  layout.gather(starting_velocity(plan.problem, d), velocity);
-  evolution.start_motion(velocity, acceleration);
-  if (!evolution.scheme().needs_acceleration()) return;
-
-  layout.gather(imposed_rate(plan.problem, d, 2, Vector::Zero(d.space.n_dofs())), acceleration);
-  const Vector f = forces_at_start(formulation, evolution, velocity, acceleration);
-  auto unknowns = acceleration.head(layout.n_unknowns);
-  const MassSolver mass(plan, formulation);
-  Contact& contact = formulation.contact();
-  Vector xi = Vector::Zero(contact.n_rows());
-  if (contact.none()) {
-    unknowns = mass.solve(f);
-  } else {
-    const double t = evolution.grid().t(0);
-    const auto rates = argument_rates(plan.problem, contact, t, velocity);
-    const auto fields = evolution.law_fields(contact.other_fields);
-    read_solution(contact, t, fields, xi);
-    for (int pass = 0; pass < most_bound_passes; ++pass) {
-      const Vector before = xi;
-      prepare(contact, plan.problem, t, fields, xi);
-      unknowns = mass.solve(f, OpenForces(contact, rates), xi);
-      if (!contact.coupled || (xi - before).norm() <= settled * xi.norm()) break;
-    }
-  }
-  evolution.start_motion(velocity, acceleration);
-  run.solver.equations.laws.start(xi);
-  run.balance.load.note_multipliers(xi);
-}
+void start_motion(const Plan& plan, const Discretisation& d, RunState& run) { Start(plan, d, run); }
 
 } // namespace hvi::solver

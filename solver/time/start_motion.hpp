@@ -14,8 +14,11 @@ namespace hvi::solver {
 /// which is Gauss's principle of least constraint: a law that is a set at z_0 (a body that touches
 /// an obstacle, or sticks) gives what keeps it from moving on. Where the argument of a law on u
 /// leaves z_0 with a velocity, the law is the one on that side. Imposed values have the rate that
-/// their functions of t have at t_0. Throws Failure(not_coercive) where an unknown has no mass,
-/// and Failure(not_certified) where no a is found.
+/// their functions of t have at t_0. Several unknowns start from what leading_forms.hpp says of
+/// them; those without a rate, whose equation holds by itself, take their value from it where the
+/// scheme weighs it with that of the step before (hht, midpoint). Throws Failure(not_coercive)
+/// where an unknown has no mass, Failure(not_certified) where no a is found, and Failure(bad_value)
+/// where a law acts on what is sought.
 void start_motion(const Plan& plan, const Discretisation& discretisation, RunState& run);
 
 /// u'(t_0) on all dofs: the given velocity or 0, and on imposed dofs the rate of their values.
