@@ -2,7 +2,7 @@
 
 usage: fields.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
 
-Each scene is a block in 2D or 3D with a displacement in P1 or P2 and a scalar in P1 or P2: a temperature or a pressure
+Each scene is a block in 2D or 3D, with inertia or none, with a displacement in P1 or P2 and a scalar in P1 or P2: a temperature or a pressure
 that acts on the body and is acted on (couplings of u, u' and of the scalar, of either sign and of any size against each
 other), or the pressure of an incompressible body (P2 with P1). One to three laws act on the ground, on u, on u' or on the
 scalar, whose steps are convex; turned and scaled, the scalar with units of its own. A step is solved again by a dense
@@ -17,6 +17,7 @@ import orientation
 import rates
 from brute import Friction, Point, Step, Unilateral, ratio
 from orientation import CONVEX, number
+from motion import mass as mass_of
 from solids import Solid, block, facet_rule, shapes, slopes, triangle_rule
 
 
@@ -119,6 +120,7 @@ class Scene:
         self.mesh = block(random, counts, random.uniform(0.5, 2.0, self.dim), 0.2, 0.2 if random.random() < 0.25 else 0.0)
         self.solid, self.scalar = Solid(self.mesh, self.order), Scalar(self.mesh, order_p)
         self.steps = int(random.integers(1, 4))
+        self.density = 10 ** random.uniform(-2, 2) if random.random() < 0.3 else 0.0
         self.unit, self.unit_of_row = 10 ** random.uniform(-5, 5), 10 ** random.uniform(-5, 5)
         self.clamped, self.given = random.choice(["left", "top"]), random.choice(["right", "top"])
         self.choose_forms()
@@ -157,7 +159,10 @@ class Scene:
             held.append(n + np.array(scalar.solid.on(self.given)))
         self.free = np.setdiff1d(np.arange(n + m), np.concatenate(held))
         self.of_p = self.free >= n
-        self.k = (self.a / k + self.b)[np.ix_(self.free, self.free)]
+        self.m = np.zeros_like(self.a)
+        if self.density:
+            self.m[:n, :n] = self.density * mass_of(solid)
+        self.k = (self.m / k ** 2 + self.a / k + self.b)[np.ix_(self.free, self.free)]
 
     def weight(self):
         """Of the scalar's equation, with which the couplings cancel."""
@@ -227,13 +232,15 @@ class Scene:
         return ratio(np.linalg.inv(k[np.ix_(seen, seen)]), points)
 
     def reference(self):
-        states = [np.zeros(len(self.free))]
+        states, velocity = [np.zeros(len(self.free))], np.zeros(len(self.free))
+        a, m = (matrix[np.ix_(self.free, self.free)] for matrix in (self.a, self.m))
         for n in range(1, self.steps + 1):
             step = Step(self.k, self.law_points(states[-1]))
-            a = self.a[np.ix_(self.free, self.free)]
-            new = step.solve(self.load * (n / self.steps) + self.steps * (a @ states[-1]), rates.TURNS)
+            known = self.steps * (a @ states[-1]) + m @ (self.steps ** 2 * states[-1] + self.steps * velocity)
+            new = step.solve(self.load * (n / self.steps) + known, rates.TURNS)
             if new is None:
                 return None
+            velocity = self.steps * (new - states[-1])
             states.append(new)
         full = np.zeros((self.steps, self.solid.n + self.scalar.n))
         full[:, self.free] = states[1:]
@@ -256,6 +263,8 @@ class Scene:
                   "such that for all v in V, q in Q",
                   "    integral(body, B : eps(u) : eps(v)) + integral(body, A : eps(u') : eps(v))",
                   f"  - integral(body, {number(self.to_u / p)}*p*div(v))"]
+        if self.density:  # u and v have the scene's length, the volume goes into the units of force
+            lines.append(f"  + integral(body, {number(self.density / scale ** 2)}*dot(u'', v))")
         for factor, what in ((self.to_p * row, "div(u)*q"), (self.to_p_rate * row, "div(u')*q"),
                              (self.capacity * row / p, "p'*q"), (self.diffusion * row * scale ** 2 / p, "dot(grad(p), grad(q))")):
             if factor != 0.0:
@@ -291,7 +300,7 @@ class Scene:
 
     def told(self):
         laws = [(t.name, t.sees, t.argument, t.rule, type(t.law).__name__) for t in self.terms]
-        return f"{self.dim}D {self.kind} P{self.order}/P{self.scalar.order}, {self.steps} steps, {laws}"
+        return f"{self.dim}D {self.kind}{' with mass' if self.density else ''} P{self.order}/P{self.scalar.order}, {self.steps} steps, {laws}"
 
 
 if __name__ == "__main__":
