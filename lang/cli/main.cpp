@@ -1,5 +1,6 @@
 // The command line, and nothing else.
 #include "lang/cli/commands.hpp"
+#include "lang/cli/heap.hpp"
 #include "lang/cli/no_memory.hpp"
 #include "lang/cli/say.hpp"
 #include "lang/diag/suggest.hpp"
@@ -11,7 +12,6 @@
 #include <fmt/format.h>
 
 #include <fcntl.h>
-#include <malloc.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -186,17 +186,6 @@ std::vector<char*> with_command(int argc, char** argv, std::string& word) {
   return out;
 }
 
-/// Many matrices and vectors are allocated and freed while a problem is set up: their memory is
-/// kept for the next ones. Large blocks are still returned to the system at once.
-void keep_freed_memory() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 64 << 20);
-  mallopt(M_TRIM_THRESHOLD, 256 << 20);
-  mallopt(M_TOP_PAD, 1 << 20);
-  mallopt(M_MXFAST, 0); // else each of thousands of freed OpenMP teams joins all free blocks
-#endif
-}
-
 /// If a standard stream is closed, the next file to be opened gets its number, and messages would
 /// be written into that file.
 void open_standard_streams() {
@@ -243,7 +232,7 @@ int run_program(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-  keep_freed_memory();
+  hvi::lang::prepare_heap();
   if (!hvi::solver::reserve_blas_memory()) {
     hvi::lang::tell_no_memory("out of memory: a run needs some 200 MiB of addresses");
     return no_memory_exit;
