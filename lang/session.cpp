@@ -67,6 +67,7 @@ Exit Session::compile() {
   options.folder = (fs::path(script.path).parent_path() / ".").lexically_normal().string();
   options.allow_geo = settings_.allow_geo;
   options.words = settings_.words;
+  options.on_name = settings_.on_name;
   script.model = check(script.programs, options, script.diagnostics);
   if (!script.model) return exit_script;
   script.model->title = fs::path(script.path).stem().string();

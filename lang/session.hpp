@@ -10,6 +10,7 @@
 // run.
 #pragma once
 
+#include "lang/check/check.hpp"
 #include "lang/diag/failures.hpp"
 #include "lang/diag/words.hpp"
 #include "lang/script.hpp"
@@ -31,6 +32,7 @@ struct CompileSettings {
   bool all_unknowns = false; ///< in every step, also where the contact unknowns would do
   int threads = 1;
   Words words;
+  std::function<void(const NameFacts&)> on_name = nullptr; ///< of each declaration, for editors
 };
 
 /// What decides a run, besides the plan.

@@ -108,6 +108,13 @@ bool is_word(std::string_view name) {
 
 std::span<const std::string_view> words() { return word_table; }
 
+std::span<const std::string_view> setting_names() {
+  static constexpr std::array<std::string_view, 12> names = {
+      "scheme", "load",     "quadrature",  "tolerance", "branch",      "memory_tolerance",
+      "memory", "accuracy", "accuracy_of", "threads",   "interpolant", "hht_alpha"};
+  return names;
+}
+
 bool is_reserved_builtin(std::string_view name) {
   const BuiltIn* const found = find_built_in(name);
   // Scripts had names of their own before these.

@@ -38,6 +38,8 @@ bool is_function_name(std::string_view name);
 /// P1, P2, bdf2, nodal, ...: words that are values.
 bool is_word(std::string_view name);
 std::span<const std::string_view> words();
+/// What may stand behind `using`.
+std::span<const std::string_view> setting_names();
 /// Functions and x y z t pi lag: cannot be declared.
 bool is_reserved_builtin(std::string_view name);
 /// Names for suggestions.

@@ -7,6 +7,7 @@
 #include "lang/diag/words.hpp"
 #include "lang/syntax/ast.hpp"
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -14,11 +15,19 @@
 
 namespace hvi::lang {
 
+/// What a declared name turned out to be, whether the script has mistakes or not: for editors.
+struct NameFacts {
+  Span name;
+  std::string what;                ///< "a fourth-order tensor", "the number 0.3"
+  std::vector<std::string> groups; ///< of a mesh
+};
+
 struct CheckOptions {
   std::map<std::string, std::string> defines; ///< parameter -> value
   std::string folder = ".";                   ///< of the script: what it may read lies below
   bool allow_geo = false;
   Words words;
+  std::function<void(const NameFacts&)> on_name = nullptr; ///< called for each at the end
 };
 
 /// Checks a script with its imports; programs[0] is the script itself. Nothing when it has errors.

@@ -95,6 +95,7 @@ std::optional<Model> Checker::run() {
   }
   if (!diagnostics_.has_errors()) check_locking();
   if (!diagnostics_.has_errors()) check_unused();
+  if (options_.on_name) tell_facts();
   if (diagnostics_.has_errors() || !find_) return std::nullopt;
   return std::move(model_);
 }

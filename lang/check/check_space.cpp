@@ -1,4 +1,5 @@
 // The space, imposed values, the time grid, the initial state and the settings of a find statement.
+#include "lang/check/builtins.hpp"
 #include "lang/check/checker.hpp"
 #include "lang/diag/suggest.hpp"
 
@@ -376,9 +377,7 @@ bool Checker::has_second_derivative() const {
 }
 
 void Checker::settings(const ast::Find& find) {
-  const std::vector<std::string> known = {
-      "scheme", "load",     "quadrature",  "tolerance", "branch",      "memory_tolerance",
-      "memory", "accuracy", "accuracy_of", "threads",   "interpolant", "hht_alpha"};
+  const auto known = setting_names();
   std::vector<std::string> seen;
   for (const ast::Setting& s : find.settings) {
     const std::string& name = s.name.text;

@@ -82,6 +82,7 @@ private:
   bool arguments_differ(const ast::Statement& statement);
   void check_defines();
   void check_unused();
+  void tell_facts() const;
   Value reference(const ast::Expr& expr, const std::string& name, const Scope& scope);
   std::optional<Value> built_in_name(const ast::Expr& expr, const std::string& name,
                                      const Scope& scope);

@@ -5,6 +5,7 @@
 #include "lang/diag/catalogue.hpp"
 #include "lang/diag/render.hpp"
 #include "lang/diag/unreadable.hpp"
+#include "lang/editor/server.hpp"
 #include "lang/syntax/lexer.hpp"
 #include "lang/syntax/print.hpp"
 #include "solver/mesh/gmsh_module.hpp"
@@ -13,6 +14,8 @@
 #include "solver/output/file.hpp"
 
 #include <fmt/format.h>
+
+#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -120,6 +123,10 @@ int params_command(const std::string& path, const Options& options) {
         p.doc.empty() ? "" : "  " + p.doc);
   }
   return exit_ok;
+}
+
+int serve_editor_command() {
+  return serve_editor(STDIN_FILENO, STDOUT_FILENO, compile_settings({}), version);
 }
 
 int mesh_command(const std::string& path, const Options& options) {

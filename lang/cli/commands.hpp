@@ -20,6 +20,8 @@ int dump_command(const std::string& path, const std::string& phase, const Option
 /// One diagnostic; all of them, as Markdown, when no code is given.
 int explain_command(const std::string& code);
 int params_command(const std::string& path, const Options& options);
+/// Answers an editor over the standard streams until it says that it ends.
+int serve_editor_command();
 int mesh_command(const std::string& path, const Options& options);
 
 } // namespace hvi::lang

@@ -128,6 +128,9 @@ int dispatch(int argc, char** argv) {
   for (const char* name : {"tokens", "ast", "model", "plan"})
     dump->add_flag_callback(
         std::string("--") + name, [&phase, name] { phase = name; }, "this phase");
+  auto* editor = app.add_subcommand("serve-editor", "language server: answers an editor");
+  bool over_streams = true; // there is no other way; editors say so all the same
+  editor->add_flag("--stdio", over_streams, "over the standard streams, as always");
   auto* explain = app.add_subcommand("explain", "explain a diagnostic");
   explain->add_option("CODE", code, "E0301");
   bool explain_all = false;
@@ -165,6 +168,7 @@ int dispatch(int argc, char** argv) {
   if (*params) return hvi::lang::params_command(files[0], options);
   if (*mesh) return hvi::lang::mesh_command(files[0], options);
   if (*explain) return hvi::lang::explain_command(code);
+  if (*editor) return hvi::lang::serve_editor_command();
   return hvi::lang::dump_command(files[0], phase.empty() ? "plan" : phase, options);
 }
 

@@ -1,0 +1,139 @@
+// See hover.hpp.
+#include "lang/editor/hover.hpp"
+
+#include "lang/check/builtins.hpp"
+#include "lang/editor/words_of_statements.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace hvi::lang {
+
+namespace {
+
+Json shown(const EditorPlace& place, const Span& span, const std::string& text) {
+  return {{"contents", markdown(text)}, {"range", place.range(span)}};
+}
+
+std::string describe(const BuiltIn& built_in) {
+  return code_block(built_in.usage) + "\n" + std::string(built_in.doc);
+}
+
+/// Where each argument stands in "f(a, b = 1)": between the first bracket and the last one, at
+/// commas that lie in no other bracket.
+std::vector<std::pair<int, int>> arguments_in(std::string_view usage) {
+  std::vector<std::pair<int, int>> out;
+  const auto open = usage.find('('), close = usage.rfind(')');
+  if (open == std::string_view::npos || close == std::string_view::npos) return out;
+  int depth = 0;
+  std::size_t begin = open + 1;
+  for (std::size_t i = begin; i <= close; ++i) {
+    if (usage[i] == '(' || usage[i] == '[') ++depth;
+    if (i < close && (usage[i] == ')' || usage[i] == ']')) --depth;
+    if (i < close && (usage[i] != ',' || depth > 0)) continue;
+    while (begin < i && usage[begin] == ' ') ++begin;
+    if (begin < i) out.emplace_back(static_cast<int>(begin), static_cast<int>(i));
+    begin = i + 1;
+  }
+  return out;
+}
+
+/// Which of the arguments is being written: by its name, else by the commas before it.
+int active_argument(std::string_view usage, const std::vector<std::pair<int, int>>& arguments,
+                    const OpenCall& call) {
+  if (!call.named) return call.argument;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string_view text = usage.substr(static_cast<std::size_t>(arguments[i].first));
+    const auto end = text.find_first_of(" =,)");
+    if (text.substr(0, end) == *call.named) return static_cast<int>(i);
+  }
+  return call.argument;
+}
+
+} // namespace
+
+std::string heading_of(const Analysis& analysis, const Definition& d) {
+  if (d.kind == NameKind::argument) return fmt::format("{} of {}", d.name, d.owner);
+  // Up to where the declared value begins, on one line.
+  const std::string statement = analysis.text(d.statement);
+  const auto behind = static_cast<std::size_t>(d.span.end - d.statement.begin);
+  std::size_t end = behind;
+  const bool called = d.kind == NameKind::kernel || d.kind == NameKind::superpotential ||
+                      d.kind == NameKind::function;
+  for (int depth = 0; called && end < statement.size(); ++end) {
+    if (statement[end] == '(') ++depth;
+    if (statement[end] == ')' && --depth == 0) {
+      ++end;
+      break;
+    }
+  }
+  return fmt::format("{} {}", word(d.kind),
+                     called ? analysis.text({d.span.file, d.span.begin,
+                                             d.statement.begin + static_cast<std::uint32_t>(end)})
+                            : d.name);
+}
+
+std::string describe(const Analysis& analysis, const Definition& d) {
+  const bool whole = d.kind != NameKind::unknown && d.kind != NameKind::test_function &&
+                     d.kind != NameKind::column && d.kind != NameKind::argument;
+  std::string out = code_block(whole ? analysis.text(d.statement) : heading_of(analysis, d));
+  if (const NameFacts* facts = analysis.facts_of(d)) {
+    out += "\n" + facts->what;
+    if (!facts->groups.empty())
+      out += fmt::format("; its parts: {}", fmt::join(facts->groups, ", "));
+  } else if (d.kind == NameKind::argument) {
+    out += fmt::format("\nan argument of `{}`", d.owner);
+  } else {
+    out += fmt::format("\n{}", word(d.kind));
+  }
+  const std::string comment = comment_of(analysis, d);
+  if (whole && !comment.empty()) out += "\n\n" + comment;
+  const std::string& file = analysis.script().sources.file(d.span.file).path();
+  if (d.span.file != 0) out += fmt::format("\n\n*{}*", file);
+  return out;
+}
+
+Json hover(const EditorPlace& place) {
+  const Analysis& a = place.analysis;
+  if (const NameUse* use = a.names.at(0, place.offset))
+    return shown(place, use->span, describe(a, a.names.definitions[use->definition]));
+  const Token& token = a.tokens[0].tokens[token_at(a, place.offset)];
+  if (token.kind == TokenKind::end || token.span.begin > place.offset) return nullptr;
+  const std::string text = a.text(token.span);
+  if (token.kind == TokenKind::name) {
+    if (const BuiltIn* built_in = find_built_in(text))
+      return shown(place, token.span, describe(*built_in));
+  }
+  const std::string_view said = word_of_statement(text);
+  return said.empty() ? Json(nullptr) : shown(place, token.span, std::string(said));
+}
+
+Json signature(const EditorPlace& place) {
+  const auto call = call_at(place.analysis, place.offset);
+  if (!call) return nullptr;
+  std::string usage, doc;
+  const auto& bracket = place.analysis.tokens[0].tokens[call->open];
+  if (const BuiltIn* built_in = find_built_in(call->callee)) {
+    usage = built_in->usage, doc = built_in->doc;
+  } else if (const auto* d = place.analysis.names.visible(call->callee, bracket.span)) {
+    usage = heading_of(place.analysis, *d), doc = comment_of(place.analysis, *d);
+  }
+  const auto arguments = arguments_in(usage);
+  if (arguments.empty()) return nullptr;
+  Json parameters = Json::array();
+  for (const auto& [begin, end] : arguments) {
+    const auto before = static_cast<std::size_t>(begin), behind = static_cast<std::size_t>(end);
+    parameters.push_back({{"label",
+                           {units_of(std::string_view(usage).substr(0, before), place.unit),
+                            units_of(std::string_view(usage).substr(0, behind), place.unit)}}});
+  }
+  const int active =
+      std::min(active_argument(usage, arguments, *call), static_cast<int>(arguments.size()) - 1);
+  return {{"signatures",
+           {{{"label", usage}, {"documentation", markdown(doc)}, {"parameters", parameters}}}},
+          {"activeSignature", 0},
+          {"activeParameter", active}};
+}
+
+} // namespace hvi::lang

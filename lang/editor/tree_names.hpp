@@ -1,0 +1,21 @@
+// Walks a statement and tells of each name that stands for something declared. Part of index_names
+// (names.hpp).
+#pragma once
+
+#include "lang/syntax/ast.hpp"
+
+#include <functional>
+#include <string>
+
+namespace hvi::lang {
+
+/// What a walk meets. Spans of references may include parentheses around them.
+struct NameVisitor {
+  std::function<void(const std::string& name, const Span& span)> use;
+  /// `name =` in a call of `callee`.
+  std::function<void(const std::string& callee, const ast::Name& argument)> argument;
+};
+
+void visit_names(const ast::Statement& statement, const NameVisitor& visitor);
+
+} // namespace hvi::lang

@@ -1,0 +1,361 @@
+"""The language server, driven by a client of its own: what an editor asks, over pipes.
+
+Every example is opened, its diagnostics compared with those of `hvi-run check --script-only`, every name in it is followed to its declaration
+and renamed there and back; wrong scripts of tests/lang/errors are mended by the actions that are offered; positions are checked in a script with
+characters of one to four bytes; random edits (own seed) end in the same text and the same diagnostics as a file that is opened at once.
+
+usage: editor.py HVI_RUN [--edits N]"""
+import json
+import os
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+import urllib.parse
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+program = sys.argv[1]
+
+
+class Client:
+    """Speaks JSON-RPC with the server."""
+
+    def __init__(self, units="utf-16"):
+        self.server = subprocess.Popen([program, "serve-editor"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self.number, self.diagnostics, self.refreshed = 0, {}, 0
+        self.versions = {}
+        self.capabilities = self.ask("initialize", {"processId": None, "rootUri": None, "capabilities": {
+            "general": {"positionEncodings": [units]}, "workspace": {"codeLens": {"refreshSupport": True}}}})["capabilities"]
+        assert self.capabilities["positionEncoding"] == units
+        self.tell("initialized", {})
+
+    def write(self, message):
+        content = json.dumps({"jsonrpc": "2.0", **message}).encode()
+        self.server.stdin.write(b"Content-Length: %d\r\n\r\n" % len(content) + content)
+        self.server.stdin.flush()
+
+    def read(self):
+        length = None
+        while line := self.server.stdout.readline().strip():
+            name, value = line.split(b":")
+            if name == b"Content-Length":
+                length = int(value)
+        assert length is not None, "the server has ended"
+        message = json.loads(self.server.stdout.read(length))
+        if message.get("method") == "textDocument/publishDiagnostics":
+            p = message["params"]
+            self.diagnostics[p["uri"]] = (p.get("version"), p["diagnostics"])
+        if message.get("method") == "workspace/codeLens/refresh":
+            self.refreshed += 1
+        return message
+
+    def answer(self, method, params):
+        self.number += 1
+        self.write({"id": self.number, "method": method, "params": params})
+        while (message := self.read()).get("id") != self.number or "method" in message:
+            pass
+        return message
+
+    def ask(self, method, params):
+        message = self.answer(method, params)
+        assert "error" not in message, (method, message)
+        return message["result"]
+
+    def tell(self, method, params):
+        self.write({"method": method, "params": params})
+
+    def open(self, uri, text):
+        self.versions[uri] = 1
+        self.tell("textDocument/didOpen",
+                  {"textDocument": {"uri": uri, "languageId": "hvi", "version": 1, "text": text}})
+
+    def change(self, uri, edits):
+        self.versions[uri] += 1
+        self.tell("textDocument/didChange", {"textDocument": {"uri": uri, "version": self.versions[uri]},
+                                             "contentChanges": edits})
+
+    def found(self, uri):
+        """The diagnostics of the text as it is now."""
+        while self.diagnostics.get(uri, (None,))[0] != self.versions[uri]:
+            self.read()
+        return self.diagnostics[uri][1]
+
+    def at(self, method, uri, position, **more):
+        return self.ask(method, {"textDocument": {"uri": uri},
+                                 "position": {"line": position[0], "character": position[1]}, **more})
+
+    def end(self):
+        assert self.ask("shutdown", None) is None
+        self.tell("exit", None)
+        assert self.server.wait(20) == 0
+
+
+def uri_of(path):
+    return pathlib.Path(path).resolve().as_uri()
+
+
+def place_of(text, what, offset=0):
+    """Line and character of the first time that `what` stands in a text; `|` in it is the place."""
+    begin = text.index(what.replace("|", "")) + what.find("|") if "|" in what else text.index(what) + offset
+    before = text[:begin]
+    return before.count("\n"), len(before) - before.rfind("\n") - 1
+
+
+def edited(text, edits):
+    """A text after edits that do not overlap."""
+    starts = [0]
+    for line in text.split("\n"):
+        starts.append(starts[-1] + len(line) + 1)
+    at = lambda p: starts[p["line"]] + p["character"]
+    for edit in sorted(edits, key=lambda e: at(e["range"]["start"]), reverse=True):
+        text = text[:at(edit["range"]["start"])] + edit["newText"] + text[at(edit["range"]["end"]):]
+    return text
+
+
+def codes_by_command(path):
+    out = subprocess.run([program, "check", "--script-only", "--diagnostics", "json", str(path)],
+                         capture_output=True, text=True).stderr
+    return sorted((d["code"], d["line"] - 1 if d["line"] else 0) for d in map(json.loads, out.split("\n")[:-1]))
+
+
+def examples(client):
+    """Diagnostics as the command has them; every declared name is found, and renamed there and back."""
+    names = 0
+    for path in sorted((ROOT / "examples").glob("*.hvi")):
+        text, uri = path.read_text(), uri_of(path)
+        client.open(uri, text)
+        ours = sorted((d["code"], d["range"]["start"]["line"]) for d in client.found(uri))
+        assert ours == codes_by_command(path), (path, ours)
+        symbols = client.ask("textDocument/documentSymbol", {"textDocument": {"uri": uri}})
+        assert symbols, path
+        for symbol in symbols:
+            start = symbol["selectionRange"]["start"]
+            place = start["line"], start["character"]
+            here = client.at("textDocument/definition", uri, place)
+            assert here["range"] == symbol["selectionRange"], (path, symbol, here)
+            assert symbol["name"] in client.at("textDocument/hover", uri, place)["contents"]["value"]
+            uses = client.at("textDocument/references", uri, place, context={"includeDeclaration": True})
+            assert any(u["range"] == here["range"] for u in uses)
+            edits = client.at("textDocument/rename", uri, place, newName="renamed_by_test")["changes"]
+            assert len(edits[uri]) == sum(u["uri"] == uri for u in uses)
+            names += 1
+        # Renamed, a script means the same: no new mistakes, and renamed back it is what it was.
+        start = symbols[0]["selectionRange"]["start"]
+        place = start["line"], start["character"]
+        renamed = edited(text, client.at("textDocument/rename", uri, place, newName="renamed_by_test")["changes"][uri])
+        client.change(uri, [{"text": renamed}])
+        assert not [d for d in client.found(uri) if d["severity"] == 1], (path, client.found(uri))
+        back = client.at("textDocument/rename", uri, place, newName=symbols[0]["name"])["changes"][uri]
+        assert edited(renamed, back) == text, path
+        colours = client.ask("textDocument/semanticTokens/full", {"textDocument": {"uri": uri}})["data"]
+        assert len(colours) % 5 == 0 and len(colours) > 100
+        client.tell("textDocument/didClose", {"textDocument": {"uri": uri}})
+    return names
+
+
+SCRIPT = """# a slab
+import friction
+param n = 4 in [2, 64] "cells across"
+mesh slab = rectangle(2, 1, cells = [2*n, n])
+part roof = slab.top
+part ground = slab.bottom
+tensor B = isotropic(young = 70, poisson = 0.3)   # π ∈ \U0001d49e, steel
+superpotential layer(r, k = 100) with slope
+  | r < 0 -> 0
+  | otherwise -> k*r
+superpotential rub(xi) = tresca(xi, bound = 0.1)
+space V = vector P1 on slab, zero on roof
+find u in V such that for all v in V
+    integral(slab, B : eps(u) : eps(v)) + integral(ground, layer^0(u.nu; v.nu) + rub^0(u.tau; v.tau))
+ >= integral(slab, dot([0, -10], v))
+report
+  table tip = u.y at [1, 0]
+"""
+
+
+def labels(client, uri, text, where):
+    client.change(uri, [{"text": text}])
+    return {item["label"] for item in client.at("textDocument/completion", uri, place_of(text, where))}
+
+
+def completions(client, uri):
+    base = SCRIPT
+    with_line = lambda line: base + line + "\n"
+    assert {"left", "right", "top", "bottom", "boundary"} <= labels(client, uri, base, "slab.|top")
+    assert labels(client, uri, with_line("part p = slab.b"), "part p = slab.|b") >= {"bottom"}
+    assert "xi" in labels(client, uri, with_line("report table f = integral(ground, layer.x)"), "layer.|x)")
+    assert {"nu", "tau", "x"} <= labels(client, uri, base, "u.|nu;")
+    assert {"contact", "friction", "states"} <= labels(client, uri, with_line("import c"), "import |c")
+    assert labels(client, uri, base, "on |slab,") == {"slab", "roof", "ground"}
+    assert labels(client, uri, base, "find u in |V") == {"V"}
+    assert {"young", "poisson", "lambda"} <= labels(client, uri, with_line("tensor C = isotropic(y)"), "isotropic(|y)")
+    assert {"bound"} <= labels(client, uri, base, "tresca(xi, |bound")
+    assert {"k", "r", "layer", "exp"} <= labels(client, uri, base, "-> |k*r")
+    assert "mesh" in labels(client, uri, base + "me", "\nme|")
+    assert not labels(client, uri, base, "# a s|lab")
+    assert "scheme" in labels(client, uri, base.replace("find u in V such", "find u in V using s = 1 such"), "using |s")
+    # Where a statement is half written, its own arguments are offered.
+    assert "stiff" in labels(client, uri, base + "fn g(stiff) = 2*s", "2*|s")
+
+
+def hovers(client, uri):
+    client.change(uri, [{"text": SCRIPT}])
+    said = lambda where: client.at("textDocument/hover", uri, place_of(SCRIPT, where))["contents"]["value"]
+    assert "the number 4" in said("param |n") and "cells across" in said("param |n")
+    assert "fourth-order tensor" in said("integral(slab, |B")
+    assert "left, right" in said("mesh |slab") or "bottom" in said("mesh |slab")
+    assert "Tresca" in said("|tresca(xi")
+    assert "plane strain" in said("|isotropic(")
+    assert "inequality" in said("|find u")
+    assert "an argument of `layer`" in said("-> |k*r")
+    help_ = client.at("textDocument/signatureHelp", uri, place_of(SCRIPT, "poisson = |0.3"))
+    label, active = help_["signatures"][0]["label"], help_["activeParameter"]
+    begin, end = help_["signatures"][0]["parameters"][active]["label"]
+    assert label.startswith("isotropic(") and "poisson" in label[begin:end], (label, active)
+    assert client.at("textDocument/signatureHelp", uri, place_of(SCRIPT, "param |n")) is None
+
+
+def renames(client, uri):
+    client.change(uri, [{"text": SCRIPT}])
+    refused = lambda where, name: client.answer("textDocument/rename", {
+        "textDocument": {"uri": uri}, "newName": name,
+        "position": dict(zip(("line", "character"), place_of(SCRIPT, where)))})["error"]["message"]
+    assert "already" in refused("param |n", "roof")
+    assert "word of the language" in refused("param |n", "mesh")
+    assert "no name" in refused("param |n", "2n")
+    assert "library" in refused("|tresca(xi", "mine")
+    change = client.at("textDocument/rename", uri, place_of(SCRIPT, "-> |k*r"), newName="stiff")["changes"][uri]
+    assert edited(SCRIPT, change) == SCRIPT.replace("k = 100", "stiff = 100").replace("k*r", "stiff*r")
+    # A place behind characters of two, three and four bytes: UTF-16 counts one, one and two.
+    library = client.at("textDocument/definition", uri, place_of(SCRIPT, "|tresca(xi"))
+    assert library is None or library["uri"].endswith("stdlib/friction.hvi")
+
+
+def units():
+    """The same place in both ways to count."""
+    text = SCRIPT.replace("# π ∈ \U0001d49e, steel", "").replace(
+        'param n = 4 in [2, 64] "cells across"', 'param n = 4 in [2, 64] "\U0001d49e∈π"  param m = n')
+    for name, length in (("utf-16", lambda s: len(s.encode("utf-16-le")) // 2), ("utf-8", lambda s: len(s.encode()))):
+        client = Client(name)
+        uri = uri_of(ROOT / "examples/none.hvi")
+        client.open(uri, text)
+        line = text.split("\n")[2]
+        place = 2, length(line[:line.index("= n") + 2])
+        target = client.at("textDocument/definition", uri, place)["range"]
+        assert target["start"] == {"line": 2, "character": 6}, (name, target)
+        uses = client.at("textDocument/references", uri, place, context={"includeDeclaration": False})
+        assert {"line": 2, "character": place[1]} in [u["range"]["start"] for u in uses], (name, uses)
+        client.end()
+
+
+def actions(client):
+    """What is offered mends: of the wrong scripts, and of slips made on purpose."""
+    offered = mended = 0
+    slips = [("roof\npart", "rof\npart"), ("isotropic(young", "isotropc(young"), ("slab.top", "slab.tp"), ("layer^0(u.nu", "layr^0(u.nu"),
+             (">= integral", "= integral"), ("zero on roof", "zero on rof"), ("poisson = 0.3", "poison = 0.3"), ("import friction", "import fricton")]
+    texts = [SCRIPT.replace(a, b, 1) for a, b in slips] + [SCRIPT + "param unused = 3\n"]
+    texts += [p.read_text() for p in sorted((ROOT / "tests/lang/errors").glob("*.hvi"))]
+    for i, text in enumerate(texts):
+        uri = uri_of(ROOT / f"tests/lang/errors/action_{i}.hvi")
+        client.open(uri, text)
+        before = client.found(uri)
+        lines = text.split("\n")
+        whole = {"start": {"line": 0, "character": 0}, "end": {"line": len(lines), "character": 0}}
+        for action in client.ask("textDocument/codeAction", {"textDocument": {"uri": uri}, "range": whole, "context": {"diagnostics": []}}):
+            offered += 1
+            client.change(uri, [{"text": edited(text, action["edit"]["changes"][uri])}])
+            assert len(client.found(uri)) < len(before), (i, action)
+            mended += i < len(slips) + 1
+        client.tell("textDocument/didClose", {"textDocument": {"uri": uri}})
+    assert mended >= len(slips), mended
+    return offered
+
+
+def random_edits(client, n, seed):
+    """Random edits, many of them nonsense: the text the server has is that of a client that applies them, and it goes on answering."""
+    rng = random.Random(seed)
+    pieces = ["(", ")", "^0(", "mesh ", "\n", "u.nu", "'", "|", "->", "\"", "#", "param q = ", "1e999", "\U0001d49e", "é", "[", "]", "\r\n", "\0", "find ", " "]
+    requests = ["hover", "completion", "signatureHelp", "definition", "documentHighlight"]
+    uri, text = uri_of(ROOT / "examples/edited.hvi"), SCRIPT
+    client.open(uri, text)
+    for i in range(n):
+        lines = text.split("\n")
+        line = rng.randrange(len(lines))
+        a, b = sorted(rng.randrange(len(lines[line]) + 1) for _ in range(2))
+        if lines[line].endswith("\r"):
+            a, b = min(a, len(lines[line]) - 1), min(b, len(lines[line]) - 1)
+        new = rng.choice(pieces) if rng.random() < 0.8 else "".join(rng.choices(SCRIPT, k=rng.randrange(40)))
+        width = lambda s: len(s.encode("utf-16-le")) // 2
+        edit = {"range": {"start": {"line": line, "character": width(lines[line][:a])},
+                          "end": {"line": line, "character": width(lines[line][:b])}}, "text": new}
+        lines[line] = lines[line][:a] + new + lines[line][b:]
+        text = "\n".join(lines)
+        client.change(uri, [edit])
+        method = rng.choice(requests)
+        client.answer(f"textDocument/{method}", {"textDocument": {"uri": uri}, "position": {"line": rng.randrange(len(lines) + 2),
+                                                                                            "character": rng.randrange(90)}})
+        if i % 20 == 0:
+            text = SCRIPT
+            client.change(uri, [{"text": text}])
+        if i % 20 == 19:
+            copy = uri_of(ROOT / "examples/copied.hvi")
+            client.open(copy, text)
+            strip = lambda all_: [(d["code"], d["range"]) for d in all_]
+            assert strip(client.found(uri)) == strip(client.found(copy)), (i, text)
+            client.tell("textDocument/didClose", {"textDocument": {"uri": copy}})
+
+
+def wrong_messages(client):
+    assert client.answer("textDocument/hover", {})["error"]["code"] == -32602
+    assert client.answer("no/such", {})["error"]["code"] == -32601
+    assert client.answer("textDocument/hover", {"textDocument": {"uri": "file:///nowhere.hvi"},
+                                                "position": {"line": 0, "character": 0}})["error"]["code"] == -32602
+    client.tell("no/such", {})
+    client.tell("textDocument/didChange", {"textDocument": {"uri": "file:///nowhere.hvi"}, "contentChanges": [{"text": ""}]})
+    client.tell("textDocument/didOpen", {"textDocument": {}})
+    early = subprocess.run([program, "serve-editor"], input=b'Content-Length: 54\r\n\r\n{"jsonrpc":"2.0","id":1,"method":"textDocument/hover"}',
+                           capture_output=True, timeout=60)
+    assert b"-32002" in early.stdout and early.returncode == 1
+    for broken in (b"", b"Content-Length: 5\r\n\r\n{", b"Content-Length: x\r\n\r\n", b"Content-Length: 99999999999\r\n\r\n", b"\0" * 9000):
+        out = subprocess.run([program, "serve-editor"], input=broken, capture_output=True, timeout=60)
+        assert out.returncode == 1 and not out.stdout, (broken[:40], out)
+
+
+def lenses(client):
+    """The numbers of `check` stand above the inequality once they are found."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder, "small slab.hvi")
+        path.write_text(SCRIPT)
+        uri = uri_of(path)
+        client.open(uri, SCRIPT)
+        before = client.refreshed
+        while client.refreshed == before:
+            client.read()
+        lens, = client.ask("textDocument/codeLens", {"textDocument": {"uri": uri}})
+        assert lens["range"]["start"]["line"] == 12 and "one solution" in lens["command"]["title"], lens
+
+
+def main():
+    os.chdir(ROOT)
+    client = Client()
+    names = examples(client)
+    uri = uri_of(ROOT / "examples/none.hvi")
+    client.open(uri, SCRIPT)
+    assert not client.found(uri), client.found(uri)
+    completions(client, uri)
+    hovers(client, uri)
+    renames(client, uri)
+    wrong_messages(client)
+    lenses(client)
+    offered = actions(client)
+    formatted = client.ask("textDocument/formatting", {"textDocument": {"uri": uri}, "options": {"tabSize": 2, "insertSpaces": True}})
+    assert len(formatted) <= 1
+    edits = int(sys.argv[sys.argv.index("--edits") + 1]) if "--edits" in sys.argv else 200
+    random_edits(client, edits, 24)
+    client.end()
+    units()
+    print(f"{names} names followed and renamed, {offered} actions that mend, {edits} random edits")
+
+
+main()
