@@ -151,4 +151,5 @@ def main():
     {"fixed": fixed_point, "model": model_solver}[args.method](slab, args.N)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -7,10 +7,12 @@ events. While it moves F - w = c(v), c(v) = eta v + d(v), F = pull t, so that wi
 creeps from v = 0 to the first maximum of c, if c grows there (Stribeck), jumps to the velocity with the same c beyond, slips to the minimum
 of c, and sticks until F - w = d(0) again. The integrals are Gauss's on 2,000 intervals; 1,000 give the same to 1e-12.
 
-The period, the amplitude (the displacement of a cycle) and the peak force of runs whose grids have the events of the reference among their
-times must agree to 1e-4 with 4,000 steps, and their errors fall with the order asked for: 1 of backward Euler; bdf2 has less than 2,
-because the velocity ends like a square root where the branch ends. The steps are where the slider moves: while it sticks their length does
-not matter. What even steps do where they do not know the events is in published/stick_slip.hvi.
+The period, the amplitude (the displacement of a cycle) and the peak force must agree to 1e-4 with 4,000 steps, and their errors fall with
+the order asked for, in two ways. In the first the grid has the events of the reference among its times: order 1 of backward Euler; bdf2 has less
+than 2, because the velocity ends like a square root where the branch ends. In the second nobody knows the events: a first run of a fifth of the
+steps, even ones, over a cycle finds when the slider moves, and the other steps divide that time, with one step of the first run before and
+after it; both runs count. There the errors of both schemes fall without a clear order: where in a step the jump lies changes with its length. While the slider sticks the
+length of steps does not matter. What even steps over four units of time do is in published/stick_slip.hvi.
 """
 import math
 import pathlib
@@ -98,6 +100,20 @@ def grid(law, creep, slip, moved, steps):
     return out
 
 
+def scouted(program, law, steps, folder):
+    """Times of a cycle and of the stick after it, whose events a run with even steps has found."""
+    start, scouts = first_slip(law), steps // 5
+    even = [0.0, *np.linspace(0.97 * start, start + 2.5 / law.pull * 0.5, scouts)]
+    table = run(program, law, even, "backward_euler", folder)
+    moves = np.diff(table["w"]) > 1e-9
+    times, k = table["t"][1:], even[2] - even[1]
+    begins = [n for n in range(1, len(moves)) if moves[n] and not moves[n - 1]]
+    ends = next(n for n in range(begins[0], len(moves)) if not moves[n])
+    low, high, again = times[begins[0]] - 2 * k, times[ends], times[begins[1]] - 2 * k
+    rest = steps - scouts - 5
+    return [0.0, *np.linspace(low, high, rest + 1), *np.linspace(high, again, 5)[1:]]
+
+
 def first_slip(law):
     return 1.0 / law.pull  # the static bounds are 1
 
@@ -143,16 +159,20 @@ def main():
         coarse = cycle(law, 1000)
         assert max(abs(a - b) for a, b in zip(coarse, (creep, slip, moved, peak))) < 1e-12
         print(f"{type(law).__name__}: creeps {creep:.6g}, slips {slip:.10g}, moves {moved:.10g}, peak {peak:.10g}")
-        for method, least in ORDERS.items():
+        for known, method in ((known, method) for known in (True, False) for method in ORDERS):
             errors = []
+            print("  events " + ("known" if known else "found by a first run"))
             for n in STEPS:
-                with tempfile.TemporaryDirectory() as folder:
-                    got = measured(law, run(program, law, grid(law, creep, slip, moved, n), method, pathlib.Path(folder)))
+                with tempfile.TemporaryDirectory() as name:
+                    folder = pathlib.Path(name)
+                    times = grid(law, creep, slip, moved, n) if known else scouted(program, law, n, folder)
+                    got = measured(law, run(program, law, times, method, folder))
                 errors.append([abs(g / e - 1) for g, e in zip(got, (moved / law.pull, moved, peak))])
                 print(f"  {method} N = {n}: period {errors[-1][0]:.2e}, amplitude {errors[-1][1]:.2e}, peak {errors[-1][2]:.2e}")
             order = math.log2(errors[-3][0] / errors[-1][0]) / 2
-            held = max(errors[-1]) <= WITHIN and order >= least
-            print(f"  {method}: order {order:.2f}, at least {least} {'ok' if held else 'WRONG'}")
+            falls = order >= ORDERS[method] if known else errors[-1][0] < errors[0][0] / 2
+            held = max(errors[-1]) <= WITHIN and falls
+            print(f"  {method}: order {order:.2f}{f', at least {ORDERS[method]}' if known else ''} {'ok' if held else 'WRONG'}")
             good = good and held
     return 0 if good else 1
 
