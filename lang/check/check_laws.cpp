@@ -339,32 +339,24 @@ void Checker::check_law_alone(int declaration) {
   for (const Diagnostic& d : trial.items()) diagnostics_.add(d);
 }
 
-/// What the argument of a law is made of: u, u' or a memory; nothing (reported) when there are two
-/// of them, or anything else than values.
-std::optional<int> Checker::law_field(const ast::Clarke& clarke, const Field& at) {
-  std::optional<int> out;
+/// What the argument of a law is made of: u, u', memories; nothing (reported) when there is
+/// anything else than values in it.
+std::optional<std::set<int>> Checker::law_fields(const ast::Clarke& clarke, const Field& at) {
+  std::set<int> out;
   for (const Symbol& component : at.components)
     for (const solver::Slot s : solver::slots_of(component)) {
       if (!slot::is_field(s)) continue;
-      const int field = slot::field_of(s);
       if (slot::is_field_gradient(s)) {
         error("E0414", clarke.at->span,
               "M takes values of the unknown: its trace, a part of it or itself",
               "write `u.nu`, `u.tau`, a component, `u` or `u.nu - gap`");
         return std::nullopt;
       }
-      if (out && *out != field) {
-        error("E0415", clarke.at->span,
-              fmt::format("the argument of the law has two of `{0}`, `{0}'` and memories in it",
-                          name_of(0)),
-              "a law sees one of them; write two laws");
-        return std::nullopt;
-      }
-      out = field;
+      out.insert(slot::field_of(s));
     }
-  if (out == solver::field_of_u(2)) {
+  if (out.contains(solver::field_of_u(2))) {
     error("E0415", clarke.at->span, fmt::format("a law does not act on `{}''`", name_of(0)),
-          "laws act on the unknown, its rate or a memory");
+          "laws act on the unknown, its rate or a memory, or on a sum of them");
     return std::nullopt;
   }
   return out;
@@ -413,6 +405,81 @@ std::optional<double> ratio(const Symbol& a, const Symbol& b) {
 
 } // namespace
 
+namespace {
+
+/// A factor that an earlier row has up to rounding is that one: rows with the same sum are alike.
+double as_before(const std::vector<std::vector<solver::SeenField>>& rows, int field, double times) {
+  for (const auto& row : rows)
+    for (const solver::SeenField& seen : row)
+      if (seen.field == field && std::abs(seen.times - times) <= 1e-12 * std::abs(times))
+        return seen.times;
+  return times;
+}
+
+} // namespace
+
+/// Does something stand before a value of the unknown that makes a law's argument not linear in it
+/// (reported)?
+bool Checker::stands_before(const ast::Clarke& clarke, const Symbol& own, int field, int unknown) {
+  for (int j = 0; j < components_of(unknown); ++j)
+    if (own.depends_on(slot::field(field, slot::of_unknown(unknown, slot::value(j))))) {
+      error("E0403", clarke.at->span,
+            fmt::format("the argument of a law is linear in `{}{}`", name_of(unknown),
+                        field == solver::field_of_u(1) ? "'" : ""));
+      return true;
+    }
+  if (!own.depends_on_any(slot::first_state, slot::first_probe)) return false;
+  error("E0403", clarke.at->span, "a state stands before the unknown in the argument of a law",
+        "the superpotential itself may depend on it");
+  return true;
+}
+
+/// The same where several fields are seen: each row is M of a sum of them, c_0 u + c_1 u' + ...,
+/// with constants, and M is that of the direction.
+bool Checker::law_rows_of_sums(const ast::Clarke& clarke, const Field& at, const Field& direction,
+                               const std::set<int>& fields, LawUse& use) {
+  const int d = components_of(use.unknown);
+  const auto own_value = [&](int i) { return slot::of_unknown(use.unknown, slot::value(i)); };
+  std::vector<std::pair<solver::Slot, Symbol>> at_rest;
+  for (const int field : fields)
+    for (int k = 0; k < slot::n_derivatives; ++k)
+      at_rest.emplace_back(slot::field(field, k), Symbol(0.0));
+  for (std::size_t c = 0; c < at.components.size(); ++c) {
+    LawRow row;
+    for (int i = 0; i < d; ++i)
+      row.u.push_back(derivative(direction.components[c], slot::test(own_value(i))));
+    std::vector<solver::SeenField> seen;
+    for (const int field : fields) {
+      std::optional<double> times;
+      std::vector<Symbol> own;
+      for (int i = 0; i < d; ++i) {
+        own.push_back(derivative(at.components[c], slot::field(field, own_value(i))));
+        if (stands_before(clarke, own.back(), field, use.unknown)) return false;
+        if (!times && !own.back().is(0.0)) times = ratio(own.back(), row.u[i]);
+      }
+      for (std::size_t i = 0; i < own.size(); ++i)
+        if (!agree(own[i], Symbol(times.value_or(0.0)) * row.u[i])) {
+          error("E0415", clarke.at->span,
+                "the argument is not M of a sum of fields with constants, M that of the direction",
+                fmt::format("write `{0}.nu + 0.1*{0}'.nu` with `{1}.nu`, or `[{0}.x, {0}'.y]` with "
+                            "`[{1}.x, {1}.y]`",
+                            name_of(use.unknown),
+                            find_->unknowns[static_cast<std::size_t>(use.unknown)].test.text));
+          return false;
+        }
+      if (times) seen.push_back({field, as_before(use.seen, field, *times)});
+    }
+    row.offset = substitute(at.components[c], at_rest);
+    use.rows.push_back(std::move(row));
+    use.seen.push_back(std::move(seen));
+  }
+  // A row without an unknown moves with any of the others.
+  const auto any = std::ranges::find_if(use.seen, [](const auto& row) { return !row.empty(); });
+  for (auto& row : use.seen)
+    if (row.empty()) row = *any;
+  return true;
+}
+
 /// The rows of a law's argument, whose direction has the same: M is one operator. A kernel's
 /// constant factor stands before its memory: there the direction has the rows, and the argument
 /// `of_memory` times them.
@@ -430,18 +497,7 @@ bool Checker::law_rows(const ast::Clarke& clarke, const Field& at, const Field& 
     LawRow row;
     for (int i = 0; i < d; ++i) {
       Symbol own = derivative(at.components[c], slot::field(use.field, own_value(i)));
-      for (int j = 0; j < d; ++j)
-        if (own.depends_on(slot::field(use.field, own_value(j)))) {
-          error("E0403", clarke.at->span,
-                fmt::format("the argument of a law is linear in `{}`", seen));
-          return false;
-        }
-      if (own.depends_on_any(slot::first_state, slot::first_probe)) {
-        error("E0403", clarke.at->span,
-              "a state stands before the unknown in the argument of a law",
-              "the superpotential itself may depend on it");
-        return false;
-      }
+      if (stands_before(clarke, own, use.field, use.unknown)) return false;
       const Symbol v = derivative(direction.components[c], slot::test(own_value(i)));
       if (solver::is_memory(use.field) && !own.is(0.0)) {
         if (!of_memory) of_memory = ratio(own, v);
@@ -511,11 +567,13 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
       !take_jumps(c.direction->span, direction->components, part_at_hand_))
     return Poison{};
   LawUse use;
-  const auto seen = law_field(c, *at);
-  use.field = seen.value_or(solver::field_of_u(0));
+  const auto seen = law_fields(c, *at);
+  if (seen && !seen->empty()) // of several the rate, or a memory
+    use.field = seen->contains(solver::field_of_u(1)) ? solver::field_of_u(1) : *seen->rbegin();
   const auto of = seen ? law_unknown(c, *at, *direction) : std::nullopt;
   use.unknown = of.value_or(0);
-  const bool same = of && law_rows(c, *at, *direction, use);
+  const bool same = of && (seen->size() > 1 ? law_rows_of_sums(c, *at, *direction, *seen, use)
+                                            : law_rows(c, *at, *direction, use));
   if (same && !find_->time && offset_in_time(use.rows)) {
     error("E0412", c.at->span, "a static problem has no time `t`",
           "add `for t in [0, T] by N steps from u = 0` to the find statement");

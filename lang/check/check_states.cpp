@@ -248,18 +248,11 @@ void Checker::check_states_of_laws() {
 }
 
 void Checker::check_changing_form(const ModelTerm& term) {
-  if (!lives_in_body(term.part)) {
-    error("E0430", term.span,
-          fmt::format("this form reads a state that lives at the points of the laws on `{}`",
-                      model_.parts[term.part].name),
-          "let the laws act on another part");
-    return;
-  }
-  const auto scheme = model_.time.scheme;
-  if (scheme == solver::Scheme::hht || scheme == solver::Scheme::midpoint)
-    error("E0430", term.span,
-          fmt::format("with the scheme `{}` no state changes a form", solver::name_of(scheme)),
-          "use backward_euler, bdf2 or newmark");
+  if (lives_in_body(term.part)) return;
+  error("E0430", term.span,
+        fmt::format("this form reads a state that lives at the points of the laws on `{}`",
+                    model_.parts[term.part].name),
+        "let the laws act on another part");
 }
 
 } // namespace hvi::lang

@@ -202,10 +202,13 @@ private:
   int take_rule(ModelTerm& source, const Symbol& integrand) const;
   bool take_source(ModelTerm& term, const Span& span);
   std::optional<int> law_for(int declaration, bool radial, const Span& use);
-  std::optional<int> law_field(const ast::Clarke& clarke, const Field& at);
+  std::optional<std::set<int>> law_fields(const ast::Clarke& clarke, const Field& at);
   std::optional<int> law_unknown(const ast::Clarke& clarke, const Field& at,
                                  const Field& direction);
   bool law_rows(const ast::Clarke& clarke, const Field& at, const Field& direction, LawUse& use);
+  bool law_rows_of_sums(const ast::Clarke& clarke, const Field& at, const Field& direction,
+                        const std::set<int>& fields, LawUse& use);
+  bool stands_before(const ast::Clarke& clarke, const Symbol& own, int field, int unknown);
   std::optional<Field> law_body(int declaration, const Field& argument,
                                 const std::map<std::string, Value>& parameters, const Span& use);
   bool is_law_of_vectors(int declaration, const ast::Expr& argument, const Field& at);

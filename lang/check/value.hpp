@@ -6,6 +6,7 @@
 #include "lang/diag/source.hpp"
 #include "solver/kernel/expr.hpp"
 #include "solver/kernel/prony_series.hpp"
+#include "solver/plan/problem.hpp"
 
 #include <array>
 #include <optional>
@@ -38,9 +39,11 @@ struct LawUse {
   std::string name;
   Span span; ///< of the whole j^0(...)
   Symbol factor = 1.0;
-  Span factor_span;           ///< where a factor stands, if any
-  int field = 0;              ///< what the law sees (solver::field_of_u, field_of_memory)
-  double of_memory = 1.0;     ///< and how many times a memory
+  Span factor_span;       ///< where a factor stands, if any
+  int field = 0;          ///< what the law sees (solver::field_of_u, field_of_memory)
+  double of_memory = 1.0; ///< and how many times a memory
+  /// By row, where that is not all: see solver::LawTerm.
+  std::vector<std::vector<solver::SeenField>> seen;
   int unknown = 0;            ///< of which unknown
   std::optional<int> rule_of; ///< see solver::LawTerm
   std::vector<LawRow> rows;

@@ -110,15 +110,15 @@ component, or the value itself.)",
 layer^0(u.nu; v.x))",
      R"(
 layer^0(u.nu; v.nu))"},
-    {"E0415", "law of two things at once",
+    {"E0415", "law through two operators",
      R"(
 A law sees u, as a layer that is pressed, or u', as friction that dissipates, or a memory,
-`history(q, u).nu`. Two laws may act on one part, each with its own argument; one argument cannot
-have two of them in it.)",
+`history(q, u).nu`, or a sum of them, times constants, through one M: that of the direction. An argument
+with several components may see another sum in each. Laws do not act on u''.)",
      R"(
-layer^0(u.nu + 0.1*u'.nu; v.nu))",
+layer^0(u.nu + 0.1*u'.x; v.nu))",
      R"(
-layer^0(u.nu; v.nu) + damper^0(u'.nu; v.nu))"},
+layer^0(u.nu + 0.1*u'.nu; v.nu))"},
     {"E0416", "value imposed where the space is not zero",
      R"(
 Values are imposed on parts where the space is zero, or on parts inside of these, and only once for
@@ -228,7 +228,7 @@ superpotential bond(r) = 0.5*beta^2*r^2
      R"(
 A state on a boundary lives at the points of a law there. A state of cells lives inside them (damage,
 ageing) and may stand in coefficients of forms there; where a law acts on the same cells it lives at the
-law's points, and no form knows it. With the schemes `hht` and `midpoint` no state changes a form.)",
+law's points, and no form knows it.)",
      R"(
 state beta on glue with rate -beta from beta = 1
 ... integral(ground, layer^0(u.nu; v.nu)))",

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
+#include <string>
 
 namespace hvi::lang {
 
@@ -49,9 +51,20 @@ solver::Origin origin_of(Model& model, const solver::Problem& problem, const Spa
   return model.origin(span);
 }
 
-const char* on_what(int field) {
-  if (field == solver::field_of_u(0)) return "";
-  return solver::is_memory(field) ? " on the memory" : " on the rate";
+std::string on_what(const LawUse& use) {
+  std::set<int> fields;
+  for (const auto& row : use.seen)
+    for (const solver::SeenField& seen : row) fields.insert(seen.field);
+  if (fields.empty()) fields.insert(use.field);
+  std::string out;
+  for (const int field : fields) {
+    if (field == solver::field_of_u(0) && fields.size() == 1) return "";
+    out += out.empty() ? " on " : " and ";
+    out += field == solver::field_of_u(0) ? "the unknown"
+           : solver::is_memory(field)     ? "the memory"
+                                          : "the rate";
+  }
+  return out;
 }
 
 } // namespace
@@ -87,7 +100,7 @@ std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
       const bool flat = model.laws[use.law].spec.expression.is(0.0);
       (radial ? any_friction : any_normal) = true;
       EffectNote law;
-      law.name = fmt::format("{}{} `{}` on `{}`", radial ? "friction" : "law", on_what(use.field),
+      law.name = fmt::format("{}{} `{}` on `{}`", radial ? "friction" : "law", on_what(use),
                              use.name, model.parts[term.part].name);
       law.state = zero || flat ? State::dropped : State::on;
       law.origin = origin_of(model, problem, use.span);

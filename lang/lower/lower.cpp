@@ -65,6 +65,8 @@ private:
     for (const FormTerm& form : plan_.problem.forms) use(form.field);
     for (const solver::LawTerm& term : plan_.problem.law_terms) {
       use(term.field);
+      for (const auto& row : term.seen)
+        for (const solver::SeenField& seen : row) use(seen.field);
       for_each_field_read(law_of(term), use);
     }
     const auto use_all = [&](const Symbol& e) {
@@ -90,9 +92,15 @@ private:
     for (FormTerm& form : plan_.problem.forms)
       if (solver::is_memory(form.field))
         form.field = solver::field_of_memory(fresh[solver::memory_of(form.field)]);
-    for (solver::LawTerm& term : plan_.problem.law_terms)
-      if (solver::is_memory(term.field))
-        term.field = solver::field_of_memory(fresh[solver::memory_of(term.field)]);
+    const auto renew = [&](int& field) {
+      if (solver::is_memory(field))
+        field = solver::field_of_memory(fresh[solver::memory_of(field)]);
+    };
+    for (solver::LawTerm& term : plan_.problem.law_terms) {
+      renew(term.field);
+      for (auto& row : term.seen)
+        for (solver::SeenField& seen : row) renew(seen.field);
+    }
     plan_.problem.histories = std::move(kept);
     for (std::size_t a = 0; a < applications_.size(); ++a)
       for (int k = 0; k < 3; ++k)
@@ -193,6 +201,7 @@ private:
     out.law = use.law;
     out.part = term.part;
     out.field = field_of_law(use);
+    out.seen = use.seen;
     out.unknown = use.unknown;
     out.rule_of = use.rule_of;
     out.rule = term.rule == solver::Rule::exact ? solver::Rule::gauss : term.rule;

@@ -77,8 +77,9 @@ struct LawPoints {
   std::vector<std::int32_t> node;  ///< nodal rule: the node, else -1
   std::vector<std::int32_t> facet; ///< an entity (facet or cell) the point lies on
   int rows = 1;
-  std::vector<DenseMatrix> frames; ///< radial laws only
-  SparseMatrix g;                  ///< (points * rows) x n_dofs
+  std::vector<DenseMatrix> frames;            ///< radial laws only
+  std::vector<std::vector<SeenField>> seen{}; ///< LawTerm::seen, of these rows
+  SparseMatrix g;                             ///< (points * rows) x n_dofs
   /// (points * 3 n_unknowns) x n_dofs: values at the points, if asked for; see `traced`.
   SparseMatrix trace;
   bool offset_depends_on_t = false;

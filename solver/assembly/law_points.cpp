@@ -233,23 +233,60 @@ DenseMatrix basis_of_range(const DenseMatrix& rows, int& rank) {
   return basis;
 }
 
-/// Reduces the rows of every point to one common number: the largest rank.
-void reduce_radial(std::vector<RawPoint>& raw, const LawTerm& term, LawPoints& out) {
+/// Bases of the range of these rows at every point, with one common number of columns: the largest
+/// rank.
+std::vector<DenseMatrix> bases_of(const std::vector<RawPoint>& raw, const std::vector<int>& rows) {
+  std::vector<DenseMatrix> out;
   int largest = 0;
   for (const RawPoint& point : raw) {
     int rank = 0;
-    out.frames.push_back(basis_of_range(point.rows, rank));
+    out.push_back(basis_of_range(point.rows(rows, Eigen::all), rank));
     largest = std::max(largest, rank);
   }
-  if (largest == 0) {
+  for (DenseMatrix& basis : out) basis = basis.leftCols(largest).eval();
+  return out;
+}
+
+/// The rows of a law, those together that see the same fields.
+std::vector<std::vector<int>> rows_alike(const LawTerm& term) {
+  std::vector<std::vector<int>> out;
+  for (int c = 0; c < static_cast<int>(term.rows.size()); ++c) {
+    const auto same = std::ranges::find_if(out, [&](const std::vector<int>& group) {
+      return term.seen.empty() || term.seen[static_cast<std::size_t>(group.front())] ==
+                                      term.seen[static_cast<std::size_t>(c)];
+    });
+    same == out.end() ? out.push_back({c}) : same->push_back(c);
+  }
+  return out;
+}
+
+/// Reduces the rows of every point to one common number, those that see different fields each among
+/// themselves.
+void reduce_radial(std::vector<RawPoint>& raw, const LawTerm& term, LawPoints& out) {
+  const auto n_args = static_cast<Eigen::Index>(term.rows.size());
+  out.rows = 0;
+  out.frames.assign(raw.size(), DenseMatrix(n_args, 0));
+  for (const auto& group : rows_alike(term)) {
+    const auto bases = bases_of(raw, group);
+    const Eigen::Index more = bases.empty() ? 0 : bases.front().cols();
+    for (std::size_t p = 0; p < raw.size(); ++p) {
+      DenseMatrix& frame = out.frames[p];
+      frame.conservativeResize(n_args, out.rows + more);
+      frame.rightCols(more).setZero();
+      for (std::size_t i = 0; i < group.size(); ++i)
+        frame.row(group[i]).tail(more) = bases[p].row(static_cast<Eigen::Index>(i));
+    }
+    if (!term.seen.empty())
+      out.seen.insert(out.seen.end(), static_cast<std::size_t>(more),
+                      term.seen[static_cast<std::size_t>(group.front())]);
+    out.rows += static_cast<int>(more);
+  }
+  if (out.rows == 0) {
     throw Failure(FailureKind::bad_value, term.origin,
                   fmt::format("the argument of the law `{}` does not depend on u", term.name));
   }
-  for (std::size_t p = 0; p < raw.size(); ++p) {
-    out.frames[p] = out.frames[p].leftCols(largest).eval();
-    raw[p].rows = out.frames[p].transpose() * raw[p].rows;
-  }
-  out.rows = largest;
+  for (std::size_t p = 0; p < raw.size(); ++p)
+    raw[p].rows = (out.frames[p].transpose() * raw[p].rows).eval();
 }
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
@@ -336,6 +373,7 @@ LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& 
   out.law_term = law_term;
   out.dim = space.mesh->dim;
   out.rows = static_cast<int>(term.rows.size());
+  if (!radial) out.seen = term.seen;
   if (radial) {
     reduce_radial(raw, term, out);
   }

@@ -29,6 +29,20 @@ void Judgement::judge_laws() {
       (spec.coupled.empty() ? facts_.reads : facts_.coupled) = true;
       continue;
     }
+    const auto& seen = term.seen;
+    const bool apart =
+        std::ranges::any_of(seen, [&](const auto& row) { return row != seen.front(); });
+    if (apart || (!seen.empty() && !is_rate(term.field))) {
+      c().m_nu = c().m_tau = c().c_J = infinity;
+      m_nu = c().c_J_known = Bracket::exactly(infinity);
+      row("H(J)", fmt::format("`{}` sees one field", term.name), std::nullopt, Answer::fails,
+          term.origin,
+          apart ? "u in one component and u' in another: its force is no subgradient of one "
+                  "operator; beyond the theorems here"
+                : "a sum of u and a memory: beyond the theorems here");
+      facts_.reads = true;
+      continue;
+    }
     if (!problem_.laws[term.law].states.empty())
       row("H(J)", fmt::format("`{}` keeps its graph", term.name), std::nullopt, Answer::open,
           term.origin, "it changes with its states: its numbers are those at their initial values");

@@ -174,7 +174,8 @@ Vector Numbers::only(int field) const { return Vector::Unit(count_fields(problem
 std::optional<SparseMatrix> Numbers::descent(const Vector& factors) const {
   std::vector<double> weight(problem_.law_terms.size(), 0.0);
   for (const auto& law : laws_) {
-    const double factor = factors[problem_.law_terms[law.term].field];
+    const double factor =
+        factor_of_row(problem_.law_terms[law.term], 0, [&](int field) { return factors[field]; });
     if (factor == 0.0) continue;
     if (!std::isfinite(law.m.value())) return std::nullopt;
     weight[law.term] = law.m.value() * factor;

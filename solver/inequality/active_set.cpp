@@ -32,7 +32,8 @@ void take_rest(const ContactPoints& points, int p, const Vector& rest, Vector& x
   const PointData& q = points[p];
   for (int k = 0; k < q.rows; ++k)
     for (SparseMatrix::InnerIterator it(points.g, q.first + k); it; ++it)
-      if (it.value() != 0.0) xi[q.first + k] += rest[it.col()] / (q.weight * it.value());
+      if (it.value() != 0.0)
+        xi[q.first + k] += rest[it.col()] / (q.weight * q.share[k] * it.value());
 }
 
 // Factors of gamma, tried in turn where the iteration goes round among the same states.

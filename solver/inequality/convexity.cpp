@@ -17,7 +17,9 @@ bool is_convex(const ContactPoints& points, const StiffnessPattern& pattern, Las
     bool proved = true; // a bound from samples proves nothing
     for (int k = 0; k < law.components(); ++k)
       m = std::max(m, law.component(k).m), proved = proved && law.component(k).proved;
-    if (law.components() > 1 || !std::isfinite(m) || !proved) return false;
+    const Small& share = points[p].share;
+    const bool mixed = std::ranges::any_of(share, [](double s) { return s != 1.0; });
+    if (mixed || law.components() > 1 || !std::isfinite(m) || !proved) return false;
     softens = softens || m > 0.0;
     SmallMatrix d{};
     for (int i = 0; i < points[p].rows; ++i) d[4 * i] = -m;

@@ -23,13 +23,14 @@ void CoupledTangent::assemble() {
     const PointData& q = points[p];
     for (int a = 0; a < q.rows; ++a)
       for (int b = 0; b < q.rows; ++b)
-        add(q.first + a, q.first + b, q.weight * at_.places.d[p][3 * a + b]);
+        add(q.first + a, q.first + b, q.weight * q.share[a] * at_.places.d[p][3 * a + b]);
   }
   for (const CoupledBound& b : bounds_.all) {
     const PointData &q = points[b.point], &other = points[b.normal];
     const Small e = bounds_.slip(b);
     for (int a = 0; a < q.rows; ++a)
-      add(q.first + a, other.first, q.weight * e[a] * b.rate * at_.places.d[b.normal][0]);
+      add(q.first + a, other.first,
+          q.weight * q.share[a] * e[a] * b.rate * at_.places.d[b.normal][0]);
   }
   matrix_.resize(points.unknowns, points.unknowns);
   matrix_.setFromTriplets(entries_.begin(), entries_.end());

@@ -144,7 +144,9 @@ struct InequalityState {
 
 class InequalitySolver {
 public:
-  /// `factors`: s_p of every application (ContactPoint); empty: they are 1.
+  /// `factors`: s_p of every application (ContactPoint), three each, by row of a point; empty: they
+  /// are 1. Where the rows of a point have different ones, S has to be given as not symmetric: with
+  /// s = diag(s_p), (*) has the forces of rows G and the arguments of rows s G.
   InequalitySolver(const ReducedProblem& problem, ReducedOperator& s, InequalityOptions options,
                    std::span<const double> factors = {});
   ~InequalitySolver();

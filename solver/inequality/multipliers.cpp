@@ -66,7 +66,7 @@ bool balance_point(const Position& at, int p, const Vector& residual, Vector& tr
   Small value = before;
   for (int k = 0; k < q.rows; ++k)
     for (SparseMatrix::InnerIterator it(at.points.g, q.first + k); it; ++it)
-      value[k] += residual[it.col()] / (q.weight * it.value());
+      value[k] += residual[it.col()] / (q.weight * q.share[k] * it.value());
   const Small zp = q.of(at.z);
   const double distance =
       inclusion_distance(law.law(), law.graph(), zp.data(), value.data(), q.rows, at.snap(p));

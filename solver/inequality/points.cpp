@@ -83,9 +83,11 @@ PointData point_data(const SparseMatrix& g, const ContactPoint& in, double weigh
   return q;
 }
 
-void scale_rows(SparseMatrix& g, const ContactPoint& point, double factor) {
-  for (int row = point.first_row; row < point.first_row + point.rows; ++row)
-    for (SparseMatrix::InnerIterator it(g, row); it; ++it) it.valueRef() *= factor;
+void scale_rows(SparseMatrix& g, const ContactPoint& point, const Small& factor) {
+  for (int k = 0; k < point.rows; ++k)
+    if (factor[k] != 1.0)
+      for (SparseMatrix::InnerIterator it(g, point.first_row + k); it; ++it)
+        it.valueRef() *= factor[k];
 }
 
 } // namespace
@@ -106,14 +108,18 @@ ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperat
     if (!(in.weight > 0.0) || in.rows < 1 || in.rows > 3 || in.first_row + in.rows > rows)
       throw Failure(FailureKind::bad_value, {},
                     "a contact point needs a positive weight and 1 to 3 rows");
-    const double factor = factors.empty() ? 1.0 : factors[static_cast<std::size_t>(in.application)];
-    if (factor != 1.0) scale_rows(g, in, factor);
-    const double weight = in.weight / factor;
+    Small factor{1.0, 1.0, 1.0};
+    if (!factors.empty()) std::copy_n(factors.begin() + 3 * in.application, 3, factor.begin());
+    scale_rows(g, in, factor);
+    const double weight = in.weight / factor[0];
     data.push_back(point_data(g, in, weight, diagonal, users, typical));
     data.back().law = laws.of_graph(in.graph);
-    for (int row = in.first_row; row < in.first_row + in.rows; ++row)
-      for (SparseMatrix::InnerIterator i(g, row); i; ++i)
-        weights.emplace_back(static_cast<int>(i.col()), row, weight * i.value());
+    for (int k = 0; k < in.rows; ++k) {
+      const double share = data.back().share[k] = factor[0] / factor[k];
+      for (SparseMatrix::InnerIterator i(g, in.first_row + k); i; ++i)
+        weights.emplace_back(static_cast<int>(i.col()), in.first_row + k,
+                             weight * share * i.value());
+    }
   }
   force_of.setFromTriplets(weights.begin(), weights.end());
 }

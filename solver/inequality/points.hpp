@@ -34,6 +34,7 @@ struct PointData {
   int law = 0; ///< index into PreparedLaws
   int first = 0, rows = 1;
   double weight = 0.0;
+  Small share{1.0, 1.0, 1.0}; ///< of forces: those of row k count weight * share[k]
   double local = 0.0;     ///< compliance of the body there with everything else held, per weight
   double gamma = 0.0;     ///< resolvent parameter, about the compliance of the body at the point
   bool single = false;    ///< each row touches at most one unknown

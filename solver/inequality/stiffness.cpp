@@ -14,7 +14,7 @@ StiffnessPattern::StiffnessPattern(const ContactPoints& points)
         for (SparseMatrix::InnerIterator i(g, q.first + a); i; ++i)
           for (SparseMatrix::InnerIterator j(g, q.first + b); j; ++j)
             f(static_cast<int>(i.col()), static_cast<int>(j.col()), 3 * a + b,
-              q.weight * i.value() * j.value());
+              q.weight * q.share[a] * i.value() * j.value());
   };
   std::vector<Eigen::Triplet<double>> pattern;
   for (const PointData& q : points.data)

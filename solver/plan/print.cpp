@@ -200,13 +200,24 @@ private:
     line("  from {} in [{}, {}]", to_string(s.initial), number(s.low), number(s.high));
   }
 
+  std::string seen_by(const LawTerm& term, std::size_t row) {
+    if (term.seen.empty()) return field_name(term.field);
+    std::string sum;
+    for (const SeenField& seen : term.seen[row])
+      sum += fmt::format("{}{} {}", sum.empty() ? "" : " + ", number(seen.times),
+                         field_name(seen.field));
+    return "(" + sum + ")";
+  }
+
   void law_term(std::size_t l) {
     const auto& term = problem_.law_terms[l];
     line("law term {} {} * `{}` over {}, {}, rule {}", l, to_string(term.factor), term.name,
          part(term.part), to_string(term.effect), to_string(term.rule));
-    for (const auto& row : term.rows)
-      line("  argument {} . {} + {}", expressions({row.u.begin(), row.u.end()}),
-           field_name(term.field), to_string(row.offset));
+    for (std::size_t c = 0; c < term.rows.size(); ++c) {
+      const auto& row = term.rows[c];
+      line("  argument {} . {} + {}", expressions({row.u.begin(), row.u.end()}), seen_by(term, c),
+           to_string(row.offset));
+    }
   }
 
   void time() {

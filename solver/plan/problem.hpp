@@ -176,6 +176,13 @@ struct HistoryTerm {
   std::optional<HistoryRoute> route{}; ///< instead of SolverOptions::route
 };
 
+/// So many times a field.
+struct SeenField {
+  int field = field_of_u(0);
+  double times = 1.0;
+  bool operator==(const SeenField&) const = default;
+};
+
 /// factor * int_part law^0( arg(w); arg'(v) ), w the field. Argument component c is
 ///   sum_i rows[c].u[i] w_i + rows[c].offset,   coefficients of slot::x, slot::normal, offset also
 ///   of t, w_i the components of one unknown.
@@ -192,6 +199,9 @@ struct LawTerm {
   int part = 0;
   int field = field_of_u(0); ///< what the law sees: u, u', or a memory
   int unknown = 0;           ///< of which unknown
+  /// By row: the fields of which w is the sum, where that is more than `field` (one of them, not u)
+  /// or another sum for each row. Empty: w is `field`.
+  std::vector<std::vector<SeenField>> seen;
   Rule rule = Rule::nodal;
   /// The unknown whose elements the rule is of, if not its own: what reads a law's multiplier has
   /// the points of that law.
@@ -281,6 +291,15 @@ struct Problem {
   TimeSpec time;
   std::vector<EffectNote> effects;
 };
+
+/// How fast row `row` moves with the increment of u, fields moving by these factors.
+template <class Factors>
+double factor_of_row(const LawTerm& term, std::size_t row, const Factors& of_field) {
+  if (term.seen.empty()) return of_field(term.field);
+  double sum = 0.0;
+  for (const SeenField& seen : term.seen[row]) sum += seen.times * of_field(seen.field);
+  return sum;
+}
 
 /// Of one unknown: with its derivatives and memories.
 inline int count_fields(const Problem& problem) {

@@ -222,10 +222,6 @@ private:
         wrong(form.origin, fmt::format("a form reads the state `{}` of another part", state.name));
       if (form.field == field_of_u(2))
         wrong(form.origin, fmt::format("the state `{}` changes a mass", state.name));
-      const auto scheme = problem_.time.scheme;
-      if (scheme == Scheme::hht || scheme == Scheme::midpoint)
-        wrong(form.origin, fmt::format("the state `{}` changes a form with the scheme {}",
-                                       state.name, name_of(scheme)));
     }
   }
 
@@ -294,6 +290,19 @@ private:
                           state.name));
   }
 
+  void fields_seen(const LawTerm& term) {
+    if (term.seen.empty()) return;
+    if (term.seen.size() != term.rows.size())
+      return wrong(term.origin, "a law says of some of its rows only what they see");
+    for (const auto& row : term.seen) {
+      if (row.empty()) wrong(term.origin, "a row of a law sees nothing");
+      for (const SeenField& seen : row) {
+        index(seen.field, n_fields_, term.origin, "a law", "field");
+        if (!std::isfinite(seen.times)) wrong(term.origin, "a law sees a field infinitely often");
+      }
+    }
+  }
+
   void law_term(const LawTerm& term) {
     part(term.part, term.origin, "a law");
     const auto reads_gap = [](const LawTerm::Row& row) { return row.offset.depends_on(slot::gap); };
@@ -302,6 +311,7 @@ private:
     if (index(term.field, n_fields_, term.origin, "a law", "field") &&
         term.field != field_of_u(0) && problem_.time.is_static)
       wrong(term.origin, "a law acts on a rate or a memory, and a static problem has none");
+    fields_seen(term);
     variables(term.factor, of_facet, term.origin, "the factor of a law");
     const auto unknowns = unknowns_of(problem_.space);
     const int components =

@@ -47,12 +47,24 @@ void Balance::known_state(int n, Vector& out) {
   if (formulation_.imposed()) imposed_.put(evolution_.grid().t(n), out);
 }
 
+void Balance::note_past() {
+  const Operators& operators = formulation_.operators();
+  product_.setZero();
+  for (const auto& [base, form] : operators.changing) {
+    if (!evolution_.past_part(operators.weights, base, state_)) continue;
+    product_.noalias() += operators.bases[static_cast<std::size_t>(base)] * state_;
+    ++products;
+  }
+  load.note_forces(product_);
+}
+
 void Balance::find_right_hand_side(StepEquation& equation) {
   const Operators& operators = formulation_.operators();
   load.find(equation.n, equation.rhs);
   for (int b = 0; b < operators.n_bases(); ++b) {
     const double change = equation.change[b];
-    bool any = evolution_.known_part(equation.n, operators.weights, b, equation.known, state_);
+    bool any = evolution_.known_part(equation.n, operators.weights, b, !operators.changes(b),
+                                     equation.known, state_);
     if (!any && change != 0.0) state_.setZero(), any = true;
     if (change != 0.0) state_ -= change * equation.expected;
     if (!any || state_.isZero(0.0)) continue;
@@ -105,7 +117,8 @@ EquationResidual Balance::residual(const StepEquation& equation, StepMatrix& mat
 
 Interior::Question Balance::question(int n, const Vector& d, const Vector& xi) const {
   Interior::Question out; // there is one base matrix, and nothing is imposed
-  if (!evolution_.known_part(n, formulation_.operators().weights, 0, evolution_.u(), out.known))
+  if (!evolution_.known_part(n, formulation_.operators().weights, 0, true, evolution_.u(),
+                             out.known))
     out.known.setZero(evolution_.u().size());
   out.known = -out.known;
   out.change = coefficients(n)[0] * d;

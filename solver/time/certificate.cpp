@@ -209,13 +209,18 @@ double largest(const ContactTerm& term, const Vector& rows) {
 
 } // namespace
 
-double argument_scale(const Contact& contact, const ContactPoint& point, const Vector& field,
-                      double factor) {
+double argument_scale(const Contact& contact, const ContactTerm& term, const ContactPoint& point,
+                      const LawFields& fields) {
   double largest = 0.0;
   for (int row = point.first_row; row < point.first_row + point.rows; ++row) {
     double size = std::abs(contact.offset[row]);
-    for (SparseMatrix::InnerIterator it(contact.g, row); it; ++it)
-      size += std::abs(it.value()) * (std::abs(field[it.col()]) + factor * contact.reach[it.col()]);
+    term.for_seen(row - point.first_row, [&](int field, double times) {
+      const Vector& values = fields[field];
+      const double factor = fields.factor(field);
+      for (SparseMatrix::InnerIterator it(contact.g, row); it; ++it)
+        size += std::abs(times * it.value()) *
+                (std::abs(values[it.col()]) + factor * contact.reach[it.col()]);
+    });
     largest = std::max(largest, size);
   }
   return largest;
@@ -229,8 +234,7 @@ double multiplier_scale(const Contact& contact, const ContactTerm& term, const L
     const auto& point = contact.problem.points[static_cast<std::size_t>(term.first_point + p)];
     const Law& law = *contact.laws[point.law];
     const LawGraph& graph = contact.problem.graphs[point.graph];
-    const double size =
-        argument_scale(contact, point, fields[term.field], fields.factor(term.field));
+    const double size = argument_scale(contact, term, point, fields);
     double made = 0.0; // within pieces: a jump is no rounding
     for (int i = 0; i < graph.pieces(); ++i) {
       const double low = std::max(piece_low(graph, i, law.spec().radial), -size),
@@ -250,15 +254,14 @@ Inclusion inclusion_error(const Contact& contact, const LawFields& fields, const
   z = contact.offset;
   add_arguments(contact, fields, z);
   for (const auto& term : contact.terms) {
-    const double largest_xi = largest(term, xi), factor = fields.factor(term.field);
-    const Vector& field = fields[term.field];
+    const double largest_xi = largest(term, xi);
     for (int p = 0; p < term.n_points(); ++p) {
       const auto& point = contact.problem.points[term.first_point + p];
       const double scale = std::max(largest_xi, contact.scales[point.law]);
       const double distance = inclusion_distance(
           *contact.laws[point.law], contact.problem.graphs[point.graph], &z[point.first_row],
           &xi[point.first_row], point.rows,
-          tolerance * argument_scale(contact, point, field, factor), out.worst * scale);
+          tolerance * argument_scale(contact, term, point, fields), out.worst * scale);
       if (distance == 0.0) continue;
       const double error = distance / scale;
       if (error <= out.worst) continue;

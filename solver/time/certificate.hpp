@@ -43,10 +43,10 @@ double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Ve
 void find_reach(const Vector& diagonal, const Vector& kd, const Vector& d, const Vector& b,
                 Contact& contact);
 
-/// The largest entry of |offset| + |G| (|w| + s reach) on the rows of a point: what its argument is
-/// made of.
-double argument_scale(const Contact& contact, const ContactPoint& point, const Vector& field,
-                      double factor);
+/// The largest entry of |offset| + |G| (|w| + s reach) on the rows of a point of the term: what its
+/// argument is made of.
+double argument_scale(const Contact& contact, const ContactTerm& term, const ContactPoint& point,
+                      const LawFields& fields);
 
 /// The largest multiplier of a term, or what its law makes of the sizes of its arguments.
 double multiplier_scale(const Contact& contact, const ContactTerm& term, const LawFields& fields,

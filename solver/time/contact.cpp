@@ -285,8 +285,11 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
         others.push_back(field);
     };
     needs(spec.field);
+    for (const auto& row : spec.seen)
+      for (const SeenField& seen : row) needs(seen.field);
     if (law.reads())
       for (const int field : out.readings.back().fields()) needs(field);
+    out.mixed = out.mixed || term.mixed();
     out.terms.push_back(std::move(term));
   }
   couple(problem, out);
@@ -306,14 +309,28 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
 std::vector<double> law_factors(const Contact& contact, const Vector& of_fields) {
   if (contact.other_fields.empty()) return {};
   std::vector<double> out;
-  for (const auto& term : contact.terms) out.push_back(of_fields[term.field]);
+  for (const auto& term : contact.terms)
+    for (int row = 0; row < 3; ++row) {
+      double sum = 0.0;
+      term.for_seen(std::min(row, term.points.rows - 1),
+                    [&](int field, double times) { sum += times * of_fields[field]; });
+      out.push_back(sum);
+    }
   return out;
 }
 
 void add_arguments(const Contact& contact, const LawFields& fields, Vector& z) {
-  for (const auto& term : contact.terms)
-    z.segment(term.first_row, term.n_rows()).noalias() +=
-        contact.g.middleRows(term.first_row, term.n_rows()) * fields[term.field];
+  for (const auto& term : contact.terms) {
+    if (term.points.seen.empty()) {
+      z.segment(term.first_row, term.n_rows()).noalias() +=
+          contact.g.middleRows(term.first_row, term.n_rows()) * fields[term.field];
+      continue;
+    }
+    for (int row = 0; row < term.n_rows(); ++row)
+      term.for_seen(row % term.points.rows, [&](int field, double times) {
+        z[term.first_row + row] += times * contact.g.row(term.first_row + row).dot(fields[field]);
+      });
+  }
 }
 
 void read_solution(Contact& contact, double t, const LawFields& fields, const Vector& xi) {
@@ -377,12 +394,13 @@ void prepare(Contact& contact, const Problem& problem, double t, const LawFields
   offset = contact.offset;
   add_arguments(contact, known, offset);
   size = contact.offset.cwiseAbs();
-  for (const auto& term : contact.terms) {
-    const Vector& field = known[term.field];
+  for (const auto& term : contact.terms)
     for (int row = term.first_row; row < term.first_row + term.n_rows(); ++row)
-      for (SparseMatrix::InnerIterator it(contact.g, row); it; ++it)
-        size[row] += std::abs(it.value() * field[it.col()]);
-  }
+      term.for_seen((row - term.first_row) % term.points.rows, [&](int field, double times) {
+        const Vector& values = known[field];
+        for (SparseMatrix::InnerIterator it(contact.g, row); it; ++it)
+          size[row] += std::abs(times * it.value() * values[it.col()]);
+      });
 }
 
 void arguments_of(const Contact& contact, const Problem& problem, double t, const LawFields& fields,

@@ -14,6 +14,7 @@
 #include "solver/time/run.hpp"
 #include "solver/time/state.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -31,6 +32,18 @@ struct ContactTerm {
   /// By point: those that see the same argument, itself among them. Empty: no two do.
   std::vector<std::vector<int>> alike{};
   std::vector<Readings> first_readings{}; ///< what its law reads at the initial time, by point
+  /// Calls f(field, times) for what row `row` of a point sees.
+  template <class F>
+  void for_seen(int row, const F& f) const {
+    if (points.seen.empty()) return f(field, 1.0);
+    for (const SeenField& seen : points.seen[static_cast<std::size_t>(row)])
+      f(seen.field, seen.times);
+  }
+  /// Do rows of a point move with different factors?
+  bool mixed() const {
+    return std::ranges::any_of(points.seen,
+                               [&](const auto& row) { return row != points.seen.front(); });
+  }
   int n_points() const { return static_cast<int>(points.x.size()); }
   int n_rows() const { return n_points() * points.rows; }
 };
@@ -75,6 +88,7 @@ struct Contact {
   bool whole = false;   ///< every unknown is kept: no Schur complement is formed
   SparseMatrix g;       ///< all rows x state
   SparseMatrix force;   ///< unknowns x all rows: G^T W
+  bool mixed = false;   ///< of a term: then a step's laws have no potential
   bool coupled = false; ///< a law's bound is another law's multiplier: `prepare` reads xi
   std::vector<LawReadings> readings; ///< of the terms whose laws read the solution
   Vector offset;                     ///< of the argument at the time of the last `prepare`
@@ -119,7 +133,8 @@ void add_arguments(const Contact& contact, const LawFields& fields, Vector& z);
 void arguments_of(const Contact& contact, const Problem& problem, double t, const LawFields& fields,
                   Vector& z);
 
-/// The factor s of every law term, from those of the fields; empty where all laws act on u.
+/// The factors s of the rows of every law term, three each, from those of the fields; empty where
+/// all laws act on u.
 std::vector<double> law_factors(const Contact& contact, const Vector& of_fields);
 
 /// Multiplier of point p of a term in the global frame (scalar laws: component 0); the mean of

@@ -24,6 +24,9 @@ enum Sum {
   n_sums
 };
 
+/// Increments below this part of u are taken for rounding in the scale of the balance.
+constexpr double rounding_of_rest = 1e-8;
+
 double asymmetry(const SparseMatrix& k) {
   const SparseMatrix skew = SparseMatrix(k - SparseMatrix(k.transpose()));
   double size = 0, off = 0;
@@ -32,21 +35,10 @@ double asymmetry(const SparseMatrix& k) {
   return size > 0 ? off / size : 0.0;
 }
 
-/// j(r). Beyond an obstacle, where only rounding takes r, it is what it is at the obstacle.
-double potential_at(const Law& law, const LawGraph& graph, double r) {
-  int piece = piece_of(graph, r);
-  const double slope = law.slope(graph, piece, r);
-  if (slope >= unbounded_slope) r = graph.breaks[static_cast<std::size_t>(--piece)];
-  if (slope <= -unbounded_slope) r = graph.breaks[static_cast<std::size_t>(piece++)];
-  return law.potential(graph, piece, r);
-}
-
-/// The column of a law that stores nothing: its name, and where that stands on several parts the
-/// part's.
-std::string column_of(const Problem& problem, const LawTerm& term) {
-  const std::string name = (is_memory(term.field) ? "law_" : "friction_") + term.name;
-  const auto same = std::ranges::count(problem.law_terms, term.name, &LawTerm::name);
-  return same > 1 ? name + "_" + problem.parts[static_cast<std::size_t>(term.part)].name : name;
+/// The column of a law that stores nothing, or not all of its work.
+std::string column_of_work(const Problem& problem, const LawTerm& term) {
+  const bool rubs = term.seen.empty() && !is_memory(term.field);
+  return column_of(problem, rubs ? "friction_" : "law_", term);
 }
 
 } // namespace
@@ -56,12 +48,11 @@ EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, co
       rate_(matrix_of_field(problem, d, field_of_u(1))),
       elastic_(matrix_of_field(problem, d, field_of_u(0))),
       gram_(gram_v(d.space, d.dofs.needs_mass())), load_transfer_(load_transfer(problem, d)),
-      loads_(d.space, d.parts, problem.loads), names_{"energy",      "elastic",    "contact",
-                                                      "work",        "viscous",    "memory",
-                                                      "lost",        "lemma_u",    "lemma_jumps",
-                                                      "lemma_xi",    "lemma_rate", "inclusion",
-                                                      "equilibrium", "iterations", "events",
-                                                      "snap"},
+      loads_(d.space, d.parts, problem.loads),
+      released_(problem, run), names_{"energy",      "elastic",    "contact",    "work",
+                                      "viscous",     "memory",     "lost",       "lemma_u",
+                                      "lemma_jumps", "lemma_xi",   "lemma_rate", "inclusion",
+                                      "equilibrium", "iterations", "events",     "snap"},
       sums_(n_sums, 0.0) {
   const TimeScheme& scheme = run.evolution.scheme();
   moves_ = in_motion(problem);
@@ -70,15 +61,16 @@ EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, co
   if (moves_) names_.push_back("kinetic");
   columns_.resize(names_.size());
   for (const auto& term : problem.law_terms)
-    if (term.field != field_of_u(0)) names_.push_back(column_of(problem, term));
+    if (term.field != field_of_u(0)) names_.push_back(column_of_work(problem, term));
   friction_.assign(names_.size() - columns_.size(), 0.0);
+  names_.insert(names_.end(), released_.names().begin(), released_.names().end());
   columns_.resize(names_.size());
   for (std::size_t m = 0; m < problem.histories.size(); ++m)
     memory_.push_back(matrix_of_field(problem, d, field_of_memory(static_cast<int>(m))));
   symmetric_ = asymmetry(elastic_) <= 1e-12;
   potentials_ = std::ranges::all_of(problem.law_terms, [&](const LawTerm& term) {
     const LawSpec& law = problem.laws[static_cast<std::size_t>(term.law)];
-    return law.coupled.empty() && law.readings.empty();
+    return law.coupled.empty() && law.readings.empty() && term.seen.empty();
   });
   for (Vector* v : {&u_, &before_, &d_u_, &work_}) *v = Vector::Zero(d.space.n_dofs());
   for (Forces* forces : {&now_, &last_, &acting_})
@@ -221,7 +213,13 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
   run.formulation->scatter(run.evolution.u(), u_);
   d_u_ = u_ - before_;
   if (looks_back_) std::swap(now_, last_);
+  const auto of_forms = [&] {
+    return 0.5 * (released_.of_mean_forces() ? u_ : before_).dot(elastic_ * before_);
+  };
+  const double stored = released_.of_forms() ? of_forms() : 0.0;
   take_states(run);
+  if (released_.of_forms()) released_.add_forms(stored - of_forms());
+  released_.add_laws(run, before_);
   load(run);
   forces(run);
   acting_xi_ = run.xi();
@@ -234,8 +232,14 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
   double reaction = 0, error = 0, size = 0;
   for (const auto& e : d_.dofs.eliminated) reaction += work_[e.dof] * d_u_[e.dof];
   for (const auto i : d_.dofs.free) error += work_[i] * d_u_[i];
-  for (const auto force : all_forces)
-    if (force != &Forces::load) size += (acting.*force).cwiseAbs().dot(d_u_.cwiseAbs());
+  double at_rest =
+      0; // what all forces would do on u itself: the scale of rounding where nothing moves
+  for (const auto force : all_forces) {
+    if (force == &Forces::load) continue;
+    size += (acting.*force).cwiseAbs().dot(d_u_.cwiseAbs());
+    at_rest += (acting.*force).cwiseAbs().dot(u_.cwiseAbs());
+  }
+  size = std::max(size, rounding_of_rest * at_rest);
   largest_error_ = std::max(largest_error_, std::abs(error));
   largest_size_ = std::max(largest_size_, size);
 
@@ -271,6 +275,7 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
                              outcome.snap ? 1.0 : 0.0};
   if (moves_) row.push_back(kinetic);
   row.insert(row.end(), friction_.begin(), friction_.end());
+  row.insert(row.end(), released_.sums().begin(), released_.sums().end());
   for (std::size_t c = 0; c < columns_.size(); ++c) columns_[c].push_back(row[c]);
 }
 
@@ -284,10 +289,12 @@ void EnergyMonitor::save(std::ostream& out) const {
   if (looks_back_) put_vector(w, last_xi_);
   w.put(sums_);
   w.put(friction_);
+  released_.save(w);
   for (const auto& column : columns_) w.put(column);
 }
 
-void EnergyMonitor::restore(std::istream& in, std::size_t rows) {
+void EnergyMonitor::restore(std::istream& in, std::size_t rows, const RunState& run) {
+  take_states(run);
   StateReader r(in, {});
   get_vector(r, u_, u_.size());
   const auto numbers = r.get<std::array<double, 5>>();
@@ -298,6 +305,7 @@ void EnergyMonitor::restore(std::istream& in, std::size_t rows) {
   if (looks_back_) get_vector(r, last_xi_, z_.size());
   sums_ = r.get_vector<double>(sums_.size());
   friction_ = r.get_vector<double>(friction_.size());
+  released_.restore(r);
   for (auto& column : columns_) column = r.get_vector<double>(rows);
 }
 

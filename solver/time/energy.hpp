@@ -6,16 +6,18 @@
 //   viscous  += <A u'_n, d>            memory += <sum_m E_m w_m, d>  kinetic = <M v_n, v_n>/2
 //   lost     += work - viscous - memory - (change of elastic + contact + kinetic)
 //   friction += <G^T W xi, d> of each law on u' or on a memory, which stores nothing: a part of
-//   `lost` energy    = elastic + contact - <f_n, u_n>: what a stable state makes least, and kinetic
+//   `lost`
+//   released: what states take from the potentials of laws and forms (released_energy.hpp), as well
+//   energy    = elastic + contact - <f_n, u_n>: what a stable state makes least, and kinetic
 // Forces are those of the scheme's equation (time_scheme.hpp); with `newmark` the means of t_n and
 // t_{n-1}, so that what it loses while nothing touches is rounding.
-// `lost` is that friction, the dissipation of the scheme, <B d, d>/2 to first order, and what snaps
-// set free.
-// Lemma 3.2 bounds, independent of the step k (V: the norm of eps(u); X: L2 with the laws' weights)
+// `lost` is that friction, what is released, the dissipation of the scheme, <B d, d>/2 to first
+// order, and what snaps set free. Lemma 3.2 bounds, independent of the step k (V: the norm of
+// eps(u); X: L2 with the laws' weights)
 //   max |u_n|_V,   sum |u_n - u_{n-1}|_V^2,   max |xi_n|_X*,   sum k |(u_n - u_{n-1})/k|_V^2.
 #pragma once
 
-#include "solver/time/run_state.hpp"
+#include "solver/time/released_energy.hpp"
 
 #include <array>
 #include <iosfwd>
@@ -43,7 +45,8 @@ public:
   double balance_error() const { return largest_size_ > 0 ? largest_error_ / largest_size_ : 0.0; }
 
   void save(std::ostream& out) const;
-  void restore(std::istream& in, std::size_t rows);
+  /// `run`: restored already.
+  void restore(std::istream& in, std::size_t rows, const RunState& run);
 
 private:
   double norm_squared(const Vector& v) const { return v.dot(gram_ * v); }
@@ -68,6 +71,7 @@ private:
   SparseMatrix load_transfer_;                   ///< of loads to where the mass is (inertia.hpp)
   std::vector<SparseMatrix> memory_;             ///< E_m
   LoadAssembler loads_;
+  ReleasedEnergy released_; ///< by states
   bool symmetric_ = true, potentials_ = true;
 
   Vector u_, before_, d_u_, work_, state_; ///< full vectors

@@ -40,6 +40,8 @@ Evolution::Evolution(const Plan& plan, Vector u0, bool imposed)
   };
   for (const auto& term : plan.problem.law_terms) {
     keep(term.field);
+    for (const auto& row : term.seen)
+      for (const SeenField& part : row) keep(part.field);
     for (const int field : fields_read(plan.problem.laws[static_cast<std::size_t>(term.law)]))
       keep(field);
   }
@@ -122,10 +124,28 @@ Vector Evolution::factors(int n) const {
 
 Vector Evolution::in_equation(int n) const { return factors(n).cwiseProduct(shares_); }
 
-bool Evolution::known_part(int n, const DenseMatrix& weights, int b, const Vector& known,
+/// add(term) for each term that the equation has of the accepted state.
+template <class Add>
+void Evolution::for_past(const DenseMatrix& weights, int b, const Add& add) const {
+  if (!scheme_->looks_back()) return;
+  const auto weight = weights.col(b);
+  const double past = scheme_->past(0); // of u and of memories
+  if (weight[field_of_u(0)] != 0.0) add(past * weight[field_of_u(0)] * u_);
+  for (int m = 0; m < memory_->size(); ++m)
+    if (const double w = weight[field_of_memory(m)]; w != 0.0) add(past * w * accepted_memory(m));
+  for (int j = 1; j < end_of_derivatives; ++j) {
+    const double w = scheme_->past(j) * weight[j];
+    if (w == 0.0) continue;
+    Vector before;
+    derivative(j, before);
+    add(w * before);
+  }
+}
+
+bool Evolution::known_part(int n, const DenseMatrix& weights, int b, bool past, const Vector& known,
                            Vector& out) const {
   const auto weight = weights.col(b);
-  const double present = scheme_->present(0), past = scheme_->past(0); // of u and of memories
+  const double present = scheme_->present(0); // of u and of memories
   double on_known = weight[field_of_u(0)];
   for (int m = 0; m < memory_->size(); ++m) on_known += weight[field_of_memory(m)] * memory_->w0(m);
   on_known *= present;
@@ -148,18 +168,19 @@ bool Evolution::known_part(int n, const DenseMatrix& weights, int b, const Vecto
     for (const auto& [factor, of] : scheme_->known(n, j))
       if (of != nullptr) add(w * factor * *of);
   }
-  if (scheme_->looks_back()) {
-    if (weight[field_of_u(0)] != 0.0) add(past * weight[field_of_u(0)] * u_);
-    for (int m = 0; m < memory_->size(); ++m)
-      if (const double w = weight[field_of_memory(m)]; w != 0.0) add(past * w * accepted_memory(m));
-    for (int j = 1; j < end_of_derivatives; ++j) {
-      const double w = scheme_->past(j) * weight[j];
-      if (w == 0.0) continue;
-      Vector before;
-      derivative(j, before);
-      add(w * before);
-    }
-  }
+  if (past) for_past(weights, b, add);
+  return any;
+}
+
+bool Evolution::past_part(const DenseMatrix& weights, int b, Vector& out) const {
+  bool any = false;
+  for_past(weights, b, [&](const auto& term) {
+    if (any)
+      out += term;
+    else
+      out = term;
+    any = true;
+  });
   return any;
 }
 

@@ -56,8 +56,13 @@ public:
   /// The same times what its forms count in the step's equation (TimeScheme::present).
   Vector in_equation(int n) const;
   /// out = - sum_f weights(f, b) (what the step's equation knows of field f), u_n = known + d.
-  /// False: nothing is known that is not zero, and out is as it was.
-  bool known_part(int n, const DenseMatrix& weights, int b, const Vector& known, Vector& out) const;
+  /// False: nothing is known that is not zero, and out is as it was. `past`: with what the equation
+  /// has of the step before.
+  bool known_part(int n, const DenseMatrix& weights, int b, bool past, const Vector& known,
+                  Vector& out) const;
+  /// The last of these of the accepted state itself, before step n: out = sum_f weights(f, b)
+  /// past_f field f; false: it is zero, and out is as it was.
+  bool past_part(const DenseMatrix& weights, int b, Vector& out) const;
   /// The same of the accepted state itself: out = sum_f weights(f, b) field f. `work`: any vector.
   void acting(const DenseMatrix& weights, int b, Vector& out, Vector& work) const;
 
@@ -73,6 +78,8 @@ public:
 private:
   std::optional<HorizonEnd> continue_memory(const MemoryExtent& earlier);
   const Vector& accepted_memory(int m) const;
+  template <class Add>
+  void for_past(const DenseMatrix& weights, int b, const Add& add) const;
 
   const Plan& plan_;
   bool imposed_;

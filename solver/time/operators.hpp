@@ -9,6 +9,7 @@
 #include "solver/time/run.hpp"
 #include "solver/time/state.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -34,6 +35,10 @@ struct Operators {
   SharedWork* shared = nullptr; ///< of the discretisation; factors may be had from there
   double memory_to_come = 0.0;  ///< bytes that a run will take besides its factors
 
+  /// Is this the matrix of a form that reads states?
+  bool changes(int b) const {
+    return std::ranges::any_of(changing, [b](const auto& form) { return form.first == b; });
+  }
   int n_bases() const { return static_cast<int>(bases.size()); }
   int n_fields() const { return static_cast<int>(weights.rows()); }
   /// Does any form act on this field?

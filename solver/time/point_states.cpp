@@ -115,7 +115,8 @@ void StateRates::derivatives(int p, double t, std::span<const double> z,
             by_input.begin());
 }
 
-/// States have first derivatives only: a scheme of the second order serves u'', and them its own.
+/// States have first derivatives only: with the schemes of u'' they have BDF2, of second order,
+/// too.
 PointStates::PointStates(const Problem& problem, const Evolution& evolution, Contact& contact)
     : problem_(problem), evolution_(evolution), contact_(contact), accepted_(contact.state_values) {
   if (none()) return;
@@ -123,7 +124,7 @@ PointStates::PointStates(const Problem& problem, const Evolution& evolution, Con
     rates_.emplace_back(problem, group, points_of(contact, group));
   Problem first_order; // without inertia
   first_order.time = problem.time;
-  if (problem.time.scheme != Scheme::bdf2) first_order.time.scheme = Scheme::backward_euler;
+  if (problem.time.scheme != Scheme::backward_euler) first_order.time.scheme = Scheme::bdf2;
   scheme_ = make_scheme(first_order);
   scheme_->start(static_cast<int>(accepted_.size()));
 }

@@ -40,8 +40,8 @@ PreciseEquation::PreciseEquation(const Formulation& formulation, const Evolution
       known_(formulation.operators().bases.size()) {
   const Operators& operators = formulation.operators();
   for (int b = 0; b < operators.n_bases(); ++b)
-    if (Vector& of = known_[static_cast<std::size_t>(b)];
-        !evolution.known_part(step_, operators.weights, b, equation.known, of))
+    if (Vector& of = known_[static_cast<std::size_t>(b)]; !evolution.known_part(
+            step_, operators.weights, b, !operators.changes(b), equation.known, of))
       of.setZero(equation.known.size());
 }
 

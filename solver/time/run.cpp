@@ -324,7 +324,7 @@ private:
     for (std::size_t i = 0; i < saved.size(); ++i) grown_before_[i] = saved[i] - here[i];
     if (monitor_) {
       monitor_times_ = r.get_vector<double>();
-      monitor_->restore(in, monitor_times_.size());
+      monitor_->restore(in, monitor_times_.size(), state_);
     }
     told_ = result_.resumed_from = state_.evolution.step();
     return std::nullopt;

@@ -206,13 +206,14 @@ private:
   void arguments(Vector& z) {
     z = contact_.problem.offset;
     const auto& factors = matrix_.law_factors();
-    for (const auto& term : contact_.terms) {
-      const double factor =
-          factors.empty() ? 1.0 : factors[static_cast<std::size_t>(term.points.law_term)];
-      z.segment(term.first_row, term.n_rows()).noalias() +=
-          factor *
-          (contact_.problem.g.middleRows(term.first_row, term.n_rows()) * solver_.laws.now.c);
-    }
+    const Vector moved = contact_.problem.g * solver_.laws.now.c;
+    for (const auto& term : contact_.terms)
+      for (int row = 0; row < term.n_rows(); ++row)
+        z[term.first_row + row] +=
+            (factors.empty() ? 1.0
+                             : factors[static_cast<std::size_t>(3 * term.points.law_term +
+                                                                row % term.points.rows)]) *
+            moved[term.first_row + row];
   }
 
   /// Where what a state does makes it go on, as a bond that breaks, the states go after it: by ever

@@ -84,9 +84,9 @@ StateTangent::StateTangent(const Problem& problem, const Contact& contact,
   force_ = SparseMatrix(contact.problem.g.transpose()) * weights.asDiagonal();
 }
 
-double StateTangent::factor_of(const ContactTerm& term) const {
+double StateTangent::factor_of(const ContactTerm& term, int row) const {
   const auto& factors = matrix_.law_factors();
-  return factors.empty() ? 1.0 : factors[static_cast<std::size_t>(term.points.law_term)];
+  return factors.empty() ? 1.0 : factors[static_cast<std::size_t>(3 * term.points.law_term + row)];
 }
 
 double StateTangent::holding(const ContactPoint& point, double factor) const {
@@ -114,7 +114,7 @@ void StateTangent::add_point(const ContactTerm& term, int p, const StatePass& pa
   const auto& point = contact_.problem.points[index];
   const Law& law = *contact_.laws[point.law];
   const LawGraph& graph = contact_.problem.graphs[point.graph];
-  const double factor = factor_of(term), hold = holding(point, factor);
+  const double hold = holding(point, factor_of(term, 0));
   const Place place = place_of(law, point, pass.laws.state[index], pass.z);
   const Block slope = slope_at(law, graph, place, point.rows, hold);
   for (int a = 0; a < point.rows; ++a)
@@ -123,7 +123,7 @@ void StateTangent::add_point(const ContactTerm& term, int p, const StatePass& pa
       const int row = point.first_row + b;
       for (SparseMatrix::InnerIterator it(contact_.problem.g, row); it; ++it)
         stiffness_.emplace_back(point.first_row + a, static_cast<int>(it.col()),
-                                slope(a, b) * factor * it.value());
+                                slope(a, b) * factor_of(term, b) * it.value());
       for (const auto& offset : offsets_)
         if (offset.row() == row)
           by_state_.emplace_back(point.first_row + a, offset.col(), slope(a, b) * offset.value());

@@ -36,7 +36,7 @@ public:
 private:
   void add_point(const ContactTerm& term, int p, const StatePass& pass);
   void add_offsets(const ContactTerm& term);
-  double factor_of(const ContactTerm& term) const;
+  double factor_of(const ContactTerm& term, int row) const; ///< row of a point
   double holding(const ContactPoint& point, double factor) const;
   double change_of_state(int state, int p) const;
   void assemble(const StatePass& pass);

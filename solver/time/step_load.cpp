@@ -38,6 +38,7 @@ void StepLoad::find(int n, Vector& out) const {
   out.setZero(formulation_.layout().n_unknowns);
   add_step_load(formulation_.loads(), problem_.time, scheme_, n, out);
   if (transfer_.nonZeros() > 0) out = transfer_ * out;
+  if (last_forces_.size() > 0) out -= last_forces_;
   if (keeps_reactions()) out -= scheme_.past_of_laws() * last_reaction_;
 }
 

@@ -22,6 +22,8 @@ public:
   void find(int n, Vector& out) const;
   /// xi_{n-1} of the next step, n.
   void note_multipliers(const Vector& xi);
+  /// What the equation of the next step has of forms at t_{n-1} whose matrices change.
+  void note_forces(const Vector& forces) { last_forces_ = forces; }
 
 private:
   bool keeps_reactions() const;
@@ -31,6 +33,7 @@ private:
   const TimeScheme& scheme_;
   SparseMatrix transfer_; ///< on the unknowns (inertia.hpp); without entries: none
   Vector last_reaction_;  ///< G^T W xi_{n-1}, where the scheme asks for it
+  Vector last_forces_;    ///< empty: there are none
 };
 
 } // namespace hvi::solver

@@ -64,12 +64,16 @@ FoundMatrix StepMatrices::find(int n, const Vector& factors) {
 
 void StepMatrices::factor(int n, const Vector& factors, StepMatrix& matrix) const {
   for (const auto& term : plan_.problem.law_terms)
-    if (!(factors[term.field] > 0.0))
+    for (std::size_t row = 0; row < term.rows.size(); ++row) {
+      const double factor = factor_of_row(term, row, [&](int field) { return factors[field]; });
+      if (factor > 0.0) continue;
       throw Failure(FailureKind::bad_kernel, term.origin,
-                    fmt::format("the law `{}` sees a memory in which the present counts {:.3g} in "
-                                "step {}, not more than 0",
-                                term.name, factors[term.field], n),
-                    "a law acts on memories whose kernel is positive at lag 0");
+                    fmt::format("the law `{}` sees a {} in which the present counts {:.3g} in step "
+                                "{}, not more than 0",
+                                term.name, term.seen.empty() ? "memory" : "sum", factor, n),
+                    "a law acts on memories whose kernel is positive at lag 0, and on sums that "
+                    "grow with the unknown");
+    }
   matrix.set_law_factors(law_factors(formulation_.contact(), factors));
   const Vector gamma =
       formulation_.operators().weights.transpose() *

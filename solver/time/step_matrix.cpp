@@ -10,8 +10,9 @@ void StepMatrix::factor(const Vector& gamma) {
   for (Eigen::Index i = 0; i < contact_diagonal_.size(); ++i)
     contact_diagonal_[i] = k().coeff(contact_.unknowns[i], contact_.unknowns[i]);
   if (contact_.none()) return;
-  reduced_ = contact_.whole ? sparse_operator(free_body() ? held() : k(), operators_.symmetric)
-                            : dense_operator(factorisation()->schur(), operators_.symmetric);
+  const bool symmetric = operators_.symmetric && !contact_.mixed;
+  reduced_ = contact_.whole ? sparse_operator(free_body() ? held() : k(), symmetric)
+                            : dense_operator(factorisation()->schur(), symmetric);
   solver_ = std::make_unique<InequalitySolver>(contact_.problem, *reduced_, options_, law_factors_);
 }
 

@@ -38,7 +38,7 @@ private:
   const Operators& operators_;
   const Contact& contact_;
   InequalityOptions options_;
-  std::vector<double> law_factors_; ///< by law term; empty: they are 1
+  std::vector<double> law_factors_; ///< three by law term; empty: they are 1
   std::unique_ptr<ReducedOperator> reduced_;
   std::unique_ptr<InequalitySolver> solver_;
   Vector contact_diagonal_;

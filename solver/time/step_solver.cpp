@@ -22,6 +22,7 @@ StepMatrix& StepSolver::matrix_for(int n) {
   if (formulation_.changes()) {
     equations.laws.states.begin(n);
     formulation_.take_states();
+    if (evolution_.scheme().looks_back()) balance_.note_past();
   }
   const auto [matrix, fresh] = equations.matrices.find(n, evolution_.factors(n));
   if (fresh && !formulation_.reduced() && refinement.begins_with(matrix)) {

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
@@ -40,8 +41,11 @@ SparseMatrix law_form(const Contact& contact, const std::vector<double>& weight,
 
 std::vector<double> in_step(const Contact& contact, std::vector<double> weight,
                             const Vector& of_fields) {
-  for (const auto& term : contact.terms)
-    weight[static_cast<std::size_t>(term.points.law_term)] *= of_fields[term.field];
+  for (const auto& term : contact.terms) {
+    double& sum = weight[static_cast<std::size_t>(term.points.law_term)];
+    const double own = std::exchange(sum, 0.0);
+    term.for_seen(0, [&](int field, double times) { sum += own * times * of_fields[field]; });
+  }
   return weight;
 }
 
@@ -69,6 +73,7 @@ Bracket descent_of(const Problem& problem, const ContactTerm& term, const Law& l
 
 void Uniqueness::look_at_laws() {
   if (contact_.coupled) obstacle_ = "a law is coupled to another one";
+  if (contact_.mixed) obstacle_ = "a law sees different fields in different components";
   if (!contact_.readings.empty()) obstacle_ = "a law reads the solution";
   if (!contact_.state_groups.empty()) obstacle_ = "laws with states are solved together with them";
   if (!operators_.changing.empty()) obstacle_ = "states change the forms";
