@@ -38,7 +38,7 @@ double asymmetry(const SparseMatrix& k) {
 /// The column of a law that stores nothing, or not all of its work.
 std::string column_of_work(const Problem& problem, const LawTerm& term) {
   const bool rubs = term.seen.empty() && !is_memory(term.field);
-  return column_of(problem, rubs ? "friction_" : "law_", term);
+  return monitor_column(problem, rubs ? "friction_" : "law_", term);
 }
 
 } // namespace

@@ -7,7 +7,7 @@
 
 namespace hvi::solver {
 
-std::string column_of(const Problem& problem, const std::string& prefix, const LawTerm& term) {
+std::string monitor_column(const Problem& problem, const std::string& prefix, const LawTerm& term) {
   const std::string name = prefix + term.name;
   const auto same = std::ranges::count(problem.law_terms, term.name, &LawTerm::name);
   return same > 1 ? name + "_" + problem.parts[static_cast<std::size_t>(term.part)].name : name;
@@ -29,7 +29,7 @@ ReleasedEnergy::ReleasedEnergy(const Problem& problem, const RunState& run)
     if (terms[k].first_states.empty() && !terms[k].offset_of_states) continue;
     terms_.push_back(static_cast<int>(k));
     const auto law_term = static_cast<std::size_t>(terms[k].points.law_term);
-    names_.push_back(column_of(problem, "released_", problem.law_terms[law_term]));
+    names_.push_back(monitor_column(problem, "released_", problem.law_terms[law_term]));
   }
   of_forms_ = std::ranges::any_of(problem.forms, [](const FormTerm& form) {
     return form.field == field_of_u(0) && reads_states(form);

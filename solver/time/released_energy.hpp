@@ -44,7 +44,7 @@ private:
 };
 
 /// `prefix` and the name of a law term; with its part's where the law acts on several.
-std::string column_of(const Problem& problem, const std::string& prefix, const LawTerm& term);
+std::string monitor_column(const Problem& problem, const std::string& prefix, const LawTerm& term);
 /// j(r). Beyond an obstacle, where only rounding takes r, it is what it is at the obstacle.
 double potential_at(const Law& law, const LawGraph& graph, double r);
 
