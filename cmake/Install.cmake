@@ -3,7 +3,7 @@
 include(CMakePackageConfigHelpers)
 
 install(TARGETS hvi-run RUNTIME DESTINATION bin)
-install(TARGETS hvi_gmsh LIBRARY DESTINATION lib/hvi)
+install(TARGETS hvi_gmsh hvi_mumps LIBRARY DESTINATION lib/hvi)
 get_property(libraries GLOBAL PROPERTY hvi_solver_libraries)
 install(TARGETS hvi_solver ${libraries} hvi_options hvi_headers hvi_suitesparse EXPORT hvi
   ARCHIVE DESTINATION lib/hvi)
@@ -12,7 +12,8 @@ configure_package_config_file(${CMAKE_SOURCE_DIR}/cmake/hviConfig.cmake.in ${CMA
   INSTALL_DESTINATION lib/cmake/hvi)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/hviConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/hviConfig.cmake ${CMAKE_BINARY_DIR}/hviConfigVersion.cmake DESTINATION lib/cmake/hvi)
-install(DIRECTORY ${CMAKE_SOURCE_DIR}/solver DESTINATION include/hvi FILES_MATCHING PATTERN "*.hpp" PATTERN gmsh EXCLUDE)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/solver DESTINATION include/hvi FILES_MATCHING PATTERN "*.hpp" PATTERN gmsh EXCLUDE
+  PATTERN mumps EXCLUDE)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/stdlib DESTINATION share/hvi)
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION share/doc/hvi)
 

@@ -30,6 +30,7 @@ struct CompileSettings {
   std::map<std::string, std::string> defines; ///< parameter -> value
   bool allow_geo = false;                     ///< geometry files may be read: they can run programs
   bool all_unknowns = false; ///< in every step, also where the contact unknowns would do
+  bool both_sides = false;   ///< of pairs: their contact unknowns, also where jumps would do
   int threads = 1;
   Words words;
   std::function<void(const NameFacts&)> on_name = nullptr; ///< of each declaration, for editors

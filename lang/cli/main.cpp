@@ -56,6 +56,8 @@ void add_common(CLI::App& app, Options& options, std::vector<std::string>& defin
   app.add_flag("--profile", options.profile, "where the time went");
   app.add_flag("--full", options.full,
                "solve for all unknowns at every step, also where the contact unknowns would do");
+  app.add_flag("--both-sides", options.both_sides,
+               "keep the contact unknowns of both sides of a pair, also where jumps would do");
   app.add_flag("--allow-geo", options.allow_geo, "read .geo files (they can run programs)");
   app.add_option("--threads", options.threads, "threads of our own loops")
       ->check(CLI::Range(1, 256));

@@ -50,6 +50,7 @@ CompileSettings compile_settings(const Options& options) {
   return {.defines = options.defines,
           .allow_geo = options.allow_geo,
           .all_unknowns = options.full,
+          .both_sides = options.both_sides,
           .threads = options.threads,
           .words = option_words()};
 }

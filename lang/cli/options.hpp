@@ -23,7 +23,8 @@ struct Options {
   bool json_diagnostics = false;
   bool script_only = false;
   bool profile = false;
-  bool full = false; ///< all unknowns at every step, also where the contact unknowns would do
+  bool full = false;       ///< all unknowns at every step, also where the contact unknowns would do
+  bool both_sides = false; ///< of pairs: their contact unknowns, also where jumps would do
   int threads = 1;
   int checkpoint = 0; ///< every so many steps; 0: never
   bool resume = false;

@@ -6,6 +6,7 @@
 #include "solver/linear/cholesky.hpp"
 
 #include "solver/common/clock.hpp"
+#include "solver/linear/changed_unknowns.hpp"
 #include "solver/linear/cholesky_factor.hpp"
 #include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
@@ -153,7 +154,7 @@ std::unique_ptr<Factorisation> analyse_cholesky(const SparseMatrix& k, std::span
 }
 
 const LowerFactor* lower_factor(const Factorisation& of) {
-  const auto* const cholesky = dynamic_cast<const Cholesky*>(&of);
+  const auto* const cholesky = dynamic_cast<const Cholesky*>(&eliminating(of));
   return cholesky != nullptr ? cholesky->lower() : nullptr;
 }
 

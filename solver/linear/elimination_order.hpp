@@ -1,8 +1,10 @@
 // The order in which a factorisation eliminates the unknowns, and vectors in that order.
 #pragma once
 
+#include "solver/linear/basis_change.hpp"
 #include "solver/linear/sparse.hpp"
 
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -11,19 +13,32 @@ namespace hvi::solver {
 struct EliminationOrder {
   std::vector<int> unknown; ///< by position; the contact unknowns last, in their own order
   int interior = 0;         ///< positions before the first contact unknown
+  /// u = T x, where not the u of the matrix are eliminated; null: they are.
+  std::shared_ptr<const BasisChange> change{};
 
   int size() const { return static_cast<int>(unknown.size()); }
   int contacts() const { return size() - interior; }
 
-  /// y = b in this order: y[position] = b[unknown[position]].
+  /// y = b, or T^T b, in this order: y[position] = b[unknown[position]].
   void gather(const Vector& b, Vector& y) const {
+    if (change) return gather_changed(b, y);
     y.resize(size());
     for (int position = 0; position < size(); ++position) y[position] = b[unknown[position]];
   }
-  /// The way back, from y in this order to x.
-  void scatter(const Vector& y, Vector& x) const {
-    x.resize(size());
-    for (int position = 0; position < size(); ++position) x[unknown[position]] = y[position];
+  /// The way back, from y in this order to u.
+  void scatter(const Vector& y, Vector& u) const {
+    u.resize(size());
+    for (int position = 0; position < size(); ++position) u[unknown[position]] = y[position];
+    if (change) change->to_old(u);
+  }
+
+private:
+  void gather_changed(const Vector& b, Vector& y) const {
+    Vector of_changed = b;
+    change->transposed(of_changed);
+    y.resize(size());
+    for (int position = 0; position < size(); ++position)
+      y[position] = of_changed[unknown[position]];
   }
 };
 

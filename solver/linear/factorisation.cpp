@@ -8,6 +8,14 @@ namespace {
 
 RightHandSides several(DenseMatrix& y, std::size_t count) { return {y, static_cast<int>(count)}; }
 
+void gather_each(const EliminationOrder& order, std::span<const Vector> b, DenseMatrix& y) {
+  Vector one;
+  for (std::size_t k = 0; k < b.size(); ++k) {
+    order.gather(b[k], one);
+    y.row(static_cast<Eigen::Index>(k)) = one.transpose();
+  }
+}
+
 } // namespace
 
 void forward(Factorisation& factor, const Vector& b, Vector& y, Vector& r) {
@@ -35,8 +43,11 @@ void forward(Factorisation& factor, std::span<const Vector> b, DenseMatrix& y,
   const EliminationOrder& order = factor.order();
   const auto count = static_cast<int>(b.size());
   y.setZero(count == 1 ? 1 : RightHandSides::stride_of(count), order.size());
-  for (int position = 0; position < order.size(); ++position)
-    for (int k = 0; k < count; ++k) y(k, position) = b[k][order.unknown[position]];
+  if (order.change)
+    gather_each(order, b, y);
+  else
+    for (int position = 0; position < order.size(); ++position)
+      for (int k = 0; k < count; ++k) y(k, position) = b[k][order.unknown[position]];
   factor.forward(several(y, b.size()), Columns::interior);
   r.resize(b.size());
   for (int k = 0; k < count; ++k) r[k] = y.row(k).tail(order.contacts());
@@ -52,6 +63,8 @@ void back(Factorisation& factor, std::span<const Vector> c, DenseMatrix& y,
   x.assign(c.size(), Vector(order.size()));
   for (int position = 0; position < order.size(); ++position)
     for (int k = 0; k < count; ++k) x[k][order.unknown[position]] = y(k, position);
+  if (order.change)
+    for (Vector& one : x) order.change->to_old(one);
 }
 
 } // namespace hvi::solver

@@ -13,6 +13,7 @@ struct SolverOptions {
   Branch branch = Branch::continuing;
   int threads = 1;
   bool proportional_path = true; ///< the evolution on contact unknowns where it is possible
+  bool jumps_as_unknowns = true; ///< across pairs, where that is possible
   bool reduced_precision = true; ///< the factor with fewer bits an entry where that is enough
   bool audit = true;             ///< replay a few scalars of the memory against the direct sum
 };

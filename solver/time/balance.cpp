@@ -87,14 +87,14 @@ EquationResidual Balance::residual(const StepEquation& equation, StepMatrix& mat
   if (equation.exact()) {
     const SymmetricBlocks& half = matrix.half(halves_);
     if (half.empty()) {
-      const double error = equilibrium_error(matrix.k(), d, rhs, contact.unknowns,
-                                             contact.reactions(), xi, trial.gap);
+      const double error =
+          equilibrium_error(matrix.k(), d, rhs, contact.loaded, contact.reactions(), xi, trial.gap);
       trial.kd = rhs - trial.gap;
       return {error, 0.0};
     }
     trial.kd.setZero(rhs.size());
     half.add_product(d, trial.kd);
-    return {equilibrium_error(matrix.k(), half.diagonal(), trial.kd, d, rhs, contact.unknowns,
+    return {equilibrium_error(matrix.k(), half.diagonal(), trial.kd, d, rhs, contact.loaded,
                               contact.reactions(), xi, trial.gap),
             0.0};
   }

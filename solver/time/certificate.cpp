@@ -188,14 +188,14 @@ void find_reach(const Vector& diagonal, const Vector& kd, const Vector& d, const
   contact.reach.setZero(contact.g.cols());
   std::array<double, slot::most_unknowns> largest{};
   for (Eigen::Index c = 0; c < diagonal.size(); ++c) {
-    const int i = contact.unknowns[static_cast<std::size_t>(c)];
+    const int i = contact.loaded[static_cast<std::size_t>(c)];
     const double own = std::abs(diagonal[c]);
     contact.reach[i] = std::abs(d[i]);
     if (own > 0.0) contact.reach[i] += (std::abs(kd[i] - own * d[i]) + std::abs(b[i])) / own;
     double& most = largest[contact.unknown_of(i)];
     most = std::max(most, contact.reach[i]);
   }
-  for (const int i : contact.unknowns)
+  for (const int i : contact.loaded)
     contact.reach[i] += part_of_largest_reach * largest[contact.unknown_of(i)];
 }
 

@@ -149,6 +149,7 @@ std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh) {
     history.route.reset(); // audits choose it: saved state
   hash.add(to_string(same));
   hash.add_number(plan.options.proportional_path);
+  hash.add_number(plan.options.jumps_as_unknowns);
   hash.add_number(plan.options.reduced_precision);
   hash.add_number(plan.options.audit);
   add_tables(plan, hash);

@@ -1,7 +1,6 @@
 // The laws of a plan as the reduced problem of one step; see contact.hpp.
 #include "solver/time/contact.hpp"
 
-#include "solver/plan/couplings.hpp"
 #include "solver/time/certificate.hpp"
 #include "solver/time/contact_states.hpp"
 
@@ -9,16 +8,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <unordered_map>
 
 namespace hvi::solver {
 namespace {
-
-// Beyond these the dense Schur complement (n_c^2 doubles, n_c^3 / 3 operations) does not pay.
-constexpr int most_condensed = 12000;
-constexpr int always_condensed = 300;
-constexpr double most_condensed_share = 0.3;
 
 void make_laws(const Problem& problem, Contact& out) {
   for (const auto& spec : problem.laws) out.laws.push_back(std::make_unique<Law>(spec));
@@ -157,84 +150,6 @@ SparseMatrix stacked(const std::vector<ContactTerm>& terms, const StateLayout& l
   return out;
 }
 
-/// Unknowns with a non-zero column of G, what laws and rates of states read, or all of them.
-void choose_unknowns(Contact& out, int n_unknowns) {
-  std::vector<char> touched(n_unknowns, 0);
-  const auto touch = [&](const SparseMatrix& rows) {
-    for (int r = 0; r < rows.rows(); ++r)
-      for (SparseMatrix::InnerIterator it(rows, r); it; ++it)
-        if (it.col() < n_unknowns) touched[it.col()] = 1;
-  };
-  touch(out.g);
-  for (const auto& readings : out.readings) touch(readings.trace());
-  touch(out.trace);
-  const auto count = static_cast<int>(std::count(touched.begin(), touched.end(), 1));
-  out.whole = count > most_condensed ||
-              (count > always_condensed && count > most_condensed_share * n_unknowns);
-  for (int i = 0; i < n_unknowns; ++i)
-    if (out.whole || touched[i] != 0) out.unknowns.push_back(i);
-}
-
-/// The columns of G on the contact unknowns, and G^T W on all unknowns.
-void restrict_to_unknowns(Contact& out, int n_unknowns) {
-  std::vector<int> position(n_unknowns, -1);
-  for (std::size_t c = 0; c < out.unknowns.size(); ++c)
-    position[out.unknowns[c]] = static_cast<int>(c);
-  std::vector<Eigen::Triplet<double>> columns, forces;
-  for (const auto& point : out.problem.points)
-    for (int r = point.first_row; r < point.first_row + point.rows; ++r)
-      for (SparseMatrix::InnerIterator it(out.g, r); it; ++it) {
-        const auto col = static_cast<int>(it.col());
-        if (col >= n_unknowns) continue;
-        columns.emplace_back(r, position[col], it.value());
-        forces.emplace_back(col, r, point.weight * it.value());
-      }
-  std::vector<Eigen::Triplet<double>> of_states;
-  for (int r = 0; r < out.trace.rows(); ++r)
-    for (SparseMatrix::InnerIterator it(out.trace, r); it; ++it)
-      if (it.col() < n_unknowns) of_states.emplace_back(r, position[it.col()], it.value());
-  out.trace_c.resize(out.trace.rows(), static_cast<Eigen::Index>(out.unknowns.size()));
-  out.trace_c.setFromTriplets(of_states.begin(), of_states.end());
-  out.problem.g.resize(out.g.rows(), static_cast<Eigen::Index>(out.unknowns.size()));
-  out.problem.g.setFromTriplets(columns.begin(), columns.end());
-  for (const int i : out.unknowns)
-    if (!out.of_unknown.empty())
-      out.problem.of_unknown.push_back(out.of_unknown[static_cast<std::size_t>(i)]);
-  out.force.resize(n_unknowns, out.g.rows());
-  out.force.setFromTriplets(forces.begin(), forces.end());
-}
-
-/// Those of several unknowns have different units and sizes.
-void tell_unknowns_apart(const Space& space, const StateLayout& layout, Contact& out) {
-  if (!space.is_product()) return;
-  for (int i = 0; i < layout.n_unknowns; ++i) {
-    const int component = layout.dof_of[static_cast<std::size_t>(i)] % space.components;
-    out.of_unknown.push_back(static_cast<std::uint8_t>(space.block_of(component)));
-  }
-}
-
-/// A pressure that only contact unknowns see is not known without them: those around contact nodes
-/// are kept with them.
-void add_multipliers(const Problem& problem, const Space& space, const StateLayout& layout,
-                     Contact& out) {
-  if (!space.is_product() || out.whole || out.none()) return;
-  std::vector<int> unknown_of(static_cast<std::size_t>(space.n_dofs()), -1);
-  for (int i = 0; i < layout.n_unknowns; ++i) unknown_of[layout.dof_of[i]] = i;
-  std::set<int> all(out.unknowns.begin(), out.unknowns.end());
-  const auto multipliers = multipliers_of(problem);
-  for (int b = 0; b < n_unknowns(space); ++b) {
-    if (multipliers[static_cast<std::size_t>(b)] == 0) continue;
-    for (const int c : out.unknowns) {
-      const auto node = static_cast<std::size_t>(layout.dof_of[c] / space.components);
-      for (auto k = space.graph->offsets[node]; k < space.graph->offsets[node + 1]; ++k) {
-        const int dof = space.dof(space.graph->neighbours[k], space.blocks[b].first);
-        if (unknown_of[dof] >= 0) all.insert(unknown_of[dof]);
-      }
-    }
-  }
-  out.unknowns.assign(all.begin(), all.end());
-}
-
 } // namespace
 
 const LawPoints& points_of(const Contact& contact, const StateGroup& group) {
@@ -299,10 +214,7 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
     if (!term.first_states.empty() || term.offset_of_states) term.alike.clear();
   out.g = stacked(out.terms, layout, n_rows);
   out.offset = out.problem.offset = Vector::Zero(n_rows);
-  tell_unknowns_apart(d.space, layout, out);
-  choose_unknowns(out, layout.n_unknowns);
-  add_multipliers(problem, d.space, layout, out);
-  restrict_to_unknowns(out, layout.n_unknowns);
+  find_unknowns(problem, d.space, layout, out);
   return out;
 }
 

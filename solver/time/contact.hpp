@@ -10,6 +10,7 @@
 #pragma once
 
 #include "solver/inequality/inequality.hpp"
+#include "solver/linear/basis_change.hpp"
 #include "solver/time/law_readings.hpp"
 #include "solver/time/run.hpp"
 #include "solver/time/state.hpp"
@@ -80,6 +81,9 @@ struct Contact {
   std::vector<double> scales;    ///< slope scale of each law
   std::vector<double> softening; ///< steepest descent of each law's slope
   std::vector<int> unknowns;     ///< the contact unknowns, increasing
+  /// They are some of the x of a change u = T x (pair_unknowns.hpp); null: of the u themselves.
+  std::shared_ptr<const BasisChange> change{};
+  std::vector<int> loaded{}; ///< the u that laws see; without a change those of `unknowns`
   /// By unknown of the matrix: of which of several unknowns it is; empty: there is one.
   std::vector<std::uint8_t> of_unknown;
   std::size_t unknown_of(int i) const {
@@ -114,6 +118,23 @@ const LawPoints& points_of(const Contact& contact, const StateGroup& group);
 /// would cost more than the sparse matrix itself.
 Contact make_contact(const Problem& problem, const Discretisation& discretisation,
                      const StateLayout& layout);
+
+/// Which unknowns are the contact unknowns of rows and points, and what these are on them.
+void find_unknowns(const Problem& problem, const Space& space, const StateLayout& layout,
+                   Contact& contact);
+
+/// From now on the contact unknowns are some of the x, u = T x. `problem` as for make_contact.
+void change_unknowns(const Problem& problem, const Space& space, const StateLayout& layout,
+                     std::shared_ptr<const BasisChange> change, Contact& contact);
+
+/// c = the contact unknowns of d.
+void contact_part(const Contact& contact, const Vector& d, Vector& c);
+
+/// d = 0 where no chain of entries of K leads to from a load or a multiplier: a body that nothing
+/// moves is at rest exactly. What a factor of T^T K T leaves there is rounding of the body that T
+/// joins it with, however small. `k` has to hold all bodies. False: there is nothing at rest.
+bool put_at_rest(const SparseMatrix& k, const Contact& contact, const Vector& rhs, const Vector& xi,
+                 Vector& d);
 
 /// What laws read is read in these fields and multipliers of the time t: `prepare` makes their
 /// graphs of it.

@@ -89,7 +89,7 @@ InequalityReport Corrector::start(const StepMatrix& matrix, const Vector& gap,
 Correction Corrector::correct(const StepMatrix& matrix, const Vector& gap, const Vector* rhs,
                               bool couple_bounds, CorrectionSolves& solves, InequalityState& state,
                               Vector& d) {
-  for (Eigen::Index i = 0; i < c_.size(); ++i) c_[i] = d[contact_.unknowns[i]];
+  contact_part(contact_, d, c_);
   auto out = solve(matrix, gap, rhs, couple_bounds, solves, state);
   d += x_;
   if (contact_.none()) { // no law damps rounding: a hundred times as strict

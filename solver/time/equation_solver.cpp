@@ -15,6 +15,9 @@ constexpr int most_changes = 40;
 constexpr double slow_contraction = 1e-3;
 /// A body that laws alone hold (held_by_laws.hpp) is corrected while that gains anything.
 constexpr double slow_when_free = 0.9;
+/// Where T^T K T joins bodies, rounding of the one is all that a correction leaves in another one
+/// that hardly moves. Each correction takes 16 digits off it, but a row's error is by its own size.
+constexpr int corrections_of_joined = 4;
 /// With such a factor corrections go on until what it does not know is rounding: that error would
 /// pile up over the steps.
 constexpr double refined = 1e-13;
@@ -78,7 +81,10 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
     warm_start.drop_guess(now);
     out.inequality = std::move(made.report);
     together.add(out.inequality, out.branch_ends);
-    const auto left = balance_.residual(equation, matrix, now.xi, trial);
+    auto left = balance_.residual(equation, matrix, now.xi, trial);
+    if (contact.change && left.error > tolerance_ && matrix.free_body() == nullptr &&
+        put_at_rest(matrix.k(), contact, equation.rhs, now.xi, trial.d))
+      left = balance_.residual(equation, matrix, now.xi, trial);
     out.equilibrium = left.error;
     if (const FreeBody* const body = matrix.free_body())
       out.equilibrium = std::max(left.error, balance_error(*body, contact, equation.rhs, now.xi));
@@ -88,7 +94,8 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
     const bool exact = equation.exact() || left.mismatch <= refined;
     if (!out.inequality.converged || (exact && out.equilibrium <= target)) break;
     const bool free = matrix.free_body() != nullptr;
-    const bool slow = out.equilibrium > (free ? slow_when_free : slow_contraction) * last;
+    const bool early = contact.change && out.corrections <= corrections_of_joined;
+    const bool slow = !early && out.equilibrium > (free ? slow_when_free : slow_contraction) * last;
     if (slow && equation.exact()) break;
     if (slow && out.equilibrium <= tolerance_) break; // at the rounding of the products
     last = out.equilibrium;

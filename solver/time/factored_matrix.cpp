@@ -1,8 +1,9 @@
 // See factored_matrix.hpp.
 #include "solver/time/factored_matrix.hpp"
 
+#include "solver/linear/changed_unknowns.hpp"
 #include "solver/linear/condition_estimate.hpp"
-#include "solver/linear/general_lu.hpp"
+#include "solver/linear/indefinite.hpp"
 #include "solver/linear/separate.hpp"
 
 #include <cmath>
@@ -15,6 +16,16 @@ SharedFactor own(std::unique_ptr<Factorisation> factor) {
   return {std::move(factor), false, false};
 }
 
+/// Not factored yet.
+std::unique_ptr<Factorisation> analyse_changed(const Operators& operators, const Contact& contact,
+                                               const SparseMatrix& k) {
+  const SparseMatrix changed = contact.change->congruent(k);
+  return with_changed_unknowns(operators.coupled
+                                   ? coupled_factor(changed, contact.unknowns, contact.of_unknown)
+                                   : analyse(changed, contact.unknowns, operators.symmetric),
+                               contact.change);
+}
+
 /// Of K. `shared`: may have it already; `like`: shares its analysis; both may be null.
 SharedFactor make_factor(const Operators& operators, const Contact& contact, const SparseMatrix& k,
                          SharedWork* shared, const FactoredMatrix* like) {
@@ -23,14 +34,19 @@ SharedFactor make_factor(const Operators& operators, const Contact& contact, con
     out->factor(k);
     return out;
   }
-  if (operators.coupled) {
-    auto out = own(general_factor(k, contact.unknowns));
+  if (operators.coupled && !contact.change) {
+    auto out = own(coupled_factor(k, contact.unknowns, contact.of_unknown));
     factor_where_it_fits(*out, k, contact.unknowns.size(), operators.memory_to_come);
     return out;
   }
   if (shared == nullptr && like != nullptr && like->factorisation()) {
     auto out = own(like->factorisation()->another());
     factor_where_it_fits(*out, k, contact.unknowns.size(), 0.0);
+    return out;
+  }
+  if (contact.change) {
+    auto out = own(analyse_changed(operators, contact, k));
+    factor_where_it_fits(*out, k, contact.unknowns.size(), operators.memory_to_come);
     return out;
   }
   return take_factor(shared, k, contact.unknowns, operators.symmetric, operators.memory_to_come);
@@ -59,7 +75,7 @@ void FactoredMatrix::factor(const Vector& gamma) {
 
 SparseMatrix FactoredMatrix::held() const {
   SparseMatrix out = k_;
-  for (const int i : contact_.unknowns) out.coeffRef(i, i) += hold * std::abs(k_.coeff(i, i));
+  for (const int i : contact_.loaded) out.coeffRef(i, i) += hold * std::abs(k_.coeff(i, i));
   return out;
 }
 
@@ -76,7 +92,7 @@ double FactoredMatrix::bytes() const {
 double condition(const FactoredMatrix& matrix, const Operators& operators) {
   if (matrix.free_body() != nullptr) return 0.0;
   if (matrix.factorisation()) return estimate_condition(matrix.k(), *matrix.factorisation());
-  const auto factor = operators.coupled ? general_factor(matrix.k(), {})
+  const auto factor = operators.coupled ? coupled_factor(matrix.k(), {}, {})
                                         : analyse(matrix.k(), {}, operators.symmetric);
   factor->factor(matrix.k());
   return estimate_condition(matrix.k(), *factor);

@@ -2,6 +2,7 @@
 #include "solver/time/formulation.hpp"
 
 #include "solver/time/interior.hpp"
+#include "solver/time/pair_unknowns.hpp"
 #include "solver/time/reduce.hpp"
 #include "solver/time/rounding.hpp"
 
@@ -83,6 +84,29 @@ DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
           std::move(loads), std::move(initial),   std::move(changing)};
 }
 
+/// The evolution on contact unknowns needs those of both sides of a pair: beyond so many of them
+/// the laws of a step take longer than its triangular solves.
+constexpr std::size_t most_on_both_sides = 1500;
+
+/// False: the contact unknowns stay those of both sides.
+bool take_jumps_as_unknowns(const Plan& plan, const Discretisation& d, DiscreteProblem& all) {
+  // With inertia bodies rest, or all but rest, while others move: rounding of these would be most of
+  // what a factor that joins them leaves there.
+  if (!plan.options.jumps_as_unknowns || in_motion(plan.problem)) return false;
+  auto jumps = jumps_as_unknowns(plan.problem, d.space, all.layout, all.contact);
+  if (!jumps.change) return false;
+  const Operators& operators = all.operators;
+  if (const RigidMotions motions(d); motions.count() > 0)
+    if (const auto free = find_free_body(
+            motions, combine(operators, Vector::Ones(operators.n_bases())), all.layout);
+        free && !all_make_jumps(*free, all.contact, jumps.rows))
+      return false;
+  change_unknowns(plan.problem, d.space, all.layout, std::move(jumps.change), all.contact);
+  if (!all.contact.whole) return true;
+  change_unknowns(plan.problem, d.space, all.layout, nullptr, all.contact);
+  return false;
+}
+
 } // namespace
 
 std::unique_ptr<Formulation> formulate(const Plan& plan, const Discretisation& discretisation) {
@@ -92,6 +116,9 @@ std::unique_ptr<Formulation> formulate(const Plan& plan, const Discretisation& d
   if (obstacle.empty() && !all.contact.none() &&
       find_free_body(RigidMotions(discretisation), all.operators.bases[0], all.layout))
     obstacle = "laws alone hold the body";
+  if (obstacle.empty() && all.contact.unknowns.size() > most_on_both_sides &&
+      take_jumps_as_unknowns(plan, discretisation, all))
+    obstacle = "the jumps across a pair become unknowns";
   if (obstacle.empty()) {
     try {
       const SparseMatrix& t = all.operators.bases[0];
@@ -107,6 +134,7 @@ std::unique_ptr<Formulation> formulate(const Plan& plan, const Discretisation& d
       obstacle = "its matrix has no factor";
     }
   }
+  if (!all.contact.change) take_jumps_as_unknowns(plan, discretisation, all);
   return std::make_unique<OnAllUnknowns>(std::move(all), std::move(obstacle));
 }
 

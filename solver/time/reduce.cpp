@@ -139,6 +139,7 @@ Contact of_interior(Contact all, int size) {
   all.force = std::move(force);
   for (auto& readings : all.readings) readings.restrict_to(all.unknowns, size);
   std::iota(all.unknowns.begin(), all.unknowns.end(), 0);
+  all.loaded = all.unknowns;
   return all;
 }
 

@@ -99,9 +99,7 @@ void Refinement::refine(const StepMatrix& matrix, const StepEquation& equation,
   }
   out.inequality.iterations += iterations, out.inequality.events += events;
   trial.d = total;
-  const auto& unknowns = formulation_.contact().unknowns;
-  for (std::size_t i = 0; i < unknowns.size(); ++i)
-    laws.c[static_cast<Eigen::Index>(i)] = trial.d[unknowns[i]];
+  contact_part(formulation_.contact(), trial.d, laws.c);
   step_laws.prepare(n, equation.known);
   out.equilibrium = precise.gap(matrix, trial.d, laws.xi, trial.gap);
   trial.kd.noalias() = matrix.k() * trial.d;

@@ -6,9 +6,9 @@ namespace hvi::solver {
 void StepMatrix::factor(const Vector& gamma) {
   solver_.reset();
   FactoredMatrix::factor(gamma);
-  contact_diagonal_.resize(static_cast<Eigen::Index>(contact_.unknowns.size()));
+  contact_diagonal_.resize(static_cast<Eigen::Index>(contact_.loaded.size()));
   for (Eigen::Index i = 0; i < contact_diagonal_.size(); ++i)
-    contact_diagonal_[i] = k().coeff(contact_.unknowns[i], contact_.unknowns[i]);
+    contact_diagonal_[i] = k().coeff(contact_.loaded[i], contact_.loaded[i]);
   if (contact_.none()) return;
   const bool symmetric = operators_.symmetric && !contact_.mixed;
   reduced_ = contact_.whole ? sparse_operator(free_body() ? held() : k(), symmetric)

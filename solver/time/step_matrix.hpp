@@ -26,7 +26,7 @@ public:
   InequalitySolver* laws() const { return solver_.get(); }
   /// S as that problem uses it.
   const ReducedOperator* reduced() const { return reduced_.get(); }
-  /// K_ii of the contact unknowns.
+  /// K_ii of the unknowns that laws see.
   const Vector& contact_diagonal() const { return contact_diagonal_; }
   double bytes() const; ///< held besides the factorisation
 

@@ -57,8 +57,7 @@ void WarmStart::begin_at(const Vector& d, InequalityState& laws) {
 void WarmStart::guess_contact(const Vector& d, InequalityState& laws) {
   auto& guess = laws.c_guess;
   guess.swap(c_guess_);
-  guess.resize(static_cast<Eigen::Index>(contact_.unknowns.size()));
-  for (Eigen::Index i = 0; i < guess.size(); ++i) guess[i] = d[contact_.unknowns[i]];
+  contact_part(contact_, d, guess);
 }
 
 /// The memory of a guess is kept for the next step.

@@ -5,7 +5,8 @@ usage: pairs.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
 Each scene is two viscoelastic blocks in 2D or 3D, P1 or P2, whose meshes do not match, one of them shifted, wider or
 narrower, with a gap, touching or pressed in, in 2D sometimes with uneven sides; as two files or as two groups of one;
 turned and scaled. One to three laws act on the jump of u, of u' or of a memory, some with the gap, whose steps are
-strictly convex. A step is solved again by a dense brute force (brute.py) with a mortar of its own (mortar.py).
+strictly convex. A step is solved again by a dense brute force (brute.py) with a mortar of its own (mortar.py), and by
+the program with the contact unknowns of both sides, where it would take jumps for them (`--both-sides`).
 """
 import subprocess
 import sys
@@ -135,10 +136,11 @@ class Scene(rates.Scene):
                 f"{'one file' if self.one_file else 'two files'}, gaps {[t.with_gap for t in self.terms]}")
 
 
+ALIKE = 1e-10  # of both sets of unknowns
+
+
 def run(program, folder, scene, turn, scale, options):
     """u at the reference's nodes after every step, or what was said instead."""
-    import meshio
-
     folder.mkdir(parents=True, exist_ok=True)
     move = lambda mesh: mesh.moved(turn, scale, 0.0)
     plain = {name: f for name, f in scene.mesh.facets.items() if name[:2] in ("u_", "l_")}
@@ -146,10 +148,23 @@ def run(program, folder, scene, turn, scale, options):
     (folder / "upper.msh").write_text(move(scene.upper).msh())
     (folder / "lower.msh").write_text(move(scene.lower).msh())
     (folder / "scene.hvi").write_text(scene.script(turn, scale))
-    done = subprocess.run([program, "run", "scene.hvi", "--quiet", "-o", "out", *options], cwd=folder,
-                          capture_output=True, text=True, timeout=120)
-    if done.returncode != 0:
-        return None, f"exit {done.returncode}: " + " ".join(done.stderr.split())[:400]
+    out = []
+    for more in ([], ["--both-sides"]):
+        done = subprocess.run([program, "run", "scene.hvi", "--quiet", "-o", "out", *options, *more], cwd=folder,
+                              capture_output=True, text=True, timeout=120)
+        if done.returncode != 0:
+            return None, f"exit {done.returncode}: " + " ".join(done.stderr.split())[:400]
+        out.append(displacements(folder, scene, turn, scale))
+    size = max(float(np.abs(u).max()) for u in out[0])
+    off = max(float(np.abs(u - v).max()) for u, v in zip(*out))
+    if off > ALIKE * size:
+        return None, f"jumps as unknowns and both sides differ by {off / size:.1e}"
+    return out[0], ""
+
+
+def displacements(folder, scene, turn, scale):
+    import meshio
+
     split, out = len(scene.upper.cells), []
     ours = np.zeros(len(scene.solid.points), bool)
     for cell in scene.mesh.cells[:split]:
@@ -163,7 +178,7 @@ def run(program, folder, scene, turn, scale, options):
         nearest = [int(np.argmin(((at - x) ** 2).sum(1) + np.abs(apart - (1e3 if mine else 0.0))))
                    for x, mine in zip(scene.solid.points, ours)]
         out.append((grid.point_data["u"][:, :scene.dim] @ turn / scale)[nearest])
-    return out, ""
+    return out
 
 
 if __name__ == "__main__":

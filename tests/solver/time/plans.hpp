@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hvi::solver::testing_plans {
@@ -179,6 +180,31 @@ inline Plan slab(int n, int steps, int dim = 2, bool friction = false) {
                         at_point("u_x", u_value(0), {2, 0, z}), norm("strain"),
                         integral("reaction", var(slot::multiplier(0, 0)), ground)};
   plan.report.tables = {{{}, {0, 1, 2, 3}, 1, ""}};
+  return plan;
+}
+
+/// Two blocks, or rings, whose meshes do not match: the slab's laws, with friction, between them.
+inline Plan two_blocks(int n, int steps, int dim, bool rings = false) {
+  Plan plan = slab(n, steps, dim, true);
+  Problem& problem = plan.problem;
+  MeshSpec upper = std::exchange(problem.mesh, {});
+  upper.axisymmetric = rings;
+  MeshSpec lower = upper;
+  upper.name = "upper", lower.name = "lower";
+  lower.low[1] = -1, lower.high[1] = 0;
+  lower.cells[0] += 1;
+  problem.mesh.kind = MeshSpec::Kind::pieces;
+  problem.mesh.axisymmetric = rings;
+  problem.mesh.pieces = {upper, lower};
+  RegionSpec seam;
+  seam.kind = RegionSpec::Kind::pair;
+  seam.children = {group("", "upper.bottom").region, group("", "lower.top").region};
+  problem.parts = {all_cells("both"),
+                   group("roof", "upper.top"),
+                   group("flank", "upper.right"),
+                   {"seam", {}, seam},
+                   group("base", "lower.bottom")};
+  problem.space.dirichlet.push_back(clamp(4));
   return plan;
 }
 

@@ -107,29 +107,10 @@ Scene with_states(Scheme scheme, int dim) {
   return out;
 }
 
-/// Two blocks, or rings, whose meshes do not match: a layer and friction on the rate between them.
+/// Two blocks, or rings, with a layer and friction on the rate between them.
 Scene on_a_pair(std::string name, int dim, bool rings) {
-  Scene out{std::move(name), slab(2, 9, dim, true), true};
-  Problem& problem = out.plan.problem;
-  MeshSpec upper = std::exchange(problem.mesh, {});
-  upper.axisymmetric = rings;
-  MeshSpec lower = upper;
-  upper.name = "upper", lower.name = "lower";
-  lower.low[1] = -1, lower.high[1] = 0;
-  lower.cells[0] += 1;
-  problem.mesh.kind = MeshSpec::Kind::pieces;
-  problem.mesh.axisymmetric = rings;
-  problem.mesh.pieces = {upper, lower};
-  RegionSpec seam;
-  seam.kind = RegionSpec::Kind::pair;
-  seam.children = {group("", "upper.bottom").region, group("", "lower.top").region};
-  problem.parts = {all_cells("both"),
-                   group("roof", "upper.top"),
-                   group("flank", "upper.right"),
-                   {"seam", {}, seam},
-                   group("base", "lower.bottom")};
-  problem.space.dirichlet.push_back(clamp(4));
-  problem.law_terms.back().field = field_of_u(1);
+  Scene out{std::move(name), two_blocks(2, 9, dim, rings), true};
+  out.plan.problem.law_terms.back().field = field_of_u(1);
   return out;
 }
 
