@@ -13,12 +13,9 @@
 #include <vector>
 
 #if defined(__SANITIZE_ADDRESS__)
-// These libraries do not free all they take; the leak sanitizer is to tell of ours only.
+// libgmsh does not free all it takes; the leak sanitizer is to tell of ours only.
 extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() {
-  return "leak:libgmsh.so\nleak:libpetsc\nleak:libmpi\nleak:libopen-\nleak:libpmix\nleak:libhwloc\n"
-         "leak:libevent\nleak:mca_";
-}
+extern "C" const char* __lsan_default_suppressions() { return "leak:libgmsh.so"; }
 #endif
 
 namespace hvi::solver {
@@ -34,7 +31,7 @@ std::vector<std::filesystem::path> places(const ModuleFile& module) {
           folder.parent_path() / module.file};
 }
 
-/// It stays loaded: libgmsh and MPI do not survive being unloaded.
+/// It stays loaded: libgmsh does not survive being unloaded.
 void* load(const ModuleFile& module) {
   std::string tried;
   for (const auto& path : places(module)) {

@@ -2,6 +2,7 @@
 #include "solver/mesh/gmsh_module.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/common/open_module.hpp"
 #include "solver/common/out_of_memory.hpp"
 #include "solver/mesh/geometries.hpp"
 #include "solver/mesh/gmsh/bridge.h"
@@ -9,58 +10,19 @@
 
 #include <fmt/format.h>
 
-#include <dlfcn.h>
-
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-
-#if defined(__SANITIZE_ADDRESS__)
-// libgmsh does not free all it takes; the leak sanitizer is to tell of ours only.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:libgmsh.so"; }
-#endif
 
 namespace hvi::solver {
 namespace {
 
-/// Beside the program (build tree), one folder up (test programs), or where it is installed. The
-/// variable HVI_GMSH_MODULE names another file; the tests use it.
-std::vector<std::filesystem::path> places() {
-  if (const char* other = std::getenv("HVI_GMSH_MODULE")) return {other};
-  std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (error) return {};
-  const auto folder = program.parent_path();
-  const char* const file = "libhvi_gmsh.so";
-  return {folder / file, folder.parent_path() / "lib" / "hvi" / file, folder.parent_path() / file};
-}
+constexpr ModuleFile gmsh_module{
+    "libhvi_gmsh.so", "HVI_GMSH_MODULE", "makes meshes with gmsh",
+    "it needs the package libgmsh4.8; meshes from .msh files work without it"};
 
-/// The module stays loaded until the program ends: libgmsh does not survive being unloaded.
-void* load() {
-  std::string tried;
-  for (const auto& path : places()) {
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) {
-      tried += fmt::format("\n  {}: not there", path.string());
-      continue;
-    }
-    if (void* module = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE)) return module;
-    tried += fmt::format("\n  {}", dlerror());
-  }
-  throw Failure(FailureKind::missing_file, {},
-                "the module that makes meshes with gmsh cannot be loaded:" + tried,
-                "it needs the package libgmsh4.8; meshes from .msh files work without it");
-}
-
-template <typename Function>
+template <class Function>
 Function entry(const char* name) {
-  void* const symbol = dlsym(load(), name);
-  if (!symbol)
-    throw Failure(
-        FailureKind::missing_file, {},
-        fmt::format("the gmsh module has no function {}: it is of another version", name));
-  return reinterpret_cast<Function>(symbol);
+  return module_function<Function>(gmsh_module, name);
 }
 
 /// Collects what the module sends; coordinates are multiplied by `scale`.

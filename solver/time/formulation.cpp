@@ -90,8 +90,8 @@ constexpr std::size_t most_on_both_sides = 1500;
 
 /// False: the contact unknowns stay those of both sides.
 bool take_jumps_as_unknowns(const Plan& plan, const Discretisation& d, DiscreteProblem& all) {
-  // With inertia bodies rest, or all but rest, while others move: rounding of these would be most of
-  // what a factor that joins them leaves there.
+  // With inertia bodies rest, or all but rest, while others move: rounding of these would be most
+  // of what a factor that joins them leaves there.
   if (!plan.options.jumps_as_unknowns || in_motion(plan.problem)) return false;
   auto jumps = jumps_as_unknowns(plan.problem, d.space, all.layout, all.contact);
   if (!jumps.change) return false;

@@ -48,15 +48,18 @@ Plan Restarts::applied(const Plan& plan) const {
   Plan out = plan;
   for (std::size_t m = 0; m < routes.size(); ++m)
     if (routes[m] >= 0) out.problem.histories[m].route = static_cast<HistoryRoute>(routes[m]);
+  if (both_sides) out.options.jumps_as_unknowns = false;
   return out;
 }
 
 void Restarts::save(StateWriter& w) const {
+  w.put(static_cast<std::uint8_t>(both_sides));
   w.put(routes);
   put_notes(w, notes);
 }
 
 void Restarts::restore(StateReader& r, std::size_t n_histories) {
+  both_sides = r.get<std::uint8_t>() != 0;
   routes = r.get_vector<int>(n_histories);
   for (const int route : routes)
     if (route < -1 || route > static_cast<int>(HistoryRoute::direct)) r.fail("is inconsistent");

@@ -16,15 +16,18 @@ namespace hvi::solver {
 void put_notes(StateWriter& w, const std::vector<StepNote>& notes);
 std::vector<StepNote> get_notes(StateReader& r);
 
-/// What audits of the memory have changed so far: the routes, and the notes on them.
+/// What earlier tries have changed so far: the routes of memories, the unknowns of pairs, and the
+/// notes on them.
 struct Restarts {
   std::vector<int> routes;     ///< by history; -1: the plan's own
   bool checks_at_once = false; ///< a check that was put off has failed before
+  bool both_sides = false;     ///< jumps across pairs are no unknowns any more
   std::vector<StepNote> notes;
 
   void take(const MemoryMistrust& mistrust);
   void take(const HorizonEnd& end);
   void take(const LateCheck&) { checks_at_once = true; }
+  void take(const JumpsRefused&) { both_sides = true; }
   Plan applied(const Plan& plan) const;
 
   void save(StateWriter& w) const;

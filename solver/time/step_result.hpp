@@ -14,8 +14,12 @@ namespace hvi::solver {
 /// A check that was put off found a step without a certificate: the run starts again and makes each
 /// check in its step, so that it ends there with what came before.
 struct LateCheck {};
+/// A step was not certified with the jumps across pairs as unknowns: a body that rests, or all but
+/// rests, while another one moves gets rounding of the other from a factor that joins them. A run
+/// starts again with the contact unknowns of both sides.
+struct JumpsRefused {};
 /// Why nothing that was computed so far is a result: the run starts again in another way.
-using Restart = std::variant<MemoryMistrust, HorizonEnd, LateCheck>;
+using Restart = std::variant<MemoryMistrust, HorizonEnd, LateCheck, JumpsRefused>;
 
 struct StepResult {
   double equilibrium = 0.0; ///< componentwise backward error

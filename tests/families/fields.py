@@ -231,13 +231,16 @@ class Scene:
             p.rows, p.weight = p.rows[:, seen], p.weight * (self.weight() if p.of_p else 1.0)
         return ratio(np.linalg.inv(k[np.ix_(seen, seen)]), points)
 
+    def known(self, last, velocity):
+        """Forces of the last step on the free unknowns."""
+        a, m = (matrix[np.ix_(self.free, self.free)] for matrix in (self.a, self.m))
+        return self.steps * (a @ last) + m @ (self.steps ** 2 * last + self.steps * velocity)
+
     def reference(self):
         states, velocity = [np.zeros(len(self.free))], np.zeros(len(self.free))
-        a, m = (matrix[np.ix_(self.free, self.free)] for matrix in (self.a, self.m))
         for n in range(1, self.steps + 1):
             step = Step(self.k, self.law_points(states[-1]))
-            known = self.steps * (a @ states[-1]) + m @ (self.steps ** 2 * states[-1] + self.steps * velocity)
-            new = step.solve(self.load * (n / self.steps) + known, rates.TURNS)
+            new = step.solve(self.load * (n / self.steps) + self.known(states[-1], velocity), rates.TURNS)
             if new is None:
                 return None
             velocity = self.steps * (new - states[-1])

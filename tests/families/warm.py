@@ -126,10 +126,10 @@ class Scene(fields.Scene):
 
     def reference(self):
         states = [np.zeros(len(self.load_of_all()))]
-        a = self.a[np.ix_(self.free, self.free)]
+        velocity = np.zeros(len(self.free))
         for n in range(1, self.steps + 1):
             old, trial = states[-1], states[-1].copy()
-            f = self.load * (n / self.steps) + self.steps * (a @ old[self.free])
+            f = self.load * (n / self.steps) + self.known(old[self.free], velocity)
             for _ in range(PASSES):
                 points = self.law_points(old[self.free])
                 factors = [f for term in self.terms for f in term.factors(self, trial)]
@@ -148,6 +148,7 @@ class Scene(fields.Scene):
                     break
             else:
                 return None
+            velocity = self.steps * (trial - old)[self.free]
             states.append(trial)
         self.expected_p = np.array([s[self.solid.n:] for s in states[1:]])
         return [s[:self.solid.n].reshape(-1, self.dim) for s in states[1:]]
