@@ -46,18 +46,26 @@ std::array<double, 3> project(const Point& p, int dim) {
           std::sin(tilt) * p[1] + std::cos(tilt) * away};
 }
 
-/// Norm of the field at every node.
-std::vector<double> magnitudes(const solver::FieldSpec& field, const solver::Discretisation& d,
-                               const solver::Vector& u, double t) {
-  const std::array<const solver::Vector*, 1> fields = {&u};
-  const auto values = solver::nodal_values(d.space, field.components, {fields, t});
-  const std::size_t m = field.components.size();
-  std::vector<double> out(values.size() / m);
+/// At every node: a scalar, or the norm of a vector or tensor.
+std::vector<double> magnitudes(const solver::PictureValues& shown, std::size_t components) {
+  std::vector<double> out(shown.values.size() / components);
   for (std::size_t i = 0; i < out.size(); ++i) {
     double sum = 0.0;
-    for (std::size_t c = 0; c < m; ++c) sum += values[i * m + c] * values[i * m + c];
-    out[i] = m == 1 ? values[i] : std::sqrt(sum);
+    for (std::size_t c = 0; c < components; ++c) {
+      const double value = shown.values[i * components + c];
+      sum += value * value;
+    }
+    out[i] = components == 1 ? shown.values[i] : std::sqrt(sum);
   }
+  return out;
+}
+
+/// The places of the mesh's nodes, moved by so many times the displacement.
+std::vector<Point> places(const solver::Space& space, const solver::Vector& u, double times) {
+  std::vector<Point> out = space.mesh->nodes;
+  for (std::size_t i = 0; times != 0.0 && i < out.size(); ++i)
+    for (int c = 0; c < space.mesh->dim; ++c)
+      out[i][static_cast<std::size_t>(c)] += times * u[space.dof(static_cast<int>(i), c)];
   return out;
 }
 
@@ -75,12 +83,13 @@ void widen(Face& d) {
   }
 }
 
-std::string polygons(const solver::Mesh& mesh, const std::vector<double>& values) {
+std::string polygons(const solver::Mesh& mesh, const std::vector<Point>& at,
+                     const std::vector<double>& values) {
   std::vector<Face> drawn;
   for (const Triangle& t : surface(mesh)) {
     Face one{0.0, {}, 0.0};
     for (int k = 0; k < 3; ++k) {
-      const auto p = project(mesh.nodes[t[k]], mesh.dim);
+      const auto p = project(at[static_cast<std::size_t>(t[k])], mesh.dim);
       one.corners[k] = {p[0], p[1]};
       one.depth += p[2];
       one.value += values[t[k]] / 3.0;
@@ -118,19 +127,20 @@ std::string layout(const solver::Mesh& mesh) {
 }
 
 /// The commands of one picture.
-std::string commands_for(const solver::Problem& problem, const solver::PictureSpec& picture,
-                         const solver::Discretisation& d, const solver::Vector& u) {
-  const double end = problem.time.grid.empty() ? 0.0 : problem.time.grid.back();
-  const auto values = magnitudes(picture.field, d, u, picture.time.value_or(end));
+std::string commands_for(const solver::PictureSpec& picture, const solver::Discretisation& d,
+                         const solver::PictureValues& shown) {
+  const auto values = magnitudes(shown, picture.field.components.size());
   const std::string label =
       (picture.field.components.size() > 1 ? fmt::format("|{}|", picture.field.name)
                                            : picture.field.name) +
-      (picture.time ? fmt::format(", t = {:g}", *picture.time) : "");
+      (picture.time ? fmt::format(", t = {:g}", *picture.time) : "") +
+      (picture.deformed != 0.0 ? fmt::format(", deformed {:g} times", picture.deformed) : "");
   return fmt::format("set size ratio -1\nunset key\n{}"
                      "set palette defined (0 '#30123b', 1 '#28bbec', 2 '#a2fc3c', 3 '#fb8022', 4 "
                      "'#7a0403')\nset title {} noenhanced\n$data << HVI_END\n{}HVI_END\n"
                      "plot $data using 1:2:3 with filledcurves closed fc palette {}notitle\n",
-                     layout(d.mesh), quoted(label), polygons(d.mesh, values),
+                     layout(d.mesh), quoted(label),
+                     polygons(d.mesh, places(d.space, shown.u, picture.deformed), values),
                      // borders are drawn after all areas: those of hidden ones would be seen
                      d.mesh.dim == 3 ? "fs solid noborder " : "");
 }
@@ -139,24 +149,70 @@ std::string commands_for(const solver::Problem& problem, const solver::PictureSp
 
 std::string picture_file(const solver::Problem& problem, const solver::PictureSpec& picture) {
   if (!picture.file.empty()) return picture.file;
-  return fmt::format("{}_{}{}.png", problem.title, picture.field.name,
+  return fmt::format("{}_{}{}{}.png", problem.title, picture.field.name,
+                     picture.deformed != 0.0 ? "_deformed" : "",
                      picture.time ? fmt::format("_t{:g}", *picture.time) : "");
 }
+
+std::string plot_file(const solver::Plan& plan, std::size_t i) {
+  const std::string& given = plan.report.plots[i].file;
+  if (!given.empty()) return given;
+  return plan.problem.title + (i == 0 ? "_plot.svg" : fmt::format("_plot{}.svg", i + 1));
+}
+
+namespace {
+
+/// A column of the run's tables, or its times.
+const std::vector<double>& column(const solver::RunResult& result, const std::string& name) {
+  const auto found = result.columns.find(name);
+  return found == result.columns.end() ? result.times : found->second;
+}
+
+/// Curves over one column; rows without a value are left out.
+std::string commands_for(const solver::PlotSpec& spec, const solver::RunResult& result) {
+  const auto& over = column(result, spec.against);
+  std::string data, curves;
+  for (std::size_t c = 0; c < spec.columns.size(); ++c) {
+    const auto& values = column(result, spec.columns[c]);
+    fmt::format_to(std::back_inserter(data), "$curve{} << HVI_END\n", c);
+    for (std::size_t r = 0; r < values.size(); ++r)
+      if (std::isfinite(over[r]) && std::isfinite(values[r]))
+        fmt::format_to(std::back_inserter(data), "{:.10g} {:.10g}\n", over[r], values[r]);
+    data += "HVI_END\n";
+    fmt::format_to(std::back_inserter(curves),
+                   "{}$curve{} using 1:2 with linespoints pt 7 ps 0.35 lw 1.5 title {} noenhanced",
+                   c == 0 ? "" : ", ", c, quoted(spec.columns[c]));
+  }
+  const bool one = spec.columns.size() == 1;
+  return fmt::format("{}set grid\n{}set xlabel {} noenhanced\n{}plot {}\n", data,
+                     one ? "unset key\n" : "set key outside right top\n", quoted(spec.against),
+                     one ? "set ylabel " + quoted(spec.columns[0]) + " noenhanced\n" : "", curves);
+}
+
+} // namespace
 
 std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::Discretisation& d,
                                  const solver::RunResult& result, const std::string& folder) {
   std::vector<Drawn> out;
-  for (std::size_t i = 0; i < plan.report.pictures.size(); ++i) {
-    const auto& picture = plan.report.pictures[i];
-    if (d.mesh.dim == 1) continue;
-    out.push_back({picture.origin, picture_file(plan.problem, picture), {}, !picture.file.empty()});
+  const auto draw = [&](solver::Origin origin, const std::string& file, bool named,
+                        const auto& commands, Canvas canvas) {
+    out.push_back({origin, file, {}, named});
     try {
-      const auto& u = picture.time ? result.pictures.at(i) : result.u;
-      plot(commands_for(plan.problem, picture, d, u),
-           std::filesystem::path(folder) / out.back().file);
+      plot(commands(), std::filesystem::path(folder) / file, canvas);
     } catch (const solver::Failure& failure) {
       out.back().failure = failure;
     }
+  };
+  for (std::size_t i = 0; i < plan.report.pictures.size(); ++i) {
+    const auto& picture = plan.report.pictures[i];
+    if (d.mesh.dim == 1) continue;
+    draw(picture.origin, picture_file(plan.problem, picture), !picture.file.empty(),
+         [&] { return commands_for(picture, d, result.pictures.at(i)); }, {});
+  }
+  for (std::size_t i = 0; i < plan.report.plots.size(); ++i) {
+    const auto& spec = plan.report.plots[i];
+    draw(spec.origin, plot_file(plan, i), !spec.file.empty(),
+         [&] { return commands_for(spec, result); }, {.white = true});
   }
   return out;
 }

@@ -1,4 +1,5 @@
-// Pictures of a run's last state: the body's surface coloured by a field, drawn by gnuplot.
+// Pictures of a run, drawn by gnuplot: the body's surface coloured by a field, curves of the
+// tables' columns.
 #pragma once
 
 #include "solver/plan/plan.hpp"
@@ -13,6 +14,8 @@ namespace hvi::lang {
 /// The name of a picture's file in the output folder.
 std::string picture_file(const solver::Problem& problem, const solver::PictureSpec& picture);
 
+std::string plot_file(const solver::Plan& plan, std::size_t i);
+
 /// A picture, or why there is none.
 struct Drawn {
   solver::Origin origin;
@@ -21,8 +24,8 @@ struct Drawn {
   bool asked_by_name = false;             ///< the script names the file
 };
 
-/// Draws every `picture` of the plan into `folder` (PNG, or SVG by the file's name). Vectors and
-/// tensors are shown by their Euclidean norm.
+/// Draws every `picture` and every `plot` of the plan into `folder` (PNG, or SVG by the file's
+/// name). Vectors and tensors are shown by their Euclidean norm.
 std::vector<Drawn> draw_pictures(const solver::Plan& plan,
                                  const solver::Discretisation& discretisation,
                                  const solver::RunResult& result, const std::string& folder);

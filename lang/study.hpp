@@ -33,7 +33,9 @@ struct StudyRow {
 };
 
 struct Study {
-  std::string script, reference; ///< the reference in words
+  std::string script, reference;    ///< the reference in words
+  bool sweep = false;               ///< there is none: the columns are what is asked for
+  std::vector<std::string> columns; ///< of the tables
   std::vector<StudyLadder> ladders;
   std::vector<StudyRow> rows;
   std::string machine;
@@ -56,6 +58,10 @@ std::string study_csv(const Study& study);
 nlohmann::ordered_json study_json(const Study& study);
 /// Every varied parameter, ladder by ladder.
 std::vector<std::string> varied(const Study& study);
+/// Of a sweep: the columns at the end, setting by setting.
+std::string sweep_table(const Study& study);
+/// Curves of a column at the end over the first parameter with numbers; empty: there is none.
+std::string sweep_picture(const Study& study, const std::string& column);
 /// Error against CPU time with the front, and error against each ladder's numbers with triangles of
 /// slopes one and two, each as SVG and PNG, drawn by gnuplot into `folder`. Rungs that are no
 /// positive numbers have no place on the axis.

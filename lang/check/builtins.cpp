@@ -43,23 +43,28 @@ constexpr std::array table = {
     BuiltIn{"dot", K::algebraic, "dot(a, b)", "inner product; also matrix times vector"},
     BuiltIn{"identity", K::algebraic, "identity()", "identity matrix of the space dimension"},
     BuiltIn{"norm", K::algebraic, "norm(a)", "Euclidean norm; norm(u) alone in a table: V norm"},
+    BuiltIn{"mises", K::algebraic, "mises(sigma)", "equivalent stress of von Mises of a stress"},
     BuiltIn{"tr", K::algebraic, "tr(e)", "trace of a matrix"},
     BuiltIn{"transpose", K::algebraic, "transpose(e)", "transposed matrix"},
+    BuiltIn{"derivative", K::tensor, "derivative(a)",
+            "of a by the lag in a kernel, by t elsewhere"},
     BuiltIn{"isotropic", K::tensor,
             "isotropic(lambda = , mu = ) or isotropic(young = , poisson = )",
             "lambda tr(e) I + 2 mu e; plane strain in 2D"},
     BuiltIn{"orthotropic", K::tensor,
             "orthotropic(young = [x, y, z], poisson = [xy, yz, xz], shear = [xy, yz, xz], axes = "
             "[[..], ..])",
-            "three planes of symmetry"},
+            "three planes of symmetry; or by E1, E2, E3, nu12, nu23, nu13, G12, G23, G13"},
     BuiltIn{"prony", K::tensor, "prony(weights = [..], times = [..])",
             "sum of weights[i] exp(-lag/times[i]), in a kernel"},
+    BuiltIn{"prony_relaxation", K::tensor, "prony_relaxation(weights = [..], times = [..])",
+            "derivative of that sum: the kernel of a relaxation modulus"},
     BuiltIn{"table", K::tensor, "table(\"file.csv\", a, interpolation = linear)",
             "tabulated function of a; of the lag in kernels and of t elsewhere when a is left out"},
     BuiltIn{
         "transverse", K::tensor,
         "transverse(young = , poisson = , young_axis = , poisson_axis = , shear_axis = , axis = )",
-        "transversely isotropic about an axis"},
+        "transversely isotropic about an axis; or by E1 (along it), E2, nu12, nu23, G12"},
     BuiltIn{"voigt", K::tensor, "voigt([[..], ..])",
             "by its matrix on (xx, yy, [zz, yz, xz,] xy), axisymmetric (xx, yy, zz, xy), with "
             "engineering shear strains"},
@@ -71,7 +76,11 @@ constexpr std::array table = {
             "two sides that touch; the first carries the integral and the normal"},
     BuiltIn{"integral", K::region, "integral(part, a, rule = nodal)", "integral over a part"},
     BuiltIn{"inside", K::region, "inside(part)", "condition: the point lies in the part"},
+    BuiltIn{"largest", K::region, "largest(part, a)", "largest value on a part, in a report"},
     BuiltIn{"point", K::region, "point(mesh, [x, y])", "a node of the mesh as a part"},
+    BuiltIn{"reaction", K::region, "reaction(part, of = u)",
+            "force by which what holds a part, or a law on it, acts on the body"},
+    BuiltIn{"smallest", K::region, "smallest(part, a)", "least value on a part, in a report"},
     BuiltIn{"box", K::mesh, "box(a, b, c, cells = [n, m, l])", "structured mesh of a box"},
     BuiltIn{"gmsh", K::mesh, "gmsh(\"file.msh\")", "mesh from a file"},
     BuiltIn{"interval", K::mesh, "interval(a, cells = n)", "mesh of (0, a)"},
@@ -118,7 +127,10 @@ std::span<const std::string_view> setting_names() {
 bool is_reserved_builtin(std::string_view name) {
   const BuiltIn* const found = find_built_in(name);
   // Scripts had names of their own before these.
-  const bool free = name == "pos" || (found && found->kind == BuiltInKind::interface);
+  constexpr std::array<std::string_view, 7> later = {
+      "pos", "mises", "largest", "reaction", "smallest", "derivative", "prony_relaxation"};
+  const bool free = std::ranges::find(later, name) != later.end() ||
+                    (found && found->kind == BuiltInKind::interface);
   return (found && !free) ||
          std::find(reserved_names.begin(), reserved_names.end(), name) != reserved_names.end();
 }

@@ -1,4 +1,5 @@
 // Calls: functions of the script, pointwise functions, derivatives, memory.
+#include "lang/check/across.hpp"
 #include "lang/check/builtins.hpp"
 #include "lang/check/checker.hpp"
 #include "lang/diag/suggest.hpp"
@@ -26,6 +27,18 @@ bool depends_on_memory_time(solver::Slot s) { return s == slot::t || s == slot::
 std::optional<solver::Separated> separated(const Field& kernel, std::size_t i) {
   if (!kernel.series) return solver::split_separable(kernel.components[i], depends_on_memory_time);
   return solver::Separated{{kernel.series->of_place[i], kernel.series->sum}};
+}
+
+/// In plane strain: of each entry C_zzkl of a kernel an entry of it in the plane that is equal, -1
+/// where it is zero; empty where one has none.
+std::vector<int> entries_across(const Field& kernel) {
+  std::vector<int> out;
+  for (const Symbol& entry : kernel.across) {
+    const auto same = std::ranges::find(kernel.components, entry);
+    if (same == kernel.components.end() && !entry.is(0.0)) return {};
+    out.push_back(entry.is(0.0) ? -1 : static_cast<int>(same - kernel.components.begin()));
+  }
+  return out;
 }
 
 } // namespace
@@ -167,6 +180,8 @@ Value Checker::call_built_in(const ast::Expr& e, const ast::Call& c, const std::
     return Poison{};
   case BuiltInKind::region:
     if (name == "integral") return integral_call(e, c, scope);
+    if (name == "reaction") return reaction_call(e, c, scope);
+    if (name == "largest" || name == "smallest") return extreme_call(e, c, name, scope);
     error("E0306", e.span,
           name == "point" ? "a point is declared as a part" : "`inside` is a condition",
           name == "point" ? "`part p = point(mesh, [0, 0])`" : "`| inside(part) -> ...`");
@@ -315,6 +330,7 @@ Value Checker::differential(const ast::Expr& e, const ast::Call& c, const std::s
     return *g;
   }
   Field out = *g;
+  if (d == 2 && n == 2) out.across = across_of_strain(*f);
   if (name == "div") {
     Symbol sum = 0.0;
     for (int i = 0; i < n; ++i) sum = sum + g->components[i * n + i];
@@ -379,8 +395,10 @@ Value Checker::algebraic(const ast::Expr& e, const ast::Call& c, const std::stri
         out.components[i * out.columns + j] = f->components[j * f->columns + i];
     return out;
   }
+  if (name == "mises") return mises_call(e, (*args)[0]->span, *f, scope);
   Symbol trace = 0.0;
   for (int i = 0; i < n; ++i) trace = trace + f->components[i * n + i];
+  if (name == "dev" || f->test == Degree::none) out.across.clear();
   if (name == "tr") {
     out.rank = 0;
     out.rows = out.columns = 1;
@@ -389,6 +407,37 @@ Value Checker::algebraic(const ast::Expr& e, const ast::Call& c, const std::stri
   }
   for (int i = 0; i < n; ++i)
     out.components[i * n + i] = out.components[i * n + i] - trace / Symbol(double(n));
+  return out;
+}
+
+/// sqrt(3/2 s : s), s the deviator of the stress with all its entries in space.
+Value Checker::mises_call(const ast::Expr& e, const Span& span, const Field& f,
+                          const Scope& scope) {
+  Field out;
+  if (!nonlinear_degrees(e.span, "`mises`", {&f}, out, scope)) return Poison{};
+  const int n = f.rows;
+  if (n == 1 || (n == 2 && f.across.empty())) {
+    error("E0448", span,
+          n == 1 ? "in 1D the stresses across the bar are not known: `mises` would guess them"
+                 : "the stress across the plane is not known here, and `mises` needs it",
+          n == 1
+              ? "of a bar under uniaxial stress it is `abs(sigma.xx)`"
+              : "it is known of `isotropic`, `orthotropic` and `transverse` tensors on `eps(u)`, "
+                "of sums of such stresses, and of `p*div(v)`");
+    return Poison{};
+  }
+  const auto entry = [&](int i, int j) -> Symbol {
+    if (n == 3 || (i < 2 && j < 2))
+      return Symbol(0.5) * (f.components[i * n + j] + f.components[j * n + i]);
+    return i == j ? f.across[0] : Symbol(0.0);
+  };
+  Symbol sum = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const Symbol difference = entry(i, i) - entry(j, j), shear = entry(i, j);
+    sum = sum + Symbol(0.5) * difference * difference + Symbol(3.0) * shear * shear;
+  }
+  out.components = {sqrt(sum)};
   return out;
 }
 
@@ -475,6 +524,30 @@ void Checker::check_kernels_in_time() {
   }
 }
 
+/// In plane strain: sum_kl of the memories' C_zzkl times strains; `memories`: by their number, the
+/// strains they hold. Empty where an entry is no sum of products with their kernels.
+std::vector<Symbol> Checker::across_of_memories(
+    const Field& kernel, const std::vector<std::pair<int, std::vector<Symbol>>>& memories) const {
+  Symbol sum = 0.0;
+  for (std::size_t k = 0; k < kernel.across.size(); ++k) {
+    const auto split = solver::split_separable(kernel.across[k], depends_on_memory_time);
+    if (!split) return {};
+    for (const auto& [of_x, of_time] : *split) {
+      if (of_x.is(0.0) || of_time.is(0.0)) continue;
+      const Symbol negative = -of_time;
+      bool found = false;
+      for (const auto& [m, strain] : memories) {
+        const Symbol& known = model_.histories[static_cast<std::size_t>(m)].kernel;
+        if (found || !(known == of_time || known == negative)) continue;
+        sum = sum + (known == of_time ? of_x : -of_x) * strain[k];
+        found = true;
+      }
+      if (!found) return {};
+    }
+  }
+  return kernel.across.empty() ? std::vector<Symbol>{} : std::vector<Symbol>{sum};
+}
+
 Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
   auto args = match(e, c, "history", {"kernel", "of"}, 2);
   if (!args) return Poison{};
@@ -536,8 +609,10 @@ Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope&
   }
   Field out = *of;
   out.memory = true;
+  const auto across = kernel->rank == 4 ? entries_across(*kernel) : std::vector<int>();
   for (Symbol& component : out.components) component = 0.0;
   const int n = static_cast<int>(of->components.size());
+  std::vector<std::pair<int, std::vector<Symbol>>> memories;
   for (const auto& [m, t] : tensors) {
     std::vector<std::pair<solver::Slot, Symbol>> rename;
     for (int k = 0; k < slot::n_derivatives; ++k)
@@ -552,7 +627,13 @@ Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope&
       }
       for (int k = 0; k < n; ++k) out.components[i] = out.components[i] + t[i * n + k] * w[k];
     }
+    for (std::size_t k = 0; k < across.size() && !out.across.empty(); ++k)
+      if (across[k] >= 0)
+        out.across[0] = out.across[0] + t[static_cast<std::size_t>(across[k])] * w[k];
+    memories.emplace_back(m, std::move(w));
   }
+  if (kernel->rank == 4 && across.empty() && !out.across.empty())
+    out.across = across_of_memories(*kernel, memories);
   uses_memory_ = true;
   if (read) { // a law knows what it reads
     out.trial = Degree::none;

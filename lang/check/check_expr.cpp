@@ -71,6 +71,7 @@ Value Checker::expr_node(const ast::Expr& e, const Scope& scope) {
                    auto f = field(*n.operand, scope);
                    if (!f) return Poison{};
                    for (Symbol& c : f->components) c = -c;
+                   for (Symbol& c : f->across) c = -c;
                    if (f->series)
                      for (Symbol& c : f->series->of_place) c = -c;
                    for (LawUse& use : f->laws) {
@@ -227,6 +228,9 @@ Value Checker::cases(const ast::Expr& e, const ast::Cases& c, const Scope& scope
     }
     for (std::size_t k = 0; k < out.components.size(); ++k)
       out.components[k] = select(*when, value->components[k], out.components[k]);
+    if (value->across.size() != out.across.size()) out.across.clear();
+    for (std::size_t k = 0; k < out.across.size(); ++k)
+      out.across[k] = select(*when, value->across[k], out.across[k]);
     if (value->test != Degree::none) out.test = value->test;
     if (value->trial != Degree::none) out.trial = value->trial;
     out.rate = out.rate || value->rate;
@@ -386,6 +390,10 @@ Value Checker::field_member(const ast::Expr&, const ast::Member& m, const Field&
     if (name.size() != 2) return no_member({"xx", "yy", "xy"});
     const auto i = axis_of(name.substr(0, 1)), j = axis_of(name.substr(1, 1));
     if (!i || !j) return no_member({"xx", "yy", "xy"});
+    if (*i == 2 && *j == 2 && f.rows == 2 && f.test == Degree::none && !f.across.empty()) {
+      out.components = f.across; // in plane strain
+      return out;
+    }
     if (*i >= f.rows || *j >= f.columns) {
       error("E0315", m.member.span, fmt::format("{} has no component `{}`", describe(f), name));
       return Poison{};

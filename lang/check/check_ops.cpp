@@ -1,4 +1,5 @@
 // Operators on symbolic values: shapes, and how each operation carries linearity in u and v.
+#include "lang/check/across.hpp"
 #include "lang/check/checker.hpp"
 
 #include <fmt/format.h>
@@ -30,6 +31,7 @@ Field shaped_like(const Field& f) {
   out.components.clear();
   out.laws.clear();
   out.series.reset();
+  out.across.clear();
   return out;
 }
 
@@ -89,6 +91,7 @@ std::optional<Field> Checker::add(const ast::Expr& e, const ast::Binary& b, Fiel
   out.rate = left.rate || right.rate;
   out.memory = left.memory || right.memory;
   out.read = left.read || right.read;
+  out.across = across_of_sum(left, right, sign);
   out.laws = left.laws;
   for (LawUse use : right.laws) {
     use.factor = sign * use.factor;
@@ -181,6 +184,7 @@ std::optional<Field> Checker::multiply(const ast::Expr& e, const ast::Binary& b,
   out.by_slope = left.by_slope || right.by_slope;
   for (const Symbol& c : body.components) out.components.push_back(factor.scalar() * c);
   out.series = series_of_product(factor, body);
+  out.across = across_of_product(factor, body);
   for (LawUse use : body.laws) {
     use.factor = factor.scalar() * use.factor;
     use.factor_span = &factor == &left ? b.left->span : b.right->span;
@@ -207,6 +211,7 @@ std::optional<Field> Checker::divide(const ast::Expr& e, const ast::Binary& b, c
   if (!nonlinear_degrees(b.right->span, "division by this", {&right}, out, scope))
     return std::nullopt;
   for (const Symbol& c : left.components) out.components.push_back(c / right.scalar());
+  for (const Symbol& c : left.across) out.across.push_back(c / right.scalar());
   for (LawUse use : left.laws) {
     use.factor = use.factor / right.scalar();
     use.factor_span = b.right->span;
@@ -268,6 +273,7 @@ std::optional<Field> Checker::contract(const ast::Expr& e, const ast::Binary& b,
   out.rank = left.rank + right.rank - 4;
   if (left.rank == 4 && right.rank == 4) out.rank = 4;
   if (out.rank >= 2) out.rows = out.columns = d;
+  out.across = across_of_contraction(left, right);
   return out;
 }
 

@@ -90,6 +90,7 @@ std::optional<Model> Checker::run() {
   }
   if (find_ && readable_) {
     reports();
+    plots();
     expectations();
     study();
   }

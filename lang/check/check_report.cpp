@@ -1,4 +1,5 @@
 // Results: tables, fields, pictures, expectations and studies.
+#include "lang/check/across.hpp"
 #include "lang/check/builtins.hpp"
 #include "lang/check/checker.hpp"
 #include "lang/diag/suggest.hpp"
@@ -40,17 +41,23 @@ int Checker::norm_of_unknown(const ast::Expr& e) const {
   return r ? unknown_named(r->name) : -1;
 }
 
+/// The first unknown that is a vector, else the first.
+int Checker::first_vector_unknown() const {
+  const auto all = unknowns_of(model_.space);
+  const auto found = std::ranges::find(all, true, &solver::UnknownSpec::vector);
+  return found == all.end() ? 0 : static_cast<int>(found - all.begin());
+}
+
 /// The stress, the sum of all that is contracted with eps(v): sigma_ij = d integrand / d
 /// (dv_i/dx_j), symmetrised, on cells; axisymmetric: 3 x 3, zz along the circles. Of the first
 /// unknown that is a vector, else of the first.
 Field Checker::stress() {
-  const auto all = unknowns_of(model_.space);
-  const auto first_vector = std::ranges::find(all, true, &solver::UnknownSpec::vector);
-  const bool vector = first_vector != all.end();
-  const int unknown = vector ? static_cast<int>(first_vector - all.begin()) : 0;
+  const int unknown = first_vector_unknown();
+  const bool vector = unknowns_of(model_.space)[static_cast<std::size_t>(unknown)].vector;
   const int d = components_of(unknown);
   const auto of = [&](int derivative) { return slot::test(slot::of_unknown(unknown, derivative)); };
   Field out = matrix_field(d, model_.dim, std::vector<Symbol>(d * model_.dim, Symbol(0.0)));
+  if (vector && d == 2 && !model_.mesh.axisymmetric) out.across = {Symbol(0.0)};
   const bool ring = model_.mesh.axisymmetric && vector;
   Symbol hoop = 0.0;
   for (const ModelTerm& term : model_.terms) {
@@ -63,6 +70,9 @@ Field Checker::stress() {
         out.components[i * model_.dim + j] =
             out.components[i * model_.dim + j] + term.factor * where * entry;
       }
+    const auto across = across_of_scalar(term.integrand);
+    if (across.empty()) out.across.clear();
+    if (!out.across.empty()) out.across[0] = out.across[0] + term.factor * where * across[0];
     if (ring)
       hoop = hoop + term.factor * where * derivative(term.integrand.scalar(), of(slot::hoop));
   }
@@ -140,67 +150,6 @@ Value Checker::law_member(const ast::Member& m, int declaration, const Scope& sc
   return Poison{};
 }
 
-/// integral(part, expression) in a report: a probe, used as a number.
-Value Checker::integral_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
-  if (!scope.report) {
-    error("E0306", e.span, "an integral stands in the inequality or in a report");
-    return Poison{};
-  }
-  auto args = match(e, c, "integral", {"part", "of", "rule"}, 2);
-  if (!args) return Poison{};
-  const auto* name = std::get_if<ast::Reference>(&(*args)[0]->node);
-  if (!name) {
-    error("E0306", (*args)[0]->span, "an integral is over a part, by its name");
-    return Poison{};
-  }
-  auto part = part_index({name->name, (*args)[0]->span});
-  Scope inner = scope;
-  const auto kind = part ? model_.parts[*part].kind : std::nullopt;
-  inner.normal = kind.value_or(Group::Kind::facets) == Group::Kind::facets;
-  gap_part_ = -1;
-  auto of = scalar(*(*args)[1], inner);
-  if (!part || !of || !take_jumps((*args)[1]->span, of->components, *part)) return Poison{};
-  Probe p;
-  p.origin = model_.origin(e.span);
-  p.kind = Probe::Kind::integral;
-  p.part = *part;
-  p.expression = of->scalar();
-  if ((*args)[2]) {
-    auto w = word(*(*args)[2], "rule", {"exact", "nodal", "midpoint", "gauss"});
-    if (!w) return Poison{};
-    if (*w != "nodal" && refuse_pair(*part, (*args)[2]->span, "a rule of its own")) return Poison{};
-    p.rule = *w == "nodal"      ? solver::Rule::nodal
-             : *w == "midpoint" ? solver::Rule::midpoint
-             : *w == "gauss"    ? solver::Rule::gauss
-                                : solver::Rule::exact;
-  }
-  // The application of a law on this very part: `layer.xi` meant the first one found by name.
-  int application = 0;
-  std::vector<std::pair<solver::Slot, Symbol>> rename;
-  for (const ModelTerm& term : model_.terms)
-    for (const LawUse& use : term.integrand.laws) {
-      if (term.part == *part) {
-        int first = 0;
-        for (const ModelTerm& other : model_.terms)
-          for (const LawUse& earlier : other.integrand.laws) {
-            if (earlier.name == use.name && first != application &&
-                p.expression.depends_on_any(slot::multiplier(first, 0),
-                                            slot::multiplier(first, slot::rows_of_multiplier)))
-              for (int k = 0; k < 3; ++k)
-                rename.emplace_back(slot::multiplier(first, k),
-                                    Symbol::variable(slot::multiplier(application, k)));
-            ++first;
-          }
-      }
-      ++application;
-    }
-  p.expression = substitute(p.expression, rename);
-  if (!reads_states_of(e.span, p.expression, *part, "an integral")) return Poison{};
-  Field out = scalar_field(Symbol::variable(slot::probe(probe(std::move(p)))));
-  out.trial = Degree::nonlinear;
-  return out;
-}
-
 std::optional<double> Checker::report_time(const ast::Expr& e) {
   auto t = constant(e, "a time");
   if (!t) return std::nullopt;
@@ -218,12 +167,9 @@ std::optional<double> Checker::report_time(const ast::Expr& e) {
   return t;
 }
 
+/// A column of a table. A vector has a column for each component: `force` gives `force_x`,
+/// `force_y`.
 void Checker::binding(const ast::Binding& b, solver::TableSpec& table) {
-  for (const Probe& known : model_.report.probes)
-    if (known.name == b.name.text) {
-      error("E0302", b.name.span, fmt::format("the column `{}` is there twice", b.name.text));
-      return;
-    }
   Probe p;
   p.name = b.name.text;
   p.origin = model_.origin(b.value.span);
@@ -232,17 +178,15 @@ void Checker::binding(const ast::Binding& b, solver::TableSpec& table) {
     p.time = report_time(*b.time);
     good = p.time.has_value();
   }
-  Scope scope = report_scope();
   const std::size_t first = model_.report.probes.size();
-  const int normed = b.point ? -1 : norm_of_unknown(b.value);
-  if (normed >= 0) {
+  if (const int normed = b.point ? -1 : norm_of_unknown(b.value); normed >= 0) {
     p.kind = Probe::Kind::norm_v;
     p.unknown = normed;
-    if (good) table.probes.push_back(probe(std::move(p)));
+    if (good) column(b, std::move(p), table);
     return;
   }
   gap_part_ = -1;
-  auto value = scalar(b.value, scope);
+  auto value = column_value(b);
   if (b.point) {
     auto at = constant_list(*b.point, "a point");
     if (!at || !value || !good) return;
@@ -250,26 +194,56 @@ void Checker::binding(const ast::Binding& b, solver::TableSpec& table) {
       error("E0307", b.point->span, fmt::format("a point in {0}D has {0} coordinates", model_.dim));
       return;
     }
-    if (!take_jumps_at_point(b.value.span, value->components.front(), p)) return;
     p.kind = Probe::Kind::at_point;
     p.origin = model_.origin(b.point->span);
     for (int i = 0; i < model_.dim; ++i) p.point[i] = (*at)[i];
   } else {
     if (!value || !good) return;
-    for (solver::Slot s : solver::slots_of(value->scalar())) {
+    if (!has_one_value(b, *value)) return;
+    p.kind = Probe::Kind::combination;
+  }
+  for (std::size_t i = 0; i < value->components.size(); ++i) {
+    Probe of = p;
+    of.expression = value->components[i];
+    if (b.point && !take_jumps_at_point(b.value.span, of.expression, of)) return;
+    if (value->rank == 1) of.name += fmt::format("_{}", "xyz"[i]);
+    if (of.kind == Probe::Kind::combination && of.time) take_at_its_time(first, of);
+    if (!column(b, std::move(of), table)) return;
+  }
+}
+
+/// A number, or a vector.
+std::optional<Field> Checker::column_value(const ast::Binding& b) {
+  auto value = field(b.value, report_scope());
+  if (!value || (value->rank <= 1 && !value->law_vector)) return value;
+  error("E0306", b.value.span,
+        fmt::format("a column is a scalar or a vector, not {}", describe(*value)));
+  return std::nullopt;
+}
+
+/// Is it made of numbers of the report and of t only?
+bool Checker::has_one_value(const ast::Binding& b, const Field& value) {
+  for (const Symbol& component : value.components)
+    for (solver::Slot s : solver::slots_of(component)) {
       if (s >= slot::first_probe || s == slot::t) continue;
       error("E0306", b.value.span, fmt::format("`{}` has a value at every point", b.name.text),
             fmt::format("say where: `{} = ... at [{}]`, or take its integral", b.name.text,
                         model_.dim == 1   ? "0.5"
                         : model_.dim == 2 ? "1, 0"
                                           : "1, 0, 0"));
-      return;
+      return false;
     }
-    p.kind = Probe::Kind::combination;
-  }
-  p.expression = value->scalar();
-  if (p.kind == Probe::Kind::combination && p.time) take_at_its_time(first, p);
+  return true;
+}
+
+bool Checker::column(const ast::Binding& b, Probe p, solver::TableSpec& table) {
+  for (const Probe& known : model_.report.probes)
+    if (known.name == p.name) {
+      error("E0302", b.name.span, fmt::format("the column `{}` is there twice", p.name));
+      return false;
+    }
   table.probes.push_back(probe(std::move(p)));
+  return true;
 }
 
 /// A combination of integrals at a time of its own: its integrals, the probes from `first` on, are
@@ -360,26 +334,6 @@ void Checker::fields(const ast::FieldsItem& item) {
   model_.report.fields.push_back(std::move(spec));
 }
 
-void Checker::picture(const ast::PictureItem& item) {
-  solver::PictureSpec spec;
-  spec.origin = model_.origin(item.span);
-  auto file = output_name(item.to);
-  auto f = output_field(item.field);
-  if (item.time) spec.time = report_time(*item.time);
-  if (!file || !f) return;
-  for (const Symbol& c : f->components)
-    if (c.depends_on_any(slot::field(solver::field_of_u(1), 0), slot::first_inside) ||
-        c.depends_on_any(slot::first_state, slot::first_probe)) {
-      error("E0306", item.field.span,
-            fmt::format("`{}` cannot be drawn: a picture shows functions of u", f->name),
-            "write it with `fields` and open the VTU file");
-      return;
-    }
-  spec.field = std::move(*f);
-  spec.file = *file;
-  model_.report.pictures.push_back(std::move(spec));
-}
-
 void Checker::reports() {
   for (const ast::Statement& statement : programs_[0].statements) {
     const auto* report = std::get_if<ast::Report>(&statement);
@@ -388,8 +342,17 @@ void Checker::reports() {
       if (const auto* t = std::get_if<ast::TableItem>(&item)) table(*t);
       if (const auto* f = std::get_if<ast::FieldsItem>(&item)) fields(*f);
       if (const auto* p = std::get_if<ast::PictureItem>(&item)) picture(*p);
+      if (const auto* l = std::get_if<ast::LineItem>(&item)) line(*l);
     }
   }
+}
+
+/// After all tables: plots show their columns.
+void Checker::plots() {
+  for (const ast::Statement& statement : programs_[0].statements)
+    if (const auto* report = std::get_if<ast::Report>(&statement); report && spaces_known_)
+      for (const ast::ReportItem& item : report->items)
+        if (const auto* p = std::get_if<ast::PlotItem>(&item)) plot(*p);
 }
 
 void Checker::expectations() {
@@ -508,7 +471,8 @@ void Checker::study() {
     out.reference = s->reference == ast::StudyReference::finest ? ModelStudy::Reference::finest
                     : s->reference == ast::StudyReference::richardson
                         ? ModelStudy::Reference::richardson
-                        : ModelStudy::Reference::exact;
+                    : s->reference == ast::StudyReference::exact ? ModelStudy::Reference::exact
+                                                                 : ModelStudy::Reference::none;
     if (s->exact) {
       Scope scope;
       scope.what = "an exact solution";

@@ -1,11 +1,6 @@
-// Material tensors, Voigt matrices, tables and Prony sums.
-#include "lang/check/builtins.hpp"
+// Material tensors and Voigt matrices.
 #include "lang/check/checker.hpp"
-#include "lang/diag/suggest.hpp"
-#include "lang/diag/unreadable.hpp"
 #include "solver/kernel/algebra.hpp"
-#include "solver/kernel/prony_fit.hpp"
-#include "solver/kernel/table.hpp"
 #include "solver/linear/dense.hpp"
 
 #include <fmt/format.h>
@@ -38,7 +33,9 @@ Field isotropic(int d, const Symbol& lambda, const Symbol& mu) {
           if (i == l && j == k) entry = entry + mu;
           c.push_back(entry);
         }
-  return tensor_field(d, std::move(c));
+  Field out = tensor_field(d, std::move(c));
+  if (d == 2) out.across = {lambda, 0.0, 0.0, lambda};
+  return out;
 }
 
 /// Index of the pair (i, j) in Voigt order: xx yy xy in 2D, xx yy zz yz xz xy in 3D.
@@ -82,25 +79,31 @@ Eigen::Matrix3d frame_around(const solver::Point& axis) {
   return rows;
 }
 
-/// c_ijkl = sum a_ip a_jq a_kr a_ls C_pqrs, rows of `axes` the material axes; then restricted to d.
+/// c_ijkl = sum a_ip a_jq a_kr a_ls C_pqrs, rows of `axes` the material axes.
+Symbol rotated(const Field& material, const Eigen::Matrix3d& axes, int i, int j, int k, int l) {
+  Symbol sum = 0.0;
+  for (int p = 0; p < 3; ++p)
+    for (int q = 0; q < 3; ++q)
+      for (int r = 0; r < 3; ++r)
+        for (int s = 0; s < 3; ++s) {
+          const double weight = axes(p, i) * axes(q, j) * axes(r, k) * axes(s, l);
+          if (weight != 0.0)
+            sum = sum + Symbol(weight) * material.components[((p * 3 + q) * 3 + r) * 3 + s];
+        }
+  return sum;
+}
+
+/// The rotated tensor, restricted to d.
 Field rotate(int d, const Field& material, const Eigen::Matrix3d& axes) {
   std::vector<Symbol> c;
   for (int i = 0; i < d; ++i)
     for (int j = 0; j < d; ++j)
       for (int k = 0; k < d; ++k)
-        for (int l = 0; l < d; ++l) {
-          Symbol sum = 0.0;
-          for (int p = 0; p < 3; ++p)
-            for (int q = 0; q < 3; ++q)
-              for (int r = 0; r < 3; ++r)
-                for (int s = 0; s < 3; ++s) {
-                  const double weight = axes(p, i) * axes(q, j) * axes(r, k) * axes(s, l);
-                  if (weight != 0.0)
-                    sum = sum + Symbol(weight) * material.components[((p * 3 + q) * 3 + r) * 3 + s];
-                }
-          c.push_back(sum);
-        }
-  return tensor_field(d, std::move(c));
+        for (int l = 0; l < d; ++l) c.push_back(rotated(material, axes, i, j, k, l));
+  Field out = tensor_field(d, std::move(c));
+  for (int k = 0; d == 2 && k < d; ++k)
+    for (int l = 0; l < d; ++l) out.across.push_back(rotated(material, axes, 2, 2, k, l));
+  return out;
 }
 
 /// Voigt stiffness of an orthotropic material by inverting its compliance, symbolically 3 x 3.
@@ -165,7 +168,8 @@ constexpr double locking = 24.0;
 Value Checker::tensor_call(const ast::Expr& e, const ast::Call& c, const std::string& name,
                            const Scope& scope) {
   if (name == "table") return table_call(e, c, scope);
-  if (name == "prony") return prony_call(e, c, scope);
+  if (name == "prony" || name == "prony_relaxation") return prony_call(e, c, name, scope);
+  if (name == "derivative") return derivative_call(e, c, scope);
   Value value = material_call(e, c, name, scope);
   const auto* material = std::get_if<Field>(&value);
   if (material && twists(e.span, *material)) return Poison{};
@@ -367,12 +371,48 @@ Value Checker::voigt_call(const ast::Expr& e, const ast::Call& c, const Scope& s
   return ring ? from_voigt(3, without_twist(f->components)) : from_voigt(d, f->components);
 }
 
+/// Constants given one by one (`nu12 = ..`) instead of what a call takes otherwise: all of them and
+/// nothing else, but for its last argument. None: the call has no such constant; false: said why
+/// not.
+std::optional<bool> Checker::takes_constants(const ast::Expr& e, const std::string& callee,
+                                             std::span<const ast::Expr* const> others,
+                                             std::span<const ast::Expr* const> constants,
+                                             const std::string& names) {
+  const auto given = [](const ast::Expr* a) { return a != nullptr; };
+  if (std::ranges::none_of(constants, given)) return std::nullopt;
+  if (std::ranges::all_of(constants, given) && std::ranges::none_of(others, given)) return true;
+  error("E0305", e.span,
+        fmt::format("`{}` takes all of {}, and nothing in their place", callee, names));
+  return false;
+}
+
 Value Checker::orthotropic_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
-  auto args = match(e, c, "orthotropic", {"young", "poisson", "shear", "axes"}, 3);
+  auto args = match(e, c, "orthotropic",
+                    {"young", "poisson", "shear", "axes", "E1", "E2", "E3", "nu12", "nu23", "nu13",
+                     "G12", "G23", "G13"},
+                    0);
   if (!args) return Poison{};
-  auto young = three_symbols((*args)[0], "young", scope),
-       poisson = three_symbols((*args)[1], "poisson", scope),
-       shear = three_symbols((*args)[2], "shear", scope);
+  const std::span<const ast::Expr* const> all(*args);
+  const auto constants = takes_constants(e, "orthotropic", all.subspan(0, 3), all.subspan(4),
+                                         "E1, E2, E3, nu12, nu23, nu13, G12, G23, G13");
+  if (constants == false) return Poison{};
+  const auto three = [&](std::size_t list, std::size_t first,
+                         const char* what) -> std::optional<Symbols3> {
+    if (!constants && !all[list]) {
+      error("E0305", e.span, fmt::format("`orthotropic` needs its argument `{}`", what));
+      return std::nullopt;
+    }
+    if (!constants) return three_symbols(all[list], what, scope);
+    Symbols3 out;
+    for (std::size_t i = 0; i < 3; ++i) {
+      auto value = symbol_of(all[first + i], scope);
+      if (!value) return std::nullopt;
+      out[i] = *value;
+    }
+    return out;
+  };
+  const auto young = three(0, 4, "young"), poisson = three(1, 7, "poisson"),
+             shear = three(2, 10, "shear");
   auto axes = material_axes((*args)[3]);
   if (!young || !poisson || !shear || !axes) return Poison{};
   return rotate(tensor_dim(), orthotropic(*young, *poisson, *shear), matrix_of(*axes));
@@ -380,11 +420,24 @@ Value Checker::orthotropic_call(const ast::Expr& e, const ast::Call& c, const Sc
 
 /// Isotropic in the plane normal to `axis`.
 Value Checker::transverse_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
-  auto args = match(e, c, "transverse",
-                    {"young", "poisson", "young_axis", "poisson_axis", "shear_axis", "axis"}, 5);
+  const std::vector<std::string> names = {"young",      "poisson", "young_axis", "poisson_axis",
+                                          "shear_axis", "axis",    "E2",         "nu23",
+                                          "E1",         "nu12",    "G12"};
+  auto args = match(e, c, "transverse", names, 0);
   if (!args) return Poison{};
+  const std::span<const ast::Expr* const> all(*args);
+  const auto constants = takes_constants(e, "transverse", all.subspan(0, 5), all.subspan(6),
+                                         "E1, E2, nu12, nu23, G12");
+  if (constants == false) return Poison{};
   std::array<std::optional<Symbol>, 5> v;
-  for (int i = 0; i < 5; ++i) v[i] = symbol_of((*args)[i], scope);
+  for (std::size_t i = 0; i < 5; ++i) {
+    const ast::Expr* const given = all[constants ? 6 + i : i];
+    if (!given) {
+      error("E0305", e.span, fmt::format("`transverse` needs its argument `{}`", names[i]));
+      return Poison{};
+    }
+    v[i] = symbol_of(given, scope);
+  }
   if (std::any_of(v.begin(), v.end(), [](const auto& o) { return !o; })) return Poison{};
   const auto axis = material_axis((*args)[5]);
   if (!axis) return Poison{};
@@ -402,136 +455,6 @@ Value Checker::material_call(const ast::Expr& e, const ast::Call& c, const std::
   if (name == "voigt") return voigt_call(e, c, scope);
   if (name == "orthotropic") return orthotropic_call(e, c, scope);
   return transverse_call(e, c, scope);
-}
-
-/// A Prony series of `at`. Of the lag, it reaches the plan as such; a constant factor of it goes to
-/// the quantities of place.
-Field Checker::series_field(const solver::PronySeries& series, const Symbol& at) {
-  const Symbol sum = solver::expression(series, at);
-  Field out = scalar_field(sum);
-  const auto is_lag = [](solver::Slot s) { return s == slot::lag; };
-  const auto split = solver::split_separable(sum, is_lag);
-  if (!(at == Symbol::variable(slot::lag)) || !split || split->size() != 1) return out;
-  const auto& [factor, rest] = split->front();
-  SeriesTimes written{series, rest, {factor}};
-  written.series.constant /= factor.value();
-  for (double& weight : written.series.weights) weight /= factor.value();
-  out.series = std::move(written);
-  return out;
-}
-
-Value Checker::table_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
-  auto args = match(e, c, "table", {"file", "at", "interpolation"}, 1);
-  if (!args) return Poison{};
-  const auto* path = std::get_if<ast::String>(&(*args)[0]->node);
-  if (!path) {
-    error("E0306", (*args)[0]->span, "the file of a table is a text: `table(\"load.csv\")`");
-    return Poison{};
-  }
-  auto kind = solver::Table::Interpolation::linear;
-  bool prony = false;
-  if ((*args)[2]) {
-    auto w = word(*(*args)[2], "interpolation", {"linear", "cubic", "prony"});
-    if (!w) return Poison{};
-    prony = *w == "prony";
-    if (*w == "cubic") kind = solver::Table::Interpolation::monotone_cubic;
-  }
-  std::optional<Field> at;
-  if ((*args)[1]) {
-    at = scalar(*(*args)[1], scope);
-  } else if (scope.lag || scope.time) {
-    at = scalar_field(Symbol::variable(scope.lag ? slot::lag : slot::t));
-  } else {
-    error("E0305", e.span, "`table` needs its argument `at` here", "`table(\"file.csv\", x)`");
-  }
-  if (!at) return Poison{};
-  Field out;
-  if (!nonlinear_degrees(e.span, "`table`", {&*at}, out, scope)) return Poison{};
-  auto full = allowed_path(path->text, (*args)[0]->span);
-  if (!full) return Poison{};
-  constexpr std::size_t most_bytes = std::size_t{256} << 20;
-  const auto text = read_text(*full, most_bytes);
-  if (!text) {
-    error("E0601", (*args)[0]->span, why_unreadable(*full, path->text));
-    return Poison{};
-  }
-  if (text->size() > most_bytes) {
-    error("E0607", (*args)[0]->span, fmt::format("`{}` is larger than 256 MiB", path->text));
-    return Poison{};
-  }
-  model_.files_read.push_back(*full);
-  try {
-    auto table = std::make_shared<solver::Table>(solver::parse_table(path->text, *text, kind));
-    table_uses_.push_back({e.span, path->text, at->scalar(), table->first(), table->last()});
-    // A table of the lag is material data: what a Prony sum makes of it is said in any case.
-    const auto& where = at->scalar();
-    const bool relaxation = scope.lag && where.depends_on(slot::lag) && !where.depends_on(slot::t);
-    Field series;
-    if (prony || relaxation) series = prony_through(*table, where, e.span, prony);
-    out.components = {prony ? series.scalar() : Symbol::tabulated(table, where)};
-    if (prony) out.series = series.series;
-  } catch (const std::invalid_argument& problem) {
-    error("E0605", (*args)[0]->span, fmt::format("`{}`: {}", path->text, problem.what()),
-          "a table is two columns of numbers, the first increasing");
-    return Poison{};
-  }
-  return check_finite(e.span, out) ? Value(out) : Value(Poison{});
-}
-
-/// The Prony sum through the table's points; its error becomes a note of the plan, which says
-/// whether the sum is `taken` or the table itself.
-Field Checker::prony_through(const solver::Table& table, const Symbol& at, const Span& span,
-                             bool taken) {
-  const auto fit = solver::fit_prony(table);
-  const bool known = std::any_of(model_.notes.begin(), model_.notes.end(),
-                                 [&](const ModelNote& n) { return n.span == span; });
-  if (!known)
-    model_.notes.push_back(
-        {fmt::format("Prony sum through `{}`", table.name()), span,
-         fmt::format("{} exponentials{}, largest error {:.1e} of the largest "
-                     "value, root mean square {:.1e}{}",
-                     fit.series.weights.size(), fit.series.constant != 0 ? " and a constant" : "",
-                     fit.largest, fit.mean,
-                     taken ? ""
-                           : " (the table itself is taken, without this error; "
-                             "`interpolation = prony` takes the sum)"),
-         taken});
-  return series_field(fit.series, at);
-}
-
-Value Checker::prony_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
-  auto args = match(e, c, "prony", {"weights", "times", "at"}, 2);
-  if (!args) return Poison{};
-  auto weights = field(*(*args)[0], scope), times = field(*(*args)[1], scope);
-  if (!weights || !times) return Poison{};
-  if (weights->rank != 1 || times->rank != 1 || weights->rows != times->rows) {
-    error("E0307", e.span, "`prony` takes two lists of the same length");
-    return Poison{};
-  }
-  std::optional<Field> at;
-  if ((*args)[2])
-    at = scalar(*(*args)[2], scope);
-  else if (scope.lag)
-    at = scalar_field(Symbol::variable(slot::lag));
-  else
-    error("E0305", e.span, "`prony` needs its argument `at` outside a kernel");
-  if (!at) return Poison{};
-  Symbol sum = 0.0;
-  solver::PronySeries series;
-  for (int i = 0; i < weights->rows; ++i) {
-    const Symbol& time = times->components[i];
-    if (time.is_constant() && !(time.value() > 0.0)) {
-      error("E0407", item_span(*(*args)[1], i), "relaxation times are positive");
-      return Poison{};
-    }
-    const Symbol& weight = weights->components[i];
-    sum = sum + weight * exp(-at->scalar() / time);
-    if (!weight.is_constant() || !time.is_constant()) continue;
-    series.weights.push_back(weight.value());
-    series.times.push_back(time.value());
-  }
-  const bool numbers = static_cast<int>(series.weights.size()) == weights->rows;
-  return numbers ? series_field(series, at->scalar()) : scalar_field(sum);
 }
 
 } // namespace hvi::lang

@@ -256,8 +256,9 @@ void Checker::of_one_unknown(const ast::Find& find) {
     if (setting.name.text == "accuracy")
       refuse(setting.span, "an accuracy", "choose n and N, and compare two of them");
   for (const ast::Statement& statement : programs_[0].statements)
-    if (const auto* study = std::get_if<ast::Study>(&statement))
-      refuse(study->keyword, "a study", "run it for several n, and compare columns");
+    if (const auto* study = std::get_if<ast::Study>(&statement);
+        study && study->reference != ast::StudyReference::none)
+      refuse(study->keyword, "a study of errors", "leave out `against`, and compare columns");
   for (const ModelTerm& term : model_.terms)
     for (const LawUse& use : term.integrand.laws) {
       const auto all = unknowns_of(model_.space);

@@ -151,6 +151,7 @@ private:
                   const Scope& scope);
   Value differential(const ast::Expr& e, const ast::Call& call, const std::string& name,
                      const Scope& scope);
+  Value mises_call(const ast::Expr& e, const Span& span, const Field& f, const Scope& scope);
   Value algebraic(const ast::Expr& e, const ast::Call& call, const std::string& name,
                   const Scope& scope);
   void check_locking();
@@ -174,9 +175,29 @@ private:
   static Field series_field(const solver::PronySeries& series, const Symbol& at);
   Field prony_through(const solver::Table& table, const Symbol& at, const Span& span, bool taken);
   Value table_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
-  Value prony_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  Value prony_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
+                   const Scope& scope);
+  Value derivative_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  std::optional<bool> takes_constants(const ast::Expr& e, const std::string& callee,
+                                      std::span<const ast::Expr* const> others,
+                                      std::span<const ast::Expr* const> constants,
+                                      const std::string& names);
+  std::vector<Symbol>
+  across_of_memories(const Field& kernel,
+                     const std::vector<std::pair<int, std::vector<Symbol>>>& memories) const;
   Value history_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
   Value integral_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  Value extreme_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
+                     const Scope& scope);
+  Value reaction_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  std::optional<int> reported_part(const ast::Expr& e, const std::string& what);
+  std::optional<solver::Probe> probe_on_part(const ast::Expr& e, const std::string& what,
+                                             const ast::Expr& part, const ast::Expr& of,
+                                             const Scope& scope);
+  std::optional<int> unknown_given(const ast::Expr& e, const std::string& what);
+  int first_vector_unknown() const;
+  void name_multipliers(int part, Symbol& expression) const;
+  Value number_of(solver::Probe probe);
   Value clarke(const ast::Expr& e, const ast::Clarke& clarke, const Scope& scope);
   /// Matches positional and named arguments with `names` (the first `required` must be there).
   std::optional<std::vector<const ast::Expr*>> match(const ast::Expr& e, const ast::Call& call,
@@ -323,7 +344,15 @@ private:
   void table(const ast::TableItem& item);
   void fields(const ast::FieldsItem& item);
   void picture(const ast::PictureItem& item);
+  void line(const ast::LineItem& item);
+  void plot(const ast::PlotItem& item);
+  void plots();
+  std::optional<solver::FieldSpec> drawn_field(const ast::Expr& e, const std::string& what);
+  bool place(const ast::Expr& e, solver::Point& out);
   void binding(const ast::Binding& binding, solver::TableSpec& table);
+  std::optional<Field> column_value(const ast::Binding& binding);
+  bool has_one_value(const ast::Binding& binding, const Field& value);
+  bool column(const ast::Binding& binding, solver::Probe probe, solver::TableSpec& table);
   void take_at_its_time(std::size_t first, solver::Probe& p);
   std::optional<solver::FieldSpec> output_field(const ast::Expr& e);
   std::optional<std::string> output_name(const std::optional<ast::Text>& to);

@@ -99,7 +99,7 @@ struct StudyLadder {
 struct ModelStudy {
   Span span;
   std::vector<StudyLadder> ladders;
-  enum class Reference { finest, richardson, exact } reference = Reference::finest;
+  enum class Reference { finest, richardson, exact, none } reference = Reference::finest;
   std::vector<Symbol> exact; ///< components of the exact solution, of slot::x and slot::t
   std::string norm;
 };

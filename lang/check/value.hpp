@@ -74,6 +74,7 @@ struct Field {
   bool law_vector = false;           ///< the vector argument of a superpotential: norm(xi) only
   std::vector<LawUse> laws;          ///< rank 0 only
   std::optional<SeriesTimes> series; ///< of a scalar or a fourth-order tensor written as that
+  std::vector<Symbol> across;        ///< in plane strain: see across.hpp; empty: not known
   int depth = 0;                     ///< operations within each other, at most
 
   const Symbol& scalar() const { return components.front(); }

@@ -6,6 +6,7 @@
 #include "lang/cli/outputs.hpp"
 #include "lang/cli/run_report.hpp"
 #include "lang/cli/say.hpp"
+#include "lang/cli/time_left.hpp"
 #include "lang/pictures.hpp"
 #include "solver/linear/bandwidth.hpp"
 #include "solver/time/result_json.hpp"
@@ -32,15 +33,16 @@ public:
     const auto now = std::chrono::steady_clock::now();
     if (now - last_ < std::chrono::milliseconds(100) && p.step != p.steps) return;
     last_ = now;
-    const double wall = std::chrono::duration<double>(now - start_).count();
+    left_.note(p.step, std::chrono::duration<double>(now - start_).count());
     tell("\r\033[Kstep {}/{}  {} Newton  {:.0f} s left", p.step, p.steps, p.newton,
-         wall * (p.steps - p.step) / p.step);
+         left_.estimate(p.steps));
     if (p.step == p.steps) tell("\r\033[K");
     std::fflush(stderr);
   }
 
 private:
   bool enabled_;
+  TimeLeft left_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_{};
 };
 

@@ -100,7 +100,12 @@ private:
     kind_ = model.study->reference;
     study_.reference = kind_ == ModelStudy::Reference::exact    ? "the exact solution"
                        : kind_ == ModelStudy::Reference::finest ? "the finest run"
+                       : kind_ == ModelStudy::Reference::none   ? "none"
                                                                 : "the finest run, extrapolated";
+    study_.sweep = kind_ == ModelStudy::Reference::none;
+    for (const auto& table : model.report.tables)
+      for (const int probe : table.probes)
+        study_.columns.push_back(model.report.probes[static_cast<std::size_t>(probe)].name);
     study_.machine = machine_line();
     std::vector<int> counts;
     for (const StudyLadder& ladder : study_.ladders)
@@ -115,7 +120,7 @@ private:
       }
       study_.rows.push_back(std::move(row));
     }
-    if (!study_.rows.empty()) study_.finest = study_.rows.size() - 1;
+    if (!study_.rows.empty() && !study_.sweep) study_.finest = study_.rows.size() - 1;
   }
 
   /// Everything that decides a row: the program, the script and its imports, the parameters, and
@@ -150,7 +155,7 @@ private:
   }
 
   int run_all() {
-    const bool against_run = kind_ != ModelStudy::Reference::exact;
+    const bool against_run = kind_ != ModelStudy::Reference::exact && !study_.sweep;
     const bool all_known = std::all_of(study_.rows.begin(), study_.rows.end(),
                                        [&](const StudyRow& row) { return journal_.has(row); });
     if (against_run && !all_known) {
@@ -265,6 +270,7 @@ private:
       return exit_script;
     }
     script.plan->report.fields.clear(), script.plan->report.pictures.clear();
+    script.plan->report.lines.clear(), script.plan->report.plots.clear();
     forget_peak();
     resident_ = solver::memory_peak();
     try {
@@ -289,7 +295,7 @@ private:
                                    bool keeps) const {
     if (kind_ == ModelStudy::Reference::exact)
       return solver::exact_gauge(d, script.model->study->exact);
-    return keeps ? nullptr : solver::trajectory_gauge(reference_, d);
+    return keeps || study_.sweep ? nullptr : solver::trajectory_gauge(reference_, d);
   }
 
   void measure(const Script& script, const std::shared_ptr<solver::Discretisation>& d,

@@ -5,6 +5,7 @@
 #include "lang/pictures.hpp"
 #include "solver/output/file.hpp"
 #include "solver/time/checkpoint.hpp"
+#include "solver/time/line_values.hpp"
 #include "solver/time/report.hpp"
 #include "solver/time/result_json.hpp"
 
@@ -105,6 +106,10 @@ Outputs outputs_of_run(const Script& script, const Options& options) {
     }
     for (const auto& picture : report.pictures)
       names.push_back(picture_file(script.plan->problem, picture));
+    for (std::size_t i = 0; i < report.lines.size(); ++i)
+      names.push_back(solver::line_file(report, i, title));
+    for (std::size_t i = 0; i < report.plots.size(); ++i)
+      names.push_back(plot_file(*script.plan, i));
     if (options.checkpoint > 0 || options.resume)
       names.push_back(solver::checkpoint_path("", title).string());
     if (options.monitors) names.push_back(title + "_monitors.csv");

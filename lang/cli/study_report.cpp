@@ -72,6 +72,11 @@ bool has_order_picture(const Study& study, std::size_t along) {
 }
 
 std::vector<std::string> names_of_pictures(const Study& study) {
+  if (study.sweep) {
+    std::vector<std::string> out;
+    for (const std::string& column : study.columns) out.push_back("sweep_" + column);
+    return out;
+  }
   std::vector<std::string> out = {"cost"};
   for (std::size_t l = 0; l < study.ladders.size(); ++l)
     if (has_order_picture(study, l)) out.push_back("order_" + study.ladders[l].parameter);
@@ -254,6 +259,7 @@ std::vector<std::string> varied(const Study& study) {
 }
 
 std::string study_table(const Study& study) {
+  if (study.sweep) return sweep_table(study);
   std::vector<std::vector<std::string>> grid = {headings(study)};
   for (const StudyRow& row : study.rows) grid.push_back(cells(study, row));
   std::vector<std::size_t> widths(grid[0].size(), 0);
@@ -280,6 +286,7 @@ std::string study_csv(const Study& study) {
   std::vector<std::string> probes;
   if (study.finest)
     for (const auto& [name, value] : study.rows[*study.finest].probes) probes.push_back(name);
+  if (study.sweep) probes = study.columns;
   for (const std::string& name : varied(study)) out += name + ",";
   out += "unknowns,steps,v_max,v_final,l2_max,l2_final,relative,order,cpu,wall,peak_bytes,newton,"
          "front,cea_interpolation,cea_interpolation_rate,cea_trace,cea_residual,cea_rate,cea_start,"
@@ -374,7 +381,7 @@ std::vector<std::string> files_of_study(const Study& study) {
 
 std::vector<Drawn> draw_study(const Study& study, const std::string& folder) {
   std::vector<Drawn> out;
-  if (curves(study, 0).empty()) return out;
+  if (!study.sweep && curves(study, 0).empty()) return out;
   const auto draw = [&](const std::string& name, const std::string& commands) {
     for (const char* kind : kinds) {
       out.push_back({{}, fmt::format("{}.{}", name, kind), {}, false});
@@ -385,6 +392,12 @@ std::vector<Drawn> draw_study(const Study& study, const std::string& folder) {
       }
     }
   };
+  if (study.sweep) {
+    for (const std::string& column : study.columns)
+      if (const std::string commands = sweep_picture(study, column); !commands.empty())
+        draw("sweep_" + column, commands);
+    return out;
+  }
   draw("cost", cost_picture(study));
   for (std::size_t l = 0; l < study.ladders.size(); ++l)
     if (has_order_picture(study, l))

@@ -350,6 +350,18 @@ such that for all v in V, eta in W
     integral(body, A : eps(u') : eps(v)) + integral(body, dot(grad(theta), grad(eta)))
   + integral(ground, slip^0(u'.tau; v.tau))
   - integral(ground, dot(slip.xi, u'.tau) * eta) >= 0)"},
+    {"E0448", "a stress across the plane is not known",
+     R"(
+The equivalent stress of von Mises needs all stresses in space. In plane strain the stress `zz` across the
+plane is known where the stress is made of `isotropic`, `orthotropic` and `transverse` tensors on `eps(u)`, of
+memories of these, and of terms such as `p*div(v)`; a `voigt` matrix of the plane does not tell it. In 1D
+nothing tells what holds the bar sideways.)",
+     R"(
+tensor A = voigt([[3, 1, 0], [1, 3, 0], [0, 0, 1]])
+report table worst = largest(body, mises(sigma)))",
+     R"(
+tensor A = isotropic(lambda = 1, mu = 1)
+report table worst = largest(body, mises(sigma)))"},
 });
 
 } // namespace

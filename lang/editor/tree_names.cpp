@@ -53,7 +53,17 @@ public:
     for (const ast::Expr& field : item.fields) visit(field);
     visit(item.every);
   }
-  void operator()(const ast::PictureItem& item) { visit(item.field), visit(item.time); }
+  void operator()(const ast::PictureItem& item) {
+    visit(item.field), visit(item.deformed), visit(item.time);
+  }
+  void operator()(const ast::LineItem& item) {
+    for (const ast::Expr& field : item.fields) visit(field);
+    visit(item.from), visit(item.end), visit(item.points), visit(item.time);
+  }
+  void operator()(const ast::PlotItem& item) {
+    for (const ast::Name& column : item.columns) visit(column);
+    visit(item.against);
+  }
   void operator()(const ast::Expect& s) {
     visit(s.probe), visit(s.time), visit(s.value), visit(s.tolerance), visit(s.when);
   }

@@ -135,6 +135,9 @@ private:
         for (Symbol& c : field.components) f(c);
     for (solver::PictureSpec& picture : plan_.report.pictures)
       for (Symbol& c : picture.field.components) f(c);
+    for (solver::LineSpec& line : plan_.report.lines)
+      for (solver::FieldSpec& field : line.fields)
+        for (Symbol& c : field.components) f(c);
   }
 
   void lower_term(const ModelTerm& term) {
@@ -193,7 +196,11 @@ private:
   void lower_law(const ModelTerm& term, const LawUse& use) {
     const Symbol factor = term.factor * use.factor;
     applications_.push_back(-1);
-    if (factor.is(0.0) || model_.laws[use.law].spec.expression.is(0.0)) return;
+    if (factor.is(0.0) || model_.laws[use.law].spec.expression.is(0.0)) {
+      for (solver::Probe& probe : plan_.report.probes)
+        if (probe.part == term.part) probe.may_be_free = true;
+      return;
+    }
     applications_.back() = static_cast<int>(plan_.problem.law_terms.size());
     solver::LawTerm out;
     out.origin = origin(use.span);

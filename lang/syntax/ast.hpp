@@ -391,15 +391,37 @@ struct FieldsItem {
   std::optional<Text> to;
 };
 
+/// picture field [deformed = factor] [at t = time]
 struct PictureItem {
   Span span;
   Span keyword;
   Expr field;
+  std::optional<Expr> deformed;
   std::optional<Expr> time;
   std::optional<Text> to;
 };
 
-using ReportItem = std::variant<TableItem, FieldsItem, PictureItem>;
+/// line expr, ... from point to point by n points [at t = time]
+struct LineItem {
+  Span span;
+  Span keyword;
+  std::vector<Expr> fields;
+  Expr from, end; // Lists
+  Expr points;    // how many
+  std::optional<Expr> time;
+  std::optional<Text> to;
+};
+
+/// plot column, ... against column
+struct PlotItem {
+  Span span;
+  Span keyword;
+  std::vector<Name> columns;
+  Name against;
+  std::optional<Text> to;
+};
+
+using ReportItem = std::variant<TableItem, FieldsItem, PictureItem, LineItem, PlotItem>;
 
 struct Report {
   Span span;
@@ -428,13 +450,13 @@ struct Ladder {
   Expr values;            // a List
 };
 
-enum class StudyReference { finest, richardson, exact };
+enum class StudyReference { finest, richardson, exact, none };
 
 struct Study {
   Span span;
   Span keyword;
   std::vector<Ladder> ladders;
-  Span against_word;
+  Span against_word; // invalid without a reference
   StudyReference reference = StudyReference::finest;
   Span reference_word;
   std::optional<Expr> exact; // present for StudyReference::exact

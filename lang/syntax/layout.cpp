@@ -69,6 +69,8 @@ public:
   void operator()(const ast::TableItem& node);
   void operator()(const ast::FieldsItem& node);
   void operator()(const ast::PictureItem& node);
+  void operator()(const ast::LineItem& node);
+  void operator()(const ast::PlotItem&) {}
   void operator()(const ast::Expect& node);
   void operator()(const ast::Study& node);
 
@@ -215,6 +217,8 @@ void LayoutMaker::operator()(const ast::Report& node) {
     if constexpr (std::is_same_v<Item, ast::TableItem>) return it.columns.front().span;
     if constexpr (std::is_same_v<Item, ast::FieldsItem>) return it.fields.front().span;
     if constexpr (std::is_same_v<Item, ast::PictureItem>) return it.field.span;
+    if constexpr (std::is_same_v<Item, ast::LineItem>) return it.fields.front().span;
+    if constexpr (std::is_same_v<Item, ast::PlotItem>) return it.columns.front().span;
   };
   for (const ast::ReportItem& item : node.items)
     layout_.groups[std::visit(first_of, item).begin] = group;
@@ -236,6 +240,15 @@ void LayoutMaker::operator()(const ast::FieldsItem& node) {
 
 void LayoutMaker::operator()(const ast::PictureItem& node) {
   expr(node.field);
+  optional(node.deformed);
+  optional(node.time);
+}
+
+void LayoutMaker::operator()(const ast::LineItem& node) {
+  for (const ast::Expr& field : node.fields) expr(field);
+  expr(node.from);
+  expr(node.end);
+  expr(node.points);
   optional(node.time);
 }
 
@@ -249,7 +262,7 @@ void LayoutMaker::operator()(const ast::Expect& node) {
 
 void LayoutMaker::operator()(const ast::Study& node) {
   for (const ast::Ladder& ladder : node.ladders) expr(ladder.values);
-  soft_break_at(node.against_word, 2);
+  if (node.reference != ast::StudyReference::none) soft_break_at(node.against_word, 2);
   optional(node.exact);
 }
 

@@ -31,17 +31,23 @@ void Parser::recover_in_report() {
 }
 
 bool Parser::at_report_item() const {
-  return at_word("table") || at_word("fields") || at_word("picture");
+  return at_word("table") || at_word("fields") || at_word("picture") || at_word("line") ||
+         at_word("plot");
 }
 
 // report-item = "table" binding { "," binding } [ "every" expr "steps" ] [ "to" string ]
 //             | "fields" expr { "," expr } [ "every" expr "steps" ] [ "to" string ]
-//             | "picture" expr [ "at" "t" "=" expr ] [ "to" string ] ;
+//             | "picture" expr [ "deformed" "=" expr ] [ "at" "t" "=" expr ] [ "to" string ]
+//             | "line" expr { "," expr } "from" list "to" list "by" expr "points"
+//               [ "at" "t" "=" expr ] [ "to" string ]
+//             | "plot" name { "," name } "against" name [ "to" string ] ;
 ast::ReportItem Parser::report_item() {
   if (at_word("table")) return table_item();
   if (at_word("fields")) return fields_item();
   if (at_word("picture")) return picture_item();
-  fail_expected("`table`, `fields` or `picture`");
+  if (at_word("line")) return line_item();
+  if (at_word("plot")) return plot_item();
+  fail_expected("`table`, `fields`, `picture`, `line` or `plot`");
 }
 
 ast::TableItem Parser::table_item() {
@@ -70,7 +76,41 @@ ast::PictureItem Parser::picture_item() {
   ast::PictureItem result;
   result.keyword = take().span;
   result.field = expr();
+  if (accept_word("deformed")) {
+    expect(TokenKind::equal, "`=` and how many times the displacement is drawn");
+    result.deformed = expr();
+  }
   result.time = optional_time();
+  result.to = to_file();
+  result.span = span_from(result.keyword);
+  return result;
+}
+
+ast::LineItem Parser::line_item() {
+  ast::LineItem result;
+  result.keyword = take().span;
+  do result.fields.push_back(expr());
+  while (accept(TokenKind::comma));
+  expect_word("from");
+  result.from = list();
+  expect_word("to");
+  result.end = list();
+  expect_word("by");
+  result.points = expr();
+  expect_word("points");
+  result.time = optional_time();
+  result.to = to_file();
+  result.span = span_from(result.keyword);
+  return result;
+}
+
+ast::PlotItem Parser::plot_item() {
+  ast::PlotItem result;
+  result.keyword = take().span;
+  do result.columns.push_back(name("the name of a column"));
+  while (accept(TokenKind::comma));
+  expect_word("against");
+  result.against = name("the name of a column, or t");
   result.to = to_file();
   result.span = span_from(result.keyword);
   return result;
@@ -140,15 +180,20 @@ ast::Expect Parser::expect_statement() {
   return result;
 }
 
-// study = "study" "vary" ladder { "and" ladder } "against" ( "finest" | "richardson" | "exact" expr
-// ) [ "in" name ] ;
+// study = "study" "vary" ladder { "and" ladder }
+//         [ "against" ( "finest" | "richardson" | "exact" expr ) [ "in" name ] ] ;
 ast::Study Parser::study() {
   ast::Study result;
   result.keyword = take().span;
   expect_word("vary");
   do result.ladders.push_back(ladder());
   while (accept(TokenKind::and_));
-  result.against_word = expect_word("against").span;
+  if (!at_word("against")) {
+    result.reference = ast::StudyReference::none;
+    result.span = span_from(result.keyword);
+    return result;
+  }
+  result.against_word = take().span;
   result.reference_word = peek().span;
   if (accept_word("richardson")) {
     result.reference = ast::StudyReference::richardson;

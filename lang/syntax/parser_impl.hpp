@@ -138,6 +138,8 @@ private:
   ast::TableItem table_item();
   ast::FieldsItem fields_item();
   ast::PictureItem picture_item();
+  ast::LineItem line_item();
+  ast::PlotItem plot_item();
   ast::Binding binding();
   std::optional<ast::Expr> every_steps();
   std::optional<ast::Text> to_file();

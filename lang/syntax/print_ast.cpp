@@ -56,6 +56,8 @@ public:
   void operator()(const ast::TableItem& node);
   void operator()(const ast::FieldsItem& node);
   void operator()(const ast::PictureItem& node);
+  void operator()(const ast::LineItem& node);
+  void operator()(const ast::PlotItem& node);
   void operator()(const ast::Expect& node);
   void operator()(const ast::Study& node);
 
@@ -382,7 +384,27 @@ void Printer::operator()(const ast::PictureItem& node) {
   line("picture", node.span);
   const Indent indent(*this);
   print("", node.field);
+  optional("deformed: ", node.deformed);
   optional("t: ", node.time);
+  optional("to: ", node.to);
+}
+
+void Printer::operator()(const ast::LineItem& node) {
+  line("line", node.span);
+  const Indent indent(*this);
+  for (const ast::Expr& field : node.fields) print("", field);
+  print("from: ", node.from);
+  print("to: ", node.end);
+  print("points: ", node.points);
+  optional("t: ", node.time);
+  optional("to: ", node.to);
+}
+
+void Printer::operator()(const ast::PlotItem& node) {
+  std::string names;
+  for (const ast::Name& name : node.columns) names += (names.empty() ? "" : ", ") + name.text;
+  line("plot " + names + " against " + node.against.text, node.span);
+  const Indent indent(*this);
   optional("to: ", node.to);
 }
 
@@ -404,6 +426,7 @@ void Printer::operator()(const ast::Study& node) {
     for (const ast::Name& name : ladder.more) names += ", " + name.text;
     print("vary " + names + ": ", ladder.values);
   }
+  if (node.reference == ast::StudyReference::none) return;
   constexpr std::array<std::string_view, 3> references{"finest", "richardson", "exact"};
   line("against " + std::string(references[static_cast<std::size_t>(node.reference)]),
        node.reference_word);

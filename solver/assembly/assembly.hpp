@@ -155,6 +155,14 @@ private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+/// The largest value of an expression on a region, or the least: of those at the nodes of each of
+/// its entities, with the gradients of that cell (of the cell behind a facet). Those of P1 are
+/// constant on it, those of P2 largest there. NaN where a value is.
+enum class Extreme { largest, smallest };
+double extreme_value(const Space& space, const Region& region, const Expr& expression,
+                     const FieldValues& values, Extreme which);
+/// Of these values.
+double extreme_of(std::span<const double> values, Extreme which);
 /// Cell averages (n_cells x components, component fastest) and nodal values of expressions;
 /// a nodal value of an expression with gradients is the measure-weighted mean over its cells.
 std::vector<double> cell_values(const Space& space, std::span<const Expr> components,

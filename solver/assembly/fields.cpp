@@ -4,6 +4,8 @@
 #include "solver/assembly/field_columns.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace hvi::solver {
@@ -75,6 +77,29 @@ PointValue::PointValue(PointValue&&) noexcept = default;
 double PointValue::operator()(const FieldValues& values) {
   impl_->tape.evaluate(impl_->block, values, impl_->out);
   return impl_->out.front();
+}
+
+double extreme_of(std::span<const double> values, Extreme which) {
+  const double sign = which == Extreme::largest ? 1.0 : -1.0;
+  double out = -std::numeric_limits<double>::infinity();
+  for (const double value : values) {
+    if (std::isnan(value)) return value;
+    out = std::max(out, sign * value);
+  }
+  return sign * out;
+}
+
+double extreme_value(const Space& space, const Region& region, const Expr& expression,
+                     const FieldValues& values, Extreme which) {
+  FieldTape tape(space, {&expression, 1});
+  const RegionPoints points(space, region,
+                            element_nodes(dimension_of(*space.mesh, region), space.order));
+  std::vector<double> out, of_blocks;
+  points.for_blocks([&](const PointBlock& block) {
+    tape.evaluate(block, values, out);
+    of_blocks.push_back(extreme_of({out.data(), block.size()}, which));
+  });
+  return extreme_of(of_blocks, which);
 }
 
 std::vector<double> cell_values(const Space& space, std::span<const Expr> components,

@@ -256,6 +256,16 @@ private:
       line("probe {} `{}` = integral over {} of {}, rule {}{}", i, p.name, part(p.part),
            to_string(p.expression), to_string(p.rule), when);
       break;
+    case Probe::Kind::largest:
+    case Probe::Kind::smallest:
+      line("probe {} `{}` = {} over {} of {}{}", i, p.name,
+           p.kind == Probe::Kind::largest ? "largest" : "smallest", part(p.part),
+           to_string(p.expression), when);
+      break;
+    case Probe::Kind::reaction:
+      line("probe {} `{}` = reaction of {}, component {}{}", i, p.name, part(p.part), p.component,
+           when);
+      break;
     case Probe::Kind::norm_v:
       line("probe {} `{}` = norm of u{}", i, p.name, when);
       break;
@@ -275,10 +285,22 @@ private:
         line("  `{}` = {}", field.name, expressions(field.components));
     }
     for (const auto& picture : r.pictures)
-      line("picture `{}`{}{}", picture.field.name,
-           picture.time ? " at t = " + number(*picture.time) : "", to_file(picture.file));
+      line("picture `{}`{}{}{}", picture.field.name,
+           picture.deformed != 0.0 ? " deformed " + number(picture.deformed) : "",
+           at_time(picture.time), to_file(picture.file));
+    for (const auto& l : r.lines) {
+      line("line from {} to {} by {} points{}{}", numbers(l.from), numbers(l.to), l.points,
+           at_time(l.time), to_file(l.file));
+      for (const auto& field : l.fields)
+        line("  `{}` = {}", field.name, expressions(field.components));
+    }
+    for (const auto& plot : r.plots)
+      line("plot {} against {}{}", fmt::join(plot.columns, ", "), plot.against, to_file(plot.file));
   }
 
+  std::string at_time(const std::optional<double>& time) const {
+    return time ? " at t = " + number(*time) : "";
+  }
   static std::string to_file(const std::string& file) {
     return file.empty() ? "" : " to \"" + file + "\"";
   }

@@ -7,18 +7,21 @@ namespace hvi::solver {
 
 /// An expression of position, t, normal, fields (slot::field) and multipliers (slot::multiplier).
 struct Probe {
-  enum class Kind { at_point, integral, norm_v, combination };
+  enum class Kind { at_point, integral, norm_v, combination, largest, smallest, reaction };
   std::string name;
   Origin origin;
   Kind kind = Kind::at_point;
-  Expr expression;         ///< norm_v: unused, the norm of an unknown in its space; combination: of
-                           ///< slot::probe, slot::t
-  Point point{};           ///< at_point
-  bool on_pair = false;    ///< at_point: values of fields are jumps, at a point of a pair
-  int part = -1;           ///< integral; on_pair: of this pair, or of the one that has the point
-  Rule rule = Rule::exact; ///< integral; with a multiplier, the law's own rule
+  Expr expression;      ///< norm_v: unused, the norm of an unknown in its space; combination: of
+                        ///< slot::probe, slot::t
+  Point point{};        ///< at_point
+  bool on_pair = false; ///< at_point: values of fields are jumps, at a point of a pair
+  /// integral, largest, smallest, reaction; on_pair: of this pair, or of the one with the point.
+  int part = -1;
+  Rule rule = Rule::exact;    ///< integral; with a multiplier, the law's own rule
   std::optional<double> time; ///< the value at this time, by the interpolant
-  int unknown = 0;            ///< norm_v: of which one
+  int unknown = 0;            ///< norm_v, reaction: of which one
+  int component = 0;          ///< reaction: of the unknown's
+  bool may_be_free = false;   ///< reaction: laws that hold the part were left out
 };
 
 struct TableSpec {
@@ -47,6 +50,23 @@ struct PictureSpec {
   FieldSpec field;
   std::optional<double> time;
   std::string file;
+  double deformed = 0.0; ///< so many times the displacement is added to the places
+};
+/// Expressions at places of equal distances on a segment, at the last step or at a time.
+struct LineSpec {
+  Origin origin;
+  std::vector<FieldSpec> fields;
+  Point from{}, to{};
+  int points = 2;
+  std::optional<double> time;
+  std::string file;
+};
+/// Columns of the tables against another one, or against t.
+struct PlotSpec {
+  Origin origin;
+  std::vector<std::string> columns;
+  std::string against;
+  std::string file;
 };
 
 struct ReportSpec {
@@ -54,6 +74,8 @@ struct ReportSpec {
   std::vector<TableSpec> tables;
   std::vector<FieldsSpec> fields;
   std::vector<PictureSpec> pictures;
+  std::vector<LineSpec> lines;
+  std::vector<PlotSpec> plots;
 };
 
 } // namespace hvi::solver

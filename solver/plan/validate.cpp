@@ -96,6 +96,10 @@ public:
       for (const auto& one : fields.fields) field(one, fields.origin);
     }
     for (const auto& picture : report.pictures) field(picture.field, picture.origin);
+    for (const auto& line : report.lines) {
+      for (const auto& of : line.fields) field(of, line.origin);
+      if (line.points < 2) wrong(line.origin, "a line has two points or more");
+    }
     return std::move(out_);
   }
 
@@ -387,7 +391,10 @@ private:
   void probe(const Probe& probe, int i) {
     using Kind = Probe::Kind;
     if (probe.kind == Kind::integral) part(probe.part, probe.origin, "an integral");
-    if (probe.kind == Kind::norm_v) return;
+    if (probe.kind == Kind::largest || probe.kind == Kind::smallest)
+      part(probe.part, probe.origin, "an extreme");
+    if (probe.kind == Kind::reaction) part(probe.part, probe.origin, "a reaction");
+    if (probe.kind == Kind::norm_v || probe.kind == Kind::reaction) return;
     const Allowed allowed =
         probe.kind == Kind::combination ? Allowed{.time = true, .probes = i} : of_report;
     variables(probe.expression, allowed, probe.origin, fmt::format("`{}`", probe.name));

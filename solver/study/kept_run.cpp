@@ -107,6 +107,7 @@ KeptRun Runner::make(const Setting& setting, const RunSettings& settings, bool e
   };
   if (every_row) {
     out.plan.report.fields.clear(), out.plan.report.pictures.clear();
+    out.plan.report.lines.clear(), out.plan.report.plots.clear();
     for (auto& table : out.plan.report.tables) table.every = 1;
   }
   out.result = run(out.plan, *out.discretisation, here);

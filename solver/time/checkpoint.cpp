@@ -16,7 +16,7 @@
 namespace hvi::solver {
 namespace {
 
-constexpr std::uint32_t format_version = 15;
+constexpr std::uint32_t format_version = 16;
 constexpr std::array<char, 8> magic{'h', 'v', 'i', '-', 's', 't', 'e', 'p'};
 
 struct Header {
@@ -115,6 +115,8 @@ void add_tables(const Plan& plan, Hash& hash) {
   for (const auto& fields : plan.report.fields)
     for (const auto& field : fields.fields) tables.visit(field.components);
   for (const auto& picture : plan.report.pictures) tables.visit(picture.field.components);
+  for (const auto& line : plan.report.lines)
+    for (const auto& field : line.fields) tables.visit(field.components);
 }
 
 void add_mesh(const Mesh& mesh, Hash& hash) {

@@ -90,9 +90,9 @@ std::vector<ErrorSample> reference_motions(const Space& space, const ErrorSample
 std::vector<double> Reporter::change_along(const ErrorSample& direction, double step) {
   std::vector<double> moved(values_.size()), here = values_;
   between_ = now_;
-  if (probes_.any_timed()) probes_.evaluate_here(between_, here);
+  if (probes_.any_timed()) probes_.evaluate_here(between_, before_, here);
   between_.move(direction, step);
-  probes_.evaluate_here(between_, moved);
+  probes_.evaluate_here(between_, before_, moved);
   for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = (moved[i] - here[i]) / step;
   return moved;
 }
@@ -127,6 +127,7 @@ std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples, 
       const auto change = change_along(motion, small_step);
       for (std::size_t i = 0; i < change.size(); ++i) floors[i] += std::abs(change[i]);
     }
+    probes_.add_scales_of_reactions(now_, before_, values_, floors);
   }
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const double by = std::max(largest[i], floors[i]);

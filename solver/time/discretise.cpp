@@ -7,7 +7,9 @@
 #include "solver/time/adapt.hpp"
 #include "solver/time/axis_parts.hpp"
 #include "solver/time/law_sampler.hpp"
+#include "solver/time/line_values.hpp"
 #include "solver/time/overlaps.hpp"
+#include "solver/time/reaction_forces.hpp"
 #include "solver/time/run.hpp"
 #include "solver/time/start_motion.hpp"
 
@@ -15,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace hvi::solver {
 namespace {
@@ -193,6 +196,7 @@ void check_times(const Plan& plan, std::vector<Failure>& failures) {
   for (const auto& probe : plan.report.probes) check(probe.time, probe.origin, probe.name);
   for (const auto& picture : plan.report.pictures)
     check(picture.time, picture.origin, picture.field.name);
+  for (const auto& line : plan.report.lines) check(line.time, line.origin, "line");
 }
 
 } // namespace
@@ -225,6 +229,7 @@ std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& 
   out.mesh = std::move(mesh);
   require_space(plan.problem, out.mesh.dim, static_cast<double>(out.mesh.nodes.size()), 0.0);
   check_probe_points(plan.report, out, failures);
+  std::ranges::move(lines_outside(plan.report, out.mesh), std::back_inserter(failures));
   if (!resolve_parts(plan.problem, out, failures)) return failures;
   for (auto& failure : overlaps(plan.problem, out.mesh, out.parts))
     failures.push_back(std::move(failure));
@@ -241,7 +246,9 @@ std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& 
   if (spaced) collect(failures, [&] { check_initial(plan.problem, out); });
   if (spaced) collect(failures, [&] { check_velocity(plan.problem, out); });
   if (!failures.empty()) return failures;
-  return misplaced_multipliers(plan, out); // a law in a wrong place has no second mistake
+  failures = reactions_of_nothing(plan, out);
+  std::ranges::move(misplaced_multipliers(plan, out), std::back_inserter(failures));
+  return failures; // a law in a wrong place has no second mistake
 }
 
 } // namespace hvi::solver

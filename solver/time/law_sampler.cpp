@@ -272,7 +272,10 @@ std::vector<Failure> misplaced_multipliers(const Plan& plan, const Discretisatio
   };
   for (const Probe& probe : plan.report.probes) {
     const Expr& e = probe.expression;
-    if (probe.kind == Probe::Kind::integral && reads_from_elsewhere(plan.problem, e, probe.part))
+    const bool on_region = probe.kind == Probe::Kind::integral ||
+                           probe.kind == Probe::Kind::largest ||
+                           probe.kind == Probe::Kind::smallest;
+    if (on_region && reads_from_elsewhere(plan.problem, e, probe.part))
       collect([&] { LawSampler(plan.problem, d, *contact, {e}, probe.origin, probe.part); });
     if (probe.kind == Probe::Kind::at_point && probe.on_pair)
       collect([&] { LawSampler::at_pair(plan.problem, d, *contact, probe); });

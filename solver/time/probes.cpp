@@ -1,7 +1,9 @@
 // The probes of a report; see probes.hpp.
 #include "solver/time/probes.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace hvi::solver {
 namespace {
@@ -23,8 +25,9 @@ Match(F...) -> Match<F...>;
 } // namespace
 
 ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const RunState& run)
-    : space_(d.space), layout_(run.formulation->layout()), contact_(run.contact()),
-      probes_(plan.report.probes), n_fields_(count_fields(plan.problem)) {
+    : space_(d.space), parts_(d.parts), layout_(run.formulation->layout()), contact_(run.contact()),
+      probes_(plan.report.probes), n_fields_(count_fields(plan.problem)),
+      reactions_(plan.problem, d, run, probes_) {
   const CellLocator locator(d.mesh, probes_.size());
   for (const auto& probe : probes_)
     evaluators_.push_back(make(probe, plan.problem, d, run, locator));
@@ -33,16 +36,29 @@ ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const RunState& ru
 ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
                                    const Discretisation& d, const RunState& run,
                                    const CellLocator& locator) {
+  const auto at_law_points = [&] {
+    return reads_multiplier(probe.expression) ||
+           d.parts[static_cast<std::size_t>(probe.part)].is_pair();
+  };
+  const auto on_law = [&] {
+    return LawSampler(problem, d, contact_, {probe.expression}, probe.origin, probe.part);
+  };
   switch (probe.kind) {
+  case Probe::Kind::reaction:
+    return OfSteps{};
+  case Probe::Kind::largest:
+  case Probe::Kind::smallest: {
+    const auto which = probe.kind == Probe::Kind::largest ? Extreme::largest : Extreme::smallest;
+    if (at_law_points()) return OnLaw{which, on_law()};
+    return OnRegion{which, probe.part};
+  }
   case Probe::Kind::combination:
     return Combination{};
   case Probe::Kind::norm_v:
     make_gram(d, run, probe.unknown);
     return NormV{probe.unknown};
   case Probe::Kind::integral:
-    if (reads_multiplier(probe.expression) ||
-        d.parts[static_cast<std::size_t>(probe.part)].is_pair())
-      return LawSampler(problem, d, contact_, {probe.expression}, probe.origin, probe.part);
+    if (at_law_points()) return on_law();
     return Integrator(space_, d.parts[probe.part], probe.rule, {probe.expression});
   case Probe::Kind::at_point:
     break;
@@ -86,10 +102,14 @@ std::vector<Expr> ProbeSet::expressions() const {
     out.push_back(probe.kind == Probe::Kind::norm_v
                       ? Expr::variable(slot::field(field_of_u(0), slot::value(0)))
                       : probe.expression);
+  const auto of_reactions = reactions_.fields();
+  for (int k = 0; k < n_fields_; ++k)
+    if (of_reactions[static_cast<std::size_t>(k)])
+      out.push_back(Expr::variable(slot::field(k, slot::value(0))));
   return out;
 }
 
-double ProbeSet::value(int i, const Snapshot& snapshot) {
+double ProbeSet::value(int i, const Snapshot& snapshot, const Snapshot& before) {
   return std::visit(
       Match{[&](AtPoint& at) { return at.value(snapshot.values()); },
             [&](const Integrator& integrator) {
@@ -98,22 +118,53 @@ double ProbeSet::value(int i, const Snapshot& snapshot) {
               return out;
             },
             [&](LawSampler& sampler) { return sampler.integral(contact_, snapshot); },
+            [&](const OnRegion& on) {
+              return extreme_value(space_, parts_[static_cast<std::size_t>(on.part)],
+                                   probes_[static_cast<std::size_t>(i)].expression,
+                                   snapshot.values(), on.which);
+            },
+            [&](OnLaw& on) {
+              room_.resize(static_cast<std::size_t>(on.sampler.size()));
+              on.sampler.evaluate(contact_, snapshot, room_);
+              return extreme_of(room_, on.which);
+            },
+            [&](const OfSteps&) { return reactions_.value(i, snapshot, before); },
             [&](const NormV& of) { return norm(snapshot.field(field_of_u(0)), of.unknown); },
             [](const Combination&) { return std::nan(""); }},
       evaluators_[i]);
 }
 
-void ProbeSet::evaluate(const Snapshot& snapshot, std::span<double> values) {
+void ProbeSet::evaluate(const Snapshot& snapshot, const Snapshot& before,
+                        std::span<double> values) {
   for (int i = 0; i < size(); ++i)
     if (!probes_[i].time && probes_[i].kind != Probe::Kind::combination)
-      values[i] = value(i, snapshot);
+      values[i] = value(i, snapshot, before);
   combine(snapshot.t(), values);
 }
 
-void ProbeSet::evaluate_here(const Snapshot& snapshot, std::span<double> values) {
+void ProbeSet::evaluate_here(const Snapshot& snapshot, const Snapshot& before,
+                             std::span<double> values) {
   for (int i = 0; i < size(); ++i)
-    if (probes_[i].kind != Probe::Kind::combination) values[i] = value(i, snapshot);
+    if (probes_[i].kind != Probe::Kind::combination) values[i] = value(i, snapshot, before);
   combine(snapshot.t(), values);
+}
+
+void ProbeSet::add_scales_of_reactions(const Snapshot& snapshot, const Snapshot& before,
+                                       std::span<const double> values, std::span<double> floors) {
+  std::vector<double> here(values.begin(), values.end());
+  combine(snapshot.t(), here);
+  std::vector<std::optional<double>> scales(space_.blocks.size());
+  for (int i = 0; i < size(); ++i) {
+    if (probes_[i].kind != Probe::Kind::reaction) continue;
+    auto& scale = scales[static_cast<std::size_t>(probes_[i].unknown)];
+    if (!scale) scale = reactions_.scale(probes_[i].unknown, snapshot, before);
+    std::vector<double> moved = here;
+    moved[i] += *scale;
+    combine(snapshot.t(), moved);
+    for (std::size_t k = 0; k < moved.size(); ++k)
+      if (const double change = std::abs(moved[k] - here[k]); std::isfinite(change))
+        floors[k] += change;
+  }
 }
 
 /// A combination may read combinations that stand before it.
@@ -157,6 +208,12 @@ std::vector<int> ProbeSet::dofs_read() const {
     }
   }
   return out;
+}
+
+bool ProbeSet::look_back() const {
+  return reactions_.look_back() && std::ranges::any_of(probes_, [](const Probe& probe) {
+           return probe.kind == Probe::Kind::reaction;
+         });
 }
 
 bool ProbeSet::any_timed() const {

@@ -64,8 +64,11 @@ int interior_every(const Plan& plan, std::string* who) {
 } // namespace
 
 bool reads_interior(const Probe& probe, int n_fields) {
-  if (probe.kind == Probe::Kind::norm_v) return true;
-  if (probe.kind != Probe::Kind::integral && !probe.on_pair) return false;
+  using Kind = Probe::Kind;
+  if (probe.kind == Kind::norm_v || probe.kind == Kind::reaction) return true;
+  const bool on_region =
+      probe.kind == Kind::integral || probe.kind == Kind::largest || probe.kind == Kind::smallest;
+  if (!on_region && !probe.on_pair) return false;
   const auto read = fields_read({&probe.expression, 1}, n_fields);
   return std::find(read.begin(), read.end(), true) != read.end();
 }
@@ -92,6 +95,8 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
     if (picture.time)
       return fmt::format("the picture of `{}` reads the interior between two steps",
                          picture.field.name);
+  for (const auto& line : plan.report.lines)
+    if (line.time) return "a line reads the interior between two steps";
   std::string who;
   const int every = interior_every(plan, &who);
   if (every > 0 && every < worth_recovering)

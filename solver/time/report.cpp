@@ -1,6 +1,7 @@
 // What a run reports while it goes; see report.hpp. Called by the loop in run.cpp.
 #include "solver/time/report.hpp"
 
+#include "solver/mesh/mesh.hpp"
 #include "solver/output/file.hpp"
 #include "solver/time/reduce.hpp"
 
@@ -50,6 +51,11 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, const RunState& ru
   run.formulation->observe(probes_.dofs_read());
   values_.assign(plan.report.probes.size(), std::nan(""));
   pictures_.resize(plan.report.pictures.size());
+  name_ = settings.name;
+  std::size_t places = 0;
+  for (const auto& line : plan.report.lines) places += static_cast<std::size_t>(line.points);
+  const CellLocator locator(d.mesh, places);
+  for (const auto& line : plan.report.lines) lines_.emplace_back(line, d.space, locator);
   columns_.resize(values_.size());
 }
 
@@ -75,14 +81,21 @@ void Reporter::prepare_fields(const Discretisation& d, const RunState& run,
     const auto more = fields_.back().second.expressions();
     expressions.insert(expressions.end(), more.begin(), more.end());
   }
-  const bool timed_pictures =
-      std::ranges::any_of(plan_.report.pictures, [](const auto& p) { return p.time.has_value(); });
-  if (timed_pictures)
+  const auto timed = [](const auto& spec) { return spec.time.has_value(); };
+  const bool timed_pictures = std::ranges::any_of(plan_.report.pictures, timed) ||
+                              std::ranges::any_of(plan_.report.lines, timed);
+  for (const auto& picture : plan_.report.pictures) {
     expressions.push_back(Expr::variable(slot::field(field_of_u(0), slot::value(0))));
+    const auto& shown = picture.field.components;
+    expressions.insert(expressions.end(), shown.begin(), shown.end());
+  }
+  for (const auto& line : plan_.report.lines)
+    for (const auto& field : line.fields)
+      expressions.insert(expressions.end(), field.components.begin(), field.components.end());
   const int n_fields = count_fields(plan_.problem);
   const auto needed = fields_read(expressions, n_fields);
   now_ = Snapshot(needed, d.space.n_dofs(), contact_.n_rows());
-  keeps_before_ = probes_.any_timed() || timed_pictures;
+  keeps_before_ = probes_.any_timed() || probes_.look_back() || timed_pictures;
   if (!keeps_before_) return;
   before_ = between_ = now_;
   before_.take(run);
@@ -100,7 +113,7 @@ void Reporter::record(const RunState& run, bool last) {
   if (row || whole || keeps_before_) now_.take(run, whole);
   if (keeps_before_) read_between_steps(run);
   if (row || last) {
-    probes_.evaluate(now_, values_);
+    probes_.evaluate(now_, before_, values_);
     rows_.push_back(step);
     times_.push_back(run.evolution.t());
     events_.push_back(std::exchange(pending_events_, 0));
@@ -108,6 +121,7 @@ void Reporter::record(const RunState& run, bool last) {
   }
   for (auto& files : fields_)
     if (due(files.first, step, last)) attempt([&] { files.second.write(now_, written_); });
+  if (last) show_at_end();
   if (keeps_before_) before_ = now_;
   last_recorded_ = step;
 }
@@ -129,15 +143,50 @@ void Reporter::read_between_steps(const RunState& run) {
     between_.interpolate(before_, now_, constant ? 1.0 : (at - from) / (to - from));
   };
   for (const int i : probes_.timed(from, to, first)) {
-    go_to(*plan_.report.probes[i].time);
-    values_[i] = probes_.value(i, between_);
+    const double at = *plan_.report.probes[i].time;
+    if (probes_.of_steps(i)) {
+      read_of_steps(i, first ? 1.0 : (at - from) / (to - from));
+      continue;
+    }
+    go_to(at);
+    values_[i] = probes_.value(i, between_, before_);
   }
   for (std::size_t i = 0; i < pictures_.size(); ++i) {
     const auto& at = plan_.report.pictures[i].time;
     if (!at || *at > to || *at < from || (*at == from && !first)) continue;
     go_to(*at);
-    pictures_[i] = between_.field(field_of_u(0));
+    show(i, between_);
   }
+  for (LineValues& line : lines_) {
+    const auto& at = line.spec().time;
+    if (!at || *at > to || *at < from || (*at == from && !first)) continue;
+    go_to(*at);
+    line.take(between_);
+  }
+}
+
+void Reporter::show(std::size_t picture, const Snapshot& snapshot) {
+  const auto& field = plan_.report.pictures[picture].field;
+  pictures_[picture] = {snapshot.field(field_of_u(0)),
+                        nodal_values(space_, field.components, snapshot.values())};
+}
+
+/// Pictures and lines without a time.
+void Reporter::show_at_end() {
+  for (std::size_t i = 0; i < pictures_.size(); ++i)
+    if (!plan_.report.pictures[i].time) show(i, now_);
+  for (LineValues& line : lines_)
+    if (!line.spec().time) line.take(now_);
+}
+
+/// What holds for a step is affine between the ends of two; where it is of the step as a whole,
+/// and in the first step, it is that of the step.
+void Reporter::read_of_steps(int i, double share) {
+  const double now = probes_.value(i, now_, before_);
+  const bool of_one = probes_.look_back() || share == 1.0 ||
+                      plan_.problem.time.interpolant == Interpolant::constant;
+  values_[static_cast<std::size_t>(i)] =
+      of_one ? now : (1.0 - share) * probes_.value(i, before_, before_) + share * now;
 }
 
 void Reporter::attempt(const std::function<void()>& write) {
@@ -203,6 +252,13 @@ void Reporter::finish(RunResult& result) {
       attempt([&] {
         write_table(table, rows_.size(), with_events);
         written_.push_back(table.file);
+      });
+  for (std::size_t i = 0; writes_ && i < lines_.size(); ++i)
+    if (lines_[i].taken())
+      attempt([&] {
+        const std::string file = line_file(plan_.report, i, name_);
+        write_atomically(folder_ / file, csv_text(lines_[i].table()));
+        written_.push_back(file);
       });
   for (auto& files : fields_) attempt([&] { files.second.write_collection(); });
   result.files = written_;

@@ -4,6 +4,7 @@
 #include "solver/output/table.hpp"
 #include "solver/time/effects.hpp"
 #include "solver/time/field_files.hpp"
+#include "solver/time/line_values.hpp"
 #include "solver/time/probes.hpp"
 
 #include <array>
@@ -68,6 +69,9 @@ private:
   void prepare_fields(const Discretisation& discretisation, const RunState& run,
                       const RunSettings& settings);
   void read_between_steps(const RunState& run);
+  void read_of_steps(int i, double share);
+  void show(std::size_t picture, const Snapshot& snapshot);
+  void show_at_end();
   std::vector<double> change_along(const ErrorSample& direction, double step);
   void write_table(const TableFile& table, std::size_t rows, bool with_events);
   bool due(int every, int step, bool last) const { return last || step % every == 0; }
@@ -75,6 +79,7 @@ private:
   const Plan& plan_;
   const Space& space_;
   const Contact& contact_;
+  std::string name_; ///< of files without a name of their own
   std::filesystem::path folder_;
   bool writes_;
   ProbeSet probes_;
@@ -87,7 +92,8 @@ private:
   std::vector<int> rows_; ///< steps recorded
   std::vector<double> times_;
   std::vector<std::vector<double>> columns_; ///< by probe
-  std::vector<Vector> pictures_;             ///< by picture with a time: u then
+  std::vector<PictureValues> pictures_;      ///< by picture, when its time has come
+  std::vector<LineValues> lines_;
   LawRange range_;
   std::vector<EffectNote> found_; ///< effects that only the matrices and loads show
   std::vector<std::string> written_;

@@ -116,6 +116,12 @@ struct MonitorTable {
   double balance_error = 0; ///< of the work identity, relative to its parts
 };
 
+/// What a picture shows, at its time or at the end.
+struct PictureValues {
+  Vector u;                   ///< full vector
+  std::vector<double> values; ///< at the nodes of the space, components of a node side by side
+};
+
 struct RunResult {
   std::string script;
   std::string path; ///< why states hold all unknowns; empty: the contact unknowns (reduce.hpp)
@@ -139,7 +145,7 @@ struct RunResult {
   std::optional<Failure> unwritten; ///< of the first file that could not be written; none: all were
   std::vector<std::string> files;   ///< written, relative to the output folder
   Vector u;                         ///< full vector at the end
-  std::vector<Vector> pictures;     ///< the same at the time of each picture that has one
+  std::vector<PictureValues> pictures;
 };
 
 struct Progress {

@@ -127,10 +127,13 @@ void Reporter::save(std::ostream& out) const {
   w.put(static_cast<std::uint64_t>(written_.size()));
   for (const auto& name : written_) put_text(w, name);
   for (const auto& files : fields_) files.second.save(out);
-  for (const Vector& u : pictures_) {
+  for (const auto& [u, values] : pictures_) {
     w.put(static_cast<std::uint8_t>(u.size() > 0));
-    if (u.size() > 0) put_vector(w, u);
+    if (u.size() == 0) continue;
+    put_vector(w, u);
+    w.put(values);
   }
+  for (const LineValues& line : lines_) line.save(w);
 }
 
 void Reporter::restore(std::istream& in, const RunState& run) {
@@ -152,8 +155,13 @@ void Reporter::restore(std::istream& in, const RunState& run) {
   written_.clear();
   for (auto left = r.get<std::uint64_t>(); left > 0; --left) written_.push_back(get_text(r));
   for (auto& files : fields_) files.second.restore(in);
-  for (Vector& u : pictures_)
-    if (r.get<std::uint8_t>() != 0) get_vector(r, u, space_.n_dofs());
+  for (std::size_t i = 0; i < pictures_.size(); ++i) {
+    if (r.get<std::uint8_t>() == 0) continue;
+    get_vector(r, pictures_[i].u, space_.n_dofs());
+    pictures_[i].values = r.get_vector<double>(space_.nodes.size() *
+                                               plan_.report.pictures[i].field.components.size());
+  }
+  for (LineValues& line : lines_) line.restore(r);
   now_.take(run);
   if (keeps_before_) before_ = now_;
 }

@@ -279,13 +279,13 @@ TEST(Pictures, AtATimeShowTheStateThen) {
     const auto result = solve(plan, settings);
     ASSERT_EQ(states.size(), 8u);
     ASSERT_EQ(result.pictures.size(), 5u);
-    EXPECT_EQ(result.pictures[0], Vector::Zero(states[0].size()).eval());
+    EXPECT_EQ(result.pictures[0].u, Vector::Zero(states[0].size()).eval());
     const Vector between = constant ? states[3] : Vector(0.75 * states[2] + 0.25 * states[3]);
     const double size = between.lpNorm<Eigen::Infinity>();
-    EXPECT_LE((result.pictures[1] - between).lpNorm<Eigen::Infinity>(), 1e-14 * size);
-    EXPECT_EQ(result.pictures[2], states[3]);
-    EXPECT_EQ(result.pictures[3], states[7]);
-    EXPECT_EQ(result.pictures[4].size(), 0); // that of the end is in u
+    EXPECT_LE((result.pictures[1].u - between).lpNorm<Eigen::Infinity>(), 1e-14 * size);
+    EXPECT_EQ(result.pictures[2].u, states[3]);
+    EXPECT_EQ(result.pictures[3].u, states[7]);
+    EXPECT_EQ(result.pictures[4].u, result.u);
   }
 }
 

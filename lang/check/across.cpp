@@ -1,0 +1,71 @@
+// See across.hpp. Used where operators, strains and the stress are made.
+#include "lang/check/across.hpp"
+
+#include <algorithm>
+
+namespace hvi::lang {
+
+namespace slot = solver::slot;
+
+namespace {
+
+bool is_gradient_of_test(solver::Slot s) {
+  return slot::is_test(s) && !slot::is_value(s - slot::test(0));
+}
+
+/// v itself, and nothing else of it.
+bool is_test_function(const Field& f) {
+  return std::ranges::all_of(f.components, [&](const Symbol& c) {
+    const auto slots = solver::slots_of(c);
+    return slots.size() == 1 && slot::is_test(*slots.begin()) &&
+           c == Symbol::variable(*slots.begin());
+  });
+}
+
+std::vector<Symbol> scaled(const Symbol& by, std::vector<Symbol> across) {
+  for (Symbol& c : across) c = by * c;
+  return across;
+}
+
+} // namespace
+
+std::vector<Symbol> across_of_scalar(const Field& f) {
+  if (!f.across.empty() || f.rank != 0) return f.across;
+  for (const solver::Slot s : solver::slots_of(f.scalar()))
+    if (is_gradient_of_test(s)) return {};
+  return {Symbol(0.0)};
+}
+
+std::vector<Symbol> across_of_sum(const Field& left, const Field& right, double sign) {
+  std::vector<Symbol> a = across_of_scalar(left);
+  const std::vector<Symbol> b = across_of_scalar(right);
+  if (a.empty() || a.size() != b.size()) return {};
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] = sign > 0 ? a[i] + b[i] : a[i] - b[i];
+  return a;
+}
+
+std::vector<Symbol> across_of_product(const Field& factor, const Field& body) {
+  if (!body.across.empty()) return scaled(factor.scalar(), body.across);
+  if (body.rank == 0) return scaled(body.scalar(), factor.across);
+  return {};
+}
+
+std::vector<Symbol> across_of_contraction(const Field& left, const Field& right) {
+  if (left.across.empty() || right.across.empty()) return {};
+  if (left.rank == 2 && right.rank == 2) return {left.across[0] * right.across[0]};
+  if (left.rank != 4 || right.rank != 2 || right.test != Degree::none ||
+      !right.across[0].is(0.0)) // what C_zzzz would be needed for
+    return {};
+  Symbol sum = 0.0;
+  for (std::size_t k = 0; k < right.components.size(); ++k)
+    sum = sum + left.across[k] * right.components[k];
+  return {sum};
+}
+
+std::vector<Symbol> across_of_strain(const Field& f) {
+  if (f.test == Degree::none) return {Symbol(0.0)};
+  if (is_test_function(f)) return {Symbol(1.0)};
+  return {};
+}
+
+} // namespace hvi::lang

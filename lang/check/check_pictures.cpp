@@ -1,0 +1,131 @@
+// What a report shows of the body and of its tables: pictures, lines, plots. See checker.hpp.
+#include "lang/check/checker.hpp"
+#include "lang/diag/suggest.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::lang {
+
+namespace slot = solver::slot;
+
+/// A field that has a value at every point of the body.
+std::optional<solver::FieldSpec> Checker::drawn_field(const ast::Expr& e, const std::string& what) {
+  auto f = output_field(e);
+  if (!f) return std::nullopt;
+  for (const Symbol& c : f->components)
+    if (c.depends_on_any(slot::first_multiplier, slot::first_inside) ||
+        c.depends_on_any(slot::first_state, slot::first_probe)) {
+      error("E0306", e.span,
+            fmt::format("`{}` lives at the points of a law: {} shows what every point of the body "
+                        "has",
+                        f->name, what),
+            "write it with `fields` and open the VTU file");
+      return std::nullopt;
+    }
+  return f;
+}
+
+void Checker::picture(const ast::PictureItem& item) {
+  solver::PictureSpec spec;
+  spec.origin = model_.origin(item.span);
+  auto file = output_name(item.to);
+  auto f = drawn_field(item.field, "a picture");
+  if (item.time) spec.time = report_time(*item.time);
+  if (item.deformed) {
+    const auto factor = constant(*item.deformed, "how many times the displacement is drawn");
+    if (!factor) return;
+    if (!model_.space.vector || components_of(0) != model_.dim) {
+      error("E0306", item.deformed->span,
+            fmt::format("`{}` is no displacement by which the body could be deformed",
+                        model_.space.unknown),
+            "leave out `deformed`");
+      return;
+    }
+    spec.deformed = *factor;
+  }
+  if (!file || !f) return;
+  spec.field = std::move(*f);
+  spec.file = *file;
+  model_.report.pictures.push_back(std::move(spec));
+}
+
+bool Checker::place(const ast::Expr& e, solver::Point& out) {
+  const auto at = constant_list(e, "a point");
+  if (!at) return false;
+  if (static_cast<int>(at->size()) != model_.dim) {
+    error("E0307", e.span, fmt::format("a point in {0}D has {0} coordinates", model_.dim));
+    return false;
+  }
+  std::ranges::copy(*at, out.begin());
+  return true;
+}
+
+void Checker::line(const ast::LineItem& item) {
+  solver::LineSpec spec;
+  spec.origin = model_.origin(item.span);
+  auto file = output_name(item.to);
+  bool good = place(item.from, spec.from);
+  good = place(item.end, spec.to) && good;
+  if (good && spec.from == spec.to) {
+    error("E0408", item.end.span, "a line has two ends: these are one point",
+          "a value at a point is a column of a table: `a = u.y at [0, 0]`");
+    good = false;
+  }
+  const auto points = positive_integer(item.points, "the number of points");
+  constexpr int most_points = 1000000;
+  if (points && (*points < 2 || *points > most_points)) {
+    error("E0408", item.points.span,
+          fmt::format("a line has 2 to {} points, not {}", most_points, *points));
+    good = false;
+  }
+  if (item.time) {
+    spec.time = report_time(*item.time);
+    good = spec.time.has_value() && good;
+  }
+  for (const ast::Expr& e : item.fields) {
+    auto f = drawn_field(e, "a line");
+    if (f) spec.fields.push_back(std::move(*f));
+    good = good && f;
+  }
+  if (!file || !points || !good) return;
+  spec.points = *points;
+  spec.file = *file;
+  model_.report.lines.push_back(std::move(spec));
+}
+
+void Checker::plot(const ast::PlotItem& item) {
+  solver::PlotSpec spec;
+  spec.origin = model_.origin(item.span);
+  auto file = output_name(item.to);
+  if (!model_.has_time) {
+    error("E0412", item.span, "a static problem has one row: there is no curve to plot");
+    return;
+  }
+  std::vector<std::string> known{"t"};
+  for (const solver::TableSpec& table : model_.report.tables)
+    for (const int p : table.probes)
+      known.push_back(model_.report.probes[static_cast<std::size_t>(p)].name);
+  const auto column = [&](const ast::Name& name) {
+    if (std::ranges::find(known, name.text) != known.end()) return true;
+    if (diagnostics_.has_errors()) return false; // its table may have a mistake
+    const std::string part = name.text + "_x";
+    const bool vector = std::ranges::find(known, part) != known.end();
+    error("E0319", name.span, fmt::format("no table has a column `{}`", name.text),
+          vector ? fmt::format("it is a vector: plot `{}`", part) : did_you_mean(name.text, known));
+    return false;
+  };
+  bool good = column(item.against);
+  for (const ast::Name& name : item.columns) {
+    good = column(name) && good;
+    spec.columns.push_back(name.text);
+  }
+  if (!file || !good) return;
+  spec.against = item.against.text;
+  spec.file = *file;
+  model_.report.plots.push_back(std::move(spec));
+}
+
+} // namespace hvi::lang

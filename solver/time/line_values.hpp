@@ -1,0 +1,46 @@
+// Values along a line of a report, and its file.
+#pragma once
+
+#include "solver/common/stream.hpp"
+#include "solver/mesh/mesh.hpp"
+#include "solver/output/table.hpp"
+#include "solver/time/fields.hpp"
+
+#include <vector>
+
+namespace hvi::solver {
+
+/// The fields of one `line` item at its places. Where the mesh has no such place the values are
+/// NaN.
+class LineValues {
+public:
+  LineValues(const LineSpec& spec, const Space& space, const CellLocator& locator);
+
+  const LineSpec& spec() const { return *spec_; }
+  /// Columns: the distance from the first place, the coordinates, the fields.
+  void take(const Snapshot& snapshot);
+  bool taken() const { return !table_.columns.empty(); }
+  const ReportTable& table() const { return table_; }
+  void save(StateWriter& w) const;
+  void restore(StateReader& r);
+
+private:
+  void name_columns();
+
+  const LineSpec* spec_;
+  int dim_;
+  std::vector<std::string> names_;
+  std::vector<Point> places_;
+  /// By place, then component; none where the mesh has no such place.
+  std::vector<std::vector<PointValue>> values_;
+  ReportTable table_;
+};
+
+/// Lines that meet the mesh nowhere.
+std::vector<Failure> lines_outside(const ReportSpec& report, const Mesh& mesh);
+/// The name of its file, in the output folder.
+std::string line_file(const ReportSpec& report, std::size_t i, const std::string& name);
+/// "sigma.xx" and the like: the fields of a line as columns.
+std::vector<std::string> columns_of(const FieldSpec& field);
+
+} // namespace hvi::solver

@@ -1,0 +1,295 @@
+#!/usr/bin/env python3
+"""results.py HVI_RUN EXAMPLES: what reports ask for, against values from elsewhere.
+
+- Reactions of all examples: the force on all that is held, against the inequality itself with a constant as test function.
+- largest, smallest: against values at the points where they are taken.
+- mises: in plane strain against a slice of a body in space, by several tensors, and against its formula.
+- line: against columns of a table at the same places.
+- The sweep of a parameter, against runs one by one; plots and pictures are there.
+"""
+import csv
+import json
+import math
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+HVI_RUN, EXAMPLES = sys.argv[1], pathlib.Path(sys.argv[2])
+
+
+def run(folder, text, *options, name="scene", command="run"):
+    (folder / f"{name}.hvi").write_text(text)
+    done = subprocess.run([HVI_RUN, command, str(folder / f"{name}.hvi"), "-o", str(folder / "out"), "--quiet", *options],
+                          capture_output=True, text=True)
+    assert done.returncode == 0, f"{text}\n{done.stderr}"
+    return done.stdout
+
+
+def rows(folder, name="scene"):
+    return [{k: float(v) for k, v in row.items() if v} for row in csv.DictReader((folder / "out" / f"{name}.csv").open())]
+
+
+# --- examples ----------------------------------------------------------------------------------
+
+# Small enough for a test; the terms do not care.
+SMALLER = {"bracket": ["size=2"], "slab3d_friction": ["n=2", "N=4"], "joint": ["N=16"], "seal": ["size=0.1"], "ball_on_block": ["m=16", "fine=0.01"],
+           "brake": ["N=10"], "lap_joint": ["N=12"], "damage": ["N=8"], "consolidation": ["N=10"], "cantilever": ["N=10"], "sphere": ["fine=0.02"]}
+# Steps whose loads are means, or forces of two times: these are in the random scenes.
+LEFT_OUT = {"bounce": "midpoint takes forces from both ends of a step", "manufactured": "exact loads are means",
+            "manufactured3d": "exact loads are means", "laminate": "it takes 6 s even in 5 steps"}
+
+
+def closing(text, at):
+    depth = 0
+    for i in range(at, len(text)):
+        depth += {"(": 1, "[": 1, ")": -1, "]": -1}.get(text[i], 0)
+        if depth == 0:
+            return i
+    raise ValueError(text[at:])
+
+
+def terms_of(form):
+    """(sign and factor, part, integrand) of every integral of a form."""
+    out, last = [], 0
+    for match in re.finditer(r"\bintegral\(", form):
+        if match.start() < last:
+            continue
+        end = closing(form, match.end() - 1)
+        inside, factor = form[match.end():end], form[last:match.start()].strip()
+        last = end + 1
+        comma = inside.index(",")
+        integrand = inside[comma + 1:]
+        rule = re.search(r",\s*rule\s*=\s*\w+\s*$", integrand)
+        out.append((factor, inside[:comma].strip(), integrand[:rule.start()] if rule else integrand, rule[0] if rule else ""))
+    return out
+
+
+def top_level_summands(text):
+    depth, start, out = 0, 0, []
+    for i, c in enumerate(text):
+        depth += {"(": 1, "[": 1, ")": -1, "]": -1}.get(c, 0)
+        if depth == 0 and c in "+-" and text[start:i].strip() and text[:i].rstrip()[-1] not in "*/^(,":
+            out.append(text[start:i])
+            start = i
+    return [*out, text[start:]]
+
+
+def balance_columns(text):
+    """Columns `balance_c`: the form with v = e_c and without laws; what holds the body; and a size of its forces, the mean
+    stress times a section, since loads and reactions may add up to zero by symmetry."""
+    code = re.sub(r"#.*", "", text)
+    find = re.search(r"\bfind\b.*?(?=\n\s*(?:report|expect|study|param|fn|part|tensor|kernel|superpotential|space|mesh|state|import)\b|\Z)",
+                     code, re.S)[0]
+    unknowns = re.findall(r"(\w+) in (\w+)", re.split(r"\bfor\b|\bwith\b|\busing\b|\bsuch\b", find, maxsplit=1)[0])
+    tests = re.findall(r"(\w+) in \w+", re.search(r"for all ((?:\w+ in \w+(?:,\s*)?)+)", find)[1])
+    kinds = {name: kind for name, kind in re.findall(r"space\s+(\w+)\s*=\s*(scalar|vector)", code)}
+    unknown = next((i for i, (_, space) in enumerate(unknowns) if kinds[space] == "vector"), 0)
+    vector = kinds[unknowns[unknown][1]] == "vector"
+    mesh = re.search(rf"space\s+{unknowns[unknown][1]}\s*=\s*\w+\s+\w+\s+on\s+(\w+)", code)[1]
+    form = find[re.search(r"for all (?:\w+ in \w+(?:,\s*)?)+", find).end():]
+    left, right = re.split(r">=|(?<![<>=!^])=(?!=)(?![^()]*\))", form, maxsplit=1)
+    first = re.search(r"\bmesh\s+\w+\s*=.*?(?=\n\s*\w+\s+\w+\s*[=(])", code, re.S)[0]
+    dim = 3 if re.search(r"\bbox\(|bracket|ball\(|cylinder\(", first) or "zero.z" in code else 1 if "interval(" in first else 2
+    zero = lambda n: "[" + ", ".join("0" for _ in range(n)) + "]"
+    columns = []
+    # The unit vector along the radius is no test function of a body of revolution: on the axis these are zero.
+    for c in range(1 if "axisymmetric" in code and vector else 0, dim if vector else 1):
+        unit = "[" + ", ".join("1" if i == c else "0" for i in range(dim)) + "]" if vector else "1"
+        sum_of = []
+        for side, sign in ((left, "+"), (right, "-")):
+            for factor, part, integrand, rule in terms_of(side):
+                for summand in top_level_summands(integrand):
+                    if "^0(" in summand:
+                        continue
+                    for i, (test, (_, space)) in enumerate(zip(tests, unknowns)):
+                        other = zero(dim) if kinds[space] == "vector" else "0"
+                        summand = re.sub(rf"\b{test}\b(?!\s*\()", unit if i == unknown else other, summand)
+                    summand = re.sub(r"\[([0, 1]+)\]\.([xyz])", lambda m: m[1].split(", ")["xyz".index(m[2])], summand)
+                    summand = re.sub(r"\[([0, 1]+)\]\.nu", lambda m: f"dot([{m[1]}], normal)", summand)
+                    own = factor.lstrip("+").strip()
+                    negative = own.startswith("-")
+                    own = own.lstrip("-").strip().rstrip("*").strip()
+                    sign_of = sign if not negative else {"+": "-", "-": "+"}[sign]
+                    sum_of.append(f"{sign_of} {own + ' * ' if own else ''}integral({part}, {summand.strip().lstrip('+')}{rule})")
+        columns.append(f"balance_{'xyz'[c]} = 0 {' '.join(sum_of)}")
+    columns.append(f"forces = integral({mesh}, norm(sigma))/integral({mesh}, 1)^(1/{dim})")
+    return columns, f"all = reaction({mesh}{', ' + unknowns[unknown][0] if len(unknowns) > 1 else ''})", vector
+
+
+def check_examples():
+    worst, n = 0.0, 0
+    for path in sorted(EXAMPLES.glob("*.hvi")):
+        if path.stem in LEFT_OUT:
+            continue
+        text = path.read_text()
+        columns, of_all, vector = balance_columns(text)
+        by_parts = []
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = pathlib.Path(temporary)
+            for other in [*EXAMPLES.glob("*.msh"), *EXAMPLES.glob("*.csv")]:
+                (folder / other.name).write_bytes(other.read_bytes())
+            body = re.sub(r"(?m)^\s*(expect|study)\b.*$", "", text)
+            body = re.sub(r"(?s)\breport\b.*?(?=\n(?:fn|param|part|find)\b|\Z)", "", body)
+            defines = [f for d in SMALLER.get(path.stem, []) for f in ("-D", d)]
+            run(folder, f"{body}\nreport table {', '.join([*columns, of_all])}\n", *defines, name=path.stem)
+            table = rows(folder, path.stem)
+            size = max(abs(v) for row in table for k, v in row.items() if k not in ("t", "event"))
+            assert size > 0, path.stem
+            for row in table:
+                for c in "xyz":
+                    if f"balance_{c}" not in row:
+                        continue
+                    reaction = row[f"all_{c}"] if vector else row["all"]
+                    off = abs(reaction - row[f"balance_{c}"]) / size
+                    worst = max(worst, off)
+                    assert off < 1e-10, (path.stem, off, row)
+        n += 1
+    print(f"{n} examples: reactions and loads differ by {worst:.1e} of the largest force of the run")
+
+
+# --- values --------------------------------------------------------------------------------------
+
+PLATE = """
+mesh plate  = rectangle(1, 1, cells = [4, 3])
+part wall   = plate.left
+part ground = plate.bottom
+part tip    = plate.right
+tensor B = {tensor}
+kernel C(lag) = -0.5*exp(-lag) * B
+superpotential layer(r) = 30*pos(r)^2
+space V = vector {element} on plate, zero on wall
+find u in V for t in [0, 1] by 4 steps from u = 0
+such that for all v in V
+  integral(plate, B : eps(u) : eps(v)) + integral(plate, 0.3*B : eps(u') : eps(v)) + integral(plate, history(C, eps(u)) : eps(v))
+  + integral(ground, layer^0(u.nu; v.nu)) >= integral(tip, dot([sin(2*t), -3*t], v))
+report {report}
+"""
+ISOTROPIC = "isotropic(young = 70, poisson = 0.3)"
+
+
+def close(a, b, tolerance=1e-12, size=None):
+    assert abs(a - b) <= tolerance * (size or max(abs(a), abs(b), 1e-300)), (a, b)
+
+
+def check_extremes(folder):
+    nodes = [(i / 4, j / 3) for j in range(4) for i in range(5)]
+    centres = [((3 * i + k) / 12, (3 * j + k) / 9) for j in range(3) for i in range(4) for k in (1, 2)] + \
+              [((3 * i + 3 - k) / 12, (3 * j + k) / 9) for j in range(3) for i in range(4) for k in (1, 2)]
+    columns = [f"u{i} = u.y at [{x!r}, {y!r}]" for i, (x, y) in enumerate(nodes)]
+    columns += [f"s{i} = sigma.xy at [{x!r}, {y!r}]" for i, (x, y) in enumerate(centres)]
+    columns += [f"xi{i} = layer.xi at [{i / 4!r}, 0]" for i in range(5)]
+    columns += [f"{name} = {name}(plate, {of})".replace(f"{name} =", f"{name}_{k} =") for name in ("largest", "smallest")
+                for k, of in (("u", "u.y"), ("s", "sigma.xy"))]
+    columns += ["most = largest(ground, layer.xi)", "least = smallest(ground, layer.xi)", "on_side = largest(tip, u.y*normal.x)"]
+    run(folder, PLATE.format(tensor=ISOTROPIC, element="P1", report="table " + ", ".join(columns)))
+    for row in rows(folder):
+        for kind, count, suffix in (("u", len(nodes), "u"), ("s", len(centres), "s")):
+            values = [row[f"{kind}{i}"] for i in range(count)]
+            close(row[f"largest_{suffix}"], max(values), 1e-9, max(map(abs, values)))
+            close(row[f"smallest_{suffix}"], min(values), 1e-9, max(map(abs, values)))
+        multipliers = [row[f"xi{i}"] for i in range(5)]
+        close(row["most"], max(multipliers))
+        close(row["least"], min(multipliers))
+        close(row["on_side"], max(row[f"u{i}"] for i, (x, _) in enumerate(nodes) if x == 1))
+
+
+def check_mises(folder):
+    """A slice in space, held between two planes, has the stresses of plane strain: with P1 where u is affine."""
+    affine = "[0.01*x + 0.004*y, -0.003*x + 0.006*y]"
+    in_space = "[0.01*x + 0.004*y, -0.003*x + 0.006*y, 0]"
+    for tensor in (ISOTROPIC, "orthotropic(E1 = 70, E2 = 30, E3 = 10, nu12 = 0.3, nu23 = 0.2, nu13 = 0.1, G12 = 9, G23 = 8, G13 = 7)",
+                   "transverse(E1 = 90, E2 = 20, nu12 = 0.25, nu23 = 0.3, G12 = 12, axis = [1, 2, 0])",
+                   f"2*{ISOTROPIC} + isotropic(lambda = 3, mu = 1)"):
+        found = []
+        for mesh, edge, value, at in (("rectangle(1, 1, cells = [2, 2])", "body.boundary", affine, "[0.4, 0.3]"),
+                                      ("box(1, 1, 1, cells = [2, 2, 2])", "body.boundary", in_space, "[0.4, 0.3, 0.45]")):
+            text = f"""
+mesh body = {mesh}
+part edge = {edge}
+tensor B = {tensor}
+kernel C(lag) = -0.5*exp(-lag) * B
+fn pushed() = {value}
+space V = vector P1 on body, zero on edge
+find u in V with u = t*pushed() on edge for t in [0, 1] by 3 steps from u = 0
+such that for all v in V
+  integral(body, B : eps(u) : eps(v)) + integral(body, 2*(B : eps(u')) : eps(v)) + integral(body, history(C, eps(u)) : eps(v)) = 0
+report table m = mises(sigma) at {at}, zz = sigma.zz at {at}, xx = sigma.xx at {at}, yy = sigma.yy at {at}, xy = sigma.xy at {at}
+"""
+            run(folder, text)
+            found.append(rows(folder)[-1])
+        plane, space = found
+        for name in plane:
+            close(plane[name], space[name], 1e-10, space["m"] if name != "t" else None)
+        xx, yy, zz, xy = (plane[k] for k in ("xx", "yy", "zz", "xy"))
+        close(plane["m"], math.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy ** 2), 1e-12)
+    ring = """
+mesh tube = rectangle(1, 1, at = [1, 0], cells = [2, 2], axisymmetric = true)
+part inner = tube.left
+part flat = tube.bottom
+tensor B = isotropic(young = 70, poisson = 0.3)
+space V = vector P2 on tube, zero.y on flat
+find u in V such that for all v in V integral(tube, B : eps(u) : eps(v)) = integral(inner, dot([1, 0], v))
+report table m = mises(sigma) at [1.2, 0.4], xx = sigma.xx at [1.2, 0.4], yy = sigma.yy at [1.2, 0.4], zz = sigma.zz at [1.2, 0.4],
+  xy = sigma.xy at [1.2, 0.4]
+"""
+    run(folder, ring)
+    xx, yy, zz, xy = (rows(folder)[-1][k] for k in ("xx", "yy", "zz", "xy"))
+    close(rows(folder)[-1]["m"], math.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy ** 2), 1e-12)
+
+
+def check_lines(folder):
+    places = [(0.1 + 0.08 * k, 0.9 - 0.07 * k) for k in range(11)]
+    columns = ", ".join(f"u{k} = u.y at [{x!r}, {y!r}], s{k} = sigma.xy at [{x!r}, {y!r}]" for k, (x, y) in enumerate(places))
+    for when, row in (("", -1), (" at t = 0.5", 1)):
+        at = ", ".join(f"w{k} = u.y at [{x!r}, {y!r}]{when}" for k, (x, y) in enumerate(places))
+        run(folder, PLATE.format(tensor=ISOTROPIC, element="P2", report=f"""table {columns}, {at}
+  line u.y, u, sigma from [0.1, 0.9] to [0.9, 0.2] by 11 points{when} to "along.csv"
+  line u.y from [0.5, 0.5] to [1.5, 0.5] by 3 points to "out.csv" """))
+        table, line = rows(folder), rows(folder, "along")
+        assert len(line) == 11
+        for k, (x, y) in enumerate(places):
+            close(line[k]["x"], x, 1e-12, 1.0)
+            close(line[k]["y"], y, 1e-12, 1.0)
+            close(line[k]["distance"], math.hypot(x - 0.1, y - 0.9), 1e-12, 1.0)
+            close(line[k]["u.y"], table[-1][f"w{k}"], 1e-12)
+            if not when:
+                close(line[k]["u.y"], table[-1][f"u{k}"], 1e-12)
+                close(line[k]["sigma.xy"], table[-1][f"s{k}"], 1e-9, 1.0)
+        outside = list(csv.DictReader((folder / "out" / "out.csv").open()))
+        assert [bool(r["u.y"]) for r in outside] == [True, True, False], outside
+
+
+def check_sweep(folder):
+    text = PLATE.replace("mesh plate", "param k = 1\nparam degree = P1\nmesh plate").replace("sin(2*t)", "k*sin(2*t)").format(
+        tensor=ISOTROPIC, element="degree", report="table tip = u.y at [1, 1], held = reaction(wall)\nstudy vary k in [1, 2, 3] and degree in [P1, P2]")
+    run(folder, text, command="study")
+    table = list(csv.DictReader((folder / "out" / "study.csv").open()))
+    assert len(table) == 6 and (folder / "out" / "sweep_tip.svg").exists(), table
+    for row in table:
+        run(folder, text, "-D", f"k={row['k']}", "-D", f"degree={row['degree']}", "--json", str(folder / "one.json"))
+        final = json.loads((folder / "one.json").read_text())["final"]
+        for name in ("tip", "held_x", "held_y"):
+            assert float(row[name]) == final[name], (row, final)
+
+
+def check_pictures(folder):
+    run(folder, PLATE.format(tensor=ISOTROPIC, element="P2", report="""table tip = u.y at [1, 1], held = reaction(wall)
+  plot held_y, held_x against tip to "loop.svg"
+  picture mises(sigma) deformed = 5 to "stress.png"
+  picture u'.y at t = 0.6 to "rate.png" """))
+    loop = (folder / "out" / "loop.svg").read_text()
+    assert "held_x" in loop and "held_y" in loop and "tip" in loop
+    for name in ("stress.png", "rate.png"):
+        assert (folder / "out" / name).read_bytes()[-8:-4] == b"IEND", name
+
+
+def main():
+    for check in (check_extremes, check_mises, check_lines, check_sweep, check_pictures):
+        with tempfile.TemporaryDirectory() as folder:
+            check(pathlib.Path(folder))
+    check_examples()
+
+
+main()
