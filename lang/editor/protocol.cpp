@@ -85,8 +85,9 @@ std::optional<std::string> path_of(std::string_view uri) {
   std::string out;
   for (std::size_t i = 0; i < uri.size(); ++i) {
     unsigned value = 0;
+    const char* const digits = uri.data() + i + 1;
     const bool coded = uri[i] == '%' && i + 2 < uri.size() &&
-                       std::from_chars(&uri[i + 1], &uri[i + 1] + 2, value, 16).ptr == &uri[i + 3];
+                       std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2;
     out += coded ? static_cast<char>(value) : uri[i];
     if (coded) i += 2;
   }

@@ -52,7 +52,8 @@ constexpr std::array table = {
         "find ${1:u} in ${2:V} for t in [0, ${3:1}] by ${4:64} steps from ${1:u} = 0\nsuch that "
         "for all v in ${2:V}\n    integral(${5:body}, ${6:B} : eps(${1:u}) : eps(v))\n >= "
         "integral(${5:body}, dot([0, ${7:-10*t}], v))"},
-    KnownWord{"report", "what a run prints and writes: `table`, `fields`, `picture`",
+    KnownWord{"report",
+              "what a run prints and writes: `table`, `fields`, `line`, `plot`, `picture`",
               "report\n  table ${1:tip} = u.y at [${2:0, 0}]\n  fields u, sigma"},
     KnownWord{"expect",
               "`expect tip = 0.5 within 1e-9 relative \"analytic\"`: judged by `hvi-run test`",

@@ -30,7 +30,7 @@ Contact one_point(LawSpec spec, const DenseMatrix& rows) {
   out.terms.push_back(std::move(term));
   out.g = rows.sparseView();
   out.force = (point.weight * rows.transpose()).sparseView();
-  out.unknowns = {0, 1};
+  out.unknowns = out.loaded = {0, 1};
   out.offset = Vector::Zero(rows.rows());
   out.reach = Vector::Zero(2);
   out.scales = {1.0};
