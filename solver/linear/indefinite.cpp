@@ -9,6 +9,7 @@
 #include "solver/linear/general_lu.hpp"
 #include "solver/linear/mumps/bridge.h"
 #include "solver/linear/one_blas_thread.hpp"
+#include "solver/linear/ordering.hpp"
 
 #include <Eigen/LU>
 
@@ -86,9 +87,7 @@ public:
   Ldl(const MumpsBridge& bridge, std::span<const int> contact,
       std::span<const std::uint8_t> of_unknown)
       : bridge_(bridge), contact_(contact.begin(), contact.end()),
-        of_unknown_(of_unknown.begin(), of_unknown.end()) {
-    statistics_.ordering = "METIS";
-  }
+        of_unknown_(of_unknown.begin(), of_unknown.end()) {}
   ~Ldl() override { bridge_.close(solver_); }
   Ldl(const Ldl&) = delete;
   Ldl& operator=(const Ldl&) = delete;
@@ -99,7 +98,7 @@ public:
   /// Throws NotFactorable where K is not symmetric but for factors of its rows, has no factor, or
   /// an inaccurate one.
   void factor(const SparseMatrix& k) override;
-  bool analyse(const SparseMatrix& k); ///< false: it is not, or there is no memory
+  bool analyse(const SparseMatrix& k); ///< false: it is not
   void forward(RightHandSides y, Columns columns) override;
   void back(RightHandSides y, Columns columns) override;
   const DenseMatrix& schur() const override { return schur_; }
@@ -108,7 +107,7 @@ public:
 
 private:
   void place(Eigen::Index size);
-  bool find_order(const LowerTriangle& lower);
+  bool find_order(const SparseMatrix& k, const LowerTriangle& lower);
   void take_schur();
   bool is_accurate(const SparseMatrix& k);
   void solve_interior(Vector& x); ///< x_I = K_II^-1 x_I, x_c = 0
@@ -138,14 +137,26 @@ void Ldl::place(Eigen::Index size) {
   order_.unknown.insert(order_.unknown.end(), contact_.begin(), contact_.end());
 }
 
-bool Ldl::find_order(const LowerTriangle& lower) {
+/// The order is ours: MUMPS's own by SCOTCH differs from run to run and ends in the order of the
+/// numbers where there is no memory.
+bool Ldl::find_order(const SparseMatrix& k, const LowerTriangle& lower) {
   if (solver_ != nullptr && lower_ && lower_->same_pattern(lower)) return true;
   const double start = cpu_seconds();
   bridge_.close(std::exchange(solver_, nullptr));
-  const HviMumpsPattern pattern{order_.size(),       lower.row.size(),  lower.row.data(),
-                                lower.column.data(), order_.contacts(), contact_.data()};
+  CholmodSession session;
+  const ContactLastOrder found = order_contact_last(k, contact_, session);
+  std::vector<int> position(found.permutation.size());
+  for (std::size_t p = 0; p < position.size(); ++p)
+    position[static_cast<std::size_t>(found.permutation[p])] = static_cast<int>(p);
+  const HviMumpsPattern pattern{order_.size(),       lower.row.size(), lower.row.data(),
+                                lower.column.data(), position.data(),  order_.contacts(),
+                                contact_.data()};
+  statistics_.ordering = found.name;
   HviMumpsCounts expected{};
   const int status = bridge_.open(&pattern, &solver_, &expected);
+  // general_factor would need more.
+  if (status == hvi_mumps_no_memory)
+    throw OutOfMemory("no memory to analyse a matrix of {} unknowns", order_.size());
   lower_ = lower;
   statistics_.bytes = expected.bytes;
   ++statistics_.analyses;
@@ -158,7 +169,7 @@ bool Ldl::analyse(const SparseMatrix& k) {
   if (rows_.size() != k.rows()) return false;
   place(k.rows());
   LowerTriangle lower(k, rows_);
-  return find_order(lower);
+  return find_order(k, lower);
 }
 
 void Ldl::factor(const SparseMatrix& k) {
@@ -169,7 +180,7 @@ void Ldl::factor(const SparseMatrix& k) {
   place(k.rows());
   LowerTriangle lower(k, rows_);
   scale_ = lower.scale(k.rows());
-  if (!find_order(lower)) fail("the matrix cannot be analysed");
+  if (!find_order(k, lower)) fail("the matrix cannot be analysed");
   const double start = cpu_seconds();
   const auto contacts = static_cast<Eigen::Index>(contact_.size());
   schur_.resize(contacts, contacts);

@@ -24,7 +24,7 @@ MUMPS_INT& setting(DMUMPS_STRUC_C& mumps, int number) { return mumps.icntl[numbe
 
 struct Solver {
   DMUMPS_STRUC_C mumps{};
-  std::vector<MUMPS_INT> row, column, last;
+  std::vector<MUMPS_INT> row, column, position, last;
   std::vector<double> value, schur;
 
   Solver() {
@@ -59,7 +59,7 @@ void choose_settings(DMUMPS_STRUC_C& mumps) {
   constexpr int errors = 1, diagnostics = 2, information = 3, level = 4;
   for (const int stream : {errors, diagnostics, information}) setting(mumps, stream) = -1;
   setting(mumps, level) = 0;
-  setting(mumps, 7) = 5;  // METIS
+  setting(mumps, 7) = 1;  // the caller has an order
   setting(mumps, 8) = 0;  // the caller has scaled it
   setting(mumps, 10) = 0; // and corrects
   setting(mumps, 13) = 1; // no ScaLAPACK
@@ -72,10 +72,12 @@ int open(const HviMumpsPattern& pattern, Solver& solver, HviMumpsCounts& expecte
   choose_settings(mumps);
   solver.row = from_one(pattern.row, pattern.entries);
   solver.column = from_one(pattern.column, pattern.entries);
+  solver.position = from_one(pattern.position, static_cast<std::size_t>(pattern.n));
   solver.last = from_one(pattern.last, static_cast<std::size_t>(pattern.n_last));
   mumps.n = pattern.n;
   mumps.nnz = static_cast<MUMPS_INT8>(pattern.entries);
   mumps.irn = solver.row.data(), mumps.jcn = solver.column.data();
+  mumps.perm_in = solver.position.data();
   if (pattern.n_last > 0) {
     setting(mumps, 19) = 3; // what elimination leaves, whole, by columns
     mumps.size_schur = pattern.n_last;

@@ -12,6 +12,7 @@ struct HviMumpsPattern {
   std::size_t entries;
   const int* row;
   const int* column;
+  const int* position; /* of each unknown in the order of elimination, from 0; the last ones behind */
   int n_last; /* so many unknowns are not eliminated */
   const int* last;
 };
