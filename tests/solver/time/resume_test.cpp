@@ -107,6 +107,18 @@ Scene with_states(Scheme scheme, int dim) {
   return out;
 }
 
+/// The same thrown, with mass.
+Scene with_states_in_motion(Scheme scheme) {
+  Scene out = with_states(scheme, 2);
+  out.name += ", in motion";
+  FormTerm inertia;
+  inertia.field = field_of_u(2);
+  inertia.entries = {{slot::value(0), slot::value(0), 3.0}, {slot::value(1), slot::value(1), 3.0}};
+  out.plan.problem.forms.push_back(inertia);
+  out.plan.problem.law_terms.back().field = field_of_u(1);
+  return out;
+}
+
 /// Two blocks, or rings, with a layer and friction on the rate between them.
 Scene on_a_pair(std::string name, int dim, bool rings) {
   Scene out{std::move(name), two_blocks(2, 9, dim, rings), true};
@@ -151,6 +163,9 @@ std::vector<Scene> scenes() {
                          with_states(Scheme::backward_euler, 2),
                          with_states(Scheme::bdf2, 2),
                          with_states(Scheme::bdf2, 3),
+                         with_states_in_motion(Scheme::newmark),
+                         with_states_in_motion(Scheme::hht),
+                         with_states_in_motion(Scheme::midpoint),
                          on_a_pair("pair", 2, false),
                          on_a_pair("pair of rings", 2, true),
                          on_a_pair("pair in space", 3, false),
