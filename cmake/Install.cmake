@@ -3,7 +3,7 @@
 include(CMakePackageConfigHelpers)
 
 install(TARGETS hvi-run RUNTIME DESTINATION bin)
-install(TARGETS hvi_gmsh hvi_mumps LIBRARY DESTINATION lib/hvi)
+install(TARGETS hvi_gmsh hvi_mumps hvi_draw LIBRARY DESTINATION lib/hvi)
 get_property(libraries GLOBAL PROPERTY hvi_solver_libraries)
 install(TARGETS hvi_solver ${libraries} hvi_options hvi_headers hvi_suitesparse EXPORT hvi
   ARCHIVE DESTINATION lib/hvi)

@@ -5,6 +5,7 @@
 #include "lang/lower/lower.hpp"
 #include "lang/mesh_report.hpp"
 #include "lang/mesh_values.hpp"
+#include "solver/time/field_grids.hpp"
 #include "solver/time/step.hpp"
 
 #include <algorithm>
@@ -46,6 +47,33 @@ std::optional<solver::AccuracyRequest> accuracy_wanted(const Script& script,
   return out;
 }
 
+/// `fields sigma` at the end of the report: the checker knows what the stress of a script is.
+void ask_for_stress(ast::Program& program) {
+  ast::FieldsItem item;
+  ast::Expr stress;
+  stress.node = ast::Reference{"sigma"};
+  item.fields.push_back(std::move(stress));
+  const auto last =
+      std::find_if(program.statements.rbegin(), program.statements.rend(),
+                   [](const ast::Statement& s) { return std::holds_alternative<ast::Report>(s); });
+  if (last != program.statements.rend()) {
+    std::get<ast::Report>(*last).items.emplace_back(std::move(item));
+    return;
+  }
+  ast::Report report;
+  report.items.emplace_back(std::move(item));
+  program.statements.emplace_back(std::move(report));
+}
+
+/// What `ask_for_stress` asked for goes from the plan to what is shown, with the unknowns.
+solver::Shown shown_of(solver::Plan& plan, int dim) {
+  solver::Shown out;
+  out.fields = solver::unknown_fields(plan.problem, dim);
+  for (auto& field : plan.report.fields.back().fields) out.fields.push_back(std::move(field));
+  plan.report.fields.pop_back();
+  return out;
+}
+
 } // namespace
 
 Session::Session(std::string path, CompileSettings settings, std::optional<std::string> text)
@@ -62,6 +90,7 @@ Exit Session::parse() {
 Exit Session::compile() {
   parse_script(script);
   if (script.programs.empty()) return exit_script;
+  if (settings_.keep_fields) ask_for_stress(script.programs.front());
   CheckOptions options;
   options.defines = settings_.defines;
   options.folder = (fs::path(script.path).parent_path() / ".").lexically_normal().string();
@@ -73,6 +102,7 @@ Exit Session::compile() {
   script.model->title = fs::path(script.path).stem().string();
   script.model->options.threads = settings_.threads;
   script.plan = lower(*script.model);
+  if (settings_.keep_fields) shown = shown_of(*script.plan, script.model->dim);
   if (settings_.all_unknowns) script.plan->options.proportional_path = false;
   if (settings_.both_sides) script.plan->options.jumps_as_unknowns = false;
   return exit_ok;
@@ -104,11 +134,14 @@ Exit Session::take_first_step() {
 }
 
 void Session::solve(const RunRequest& request) {
+  const bool shows = !request.settings.output_folder.empty();
   if (const auto wanted = accuracy_wanted(script, request)) {
-    accuracy =
-        solver::reach_accuracy(*script.plan, *wanted, request.settings, request.tell_accuracy);
+    accuracy = solver::reach_accuracy(*script.plan, *wanted, request.settings,
+                                      request.tell_accuracy, shows ? &shown : nullptr);
     result = accuracy->run;
     script.plan = accuracy->plan;
+  } else if (shows) {
+    result = solver::run_shown(*script.plan, discretisation, request.settings, shown, &result);
   } else {
     result = solver::run(*script.plan, discretisation, request.settings, &result);
   }

@@ -16,6 +16,7 @@
 #include "lang/script.hpp"
 #include "solver/study/accuracy.hpp"
 #include "solver/time/run.hpp"
+#include "solver/time/shown.hpp"
 
 #include <atomic>
 #include <functional>
@@ -29,6 +30,7 @@ namespace hvi::lang {
 struct CompileSettings {
   std::map<std::string, std::string> defines; ///< parameter -> value
   bool allow_geo = false;                     ///< geometry files may be read: they can run programs
+  bool keep_fields = false;  ///< the result holds the unknowns and the stress of many times
   bool all_unknowns = false; ///< in every step, also where the contact unknowns would do
   bool both_sides = false;   ///< of pairs: their contact unknowns, also where jumps would do
   int threads = 1;
@@ -96,6 +98,7 @@ public:
   Script script;
   solver::Discretisation discretisation;
   solver::RunResult result;
+  solver::Shown shown;                            ///< of the result, where files are written
   std::optional<solver::AccuracyResult> accuracy; ///< where one was wanted
 
 private:

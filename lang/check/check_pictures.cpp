@@ -32,8 +32,14 @@ void Checker::picture(const ast::PictureItem& item) {
   solver::PictureSpec spec;
   spec.origin = model_.origin(item.span);
   auto file = output_name(item.to);
-  auto f = drawn_field(item.field, "a picture");
+  auto f = output_field(item.field);
   if (item.time) spec.time = report_time(*item.time);
+  if (item.to && item.to->text.ends_with(".apng") && (item.time || !model_.has_time)) {
+    error("E0412", item.to->span,
+          item.time ? "a picture at one time does not move" : "a static problem does not move",
+          "a picture that stands still is a `.png` or an `.svg`");
+    return;
+  }
   if (item.deformed) {
     const auto factor = constant(*item.deformed, "how many times the displacement is drawn");
     if (!factor) return;

@@ -20,13 +20,21 @@ Exit judge_script(Session& session, const Options& options) {
   if (!options.quiet && !json_only(options))
     std::fputs(hypotheses_text(session.script, report, options.colour_out).c_str(), stdout);
   if (!options.json.empty()) write_json(options, hypotheses_json(session.script, report));
+  if (options.report) {
+    ReportParts parts{session.script};
+    parts.hypotheses = hypotheses_json(session.script, report);
+    write_page(output_folder(session.script, options), session.script.model->title, parts);
+  }
   return !options.strict || (report.discrete && report.continuous) ? exit_ok : exit_hypothesis;
 }
 
 /// The phases up to the first step; every mistake is a diagnostic.
 Exit look_for_mistakes(Session& session, const Options& options, HeldOutputs& outputs) {
   if (const Exit code = session.compile(); code != exit_ok) return code;
-  const Outputs wanted = outputs_in("", {}, options);
+  const Script& script = session.script;
+  const std::vector<std::string> page{script.model->title + report_ending};
+  const Outputs wanted = options.report ? outputs_in(output_folder(script, options), page, options)
+                                        : outputs_in("", {}, options);
   if (const Exit code = outputs.take(wanted, options, session); code != exit_ok) return code;
   if (options.script_only) return exit_ok;
   if (const Exit code = session.discretise(); code != exit_ok) return code;

@@ -8,6 +8,7 @@
 #include "lang/cli/say.hpp"
 #include "lang/cli/time_left.hpp"
 #include "lang/pictures.hpp"
+#include "lang/report/page.hpp"
 #include "solver/linear/bandwidth.hpp"
 #include "solver/time/result_json.hpp"
 
@@ -111,7 +112,7 @@ RunRequest request_of(const Session& session, const Options& options, ProgressLi
   settings.name = session.script.model->title;
   settings.stop = &stop_flag();
   settings.warn = warn_of_file;
-  settings.monitors = options.monitors;
+  settings.monitors = options.monitors || options.report;
   if (!options.no_files) {
     settings.output_folder = output_folder(session.script, options);
     settings.checkpoint_every = options.checkpoint;
@@ -154,12 +155,12 @@ void write_result(Session& session, const Options& options, double bandwidth, in
   }
 }
 
-/// Done last: gnuplot may be missing, and pictures show nothing that is not in the files.
+/// Done last: the module that draws may be missing, and pictures show nothing that is not in the
+/// files.
 void add_pictures(Session& session, const Options& options, double bandwidth, int& code) {
   bool any = false;
-  for (const Drawn& picture :
-       draw_pictures(*session.script.plan, session.last_discretisation(), session.result,
-                     output_folder(session.script, options))) {
+  for (const Drawn& picture : draw_pictures(*session.script.plan, session.result, session.shown,
+                                            output_folder(session.script, options))) {
     if (!picture.failure) {
       session.result.files.push_back(picture.file);
       any = true;
@@ -170,6 +171,26 @@ void add_pictures(Session& session, const Options& options, double bandwidth, in
     }
   }
   if (any && !json_only(options)) write_result(session, options, bandwidth, code);
+}
+
+/// The page of a run, with the hypotheses where they can be judged.
+void add_page(Session& session, const Options& options, double bandwidth, int& code) {
+  Script& script = session.script;
+  ReportParts parts{script};
+  parts.result = json_of(session, bandwidth);
+  parts.run = &session.result;
+  parts.frames = session.shown.frames;
+  try {
+    parts.hypotheses = hypotheses_json(
+        script, solver::check_hypotheses(*script.plan, session.last_discretisation()));
+  } catch (const solver::Failure& failure) {
+    tell("the hypotheses cannot be judged: {}\n", failure.what());
+  }
+  const Exit done = session.attempt(
+      [&] { write_page(output_folder(script, options), script.model->title, parts); });
+  if (done != exit_ok) code = done;
+  if (done == exit_ok && !options.quiet && !json_only(options))
+    say("report: {}/{}{}\n", output_folder(script, options), script.model->title, report_ending);
 }
 
 /// Files first, then printing, then pictures: a failure loses nothing that came before.
@@ -185,6 +206,7 @@ int report_run(Session& session, const Options& options) {
   if (!json_only(options)) print_result(session, options, bandwidth);
   std::fflush(stdout);
   if (!options.no_files) add_pictures(session, options, bandwidth, code);
+  if (options.report) add_page(session, options, bandwidth, code);
   if (!options.quiet && !json_only(options) && !result.files.empty())
     say("files: {} in {}/\n", result.files.size(), output_folder(session.script, options));
   return code;
@@ -194,7 +216,9 @@ int report_run(Session& session, const Options& options) {
 
 int run_command(const std::string& path, const Options& options) {
   HeldOutputs outputs;
-  Session session(path, compile_settings(options));
+  CompileSettings settings = compile_settings(options);
+  settings.keep_fields = options.report;
+  Session session(path, std::move(settings));
   int code = solve(session, options, outputs);
   if (code == exit_ok) {
     code = report_run(session, options);
@@ -215,6 +239,7 @@ int test_command(const std::vector<std::string>& paths, const Options& options) 
   Options prints_only = options;
   prints_only.no_files = true;
   prints_only.json.clear();
+  prints_only.report = false;
   for (const std::string& path : paths) {
     say("{}\n", path);
     HeldOutputs outputs;

@@ -203,7 +203,9 @@ Exit report_on(Session& session, const Options& options, HeldOutputs& outputs) {
   std::vector<std::string> names;
   if (!script.plan->problem.time.is_static)
     names.push_back(picture_name(script)); // one point is no picture
-  const Outputs wanted = outputs_in(output_folder(script, options), names, options);
+  std::vector<std::string> written = names;
+  if (options.report) written.push_back(script.model->title + report_ending);
+  const Outputs wanted = outputs_in(output_folder(script, options), written, options);
   if (const Exit code = outputs.take(wanted, options, session); code != exit_ok) return code;
   if (const Exit code = session.discretise(); code != exit_ok) return code;
   const InterruptGuard guard;
@@ -213,6 +215,12 @@ Exit report_on(Session& session, const Options& options, HeldOutputs& outputs) {
   if (!found) return code;
   if (!options.json.empty())
     code = session.attempt([&] { write_json(options, report_json(*found, script)); });
+  if (options.report)
+    code = session.attempt([&] {
+      ReportParts parts{script};
+      parts.stability = report_json(*found, script);
+      write_page(output_folder(script, options), script.model->title, parts);
+    });
   if (!json_only(options) && !options.quiet) print_report(*found);
   if (!names.empty()) write_pictures(session, *found, options);
   return code;

@@ -83,6 +83,7 @@ public:
     plan_rows(*script.model);
     auto names = files_of_study(study_);
     names.push_back(journal_.name());
+    if (options_.report) names.push_back(std::string("study") + report_ending);
     const Outputs wanted = outputs_in(folder_.string(), names, options_);
     if (const Exit code = outputs_.take(wanted, options_, session); code != exit_ok) {
       show_diagnostics(script, options_);
@@ -376,7 +377,8 @@ private:
 namespace {
 
 /// Files, then the table, then pictures: what fails takes nothing with it that came before.
-int report_study(const Study& study, const std::string& folder, const Options& options) {
+int report_study(const std::string& path, const Study& study, const std::string& folder,
+                 const Options& options) {
   int code = exit_ok;
   std::vector<std::string> files;
   const auto attempt = [&](const auto& write) {
@@ -395,6 +397,15 @@ int report_study(const Study& study, const std::string& folder, const Options& o
   attempt([&] {
     if (!options.json.empty()) write_json(options, study_json(study));
   });
+  if (options.report)
+    attempt([&] {
+      Session session(path, compile_settings(options));
+      session.compile();
+      ReportParts parts{session.script};
+      parts.study = study_json(study);
+      write_page(folder, "study", parts);
+      files.emplace_back(std::string("study") + report_ending);
+    });
   if (!json_only(options)) say("{}", study_table(study));
   std::fflush(stdout);
   for (const Drawn& picture : draw_study(study, folder)) {
@@ -422,7 +433,7 @@ int study_command(const std::string& path, const Options& options) {
     return ending.exit;
   }
   judge(study, study.reference == "the finest run, extrapolated");
-  return report_study(study, studying.folder(), options);
+  return report_study(path, study, studying.folder(), options);
 }
 
 } // namespace hvi::lang

@@ -106,6 +106,8 @@ int dispatch(int argc, char** argv) {
   run->add_flag("--resume", options.resume, "go on from the last checkpoint");
   auto* no_files = run->add_flag("--no-files", options.no_files, "print only, write nothing")
                        ->excludes("--checkpoint", "--resume");
+  auto* page = run->add_flag("--report", options.report, "write a page to read in a browser");
+  no_files->excludes(page);
   if (auto* folder = run->get_option_no_throw("-o")) no_files->excludes(folder);
   run->add_option("--accuracy", options.accuracy,
                   "find the cheapest setting with this relative error")
@@ -116,11 +118,15 @@ int dispatch(int argc, char** argv) {
   run->add_option("--budget", options.budget, "CPU seconds a run for --accuracy may take")
       ->check(positive);
   run->add_flag("--monitors", options.monitors, "energies and a-priori bounds, step by step");
+  auto* report = command("report", "solve a script and write a page to read in a browser");
   auto* check = command("check", "check scripts without solving", true);
+  check->add_flag("--report", options.report, "write a page to read in a browser");
   check->add_flag("--script-only", options.script_only, "without the mesh");
   auto* plan = command("plan", "what a run would do");
   auto* study = command("study", "what accuracy costs: runs the ladders of a script");
+  study->add_flag("--report", options.report, "write a page to read in a browser");
   auto* stability = command("stability", "how far a model can be trusted");
+  stability->add_flag("--report", options.report, "write a page to read in a browser");
   auto* test = command("test", "run scripts and judge their expectations", true);
   auto* format = command("fmt", "format scripts in place", true);
   format->add_flag("--check", only_check, "only say which are not formatted");
@@ -160,7 +166,8 @@ int dispatch(int argc, char** argv) {
       tell("hvi-run: -D takes name=value, not `{}`\n", define);
       return hvi::lang::exit_usage;
     }
-  if (*run) return hvi::lang::run_command(files[0], options);
+  options.report = options.report || *report;
+  if (*run || *report) return hvi::lang::run_command(files[0], options);
   if (*check) return hvi::lang::check_command(files, options);
   if (*plan) return hvi::lang::plan_command(files[0], options);
   if (*study) return hvi::lang::study_command(files[0], options);

@@ -29,6 +29,7 @@ struct Options {
   int checkpoint = 0; ///< every so many steps; 0: never
   bool resume = false;
   bool monitors = false;
+  bool report = false;   ///< a page in the output folder as well
   double accuracy = 0.0; ///< wanted relative error; 0: the script's, or none
   std::string accuracy_of;
   bool as_written = false; ///< for an accuracy: keep element, scheme and grading

@@ -3,6 +3,7 @@
 
 #include "lang/diag/real_path.hpp"
 #include "lang/pictures.hpp"
+#include "lang/report/page.hpp"
 #include "solver/output/file.hpp"
 #include "solver/time/checkpoint.hpp"
 #include "solver/time/line_values.hpp"
@@ -93,6 +94,10 @@ Outputs outputs_in(const std::string& folder, const std::vector<std::string>& na
   return out;
 }
 
+void write_page(const std::string& folder, const std::string& title, const ReportParts& parts) {
+  solver::write_atomically(fs::path(folder) / (title + report_ending), report_page(parts));
+}
+
 Outputs outputs_of_run(const Script& script, const Options& options) {
   const auto& report = script.plan->report;
   const std::string& title = script.model->title;
@@ -112,7 +117,8 @@ Outputs outputs_of_run(const Script& script, const Options& options) {
       names.push_back(plot_file(*script.plan, i));
     if (options.checkpoint > 0 || options.resume)
       names.push_back(solver::checkpoint_path("", title).string());
-    if (options.monitors) names.push_back(title + "_monitors.csv");
+    if (options.monitors || options.report) names.push_back(title + "_monitors.csv");
+    if (options.report) names.push_back(title + report_ending);
   }
   Outputs out = outputs_in(output_folder(script, options), names, options);
   for (const auto& stem : series) out.series.push_back(fs::path(out.folder) / stem);

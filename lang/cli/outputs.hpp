@@ -2,9 +2,10 @@
 #pragma once
 
 #include "lang/cli/options.hpp"
+#include "lang/report/page.hpp"
 #include "solver/output/folder_lock.hpp"
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -25,6 +26,9 @@ Outputs outputs_of_run(const Script& script, const Options& options);
 /// Files in a folder, and the JSON that was asked for.
 Outputs outputs_in(const std::string& folder, const std::vector<std::string>& names,
                    const Options& options);
+
+/// A page into the output folder. Throws Failure(output).
+void write_page(const std::string& folder, const std::string& title, const ReportParts& parts);
 
 /// Holds the output folder while a command works in it.
 class HeldOutputs {

@@ -55,12 +55,13 @@ superpotential layer(r) with slope | r < 0.08 -> 100*r | r < 0.02 -> 50*r | othe
 superpotential layer(r) with slope | r < 0.02 -> 50*r | r < 0.08 -> 100*r - 1 | otherwise -> 7)"},
     {"W0601", "picture not drawn",
      R"(
-gnuplot is not there, or refused. Everything else is on the disk: pictures come last. A picture whose
+What draws it is not there or refused: libcairo2 paints the PNG pictures of a run (SVG pictures need nothing), gnuplot draws those of
+`study` and `stability`. Everything else is on the disk: pictures come last. A picture whose
 file the script names (`to "slab.png"`) is a result that was asked for: without it the run ends with E0702.)",
      R"(
-PATH= hvi-run slab.hvi)",
+PATH= hvi-run stability slab.hvi)",
      R"(
-sudo apt-get install gnuplot-nox)"},
+sudo apt-get install libcairo2 gnuplot-nox)"},
     {"W0602", "curved cells become straight",
      R"(
 A mesh of second order gives each edge a node in its middle, so that cells can follow a curved boundary.

@@ -5,11 +5,15 @@
 #include "solver/history/past_weights.hpp"
 #include "solver/history/routes.hpp"
 
+#include <algorithm>
+
 namespace hvi::solver {
 
 namespace {
 
 constexpr std::uint32_t direct_magic = 0x44495231;
+/// Room is made at once for so many fields: the number of steps may come from an edited file.
+constexpr std::int64_t most_reserved = 1 << 20;
 
 class DirectHistory final : public History {
 public:
@@ -24,7 +28,7 @@ public:
     fields_.clear();
     weights_.reset();
     if (kernel_.traits.max_lag <= 0.0)
-      fields_.reserve(static_cast<std::size_t>(expected_ + order_));
+      fields_.reserve(static_cast<std::size_t>(std::min(expected_, most_reserved) + order_));
     if (order_ == 1) {
       check_field(kernel_, n_, u0.size());
       fields_.push(u0);

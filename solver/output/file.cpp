@@ -138,7 +138,7 @@ void rewrite_file(const fs::path& path, std::string_view bytes) {
   fail(path, std::strerror(reason), help);
 }
 
-void append_line(const fs::path& path, std::string_view line) {
+void append_line(const fs::path& path, std::string_view line, Durability durability) {
   make_folder(path);
   refuse_special(path);
   const OpenFile file(path, O_RDWR | O_CREAT | O_APPEND);
@@ -148,7 +148,9 @@ void append_line(const fs::path& path, std::string_view line) {
   if (before > 0 && ::pread(file.get(), &last, 1, before - 1) != 1)
     fail(path, std::strerror(errno));
   const std::string text = fmt::format("{}{}\n", last == '\n' ? "" : "\n", line);
-  if (write_all(file.get(), text) && ::fsync(file.get()) == 0) return;
+  if (write_all(file.get(), text) &&
+      (durability == Durability::ordinary || ::fsync(file.get()) == 0))
+    return;
   const int reason = errno;
   if (::ftruncate(file.get(), before) != 0) errno = reason; // the next line begins with a newline
   fail(path, std::strerror(reason));

@@ -25,7 +25,8 @@ void rewrite_file(const std::filesystem::path& path, std::string_view bytes);
 
 /// One line more at the end of a file, after a newline that a killed writer may have left out. What
 /// a failed write left is cut off again. Throws Failure(output).
-void append_line(const std::filesystem::path& path, std::string_view line);
+void append_line(const std::filesystem::path& path, std::string_view line,
+                 Durability durability = Durability::synced);
 
 /// Throws what `write_atomically` would throw for `path`, as far as that shows before there is
 /// anything to write.

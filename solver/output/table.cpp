@@ -57,7 +57,11 @@ std::string csv_text(const ReportTable& table) {
     if (c > 0) out += ',';
     out += csv_name(table.names[c]);
   }
-  out += '\n';
+  return out + '\n' + csv_rows(table);
+}
+
+std::string csv_rows(const ReportTable& table) {
+  std::string out;
   for (std::size_t r = 0; r < rows_of(table); ++r) {
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
       const double value = table.columns[c][r];

@@ -15,6 +15,8 @@ struct ReportTable {
 /// Comma separated with a header; 17 significant digits, so reading it back gives the same numbers.
 /// A missing value is an empty cell.
 std::string csv_text(const ReportTable& table);
+/// The same without the line of names.
+std::string csv_rows(const ReportTable& table);
 
 /// Aligned columns with 12 significant digits for people. A missing value is `-`. Beyond
 /// `most_rows` the middle is left out and said so.

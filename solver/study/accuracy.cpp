@@ -28,8 +28,8 @@ Plan prepared(const Plan& plan, const AccuracyRequest& request) {
 } // namespace
 
 Search::Search(const Plan& plan, const AccuracyRequest& request, const RunSettings& settings,
-               const std::function<void(const std::string&)>& tell)
-    : family_(prepared(plan, request)), runner_(family_, settings), tell_(tell),
+               const std::function<void(const std::string&)>& tell, Shown* shown)
+    : family_(prepared(plan, request)), runner_(family_, settings, shown), tell_(tell),
       space_distance_(request.probe.empty() ? Distance::orthogonal : Distance::additive) {
   out_.request = request;
   out_.memory_tolerance = family_.plan().options.memory_tolerance;
@@ -149,8 +149,8 @@ void Search::tighten(const Setting& refused) {
 
 AccuracyResult reach_accuracy(const Plan& plan, const AccuracyRequest& request,
                               const RunSettings& settings,
-                              const std::function<void(const std::string&)>& tell) {
-  return Search(plan, request, settings, tell).go();
+                              const std::function<void(const std::string&)>& tell, Shown* shown) {
+  return Search(plan, request, settings, tell, shown).go();
 }
 
 } // namespace hvi::solver

@@ -5,6 +5,7 @@
 #include "solver/study/predict.hpp"
 #include "solver/time/run.hpp"
 #include "solver/time/shared_work.hpp"
+#include "solver/time/shown.hpp"
 
 #include <functional>
 #include <memory>
@@ -67,10 +68,12 @@ struct AccuracyFailure : Failure {
 inline constexpr double accuracy_safety = 1.2;
 
 /// Runs until the estimate (with safety) is below the wanted error. `settings` are those of the run
-/// whose result is kept; `tell` is shown what is going on, a line at a time.
+/// whose result is kept, and so is `shown` (null: nothing is); `tell` is shown what is going on, a
+/// line at a time.
 /// Throws AccuracyFailure, Failure(interrupted), and what a plan's own mistakes throw.
 AccuracyResult reach_accuracy(const Plan& plan, const AccuracyRequest& request,
                               const RunSettings& settings,
-                              const std::function<void(const std::string&)>& tell);
+                              const std::function<void(const std::string&)>& tell,
+                              Shown* shown = nullptr);
 
 } // namespace hvi::solver

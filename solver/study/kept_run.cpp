@@ -91,7 +91,7 @@ Spared Runner::spared() const {
   return out;
 }
 
-KeptRun Runner::make(const Setting& setting, const RunSettings& settings, bool every_row) {
+KeptRun Runner::make(const Setting& setting, const RunSettings& settings, bool final) {
   KeptRun out;
   out.setting = setting;
   out.plan = family_.at(setting);
@@ -105,12 +105,13 @@ KeptRun Runner::make(const Setting& setting, const RunSettings& settings, bool e
     if (!keeps_step(n, setting.steps, stride)) return;
     out.steps.push_back(n), out.states.push_back(u);
   };
-  if (every_row) {
+  if (!final) {
     out.plan.report.fields.clear(), out.plan.report.pictures.clear();
     out.plan.report.lines.clear(), out.plan.report.plots.clear();
     for (auto& table : out.plan.report.tables) table.every = 1;
   }
-  out.result = run(out.plan, *out.discretisation, here);
+  out.result = final && shown_ != nullptr ? run_shown(out.plan, *out.discretisation, here, *shown_)
+                                          : run(out.plan, *out.discretisation, here);
   const auto& t = out.result.timing;
   out.cost = {static_cast<double>(out.result.unknowns), std::max(t.total - t.steps - t.output, 0.0),
               t.steps / std::max(1, out.result.steps)};
@@ -125,7 +126,7 @@ const KeptRun& Runner::cheap(const Setting& setting) {
   RunSettings quiet;
   quiet.stop = settings_.stop;
   try {
-    return runs_[setting] = make(setting, quiet, true);
+    return runs_[setting] = make(setting, quiet, false);
   } catch (const Failure& failure) {
     using K = FailureKind;
     const bool coarse = failure.kind == K::not_certified || failure.kind == K::mostly_rounding ||
@@ -140,7 +141,7 @@ const KeptRun& Runner::cheap(const Setting& setting) {
 }
 
 const KeptRun& Runner::final_run(const Setting& setting) {
-  return runs_[setting] = make(setting, settings_, false);
+  return runs_[setting] = make(setting, settings_, true);
 }
 
 } // namespace hvi::solver

@@ -4,6 +4,7 @@
 #include "solver/study/predict.hpp"
 #include "solver/time/run.hpp"
 #include "solver/time/shared_work.hpp"
+#include "solver/time/shown.hpp"
 
 #include <map>
 #include <memory>
@@ -33,8 +34,9 @@ double distance(const KeptRun& coarse, const KeptRun& fine, const std::string& p
 /// Makes runs of a family; meshes and spaces are shared between runs of one level and element.
 class Runner {
 public:
-  Runner(const SettingFamily& family, const RunSettings& settings)
-      : family_(family), settings_(settings) {}
+  /// `shown`: of the final run; null: nothing is.
+  Runner(const SettingFamily& family, const RunSettings& settings, Shown* shown)
+      : family_(family), settings_(settings), shown_(shown) {}
 
   /// The run at a setting, made once. A setting that cannot be solved has its reason in `failure`.
   const KeptRun& cheap(const Setting& setting);
@@ -45,11 +47,12 @@ public:
   Spared spared() const;
 
 private:
-  KeptRun make(const Setting& setting, const RunSettings& settings, bool every_row);
+  KeptRun make(const Setting& setting, const RunSettings& settings, bool final);
   std::shared_ptr<const Discretisation> discretisation_of(const Setting& setting, const Plan& plan);
 
   const SettingFamily& family_;
   const RunSettings& settings_;
+  Shown* shown_;
   std::map<Setting, KeptRun> runs_;
   std::map<std::tuple<int, int, double>, std::shared_ptr<const Discretisation>> meshes_;
 };

@@ -22,7 +22,7 @@ using Clock = std::pair<Scheme, int>;
 class Search {
 public:
   Search(const Plan& plan, const AccuracyRequest& request, const RunSettings& settings,
-         const std::function<void(const std::string&)>& tell);
+         const std::function<void(const std::string&)>& tell, Shown* shown);
   AccuracyResult go();
 
 private:

@@ -3,15 +3,13 @@
 
 #include "solver/output/file.hpp"
 #include "solver/output/vtu.hpp"
-#include "solver/time/law_sampler.hpp"
+#include "solver/time/field_grids.hpp"
 
 #include <filesystem>
 
 namespace hvi::solver {
 
-/// Body fields go to one VTU per written step: point data for expressions of values, cell averages
-/// for expressions with gradients. A multiplier goes to a VTU of its own on the contact part: on
-/// its facets with point data when the law's rule is nodal, else on the quadrature points.
+/// One VTU per written step for the body, and one for every multiplier (FieldGrids).
 class FieldFiles {
 public:
   /// `stem`: file name without extension inside `folder`.
@@ -19,7 +17,7 @@ public:
              const FieldsSpec& spec, std::filesystem::path folder, std::string stem,
              Durability durability);
 
-  std::vector<Expr> expressions() const;
+  std::vector<Expr> expressions() const { return grids_.expressions(); }
   /// Writes the files of a step and the collection so far; file names are added to `written`.
   void write(const Snapshot& snapshot, std::vector<std::string>& written);
   /// The collection again, where a run was resumed: it may have been lost since.
@@ -30,32 +28,16 @@ public:
   void restore(std::istream& in);
 
 private:
-  struct OnContact {
-    FieldSpec field;
-    LawSampler sampler;
-    VtuGrid grid;
-    std::vector<std::int64_t> grid_point; ///< of each point of the sampler; in a body: its cell
-  };
-  void add_body_array(const FieldSpec& field, const Snapshot& snapshot);
-  void fill_contact(OnContact& part, const Snapshot& snapshot) const;
   void write_vtu(const VtuGrid& grid, int part, const std::string& name, double t,
                  std::vector<std::string>& written);
 
-  const Space& space_;
-  const Contact& contact_;
-  int n_fields_;
+  FieldGrids grids_;
   std::filesystem::path folder_;
   std::string stem_;
-  std::vector<FieldSpec> body_;
-  std::vector<OnContact> contact_parts_;
-  VtuGrid grid_;
   std::vector<PvdEntry> entries_;
   std::vector<std::uint64_t> hashes_; ///< of the entries' files
   Durability durability_;
   bool resumed_ = false;
 };
-
-/// The grid of the body: P1 or P2 cells in VTK's order of nodes.
-VtuGrid body_grid(const Space& space);
 
 } // namespace hvi::solver

@@ -38,11 +38,12 @@ bool shows_events(const RunResult& result) {
 }
 
 Reporter::Reporter(const Plan& plan, const Discretisation& d, const RunState& run,
-                   const RunSettings& settings)
+                   const RunSettings& settings, Shown* shown)
     : plan_(plan), space_(d.space), contact_(run.contact()), folder_(settings.output_folder),
       writes_(!settings.output_folder.empty()), probes_(plan, d, run),
       range_(plan.problem.law_terms.size()), found_(found_effects(plan.problem, d, run)),
       warn_(settings.warn) {
+  if (shown != nullptr) shown_.emplace(plan, d, contact_, *shown);
   prepare_tables(settings.name);
   prepare_fields(d, run, settings);
   const int n_fields = count_fields(plan.problem);
@@ -92,6 +93,8 @@ void Reporter::prepare_fields(const Discretisation& d, const RunState& run,
   for (const auto& line : plan_.report.lines)
     for (const auto& field : line.fields)
       expressions.insert(expressions.end(), field.components.begin(), field.components.end());
+  if (shown_)
+    for (const Expr& e : shown_->expressions()) expressions.push_back(e);
   const int n_fields = count_fields(plan_.problem);
   const auto needed = fields_read(expressions, n_fields);
   now_ = Snapshot(needed, d.space.n_dofs(), contact_.n_rows());
@@ -109,7 +112,8 @@ void Reporter::record(const RunState& run, bool last) {
   const bool any_fields = std::any_of(fields_.begin(), fields_.end(), [&](const auto& files) {
     return due(files.first, step, last);
   });
-  const bool whole = any_fields || last || (row && rows_read_interior_);
+  const bool shows = shown_ && shown_->keeps(step, last);
+  const bool whole = any_fields || shows || last || (row && rows_read_interior_);
   if (row || whole || keeps_before_) now_.take(run, whole);
   if (keeps_before_) read_between_steps(run);
   if (row || last) {
@@ -122,7 +126,9 @@ void Reporter::record(const RunState& run, bool last) {
   for (auto& files : fields_)
     if (due(files.first, step, last)) attempt([&] { files.second.write(now_, written_); });
   if (last) show_at_end();
+  if (shows) shown_->keep(now_, run, last);
   if (keeps_before_) before_ = now_;
+  ended_ = last;
   last_recorded_ = step;
 }
 
@@ -156,6 +162,7 @@ void Reporter::read_between_steps(const RunState& run) {
     if (!at || *at > to || *at < from || (*at == from && !first)) continue;
     go_to(*at);
     show(i, between_);
+    if (shown_) shown_->take(i, between_);
   }
   for (LineValues& line : lines_) {
     const auto& at = line.spec().time;
@@ -167,6 +174,8 @@ void Reporter::read_between_steps(const RunState& run) {
 
 void Reporter::show(std::size_t picture, const Snapshot& snapshot) {
   const auto& field = plan_.report.pictures[picture].field;
+  // Frames have all that is shown; what lives on the contact is shown by them alone.
+  if (shown_ || std::ranges::any_of(field.components, reads_multiplier)) return;
   pictures_[picture] = {snapshot.field(field_of_u(0)),
                         nodal_values(space_, field.components, snapshot.values())};
 }
@@ -202,33 +211,48 @@ void Reporter::attempt(const std::function<void()>& write) {
 
 void Reporter::stream(int step, bool with_events) {
   if (!writes_ || tables_.empty()) return;
+  constexpr std::chrono::milliseconds pause(100); // shorter runs write their tables once
   const auto now = std::chrono::steady_clock::now();
-  if (now - streamed_ < pause_) return;
+  if (now - streamed_ < pause) return;
   const auto rows =
       static_cast<std::size_t>(std::upper_bound(rows_.begin(), rows_.end(), step) - rows_.begin());
-  for (const auto& table : tables_)
-    if (rows > 0) attempt([&] { write_table(table, rows, with_events); });
-  streamed_ = std::chrono::steady_clock::now();
-  pause_ = std::max<std::chrono::steady_clock::duration>(std::chrono::seconds(1),
-                                                         20 * (streamed_ - now));
+  for (auto& table : tables_)
+    if (rows > table.streamed) attempt([&] { stream_table(table, rows, with_events); });
+  streamed_ = now;
 }
 
-void Reporter::write_table(const TableFile& table, std::size_t rows, bool with_events) {
+/// The first time the whole table, then the rows that are new, at the end of the file.
+void Reporter::stream_table(TableFile& table, std::size_t rows, bool with_events) {
+  const std::size_t first = table.streamed_events == with_events ? table.streamed : 0;
+  const ReportTable more = table_rows(table, first, rows, with_events, false);
+  table.streamed = 0; // where writing fails
+  if (first == 0)
+    write_atomically(folder_ / table.file, csv_text(more));
+  else if (const std::string lines = csv_rows(more); !lines.empty())
+    append_line(folder_ / table.file, std::string_view(lines).substr(0, lines.size() - 1),
+                Durability::ordinary);
+  table.streamed = rows;
+  table.streamed_events = with_events;
+}
+
+ReportTable Reporter::table_rows(const TableFile& table, std::size_t first, std::size_t end,
+                                 bool with_events, bool ends) const {
   ReportTable out{{"t"}, {{}}};
   for (const int probe : table.probes) out.names.push_back(plan_.report.probes[probe].name);
   if (with_events) out.names.emplace_back(event_column);
   out.columns.resize(out.names.size());
   std::int64_t events = 0; // of the rows that this table leaves out, too
-  for (std::size_t r = 0; r < rows; ++r) {
+  while (first > 0 && !due(table.every, rows_[first - 1], false)) --first; // their events
+  for (std::size_t r = first; r < end; ++r) {
     if (events_[r] > 0) events = std::max<std::int64_t>(events, 0) + events_[r];
     if (events_[r] < 0) events = events_[r];
-    if (!due(table.every, rows_[r], r + 1 == rows_.size())) continue;
+    if (!due(table.every, rows_[r], ends && r + 1 == rows_.size())) continue;
     if (with_events) out.columns.back().push_back(static_cast<double>(std::exchange(events, 0)));
     out.columns[0].push_back(times_[r]);
     for (std::size_t c = 0; c < table.probes.size(); ++c)
       out.columns[c + 1].push_back(columns_[table.probes[c]][r]);
   }
-  write_atomically(folder_ / table.file, csv_text(out));
+  return out;
 }
 
 void Reporter::finish(RunResult& result) {
@@ -238,6 +262,7 @@ void Reporter::finish(RunResult& result) {
       if (shown.insert(probe).second)
         result.column_order.push_back(plan_.report.probes[probe].name);
   result.pictures = pictures_;
+  if (shown_ && ended_) shown_->finish(now_);
   result.times = times_;
   result.events = events_;
   for (const int probe : shown) result.columns[plan_.report.probes[probe].name] = columns_[probe];
@@ -250,7 +275,8 @@ void Reporter::finish(RunResult& result) {
   if (writes_ && !rows_.empty())
     for (const auto& table : tables_)
       attempt([&] {
-        write_table(table, rows_.size(), with_events);
+        write_atomically(folder_ / table.file,
+                         csv_text(table_rows(table, 0, rows_.size(), with_events, true)));
         written_.push_back(table.file);
       });
   for (std::size_t i = 0; writes_ && i < lines_.size(); ++i)

@@ -6,6 +6,7 @@
 #include "solver/time/field_files.hpp"
 #include "solver/time/line_values.hpp"
 #include "solver/time/probes.hpp"
+#include "solver/time/shown.hpp"
 
 #include <array>
 #include <chrono>
@@ -34,8 +35,9 @@ struct SolutionSize {
 
 class Reporter {
 public:
+  /// `shown`: null where nothing is.
   Reporter(const Plan& plan, const Discretisation& discretisation, const RunState& run,
-           const RunSettings& settings);
+           const RunSettings& settings, Shown* shown = nullptr);
 
   /// Records an accepted step: rows and files that are due (`last`: all of them).
   void record(const RunState& run, bool last);
@@ -64,6 +66,8 @@ private:
     std::vector<int> probes;
     int every;
     std::string file;
+    std::size_t streamed = 0; ///< rows recorded that were looked at for the file; 0: no file yet
+    bool streamed_events = false; ///< the file has the column of events
   };
   void prepare_tables(const std::string& name);
   void prepare_fields(const Discretisation& discretisation, const RunState& run,
@@ -73,7 +77,11 @@ private:
   void show(std::size_t picture, const Snapshot& snapshot);
   void show_at_end();
   std::vector<double> change_along(const ErrorSample& direction, double step);
-  void write_table(const TableFile& table, std::size_t rows, bool with_events);
+  /// The rows recorded from `first` up to `end` that the table has; `ends`: the last one of all is
+  /// in it.
+  ReportTable table_rows(const TableFile& table, std::size_t first, std::size_t end,
+                         bool with_events, bool ends) const;
+  void stream_table(TableFile& table, std::size_t rows, bool with_events);
   bool due(int every, int step, bool last) const { return last || step % every == 0; }
 
   const Plan& plan_;
@@ -94,6 +102,8 @@ private:
   std::vector<std::vector<double>> columns_; ///< by probe
   std::vector<PictureValues> pictures_;      ///< by picture, when its time has come
   std::vector<LineValues> lines_;
+  std::optional<ShownFrames> shown_;
+  bool ended_ = false; ///< the last step is recorded
   LawRange range_;
   std::vector<EffectNote> found_; ///< effects that only the matrices and loads show
   std::vector<std::string> written_;
@@ -103,7 +113,6 @@ private:
   std::function<void(const std::string&)> warn_;
   std::optional<Failure> unwritten_; ///< of the first file that could not be written
   std::chrono::steady_clock::time_point streamed_ = std::chrono::steady_clock::now();
-  std::chrono::steady_clock::duration pause_ = std::chrono::seconds(1); ///< before the next time
 };
 
 } // namespace hvi::solver

@@ -49,10 +49,10 @@ std::array<int, 9> grown(const WorkCounters& w) {
 class Run {
 public:
   Run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
-      const Restarts& restarts, const std::string* saved)
+      const Restarts& restarts, const std::string* saved, Shown* shown)
       : plan_(plan), restarts_(restarts), discretisation_(discretisation), settings_(settings),
         start_(cpu_seconds()), spared_(spared()), stepper_(plan, discretisation, result_.timing),
-        state_(stepper_.state()), reporter_(plan, discretisation, state_, settings) {
+        state_(stepper_.state()), reporter_(plan, discretisation, state_, settings, shown) {
     result_.timing.mesh = discretisation.seconds;
     result_.unknowns = state_.formulation->whole_layout().n_unknowns;
     result_.path = state_.formulation->obstacle();
@@ -361,8 +361,8 @@ std::optional<Restart> conclude_failed(Run& run, RunResult* partial) {
 
 Outcome run_once(const Plan& plan, const Discretisation& discretisation,
                  const RunSettings& settings, const Restarts& restarts, const std::string* saved,
-                 RunResult* partial) {
-  Run run(plan, discretisation, settings, restarts, saved);
+                 RunResult* partial, Shown* shown) {
+  Run run(plan, discretisation, settings, restarts, saved, shown);
   try {
     if (const auto restart = run.march()) return *restart;
   } catch (const Failure&) {
@@ -382,13 +382,11 @@ Outcome run_once(const Plan& plan, const Discretisation& discretisation,
   return outcome;
 }
 
-} // namespace
-
 /// A memory that an audit finds outside its tolerance makes the run start again with another route;
 /// the direct sum is the last. One that was made for an earlier end and cannot go on beyond it
 /// makes the run start again for the later one.
-RunResult run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
-              RunResult* partial) {
+RunResult run_all(const Plan& plan, const Discretisation& discretisation,
+                  const RunSettings& settings, RunResult* partial, Shown* shown) {
   Restarts restarts;
   restarts.routes.assign(plan.problem.histories.size(), -1);
   std::optional<std::string> saved = saved_state(plan, discretisation, settings);
@@ -400,8 +398,8 @@ RunResult run(const Plan& plan, const Discretisation& discretisation, const RunS
   }
   for (;;) {
     const Plan tried = restarts.applied(plan);
-    Outcome outcome =
-        run_once(tried, discretisation, settings, restarts, saved ? &*saved : nullptr, partial);
+    Outcome outcome = run_once(tried, discretisation, settings, restarts, saved ? &*saved : nullptr,
+                               partial, shown);
     if (const auto* restart = std::get_if<Restart>(&outcome)) {
       const auto* end = std::get_if<HorizonEnd>(restart);
       if (end != nullptr && !saved)
@@ -416,6 +414,18 @@ RunResult run(const Plan& plan, const Discretisation& discretisation, const RunS
     result.notes.insert(result.notes.begin(), restarts.notes.begin(), restarts.notes.end());
     return result;
   }
+}
+
+} // namespace
+
+RunResult run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
+              RunResult* partial) {
+  return run_all(plan, discretisation, settings, partial, nullptr);
+}
+
+RunResult run_shown(const Plan& plan, const Discretisation& discretisation,
+                    const RunSettings& settings, Shown& shown, RunResult* partial) {
+  return run_all(plan, discretisation, settings, partial, &shown);
 }
 
 } // namespace hvi::solver

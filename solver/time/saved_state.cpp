@@ -134,6 +134,8 @@ void Reporter::save(std::ostream& out) const {
     w.put(values);
   }
   for (const LineValues& line : lines_) line.save(w);
+  w.put(static_cast<std::uint8_t>(shown_.has_value()));
+  if (shown_) shown_->save(out);
 }
 
 void Reporter::restore(std::istream& in, const RunState& run) {
@@ -163,6 +165,10 @@ void Reporter::restore(std::istream& in, const RunState& run) {
   }
   for (LineValues& line : lines_) line.restore(r);
   now_.take(run);
+  const bool with_frames = r.get<std::uint8_t>() != 0;
+  if (with_frames != shown_.has_value())
+    r.fail(shown_ ? "was saved without pictures" : "was saved with pictures");
+  if (shown_) shown_->restore(in, now_);
   if (keeps_before_) before_ = now_;
 }
 

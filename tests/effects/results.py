@@ -283,10 +283,46 @@ def check_pictures(folder):
     assert "held_x" in loop and "held_y" in loop and "tip" in loop
     for name in ("stress.png", "rate.png"):
         assert (folder / "out" / name).read_bytes()[-8:-4] == b"IEND", name
+    check_bar(folder)
+
+
+def check_bar(folder):
+    """The bar of a picture of stresses ends at what `largest` and `smallest` say: nothing is smoothed away."""
+    run(folder, PLATE.format(tensor=ISOTROPIC, element="P1", report="""table most = largest(plate, sigma.xy), least = smallest(plate, sigma.xy)
+  picture sigma.xy to "cells.svg" """))
+    table, svg = rows(folder)[-1], (folder / "out" / "cells.svg").read_text()
+    assert "cell by cell" in svg
+    shown = [float(text) for text in re.search(r">(\S+) to (\S+)</text>", svg.replace("\u2212", "-")).groups()]
+    for value, number in zip((table["least"], table["most"]), shown):
+        assert abs(value - number) < 2e-3 * max(map(abs, shown)), (table, shown)
+
+
+def check_resume(folder):
+    """Reactions, lines, plots and pictures (one that moves, too) of a run that is stopped and goes on, byte for byte."""
+    text = PLATE.replace("[0, 1] by 4 steps", "[0, T] by N steps").replace("mesh plate", "param T = 1\nparam N = 4\nmesh plate").format(
+        tensor=ISOTROPIC, element="P1", report="""table tip = u.y at [1, 1], held = reaction(wall), pressed = reaction(ground), most = largest(plate, mises(sigma))
+  line u.y, sigma from [0.1, 0.9] to [0.9, 0.2] by 11 points to "end.csv"
+  line u.y from [0.1, 0.9] to [0.9, 0.2] by 5 points at t = 0.4 to "early.csv"
+  plot held_y, pressed_y against tip to "loop.svg"
+  picture u deformed = 3 at t = 0.4 to "early.svg"
+  picture sigma.xy to "late.svg"
+  picture u'.y deformed = 3 to "moving.apng" """)
+    names = ["scene.csv", "end.csv", "early.csv", "loop.svg", "early.svg", "late.svg", "moving.apng"]
+    run(folder, text, "-D", "T=2", "-D", "N=8")
+    whole = {name: (folder / "out" / name).read_bytes() for name in names}
+    for name in names:
+        (folder / "out" / name).unlink()
+    run(folder, text, "--checkpoint", "1")
+    run(folder, text, "-D", "T=2", "-D", "N=8", "--resume")
+    for name in names:
+        assert (folder / "out" / name).read_bytes() == whole[name], name
+    frames = whole["moving.apng"]
+    at = frames.index(b"acTL") + 4
+    assert int.from_bytes(frames[at:at + 4], "big") == 8 and frames.count(b"fcTL") == 8
 
 
 def main():
-    for check in (check_extremes, check_mises, check_lines, check_sweep, check_pictures):
+    for check in (check_extremes, check_mises, check_lines, check_sweep, check_pictures, check_resume):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
     check_examples()

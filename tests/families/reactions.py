@@ -6,7 +6,8 @@ viscosity, memory, inertia, springs, friction on the rate and moving supports, P
 matrix is assembled here by itself, the nodal values come from the tables, and the forces on the held nodes are
 A u' + B u + w + M u'' - f, row by row. Reactions of laws are compared with what their multipliers integrate to, and all
 reactions with the loads. By the other schemes (bdf2, and with inertia newmark, hht, midpoint) all reactions together are compared
-with the loads, mixed as the scheme mixes them, and with mass times acceleration.
+with the loads, mixed as the scheme mixes them, and with mass times acceleration; and reactions of laws, unilateral ones on u too, with
+what their multipliers integrate to. There midpoint takes the mass off nodes, and what is left of the balance is that the parts add up.
 """
 import argparse
 import csv
@@ -83,11 +84,11 @@ def load(x, cells, sides, body, pull):
     return f
 
 
-def totals(rows, scheme, loads, moves):
-    """All reactions and the loads together against the mass times the acceleration."""
+def totals(rows, scheme, loads, moves, stops):
+    """All reactions and the loads together against the mass times the acceleration; those of laws against their multipliers."""
     of = lambda row, name: np.array([float(row[f"{name}_{c}"]) for c in "xy"])
     old = {"hht": 0.1, "midpoint": 0.5}.get(scheme, 0.0)  # the share of the forces of the step before
-    worst, t_before = 0.0, 0.0
+    worst, t_before, law_before = 0.0, 0.0, None
     for row in rows:
         t = float(row["t"])
         if t == 0:
@@ -95,7 +96,17 @@ def totals(rows, scheme, loads, moves):
         f = (1 - old) * loads(t) + old * loads(t_before)
         moved = of(row, "inertia") if moves else np.zeros(2)
         scale = max(np.abs(f).max(), np.abs(of(row, "all")).max(), np.abs(moved).max())
-        worst = max(worst, np.abs(of(row, "all") + f.reshape(-1, 2).sum(0) - moved).max() / scale)
+        if not stops:
+            worst = max(worst, np.abs(of(row, "all") + f.reshape(-1, 2).sum(0) - moved).max() / scale)
+        parts = [of(row, name) for name in ("left", "right", "bottom") if f"{name}_x" in row]
+        worst = max(worst, np.abs(sum(parts) - of(row, "all")).max() / scale)
+        if "by_law_x" in row:
+            law = of(row, "by_law")
+            if scheme != "hht":
+                worst = max(worst, np.abs(of(row, "bottom") - law).max() / scale)
+            elif law_before is not None:
+                worst = max(worst, np.abs(of(row, "bottom") - (1 - old) * law - old * law_before).max() / scale)
+            law_before = law
         t_before = t
     return worst
 
@@ -110,7 +121,7 @@ def scene(rng, folder, hvi_run):
     spring, rub, driven = rng.random() < 0.6, rng.random() < 0.5, rng.random() < 0.5
     eta, tau, steps, end = rng.uniform(0.1, 2), rng.uniform(0.2, 2), int(rng.integers(2, 6)), 1.0
     scheme = str(rng.choice(["backward_euler", "backward_euler", *(["newmark", "hht", "midpoint"] if moves else ["bdf2"])]))
-    spring = spring and scheme != "midpoint"  # which takes the mass off nodes that laws on u hold
+    stops = scheme == "midpoint" and not driven and rng.random() < 0.7
     rho = stiff / size ** 2 * rng.uniform(0.01, 1)
     body, pull = stiff / size * rng.uniform(-0.1, 0.1, 2), stiff * rng.uniform(-0.1, 0.1, 2)
     write_msh(folder / "body.msh", x, cells, sides)
@@ -119,7 +130,7 @@ def scene(rng, folder, hvi_run):
     terms += ["integral(body, A : eps(u') : eps(v))"] if viscous else []
     terms += ["integral(body, history(C, eps(u)) : eps(v))"] if memory else []
     terms += [f"integral(body, {rho!r}*dot(u'', v))"] if moves else []
-    laws = (["spring^0(u.nu; v.nu)"] if spring else []) + (["rub^0(u'.tau; v.tau)"] if rub else [])
+    laws = (["stop^0(u.nu; v.nu)"] if stops else []) + (["spring^0(u.nu; v.nu)"] if spring else []) + (["rub^0(u'.tau; v.tau)"] if rub else [])
     terms += [f"integral(bottom, {' + '.join(laws)})"] if laws else []
     points = ", ".join(f"n{i} = u at [{p[0]!r}, {p[1]!r}]" for i, p in enumerate(x.tolist()))
     table = [points, "left = reaction(left)"]
@@ -127,15 +138,16 @@ def scene(rng, folder, hvi_run):
     if driven:
         table += ["right = reaction(right)"]
     xi = []
-    for law, of in [("spring", "-spring.xi*normal.{}"), ("rub", "-rub.xi.{}")]:
-        if (law == "spring" and spring) or (law == "rub" and rub):
+    for law, of in [("stop", "-stop.xi*normal.{}"), ("spring", "-spring.xi*normal.{}"), ("rub", "-rub.xi.{}")]:
+        if (law == "stop" and stops) or (law == "spring" and spring) or (law == "rub" and rub):
             xi.append(of)
     if xi:
-        table += ["bottom = reaction(bottom)"] + [f"by_law_{c} = integral(bottom, {' + '.join(xi).format(c, c)})" for c in "xy"]
+        table += ["bottom = reaction(bottom)"] + [f"by_law_{c} = integral(bottom, {' + '.join(xi).replace('{}', c)})" for c in "xy"]
     table += ["all = reaction(solid)"]
     if moves:
         table += [f"inertia_{c} = integral(body, {rho!r}*u''.{c})" for c in "xy"]
     script = f"""
+import contact
 mesh solid = gmsh("body.msh")
 part body = solid.group("body")
 part left = solid.group("left")
@@ -145,6 +157,7 @@ part right = solid.group("right")
 tensor B = isotropic(lambda = {lam!r}, mu = {mu!r})
 tensor A = isotropic(lambda = {eta * lam!r}, mu = {2 * eta * mu!r})
 kernel C(lag) = -exp(-lag/{tau!r}) * B
+superpotential stop(r) = unilateral(r - {size * 0.001!r})
 superpotential spring(r) = {stiff / size * 0.3!r}*r^2
 superpotential rub(w) = {stiff * 0.01!r}*norm(w)
 space V = vector P1 on solid, {zero}
@@ -158,7 +171,7 @@ report table {", ".join(table)} to "all.csv"
     assert run.returncode == 0, script + run.stderr
     rows = list(csv.DictReader((folder / "out" / "all.csv").open()))
     if scheme != "backward_euler":
-        return totals(rows, scheme, lambda t: load(x, cells, sides, body * np.array([t, 1]), pull * np.array([1, t])), moves)
+        return totals(rows, scheme, lambda t: load(x, cells, sides, body * np.array([t, 1]), pull * np.array([1, t])), moves, stops)
     u = np.array([[[float(r[f"n{i}_{c}"]) for c in "xy"] for i in range(len(x))] for r in rows]).reshape(len(rows), -1)
     t = np.array([float(r["t"]) for r in rows])
     if t[0] > 0:  # the initial state, at rest

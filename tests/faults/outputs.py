@@ -1,6 +1,7 @@
 """Nothing lost, and nothing of others touched: full disks and closed pipes, pictures that cannot be drawn, killed runs, folders that
 are in use, outputs in the place of inputs, modes and links of files.  usage: outputs.py HVI_RUN [CASE...]"""
 import fcntl
+import html
 import json
 import os
 import pathlib
@@ -107,6 +108,7 @@ def killed(place):
     left = place.text("out/s.csv")
     check("killed: its last line is whole", left.endswith("\n") and len({line.count(",") for line in left.splitlines()}) == 1, left[-200:])
     whole = place.call("-o", "whole", *LONG)
+    check("killed: rows reach the file in more than one go, none twice", left.count("\nt,") == 0 and len(set(rows(left))) == len(rows(left)))
     check("killed: the rows of the whole run", whole.returncode == 0 and place.text("whole/s.csv").startswith(left), left[:300])
     parts = [n for n in place.names("out") if n.endswith(".hvi-part")]
     done = place.call("-o", "out", "-D", "N=4")
@@ -128,26 +130,30 @@ def leftovers(place):
 
 
 @case
-def no_gnuplot(place):
+def nothing_draws(place):
     """Pictures come last: what else there is is not lost, and only one that was asked for by name is an error."""
-    nowhere = dict(os.environ, PATH="/nowhere")
+    nowhere, no_cairo = dict(os.environ, PATH="/nowhere"), dict(os.environ, HVI_DRAW_MODULE="/nowhere/libhvi_draw.so")
     place.write(more="  picture u\n")
-    done = place.call("-o", "out", "--json", "r.json", env=nowhere)
-    check("no gnuplot: a warning", done.returncode == 0 and "W0601" in done.stderr, (done.returncode, done.stderr))
-    check("no gnuplot: table, JSON, printed result", place.text("out/s.csv") and json.loads(place.text("r.json"))["files"] == ["s.csv"]
+    done = place.call("-o", "out", "--json", "r.json", env=no_cairo)
+    check("no cairo: a warning", done.returncode == 0 and "W0601" in done.stderr and "/nowhere/libhvi_draw.so" in done.stderr,
+          (done.returncode, done.stderr))
+    check("no cairo: table, JSON, printed result", place.text("out/s.csv") and json.loads(place.text("r.json"))["files"] == ["s.csv"]
           and "certified" in done.stdout, done.stdout)
-    done = place.call("-o", "out", env=dict(os.environ, TMPDIR="/nowhere"))
-    check("no folder for temporary files: a warning", done.returncode == 0 and "W0601" in done.stderr, (done.returncode, done.stderr))
     place.write(more='  picture u to "named.png"\n  picture u\n')
-    done = place.call("-o", "named", "--json", "n.json", env=nowhere)
-    check("no gnuplot: by name it is exit 3", done.returncode == 3 and "E0702" in done.stderr and "W0601" in done.stderr, done.stderr)
-    check("no gnuplot: and nothing is lost", place.text("named/s.csv") and place.text("n.json") and "certified" in done.stdout)
+    done = place.call("-o", "named", "--json", "n.json", env=no_cairo)
+    check("no cairo: by name it is exit 3", done.returncode == 3 and "E0702" in done.stderr and "W0601" in done.stderr, done.stderr)
+    check("no cairo: and nothing is lost", place.text("named/s.csv") and place.text("n.json") and "certified" in done.stdout)
     done = place.call("-o", "drawn", "--json", "d.json")
-    check("gnuplot: drawn, and in the JSON", done.returncode == 0 and "named.png" in json.loads(place.text("d.json"))["files"]
+    check("cairo: drawn, and in the JSON", done.returncode == 0 and "named.png" in json.loads(place.text("d.json"))["files"]
           and (place.folder / "drawn/named.png").read_bytes().startswith(b"\x89PNG"), done.stderr)
+    place.write(more='  picture u to "u.svg"\n')
+    done = place.call("-o", "svg", env=no_cairo)
+    check("no cairo: SVG is drawn", done.returncode == 0 and not done.stderr and "</svg>" in place.text("svg/u.svg"), done.stderr)
     place.write()
     done = place.call("stability", "s.hvi", "-o", "st", "--json", "st.json", env=nowhere)
     check("no gnuplot: stability", done.returncode == 0 and "W0601" in done.stderr and "verdict" in done.stdout and place.text("st.json"), done.stderr)
+    done = place.call("stability", "s.hvi", "-o", "st2", env=dict(os.environ, TMPDIR="/nowhere"))
+    check("no folder for temporary files: a warning", done.returncode == 0 and "W0601" in done.stderr, (done.returncode, done.stderr))
     place.write(more=STUDY.replace("[0, 2, 4]", "[2, 4]"))
     done = place.call("study", "s.hvi", "-o", "sy", "--json", "sy.json", env=nowhere)
     check("no gnuplot: study", done.returncode == 0 and "W0601" in done.stderr and "errors against" in done.stdout and place.text("sy/study.csv")
@@ -155,20 +161,22 @@ def no_gnuplot(place):
 
 
 @case
-def slender_picture(place):
-    """Labels along a short side do not lie on each other: there are three of them, and the colour box is elsewhere."""
-    tools = place.folder / "tools"
-    tools.mkdir()
-    (tools / "gnuplot").write_text(f"#!/bin/sh\n/usr/bin/tee {place.folder}/commands > drawn\n")
-    (tools / "gnuplot").chmod(0o755)
-    for sides, words in (("2, 1", []), ("20, 1", ["set ytics 0.5\n", "colorbox horizontal"]), ("1, 20", ["set xtics 0.5\n"])):
-        place.write(more="  picture u\n")
+def texts_of_pictures(place):
+    """Bodies of all shapes: no text of the picture lies on another one."""
+    for sides in ("2, 1", "20, 1", "1, 20", "1e-6, 2e-6", "3e5, 1e5"):
+        place.write(more='  picture u to "u.svg"\n')
         script = place.folder / "s.hvi"
         script.write_text(script.read_text().replace("rectangle(2, 1", f"rectangle({sides}").replace("[1, 0]", "[0, 0]").replace("[2, 0]", "[0, 0]"))
-        done = place.call("-o", "out", env=dict(os.environ, PATH=str(tools)))
-        commands = place.text("commands")
-        check(f"picture of a body of sides {sides}", done.returncode == 0 and all(word in commands for word in words)
-              and ("tics" in commands) == bool(words), (done.stderr, commands[:400]))
+        done = place.call("-o", "out")
+        boxes = []
+        for x, y, size, anchor, turned, text in re.findall(
+                r'<text x="(\S+)" y="(\S+)" font-size="(\S+)" text-anchor="(\w+)" fill="\S+?"( transform="[^"]*")?>(.*?)</text>', place.text("out/u.svg")):
+            wide = 0.6 * float(size) * len(html.unescape(text))
+            left = float(x) - {"start": 0, "middle": wide / 2, "end": wide}[anchor]
+            if not turned:
+                boxes.append((left, left + wide, float(y) - 0.75 * float(size), float(y), text))
+        on = [(a[4], b[4]) for i, a in enumerate(boxes) for b in boxes[:i] if a[0] < b[1] and b[0] < a[1] and a[2] < b[3] and b[2] < a[3]]
+        check(f"texts of a picture of a body of sides {sides}", done.returncode == 0 and len(boxes) > 6 and not on, (done.stderr, on))
 
 
 @case

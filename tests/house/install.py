@@ -9,7 +9,7 @@ import sys
 import tempfile
 
 cmake, source, build = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
-FILES = ("bin/hvi-run", "lib/hvi/libhvi_gmsh.so", "lib/hvi/libhvi_mumps.so", "lib/cmake/hvi/hviConfig.cmake", "include/hvi/solver/plan/plan.hpp", "share/hvi/stdlib/contact.hvi",
+FILES = ("bin/hvi-run", "lib/hvi/libhvi_gmsh.so", "lib/hvi/libhvi_mumps.so", "lib/hvi/libhvi_draw.so", "lib/cmake/hvi/hviConfig.cmake", "include/hvi/solver/plan/plan.hpp", "share/hvi/stdlib/contact.hvi",
          "share/man/man1/hvi-run.1", "share/bash-completion/completions/hvi-run")
 
 

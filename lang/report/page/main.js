@@ -1,0 +1,15 @@
+// Puts the page together.
+"use strict";
+
+headSection();
+modelSection();
+hypothesesSection();
+planSection();
+certificateSection();
+tablesSection();
+energiesSection();
+const fieldsShown = fieldsSection();
+studySection();
+stabilitySection();
+if (report.source) sourceSection();
+fieldsShown.then(() => { document.body.dataset.ready = "yes"; });

@@ -1,0 +1,153 @@
+// The sections of the page, each from what the report has of it.
+"use strict";
+
+/** A section with its link in the menu. */
+function section(id, title, ...content) {
+  document.querySelector("nav ul").append(element("li", {}, element("a", { href: `#${id}` }, title)));
+  const out = element("section", { id, "aria-labelledby": `${id}-title` },
+    element("h2", { id: `${id}-title` }, title), ...content);
+  document.querySelector("main").append(out);
+  return out;
+}
+
+const badge = (good, words) => element("strong", { class: good ? "good" : "bad" }, words);
+
+function headSection() {
+  document.title = `${report.title}: report`;
+  const head = document.querySelector("header");
+  head.append(element("h1", {}, report.title), element("p", { class: "subtitle" }, report.script));
+  const run = report.result, verdicts = element("p", { class: "verdicts" });
+  if (run) verdicts.append(badge(run.certificate.certified, run.certificate.certified ? "every step certified" : "not certified"), ` ${run.unknowns} unknowns, ${run.steps} steps `);
+  if (report.hypotheses) {
+    const verdict = report.hypotheses.verdict;
+    verdicts.append(element("span", {}, `on this mesh: ${verdict.discrete.says}; continuous problem: ${verdict.continuous.says}`));
+  }
+  head.append(verdicts);
+}
+
+function modelSection() {
+  const model = report.model;
+  if (!model) return;
+  const out = section("model", "The model");
+  if (model.find) out.append(element("div", { class: "problem scroll", tabindex: "0", role: "region", "aria-label": "the inequality" }, mathematics(model.find, true)));
+  if (model.declarations.length)
+    out.append(element("ul", { class: "declarations" }, ...model.declarations.map((d) =>
+      element("li", {}, element("span", { class: "what" }, d.what), mathematics(d.mathematics)))));
+  const graphs = element("div", { class: "graphs" });
+  for (const law of model.laws)
+    graphs.append(graphFigure(law.name, law.argument, law.multiplier, law.graph, law.note));
+  for (const kernel of model.kernels)
+    graphs.append(graphFigure(`kernel ${kernel.name}`, "t − s", "q", kernel.graph, kernel.note));
+  out.append(graphs);
+  if (report.parameters.length)
+    out.append(table(["parameter", "value", ""], report.parameters.map((p) => [p.name, String(p.value), p.doc]), "Parameters"));
+}
+
+function hypothesesSection() {
+  const h = report.hypotheses;
+  if (!h) return;
+  const word = (holds) => holds === true ? badge(true, "holds") : holds === false ? badge(false, "fails") : element("span", {}, "open");
+  section("hypotheses", "Hypotheses of the theorem",
+    element("p", {}, `On this mesh: ${h.verdict.discrete.says}. Continuous problem: ${h.verdict.continuous.says}.`),
+    table(["hypothesis", "value", "verdict", "line", "note"], h.hypotheses.map((one) =>
+      [one.name, text(one.value), word(one.holds), one.line ? String(one.line) : "", one.note || ""])));
+}
+
+function planSection() {
+  const run = report.result;
+  if (!run || !run.plan) return;
+  const plan = run.plan;
+  section("plan", "Plan and cost",
+    table(["effect", "state", "line", "why"], (plan.effects || []).map((e) => [e.name, e.state, e.line ? String(e.line) : "", e.why || ""]), "Effects"),
+    table(["what", "number"], Object.entries({ ...plan, ...run.timing }).filter(([, v]) => typeof v === "number").map(([k, v]) => [k.replaceAll("_", " "), text(v)]), "Work, and seconds of CPU time"));
+}
+
+function certificateSection() {
+  const run = report.result;
+  if (!run) return;
+  const c = run.certificate;
+  const out = section("certificate", "Certificate and conditioning",
+    table(["what", "value"], Object.entries(c).filter(([, v]) => typeof v !== "object" || v === null).map(([k, v]) => [k.replaceAll("_", " "), typeof v === "number" ? text(v) : String(v)])));
+  const m = report.monitors;
+  if (!m) return;
+  const chosen = m.names.map((name, i) => [name, i]).filter(([name]) => m.certificate.includes(name));
+  if (chosen.length)
+    out.append(curvesFigure({ label: "Certificate, step by step", xName: "t", x: m.times, log: true,
+      curves: chosen.map(([name, i]) => ({ name, y: m.columns[i] })) }));
+}
+
+function tablesSection() {
+  const run = report.result;
+  const names = run && run.table ? Object.keys(run.table).filter((n) => n !== "t") : [];
+  if (names.length === 0) return;
+  const out = section("tables", "Tables");
+  const figures = element("div", { class: "plots" });
+  const columns = names.filter((n) => n !== "event");
+  if (run.table.t.length > 1)
+    for (const name of columns)
+      figures.append(curvesFigure({ label: name, xName: "t", x: run.table.t, curves: [{ name, y: run.table[name] }],
+        onSelect: (t) => document.dispatchEvent(new CustomEvent("show-time", { detail: t })) }));
+  out.append(figures);
+  if (run.table.t.length > 1 && columns.length > 1) out.append(phaseFigure(run.table, columns));
+  out.append(table(["column", "last value"], names.map((n) => [n, text(run.table[n].at(-1), 8)])));
+}
+
+/** One column against another. */
+function phaseFigure(values, names) {
+  const choice = (start) => element("select", {}, ...names.map((n, i) => element("option", { value: n, selected: i === start }, n)));
+  const x = choice(0), y = choice(1), place = element("div");
+  const draw = () => place.replaceChildren(graphFigure(`${y.value} against ${x.value}`, x.value, y.value,
+    values[x.value].map((v, i) => [v, values[y.value][i]])));
+  x.addEventListener("change", draw);
+  y.addEventListener("change", draw);
+  draw();
+  return element("div", { class: "phase" }, element("label", {}, "across ", x), element("label", {}, " up ", y), place);
+}
+
+function energiesSection() {
+  const m = report.monitors;
+  if (!m) return;
+  const chosen = m.names.map((name, i) => [name, i]).filter(([name]) => !m.certificate.includes(name));
+  const plots = element("div", { class: "plots" });
+  const energies = chosen.filter(([name]) => m.energies.includes(name));
+  if (energies.length) plots.append(curvesFigure({ label: "Energies", xName: "t", x: m.times, curves: energies.map(([name, i]) => ({ name, y: m.columns[i] })) }));
+  const others = chosen.filter(([name]) => !m.energies.includes(name));
+  if (others.length) plots.append(curvesFigure({ label: "Quantities of the a-priori bounds", xName: "t", x: m.times, curves: others.map(([name, i]) => ({ name, y: m.columns[i] })) }));
+  section("energies", "Energies", element("p", {}, `The balance of work closes to ${text(m.balance_error)} of its parts.`), plots);
+}
+
+/** Studies and reports of stability: their JSON as tables, with a curve of what accuracy costs. */
+function studySection() {
+  const s = report.study;
+  if (!s) return;
+  const numbers = (row) => Object.entries(row).filter(([, v]) => v === null || typeof v !== "object");
+  const rows = s.rows.map((row) => ({ ...Object.fromEntries(numbers(row)), ...Object.fromEntries(Object.entries(row.error || {}).map(([k, v]) => [`error ${k}`, v])) }));
+  const heads = [...new Set(rows.flatMap(Object.keys))];
+  const out = section("study", "What accuracy costs", element("p", {}, `Errors against ${s.reference}.`),
+    table(heads, rows.map((row) => heads.map((h) => row[h] === undefined ? "" : text(row[h])))));
+  const points = rows.filter((r) => r.cpu > 0 && r["error V_max"] > 0).map((r) => [Math.log10(r.cpu), Math.log10(r["error V_max"])]).sort((a, b) => a[0] - b[0]);
+  if (points.length > 1) out.append(graphFigure("Error in V against CPU seconds", "log₁₀ seconds", "log₁₀ error", points));
+}
+
+function stabilitySection() {
+  const s = report.stability;
+  if (!s) return;
+  const out = section("stability", "How far the model can be trusted");
+  for (const [name, value] of Object.entries(s)) {
+    if (value === null || name === "schema") continue;
+    if (Array.isArray(value) && value.length && typeof value[0] === "object" && value[0] !== null) {
+      const heads = [...new Set(value.flatMap(Object.keys))];
+      out.append(table(heads, value.map((row) => heads.map((h) => typeof row[h] === "object" ? JSON.stringify(row[h]) : text(row[h]))), name));
+    } else if (typeof value !== "object") {
+      out.append(element("p", {}, `${name.replaceAll("_", " ")}: `, element("strong", {}, text(value))));
+    } else if (!Array.isArray(value)) {
+      out.append(table(["what", "value"], Object.entries(value).map(([k, v]) => [k.replaceAll("_", " "), typeof v === "object" ? JSON.stringify(v) : text(v)]), name));
+    }
+  }
+}
+
+function sourceSection() {
+  const lines = report.source.replace(/\n$/, "").split("\n");
+  section("source", "The script", element("pre", { tabindex: "0" },
+    ...lines.map((line, i) => element("span", { id: `line-${i + 1}`, class: "line" }, line + "\n"))));
+}

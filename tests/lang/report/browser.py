@@ -1,0 +1,273 @@
+"""A report in a browser: headless Chromium is led through it by the DevTools protocol, every control is used, what the body looks like
+is compared (48 x 32 pixels, so that drivers may differ in detail) with tests/lang/report/looks.json.
+usage: browser.py HVI_RUN [--new-looks] [--shots FOLDER].   Exit code 77: there is no Chromium."""
+import base64
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+PROGRAM = sys.argv[1]
+LOOKS = pathlib.Path(__file__).parent / "looks.json"
+NEW = "--new-looks" in sys.argv
+SHOTS = pathlib.Path(sys.argv[sys.argv.index("--shots") + 1]) if "--shots" in sys.argv else None
+SCRIPT = """mesh block = box(2, 1, 1, cells = [12, 6, 6])
+part top = block.top
+part bottom = block.bottom
+tensor A = isotropic(lambda = 20, mu = 40)
+tensor B = isotropic(young = 70, poisson = 0.3)
+superpotential layer(r) with slope | r < 0 -> 0 | r < 0.02 -> 100*r | otherwise -> max(2 - 40*(r - 0.02), 0.1)
+superpotential slip(w) = 0.05 * norm(w)
+space V = vector P1 on block, zero on top
+find u in V for t in [0, 1] by 5 steps from u = 0
+such that for all v in V
+    integral(block, A : eps(u') : eps(v)) + integral(block, B : eps(u) : eps(v))
+  + integral(bottom, layer^0(u.nu; v.nu) + slip^0(u.tau; v.tau)) >= integral(block, dot([3*t*x, -12*t*x, 0], v))
+report
+  table a = u.y at [2, 0, 0], f = integral(bottom, layer.xi)
+  fields u
+"""
+failures = 0
+
+
+def check(what, good, more=""):
+    global failures
+    if not good:
+        failures += 1
+        print("FAIL", what, more)
+
+
+class Browser:
+    """Chromium at the other ends of two pipes: messages are JSON, each ended by a zero byte."""
+
+    def __init__(self, program, profile):
+        to_read, self.write = os.pipe()
+        self.read, to_write = os.pipe()
+
+        def take():  # its numbers for the pipes are 3 and 4
+            for fd, place in ((to_read, 13), (to_write, 14)):
+                os.dup2(fd, place)
+            os.dup2(13, 3), os.dup2(14, 4)
+
+        self.process = subprocess.Popen(
+            [program, "--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--use-gl=angle", "--use-angle=swiftshader",
+             "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--hide-scrollbars", "--window-size=1200,900", f"--user-data-dir={profile}", "about:blank"],
+            preexec_fn=take, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(to_read), os.close(to_write)
+        self.number, self.kept, self.session, self.errors = 0, b"", None, []
+        target = next(t for t in self("Target.getTargets")["targetInfos"] if t["type"] == "page")
+        self.session = self("Target.attachToTarget", targetId=target["targetId"], flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self(f"{domain}.enable")
+        self("Emulation.setDeviceMetricsOverride", width=1200, height=900, deviceScaleFactor=1, mobile=False)
+
+    def __call__(self, method, **parameters):
+        self.number += 1
+        message = {"id": self.number, "method": method, "params": parameters}
+        if self.session:
+            message["sessionId"] = self.session
+        os.write(self.write, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self.message()
+            if answer.get("id") == self.number:
+                assert "error" not in answer, answer
+                return answer["result"]
+            self.note(answer)
+
+    def message(self):
+        while b"\0" not in self.kept:
+            more = os.read(self.read, 1 << 20)
+            assert more, "the browser ended"
+            self.kept += more
+        one, self.kept = self.kept.split(b"\0", 1)
+        return json.loads(one)
+
+    def note(self, event):
+        if event.get("method") == "Runtime.exceptionThrown":
+            self.errors.append(event["params"]["exceptionDetails"].get("exception", {}).get("description"))
+        if event.get("method") == "Log.entryAdded" and event["params"]["entry"]["level"] == "error":
+            self.errors.append(event["params"]["entry"]["text"])
+        if event.get("method") == "Network.requestWillBeSent":
+            address = event["params"]["request"]["url"]
+            if not address.startswith(("file:", "data:", "blob:", "about:")):
+                self.errors.append(f"asks the network for {address}")
+
+    def run(self, code):
+        answer = self("Runtime.evaluate", expression=code, awaitPromise=True, returnByValue=True)
+        assert "exceptionDetails" not in answer, answer["exceptionDetails"]
+        return answer["result"].get("value")
+
+    def wait(self, code, seconds=120):
+        end = time.monotonic() + seconds
+        while not self.run(code):
+            assert time.monotonic() < end, f"waited for {code}"
+            time.sleep(0.05)
+
+    def key(self, key):
+        text = {"text": key} if len(key) == 1 else {}
+        self("Input.dispatchKeyEvent", type="keyDown", key=key, **text)
+        self("Input.dispatchKeyEvent", type="keyUp", key=key)
+
+    def mouse(self, kind, x, y, **more):
+        self("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
+
+    def set(self, name, value):
+        """As a user would: a new value, and the events of it."""
+        self.run(f"""(async () => {{ const e = document.getElementById({json.dumps(name)});
+            if (e.type === "checkbox") e.checked = {json.dumps(value)}; else e.value = {json.dumps(str(value))};
+            e.dispatchEvent(new Event("input", {{ bubbles: true }})); e.dispatchEvent(new Event("change", {{ bubbles: true }}));
+            await document.body.viewer.update(); }})()""")
+
+    def look(self):
+        """The canvas in 48 x 32 pixels."""
+        return self.run("""(() => { const small = document.createElement("canvas"); small.width = 48; small.height = 32;
+            const c = small.getContext("2d"); c.imageSmoothingQuality = "high"; c.drawImage(document.body.viewer.canvas, 0, 0, 48, 32);
+            return Array.from(c.getImageData(0, 0, 48, 32).data).filter((_, i) => i % 4 < 3); })()""")
+
+    def shot(self, name, whole=False):
+        if SHOTS is None:
+            return
+        parts = {"captureBeyondViewport": True} if whole else {}
+        if whole:
+            size = self("Page.getLayoutMetrics")["cssContentSize"]
+            parts["clip"] = {"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1}
+        SHOTS.mkdir(parents=True, exist_ok=True)
+        (SHOTS / f"{name}.png").write_bytes(base64.b64decode(self("Page.captureScreenshot", **parts)["data"]))
+
+    def close(self):
+        self("Browser.close") if self.process.poll() is None else None
+        self.process.wait(30)
+
+
+def compare(browser, name, looks):
+    seen = browser.look()
+    if NEW:
+        looks[name] = seen
+        return
+    known = looks.get(name, [0] * len(seen))
+    off = sum(abs(a - b) for a, b in zip(seen, known)) / len(seen)
+    check(f"looks like {name}", off < 4.0, f"pixels are off by {off:.1f} of 255 in the mean")
+
+
+def viewer(browser, looks):
+    seen = lambda: browser.run("document.body.viewer.canvas.toDataURL()")
+    label = lambda: browser.run("document.body.viewer.canvas.getAttribute('aria-label')")
+    browser.run("document.getElementById('fields').scrollIntoView()")
+    compare(browser, "stress", looks)
+    check("the picture is told to those who do not see it", "von Mises" in label() and "t = 1" in label(), label())
+    check("the bar says that stresses are means", browser.run("document.body.viewer.meansNote.textContent") == "means at nodes")
+    box = browser.run("(({ x, y, width, height }) => ({ x, y, width, height }))(document.body.viewer.canvas.getBoundingClientRect())")
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    browser.mouse("mousePressed", x, y, button="left", clickCount=1)
+    browser.mouse("mouseReleased", x, y, button="left", clickCount=1)
+    probed = "document.querySelector('#fields output.values').textContent"
+    check("a click reads a value", browser.run(probed).startswith("at ("), browser.run(probed))
+    before = seen()
+    browser.mouse("mousePressed", x, y, button="left", clickCount=1)
+    for k in range(1, 6):
+        browser.mouse("mouseMoved", x + 20 * k, y + 6 * k, button="left", buttons=1)
+    browser.mouse("mouseReleased", x + 100, y + 30, button="left", clickCount=1)
+    check("dragging turns", seen() != before)
+    compare(browser, "turned", looks)
+    before = seen()
+    browser.mouse("mouseWheel", x, y, deltaX=0, deltaY=-240)
+    browser.wait(f"document.body.viewer.view.zoom > 1.1")
+    check("the wheel zooms", seen() != before)
+
+    browser.run("document.body.viewer.canvas.focus()")
+    browser.key("0")
+    compare(browser, "stress", looks)
+    for key in ("ArrowLeft", "ArrowUp", "+", "-"):
+        before = seen()
+        browser.key(key)
+        check(f"the key {key} does something", seen() != before)
+    browser.key("0")
+    browser.key(",")
+    browser.wait("document.body.viewer.timeText.textContent === 't = 0.8'")
+    browser.key(".")
+    browser.wait("document.body.viewer.timeText.textContent === 't = 1'")
+    browser.run("document.getElementById('play').click()")
+    browser.wait("document.body.viewer.state.frame === 2")
+    browser.run("document.getElementById('play').click()")
+    browser.run("document.body.viewer.show(4)")
+
+    browser.set("factor", 4)
+    compare(browser, "deformed", looks)
+    browser.set("contours", 16)
+    compare(browser, "contours", looks)
+    browser.set("cut", "x")
+    browser.set("cut-at", 0.6)
+    compare(browser, "cut", looks)
+    browser.shot("report_cut")
+    browser.set("cut", "none"), browser.set("contours", 0)
+    browser.set("forces", True), browser.set("dots", True)
+    legend = browser.run("document.body.viewer.legend.textContent")
+    check("branches are named", all(word in legend for word in ("loaded", "softened", "slip")), legend)
+    browser.key("ArrowDown"), browser.run("document.body.viewer.view.turn[1] = -0.35; document.body.viewer.draw()")
+    compare(browser, "contact", looks)
+    browser.shot("report_contact")
+    browser.set("forces", False), browser.set("dots", False), browser.set("mesh", True)
+    compare(browser, "mesh", looks)
+    browser.set("fixed", True)
+    check("colours of all times", browser.run("document.body.viewer.now.scale.low < document.body.viewer.now.scale.high"))
+    for index in range(browser.run("document.body.viewer.quantities.length")):
+        browser.set("quantity", index)
+        check("every quantity has numbers", browser.run("Number.isFinite(document.body.viewer.now.scale.high)"), index)
+    browser.run("document.getElementById('probe').click()")
+    check("typed coordinates read a value", browser.run(probed).startswith("at ("))
+    browser.run("document.getElementById('reset').click()")
+
+
+def curves(browser):
+    first = "document.querySelector('#tables svg')"
+    browser.run(f"{first}.focus()")
+    browser.key("End")
+    check("keys move the cursor of a curve", "t = 1" in browser.run("document.querySelector('#tables output').textContent"))
+    browser.wait("document.body.viewer.state.frame === 4")
+    browser.key("Home")
+    browser.wait("document.body.viewer.state.frame === 0")  # the body follows
+    browser.run("document.querySelector('#tables details summary').click()")
+    browser.wait("document.querySelectorAll('#tables details table tbody tr').length === 5")
+    check("no value is shown as what it is not", not browser.run("document.body.innerText.match(/\\[object|undefined|NaN/)"))
+    check("every section is in the menu", browser.run("[...document.querySelectorAll('main section')].every((s) => document.querySelector(`nav a[href='#${s.id}']`))"))
+    unnamed = browser.run("""[...document.querySelectorAll("canvas:not([aria-hidden]), svg, input, select, button")].filter((e) =>
+        !e.getAttribute("aria-label") && !e.closest("label") && !e.textContent.trim()).map((e) => e.outerHTML.slice(0, 90))""")
+    check("everything has a name for readers of screens", not unnamed, unnamed)
+    check("mathematics is drawn", browser.run("document.querySelector('#model math').getBoundingClientRect().height") > 60)
+    pages = base64.b64decode(browser("Page.printToPDF", printBackground=True)["data"])
+    check("it prints", pages.startswith(b"%PDF") and len(pages) > 20000, len(pages))
+
+
+def main():
+    chromium = next((p for p in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if p), None)
+    if chromium is None:
+        print("skipped: there is no Chromium (apt-get install chromium)")
+        sys.exit(77)
+    looks = {} if NEW else json.loads(LOOKS.read_text())
+    with tempfile.TemporaryDirectory() as place:
+        folder = pathlib.Path(place)
+        (folder / "scene.hvi").write_text(SCRIPT)
+        done = subprocess.run([PROGRAM, "report", "scene.hvi", "-o", "out"], cwd=folder, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        browser = Browser(chromium, folder / "profile")
+        try:
+            browser("Page.navigate", url=(folder / "out/scene_report.html").as_uri())
+            browser.wait("document.body && document.body.dataset.ready === 'yes'")
+            browser.shot("report", whole=True)
+            viewer(browser, looks)
+            curves(browser)
+            check("no error, no request", not browser.errors, browser.errors)
+        finally:
+            browser.close()
+    if NEW:
+        LOOKS.write_text(json.dumps(looks, separators=(",", ":")) + "\n")
+    print("browser:", "ok" if failures == 0 else f"{failures} failures")
+    sys.exit(failures > 0)
+
+
+main()
