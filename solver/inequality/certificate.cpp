@@ -5,11 +5,11 @@
 
 namespace hvi::solver {
 
-void certify(Position& at, double tolerance, InequalityReport& report) {
+void certify(Position& at, double tolerance, InequalityReport& report, double snap) {
   const ContactPoints& points = at.points;
   at.update_arguments();
   at.balance.product.update(at.c);
-  at.snap.update(at.c, at.balance, Snap::certificate);
+  at.snap.update(at.c, at.balance, snap);
   report.residual = at.balance.errors(at.c, at.xi).worst;
   const double largest = points.rows > 0 ? at.xi.lpNorm<Eigen::Infinity>() : 0.0;
   report.inclusion = 0.0;

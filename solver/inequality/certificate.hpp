@@ -7,7 +7,9 @@ namespace hvi::solver {
 
 /// inclusion = max_p dist(xi_p, dj_p(z_p)) / max(|xi|_inf, slope scale of p's law)
 /// residual  = max_i |S c + G^T W xi - r|_i / (|S||c| + |G^T W||xi| + |r|)_i
-/// of the place, and whether both are within the tolerance.
-void certify(Position& at, double tolerance, InequalityReport& report);
+/// of the place, and whether both are within the tolerance. `snap`: how close to a break counts as
+/// on it.
+void certify(Position& at, double tolerance, InequalityReport& report,
+             double snap = Snap::certificate);
 
 } // namespace hvi::solver

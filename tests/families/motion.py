@@ -93,6 +93,10 @@ class Scene(rates.Scene):
 
     def choose_laws(self):
         super().choose_laws()
+        self.begin_motion()
+
+    def begin_motion(self):
+        """The mass that laws leave, and the initial velocity."""
         solid = self.solid
         if self.scheme == "midpoint":
             massless = set()
@@ -168,11 +172,14 @@ class Scene(rates.Scene):
         k = a * self.acceleration(n) * self.moved_mass + v * self.rate(n)[0] * viscous + u * (1 + memory) * self.all_b
         return k[np.ix_(self.free, self.free)]
 
+    def points_at_start(self, term):
+        return term.points(self.solid)
+
     def open_forces(self):
         """At t = 0: the known forces of the laws on all unknowns, and points whose forces are open."""
         force, points = np.zeros(self.solid.n), []
         for term in self.terms:
-            for p in term.points(self.solid):
+            for p in self.points_at_start(term):
                 z = p.rows @ self.velocity if term.sees == "rate" else np.zeros(len(p.rows))
                 moves = p.rows @ self.velocity if term.sees == "u" else np.zeros(len(p.rows))
                 moves = moves * (np.abs(moves).max() > 1e-12 * np.abs(self.velocity).max())
@@ -236,6 +243,7 @@ class Scene(rates.Scene):
             if now.a is None:
                 return None
         states = [zero]
+        self.speeds = [self.velocity]  # u' as laws see it
         for n in range(1, len(self.grid)):
             t, last, k = self.grid[n], states[-1], self.grid[n] - self.grid[n - 1]
             s, c = self.rate(n)
@@ -261,6 +269,7 @@ class Scene(rates.Scene):
             reaction = right - matrix @ x
             d = new - last
             rate = s * d + known_v
+            self.speeds.append(rate)
             if self.scheme == "midpoint":
                 velocity = 2 * d / k - now.v
             else:

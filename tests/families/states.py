@@ -130,14 +130,23 @@ class Scene(rates.Scene):
         known = self.known(n, states, before)
         return self.solve(n, known, states, self.with_states(self.law_points(n, known), self.replayed[n]))
 
+    def differences(self, n):
+        """(s, carry) of z' in step n."""
+        return self.rate(n)
+
+    def speed(self, n, us):
+        """u' in step n."""
+        s, carry = self.rate(n)
+        return s * (us[n] - us[n - 1]) - (carry * (us[n - 1] - us[n - 2]) if n > 1 else 0.0)
+
     def errors_of_states(self, us, told):
         """The largest error of a state's equation, by how much of its size the state would have to change."""
         worst = 0.0
         points = self.solid.law_points("bottom", self.terms[0].rule)
         names = [s.name for s in self.states]
         for n in range(1, len(self.grid)):
-            s, carry = self.rate(n)
-            rate = s * (us[n] - us[n - 1]) - (carry * (us[n - 1] - us[n - 2]) if n > 1 else 0.0)
+            s, carry = self.differences(n)
+            rate = self.speed(n, us)
             nu = np.array([normal @ values @ us[n] for _, values, normal in points])
             v = [values @ rate for _, values, _ in points]
             slip = np.array([np.linalg.norm(x - (normal @ x) * normal) for x, (_, _, normal) in zip(v, points)])
@@ -195,14 +204,14 @@ class Scene(rates.Scene):
                 f"{[(t.weakens, t.shift > 0) for t in self.terms]}")
 
 
-def main():
+def judge(name, make_scene):
     options = orientation.asked_for()
     certified = wrong = refused = skipped = 0
     largest = worst_state = 0.0
     asked = range(options.scenes) if options.only is None else [options.only]
     for k in asked:
         random = np.random.default_rng([options.seed, k])
-        scene = Scene(random)
+        scene = make_scene(random)
         turn, scale = turning(random, scene.dim), 10 ** random.uniform(-6, 6)
         with tempfile.TemporaryDirectory() as temporary:
             folder = (options.keep or pathlib.Path(temporary)) / str(k)
@@ -220,7 +229,7 @@ def main():
             continue
         certified += 1
         bound = scene.bound()
-        size = max(scene.reach, max(float(np.abs(e).max()) for e in expected))
+        size = max(scene.size(), max(float(np.abs(e).max()) for e in expected))
         error = max(float(np.abs(a - e).max()) for a, e in zip(u, expected)) / size
         own = [np.zeros(scene.solid.n)] + [a.reshape(-1) for a in u]
         of_states = scene.errors_of_states(own, told)
@@ -230,10 +239,10 @@ def main():
             print(f"scene {k}: u off by {error:.2e}, bound {bound:.2e}, states by {of_states:.2e} ({scene.told()})",
                   file=sys.stderr)
     print(f"largest error of u {largest:.1e}, of states {worst_state:.1e}, without reference {skipped}")
-    print(f"family states: scenes {len(asked)}, certified {certified}, wrong {wrong}, refused {refused}")
+    print(f"family {name}: scenes {len(asked)}, certified {certified}, wrong {wrong}, refused {refused}")
     good = wrong == 0 and refused <= REFUSED * len(asked) and skipped <= WITHOUT_REFERENCE * len(asked)
     return 0 if good else 1
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(judge("states", Scene))

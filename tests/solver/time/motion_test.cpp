@@ -245,6 +245,51 @@ TEST(Motion, FrictionAtRestHoldsOrLetsGo) {
     }
 }
 
+/// Where an argument stands on a jump of its law, the force at the start is the one on the side it
+/// moves to; where it rests, the one that keeps it there. The block translates: with the density 2,
+/// 2 u'' is what the load leaves over, and both schemes are exact.
+TEST(Motion, ForcesAtTheStartAreOnTheSideOfTheMotion) {
+  const Expr r = var(slot::argument(0)), t = var(slot::t);
+  LawSpec sides, ball = tresca(0.5), harder;
+  sides.name = harder.name = "law";
+  sides.by_slope = harder.by_slope = harder.radial = true;
+  sides.expression = select(less(r, 0.0), -0.5, 0.7);
+  harder.expression = select(less(r, 0.4), 0.5, 0.9);
+  struct Case {
+    LawSpec law;
+    Expr offset; ///< of the first row
+    std::array<double, 2> velocity, force, load = {0.6, 0.0};
+  };
+  const Case cases[] = {{sides, -0.5 * t, {0.3, 0.0}, {-0.5, 0.0}},
+                        {sides, 0.0, {0.3, 0.0}, {0.7, 0.0}},
+                        {sides, -0.3 * t, {0.3, 0.0}, {0.6, 0.0}}, // all of the load
+                        {ball, 0.0, {0.3, -0.4}, {0.3, -0.4}, {0.6, -0.8}},
+                        {harder, 0.4, {0.3, 0.0}, {0.9, 0.0}},
+                        {harder, 0.4, {-0.3, 0.0}, {0.5, 0.0}}};
+  for (const Scheme scheme : {Scheme::newmark, Scheme::hht})
+    for (const Case& c : cases) {
+      Plan plan = block(1, 1, 2, scheme, 0.01);
+      plan.problem.laws = {c.law};
+      plan.problem.law_terms = {tangential_term(0, body, 2)};
+      auto& rows = plan.problem.law_terms[0].rows;
+      rows = {{{1.0, 0.0}, c.offset}, {{0.0, 1.0}}};
+      if (!c.law.radial) rows.pop_back();
+      plan.problem.loads = {force(body, {Expr(c.load[0]), Expr(c.load[1])})};
+      plan.problem.time.velocity = {Expr(c.velocity[0]), Expr(c.velocity[1])};
+      for (int i = 0; i < 2; ++i)
+        plan.report.probes.push_back(at_point(
+            i == 0 ? "x" : "y", var(slot::field(field_of_u(2), slot::value(i))), {1, 0.5, 0}));
+      plan.report.probes.push_back(at_point("u", u_value(0), {1, 0.5, 0}));
+      const auto final = solve(plan).final;
+      const double moved = 0.01 * c.velocity[0] + 0.25e-4 * (c.load[0] - c.force[0]);
+      EXPECT_NEAR(final.at("u"), moved, 1e-13) << name_of(scheme) << c.force[0];
+      EXPECT_NEAR(final.at("x"), (c.load[0] - c.force[0]) / 2.0, 1e-9)
+          << name_of(scheme) << c.force[0];
+      EXPECT_NEAR(final.at("y"), (c.load[1] - c.force[1]) / 2.0, 1e-9)
+          << name_of(scheme) << c.force[0];
+    }
+}
+
 /// Above the ground a block falls as every body does, with and without mass at its lower nodes.
 TEST(Motion, FallsAsAWhole) {
   for (const int dim : {2, 3})
@@ -281,6 +326,27 @@ TEST(Motion, BoundsThatReadMemoriesHoldAtTheStart) {
   plan.problem.loads = {force(body, {Expr(0.3)})};
   plan.report.probes = {at_point("u", u_value(0), {1, 0.5, 0})};
   EXPECT_NEAR(solve(plan).final.at("u"), 0.0, 1e-14);
+}
+
+/// Coulomb's bound at the start is the multiplier there: a block that is pressed by 1 slides.
+TEST(Motion, BoundsThatAreMultipliersHoldAtTheStart) {
+  LawSpec press, slip = tresca(0.3);
+  press.name = "press";
+  press.by_slope = true;
+  press.expression = 5.0 * var(slot::argument(0));
+  slip.expression = abs(var(slot::coupled)) * slip.expression;
+  slip.coupled = "press";
+  Plan plan = block(1, 1, 2, Scheme::newmark, 0.01);
+  plan.problem.laws = {press, slip};
+  plan.problem.law_terms = {normal_term(0, body), tangential_term(1, body, 2)};
+  plan.problem.law_terms[0].name = "press";
+  plan.problem.law_terms[0].rows = {{{0.0, 1.0}, 0.2}};
+  plan.problem.law_terms[1].rows = {{{1.0, 0.0}}, {{0.0, 1.0}}};
+  plan.problem.law_terms[1].field = field_of_u(1);
+  plan.problem.loads = {force(body, {Expr(0.6), Expr(1.0)})};
+  plan.problem.time.velocity = {Expr(0.3), Expr(0.0)};
+  plan.report.probes = {at_point("u", u_value(0), {1, 0.5, 0})};
+  EXPECT_NEAR(solve(plan).final.at("u"), 0.3e-2 + 0.25e-4 * 0.3, 1e-13);
 }
 
 /// Mass taken off the nodes in contact: symmetric, none there, positive elsewhere, and with the
@@ -354,6 +420,27 @@ TEST(Motion, ImposedValuesHaveTheirRates) {
     }
     EXPECT_LT(errors[1], 0.02) << name_of(scheme);
     EXPECT_NEAR(std::log2(errors[0] / errors[1]), order_of(scheme, false), 0.25) << name_of(scheme);
+  }
+}
+
+/// u = x (.3 t + .7 t^2): what is imposed accelerates from the start, and one step is exact.
+TEST(Motion, ImposedValuesAccelerateFromTheStart) {
+  const Expr t = var(slot::t), x = var(slot::x(0));
+  for (const Scheme scheme : {Scheme::newmark, Scheme::hht}) {
+    Plan plan = Oscillator{}.plan(scheme, uniform_grid(0.01, 1));
+    auto& problem = plan.problem;
+    problem.parts.push_back(group("left", "left"));
+    problem.parts.push_back(group("right", "right"));
+    problem.space.dirichlet = {clamp(1), clamp(2, -1, {0.3 * t + 0.7 * t * t})};
+    problem.forms = {products(1, 0, field_of_u(2), 1.0), diffusion(1, 0, field_of_u(0))};
+    problem.loads = {force(0, {1.4 * x})};
+    problem.time.initial.clear();
+    problem.time.velocity = {0.3 * x};
+    plan.report.probes.push_back(at_point("end", var(slot::field(field_of_u(2), 0)), {1, 0, 0}));
+    const auto final = solve(plan).final;
+    EXPECT_NEAR(final.at("a"), 1.4 * 0.4, 1e-9) << name_of(scheme);
+    EXPECT_NEAR(final.at("end"), 1.4, 1e-9) << name_of(scheme);
+    EXPECT_NEAR(final.at("u"), 0.4 * (0.3e-2 + 0.7e-4), 1e-13) << name_of(scheme);
   }
 }
 
