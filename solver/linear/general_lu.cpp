@@ -1,7 +1,9 @@
 // UMFPACK with pivots chosen by their size, on a matrix whose rows and columns have been scaled.
 //
-// Pivoting leaves no order with the contact unknowns last, so the whole of K is factored, and
-//   S = ((K^-1)_cc)^-1,   r = S x0_c,   x = x0 + K^-1 E_c S (c - x0_c),   x0 = K^-1 b.
+// Pivoting leaves no order with the contact unknowns last, so the interior alone is factored, and
+//   S = K_cc - K_cI K_II^-1 K_Ic,   r = b_c - K_cI K_II^-1 b_I,   x_I = K_II^-1 (b_I - K_Ic c).
+// (The factor of the whole of K would give S = ((K^-1)_cc)^-1; where springs or laws hold a body
+// that is stiff itself, K^-1 is its rigid motion and the rest is lost in rounding.)
 //
 // The scaling: P. A. Knight, D. Ruiz, B. Ucar, A symmetry preserving algorithm for matrix scaling,
 // INRIA research report 7552, 2012.
@@ -25,14 +27,14 @@ namespace {
 /// Each halves the exponent of what is too large or too small.
 constexpr int scaling_passes = 6;
 
-/// K without its zeros, by rows, with R K C in place of K: the largest entries of its rows and
-/// columns are near 1 whatever the units of the unknowns are.
+/// The interior of K without its zeros, by rows, with R K C in place of K: the largest entries of
+/// its rows and columns are near 1 whatever the units of the unknowns are.
 struct ScaledMatrix {
   std::vector<Long> start, column;
   std::vector<double> value;
   Vector row_scale, column_scale;
 
-  explicit ScaledMatrix(const SparseMatrix& k);
+  ScaledMatrix(const SparseMatrix& k, const EliminationOrder& order, std::span<const int> position);
   Long size() const { return static_cast<Long>(start.size()) - 1; }
   bool same_pattern(const ScaledMatrix& other) const {
     return start == other.start && column == other.column;
@@ -42,12 +44,15 @@ private:
   void scale_once();
 };
 
-ScaledMatrix::ScaledMatrix(const SparseMatrix& k)
-    : start{0}, row_scale(Vector::Ones(k.rows())), column_scale(Vector::Ones(k.rows())) {
-  for (int i = 0; i < k.rows(); ++i) {
-    for (SparseMatrix::InnerIterator it(k, i); it; ++it)
-      if (it.value() != 0.0) {
-        column.push_back(it.col());
+ScaledMatrix::ScaledMatrix(const SparseMatrix& k, const EliminationOrder& order,
+                           std::span<const int> position)
+    : start{0}, row_scale(Vector::Ones(order.interior)),
+      column_scale(Vector::Ones(order.interior)) {
+  for (int row = 0; row < order.interior; ++row) {
+    for (SparseMatrix::InnerIterator it(k, order.unknown[static_cast<std::size_t>(row)]); it; ++it)
+      if (const int at = position[static_cast<std::size_t>(it.col())];
+          at < order.interior && it.value() != 0.0) {
+        column.push_back(at);
         value.push_back(it.value());
       }
     start.push_back(static_cast<Long>(column.size()));
@@ -114,18 +119,24 @@ private:
   void find_order(const ScaledMatrix& matrix);
   void factor_numbers();
   void check_pivots() const;
+  void take_couplings(const SparseMatrix& k);
   void make_schur();
+  void check_schur();
   void place(Eigen::Index size);
-  void apply_inverse(const Vector& b, Vector& x, bool transposed);
-  Vector moved_by(const Vector& c);
+  void solve_interior(Vector& x, bool transposed);              ///< x = K_II^-1 x, or K_II^-T x
+  Vector solve_contact(const Vector& r, bool transposed) const; ///< S^-1 r, or S^-T r
 
   std::vector<int> contact_;
   std::array<double, UMFPACK_CONTROL> control_{};
   std::unique_ptr<ScaledMatrix> matrix_;
   std::unique_ptr<void, FreeSymbolic> symbolic_;
   std::unique_ptr<void, FreeNumeric> numeric_;
-  EliminationOrder order_; ///< UMFPACK has its own: the interior as it is numbered
+  EliminationOrder order_;      ///< UMFPACK has its own: the interior as it is numbered
+  std::vector<int> position_;   ///< by unknown, in that order
+  SparseMatrix pulls_, pulled_; ///< K_cI, and the transpose of K_Ic
   DenseMatrix schur_;
+  Vector schur_rows_, schur_columns_; ///< of its scaling
+  Eigen::PartialPivLU<DenseMatrix> schur_factor_;
   FactorStatistics statistics_;
 };
 
@@ -139,7 +150,7 @@ double bytes_to_come(std::span<const double> info) {
 }
 
 void GeneralLu::find_order(const ScaledMatrix& matrix) {
-  if (symbolic_ && matrix_ && matrix.same_pattern(*matrix_)) return;
+  if (matrix.size() == 0 || (symbolic_ && matrix_ && matrix.same_pattern(*matrix_))) return;
   const double start = cpu_seconds();
   std::array<double, UMFPACK_INFO> info{};
   void* symbolic = nullptr;
@@ -182,28 +193,49 @@ void GeneralLu::check_pivots() const {
   Eigen::Index at = 0;
   const double least = pivots.cwiseAbs().minCoeff(&at), most = pivots.cwiseAbs().maxCoeff();
   if (least > smallest_pivot * most) return; // false for NaN
-  throw NotFactorable(static_cast<int>(order[static_cast<std::size_t>(at)]), least / most,
-                      "the matrix is singular: the elimination breaks down");
+  throw NotFactorable(order_.unknown[static_cast<std::size_t>(order[static_cast<std::size_t>(at)])],
+                      least / most, "the matrix is singular: the elimination breaks down");
+}
+
+void GeneralLu::take_couplings(const SparseMatrix& k) {
+  std::vector<Eigen::Triplet<double>> pulls, pulled;
+  schur_.setZero(order_.contacts(), order_.contacts());
+  for (int i = 0; i < k.rows(); ++i)
+    for (SparseMatrix::InnerIterator it(k, i); it; ++it) {
+      const int row = position_[static_cast<std::size_t>(i)] - order_.interior,
+                column = position_[static_cast<std::size_t>(it.col())] - order_.interior;
+      if (row >= 0 && column >= 0) schur_(row, column) = it.value();
+      if (row >= 0 && column < 0) pulls.emplace_back(row, column + order_.interior, it.value());
+      if (row < 0 && column >= 0) pulled.emplace_back(column, row + order_.interior, it.value());
+    }
+  for (auto [to, entries] : {std::pair(&pulls_, &pulls), std::pair(&pulled_, &pulled)}) {
+    to->resize(order_.contacts(), order_.interior);
+    to->setFromTriplets(entries->begin(), entries->end());
+  }
 }
 
 void GeneralLu::make_schur() {
-  const auto n = static_cast<Eigen::Index>(contact_.size());
-  DenseMatrix inverse(n, n);
-  Vector unit = Vector::Zero(matrix_->size()), x;
-  for (Eigen::Index j = 0; j < n; ++j) {
-    unit[contact_[static_cast<std::size_t>(j)]] = 1.0;
-    apply_inverse(unit, x, false);
-    unit[contact_[static_cast<std::size_t>(j)]] = 0.0;
-    inverse.col(j) = x(contact_);
+  Vector x;
+  for (Eigen::Index j = 0; j < schur_.cols(); ++j) {
+    x = pulled_.row(j).transpose();
+    solve_interior(x, false);
+    schur_.col(j) -= pulls_ * x;
   }
-  if (n == 0) return;
-  // With a scaling of its own. That of K leaves the stiffness of a displacement as far below 1 as a
-  // pressure in small units has large couplings, and its inverse as far above.
-  const auto [rows, columns] = DenseScaling(inverse);
-  const Eigen::PartialPivLU<DenseMatrix> lu(rows.asDiagonal() * inverse * columns.asDiagonal());
-  if (!(lu.rcond() > smallest_condition))
-    throw NotFactorable(-1, lu.rcond(), "the matrix is singular without its contact unknowns");
-  schur_ = columns.asDiagonal() * lu.inverse() * rows.asDiagonal();
+  if (schur_.cols() > 0) check_schur();
+}
+
+/// With a scaling of its own: that of K leaves the stiffness of a displacement as far below 1 as a
+/// pressure in small units has large couplings, and its inverse as far above.
+void GeneralLu::check_schur() {
+  auto [rows, columns] = DenseScaling(schur_);
+  schur_factor_.compute(rows.asDiagonal() * schur_ * columns.asDiagonal());
+  schur_rows_ = std::move(rows), schur_columns_ = std::move(columns);
+  const double condition = schur_factor_.rcond();
+  if (condition > smallest_condition) return;
+  Eigen::Index at = 0;
+  schur_factor_.matrixLU().diagonal().cwiseAbs().minCoeff(&at);
+  throw NotFactorable(contact_[static_cast<std::size_t>(at)], condition,
+                      "the matrix is singular: the elimination breaks down");
 }
 
 void GeneralLu::place(Eigen::Index size) {
@@ -215,11 +247,14 @@ void GeneralLu::place(Eigen::Index size) {
     if (of_contact[static_cast<std::size_t>(i)] == 0) order_.unknown.push_back(i);
   order_.interior = static_cast<int>(order_.unknown.size());
   order_.unknown.insert(order_.unknown.end(), contact_.begin(), contact_.end());
+  position_.resize(order_.unknown.size());
+  for (std::size_t p = 0; p < position_.size(); ++p)
+    position_[static_cast<std::size_t>(order_.unknown[p])] = static_cast<int>(p);
 }
 
 void GeneralLu::analyse(const SparseMatrix& k) {
   place(k.rows());
-  auto matrix = std::make_unique<ScaledMatrix>(k);
+  auto matrix = std::make_unique<ScaledMatrix>(k, order_, position_);
   find_order(*matrix);
   matrix_ = std::move(matrix);
 }
@@ -227,21 +262,24 @@ void GeneralLu::analyse(const SparseMatrix& k) {
 void GeneralLu::factor(const SparseMatrix& k) {
   const OneBlasThread one_thread;
   place(k.rows());
-  auto matrix = std::make_unique<ScaledMatrix>(k);
+  auto matrix = std::make_unique<ScaledMatrix>(k, order_, position_);
   find_order(*matrix);
   matrix_ = std::move(matrix);
   const double start = cpu_seconds();
-  factor_numbers();
-  check_pivots();
+  take_couplings(k);
+  if (order_.interior > 0) {
+    factor_numbers();
+    check_pivots();
+  }
   make_schur();
   statistics_.seconds_factor += cpu_seconds() - start;
 }
 
-void GeneralLu::apply_inverse(const Vector& b, Vector& x, bool transposed) {
+void GeneralLu::solve_interior(Vector& x, bool transposed) {
+  if (x.size() == 0) return;
   const Vector& in = transposed ? matrix_->column_scale : matrix_->row_scale;
   const Vector& out = transposed ? matrix_->row_scale : matrix_->column_scale;
-  const Vector scaled = in.cwiseProduct(b);
-  x.resize(matrix_->size());
+  const Vector scaled = in.cwiseProduct(x);
   umfpack_dl_solve(transposed ? UMFPACK_A : UMFPACK_At, matrix_->start.data(),
                    matrix_->column.data(), matrix_->value.data(), x.data(), scaled.data(),
                    numeric_.get(), control_.data(), nullptr);
@@ -250,36 +288,41 @@ void GeneralLu::apply_inverse(const Vector& b, Vector& x, bool transposed) {
   statistics_.bytes_read += statistics_.bytes;
 }
 
-/// x with x_c = c and nothing else that acts: K^-1 E_c S c.
-Vector GeneralLu::moved_by(const Vector& c) {
-  Vector force = Vector::Zero(matrix_->size()), out;
-  force(contact_) = schur_ * c;
-  apply_inverse(force, out, false);
-  return out;
+Vector GeneralLu::solve_contact(const Vector& r, bool transposed) const {
+  const Vector& in = transposed ? schur_columns_ : schur_rows_;
+  const Vector& out = transposed ? schur_rows_ : schur_columns_;
+  const Vector scaled = in.cwiseProduct(r);
+  const Vector x = transposed ? Vector(schur_factor_.transpose().solve(scaled))
+                              : Vector(schur_factor_.solve(scaled));
+  return out.cwiseProduct(x);
 }
 
-/// Of the interior: x for c = 0, and r = S x0_c.
+/// y_I = K_II^-1 b_I, y_c = r; with all columns y_c = S^-1 r. Transposed: of K^T.
 void GeneralLu::forward(RightHandSides y, Columns columns) {
-  Vector b(order_.size()), x;
+  const bool transposed = columns == Columns::transposed;
+  Vector x(order_.interior), r(order_.contacts());
   for (int k = 0; k < y.count; ++k) {
-    for (int p = 0; p < order_.size(); ++p) b[order_.unknown[p]] = y.values[p * y.stride + k];
-    apply_inverse(b, x, columns == Columns::transposed);
-    if (columns == Columns::interior && !contact_.empty()) {
-      const Vector at_contact = x(contact_);
-      x -= moved_by(at_contact);
-      x(contact_) = schur_ * at_contact;
-    }
-    for (int p = 0; p < order_.size(); ++p) y.values[p * y.stride + k] = x[order_.unknown[p]];
+    const auto entry = [&](int p) -> double& { return y.values[p * y.stride + k]; };
+    for (int p = 0; p < order_.interior; ++p) x[p] = entry(p);
+    for (int c = 0; c < order_.contacts(); ++c) r[c] = entry(order_.interior + c);
+    solve_interior(x, transposed);
+    r -= (transposed ? pulled_ : pulls_) * x;
+    if (columns != Columns::interior && r.size() > 0) r = solve_contact(r, transposed);
+    for (int p = 0; p < order_.interior; ++p) entry(p) = x[p];
+    for (int c = 0; c < order_.contacts(); ++c) entry(order_.interior + c) = r[c];
   }
 }
 
 void GeneralLu::back(RightHandSides y, Columns columns) {
-  if (columns != Columns::interior || contact_.empty()) return;
-  Vector c(order_.contacts());
+  if (contact_.empty()) return;
+  const bool transposed = columns == Columns::transposed;
+  Vector c(order_.contacts()), x;
   for (int k = 0; k < y.count; ++k) {
-    for (int i = 0; i < c.size(); ++i) c[i] = y.values[(order_.interior + i) * y.stride + k];
-    const Vector x = moved_by(c);
-    for (int p = 0; p < order_.interior; ++p) y.values[p * y.stride + k] += x[order_.unknown[p]];
+    const auto entry = [&](int p) -> double& { return y.values[p * y.stride + k]; };
+    for (int i = 0; i < order_.contacts(); ++i) c[i] = entry(order_.interior + i);
+    x = (transposed ? pulls_ : pulled_).transpose() * c;
+    solve_interior(x, transposed);
+    for (int p = 0; p < order_.interior; ++p) entry(p) -= x[p];
   }
 }
 

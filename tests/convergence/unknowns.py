@@ -272,4 +272,36 @@ report
         assert code == 0 and says in said, said
 
 
-sys.exit(judge([tube, apart, units, resumed, heat_between, at_rest, hoop, reads, verdicts]))
+def on_springs():
+    """A pad that soft springs hold is pressed on a stiff ground, and heat that hardly strains it moves it in tiny steps: its
+    strains are not lost beside its rigid motion. Forces balance, and the heat, which nothing acts on, is that of its equation alone."""
+    def script(spring, couples, of_u=True):
+        u, v, start = ("u in V, ", "v in V, ", "u = 0, ") if of_u else ("", "", "")
+        elastic = f"""integral(pad, B : eps(u) : eps(v)) - integral(pad, {couples}*theta*div(v)) + integral(back, {spring}*u.y*v.y)
+  + integral(foot, press^0(u.nu; v.nu)) + """ if of_u else ""
+        more = f", left = 4 - integral(foot, press.xi) + {spring}*integral(back, u.y), p = integral(foot, press.xi)" if of_u else ""
+        space = "space V = vector P1 on pad, zero.x on back" if of_u else ""
+        return f"""
+mesh pad = rectangle(4, 1, cells = [32, 8])
+part back = pad.top
+part foot = pad.bottom
+tensor B = isotropic(young = 200, poisson = 0.3)
+superpotential press(r) = 5000*max(0, r)^2
+{space}
+space W = scalar P1 on pad, zero on back
+find {u}theta in W for t in [0, 1] by 5 steps from {start}theta = 0
+such that for all {v}eta in W
+    {elastic}integral(pad, theta'*eta + 0.02*dot(grad(theta), grad(eta)))
+ >= {"integral(back, -v.y) + " if of_u else ""}integral(foot, eta)
+report
+  table warm = theta at [2, 0]{more}
+"""
+    alone = table(script(0, 0, False))["warm"]
+    for spring in (0.01, 1, 100):
+        for couples in (1e-6, 1e-4, 0.01):
+            found = table(script(spring, couples))
+            below(np.abs(found["left"]).max(), 1e-9, f"springs {spring}, coupling {couples}: forces left")
+            below(np.abs(found["warm"] / alone - 1).max(), 1e-10, "heat")
+
+
+sys.exit(judge([tube, apart, units, resumed, heat_between, at_rest, hoop, reads, verdicts, on_springs]))

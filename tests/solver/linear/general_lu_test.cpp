@@ -62,6 +62,29 @@ TEST(GeneralLu, SolvesAndCondensesSaddlePointsInAnyUnits) {
   }
 }
 
+/// A chain that a soft spring at its contact unknown holds: K^-1 is its rigid motion, and what one
+/// of its springs does is lost there.
+TEST(GeneralLu, KeepsStrainsBesideARigidMotion) {
+  const int n = 20;
+  DenseMatrix chain = DenseMatrix::Zero(n, n);
+  chain(0, 0) = 1e-9;
+  for (int i = 0; i + 1 < n; ++i) {
+    chain(i, i) += 1.0, chain(i + 1, i + 1) += 1.0;
+    chain(i, i + 1) -= 1.0, chain(i + 1, i) -= 1.0;
+  }
+  const SparseMatrix sparse = chain.sparseView();
+  const std::vector<int> contact{0};
+  const auto factor = general_factor(sparse, contact);
+  factor->factor(sparse);
+  EXPECT_NEAR(factor->schur()(0, 0), 1e-9, 1e-15);
+  Vector b = Vector::Zero(n), y, r, x;
+  b[5] = 1.0, b[6] = -1.0;
+  forward(*factor, b, y, r);
+  EXPECT_NEAR(r[0], 0.0, 1e-15);
+  back(*factor, Vector::Constant(1, 3.0), y, x);
+  for (int i = 0; i < n; ++i) EXPECT_NEAR(x[i], i < 6 ? 3.0 : 2.0, 1e-13);
+}
+
 TEST(GeneralLu, WhatIsSingularHasNoFactor) {
   std::mt19937 random(5);
   SaddlePoint k(random, 6, 2);
