@@ -1,5 +1,5 @@
-# cmake -DOUT=file.cpp -DFILES="a.hvi;b.hvi" -P EmbedModules.cmake: modules as raw strings
-set(text "// Made at build from stdlib/*.hvi.\n#include \"lang/stdlib.hpp\"\n\n#include <array>\n\nnamespace hvi::lang {\nnamespace {\n")
+# cmake -DOUT=file.cpp -DFILES="a.hvi,b.hvi" -DHEADER=lang/stdlib.hpp -DFUNCTION=standard_library -P EmbedModules.cmake: scripts as raw strings
+set(text "// Made at build from scripts.\n#include \"${HEADER}\"\n\n#include <array>\n\nnamespace hvi::lang {\nnamespace {\n")
 set(list "")
 set(count 0)
 string(REPLACE "," ";" FILES "${FILES}")
@@ -10,5 +10,5 @@ foreach(file IN LISTS FILES)
   string(APPEND list "    Module{\"${name}\", module_${name}},\n")
   math(EXPR count "${count} + 1")
 endforeach()
-string(APPEND text "constexpr std::array<Module, ${count}> modules = {\n${list}};\n} // namespace\nstd::span<const Module> standard_library() { return modules; }\n} // namespace hvi::lang\n")
+string(APPEND text "constexpr std::array<Module, ${count}> modules = {\n${list}};\n} // namespace\nstd::span<const Module> ${FUNCTION}() { return modules; }\n} // namespace hvi::lang\n")
 file(WRITE ${OUT} "${text}")

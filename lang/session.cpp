@@ -5,11 +5,16 @@
 #include "lang/lower/lower.hpp"
 #include "lang/mesh_report.hpp"
 #include "lang/mesh_values.hpp"
+#include "lang/stdlib.hpp"
 #include "solver/time/field_grids.hpp"
 #include "solver/time/step.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
+#include <string_view>
+#include <utility>
 
 namespace hvi::lang {
 
@@ -74,6 +79,38 @@ solver::Shown shown_of(solver::Plan& plan, int dim) {
   return out;
 }
 
+/// Does a module of the library declare this name? `superpotential winkler(...)`, `mesh unit_square
+/// = ...`
+bool declares(std::string_view module, std::string_view name) {
+  for (std::size_t at = module.find(name); at != std::string_view::npos;
+       at = module.find(name, at + 1)) {
+    const std::size_t line = module.rfind('\n', at) + 1; // npos + 1 is the beginning
+    const std::string_view before = module.substr(line, at - line);
+    const std::string_view after = module.substr(at + name.size(), 2);
+    const bool one_word = before.size() > 1 && before.find(' ') == before.size() - 1;
+    if (one_word && before[0] != '#' && (after.starts_with('(') || after.starts_with(" =")))
+      return true;
+  }
+  return false;
+}
+
+/// Names that the script would have with an import get the import as help.
+void propose_imports(Script& script) {
+  Diagnostics out;
+  for (Diagnostic one : script.diagnostics.items()) {
+    const auto open = one.message.find('`'), close = one.message.rfind('`');
+    if (one.code == "E0301" && close > open + 1 && close != std::string::npos) {
+      const std::string name = one.message.substr(open + 1, close - open - 1);
+      for (const Module& module : standard_library())
+        if (declares(module.text, name))
+          one.help = fmt::format("`{}` is in a module of the standard library: `import {}`", name,
+                                 module.name);
+    }
+    out.add(std::move(one));
+  }
+  script.diagnostics = std::move(out);
+}
+
 } // namespace
 
 Session::Session(std::string path, CompileSettings settings, std::optional<std::string> text)
@@ -98,7 +135,10 @@ Exit Session::compile() {
   options.words = settings_.words;
   options.on_name = settings_.on_name;
   script.model = check(script.programs, options, script.diagnostics);
-  if (!script.model) return exit_script;
+  if (!script.model) {
+    propose_imports(script);
+    return exit_script;
+  }
   script.model->title = fs::path(script.path).stem().string();
   script.model->options.threads = settings_.threads;
   script.plan = lower(*script.model);

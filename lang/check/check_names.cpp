@@ -107,10 +107,13 @@ void Checker::check_defines() {
     if (std::holds_alternative<ast::Param>(*d.statement)) known.push_back(d.name);
   for (const auto& [name, text] : options_.defines) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const std::string near = did_you_mean(name, known);
     error("E0320", Span{},
           fmt::format("{}{}={}: the script has no parameter `{}`", options_.words.define, name,
                       text, name),
-          known.empty() ? "the script declares no `param`" : did_you_mean(name, known));
+          known.empty()  ? "the script declares no `param`"
+          : near.empty() ? fmt::format("its parameters: {}", fmt::join(known, ", "))
+                         : near);
   }
 }
 

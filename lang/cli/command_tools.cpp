@@ -6,6 +6,7 @@
 #include "lang/diag/render.hpp"
 #include "lang/diag/unreadable.hpp"
 #include "lang/editor/server.hpp"
+#include "lang/mesh_picture.hpp"
 #include "lang/syntax/lexer.hpp"
 #include "lang/syntax/print.hpp"
 #include "solver/mesh/gmsh_module.hpp"
@@ -129,8 +130,34 @@ int serve_editor_command() {
   return serve_editor(STDIN_FILENO, STDOUT_FILENO, compile_settings({}), version);
 }
 
+namespace {
+
+/// The mesh of a script with its parts; drawn into SCRIPT_mesh.png.
+int mesh_of_script(const std::string& path, const Options& options) {
+  Session session(path, compile_settings(options));
+  Exit code = session.compile();
+  if (code == exit_ok) code = session.discretise();
+  if (code == exit_ok) {
+    const std::string text = solver::describe_mesh(session.discretisation.mesh) +
+                             describe_parts(session.script, session.discretisation);
+    std::fputs(text.c_str(), stdout);
+  }
+  if (code == exit_ok && !options.no_files && session.discretisation.mesh.dim > 1)
+    code = session.attempt([&] {
+      const auto picture = std::filesystem::path(options.output_folder) /
+                           (session.script.model->title + "_mesh.png");
+      draw_mesh(session.script, session.discretisation, picture);
+      say("drawn: {}\n", picture.string());
+    });
+  show_diagnostics(session.script, options);
+  return code;
+}
+
+} // namespace
+
 int mesh_command(const std::string& path, const Options& options) {
   try {
+    if (std::filesystem::path(path).extension() == ".hvi") return mesh_of_script(path, options);
     const bool geo = std::filesystem::path(path).extension() == ".geo";
     if (geo && !options.allow_geo) {
       tell("error[E0606]: a `.geo` file can run programs; allow it with --allow-geo\n");

@@ -22,6 +22,10 @@ int explain_command(const std::string& code);
 int params_command(const std::string& path, const Options& options);
 /// Answers an editor over the standard streams until it says that it ends.
 int serve_editor_command();
+/// A commented script to start from, written to `file` (empty: KIND.hvi), which is not there yet;
+/// without a kind, what there is.
+int new_command(const std::string& kind, const std::string& file);
+/// Describes a mesh file; of a script, its parts too, and draws them.
 int mesh_command(const std::string& path, const Options& options);
 
 } // namespace hvi::lang

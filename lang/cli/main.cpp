@@ -131,7 +131,7 @@ int dispatch(int argc, char** argv) {
   auto* format = command("fmt", "format scripts in place", true);
   format->add_flag("--check", only_check, "only say which are not formatted");
   auto* params = command("params", "list the parameters");
-  auto* mesh = command("mesh", "describe a mesh file");
+  auto* mesh = command("mesh", "describe a mesh file, or draw the mesh and the parts of a script");
   auto* dump = command("dump", "print a phase");
   for (const char* name : {"tokens", "ast", "model", "plan"})
     dump->add_flag_callback(
@@ -139,6 +139,10 @@ int dispatch(int argc, char** argv) {
   auto* editor = app.add_subcommand("serve-editor", "language server: answers an editor");
   bool over_streams = true; // there is no other way; editors say so all the same
   editor->add_flag("--stdio", over_streams, "over the standard streams, as always");
+  auto* fresh = app.add_subcommand("new", "write a commented script to start from");
+  fresh->add_option("KIND", code, "contact, memory, friction, ... (none: says which there are)");
+  std::string fresh_file;
+  fresh->add_option("FILE", fresh_file, "where to (default: KIND.hvi)");
   auto* explain = app.add_subcommand("explain", "explain a diagnostic");
   explain->add_option("CODE", code, "E0301");
   bool explain_all = false;
@@ -176,6 +180,7 @@ int dispatch(int argc, char** argv) {
   if (*format) return hvi::lang::format_command(files, only_check);
   if (*params) return hvi::lang::params_command(files[0], options);
   if (*mesh) return hvi::lang::mesh_command(files[0], options);
+  if (*fresh) return hvi::lang::new_command(code, fresh_file);
   if (*explain) return hvi::lang::explain_command(code);
   if (*editor) return hvi::lang::serve_editor_command();
   return hvi::lang::dump_command(files[0], phase.empty() ? "plan" : phase, options);

@@ -10,7 +10,7 @@ constexpr auto names_entries = std::to_array<CatalogueEntry>({
     {"E0301", "unknown name",
      R"(
 Nothing of this name is declared in the script, in its imports or in the language. The help line
-proposes the nearest name.)",
+proposes the nearest name, or the `import` of the module that declares this one.)",
      R"(
 tensor B = isotropic(young = yuong, poisson = 0.3))",
      R"(

@@ -55,6 +55,11 @@ std::vector<Edit> edits_for(const Analysis& a, const Diagnostic& d) {
     return out;
   }
   for (const std::string& text : proposals(d.help)) {
+    if (text.starts_with("import ")) {
+      const std::uint32_t first = a.tokens[0].tokens.front().span.begin;
+      out.push_back({{0, first, first}, text + "\n", fmt::format("add `{}`", text)});
+      continue;
+    }
     const std::string written = a.text(d.primary);
     if (!written.empty())
       out.push_back({d.primary, text, fmt::format("write `{}` in place of `{}`", text, written)});

@@ -2,7 +2,7 @@
 import subprocess
 import sys
 
-COMMANDS = "run, report, check, plan, study, stability, test, fmt, params, mesh, dump, serve-editor, explain"
+COMMANDS = "run, report, check, plan, study, stability, test, fmt, params, mesh, dump, serve-editor, new, explain"
 CASES = [
     (["chek", "a.hvi"], ["`chek`", "did you mean `check`?", COMMANDS]),
     (["plna", "a.hvi", "-D", "n=2"], ["`plna`", "did you mean `plan`?"]),
