@@ -173,54 +173,59 @@ HVI_AVX2 void multiply_triples(const Blocks& a, const double* x, double* y) {
 
 #endif
 
+Blocks view(const BlockRows& a) {
+  return {a.rows, a.start.data(), a.column.data(), a.diagonal.data(), a.upper.data()};
+}
+
+/// The blocks of this size of a symmetric matrix.
+BlockRows upper_blocks(const SparseMatrix& a, int size) {
+  BlockRows out;
+  out.size = size, out.rows = static_cast<int>(a.rows()) / size;
+  const int* start = a.outerIndexPtr();
+  const int* column = a.innerIndexPtr();
+  const auto area = static_cast<std::size_t>(size * size);
+  const std::size_t half = static_cast<std::size_t>(a.nonZeros()) / 2 / area;
+  out.diagonal.reserve(area * static_cast<std::size_t>(out.rows) + 1);
+  out.upper.reserve(area * half + 1);
+  out.column.reserve(half);
+  out.start.assign(1, 0);
+  for (int i = 0; i < out.rows; ++i) {
+    const int row = size * i;
+    bool on_diagonal = false;
+    for (int e = 0; e < start[row + 1] - start[row]; e += size) {
+      const int j = column[start[row] + e] / size;
+      if (j < i) continue;
+      auto& into = j == i ? out.diagonal : out.upper;
+      on_diagonal = on_diagonal || j == i;
+      if (j > i) out.column.push_back(j);
+      for (int r = 0; r < size; ++r)
+        for (int c = 0; c < size; ++c) into.push_back(a.valuePtr()[start[row + r] + e + c]);
+    }
+    if (!on_diagonal) out.diagonal.insert(out.diagonal.end(), area, 0.0);
+    out.start.push_back(static_cast<int>(out.column.size()));
+  }
+  out.diagonal.push_back(0.0), out.upper.push_back(0.0); // blocks of 3 are read as four doubles
+  return out;
+}
+
+bool same_pattern(const BlockRows& a, const BlockRows& b) {
+  return a.size == b.size && a.rows == b.rows && a.start == b.start && a.column == b.column;
+}
+
 } // namespace
 
 SymmetricBlocks::SymmetricBlocks(const SparseMatrix& a, bool known) {
   if (a.rows() == 0 || !(known || is_symmetric(a))) return;
   diagonal_entries_ = a.diagonal();
   if (2.0 * static_cast<double>(a.nonZeros()) > std::pow(static_cast<double>(a.rows()), 2)) {
-    block_ = static_cast<int>(a.rows()), rows_ = 1;
+    blocks_.size = static_cast<int>(a.rows()), blocks_.rows = 1;
     dense_ = a;
     return;
   }
-  block_ = has_blocks(a, 3) ? 3 : has_blocks(a, 2) ? 2 : 1;
-  rows_ = static_cast<int>(a.rows()) / block_;
-  fill(a);
-  if (block_ != 3) return;
-  x_.assign(4 * static_cast<std::size_t>(rows_), 0.0);
+  blocks_ = upper_blocks(a, has_blocks(a, 3) ? 3 : has_blocks(a, 2) ? 2 : 1);
+  if (blocks_.size != 3) return;
+  x_.assign(4 * static_cast<std::size_t>(blocks_.rows), 0.0);
   y_ = x_;
-}
-
-void SymmetricBlocks::fill(const SparseMatrix& a) {
-  const int* start = a.outerIndexPtr();
-  const int* column = a.innerIndexPtr();
-  const auto area = static_cast<std::size_t>(block_ * block_);
-  const std::size_t half = static_cast<std::size_t>(a.nonZeros()) / 2 / area;
-  diagonal_.reserve(area * static_cast<std::size_t>(rows_) + 1);
-  upper_.reserve(area * half + 1);
-  column_.reserve(half);
-  start_.assign(1, 0);
-  for (int i = 0; i < rows_; ++i) {
-    const int row = block_ * i;
-    bool on_diagonal = false;
-    for (int e = 0; e < start[row + 1] - start[row]; e += block_) {
-      const int j = column[start[row] + e] / block_;
-      if (j < i) continue;
-      auto& into = j == i ? diagonal_ : upper_;
-      on_diagonal = on_diagonal || j == i;
-      if (j > i) column_.push_back(j);
-      for (int r = 0; r < block_; ++r)
-        for (int c = 0; c < block_; ++c) into.push_back(a.valuePtr()[start[row + r] + e + c]);
-    }
-    if (!on_diagonal) diagonal_.insert(diagonal_.end(), area, 0.0);
-    start_.push_back(static_cast<int>(column_.size()));
-  }
-  diagonal_.push_back(0.0), upper_.push_back(0.0); // blocks of 3 are read as four doubles
-}
-
-bool SymmetricBlocks::same_pattern(const SymmetricBlocks& other) const {
-  return block_ == other.block_ && rows_ == other.rows_ && start_ == other.start_ &&
-         column_ == other.column_;
 }
 
 SymmetricBlocks SymmetricBlocks::sum(std::span<const SymmetricBlocks> parts,
@@ -229,17 +234,17 @@ SymmetricBlocks SymmetricBlocks::sum(std::span<const SymmetricBlocks> parts,
   const auto scale = [&](std::vector<double>& values) {
     for (double& v : values) v *= factors[0];
   };
-  scale(out.diagonal_), scale(out.upper_);
+  scale(out.blocks_.diagonal), scale(out.blocks_.upper);
   out.diagonal_entries_ *= factors[0];
   out.dense_ *= factors[0];
   for (std::size_t b = 1; b < parts.size(); ++b) {
     const SymmetricBlocks& part = parts[b];
-    if (!out.same_pattern(part)) return {};
+    if (!same_pattern(out.blocks_, part.blocks_)) return {};
     const double factor = factors[static_cast<Eigen::Index>(b)];
     const auto add = [&](std::vector<double>& values, const std::vector<double>& more) {
       for (std::size_t i = 0; i < values.size(); ++i) values[i] += factor * more[i];
     };
-    add(out.diagonal_, part.diagonal_), add(out.upper_, part.upper_);
+    add(out.blocks_.diagonal, part.blocks_.diagonal), add(out.blocks_.upper, part.blocks_.upper);
     out.diagonal_entries_ += factor * part.diagonal_entries_;
     out.dense_ += factor * part.dense_;
   }
@@ -248,43 +253,44 @@ SymmetricBlocks SymmetricBlocks::sum(std::span<const SymmetricBlocks> parts,
 
 double SymmetricBlocks::energy(const Vector& x) const {
   if (dense_.size() > 0) return x.dot(dense_.selfadjointView<Eigen::Lower>() * x);
-  const Blocks a{rows_, start_.data(), column_.data(), diagonal_.data(), upper_.data()};
+  const Blocks a = view(blocks_);
 #if defined(__x86_64__)
-  if (block_ == 2 && instruction_set() != InstructionSet::baseline)
+  if (blocks_.size == 2 && instruction_set() != InstructionSet::baseline)
     return energy_of_pairs(a, x.data());
 #endif
-  if (block_ == 1) return energy_of_blocks<1>(a, x.data());
-  if (block_ == 2) return energy_of_blocks<2>(a, x.data());
+  if (blocks_.size == 1) return energy_of_blocks<1>(a, x.data());
+  if (blocks_.size == 2) return energy_of_blocks<2>(a, x.data());
   return energy_of_blocks<3>(a, x.data());
 }
 
 double SymmetricBlocks::bytes() const {
-  return static_cast<double>(diagonal_.size() + upper_.size() + dense_.size()) * sizeof(double) +
-         static_cast<double>(start_.size() + column_.size()) * sizeof(int);
+  return static_cast<double>(blocks_.diagonal.size() + blocks_.upper.size() + dense_.size()) *
+             sizeof(double) +
+         static_cast<double>(blocks_.start.size() + blocks_.column.size()) * sizeof(int);
 }
 
 void SymmetricBlocks::add_product(const Vector& x, Vector& y) const {
   if (dense_.size() > 0) {
-    cblas_dsymv(CblasColMajor, CblasLower, block_, 1.0, dense_.data(), block_, x.data(), 1, 1.0,
-                y.data(), 1);
+    cblas_dsymv(CblasColMajor, CblasLower, blocks_.size, 1.0, dense_.data(), blocks_.size, x.data(),
+                1, 1.0, y.data(), 1);
     return;
   }
-  const Blocks a{rows_, start_.data(), column_.data(), diagonal_.data(), upper_.data()};
+  const Blocks a = view(blocks_);
 #if defined(__x86_64__)
-  if (block_ == 2 && instruction_set() != InstructionSet::baseline)
+  if (blocks_.size == 2 && instruction_set() != InstructionSet::baseline)
     return multiply_pairs(a, x.data(), y.data());
-  if (block_ == 3 && instruction_set() != InstructionSet::baseline) {
-    for (int i = 0; i < rows_; ++i)
+  if (blocks_.size == 3 && instruction_set() != InstructionSet::baseline) {
+    for (int i = 0; i < blocks_.rows; ++i)
       for (int k = 0; k < 3; ++k) x_[4 * i + k] = x[3 * i + k], y_[4 * i + k] = y[3 * i + k];
     multiply_triples(a, x_.data(), y_.data());
-    for (int i = 0; i < rows_; ++i)
+    for (int i = 0; i < blocks_.rows; ++i)
       for (int k = 0; k < 3; ++k) y[3 * i + k] = y_[4 * i + k];
     return;
   }
 #endif
-  if (block_ == 1) multiply_blocks<1>(a, x.data(), y.data());
-  if (block_ == 2) multiply_blocks<2>(a, x.data(), y.data());
-  if (block_ == 3) multiply_blocks<3>(a, x.data(), y.data());
+  if (blocks_.size == 1) multiply_blocks<1>(a, x.data(), y.data());
+  if (blocks_.size == 2) multiply_blocks<2>(a, x.data(), y.data());
+  if (blocks_.size == 3) multiply_blocks<3>(a, x.data(), y.data());
 }
 
 } // namespace hvi::solver

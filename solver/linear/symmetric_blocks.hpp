@@ -9,6 +9,13 @@
 
 namespace hvi::solver {
 
+/// Blocks on and above the diagonal, row by row.
+struct BlockRows {
+  int size = 0, rows = 0; ///< of a block, and of rows of blocks
+  std::vector<int> start, column;
+  std::vector<double> diagonal, upper;
+};
+
 /// The upper triangle in dense blocks of 1, 2 or 3 (the components of a node), whichever is the
 /// largest that the pattern fills. One index a block instead of one an entry. A matrix of which
 /// half is filled is one block.
@@ -21,7 +28,7 @@ public:
   /// sum_b factor_b A_b; empty when the patterns differ.
   static SymmetricBlocks sum(std::span<const SymmetricBlocks> parts, const Vector& factors);
 
-  bool empty() const { return block_ == 0; }
+  bool empty() const { return blocks_.size == 0; }
   /// y += A x. The order of the additions is always the same.
   void add_product(const Vector& x, Vector& y) const;
   /// x^T A x
@@ -30,12 +37,7 @@ public:
   double bytes() const;
 
 private:
-  void fill(const SparseMatrix& a);
-  bool same_pattern(const SymmetricBlocks& other) const;
-
-  int block_ = 0, rows_ = 0; ///< size and count of block rows
-  std::vector<int> start_, column_;
-  std::vector<double> diagonal_, upper_; ///< blocks, row by row
+  BlockRows blocks_;
   Vector diagonal_entries_;
   DenseMatrix dense_;                 ///< the whole matrix as one block, or empty
   mutable std::vector<double> x_, y_; ///< of blocks of 3, padded to 4

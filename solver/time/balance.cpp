@@ -115,8 +115,8 @@ EquationResidual Balance::residual(const StepEquation& equation, StepMatrix& mat
   return out;
 }
 
-Interior::Question Balance::question(int n, const Vector& d, const Vector& xi) const {
-  Interior::Question out; // there is one base matrix, and nothing is imposed
+InteriorEquilibrium::Question Balance::question(int n, const Vector& d, const Vector& xi) const {
+  InteriorEquilibrium::Question out; // there is one base matrix, and nothing is imposed
   if (!evolution_.known_part(n, formulation_.operators().weights, 0, true, evolution_.u(),
                              out.known))
     out.known.setZero(evolution_.u().size());

@@ -58,7 +58,7 @@ public:
   EquationResidual residual(const StepEquation& equation, StepMatrix& matrix, const Vector& xi,
                             Trial& trial);
   /// What a check of step n on all rows is asked, its increment being d.
-  Interior::Question question(int n, const Vector& d, const Vector& xi) const;
+  InteriorEquilibrium::Question question(int n, const Vector& d, const Vector& xi) const;
   /// The base matrices once more for products, in half the memory; empty: not used.
   const std::vector<SymmetricBlocks>& halves() const { return halves_; }
 

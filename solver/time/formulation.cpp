@@ -1,6 +1,7 @@
 // The two formulations of a problem; see formulation.hpp. Made by the Stepper.
 #include "solver/time/formulation.hpp"
 
+#include "solver/time/field_recovery.hpp"
 #include "solver/time/interior.hpp"
 #include "solver/time/pair_unknowns.hpp"
 #include "solver/time/reduce.hpp"
@@ -38,37 +39,42 @@ private:
 
 class OnContactUnknowns final : public Formulation {
 public:
-  OnContactUnknowns(DiscreteProblem&& problem, std::unique_ptr<Interior> interior)
-      : Formulation(std::move(problem)), interior_(std::move(interior)) {}
+  /// `force`: G^T W on all unknowns.
+  OnContactUnknowns(DiscreteProblem&& problem, std::unique_ptr<Interior> interior,
+                    SparseMatrix force)
+      : Formulation(std::move(problem)), interior_(std::move(interior)), fields_(*interior_),
+        equilibrium_(*interior_, std::move(force)) {}
 
   const std::string& obstacle() const override { return none_; }
-  void scatter(const Vector& state, Vector& full) const override {
-    interior_->scatter(state, full);
-  }
-  void observe(std::span<const int> dofs) override { interior_->observe(dofs); }
+  void scatter(const Vector& state, Vector& full) const override { fields_.scatter(state, full); }
+  void observe(std::span<const int> dofs) override { fields_.observe(dofs); }
   void scatter_observed(const Vector& state, Vector& full) const override {
-    interior_->scatter_observed(state, full);
+    fields_.scatter_observed(state, full);
   }
-  const StateLayout& whole_layout() const override { return interior_->layout(); }
-  const SparseMatrix& whole_base(int) const override { return interior_->matrix_of_all(); }
+  const StateLayout& whole_layout() const override { return interior_->layout; }
+  const SparseMatrix& whole_base(int) const override { return interior_->t; }
   const Vector& whole_state(const Vector& state, Vector& room) const override {
-    interior_->unknowns_of(state, room);
+    expand(*interior_, state, room);
     return room;
   }
   bool respond(std::span<const Vector> forces, StepMatrix& matrix, const Vector& gamma,
                const InequalityState& at, std::vector<Vector>& x,
                std::vector<Vector>& xi) const override {
-    return interior_->respond(forces, matrix, gamma[0], at, x, xi);
+    return solver::respond(*interior_, forces, matrix, gamma[0], at, x, xi);
   }
-  double condition(StepMatrix*) const override { return interior_->condition(); }
+  double condition(StepMatrix*) const override {
+    return estimate_condition(interior_->t, *interior_->factor);
+  }
   std::unique_ptr<RowChecks> row_checks(const Plan& plan) const override {
-    return std::make_unique<RowChecks>(*interior_, plan);
+    return std::make_unique<RowChecks>(equilibrium_, plan);
   }
-  FactorStatistics statistics() const override { return interior_->statistics(); }
+  FactorStatistics statistics() const override { return interior_->factor.statistics(); }
 
 private:
   std::string none_;
   std::unique_ptr<Interior> interior_;
+  mutable FieldRecovery fields_; ///< remembers the last state
+  InteriorEquilibrium equilibrium_;
 };
 
 DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
@@ -126,8 +132,10 @@ std::unique_ptr<Formulation> formulate(const Plan& plan, const Discretisation& d
       if (rounding_growth(t, *factor) <= growth_to_refine) {
         auto interior = std::make_unique<Interior>(all.operators.bases[0], std::move(factor),
                                                    all.layout, all.contact.unknowns);
+        SparseMatrix force = all.contact.force; // of all rows, for their certificate
         auto reduced = on_contact_unknowns(std::move(all), *interior);
-        return std::make_unique<OnContactUnknowns>(std::move(reduced), std::move(interior));
+        return std::make_unique<OnContactUnknowns>(std::move(reduced), std::move(interior),
+                                                   std::move(force));
       }
       obstacle = "its matrix is ill-conditioned, and steps are refined on all unknowns";
     } catch (const NotFactorable&) { // the first step will say which motion is free

@@ -16,79 +16,43 @@
 #include "solver/time/state.hpp"
 #include "solver/time/step_matrix.hpp"
 
-#include <memory>
 #include <span>
 #include <vector>
 
 namespace hvi::solver {
 
-class Interior {
-public:
+/// T of all unknowns with its factor, and the modes p_k.
+struct Interior {
   /// `t` symmetric, positive definite on the unknowns of `layout`; its factor. Takes what `t` holds
   /// (Eigen's own matrices would copy).
   Interior(SparseMatrix& t, SharedFactor factor, StateLayout layout, std::vector<int> contact);
 
-  /// Adds the mode p of a force on the unknowns; returns the force on y (r_c and a 1).
-  Vector add_mode(const Vector& f);
-  /// y of a state u: its contact values, and a mode of its own for what they do not explain.
-  Vector add_state(const Vector& u);
-  int n_contact() const { return static_cast<int>(contact_.size()); }
-  int size() const { return n_contact() + static_cast<int>(forces_.size()); }
-  SparseMatrix matrix() const; ///< diag(S, 1)
+  int n_contact() const { return static_cast<int>(contact.size()); }
+  int n_interior() const { return factor->order().interior; }
+  int size() const { return n_contact() + static_cast<int>(forces.size()); } ///< of y
 
-  /// Full vector of y: a forward and a backward solve.
-  void scatter(const Vector& y, Vector& full);
-  /// Makes these dofs available without triangular solves; prepares one row for each by a solve.
-  void observe(std::span<const int> dofs);
-  /// Only the observed dofs and the contact unknowns of `full` are set.
-  void scatter_observed(const Vector& y, Vector& full) const;
-
-  /// On all unknowns: max_i |R|_i / (|T|(|a| + |b|) + |f|)_i with R = f - T (a + b) - G^T W xi,
-  /// where a and b are the states that `known` and `change` stand for (each counts in the scale:
-  /// they may cancel, as at the end of a cycle) and f the load that `load` stands for.
-  /// With |T||a + b| in its place, which is not larger, where that is within `enough`: it takes one
-  /// state instead of two.
-  double equilibrium(const Vector& known, const Vector& change, const Vector& load,
-                     const Vector& xi, double enough);
-  /// What `equilibrium` is asked of one step.
-  struct Question {
-    Vector known, change, load, xi;
-  };
-  /// The same for up to 16 steps in one reading of the factor and of T. A step's answer does not
-  /// depend on the steps it is asked with.
-  std::vector<double> equilibria(std::span<const Question> steps, double enough);
-  /// On all unknowns: T, the layout, the vector of y, and the condition of T.
-  const SparseMatrix& matrix_of_all() const { return t_; }
-  const StateLayout& layout() const { return layout_; }
-  void unknowns_of(const Vector& y, Vector& x) { expand(y, x); }
-  double condition() { return estimate_condition(t_, *factor_); }
-  /// respond (step_matrix.hpp) with K = gamma T on all unknowns; `matrix` is that of the states.
-  bool respond(std::span<const Vector> forces, StepMatrix& matrix, double gamma,
-               const InequalityState& at, std::vector<Vector>& x, std::vector<Vector>& xi);
-  static constexpr int most_steps = 2 * RightHandSides::at_once;
-  SparseMatrix force; ///< G^T W on all unknowns
-  FactorStatistics statistics() const { return factor_.statistics(); }
-
-private:
-  void expand(const Vector& y, Vector& x);
-  void force_of_modes(const Vector& y, Vector& f) const;
-  void expand_all(std::span<const Vector* const> y, DenseMatrix& x);
-  int n_interior() const { return factor_->order().interior; }
-
-  SparseMatrix t_;
-  StateLayout layout_; ///< of the full problem
-  std::vector<int> contact_, position_;
-  SharedFactor factor_;
-  std::vector<Vector> forces_; ///< F_k on unknowns,
-  std::vector<Vector> kept_;   ///< forward solves of the forces: a backward solve gives p_k
-  struct Observed {
-    int dof, unknown;
-    Vector row;                ///< over c; empty: a contact unknown
-    std::vector<double> modes; ///< p_k there
-  };
-  std::vector<Observed> observed_;
-  Vector scattered_, x_; ///< the y last asked for whole, and its unknowns
-  Vector state_, f_, gap_, change_gap_, scale_, work_;
+  SparseMatrix t;
+  StateLayout layout; ///< of all unknowns
+  std::vector<int> contact;
+  std::vector<int> position; ///< of an unknown among the contact unknowns, or -1
+  SharedFactor factor;
+  std::vector<Vector> forces; ///< F_k on unknowns,
+  std::vector<Vector> kept;   ///< forward solves of the forces: a backward solve gives p_k
 };
+
+/// Adds the mode p of a force on the unknowns; returns the force on y (r_c and a 1).
+Vector add_mode(Interior& interior, const Vector& f);
+/// y of a state u: its contact values, and a mode of its own for what they do not explain.
+Vector add_state(Interior& interior, const Vector& u);
+/// diag(S, 1)
+SparseMatrix condensed_matrix(const Interior& interior);
+/// x = E c + sum_k phi_k p_k of y = [c; phi], on all unknowns: a backward solve.
+void expand(const Interior& interior, const Vector& y, Vector& x);
+/// f = sum_k y_k F_k
+void force_of_modes(const Interior& interior, const Vector& y, Vector& f);
+/// respond (step_matrix.hpp) with K = gamma T on all unknowns; `matrix` is that of the states.
+bool respond(const Interior& interior, std::span<const Vector> forces, StepMatrix& matrix,
+             double gamma, const InequalityState& at, std::vector<Vector>& x,
+             std::vector<Vector>& xi);
 
 } // namespace hvi::solver

@@ -109,7 +109,7 @@ namespace {
 
 /// Operators of one matrix, diag(S, 1): the first unknowns, the contact, are coupled with no other.
 Operators of_interior(Operators all, const Interior& interior) {
-  all.bases = {interior.matrix()};
+  all.bases = {condensed_matrix(interior)};
   all.shared = nullptr; // what is left is small
   all.separate = interior.n_contact();
   all.n_unknowns = interior.size();
@@ -152,8 +152,8 @@ Contact of_interior(Contact all, int size) {
 
 DiscreteProblem on_contact_unknowns(DiscreteProblem all, Interior& interior) {
   LoadAssembler loads = std::move(all.loads);
-  loads.map([&](const Vector& f) { return interior.add_mode(f); });
-  Vector initial = interior.add_state(all.initial);
+  loads.map([&](const Vector& f) { return add_mode(interior, f); });
+  Vector initial = add_state(interior, all.initial);
   const int n = interior.size(); // all modes are known
   const auto padded = [n](const Vector& v) {
     Vector out = Vector::Zero(n);
@@ -161,7 +161,6 @@ DiscreteProblem on_contact_unknowns(DiscreteProblem all, Interior& interior) {
     return out;
   };
   loads.map(padded);
-  interior.force = all.contact.force; // for the certificate on all rows
   StateLayout layout = of_interior(all.layout, all.contact.unknowns, n);
   return {std::move(layout), of_interior(std::move(all.operators), interior),
           of_interior(std::move(all.contact), n), std::move(loads), padded(initial)};

@@ -7,19 +7,19 @@ namespace hvi::solver {
 namespace {
 
 /// |T||a + b| for the scale of the error, which is not larger, where that is within this part of
-/// the tolerance (Interior::equilibrium).
+/// the tolerance (InteriorEquilibrium).
 constexpr double clear_part = 0.1;
 /// Tables reach the disk up to the step before a check that waits.
 constexpr int longest_wait = 1024; // steps
 
 } // namespace
 
-RowChecks::RowChecks(Interior& interior, const Plan& plan)
-    : interior_(interior), tolerance_(plan.options.tolerance),
+RowChecks::RowChecks(const InteriorEquilibrium& equilibrium, const Plan& plan)
+    : equilibrium_(equilibrium), tolerance_(plan.options.tolerance),
       steps_(static_cast<int>(plan.problem.time.grid.size()) - 1),
       chosen_(checked_steps(plan, steps_)) {}
 
-std::optional<double> RowChecks::error(int n, Interior::Question question) {
+std::optional<double> RowChecks::error(int n, InteriorEquilibrium::Question question) {
   if (waits_) {
     put_off(n, std::move(question));
     if (!settle()) return std::nullopt;
@@ -28,25 +28,26 @@ std::optional<double> RowChecks::error(int n, Interior::Question question) {
     return error;
   }
   // By the same sums as many at once: a check that could not wait gives the same bits.
-  const Interior::Question asked[] = {std::move(question)};
-  return interior_.equilibria(asked, clear_part * tolerance_).front();
+  const InteriorEquilibrium::Question asked[] = {std::move(question)};
+  return equilibrium_.errors(asked, clear_part * tolerance_).front();
 }
 
-void RowChecks::put_off(int n, Interior::Question question) {
+void RowChecks::put_off(int n, InteriorEquilibrium::Question question) {
   steps_waiting_.push_back(n);
   waiting_.push_back(std::move(question));
 }
 
 bool RowChecks::settle_in_time(int n) {
   if (waiting_.empty()) return true;
-  const bool full = waiting_.size() + 1 == static_cast<std::size_t>(Interior::most_steps);
+  const bool full =
+      waiting_.size() + 1 == static_cast<std::size_t>(InteriorEquilibrium::most_steps);
   return full || n - steps_waiting_.front() == longest_wait ? settle() : true;
 }
 
 /// In one pass. A last step that fails is no late one.
 bool RowChecks::settle() {
   if (waiting_.empty()) return true;
-  const auto errors = interior_.equilibria(waiting_, clear_part * tolerance_);
+  const auto errors = equilibrium_.errors(waiting_, clear_part * tolerance_);
   for (std::size_t k = 0; k < errors.size(); ++k) {
     late_errors_.emplace_back(steps_waiting_[k], errors[k]);
     if (!(errors[k] <= tolerance_) && steps_waiting_[k] < steps_) return false;

@@ -2,7 +2,8 @@
 // many of them together where nobody sees a step before the last one.
 #pragma once
 
-#include "solver/time/interior.hpp"
+#include "solver/plan/plan.hpp"
+#include "solver/time/interior_equilibrium.hpp"
 
 #include <optional>
 #include <utility>
@@ -12,8 +13,8 @@ namespace hvi::solver {
 
 class RowChecks {
 public:
-  /// Keeps a reference to `interior`.
-  RowChecks(Interior& interior, const Plan& plan);
+  /// Keeps a reference to `equilibrium`.
+  RowChecks(const InteriorEquilibrium& equilibrium, const Plan& plan);
 
   /// Checks may wait for others, up to the last step.
   void let_wait() { waits_ = true; }
@@ -23,8 +24,8 @@ public:
   bool later(int n) const { return chosen_[n] != 0 && waits_ && n < steps_; }
   /// The backward error of step n on all rows. The last step makes the checks that were put off,
   /// too; none: one of these failed.
-  [[nodiscard]] std::optional<double> error(int n, Interior::Question question);
-  void put_off(int n, Interior::Question question);
+  [[nodiscard]] std::optional<double> error(int n, InteriorEquilibrium::Question question);
+  void put_off(int n, InteriorEquilibrium::Question question);
   /// After step n: the checks that wait are made where they are many, or have waited long. False:
   /// one failed.
   [[nodiscard]] bool settle_in_time(int n);
@@ -39,13 +40,13 @@ public:
   std::vector<std::pair<int, double>> late_errors() { return std::exchange(late_errors_, {}); }
 
 private:
-  Interior& interior_;
+  const InteriorEquilibrium& equilibrium_;
   double tolerance_;
   int steps_;
   std::vector<char> chosen_; ///< by step
   bool waits_ = false;
   std::vector<int> steps_waiting_;
-  std::vector<Interior::Question> waiting_;
+  std::vector<InteriorEquilibrium::Question> waiting_;
   std::vector<std::pair<int, double>> late_errors_;
 };
 

@@ -49,12 +49,6 @@ std::vector<double> in_step(const Contact& contact, std::vector<double> weight,
   return weight;
 }
 
-Uniqueness::Uniqueness(const Problem& problem, const Operators& operators, const Contact& contact)
-    : problem_(problem), operators_(operators), contact_(contact),
-      shares_(present_shares(*make_scheme(problem), count_fields(problem))) {
-  look_at_laws();
-}
-
 namespace {
 
 /// The steepest descent of a law's slope at the term's points, at all times of the plan.
@@ -71,31 +65,39 @@ Bracket descent_of(const Problem& problem, const ContactTerm& term, const Law& l
 
 } // namespace
 
-void Uniqueness::look_at_laws() {
-  if (contact_.coupled) obstacle_ = "a law is coupled to another one";
-  if (contact_.mixed) obstacle_ = "a law sees different fields in different components";
-  if (!contact_.readings.empty()) obstacle_ = "a law reads the solution";
-  if (!contact_.state_groups.empty()) obstacle_ = "laws with states are solved together with them";
-  if (!operators_.changing.empty()) obstacle_ = "states change the forms";
-  bool softens = false, moves = false;
-  weight_.assign(problem_.law_terms.size(), 0.0);
-  for (const auto& term : contact_.terms) {
-    const int index = problem_.law_terms[term.points.law_term].law;
-    const Law& law = *contact_.laws[index];
-    moves = moves || law.depends_on_x() || law.depends_on_t();
-    if (!obstacle_.empty() || term.n_points() == 0) continue;
-    const Bracket m = descent_of(problem_, term, law);
-    weight_[term.points.law_term] = m.value();
-    softens = softens || m.value() > 0.0;
+LawDescent descent_of_laws(const Problem& problem, const Operators& operators,
+                           const Contact& contact) {
+  LawDescent out;
+  if (contact.coupled) out.obstacle = "a law is coupled to another one";
+  if (contact.mixed) out.obstacle = "a law sees different fields in different components";
+  if (!contact.readings.empty()) out.obstacle = "a law reads the solution";
+  if (!contact.state_groups.empty())
+    out.obstacle = "laws with states are solved together with them";
+  if (!operators.changing.empty()) out.obstacle = "states change the forms";
+  out.weight.assign(problem.law_terms.size(), 0.0);
+  for (const auto& term : contact.terms) {
+    const int index = problem.law_terms[term.points.law_term].law;
+    const Law& law = *contact.laws[index];
+    out.moves = out.moves || law.depends_on_x() || law.depends_on_t();
+    if (!out.obstacle.empty() || term.n_points() == 0) continue;
+    const Bracket m = descent_of(problem, term, law);
+    out.weight[term.points.law_term] = m.value();
+    out.softens = out.softens || m.value() > 0.0;
     if (std::isinf(m.value()))
-      obstacle_ = fmt::format("`{}` jumps down", law.spec().name);
+      out.obstacle = fmt::format("`{}` jumps down", law.spec().name);
     else if (!m.bounded_by_proof())
-      obstacle_ = fmt::format("m_J of `{}` is sampled, not proved", law.spec().name);
+      out.obstacle = fmt::format("m_J of `{}` is sampled, not proved", law.spec().name);
   }
-  settled_ = !softens || !obstacle_.empty();
+  return out;
+}
+
+Uniqueness::Uniqueness(const Problem& problem, const Operators& operators, const Contact& contact)
+    : problem_(problem), operators_(operators), contact_(contact),
+      laws_(descent_of_laws(problem, operators, contact)),
+      settled_(!laws_.softens || !laws_.obstacle.empty()) {
   if (settled_) return;
   condensed_ =
-      !moves && operators_.symmetric &&
+      !laws_.moves && operators_.symmetric &&
       (contact_.whole || static_cast<int>(contact_.unknowns.size()) <= most_judged_points) &&
       surely_one_matrix(problem_);
 }
@@ -103,11 +105,39 @@ void Uniqueness::look_at_laws() {
 void Uniqueness::judge(bool convex) {
   settled_ = true;
   if (!convex)
-    obstacle_ = "the laws soften faster than the body is stiff (step ratio of 1 or more)";
+    laws_.obstacle = "the laws soften faster than the body is stiff (step ratio of 1 or more)";
 }
 
-/// A Cholesky factor of sym K(c) - D; the pattern is analysed once.
-bool Uniqueness::definite(const Eigen::VectorXd& c) {
+namespace {
+
+/// Is sym K(c) - D positive definite, D the descent of the laws? By Cholesky factors whose pattern
+/// is analysed once.
+class DescentTest {
+public:
+  /// `like`: a factor of a step's K, whose analysis is taken over; or null.
+  DescentTest(const Problem& problem, const Operators& operators, const Contact& contact,
+              const std::vector<double>& weight, const Factorisation* like)
+      : problem_(problem), operators_(operators), contact_(contact), weight_(weight),
+        shares_(present_shares(*make_scheme(problem), count_fields(problem))),
+        descent_(law_form(contact, weight, operators.n_unknowns)) {
+    take_over(like);
+  }
+  bool passes(const Eigen::VectorXd& c);
+
+private:
+  void take_over(const Factorisation* like);
+
+  const Problem& problem_;
+  const Operators& operators_;
+  const Contact& contact_;
+  const std::vector<double>& weight_; ///< steepest descent of each law term's slope
+  Vector shares_;                     ///< of the fields in a step's equation
+  SparseMatrix descent_; ///< of all laws; where some act on rates, of the step that is looked at
+  std::unique_ptr<Factorisation> factor_;
+  bool same_pattern_ = false; ///< `factor_` is for the pattern of K
+};
+
+bool DescentTest::passes(const Eigen::VectorXd& c) {
   SparseMatrix rest = combine(operators_, operators_.weights.transpose() * shares_.cwiseProduct(c));
   if (!contact_.other_fields.empty())
     descent_ = law_form(contact_, in_step(contact_, weight_, c), operators_.n_unknowns);
@@ -130,7 +160,7 @@ bool Uniqueness::definite(const Eigen::VectorXd& c) {
 }
 
 /// Points of laws couple unknowns of one facet, which K does as a rule.
-void Uniqueness::take_over(const Factorisation* like) {
+void DescentTest::take_over(const Factorisation* like) {
   if (like == nullptr || !operators_.symmetric || operators_.separate) return;
   SparseMatrix k = combine(operators_, Vector::Zero(operators_.n_bases()));
   try {
@@ -142,26 +172,25 @@ void Uniqueness::take_over(const Factorisation* like) {
   same_pattern_ = true;
 }
 
+} // namespace
+
 void Uniqueness::judge_all(const Factorisation* like) {
   settled_ = true;
-  descent_ = law_form(contact_, weight_, operators_.n_unknowns);
-  take_over(like);
+  DescentTest test(problem_, operators_, contact_, laws_.weight, like);
   const auto worst = worst_step(
       step_weights(problem_),
-      [&](const Eigen::VectorXd& c) { return definite(c) ? 0.0 : infinity; }, most_judged);
-  factor_.reset();
-  descent_ = {};
+      [&](const Eigen::VectorXd& c) { return test.passes(c) ? 0.0 : infinity; }, most_judged);
   if (worst.bound == 0.0) return;
   if (problem_.time.is_static)
     judge(false);
   else if (worst.ratio > 0.0)
-    obstacle_ = fmt::format(
+    laws_.obstacle = fmt::format(
         "in step {} (t = {:.6g}) the laws soften faster than the body is stiff (step ratio of 1 or "
         "more)",
         worst.step, problem_.time.grid[worst.step]);
   else
-    obstacle_ = fmt::format("it could not be shown for all {} steps in {} trials",
-                            problem_.time.grid.size() - 1, most_judged);
+    laws_.obstacle = fmt::format("it could not be shown for all {} steps in {} trials",
+                                 problem_.time.grid.size() - 1, most_judged);
 }
 
 } // namespace hvi::solver

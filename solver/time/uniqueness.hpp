@@ -10,6 +10,16 @@
 
 namespace hvi::solver {
 
+/// How steeply the slopes of the laws fall, by proof.
+struct LawDescent {
+  std::string obstacle;       ///< why that is not known, or says nothing of the steps
+  std::vector<double> weight; ///< steepest descent of each law term's slope
+  bool softens = false;       ///< some fall
+  bool moves = false;         ///< some laws depend on place or time
+};
+LawDescent descent_of_laws(const Problem& problem, const Operators& operators,
+                           const Contact& contact);
+
 /// Why a run does not promise one solution in every step; empty: every step has exactly one, as
 /// sym K_n - sum_i m_i M_i^T W M_i is positive definite for the matrix K_n of every step, with m_i
 /// the steepest descent of law i, by proof (Cholesky factors: up to rounding).
@@ -26,24 +36,15 @@ public:
   /// analysis is taken over; or null.
   void judge_all(const Factorisation* like);
 
-  const std::string& obstacle() const { return obstacle_; }
-  bool holds() const { return obstacle_.empty(); }
+  const std::string& obstacle() const { return laws_.obstacle; }
+  bool holds() const { return laws_.obstacle.empty(); }
 
 private:
-  void look_at_laws();
-  bool definite(const Eigen::VectorXd& c);
-  void take_over(const Factorisation* like);
-
   const Problem& problem_;
   const Operators& operators_;
   const Contact& contact_;
-  Vector shares_; ///< of the fields in a step's equation
+  LawDescent laws_; ///< its obstacle is that of the run
   bool settled_ = false, condensed_ = false;
-  std::string obstacle_;
-  std::vector<double> weight_; ///< steepest descent of each law term's slope
-  SparseMatrix descent_; ///< of all laws; where some act on rates, of the step that is looked at
-  std::unique_ptr<Factorisation> factor_;
-  bool same_pattern_ = false; ///< `factor_` is for the pattern of K
 };
 
 /// sum_i weight_i M_i^T W M_i on the unknowns, weight_i per law term.

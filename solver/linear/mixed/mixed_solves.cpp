@@ -36,42 +36,46 @@ private:
   const SparseMatrix* of_ = nullptr; ///< whose factor may be read in reduced precision
   RoundedFactor rounded_;
   PrecisionChoice choice_;
-  bool first_of_guess_ = false; ///< the next correction is the first one of a guessed state
-  PrecisionLimits limits_;      ///< for the next correction
-  FactorPrecision forward_ = FactorPrecision::full, back_ = FactorPrecision::full; ///< of the last
+  struct Correction {
+    bool first_of_guess = false; ///< the next one is the first one of a guessed state
+    PrecisionLimits limits;      ///< for the next one
+    FactorPrecision forward = FactorPrecision::full, back = FactorPrecision::full; ///< of the last
+  } correction_;
 };
 
 double MixedSolves::begin(const SparseMatrix& k, bool guessed) {
-  first_of_guess_ = guessed;
-  limits_ = of_ == &k && guessed ? choice_.limits(laws_) : PrecisionLimits{};
+  correction_.first_of_guess = guessed;
+  correction_.limits = of_ == &k && guessed ? choice_.limits(laws_) : PrecisionLimits{};
   choice_.note_moved(std::numeric_limits<double>::infinity());
   return of_ == &k ? choice_.target() : tolerance();
 }
 
 void MixedSolves::forward(Factorisation& factor, Vector& y) {
-  forward_ = limits_.forward;
-  if (forward_ != FactorPrecision::full && rounded_.take(factor))
-    return rounded_.forward(forward_, y);
-  forward_ = FactorPrecision::full;
+  correction_.forward = correction_.limits.forward;
+  if (correction_.forward != FactorPrecision::full && rounded_.take(factor))
+    return rounded_.forward(correction_.forward, y);
+  correction_.forward = FactorPrecision::full;
   factor.forward(y, Columns::interior);
 }
 
 /// The correction of the contact unknowns moves the whole body: where it is large, reduced
 /// precision would leave an error of its size, however small all was before the solve.
 void MixedSolves::back(Factorisation& factor, double moved, Vector& y) {
-  back_ = forward_;
-  if (forward_ != FactorPrecision::full && factor.order().contacts() > 0)
-    back_ = limits_.back(moved);
-  if (back_ != FactorPrecision::full) return rounded_.back(back_, y);
-  if (forward_ != FactorPrecision::full) rounded_.complete(y);
+  correction_.back = correction_.forward;
+  if (correction_.forward != FactorPrecision::full && factor.order().contacts() > 0)
+    correction_.back = correction_.limits.back(moved);
+  if (correction_.back != FactorPrecision::full) return rounded_.back(correction_.back, y);
+  if (correction_.forward != FactorPrecision::full) rounded_.complete(y);
   factor.back(y, Columns::interior);
 }
 
 void MixedSolves::judge(double moved, double error, bool exact) {
-  limits_ = {}; // what the first correction leaves, the others finish in double precision
-  if (!std::exchange(first_of_guess_, false)) return;
+  correction_
+      .limits = {}; // what the first correction leaves, the others finish in double precision
+  if (!std::exchange(correction_.first_of_guess, false)) return;
   choice_.note_moved(moved);
-  if (forward_ != FactorPrecision::full && exact) choice_.learn(forward_, back_, error);
+  if (correction_.forward != FactorPrecision::full && exact)
+    choice_.learn(correction_.forward, correction_.back, error);
 }
 
 void MixedSolves::accept(const SparseMatrix& k, const Factorisation& factor, bool predictable,
@@ -90,7 +94,7 @@ void MixedSolves::accept(const SparseMatrix& k, const Factorisation& factor, boo
 
 void MixedSolves::stop() {
   allowed_ = false, of_ = nullptr;
-  limits_ = {};
+  correction_.limits = {};
   rounded_.forget();
 }
 

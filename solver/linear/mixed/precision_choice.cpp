@@ -28,51 +28,51 @@ PrecisionChoice::PrecisionChoice(double tolerance) : target_(part_for_rounding *
 
 double PrecisionChoice::most(FactorPrecision storage) const {
   const bool single = storage == FactorPrecision::single;
-  const double gain = single ? gain_single_ : gain_fine_;
+  const double gain = single ? known_.gain_single : known_.gain_fine;
   const double learnt = gain > 0.0 ? 0.5 / gain : single ? first_most_single : first_most_fine;
   return std::min(single ? cap_single : cap_fine, learnt * target_);
 }
 
 bool PrecisionChoice::worthwhile(int steps_left) const {
-  return steps_left >= worth_rounding && !failed() && moved_ <= most(FactorPrecision::fine);
+  return steps_left >= worth_rounding && !failed() && known_.moved <= most(FactorPrecision::fine);
 }
 
 PrecisionLimits PrecisionChoice::limits(bool contact) const {
   PrecisionLimits out;
   const double single = most(FactorPrecision::single), fine = most(FactorPrecision::fine);
-  if (!(moved_ <= fine)) return out;
-  const bool near = moved_ <= (contact ? moved_for_single_forward : single);
-  out.forward = forward_single_ && near ? FactorPrecision::single : FactorPrecision::fine;
+  if (!(known_.moved <= fine)) return out;
+  const bool near = known_.moved <= (contact ? moved_for_single_forward : single);
+  out.forward = known_.forward_single && near ? FactorPrecision::single : FactorPrecision::fine;
   out.most_single = single, out.most_fine = fine;
   return out;
 }
 
 void PrecisionChoice::learn(FactorPrecision forward, FactorPrecision back, double error) {
   const bool single = back == FactorPrecision::single;
-  if (single && moved_ > 0.0 && (error > 1e-3 * target_ || moved_ > 0.1 * most(back)))
-    gain_single_ = std::max(gain_single_, error / moved_);
+  if (single && known_.moved > 0.0 && (error > 1e-3 * target_ || known_.moved > 0.1 * most(back)))
+    known_.gain_single = std::max(known_.gain_single, error / known_.moved);
   if (single || error <= target_) return;
   if (forward == FactorPrecision::single) {
-    forward_single_ = false; // it is to blame: back with 48 bits leaves less
+    known_.forward_single = false; // it is to blame: back with 48 bits leaves less
     return;
   }
-  ++misses_;
-  if (back == FactorPrecision::fine && moved_ > 0.0)
-    gain_fine_ = std::max(gain_fine_, error / moved_);
+  ++known_.misses;
+  if (back == FactorPrecision::fine && known_.moved > 0.0)
+    known_.gain_fine = std::max(known_.gain_fine, error / known_.moved);
 }
 
 void PrecisionChoice::save(std::ostream& out) const {
   StateWriter w(out);
-  w.put(std::array<double, 3>{gain_single_, gain_fine_, moved_});
-  w.put(std::array<int, 3>{steps_, misses_, forward_single_ ? 1 : 0});
+  w.put(std::array<double, 3>{known_.gain_single, known_.gain_fine, known_.moved});
+  w.put(std::array<int, 3>{known_.steps, known_.misses, known_.forward_single ? 1 : 0});
 }
 
 void PrecisionChoice::restore(std::istream& in) {
   StateReader r(in, {});
   const auto numbers = r.get<std::array<double, 3>>();
   const auto counts = r.get_counts<3>();
-  gain_single_ = numbers[0], gain_fine_ = numbers[1], moved_ = numbers[2];
-  steps_ = counts[0], misses_ = counts[1], forward_single_ = counts[2] != 0;
+  known_.gain_single = numbers[0], known_.gain_fine = numbers[1], known_.moved = numbers[2];
+  known_.steps = counts[0], known_.misses = counts[1], known_.forward_single = counts[2] != 0;
 }
 
 } // namespace hvi::solver

@@ -35,15 +35,15 @@ public:
   /// Does a reduced-precision factor pay, when so many steps are left?
   bool worthwhile(int steps_left) const;
   /// Do reduced-precision factors fail too often?
-  bool failed() const { return misses_ >= 4 && 4 * misses_ >= steps_; }
+  bool failed() const { return known_.misses >= 4 && 4 * known_.misses >= known_.steps; }
   /// For a correction of an extrapolated step; the steps before it moved about as far as this one.
   PrecisionLimits limits(bool contact) const;
 
   /// After the first correction of a step from its extrapolation, or of one without (infinity).
-  void note_moved(double moved) { moved_ = moved; }
+  void note_moved(double moved) { known_.moved = moved; }
   /// After a correction in reduced precision: what was used, and its error.
   void learn(FactorPrecision forward, FactorPrecision back, double error);
-  void count_step() { ++steps_; }
+  void count_step() { ++known_.steps; }
 
   void save(std::ostream& out) const;
   void restore(std::istream& in);
@@ -51,11 +51,16 @@ public:
 private:
   double most(FactorPrecision storage) const;
 
+  /// What earlier steps showed.
+  struct Experience {
+    double gain_single = 0.0, gain_fine = 0.0; ///< largest error of a backward solve, over `moved`
+    double moved = 0.0;                        ///< of the last step
+    int steps = 0, misses = 0;
+    bool forward_single = true;
+  };
+
   double target_;
-  double gain_single_ = 0.0, gain_fine_ = 0.0; ///< largest error of a backward solve, over `moved`
-  double moved_ = 0.0;                         ///< of the last step
-  int steps_ = 0, misses_ = 0;
-  bool forward_single_ = true;
+  Experience known_;
 };
 
 } // namespace hvi::solver

@@ -1,6 +1,7 @@
 // A body that is known from its contact unknowns, against dense algebra straight from the formulas
 // of interior.hpp.
-#include "solver/time/interior.hpp"
+#include "solver/time/field_recovery.hpp"
+#include "solver/time/interior_equilibrium.hpp"
 #include "solver/time/shared_work.hpp"
 
 #include <Eigen/Dense>
@@ -21,6 +22,9 @@ struct Body : testing::Test {
   DenseMatrix t = DenseMatrix::Zero(n, n);
   std::vector<Vector> forces;
   std::unique_ptr<Interior> interior;
+  DenseMatrix reaction_of; ///< G^T W
+  std::unique_ptr<FieldRecovery> fields;
+  std::unique_ptr<InteriorEquilibrium> equilibrium;
 
   Vector any(int size) {
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -42,11 +46,14 @@ struct Body : testing::Test {
     interior = std::make_unique<Interior>(sparse, std::move(factor), layout, contact);
     for (int k = 0; k < 3; ++k) {
       forces.push_back(any(n));
-      interior->add_mode(forces.back());
+      add_mode(*interior, forces.back());
     }
-    interior->force.resize(n, 2); // the laws act on the first and the last contact unknown
-    interior->force.insert(contact.front(), 0) = 0.7;
-    interior->force.insert(contact.back(), 1) = -0.4;
+    SparseMatrix force(n, 2); // the laws act on the first and the last contact unknown
+    force.insert(contact.front(), 0) = 0.7;
+    force.insert(contact.back(), 1) = -0.4;
+    reaction_of = DenseMatrix(force);
+    fields = std::make_unique<FieldRecovery>(*interior);
+    equilibrium = std::make_unique<InteriorEquilibrium>(*interior, std::move(force));
   }
   /// Contact values as y has them, the others from T_II u_I = sum_k phi_k F_k,I - T_Ic c.
   Vector whole(const Vector& y) const {
@@ -70,17 +77,17 @@ struct Body : testing::Test {
 TEST_F(Body, IsWhatTheContactUnknownsAndTheModesSay) {
   const Vector y = any(interior->size());
   Vector full = Vector::Zero(n);
-  interior->scatter(y, full);
+  fields->scatter(y, full);
   EXPECT_LT((full - whole(y)).norm(), 1e-12 * full.norm());
 }
 
 TEST_F(Body, EveryUnknownCanBeObserved) {
   std::vector<int> all(n);
   std::iota(all.begin(), all.end(), 0);
-  interior->observe(all);
+  fields->observe(all);
   const Vector y = any(interior->size());
   Vector seen = Vector::Zero(n);
-  interior->scatter_observed(y, seen);
+  fields->scatter_observed(y, seen);
   EXPECT_LT((seen - whole(y)).norm(), 1e-12 * seen.norm());
 }
 
@@ -91,29 +98,29 @@ TEST_F(Body, TheFirstUnknownCanBeObservedInside) {
   t.setZero();
   SetUp();
   const int first = 0;
-  interior->observe({&first, 1});
+  fields->observe({&first, 1});
   const Vector y = any(interior->size());
   Vector seen = Vector::Zero(n);
-  interior->scatter_observed(y, seen);
+  fields->scatter_observed(y, seen);
   EXPECT_NEAR(seen[0], whole(y)[0], 1e-12);
 }
 
 /// Of states far from equilibrium, as of one step and as of several.
 TEST_F(Body, ErrorsOfEquilibriumAreThoseOfTheFormula) {
   constexpr double any_error = std::numeric_limits<double>::infinity();
-  std::vector<Interior::Question> steps;
+  std::vector<InteriorEquilibrium::Question> steps;
   for (int r = 0; r < 5; ++r)
     steps.push_back({any(interior->size()), any(interior->size()), any(interior->size()), any(2)});
   const Vector next = any(interior->size());
-  const auto roughly = interior->equilibria(steps, any_error);
-  const auto exactly = interior->equilibria(steps, 0.0);
+  const auto roughly = equilibrium->errors(steps, any_error);
+  const auto exactly = equilibrium->errors(steps, 0.0);
   Vector full = Vector::Zero(n);
-  interior->scatter(next, full);
+  fields->scatter(next, full);
   EXPECT_LT((full - whole(next)).norm(), 1e-12 * full.norm());
   for (std::size_t r = 0; r < steps.size(); ++r) {
     const auto& s = steps[r];
     const Vector a = whole(s.known), b = whole(s.change), f = load(s.load);
-    const Vector reaction = interior->force * s.xi;
+    const Vector reaction = reaction_of * s.xi;
     const Vector gap = (f - t * (a + b) - reaction).cwiseAbs();
     const auto worst = [&](const Vector& size) { return gap.cwiseQuotient(size).maxCoeff(); };
     const DenseMatrix sizes = t.cwiseAbs();
@@ -121,8 +128,7 @@ TEST_F(Body, ErrorsOfEquilibriumAreThoseOfTheFormula) {
     EXPECT_NEAR(roughly[r], worst(sizes * (a + b).cwiseAbs() + own), 1e-9 * roughly[r]);
     const double each = worst(sizes * (a.cwiseAbs() + b.cwiseAbs()) + own + reaction.cwiseAbs());
     // A row's scale is a little more: a hundredth of what it were with other axes.
-    for (const double found :
-         {exactly[r], interior->equilibrium(s.known, s.change, s.load, s.xi, 0.0)}) {
+    for (const double found : {exactly[r], equilibrium->error(s, 0.0)}) {
       EXPECT_LE(found, each * (1.0 + 1e-9));
       EXPECT_GE(found, each / 1.05);
     }
