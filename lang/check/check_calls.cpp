@@ -21,26 +21,6 @@ namespace {
 
 constexpr std::size_t deepest_call = 100;
 
-bool depends_on_memory_time(solver::Slot s) { return s == slot::t || s == slot::lag; }
-
-/// Component i of a kernel as a sum of products of place and time.
-std::optional<solver::Separated> separated(const Field& kernel, std::size_t i) {
-  if (!kernel.series) return solver::split_separable(kernel.components[i], depends_on_memory_time);
-  return solver::Separated{{kernel.series->of_place[i], kernel.series->sum}};
-}
-
-/// In plane strain: of each entry C_zzkl of a kernel an entry of it in the plane that is equal, -1
-/// where it is zero; empty where one has none.
-std::vector<int> entries_across(const Field& kernel) {
-  std::vector<int> out;
-  for (const Symbol& entry : kernel.across) {
-    const auto same = std::ranges::find(kernel.components, entry);
-    if (same == kernel.components.end() && !entry.is(0.0)) return {};
-    out.push_back(entry.is(0.0) ? -1 : static_cast<int>(same - kernel.components.begin()));
-  }
-  return out;
-}
-
 } // namespace
 
 std::optional<std::vector<const ast::Expr*>>
@@ -344,6 +324,7 @@ Value Checker::differential(const ast::Expr& e, const ast::Call& c, const std::s
       if (i != j)
         out.components[i * n + j] =
             Symbol(0.5) * (g->components[i * n + j] + g->components[j * n + i]);
+  out.materials = strains_of(*f);
   return out;
 }
 
@@ -386,6 +367,7 @@ Value Checker::algebraic(const ast::Expr& e, const ast::Call& c, const std::stri
     return Poison{};
   }
   Field out = *f;
+  out.materials.clear();
   const int n = f->rows;
   if (name == "transpose") {
     out.rows = f->columns;
@@ -438,207 +420,6 @@ Value Checker::mises_call(const ast::Expr& e, const Span& span, const Field& f,
     sum = sum + Symbol(0.5) * difference * difference + Symbol(3.0) * shear * shear;
   }
   out.components = {sqrt(sum)};
-  return out;
-}
-
-std::optional<Field> Checker::kernel_field(const ast::Expr& callee, const Scope& scope) {
-  const auto* r = std::get_if<ast::Reference>(&callee.node);
-  const int index = r ? find_declaration(r->name) : -1;
-  if (index < 0 || !std::holds_alternative<ast::Kernel>(*declarations_[index].statement)) {
-    Value v = expr(callee, scope);
-    if (!is_poison(v))
-      error("E0306", callee.span, fmt::format("`history` takes a kernel, not {}", describe(v)),
-            "declare it: `kernel C(lag) = ...`");
-    return std::nullopt;
-  }
-  value_of(index, callee.span);
-  const auto& kernel = std::get<ast::Kernel>(*declarations_[index].statement);
-  Scope inner;
-  inner.what = kernel.parameters.size() == 1 ? "a kernel of the lag" : "a kernel";
-  inner.position = true;
-  inner.lag = true;
-  const Symbol lag = Symbol::variable(slot::lag), t = Symbol::variable(slot::t);
-  if (kernel.parameters.size() == 1) {
-    if (kernel.parameters[0].text == "t" || kernel.parameters[0].text == "lag" ||
-        !is_reserved_builtin(kernel.parameters[0].text))
-      inner.locals[kernel.parameters[0].text] = scalar_field(lag);
-  } else {
-    if (kernel.parameters[0].text == "s" && kernel.parameters[1].text == "t") {
-      error("E0503", join(kernel.parameters[0].span, kernel.parameters[1].span),
-            "this kernel looks into the future: its arguments are (t, s) with s <= t",
-            "write `kernel q(t, s) = ...`");
-      return std::nullopt;
-    }
-    inner.locals[kernel.parameters[0].text] = scalar_field(t);
-    inner.locals[kernel.parameters[1].text] = scalar_field(t - lag);
-  }
-  auto f = field(kernel.value, inner);
-  if (!f) return std::nullopt;
-  if (f->rank != 0 && f->rank != 4) {
-    error("E0308", kernel.value.span,
-          fmt::format("a kernel is a scalar or a fourth-order tensor, not {}", describe(*f)));
-    return std::nullopt;
-  }
-  return f;
-}
-
-int Checker::history_index(const Symbol& kernel, const std::optional<SeriesTimes>& written,
-                           const std::string& name, const Span& span, double& factor) {
-  factor = 1.0;
-  const Symbol negative = -kernel;
-  for (std::size_t i = 0; i < model_.histories.size(); ++i) {
-    if (model_.histories[i].kernel == kernel) return static_cast<int>(i);
-    if (model_.histories[i].kernel == negative) {
-      factor = -1.0;
-      return static_cast<int>(i);
-    }
-  }
-  model_.histories.push_back({name, span, kernel, {}});
-  if (written) model_.histories.back().series = written->series;
-  return static_cast<int>(model_.histories.size()) - 1;
-}
-
-/// E0502 where a kernel of t and s is not finite between the times of the problem. Kernels of the
-/// lag alone are integrated by the engine, which knows their singularity at lag 0, and so are those
-/// that are infinite at the start of the run only: integrable, or refused with their place.
-void Checker::check_kernels_in_time() {
-  const std::vector<double>& grid = model_.time.grid;
-  const std::size_t stride = std::max<std::size_t>(1, grid.size() / 200);
-  for (const ModelHistory& history : model_.histories) {
-    if (!history.kernel.depends_on(slot::t)) continue;
-    for (std::size_t n = stride; n < grid.size(); n += stride) {
-      double lag = 0.0;
-      const auto at = [&](solver::Slot s) { return s == slot::t ? grid[n] : lag; };
-      const auto bad = [&](double share) {
-        lag = share * (grid[n] - grid[0]);
-        return !std::isfinite(solver::evaluate(history.kernel, at));
-      };
-      constexpr double beside_start = 1 - 1e-9;
-      if (!bad(0.25) && !bad(0.5) && (!bad(1.0) || !bad(beside_start))) continue;
-      error("E0502", history.span,
-            fmt::format("the kernel `{}` is {} at t = {}, s = {}", history.name,
-                        solver::evaluate(history.kernel, at), grid[n], grid[n] - lag),
-            "a kernel is finite for s < t");
-      break;
-    }
-  }
-}
-
-/// In plane strain: sum_kl of the memories' C_zzkl times strains; `memories`: by their number, the
-/// strains they hold. Empty where an entry is no sum of products with their kernels.
-std::vector<Symbol> Checker::across_of_memories(
-    const Field& kernel, const std::vector<std::pair<int, std::vector<Symbol>>>& memories) const {
-  Symbol sum = 0.0;
-  for (std::size_t k = 0; k < kernel.across.size(); ++k) {
-    const auto split = solver::split_separable(kernel.across[k], depends_on_memory_time);
-    if (!split) return {};
-    for (const auto& [of_x, of_time] : *split) {
-      if (of_x.is(0.0) || of_time.is(0.0)) continue;
-      const Symbol negative = -of_time;
-      bool found = false;
-      for (const auto& [m, strain] : memories) {
-        const Symbol& known = model_.histories[static_cast<std::size_t>(m)].kernel;
-        if (found || !(known == of_time || known == negative)) continue;
-        sum = sum + (known == of_time ? of_x : -of_x) * strain[k];
-        found = true;
-      }
-      if (!found) return {};
-    }
-  }
-  return kernel.across.empty() ? std::vector<Symbol>{} : std::vector<Symbol>{sum};
-}
-
-Value Checker::history_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
-  auto args = match(e, c, "history", {"kernel", "of"}, 2);
-  if (!args) return Poison{};
-  const bool read = scope.law && find_ != nullptr;
-  if (!scope.unknown && !read) {
-    error("E0309", e.span, fmt::format("`history` cannot be used in {}", scope.what));
-    return Poison{};
-  }
-  auto kernel = kernel_field(*(*args)[0], scope);
-  if (!kernel) return Poison{}; // `history(eps(u), C)` is one mistake
-  Scope inside = scope;
-  inside.unknown = true;
-  inside.normal = scope.normal || read;
-  auto of = field(*(*args)[1], inside);
-  if (!of) return Poison{};
-  if (!find_->time) {
-    error("E0412", e.span, "`history` needs a problem in time",
-          "add `for t in [0, T] by N steps from u = 0` to the find statement");
-    return Poison{};
-  }
-  if (of->rate) {
-    error("E0403", (*args)[1]->span, "the memory of the theory is of the unknown, not of its rate",
-          "integrate by parts in time: a kernel of u' is its derivative as a kernel of u");
-    return Poison{};
-  }
-  if (of->trial != Degree::linear || of->test != Degree::none) {
-    error("E0403", (*args)[1]->span,
-          fmt::format("`history` takes an expression linear in {}", names_of_unknowns()));
-    return Poison{};
-  }
-  if (kernel->rank == 4 && (of->rank != 2 || of->rows != tensor_dim())) {
-    error("E0308", (*args)[1]->span,
-          fmt::format("a kernel of fourth order acts on a strain, not on {}", describe(*of)),
-          "write `history(C, eps(u))`");
-    return Poison{};
-  }
-  const std::string name = std::get<ast::Reference>((*args)[0]->node).name;
-  // What is wrong with a kernel is said where it is declared.
-  const Declaration& declared = declarations_[find_declaration(name)];
-  const Span kernel_span = std::get<ast::Kernel>(*declared.statement).value.span;
-  // K = sum_m c_m(t, lag) T_m(x): one memory field for each distinct c_m.
-  std::map<int, std::vector<Symbol>> tensors;
-  for (std::size_t i = 0; i < kernel->components.size(); ++i) {
-    const auto split = separated(*kernel, i);
-    if (!split) {
-      error("E0502", kernel_span,
-            fmt::format("the kernel `{}` is not a sum of products of time and place", name),
-            "write it as c(lag) * T with T of x only");
-      return Poison{};
-    }
-    for (const auto& [of_x, of_time] : *split) {
-      if (of_x.is(0.0) || of_time.is(0.0)) continue;
-      double factor = 1.0;
-      const int m = history_index(of_time, kernel->series, name, kernel_span, factor);
-      auto& t = tensors[m];
-      t.resize(kernel->components.size(), Symbol(0.0));
-      t[i] = t[i] + Symbol(factor) * of_x;
-    }
-  }
-  Field out = *of;
-  out.memory = true;
-  const auto across = kernel->rank == 4 ? entries_across(*kernel) : std::vector<int>();
-  for (Symbol& component : out.components) component = 0.0;
-  const int n = static_cast<int>(of->components.size());
-  std::vector<std::pair<int, std::vector<Symbol>>> memories;
-  for (const auto& [m, t] : tensors) {
-    std::vector<std::pair<solver::Slot, Symbol>> rename;
-    for (int k = 0; k < slot::n_derivatives; ++k)
-      rename.emplace_back(slot::field(solver::field_of_u(0), k),
-                          Symbol::variable(slot::field(solver::field_of_memory(m), k)));
-    std::vector<Symbol> w;
-    for (const Symbol& component : of->components) w.push_back(substitute(component, rename));
-    for (int i = 0; i < n; ++i) {
-      if (kernel->rank == 0) {
-        out.components[i] = out.components[i] + t[0] * w[i];
-        continue;
-      }
-      for (int k = 0; k < n; ++k) out.components[i] = out.components[i] + t[i * n + k] * w[k];
-    }
-    for (std::size_t k = 0; k < across.size() && !out.across.empty(); ++k)
-      if (across[k] >= 0)
-        out.across[0] = out.across[0] + t[static_cast<std::size_t>(across[k])] * w[k];
-    memories.emplace_back(m, std::move(w));
-  }
-  if (kernel->rank == 4 && across.empty() && !out.across.empty())
-    out.across = across_of_memories(*kernel, memories);
-  uses_memory_ = true;
-  if (read) { // a law knows what it reads
-    out.trial = Degree::none;
-    out.read = true;
-  }
   return out;
 }
 

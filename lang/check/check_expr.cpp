@@ -72,8 +72,11 @@ Value Checker::expr_node(const ast::Expr& e, const Scope& scope) {
                    if (!f) return Poison{};
                    for (Symbol& c : f->components) c = -c;
                    for (Symbol& c : f->across) c = -c;
-                   if (f->series)
+                   if (f->series) {
                      for (Symbol& c : f->series->of_place) c = -c;
+                     f->series->materials = scaled(std::move(f->series->materials), -1.0);
+                   }
+                   f->materials = scaled(std::move(f->materials), -1.0);
                    for (LawUse& use : f->laws) {
                      use.factor = -use.factor;
                      use.factor_span = n.op;
@@ -213,6 +216,7 @@ Value Checker::cases(const ast::Expr& e, const ast::Cases& c, const Scope& scope
   }
   Field out = *otherwise;
   out.series.reset();
+  out.materials.clear();
   for (std::size_t i = rows.size(); i-- > 0;) {
     auto& [when, value] = rows[i];
     if (!when || !value) return Poison{};

@@ -170,6 +170,7 @@ Value Checker::evaluate(Declaration& declaration) {
             f->rank == 0 ? "a scalar coefficient is declared with `fn k() = ...` or `param`" : "");
     if (f->rank < 2) return Poison{};
     if (!is_constant(*f)) note_material(tensor->value.span, *f, false);
+    if (f->rank == 4) name_tensor(*f, tensor->name);
     return *f;
   }
   if (std::holds_alternative<ast::Kernel>(statement)) return KernelValue{index};
@@ -357,6 +358,10 @@ Value Checker::value_of_unknown(int unknown, int order, bool is_test, const Scop
     f.read = true;
   f.rate = order > 0;
   f.acceleration = order == 2;
+  if (vector && is_test)
+    f.materials = {{.tested = true, .unknown = unknown}};
+  else if (vector && scope.unknown)
+    f.materials = {{.of = solver::field_of_u(order), .unknown = unknown}};
   return f;
 }
 

@@ -32,6 +32,7 @@ Field shaped_like(const Field& f) {
   out.laws.clear();
   out.series.reset();
   out.across.clear();
+  out.materials.clear();
   return out;
 }
 
@@ -53,7 +54,17 @@ std::optional<SeriesTimes> series_of_product(const Field& factor, const Field& b
   const Symbol by = first ? out.of_place.front() : factor.scalar();
   if (first) out.of_place = body.components;
   for (Symbol& c : out.of_place) c = by * c;
+  out.materials = scaled(first ? body.materials : out.materials, by);
   return out;
+}
+
+/// A quantity without u and v times a sum of materials.
+std::vector<MaterialUse> materials_of_product(const Field& factor, const Field& body) {
+  const bool first = body.materials.empty();
+  const Field &by = first ? body : factor, &sum = first ? factor : body;
+  const bool plain = by.rank == 0 && by.test == Degree::none && by.trial == Degree::none &&
+                     by.materials.empty() && by.laws.empty();
+  return plain ? scaled(sum.materials, by.scalar()) : std::vector<MaterialUse>();
 }
 
 } // namespace
@@ -92,6 +103,7 @@ std::optional<Field> Checker::add(const ast::Expr& e, const ast::Binary& b, Fiel
   out.memory = left.memory || right.memory;
   out.read = left.read || right.read;
   out.across = across_of_sum(left, right, sign);
+  out.materials = joined(left.materials, scaled(right.materials, sign));
   out.laws = left.laws;
   for (LawUse use : right.laws) {
     use.factor = sign * use.factor;
@@ -185,6 +197,7 @@ std::optional<Field> Checker::multiply(const ast::Expr& e, const ast::Binary& b,
   for (const Symbol& c : body.components) out.components.push_back(factor.scalar() * c);
   out.series = series_of_product(factor, body);
   out.across = across_of_product(factor, body);
+  out.materials = materials_of_product(factor, body);
   for (LawUse use : body.laws) {
     use.factor = factor.scalar() * use.factor;
     use.factor_span = &factor == &left ? b.left->span : b.right->span;
@@ -212,6 +225,7 @@ std::optional<Field> Checker::divide(const ast::Expr& e, const ast::Binary& b, c
     return std::nullopt;
   for (const Symbol& c : left.components) out.components.push_back(c / right.scalar());
   for (const Symbol& c : left.across) out.across.push_back(c / right.scalar());
+  if (right.trial == Degree::none) out.materials = scaled(left.materials, 1.0 / right.scalar());
   for (LawUse use : left.laws) {
     use.factor = use.factor / right.scalar();
     use.factor_span = b.right->span;
@@ -274,6 +288,7 @@ std::optional<Field> Checker::contract(const ast::Expr& e, const ast::Binary& b,
   if (left.rank == 4 && right.rank == 4) out.rank = 4;
   if (out.rank >= 2) out.rows = out.columns = d;
   out.across = across_of_contraction(left, right);
+  out.materials = contracted(left, right, model_.tensors);
   return out;
 }
 

@@ -156,6 +156,7 @@ Value Checker::jump_call(const ast::Expr& e, const ast::Call& c, const Scope& sc
     return Poison{};
   }
   for (Symbol& component : f->components) component = substitute(component, rename);
+  f->materials.clear();
   return *f;
 }
 

@@ -24,7 +24,7 @@ Field Checker::series_field(const solver::PronySeries& series, const Symbol& at)
   const auto split = solver::split_separable(sum, is_lag);
   if (!(at == Symbol::variable(slot::lag)) || !split || split->size() != 1) return out;
   const auto& [factor, rest] = split->front();
-  SeriesTimes written{series, rest, {factor}};
+  SeriesTimes written{series, rest, {factor}, {}};
   written.series.constant /= factor.value();
   for (double& weight : written.series.weights) weight /= factor.value();
   out.series = std::move(written);
@@ -171,11 +171,12 @@ Value Checker::derivative_call(const ast::Expr& e, const ast::Call& c, const Sco
   const solver::Slot by = scope.lag ? slot::lag : slot::t;
   for (Symbol& component : f->components) component = solver::derivative(component, by);
   for (Symbol& component : f->across) component = solver::derivative(component, by);
+  f->materials = derivatives(std::move(f->materials), by, model_.tensors);
   if (f->series) {
-    auto& [series, sum, of_place] = *f->series;
+    auto& series = f->series->series;
     series.constant = 0.0;
     for (std::size_t i = 0; i < series.weights.size(); ++i) series.weights[i] /= -series.times[i];
-    sum = solver::derivative(sum, by);
+    f->series->sum = solver::derivative(f->series->sum, by);
   }
   return check_finite(e.span, *f) ? Value(*f) : Value(Poison{});
 }

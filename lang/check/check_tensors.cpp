@@ -16,45 +16,6 @@ namespace slot = solver::slot;
 
 namespace {
 
-Eigen::Matrix3d matrix_of(const std::array<solver::Point, 3>& rows) {
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows[0].data());
-}
-
-/// lambda d_ij d_kl + mu (d_ik d_jl + d_il d_jk)
-Field isotropic(int d, const Symbol& lambda, const Symbol& mu) {
-  std::vector<Symbol> c;
-  for (int i = 0; i < d; ++i)
-    for (int j = 0; j < d; ++j)
-      for (int k = 0; k < d; ++k)
-        for (int l = 0; l < d; ++l) {
-          Symbol entry = 0.0;
-          if (i == j && k == l) entry = entry + lambda;
-          if (i == k && j == l) entry = entry + mu;
-          if (i == l && j == k) entry = entry + mu;
-          c.push_back(entry);
-        }
-  Field out = tensor_field(d, std::move(c));
-  if (d == 2) out.across = {lambda, 0.0, 0.0, lambda};
-  return out;
-}
-
-/// Index of the pair (i, j) in Voigt order: xx yy xy in 2D, xx yy zz yz xz xy in 3D.
-int voigt_index(int d, int i, int j) {
-  if (i == j) return i;
-  return d == 2 ? 2 : (d == 1 ? 0 : 6 - i - j);
-}
-
-/// The tensor whose matrix on Voigt stresses and engineering strains is m (n x n).
-Field from_voigt(int d, const std::vector<Symbol>& m) {
-  const int n = d * (d + 1) / 2;
-  std::vector<Symbol> c;
-  for (int i = 0; i < d; ++i)
-    for (int j = 0; j < d; ++j)
-      for (int k = 0; k < d; ++k)
-        for (int l = 0; l < d; ++l) c.push_back(m[voigt_index(d, i, j) * n + voigt_index(d, k, l)]);
-  return tensor_field(d, std::move(c));
-}
-
 /// The 6 x 6 matrix in the order of Voigt of a 4 x 4 one on xx, yy, zz, xy: no shear out of the
 /// section.
 std::vector<Symbol> without_twist(const std::vector<Symbol>& m) {
@@ -67,65 +28,14 @@ std::vector<Symbol> without_twist(const std::vector<Symbol>& m) {
 
 /// Rows: two directions normal to `axis`, then `axis`, each of length one; a coordinate axis gives
 /// coordinate axes.
-Eigen::Matrix3d frame_around(const solver::Point& axis) {
+std::array<solver::Point, 3> frame_around(const solver::Point& axis) {
   const Eigen::Vector3d a = Eigen::Map<const Eigen::Vector3d>(axis.data()).normalized();
   Eigen::Index least = 0;
   a.cwiseAbs().minCoeff(&least);
   const Eigen::Vector3d b = (Eigen::Vector3d::Unit(least) - a[least] * a).normalized();
   const Eigen::Vector3d c(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
                           a[0] * b[1] - a[1] * b[0]);
-  Eigen::Matrix3d rows;
-  rows << b.transpose(), c.transpose(), a.transpose();
-  return rows;
-}
-
-/// c_ijkl = sum a_ip a_jq a_kr a_ls C_pqrs, rows of `axes` the material axes.
-Symbol rotated(const Field& material, const Eigen::Matrix3d& axes, int i, int j, int k, int l) {
-  Symbol sum = 0.0;
-  for (int p = 0; p < 3; ++p)
-    for (int q = 0; q < 3; ++q)
-      for (int r = 0; r < 3; ++r)
-        for (int s = 0; s < 3; ++s) {
-          const double weight = axes(p, i) * axes(q, j) * axes(r, k) * axes(s, l);
-          if (weight != 0.0)
-            sum = sum + Symbol(weight) * material.components[((p * 3 + q) * 3 + r) * 3 + s];
-        }
-  return sum;
-}
-
-/// The rotated tensor, restricted to d.
-Field rotate(int d, const Field& material, const Eigen::Matrix3d& axes) {
-  std::vector<Symbol> c;
-  for (int i = 0; i < d; ++i)
-    for (int j = 0; j < d; ++j)
-      for (int k = 0; k < d; ++k)
-        for (int l = 0; l < d; ++l) c.push_back(rotated(material, axes, i, j, k, l));
-  Field out = tensor_field(d, std::move(c));
-  for (int k = 0; d == 2 && k < d; ++k)
-    for (int l = 0; l < d; ++l) out.across.push_back(rotated(material, axes, 2, 2, k, l));
-  return out;
-}
-
-/// Voigt stiffness of an orthotropic material by inverting its compliance, symbolically 3 x 3.
-/// poisson = (nu_xy, nu_yz, nu_xz), shear = (G_xy, G_yz, G_xz); nu_ij/E_i = nu_ji/E_j.
-Field orthotropic(const Symbols3& young, const Symbols3& poisson, const Symbols3& shear) {
-  const Symbol &ex = young[0], &ey = young[1], &ez = young[2];
-  const Symbol &nxy = poisson[0], &nyz = poisson[1], &nxz = poisson[2];
-  const Symbol nyx = nxy * ey / ex, nzy = nyz * ez / ey, nzx = nxz * ez / ex;
-  const Symbol one = 1.0;
-  const Symbol delta = one - nxy * nyx - nyz * nzy - nxz * nzx - Symbol(2.0) * nxy * nyz * nzx;
-  std::vector<Symbol> m(36, Symbol(0.0));
-  auto set = [&](int i, int j, const Symbol& v) { m[i * 6 + j] = m[j * 6 + i] = v; };
-  set(0, 0, ex * (one - nyz * nzy) / delta);
-  set(1, 1, ey * (one - nxz * nzx) / delta);
-  set(2, 2, ez * (one - nxy * nyx) / delta);
-  set(0, 1, ex * (nyx + nzx * nyz) / delta);
-  set(0, 2, ex * (nzx + nyx * nzy) / delta);
-  set(1, 2, ey * (nzy + nxy * nzx) / delta);
-  set(3, 3, shear[1]);
-  set(4, 4, shear[2]);
-  set(5, 5, shear[0]);
-  return from_voigt(3, m);
+  return {{{b[0], b[1], b[2]}, {c[0], c[1], c[2]}, {a[0], a[1], a[2]}}};
 }
 
 /// Symmetric part of the Mandel matrix of C, whose entries with shear are weighted by sqrt 2: the
@@ -277,6 +187,34 @@ void Checker::check_tables() {
   }
 }
 
+Field Checker::tensor_value(solver::TensorSpec spec) {
+  Field out = tensor_field(tensor_dim(), components(spec, tensor_dim()));
+  if (tensor_dim() == 2) out.across = solver::components_across(spec);
+  out.materials = {{.tensor = add_tensor(std::move(spec))}};
+  return out;
+}
+
+int Checker::add_tensor(solver::TensorSpec spec) {
+  auto& known = model_.tensors;
+  const auto same = std::ranges::find_if(
+      known, [&](const solver::TensorSpec& other) { return same_tensor(spec, other); });
+  if (same != known.end()) return static_cast<int>(same - known.begin());
+  known.push_back(std::move(spec));
+  return static_cast<int>(known.size()) - 1;
+}
+
+/// A declared tensor: one of the library, a multiple of a declared one, or a tensor of its own.
+void Checker::name_tensor(Field& value, const ast::Name& name) {
+  using Kind = solver::TensorSpec::Kind;
+  if (value.materials.size() != 1)
+    value.materials = {{.tensor = add_tensor({{}, {}, Kind::general, value.components})}};
+  const MaterialUse& use = value.materials.front();
+  solver::TensorSpec& spec = model_.tensors[static_cast<std::size_t>(*use.tensor)];
+  if (!use.factor.is(1.0) || !spec.name.empty()) return;
+  spec.name = name.text;
+  spec.origin = model_.origin(name.span);
+}
+
 std::optional<Symbol> Checker::symbol_of(const ast::Expr* a, const Scope& scope) {
   auto f = scalar(*a, scope);
   return f ? std::optional(f->scalar()) : std::nullopt;
@@ -338,7 +276,7 @@ Value Checker::isotropic_call(const ast::Expr& e, const ast::Call& c, const Scop
   }
   auto a = symbol_of((*args)[lame ? 0 : 2], scope), b = symbol_of((*args)[lame ? 1 : 3], scope);
   if (!a || !b) return Poison{};
-  if (lame) return isotropic(tensor_dim(), *a, *b);
+  if (lame) return tensor_value({{}, {}, solver::TensorSpec::Kind::isotropic, {*a, *b}});
   if (b->is_constant() && !(b->value() > -1.0 && b->value() < 0.5)) {
     error("E0504", (*args)[3]->span,
           fmt::format("poisson = {} is outside (-1, 0.5): the tensor is not elliptic", b->value()),
@@ -347,8 +285,10 @@ Value Checker::isotropic_call(const ast::Expr& e, const ast::Call& c, const Scop
     return Poison{};
   }
   const Symbol one = 1.0, two = 2.0;
-  return isotropic(tensor_dim(), *a * *b / ((one + *b) * (one - two * *b)),
-                   *a / (two * (one + *b)));
+  return tensor_value({{},
+                       {},
+                       solver::TensorSpec::Kind::isotropic,
+                       {*a * *b / ((one + *b) * (one - two * *b)), *a / (two * (one + *b))}});
 }
 
 Value Checker::voigt_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
@@ -368,7 +308,8 @@ Value Checker::voigt_call(const ast::Expr& e, const ast::Call& c, const Scope& s
                    : "order: xx, yy, zz, yz, xz, xy");
     return Poison{};
   }
-  return ring ? from_voigt(3, without_twist(f->components)) : from_voigt(d, f->components);
+  return tensor_field(tensor_dim(), ring ? solver::of_voigt_matrix(3, without_twist(f->components))
+                                         : solver::of_voigt_matrix(d, f->components));
 }
 
 /// Constants given one by one (`nu12 = ..`) instead of what a call takes otherwise: all of them and
@@ -393,16 +334,16 @@ Value Checker::orthotropic_call(const ast::Expr& e, const ast::Call& c, const Sc
                     0);
   if (!args) return Poison{};
   const std::span<const ast::Expr* const> all(*args);
-  const auto constants = takes_constants(e, "orthotropic", all.subspan(0, 3), all.subspan(4),
-                                         "E1, E2, E3, nu12, nu23, nu13, G12, G23, G13");
-  if (constants == false) return Poison{};
+  const auto one_by_one = takes_constants(e, "orthotropic", all.subspan(0, 3), all.subspan(4),
+                                          "E1, E2, E3, nu12, nu23, nu13, G12, G23, G13");
+  if (one_by_one == false) return Poison{};
   const auto three = [&](std::size_t list, std::size_t first,
                          const char* what) -> std::optional<Symbols3> {
-    if (!constants && !all[list]) {
+    if (!one_by_one && !all[list]) {
       error("E0305", e.span, fmt::format("`orthotropic` needs its argument `{}`", what));
       return std::nullopt;
     }
-    if (!constants) return three_symbols(all[list], what, scope);
+    if (!one_by_one) return three_symbols(all[list], what, scope);
     Symbols3 out;
     for (std::size_t i = 0; i < 3; ++i) {
       auto value = symbol_of(all[first + i], scope);
@@ -415,7 +356,10 @@ Value Checker::orthotropic_call(const ast::Expr& e, const ast::Call& c, const Sc
              shear = three(2, 10, "shear");
   auto axes = material_axes((*args)[3]);
   if (!young || !poisson || !shear || !axes) return Poison{};
-  return rotate(tensor_dim(), orthotropic(*young, *poisson, *shear), matrix_of(*axes));
+  std::vector<Symbol> constants;
+  for (const Symbols3* list : {&*young, &*poisson, &*shear})
+    constants.insert(constants.end(), list->begin(), list->end());
+  return tensor_value({{}, {}, solver::TensorSpec::Kind::orthotropic, std::move(constants), *axes});
 }
 
 /// Isotropic in the plane normal to `axis`.
@@ -426,27 +370,22 @@ Value Checker::transverse_call(const ast::Expr& e, const ast::Call& c, const Sco
   auto args = match(e, c, "transverse", names, 0);
   if (!args) return Poison{};
   const std::span<const ast::Expr* const> all(*args);
-  const auto constants = takes_constants(e, "transverse", all.subspan(0, 5), all.subspan(6),
-                                         "E1, E2, nu12, nu23, G12");
-  if (constants == false) return Poison{};
-  std::array<std::optional<Symbol>, 5> v;
+  const auto one_by_one = takes_constants(e, "transverse", all.subspan(0, 5), all.subspan(6),
+                                          "E1, E2, nu12, nu23, G12");
+  if (one_by_one == false) return Poison{};
+  std::vector<Symbol> constants;
   for (std::size_t i = 0; i < 5; ++i) {
-    const ast::Expr* const given = all[constants ? 6 + i : i];
+    const ast::Expr* const given = all[one_by_one ? 6 + i : i];
     if (!given) {
       error("E0305", e.span, fmt::format("`transverse` needs its argument `{}`", names[i]));
       return Poison{};
     }
-    v[i] = symbol_of(given, scope);
+    if (const auto v = symbol_of(given, scope)) constants.push_back(*v);
   }
-  if (std::any_of(v.begin(), v.end(), [](const auto& o) { return !o; })) return Poison{};
-  const auto axis = material_axis((*args)[5]);
+  const auto axis = constants.size() == 5 ? material_axis((*args)[5]) : std::nullopt;
   if (!axis) return Poison{};
-  const Symbol in_plane = *v[0] / (Symbol(2.0) * (Symbol(1.0) + *v[1]));
-  // poisson_axis is nu_zx: strain in the plane for stress along the axis; nu_xz = nu_zx E_p / E_a.
-  const Symbol nu_xz = *v[3] * *v[0] / *v[2];
-  const Field material =
-      orthotropic({*v[0], *v[0], *v[2]}, {*v[1], nu_xz, nu_xz}, {in_plane, *v[4], *v[4]});
-  return rotate(tensor_dim(), material, frame_around(*axis));
+  return tensor_value(
+      {{}, {}, solver::TensorSpec::Kind::transverse, std::move(constants), frame_around(*axis)});
 }
 
 Value Checker::material_call(const ast::Expr& e, const ast::Call& c, const std::string& name,

@@ -5,12 +5,14 @@
 #pragma once
 
 #include "lang/check/check.hpp"
+#include "lang/check/material_use.hpp"
 #include "lang/check/value.hpp"
 #include "solver/mesh/mesh.hpp"
 
 #include <array>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <unordered_map>
@@ -159,9 +161,12 @@ private:
   void note_material(const Span& span, const Field& value, bool elliptic);
   void place_materials();
   void check_tables();
-  void check_kernels_in_time();
   Value tensor_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                     const Scope& scope);
+  /// A tensor of the model as a value.
+  Field tensor_value(solver::TensorSpec spec);
+  int add_tensor(solver::TensorSpec spec);
+  void name_tensor(Field& value, const ast::Name& name);
   std::optional<Symbol> symbol_of(const ast::Expr* a, const Scope& scope);
   std::optional<Symbols3> three_symbols(const ast::Expr* a, const char* what, const Scope& scope);
   std::optional<std::array<solver::Point, 3>> material_axes(const ast::Expr* a);
@@ -182,10 +187,6 @@ private:
                                       std::span<const ast::Expr* const> others,
                                       std::span<const ast::Expr* const> constants,
                                       const std::string& names);
-  std::vector<Symbol>
-  across_of_memories(const Field& kernel,
-                     const std::vector<std::pair<int, std::vector<Symbol>>>& memories) const;
-  Value history_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
   Value integral_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
   Value extreme_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                      const Scope& scope);
@@ -204,9 +205,23 @@ private:
                                                      const std::string& callee,
                                                      const std::vector<std::string>& names,
                                                      std::size_t required);
+
+  // --- memories (check_history.cpp)
+  /// T_m of each memory m, component by component.
+  using KernelParts = std::map<int, std::vector<Symbol>>;
   std::optional<Field> kernel_field(const ast::Expr& callee, const Scope& scope);
-  int history_index(const Symbol& kernel, const std::optional<SeriesTimes>& written,
-                    const std::string& name, const Span& span, double& factor);
+  std::optional<std::pair<int, double>> known_history(const Symbol& kernel) const;
+  std::optional<Field> history_argument(const ast::Expr& e, const ast::Expr& argument,
+                                        const Field& kernel, const Scope& scope);
+  std::optional<KernelParts> parts_of_kernel(const Field& kernel, const std::string& name);
+  bool split_material(const MaterialUse& use, KernelMaterials& out);
+  KernelMaterials materials_of_kernel(const Field& kernel, const KernelParts& parts);
+  std::vector<Symbol> across_of_memories(const Field& kernel, const KernelParts& strains) const;
+  std::vector<Symbol> across_of_history(const Field& kernel, const Field& of,
+                                        const KernelParts& parts,
+                                        const KernelParts& memories) const;
+  Value history_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  void check_kernels_in_time();
   std::optional<Field> total_gradient(const Span& span, const Field& f);
   Field with_hoop(const Field& gradient, const Field& f) const;
   /// Of tensors: 3 on axisymmetric meshes, where zz is along the circles.

@@ -5,6 +5,7 @@
 #include "lang/check/value.hpp"
 #include "solver/plan/options.hpp"
 #include "solver/plan/report.hpp"
+#include "solver/plan/tensor.hpp"
 
 #include <map>
 #include <optional>
@@ -121,6 +122,7 @@ struct Model {
   solver::SpaceSpec space; ///< its dirichlet values are filled in
   std::vector<std::string> unknowns, tests;
   std::vector<ModelTerm> terms;
+  std::vector<solver::TensorSpec> tensors; ///< as they were written
   std::vector<ModelHistory> histories;
   std::vector<ModelLaw> laws;
   std::vector<ModelState> states;

@@ -49,11 +49,23 @@ struct LawUse {
   std::vector<LawRow> rows;
 };
 
+/// factor * C : eps(w) : eps(v), with a tensor C of the model, w an unknown, its rate or a memory.
+/// What stands there follows from the rank: w or v alone (1), C : eps(w) or one of its strains (2),
+/// the whole (0), C (4).
+struct MaterialUse {
+  Symbol factor = 1.0;
+  std::optional<int> tensor{}; ///< index into Model::tensors
+  std::optional<int> of{};     ///< w, in the numbering of slot::field
+  bool tested = false;         ///< with eps(v)
+  int unknown = 0;             ///< of w and of v
+};
+
 /// What a kernel was written as: a Prony series of the lag times quantities of place.
 struct SeriesTimes {
   solver::PronySeries series;
-  Symbol sum;                   ///< the series as an expression
-  std::vector<Symbol> of_place; ///< one for each component
+  Symbol sum;                         ///< the series as an expression
+  std::vector<Symbol> of_place;       ///< one for each component
+  std::vector<MaterialUse> materials; ///< that these are the sum of; see Field
 };
 
 /// How a quantity depends on a function: not at all, homogeneously linear, affine, or otherwise.
@@ -75,7 +87,9 @@ struct Field {
   std::vector<LawUse> laws;          ///< rank 0 only
   std::optional<SeriesTimes> series; ///< of a scalar or a fourth-order tensor written as that
   std::vector<Symbol> across;        ///< in plane strain: see across.hpp; empty: not known
-  int depth = 0;                     ///< operations within each other, at most
+  /// The value is the sum of these. None: it was written in some other way.
+  std::vector<MaterialUse> materials;
+  int depth = 0; ///< operations within each other, at most
 
   const Symbol& scalar() const { return components.front(); }
 };

@@ -48,6 +48,7 @@ public:
     }
     for (const ModelTerm& term : model_.terms) lower_term(term);
     rename_report();
+    keep_used_tensors();
     plan_.problem.effects = effects(model_, plan_.problem);
     return std::move(plan_);
   }
@@ -169,6 +170,7 @@ private:
       form.field = field;
       form.rule = term.rule_given || term.integrand.laws.empty() ? term.rule : solver::Rule::exact;
       form.effect = effect_of(field);
+      form.tensor = tensor_of(term, field);
       plan_.problem.forms.push_back(std::move(form));
     }
     if (!load.entries.empty()) {
@@ -180,6 +182,31 @@ private:
       plan_.problem.loads.push_back(std::move(load));
     }
     for (const LawUse& use : term.integrand.laws) lower_law(term, use);
+  }
+
+  /// The tensor that a term acts with on a field, where it was written with one alone.
+  static std::optional<FormTerm::Tensor> tensor_of(const ModelTerm& term, int field) {
+    const auto of_field = [&](const MaterialUse& use) { return use.of == field; };
+    const auto& uses = term.integrand.materials;
+    if (std::ranges::count_if(uses, of_field) != 1) return std::nullopt;
+    const MaterialUse& use = *std::ranges::find_if(uses, of_field);
+    if (!use.tensor || !use.tested) return std::nullopt;
+    const Symbol factor = term.factor * use.factor;
+    return FormTerm::Tensor{*use.tensor, term.right ? -factor : factor, use.unknown};
+  }
+
+  void keep_used_tensors() {
+    std::vector<int> fresh(model_.tensors.size(), -1);
+    for (FormTerm& form : plan_.problem.forms) {
+      if (!form.tensor) continue;
+      int& index = fresh[static_cast<std::size_t>(form.tensor->index)];
+      if (index < 0) {
+        index = static_cast<int>(plan_.problem.tensors.size());
+        plan_.problem.tensors.push_back(
+            model_.tensors[static_cast<std::size_t>(form.tensor->index)]);
+      }
+      form.tensor->index = index;
+    }
   }
 
   /// A law that sees c times a memory sees that of the kernel c q.

@@ -8,6 +8,7 @@
 #include "solver/hypotheses/judgement.hpp"
 #include "solver/hypotheses/load_time.hpp"
 #include "solver/plan/couplings.hpp"
+#include "solver/time/proportional.hpp"
 
 #include <fmt/format.h>
 
@@ -177,15 +178,27 @@ void Judgement::judge_memory() {
   }
 }
 
+double Judgement::memory_against_elasticity(int m) const {
+  const FormTerm *elastic = nullptr, *memory = nullptr;
+  int forms = 0;
+  for (const FormTerm& form : problem_.forms) {
+    if (form.field == field_of_u(0)) elastic = &form, ++forms;
+    if (form.field == field_of_memory(m)) memory = &form, ++forms;
+  }
+  if (elastic && memory && forms == 2)
+    if (const auto ratio = symbolic_ratio(*memory, *elastic)) return *ratio;
+  const double b = numbers_.of_field(field_of_u(0)).diagonal().sum(),
+               e = numbers_.of_field(field_of_memory(m)).diagonal().sum();
+  return b != 0.0 ? e / b : 0.0;
+}
+
 void Judgement::judge_modulus(int m) {
   if (!numbers_.acts_on(field_of_u(0))) return;
   const auto& grid = problem_.time.grid;
   const auto& kernel = problem_.histories[static_cast<std::size_t>(m)].kernel;
   const double horizon = grid.back() - grid.front();
   if (!kernel_traits(kernel, horizon).convolution) return;
-  const double b = numbers_.of_field(field_of_u(0)).diagonal().sum(),
-               e = numbers_.of_field(field_of_memory(m)).diagonal().sum();
-  const double ratio = b != 0.0 ? e / b : 0.0;
+  const double ratio = memory_against_elasticity(m);
   const auto relaxed = [&](double lag) {
     return 1.0 + ratio * interval_integral(kernel.expression, grid.front() + lag, 0.0, lag, 0);
   };

@@ -47,8 +47,9 @@ private:
   void judge_b();
   void judge_memory();
   /// The modulus B + E int q after a jump of the strain, against B: told where it leaves (0, 1].
-  /// E and B are compared by their traces, exactly where one is a multiple of the other.
   void judge_modulus(int m);
+  /// How many times B is E: where one is no multiple of the other, by their traces.
+  double memory_against_elasticity(int m) const;
   void judge_loads();
   /// Whether a load was found that is not bounded in time: then it must be square integrable.
   bool judge_load_times();

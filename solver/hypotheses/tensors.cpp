@@ -7,6 +7,7 @@
 #include "solver/time/body_states.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -62,21 +63,55 @@ public:
   PointwiseTensor(const Problem& problem, const Discretisation& d, int field)
       : d_(d), forms_(tensor_forms(problem, d, field)), hoop_(has_hoop(d.space)),
         basis_(gradient_basis(d.space.components, d.mesh.dim, hoop_)) {
-    for (const FormTerm& form : forms_)
+    for (const FormTerm& form : forms_) {
+      isotropic_ = isotropic_ && is_isotropic(problem, form);
       for (const auto& entry : form.entries) varies_ = varies_ || !entry.coefficient.is_constant();
+    }
+    for (std::size_t f = 0; isotropic_ && f < forms_.size(); ++f) {
+      const auto& [index, factor, unknown] = *forms_[f].tensor;
+      const auto& constants = problem.tensors[static_cast<std::size_t>(index)].constants;
+      lame_.push_back({factor * constants[0], factor * constants[1]});
+    }
   }
   bool empty() const { return forms_.empty(); }
   bool varies() const { return varies_ || forms_.size() > 1 || !covers(); }
   Origin origin() const { return forms_.front().origin; }
 
-  double least(int cell) const {
+  double least(int cell) const { return isotropic_ ? least_of_lame(cell) : least_of_entries(cell); }
+
+private:
+  static bool is_isotropic(const Problem& problem, const FormTerm& form) {
+    return form.tensor && problem.tensors[static_cast<std::size_t>(form.tensor->index)].kind ==
+                              TensorSpec::Kind::isotropic;
+  }
+  bool acts_on(const FormTerm& form, int cell) const {
+    return std::ranges::binary_search(d_.parts[form.part].entities, cell);
+  }
+
+  /// 2 mu on strains without trace, d lambda + 2 mu on the unit tensor.
+  double least_of_lame(int cell) const {
+    const Point x = middle(d_.mesh, cell);
+    double lambda = 0.0, mu = 0.0;
+    bool any = false;
+    for (std::size_t f = 0; f < forms_.size(); ++f) {
+      if (!acts_on(forms_[f], cell)) continue;
+      lambda += value(lame_[f][0], x, cell);
+      mu += value(lame_[f][1], x, cell);
+      any = true;
+    }
+    if (!any) return std::numeric_limits<double>::infinity();
+    const int d = hoop_ ? 3 : d_.mesh.dim;
+    const double volume = d * lambda + 2.0 * mu;
+    return d == 1 ? volume : std::min(2.0 * mu, volume);
+  }
+
+  double least_of_entries(int cell) const {
     const Point x = middle(d_.mesh, cell);
     const int n = d_.space.components * d_.mesh.dim + (hoop_ ? 1 : 0);
     DenseMatrix full = DenseMatrix::Zero(n, n);
     bool any = false;
     for (const FormTerm& form : forms_) {
-      const auto& cells = d_.parts[form.part].entities;
-      if (!std::binary_search(cells.begin(), cells.end(), cell)) continue;
+      if (!acts_on(form, cell)) continue;
       for (const auto& entry : form.entries) {
         const int a = gradient_index(entry.test, d_.space.components, d_.mesh.dim, hoop_);
         const int b = gradient_index(entry.trial, d_.space.components, d_.mesh.dim, hoop_);
@@ -91,7 +126,6 @@ public:
     return symmetric_eigenvalues(symmetric)[0];
   }
 
-private:
   bool covers() const {
     return d_.parts[forms_.front().part].entities.size() == d_.mesh.cells.size();
   }
@@ -113,6 +147,8 @@ private:
   bool hoop_;
   DenseMatrix basis_;
   bool varies_ = false;
+  bool isotropic_ = true;                 ///< all forms, as they were written; then
+  std::vector<std::array<Expr, 2>> lame_; ///< lambda and mu of each
 };
 
 } // namespace

@@ -74,6 +74,7 @@ public:
     space();
     for (std::size_t m = 0; m < problem_.histories.size(); ++m)
       history(m, problem_.histories[m].kernel);
+    for (std::size_t i = 0; i < problem_.tensors.size(); ++i) tensor(i);
     for (const auto& term : problem_.forms) form(term);
     for (std::size_t l = 0; l < problem_.laws.size(); ++l) law(l);
     for (std::size_t l = 0; l < problem_.law_terms.size(); ++l) law_term(l);
@@ -169,9 +170,22 @@ private:
            numbers(kernel.series->weights), numbers(kernel.series->times));
   }
 
+  void tensor(std::size_t i) {
+    const TensorSpec& t = problem_.tensors[i];
+    const auto kind =
+        name_of(std::array{"isotropic", "orthotropic", "transverse", "general"}, t.kind);
+    line("tensor {} `{}` {} {}", i, t.name, kind, expressions(t.constants));
+    if (t.axes != TensorSpec{}.axes)
+      line("  axes {}, {}, {}", numbers(t.axes[0]), numbers(t.axes[1]), numbers(t.axes[2]));
+  }
+
   void form(const FormTerm& term) {
     line("form {} over {} on {}, rule {}", to_string(term.effect), part(term.part),
          field_name(term.field), to_string(term.rule));
+    if (term.tensor)
+      line("  {} * tensor {} : eps({}) : eps(v){}", to_string(term.tensor->factor),
+           term.tensor->index, field_name(term.field),
+           term.tensor->unknown == 0 ? "" : fmt::format(", unknown {}", term.tensor->unknown));
     for (const auto& e : term.entries)
       line("  {} {} * {}", to_string(e.coefficient),
            derivative_name(field_name(term.field).c_str(), e.trial), derivative_name("v", e.test));

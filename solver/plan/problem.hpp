@@ -12,6 +12,7 @@
 #include "solver/kernel/kernel_spec.hpp"
 #include "solver/law/law.hpp"
 #include "solver/mesh/mesh.hpp"
+#include "solver/plan/tensor.hpp"
 
 #include <array>
 #include <limits>
@@ -148,12 +149,19 @@ struct FormTerm {
     int test = 0, trial = 0;
     Expr coefficient; ///< of slot::x, slot::normal
   };
+  /// factor * C : eps(field) : eps(v), field and v of one unknown.
+  struct Tensor {
+    int index = 0; ///< into Problem::tensors
+    Expr factor = 1.0;
+    int unknown = 0;
+  };
   Origin origin;
   int part = 0;
   int field = field_of_u(0);
   Rule rule = Rule::exact;
   Effect effect = Effect::other;
   std::vector<Entry> entries;
+  std::optional<Tensor> tensor{}; ///< where it was written so, with all its entries
 };
 
 /// int_part  sum_e F_e(x, t, nu) D_{test_e}(v), on the right-hand side.
@@ -282,6 +290,7 @@ struct Problem {
   MeshSpec mesh;
   std::vector<PartSpec> parts;
   SpaceSpec space;
+  std::vector<TensorSpec> tensors;
   std::vector<FormTerm> forms;
   std::vector<HistoryTerm> histories;
   std::vector<LawSpec> laws;

@@ -1,6 +1,7 @@
 #include "solver/plan/validate.hpp"
 
 #include "solver/kernel/slot.hpp"
+#include "solver/plan/tensor_form.hpp"
 
 #include <fmt/format.h>
 
@@ -73,6 +74,7 @@ public:
   std::vector<Failure> of_problem() && {
     for (const auto& part : problem_.parts) region(part.region, part.origin);
     space();
+    for (const auto& tensor : problem_.tensors) this->tensor(tensor);
     for (const auto& form : problem_.forms) this->form(form);
     for (const auto& load : problem_.loads) this->load(load);
     for (const auto& history : problem_.histories) this->history(history);
@@ -206,7 +208,33 @@ private:
     }
   }
 
+  int tensor_dim() const { return problem_.mesh.axisymmetric ? 3 : dim_; }
+
+  void tensor(const TensorSpec& tensor) {
+    for (const auto& c : tensor.constants) variables(c, of_form, tensor.origin, "a tensor");
+    const int wanted = count_constants(tensor.kind, tensor_dim());
+    if (count(tensor.constants) != wanted)
+      wrong(tensor.origin, fmt::format("a tensor has {} constants instead of {}",
+                                       tensor.constants.size(), wanted));
+  }
+
+  /// A form that is said to be that of a tensor has its entries.
+  void tensor_of(const FormTerm& form) {
+    if (!form.tensor) return;
+    const auto unknowns = unknowns_of(problem_.space);
+    variables(form.tensor->factor, of_form, form.origin, "the factor of a tensor");
+    if (!index(form.tensor->index, count(problem_.tensors), form.origin, "a form", "tensor") ||
+        !index(form.tensor->unknown, count(unknowns), form.origin, "a tensor", "unknown"))
+      return;
+    const auto& tensor = problem_.tensors[static_cast<std::size_t>(form.tensor->index)];
+    if (count(tensor.constants) == count_constants(tensor.kind, tensor_dim()) &&
+        !has_entries_of_its_tensor(problem_, dim_, form))
+      wrong(form.origin, fmt::format("the form is not that of the tensor {} that comes with it",
+                                     form.tensor->index));
+  }
+
   void form(const FormTerm& form) {
+    tensor_of(form);
     part(form.part, form.origin, "a form");
     no_pair(form.part, form.origin, "a form");
     index(form.field, n_fields_, form.origin, "a form", "field");

@@ -71,6 +71,7 @@ FormTerm at_initial_states(const Problem& problem, const FormTerm& form) {
   for (std::size_t i = 0; i < problem.states.size(); ++i)
     initial.emplace_back(slot::state(static_cast<int>(i)), problem.states[i].initial);
   FormTerm out = form;
+  out.tensor.reset(); // whose constants may read states, too
   for (auto& entry : out.entries) entry.coefficient = substitute(entry.coefficient, initial);
   return out;
 }

@@ -129,10 +129,17 @@ bool is_constant(const FormTerm& term) {
                      [](const auto& entry) { return entry.coefficient.is_constant(); });
 }
 
+/// What its kind says of the tensor of a form, where it was written with one.
+bool is_of_kind(const Problem& problem, const FormTerm& term, auto says) {
+  return term.tensor && says(problem.tensors[static_cast<std::size_t>(term.tensor->index)].kind);
+}
+
 /// Constant coefficients C that stay when test and trial function change places: whatever the mesh,
 /// the matrix is symmetric.
-bool is_mirrored(const FormTerm& term) {
+bool is_mirrored(const Problem& problem, const FormTerm& term) {
   if (!is_constant(term)) return false;
+  if (is_of_kind(problem, term, [](auto kind) { return kind == TensorSpec::Kind::isotropic; }))
+    return true; // other materials in axes of their own: to rounding only
   std::map<std::pair<int, int>, double> c;
   for (const auto& entry : term.entries) c[{entry.test, entry.trial}] += entry.coefficient.value();
   return std::all_of(c.begin(), c.end(), [&](const auto& one) {
@@ -174,7 +181,8 @@ void add_changing(const Problem& problem, const Discretisation& discretisation,
     operators.changing.emplace_back(operators.n_bases(), distinct.terms[i]);
     operators.bases.push_back(std::move(matrices[i]));
     const bool mirrored = stays_mirrored(*distinct.terms[i]);
-    operators.symmetric = operators.symmetric && mirrored;
+    const bool symmetric = is_of_kind(problem, *distinct.terms[i], has_major_symmetry);
+    operators.symmetric = operators.symmetric && (mirrored || symmetric);
     operators.mirrored = operators.mirrored && mirrored;
   }
   operators.terms.clear();
@@ -243,12 +251,16 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
   Operators out;
   out.shared = discretisation.shared.get();
   out.n_unknowns = layout.n_unknowns;
-  out.mirrored = std::all_of(distinct.terms.begin(), distinct.terms.end(),
-                             [](const FormTerm* term) { return is_mirrored(*term); });
+  out.mirrored = std::ranges::all_of(
+      distinct.terms, [&](const FormTerm* term) { return is_mirrored(problem, *term); });
+  const bool symmetric =
+      plain_inertia && std::ranges::all_of(distinct.terms, [&](const FormTerm* term) {
+        return is_of_kind(problem, *term, has_major_symmetry) || is_mirrored(problem, *term);
+      });
   out.weights.resize(n_fields, static_cast<Eigen::Index>(matrices.size()));
   for (std::size_t b = 0; b < matrices.size(); ++b) {
     out.weights.col(static_cast<Eigen::Index>(b)) = distinct.weights[b];
-    out.symmetric = out.symmetric && (out.mirrored || is_symmetric(matrices[b]));
+    out.symmetric = out.symmetric && (symmetric || out.mirrored || is_symmetric(matrices[b]));
   }
   out.coupled = couples_unknowns(couplings);
   out.symmetric = out.symmetric && !out.coupled;

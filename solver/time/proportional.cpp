@@ -43,6 +43,16 @@ std::pair<double, Expr> split(const Expr& e) {
   return {1.0, e};
 }
 
+/// c, where both were written with one tensor and factors that differ by the constant c.
+std::optional<double> written_ratio(const FormTerm& a, const FormTerm& b) {
+  if (!a.tensor || !b.tensor || a.tensor->index != b.tensor->index ||
+      a.tensor->unknown != b.tensor->unknown)
+    return std::nullopt;
+  const auto [c, rest_a] = split(a.tensor->factor);
+  const auto [d, rest_b] = split(b.tensor->factor);
+  return rest_a == rest_b && d != 0.0 ? std::optional(c / d) : std::nullopt;
+}
+
 std::vector<FormTerm::Entry> sorted_entries(const FormTerm& term) {
   std::vector<FormTerm::Entry> out;
   for (const auto& entry : term.entries)
@@ -73,6 +83,7 @@ std::optional<double> ratio_of(std::span<const double> a, std::span<const double
 
 std::optional<double> symbolic_ratio(const FormTerm& a, const FormTerm& b) {
   if (a.part != b.part || a.rule != b.rule) return std::nullopt;
+  if (const auto written = written_ratio(a, b)) return written;
   const auto entries_a = sorted_entries(a), entries_b = sorted_entries(b);
   if (entries_a.size() != entries_b.size() || entries_a.empty()) return std::nullopt;
   Ratio ratio;

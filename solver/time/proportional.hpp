@@ -8,8 +8,9 @@
 
 namespace hvi::solver {
 
-/// c with  a = c b  when it can be seen without assembling: the same part and rule, entries whose
-/// coefficients are proportional constants, or the same expressions up to constant factors.
+/// c with  a = c b  when it can be seen without assembling: the same part and rule, and written
+/// with one tensor; else entries whose coefficients are proportional constants, or the same
+/// expressions up to constant factors.
 std::optional<double> symbolic_ratio(const FormTerm& a, const FormTerm& b);
 
 /// c with  a = c b  to rounding, entry by entry, for matrices of one pattern.

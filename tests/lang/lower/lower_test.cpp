@@ -108,6 +108,142 @@ const std::string evolution =
     "space V = vector P1 on body, zero on roof\n"
     "find u in V for t in [0, 1] by 4 steps from u = 0\nsuch that for all v in V\n";
 
+/// The tensors that a script's forms were written with: kind, name, factor; "-" for none.
+std::vector<std::string> tensors_of(const Plan& plan, int dim) {
+  std::vector<std::string> out;
+  for (const auto& failure : solver::validate(plan.problem, dim)) ADD_FAILURE() << failure.what();
+  for (const auto& form : plan.problem.forms) {
+    if (!form.tensor) {
+      out.push_back("-");
+      continue;
+    }
+    const auto& tensor = plan.problem.tensors[static_cast<std::size_t>(form.tensor->index)];
+    constexpr const char* kinds[] = {"isotropic", "orthotropic", "transverse", "general"};
+    out.push_back(fmt::format("{} {} {}", kinds[static_cast<int>(tensor.kind)], tensor.name,
+                              to_string(form.tensor->factor)));
+  }
+  return out;
+}
+
+const std::string materials =
+    "fn stiff() = 1 + x\n"
+    "tensor A = isotropic(young = 70, poisson = 0.3)\ntensor B = 0.3*A\n"
+    "tensor O = orthotropic(young = [30, 7, 5], poisson = [0.2, 0.1, 0.15], shear = [3, 2, 4], "
+    "axes = [[0.8, 0.6, 0], [-0.6, 0.8, 0], [0, 0, 1]])\n"
+    "tensor T = transverse(young = 7, poisson = 0.2, young_axis = 30, poisson_axis = 0.25, "
+    "shear_axis = 3, axis = [1, 2, 0])\n"
+    "tensor S = A + O\ntensor G = stiff()*isotropic(lambda = 1, mu = 2)\n"
+    "fn sigma(w) = O : eps(w)\n";
+
+// Whatever way a material is written, multiplied and used, it arrives as such; a sum of two in one
+// integral does not.
+TEST(Lower, MaterialsArriveAsTheyWereWritten) {
+  const auto of = [](const std::string& left, const std::string& right = "integral(body, v.x)") {
+    return tensors_of(plan_of(problem(3, materials, left, right)), 3);
+  };
+  using Texts = std::vector<std::string>;
+  const auto of_one = [&](const std::string& integrand) {
+    return of("integral(body, " + integrand + ")");
+  };
+  EXPECT_EQ(of_one("A : eps(u) : eps(v)"), Texts{"isotropic A 1"});
+  EXPECT_EQ(of_one("B : eps(u) : eps(v)"), Texts{"isotropic A 0.3"});
+  EXPECT_EQ(of_one("eps(u) : O : eps(v)"), Texts{"orthotropic O 1"});
+  EXPECT_EQ(of_one("eps(v) : (T : eps(u))"), Texts{"transverse T 1"});
+  EXPECT_EQ(of_one("sigma(2*u) : eps(v)"), Texts{"orthotropic O 2"});
+  EXPECT_EQ(of_one("-(sigma(u) : eps(v))/4"), Texts{"orthotropic O -0.25"});
+  EXPECT_EQ(of_one("S : eps(u) : eps(v)"), Texts{"general S 1"});
+  EXPECT_EQ(of_one("S : eps(v) : eps(u)"), Texts{"-"}); // S need not be symmetric
+  EXPECT_EQ(of_one("G : eps(u) : eps(v)"), Texts{"isotropic  1 + x"});
+  EXPECT_EQ(of_one("exp(x)*(2*A : eps(u) : eps(v))"), Texts{"isotropic A 2 * exp(x)"});
+  EXPECT_EQ(of_one("A : eps(u) : eps(v) + 2*A : eps(u) : eps(v)"), Texts{"isotropic A 3"});
+  EXPECT_EQ(of_one("A : eps(u) : eps(v) + O : eps(u) : eps(v)"), Texts{"-"});
+  EXPECT_EQ(of_one("A : eps(u) : eps(v) + dot(u, v)"), Texts{"-"});
+  EXPECT_EQ(of_one("A : eps(x*u) : eps(v)"), Texts{"-"});
+  EXPECT_EQ(of_one("A : transpose(grad(u)) : eps(v)"), Texts{"-"});
+  EXPECT_EQ(of_one("eps(u) : eps(v)"), Texts{"-"});
+  EXPECT_EQ(of_one("isotropic(lambda = 1, mu = x) : eps(u) : eps(v)"), Texts{"isotropic  1"});
+  EXPECT_EQ(of("integral(body, A : eps(u) : eps(v))", "-2*integral(body, B : eps(u) : eps(v)) + "
+                                                      "integral(body, v.x)"),
+            (Texts{"isotropic A 1", "isotropic A 0.6"}));
+}
+
+// Random ways of writing: what arrives is never wrong (`tensors_of` asks validate).
+TEST(Lower, RandomMaterialsAreThoseOfTheirEntries) {
+  std::mt19937 random(11);
+  const auto pick = [&](std::initializer_list<const char*> words) {
+    return std::string(words.begin()[random() % words.size()]);
+  };
+  int arrived = 0;
+  for (int k = 0; k < 300; ++k) {
+    std::string left;
+    for (unsigned n = 0; n <= random() % 3; ++n) {
+      const std::string tensor =
+          pick({"A", "B", "O", "T", "S", "G", "0.7*A", "(A + B)", "(O - 2*T)", "A/3", "-O",
+                "isotropic(lambda = 2 + x, mu = 3)", "stiff()*T"});
+      const std::string by = pick({"", "0.3*", "2*0.1*", "stiff()*", "exp(-x)*0.2*"});
+      const std::string strain = pick({"eps(u)", "eps(0.3*u)", "eps(u + 2*u)", "-eps(u)"});
+      const std::string test = pick({"eps(v)", "eps(v)/3", "eps(2*v)"});
+      const std::string one = random() % 2 == 0
+                                  ? fmt::format("{}{} : {} : {}", by, tensor, strain, test)
+                                  : fmt::format("{}{} : ({} : {})", by, test, tensor, strain);
+      left += (left.empty() ? "" : pick({" + ", " - "})) + one;
+    }
+    const std::string text = problem(3, materials,
+                                     "integral(body, A : eps(u) : eps(v)) + "
+                                     "integral(body, " +
+                                         left + ")",
+                                     "integral(body, v.x)");
+    SCOPED_TRACE(left);
+    for (const auto& tensor : tensors_of(plan_of(text), 3)) arrived += tensor != "-";
+  }
+  EXPECT_GT(arrived, 450);
+}
+
+// Of memories: with a series, a sum, a kernel of place, and moduli that relax each by its own time.
+TEST(Lower, MaterialsOfMemoriesArrive) {
+  const auto of = [](const std::string& kernel) {
+    return tensors_of(
+        plan_of("mesh body = rectangle(2, 1, cells = [2, 1])\npart roof = body.top\n"
+                "tensor A = isotropic(lambda = 1, mu = 1)\n"
+                "tensor S = A + isotropic(lambda = 0, mu = x)\n" +
+                kernel +
+                "\nspace V = vector P1 on body, zero on roof\n"
+                "find u in V for t in [0, 1] by 4 steps from u = 0\nsuch that for all v in V\n"
+                "    integral(body, A : eps(u) : eps(v)) + integral(body, history(C, eps(u)) : "
+                "eps(v))\n = integral(body, v.y)\n"),
+        2);
+  };
+  using Texts = std::vector<std::string>;
+  const std::string a = "isotropic A 1";
+  EXPECT_EQ(of("kernel C(lag) = -exp(-3*lag) * A"), (Texts{a, "isotropic A -1"}));
+  EXPECT_EQ(of("kernel C(lag) = (0.2*exp(-lag) + x*exp(-3*lag)) * S"),
+            (Texts{a, "general S 0.2", "general S x"}));
+  EXPECT_EQ(of("kernel C(lag) = 0.5*(-prony([1, 2], [3, 4])*0.2)*A").size(), 2u);
+  EXPECT_EQ(of("kernel C(lag) = -prony([1, 2], [3, 4])*A*0.5")[1].substr(0, 11), "isotropic A");
+  EXPECT_EQ(of("kernel C(lag) = exp(-lag)*A + exp(-3*lag)*S"),
+            (Texts{a, "isotropic A 1", "general S 1"}));
+  // lambda = 1, 1 and mu = 2, 0
+  EXPECT_EQ(of("kernel C(lag) = isotropic(lambda = exp(-lag) + exp(-2*lag), mu = 2*exp(-lag))"),
+            (Texts{a, "isotropic  1", "isotropic  1"}));
+  EXPECT_EQ(of("kernel C(t, s) = cos(t - s)*A")[1].substr(0, 11), "isotropic A");
+  EXPECT_EQ(of("kernel C(lag) = transverse(young = exp(-lag), poisson = 0.2, young_axis = "
+               "2*exp(-lag), poisson_axis = 0.2, shear_axis = exp(-lag))")[1],
+            "-");
+}
+
+// Several unknowns: each form says of which it is.
+TEST(Lower, MaterialsOfSeveralUnknowns) {
+  const auto plan = plan_of(
+      "mesh body = rectangle(2, 1, cells = [2, 1])\npart roof = body.top\n"
+      "tensor A = isotropic(lambda = 1, mu = 1)\nspace V = vector P1 on body, zero on roof\n"
+      "space W = vector P1 on body, zero on roof\nfind u in V, w in W\n"
+      "such that for all v in V, z in W\n    integral(body, A : eps(u) : eps(v)) + integral(body, "
+      "2*A : eps(w) : eps(z))\n + integral(body, A : eps(u) : eps(z)) = integral(body, v.y)\n");
+  ASSERT_EQ(tensors_of(plan, 2), (std::vector<std::string>{"isotropic A 1", "isotropic A 2", "-"}));
+  EXPECT_EQ(plan.problem.forms[0].tensor->unknown, 0);
+  EXPECT_EQ(plan.problem.forms[1].tensor->unknown, 1);
+}
+
 TEST(Lower, EffectsAndArgumentsOfLaws) {
   const auto plan = plan_of(
       evolution + "    integral(body, A : eps(u') : eps(v)) + integral(body, B : eps(u) : eps(v))\n"

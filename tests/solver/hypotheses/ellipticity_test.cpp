@@ -1,5 +1,6 @@
 // Least eigenvalues of tensors where they are least.
 #include "solver/hypotheses/tensors.hpp"
+#include "solver/plan/tensor_form.hpp"
 #include "tests/solver/time/plans.hpp"
 
 namespace hvi::solver {
@@ -7,7 +8,7 @@ namespace {
 
 using namespace testing_plans;
 
-Ellipticity of(const std::vector<FormTerm>& forms) {
+Ellipticity of(const std::vector<FormTerm>& forms, const std::vector<TensorSpec>& tensors = {}) {
   Plan plan;
   plan.problem.mesh.cells = {4, 4, 1};
   plan.problem.parts = {all_cells("body"), all_cells("half")};
@@ -15,6 +16,7 @@ Ellipticity of(const std::vector<FormTerm>& forms) {
   plan.problem.parts[1].region.children.resize(1);
   plan.problem.parts[1].region.predicate = less(var(slot::x(0)), 0.5);
   plan.problem.forms = forms;
+  plan.problem.tensors = tensors;
   Discretisation d;
   for (const auto& mistake : discretise(plan, d)) throw mistake;
   return ellipticity(plan.problem, d, field_of_u(0));
@@ -31,6 +33,22 @@ TEST(Ellipticity, OfAConstantTensorIsExact) {
   const auto found = of({scaled(2.0)});
   EXPECT_FALSE(found.varies);
   EXPECT_NEAR(found.least, 4.0, 1e-14);
+}
+
+/// As the form of an isotropic tensor: by lambda and mu, against the eigenvalues of the entries.
+TEST(Ellipticity, OfAWrittenTensorIsThatOfItsEntries) {
+  const Expr x = var(slot::x(0)), y = var(slot::x(1));
+  for (const auto& [lambda, mu] : {std::pair{3.0 - x, 1.0 + y}, {-1.2 + 0.3 * x, 1.0 + x * y}}) {
+    Problem problem;
+    problem.tensors = {{{}, {}, TensorSpec::Kind::isotropic, {lambda, mu}}};
+    auto form = tensor_form(problem, 2, field_of_u(0), {0, 2.0 + x});
+    const auto written = of({form}, problem.tensors);
+    form.tensor.reset();
+    const auto seen = of({form});
+    EXPECT_NEAR(written.least, seen.least, 1e-13);
+    EXPECT_EQ(written.at, seen.at);
+    EXPECT_TRUE(written.varies);
+  }
 }
 
 TEST(Ellipticity, IsLeastWhereTheTensorIsLeast) {

@@ -1,5 +1,6 @@
 // Plans that are wrong: each is refused with a Failure, whatever is wrong with it, or it runs.
 // HVI_PLANS=100000 draws more of them, HVI_FIRST_PLAN=17 begins with that one.
+#include "solver/plan/tensor_form.hpp"
 #include "solver/plan/validate.hpp"
 #include "tests/solver/time/plans.hpp"
 
@@ -11,6 +12,21 @@ namespace hvi::solver {
 namespace {
 
 using namespace testing_plans;
+
+/// Its forms as those of two tensors, the memory's a multiple of that of u.
+void write_with_tensors(Plan& plan, int dim) {
+  const auto of_young = [](double young, double poisson) {
+    const Lame lame = from_young(young, poisson);
+    return TensorSpec{{}, {}, TensorSpec::Kind::isotropic, {lame.lambda, lame.mu}};
+  };
+  plan.problem.tensors = {{{}, {}, TensorSpec::Kind::isotropic, {5.0, 10.0}}, of_young(70, 0.3)};
+  for (FormTerm& form : plan.problem.forms) {
+    const bool rate = form.field == field_of_u(1);
+    const FormTerm::Tensor tensor{rate ? 0 : 1, form.field == field_of_memory(0) ? -1.0 : 1.0};
+    const FormTerm written = tensor_form(plan.problem, dim, form.field, tensor);
+    form.entries = written.entries, form.tensor = written.tensor;
+  }
+}
 
 /// A plan with everything in it: friction, memory, every kind of probe, fields.
 Plan everything(int dim, int order) {
@@ -27,6 +43,7 @@ Plan everything(int dim, int order) {
   fields.fields = {{"u", {}, {}}, {"xi", {}, {var(slot::multiplier(0, 0))}}};
   for (int i = 0; i < dim; ++i) fields.fields[0].components.push_back(u_value(i));
   plan.report.fields = {fields};
+  write_with_tensors(plan, dim);
   return plan;
 }
 
@@ -37,6 +54,7 @@ void each_index(Plan& plan, F&& f) {
   for (auto& form : plan.problem.forms) {
     f(form.part), f(form.field);
     for (auto& entry : form.entries) f(entry.test), f(entry.trial);
+    if (form.tensor) f(form.tensor->index), f(form.tensor->unknown);
   }
   for (auto& load : plan.problem.loads) {
     f(load.part);
@@ -56,8 +74,12 @@ template <class F>
 void each_expression(Plan& plan, F&& f) {
   for (auto& d : plan.problem.space.dirichlet)
     for (auto& value : d.value) f(value);
-  for (auto& form : plan.problem.forms)
+  for (auto& tensor : plan.problem.tensors)
+    for (auto& constant : tensor.constants) f(constant);
+  for (auto& form : plan.problem.forms) {
     for (auto& entry : form.entries) f(entry.coefficient);
+    if (form.tensor) f(form.tensor->factor);
+  }
   for (auto& load : plan.problem.loads)
     for (auto& entry : load.entries) f(entry.value);
   for (auto& history : plan.problem.histories) f(history.kernel.expression);
@@ -82,7 +104,8 @@ void each_list(Plan& plan, F&& f) {
       f(plan.problem.histories), f(plan.problem.laws);
   f(plan.problem.law_terms), f(plan.problem.loads), f(plan.problem.time.grid),
       f(plan.problem.time.initial);
-  f(plan.report.probes), f(plan.report.tables), f(plan.report.fields);
+  f(plan.report.probes), f(plan.report.tables), f(plan.report.fields), f(plan.problem.tensors);
+  for (auto& tensor : plan.problem.tensors) f(tensor.constants);
   for (auto& d : plan.problem.space.dirichlet) f(d.value);
   for (auto& form : plan.problem.forms) f(form.entries);
   for (auto& load : plan.problem.loads) f(load.entries);
@@ -155,7 +178,7 @@ private:
     if (draw == 2) list.push_back(list.empty() ? T() : T(list[random_() % list.size()]));
   }
   void flip(Plan& plan) {
-    switch (random_() % 10) {
+    switch (random_() % 11) {
     case 0:
       plan.problem.time.is_static = !plan.problem.time.is_static;
       break;
@@ -176,6 +199,11 @@ private:
       break;
     case 9:
       plan.problem.mesh.refinements = static_cast<int>(random_() % 4) - 1;
+      break;
+    case 10:
+      for (TensorSpec& tensor : plan.problem.tensors)
+        tensor.kind = static_cast<TensorSpec::Kind>(random_() % 4),
+        tensor.axes[random_() % 3][random_() % 3] = a_number();
       break;
     case 5:
       plan.problem.mesh.high[random_() % 3] = a_number();
@@ -279,6 +307,36 @@ TEST(Validate, ASeriesIsThatOfItsKernel) {
   other[3].times.pop_back(), other[4].weights[0] = std::nan("");
   for (const auto& wrong : other)
     EXPECT_EQ(said(with(wrong)), "the kernel `C` is not the Prony series that comes with it");
+}
+
+TEST(Validate, ATensorIsThatOfItsForm) {
+  const std::string not_its = "the form is not that of the tensor 1 that comes with it";
+  const auto with = [](auto change) {
+    return [change](Plan& p) { change(p.problem.tensors[1], *p.problem.forms[1].tensor); };
+  };
+  EXPECT_EQ(said(with([](auto& tensor, auto&) { tensor.constants[1] = 27.0; })), not_its);
+  EXPECT_EQ(said(with([](auto&, auto& use) { use.factor = 1 + 1e-9; })), not_its);
+  EXPECT_EQ(said(with([](auto&, auto& use) { use.factor = std::nan(""); })), not_its);
+  EXPECT_EQ(said([](Plan& p) { p.problem.forms[1].entries.pop_back(); }), not_its);
+  EXPECT_EQ(said([](Plan& p) { p.problem.forms[1].entries[0].coefficient = 1.0; }), not_its);
+  EXPECT_EQ(said(with([](auto&, auto& use) { use.index = 2; })), "a form names tensor 2, of 2");
+  EXPECT_EQ(said(with([](auto&, auto& use) { use.unknown = 1; })),
+            "a tensor names unknown 1, of 1");
+  EXPECT_EQ(said(with([](auto& tensor, auto&) { tensor.constants.pop_back(); })),
+            "a tensor has 1 constants instead of 2");
+  EXPECT_EQ(said(with([](auto& tensor, auto&) { tensor.constants[0] = u_value(0); })),
+            "a tensor has the variable 96, which it cannot have");
+  EXPECT_EQ(said(with([](auto& tensor, auto&) { tensor.kind = TensorSpec::Kind::orthotropic; })),
+            "a tensor has 2 constants instead of 9");
+}
+
+// What the forms were written with does not change what is computed.
+TEST(Plans, WithAndWithoutTheirTensorsHaveTheSameResult) {
+  auto plan = everything(2, 1);
+  const auto with = solve(plan);
+  for (FormTerm& form : plan.problem.forms) form.tensor.reset();
+  const auto without = solve(plan);
+  EXPECT_EQ(with.columns, without.columns);
 }
 
 TEST(Validate, JudgesEachPieceByItself) {

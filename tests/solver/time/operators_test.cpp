@@ -1,4 +1,5 @@
 // The base matrices of several unknowns.
+#include "solver/plan/tensor_form.hpp"
 #include "solver/time/operators.hpp"
 #include "solver/time/state.hpp"
 #include "tests/solver/time/plans.hpp"
@@ -48,6 +49,57 @@ TEST(Operators, UnknownsThatNoFormCouplesHaveNoEntriesInCommon) {
   expands.field = field_of_u(0);
   expands.entries.push_back({slot::gradient(0, 0), slot::of_unknown(1, slot::value(0)), Expr(1.0)});
   EXPECT_GT(entries_between(warm_slab({expands})), 0);
+}
+
+Operators operators_of(const Plan& plan) {
+  Discretisation d;
+  for (const auto& mistake : discretise(plan, d)) throw mistake;
+  return assemble_operators(plan.problem, d, make_layout(d.space, d.dofs), 1);
+}
+
+/// An orthotropic body, its axes turned in the plane: its entries are symmetric to rounding only.
+Plan turned_slab(const Expr& factor) {
+  auto plan = slab(3, 2);
+  const double c = std::cos(0.4), s = std::sin(0.4);
+  plan.problem.tensors = {{{},
+                           {},
+                           TensorSpec::Kind::orthotropic,
+                           {30.0, 7.0, 5.0, 0.21, 0.13, 0.17, 2.9, 3.1, 1.7},
+                           {{{c, s, 0}, {-s, c, 0}, {0, 0, 1}}}}};
+  plan.problem.forms = {tensor_form(plan.problem, 2, field_of_u(1), {0, 0.3 * factor}),
+                        tensor_form(plan.problem, 2, field_of_u(0), {0, factor})};
+  for (FormTerm& form : plan.problem.forms) form.part = body;
+  plan.problem.histories.clear();
+  plan.report = {};
+  return plan;
+}
+
+// With factors that no entry shows: x is no product of the two, and sums do not cancel.
+TEST(Operators, FormsOfOneTensorAreMultiplesAsWritten) {
+  const Expr place = 1.0 + var(slot::x(0));
+  auto plan = turned_slab(place);
+  const Operators written = operators_of(plan);
+  ASSERT_EQ(written.n_bases(), 1);
+  EXPECT_TRUE(written.symmetric);
+  EXPECT_EQ(written.weights(field_of_u(0), 0) / written.weights(field_of_u(1), 0), 1.0 / 0.3);
+}
+
+// The stiffness of a damaged body in turned axes: that its matrix stays symmetric follows from how
+// it was written.
+TEST(Operators, MaterialsThatStatesChangeStaySymmetric) {
+  auto plan = turned_slab(1.0 - var(slot::state(0)));
+  StateTerm damage;
+  damage.name = "d";
+  damage.part = body;
+  damage.rate = 0.1;
+  damage.initial = 0.0;
+  plan.problem.states = {damage};
+  const Operators written = operators_of(plan);
+  EXPECT_TRUE(written.symmetric);
+  EXPECT_FALSE(written.mirrored); // nor are the entries the same to the last bit
+  EXPECT_EQ(written.changing.size(), 1u);
+  for (FormTerm& form : plan.problem.forms) form.tensor.reset();
+  EXPECT_FALSE(operators_of(plan).symmetric);
 }
 
 } // namespace
