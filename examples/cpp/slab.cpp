@@ -1,24 +1,12 @@
 // The viscoelastic slab on a softening layer, solved through hvi_solver alone (no script).
 // Expected at n = 16, N = 64: u_y -0.026611454116, u_x 0.052631248258, strain 0.062880782102,
 // reaction 3.6802143919 (independent: FreeFEM, GetDP and GetFEM agree).
+#include "solver/plan/tensor_form.hpp"
 #include "solver/time/run.hpp"
 
 #include <fmt/format.h>
 
 using namespace hvi::solver;
-
-/// scale * (lambda tr(eps(u)) tr(eps(v)) + 2 mu eps(u) : eps(v)) on part 0, plane strain.
-FormTerm elastic(int field, double lambda, double mu, double scale = 1.0) {
-  FormTerm form{.part = 0, .field = field};
-  const auto d = [](int i, int j) { return slot::gradient(i, j); };
-  for (int i = 0; i < 2; ++i)
-    for (int j = 0; j < 2; ++j) {
-      form.entries.push_back({d(i, i), d(j, j), scale * lambda});
-      form.entries.push_back({d(i, j), d(i, j), scale * mu});
-      form.entries.push_back({d(i, j), d(j, i), scale * mu});
-    }
-  return form;
-}
 
 int main() {
   const int n = 16, steps = 64;
@@ -38,8 +26,11 @@ int main() {
                         {"flank", {}, {.kind = RegionSpec::Kind::group, .name = "right"}},
                         {"ground", {}, {.kind = RegionSpec::Kind::group, .name = "bottom"}}};
   plan.problem.space.dirichlet = {{.part = roof}};
-  plan.problem.forms = {elastic(field_of_u(1), 5, 10), elastic(field_of_u(0), lambda, mu),
-                        elastic(field_of_memory(0), lambda, mu, -1.0)};
+  constexpr auto isotropic = TensorSpec::Kind::isotropic; // lambda and mu
+  plan.problem.tensors = {{"A", {}, isotropic, {5.0, 10.0}}, {"B", {}, isotropic, {lambda, mu}}};
+  plan.problem.forms = {tensor_form(plan.problem, 2, field_of_u(1), {0}),
+                        tensor_form(plan.problem, 2, field_of_u(0), {1}),
+                        tensor_form(plan.problem, 2, field_of_memory(0), {1, -1.0})};
   plan.problem.histories = {{.kernel = {.name = "C", .expression = exp(-lag / 0.5)}}};
   plan.problem.laws = {{.name = "layer", .by_slope = true, .expression = slope}};
   plan.problem.law_terms = {

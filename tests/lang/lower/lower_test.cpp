@@ -112,15 +112,15 @@ const std::string evolution =
 std::vector<std::string> tensors_of(const Plan& plan, int dim) {
   std::vector<std::string> out;
   for (const auto& failure : solver::validate(plan.problem, dim)) ADD_FAILURE() << failure.what();
-  for (const auto& form : plan.problem.forms) {
-    if (!form.tensor) {
+  for (const auto& term : plan.problem.forms) {
+    if (!term.tensor) {
       out.push_back("-");
       continue;
     }
-    const auto& tensor = plan.problem.tensors[static_cast<std::size_t>(form.tensor->index)];
+    const auto& spec = plan.problem.tensors[static_cast<std::size_t>(term.tensor->index)];
     constexpr const char* kinds[] = {"isotropic", "orthotropic", "transverse", "general"};
-    out.push_back(fmt::format("{} {} {}", kinds[static_cast<int>(tensor.kind)], tensor.name,
-                              to_string(form.tensor->factor)));
+    out.push_back(fmt::format("{} {} {}", kinds[static_cast<int>(spec.kind)], spec.name,
+                              to_string(term.tensor->factor)));
   }
   return out;
 }
@@ -177,15 +177,15 @@ TEST(Lower, RandomMaterialsAreThoseOfTheirEntries) {
   for (int k = 0; k < 300; ++k) {
     std::string left;
     for (unsigned n = 0; n <= random() % 3; ++n) {
-      const std::string tensor =
+      const std::string material =
           pick({"A", "B", "O", "T", "S", "G", "0.7*A", "(A + B)", "(O - 2*T)", "A/3", "-O",
                 "isotropic(lambda = 2 + x, mu = 3)", "stiff()*T"});
       const std::string by = pick({"", "0.3*", "2*0.1*", "stiff()*", "exp(-x)*0.2*"});
       const std::string strain = pick({"eps(u)", "eps(0.3*u)", "eps(u + 2*u)", "-eps(u)"});
       const std::string test = pick({"eps(v)", "eps(v)/3", "eps(2*v)"});
       const std::string one = random() % 2 == 0
-                                  ? fmt::format("{}{} : {} : {}", by, tensor, strain, test)
-                                  : fmt::format("{}{} : ({} : {})", by, test, tensor, strain);
+                                  ? fmt::format("{}{} : {} : {}", by, material, strain, test)
+                                  : fmt::format("{}{} : ({} : {})", by, test, material, strain);
       left += (left.empty() ? "" : pick({" + ", " - "})) + one;
     }
     const std::string text = problem(3, materials,
@@ -194,7 +194,7 @@ TEST(Lower, RandomMaterialsAreThoseOfTheirEntries) {
                                          left + ")",
                                      "integral(body, v.x)");
     SCOPED_TRACE(left);
-    for (const auto& tensor : tensors_of(plan_of(text), 3)) arrived += tensor != "-";
+    for (const auto& found : tensors_of(plan_of(text), 3)) arrived += found != "-";
   }
   EXPECT_GT(arrived, 450);
 }

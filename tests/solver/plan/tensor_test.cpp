@@ -91,7 +91,8 @@ TEST(TensorForm, IsTheContraction) {
     }
     const int d = drawn.tensor_dim();
     const auto c = components(drawn.problem.tensors[0], d);
-    const auto u = [&](int k) { return of_u[k]; }, v = [&](int k) { return of_v[k]; };
+    const auto u = [&](int k) { return of_u[k]; };
+    const auto v = [&](int k) { return of_v[k]; };
     for (int i = 0; i < d; ++i)
       for (int j = 0; j < d; ++j)
         for (int k = 0; k < d; ++k)
