@@ -1,6 +1,7 @@
 // hvi-run fmt, dump, explain, params and mesh: everything that solves nothing.
 #include "lang/check/mesh_findings.hpp"
 #include "lang/cli/commands.hpp"
+#include "lang/cli/example_calls.hpp"
 #include "lang/cli/say.hpp"
 #include "lang/diag/catalogue.hpp"
 #include "lang/diag/render.hpp"
@@ -100,10 +101,10 @@ int dump_command(const std::string& path, const std::string& phase, const Option
 
 int explain_command(const std::string& code) {
   if (code.empty()) {
-    std::fputs(catalogue_markdown().c_str(), stdout);
+    std::fputs(catalogue_markdown(example_calls()).c_str(), stdout);
     return exit_ok;
   }
-  const auto text = explain(code);
+  const auto text = explain(code, example_calls());
   if (!text) {
     tell("hvi-run: there is no diagnostic `{}`; see docs/diagnostics.md\n", code);
     return exit_usage;

@@ -69,6 +69,15 @@ std::string markdown_section(const CatalogueEntry& entry) {
   return result;
 }
 
+/// The entry with the example that it leaves to the caller.
+CatalogueEntry completed(CatalogueEntry entry, std::span<const ExampleCall> calls) {
+  const auto call = std::ranges::find(calls, entry.code, &ExampleCall::code);
+  if (!entry.wrong.empty() || call == calls.end()) return entry;
+  entry.wrong = call->wrong;
+  entry.right = call->right;
+  return entry;
+}
+
 } // namespace
 
 std::vector<CatalogueEntry> catalogue() {
@@ -101,9 +110,10 @@ std::string_view class_of(std::string_view code) {
   return "unknown";
 }
 
-std::optional<std::string> explain(std::string_view code) {
-  const auto entry = find_entry(code);
+std::optional<std::string> explain(std::string_view code, std::span<const ExampleCall> calls) {
+  auto entry = find_entry(code);
   if (!entry) return std::nullopt;
+  *entry = completed(*entry, calls);
   std::string result(severity_word(entry->code));
   result.append("[").append(entry->code).append("]: ").append(entry->title);
   result.append(" (").append(class_of(entry->code)).append(")\n\n");
@@ -113,7 +123,7 @@ std::optional<std::string> explain(std::string_view code) {
   return result;
 }
 
-std::string catalogue_markdown() {
+std::string catalogue_markdown(std::span<const ExampleCall> calls) {
   std::string result = R"(# Diagnostics
 
 Every message of `hvi-run` has a code; `hvi-run explain CODE` prints the section below. Codes are
@@ -129,7 +139,7 @@ grouped by the phase that finds the mistake. This file is generated from the tab
       result.append(name).append("\n\n");
       current = name;
     }
-    result += markdown_section(entry);
+    result += markdown_section(completed(entry, calls));
   }
   result.pop_back();
   return result;

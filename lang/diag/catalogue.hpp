@@ -15,11 +15,19 @@
 namespace hvi::lang {
 
 /// One diagnostic. `wrong` is a script (or the telling part of one) that raises it, `right` the
-/// same lines put right. Raw strings may start with a newline; it is trimmed on output.
+/// same lines put right. Both are empty where the mistake is in what was asked of the program: see
+/// ExampleCall. Raw strings may start with a newline; it is trimmed on output.
 struct CatalogueEntry {
   std::string_view code;        // "E0312"
   std::string_view title;       // a few words, no full stop: "unknown name"
   std::string_view explanation; // one or more paragraphs
+  std::string_view wrong;
+  std::string_view right;
+};
+
+/// A wrong and a right way to call the program, in the words of its user interface.
+struct ExampleCall {
+  std::string_view code;
   std::string_view wrong;
   std::string_view right;
 };
@@ -47,9 +55,10 @@ struct CatalogueEntry {
 [[nodiscard]] std::string_view class_of(std::string_view code);
 
 /// What `hvi-run explain CODE` prints; nothing for an unknown code.
-[[nodiscard]] std::optional<std::string> explain(std::string_view code);
+[[nodiscard]] std::optional<std::string> explain(std::string_view code,
+                                                 std::span<const ExampleCall> calls);
 
 /// The whole of docs/diagnostics.md.
-[[nodiscard]] std::string catalogue_markdown();
+[[nodiscard]] std::string catalogue_markdown(std::span<const ExampleCall> calls);
 
 } // namespace hvi::lang

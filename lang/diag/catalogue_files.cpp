@@ -45,7 +45,7 @@ fn f() = table("notes.txt", 1))",
 fn f() = table("load.csv", 1))"},
     {"E0606", "geo file",
      R"(
-gmsh runs what a .geo file says, programs too. It is read only with --allow-geo.)",
+gmsh runs what a .geo file says, programs too. It is read only where that was allowed.)",
      R"(
 mesh m = gmsh("part.geo"))",
      R"(
@@ -60,37 +60,33 @@ A process cannot see that others will want the same memory.)",
 mesh m = box(1, 1, 1, cells = [999, 999, 999]))",
      R"(
 mesh m = box(1, 1, 1, cells = [99, 99, 99]))"},
-    {"E0608", "folder in use",
+    {"E0608",
+     "folder in use",
      R"(
 Another run writes into the output folder: it is named with its process, host and start. Two runs in one
 folder would mix their results. The lock ends with the run that holds it, also when that is killed.)",
-     R"(
-hvi-run slab.hvi -o results & hvi-run slab.hvi -o results)",
-     R"(
-hvi-run slab.hvi -o first & hvi-run slab.hvi -o second)"},
-    {"E0609", "result in the place of an input",
+     {},
+     {}},
+    {"E0609",
+     "result in the place of an input",
      R"(
 A file that would be written is one that the script reads: the script itself, an import, a table or a
 mesh. Nothing was computed and nothing written.)",
+     {},
+     {}},
+    {"E0610",
+     "script not formatted",
      R"(
-hvi-run slab.hvi --json load.csv)",
-     R"(
-hvi-run slab.hvi --json slab.json)"},
-    {"E0610", "script not formatted",
-     R"(
-`hvi-run fmt` cannot write the script: no permission, or a full disk. The file is unchanged.)",
-     R"(
-chmod a-w slab.hvi; hvi-run fmt slab.hvi)",
-     R"(
-chmod u+w slab.hvi; hvi-run fmt slab.hvi)"},
-    {"E0611", "refused by the system",
+The formatted script cannot be written: no permission, or a full disk. The file is unchanged.)",
+     {},
+     {}},
+    {"E0611",
+     "refused by the system",
      R"(
 The system would not do something a run needs: read a file that is there, start a program or a thread.
 The reason is the system's own; the script need not be wrong.)",
-     R"(
-ulimit -u 1; hvi-run mesh part.geo --allow-geo)",
-     R"(
-hvi-run mesh part.geo --allow-geo)"},
+     {},
+     {}},
 });
 
 } // namespace

@@ -138,20 +138,18 @@ An expectation names a column of a table of the report.)",
 expect u_z = 1 within 1e-6)",
      R"(
 expect u_y = 1 within 1e-6)"},
-    {"E0320", "-D of an unknown parameter",
+    {"E0320",
+     "unknown parameter set",
      R"(
-The option -D sets a declared `param`; the script declares none of this name.)",
+What is set from outside is a declared `param`; the script declares none of this name.)",
+     {},
+     {}},
+    {"E0321",
+     "parameter set to a wrong value",
      R"(
-hvi-run slab.hvi -D m=8)",
-     R"(
-hvi-run slab.hvi -D n=8)"},
-    {"E0321", "-D with a wrong value",
-     R"(
-The option -D takes a number or a word of the language.)",
-     R"(
-hvi-run slab.hvi -D n=eight)",
-     R"(
-hvi-run slab.hvi -D n=8)"},
+A parameter is set to a number or a word of the language.)",
+     {},
+     {}},
 });
 
 } // namespace

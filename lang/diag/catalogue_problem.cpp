@@ -310,8 +310,8 @@ an unknown and of its own test function.)",
 ... integral(ground, layer^0(u.nu; v.nu)) + integral(ground, p*v.nu))"},
     {"E0445", "of one unknown only",
      R"(
-A few things are known of problems with one unknown only: adapted meshes, `study`,
-`--accuracy`, and on pairs a law of an unknown in P1 beside others in P2.)",
+A few things are known of problems with one unknown only: adapted meshes, `study`, a run to a wanted
+accuracy, and on pairs a law of an unknown in P1 beside others in P2.)",
      R"(
 find u in V, theta in W ...
 study vary n in [8, 16] against finest)",

@@ -15,13 +15,12 @@ reported. A smaller step, or a law that softens less, makes the problem of the s
 using tolerance = 1e-30)",
      R"(
 using tolerance = 1e-10)"},
-    {"E0702", "result not written",
+    {"E0702",
+     "result not written",
      R"(
 The output folder cannot be written: no permission, a full disk, or a file in the way.)",
-     R"(
-hvi-run slab.hvi -o /proc)",
-     R"(
-hvi-run slab.hvi -o results)"},
+     {},
+     {}},
     {"E0703", "interrupted",
      R"(
 The run was asked to stop. The last good state is on disk.)",
@@ -29,24 +28,22 @@ The run was asked to stop. The last good state is on disk.)",
 (Ctrl-C))",
      R"(
 (let it run))"},
-    {"E0704", "checkpoint not usable",
+    {"E0704",
+     "checkpoint not usable",
      R"(
 The checkpoint is damaged, was written by another version, or belongs to another problem: script,
 parameters, mesh and options must be those it was written with; only the end time may be later, with
 the same steps so far. Nothing was computed from it.)",
-     R"(
-hvi-run slab.hvi -D n=64 --resume)",
-     R"(
-hvi-run slab.hvi -D n=32 --resume)"},
-    {"E0705", "accuracy out of reach",
+     {},
+     {}},
+    {"E0705",
+     "accuracy out of reach",
      R"(
 No setting within the limits (unknowns, steps, CPU seconds) promises the wanted accuracy, or the runs
 that were made never showed it. The table of evidence stands above the message. Ask for less, allow more
-seconds (`--budget`), or look at what limits the order: a corner, a load with a kink between mesh lines.)",
-     R"(
-hvi-run slab.hvi --accuracy 1e-9)",
-     R"(
-hvi-run slab.hvi --accuracy 1e-2)"},
+seconds, or look at what limits the order: a corner, a load with a kink between mesh lines.)",
+     {},
+     {}},
     {"E0706", "result is mostly rounding",
      R"(
 Every step was solved, but numbers of 16 digits do not determine the answer: the data, the matrix or the

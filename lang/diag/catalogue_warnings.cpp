@@ -53,25 +53,23 @@ not what was meant.)",
 superpotential layer(r) with slope | r < 0.08 -> 100*r | r < 0.02 -> 50*r | otherwise -> 8)",
      R"(
 superpotential layer(r) with slope | r < 0.02 -> 50*r | r < 0.08 -> 100*r - 1 | otherwise -> 7)"},
-    {"W0601", "picture not drawn",
+    {"W0601",
+     "picture not drawn",
      R"(
 What draws it is not there or refused: libcairo2 paints the PNG pictures of a run (SVG pictures need nothing), gnuplot draws those of
 `study` and `stability`. Everything else is on the disk: pictures come last. A picture whose
 file the script names (`to "slab.png"`) is a result that was asked for: without it the run ends with E0702.)",
-     R"(
-PATH= hvi-run stability slab.hvi)",
-     R"(
-sudo apt-get install libcairo2 gnuplot-nox)"},
-    {"W0602", "curved cells become straight",
+     {},
+     {}},
+    {"W0602",
+     "curved cells become straight",
      R"(
 A mesh of second order gives each edge a node in its middle, so that cells can follow a curved boundary.
 The cells of a space have straight edges here, P2 too: such nodes are dropped. The message has the largest
 distance of one from the middle of its straight edge and the change of the body's area or volume; distances
 of the size of rounding (1e-9 of the edge) do not count. On a curved boundary that costs P2 its third order.)",
-     R"(
-gmsh -2 -order 2 disk.geo; hvi-run disk.hvi)",
-     R"(
-gmsh -2 -clscale 0.5 disk.geo; hvi-run disk.hvi)"},
+     {},
+     {}},
     {"W0603", "open seam",
      R"(
 Nodes of the boundary stand at one place without a cell that joins them, or a node lies inside a side of a

@@ -103,8 +103,7 @@ TEST(Catalogue, EntriesAreCompleteUniqueAndInTheirClass) {
     EXPECT_FALSE(entry.title.empty()) << code;
     EXPECT_FALSE(entry.title.ends_with('.')) << code;
     EXPECT_GT(entry.explanation.size(), 40U) << code;
-    EXPECT_FALSE(entry.wrong.empty()) << code;
-    EXPECT_FALSE(entry.right.empty()) << code;
+    EXPECT_EQ(entry.wrong.empty(), entry.right.empty()) << code;
   }
   for (const CatalogueEntry& entry : catalogue_lexical())
     EXPECT_TRUE(entry.code.starts_with("E01"));
@@ -157,17 +156,25 @@ TEST(Words, HelpAFailureThatBringsNone) {
 }
 
 TEST(Catalogue, ExplainsACodeInEitherCase) {
-  const auto text = explain("e0217");
+  const auto text = explain("e0217", {});
   ASSERT_TRUE(text.has_value());
   EXPECT_EQ(*text, "error[E0217]: semicolon (syntax)\n\n"
                    "Statements need no sign at their end. `;` stands only between the point and "
                    "the direction of\n`j^0(u; v)`.\n\n"
                    "Wrong:\n\n    param n = 4;\n\nRight:\n\n    param n = 4\n");
-  EXPECT_FALSE(explain("E9999").has_value());
+  EXPECT_FALSE(explain("E9999", {}).has_value());
+}
+
+TEST(Catalogue, CompletesAnEntryWithTheCallOfItsCaller) {
+  const std::vector<ExampleCall> calls{{"E0320", "set m to 8", "set n to 8"}, {"E0217", "-", "-"}};
+  const auto text = explain("E0320", calls);
+  ASSERT_TRUE(text.has_value());
+  EXPECT_TRUE(text->ends_with("Wrong:\n\n    set m to 8\n\nRight:\n\n    set n to 8\n")) << *text;
+  EXPECT_EQ(*explain("E0217", calls), *explain("E0217", {})) << "an entry has its own example";
 }
 
 TEST(Catalogue, MarkdownHasASectionForEveryCode) {
-  const std::string markdown = catalogue_markdown();
+  const std::string markdown = catalogue_markdown({});
   for (const CatalogueEntry& entry : catalogue())
     EXPECT_NE(markdown.find("\n### " + std::string(entry.code) + ": "), std::string::npos);
   EXPECT_TRUE(markdown.starts_with("# Diagnostics\n"));
