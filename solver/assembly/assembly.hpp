@@ -32,8 +32,6 @@ SparseMatrix assemble_form(const Space& space, const Region& region, const FormT
 std::vector<SparseMatrix> assemble_forms(const Space& space, const Region& region,
                                          std::span<const FormTerm* const> terms,
                                          const DofSelection& dofs = {});
-/// The pattern of the cell forms with values zero.
-SparseMatrix zero_matrix(const Space& space);
 /// into += alpha matrix; every entry of `matrix` must be in the pattern of `into` (which stays as
 /// it is), else std::invalid_argument.
 void add_scaled(SparseMatrix& into, double alpha, const SparseMatrix& matrix);
@@ -54,9 +52,7 @@ public:
   void restrict_to(std::span<const std::int32_t> dofs);
   /// Every F_m becomes map(F_m): loads stated in other unknowns. Only where all terms separate.
   void map(const std::function<Vector(const Vector&)>& map);
-  int separable_terms() const; ///< vectors F_m stored
-  bool separable() const;      ///< nothing is assembled again at each step
-  bool time_independent() const;
+  bool separable() const; ///< nothing is assembled again at each step
   /// What the load declared at this place costs.
   enum class Cost { nothing, once, once_per_factor, every_step };
   Cost cost(Origin origin) const;

@@ -214,10 +214,6 @@ NodeGraph graph_of(const Space& space, const Region& region, bool gradients) {
 
 } // namespace
 
-SparseMatrix zero_matrix(const Space& space) {
-  return MatrixPattern(*space.graph, space.components, {}).zeros();
-}
-
 std::vector<SparseMatrix> assemble_forms(const Space& space, const Region& region,
                                          std::span<const FormTerm* const> terms,
                                          const DofSelection& dofs) {

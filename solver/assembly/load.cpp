@@ -407,17 +407,12 @@ void LoadAssembler::map(const std::function<Vector(const Vector&)>& map) {
   }
 }
 
-int LoadAssembler::separable_terms() const { return static_cast<int>(impl_->modes.size()); }
 bool LoadAssembler::separable() const { return impl_->lazy.empty(); }
 LoadAssembler::Cost LoadAssembler::cost(Origin origin) const {
   for (const auto& [of, cost] : impl_->costs) {
     if (of == origin) return cost;
   }
   return Cost::nothing;
-}
-bool LoadAssembler::time_independent() const {
-  return impl_->lazy.empty() && std::all_of(impl_->modes.begin(), impl_->modes.end(),
-                                            [](const Mode& mode) { return mode.g.is_constant(); });
 }
 
 } // namespace hvi::solver

@@ -320,13 +320,4 @@ std::vector<std::int32_t> nodes_of(const Mesh& mesh, const Region& region) {
   return nodes;
 }
 
-double measure_of(const Mesh& mesh, const Region& region) {
-  double sum = 0;
-  for (const auto e : region.entities) {
-    if (region.kind == Group::Kind::cells) sum += cell_measure(mesh, e);
-    if (region.kind == Group::Kind::facets) sum += facet_measure(mesh, e);
-  }
-  return region.kind == Group::Kind::points ? static_cast<double>(region.entities.size()) : sum;
-}
-
 } // namespace hvi::solver

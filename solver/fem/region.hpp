@@ -34,6 +34,5 @@ std::vector<std::int32_t> common(const Region& a, const Region& b);
 
 /// The nodes of a region's entities, sorted, unique.
 std::vector<std::int32_t> nodes_of(const Mesh& mesh, const Region& region);
-double measure_of(const Mesh& mesh, const Region& region);
 
 } // namespace hvi::solver

@@ -106,15 +106,6 @@ std::size_t ExponentialSum::state_fields() const {
   return count;
 }
 
-int ExponentialSum::real_rates() const {
-  return static_cast<int>(groups_.size()) - complex_rates();
-}
-
-int ExponentialSum::complex_rates() const {
-  return static_cast<int>(
-      std::count_if(groups_.begin(), groups_.end(), [](const Group& g) { return g.complex(); }));
-}
-
 std::vector<LinearGroup> ExponentialSum::coefficients(const Step& step, double ahead, double t0,
                                                       int order) const {
   std::vector<LinearGroup> out;

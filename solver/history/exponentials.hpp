@@ -27,8 +27,6 @@ public:
   std::size_t state_fields() const;
   /// Coefficients do not depend on the time, only on the steps.
   bool steady() const { return steady_; }
-  int real_rates() const;
-  int complex_rates() const;
 
   /// A step: (t_end - k, t_end].
   struct Step {

@@ -51,12 +51,8 @@ public:
   double now() const { return state_.now; }
   double start_time() const { return state_.start; }
   std::int64_t count() const { return state_.count; } ///< of accepted steps
-  double uniform_step() const { return state_.step; }
-  bool continues_uniformly(double t_new) const {
-    return state_.uniform && step_to(t_new) == state_.step;
-  }
-  /// The step of all intervals up to t_new, if they are equal: as `continues_uniformly`, for a time
-  /// `ahead` steps after the next one.
+  /// The step of all intervals up to t_new, a time `ahead` steps after the next one, if they are
+  /// equal.
   std::optional<double> common_step(double t_new, std::size_t ahead = 0) const {
     if (state_.count == 0 || !state_.uniform) return std::nullopt;
     const double before = state_.now + static_cast<double>(ahead) * state_.step;

@@ -174,9 +174,4 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-/// An independent slow method for tests: nonlinear Gauss-Seidel on the energy / proximal descent,
-/// sharing no code with the solver. Convex case only.
-bool reference_solve(const ReducedProblem& problem, const DenseMatrix& s, const Vector& r,
-                     double tolerance, InequalityState& state);
-
 } // namespace hvi::solver

@@ -29,9 +29,23 @@ void multiply_rows(const Product* terms, bool accumulate, Vector& y) {
   }
 }
 
-void multiply_into(std::span<const Product> terms, bool accumulate, Vector& y) {
-  for (std::size_t from = 0; from < terms.size(); from += 4, accumulate = true) {
+} // namespace
+
+bool same_pattern(const SparseMatrix& a, const SparseMatrix& b) {
+  return a.isCompressed() && b.isCompressed() && a.rows() == b.rows() && a.cols() == b.cols() &&
+         std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.rows() + 1, b.outerIndexPtr()) &&
+         std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
+}
+
+void multiply(std::span<const Product> terms, Vector& y) {
+  if (terms.empty()) {
+    y.setZero();
+    return;
+  }
+  y.resize(terms[0].matrix->rows());
+  for (std::size_t from = 0; from < terms.size(); from += 4) {
     const Product* group = terms.data() + from;
+    const bool accumulate = from > 0;
     switch (std::min<std::size_t>(4, terms.size() - from)) {
     case 1:
       multiply_rows<1>(group, accumulate, y);
@@ -48,25 +62,6 @@ void multiply_into(std::span<const Product> terms, bool accumulate, Vector& y) {
     }
   }
 }
-
-} // namespace
-
-bool same_pattern(const SparseMatrix& a, const SparseMatrix& b) {
-  return a.isCompressed() && b.isCompressed() && a.rows() == b.rows() && a.cols() == b.cols() &&
-         std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.rows() + 1, b.outerIndexPtr()) &&
-         std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
-}
-
-void multiply(std::span<const Product> terms, Vector& y) {
-  if (terms.empty()) {
-    y.setZero();
-    return;
-  }
-  y.resize(terms[0].matrix->rows());
-  multiply_into(terms, false, y);
-}
-
-void multiply_add(std::span<const Product> terms, Vector& y) { multiply_into(terms, true, y); }
 
 BackwardError backward_error(const SparseMatrix& k, const Vector& x, const Vector& b, Vector* r) {
   const int* outer = k.outerIndexPtr();
@@ -88,10 +83,6 @@ BackwardError backward_error(const SparseMatrix& k, const Vector& x, const Vecto
     if (!lost && !(error <= worst.error)) worst = {error, row}; // a NaN wins and stays
   }
   return worst;
-}
-
-double componentwise_backward_error(const SparseMatrix& k, const Vector& x, const Vector& b) {
-  return backward_error(k, x, b).error;
 }
 
 } // namespace hvi::solver

@@ -21,10 +21,8 @@ bool same_pattern(const SparseMatrix& a, const SparseMatrix& b);
 /// y = sum of the terms, whose matrices must have the same pattern (`same_pattern`: checked by the
 /// caller once, not here). y is none of the factors. No allocation when y has its size.
 void multiply(std::span<const Product> terms, Vector& y);
-/// y += sum of the terms; as above.
-void multiply_add(std::span<const Product> terms, Vector& y);
 
-/// How well x solves K x = b, row by row.
+/// How well x solves K x = b, row by row: the certificate's number, with 0/0 = 0.
 struct BackwardError {
   double error = 0.0; ///< max_i |b - K x|_i / (|K| |x| + |b|)_i; NaN if a row is not finite
   int row = -1;       ///< where; -1 if every row is exact
@@ -33,8 +31,5 @@ struct BackwardError {
 /// One pass over K. With `r`, also stores r = b - K x.
 BackwardError backward_error(const SparseMatrix& k, const Vector& x, const Vector& b,
                              Vector* r = nullptr);
-
-/// max_i |b - K x|_i / (|K| |x| + |b|)_i, with 0/0 = 0: the certificate's number.
-double componentwise_backward_error(const SparseMatrix& k, const Vector& x, const Vector& b);
 
 } // namespace hvi::solver

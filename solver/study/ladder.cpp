@@ -21,18 +21,6 @@ std::vector<std::vector<int>> combinations(std::span<const int> rungs) {
   return out;
 }
 
-int predecessor(std::span<const std::vector<int>> settings, std::size_t of) {
-  std::vector<int> lower = settings[of];
-  bool moved = false;
-  for (int& rung : lower)
-    if (rung > 0) --rung, moved = true;
-  if (!moved ||
-      std::any_of(settings[of].begin(), settings[of].end(), [](int rung) { return rung == 0; }))
-    return -1;
-  const auto found = std::find(settings.begin(), settings.end(), lower);
-  return found == settings.end() ? -1 : static_cast<int>(found - settings.begin());
-}
-
 std::optional<double> observed_order(double coarse_error, double fine_error, double ratio) {
   if (!(coarse_error > 0.0) || !(fine_error > 0.0) || !(ratio > 0.0) || ratio == 1.0)
     return std::nullopt;

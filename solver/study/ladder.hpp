@@ -11,10 +11,6 @@ namespace hvi::solver {
 /// Every combination of the rungs of the ladders, as indices; the last ladder varies fastest.
 std::vector<std::vector<int>> combinations(std::span<const int> rungs);
 
-/// The setting one rung lower on every ladder that has a lower one, among `settings`; -1 for none.
-/// Between it and the setting itself all parameters are refined together.
-int predecessor(std::span<const std::vector<int>> settings, std::size_t of);
-
 /// log(e_coarse / e_fine) / log(ratio): how the error falls when the parameter grows by `ratio`.
 std::optional<double> observed_order(double coarse_error, double fine_error, double ratio);
 

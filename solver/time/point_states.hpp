@@ -32,7 +32,6 @@ class StateRates {
 public:
   StateRates(const Problem& problem, const StateGroup& group, const LawPoints& points);
 
-  int n_states() const { return n_; }
   /// Of point p at time t: rates and, where they are asked for, their derivatives by the states
   /// (row by row) and by the inputs. `z`, `inputs`: the point's own.
   void rates(int p, double t, std::span<const double> z, std::span<const double> inputs,

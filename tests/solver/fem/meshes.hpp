@@ -32,6 +32,16 @@ inline Mesh skew_mesh(int dim, int cells, unsigned seed = 7) {
   return mesh;
 }
 
+/// Length, area or volume of its entities; of points their number.
+inline double measure_of(const Mesh& mesh, const Region& region) {
+  double sum = 0;
+  for (const auto e : region.entities) {
+    if (region.kind == Group::Kind::cells) sum += cell_measure(mesh, e);
+    if (region.kind == Group::Kind::facets) sum += facet_measure(mesh, e);
+  }
+  return region.kind == Group::Kind::points ? static_cast<double>(region.entities.size()) : sum;
+}
+
 inline Region all_cells(const Mesh& mesh) {
   Region region;
   region.kind = Group::Kind::cells;

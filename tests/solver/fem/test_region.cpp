@@ -1,6 +1,7 @@
 // Parts of meshes: trees of groups, unions, differences and predicates, and the mesh of a plan.
 #include "solver/fem/region.hpp"
 #include "solver/mesh/generate.hpp"
+#include "tests/solver/fem/meshes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +14,7 @@ namespace hvi::solver {
 namespace {
 
 using Kind = RegionSpec::Kind;
+using test::measure_of;
 
 Mesh square(int n) {
   return structured_mesh(2, {uniform_coordinates(0, 1, n), uniform_coordinates(0, 1, n), {}});

@@ -1,6 +1,7 @@
 // Randomised reduced inequalities with fixed seeds: against the slow reference, cold against warm,
 // Newton against the fallback, dense against sparse, and certificates recomputed from scratch.
 #include "problems.hpp"
+#include "reference.hpp"
 
 #include <gtest/gtest.h>
 

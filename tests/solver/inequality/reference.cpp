@@ -1,14 +1,13 @@
-// Slow, independent solvers of the reduced inequality for tests (inequality.hpp): bisection instead
-// of Newton, one unknown or one point at a time, nothing shared with the solver but the law's
-// graph.
-#include "solver/inequality/inequality.hpp"
+// Bisection instead of Newton, one unknown or one point at a time, nothing shared with the solver
+// but the law's graph; see reference.hpp.
+#include "reference.hpp"
 
 #include <Eigen/Cholesky>
 
 #include <cmath>
 #include <functional>
 
-namespace hvi::solver {
+namespace hvi::solver::test {
 
 namespace {
 
@@ -147,4 +146,4 @@ bool reference_solve(const ReducedProblem& problem, const DenseMatrix& s, const 
   return alternating_directions(problem, s, r, tolerance, state.c, state.xi);
 }
 
-} // namespace hvi::solver
+} // namespace hvi::solver::test

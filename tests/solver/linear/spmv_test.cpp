@@ -30,9 +30,6 @@ TEST(FusedProducts, AgreeWithDenseSums) {
     Vector y = Vector::Constant(60, 99.0);
     multiply(terms, y);
     EXPECT_LT((y - expected).norm(), 1e-13 * (1.0 + expected.norm()));
-    y.setConstant(-2.0);
-    multiply_add(terms, y);
-    EXPECT_LT((y - expected - Vector::Constant(60, -2.0)).norm(), 1e-13 * (20.0 + expected.norm()));
   }
 }
 
@@ -51,7 +48,7 @@ TEST(BackwardErrorOf, FindsTheWorstRowAndTheResidual) {
   const SparseMatrix k = random_definite(40, 0.2, 2);
   Vector x = Vector::LinSpaced(40, -1.0, 1.0);
   Vector b = k * x;
-  EXPECT_LT(componentwise_backward_error(k, x, b), 1e-15);
+  EXPECT_LT(backward_error(k, x, b).error, 1e-15);
   b[17] += 1e-6;
   Vector r;
   const BackwardError found = backward_error(k, x, b, &r);
@@ -65,11 +62,11 @@ TEST(BackwardErrorOf, FindsTheWorstRowAndTheResidual) {
 TEST(BackwardErrorOf, IsZeroForZeroAndKeepsNan) {
   const SparseMatrix k = grid_laplacian(3);
   const Vector zero = Vector::Zero(9);
-  EXPECT_EQ(componentwise_backward_error(k, zero, zero), 0.0);
-  EXPECT_EQ(componentwise_backward_error(k, zero, Vector::Ones(9)), 1.0);
+  EXPECT_EQ(backward_error(k, zero, zero).error, 0.0);
+  EXPECT_EQ(backward_error(k, zero, Vector::Ones(9)).error, 1.0);
   Vector bad = Vector::Ones(9);
   bad[0] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(std::isnan(componentwise_backward_error(k, bad, zero)));
+  EXPECT_TRUE(std::isnan(backward_error(k, bad, zero).error));
 }
 
 TEST(ReadBandwidth, IsPlausible) {

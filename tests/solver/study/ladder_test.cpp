@@ -18,15 +18,6 @@ TEST(Ladder, CombinesEveryRungWithEveryOther) {
   EXPECT_EQ(all.back(), (std::vector<int>{1, 2}));
 }
 
-TEST(Ladder, ThePredecessorIsLowerOnEveryLadder) {
-  const std::vector<int> rungs = {3, 2};
-  const auto all = combinations(rungs);
-  EXPECT_EQ(predecessor(all, 0), -1);
-  EXPECT_EQ(predecessor(all, 1), -1); // (0, 1)
-  EXPECT_EQ(predecessor(all, 3), 0);  // (1, 1) after (0, 0)
-  EXPECT_EQ(predecessor(all, 5), 2);  // (2, 1) after (1, 0)
-}
-
 TEST(Ladder, OrderOfAnErrorThatFallsByFour) {
   EXPECT_DOUBLE_EQ(*observed_order(4e-3, 1e-3, 2.0), 2.0);
   EXPECT_FALSE(observed_order(0.0, 1e-3, 2.0));
