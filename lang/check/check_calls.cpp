@@ -328,23 +328,27 @@ Value Checker::differential(const ast::Expr& e, const ast::Call& c, const std::s
   return out;
 }
 
+Value Checker::identity_call(const ast::Expr& e, const ast::Call& c) {
+  if (!match(e, c, "identity", {}, 0)) return Poison{};
+  const int d = tensor_dim();
+  std::vector<Symbol> unit;
+  for (int i = 0; i < d * d; ++i) unit.push_back(i % (d + 1) == 0 ? 1.0 : 0.0);
+  return matrix_field(d, d, unit);
+}
+
+Value Checker::dot_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
+  auto args = match(e, c, "dot", {"a", "b"}, 2);
+  if (!args) return Poison{};
+  auto a = field(*(*args)[0], scope), b = field(*(*args)[1], scope);
+  if (!a || !b) return Poison{};
+  auto out = dot(e.span, *a, *b, scope);
+  return out ? Value(*out) : Value(Poison{});
+}
+
 Value Checker::algebraic(const ast::Expr& e, const ast::Call& c, const std::string& name,
                          const Scope& scope) {
-  const int d = tensor_dim();
-  if (name == "identity") {
-    if (!match(e, c, name, {}, 0)) return Poison{};
-    std::vector<Symbol> unit;
-    for (int i = 0; i < d * d; ++i) unit.push_back(i % (d + 1) == 0 ? 1.0 : 0.0);
-    return matrix_field(d, d, unit);
-  }
-  if (name == "dot") {
-    auto args = match(e, c, name, {"a", "b"}, 2);
-    if (!args) return Poison{};
-    auto a = field(*(*args)[0], scope), b = field(*(*args)[1], scope);
-    if (!a || !b) return Poison{};
-    auto out = dot(e.span, *a, *b, scope);
-    return out ? Value(*out) : Value(Poison{});
-  }
+  if (name == "identity") return identity_call(e, c);
+  if (name == "dot") return dot_call(e, c, scope);
   auto args = match(e, c, name, {"a"}, 1);
   if (!args) return Poison{};
   auto f = field(*(*args)[0], scope);

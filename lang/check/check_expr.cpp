@@ -371,6 +371,22 @@ Value Checker::member(const ast::Expr& e, const ast::Member& m, const Scope& sco
   return Poison{};
 }
 
+namespace {
+
+/// A number without components yet, of the same functions as f.
+Field number_like(const Field& f) {
+  Field out;
+  out.test = f.test;
+  out.trial = f.trial;
+  out.rate = f.rate;
+  out.acceleration = f.acceleration;
+  out.memory = f.memory;
+  out.read = f.read;
+  return out;
+}
+
+} // namespace
+
 Value Checker::field_member(const ast::Expr&, const ast::Member& m, const Field& f,
                             const Scope& scope) {
   const std::string& name = m.member.text;
@@ -383,13 +399,7 @@ Value Checker::field_member(const ast::Expr&, const ast::Member& m, const Field&
     return Poison{};
   };
   if (f.law_vector || f.rank == 0 || f.rank > 2) return no_member({});
-  Field out;
-  out.test = f.test;
-  out.trial = f.trial;
-  out.rate = f.rate;
-  out.acceleration = f.acceleration;
-  out.memory = f.memory;
-  out.read = f.read;
+  Field out = number_like(f);
   if (f.rank == 2) { // sigma.xy
     if (name.size() != 2) return no_member({"xx", "yy", "xy"});
     const auto i = axis_of(name.substr(0, 1)), j = axis_of(name.substr(1, 1));
@@ -415,6 +425,12 @@ Value Checker::field_member(const ast::Expr&, const ast::Member& m, const Field&
   }
   if (name != "nu" && name != "tau") return no_member({"nu", "tau", "x", "y", "z"});
   if (f.rows != model_.dim) return no_member({"x", "y", "z"});
+  return part_along_normal(m, f, scope);
+}
+
+/// `f.nu` and `f.tau`.
+Value Checker::part_along_normal(const ast::Member& m, const Field& f, const Scope& scope) {
+  const std::string& name = m.member.text;
   const bool on_pair = has_jumps(f.components.front()); // where that is, there is a normal
   const bool read = on_pair || f.read; // the part that the law acts on has one, or it is said
   if (!scope.normal && !read) {
@@ -431,6 +447,7 @@ Value Checker::field_member(const ast::Expr&, const ast::Member& m, const Field&
     n.push_back(Symbol::variable(solver::slot::normal(i)));
     along = along + f.components[i] * n[i];
   }
+  Field out = number_like(f);
   if (name == "nu") {
     out.components = {along};
     return out;

@@ -192,21 +192,10 @@ Value Checker::evaluate_param(const ast::Param& param) {
   entry.span = param.name.span;
   if (param.doc) entry.doc = param.doc->text;
   Value value = expr(param.value, scope);
-  const auto define = options_.defines.find(param.name.text);
-  if (define != options_.defines.end()) {
+  if (options_.defines.contains(param.name.text)) {
     entry.overridden = true;
-    const std::string& text = define->second;
-    if (is_word(text)) {
-      value = Word{text};
-    } else if (auto number = parse_number(text)) {
-      value = scalar_field(*number);
-    } else {
-      error("E0321", Span{},
-            fmt::format("{}{}={}: `{}` is no number", options_.words.define, param.name.text, text,
-                        text),
-            "write a number or one of the words P1, P2, ...");
-      return Poison{};
-    }
+    value = defined_value(param);
+    if (is_poison(value)) return value;
   }
   if (const auto* w = std::get_if<Word>(&value)) {
     entry.value = w->text;
@@ -229,27 +218,42 @@ Value Checker::evaluate_param(const ast::Param& param) {
     return Poison{};
   }
   entry.value = number->scalar().value();
-  if (param.range) {
-    auto bounds = constant_list(*param.range, "the range of a parameter");
-    if (bounds && (bounds->size() != 2 || (*bounds)[0] > (*bounds)[1])) {
-      error("E0408", param.range->span, "the range of a parameter is `[least, greatest]`");
-    } else if (bounds) {
-      entry.range = fmt::format("[{}, {}]", (*bounds)[0], (*bounds)[1]);
-      const double v = number->scalar().value();
-      if (v < (*bounds)[0] || v > (*bounds)[1]) {
-        error("E0408", entry.overridden ? param.name.span : param.value.span,
-              fmt::format("`{}` = {} is outside its range [{}, {}]", param.name.text, v,
-                          (*bounds)[0], (*bounds)[1]),
-              "",
-              entry.overridden ? fmt::format("set by {}{}={}", options_.words.define,
-                                             param.name.text, define->second)
-                               : "");
-        return Poison{};
-      }
-    }
-  }
+  if (!is_in_range(param, number->scalar().value(), entry)) return Poison{};
   model_.params.push_back(entry);
   return value;
+}
+
+/// What a parameter is set to from outside.
+Value Checker::defined_value(const ast::Param& param) {
+  const std::string& text = options_.defines.at(param.name.text);
+  if (is_word(text)) return Word{text};
+  if (const auto number = parse_number(text)) return scalar_field(*number);
+  error(
+      "E0321", Span{},
+      fmt::format("{}{}={}: `{}` is no number", options_.words.define, param.name.text, text, text),
+      "write a number or one of the words P1, P2, ...");
+  return Poison{};
+}
+
+/// Does the value lie where the script says (else reported)? A wrong range is reported, and none.
+bool Checker::is_in_range(const ast::Param& param, double v, ModelParam& entry) {
+  if (!param.range) return true;
+  const auto bounds = constant_list(*param.range, "the range of a parameter");
+  if (!bounds) return true;
+  if (bounds->size() != 2 || (*bounds)[0] > (*bounds)[1]) {
+    error("E0408", param.range->span, "the range of a parameter is `[least, greatest]`");
+    return true;
+  }
+  const double least = (*bounds)[0], greatest = (*bounds)[1];
+  entry.range = fmt::format("[{}, {}]", least, greatest);
+  if (v >= least && v <= greatest) return true;
+  error("E0408", entry.overridden ? param.name.span : param.value.span,
+        fmt::format("`{}` = {} is outside its range [{}, {}]", param.name.text, v, least, greatest),
+        "",
+        entry.overridden ? fmt::format("set by {}{}={}", options_.words.define, param.name.text,
+                                       options_.defines.at(param.name.text))
+                         : "");
+  return false;
 }
 
 std::optional<Value> Checker::built_in_name(const ast::Expr& e, const std::string& name,

@@ -28,6 +28,17 @@ std::size_t places_in(const RegionSpec& region) {
   return out;
 }
 
+RegionSpec combined(RegionSpec::Kind kind, solver::Origin origin, RegionSpec left,
+                    RegionSpec right) {
+  RegionSpec both;
+  both.kind = kind;
+  both.origin = origin;
+  both.children.reserve(2);
+  both.children.push_back(std::move(left));
+  both.children.push_back(std::move(right));
+  return both;
+}
+
 } // namespace
 
 std::optional<RegionSpec> Checker::region(const ast::Region& r) {
@@ -63,13 +74,8 @@ std::optional<RegionSpec> Checker::region(const ast::Region& r) {
       good = false;
       continue;
     }
-    RegionSpec both;
-    both.kind = term.minus ? RegionSpec::Kind::subtract : RegionSpec::Kind::unite;
-    both.origin = model_.origin(r.span);
-    both.children.reserve(2);
-    both.children.push_back(std::move(*out));
-    both.children.push_back(std::move(*spec));
-    out = std::move(both);
+    out = combined(term.minus ? RegionSpec::Kind::subtract : RegionSpec::Kind::unite,
+                   model_.origin(r.span), std::move(*out), std::move(*spec));
   }
   if (r.where && out && out->kind == RegionSpec::Kind::pair) {
     error(

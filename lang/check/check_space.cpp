@@ -1,4 +1,4 @@
-// The space, imposed values, the time grid, the initial state and the settings of a find statement.
+// The space, imposed values, the time grid and the initial state of a find statement.
 #include "lang/check/builtins.hpp"
 #include "lang/check/checker.hpp"
 #include "lang/diag/suggest.hpp"
@@ -142,6 +142,58 @@ void Checker::imposed_values(const ast::Find& find) {
   for (const ast::ImposedValue& imposed : find.imposed) imposed_value(imposed, before);
 }
 
+/// Which component of the unknown, -1 for all; nothing (reported) where there is no such.
+std::optional<int> Checker::imposed_component(const ast::ImposedValue& imposed, int unknown) {
+  if (!imposed.component) return -1;
+  const bool vector = unknowns_of(model_.space)[static_cast<std::size_t>(unknown)].vector;
+  const auto c = vector ? component_index(*imposed.component, model_.dim) : std::nullopt;
+  if (!c)
+    error("E0315", imposed.component->span,
+          fmt::format("`{}` has no component `{}`", imposed.unknown.text, imposed.component->text));
+  return c;
+}
+
+/// A number or a vector, as the unknown or its component is (else reported)?
+bool Checker::has_shape_of(const ast::ImposedValue& imposed, const Field& value, int unknown,
+                           int component) {
+  const bool vector = unknowns_of(model_.space)[static_cast<std::size_t>(unknown)].vector;
+  const int wanted = component >= 0 ? 1 : components_of(unknown);
+  const bool zero = value.rank == 0 && value.scalar().is(0.0);
+  if (zero || (static_cast<int>(value.components.size()) == wanted && value.rank <= 1 &&
+               (value.rank == 1) == (wanted > 1 || (component < 0 && vector))))
+    return true;
+  error("E0307", imposed.value.span,
+        fmt::format("{} is imposed where {} is expected", describe(value),
+                    wanted == 1 ? "a scalar" : fmt::format("a vector of {}", wanted)));
+  return false;
+}
+
+/// E0416 where a value is imposed twice on a component, or where the space is not zero.
+solver::DirichletSpec* Checker::place_of_imposed(const ast::ImposedValue& imposed, int unknown,
+                                                 int part, int component,
+                                                 std::set<std::array<int, 3>>& before) {
+  bool twice = false;
+  const int end = component < 0 ? components_of(unknown) : component + 1;
+  for (int c = std::max(component, 0); c < end; ++c)
+    twice = !before.insert({unknown, part, c}).second || twice;
+  if (twice) {
+    error("E0416", imposed.span,
+          fmt::format("a value of `{}` is imposed twice on `{}`", imposed.unknown.text,
+                      imposed.part.text));
+    return nullptr;
+  }
+  solver::DirichletSpec* found = imposed_entry(unknown, part, component);
+  if (found != nullptr) return found;
+  error(
+      "E0416", imposed.span,
+      fmt::format("the space is not zero on `{}`{}", imposed.part.text,
+                  component >= 0 ? fmt::format(" in component `{}`", imposed.component->text) : ""),
+      fmt::format("add `, zero{} on {}` to the space",
+                  component >= 0 ? "." + imposed.component->text : "", imposed.part.text) +
+          ": values are imposed on a part where the space is zero, or inside one");
+  return nullptr;
+}
+
 void Checker::imposed_value(const ast::ImposedValue& imposed,
                             std::set<std::array<int, 3>>& before) {
   const std::string& u = imposed.unknown.text;
@@ -151,65 +203,29 @@ void Checker::imposed_value(const ast::ImposedValue& imposed,
           fmt::format("values are imposed on the unknown {}, not on `{}`", names_of_unknowns(), u));
     return;
   }
-  const int n = components_of(unknown);
-  const bool vector = unknowns_of(model_.space)[static_cast<std::size_t>(unknown)].vector;
   auto part = part_index(imposed.part);
   Scope scope;
   scope.what = "an imposed value";
   scope.position = scope.time = true;
   auto value = field(imposed.value, scope);
   if (!part || !value || refuse_pair(*part, imposed.part.span, "an imposed value")) return;
-  int component = -1;
-  if (imposed.component) {
-    auto c = vector ? component_index(*imposed.component, model_.dim) : std::nullopt;
-    if (!c) {
-      error("E0315", imposed.component->span,
-            fmt::format("`{}` has no component `{}`", u, imposed.component->text));
-      return;
-    }
-    component = *c;
-  }
-  const int wanted = component >= 0 ? 1 : n;
-  const bool zero = value->rank == 0 && value->scalar().is(0.0);
-  if (!zero && (static_cast<int>(value->components.size()) != wanted || value->rank > 1 ||
-                (value->rank == 1) != (wanted > 1 || (component < 0 && vector)))) {
-    error("E0307", imposed.value.span,
-          fmt::format("{} is imposed where {} is expected", describe(*value),
-                      wanted == 1 ? "a scalar" : fmt::format("a vector of {}", wanted)));
-    return;
-  }
+  const auto component = imposed_component(imposed, unknown);
+  if (!component || !has_shape_of(imposed, *value, unknown, *component)) return;
   if (!find_->time)
     for (const Symbol& c : value->components)
       if (c.depends_on(slot::t))
         error("E0412", imposed.value.span, "a static problem has no time `t`",
               "add `for t in [0, T] by N steps from u = 0`");
-  bool twice = false;
-  for (int c = std::max(component, 0); c < (component < 0 ? n : component + 1); ++c)
-    twice = !before.insert({unknown, *part, c}).second || twice;
-  if (twice) {
-    error("E0416", imposed.span,
-          fmt::format("a value of `{}` is imposed twice on `{}`", u, imposed.part.text));
-    return;
-  }
-  solver::DirichletSpec* found = imposed_entry(unknown, *part, component);
-  if (found == nullptr) {
-    error("E0416", imposed.span,
-          fmt::format("the space is not zero on `{}`{}", imposed.part.text,
-                      component >= 0 ? fmt::format(" in component `{}`", imposed.component->text)
-                                     : ""),
-          fmt::format("add `, zero{} on {}` to the space",
-                      component >= 0 ? "." + imposed.component->text : "", imposed.part.text) +
-              ": values are imposed on a part where the space is zero, or inside one");
-    return;
-  }
+  solver::DirichletSpec* found = place_of_imposed(imposed, unknown, *part, *component, before);
+  if (found == nullptr) return;
   found->origin = model_.origin(imposed.span);
-  if (found->component == -1 && component >= 0) {
+  if (found->component == -1 && *component >= 0) {
     // One component of a clamped part moves, the others stay zero.
-    if (found->value.empty()) found->value.assign(n, Symbol(0.0));
-    found->value[component] = value->scalar();
+    if (found->value.empty()) found->value.assign(components_of(unknown), Symbol(0.0));
+    found->value[*component] = value->scalar();
   } else {
     found->value = value->components;
-    if (zero) found->value.clear();
+    if (value->rank == 0 && value->scalar().is(0.0)) found->value.clear();
   }
 }
 
@@ -332,124 +348,6 @@ std::optional<std::vector<Symbol>> Checker::initial_value(const ast::InitialValu
     return std::nullopt;
   }
   return value->components;
-}
-
-namespace {
-
-std::vector<std::string> scheme_words() {
-  return {"backward_euler", "euler", "bdf2", "newmark", "hht", "midpoint"};
-}
-
-} // namespace
-
-void Checker::set_scheme(const std::string& word, const Span& span) {
-  using solver::Scheme;
-  for (const Scheme scheme :
-       {Scheme::backward_euler, Scheme::bdf2, Scheme::newmark, Scheme::hht, Scheme::midpoint})
-    if (word == solver::name_of(scheme)) model_.time.scheme = scheme;
-  if (solver::needs_inertia(model_.time.scheme) && !has_second_derivative())
-    error("E0431", span,
-          fmt::format("the scheme `{}` is for problems with `{}''`", word, name_of(0)),
-          "without inertia there are `backward_euler` and `bdf2`");
-}
-
-void Checker::set_hht_alpha(const ast::Setting& setting) {
-  const auto alpha = constant(setting.value, setting.name.text);
-  if (!alpha) return;
-  if (*alpha >= -1.0 / 3.0 && *alpha <= 0.0)
-    model_.time.hht_alpha = *alpha;
-  else
-    error("E0408", setting.value.span, "`hht_alpha` is between -1/3 and 0");
-}
-
-/// Has a form u'' in it, and not times zero?
-bool has_acceleration(const ModelTerm& term) {
-  constexpr int order = 2;
-  return term.integrand.laws.empty() &&
-         (term.factor * term.integrand.scalar())
-             .depends_on_any(slot::field(solver::field_of_u(order), 0),
-                             slot::field(solver::field_of_u(order) + 1, 0));
-}
-
-/// Has a form of the inequality?
-bool Checker::has_second_derivative() const {
-  return std::ranges::any_of(model_.terms, has_acceleration);
-}
-
-void Checker::settings(const ast::Find& find) {
-  const auto known = setting_names();
-  std::vector<std::string> seen;
-  for (const ast::Setting& s : find.settings) {
-    const std::string& name = s.name.text;
-    if (std::find(known.begin(), known.end(), name) == known.end()) {
-      const std::string near = did_you_mean(name, known);
-      error("E0316", s.name.span, fmt::format("there is no setting `{}`", name),
-            near.empty() ? fmt::format("settings: {}", fmt::join(known, ", ")) : near);
-      continue;
-    }
-    if (std::find(seen.begin(), seen.end(), name) != seen.end()) {
-      error("E0302", s.name.span, fmt::format("the setting `{}` is given twice", name));
-      continue;
-    }
-    seen.push_back(name);
-    auto positive = [&](double& out) {
-      auto v = constant(s.value, name);
-      if (v && !(*v > 0.0)) error("E0408", s.value.span, fmt::format("`{}` is positive", name));
-      if (v && *v > 0.0) out = *v;
-    };
-    solver::SolverOptions& options = model_.options;
-    if (name == "scheme") {
-      if (const auto w = word(s.value, "scheme", scheme_words())) set_scheme(*w, s.value.span);
-    } else if (name == "hht_alpha") {
-      set_hht_alpha(s);
-    } else if (name == "load") {
-      auto w = word(s.value, "load sampling", {"endpoint", "average"});
-      if (w)
-        model_.time.sampling =
-            *w == "average" ? solver::LoadSampling::average : solver::LoadSampling::endpoint;
-    } else if (name == "interpolant") {
-      auto w = word(s.value, "interpolant", {"affine", "constant"});
-      if (w)
-        model_.time.interpolant =
-            *w == "constant" ? solver::Interpolant::constant : solver::Interpolant::affine;
-    } else if (name == "quadrature") {
-      auto w = word(s.value, "quadrature", {"nodal", "midpoint", "gauss"});
-      if (w)
-        for (ModelTerm& term : model_.terms)
-          if (!term.integrand.laws.empty() && !term.rule_given)
-            term.rule = *w == "nodal"      ? solver::Rule::nodal
-                        : *w == "midpoint" ? solver::Rule::midpoint
-                                           : solver::Rule::gauss;
-    } else if (name == "tolerance") {
-      positive(options.tolerance);
-    } else if (name == "memory_tolerance") {
-      positive(options.memory_tolerance);
-    } else if (name == "branch") {
-      auto w = word(s.value, "branch", {"continuing", "release", "least_energy"});
-      if (w)
-        options.branch = *w == "continuing" ? solver::Branch::continuing
-                         : *w == "release"  ? solver::Branch::release
-                                            : solver::Branch::least_energy;
-    } else if (name == "memory") {
-      auto w = word(s.value, "memory route", {"automatic", "recursion", "fit", "tree", "direct"});
-      if (w)
-        options.route = *w == "automatic"   ? solver::HistoryRoute::automatic
-                        : *w == "recursion" ? solver::HistoryRoute::recursion
-                        : *w == "fit"       ? solver::HistoryRoute::fit
-                        : *w == "tree"      ? solver::HistoryRoute::tree
-                                            : solver::HistoryRoute::direct;
-    } else if (name == "accuracy") {
-      double v = 0.0;
-      positive(v);
-      if (v > 0.0) model_.accuracy = v;
-    } else if (name == "threads") {
-      if (auto n = positive_integer(s.value, name)) options.threads = *n;
-    } else if (const auto* r = std::get_if<ast::Reference>(&s.value.node)) {
-      model_.accuracy_of = r->name;
-    } else {
-      error("E0306", s.value.span, "`accuracy_of` is the name of a column of the table");
-    }
-  }
 }
 
 } // namespace hvi::lang

@@ -94,6 +94,8 @@ private:
   Value& value_of(int declaration, const Span& use);
   Value evaluate(Declaration& declaration);
   Value evaluate_param(const ast::Param& param);
+  Value defined_value(const ast::Param& param);
+  bool is_in_range(const ast::Param& param, double value, ModelParam& entry);
   int find_declaration(const std::string& name) const;
 
   // --- expressions (check_expr.cpp, check_ops.cpp)
@@ -108,6 +110,7 @@ private:
   Value member(const ast::Expr& e, const ast::Member& member, const Scope& scope);
   Value field_member(const ast::Expr& e, const ast::Member& member, const Field& object,
                      const Scope& scope);
+  Value part_along_normal(const ast::Member& m, const Field& f, const Scope& scope);
   Value coupled_multiplier(const ast::Member& member, int declaration);
   Value law_member(const ast::Member& member, int declaration, const Scope& scope);
   Value prime(const ast::Expr& e, const ast::Prime& prime, const Scope& scope);
@@ -154,6 +157,8 @@ private:
   Value differential(const ast::Expr& e, const ast::Call& call, const std::string& name,
                      const Scope& scope);
   Value mises_call(const ast::Expr& e, const Span& span, const Field& f, const Scope& scope);
+  Value identity_call(const ast::Expr& e, const ast::Call& call);
+  Value dot_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
   Value algebraic(const ast::Expr& e, const ast::Call& call, const std::string& name,
                   const Scope& scope);
   void check_locking();
@@ -200,6 +205,11 @@ private:
   void name_multipliers(int part, Symbol& expression) const;
   Value number_of(solver::Probe probe);
   Value clarke(const ast::Expr& e, const ast::Clarke& clarke, const Scope& scope);
+  std::optional<int> superpotential_of(const ast::Clarke& clarke, const Scope& scope);
+  bool is_pair_of_law(const ast::Clarke& clarke, const std::string& law, const Field& at,
+                      const Field& direction);
+  std::optional<LawUse> law_use(const ast::Clarke& clarke, const Field& at, const Field& direction);
+  bool can_stand_here(const ast::Clarke& clarke, int law, const Scope& scope);
   /// Matches positional and named arguments with `names` (the first `required` must be there).
   std::optional<std::vector<const ast::Expr*>> match(const ast::Expr& e, const ast::Call& call,
                                                      const std::string& callee,
@@ -317,13 +327,25 @@ private:
   void imposed_values(const ast::Find& find);
   bool contains(const solver::RegionSpec& larger, const solver::RegionSpec& part) const;
   solver::DirichletSpec* imposed_entry(int unknown, int part, int component);
+  std::optional<int> imposed_component(const ast::ImposedValue& imposed, int unknown);
+  bool has_shape_of(const ast::ImposedValue& imposed, const Field& value, int unknown,
+                    int component);
+  solver::DirichletSpec* place_of_imposed(const ast::ImposedValue& imposed, int unknown, int part,
+                                          int component, std::set<std::array<int, 3>>& before);
   void imposed_value(const ast::ImposedValue& imposed, std::set<std::array<int, 3>>& before);
   void time_clause(const ast::Find& find);
   void time_grid(const ast::TimeClause& clause);
   void initial_state(const ast::Find& find);
   std::optional<std::vector<Symbol>> initial_value(const ast::InitialValue& initial, int unknown);
-  void set_scheme(const std::string& word, const Span& span);
+  template <class T>
+  void choose(const ast::Setting& setting, const std::string& what,
+              const std::vector<std::pair<std::string, T>>& choices, T& out);
+  void set_scheme(const ast::Setting& setting);
   void set_hht_alpha(const ast::Setting& setting);
+  void set_positive(const ast::Setting& setting, double& out);
+  void set_quadrature(const ast::Setting& setting);
+  void set_accuracy_of(const ast::Setting& setting);
+  void setting(const ast::Setting& setting);
   bool has_second_derivative() const;
   void settings(const ast::Find& find);
   void forms(const ast::Find& find);

@@ -19,7 +19,8 @@ constexpr auto calls = std::to_array<ExampleCall>({
     {"E0702", R"(hvi-run slab.hvi -o /proc)", R"(hvi-run slab.hvi -o results)"},
     {"E0704", R"(hvi-run slab.hvi -D n=64 --resume)", R"(hvi-run slab.hvi -D n=32 --resume)"},
     {"E0705", R"(hvi-run slab.hvi --accuracy 1e-9)", R"(hvi-run slab.hvi --accuracy 1e-2)"},
-    {"W0601", R"(PATH= hvi-run stability slab.hvi)", R"(sudo apt-get install libcairo2 gnuplot-nox)"},
+    {"W0601", R"(PATH= hvi-run stability slab.hvi)",
+     R"(sudo apt-get install libcairo2 gnuplot-nox)"},
     {"W0602", R"(gmsh -2 -order 2 disk.geo; hvi-run disk.hvi)",
      R"(gmsh -2 -clscale 0.5 disk.geo; hvi-run disk.hvi)"},
 });

@@ -80,73 +80,104 @@ void no_command(std::string_view word, CLI::App& app) {
   tell("commands: {}; --help says more\n", fmt::join(commands, ", "));
 }
 
-int dispatch(int argc, char** argv) {
+/// What the command line says, apart from the options of runs.
+struct CommandLine {
   Options options;
-  options.colour = isatty(STDERR_FILENO) && !std::getenv("NO_COLOR");
-  options.colour_out = isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
   std::vector<std::string> defines, files;
-  std::string code, phase;
-  bool only_check = false;
-  CLI::App app{"hvi-run: solves history-dependent hemivariational inequalities"};
-  app.set_version_flag("--version", std::string("hvi-run ") + hvi::lang::version);
-  app.require_subcommand(1);
-  const std::string_view given = argc > 1 ? argv[1] : "-";
+  std::string code, phase, fresh_file;
+  bool only_check = false, explain_all = false;
+  bool over_streams = true; ///< there is no other way; editors say so all the same
+};
+
+CLI::Option* add_report(CLI::App& command, Options& options) {
+  return command.add_flag("--report", options.report, "write a page to read in a browser");
+}
+
+void add_run(CLI::App& run, Options& options) {
+  run.add_option("--checkpoint", options.checkpoint, "save the state every N steps")
+      ->check(CLI::PositiveNumber);
+  run.add_flag("--resume", options.resume, "go on from the last checkpoint");
+  auto* no_files = run.add_flag("--no-files", options.no_files, "print only, write nothing")
+                       ->excludes("--checkpoint", "--resume");
+  no_files->excludes(add_report(run, options));
+  if (auto* folder = run.get_option_no_throw("-o")) no_files->excludes(folder);
+  run.add_option("--accuracy", options.accuracy,
+                 "find the cheapest setting with this relative error")
+      ->check(positive);
+  run.add_option("--of", options.accuracy_of, "the accuracy of this column, not of u in V");
+  run.add_flag("--as-written", options.as_written,
+               "with --accuracy: keep element, scheme and grading, vary mesh and steps only");
+  run.add_option("--budget", options.budget, "CPU seconds a run for --accuracy may take")
+      ->check(positive);
+  run.add_flag("--monitors", options.monitors, "energies and a-priori bounds, step by step");
+}
+
+/// All commands; options of scripts for the one that is `given`, or for all where none is.
+void add_commands(CLI::App& app, std::string_view given, CommandLine& line) {
   const auto command = [&](const char* name, const char* what, bool many = false) {
     CLI::App* sub = app.add_subcommand(name, what);
     // Options are made for the command that is given only: they are most of what a start costs.
     if (given != name && !given.starts_with("-")) return sub;
-    add_common(*sub, options, defines);
-    auto* option = sub->add_option("FILE", files, "script")->required();
+    add_common(*sub, line.options, line.defines);
+    auto* option = sub->add_option("FILE", line.files, "script")->required();
     if (!many) option->expected(1);
     return sub;
   };
-  auto* run = command("run", "solve a script");
-  run->add_option("--checkpoint", options.checkpoint, "save the state every N steps")
-      ->check(CLI::PositiveNumber);
-  run->add_flag("--resume", options.resume, "go on from the last checkpoint");
-  auto* no_files = run->add_flag("--no-files", options.no_files, "print only, write nothing")
-                       ->excludes("--checkpoint", "--resume");
-  auto* page = run->add_flag("--report", options.report, "write a page to read in a browser");
-  no_files->excludes(page);
-  if (auto* folder = run->get_option_no_throw("-o")) no_files->excludes(folder);
-  run->add_option("--accuracy", options.accuracy,
-                  "find the cheapest setting with this relative error")
-      ->check(positive);
-  run->add_option("--of", options.accuracy_of, "the accuracy of this column, not of u in V");
-  run->add_flag("--as-written", options.as_written,
-                "with --accuracy: keep element, scheme and grading, vary mesh and steps only");
-  run->add_option("--budget", options.budget, "CPU seconds a run for --accuracy may take")
-      ->check(positive);
-  run->add_flag("--monitors", options.monitors, "energies and a-priori bounds, step by step");
-  auto* report = command("report", "solve a script and write a page to read in a browser");
+  add_run(*command("run", "solve a script"), line.options);
+  command("report", "solve a script and write a page to read in a browser");
   auto* check = command("check", "check scripts without solving", true);
-  check->add_flag("--report", options.report, "write a page to read in a browser");
-  check->add_flag("--script-only", options.script_only, "without the mesh");
-  auto* plan = command("plan", "what a run would do");
-  auto* study = command("study", "what accuracy costs: runs the ladders of a script");
-  study->add_flag("--report", options.report, "write a page to read in a browser");
-  auto* stability = command("stability", "how far a model can be trusted");
-  stability->add_flag("--report", options.report, "write a page to read in a browser");
-  auto* test = command("test", "run scripts and judge their expectations", true);
-  auto* format = command("fmt", "format scripts in place", true);
-  format->add_flag("--check", only_check, "only say which are not formatted");
-  auto* params = command("params", "list the parameters");
-  auto* mesh = command("mesh", "describe a mesh file, or draw the mesh and the parts of a script");
+  add_report(*check, line.options);
+  check->add_flag("--script-only", line.options.script_only, "without the mesh");
+  command("plan", "what a run would do");
+  add_report(*command("study", "what accuracy costs: runs the ladders of a script"), line.options);
+  add_report(*command("stability", "how far a model can be trusted"), line.options);
+  command("test", "run scripts and judge their expectations", true);
+  command("fmt", "format scripts in place", true)
+      ->add_flag("--check", line.only_check, "only say which are not formatted");
+  command("params", "list the parameters");
+  command("mesh", "describe a mesh file, or draw the mesh and the parts of a script");
   auto* dump = command("dump", "print a phase");
   for (const char* name : {"tokens", "ast", "model", "plan"})
     dump->add_flag_callback(
-        std::string("--") + name, [&phase, name] { phase = name; }, "this phase");
-  auto* editor = app.add_subcommand("serve-editor", "language server: answers an editor");
-  bool over_streams = true; // there is no other way; editors say so all the same
-  editor->add_flag("--stdio", over_streams, "over the standard streams, as always");
+        std::string("--") + name, [&line, name] { line.phase = name; }, "this phase");
+  app.add_subcommand("serve-editor", "language server: answers an editor")
+      ->add_flag("--stdio", line.over_streams, "over the standard streams, as always");
   auto* fresh = app.add_subcommand("new", "write a commented script to start from");
-  fresh->add_option("KIND", code, "contact, memory, friction, ... (none: says which there are)");
-  std::string fresh_file;
-  fresh->add_option("FILE", fresh_file, "where to (default: KIND.hvi)");
+  fresh->add_option("KIND", line.code,
+                    "contact, memory, friction, ... (none: says which there are)");
+  fresh->add_option("FILE", line.fresh_file, "where to (default: KIND.hvi)");
   auto* explain = app.add_subcommand("explain", "explain a diagnostic");
-  explain->add_option("CODE", code, "E0301");
-  bool explain_all = false;
-  explain->add_flag("--all", explain_all, "every diagnostic, as Markdown");
+  explain->add_option("CODE", line.code, "E0301");
+  explain->add_flag("--all", line.explain_all, "every diagnostic, as Markdown");
+}
+
+int perform(const std::string& command, const CommandLine& line) {
+  const std::vector<std::string>& files = line.files;
+  const Options& options = line.options;
+  if (command == "run" || command == "report") return hvi::lang::run_command(files[0], options);
+  if (command == "check") return hvi::lang::check_command(files, options);
+  if (command == "plan") return hvi::lang::plan_command(files[0], options);
+  if (command == "study") return hvi::lang::study_command(files[0], options);
+  if (command == "stability") return hvi::lang::stability_command(files[0], options);
+  if (command == "test") return hvi::lang::test_command(files, options);
+  if (command == "fmt") return hvi::lang::format_command(files, line.only_check);
+  if (command == "params") return hvi::lang::params_command(files[0], options);
+  if (command == "mesh") return hvi::lang::mesh_command(files[0], options);
+  if (command == "new") return hvi::lang::new_command(line.code, line.fresh_file);
+  if (command == "explain") return hvi::lang::explain_command(line.code);
+  if (command == "serve-editor") return hvi::lang::serve_editor_command();
+  return hvi::lang::dump_command(files[0], line.phase.empty() ? "plan" : line.phase, options);
+}
+
+int dispatch(int argc, char** argv) {
+  CommandLine line;
+  line.options.colour = isatty(STDERR_FILENO) && !std::getenv("NO_COLOR");
+  line.options.colour_out = isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
+  CLI::App app{"hvi-run: solves history-dependent hemivariational inequalities"};
+  app.set_version_flag("--version", std::string("hvi-run ") + hvi::lang::version);
+  app.require_subcommand(1);
+  const std::string_view given = argc > 1 ? argv[1] : "-";
+  add_commands(app, given, line);
   if (argc == 1) {
     tell("{}", app.help("hvi-run"));
     return hvi::lang::exit_usage;
@@ -161,29 +192,18 @@ int dispatch(int argc, char** argv) {
     const int status = app.exit(error);
     return status == 0 ? hvi::lang::exit_ok : hvi::lang::exit_usage;
   }
-  if (*explain && code.empty() != explain_all) {
+  const std::string command = app.get_subcommands().front()->get_name();
+  if (command == "explain" && line.code.empty() != line.explain_all) {
     tell("hvi-run: explain takes a code, or --all\n");
     return hvi::lang::exit_usage;
   }
-  for (const std::string& define : defines)
-    if (!add_define(define, options)) {
+  for (const std::string& define : line.defines)
+    if (!add_define(define, line.options)) {
       tell("hvi-run: -D takes name=value, not `{}`\n", define);
       return hvi::lang::exit_usage;
     }
-  options.report = options.report || *report;
-  if (*run || *report) return hvi::lang::run_command(files[0], options);
-  if (*check) return hvi::lang::check_command(files, options);
-  if (*plan) return hvi::lang::plan_command(files[0], options);
-  if (*study) return hvi::lang::study_command(files[0], options);
-  if (*stability) return hvi::lang::stability_command(files[0], options);
-  if (*test) return hvi::lang::test_command(files, options);
-  if (*format) return hvi::lang::format_command(files, only_check);
-  if (*params) return hvi::lang::params_command(files[0], options);
-  if (*mesh) return hvi::lang::mesh_command(files[0], options);
-  if (*fresh) return hvi::lang::new_command(code, fresh_file);
-  if (*explain) return hvi::lang::explain_command(code);
-  if (*editor) return hvi::lang::serve_editor_command();
-  return hvi::lang::dump_command(files[0], phase.empty() ? "plan" : phase, options);
+  line.options.report = line.options.report || command == "report";
+  return perform(command, line);
 }
 
 /// `hvi-run FILE ...` is `hvi-run run FILE ...`: the word is put in when the first word that is no

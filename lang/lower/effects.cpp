@@ -67,11 +67,12 @@ std::string on_what(const LawUse& use) {
   return out;
 }
 
-} // namespace
+using All = std::array<Seen, 9>;
 
-std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
-  std::array<Seen, 9> seen;
-  auto mark = [&](Effect effect, bool on, const Span& span) {
+/// What the forms and loads of the problem are, and those that were folded away.
+All seen_in(const Model& model, const solver::Problem& problem) {
+  All seen;
+  const auto mark = [&](Effect effect, bool on, const Span& span) {
     Seen& s = seen[static_cast<std::size_t>(effect)];
     if (s.on) return;
     (on ? s.on : s.dropped) = true;
@@ -83,34 +84,26 @@ std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
     mark(load.effect, true, model.origins[load.origin.id]);
   for (const ModelTerm& term : model.terms)
     if (term.integrand.laws.empty() && folded(term)) mark(effect_of(model, term), false, term.span);
+  return seen;
+}
 
-  auto of = [&](Effect effect) -> const Seen& { return seen[static_cast<std::size_t>(effect)]; };
-  std::vector<EffectNote> out;
-  out.push_back(note(model, "inertia", of(Effect::inertia), "no term with the acceleration"));
-  out.push_back(note(model, "viscosity", of(Effect::viscosity), "no term with the rate"));
-  out.push_back(note(model, "elasticity", of(Effect::elasticity), "no term with the unknown"));
-  out.push_back(note(model, "memory", of(Effect::memory), "no history term"));
-  out.push_back(note(model, "body force", of(Effect::body_force), "no load on cells"));
-  out.push_back(note(model, "traction", of(Effect::traction), "no load on the boundary"));
-  bool any_normal = false, any_friction = false;
-  for (const ModelTerm& term : model.terms)
-    for (const LawUse& use : term.integrand.laws) {
-      const bool radial = model.laws[use.law].spec.radial;
-      const bool zero = (term.factor * use.factor).is(0.0);
-      const bool flat = model.laws[use.law].spec.expression.is(0.0);
-      (radial ? any_friction : any_normal) = true;
-      EffectNote law;
-      law.name = fmt::format("{}{} `{}` on `{}`", radial ? "friction" : "law", on_what(use),
-                             use.name, model.parts[term.part].name);
-      law.state = zero || flat ? State::dropped : State::on;
-      law.origin = origin_of(model, problem, use.span);
-      const bool reads = !model.laws[use.law].spec.readings.empty();
-      law.why = zero    ? "its factor is zero"
-                : flat  ? "the superpotential is zero"
-                : reads ? "reads the solution, found with each step"
-                        : "";
-      out.push_back(std::move(law));
-    }
+EffectNote note_of_law(Model& model, const solver::Problem& problem, const ModelTerm& term,
+                       const LawUse& use) {
+  const solver::LawSpec& spec = model.laws[use.law].spec;
+  const bool zero = (term.factor * use.factor).is(0.0), flat = spec.expression.is(0.0);
+  EffectNote law;
+  law.name = fmt::format("{}{} `{}` on `{}`", spec.radial ? "friction" : "law", on_what(use),
+                         use.name, model.parts[term.part].name);
+  law.state = zero || flat ? State::dropped : State::on;
+  law.origin = origin_of(model, problem, use.span);
+  law.why = zero                     ? "its factor is zero"
+            : flat                   ? "the superpotential is zero"
+            : !spec.readings.empty() ? "reads the solution, found with each step"
+                                     : "";
+  return law;
+}
+
+void add_pairs(Model& model, const solver::Problem& problem, std::vector<EffectNote>& out) {
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     const auto on_it = [&](const solver::LawTerm& term) {
       return term.part == static_cast<int>(p);
@@ -122,25 +115,48 @@ std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
                      "its sides are matched once, by the intersections of their facets; the "
                      "unknowns of both are contact unknowns"});
   }
+}
+
+EffectNote note_of_state(const solver::Problem& problem, std::size_t index) {
+  const solver::StateTerm& state = problem.states[index];
+  EffectNote one;
+  one.name = fmt::format("state `{}` on `{}`", state.name, problem.parts[state.part].name);
+  one.state = State::on;
+  one.origin = state.origin;
+  const auto slot = solver::slot::state(static_cast<solver::Slot>(index));
+  const bool in_form = std::ranges::any_of(problem.forms, [&](const solver::FormTerm& form) {
+    return std::ranges::any_of(form.entries, [&](const solver::FormTerm::Entry& entry) {
+      return entry.coefficient.depends_on(slot);
+    });
+  });
+  one.why = in_form ? "an ordinary differential equation at every point, solved with the step; it "
+                      "changes the matrix: a factor in every pass"
+                    : "an ordinary differential equation at every point, solved with the step";
+  return one;
+}
+
+} // namespace
+
+std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
+  const All seen = seen_in(model, problem);
+  auto of = [&](Effect effect) -> const Seen& { return seen[static_cast<std::size_t>(effect)]; };
+  std::vector<EffectNote> out;
+  out.push_back(note(model, "inertia", of(Effect::inertia), "no term with the acceleration"));
+  out.push_back(note(model, "viscosity", of(Effect::viscosity), "no term with the rate"));
+  out.push_back(note(model, "elasticity", of(Effect::elasticity), "no term with the unknown"));
+  out.push_back(note(model, "memory", of(Effect::memory), "no history term"));
+  out.push_back(note(model, "body force", of(Effect::body_force), "no load on cells"));
+  out.push_back(note(model, "traction", of(Effect::traction), "no load on the boundary"));
+  bool any_normal = false, any_friction = false;
+  for (const ModelTerm& term : model.terms)
+    for (const LawUse& use : term.integrand.laws) {
+      (model.laws[use.law].spec.radial ? any_friction : any_normal) = true;
+      out.push_back(note_of_law(model, problem, term, use));
+    }
+  add_pairs(model, problem, out);
   if (!any_normal) out.push_back(note(model, "normal law", {}, "no superpotential of a scalar"));
   if (!any_friction) out.push_back(note(model, "friction", {}, "no superpotential of a vector"));
-  for (const solver::StateTerm& state : problem.states) {
-    EffectNote one;
-    one.name = fmt::format("state `{}` on `{}`", state.name, problem.parts[state.part].name);
-    one.state = State::on;
-    one.origin = state.origin;
-    const auto index = static_cast<solver::Slot>(&state - problem.states.data());
-    const bool in_form = std::ranges::any_of(problem.forms, [&](const solver::FormTerm& form) {
-      return std::ranges::any_of(form.entries, [&](const solver::FormTerm::Entry& entry) {
-        return entry.coefficient.depends_on(solver::slot::state(index));
-      });
-    });
-    one.why = in_form
-                  ? "an ordinary differential equation at every point, solved with the step; it "
-                    "changes the matrix: a factor in every pass"
-                  : "an ordinary differential equation at every point, solved with the step";
-    out.push_back(std::move(one));
-  }
+  for (std::size_t i = 0; i < problem.states.size(); ++i) out.push_back(note_of_state(problem, i));
   for (const ModelNote& found : model.notes)
     out.push_back(
         {found.name, found.taken ? State::on : State::off, model.origin(found.span), found.what});

@@ -66,6 +66,13 @@ private:
   void judge_balance(const FreeBody& body);
 
   // law_rows.cpp
+  /// The steepest descent of laws on the unknown and on its rate.
+  struct Descents {
+    Bracket normal, tangential, on_rate;
+  };
+  bool is_beyond(const LawTerm& term);
+  void judge_law(const TermConstants& law, const LawTerm& term, Descents& descents);
+  void judge_traces();
   void judge_laws();
   /// Lipschitz constants of the rates, by the state itself and by what they read.
   void judge_states();

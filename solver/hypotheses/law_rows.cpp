@@ -11,70 +11,67 @@
 
 namespace hvi::solver {
 
-void Judgement::judge_laws() {
-  c().m_nu = c().m_tau = c().c_J = 0.0;
-  Bracket m_nu, m_tau, m_rate;
-  for (const auto& law : numbers_.laws()) {
-    const auto& term = problem_.law_terms[law.term];
-    const auto& spec = problem_.laws[static_cast<std::size_t>(term.law)];
-    if (!spec.coupled.empty() || !spec.readings.empty()) {
-      c().m_nu = c().m_tau = c().c_J = infinity;
-      m_nu = c().c_J_known = Bracket::exactly(infinity);
-      row("H(J)", fmt::format("`{}` is a law of its argument alone", term.name), std::nullopt,
-          Answer::fails, term.origin,
-          spec.coupled.empty()
-              ? "it reads the solution: beyond the theorems here"
-              : fmt::format("its bound is the multiplier of `{}` (Coulomb): beyond the theory",
-                            spec.coupled));
-      (spec.coupled.empty() ? facts_.reads : facts_.coupled) = true;
-      continue;
-    }
-    const auto& seen = term.seen;
-    const bool apart =
-        std::ranges::any_of(seen, [&](const auto& row) { return row != seen.front(); });
-    if (apart || (!seen.empty() && !is_rate(term.field))) {
-      c().m_nu = c().m_tau = c().c_J = infinity;
-      m_nu = c().c_J_known = Bracket::exactly(infinity);
-      row("H(J)", fmt::format("`{}` sees one field", term.name), std::nullopt, Answer::fails,
-          term.origin,
-          apart ? "u in one component and u' in another: its force is no subgradient of one "
-                  "operator; beyond the theorems here"
-                : "a sum of u and a memory: beyond the theorems here");
-      facts_.reads = true;
-      continue;
-    }
-    if (!problem_.laws[term.law].states.empty())
-      row("H(J)", fmt::format("`{}` keeps its graph", term.name), std::nullopt, Answer::open,
-          term.origin, "it changes with its states: its numbers are those at their initial values");
-    const double m = law.m.value(), growth = law.c.value();
-    if (term.field == field_of_u(0)) {
-      double& most = law.radial ? c().m_tau : c().m_nu;
-      most = std::max(most, m);
-      Bracket& known = law.radial ? m_tau : m_nu;
-      known = larger(known, law.m);
-      facts_.lipschitz = std::max(facts_.lipschitz, law.lipschitz);
-    } else if (is_memory(term.field)) {
-      facts_.lipschitz_memory = std::max(facts_.lipschitz_memory, law.lipschitz);
-    } else {
-      m_rate = larger(m_rate, law.m);
-    }
-    c().c_J = std::max(c().c_J, growth);
-    c().c_J_known = larger(c().c_J_known, law.c);
-    row("H(J)", fmt::format("`{}` grows linearly: c_J", term.name), growth,
-        yes(std::isfinite(growth)), term.origin)
-        .known = law.c;
-    row("H(J)", fmt::format("`{}` is relaxed monotone: m_J", term.name), m, yes(std::isfinite(m)),
+/// A law that no theorem here covers: all of its constants are infinite.
+bool Judgement::is_beyond(const LawTerm& term) {
+  const auto& spec = problem_.laws[static_cast<std::size_t>(term.law)];
+  const auto& seen = term.seen;
+  const bool reads = !spec.coupled.empty() || !spec.readings.empty();
+  const bool apart =
+      std::ranges::any_of(seen, [&](const auto& row) { return row != seen.front(); });
+  if (!reads && !apart && (seen.empty() || is_rate(term.field))) return false;
+  c().m_nu = c().m_tau = c().c_J = infinity;
+  c().c_J_known = Bracket::exactly(infinity);
+  (spec.coupled.empty() ? facts_.reads : facts_.coupled) = true;
+  if (reads)
+    row("H(J)", fmt::format("`{}` is a law of its argument alone", term.name), std::nullopt,
+        Answer::fails, term.origin,
+        spec.coupled.empty()
+            ? "it reads the solution: beyond the theorems here"
+            : fmt::format("its bound is the multiplier of `{}` (Coulomb): beyond the theory",
+                          spec.coupled));
+  else
+    row("H(J)", fmt::format("`{}` sees one field", term.name), std::nullopt, Answer::fails,
         term.origin,
-        std::isfinite(m)
-            ? fmt::format("steepest descent of the slope{}; regular, as j + m r^2/2 is convex",
-                          m > 0.0 ? fmt::format(" at {:.6g}", law.at) : "")
-            : fmt::format("the slope jumps down at {:.6g}{}", law.at,
-                          law.regular ? "; -j is regular" : "; neither j nor -j is regular"))
-        .known = law.m;
+        apart ? "u in one component and u' in another: its force is no subgradient of one "
+                "operator; beyond the theorems here"
+              : "a sum of u and a memory: beyond the theorems here");
+  return true;
+}
+
+/// Its rows and what it adds to the constants of all laws.
+void Judgement::judge_law(const TermConstants& law, const LawTerm& term, Descents& descents) {
+  if (!problem_.laws[static_cast<std::size_t>(term.law)].states.empty())
+    row("H(J)", fmt::format("`{}` keeps its graph", term.name), std::nullopt, Answer::open,
+        term.origin, "it changes with its states: its numbers are those at their initial values");
+  const double m = law.m.value(), growth = law.c.value();
+  if (term.field == field_of_u(0)) {
+    double& most = law.radial ? c().m_tau : c().m_nu;
+    most = std::max(most, m);
+    Bracket& known = law.radial ? descents.tangential : descents.normal;
+    known = larger(known, law.m);
+    facts_.lipschitz = std::max(facts_.lipschitz, law.lipschitz);
+  } else if (is_memory(term.field)) {
+    facts_.lipschitz_memory = std::max(facts_.lipschitz_memory, law.lipschitz);
+  } else {
+    descents.on_rate = larger(descents.on_rate, law.m);
   }
-  c().m_J = c().m_nu + c().m_tau;
-  c().m_J_known = m_nu + m_tau;
-  facts_.proved = c().m_J_known.bounded_by_proof() && m_rate.bounded_by_proof();
+  c().c_J = std::max(c().c_J, growth);
+  c().c_J_known = larger(c().c_J_known, law.c);
+  row("H(J)", fmt::format("`{}` grows linearly: c_J", term.name), growth,
+      yes(std::isfinite(growth)), term.origin)
+      .known = law.c;
+  row("H(J)", fmt::format("`{}` is relaxed monotone: m_J", term.name), m, yes(std::isfinite(m)),
+      term.origin,
+      std::isfinite(m)
+          ? fmt::format("steepest descent of the slope{}; regular, as j + m r^2/2 is convex",
+                        m > 0.0 ? fmt::format(" at {:.6g}", law.at) : "")
+          : fmt::format("the slope jumps down at {:.6g}{}", law.at,
+                        law.regular ? "; -j is regular" : "; neither j nor -j is regular"))
+      .known = law.m;
+}
+
+/// What the laws' arguments do to norms.
+void Judgement::judge_traces() {
   const auto& norms = numbers_.traces();
   c().norm_normal = norms.normal, c().norm_tangential = norms.tangential;
   c().norm_full = norms.full, c().norm_script = numbers_.script_norm(field_of_u(0));
@@ -90,6 +87,22 @@ void Judgement::judge_laws() {
   const double norm = numbers_.script_norm(field_of_u(1));
   row("H(M)", "M of the laws on the rate is bounded and compact: ||M||^2", norm,
       yes(std::isfinite(norm)), law_origin(field_of_u(1)), "on this mesh");
+}
+
+void Judgement::judge_laws() {
+  c().m_nu = c().m_tau = c().c_J = 0.0;
+  Descents descents;
+  for (const auto& law : numbers_.laws()) {
+    const auto& term = problem_.law_terms[law.term];
+    if (is_beyond(term))
+      descents.normal = Bracket::exactly(infinity);
+    else
+      judge_law(law, term, descents);
+  }
+  c().m_J = c().m_nu + c().m_tau;
+  c().m_J_known = descents.normal + descents.tangential;
+  facts_.proved = c().m_J_known.bounded_by_proof() && descents.on_rate.bounded_by_proof();
+  judge_traces();
 }
 
 void Judgement::judge_states() {

@@ -208,7 +208,8 @@ void EnergyMonitor::add_friction(const RunState& run) {
   }
 }
 
-void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
+/// The step's displacement, what its states release, and its forces.
+void EnergyMonitor::take_forces(const RunState& run) {
   before_.swap(u_);
   run.formulation->scatter(run.evolution.u(), u_);
   d_u_ = u_ - before_;
@@ -224,16 +225,18 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
   forces(run);
   acting_xi_ = run.xi();
   if (looks_back_) mix_steps(run.evolution.scheme()), last_xi_ = run.xi();
-  const Forces& acting = looks_back_ ? acting_ : now_;
-  // On the unknowns the parts add up to the load; on imposed values the rest is the reaction.
+}
+
+/// The work of the reactions. On the unknowns the parts add up to the load, which is checked; on
+/// imposed values the rest is the reaction.
+double EnergyMonitor::reaction_work(const Forces& acting) {
   work_ = acting.viscous + acting.elastic + acting.memory + acting.contact - acting.load;
   if (moves_) work_ += acting.inertia;
-  const double viscous = acting.viscous.dot(d_u_), memory = acting.memory.dot(d_u_);
   double reaction = 0, error = 0, size = 0;
   for (const auto& e : d_.dofs.eliminated) reaction += work_[e.dof] * d_u_[e.dof];
   for (const auto i : d_.dofs.free) error += work_[i] * d_u_[i];
-  double at_rest =
-      0; // what all forces would do on u itself: the scale of rounding where nothing moves
+  // What all forces would do on u itself is the scale of rounding where nothing moves.
+  double at_rest = 0;
   for (const auto force : all_forces) {
     if (force == &Forces::load) continue;
     size += (acting.*force).cwiseAbs().dot(d_u_.cwiseAbs());
@@ -242,7 +245,11 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
   size = std::max(size, rounding_of_rest * at_rest);
   largest_error_ = std::max(largest_error_, std::abs(error));
   largest_size_ = std::max(largest_size_, size);
+  return reaction;
+}
 
+void EnergyMonitor::add_sums(const RunState& run, const Forces& acting, double reaction) {
+  const double viscous = acting.viscous.dot(d_u_), memory = acting.memory.dot(d_u_);
   const double work = acting.load.dot(d_u_) + reaction, elastic = 0.5 * now_.elastic.dot(u_),
                contact = contact_energy(run, u_), kinetic = kinetic_energy(run);
   const double k = run.evolution.grid().length(run.evolution.step()), jump = norm_squared(d_u_);
@@ -256,10 +263,17 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
   sums_[sum_jumps] += jump, sums_[sum_rate] += jump / k;
   sums_[max_xi] = std::max(sums_[max_xi], std::sqrt(xi));
   elastic_energy_ = elastic, contact_energy_ = contact, kinetic_energy_ = kinetic;
+}
+
+void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
+  take_forces(run);
+  const Forces& acting = looks_back_ ? acting_ : now_;
+  add_sums(run, acting, reaction_work(acting));
   add_friction(run);
-  std::vector<double> row = {kinetic + elastic + contact - now_.load.dot(u_),
-                             elastic,
-                             contact,
+  std::vector<double> row = {kinetic_energy_ + elastic_energy_ + contact_energy_ -
+                                 now_.load.dot(u_),
+                             elastic_energy_,
+                             contact_energy_,
                              sums_[sum_work],
                              sums_[sum_viscous],
                              sums_[sum_memory],
@@ -273,7 +287,7 @@ void EnergyMonitor::take(const RunState& run, const StepResult& outcome) {
                              static_cast<double>(outcome.inequality.iterations),
                              static_cast<double>(outcome.inequality.events),
                              outcome.snap ? 1.0 : 0.0};
-  if (moves_) row.push_back(kinetic);
+  if (moves_) row.push_back(kinetic_energy_);
   row.insert(row.end(), friction_.begin(), friction_.end());
   row.insert(row.end(), released_.sums().begin(), released_.sums().end());
   for (std::size_t c = 0; c < columns_.size(); ++c) columns_[c].push_back(row[c]);

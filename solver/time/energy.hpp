@@ -62,6 +62,9 @@ private:
   static constexpr std::array all_forces{&Forces::inertia, &Forces::viscous, &Forces::elastic,
                                          &Forces::memory,  &Forces::contact, &Forces::load};
   void forces(const RunState& run);
+  void take_forces(const RunState& run);
+  double reaction_work(const Forces& acting);
+  void add_sums(const RunState& run, const Forces& acting, double reaction);
   void mix(Vector Forces::*force, double present, double past);
   void mix_steps(const TimeScheme& scheme);
 
