@@ -133,13 +133,13 @@ const std::string materials =
     "tensor T = transverse(young = 7, poisson = 0.2, young_axis = 30, poisson_axis = 0.25, "
     "shear_axis = 3, axis = [1, 2, 0])\n"
     "tensor S = A + O\ntensor G = stiff()*isotropic(lambda = 1, mu = 2)\n"
-    "fn sigma(w) = O : eps(w)\n";
+    "fn stress(w) = O : eps(w)\n";
 
 // Whatever way a material is written, multiplied and used, it arrives as such; a sum of two in one
 // integral does not.
 TEST(Lower, MaterialsArriveAsTheyWereWritten) {
-  const auto of = [](const std::string& left, const std::string& right = "integral(body, v.x)") {
-    return tensors_of(plan_of(problem(3, materials, left, right)), 3);
+  const auto of = [](const std::string& left) {
+    return tensors_of(plan_of(problem(3, materials, left, "integral(body, v.x)")), 3);
   };
   using Texts = std::vector<std::string>;
   const auto of_one = [&](const std::string& integrand) {
@@ -149,11 +149,11 @@ TEST(Lower, MaterialsArriveAsTheyWereWritten) {
   EXPECT_EQ(of_one("B : eps(u) : eps(v)"), Texts{"isotropic A 0.3"});
   EXPECT_EQ(of_one("eps(u) : O : eps(v)"), Texts{"orthotropic O 1"});
   EXPECT_EQ(of_one("eps(v) : (T : eps(u))"), Texts{"transverse T 1"});
-  EXPECT_EQ(of_one("sigma(2*u) : eps(v)"), Texts{"orthotropic O 2"});
-  EXPECT_EQ(of_one("-(sigma(u) : eps(v))/4"), Texts{"orthotropic O -0.25"});
+  EXPECT_EQ(of_one("stress(2*u) : eps(v)"), Texts{"orthotropic O 2"});
+  EXPECT_EQ(of_one("-(stress(u) : eps(v))/4"), Texts{"orthotropic O -0.25"});
   EXPECT_EQ(of_one("S : eps(u) : eps(v)"), Texts{"general S 1"});
   EXPECT_EQ(of_one("S : eps(v) : eps(u)"), Texts{"-"}); // S need not be symmetric
-  EXPECT_EQ(of_one("G : eps(u) : eps(v)"), Texts{"isotropic  1 + x"});
+  EXPECT_EQ(of_one("G : eps(u) : eps(v)"), Texts{"isotropic  x + 1"});
   EXPECT_EQ(of_one("exp(x)*(2*A : eps(u) : eps(v))"), Texts{"isotropic A 2 * exp(x)"});
   EXPECT_EQ(of_one("A : eps(u) : eps(v) + 2*A : eps(u) : eps(v)"), Texts{"isotropic A 3"});
   EXPECT_EQ(of_one("A : eps(u) : eps(v) + O : eps(u) : eps(v)"), Texts{"-"});
@@ -162,8 +162,7 @@ TEST(Lower, MaterialsArriveAsTheyWereWritten) {
   EXPECT_EQ(of_one("A : transpose(grad(u)) : eps(v)"), Texts{"-"});
   EXPECT_EQ(of_one("eps(u) : eps(v)"), Texts{"-"});
   EXPECT_EQ(of_one("isotropic(lambda = 1, mu = x) : eps(u) : eps(v)"), Texts{"isotropic  1"});
-  EXPECT_EQ(of("integral(body, A : eps(u) : eps(v))", "-2*integral(body, B : eps(u) : eps(v)) + "
-                                                      "integral(body, v.x)"),
+  EXPECT_EQ(of("integral(body, A : eps(u) : eps(v)) + 2*integral(body, B : eps(u) : eps(v))"),
             (Texts{"isotropic A 1", "isotropic A 0.6"}));
 }
 
@@ -196,10 +195,11 @@ TEST(Lower, RandomMaterialsAreThoseOfTheirEntries) {
     SCOPED_TRACE(left);
     for (const auto& found : tensors_of(plan_of(text), 3)) arrived += found != "-";
   }
-  EXPECT_GT(arrived, 450);
+  EXPECT_GT(arrived, 400); // the first of each, and those of one term
 }
 
-// Of memories: with a series, a sum, a kernel of place, and moduli that relax each by its own time.
+// Of memories: with a series, a kernel of place, and one of t and s. Tensors that relax each by its
+// own time are split by their entries.
 TEST(Lower, MaterialsOfMemoriesArrive) {
   const auto of = [](const std::string& kernel) {
     return tensors_of(
@@ -220,11 +220,9 @@ TEST(Lower, MaterialsOfMemoriesArrive) {
             (Texts{a, "general S 0.2", "general S x"}));
   EXPECT_EQ(of("kernel C(lag) = 0.5*(-prony([1, 2], [3, 4])*0.2)*A").size(), 2u);
   EXPECT_EQ(of("kernel C(lag) = -prony([1, 2], [3, 4])*A*0.5")[1].substr(0, 11), "isotropic A");
-  EXPECT_EQ(of("kernel C(lag) = exp(-lag)*A + exp(-3*lag)*S"),
-            (Texts{a, "isotropic A 1", "general S 1"}));
-  // lambda = 1, 1 and mu = 2, 0
+  EXPECT_EQ(of("kernel C(lag) = exp(-lag)*A + exp(-3*lag)*S"), (Texts{a, "-", "-", "-"}));
   EXPECT_EQ(of("kernel C(lag) = isotropic(lambda = exp(-lag) + exp(-2*lag), mu = 2*exp(-lag))"),
-            (Texts{a, "isotropic  1", "isotropic  1"}));
+            (Texts{a, "-", "-", "-"}));
   EXPECT_EQ(of("kernel C(t, s) = cos(t - s)*A")[1].substr(0, 11), "isotropic A");
   EXPECT_EQ(of("kernel C(lag) = transverse(young = exp(-lag), poisson = 0.2, young_axis = "
                "2*exp(-lag), poisson_axis = 0.2, shear_axis = exp(-lag))")[1],
@@ -237,8 +235,8 @@ TEST(Lower, MaterialsOfSeveralUnknowns) {
       "mesh body = rectangle(2, 1, cells = [2, 1])\npart roof = body.top\n"
       "tensor A = isotropic(lambda = 1, mu = 1)\nspace V = vector P1 on body, zero on roof\n"
       "space W = vector P1 on body, zero on roof\nfind u in V, w in W\n"
-      "such that for all v in V, z in W\n    integral(body, A : eps(u) : eps(v)) + integral(body, "
-      "2*A : eps(w) : eps(z))\n + integral(body, A : eps(u) : eps(z)) = integral(body, v.y)\n");
+      "such that for all v in V, q in W\n    integral(body, A : eps(u) : eps(v)) + integral(body, "
+      "2*A : eps(w) : eps(q))\n + integral(body, A : eps(u) : eps(q)) = integral(body, v.y)\n");
   ASSERT_EQ(tensors_of(plan, 2), (std::vector<std::string>{"isotropic A 1", "isotropic A 2", "-"}));
   EXPECT_EQ(plan.problem.forms[0].tensor->unknown, 0);
   EXPECT_EQ(plan.problem.forms[1].tensor->unknown, 1);
