@@ -80,7 +80,7 @@ TEST(CoupledFactor, IsSymmetricUpToRowsInAnyUnits) {
   std::mt19937 random(12);
   for (int trial = 0; trial < 60; ++trial) {
     const TwoUnknowns k(random, 8 + trial % 5, 2 + trial % 3, trial % 2 == 0);
-    check(k.dense, k.sizes, k.sizes_of_rows, k.of_unknown, {0, 3}, "METIS");
+    check(k.dense, k.sizes, k.sizes_of_rows, k.of_unknown, {0, 3}, "CAMD");
   }
 }
 
