@@ -8,8 +8,12 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <random>
+#include <string>
+#include <vector>
 
 namespace hvi::lang {
 namespace {
@@ -370,7 +374,7 @@ TEST(Lower, AKernelWrittenAsAPronySeriesArrivesAsOne) {
                                                {"2 * B * ", "", by_tensor},
                                                {"-", "", by_scalar},
                                                {"", " * 3", by_scalar}}) {
-    const auto kernel = [&](const std::string& series) {
+    const auto kernel = [&, before = before, behind = behind](const std::string& series) {
       return "kernel C(lag) = " + before + series + behind;
     };
     auto plan = with_memory(kernel(list), memory);
