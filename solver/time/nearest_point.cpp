@@ -12,7 +12,7 @@ constexpr int most_steps = 400;
 /// Distances below this part of the sizes at hand are rounding.
 constexpr double relative_rounding = 1e-9;
 /// And scalar products of unit vectors below this.
-constexpr double no_angle = 1e-12;
+constexpr double no_fall = 1e-12;
 
 /// A point of the set, sum of share_i q_i: shares of points add up to 1.
 class Combination {
@@ -108,7 +108,7 @@ NearestPoint nearest_point(const Vector& b, Vector start,
     }
     Support next = support(y);
     const double gain = next.q.dot(y) - (next.ray ? 0.0 : point.dot(y));
-    const double none = no_angle * apart * (next.ray ? 1.0 : size);
+    const double none = no_fall * apart * (next.ray ? 1.0 : size);
     const bool proved = next.ray ? gain <= none && out.outside
                                  : y.dot(b) - next.q.dot(y) > relative_rounding * apart * size;
     if (proved) out.apart = y, out.outside = true;

@@ -221,6 +221,13 @@ private:
     return out;
   }
 
+  /// Vector laws have no equilibrium curve (point_curve.hpp).
+  bool branches_are_followed() const {
+    return follows_branches(stepper_.not_unique(), state_.contact()) &&
+           std::ranges::all_of(state_.contact().problem.points,
+                               [](const auto& point) { return point.rows == 1; });
+  }
+
   /// Where several solutions are possible: that it is so, which branch this is, and its energy.
   void tell_choice() {
     result_.unique = stepper_.not_unique().empty();
@@ -232,7 +239,7 @@ private:
           result_.notes.begin(),
           {0, 0.0,
            fmt::format("uniqueness is not guaranteed: {}; {}", stepper_.not_unique(),
-                       follows_branches(stepper_.not_unique(), state_.contact())
+                       branches_are_followed()
                            ? sentence(plan_.options.branch)
                            : "each step's solution is sought from the last step's"),
            plan_.problem.law_terms.empty() ? Origin{} : plan_.problem.law_terms.front().origin});
