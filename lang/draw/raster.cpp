@@ -12,14 +12,14 @@
 namespace hvi::lang::draw {
 namespace {
 
-constexpr int samples_a_side = 3; ///< nine to a pixel
+constexpr int samples_a_side = 2; ///< four to a pixel
 
 Point along(const Point& a, const Point& direction, double by) {
   return {a[0] + by * direction[0], a[1] + by * direction[1], a[2] + by * direction[2]};
 }
 
 std::uint8_t byte(double x) {
-  return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(x, 0.0, 1.0)));
+  return static_cast<std::uint8_t>(255.0 * std::clamp(x, 0.0, 1.0) + 0.5);
 }
 
 } // namespace
@@ -135,7 +135,8 @@ void Raster::line(const Point& from, const Point& to, Colour colour, double thic
     for (int x = x_begin; x < x_end; ++x) {
       const double px = x + 0.5 - a.x, py = y + 0.5 - a.y;
       const double on = std::clamp(px * dx + py * dy, 0.0, length);
-      if (std::hypot(px - on * dx, py - on * dy) > half) continue;
+      const double ax = px - on * dx, ay = py - on * dy;
+      if (ax * ax + ay * ay > half * half) continue;
       const double part = length > 0.0 ? on / length : 0.0;
       const double depth = (1.0 - part) * a.depth + part * b.depth + before;
       const std::size_t sample = static_cast<std::size_t>(y) * wide_ + x;

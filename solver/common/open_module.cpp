@@ -13,9 +13,11 @@
 #include <vector>
 
 #if defined(__SANITIZE_ADDRESS__)
-// libgmsh does not free all it takes; the leak sanitizer is to tell of ours only.
+// These libraries do not free all they take; the leak sanitizer is to tell of ours only.
 extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:libgmsh.so"; }
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libgmsh.so\nleak:libfontconfig.so";
+}
 #endif
 
 namespace hvi::solver {
