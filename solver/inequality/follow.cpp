@@ -59,9 +59,8 @@ void BranchFollower::follow(StepAnswer& step) {
     report.least_gap = one_solution && !coupled ? 0.0 : std::numeric_limits<double>::infinity();
   if (one_solution) return;
   const ReducedOperator& s = factor_.op();
-  // The factor of S takes the place of one that the next steps would use.
-  const bool can = !(least && coupled) && curve_.serves(s);
-  if (!can || !factor_.make_other(pattern_.zero()) || !curve_.prepare(s)) {
+  factor_.forget();
+  if ((least && coupled) || !factor_.make_other(pattern_.zero()) || !curve_.prepare(s)) {
     report.not_followed = !least;
     return;
   }
