@@ -214,12 +214,22 @@ void GeneralLu::take_couplings(const SparseMatrix& k) {
   }
 }
 
+/// A row that is rounding of what it was subtracted from has no pivot, whatever its scaling.
 void GeneralLu::make_schur() {
   Vector x;
+  const SparseMatrix sizes = pulls_.cwiseAbs();
+  DenseMatrix terms = schur_.cwiseAbs();
   for (Eigen::Index j = 0; j < schur_.cols(); ++j) {
     x = pulled_.row(j).transpose();
     solve_interior(x, false);
     schur_.col(j) -= pulls_ * x;
+    terms.col(j) += sizes * x.cwiseAbs();
+  }
+  for (Eigen::Index i = 0; i < schur_.rows(); ++i) {
+    const double left = schur_.row(i).cwiseAbs().maxCoeff() / terms.row(i).maxCoeff();
+    if (left <= smallest_condition)
+      throw NotFactorable(contact_[static_cast<std::size_t>(i)], left,
+                          "the matrix is singular: the elimination breaks down");
   }
   if (schur_.cols() > 0) check_schur();
 }
