@@ -37,6 +37,15 @@ bool BranchFollower::known_convex() {
   return convex_ && *convex_;
 }
 
+std::optional<bool> BranchFollower::convexity() const {
+  return revision_ == points_.laws.revision() ? convex_ : std::nullopt;
+}
+
+void BranchFollower::restore(std::optional<bool> convexity) {
+  convex_ = convexity;
+  revision_ = points_.laws.revision();
+}
+
 bool BranchFollower::convex() {
   known_convex(); // forgets what is known of other laws
   if (!convex_) convex_ = is_convex(points_, pattern_, factor_);
@@ -59,8 +68,9 @@ void BranchFollower::follow(StepAnswer& step) {
     report.least_gap = one_solution && !coupled ? 0.0 : std::numeric_limits<double>::infinity();
   if (one_solution) return;
   const ReducedOperator& s = factor_.op();
-  factor_.forget();
-  if ((least && coupled) || !factor_.make_other(pattern_.zero()) || !curve_.prepare(s)) {
+  // The factor of S takes the place of one that the next steps would use.
+  const bool can = !(least && coupled) && curve_.serves(s);
+  if (!can || !factor_.make_other(pattern_.zero()) || !curve_.prepare(s)) {
     report.not_followed = !least;
     return;
   }

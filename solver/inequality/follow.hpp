@@ -15,6 +15,9 @@ public:
                  const InequalityOptions& options);
   /// Is the problem known to be convex? Not before `follow` had to look.
   bool known_convex();
+  /// What is known of the laws as they are now; to look costs the factor, so a saved solver tells.
+  std::optional<bool> convexity() const;
+  void restore(std::optional<bool> convexity);
   /// The answer of a step that was solved at once becomes the one that continues the last state;
   /// with Branch::least_energy the best of what is found.
   void follow(StepAnswer& step);

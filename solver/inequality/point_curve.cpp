@@ -1,6 +1,7 @@
 // The points' compliance and their curve (point_curve.hpp).
 #include "solver/inequality/point_curve.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hvi::solver {
@@ -11,15 +12,16 @@ constexpr int most_points = 1200;
 constexpr double most_entries = 2.5e7;
 } // namespace
 
+bool PointCurve::serves(const ReducedOperator& s) const {
+  return s.symmetric() && points_.size() <= most_points &&
+         1.0 * points_.unknowns * points_.rows <= most_entries &&
+         std::ranges::all_of(points_.data, [](const PointData& q) { return q.rows == 1; });
+}
+
 bool PointCurve::prepare(const ReducedOperator& s) {
   graphs_.clear();
   for (const PreparedLaw& law : points_.laws.all()) graphs_.emplace_back(law);
   if (curve_) return true;
-  if (!s.symmetric() || points_.size() > most_points ||
-      1.0 * points_.unknowns * points_.rows > most_entries)
-    return false;
-  for (const PointData& q : points_.data)
-    if (q.rows != 1) return false;
   moved_.clear();
   for (int p = 0; p < points_.size(); ++p)
     if (SparseMatrix::InnerIterator(points_.g, points_[p].first)) moved_.push_back(p);

@@ -19,8 +19,10 @@ struct CurveSolution {
 class PointCurve {
 public:
   explicit PointCurve(const ContactPoints& points) : points_(points) {}
-  /// With S factored by `s`, once for S. False: too large, a vector law, or no energy that says
-  /// which states are stable.
+  /// Is there a curve for the body S? Not of too many points, of vector laws, nor where no energy
+  /// says which states are stable.
+  bool serves(const ReducedOperator& s) const;
+  /// Where it serves, with S factored by `s`. False: no point moves, or S is all but singular.
   bool prepare(const ReducedOperator& s);
   const EquilibriumCurve& curve() const { return *curve_; }
   std::vector<CurvePoint> curve_points() const;

@@ -1,6 +1,6 @@
 // What a solver carries from one solve to the next, as bytes (engine.hpp, inequality.hpp): the
-// stiffnesses its last factor belongs to, and the inverse. All else is computed anew in every
-// solve.
+// stiffnesses its last factor belongs to, the inverse, and whether the problem is convex. All else
+// is computed anew in every solve.
 #include "solver/common/stream.hpp"
 #include "solver/inequality/engine.hpp"
 
@@ -23,6 +23,8 @@ void InequalityEngine::save(std::ostream& out) const {
     w.put(std::vector<double>(column.data(), column.data() + column.size()));
   }
   inverse_.save(w);
+  const auto convex = follower_.convexity();
+  w.put(convex ? static_cast<std::uint8_t>(*convex) : std::uint8_t{2}); // 2: not known
 }
 
 /// The factor is a function of the stiffnesses, so it is computed and not stored.
@@ -42,6 +44,8 @@ void InequalityEngine::restore(std::istream& in) {
     columns[unknown] = Eigen::Map<const Vector>(values.data(), points_.unknowns);
   }
   inverse_.restore(r);
+  const int convex = r.get_between<std::uint8_t>(0, 2);
+  follower_.restore(convex == 2 ? std::nullopt : std::optional(convex == 1));
   if (was_factored && static_cast<int>(stiffnesses.size()) != points_.size())
     r.fail("has another number of contact points");
   factor_.remake(std::move(stiffnesses), was_factored);
