@@ -23,8 +23,23 @@ extern "C" const char* __lsan_default_suppressions() {
 namespace hvi::solver {
 namespace {
 
+/// The shared object that this code is in, where it is not the program itself: Python's module.
+std::filesystem::path own_library() {
+  Dl_info found{};
+  static const char inside = 0;
+  if (dladdr(&inside, &found) == 0 || found.dli_fname == nullptr) return {};
+  const std::filesystem::path file(found.dli_fname);
+  return file.extension() == ".so" ? file : std::filesystem::path();
+}
+
 std::vector<std::filesystem::path> places(const ModuleFile& module) {
   if (const char* other = std::getenv(module.variable)) return {other};
+  if (const auto library = own_library(); !library.empty()) {
+    const auto packages =
+        library.parent_path().parent_path(); // lib/python3/dist-packages/hvi/_hvi.so
+    return {packages.parent_path() / module.file,
+            packages.parent_path().parent_path() / "hvi" / module.file};
+  }
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error) return {};

@@ -14,8 +14,8 @@ struct ModuleFile {
 };
 
 /// The function `name` of the module, which stays loaded until the program ends. Looked for beside
-/// the program (build tree), one folder up (test programs), and where it is installed. Throws
-/// Failure(missing_file).
+/// the program (build tree), one folder up (test programs), and where it is installed; from a
+/// shared object (Python's module), by that one's place. Throws Failure(missing_file).
 void* module_entry(const ModuleFile& module, const char* name);
 
 /// The same as a function of this type.

@@ -1,7 +1,10 @@
-// See one_blas_thread.hpp.
+// See one_blas_thread.hpp. OpenBLAS has one number of threads for the whole process, OpenMP one for
+// each thread.
 #include "solver/linear/one_blas_thread.hpp"
 
 #include <omp.h>
+
+#include <mutex>
 
 extern "C" {
 void openblas_set_num_threads(int threads);
@@ -9,16 +12,37 @@ int openblas_get_num_threads(void);
 }
 
 namespace hvi::solver {
+namespace {
 
-OneBlasThread::OneBlasThread()
-    : before_(openblas_get_num_threads()), levels_before_(omp_get_max_active_levels()) {
-  if (before_ != 1) openblas_set_num_threads(1);
+/// Of OpenBLAS: how many want one thread, and what was set before the first of them. Else the first
+/// of two runs in two threads that ends would give the other one more threads, and other bits.
+struct Wanted {
+  std::mutex guard;
+  int by = 0, before = 1;
+};
+
+Wanted& wanted() {
+  static Wanted only; // as there is one OpenBLAS
+  return only;
+}
+
+} // namespace
+
+OneBlasThread::OneBlasThread() : levels_before_(omp_get_max_active_levels()) {
+  Wanted& one = wanted();
+  const std::scoped_lock lock(one.guard);
+  if (one.by++ == 0) {
+    one.before = openblas_get_num_threads();
+    if (one.before != 1) openblas_set_num_threads(1);
+  }
   // CHOLMOD's loops ask for four threads by name; with no active level allowed they get one.
   omp_set_max_active_levels(0);
 }
 
 OneBlasThread::~OneBlasThread() {
-  if (before_ != 1) openblas_set_num_threads(before_);
+  Wanted& one = wanted();
+  const std::scoped_lock lock(one.guard);
+  if (--one.by == 0 && one.before != 1) openblas_set_num_threads(one.before);
   omp_set_max_active_levels(levels_before_);
 }
 

@@ -3,8 +3,9 @@
 
 namespace hvi::solver {
 
-/// Limits OpenBLAS and OpenMP to one thread while it lives: the same bits whatever the number of
-/// cores, and no waiting threads that use the processor.
+/// Limits OpenBLAS and the OpenMP of this thread to one thread while it lives: the same bits
+/// whatever the number of cores, and no waiting threads that use the processor. Several may live at
+/// once; what OpenBLAS had before is set again by the last.
 class OneBlasThread {
 public:
   OneBlasThread();
@@ -13,7 +14,7 @@ public:
   OneBlasThread& operator=(const OneBlasThread&) = delete;
 
 private:
-  int before_, levels_before_;
+  int levels_before_;
 };
 
 } // namespace hvi::solver

@@ -6,6 +6,7 @@
 #include "solver/common/out_of_memory.hpp"
 
 #include <algorithm>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -79,6 +80,13 @@ std::optional<std::vector<Long>> camd_order(VertexGraph& graph, cholmod_common* 
   return order;
 }
 
+/// METIS draws from the C library's random numbers, which the process has once: one at a time, so
+/// that two runs in two threads get the same orders as one after the other.
+std::mutex& metis_turn() {
+  static std::mutex only;
+  return only;
+}
+
 /// METIS's nested dissection of the interior's graph (G. Karypis, V. Kumar, A fast and high quality
 /// multilevel scheme for partitioning irregular graphs, SIAM J. Sci. Comput. 20 (1998) 359-392).
 std::optional<std::vector<Long>> metis_order(const VertexGraph& graph, cholmod_common* common) {
@@ -94,6 +102,7 @@ std::optional<std::vector<Long>> metis_order(const VertexGraph& graph, cholmod_c
   }
   cholmod_sparse view = interior.view(1);
   std::vector<Long> order(vertex.size());
+  const std::scoped_lock lock(metis_turn());
   if (cholmod_l_metis(&view, nullptr, 0, 0, order.data(), common) == 0) {
     refuse_without_memory(graph, *common);
     return {};

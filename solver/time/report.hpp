@@ -12,6 +12,7 @@
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <span>
 
 namespace hvi::solver {
 
@@ -41,6 +42,8 @@ public:
 
   /// Records an accepted step: rows and files that are due (`last`: all of them).
   void record(const RunState& run, bool last);
+  /// By probe, at the last step that had a row; NaN where the time of one has not come.
+  std::span<const double> values() const { return values_; }
   /// Notes the events of a step: the next row counts those since the last one.
   void mark(const StepResult& outcome);
   /// What these errors make of the columns, to first order at the last state u (all dofs). After

@@ -2,6 +2,7 @@
 #include "solver/time/restarts.hpp"
 
 #include "solver/output/file.hpp"
+#include "solver/time/memory.hpp"
 
 namespace hvi::solver {
 namespace {
@@ -42,6 +43,19 @@ void Restarts::take(const MemoryMistrust& mistrust) {
 
 void Restarts::take(const HorizonEnd& end) {
   notes.push_back({0, 0.0, end.said + ": started again from the first step", end.origin});
+}
+
+void Restarts::take(const Restart& why, bool resumed) {
+  const auto* end = std::get_if<HorizonEnd>(&why);
+  if (end != nullptr && !resumed)
+    throw Failure(FailureKind::limit, end->origin, end->said, end->help);
+  std::visit([&](const auto& one) { take(one); }, why);
+}
+
+void Restarts::add_notes(const Plan& plan, RunResult& result) const {
+  for (const auto& sentence : route_notes(plan, result.histories))
+    if (notes.empty()) result.notes.push_back({0, 0.0, sentence, Origin{}});
+  result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
 }
 
 Plan Restarts::applied(const Plan& plan) const {

@@ -28,7 +28,11 @@ struct Restarts {
   void take(const HorizonEnd& end);
   void take(const LateCheck&) { checks_at_once = true; }
   void take(const JumpsRefused&) { both_sides = true; }
+  /// Throws Failure(limit) where a memory ends before the run does and nothing was `resumed`.
+  void take(const Restart& why, bool resumed);
   Plan applied(const Plan& plan) const;
+  /// What has changed in a run that has ended well, and which routes its memories took.
+  void add_notes(const Plan& plan, RunResult& result) const;
 
   void save(StateWriter& w) const;
   void restore(StateReader& r, std::size_t n_histories);

@@ -12,353 +12,22 @@
 // and keeps the last good state when it has to stop.
 #include "solver/time/run.hpp"
 
-#include "solver/common/clock.hpp"
-#include "solver/output/file.hpp"
-#include "solver/time/energy.hpp"
-#include "solver/time/reduce.hpp"
-#include "solver/time/report.hpp"
+#include "solver/time/checkpoint.hpp"
+#include "solver/time/one_run.hpp"
 #include "solver/time/restarts.hpp"
-#include "solver/time/shared_work.hpp"
-#include "solver/time/step.hpp"
-#include "solver/time/step_notes.hpp"
 #include "solver/time/trust.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
+#include <optional>
 #include <sstream>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
 
-/// Displacements smaller than this part of those that the loads alone would cause are rounding.
-constexpr double negligible_share = 1e-8;
-/// The condition number of a problem that takes less memory than this costs almost nothing.
-constexpr double cheap_bytes = 1e5;
-
-/// A result, or why the run has to start again.
-using Outcome = std::variant<RunResult, Restart>;
-
-/// The counters that grow with the steps.
-std::array<int, 9> grown(const WorkCounters& w) {
-  return {w.analyses,       w.factorisations, w.triangular_solves, w.products,        w.newton,
-          w.fallback_steps, w.followed_steps, w.inner_steps,       w.unfollowed_steps};
-}
-
-class Run {
-public:
-  Run(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
-      const Restarts& restarts, const std::string* saved, Shown* shown)
-      : plan_(plan), restarts_(restarts), discretisation_(discretisation), settings_(settings),
-        start_(cpu_seconds()), spared_(spared()), stepper_(plan, discretisation, result_.timing),
-        state_(stepper_.state()), reporter_(plan, discretisation, state_, settings, shown) {
-    result_.timing.mesh = discretisation.seconds;
-    result_.unknowns = state_.formulation->whole_layout().n_unknowns;
-    result_.path = state_.formulation->obstacle();
-    if (result_.path.empty())
-      result_.certificate.mode =
-          fmt::format("contact rows every step; all rows at outputs, at the last step and at {} "
-                      "random steps",
-                      random_checks);
-    result_.contact_unknowns = static_cast<int>(state_.contact().unknowns.size());
-    result_.certificate.tolerance = plan.options.tolerance;
-    note_choices(plan, state_.contact(), result_);
-    if (settings.monitors) monitor_.emplace(plan.problem, discretisation, state_);
-    if (settings.checkpoint_every > 0) fingerprint_ = fingerprint(plan, discretisation.mesh);
-    // No output shows a step before the last check: no callback, no file, no checkpoint.
-    if (!restarts.checks_at_once && !settings.on_step && settings.checkpoint_every == 0 &&
-        saved == nullptr && plan.report.fields.empty() && !settings.monitors)
-      if (RowChecks* const checks = state_.checks.get()) checks->let_wait();
-    if (saved != nullptr) go_on(*saved);
-  }
-
-  /// All steps. Set: the run has to start again.
-  std::optional<Restart> march() {
-    if (ended_) return *ended_;
-    const int steps = state_.evolution.grid().steps();
-    LapClock<> clock;
-    for (int n = state_.evolution.step() + 1; n <= steps; ++n) {
-      if (settings_.stop != nullptr && settings_.stop->load()) {
-        if (settings_.checkpoint_every > 0 && state_.evolution.step() > 0) checkpoint();
-        throw Failure(settings_.checkpoint_every > 0 ? FailureKind::suspended
-                                                     : FailureKind::interrupted,
-                      {}, fmt::format("interrupted before step {}", n));
-      }
-      if (auto restart = step(n)) return restart;
-      clock.charge(result_.timing.steps);
-      record(n == steps);
-      if (n < steps) reporter_.stream(checked_up_to(), !stepper_.not_unique().empty());
-      if (settings_.checkpoint_every > 0 && (n == steps || n % settings_.checkpoint_every == 0))
-        checkpoint();
-      clock.charge(result_.timing.output);
-    }
-    result_.certificate.certified = true;
-    return std::nullopt;
-  }
-
-  /// Puts everything known so far into the result and writes the tables, unless a check that was
-  /// put off fails.
-  Outcome conclude() {
-    LapClock<> clock;
-    if (RowChecks* const checks = state_.checks.get(); checks && !checks->settle())
-      return LateCheck();
-    clock.charge(result_.timing.steps);
-    note_late_errors();
-    record(true);
-    tell_choice();
-    reporter_.finish(result_);
-    if (monitor_) finish_monitors();
-    reporter_.tell_unwritten(result_);
-    clock.charge(result_.timing.output);
-    account(result_.work, result_.timing);
-    result_.histories = state_.evolution.memory().reports();
-    result_.steps = state_.evolution.step();
-    note_proofs(plan_, result_);
-    result_.u = Vector::Zero(discretisation_.space.n_dofs());
-    state_.formulation->scatter(state_.evolution.u(), result_.u);
-    if (state_.evolution.step() > 0) estimate_forward_error();
-    const Spared now = spared();
-    result_.timing.assembly += now.seconds_assembly - spared_.seconds_assembly;
-    result_.timing.total =
-        cpu_seconds() - start_ + result_.timing.mesh + now.seconds() - spared_.seconds();
-    return std::move(result_);
-  }
-
-private:
-  Spared spared() const {
-    return discretisation_.shared ? discretisation_.shared->spared() : Spared{};
-  }
-
-  std::optional<Restart> step(int n) {
-    const auto outcome = stepper_.advance(n);
-    if (outcome.restart) return outcome.restart;
-    if (!outcome.certified) refuse_step(outcome, n, state_, plan_);
-    note_step(outcome, n, state_.evolution.t(), state_.evolution.grid(), plan_, result_);
-    reporter_.mark(outcome);
-    if (monitor_) {
-      monitor_->take(state_, outcome);
-      monitor_times_.push_back(state_.evolution.t());
-    }
-    if (settings_.progress)
-      settings_.progress({n, state_.evolution.grid().steps(), outcome.inequality.iterations,
-                          cpu_seconds() - start_});
-    return std::nullopt;
-  }
-
-  /// All steps up to this one have had their checks.
-  int checked_up_to() {
-    const int step = state_.evolution.step();
-    RowChecks* const checks = state_.checks.get();
-    return checks ? checks->checked_up_to(step) : step;
-  }
-
-  /// Of checks that were put off.
-  void note_late_errors() {
-    auto& certificate = result_.certificate;
-    RowChecks* const checks = state_.checks.get();
-    if (checks == nullptr) return;
-    for (const auto& [step, error] : checks->late_errors()) {
-      if (error > std::max(certificate.equilibrium, certificate.inclusion))
-        certificate.worst_step = step;
-      if (error > certificate.equilibrium) certificate.equilibrium_step = step;
-      certificate.equilibrium = std::max(certificate.equilibrium, error);
-    }
-  }
-
-  void record(bool last) {
-    if (state_.evolution.step() == 0) return; // nothing certified yet
-    reporter_.record(state_, last);
-    if (!settings_.on_step || state_.evolution.step() == told_) return;
-    told_ = state_.evolution.step();
-    Vector full = Vector::Zero(discretisation_.space.n_dofs());
-    state_.formulation->scatter(state_.evolution.u(), full);
-    settings_.on_step(told_, state_.evolution.t(), full, state_.xi());
-  }
-
-  /// What rounding may have done to the columns.
-  void estimate_forward_error() {
-    const PhaseClock<> clock(result_.timing.output);
-    auto& error = result_.forward_error;
-    StepMatrix* const matrix = state_.solver.equations.matrices.latest();
-    std::vector<ErrorSample> samples;
-    if (matrix != nullptr)
-      samples = state_.rounding.samples(*matrix, state_.solver.equations.laws.accepted(),
-                                        result_.certificate.equilibrium);
-    // Where a body sticks everywhere displacements are rounding of what its loads amount to.
-    const Vector& reach = state_.contact().reach;
-    const double moved = reach.size() > 0 ? reach.lpNorm<Eigen::Infinity>() : 0.0;
-    const double nothing = negligible_share * std::max(state_.rounding.largest_size(), moved);
-    const double size = std::max(state_.rounding.largest_size(), nothing);
-    double square = 0.0;
-    for (const auto& sample : samples)
-      square = std::max(square, sample.u.lpNorm<Eigen::Infinity>());
-    error.solution = size > 0.0 ? 3.0 * square / size : 0.0;
-    error.solution = std::max(error.solution, state_.solver.refinement.last_correction());
-    error.refined = state_.solver.refinement.on();
-    error.amplification = state_.rounding.amplification();
-    error.columns = reporter_.errors(samples, result_.u, {size, nothing, nothing_of_each(matrix)});
-    if (settings_.condition || error.refined || result_.work.bytes < cheap_bytes)
-      error.condition = state_.formulation->condition(state_.solver.equations.matrices.latest());
-  }
-
-  /// Of several unknowns: parts of how far the forces in its rows would move each of them, which
-  /// may cancel (a fluid at rest under its pressure).
-  std::array<double, slot::most_unknowns> nothing_of_each(const StepMatrix* matrix) const {
-    std::array<double, slot::most_unknowns> out{};
-    const auto& of_unknown = state_.contact().of_unknown;
-    if (matrix == nullptr || of_unknown.empty()) return out;
-    const Vector& u = state_.evolution.u();
-    for (int i = 0; i < matrix->k().rows(); ++i) {
-      double forces = 0.0, own = 0.0;
-      for (SparseMatrix::InnerIterator it(matrix->k(), i); it; ++it) {
-        forces += std::abs(it.value() * u[it.col()]);
-        if (it.col() == i) own = std::abs(it.value());
-      }
-      double& most = out[of_unknown[static_cast<std::size_t>(i)]];
-      if (own > 0.0) most = std::max(most, negligible_share * forces / own);
-    }
-    return out;
-  }
-
-  /// Vector laws have no equilibrium curve (point_curve.hpp).
-  bool branches_are_followed() const {
-    return follows_branches(stepper_.not_unique(), state_.contact()) &&
-           std::ranges::all_of(state_.contact().problem.points,
-                               [](const auto& point) { return point.rows == 1; });
-  }
-
-  /// Where several solutions are possible: that it is so, which branch this is, and its energy.
-  void tell_choice() {
-    result_.unique = stepper_.not_unique().empty();
-    if (state_.evolution.step() == 0 || result_.unique) return;
-    const bool said = std::any_of(result_.notes.begin(), result_.notes.end(),
-                                  [](const StepNote& n) { return n.step == 0; });
-    if (!said)
-      result_.notes.insert(
-          result_.notes.begin(),
-          {0, 0.0,
-           fmt::format("uniqueness is not guaranteed: {}; {}", stepper_.not_unique(),
-                       branches_are_followed()
-                           ? sentence(plan_.options.branch)
-                           : "each step's solution is sought from the last step's"),
-           plan_.problem.law_terms.empty() ? Origin{} : plan_.problem.law_terms.front().origin});
-    std::optional<EnergyMonitor> own;
-    EnergyMonitor& monitor =
-        monitor_ ? *monitor_ : own.emplace(plan_.problem, discretisation_, state_);
-    if (monitor.has_energy()) result_.energy = monitor.energy(state_);
-  }
-
-  void finish_monitors() {
-    result_.monitors = MonitorTable{monitor_->names(), monitor_times_, monitor_->columns(),
-                                    monitor_->balance_error()};
-    if (settings_.output_folder.empty() || monitor_times_.empty()) return;
-    ReportTable table{{"t"}, {monitor_times_}};
-    for (std::size_t c = 0; c < monitor_->names().size(); ++c) {
-      table.names.push_back(monitor_->names()[c]);
-      table.columns.push_back(monitor_->columns()[c]);
-    }
-    const auto file = settings_.name + "_monitors.csv";
-    reporter_.attempt([&] {
-      write_atomically(std::filesystem::path(settings_.output_folder) / file, csv_text(table));
-      result_.files.push_back(file);
-    });
-  }
-
-  void account(WorkCounters& work, Timing& timing) const {
-    stepper_.account(work, timing);
-    int* const all[] = {&work.analyses,       &work.factorisations, &work.triangular_solves,
-                        &work.products,       &work.newton,         &work.fallback_steps,
-                        &work.followed_steps, &work.inner_steps,    &work.unfollowed_steps};
-    for (std::size_t i = 0; i < grown_before_.size(); ++i) *all[i] += grown_before_[i];
-  }
-
-  void go_on(const std::string& saved) {
-    std::istringstream in(saved);
-    with_its_name(checkpoint_path(settings_.output_folder, settings_.name),
-                  [&] { ended_ = restore(in); });
-  }
-
-  void checkpoint() {
-    std::ostringstream out;
-    out.exceptions(std::ios::badbit); // memory that runs out is no shorter state
-    StateWriter w(out);
-    restarts_.save(w);
-    w.put(static_cast<std::uint8_t>(monitor_.has_value()));
-    stepper_.save(out);
-    reporter_.save(out);
-    w.put(result_.certificate.inclusion);
-    w.put(result_.certificate.equilibrium);
-    w.put(std::array<int, 3>{result_.certificate.worst_step, result_.certificate.inclusion_step,
-                             result_.certificate.equilibrium_step});
-    if (!plan_.problem.states.empty()) w.put(result_.certificate.states.value_or(0.0));
-    put_notes(w, result_.notes);
-    WorkCounters work;
-    Timing timing;
-    account(work, timing);
-    w.put(grown(work));
-    if (monitor_) {
-      w.put(monitor_times_);
-      monitor_->save(out);
-    }
-    reporter_.attempt([&] {
-      write_checkpoint(checkpoint_path(settings_.output_folder, settings_.name), fingerprint_,
-                       out.view());
-    });
-  }
-
-  /// Set: a memory cannot go on from there.
-  std::optional<HorizonEnd> restore(std::istream& in) {
-    StateReader r(in, {});
-    Restarts().restore(r, plan_.problem.histories.size()); // read before: they decide the plan
-    if ((r.get<std::uint8_t>() != 0) != monitor_.has_value())
-      r.fail(monitor_ ? "was saved without monitors" : "was saved with monitors");
-    if (auto end = stepper_.restore(in)) return end;
-    reporter_.restore(in, state_);
-    result_.certificate.inclusion = r.get<double>();
-    result_.certificate.equilibrium = r.get<double>();
-    const auto worst = r.get_counts<3>();
-    result_.certificate.worst_step = worst[0];
-    result_.certificate.inclusion_step = worst[1];
-    result_.certificate.equilibrium_step = worst[2];
-    if (!plan_.problem.states.empty()) result_.certificate.states = r.get<double>();
-    result_.notes = get_notes(r);
-    // Work counted from here on is added to the work before the checkpoint.
-    WorkCounters now;
-    Timing timing;
-    stepper_.account(now, timing);
-    const auto saved = r.get_counts<9>(), here = grown(now);
-    for (std::size_t i = 0; i < saved.size(); ++i) grown_before_[i] = saved[i] - here[i];
-    if (monitor_) {
-      monitor_times_ = r.get_vector<double>();
-      monitor_->restore(in, monitor_times_.size(), state_);
-    }
-    told_ = result_.resumed_from = state_.evolution.step();
-    return std::nullopt;
-  }
-
-  const Plan& plan_;
-  const Restarts& restarts_;
-  const Discretisation& discretisation_;
-  const RunSettings& settings_;
-  double start_;
-  Spared spared_;                   ///< by earlier runs' work, when this one began
-  std::optional<HorizonEnd> ended_; ///< set: the saved state cannot be gone on from
-  int told_ = 0;
-  RunResult result_;
-  Stepper stepper_;
-  const RunState& state_; ///< of the stepper
-  Reporter reporter_;
-  std::optional<EnergyMonitor> monitor_;
-  std::vector<double> monitor_times_;
-  std::uint64_t fingerprint_ = 0;
-  std::array<int, 9> grown_before_{};
-};
-
 /// What is known of a run that has failed is written before the failure is reported, and kept.
-std::optional<Restart> conclude_failed(Run& run, RunResult* partial) {
+std::optional<Restart> conclude_failed(OneRun& run, RunResult* partial) {
   try {
-    Outcome so_far = run.conclude();
+    RunOutcome so_far = run.conclude();
     if (auto* restart = std::get_if<Restart>(&so_far)) return *restart; // a step before has failed
     if (partial != nullptr) *partial = std::get<RunResult>(std::move(so_far));
   } catch (const Failure&) { // the reason to stop comes before a disk that is full as well
@@ -366,17 +35,17 @@ std::optional<Restart> conclude_failed(Run& run, RunResult* partial) {
   return std::nullopt;
 }
 
-Outcome run_once(const Plan& plan, const Discretisation& discretisation,
-                 const RunSettings& settings, const Restarts& restarts, const std::string* saved,
-                 RunResult* partial, Shown* shown) {
-  Run run(plan, discretisation, settings, restarts, saved, shown);
+RunOutcome run_once(const Plan& plan, const Discretisation& discretisation,
+                    const RunSettings& settings, const Restarts& restarts, const std::string* saved,
+                    RunResult* partial, Shown* shown) {
+  OneRun run(plan, discretisation, settings, restarts, saved, shown);
   try {
     if (const auto restart = run.march()) return *restart;
   } catch (const Failure&) {
     if (const auto restart = conclude_failed(run, partial)) return *restart;
     throw;
   }
-  Outcome outcome = run.conclude();
+  RunOutcome outcome = run.conclude();
   auto* const result = std::get_if<RunResult>(&outcome);
   if (result == nullptr) return outcome;
   try {
@@ -405,20 +74,15 @@ RunResult run_all(const Plan& plan, const Discretisation& discretisation,
   }
   for (;;) {
     const Plan tried = restarts.applied(plan);
-    Outcome outcome = run_once(tried, discretisation, settings, restarts, saved ? &*saved : nullptr,
-                               partial, shown);
+    RunOutcome outcome = run_once(tried, discretisation, settings, restarts,
+                                  saved ? &*saved : nullptr, partial, shown);
     if (const auto* restart = std::get_if<Restart>(&outcome)) {
-      const auto* end = std::get_if<HorizonEnd>(restart);
-      if (end != nullptr && !saved)
-        throw Failure(FailureKind::limit, end->origin, end->said, end->help);
-      std::visit([&](const auto& why) { restarts.take(why); }, *restart);
+      restarts.take(*restart, saved.has_value());
       if (!std::holds_alternative<LateCheck>(*restart)) saved.reset();
       continue;
     }
     auto result = std::get<RunResult>(std::move(outcome));
-    for (const auto& sentence : route_notes(plan, result.histories))
-      if (restarts.notes.empty()) result.notes.push_back({0, 0.0, sentence, Origin{}});
-    result.notes.insert(result.notes.begin(), restarts.notes.begin(), restarts.notes.end());
+    restarts.add_notes(plan, result);
     return result;
   }
 }

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <vector>
 
@@ -21,6 +22,12 @@ constexpr MUMPS_INT first_room = 50, most_room = 3200;
 
 /// Which of the settings the manual numbers from 1.
 MUMPS_INT& setting(DMUMPS_STRUC_C& mumps, int number) { return mumps.icntl[number - 1]; }
+
+/// MUMPS keeps a table of its instances and some numbers for the whole process: one call at a time.
+std::mutex& turn() {
+  static std::mutex only;
+  return only;
+}
 
 struct Solver {
   DMUMPS_STRUC_C mumps{};
@@ -37,7 +44,10 @@ struct Solver {
 
   int run(int job) {
     mumps.job = job;
-    dmumps_c(&mumps);
+    {
+      const std::scoped_lock lock(turn());
+      dmumps_c(&mumps);
+    }
     const int info = mumps.infog[0];
     if (info >= 0) return hvi_mumps_ok;
     if (info == -10 || info == -6) return hvi_mumps_singular;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <clocale>
 #include <cstring>
+#include <mutex>
 #include <new>
 #include <stdexcept>
 
@@ -16,7 +17,7 @@ namespace {
 
 /// A gmsh session from a fresh start to its end, so that nothing one mesh sets reaches the next. No
 /// configuration files, no output, one thread, fixed random numbers. gmsh changes the locale of the
-/// program: it is put back.
+/// program: it is put back. gmsh has one session in a process: threads wait for each other.
 class Session {
 public:
   Session() {
@@ -31,6 +32,11 @@ public:
   Session& operator=(const Session&) = delete;
 
 private:
+  static std::mutex& turn() {
+    static std::mutex only;
+    return only;
+  }
+  std::scoped_lock<std::mutex> lock_{turn()};
   std::string locale_ = std::setlocale(LC_ALL, nullptr);
 };
 

@@ -1,0 +1,84 @@
+// A run as it is tried once: all steps from the first, or from a saved state, to the last, unless
+// it has to start again. Used by run.cpp and stepped_run.cpp.
+#pragma once
+
+#include "solver/common/clock.hpp"
+#include "solver/time/energy.hpp"
+#include "solver/time/report.hpp"
+#include "solver/time/restarts.hpp"
+#include "solver/time/shared_work.hpp"
+#include "solver/time/step.hpp"
+
+namespace hvi::solver {
+
+/// A result, or why the run has to start again.
+using RunOutcome = std::variant<RunResult, Restart>;
+
+class OneRun {
+public:
+  /// `plan`, `restarts` and `settings` outlive it. `saved`: a state to go on from, or null.
+  /// `shown`: null where nothing is.
+  OneRun(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
+         const Restarts& restarts, const std::string* saved, Shown* shown = nullptr);
+  OneRun(const OneRun&) = delete; // its parts refer to each other
+  OneRun& operator=(const OneRun&) = delete;
+
+  /// All steps. Set: the run has to start again.
+  std::optional<Restart> march();
+  /// The next one of them. Throws Failure(not_certified) where it has no certificate, and what
+  /// RunSettings::stop asks for.
+  std::optional<Restart> take_step(LapClock<>& clock);
+  bool at_end() const;
+  int step() const { return state_.evolution.step(); } ///< the last one that was taken
+  /// All steps have been taken, each with its certificate.
+  void certify() { result_.certificate.certified = true; }
+  int steps() const { return state_.evolution.grid().steps(); }
+  /// The probes at the last recorded step; NaN where the time of one has not come.
+  std::span<const double> values() const { return reporter_.values(); }
+  /// Puts everything known so far into the result and writes the tables, unless a check that was
+  /// put off fails.
+  RunOutcome conclude();
+
+private:
+  Spared spared() const;
+  std::optional<Restart> step(int n);
+  /// All steps up to this one have had their checks.
+  int checked_up_to();
+  /// Of checks that were put off.
+  void note_late_errors();
+  void record(bool last);
+  /// What rounding may have done to the columns.
+  void estimate_forward_error();
+  /// Of several unknowns: parts of how far the forces in its rows would move each of them, which
+  /// may cancel (a fluid at rest under its pressure).
+  std::array<double, slot::most_unknowns> nothing_of_each(const StepMatrix* matrix) const;
+  /// Vector laws have no equilibrium curve (point_curve.hpp).
+  bool branches_are_followed() const;
+  /// Where several solutions are possible: that it is so, which branch this is, and its energy.
+  void tell_choice();
+  void finish_monitors();
+  void account(WorkCounters& work, Timing& timing) const;
+  void go_on(const std::string& saved);
+  void checkpoint();
+  /// Set: a memory cannot go on from there.
+  std::optional<HorizonEnd> restore(std::istream& in);
+
+  const Plan& plan_;
+  const Restarts& restarts_;
+  const Discretisation& discretisation_;
+  const RunSettings& settings_;
+  double start_;
+  Spared spared_;                   ///< by earlier runs' work, when this one began
+  std::optional<HorizonEnd> ended_; ///< set: the saved state cannot be gone on from
+  int told_ = 0;
+  RunResult result_;
+  Stepper stepper_;
+  const RunState& state_; ///< of the stepper
+  Reporter reporter_;
+  std::optional<EnergyMonitor> monitor_;
+  std::vector<double> monitor_times_;
+  std::uint64_t fingerprint_ = 0;
+  std::array<int, 9> grown_before_{};
+};
+
+} // namespace hvi::solver
