@@ -109,7 +109,9 @@ function(hvi_harden target)
   get_target_property(type ${target} TYPE)
   target_compile_options(${target} PRIVATE -fstack-protector-strong
     $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE> $<$<NOT:$<CONFIG:Debug>>:-D_FORTIFY_SOURCE=2>)
-  if(NOT type STREQUAL "MODULE_LIBRARY")
+  if(HVI_PYTHON_MODULE) # the module is made of the same files; calls stay as direct as with -fPIE
+    target_compile_options(${target} PRIVATE -fPIC -fno-semantic-interposition)
+  elseif(NOT type STREQUAL "MODULE_LIBRARY")
     target_compile_options(${target} PRIVATE -fPIE)
   endif()
   if(NOT type STREQUAL "STATIC_LIBRARY")

@@ -4,74 +4,20 @@
 #include "lang/cli/memory_lines.hpp"
 #include "lang/cli/outputs.hpp"
 #include "lang/cli/say.hpp"
+#include "lang/forecast.hpp"
 #include "solver/common/memory_room.hpp"
-#include "solver/linear/bandwidth.hpp"
 #include "solver/time/memory.hpp"
-#include "solver/time/rehearsal.hpp"
-#include "solver/time/result_json.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
-#include <atomic>
-#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace hvi::lang {
 
 namespace {
-
-/// Takes the first steps: their counted work is that of the run, and their seconds predict those of
-/// the other steps. The sums of memories grow, so the memories are run alone for more steps.
-struct Forecast {
-  solver::RunResult result;
-  solver::MemoryForecast memory;
-  double last = 0;                                       ///< CPU seconds after the last step taken
-  double each = std::numeric_limits<double>::infinity(); ///< of the cheapest: first ones prepare
-  double most_bytes = 0; ///< the most that is held, of the steps not taken too
-  int taken = 0, steps = 0;
-  bool friction = false;
-  /// Seconds of the memories in the steps not taken, beyond those of as many first steps.
-  double history() const {
-    const auto& r = result;
-    const double bytes = sizeof(double) * (r.path.empty() ? r.contact_unknowns : r.unknowns);
-    return memory.reads > 0.0 || memory.seconds > 0.0
-               ? memory.seconds + memory.reads * bytes / solver::read_bandwidth()
-               : 0.0;
-  }
-  /// Without files.
-  double seconds() const {
-    if (taken >= steps) return result.timing.mesh + last;
-    // In the first steps everything sticks; those with slip cost about half as much again.
-    const double later = friction ? 1.5 * each : each;
-    return result.timing.mesh + last + later * (steps - taken) + history();
-  }
-};
-
-Forecast forecast(const solver::Plan& plan, const solver::Discretisation& discretisation) {
-  Forecast out;
-  out.friction = std::any_of(plan.problem.laws.begin(), plan.problem.laws.end(),
-                             [](const solver::LawSpec& law) { return law.radial; });
-  std::atomic<bool> stop = false;
-  solver::RunSettings settings;
-  settings.stop = &stop;
-  settings.progress = [&](const solver::Progress& p) {
-    if (p.step > 1) out.each = std::min(out.each, p.seconds - out.last);
-    out.last = p.seconds, out.taken = p.step, out.steps = p.steps;
-    stop = p.step >= std::clamp(p.steps / 50, 8, 24);
-  };
-  try {
-    out.result = solver::run(plan, discretisation, settings, &out.result);
-  } catch (const solver::Failure& failure) {
-    if (failure.kind != solver::FailureKind::interrupted) throw;
-  }
-  const auto& r = out.result;
-  out.most_bytes = solver::memory_peak() +
-                   solver::history_bytes_to_come(plan, r.histories,
-                                                 r.path.empty() ? r.contact_unknowns : r.unknowns);
-  if (out.taken < out.steps) out.memory = solver::rehearse_memory(plan, out.taken);
-  return out;
-}
 
 void print_forecast(const Forecast& f) {
   const auto& r = f.result;
@@ -121,15 +67,6 @@ void print_effects(const Script& script, const std::optional<Forecast>& first_st
   }
 }
 
-/// As hvi-plan/1.
-void write_forecast(const Script& script, Forecast& f, std::vector<solver::HistoryReport> memory,
-                    const Options& options) {
-  f.result.script = script.path;
-  f.result.histories = std::move(memory);
-  write_json(options, solver::plan_json(f.result, script.plan->problem, json_context(script),
-                                        {f.steps, f.taken, f.seconds(), f.most_bytes}));
-}
-
 } // namespace
 
 int plan_command(const std::string& path, const Options& options) {
@@ -160,7 +97,7 @@ int plan_command(const std::string& path, const Options& options) {
   }
   if (first_steps && code == exit_ok)
     code =
-        session.attempt([&] { write_forecast(script, *first_steps, std::move(memory), options); });
+        session.attempt([&] { write_json(options, forecast_json(script, *first_steps, memory)); });
   show_diagnostics(script, options);
   return code;
 }

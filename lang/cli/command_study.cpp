@@ -4,13 +4,13 @@
 #include "lang/cli/outputs.hpp"
 #include "lang/cli/say.hpp"
 #include "lang/cli/study_journal.hpp"
+#include "lang/discretisation_key.hpp"
 #include "lang/study.hpp"
 #include "solver/common/clock.hpp"
 #include "solver/common/memory_room.hpp"
 #include "solver/common/read_file.hpp"
 #include "solver/output/file.hpp"
 #include "solver/study/ladder.hpp"
-#include "solver/time/adapt.hpp"
 #include "solver/time/checkpoint.hpp"
 #include "solver/time/shared_work.hpp"
 
@@ -221,11 +221,7 @@ private:
   /// Mesh and space of a plan; settings with the same share them, and what was assembled, ordered
   /// and factored on them.
   std::shared_ptr<solver::Discretisation> discretisation_of(const solver::Plan& plan) {
-    solver::Plan space;
-    space.problem.mesh = plan.problem.mesh, space.problem.parts = plan.problem.parts,
-    space.problem.space = plan.problem.space;
-    std::string key = solver::to_string(space);
-    if (plan.problem.mesh.adapted > 0) key += solver::adapted_key(plan);
+    std::string key = discretisation_key(plan);
     const auto known = std::ranges::find(meshes_, key, &KnownMesh::key);
     if (known != meshes_.end()) {
       ++study_.shared.meshes;

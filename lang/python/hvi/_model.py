@@ -1,0 +1,269 @@
+"""Scripts, their runs, and runs taken step by step."""
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, Optional, Union
+
+from . import _hvi
+from ._errors import EXIT_SCRIPT, Error, ScriptError, SolveError, diagnostics_from, refuse
+from ._result import Array, Grid, Result, grid_from, result_from
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from ._fit import Fit
+    from ._sweep import Sweep
+
+Value = Union[int, float, str]
+Progress = Callable[[int, int, float], None]  #: step, steps, CPU seconds so far
+
+
+def as_given(value: Value) -> str:
+    """A value of a parameter as a script reads it, with all its digits."""
+    if isinstance(value, str):
+        return value
+    number = value.item() if hasattr(value, "item") else value  # of NumPy
+    return repr(int(number)) if isinstance(number, (bool, int)) else repr(float(number))
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a script. `range` and `doc` as written there, "" where there is none."""
+
+    name: str
+    value: Union[float, str]
+    range: str = ""
+    doc: str = ""
+
+    @property
+    def limits(self) -> Optional[tuple[float, float]]:
+        """The range as numbers; None where there is none."""
+        if not self.range:
+            return None
+        least, greatest = json.loads(self.range)
+        return float(least), float(greatest)
+
+
+@dataclass(frozen=True)
+class Check:
+    """The hypotheses of the existence theorem as numbers: what `hvi-run check` prints."""
+
+    discrete: bool  #: has every step exactly one solution on this mesh, by proof?
+    continuous: bool  #: does a theorem apply, as far as a mesh and its refinement can tell?
+    text: str
+    raw: dict[str, Any]  #: everything, as hvi-check/1
+
+    def __str__(self) -> str:
+        return self.text
+
+
+class Model:
+    """A script with values of its parameters. Models do not change: `model.at(n=32)` is another one.
+
+    It may be used by several threads at once, each run is by itself. Runs release Python's lock; while they go on OpenBLAS has one
+    thread in this process.
+    """
+
+    def __init__(self, path: str, text: Optional[str] = None, allow_geo: bool = False, params: Optional[Mapping[str, Value]] = None):
+        self.path, self.text, self.allow_geo = path, text, allow_geo
+        self._given = dict(params or {})
+        self._model = _hvi.Model(path, text, allow_geo)
+        self._described = self._model.describe(self._defines())
+        refuse(self._described)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"path": self.path, "text": self.text, "allow_geo": self.allow_geo, "params": self._given}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__init__(**state)  # type: ignore[misc]
+
+    def __repr__(self) -> str:
+        values = "".join(f", {p.name} = {p.value}" for p in self.params.values())
+        return f"<hvi.Model {self.path}{values}>"
+
+    def _defines(self, params: Optional[Mapping[str, Value]] = None) -> dict[str, str]:
+        return {name: as_given(value) for name, value in {**self._given, **(params or {})}.items()}
+
+    @property
+    def params(self) -> dict[str, Parameter]:
+        """Parameters by name."""
+        return {p["name"]: Parameter(**p) for p in self._described["data"]["params"]}
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns of its tables, without t."""
+        return list(self._described["data"]["columns"])
+
+    def at(self, **params: Value) -> Model:
+        """The same script with other values of these parameters."""
+        return Model(self.path, self.text, self.allow_geo, {**self._given, **params})
+
+    def run(self, *, progress: Optional[Progress] = None, output: Union[str, os.PathLike[str], None] = None, monitors: bool = False,
+            keep_every: int = 0, accuracy: float = 0.0, accuracy_of: str = "", budget: float = 3600.0, **params: Value) -> Result:
+        """All steps, certified. Raises ScriptError, SolveError (with `partial`), or KeyboardInterrupt after the step in which
+        Ctrl-C came.
+
+        params: parameters of the script, `model.run(n=32)`. progress: called with (step, steps, CPU seconds) some twenty times a
+        second. output: a folder for the files that the command writes. monitors: energies by step. keep_every: the unknowns at
+        every so many steps, in `result.kept`. accuracy, accuracy_of, budget: as `hvi-run --accuracy --of --budget`; the run is then
+        the cheapest that has this relative error.
+        """
+        return self._run(params, progress, output, monitors, keep_every, accuracy, accuracy_of, budget)
+
+    def _run(self, params: Mapping[str, Value], progress: Optional[Progress] = None, output: Any = None, monitors: bool = False,
+             keep_every: int = 0, accuracy: float = 0.0, accuracy_of: str = "", budget: float = 3600.0, shared: Any = None) -> Result:
+        if keep_every < 0:
+            raise ValueError("keep_every is a number of steps")
+        how = {"output": os.fspath(output) if output is not None else "", "monitors": monitors, "keep_every": keep_every,
+               "accuracy": accuracy, "accuracy_of": accuracy_of, "budget": budget}
+        answer = self._model.run(self._defines(params), how, progress, shared)
+        result = result_from(answer, answer["data"].get("params", {}) if answer["data"] else {})
+        refuse(answer, result)
+        assert result is not None
+        return result
+
+    def steps(self, **params: Value) -> Steps:
+        """A run that is taken step by step: `for step in model.steps(): ...`"""
+        return Steps(self._model.steps(self._defines(params)))
+
+    def check(self, **params: Value) -> Check:
+        """Judges the hypotheses of the theorem for these parameters."""
+        answer = self._model.check(self._defines(params))
+        refuse(answer)
+        data = answer["data"]
+        verdict = data["verdict"]
+        return Check(verdict["discrete"]["holds"], verdict["continuous"]["holds"], data.pop("text"), data)
+
+    def plan(self, **params: Value) -> dict[str, Any]:
+        """What a run would do and cost, from its first steps, as hvi-plan/1 (docs/schema): effects, matrices, predicted CPU seconds
+        and bytes."""
+        answer = self._model.plan(self._defines(params))
+        refuse(answer)
+        return dict(answer["data"])
+
+    def study(self, *, output: Union[str, os.PathLike[str], None] = None, **params: Value) -> dict[str, Any]:
+        """The study of the script, as hvi-study/1 (docs/schema). It is `hvi-run study` in a process of its own, since it measures CPU
+        time and memory, which a process has once. output: a folder for its files and its journal, from which a study that was stopped
+        goes on."""
+        if self.text is not None:
+            raise ValueError("a study needs a script in a file")
+        with tempfile.TemporaryDirectory() as folder:
+            words = [program(), "study", self.path, "-o", os.fspath(output) if output is not None else folder, "--json", "-",
+                     "--diagnostics", "json"]
+            for name, value in self._defines(params).items():
+                words += ["-D", f"{name}={value}"]
+            done = subprocess.run(words + (["--allow-geo"] if self.allow_geo else []), capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            rows = [json.loads(line) for line in done.stderr.splitlines() if line.startswith("{")]
+            kind = ScriptError if done.returncode == EXIT_SCRIPT else SolveError
+            said = "\n".join(str(d) for d in diagnostics_from(rows)) or done.stderr
+            raise kind(said, diagnostics_from(rows))
+        return dict(json.loads(done.stdout))
+
+    def sweep(self, **ladders: Any) -> Sweep:
+        """See hvi.sweep."""
+        from ._sweep import sweep
+
+        return sweep(self, **ladders)
+
+    def fit(self, params: Mapping[str, Any], data: Mapping[str, tuple[ArrayLike, ArrayLike]], **more: Any) -> Fit:
+        """See hvi.fit."""
+        from ._fit import fit
+
+        return fit(self, params, data, **more)
+
+
+def program() -> str:
+    """Where hvi-run is: beside this package in the build tree or where it is installed, else on the path."""
+    package = pathlib.Path(_hvi.__file__).resolve().parent
+    beside = (package.parents[1] / "hvi-run", package.parents[3] / "bin" / "hvi-run")
+    found = next((str(path) for path in beside if path.is_file()), None) or shutil.which("hvi-run")
+    if found is None:
+        raise FileNotFoundError("hvi-run is neither beside the package hvi nor on the path")
+    return found
+
+
+@dataclass(frozen=True)
+class Step:
+    """A certified step. `values`: every column of the tables here, NaN where its own time has not come. `fields`: each unknown at
+    the points of `steps.grid`."""
+
+    number: int
+    t: float
+    values: dict[str, float]
+    fields: dict[str, Array]
+
+    def __getitem__(self, column: str) -> float:
+        return self.values[column]
+
+
+class Steps:
+    """The steps of a run, one after the other: the next one is computed when it is asked for, so that another program can use each
+    before the next. What a script states does not change on the way. A loop that is left early leaves the run where it is:
+    it can go on, or be concluded.
+    """
+
+    def __init__(self, stepping: Any):
+        self._stepping = stepping
+        self._failed = False
+        self._result: Optional[Result] = None
+        refuse(stepping.start())
+        self.grid: Grid = grid_from(stepping.grid())  #: of all fields
+
+    def __len__(self) -> int:
+        """How many steps the run has."""
+        return int(self._stepping.steps)
+
+    def __iter__(self) -> Iterator[Step]:
+        while (step := self.advance()) is not None:
+            yield step
+
+    def advance(self) -> Optional[Step]:
+        """The next step; None when there is none. Raises SolveError at a step without a certificate, with the result so far."""
+        if self._failed or self._result is not None:
+            return None
+        try:
+            answer, more = self._stepping.advance()
+            if answer["exit"] != 0:
+                self._failed = True
+                refuse(answer, self._conclude()[1])
+        except KeyboardInterrupt:
+            self._failed = True
+            raise
+        if not more:
+            return None
+        return Step(self._stepping.step, self._stepping.t, dict(self._stepping.values()), self._stepping.fields())
+
+    def _conclude(self) -> tuple[dict[str, Any], Optional[Result]]:
+        answer = self._stepping.conclude()
+        return answer, result_from(answer, answer["data"].get("params", {}) if answer["data"] else {})
+
+    def result(self) -> Result:
+        """What is known after the steps so far, as of Model.run; no step can be taken after it. Certified where all were taken."""
+        if self._result is None:
+            answer, found = self._conclude()
+            refuse(answer, found)
+            if found is None:
+                raise ValueError("no step has been taken")
+            self._result = found
+        return self._result
+
+
+def load(path: Union[str, os.PathLike[str]], *, allow_geo: bool = False, **params: Value) -> Model:
+    """Reads a script. Raises ScriptError, with every mistake in it, where it has one. `allow_geo`: it may mesh geometry files of
+    gmsh, which can run programs."""
+    return Model(os.fspath(path), None, allow_geo, params)
+
+
+def loads(text: str, *, folder: Union[str, os.PathLike[str]] = ".", allow_geo: bool = False, **params: Value) -> Model:
+    """A script as a text. Files that it reads lie below `folder`."""
+    return Model(os.path.join(os.fspath(folder), "script.hvi"), text, allow_geo, params)
+
+
+__all__ = ["Check", "Error", "Model", "Parameter", "Step", "Steps", "load", "loads", "program"]

@@ -1,0 +1,237 @@
+"""Runs, their results, mistakes, Ctrl-C, threads.
+
+usage: runs.py HVI_RUN SOURCE_FOLDER, with the package on PYTHONPATH"""
+import json
+import os
+import pathlib
+import pickle
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+import numpy as np
+
+import hvi
+
+PROGRAM, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
+EXAMPLES = SOURCE / "examples"
+
+
+def command(script, *words):
+    done = subprocess.run([PROGRAM, script, "--json", "-", "--quiet", *words], capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
+
+
+class Runs(unittest.TestCase):
+    def test_a_run_has_the_bits_of_the_command(self):
+        """In 2D and 3D, with friction, memory, several unknowns (MUMPS), inertia, and a mesh of gmsh."""
+        for name, params in (("slab", {"n": 4, "N": 16}), ("slab3d_friction", {"n": 2, "N": 4}), ("warm_ground", {"n": 4, "N": 4}),
+                             ("bounce", {}), ("bracket", {})):
+            with self.subTest(name):
+                words = [word for item in params.items() for word in ("-D", "{}={}".format(*item))]
+                with tempfile.TemporaryDirectory() as folder:
+                    there = command(EXAMPLES / f"{name}.hvi", *words, "--allow-geo", "-o", folder)
+                here = hvi.load(EXAMPLES / f"{name}.hvi", allow_geo=True).run(**params)
+                self.assertTrue(here.certified)
+                for column, values in there["table"].items():
+                    numbers = np.array([np.nan if v is None else v for v in values], dtype=float)
+                    np.testing.assert_array_equal(here[column], numbers, err_msg=column)
+                self.assertEqual({k: v for k, v in here.certificate.items()}, there["certificate"])
+
+    def test_fields_are_where_the_probes_see_them(self):
+        result = hvi.load(EXAMPLES / "slab.hvi").run(n=4, N=8)
+        self.assertEqual(result.points.shape, (9 * 5, 2))
+        self.assertEqual(result.cells.shape, (2 * 8 * 4, 3))
+        at = int(np.flatnonzero((result.points == [1, 0]).all(axis=1))[0])
+        self.assertEqual(result.fields["u"][at, 1], result.final["u_y"])
+        self.assertEqual(result.fields["sigma"].shape, (45, 4))
+        np.testing.assert_array_equal(result.fields["u"][result.points[:, 1] == 1], 0.0)
+        corners = result.points[result.cells]
+        areas = 0.5 * np.linalg.det(corners[:, 1:] - corners[:, :1])
+        self.assertAlmostEqual(areas.sum(), 2.0, places=13)
+        self.assertTrue((areas > 0).all())
+
+    def test_quadratic_cells_are_in_the_order_of_vtk(self):
+        text = (EXAMPLES / "slab.hvi").read_text().replace("vector P1", "vector P2")
+        result = hvi.loads(text).run(n=2, N=2)
+        self.assertEqual(result.grid.cell_type, "triangle6")
+        corners, middles = result.points[result.cells[:, :3]], result.points[result.cells[:, 3:]]
+        np.testing.assert_allclose(middles, (corners + np.roll(corners, -1, axis=1)) / 2, atol=1e-15)
+
+    def test_kept_steps(self):
+        result = hvi.load(EXAMPLES / "slab.hvi").run(n=2, N=8, keep_every=4)
+        np.testing.assert_allclose(result.kept_times, [0.5, 1.0])
+        np.testing.assert_array_equal(result.kept["u"][-1], result.fields["u"])
+        self.assertEqual(result.kept["u"].shape, (2, 15, 2))
+
+    def test_files_and_energies(self):
+        with tempfile.TemporaryDirectory() as folder:
+            result = hvi.load(EXAMPLES / "slab.hvi").run(n=2, N=16, output=folder, monitors=True)
+            self.assertTrue({"slab.csv", "slab.pvd", "slab_monitors.csv"} <= set(os.listdir(folder)))
+            saved = np.genfromtxt(os.path.join(folder, "slab.csv"), delimiter=",", names=True)
+            np.testing.assert_array_equal(saved["reaction"], result["reaction"])
+        self.assertEqual(len(result.monitors["elastic"]), 16)
+
+    def test_tables_for_pandas(self):
+        try:
+            import pandas  # noqa: F401
+        except ImportError:
+            self.skipTest("pandas is not installed")
+        frame = hvi.load(EXAMPLES / "slab.hvi").run(n=2, N=4).to_pandas()
+        self.assertEqual(list(frame.columns), ["u_y", "u_x", "strain", "reaction"])
+        self.assertEqual(list(frame.index), [0.25, 0.5, 0.75, 1.0])
+
+    def test_check_plan_study(self):
+        model = hvi.load(EXAMPLES / "slab.hvi", n=4, N=8)
+        check = model.check()
+        self.assertTrue(check.discrete)
+        self.assertIn("H(J)", str(check))
+        plan = model.plan()
+        self.assertEqual((plan["schema"], plan["steps"]), ("hvi-plan/1", 8))
+        with tempfile.TemporaryDirectory() as folder:
+            script = pathlib.Path(folder) / "own.hvi"
+            script.write_text((EXAMPLES / "slab.hvi").read_text() + "\nstudy vary n in [2, 4] and N in [4, 8] against finest\n")
+            study = hvi.load(script).study()
+            self.assertEqual((study["schema"], len(study["rows"])), ("hvi-study/1", 4))
+
+    def test_accuracy(self):
+        result = hvi.load(EXAMPLES / "slab.hvi").run(accuracy=0.05, accuracy_of="reaction")
+        self.assertTrue(result.certified)
+        self.assertIn("accuracy", result.raw)
+
+    def test_parameters(self):
+        model = hvi.load(EXAMPLES / "slab.hvi", n=np.int64(3))
+        self.assertEqual(model.params["n"].value, 3)
+        self.assertEqual((model.params["N"].range, model.params["N"].doc), ("[1, 1000000]", "time steps"))
+        self.assertEqual(model.at(N=2).run().steps, 2)
+        again = pickle.loads(pickle.dumps(model))
+        self.assertEqual(again.params, model.params)
+
+
+class Mistakes(unittest.TestCase):
+    def test_a_mistake_has_its_place(self):
+        with self.assertRaises(hvi.ScriptError) as caught:
+            hvi.loads((EXAMPLES / "slab.hvi").read_text().replace("young = 70", "young = yuong"))
+        first = caught.exception.diagnostics[0]
+        self.assertEqual((first.code, first.line, first.column), ("E0301", 15, 35))
+        self.assertIn("^^^^^", str(caught.exception))
+        again = pickle.loads(pickle.dumps(caught.exception))
+        self.assertEqual(again.diagnostics, caught.exception.diagnostics)
+        with self.assertRaises(hvi.ScriptError) as caught:
+            hvi.loads((EXAMPLES / "slab.hvi").read_text().replace("= isotropic(young", "= isotropc(young"))
+        self.assertIn("isotropic", caught.exception.diagnostics[0].help)
+
+    def test_values_of_parameters(self):
+        for params in ({"n": 0}, {"n": 2.5}, {"m": 1}):
+            with self.assertRaises(hvi.ScriptError) as caught:
+                hvi.load(EXAMPLES / "slab.hvi", **params)
+            self.assertTrue(caught.exception.code.startswith("E0"), caught.exception.code)
+
+    def test_no_file(self):
+        with self.assertRaises(hvi.ScriptError) as caught:
+            hvi.load("/there/is/none.hvi")
+        self.assertEqual(caught.exception.code, "E0601")
+
+    def test_geometry_files_are_asked_for(self):
+        with self.assertRaises(hvi.ScriptError) as caught:
+            hvi.load(EXAMPLES / "laminate.hvi").run() if "geo" in (EXAMPLES / "laminate.hvi").read_text() else hvi.loads(
+                'mesh m = gmsh("plate.geo")\n', folder=SOURCE / "tests/data")
+        self.assertIn("allow_geo=True", str(caught.exception)) if "geo" in str(caught.exception) else None
+
+    def test_a_step_without_certificate(self):
+        """The tolerance cannot be met: what came before is kept."""
+        text = (EXAMPLES / "slab.hvi").read_text().replace("from u = 0\n", "from u = 0 using tolerance = 1e-30\n", 1)
+        with self.assertRaises(hvi.SolveError) as caught:
+            hvi.loads(text).run(n=2, N=4)
+        self.assertEqual(caught.exception.code, "E0701")
+
+    def test_unknown_columns(self):
+        result = hvi.load(EXAMPLES / "slab.hvi").run(n=2, N=2)
+        with self.assertRaisesRegex(KeyError, "reaction"):
+            result["reakction"]
+
+
+class Process(unittest.TestCase):
+    def test_two_threads_have_the_bits_of_one(self):
+        """Scripts whose parts are not made for threads: gmsh, METIS (3D) and MUMPS have one state in a process."""
+        work = [("slab", {"n": 8, "N": 32}), ("slab3d_friction", {"n": 6, "N": 2}), ("warm_ground", {"n": 6, "N": 4}), ("bracket", {}),
+                ("slab", {"n": 7, "N": 32})]
+        models = [hvi.load(EXAMPLES / f"{name}.hvi", allow_geo=True, **params) for name, params in work]
+        alone = [model.run() for model in models]
+        found = {}
+
+        def all_of(thread):
+            order = range(len(models)) if thread % 2 == 0 else reversed(range(len(models)))
+            for i in order:
+                found[thread, i] = models[i].run()
+
+        threads = [threading.Thread(target=all_of, args=(k,)) for k in range(2)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(len(found), 2 * len(models))
+        for (_, i), result in found.items():
+            for column in alone[i].table:
+                np.testing.assert_array_equal(result[column], alone[i][column], err_msg=f"{work[i]} {column}")
+            np.testing.assert_array_equal(result.fields["u"], alone[i].fields["u"])
+
+    def test_other_threads_go_on(self):
+        """The lock of Python is released: a counter counts while a run is made."""
+        counted, over = [0], threading.Event()
+
+        def count():
+            while not over.is_set():
+                counted[0] += 1
+                time.sleep(0.001)
+
+        thread = threading.Thread(target=count)
+        thread.start()
+        before = counted[0]
+        hvi.load(EXAMPLES / "slab.hvi").run(n=24, N=1024)
+        after = counted[0]
+        over.set()
+        thread.join()
+        self.assertGreater(after - before, 10)
+
+    def test_nothing_of_the_process_changes(self):
+        signals = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE, signal.SIGXFSZ, signal.SIGABRT]
+        before = [signal.getsignal(one) for one in signals]
+        status = lambda: [line for line in pathlib.Path("/proc/self/status").read_text().splitlines() if line.startswith(("SigBlk", "SigIgn", "SigCgt"))]  # noqa: E731
+        masks = status()
+        hvi.load(EXAMPLES / "slab3d_friction.hvi").run(n=6, N=1)
+        hvi.load(EXAMPLES / "bracket.hvi", allow_geo=True).run()
+        self.assertEqual([signal.getsignal(one) for one in signals], before)
+        self.assertEqual(status(), masks)
+        self.assertEqual(repr(1.5), "1.5")
+
+    def test_progress(self):
+        seen = []
+        hvi.load(EXAMPLES / "slab.hvi").run(n=24, N=1024, progress=lambda *now: seen.append(now))
+        self.assertEqual(seen[-1][:2], (1024, 1024))
+        self.assertEqual(seen, sorted(seen))
+
+    def test_what_a_callback_throws_ends_the_run(self):
+        def refuse(step, steps, seconds):
+            raise LookupError("enough")
+
+        with self.assertRaisesRegex(LookupError, "enough"):
+            hvi.load(EXAMPLES / "slab.hvi").run(n=24, N=1000000, progress=refuse)
+
+    def test_control_c(self):
+        code = (f"import hvi, sys\nmodel = hvi.load({str(EXAMPLES / 'slab.hvi')!r})\n"
+                "try:\n    model.run(n=16, N=1000000, progress=lambda *now: print(now, flush=True))\n"
+                "except KeyboardInterrupt:\n    print('stopped', model.run(n=2, N=2).certified)\n")
+        process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+        process.stdout.readline()  # it runs
+        process.send_signal(signal.SIGINT)
+        self.assertIn("stopped True", process.communicate(timeout=120)[0])
+        self.assertEqual(process.returncode, 0)
+
+
+sys.argv[1:] = sys.argv[3:]
+unittest.main()

@@ -1,0 +1,44 @@
+"""Sweeps over processes.
+
+usage: sweeps.py SOURCE_FOLDER, with the package on PYTHONPATH"""
+import pathlib
+import sys
+import unittest
+
+import numpy as np
+
+import hvi
+
+EXAMPLES = pathlib.Path(sys.argv[1]).resolve() / "examples"
+
+
+class Sweeps(unittest.TestCase):
+    def test_four_processes_have_the_bits_of_one(self):
+        model, told = hvi.load(EXAMPLES / "slab.hvi"), []
+        found = hvi.sweep(model, n=[2, 3, 4], N=[4, 8], processes=4, progress=lambda done, total: told.append((done, total)))
+        self.assertEqual(found.params[:3], [{"n": 2, "N": 4}, {"n": 2, "N": 8}, {"n": 3, "N": 4}])
+        self.assertEqual(found.errors, [None] * 6)
+        for params, value in zip(found.params, found["reaction"]):
+            self.assertEqual(value, model.run(**params).final["reaction"])
+        np.testing.assert_array_equal(found["n"], [2, 2, 3, 3, 4, 4])
+        self.assertEqual(told[-1], (6, 6))
+        self.assertEqual(told, sorted(told))
+
+    def test_results_and_failures(self):
+        text = (EXAMPLES / "slab.hvi").read_text().replace("mesh slab", "param tol = 1e-10\nmesh slab", 1).replace("from u = 0\n", "from u = 0 using tolerance = tol\n", 1)
+        found = hvi.loads(text, n=2, N=2).sweep(tol=[1e-10, 1e-30, 1e-9], results=True, processes=2, progress=False)
+        self.assertEqual([type(error) for error in found.errors], [type(None), hvi.SolveError, type(None)])
+        self.assertEqual(found.errors[1].code, "E0701")
+        self.assertIsNone(found.results[1])
+        self.assertEqual(found.results[0].fields["u"].shape, (15, 2))
+        self.assertTrue(np.isnan(found["reaction"][1]) and np.isfinite(found["reaction"][2]))
+        with self.assertRaises(KeyError):
+            found["weight"]
+
+    def test_mistakes_are_told(self):
+        found = hvi.load(EXAMPLES / "slab.hvi", N=2).sweep(n=[2, 0], progress=False)
+        self.assertIsInstance(found.errors[1], hvi.ScriptError)
+
+
+sys.argv[1:] = sys.argv[2:]
+unittest.main()
