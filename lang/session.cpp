@@ -34,10 +34,6 @@ std::optional<solver::AccuracyRequest> accuracy_wanted(const Script& script,
     out.probe = request.accuracy_of.empty() ? script.model->accuracy_of : request.accuracy_of;
   else
     return std::nullopt;
-  if (!script.plan->problem.space.more.empty())
-    throw solver::Failure(solver::FailureKind::bad_value, {},
-                          "an accuracy of a problem with several unknowns",
-                          "choose n and N, and compare two of them");
   out.most_seconds = request.budget;
   out.as_written = request.as_written;
   const auto& probes = script.plan->report.probes;

@@ -21,6 +21,8 @@ struct StudyRow {
   std::vector<int> rungs;                    ///< index into each ladder
   std::map<std::string, std::string> values; ///< parameter -> value, as a parameter is given
   std::optional<solver::StudyError> error;   ///< absent: failed, or the finest run itself
+  std::vector<solver::StudyError> errors;    ///< of several unknowns: of each, in its own norm
+  std::vector<std::optional<double>> orders; ///< of each of them
   std::map<std::string, double> probes;      ///< final values
   /// Their distances to the finest run's (extrapolated: errors), and the orders seen.
   std::map<std::string, double> probe_errors, probe_orders;
@@ -37,6 +39,8 @@ struct Study {
   bool sweep = false;               ///< there is none: the columns are what is asked for
   std::vector<std::string> columns; ///< of the tables
   std::vector<StudyLadder> ladders;
+  std::vector<std::string> unknowns; ///< where there are several
+  std::optional<std::size_t> in;     ///< which of them the error is of; none: of all together
   std::vector<StudyRow> rows;
   std::string machine;
   /// What settings took over from earlier ones instead of computing it.

@@ -38,15 +38,21 @@ std::pair<std::vector<std::size_t>, std::vector<double>> diagonal_of(const Study
   return out;
 }
 
+/// Which of the errors of a row: the one it is judged by, or that of an unknown.
+using Which = std::optional<std::size_t>;
+solver::StudyError& error_of(StudyRow& row, Which unknown) {
+  return unknown ? row.errors[*unknown] : *row.error;
+}
+
 /// Errors of a study against its finest run, extrapolated along the diagonal of the ladders.
-void extrapolate(Study& study) {
+void extrapolate(Study& study, Which unknown) {
   const auto [diagonal, scales] = diagonal_of(study);
   std::vector<double> distances;
-  for (const std::size_t i : diagonal) distances.push_back(study.rows[i].error->v_max);
+  for (const std::size_t i : diagonal) distances.push_back(error_of(study.rows[i], unknown).v_max);
   const auto fit = solver::richardson(scales, distances);
   if (!fit) return;
   for (std::size_t k = 0; k < diagonal.size(); ++k) {
-    auto& error = *study.rows[diagonal[k]].error;
+    auto& error = error_of(study.rows[diagonal[k]], unknown);
     const double factor = fit->errors[k] / error.v_max;
     error.v_final *= factor, error.l2_max *= factor, error.l2_final *= factor;
     error.v_max = fit->errors[k];
@@ -54,8 +60,12 @@ void extrapolate(Study& study) {
   solver::StudyError last;
   last.v_max = last.v_final = fit->errors.back();
   last.l2_max = last.l2_final = std::nan("");
-  last.size = study.rows[diagonal.back()].error->size;
-  study.rows.back().error = last;
+  last.size = error_of(study.rows[diagonal.back()], unknown).size;
+  StudyRow& finest = study.rows.back();
+  if (unknown)
+    finest.errors[*unknown] = last;
+  else
+    finest.error = last;
 }
 
 /// Distances of the probes to the finest run's; with `richardson` the diagonal has errors.
@@ -113,6 +123,9 @@ void compare_neighbours(Study& study) {
     const auto b = number_of(study.ladders[first], row.rungs[first]);
     if (!a || !b) continue;
     row.order = solver::observed_order(error[before], error[i], *b / *a);
+    const auto& coarser = study.rows[static_cast<std::size_t>(before)].errors;
+    for (std::size_t u = 0; u < std::min(coarser.size(), row.errors.size()); ++u)
+      row.orders.push_back(solver::observed_order(coarser[u].v_max, row.errors[u].v_max, *b / *a));
     for (const auto& [name, off] : row.probe_errors)
       if (const auto coarse = study.rows[before].probe_errors.find(name);
           coarse != study.rows[before].probe_errors.end())
@@ -125,7 +138,12 @@ void compare_neighbours(Study& study) {
 
 void judge(Study& study, bool richardson) {
   judge_probes(study, richardson);
-  if (richardson) extrapolate(study);
+  if (richardson) {
+    extrapolate(study, std::nullopt);
+    const double none = std::nan(""); // where no order is seen
+    study.rows.back().errors.assign(study.unknowns.size(), {none, none, none, none, none});
+    for (std::size_t u = 0; u < study.unknowns.size(); ++u) extrapolate(study, u);
+  }
   compare_neighbours(study);
 }
 

@@ -74,6 +74,15 @@ Value Checker::mesh_of_pieces(const ast::Mesh& m) {
     for (const auto& [group, kind] : groups_) groups[of_piece(piece, group)] = kind;
     for (const auto& group : std::exchange(cuts_, {})) cuts.insert(of_piece(piece, group));
     spec.pieces.push_back(model_.mesh);
+    const int adapted = std::exchange(spec.pieces.back().adapted, 0);
+    if (spec.pieces.size() > 1 && (adapted > 0) != (spec.adapted > 0)) {
+      error("E0440", (*name)->span,
+            fmt::format("`{}` is {}adapted, the piece before it is {}", piece,
+                        adapted > 0 ? "" : "not ", adapted > 0 ? "not" : ""),
+            "give all pieces `adapted = CELLS`, or none: the cells go where the errors are");
+      good = false;
+    }
+    spec.adapted += adapted; // of all pieces together
   }
   making_pieces_ = false;
   groups_ = std::move(groups);
@@ -109,11 +118,6 @@ bool Checker::add_piece(const ast::Expr& e) {
   }
   if (is_poison(value_of(index, e.span))) return false;
   pieces_.push_back(name);
-  if (model_.mesh.adapted > 0) {
-    error("E0440", e.span, fmt::format("`{}` is adapted, and a piece of a mesh", name),
-          "give the cells, a grading or a file with a fine mesh where it matters");
-    return false;
-  }
   return true;
 }
 

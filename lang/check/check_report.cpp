@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 
 namespace hvi::lang {
 
@@ -460,6 +461,50 @@ std::optional<StudyLadder> Checker::study_ladder(const ast::Ladder& ladder,
   return out;
 }
 
+/// By component of all unknowns; of several: a list with a solution for each.
+std::vector<Symbol> Checker::exact_solution(const ast::Expr& written) {
+  const auto unknowns = unknowns_of(model_.space);
+  std::vector<const ast::Expr*> given{&written};
+  if (unknowns.size() > 1) {
+    const auto* list = std::get_if<ast::List>(&written.node);
+    if (list == nullptr || list->items.size() != unknowns.size()) {
+      error("E0307", written.span,
+            fmt::format("the exact solution of {} unknowns is a list of {}", unknowns.size(),
+                        unknowns.size()),
+            "write `exact [U, T]`, the solutions in the order of the find statement");
+      return {};
+    }
+    given.clear();
+    for (const auto& item : list->items) given.push_back(&item);
+  }
+  std::vector<Symbol> out;
+  for (std::size_t b = 0; b < given.size(); ++b) {
+    Scope scope;
+    scope.what = "an exact solution";
+    scope.position = scope.time = true;
+    const auto f = field(*given[b], scope);
+    if (!f) continue;
+    const int n = components_of(static_cast<int>(b));
+    if (static_cast<int>(f->components.size()) != n)
+      error(
+          "E0307", given[b]->span,
+          fmt::format("the exact solution is {}, the unknown has {} components", describe(*f), n));
+    std::ranges::copy(f->components, std::back_inserter(out));
+  }
+  return out;
+}
+
+/// `in V`: the space of an unknown. Of several it says whose error decides.
+void Checker::norm_of_study(const ast::Name& space, ModelStudy& study) {
+  study.norm = space.text;
+  const auto unknowns = unknowns_of(model_.space);
+  for (std::size_t b = 0; b < unknowns.size() && unknowns.size() > 1; ++b)
+    if (unknowns[b].space == space.text && !study.unknown) study.unknown = b;
+  if (unknowns.size() > 1 && !study.unknown)
+    error("E0306", space.span, fmt::format("`{}` is not the space of an unknown", space.text),
+          "errors of several unknowns are those of all together, or `in V`, of one");
+}
+
 void Checker::study() {
   for (const ast::Statement& statement : programs_[0].statements) {
     const auto* s = std::get_if<ast::Study>(&statement);
@@ -473,20 +518,8 @@ void Checker::study() {
                         ? ModelStudy::Reference::richardson
                     : s->reference == ast::StudyReference::exact ? ModelStudy::Reference::exact
                                                                  : ModelStudy::Reference::none;
-    if (s->exact) {
-      Scope scope;
-      scope.what = "an exact solution";
-      scope.position = scope.time = true;
-      auto f = field(*s->exact, scope);
-      const int n = model_.space.vector ? model_.dim : 1;
-      if (f && static_cast<int>(f->components.size()) != n)
-        error("E0307", s->exact->span,
-              fmt::format("the exact solution is {}, the unknown has {} components", describe(*f),
-                          n));
-      else if (f)
-        out.exact = f->components;
-    }
-    if (s->norm) out.norm = s->norm->text;
+    if (s->exact) out.exact = exact_solution(*s->exact);
+    if (s->norm) norm_of_study(*s->norm, out);
     if (model_.study)
       error("E0302", s->keyword, "a script has one study statement");
     else

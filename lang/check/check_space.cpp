@@ -53,6 +53,27 @@ std::optional<solver::DirichletSpec> Checker::zero_condition(const ast::ZeroCond
   return good ? std::optional(std::move(d)) : std::nullopt;
 }
 
+/// The mesh, a piece of it or a part of its cells.
+bool Checker::space_domain(const ast::Name& written, int declaration, solver::SpaceSpec& spec) {
+  const Value domain = value_of(declaration, written.span);
+  if (is_poison(domain)) return false;
+  const auto* mesh = std::get_if<MeshValue>(&domain);
+  if (mesh != nullptr && mesh->index == 0) return true;
+  const auto part = mesh != nullptr || std::holds_alternative<PartValue>(domain)
+                        ? part_index(written)
+                        : std::nullopt;
+  const auto kind = part ? model_.parts[static_cast<std::size_t>(*part)].kind : std::nullopt;
+  if (!part || (kind && *kind != solver::Group::Kind::cells)) {
+    error("E0306", written.span,
+          fmt::format("a space lives on a mesh, a piece of it or a part of its cells, not on {}",
+                      describe(domain)));
+    return false;
+  }
+  if (refuse_pair(*part, written.span, "a space")) return false;
+  spec.domain = *part;
+  return true;
+}
+
 /// Its index in spaces_.
 std::optional<int> Checker::space(const ast::Space& s) {
   solver::SpaceSpec spec;
@@ -70,19 +91,7 @@ std::optional<int> Checker::space(const ast::Space& s) {
     unknown_name(s.domain.span, s.domain.text, none);
     return std::nullopt;
   }
-  Value mesh = value_of(domain, s.domain.span);
-  bool good = order.has_value() && !is_poison(mesh);
-  if (!is_poison(mesh) && !std::holds_alternative<MeshValue>(mesh)) {
-    error("E0306", s.domain.span,
-          fmt::format("a space lives on a mesh, not on {}", describe(mesh)));
-    good = false;
-  } else if (good && std::get<MeshValue>(mesh).index > 0) {
-    error("E0440", s.domain.span,
-          fmt::format("`{}` is a piece of `{}`: the space lives on all of them", s.domain.text,
-                      mesh_name_),
-          fmt::format("write `on {}`", mesh_name_));
-    good = false;
-  }
+  bool good = order.has_value() && space_domain(s.domain, domain, spec);
   for (const ast::ZeroCondition& zero : s.zero) {
     auto d = zero_condition(zero, s.vector);
     good = good && d;

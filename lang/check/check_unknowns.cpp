@@ -125,7 +125,7 @@ void Checker::unknowns(const ast::Find& find) {
       product = std::move(one);
       continue;
     }
-    product.more.push_back({one.unknown, one.name, one.origin, one.vector, one.order});
+    product.more.push_back({one.unknown, one.name, one.origin, one.vector, one.order, one.domain});
     std::ranges::move(one.dirichlet, std::back_inserter(product.dirichlet));
   }
   if (spaces_known_) model_.space = std::move(product);
@@ -184,7 +184,7 @@ void Checker::check_clauses(const ast::Find& find) {
             fmt::format("add `from {} = 0`", u));
   }
   if (find.unknowns.size() > 1) {
-    of_one_unknown(find);
+    of_one_unknown();
     pairs_of_elements(find);
   }
   if (!find.time || has_second_derivative()) return;
@@ -245,20 +245,7 @@ void Checker::pairs_of_elements(const ast::Find& find) {
 }
 
 /// What is known for one unknown alone.
-void Checker::of_one_unknown(const ast::Find& find) {
-  const auto refuse = [&](const Span& span, const std::string& what, const std::string& help) {
-    error("E0445", span, fmt::format("{} of a problem with several unknowns", what), help);
-  };
-  if (model_.mesh.adapted > 0)
-    refuse(find.unknowns[1].unknown.span, "an adapted mesh",
-           "leave out `adapted`: its indicator sees the stress of one unknown");
-  for (const ast::Setting& setting : find.settings)
-    if (setting.name.text == "accuracy")
-      refuse(setting.span, "an accuracy", "choose n and N, and compare two of them");
-  for (const ast::Statement& statement : programs_[0].statements)
-    if (const auto* study = std::get_if<ast::Study>(&statement);
-        study && study->reference != ast::StudyReference::none)
-      refuse(study->keyword, "a study of errors", "leave out `against`, and compare columns");
+void Checker::of_one_unknown() {
   for (const ModelTerm& term : model_.terms)
     for (const LawUse& use : term.integrand.laws) {
       const auto all = unknowns_of(model_.space);
@@ -266,8 +253,8 @@ void Checker::of_one_unknown(const ast::Find& find) {
       int highest = 1;
       for (const auto& u : all) highest = std::max(highest, u.order);
       if (is_pair(term.part) && order(use.unknown) < highest)
-        refuse(use.span, "a law of an unknown in P1 beside others in P2 on a pair",
-               "take one order for all of them");
+        error("E0445", use.span, "a law of an unknown in P1 beside others in P2 on a pair",
+              "take one order for all of them");
     }
 }
 

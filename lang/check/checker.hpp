@@ -312,6 +312,7 @@ private:
   void find_statement();
   void locate_find();
   std::optional<int> space(const ast::Space& space);
+  bool space_domain(const ast::Name& written, int declaration, solver::SpaceSpec& spec);
   std::optional<solver::DirichletSpec> zero_condition(const ast::ZeroCondition& zero, bool vector);
   bool check_find_names(const ast::Find& find);
   void unknowns(const ast::Find& find);
@@ -371,7 +372,7 @@ private:
   bool check_integrand(const ModelTerm& term, const ast::FormTerm& written, bool source);
   void check_relation(const ast::Find& find);
   void check_clauses(const ast::Find& find);
-  void of_one_unknown(const ast::Find& find);
+  void of_one_unknown();
   void pairs_of_elements(const ast::Find& find);
   void check_one_law_per_part();
   void check_symmetry();
@@ -402,6 +403,8 @@ private:
   bool study_value(const ast::Expr& item, std::vector<std::string>& out);
   std::optional<StudyLadder> study_ladder(const ast::Ladder& ladder, const ModelStudy& study);
   void study();
+  std::vector<Symbol> exact_solution(const ast::Expr& written);
+  void norm_of_study(const ast::Name& space, ModelStudy& study);
 
   void error(std::string_view code, const Span& span, std::string message, std::string help = {},
              std::string label = {});

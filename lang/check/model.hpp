@@ -103,6 +103,7 @@ struct ModelStudy {
   enum class Reference { finest, richardson, exact, none } reference = Reference::finest;
   std::vector<Symbol> exact; ///< components of the exact solution, of slot::x and slot::t
   std::string norm;
+  std::optional<std::size_t> unknown; ///< of several: the one whose error the rows are judged by
 };
 
 /// Something the checker found out that the plan tells.

@@ -21,7 +21,8 @@ using solver::AccuracyResult;
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 
 std::string of(const AccuracyResult& result) {
-  return result.request.probe.empty() ? "of u in V" : "of `" + result.request.probe + "`";
+  if (!result.request.probe.empty()) return "of `" + result.request.probe + "`";
+  return result.plan.problem.space.more.empty() ? "of u in V" : "of all unknowns together";
 }
 
 Json tries(const AccuracyResult& result) {

@@ -27,6 +27,7 @@
 #include <fstream>
 #include <map>
 #include <thread>
+#include <utility>
 
 namespace hvi::lang {
 
@@ -90,6 +91,7 @@ public:
       return code;
     }
     journal_.read(what_decides(script), study_.rows);
+    for (StudyRow& row : study_.rows) take_error(row);
     return run_all();
   }
   std::string folder() const { return folder_.string(); }
@@ -108,6 +110,9 @@ private:
       for (const int probe : table.probes)
         study_.columns.push_back(model.report.probes[static_cast<std::size_t>(probe)].name);
     study_.machine = machine_line();
+    if (model.space.more.size() > 0)
+      for (const auto& unknown : unknowns_of(model.space)) study_.unknowns.push_back(unknown.name);
+    study_.in = model.study->unknown;
     std::vector<int> counts;
     for (const StudyLadder& ladder : study_.ladders)
       counts.push_back(static_cast<int>(ladder.values.size()));
@@ -290,9 +295,22 @@ private:
 
   std::unique_ptr<Gauge> gauge_for(const Script& script, const solver::Discretisation& d,
                                    bool keeps) const {
+    auto norms = solver::norms_of(script.plan->problem, d);
     if (kind_ == ModelStudy::Reference::exact)
-      return solver::exact_gauge(d, script.model->study->exact);
-    return keeps || study_.sweep ? nullptr : solver::trajectory_gauge(reference_, d);
+      return solver::exact_gauge(d, script.model->study->exact, std::move(norms));
+    return keeps || study_.sweep ? nullptr
+                                 : solver::trajectory_gauge(reference_, d, std::move(norms));
+  }
+
+  void take_errors(const Gauge& gauge, StudyRow& row) const {
+    if (!study_.unknowns.empty()) row.errors = gauge.errors();
+    take_error(row);
+    if (study_.unknowns.empty()) row.error = gauge.error();
+  }
+  /// Of several unknowns: what the row is judged by.
+  void take_error(StudyRow& row) const {
+    if (!row.errors.empty())
+      row.error = study_.in ? row.errors[*study_.in] : solver::together(row.errors);
   }
 
   void measure(const Script& script, const std::shared_ptr<solver::Discretisation>& d,
@@ -333,7 +351,7 @@ private:
     row.unknowns = result.unknowns, row.steps = result.steps, row.newton = result.work.newton;
     for (const auto& [name, value] : result.final)
       if (std::isfinite(value) && !name.empty()) row.probes[name] = value; // parts have no name
-    if (gauge) row.error = gauge->error();
+    if (gauge) take_errors(*gauge, row);
     if (keeps) reference_ = trajectory, reference_problem_ = plan.problem;
     if (row.cpu < short_run) repeat(plan, *d, row);
   }

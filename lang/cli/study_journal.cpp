@@ -20,10 +20,17 @@ std::string checksum(const std::string& text) {
   return fmt::format("{:016x}", std::hash<std::string>{}(text));
 }
 
+nlohmann::json numbers(const solver::StudyError& e) {
+  return {e.v_max, e.v_final, e.l2_max, e.l2_final, e.size};
+}
+solver::StudyError error_from(const nlohmann::json& e) { return {e[0], e[1], e[2], e[3], e[4]}; }
+
 void restore(const nlohmann::json& entry, StudyRow& row) {
-  if (entry.contains("error")) {
-    const auto& e = entry["error"];
-    row.error = solver::StudyError{e[0], e[1], e[2], e[3], e[4]};
+  if (entry.contains("error")) row.error = error_from(entry["error"]);
+  if (entry.contains("errors")) {
+    row.errors.clear();
+    for (const auto& e : entry["errors"]) row.errors.push_back(error_from(e));
+    if (!entry.contains("error")) row.error = solver::together(row.errors);
   }
   if (entry.contains("cea")) {
     const auto& c = entry["cea"];
@@ -70,8 +77,10 @@ void StudyJournal::keep(const StudyRow& row) {
                           {"wall", row.wall},
                           {"peak_bytes", row.peak_bytes},
                           {"failure", row.failure}};
-  if (const auto& e = row.error)
-    entry["error"] = {e->v_max, e->v_final, e->l2_max, e->l2_final, e->size};
+  if (!row.errors.empty()) // of all together there may be no L2 error, which JSON has no number for
+    for (const auto& e : row.errors) entry["errors"].push_back(numbers(e));
+  else if (const auto& e = row.error)
+    entry["error"] = numbers(*e);
   if (const auto& c = row.cea)
     entry["cea"] = {c->interpolation,
                     c->interpolation_rate,

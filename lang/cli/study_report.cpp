@@ -188,6 +188,26 @@ std::string order_picture(const Study& study, std::size_t along) {
                      plots);
 }
 
+/// Of several unknowns: the errors of each in its own norm.
+std::string unknowns_table(const Study& study) {
+  std::string out;
+  for (std::size_t u = 0; u < study.unknowns.size(); ++u) {
+    fmt::format_to(std::back_inserter(out), "`{}` in its own norm:\n", study.unknowns[u]);
+    for (const StudyRow& row : study.rows) {
+      if (u >= row.errors.size()) continue;
+      for (const std::string& name : varied(study))
+        fmt::format_to(std::back_inserter(out), "  {} = {}", name, row.values.at(name));
+      const auto& e = row.errors[u];
+      const auto order = u < row.orders.size() ? row.orders[u] : std::nullopt;
+      fmt::format_to(std::back_inserter(out),
+                     ": V error {}, at the end {}, relative {}, order {}, L2 error {}\n",
+                     cell(e.v_max, "{:.3e}"), cell(e.v_final, "{:.3e}"),
+                     cell(e.relative(), "{:.2e}"), cell(order, "{:.2f}"), cell(e.l2_max, "{:.3e}"));
+    }
+  }
+  return out;
+}
+
 /// Probes at the end, their distances to the finest run and the orders.
 std::string probe_table(const Study& study) {
   std::string out;
@@ -265,7 +285,10 @@ std::string study_table(const Study& study) {
   std::vector<std::size_t> widths(grid[0].size(), 0);
   for (const auto& line : grid)
     for (std::size_t c = 0; c < line.size(); ++c) widths[c] = std::max(widths[c], line[c].size());
-  std::string out = fmt::format("{}: errors against {}\n", study.script, study.reference);
+  std::string out = fmt::format("{}: errors against {}{}\n", study.script, study.reference,
+                                study.unknowns.empty() ? std::string()
+                                : study.in ? fmt::format(", of `{}`", study.unknowns[*study.in])
+                                           : std::string(", relative, of all unknowns together"));
   for (const auto& line : grid) {
     for (std::size_t c = 0; c < line.size(); ++c)
       fmt::format_to(std::back_inserter(out), "{}{:>{}}", c ? "  " : "", line[c], widths[c]);
@@ -277,7 +300,7 @@ std::string study_table(const Study& study) {
       for (const auto& [name, value] : row.values) out += fmt::format(" {} = {}", name, value);
       out += ": " + row.failure + "\n";
     }
-  out += probe_table(study) + cea_table(study) + shared_line(study);
+  out += unknowns_table(study) + probe_table(study) + cea_table(study) + shared_line(study);
   return out + fmt::format("{}; * = no other setting is both cheaper and closer\n", study.machine);
 }
 
@@ -291,6 +314,7 @@ std::string study_csv(const Study& study) {
   out += "unknowns,steps,v_max,v_final,l2_max,l2_final,relative,order,cpu,wall,peak_bytes,newton,"
          "front,cea_interpolation,cea_interpolation_rate,cea_trace,cea_residual,cea_rate,cea_start,"
          "cea_step,cea_constant";
+  for (const std::string& u : study.unknowns) out += fmt::format(",v_max_{0},l2_max_{0}", u);
   for (const std::string& probe : probes) out += "," + probe + "," + probe + "_error";
   out += ",failure\n";
   const auto number = [](std::optional<double> v) {
@@ -309,6 +333,10 @@ std::string study_csv(const Study& study) {
                           c->interpolation, c->interpolation_rate, c->trace, c->residual, c->rate,
                           c->start, c->step, error.v_max * error.v_max / c->bound());
     std::string columns;
+    for (std::size_t u = 0; u < study.unknowns.size(); ++u)
+      columns += u < row.errors.size()
+                     ? "," + number(row.errors[u].v_max) + "," + number(row.errors[u].l2_max)
+                     : std::string(",,");
     for (const std::string& probe : probes) {
       const auto value = row.probes.find(probe), off = row.probe_errors.find(probe);
       columns += "," + (value == row.probes.end() ? "" : number(value->second));
@@ -337,6 +365,14 @@ nlohmann::ordered_json study_json(const Study& study) {
                       {"L2_final", number(e->l2_final)},
                       {"relative", number(e->relative())}};
       if (!best || e->v_max < study.rows[*best].error->v_max) best = i;
+    }
+    for (std::size_t u = 0; u < row.errors.size(); ++u) {
+      const auto& e = row.errors[u];
+      out["unknown_errors"][study.unknowns[u]] = {{"V_max", number(e.v_max)},
+                                                  {"V_final", number(e.v_final)},
+                                                  {"L2", number(e.l2_max)},
+                                                  {"L2_final", number(e.l2_final)},
+                                                  {"relative", number(e.relative())}};
     }
     if (out.contains("error"))
       for (const auto& [name, value] : row.probe_errors) out["error"][name] = number(value);

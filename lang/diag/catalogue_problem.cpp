@@ -170,7 +170,9 @@ table a = u.y at [0, 0] at t = 1)"},
     {"E0423", "bad value",
      R"(
 Data that is not finite somewhere, a point outside the mesh, an initial state that contradicts the
-imposed values.)",
+imposed values, or an unknown that is read where it does not live: a space on a piece of a mesh or on a
+part of its cells (`space W = scalar P1 on pad`) has functions there only, so forms, loads, laws, states,
+integrals and points that see the unknown stay inside.)",
      R"(
 table a = u.y at [9, 9])",
      R"(
@@ -308,15 +310,20 @@ an unknown and of its own test function.)",
 ... integral(ground, layer^0(u.nu + p; v.nu)))",
      R"(
 ... integral(ground, layer^0(u.nu; v.nu)) + integral(ground, p*v.nu))"},
-    {"E0445", "of one unknown only",
+    {"E0445", "elements of two orders on a pair",
      R"(
-A few things are known of problems with one unknown only: adapted meshes, `study`, a run to a wanted
-accuracy, and on pairs a law of an unknown in P1 beside others in P2.)",
+A law on a pair acts on an unknown whose element has the highest order of all unknowns: the points of
+a pair are those of that element.)",
      R"(
+space V = vector P2 on both, zero on base
+space W = scalar P1 on both, zero on base
 find u in V, theta in W ...
-study vary n in [8, 16] against finest)",
+  + integral(seam, film^0(jump(theta); jump(eta))))",
      R"(
-find u in V, theta in W ...)"},
+space V = vector P1 on both, zero on base
+space W = scalar P1 on both, zero on base
+find u in V, theta in W ...
+  + integral(seam, film^0(jump(theta); jump(eta))))"},
     {"E0446", "a pair of elements that is not stable",
      R"(
 An unknown without a form of its own, such as the pressure of an incompressible body or flow, is known

@@ -49,6 +49,26 @@ Quadrature element_nodes(int dim, int order) {
 
 } // namespace
 
+namespace {
+
+/// Where an unknown that the expressions read does not live; empty: nowhere.
+std::vector<char> cells_outside(const Space& space, std::span<const Expr> expressions) {
+  std::vector<char> out;
+  for (const Expr& expression : expressions)
+    for (const Slot s : slots_of(expression)) {
+      if (!slot::is_field(s)) continue;
+      const SpaceBlock& block =
+          space.blocks[static_cast<std::size_t>(slot::unknown_of(slot::derivative_of(s)))];
+      if (!block.domain) continue;
+      out.resize(space.mesh->cells.size(), 0);
+      for (std::size_t c = 0; c < out.size(); ++c)
+        if (!block.lives_in(static_cast<int>(c))) out[c] = 1;
+    }
+  return out;
+}
+
+} // namespace
+
 struct PointValue::Impl {
   FieldTape tape;
   PointBlock block;
@@ -123,8 +143,10 @@ std::vector<double> cell_values(const Space& space, std::span<const Expr> compon
       }
     }
   });
+  const auto outside = cells_outside(space, components);
   for (std::size_t k = 0; k < sums.size(); ++k) {
     sums[k] /= measure[k / n_components];
+    if (!outside.empty() && outside[k / n_components] != 0) sums[k] = 0.0;
   }
   return sums;
 }

@@ -3,17 +3,14 @@
 #include "solver/assembly/pairing.hpp"
 #include "solver/fem/geometry.hpp"
 
-#include <numeric>
+#include <algorithm>
 
 namespace hvi::solver {
 namespace {
 
-Region all_cells(const Space& space) {
-  Region region;
-  region.kind = Group::Kind::cells;
-  region.entities.resize(space.mesh->cells.size());
-  std::iota(region.entities.begin(), region.entities.end(), 0);
-  return region;
+bool has_domains(const Space& space) {
+  return std::ranges::any_of(space.blocks,
+                             [](const SpaceBlock& block) { return block.domain != nullptr; });
 }
 
 /// u . v of one unknown
@@ -57,35 +54,54 @@ FormTerm strain_form(const Space& space, int unknown) {
 
 namespace {
 
-SparseMatrix gram_of(const Space& space, const FormTerm& strains, const FormTerm& masses) {
-  SparseMatrix gram = assemble_form(space, all_cells(space), strains);
+SparseMatrix gram_of(const Space& space, const Region& cells, const FormTerm& strains,
+                     const FormTerm& masses) {
+  SparseMatrix gram = assemble_form(space, cells, strains);
   // A second form, so that the strain keeps its cheap one-point rule.
-  if (!masses.entries.empty())
-    add_scaled(gram, 1.0, assemble_form(space, all_cells(space), masses));
+  if (!masses.entries.empty()) add_scaled(gram, 1.0, assemble_form(space, cells, masses));
   return gram;
+}
+
+/// Of unknowns that live on parts of their own.
+template <class OfUnknown>
+SparseMatrix summed(const Space& space, OfUnknown&& of_unknown) {
+  SparseMatrix out(space.n_dofs(), space.n_dofs());
+  for (int b = 0; b < n_unknowns(space); ++b) out = SparseMatrix(out + of_unknown(b));
+  return out;
 }
 
 } // namespace
 
 SparseMatrix gram_v(const Space& space, std::span<const char> with_mass) {
+  if (has_domains(space))
+    return summed(space, [&](int b) {
+      return gram_of_unknown(space, b, with_mass[static_cast<std::size_t>(b)] != 0);
+    });
   FormTerm strains, masses;
   for (int b = 0; b < n_unknowns(space); ++b) {
     std::ranges::copy(strain_form(space, b).entries, std::back_inserter(strains.entries));
     if (with_mass[static_cast<std::size_t>(b)] != 0) add_mass(space, b, masses);
   }
-  return gram_of(space, strains, masses);
+  return gram_of(space, cells_of(space, {}), strains, masses);
 }
 
 SparseMatrix gram_of_unknown(const Space& space, int unknown, bool with_mass) {
   FormTerm masses;
   if (with_mass) add_mass(space, unknown, masses);
-  return gram_of(space, strain_form(space, unknown), masses);
+  return gram_of(space, cells_of(space, space.blocks[static_cast<std::size_t>(unknown)]),
+                 strain_form(space, unknown), masses);
 }
 
 SparseMatrix mass(const Space& space) {
+  if (has_domains(space))
+    return summed(space, [&](int b) {
+      FormTerm own;
+      add_mass(space, b, own);
+      return assemble_form(space, cells_of(space, space.blocks[static_cast<std::size_t>(b)]), own);
+    });
   FormTerm term;
   add_mass(space, term);
-  return assemble_form(space, all_cells(space), term);
+  return assemble_form(space, cells_of(space, {}), term);
 }
 
 namespace {

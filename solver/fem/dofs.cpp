@@ -102,13 +102,12 @@ public:
     for (const SpaceBlock& block : space_.blocks)
       if (has_hoop(space_, block)) add_axis(block);
   }
-  /// Unknowns in P1 beside others in P2 have no functions at the nodes of edges.
+  /// Where unknowns have no functions (has_node).
   void add_missing() {
     for (const SpaceBlock& block : space_.blocks) {
-      if (block.order == space_.order) continue;
-      for (int node = static_cast<int>(space_.mesh->nodes.size());
-           node < static_cast<int>(space_.nodes.size()); ++node)
-        for (int c = 0; c < block.components; ++c)
+      if (block.order == space_.order && !block.domain) continue;
+      for (int node = 0; node < static_cast<int>(space_.nodes.size()); ++node)
+        for (int c = 0; c < block.components && !has_node(space_, block, node); ++c)
           eliminated_.push_back({space_.dof(node, block.first + c), -1, -1});
     }
   }
@@ -276,7 +275,8 @@ Vector interpolate(const Space& space, std::span<const Expr> components, double 
   for (std::size_t c = 0; c < components.size(); ++c) {
     const int of = static_cast<int>(c);
     const SpaceBlock& block = space.blocks[static_cast<std::size_t>(space.block_of(of))];
-    for (std::size_t i = 0; i < nodes.size() && has_node(space, block, static_cast<int>(i)); ++i) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (!has_node(space, block, static_cast<int>(i))) continue;
       const double value = values[c * nodes.size() + i];
       if (!std::isfinite(value)) {
         throw_not_finite(origin, "the function", value, space.nodes[i], space.mesh->dim, &t);

@@ -24,8 +24,10 @@ std::array<int, 3> facet_in_cell(const Mesh& mesh, int facet);
 
 /// 2 pi x on axisymmetric meshes, where a point stands for its circle; else 1.
 double circumference(const Mesh& mesh, double x);
-/// Has the unknown a function at this node? In P1 beside others in P2: at vertices.
+/// Has the unknown a function at this node? In P1 beside others in P2: at vertices; on a part of
+/// the mesh: at its nodes.
 inline bool has_node(const Space& space, const SpaceBlock& block, int node) {
+  if (block.domain && block.domain->has_node[static_cast<std::size_t>(node)] == 0) return false;
   return block.order == space.order || node < static_cast<int>(space.mesh->nodes.size());
 }
 /// Has the unknown the row `hoop`? Vectors on axisymmetric meshes.

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 
 namespace hvi::solver {
@@ -199,6 +200,37 @@ Space make_space(const Mesh& mesh, int order, int components, std::span<const Re
   return space;
 }
 
+namespace {
+
+std::shared_ptr<const SpaceDomain> make_domain(const Space& space, int part, const Region& cells,
+                                               Origin origin) {
+  if (cells.kind != Group::Kind::cells)
+    throw Failure(FailureKind::bad_value, origin, "a space lives on cells of the mesh",
+                  "take a mesh, a piece of it, or a part of its cells");
+  auto out = std::make_shared<SpaceDomain>();
+  out->part = part;
+  out->cells = cells;
+  out->has_cell.assign(space.mesh->cells.size(), 0);
+  out->has_node.assign(space.nodes.size(), 0);
+  for (const auto cell : cells.entities) {
+    out->has_cell[static_cast<std::size_t>(cell)] = 1;
+    for (const auto node : space.nodes_of_cell(cell))
+      out->has_node[static_cast<std::size_t>(node)] = 1;
+  }
+  return out;
+}
+
+} // namespace
+
+Region cells_of(const Space& space, const SpaceBlock& block) {
+  if (block.domain) return block.domain->cells;
+  Region out;
+  out.kind = Group::Kind::cells;
+  out.entities.resize(space.mesh->cells.size());
+  std::iota(out.entities.begin(), out.entities.end(), 0);
+  return out;
+}
+
 Space make_space(const Mesh& mesh, const SpaceSpec& spec, std::span<const Region> parts) {
   const auto unknowns = unknowns_of(spec);
   const auto highest = std::ranges::max_element(unknowns, {}, &UnknownSpec::order);
@@ -208,6 +240,9 @@ Space make_space(const Mesh& mesh, const SpaceSpec& spec, std::span<const Region
   for (const UnknownSpec& unknown : unknowns) {
     const int components = components_of(unknown, mesh.dim);
     space.blocks.push_back({unknown.name, space.components, components, unknown.order});
+    if (unknown.domain >= 0)
+      space.blocks.back().domain = make_domain(
+          space, unknown.domain, parts[static_cast<std::size_t>(unknown.domain)], unknown.origin);
     space.components += components;
   }
   space.indicators = make_indicators(mesh, parts);

@@ -38,18 +38,29 @@ struct PartIndicators {
 std::shared_ptr<const PartIndicators> make_indicators(const Mesh& mesh,
                                                       std::span<const Region> parts);
 
+/// Where an unknown lives that has functions on a part of the mesh only.
+struct SpaceDomain {
+  int part = 0; ///< of the plan
+  Region cells;
+  std::vector<std::uint8_t> has_cell, has_node; ///< by cell, by node of the space
+};
+
 /// The functions of one unknown in a product of spaces.
 struct SpaceBlock {
   std::string name = "u"; ///< of the unknown
   int first = 0;          ///< of its components among all
   int components = 1;
   int order = 1;
+  std::shared_ptr<const SpaceDomain> domain{}; ///< null: the whole mesh
+  bool lives_in(int cell) const {
+    return domain == nullptr || domain->has_cell[static_cast<std::size_t>(cell)] != 0;
+  }
 };
 
 /// V^h before boundary values, or a product of several. Nodes: the mesh's, then for P2 one per
 /// edge. dof = node * components + component, the components of all unknowns one behind the other.
 /// An unknown in P1 beside others in P2 has no functions at the edges' nodes: its dofs there are
-/// eliminated, and zero.
+/// eliminated, and zero. So are those of an unknown on a part of the mesh at all other nodes.
 struct Space {
   const Mesh* mesh = nullptr;
   int order = 1; ///< the highest of the unknowns
@@ -77,6 +88,8 @@ struct Space {
             static_cast<std::size_t>(nodes_per_facet)};
   }
 };
+/// The cells an unknown has functions on.
+Region cells_of(const Space& space, const SpaceBlock& block);
 inline int n_unknowns(const Space& space) { return static_cast<int>(space.blocks.size()); }
 /// Edges of a cell or facet come in the order of simplex_edges (element.hpp). `mesh` must outlive
 /// the space. Throws std::invalid_argument for an order that is not 1 or 2.

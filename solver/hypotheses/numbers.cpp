@@ -15,9 +15,9 @@ namespace hvi::solver {
 namespace {
 
 /// By unknown: has the Gram matrix its mass?
-std::vector<char> masses_of(const Discretisation& d, const RigidMotions& motions) {
+std::vector<char> masses_of(const Discretisation& d, std::span<const RigidMotions> motions) {
   auto out = d.dofs.needs_mass();
-  if (motions.count() > 0) std::ranges::fill(out, 1);
+  for (const RigidMotions& of : motions) out[static_cast<std::size_t>(of.unknown())] = 1;
   return out;
 }
 
@@ -26,7 +26,7 @@ std::vector<char> masses_of(const Discretisation& d, const RigidMotions& motions
 Numbers::Numbers(const Plan& plan, const Discretisation& d)
     : problem_(plan.problem), discretisation_(d), layout_(make_layout(d.space, d.dofs)),
       operators_(assemble_operators(problem_, d, layout_, plan.options.threads)),
-      contact_(make_contact(problem_, d, layout_)), motions_(d),
+      contact_(make_contact(problem_, d, layout_)), motions_(motions_of_unknowns(d)),
       free_(find_free_body(motions_, combine(operators_, Vector::Ones(operators_.n_bases())),
                            layout_)),
       gram_(restrict_rows(gram_v(d.space, masses_of(d, motions_)), layout_)
@@ -116,7 +116,7 @@ double Numbers::coercivity(int field, double pointwise) const {
   const SparseMatrix form = definite_part(of_field(field));
   const double least = gram_.least(form, below).value_or(not_a_number);
   // A body that nothing holds has rigid motions, which strains do not see.
-  const bool held = discretisation_.dofs.held() && motions_.count() == 0;
+  const bool held = discretisation_.dofs.held() && motions_.empty();
   const double rounding = held ? 0.0 : 1e-10 * gram_.norm(form).value_or(0.0);
   return std::abs(least) <= rounding ? 0.0 : least;
 }

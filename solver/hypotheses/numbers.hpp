@@ -66,7 +66,7 @@ private:
   StateLayout layout_;
   Operators operators_;
   Contact contact_;
-  RigidMotions motions_; ///< that imposed values allow
+  std::vector<RigidMotions> motions_; ///< that imposed values allow, by unknown
   std::shared_ptr<const FreeBody> free_;
   GramForm gram_; ///< with the mass where there are such motions
   Vector shares_;

@@ -5,6 +5,7 @@
 #include "solver/mesh/limits.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <tuple>
 
 namespace hvi::solver {
@@ -142,8 +143,23 @@ void Bisection::mark_children(const Cell& parent, std::int32_t m, Cell& a, Cell&
   fill(b, inherited_b, cut[1]);
 }
 
+/// The cells as mesh() numbers them: those of a piece stand together.
+std::vector<std::int32_t> Bisection::in_order() const {
+  std::vector<std::int32_t> out(cells_.size());
+  std::iota(out.begin(), out.end(), 0);
+  if (!first_.pieces.empty())
+    std::ranges::stable_sort(out, {}, [&](std::int32_t cell) {
+      return first_.piece_of_cell(cells_[static_cast<std::size_t>(cell)].first);
+    });
+  return out;
+}
+
 void Bisection::bisect(std::span<const std::int32_t> cells, int times) {
-  for (const std::int32_t cell : cells) cells_[cell].due = cells_[cell].cuts + times;
+  const auto order = in_order();
+  for (const std::int32_t number : cells) {
+    Cell& cell = cells_[static_cast<std::size_t>(order[static_cast<std::size_t>(number)])];
+    cell.due = cell.cuts + times;
+  }
   // A cell with a node in the middle of an edge is cut, at its own edge, until none has one.
   for (bool changed = true; changed;) {
     changed = false;
@@ -182,8 +198,12 @@ Mesh Bisection::mesh() const {
   out.nodes = nodes_;
   out.description = first_.description + ", bisected";
   std::vector<std::vector<std::int32_t>> children(first_.cells.size());
-  for (const Cell& cell : cells_) {
-    children[cell.first].push_back(static_cast<std::int32_t>(out.cells.size()));
+  for (const std::int32_t number : in_order()) {
+    const Cell& cell = cells_[static_cast<std::size_t>(number)];
+    const auto now = static_cast<std::int32_t>(out.cells.size());
+    if (out.pieces.size() < first_.pieces.size() && cell.first >= first_.pieces[out.pieces.size()])
+      out.pieces.push_back(now);
+    children[cell.first].push_back(now);
     out.cells.push_back(out.dim == 3 ? refinable_order(nodes_, cell.nodes) : cell.nodes);
   }
   std::vector<std::array<std::int32_t, 3>> facets;

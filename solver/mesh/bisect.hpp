@@ -28,7 +28,8 @@ public:
   /// with more. Throws Failure(limit) beyond the limit of cells.
   void bisect(std::span<const std::int32_t> cells, int times = 1);
 
-  /// The present mesh: groups are those of the first, cells keep their number or stand at the end.
+  /// The present mesh: groups and pieces are those of the first, cells keep their number or stand
+  /// at the end, of their piece where there are several.
   Mesh mesh() const;
   std::size_t n_cells() const { return cells_.size(); }
 
@@ -43,6 +44,7 @@ private:
     int cuts = 0, due = 0;       ///< how often it was cut, and how often it shall be
   };
 
+  std::vector<std::int32_t> in_order() const;
   Edge longest(std::span<const std::int32_t> nodes) const;
   std::int32_t midpoint(const Edge& edge);
   std::int32_t known_midpoint(const Edge& edge) const;

@@ -155,7 +155,8 @@ private:
   void space() {
     const auto& s = problem_.space;
     for (const auto& unknown : unknowns_of(s))
-      line("space `{}` {} P{}", unknown.space, unknown.vector ? "vector" : "scalar", unknown.order);
+      line("space `{}` {} P{}{}", unknown.space, unknown.vector ? "vector" : "scalar",
+           unknown.order, unknown.domain < 0 ? std::string() : " on " + part(unknown.domain));
     for (const auto& d : s.dirichlet)
       line("  on {} {} = {}", part(d.part),
            d.component < 0 ? std::string("all components")

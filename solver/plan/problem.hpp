@@ -88,6 +88,7 @@ struct UnknownSpec {
   Origin origin;
   bool vector = false; ///< dim components, or 1
   int order = 1;       ///< P1 or P2
+  int domain = -1;     ///< the part of cells it lives on; -1: the whole mesh
 };
 
 struct SpaceSpec {
@@ -98,12 +99,13 @@ struct SpaceSpec {
   std::vector<DirichletSpec> dirichlet;
   std::string unknown = "u";
   std::vector<UnknownSpec> more{}; ///< further unknowns: the space is a product
+  int domain = -1;                 ///< as of UnknownSpec
 };
 
 /// All of them, the first one too.
 inline std::vector<UnknownSpec> unknowns_of(const SpaceSpec& space) {
   std::vector<UnknownSpec> out{
-      {space.unknown, space.name, space.origin, space.vector, space.order}};
+      {space.unknown, space.name, space.origin, space.vector, space.order, space.domain}};
   out.insert(out.end(), space.more.begin(), space.more.end());
   return out;
 }

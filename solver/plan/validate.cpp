@@ -75,6 +75,8 @@ public:
     for (const auto& part : problem_.parts) region(part.region, part.origin);
     space();
     for (const auto& tensor : problem_.tensors) this->tensor(tensor);
+    for (const auto& unknown : unknowns_of(problem_.space))
+      if (unknown.domain != -1) part(unknown.domain, unknown.origin, "a space");
     for (const auto& form : problem_.forms) this->form(form);
     for (const auto& load : problem_.loads) this->load(load);
     for (const auto& history : problem_.histories) this->history(history);

@@ -30,7 +30,9 @@ Plan prepared(const Plan& plan, const AccuracyRequest& request) {
 Search::Search(const Plan& plan, const AccuracyRequest& request, const RunSettings& settings,
                const std::function<void(const std::string&)>& tell, Shown* shown)
     : family_(prepared(plan, request)), runner_(family_, settings, shown), tell_(tell),
-      space_distance_(request.probe.empty() ? Distance::orthogonal : Distance::additive) {
+      space_distance_(request.probe.empty() && plan.problem.space.more.empty()
+                          ? Distance::orthogonal
+                          : Distance::additive) {
   out_.request = request;
   out_.memory_tolerance = family_.plan().options.memory_tolerance;
   floor_ = std::max(1e-3 * request.wanted, 1e-11);
@@ -53,8 +55,9 @@ AccuracyResult Search::go() {
 }
 
 void Search::give_up(const std::string& why) {
-  const std::string what =
-      out_.request.probe.empty() ? "of u in V" : "of `" + out_.request.probe + "`";
+  const std::string what = !out_.request.probe.empty() ? "of `" + out_.request.probe + "`"
+                           : family_.plan().problem.space.more.empty() ? "of u in V"
+                                                                       : "of all unknowns together";
   throw AccuracyFailure(fmt::format("a relative error {} of {:.1e} is out of reach: {}", what,
                                     out_.request.wanted, why),
                         std::move(out_));

@@ -148,7 +148,8 @@ FineSolution fine_trajectory(const Problem& problem, std::shared_ptr<const Traje
 std::optional<CeaTerms> cea_terms(const FineSolution& solution, const Problem& problem,
                                   const Discretisation& coarse) {
   CeaTerms out;
-  if (problem.time.is_static || in_motion(problem)) return std::nullopt;
+  if (problem.time.is_static || in_motion(problem) || !problem.space.more.empty())
+    return std::nullopt;
   if (std::ranges::any_of(problem.law_terms,
                           [](const LawTerm& term) { return term.field != field_of_u(0); }))
     return std::nullopt;

@@ -37,7 +37,8 @@ double v_distance(const KeptRun& coarse, const KeptRun& fine) {
         reference->states.push_back(fine.states[j]);
         compared.push_back(&coarse.states[i]);
       }
-  const auto gauge = trajectory_gauge(reference, *coarse.discretisation);
+  const auto gauge = trajectory_gauge(reference, *coarse.discretisation,
+                                      norms_of(coarse.plan.problem, *coarse.discretisation));
   for (std::size_t i = 0; i < compared.size(); ++i)
     gauge->step(static_cast<double>(i), *compared[i]);
   return gauge->error().relative();

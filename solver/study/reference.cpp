@@ -3,37 +3,66 @@
 
 #include "solver/fem/element.hpp"
 #include "solver/fem/geometry.hpp"
+#include "solver/plan/couplings.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
+#include <limits>
 
 namespace hvi::solver {
 
-void Gauge::note(double v_squared, double l2_squared, double size_squared) {
-  // Rounding cannot make a norm NaN.
-  error_.v_final = std::sqrt(std::max(v_squared, 0.0));
-  error_.l2_final = std::sqrt(std::max(l2_squared, 0.0));
-  error_.v_max = std::max(error_.v_max, error_.v_final);
-  error_.l2_max = std::max(error_.l2_max, error_.l2_final);
-  error_.size = std::max(error_.size, std::sqrt(std::max(size_squared, 0.0)));
+std::vector<UnknownNorm> norms_of(const Problem& problem, const Discretisation& d) {
+  if (!d.space.is_product()) return std::vector<UnknownNorm>(1);
+  const auto multiplier = multipliers_of(problem), loose = d.dofs.needs_mass();
+  std::vector<UnknownNorm> out;
+  for (std::size_t b = 0; b < multiplier.size(); ++b)
+    out.push_back({multiplier[b] == 0, multiplier[b] != 0 || loose[b] != 0});
+  return out;
+}
+
+StudyError together(std::span<const StudyError> errors) {
+  if (errors.size() == 1) return errors.front();
+  StudyError out;
+  out.size = 1.0;
+  out.l2_max = out.l2_final = std::numeric_limits<double>::quiet_NaN();
+  for (const StudyError& e : errors) {
+    const double size = e.size > 0.0 ? e.size : 1.0;
+    out.v_max = std::hypot(out.v_max, e.v_max / size);
+    out.v_final = std::hypot(out.v_final, e.v_final / size);
+  }
+  return out;
+}
+
+void Gauge::note(int unknown, const Squares& s) {
+  const UnknownNorm& norm = norms_[static_cast<std::size_t>(unknown)];
+  const auto root = [&](double slopes, double values) {
+    // Rounding cannot make a norm NaN.
+    return std::sqrt(std::max((norm.slopes ? slopes : 0.0) + (norm.values ? values : 0.0), 0.0));
+  };
+  StudyError& error = errors_[static_cast<std::size_t>(unknown)];
+  error.v_final = root(s.slopes, s.values);
+  error.l2_final = std::sqrt(std::max(s.values, 0.0));
+  error.v_max = std::max(error.v_max, error.v_final);
+  error.l2_max = std::max(error.l2_max, error.l2_final);
+  error.size = std::max(error.size, root(s.size_slopes, s.size_values));
 }
 
 namespace {
 
 /// || eps(w) ||^2 or || grad w ||^2 pointwise, from the gradient entries of w; (2, 2): the hoop's.
 template <class Entry>
-Expr v_density(const Space& space, Entry&& gradient) {
+Expr v_density(const Space& space, const SpaceBlock& block, Entry&& gradient) {
   const int d = space.mesh->dim;
   Expr sum(0.0);
-  for (int i = 0; i < space.components; ++i)
+  for (int i = 0; i < block.components; ++i)
     for (int j = 0; j < d; ++j) {
       const Expr entry =
-          space.components == 1 ? gradient(0, j) : Expr(0.5) * (gradient(i, j) + gradient(j, i));
+          block.components == 1 ? gradient(0, j) : Expr(0.5) * (gradient(i, j) + gradient(j, i));
       sum = sum + entry * entry;
     }
-  if (has_hoop(space)) {
+  if (has_hoop(space, block)) {
     const Expr along = gradient(2, 2);
     sum = sum + along * along;
   }
@@ -42,32 +71,47 @@ Expr v_density(const Space& space, Entry&& gradient) {
 
 class ExactGauge final : public Gauge {
 public:
-  ExactGauge(const Discretisation& d, std::span<const Expr> exact)
-      : integrator_(d.space, resolve(d.mesh, RegionSpec{}), Rule::exact,
-                    integrands(d.space, exact)) {}
+  ExactGauge(const Discretisation& d, std::span<const Expr> exact, std::vector<UnknownNorm> norms)
+      : Gauge(std::move(norms)), integrator_(d.space, resolve(d.mesh, RegionSpec{}), Rule::exact,
+                                             integrands(d.space, exact)) {}
 
   void step(double t, const Vector& u) override {
     const std::array<const Vector*, 1> fields = {&u};
-    std::array<double, 3> squares{};
-    integrator_.integrate({fields, t}, squares);
-    note(squares[0], squares[1], squares[2]);
+    std::vector<double> s(static_cast<std::size_t>(4 * n_unknowns()));
+    integrator_.integrate({fields, t}, s);
+    for (int b = 0; b < n_unknowns(); ++b) {
+      const auto i = static_cast<std::size_t>(4 * b);
+      note(b, {s[i], s[i + 1], s[i + 2], s[i + 3]});
+    }
   }
 
 private:
+  /// Of each unknown: those of Squares.
   static std::vector<Expr> integrands(const Space& space, std::span<const Expr> exact) {
-    const auto slope = [&](int i, int j) {
-      return i == 2 && space.components == 2 ? exact[0] / Expr::variable(slot::x(0))
-                                             : derivative(exact[i], slot::x(j));
-    };
-    const auto error = [&](int i, int j) {
-      return Expr::variable(slot::field(field_of_u(0), slot::gradient(i, j))) - slope(i, j);
-    };
-    Expr l2(0.0);
-    for (int i = 0; i < space.components; ++i) {
-      const Expr off = Expr::variable(slot::field(field_of_u(0), slot::value(i))) - exact[i];
-      l2 = l2 + off * off;
+    std::vector<Expr> out;
+    for (int b = 0; b < hvi::solver::n_unknowns(space); ++b) {
+      const SpaceBlock& block = space.blocks[static_cast<std::size_t>(b)];
+      const auto of = exact.subspan(static_cast<std::size_t>(block.first),
+                                    static_cast<std::size_t>(block.components));
+      const auto slope = [&](int i, int j) {
+        return i == 2 && block.components == 2 ? of[0] / Expr::variable(slot::x(0))
+                                               : derivative(of[i], slot::x(j));
+      };
+      const auto field = [&](int derivative) {
+        return Expr::variable(slot::field(field_of_u(0), slot::of_unknown(b, derivative)));
+      };
+      const auto error = [&](int i, int j) { return field(slot::gradient(i, j)) - slope(i, j); };
+      Expr l2(0.0), size(0.0);
+      for (int i = 0; i < block.components; ++i) {
+        const Expr off = field(slot::value(i)) - of[i];
+        l2 = l2 + off * off, size = size + of[i] * of[i];
+      }
+      const Expr here = block.domain ? Expr::variable(slot::inside(block.domain->part)) : Expr(1.0);
+      for (const Expr& density :
+           {v_density(space, block, error), l2, v_density(space, block, slope), size})
+        out.push_back(here * density);
     }
-    return {v_density(space, error), l2, v_density(space, slope)};
+    return out;
   }
 
   Integrator integrator_;
@@ -75,21 +119,40 @@ private:
 
 class TrajectoryGauge final : public Gauge {
 public:
-  TrajectoryGauge(std::shared_ptr<const Trajectory> reference, const Discretisation& coarse)
-      : reference_(std::move(reference)),
-        transfer_(transfer(coarse.space, reference_->discretisation->space)),
-        gram_(gram_of_unknown(reference_->discretisation->space, 0, false)),
-        mass_(mass(reference_->discretisation->space)) {}
+  TrajectoryGauge(std::shared_ptr<const Trajectory> reference, const Discretisation& coarse,
+                  std::vector<UnknownNorm> norms)
+      : Gauge(std::move(norms)), reference_(std::move(reference)),
+        transfer_(transfer(coarse.space, space())), mass_(mass(space())) {
+    for (int b = 0; b < n_unknowns(); ++b) gram_.push_back(gram_of_unknown(space(), b, false));
+  }
 
   void step(double t, const Vector& u) override {
     const Vector exact = reference_->at(t);
     const Vector error = transfer_ * u - exact;
-    note(error.dot(gram_ * error), error.dot(mass_ * error), exact.dot(gram_ * exact));
+    if (n_unknowns() == 1) {
+      note(0, {error.dot(gram_[0] * error), error.dot(mass_ * error), exact.dot(gram_[0] * exact),
+               exact.dot(mass_ * exact)});
+      return;
+    }
+    for (int b = 0; b < n_unknowns(); ++b) {
+      const Vector e = only(b, error), of = only(b, exact);
+      const SparseMatrix& gram = gram_[static_cast<std::size_t>(b)];
+      note(b, {e.dot(gram * e), e.dot(mass_ * e), of.dot(gram * of), of.dot(mass_ * of)});
+    }
   }
 
 private:
+  const Space& space() const { return reference_->discretisation->space; }
+  /// The part of a function that is of one unknown.
+  Vector only(int unknown, Vector w) const {
+    for (int i = 0; i < w.size(); ++i)
+      if (space().block_of(i % space().components) != unknown) w[i] = 0.0;
+    return w;
+  }
+
   std::shared_ptr<const Trajectory> reference_;
-  SparseMatrix transfer_, gram_, mass_;
+  SparseMatrix transfer_, mass_;
+  std::vector<SparseMatrix> gram_;
 };
 
 constexpr double inside = 1e-9; ///< barycentric coordinates of a point of a cell, at least minus
@@ -143,9 +206,11 @@ std::vector<int> pieces_of_nodes(const Space& space) {
 /// Both functions at the quadrature points of the finer mesh, one after the other.
 class PointGauge final : public Gauge {
 public:
-  PointGauge(std::shared_ptr<const Trajectory> reference, const Discretisation& coarse)
-      : reference_(std::move(reference)), fine_(reference_->discretisation->space),
-        coarse_(coarse.space), rule_(simplex_rule(fine_.mesh->dim, 4)) {
+  PointGauge(std::shared_ptr<const Trajectory> reference, const Discretisation& coarse,
+             std::vector<UnknownNorm> norms)
+      : Gauge(std::move(norms)), reference_(std::move(reference)),
+        fine_(reference_->discretisation->space), coarse_(coarse.space),
+        rule_(simplex_rule(fine_.mesh->dim, 4)) {
     const PieceLocator locator(*coarse_.mesh);
     const auto n_cells = static_cast<int>(fine_.mesh->cells.size());
     for (int cell = 0; cell < n_cells; ++cell)
@@ -160,7 +225,7 @@ public:
 
   void step(double t, const Vector& u) override {
     const Vector exact = reference_->at(t);
-    double v = 0.0, l2 = 0.0, size = 0.0;
+    std::vector<Squares> sums(static_cast<std::size_t>(n_unknowns()));
     int before = -1;
     CellGeometry there;
     for (std::size_t cell = 0, k = 0; cell < fine_.mesh->cells.size(); ++cell) {
@@ -171,12 +236,15 @@ public:
           before = seen_[k].cell, there = cell_geometry(*coarse_.mesh, before);
         const double x = point_in_cell(*fine_.mesh, c, rule_.points[q])[0];
         const double w = here.measure * rule_.weights[q] * circumference(*fine_.mesh, x);
-        const auto mine = values(coarse_, before, there, seen_[k].at, u);
-        const auto right = values(fine_, c, here, rule_.points[q], exact);
-        add(mine, right, w, v, l2, size);
+        evaluate_shapes(coarse_, there, seen_[k].at, true, coarse_shapes_);
+        evaluate_shapes(fine_, here, rule_.points[q], true, fine_shapes_);
+        for (int b = 0; b < n_unknowns(); ++b)
+          if (fine_.blocks[static_cast<std::size_t>(b)].lives_in(c))
+            add(b, values(coarse_, coarse_shapes_, b, before, u),
+                values(fine_, fine_shapes_, b, c, exact), w, sums[static_cast<std::size_t>(b)]);
       }
     }
-    note(v, l2, size);
+    for (int b = 0; b < n_unknowns(); ++b) note(b, sums[static_cast<std::size_t>(b)]);
   }
 
 private:
@@ -186,39 +254,41 @@ private:
   };
   using Values = std::array<double, 12>; ///< u_i, then d u_i / d x_j at 3 + 3 i + j
 
-  Values values(const Space& space, int cell, const CellGeometry& geometry, const Barycentric& at,
-                const Vector& u) {
-    evaluate_shapes(space, geometry, at, true, shapes_);
+  static Values values(const Space& space, const ShapeTable& shapes, int unknown, int cell,
+                       const Vector& u) {
+    const SpaceBlock& block = space.blocks[static_cast<std::size_t>(unknown)];
+    const int first_row = block.order < space.order ? linear_rows : 0;
     Values out{};
     const auto nodes = space.nodes_of_cell(cell);
     for (std::size_t n = 0; n < nodes.size(); ++n)
-      for (int i = 0; i < space.components; ++i) {
-        const double c = u[space.dof(nodes[n], i)];
-        out[i] += c * shapes_.at(0, static_cast<int>(n));
+      for (int i = 0; i < block.components; ++i) {
+        const double c = u[space.dof(nodes[n], block.first + i)];
+        out[i] += c * shapes.at(first_row, static_cast<int>(n));
         for (int j = 0; j < space.mesh->dim; ++j)
-          out[3 + 3 * i + j] += c * shapes_.at(1 + j, static_cast<int>(n));
-        if (i == 0 && has_hoop(space))
-          out[slot::hoop] += c * shapes_.at(hoop_row, static_cast<int>(n));
+          out[3 + 3 * i + j] += c * shapes.at(first_row + 1 + j, static_cast<int>(n));
+        if (i == 0 && has_hoop(space, block))
+          out[slot::hoop] += c * shapes.at(first_row + hoop_row, static_cast<int>(n));
       }
     return out;
   }
 
-  void add(const Values& mine, const Values& right, double weight, double& v, double& l2,
-           double& size) const {
+  void add(int unknown, const Values& mine, const Values& right, double weight,
+           Squares& sums) const {
+    const SpaceBlock& block = fine_.blocks[static_cast<std::size_t>(unknown)];
     const int d = fine_.mesh->dim;
     const auto strain = [&](const Values& x, int i, int j) {
-      return fine_.components == 1 ? x[3 + j] : 0.5 * (x[3 + 3 * i + j] + x[3 + 3 * j + i]);
+      return block.components == 1 ? x[3 + j] : 0.5 * (x[3 + 3 * i + j] + x[3 + 3 * j + i]);
     };
-    for (int i = 0; i < fine_.components; ++i) {
-      l2 += weight * (mine[i] - right[i]) * (mine[i] - right[i]);
-      for (int j = 0; j < d; ++j) {
-        const double e = strain(right, i, j), off = strain(mine, i, j) - e;
-        v += weight * off * off, size += weight * e * e;
-      }
+    const auto slope = [&](double of_mine, double e) {
+      const double off = of_mine - e;
+      sums.slopes += weight * off * off, sums.size_slopes += weight * e * e;
+    };
+    for (int i = 0; i < block.components; ++i) {
+      sums.values += weight * (mine[i] - right[i]) * (mine[i] - right[i]);
+      sums.size_values += weight * right[i] * right[i];
+      for (int j = 0; j < d; ++j) slope(strain(mine, i, j), strain(right, i, j));
     }
-    if (!has_hoop(fine_)) return;
-    const double e = right[slot::hoop], off = mine[slot::hoop] - e;
-    v += weight * off * off, size += weight * e * e;
+    if (has_hoop(fine_, block)) slope(mine[slot::hoop], right[slot::hoop]);
   }
 
   std::shared_ptr<const Trajectory> reference_;
@@ -226,7 +296,7 @@ private:
   const Space& coarse_;
   Quadrature rule_;
   std::vector<Seen> seen_;
-  ShapeTable shapes_;
+  ShapeTable coarse_shapes_, fine_shapes_;
 };
 
 } // namespace
@@ -257,19 +327,25 @@ bool is_nested(const Mesh& coarse, const Mesh& fine) {
 SparseMatrix transfer(const Space& coarse, const Space& fine) {
   const PieceLocator locator(*coarse.mesh);
   const auto piece_of = pieces_of_nodes(fine);
+  const auto vertices = fine.mesh->nodes.size();
   std::vector<Eigen::Triplet<double>> entries;
   std::array<double, max_cell_nodes> shapes{};
   for (std::size_t node = 0; node < fine.nodes.size(); ++node) {
     std::array<double, 4> barycentric{};
     const int cell = locator.find(fine.nodes[node], piece_of[node], barycentric);
     if (cell < 0) other_body(fine.nodes[node], fine.mesh->dim);
-    lagrange_values(coarse.mesh->dim, coarse.order, barycentric, shapes.data());
     const auto nodes = coarse.nodes_of_cell(cell);
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-      for (int c = 0; c < fine.components; ++c)
-        if (shapes[k] != 0.0)
-          entries.emplace_back(fine.dof(static_cast<int>(node), c), coarse.dof(nodes[k], c),
-                               shapes[k]);
+    for (std::size_t b = 0; b < fine.blocks.size(); ++b) {
+      const SpaceBlock &to = fine.blocks[b], &from = coarse.blocks[b];
+      if (to.order < fine.order && node >= vertices) continue; // no functions of its own there
+      lagrange_values(coarse.mesh->dim, from.order, barycentric, shapes.data());
+      const auto size = static_cast<std::size_t>(lagrange_size(coarse.mesh->dim, from.order));
+      for (std::size_t k = 0; k < size; ++k)
+        for (int c = 0; c < to.components; ++c)
+          if (shapes[k] != 0.0)
+            entries.emplace_back(fine.dof(static_cast<int>(node), to.first + c),
+                                 coarse.dof(nodes[k], from.first + c), shapes[k]);
+    }
   }
   SparseMatrix out(fine.n_dofs(), coarse.n_dofs());
   out.setFromTriplets(entries.begin(), entries.end());
@@ -286,16 +362,20 @@ Vector Trajectory::at(double t) const {
 }
 
 std::unique_ptr<Gauge> exact_gauge(const Discretisation& discretisation,
-                                   std::span<const Expr> exact) {
-  return std::make_unique<ExactGauge>(discretisation, exact);
+                                   std::span<const Expr> exact, std::vector<UnknownNorm> norms) {
+  return std::make_unique<ExactGauge>(discretisation, exact, std::move(norms));
 }
 
 std::unique_ptr<Gauge> trajectory_gauge(std::shared_ptr<const Trajectory> reference,
-                                        const Discretisation& coarse) {
+                                        const Discretisation& coarse,
+                                        std::vector<UnknownNorm> norms) {
   const Space& fine = reference->discretisation->space;
-  if (coarse.space.order > fine.order || !is_nested(coarse.mesh, *fine.mesh))
-    return std::make_unique<PointGauge>(std::move(reference), coarse);
-  return std::make_unique<TrajectoryGauge>(std::move(reference), coarse);
+  bool contained = is_nested(coarse.mesh, *fine.mesh);
+  for (std::size_t b = 0; b < fine.blocks.size(); ++b)
+    contained = contained && coarse.space.blocks[b].order <= fine.blocks[b].order;
+  if (!contained)
+    return std::make_unique<PointGauge>(std::move(reference), coarse, std::move(norms));
+  return std::make_unique<TrajectoryGauge>(std::move(reference), coarse, std::move(norms));
 }
 
 } // namespace hvi::solver

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace hvi::solver {
@@ -16,23 +17,47 @@ struct StudyError {
   double relative() const { return size > 0.0 ? v_max / size : v_max; }
 };
 
+/// What the norm of V is made of for one unknown: || eps(w) || (or || grad w ||), || w ||, or both.
+struct UnknownNorm {
+  bool slopes = true, values = false;
+};
+/// One unknown alone: of slopes. Of several each has its own: of slopes where it is held, with
+/// values where it is not, of values alone where it has no form of its own (a pressure, whose
+/// inf-sup condition is stated in L2).
+std::vector<UnknownNorm> norms_of(const Problem& problem, const Discretisation& discretisation);
+
+/// Of several unknowns, which have different units: the root of the sum of the squares of their
+/// relative errors, of size 1 (L2: nan). Of one its own.
+StudyError together(std::span<const StudyError> errors);
+
 /// Is shown every step of a run, through RunSettings::on_step, and keeps the errors.
 class Gauge {
 public:
+  explicit Gauge(std::vector<UnknownNorm> norms)
+      : errors_(norms.size()), norms_(std::move(norms)) {}
   virtual ~Gauge() = default;
   virtual void step(double t, const Vector& u) = 0;
-  const StudyError& error() const { return error_; }
+  const std::vector<StudyError>& errors() const { return errors_; } ///< by unknown
+  StudyError error() const { return together(errors_); }
 
 protected:
-  /// Squares of the error's and the reference's norms at one time.
-  void note(double v_squared, double l2_squared, double size_squared);
-  StudyError error_;
+  /// Squares at one time, of w = u - u_ref and of u_ref, of their slopes and values.
+  struct Squares {
+    double slopes = 0.0, values = 0.0, size_slopes = 0.0, size_values = 0.0;
+  };
+  void note(int unknown, const Squares& squares);
+  int n_unknowns() const { return static_cast<int>(errors_.size()); }
+
+private:
+  std::vector<StudyError> errors_;
+  std::vector<UnknownNorm> norms_;
 };
 
-/// Against an exact solution: components of slot::x and slot::t. Integrals by the rule for
-/// integrands that are no polynomials.
+/// Against an exact solution: components of slot::x and slot::t, of all unknowns. Integrals by the
+/// rule for integrands that are no polynomials.
 std::unique_ptr<Gauge> exact_gauge(const Discretisation& discretisation,
-                                   std::span<const Expr> exact);
+                                   std::span<const Expr> exact,
+                                   std::vector<UnknownNorm> norms = std::vector<UnknownNorm>(1));
 
 /// The steps of a run, kept to be compared with.
 struct Trajectory {
@@ -53,7 +78,8 @@ bool is_nested(const Mesh& coarse, const Mesh& fine);
 /// Against a finer run. Where its mesh is a refinement, the coarse function is one of the finer
 /// space's and norms are matrices; elsewhere both are compared at quadrature points of the finer
 /// mesh. Throws Failure(bad_value) where the meshes cover different bodies.
-std::unique_ptr<Gauge> trajectory_gauge(std::shared_ptr<const Trajectory> reference,
-                                        const Discretisation& coarse);
+std::unique_ptr<Gauge>
+trajectory_gauge(std::shared_ptr<const Trajectory> reference, const Discretisation& coarse,
+                 std::vector<UnknownNorm> norms = std::vector<UnknownNorm>(1));
 
 } // namespace hvi::solver

@@ -79,7 +79,7 @@ Setting Search::space_setting(Element element, int level) const {
   return {element.first, scheme, level, family_.is_static() ? 1 : space_steps_, element.second};
 }
 Setting Search::time_setting(Clock clock, int steps) const {
-  return {1, clock.first, 2, steps, plain(), clock.second};
+  return {family_.first_order(), clock.first, 2, steps, plain(), clock.second};
 }
 
 void Search::climb_space(Element element, int rungs) {
@@ -125,16 +125,21 @@ void Search::choose_candidates() {
   // Enough steps that every level could be certified, and few.
   space_steps_ = 2 * family_.coarsest_steps();
   for (int k = 0; k < 6 && !family_.is_static(); ++k, space_steps_ *= 2)
-    if (cheap(space_setting({1, plain()}, 2), "space ladder, P1").failure.empty()) break;
-  elements_ = {{1, plain()}, {2, plain()}};
+    if (const int order = family_.first_order();
+        cheap(space_setting({order, plain()}, 2), fmt::format("space ladder, P{}", order))
+            .failure.empty())
+      break;
+  for (const int order : family_.orders()) elements_.emplace_back(order, plain());
   if (fixed) elements_ = {{family_.plan().problem.space.order, plain()}};
-  if (family_.gradable() && !fixed && !family_.adapted())
-    elements_.insert(elements_.end(), {{1, steep}, {2, steep}, {2, steeper}});
+  if (family_.gradable() && !fixed && !family_.adapted()) {
+    for (const int order : family_.orders()) elements_.emplace_back(order, steep);
+    if (family_.orders().back() == 2) elements_.emplace_back(2, steeper);
+  }
   for (const Element& element : elements_) climb_space(element, first_rungs);
   if (!fixed && !family_.adapted() && is_singular())
-    for (const Element& element : {Element{1, adaptive}, Element{2, adaptive}}) {
-      elements_.push_back(element);
-      climb_space(element, first_rungs);
+    for (const int order : family_.orders()) {
+      elements_.emplace_back(order, adaptive);
+      climb_space(elements_.back(), first_rungs);
     }
   pair_up();
   if (pairs_.empty() && !family_.is_static()) adapt_time();
@@ -157,7 +162,8 @@ void Search::pair_up() {
 // ---- choice ----------------------------------------------------------------------------------
 
 ErrorLaw Search::space_law(Element element) const {
-  const double nominal = out_.request.probe.empty() ? element.first : 2 * element.first;
+  const int order = family_.nominal_order(element.first);
+  const double nominal = out_.request.probe.empty() ? order : 2 * order;
   return fit_error(space_.at(element), nominal, space_distance_, floor_);
 }
 ErrorLaw Search::time_law(Clock clock) const {

@@ -1,6 +1,7 @@
 // Errors in time: bases that follow the solution, and what a run of four times the steps says of
 // the chosen ones; see search.hpp.
 #include "solver/assembly/assembly.hpp"
+#include "solver/study/reference.hpp"
 #include "solver/study/search.hpp"
 
 #include <fmt/format.h>
@@ -40,9 +41,31 @@ struct Arising {
   double largest = 0.0;           ///< norm of the error, but for the intervals of jumps
 };
 
+/// Of one unknown in its norm.
+SparseMatrix gram_of(const Space& space, int unknown, const UnknownNorm& norm) {
+  if (norm.slopes) return gram_of_unknown(space, unknown, norm.values);
+  return SparseMatrix(gram_of_unknown(space, unknown, true) -
+                      gram_of_unknown(space, unknown, false));
+}
+
+/// The squared norm of V. Of several unknowns: each by its largest in the steps of the run.
+SparseMatrix gram_of_run(const KeptRun& run) {
+  const Space& space = run.discretisation->space;
+  const auto norms = norms_of(run.plan.problem, *run.discretisation);
+  if (!space.is_product()) return gram_of(space, 0, norms.front());
+  SparseMatrix out(space.n_dofs(), space.n_dofs());
+  for (int b = 0; b < n_unknowns(space); ++b) {
+    const SparseMatrix own = gram_of(space, b, norms[static_cast<std::size_t>(b)]);
+    double square = 0.0;
+    for (const Vector& u : run.states) square = std::max(square, u.dot(own * u));
+    if (square > 0.0) out = SparseMatrix(out + own / square);
+  }
+  return out;
+}
+
 /// Both runs are on one mesh; norms in V, relative to the largest of `fine`.
 Arising arising_error(const KeptRun& coarse, const KeptRun& fine, const TimeBase& base) {
-  const auto gram = gram_of_unknown(fine.discretisation->space, 0, false);
+  const SparseMatrix gram = gram_of_run(fine);
   const auto norm = [&](const Vector& v) { return std::sqrt(std::max(0.0, v.dot(gram * v))); };
   const auto time = [](const KeptRun& run, std::size_t i) {
     return run.plan.problem.time.grid[static_cast<std::size_t>(run.steps[i])];
@@ -67,6 +90,7 @@ Arising arising_error(const KeptRun& coarse, const KeptRun& fine, const TimeBase
     out.increments[interval] = std::max(out.increments[interval], norm(error - begun));
     out.largest = std::max(out.largest, norm(error));
   }
+  if (fine.discretisation->space.is_product()) return out; // relative already
   if (size > 0.0) {
     for (double& v : out.increments) v /= size;
     out.largest /= size;

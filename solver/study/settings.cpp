@@ -2,6 +2,7 @@
 #include "solver/study/settings.hpp"
 
 #include "solver/fem/region.hpp"
+#include "solver/plan/couplings.hpp"
 
 #include <fmt/format.h>
 
@@ -86,21 +87,44 @@ bool is_uneven(const std::vector<double>& times) {
 
 } // namespace
 
-std::string to_string(const Setting& setting, const Problem& problem) {
-  std::string mesh;
-  const int dim = dimension(problem.mesh);
-  if (problem.mesh.kind == MeshSpec::Kind::file || problem.mesh.kind == MeshSpec::Kind::geometry) {
-    mesh = fmt::format("mesh refined {} times", problem.mesh.refinements);
-  } else {
-    for (int a = 0; a < dim; ++a)
-      mesh += fmt::format("{}{}", a ? " x " : "", cells_along(problem.mesh, a));
-    mesh += " cells";
+namespace {
+
+bool is_made_elsewhere(const MeshSpec& mesh) {
+  return mesh.kind == MeshSpec::Kind::file || mesh.kind == MeshSpec::Kind::geometry;
+}
+
+/// "16 x 8 cells"; of pieces: "16 x 8 and 12 x 6 cells".
+std::string cells_of(const MeshSpec& mesh) {
+  if (mesh.kind == MeshSpec::Kind::pieces) {
+    std::string out;
+    for (const MeshSpec& piece : mesh.pieces) out += (out.empty() ? "" : " and ") + cells_of(piece);
+    return out;
   }
+  if (is_made_elsewhere(mesh) || mesh.refinements > 0)
+    return fmt::format("mesh refined {} times", mesh.refinements);
+  std::string out;
+  for (int a = 0; a < dimension(mesh); ++a)
+    out += fmt::format("{}{}", a ? " x " : "", cells_along(mesh, a));
+  return out + " cells";
+}
+
+/// "P2"; of several unknowns that differ: "P2 and P1".
+std::string elements_of(const Setting& setting, const Problem& problem) {
+  std::string out = fmt::format("P{}", setting.order);
+  for (const UnknownSpec& unknown : problem.space.more)
+    if (unknown.order != setting.order) out += fmt::format(" and P{}", unknown.order);
+  return out;
+}
+
+} // namespace
+
+std::string to_string(const Setting& setting, const Problem& problem) {
+  std::string mesh = cells_of(problem.mesh);
   if (problem.mesh.adapted > 0)
     mesh = fmt::format("adapted to {} cells", problem.mesh.adapted);
   else if (setting.grade != 1.0)
     mesh += fmt::format(" graded {}", setting.grade);
-  std::string out = fmt::format("P{}, ", setting.order);
+  std::string out = elements_of(setting, problem) + ", ";
   if (problem.time.is_static) return out + mesh;
   return out + fmt::format("{}, {}, {}{} steps", in_prose(setting.scheme), mesh, setting.steps,
                            is_uneven(problem.time.grid) ? " uneven" : "");
@@ -121,63 +145,99 @@ int SettingFamily::add_base(TimeBase base) {
   return static_cast<int>(bases_.size()) - 1;
 }
 
+std::vector<int> SettingFamily::orders() const {
+  const SpaceSpec& space = plan_.problem.space;
+  const auto pressures = multipliers_of(plan_.problem);
+  const bool alike = std::ranges::all_of(
+      space.more, [&](const UnknownSpec& unknown) { return unknown.order == space.order; });
+  const bool free =
+      alike && (space.more.empty() || std::ranges::find(pressures, 1) == pressures.end());
+  return free ? std::vector<int>{1, 2} : std::vector<int>{space.order};
+}
+
+int SettingFamily::nominal_order(int order) const {
+  int out = order;
+  const auto pressures = multipliers_of(plan_.problem);
+  for (std::size_t b = 0; orders().size() == 1 && b < plan_.problem.space.more.size(); ++b)
+    out = std::min(out, plan_.problem.space.more[b].order + (pressures[b + 1] != 0 ? 1 : 0));
+  return out;
+}
+
+/// Numbers of cells, or lines, of structured meshes without their refinements, and the powers of
+/// lines; halved together while all allow it.
+void SettingFamily::find_coarsest_lines(const std::vector<MeshSpec*>& meshes) {
+  const bool alone = meshes.front() == &plan_.problem.mesh;
+  for (MeshSpec* mesh : meshes) {
+    for (int a = 0; a < dim_; ++a) {
+      auto& lines = mesh->grading[a];
+      if (!lines.empty()) gradable_ = false;
+      if (const double p = alone && !lines.empty() ? grade_of(lines) : 0.0; p > 0.0) {
+        grades_[a] = p;
+        mesh->cells[a] = static_cast<int>(lines.size()) - 1;
+        mesh->low[a] = lines.front(), mesh->high[a] = lines.back();
+        lines.clear();
+      }
+      if (lines.empty())
+        mesh->cells[a] <<= mesh->refinements;
+      else
+        lines = subdivided(lines, 1 << mesh->refinements);
+    }
+    mesh->refinements = 0;
+  }
+  const int fewest = dim_ == 3 ? 2 : 4;
+  const auto can_halve = [&](const MeshSpec* mesh) {
+    for (int a = 0; a < dim_; ++a)
+      if (cells_along(*mesh, a) % 2 != 0 || cells_along(*mesh, a) / 2 < fewest) return false;
+    return true;
+  };
+  while (std::ranges::all_of(meshes, can_halve))
+    for (MeshSpec* mesh : meshes)
+      for (int a = 0; a < dim_; ++a) {
+        mesh->cells[a] /= 2;
+        if (!mesh->grading[a].empty()) mesh->grading[a] = halved(mesh->grading[a]);
+      }
+}
+
+double SettingFamily::first_cells(const MeshSpec& mesh) const {
+  double out = dim_ == 3 ? 6.0 : dim_ == 2 ? (mesh.crossed ? 4.0 : 2.0) : 1.0;
+  for (int a = 0; a < dim_; ++a) out *= cells_along(mesh, a);
+  return out;
+}
+
 void SettingFamily::find_coarsest_mesh() {
   MeshSpec& mesh = plan_.problem.mesh;
-  if (mesh.kind == MeshSpec::Kind::pieces)
-    throw Failure(FailureKind::bad_value, mesh.origin,
-                  "a wanted accuracy is found for one mesh, not for one put together of pieces",
-                  "give the cells, and compare meshes with a `study`");
-  bisected_ = mesh.kind == MeshSpec::Kind::file || mesh.kind == MeshSpec::Kind::geometry;
+  std::vector<MeshSpec*> meshes{&mesh};
+  if (mesh.kind == MeshSpec::Kind::pieces) {
+    meshes.clear();
+    for (MeshSpec& piece : mesh.pieces) meshes.push_back(&piece);
+    dim_ = dimension(mesh.pieces.front());
+  }
+  bisected_ = std::ranges::any_of(meshes, [](const MeshSpec* m) { return is_made_elsewhere(*m); });
   if (bisected_) {
     const Mesh first = make_mesh(mesh);
     dim_ = first.dim;
     first_cells_ = static_cast<double>(first.cells.size());
     return;
   }
-  gradable_ = dim_ > 1 && std::all_of(plan_.problem.parts.begin(), plan_.problem.parts.end(),
-                                      [](const PartSpec& p) { return is_whole(p.region); });
-  for (int a = 0; a < dim_; ++a) {
-    auto& lines = mesh.grading[a];
-    if (!lines.empty()) gradable_ = false;
-    if (const double p = lines.empty() ? 0.0 : grade_of(lines); p > 0.0) {
-      grades_[a] = p;
-      mesh.cells[a] = static_cast<int>(lines.size()) - 1;
-      mesh.low[a] = lines.front(), mesh.high[a] = lines.back();
-      lines.clear();
-    }
-    if (lines.empty())
-      mesh.cells[a] <<= mesh.refinements;
-    else
-      lines = subdivided(lines, 1 << mesh.refinements);
-  }
-  mesh.refinements = 0;
-  const int fewest = dim_ == 3 ? 2 : 4;
-  const auto can_halve = [&] {
-    for (int a = 0; a < dim_; ++a)
-      if (cells_along(mesh, a) % 2 != 0 || cells_along(mesh, a) / 2 < fewest) return false;
-    return true;
-  };
-  while (can_halve())
-    for (int a = 0; a < dim_; ++a) {
-      mesh.cells[a] /= 2;
-      if (!mesh.grading[a].empty()) mesh.grading[a] = halved(mesh.grading[a]);
-    }
-  first_cells_ = dim_ == 3 ? 6.0 : dim_ == 2 ? (mesh.crossed ? 4.0 : 2.0) : 1.0;
-  for (int a = 0; a < dim_; ++a) first_cells_ *= cells_along(mesh, a);
+  gradable_ = dim_ > 1 && meshes.front() == &mesh &&
+              std::all_of(plan_.problem.parts.begin(), plan_.problem.parts.end(),
+                          [](const PartSpec& p) { return is_whole(p.region); });
+  find_coarsest_lines(meshes);
+  for (const MeshSpec* one : meshes) first_cells_ += first_cells(*one);
 }
 
 MeshSpec SettingFamily::adapted_mesh_at(int level) const {
   MeshSpec out = plan_.problem.mesh;
-  for (int a = 0; a < dim_ && !bisected_; ++a)
+  for (int a = 0; a < dim_ && !bisected_ && out.pieces.empty(); ++a)
     if (grades_[a] != 1.0)
       out.grading[a] = graded(out.low[a], out.high[a], out.cells[a], grades_[a]);
   out.adapted = static_cast<int>(std::min(2.0 * first_cells_ * std::pow(level, dim_), 2e9));
   return out;
 }
 
-MeshSpec SettingFamily::mesh_at(int level, double grade) const {
-  if (grade == adaptive || adapted()) return adapted_mesh_at(level);
-  MeshSpec out = plan_.problem.mesh;
+/// A mesh of one piece, or a piece.
+MeshSpec SettingFamily::refined(const MeshSpec& mesh, int level, double grade) const {
+  MeshSpec out = mesh;
   if (bisected_) {
     out.refinements += static_cast<int>(std::lround(std::log2(level)));
     return out;
@@ -192,6 +252,14 @@ MeshSpec SettingFamily::mesh_at(int level, double grade) const {
     else if (power != 1.0 && cells < 1e6)
       out.grading[a] = graded(out.low[a], out.high[a], out.cells[a], power);
   }
+  return out;
+}
+
+MeshSpec SettingFamily::mesh_at(int level, double grade) const {
+  if (grade == adaptive || adapted()) return adapted_mesh_at(level);
+  MeshSpec out = plan_.problem.mesh;
+  if (out.kind != MeshSpec::Kind::pieces) return refined(out, level, grade);
+  for (MeshSpec& piece : out.pieces) piece = refined(piece, level, 1.0);
   return out;
 }
 
@@ -213,7 +281,10 @@ std::vector<double> SettingFamily::grid_at(int steps, int base) const {
 Plan SettingFamily::at(const Setting& setting) const {
   Plan out = plan_;
   out.problem.mesh = mesh_at(setting.level, setting.grade);
-  out.problem.space.order = setting.order;
+  if (orders().size() > 1) {
+    out.problem.space.order = setting.order;
+    for (UnknownSpec& unknown : out.problem.space.more) unknown.order = setting.order;
+  }
   if (is_static()) return out;
   const double more =
       static_cast<double>(setting.steps) / static_cast<double>(plan_.problem.time.grid.size() - 1);

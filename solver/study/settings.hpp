@@ -6,6 +6,7 @@
 #include "solver/study/time_base.hpp"
 
 #include <string>
+#include <vector>
 
 namespace hvi::solver {
 
@@ -32,10 +33,11 @@ std::string to_string(const Setting& setting, const Problem& problem);
 
 /// The family of settings around a plan. Structured meshes are coarsened while all numbers of cells
 /// are even, so that lines the data follow (kinks of a load, ends of parts) stay mesh lines, and
-/// refined by whole factors of the coarsest; other meshes are refined uniformly. Adaptive ones have
-/// level^dim times the cells of level 1, twice the coarsest mesh's. Uniform and power-graded
-/// time grids take any number of steps, listed times whole fractions of their steps. Base 0 is the
-/// script's grid, or one that sees the data; others can be added.
+/// refined by whole factors of the coarsest; other meshes are refined uniformly. Pieces side by
+/// side are coarsened and refined together. Adaptive ones have level^dim times the cells of level
+/// 1, twice the coarsest mesh's. Uniform and power-graded time grids take any number of steps,
+/// listed times whole fractions of their steps. Base 0 is the script's grid, or one that sees the
+/// data; others can be added.
 class SettingFamily {
 public:
   explicit SettingFamily(const Plan& plan);
@@ -43,6 +45,12 @@ public:
   /// The plan at a setting. Tables keep their rows: `every` grows with the steps.
   Plan at(const Setting& setting) const;
   bool is_static() const { return plan_.problem.time.is_static; }
+  /// Orders of the first unknown's element that may be chosen. Of several unknowns in one order: of
+  /// all of them; where they differ, or one is a pressure, elements stay as written.
+  std::vector<int> orders() const;
+  int first_order() const { return orders().front(); }
+  /// Of the error in the norm of V at such an order: the least of all unknowns.
+  int nominal_order(int order) const;
   /// Levels are powers of two only (a mesh that is bisected).
   bool bisected() const { return bisected_; }
   /// Does the script itself ask for an adapted mesh? Then all settings do.
@@ -65,6 +73,9 @@ public:
 
 private:
   void find_coarsest_mesh();
+  void find_coarsest_lines(const std::vector<MeshSpec*>& meshes);
+  double first_cells(const MeshSpec& mesh) const;
+  MeshSpec refined(const MeshSpec& mesh, int level, double grade) const;
   MeshSpec mesh_at(int level, double grade) const;
   std::vector<double> grid_at(int steps, int base) const;
   MeshSpec adapted_mesh_at(int level) const;

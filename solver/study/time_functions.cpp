@@ -24,7 +24,8 @@ bool is_place(Slot slot) { return (slot >= 0 && slot < 3) || (slot >= 5 && slot 
 std::vector<Values> places_of(const MeshSpec& mesh) {
   std::array<double, 3> low = mesh.low, high = mesh.high;
   int dim = mesh.kind == MeshSpec::Kind::interval ? 1 : mesh.kind == MeshSpec::Kind::box ? 3 : 2;
-  if (mesh.kind == MeshSpec::Kind::file || mesh.kind == MeshSpec::Kind::geometry) {
+  if (mesh.kind == MeshSpec::Kind::file || mesh.kind == MeshSpec::Kind::geometry ||
+      mesh.kind == MeshSpec::Kind::pieces) {
     const Mesh made = make_mesh(mesh);
     dim = made.dim;
     low.fill(HUGE_VAL), high.fill(-HUGE_VAL);

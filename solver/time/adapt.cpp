@@ -3,6 +3,7 @@
 
 #include "solver/fem/geometry.hpp"
 #include "solver/mesh/bisect.hpp"
+#include "solver/plan/couplings.hpp"
 
 #include <fmt/format.h>
 
@@ -17,37 +18,49 @@ constexpr double bulk = 0.6; ///< of the squared indicator that is refined in a 
 constexpr int first_steps = 4, most_steps = 256; ///< of the runs that are looked at
 constexpr int most_rounds = 60;
 
-/// Entries of D u at a point of a cell from the shapes there: dim x dim, or dim for a scalar; with
-/// the hoop's last.
+/// Entries of D u of an unknown at a point of a cell from the shapes there: dim x dim, or dim for a
+/// scalar; with the hoop's last.
 class Strain {
 public:
-  explicit Strain(const Space& space)
-      : space_(space), dim_(space.mesh->dim), vector_(space.components > 1),
-        plane_(vector_ ? dim_ * dim_ : dim_), size_(plane_ + (has_hoop(space) ? 1 : 0)) {}
+  Strain(const Space& space, int unknown)
+      : space_(space), block_(space.blocks[static_cast<std::size_t>(unknown)]),
+        dim_(space.mesh->dim), first_row_(block_.order < space.order ? linear_rows : 0),
+        vector_(block_.components > 1), plane_(vector_ ? dim_ * dim_ : dim_),
+        size_(plane_ + (has_hoop(space, block_) ? 1 : 0)) {}
   int size() const { return size_; }
+  int order() const { return block_.order; }
+  bool lives_in(int cell) const { return block_.lives_in(cell); }
+  /// The nodes of a cell that functions of the unknown have.
+  std::span<const std::int32_t> nodes(int cell) const {
+    return space_.nodes_of_cell(cell).first(
+        static_cast<std::size_t>(lagrange_size(dim_, block_.order)));
+  }
 
   void at(int cell, const CellGeometry& geometry, const Barycentric& point, const Vector& u,
           double* out) {
     evaluate_shapes(space_, geometry, point, true, shapes_);
-    const auto nodes = space_.nodes_of_cell(cell);
+    const auto of_cell = nodes(cell);
     std::array<double, 9> slope{};
-    for (int i = 0; i < space_.components; ++i)
+    for (int i = 0; i < block_.components; ++i)
       for (int j = 0; j < dim_; ++j)
-        for (std::size_t k = 0; k < nodes.size(); ++k)
-          slope[i * dim_ + j] +=
-              shapes_.at(1 + j, static_cast<int>(k)) * u[space_.dof(nodes[k], i)];
+        for (std::size_t k = 0; k < of_cell.size(); ++k)
+          slope[i * dim_ + j] += shapes_.at(first_row_ + 1 + j, static_cast<int>(k)) *
+                                 u[space_.dof(of_cell[k], block_.first + i)];
     for (int e = 0; e < plane_; ++e)
       out[e] = vector_ ? 0.5 * (slope[e] + slope[e % dim_ * dim_ + e / dim_]) : slope[e];
     if (size_ == plane_) return;
     out[plane_] = 0.0;
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-      out[plane_] += shapes_.at(hoop_row, static_cast<int>(k)) * u[space_.dof(nodes[k], 0)];
+    for (std::size_t k = 0; k < of_cell.size(); ++k)
+      out[plane_] += shapes_.at(first_row_ + hoop_row, static_cast<int>(k)) *
+                     u[space_.dof(of_cell[k], block_.first)];
   }
-  const ShapeTable& shapes() const { return shapes_; }
+  /// Of the k-th node at the point that was asked last.
+  double shape(std::size_t k) const { return shapes_.at(first_row_, static_cast<int>(k)); }
 
 private:
   const Space& space_;
-  int dim_;
+  const SpaceBlock& block_;
+  int dim_, first_row_;
   bool vector_;
   int plane_, size_;
   ShapeTable shapes_;
@@ -71,15 +84,16 @@ std::vector<Barycentric> element_points(int dim, int order) {
 /// Averages of D u at the nodes, weighted by the cells' measures, for each kind of cells by itself.
 class Recovery {
 public:
-  Recovery(const Space& space, const Vector& u, std::span<const int> kind)
-      : space_(space), kind_(kind), strain_(space) {
-    const auto points = element_points(space.mesh->dim, space.order);
+  Recovery(const Space& space, const Vector& u, std::span<const int> kind, int unknown)
+      : kind_(kind), strain_(space, unknown) {
+    const auto points = element_points(space.mesh->dim, strain_.order());
     const int size = strain_.size();
     std::vector<double> here(size);
     for (std::size_t cell = 0; cell < space.mesh->cells.size(); ++cell) {
       const int c = static_cast<int>(cell);
+      if (!strain_.lives_in(c)) continue;
       const auto geometry = cell_geometry(*space.mesh, c);
-      const auto nodes = space.nodes_of_cell(c);
+      const auto nodes = strain_.nodes(c);
       for (std::size_t k = 0; k < nodes.size(); ++k) {
         strain_.at(c, geometry, points[k], u, here.data());
         auto& sum = sums_[{nodes[k], kind_of(c)}];
@@ -95,7 +109,7 @@ public:
   /// The recovered values at the nodes of a cell.
   std::vector<const double*> of_cell(int cell) const {
     std::vector<const double*> out;
-    for (const std::int32_t node : space_.nodes_of_cell(cell))
+    for (const std::int32_t node : strain_.nodes(cell))
       out.push_back(sums_.at({node, kind_of(cell)}).data());
     return out;
   }
@@ -103,11 +117,46 @@ public:
 private:
   int kind_of(int cell) const { return kind_.empty() ? 0 : kind_[cell]; }
 
-  const Space& space_;
   std::span<const int> kind_;
   Strain strain_;
   std::map<std::pair<std::int32_t, int>, std::vector<double>> sums_;
 };
+
+/// int_K |G - D u|^2 by cell, and int |D u|^2.
+struct Indicator {
+  std::vector<double> cells;
+  double size = 0.0;
+};
+
+Indicator indicator_of(const Space& space, const Vector& u, std::span<const int> kind,
+                       int unknown) {
+  const Recovery recovery(space, u, kind, unknown);
+  Strain strain(space, unknown);
+  const Quadrature rule = simplex_rule(space.mesh->dim, 2 * strain.order());
+  Indicator out{std::vector<double>(space.mesh->cells.size(), 0.0)};
+  std::vector<double> here(strain.size());
+  for (std::size_t cell = 0; cell < out.cells.size(); ++cell) {
+    const int c = static_cast<int>(cell);
+    if (!strain.lives_in(c)) continue;
+    const auto geometry = cell_geometry(*space.mesh, c);
+    const auto nodes = recovery.of_cell(c);
+    for (std::size_t q = 0; q < rule.size(); ++q) {
+      strain.at(c, geometry, rule.points[q], u, here.data());
+      double square = 0.0, own = 0.0;
+      for (int e = 0; e < strain.size(); ++e) {
+        double off = -here[e];
+        own += here[e] * here[e];
+        for (std::size_t k = 0; k < nodes.size(); ++k) off += strain.shape(k) * nodes[k][e];
+        square += off * off;
+      }
+      const double x = point_in_cell(*space.mesh, c, rule.points[q])[0];
+      const double weight = geometry.measure * rule.weights[q] * circumference(*space.mesh, x);
+      out.cells[cell] += weight * square;
+      out.size += weight * own;
+    }
+  }
+  return out;
+}
 
 /// Numbers for the sets of parts of cells that forms act on: materials may change between them.
 std::vector<int> kinds_of_cells(const Problem& problem, const Discretisation& d) {
@@ -142,6 +191,47 @@ Plan trial(const Plan& plan, int steps) {
   return out;
 }
 
+/// The largest indicators of each cell over the steps of a run.
+class Indicators {
+public:
+  Indicators(const Problem& problem, const Discretisation& d, std::span<const int> kinds)
+      : space_(d.space), kinds_(kinds), pressures_(multipliers_of(problem)),
+        largest_(pressures_.size()) {
+    for (Indicator& one : largest_) one.cells.assign(d.mesh.cells.size(), 0.0);
+  }
+
+  void take(const Vector& u) {
+    for (std::size_t b = 0; b < largest_.size(); ++b) {
+      if (left_out(b)) continue;
+      const Indicator now = indicator_of(space_, u, kinds_, static_cast<int>(b));
+      Indicator& all = largest_[b];
+      std::ranges::transform(all.cells, now.cells, all.cells.begin(),
+                             [](double x, double y) { return std::max(x, y); });
+      all.size = std::max(all.size, now.size);
+    }
+  }
+
+  /// Of several unknowns the sum, each by its own size.
+  std::vector<double> by_cell() const {
+    if (largest_.size() == 1) return largest_.front().cells;
+    std::vector<double> out(largest_.front().cells.size(), 0.0);
+    for (std::size_t b = 0; b < largest_.size(); ++b)
+      for (std::size_t c = 0; c < out.size() && !left_out(b) && largest_[b].size > 0.0; ++c)
+        out[c] += largest_[b].cells[c] / largest_[b].size;
+    return out;
+  }
+
+private:
+  bool left_out(std::size_t unknown) const {
+    return largest_.size() > 1 && pressures_[unknown] != 0;
+  }
+
+  const Space& space_;
+  std::span<const int> kinds_;
+  std::vector<char> pressures_;
+  std::vector<Indicator> largest_;
+};
+
 /// Largest indicator of each cell over the steps of a trial run.
 std::vector<double> look(const Plan& plan, const Mesh& mesh, const std::atomic<bool>* stop,
                          int& steps) {
@@ -150,17 +240,13 @@ std::vector<double> look(const Plan& plan, const Mesh& mesh, const std::atomic<b
   if (!failures.empty()) throw failures.front();
   const auto kinds = kinds_of_cells(plan.problem, d);
   for (;;) {
-    std::vector<double> out(d.mesh.cells.size(), 0.0);
+    Indicators seen(plan.problem, d, kinds);
     RunSettings settings;
     settings.stop = stop;
-    settings.on_step = [&](int, double, const Vector& u, const Vector&) {
-      const auto now = recovery_indicator(d.space, u, kinds);
-      std::transform(out.begin(), out.end(), now.begin(), out.begin(),
-                     [](double a, double b) { return std::max(a, b); });
-    };
+    settings.on_step = [&](int, double, const Vector& u, const Vector&) { seen.take(u); };
     try {
       run(trial(plan, steps), d, settings);
-      return out;
+      return seen.by_cell();
     } catch (const Failure& failure) {
       // Laws that soften need short steps; failures for other reasons remain.
       const bool uncertain = failure.kind == FailureKind::not_certified ||
@@ -175,29 +261,8 @@ std::vector<double> look(const Plan& plan, const Mesh& mesh, const std::atomic<b
 } // namespace
 
 std::vector<double> recovery_indicator(const Space& space, const Vector& u,
-                                       std::span<const int> kind) {
-  const Recovery recovery(space, u, kind);
-  const Quadrature rule = simplex_rule(space.mesh->dim, 2 * space.order);
-  Strain strain(space);
-  std::vector<double> out(space.mesh->cells.size(), 0.0), here(strain.size());
-  for (std::size_t cell = 0; cell < out.size(); ++cell) {
-    const int c = static_cast<int>(cell);
-    const auto geometry = cell_geometry(*space.mesh, c);
-    const auto nodes = recovery.of_cell(c);
-    for (std::size_t q = 0; q < rule.size(); ++q) {
-      strain.at(c, geometry, rule.points[q], u, here.data());
-      double square = 0.0;
-      for (int e = 0; e < strain.size(); ++e) {
-        double off = -here[e];
-        for (std::size_t k = 0; k < nodes.size(); ++k)
-          off += strain.shapes().at(0, static_cast<int>(k)) * nodes[k][e];
-        square += off * off;
-      }
-      const double x = point_in_cell(*space.mesh, c, rule.points[q])[0];
-      out[cell] += geometry.measure * rule.weights[q] * circumference(*space.mesh, x) * square;
-    }
-  }
-  return out;
+                                       std::span<const int> kind, int unknown) {
+  return indicator_of(space, u, kind, unknown).cells;
 }
 
 std::vector<std::int32_t> marked_cells(std::span<const double> indicators, double part) {

@@ -20,17 +20,20 @@ namespace hvi::solver {
 
 /// For each cell int_K |G - D u|^2, D u the symmetric gradient of a vector, the gradient of a
 /// scalar, G its average at each node over the cells of the same kind. `kind`: cells of different
-/// numbers have different materials, where D u may jump; empty: all alike.
+/// numbers have different materials, where D u may jump; empty: all alike. Of several unknowns: of
+/// this one.
 std::vector<double> recovery_indicator(const Space& space, const Vector& u,
-                                       std::span<const int> kind = {});
+                                       std::span<const int> kind = {}, int unknown = 0);
 
 /// The fewest cells whose indicators add up to `bulk` of the sum of all, largest first.
 std::vector<std::int32_t> marked_cells(std::span<const double> indicators, double bulk);
 
 /// The mesh of plan.problem.mesh (without `adapted`), bisected to at most plan.problem.mesh.adapted
-/// cells where the problem's own solution on the mesh so far, at a few times, has its errors.
-/// Depends on neither the time grid nor the scheme; meshes for fewer cells are coarser versions of
-/// those for more. Throws what the problem throws on a coarse mesh, and Failure(interrupted).
+/// cells where the problem's own solution on the mesh so far, at a few times, has its errors. Of
+/// several unknowns the indicators relative to the size of D u are added up; a pressure without a
+/// form of its own has none. Pieces side by side share the cells. Depends on neither the time grid
+/// nor the scheme; meshes for fewer cells are coarser versions of those for more. Throws what the
+/// problem throws on a coarse mesh, and Failure(interrupted).
 Mesh adapted_mesh(const Plan& plan, const std::atomic<bool>* stop = nullptr);
 
 /// What the adapted mesh depends on, as text: two plans with the same have the same mesh.

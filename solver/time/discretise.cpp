@@ -6,6 +6,7 @@
 #include "solver/plan/validate.hpp"
 #include "solver/time/adapt.hpp"
 #include "solver/time/axis_parts.hpp"
+#include "solver/time/domains.hpp"
 #include "solver/time/law_sampler.hpp"
 #include "solver/time/line_values.hpp"
 #include "solver/time/overlaps.hpp"
@@ -245,6 +246,8 @@ std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& 
   if (spaced) check_pairs(plan.problem, out, failures);
   if (spaced) collect(failures, [&] { check_initial(plan.problem, out); });
   if (spaced) collect(failures, [&] { check_velocity(plan.problem, out); });
+  if (!failures.empty()) return failures;
+  failures = outside_domains(plan, out);
   if (!failures.empty()) return failures;
   failures = reactions_of_nothing(plan, out);
   std::ranges::move(misplaced_multipliers(plan, out), std::back_inserter(failures));

@@ -61,7 +61,7 @@ void FactoredMatrix::factor(const Vector& gamma) {
   SparseMatrix k = combine(operators_, gamma);
   k_.swap(k); // Eigen 3.4 copies what is moved
   half_ = {};
-  free_ = motions_ != nullptr ? find_free_body(*motions_, k_, *layout_) : nullptr;
+  free_ = motions_.empty() ? nullptr : find_free_body(motions_, k_, *layout_);
   if (contact_.whole) return;
   const SparseMatrix instead = free_ ? held() : SparseMatrix();
   const SparseMatrix& matrix = free_ ? instead : k_;

@@ -26,8 +26,8 @@ public:
   /// are steps of the proximal point method (R. T. Rockafellar, Monotone operators and the proximal
   /// point algorithm, SIAM J. Control Optim. 14 (1976) 877-898), whose limit solves the equation of
   /// K itself. `motions` and `layout` are kept by reference.
-  void may_be_free(const RigidMotions& motions, const StateLayout& layout) {
-    motions_ = &motions, layout_ = &layout;
+  void may_be_free(std::span<const RigidMotions> motions, const StateLayout& layout) {
+    motions_ = motions, layout_ = &layout;
   }
   static constexpr double hold = 1e-8;
   /// What K leaves free; null: nothing, and K itself is factored.
@@ -48,7 +48,7 @@ private:
   const Operators& operators_;
   const Contact& contact_;
   const FactoredMatrix* like_;
-  const RigidMotions* motions_ = nullptr;
+  std::span<const RigidMotions> motions_;
   const StateLayout* layout_ = nullptr;
   std::shared_ptr<const FreeBody> free_;
   Vector gamma_;

@@ -102,7 +102,7 @@ bool take_jumps_as_unknowns(const Plan& plan, const Discretisation& d, DiscreteP
   auto jumps = jumps_as_unknowns(plan.problem, d.space, all.layout, all.contact);
   if (!jumps.change) return false;
   const Operators& operators = all.operators;
-  if (const RigidMotions motions(d); motions.count() > 0)
+  if (const auto motions = motions_of_unknowns(d); !motions.empty())
     if (const auto free = find_free_body(
             motions, combine(operators, Vector::Ones(operators.n_bases())), all.layout);
         free && !all_make_jumps(*free, all.contact, jumps.rows))
@@ -120,7 +120,7 @@ std::unique_ptr<Formulation> formulate(const Plan& plan, const Discretisation& d
   std::string obstacle =
       proportional_obstacle(plan, all.operators, all.contact, all.loads, all.layout);
   if (obstacle.empty() && !all.contact.none() &&
-      find_free_body(RigidMotions(discretisation), all.operators.bases[0], all.layout))
+      find_free_body(motions_of_unknowns(discretisation), all.operators.bases[0], all.layout))
     obstacle = "laws alone hold the body";
   if (obstacle.empty() && all.contact.unknowns.size() > most_on_both_sides &&
       take_jumps_as_unknowns(plan, discretisation, all))

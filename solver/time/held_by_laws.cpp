@@ -20,7 +20,8 @@ constexpr double least_seen = 1e-9;
 /// Rays and motions whose scalar product is below this part of their sizes are at right angles.
 constexpr double no_angle = 1e-12;
 
-DenseMatrix seen_by_laws(const FreeBody& body, const Contact& contact) {
+/// Of a body, or of one unknown's part of it.
+DenseMatrix seen_by_laws(const auto& body, const Contact& contact) {
   return contact.g.leftCols(body.on_unknowns.rows()) * body.on_unknowns;
 }
 
@@ -33,7 +34,7 @@ struct Range {
 /// The multipliers that laws admit at their points, whatever the arguments.
 class Admitted {
 public:
-  Admitted(const FreeBody& body, const Contact& contact, double t)
+  Admitted(const FreeBody::Part& body, const Contact& contact, double t)
       : contact_(contact), t_(t), seen_(seen_by_laws(body, contact)) {
     for (const auto& term : contact.terms)
       for (int p = 0; p < term.n_points(); ++p) add(term, p);
@@ -190,24 +191,63 @@ Admitted::Part Admitted::farthest_of(const Point& point, const Vector& y) const 
 
 } // namespace
 
-std::shared_ptr<const FreeBody> find_free_body(const RigidMotions& motions, const SparseMatrix& k,
-                                               const StateLayout& layout) {
-  if (motions.count() == 0 || k.rows() != layout.n_unknowns) return nullptr;
-  const DenseMatrix all =
-      motions.on({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)});
-  const double small = product_of_rounding * product_size(k, all);
-  DenseMatrix both(2 * k.rows(), all.cols());
-  both << k * all, SparseMatrix(k.transpose()) * all;
-  DenseMatrix chosen = kernel(both, small);
-  if (chosen.cols() == 0) return nullptr;
-  DenseMatrix on_unknowns = all * chosen;
-  return std::make_shared<const FreeBody>(
-      FreeBody{motions, std::move(on_unknowns), std::move(chosen)});
+namespace {
+
+/// Combinations of motions of one unknown that neither K nor K^T sees; of several unknowns those
+/// that K^T does not see. A constant temperature strains a body, but whatever the state is the
+/// forms do nothing along it, which is all that (*) says.
+DenseMatrix unseen_by(const SparseMatrix& k, const DenseMatrix& motions, const Space& space,
+                      const StateLayout& layout) {
+  if (space.is_product())
+    return kernel(resistance(k.transpose(), motions, space, layout.dof_of), product_of_rounding);
+  const double small = product_of_rounding * product_size(k, motions);
+  DenseMatrix both(2 * k.rows(), motions.cols());
+  both << k * motions, SparseMatrix(k.transpose()) * motions;
+  return kernel(both, small);
+}
+
+} // namespace
+
+std::shared_ptr<const FreeBody> find_free_body(std::span<const RigidMotions> motions,
+                                               const SparseMatrix& k, const StateLayout& layout) {
+  if (motions.empty() || k.rows() != layout.n_unknowns) return nullptr;
+  FreeBody out;
+  Eigen::Index count = 0;
+  for (const RigidMotions& of : motions) {
+    const DenseMatrix all =
+        of.on({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)});
+    DenseMatrix chosen = unseen_by(k, all, of.space(), layout);
+    if (chosen.cols() == 0) continue;
+    DenseMatrix on_unknowns = all * chosen;
+    count += chosen.cols();
+    out.parts.push_back({of, std::move(on_unknowns), std::move(chosen)});
+  }
+  if (out.parts.empty()) return nullptr;
+  out.on_unknowns.resize(k.rows(), count);
+  count = 0;
+  for (const auto& part : out.parts) {
+    out.on_unknowns.middleCols(count, part.chosen.cols()) = part.on_unknowns;
+    count += part.chosen.cols();
+  }
+  return std::make_shared<const FreeBody>(std::move(out));
+}
+
+/// Parts below `not_told` of the largest one are left out.
+std::string FreeBody::describe(const Vector& combination) const {
+  constexpr double not_told = 1e-6;
+  std::vector<std::string> out;
+  Eigen::Index at = 0;
+  for (const Part& part : parts) {
+    const Vector mine = combination.segment(at, part.chosen.cols());
+    at += mine.size();
+    if (mine.norm() > not_told * combination.norm()) out.push_back(part.describe(mine));
+  }
+  return fmt::format("{}", fmt::join(out, " and "));
 }
 
 namespace {
 
-std::vector<std::string> each_in_words(const FreeBody& body, const DenseMatrix& combinations) {
+std::vector<std::string> each_in_words(const auto& body, const DenseMatrix& combinations) {
   std::vector<std::string> out;
   for (Eigen::Index i = 0; i < combinations.cols(); ++i)
     out.push_back(body.describe(combinations.col(i)));
@@ -217,7 +257,8 @@ std::vector<std::string> each_in_words(const FreeBody& body, const DenseMatrix& 
 } // namespace
 
 std::vector<std::string> free_motions(const FreeBody& body) {
-  return each_in_words(body, DenseMatrix::Identity(body.chosen.cols(), body.chosen.cols()));
+  const Eigen::Index n = body.on_unknowns.cols();
+  return each_in_words(body, DenseMatrix::Identity(n, n));
 }
 
 std::vector<std::string> unseen_motions(const FreeBody& body, const Contact& contact) {
@@ -253,22 +294,25 @@ void refuse_free(const std::vector<std::string>& motions, const std::string& whe
                 "impose a value, or add a law or a term that resists the motion");
 }
 
+/// A law sees one unknown, so C is the product of sets of each.
 void refuse_unbalanced(const FreeBody& body, const Contact& contact, const Problem& problem,
                        const Vector& r, double t) {
   const Origin origin =
       problem.loads.empty() ? problem.law_terms.front().origin : problem.loads.front().origin;
   const std::string when =
       problem.time.is_static ? std::string() : fmt::format(" at t = {:.6g}", t);
-  const Admitted admitted(body, contact, t);
-  refuse_free(each_in_words(body, admitted.unseen()), when, origin);
-  const auto nearest = nearest_point(body.on_unknowns.transpose() * r, admitted.start(),
-                                     [&](const Vector& y) { return admitted.support(y); });
-  if (!nearest.outside) return;
-  throw Failure(FailureKind::not_coercive, origin,
-                fmt::format("the laws that hold the body cannot balance its load{}: {}", when,
-                            body.describe(nearest.apart)),
-                "the resultant of the loads has to press into what laws resist: change it, "
-                "strengthen the laws, or impose a value");
+  for (const FreeBody::Part& part : body.parts) {
+    const Admitted admitted(part, contact, t);
+    refuse_free(each_in_words(part, admitted.unseen()), when, origin);
+    const auto nearest = nearest_point(part.on_unknowns.transpose() * r, admitted.start(),
+                                       [&](const Vector& y) { return admitted.support(y); });
+    if (!nearest.outside) continue;
+    throw Failure(FailureKind::not_coercive, origin,
+                  fmt::format("the laws that hold the body cannot balance its load{}: {}", when,
+                              part.describe(nearest.apart)),
+                  "the resultant of the loads has to press into what laws resist: change it, "
+                  "strengthen the laws, or impose a value");
+  }
 }
 
 std::string runaway(const FreeBody& body, const Vector& d) {

@@ -26,17 +26,23 @@ namespace hvi::solver {
 
 /// The motions N of a matrix K; null: K holds the body.
 struct FreeBody {
-  RigidMotions motions;
-  DenseMatrix on_unknowns; ///< of those that K does not see, a column each
-  DenseMatrix chosen;      ///< such a column as a combination of all motions
-  std::string describe(const Vector& combination) const {
-    return motions.describe(chosen * combination);
-  }
+  /// Those of one unknown.
+  struct Part {
+    RigidMotions motions;
+    DenseMatrix on_unknowns; ///< of those that K does not see, a column each
+    DenseMatrix chosen;      ///< such a column as a combination of all motions
+    std::string describe(const Vector& combination) const {
+      return motions.describe(chosen * combination);
+    }
+  };
+  std::vector<Part> parts; ///< of unknowns that have any
+  DenseMatrix on_unknowns; ///< of all parts
+  std::string describe(const Vector& combination) const;
 };
 
-/// What K leaves free of these motions; null: nothing.
-std::shared_ptr<const FreeBody> find_free_body(const RigidMotions& motions, const SparseMatrix& k,
-                                               const StateLayout& layout);
+/// What K leaves free of these motions, of each unknown by itself; null: nothing.
+std::shared_ptr<const FreeBody> find_free_body(std::span<const RigidMotions> motions,
+                                               const SparseMatrix& k, const StateLayout& layout);
 
 /// All of them, in words.
 std::vector<std::string> free_motions(const FreeBody& body);

@@ -1,6 +1,8 @@
 // See line_values.hpp. Used by the Reporter.
 #include "solver/time/line_values.hpp"
 
+#include "solver/time/domains.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,17 +40,23 @@ std::vector<std::string> columns_of(const FieldSpec& field) {
   return out;
 }
 
-LineValues::LineValues(const LineSpec& spec, const Space& space, const CellLocator& locator)
-    : spec_(&spec), dim_(space.mesh->dim), places_(places_of(spec)) {
+LineValues::LineValues(const LineSpec& spec, const Discretisation& d, const CellLocator& locator)
+    : spec_(&spec), dim_(d.mesh.dim), places_(places_of(spec)) {
   for (const auto& field : spec.fields)
     for (auto& name : columns_of(field)) names_.push_back(std::move(name));
   std::array<double, 4> barycentric{};
   for (const Point& at : places_) {
     auto& here = values_.emplace_back();
     const int cell = locator.find(at, barycentric);
+    if (cell < 0) continue;
     for (const auto& field : spec.fields)
-      for (const Expr& component : field.components)
-        if (cell >= 0) here.emplace_back(space, component, cell, barycentric);
+      for (const Expr& component : field.components) {
+        auto in = barycentric;
+        const int its = cell_that_reads(d, component, at, cell, in);
+        here.push_back(its < 0
+                           ? std::optional<PointValue>()
+                           : std::optional<PointValue>(std::in_place, d.space, component, its, in));
+      }
   }
 }
 
@@ -77,7 +85,9 @@ void LineValues::take(const Snapshot& snapshot) {
     (column++)->push_back(distance_between(places_[k], places_[0]));
     for (int i = 0; i < dim_; ++i) (column++)->push_back(places_[k][static_cast<std::size_t>(i)]);
     for (std::size_t c = 0; c < names_.size(); ++c)
-      (column++)->push_back(values_[k].empty() ? std::nan("") : values_[k][c](snapshot.values()));
+      (column++)->push_back(values_[k].empty() || !values_[k][c]
+                                ? std::nan("")
+                                : (*values_[k][c])(snapshot.values()));
   }
 }
 

@@ -6,15 +6,18 @@
 #include "solver/output/table.hpp"
 #include "solver/time/fields.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace hvi::solver {
+
+struct Discretisation;
 
 /// The fields of one `line` item at its places. Where the mesh has no such place the values are
 /// NaN.
 class LineValues {
 public:
-  LineValues(const LineSpec& spec, const Space& space, const CellLocator& locator);
+  LineValues(const LineSpec& spec, const Discretisation& d, const CellLocator& locator);
 
   const LineSpec& spec() const { return *spec_; }
   /// Columns: the distance from the first place, the coordinates, the fields.
@@ -32,7 +35,7 @@ private:
   std::vector<std::string> names_;
   std::vector<Point> places_;
   /// By place, then component; none where the mesh has no such place.
-  std::vector<std::vector<PointValue>> values_;
+  std::vector<std::vector<std::optional<PointValue>>> values_; ///< none where no unknown lives
   ReportTable table_;
 };
 

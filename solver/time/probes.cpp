@@ -1,6 +1,8 @@
 // The probes of a report; see probes.hpp.
 #include "solver/time/probes.hpp"
 
+#include "solver/time/domains.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -67,7 +69,8 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
   if (reads_multiplier(probe.expression))
     return LawSampler::at(problem, d, contact_, probe.expression, probe.origin, probe.point);
   std::array<double, 4> barycentric{};
-  const int cell = locator.find(probe.point, barycentric);
+  int cell = locator.find(probe.point, barycentric);
+  if (cell >= 0) cell = cell_that_reads(d, probe.expression, probe.point, cell, barycentric);
   if (cell < 0)
     throw Failure(FailureKind::bad_value, probe.origin,
                   "the point of `" + probe.name + "` is outside the mesh");

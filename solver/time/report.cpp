@@ -56,7 +56,7 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, const RunState& ru
   std::size_t places = 0;
   for (const auto& line : plan.report.lines) places += static_cast<std::size_t>(line.points);
   const CellLocator locator(d.mesh, places);
-  for (const auto& line : plan.report.lines) lines_.emplace_back(line, d.space, locator);
+  for (const auto& line : plan.report.lines) lines_.emplace_back(line, d, locator);
   columns_.resize(values_.size());
 }
 

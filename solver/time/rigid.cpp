@@ -103,28 +103,10 @@ void blame_memory(StepMatrix& matrix, const MatrixOf& of, const Problem& problem
       "the sign and the size of the kernel");
 }
 
-/// Rows of K that are equations of this unknown; the others are 0.
-SparseMatrix rows_of_unknown(const SparseMatrix& k, const Space& space, const StateLayout& layout,
-                             int unknown) {
-  SparseMatrix out = k;
-  out.prune([&](Eigen::Index row, Eigen::Index, double) {
-    const auto dof = layout.dof_of[static_cast<std::size_t>(row)];
-    return space.block_of(dof % space.components) == unknown;
-  });
-  return out;
-}
-
-/// The combinations of these motions that K does not resist. Rows of each unknown are judged by
-/// their own products: they have units of their own.
+/// The combinations of these motions that K does not resist.
 DenseMatrix not_resisted(const SparseMatrix& k, const DenseMatrix& motions, const Space& space,
                          const StateLayout& layout) {
-  DenseMatrix forces = DenseMatrix::Zero(k.rows() * n_unknowns(space), motions.cols());
-  for (int b = 0; b < n_unknowns(space); ++b) {
-    const SparseMatrix rows = rows_of_unknown(k, space, layout, b);
-    const double size = product_size(rows, motions);
-    if (size > 0.0) forces.middleRows(b * k.rows(), k.rows()) = rows * motions / size;
-  }
-  return kernel(forces, product_of_rounding);
+  return kernel(resistance(k, motions, space, layout.dof_of), product_of_rounding);
 }
 
 } // namespace

@@ -122,12 +122,6 @@ RigidMotions::RigidMotions(const Discretisation& d, int unknown)
   find_basis(d, piece_of_cell);
 }
 
-RigidMotions::RigidMotions(const Discretisation& d)
-    : space_(&d.space), block_(d.space.blocks.front()), components_(block_.components),
-      per_piece_(amplitudes_per_piece(d.space, block_)) {
-  if (!d.space.is_product()) *this = RigidMotions(d, 0);
-}
-
 void RigidMotions::find_pieces(const Discretisation& d,
                                std::span<const std::int32_t> piece_of_cell) {
   const int n = 1 + *std::max_element(piece_of_cell.begin(), piece_of_cell.end());
@@ -197,6 +191,13 @@ void RigidMotions::find_basis(const Discretisation& d,
   basis_.resize(size, 0);
   if (n > most_pieces) return;
   RowSpace conditions(size);
+  std::vector<char> lives(pieces_.size(), 0);
+  for (std::size_t node = 0; node < d.space.nodes.size(); ++node)
+    if (has_node(d.space, block_, static_cast<int>(node)))
+      lives[static_cast<std::size_t>(piece_of_node_[node])] = 1;
+  for (int piece = 0; piece < n; ++piece)
+    for (int k = 0; k < per_piece_ && lives[static_cast<std::size_t>(piece)] == 0; ++k)
+      conditions.add(Vector::Unit(size, first(piece) + k)); // nothing moves there
   for (const auto& e : d.dofs.eliminated) {
     if (conditions.full()) return;
     const int c = component_of(e.dof);
@@ -280,6 +281,30 @@ std::string RigidMotions::describe(const Vector& motion) const {
   }
   const std::string of = space_->is_product() ? fmt::format("`{}`: ", block_.name) : std::string();
   return fmt::format("{}{}", of, fmt::join(out, " and "));
+}
+
+std::vector<RigidMotions> motions_of_unknowns(const Discretisation& d) {
+  std::vector<RigidMotions> out;
+  for (int b = 0; b < n_unknowns(d.space); ++b) {
+    RigidMotions motions(d, b);
+    if (motions.count() > 0) out.push_back(std::move(motions));
+  }
+  return out;
+}
+
+DenseMatrix resistance(const SparseMatrix& k, const DenseMatrix& motions, const Space& space,
+                       std::span<const std::int32_t> dofs) {
+  const int n = n_unknowns(space);
+  DenseMatrix forces = DenseMatrix::Zero(k.rows() * n, motions.cols());
+  for (int b = 0; b < n; ++b) {
+    SparseMatrix rows = k;
+    rows.prune([&](Eigen::Index row, Eigen::Index, double) {
+      return space.block_of(dofs[static_cast<std::size_t>(row)] % space.components) == b;
+    });
+    const double size = product_size(rows, motions);
+    if (size > 0.0) forces.middleRows(b * k.rows(), k.rows()) = rows * motions / size;
+  }
+  return forces;
 }
 
 } // namespace hvi::solver

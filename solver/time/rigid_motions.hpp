@@ -25,11 +25,10 @@ inline constexpr double product_of_rounding = 2e-14;
 /// values are imposed form a linear space, of which this is a basis.
 class RigidMotions {
 public:
-  /// Of the only unknown; of several none: what no form holds is found as it is factored.
-  explicit RigidMotions(const Discretisation& discretisation);
-  /// Of this one among several.
   RigidMotions(const Discretisation& discretisation, int unknown);
 
+  const Space& space() const { return *space_; }
+  int unknown() const { return space_->block_of(block_.first); }
   int count() const { return static_cast<int>(basis_.cols()); }
   /// The motions on some dofs, a column each; of size about 1 on their pieces. 0 on those of other
   /// unknowns.
@@ -60,5 +59,13 @@ private:
   std::vector<std::int32_t> piece_of_node_;
   DenseMatrix basis_; ///< amplitudes of all pieces x motions
 };
+
+/// Of each unknown that imposed values leave any.
+std::vector<RigidMotions> motions_of_unknowns(const Discretisation& discretisation);
+
+/// K times these motions. Of several unknowns each has units of its own: their rows, one set below
+/// the other, are divided by the size of what they sum up.
+DenseMatrix resistance(const SparseMatrix& k, const DenseMatrix& motions, const Space& space,
+                       std::span<const std::int32_t> dofs);
 
 } // namespace hvi::solver

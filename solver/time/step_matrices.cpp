@@ -17,13 +17,14 @@ constexpr std::uint64_t most_saved = 1000;
 /// Not factored yet. `like`: whose analysis is taken over; `motions`: that it may leave free; both
 /// may be null.
 std::unique_ptr<StepMatrix> new_matrix(const SolverOptions& options, const Formulation& formulation,
-                                       const StepMatrix* like, const RigidMotions* motions) {
+                                       const StepMatrix* like,
+                                       std::span<const RigidMotions> motions) {
   InequalityOptions of_laws;
   of_laws.tolerance = options.tolerance;
   of_laws.branch = options.branch;
   auto out =
       std::make_unique<StepMatrix>(formulation.operators(), formulation.contact(), of_laws, like);
-  if (motions != nullptr) out->may_be_free(*motions, formulation.layout());
+  if (!motions.empty()) out->may_be_free(motions, formulation.layout());
   return out;
 }
 
@@ -34,8 +35,7 @@ StepMatrices::StepMatrices(const Plan& plan, const Discretisation& discretisatio
     : plan_(plan), discretisation_(discretisation), formulation_(formulation), scheme_(scheme),
       most_(static_cast<std::size_t>(useful_factors(scheme))) {
   if (formulation.contact().none() || formulation.reduced()) return;
-  motions_ = std::make_unique<RigidMotions>(discretisation);
-  if (motions_->count() == 0) motions_.reset();
+  motions_ = motions_of_unknowns(discretisation);
 }
 
 FoundMatrix StepMatrices::find(int n, const Vector& factors) {
@@ -51,9 +51,9 @@ FoundMatrix StepMatrices::find(int n, const Vector& factors) {
     return {matrix, !same};
   }
   if (kept_.size() < most_)
-    kept_.insert(kept_.begin(),
-                 KeptMatrix{rate, length,
-                            new_matrix(plan_.options, formulation_, latest(), motions_.get())});
+    kept_.insert(
+        kept_.begin(),
+        KeptMatrix{rate, length, new_matrix(plan_.options, formulation_, latest(), motions_)});
   else
     kept_.splice(kept_.begin(), kept_, std::prev(kept_.end()));
   auto& kept = kept_.front();
@@ -121,7 +121,7 @@ void StepMatrices::restore(std::istream& in) {
   const auto count = r.get_between<std::uint64_t>(0, most_saved);
   for (std::uint64_t i = 0; i < count; ++i) {
     const double rate = r.get<double>(), length = r.get<double>();
-    auto matrix = new_matrix(plan_.options, formulation_, latest(), motions_.get());
+    auto matrix = new_matrix(plan_.options, formulation_, latest(), motions_);
     matrix->restore(in);
     kept_.push_back({rate, length, std::move(matrix)});
   }

@@ -48,7 +48,7 @@ private:
   const Plan& plan_;
   const Discretisation& discretisation_;
   const Formulation& formulation_;
-  std::unique_ptr<const RigidMotions> motions_; ///< that imposed values allow; null: none
+  std::vector<RigidMotions> motions_; ///< that imposed values allow, by unknown
   const TimeScheme& scheme_;
   std::size_t most_;
   std::list<KeptMatrix> kept_; ///< most recently used first

@@ -4,7 +4,7 @@ usage: fields.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
 
 Each scene is a block in 2D or 3D, with inertia or none, with a displacement in P1 or P2 and a scalar in P1 or P2: a temperature or a pressure
 that acts on the body and is acted on (couplings of u, u' and of the scalar, of either sign and of any size against each
-other), or the pressure of an incompressible body (P2 with P1). One to three laws act on the ground, on u, on u' or on the
+other), or the pressure of an incompressible body (P2 with P1). The scalar lives in the whole block or in some of its cells. One to three laws act on the ground, on u, on u' or on the
 scalar, whose steps are convex; turned and scaled, the scalar with units of its own. A step is solved again by a dense
 brute force (brute.py) on matrices assembled here.
 """
@@ -40,15 +40,20 @@ class Scalar:
     def __init__(self, mesh, order):
         self.solid = Solid(mesh, order)
         self.mesh, self.order, self.dim = mesh, order, mesh.dim
+        self.own_cells = mesh.cells[sorted(mesh.patch)] if mesh.patch else mesh.cells
         self.n = len(self.solid.points)
         self.rule = triangle_rule(4) if mesh.dim == 2 else tetrahedron_rule()
 
     def cells(self):
-        for cell in self.mesh.cells:
+        for cell in self.own_cells:
             x = self.mesh.points[cell]
             edges = (x[1:] - x[0]).T
             inner = np.linalg.inv(edges)
             yield cell, abs(np.linalg.det(edges)) / math.factorial(self.dim), np.vstack([-inner.sum(0), inner])
+
+    def missing(self):
+        """Nodes without a function."""
+        return np.setdiff1d(np.arange(self.n), np.concatenate([self.solid.nodes(cell) for cell in self.own_cells]))
 
     def mass_and_stiffness(self):
         mass, stiffness = np.zeros((2, self.n, self.n))
@@ -118,6 +123,7 @@ class Scene:
         most = (4, 3) if self.dim == 2 else (2, 1, 1) if max(self.order, order_p) == 2 else (3, 2, 2)
         counts = [int(random.integers(1, m + 1)) for m in most]
         self.mesh = block(random, counts, random.uniform(0.5, 2.0, self.dim), 0.2, 0.2 if random.random() < 0.25 else 0.0)
+        self.choose_patch()
         self.solid, self.scalar = Solid(self.mesh, self.order), Scalar(self.mesh, order_p)
         self.steps = int(random.integers(1, 4))
         self.density = 10 ** random.uniform(-2, 2) if random.random() < 0.3 else 0.0
@@ -127,6 +133,17 @@ class Scene:
         self.assemble()
         self.choose_loads()
         self.choose_laws()
+
+    def choose_patch(self):
+        """All cells at the ground, where laws on the scalar act, and some others; or all."""
+        random = self.random
+        if random.random() < 0.65:
+            return
+        ground = {int(v) for f in self.mesh.facets["bottom"] for v in f}
+        self.mesh.patch = {k for k, cell in enumerate(self.mesh.cells)
+                           if len(ground.intersection(map(int, cell))) >= self.dim or random.random() < 0.4}
+        if len(self.mesh.patch) == len(self.mesh.cells):
+            self.mesh.patch = ()
 
     def choose_forms(self):
         random = self.random
@@ -142,6 +159,8 @@ class Scene:
         self.to_p = random.choice([0.0, 1.0]) * 10 ** random.uniform(-2, 1) * np.sign(self.to_u)
         self.to_p_rate = random.choice([0.0, 1.0]) * 10 ** random.uniform(-2, 1) * np.sign(self.to_u)
         self.capacity = random.choice([0.0, 1.0]) * 10 ** random.uniform(-3, 1)
+        if self.mesh.patch and self.capacity == 0.0:  # nothing else may hold the scalar there
+            self.capacity = 10 ** random.uniform(-3, 1)
         self.diffusion = 10 ** random.uniform(-3, 1)
 
     def assemble(self):
@@ -154,7 +173,7 @@ class Scene:
         self.b[:n, n:] = -self.to_u * div.T
         self.b[n:, :n], self.a[n:, :n] = self.to_p * div, self.to_p_rate * div
         self.b[n:, n:], self.a[n:, n:] = self.diffusion * stiffness, self.capacity * mass
-        held = [solid.dofs(solid.on(self.clamped))]
+        held = [solid.dofs(solid.on(self.clamped)), n + scalar.missing()]
         if self.kind != "incompressible":
             held.append(n + np.array(scalar.solid.on(self.given)))
         self.free = np.setdiff1d(np.arange(n + m), np.concatenate(held))
@@ -255,27 +274,28 @@ class Scene:
         p, row = self.unit, self.unit_of_row
         texts = [t.text(self, scale) for t in self.terms]
         zero_p = f", zero on {self.given}" if self.kind != "incompressible" else ""
-        parts = sorted({"bottom", "right", str(self.clamped), str(self.given)})
+        where = "patch" if self.mesh.patch else "body"
+        parts = sorted({"bottom", "right", str(self.clamped), str(self.given)} | ({"patch"} if self.mesh.patch else set()))
         lines = ['mesh body = gmsh("body.msh")'] + [f'part {name} = body.group("{name}")' for name in parts]
         lines += ["tensor B = isotropic(lambda = {}, mu = {})".format(*map(number, self.elastic)),
                   "tensor A = isotropic(lambda = {}, mu = {})".format(*map(number, self.viscous))]
         lines += [declaration for declaration, _ in texts]
         lines += [f"space V = vector P{self.order} on body, zero on {self.clamped}",
-                  f"space Q = scalar P{self.scalar.order} on body{zero_p}",
+                  f"space Q = scalar P{self.scalar.order} on {where}{zero_p}",
                   f"find u in V, p in Q for t in [0, 1] by {self.steps} steps from u = 0, p = 0",
                   "such that for all v in V, q in Q",
                   "    integral(body, B : eps(u) : eps(v)) + integral(body, A : eps(u') : eps(v))",
-                  f"  - integral(body, {number(self.to_u / p)}*p*div(v))"]
-        if self.density:  # u and v have the scene's length, the volume goes into the units of force
+                  f"  - integral({where}, {number(self.to_u / p)}*p*div(v))"]
+        if self.density:  # a mass by length in the scene's units
             lines.append(f"  + integral(body, {number(self.density / scale ** 2)}*dot(u'', v))")
         for factor, what in ((self.to_p * row, "div(u)*q"), (self.to_p_rate * row, "div(u')*q"),
                              (self.capacity * row / p, "p'*q"), (self.diffusion * row * scale ** 2 / p, "dot(grad(p), grad(q))")):
             if factor != 0.0:
-                lines.append(f"  + integral(body, {number(factor)}*{what})")
+                lines.append(f"  + integral({where}, {number(factor)}*{what})")
         lines += [form for _, form in texts]
         lines.append(f" >= integral(body, t * dot({vector(self.force / scale)}, v))")
         lines.append(f"  + integral(right, t * dot({vector(self.traction)}, v))")
-        lines.append(f"  + integral(body, t * {number(self.source * row)} * q)")
+        lines.append(f"  + integral({where}, t * {number(self.source * row)} * q)")
         lines.append("report\n  table size = norm(u), other = norm(p)\n  fields u, p")
         return "\n".join(lines) + "\n"
 
@@ -303,7 +323,8 @@ class Scene:
 
     def told(self):
         laws = [(t.name, t.sees, t.argument, t.rule, type(t.law).__name__) for t in self.terms]
-        return f"{self.dim}D {self.kind}{' with mass' if self.density else ''} P{self.order}/P{self.scalar.order}, {self.steps} steps, {laws}"
+        besides = (" in a patch" if self.mesh.patch else "") + (" with mass" if self.density else "")
+        return f"{self.dim}D {self.kind}{besides} P{self.order}/P{self.scalar.order}, {self.steps} steps, {laws}"
 
 
 if __name__ == "__main__":

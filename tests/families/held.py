@@ -1,6 +1,6 @@
 """Bodies that laws alone hold, on random scenes: solved where statics says so, refused with the motion where not.
 
-usage: held.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
+usage: held.py HVI_RUN [--warm] [--scenes N] [--seed S] [--only K] [--keep FOLDER]
 
 A block (2D or 3D, P1 or P2, any proportions and units) stands on a ground, or on a second block, with nothing imposed on
 it: unilateral contact, a compliance with a bound, springs, or glue that softens; with friction of a given bound on u or
@@ -8,7 +8,9 @@ u', or Coulomb's, or a tangential spring; static, or viscoelastic with a memory 
 its top at any angle and off the centre. Whether anything can hold it follows from the statics of a rigid body: resultant
 inside the base (by as much as a bounded pressure needs), shear below what friction gives; scenes within 6 % of a limit are
 drawn again. What is solved has to have the load's resultants as reactions, force and moment, and the values of the same
-body with weak springs in all its volume, which other code solves: there K holds the body.
+body with weak springs in all its volume, which other code solves: there K holds the body. With `--warm` a temperature is
+found as well, which strains the block and is heated by its strains; a law alone holds it, too, or an imposed value. It
+has no part in the statics.
 """
 import argparse
 import json
@@ -21,8 +23,39 @@ import tempfile
 SPRING = 1e-7  # of the reference, by the stiffness of the block
 
 
+class Heat:
+    """A temperature of about 1 that strains the block by 1e-4."""
+
+    def __init__(self, draw):
+        self.conducts = 10 ** draw.uniform(-4, 4)
+        self.by_law = draw.random() < 0.6
+        self.back = draw.choice([0.0, 30.0, 100.0])
+        self.order = draw.choice(["P1", "P1", "P2"])
+
+    def declare(self, scene):
+        clamp = ", zero on base" if scene.pair else ""
+        given = "" if self.by_law else ", zero on top"
+        return [f"superpotential film(q) = {0.5 * self.conducts / scene.size!r}*q^2",
+                f"space W = scalar {self.order if not scene.pair else scene.order} on {scene.where()}{clamp}{given}"]
+
+    def terms(self, scene):
+        where, k, s = scene.where(), self.conducts, scene.size
+        out = [f"integral({where}, {k!r}*dot(grad(theta), grad(eta)))"]
+        if scene.time != "static":
+            out.append(f"integral({where}, {0.3 * k / s ** 2!r}*theta'*eta)")
+        if self.back:
+            rate = "u" if scene.time == "static" else "u'"
+            out.append(f"integral({where}, {self.back * k / s ** 2!r}*div({rate})*eta)")
+        if scene.pair:
+            out.append("integral(ground, film^0(jump(theta); jump(eta)))")
+        elif self.by_law:
+            out.append("integral(top, film^0(theta; eta))")
+        return out
+
+
 class Scene:
-    def __init__(self, seed):
+    def __init__(self, seed, warm=False):
+        self.heat = Heat(random.Random(seed + 7)) if warm else None
         self.draw = random.Random(seed)
         pick, real = self.draw.choice, self.draw.uniform
         self.dim = pick([2, 2, 3])
@@ -58,6 +91,9 @@ class Scene:
             self.press, self.shear, self.tilt = -abs(self.press), 0.0, 0.0
         self.most = real(0.4, 3.0)  # of a bounded pressure, of glue, of friction
         self.friction = real(0.1, 1.2)
+
+    def where(self):
+        return "both" if self.pair else "block"
 
     def distance(self):
         """From the limit of what holds the block, relative; negative: nothing holds it."""
@@ -113,13 +149,15 @@ class Scene:
             "rate": f"superpotential along(xi) = {p * self.friction!r}*norm(xi)",
             "coulomb": f"superpotential along(xi) = {self.friction!r}*abs(across.xi)*norm(xi)",
             "spring": f"superpotential along(xi) = {0.2 * e / s!r}*norm(xi)^2"}[self.tangent])
-        where = "both" if self.pair else "block"
+        where = self.where()
         u, v, du = ("jump(u)", "jump(v)", "jump(u')") if self.pair else ("u", "v", "u'")
         clamp = ", zero on base" if self.pair else ""
         lines.append(f"space V = vector {self.order} on {where}{clamp}")
         t = "" if self.time == "static" else "min(1, 2*t)*"
-        lines.append("find u in V" if self.time == "static" else
-                     "find u in V for t in [0, 1] by 4 steps from u = 0" + (" using scheme = bdf2" if self.time == "bdf2" else ""))
+        more, starts, tests = (", theta in W", ", theta = 0", ", eta in W") if self.heat else ("", "", "")
+        lines += self.heat.declare(self) if self.heat else []
+        lines.append(f"find u in V{more}" if self.time == "static" else
+                     f"find u in V{more} for t in [0, 1] by 4 steps from u = 0{starts}" + (" using scheme = bdf2" if self.time == "bdf2" else ""))
         minus = "-" if self.normal == "glue" else ""
         slip = du if self.tangent == "rate" else u
         terms = [f"integral({where}, B : eps(u) : eps(v))"]
@@ -129,11 +167,15 @@ class Scene:
             terms.append("integral(block, history(C, eps(u)) : eps(v))")
         if springs:
             terms.append(f"integral(block, {SPRING * e / s ** 2!r}*dot(u, v))")
+        if self.heat:
+            terms += [f"- integral({where}, {1e-4 * e!r}*theta*div(v))", *self.heat.terms(self)]
         terms.append(f"integral(ground, across^0({minus}{u}.nu; {minus}{v}.nu) + along^0({slip}.tau; {v}.tau))")
         force = f"{-p * self.press!r}*(1 + {self.tilt!r}*{x})"
         vector = f"[{p * self.shear!r}, {t}{force}]" if self.dim == 2 else f"[{p * self.shear!r}, {t}{force}, 0]"
         vector = vector.replace("[", "[" + t, 1)
-        lines += ["such that for all v in V", "    " + "\n  + ".join(terms), f" >= integral(top, dot({vector}, v))"]
+        warmed = f" + integral(block, {self.heat.conducts / s ** 2!r}*{t}eta)" if self.heat else ""
+        lines += [f"such that for all v in V{tests}", "    " + "\n  + ".join(terms).replace("+ -", "-"),
+                  f" >= integral(top, dot({vector}, v)){warmed}"]
         area = s * (s * self.depth if self.dim == 3 else 1)
         high = s * self.height
         point = (lambda a, b: f"[{a * s!r}, {b * high!r}]") if self.dim == 2 else \
@@ -143,7 +185,8 @@ class Scene:
                   f"shear = {'1' if self.normal == 'glue' else f'integral(ground, along.xi.x)/{p * area!r}'}, "
                   f"edge = integral(ground, across.xi*x)/{sign * p * area * s!r},",
                   "      " + ", ".join(f"v{i} = u.y at {point(a, b)}"
-                                       for i, (a, b) in enumerate([(0.1, 0.3), (0.05, 1), (0.55, 1), (0.95, 1)]))]
+                                       for i, (a, b) in enumerate([(0.1, 0.3), (0.05, 1), (0.55, 1), (0.95, 1)]))
+                  + (", warm = norm(theta)" if self.heat else "")]
         return "\n".join(lines) + "\n"
 
 
@@ -180,6 +223,8 @@ def judge(scene, program, folder):
     if code != 0:
         return f"reference not solved: {said}"
     moved = [(of["v1"] - of["v0"], of["v2"] - of["v0"], of["v3"] - of["v0"]) for of in (final, weak)]
+    if scene.heat and not abs(final["warm"] - weak["warm"]) <= 1e-4 * weak["warm"]:
+        return f"temperature {final['warm']} against {weak['warm']}"
     off = max(abs(a - b) for a, b in zip(*moved))
     return "" if off <= 1e-4 * max(map(abs, moved[1])) else f"{final} against {weak} with weak springs"
 
@@ -191,12 +236,13 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", type=int)
     parser.add_argument("--keep")
+    parser.add_argument("--warm", action="store_true")
     args = parser.parse_args()
     failed = held = 0
     with tempfile.TemporaryDirectory() as folder:
         folder = args.keep or folder
         for k in range(args.scenes) if args.only is None else [args.only]:
-            scene = Scene(args.seed * 100003 + k)
+            scene = Scene(args.seed * 100003 + k, args.warm)
             held += scene.solvable
             wrong = judge(scene, args.program, folder)
             if wrong:

@@ -10,27 +10,28 @@ import numpy as np
 
 
 class Mesh:
-    """points (n x dim), cells (n x dim + 1), facets: name -> vertices of facets."""
+    """points (n x dim), cells (n x dim + 1), facets: name -> vertices of facets, patch: numbers of the cells of a group."""
 
-    def __init__(self, points, cells, facets):
+    def __init__(self, points, cells, facets, patch=()):
         self.points, self.cells, self.facets = np.array(points, float), np.array(cells), facets
+        self.patch = patch
         self.dim = self.points.shape[1]
 
     def moved(self, turn, scale, shift):
-        return Mesh(scale * self.points @ turn.T + shift, self.cells, self.facets)
+        return Mesh(scale * self.points @ turn.T + shift, self.cells, self.facets, self.patch)
 
     def msh(self):
-        """The mesh as text in format 2.2, a group for each name and `body`."""
+        """The mesh as text in format 2.2, a group for each name, `patch` where there is one, and `body`, the other cells."""
         dim = self.dim
-        names = [*self.facets, "body"]
+        names = [*self.facets, *(["patch"] if self.patch else []), "body"]
         lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names))]
-        lines += [f'{dim - (name != "body")} {k + 1} "{name}"' for k, name in enumerate(names)]
+        lines += [f'{dim - (name in self.facets)} {k + 1} "{name}"' for k, name in enumerate(names)]
         lines += ["$EndPhysicalNames", "$Nodes", str(len(self.points))]
         for k, p in enumerate(self.points):
             lines.append(" ".join([str(k + 1), *(repr(float(v)) for v in [*p, *[0.0] * (3 - dim)])]))
         kind = {2: 1, 3: 2, 4: 4}
         elements = [(names.index(name) + 1, f) for name, facets in self.facets.items() for f in facets]
-        elements += [(len(names), c) for c in self.cells]
+        elements += [(names.index("patch" if k in self.patch else "body") + 1, c) for k, c in enumerate(self.cells)]
         lines += ["$EndNodes", "$Elements", str(len(elements))]
         for k, (group, nodes) in enumerate(elements):
             lines.append(" ".join(map(str, [k + 1, kind[len(nodes)], 2, group, group, *(int(v) + 1 for v in nodes)])))

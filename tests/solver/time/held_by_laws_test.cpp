@@ -29,7 +29,7 @@ RigidMotions motions_of(Plan plan, std::vector<DirichletSpec> values, Discretisa
   plan.problem.loads.clear();
   plan.report = {};
   for (const auto& mistake : discretise(plan, d)) throw mistake;
-  return RigidMotions(d);
+  return RigidMotions(d, 0);
 }
 
 TEST(RigidMotions, AreThoseThatImposedValuesAllow) {
