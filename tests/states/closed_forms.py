@@ -10,6 +10,8 @@ import subprocess
 import sys
 import tempfile
 
+import numpy as np
+
 HVI = str(pathlib.Path(sys.argv[1]).resolve())
 failed = []
 
@@ -187,7 +189,7 @@ def fault_reference(law, slope, stiff, last):
         q = v * theta / L
         return v, (1 - q if law == "ageing" else -q * math.log(max(q, 1e-200)))
 
-    y = (0.0, L)
+    y, peak = (0.0, L), 0.0
     for start, end, pull in ((0.0, 1.0, lambda t: t), (1.0, last, lambda t: 1 + 3 * (t - 1))):
         steps = 200000 if end == 1.0 else 20000
         h = (end - start) / steps
@@ -198,12 +200,39 @@ def fault_reference(law, slope, stiff, last):
             k3 = rate(t + h / 2, [a + h / 2 * b for a, b in zip(y, k2)], pull)
             k4 = rate(t + h, [a + h * b for a, b in zip(y, k3)], pull)
             y = [a + h / 6 * (p + 2 * q + 2 * r + s) for a, p, q, r, s in zip(y, k1, k2, k3, k4)]
-    return y
+            if start == 1.0:
+                peak = max(peak, stiff * (pull(t + h) - y[0]))
+    return *y, peak
+
+
+def after_the_jump(steps):
+    """Times to 1.02: a tenth of the steps before the jump of the pull at 1, the others after it, short ones first."""
+    before, after = steps // 10, steps - steps // 10
+    return [j / before for j in range(before + 1)] + [1 + 0.02 * (j / after) ** 1.5 for j in range(1, after + 1)]
+
+
+def jump_of_the_pull(folder):
+    """Peak force, slip and state after the velocity has trebled, within 1e-4 in 4,000 steps."""
+    for law, slope in ((law, slope) for law in LAWS for slope in SLOPES):
+        truth = fault_reference(law, slope, 4, 1.02)
+        for method, order in (("backward_euler", 1), ("bdf2", 2)):
+            errors = []
+            for n in (2000, 4000):
+                times = ", ".join(repr(t) for t in after_the_jump(n))
+                script = FAULT.format(state=LAWS[law], slope=SLOPES[slope]).replace("by N steps", f"at [{times}]")
+                done, _ = run(folder, script + ' to "jump.csv"', "-D", "last=1.02", "-D", f"method={method}")
+                assert done.returncode == 0, done.stderr
+                rows = np.genfromtxt(pathlib.Path(folder) / "out" / "jump.csv", delimiter=",", names=True)
+                peak = rows["tau"][rows["t"] > 1].max()
+                errors.append([abs(g / t - 1) for g, t in zip((rows["x"][-1], rows["a"][-1], peak), truth)])
+            found = [orders(column)[0] for column in zip(*errors)][:2]
+            check(f"jump of the pull, {law} law, {slope}, {method}", max(errors[-1]) <= 1e-4 and all(abs(o - order) < 0.1 for o in found),
+                  f"slip, state, peak force {[f'{e:.1e}' for e in errors[-1]]}, orders {[round(o, 2) for o in found]}")
 
 
 def fault(folder):
     for law, slope in ((law, slope) for law in LAWS for slope in SLOPES):
-        x, theta = fault_reference(law, slope, 4, 1.005)
+        x, theta, _ = fault_reference(law, slope, 4, 1.005)
         script = FAULT.format(state=LAWS[law], slope=SLOPES[slope])
         for method, order in (("backward_euler", 1), ("bdf2", 2)):
             errors = []
@@ -456,7 +485,7 @@ def released(folder):
 
 def main():
     with tempfile.TemporaryDirectory() as folder:
-        for test in (held_bond, wear, fault, breaks, turned, pulled, dropped, creep, released):
+        for test in (held_bond, wear, fault, jump_of_the_pull, breaks, turned, pulled, dropped, creep, released):
             test(folder)
     print("all hold" if not failed else f"{len(failed)} failed")
     return 1 if failed else 0
