@@ -59,7 +59,8 @@ std::optional<Probe> Checker::probe_on_part(const ast::Expr& e, const std::strin
   out.part = *part;
   out.expression = value->scalar();
   name_multipliers(*part, out.expression);
-  if (!reads_states_of(e.span, out.expression, *part, what)) return std::nullopt;
+  if (!reads_states_of(e.span, without_states_known(out.expression, *part), *part, what))
+    return std::nullopt;
   return out;
 }
 

@@ -1,10 +1,12 @@
 // States: ordinary differential equations at the points of a part: those of its laws, or inside a
 // body.
 #include "lang/check/checker.hpp"
+#include "solver/plan/membership.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace hvi::lang {
@@ -157,6 +159,20 @@ bool Checker::multipliers_on_part(const Span& span, int part, Symbol& expression
   }
   expression = substitute(expression, rename);
   return true;
+}
+
+/// Without the states of bodies that are known wherever a report reads them on a part: those of the
+/// whole body, and those that stand behind the membership in their own part.
+Symbol Checker::without_states_known(Symbol expression, int part) const {
+  if (model_.parts[part].kind != solver::Group::Kind::cells) return expression;
+  for (const solver::Slot s : solver::slots_of(Symbol(expression))) {
+    if (!slot::is_state(s)) continue;
+    const int home = model_.states[static_cast<std::size_t>(s - slot::first_state)].spec.part;
+    const bool whole = model_.parts[home].region.kind == solver::RegionSpec::Kind::all_cells;
+    if (lives_in_body(home) && (whole || !solver::away_from(expression, home).depends_on(s)))
+      expression = substitute(expression, std::array{std::pair{s, Symbol(0.0)}});
+  }
+  return expression;
 }
 
 /// False (reported) where an expression on one part reads a state of another.

@@ -362,6 +362,7 @@ private:
   void state_range(ModelState& state);
   void state_initial(ModelState& state);
   bool multipliers_on_part(const Span& span, int part, Symbol& expression);
+  Symbol without_states_known(Symbol expression, int part) const;
   bool reads_states_of(const Span& span, const Symbol& expression, int part,
                        const std::string& who);
   std::optional<std::vector<int>> take_states(Symbol& expression, const Span& span);

@@ -50,7 +50,7 @@ OnContact contact_of(const FieldFrame& frame, const BodyPicture& picture) {
   OnContact out;
   for (std::size_t g = 1; g < frame.grids.size(); ++g) {
     const VtuGrid& grid = frame.grids[g].grid;
-    if (frame.grids[g].name == picture.field) out.fields.push_back(&grid);
+    if (!numbers_of(grid, picture.field).values.empty()) out.fields.push_back(&grid);
     const auto forces = nodal_vectors(grid, solver::force_array);
     if (forces.empty()) continue;
     const auto points = moved(grid, picture.deformed);
@@ -202,7 +202,8 @@ void add_values(std::vector<double>& out, const FieldFrame& frame, const std::st
   for (std::size_t g = 1; g < frame.grids.size(); ++g)
     for (const Point& f : nodal_vectors(frame.grids[g].grid, solver::force_array))
       out.push_back(norm(f));
-  for (std::size_t g = 1; g < frame.grids.size() && out.size() == before; ++g) {
+  if (out.size() != before) return;
+  for (std::size_t g = 1; g < frame.grids.size(); ++g) {
     const auto more = numbers_of(frame.grids[g].grid, field).values;
     out.insert(out.end(), more.begin(), more.end());
   }

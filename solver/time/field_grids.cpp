@@ -115,12 +115,22 @@ FieldGrids::FieldGrids(const Problem& problem, const Discretisation& d, const Co
     if (std::ranges::none_of(field.components, reads_multiplier)) body_.push_back(field);
   if (!body_.empty()) grids_.push_back({{}, body_grid(space_)});
   for (const auto& field : fields)
-    if (std::ranges::any_of(field.components, reads_multiplier)) add_on_contact(problem, d, field);
+    if (std::ranges::any_of(field.components, reads_multiplier)) add_parts(problem, d, field);
+}
+
+/// On the part of a law, or on every part whose states it reads.
+void FieldGrids::add_parts(const Problem& problem, const Discretisation& d,
+                           const FieldSpec& field) {
+  const auto parts = parts_of_states(problem, contact_, field.components);
+  if (parts.size() < 2) return add_on_contact(problem, d, field, -1, field.name);
+  for (const int part : parts)
+    add_on_contact(problem, d, field, part,
+                   field.name + "_" + problem.parts[static_cast<std::size_t>(part)].name);
 }
 
 void FieldGrids::add_on_contact(const Problem& problem, const Discretisation& d,
-                                const FieldSpec& field) {
-  LawSampler sampler(problem, d, contact_, field.components, field.origin);
+                                const FieldSpec& field, int on, const std::string& name) {
+  LawSampler sampler(problem, d, contact_, field.components, field.origin, on);
   const Region& region = d.parts[static_cast<std::size_t>(sampler.part())];
   OnContact part{field, std::move(sampler), {}};
   VtuGrid grid;
@@ -139,7 +149,7 @@ void FieldGrids::add_on_contact(const Problem& problem, const Discretisation& d,
     for (std::int64_t p = 0; p < part.sampler.size(); ++p) part.grid_point.push_back(p);
   }
   contact_parts_.push_back(std::move(part));
-  grids_.push_back({field.name, std::move(grid)});
+  grids_.push_back({name, std::move(grid)});
 }
 
 std::vector<Expr> FieldGrids::expressions() const {

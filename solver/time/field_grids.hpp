@@ -26,7 +26,9 @@ private:
     LawSampler sampler;
     std::vector<std::int64_t> grid_point; ///< of each point of the sampler; in a body: its cell
   };
-  void add_on_contact(const Problem& problem, const Discretisation& d, const FieldSpec& field);
+  void add_parts(const Problem& problem, const Discretisation& d, const FieldSpec& field);
+  void add_on_contact(const Problem& problem, const Discretisation& d, const FieldSpec& field,
+                      int on, const std::string& name);
   void add_body_array(const FieldSpec& field, const Snapshot& snapshot);
   void fill_contact(OnContact& part, VtuGrid& grid, const Snapshot& snapshot) const;
 

@@ -2,6 +2,7 @@
 #include "solver/time/law_sampler.hpp"
 
 #include "solver/assembly/point_form.hpp"
+#include "solver/plan/membership.hpp"
 
 #include <fmt/format.h>
 
@@ -26,6 +27,14 @@ int place_of(const Contact& contact, Slot s) {
       return group.body ? static_cast<int>(contact.terms.size() + g) : group.host;
   }
   return -1;
+}
+/// All of them, once each.
+std::vector<int> places_of(const Contact& contact, std::span<const Slot> slots) {
+  std::vector<int> out;
+  for (const Slot s : slots)
+    if (const int place = place_of(contact, s); place >= 0 && !std::ranges::count(out, place))
+      out.push_back(place);
+  return out;
 }
 const BodyPoints* body_at(const Contact& contact, int place) {
   const int group = place - static_cast<int>(contact.terms.size());
@@ -74,11 +83,29 @@ std::vector<int> points_near(const Mesh& mesh, const LawPoints& points, const Po
 
 } // namespace
 
+Expr away_from_states(const Problem& problem, Expr expression) {
+  for (std::size_t i = 0; i < problem.states.size(); ++i)
+    if (expression.depends_on(slot::state(static_cast<int>(i))))
+      expression = away_from(expression, problem.states[i].part);
+  return expression;
+}
+
+std::vector<int> parts_of_states(const Problem& problem, const Contact& contact,
+                                 std::span<const Expr> expressions) {
+  std::vector<int> out;
+  for (const int place : places_of(contact, Pointwise(expressions).inputs()))
+    if (body_at(contact, place) != nullptr) out.push_back(term_at(problem, contact, place).part);
+  return out;
+}
+
 LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Contact& contact,
                        std::vector<Expr> expressions, Origin origin, int part)
-    : expressions_(expressions), origin_(origin) {
-  for (const auto s : expressions_.inputs())
-    if (place_ < 0) place_ = place_of(contact, s);
+    : expressions_(expressions), origin_(origin),
+      guarded_(std::ranges::none_of(expressions, [&](const Expr& e) {
+        return reads_multiplier(away_from_states(problem, e));
+      })) {
+  for (const int place : places_of(contact, expressions_.inputs()))
+    if (place_ < 0 || term_at(problem, contact, place).part == part) place_ = place;
   const LawTerm none = no_law(origin);
   const auto& term = place_ < 0 ? none : term_at(problem, contact, place_);
   part_ = part >= 0 ? part : term.part;
@@ -93,16 +120,20 @@ LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Co
   std::vector<int> all(points.x.size());
   std::iota(all.begin(), all.end(), 0);
   take_points(points, term, all);
-  for (const auto s : expressions_.inputs()) {
-    if (const int known = place_of(contact, s); known >= 0) match(contact, known, d.mesh.dim);
-    if (slot::is_field(s)) prepare_field(d.space, s);
-  }
+  match_all(d, contact);
 }
 
-LawSampler LawSampler::at(const Problem& problem, const Discretisation& d, const Contact& contact,
-                          const Expr& expression, Origin origin, const Point& place) {
+std::optional<LawSampler> LawSampler::at(const Problem& problem, const Discretisation& d,
+                                         const Contact& contact, const Expr& expression,
+                                         Origin origin, const Point& place) {
   LawSampler out(problem, d, contact, {expression}, origin);
+  for (const int known : places_of(contact, out.expressions_.inputs()))
+    if (!points_near(d.mesh, points_at(contact, known), place).empty()) {
+      out.place_ = known;
+      break;
+    }
   const auto& points = points_at(contact, out.place_);
+  if (out.guarded_ && points_near(d.mesh, points, place).empty()) return std::nullopt;
   out.take_place(d, contact, points, term_at(problem, contact, out.place_), place,
                  points.kind == Group::Kind::cells
                      ? "ask inside its part, or for an integral"
@@ -125,10 +156,7 @@ void LawSampler::take_place(const Discretisation& d, const Contact& contact,
   take_points(points, term, chosen);
   const double total = std::accumulate(block_.weight.begin(), block_.weight.end(), 0.0);
   for (auto& weight : block_.weight) weight /= total;
-  for (const auto s : expressions_.inputs()) {
-    if (const int known = place_of(contact, s); known >= 0) match(contact, known, d.mesh.dim);
-    if (slot::is_field(s)) prepare_field(d.space, s);
-  }
+  match_all(d, contact);
 }
 
 LawSampler LawSampler::at_pair(const Problem& problem, const Discretisation& d,
@@ -183,11 +211,22 @@ void LawSampler::take_points(const LawPoints& points, const LawTerm& term,
   for (std::size_t p = 0; p < block_.size(); ++p) block_.weight[p] /= values_[p];
 }
 
-/// Finds for each of our points the one of another place where it is, with the same normal.
+/// All that our expressions read, at our points.
+void LawSampler::match_all(const Discretisation& d, const Contact& contact) {
+  for (const int place : places_of(contact, expressions_.inputs()))
+    match(contact, place, d.mesh.dim);
+  for (const auto s : expressions_.inputs())
+    if (slot::is_field(s)) prepare_field(d.space, s);
+}
+
+/// Finds for each of our points the one of another place where it is, with the same normal; -1:
+/// none, and none is needed.
 void LawSampler::match(const Contact& contact, int place, int dim) {
   const auto& theirs = points_at(contact, place);
   std::map<Point, std::vector<int>> by_place;
   for (int p = 0; p < static_cast<int>(theirs.x.size()); ++p) by_place[theirs.x[p]].push_back(p);
+  auto cells = theirs.cell;
+  std::ranges::sort(cells);
   std::vector<int> found;
   for (std::size_t p = 0; p < block_.size(); ++p) {
     const Point normal{block_.normal[0][p], block_.normal[1][p], block_.normal[2][p]};
@@ -196,6 +235,8 @@ void LawSampler::match(const Contact& contact, int place, int dim) {
       for (const int candidate : there->second)
         if (found.size() == p && distance(theirs.normal[candidate], normal) <= 1e-9)
           found.push_back(candidate);
+    if (found.size() == p && guarded_ && !std::ranges::binary_search(cells, block_.cell[p]))
+      found.push_back(-1);
     if (found.size() == p)
       throw Failure(FailureKind::bad_value, origin_,
                     fmt::format("what lives at the points of a law is not known at {}",
@@ -219,7 +260,8 @@ void LawSampler::evaluate(const Contact& contact, const Snapshot& snapshot, std:
       column.resize(size());
       const auto& theirs = point_of_.at(place_of(contact, s));
       const int first = contact.first_state[static_cast<std::size_t>(s - slot::first_state)];
-      for (int p = 0; p < size(); ++p) column[p] = snapshot.states()[first + theirs[p]];
+      for (int p = 0; p < size(); ++p)
+        column[p] = theirs[p] < 0 ? 0.0 : snapshot.states()[first + theirs[p]];
     } else if (is_multiplier(s)) {
       auto& column = columns_[s];
       column.resize(size());

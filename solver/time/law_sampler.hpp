@@ -6,14 +6,17 @@
 #include "solver/time/fields.hpp"
 
 #include <map>
+#include <optional>
 #include <vector>
 
 namespace hvi::solver {
 
 /// Expressions of x, t, normal, fields, multipliers and states at the points of the first one of
-/// the last two that they read. The weights are the law's quadrature weights *without* the factor
-/// before the law: xi is in dj, and the factor stands outside. Multipliers of other terms must have
-/// their points at the same places (normal law and friction on one part do).
+/// the last two that they read (of the first that lives on the part, if one is given). States of
+/// bodies may be read behind the membership in their parts, and count as 0 elsewhere. The weights
+/// are the law's quadrature weights *without* the factor before the law: xi is in dj, and the
+/// factor stands outside. Multipliers of other terms must have their points at the same places
+/// (normal law and friction on one part do).
 class LawSampler {
 public:
   /// On the law's part (part = -1), or on another part whose points are among the law's: the law's
@@ -22,10 +25,10 @@ public:
   LawSampler(const Problem& problem, const Discretisation& discretisation, const Contact& contact,
              std::vector<Expr> expressions, Origin origin, int part = -1);
   /// At one place: the law's points there, or those of a body's cells there, weights adding up
-  /// to 1.
-  static LawSampler at(const Problem& problem, const Discretisation& discretisation,
-                       const Contact& contact, const Expr& expression, Origin origin,
-                       const Point& place);
+  /// to 1. Nothing: what it reads lives elsewhere, and the expression does not need it there.
+  static std::optional<LawSampler> at(const Problem& problem, const Discretisation& discretisation,
+                                      const Contact& contact, const Expr& expression, Origin origin,
+                                      const Point& place);
   /// A probe of jumps: at its place on its pair, or on the pair that has the place.
   static LawSampler at_pair(const Problem& problem, const Discretisation& discretisation,
                             const Contact& contact, const Probe& probe);
@@ -43,6 +46,7 @@ public:
 private:
   void take_points(const LawPoints& points, const LawTerm& term, const std::vector<int>& chosen);
   void match(const Contact& contact, int place, int dim);
+  void match_all(const Discretisation& discretisation, const Contact& contact);
   void take_place(const Discretisation& discretisation, const Contact& contact,
                   const LawPoints& points, const LawTerm& term, const Point& place,
                   const std::string& help);
@@ -52,6 +56,7 @@ private:
   Origin origin_;
   int place_ = -1, part_ = -1;
   bool in_body_ = false;
+  bool guarded_ = false; ///< states stand behind the membership in their parts
   PointBlock block_;
   std::vector<std::int32_t> nodes_;
   std::map<int, std::vector<int>> point_of_; ///< by place: its point at each of ours
@@ -59,6 +64,12 @@ private:
   std::map<Slot, Vector> columns_;           ///< values of the slots that change
   std::vector<double> values_;
 };
+
+/// The parts of the bodies whose states an expression reads, where there are several.
+std::vector<int> parts_of_states(const Problem& problem, const Contact& contact,
+                                 std::span<const Expr> expressions);
+/// An expression away from the parts of all the states that it reads.
+Expr away_from_states(const Problem& problem, Expr expression);
 
 /// The probes and fields of a report that ask for multipliers where there are none.
 std::vector<Failure> misplaced_multipliers(const Plan& plan, const Discretisation& discretisation);

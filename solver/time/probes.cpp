@@ -66,15 +66,19 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
     break;
   }
   if (probe.on_pair) return LawSampler::at_pair(problem, d, contact_, probe);
-  if (reads_multiplier(probe.expression))
-    return LawSampler::at(problem, d, contact_, probe.expression, probe.origin, probe.point);
+  Expr expression = probe.expression;
+  if (reads_multiplier(expression)) {
+    auto found = LawSampler::at(problem, d, contact_, expression, probe.origin, probe.point);
+    if (found) return std::move(*found);
+    expression = away_from_states(problem, expression);
+  }
   std::array<double, 4> barycentric{};
   int cell = locator.find(probe.point, barycentric);
   if (cell >= 0) cell = cell_that_reads(d, probe.expression, probe.point, cell, barycentric);
   if (cell < 0)
     throw Failure(FailureKind::bad_value, probe.origin,
                   "the point of `" + probe.name + "` is outside the mesh");
-  return AtPoint{cell, barycentric, PointValue(space_, probe.expression, cell, barycentric)};
+  return AtPoint{cell, barycentric, PointValue(space_, expression, cell, barycentric)};
 }
 
 void ProbeSet::make_gram(const Discretisation& d, const RunState& run, int unknown) {

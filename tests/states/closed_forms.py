@@ -483,9 +483,59 @@ def released(folder):
               f"{told['released_forms']:.3e} of {told['work']:.3e}, left {told['lost'] - told['released_forms']:.1e}")
 
 
+# A block whose halves are damaged by states of their own, or by one state; its last quarter bears what it is.
+HALVES = """
+import states
+param l = 40
+param m = 40
+mesh block = rectangle(2, 1, cells = [8, 4])
+part wall = block.left
+part a = block where x < 1
+part b = block where x > 1 and x < 1.5
+part c = block where x > 1.5
+part both = block where x < 1.5
+part middle = block where x > 0.75 and x < 1.75
+tensor B = isotropic(lambda = l, mu = m)
+{states}
+space V = vector P{order} on block, zero on wall
+find u in V for t in [0, 1] by 4 steps from u = 0
+such that for all v in V
+    {forms}
+  + integral(c, B : eps(u) : eps(v))
+  = integral(block, dot([0.3*t, -0.24*t], v))
+report
+  table in_a = sigma.xx at [0.3, 0.9], in_b = sigma.xx at [1.2, 0.9], in_c = sigma.xx at [1.8, 0.9],
+      whole = integral(block, sigma.xx), some = integral(middle, sigma.xy), most = largest(block, mises(sigma)),
+      most_b = largest(b, mises(sigma)), least = smallest(middle, sigma.xx), worst = d at [0.05, 0.95]
+  table by_hand = {by_hand} + integral(c, l*div(u) + 2*m*eps(u).xx)
+  fields sigma
+"""
+OF_STATES = "state {0} on {1} with rate strain_damage(norm(eps(u)), 0.03, 1) from {0} = 0.2 in [0, 0.95]"
+OF_FORMS = "integral({1}, (1 - {0})*B : eps(u) : eps(v))"
+BY_HAND = "integral({1}, (1 - {0})*(l*div(u) + 2*m*eps(u).xx))"
+
+
+def halves(folder):
+    """What is known of the stress does not depend on how many states say it."""
+    for order in (1, 2):
+        finals = []
+        for owners in ([("d", "a"), ("g", "b")], [("d", "both")]):
+            script = HALVES.format(states="\n".join(OF_STATES.format(*o) for o in owners), order=order,
+                                   **{key: " + ".join(form.format(*o) for o in owners) for key, form in (("forms", OF_FORMS), ("by_hand", BY_HAND))})
+            done, out = run(folder, script, name=f"halves{order}{len(owners)}")
+            assert done.returncode == 0, done.stderr
+            finals.append(out["final"])
+            names = sorted(p.name for p in (pathlib.Path(folder) / "out").glob(f"halves{order}{len(owners)}_sigma*00004.vtu"))
+            check(f"stress of {len(owners)} states, P{order}: files", len(names) == len(owners), f"{names}")
+        two, one = finals
+        off = max(abs(two[k] - one[k]) / abs(one[k]) for k in one)
+        check(f"stress of two states, P{order}, is that of one", off < 1e-11 and one["worst"] > 0.25 and abs(two["whole"] - two["by_hand"]) < 1e-11 * abs(two["whole"]),
+              f"{off:.1e}, damage {one['worst']:.2f}, by hand {two['by_hand']:.12g}, {two['whole']:.12g}")
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
-        for test in (held_bond, wear, fault, jump_of_the_pull, breaks, turned, pulled, dropped, creep, released):
+        for test in (held_bond, wear, fault, jump_of_the_pull, breaks, turned, pulled, dropped, creep, released, halves):
             test(folder)
     print("all hold" if not failed else f"{len(failed)} failed")
     return 1 if failed else 0
