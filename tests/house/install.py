@@ -10,7 +10,7 @@ import tempfile
 
 cmake, source, build = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
 FILES = ("bin/hvi-run", "lib/hvi/libhvi_gmsh.so", "lib/hvi/libhvi_mumps.so", "lib/hvi/libhvi_draw.so", "lib/cmake/hvi/hviConfig.cmake", "include/hvi/solver/plan/plan.hpp", "share/hvi/stdlib/contact.hvi",
-         "share/man/man1/hvi-run.1", "share/bash-completion/completions/hvi-run")
+         "share/man/man1/hvi-run.1.gz", "share/bash-completion/completions/hvi-run", "share/mime/packages/hvi.xml")
 
 
 def call(*words, **more):
@@ -39,12 +39,19 @@ def main():
         assert re.search(r"reaction = 3\.680214391.*certified true", call(folder / "own/slab_cpp"), re.S)
         if shutil.which("dpkg-shlibdeps"):
             call(pathlib.Path(cmake).with_name("cpack"), "--config", build / "CPackConfig.cmake", "-G", "DEB", "-B", folder / "deb")
-            package, = (folder / "deb").glob("*.deb")
-            needed = call("dpkg-deb", "-f", package, "Depends")
+            packages = {package.name.split("_")[0]: package for package in (folder / "deb").glob("*.deb")}
+            assert {"hvi-run", "libhvi-dev"} <= set(packages), packages
+            needed = call("dpkg-deb", "-f", packages["hvi-run"], "Depends")
             assert all(name in needed for name in ("libc6", "libopenblas", "libcholmod", "libfmt", "libgmsh")), needed
-            call("dpkg-deb", "-x", package, folder / "root")
+            for package in packages.values():
+                call("dpkg-deb", "-x", package, folder / "root")
             works(folder / "root/usr", folder)
-            print(f"{package.name} needs {needed.strip()}")
+            if "python3-hvi" in packages:
+                assert re.search(r"python3 \(>= 3\.\d+\), python3 \(<< 3\.\d+\)", call("dpkg-deb", "-f", packages["python3-hvi"], "Depends"))
+                code = f"import hvi; print(hvi.load({str(source / 'examples/bracket.hvi')!r}, allow_geo=True).run().certified, hvi.__file__)"
+                said = call("/usr/bin/python3", "-c", code, env={"PYTHONPATH": str(folder / "root/usr/lib/python3/dist-packages")})
+                assert said.startswith("True") and str(folder) in said, said
+            print(f"{', '.join(p.name for p in packages.values())}; hvi-run needs {needed.strip()}")
     print("installed, found, built against, run")
 
 
