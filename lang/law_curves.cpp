@@ -60,11 +60,11 @@ std::vector<Spot> law_curve(const solver::LawSpec& spec, double t) {
   return out;
 }
 
-std::vector<Spot> kernel_curve(const solver::KernelSpec& kernel, double t) {
+std::vector<Spot> kernel_curve(const solver::KernelSpec& kernel, double t0, double t) {
   std::vector<Spot> out;
   constexpr int samples = 200;
   for (int k = 1; k <= samples; ++k) { // not at zero, where a kernel may be singular
-    const double lag = t * k / samples;
+    const double lag = (t - t0) * k / samples;
     out.push_back({lag, solver::evaluate(kernel.expression, [&](solver::Slot s) {
                      return s == solver::slot::lag ? lag : s == solver::slot::t ? t : 0.0;
                    })});

@@ -14,7 +14,7 @@ namespace hvi::lang {
 /// reads another one's multiplier is drawn for the multiplier 1. Empty: it cannot be drawn.
 std::vector<draw::Spot> law_curve(const solver::LawSpec& law, double t);
 
-/// q(t, t - lag) against lag in (0, t].
-std::vector<draw::Spot> kernel_curve(const solver::KernelSpec& kernel, double t);
+/// q(t, t - lag) against lag in (0, t - t0].
+std::vector<draw::Spot> kernel_curve(const solver::KernelSpec& kernel, double t0, double t);
 
 } // namespace hvi::lang

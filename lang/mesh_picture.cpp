@@ -1,7 +1,9 @@
-// See mesh_picture.hpp. By gnuplot: polygons from back to front, lines and dots over them.
+// See mesh_picture.hpp: triangles from back to front, lines and dots over them, a name beside each
+// part.
 #include "lang/mesh_picture.hpp"
 
-#include "lang/gnuplot.hpp"
+#include "lang/draw/axes.hpp"
+#include "lang/draw/paint.hpp"
 #include "solver/fem/region.hpp"
 
 #include <fmt/format.h>
@@ -9,8 +11,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
-#include <numeric>
+#include <numbers>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,22 +20,29 @@ namespace hvi::lang {
 
 namespace {
 
-using Colour = const char*;
-using Place = std::array<double, 2>;
+using Place = draw::Spot;
 
-constexpr Colour plain = "#e4e4e4", edges = "#9a9a9a";
-constexpr std::array<Colour, 8> colours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                           "#e69f00", "#56b4e9", "#7a0403", "#6a3d9a"};
+constexpr draw::Colour plain{0.894, 0.894, 0.894}, edges{0.604, 0.604, 0.604};
+/// Okabe and Ito's, as far as they go.
+constexpr std::array<draw::Colour, 8> colours{{{0.0, 0.447, 0.698},
+                                               {0.835, 0.369, 0.0},
+                                               {0.0, 0.62, 0.451},
+                                               {0.8, 0.475, 0.655},
+                                               {0.902, 0.624, 0.0},
+                                               {0.337, 0.706, 0.914},
+                                               {0.478, 0.016, 0.012},
+                                               {0.416, 0.239, 0.604}}};
 /// Beyond this the edges of cells would cover everything.
 constexpr std::size_t most_edges = 20'000;
+constexpr double arrow = 26.0, text_size = 13.0; ///< of normals, of names
 
-Colour colour_of(std::size_t part) { return colours.at(part % colours.size()); }
+draw::Colour colour_of(std::size_t part) { return colours.at(part % colours.size()); }
 
 /// A triangle of the picture.
 struct Patch {
   double depth = 0.0;
   std::array<Place, 3> corners{};
-  Colour colour = plain;
+  draw::Colour colour = plain;
 };
 
 /// The plane itself in 2D; in 3D from the front, right and above. Last: how near.
@@ -46,7 +55,7 @@ std::array<double, 3> seen(const solver::Point& p, int dim) {
           std::sin(tilt) * p[1] + std::cos(tilt) * away};
 }
 
-Patch patch_of(const solver::Mesh& mesh, std::span<const std::int32_t> nodes, Colour colour) {
+Patch patch_of(const solver::Mesh& mesh, std::span<const std::int32_t> nodes, draw::Colour colour) {
   Patch out;
   out.colour = colour;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -63,12 +72,17 @@ bool looks_at_us(const Patch& patch) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0;
 }
 
+bool is_whole(const solver::Discretisation& d, std::size_t part) {
+  return d.parts[part].kind == solver::Group::Kind::cells &&
+         d.parts[part].entities.size() == d.mesh.cells.size();
+}
+
 /// What a part colours: its first and, of a pair, its second side.
 template <class Colouring>
 void colour_parts(const solver::Discretisation& d, solver::Group::Kind kind,
                   const Colouring& colour) {
   for (std::size_t p = 0; p < d.parts.size(); ++p) {
-    if (d.parts[p].kind != kind) continue;
+    if (d.parts[p].kind != kind || is_whole(d, p)) continue; // the body itself stays grey
     for (const auto e : d.parts[p].entities) colour(e, p);
     for (const auto e : d.parts[p].second) colour(e, p);
   }
@@ -78,15 +92,15 @@ std::vector<Patch> patches(const solver::Discretisation& d) {
   const solver::Mesh& mesh = d.mesh;
   std::vector<Patch> out;
   if (mesh.dim == 2) {
-    std::vector<Colour> of_cell(mesh.cells.size(), plain);
+    std::vector<draw::Colour> of_cell(mesh.cells.size(), plain);
     colour_parts(d, solver::Group::Kind::cells,
                  [&](std::int32_t c, std::size_t p) { of_cell[c] = colour_of(p); });
     for (std::size_t c = 0; c < mesh.cells.size(); ++c)
       out.push_back(patch_of(mesh, std::span(mesh.cells[c]).first(3), of_cell[c]));
     return out;
   }
-  std::vector<Colour> of_facet(mesh.facets.size(), plain);
-  std::vector<Colour> of_cell(mesh.cells.size(), plain);
+  std::vector<draw::Colour> of_facet(mesh.facets.size(), plain);
+  std::vector<draw::Colour> of_cell(mesh.cells.size(), plain);
   colour_parts(d, solver::Group::Kind::cells,
                [&](std::int32_t c, std::size_t p) { of_cell[c] = colour_of(p); });
   for (std::size_t f = 0; f < mesh.facets.size(); ++f) of_facet[f] = of_cell[mesh.facets[f].cell];
@@ -101,45 +115,183 @@ std::vector<Patch> patches(const solver::Discretisation& d) {
   return out;
 }
 
-/// Lines of a part in 2D, dots of points.
-std::string marks(const solver::Discretisation& d, std::size_t part) {
-  const solver::Mesh& mesh = d.mesh;
-  std::string out;
-  const auto put = [&](std::int32_t node) {
-    const auto p = seen(mesh.nodes[static_cast<std::size_t>(node)], mesh.dim);
-    fmt::format_to(std::back_inserter(out), "{:.8g} {:.8g}\n", p[0], p[1]);
-  };
-  const solver::Region& region = d.parts[part];
-  for (const auto* side : {&region.entities, &region.second})
-    for (const auto e : *side) {
-      if (region.kind == solver::Group::Kind::points) put(e);
-      if (region.kind == solver::Group::Kind::facets && mesh.dim == 2) {
-        put(mesh.facets[static_cast<std::size_t>(e)].nodes[0]);
-        put(mesh.facets[static_cast<std::size_t>(e)].nodes[1]);
-        out += "\n";
-      }
-    }
+/// Where a part is named: a point of it in the plane of the picture, and the direction outward.
+struct Tag {
+  Place at{}, outward{};
+  double nearest = 0.0; ///< its distance to the middle of the part
+};
+
+Place flat(const solver::Point& p, int dim) {
+  const auto at = seen(p, dim);
+  return {at[0], at[1]};
+}
+
+solver::Point middle_of(const solver::Mesh& mesh, std::span<const std::int32_t> nodes) {
+  solver::Point out{};
+  for (const auto n : nodes)
+    for (std::size_t a = 0; a < 3; ++a)
+      out[a] += mesh.nodes[static_cast<std::size_t>(n)][a] / static_cast<double>(nodes.size());
   return out;
 }
 
-std::string polygons_of(const std::vector<Patch>& all, Place& low, Place& high) {
-  std::string out;
-  low = {1e300, 1e300}, high = {-1e300, -1e300};
-  const bool with_edges = all.size() <= most_edges;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    fmt::format_to(std::back_inserter(out), "set object {} polygon ", i + 1);
-    for (const std::size_t k : {0, 1, 2, 0}) {
-      const Place& at = all[i].corners[k];
-      for (std::size_t a = 0; a < 2; ++a)
-        low[a] = std::min(low[a], at[a]), high[a] = std::max(high[a], at[a]);
-      fmt::format_to(std::back_inserter(out), "{} {:.8g},{:.8g} ",
-                     k == 0 && out.ends_with("polygon ") ? "from" : "to", at[0], at[1]);
-    }
-    fmt::format_to(std::back_inserter(out),
-                   "fc rgb '{0}' fs solid 1.0 border lc rgb '{1}' lw 0.4\n", all[i].colour,
-                   with_edges ? edges : all[i].colour);
+std::span<const std::int32_t> nodes_of(const solver::Mesh& mesh, solver::Group::Kind kind,
+                                       const std::int32_t& e) {
+  const auto i = static_cast<std::size_t>(e);
+  const auto dim = static_cast<std::size_t>(mesh.dim);
+  if (kind == solver::Group::Kind::cells) return std::span(mesh.cells[i]).first(dim + 1);
+  if (kind == solver::Group::Kind::facets) return std::span(mesh.facets[i].nodes).first(dim);
+  return {&e, 1};
+}
+
+solver::Point minus(const solver::Point& a, const solver::Point& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+/// The outward normal of a facet in the plane of the picture; of length 1 in space.
+Place outward_of(const solver::Mesh& mesh, std::int32_t facet) {
+  const auto& f = mesh.facets[static_cast<std::size_t>(facet)];
+  const auto n = static_cast<std::size_t>(mesh.dim);
+  const auto node = [&](std::size_t k) { return mesh.nodes[static_cast<std::size_t>(f.nodes[k])]; };
+  const solver::Point e = minus(node(1), node(0));
+  const solver::Point g = n == 3 ? minus(node(2), node(0)) : solver::Point{0.0, 0.0, 1.0};
+  solver::Point normal{e[1] * g[2] - e[2] * g[1], e[2] * g[0] - e[0] * g[2],
+                       e[0] * g[1] - e[1] * g[0]};
+  const auto& cell = mesh.cells[static_cast<std::size_t>(f.cell)];
+  const solver::Point away = minus(middle_of(mesh, std::span(f.nodes).first(n)),
+                                   middle_of(mesh, std::span(cell).first(n + 1)));
+  const double side = normal[0] * away[0] + normal[1] * away[1] + normal[2] * away[2];
+  const double length = std::hypot(normal[0], normal[1], normal[2]) * (side < 0.0 ? -1.0 : 1.0);
+  for (double& x : normal) x /= length;
+  return flat(normal, mesh.dim);
+}
+
+/// Is the outer side of a facet of a body in space turned to us?
+bool is_seen(const solver::Mesh& mesh, std::int32_t facet) {
+  return mesh.dim == 2 ||
+         looks_at_us(patch_of(mesh, mesh.facets[static_cast<std::size_t>(facet)].nodes, plain));
+}
+
+/// At the entity nearest to the middle of the part, of those that are seen; none: none is.
+std::optional<Tag> tag_of(const solver::Mesh& mesh, const solver::Region& region) {
+  const bool facets = region.kind == solver::Group::Kind::facets;
+  std::vector<std::int32_t> shown;
+  for (const auto e : region.entities)
+    if (!facets || is_seen(mesh, e)) shown.push_back(e);
+  if (shown.empty()) return std::nullopt;
+  Place middle{};
+  const auto place = [&](const std::int32_t& e) {
+    return flat(middle_of(mesh, nodes_of(mesh, region.kind, e)), mesh.dim);
+  };
+  for (const auto& e : shown)
+    for (std::size_t a = 0; a < 2; ++a)
+      middle[a] += place(e)[a] / static_cast<double>(shown.size());
+  Tag out;
+  out.nearest = -1.0;
+  for (const auto& e : shown) {
+    const Place at = place(e);
+    const double distance = std::hypot(at[0] - middle[0], at[1] - middle[1]);
+    if (out.nearest >= 0.0 && distance >= out.nearest) continue;
+    out = {at, facets ? outward_of(mesh, e) : Place{}, distance};
   }
   return out;
+}
+
+void add_arrow(draw::Sheet& sheet, Place from, Place along, draw::Colour colour) {
+  const Place tip{from[0] + along[0] * arrow, from[1] + along[1] * arrow};
+  constexpr double head = 7.0;
+  const Place across{-along[1], along[0]};
+  const auto barb = [&](double side) {
+    return Place{tip[0] - head * along[0] + side * 0.5 * head * across[0],
+                 tip[1] - head * along[1] + side * 0.5 * head * across[1]};
+  };
+  sheet.line({from, tip}, colour, 1.6);
+  sheet.line({barb(1.0), tip, barb(-1.0)}, colour, 1.6);
+}
+
+/// The name of a part with the arrow of its normal; sheets have y downward.
+void add_tag(draw::Sheet& sheet, const draw::Plane& plane, const Tag& tag, const std::string& name,
+             draw::Colour colour) {
+  const Place at = plane(tag.at[0], tag.at[1]);
+  const Place along{tag.outward[0], -tag.outward[1]};
+  const bool has_normal = along[0] != 0.0 || along[1] != 0.0;
+  if (has_normal) add_arrow(sheet, at, along, colour);
+  const double reach = has_normal ? arrow + 8.0 : 0.0;
+  const double anchor = along[0] > 0.4 ? 0.0 : along[0] < -0.4 ? 1.0 : 0.5;
+  const double lower = along[1] > 0.4 ? 10.0 : along[1] < -0.4 ? 0.0 : 4.0;
+  sheet.words({{at[0] + reach * along[0], at[1] + reach * along[1] + lower},
+               name,
+               text_size,
+               anchor,
+               draw::black});
+}
+
+/// Lines of a part in 2D, dots of points.
+void add_marks(draw::Sheet& sheet, const draw::Plane& plane, const solver::Discretisation& d,
+               std::size_t part) {
+  const solver::Mesh& mesh = d.mesh;
+  const solver::Region& region = d.parts[part];
+  const auto at = [&](std::int32_t node) {
+    const Place p = flat(mesh.nodes[static_cast<std::size_t>(node)], mesh.dim);
+    return plane(p[0], p[1]);
+  };
+  for (const auto* side : {&region.entities, &region.second})
+    for (const auto e : *side) {
+      if (region.kind == solver::Group::Kind::facets && mesh.dim == 2) {
+        const auto& nodes = mesh.facets[static_cast<std::size_t>(e)].nodes;
+        sheet.line({at(nodes[0]), at(nodes[1])}, colour_of(part), 3.0);
+      }
+      if (region.kind != solver::Group::Kind::points) continue;
+      const Place c = at(e);
+      draw::Fill dot{{}, colour_of(part)};
+      for (int k = 0; k < 16; ++k)
+        dot.outline.push_back({c[0] + 4.5 * std::cos(k * std::numbers::pi / 8),
+                               c[1] + 4.5 * std::sin(k * std::numbers::pi / 8)});
+      sheet.marks.emplace_back(std::move(dot));
+    }
+}
+
+/// The box of a mesh in the plane of the picture, in the middle of a sheet with room for names.
+draw::Plane plane_of(const solver::Mesh& mesh, double width, double height) {
+  constexpr double room = 90.0;
+  Place low{1e300, 1e300}, high{-1e300, -1e300};
+  for (const auto& node : mesh.nodes) {
+    const Place p = flat(node, mesh.dim);
+    for (std::size_t a = 0; a < 2; ++a)
+      low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
+  }
+  const double scale = std::min((width - 2.0 * room) / (high[0] - low[0]),
+                                (height - 2.0 * room) / (high[1] - low[1]));
+  const double w = scale * (high[0] - low[0]), h = scale * (high[1] - low[1]);
+  return {0.5 * (width - w), 0.5 * (height - h), w, h, low[0], high[0], low[1], high[1]};
+}
+
+/// The axes of space, below at the left.
+void add_triad(draw::Sheet& sheet, int dim) {
+  const Place corner{46.0, sheet.height - 36.0};
+  for (int a = 0; a < dim; ++a) {
+    solver::Point unit{};
+    unit[static_cast<std::size_t>(a)] = 1.0;
+    const Place p = flat(unit, dim);
+    const Place along{p[0], -p[1]};
+    add_arrow(sheet, corner, along, draw::grey);
+    sheet.words({{corner[0] + along[0] * (arrow + 9.0), corner[1] + along[1] * (arrow + 9.0) + 4.0},
+                 std::string(1, "xyz"[a]),
+                 text_size,
+                 0.5,
+                 draw::grey});
+  }
+}
+
+/// All parts by their colours; those that nothing of is seen say so.
+void add_key(draw::Sheet& sheet, const Script& script, const solver::Discretisation& d,
+             const std::vector<bool>& hidden) {
+  Place at{sheet.width - 170.0, 30.0};
+  for (std::size_t p = 0; p < d.parts.size(); ++p, at[1] += 18.0) {
+    sheet.line({at, {at[0] + 20.0, at[1]}}, is_whole(d, p) ? plain : colour_of(p), 4.0);
+    sheet.words({{at[0] + 28.0, at[1] + 4.0},
+                 script.plan->problem.parts[p].name + (hidden[p] ? " (behind)" : ""),
+                 12.0});
+  }
 }
 
 } // namespace
@@ -171,25 +323,28 @@ void draw_mesh(const Script& script, const solver::Discretisation& d,
                const std::filesystem::path& picture) {
   if (d.mesh.dim == 1)
     throw solver::Failure(solver::FailureKind::bad_value, {}, "a mesh in 1D has no picture");
-  Place low{}, high{};
-  const std::string body = polygons_of(patches(d), low, high);
-  const double margin = 0.04 * std::max(high[0] - low[0], high[1] - low[1]);
-  std::string data, curves;
-  for (std::size_t p = 0; p < d.parts.size(); ++p) {
-    const std::string name = quoted(script.plan->problem.parts[p].name);
-    const bool points = d.parts[p].kind == solver::Group::Kind::points;
-    const std::string shown = marks(d, p);
-    if (!shown.empty()) data += fmt::format("$part{} << HVI_END\n{}HVI_END\n", p, shown);
-    curves += fmt::format("{}{} with {} lc rgb '{}' title {} noenhanced", p == 0 ? "" : ", ",
-                          shown.empty() ? "NaN" : fmt::format("$part{} using 1:2", p),
-                          points ? "points pt 7 ps 1.4" : "lines lw 4", colour_of(p), name);
+  draw::Sheet sheet;
+  const draw::Plane plane = plane_of(d.mesh, sheet.width - 170.0, sheet.height);
+  const auto all = patches(d);
+  for (const Patch& patch : all) {
+    std::vector<Place> outline;
+    for (const Place& corner : patch.corners) outline.push_back(plane(corner[0], corner[1]));
+    outline.push_back(outline.front());
+    sheet.marks.emplace_back(draw::Fill{outline, patch.colour});
+    if (all.size() <= most_edges) sheet.line(std::move(outline), edges, 0.4);
   }
-  plot(fmt::format("{}set size ratio -1\n{}set key outside right top\nset xrange [{:.8g}:{:.8g}]\n"
-                   "set yrange [{:.8g}:{:.8g}]\n{}plot {}\n",
-                   data, d.mesh.dim == 3 ? "unset border\nunset xtics\nunset ytics\n" : "",
-                   low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin, body,
-                   curves.empty() ? "NaN notitle" : curves),
-       picture);
+  std::vector<bool> hidden;
+  for (std::size_t p = 0; p < d.parts.size(); ++p) add_marks(sheet, plane, d, p);
+  for (std::size_t p = 0; p < d.parts.size(); ++p) {
+    const auto tag = tag_of(d.mesh, d.parts[p]);
+    hidden.push_back(!tag.has_value());
+    if (!tag || is_whole(d, p)) continue;
+    add_tag(sheet, plane, *tag, script.plan->problem.parts[p].name,
+            d.mesh.dim == 3 ? draw::black : colour_of(p));
+  }
+  add_triad(sheet, d.mesh.dim);
+  add_key(sheet, script, d, hidden);
+  draw::write_sheet(sheet, picture);
 }
 
 } // namespace hvi::lang

@@ -4,6 +4,7 @@
 #include "lang/draw/body.hpp"
 #include "lang/draw/curves.hpp"
 #include "lang/draw/paint.hpp"
+#include "lang/law_curves.hpp"
 
 #include <fmt/format.h>
 
@@ -69,6 +70,41 @@ draw::CurvePlot plot_of(const solver::PlotSpec& spec, const solver::RunResult& r
   return out;
 }
 
+/// The set-valued graph of a law or the graph of a kernel, as a panel. Throws Failure(bad_law) for
+/// a law that is known only together with a solution.
+draw::CurvePlot panel_of(const solver::GraphSpec& graph, const solver::TimeSpec& time,
+                         solver::Origin origin) {
+  const double t0 = time.grid.empty() ? 0.0 : time.grid.front();
+  const double t = time.grid.empty() ? 0.0 : time.grid.back();
+  draw::CurvePlot out;
+  out.title = graph.name;
+  draw::Curve curve;
+  if (const auto* law = std::get_if<solver::LawSpec>(&graph.of)) {
+    curve.points = law_curve(*law, t);
+    if (!law->coupled.empty())
+      out.title += fmt::format(", for the multiplier 1 of {}", law->coupled);
+    out.x_name = law->radial ? "|z|" : "z";
+    out.y_name = law->radial ? "|\u03be|" : "\u03be";
+    if (curve.points.empty())
+      throw solver::Failure(solver::FailureKind::bad_law, origin,
+                            fmt::format("the law `{}` has no graph of its own: it depends on what "
+                                        "it reads of the solution",
+                                        graph.name));
+  } else {
+    curve.points = kernel_curve(std::get<solver::KernelSpec>(graph.of), t0, t);
+    out.x_name = "t \u2212 s";
+    out.y_name = "q";
+  }
+  out.curves.push_back(std::move(curve));
+  return out;
+}
+
+draw::Sheet sheet_of(const solver::GraphsSpec& spec, const solver::TimeSpec& time) {
+  std::vector<draw::CurvePlot> panels;
+  for (const auto& graph : spec.graphs) panels.push_back(panel_of(graph, time, spec.origin));
+  return draw::panels_sheet(panels);
+}
+
 } // namespace
 
 std::string picture_file(const solver::Problem& problem, const solver::PictureSpec& picture) {
@@ -82,6 +118,14 @@ std::string plot_file(const solver::Plan& plan, std::size_t i) {
   const std::string& given = plan.report.plots[i].file;
   if (!given.empty()) return given;
   return plan.problem.title + (i == 0 ? "_plot.svg" : fmt::format("_plot{}.svg", i + 1));
+}
+
+std::string graphs_file(const solver::Plan& plan, std::size_t i) {
+  const solver::GraphsSpec& spec = plan.report.graphs[i];
+  if (!spec.file.empty()) return spec.file;
+  std::string out = plan.problem.title;
+  for (const auto& graph : spec.graphs) out += "_" + graph.name;
+  return out + ".png";
 }
 
 std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::RunResult& result,
@@ -107,6 +151,11 @@ std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::RunResu
     add(spec.origin, plot_file(plan, i), !spec.file.empty(), [&](const auto& path) {
       draw::write_sheet(draw::curves_sheet(plot_of(spec, result)), path);
     });
+  }
+  for (std::size_t i = 0; i < plan.report.graphs.size(); ++i) {
+    const auto& spec = plan.report.graphs[i];
+    add(spec.origin, graphs_file(plan, i), !spec.file.empty(),
+        [&](const auto& path) { draw::write_sheet(sheet_of(spec, plan.problem.time), path); });
   }
   return out;
 }

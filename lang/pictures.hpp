@@ -17,6 +17,9 @@ std::string picture_file(const solver::Problem& problem, const solver::PictureSp
 /// Of the i-th plot.
 std::string plot_file(const solver::Plan& plan, std::size_t i);
 
+/// Of the i-th graphs of laws and kernels.
+std::string graphs_file(const solver::Plan& plan, std::size_t i);
+
 /// A picture, or why there is none.
 struct Drawn {
   solver::Origin origin;
@@ -25,8 +28,8 @@ struct Drawn {
   bool asked_by_name = false;             ///< the script names the file
 };
 
-/// Draws every `picture` and every `plot` of the plan into `folder` (PNG, or SVG by the file's
-/// name). Vectors and tensors are shown by their Euclidean norm.
+/// Draws every `picture`, every `plot` and every graph of the plan into `folder` (PNG, or SVG by
+/// the file's name). Vectors and tensors are shown by their Euclidean norm.
 std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::RunResult& result,
                                  const solver::Shown& shown, const std::string& folder);
 

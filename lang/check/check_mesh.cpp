@@ -251,9 +251,50 @@ bool Checker::structured_mesh(const ast::Mesh& m, const ast::Call& call, const s
   return true;
 }
 
-bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
-  auto args = match(m.value, call, "gmsh",
-                    {"file", "refinements", "adapted", "at", "split", "axisymmetric"}, 1);
+namespace {
+
+bool is_geometry(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".geo";
+}
+
+bool is_geometry_file(const ast::Call& call) {
+  if (call.arguments.empty()) return false;
+  const auto* path = std::get_if<ast::String>(&call.arguments.front().value.node);
+  return path && is_geometry(path->text);
+}
+
+} // namespace
+
+/// Of a geometry, `gmsh("plate.geo", r = 0.1)`: arguments with names of no other meaning are
+/// constants of the file. They are taken out of the call.
+bool Checker::constants_of_geometry(ast::Call& call, const std::vector<std::string>& names,
+                                    solver::GeoConstants& out) {
+  bool good = true;
+  std::erase_if(call.arguments, [&](const ast::Argument& argument) {
+    if (!argument.name || std::ranges::find(names, argument.name->text) != names.end())
+      return false;
+    const std::string& name = argument.name->text;
+    const auto value = constant(argument.value, fmt::format("the constant `{}`", name));
+    if (std::ranges::find(out, name, &std::pair<std::string, double>::first) != out.end()) {
+      error("E0305", argument.span, fmt::format("the constant `{}` is given twice", name));
+      good = false;
+    }
+    good = good && value;
+    if (value) out.emplace_back(name, *value);
+    return true;
+  });
+  return good;
+}
+
+bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& written) {
+  const std::vector<std::string> names{"file", "refinements", "adapted",
+                                       "at",   "split",       "axisymmetric"};
+  ast::Call call = written;
+  MeshSpec spec;
+  if (is_geometry_file(call) && !constants_of_geometry(call, names, spec.constants)) return false;
+  auto args = match(m.value, call, "gmsh", names, 1);
   if (!args) return false;
   const auto* path = std::get_if<ast::String>(&(*args)[0]->node);
   if (!path) {
@@ -262,7 +303,6 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
   }
   auto full = allowed_path(path->text, (*args)[0]->span);
   if (!full) return false;
-  MeshSpec spec;
   spec.name = m.name.text;
   spec.origin = model_.origin((*args)[0]->span);
   spec.kind = MeshSpec::Kind::file;
@@ -279,9 +319,7 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
     spec.refinements = static_cast<int>(*n);
   }
   if (!adapted_cells((*args)[2], spec)) return false;
-  std::string extension = std::filesystem::path(*full).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  const bool geo = extension == ".geo";
+  const bool geo = is_geometry(*full);
   if (geo && !options_.allow_geo) {
     error("E0606", (*args)[0]->span, "a `.geo` file can run programs and is not read",
           "mesh it with gmsh, or " + options_.words.allow_geometry);
@@ -290,7 +328,7 @@ bool Checker::file_mesh(const ast::Mesh& m, const ast::Call& call) {
   try {
     solver::Straightening lost;
     const solver::Mesh mesh =
-        geo ? solver::mesh_geo_file(*full, &lost) : solver::read_msh(*full, &lost);
+        geo ? solver::mesh_geo_file(*full, &lost, spec.constants) : solver::read_msh(*full, &lost);
     for (const auto& f : straightened_cells(mesh, lost))
       diagnostics_.add(diagnose(f.code, (*args)[0]->span, f.message).with_help(f.help));
     model_.dim = mesh.dim;

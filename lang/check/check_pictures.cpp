@@ -28,7 +28,88 @@ std::optional<solver::FieldSpec> Checker::drawn_field(const ast::Expr& e, const 
   return f;
 }
 
+namespace {
+
+std::vector<const ast::Expr*> graphs_of(const ast::PictureItem& item) {
+  std::vector<const ast::Expr*> out{&item.field};
+  for (const ast::Expr& e : item.more) out.push_back(&e);
+  return out;
+}
+
+} // namespace
+
+/// Does this name a superpotential or a kernel?
+bool Checker::is_graph(const ast::Expr& e) const {
+  const auto* name = std::get_if<ast::Reference>(&e.node);
+  const int index = name ? find_declaration(name->name) : -1;
+  if (index < 0) return false;
+  const ast::Statement& statement = *declarations_[static_cast<std::size_t>(index)].statement;
+  return std::holds_alternative<ast::Superpotential>(statement) ||
+         std::holds_alternative<ast::Kernel>(statement);
+}
+
+/// One graph of a picture: a law of the inequality, or the kernel of a memory.
+bool Checker::graph(const ast::Expr& e, solver::GraphsSpec& out) {
+  const std::string& name = std::get<ast::Reference>(e.node).name;
+  const int declaration = find_declaration(name);
+  const auto& statement = *declarations_[static_cast<std::size_t>(declaration)].statement;
+  bool found = false;
+  if (std::holds_alternative<ast::Superpotential>(statement)) {
+    for (const bool of_vector : {false, true})
+      if (const auto law = law_index_.find({declaration, of_vector}); law != law_index_.end()) {
+        out.graphs.push_back({name, model_.laws[static_cast<std::size_t>(law->second)].spec});
+        found = true;
+      }
+    if (!found)
+      error("E0450", e.span, fmt::format("no term of the inequality has the law `{}`", name),
+            "a picture shows laws that act, with the values that they have there");
+    return found;
+  }
+  for (const ModelHistory& history : model_.histories)
+    if (history.name == name) {
+      out.graphs.push_back(
+          {name, solver::KernelSpec{name, model_.origin(history.span), history.kernel, {}}});
+      found = true;
+    }
+  if (!found)
+    error("E0450", e.span, fmt::format("no memory of the inequality has the kernel `{}`", name),
+          "a picture shows kernels that act");
+  return found;
+}
+
+/// `picture layer, slip, C`: graphs of laws and kernels beside each other.
+void Checker::graphs(const ast::PictureItem& item) {
+  solver::GraphsSpec spec;
+  spec.origin = model_.origin(item.span);
+  auto file = output_name(item.to);
+  bool good = file.has_value();
+  for (const ast::Expr* e : graphs_of(item)) {
+    if (!is_graph(*e)) {
+      error("E0450", e->span, "fields of the body have a picture each",
+            "only laws and kernels are drawn beside each other");
+      good = false;
+    } else {
+      good = graph(*e, spec) && good;
+    }
+  }
+  const auto no_use = [&](const std::optional<ast::Expr>& word, const char* what) {
+    if (word) error("E0450", word->span, fmt::format("{} of a law or a kernel", what));
+    good = good && !word;
+  };
+  no_use(item.deformed, "a deformation");
+  no_use(item.time, "a time");
+  if (item.to && item.to->text.ends_with(".apng")) {
+    error("E0412", item.to->span, "a graph does not move",
+          "a picture that stands still is a `.png` or an `.svg`");
+    good = false;
+  }
+  if (!good) return;
+  spec.file = *file;
+  model_.report.graphs.push_back(std::move(spec));
+}
+
 void Checker::picture(const ast::PictureItem& item) {
+  if (!item.more.empty() || is_graph(item.field)) return graphs(item);
   solver::PictureSpec spec;
   spec.origin = model_.origin(item.span);
   auto file = output_name(item.to);

@@ -223,7 +223,9 @@ void Checker::form_term(const ast::FormTerm& term, bool right, bool source) {
   if (source && (!check_integrand(out, term, true) || !take_source(out, integral.integrand.span)))
     return;
   if (!out.integrand.laws.empty() && !out.rule_given) out.rule = Rule::nodal;
-  if (!check_integrand(out, term, false) || !states_of_form(out, integral.integrand.span)) return;
+  if (!take_time(out, integral.integrand.span) || !check_integrand(out, term, false) ||
+      !states_of_form(out, integral.integrand.span))
+    return;
   law_factors(out, term);
   model_.terms.push_back(std::move(out));
 }
@@ -253,16 +255,7 @@ bool Checker::check_integrand(const ModelTerm& term, const ast::FormTerm& writte
           "bring the term to the left of >=");
     return false;
   }
-  const bool timed = f.scalar().depends_on(slot::t);
-  for (solver::Slot s : solver::slots_of(f.scalar())) {
-    if (!slot::is_field(s) || !timed || source) continue;
-    if (derivative(f.scalar(), s).depends_on(slot::t)) {
-      error("E0413", e.span, "a form that changes in time is not the problem of the theory",
-            "A and B do not depend on t; loads, laws and kernels q(t, s) may");
-      return false;
-    }
-  }
-  if (!find_->time && timed) {
+  if (!find_->time && f.scalar().depends_on(slot::t)) {
     error("E0412", e.span, "a static problem has no time `t`",
           "add `for t in [0, T] by N steps from u = 0` to the find statement");
     return false;

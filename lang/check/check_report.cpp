@@ -269,11 +269,21 @@ std::optional<std::string> Checker::output_name(const std::optional<ast::Text>& 
   return std::nullopt;
 }
 
+/// `from start`, which is of problems in time.
+bool Checker::from_start(const Span& words) {
+  if (!words.valid()) return false;
+  if (!model_.has_time)
+    error("E0412", words, "a static problem does not start",
+          "add `for t in [0, T] by N steps from u = 0` to the find statement");
+  return model_.has_time;
+}
+
 void Checker::table(const ast::TableItem& item) {
   solver::TableSpec spec;
   spec.origin = model_.origin(item.span);
   if (item.every)
     if (auto n = positive_integer(*item.every, "`every`")) spec.every = *n;
+  spec.from_start = from_start(item.from_start);
   auto file = output_name(item.to);
   for (const ast::Binding& b : item.columns) binding(b, spec);
   if (!file) return;
@@ -327,6 +337,7 @@ void Checker::fields(const ast::FieldsItem& item) {
   spec.origin = model_.origin(item.span);
   if (item.every)
     if (auto n = positive_integer(*item.every, "`every`")) spec.every = *n;
+  spec.from_start = from_start(item.from_start);
   auto file = output_name(item.to);
   for (const ast::Expr& e : item.fields)
     if (auto f = output_field(e)) spec.fields.push_back(std::move(*f));

@@ -300,6 +300,29 @@ void Checker::time_clause(const ast::Find& find) {
   model_.time.origin = model_.origin(find.time->span);
   time_grid(*find.time);
   initial_state(find);
+  check_static_start(find);
+}
+
+/// `u = static`, where nothing of the script has that name.
+bool Checker::is_static_start(const ast::InitialValue& initial) const {
+  const auto* name = std::get_if<ast::Reference>(&initial.value.node);
+  return name && name->name == "static" && !initial.rate && find_declaration("static") < 0;
+}
+
+/// All unknowns together are in equilibrium.
+void Checker::check_static_start(const ast::Find& find) {
+  if (!model_.starts_at_rest) return;
+  for (const ast::Unknown& u : find.unknowns) {
+    const auto given = std::ranges::find_if(find.time->initial, [&](const auto& initial) {
+      return initial.unknown.text == u.unknown.text && !initial.rate;
+    });
+    if (given != find.time->initial.end() && is_static_start(*given)) continue;
+    error(
+        "E0449", given == find.time->initial.end() ? find.time->initial.front().span : given->span,
+        fmt::format("`{}` does not start in equilibrium, and another unknown does", u.unknown.text),
+        fmt::format("write `{} = static`, or give all of them values", u.unknown.text));
+    return;
+  }
 }
 
 /// u(t0) and u'(t0) by component of all unknowns; what is not given is 0.
@@ -322,6 +345,10 @@ void Checker::initial_state(const ast::Find& find) {
       error("E0302", initial.span,
             fmt::format("the initial {} of `{}` is given twice",
                         initial.rate ? "velocity" : "state", initial.unknown.text));
+      continue;
+    }
+    if (is_static_start(initial)) {
+      model_.starts_at_rest = true;
       continue;
     }
     const auto value = initial_value(initial, unknown);

@@ -53,6 +53,7 @@ void Checker::states() {
   }
   for (std::size_t i = 0; i < model_.states.size(); ++i) {
     ModelState state = model_.states[i]; // rates may add others
+    if (state.declaration < 0) continue; // a clock
     if (!find_->time) {
       error("E0412", state.span,
             fmt::format("the state `{}` changes with time, and a static problem has none",
@@ -240,6 +241,59 @@ bool Checker::states_of_form(const ModelTerm& term, const Span& span) {
   return false;
 }
 
+/// The state of a body that is t at every time: its rate is 1.
+Symbol Checker::clock_on(int part) {
+  const auto [known, fresh] = clocks_.try_emplace(part, static_cast<int>(model_.states.size()));
+  if (fresh) {
+    ModelState clock;
+    clock.span = model_.parts[static_cast<std::size_t>(part)].span;
+    clock.rate_span = clock.span;
+    clock.spec.origin = model_.origin(clock.span);
+    clock.spec.name = "t on " + model_.parts[static_cast<std::size_t>(part)].name;
+    clock.spec.part = part;
+    clock.spec.rate = 1.0;
+    clock.spec.initial = model_.time.grid.empty() ? 0.0 : model_.time.grid.front();
+    model_.states.push_back(std::move(clock));
+  }
+  return Symbol::variable(slot::state(known->second));
+}
+
+/// A form in a body whose coefficients depend on t is one that a state changes, the time itself.
+bool Checker::take_time(ModelTerm& term, const Span& span) {
+  if (term.integrand.rank != 0 || !find_->time) return true;
+  const Symbol integrand = term.integrand.scalar();
+  std::vector<std::pair<solver::Slot, Symbol>> at_rest;
+  bool timed = term.factor.depends_on(slot::t), inertia = false;
+  for (const solver::Slot s : solver::slots_of(integrand)) {
+    if (!slot::is_field(s)) continue;
+    at_rest.emplace_back(s, Symbol(0.0));
+    if (!derivative(integrand, s).depends_on(slot::t)) continue;
+    timed = true;
+    inertia = inertia || slot::field_of(s) == solver::field_of_u(2);
+  }
+  if (at_rest.empty() || !timed) return true;
+  if (!term.integrand.laws.empty() && term.factor.depends_on(slot::t)) return true; // law_factors
+  const auto refuse = [&](const char* what, const char* help) {
+    error("E0413", span, what, help);
+    return false;
+  };
+  if (inertia)
+    return refuse("a mass that changes in time is not the problem of the theory",
+                  "a rate of the density is a term of its own, in u'");
+  if (model_.parts[static_cast<std::size_t>(term.part)].kind != solver::Group::Kind::cells)
+    return refuse("a form that changes in time stands on cells",
+                  "on a boundary a superpotential may depend on t: `bed(r) = 0.5*(1 + t)*r^2`");
+  if (!substitute(integrand, at_rest).is(0.0))
+    return refuse("a form that changes in time stands alone in its integral",
+                  "give what does not contain the unknown an integral of its own");
+  const std::vector<std::pair<solver::Slot, Symbol>> clock{{slot::t, clock_on(term.part)}};
+  term.integrand.components.front() = substitute(term.factor * integrand, clock);
+  for (MaterialUse& use : term.integrand.materials)
+    use.factor = substitute(term.factor * use.factor, clock);
+  term.factor = 1.0;
+  return true;
+}
+
 /// Laws and forms read states of their own part; states live where a law acts, or in a body.
 void Checker::check_states_of_laws() {
   std::set<int> with_laws;
@@ -256,7 +310,8 @@ void Checker::check_states_of_laws() {
     }
   }
   for (const ModelState& state : model_.states)
-    if (with_laws.count(state.spec.part) == 0 && !lives_in_body(state.spec.part))
+    if (state.declaration >= 0 && with_laws.count(state.spec.part) == 0 &&
+        !lives_in_body(state.spec.part))
       error("E0430", declarations_[state.declaration].span,
             fmt::format("no law acts on `{}`, where the state `{}` is to live",
                         model_.parts[state.spec.part].name, state.spec.name),

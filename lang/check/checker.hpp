@@ -7,6 +7,7 @@
 #include "lang/check/check.hpp"
 #include "lang/check/material_use.hpp"
 #include "lang/check/value.hpp"
+#include "solver/mesh/geo_constants.hpp"
 #include "solver/mesh/mesh.hpp"
 
 #include <array>
@@ -282,7 +283,9 @@ private:
                      solver::MeshSpec& spec);
   bool grading_of_mesh(const ast::Expr* written, int dim, solver::MeshSpec& spec);
   bool structured_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);
-  bool file_mesh(const ast::Mesh& mesh, const ast::Call& call);
+  bool constants_of_geometry(ast::Call& call, const std::vector<std::string>& names,
+                             solver::GeoConstants& out);
+  bool file_mesh(const ast::Mesh& m, const ast::Call& written);
   bool split_along(const ast::Expr* written, solver::MeshSpec& spec);
   solver::RegionSpec group_region(const std::string& group, const Span& span);
   bool geometry_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);
@@ -338,6 +341,8 @@ private:
   void time_grid(const ast::TimeClause& clause);
   void initial_state(const ast::Find& find);
   std::optional<std::vector<Symbol>> initial_value(const ast::InitialValue& initial, int unknown);
+  bool is_static_start(const ast::InitialValue& initial) const;
+  void check_static_start(const ast::Find& find);
   template <class T>
   void choose(const ast::Setting& setting, const std::string& what,
               const std::vector<std::pair<std::string, T>>& choices, T& out);
@@ -366,6 +371,8 @@ private:
   bool reads_states_of(const Span& span, const Symbol& expression, int part,
                        const std::string& who);
   std::optional<std::vector<int>> take_states(Symbol& expression, const Span& span);
+  Symbol clock_on(int part);
+  bool take_time(ModelTerm& term, const Span& span);
   bool states_of_form(const ModelTerm& term, const Span& span);
   bool lives_in_body(int part) const;
   void check_states_of_laws();
@@ -382,7 +389,11 @@ private:
   void reports();
   void table(const ast::TableItem& item);
   void fields(const ast::FieldsItem& item);
+  bool from_start(const Span& words);
   void picture(const ast::PictureItem& item);
+  bool is_graph(const ast::Expr& e) const;
+  void graphs(const ast::PictureItem& item);
+  bool graph(const ast::Expr& e, solver::GraphsSpec& out);
   void line(const ast::LineItem& item);
   void plot(const ast::PlotItem& item);
   void plots();
@@ -426,6 +437,7 @@ private:
   std::set<std::string> cuts_;      ///< groups along which the mesh is cut: each is a pair
   std::vector<std::string> pieces_; ///< their names; MeshValue i > 0 is pieces_[i - 1]
   std::map<std::pair<int, bool>, int> law_index_;
+  std::map<int, int> clocks_; ///< by part: the state that is t
   /// Cases in the body of the law being checked.
   struct LawCases {
     std::vector<Symbol> conditions;

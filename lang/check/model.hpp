@@ -131,6 +131,7 @@ struct Model {
   std::vector<ModelMaterial> materials;
   solver::TimeSpec time;
   bool has_time = false;
+  bool starts_at_rest = false; ///< from the solution of the static problem at the initial time
   solver::SolverOptions options;
   std::optional<double> accuracy;
   std::string accuracy_of;

@@ -115,6 +115,8 @@ Outputs outputs_of_run(const Script& script, const Options& options) {
       names.push_back(solver::line_file(report, i, title));
     for (std::size_t i = 0; i < report.plots.size(); ++i)
       names.push_back(plot_file(*script.plan, i));
+    for (std::size_t i = 0; i < report.graphs.size(); ++i)
+      names.push_back(graphs_file(*script.plan, i));
     if (options.checkpoint > 0 || options.resume)
       names.push_back(solver::checkpoint_path("", title).string());
     if (options.monitors || options.report) names.push_back(title + "_monitors.csv");

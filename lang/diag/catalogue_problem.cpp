@@ -96,12 +96,14 @@ find u in V for t in [0, 1] by 8 steps such that ... u' ...)",
 find u in V for t in [0, 1] by 8 steps from u = 0 such that ... u' ...)"},
     {"E0413", "form depends on time",
      R"(
-The operators A and B of the theory do not depend on t. Loads, superpotentials and kernels q(t, s)
-may.)",
+A form on cells may change in time: its coefficients are taken at the time of each step. Its integral
+holds the unknown in every term, and an inertia does not change. On a boundary a superpotential may
+depend on t, and so may loads and kernels q(t, s).)",
      R"(
-integral(slab, (1 + t) * B : eps(u) : eps(v)))",
+integral(ground, (1 + t) * dot(u, v)))",
      R"(
-integral(slab, B : eps(u) : eps(v)))"},
+superpotential bed(xi) = 0.5 * (1 + t) * norm(xi)^2
+... integral(ground, bed^0(u; v)))"},
     {"E0414", "argument and direction differ",
      R"(
 j^0(Mu; Mv) takes the same operator M twice: the trace, its normal or tangential part, a
@@ -369,6 +371,23 @@ report table worst = largest(body, mises(sigma)))",
      R"(
 tensor A = isotropic(lambda = 1, mu = 1)
 report table worst = largest(body, mises(sigma)))"},
+    {"E0449", "a static start",
+     R"(
+`from u = static` begins with the solution of the static problem at the initial time: what stands
+against rates and memories is zero there, and states have their initial values. All unknowns start so,
+or none. A law on rates that exerts a force where nothing moves has none that a static problem knows.)",
+     R"(
+find u in V, theta in W for t in [0, 1] by 8 steps from u = static, theta = 20)",
+     R"(
+find u in V, theta in W for t in [0, 1] by 8 steps from u = static, theta = static)"},
+    {"E0450", "graphs of laws and kernels",
+     R"(
+`picture layer, slip, C` shows laws and kernels of the inequality as graphs, one beside the other, jumps
+as vertical lines. They have no deformation and no time. A field of the body has a picture of its own.)",
+     R"(
+report picture layer deformed = 10)",
+     R"(
+report picture layer)"},
 });
 
 } // namespace

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -18,6 +19,14 @@ std::string with_minus(std::string text) {
   return text;
 }
 
+std::vector<double> multiples(double step, double low, double high) {
+  std::vector<double> out;
+  constexpr double rounding = 1e-9;
+  for (double k = std::ceil(low / step - rounding); k * step <= high + rounding * step; ++k)
+    out.push_back(k == 0.0 ? 0.0 : k * step);
+  return out;
+}
+
 } // namespace
 
 std::vector<double> ticks(double low, double high, int wanted) {
@@ -25,11 +34,11 @@ std::vector<double> ticks(double low, double high, int wanted) {
   const double rough = (high - low) / std::max(wanted, 1);
   const double power = std::pow(10.0, std::floor(std::log10(rough)));
   const double digit = rough / power;
-  const double step = power * (digit < 1.5 ? 1.0 : digit < 3.5 ? 2.0 : digit < 7.5 ? 5.0 : 10.0);
-  std::vector<double> out;
-  constexpr double rounding = 1e-9;
-  for (double k = std::ceil(low / step - rounding); k * step <= high + rounding * step; ++k)
-    out.push_back(k == 0.0 ? 0.0 : k * step);
+  constexpr std::array steps{10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1};
+  std::size_t at = digit < 1.5 ? 3 : digit < 3.5 ? 2 : digit < 7.5 ? 1 : 0;
+  std::vector<double> out = multiples(power * steps[at], low, high);
+  while (out.size() < 2 && ++at < steps.size()) // one number is no scale
+    out = multiples(power * steps[at], low, high);
   return out;
 }
 

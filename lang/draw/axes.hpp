@@ -18,7 +18,8 @@ struct Plane {
   }
 };
 
-/// Multiples of 1, 2 or 5 times a power of ten in [low, high], about as many as are wanted.
+/// Multiples of 1, 2 or 5 times a power of ten in [low, high], about as many as are wanted, and two
+/// at least.
 std::vector<double> ticks(double low, double high, int wanted);
 /// A few digits; a proper minus sign.
 std::string number_text(double x);

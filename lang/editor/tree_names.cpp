@@ -55,6 +55,7 @@ public:
   }
   void operator()(const ast::PictureItem& item) {
     visit(item.field), visit(item.deformed), visit(item.time);
+    for (const ast::Expr& field : item.more) visit(field);
   }
   void operator()(const ast::LineItem& item) {
     for (const ast::Expr& field : item.fields) visit(field);

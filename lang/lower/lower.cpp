@@ -1,6 +1,7 @@
 // Model to plan.
 #include "lang/lower/lower.hpp"
 
+#include "lang/lower/at_rest.hpp"
 #include "lang/lower/effects.hpp"
 
 #include <fmt/format.h>
@@ -257,6 +258,16 @@ private:
 
 } // namespace
 
-solver::Plan lower(Model& model) { return Lowering(model).run(); }
+solver::Plan lower(Model& model) {
+  std::shared_ptr<const solver::Plan> start;
+  if (model.starts_at_rest) {
+    Model rest = at_rest(model);
+    start = std::make_shared<const solver::Plan>(Lowering(rest).run());
+    model.origins = std::move(rest.origins);
+  }
+  solver::Plan out = Lowering(model).run();
+  out.start = std::move(start);
+  return out;
+}
 
 } // namespace hvi::lang

@@ -30,6 +30,10 @@ double end_of(const solver::Problem& problem) {
   return problem.time.grid.empty() ? 1.0 : problem.time.grid.back();
 }
 
+double begin_of(const solver::Problem& problem) {
+  return problem.time.grid.empty() ? 0.0 : problem.time.grid.front();
+}
+
 Json laws_json(const solver::Problem& problem) {
   Json out = Json::array();
   std::set<int> shown;
@@ -53,9 +57,10 @@ Json laws_json(const solver::Problem& problem) {
 Json kernels_json(const solver::Problem& problem) {
   Json out = Json::array();
   for (const solver::HistoryTerm& history : problem.histories)
-    out.push_back({{"name", history.kernel.name},
-                   {"note", ""},
-                   {"graph", curve_json(kernel_curve(history.kernel, end_of(problem)))}});
+    out.push_back(
+        {{"name", history.kernel.name},
+         {"note", ""},
+         {"graph", curve_json(kernel_curve(history.kernel, begin_of(problem), end_of(problem)))}});
   return out;
 }
 

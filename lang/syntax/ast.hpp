@@ -380,6 +380,7 @@ struct TableItem {
   Span keyword;
   std::vector<Binding> columns;
   std::optional<Expr> every; // steps
+  Span from_start;           // invalid: not from the start
   std::optional<Text> to;
 };
 
@@ -388,14 +389,16 @@ struct FieldsItem {
   Span keyword;
   std::vector<Expr> fields;
   std::optional<Expr> every; // steps
+  Span from_start;           // invalid: not from the start
   std::optional<Text> to;
 };
 
-/// picture field [deformed = factor] [at t = time]
+/// picture field [deformed = factor] [at t = time]; or of laws and kernels, one beside the other
 struct PictureItem {
   Span span;
   Span keyword;
   Expr field;
+  std::vector<Expr> more; // further ones
   std::optional<Expr> deformed;
   std::optional<Expr> time;
   std::optional<Text> to;

@@ -240,6 +240,7 @@ void LayoutMaker::operator()(const ast::FieldsItem& node) {
 
 void LayoutMaker::operator()(const ast::PictureItem& node) {
   expr(node.field);
+  for (const ast::Expr& field : node.more) expr(field);
   optional(node.deformed);
   optional(node.time);
 }

@@ -35,9 +35,11 @@ bool Parser::at_report_item() const {
          at_word("plot");
 }
 
-// report-item = "table" binding { "," binding } [ "every" expr "steps" ] [ "to" string ]
-//             | "fields" expr { "," expr } [ "every" expr "steps" ] [ "to" string ]
-//             | "picture" expr [ "deformed" "=" expr ] [ "at" "t" "=" expr ] [ "to" string ]
+// report-item = "table" binding { "," binding } [ "every" expr "steps" ] [ "from" "start" ]
+//               [ "to" string ]
+//             | "fields" expr { "," expr } [ "every" expr "steps" ] [ "from" "start" ] [ "to"
+//             string ] | "picture" expr { "," expr } [ "deformed" "=" expr ] [ "at" "t" "=" expr ]
+//               [ "to" string ]
 //             | "line" expr { "," expr } "from" list "to" list "by" expr "points"
 //               [ "at" "t" "=" expr ] [ "to" string ]
 //             | "plot" name { "," name } "against" name [ "to" string ] ;
@@ -56,6 +58,7 @@ ast::TableItem Parser::table_item() {
   do result.columns.push_back(binding());
   while (accept(TokenKind::comma));
   result.every = every_steps();
+  result.from_start = from_start();
   result.to = to_file();
   result.span = span_from(result.keyword);
   return result;
@@ -67,6 +70,7 @@ ast::FieldsItem Parser::fields_item() {
   do result.fields.push_back(expr());
   while (accept(TokenKind::comma));
   result.every = every_steps();
+  result.from_start = from_start();
   result.to = to_file();
   result.span = span_from(result.keyword);
   return result;
@@ -76,6 +80,7 @@ ast::PictureItem Parser::picture_item() {
   ast::PictureItem result;
   result.keyword = take().span;
   result.field = expr();
+  while (accept(TokenKind::comma)) result.more.push_back(expr());
   if (accept_word("deformed")) {
     expect(TokenKind::equal, "`=` and how many times the displacement is drawn");
     result.deformed = expr();
@@ -136,6 +141,14 @@ std::optional<ast::Expr> Parser::every_steps() {
   ast::Expr result = expr();
   expect_word("steps");
   return result;
+}
+
+// Of tables and fields: they have the initial state, too.
+Span Parser::from_start() {
+  if (!at_word("from")) return {};
+  const Span first = take().span;
+  expect_word("start");
+  return span_from(first);
 }
 
 std::optional<ast::Text> Parser::to_file() {

@@ -361,6 +361,7 @@ void Printer::operator()(const ast::TableItem& node) {
   const Indent indent(*this);
   for (const ast::Binding& column : node.columns) binding(column);
   optional("every: ", node.every);
+  if (node.from_start.valid()) line("from start", node.from_start);
   optional("to: ", node.to);
 }
 
@@ -377,6 +378,7 @@ void Printer::operator()(const ast::FieldsItem& node) {
   const Indent indent(*this);
   for (const ast::Expr& field : node.fields) print("", field);
   optional("every: ", node.every);
+  if (node.from_start.valid()) line("from start", node.from_start);
   optional("to: ", node.to);
 }
 
@@ -384,6 +386,7 @@ void Printer::operator()(const ast::PictureItem& node) {
   line("picture", node.span);
   const Indent indent(*this);
   print("", node.field);
+  for (const ast::Expr& field : node.more) print("", field);
   optional("deformed: ", node.deformed);
   optional("t: ", node.time);
   optional("to: ", node.to);

@@ -35,7 +35,7 @@ Mesh from_file(const MeshSpec& spec) {
     throw Failure(FailureKind::unasked_geometry, spec.origin,
                   fmt::format("{} is a geometry, not a mesh, and a geometry file can run programs",
                               spec.path));
-  return mesh_geo_file(spec.path);
+  return mesh_geo_file(spec.path, nullptr, spec.constants);
 }
 
 Mesh make(const MeshSpec& spec) {

@@ -4,12 +4,15 @@
 #include "solver/common/failure.hpp"
 #include "solver/common/open_module.hpp"
 #include "solver/common/out_of_memory.hpp"
+#include "solver/common/read_file.hpp"
 #include "solver/mesh/geometries.hpp"
 #include "solver/mesh/gmsh/bridge.h"
 #include "solver/mesh/raw_mesh.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -101,7 +104,34 @@ Mesh generate_geometry(const std::string& name, const std::vector<double>& given
   return assemble(collector.raw, description);
 }
 
-Mesh mesh_geo_file(const std::string& path, Straightening* straightened) {
+namespace {
+
+/// The constants as commands of gmsh: what is set before DefineConstant stays.
+std::string commands(const std::string& path, const GeoConstants& constants) {
+  if (constants.empty()) return {};
+  const std::string text = read_file(path).value_or("");
+  const auto known = geo_constants(text);
+  const bool elsewhere = text.find("Include") != std::string::npos; // more may be defined there
+  std::string out;
+  for (const auto& [name, value] : constants) {
+    if (!elsewhere && std::ranges::find(known, name) == known.end())
+      throw Failure(FailureKind::bad_value, {},
+                    fmt::format("{} defines no constant `{}`",
+                                std::filesystem::path(path).filename().string(), name),
+                    known.empty()
+                        ? fmt::format("in the file: DefineConstant[ {} = {} ];", name, value)
+                        : fmt::format("it defines {}", fmt::join(known, ", ")));
+    out += fmt::format("{} = {:.17g};\n", name, value);
+  }
+  if (path.find_first_of("\"\n") != std::string::npos)
+    throw Failure(FailureKind::bad_value, {}, "a file whose name has a quotation mark in it");
+  return out;
+}
+
+} // namespace
+
+Mesh mesh_geo_file(const std::string& path, Straightening* straightened,
+                   const GeoConstants& constants) {
   const std::string name = std::filesystem::path(path).filename().string();
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
@@ -110,7 +140,9 @@ Mesh mesh_geo_file(const std::string& path, Straightening* straightened) {
   const auto mesh_file = entry<HviGmshMeshFile>("hvi_gmsh_mesh_file");
   const HviGmshSink sink = collector.sink();
   std::string message(message_size, '\0');
-  const int status = mesh_file(path.c_str(), &sink, message.data(), message.size());
+  const int status =
+      mesh_file(std::filesystem::absolute(path).c_str(), commands(path, constants).c_str(), &sink,
+                message.data(), message.size());
   if (status == hvi_gmsh_no_memory) throw OutOfMemory("no memory to mesh with gmsh");
   if (status != 0)
     throw Failure(FailureKind::broken_file, {},

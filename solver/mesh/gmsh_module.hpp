@@ -1,6 +1,7 @@
 // Geometry and mesh generation through libgmsh, loaded only when a plan asks for it.
 #pragma once
 
+#include "solver/mesh/geo_constants.hpp"
 #include "solver/mesh/mesh.hpp"
 #include "solver/mesh/straightening.hpp"
 
@@ -26,7 +27,9 @@ const std::vector<GeometryInfo>& geometries();
 /// Failure(bad_value) for impossible numbers, Failure(limit) for too many cells,
 /// Failure(missing_file) when the gmsh module cannot be loaded.
 Mesh generate_geometry(const std::string& name, const std::vector<double>& numbers);
-/// Meshes a .geo file (it can run programs: only where the user allows it).
-Mesh mesh_geo_file(const std::string& path, Straightening* straightened = nullptr);
+/// Meshes a .geo file (it can run programs: only where the user allows it). Throws
+/// Failure(bad_value) for a constant that the file does not define.
+Mesh mesh_geo_file(const std::string& path, Straightening* straightened = nullptr,
+                   const GeoConstants& constants = {});
 
 } // namespace hvi::solver

@@ -6,6 +6,7 @@
 #include "solver/plan/problem.hpp"
 #include "solver/plan/report.hpp"
 
+#include <memory>
 #include <string>
 
 namespace hvi::solver {
@@ -14,6 +15,9 @@ struct Plan {
   Problem problem;       ///< what is stated
   SolverOptions options; ///< how it is solved
   ReportSpec report;     ///< what is asked of it
+  /// Set: the run begins with the last state of this problem, which is one of the same unknowns on
+  /// the same mesh and has the same laws or some of them.
+  std::shared_ptr<const Plan> start{};
 };
 
 /// The whole plan in a readable, stable text (hvi-run dump --plan).

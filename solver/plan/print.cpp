@@ -64,7 +64,9 @@ std::string field_name(int field) {
 
 class Printer {
 public:
-  explicit Printer(const Problem& problem) : problem_(problem) {}
+  /// `starts_static`: from the last state of another problem, not from given values.
+  Printer(const Problem& problem, bool starts_static)
+      : problem_(problem), starts_static_(starts_static) {}
 
   std::string print(const SolverOptions& options, const ReportSpec& report) && {
     line("plan `{}`", problem_.title);
@@ -110,6 +112,7 @@ private:
       return;
     case MeshSpec::Kind::file:
       line("mesh `{}` file \"{}\"", m.name, m.path);
+      for (const auto& [name, value] : m.constants) line("  constant {} = {}", name, number(value));
       break;
     case MeshSpec::Kind::geometry:
       line("mesh `{}` {} {} {}", m.name, kind, m.geometry, numbers(m.numbers));
@@ -250,7 +253,10 @@ private:
       line("  grid {} ... {}, {} steps", number(t.grid.front()), number(t.grid.back()),
            t.grid.size() - 1);
     if (t.interpolant == Interpolant::constant) line("  constant between grid times");
-    line("  from {}", t.initial.empty() ? "0" : expressions(t.initial));
+    if (starts_static_)
+      line("  from the solution of the static problem");
+    else
+      line("  from {}", t.initial.empty() ? "0" : expressions(t.initial));
     if (in_motion(problem_))
       line("  with the velocity {}", t.velocity ? expressions(*t.velocity) : "0");
   }
@@ -293,9 +299,10 @@ private:
   void print(const ReportSpec& r) {
     for (std::size_t i = 0; i < r.probes.size(); ++i) probe(i, r.probes[i]);
     for (const auto& table : r.tables)
-      line("table {} every {}{}", numbers(table.probes), table.every, to_file(table.file));
+      line("table {} every {}{}{}", numbers(table.probes), table.every, of_start(table.from_start),
+           to_file(table.file));
     for (const auto& fields : r.fields) {
-      line("fields every {}{}", fields.every, to_file(fields.file));
+      line("fields every {}{}{}", fields.every, of_start(fields.from_start), to_file(fields.file));
       for (const auto& field : fields.fields)
         line("  `{}` = {}", field.name, expressions(field.components));
     }
@@ -311,6 +318,11 @@ private:
     }
     for (const auto& plot : r.plots)
       line("plot {} against {}{}", fmt::join(plot.columns, ", "), plot.against, to_file(plot.file));
+    for (const auto& graphs : r.graphs) {
+      std::vector<std::string> names;
+      for (const auto& graph : graphs.graphs) names.push_back(graph.name);
+      line("graph {}{}", fmt::join(names, ", "), to_file(graphs.file));
+    }
   }
 
   std::string at_time(const std::optional<double>& time) const {
@@ -320,14 +332,17 @@ private:
     return file.empty() ? "" : " to \"" + file + "\"";
   }
 
+  static std::string of_start(bool from_start) { return from_start ? " from the start" : ""; }
+
   const Problem& problem_;
+  bool starts_static_;
   std::string out_;
 };
 
 } // namespace
 
 std::string to_string(const Plan& plan) {
-  return Printer(plan.problem).print(plan.options, plan.report);
+  return Printer(plan.problem, plan.start != nullptr).print(plan.options, plan.report);
 }
 
 } // namespace hvi::solver

@@ -16,8 +16,10 @@
 
 #include <array>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hvi::solver {
@@ -38,8 +40,10 @@ struct MeshSpec {
   bool allow_geo = false;
   std::string geometry;        ///< geometry: a gmsh model of ours ("disk", "bracket"...)
   std::vector<double> numbers; ///< its numbers
-  int refinements = 0;         ///< uniform refinements after that
-  bool axisymmetric = false;   ///< x is r, y is z: Mesh::axisymmetric
+  /// file: a .geo file, of which these constants have other values.
+  std::vector<std::pair<std::string, double>> constants;
+  int refinements = 0;       ///< uniform refinements after that
+  bool axisymmetric = false; ///< x is r, y is z: Mesh::axisymmetric
   int adapted = 0; ///< then bisected to so many cells where an error indicator says; 0: not
   Point at{};      ///< file and geometry: then moved by this vector
   /// file: then cut along these groups, of which `crack` becomes `crack.first`, `crack.second`.
@@ -262,6 +266,13 @@ enum class Interpolant { affine, constant };
 
 inline constexpr double default_hht_alpha = -0.1;
 
+/// What a run has found to begin with.
+struct StartState {
+  std::vector<double> u;  ///< of all degrees of freedom
+  std::vector<int> terms; ///< the law terms whose multipliers are known,
+  std::vector<double> xi; ///< and these, term by term
+};
+
 struct TimeSpec {
   Origin origin;
   bool is_static = true;    ///< one step, no u', no memory
@@ -270,6 +281,7 @@ struct TimeSpec {
   LoadSampling sampling = LoadSampling::endpoint;
   Interpolant interpolant = Interpolant::affine; ///< read by probes at times of their own
   std::vector<Expr> initial; ///< u(t0) by component of all unknowns, of slot::x; empty: 0
+  std::shared_ptr<const StartState> start; ///< set by a run (Plan::start): instead of `initial`
   /// u'(t0), where there is u''. None: 0, and what imposed values say.
   std::optional<std::vector<Expr>> velocity;
   Origin velocity_origin;

@@ -3,6 +3,8 @@
 
 #include "solver/plan/problem.hpp"
 
+#include <variant>
+
 namespace hvi::solver {
 
 /// An expression of position, t, normal, fields (slot::field) and multipliers (slot::multiplier).
@@ -28,7 +30,8 @@ struct TableSpec {
   Origin origin;
   std::vector<int> probes;
   int every = 1;
-  std::string file; ///< "" : the default
+  bool from_start = false; ///< the first row is that of the initial time
+  std::string file;        ///< "" : the default
 };
 
 /// A field written to VTU. One component: scalar; dim: vector; dim*dim (axisymmetric: 9): tensor.
@@ -43,6 +46,7 @@ struct FieldsSpec {
   Origin origin;
   std::vector<FieldSpec> fields;
   int every = 1;
+  bool from_start = false; ///< the first files are those of the initial time
   std::string file;
 };
 struct PictureSpec {
@@ -69,6 +73,18 @@ struct PlotSpec {
   std::string file;
 };
 
+/// A law or a kernel as a graph; nothing of it is computed.
+struct GraphSpec {
+  std::string name;
+  std::variant<LawSpec, KernelSpec> of;
+};
+/// Graphs side by side.
+struct GraphsSpec {
+  Origin origin;
+  std::vector<GraphSpec> graphs;
+  std::string file;
+};
+
 struct ReportSpec {
   std::vector<Probe> probes;
   std::vector<TableSpec> tables;
@@ -76,6 +92,7 @@ struct ReportSpec {
   std::vector<PictureSpec> pictures;
   std::vector<LineSpec> lines;
   std::vector<PlotSpec> plots;
+  std::vector<GraphsSpec> graphs;
 };
 
 } // namespace hvi::solver

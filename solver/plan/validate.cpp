@@ -464,6 +464,7 @@ std::vector<Failure> validate(const Plan& plan, int dim) {
   auto out = validate(plan.problem, dim);
   std::ranges::move(validate(plan.options), std::back_inserter(out));
   std::ranges::move(validate(plan.report, plan.problem, dim), std::back_inserter(out));
+  if (plan.start) std::ranges::move(validate(*plan.start, dim), std::back_inserter(out));
   return out;
 }
 

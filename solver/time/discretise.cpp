@@ -244,7 +244,7 @@ std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& 
                     "every degree of freedom is imposed: nothing is left to solve for");
   });
   if (spaced) check_pairs(plan.problem, out, failures);
-  if (spaced) collect(failures, [&] { check_initial(plan.problem, out); });
+  if (spaced && !plan.start) collect(failures, [&] { check_initial(plan.problem, out); });
   if (spaced) collect(failures, [&] { check_velocity(plan.problem, out); });
   if (!failures.empty()) return failures;
   failures = outside_domains(plan, out);

@@ -2,6 +2,7 @@
 #include "solver/time/fields.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hvi::solver {
 
@@ -75,6 +76,15 @@ void Snapshot::take(const RunState& run, bool whole) {
   states_ = run.states();
   t_ = run.evolution.t();
   step_ = run.evolution.step();
+}
+
+void Snapshot::take_start(const RunState& run, bool moves) {
+  take(run);
+  const bool balance = run.solver.equations.laws.start_known();
+  const auto forget = [](Vector& v) { v.setConstant(std::nan("")); };
+  for (int j = 1; j <= highest_derivative; ++j)
+    if (needed_[field_of_u(j)] && !(balance || (moves && j == 1))) forget(fields_[field_of_u(j)]);
+  if (!balance) forget(xi_);
 }
 
 void Snapshot::move(const ErrorSample& error, double step) {

@@ -72,6 +72,7 @@ std::optional<Restart> OneRun::take_step(LapClock<>& clock) {
                                                  : FailureKind::interrupted,
                   {}, fmt::format("interrupted before step {}", n));
   }
+  if (n == 1) reporter_.begin(state_);
   if (auto restart = step(n)) return restart;
   clock.charge(result_.timing.steps);
   record(n == steps);

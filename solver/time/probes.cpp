@@ -149,6 +149,15 @@ void ProbeSet::evaluate(const Snapshot& snapshot, const Snapshot& before,
   combine(snapshot.t(), values);
 }
 
+void ProbeSet::evaluate_start(const Snapshot& snapshot, bool balance, std::span<double> values) {
+  const bool reactions = balance && !reactions_.look_back(); // else they are those of a step
+  for (int i = 0; i < size(); ++i) {
+    if (probes_[i].time || probes_[i].kind == Probe::Kind::combination) continue;
+    values[i] = of_steps(i) && !reactions ? std::nan("") : value(i, snapshot, snapshot);
+  }
+  combine(snapshot.t(), values);
+}
+
 void ProbeSet::evaluate_here(const Snapshot& snapshot, const Snapshot& before,
                              std::span<double> values) {
   for (int i = 0; i < size(); ++i)

@@ -21,6 +21,8 @@ public:
   /// combinations are formed from what then stands there. `before`: of the step before, where
   /// they look back.
   void evaluate(const Snapshot& snapshot, const Snapshot& before, std::span<double> values);
+  /// Before the first step. `balance`: forces are known, and reactions are.
+  void evaluate_start(const Snapshot& snapshot, bool balance, std::span<double> values);
   /// All of them at this snapshot, those with a time of their own, too.
   void evaluate_here(const Snapshot& snapshot, const Snapshot& before, std::span<double> values);
   /// Adds to each floor how much its probe changes when a reaction, of those that it is made of,

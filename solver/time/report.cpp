@@ -63,8 +63,8 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, const RunState& ru
 void Reporter::prepare_tables(const std::string& name) {
   for (std::size_t i = 0; i < plan_.report.tables.size(); ++i) {
     const auto& spec = plan_.report.tables[i];
-    tables_.push_back(
-        {spec.probes, std::max(spec.every, 1), table_stem(plan_.report, i, name) + ".csv"});
+    tables_.push_back({spec.probes, std::max(spec.every, 1), spec.from_start,
+                       table_stem(plan_.report, i, name) + ".csv"});
     base_every_ = std::gcd(base_every_, tables_.back().every);
   }
 }
@@ -76,10 +76,10 @@ void Reporter::prepare_fields(const Discretisation& d, const RunState& run,
   auto expressions = probes_.expressions();
   for (std::size_t i = 0; writes_ && i < plan_.report.fields.size(); ++i) {
     const auto& spec = plan_.report.fields[i];
-    fields_.emplace_back(std::max(spec.every, 1),
-                         FieldFiles(plan_.problem, d, contact_, spec, folder_,
-                                    fields_stem(plan_.report, i, settings.name), durability));
-    const auto more = fields_.back().second.expressions();
+    fields_.push_back({std::max(spec.every, 1), spec.from_start,
+                       FieldFiles(plan_.problem, d, contact_, spec, folder_,
+                                  fields_stem(plan_.report, i, settings.name), durability)});
+    const auto more = fields_.back().files.expressions();
     expressions.insert(expressions.end(), more.begin(), more.end());
   }
   const auto timed = [](const auto& spec) { return spec.time.has_value(); };
@@ -109,27 +109,44 @@ void Reporter::record(const RunState& run, bool last) {
   if (step == last_recorded_) return;
   range_.note(run);
   const bool row = base_every_ > 0 && due(base_every_, step, last);
-  const bool any_fields = std::any_of(fields_.begin(), fields_.end(), [&](const auto& files) {
-    return due(files.first, step, last);
-  });
+  const bool any_fields = std::ranges::any_of(
+      fields_, [&](const FieldSeries& series) { return due(series.every, step, last); });
   const bool shows = shown_ && shown_->keeps(step, last);
   const bool whole = any_fields || shows || last || (row && rows_read_interior_);
   if (row || whole || keeps_before_) now_.take(run, whole);
   if (keeps_before_) read_between_steps(run);
   if (row || last) {
     probes_.evaluate(now_, before_, values_);
-    rows_.push_back(step);
-    times_.push_back(run.evolution.t());
-    events_.push_back(std::exchange(pending_events_, 0));
-    for (std::size_t i = 0; i < values_.size(); ++i) columns_[i].push_back(values_[i]);
+    add_row(run);
   }
-  for (auto& files : fields_)
-    if (due(files.first, step, last)) attempt([&] { files.second.write(now_, written_); });
+  for (FieldSeries& series : fields_)
+    if (due(series.every, step, last)) attempt([&] { series.files.write(now_, written_); });
   if (last) show_at_end();
   if (shows) shown_->keep(now_, run, last);
   if (keeps_before_) before_ = now_;
   ended_ = last;
   last_recorded_ = step;
+}
+
+void Reporter::add_row(const RunState& run) {
+  rows_.push_back(run.evolution.step());
+  times_.push_back(run.evolution.t());
+  events_.push_back(std::exchange(pending_events_, 0));
+  for (std::size_t i = 0; i < values_.size(); ++i) columns_[i].push_back(values_[i]);
+}
+
+void Reporter::begin(const RunState& run) {
+  const auto wanted = [](const auto& item) { return item.from_start; };
+  const bool row = std::ranges::any_of(tables_, wanted);
+  if (!row && std::ranges::none_of(fields_, wanted)) return;
+  now_.take_start(run, in_motion(plan_.problem));
+  if (row) {
+    const bool balance = run.solver.equations.laws.start_known();
+    probes_.evaluate_start(now_, balance, values_);
+    add_row(run);
+  }
+  for (FieldSeries& series : fields_)
+    if (series.from_start) attempt([&] { series.files.write(now_, written_); });
 }
 
 void Reporter::mark(const StepResult& outcome) {
@@ -242,11 +259,11 @@ ReportTable Reporter::table_rows(const TableFile& table, std::size_t first, std:
   if (with_events) out.names.emplace_back(event_column);
   out.columns.resize(out.names.size());
   std::int64_t events = 0; // of the rows that this table leaves out, too
-  while (first > 0 && !due(table.every, rows_[first - 1], false)) --first; // their events
+  while (first > 0 && !has_row(table, rows_[first - 1], false)) --first; // their events
   for (std::size_t r = first; r < end; ++r) {
     if (events_[r] > 0) events = std::max<std::int64_t>(events, 0) + events_[r];
     if (events_[r] < 0) events = events_[r];
-    if (!due(table.every, rows_[r], ends && r + 1 == rows_.size())) continue;
+    if (!has_row(table, rows_[r], ends && r + 1 == rows_.size())) continue;
     if (with_events) out.columns.back().push_back(static_cast<double>(std::exchange(events, 0)));
     out.columns[0].push_back(times_[r]);
     for (std::size_t c = 0; c < table.probes.size(); ++c)
@@ -286,7 +303,7 @@ void Reporter::finish(RunResult& result) {
         write_atomically(folder_ / file, csv_text(lines_[i].table()));
         written_.push_back(file);
       });
-  for (auto& files : fields_) attempt([&] { files.second.write_collection(); });
+  for (auto& series : fields_) attempt([&] { series.files.write_collection(); });
   result.files = written_;
 }
 

@@ -40,6 +40,10 @@ public:
   Reporter(const Plan& plan, const Discretisation& discretisation, const RunState& run,
            const RunSettings& settings, Shown* shown = nullptr);
 
+  /// Before the first step: the initial state, where tables or files begin with it. What is not
+  /// known at the initial time is NaN: rates of problems without u'', multipliers and reactions,
+  /// unless the run starts in a balance of forces.
+  void begin(const RunState& run);
   /// Records an accepted step: rows and files that are due (`last`: all of them).
   void record(const RunState& run, bool last);
   /// By probe, at the last step that had a row; NaN where the time of one has not come.
@@ -68,6 +72,7 @@ private:
   struct TableFile {
     std::vector<int> probes;
     int every;
+    bool from_start;
     std::string file;
     std::size_t streamed = 0; ///< rows recorded that were looked at for the file; 0: no file yet
     bool streamed_events = false; ///< the file has the column of events
@@ -86,6 +91,10 @@ private:
                          bool with_events, bool ends) const;
   void stream_table(TableFile& table, std::size_t rows, bool with_events);
   bool due(int every, int step, bool last) const { return last || step % every == 0; }
+  bool has_row(const TableFile& table, int step, bool last) const {
+    return step > 0 ? due(table.every, step, last) : table.from_start;
+  }
+  void add_row(const RunState& run);
 
   const Plan& plan_;
   const Space& space_;
@@ -95,7 +104,12 @@ private:
   bool writes_;
   ProbeSet probes_;
   std::vector<TableFile> tables_;
-  std::vector<std::pair<int, FieldFiles>> fields_; ///< every, files
+  struct FieldSeries {
+    int every;
+    bool from_start;
+    FieldFiles files;
+  };
+  std::vector<FieldSeries> fields_;
   Snapshot now_, before_, between_;
   bool keeps_before_ = false, rows_read_interior_ = false;
   int base_every_ = 0; ///< greatest common divisor of the tables' `every`

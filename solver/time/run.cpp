@@ -15,11 +15,13 @@
 #include "solver/time/checkpoint.hpp"
 #include "solver/time/one_run.hpp"
 #include "solver/time/restarts.hpp"
+#include "solver/time/start_state.hpp"
 #include "solver/time/trust.hpp"
 
 #include <optional>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 namespace hvi::solver {
 namespace {
@@ -63,6 +65,13 @@ RunOutcome run_once(const Plan& plan, const Discretisation& discretisation,
 /// makes the run start again for the later one.
 RunResult run_all(const Plan& plan, const Discretisation& discretisation,
                   const RunSettings& settings, RunResult* partial, Shown* shown) {
+  if (plan.start) {
+    std::vector<StepNote> notes;
+    const Plan begun = with_start_solved(plan, discretisation, settings, notes);
+    RunResult result = run_all(begun, discretisation, settings, partial, shown);
+    result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
+    return result;
+  }
   Restarts restarts;
   restarts.routes.assign(plan.problem.histories.size(), -1);
   std::optional<std::string> saved = saved_state(plan, discretisation, settings);

@@ -4,6 +4,7 @@
 #include "solver/common/memory_room.hpp"
 #include "solver/linear/mixed/mixed_solves.hpp"
 #include "solver/time/start_motion.hpp"
+#include "solver/time/start_state.hpp"
 
 namespace hvi::solver {
 namespace {
@@ -39,6 +40,7 @@ RunState::RunState(const Plan& plan, const Discretisation& d)
   trial.d = trial.kd = trial.gap = Vector::Zero(formulation->layout().n_unknowns);
   trial.z = trial.dz = Vector::Zero(contact().n_rows());
   evolution.start();
+  if (plan.problem.time.start) take_start(plan.problem, *this);
   if (in_motion(plan.problem)) start_motion(plan, d, *this);
 }
 

@@ -126,7 +126,7 @@ void Reporter::save(std::ostream& out) const {
   w.put(pending_events_);
   w.put(static_cast<std::uint64_t>(written_.size()));
   for (const auto& name : written_) put_text(w, name);
-  for (const auto& files : fields_) files.second.save(out);
+  for (const auto& series : fields_) series.files.save(out);
   for (const auto& [u, values] : pictures_) {
     w.put(static_cast<std::uint8_t>(u.size() > 0));
     if (u.size() == 0) continue;
@@ -142,7 +142,8 @@ void Reporter::restore(std::istream& in, const RunState& run) {
   StateReader r(in, {});
   values_ = r.get_vector<double>(values_.size());
   rows_ = r.get_vector<int>();
-  if (!rows_.empty() && (rows_.front() < 1 || rows_.back() > run.evolution.step() ||
+  const bool initial = std::ranges::any_of(tables_, [](const auto& t) { return t.from_start; });
+  if (!rows_.empty() && (rows_.front() < (initial ? 0 : 1) || rows_.back() > run.evolution.step() ||
                          std::ranges::adjacent_find(rows_, std::greater_equal{}) != rows_.end()))
     r.fail("is inconsistent");
   times_ = r.get_vector<double>(rows_.size());
@@ -156,7 +157,7 @@ void Reporter::restore(std::istream& in, const RunState& run) {
     r.fail("is inconsistent");
   written_.clear();
   for (auto left = r.get<std::uint64_t>(); left > 0; --left) written_.push_back(get_text(r));
-  for (auto& files : fields_) files.second.restore(in);
+  for (auto& series : fields_) series.files.restore(in);
   for (std::size_t i = 0; i < pictures_.size(); ++i) {
     if (r.get<std::uint8_t>() == 0) continue;
     get_vector(r, pictures_[i].u, space_.n_dofs());

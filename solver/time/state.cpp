@@ -90,7 +90,9 @@ SparseMatrix restrict_columns(const SparseMatrix& full, const StateLayout& layou
 Vector initial_state(const Problem& problem, const Discretisation& d, const StateLayout& layout) {
   Vector out = Vector::Zero(layout.n_state);
   const TimeSpec& time = problem.time;
-  if (!time.is_static && !time.initial.empty())
+  if (time.start)
+    layout.gather(Eigen::Map<const Vector>(time.start->u.data(), d.space.n_dofs()), out);
+  else if (!time.is_static && !time.initial.empty())
     layout.gather(interpolate(d.space, time.initial, time.grid.front(), time.origin), out);
   return out;
 }

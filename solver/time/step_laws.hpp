@@ -33,7 +33,12 @@ public:
   StateError state_error(const Vector& u, const Vector& d) const;
 
   /// The multipliers at the initial time, where they are known.
-  void start(const Vector& xi) { now.xi = accepted_.xi = xi; }
+  void start(const Vector& xi) {
+    now.xi = accepted_.xi = xi;
+    start_known_ = true;
+  }
+  /// Does the run start in a balance of forces?
+  bool start_known() const { return start_known_; }
   /// The attempt ends its step.
   void accept(int n) {
     accepted_ = now;
@@ -59,6 +64,7 @@ private:
   const Evolution& evolution_;
   Contact& contact_;
   InequalityState accepted_;
+  bool start_known_ = false;
   std::vector<int> given_; ///< points whose arguments no unknown moves: imposed values make them
   Vector state_;           ///< room within a call
 };

@@ -2,6 +2,7 @@
 #include "solver/time/stepped_run.hpp"
 
 #include "solver/time/one_run.hpp"
+#include "solver/time/start_state.hpp"
 #include "solver/time/trust.hpp"
 
 #include <cmath>
@@ -60,6 +61,7 @@ SteppedRun::SteppedRun(const Plan& plan, const Discretisation& discretisation,
   plan_.report.fields.clear();
   for (TableSpec& table : plan_.report.tables) table.every = 1;
   settings_.stop = stop;
+  if (plan_.start) plan_ = with_start_solved(plan_, discretisation, settings_, start_notes_);
   settings_.on_step = [this](int, double t, const Vector& u, const Vector& xi) {
     t_ = t, u_ = u, xi_ = xi;
   };
@@ -85,6 +87,10 @@ double SteppedRun::value(std::string_view column) const {
   return std::nan("");
 }
 
-RunResult SteppedRun::conclude() { return tried_->conclude(); }
+RunResult SteppedRun::conclude() {
+  RunResult out = tried_->conclude();
+  out.notes.insert(out.notes.begin(), start_notes_.begin(), start_notes_.end());
+  return out;
+}
 
 } // namespace hvi::solver

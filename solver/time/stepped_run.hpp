@@ -40,6 +40,7 @@ private:
   Plan plan_;
   const Discretisation& discretisation_;
   RunSettings settings_;
+  std::vector<StepNote> start_notes_; ///< of the problem that it starts from
   std::unique_ptr<Tried> tried_;
   int step_ = 0;
   double t_ = 0.0;

@@ -4,6 +4,8 @@
 #include "solver/mesh/gmsh/geometries.hpp"
 
 #include <gmsh.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <clocale>
@@ -150,9 +152,33 @@ void generate(const std::string& geometry, std::span<const double> numbers,
   send_mesh(sink);
 }
 
-void mesh_file(const std::string& path, const HviGmshSink& sink) {
+/// A file without a name, as long as this lives.
+class UnnamedFile {
+public:
+  explicit UnnamedFile(const std::string& text) : file_(memfd_create("geo", MFD_CLOEXEC)) {
+    const auto n = static_cast<ssize_t>(text.size());
+    if (file_ < 0 || write(file_, text.data(), text.size()) != n)
+      throw std::runtime_error("no file in memory can be made");
+  }
+  ~UnnamedFile() { close(file_); }
+  UnnamedFile(const UnnamedFile&) = delete;
+  UnnamedFile& operator=(const UnnamedFile&) = delete;
+  std::string path() const { return "/proc/self/fd/" + std::to_string(file_); }
+
+private:
+  int file_;
+};
+
+/// gmsh keeps constants that it is given as options for good; those of a file end with its session.
+void open_behind(const std::string& before, const std::string& path) {
+  if (before.empty()) return gmsh::open(path);
+  const UnnamedFile file(before + "Merge \"" + path + "\";\n");
+  gmsh::open(file.path());
+}
+
+void mesh_file(const std::string& path, const std::string& before, const HviGmshSink& sink) {
   const Session session;
-  gmsh::open(path);
+  open_behind(before, path);
   gmsh::vectorpair groups;
   gmsh::model::getPhysicalGroups(groups);
   int dim = groups.empty() ? gmsh::model::getDimension() : 0;
@@ -196,9 +222,9 @@ int hvi_gmsh_generate(const char* geometry, const double* numbers, std::size_t n
   return guarded([&] { generate(geometry, {numbers, n}, *sink); }, message, capacity);
 }
 
-int hvi_gmsh_mesh_file(const char* path, const HviGmshSink* sink, char* message,
+int hvi_gmsh_mesh_file(const char* path, const char* before, const HviGmshSink* sink, char* message,
                        std::size_t capacity) {
   using namespace hvi::gmsh_module;
-  return guarded([&] { mesh_file(path, *sink); }, message, capacity);
+  return guarded([&] { mesh_file(path, before, *sink); }, message, capacity);
 }
 }

@@ -23,6 +23,7 @@ constexpr int hvi_gmsh_no_memory = 2;
 
 using HviGmshGenerate = int (*)(const char* geometry, const double* numbers, std::size_t n,
                                 const HviGmshSink* sink, char* message, std::size_t capacity);
-using HviGmshMeshFile = int (*)(const char* path, const HviGmshSink* sink, char* message,
-                                std::size_t capacity);
+/* `before`: commands that are read before the file; or an empty text. */
+using HviGmshMeshFile = int (*)(const char* path, const char* before, const HviGmshSink* sink,
+                                char* message, std::size_t capacity);
 }

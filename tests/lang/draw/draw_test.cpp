@@ -154,6 +154,19 @@ TEST(Axes, TicksAreRoundAndInside) {
   }
 }
 
+TEST(Axes, HaveTwoNumbersAtLeast) {
+  for (int wanted = 1; wanted <= 8; ++wanted)
+    for (int k = 0; k < 400; ++k) {
+      const double low = -2.0 + 0.013 * k, high = low + 0.003 * (1 + k * k % 701);
+      const auto found = ticks(low, high, wanted);
+      ASSERT_GE(found.size(), 2u) << low << " to " << high << ", " << wanted;
+      for (const double x : found) {
+        ASSERT_GE(x, low - 1e-9 * (high - low));
+        ASSERT_LE(x, high + 1e-9 * (high - low));
+      }
+    }
+}
+
 std::uint32_t number_at(const std::string& bytes, std::size_t at) {
   std::uint32_t out = 0;
   for (std::size_t i = at; i < at + 4; ++i) out = out << 8 | static_cast<unsigned char>(bytes[i]);

@@ -186,5 +186,27 @@ TEST(GeoFile, IsMeshedWithItsGroups) {
   EXPECT_EQ(failure_of([&] { mesh_geo_file(path); }).kind, FailureKind::missing_file);
 }
 
+TEST(GeoFile, ConstantsAreSetForOneMeshOnly) {
+  const auto path = std::filesystem::temp_directory_path() / "hvi_test_constants.geo";
+  std::ofstream(path) << "// DefineConstant[ old = 1 ];\n"
+                         "DefineConstant[ r = 1, h = {0.2, Name \"Parameters/h, w = 3\"} ];\n"
+                         "w = 2; Point(1) = {0, 0, 0, h}; Point(2) = {w, 0, 0, h};\n"
+                         "Point(3) = {w, r, 0, h}; Point(4) = {0, r, 0, h};\n"
+                         "Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};\n"
+                         "Curve Loop(1) = {1, 2, 3, 4}; Plane Surface(1) = {1};\n"
+                         "Physical Surface(\"block\") = {1};\n";
+  const auto area = [&](const GeoConstants& constants) {
+    return group_measure(mesh_geo_file(path, nullptr, constants), "block");
+  };
+  EXPECT_NEAR(area({{"r", 0.75}, {"h", 0.3}}), 1.5, 1e-12);
+  EXPECT_NEAR(area({}), 2, 1e-12); // nothing is left of the mesh before
+  EXPECT_NEAR(area({{"h", 0.5}}), 2, 1e-12);
+  for (const char* name : {"old", "w", "Parameters"})
+    EXPECT_EQ(failure_of([&] { area({{name, 1.0}}); }).kind, FailureKind::bad_value) << name;
+  EXPECT_EQ(geo_constants("DefineConstant [a={1,Min 0}, b, c=2*(3+d)];/* DefineConstant[e] */"),
+            (std::vector<std::string>{"a", "b", "c"}));
+  std::filesystem::remove(path);
+}
+
 } // namespace
 } // namespace hvi::solver::test

@@ -65,7 +65,7 @@ TEST(PrintPlan, LawsMemoryTimeAndReport) {
   norm.kind = Probe::Kind::norm_v;
   norm.time = 0.5;
   plan.report.probes = {norm};
-  plan.report.tables = {{{}, {0}, 4, "t.csv"}};
+  plan.report.tables = {{{}, {0}, 4, false, "t.csv"}};
   plan.problem.effects = {{"memory", EffectNote::State::dropped, {}, "the kernel is zero"}};
   const auto text = to_string(plan);
   for (const char* line :

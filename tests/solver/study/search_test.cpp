@@ -26,7 +26,7 @@ Plan rod(Expr load, int steps, Expr viscosity = 0.2, Expr stiffness = 1.0, int c
   plan.problem.time.is_static = steps == 0;
   if (steps > 0) plan.problem.time.grid = uniform_grid(1.0, steps);
   plan.report.probes = {at_point("tip", u_value(0), {1, 0, 0})};
-  plan.report.tables = {{{}, {0}, 1, ""}};
+  plan.report.tables = {{{}, {0}, 1, false, ""}};
   return plan;
 }
 Expr x() { return var(slot::x(0)); }

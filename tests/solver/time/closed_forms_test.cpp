@@ -21,7 +21,7 @@ Plan square(int steps) {
   plan.problem.time.is_static = steps == 0;
   if (steps > 0) plan.problem.time.grid = uniform_grid(1.0, steps);
   plan.report.probes = {at_point("u", u_value(1), {1, 1, 0})};
-  plan.report.tables = {{{}, {0}, 1, ""}};
+  plan.report.tables = {{{}, {0}, 1, false, ""}};
   return plan;
 }
 
@@ -170,7 +170,7 @@ TEST(StandardLinearSolid, StressRelaxesExactlyUnderImposedStrain) {
   plan.report.probes = {
       at_point("s", (e0 + e1) * tensor(field_of_u(0)) - Expr(e1 / tau) * tensor(field_of_memory(0)),
                {0.5, 0.5, 0})};
-  plan.report.tables = {{{}, {0}, 1, ""}};
+  plan.report.tables = {{{}, {0}, 1, false, ""}};
   const auto result = solve(plan);
   for (int n = 1; n <= 10; ++n)
     expect_relative(result.columns.at("s")[n - 1],
@@ -196,7 +196,7 @@ TEST(NonConvolution, MatchesThePlainRecursion) {
   const int steps = 24;
   plan.problem.time.grid = uniform_grid(1.0, steps);
   plan.report.probes = {at_point("u", u_value(0), {0.5, 0, 0})};
-  plan.report.tables = {{{}, {0}, 1, ""}};
+  plan.report.tables = {{{}, {0}, 1, false, ""}};
   const auto result = solve(plan);
 
   // Gauss-Legendre with 5 points integrates the smooth kernel to rounding on these intervals.

@@ -156,7 +156,7 @@ void compare(int n, int steps, int dim) {
   auto plan = slab(n, steps, dim, true);
   const Point middle{1, 0, dim == 3 ? 0.5 : 0.0};
   plan.report.probes = {at_point("u_y", u_value(1), middle), at_point("u_x", u_value(0), middle)};
-  plan.report.tables = {{{}, {0, 1}, 1, ""}};
+  plan.report.tables = {{{}, {0, 1}, 1, false, ""}};
   Discretisation d;
   ASSERT_TRUE(discretise(plan, d).empty());
   const auto result = run(plan, d, {});

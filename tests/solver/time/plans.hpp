@@ -179,7 +179,7 @@ inline Plan slab(int n, int steps, int dim = 2, bool friction = false) {
   plan.report.probes = {at_point("u_y", u_value(1), {1, 0, z}),
                         at_point("u_x", u_value(0), {2, 0, z}), norm("strain"),
                         integral("reaction", var(slot::multiplier(0, 0)), ground)};
-  plan.report.tables = {{{}, {0, 1, 2, 3}, 1, ""}};
+  plan.report.tables = {{{}, {0, 1, 2, 3}, 1, false, ""}};
   return plan;
 }
 

@@ -20,7 +20,7 @@ Plan one_tensor(int n, int steps, int dim = 2, bool friction = false) {
   plan.report.probes = {at_point("u_y", u_value(1), {1, 0, dim == 3 ? 0.5 : 0.0}),
                         at_point("u_x", u_value(0), {1.5, 0.5, dim == 3 ? 0.5 : 0.0}),
                         integral("reaction", var(slot::multiplier(0, 0)), ground)};
-  plan.report.tables = {{{}, {0, 1, 2}, 1, ""}};
+  plan.report.tables = {{{}, {0, 1, 2}, 1, false, ""}};
   return plan;
 }
 

@@ -29,7 +29,7 @@ Plan ageing(int steps, double grading, HistoryRoute route) {
   for (double& time : plan.problem.time.grid) time = 1e6 * std::pow(time, grading);
   plan.options.route = route;
   plan.report.probes = {at_point("u", u_value(1), {1, 1, 0})};
-  plan.report.tables = {{{}, {0}, 1, ""}};
+  plan.report.tables = {{{}, {0}, 1, false, ""}};
   return plan;
 }
 

@@ -56,7 +56,7 @@ TEST(Files, ATableEveryFewStepsEndsWithTheLastRow) {
     settings.output_folder = folder.string();
     settings.name = "slab";
     auto plan = slab(2, steps);
-    plan.report.tables = {{{}, {0}, 1, ""}, {{}, {0}, 3, "some.csv"}};
+    plan.report.tables = {{{}, {0}, 1, false, ""}, {{}, {0}, 3, false, "some.csv"}};
     solve(plan, settings);
     std::ifstream in(folder / "some.csv");
     std::vector<double> times;

@@ -1,0 +1,253 @@
+#!/usr/bin/env python3
+"""start.py HVI_RUN: how runs begin, and forms that change in time.
+
+- `from u = static`, random scenes: the first row against the static problem as a script of its own; reactions against loads.
+- What follows a static start: creep with a memory against the scalar equation it is, rest where nothing changes, with mass too.
+- Tables and fields `from start`: the rows of the steps are the same bytes, what is not known is empty, resumed runs are the same.
+- Stiffness and viscosity that change in time, random scenes: each step against a script without time.
+"""
+import csv
+import math
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+
+HVI_RUN = sys.argv[1]
+
+SCENE = """param t0 = {t0}
+mesh body = rectangle(2, 1, cells = [{cells}, {cells}])
+part wall = body.left
+part ground = body.bottom
+part tip = body.right
+tensor A = isotropic(lambda = 5, mu = 10)
+tensor B = isotropic(young = {young}, poisson = 0.3)
+kernel C(lag) = -0.5*exp(-lag/0.7)
+superpotential layer(r) = {stiff}*pos(r)^2
+superpotential rub(xi) = {friction}*norm(xi)
+superpotential slip(w) = 0.3*abs(layer.xi)*norm(w)
+space V = vector {element} on body, zero on wall
+find u in V {time}
+such that for all v in V
+    {rates}integral(body, B : eps(u) : eps(v))
+  + integral(ground, layer^0(u.nu; v.nu){slides} + rub^0(u.tau; v.tau))
+ >= integral(tip, dot([{pull}*{t}, -{load}*(1 + {t})], v))
+report
+  table end_x = u.x at [2, 1], end_y = u.y at [2, 0.5], clamp = reaction(wall), bed = reaction(ground), pressed = integral(ground, layer.xi), size = norm(u), worst = largest(body, mises(sigma)){start}
+"""
+RATES = "integral(body, A : eps(u') : eps(v)) + integral(body, history(C, B : eps(u)) : eps(v)) + "
+
+
+def run(folder, text, *options, name="scene", succeeds=True):
+    (folder / f"{name}.hvi").write_text(text)
+    done = subprocess.run([HVI_RUN, str(folder / f"{name}.hvi"), "-o", str(folder / "out"), "--quiet", *options], capture_output=True, text=True)
+    assert (done.returncode == 0) == succeeds, f"{text}\n{done.stderr}"
+    return done.stderr
+
+
+def rows(folder, name="scene"):
+    return [{k: float(v) if v else None for k, v in row.items()} for row in csv.DictReader((folder / "out" / f"{name}.csv").open())]
+
+
+def near(a, b, size, what, within=1e-9):
+    assert a is not None and b is not None and abs(a - b) <= within * size, f"{what}: {a} and {b}"
+
+
+def check_static_start(folder, scenes=10):
+    rng = random.Random(23)
+    for scene in range(scenes):
+        some = {"t0": rng.choice([0.0, 1.5, -2.0]), "cells": rng.randint(3, 6), "young": 10 ** rng.uniform(0, 4), "element": rng.choice(["P1", "P2"])}
+        some |= {"stiff": some["young"] * 10 ** rng.uniform(-1, 1), "friction": some["young"] * 10 ** rng.uniform(-5, -3),
+                 "pull": some["young"] * rng.uniform(-0.01, 0.01), "load": some["young"] * rng.uniform(0.001, 0.01)}
+        static = SCENE.format(**some, time="", rates="", slides="", t="t0", start="")
+        moving = SCENE.format(**some, time=f"for t in [t0, t0 + 1] by 3 steps from u = static using scheme = {rng.choice(['backward_euler', 'bdf2'])}",
+                              rates=RATES, slides=" + slip^0(u'.tau; v.tau)", t="t", start=" from start")
+        run(folder, static)
+        expected = rows(folder)[-1]
+        run(folder, moving)
+        found = rows(folder)
+        assert len(found) == 4 and found[0]["t"] == some["t0"], found
+        for group in (("end_x", "end_y"), ("clamp_x", "clamp_y", "bed_x", "bed_y", "pressed"), ("size",), ("worst",)):
+            size = max(abs(expected[name]) for name in group)
+            for name in group:
+                near(found[0][name], expected[name], size, f"scene {scene}, {name}")
+        for row in found:  # the traction on a side of length 1, in the first row, too
+            force = [some["pull"] * row["t"], -some["load"] * (1 + row["t"])]
+            for axis, f in zip("xy", force):
+                near(row["clamp_" + axis] + row["bed_" + axis] + f, 0, max(map(abs, force)), f"scene {scene}, balance along {axis}", 1e-7)
+
+
+BAR = """mesh body = rectangle(2, 1, cells = [4, 2])
+part wall = body.left
+part tip = body.right
+tensor B = isotropic(young = 100, poisson = 0.3)
+kernel q(lag) = -0.8*exp(-lag/0.5)
+space V = vector P1 on body, zero on wall
+find u in V for t in [1, 3] by 20 steps from u = static{more}
+such that for all v in V
+    integral(body, B : eps(u) : eps(v)){terms}
+  = integral(tip, dot([1, -0.1], v))
+report
+  table a = u.y at [2, 0], b = u.x at [2, 1]{columns} from start
+"""
+
+
+def check_creep(folder):
+    """All of B: u_n = c_n u_0, c_n + sum_j c_j int q = 1."""
+    run(folder, BAR.format(more="", terms=" + integral(body, history(q, B : eps(u)) : eps(v))", columns=""))
+    found, tau, c = rows(folder), 0.5, []
+    for n in range(1, 21):
+        weight = [-0.8 * tau * (math.exp(-0.1 * (n - j) / tau) - math.exp(-0.1 * (n - j + 1) / tau)) for j in range(1, n + 1)]
+        c.append((1 - sum(w * x for w, x in zip(weight, c))) / (1 + weight[-1]))
+    assert c[-1] > 1.3
+    for row, factor in zip(found, [1.0, *c]):
+        for name in "ab":
+            near(row[name], factor * found[0][name], abs(found[0][name]), f"creep at {row['t']}", 1e-10)
+
+
+def check_rest(folder):
+    """Nothing changes: with viscosity, and with mass in every scheme, where rates and accelerations are zero from the start."""
+    run(folder, BAR.format(more="", terms=" + integral(body, isotropic(lambda = 1, mu = 2) : eps(u') : eps(v))", columns=", rate = u'.y at [2, 0]"))
+    still = rows(folder)
+    for scheme in ("newmark", "hht", "midpoint", "bdf2"):
+        run(folder, BAR.format(more=f" using scheme = {scheme}", terms=" + integral(body, 3*dot(u'', v))",
+                               columns=", rate = u'.y at [2, 0], force = u''.y at [2, 0]"))
+        still += rows(folder)
+    for row in still:
+        near(row["a"], still[0]["a"], abs(still[0]["a"]), "rest", 1e-9)
+        near(row["rate"], 0, abs(still[0]["a"]), "rate at rest", 1e-7)
+        near(row.get("force", 0), 0, abs(still[0]["a"]), "acceleration at rest", 1e-5)
+
+
+def check_refusals(folder):
+    belt = SCENE.format(t0=0, cells=3, young=100, stiff=100, friction=1, pull=0, load=1, element="P1", rates=RATES, t="t", start="",
+                        time="for t in [0, 1] by 2 steps from u = static", slides=" + rub^0(u'.tau - [0.1, 0]; v.tau)").replace(" + rub^0(u.tau; v.tau)", "")
+    said = run(folder, belt, succeeds=False)
+    assert "exerts a force" in said and "rub" in said, said
+    loose = BAR.format(more="", terms="", columns="").replace(", zero on wall", "")
+    said = run(folder, loose, succeeds=False)
+    assert "E0425" in said, said
+
+
+GIVEN = """mesh body = rectangle(2, 1, cells = [4, 2])
+part wall = body.left
+part tip = body.right
+part ground = body.bottom
+tensor A = isotropic(lambda = 5, mu = 10)
+tensor B = isotropic(young = 100, poisson = 0.3)
+superpotential layer(r) = 50*pos(r)^2
+space V = vector P1 on body, zero on wall
+find u in V for t in [0, 1] by 6 steps from u = [0.01*x, -0.02*x]
+such that for all v in V
+    integral(body, A : eps(u') : eps(v)) + integral(body, B : eps(u) : eps(v)) + integral(ground, layer^0(u.nu; v.nu))
+ >= integral(tip, dot([0, -t], v))
+report
+  table a = u.y at [2, 0], b = integral(body, x*u.x), strain = largest(body, eps(u) : eps(u)), rate = u'.y at [2, 0], held = reaction(wall), pressed = integral(ground, layer.xi), sum = integral(body, u.x) + t, late = u.y at [2, 0] at t = 0.5{first} to "one.csv"
+  table a2 = u.y at [2, 0] every 4 steps{second} to "two.csv"
+  fields u, layer.xi every 3 steps{second} to "fields.vtu"
+"""
+
+
+def check_rows(folder):
+    def files(first, second, *options):
+        run(folder, GIVEN.format(first=first, second=second), *options)
+        out = folder / "out"
+        return (out / "one.csv").read_bytes().splitlines(), (out / "two.csv").read_bytes().splitlines(), (out / "fields.pvd").read_text()
+
+    plain, with_start = files("", ""), files(" from start", " from start")
+    for without, first in zip(plain[:2], with_start[:2]):
+        assert [first[0], *first[2:]] == without, "the rows of the steps are others"
+    assert files(" from start", "")[1] == plain[1], "a table has a row that another one asked for"
+    run(folder, GIVEN.format(first=" from start", second=" from start"))
+    row = rows(folder, "one")[0]
+    for name, value in {"t": 0, "a": -0.04, "b": 0.01 * 8 / 3, "strain": 0.01 ** 2 + 2 * 0.01 ** 2, "sum": 0.02}.items():
+        near(row[name], value, 1, name, 1e-15)
+    assert all(row[name] is None for name in ("rate", "held_x", "held_y", "pressed", "late")), row
+    assert [r["t"] for r in rows(folder, "two")] == [0, 4 / 6, 1]
+    times = [line.split('"')[1] for line in with_start[2].splitlines() if "timestep" in line and 'part="0"' in line]
+    assert [float(t) for t in times] == [0, 0.5, 1], times
+    assert 'timestep="0"' not in plain[2]
+    text = GIVEN.format(first=" from start", second=" from start").replace("by 6", "by 4").replace("every 3", "every 2")
+    longer = text.replace("[0, 1] by 4", "[0, 2] by 8")
+    names = ["one.csv", "two.csv", "fields.pvd"]
+    run(folder, text, "--checkpoint", "1")
+    run(folder, longer, "--resume")
+    resumed = [(folder / "out" / name).read_bytes() for name in names]
+    run(folder, longer)
+    assert resumed == [(folder / "out" / name).read_bytes() for name in names]
+
+
+CHANGES = """param now = 0
+mesh body = rectangle(2, 1, cells = [{cells}, 3])
+part wall = body.left
+part tip = body.right
+part ground = body.bottom
+tensor B = {tensor}
+fn g(s) = {g}
+superpotential layer(r) = {stiff}*pos(r)^2
+space V = vector {element} on body, zero on wall
+find u in V {time}
+such that for all v in V
+    {factor}*integral(body, g({s}) * B : eps(u) : eps(v)) + integral(ground, layer^0(u.nu; v.nu))
+ >= integral(tip, dot([0.3, -1 - {s}], v))
+report
+  table a = u.y at [2, 0.5], b = u.x at [1, 1], c = integral(ground, layer.xi), held = reaction(wall), s = integral(body, sigma.xx)
+"""
+
+
+def check_changing_stiffness(folder, scenes=6):
+    """Without rates each step is a problem of its own: that of the stiffness then."""
+    rng = random.Random(413)
+    for scene in range(scenes):
+        some = {"cells": rng.randint(3, 6), "stiff": 10 ** rng.uniform(0, 3), "element": rng.choice(["P1", "P2"]), "factor": rng.choice(["1", "2.5"]),
+                "g": rng.choice(["1 + s^2", "exp(-s)*(1 + x)", "2 - cos(5*s)"]),
+                "tensor": rng.choice(["isotropic(young = 100, poisson = 0.3)", "orthotropic(E1 = 200, E2 = 50, E3 = 50, nu12 = 0.3, nu23 = 0.2, nu13 = 0.3, G12 = 30, G23 = 20, G13 = 30)"])}
+        t0, end = rng.choice([(0, 1), (0.5, 2), (-1, 1)])
+        run(folder, CHANGES.format(**some, s="t", time=f"for t in [{t0}, {end}] by 4 steps from u = static using scheme = {rng.choice(['backward_euler', 'bdf2'])}"))
+        for row in rows(folder):
+            run(folder, CHANGES.format(**some, s="now", time=""), "-D", f"now={row['t']!r}", name="one")
+            expected = rows(folder, "one")[-1]
+            for group in (("a", "b"), ("c", "held_x", "held_y"), ("s",)):
+                size = max(abs(expected[name]) for name in group)
+                for name in group:
+                    near(row[name], expected[name], size, f"scene {scene} at {row['t']}, {name}", 1e-8)
+
+
+def check_changing_viscosity(folder):
+    """a(t) B : eps(u') + b(t) B : eps(u) = f: a scalar recurrence, and with BDF2 order 2 to the solution of the equation."""
+    text = BAR.replace("integral(body, B :", "integral(body, (2 + sin(3*t)) * B :").replace("from u = static", "from u = 0").replace("by 20 steps", "by N steps")
+    text = "param N = 20\nparam f = 1\n" + text.format(more=" using scheme = {scheme}", terms=" + integral(body, (1 + t^2) * B : eps(u') : eps(v))", columns="")
+    static = BAR.format(more="", terms="", columns="")
+    run(folder, static)
+    unit = rows(folder)[0]["a"]
+    run(folder, text.format(scheme="backward_euler"))
+    u, k = 0.0, 0.1
+    for n, row in enumerate(rows(folder)[1:], 1):
+        t = 1 + n * k
+        u = (1 + (1 + t * t) / k * u) / ((1 + t * t) / k + 2 + math.sin(3 * t))
+        near(row["a"], u * unit, abs(unit), "viscosity that changes", 1e-10)
+    exact, steps = 0.0, 20000
+    for n in range(steps):  # Runge and Kutta's, of order 4
+        t, h = 1 + 2 * n / steps, 2 / steps
+        rate = lambda s, x: (1 - (2 + math.sin(3 * s)) * x) / (1 + s * s)  # noqa: E731
+        k1 = rate(t, exact)
+        k2 = rate(t + h / 2, exact + h / 2 * k1)
+        k3 = rate(t + h / 2, exact + h / 2 * k2)
+        k4 = rate(t + h, exact + h * k3)
+        exact += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    errors = []
+    for n in (20, 40):
+        run(folder, text.format(scheme="bdf2"), "-D", f"N={n}")
+        errors.append(abs(rows(folder)[-1]["a"] / unit - exact))
+    assert 1.8 < math.log2(errors[0] / errors[1]) < 2.3, errors
+
+
+def main():
+    for check in (check_static_start, check_creep, check_rest, check_refusals, check_rows, check_changing_stiffness, check_changing_viscosity):
+        with tempfile.TemporaryDirectory() as folder:
+            check(pathlib.Path(folder))
+            print("ok", check.__name__)
+
+
+main()
