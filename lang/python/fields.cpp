@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace hvi::python {
 
@@ -39,14 +40,16 @@ std::vector<std::int64_t> shape_of(std::size_t nodes, int components) {
 }
 
 /// The middles of edges get the mean of their ends.
-void fill_edges(const solver::Space& space, int components, std::vector<double>& values) {
-  const int dim = space.mesh->dim;
+void fill_edges(const solver::Space& space, const solver::SpaceBlock& block,
+                std::vector<double>& values) {
+  const int dim = space.mesh->dim, components = block.components;
   const auto& edges = solver::simplex_edges(dim);
   const auto at = [&](std::int32_t node, int c) -> double& {
     return values[static_cast<std::size_t>(node) * static_cast<std::size_t>(components) +
                   static_cast<std::size_t>(c)];
   };
   for (int cell = 0; cell < static_cast<int>(space.mesh->cells.size()); ++cell) {
+    if (!block.lives_in(cell)) continue;
     const auto nodes = space.nodes_of_cell(cell);
     for (std::size_t e = 0; e < edges.size(); ++e)
       for (int c = 0; c < components; ++c)
@@ -54,6 +57,19 @@ void fill_edges(const solver::Space& space, int components, std::vector<double>&
             0.5 * (at(nodes[static_cast<std::size_t>(edges[e][0])], c) +
                    at(nodes[static_cast<std::size_t>(edges[e][1])], c));
   }
+}
+
+/// An unknown on a part of the mesh has no values at nodes outside of it.
+void clear_outside(const solver::Space& space, const solver::SpaceBlock& block,
+                   std::vector<double>& values) {
+  std::vector<char> inside(space.nodes.size(), 0);
+  for (int cell = 0; cell < static_cast<int>(space.mesh->cells.size()); ++cell)
+    if (block.lives_in(cell))
+      for (const std::int32_t node : space.nodes_of_cell(cell))
+        inside[static_cast<std::size_t>(node)] = 1;
+  const auto each = static_cast<std::size_t>(block.components);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (inside[i / each] == 0) values[i] = std::numeric_limits<double>::quiet_NaN();
 }
 
 } // namespace
@@ -78,7 +94,8 @@ std::vector<Array> unknowns_of(const solver::Space& space, const solver::Vector&
     for (int node = 0; node < static_cast<int>(space.nodes.size()); ++node)
       for (int c = 0; c < block.components; ++c)
         one.values.push_back(u[space.dof(node, block.first + c)]);
-    if (block.order < space.order) fill_edges(space, block.components, one.values);
+    if (block.order < space.order) fill_edges(space, block, one.values);
+    if (block.domain != nullptr) clear_outside(space, block, one.values);
     out.push_back(std::move(one));
   }
   return out;

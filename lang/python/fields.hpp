@@ -8,7 +8,8 @@ namespace hvi::python {
 
 Grid grid_of(const solver::Space& space);
 /// Each unknown of a full vector: nodes x components, without the second index where there is one
-/// component. An unknown in P1 beside others in P2 has its mean at the middle of an edge.
+/// component. An unknown in P1 beside others in P2 has its mean at the middle of an edge; an
+/// unknown on a part of the mesh is NaN elsewhere.
 std::vector<Array> unknowns_of(const solver::Space& space, const solver::Vector& u);
 /// Adds every field of the report that has values at nodes to the pictures of the plan, which keep
 /// them: multipliers and states of parts have none. How many pictures there were before.

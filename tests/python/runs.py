@@ -62,6 +62,27 @@ class Runs(unittest.TestCase):
         corners, middles = result.points[result.cells[:, :3]], result.points[result.cells[:, 3:]]
         np.testing.assert_allclose(middles, (corners + np.roll(corners, -1, axis=1)) / 2, atol=1e-15)
 
+    def test_an_unknown_on_a_part_has_values_there_alone(self):
+        """A temperature in the left half of a body in P2, in P1 and in P2: linear in the height, so that the middles of edges are known."""
+        for order in ("P1", "P2"):
+            result = hvi.loads(f"""
+mesh body = rectangle(2, 1, cells = [4, 2])
+part patch = body where x < 1
+part held = body.right
+part roof = body.top
+part ground = body.bottom where x < 1
+tensor B = isotropic(young = 10, poisson = 0.3)
+space V = vector P2 on body, zero on held
+space W = scalar {order} on patch, zero on roof
+find u in V, p in W for t in [0, 1] by 2 steps from u = 0, p = 0
+such that for all v in V, s in W
+    integral(body, B : eps(u) : eps(v)) + integral(patch, dot(grad(p), grad(s))) - integral(patch, 0.1*p*div(v)) >= integral(ground, t*s)
+report table a = p at [0.5, 0]""").run()
+            x, y = result.points.T
+            np.testing.assert_array_equal(np.isnan(result.fields["p"]), x > 1)
+            np.testing.assert_allclose(result.fields["p"][x <= 1], (1 - y)[x <= 1], atol=1e-12)
+            self.assertFalse(np.isnan(result.fields["u"]).any())
+
     def test_kept_steps(self):
         result = hvi.load(EXAMPLES / "slab.hvi").run(n=2, N=8, keep_every=4)
         np.testing.assert_allclose(result.kept_times, [0.5, 1.0])
