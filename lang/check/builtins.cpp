@@ -72,6 +72,7 @@ constexpr std::array table = {
     BuiltIn{"gap", K::interface, "gap(seam)", "distance of the sides of a pair, along the normal"},
     BuiltIn{"jump", K::interface, "jump(u)",
             "on a pair: the value on its first side minus that on the second"},
+    BuiltIn{"mean", K::interface, "mean(theta)", "on a pair: the mean of the values on both sides"},
     BuiltIn{"pair", K::interface, "pair(upper.bottom, lower.top, reach = )",
             "two sides that touch; the first carries the integral and the normal"},
     BuiltIn{"integral", K::region, "integral(part, a, rule = nodal)", "integral over a part"},

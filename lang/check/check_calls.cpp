@@ -151,7 +151,7 @@ Value Checker::call_built_in(const ast::Expr& e, const ast::Call& c, const std::
   case BuiltInKind::memory:
     return history_call(e, c, scope);
   case BuiltInKind::interface:
-    if (name == "jump") return jump_call(e, c, scope);
+    if (name == "jump" || name == "mean") return jump_call(e, c, name, scope);
     if (name == "gap") return gap_call(e, c, scope);
     error("E0306", e.span, "a pair is declared as a part", "`part seam = pair(a.bottom, b.top)`");
     return Poison{};

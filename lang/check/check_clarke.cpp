@@ -291,6 +291,19 @@ bool Checker::can_stand_here(const ast::Clarke& clarke, int law, const Scope& sc
   return false;
 }
 
+/// On a pair laws act on jumps (else reported).
+bool Checker::is_of_no_mean(const ast::Clarke& c, const Field& at, const Field& direction) {
+  if (!is_pair(part_at_hand_)) return true;
+  const bool in_argument = has_means(at.components);
+  if (!in_argument && !has_means(direction.components)) return true;
+  error("E0441", (in_argument ? c.at : c.direction)->span, "a law acts on the mean of both sides",
+        fmt::format("it acts on `jump({})`; its superpotential may read means, and sources bring "
+                    "what it does to both sides: `integral(seam, dot(slip.xi, "
+                    "jump(u').tau)*mean(eta))`",
+                    name_of(0)));
+  return false;
+}
+
 Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& scope) {
   const auto index = superpotential_of(c, scope);
   if (!index) return Poison{};
@@ -308,7 +321,8 @@ Value Checker::clarke(const ast::Expr& e, const ast::Clarke& c, const Scope& sco
   auto direction = field(*c.direction, scope);
   if (!at || !direction || !is_pair_of_law(c, name, *at, *direction) ||
       !take_jumps(c.at->span, at->components, part_at_hand_) ||
-      !take_jumps(c.direction->span, direction->components, part_at_hand_))
+      !take_jumps(c.direction->span, direction->components, part_at_hand_) ||
+      !is_of_no_mean(c, *at, *direction))
     return Poison{};
   auto use = law_use(c, *at, *direction);
   if (use && !find_->time && offset_in_time(use->rows)) {

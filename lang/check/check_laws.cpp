@@ -198,7 +198,10 @@ private:
 /// The law as an expression of its argument and of what it reads of the solution. False (reported)
 /// when it reads what it cannot.
 bool Checker::take_readings(const std::string& name, const Span& span, const Symbol& body,
-                            solver::LawSpec& spec) {
+                            bool on_pair, solver::LawSpec& spec) {
+  const auto is_value = [&](solver::Slot s) { // or, on a pair, a mean
+    return !slot::is_field_gradient(s) || (on_pair && slot::may_be_mean(slot::derivative_of(s)));
+  };
   spec.expression = ReadingsTaken(spec.readings)(body);
   for (const Symbol& reading : spec.readings)
     for (const solver::Slot s : reading.slots()) {
@@ -207,8 +210,7 @@ bool Checker::take_readings(const std::string& name, const Span& span, const Sym
               "a law reads unknowns, their rates and memories");
         return false;
       }
-      if (slot::is_multiplier(s) || (s < slot::first_multiplier && !slot::is_field_gradient(s)))
-        continue;
+      if (slot::is_multiplier(s) || (s < slot::first_multiplier && is_value(s))) continue;
       error("E0432", span,
             fmt::format("`{}` reads more of the solution than its values at the point", name),
             fmt::format("write `{0}.nu`, `norm({0}.tau)`, `{0}.x` or such a part of `{0}'` and "
@@ -259,11 +261,20 @@ std::optional<int> Checker::law_for(int declaration, bool radial, const Span& us
   spec.by_slope = body->by_slope;
   Symbol expression = body->scalar();
   const bool of_jumps = has_jumps(expression);
+  if (has_jumps_and_values(expression)) {
+    error("E0441", law.value.span,
+          fmt::format("`{}` reads a jump or a mean and a value of one side", law.name.text),
+          fmt::format("on a pair it reads `jump({0})` and `mean({0})`; the first side's value is "
+                      "`mean({0}) + 0.5*jump({0})`",
+                      name_of(0)));
+    return std::nullopt;
+  }
   if (of_jumps) expression = without_jumps(expression);
   const auto states = take_states(expression, law.name.span);
   if (!states) return std::nullopt;
   spec.states = *states;
-  if (!take_readings(law.name.text, law.value.span, expression, spec)) return std::nullopt;
+  if (!take_readings(law.name.text, law.value.span, expression, of_jumps, spec))
+    return std::nullopt;
   try {
     solver::Law probe(spec);
     if (!probe.depends_on_x() && !probe.depends_on_t()) probe.graph({}, 0.0);

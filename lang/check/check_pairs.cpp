@@ -1,7 +1,9 @@
-// Pairs: `part seam = pair(upper.bottom, lower.top)`, and what is known on one: jump(u), gap(seam).
+// Pairs: `part seam = pair(upper.bottom, lower.top)`, and what is known on one: jump(u), mean(u),
+// gap(seam).
 //
 // A jump is kept as the value of a field of its own until it is known where it stands: on a pair it
-// becomes the value of the field itself, which there is its jump (solver/plan/problem.hpp).
+// becomes the value of the field itself, which there is its jump (solver/plan/problem.hpp). A mean
+// is kept as the slot slot::mean of that field.
 #include "lang/check/checker.hpp"
 
 #include <fmt/format.h>
@@ -26,6 +28,12 @@ bool is_jump(solver::Slot s) { return is_field(s) && field_of(s) >= first_jump; 
 solver::Slot jump_of(solver::Slot s) {
   if (is_test(s)) return slot::field(jump_of_test, s - slot::test(0));
   return s + first_jump * slot::field_stride;
+}
+/// Of a value.
+solver::Slot mean_of(solver::Slot s) {
+  const int own = is_test(s) ? s - slot::test(0) : slot::derivative_of(s);
+  const int component = slot::component_of(own);
+  return jump_of(s) + slot::mean(component) - slot::value(component);
 }
 solver::Slot without_jump(solver::Slot s) {
   if (field_of(s) == jump_of_test) return slot::test(s - slot::field(jump_of_test, 0));
@@ -59,6 +67,17 @@ void remove_jumps(std::vector<Symbol>& components) {
 } // namespace
 
 bool has_jumps(const Symbol& symbol) { return reads_of({symbol}).jumps; }
+bool has_jumps_and_values(const Symbol& symbol) {
+  const Reads reads = reads_of({symbol});
+  return reads.jumps && reads.values;
+}
+bool has_means(const std::vector<Symbol>& on_pair) {
+  return std::ranges::any_of(on_pair, [](const Symbol& component) {
+    return std::ranges::any_of(solver::slots_of(component), [](solver::Slot s) {
+      return slot::is_field_gradient(s) || (is_test(s) && !slot::is_value(s - slot::test(0)));
+    });
+  });
+}
 
 Symbol without_jumps(const Symbol& symbol) {
   std::vector<Symbol> one{symbol};
@@ -131,9 +150,10 @@ bool Checker::refuse_pair(int part, const Span& span, const std::string& what) {
   return true;
 }
 
-/// jump(u), jump(u'), jump(v), jump(history(q, u)): of values.
-Value Checker::jump_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
-  const auto args = match(e, c, "jump", {"u"}, 1);
+/// jump(u), jump(u'), jump(v), jump(history(q, u)), and the same of mean: of values.
+Value Checker::jump_call(const ast::Expr& e, const ast::Call& c, const std::string& name,
+                         const Scope& scope) {
+  const auto args = match(e, c, name, {"u"}, 1);
   if (!args) return Poison{};
   auto f = field(*(*args)[0], scope);
   if (!f) return Poison{};
@@ -146,13 +166,12 @@ Value Checker::jump_call(const ast::Expr& e, const ast::Call& c, const Scope& sc
   for (const Symbol& component : f->components)
     for (const solver::Slot s : solver::slots_of(component)) {
       good = good && is_value(s);
-      rename.emplace_back(s, Symbol::variable(jump_of(s)));
+      if (good) rename.emplace_back(s, Symbol::variable(name == "jump" ? jump_of(s) : mean_of(s)));
     }
   if (!good || rename.empty()) {
     error("E0441", (*args)[0]->span,
-          "a jump is that of the unknown, its rate, a memory or the test "
-          "function",
-          "`jump(u).nu`, `jump(u').tau`, `jump(history(q, u)).nu`");
+          fmt::format("a {} is that of the unknown, its rate, a memory or the test function", name),
+          fmt::format("`{0}(u).nu`, `{0}(u').tau`, `{0}(history(q, u)).nu`", name));
     return Poison{};
   }
   for (Symbol& component : f->components) component = substitute(component, rename);
@@ -196,16 +215,17 @@ bool Checker::take_jumps(const Span& span, std::vector<Symbol>& components, int 
     if (!reads.jumps && !reads.gap) return true;
     if (part >= 0)
       error("E0441", span,
-            fmt::format("{} on `{}`, which is no pair", reads.jumps ? "a jump" : "a gap",
+            fmt::format("{} on `{}`, which is no pair", reads.jumps ? "a jump or a mean" : "a gap",
                         model_.parts[static_cast<std::size_t>(part)].name),
-            "jumps and gaps are known on a pair: `part seam = pair(upper.bottom, lower.top)`");
+            "jumps, means of both sides and gaps are known on a pair: `part seam = "
+            "pair(upper.bottom, lower.top)`");
     return false;
   }
   const std::string& pair = model_.parts[static_cast<std::size_t>(part)].name;
   if (reads.values) {
     error("E0441", span, fmt::format("on the pair `{}` each side has its own `{}`", pair, u),
-          fmt::format("write `jump({})`: the first side's minus the second one's; a law on one "
-                      "side alone acts on that side",
+          fmt::format("write `jump({0})`, the first side's minus the second one's, or "
+                      "`mean({0})`; a law on one side alone acts on that side",
                       u));
     return false;
   }
@@ -223,7 +243,7 @@ bool Checker::take_jumps_at_point(const Span& span, Symbol& expression, solver::
   const Reads reads = reads_of({expression});
   if (!reads.jumps && !reads.gap) return true;
   if (reads.values) {
-    error("E0441", span, "a jump and a value of one side in one place",
+    error("E0441", span, "a jump or a mean and a value of one side in one place",
           "ask for each by itself, and combine the columns");
     return false;
   }

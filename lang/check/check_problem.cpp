@@ -211,7 +211,8 @@ void Checker::form_term(const ast::FormTerm& term, bool right, bool source) {
   part_at_hand_ = -1;
   if (!factor || !part || !integrand) return;
   if (!take_jumps(integral.integrand.span, integrand->components, *part)) return;
-  if (!integrand->scalar().is(0.0) && refuse_pair(*part, integral.integrand.span, "a form or load"))
+  if (!source && !integrand->scalar().is(0.0) &&
+      refuse_pair(*part, integral.integrand.span, "a form or load"))
     return;
   out.span = integral.span;
   out.factor_span =

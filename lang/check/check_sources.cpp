@@ -1,6 +1,7 @@
 // Sources: linear forms on the part of a law that read its multiplier, as the heat of friction,
 //
 //   - integral(ground, dot(slip.xi, u'.tau) * eta)
+//   - integral(seam, dot(slip.xi, jump(u').tau) * mean(eta))
 //
 // What stands before a test function is the slope of a law of its unknown, j(s) = g s, that reads
 // g at its points; so a step finds it with its solution, and the certificate sees it.
@@ -15,7 +16,8 @@ namespace hvi::lang {
 namespace slot = solver::slot;
 
 /// The law j(s) = g s; nothing (reported) where g reads what no law can.
-std::optional<int> Checker::source_law(const std::string& name, const Symbol& g, const Span& span) {
+std::optional<int> Checker::source_law(const std::string& name, const Symbol& g, bool on_pair,
+                                       const Span& span) {
   solver::LawSpec spec;
   spec.name = name;
   spec.origin = model_.origin(span);
@@ -23,9 +25,11 @@ std::optional<int> Checker::source_law(const std::string& name, const Symbol& g,
   const auto states = take_states(expression, span);
   if (!states) return std::nullopt;
   spec.states = *states;
-  if (!take_readings(name, span, expression, spec)) return std::nullopt;
+  if (!take_readings(name, span, expression, on_pair, spec)) return std::nullopt;
   model_.laws.push_back({name, span, spec});
-  return static_cast<int>(model_.laws.size()) - 1;
+  const int index = static_cast<int>(model_.laws.size()) - 1;
+  if (on_pair) laws_of_jumps_.insert(index);
+  return index;
 }
 
 /// The rule of a source is that of the law it reads, if none is given; returns the unknown whose
@@ -54,21 +58,23 @@ bool Checker::take_source(ModelTerm& term, const Span& span) {
   }
   if (!multipliers_on_part(span, term.part, integrand)) return false;
   const int rule_of = take_rule(term, integrand);
+  const bool on_pair = is_pair(term.part);
   Field out = scalar_field(0.0);
   out.test = Degree::linear;
   for (const solver::Slot s : solver::slots_of(integrand)) {
     if (!slot::is_test(s)) continue;
     const Symbol g = derivative(integrand, s);
     if (g.is(0.0)) continue;
+    LawUse use;
     const int tested = s - slot::test(0), unknown = slot::unknown_of(tested);
-    if (!slot::is_value(tested)) {
+    use.mean = on_pair && slot::may_be_mean(tested);
+    if (!slot::is_value(tested) && !use.mean) {
       error("E0447", span, "a multiplier stands before a derivative of the test function",
             "multipliers act on values: `slip.xi * eta`, `dot(slip.xi, v)`");
       return false;
     }
-    LawUse use;
     use.name = fmt::format("source of {}", name_of(unknown));
-    const auto law = source_law(use.name, g, span);
+    const auto law = source_law(use.name, g, on_pair, span);
     if (!law) return false;
     use.law = *law;
     use.span = span;
@@ -77,7 +83,7 @@ bool Checker::take_source(ModelTerm& term, const Span& span) {
     use.rule_of = rule_of;
     LawRow row;
     row.u.assign(static_cast<std::size_t>(components_of(unknown)), Symbol(0.0));
-    row.u[static_cast<std::size_t>(tested % slot::own_derivatives)] = 1.0;
+    row.u[static_cast<std::size_t>(slot::component_of(tested))] = 1.0;
     row.offset = 0.0;
     use.rows.push_back(std::move(row));
     out.laws.push_back(std::move(use));

@@ -16,12 +16,13 @@ namespace slot = solver::slot;
 namespace {
 
 /// What a rate reads that its points do not know; "" when there is nothing.
-std::string out_of_reach(solver::Slot s, bool in_body) {
+std::string out_of_reach(solver::Slot s, bool in_body, bool on_pair) {
   if (s == slot::gap) return "the gap of a pair";
   if (s >= slot::first_probe) return "an integral";
   if (in_body || !slot::is_field(s)) return {};
   if (solver::is_memory(slot::field_of(s))) return "a memory";
-  const bool gradient = slot::is_field_gradient(s);
+  const bool gradient =
+      slot::is_field_gradient(s) && !(on_pair && slot::may_be_mean(slot::derivative_of(s)));
   return gradient ? "a gradient of the unknown" : "";
 }
 
@@ -83,7 +84,8 @@ void Checker::state_rate(ModelState& state) {
   Symbol expression = rate->scalar();
   const bool in_body = lives_in_body(state.spec.part);
   for (const solver::Slot s : solver::slots_of(expression))
-    if (const std::string what = out_of_reach(s, in_body); !what.empty()) {
+    if (const std::string what = out_of_reach(s, in_body, is_pair(state.spec.part));
+        !what.empty()) {
       error("E0428", written.rate.span,
             fmt::format("the rate of `{}` reads {}", state.spec.name, what),
             in_body

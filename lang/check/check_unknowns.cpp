@@ -246,14 +246,22 @@ void Checker::pairs_of_elements(const ast::Find& find) {
 
 /// What is known for one unknown alone.
 void Checker::of_one_unknown() {
+  const auto all = unknowns_of(model_.space);
+  int highest = 1;
+  for (const auto& u : all) highest = std::max(highest, u.order);
+  const auto is_low = [&](int b) { return all[static_cast<std::size_t>(b)].order < highest; };
+  const auto reads_low = [&](const Symbol& reading) {
+    return std::ranges::any_of(solver::slots_of(reading), [&](solver::Slot s) {
+      return slot::is_field(s) && is_low(slot::unknown_of(slot::derivative_of(s)));
+    });
+  };
   for (const ModelTerm& term : model_.terms)
     for (const LawUse& use : term.integrand.laws) {
-      const auto all = unknowns_of(model_.space);
-      const auto order = [&](int b) { return all[static_cast<std::size_t>(b)].order; };
-      int highest = 1;
-      for (const auto& u : all) highest = std::max(highest, u.order);
-      if (is_pair(term.part) && order(use.unknown) < highest)
-        error("E0445", use.span, "a law of an unknown in P1 beside others in P2 on a pair",
+      if (!is_pair(term.part)) continue;
+      const auto& law = model_.laws[static_cast<std::size_t>(use.law)].spec;
+      if (is_low(use.unknown) || std::ranges::any_of(law.readings, reads_low))
+        error("E0445", use.span,
+              "a law on a pair acts on an unknown in P1 beside others in P2, or reads one",
               "take one order for all of them");
     }
 }

@@ -52,7 +52,10 @@ struct Arguments {
 };
 
 /// Jumps that a law's body reads (check_pairs.cpp).
-bool has_jumps(const Symbol& symbol);
+bool has_jumps(const Symbol& symbol); ///< or means
+bool has_jumps_and_values(const Symbol& symbol);
+/// Of an expression on a pair, where its jumps have become values: are there means in it?
+bool has_means(const std::vector<Symbol>& on_pair);
 Symbol without_jumps(const Symbol& symbol);
 
 /// Has a form u'' in it, and not times zero? (check_space.cpp)
@@ -242,10 +245,11 @@ private:
   bool is_law_parameter(const Value& value, const ast::Expr& given);
   Span place_in_law(const solver::Failure& failure, const Span& otherwise) const;
   void warn_of_unreached_cases(bool radial);
-  bool take_readings(const std::string& name, const Span& span, const Symbol& body,
+  bool take_readings(const std::string& name, const Span& span, const Symbol& body, bool on_pair,
                      solver::LawSpec& spec);
   // check_sources.cpp
-  std::optional<int> source_law(const std::string& name, const Symbol& g, const Span& span);
+  std::optional<int> source_law(const std::string& name, const Symbol& g, bool on_pair,
+                                const Span& span);
   int take_rule(ModelTerm& source, const Symbol& integrand) const;
   bool take_source(ModelTerm& term, const Span& span);
   std::optional<int> law_for(int declaration, bool radial, const Span& use);
@@ -304,7 +308,8 @@ private:
   // --- pairs (check_pairs.cpp)
   std::optional<solver::RegionSpec> pair_region(const ast::Expr& path, const ast::Call& call);
   std::optional<solver::RegionSpec> side_of_pair(const ast::Expr& e);
-  Value jump_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  Value jump_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
+                  const Scope& scope);
   Value gap_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
   bool is_pair(int part) const;
   bool refuse_pair(int part, const Span& span, const std::string& what);
@@ -366,6 +371,7 @@ private:
   void state_rate(ModelState& state);
   void state_range(ModelState& state);
   void state_initial(ModelState& state);
+  bool is_of_no_mean(const ast::Clarke& c, const Field& at, const Field& direction);
   bool multipliers_on_part(const Span& span, int part, Symbol& expression);
   Symbol without_states_known(Symbol expression, int part) const;
   bool reads_states_of(const Span& span, const Symbol& expression, int part,

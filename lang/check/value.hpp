@@ -45,6 +45,7 @@ struct LawUse {
   /// By row, where that is not all: see solver::LawTerm.
   std::vector<std::vector<solver::SeenField>> seen;
   int unknown = 0;            ///< of which unknown
+  bool mean = false;          ///< of both sides of a pair
   std::optional<int> rule_of; ///< see solver::LawTerm
   std::vector<LawRow> rows;
 };

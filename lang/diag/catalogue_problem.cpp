@@ -278,7 +278,8 @@ part base  = lower.bottom)"},
      R"(
 A pair is of two parts of the boundary, the first of which carries the integral and the normal. Laws
 act on it, on jumps: `jump(u)` is the value on the first side minus that on the second, `gap(seam)`
-their distance. Neither is known anywhere else, and on a pair nothing else of the unknown is.)",
+their distance. Superpotentials, sources and states also read `mean(u)`, the mean of both sides. None
+of them is known anywhere else, and on a pair nothing else of the unknown is.)",
      R"(
 part seam = pair(upper.bottom, lower.top)
 ... integral(seam, glue^0(u.nu; v.nu)))",
@@ -314,8 +315,8 @@ an unknown and of its own test function.)",
 ... integral(ground, layer^0(u.nu; v.nu)) + integral(ground, p*v.nu))"},
     {"E0445", "elements of two orders on a pair",
      R"(
-A law on a pair acts on an unknown whose element has the highest order of all unknowns: the points of
-a pair are those of that element.)",
+A law on a pair acts on an unknown whose element has the highest order of all unknowns, and reads such
+unknowns only: the points of a pair are those of that element.)",
      R"(
 space V = vector P2 on both, zero on base
 space W = scalar P1 on both, zero on base
@@ -345,8 +346,9 @@ find u in V, p in Q such that for all v in V, q in Q
     {"E0447", "a source that reads a multiplier",
      R"(
 A linear form on the part of a law may read the law's multiplier and, as it likes, the solution
-there: the heat that friction makes is `dot(slip.xi, u'.tau) * eta`. It is found with each step. It
-stands in an integral of its own, before values of a test function, and not on a pair.)",
+there: the heat that friction makes is `dot(slip.xi, u'.tau) * eta`, on a pair, where half of it goes
+to either side, `dot(slip.xi, jump(u').tau) * mean(eta)`. It is found with each step. It stands in an
+integral of its own, before values of a test function.)",
      R"(
 find u in V, theta in W for t in [0, 1] by 8 steps from u = 0, theta = 0
 such that for all v in V, eta in W

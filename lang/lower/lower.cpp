@@ -238,6 +238,7 @@ private:
     out.field = field_of_law(use);
     out.seen = use.seen;
     out.unknown = use.unknown;
+    out.mean = use.mean;
     out.rule_of = use.rule_of;
     out.rule = term.rule == solver::Rule::exact ? solver::Rule::gauss : term.rule;
     out.effect = model_.laws[use.law].spec.radial ? Effect::friction : Effect::normal_law;

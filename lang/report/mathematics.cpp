@@ -119,6 +119,7 @@ Json call(const ast::Call& c) {
   if (name == "sqrt" && a.size() == 1) return node("msqrt", {of(*a[0])});
   if (name == "exp" && a.size() == 1) return node("msup", {node("mi", {"e"}), of(*a[0])});
   if (name == "jump" && a.size() == 1) return in_brackets(of(*a[0]), "⟦", "⟧");
+  if (name == "mean" && a.size() == 1) return in_brackets(of(*a[0]), "{", "}");
   if (name == "pos" && a.size() == 1)
     return node("msub", {in_brackets(of(*a[0]), "[", "]"), sign("+")});
   Json inside = row();

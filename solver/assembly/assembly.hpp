@@ -76,20 +76,22 @@ struct LawPoints {
   std::vector<DenseMatrix> frames;            ///< radial laws only
   std::vector<std::vector<SeenField>> seen{}; ///< LawTerm::seen, of these rows
   SparseMatrix g;                             ///< (points * rows) x n_dofs
-  /// (points * 3 n_unknowns) x n_dofs: values at the points, if asked for; see `traced`.
+  /// (points * 6 n_unknowns) x n_dofs: values at the points, if asked for; see `traced`.
   SparseMatrix trace;
   bool offset_depends_on_t = false;
   // What the offsets are evaluated with.
   int dim = 2;
   std::vector<std::int32_t> cell;             ///< the cell behind `facet`, or itself
   std::vector<double> gap{};                  ///< on a pair, where u is the jump of u
-  std::shared_ptr<const SparseMatrix> jump{}; ///< on a pair: points x nodes, u -> jump of u
+  std::shared_ptr<const SparseMatrix> jump{}; ///< on a pair: Pairing::jump
   Group::Kind kind = Group::Kind::facets;
   std::shared_ptr<const PartIndicators> indicators;
 
-  /// Which row of a point's in `trace` is that of a value (slot::value, slot::of_unknown).
+  /// Which row of a point's in `trace` is that of a value (slot::value, slot::of_unknown), or on a
+  /// pair of a mean (slot::mean).
   static constexpr int traced(int derivative) {
-    return 3 * slot::unknown_of(derivative) + derivative % slot::own_derivatives;
+    return 6 * slot::unknown_of(derivative) + slot::component_of(derivative) +
+           (slot::is_value(derivative) ? 0 : 3);
   }
 };
 /// Throws Failure(bad_value) when the factor is not positive or a row not finite, naming the point.

@@ -326,12 +326,13 @@ void add_rows(const Space& space, const SpaceBlock& block, const std::vector<Raw
   }
 }
 
-/// The same on a pair: rows_p(c, k) times the row of u_k's jump.
-void add_rows_of_jumps(const Space& space, const SpaceBlock& block, const SparseMatrix& jump,
-                       const std::vector<RawPoint>& raw, const RowPlaces& places,
-                       Triplets& triplets) {
+/// The same on a pair: rows_p(c, k) times the row of u_k's jump, or of its mean.
+void add_rows_across(const Space& space, const SpaceBlock& block, const SparseMatrix& jump,
+                     bool mean, const std::vector<RawPoint>& raw, const RowPlaces& places,
+                     Triplets& triplets) {
+  const std::size_t first = mean ? raw.size() : 0;
   for (std::size_t p = 0; p < raw.size(); ++p)
-    for (SparseMatrix::InnerIterator it(jump, static_cast<Eigen::Index>(p)); it; ++it)
+    for (SparseMatrix::InnerIterator it(jump, static_cast<Eigen::Index>(first + p)); it; ++it)
       for (Eigen::Index c = 0; c < raw[p].rows.rows(); ++c)
         for (int k = 0; k < block.components; ++k)
           if (const double value = it.value() * raw[p].rows(c, k); value != 0.0)
@@ -378,11 +379,11 @@ LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& 
     reduce_radial(raw, term, out);
   }
   Triplets triplets;
-  const auto add = [&](const SpaceBlock& of, const RowPlaces& places) {
-    out.jump ? add_rows_of_jumps(space, of, *out.jump, raw, places, triplets)
+  const auto add = [&](const SpaceBlock& of, bool mean, const RowPlaces& places) {
+    out.jump ? add_rows_across(space, of, *out.jump, mean, raw, places, triplets)
              : add_rows(space, of, raw, places, triplets);
   };
-  add(block, {out.rows, 0});
+  add(block, term.mean, {out.rows, 0});
   out.g = from_triplets(space, raw.size() * static_cast<std::size_t>(out.rows), triplets);
   if (with_trace) {
     const int per_point =
@@ -391,8 +392,11 @@ LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& 
     for (std::size_t b = 0; b < space.blocks.size(); ++b) {
       const int n = space.blocks[b].components;
       for (RawPoint& point : raw) point.rows = DenseMatrix::Identity(n, n);
-      add(space.blocks[b],
-          {per_point, LawPoints::traced(slot::of_unknown(static_cast<int>(b), 0))});
+      const auto first = static_cast<int>(b);
+      add(space.blocks[b], false, {per_point, LawPoints::traced(slot::of_unknown(first, 0))});
+      if (out.jump)
+        add(space.blocks[b], true,
+            {per_point, LawPoints::traced(slot::of_unknown(first, slot::mean(0)))});
     }
     out.trace = from_triplets(space, raw.size() * static_cast<std::size_t>(per_point), triplets);
   }

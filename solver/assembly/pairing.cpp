@@ -179,7 +179,7 @@ public:
   Pairing take() {
     for (std::size_t f = 0; f < region_.entities.size(); ++f) add_facet(f);
     Pairing out;
-    std::vector<Eigen::Triplet<double>> entries;
+    std::vector<Eigen::Triplet<double>> entries, of_means;
     for (std::size_t i = 0; i < weight_.size(); ++i) {
       if (!(weight_[i] > 0.0)) {
         if (!met_[i] && out.alone++ == 0) out.first_alone = place(i);
@@ -189,19 +189,31 @@ public:
       for (const auto& [node, value] : between_[i].jump)
         if (std::abs(value) > rounding * weight_[i])
           entries.emplace_back(row, node, value / weight_[i]);
+      for (const auto& [node, value] : between_[i].mean)
+        if (std::abs(value) > rounding * weight_[i])
+          of_means.emplace_back(row, node, value / weight_[i]);
       keep(i, out);
     }
     if (out.x.empty()) throw nobody(out);
-    out.jump.resize(static_cast<Eigen::Index>(out.x.size()),
-                    static_cast<Eigen::Index>(space_.nodes.size()));
+    const auto n = static_cast<int>(out.x.size());
+    for (const auto& e : of_means) entries.emplace_back(n + e.row(), e.col(), e.value());
+    out.jump.resize(2 * n, static_cast<Eigen::Index>(space_.nodes.size()));
     out.jump.setFromTriplets(entries.begin(), entries.end());
     return out;
   }
 
 private:
   struct Between {
-    std::map<std::int32_t, double> jump;
+    std::map<std::int32_t, double> jump, mean;
     Point gap{};
+    void add_first(std::int32_t node, double value) {
+      jump[node] += value;
+      mean[node] += 0.5 * value;
+    }
+    void add_second(std::int32_t node, double value) {
+      jump[node] -= value;
+      mean[node] += 0.5 * value;
+    }
   };
 
   double reach_of(const Region& region) const {
@@ -279,16 +291,17 @@ private:
       const auto point = static_cast<std::size_t>(first_.point_of(f, static_cast<std::size_t>(i)));
       weight_[point] += measure * duals.weights[i];
       Between& here = between_[point];
-      if (diagonal) here.jump[own_nodes[static_cast<std::size_t>(i)]] += measure * duals.weights[i];
+      if (diagonal)
+        here.add_first(own_nodes[static_cast<std::size_t>(i)], measure * duals.weights[i]);
       for (Eigen::Index j = 0; !diagonal && j < with_own.cols(); ++j)
-        here.jump[own_nodes[static_cast<std::size_t>(j)]] += with_own(i, j);
+        here.add_first(own_nodes[static_cast<std::size_t>(j)], with_own(i, j));
       for (std::size_t m = 0; m < meetings.size(); ++m) {
         const double w = weighted(static_cast<Eigen::Index>(m), i);
         const auto nodes =
             space_.nodes_of_facet(region_.second[static_cast<std::size_t>(meetings[m].facet)]);
         for (std::size_t k = 0; k < nodes.size(); ++k)
-          here.jump[nodes[k]] -=
-              w * its(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(k));
+          here.add_second(nodes[k],
+                          w * its(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(k)));
         for (std::size_t a = 0; a < 3; ++a) here.gap[a] += w * meetings[m].distance * direction[a];
       }
     }

@@ -7,7 +7,7 @@
 // psi_i spanned by the q_k of a facet, int_G psi_i q_k = delta_ik int_G q_i (biorthogonal):
 //
 //   w_i = int_G q_i,   [u]_i = (1/w_i) int_G psi_i (u - u o Pi),   gap_i = nu_i . (1/w_i) int_G
-//   psi_i (Pi x - x)
+//   psi_i (Pi x - x),   {u}_i = (1/w_i) int_G psi_i (u + u o Pi)/2
 //
 // so that sum_i w_i [u]_i . xi = int_G [u] . xi for every constant xi. The integrals are taken on
 // the intersections of the facets of both sides, where everything is a polynomial. Sources:
@@ -24,9 +24,10 @@ struct Pairing {
   std::vector<Point> x, normal;                ///< normal: out of the first side, averaged
   std::vector<double> weight, gap;             ///< gap: along `normal`; negative where they overlap
   std::vector<std::int32_t> node, facet, cell; ///< of the first side
-  SparseMatrix jump;                           ///< points x nodes of the space: u -> [u]_i
-  int alone = 0;                               ///< nodes of the first side without a partner
-  Point first_alone{};                         ///< one of them
+  /// Twice as many rows as points, x nodes of the space: u -> [u]_i, then u -> {u}_i.
+  SparseMatrix jump;
+  int alone = 0;       ///< nodes of the first side without a partner
+  Point first_alone{}; ///< one of them
 };
 
 /// `region`: of a pair. Throws Failure(bad_value) where no point of the first side has a partner,

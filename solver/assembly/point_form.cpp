@@ -47,14 +47,16 @@ void scatter(const Space& space, int cell, const DofSelection& dofs, const Dense
   }
 }
 
-/// At points of a pair: the jump of a component.
-SparseMatrix jump_rows(const Space& space, const PointBlock& points, const Derivative& derivative,
-                       Origin origin) {
-  if (derivative.row % linear_rows != 0)
-    throw Failure(FailureKind::bad_value, origin, "on a pair there are jumps of values only");
+/// At points of a pair: the jump of a component, or its mean (slot::mean).
+SparseMatrix rows_across(const Space& space, const PointBlock& points, const Derivative& derivative,
+                         Origin origin) {
+  const int row = derivative.row % linear_rows;
+  if (row > 1)
+    throw Failure(FailureKind::bad_value, origin, "on a pair there are jumps and means only");
+  const auto first = static_cast<int>(row * points.jump->rows() / 2);
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t p = 0; p < points.size(); ++p)
-    for (SparseMatrix::InnerIterator it(*points.jump, points.pair_point[p]); it; ++it)
+    for (SparseMatrix::InnerIterator it(*points.jump, first + points.pair_point[p]); it; ++it)
       entries.emplace_back(static_cast<int>(p),
                            space.dof(static_cast<int>(it.col()), derivative.component), it.value());
   SparseMatrix out(static_cast<Eigen::Index>(points.size()), space.n_dofs());
@@ -67,7 +69,7 @@ SparseMatrix jump_rows(const Space& space, const PointBlock& points, const Deriv
 SparseMatrix derivative_rows(const Space& space, const PointBlock& points, int index,
                              Origin origin) {
   const Derivative derivative = decode(space, index, origin);
-  if (points.jump) return jump_rows(space, points, derivative, origin);
+  if (points.jump) return rows_across(space, points, derivative, origin);
   std::vector<Eigen::Triplet<double>> entries;
   ShapeTable shapes;
   for (std::size_t p = 0; p < points.size(); ++p) {

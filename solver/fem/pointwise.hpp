@@ -18,7 +18,8 @@ struct PointBlock {
   std::vector<Barycentric> barycentric;         ///< in `cell`
   Group::Kind kind = Group::Kind::cells;        ///< of the entities
   std::vector<double> gap;                      ///< points of a pair: slot::gap
-  /// Points of a pair: the value of a field is the jump of it, row pair_point[p] of `jump`.
+  /// Points of a pair: the value of a field is the jump of it, row pair_point[p] of `jump`, which
+  /// has the means behind (pairing.hpp).
   std::shared_ptr<const SparseMatrix> jump;
   std::vector<std::int32_t> pair_point;
   std::shared_ptr<const PartIndicators> indicators; ///< for slot::inside

@@ -34,6 +34,17 @@ inline constexpr int hoop = gradient(2, 2);
 inline constexpr int of_unknown(int b, int derivative) { return own_derivatives * b + derivative; }
 inline constexpr int unknown_of(int derivative) { return derivative / own_derivatives; }
 inline constexpr bool is_value(int derivative) { return derivative % own_derivatives < 3; }
+/// At points of a pair w_i is the jump, the first side's value minus the second one's; gradients
+/// are not known there, and this stands for the mean of both sides.
+inline constexpr int mean(int i) { return gradient(i, 0); }
+inline constexpr bool may_be_mean(int derivative) {
+  return !is_value(derivative) && derivative % own_derivatives % 3 == 0;
+}
+/// Of a value or a mean: which w_i.
+inline constexpr int component_of(int derivative) {
+  const int own = derivative % own_derivatives;
+  return own < 3 ? own : (own - 3) / 3;
+}
 /// Inside a law: the multiplier of another law at the same point (Coulomb's bound).
 inline constexpr Slot coupled = 11;
 /// Inside a law: what it reads of the solution at its point (LawSpec::readings), i < most_readings.

@@ -213,6 +213,7 @@ struct LawTerm {
   int part = 0;
   int field = field_of_u(0); ///< what the law sees: u, u', or a memory
   int unknown = 0;           ///< of which unknown
+  bool mean = false;         ///< on a pair: w is the mean of both sides, not the jump
   /// By row: the fields of which w is the sum, where that is more than `field` (one of them, not u)
   /// or another sum for each row. Empty: w is `field`.
   std::vector<std::vector<SeenField>> seen;

@@ -289,12 +289,15 @@ private:
     if (count(law.readings) > slot::most_readings)
       wrong(law.origin, fmt::format("a law reads {} quantities, more than {}", law.readings.size(),
                                     slot::most_readings));
+    const bool on_pairs = std::ranges::all_of(problem_.law_terms, [&](const LawTerm& term) {
+      return term.law != &law - problem_.laws.data() || is_pair(term.part);
+    });
     for (const auto& reading : law.readings) {
       variables(reading, of_report, law.origin, "what a law reads");
       for (const Slot s : reading.slots())
         if (s >= slot::first_field && !slot::is_multiplier(s) &&
             (!slot::is_field(s) || slot::field_of(s) == field_of_u(2) ||
-             slot::is_field_gradient(s)))
+             (slot::is_field_gradient(s) && !(on_pairs && may_be_mean(s)))))
           wrong(law.origin, "a law reads values of the unknowns, their rates and memories, and "
                             "multipliers, only");
     }
@@ -317,12 +320,15 @@ private:
         problem_.law_terms, [&](const LawTerm& term) { return term.part == state.part; });
     for (const Slot s : state.rate.slots())
       if (with_laws && slot::is_field(s) &&
-          (slot::field_of(s) > highest_derivative || slot::is_field_gradient(s)))
+          (slot::field_of(s) > highest_derivative ||
+           (slot::is_field_gradient(s) && !(is_pair(state.part) && may_be_mean(s)))))
         wrong(state.origin,
               fmt::format("the rate of `{}` reads a memory or a gradient; it may read "
                           "values of the unknown and of its rate",
                           state.name));
   }
+
+  static bool may_be_mean(Slot s) { return slot::may_be_mean(slot::derivative_of(s)); }
 
   void fields_seen(const LawTerm& term) {
     if (term.seen.empty()) return;
@@ -342,6 +348,8 @@ private:
     const auto reads_gap = [](const LawTerm::Row& row) { return row.offset.depends_on(slot::gap); };
     if (!is_pair(term.part) && std::ranges::any_of(term.rows, reads_gap))
       wrong(term.origin, "a law reads the gap of a pair on another part");
+    if (term.mean && !is_pair(term.part))
+      wrong(term.origin, "a law acts on the mean of both sides, and on no pair");
     if (index(term.field, n_fields_, term.origin, "a law", "field") &&
         term.field != field_of_u(0) && problem_.time.is_static)
       wrong(term.origin, "a law acts on a rate or a memory, and a static problem has none");

@@ -142,7 +142,8 @@ SparseMatrix values_at(const Problem& problem, const Discretisation& d, const St
   term.rule = problem.law_terms[group.host].rule;
   term.rows.resize(1);
   term.unknown = slot::unknown_of(derivative);
-  term.rows.front().u[static_cast<std::size_t>(derivative % slot::own_derivatives)] = 1.0;
+  term.mean = !slot::is_value(derivative);
+  term.rows.front().u[static_cast<std::size_t>(slot::component_of(derivative))] = 1.0;
   return restrict_columns(assemble_law(d.space, d.parts[group.part], term, -1, false).g, layout);
 }
 

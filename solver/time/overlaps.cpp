@@ -44,8 +44,7 @@ Components acted_on(const LawTerm& term) {
 Components acted_on(const LoadTerm& term) {
   Components out{};
   for (const auto& entry : term.entries) {
-    const int own = entry.test % slot::own_derivatives;
-    const int component = slot::is_value(own) ? own : (own - 3) / 3;
+    const int component = slot::component_of(entry.test);
     out[static_cast<std::size_t>(3 * slot::unknown_of(entry.test) + component)] = true;
   }
   return out;
@@ -63,7 +62,7 @@ std::string place(const Mesh& mesh, std::int32_t facet) {
 }
 
 bool same_rows(const LawTerm& a, const LawTerm& b) {
-  if (a.unknown != b.unknown) return false;
+  if (a.unknown != b.unknown || a.mean != b.mean) return false;
   if (a.rows.size() != b.rows.size()) return false;
   for (std::size_t r = 0; r < a.rows.size(); ++r)
     for (int i = 0; i < 3; ++i)

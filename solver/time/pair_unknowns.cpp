@@ -35,9 +35,9 @@ std::vector<JumpPoint> points_of_pairs(const Problem& problem, const Contact& co
   std::map<int, int> first_of_part;
   point_of_row.assign(static_cast<std::size_t>(contact.n_rows()), more_than_one);
   for (const auto& term : contact.terms) {
-    if (!term.points.jump) continue;
-    const int part = problem.law_terms[static_cast<std::size_t>(term.points.law_term)].part;
-    const auto [known, fresh] = first_of_part.try_emplace(part, static_cast<int>(out.size()));
+    const LawTerm& spec = problem.law_terms[static_cast<std::size_t>(term.points.law_term)];
+    if (!term.points.jump || spec.mean) continue;
+    const auto [known, fresh] = first_of_part.try_emplace(spec.part, static_cast<int>(out.size()));
     for (int p = 0; p < term.n_points(); ++p) {
       if (fresh) out.push_back({&term, p, {}});
       const int index = known->second + p;

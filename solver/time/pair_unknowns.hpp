@@ -26,7 +26,7 @@ struct JumpUnknowns {
 };
 
 /// T for those points of pairs that have a node to themselves. Points whose node other laws see as
-/// well, those on creases, and P2 in 3D stay as they are.
+/// well, or a mean, those on creases, and P2 in 3D stay as they are.
 JumpUnknowns jumps_as_unknowns(const Problem& problem, const Space& space,
                                const StateLayout& layout, const Contact& contact);
 

@@ -88,9 +88,10 @@ std::vector<int> held_dofs(const Problem& problem, const Discretisation& d, cons
 }
 
 /// +1: the law acts on the part; -1: the part is the second side of its pair; 0: neither or both.
-/// Throws Failure(bad_value) where the law acts on a piece of the part only.
-int side_of(const Problem& problem, const Discretisation& d, const LawTerm& term,
-            const Probe& probe) {
+/// What acts on means acts by half on either side. Throws Failure(bad_value) where the law acts on
+/// a piece of the part only.
+double side_of(const Problem& problem, const Discretisation& d, const LawTerm& term,
+               const Probe& probe) {
   const Region& on = d.parts[static_cast<std::size_t>(term.part)];
   const Share first = share_on(d.mesh, on.kind, on.entities, part_of(d, probe));
   const Share second =
@@ -101,7 +102,9 @@ int side_of(const Problem& problem, const Discretisation& d, const LawTerm& term
                               problem.parts[static_cast<std::size_t>(term.part)].name, term.name,
                               problem.parts[static_cast<std::size_t>(probe.part)].name),
                   "ask for the reaction of a part that has all of it, or nothing");
-  return (first == Share::all ? 1 : 0) - (second == Share::all ? 1 : 0);
+  const double of_first = first == Share::all ? 1.0 : 0.0;
+  const double of_second = second == Share::all ? 1.0 : 0.0;
+  return term.mean ? 0.5 * (of_first + of_second) : of_first - of_second;
 }
 
 /// By row of a term's points: what a unit multiplier does to the component of all nodes of the
@@ -178,8 +181,8 @@ void ReactionForces::add_laws(const Probe& probe, std::vector<double>& of_rows) 
   for (const auto& term : contact_.terms) {
     const LawTerm& spec = problem_.law_terms[static_cast<std::size_t>(term.points.law_term)];
     if (spec.unknown != probe.unknown) continue;
-    const int side = side_of(problem_, d_, spec, probe);
-    if (side == 0) continue;
+    const double side = side_of(problem_, d_, spec, probe);
+    if (side == 0.0) continue;
     const auto forces = unit_forces(spec, term.points, probe.component);
     for (int row = 0; row < term.n_rows(); ++row)
       of_rows[static_cast<std::size_t>(term.first_row + row)] -=

@@ -52,6 +52,21 @@ def together(upper, lower):
     return Mesh(np.vstack([upper.points, lower.points]), np.vstack([upper.cells, lower.cells + n]), facets)
 
 
+def on_two_bodies(scene, text):
+    """The script of a scene on one block, on its two."""
+    begin, end = text.index("part bottom"), text.index("tensor B")
+    group = {"u": 'upper.group("{}")', "l": 'lower.group("{}")'}
+    if scene.one_file:
+        group = {"u": 'body.group("u_{}")', "l": 'body.group("l_{}")'}
+    at = lambda name: group[name[0]].format(name[2:])
+    meshes = ('mesh body = gmsh("body.msh")' if scene.one_file else
+              'mesh upper = gmsh("upper.msh")\nmesh lower = gmsh("lower.msh")\nmesh body = upper + lower')
+    parts = [f"part u_top = {at('u_top')}", f"part l_bottom = {at('l_bottom')}", f"part right = {at('u_right')}",
+             f"part one = {at(scene.sides[0])}", f"part two = {at(scene.sides[1])}", "part seam = pair(one, two)"]
+    text = meshes + "\n" + "\n".join(parts) + "\n" + text[end:]
+    return text.replace(", zero on held", ", zero on l_bottom, zero on u_top").replace("on held for t", "on u_top for t")
+
+
 class Scene(rates.Scene):
     term_type = PairTerm
 
@@ -116,20 +131,7 @@ class Scene(rates.Scene):
         return out
 
     def script(self, turn, scale):
-        text = super().script(turn, scale)
-        begin, end = text.index("part bottom"), text.index("tensor B")
-        group = {"u": 'upper.group("{}")', "l": 'lower.group("{}")'}
-        if self.one_file:
-            group = {"u": 'body.group("u_{}")', "l": 'body.group("l_{}")'}
-        at = lambda name: group[name[0]].format(name[2:])
-        meshes = ('mesh body = gmsh("body.msh")' if self.one_file else
-                  'mesh upper = gmsh("upper.msh")\nmesh lower = gmsh("lower.msh")\nmesh body = upper + lower')
-        parts = [f"part u_top = {at('u_top')}", f"part l_bottom = {at('l_bottom')}", f"part right = {at('u_right')}",
-                 f"part one = {at(self.sides[0])}", f"part two = {at(self.sides[1])}",
-                 "part seam = pair(one, two)"]
-        text = meshes + "\n" + "\n".join(parts) + "\n" + text[end:]
-        return text.replace(", zero on held", ", zero on l_bottom, zero on u_top").replace(
-            "on held for t", "on u_top for t")
+        return on_two_bodies(self, super().script(turn, scale))
 
     def told(self):
         return (super().told() + f", pair {self.sides} of {len(self.solid.pairing)} points, {self.alone} alone, "
