@@ -4,6 +4,9 @@ include(CMakePackageConfigHelpers)
 
 install(TARGETS hvi-run RUNTIME DESTINATION bin COMPONENT program)
 install(TARGETS hvi_gmsh hvi_mumps hvi_draw LIBRARY DESTINATION lib/hvi COMPONENT program)
+if(TARGET hvi_petsc) # cmake --install ... --component petsc: a package does not depend on MPI
+  install(TARGETS hvi_petsc LIBRARY DESTINATION lib/hvi COMPONENT petsc EXCLUDE_FROM_ALL)
+endif()
 get_property(libraries GLOBAL PROPERTY hvi_solver_libraries)
 install(TARGETS hvi_solver ${libraries} hvi_options hvi_headers hvi_suitesparse EXPORT hvi
   ARCHIVE DESTINATION lib/hvi COMPONENT library)
@@ -14,7 +17,7 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/hviConfigVersion.cmake COMP
 install(FILES ${CMAKE_BINARY_DIR}/hviConfig.cmake ${CMAKE_BINARY_DIR}/hviConfigVersion.cmake DESTINATION lib/cmake/hvi
   COMPONENT library)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/solver DESTINATION include/hvi COMPONENT library FILES_MATCHING PATTERN "*.hpp"
-  PATTERN gmsh EXCLUDE PATTERN mumps EXCLUDE)
+  PATTERN gmsh EXCLUDE PATTERN mumps EXCLUDE PATTERN petsc EXCLUDE)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/stdlib DESTINATION share/hvi COMPONENT program)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/examples/ DESTINATION share/doc/hvi-run/examples COMPONENT program FILES_MATCHING
   PATTERN "*.hvi" PATTERN "*.msh" PATTERN "*.geo" PATTERN new EXCLUDE PATTERN cpp EXCLUDE PATTERN python EXCLUDE)

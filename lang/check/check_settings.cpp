@@ -86,7 +86,8 @@ void Checker::set_accuracy_of(const ast::Setting& setting) {
 }
 
 void Checker::setting(const ast::Setting& s) {
-  using solver::Branch, solver::HistoryRoute, solver::Interpolant, solver::LoadSampling;
+  using solver::Branch, solver::HistoryRoute, solver::Interpolant, solver::LinearSolver,
+      solver::LoadSampling;
   const std::string& name = s.name.text;
   solver::SolverOptions& options = model_.options;
   if (name == "scheme") {
@@ -112,6 +113,10 @@ void Checker::setting(const ast::Setting& s) {
             {"release", Branch::release},
             {"least_energy", Branch::least_energy}},
            options.branch);
+  } else if (name == "solver") {
+    choose(s, "solver",
+           {{"direct", LinearSolver::direct}, {"iterative", LinearSolver::iterative}},
+           options.solver);
   } else if (name == "memory") {
     choose(s, "memory route",
            {{"automatic", HistoryRoute::automatic},

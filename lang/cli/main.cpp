@@ -59,6 +59,8 @@ void add_common(CLI::App& app, Options& options, std::vector<std::string>& defin
   app.add_flag("--both-sides", options.both_sides,
                "keep the contact unknowns of both sides of a pair, also where jumps would do");
   app.add_flag("--allow-geo", options.allow_geo, "read .geo files (they can run programs)");
+  app.add_option("--solver", options.solver, "of the linear systems: direct or iterative")
+      ->check(CLI::IsMember({"direct", "iterative"}));
   app.add_option("--threads", options.threads, "threads of our own loops")
       ->check(CLI::Range(1, 256));
   app.add_flag_callback(
@@ -213,7 +215,8 @@ std::vector<char*> with_command(int argc, char** argv, std::string& word) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view text = argv[i];
     if (text == "-D" || text == "-o" || text == "--json" || text == "--threads" ||
-        text == "--checkpoint" || text == "--accuracy" || text == "--of" || text == "--budget") {
+        text == "--solver" || text == "--checkpoint" || text == "--accuracy" || text == "--of" ||
+        text == "--budget") {
       ++i;
       continue;
     }

@@ -51,6 +51,7 @@ CompileSettings compile_settings(const Options& options) {
           .allow_geo = options.allow_geo,
           .all_unknowns = options.full,
           .both_sides = options.both_sides,
+          .solver = solver::linear_solver_of(options.solver),
           .threads = options.threads,
           .words = option_words()};
 }

@@ -16,7 +16,8 @@
 // These libraries do not free all they take; the leak sanitizer is to tell of ours only.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
-  return "leak:libgmsh.so\nleak:libfontconfig.so";
+  return "leak:libgmsh.so\nleak:libfontconfig.so\nleak:libpetsc\nleak:libmpi\nleak:libopen-\nleak:libpmix\nleak:libhwloc\n"
+         "leak:libevent\nleak:mca_";
 }
 #endif
 
@@ -48,7 +49,7 @@ std::vector<std::filesystem::path> places(const ModuleFile& module) {
           folder.parent_path() / module.file};
 }
 
-/// It stays loaded: libgmsh does not survive being unloaded.
+/// It stays loaded: libgmsh and MPI do not survive being unloaded.
 void* load(const ModuleFile& module) {
   std::string tried;
   for (const auto& path : places(module)) {

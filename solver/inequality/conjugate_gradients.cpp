@@ -51,14 +51,14 @@ bool ConjugateGradients::solve(const Position& at, const Vector& residual, bool 
   const std::vector<SmallMatrix>& d = at.places.d;
   const bool same = factor_.is_of(d);
   if (!same && is_close(d) && iterate(residual, settled, out))
-    return accept(at, residual, out), true;
+    return finish_inexact(at, factor_.op(), h_, residual, out), true;
   if (!factor_.make(d, report)) return false;
   if (!same && !at.idle && factor_.op().rounded()) { // the next step of Newton's refines it
     preconditioner_.keep_up();
     StiffnessPattern::clear(drift_);
     if (preconditioner_.prepare({}, drift_) && iterate(residual, settled, out)) {
       pattern_.assemble(d, h_);
-      return accept(at, residual, out), true;
+      return finish_inexact(at, factor_.op(), h_, residual, out), true;
     }
   }
   return factor_.solve(at, residual, settled, report, out);
@@ -100,22 +100,20 @@ bool ConjugateGradients::iterate(const Vector& residual, bool settled, TangentSt
   return false;
 }
 
-/// Computes what the step leaves of the residual; resting points add it to their multipliers. A
-/// resting point that stands exactly at its break does not move at all: with its entries of dc set
-/// to 0, S dc serves to update S c.
-void ConjugateGradients::accept(const Position& at, const Vector& residual,
-                                TangentStep& out) const {
-  for (int p = 0; p < points_.size(); ++p) {
-    const PointData& q = points_[p];
+void finish_inexact(const Position& at, const ReducedOperator& s, const SparseMatrix& h,
+                    const Vector& residual, TangentStep& out) {
+  const ContactPoints& points = at.points;
+  for (int p = 0; p < points.size(); ++p) {
+    const PointData& q = points[p];
     if (!q.exclusive || !at.places.resting(p) || q.of(at.z) != q.of(at.places.z_hat)) continue;
     for (int row = q.first; row < q.first + q.rows; ++row)
-      for (SparseMatrix::InnerIterator it(points_.g, row); it; ++it)
+      for (SparseMatrix::InnerIterator it(points.g, row); it; ++it)
         if (it.value() != 0.0) out.dc[it.col()] = 0.0;
   }
-  factor_.op().apply(out.dc, out.s_dc);
+  s.apply(out.dc, out.s_dc);
   out.product_known = true;
   out.rest = residual - out.s_dc;
-  out.rest.noalias() -= h_ * out.dc;
+  out.rest.noalias() -= h * out.dc;
 }
 
 } // namespace hvi::solver

@@ -9,6 +9,12 @@
 
 namespace hvi::solver {
 
+/// Computes what an inexact step dc of (S + H) dc = residual leaves of the residual; resting points
+/// add it to their multipliers. A resting point that stands exactly at its break does not move at
+/// all: with its entries of dc set to 0, S dc serves to update S c.
+void finish_inexact(const Position& at, const ReducedOperator& s, const SparseMatrix& h,
+                    const Vector& residual, TangentStep& out);
+
 class ConjugateGradients final : public TangentSolver {
 public:
   ConjugateGradients(const ContactPoints& points, const StiffnessPattern& pattern,
@@ -26,7 +32,6 @@ public:
 private:
   bool is_close(const std::vector<SmallMatrix>& d);
   bool iterate(const Vector& residual, bool settled, TangentStep& out);
-  void accept(const Position& at, const Vector& residual, TangentStep& out) const;
 
   const ContactPoints& points_;
   const StiffnessPattern& pattern_;

@@ -27,7 +27,7 @@ bool is_convex(const ContactPoints& points, const StiffnessPattern& pattern, Las
   }
   if (!softens) return true;
   // Where S is not symmetric, a factor does not show whether the sum is positive definite.
-  return factor.op().symmetric() && factor.make_other(h);
+  return factor.op().symmetric() && factor.make_other(h) && factor.op().definite();
 }
 
 } // namespace hvi::solver

@@ -4,6 +4,7 @@
 //   ContactPoints    what is fixed about the points; StiffnessPattern: their H on its pattern
 //   Position         where a search stands: c, z, xi, GraphStates, ForceBalance, Snap
 //   LastFactor       the factor of S + H; ConjugateGradients around it does without a new one
+//   KrylovTangent    the same by iterations, where the operator has no factor
 //   ActiveSetNewton  Newton on graph states; solve_globally (fallback.hpp) where it fails
 //   ComponentSearch  releases: from component to component of laws that jump down
 //   KeptInverse      Newton by an updated inverse, for laws of straight pieces, from a guess
@@ -14,6 +15,7 @@
 #include "solver/inequality/conjugate_gradients.hpp"
 #include "solver/inequality/follow.hpp"
 #include "solver/inequality/inverse.hpp"
+#include "solver/inequality/krylov_tangent.hpp"
 
 namespace hvi::solver {
 
@@ -41,6 +43,7 @@ private:
   Position at_;
   LastFactor factor_;
   ConjugateGradients tangent_;
+  KrylovTangent krylov_;
   ActiveSetNewton newton_;
   ComponentSearch components_;
   KeptInverse inverse_;

@@ -135,7 +135,7 @@ MethodOutcome AugmentedProblem::minimise(int limit, InequalityReport& report) {
 bool AugmentedProblem::choose_theta(InequalityReport& report) {
   for (const double candidate : {1.0, 0.75, 0.5, 0.25, 0.0}) {
     laws.take_concave_part(candidate);
-    if (factor_.make(laws.d, report)) return true;
+    if (factor_.make(laws.d, report) && factor_.op().definite()) return true;
   }
   return false;
 }

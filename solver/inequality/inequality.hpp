@@ -20,6 +20,8 @@
 
 namespace hvi::solver {
 
+class IterativeOperator;
+
 /// The operator of the reduced problem: a dense Schur complement, or a sparse matrix when the
 /// laws act in the whole domain. Symmetric unless `symmetric()` is false.
 class ReducedOperator {
@@ -40,6 +42,14 @@ public:
   virtual void solve(const Vector& b, Vector& x) const = 0; ///< with the last factor
   /// Is the last factor a rounded one, so that `solve` refines what `solve_rough` gives?
   virtual bool rounded() const { return false; }
+  /// The same to two or three digits, for sizes and estimates.
+  virtual void estimate(const Vector& b, Vector& x) const { solve(b, x); }
+  /// Is the last sum that was factored positive definite, as far as `factor` does not tell?
+  virtual bool definite() { return true; }
+  /// The part of the certificate's tolerance that solves aim at.
+  virtual double aim() const { return 1e-2; }
+  /// Set: linear systems are solved by iterations, to the accuracy that is asked for.
+  virtual IterativeOperator* iterative() { return nullptr; }
   /// The same to about six digits: what preconditioners need, at half the memory read.
   virtual void solve_rough(const Vector& b, Vector& x) const { solve(b, x); }
   /// Many more rough solves with the last factor are to come: they may be prepared for.

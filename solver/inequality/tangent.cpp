@@ -17,7 +17,7 @@ bool respond(const InequalityState& state, std::span<const Vector> r, Position& 
   if (!factor.make_other(h)) return false;
   change_c.resize(r.size()), change_xi.resize(r.size());
   for (std::size_t k = 0; k < r.size(); ++k) {
-    factor.op().solve(r[k], change_c[k]);
+    factor.op().estimate(r[k], change_c[k]);
     const Vector dz = points.g * change_c[k];
     change_xi[k].resize(points.rows);
     for (int p = 0; p < points.size(); ++p)

@@ -29,6 +29,7 @@ struct FactorStatistics {
   int analyses = 0, factorisations = 0,
       triangular_solves = 0; ///< work counters; each solve, forward or backward, reads the factor
   double bytes_read = 0;     ///< of the factor, by all triangular solves
+  int iterations = 0;        ///< where they stand in for a factor
   std::string ordering;      ///< "METIS", "CAMD", ...
 };
 

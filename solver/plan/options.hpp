@@ -4,9 +4,26 @@
 #include "solver/kernel/kernel_spec.hpp"
 #include "solver/law/branch.hpp"
 
+#include <optional>
+#include <string_view>
+
 namespace hvi::solver {
 
+/// How the linear systems of steps are solved.
+enum class LinearSolver {
+  direct,   ///< a factor of the matrix, condensed to the contact unknowns
+  iterative ///< conjugate gradients with multigrid, on all unknowns
+};
+
+/// "direct" or "iterative"; nothing: no such word.
+inline std::optional<LinearSolver> linear_solver_of(std::string_view word) {
+  if (word == "direct") return LinearSolver::direct;
+  if (word == "iterative") return LinearSolver::iterative;
+  return std::nullopt;
+}
+
 struct SolverOptions {
+  LinearSolver solver = LinearSolver::direct;
   double tolerance = 1e-10; ///< certificate
   double memory_tolerance = 1e-8;
   HistoryRoute route = HistoryRoute::automatic;

@@ -34,7 +34,7 @@ Balance::Balance(const Plan& plan, const Discretisation& discretisation,
   state_ = Vector::Zero(layout.n_state);
   scale_ = product_ = Vector::Zero(layout.n_unknowns);
   if (evolution.grid().steps() >= worth_halving && operators.symmetric && !formulation.imposed() &&
-      operators.changing.empty())
+      operators.changing.empty() && !operators.iterative) // memory is what they are to save
     halves_ = halved(operators, plan.options.threads);
 }
 

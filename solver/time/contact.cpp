@@ -157,7 +157,8 @@ const LawPoints& points_of(const Contact& contact, const StateGroup& group) {
                     : contact.terms[static_cast<std::size_t>(group.host)].points;
 }
 
-Contact make_contact(const Problem& problem, const Discretisation& d, const StateLayout& layout) {
+Contact make_contact(const Problem& problem, const Discretisation& d, const StateLayout& layout,
+                     bool keep_all) {
   Contact out;
   const double t = problem.time.is_static ? 0.0 : problem.time.grid.front();
   make_laws(problem, out);
@@ -214,7 +215,7 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
     if (!term.first_states.empty() || term.offset_of_states) term.alike.clear();
   out.g = stacked(out.terms, layout, n_rows);
   out.offset = out.problem.offset = Vector::Zero(n_rows);
-  find_unknowns(problem, d.space, layout, out);
+  find_unknowns(problem, d.space, layout, out, keep_all);
   return out;
 }
 

@@ -116,12 +116,13 @@ const LawPoints& points_of(const Contact& contact, const StateGroup& group);
 
 /// Laws whose points touch most unknowns (or very many) are not condensed: a dense Schur complement
 /// would cost more than the sparse matrix itself.
+/// `keep_all`: nothing is condensed in any case.
 Contact make_contact(const Problem& problem, const Discretisation& discretisation,
-                     const StateLayout& layout);
+                     const StateLayout& layout, bool keep_all = false);
 
 /// Which unknowns are the contact unknowns of rows and points, and what these are on them.
 void find_unknowns(const Problem& problem, const Space& space, const StateLayout& layout,
-                   Contact& contact);
+                   Contact& contact, bool keep_all);
 
 /// From now on the contact unknowns are some of the x, u = T x. `problem` as for make_contact.
 void change_unknowns(const Problem& problem, const Space& space, const StateLayout& layout,

@@ -23,7 +23,7 @@ const SparseMatrix& in_changed(const Contact& contact, const SparseMatrix& rows,
 }
 
 /// Unknowns with a non-zero column of G, what laws and rates of states read, or all of them.
-void choose_unknowns(Contact& out, int n_unknowns) {
+void choose_unknowns(Contact& out, int n_unknowns, bool keep_all) {
   std::vector<char> touched(n_unknowns, 0);
   const auto touch = [&](const SparseMatrix& rows) {
     for (int r = 0; r < rows.rows(); ++r)
@@ -36,7 +36,7 @@ void choose_unknowns(Contact& out, int n_unknowns) {
   touch(in_changed(out, out.trace, room));
   out.unknowns.clear();
   const auto count = static_cast<int>(std::count(touched.begin(), touched.end(), 1));
-  out.whole = count > most_condensed ||
+  out.whole = (keep_all && !out.none()) || count > most_condensed ||
               (count > always_condensed && count > most_condensed_share * n_unknowns);
   for (int i = 0; i < n_unknowns; ++i)
     if (out.whole || touched[i] != 0) out.unknowns.push_back(i);
@@ -110,8 +110,8 @@ void add_multipliers(const Problem& problem, const Space& space, const StateLayo
 }
 
 void choose_and_restrict(const Problem& problem, const Space& space, const StateLayout& layout,
-                         Contact& out) {
-  choose_unknowns(out, layout.n_unknowns);
+                         Contact& out, bool keep_all) {
+  choose_unknowns(out, layout.n_unknowns, keep_all);
   add_multipliers(problem, space, layout, out);
   restrict_to_unknowns(out, layout.n_unknowns);
 }
@@ -119,9 +119,9 @@ void choose_and_restrict(const Problem& problem, const Space& space, const State
 } // namespace
 
 void find_unknowns(const Problem& problem, const Space& space, const StateLayout& layout,
-                   Contact& contact) {
+                   Contact& contact, bool keep_all) {
   tell_unknowns_apart(space, layout, contact);
-  choose_and_restrict(problem, space, layout, contact);
+  choose_and_restrict(problem, space, layout, contact, keep_all);
   find_forces(contact, layout.n_unknowns);
   contact.loaded = contact.unknowns;
 }
@@ -129,7 +129,7 @@ void find_unknowns(const Problem& problem, const Space& space, const StateLayout
 void change_unknowns(const Problem& problem, const Space& space, const StateLayout& layout,
                      std::shared_ptr<const BasisChange> change, Contact& contact) {
   contact.change = std::move(change);
-  choose_and_restrict(problem, space, layout, contact);
+  choose_and_restrict(problem, space, layout, contact, false);
 }
 
 void contact_part(const Contact& contact, const Vector& d, Vector& c) {

@@ -1,12 +1,16 @@
 // See factored_matrix.hpp.
 #include "solver/time/factored_matrix.hpp"
 
+#include "solver/inequality/iterative_operator.hpp"
 #include "solver/linear/changed_unknowns.hpp"
 #include "solver/linear/condition_estimate.hpp"
 #include "solver/linear/indefinite.hpp"
+#include "solver/linear/iterative_factorisation.hpp"
 #include "solver/linear/separate.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 namespace hvi::solver {
@@ -57,11 +61,14 @@ SharedFactor make_factor(const Operators& operators, const Contact& contact, con
 /// The first factor may be shared with another run, and is then replaced by one of this run; a
 /// factor of this run is made anew in its place.
 void FactoredMatrix::factor(const Vector& gamma) {
+  if (gamma.size() != operators_.n_bases())
+    throw std::invalid_argument("a coefficient for each base matrix is needed");
   gamma_ = gamma;
   SparseMatrix k = combine(operators_, gamma);
-  k_.swap(k); // Eigen 3.4 copies what is moved
+  set_matrix(k);
   half_ = {};
   free_ = motions_.empty() ? nullptr : find_free_body(motions_, k_, *layout_);
+  if (operators_.iterative) return prepare_iterations();
   if (contact_.whole) return;
   const SparseMatrix instead = free_ ? held() : SparseMatrix();
   const SparseMatrix& matrix = free_ ? instead : k_;
@@ -71,6 +78,50 @@ void FactoredMatrix::factor(const Vector& gamma) {
   }
   auto* const shared = factorisation_ ? nullptr : operators_.shared;
   factorisation_ = make_factor(operators_, contact_, matrix, shared, std::exchange(like_, nullptr));
+}
+
+/// Iterations know the matrix by where its entries are.
+void FactoredMatrix::set_matrix(SparseMatrix& k) {
+  if (iterations_ && k.nonZeros() == k_.nonZeros())
+    std::copy_n(k.valuePtr(), k.nonZeros(), k_.valuePtr());
+  else
+    k_.swap(k), iterations_.reset(); // Eigen 3.4 copies what is moved
+}
+
+void FactoredMatrix::prepare_iterations() {
+  if ((held_.rows() > 0) != (free_ != nullptr)) iterations_.reset(), held_ = {};
+  if (free_) {
+    SparseMatrix now = held();
+    if (held_.nonZeros() == now.nonZeros())
+      std::copy_n(now.valuePtr(), now.nonZeros(), held_.valuePtr());
+    else
+      held_.swap(now), iterations_.reset();
+  }
+  if (iterations_)
+    iterations_->matrix_changed();
+  else
+    iterations_ = petsc_solver(free_ ? held_ : k_, operators_.symmetric, *operators_.iterative);
+  if (!contact_.none()) return;
+  factorisation_ = own(iterative_factorisation(*iterations_, operators_.n_unknowns));
+  factorisation_->factor(k_);
+}
+
+std::unique_ptr<ReducedOperator> FactoredMatrix::reduced_operator() const {
+  const bool symmetric = operators_.symmetric && !contact_.mixed;
+  if (iterations_)
+    return std::make_unique<IterativeOperator>(free_ ? held_ : k_, symmetric, *iterations_);
+  if (contact_.whole) return sparse_operator(free_ ? held() : k_, symmetric);
+  return dense_operator(factorisation_->schur(), symmetric);
+}
+
+FactorStatistics FactoredMatrix::statistics() const {
+  if (!iterations_) return factorisation_.statistics();
+  const IterativeStatistics& of = iterations_->statistics();
+  FactorStatistics out;
+  out.bytes = of.bytes;
+  out.seconds_factor = of.seconds_setup;
+  out.factorisations = of.setups, out.iterations = of.iterations;
+  return out;
 }
 
 SparseMatrix FactoredMatrix::held() const {
@@ -90,7 +141,7 @@ double FactoredMatrix::bytes() const {
 }
 
 double condition(const FactoredMatrix& matrix, const Operators& operators) {
-  if (matrix.free_body() != nullptr) return 0.0;
+  if (matrix.free_body() != nullptr || operators.iterative) return 0.0;
   if (matrix.factorisation()) return estimate_condition(matrix.k(), *matrix.factorisation());
   const auto factor = operators.coupled ? coupled_factor(matrix.k(), {}, {})
                                         : analyse(matrix.k(), {}, operators.symmetric);

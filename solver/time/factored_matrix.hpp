@@ -1,6 +1,7 @@
 // The matrix of a step, K = sum_b gamma_b T_b, with its factor.
 #pragma once
 
+#include "solver/inequality/inequality.hpp"
 #include "solver/linear/symmetric_blocks.hpp"
 #include "solver/time/contact.hpp"
 #include "solver/time/held_by_laws.hpp"
@@ -35,6 +36,12 @@ public:
   /// What is factored, where that is not K.
   SparseMatrix held() const;
 
+  /// S as the laws' problem uses it: the Schur complement, or what is solved where all unknowns are
+  /// contact unknowns.
+  std::unique_ptr<ReducedOperator> reduced_operator() const;
+  /// Of the factor, or of the iterations in its place.
+  FactorStatistics statistics() const;
+
   const Vector& gamma() const { return gamma_; }
   const SparseMatrix& k() const { return k_; }
   /// Absent where all unknowns are contact unknowns, so that nothing is condensed.
@@ -45,6 +52,9 @@ public:
   double bytes() const; ///< held besides the factorisation
 
 private:
+  void set_matrix(SparseMatrix& k);
+  void prepare_iterations();
+
   const Operators& operators_;
   const Contact& contact_;
   const FactoredMatrix* like_;
@@ -52,9 +62,10 @@ private:
   const StateLayout* layout_ = nullptr;
   std::shared_ptr<const FreeBody> free_;
   Vector gamma_;
-  SparseMatrix k_;
+  SparseMatrix k_, held_; ///< the second one for iterations, where motions are free
   SymmetricBlocks half_;
   SharedFactor factorisation_;
+  std::unique_ptr<IterativeSolver> iterations_; ///< instead of a factor; reads k_ or held_
 };
 
 /// The condition number of K, estimated; factors K where there is no factor of it. 0: K has a free

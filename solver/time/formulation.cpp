@@ -3,6 +3,7 @@
 
 #include "solver/time/field_recovery.hpp"
 #include "solver/time/interior.hpp"
+#include "solver/time/nodes_of_unknowns.hpp"
 #include "solver/time/pair_unknowns.hpp"
 #include "solver/time/reduce.hpp"
 #include "solver/time/rounding.hpp"
@@ -83,7 +84,9 @@ DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
   loads.restrict_to({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)});
   Vector initial = initial_state(plan.problem, d, layout);
   Operators operators = assemble_operators(plan.problem, d, layout, plan.options.threads);
-  Contact contact = make_contact(plan.problem, d, layout);
+  if (plan.options.solver == LinearSolver::iterative)
+    operators.iterative = nodes_of_unknowns(plan.problem, d, layout);
+  Contact contact = make_contact(plan.problem, d, layout, operators.iterative != nullptr);
   ChangingForms changing(plan.problem, d, contact, operators);
   changing.take(contact, layout, operators);
   return {layout,           std::move(operators), std::move(contact),
@@ -98,7 +101,8 @@ constexpr std::size_t most_on_both_sides = 1500;
 bool take_jumps_as_unknowns(const Plan& plan, const Discretisation& d, DiscreteProblem& all) {
   // With inertia bodies rest, or all but rest, while others move: rounding of these would be most
   // of what a factor that joins them leaves there.
-  if (!plan.options.jumps_as_unknowns || in_motion(plan.problem)) return false;
+  if (!plan.options.jumps_as_unknowns || in_motion(plan.problem) || all.operators.iterative)
+    return false;
   auto jumps = jumps_as_unknowns(plan.problem, d.space, all.layout, all.contact);
   if (!jumps.change) return false;
   const Operators& operators = all.operators;

@@ -5,6 +5,7 @@
 // so proportional tensors share one matrix, and a product with B and E together reads it once.
 #pragma once
 
+#include "solver/linear/iterative_solver.hpp"
 #include "solver/plan/problem.hpp"
 #include "solver/time/run.hpp"
 #include "solver/time/state.hpp"
@@ -33,7 +34,9 @@ struct Operators {
   /// the others with none.
   std::optional<int> separate;
   SharedWork* shared = nullptr; ///< of the discretisation; factors may be had from there
-  double memory_to_come = 0.0;  ///< bytes that a run will take besides its factors
+  /// Set: systems are solved by iterations on all unknowns, which are these.
+  std::shared_ptr<const UnknownsOfNodes> iterative;
+  double memory_to_come = 0.0; ///< bytes that a run will take besides its factors
 
   /// Is this the matrix of a form that reads states?
   bool changes(int b) const {

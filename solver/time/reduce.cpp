@@ -77,6 +77,7 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
                                   const Contact& contact, const LoadAssembler& loads,
                                   const StateLayout& layout) {
   if (!plan.options.proportional_path) return "it was asked for";
+  if (operators.iterative) return "the solver is iterative";
   if (plan.problem.time.is_static) return "a static problem has one step";
   if (contact.none()) return "there is no contact law";
   if (in_motion(plan.problem)) return "there is inertia";

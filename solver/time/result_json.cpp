@@ -140,25 +140,27 @@ Json what_was_done(const RunResult& result, const Problem& problem, const Result
                        {"line", line_of(effect.origin)},
                        {"why", effect.why}});
   const auto& work = result.work;
-  return {{"effects", effects},
-          {"evolution", result.path.empty() ? "contact unknowns" : "all unknowns"},
-          {"evolution_why",
-           result.path.empty() ? "all tensors are multiples of one tensor" : result.path},
-          {"matrices", work.matrices},
-          {"analyses", work.analyses},
-          {"factorisations", work.factorisations},
-          {"sweeps", work.triangular_solves},
-          {"products", work.products},
-          {"newton", work.newton},
-          {"fallback_steps", work.fallback_steps},
-          {"followed_steps", work.followed_steps},
-          {"inner_steps", work.inner_steps},
-          {"unfollowed_steps", work.unfollowed_steps},
-          {"fields", work.history_fields},
-          {"field_reads", work.field_reads},
-          {"history", histories(result, problem)},
-          {"bytes", work.bytes},
-          {"seconds", result.timing.total}};
+  Json out{{"effects", effects},
+           {"evolution", result.path.empty() ? "contact unknowns" : "all unknowns"},
+           {"evolution_why",
+            result.path.empty() ? "all tensors are multiples of one tensor" : result.path},
+           {"matrices", work.matrices},
+           {"analyses", work.analyses},
+           {"factorisations", work.factorisations},
+           {"sweeps", work.triangular_solves},
+           {"products", work.products},
+           {"newton", work.newton},
+           {"fallback_steps", work.fallback_steps},
+           {"followed_steps", work.followed_steps},
+           {"inner_steps", work.inner_steps},
+           {"unfollowed_steps", work.unfollowed_steps},
+           {"fields", work.history_fields},
+           {"field_reads", work.field_reads},
+           {"history", histories(result, problem)},
+           {"bytes", work.bytes},
+           {"seconds", result.timing.total}};
+  if (work.iterations > 0) out["iterations"] = work.iterations;
+  return out;
 }
 
 } // namespace
@@ -191,9 +193,10 @@ Json result_json(const RunResult& result, const Problem& problem, const ResultCo
 Json plan_json(const RunResult& first_steps, const Problem& problem, const ResultContext& context,
                const PredictedWork& predicted) {
   Json work = what_was_done(first_steps, problem, context);
-  for (const char* counted : {"sweeps", "products", "newton"})
-    work[counted] = std::llround(work[counted].get<double>() * predicted.steps /
-                                 std::max(1, predicted.first_steps));
+  for (const char* counted : {"sweeps", "products", "newton", "iterations"})
+    if (work.contains(counted))
+      work[counted] = std::llround(work[counted].get<double>() * predicted.steps /
+                                   std::max(1, predicted.first_steps));
   for (const char* of_a_run :
        {"fallback_steps", "followed_steps", "inner_steps", "unfollowed_steps", "field_reads"})
     work.erase(of_a_run);

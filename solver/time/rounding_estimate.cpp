@@ -155,7 +155,8 @@ std::vector<double> RoundingEstimate::over_the_run(std::span<const Vector> force
   const double bound = amplification();
   const int step = evolution_.step();
   const int most =
-      !formulation_.reduced() && bound >= 2.0 && formulation_.contact().other_fields.empty()
+      !formulation_.reduced() && !operators.iterative && bound >= 2.0 &&
+              formulation_.contact().other_fields.empty()
           ? vectors_for_whole_time(operators.n_unknowns, formulation_.contact().n_rows(), step)
           : 0;
   std::optional<WholeTime> whole;

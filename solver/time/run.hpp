@@ -96,6 +96,7 @@ struct WorkCounters {
   /// Steps whose branch was followed from the last state, the inner steps that took, and steps
   /// where that could not be done.
   int followed_steps = 0, inner_steps = 0, unfollowed_steps = 0;
+  int iterations = 0;           ///< of iterative solvers
   std::int64_t field_reads = 0; ///< of stored history fields
   double bytes = 0;
 };

@@ -23,7 +23,8 @@ std::unique_ptr<CorrectionSolves> correction_solves(const Plan& plan,
                                                     const Formulation& formulation) {
   const Contact& contact = formulation.contact();
   const double tolerance = plan.options.tolerance;
-  if (plan.options.reduced_precision && !formulation.reduced() && !contact.whole)
+  if (plan.options.reduced_precision && !formulation.reduced() && !contact.whole &&
+      !formulation.operators().iterative)
     return mixed_solves(tolerance, !contact.none());
   return std::make_unique<CorrectionSolves>(tolerance);
 }

@@ -7,6 +7,7 @@
 #include "solver/time/report.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace hvi::solver {
 
@@ -57,13 +58,18 @@ void StepMatrix::save(std::ostream& out) const {
 void StepMatrix::restore(std::istream& in) {
   StateReader r(in, {});
   Vector saved;
-  get_vector(r, saved, operators_.n_bases());
+  get_vector(r, saved);
+  if (!saved.allFinite()) r.fail("is inconsistent");
   law_factors_ = r.get_vector<double>();
   if (!law_factors_.empty() && law_factors_.size() != 3 * contact_.terms.size())
     r.fail("is inconsistent");
   for (const double factor : law_factors_)
     if (!(factor > 0.0)) r.fail("is inconsistent");
-  factor(saved);
+  try {
+    factor(saved);
+  } catch (const std::invalid_argument&) { // other base matrices
+    r.fail("is inconsistent");
+  }
   if (solver_) solver_->restore(in);
 }
 

@@ -157,10 +157,7 @@ public:
       : plan_(plan), formulation_(formulation), matrix_(operators, formulation.contact()) {
     try {
       matrix_.factor(weights);
-      if (formulation.contact().whole)
-        reduced_ = sparse_operator(matrix_.k(), operators.symmetric);
-      else if (!formulation.contact().none())
-        reduced_ = dense_operator(matrix_.factorisation()->schur(), operators.symmetric);
+      if (!formulation.contact().none()) reduced_ = matrix_.reduced_operator();
     } catch (const NotFactorable&) {
       no_mass();
     }

@@ -34,6 +34,8 @@ std::string obstacle_to_uniqueness(const Problem& problem, const RunState& state
                ? std::string()
                : "laws alone hold the body";
   }
+  if (!uniqueness.settled() && state.formulation->operators().iterative)
+    return "a law softens, and iterations do not prove that the body is stiffer";
   if (!uniqueness.settled()) {
     // Not in a restored run: asking would change the solver, and its later numbers.
     if (uniqueness.condensed() && state.evolution.step() == 0)

@@ -33,7 +33,9 @@ std::unique_ptr<StepMatrix> new_matrix(const SolverOptions& options, const Formu
 StepMatrices::StepMatrices(const Plan& plan, const Discretisation& discretisation,
                            const Formulation& formulation, const TimeScheme& scheme)
     : plan_(plan), discretisation_(discretisation), formulation_(formulation), scheme_(scheme),
-      most_(static_cast<std::size_t>(useful_factors(scheme))) {
+      most_(formulation.operators().iterative
+                ? 1 // its multigrid serves other lengths of steps, too
+                : static_cast<std::size_t>(useful_factors(scheme))) {
   if (formulation.contact().none() || formulation.reduced()) return;
   motions_ = motions_of_unknowns(discretisation);
 }
@@ -93,6 +95,7 @@ void charge(const FactorStatistics& factor, WorkCounters& work, Timing& timing) 
   work.factorisations += factor.factorisations;
   work.triangular_solves += factor.triangular_solves;
   work.bytes += factor.bytes;
+  work.iterations += factor.iterations;
   timing.ordering += factor.seconds_analyse;
   timing.factor += factor.seconds_factor;
   timing.factor_bytes_read += factor.bytes_read;
@@ -101,7 +104,7 @@ void charge(const FactorStatistics& factor, WorkCounters& work, Timing& timing) 
 void StepMatrices::account(WorkCounters& work, Timing& timing) const {
   for (const auto& kept : kept_) {
     work.bytes += kept.matrix->bytes();
-    charge(kept.matrix->factorisation().statistics(), work, timing);
+    charge(kept.matrix->statistics(), work, timing);
   }
 }
 

@@ -10,9 +10,7 @@ void StepMatrix::factor(const Vector& gamma) {
   for (Eigen::Index i = 0; i < contact_diagonal_.size(); ++i)
     contact_diagonal_[i] = k().coeff(contact_.loaded[i], contact_.loaded[i]);
   if (contact_.none()) return;
-  const bool symmetric = operators_.symmetric && !contact_.mixed;
-  reduced_ = contact_.whole ? sparse_operator(free_body() ? held() : k(), symmetric)
-                            : dense_operator(factorisation()->schur(), symmetric);
+  reduced_ = reduced_operator();
   solver_ = std::make_unique<InequalitySolver>(contact_.problem, *reduced_, options_, law_factors_);
 }
 

@@ -13,8 +13,7 @@ public:
   /// Keeps references to operators and contact; `like` as for a FactoredMatrix.
   StepMatrix(const Operators& operators, const Contact& contact, const InequalityOptions& options,
              const StepMatrix* like = nullptr)
-      : FactoredMatrix(operators, contact, like), operators_(operators), contact_(contact),
-        options_(options) {}
+      : FactoredMatrix(operators, contact, like), contact_(contact), options_(options) {}
 
   /// What laws see moves so much faster than the unknowns (law_factors), from the next `factor` on.
   void set_law_factors(std::vector<double> factors) { law_factors_ = std::move(factors); }
@@ -35,7 +34,6 @@ public:
   void restore(std::istream& in);
 
 private:
-  const Operators& operators_;
   const Contact& contact_;
   InequalityOptions options_;
   std::vector<double> law_factors_; ///< three by law term; empty: they are 1

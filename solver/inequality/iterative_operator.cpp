@@ -1,0 +1,73 @@
+// See iterative_operator.hpp.
+#include "solver/inequality/iterative_operator.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace hvi::solver {
+
+void IterativeOperator::apply_magnitude(const Vector& c, Vector& out) const {
+  out.setZero(size());
+  for (int i = 0; i < size(); ++i)
+    for (SparseMatrix::InnerIterator it(k_, i); it; ++it)
+      out[i] += std::abs(it.value() * c[it.col()]);
+}
+
+/// Preconditioners ask for it, which symmetric matrices alone have: row j is column j.
+void IterativeOperator::column(int j, double* out) const {
+  std::fill_n(out, size(), 0.0);
+  for (SparseMatrix::InnerIterator it(k_, j); it; ++it) out[it.col()] = it.value();
+}
+
+/// Others may use the solver with laws of their own meanwhile.
+bool IterativeOperator::use_laws() const {
+  return solver_.laws() == &h_ || solver_.set_laws(h_, symmetric_);
+}
+
+bool IterativeOperator::factor(const SparseMatrix& h, std::span<const int>) {
+  h_ = h;
+  h_.makeCompressed();
+  return solver_.set_laws(h_, symmetric_);
+}
+
+bool IterativeOperator::solve_to(const Vector& b, double reduction, Vector& x) const {
+  if (!use_laws()) return false;
+  const IterativeAnswer answer = solver_.solve(b, reduction, x);
+  if (answer.outcome == IterativeAnswer::Outcome::stagnated)
+    throw Failure(FailureKind::not_certified, {},
+                  fmt::format("the iterative solver of {} unknowns stopped after {} iterations, "
+                              "which left {:.1e} of the forces: {}",
+                              size(), answer.iterations, answer.reduction, answer.reason),
+                  "take `using solver = direct`; Poisson's ratios near 1/2, flat cells and "
+                  "stiffnesses many decades apart are hard for iterations");
+  return answer.solved();
+}
+
+/// What is not positive definite has no answer.
+void IterativeOperator::solve_or_refuse(const Vector& b, double reduction, Vector& x) const {
+  if (!solve_to(b, reduction, x)) x.setConstant(size(), std::numeric_limits<double>::quiet_NaN());
+}
+
+/// Conjugate gradients from a random force come across directions of negative energy, which are at
+/// the end of the spectrum; laws that add stiffness only leave nothing to ask.
+bool IterativeOperator::definite() {
+  if (!symmetric_) return false;
+  bool adds_only = true;
+  for (int i = 0; i < h_.rows() && adds_only; ++i)
+    for (SparseMatrix::InnerIterator it(h_, i); it; ++it)
+      adds_only = adds_only && (it.col() != i || it.value() >= 0.0);
+  if (adds_only) return true;
+  Vector b(size()), x;
+  std::uint32_t random = 12345;
+  for (double& v : b) {
+    random = random * 1664525u + 1013904223u;
+    v = random / 4294967296.0 - 0.5;
+  }
+  return solve_to(b, 1e-8, x);
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,26 @@
+// Linear solves of Newton's steps by iterations, each to the accuracy that pays (forcing terms: R.
+// S. Dembo, S. C. Eisenstat, T. Steihaug, Inexact Newton methods, SIAM J. Numer. Anal. 19 (1982)
+// 400-408).
+#pragma once
+
+#include "solver/inequality/conjugate_gradients.hpp"
+
+namespace hvi::solver {
+
+class KrylovTangent final : public TangentSolver {
+public:
+  KrylovTangent(const ContactPoints& points, const StiffnessPattern& pattern, LastFactor& factor)
+      : points_(points), pattern_(pattern), factor_(factor), h_(pattern.zero()) {}
+  bool solve(const Position& at, const Vector& residual, bool settled, InequalityReport& report,
+             TangentStep& out) override;
+
+private:
+  double reduction(const Position& at, const Vector& residual, bool settled) const;
+
+  const ContactPoints& points_;
+  const StiffnessPattern& pattern_;
+  LastFactor& factor_;
+  SparseMatrix h_;
+};
+
+} // namespace hvi::solver

@@ -1,0 +1,79 @@
+// See iterative_factorisation.hpp.
+#include "solver/linear/iterative_factorisation.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+namespace hvi::solver {
+namespace {
+
+/// Solutions are corrected until their certificate holds: a correction gains so much.
+constexpr double gain_of_solve = 1e-9;
+
+class IterativeFactorisation final : public Factorisation {
+public:
+  IterativeFactorisation(IterativeSolver& solver, int n) : solver_(solver) {
+    order_.unknown.resize(static_cast<std::size_t>(n));
+    std::iota(order_.unknown.begin(), order_.unknown.end(), 0);
+    order_.interior = n;
+  }
+
+  std::unique_ptr<Factorisation> another() const override {
+    throw std::logic_error("an iterative solver serves one matrix");
+  }
+
+  void factor(const SparseMatrix& k) override {
+    const Vector b = k.diagonal();
+    solve(b);
+  }
+
+  void forward(RightHandSides, Columns) override {}
+
+  void back(RightHandSides y, Columns columns) override {
+    if (columns == Columns::transposed)
+      throw std::logic_error("an iterative solver has no transposed solves");
+    const int n = order_.size();
+    for (int r = 0; r < y.count; ++r) {
+      Vector b(n);
+      for (int i = 0; i < n; ++i) b[i] = y.values[static_cast<std::ptrdiff_t>(i) * y.stride + r];
+      const Vector& x = solve(b);
+      for (int i = 0; i < n; ++i) y.values[static_cast<std::ptrdiff_t>(i) * y.stride + r] = x[i];
+    }
+  }
+
+  const DenseMatrix& schur() const override { return none_; }
+  const EliminationOrder& order() const override { return order_; }
+  const FactorStatistics& statistics() const override { return statistics_; }
+
+private:
+  const Vector& solve(const Vector& b) {
+    const IterativeAnswer answer = solver_.solve(b, gain_of_solve, x_);
+    if (answer.outcome == IterativeAnswer::Outcome::indefinite)
+      throw NotFactorable(-1, std::numeric_limits<double>::quiet_NaN(),
+                          "the matrix is not positive definite");
+    if (!answer.solved())
+      throw Failure(FailureKind::not_certified, {},
+                    fmt::format("the iterative solver of {} unknowns stopped after {} iterations, "
+                                "which left {:.1e} of the forces: {}",
+                                b.size(), answer.iterations, answer.reduction, answer.reason),
+                    "take `using solver = direct`");
+    return x_;
+  }
+
+  IterativeSolver& solver_;
+  EliminationOrder order_;
+  FactorStatistics statistics_;
+  DenseMatrix none_;
+  Vector x_;
+};
+
+} // namespace
+
+std::unique_ptr<Factorisation> iterative_factorisation(IterativeSolver& solver, int n) {
+  return std::make_unique<IterativeFactorisation>(solver, n);
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,65 @@
+// Iterative solvers of  (K + H) x = b  behind one interface: K the matrix of a step, H what the
+// laws at hand add to few of its rows.
+#pragma once
+
+#include "solver/linear/sparse.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace hvi::solver {
+
+/// What an iterative solver is told of the unknowns besides their matrix.
+struct UnknownsOfNodes {
+  int components = 1;                  ///< of a node
+  std::vector<std::int32_t> node;      ///< of each unknown; numbered from 0 without gaps
+  std::vector<std::int32_t> component; ///< of each unknown
+  int nodes = 0;
+  /// A column each: motions that cost no energy but where values are imposed (translations and
+  /// turns, constants). Multigrid has to keep them on every level.
+  DenseMatrix motions;
+};
+
+struct IterativeAnswer {
+  enum class Outcome {
+    solved,
+    indefinite, ///< a direction of no or negative curvature: the matrix is not positive definite
+    stagnated
+  };
+  Outcome outcome = Outcome::solved;
+  int iterations = 0;
+  double reduction = 0.0; ///< of |b - (K + H) x| against |b|
+  std::string reason;     ///< in words, where it is not solved
+  bool solved() const { return outcome == Outcome::solved; }
+};
+
+struct IterativeStatistics {
+  int setups = 0, solves = 0, iterations = 0;
+  int local_factors = 0; ///< of the layers at the contact
+  double bytes = 0.0, seconds_setup = 0.0;
+};
+
+class IterativeSolver {
+public:
+  virtual ~IterativeSolver() = default;
+  /// The entries of K, which was given where the solver was made, have changed. What was set up for
+  /// the last ones goes on serving while it does not take many more iterations.
+  virtual void matrix_changed() = 0;
+  /// H from now on; kept by reference. False: K + H has no factor on the layers at the contact, so
+  /// that it is not positive definite (symmetric), or singular.
+  virtual bool set_laws(const SparseMatrix& h, bool symmetric) = 0;
+  /// The H that was set last; null: none.
+  virtual const SparseMatrix* laws() const = 0;
+  /// x with |b - (K + H) x| <= reduction |b|.
+  virtual IterativeAnswer solve(const Vector& b, double reduction, Vector& x) = 0;
+  virtual const IterativeStatistics& statistics() const = 0;
+};
+
+/// Of PETSc, from the module libhvi_petsc, which is opened now. `k` is kept by reference: its
+/// arrays stay where they are. Throws Failure(missing_file) where the module cannot be loaded.
+std::unique_ptr<IterativeSolver> petsc_solver(const SparseMatrix& k, bool symmetric,
+                                              const UnknownsOfNodes& unknowns);
+
+} // namespace hvi::solver

@@ -1,0 +1,54 @@
+/* The C interface between hvi-run and the module libhvi_petsc.so, which is the only code that links
+   PETSc and MPI. Arrays belong to the caller, and stay where they are while a solver lives. */
+#pragma once
+
+#include <cstddef>
+
+extern "C" {
+
+/* Rows of entries in ascending columns. */
+struct HviPetscMatrix {
+  int rows;
+  const int* start;
+  const int* column;
+  const double* value;
+};
+
+struct HviPetscUnknowns {
+  const int* node;
+  const int* component;
+  int nodes, components;
+  const double* motions; /* rows numbers for each, one after the other */
+  int n_motions;
+};
+
+constexpr int hvi_petsc_solved = 0, hvi_petsc_indefinite = 1, hvi_petsc_stagnated = 2;
+
+struct HviPetscAnswer {
+  int outcome, iterations;
+  double reduction;
+  const char* reason; /* words that live as long as the module */
+};
+
+struct HviPetscCounts {
+  int setups, local_factors;
+  double bytes, seconds_setup;
+};
+
+struct HviPetscSolver;
+
+/* All return 0, or 1 after writing a message of at most `capacity` bytes to `message`, or one of
+   these. */
+constexpr int hvi_petsc_no_memory = 2, hvi_petsc_no_factor = 3;
+
+using HviPetscOpen = int (*)(const HviPetscMatrix* k, int symmetric,
+                             const HviPetscUnknowns* unknowns, HviPetscSolver** solver,
+                             char* message, std::size_t capacity);
+using HviPetscChanged = int (*)(HviPetscSolver* solver, char* message, std::size_t capacity);
+using HviPetscLaws = int (*)(HviPetscSolver* solver, const HviPetscMatrix* h, int symmetric,
+                             char* message, std::size_t capacity);
+using HviPetscSolve = int (*)(HviPetscSolver* solver, const double* b, double reduction, double* x,
+                              HviPetscAnswer* answer, char* message, std::size_t capacity);
+using HviPetscCount = void (*)(const HviPetscSolver* solver, HviPetscCounts* counts);
+using HviPetscClose = void (*)(HviPetscSolver* solver);
+}

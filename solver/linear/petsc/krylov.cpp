@@ -1,0 +1,221 @@
+// See krylov.hpp.
+#include "solver/linear/petsc/krylov.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::petsc_module {
+namespace {
+
+constexpr int most_iterations = 1000;
+/// GMRES keeps a vector for each iteration until it begins anew.
+constexpr int restart = 60;
+/// Laws whose stiffness is beyond this part of the body's are solved exactly with their layers.
+constexpr double stiff_part = 0.5;
+/// An old multigrid is given up when it takes so many times the iterations for a digit.
+constexpr double too_slow = 1.5;
+
+} // namespace
+
+Krylov::Krylov(const HviPetscMatrix& k, bool symmetric, const HviPetscUnknowns& unknowns)
+    : given_(k), numbering_(unknowns, k.rows), diagonal_(typical_diagonal()), k_(k),
+      symmetric_k_(symmetric), symmetric_(symmetric) {
+  make_matrix();
+  std::vector<double> motions(static_cast<std::size_t>(numbering_.size()) *
+                              static_cast<std::size_t>(unknowns.n_motions));
+  for (int m = 0; m < unknowns.n_motions; ++m) {
+    const double* from = unknowns.motions + static_cast<std::ptrdiff_t>(m) * k.rows;
+    double* to = motions.data() + static_cast<std::ptrdiff_t>(m) * numbering_.size();
+    if (numbering_.same())
+      std::copy_n(from, k.rows, to);
+    else
+      numbering_.spread(from, to);
+  }
+  multigrid_.emplace(matrix_.get(), motions, unknowns.n_motions, symmetric);
+  h_.start.assign(static_cast<std::size_t>(numbering_.size()) + 1, 0);
+  const PetscInt n = numbering_.size();
+  check(MatCreateShell(PETSC_COMM_SELF, n, n, n, n, this, shell_.put()));
+  check(MatShellSetOperation(shell_.get(), MATOP_MULT,
+                             reinterpret_cast<void (*)()>(&Krylov::apply_matrix)));
+  check(MatCreateVecs(matrix_.get(), b_.put(), x_.put()));
+  check(VecDuplicate(b_.get(), work_.put()));
+  check(VecDuplicate(b_.get(), rest_.put()));
+  choose_method();
+}
+
+double Krylov::typical_diagonal() const {
+  double most = 0.0;
+  for (int i = 0; i < given_.rows; ++i)
+    for (int e = given_.start[i]; e < given_.start[i + 1]; ++e)
+      if (given_.column[e] == i) most = std::max(most, std::abs(given_.value[e]));
+  return most > 0.0 ? most : 1.0;
+}
+
+void Krylov::make_matrix() {
+  if (!numbering_.same()) {
+    own_ = numbering_.rows_of(given_, diagonal_);
+    k_ = {own_.size(), own_.start.data(), own_.column.data(), own_.value.data()};
+  }
+  check(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, k_.rows, k_.rows, const_cast<int*>(k_.start),
+                                  const_cast<int*>(k_.column), const_cast<double*>(k_.value),
+                                  matrix_.put()));
+  check(MatSetBlockSize(matrix_.get(), numbering_.components()));
+  check(MatSetOption(matrix_.get(), symmetric_k_ ? MAT_SPD : MAT_SYMMETRIC,
+                     symmetric_k_ ? PETSC_TRUE : PETSC_FALSE));
+}
+
+void Krylov::matrix_changed() {
+  if (!numbering_.same()) numbering_.refresh(given_, diagonal_, own_);
+  values_changed(matrix_.get());
+  changed_ = true;
+}
+
+bool Krylov::stiff() const {
+  const Rows& h = h_;
+  for (const int i : law_rows_) {
+    double own = 0.0, law = 0.0;
+    for (int e = k_.start[i]; e < k_.start[i + 1]; ++e)
+      if (k_.column[e] == i) own = std::abs(k_.value[e]);
+    for (int e = h.start[i]; e < h.start[i + 1]; ++e) law += std::abs(h.value[e]);
+    if (law > stiff_part * own) return true;
+  }
+  return false;
+}
+
+bool Krylov::set_laws(const HviPetscMatrix& h, bool symmetric) {
+  const bool other_method = symmetric_ != (symmetric && symmetric_k_);
+  symmetric_ = symmetric && symmetric_k_;
+  h_ = numbering_.rows_of(h, 0.0);
+  law_rows_.clear();
+  for (int i = 0; i < h_.size(); ++i)
+    if (h_.start[i] < h_.start[i + 1]) law_rows_.push_back(i);
+  if (other_method) choose_method();
+  in_layers_ = stiff();
+  if (!in_layers_) return true;
+  if (!layers_ || !layers_->fit(h_)) layers_ = std::make_unique<Layers>(k_, h_);
+  ++local_factors_;
+  return in_layers_ = layers_->factor(h_, symmetric_);
+}
+
+void Krylov::choose_method() {
+  check(KSPCreate(PETSC_COMM_SELF, ksp_.put()));
+  check(KSPSetOperators(ksp_.get(), shell_.get(), shell_.get()));
+  check(KSPSetType(ksp_.get(), symmetric_ ? KSPCG : KSPGMRES));
+  if (!symmetric_) {
+    check(KSPGMRESSetRestart(ksp_.get(), restart));
+    check(KSPSetPCSide(ksp_.get(), PC_RIGHT));
+  }
+  check(KSPSetNormType(ksp_.get(), KSP_NORM_UNPRECONDITIONED));
+  PC shell = nullptr;
+  check(KSPGetPC(ksp_.get(), &shell));
+  check(PCSetType(shell, PCSHELL));
+  check(PCShellSetContext(shell, this));
+  check(PCShellSetApply(shell, &Krylov::apply_preconditioner));
+}
+
+PetscErrorCode Krylov::apply_matrix(Mat shell, Vec x, Vec y) {
+  void* self = nullptr;
+  PetscCall(MatShellGetContext(shell, &self));
+  const Krylov& of = *static_cast<const Krylov*>(self);
+  PetscCall(MatMult(of.matrix_.get(), x, y));
+  if (of.h_.column.empty()) return 0;
+  const double* from = nullptr;
+  double* to = nullptr;
+  PetscCall(VecGetArrayRead(x, &from));
+  PetscCall(VecGetArray(y, &to));
+  for (const int i : of.law_rows_)
+    for (int e = of.h_.start[i]; e < of.h_.start[i + 1]; ++e)
+      to[i] += of.h_.value[e] * from[of.h_.column[e]];
+  PetscCall(VecRestoreArray(y, &to));
+  PetscCall(VecRestoreArrayRead(x, &from));
+  return 0;
+}
+
+PetscErrorCode Krylov::apply_preconditioner(PC shell, Vec r, Vec z) {
+  void* self = nullptr;
+  PetscCall(PCShellGetContext(shell, &self));
+  return static_cast<const Krylov*>(self)->precondition(r, z);
+}
+
+/// As in layers.hpp.
+PetscErrorCode Krylov::precondition(Vec r, Vec z) const {
+  if (!in_layers_) return multigrid_->apply(r, z);
+  const Vec rest = rest_.get(), work = work_.get();
+  PetscCall(VecSet(z, 0.0));
+  PetscCall(VecCopy(r, rest));
+  const double* right = nullptr;
+  double *to = nullptr, *left = nullptr;
+  PetscCall(VecGetArrayRead(r, &right));
+  PetscCall(VecGetArray(z, &to));
+  PetscCall(layers_->solve(right, to));
+  PetscCall(VecGetArray(rest, &left));
+  layers_->subtract_product(h_, to, left);
+  PetscCall(VecRestoreArray(rest, &left));
+  PetscCall(VecRestoreArray(z, &to));
+  PetscCall(multigrid_->apply(rest, work));
+  PetscCall(VecAXPY(z, 1.0, work));
+  PetscCall(VecGetArray(z, &to));
+  PetscCall(VecGetArray(rest, &left));
+  layers_->residual_inside(h_, right, to, left);
+  PetscCall(layers_->solve(left, to));
+  PetscCall(VecRestoreArray(rest, &left));
+  PetscCall(VecRestoreArray(z, &to));
+  PetscCall(VecRestoreArrayRead(r, &right));
+  return 0;
+}
+
+HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
+  if (changed_ && last_effort_ > too_slow * best_effort_) {
+    multigrid_->set_up();
+    changed_ = false, best_effort_ = last_effort_ = 0.0;
+  }
+  double* to = nullptr;
+  check(VecGetArrayWrite(b_.get(), &to));
+  if (numbering_.same())
+    std::copy_n(b, k_.rows, to);
+  else
+    numbering_.spread(b, to);
+  check(VecRestoreArrayWrite(b_.get(), &to));
+  check(KSPSetTolerances(ksp_.get(), reduction, 1e-300, 1e30, most_iterations));
+  check(KSPSolve(ksp_.get(), b_.get(), x_.get()));
+  const double* found = nullptr;
+  check(VecGetArrayRead(x_.get(), &found));
+  if (numbering_.same())
+    std::copy_n(found, k_.rows, x);
+  else
+    numbering_.collect(found, x);
+  check(VecRestoreArrayRead(x_.get(), &found));
+
+  HviPetscAnswer out{};
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  PetscInt iterations = 0;
+  double left = 0.0, size = 0.0;
+  check(KSPGetConvergedReason(ksp_.get(), &reason));
+  check(KSPGetConvergedReasonString(ksp_.get(), &out.reason));
+  check(KSPGetIterationNumber(ksp_.get(), &iterations));
+  check(KSPGetResidualNorm(ksp_.get(), &left));
+  check(VecNorm(b_.get(), NORM_2, &size));
+  out.iterations = iterations;
+  out.reduction = size > 0.0 ? left / size : 0.0;
+  out.outcome = reason > 0                              ? hvi_petsc_solved
+                : reason == KSP_DIVERGED_INDEFINITE_MAT ? hvi_petsc_indefinite
+                                                        : hvi_petsc_stagnated;
+  note(out);
+  return out;
+}
+
+/// What a digit costs; without the layers of stiff laws it says whether the multigrid is too old.
+void Krylov::note(const HviPetscAnswer& answer) {
+  if (answer.iterations < 3 || !(answer.reduction < 0.5)) return;
+  last_effort_ = answer.iterations / -std::log10(std::max(answer.reduction, 1e-300));
+  if (best_effort_ == 0.0 || !changed_) best_effort_ = std::max(best_effort_, last_effort_);
+}
+
+HviPetscCounts Krylov::counts() const {
+  double bytes =
+      multigrid_->bytes() + 12.0 * static_cast<double>(own_.column.size()) + 8.0 * 12.0 * k_.rows;
+  if (layers_) bytes += layers_->bytes();
+  return {multigrid_->setups, local_factors_, bytes, multigrid_->seconds};
+}
+
+} // namespace hvi::petsc_module

@@ -1,0 +1,51 @@
+// Conjugate gradients, or GMRES where a matrix is not symmetric, for (K + H) x = b.
+#pragma once
+
+#include "solver/linear/petsc/layers.hpp"
+#include "solver/linear/petsc/multigrid.hpp"
+
+#include <memory>
+#include <optional>
+
+namespace hvi::petsc_module {
+
+class Krylov {
+public:
+  Krylov(const HviPetscMatrix& k, bool symmetric, const HviPetscUnknowns& unknowns);
+  void matrix_changed();
+  /// False: the layers at the contact have no factor.
+  bool set_laws(const HviPetscMatrix& h, bool symmetric);
+  HviPetscAnswer solve(const double* b, double reduction, double* x);
+  HviPetscCounts counts() const;
+
+private:
+  static PetscErrorCode apply_matrix(Mat shell, Vec x, Vec y);
+  static PetscErrorCode apply_preconditioner(PC shell, Vec r, Vec z);
+  PetscErrorCode precondition(Vec r, Vec z) const;
+  void make_matrix();
+  void choose_method();
+  void note(const HviPetscAnswer& answer);
+  double typical_diagonal() const;
+  bool stiff() const;
+
+  HviPetscMatrix given_; ///< K as the caller numbers it
+  Numbering numbering_;
+  double diagonal_;  ///< of rows without an unknown
+  Rows own_;         ///< K, where PETSc numbers it otherwise
+  HviPetscMatrix k_; ///< in PETSc's numbering
+  Rows h_;
+  std::vector<int> law_rows_; ///< with entries of H
+  bool symmetric_k_, symmetric_ = true;
+  Owned<Mat> matrix_, shell_;
+  std::optional<Multigrid> multigrid_;
+  std::unique_ptr<Layers> layers_;
+  bool in_layers_ = false; ///< are the layers solved exactly?
+  int local_factors_ = 0;
+  Owned<KSP> ksp_;
+  Owned<Vec> b_, x_, work_, rest_;
+  /// Iterations for each digit, since the multigrid was set up and of the last solve.
+  double best_effort_ = 0.0, last_effort_ = 0.0;
+  bool changed_ = false; ///< has K changed since the multigrid was set up?
+};
+
+} // namespace hvi::petsc_module

@@ -1,0 +1,97 @@
+// See multigrid.hpp.
+#include "solver/linear/petsc/multigrid.hpp"
+
+#include <algorithm>
+#include <ctime>
+
+namespace hvi::petsc_module {
+namespace {
+
+double cpu_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+void option(const char* name, const char* value) {
+  check(PetscOptionsSetValue(nullptr, name, value));
+}
+
+/// Smoothers: Chebyshev polynomials of the Jacobi method, which are symmetric, so that conjugate
+/// gradients may use the cycle. The coarsest level is solved exactly.
+void set_options() {
+  option("-hvi_pc_gamg_type", "agg");
+  option("-hvi_pc_gamg_agg_nsmooths", "1");
+  option("-hvi_pc_gamg_threshold", "0.0");
+  option("-hvi_pc_gamg_coarse_eq_limit", "200");
+  option("-hvi_mg_levels_ksp_type", "chebyshev");
+  option("-hvi_mg_levels_ksp_max_it", "2");
+  option("-hvi_mg_levels_pc_type", "jacobi");
+}
+
+double bytes_of(Mat a) {
+  MatInfo info{};
+  if (a == nullptr || MatGetInfo(a, MAT_LOCAL, &info) != 0) return 0.0;
+  return info.nz_used * (sizeof(double) + sizeof(int));
+}
+
+} // namespace
+
+Multigrid::Multigrid(Mat k, const std::vector<double>& motions, int n_motions, bool symmetric)
+    : k_(k), symmetric_(symmetric) {
+  PetscInt n = 0;
+  check(MatGetSize(k, &n, nullptr));
+  if (n_motions > 0) {
+    std::vector<Vec> columns(static_cast<std::size_t>(n_motions));
+    check(MatCreateVecs(k, &columns[0], nullptr));
+    for (std::size_t m = 1; m < columns.size(); ++m) check(VecDuplicate(columns[0], &columns[m]));
+    for (std::size_t m = 0; m < columns.size(); ++m) {
+      double* to = nullptr;
+      check(VecGetArrayWrite(columns[m], &to));
+      std::copy_n(motions.data() + m * static_cast<std::size_t>(n), n, to);
+      check(VecRestoreArrayWrite(columns[m], &to));
+    }
+    // One after the other orthonormal, as a null space has to be.
+    for (std::size_t m = 0; m < columns.size(); ++m) {
+      for (int twice = 0; twice < 2; ++twice)
+        for (std::size_t before = 0; before < m; ++before) {
+          double product = 0.0;
+          check(VecDot(columns[m], columns[before], &product));
+          check(VecAXPY(columns[m], -product, columns[before]));
+        }
+      check(VecNormalize(columns[m], nullptr));
+    }
+    MatNullSpace space = nullptr;
+    check(MatNullSpaceCreate(PETSC_COMM_SELF, PETSC_FALSE, n_motions, columns.data(), &space));
+    check(MatSetNearNullSpace(k, space));
+    check(MatNullSpaceDestroy(&space));
+    for (Vec& column : columns) check(VecDestroy(&column));
+  }
+  set_up();
+}
+
+void Multigrid::set_up() {
+  const double begin = cpu_now();
+  set_options();
+  check(PCCreate(PETSC_COMM_SELF, pc_.put()));
+  check(PCSetType(pc_.get(), PCGAMG));
+  check(PCSetOptionsPrefix(pc_.get(), "hvi_"));
+  check(PCSetOperators(pc_.get(), k_, k_));
+  check(PCSetFromOptions(pc_.get()));
+  check(PCSetUp(pc_.get()));
+  ++setups;
+  seconds += cpu_now() - begin;
+}
+
+double Multigrid::bytes() const {
+  PetscInt levels = 0;
+  if (PCMGGetLevels(pc_.get(), &levels) != 0) return 0.0;
+  double out = 0.0;
+  for (PetscInt l = 0; l < levels; ++l) {
+    KSP smoother = nullptr;
+    Mat a = nullptr, p = nullptr;
+    if (PCMGGetSmoother(pc_.get(), l, &smoother) == 0 &&
+        KSPGetOperators(smoother, &a, nullptr) == 0 && l + 1 < levels)
+      out += bytes_of(a);
+    if (l > 0 && PCMGGetInterpolation(pc_.get(), l, &p) == 0) out += bytes_of(p);
+  }
+  return out;
+}
+
+} // namespace hvi::petsc_module

@@ -1,0 +1,28 @@
+// Algebraic multigrid of K: PETSc's GAMG, smoothed aggregation with the rigid motions of nodes
+// (P. Vanek, J. Mandel, M. Brezina, Algebraic multigrid by smoothed aggregation for second and
+// fourth order elliptic problems, Computing 56 (1996) 179-196).
+#pragma once
+
+#include "solver/linear/petsc/session.hpp"
+
+#include <vector>
+
+namespace hvi::petsc_module {
+
+class Multigrid {
+public:
+  /// `motions`: a column for each, as long as K; K keeps them.
+  Multigrid(Mat k, const std::vector<double>& motions, int n_motions, bool symmetric);
+  void set_up(); ///< for the entries that K has now
+  PetscErrorCode apply(Vec r, Vec z) const { return PCApply(pc_.get(), r, z); }
+  double bytes() const; ///< of all levels but K
+  int setups = 0;
+  double seconds = 0.0;
+
+private:
+  Mat k_;
+  Owned<PC> pc_;
+  bool symmetric_;
+};
+
+} // namespace hvi::petsc_module

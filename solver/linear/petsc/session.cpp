@@ -1,0 +1,62 @@
+// See session.hpp.
+#include "solver/linear/petsc/session.hpp"
+
+#include <cstdlib>
+#include <new>
+
+namespace hvi::petsc_module {
+namespace {
+
+std::string said; // by the last call that failed
+
+/// Keeps the words of the innermost call.
+PetscErrorCode note_error(MPI_Comm, int, const char*, const char*, PetscErrorCode error,
+                          PetscErrorType type, const char* message, void*) {
+  if (type == PETSC_ERROR_INITIAL && message != nullptr) said = message;
+  return error;
+}
+
+void end() {
+  static_cast<void>(PetscFinalize());
+  MPI_Finalize();
+}
+
+} // namespace
+
+void check(PetscErrorCode error) {
+  if (error == 0) return;
+  if (error == PETSC_ERR_MEM) throw std::bad_alloc();
+  throw PetscFailure(said.empty() ? "error " + std::to_string(static_cast<int>(error)) : said);
+}
+
+void start() {
+  PetscBool started = PETSC_FALSE;
+  static_cast<void>(PetscInitialized(&started));
+  if (started) return;
+  // One process, which starts no other one and looks for no network.
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+  setenv("OMPI_MCA_btl", "self", 0);
+  setenv("OMPI_MCA_pml", "ob1", 0);
+  setenv("PETSC_OPTIONS", "", 1);
+  int running = 0;
+  MPI_Initialized(&running);
+  if (running == 0) MPI_Init(nullptr, nullptr);
+  const char* words[] = {"hvi-run", "-no_signal_handler", "-skip_petscrc", nullptr};
+  int count = 3;
+  char** given = const_cast<char**>(words);
+  if (PetscInitialize(&count, &given, nullptr, nullptr) != 0)
+    throw PetscFailure("PETSc does not start");
+  check(PetscPushErrorHandler(note_error, nullptr));
+  // L L^T of supernodes: L D L^T would hide that a matrix is not positive definite.
+  check(PetscOptionsSetValue(nullptr, "-mat_cholmod_factor", "SUPERNODAL"));
+  check(PetscOptionsSetValue(nullptr, "-mat_cholmod_print", "0"));
+  std::atexit(end);
+}
+
+void values_changed(Mat matrix) {
+  double* values = nullptr;
+  check(MatSeqAIJGetArray(matrix, &values));
+  check(MatSeqAIJRestoreArray(matrix, &values));
+}
+
+} // namespace hvi::petsc_module

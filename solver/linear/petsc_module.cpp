@@ -1,0 +1,117 @@
+// Opens libhvi_petsc.so where an iterative solver is asked for (iterative_solver.hpp).
+#include "solver/common/clock.hpp"
+#include "solver/common/failure.hpp"
+#include "solver/common/open_module.hpp"
+#include "solver/common/out_of_memory.hpp"
+#include "solver/linear/iterative_solver.hpp"
+#include "solver/linear/petsc/bridge.h"
+
+namespace hvi::solver {
+namespace {
+
+constexpr ModuleFile petsc_module{
+    "libhvi_petsc.so", "HVI_PETSC_MODULE", "has the iterative solvers of PETSc",
+    "install libpetsc-real-dev and build again (`tools/run --with-petsc` does both), or take "
+    "`using solver = direct`"};
+
+/// The functions of the module.
+struct Bridge {
+  HviPetscOpen open = function<HviPetscOpen>("hvi_petsc_open");
+  HviPetscChanged changed = function<HviPetscChanged>("hvi_petsc_changed");
+  HviPetscLaws laws = function<HviPetscLaws>("hvi_petsc_laws");
+  HviPetscSolve solve = function<HviPetscSolve>("hvi_petsc_solve");
+  HviPetscCount count = function<HviPetscCount>("hvi_petsc_count");
+  HviPetscClose close = function<HviPetscClose>("hvi_petsc_close");
+
+private:
+  template <class Function>
+  static Function function(const char* name) {
+    return module_function<Function>(petsc_module, name);
+  }
+};
+
+HviPetscMatrix rows_of(const SparseMatrix& a) {
+  return {static_cast<int>(a.rows()), a.outerIndexPtr(), a.innerIndexPtr(), a.valuePtr()};
+}
+
+/// Throws what a call that ended with this status has to say.
+void require(int status, const std::string& message) {
+  if (status == 0) return;
+  if (status == hvi_petsc_no_memory) throw OutOfMemory("no memory for the iterative solver");
+  throw Failure(FailureKind::not_certified, {},
+                "PETSc cannot solve for the unknowns of a step: " + std::string(message.c_str()),
+                "take `using solver = direct`");
+}
+
+class PetscSolver final : public IterativeSolver {
+public:
+  PetscSolver(const SparseMatrix& k, bool symmetric, const UnknownsOfNodes& unknowns) {
+    const HviPetscMatrix matrix = rows_of(k);
+    const HviPetscUnknowns of{unknowns.node.data(),    unknowns.component.data(),
+                              unknowns.nodes,          unknowns.components,
+                              unknowns.motions.data(), static_cast<int>(unknowns.motions.cols())};
+    const int status =
+        bridge_.open(&matrix, symmetric, &of, &solver_, message_.data(), message_.size());
+    require(status, message_);
+    count();
+  }
+  ~PetscSolver() override { bridge_.close(solver_); }
+  PetscSolver(const PetscSolver&) = delete;
+  PetscSolver& operator=(const PetscSolver&) = delete;
+
+  void matrix_changed() override {
+    require(bridge_.changed(solver_, message_.data(), message_.size()), message_);
+  }
+
+  bool set_laws(const SparseMatrix& h, bool symmetric) override {
+    laws_ = &h;
+    const HviPetscMatrix matrix = rows_of(h);
+    const int status = bridge_.laws(solver_, &matrix, symmetric, message_.data(), message_.size());
+    if (status == hvi_petsc_no_factor) return false;
+    require(status, message_);
+    count();
+    return true;
+  }
+
+  IterativeAnswer solve(const Vector& b, double reduction, Vector& x) override {
+    x.resize(b.size());
+    HviPetscAnswer answer{};
+    require(bridge_.solve(solver_, b.data(), reduction, x.data(), &answer, message_.data(),
+                          message_.size()),
+            message_);
+    count();
+    ++statistics_.solves;
+    statistics_.iterations += answer.iterations;
+    using Outcome = IterativeAnswer::Outcome;
+    const auto outcome = answer.outcome == hvi_petsc_solved       ? Outcome::solved
+                         : answer.outcome == hvi_petsc_indefinite ? Outcome::indefinite
+                                                                  : Outcome::stagnated;
+    return {outcome, answer.iterations, answer.reduction, answer.reason};
+  }
+
+  const SparseMatrix* laws() const override { return laws_; }
+  const IterativeStatistics& statistics() const override { return statistics_; }
+
+private:
+  void count() {
+    HviPetscCounts counts{};
+    bridge_.count(solver_, &counts);
+    statistics_.setups = counts.setups, statistics_.local_factors = counts.local_factors;
+    statistics_.bytes = counts.bytes, statistics_.seconds_setup = counts.seconds_setup;
+  }
+
+  Bridge bridge_;
+  HviPetscSolver* solver_ = nullptr;
+  const SparseMatrix* laws_ = nullptr;
+  std::string message_ = std::string(2000, '\0');
+  IterativeStatistics statistics_;
+};
+
+} // namespace
+
+std::unique_ptr<IterativeSolver> petsc_solver(const SparseMatrix& k, bool symmetric,
+                                              const UnknownsOfNodes& unknowns) {
+  return std::make_unique<PetscSolver>(k, symmetric, unknowns);
+}
+
+} // namespace hvi::solver

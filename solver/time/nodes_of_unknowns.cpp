@@ -1,0 +1,63 @@
+// See nodes_of_unknowns.hpp.
+#include "solver/time/nodes_of_unknowns.hpp"
+
+#include <algorithm>
+
+namespace hvi::solver {
+namespace {
+
+/// Translations, or constants, and turns of vectors in their own space, about the middle of the
+/// nodes. Whatever the values imposed and the pieces: parts of the mesh move so at little cost.
+DenseMatrix motions(const Space& space, const StateLayout& layout) {
+  const int components = space.components;
+  const bool turns = components > 1 && components == space.mesh->dim;
+  const int n_turns = !turns ? 0 : components == 2 ? 1 : 3;
+  Point low = space.nodes.front(), high = low;
+  for (const Point& x : space.nodes)
+    for (std::size_t a = 0; a < 3; ++a)
+      low[a] = std::min(low[a], x[a]), high[a] = std::max(high[a], x[a]);
+  double size = 0.0;
+  for (std::size_t a = 0; a < 3; ++a) size = std::max(size, high[a] - low[a]);
+  DenseMatrix out = DenseMatrix::Zero(layout.n_unknowns, components + n_turns);
+  for (int i = 0; i < layout.n_unknowns; ++i) {
+    const int c = layout.dof_of[static_cast<std::size_t>(i)] % components;
+    const Point& x = space.nodes[static_cast<std::size_t>(
+        layout.dof_of[static_cast<std::size_t>(i)] / components)];
+    const auto arm = [&](int a) {
+      const auto k = static_cast<std::size_t>(a);
+      return (x[k] - 0.5 * (low[k] + high[k])) / size;
+    };
+    out(i, c) = 1.0;
+    if (n_turns == 1) out(i, 2) = c == 0 ? -arm(1) : arm(0);
+    if (n_turns == 3) { // axis x arm
+      out(i, 3 + (c + 1) % 3) = arm((c + 2) % 3);
+      out(i, 3 + (c + 2) % 3) = -arm((c + 1) % 3);
+    }
+  }
+  return out;
+}
+
+} // namespace
+
+std::shared_ptr<const UnknownsOfNodes>
+nodes_of_unknowns(const Problem& problem, const Discretisation& d, const StateLayout& layout) {
+  if (d.space.is_product())
+    throw Failure(FailureKind::bad_value, problem.space.origin,
+                  "the iterative solver solves for one unknown, and here are several",
+                  "take `using solver = direct`");
+  auto out = std::make_shared<UnknownsOfNodes>();
+  const int components = d.space.components;
+  out->components = components;
+  std::vector<std::int32_t> number(d.space.nodes.size(), -1);
+  for (int i = 0; i < layout.n_unknowns; ++i) {
+    const auto dof = layout.dof_of[static_cast<std::size_t>(i)];
+    auto& of_node = number[static_cast<std::size_t>(dof / components)];
+    if (of_node < 0) of_node = out->nodes++;
+    out->node.push_back(of_node);
+    out->component.push_back(dof % components);
+  }
+  out->motions = motions(d.space, layout);
+  return out;
+}
+
+} // namespace hvi::solver

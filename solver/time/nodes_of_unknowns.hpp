@@ -1,0 +1,16 @@
+// What iterative solvers are told of the unknowns of a run.
+#pragma once
+
+#include "solver/linear/iterative_solver.hpp"
+#include "solver/time/run.hpp"
+#include "solver/time/state.hpp"
+
+namespace hvi::solver {
+
+/// Nodes, components and rigid motions of the unknowns. Throws Failure(bad_value) where there are
+/// several unknown fields, for which there is no iterative solver.
+std::shared_ptr<const UnknownsOfNodes> nodes_of_unknowns(const Problem& problem,
+                                                         const Discretisation& discretisation,
+                                                         const StateLayout& layout);
+
+} // namespace hvi::solver

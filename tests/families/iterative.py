@@ -1,0 +1,227 @@
+"""Random scenes, and all examples, by the iterative solver against the direct one.
+
+usage: iterative.py HVI_RUN [--scenes N] [--seed S] [--examples FOLDER] [--only NAME] [--failures]
+
+Every number of the table agrees to 1e-9 of its column's largest value, and both runs are certified. Scenes: 2D and 3D,
+P1 and P2, flat cells, regions whose stiffnesses differ by up to 1e4, softening, unilateral, adhesive and jumping laws,
+friction of scalars and vectors on u and on u', Coulomb, memories, moving supports, static and in motion, matrices that
+are not symmetric. Without the module of PETSc the test is skipped (exit code 77).
+"""
+import argparse
+import json
+import os
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+
+AGREE = 1e-9
+SKIPPED = 77
+NO_MODULE = "the module that has the iterative solvers of PETSc cannot be loaded"
+
+NORMAL = {  # name: (law, how far the answers of a step may be apart by the law's own softening)
+    "compliance": "superpotential layer(r) = normal_compliance(r, stiffness = {k}, power = {p})",
+    "softening": "superpotential layer(r) = softening(r, stiffness = {k}, peak_at = {a}, softening = 0.1*{k}, end_at = 2*{a})",
+    "unilateral": "superpotential layer(r) = unilateral(r, gap = {a})",
+    "winkler": "superpotential layer(r) = winkler(r, stiffness = {k})",
+}
+FRICTION = {
+    "tresca": "superpotential slip(w) = tresca(w, bound = {b})",
+    "weakening": "superpotential slip(w) = slip_weakening(w, static = {b}, sliding = 0.6*{b}, decay = 3)",
+    "coulomb": "superpotential slip(w) = 0.3*layer.xi*norm(w)",
+    "bounded": "superpotential slip(w) = bounded_friction(w, bound = {b}, range = 0.01)",
+}
+
+
+def mesh_of(draw, dim, order):
+    n = draw.choice((3, 4, 6) if dim == 2 else (2, 3)) if order == 1 else draw.choice((2, 3) if dim == 2 else (2,))
+    flat = 10 ** draw.uniform(-1.3, 0.5)
+    if dim == 2:
+        return f"mesh body = rectangle(2, {2 * flat!r}, cells = [{2 * n}, {n}])", 2 * flat
+    return f"mesh body = box(2, {flat!r}, 1, cells = [{2 * n}, {n}, {n}])", flat
+
+
+def vector(dim, x, y):
+    return f"[{x}, {y}]" if dim == 2 else f"[{x}, {y}, 0.3*({x})]"
+
+
+def scene(seed):
+    """A script of its own."""
+    draw = random.Random(seed)
+    dim, order = draw.choice((2, 3)), draw.choice((1, 1, 2))
+    mesh, height = mesh_of(draw, dim, order)
+    contrast = 10 ** draw.uniform(0, 4) if draw.random() < 0.4 else 1
+    poisson = draw.choice((0.0, 0.2, 0.3, 0.4))
+    law = draw.choice(sorted(NORMAL))
+    rub = draw.choice([None, *sorted(FRICTION)])
+    rate = draw.random() < 0.4
+    static = not rate and draw.random() < 0.2
+    numbers = {"k": repr(10 ** draw.uniform(0, 4)), "p": draw.choice((1, 1, 2)), "a": repr(draw.uniform(0.005, 0.05)),
+               "b": repr(draw.uniform(0.1, 1.5))}
+    moving = not static and draw.random() < 0.3
+    unsymmetric = rub is None and draw.random() < 0.15
+    memory = not static and draw.random() < 0.6
+    t = "1" if static else "t"
+    lines = ["import contact", "import friction", mesh, "part roof = body.top", "part ground = body.bottom",
+             "part flank = body.right", f"part stiff = body where x >= 1",
+             "tensor A = isotropic(lambda = 1, mu = 2)", f"tensor B = isotropic(young = 50, poisson = {poisson})",
+             NORMAL[law].format(**numbers)]
+    if memory:
+        lines.append("kernel C(lag) = -exp(-lag/0.5) * B")
+    if rub:
+        lines.append(FRICTION[rub].format(**numbers))
+    held = vector(dim, "0.03*sin(3*t)", "-0.01*t") if moving else None
+    lines.append(f"space V = vector P{order} on body, zero on roof")
+    find = "find u in V"
+    if moving:
+        find += f" with u = {held} on roof"
+    if not static:
+        find += f" for t in [0, 1] by {draw.choice((3, 5))} steps from u = {vector(dim, 0, 0)}"
+    terms = ["integral(body, B : eps(u) : eps(v))"]
+    if contrast > 1:
+        terms.append(f"integral(stiff, {contrast!r}*B : eps(u) : eps(v))")
+    if not static:
+        terms.append("integral(body, A : eps(u') : eps(v))")
+    if memory:
+        terms.append("integral(body, history(C, eps(u)) : eps(v))")
+    if unsymmetric:
+        terms.append("integral(body, 5*dot(u, v) + 3*(grad(u).xx*v.y))")
+    contact = "layer^0(u.nu; v.nu)"
+    if rub:
+        contact += f" + slip^0({'u' + chr(39) if rate else 'u'}.tau; v.tau)"
+    terms.append(f"integral(ground, {contact})")
+    lines += [find, "such that for all v in V", "    " + "\n  + ".join(terms),
+              f" >= integral(body, dot({vector(dim, 0, f'-3*{t}')}, v))",
+              f"  + integral(flank, dot({vector(dim, f'2*{t}', 0)}, v))", "", "report",
+              f"  table u_x = u.x at {[2, height] + [1] * (dim - 2) if moving else [2, 0] + [1] * (dim - 2)}, "
+              f"u_y = u.y at {[1, 0] + [0.5] * (dim - 2)}, size = norm(u), press = integral(ground, layer.xi)"]
+    return "\n".join(lines) + "\n"
+
+
+def run(program, path, folder, solver, arguments=()):
+    out = folder / f"{solver}.json"
+    out.unlink(missing_ok=True)
+    done = subprocess.run([program, "run", str(path), "--quiet", "--no-files", "--json", str(out), "--solver", solver,
+                           *arguments], cwd=folder, capture_output=True, text=True, timeout=600)
+    if NO_MODULE in done.stderr:
+        print("skipped: " + NO_MODULE)
+        sys.exit(SKIPPED)
+    return done, json.loads(out.read_text()) if out.exists() else None
+
+
+def apart(a, b):
+    """The largest difference of two tables, by the columns' largest values, and its column."""
+    worst = (0.0, "")
+    sizes = [abs(x) for column in a["table"].values() for x in column if x is not None]
+    noise = 1e-15 * max(sizes, default=0.0)  # of a column that is zero
+    for name, column in a["table"].items():
+        other = b["table"][name]
+        if len(column) != len(other):
+            return (float("inf"), name)
+        size = max((abs(x) for x in column if x is not None), default=0.0)
+        difference = max((abs(x - y) for x, y in zip(column, other) if x is not None and y is not None), default=0.0)
+        if difference > noise:
+            worst = max(worst, (difference / size if size > 0 else float("inf"), name))
+    return worst
+
+
+def compare(program, path, folder, arguments=()):
+    """What is wrong, or nothing; and a word on the case."""
+    direct, a = run(program, path, folder, "direct", arguments)
+    iterative, b = run(program, path, folder, "iterative", arguments)
+    if direct.returncode != 0:  # the same verdict, whatever its words
+        same = iterative.returncode == direct.returncode
+        return None if same else f"direct ends with {direct.returncode}, iterative with {iterative.returncode}", "no answer"
+    if iterative.returncode != 0:
+        if "solves for one unknown" in iterative.stderr:
+            return None, "several unknowns: refused"
+        return f"iterative ends with {iterative.returncode}: {iterative.stderr[-400:]}", ""
+    if not (a["certificate"]["certified"] and b["certificate"]["certified"]):
+        return "not certified", ""
+    difference, column = apart(a, b)
+    word = f"apart {difference:.1e}, equilibrium {b['certificate']['equilibrium']:.1e}"
+    return f"{column} apart by {difference:.2e}" if difference > AGREE else None, word
+
+
+HARD = """mesh body = box(2, 1, 1, cells = [6, 3, 3])
+part roof = body.top
+part ground = body.bottom
+tensor B = isotropic(young = 50, poisson = {poisson})
+superpotential layer(r) with slope 100*max(r, 0)
+space V = vector P1 on body, zero on roof
+find u in V
+such that for all v in V
+    integral(body, B : eps(u) : eps(v)) + integral(ground, layer^0(u.nu; v.nu)) >= integral(body, dot([1, -3, 0], v))
+report
+  table u_y = u.y at [1, 0, 0.5]
+"""
+TWO = """mesh body = rectangle(1, 1, cells = [3, 3])
+part roof = body.top
+space V = scalar P1 on body, zero on roof
+space W = scalar P1 on body, zero on roof
+find p in V, q in W such that for all a in V, b in W
+  integral(body, dot(grad(p), grad(a)) + p*b + dot(grad(q), grad(b))) = integral(body, a)
+report
+  table m = p at [0.5, 0]
+"""
+
+
+def failures(program, folder):
+    """How it ends where it cannot solve: what is wrong of that."""
+    path, wrong = folder / "hard.hvi", []
+
+    def ends(name, text, code, *words, **environment):
+        path.write_text(text)
+        done = subprocess.run([program, "run", str(path), "--quiet", "--no-files", "--solver", "iterative"], cwd=folder,
+                              capture_output=True, text=True, timeout=600, env={**os.environ, **environment})
+        good = done.returncode == code and all(word in done.stderr for word in words)
+        print(f"{'ok   ' if good else 'FAILS'} {name}: exit code {done.returncode}")
+        if not good:
+            print(done.stderr)
+            wrong.append(name)
+
+    ends("a missing module", HARD.format(poisson=0.3), 1, "E0601", "/nowhere/module.so: not there", "libpetsc-real-dev",
+         HVI_PETSC_MODULE="/nowhere/module.so")
+    run(program, path, folder, "iterative")  # skips the rest without PETSc
+    ends("two unknowns", TWO, 1, "solves for one unknown", "using solver = direct")
+    ends("a word that is none", HARD.format(poisson=0.3).replace("in V\nsuch", "in V using solver = multigrid\nsuch"), 1, "E0")
+    ends("stagnation", HARD.format(poisson=0.49999999), 3, "E0701", "the iterative solver of", "iterations", "using solver = direct")
+    return wrong
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("program")
+    parser.add_argument("--scenes", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--examples", type=pathlib.Path)
+    parser.add_argument("--only")
+    parser.add_argument("--failures", action="store_true")
+    options = parser.parse_args()
+    program, wrong, answers = str(pathlib.Path(options.program).resolve()), 0, 0
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        if options.failures:
+            sys.exit(bool(failures(program, folder)))
+        cases = []
+        if options.examples:
+            cases = [(path.stem, path.resolve()) for path in sorted(options.examples.glob("*.hvi"))]
+        else:
+            for seed in range(options.seed, options.seed + options.scenes):
+                path = folder / f"scene{seed}.hvi"
+                path.write_text(scene(seed))
+                cases.append((path.stem, path))
+        for name, path in cases:
+            if options.only and options.only != name:
+                continue
+            found, word = compare(program, path, folder)
+            answers += word.startswith("apart")
+            wrong += found is not None
+            print(f"{'FAILS' if found else 'ok   '} {name}: {found or word}", flush=True)
+    print(f"{answers} answers compared, {wrong} wrong")
+    sys.exit(wrong > 0 or (answers == 0 and not options.only))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,216 @@
+// The iterative solvers of the module libhvi_petsc against dense algebra; skipped where PETSc is
+// not installed.
+#include "solver/common/failure.hpp"
+#include "solver/linear/dense.hpp"
+#include "solver/linear/iterative_solver.hpp"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <random>
+
+namespace hvi::solver {
+namespace {
+
+/// A grid of n x n nodes whose two components are springs to their neighbours and to each other.
+SparseMatrix springs(int n, double ground, double wind = 0.0) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto at = [n](int i, int j, int c) { return 2 * (i * n + j) + c; };
+  const auto spring = [&](int a, int b, double k) {
+    entries.insert(entries.end(), {{a, a, k}, {b, b, k}, {a, b, -k + wind}, {b, a, -k - wind}});
+  };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int c = 0; c < 2; ++c) {
+        if (i + 1 < n) spring(at(i, j, c), at(i + 1, j, c), 1.0 + c);
+        if (j + 1 < n) spring(at(i, j, c), at(i, j + 1, c), 2.0 - c);
+        if (c == 0) spring(at(i, j, 0), at(i, j, 1), 0.3);
+        if (i == 0) entries.emplace_back(at(i, j, c), at(i, j, c), ground);
+      }
+  SparseMatrix out(2 * n * n, 2 * n * n);
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+UnknownsOfNodes nodes_of(int n) {
+  UnknownsOfNodes out;
+  out.components = 2, out.nodes = n * n;
+  out.motions = DenseMatrix::Zero(2 * n * n, 2);
+  for (int i = 0; i < 2 * n * n; ++i) {
+    out.node.push_back(i / 2), out.component.push_back(i % 2);
+    out.motions(i, i % 2) = 1.0;
+  }
+  return out;
+}
+
+/// Without some unknowns, and their rows and columns.
+SparseMatrix leave_out(const SparseMatrix& k, const std::vector<int>& kept) {
+  std::vector<int> place(static_cast<std::size_t>(k.rows()), -1);
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    place[static_cast<std::size_t>(kept[i])] = static_cast<int>(i);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const int i : kept)
+    for (SparseMatrix::InnerIterator it(k, i); it; ++it)
+      if (const int j = place[static_cast<std::size_t>(it.col())]; j >= 0)
+        entries.emplace_back(place[static_cast<std::size_t>(i)], j, it.value());
+  SparseMatrix out(static_cast<Eigen::Index>(kept.size()), static_cast<Eigen::Index>(kept.size()));
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+/// Stiffnesses of the last rows of the grid, from soft to held.
+SparseMatrix laws(int n, double stiffness, double coupling = 0.0) {
+  SparseMatrix h(2 * n * n, 2 * n * n);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 2 * n * (n - 1); i < 2 * n * n; ++i) {
+    entries.emplace_back(i, i, i % 3 == 0 ? stiffness : 0.1 * std::abs(stiffness));
+    if (i % 2 == 0) entries.emplace_back(i, i + 1, coupling);
+  }
+  h.setFromTriplets(entries.begin(), entries.end());
+  return h;
+}
+
+Vector random_vector(Eigen::Index n) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> draw(-1.0, 1.0);
+  Vector out(n);
+  for (double& v : out) v = draw(random);
+  return out;
+}
+
+/// With the module, or skipped.
+#define OPEN(name, k, symmetric, unknowns)                                                         \
+  std::unique_ptr<IterativeSolver> name;                                                           \
+  try {                                                                                            \
+    name = petsc_solver(k, symmetric, unknowns);                                                   \
+  } catch (const Failure& failure) {                                                               \
+    ASSERT_EQ(failure.kind, FailureKind::missing_file);                                            \
+    GTEST_SKIP() << failure.what();                                                                \
+  }
+
+double error(const SparseMatrix& sum, const Vector& b, const Vector& x) {
+  const Vector exact = DenseMatrix(sum).lu().solve(b);
+  return (x - exact).lpNorm<Eigen::Infinity>() / exact.lpNorm<Eigen::Infinity>();
+}
+
+TEST(Iterative, SolvesWithLawsFromSoftToHeld) {
+  const SparseMatrix k = springs(14, 10.0);
+  OPEN(solver, k, true, nodes_of(14));
+  const Vector b = random_vector(k.rows());
+  Vector x;
+  for (const double stiffness : {0.0, 1e-3, 1.0, 1e3, 1e13}) {
+    const SparseMatrix h = laws(14, stiffness);
+    ASSERT_TRUE(solver->set_laws(h, true));
+    const IterativeAnswer answer = solver->solve(b, 1e-12, x);
+    EXPECT_TRUE(answer.solved()) << answer.reason;
+    EXPECT_LT(answer.iterations, 40) << stiffness;
+    EXPECT_LT(error(k + h, b, x), 1e-9) << stiffness;
+  }
+  EXPECT_EQ(solver->statistics().setups, 1);
+}
+
+TEST(Iterative, NodesWithoutAllTheirComponents) {
+  const SparseMatrix whole = springs(12, 10.0);
+  const UnknownsOfNodes all = nodes_of(12);
+  std::vector<int> kept;
+  UnknownsOfNodes some;
+  some.components = 2, some.nodes = 12 * 12;
+  for (int i = 0; i < whole.rows(); ++i)
+    if (i % 5 != 1) {
+      kept.push_back(i);
+      some.node.push_back(i / 2), some.component.push_back(i % 2);
+    }
+  some.motions = all.motions(kept, Eigen::all);
+  const SparseMatrix k = leave_out(whole, kept), h = leave_out(laws(12, 1e13), kept);
+  OPEN(solver, k, true, some);
+  ASSERT_TRUE(solver->set_laws(h, true));
+  const Vector b = random_vector(k.rows());
+  Vector x;
+  EXPECT_TRUE(solver->solve(b, 1e-12, x).solved());
+  EXPECT_LT(error(k + h, b, x), 1e-9);
+}
+
+TEST(Iterative, MatricesThatAreNotSymmetric) {
+  const SparseMatrix k = springs(12, 10.0, 0.2), h = laws(12, 1e6, 3e5);
+  OPEN(solver, k, false, nodes_of(12));
+  const Vector b = random_vector(k.rows());
+  Vector x;
+  EXPECT_TRUE(solver->solve(b, 1e-12, x).solved());
+  EXPECT_LT(error(k, b, x), 1e-9);
+  ASSERT_TRUE(solver->set_laws(h, false));
+  EXPECT_TRUE(solver->solve(b, 1e-12, x).solved());
+  EXPECT_LT(error(k + h, b, x), 1e-9);
+}
+
+/// A law that is not symmetric on a symmetric matrix: Coulomb's.
+TEST(Iterative, LawsThatAreNotSymmetric) {
+  const SparseMatrix k = springs(12, 10.0), h = laws(12, 1e6, 3e5), soft = laws(12, 0.01);
+  OPEN(solver, k, true, nodes_of(12));
+  const Vector b = random_vector(k.rows());
+  Vector x;
+  ASSERT_TRUE(solver->set_laws(h, false));
+  EXPECT_TRUE(solver->solve(b, 1e-12, x).solved());
+  EXPECT_LT(error(k + h, b, x), 1e-9);
+  ASSERT_TRUE(solver->set_laws(soft, true));
+  EXPECT_TRUE(solver->solve(b, 1e-12, x).solved());
+  EXPECT_LT(error(k + soft, b, x), 1e-9);
+}
+
+/// The multigrid of the first matrix serves the others, or is made anew where it is too slow.
+TEST(Iterative, MatricesThatChange) {
+  SparseMatrix k = springs(14, 10.0);
+  OPEN(solver, k, true, nodes_of(14));
+  const Vector b = random_vector(k.rows());
+  Vector x;
+  for (const double more : {1.0, 1.5, 40.0, 1.0}) {
+    const SparseMatrix now = springs(14, 10.0 * more) * more;
+    std::copy_n(now.valuePtr(), now.nonZeros(), k.valuePtr());
+    solver->matrix_changed();
+    EXPECT_TRUE(solver->solve(b, 1e-12, x).solved());
+    EXPECT_LT(error(k, b, x), 1e-9) << more;
+  }
+}
+
+TEST(Iterative, FindsThatASumIsNotPositiveDefinite) {
+  const SparseMatrix k = springs(12, 10.0);
+  OPEN(solver, k, true, nodes_of(12));
+  const Vector b = random_vector(k.rows());
+  Vector x;
+  const SparseMatrix steep = laws(12, -1e3); // the layers have no factor
+  EXPECT_FALSE(solver->set_laws(steep, true));
+  SparseMatrix slight = laws(12, 0.0); // too soft for layers of their own
+  for (int i = 0; i < slight.rows(); ++i)
+    for (SparseMatrix::InnerIterator it(slight, i); it; ++it)
+      it.valueRef() = it.col() == i ? -0.9 : 0.0;
+  ASSERT_TRUE(solver->set_laws(slight, true));
+  ASSERT_LT(symmetric_eigenvalues(DenseMatrix(k + slight))[0], 0.0);
+  EXPECT_EQ(solver->solve(b, 1e-8, x).outcome, IterativeAnswer::Outcome::indefinite);
+}
+
+/// Springs that nothing holds, under a force that no displacement balances.
+TEST(Iterative, SaysThatItStagnates) {
+  const SparseMatrix k = springs(10, 0.0);
+  OPEN(solver, k, true, nodes_of(10));
+  Vector x;
+  const IterativeAnswer answer = solver->solve(Vector::Ones(k.rows()), 1e-8, x);
+  EXPECT_FALSE(answer.solved());
+  EXPECT_FALSE(answer.reason.empty());
+}
+
+TEST(Iterative, AModuleThatIsNotThereIsNamed) {
+  ASSERT_EQ(setenv("HVI_PETSC_MODULE", "/nowhere/libhvi_petsc.so", 1), 0);
+  try {
+    petsc_solver(springs(2, 1.0), true, nodes_of(2));
+    FAIL() << "it was opened";
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.kind, FailureKind::missing_file);
+    EXPECT_NE(std::string(failure.what()).find("/nowhere/libhvi_petsc.so: not there"),
+              std::string::npos);
+    EXPECT_NE(failure.help.find("libpetsc-real-dev"), std::string::npos);
+  }
+  unsetenv("HVI_PETSC_MODULE");
+}
+
+} // namespace
+} // namespace hvi::solver
