@@ -120,9 +120,9 @@ std::span<const std::string_view> words() { return word_table; }
 
 std::span<const std::string_view> setting_names() {
   static constexpr std::array<std::string_view, 13> names = {
-      "scheme", "load",     "quadrature",  "tolerance", "branch",      "memory_tolerance",
-      "memory", "accuracy", "accuracy_of", "threads",   "interpolant", "hht_alpha",
-      "solver"};
+      "scheme",           "load",      "quadrature", "tolerance",   "branch",
+      "memory_tolerance", "memory",    "accuracy",   "accuracy_of", "threads",
+      "interpolant",      "hht_alpha", "solver"};
   return names;
 }
 

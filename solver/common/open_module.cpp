@@ -16,7 +16,8 @@
 // These libraries do not free all they take; the leak sanitizer is to tell of ours only.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
-  return "leak:libgmsh.so\nleak:libfontconfig.so\nleak:libpetsc\nleak:libmpi\nleak:libopen-\nleak:libpmix\nleak:libhwloc\n"
+  return "leak:libgmsh.so\nleak:libfontconfig.so\nleak:libpetsc\nleak:libmpi\nleak:libopen-\nleak:"
+         "libpmix\nleak:libhwloc\n"
          "leak:libevent\nleak:mca_";
 }
 #endif

@@ -12,7 +12,7 @@ InequalityEngine::InequalityEngine(const ReducedProblem& problem, ReducedOperato
                                    InequalityOptions options, std::span<const double> factors)
     : options_(options), points_(problem, s, factors), pattern_(points_),
       at_(points_, s, s.aim() * options.tolerance), factor_(points_, pattern_, s),
-      tangent_(points_, pattern_, factor_), krylov_(points_, pattern_, factor_),
+      tangent_(points_, pattern_, factor_), krylov_(pattern_, factor_),
       newton_(s.iterative() ? static_cast<TangentSolver&>(krylov_) : tangent_, options.tolerance),
       components_(factor_, newton_, options_), inverse_(points_, pattern_, s, options_),
       follower_(points_, pattern_, factor_, newton_, components_, options_) {

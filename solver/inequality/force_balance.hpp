@@ -47,11 +47,17 @@ public:
   const Vector& residual(const Vector& xi);
   /// The same with the sizes, componentwise.
   const Errors& errors(const Vector& c, const Vector& xi);
+  /// The worst ratio of this residual, from above; for iterations on all rows.
+  double worst_of(const Vector& residual, const Vector& c, const Vector& xi) const;
 
   KeptProduct product;
 
 private:
+  double worst_ratio(const Errors& of, const Vector& c, const Vector& xi) const;
+  double worst_of_all_rows(const Errors& of, const Vector& c, const Vector& xi) const;
+
   const ContactPoints& points_;
+  const IterativeOperator* all_rows_; ///< null: the rows are condensed
   double target_;
   Vector load_, force_;
   Errors errors_; ///< room for what is returned

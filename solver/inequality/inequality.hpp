@@ -49,7 +49,7 @@ public:
   /// The part of the certificate's tolerance that solves aim at.
   virtual double aim() const { return 1e-2; }
   /// Set: linear systems are solved by iterations, to the accuracy that is asked for.
-  virtual IterativeOperator* iterative() { return nullptr; }
+  virtual const IterativeOperator* iterative() const { return nullptr; }
   /// The same to about six digits: what preconditioners need, at half the memory read.
   virtual void solve_rough(const Vector& b, Vector& x) const { solve(b, x); }
   /// Many more rough solves with the last factor are to come: they may be prepared for.

@@ -17,6 +17,15 @@ void IterativeOperator::apply_magnitude(const Vector& c, Vector& out) const {
       out[i] += std::abs(it.value() * c[it.col()]);
 }
 
+double IterativeOperator::whole_scale(int i, const Vector& c) const {
+  double own = 0.0, largest = 0.0;
+  for (SparseMatrix::InnerIterator it(k_, i); it; ++it) {
+    if (it.col() == i) own = std::abs(it.value());
+    largest = std::max(largest, std::abs(c[it.col()]));
+  }
+  return own * largest;
+}
+
 /// Preconditioners ask for it, which symmetric matrices alone have: row j is column j.
 void IterativeOperator::column(int j, double* out) const {
   std::fill_n(out, size(), 0.0);

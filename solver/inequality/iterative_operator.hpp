@@ -25,12 +25,15 @@ public:
   void estimate(const Vector& b, Vector& x) const override { solve_or_refuse(b, 1e-3, x); }
   bool definite() override;
   double aim() const override { return 0.3; }
-  IterativeOperator* iterative() override { return this; }
+  const IterativeOperator* iterative() const override { return this; }
   std::unique_ptr<ReducedOperator> unsymmetric() const override {
     return std::make_unique<IterativeOperator>(k_, false, solver_);
   }
   int patience() const override { return 12; }
   double bytes() const override { return solver_.statistics().bytes; }
+
+  /// |K_ii| max |c_j| over row i: the size of the row's terms in axes that are turned.
+  double whole_scale(int i, const Vector& c) const;
 
   /// x with |b - (K + H) x| <= reduction |b|. False: K + H is not positive definite. Throws
   /// Failure(not_certified) where the iterations stagnate.

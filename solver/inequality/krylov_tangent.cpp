@@ -12,22 +12,35 @@ namespace {
 
 /// Of the residual while points still change their places, and at least where they do not.
 constexpr double while_changing = 1e-2, when_settled = 1e-2, most_at_once = 1e-9;
+/// And where stiffnesses that stand for infinite ones are most of it.
+constexpr double most_of_penalties = 1e-12;
 /// Of the target: norms fall about as fast as the worst row.
 constexpr double below_target = 0.1;
 
 } // namespace
 
+/// The part of the residual's norm that is left without the forces which take points that have come
+/// to rest to their breaks: a step has to be exact beside the other ones.
+double KrylovTangent::without_penalties(const Position& at, const Vector& residual) const {
+  Vector penalties = Vector::Zero(at.points.rows);
+  for (int p = 0; p < at.points.size(); ++p) {
+    const PointData& q = at.points[p];
+    if (q.single || !at.places.resting(p)) continue;
+    for (int row = q.first; row < q.first + q.rows; ++row)
+      penalties[row] = at.xi[row] - at.places.xi_hat[row];
+  }
+  const double all = residual.lpNorm<Eigen::Infinity>();
+  if (penalties.isZero(0.0) || !(all > 0.0)) return 1.0;
+  const Vector others = residual + at.points.force_of * penalties;
+  return std::clamp(others.lpNorm<Eigen::Infinity>() / all, most_of_penalties / while_changing,
+                    1.0);
+}
+
 /// What is left of the residual's norm after a step: while points change their places two digits
 /// are lost in the next step anyway; then one step may go as far as the target.
 double KrylovTangent::reduction(const Position& at, const Vector& residual, bool settled) const {
-  if (!settled) return while_changing;
-  const Vector &load = at.balance.load(), &s_c = at.balance.product.value();
-  double worst = 0.0;
-  for (Eigen::Index i = 0; i < residual.size(); ++i) {
-    const double size =
-        std::abs(load[i]) + std::abs(s_c[i]) + std::abs(points_.diagonal[i] * at.c[i]);
-    if (size > 0.0) worst = std::max(worst, std::abs(residual[i]) / size);
-  }
+  if (!settled) return while_changing * without_penalties(at, residual);
+  const double worst = at.balance.worst_of(residual, at.c, at.xi);
   if (!(worst > 0.0)) return when_settled;
   return std::clamp(below_target * at.balance.target() / worst, most_at_once, when_settled);
 }
@@ -39,6 +52,8 @@ bool KrylovTangent::solve(const Position& at, const Vector& residual, bool settl
   if (!op.solve_to(residual, reduction(at, residual, settled), out.dc)) return false;
   pattern_.assemble(at.places.d, h_);
   finish_inexact(at, op, h_, residual, out);
+  // Early steps are large and rough: sums of products would keep rounding of their size.
+  out.product_known = false;
   return true;
 }
 

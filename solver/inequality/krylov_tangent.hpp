@@ -9,15 +9,15 @@ namespace hvi::solver {
 
 class KrylovTangent final : public TangentSolver {
 public:
-  KrylovTangent(const ContactPoints& points, const StiffnessPattern& pattern, LastFactor& factor)
-      : points_(points), pattern_(pattern), factor_(factor), h_(pattern.zero()) {}
+  KrylovTangent(const StiffnessPattern& pattern, LastFactor& factor)
+      : pattern_(pattern), factor_(factor), h_(pattern.zero()) {}
   bool solve(const Position& at, const Vector& residual, bool settled, InequalityReport& report,
              TangentStep& out) override;
 
 private:
+  double without_penalties(const Position& at, const Vector& residual) const;
   double reduction(const Position& at, const Vector& residual, bool settled) const;
 
-  const ContactPoints& points_;
   const StiffnessPattern& pattern_;
   LastFactor& factor_;
   SparseMatrix h_;

@@ -96,7 +96,7 @@ ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperat
                              std::span<const double> factors)
     : problem(problem_), g(problem_.g), unknowns(s.size()),
       rows(static_cast<int>(problem_.g.rows())), diagonal(s.diagonal()), laws(problem_),
-      force_of(unknowns, rows) {
+      force_of(unknowns, rows), by_iterations(s.iterative() != nullptr) {
   if (g.cols() != unknowns && rows > 0)
     throw Failure(FailureKind::bad_value, {}, "the contact matrix does not fit the operator");
   const double typical = unknowns > 0 ? diagonal.cwiseAbs().maxCoeff() : 1.0;
@@ -130,7 +130,7 @@ ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperat
 void ContactPoints::estimate_compliance(ReducedOperator& s, const SparseMatrix& zero) {
   if (size() == 0 || !s.factor(zero, {})) return;
   // Where all unknowns are here, those that no law sees would only add noise.
-  const bool all = s.iterative() != nullptr;
+  const bool all = by_iterations;
   const int probes = all ? 2 : 8;
   std::vector<char> seen(static_cast<std::size_t>(unknowns), all ? 0 : 1);
   if (all)

@@ -94,6 +94,7 @@ struct ContactPoints {
   PreparedLaws laws;
   std::vector<PointData> data;
   SparseMatrix force_of; ///< G^T W: unknowns by rows
+  bool by_iterations;    ///< S has no factor
 };
 
 } // namespace hvi::solver

@@ -2,6 +2,7 @@
 #include "solver/inequality/position.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hvi::solver {
 
@@ -22,6 +23,19 @@ void Position::classify(double shrink) {
   for (int p = 0; p < points.size(); ++p) places.classify(p, z, xi, shrink);
 }
 
+namespace {
+
+/// Iterations do not get rid of a slope that stands for infinity: they begin at the break before.
+int bounded_state(const PreparedLaw& law, int state, double r) {
+  if (state < 0 || state % 2 == 1) return state;
+  const double s = law.on_component(law.component_of_piece(state / 2), r).s;
+  if (std::abs(s) < unbounded_slope) return state;
+  const int at_break = s > 0.0 ? state - 1 : state + 1;
+  return law.valid_state(at_break) ? at_break : state;
+}
+
+} // namespace
+
 /// A state that the point's graph has, else the one that its argument says.
 void Position::take_state(int p, int state) {
   const PreparedLaw& law = points.law(p);
@@ -29,6 +43,7 @@ void Position::take_state(int p, int state) {
     const double r = size_of(law, points[p].of(z));
     state = law.radial() && r == 0.0 ? -1 : 2 * piece_of(law.graph(), r);
   }
+  if (points.by_iterations) state = bounded_state(law, state, size_of(law, points[p].of(z)));
   places.state[p] = state;
   places.component[p] = law.component_of_piece(std::max(state, 0) / 2);
 }

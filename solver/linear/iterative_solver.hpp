@@ -47,6 +47,8 @@ public:
   /// The entries of K, which was given where the solver was made, have changed. What was set up for
   /// the last ones goes on serving while it does not take many more iterations.
   virtual void matrix_changed() = 0;
+  /// A column for each motion that K all but takes to 0, so that the laws alone hold it.
+  virtual void set_free_motions(const DenseMatrix& motions) = 0;
   /// H from now on; kept by reference. False: K + H has no factor on the layers at the contact, so
   /// that it is not positive definite (symmetric), or singular.
   virtual bool set_laws(const SparseMatrix& h, bool symmetric) = 0;

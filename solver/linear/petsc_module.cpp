@@ -18,6 +18,7 @@ constexpr ModuleFile petsc_module{
 struct Bridge {
   HviPetscOpen open = function<HviPetscOpen>("hvi_petsc_open");
   HviPetscChanged changed = function<HviPetscChanged>("hvi_petsc_changed");
+  HviPetscFree free = function<HviPetscFree>("hvi_petsc_free");
   HviPetscLaws laws = function<HviPetscLaws>("hvi_petsc_laws");
   HviPetscSolve solve = function<HviPetscSolve>("hvi_petsc_solve");
   HviPetscCount count = function<HviPetscCount>("hvi_petsc_count");
@@ -61,6 +62,12 @@ public:
 
   void matrix_changed() override {
     require(bridge_.changed(solver_, message_.data(), message_.size()), message_);
+  }
+
+  void set_free_motions(const DenseMatrix& motions) override {
+    require(bridge_.free(solver_, motions.data(), static_cast<int>(motions.cols()), message_.data(),
+                         message_.size()),
+            message_);
   }
 
   bool set_laws(const SparseMatrix& h, bool symmetric) override {

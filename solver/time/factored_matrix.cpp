@@ -101,6 +101,7 @@ void FactoredMatrix::prepare_iterations() {
     iterations_->matrix_changed();
   else
     iterations_ = petsc_solver(free_ ? held_ : k_, operators_.symmetric, *operators_.iterative);
+  if (free_) iterations_->set_free_motions(free_->on_unknowns);
   if (!contact_.none()) return;
   factorisation_ = own(iterative_factorisation(*iterations_, operators_.n_unknowns));
   factorisation_->factor(k_);
@@ -126,7 +127,10 @@ FactorStatistics FactoredMatrix::statistics() const {
 
 SparseMatrix FactoredMatrix::held() const {
   SparseMatrix out = k_;
-  for (const int i : contact_.loaded) out.coeffRef(i, i) += hold * std::abs(k_.coeff(i, i));
+  const SparseMatrix& force = contact_.force; // of those that no law sees iterations keep nothing
+  for (const int i : contact_.loaded)
+    if (!operators_.iterative || force.outerIndexPtr()[i] < force.outerIndexPtr()[i + 1])
+      out.coeffRef(i, i) += hold * std::abs(k_.coeff(i, i));
   return out;
 }
 

@@ -87,6 +87,7 @@ DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
   if (plan.options.solver == LinearSolver::iterative)
     operators.iterative = nodes_of_unknowns(plan.problem, d, layout);
   Contact contact = make_contact(plan.problem, d, layout, operators.iterative != nullptr);
+  if (operators.iterative) refuse_rigid_pairs(plan.problem, contact);
   ChangingForms changing(plan.problem, d, contact, operators);
   changing.take(contact, layout, operators);
   return {layout,           std::move(operators), std::move(contact),

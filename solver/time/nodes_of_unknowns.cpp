@@ -1,7 +1,10 @@
 // See nodes_of_unknowns.hpp.
 #include "solver/time/nodes_of_unknowns.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace hvi::solver {
 namespace {
@@ -37,7 +40,31 @@ DenseMatrix motions(const Space& space, const StateLayout& layout) {
   return out;
 }
 
+bool is_rigid(const Law& law, const Point& x, double t) {
+  if (law.reads() || law.reads_states()) return false;
+  const LawGraph graph = law.graph(x, LawTime(t, 0.0));
+  for (std::size_t i = 0; i < graph.breaks.size(); ++i)
+    if (std::abs(graph.left[i]) >= unbounded_slope || std::abs(graph.right[i]) >= unbounded_slope)
+      return true;
+  return false;
+}
+
 } // namespace
+
+void refuse_rigid_pairs(const Problem& problem, const Contact& contact) {
+  for (const ContactTerm& term : contact.terms) {
+    const LawTerm& of = problem.law_terms[static_cast<std::size_t>(term.points.law_term)];
+    const RegionSpec& region = problem.parts[static_cast<std::size_t>(of.part)].region;
+    if (region.kind != RegionSpec::Kind::pair || term.points.x.empty()) continue;
+    if (!is_rigid(*contact.laws[static_cast<std::size_t>(of.law)], term.points.x.front(), 0.0))
+      continue;
+    throw Failure(FailureKind::bad_value, of.origin,
+                  fmt::format("the law `{}` keeps two bodies apart without giving way, which the "
+                              "iterative solver does not do",
+                              of.name),
+                  "take `using solver = direct`, or a law that gives way (`normal_compliance`)");
+  }
+}
 
 std::shared_ptr<const UnknownsOfNodes>
 nodes_of_unknowns(const Problem& problem, const Discretisation& d, const StateLayout& layout) {

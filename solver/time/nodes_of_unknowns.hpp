@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/linear/iterative_solver.hpp"
+#include "solver/time/contact.hpp"
 #include "solver/time/run.hpp"
 #include "solver/time/state.hpp"
 
@@ -12,5 +13,10 @@ namespace hvi::solver {
 std::shared_ptr<const UnknownsOfNodes> nodes_of_unknowns(const Problem& problem,
                                                          const Discretisation& discretisation,
                                                          const StateLayout& layout);
+
+/// Throws Failure(bad_value) where a law keeps the sides of a pair apart with slopes without bound:
+/// the unknowns of both sides are in each of its points, whose places then take hundreds of inexact
+/// steps to settle.
+void refuse_rigid_pairs(const Problem& problem, const Contact& contact);
 
 } // namespace hvi::solver

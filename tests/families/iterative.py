@@ -18,6 +18,9 @@ import tempfile
 
 AGREE = 1e-9
 SKIPPED = 77
+# Examples with other arguments: a branch of this one ends exactly at a step, where rounding decides.
+ARGUMENTS = {"contact_conductance": ["-D", "N=60"]}
+LONG = ()  # examples that take more than a few seconds
 NO_MODULE = "the module that has the iterative solvers of PETSc cannot be loaded"
 
 NORMAL = {  # name: (law, how far the answers of a step may be apart by the law's own softening)
@@ -134,8 +137,9 @@ def compare(program, path, folder, arguments=()):
         same = iterative.returncode == direct.returncode
         return None if same else f"direct ends with {direct.returncode}, iterative with {iterative.returncode}", "no answer"
     if iterative.returncode != 0:
-        if "solves for one unknown" in iterative.stderr:
-            return None, "several unknowns: refused"
+        for words in ("solves for one unknown", "keeps two bodies apart without giving way"):
+            if words in iterative.stderr and "using solver = direct" in iterative.stderr:
+                return None, "refused: " + words
         return f"iterative ends with {iterative.returncode}: {iterative.stderr[-400:]}", ""
     if not (a["certificate"]["certified"] and b["certificate"]["certified"]):
         return "not certified", ""
@@ -206,7 +210,7 @@ def main():
             sys.exit(bool(failures(program, folder)))
         cases = []
         if options.examples:
-            cases = [(path.stem, path.resolve()) for path in sorted(options.examples.glob("*.hvi"))]
+            cases = [(path.stem, path.resolve()) for path in sorted(options.examples.glob("*.hvi")) if path.stem not in LONG]
         else:
             for seed in range(options.seed, options.seed + options.scenes):
                 path = folder / f"scene{seed}.hvi"
@@ -215,7 +219,7 @@ def main():
         for name, path in cases:
             if options.only and options.only != name:
                 continue
-            found, word = compare(program, path, folder)
+            found, word = compare(program, path, folder, ARGUMENTS.get(name, []) if options.examples else [])
             answers += word.startswith("apart")
             wrong += found is not None
             print(f"{'FAILS' if found else 'ok   '} {name}: {found or word}", flush=True)

@@ -55,6 +55,12 @@ int hvi_petsc_changed(HviPetscSolver* solver, char* message, std::size_t capacit
   return hvi::petsc_module::guarded([&] { return solver->matrix_changed(), 0; }, message, capacity);
 }
 
+int hvi_petsc_free(HviPetscSolver* solver, const double* motions, int count, char* message,
+                   std::size_t capacity) {
+  return hvi::petsc_module::guarded([&] { return solver->set_free_motions(motions, count), 0; },
+                                    message, capacity);
+}
+
 int hvi_petsc_laws(HviPetscSolver* solver, const HviPetscMatrix* h, int symmetric, char* message,
                    std::size_t capacity) {
   return hvi::petsc_module::guarded(

@@ -45,6 +45,9 @@ using HviPetscOpen = int (*)(const HviPetscMatrix* k, int symmetric,
                              const HviPetscUnknowns* unknowns, HviPetscSolver** solver,
                              char* message, std::size_t capacity);
 using HviPetscChanged = int (*)(HviPetscSolver* solver, char* message, std::size_t capacity);
+/* A column for each motion that the laws alone hold; the matrix all but takes them to 0. */
+using HviPetscFree = int (*)(HviPetscSolver* solver, const double* motions, int count,
+                             char* message, std::size_t capacity);
 using HviPetscLaws = int (*)(HviPetscSolver* solver, const HviPetscMatrix* h, int symmetric,
                              char* message, std::size_t capacity);
 using HviPetscSolve = int (*)(HviPetscSolver* solver, const double* b, double reduction, double* x,

@@ -14,6 +14,30 @@ constexpr int restart = 60;
 constexpr double stiff_part = 0.5;
 /// An old multigrid is given up when it takes so many times the iterations for a digit.
 constexpr double too_slow = 1.5;
+/// The layers of a body that laws alone hold are almost singular: of K's diagonal, added to it.
+constexpr double layer_shift = 1e-6;
+
+/// PETSc's reason, and what it means.
+const char* in_words(KSPConvergedReason reason) {
+  switch (reason) {
+  case KSP_DIVERGED_ITS:
+    return "the most iterations were reached (DIVERGED_ITS)";
+  case KSP_DIVERGED_DTOL:
+    return "the residual grows (DIVERGED_DTOL)";
+  case KSP_DIVERGED_BREAKDOWN:
+    return "the directions of the search ended (DIVERGED_BREAKDOWN)";
+  case KSP_DIVERGED_INDEFINITE_PC:
+    return "the multigrid is not positive definite (DIVERGED_INDEFINITE_PC)";
+  case KSP_DIVERGED_INDEFINITE_MAT:
+    return "the matrix is not positive definite (DIVERGED_INDEFINITE_MAT)";
+  case KSP_DIVERGED_NANORINF:
+    return "numbers became infinite (DIVERGED_NANORINF)";
+  case KSP_DIVERGED_PC_FAILED:
+    return "the multigrid failed (DIVERGED_PC_FAILED)";
+  default:
+    return reason > 0 ? "solved" : "PETSc's solver broke down";
+  }
+}
 
 } // namespace
 
@@ -21,17 +45,8 @@ Krylov::Krylov(const HviPetscMatrix& k, bool symmetric, const HviPetscUnknowns& 
     : given_(k), numbering_(unknowns, k.rows), diagonal_(typical_diagonal()), k_(k),
       symmetric_k_(symmetric), symmetric_(symmetric) {
   make_matrix();
-  std::vector<double> motions(static_cast<std::size_t>(numbering_.size()) *
-                              static_cast<std::size_t>(unknowns.n_motions));
-  for (int m = 0; m < unknowns.n_motions; ++m) {
-    const double* from = unknowns.motions + static_cast<std::ptrdiff_t>(m) * k.rows;
-    double* to = motions.data() + static_cast<std::ptrdiff_t>(m) * numbering_.size();
-    if (numbering_.same())
-      std::copy_n(from, k.rows, to);
-    else
-      numbering_.spread(from, to);
-  }
-  multigrid_.emplace(matrix_.get(), motions, unknowns.n_motions, symmetric);
+  multigrid_.emplace(matrix_.get(), in_own_numbering(unknowns.motions, unknowns.n_motions),
+                     unknowns.n_motions);
   h_.start.assign(static_cast<std::size_t>(numbering_.size()) + 1, 0);
   const PetscInt n = numbering_.size();
   check(MatCreateShell(PETSC_COMM_SELF, n, n, n, n, this, shell_.put()));
@@ -40,7 +55,22 @@ Krylov::Krylov(const HviPetscMatrix& k, bool symmetric, const HviPetscUnknowns& 
   check(MatCreateVecs(matrix_.get(), b_.put(), x_.put()));
   check(VecDuplicate(b_.get(), work_.put()));
   check(VecDuplicate(b_.get(), rest_.put()));
+  check(VecDuplicate(b_.get(), unbalanced_.put()));
   choose_method();
+}
+
+std::vector<double> Krylov::in_own_numbering(const double* columns, int count) const {
+  std::vector<double> out(static_cast<std::size_t>(numbering_.size()) *
+                          static_cast<std::size_t>(count));
+  for (int m = 0; m < count; ++m) {
+    const double* from = columns + static_cast<std::ptrdiff_t>(m) * given_.rows;
+    double* to = out.data() + static_cast<std::ptrdiff_t>(m) * numbering_.size();
+    if (numbering_.same())
+      std::copy_n(from, given_.rows, to);
+    else
+      numbering_.spread(from, to);
+  }
+  return out;
 }
 
 double Krylov::typical_diagonal() const {
@@ -67,7 +97,12 @@ void Krylov::make_matrix() {
 void Krylov::matrix_changed() {
   if (!numbering_.same()) numbering_.refresh(given_, diagonal_, own_);
   values_changed(matrix_.get());
-  changed_ = true;
+  changed_ = free_stale_ = true;
+}
+
+void Krylov::set_free_motions(const double* motions, int count) {
+  free_ = std::make_unique<FreeMotions>(in_own_numbering(motions, count), count);
+  free_stale_ = true;
 }
 
 bool Krylov::stiff() const {
@@ -89,12 +124,13 @@ bool Krylov::set_laws(const HviPetscMatrix& h, bool symmetric) {
   law_rows_.clear();
   for (int i = 0; i < h_.size(); ++i)
     if (h_.start[i] < h_.start[i + 1]) law_rows_.push_back(i);
+  free_stale_ = true;
   if (other_method) choose_method();
   in_layers_ = stiff();
   if (!in_layers_) return true;
   if (!layers_ || !layers_->fit(h_)) layers_ = std::make_unique<Layers>(k_, h_);
   ++local_factors_;
-  return in_layers_ = layers_->factor(h_, symmetric_);
+  return in_layers_ = layers_->factor(h_, symmetric_, free_ ? layer_shift : 0.0);
 }
 
 void Krylov::choose_method() {
@@ -134,7 +170,14 @@ PetscErrorCode Krylov::apply_matrix(Mat shell, Vec x, Vec y) {
 PetscErrorCode Krylov::apply_preconditioner(PC shell, Vec r, Vec z) {
   void* self = nullptr;
   PetscCall(PCShellGetContext(shell, &self));
-  return static_cast<const Krylov*>(self)->precondition(r, z);
+  return static_cast<Krylov*>(self)->balanced(r, z);
+}
+
+PetscErrorCode Krylov::balanced(Vec r, Vec z) {
+  if (!free_known_) return precondition(r, z);
+  PetscCall(free_->remove(r, unbalanced_.get()));
+  PetscCall(precondition(unbalanced_.get(), z));
+  return free_->add(symmetric_, z);
 }
 
 /// As in layers.hpp.
@@ -164,11 +207,18 @@ PetscErrorCode Krylov::precondition(Vec r, Vec z) const {
   return 0;
 }
 
-HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
-  if (changed_ && last_effort_ > too_slow * best_effort_) {
+/// The multigrid is set up when it is asked for, and again when it has become too old.
+void Krylov::prepare() {
+  if (multigrid_->setups == 0 || (changed_ && last_effort_ > too_slow * best_effort_)) {
     multigrid_->set_up();
     changed_ = false, best_effort_ = last_effort_ = 0.0;
   }
+  if (free_stale_) free_known_ = free_ && free_->factor(shell_.get());
+  free_stale_ = false;
+}
+
+HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
+  prepare();
   double* to = nullptr;
   check(VecGetArrayWrite(b_.get(), &to));
   if (numbering_.same())
@@ -176,8 +226,12 @@ HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
   else
     numbering_.spread(b, to);
   check(VecRestoreArrayWrite(b_.get(), &to));
+  double size = 0.0; // squares of sizes may be beyond any number
+  check(VecNorm(b_.get(), NORM_INFINITY, &size));
+  if (size > 0.0) check(VecScale(b_.get(), 1.0 / size));
   check(KSPSetTolerances(ksp_.get(), reduction, 1e-300, 1e30, most_iterations));
   check(KSPSolve(ksp_.get(), b_.get(), x_.get()));
+  check(VecScale(x_.get(), size));
   const double* found = nullptr;
   check(VecGetArrayRead(x_.get(), &found));
   if (numbering_.same())
@@ -189,9 +243,9 @@ HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
   HviPetscAnswer out{};
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   PetscInt iterations = 0;
-  double left = 0.0, size = 0.0;
+  double left = 0.0;
   check(KSPGetConvergedReason(ksp_.get(), &reason));
-  check(KSPGetConvergedReasonString(ksp_.get(), &out.reason));
+  out.reason = in_words(reason);
   check(KSPGetIterationNumber(ksp_.get(), &iterations));
   check(KSPGetResidualNorm(ksp_.get(), &left));
   check(VecNorm(b_.get(), NORM_2, &size));
@@ -215,6 +269,7 @@ HviPetscCounts Krylov::counts() const {
   double bytes =
       multigrid_->bytes() + 12.0 * static_cast<double>(own_.column.size()) + 8.0 * 12.0 * k_.rows;
   if (layers_) bytes += layers_->bytes();
+  if (free_) bytes += free_->bytes();
   return {multigrid_->setups, local_factors_, bytes, multigrid_->seconds};
 }
 

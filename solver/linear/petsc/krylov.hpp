@@ -1,6 +1,7 @@
 // Conjugate gradients, or GMRES where a matrix is not symmetric, for (K + H) x = b.
 #pragma once
 
+#include "solver/linear/petsc/free_motions.hpp"
 #include "solver/linear/petsc/layers.hpp"
 #include "solver/linear/petsc/multigrid.hpp"
 
@@ -13,6 +14,8 @@ class Krylov {
 public:
   Krylov(const HviPetscMatrix& k, bool symmetric, const HviPetscUnknowns& unknowns);
   void matrix_changed();
+  /// Those that K leaves free.
+  void set_free_motions(const double* motions, int count);
   /// False: the layers at the contact have no factor.
   bool set_laws(const HviPetscMatrix& h, bool symmetric);
   HviPetscAnswer solve(const double* b, double reduction, double* x);
@@ -22,6 +25,9 @@ private:
   static PetscErrorCode apply_matrix(Mat shell, Vec x, Vec y);
   static PetscErrorCode apply_preconditioner(PC shell, Vec r, Vec z);
   PetscErrorCode precondition(Vec r, Vec z) const;
+  PetscErrorCode balanced(Vec r, Vec z);
+  std::vector<double> in_own_numbering(const double* columns, int count) const;
+  void prepare();
   void make_matrix();
   void choose_method();
   void note(const HviPetscAnswer& answer);
@@ -39,10 +45,13 @@ private:
   Owned<Mat> matrix_, shell_;
   std::optional<Multigrid> multigrid_;
   std::unique_ptr<Layers> layers_;
-  bool in_layers_ = false; ///< are the layers solved exactly?
+  std::unique_ptr<FreeMotions> free_; ///< null: K holds the body
+  bool free_known_ = false;           ///< are they solved exactly, for the laws at hand?
+  bool free_stale_ = false;           ///< has A changed since?
+  bool in_layers_ = false;            ///< are the layers solved exactly?
   int local_factors_ = 0;
   Owned<KSP> ksp_;
-  Owned<Vec> b_, x_, work_, rest_;
+  Owned<Vec> b_, x_, work_, rest_, unbalanced_;
   /// Iterations for each digit, since the multigrid was set up and of the last solve.
   double best_effort_ = 0.0, last_effort_ = 0.0;
   bool changed_ = false; ///< has K changed since the multigrid was set up?

@@ -2,6 +2,7 @@
 #include "solver/linear/petsc/layers.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hvi::petsc_module {
 namespace {
@@ -36,7 +37,7 @@ Layers::Layers(const HviPetscMatrix& k, const Rows& h) : k_(k), start_(h.start),
 }
 
 /// K_XX + H_XX; the pattern is the union of both.
-void Layers::assemble(const Rows& h) {
+void Layers::assemble(const Rows& h, double shift) {
   Rows next;
   for (const int i : inside_) {
     int a = k_.start[i], b = h.start[i];
@@ -45,7 +46,10 @@ void Layers::assemble(const Rows& h) {
       const int column =
           std::min(a < end_a ? k_.column[a] : k_.rows, b < end_b ? h.column[b] : k_.rows);
       double value = 0.0;
-      if (a < end_a && k_.column[a] == column) value += k_.value[a++];
+      if (a < end_a && k_.column[a] == column) {
+        value += k_.value[a] + (column == i ? shift * std::abs(k_.value[a]) : 0.0);
+        ++a;
+      }
       if (b < end_b && h.column[b] == column) value += h.value[b++];
       if (position_[column] < 0) continue;
       next.column.push_back(position_[column]);
@@ -62,8 +66,8 @@ void Layers::assemble(const Rows& h) {
   local_ = std::move(next);
 }
 
-bool Layers::factor(const Rows& h, bool symmetric) {
-  assemble(h);
+bool Layers::factor(const Rows& h, bool symmetric, double shift) {
+  assemble(h, shift);
   if (symmetric != symmetric_) factor_.reset();
   symmetric_ = symmetric;
   const PetscInt n = size();

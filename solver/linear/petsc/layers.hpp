@@ -23,8 +23,9 @@ public:
   Layers(const HviPetscMatrix& k, const Rows& h);
   /// Are these the layers of an h of this pattern?
   bool fit(const Rows& h) const { return h.start == start_ && h.column == column_; }
-  /// Factors A_XX. False: it has no factor.
-  bool factor(const Rows& h, bool symmetric);
+  /// Factors A_XX, with `shift` of the size of K's diagonal added to its own. False: it has no
+  /// factor.
+  bool factor(const Rows& h, bool symmetric, double shift);
   int size() const { return static_cast<int>(inside_.size()); }
   double bytes() const;
 
@@ -36,7 +37,7 @@ public:
   void residual_inside(const Rows& h, const double* r, const double* z, double* out) const;
 
 private:
-  void assemble(const Rows& h);
+  void assemble(const Rows& h, double shift);
   double product(const Rows& h, int row, const double* z) const;
 
   const HviPetscMatrix& k_;

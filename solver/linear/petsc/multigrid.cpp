@@ -14,12 +14,14 @@ void option(const char* name, const char* value) {
 }
 
 /// Smoothers: Chebyshev polynomials of the Jacobi method, which are symmetric, so that conjugate
-/// gradients may use the cycle. The coarsest level is solved exactly.
+/// gradients may use the cycle. The coarsest level is solved exactly, by singular values: small
+/// aggregates leave rows of zeros there, and bodies that laws alone hold all but those.
 void set_options() {
   option("-hvi_pc_gamg_type", "agg");
   option("-hvi_pc_gamg_agg_nsmooths", "1");
   option("-hvi_pc_gamg_threshold", "0.0");
-  option("-hvi_pc_gamg_coarse_eq_limit", "200");
+  option("-hvi_pc_gamg_coarse_eq_limit", "100");
+  option("-hvi_mg_coarse_pc_type", "svd");
   option("-hvi_mg_levels_ksp_type", "chebyshev");
   option("-hvi_mg_levels_ksp_max_it", "2");
   option("-hvi_mg_levels_pc_type", "jacobi");
@@ -33,8 +35,7 @@ double bytes_of(Mat a) {
 
 } // namespace
 
-Multigrid::Multigrid(Mat k, const std::vector<double>& motions, int n_motions, bool symmetric)
-    : k_(k), symmetric_(symmetric) {
+Multigrid::Multigrid(Mat k, const std::vector<double>& motions, int n_motions) : k_(k) {
   PetscInt n = 0;
   check(MatGetSize(k, &n, nullptr));
   if (n_motions > 0) {
@@ -63,7 +64,6 @@ Multigrid::Multigrid(Mat k, const std::vector<double>& motions, int n_motions, b
     check(MatNullSpaceDestroy(&space));
     for (Vec& column : columns) check(VecDestroy(&column));
   }
-  set_up();
 }
 
 void Multigrid::set_up() {
@@ -81,6 +81,7 @@ void Multigrid::set_up() {
 
 double Multigrid::bytes() const {
   PetscInt levels = 0;
+  if (!pc_) return 0.0;
   if (PCMGGetLevels(pc_.get(), &levels) != 0) return 0.0;
   double out = 0.0;
   for (PetscInt l = 0; l < levels; ++l) {

@@ -12,7 +12,7 @@ namespace hvi::petsc_module {
 class Multigrid {
 public:
   /// `motions`: a column for each, as long as K; K keeps them.
-  Multigrid(Mat k, const std::vector<double>& motions, int n_motions, bool symmetric);
+  Multigrid(Mat k, const std::vector<double>& motions, int n_motions);
   void set_up(); ///< for the entries that K has now
   PetscErrorCode apply(Vec r, Vec z) const { return PCApply(pc_.get(), r, z); }
   double bytes() const; ///< of all levels but K
@@ -22,7 +22,6 @@ public:
 private:
   Mat k_;
   Owned<PC> pc_;
-  bool symmetric_;
 };
 
 } // namespace hvi::petsc_module
