@@ -160,6 +160,22 @@ such that for all v in V
 report
   table u_y = u.y at [1, 0, 0.5]
 """
+RIGID = """import contact
+mesh lower = rectangle(2, 1, cells = [4, 2])
+mesh upper = rectangle(2, 1, cells = [4, 2], at = [0, 1])
+mesh both = lower + upper
+part base = lower.bottom
+part roof = upper.top
+part seam = pair(upper.bottom, lower.top)
+tensor B = isotropic(young = 50, poisson = 0.3)
+superpotential wall(r) = unilateral(r)
+space V = vector P1 on both, zero on base, zero on roof
+find u in V with u = [0, -0.01] on roof
+such that for all v in V
+    integral(both, B : eps(u) : eps(v)) + integral(seam, wall^0(jump(u).nu; jump(v).nu)) >= 0
+report
+  table u_y = u.y at [1, 0.5]
+"""
 TWO = """mesh body = rectangle(1, 1, cells = [3, 3])
 part roof = body.top
 space V = scalar P1 on body, zero on roof
@@ -190,7 +206,8 @@ def failures(program, folder):
     run(program, path, folder, "iterative")  # skips the rest without PETSc
     ends("two unknowns", TWO, 1, "solves for one unknown", "using solver = direct")
     ends("a word that is none", HARD.format(poisson=0.3).replace("in V\nsuch", "in V using solver = multigrid\nsuch"), 1, "E0")
-    ends("stagnation", HARD.format(poisson=0.49999999), 3, "E0701", "the iterative solver of", "iterations", "using solver = direct")
+    ends("a pair that is kept apart", RIGID, 1, "E0423", "keeps two bodies apart", "using solver = direct")
+    ends("stagnation", HARD.format(poisson=0.49999999).replace("P1", "P2"), 3, "the most iterations were reached", "E0701", "the iterative solver of", "iterations", "using solver = direct")
     return wrong
 
 
@@ -220,6 +237,11 @@ def main():
             if options.only and options.only != name:
                 continue
             found, word = compare(program, path, folder, ARGUMENTS.get(name, []) if options.examples else [])
+            if found and " apart by " in found and not options.examples:
+                # A softening law multiplies what the tolerance leaves: both are asked for three digits more.
+                path.write_text(path.read_text().replace("\nsuch that", " using tolerance = 1e-13\nsuch that"))
+                found, word = compare(program, path, folder)
+                word += ", tolerance 1e-13"
             answers += word.startswith("apart")
             wrong += found is not None
             print(f"{'FAILS' if found else 'ok   '} {name}: {found or word}", flush=True)
