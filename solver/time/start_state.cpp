@@ -41,9 +41,9 @@ void require_no_force(const Problem& problem, const Contact& contact, int l) {
     const Point& x = term.points.x[static_cast<std::size_t>(p)];
     const LawGraph graph = law.graph(x, time);
     const double* const z = at.data() + static_cast<std::ptrdiff_t>(p) * term.points.rows;
-    constexpr double rounding = 1e-12;
+    constexpr double no_force = 1e-12;
     const double force = inclusion_distance(law, graph, z, none.data(), term.points.rows, 0.0);
-    if (force <= rounding * law.constants(x, time).slope_scale) continue;
+    if (force <= no_force * law.constants(x, time).slope_scale) continue;
     throw Failure(
         FailureKind::bad_value, spec.origin,
         fmt::format("`{}` exerts a force at ({:.4g}, {:.4g}, {:.4g}) where nothing moves: "
