@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -73,7 +74,10 @@ LawDescent descent_of_laws(const Problem& problem, const Operators& operators,
   if (!contact.readings.empty()) out.obstacle = "a law reads the solution";
   if (!contact.state_groups.empty())
     out.obstacle = "laws with states are solved together with them";
-  if (!operators.changing.empty()) out.obstacle = "states change the forms";
+  const bool by_time = std::ranges::all_of(
+      problem.states, [](const StateTerm& state) { return state.rate.is_constant(); });
+  if (!operators.changing.empty())
+    out.obstacle = by_time ? "the forms change in time" : "states change the forms";
   out.weight.assign(problem.law_terms.size(), 0.0);
   for (const auto& term : contact.terms) {
     const int index = problem.law_terms[term.points.law_term].law;

@@ -7,6 +7,7 @@
 - Stiffness and viscosity that change in time, random scenes: each step against a script without time.
 """
 import csv
+import json
 import math
 import pathlib
 import random
@@ -221,7 +222,9 @@ def check_changing_viscosity(folder):
     static = BAR.format(more="", terms="", columns="")
     run(folder, static)
     unit = rows(folder)[0]["a"]
-    run(folder, text.format(scheme="backward_euler"))
+    run(folder, text.format(scheme="backward_euler"), "--json", str(folder / "told.json"))
+    notes = json.loads((folder / "told.json").read_text())["notes"]
+    assert any("the forms change in time" in note["what"] for note in notes), notes
     u, k = 0.0, 0.1
     for n, row in enumerate(rows(folder)[1:], 1):
         t = 1 + n * k
