@@ -39,9 +39,28 @@ private:
   std::exception_ptr failure_;
 };
 
-void do_job(const std::function<void()>& job, Arrival& ending) {
+/// Held by the job that may call BLAS, where one alone may at a time.
+class BlasTurn {
+public:
+  /// Waits for the turn; false where the job is asked to stop before it comes.
+  bool take(const std::atomic<bool>& stop) {
+    if (solver::blas_is_made_for_threads()) return true;
+    static std::timed_mutex only; // as there is one OpenBLAS
+    turn_ = std::unique_lock(only, std::defer_lock);
+    while (!turn_.try_lock_for(between_looks))
+      if (stop) return false;
+    return true;
+  }
+
+private:
+  std::unique_lock<std::timed_mutex> turn_;
+};
+
+void do_job(const std::function<void()>& job, const std::atomic<bool>& stop, Arrival& ending) {
   std::exception_ptr failure;
   try {
+    BlasTurn turn;
+    if (!turn.take(stop)) return ending.arrive(nullptr); // whoever waits throws why
     if (!solver::reserve_blas_memory())
       throw solver::OutOfMemory("out of memory: a run needs some 200 MiB of addresses");
     const solver::OneBlasThread one_thread;
@@ -66,7 +85,7 @@ void watched(const std::function<void()>& job, Watch& watch, const py::object& p
   std::exception_ptr from_python;
   {
     const py::gil_scoped_release unlocked;
-    std::thread worker([&] { do_job(job, ending); });
+    std::thread worker([&] { do_job(job, watch.stop(), ending); });
     while (!ending.wait()) {
       if (from_python) continue; // the job was asked to stop
       const py::gil_scoped_acquire locked;

@@ -9,6 +9,7 @@
 extern "C" {
 void openblas_set_num_threads(int threads);
 int openblas_get_num_threads(void);
+int openblas_get_parallel(void); // 0 for the serial build
 }
 
 namespace hvi::solver {
@@ -45,5 +46,7 @@ OneBlasThread::~OneBlasThread() {
   if (--one.by == 0 && one.before != 1) openblas_set_num_threads(one.before);
   omp_set_max_active_levels(levels_before_);
 }
+
+bool blas_is_made_for_threads() { return openblas_get_parallel() != 0; }
 
 } // namespace hvi::solver

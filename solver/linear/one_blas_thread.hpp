@@ -17,4 +17,8 @@ private:
   int levels_before_;
 };
 
+/// Whether OpenBLAS may be called by two threads at once. Its serial build may not: both work in
+/// the same memory, and the numbers of both are wrong.
+bool blas_is_made_for_threads();
+
 } // namespace hvi::solver
