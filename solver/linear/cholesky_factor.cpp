@@ -6,6 +6,7 @@
 
 #include "solver/common/out_of_memory.hpp"
 #include "solver/linear/large_pages.hpp"
+#include "solver/linear/left_looking.hpp"
 #include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
 #include "solver/linear/symbolic.hpp"
@@ -48,24 +49,23 @@ double CholeskyFactor::bytes() const {
 void CholeskyFactor::compute(const SparseMatrix& k) {
   const OneBlasThread one_thread;
   a_.assign(k);
-  cholmod_sparse view = a_.view();
   cholmod_factor* l = factor_.l;
   cholmod_common* common = factor_.session.common();
-  if (l->xtype == CHOLMOD_PATTERN && // else CHOLMOD would make room itself, in small pages
-      cholmod_l_change_factor(CHOLMOD_REAL, true, true, true, true, l, common) != 0)
+  if (l->xtype == CHOLMOD_PATTERN) {
+    if (cholmod_l_change_factor(CHOLMOD_REAL, true, true, true, true, l, common) == 0) {
+      const auto size = order_.size();
+      refuse_too_large(*common, size);
+      throw OutOfMemory("no memory to factor a matrix of {} unknowns ({:.2g} bytes)", size,
+                        bytes());
+    }
     advise_large_pages(l->x, l->xsize * sizeof(double));
-  double nothing[2] = {0.0, 0.0}; // is added to the diagonal
-  cholmod_l_super_numeric(&view, nullptr, nothing, l, common);
-  if (common->status >= CHOLMOD_OK) return;
-  const auto size = order_.size();
-  refuse_too_large(*common, size);
-  throw OutOfMemory("no memory to factor a matrix of {} unknowns ({:.2g} bytes)", size, bytes());
+  }
+  l->minor = static_cast<std::size_t>(factor_left_looking(a_, *l));
 }
 
 /// Reads the diagonal, which lies scattered in memory, once; then nothing but L is kept.
 void CholeskyFactor::take_diagonal(std::vector<double>& inverse) {
-  if (factor_.session.common()->status == CHOLMOD_NOT_POSDEF)
-    fail_at(static_cast<int>(factor_.l->minor), 0.0);
+  if (factor_.l->minor < factor_.l->n) fail_at(static_cast<int>(factor_.l->minor), 0.0);
   const auto [super, row_start, value_start, row] = arrays_of(structure());
   double least = std::numeric_limits<double>::infinity();
   int where = -1;
@@ -83,7 +83,6 @@ void CholeskyFactor::take_diagonal(std::vector<double>& inverse) {
     }
   }
   if (least < smallest_pivot) fail_at(where, least);
-  cholmod_l_free_work(factor_.session.common()); // its memory serves for the copies of the factor
   a_.forget_values();
 }
 

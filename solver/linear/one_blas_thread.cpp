@@ -36,7 +36,7 @@ OneBlasThread::OneBlasThread() : levels_before_(omp_get_max_active_levels()) {
     one.before = openblas_get_num_threads();
     if (one.before != 1) openblas_set_num_threads(1);
   }
-  // CHOLMOD's loops ask for four threads by name; with no active level allowed they get one.
+  // Libraries may ask for threads by name; with no active level allowed they get one.
   omp_set_max_active_levels(0);
 }
 

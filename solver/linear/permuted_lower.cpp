@@ -48,11 +48,4 @@ void PermutedLower::assign(const SparseMatrix& k) {
                   "the matrix to factor does not have the pattern that was analysed");
 }
 
-cholmod_sparse PermutedLower::view() {
-  cholmod_sparse a = pattern_.view(-1);
-  a.x = value_.data();
-  a.xtype = CHOLMOD_REAL;
-  return a;
-}
-
 } // namespace hvi::solver

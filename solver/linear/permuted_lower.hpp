@@ -1,4 +1,4 @@
-// A symmetric matrix in the order of elimination, as CHOLMOD's numeric phase reads it.
+// A symmetric matrix in the order of elimination, as the numeric phase reads it.
 #pragma once
 
 #include "solver/linear/pattern.hpp"
@@ -25,8 +25,8 @@ public:
     std::vector<double>().swap(value_);
     std::vector<double>().swap(diagonal_);
   }
-  /// CHOLMOD's view of it. Valid as long as this object stays where it is.
-  cholmod_sparse view();
+  const Pattern& pattern() const { return pattern_; }
+  const std::vector<double>& values() const { return value_; } ///< in the order of the pattern
 
 private:
   std::size_t entries_of_k_ = 0;

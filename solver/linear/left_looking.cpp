@@ -1,0 +1,148 @@
+// Supernode after supernode; see left_looking.hpp. Called by the factor (cholesky_factor.cpp).
+//
+// A supernode waits in the list of the next supernode that it contributes to: the one that holds
+// the first of its rows that were not taken yet.
+//
+// Y. Chen, T. A. Davis, W. W. Hager, S. Rajamanickam, Algorithm 887: CHOLMOD, supernodal sparse
+// Cholesky factorization and update/downdate, ACM Trans. Math. Softw. 35 (2008).
+#include "solver/linear/left_looking.hpp"
+
+#include "solver/linear/lapack.hpp"
+
+#include <cblas.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+namespace hvi::solver {
+namespace {
+
+class LeftLooking {
+public:
+  LeftLooking(const PermutedLower& a, cholmod_factor& l)
+      : a_(a), of_(arrays_of(l)), x_(static_cast<double*>(l.x)), supernode_(l.n), place_(l.n),
+        first_waiting_(l.nsuper, none), next_waiting_(l.nsuper, none), taken_(l.nsuper, 0),
+        product_(std::make_unique_for_overwrite<double[]>(l.maxcsize)) {
+    for (std::size_t s = 0; s < l.nsuper; ++s)
+      std::fill(supernode_.begin() + of_.super[s], supernode_.begin() + of_.super[s + 1],
+                static_cast<int>(s));
+  }
+
+  /// The first column of supernode s whose pivot is not positive, or -1.
+  Long factor(int s) {
+    const Block own = block(s);
+    for (int i = 0; i < own.rows; ++i) place_[own.row[i]] = i;
+    take_matrix(s, own);
+    for (int d = first_waiting_[s]; d != none;) {
+      const int next = next_waiting_[d];
+      subtract_product(d, own);
+      wait(d, block(d));
+      d = next;
+    }
+    int info = 0;
+    dpotrf_("L", &own.columns, own.value, &own.rows, &info);
+    if (info != 0) return own.first + info - 1;
+    if (own.rows == own.columns) return -1;
+    cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit,
+                own.rows - own.columns, own.columns, 1.0, own.value, own.rows,
+                own.value + own.columns, own.rows);
+    taken_[s] = own.columns;
+    wait(s, own);
+    return -1;
+  }
+
+private:
+  static constexpr int none = -1;
+
+  /// A supernode: a dense block of `rows` rows by columns, whose first rows are its own columns.
+  struct Block {
+    Long first;
+    int columns, rows;
+    const Long* row;
+    double* value;
+  };
+
+  Block block(int s) const {
+    const Long first = of_.super[s], rows = of_.row_start[s];
+    return {first, static_cast<int>(of_.super[s + 1] - first),
+            static_cast<int>(of_.row_start[s + 1] - rows), of_.row + rows, x_ + of_.value_start[s]};
+  }
+
+  /// Into the list of the supernode that comes next for it.
+  void wait(int s, const Block& its) {
+    if (taken_[s] == its.rows) return;
+    const int at = supernode_[its.row[taken_[s]]];
+    next_waiting_[s] = first_waiting_[at];
+    first_waiting_[at] = s;
+  }
+
+  void take_matrix(int s, const Block& own) {
+    std::fill_n(own.value, static_cast<std::ptrdiff_t>(own.rows) * own.columns, 0.0);
+    const Pattern& pattern = a_.pattern();
+    for (Long j = own.first; j < of_.super[s + 1]; ++j) {
+      double* const column = own.value + (j - own.first) * own.rows;
+      for (Long at = pattern.start[j]; at < pattern.start[j + 1]; ++at)
+        column[place_[pattern.row[at]]] = a_.values()[at];
+    }
+  }
+
+  /// Subtracts L_d L_d^T on the columns of `own`, and moves on to the next rows of d.
+  void subtract_product(int d, const Block& own) {
+    const Block other = block(d);
+    const int from = taken_[d], rows = other.rows - from;
+    const Long* const row = other.row + from;
+    const auto end = own.first + own.columns;
+    int columns = 0;
+    while (columns < rows && row[columns] < end) ++columns;
+    taken_[d] += columns;
+    const double* const l = other.value + from;
+    double* const c = product_.get();
+    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, columns, other.columns, 1.0, l, other.rows,
+                0.0, c, rows);
+    if (rows > columns)
+      cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, rows - columns, columns, other.columns,
+                  1.0, l + columns, other.rows, l, other.rows, 0.0, c + columns, rows);
+    subtract(row, rows, columns, own);
+  }
+
+  /// Subtracts the product, whose lower triangle has these rows, and as many of them as columns.
+  void subtract(const Long* row, int rows, int columns, const Block& own) {
+    place_of_row_.resize(static_cast<std::size_t>(rows));
+    for (int i = 0; i < rows; ++i) place_of_row_[i] = place_[row[i]];
+    const int* const place = place_of_row_.data();
+    // Places rise, so that rows from i on lie side by side where the first and the last ones do.
+    int together = rows;
+    while (together > 0 && place[rows - 1] - place[together - 1] == rows - together) --together;
+    for (int j = 0; j < columns; ++j) {
+      const double* const from = product_.get() + static_cast<std::ptrdiff_t>(j) * rows;
+      double* const to = own.value + static_cast<std::ptrdiff_t>(place[j]) * own.rows;
+      int i = j;
+      for (; i < together; ++i) to[place[i]] -= from[i];
+      if (i == rows) continue;
+      double* const end = to + place[i] - i;
+      for (; i < rows; ++i) end[i] -= from[i];
+    }
+  }
+
+  const PermutedLower& a_;
+  SupernodalArrays of_;
+  double* x_;
+  std::vector<int> supernode_; ///< of a column
+  std::vector<int> place_;     ///< of a row in the block of the supernode at hand
+  std::vector<int> first_waiting_, next_waiting_;
+  std::vector<int> taken_; ///< rows of a supernode that other ones had
+  std::unique_ptr<double[]> product_;
+  std::vector<int> place_of_row_;
+};
+
+} // namespace
+
+Long factor_left_looking(const PermutedLower& a, cholmod_factor& l) {
+  LeftLooking work(a, l);
+  for (int s = 0; s < static_cast<int>(l.nsuper); ++s)
+    if (const Long failed = work.factor(s); failed >= 0) return failed;
+  return static_cast<Long>(l.n);
+}
+
+} // namespace hvi::solver
