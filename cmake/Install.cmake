@@ -1,12 +1,10 @@
 # cmake --install: program, library with its headers (find_package(hvi), target hvi::solver), package for Python, standard library, man page,
-# completions, type and icon of scripts. cpack -G DEB makes Debian packages of them: hvi-run, libhvi-dev, python3-hvi.
+# completions, type and icon of scripts. cpack -G DEB makes Debian packages of them: hvi-run, libhvi-dev, python3-hvi and, as it
+# brings MPI, for the iterative solvers alone hvi-petsc.
 include(CMakePackageConfigHelpers)
 
 install(TARGETS hvi-run RUNTIME DESTINATION bin COMPONENT program)
 install(TARGETS hvi_gmsh hvi_mumps hvi_draw LIBRARY DESTINATION lib/hvi COMPONENT program)
-if(TARGET hvi_petsc) # cmake --install ... --component petsc: a package does not depend on MPI
-  install(TARGETS hvi_petsc LIBRARY DESTINATION lib/hvi COMPONENT petsc EXCLUDE_FROM_ALL)
-endif()
 get_property(libraries GLOBAL PROPERTY hvi_solver_libraries)
 install(TARGETS hvi_solver ${libraries} hvi_options hvi_headers hvi_suitesparse EXPORT hvi
   ARCHIVE DESTINATION lib/hvi COMPONENT library)
@@ -28,6 +26,10 @@ if(TARGET hvi_python)
   install(TARGETS hvi_python LIBRARY DESTINATION lib/python3/dist-packages/hvi COMPONENT python)
   install(DIRECTORY ${CMAKE_SOURCE_DIR}/lang/python/hvi DESTINATION lib/python3/dist-packages COMPONENT python PATTERN "__pycache__" EXCLUDE)
   install(FILES ${CMAKE_SOURCE_DIR}/examples/python/slab.ipynb DESTINATION share/doc/python3-hvi/examples COMPONENT python)
+endif()
+if(TARGET hvi_petsc)
+  list(APPEND packages petsc hvi-petsc)
+  install(TARGETS hvi_petsc LIBRARY DESTINATION lib/hvi COMPONENT petsc)
 endif()
 
 find_package(Python3 QUIET COMPONENTS Interpreter)
@@ -95,4 +97,10 @@ set(CPACK_DEBIAN_PYTHON_DESCRIPTION "hemivariational inequalities from Python
 The package hvi: runs scripts of hvi-run, with tables and fields as NumPy
 arrays, step by step, in sweeps over processes, and finds parameters from
 measured curves.")
+set(CPACK_DEBIAN_PETSC_PACKAGE_NAME hvi-petsc)
+set(CPACK_DEBIAN_PETSC_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PETSC_PACKAGE_DEPENDS "hvi-run (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_PETSC_DESCRIPTION "iterative solvers for hvi-run, by PETSc
+The module that hvi-run opens where a script or the command asks for an
+iterative solver: for models of up to millions of unknowns in 3D.")
 include(CPack)

@@ -9,10 +9,12 @@
 namespace hvi::solver {
 namespace {
 
-constexpr ModuleFile petsc_module{
-    "libhvi_petsc.so", "HVI_PETSC_MODULE", "has the iterative solvers of PETSc",
-    "install libpetsc-real-dev and build again (`tools/run --with-petsc` does both), or take "
-    "`using solver = direct`"};
+constexpr ModuleFile petsc_module{"libhvi_petsc.so", "HVI_PETSC_MODULE",
+                                  "has the iterative solvers of PETSc",
+                                  "install the package hvi-petsc beside hvi-run; where you build "
+                                  "it, libpetsc-real-dev, and build again "
+                                  "(`tools/run --with-petsc` does both); or take "
+                                  "`using solver = direct`"};
 
 /// The functions of the module.
 struct Bridge {
