@@ -77,7 +77,10 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
         c.states ? fmt::format("worst state {:.1e}, ", *c.states) : "", c.tolerance);
   print_forward_error(r.forward_error);
   if (r.work.followed_steps > 0)
-    say("{} steps followed their branch by {} inner steps\n", r.work.followed_steps,
+    say("{} by {} inner steps\n",
+        r.work.followed_steps == 1
+            ? "1 step followed its branch"
+            : fmt::format("{} steps followed their branch", r.work.followed_steps),
         r.work.inner_steps);
   if (r.work.unfollowed_steps > 0)
     say("note: {} steps may have left their branch: it was not followed (a vector law, more "
