@@ -20,9 +20,9 @@ namespace {
 /// Facets at a node whose normals have a smaller cosine have a crease between them: the node is a
 /// point of each side of it, with its normal.
 constexpr double crease = 0.7071;
-/// Dual functions beyond this are replaced by the q_i themselves (facets of which small parts in
-/// the middle meet the second side).
-constexpr double largest_dual = 30.0;
+/// Dual functions whose root mean square is beyond this are replaced by the q_i themselves (facets
+/// of which small parts in the middle meet the second side).
+constexpr double largest_dual = 14.0;
 /// Entries of a row that are rounding: where nodes of both sides match, and at the tip of a crack.
 constexpr double rounding = 1e-14;
 constexpr double whole = 1e-9; ///< a facet that has partners but for this share has them all
@@ -159,8 +159,10 @@ LocalDuals make_duals(int dim, int order, const std::vector<Meeting>& meetings) 
   const DenseMatrix inverse = scaled.ldlt().solve(DenseMatrix::Identity(q.cols(), q.cols()));
   const DenseMatrix duals =
       out.weights.cwiseProduct(down).asDiagonal() * inverse * down.asDiagonal();
-  const double largest = (q * duals.transpose()).cwiseAbs().maxCoeff();
-  out.biorthogonal = largest <= largest_dual; // false for NaN
+  // int psi_i^2 = duals(i, i) int q_i: integrals do not depend on how the common part is cut up.
+  const Vector mean_squares = duals.diagonal().cwiseProduct(out.weights) / w.sum();
+  out.biorthogonal = mean_squares.minCoeff() > 0.0 && mean_squares.allFinite() &&
+                     mean_squares.maxCoeff() <= largest_dual * largest_dual;
   if (out.biorthogonal) out.spanned = duals;
   return out;
 }

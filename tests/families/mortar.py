@@ -11,7 +11,7 @@ import numpy as np
 from solids import line_rule, shapes, triangle_rule
 
 CREASE = 0.7071
-LARGEST_DUAL = 30.0
+LARGEST_DUAL = 14.0
 
 
 class PairPoint:
@@ -135,7 +135,7 @@ def duals(order, found):
     scale = np.sqrt(np.diag(mass))
     if scale.min() > 0:
         psi = q @ (np.diag(sizes / scale) @ np.linalg.pinv(mass / np.outer(scale, scale), rcond=1e-15) @ np.diag(1 / scale)).T
-        if np.abs(psi).max() <= LARGEST_DUAL:
+        if np.sqrt((w @ psi ** 2).max() / w.sum()) <= LARGEST_DUAL:
             return sizes, psi
     return sizes, q
 
