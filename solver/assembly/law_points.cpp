@@ -379,8 +379,11 @@ LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& 
     reduce_radial(raw, term, out);
   }
   Triplets triplets;
+  const SparseMatrix straight =
+      out.jump && space.is_mixed() ? straightened(space, *out.jump) : SparseMatrix();
   const auto add = [&](const SpaceBlock& of, bool mean, const RowPlaces& places) {
-    out.jump ? add_rows_across(space, of, *out.jump, mean, raw, places, triplets)
+    const SparseMatrix* const jump = of.order < space.order ? &straight : out.jump.get();
+    out.jump ? add_rows_across(space, of, *jump, mean, raw, places, triplets)
              : add_rows(space, of, raw, places, triplets);
   };
   add(block, term.mean, {out.rows, 0});

@@ -2,6 +2,7 @@
 #include "solver/assembly/pairing.hpp"
 
 #include "solver/assembly/segments.hpp"
+#include "solver/fem/element.hpp"
 #include "solver/fem/geometry.hpp"
 #include "solver/mesh/vectors.hpp"
 
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -372,6 +374,28 @@ PointBlock as_block(const Space& space, const Pairing& pairing) {
   block.kind = Group::Kind::facets;
   block.indicators = space.indicators;
   return block;
+}
+
+SparseMatrix straightened(const Space& space, const SparseMatrix& jump) {
+  std::vector<std::array<int, 2>> ends(space.nodes.size());
+  for (std::size_t n = 0; n < ends.size(); ++n) ends[n].fill(static_cast<int>(n));
+  const auto& edges = simplex_edges(space.mesh->dim - 1);
+  const auto corners = static_cast<std::size_t>(space.mesh->dim);
+  for (std::size_t f = 0; space.order == 2 && f < space.mesh->facets.size(); ++f) {
+    const auto nodes = space.nodes_of_facet(static_cast<int>(f));
+    for (std::size_t e = 0; e < edges.size(); ++e)
+      ends[static_cast<std::size_t>(nodes[corners + e])] = {
+          nodes[static_cast<std::size_t>(edges[e][0])],
+          nodes[static_cast<std::size_t>(edges[e][1])]};
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index row = 0; row < jump.rows(); ++row)
+    for (SparseMatrix::InnerIterator it(jump, row); it; ++it)
+      for (const int end : ends[static_cast<std::size_t>(it.col())])
+        entries.emplace_back(static_cast<int>(row), end, it.value() / 2);
+  SparseMatrix out(jump.rows(), jump.cols());
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
 }
 
 } // namespace hvi::solver

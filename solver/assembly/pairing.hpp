@@ -37,4 +37,8 @@ Pairing make_pairing(const Space& space, const Region& region);
 /// Its points, for expressions of place, normal, time, gap and parts.
 PointBlock as_block(const Space& space, const Pairing& pairing);
 
+/// `jump` for an unknown of lower order than the space's, without functions at the middles of
+/// edges: its value there is the mean of the ends.
+SparseMatrix straightened(const Space& space, const SparseMatrix& jump);
+
 } // namespace hvi::solver

@@ -1,6 +1,8 @@
 // See point_form.hpp.
 #include "solver/assembly/point_form.hpp"
 
+#include "solver/assembly/pairing.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -53,10 +55,13 @@ SparseMatrix rows_across(const Space& space, const PointBlock& points, const Der
   const int row = derivative.row % linear_rows;
   if (row > 1)
     throw Failure(FailureKind::bad_value, origin, "on a pair there are jumps and means only");
-  const auto first = static_cast<int>(row * points.jump->rows() / 2);
+  const bool lower = derivative.row >= linear_rows;
+  const SparseMatrix straight = lower ? straightened(space, *points.jump) : SparseMatrix();
+  const SparseMatrix& jump = lower ? straight : *points.jump;
+  const auto first = static_cast<int>(row * jump.rows() / 2);
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t p = 0; p < points.size(); ++p)
-    for (SparseMatrix::InnerIterator it(*points.jump, first + points.pair_point[p]); it; ++it)
+    for (SparseMatrix::InnerIterator it(jump, first + points.pair_point[p]); it; ++it)
       entries.emplace_back(static_cast<int>(p),
                            space.dof(static_cast<int>(it.col()), derivative.component), it.value());
   SparseMatrix out(static_cast<Eigen::Index>(points.size()), space.n_dofs());
