@@ -12,4 +12,7 @@ const fieldsShown = fieldsSection();
 studySection();
 stabilitySection();
 if (report.source) sourceSection();
-fieldsShown.then(() => { document.body.dataset.ready = "yes"; });
+fieldsShown.then(() => {
+  document.body.dataset.readyAt = performance.now(); // milliseconds since the page was asked for
+  document.body.dataset.ready = "yes";
+});
