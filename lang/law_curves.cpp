@@ -48,9 +48,10 @@ std::vector<Spot> law_curve(const solver::LawSpec& spec, double t) {
         const auto at = static_cast<std::size_t>(piece);
         const bool first = k == 0 && piece > 0,
                    last = k == samples_a_piece && at < graph.breaks.size() && to < high;
-        out.push_back({r, first  ? graph.right[at - 1]
-                          : last ? graph.left[at]
-                                 : law.slope(graph, piece, r)});
+        const double slope = first  ? graph.right[at - 1]
+                             : last ? graph.left[at]
+                                    : law.slope(graph, piece, r);
+        if (first || last || bounded(slope)) out.push_back({r, slope}); // a wall ends the graph
       }
     }
   } catch (const solver::Failure&) {

@@ -48,6 +48,27 @@ bool Checker::is_graph(const ast::Expr& e) const {
          std::holds_alternative<ast::Kernel>(statement);
 }
 
+namespace {
+
+/// A factor of time with the sign of the kernel that it is of: memories of K and -K are one. Of a
+/// tensor the first entry that is not zero tells.
+Symbol as_declared(const Symbol& factor, const Field& kernel, const std::vector<double>& grid) {
+  const auto first =
+      std::ranges::find_if(kernel.components, [](const Symbol& c) { return !c.is(0.0); });
+  if (first == kernel.components.end() || grid.empty()) return factor;
+  const double end = grid.back(), length = end - grid.front();
+  for (const double share : {0.5, 0.25, 0.9}) {
+    const auto at = [&](solver::Slot s) {
+      return s == slot::lag ? share * length : s == slot::t ? end : 0.0;
+    };
+    const double both = solver::evaluate(*first, at) * solver::evaluate(factor, at);
+    if (std::isfinite(both) && both != 0.0) return both < 0.0 ? -factor : factor;
+  }
+  return factor;
+}
+
+} // namespace
+
 /// One graph of a picture: a law of the inequality, or the kernel of a memory.
 bool Checker::graph(const ast::Expr& e, solver::GraphsSpec& out) {
   const std::string& name = std::get<ast::Reference>(e.node).name;
@@ -67,8 +88,11 @@ bool Checker::graph(const ast::Expr& e, solver::GraphsSpec& out) {
   }
   for (const ModelHistory& history : model_.histories)
     if (history.name == name) {
+      const auto declared = kernel_field(e, Scope{});
+      const Symbol drawn =
+          declared ? as_declared(history.kernel, *declared, model_.time.grid) : history.kernel;
       out.graphs.push_back(
-          {name, solver::KernelSpec{name, model_.origin(history.span), history.kernel, {}}});
+          {name, solver::KernelSpec{name, model_.origin(history.span), drawn, {}}});
       found = true;
     }
   if (!found)

@@ -38,19 +38,52 @@ std::optional<solver::DirichletSpec> Checker::zero_condition(const ast::ZeroCond
           "the space is zero on a part of the boundary");
     good = false;
   }
-  if (zero.component) {
-    auto c = vector ? component_index(*zero.component, model_.dim) : std::nullopt;
-    if (!c) {
-      error("E0315", zero.component->span,
-            vector
-                ? fmt::format("there is no component `{}` in {}D", zero.component->text, model_.dim)
-                : "a scalar space has no components",
-            "components are x, y, z");
+  const auto component = component_of_space(zero.component, vector);
+  d.component = component.value_or(0);
+  return good && component ? std::optional(std::move(d)) : std::nullopt;
+}
+
+/// -1: all components. Nothing where there is no such component (reported).
+std::optional<int> Checker::component_of_space(const std::optional<ast::Name>& written,
+                                               bool vector) {
+  if (!written) return -1;
+  const auto c = vector ? component_index(*written, model_.dim) : std::nullopt;
+  if (!c)
+    error("E0315", written->span,
+          vector ? fmt::format("there is no component `{}` in {}D", written->text, model_.dim)
+                 : "a scalar space has no components",
+          "components are x, y, z");
+  return c;
+}
+
+std::optional<solver::PeriodicSpec>
+Checker::periodic_condition(const ast::PeriodicCondition& periodic, bool vector) {
+  solver::PeriodicSpec out;
+  out.origin = model_.origin(periodic.span);
+  const auto component = component_of_space(periodic.component, vector);
+  bool good = component.has_value();
+  out.component = component.value_or(-1);
+  const auto side = [&](const ast::Name& written) {
+    const auto part = part_index(written);
+    good = good && part && !refuse_pair(*part, written.span, "a periodic condition");
+    if (!good) return -1;
+    const auto kind = model_.parts[static_cast<std::size_t>(*part)].kind;
+    if (kind && *kind != solver::Group::Kind::facets) {
+      error("E0306", written.span, fmt::format("`{}` is no part of the boundary", written.text),
+            "values repeat from one side of the body to another: `periodic left = right`");
       good = false;
     }
-    d.component = c.value_or(0);
+    return *part;
+  };
+  out.first = side(periodic.first);
+  out.second = side(periodic.second);
+  if (good && out.first == out.second) {
+    error("E0423", periodic.second.span,
+          fmt::format("`{}` is on both sides of the sign", periodic.second.text),
+          "write the part on the other side of the body: `periodic left = right`");
+    good = false;
   }
-  return good ? std::optional(std::move(d)) : std::nullopt;
+  return good ? std::optional(out) : std::nullopt;
 }
 
 /// The mesh, a piece of it or a part of its cells.
@@ -96,6 +129,11 @@ std::optional<int> Checker::space(const ast::Space& s) {
     auto d = zero_condition(zero, s.vector);
     good = good && d;
     if (d) spec.dirichlet.push_back(std::move(*d));
+  }
+  for (const ast::PeriodicCondition& periodic : s.periodic) {
+    const auto p = periodic_condition(periodic, s.vector);
+    good = good && p;
+    if (p) spec.periodic.push_back(*p);
   }
   if (!good) return std::nullopt;
   spaces_.push_back(std::move(spec));

@@ -120,6 +120,7 @@ void Checker::unknowns(const ast::Find& find) {
     }
     solver::SpaceSpec one = spaces_[static_cast<std::size_t>(space->index)];
     for (solver::DirichletSpec& d : one.dirichlet) d.unknown = static_cast<int>(b);
+    for (solver::PeriodicSpec& p : one.periodic) p.unknown = static_cast<int>(b);
     one.unknown = written.unknown.text;
     if (b == 0) {
       product = std::move(one);
@@ -127,6 +128,7 @@ void Checker::unknowns(const ast::Find& find) {
     }
     product.more.push_back({one.unknown, one.name, one.origin, one.vector, one.order, one.domain});
     std::ranges::move(one.dirichlet, std::back_inserter(product.dirichlet));
+    std::ranges::move(one.periodic, std::back_inserter(product.periodic));
   }
   if (spaces_known_) model_.space = std::move(product);
 }

@@ -322,6 +322,9 @@ private:
   std::optional<int> space(const ast::Space& space);
   bool space_domain(const ast::Name& written, int declaration, solver::SpaceSpec& spec);
   std::optional<solver::DirichletSpec> zero_condition(const ast::ZeroCondition& zero, bool vector);
+  std::optional<solver::PeriodicSpec> periodic_condition(const ast::PeriodicCondition& periodic,
+                                                         bool vector);
+  std::optional<int> component_of_space(const std::optional<ast::Name>& written, bool vector);
   bool check_find_names(const ast::Find& find);
   void unknowns(const ast::Find& find);
   // Of a name: which unknown, or whose test function, it is; -1: of none.

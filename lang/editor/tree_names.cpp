@@ -30,6 +30,7 @@ public:
   void operator()(const ast::Space& s) {
     visit(s.domain);
     for (const ast::ZeroCondition& zero : s.zero) visit(zero.part);
+    for (const ast::PeriodicCondition& p : s.periodic) visit(p.first), visit(p.second);
   }
   void operator()(const ast::Find& s) {
     for (const ast::Unknown& u : s.unknowns) visit(u.space), visit(u.test_space);

@@ -54,13 +54,27 @@ Json laws_json(const solver::Problem& problem) {
   return out;
 }
 
+/// -1 where the memory takes from the stiffness: a form has the sign, its kernel of time has none.
+double sign_of_memory(const solver::Problem& problem, int memory) {
+  for (const solver::FormTerm& form : problem.forms)
+    for (const auto& entry : form.entries)
+      if (form.field == solver::field_of_memory(memory) && entry.test == entry.trial &&
+          entry.coefficient.is_constant() && entry.coefficient.value() != 0.0)
+        return entry.coefficient.value() < 0.0 ? -1.0 : 1.0;
+  return 1.0;
+}
+
 Json kernels_json(const solver::Problem& problem) {
   Json out = Json::array();
-  for (const solver::HistoryTerm& history : problem.histories)
-    out.push_back(
-        {{"name", history.kernel.name},
-         {"note", ""},
-         {"graph", curve_json(kernel_curve(history.kernel, begin_of(problem), end_of(problem)))}});
+  for (std::size_t m = 0; m < problem.histories.size(); ++m) {
+    const auto& kernel = problem.histories[m].kernel;
+    auto curve = kernel_curve(kernel, begin_of(problem), end_of(problem));
+    const double sign = sign_of_memory(problem, static_cast<int>(m));
+    for (draw::Spot& spot : curve) spot[1] *= sign;
+    out.push_back({{"name", kernel.name},
+                   {"note", sign < 0.0 ? "with the sign it has in the inequality" : ""},
+                   {"graph", curve_json(curve)}});
+  }
   return out;
 }
 

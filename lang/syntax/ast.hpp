@@ -279,6 +279,13 @@ struct ZeroCondition {
   Name part;
 };
 
+/// periodic [.component] first = second
+struct PeriodicCondition {
+  Span span;
+  std::optional<Name> component;
+  Name first, second; // parts
+};
+
 struct Space {
   Span span;
   Span keyword;
@@ -288,6 +295,7 @@ struct Space {
   Name element;    // P1, P2
   Name domain;
   std::vector<ZeroCondition> zero;
+  std::vector<PeriodicCondition> periodic;
 };
 
 // --- the inequality ----------------------------------------------------------------------------

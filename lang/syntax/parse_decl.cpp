@@ -306,8 +306,8 @@ ast::Fn Parser::fn() {
   return result;
 }
 
-// space = "space" name "=" ( "scalar" | "vector" ) name "on" name { "," "zero" [ "." name ] "on"
-// name } ;
+// space = "space" name "=" ( "scalar" | "vector" ) name "on" name { "," ( "zero" [ "." name ] "on"
+// name | "periodic" [ "." name ] name "=" name ) } ;
 ast::Space Parser::space() {
   ast::Space result;
   result.keyword = take().span;
@@ -321,8 +321,23 @@ ast::Space Parser::space() {
   result.element = name("the element (`P1`, `P2`)");
   expect_word("on");
   result.domain = name("the name of a mesh or part");
-  while (accept(TokenKind::comma)) result.zero.push_back(zero_condition());
+  while (accept(TokenKind::comma))
+    if (at_word("periodic"))
+      result.periodic.push_back(periodic_condition());
+    else
+      result.zero.push_back(zero_condition());
   result.span = span_from(result.keyword);
+  return result;
+}
+
+ast::PeriodicCondition Parser::periodic_condition() {
+  ast::PeriodicCondition result;
+  const Span first = take().span;
+  if (accept(TokenKind::dot)) result.component = member_name();
+  result.first = name("the name of a part");
+  expect(TokenKind::equal);
+  result.second = name("the name of the part on the other side");
+  result.span = span_from(first);
   return result;
 }
 

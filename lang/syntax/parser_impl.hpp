@@ -103,6 +103,7 @@ private:
   ast::Fn fn();
   ast::Space space();
   ast::ZeroCondition zero_condition();
+  ast::PeriodicCondition periodic_condition();
 
   // --- regions (parse_region.cpp)
   ast::Part part();

@@ -287,6 +287,10 @@ void Printer::operator()(const ast::Space& node) {
   for (const ast::ZeroCondition& zero : node.zero)
     line("zero" + (zero.component ? "." + zero.component->text : "") + " on " + zero.part.text,
          zero.span);
+  for (const ast::PeriodicCondition& periodic : node.periodic)
+    line("periodic" + (periodic.component ? "." + periodic.component->text : "") + " " +
+             periodic.first.text + " = " + periodic.second.text,
+         periodic.span);
 }
 
 // --- the inequality ----------------------------------------------------------------------------

@@ -48,8 +48,9 @@ public:
   /// the knots: those of tables, and where a comparison, min, max, abs or sign of a t + b changes
   /// sides. Other changes of side in a factor g_m(t) are closed in on by halving.
   void add_mean(double t0, double t1, Vector& out) const;
-  /// From now on vectors have an entry per dof of this list, in its order.
-  void restrict_to(std::span<const std::int32_t> dofs);
+  /// From now on vectors have an entry per dof of this list, in its order; what acts on the dofs of
+  /// links acts on those they are one with.
+  void restrict_to(std::span<const std::int32_t> dofs, std::span<const DofLink> links);
   /// Every F_m becomes map(F_m): loads stated in other unknowns. Only where all terms separate.
   void map(const std::function<Vector(const Vector&)>& map);
   bool separable() const; ///< nothing is assembled again at each step

@@ -378,9 +378,26 @@ void LoadAssembler::add_mean(double t0, double t1, Vector& out) const {
   add_piece(t1);
 }
 
-void LoadAssembler::restrict_to(std::span<const std::int32_t> dofs) {
+namespace {
+
+/// Rows of links are added to the rows that they are one with.
+Eigen::SparseMatrix<double, Eigen::RowMajor>
+moved(const Eigen::SparseMatrix<double, Eigen::RowMajor>& weights, std::span<const DofLink> links) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < weights.rows(); ++i) entries.emplace_back(i, i, 1.0);
+  for (const DofLink& link : links) entries.emplace_back(link.to, link.dof, 1.0);
+  Eigen::SparseMatrix<double, Eigen::RowMajor> sums(weights.rows(), weights.rows());
+  sums.setFromTriplets(entries.begin(), entries.end());
+  return sums * weights;
+}
+
+} // namespace
+
+void LoadAssembler::restrict_to(std::span<const std::int32_t> dofs,
+                                std::span<const DofLink> links) {
   const auto n = static_cast<Eigen::Index>(dofs.size());
   for (Mode& mode : impl_->modes) {
+    for (const DofLink& link : links) mode.f[link.to] += mode.f[link.dof];
     Vector kept(n);
     for (Eigen::Index i = 0; i < n; ++i) {
       kept[i] = mode.f[dofs[static_cast<std::size_t>(i)]];
@@ -388,6 +405,7 @@ void LoadAssembler::restrict_to(std::span<const std::int32_t> dofs) {
     mode.f = std::move(kept);
   }
   for (Lazy& part : impl_->lazy) {
+    if (!links.empty()) part.weights = moved(part.weights, links);
     std::vector<Eigen::Triplet<double>> entries;
     for (Eigen::Index i = 0; i < n; ++i) {
       using Row = Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator;

@@ -1,5 +1,6 @@
 // Free and eliminated degrees of freedom, imposed values, interpolation.
 #include "solver/fem/geometry.hpp"
+#include "solver/fem/periodic.hpp"
 #include "solver/fem/pointwise.hpp"
 #include "solver/fem/space.hpp"
 
@@ -29,15 +30,15 @@ double value_at(const Expr& expression, const Point& x, double t) {
   return evaluate(expression, [&](Slot slot) { return slot == slot::t ? t : x[slot]; });
 }
 
-/// Whether two imposed values agree at a node. Times where a table has no value say nothing; with
-/// no time left the values count as different.
-bool agree(const Expr& a, const Expr& b, const Point& x) {
-  if (a == b) {
+/// Whether two imposed values agree, each at its node. Times where a table has no value say
+/// nothing; with no time left the values count as different.
+bool agree(const Expr& a, const Point& x, const Expr& b, const Point& y) {
+  if (a == b && x == y) {
     return true;
   }
   int compared = 0;
   for (const double t : {0.0, 0.0625, 0.37, 0.5, 0.81, 1.0, 1.7, 3.3, 12.0, 250.0}) {
-    const double va = value_at(a, x, t), vb = value_at(b, x, t);
+    const double va = value_at(a, x, t), vb = value_at(b, y, t);
     if (!std::isfinite(va) || !std::isfinite(vb)) {
       continue;
     }
@@ -48,6 +49,8 @@ bool agree(const Expr& a, const Expr& b, const Point& x) {
   }
   return compared > 0;
 }
+
+bool agree(const Expr& a, const Expr& b, const Point& x) { return agree(a, x, b, x); }
 
 void check_spec(const Space& space, const DirichletSpec& entry) {
   const SpaceBlock& block = space.blocks[static_cast<std::size_t>(entry.unknown)];
@@ -93,7 +96,7 @@ public:
       const int value = entry.value.empty() ? -1 : c - first;
       for (const auto node : nodes) {
         if (has_node(space_, block, node))
-          add_dof({space_.dof(node, block.first + c), index, value}, node);
+          add_dof({space_.dof(node, block.first + c), index, value, node}, node);
       }
     }
   }
@@ -108,8 +111,29 @@ public:
       if (block.order == space_.order && !block.domain) continue;
       for (int node = 0; node < static_cast<int>(space_.nodes.size()); ++node)
         for (int c = 0; c < block.components && !has_node(space_, block, node); ++c)
-          eliminated_.push_back({space_.dof(node, block.first + c), -1, -1});
+          eliminated_.push_back({space_.dof(node, block.first + c), -1, -1, node});
     }
+  }
+  /// What is imposed on a dof is imposed on all that are one with it (periodic_dofs).
+  void repeat(std::span<const std::int32_t> one_of) {
+    std::map<std::int32_t, Eliminated> known;
+    std::vector<char> has(one_of.size(), 0);
+    for (const Eliminated& e : eliminated_) {
+      has[static_cast<std::size_t>(e.dof)] = 1;
+      const auto [at, fresh] = known.try_emplace(one_of[static_cast<std::size_t>(e.dof)], e);
+      if (!fresh && !agree(expression(at->second), place(at->second), expression(e), place(e)))
+        throw Failure(FailureKind::overlapping_regions,
+                      spec_.dirichlet[std::max(e.dirichlet, 0)].origin,
+                      fmt::format("{} repeats {}, and has another value: {} and {}",
+                                  describe_dof(space_, e.dof), describe_dof(space_, at->second.dof),
+                                  to_string(expression(e)), to_string(expression(at->second))),
+                      "where parts are periodic, values imposed on both are the same");
+    }
+    for (std::size_t dof = 0; dof < one_of.size(); ++dof)
+      if (const auto at = known.find(one_of[dof]); has[dof] == 0 && at != known.end()) {
+        eliminated_.push_back(at->second);
+        eliminated_.back().dof = static_cast<std::int32_t>(dof);
+      }
   }
   std::vector<Eliminated> take() {
     std::sort(eliminated_.begin(), eliminated_.end(),
@@ -121,6 +145,9 @@ public:
   }
 
 private:
+  const Point& place(const Eliminated& e) const {
+    return space_.nodes[static_cast<std::size_t>(e.node)];
+  }
   void add_axis(const SpaceBlock& block) {
     for (int node = 0; node < static_cast<int>(space_.nodes.size()); ++node) {
       if (space_.nodes[node][0] != 0.0) {
@@ -129,7 +156,7 @@ private:
       if (!has_node(space_, block, node)) continue;
       const int dof = space_.dof(node, block.first);
       if (taken_[dof] < 0) {
-        eliminated_.push_back({dof, -1, -1});
+        eliminated_.push_back({dof, -1, -1, node});
         continue;
       }
       const Eliminated& before = eliminated_[taken_[dof]];
@@ -197,6 +224,8 @@ DofMap make_dof_map(const Space& space, const SpaceSpec& spec, std::span<const R
   }
   collector.add_axis();
   collector.add_missing();
+  const auto one_of = periodic_dofs(space, spec, parts);
+  if (!one_of.empty()) collector.repeat(one_of);
   DofMap map;
   map.eliminated = collector.take();
   map.held_of.assign(space.blocks.size(), 0);
@@ -215,6 +244,11 @@ DofMap make_dof_map(const Space& space, const SpaceSpec& spec, std::span<const R
     if (map.unknown_of[dof] < 0) {
       continue;
     }
+    if (!one_of.empty() && one_of[dof] != dof) { // comes before
+      map.links.push_back({dof, one_of[dof]});
+      map.unknown_of[dof] = map.unknown_of[one_of[dof]];
+      continue;
+    }
     map.unknown_of[dof] = static_cast<std::int32_t>(map.free.size());
     map.free.push_back(dof);
   }
@@ -228,11 +262,11 @@ std::vector<char> DofMap::needs_mass() const {
 }
 
 void impose(const Space& space, const SpaceSpec& spec, const DofMap& map, double t, Vector& u) {
-  std::map<std::pair<int, int>, std::vector<std::int32_t>> dofs_of_value;
+  std::map<std::pair<int, int>, std::vector<Eliminated>> dofs_of_value;
   for (const Eliminated& e : map.eliminated) {
     u[e.dof] = 0.0;
     if (e.value >= 0) {
-      dofs_of_value[{e.dirichlet, e.value}].push_back(e.dof);
+      dofs_of_value[{e.dirichlet, e.value}].push_back(e);
     }
   }
   std::vector<std::int32_t> nodes;
@@ -240,8 +274,8 @@ void impose(const Space& space, const SpaceSpec& spec, const DofMap& map, double
   for (const auto& [key, dofs] : dofs_of_value) {
     const DirichletSpec& entry = spec.dirichlet[key.first];
     nodes.clear();
-    for (const auto dof : dofs) {
-      nodes.push_back(dof / space.components);
+    for (const Eliminated& e : dofs) {
+      nodes.push_back(e.node);
     }
     values.resize(dofs.size());
     Pointwise value({&entry.value[key.second], 1});
@@ -251,7 +285,7 @@ void impose(const Space& space, const SpaceSpec& spec, const DofMap& map, double
         throw_not_finite(entry.origin, "the imposed value", values[k], space.nodes[nodes[k]],
                          space.mesh->dim, &t);
       }
-      u[dofs[k]] = values[k];
+      u[dofs[k].dof] = values[k];
     }
   }
 }

@@ -109,16 +109,25 @@ struct Eliminated {
   std::int32_t dof;
   std::int32_t dirichlet; ///< index into SpaceSpec::dirichlet; -1: u_x on the axis
   std::int32_t value;     ///< which of its value expressions; -1: zero
+  std::int32_t node;      ///< where that is imposed: its own, or the one it repeats (DofLink)
+};
+
+/// A degree of freedom of a periodic part: it has the value of another one.
+struct DofLink {
+  std::int32_t dof, to;
 };
 
 /// Free and eliminated degrees of freedom. On one part and component an entry with a value wins
 /// over one without (the statement fills in what the space left at zero). Otherwise values imposed
 /// twice on one dof must be the same expressions, or agree at the node at several sample times;
 /// else Failure(overlapping_regions). On axisymmetric meshes u_x of vectors is 0 on the axis.
+/// What is imposed at a node of a periodic part is imposed at those that repeat it, too.
 struct DofMap {
   std::vector<std::int32_t> free;       ///< dof of each unknown
   std::vector<std::int32_t> unknown_of; ///< unknown of each dof, -1 when eliminated
   std::vector<Eliminated> eliminated;
+  /// By dof. `to` is free, and no link's `dof`; unknown_of is the same for both.
+  std::vector<DofLink> links;
   bool homogeneous = true; ///< every eliminated value is zero at all times
   /// By unknown: some value is imposed that a rigid motion does not have by itself.
   std::vector<char> held_of;

@@ -54,7 +54,8 @@ void Judgement::judge_balance(const FreeBody& body) {
   const auto n = static_cast<int>(grid.size());
   LoadAssembler loads(d_.space, d_.parts, problem_.loads);
   const StateLayout& layout = numbers_.layout();
-  loads.restrict_to({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)});
+  loads.restrict_to({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)},
+                    layout.links);
   const int stride = std::max(1, n / most_load_times);
   std::string refused;
   const Origin origin =

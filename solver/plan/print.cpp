@@ -165,6 +165,10 @@ private:
            d.component < 0 ? std::string("all components")
                            : fmt::format("component {}", d.component),
            d.value.empty() ? "0" : expressions(d.value));
+    for (const auto& p : s.periodic)
+      line("  periodic {} = {}{}{}", part(p.first), part(p.second),
+           p.unknown == 0 ? std::string() : fmt::format(" unknown {}", p.unknown),
+           p.component < 0 ? std::string() : fmt::format(" component {}", p.component));
   }
 
   void history(std::size_t m, const KernelSpec& kernel) {

@@ -85,6 +85,14 @@ struct DirichletSpec {
   int unknown = 0;
 };
 
+/// Values on one part are those at the same places of the other, which is the first one moved.
+struct PeriodicSpec {
+  Origin origin;
+  int first = 0, second = 0; ///< parts of facets
+  int component = -1;        ///< -1: all
+  int unknown = 0;
+};
+
 /// An unknown of a problem with several, and its space.
 struct UnknownSpec {
   std::string name;  ///< "theta"
@@ -104,6 +112,7 @@ struct SpaceSpec {
   std::string unknown = "u";
   std::vector<UnknownSpec> more{}; ///< further unknowns: the space is a product
   int domain = -1;                 ///< as of UnknownSpec
+  std::vector<PeriodicSpec> periodic{};
 };
 
 /// All of them, the first one too.

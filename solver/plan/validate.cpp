@@ -208,6 +208,13 @@ private:
       part(d.part, d.origin, "an imposed value");
       no_pair(d.part, d.origin, "an imposed value");
     }
+    for (const auto& p : space.periodic) {
+      index(p.unknown, count(unknowns), p.origin, "a periodic part", "unknown");
+      for (const int of : {p.first, p.second}) {
+        part(of, p.origin, "a periodic part");
+        no_pair(of, p.origin, "a periodic part");
+      }
+    }
   }
 
   int tensor_dim() const { return problem_.mesh.axisymmetric ? 3 : dim_; }

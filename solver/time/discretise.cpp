@@ -124,6 +124,22 @@ void check_grid(const Problem& problem, std::vector<Failure>& failures) {
   }
 }
 
+/// What the run starts from must repeat on periodic parts (to rounding and to what nodes meet by).
+void check_repeats(const Problem& problem, const Discretisation& d, const Vector& given,
+                   const char* what, Origin origin) {
+  const double scale = given.lpNorm<Eigen::Infinity>();
+  for (const DofLink& link : d.dofs.links) {
+    if (std::abs(given[link.dof] - given[link.to]) <= 1e-6 * scale) continue;
+    throw Failure(FailureKind::bad_value, origin,
+                  fmt::format("{} does not repeat as `{}` does: it is {:.6g} for {} and {:.6g} "
+                              "for {}",
+                              what, problem.space.name, given[link.to],
+                              describe_dof(d.space, link.to), given[link.dof],
+                              describe_dof(d.space, link.dof)),
+                  "start from values that are the same on both of the periodic parts");
+  }
+}
+
 /// u(t0) on eliminated dofs must be what the imposed values say there (to rounding).
 void check_initial(const Problem& problem, const Discretisation& d) {
   if (problem.time.is_static || problem.time.grid.empty()) return;
@@ -131,6 +147,7 @@ void check_initial(const Problem& problem, const Discretisation& d) {
   Vector u = Vector::Zero(d.space.n_dofs());
   if (!problem.time.initial.empty())
     u = interpolate(d.space, problem.time.initial, t0, problem.time.origin);
+  check_repeats(problem, d, u, "the initial state", problem.time.origin);
   Vector imposed = u;
   impose(d.space, problem.space, d.dofs, t0, imposed);
   const double scale = std::max(u.lpNorm<Eigen::Infinity>(), imposed.lpNorm<Eigen::Infinity>());
@@ -153,6 +170,7 @@ void check_velocity(const Problem& problem, const Discretisation& d) {
   if (time.is_static || time.grid.empty() || !time.velocity) return;
   const Vector given =
       interpolate(d.space, *time.velocity, time.grid.front(), time.velocity_origin);
+  check_repeats(problem, d, given, "the initial velocity", time.velocity_origin);
   const Vector imposed = starting_velocity(problem, d);
   const double scale = std::max(given.lpNorm<Eigen::Infinity>(), imposed.lpNorm<Eigen::Infinity>());
   for (const auto& e : d.dofs.eliminated) {

@@ -235,6 +235,7 @@ double EnergyMonitor::reaction_work(const Forces& acting) {
   double reaction = 0, error = 0, size = 0;
   for (const auto& e : d_.dofs.eliminated) reaction += work_[e.dof] * d_u_[e.dof];
   for (const auto i : d_.dofs.free) error += work_[i] * d_u_[i];
+  for (const DofLink& link : d_.dofs.links) error += work_[link.dof] * d_u_[link.dof];
   // What all forces would do on u itself is the scale of rounding where nothing moves.
   double at_rest = 0;
   for (const auto force : all_forces) {

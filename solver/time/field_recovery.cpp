@@ -34,6 +34,7 @@ void FieldRecovery::observe(std::span<const int> dofs) {
 void FieldRecovery::scatter_observed(const Vector& y, Vector& full) const {
   for (int c = 0; c < interior_.n_contact(); ++c)
     full[interior_.layout.dof_of[interior_.contact[c]]] = y[c];
+  for (const DofLink& link : interior_.layout.links) full[link.dof] = full[link.to];
   for (const auto& o : observed_) {
     if (o.row.size() == 0) continue;
     double value = o.row.dot(y.head(interior_.n_contact()));

@@ -81,7 +81,8 @@ private:
 DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
   const StateLayout layout = make_layout(d.space, d.dofs);
   LoadAssembler loads(d.space, d.parts, plan.problem.loads);
-  loads.restrict_to({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)});
+  loads.restrict_to({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)},
+                    layout.links);
   Vector initial = initial_state(plan.problem, d, layout);
   Operators operators = assemble_operators(plan.problem, d, layout, plan.options.threads);
   if (plan.options.solver == LinearSolver::iterative)

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace hvi::solver {
 namespace {
@@ -99,19 +100,40 @@ std::optional<Weighted> around(const Space& space, const std::vector<char>& mass
   return std::nullopt;
 }
 
+/// By dof itself, or the one that it is one with.
+std::vector<std::int32_t> one_of(const Discretisation& d) {
+  std::vector<std::int32_t> out(static_cast<std::size_t>(d.space.n_dofs()));
+  std::iota(out.begin(), out.end(), 0);
+  for (const DofLink& link : d.dofs.links) out[static_cast<std::size_t>(link.dof)] = link.to;
+  return out;
+}
+
 /// Adds the rows of P on the dofs of one unknown. True: some node loses its mass.
 bool extend(const Problem& problem, const Discretisation& d, int unknown,
             std::vector<Eigen::Triplet<double>>& entries) {
   const Space& space = d.space;
   const SpaceBlock& block = space.blocks[static_cast<std::size_t>(unknown)];
-  const std::vector<char> massless = has_inertia(problem, unknown)
-                                         ? unilateral_nodes(problem, d, unknown)
-                                         : std::vector<char>(space.nodes.size(), 0);
+  std::vector<char> massless = has_inertia(problem, unknown)
+                                   ? unilateral_nodes(problem, d, unknown)
+                                   : std::vector<char>(space.nodes.size(), 0);
+  const auto of_dof = one_of(d);
+  for (const bool back : {false, true}) // nodes that repeat each other have no mass together
+    for (const DofLink& link : d.dofs.links) {
+      const auto from = static_cast<std::size_t>((back ? link.to : link.dof) / space.components);
+      const auto to = static_cast<std::size_t>((back ? link.dof : link.to) / space.components);
+      massless[to] = static_cast<char>(massless[to] | massless[from]);
+    }
+  const auto around_of = [&](std::int32_t node) {
+    return massless[static_cast<std::size_t>(node)] != 0
+               ? around(space, massless, block.order, node)
+               : std::nullopt;
+  };
   for (std::int32_t node = 0; node < std::ssize(space.nodes); ++node) {
-    const auto others = massless[static_cast<std::size_t>(node)] != 0
-                            ? around(space, massless, block.order, node)
-                            : std::nullopt;
+    const auto own = around_of(node);
     for (int c = block.first; c < block.first + block.components; ++c) {
+      const auto dof = static_cast<std::size_t>(space.dof(node, c));
+      const std::int32_t first = of_dof[dof] / space.components;
+      const auto others = first == node ? own : around_of(first);
       if (!others) {
         entries.emplace_back(space.dof(node, c), space.dof(node, c), 1.0);
         continue;

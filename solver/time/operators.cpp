@@ -99,14 +99,18 @@ std::vector<SparseMatrix> assemble_distinct(const Discretisation& discretisation
                                             const StateLayout& layout,
                                             std::span<const FormTerm* const> terms, int threads) {
   std::vector<SparseMatrix> matrices(terms.size());
-  const DofSelection dofs{layout.entry_of, layout.n_unknowns, layout.n_state};
+  // Rows of periodic parts are added up afterwards.
+  const bool linked = !layout.links.empty();
+  const DofSelection dofs =
+      linked ? DofSelection{} : DofSelection{layout.entry_of, layout.n_unknowns, layout.n_state};
   // What runs have in common is taken and put there one by one.
   if (discretisation.shared || threads > 1) {
     const int at_once = discretisation.shared ? 1 : threads;
     for_each_piece(static_cast<int>(terms.size()), at_once, [&](int i) {
       const auto assemble = [&] {
-        return assemble_form(discretisation.space, discretisation.parts[terms[i]->part], *terms[i],
-                             dofs);
+        SparseMatrix whole = assemble_form(discretisation.space,
+                                           discretisation.parts[terms[i]->part], *terms[i], dofs);
+        return linked ? restrict_rows(whole, layout) : whole;
       };
       SparseMatrix made =
           discretisation.shared ? discretisation.shared->form(*terms[i], assemble) : assemble();
@@ -119,7 +123,10 @@ std::vector<SparseMatrix> assemble_distinct(const Discretisation& discretisation
     for (const int i : pass) chosen.push_back(terms[i]);
     auto made = assemble_forms(discretisation.space, discretisation.parts[chosen.front()->part],
                                chosen, dofs);
-    for (std::size_t k = 0; k < pass.size(); ++k) matrices[pass[k]].swap(made[k]);
+    for (std::size_t k = 0; k < pass.size(); ++k) {
+      if (linked) made[k] = restrict_rows(made[k], layout);
+      matrices[pass[k]].swap(made[k]);
+    }
   }
   return matrices;
 }
@@ -251,8 +258,10 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
   Operators out;
   out.shared = discretisation.shared.get();
   out.n_unknowns = layout.n_unknowns;
-  out.mirrored = std::ranges::all_of(
-      distinct.terms, [&](const FormTerm* term) { return is_mirrored(problem, *term); });
+  out.mirrored = // sums of rows and columns are made in an order of their own
+      layout.links.empty() && std::ranges::all_of(distinct.terms, [&](const FormTerm* term) {
+        return is_mirrored(problem, *term);
+      });
   const bool symmetric =
       plain_inertia && std::ranges::all_of(distinct.terms, [&](const FormTerm* term) {
         return is_of_kind(problem, *term, has_major_symmetry) || is_mirrored(problem, *term);

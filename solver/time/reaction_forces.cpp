@@ -82,7 +82,7 @@ std::vector<int> held_dofs(const Problem& problem, const Discretisation& d, cons
   for (const Eliminated& e : d.dofs.eliminated)
     if (e.dirichlet >= 0 && e.dof % d.space.components == component &&
         counted[static_cast<std::size_t>(e.dirichlet)] != 0 &&
-        std::ranges::binary_search(nodes, e.dof / d.space.components))
+        std::ranges::binary_search(nodes, e.node))
       out.push_back(e.dof);
   return out;
 }

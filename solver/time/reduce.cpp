@@ -127,6 +127,8 @@ StateLayout of_interior(const StateLayout& all, const std::vector<int>& contact,
     out.dof_of[c] = all.dof_of[contact[c]];
     out.entry_of[out.dof_of[c]] = static_cast<int>(c);
   }
+  for (const DofLink& link : all.links)
+    if ((out.entry_of[link.dof] = out.entry_of[link.to]) >= 0) out.links.push_back(link);
   return out;
 }
 

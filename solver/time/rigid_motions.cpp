@@ -20,6 +20,8 @@ constexpr int most_pieces = 60;
 constexpr double smallest_new = 1e-10;
 /// Parts of a motion that are not told.
 constexpr double not_told = 1e-6;
+/// Of the motions of nodes that periodic parts make one.
+constexpr double same_motion = 1e-6;
 /// A centre that many sizes away makes a turn a translation.
 constexpr double far_away = 1e4;
 
@@ -207,6 +209,18 @@ void RigidMotions::find_basis(const Discretisation& d,
     all.segment(first(piece_of_node_[node]), per_piece_) =
         row(piece_of_node_[node], d.space.nodes[node], c);
     if (!all.isZero(0.0)) conditions.add(std::move(all));
+  }
+  for (const DofLink& link : d.dofs.links) {
+    if (conditions.full()) return;
+    const int c = component_of(link.dof);
+    if (c < 0) continue;
+    Vector all = Vector::Zero(size);
+    for (const auto& [dof, sign] : {std::pair(link.dof, 1.0), std::pair(link.to, -1.0)}) {
+      const auto node = static_cast<std::size_t>(dof / space_->components);
+      all.segment(first(piece_of_node_[node]), per_piece_) +=
+          sign * row(piece_of_node_[node], d.space.nodes[node], c);
+    }
+    if (all.cwiseAbs().maxCoeff() > same_motion) conditions.add(std::move(all));
   }
   if (n > 1) {
     for (int cell = 0; cell < n_cells(d.space) && !conditions.full(); ++cell)

@@ -55,6 +55,22 @@ SparseMatrix restricted(const SparseMatrix& full, const StateLayout& layout, int
   return out;
 }
 
+/// P^T A, or A, times P, where P takes a state to the full vector.
+SparseMatrix added_up(const SparseMatrix& full, const StateLayout& layout, bool rows) {
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(static_cast<std::size_t>(full.nonZeros()));
+  for (int r = 0; r < full.rows(); ++r) {
+    const int row = rows ? layout.entry_of[r] : r;
+    if (row < 0 || (rows && row >= layout.n_unknowns)) continue;
+    for (SparseMatrix::InnerIterator it(full, r); it; ++it)
+      if (const int column = layout.entry_of[it.col()]; column >= 0)
+        entries.emplace_back(row, column, it.value());
+  }
+  SparseMatrix out(rows ? layout.n_unknowns : full.rows(), layout.n_state);
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
 } // namespace
 
 void StateLayout::gather(const Vector& full, Vector& state) const {
@@ -64,6 +80,7 @@ void StateLayout::gather(const Vector& full, Vector& state) const {
 void StateLayout::scatter(const Vector& state, Vector& full) const {
   full.setZero();
   for (int i = 0; i < n_state; ++i) full[dof_of[i]] = state[i];
+  for (const DofLink& link : links) full[link.dof] = full[link.to];
 }
 
 StateLayout make_layout(const Space& space, const DofMap& dofs) {
@@ -76,14 +93,18 @@ StateLayout make_layout(const Space& space, const DofMap& dofs) {
   out.n_state = static_cast<int>(out.dof_of.size());
   out.entry_of.assign(out.n_dofs, -1);
   for (int i = 0; i < out.n_state; ++i) out.entry_of[out.dof_of[i]] = i;
+  out.links = dofs.links;
+  for (const DofLink& link : out.links) out.entry_of[link.dof] = out.entry_of[link.to];
   return out;
 }
 
 SparseMatrix restrict_rows(const SparseMatrix& full, const StateLayout& layout) {
+  if (!layout.links.empty()) return added_up(full, layout, true);
   return restricted(full, layout, layout.n_unknowns, [&](int r) { return layout.dof_of[r]; });
 }
 
 SparseMatrix restrict_columns(const SparseMatrix& full, const StateLayout& layout) {
+  if (!layout.links.empty()) return added_up(full, layout, false);
   return restricted(full, layout, static_cast<int>(full.rows()), [](int r) { return r; });
 }
 

@@ -3,6 +3,8 @@
 
 #include "solver/time/inertia.hpp"
 
+#include <vector>
+
 namespace hvi::solver {
 
 void add_step_load(const LoadAssembler& loads, const TimeSpec& time, const TimeScheme& scheme,
@@ -26,7 +28,15 @@ StepLoad::StepLoad(const Problem& problem, const Discretisation& discretisation,
                    const Formulation& formulation, const TimeScheme& scheme)
     : problem_(problem), formulation_(formulation), scheme_(scheme) {
   const auto& layout = formulation.layout();
-  if (const SparseMatrix transfer = load_transfer(problem, discretisation); transfer.nonZeros() > 0)
+  SparseMatrix transfer = load_transfer(problem, discretisation);
+  std::vector<char> repeats(static_cast<std::size_t>(transfer.cols()), 0);
+  for (const DofLink& link : layout.links)
+    if (transfer.cols() > 0) repeats[static_cast<std::size_t>(link.dof)] = 1;
+  // The loads of dofs that are one are added up before.
+  transfer.prune([&](Eigen::Index, Eigen::Index column, double) {
+    return repeats[static_cast<std::size_t>(column)] == 0;
+  });
+  if (transfer.nonZeros() > 0)
     transfer_ = restrict_rows(transfer, layout).leftCols(layout.n_unknowns);
 }
 

@@ -64,6 +64,21 @@ Bracket descent_of(const Problem& problem, const ContactTerm& term, const Law& l
   return steepest_descent(law, domain);
 }
 
+/// Forms change in time and with nothing else: they read states whose rate is constant, which no
+/// law reads.
+bool change_by_time_alone(const Problem& problem, const Operators& operators,
+                          const Contact& contact) {
+  if (operators.changing.empty()) return false;
+  const bool laws_read = std::ranges::any_of(contact.terms, [&](const ContactTerm& term) {
+    const int law = problem.law_terms[static_cast<std::size_t>(term.points.law_term)].law;
+    return term.offset_of_states || !term.first_states.empty() ||
+           contact.laws[static_cast<std::size_t>(law)]->reads_states();
+  });
+  return !laws_read && std::ranges::all_of(problem.states, [](const StateTerm& state) {
+    return state.rate.is_constant();
+  });
+}
+
 } // namespace
 
 LawDescent descent_of_laws(const Problem& problem, const Operators& operators,
@@ -72,12 +87,15 @@ LawDescent descent_of_laws(const Problem& problem, const Operators& operators,
   if (contact.coupled) out.obstacle = "a law is coupled to another one";
   if (contact.mixed) out.obstacle = "a law sees different fields in different components";
   if (!contact.readings.empty()) out.obstacle = "a law reads the solution";
-  if (!contact.state_groups.empty())
+  const bool by_time = change_by_time_alone(problem, operators, contact);
+  if (!contact.state_groups.empty() && !by_time)
     out.obstacle = "laws with states are solved together with them";
-  const bool by_time = std::ranges::all_of(
-      problem.states, [](const StateTerm& state) { return state.rate.is_constant(); });
-  if (!operators.changing.empty())
-    out.obstacle = by_time ? "the forms change in time" : "states change the forms";
+  if (!operators.changing.empty() && !by_time) out.obstacle = "states change the forms";
+  // The factor of each step is that of a positive definite matrix, or there is none (E0425).
+  if (by_time && !operators.symmetric)
+    out.obstacle =
+        "the forms change in time and are not symmetric: that they are coercive at every "
+        "step was not looked at";
   out.weight.assign(problem.law_terms.size(), 0.0);
   for (const auto& term : contact.terms) {
     const int index = problem.law_terms[term.points.law_term].law;
@@ -92,6 +110,10 @@ LawDescent descent_of_laws(const Problem& problem, const Operators& operators,
     else if (!m.bounded_by_proof())
       out.obstacle = fmt::format("m_J of `{}` is sampled, not proved", law.spec().name);
   }
+  if (by_time && out.softens && out.obstacle.empty())
+    out.obstacle =
+        "laws soften while the forms change in time: their descent was not compared with "
+        "the matrix of every step";
   return out;
 }
 
