@@ -10,8 +10,18 @@ namespace {
 
 /// When each solve takes more iterations than this, a new factor costs less within a few steps.
 constexpr int many_iterations = 6;
+/// Iterations that a solve may take beyond what they cost less than a factor: it serves later ones.
+constexpr int more_iterations = 3;
 /// Below this size a factor costs next to nothing.
 constexpr int worth_iterating = 64;
+
+/// So many unknowns of far points cost less than a factor: as many as the products and solves that
+/// it is worth, or, while they are few, an eighth of all, whose columns take n^3/4 operations and
+/// serve several steps.
+std::size_t most_far_unknowns(const ReducedOperator& op) {
+  constexpr int few = 64;
+  return static_cast<std::size_t>(std::max(5 * op.patience(), std::min(op.size() / 8, few)));
+}
 
 } // namespace
 
@@ -30,7 +40,7 @@ bool ConjugateGradients::is_close(const std::vector<SmallMatrix>& d) {
   const ReducedOperator& op = factor_.op();
   if (!factor_.made() || !op.symmetric() || points_.unknowns < worth_iterating) return false;
   if (last_ > std::max(many_iterations, op.patience() / 2)) return last_ = 0, false;
-  const auto most = static_cast<std::size_t>(5 * op.patience());
+  const std::size_t most = most_far_unknowns(op);
   const std::vector<SmallMatrix>& factored = factor_.stiffnesses();
   if (!find_far_points(points_, d, factored, most, far_)) return false;
   if (preconditioner_.columns().size() > 4 * most) return false;
@@ -79,9 +89,10 @@ bool ConjugateGradients::iterate(const Vector& residual, bool settled, TangentSt
   out.dc.setZero(r.size());
   p = z, mp = r;
   double rho = product(r, z);
-  // Four digits of the error's energy norm; two while points still change their places.
-  const double enough = (settled ? 1e-8 : 1e-4) * rho;
-  for (int k = 0; k < factor_.op().patience(); ++k) {
+  // Five digits of the error's energy norm; three while points still change their places. With one
+  // digit less Newton's steps are more than the iterations that it spares are worth.
+  const double enough = (settled ? 1e-10 : 1e-6) * rho;
+  for (int k = 0; k < factor_.op().patience() + more_iterations; ++k) {
     last_ = k + 1;
     q = mp;
     q.noalias() += drift_ * p;
