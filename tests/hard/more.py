@@ -170,7 +170,7 @@ def health(suite):
     said = suite.call("column.hvi", "-o", "out", m=0.9, steps=20).stdout
     judge(name, "the line of health is printed (0: yes)", "certified: all 20 steps, worst inclusion" not in said, 0)
     said = suite.call("column.hvi", "-o", "out", m=1.5, load=1.0, peak=1.5, steps=20).stdout
-    for words in ("not guaranteed", "snap", "energy of this branch", "followed their branch"):
+    for words in ("not guaranteed", "snap", "energy of this branch", "1 step followed its branch"):
         judge(name, f"past one the report says `{words}` (0: yes)", words not in said, 0)
 
 
