@@ -22,10 +22,11 @@ std::string label_of(const solver::FieldSpec& field) {
   return field.components.size() > 1 ? fmt::format("|{}|", field.name) : field.name;
 }
 
-draw::BodyPicture picture_of(const solver::PictureSpec& spec, std::optional<double> time) {
+draw::BodyPicture picture_of(const solver::PictureSpec& spec, std::optional<double> time,
+                             const ModelUnits& units) {
   draw::BodyPicture out;
   out.field = spec.field.name;
-  out.label = label_of(spec.field);
+  out.label = label_of(spec.field) + units.behind(spec.field.name);
   out.title = out.label;
   if (time) out.title += fmt::format(", t = {:g}", *time);
   if (spec.deformed != 0.0) out.title += fmt::format(", deformed {:g} times", spec.deformed);
@@ -35,12 +36,13 @@ draw::BodyPicture picture_of(const solver::PictureSpec& spec, std::optional<doub
 
 /// One picture, or one that moves: its frames are in one window and have the same colours.
 void write_picture(const solver::PictureSpec& spec, const std::vector<solver::FieldFrame>& frames,
-                   const std::filesystem::path& path) {
+                   const ModelUnits& units, const std::filesystem::path& path) {
   if (!solver::moves(spec))
-    return draw::write_sheet(draw::body_sheet(frames.front(), picture_of(spec, spec.time)), path);
-  const auto window = draw::window_of(frames, picture_of(spec, {}));
+    return draw::write_sheet(draw::body_sheet(frames.front(), picture_of(spec, spec.time, units)),
+                             path);
+  const auto window = draw::window_of(frames, picture_of(spec, {}, units));
   const auto sheet = [&](std::size_t i) {
-    return draw::body_sheet(frames[i], picture_of(spec, frames[i].t), window);
+    return draw::body_sheet(frames[i], picture_of(spec, frames[i].t, units), window);
   };
   draw::write_sheets(frames.size(), sheet, frame_milliseconds, path);
 }
@@ -52,16 +54,17 @@ const std::vector<double>& column(const solver::RunResult& result, const std::st
 }
 
 /// Curves over one column; rows without a value are left out.
-draw::CurvePlot plot_of(const solver::PlotSpec& spec, const solver::RunResult& result) {
+draw::CurvePlot plot_of(const solver::PlotSpec& spec, const solver::RunResult& result,
+                        const ModelUnits& units) {
   const auto& over = column(result, spec.against);
   draw::CurvePlot out;
-  out.x_name = spec.against;
+  out.x_name = spec.against + units.behind(spec.against);
   const bool one = spec.columns.size() == 1;
-  if (one) out.y_name = spec.columns.front();
+  if (one) out.y_name = spec.columns.front() + units.behind(spec.columns.front());
   for (const std::string& name : spec.columns) {
     const auto& values = column(result, name);
     draw::Curve curve;
-    if (!one) curve.name = name;
+    if (!one) curve.name = name + units.behind(name);
     for (std::size_t r = 0; r < values.size(); ++r)
       if (std::isfinite(over[r]) && std::isfinite(values[r]))
         curve.points.push_back({over[r], values[r]});
@@ -129,7 +132,8 @@ std::string graphs_file(const solver::Plan& plan, std::size_t i) {
 }
 
 std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::RunResult& result,
-                                 const solver::Shown& shown, const std::string& folder) {
+                                 const solver::Shown& shown, const ModelUnits& units,
+                                 const std::string& folder) {
   std::vector<Drawn> out;
   const auto add = [&](solver::Origin origin, const std::string& file, bool named,
                        const auto& write) {
@@ -144,12 +148,12 @@ std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::RunResu
     const auto& picture = plan.report.pictures[i];
     const auto& frames = shown.pictures[i];
     add(picture.origin, picture_file(plan.problem, picture), !picture.file.empty(),
-        [&](const auto& path) { write_picture(picture, frames, path); });
+        [&](const auto& path) { write_picture(picture, frames, units, path); });
   }
   for (std::size_t i = 0; i < plan.report.plots.size(); ++i) {
     const auto& spec = plan.report.plots[i];
     add(spec.origin, plot_file(plan, i), !spec.file.empty(), [&](const auto& path) {
-      draw::write_sheet(draw::curves_sheet(plot_of(spec, result)), path);
+      draw::write_sheet(draw::curves_sheet(plot_of(spec, result, units)), path);
     });
   }
   for (std::size_t i = 0; i < plan.report.graphs.size(); ++i) {

@@ -2,6 +2,7 @@
 // the tables' columns.
 #pragma once
 
+#include "lang/check/model.hpp"
 #include "solver/plan/plan.hpp"
 #include "solver/time/shown.hpp"
 
@@ -31,6 +32,7 @@ struct Drawn {
 /// Draws every `picture`, every `plot` and every graph of the plan into `folder` (PNG, or SVG by
 /// the file's name). Vectors and tensors are shown by their Euclidean norm.
 std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::RunResult& result,
-                                 const solver::Shown& shown, const std::string& folder);
+                                 const solver::Shown& shown, const ModelUnits& units,
+                                 const std::string& folder);
 
 } // namespace hvi::lang

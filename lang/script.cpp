@@ -105,7 +105,10 @@ int line_of(const Script& script, solver::Origin origin) {
 solver::ResultContext json_context(const Script& script) {
   solver::ResultContext context;
   for (const ModelParam& p : script.model->params)
-    if (const auto* v = std::get_if<double>(&p.value)) context.params[p.name] = *v;
+    if (const auto* v = std::get_if<double>(&p.value)) context.params[p.name] = p.as_declared(*v);
+  context.units = script.model->units.of;
+  for (const ModelParam& p : script.model->params)
+    if (!p.unit.empty()) context.units[p.name] = p.unit;
   context.line_of = [&](solver::Origin origin) { return line_of(script, origin); };
   return context;
 }

@@ -6,6 +6,7 @@
 #include "lang/mesh_report.hpp"
 #include "lang/mesh_values.hpp"
 #include "lang/stdlib.hpp"
+#include "lang/units/units.hpp"
 #include "solver/time/field_grids.hpp"
 #include "solver/time/step.hpp"
 
@@ -130,7 +131,10 @@ Exit Session::compile() {
   options.allow_geo = settings_.allow_geo;
   options.words = settings_.words;
   options.on_name = settings_.on_name;
+  const units::ScriptUnits units = units::read_units(script.programs, options, script.diagnostics);
   script.model = check(script.programs, options, script.diagnostics);
+  if (script.model) units::check_units(script.programs, units, *script.model, script.diagnostics);
+  if (script.diagnostics.has_errors()) script.model.reset();
   if (!script.model) {
     propose_imports(script);
     return exit_script;

@@ -71,7 +71,7 @@ std::optional<Variation> moved_parameter(const Script& given, const CompileSetti
   for (const double towards : {HUGE_VAL, -HUGE_VAL}) { // the other way at the end of its range
     const double next = std::nextafter(*value, towards);
     CompileSettings other = settings;
-    other.defines[param.name] = fmt::format("{:.17g}", next);
+    other.defines[param.name] = fmt::format("{:.17g}", param.as_declared(next));
     Session session(given.path, other, text_of(given));
     if (!session.compile_variation()) continue;
     const solver::Plan& plan = *session.script.plan;

@@ -22,11 +22,18 @@ struct NameFacts {
   std::vector<std::string> groups; ///< of a mesh
 };
 
+/// One unit as a number in the units that a script is computed in, times/over: two numbers, so that
+/// 5 [mm] in metres is 5/1000, which rounds like 0.005.
+struct UnitFactor {
+  double times = 1, over = 1;
+};
+
 struct CheckOptions {
   std::map<std::string, std::string> defines; ///< parameter -> value
   std::string folder = ".";                   ///< of the script: what it may read lies below
   bool allow_geo = false;
   Words words;
+  std::map<std::string, UnitFactor> units; ///< by the text that stands in the script
   std::function<void(const NameFacts&)> on_name = nullptr; ///< called for each at the end
 };
 

@@ -64,6 +64,19 @@ Value Checker::expr_node(const ast::Expr& e, const Scope& scope) {
                    // NaN: the lexer has complained about it.
                    return std::isnan(n.value) ? Value(Poison{}) : Value(scalar_field(n.value));
                  },
+                 [&](const ast::Quantity& q) -> Value {
+                   auto f = scalar(*q.value, scope);
+                   const auto unit = options_.units.find(q.unit.text);
+                   if (!f || unit == options_.units.end()) return Poison{}; // unknown: reported
+                   const UnitFactor& one = unit->second;
+                   const auto in_units = [&](const Symbol& s) { return s * one.times / one.over; };
+                   f->components.front() = in_units(f->scalar());
+                   if (f->series)
+                     f->series->of_place.front() = in_units(f->series->of_place.front());
+                   f->materials = scaled(std::move(f->materials), one.times / one.over);
+                   for (LawUse& use : f->laws) use.factor = in_units(use.factor);
+                   return *f;
+                 },
                  [&](const ast::String& s) -> Value { return TextValue{s.text}; },
                  [&](const ast::Reference& r) -> Value { return reference(e, r.name, scope); },
                  [&](const ast::List& l) -> Value { return list(e, l, scope); },

@@ -23,6 +23,29 @@ struct ModelParam {
   std::variant<double, std::string> value; ///< a number, or a word such as P2
   std::string range, doc;                  ///< as written
   bool overridden = false;                 ///< by whoever asks
+  std::string unit;                        ///< in which it is declared, "GPa"; the value is in that
+                                           ///< of the script
+  double times = 1, over = 1;              ///< one such unit in that of the script, times/over
+
+  /// A value as the script declares it, and as whoever sets the parameter gives it.
+  double as_declared(double in_units) const { return in_units * over / times; }
+};
+
+/// What numbers are in, for a script with units.
+struct ModelUnits {
+  std::string system; ///< "mm, N, s"; empty: the script has no units
+  /// Of t, unknowns, states, sigma and columns; "1": no dimension.
+  std::map<std::string, std::string> of;
+  std::map<std::string, std::string> of_laws; ///< of their multipliers
+  std::map<std::string, std::string> of_tensors;
+
+  bool used() const { return !system.empty(); }
+  /// " [mm]" for `tip` and `u.y`; nothing where the unit is not known or is 1.
+  std::string behind(const std::string& name) const {
+    auto found = of.find(name);
+    if (found == of.end()) found = of.find(name.substr(0, name.find('.')));
+    return found == of.end() || found->second == "1" ? "" : " [" + found->second + "]";
+  }
 };
 
 struct ModelPart {
@@ -118,6 +141,7 @@ struct Model {
   std::string title;
   int dim = 2;
   std::vector<ModelParam> params;
+  ModelUnits units;
   solver::MeshSpec mesh;
   std::vector<ModelPart> parts;
   solver::SpaceSpec space; ///< its dirichlet values are filled in

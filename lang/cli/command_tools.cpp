@@ -120,9 +120,11 @@ int params_command(const std::string& path, const Options& options) {
   if (code != exit_ok) return code;
   for (const ModelParam& p : session.script.model->params) {
     const auto* number = std::get_if<double>(&p.value);
-    say("{} = {}{} ({}){}\n", p.name, number ? fmt::format("{}", *number) : std::get<1>(p.value),
-        p.range.empty() ? "" : " in " + p.range, number ? "number" : "word",
-        p.doc.empty() ? "" : "  " + p.doc);
+    const std::string unit = p.unit.empty() ? "" : " [" + p.unit + "]";
+    say("{} = {}{}{} ({}){}\n", p.name,
+        number ? fmt::format("{}", p.as_declared(*number)) + unit : std::get<1>(p.value),
+        p.range.empty() ? "" : " in " + p.range, p.range.empty() ? "" : unit,
+        number ? "number" : "word", p.doc.empty() ? "" : "  " + p.doc);
   }
   return exit_ok;
 }

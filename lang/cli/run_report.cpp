@@ -16,13 +16,13 @@ namespace hvi::lang {
 
 namespace {
 
-solver::ReportTable table_of(const solver::RunResult& result) {
+solver::ReportTable table_of(const solver::RunResult& result, const ModelUnits& units) {
   solver::ReportTable table;
-  table.names.push_back("t");
+  table.names.push_back("t" + units.behind("t"));
   table.columns.push_back(result.times);
   const bool with_events = solver::shows_events(result);
   for (const std::string& name : result.column_order) {
-    table.names.push_back(name);
+    table.names.push_back(name + units.behind(name));
     table.columns.push_back(result.columns.at(name));
   }
   if (with_events) {
@@ -136,7 +136,8 @@ void print_profile(const solver::RunResult& r, double bandwidth) {
 
 void print_result(const Session& session, const Options& options, double bandwidth) {
   if (!options.quiet || options.json.empty())
-    std::fputs(solver::aligned_text(table_of(session.result)).c_str(), stdout);
+    std::fputs(solver::aligned_text(table_of(session.result, session.script.model->units)).c_str(),
+               stdout);
   if (options.quiet) return;
   print_certificate(session.result, session.script);
   if (session.accuracy) std::fputs(accuracy_text(*session.accuracy).c_str(), stdout);

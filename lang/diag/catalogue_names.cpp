@@ -150,6 +150,47 @@ What is set from outside is a declared `param`; the script declares none of this
 A parameter is set to a number or a word of the language.)",
      {},
      {}},
+    {"E0330", "unknown unit",
+     R"(
+Units are those of the SI and those derived from them, with prefixes: `mm`, `kN`, `MPa`, `kg/m^3`, `W/(m*K)`, `1/s`; the
+list is in docs/language.md. Temperatures are in `K`: `degC` does not begin at zero, so that it is no unit to multiply by.)",
+     R"(
+param E = 70 [Gpa])",
+     R"(
+param E = 70 [GPa])"},
+    {"E0331", "units that do not fit",
+     R"(
+Both sides of a sum, a comparison and a case, the arguments of `min` and `max` and the entries of a list are of one dimension;
+so are all integrals of the inequality, for each unit of the test function. The argument of `exp` and an exponent are numbers.)",
+     R"(
+param width = 3 [mm]
+param total = width + 2 [s])",
+     R"(
+param width = 3 [mm]
+param total = width + 2 [mm])"},
+    {"E0332", "a bare number beside a quantity",
+     R"(
+In a script with units a number without one is a number: it cannot be added to a length, nor be one. Only 0 is the same in
+every unit. Lengths of meshes, coordinates, times and values of unknowns need theirs; `[0, 10] [s]` gives it to a whole list.)",
+     R"(
+param width = 3 [mm]
+param total = width + 2)",
+     R"(
+param width = 3 [mm]
+param total = width + 2 [mm])"},
+    {"E0333", "a wrong system of units",
+     R"(
+`units mm, N, s` says what a script is computed and shown in: once, by units of which none follows from those before it.)",
+     R"(
+units mm, N, MPa)",
+     R"(
+units mm, N, s)"},
+    {"E0334",
+     "parameter set with a unit in a script without units",
+     R"(
+`-D E=70[GPa]` is for a script that has units. Where it has none, numbers are in whatever units its author thought of.)",
+     {},
+     {}},
 });
 
 } // namespace

@@ -272,6 +272,14 @@ fn f(x) =
   | x < 0     -> 0
   | x > 1     -> 1
   | otherwise -> x)"},
+    {"E0230", "a unit that is not written as one",
+     R"(
+Between the brackets behind a number stand names of units, joined by `*` and `/`, with powers: `[kg/m^3]`, `[N*m]`, `[1/s]`,
+`[MPa*m^(1/2)]`.)",
+     R"(
+param K = 3 [N m])",
+     R"(
+param K = 3 [N*m])"},
 });
 
 } // namespace

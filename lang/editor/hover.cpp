@@ -74,6 +74,30 @@ std::string heading_of(const Analysis& analysis, const Definition& d) {
                             : d.name);
 }
 
+/// "[GPa]" of what a script with units declares; empty where there is none to tell.
+std::string unit_of(const Analysis& analysis, const Definition& d) {
+  const auto& model = analysis.script().model;
+  if (!model || !model->units.used()) return {};
+  const auto in_brackets = [](const std::string& unit) {
+    return unit.empty() || unit == "1" ? "" : "[" + unit + "]";
+  };
+  if (d.kind == NameKind::parameter)
+    for (const ModelParam& p : model->params)
+      if (p.name == d.name)
+        return p.times == p.over || !std::holds_alternative<double>(p.value)
+                   ? in_brackets(p.unit)
+                   : fmt::format("in units of {}: {} {}", model->units.system,
+                                 p.as_declared(std::get<double>(p.value)), in_brackets(p.unit));
+  const auto& of = d.kind == NameKind::tensor           ? model->units.of_tensors
+                   : d.kind == NameKind::superpotential ? model->units.of_laws
+                                                        : model->units.of;
+  const auto found = of.find(d.name);
+  if (found == of.end()) return {};
+  return d.kind == NameKind::superpotential
+             ? fmt::format("multiplier in {}", in_brackets(found->second))
+             : in_brackets(found->second);
+}
+
 std::string describe(const Analysis& analysis, const Definition& d) {
   const bool whole = d.kind != NameKind::unknown && d.kind != NameKind::test_function &&
                      d.kind != NameKind::column && d.kind != NameKind::argument;
@@ -87,6 +111,7 @@ std::string describe(const Analysis& analysis, const Definition& d) {
   } else {
     out += fmt::format("\n{}", word(d.kind));
   }
+  if (const std::string unit = unit_of(analysis, d); !unit.empty()) out += " " + unit;
   const std::string comment = comment_of(analysis, d);
   if (whole && !comment.empty()) out += "\n\n" + comment;
   const std::string& file = analysis.script().sources.file(d.span.file).path();

@@ -14,6 +14,7 @@ public:
   explicit Walk(const NameVisitor& visitor) : visitor_(visitor) {}
 
   void operator()(const ast::Import&) {}
+  void operator()(const ast::Units&) {}
   void operator()(const ast::Param& s) { visit(s.value), visit(s.range); }
   void operator()(const ast::Mesh& s) { visit(s.value); }
   void operator()(const ast::Part& s) { visit(s.region); }
@@ -79,6 +80,7 @@ public:
 
   // expressions
   void operator()(const ast::Number&) {}
+  void operator()(const ast::Quantity& node) { visit(*node.value); }
   void operator()(const ast::String&) {}
   void operator()(const ast::Reference& node) { visitor_.use(node.name, here_); }
   void operator()(const ast::List& node) {

@@ -35,7 +35,11 @@ Json description_of(const lang::Script& script) {
   Json params = Json::array();
   for (const lang::ModelParam& p : model.params) {
     Json one = {{"name", p.name}, {"range", p.range}, {"doc", p.doc}};
-    std::visit([&](const auto& value) { one["value"] = value; }, p.value);
+    if (const auto* number = std::get_if<double>(&p.value))
+      one["value"] = p.as_declared(*number);
+    else
+      one["value"] = std::get<std::string>(p.value);
+    if (!p.unit.empty()) one["unit"] = p.unit;
     params.push_back(std::move(one));
   }
   Json columns = Json::array();

@@ -178,6 +178,10 @@ Json list(const ast::List& l) {
 
 struct OfExpression {
   Json operator()(const ast::Number& n) const { return node("mn", {fmt::format("{:g}", n.value)}); }
+  Json operator()(const ast::Quantity& q) const {
+    return node("mrow",
+                {at_least(*q.value, Tightness::product), node("mtext", {"\u00a0" + q.unit.text})});
+  }
   Json operator()(const ast::String& s) const { return node("mtext", {"“" + s.text + "”"}); }
   Json operator()(const ast::Reference& r) const { return name_of(r.name); }
   Json operator()(const ast::List& l) const { return list(l); }

@@ -40,6 +40,18 @@ struct String {
   std::string text;
 };
 
+/// A unit as written between brackets, `kg/m^3`; the span has the brackets in it.
+struct UnitText {
+  std::string text;
+  Span span;
+};
+
+/// 70 [GPa], (a/2) [mm]: a number with its unit. `[0, 10] [s]` gives each entry its unit.
+struct Quantity {
+  Box<Expr> value;
+  UnitText unit;
+};
+
 /// A name used as a value: u, lag, pi, P1.
 struct Reference {
   std::string name;
@@ -104,8 +116,8 @@ struct Clarke {
 };
 
 struct Expr {
-  using Node = std::variant<Number, String, Reference, List, Negate, Binary, Cases, Member, Prime,
-                            Call, Clarke>;
+  using Node = std::variant<Number, Quantity, String, Reference, List, Negate, Binary, Cases,
+                            Member, Prime, Call, Clarke>;
   Span span;      // includes the parentheses around it
   int parens = 0; // pairs of parentheses around it; they matter to the formatter only
   int depth = 1;  // height of the tree below, limited so that recursion is safe
@@ -188,6 +200,13 @@ struct Import {
   Span span;
   Span keyword;
   std::variant<Name, Text> module;
+};
+
+/// units mm, N, s: what the script is computed in.
+struct Units {
+  Span span;
+  Span keyword;
+  std::vector<UnitText> units; // at least one
 };
 
 struct Param {
@@ -348,9 +367,10 @@ struct Form {
   std::vector<FormTerm> terms; // at least one
 };
 
-/// unknown in space ..., for all test in test_space
+/// unknown [unit] in space ..., for all test in test_space
 struct Unknown {
   Name unknown;
+  std::optional<UnitText> unit;
   Name space;
   Name test;
   Name test_space;
@@ -474,8 +494,8 @@ struct Study {
   std::optional<Name> norm;
 };
 
-using Statement = std::variant<Import, Param, Mesh, Part, Tensor, Kernel, Superpotential, State, Fn,
-                               Space, Find, Report, Expect, Study>;
+using Statement = std::variant<Import, Units, Param, Mesh, Part, Tensor, Kernel, Superpotential,
+                               State, Fn, Space, Find, Report, Expect, Study>;
 
 /// One file. A statement with a syntax error is left out (its declared name is in `broken`, so that
 /// later phases do not call it unknown).
@@ -484,6 +504,7 @@ struct Program {
   std::size_t size = 0; // of the text, in bytes
   std::vector<Statement> statements;
   std::vector<Name> broken;
+  std::vector<UnitText> units; // all that stand in it
   bool library = false;    // a module of the standard library: the script's names win over its own
   bool names_lost = false; // an unknown name may be one of a module or line not read
 };

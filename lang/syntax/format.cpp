@@ -24,6 +24,7 @@ private:
   void token(std::size_t index);
   void begin_line(std::uint32_t at, std::size_t indent);
   [[nodiscard]] std::size_t blanks(const Token& left, const Token& right) const;
+  [[nodiscard]] bool behind_sign(std::size_t index) const;
   [[nodiscard]] bool spaced_in_source(const Token& sign) const;
   [[nodiscard]] std::size_t n_newlines(std::uint32_t begin, std::uint32_t end) const;
 
@@ -107,6 +108,13 @@ std::size_t Formatter::blanks(const Token& left, const Token& right) const {
   return 1;
 }
 
+// Behind the minus of a power, `m^-1` and `m^(-1/2)` also in units, which the tree keeps as texts.
+bool Formatter::behind_sign(std::size_t index) const {
+  if (index < 2 || stream_.tokens[index - 1].kind != TokenKind::minus) return false;
+  const TokenKind before = stream_.tokens[index - 2].kind;
+  return before == TokenKind::caret || before == TokenKind::open_paren;
+}
+
 void Formatter::token(std::size_t index) {
   const Token& token = stream_.tokens[index];
   const auto planned = layout_.breaks.find(token.span.begin);
@@ -120,7 +128,7 @@ void Formatter::token(std::size_t index) {
   comment_ends_line_ = false;
   Piece& piece = lines_.back().pieces.emplace_back();
   piece.text = token.kind == TokenKind::clarke ? "^0(" : source_.text(token.span);
-  if (index > 0) piece.blanks = blanks(stream_.tokens[index - 1], token);
+  if (index > 0 && !behind_sign(index)) piece.blanks = blanks(stream_.tokens[index - 1], token);
   const auto group = layout_.groups.find(token.span.begin);
   if (group != layout_.groups.end()) piece.group = group->second;
   const auto soft = layout_.soft_breaks.find(token.span.begin);

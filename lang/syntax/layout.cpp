@@ -13,6 +13,7 @@ public:
 
   // Expressions: calls and negations at any depth.
   void operator()(const ast::Number&) {}
+  void operator()(const ast::Quantity& node) { expr(*node.value); }
   void operator()(const ast::String&) {}
   void operator()(const ast::Reference&) {}
   void operator()(const ast::List& node) {
@@ -49,6 +50,7 @@ public:
   }
 
   void operator()(const ast::Import&) {}
+  void operator()(const ast::Units&) {}
   void operator()(const ast::Param& node);
   void operator()(const ast::Mesh& node) { expr(node.value); }
   void operator()(const ast::Part& node) { region(node.region); }

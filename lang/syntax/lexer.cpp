@@ -375,11 +375,26 @@ void find_states(const SourceFile& source, std::vector<Token>& tokens) {
       tokens[i].kind = TokenKind::state;
 }
 
+/// `units mm, N, s` likewise: at the beginning of a line, before a name that ends it or that
+/// another unit follows.
+void find_units(const SourceFile& source, std::vector<Token>& tokens) {
+  for (std::size_t i = 0; i + 2 < tokens.size(); ++i) {
+    const Token &word = tokens[i], &unit = tokens[i + 1], &next = tokens[i + 2];
+    const bool ends = next.first_on_line || next.kind == TokenKind::end ||
+                      next.kind == TokenKind::comma || next.kind == TokenKind::star ||
+                      next.kind == TokenKind::slash || next.kind == TokenKind::caret;
+    if (word.kind == TokenKind::name && source.text(word.span) == info(TokenKind::units).spelling &&
+        word.first_on_line && unit.kind == TokenKind::name && !unit.first_on_line && ends)
+      tokens[i].kind = TokenKind::units;
+  }
+}
+
 } // namespace
 
 TokenStream lex(const SourceFile& source, Diagnostics& diagnostics) {
   TokenStream out = Lexer(source, diagnostics).run();
   find_states(source, out.tokens);
+  find_units(source, out.tokens);
   return out;
 }
 

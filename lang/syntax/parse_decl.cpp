@@ -7,13 +7,15 @@
 
 namespace hvi::lang {
 
-// statement = import | param | mesh | part | tensor | kernel | superpotential | state | fn | space
-// | find | report | expect | study ;
+// statement = import | units | param | mesh | part | tensor | kernel | superpotential | state | fn
+// | space | find | report | expect | study ;
 std::optional<ast::Statement> Parser::statement() {
   const auto read = [this]() -> ast::Statement {
     switch (peek().kind) {
     case TokenKind::import_:
       return import_statement();
+    case TokenKind::units:
+      return units();
     case TokenKind::param:
       return param();
     case TokenKind::mesh:
@@ -150,6 +152,16 @@ ast::Import Parser::import_statement() {
     result.module = string();
   else
     result.module = declared_name("the name of a module or a file in quotes");
+  result.span = span_from(result.keyword);
+  return result;
+}
+
+// units = "units" unit { "," unit } ;
+ast::Units Parser::units() {
+  ast::Units result;
+  result.keyword = take().span;
+  do result.units.push_back(unit());
+  while (accept(TokenKind::comma));
   result.span = span_from(result.keyword);
   return result;
 }

@@ -15,6 +15,7 @@ int height(const std::vector<ast::Expr>& items) {
 
 struct Height {
   int operator()(const ast::Number&) const { return 0; }
+  int operator()(const ast::Quantity& node) const { return node.value->depth; }
   int operator()(const ast::String&) const { return 0; }
   int operator()(const ast::Reference&) const { return 0; }
   int operator()(const ast::List& node) const { return height(node.items); }

@@ -27,6 +27,7 @@ ast::Find Parser::find() {
   do {
     ast::Unknown& unknown = result.unknowns.emplace_back();
     unknown.unknown = declared_name("the name of the unknown");
+    if (at(TokenKind::open_bracket)) unknown.unit = unit_in_brackets();
     expect_word("in");
     unknown.space = name("the name of a space");
   } while (accept(TokenKind::comma));

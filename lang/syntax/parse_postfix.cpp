@@ -30,11 +30,11 @@ ast::Expr Parser::postfix() {
   }
 }
 
-// primary = number | string | name | list | "(" expr ")" ;
+// primary = number [ unit-tail ] | string | name | list | "(" expr ")" [ unit-tail ] ;
 ast::Expr Parser::primary() {
   switch (peek().kind) {
   case TokenKind::number:
-    return number();
+    return with_unit(number());
   case TokenKind::string: {
     ast::Text text = string();
     return make(ast::String{std::move(text.text)}, text.span);
@@ -45,7 +45,7 @@ ast::Expr Parser::primary() {
   case TokenKind::open_bracket:
     return list();
   case TokenKind::open_paren:
-    return parenthesised();
+    return with_unit(parenthesised());
   default:
     break;
   }
@@ -66,6 +66,88 @@ ast::Expr Parser::number() {
   return make(ast::Number{value}, token.span);
 }
 
+// unit = unit-power { ( "*" | "/" ) unit-power } ;
+ast::UnitText Parser::unit() {
+  const Span first = peek().span;
+  do unit_power();
+  while (accept(TokenKind::star) || accept(TokenKind::slash));
+  const Span span = span_from(first);
+  return {std::string(source_.text(span)), span};
+}
+
+// unit-power = ( name | number | "(" unit ")" ) [ "^" ( unit-exponent | "(" unit-exponent ")" ) ] ;
+void Parser::unit_power() {
+  if (at(TokenKind::open_paren)) {
+    const Level level(*this);
+    const Token open = take();
+    unit();
+    if (!at(TokenKind::close_paren)) fail_unclosed(open, TokenKind::close_paren);
+    take();
+  } else if (at(TokenKind::name) || at(TokenKind::number)) {
+    take();
+  } else {
+    fail(diagnose("E0230", peek().span, "expected a unit, " + found(peek()))
+             .with_help("units are written like `[MPa]`, `[kg/m^3]`, `[1/s]`"));
+  }
+  if (!accept(TokenKind::caret)) return;
+  const bool in_parentheses = accept(TokenKind::open_paren);
+  unit_exponent();
+  if (in_parentheses) expect(TokenKind::close_paren);
+}
+
+// unit-exponent = [ "-" ] number [ "/" number ] ;
+void Parser::unit_exponent() {
+  accept(TokenKind::minus);
+  expect(TokenKind::number, "the power of a unit");
+  const bool inside = peek(1).kind == TokenKind::number && peek(2).kind == TokenKind::close_paren;
+  if (at(TokenKind::slash) && inside) {
+    take();
+    take();
+  }
+}
+
+// unit-tail = "[" unit "]" ;
+ast::UnitText Parser::unit_in_brackets() {
+  const Token open = take();
+  open_.push_back(open);
+  ast::UnitText result = unit();
+  if (at(TokenKind::name))
+    fail(diagnose("E0230", peek().span, "units are joined by `*` or `/`")
+             .with_help("write `[N*m]` for the product, `[N/m]` for the quotient"));
+  if (!at(TokenKind::close_bracket)) fail_unclosed(open, TokenKind::close_bracket);
+  take();
+  open_.pop_back();
+  result.span = span_from(open.span);
+  units_.push_back(result);
+  return result;
+}
+
+ast::Expr Parser::with_unit(ast::Expr value) {
+  if (!at(TokenKind::open_bracket) || peek().first_on_line) return value;
+  const Span first = value.span;
+  ast::UnitText unit = unit_in_brackets();
+  return make(ast::Quantity{std::move(value), std::move(unit)}, span_from(first));
+}
+
+namespace {
+
+/// [0, 10] [s]: each entry with the unit.
+void give_unit(ast::List& list, const ast::UnitText& unit) {
+  for (ast::Expr& item : list.items) {
+    if (auto* inner = std::get_if<ast::List>(&item.node)) {
+      give_unit(*inner, unit);
+      continue;
+    }
+    ast::Expr given;
+    given.span = item.span;
+    given.depth = item.depth + 1;
+    given.node = ast::Quantity{std::move(item), unit};
+    item = std::move(given);
+  }
+}
+
+} // namespace
+
 ast::Expr Parser::reference() {
   ast::Name read = name("a name");
   return make(ast::Reference{std::move(read.text)}, read.span);
@@ -84,7 +166,7 @@ ast::Expr Parser::parenthesised() {
   return result;
 }
 
-// list = "[" expr { "," expr } "]" ;
+// list = "[" expr { "," expr } "]" [ unit-tail ] ;
 ast::Expr Parser::list() {
   const Level level(*this);
   const Token open = expect(TokenKind::open_bracket, "a list `[...]`");
@@ -95,6 +177,7 @@ ast::Expr Parser::list() {
   if (!at(TokenKind::close_bracket)) fail_unclosed(open, TokenKind::close_bracket);
   take();
   open_.pop_back();
+  if (at(TokenKind::open_bracket) && !peek().first_on_line) give_unit(result, unit_in_brackets());
   return make(std::move(result), span_from(open.span));
 }
 

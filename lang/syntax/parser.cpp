@@ -94,6 +94,7 @@ ast::Program Parser::program() {
     }
   }
   program.names_lost = names_lost_;
+  program.units = std::move(units_);
   return program;
 }
 

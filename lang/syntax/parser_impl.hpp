@@ -93,6 +93,7 @@ private:
   ast::Text string();
   std::optional<ast::Text> optional_string();
   ast::Import import_statement();
+  ast::Units units();
   ast::Param param();
   ast::Mesh mesh();
   ast::Tensor tensor();
@@ -165,6 +166,11 @@ private:
   ast::Expr postfix();
   ast::Expr primary();
   ast::Expr number();
+  ast::UnitText unit();
+  void unit_power();
+  void unit_exponent();
+  ast::UnitText unit_in_brackets();
+  ast::Expr with_unit(ast::Expr value);
   ast::Expr reference();
   ast::Expr parenthesised();
   ast::Expr list();
@@ -201,6 +207,7 @@ private:
   bool in_integral_ = false;             // within the integrand of a form
   std::vector<Token> open_;              // brackets not closed yet
   std::vector<ast::Name> declared_;      // by the statement being read
+  std::vector<ast::UnitText> units_;     // of the file so far
   std::set<std::string> reserved_names_; // words that were reported as names
 };
 

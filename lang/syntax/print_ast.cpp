@@ -25,6 +25,7 @@ public:
 
   // Expressions: the line of the node itself is `head`, its children are one level deeper.
   void operator()(const ast::Number& node) { head(fmt::format("number {}", node.value)); }
+  void operator()(const ast::Quantity& node);
   void operator()(const ast::String& node) { head("string \"" + node.text + "\""); }
   void operator()(const ast::Reference& node) { head("name " + node.name); }
   void operator()(const ast::List& node);
@@ -42,6 +43,7 @@ public:
   void operator()(const ast::Or& node) { operands("or", node.operands); }
 
   void operator()(const ast::Import& node);
+  void operator()(const ast::Units& node);
   void operator()(const ast::Param& node);
   void operator()(const ast::Mesh& node) { named("mesh", node); }
   void operator()(const ast::Part& node);
@@ -170,6 +172,12 @@ void Printer::operator()(const ast::Member& node) {
   print("", *node.object);
 }
 
+void Printer::operator()(const ast::Quantity& node) {
+  head("unit " + node.unit.text);
+  const Indent indent(*this);
+  print("", *node.value);
+}
+
 void Printer::operator()(const ast::Prime& node) {
   head("prime");
   const Indent indent(*this);
@@ -218,6 +226,12 @@ void Printer::operator()(const ast::Import& node) {
     line("import " + name->text, node.span);
   else
     line("import \"" + std::get<ast::Text>(node.module).text + "\"", node.span);
+}
+
+void Printer::operator()(const ast::Units& node) {
+  std::string units;
+  for (const ast::UnitText& unit : node.units) units += (units.empty() ? " " : ", ") + unit.text;
+  line("units" + units, node.span);
 }
 
 void Printer::operator()(const ast::Param& node) {

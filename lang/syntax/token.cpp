@@ -11,6 +11,7 @@ using enum TokenKind;
 
 constexpr auto kinds = std::to_array<TokenInfo>({
     {import_, "import", "import"},
+    {units, "units", "units"},
     {param, "param", "param"},
     {mesh, "mesh", "mesh"},
     {part, "part", "part"},
@@ -74,7 +75,7 @@ const TokenInfo& info(TokenKind kind) { return kinds[static_cast<std::size_t>(ki
 std::optional<TokenKind> reserved_word(std::string_view text) {
   for (const TokenInfo& entry : kinds) {
     if (!is_reserved(entry.kind)) break;
-    if (entry.spelling == text && entry.kind != state) return entry.kind;
+    if (entry.spelling == text && entry.kind != state && entry.kind != units) return entry.kind;
   }
   return std::nullopt;
 }

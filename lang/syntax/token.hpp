@@ -15,6 +15,7 @@ namespace hvi::lang {
 enum class TokenKind : std::uint8_t {
   // statement words, in the order of the grammar
   import_,
+  units, // where `units` is followed by units; elsewhere it is a name
   param,
   mesh,
   part,

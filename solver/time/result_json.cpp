@@ -186,6 +186,7 @@ Json result_json(const RunResult& result, const Problem& problem, const ResultCo
            {"energy", result.energy ? number(*result.energy) : Json(nullptr)},
            {"notes", notes},
            {"files", result.files}};
+  if (!context.units.empty()) out["units"] = context.units;
   if (result.monitors) out["monitors"] = monitors(*result.monitors);
   return out;
 }
@@ -207,14 +208,16 @@ Json plan_json(const RunResult& first_steps, const Problem& problem, const Resul
   for (const auto& history : first_steps.histories) fields += history.fields;
   work["fields"] = fields;
   work["seconds"] = predicted.seconds, work["bytes"] = predicted.bytes;
-  return Json{{"schema", "hvi-plan/1"},
-              {"script", first_steps.script},
-              {"params", Json(context.params)},
-              {"unknowns", first_steps.unknowns},
-              {"contact_unknowns", first_steps.contact_unknowns},
-              {"steps", predicted.steps},
-              {"first_steps", predicted.first_steps},
-              {"plan", work}};
+  Json out{{"schema", "hvi-plan/1"},
+           {"script", first_steps.script},
+           {"params", Json(context.params)},
+           {"unknowns", first_steps.unknowns},
+           {"contact_unknowns", first_steps.contact_unknowns},
+           {"steps", predicted.steps},
+           {"first_steps", predicted.first_steps},
+           {"plan", work}};
+  if (!context.units.empty()) out["units"] = context.units;
+  return out;
 }
 
 std::string json_text(const Json& value) {

@@ -15,8 +15,9 @@ namespace hvi::solver {
 /// What only the caller knows of a run.
 struct ResultContext {
   std::map<std::string, double> params;
-  std::function<int(Origin)> line_of; ///< 1-based line of an origin; 0: none
-  double bandwidth = 0.0;             ///< bytes a second that this machine reads; 0: not measured
+  std::map<std::string, std::string> units; ///< of parameters, times and columns; often none
+  std::function<int(Origin)> line_of;       ///< 1-based line of an origin; 0: none
+  double bandwidth = 0.0; ///< bytes a second that this machine reads; 0: not measured
 };
 
 /// The whole result; values that are not there (NaN) are null.

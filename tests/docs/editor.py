@@ -38,5 +38,9 @@ with tempfile.TemporaryDirectory() as folder:
                        "support.constant": "bdf2", "variable.language": "lag", "constant.numeric": "1.5e-3",
                        "string.quoted": '"a"', "comment.line": "# a"}.items():
         assert rules[kind].fullmatch(text), (kind, text)
+    for text in ("70 [GPa]", "[0, 10] [s]", "(1 + 2)[kg/m^3]", "1 [1/s]"):
+        assert rules["storage.type"].search(text), text
+    for text in ("[0, 10]", "cells = [n, m]", "at [x, y]"):
+        assert not rules["storage.type"].search(text), text
         assert not rules["keyword.control"].fullmatch("slab")
 print("completion, man page and grammar")

@@ -1,0 +1,267 @@
+// Dimensions of calls: of functions, laws and what is built in.
+#include "lang/check/builtins.hpp"
+#include "lang/units/dimension_checker.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace hvi::lang::units {
+
+/// The arguments in the order of `names`, by position or by name; null where one is left out.
+DimensionChecker::Arguments DimensionChecker::matched(const ast::Call& c,
+                                                      const std::vector<std::string>& names) {
+  Arguments out(names.size(), nullptr);
+  std::size_t next = 0;
+  for (const ast::Argument& a : c.arguments) {
+    std::size_t at = next;
+    if (a.name)
+      at = static_cast<std::size_t>(std::ranges::find(names, a.name->text) - names.begin());
+    else
+      ++next;
+    if (at < out.size()) out[at] = &a.value;
+  }
+  return out;
+}
+
+Measured DimensionChecker::call(const ast::Expr& e, const ast::Call& c, const Locals& locals) {
+  const auto* r = std::get_if<ast::Reference>(&c.callee->node);
+  if (r == nullptr) return {};
+  const BuiltIn* built_in = find_built_in(r->name);
+  const auto found = named_.find(r->name);
+  if (found != named_.end()) {
+    const auto* law = std::get_if<ast::Superpotential>(found->second.statement);
+    if (law == nullptr || reads_law_ || built_in == nullptr)
+      return call_declared(e, c, found->second, locals);
+  }
+  return built_in ? call_built_in(c, r->name, locals) : Measured{};
+}
+
+Measured DimensionChecker::call_declared(const ast::Expr& e, const ast::Call& c, Named& named,
+                                         const Locals& locals) {
+  Measured out;
+  if (const auto* law = std::get_if<ast::Superpotential>(named.statement)) {
+    calls_.push_back(e.span);
+    out = call_law(c, *law, locals);
+    calls_.pop_back();
+  } else if (const auto* fn = std::get_if<ast::Fn>(named.statement)) {
+    std::vector<std::string> names;
+    for (const ast::Name& p : fn->parameters) names.push_back(p.text);
+    const Arguments given = matched(c, names);
+    Locals inner;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (given[i] == nullptr) return {};
+      inner[names[i]] = value(*given[i], locals);
+    }
+    calls_.push_back(e.span);
+    out = value(fn->value, inner);
+    calls_.pop_back();
+  }
+  return out;
+}
+
+/// Inside the body of another law: its potential, whichever way it is written.
+Measured DimensionChecker::call_law(const ast::Call& c, const ast::Superpotential& law,
+                                    const Locals& locals) {
+  std::vector<std::string> names{law.argument.text};
+  for (const ast::LawParameter& p : law.parameters) names.push_back(p.name.text);
+  const Arguments given = matched(c, names);
+  if (given[0] == nullptr) return {};
+  const Measured argument = value(*given[0], locals);
+  if (!argument.dimension) return {};
+  Locals parameters;
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    const auto& otherwise = law.parameters[i - 1].value;
+    if (given[i] != nullptr)
+      parameters[names[i]] = value(*given[i], locals);
+    else if (otherwise)
+      parameters[names[i]] = value(*otherwise, Locals(parameters));
+  }
+  return {potential(law, argument, std::move(parameters)), {}};
+}
+
+/// Arguments that all have one dimension: it.
+Measured DimensionChecker::all_same(const ast::Call& c, const Locals& locals) {
+  Measured first;
+  const ast::Expr* place = nullptr;
+  const std::string name = std::get<ast::Reference>(c.callee->node).name;
+  for (const ast::Argument& a : c.arguments) {
+    const Measured now = value(a.value, locals);
+    if (!now.dimension) return {};
+    if (place == nullptr)
+      first = now, place = &a.value;
+    else if (!same({&first, place}, {&now, &a.value}, fmt::format("the arguments of `{}`", name)))
+      return {};
+  }
+  return {first.dimension, {}};
+}
+
+Measured DimensionChecker::call_built_in(const ast::Call& c, const std::string& name,
+                                         const Locals& locals) {
+  const auto argument = [&](std::size_t i) {
+    return i < c.arguments.size() ? value(c.arguments[i].value, locals) : Measured{};
+  };
+  switch (find_built_in(name)->kind) {
+  case BuiltInKind::pointwise:
+    return pointwise(c, name, locals);
+  case BuiltInKind::differential: {
+    const Measured of = argument(0);
+    return of.dimension ? Measured{*of.dimension / length(), {}} : Measured{};
+  }
+  case BuiltInKind::algebraic: {
+    if (name == "identity") return {Dimension{}, {}};
+    if (name != "dot") return {argument(0).dimension, {}};
+    const Measured left = argument(0), right = argument(1);
+    if (!left.dimension || !right.dimension) return {};
+    return {*left.dimension * *right.dimension, {}};
+  }
+  case BuiltInKind::tensor:
+    return name == "isotropic" || name == "orthotropic" || name == "transverse" || name == "voigt"
+               ? material(c, locals)
+               : series(c, name, locals);
+  case BuiltInKind::memory:
+    return history(c, locals);
+  case BuiltInKind::interface:
+    return name == "gap" ? Measured{length(), {}} : Measured{argument(0).dimension, {}};
+  case BuiltInKind::region:
+    return over_region(c, name, locals);
+  case BuiltInKind::mesh:
+    return {};
+  }
+  return {};
+}
+
+Measured DimensionChecker::pointwise(const ast::Call& c, const std::string& name,
+                                     const Locals& locals) {
+  if (name == "max" || name == "min") return all_same(c, locals);
+  if (name == "atan2") {
+    const Measured of = all_same(c, locals);
+    return of.dimension ? Measured{Dimension{}, {}} : Measured{};
+  }
+  std::vector<Measured> given;
+  for (const ast::Argument& a : c.arguments) given.push_back(value(a.value, locals));
+  if (given.empty() || !given[0].dimension) return {};
+  const auto& number = given[0].number;
+  if (name == "abs" || name == "pos") {
+    if (!number) return given[0];
+    return {given[0].dimension, name == "abs" ? std::abs(*number) : std::max(*number, 0.0)};
+  }
+  if (name == "sqrt")
+    return {given[0].dimension->to(Rational(1, 2)),
+            number ? std::optional(std::sqrt(*number)) : std::nullopt};
+  if (name == "sign") return {Dimension{}, {}};
+  for (std::size_t i = 0; i < given.size(); ++i)
+    if (!wants_number(c.arguments[i].value, given[i], fmt::format("the argument of `{}`", name)))
+      return {};
+  return {Dimension{}, {}};
+}
+
+/// Moduli, ratios and axes: their names say which.
+Measured DimensionChecker::material(const ast::Call& c, const Locals& locals) {
+  Measured modulus;
+  const ast::Expr* place = nullptr;
+  for (const ast::Argument& a : c.arguments) {
+    const std::string name = a.name ? a.name->text : "";
+    const Measured now = value(a.value, locals);
+    if (name == "axis" || name == "axes") continue;
+    if (name.starts_with("poisson") || name.starts_with("nu")) {
+      if (!wants_number(a.value, now, "a Poisson's ratio")) return {};
+      continue;
+    }
+    if (!now.dimension) return {};
+    if (place == nullptr)
+      modulus = now, place = &a.value;
+    else if (!same({&modulus, place}, {&now, &a.value}, "the moduli of a material"))
+      return {};
+  }
+  return {modulus.dimension, {}};
+}
+
+/// prony, prony_relaxation, derivative, table.
+Measured DimensionChecker::series(const ast::Call& c, const std::string& name,
+                                  const Locals& locals) {
+  if (name == "table") { // the file has numbers in the units of the script
+    for (const ast::Argument& a : c.arguments) value(a.value, locals);
+    return {Dimension{}, {}};
+  }
+  if (name == "derivative") {
+    const Measured of = c.arguments.empty() ? Measured{} : value(c.arguments[0].value, locals);
+    return of.dimension ? Measured{*of.dimension / duration(), {}} : Measured{};
+  }
+  const Arguments given = matched(c, {"weights", "times"});
+  if (given[0] == nullptr || given[1] == nullptr) return {};
+  const Measured weights = value(*given[0], locals), times = value(*given[1], locals);
+  if (!times.dimension || !weights.dimension ||
+      !wants({&times, given[1]}, duration(), "the times of a Prony series"))
+    return {};
+  return {name == "prony" ? *weights.dimension : *weights.dimension / duration(), {}};
+}
+
+/// int_0^t C(t - s) w(s) ds
+Measured DimensionChecker::history(const ast::Call& c, const Locals& locals) {
+  if (c.arguments.size() < 2) return {};
+  const auto* r = std::get_if<ast::Reference>(&c.arguments[0].value.node);
+  const auto found = r ? named_.find(r->name) : named_.end();
+  const Measured of = value(c.arguments[1].value, locals);
+  if (found == named_.end() || !of.dimension) return {};
+  const auto* kernel = std::get_if<ast::Kernel>(found->second.statement);
+  if (kernel == nullptr) return {};
+  Locals times;
+  for (const ast::Name& p : kernel->parameters) times[p.text] = {duration(), {}};
+  calls_.push_back(c.arguments[0].span);
+  const Measured body = value(kernel->value, times);
+  calls_.pop_back();
+  if (!body.dimension) return {};
+  return {*body.dimension * duration() * *of.dimension, {}};
+}
+
+Measured DimensionChecker::over_region(const ast::Call& c, const std::string& name,
+                                       const Locals& locals) {
+  const auto part = [&]() -> std::string {
+    const auto* r =
+        c.arguments.empty() ? nullptr : std::get_if<ast::Reference>(&c.arguments[0].value.node);
+    return r ? r->name : "";
+  };
+  if (name == "reaction") {
+    std::size_t of = 0;
+    const auto unknowns = solver::unknowns_of(model_.space);
+    while (of + 1 < unknowns.size() && !unknowns[of].vector) ++of;
+    for (const ast::Argument& a : c.arguments)
+      if (const auto* r = std::get_if<ast::Reference>(&a.value.node);
+          a.name && a.name->text == "of" && r)
+        of = unknown_named(r->name).value_or(of);
+    return of < of_unknown_.size() ? Measured{force(of), {}} : Measured{};
+  }
+  if (c.arguments.size() < 2) return {};
+  const Measured of = value(c.arguments[1].value, locals);
+  if (!of.dimension) return {};
+  return {name == "integral" ? *of.dimension * measure_of(part()) : *of.dimension, {}};
+}
+
+/// Of a part by its name, of the cells without one: in 2D volumes are areas, so that forces are for
+/// one unit of thickness; circles of an axisymmetric mesh count as the length that they are.
+Dimension DimensionChecker::measure_of(const std::string& part) {
+  const int around = model_.mesh.axisymmetric ? 1 : 0;
+  const int dim = model_.dim + around;
+  if (part.empty()) return length().to(dim);
+  using Kind = solver::Group::Kind;
+  for (const ModelPart& known : model_.parts) {
+    if (known.name != part || !known.kind) continue;
+    return length().to(*known.kind == Kind::cells    ? dim
+                       : *known.kind == Kind::facets ? dim - 1
+                                                     : 0);
+  }
+  const auto found = named_.find(part);
+  if (found != named_.end() && std::holds_alternative<ast::Mesh>(*found->second.statement))
+    return length().to(dim);
+  return of_measure_.try_emplace(part, inference_.fresh()).first->second;
+}
+
+/// What an unknown's equation is in: every integral over its test function.
+Dimension DimensionChecker::force(std::size_t unknown) const {
+  return of_form_ / of_test_[unknown];
+}
+
+} // namespace hvi::lang::units
