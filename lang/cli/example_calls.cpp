@@ -9,6 +9,7 @@ namespace {
 constexpr auto calls = std::to_array<ExampleCall>({
     {"E0320", R"(hvi-run slab.hvi -D m=8)", R"(hvi-run slab.hvi -D n=8)"},
     {"E0321", R"(hvi-run slab.hvi -D n=eight)", R"(hvi-run slab.hvi -D n=8)"},
+    {"E0334", R"(hvi-run slab.hvi -D n=8[mm])", R"(hvi-run slab.hvi -D n=8)"},
     {"E0608", R"(hvi-run slab.hvi -o results & hvi-run slab.hvi -o results)",
      R"(hvi-run slab.hvi -o first & hvi-run slab.hvi -o second)"},
     {"E0609", R"(hvi-run slab.hvi --json load.csv)", R"(hvi-run slab.hvi --json slab.json)"},

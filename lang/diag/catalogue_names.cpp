@@ -188,7 +188,8 @@ units mm, N, s)"},
     {"E0334",
      "parameter set with a unit in a script without units",
      R"(
-`-D E=70[GPa]` is for a script that has units. Where it has none, numbers are in whatever units its author thought of.)",
+A parameter is set with a unit, `E=70[GPa]`, where the script has units. Where it has none, numbers are in whatever units its
+author thought of.)",
      {},
      {}},
 });

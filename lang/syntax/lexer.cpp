@@ -375,16 +375,18 @@ void find_states(const SourceFile& source, std::vector<Token>& tokens) {
       tokens[i].kind = TokenKind::state;
 }
 
-/// `units mm, N, s` likewise: at the beginning of a line, before a name that ends it or that
-/// another unit follows.
+/// `units mm, N, s` likewise: before a name that ends the statement or that another unit follows.
+/// `every units steps` and `by units points` are older.
 void find_units(const SourceFile& source, std::vector<Token>& tokens) {
   for (std::size_t i = 0; i + 2 < tokens.size(); ++i) {
-    const Token &word = tokens[i], &unit = tokens[i + 1], &next = tokens[i + 2];
-    const bool ends = next.first_on_line || next.kind == TokenKind::end ||
-                      next.kind == TokenKind::comma || next.kind == TokenKind::star ||
-                      next.kind == TokenKind::slash || next.kind == TokenKind::caret;
-    if (word.kind == TokenKind::name && source.text(word.span) == info(TokenKind::units).spelling &&
-        word.first_on_line && unit.kind == TokenKind::name && !unit.first_on_line && ends)
+    const auto text = [&](std::size_t at) { return source.text(tokens[at].span); };
+    const TokenKind next = tokens[i + 2].kind;
+    const bool ends = next == TokenKind::end || next == TokenKind::comma ||
+                      next == TokenKind::star || next == TokenKind::slash ||
+                      next == TokenKind::caret || is_statement_word(next);
+    if (tokens[i].kind == TokenKind::name && text(i) == info(TokenKind::units).spelling &&
+        tokens[i + 1].kind == TokenKind::name && text(i + 1) != "steps" &&
+        text(i + 1) != "points" && ends)
       tokens[i].kind = TokenKind::units;
   }
 }

@@ -123,7 +123,7 @@ ast::UnitText Parser::unit_in_brackets() {
 }
 
 ast::Expr Parser::with_unit(ast::Expr value) {
-  if (!at(TokenKind::open_bracket) || peek().first_on_line) return value;
+  if (!at(TokenKind::open_bracket)) return value;
   const Span first = value.span;
   ast::UnitText unit = unit_in_brackets();
   return make(ast::Quantity{std::move(value), std::move(unit)}, span_from(first));
@@ -177,7 +177,7 @@ ast::Expr Parser::list() {
   if (!at(TokenKind::close_bracket)) fail_unclosed(open, TokenKind::close_bracket);
   take();
   open_.pop_back();
-  if (at(TokenKind::open_bracket) && !peek().first_on_line) give_unit(result, unit_in_brackets());
+  if (at(TokenKind::open_bracket)) give_unit(result, unit_in_brackets());
   return make(std::move(result), span_from(open.span));
 }
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace hvi::lang::units {
@@ -147,10 +147,12 @@ ScriptUnits read_units(const std::vector<ast::Program>& programs, CheckOptions& 
       out.read[written.text] = *unit;
       options.units[written.text] = out.system.factor(*unit);
     }
-  std::erase_if(options.defines, [&](auto& define) {
-    const ast::Param* param = find_param(programs, define.first);
-    return param != nullptr && !take_define(*param, define.second, out, options, diagnostics);
-  });
+  for (auto define = options.defines.begin(); define != options.defines.end();) {
+    const ast::Param* param = find_param(programs, define->first);
+    const bool taken =
+        param == nullptr || take_define(*param, define->second, out, options, diagnostics);
+    define = taken ? std::next(define) : options.defines.erase(define);
+  }
   return out;
 }
 
