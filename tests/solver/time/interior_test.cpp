@@ -38,7 +38,7 @@ struct Body : testing::Test {
           t(i, i) += k, t(j, j) += k, t(i, j) -= k, t(j, i) -= k;
         }
     t.diagonal().array() += 0.1;
-    StateLayout layout{n, n, n, std::vector<std::int32_t>(n), std::vector<std::int32_t>(n)};
+    StateLayout layout{n, n, n, std::vector<std::int32_t>(n), std::vector<std::int32_t>(n), {}};
     std::iota(layout.dof_of.begin(), layout.dof_of.end(), 0);
     layout.entry_of = layout.dof_of;
     SparseMatrix sparse = t.sparseView();
