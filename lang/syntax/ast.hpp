@@ -40,7 +40,7 @@ struct String {
   std::string text;
 };
 
-/// A unit as written between brackets, `kg/m^3`; the span has the brackets in it.
+/// A unit between brackets, `kg/m^3`, without blanks; the span has the brackets in it.
 struct UnitText {
   std::string text;
   Span span;

@@ -68,11 +68,12 @@ ast::Expr Parser::number() {
 
 // unit = unit-power { ( "*" | "/" ) unit-power } ;
 ast::UnitText Parser::unit() {
-  const Span first = peek().span;
+  const std::size_t first = at_;
   do unit_power();
   while (accept(TokenKind::star) || accept(TokenKind::slash));
-  const Span span = span_from(first);
-  return {std::string(source_.text(span)), span};
+  std::string compact; // as breaks of lines and comments may stand in it
+  for (std::size_t i = first; i < at_; ++i) compact += text(tokens_[i]);
+  return {std::move(compact), span_from(tokens_[first].span)};
 }
 
 // unit-power = ( name | number | "(" unit ")" ) [ "^" ( unit-exponent | "(" unit-exponent ")" ) ] ;

@@ -106,6 +106,7 @@ def balance_columns(text):
                     for i, (test, (_, space)) in enumerate(zip(tests, unknowns)):
                         other = zero(dim) if kinds[space] == "vector" else "0"
                         summand = re.sub(rf"\b{test}\b(?!\s*\()", unit if i == unknown else other, summand)
+                    summand = re.sub(r"\bmean\(0\)", "0", summand)  # of a test function on a pair
                     summand = re.sub(r"\[([0, 1]+)\]\.([xyz])", lambda m: m[1].split(", ")["xyz".index(m[2])], summand)
                     summand = re.sub(r"\[([0, 1]+)\]\.nu", lambda m: f"dot([{m[1]}], normal)", summand)
                     own = factor.lstrip("+").strip()

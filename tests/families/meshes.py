@@ -7,7 +7,7 @@ either way and moved: split along an interface, wholly or as a crack; apart; ove
 one inside the other; side by side with other nodes; of second order with curved or straight edges; with a cell on
 either side of the limit of degenerate ones; joined in a corner; or
 nothing of that. Wrong: a code that is missing, or too many, or a number
-that is not the one of the construction. `--data`: folders whose .msh files are all good.
+that is not the one of the construction. `--data`: folders whose .msh files are all good, or two bodies that touch.
 """
 import argparse
 import itertools
@@ -23,6 +23,7 @@ import numpy as np
 from solids import Mesh, block, turning
 
 KINDS = ["good", "split", "crack", "apart", "overlap", "whole_cells", "inside", "beside", "curved", "straight", "flat", "hinge"]
+TWO_BODIES = {"disc_brake.msh": {"W0603", "W0605"}}  # what is said of them
 
 
 def joined(a, b):
@@ -367,7 +368,7 @@ def main():
         if done.returncode != 0:
             continue  # made to be refused
         count += 1
-        alarm = "warning" in done.stderr
+        alarm = set(re.findall(r"warning\[(\w+)\]", done.stderr)) != TWO_BODIES.get(path.name, set())
         wrong, certified = wrong + alarm, certified + (not alarm)
         if alarm:
             print(f"{path}: {done.stderr}", file=sys.stderr)
