@@ -247,11 +247,18 @@ bool Checker::is_in_range(const ast::Param& param, double v, ModelParam& entry) 
   const double least = (*bounds)[0], greatest = (*bounds)[1];
   entry.range = fmt::format("[{}, {}]", least, greatest);
   if (v >= least && v <= greatest) return true;
+  // As they stand in the script: in the parameter's unit.
+  const auto* own = std::get_if<ast::Quantity>(&param.value.node);
+  const auto known = own ? options_.units.find(own->unit.text) : options_.units.end();
+  const UnitFactor factor = known == options_.units.end() ? UnitFactor{} : known->second;
+  const auto shown = [&](double x) { return x * factor.over / factor.times; };
   error("E0408", entry.overridden ? param.name.span : param.value.span,
-        fmt::format("`{}` = {} is outside its range [{}, {}]", param.name.text, v, least, greatest),
+        fmt::format("`{}` = {} is outside its range [{}, {}]{}", param.name.text, shown(v),
+                    shown(least), shown(greatest), own ? " [" + own->unit.text + "]" : ""),
         "",
         entry.overridden ? fmt::format("set by {}{}={}", options_.words.define, param.name.text,
-                                       options_.defines.at(param.name.text))
+                                       own ? fmt::to_string(shown(v))
+                                           : options_.defines.at(param.name.text))
                          : "");
   return false;
 }

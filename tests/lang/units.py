@@ -443,6 +443,10 @@ def declared_outside():
         done = subprocess.run([PROGRAM, "check", "--diagnostics", "json", "-D", define, str(WORK / "script.hvi")], capture_output=True, text=True)
         if code not in done.stderr:
             failures.append(f"-D {define}: no {code} in {done.stderr}")
+    done = subprocess.run([PROGRAM, "check", "-D", "E=7", str(WORK / "script.hvi")], capture_output=True, text=True)
+    for words in ("`E` = 7 is outside its range [10, 300] [GPa]", "set by -D E=7\n"):
+        if words not in done.stderr:
+            failures.append(f"-D E=7: no {words!r} in {done.stderr}")
     (WORK / "script.hvi").write_text("param E = 70\n" + REST.replace("[m]", "").replace(" [1/m^2]", ""))
     done = subprocess.run([PROGRAM, "check", "--diagnostics", "json", "-D", "E=210[GPa]", str(WORK / "script.hvi")], capture_output=True, text=True)
     if "E0334" not in done.stderr:
