@@ -14,7 +14,7 @@
 namespace hvi::lang {
 
 /// Beyond so many unknowns `check` may take long: then it is not asked for.
-inline constexpr int most_unknowns_judged = 6000;
+inline constexpr int most_unknowns_judged = 3000;
 
 /// One script at a time; what is asked for later takes the place of what waits.
 class Judgement {
