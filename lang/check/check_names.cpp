@@ -256,10 +256,10 @@ bool Checker::is_in_range(const ast::Param& param, double v, ModelParam& entry) 
         fmt::format("`{}` = {} is outside its range [{}, {}]{}", param.name.text, shown(v),
                     shown(least), shown(greatest), own ? " [" + own->unit.text + "]" : ""),
         "",
-        entry.overridden ? fmt::format("set by {}{}={}", options_.words.define, param.name.text,
-                                       own ? fmt::to_string(shown(v))
-                                           : options_.defines.at(param.name.text))
-                         : "");
+        entry.overridden
+            ? fmt::format("set by {}{}={}", options_.words.define, param.name.text,
+                          own ? fmt::to_string(shown(v)) : options_.defines.at(param.name.text))
+            : "");
   return false;
 }
 
