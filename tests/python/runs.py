@@ -42,6 +42,27 @@ class Runs(unittest.TestCase):
                     np.testing.assert_array_equal(here[column], numbers, err_msg=column)
                 self.assertEqual({k: v for k, v in here.certificate.items()}, there["certificate"])
 
+    def test_units_are_told_where_the_script_has_them(self):
+        model = hvi.load(EXAMPLES / "units.hvi")
+        self.assertEqual({name: p.unit for name, p in model.params.items()},
+                         {"young": "MPa", "nu": "", "height": "cm", "press": "kN/cm^2", "bed": "N/cm^3", "n": ""})
+        self.assertEqual((model.params["young"].value, model.params["young"].limits), (6.0, (0.1, 100.0)))
+        self.assertIn("height = 5.0 [cm]", repr(model))
+        result = model.run(height=10, n=2)  # in cm, as declared
+        told = {name: result.units[name] for name in ("t", "top_sinks", "pressed", "stress", "u", "height")}
+        self.assertEqual(told, {"t": "s", "top_sinks": "mm", "pressed": "MPa", "stress": "MPa", "u": "mm", "height": "cm"})
+        modulus = 6*0.6/(1.4*0.2)  # MPa; by hand: a bed of 0.05 MPa/mm and the lower 50 mm of the block under 0.2 MPa
+        self.assertAlmostEqual(result.final["top_sinks"], -0.2/0.05 - 0.2*50/modulus, places=9)
+        try:
+            attributes = result.to_pandas().attrs
+        except ImportError:
+            attributes = None  # pandas is an extra
+        if attributes is not None:
+            self.assertEqual(attributes["units"], {name: result.units[name] for name in result.table})
+        plain = hvi.load(EXAMPLES / "slab.hvi")
+        self.assertEqual({p.unit for p in plain.params.values()}, {""})
+        self.assertEqual(plain.run(n=2, N=2).units, {})
+
     def test_fields_are_where_the_probes_see_them(self):
         result = hvi.load(EXAMPLES / "slab.hvi").run(n=4, N=8)
         self.assertEqual(result.points.shape, (9 * 5, 2))

@@ -34,12 +34,14 @@ def as_given(value: Value) -> str:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a script. `range` and `doc` as written there, "" where there is none."""
+    """A parameter of a script. `range` and `doc` as written there, "" where there is none; `value` and `range` are in `unit`, the one
+    in which it is declared ("GPa"), "" for numbers and in scripts without units."""
 
     name: str
     value: Union[float, str]
     range: str = ""
     doc: str = ""
+    unit: str = ""
 
     @property
     def limits(self) -> Optional[tuple[float, float]]:
@@ -84,7 +86,7 @@ class Model:
         self.__init__(**state)  # type: ignore[misc]
 
     def __repr__(self) -> str:
-        values = "".join(f", {p.name} = {p.value}" for p in self.params.values())
+        values = "".join(f", {p.name} = {p.value}" + (f" [{p.unit}]" if p.unit else "") for p in self.params.values())
         return f"<hvi.Model {self.path}{values}>"
 
     def _defines(self, params: Optional[Mapping[str, Value]] = None) -> dict[str, str]:

@@ -71,6 +71,12 @@ class Result:
         return bool(self.certificate["certified"])
 
     @property
+    def units(self) -> dict[str, str]:
+        """Of t, columns, unknowns, sigma, states and parameters by their names ("mm", "MPa"; "1" for a number), as far as the script
+        tells; empty for scripts without units."""
+        return dict(self.raw.get("units", {}))
+
+    @property
     def points(self) -> Array:
         """(nodes, dim)"""
         return self.grid.points
@@ -94,10 +100,13 @@ class Result:
         return list(self.raw.get("notes", []))
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The table with t as its index."""
+        """The table with t as its index; `attrs["units"]` has its units where the script has some."""
         import pandas
 
-        return pandas.DataFrame(self.table).set_index("t")
+        frame = pandas.DataFrame(self.table).set_index("t")
+        if self.units:
+            frame.attrs["units"] = {name: self.units[name] for name in self.table if name in self.units}
+        return frame
 
     def __repr__(self) -> str:
         state = "certified" if self.certified else "NOT certified"
