@@ -438,7 +438,6 @@ private:
   std::unordered_map<std::string, int> by_name_;
   std::set<std::string> silenced_; ///< names whose statements have syntax errors
   const ast::Find* find_ = nullptr;
-  int mesh_declaration_ = -1;
   std::string mesh_name_; ///< of the mesh that was declared; empty before
   std::map<std::string, solver::Group::Kind> groups_; ///< of the mesh in use
   bool groups_known_ = false;

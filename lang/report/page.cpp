@@ -89,10 +89,12 @@ Json model_json(const Script& script) {
 Json parameters_json(const Script& script) {
   Json out = Json::array();
   if (!script.model) return out;
-  for (const ModelParam& one : script.model->params)
-    out.push_back({{"name", one.name},
-                   {"value", std::visit([](const auto& v) { return Json(v); }, one.value)},
-                   {"doc", one.doc}});
+  for (const ModelParam& one : script.model->params) {
+    Json value = std::visit([](const auto& v) { return Json(v); }, one.value);
+    if (!one.unit.empty())
+      value = fmt::format("{} [{}]", one.as_declared(std::get<double>(one.value)), one.unit);
+    out.push_back({{"name", one.name}, {"value", value}, {"doc", one.doc}});
+  }
   return out;
 }
 

@@ -453,6 +453,15 @@ def declared_outside():
         failures.append(f"a unit for a script without: {done.stderr}")
 
 
+def reported():
+    """The report shows parameters as the script declares them, not in the units of the computation."""
+    (WORK / "script.hvi").write_text(BASE)
+    done = subprocess.run([PROGRAM, "run", "--quiet", "--report", "-o", str(WORK / "page"), str(WORK / "script.hvi")], capture_output=True, text=True)
+    pages = [page.read_text() for page in (WORK / "page").glob("*.html")]
+    if len(pages) != 1 or '"70 [GPa]"' not in pages[0]:
+        failures.append(f"report: {len(pages)} pages, without 70 [GPa]: {done.stderr}")
+
+
 def formatted():
     """The formatter keeps units and sets them apart by one blank."""
     messy = "units mm,N , s\nparam  E=70[GPa]in[10,300][ GPa ]\nparam k = 3   [N*m^-2 * s^(-1/2)]\nparam m = (1+2)[kg / m^3]\n"
@@ -465,6 +474,7 @@ def formatted():
 
 
 formatted()
+reported()
 exact = sum(right(*case) for case in RIGHT)
 for case in WRONG:
     wrong(*case)
