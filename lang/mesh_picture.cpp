@@ -118,7 +118,6 @@ std::vector<Patch> patches(const solver::Discretisation& d) {
 /// Where a part is named: a point of it in the plane of the picture, and the direction outward.
 struct Tag {
   Place at{}, outward{};
-  double nearest = 0.0; ///< its distance to the middle of the part
 };
 
 Place flat(const solver::Point& p, int dim) {
@@ -171,28 +170,73 @@ bool is_seen(const solver::Mesh& mesh, std::int32_t facet) {
          looks_at_us(patch_of(mesh, mesh.facets[static_cast<std::size_t>(facet)].nodes, plain));
 }
 
-/// At the entity nearest to the middle of the part, of those that are seen; none: none is.
-std::optional<Tag> tag_of(const solver::Mesh& mesh, const solver::Region& region) {
+/// The box of a mesh in the plane of the picture.
+struct Frame {
+  Place low{1e300, 1e300}, high{-1e300, -1e300};
+
+  double size() const { return std::max(high[0] - low[0], high[1] - low[1]); }
+};
+
+Frame frame_of(const solver::Mesh& mesh) {
+  Frame out;
+  for (const auto& node : mesh.nodes) {
+    const Place p = flat(node, mesh.dim);
+    for (std::size_t a = 0; a < 2; ++a)
+      out.low[a] = std::min(out.low[a], p[a]), out.high[a] = std::max(out.high[a], p[a]);
+  }
+  return out;
+}
+
+/// Of a point: away from the middle of the body.
+Place away_from_body(const Frame& frame, const Place& at) {
+  const Place away{at[0] - 0.5 * (frame.low[0] + frame.high[0]),
+                   at[1] - 0.5 * (frame.low[1] + frame.high[1])};
+  const double length = std::hypot(away[0], away[1]);
+  return length > 1e-3 * frame.size() ? Place{away[0] / length, away[1] / length} : Place{0.0, 1.0};
+}
+
+/// At the entity nearest to the middle of the part, of those that are seen; none: none is. Away
+/// from names that stand already, and in space where the normal is not seen from its tip, if there
+/// is such a place.
+std::optional<Tag> tag_of(const solver::Mesh& mesh, const solver::Region& region,
+                          const Frame& frame, std::span<const std::optional<Tag>> others) {
+  constexpr double long_enough = 0.5, apart = 0.25; // of the normal, of the box
   const bool facets = region.kind == solver::Group::Kind::facets;
-  std::vector<std::int32_t> shown;
-  for (const auto e : region.entities)
-    if (!facets || is_seen(mesh, e)) shown.push_back(e);
+  std::vector<Tag> shown;
+  for (const auto e : region.entities) {
+    if (facets && !is_seen(mesh, e)) continue;
+    const Place at = flat(middle_of(mesh, nodes_of(mesh, region.kind, e)), mesh.dim);
+    const bool point = region.kind == solver::Group::Kind::points;
+    shown.push_back({at, facets  ? outward_of(mesh, e)
+                         : point ? away_from_body(frame, at)
+                                 : Place{}});
+  }
   if (shown.empty()) return std::nullopt;
   Place middle{};
-  const auto place = [&](const std::int32_t& e) {
-    return flat(middle_of(mesh, nodes_of(mesh, region.kind, e)), mesh.dim);
+  for (const Tag& tag : shown)
+    for (std::size_t a = 0; a < 2; ++a) middle[a] += tag.at[a] / static_cast<double>(shown.size());
+  const auto distance = [](const Place& a, const Place& b) {
+    return std::hypot(a[0] - b[0], a[1] - b[1]);
   };
-  for (const auto& e : shown)
-    for (std::size_t a = 0; a < 2; ++a)
-      middle[a] += place(e)[a] / static_cast<double>(shown.size());
-  Tag out;
-  out.nearest = -1.0;
-  for (const auto& e : shown) {
-    const Place at = place(e);
-    const double distance = std::hypot(at[0] - middle[0], at[1] - middle[1]);
-    if (out.nearest >= 0.0 && distance >= out.nearest) continue;
-    out = {at, facets ? outward_of(mesh, e) : Place{}, distance};
-  }
+  const auto cost = [&](const Tag& tag) {
+    const bool crowded = std::ranges::any_of(others, [&](const std::optional<Tag>& other) {
+      return other && distance(other->at, tag.at) < apart * frame.size();
+    });
+    const bool short_arrow = facets && std::hypot(tag.outward[0], tag.outward[1]) < long_enough;
+    return distance(tag.at, middle) + (crowded ? 10.0 : 0.0) * frame.size() +
+           (short_arrow ? 100.0 : 0.0) * frame.size();
+  };
+  return *std::ranges::min_element(shown, {}, cost);
+}
+
+/// By part; points first, since they have no other place.
+std::vector<std::optional<Tag>> tags_of(const solver::Discretisation& d, const Frame& frame) {
+  std::vector<std::optional<Tag>> out(d.parts.size());
+  for (const bool points : {true, false})
+    for (std::size_t p = 0; p < d.parts.size(); ++p)
+      if (points == (d.parts[p].kind == solver::Group::Kind::points))
+        out[p] =
+            tag_of(d.mesh, d.parts[p], frame, points ? std::span(out).first(0) : std::span(out));
   return out;
 }
 
@@ -208,14 +252,18 @@ void add_arrow(draw::Sheet& sheet, Place from, Place along, draw::Colour colour)
   sheet.line({barb(1.0), tip, barb(-1.0)}, colour, 1.6);
 }
 
-/// The name of a part with the arrow of its normal; sheets have y downward.
-void add_tag(draw::Sheet& sheet, const draw::Plane& plane, const Tag& tag, const std::string& name,
-             draw::Colour colour) {
+/// The name of a part with the arrow of its normal, of a point with a line to it; sheets have y
+/// downward.
+void add_tag(draw::Sheet& sheet, const draw::Plane& plane, const Tag& tag, bool is_point,
+             const std::string& name, draw::Colour colour) {
   const Place at = plane(tag.at[0], tag.at[1]);
   const Place along{tag.outward[0], -tag.outward[1]};
-  const bool has_normal = along[0] != 0.0 || along[1] != 0.0;
-  if (has_normal) add_arrow(sheet, at, along, colour);
-  const double reach = has_normal ? arrow + 8.0 : 0.0;
+  const bool has_line = along[0] != 0.0 || along[1] != 0.0;
+  if (is_point)
+    sheet.line({at, {at[0] + along[0] * arrow, at[1] + along[1] * arrow}}, draw::grey);
+  else if (has_line)
+    add_arrow(sheet, at, along, colour);
+  const double reach = has_line ? arrow + 8.0 : 0.0;
   const double anchor = along[0] > 0.4 ? 0.0 : along[0] < -0.4 ? 1.0 : 0.5;
   const double lower = along[1] > 0.4 ? 10.0 : along[1] < -0.4 ? 0.0 : 4.0;
   sheet.words({{at[0] + reach * along[0], at[1] + reach * along[1] + lower},
@@ -250,15 +298,10 @@ void add_marks(draw::Sheet& sheet, const draw::Plane& plane, const solver::Discr
     }
 }
 
-/// The box of a mesh in the plane of the picture, in the middle of a sheet with room for names.
-draw::Plane plane_of(const solver::Mesh& mesh, double width, double height) {
+/// The box in the middle of a sheet with room for names.
+draw::Plane plane_of(const Frame& frame, double width, double height) {
   constexpr double room = 90.0;
-  Place low{1e300, 1e300}, high{-1e300, -1e300};
-  for (const auto& node : mesh.nodes) {
-    const Place p = flat(node, mesh.dim);
-    for (std::size_t a = 0; a < 2; ++a)
-      low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
-  }
+  const auto& [low, high] = frame;
   const double scale = std::min((width - 2.0 * room) / (high[0] - low[0]),
                                 (height - 2.0 * room) / (high[1] - low[1]));
   const double w = scale * (high[0] - low[0]), h = scale * (high[1] - low[1]);
@@ -284,12 +327,12 @@ void add_triad(draw::Sheet& sheet, int dim) {
 
 /// All parts by their colours; those that nothing of is seen say so.
 void add_key(draw::Sheet& sheet, const Script& script, const solver::Discretisation& d,
-             const std::vector<bool>& hidden) {
+             std::span<const std::optional<Tag>> tags) {
   Place at{sheet.width - 170.0, 30.0};
   for (std::size_t p = 0; p < d.parts.size(); ++p, at[1] += 18.0) {
     sheet.line({at, {at[0] + 20.0, at[1]}}, is_whole(d, p) ? plain : colour_of(p), 4.0);
     sheet.words({{at[0] + 28.0, at[1] + 4.0},
-                 script.plan->problem.parts[p].name + (hidden[p] ? " (behind)" : ""),
+                 script.plan->problem.parts[p].name + (tags[p] ? "" : " (behind)"),
                  12.0});
   }
 }
@@ -324,7 +367,8 @@ void draw_mesh(const Script& script, const solver::Discretisation& d,
   if (d.mesh.dim == 1)
     throw solver::Failure(solver::FailureKind::bad_value, {}, "a mesh in 1D has no picture");
   draw::Sheet sheet;
-  const draw::Plane plane = plane_of(d.mesh, sheet.width - 170.0, sheet.height);
+  const Frame frame = frame_of(d.mesh);
+  const draw::Plane plane = plane_of(frame, sheet.width - 170.0, sheet.height);
   const auto all = patches(d);
   for (const Patch& patch : all) {
     std::vector<Place> outline;
@@ -333,17 +377,15 @@ void draw_mesh(const Script& script, const solver::Discretisation& d,
     sheet.marks.emplace_back(draw::Fill{outline, patch.colour});
     if (all.size() <= most_edges) sheet.line(std::move(outline), edges, 0.4);
   }
-  std::vector<bool> hidden;
   for (std::size_t p = 0; p < d.parts.size(); ++p) add_marks(sheet, plane, d, p);
+  const auto tags = tags_of(d, frame);
   for (std::size_t p = 0; p < d.parts.size(); ++p) {
-    const auto tag = tag_of(d.mesh, d.parts[p]);
-    hidden.push_back(!tag.has_value());
-    if (!tag || is_whole(d, p)) continue;
-    add_tag(sheet, plane, *tag, script.plan->problem.parts[p].name,
-            d.mesh.dim == 3 ? draw::black : colour_of(p));
+    if (!tags[p] || is_whole(d, p)) continue;
+    add_tag(sheet, plane, *tags[p], d.parts[p].kind == solver::Group::Kind::points,
+            script.plan->problem.parts[p].name, d.mesh.dim == 3 ? draw::black : colour_of(p));
   }
   add_triad(sheet, d.mesh.dim);
-  add_key(sheet, script, d, hidden);
+  add_key(sheet, script, d, tags);
   draw::write_sheet(sheet, picture);
 }
 

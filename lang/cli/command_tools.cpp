@@ -135,7 +135,7 @@ int serve_editor_command() {
 
 namespace {
 
-/// The mesh of a script with its parts; drawn into SCRIPT_mesh.png.
+/// The mesh of a script with its parts; drawn into SCRIPT_mesh.png and .svg.
 int mesh_of_script(const std::string& path, const Options& options) {
   Session session(path, compile_settings(options));
   Exit code = session.compile();
@@ -147,10 +147,12 @@ int mesh_of_script(const std::string& path, const Options& options) {
   }
   if (code == exit_ok && !options.no_files && session.discretisation.mesh.dim > 1)
     code = session.attempt([&] {
-      const auto picture = std::filesystem::path(options.output_folder) /
-                           (session.script.model->title + "_mesh.png");
-      draw_mesh(session.script, session.discretisation, picture);
-      say("drawn: {}\n", picture.string());
+      for (const char* kind : {"_mesh.png", "_mesh.svg"}) {
+        const auto picture =
+            std::filesystem::path(options.output_folder) / (session.script.model->title + kind);
+        draw_mesh(session.script, session.discretisation, picture);
+        say("drawn: {}\n", picture.string());
+      }
     });
   show_diagnostics(session.script, options);
   return code;
