@@ -89,6 +89,8 @@ public:
     match_nodes();
     match_facets();
   }
+  /// From the first part to the second.
+  const Point& way() const { return way_; }
   /// (second, first)
   const std::vector<std::pair<std::int32_t, std::int32_t>>& nodes() const { return nodes_; }
 
@@ -103,13 +105,12 @@ private:
     const Box a = box_around(space_, first), b = box_around(space_, second);
     const Box all = bounding_box(*space_.mesh);
     const double reach = meet_within * distance(all.low, all.high);
-    Point shift{};
-    for (std::size_t i = 0; i < 3; ++i) shift[i] = b.low[i] - a.low[i];
-    if (space_.mesh->axisymmetric && std::abs(shift[0]) > reach)
+    for (std::size_t i = 0; i < 3; ++i) way_[i] = b.low[i] - a.low[i];
+    if (space_.mesh->axisymmetric && std::abs(way_[0]) > reach)
       throw Failure(FailureKind::bad_value, spec_.origin,
                     "periodic parts of a body of revolution lie above each other",
                     "a way along the radius changes the body");
-    const Point moved{a.high[0] + shift[0], a.high[1] + shift[1], a.high[2] + shift[2]};
+    const Point moved{a.high[0] + way_[0], a.high[1] + way_[1], a.high[2] + way_[2]};
     if (distance(moved, b.high) > 2 * reach)
       refuse("the periodic parts differ in size: no translation takes one to the other",
              help_for_meshes);
@@ -117,7 +118,7 @@ private:
     const auto from_first = outlooks(space_, first_), from_second = outlooks(space_, second_);
     for (const auto node : second) {
       Point place = space_.nodes[static_cast<std::size_t>(node)];
-      for (std::size_t i = 0; i < 3; ++i) place[i] -= shift[i];
+      for (std::size_t i = 0; i < 3; ++i) place[i] -= way_[i];
       std::int32_t partner = -1;
       of_first.for_each_at(place, 2 * reach, [&](std::int32_t candidate) {
         const Point& outlook = from_second.at(node);
@@ -166,6 +167,7 @@ private:
   const Space& space_;
   const PeriodicSpec& spec_;
   const Region &first_, &second_;
+  Point way_{};
   std::vector<std::pair<std::int32_t, std::int32_t>> nodes_;
 };
 
@@ -218,6 +220,27 @@ std::vector<std::int32_t> periodic_dofs(const Space& space, const SpaceSpec& spe
     }
   }
   return classes.take();
+}
+
+std::vector<PeriodicNote> periodic_notes(const Space& space, const Problem& problem,
+                                         std::span<const Region> parts) {
+  std::vector<PeriodicNote> out;
+  const auto name = [&](int part) { return problem.parts[static_cast<std::size_t>(part)].name; };
+  for (const PeriodicSpec& condition : problem.space.periodic) {
+    const Matching matching(space, condition, parts);
+    const SpaceBlock& block = space.blocks[static_cast<std::size_t>(condition.unknown)];
+    const auto n = std::ranges::count_if(
+        matching.nodes(), [&](const auto& pair) { return has_node(space, block, pair.first); });
+    out.push_back(
+        {fmt::format("periodic{} `{}` = `{}`{}",
+                     condition.component < 0 ? "" : fmt::format(".{}", "xyz"[condition.component]),
+                     name(condition.first), name(condition.second),
+                     space.is_product() ? fmt::format(" of `{}`", block.name) : ""),
+         fmt::format("moved by {}; {} nodes repeat others",
+                     describe_point(matching.way(), space.mesh->dim), n),
+         condition.origin});
+  }
+  return out;
 }
 
 } // namespace hvi::solver

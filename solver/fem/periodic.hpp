@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace hvi::solver {
@@ -18,5 +19,14 @@ namespace hvi::solver {
 /// revolution changes the radius.
 std::vector<std::int32_t> periodic_dofs(const Space& space, const SpaceSpec& spec,
                                         std::span<const Region> parts);
+
+/// For people: the condition as scripts write it, and what it is on this mesh.
+struct PeriodicNote {
+  std::string condition; ///< "periodic.x `left` = `right`"; of several unknowns: " of `u`"
+  std::string found;     ///< "moved by (1, 0); 5 nodes repeat others"
+  Origin origin;
+};
+std::vector<PeriodicNote> periodic_notes(const Space& space, const Problem& problem,
+                                         std::span<const Region> parts);
 
 } // namespace hvi::solver

@@ -4,6 +4,7 @@
 //
 // Paper: H(A), H(B), H(E), H(q), H(J), H(M), H(f), (H0), Theorem existencetheorem, Lemma lem3.1.
 #include "solver/common/numbers.hpp"
+#include "solver/fem/periodic.hpp"
 #include "solver/history/norm_proofs.hpp"
 #include "solver/hypotheses/judgement.hpp"
 #include "solver/hypotheses/load_time.hpp"
@@ -28,6 +29,7 @@ std::string with_word(double value, const Bracket& known) {
 HypothesisReport Judgement::report(bool extrapolate) {
   longest_step();
   steps_ = step_weights(problem_);
+  judge_space();
   judge_inertia();
   judge_a();
   judge_b();
@@ -67,6 +69,12 @@ void Judgement::longest_step() {
 
 std::string Judgement::place(const Ellipticity& e) const {
   return e.varies ? fmt::format(", least at {}", describe_point(e.at, d_.mesh.dim)) : std::string();
+}
+
+/// Values that repeat make V smaller, and closed as before: nothing else changes.
+void Judgement::judge_space() {
+  for (const PeriodicNote& note : periodic_notes(d_.space, problem_, d_.parts))
+    row("V", note.condition, std::nullopt, Answer::holds, note.origin, note.found);
 }
 
 void Judgement::judge_inertia() {

@@ -39,6 +39,7 @@ private:
   // Forms, memories and loads: hypotheses.cpp
   void longest_step();
   std::string place(const Ellipticity& e) const;
+  void judge_space();
   void judge_inertia();
   void judge_a();
   /// Coercive in V or in H? A tensor that is elliptic everywhere is the former's proof; else the

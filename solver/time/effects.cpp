@@ -2,6 +2,7 @@
 #include "solver/time/effects.hpp"
 
 #include "solver/common/stream.hpp"
+#include "solver/fem/periodic.hpp"
 
 #include <fmt/format.h>
 
@@ -89,6 +90,9 @@ std::vector<EffectNote> found_effects(const Problem& problem, const Discretisati
                    problem.space.vector ? "integrals carry 2 pi x, strains the hoop part u_x/x; "
                                           "u_x = 0 on the axis"
                                         : "integrals carry 2 pi x"});
+  for (const PeriodicNote& note :
+       periodic_notes(discretisation.space, problem, discretisation.parts))
+    out.push_back({note.condition, State::on, note.origin, note.found});
   if (!problem.space.more.empty()) {
     std::string names;
     for (const UnknownSpec& unknown : unknowns_of(problem.space))

@@ -27,7 +27,8 @@ private:
   std::vector<double> slopes_; ///< 0: no multiplier yet
 };
 
-/// Each space dimension, the symmetry of the matrices, and how often each load is assembled.
+/// Each space dimension, periodic parts, the symmetry of the matrices, and how often each load is
+/// assembled.
 std::vector<EffectNote> found_effects(const Problem& problem, const Discretisation& discretisation,
                                       const RunState& run);
 

@@ -5,6 +5,7 @@
 - One cell against two cells in a row, with everything that a step can have: contact, friction on the rate, memory by each route, states of laws
   and of the body, inertia with mass off the contact, pairs, bodies of revolution, one component only.
 - A layered material: its modulus is the harmonic mean, exactly.
+- What `plan`, `check` and the pages say of periodic parts.
 - Resumed runs, to a later end; `check` and E0425 name the motions that are left.
 """
 import csv
@@ -270,12 +271,53 @@ report
         run(folder, text)
         row = table(folder)[-1]
         assert row["lu"] == row["ru"] and (row["lt"] == row["rt"]) == bool(repeats), row
+        names = ["periodic `left` = `right` of `u`", *(["periodic `left` = `right` of `theta`"] if repeats else [])]
+        told(folder, text, [(name, f"moved by (1, 0); {n} nodes repeat others") for name, n in zip(names, (17, 9))])
+
+
+def told(folder, text, wanted):
+    """`plan`, the result, `check` and both pages say which parts repeat, by which way, how many nodes; nothing where none do."""
+    run(folder, text, "--json", str(folder / "run.json"), "--report")
+    notes = [e for e in json.loads((folder / "run.json").read_text())["plan"]["effects"] if e["name"].startswith("periodic")]
+    assert [(e["name"], e["state"], e["why"]) for e in notes] == [(name, "on", why) for name, why in wanted], notes
+    lines = [i for i, words in enumerate(text.split("\n"), 1) for _ in range(words.count("periodic"))]
+    assert [e["line"] for e in notes] == lines, (notes, lines)
+    page = (folder / "out" / "scene_report.html").read_text()
+    said = run(folder, text, "--report", "-o", str(folder / "out"), "--json", str(folder / "check.json"), command="check")
+    rows = [h for h in json.loads((folder / "check.json").read_text())["hypotheses"] if h["name"] == "V"]
+    assert [(h["bound"], h["holds"], h["note"]) for h in rows] == [(name, True, why) for name, why in wanted], rows
+    checked = (folder / "out" / "scene_report.html").read_text()
+    plan = run(folder, text, command="plan")
+    for (name, why), line in zip(wanted, lines):
+        for place in (page, checked):
+            assert name in place and why in place, name
+        assert name in said and why in said and f"{name}, line {line}: {why}" in plan, (said, plan)
+    assert wanted or not any("nodes repeat others" in place for place in (page, checked, said, plan))
+
+
+def components(folder):
+    """One component; the other way round; none."""
+    text = """mesh body = box(2, 1, 3, cells = [2, 2, 3])
+part left = body.left
+part right = body.right
+part back = body.back
+part front = body.front
+part ends = body.bottom
+tensor B = isotropic(young = 10, poisson = 0.3)
+space V = vector P1 on body, zero on ends{periodic}
+find u in V such that for all v in V integral(body, B : eps(u) : eps(v)) = integral(body, dot([0, 1, 0], v))
+report
+  table low = u.y at [0, 1, 0]
+"""
+    told(folder, text.format(periodic=", periodic.z back = front"), [("periodic.z `back` = `front`", "moved by (0, 0, 3); 9 nodes repeat others")])
+    told(folder, text.format(periodic=", periodic right = left"), [("periodic `right` = `left`", "moved by (-2, 0, 0); 12 nodes repeat others")])
+    told(folder, text.format(periodic=""), [])
 
 
 def main():
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
-        for check in (layers, revolution, one_and_two, routes, resumed, free_motions, mixed, orders):
+        for check in (layers, revolution, one_and_two, routes, resumed, free_motions, mixed, components, orders):
             check(folder)
             print(f"{check.__name__}: ok")
 
