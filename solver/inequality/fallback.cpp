@@ -19,8 +19,9 @@ namespace hvi::solver {
 
 namespace {
 
-/// gamma as parts of the body's compliance.
-constexpr double smallest_gamma = 1e-9, step_of_gamma = 10.0;
+/// gamma as parts of the body's compliance. An update moves a multiplier by z / gamma: a slip that
+/// is all but rounding has to move one as large as a bound far above the forces at work.
+constexpr double smallest_gamma = 1e-16, step_of_gamma = 10.0;
 /// Below this residual, so many steps that do not halve it show that rounding is all that is left.
 constexpr double nearly_solved = 1e-6;
 constexpr int patience = 10;
@@ -152,7 +153,7 @@ MethodOutcome solve_globally(Position& at, LastFactor& factor, ActiveSetNewton& 
   Vector trial;
   for (int outer = 0; outer < 80; ++outer) {
     const auto inner = f.minimise(options.max_iterations, report);
-    if (inner == MethodOutcome::indefinite) return inner;
+    if (inner == MethodOutcome::indefinite && f.laws.shrink >= 1.0) return inner;
     f.update_multipliers();
     const Vector kept_c = at.c;
     f.laws.hand_over(at);
@@ -168,9 +169,10 @@ MethodOutcome solve_globally(Position& at, LastFactor& factor, ActiveSetNewton& 
       at.xi = trial;
       return MethodOutcome::solved;
     }
-    // The multipliers have the rounding of z by gamma: it may be too small to solve anything.
+    // The multipliers have the rounding of z by gamma, the factor that of the body beside 1 /
+    // gamma: it may be too small to solve anything.
     double& shrink = f.laws.shrink;
-    if (inner == MethodOutcome::failed && shrink < 1.0)
+    if (inner != MethodOutcome::solved && shrink < 1.0)
       least = shrink = std::min(1.0, shrink * step_of_gamma);
     else
       shrink = std::max(shrink / step_of_gamma, least);

@@ -95,12 +95,13 @@ inline DenseMatrix chain(int n, double ground) {
 }
 
 /// max of the residual's componentwise backward error and the scaled distance to the graph,
-/// computed here from the definition: slopes of `known` at z, hulls of its limits at its breaks.
+/// computed here from the definition: slopes of `known` at z, hulls of its limits at its breaks,
+/// which count within `snap` of the displacements.
 struct Certificate {
   double residual = 0.0, inclusion = 0.0;
 };
 inline Certificate recompute(const Bench& setup, const std::vector<const KnownLaw*>& known,
-                             const InequalityState& state) {
+                             const InequalityState& state, double snap = 1e-12) {
   Certificate out;
   const ReducedProblem& problem = setup.problem;
   const DenseMatrix g = problem.g;
@@ -116,8 +117,8 @@ inline Certificate recompute(const Bench& setup, const std::vector<const KnownLa
   const Vector z = g * state.c + problem.offset;
   const double largest = state.xi.size() > 0 ? state.xi.lpNorm<Eigen::Infinity>() : 0.0;
   // Rounding of displacements: of the largest one, or of what the load would cause.
-  const double eps = 1e-12 * (state.c.lpNorm<Eigen::Infinity>() +
-                              setup.r.lpNorm<Eigen::Infinity>() / setup.s.diagonal().maxCoeff());
+  const double eps = snap * (state.c.lpNorm<Eigen::Infinity>() +
+                             setup.r.lpNorm<Eigen::Infinity>() / setup.s.diagonal().maxCoeff());
   for (const ContactPoint& p : problem.points) {
     const KnownLaw& law = *known[p.law];
     const bool radial = law.spec.radial;
