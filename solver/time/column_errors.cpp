@@ -43,7 +43,7 @@ SolutionSize own_size(const Space& space, const SpaceBlock& block, const Vector&
     for (int c = 0; c < block.components; ++c)
       largest = std::max(largest, std::abs(u[space.dof(node, block.first + c)]));
   const double nothing = all.nothing_of[static_cast<std::size_t>(space.block_of(block.first))];
-  return {std::max(largest, nothing), nothing, {}};
+  return {std::max(largest, nothing), nothing, {}, 0.0};
 }
 
 /// Of one unknown; see reference_motions.
@@ -122,7 +122,9 @@ std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples, 
     small = small && out[i].absolute <= ForwardError::small * largest[i];
   }
   if (!small) { // a column may be zero by symmetry
-    const double xi = now_.xi().size() > 0 ? now_.xi().lpNorm<Eigen::Infinity>() : 0.0;
+    const double xi = now_.xi().size() > 0 ? std::max(now_.xi().lpNorm<Eigen::Infinity>(),
+                                                      scale.nothing_of_multipliers)
+                                           : 0.0;
     for (const auto& motion : reference_motions(space_, samples.front(), u, scale, xi)) {
       const auto change = change_along(motion, small_step);
       for (std::size_t i = 0; i < change.size(); ++i) floors[i] += std::abs(change[i]);

@@ -11,6 +11,8 @@ namespace hvi::solver {
 namespace {
 
 constexpr double rounding_unit = std::numeric_limits<double>::epsilon();
+/// What is left of a residual whose terms cancel.
+constexpr double nearly_rounding = 1e3 * rounding_unit;
 constexpr int most_expansions = 200;
 constexpr int most_bisections = 200;
 constexpr int most_newton = 60;
@@ -112,52 +114,28 @@ bool solve_one(const LocalEquation& all, std::span<double> z, std::size_t i) {
   return false;
 }
 
+/// The same zeros as the equations have z = P(z - s (z - b - c g)), for any s > 0. With s = 1 a
+/// state that falls fast would be taken for one that is held at its lower end.
 class System {
 public:
   System(const LocalEquation& e, std::span<double> z)
-      : e_(e), z_(z), n_(static_cast<Eigen::Index>(z.size())), g_(z.size()),
+      : e_(e), z_(z), n_(static_cast<Eigen::Index>(z.size())), g_(z.size()), scale_(z.size(), 1.0),
         by_(z.size() * z.size()) {}
 
-  /// max_i |z_i - P_i(b_i + c g_i)| / (|z_i| + |b_i| + |c g_i|), and the residual.
-  double residual(Vector& r) {
-    e_.rates(z_, g_);
-    double worst = 0.0;
-    r.resize(n_);
-    for (std::size_t i = 0; i < z_.size(); ++i) {
-      const double moved = e_.known[i] + e_.factor * g_[i];
-      const auto k = static_cast<Eigen::Index>(i);
-      r[k] = z_[i] - std::clamp(moved, e_.low[i], e_.high[i]);
-      const double size = std::abs(z_[i]) + std::abs(e_.known[i]) + std::abs(e_.factor * g_[i]);
-      if (!std::isfinite(moved)) return std::numeric_limits<double>::infinity();
-      if (r[k] != 0.0) worst = std::max(worst, std::abs(r[k]) / size);
-    }
-    return worst;
-  }
-
   bool newton() {
-    Vector r, step;
+    Vector r;
+    rescale();
     double error = residual(r);
     if (!std::isfinite(error)) return false;
     for (int k = 0; k < most_newton && error > 2.0 * rounding_unit; ++k) {
-      step = solve_square(jacobian(), r);
+      const Vector step = solve_square(jacobian(), r);
       if (!step.allFinite()) return false;
-      const std::vector<double> before(z_.begin(), z_.end());
-      double after = error;
-      double t = 1.0;
-      for (; t >= shortest_step; t /= 2.0) {
-        for (std::size_t i = 0; i < z_.size(); ++i)
-          z_[i] =
-              std::clamp(before[i] - t * step[static_cast<Eigen::Index>(i)], e_.low[i], e_.high[i]);
-        after = residual(r);
-        if (after < error) break;
-      }
-      if (t < shortest_step) {
-        std::ranges::copy(before, z_.begin());
-        break;
-      }
-      error = after;
+      const double after = shorten(step, error, r);
+      if (!(after < error)) break;
+      rescale();
+      error = residual(r);
     }
-    return error <= 1e3 * rounding_unit;
+    return error <= nearly_rounding;
   }
 
   bool one_by_one() {
@@ -165,22 +143,66 @@ public:
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
       for (std::size_t i = 0; i < z_.size(); ++i)
         if (!solve_one(e_, z_, i)) return false;
+      rescale();
       if (residual(r) <= 16.0 * rounding_unit) return true;
     }
-    return false;
+    return residual(r) <= nearly_rounding;
   }
 
 private:
-  DenseMatrix jacobian() {
+  /// s_i = 1 / max(1, 1 - c dg_i/dz_i), and the derivatives, here.
+  void rescale() {
     e_.derivatives(z_, by_);
+    for (std::size_t i = 0; i < z_.size(); ++i) {
+      const double steep = 1.0 - e_.factor * by_[i * z_.size() + i];
+      scale_[i] = steep > 1.0 ? 1.0 / steep : 1.0;
+    }
+  }
+
+  /// z_i - s_i (z_i - b_i - c g_i): kept in the box it would be z_i.
+  double moved(std::size_t i) const {
+    return z_[i] - scale_[i] * (z_[i] - e_.known[i] - e_.factor * g_[i]);
+  }
+
+  /// max_i |r_i| / (|z_i| + s_i (|b_i| + |c g_i|)), and the residual r_i = z_i - P_i(moved_i).
+  double residual(Vector& r) {
+    e_.rates(z_, g_);
+    double worst = 0.0;
+    r.resize(n_);
+    for (std::size_t i = 0; i < z_.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      if (!std::isfinite(moved(i))) return std::numeric_limits<double>::infinity();
+      r[k] = z_[i] - std::clamp(moved(i), e_.low[i], e_.high[i]);
+      const double size =
+          std::abs(z_[i]) + scale_[i] * (std::abs(e_.known[i]) + std::abs(e_.factor * g_[i]));
+      if (r[k] != 0.0) worst = std::max(worst, std::abs(r[k]) / size);
+    }
+    return worst;
+  }
+
+  /// Goes back along the step, halved until the residual is below `error`; its size, or `error`
+  /// where none is and nothing has moved.
+  double shorten(const Vector& step, double error, Vector& r) {
+    const std::vector<double> before(z_.begin(), z_.end());
+    for (double t = 1.0; t >= shortest_step; t /= 2.0) {
+      for (std::size_t i = 0; i < z_.size(); ++i)
+        z_[i] =
+            std::clamp(before[i] - t * step[static_cast<Eigen::Index>(i)], e_.low[i], e_.high[i]);
+      if (const double after = residual(r); after < error) return after;
+    }
+    std::ranges::copy(before, z_.begin());
+    return error;
+  }
+
+  DenseMatrix jacobian() const {
     DenseMatrix out = DenseMatrix::Identity(n_, n_);
     for (Eigen::Index i = 0; i < n_; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      const double moved = e_.known[k] + e_.factor * g_[k];
-      if (moved <= e_.low[k] || moved >= e_.high[k]) continue;
+      if (moved(k) <= e_.low[k] || moved(k) >= e_.high[k]) continue;
       for (Eigen::Index j = 0; j < n_; ++j) {
         const double slope = by_[k * z_.size() + static_cast<std::size_t>(j)];
-        if (std::isfinite(slope)) out(i, j) -= e_.factor * slope;
+        const double of_rate = std::isfinite(slope) ? e_.factor * slope : 0.0;
+        out(i, j) = scale_[k] * (out(i, j) - of_rate);
       }
     }
     return out;
@@ -189,7 +211,7 @@ private:
   const LocalEquation& e_;
   std::span<double> z_;
   Eigen::Index n_;
-  std::vector<double> g_, by_;
+  std::vector<double> g_, scale_, by_;
 };
 
 } // namespace

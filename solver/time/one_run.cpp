@@ -178,9 +178,24 @@ void OneRun::estimate_forward_error() {
   error.solution = std::max(error.solution, state_.solver.refinement.last_correction());
   error.refined = state_.solver.refinement.on();
   error.amplification = state_.rounding.amplification();
-  error.columns = reporter_.errors(samples, result_.u, {size, nothing, nothing_of_each(matrix)});
+  error.columns = reporter_.errors(
+      samples, result_.u, {size, nothing, nothing_of_each(matrix), nothing_of_multipliers(matrix)});
   if (settings_.condition || error.refined || result_.work.bytes < cheap_bytes)
     error.condition = state_.formulation->condition(state_.solver.equations.matrices.latest());
+}
+
+double OneRun::nothing_of_multipliers(const StepMatrix* matrix) const {
+  const SparseMatrix& force = state_.contact().force;
+  const Vector& u = state_.evolution.u();
+  double out = 0.0;
+  for (int i = 0; matrix != nullptr && i < std::min(force.rows(), matrix->k().rows()); ++i) {
+    double forces = 0.0, weight = 0.0;
+    for (SparseMatrix::InnerIterator it(matrix->k(), i); it; ++it)
+      forces += std::abs(it.value() * u[it.col()]);
+    for (SparseMatrix::InnerIterator it(force, i); it; ++it) weight += std::abs(it.value());
+    if (weight > 0.0) out = std::max(out, negligible_share * forces / weight);
+  }
+  return out;
 }
 
 std::array<double, slot::most_unknowns> OneRun::nothing_of_each(const StepMatrix* matrix) const {

@@ -52,6 +52,9 @@ private:
   /// Of several unknowns: parts of how far the forces in its rows would move each of them, which
   /// may cancel (a fluid at rest under its pressure).
   std::array<double, slot::most_unknowns> nothing_of_each(const StepMatrix* matrix) const;
+  /// A part of the multipliers that would hold the forces in their rows, which may cancel (a side
+  /// along which a body moves).
+  double nothing_of_multipliers(const StepMatrix* matrix) const;
   /// Vector laws have no equilibrium curve (point_curve.hpp).
   bool branches_are_followed() const;
   /// Where several solutions are possible: that it is so, which branch this is, and its energy.

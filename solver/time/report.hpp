@@ -32,6 +32,7 @@ struct SolutionSize {
   double nothing = 0.0;
   /// Of several unknowns, what is rounding of each.
   std::array<double, slot::most_unknowns> nothing_of{};
+  double nothing_of_multipliers = 0.0;
 };
 
 class Reporter {

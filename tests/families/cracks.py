@@ -1,6 +1,6 @@
 """Meshes cut along inner groups: the answers of meshes whose nodes were doubled by hand, and of whole ones.
 
-usage: cracks.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
+usage: cracks.py HVI_RUN [--scenes N] [--seed S] [--only K,K,..] [--keep FOLDER]
 
 A turned block in 2D or 3D, P1 or P2, with a crack from its left side to the middle or right through. Without a law it is
 free, as it is where the nodes are two from the beginning; glued by a stiff law it is whole, to one part in its
@@ -84,7 +84,7 @@ def corners(program, folder, mesh, text):
 def main():
     options = orientation.asked_for()
     worst_free = worst_glued = worst_of_corners = 0.0
-    for k in range(options.scenes) if options.only is None else [options.only]:
+    for k in range(options.scenes) if options.only is None else options.only:
         random = np.random.default_rng([options.seed, k])
         dim, order = 2 + k % 2, 1 + k // 2 % 2
         mesh, doubled = cracked(random, dim)

@@ -1,6 +1,6 @@
 """Jumps and means of unknowns of different orders on a pair: what probes and integrals say is what the mortar says of the fields.
 
-usage: jumps.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
+usage: jumps.py HVI_RUN [--scenes N] [--seed S] [--only K,K,..] [--keep FOLDER]
 
 Two blocks whose meshes do not match, in 2D or 3D, turned, scaled, one of them shifted beyond the other or not, with u in P1 or P2 and a
 scalar theta in P1 or P2 beside it, which the forms couple. A spring holds the jump of the one with the higher order; the other one
@@ -167,7 +167,7 @@ def main():
     wrong = 0 if worst <= BOUND else 1
     if wrong:
         print(f"a state that reads a jump is off by {worst:.1e}", file=sys.stderr)
-    scenes = range(options.scenes) if options.only is None else [options.only]
+    scenes = range(options.scenes) if options.only is None else options.only
     for k in scenes:
         scene = Scene(np.random.default_rng([options.seed, k]))
         if not scene.points:

@@ -1,6 +1,6 @@
 """Mass, memory, laws on u and on u', and states on the contact at once, on random scenes: every scheme, replayed by brute force.
 
-usage: moving_states.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
+usage: moving_states.py HVI_RUN [--scenes N] [--seed S] [--only K,K,..] [--keep FOLDER]
 
 The scenes of states.py (a block in 2D or 3D, P1 or P2, with one to three laws whose forces or arguments bonds, slips, ages and wear change) with
 the mass, the initial velocities and the schemes of motion.py. The states that the program tells are put into the laws: brute force must find the

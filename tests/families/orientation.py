@@ -1,6 +1,6 @@
 """Well-posed scenes turned, scaled and moved: the same answers, and those of brute force.
 
-usage: orientation.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
+usage: orientation.py HVI_RUN [--scenes N] [--seed S] [--only K,K,..] [--keep FOLDER]
 
 Each scene is an elastic or viscoelastic block in 2D or 3D, P1 or P2, with random laws on its ground (each rule) whose
 steps are strictly convex. It runs as it is, and turned by a random angle, scaled by up to a million either way and
@@ -241,7 +241,7 @@ def asked_for():
     parser.add_argument("program", type=lambda p: str(pathlib.Path(p).resolve()))
     parser.add_argument("--scenes", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", type=int)
+    parser.add_argument("--only", type=lambda text: [int(k) for k in text.split(",")])
     parser.add_argument("--keep", type=pathlib.Path)
     return parser.parse_args()
 
@@ -251,7 +251,7 @@ def main():
     certified = wrong = refused = skipped = 0
     refused_in, scenes_in = {2: 0, 3: 0}, {2: 0, 3: 0}
     worst = 0.0
-    for k in range(options.scenes) if options.only is None else [options.only]:
+    for k in range(options.scenes) if options.only is None else options.only:
         random = np.random.default_rng([options.seed, k])
         scene = Scene(random)
         turn, scale = turning(random, scene.dim), 10 ** random.uniform(-6, 6)

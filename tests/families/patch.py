@@ -1,6 +1,6 @@
 """Patch tests of pairs: what is linear on both bodies, with a constant jump between them, is found to rounding.
 
-usage: patch.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
+usage: patch.py HVI_RUN [--scenes N] [--seed S] [--only K,K,..] [--keep FOLDER]
 
 Two blocks of one width whose meshes do not match, in 2D and 3D, P1 and P2, turned by a random rotation, touch on a
 plane. A spring law on jump(u), the same along and across, holds them together. With u = F x below and F x + c above,
@@ -126,7 +126,7 @@ def solve(program, folder, text, upper, lower):
 def main():
     options = orientation.asked_for()
     worst_patch = worst_rest = 0.0
-    for k in range(options.scenes) if options.only is None else [options.only]:
+    for k in range(options.scenes) if options.only is None else options.only:
         random = np.random.default_rng([options.seed, k])
         dim, order = 2 + k % 2, 1 + k // 2 % 2
         turn = turning(random, dim)

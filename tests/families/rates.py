@@ -1,6 +1,6 @@
 """Laws on u, on u' and on memories together, on random scenes: the answers of brute force at every step.
 
-usage: rates.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
+usage: rates.py HVI_RUN [--scenes N] [--seed S] [--only K,K,..] [--keep FOLDER]
 
 Each scene is a viscoelastic block in 2D or 3D, P1 or P2, some with memory, turned and scaled, with one to three laws on
 its ground (each rule), at least one of them on the rate or on a memory, whose steps are strictly convex. Loads come and go, and what
@@ -266,7 +266,7 @@ def judge(name, make_scene, without_reference=WITHOUT_REFERENCE, turning=turning
     options = orientation.asked_for()
     certified = wrong = refused = skipped = 0
     worst = largest = most_besides = 0.0
-    asked = range(options.scenes) if options.only is None else [options.only]
+    asked = range(options.scenes) if options.only is None else options.only
     for k in asked:
         random = np.random.default_rng([options.seed, k])
         scene = make_scene(random)
