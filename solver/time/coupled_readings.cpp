@@ -18,6 +18,18 @@ Vector readings_of(const Contact& contact) {
   return out;
 }
 
+/// Of each law's readings, one after the other.
+std::vector<int> kinds_of(const Contact& contact) {
+  std::vector<int> out;
+  int kind = 0;
+  for (const auto& readings : contact.readings) {
+    const std::size_t points = readings.n_points();
+    for (std::size_t i = 0; i < readings.values.size(); i += points, ++kind)
+      out.insert(out.end(), points, kind);
+  }
+  return out;
+}
+
 void set_readings(Contact& contact, const Vector& to) {
   Eigen::Index at = 0;
   for (auto& readings : contact.readings)
@@ -29,7 +41,7 @@ void set_readings(Contact& contact, const Vector& to) {
 void couple_readings(StepLaws& laws, Contact& contact, double tolerance,
                      const InequalityState* path_start, const StepEquation& equation, Trial& trial,
                      const std::function<StepResult(CorrectionStart)>& solve, StepResult& out) {
-  Mixing mixing;
+  Mixing mixing(kinds_of(contact));
   Vector used = readings_of(contact);
   for (int pass = 0; out.inequality.converged && trial.d.allFinite(); ++pass) {
     laws.read_solution(equation.n, equation.known, &trial.d);

@@ -27,6 +27,7 @@ public:
   LawReadings(const LawSpec& law, int index, LawPoints& points, const StateLayout& layout);
 
   int law() const { return law_; }
+  std::size_t n_points() const { return points_; }
   const std::vector<int>& fields() const { return fields_; }
   /// The values at all points are those of these fields and multipliers at the time t.
   void read(double t, const LawFields& fields, const MultiplierAt& multiplier);

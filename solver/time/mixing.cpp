@@ -4,6 +4,7 @@
 #include "solver/common/numbers.hpp"
 #include "solver/linear/dense.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hvi::solver {
@@ -21,8 +22,26 @@ constexpr double another_piece = 10.0;
 Vector Mixing::next(const Vector& x, const Vector& image) {
   const Vector gap = image - x;
   note_bracket(x, gap);
-  Vector out = mixed(image, gap);
+  Vector out = mixed(image, by_size(gap, x, image));
   if (++passes_ > free_passes) stay_inside(out);
+  return out;
+}
+
+Vector Mixing::by_size(const Vector& gap, const Vector& x, const Vector& image) {
+  std::vector<double> now;
+  for (Eigen::Index i = 0; i < gap.size(); ++i) {
+    const auto kind = static_cast<std::size_t>(kinds_[static_cast<std::size_t>(i)]);
+    if (kind >= now.size()) now.resize(kind + 1, 0.0);
+    now[kind] = std::max({now[kind], std::abs(x[i]), std::abs(image[i])});
+  }
+  sizes_.resize(now.size(), 0.0);
+  for (std::size_t kind = 0; kind < now.size(); ++kind)
+    if (sizes_[kind] == 0.0) sizes_[kind] = now[kind];
+  Vector out = gap;
+  for (Eigen::Index i = 0; i < gap.size(); ++i) {
+    const double size = sizes_[static_cast<std::size_t>(kinds_[static_cast<std::size_t>(i)])];
+    if (size > 0.0) out[i] /= size;
+  }
   return out;
 }
 

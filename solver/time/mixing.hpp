@@ -4,6 +4,8 @@
 #include "solver/linear/sparse.hpp"
 
 #include <deque>
+#include <utility>
+#include <vector>
 
 namespace hvi::solver {
 
@@ -16,17 +18,24 @@ namespace hvi::solver {
 /// where g(x) - x was positive and negative.
 class Mixing {
 public:
+  /// `kinds`: of each component, from 0 on. Components of one kind are of one unit; gaps are
+  /// measured by the sizes of their kinds.
+  explicit Mixing(std::vector<int> kinds) : kinds_(std::move(kinds)) {}
+
   /// The argument after `x`, whose image is `image`.
   Vector next(const Vector& x, const Vector& image);
 
 private:
   Vector mixed(const Vector& image, const Vector& gap);
+  Vector by_size(const Vector& gap, const Vector& x, const Vector& image);
   void note_bracket(const Vector& x, const Vector& gap);
   void stay_inside(Vector& x) const;
 
+  std::vector<int> kinds_;
+  std::vector<double> sizes_; ///< of the kinds, from the first pass in which they are not zero
   int passes_ = 0;
   Vector low_, high_; ///< g(x) - x was positive there, and negative
-  std::deque<Vector> changes_of_images_, changes_of_gaps_;
+  std::deque<Vector> changes_of_images_, changes_of_gaps_; ///< gaps by their sizes
   Vector last_image_, last_gap_;
 };
 

@@ -161,8 +161,17 @@ private:
     return false;
   }
 
+  std::vector<int> kinds_of_states() const {
+    std::vector<int> out(static_cast<std::size_t>(contact_.state_values.size()), 0);
+    for (const auto& group : contact_.state_groups)
+      for (const int i : group.states)
+        std::fill_n(out.begin() + contact_.first_state[static_cast<std::size_t>(i)], group.n_points,
+                    i);
+    return out;
+  }
+
   bool settle_by_mixing() {
-    Mixing mixing;
+    Mixing mixing(kinds_of_states());
     double best = error_;
     for (int k = 0; k < most_mixed && std::isfinite(error_); ++k) {
       solve_with(states_.kept(mixing.next(contact_.state_values, wanted_)));
