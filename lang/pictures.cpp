@@ -23,26 +23,28 @@ std::string label_of(const solver::FieldSpec& field) {
 }
 
 draw::BodyPicture picture_of(const solver::PictureSpec& spec, std::optional<double> time,
-                             const ModelUnits& units) {
+                             const solver::ReportSpec& report) {
   draw::BodyPicture out;
   out.field = spec.field.name;
-  out.label = label_of(spec.field) + units.behind(spec.field.name);
+  out.label = label_of(spec.field) + ModelUnits::bracketed(spec.field.unit);
   out.title = out.label;
-  if (time) out.title += fmt::format(", t = {:g}", *time);
+  const std::string& unit = report.unit_of_time;
+  if (time) out.title += fmt::format(", t = {:g}{}{}", *time, unit.empty() ? "" : " ", unit);
   if (spec.deformed != 0.0) out.title += fmt::format(", deformed {:g} times", spec.deformed);
   out.deformed = spec.deformed;
+  out.unit_of_length = ModelUnits::bracketed(report.unit_of_length);
   return out;
 }
 
 /// One picture, or one that moves: its frames are in one window and have the same colours.
 void write_picture(const solver::PictureSpec& spec, const std::vector<solver::FieldFrame>& frames,
-                   const ModelUnits& units, const std::filesystem::path& path) {
+                   const solver::ReportSpec& report, const std::filesystem::path& path) {
   if (!solver::moves(spec))
-    return draw::write_sheet(draw::body_sheet(frames.front(), picture_of(spec, spec.time, units)),
+    return draw::write_sheet(draw::body_sheet(frames.front(), picture_of(spec, spec.time, report)),
                              path);
-  const auto window = draw::window_of(frames, picture_of(spec, {}, units));
+  const auto window = draw::window_of(frames, picture_of(spec, {}, report));
   const auto sheet = [&](std::size_t i) {
-    return draw::body_sheet(frames[i], picture_of(spec, frames[i].t, units), window);
+    return draw::body_sheet(frames[i], picture_of(spec, frames[i].t, report), window);
   };
   draw::write_sheets(frames.size(), sheet, frame_milliseconds, path);
 }
@@ -76,7 +78,7 @@ draw::CurvePlot plot_of(const solver::PlotSpec& spec, const solver::RunResult& r
 /// The set-valued graph of a law or the graph of a kernel, as a panel. Throws Failure(bad_law) for
 /// a law that is known only together with a solution.
 draw::CurvePlot panel_of(const solver::GraphSpec& graph, const solver::TimeSpec& time,
-                         solver::Origin origin) {
+                         const ModelUnits& units, solver::Origin origin) {
   const double t0 = time.grid.empty() ? 0.0 : time.grid.front();
   const double t = time.grid.empty() ? 0.0 : time.grid.back();
   draw::CurvePlot out;
@@ -86,8 +88,8 @@ draw::CurvePlot panel_of(const solver::GraphSpec& graph, const solver::TimeSpec&
     curve.points = law_curve(*law, t);
     if (!law->coupled.empty())
       out.title += fmt::format(", for the multiplier 1 of {}", law->coupled);
-    out.x_name = law->radial ? "|z|" : "z";
-    out.y_name = law->radial ? "|\u03be|" : "\u03be";
+    out.x_name = (law->radial ? "|z|" : "z") + units.of_argument(graph.name);
+    out.y_name = (law->radial ? "|\u03be|" : "\u03be") + units.of_multiplier(graph.name);
     if (curve.points.empty())
       throw solver::Failure(solver::FailureKind::bad_law, origin,
                             fmt::format("the law `{}` has no graph of its own: it depends on what "
@@ -95,16 +97,17 @@ draw::CurvePlot panel_of(const solver::GraphSpec& graph, const solver::TimeSpec&
                                         graph.name));
   } else {
     curve.points = kernel_curve(std::get<solver::KernelSpec>(graph.of), t0, t);
-    out.x_name = "t \u2212 s";
+    out.x_name = "t \u2212 s" + units.behind("t");
     out.y_name = "q";
   }
   out.curves.push_back(std::move(curve));
   return out;
 }
 
-draw::Sheet sheet_of(const solver::GraphsSpec& spec, const solver::TimeSpec& time) {
+draw::Sheet sheet_of(const solver::GraphsSpec& spec, const solver::TimeSpec& time,
+                     const ModelUnits& units) {
   std::vector<draw::CurvePlot> panels;
-  for (const auto& graph : spec.graphs) panels.push_back(panel_of(graph, time, spec.origin));
+  for (const auto& graph : spec.graphs) panels.push_back(panel_of(graph, time, units, spec.origin));
   return draw::panels_sheet(panels);
 }
 
@@ -148,7 +151,7 @@ std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::RunResu
     const auto& picture = plan.report.pictures[i];
     const auto& frames = shown.pictures[i];
     add(picture.origin, picture_file(plan.problem, picture), !picture.file.empty(),
-        [&](const auto& path) { write_picture(picture, frames, units, path); });
+        [&](const auto& path) { write_picture(picture, frames, plan.report, path); });
   }
   for (std::size_t i = 0; i < plan.report.plots.size(); ++i) {
     const auto& spec = plan.report.plots[i];
@@ -158,8 +161,9 @@ std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::RunResu
   }
   for (std::size_t i = 0; i < plan.report.graphs.size(); ++i) {
     const auto& spec = plan.report.graphs[i];
-    add(spec.origin, graphs_file(plan, i), !spec.file.empty(),
-        [&](const auto& path) { draw::write_sheet(sheet_of(spec, plan.problem.time), path); });
+    add(spec.origin, graphs_file(plan, i), !spec.file.empty(), [&](const auto& path) {
+      draw::write_sheet(sheet_of(spec, plan.problem.time, units), path);
+    });
   }
   return out;
 }

@@ -102,13 +102,18 @@ int line_of(const Script& script, solver::Origin origin) {
   return span.valid() && span.file == 0 ? script.sources.begin(span).line : 0;
 }
 
+std::map<std::string, std::string> units_told(const Script& script) {
+  std::map<std::string, std::string> out = script.model->units.of;
+  for (const ModelParam& p : script.model->params)
+    if (!p.unit.empty()) out[p.name] = p.unit;
+  return out;
+}
+
 solver::ResultContext json_context(const Script& script) {
   solver::ResultContext context;
   for (const ModelParam& p : script.model->params)
     if (const auto* v = std::get_if<double>(&p.value)) context.params[p.name] = p.as_declared(*v);
-  context.units = script.model->units.of;
-  for (const ModelParam& p : script.model->params)
-    if (!p.unit.empty()) context.units[p.name] = p.unit;
+  context.units = units_told(script);
   context.line_of = [&](solver::Origin origin) { return line_of(script, origin); };
   return context;
 }

@@ -8,6 +8,7 @@
 #include "solver/plan/plan.hpp"
 #include "solver/time/result_json.hpp"
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +33,9 @@ void parse_script(Script& script);
 Span span_of(const Script& script, solver::Origin origin);
 /// Line (from 1) of an origin in the script's own file; 0 when it lies elsewhere.
 int line_of(const Script& script, solver::Origin origin);
+/// Of t, columns, unknowns, sigma, states and parameters by their names, as far as the script
+/// tells.
+std::map<std::string, std::string> units_told(const Script& script);
 /// Parameters and lines for the JSON of a script, which must outlive it.
 solver::ResultContext json_context(const Script& script);
 

@@ -68,9 +68,12 @@ void ask_for_stress(ast::Program& program) {
 }
 
 /// What `ask_for_stress` asked for goes from the plan to what is shown, with the unknowns.
-solver::Shown shown_of(solver::Plan& plan, int dim) {
+solver::Shown shown_of(solver::Plan& plan, const Model& model) {
   solver::Shown out;
-  out.fields = solver::unknown_fields(plan.problem, dim);
+  out.fields = solver::unknown_fields(plan.problem, model.dim);
+  for (std::size_t b = 0; b < out.fields.size(); ++b)
+    if (const auto unit = model.units.of.find(model.unknowns[b]); unit != model.units.of.end())
+      out.fields[b].unit = unit->second;
   for (auto& field : plan.report.fields.back().fields) out.fields.push_back(std::move(field));
   plan.report.fields.pop_back();
   return out;
@@ -142,7 +145,7 @@ Exit Session::compile() {
   script.model->title = fs::path(script.path).stem().string();
   script.model->options.threads = settings_.threads;
   script.plan = lower(*script.model);
-  if (settings_.keep_fields) shown = shown_of(*script.plan, script.model->dim);
+  if (settings_.keep_fields) shown = shown_of(*script.plan, *script.model);
   if (settings_.solver) script.plan->options.solver = *settings_.solver;
   if (settings_.all_unknowns) script.plan->options.proportional_path = false;
   if (settings_.both_sides) script.plan->options.jumps_as_unknowns = false;

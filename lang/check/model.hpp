@@ -36,15 +36,24 @@ struct ModelUnits {
   std::string system; ///< "mm, N, s"; empty: the script has no units
   /// Of t, unknowns, states, sigma and columns; "1": no dimension.
   std::map<std::string, std::string> of;
-  std::map<std::string, std::string> of_laws; ///< of their multipliers
+  std::map<std::string, std::string> of_laws;      ///< of their multipliers
+  std::map<std::string, std::string> of_arguments; ///< of laws
   std::map<std::string, std::string> of_tensors;
 
   bool used() const { return !system.empty(); }
-  /// " [mm]" for `tip` and `u.y`; nothing where the unit is not known or is 1.
-  std::string behind(const std::string& name) const {
-    auto found = of.find(name);
-    if (found == of.end()) found = of.find(name.substr(0, name.find('.')));
-    return found == of.end() || found->second == "1" ? "" : " [" + found->second + "]";
+  /// " [mm]" for `tip`; nothing where the unit is not known or is 1.
+  std::string behind(const std::string& name) const { return behind(of, name); }
+  std::string of_argument(const std::string& law) const { return behind(of_arguments, law); }
+  std::string of_multiplier(const std::string& law) const { return behind(of_laws, law); }
+  static std::string bracketed(const std::string& unit) {
+    return unit.empty() || unit == "1" ? "" : " [" + unit + "]";
+  }
+
+private:
+  static std::string behind(const std::map<std::string, std::string>& units,
+                            const std::string& name) {
+    const auto found = units.find(name);
+    return found == units.end() ? "" : bracketed(found->second);
   }
 };
 

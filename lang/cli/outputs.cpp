@@ -122,6 +122,9 @@ Outputs outputs_of_run(const Script& script, const Options& options) {
     if (options.monitors || options.report) names.push_back(title + "_monitors.csv");
     if (options.report) names.push_back(title + report_ending);
   }
+  if (script.model->units.used())
+    for (std::size_t i = 0, n = names.size(); i < n; ++i)
+      if (names[i].ends_with(".csv")) names.push_back(solver::metadata_file(names[i]));
   Outputs out = outputs_in(output_folder(script, options), names, options);
   for (const auto& stem : series) out.series.push_back(fs::path(out.folder) / stem);
   return out;

@@ -234,7 +234,7 @@ Sheet curve_sheet(const FieldFrame& frame, const BodyPicture& picture, const Bod
   }
   CurvePlot plot;
   plot.title = picture.title;
-  plot.x_name = "x";
+  plot.x_name = "x" + picture.unit_of_length;
   plot.y_name = picture.label;
   plot.y_range = {window.least, window.most};
   plot.curves.push_back(std::move(curve));
@@ -265,7 +265,7 @@ Sheet scene_sheet(const Scene& scene, const BodyPicture& picture, const View& vi
     add_axes(sheet,
              {left - 8.0, panel_top, panel_wide + 8.0, panel_high + 8.0, window.left - 8.0 / scale,
               window.left + shown_wide, window.bottom - 8.0 / scale, window.bottom + shown_high},
-             "x", "y", false);
+             "x" + picture.unit_of_length, "y" + picture.unit_of_length, false);
   } else {
     add_triad(sheet, view, {46.0, sheet.height - 40.0});
   }

@@ -11,9 +11,10 @@
 namespace hvi::lang::draw {
 
 struct BodyPicture {
-  std::string title, field; ///< the field's name in the frame
-  std::string label;        ///< over the bar
-  double deformed = 0.0;    ///< the body is moved by this multiple of the displacement
+  std::string title, field;     ///< the field's name in the frame
+  std::string label;            ///< over the bar
+  std::string unit_of_length{}; ///< " [mm]", behind the names of the axes
+  double deformed = 0.0;        ///< the body is moved by this multiple of the displacement
 };
 
 /// What several sheets have in common.

@@ -50,8 +50,13 @@ Json description_of(const lang::Script& script) {
   if (model.study)
     for (const lang::StudyLadder& ladder : model.study->ladders)
       study.push_back({{"parameter", ladder.parameter}, {"values", ladder.values}});
-  return {{"title", model.title},       {"dim", model.dim},   {"params", params},
-          {"unknowns", model.unknowns}, {"columns", columns}, {"study", study}};
+  return {{"title", model.title},
+          {"dim", model.dim},
+          {"params", params},
+          {"unknowns", model.unknowns},
+          {"columns", columns},
+          {"study", study},
+          {"units", lang::units_told(script)}};
 }
 
 void keep(const solver::Space& space, double t, const solver::Vector& u, Answer& answer) {

@@ -1,6 +1,7 @@
 // See fields.hpp.
 #include "lang/report/fields.hpp"
 
+#include "lang/check/model.hpp"
 #include "lang/draw/surface.hpp"
 
 #include <nlohmann/json.hpp>
@@ -58,7 +59,8 @@ Json names_of(const VtuGrid& grid) {
     for (const VtuArray& array : *arrays)
       out.push_back({{"name", array.name},
                      {"components", array.components},
-                     {"means", arrays == &grid.cell_data}}); // of cells, at their nodes
+                     {"unit", ModelUnits::bracketed(array.unit)}, // behind its numbers
+                     {"means", arrays == &grid.cell_data}});      // of cells, at their nodes
   return out;
 }
 

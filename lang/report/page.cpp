@@ -5,6 +5,7 @@
 #include "lang/report/fields.hpp"
 #include "lang/report/mathematics.hpp"
 #include "lang/report/page_files.hpp"
+#include "solver/time/energy.hpp"
 
 #include <fmt/format.h>
 
@@ -34,7 +35,7 @@ double begin_of(const solver::Problem& problem) {
   return problem.time.grid.empty() ? 0.0 : problem.time.grid.front();
 }
 
-Json laws_json(const solver::Problem& problem) {
+Json laws_json(const solver::Problem& problem, const ModelUnits& units) {
   Json out = Json::array();
   std::set<int> shown;
   for (const solver::LawTerm& term : problem.law_terms) {
@@ -46,8 +47,9 @@ Json laws_json(const solver::Problem& problem) {
     if (!law.coupled.empty()) note = fmt::format("for the multiplier 1 of {}", law.coupled);
     if (!law.readings.empty()) note += "what it reads of the solution is taken as 0";
     out.push_back({{"name", term.name},
-                   {"argument", law.radial ? "|r|" : "r"},
-                   {"multiplier", "ξ"},
+                   {"argument", (law.radial ? "|r|" : "r") + units.of_argument(law.name)},
+                   {"multiplier", "ξ" + units.of_multiplier(law.name)},
+                   {"unit", units.of_multiplier(law.name)},
                    {"note", note},
                    {"graph", curve_json(curve)}});
   }
@@ -81,7 +83,7 @@ Json kernels_json(const solver::Problem& problem) {
 Json model_json(const Script& script) {
   if (script.programs.empty()) return nullptr;
   Json out = mathematics_of(script.programs.front());
-  out["laws"] = script.plan ? laws_json(script.plan->problem) : Json::array();
+  out["laws"] = script.plan ? laws_json(script.plan->problem, script.model->units) : Json::array();
   out["kernels"] = script.plan ? kernels_json(script.plan->problem) : Json::array();
   return out;
 }
@@ -101,19 +103,33 @@ Json parameters_json(const Script& script) {
 /// Columns of the monitors, and which of them are of the certificate, which are energies.
 Json monitors_json(const solver::RunResult& run) {
   if (!run.monitors) return nullptr;
-  Json columns = Json::array();
+  Json columns = Json::array(), energies = Json::array();
   for (const auto& column : run.monitors->columns) {
     Json values = Json::array();
     for (const double x : column) values.push_back(number(x));
     columns.push_back(std::move(values));
   }
+  for (const std::string& name : run.monitors->names)
+    if (solver::is_energy(name)) energies.push_back(name);
   return {{"names", run.monitors->names},
           {"times", run.monitors->times},
           {"columns", columns},
           {"balance_error", number(run.monitors->balance_error)},
           {"certificate", {"inclusion", "equilibrium", "states", "newton", "events", "snap"}},
-          {"energies",
-           {"work", "viscous", "memory", "elastic", "contact", "kinetic", "lost", "energy"}}};
+          {"energies", energies}};
+}
+
+/// Behind the names of columns, times, places and energies: " [mm]".
+Json units_json(const Script& script) {
+  Json out = Json::object();
+  if (!script.plan || !script.model->units.used()) return out;
+  const solver::ReportSpec& report = script.plan->report;
+  for (const solver::Probe& probe : report.probes) // parts of other probes have no name
+    if (!probe.name.empty()) out["columns"][probe.name] = ModelUnits::bracketed(probe.unit);
+  out["time"] = ModelUnits::bracketed(report.unit_of_time);
+  out["length"] = ModelUnits::bracketed(report.unit_of_length);
+  out["energy"] = ModelUnits::bracketed(report.unit_of_energy);
+  return out;
 }
 
 std::string source_of(const Script& script) {
@@ -128,6 +144,7 @@ Json data_of(const ReportParts& parts, Blocks& blocks) {
            {"script", script.path},
            {"source", source_of(script)},
            {"parameters", parameters_json(script)},
+           {"units", units_json(script)},
            {"model", model_json(script)},
            {"hypotheses", parts.hypotheses},
            {"result", parts.result},

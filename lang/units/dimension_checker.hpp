@@ -5,12 +5,14 @@
 
 #include "lang/units/units.hpp"
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
 #include <span>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace hvi::lang::units {
@@ -90,6 +92,7 @@ private:
   std::optional<Dimension> of_term(const ast::FormTerm& term);
   void tell_misfit(const Term& wrong, const Term& other, const char* others);
   void report(const ast::Report& r);
+  void field(const ast::Expr& e);
   void table(const ast::TableItem& item);
   void line(const ast::LineItem& item);
   void expect(const ast::Expect& e);
@@ -111,6 +114,8 @@ private:
   // --- what the model learns (dimensions_of_results.cpp)
   void tell_model();
   std::optional<Dimension> of_column(const std::string& name) const;
+  std::optional<Dimension> of_energy() const;
+  void tell_report();
   void tell_params();
   void tell_ladders();
 
@@ -132,6 +137,8 @@ private:
   std::vector<Dimension> of_unknown_, of_test_;
   Dimension of_form_; ///< of every integral of the inequality
   std::map<std::string, Dimension> of_state_, of_multiplier_, of_measure_, of_column_;
+  std::map<std::string, Dimension> of_argument_;                ///< of laws
+  std::map<std::pair<int, std::uint32_t>, Dimension> of_field_; ///< by file and place
   std::vector<Span> calls_; ///< of functions and laws whose bodies are read
   std::set<int> library_;   ///< files of the standard library
   long evaluations_ = 0;

@@ -23,6 +23,37 @@ std::optional<Dimension> DimensionChecker::of_column(const std::string& name) co
   return found == of_column_.end() ? std::nullopt : std::optional(found->second);
 }
 
+/// Half of u's own form, whichever unknown it is of; where unknowns differ nothing is their sum.
+std::optional<Dimension> DimensionChecker::of_energy() const {
+  std::optional<Dimension> out;
+  for (std::size_t b = 0; b < of_unknown_.size(); ++b) {
+    const Dimension own = resolved(force(b) * of_unknown_[b]);
+    if (out && *out != own) return std::nullopt;
+    out = own;
+  }
+  return out;
+}
+
+/// What stands beside the numbers in files and pictures.
+void DimensionChecker::tell_report() {
+  solver::ReportSpec& out = model_.report;
+  out.unit_of_time = unit_of(duration());
+  out.unit_of_length = unit_of(length());
+  if (const auto energy = of_energy()) out.unit_of_energy = unit_of(*energy);
+  for (solver::Probe& probe : out.probes)
+    if (const auto dimension = of_column(probe.name)) probe.unit = unit_of(*dimension);
+  const auto tell = [&](solver::FieldSpec& field) {
+    const Span& place = model_.origins[static_cast<std::size_t>(field.origin.id)];
+    const auto found = of_field_.find({place.file, place.begin});
+    if (found != of_field_.end()) field.unit = unit_of(found->second);
+  };
+  for (auto& item : out.fields)
+    for (auto& field : item.fields) tell(field);
+  for (auto& line : out.lines)
+    for (auto& field : line.fields) tell(field);
+  for (auto& picture : out.pictures) tell(picture.field);
+}
+
 void DimensionChecker::tell_model() {
   ModelUnits& out = model_.units;
   out.system = units_.system.text();
@@ -34,13 +65,15 @@ void DimensionChecker::tell_model() {
   for (std::size_t b = 0; b < of_unknown_.size(); ++b)
     tell(out.of, find_->unknowns[b].unknown.text, of_unknown_[b]);
   for (const auto& [name, dimension] : of_state_) tell(out.of, name, dimension);
+  tell_report();
   for (const auto& probe : model_.report.probes)
-    if (const auto dimension = of_column(probe.name)) tell(out.of, probe.name, *dimension);
+    if (!probe.unit.empty()) out.of[probe.name] = probe.unit;
   for (const auto& [name, named] : named_)
     if (std::holds_alternative<ast::Tensor>(*named.statement) && named.value &&
         named.value->dimension)
       tell(out.of_tensors, name, *named.value->dimension);
   for (const auto& [name, dimension] : of_multiplier_) tell(out.of_laws, name, dimension);
+  for (const auto& [name, dimension] : of_argument_) tell(out.of_arguments, name, dimension);
   if (const Measured sigma = built_in_name("sigma"); sigma.dimension)
     tell(out.of, "sigma", *sigma.dimension);
   tell_params();

@@ -210,10 +210,10 @@ void DimensionChecker::report(const ast::Report& r) {
   for (const ast::ReportItem& item : r.items)
     std::visit(Overloaded{[&](const ast::TableItem& one) { table(one); },
                           [&](const ast::FieldsItem& one) {
-                            for (const ast::Expr& field : one.fields) value(field, {});
+                            for (const ast::Expr& e : one.fields) field(e);
                           },
                           [&](const ast::PictureItem& one) {
-                            value(one.field, {});
+                            field(one.field);
                             at_time(one.time);
                             if (one.deformed)
                               wants_number(*one.deformed, value(*one.deformed, {}),
@@ -225,6 +225,11 @@ void DimensionChecker::report(const ast::Report& r) {
                           },
                           [&](const ast::PlotItem&) {}},
                item);
+}
+
+void DimensionChecker::field(const ast::Expr& e) {
+  const Measured of = value(e, {});
+  if (of.dimension) of_field_[{e.span.file, e.span.begin}] = *of.dimension;
 }
 
 void DimensionChecker::table(const ast::TableItem& item) {
@@ -244,7 +249,7 @@ void DimensionChecker::table(const ast::TableItem& item) {
 }
 
 void DimensionChecker::line(const ast::LineItem& item) {
-  for (const ast::Expr& field : item.fields) value(field, {});
+  for (const ast::Expr& e : item.fields) field(e);
   wants_each(item.from, length(), "the coordinates of a point");
   wants_each(item.end, length(), "the coordinates of a point");
 }

@@ -243,6 +243,7 @@ Measured DimensionChecker::clarke(const ast::Clarke& c, const Locals& locals) {
   const Dimension multiplier =
       of_multiplier_.try_emplace(r->name, inference_.fresh()).first->second;
   inference_.unify(multiplier, slope);
+  of_argument_[r->name] = *at.dimension;
   return {slope * *direction.dimension, {}};
 }
 

@@ -1,7 +1,10 @@
 // The table of a run: on the terminal and as CSV. Last stage of the pipeline.
 #include "solver/output/table.hpp"
 
+#include "solver/output/file.hpp"
+
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -71,6 +74,37 @@ std::string csv_rows(const ReportTable& table) {
     out += '\n';
   }
   return out;
+}
+
+std::string metadata_file(const std::string& file) { return file + "-metadata.json"; }
+
+std::string csv_metadata(const std::string& file, const ReportTable& table) {
+  const auto told = [](const std::string& unit) { return !unit.empty(); };
+  if (std::ranges::none_of(table.units, told)) return {};
+  using Json = nlohmann::ordered_json;
+  Json columns = Json::array();
+  for (std::size_t c = 0; c < table.names.size(); ++c) {
+    Json column{{"titles", table.names[c]}, {"datatype", "double"}};
+    if (told(table.units[c])) column["schema:unitText"] = table.units[c];
+    columns.push_back(std::move(column));
+  }
+  const Json out{{"@context", "http://www.w3.org/ns/csvw"},
+                 {"url", std::filesystem::path(file).filename().string()},
+                 {"tableSchema", {{"columns", columns}}}};
+  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::vector<std::string> write_table(const std::filesystem::path& folder, const std::string& file,
+                                     const ReportTable& table) {
+  write_atomically(folder / file, csv_text(table));
+  const std::string about = metadata_file(file), metadata = csv_metadata(file, table);
+  if (!metadata.empty()) {
+    write_atomically(folder / about, metadata);
+    return {file, about};
+  }
+  std::error_code none;
+  std::filesystem::remove(folder / about, none);
+  return {file};
 }
 
 std::string aligned_text(const ReportTable& table, std::size_t most_rows) {

@@ -1,6 +1,7 @@
 // The table of a run: on the terminal and as CSV.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@ namespace hvi::solver {
 struct ReportTable {
   std::vector<std::string> names;
   std::vector<std::vector<double>> columns;
+  std::vector<std::string> units{}; ///< of the columns, "" where nobody knows; or none at all
 };
 
 /// Comma separated with a header; 17 significant digits, so reading it back gives the same numbers.
@@ -17,6 +19,17 @@ struct ReportTable {
 std::string csv_text(const ReportTable& table);
 /// The same without the line of names.
 std::string csv_rows(const ReportTable& table);
+
+/// What the columns are in, as JSON beside the table: "Metadata Vocabulary for Tabular Data" (J.
+/// Tennison, G. Kellogg, editors; W3C Recommendation, 17 December 2015), with `unitText` of
+/// schema.org. Empty where no unit is known.
+std::string csv_metadata(const std::string& file, const ReportTable& table);
+/// Where those who read the table look for it.
+std::string metadata_file(const std::string& file);
+/// Both into a folder; where no unit is known there is one file, and none of an earlier run beside
+/// it. The names of the files. Throws Failure(output).
+std::vector<std::string> write_table(const std::filesystem::path& folder, const std::string& file,
+                                     const ReportTable& table);
 
 /// Aligned columns with 12 significant digits for people. A missing value is `-`. Beyond
 /// `most_rows` the middle is left out and said so.

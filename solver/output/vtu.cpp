@@ -29,13 +29,23 @@ constexpr const char* vtk_type<std::uint8_t>() {
   return "UInt8";
 }
 
+/// The unit as VTK stores one with an array, behind the values: readers look for these right behind
+/// the tag of the array.
+std::string unit_label(std::string_view unit) {
+  return unit.empty() ? std::string()
+                      : fmt::format("<InformationKey name=\"UNITS_LABEL\" "
+                                    "location=\"vtkDataArray\">{}</InformationKey>",
+                                    xml_escaped(unit));
+}
+
 /// Readers take NumberOfComponents="1" for a matrix of one column, so scalars leave it out.
 template <class T>
-std::string data_array(std::string_view name, int components, std::span<const T> values) {
+std::string data_array(std::string_view name, int components, std::span<const T> values,
+                       std::string_view unit = {}) {
   const auto shape = components == 1 ? "" : fmt::format(" NumberOfComponents=\"{}\"", components);
-  return fmt::format("<DataArray type=\"{}\" Name=\"{}\"{} format=\"binary\">{}</DataArray>\n",
-                     vtk_type<T>(), xml_escaped(name), shape,
-                     vtk_compressed(std::as_bytes(values)));
+  return fmt::format("<DataArray type=\"{}\" Name=\"{}\"{} format=\"binary\">{}{}</DataArray>\n",
+                     vtk_type<T>(), xml_escaped(name), shape, vtk_compressed(std::as_bytes(values)),
+                     unit_label(unit));
 }
 
 std::string data_section(const char* section, const std::vector<VtuArray>& arrays,
@@ -47,16 +57,16 @@ std::string data_section(const char* section, const std::vector<VtuArray>& array
                     fmt::format("field `{}` has {} values, {} are needed", array.name,
                                 array.values.size(),
                                 entries * static_cast<std::size_t>(array.components)));
-    out += data_array<double>(array.name, array.components, array.values);
+    out += data_array<double>(array.name, array.components, array.values, array.unit);
   }
   return out + fmt::format("</{}>\n", section);
 }
 
-std::string points_section(const VtuGrid& grid) {
+std::string points_section(const VtuGrid& grid, const std::string& unit) {
   std::vector<double> flat;
   flat.reserve(3 * grid.points.size());
   for (const auto& p : grid.points) flat.insert(flat.end(), p.begin(), p.end());
-  return "<Points>\n" + data_array<double>("Points", 3, flat) + "</Points>\n";
+  return "<Points>\n" + data_array<double>("Points", 3, flat, unit) + "</Points>\n";
 }
 
 std::string cells_section(const VtuGrid& grid, std::size_t n_cells) {
@@ -114,18 +124,18 @@ std::string xml_escaped(std::string_view text) {
   return out;
 }
 
-std::string vtu_bytes(const VtuGrid& grid) {
+std::string vtu_bytes(const VtuGrid& grid, const VtuUnits& units) {
   const auto n_cells = grid.connectivity.size() / static_cast<std::size_t>(nodes_of(grid.cell));
   std::string out = "<?xml version=\"1.0\"?>\n"
                     "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
                     "byte_order=\"LittleEndian\" header_type=\"UInt64\" "
                     "compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n";
   out += fmt::format("<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" "
-                     "NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>\n</FieldData>\n",
-                     grid.time);
+                     "NumberOfTuples=\"1\" format=\"ascii\">{}{}</DataArray>\n</FieldData>\n",
+                     grid.time, unit_label(units.time));
   out += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", grid.points.size(),
                      n_cells);
-  out += points_section(grid) + cells_section(grid, n_cells);
+  out += points_section(grid, units.length) + cells_section(grid, n_cells);
   out += data_section("PointData", grid.point_data, grid.points.size());
   out += data_section("CellData", grid.cell_data, n_cells);
   return out + "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";

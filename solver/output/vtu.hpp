@@ -28,6 +28,7 @@ struct VtuArray {
   std::string name;
   int components = 1;
   std::vector<double> values;
+  std::string unit{}; ///< VTK calls it UNITS_LABEL; "": none is written
 };
 
 /// An unstructured grid with cells of one type; `connectivity` holds nodes_of(cell) per cell.
@@ -39,9 +40,14 @@ struct VtuGrid {
   double time = 0.0; ///< as field data TimeValue
 };
 
+/// Of the time and the coordinates of grids, as far as they are known.
+struct VtuUnits {
+  std::string time, length;
+};
+
 /// The grid as an XML UnstructuredGrid: inline base64, zlib in blocks, UInt64 headers.
 /// Throws Failure(output) when an array does not have one entry per point or cell.
-std::string vtu_bytes(const VtuGrid& grid);
+std::string vtu_bytes(const VtuGrid& grid, const VtuUnits& units = {});
 
 /// One file of a collection.
 struct PvdEntry {

@@ -24,6 +24,7 @@ struct Probe {
   int unknown = 0;            ///< norm_v, reaction: of which one
   int component = 0;          ///< reaction: of the unknown's
   bool may_be_free = false;   ///< reaction: laws that hold the part were left out
+  std::string unit{};         ///< "MPa", "1"; told beside the values; "": nobody knows
 };
 
 struct TableSpec {
@@ -41,6 +42,7 @@ struct FieldSpec {
   std::string name;
   Origin origin;
   std::vector<Expr> components;
+  std::string unit{}; ///< as of a probe
 };
 struct FieldsSpec {
   Origin origin;
@@ -93,6 +95,7 @@ struct ReportSpec {
   std::vector<LineSpec> lines;
   std::vector<PlotSpec> plots;
   std::vector<GraphsSpec> graphs;
+  std::string unit_of_time{}, unit_of_length{}, unit_of_energy{};
 };
 
 } // namespace hvi::solver

@@ -43,6 +43,15 @@ std::string column_of_work(const Problem& problem, const LawTerm& term) {
 
 } // namespace
 
+bool is_energy(std::string_view column) {
+  for (const std::string_view law : {"friction_", "law_", "released_"})
+    if (column.starts_with(law)) return true;
+  for (const std::string_view one :
+       {"work", "viscous", "memory", "elastic", "contact", "kinetic", "lost", "energy"})
+    if (column == one) return true;
+  return false;
+}
+
 EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, const RunState& run)
     : problem_(problem), d_(d), inertia_(inertia_matrix(problem, d)),
       rate_(matrix_of_field(problem, d, field_of_u(1))),

@@ -22,9 +22,13 @@
 #include <array>
 #include <iosfwd>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace hvi::solver {
+
+/// Is a column of the monitors an energy, or a part of one?
+bool is_energy(std::string_view column);
 
 class EnergyMonitor {
 public:

@@ -19,14 +19,14 @@ std::string safe_name(std::string name) {
 } // namespace
 
 FieldFiles::FieldFiles(const Problem& problem, const Discretisation& d, const Contact& contact,
-                       const FieldsSpec& spec, std::filesystem::path folder, std::string stem,
-                       Durability durability)
-    : grids_(problem, d, contact, spec.fields), folder_(std::move(folder)), stem_(std::move(stem)),
-      durability_(durability) {}
+                       const FieldsSpec& spec, VtuUnits units, std::filesystem::path folder,
+                       std::string stem, Durability durability)
+    : grids_(problem, d, contact, spec.fields), units_(std::move(units)),
+      folder_(std::move(folder)), stem_(std::move(stem)), durability_(durability) {}
 
 void FieldFiles::write_vtu(const VtuGrid& grid, int part, const std::string& name, double t,
                            std::vector<std::string>& written) {
-  const std::string bytes = vtu_bytes(grid);
+  const std::string bytes = vtu_bytes(grid, units_);
   write_atomically(folder_ / name, bytes, durability_);
   const auto inside = std::filesystem::path(name).filename().string();
   entries_.push_back({t, part, inside}); // the collection stands beside its files

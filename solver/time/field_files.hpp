@@ -14,7 +14,7 @@ class FieldFiles {
 public:
   /// `stem`: file name without extension inside `folder`.
   FieldFiles(const Problem& problem, const Discretisation& discretisation, const Contact& contact,
-             const FieldsSpec& spec, std::filesystem::path folder, std::string stem,
+             const FieldsSpec& spec, VtuUnits units, std::filesystem::path folder, std::string stem,
              Durability durability);
 
   std::vector<Expr> expressions() const { return grids_.expressions(); }
@@ -32,6 +32,7 @@ private:
                  std::vector<std::string>& written);
 
   FieldGrids grids_;
+  VtuUnits units_;
   std::filesystem::path folder_;
   std::string stem_;
   std::vector<PvdEntry> entries_;

@@ -168,7 +168,9 @@ void FieldGrids::add_body_array(const FieldSpec& field, const Snapshot& snapshot
                                     [&](const Expr& e) { return reads_gradient(e, n_fields_); });
   const auto values = on_cells ? cell_values(space_, field.components, snapshot.values())
                                : nodal_values(space_, field.components, snapshot.values());
-  (on_cells ? grid.cell_data : grid.point_data).push_back(vtk_array(field.name, n, values));
+  auto& data = on_cells ? grid.cell_data : grid.point_data;
+  data.push_back(vtk_array(field.name, n, values));
+  data.back().unit = field.unit;
 }
 
 /// Where several points share a grid point (a corner with two normals) or a cell: their weighted
@@ -194,6 +196,7 @@ void FieldGrids::fill_contact(OnContact& part, VtuGrid& grid, const Snapshot& sn
       if (weights[g] > 0) values[g * n + c] /= weights[g];
   auto& data = in_body ? grid.cell_data : grid.point_data;
   data.assign(1, vtk_array(part.field.name, static_cast<int>(n), values));
+  data.back().unit = part.field.unit;
 }
 
 const std::vector<FieldGrid>& FieldGrids::fill(const Snapshot& snapshot) {

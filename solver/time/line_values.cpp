@@ -108,6 +108,13 @@ std::vector<Failure> lines_outside(const ReportSpec& report, const Mesh& mesh) {
   return out;
 }
 
+std::vector<std::string> line_units(const ReportSpec& report, std::size_t i, int dim) {
+  std::vector<std::string> out(static_cast<std::size_t>(1 + dim), report.unit_of_length);
+  for (const FieldSpec& field : report.lines[i].fields)
+    out.insert(out.end(), field.components.size(), field.unit);
+  return out;
+}
+
 std::string line_file(const ReportSpec& report, std::size_t i, const std::string& name) {
   const std::string& given = report.lines[i].file;
   if (!given.empty()) return given;

@@ -245,15 +245,17 @@ void OneRun::finish_monitors() {
   result_.monitors = MonitorTable{monitor_->names(), monitor_times_, monitor_->columns(),
                                   monitor_->balance_error()};
   if (settings_.output_folder.empty() || monitor_times_.empty()) return;
-  ReportTable table{{"t"}, {monitor_times_}};
+  ReportTable table{{"t"}, {monitor_times_}, {plan_.report.unit_of_time}};
   for (std::size_t c = 0; c < monitor_->names().size(); ++c) {
-    table.names.push_back(monitor_->names()[c]);
+    const std::string& name = monitor_->names()[c];
+    table.names.push_back(name);
     table.columns.push_back(monitor_->columns()[c]);
+    table.units.push_back(is_energy(name) ? plan_.report.unit_of_energy : "");
   }
   const auto file = settings_.name + "_monitors.csv";
   reporter_.attempt([&] {
-    write_atomically(std::filesystem::path(settings_.output_folder) / file, csv_text(table));
-    result_.files.push_back(file);
+    for (const std::string& one : write_table(settings_.output_folder, file, table))
+      result_.files.push_back(one);
   });
 }
 

@@ -77,7 +77,8 @@ void Reporter::prepare_fields(const Discretisation& d, const RunState& run,
   for (std::size_t i = 0; writes_ && i < plan_.report.fields.size(); ++i) {
     const auto& spec = plan_.report.fields[i];
     fields_.push_back({std::max(spec.every, 1), spec.from_start,
-                       FieldFiles(plan_.problem, d, contact_, spec, folder_,
+                       FieldFiles(plan_.problem, d, contact_, spec,
+                                  {plan_.report.unit_of_time, plan_.report.unit_of_length}, folder_,
                                   fields_stem(plan_.report, i, settings.name), durability)});
     const auto more = fields_.back().files.expressions();
     expressions.insert(expressions.end(), more.begin(), more.end());
@@ -226,6 +227,10 @@ void Reporter::attempt(const std::function<void()>& write) {
   }
 }
 
+void Reporter::note_written(const std::vector<std::string>& files) {
+  written_.insert(written_.end(), files.begin(), files.end());
+}
+
 void Reporter::stream(int step, bool with_events) {
   if (!writes_ || tables_.empty()) return;
   constexpr std::chrono::milliseconds pause(100); // shorter runs write their tables once
@@ -244,7 +249,7 @@ void Reporter::stream_table(TableFile& table, std::size_t rows, bool with_events
   const ReportTable more = table_rows(table, first, rows, with_events, false);
   table.streamed = 0; // where writing fails
   if (first == 0)
-    write_atomically(folder_ / table.file, csv_text(more));
+    write_table(folder_, table.file, more);
   else if (const std::string lines = csv_rows(more); !lines.empty())
     append_line(folder_ / table.file, std::string_view(lines).substr(0, lines.size() - 1),
                 Durability::ordinary);
@@ -254,9 +259,13 @@ void Reporter::stream_table(TableFile& table, std::size_t rows, bool with_events
 
 ReportTable Reporter::table_rows(const TableFile& table, std::size_t first, std::size_t end,
                                  bool with_events, bool ends) const {
-  ReportTable out{{"t"}, {{}}};
-  for (const int probe : table.probes) out.names.push_back(plan_.report.probes[probe].name);
+  ReportTable out{{"t"}, {{}}, {plan_.report.unit_of_time}};
+  for (const int probe : table.probes) {
+    out.names.push_back(plan_.report.probes[probe].name);
+    out.units.push_back(plan_.report.probes[probe].unit);
+  }
   if (with_events) out.names.emplace_back(event_column);
+  out.units.resize(out.names.size());
   out.columns.resize(out.names.size());
   std::int64_t events = 0; // of the rows that this table leaves out, too
   while (first > 0 && !has_row(table, rows_[first - 1], false)) --first; // their events
@@ -292,16 +301,15 @@ void Reporter::finish(RunResult& result) {
   if (writes_ && !rows_.empty())
     for (const auto& table : tables_)
       attempt([&] {
-        write_atomically(folder_ / table.file,
-                         csv_text(table_rows(table, 0, rows_.size(), with_events, true)));
-        written_.push_back(table.file);
+        note_written(write_table(folder_, table.file,
+                                 table_rows(table, 0, rows_.size(), with_events, true)));
       });
   for (std::size_t i = 0; writes_ && i < lines_.size(); ++i)
     if (lines_[i].taken())
       attempt([&] {
-        const std::string file = line_file(plan_.report, i, name_);
-        write_atomically(folder_ / file, csv_text(lines_[i].table()));
-        written_.push_back(file);
+        ReportTable table = lines_[i].table();
+        table.units = line_units(plan_.report, i, space_.mesh->dim);
+        note_written(write_table(folder_, line_file(plan_.report, i, name_), table));
       });
   for (auto& series : fields_) attempt([&] { series.files.write_collection(); });
   result.files = written_;

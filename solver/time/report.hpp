@@ -90,6 +90,7 @@ private:
   /// in it.
   ReportTable table_rows(const TableFile& table, std::size_t first, std::size_t end,
                          bool with_events, bool ends) const;
+  void note_written(const std::vector<std::string>& files);
   void stream_table(TableFile& table, std::size_t rows, bool with_events);
   bool due(int every, int step, bool last) const { return last || step % every == 0; }
   bool has_row(const TableFile& table, int step, bool last) const {

@@ -48,7 +48,9 @@ class Runs(unittest.TestCase):
                          {"young": "MPa", "nu": "", "height": "cm", "press": "kN/cm^2", "bed": "N/cm^3", "n": ""})
         self.assertEqual((model.params["young"].value, model.params["young"].limits), (6.0, (0.1, 100.0)))
         self.assertIn("height = 5.0 [cm]", repr(model))
+        before = dict(model.units)
         result = model.run(height=10, n=2)  # in cm, as declared
+        self.assertEqual(before, result.units)
         told = {name: result.units[name] for name in ("t", "top_sinks", "pressed", "stress", "u", "height")}
         self.assertEqual(told, {"t": "s", "top_sinks": "mm", "pressed": "MPa", "stress": "MPa", "u": "mm", "height": "cm"})
         modulus = 6*0.6/(1.4*0.2)  # MPa; by hand: a bed of 0.05 MPa/mm and the lower 50 mm of the block under 0.2 MPa
@@ -61,7 +63,7 @@ class Runs(unittest.TestCase):
             self.assertEqual(attributes["units"], {name: result.units[name] for name in result.table})
         plain = hvi.load(EXAMPLES / "slab.hvi")
         self.assertEqual({p.unit for p in plain.params.values()}, {""})
-        self.assertEqual(plain.run(n=2, N=2).units, {})
+        self.assertEqual((plain.units, plain.run(n=2, N=2).units), ({}, {}))
 
     def test_fields_are_where_the_probes_see_them(self):
         result = hvi.load(EXAMPLES / "slab.hvi").run(n=4, N=8)

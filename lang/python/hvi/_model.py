@@ -102,6 +102,12 @@ class Model:
         """Names of the columns of its tables, without t."""
         return list(self._described["data"]["columns"])
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Of t, columns, unknowns, sigma, states and parameters by their names ("mm", "MPa"; "1" for a number), as far as the script
+        tells; empty for scripts without units. Those of a run are in `result.units`."""
+        return dict(self._described["data"]["units"])
+
     def at(self, **params: Value) -> Model:
         """The same script with other values of these parameters."""
         return Model(self.path, self.text, self.allow_geo, {**self._given, **params})

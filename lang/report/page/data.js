@@ -49,6 +49,11 @@ function text(x, digits = 4) {
   return String(Number(x.toPrecision(digits))).replace("-", "−");
 }
 
+/** Behind the name of what is shown: " [mm]"; nothing where its unit is 1 or not known. */
+const unitOf = (kind) => report.units[kind] || "";
+const withUnit = (column) => column + (report.units.columns && report.units.columns[column] || "");
+const timeName = "t" + unitOf("time");
+
 /** Multiples of 1, 2 or 5 times a power of ten in [low, high]. */
 function ticks(low, high, wanted) {
   if (!(high > low)) return [low];

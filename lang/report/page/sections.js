@@ -35,9 +35,9 @@ function modelSection() {
       element("li", {}, element("span", { class: "what" }, d.what), mathematics(d.mathematics)))));
   const graphs = element("div", { class: "graphs" });
   for (const law of model.laws)
-    graphs.append(graphFigure(law.name, law.argument, law.multiplier, law.graph, law.note));
+    graphs.append(graphFigure(law.unit ? `${law.name}: ${law.multiplier}` : law.name, law.argument, law.multiplier, law.graph, law.note));
   for (const kernel of model.kernels)
-    graphs.append(graphFigure(`kernel ${kernel.name}`, "t − s", "q", kernel.graph, kernel.note));
+    graphs.append(graphFigure(`kernel ${kernel.name}`, "t − s" + unitOf("time"), "q", kernel.graph, kernel.note));
   out.append(graphs);
   if (report.parameters.length)
     out.append(table(["parameter", "value", ""], report.parameters.map((p) => [p.name, String(p.value), p.doc]), "Parameters"));
@@ -72,7 +72,7 @@ function certificateSection() {
   if (!m) return;
   const chosen = m.names.map((name, i) => [name, i]).filter(([name]) => m.certificate.includes(name));
   if (chosen.length)
-    out.append(curvesFigure({ label: "Certificate, step by step", xName: "t", x: m.times, log: true,
+    out.append(curvesFigure({ label: "Certificate, step by step", xName: timeName, x: m.times, log: true,
       curves: chosen.map(([name, i]) => ({ name, y: m.columns[i] })) }));
 }
 
@@ -85,18 +85,18 @@ function tablesSection() {
   const columns = names.filter((n) => n !== "event");
   if (run.table.t.length > 1)
     for (const name of columns)
-      figures.append(curvesFigure({ label: name, xName: "t", x: run.table.t, curves: [{ name, y: run.table[name] }],
+      figures.append(curvesFigure({ label: withUnit(name), xName: timeName, x: run.table.t, curves: [{ name: withUnit(name), y: run.table[name] }],
         onSelect: (t) => document.dispatchEvent(new CustomEvent("show-time", { detail: t })) }));
   out.append(figures);
   if (run.table.t.length > 1 && columns.length > 1) out.append(phaseFigure(run.table, columns));
-  out.append(table(["column", "last value"], names.map((n) => [n, text(run.table[n].at(-1), 8)])));
+  out.append(table(["column", "last value"], names.map((n) => [withUnit(n), text(run.table[n].at(-1), 8)])));
 }
 
 /** One column against another. */
 function phaseFigure(values, names) {
   const choice = (start) => element("select", {}, ...names.map((n, i) => element("option", { value: n, selected: i === start }, n)));
   const x = choice(0), y = choice(1), place = element("div");
-  const draw = () => place.replaceChildren(graphFigure(`${y.value} against ${x.value}`, x.value, y.value,
+  const draw = () => place.replaceChildren(graphFigure(`${withUnit(y.value)} against ${withUnit(x.value)}`, withUnit(x.value), withUnit(y.value),
     values[x.value].map((v, i) => [v, values[y.value][i]])));
   x.addEventListener("change", draw);
   y.addEventListener("change", draw);
@@ -110,9 +110,9 @@ function energiesSection() {
   const chosen = m.names.map((name, i) => [name, i]).filter(([name]) => !m.certificate.includes(name));
   const plots = element("div", { class: "plots" });
   const energies = chosen.filter(([name]) => m.energies.includes(name));
-  if (energies.length) plots.append(curvesFigure({ label: "Energies", xName: "t", x: m.times, curves: energies.map(([name, i]) => ({ name, y: m.columns[i] })) }));
+  if (energies.length) plots.append(curvesFigure({ label: "Energies" + unitOf("energy"), xName: timeName, x: m.times, curves: energies.map(([name, i]) => ({ name, y: m.columns[i] })) }));
   const others = chosen.filter(([name]) => !m.energies.includes(name));
-  if (others.length) plots.append(curvesFigure({ label: "Quantities of the a-priori bounds", xName: "t", x: m.times, curves: others.map(([name, i]) => ({ name, y: m.columns[i] })) }));
+  if (others.length) plots.append(curvesFigure({ label: "Quantities of the a-priori bounds", xName: timeName, x: m.times, curves: others.map(([name, i]) => ({ name, y: m.columns[i] })) }));
   section("energies", "Energies", element("p", {}, `The balance of work closes to ${text(m.balance_error)} of its parts.`), plots);
 }
 

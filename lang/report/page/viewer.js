@@ -220,8 +220,8 @@ class Viewer {
     this.tellProbe([0, 1, 2].map((k) => mean((i) => this.points[3 * i + k])), mean((i) => this.now.values[i]));
   }
   tellProbe(point, value) {
-    const q = this.quantities[this.state.quantity].name;
-    this.probed.textContent = point ? `at (${point.slice(0, this.fields.dim).map((x) => text(x)).join(", ")}): ${q} = ${text(value, 6)}` : "nothing there";
+    const { name, array } = this.quantities[this.state.quantity];
+    this.probed.textContent = point ? `at (${point.slice(0, this.fields.dim).map((x) => text(x)).join(", ")})${unitOf("length")}: ${name} = ${text(value, 6)}${this.fields.arrays[array].unit}` : "nothing there";
   }
   /** The value at the node nearest to coordinates, for those who type. */
   probeAt(point) {
@@ -244,13 +244,14 @@ class Viewer {
     }
     this.numbers.replaceChildren(...[1, 0.75, 0.5, 0.25, 0].map((p) => element("span", {}, text(scale.low + p * (scale.high - scale.low)))));
     const { name, array } = this.quantities[this.state.quantity];
-    this.barName.textContent = name;
+    this.barName.textContent = name + this.fields.arrays[array].unit;
     this.meansNote.textContent = this.fields.arrays[array].means ? "means at nodes" : "";
   }
   say() {
-    const { scale } = this.now, frame = this.fields.frames[this.state.frame];
-    this.timeText.textContent = `t = ${text(frame.t)}`;
-    this.canvas.setAttribute("aria-label", `The body, coloured by ${this.quantities[this.state.quantity].name}, from ${text(scale.low)} to ${text(scale.high)}, at t = ${text(frame.t)}. Arrow keys turn it, plus and minus zoom, 0 shows all, comma and full stop go through time, space plays.`);
+    const { scale } = this.now, time = `t = ${text(this.fields.frames[this.state.frame].t)}${unitOf("time")}`;
+    const { name, array } = this.quantities[this.state.quantity];
+    this.timeText.textContent = time;
+    this.canvas.setAttribute("aria-label", `The body, coloured by ${name}, from ${text(scale.low)} to ${text(scale.high)}${this.fields.arrays[array].unit}, at ${time}. Arrow keys turn it, plus and minus zoom, 0 shows all, comma and full stop go through time, space plays.`);
   }
 
   // --- controls ----------------------------------------------------------------------------------
@@ -386,8 +387,9 @@ async function barFigure(fields, points) {
   const plots = element("div", { class: "plots" });
   for (const [a, array] of fields.arrays.entries()) {
     const data = await floats(fields.frames.at(-1).data[a]);
-    plots.append(curvesFigure({ label: `${array.name} at the end`, xName: "x", x: order.map((i) => points[3 * i]),
-      curves: [{ name: array.name, y: order.map((i) => data[array.components * i]) }] }));
+    const name = array.name + array.unit;
+    plots.append(curvesFigure({ label: `${name} at the end`, xName: "x" + unitOf("length"), x: order.map((i) => points[3 * i]),
+      curves: [{ name, y: order.map((i) => data[array.components * i]) }] }));
   }
   return plots;
 }

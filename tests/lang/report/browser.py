@@ -4,6 +4,7 @@ usage: browser.py HVI_RUN [--new-looks] [--shots FOLDER].   Exit code 77: there 
 import base64
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -29,6 +30,19 @@ such that for all v in V
 report
   table a = u.y at [2, 0, 0], f = integral(bottom, layer.xi)
   fields u
+"""
+MEASURED = """units mm, N, s
+mesh plate = rectangle(20 [mm], 10 [mm], cells = [6, 3])
+part left = plate.left
+part ground = plate.bottom
+tensor B = isotropic(young = 70 [GPa], poisson = 0.3)
+superpotential layer(r) = 50 [MPa/mm]*r^2
+space V = vector P1 on plate, zero on left
+find u in V for t in [0, 10] [s] by 4 steps from u = 0
+such that for all v in V
+    integral(plate, B : eps(u) : eps(v)) + integral(plate, 1 [GPa*s]*(eps(u') : eps(v))) + integral(ground, layer^0(u.nu; v.nu)) >= integral(plate, dot([0, -1 [N/mm^3]*t/(1 [s])], v))
+report
+  table tip = u.y at [20, 10] [mm], pressed = layer.xi at [20, 0] [mm]
 """
 failures = 0
 
@@ -140,6 +154,26 @@ def curves(browser):
     check("it prints", pages.startswith(b"%PDF") and len(pages) > 20000, len(pages))
 
 
+def units(browser, folder):
+    """The same with units: they stand behind what is shown."""
+    (folder / "measured.hvi").write_text(MEASURED)
+    done = subprocess.run([PROGRAM, "report", "measured.hvi", "-o", "out"], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    browser("Page.navigate", url=(folder / "out/measured_report.html").as_uri())
+    browser.wait("document.title === 'measured: report' && document.body.dataset.ready === 'yes'")
+    browser.shot("measured", whole=True)
+    shown = browser.run("document.body.innerText")
+    for words in ("tip [mm]", "pressed [MPa]", "Energies [N]", "layer: ξ [MPa]", "t = 10 [s]", "pressed [MPa] against tip [mm]"):
+        check(f"{words} is shown", words in shown or words in browser.run("[...document.querySelectorAll('figcaption')].map((e) => e.textContent).join('|')"))
+    axes = browser.run("[...document.querySelectorAll('svg text')].map((e) => e.textContent)")
+    check("axes of time and of a law have units", "t [s]" in axes and "r [mm]" in axes, [a for a in axes if "[" in a])
+    browser.run("document.body.viewer.probeAt([20, 10, 0])")
+    check("the bar has the unit", browser.run("document.body.viewer.barName.textContent").endswith(" [MPa]"))
+    check("a probe has units", re.fullmatch(r"at \(20, 10\) \[mm\]: .* \[MPa\]", browser.run("document.body.viewer.probed.textContent")), browser.run("document.body.viewer.probed.textContent"))
+    check("the canvas tells units", "[MPa], at t = 10 [s]" in browser.run("document.body.viewer.canvas.getAttribute('aria-label')"))
+    check("nothing undefined with units", not re.search(r"\[object|undefined|NaN", shown))
+
+
 def main():
     program = chromium()
     if program is None:
@@ -158,6 +192,7 @@ def main():
             browser.shot("report", whole=True)
             viewer(browser, looks)
             curves(browser)
+            units(browser, folder)
             check("no error, no request", not browser.errors, browser.errors)
         finally:
             browser.close()

@@ -6,6 +6,7 @@
 #include "solver/output/temporary_file.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <unistd.h>
 
@@ -186,6 +187,25 @@ TEST(Table, CsvReadsBackToTheSameBits) {
   EXPECT_EQ(t, 0.1);
   EXPECT_EQ(v, 1.0 / 3.0);
   EXPECT_TRUE(text.ends_with(",\n"));
+}
+
+TEST(Table, UnitsLieBesideItAndItsNamesStay) {
+  ReportTable table{{"t", "a,b", "n"}, {{1}, {2}, {3}}, {"s", "N/mm", ""}};
+  EXPECT_TRUE(csv_text(table).starts_with("t,\"a,b\",n\n"));
+  const auto folder = fresh_folder("units");
+  EXPECT_EQ(write_table(folder, "f.csv", table),
+            (std::vector<std::string>{"f.csv", "f.csv-metadata.json"}));
+  const auto about = nlohmann::json::parse(csv_metadata("below/f.csv", table));
+  EXPECT_EQ(about["url"], "f.csv");
+  const auto& columns = about["tableSchema"]["columns"];
+  EXPECT_EQ(columns[1]["titles"], "a,b");
+  EXPECT_EQ(columns[1]["schema:unitText"], "N/mm");
+  EXPECT_FALSE(columns[2].contains("schema:unitText"));
+  table.units = {"", "", ""};
+  EXPECT_EQ(write_table(folder, "f.csv", table), std::vector<std::string>{"f.csv"});
+  EXPECT_FALSE(std::filesystem::exists(folder / "f.csv-metadata.json"));
+  table.units.clear();
+  EXPECT_EQ(csv_metadata("f.csv", table), "");
 }
 
 TEST(Table, AlignsAndShortens) {

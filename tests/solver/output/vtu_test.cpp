@@ -56,8 +56,8 @@ TEST(Vtu, MeshioReadsWhatWasWritten) {
   grid.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   grid.connectivity = {0, 1, 2, 0, 2, 3};
   grid.point_data = {{"u & v", 3, {0, 0, 0, .1, 0, 0, 0, -2e-300, 0, 1, 2, 3}}};
-  grid.cell_data = {{"sigma", 9, std::vector<double>(18, 1.0 / 3.0)}, {"p", 1, {4, 5}}};
-  write_atomically(folder / "a.vtu", vtu_bytes(grid));
+  grid.cell_data = {{"sigma", 9, std::vector<double>(18, 1.0 / 3.0), "N/mm^2"}, {"p", 1, {4, 5}}};
+  write_atomically(folder / "a.vtu", vtu_bytes(grid, {"s", "mm"}));
   EXPECT_EQ(0, python(folder, R"(
 import meshio, sys, os
 m = meshio.read(os.path.join(os.path.dirname(os.path.abspath(__file__)), "a.vtu"))
@@ -66,6 +66,11 @@ assert m.cells[0].type == "triangle" and m.cells[0].data.tolist() == [[0,1,2],[0
 assert m.point_data["u & v"].tolist() == [[0,0,0],[.1,0,0],[0,-2e-300,0],[1,2,3]]
 assert m.cell_data["sigma"][0].shape == (2, 9) and (m.cell_data["sigma"][0] == 1/3).all()
 assert m.cell_data["p"][0].tolist() == [4, 5]
+import xml.etree.ElementTree as E
+arrays = E.parse(os.path.join(os.path.dirname(os.path.abspath(__file__)), "a.vtu")).getroot().iter("DataArray")
+units = {a.get("Name"): (k.get("name"), k.get("location"), k.text) for a in arrays for k in a.findall("InformationKey")}
+key = ("UNITS_LABEL", "vtkDataArray")
+assert units == {"sigma": (*key, "N/mm^2"), "TimeValue": (*key, "s"), "Points": (*key, "mm")}, units
 )"));
 }
 
