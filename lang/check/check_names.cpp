@@ -239,7 +239,7 @@ Value Checker::defined_value(const ast::Param& param) {
 bool Checker::is_in_range(const ast::Param& param, double v, ModelParam& entry) {
   if (!param.range) return true;
   const auto bounds = constant_list(*param.range, "the range of a parameter");
-  if (!bounds) return true;
+  if (!bounds || diagnostics_.has_error_in(param.range->span)) return true;
   if (bounds->size() != 2 || (*bounds)[0] > (*bounds)[1]) {
     error("E0408", param.range->span, "the range of a parameter is `[least, greatest]`");
     return true;

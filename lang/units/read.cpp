@@ -133,6 +133,38 @@ bool take_define(const ast::Param& param, std::string& text, ScriptUnits& out,
   return true;
 }
 
+/// Of a number as it is written; zero fits everywhere, and of what is no number the pass behind the
+/// checker tells.
+std::optional<Dimension> of_literal(const ast::Expr& e, const ScriptUnits& units) {
+  if (const auto* minus = std::get_if<ast::Negate>(&e.node))
+    return of_literal(*minus->operand, units);
+  if (const auto* bare = std::get_if<ast::Number>(&e.node))
+    return bare->value == 0 ? std::nullopt : std::optional(Dimension{});
+  const auto* quantity = std::get_if<ast::Quantity>(&e.node);
+  const auto unit = quantity ? units.read.find(quantity->unit.text) : units.read.end();
+  return unit == units.read.end() ? std::nullopt : std::optional(unit->second.dimension);
+}
+
+/// Before any value is compared with its range: numbers of two kinds have no order.
+void check_range(const ast::Param& param, const ScriptUnits& units, Diagnostics& diagnostics) {
+  const auto own = of_literal(param.value, units);
+  const auto* range = param.range ? std::get_if<ast::List>(&param.range->node) : nullptr;
+  if (!own || range == nullptr) return;
+  const auto shown = [&](const Dimension& dimension) {
+    const std::string words = in_words(dimension);
+    return fmt::format("`[{}]`{}", units.system.name(dimension),
+                       words.empty() ? "" : fmt::format(" ({})", words));
+  };
+  for (const ast::Expr& bound : range->items) {
+    const auto of = of_literal(bound, units);
+    if (!of || *of == *own) continue;
+    diagnostics.add(diagnose(
+        of->is_one() ? "E0332" : "E0331", bound.span,
+        fmt::format("the range of `{}` is {}, not {}", param.name.text, shown(*own), shown(*of))));
+    return;
+  }
+}
+
 } // namespace
 
 ScriptUnits read_units(const std::vector<ast::Program>& programs, CheckOptions& options,
@@ -147,6 +179,10 @@ ScriptUnits read_units(const std::vector<ast::Program>& programs, CheckOptions& 
       out.read[written.text] = *unit;
       options.units[written.text] = out.system.factor(*unit);
     }
+  for (const ast::Program& program : programs)
+    for (const ast::Statement& statement : program.statements)
+      if (const auto* param = std::get_if<ast::Param>(&statement); param && out.used)
+        check_range(*param, out, diagnostics);
   for (auto define = options.defines.begin(); define != options.defines.end();) {
     const ast::Param* param = find_param(programs, define->first);
     const bool taken =

@@ -173,8 +173,10 @@ std::string System::named(const Powers& powers) const {
   for (const NamedUnit& unit : named_units()) {
     if (!measures(unit)) continue;
     for (const Prefix& prefix : prefixes()) {
+      // Nobody writes hbar for kN/cm^2; cm is the one that people do write.
+      const bool usual = unit.name == "m" || (prefix.tens % 3 == 0 && unit.name != "bar");
       const Scale scaled{unit.scale.mantissa, unit.scale.tens + prefix.tens};
-      if (unit.prefixes && same(scaled, wanted))
+      if (unit.prefixes && usual && same(scaled, wanted))
         return std::string(prefix.name) + std::string(unit.name);
     }
   }

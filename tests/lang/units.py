@@ -148,6 +148,8 @@ WRONG = [
     ("an empty unit", "2 [MPa]", "2 []", "]", "E0230"),
     ("a unit on a quantity", "2 [MPa]", "(2 [MPa]) [MPa]", "[MPa]", "E0331"),
     ("the range in another dimension", "in [10, 300] [GPa]", "in [1, 300e3] [mm]", "1", "E0331"),
+    ("a value of another kind than its range", "70 [GPa] in", "70 [mm] in", "10", "E0331"),
+    ("a bare value beside a range", "70 [GPa] in", "70 in", "10", "E0331"),
     ("a bare range", "in [10, 300] [GPa]", "in [10, 1e12]", "10", "E0332"),
     ("a bare mesh", "20 [mm], 10 [mm]", "20, 10 [mm]", "20", "E0332"),
     ("a mesh in seconds", "20 [mm], 10 [mm]", "20 [mm], 10 [s]", "10 [s]", "E0331"),
