@@ -10,6 +10,7 @@
 #include "lang/mesh_picture.hpp"
 #include "lang/syntax/lexer.hpp"
 #include "lang/syntax/print.hpp"
+#include "lang/units/units.hpp"
 #include "solver/mesh/gmsh_module.hpp"
 #include "solver/mesh/mesh.hpp"
 #include "solver/mesh/read_msh.hpp"
@@ -92,6 +93,9 @@ int dump_command(const std::string& path, const std::string& phase, const Option
     text = print_ast(script.programs[0], &source);
   } else if (phase == "model") {
     text = to_string(*script.model);
+  } else if (phase == "units") {
+    for (const std::string& one : units::signatures(script.programs, *script.model))
+      text += one + "\n";
   } else {
     text = to_string(*script.plan);
   }

@@ -139,7 +139,7 @@ void add_commands(CLI::App& app, std::string_view given, CommandLine& line) {
   command("params", "list the parameters");
   command("mesh", "describe a mesh file, or draw the mesh and the parts of a script");
   auto* dump = command("dump", "print a phase");
-  for (const char* name : {"tokens", "ast", "model", "plan"})
+  for (const char* name : {"tokens", "ast", "model", "units", "plan"})
     dump->add_flag_callback(
         std::string("--") + name, [&line, name] { line.phase = name; }, "this phase");
   app.add_subcommand("serve-editor", "language server: answers an editor")

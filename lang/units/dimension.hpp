@@ -80,6 +80,8 @@ public:
   [[nodiscard]] Dimension resolved(const Dimension& d) const;
   /// Makes a and b equal; false where that cannot be, and then nothing has changed.
   bool unify(const Dimension& a, const Dimension& b);
+  /// Knows what it knew then; unknowns made since stay others than those to come.
+  void forget_since(const Inference& then) { known_ = then.known_; }
 
 private:
   int n_unknown_ = 0;

@@ -28,6 +28,8 @@ public:
   DimensionChecker(const std::vector<ast::Program>& programs, const ScriptUnits& units,
                    Model& model, Diagnostics& diagnostics);
   void run();
+  /// Of every function and law, also of those that nobody calls.
+  std::vector<std::string> signatures();
 
 private:
   using Locals = std::map<std::string, Measured>;
@@ -111,6 +113,13 @@ private:
   std::string help_for_bare(Side given, const Dimension& wanted) const;
   bool is_bare(Side given) const;
 
+  // --- functions in general (signatures.cpp)
+  using Signature = std::vector<std::pair<std::string, Dimension>>;
+  std::string signature(const ast::Fn& fn);
+  std::string signature(const ast::Superpotential& law);
+  void settle_powers();
+  std::string shown_by(const Signature& names, const Dimension& dimension) const;
+
   // --- what the model learns (dimensions_of_results.cpp)
   void tell_model();
   std::optional<Dimension> of_column(const std::string& name) const;
@@ -143,6 +152,8 @@ private:
   std::set<int> library_;   ///< files of the standard library
   long evaluations_ = 0;
   bool reads_law_ = false; ///< the body of a law
+  bool general_ = false;   ///< no call: an argument may become any number
+  std::vector<std::pair<Dimension, Dimension>> powers_; ///< then: bases and what they give
 };
 
 } // namespace hvi::lang::units

@@ -177,6 +177,11 @@ Measured DimensionChecker::power(const ast::Binary& b, const Measured& base,
     out.dimension = base.dimension->to(*rational);
     return out;
   }
+  if (general_ && !exponent.number) {
+    out.dimension = inference_.fresh();
+    powers_.emplace_back(*base.dimension, *out.dimension);
+    return out;
+  }
   // An exponent that is no known fraction has a number below it.
   if (!wants_number(*b.left, base, "what is raised to a power that changes")) return {};
   out.dimension = Dimension{};

@@ -70,7 +70,7 @@ std::string power_text(const std::string& name, const Rational& p) {
   return fmt::format("{}^({}/{})", name, p.above(), p.below());
 }
 
-using Product = std::vector<std::pair<std::string, Rational>>;
+} // namespace
 
 std::string product_text(const Product& factors) {
   std::string above, below;
@@ -86,6 +86,8 @@ std::string product_text(const Product& factors) {
   if (n_below > 1) below = "(" + below + ")";
   return (above.empty() ? "1" : above) + "/" + below;
 }
+
+namespace {
 
 double cost(const Product& factors) {
   double out = 0;

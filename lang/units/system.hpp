@@ -5,10 +5,15 @@
 #include "lang/units/unit.hpp"
 
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
 namespace hvi::lang::units {
+
+using Product = std::vector<std::pair<std::string, Rational>>;
+/// "N*s/m^2"
+std::string product_text(const Product& factors);
 
 class System {
 public:

@@ -31,6 +31,10 @@ ScriptUnits read_units(const std::vector<ast::Program>& programs, CheckOptions& 
 void check_units(const std::vector<ast::Program>& programs, const ScriptUnits& units, Model& model,
                  Diagnostics& diagnostics);
 
+/// `ramp(a [a], length [a]) [1]`: in which dimensions the functions and laws of a checked script
+/// and of what it imports may be called, and what they give; dimensions by the names of arguments.
+std::vector<std::string> signatures(const std::vector<ast::Program>& programs, const Model& model);
+
 /// "a pressure", "a length"; nothing where a dimension has no word.
 std::string in_words(const Dimension& dimension);
 
