@@ -22,8 +22,10 @@ std::string DimensionChecker::shown_by(const Signature& names, const Dimension& 
   const Dimension known = resolved(dimension);
   Product factors;
   for (const auto& [which, power] : known.unknowns()) {
-    const auto name = std::ranges::find_if(
-        names, [&](const auto& one) { return one.second == Dimension::unknown(which); });
+    const auto name =
+        std::ranges::find_if(names, [unknown = Dimension::unknown(which)](const auto& one) {
+          return one.second == unknown;
+        });
     if (name == names.end()) return "";
     factors.emplace_back(name->first, power);
   }
