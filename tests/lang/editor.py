@@ -232,6 +232,17 @@ def renames(client, uri):
     assert library is None or library["uri"].endswith("stdlib/friction.hvi")
 
 
+def measured(client):
+    """What a script with units declares is told with its unit."""
+    uri, text = uri_of(ROOT / "examples/units.hvi"), (ROOT / "examples/units.hvi").read_text()
+    client.open(uri, text)
+    last = lambda where: client.at("textDocument/hover", uri, place_of(text, where))["contents"]["value"].split("```")[-1].strip().split("\n")[0]
+    for where, said in (("param |young", "the number 6 [MPa]"), ("param |nu", "the number 0.4"), ("param |height", "the number 50 in units of mm, N, s: 5 [cm]"),
+                        ("tensor |B", "a fourth-order tensor [MPa]"), ("superpotential |layer", "a superpotential multiplier in [MPa]"),
+                        ("find |u in", "unknown [mm]"), ("table |top_sinks", "column of the table [mm]")):
+        assert last(where) == said, (where, last(where))
+
+
 def units():
     """The same place in both ways to count."""
     text = SCRIPT.replace("# π ∈ \U0001d49e, steel", "").replace(
@@ -329,10 +340,14 @@ def lenses(client):
         path.write_text(SCRIPT)
         uri = uri_of(path)
         client.open(uri, SCRIPT)
-        before = client.refreshed
-        while client.refreshed == before:
-            client.read()
-        lens, = client.ask("textDocument/codeLens", {"textDocument": {"uri": uri}})
+        # A refresh does not say of which document: one that was opened before may have been judged only now.
+        found = []
+        while not found:
+            before = client.refreshed
+            found = client.ask("textDocument/codeLens", {"textDocument": {"uri": uri}})
+            while not found and client.refreshed == before:
+                client.read()
+        [lens] = found
         assert lens["range"]["start"]["line"] == 12 and "one solution" in lens["command"]["title"], lens
 
 
@@ -345,6 +360,7 @@ def main():
     assert not client.found(uri), client.found(uri)
     completions(client, uri)
     hovers(client, uri)
+    measured(client)
     renames(client, uri)
     wrong_messages(client)
     lenses(client)

@@ -129,6 +129,7 @@ RIGHT = [
     ("a cycle", [("load*grow(t)", "load*cycle(t, 20 [s])", "load*cycle(t, 20)")]),
     ("a declared unit of u", [("find u in V", "find u [um] in V", "find u in V")]),
     ("an initial value", [("from u = 0\n", "from u = [0 [mm], 0]\n", "from u = [0, 0]\n")]),
+    ("a bare zero in a range", [("[10, 300] [GPa]", "[0, 300 [GPa]]", "[0, 300e3]")]),
     ("every time", [("[0, 10] [s] by 4 steps", "[0, 10] [s] at [1, 2, 5, 10] [s]", "[0, 10] at [1, 2, 5, 10]")]),
     ("kilonewtons and metres", [("units mm, N, s", "units mm, MPa, s", "")]),
 ]
@@ -150,6 +151,12 @@ WRONG = [
     ("the range in another dimension", "in [10, 300] [GPa]", "in [1, 300e3] [mm]", "1", "E0331"),
     ("a value of another kind than its range", "70 [GPa] in", "70 [mm] in", "10", "E0331"),
     ("a bare value beside a range", "70 [GPa] in", "70 in", "10", "E0331"),
+    ("a range of what is computed", "70 [GPa] in [10, 300] [GPa]", "2*35 [GPa] in [10, 300e3] [mm]", "10", "E0331"),
+    ("a place of a mesh", "10 [mm], cells", "10 [mm], at = [1, 0] [s], cells", "1", "E0331"),
+    ("an expectation's condition", "within 10 [mm]", "within 10 [mm] when load > 1", "1", "E0332"),
+    ("the end of a line", "N = norm(u)", "N = norm(u)\n  line u from [0, 5] [mm] to [20, 5] by 3 points", "20", "E0332"),
+    ("the beginning of a line", "N = norm(u)", "N = norm(u)\n  line u from [1, 5] [s] to [20, 5] [mm] by 3 points", "1", "E0331"),
+    ("an initial rate", "integral(slab, A : eps(u') : eps(v))\n", "integral(slab, A : eps(u') : eps(v)) + integral(slab, 1 [g/cm^3]*dot(u'', v))\n", "", "E0331", ("from u = 0\n", "from u = 0, u' = [1 [mm], 0]\n", "1 [mm]")),
     ("a bare range", "in [10, 300] [GPa]", "in [10, 1e12]", "10", "E0332"),
     ("a bare mesh", "20 [mm], 10 [mm]", "20, 10 [mm]", "20", "E0332"),
     ("a mesh in seconds", "20 [mm], 10 [mm]", "20 [mm], 10 [s]", "10 [s]", "E0331"),
@@ -259,9 +266,13 @@ def told(text):
     return [r for r in rows if r["code"].startswith("E")]
 
 
-def wrong(name, old, new, bad, code):
+def wrong(name, old, new, bad, code, more=None):
+    """`more`: another change, with what is underlined then."""
     assert BASE.count(old) == 1, (name, old)
     text = BASE.replace(old, new)
+    if more:
+        assert not told(text), (name, told(text))
+        text, bad = text.replace(*more[:2]), more[2]
     rows = told(text)
     lines = text.split("\n")
     good, several = False, code.endswith("+")
@@ -441,10 +452,13 @@ def declared_outside():
         got = json.loads((WORK / "out.json").read_text())
         if got["table"]["tip"] != changed or got["params"]["E"] != 210 and define != "E=2.1e11[Pa]" or got["table"]["tip"] == base:
             failures.append(f"-D {define}: {got['params']}, {got['table']['tip'][-1]} against {changed[-1]}")
-    for define, code in (("E=210[mm]", "E0331"), ("E=210[Gpa]", "E0330")):
+    computed = BASE.replace("2 [MPa]", "2*1 [MPa]")
+    for text, define, code in ((BASE, "E=210[mm]", "E0331"), (BASE, "E=210[Gpa]", "E0330"), (computed, "load=3[mm]", "E0331")):
+        (WORK / "script.hvi").write_text(text)
         done = subprocess.run([PROGRAM, "check", "--diagnostics", "json", "-D", define, str(WORK / "script.hvi")], capture_output=True, text=True)
         if code not in done.stderr:
             failures.append(f"-D {define}: no {code} in {done.stderr}")
+    (WORK / "script.hvi").write_text(BASE)
     done = subprocess.run([PROGRAM, "check", "-D", "E=7", str(WORK / "script.hvi")], capture_output=True, text=True)
     for words in ("`E` = 7 is outside its range [10, 300] [GPa]", "set by -D E=7\n"):
         if words not in done.stderr:
@@ -475,7 +489,22 @@ def formatted():
             failures.append(f"fmt: {(WORK / 'script.hvi').read_text()}")
 
 
+def named():
+    """Units as people write them, and what a function may be called with, whatever another one asks of the same name."""
+    for force, length in (("kN", "cm"), ("N", "dm")):  # no hbar, no mbar
+        (WORK / "script.hvi").write_text(f"units {length}, {force}, s\nparam p = 1*2 [{force}/{length}^2]\n" + REST)
+        done = subprocess.run([PROGRAM, "params", str(WORK / "script.hvi")], capture_output=True, text=True)
+        if f"p = 2 [{force}/{length}^2]" not in done.stdout:
+            failures.append(f"params: {done.stdout}{done.stderr}")
+    free = REST.replace("1 [1/m^2]*v", "0*v").replace("\nspace", "\nfn first() = exp(u)\nfn second() = u + 1 [km]\nspace")
+    (WORK / "script.hvi").write_text("units SI\n" + free)
+    done = subprocess.run([PROGRAM, "dump", "--units", str(WORK / "script.hvi")], capture_output=True, text=True)
+    if done.stdout != "first() [1]\nsecond() [m]\n":
+        failures.append(f"dump --units: {done.stdout}{done.stderr}")
+
+
 formatted()
+named()
 reported()
 exact = sum(right(*case) for case in RIGHT)
 for case in WRONG:

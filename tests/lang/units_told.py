@@ -132,6 +132,15 @@ def without(out, result):
     check("nothing of it is told", not any("metadata" in name for name in result["files"]), result["files"])
 
 
+def several(folder):
+    """Unknowns whose energies are of two kinds have no sum with a unit."""
+    warm = SCRIPT.replace("space V", "space W = scalar P1 on slab, zero on left\nspace V").replace("find u in V", "find u in V, theta [K] in W").replace("for all v in V", "for all v in V, q in W")
+    warm = warm.replace("    integral(slab, B", "    integral(slab, 1 [W/(m*K)]*dot(grad(theta), grad(q))) + integral(slab, B")
+    out, _ = run(folder, warm.replace("norm(u)", "norm(u), warmth = theta at [10, 5] [mm]"))
+    check("no unit of energies of two kinds", report(out)["units"]["energy"] == "" and "N" not in told(out / "slab_monitors.csv").values(), report(out)["units"])
+    check("each column has its own", told(out / "slab.csv")["warmth"] == "K" and told(out / "slab.csv")["tip"] == "mm")
+
+
 def overwritten(folder):
     """The metadata of a table would take the place of a file that the script reads."""
     (folder / "slab.csv-metadata.json").write_text("0,0\n1,1\n")
@@ -144,6 +153,7 @@ with tempfile.TemporaryDirectory() as place:
     FOLDER = pathlib.Path(place)
     with_units(*run(FOLDER, SCRIPT))
     without(*run(FOLDER, plain()))
+    several(FOLDER)
     overwritten(FOLDER)
 print("units told:", "ok" if not failures else "\n".join(failures))
 sys.exit(bool(failures))
