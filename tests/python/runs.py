@@ -303,17 +303,17 @@ class Process(unittest.TestCase):
         self.assertEqual(process.returncode, 0)
 
     def test_control_c_while_another_thread_runs(self):
-        """It may be waiting for its turn: the other run goes on until it is asked to stop."""
+        """It may be waiting for its turn, so it begins after the other, which goes on until it is asked to stop."""
         code = (f"import hvi, threading\nlong, short = (hvi.load({str(EXAMPLES / 'slab.hvi')!r}) for _ in range(2))\n"
-                "over = threading.Event()\n"
-                "def progress(*now):\n    if over.is_set(): raise LookupError('enough')\n    print(now, flush=True)\n"
+                "begun, over = threading.Event(), threading.Event()\n"
+                "def progress(*now):\n    begun.set()\n    if over.is_set(): raise LookupError('enough')\n"
                 "def other():\n    try:\n        long.run(n=16, N=1000000, progress=progress)\n"
                 "    except LookupError:\n        print('other stopped', flush=True)\n"
-                "thread = threading.Thread(target=other)\nthread.start()\n"
-                "try:\n    short.run(n=16, N=1000000)\nexcept KeyboardInterrupt:\n    print('stopped', flush=True)\n"
+                "thread = threading.Thread(target=other)\nthread.start()\nbegun.wait()\n"
+                "try:\n    print('begins', flush=True)\n    short.run(n=16, N=1000000)\nexcept KeyboardInterrupt:\n    print('stopped', flush=True)\n"
                 "print('goes on', thread.is_alive(), flush=True)\nover.set()\nthread.join()\n")
         process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
-        process.stdout.readline()  # the other runs
+        process.stdout.readline()  # the other one runs
         process.send_signal(signal.SIGINT)
         output = process.communicate(timeout=120)[0]
         for line in ("stopped", "goes on True", "other stopped"):
