@@ -10,6 +10,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 
 namespace hvi::solver {
 namespace {
@@ -76,6 +77,19 @@ std::string csv_rows(const ReportTable& table) {
   return out;
 }
 
+namespace {
+
+constexpr const char* metadata_creator = "hvi-run";
+
+/// Somebody else's file of that name is not.
+bool is_own_metadata(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  const auto json = nlohmann::json::parse(in, nullptr, false);
+  return json.is_object() && json.value("dc:creator", nlohmann::json()) == metadata_creator;
+}
+
+} // namespace
+
 std::string metadata_file(const std::string& file) { return file + "-metadata.json"; }
 
 std::string csv_metadata(const std::string& file, const ReportTable& table) {
@@ -89,6 +103,7 @@ std::string csv_metadata(const std::string& file, const ReportTable& table) {
     columns.push_back(std::move(column));
   }
   const Json out{{"@context", "http://www.w3.org/ns/csvw"},
+                 {"dc:creator", metadata_creator},
                  {"url", std::filesystem::path(file).filename().string()},
                  {"tableSchema", {{"columns", columns}}}};
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -103,7 +118,7 @@ std::vector<std::string> write_table(const std::filesystem::path& folder, const 
     return {file, about};
   }
   std::error_code none;
-  std::filesystem::remove(folder / about, none);
+  if (is_own_metadata(folder / about)) std::filesystem::remove(folder / about, none);
   return {file};
 }
 

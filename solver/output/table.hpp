@@ -26,8 +26,8 @@ std::string csv_rows(const ReportTable& table);
 std::string csv_metadata(const std::string& file, const ReportTable& table);
 /// Where those who read the table look for it.
 std::string metadata_file(const std::string& file);
-/// Both into a folder; where no unit is known there is one file, and none of an earlier run beside
-/// it. The names of the files. Throws Failure(output).
+/// Both into a folder; where no unit is known there is one file, and metadata of an earlier run
+/// are removed. The names of the files. Throws Failure(output).
 std::vector<std::string> write_table(const std::filesystem::path& folder, const std::string& file,
                                      const ReportTable& table);
 

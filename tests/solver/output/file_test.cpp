@@ -204,6 +204,11 @@ TEST(Table, UnitsLieBesideItAndItsNamesStay) {
   table.units = {"", "", ""};
   EXPECT_EQ(write_table(folder, "f.csv", table), std::vector<std::string>{"f.csv"});
   EXPECT_FALSE(std::filesystem::exists(folder / "f.csv-metadata.json"));
+  for (const char* text : {"{\"url\": \"f.csv\"}", "not JSON", "[1]", "{\"dc:creator\": 3}"}) {
+    std::ofstream(folder / "f.csv-metadata.json") << text; // somebody else's
+    write_table(folder, "f.csv", table);
+    EXPECT_TRUE(std::filesystem::exists(folder / "f.csv-metadata.json")) << text;
+  }
   table.units.clear();
   EXPECT_EQ(csv_metadata("f.csv", table), "");
 }
