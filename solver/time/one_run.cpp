@@ -184,16 +184,26 @@ void OneRun::estimate_forward_error() {
     error.condition = state_.formulation->condition(state_.solver.equations.matrices.latest());
 }
 
+namespace {
+
+/// sum_j |K_ij u_j|: the forces in a row before they cancel.
+double forces_in_row(const SparseMatrix& k, int row, const Vector& u) {
+  double out = 0.0;
+  for (SparseMatrix::InnerIterator it(k, row); it; ++it) out += std::abs(it.value() * u[it.col()]);
+  return out;
+}
+
+} // namespace
+
 double OneRun::nothing_of_multipliers(const StepMatrix* matrix) const {
   const SparseMatrix& force = state_.contact().force;
   const Vector& u = state_.evolution.u();
   double out = 0.0;
   for (int i = 0; matrix != nullptr && i < std::min(force.rows(), matrix->k().rows()); ++i) {
-    double forces = 0.0, weight = 0.0;
-    for (SparseMatrix::InnerIterator it(matrix->k(), i); it; ++it)
-      forces += std::abs(it.value() * u[it.col()]);
+    double weight = 0.0;
     for (SparseMatrix::InnerIterator it(force, i); it; ++it) weight += std::abs(it.value());
-    if (weight > 0.0) out = std::max(out, negligible_share * forces / weight);
+    if (weight > 0.0)
+      out = std::max(out, negligible_share * forces_in_row(matrix->k(), i, u) / weight);
   }
   return out;
 }
@@ -204,13 +214,9 @@ std::array<double, slot::most_unknowns> OneRun::nothing_of_each(const StepMatrix
   if (matrix == nullptr || of_unknown.empty()) return out;
   const Vector& u = state_.evolution.u();
   for (int i = 0; i < matrix->k().rows(); ++i) {
-    double forces = 0.0, own = 0.0;
-    for (SparseMatrix::InnerIterator it(matrix->k(), i); it; ++it) {
-      forces += std::abs(it.value() * u[it.col()]);
-      if (it.col() == i) own = std::abs(it.value());
-    }
+    const double own = std::abs(matrix->k().coeff(i, i));
     double& most = out[of_unknown[static_cast<std::size_t>(i)]];
-    if (own > 0.0) most = std::max(most, negligible_share * forces / own);
+    if (own > 0.0) most = std::max(most, negligible_share * forces_in_row(matrix->k(), i, u) / own);
   }
   return out;
 }

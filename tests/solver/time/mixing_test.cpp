@@ -34,6 +34,9 @@ TEST(Mixing, ComparesGapsByTheSizesOfTheirKinds) {
     const Vector b = fixed - a * fixed;
     Mixing mixing(kinds);
     Vector x = fixed + size;
+    if (k % 3 == 0) // readings that begin at rounding, with some of the others
+      for (int i = 0; i < n; ++i)
+        if (kinds[static_cast<std::size_t>(i)] == 0) x[i] = 1e-15 * fixed[i];
     double left = 1.0;
     for (int pass = 0; pass < 2 * n + 4 && left > 1e-10; ++pass) {
       x = mixing.next(x, b + a * x);
