@@ -49,8 +49,8 @@ function hypothesesSection() {
   const word = (holds) => holds === true ? badge(true, "holds") : holds === false ? badge(false, "fails") : element("span", {}, "open");
   section("hypotheses", "Hypotheses of the theorem",
     element("p", {}, `On this mesh: ${h.verdict.discrete.says}. Continuous problem: ${h.verdict.continuous.says}.`),
-    table(["hypothesis", "value", "verdict", "line", "note"], h.hypotheses.map((one) =>
-      [one.name, text(one.value), word(one.holds), one.line ? String(one.line) : "", one.note || ""])));
+    table(["hypothesis", "what is asked", "value", "verdict", "line", "note"], h.hypotheses.map((one) =>
+      [one.name, one.bound, text(one.value), word(one.holds), one.line ? String(one.line) : "", one.note || ""])));
 }
 
 function planSection() {

@@ -368,7 +368,7 @@ async function fieldsSection() {
   const fields = report.fields;
   if (!fields) return;
   const out = section("fields", "Fields on the mesh",
-    element("p", { class: "note" }, "Drag to turn, with shift to move, wheel to zoom, click to read a value. Stresses are means at nodes of what the cells have."));
+    element("p", { class: "note hint" }, "Drag to turn, with shift to move, wheel to zoom, click to read a value. Stresses are means at nodes of what the cells have."));
   const [points, cells] = await Promise.all([floats(fields.points), integers(fields.cells)]);
   if (fields.dim < 2) { out.append(await barFigure(fields, points)); return; }
   try {

@@ -69,6 +69,9 @@ def viewer(browser, looks):
     label = lambda: browser.run("document.body.viewer.canvas.getAttribute('aria-label')")
     browser.run("document.getElementById('fields').scrollIntoView()")
     compare(browser, "stress", looks)
+    of_stress = lambda numbers, which: browser.run(f"quantitiesOf({{ name: 's', components: 9 }}, {{ dim: 3 }})[{which}][1](Float64Array.of({numbers}), 0)")
+    for numbers, mises, mean in (("7, 0, 0, 0, 0, 0, 0, 0, 0", 7, 7 / 3), ("0, 2, 0, 2, 0, 0, 0, 0, 0", 2 * 3 ** 0.5, 0), ("4, 0, 0, 0, 4, 0, 0, 0, 4", 0, 4)):
+        check("invariants of stresses", abs(of_stress(numbers, 0) - mises) < 1e-12 and abs(of_stress(numbers, 1) - mean) < 1e-12, numbers)
     check("the picture is told to those who do not see it", "von Mises" in label() and "t = 1" in label(), label())
     check("the bar says that stresses are means", browser.run("document.body.viewer.meansNote.textContent") == "means at nodes")
     box = browser.run("(({ x, y, width, height }) => ({ x, y, width, height }))(document.body.viewer.canvas.getBoundingClientRect())")
