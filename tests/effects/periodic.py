@@ -305,10 +305,14 @@ part front = body.front
 part ends = body.bottom
 tensor B = isotropic(young = 10, poisson = 0.3)
 space V = vector P1 on body, zero on ends{periodic}
-find u in V such that for all v in V integral(body, B : eps(u) : eps(v)) = integral(body, dot([0, 1, 0], v))
+find u in V such that for all v in V integral(body, B : eps(u) : eps(v)) = integral(body, dot([z, x*z, 1 + x*z^2], v))
 report
-  table low = u.y at [0, 1, 0]
+  table bx = u.x at [1, 1, 0], by = u.y at [1, 1, 0], bz = u.z at [1, 1, 0], fx = u.x at [1, 1, 3], fy = u.y at [1, 1, 3], fz = u.z at [1, 1, 3]
 """
+    for repeats in ("", "x", "y", "z", "xyz"):
+        run(folder, text.format(periodic=f", periodic{'.' + repeats if len(repeats) == 1 else ''} back = front" if repeats else ""))
+        row, = table(folder)
+        assert "".join(c for c in "xyz" if row[f"b{c}"] == row[f"f{c}"]) == repeats, (repeats, row)
     told(folder, text.format(periodic=", periodic.z back = front"), [("periodic.z `back` = `front`", "moved by (0, 0, 3); 9 nodes repeat others")])
     told(folder, text.format(periodic=", periodic right = left"), [("periodic `right` = `left`", "moved by (-2, 0, 0); 12 nodes repeat others")])
     told(folder, text.format(periodic=""), [])

@@ -211,6 +211,42 @@ def check_motion(folder):
         assert size > 10 and worst < 1e-10 * size, (lost, worst, size)
 
 
+def check_pairs(folder):
+    """Action and reaction on a pair: on its first side, on its second one, on all that a piece is held by; laws on jumps, and what brings heat to both."""
+    text = """
+mesh lower = rectangle(2, 1, cells = [4, 2])
+mesh upper = rectangle(2, 1, cells = [3, 2], at = [0, 1])
+mesh both  = lower + upper
+part floor = lower.bottom
+part roof  = upper.top
+part seam  = pair(upper.bottom, lower.top)
+part foot  = upper.bottom
+part head  = lower.top
+tensor B = isotropic(young = 70, poisson = 0.3)
+superpotential glue(w) = 40*norm(w)^2
+space V = vector P1 on both, zero on floor
+space W = scalar P1 on both, zero on roof, zero on floor
+find u in V, theta in W such that for all v in V, eta in W
+    integral(lower, B : eps(u) : eps(v)) + integral(upper, B : eps(u) : eps(v))
+  + integral(lower, dot(grad(theta), grad(eta))) + integral(upper, dot(grad(theta), grad(eta)))
+  + integral(seam, glue^0(jump(u); jump(v))) - integral(seam, dot(glue.xi, jump(u))*mean(eta))
+ >= integral(upper, dot([1, -2], v)) + integral(lower, 5*eta)
+report
+  table on = reaction(seam), first = reaction(foot), second = reaction(head), held = reaction(upper), base = reaction(floor),
+    gx = integral(seam, glue.xi.x), gy = integral(seam, glue.xi.y), heat = integral(seam, dot(glue.xi, jump(u))),
+    q = reaction(seam, theta), q1 = reaction(foot, theta), q2 = reaction(head, theta)
+"""
+    run(folder, text)
+    row, = rows(folder)
+    for c, load in (("x", 2.0), ("y", -4.0)):  # the upper block hangs on the seam alone, the floor carries all
+        for name, wanted in (("on", -load), ("first", -load), ("second", load), ("held", -load), ("base", -load)):
+            close(row[f"{name}_{c}"], wanted, 1e-11, 4.0)
+        close(row[f"g{c}"], load, 1e-11, 4.0)
+    for name, share in (("q", 0.5), ("q1", 0.5), ("q2", 0.5)):  # half of the heat on either side; of a pair that of its first
+        close(row[name], share*row["heat"], 1e-9)
+    assert abs(row["heat"]) > 0.1
+
+
 # --- values --------------------------------------------------------------------------------------
 
 PLATE = """
@@ -387,7 +423,7 @@ def check_resume(folder):
 
 
 def main():
-    for check in (check_motion, check_extremes, check_mises, check_lines, check_sweep, check_pictures, check_resume):
+    for check in (check_motion, check_pairs, check_extremes, check_mises, check_lines, check_sweep, check_pictures, check_resume):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
     check_examples()

@@ -311,6 +311,40 @@ TEST(Body, ValuesOfCellsAreDrawnCellByCell) {
   EXPECT_TRUE(said);
 }
 
+// The largest number stands above the least one, and so do their colours.
+TEST(Axes, BarsGrowUpward) {
+  Sheet sheet;
+  const ColourMap colours(0.0, 10.0);
+  add_bar(sheet, colours, 5.0, 7.0, 200.0, "s");
+  const auto& image = std::get<Panel>(sheet.marks.front()).image;
+  const Colour top = colours(10.0 * (255.5 / 256.0));
+  EXPECT_EQ(image.rgba[0], static_cast<std::uint8_t>(std::lround(255.0 * top.red)));
+  EXPECT_EQ(image.rgba[1], static_cast<std::uint8_t>(std::lround(255.0 * top.green)));
+  int numbers = 0;
+  for (const Mark& mark : sheet.marks)
+    if (const auto* words = std::get_if<Words>(&mark); words != nullptr && words->text != "s") {
+      EXPECT_NEAR(words->at[1] - 4.0, 207.0 - 20.0 * std::stod(words->text), 1e-9);
+      ++numbers;
+    }
+  EXPECT_GE(numbers, 2);
+}
+
+// By a multiple of the displacement, from where it was, which is seen, too.
+TEST(Body, IsDeformedByAFactor) {
+  auto frame = two_cells();
+  frame.grids[0].grid.point_data = {{std::string(solver::displacement_array),
+                                     3,
+                                     {0.5, 0, 0, 0.5, 0, 0, 0.5, 0.25, 0, 0.5, 0, 0}}};
+  BodyPicture picture;
+  picture.field = "s";
+  picture.deformed = 4.0;
+  const BodyWindow window = window_of({&frame, 1}, picture);
+  EXPECT_EQ(window.left, 0.0);
+  EXPECT_EQ(window.right, 3.0);
+  EXPECT_EQ(window.bottom, 0.0);
+  EXPECT_EQ(window.top, 2.0);
+}
+
 // Frames of a picture that moves have one size and one range of colours.
 TEST(Body, FramesShareTheirWindow) {
   std::vector<solver::FieldFrame> frames{two_cells(), two_cells()};
