@@ -60,7 +60,8 @@ void back(Factorisation& factor, std::span<const Vector> c, DenseMatrix& y,
   if (y.rows() < count) throw std::logic_error("a backward solve before its forward solve");
   for (int k = 0; k < count; ++k) y.row(k).tail(order.contacts()) = c[k].transpose();
   factor.back(several(y, c.size()), Columns::interior);
-  x.assign(c.size(), Vector(order.size()));
+  x.resize(c.size());
+  for (Vector& one : x) one.resize(order.size());
   for (int position = 0; position < order.size(); ++position)
     for (int k = 0; k < count; ++k) x[k][order.unknown[position]] = y(k, position);
   if (order.change)

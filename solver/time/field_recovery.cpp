@@ -7,9 +7,14 @@
 namespace hvi::solver {
 
 void FieldRecovery::scatter(const Vector& y, Vector& full) {
-  if (last_.size() != y.size() || last_ != y) expand(interior_, y, unknowns_);
-  last_ = y;
-  interior_.layout.scatter(unknowns_, full);
+  if (last_.y.size() != y.size() || last_.y != y) {
+    const Vector* const alone[] = {&y};
+    DenseMatrix rows;
+    expand(interior_, alone, rows);
+    take_row(interior_, rows, 0, last_.unknowns);
+    last_.y = y;
+  }
+  interior_.layout.scatter(last_.unknowns, full);
 }
 
 void FieldRecovery::observe(std::span<const int> dofs) {

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace hvi::solver {
@@ -14,8 +15,10 @@ public:
   /// Keeps a reference to `interior`, whose modes are all known.
   explicit FieldRecovery(const Interior& interior) : interior_(interior) {}
 
-  /// Full vector of y: a backward solve, unless the same y was asked for last.
+  /// Full vector of y: a backward solve, unless its field is the last one that was found or kept.
+  /// Both give the same bits.
   void scatter(const Vector& y, Vector& full);
+  void keep(KnownField field) { last_ = std::move(field); }
   /// Makes these dofs available without triangular solves; prepares one row for each by a solve.
   void observe(std::span<const int> dofs);
   /// Only the observed dofs and the contact unknowns of `full` are set.
@@ -30,7 +33,7 @@ private:
 
   const Interior& interior_;
   std::vector<Observed> observed_;
-  Vector last_, unknowns_; ///< the y last asked for whole, and its unknowns
+  KnownField last_;
 };
 
 } // namespace hvi::solver

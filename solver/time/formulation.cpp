@@ -67,7 +67,7 @@ public:
     return estimate_condition(interior_->t, *interior_->factor);
   }
   std::unique_ptr<RowChecks> row_checks(const Plan& plan) const override {
-    return std::make_unique<RowChecks>(equilibrium_, plan);
+    return std::make_unique<RowChecks>(equilibrium_, fields_, plan);
   }
   FactorStatistics statistics() const override { return interior_->factor.statistics(); }
 
@@ -119,6 +119,29 @@ bool take_jumps_as_unknowns(const Plan& plan, const Discretisation& d, DiscreteP
   return false;
 }
 
+/// The body that follows from its contact unknowns; null, and nothing is taken: T is
+/// ill-conditioned. What T makes of rounding and of the loads comes from one reading of its factor.
+std::unique_ptr<Formulation> condensed(DiscreteProblem& all) {
+  SparseMatrix& t = all.operators.bases[0];
+  auto factor = take_factor(all.operators.shared, t, all.contact.unknowns, true);
+  std::vector<Vector> right{growth_probe(t)}, r, of_loads;
+  all.loads.map([&](const Vector& f) { return right.emplace_back(f); });
+  DenseMatrix y;
+  forward(*factor, right, y, r);
+  const auto inside = y.leftCols(factor->order().interior);
+  if (!(rounding_growth(right[0], inside.row(0), r[0], *factor) <= growth_to_refine))
+    return nullptr;
+  auto interior =
+      std::make_unique<Interior>(t, std::move(factor), all.layout, all.contact.unknowns);
+  for (std::size_t k = 1; k < right.size(); ++k)
+    of_loads.push_back(
+        add_mode(*interior, right[k], inside.row(static_cast<Eigen::Index>(k)), r[k]));
+  SparseMatrix force = all.contact.force; // of all rows, for their certificate
+  auto reduced = on_contact_unknowns(std::move(all), *interior, of_loads);
+  return std::make_unique<OnContactUnknowns>(std::move(reduced), std::move(interior),
+                                             std::move(force));
+}
+
 } // namespace
 
 std::unique_ptr<Formulation> formulate(const Plan& plan, const Discretisation& discretisation) {
@@ -133,16 +156,7 @@ std::unique_ptr<Formulation> formulate(const Plan& plan, const Discretisation& d
     obstacle = "the jumps across a pair become unknowns";
   if (obstacle.empty()) {
     try {
-      const SparseMatrix& t = all.operators.bases[0];
-      auto factor = take_factor(all.operators.shared, t, all.contact.unknowns, true);
-      if (rounding_growth(t, *factor) <= growth_to_refine) {
-        auto interior = std::make_unique<Interior>(all.operators.bases[0], std::move(factor),
-                                                   all.layout, all.contact.unknowns);
-        SparseMatrix force = all.contact.force; // of all rows, for their certificate
-        auto reduced = on_contact_unknowns(std::move(all), *interior);
-        return std::make_unique<OnContactUnknowns>(std::move(reduced), std::move(interior),
-                                                   std::move(force));
-      }
+      if (auto made = condensed(all)) return made;
       obstacle = "its matrix is ill-conditioned, and steps are refined on all unknowns";
     } catch (const NotFactorable&) { // the first step will say which motion is free
       obstacle = "its matrix has no factor";

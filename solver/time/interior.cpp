@@ -18,8 +18,12 @@ Interior::Interior(SparseMatrix& of_all, SharedFactor its_factor, StateLayout it
 Vector add_mode(Interior& interior, const Vector& f) {
   Vector y, r;
   forward(*interior.factor, f, y, r);
+  return add_mode(interior, f, y.head(interior.n_interior()), r);
+}
+
+Vector add_mode(Interior& interior, const Vector& f, Vector y, const Vector& r) {
   interior.forces.push_back(f);
-  interior.kept.push_back(y.head(interior.n_interior()));
+  interior.kept.push_back(std::move(y));
   Vector out = Vector::Zero(interior.size());
   out.head(interior.n_contact()) = r;
   out[interior.size() - 1] = 1.0;
@@ -61,6 +65,32 @@ void expand(const Interior& interior, const Vector& y, Vector& x) {
     if (const double phi = y[interior.n_contact() + static_cast<int>(k)]; phi != 0.0)
       kept.head(interior.n_interior()) += phi * interior.kept[k];
   back(*interior.factor, y.head(interior.n_contact()), kept, x);
+}
+
+void expand(const Interior& interior, std::span<const Vector* const> y, DenseMatrix& x) {
+  const auto count = static_cast<int>(y.size());
+  x.resize(RightHandSides::stride_of(count), interior.layout.n_unknowns);
+  auto inside = x.leftCols(interior.n_interior());
+  if (interior.kept.empty()) inside.setZero();
+  Vector phi = Vector::Zero(x.rows());
+  for (std::size_t k = 0; k < interior.kept.size(); ++k) {
+    for (int r = 0; r < count; ++r) phi[r] = (*y[r])[interior.n_contact() + static_cast<int>(k)];
+    if (k == 0)
+      inside.noalias() = phi * interior.kept[k].transpose();
+    else
+      inside.noalias() += phi * interior.kept[k].transpose();
+  }
+  auto contact = x.rightCols(interior.n_contact());
+  for (int r = 0; r < count; ++r) contact.row(r) = y[r]->head(interior.n_contact()).transpose();
+  contact.bottomRows(x.rows() - count).setZero();
+  interior.factor->back({x, count}, Columns::interior);
+}
+
+void take_row(const Interior& interior, const DenseMatrix& x, int row, Vector& unknowns) {
+  const std::vector<int>& unknown = interior.factor->order().unknown;
+  unknowns.resize(x.cols());
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    unknowns[unknown[static_cast<std::size_t>(i)]] = x(row, i);
 }
 
 void force_of_modes(const Interior& interior, const Vector& y, Vector& f) {

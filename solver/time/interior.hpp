@@ -40,14 +40,26 @@ struct Interior {
   std::vector<Vector> kept;   ///< forward solves of the forces: a backward solve gives p_k
 };
 
+/// A state y and its unknowns (expand).
+struct KnownField {
+  Vector y, unknowns;
+};
+
 /// Adds the mode p of a force on the unknowns; returns the force on y (r_c and a 1).
 Vector add_mode(Interior& interior, const Vector& f);
+/// The same where `forward` has made y of the interior and r of it.
+Vector add_mode(Interior& interior, const Vector& f, Vector y, const Vector& r);
 /// y of a state u: its contact values, and a mode of its own for what they do not explain.
 Vector add_state(Interior& interior, const Vector& u);
 /// diag(S, 1)
 SparseMatrix condensed_matrix(const Interior& interior);
 /// x = E c + sum_k phi_k p_k of y = [c; phi], on all unknowns: a backward solve.
 void expand(const Interior& interior, const Vector& y, Vector& x);
+/// The same of several in one backward solve, a row each in the order of elimination, some rows of
+/// zeros after them. The bits of a row do not depend on the others.
+void expand(const Interior& interior, std::span<const Vector* const> y, DenseMatrix& x);
+/// A row of it on all unknowns.
+void take_row(const Interior& interior, const DenseMatrix& x, int row, Vector& unknowns);
 /// f = sum_k y_k F_k
 void force_of_modes(const Interior& interior, const Vector& y, Vector& f);
 /// respond (step_matrix.hpp) with K = gamma T on all unknowns; `matrix` is that of the states.

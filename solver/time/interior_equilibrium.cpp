@@ -94,26 +94,6 @@ HVI_AVX512 void worst_avx512(const ManyStates& s, int row, double* worst) {
   worst_errors<2, 8>(s, row, worst);
 }
 
-/// expand() of several in one backward solve, a row of x each, in the order of elimination.
-void expand_all(const Interior& interior, std::span<const Vector* const> y, DenseMatrix& x) {
-  const auto count = static_cast<int>(y.size());
-  x.resize(RightHandSides::stride_of(count), interior.layout.n_unknowns);
-  auto inside = x.leftCols(interior.n_interior());
-  if (interior.kept.empty()) inside.setZero();
-  Vector phi = Vector::Zero(x.rows());
-  for (std::size_t k = 0; k < interior.kept.size(); ++k) {
-    for (int r = 0; r < count; ++r) phi[r] = (*y[r])[interior.n_contact() + static_cast<int>(k)];
-    if (k == 0)
-      inside.noalias() = phi * interior.kept[k].transpose();
-    else
-      inside.noalias() += phi * interior.kept[k].transpose();
-  }
-  auto contact = x.rightCols(interior.n_contact());
-  for (int r = 0; r < count; ++r) contact.row(r) = y[r]->head(interior.n_contact()).transpose();
-  contact.bottomRows(x.rows() - count).setZero();
-  interior.factor->back({x, count}, Columns::interior);
-}
-
 } // namespace
 
 double InteriorEquilibrium::error(const Question& step, double enough) const {
@@ -136,8 +116,8 @@ double InteriorEquilibrium::error(const Question& step, double enough) const {
   return equilibrium_error(t, state, gap, scale, {force_, {}}, step.xi);
 }
 
-std::vector<double> InteriorEquilibrium::errors(std::span<const Question> steps,
-                                                double enough) const {
+std::vector<double> InteriorEquilibrium::errors(std::span<const Question> steps, double enough,
+                                                std::span<KnownField> more) const {
   std::vector<Vector> sums;
   sums.reserve(steps.size());
   std::vector<const Vector*> states;
@@ -145,8 +125,11 @@ std::vector<double> InteriorEquilibrium::errors(std::span<const Question> steps,
     sums.push_back(step.known + step.change);
     states.push_back(&sums.back());
   }
+  for (const auto& field : more) states.push_back(&field.y);
   DenseMatrix x;
-  expand_all(interior_, states, x);
+  expand(interior_, states, x);
+  for (std::size_t k = 0; k < more.size(); ++k)
+    take_row(interior_, x, static_cast<int>(steps.size() + k), more[k].unknowns);
   const auto& unknown = interior_.factor->order().unknown;
   std::vector<int> place(unknown.size());
   for (std::size_t i = 0; i < unknown.size(); ++i) place[unknown[i]] = static_cast<int>(i);

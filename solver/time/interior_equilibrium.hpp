@@ -24,8 +24,10 @@ public:
   };
   double error(const Question& step, double enough) const;
   /// The same for up to 16 steps in one reading of the factor and of T. A step's answer does not
-  /// depend on the steps it is asked with.
-  std::vector<double> errors(std::span<const Question> steps, double enough) const;
+  /// depend on the steps it is asked with. The same reading of the factor finds the unknowns of
+  /// `more`, which are asked for next.
+  std::vector<double> errors(std::span<const Question> steps, double enough,
+                             std::span<KnownField> more = {}) const;
   static constexpr int most_steps = 2 * RightHandSides::at_once;
 
 private:

@@ -153,9 +153,10 @@ Contact of_interior(Contact all, int size) {
 
 } // namespace
 
-DiscreteProblem on_contact_unknowns(DiscreteProblem all, Interior& interior) {
+DiscreteProblem on_contact_unknowns(DiscreteProblem all, Interior& interior,
+                                    std::span<const Vector> of_loads) {
   LoadAssembler loads = std::move(all.loads);
-  loads.map([&](const Vector& f) { return add_mode(interior, f); });
+  loads.map([next = of_loads.begin()](const Vector&) mutable { return *next++; });
   Vector initial = add_state(interior, all.initial);
   const int n = interior.size(); // all modes are known
   const auto padded = [n](const Vector& v) {

@@ -4,6 +4,7 @@
 #include "solver/time/formulation.hpp"
 #include "solver/time/interior.hpp"
 
+#include <span>
 #include <string>
 
 namespace hvi::solver {
@@ -19,9 +20,11 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
 /// Does a probe read the fields at more than single points? (Multipliers live on contact points.)
 bool reads_interior(const Probe& probe, int n_fields);
 
-/// The problem for y = [contact unknowns; modes]; its loads and its initial state become modes of
-/// `interior`, and the parts that stay are taken from `all`.
-DiscreteProblem on_contact_unknowns(DiscreteProblem all, Interior& interior);
+/// The problem for y = [contact unknowns; modes]; its initial state becomes a mode of `interior`,
+/// as its loads have done (`of_loads`: what add_mode gave), and the parts that stay are taken from
+/// `all`.
+DiscreteProblem on_contact_unknowns(DiscreteProblem all, Interior& interior,
+                                    std::span<const Vector> of_loads);
 
 /// Steps, drawn at random, at which the equilibrium of all rows is computed in any case: with the
 /// last one and the field that is read after it they fill one pack of eight numbers.

@@ -21,6 +21,13 @@ std::uint64_t mixed(std::uint64_t x) {
 
 constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
 
+/// Infinite where it is no number.
+double growth_of(double answer, Eigen::Index size) {
+  const double growth =
+      std::numeric_limits<double>::epsilon() * answer * std::sqrt(static_cast<double>(size));
+  return std::isfinite(growth) ? growth : std::numeric_limits<double>::infinity();
+}
+
 } // namespace
 
 double random_unit(std::uint64_t of, std::uint64_t sample) {
@@ -51,28 +58,33 @@ void add_rounding(const SparseMatrix& a, const Vector& v, double unit, RoundingF
   }
 }
 
-double rounding_growth(const SparseMatrix& k, Factorisation& factor) {
-  constexpr double eps = std::numeric_limits<double>::epsilon();
-  const double n = static_cast<double>(k.rows());
-  Vector b(k.rows()), x;
+Vector growth_probe(const SparseMatrix& k) {
+  Vector b(k.rows());
   for (int i = 0; i < k.rows(); ++i) {
     double sum = 0.0;
     for (SparseMatrix::InnerIterator it(k, i); it; ++it) sum += std::abs(it.value());
     b[i] = random_unit(static_cast<std::uint64_t>(i), 0) < 0.0 ? -sum : sum;
   }
-  double growth = 0.0;
-  if (lower_factor(factor) != nullptr) { // b^T K^-1 b = |L^-1 b|^2 by a forward solve
-    factor.order().gather(b, x);
-    factor.forward(x, Columns::all);
-    const int interior = factor.order().interior;
-    const double energy =
-        x.head(interior).squaredNorm() + x.tail(x.size() - interior).squaredNorm();
-    growth = eps * energy * std::sqrt(n) / b.norm();
-  } else {
-    solve(factor, b, x);
-    growth = eps * x.lpNorm<Eigen::Infinity>() * std::sqrt(n);
+  return b;
+}
+
+double rounding_growth(const Vector& b, const Vector& y, const Vector& r, Factorisation& factor) {
+  Vector x = Vector::Zero(factor.order().size()); // the interior has its solve: zeros cost none
+  x.tail(r.size()) = r;
+  factor.forward(x, Columns::all);
+  const double energy = y.squaredNorm() + x.tail(r.size()).squaredNorm(); // b^T K^-1 b = |L^-1 b|^2
+  return growth_of(energy / b.norm(), b.size());
+}
+
+double rounding_growth(const SparseMatrix& k, Factorisation& factor) {
+  const Vector b = growth_probe(k);
+  Vector x, r;
+  if (lower_factor(factor) != nullptr) {
+    forward(factor, b, x, r);
+    return rounding_growth(b, x.head(factor.order().interior), r, factor);
   }
-  return std::isfinite(growth) ? growth : std::numeric_limits<double>::infinity();
+  solve(factor, b, x);
+  return growth_of(x.lpNorm<Eigen::Infinity>(), b.size());
 }
 
 } // namespace hvi::solver

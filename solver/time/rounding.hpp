@@ -41,6 +41,10 @@ void add_rounding(const SparseMatrix& a, const Vector& v, double unit, RoundingF
 /// b_i = +- sum_j |K_ij| of random signs, eps b^T K^-1 b / rms(b), or max_i |eps K^-1 b|_i times
 /// the square root of the size where K has no Cholesky factor.
 double rounding_growth(const SparseMatrix& k, Factorisation& factor);
+/// The b of it, and what it finds from what `forward` (factorisation.hpp) makes of b, among other
+/// right-hand sides: y of the interior and r. For Cholesky factors.
+Vector growth_probe(const SparseMatrix& k);
+double rounding_growth(const Vector& b, const Vector& y, const Vector& r, Factorisation& factor);
 
 /// From this growth on a run refines every step with residuals in extended precision.
 inline constexpr double growth_to_refine = 1e-6;

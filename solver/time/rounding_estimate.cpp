@@ -28,6 +28,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 
@@ -140,7 +141,8 @@ std::vector<Vector> RoundingEstimate::forces(double backward_error) const {
       const double more = reduced ? backward_error * size[i] : unit * std::abs(load[i]);
       random[s][i] += more * random_unit(static_cast<std::uint64_t>(i), s + 100);
     }
-  std::vector<Vector> out(random.begin(), random.end());
+  std::vector<Vector> out(std::make_move_iterator(random.begin()),
+                          std::make_move_iterator(random.end()));
   if (!reduced && left_over_.error > 0.0)
     out.push_back(std::max(1.0, backward_error / left_over_.error) * left_over_.force);
   return out;

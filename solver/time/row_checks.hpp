@@ -3,9 +3,11 @@
 #pragma once
 
 #include "solver/plan/plan.hpp"
+#include "solver/time/field_recovery.hpp"
 #include "solver/time/interior_equilibrium.hpp"
 
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -13,8 +15,8 @@ namespace hvi::solver {
 
 class RowChecks {
 public:
-  /// Keeps a reference to `equilibrium`.
-  RowChecks(const InteriorEquilibrium& equilibrium, const Plan& plan);
+  /// Keeps references to `equilibrium` and `fields`.
+  RowChecks(const InteriorEquilibrium& equilibrium, FieldRecovery& fields, const Plan& plan);
 
   /// Checks may wait for others, up to the last step.
   void let_wait() { waits_ = true; }
@@ -23,14 +25,15 @@ public:
   /// Is it to be checked later?
   bool later(int n) const { return chosen_[n] != 0 && waits_ && n < steps_; }
   /// The backward error of step n on all rows. The last step makes the checks that were put off,
-  /// too; none: one of these failed.
-  [[nodiscard]] std::optional<double> error(int n, InteriorEquilibrium::Question question);
+  /// too; none: one of these failed. `next`: a state whose field is asked for after it.
+  [[nodiscard]] std::optional<double> error(int n, InteriorEquilibrium::Question question,
+                                            const Vector& next);
   void put_off(int n, InteriorEquilibrium::Question question);
   /// After step n: the checks that wait are made where they are many, or have waited long. False:
   /// one failed.
   [[nodiscard]] bool settle_in_time(int n);
   /// Makes all checks that wait. False: one failed.
-  [[nodiscard]] bool settle();
+  [[nodiscard]] bool settle() { return settle({}); }
 
   /// All steps up to this one have had their checks; `step`: that of the run.
   int checked_up_to(int step) const {
@@ -40,7 +43,10 @@ public:
   std::vector<std::pair<int, double>> late_errors() { return std::exchange(late_errors_, {}); }
 
 private:
+  [[nodiscard]] bool settle(std::span<KnownField> more);
+
   const InteriorEquilibrium& equilibrium_;
+  FieldRecovery& fields_;
   double tolerance_;
   int steps_;
   std::vector<char> chosen_; ///< by step

@@ -86,8 +86,8 @@ StepResult Stepper::attempt(int n, StepMatrix& matrix) {
   counted_.newton += out.inequality.iterations;
   counted_.fallback_steps += out.inequality.used_fallback ? 1 : 0;
   if (state_.checks && state_.checks->at_once(n)) {
-    const auto error =
-        state_.checks->error(n, state_.balance.question(n, state_.trial.d, state_.xi()));
+    const auto error = state_.checks->error(
+        n, state_.balance.question(n, state_.trial.d, state_.xi()), state_.equation.known);
     if (!error) return start_again(LateCheck());
     out.equilibrium = std::max(out.equilibrium, *error);
   }

@@ -2,11 +2,13 @@
 // of interior.hpp.
 #include "solver/time/field_recovery.hpp"
 #include "solver/time/interior_equilibrium.hpp"
+#include "solver/time/rounding.hpp"
 #include "solver/time/shared_work.hpp"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <random>
@@ -105,6 +107,20 @@ TEST_F(Body, TheFirstUnknownCanBeObservedInside) {
   EXPECT_NEAR(seen[0], whole(y)[0], 1e-12);
 }
 
+TEST_F(Body, TheGrowthOfRoundingIsThatOfItsMatrix) {
+  const SparseMatrix sparse = t.sparseView();
+  const std::vector<Vector> right{growth_probe(sparse), forces[0]};
+  const Vector &b = right[0], answer = t.fullPivLu().solve(b);
+  const double growth = std::numeric_limits<double>::epsilon() * b.dot(answer) *
+                        std::sqrt(static_cast<double>(n)) / b.norm();
+  EXPECT_NEAR(rounding_growth(sparse, *interior->factor), growth, 1e-9 * growth);
+  DenseMatrix y;
+  std::vector<Vector> r;
+  forward(*interior->factor, right, y, r);
+  const Vector inside = y.row(0).head(interior->n_interior());
+  EXPECT_NEAR(rounding_growth(b, inside, r[0], *interior->factor), growth, 1e-9 * growth);
+}
+
 /// Of states far from equilibrium, as of one step and as of several.
 TEST_F(Body, ErrorsOfEquilibriumAreThoseOfTheFormula) {
   constexpr double any_error = std::numeric_limits<double>::infinity();
@@ -113,10 +129,20 @@ TEST_F(Body, ErrorsOfEquilibriumAreThoseOfTheFormula) {
     steps.push_back({any(interior->size()), any(interior->size()), any(interior->size()), any(2)});
   const Vector next = any(interior->size());
   const auto roughly = equilibrium->errors(steps, any_error);
+  KnownField read_next[] = {{next, {}}};
+  EXPECT_EQ(equilibrium->errors(steps, any_error, read_next), roughly);
   const auto exactly = equilibrium->errors(steps, 0.0);
-  Vector full = Vector::Zero(n);
+  // A field has the bits that it has alone.
+  Vector alone = Vector::Zero(n), full = Vector::Zero(n);
+  fields->scatter(next, alone);
+  EXPECT_LT((alone - whole(next)).norm(), 1e-12 * alone.norm());
+  EXPECT_EQ(read_next[0].unknowns, alone);
+  read_next[0].unknowns[6] += 1.0; // to see that what is kept is taken, and for its own y only
+  fields->keep(read_next[0]);
   fields->scatter(next, full);
-  EXPECT_LT((full - whole(next)).norm(), 1e-12 * full.norm());
+  EXPECT_EQ(full, read_next[0].unknowns);
+  fields->scatter(-next, full);
+  EXPECT_LT((full + alone).norm(), 1e-12 * alone.norm());
   for (std::size_t r = 0; r < steps.size(); ++r) {
     const auto& s = steps[r];
     const Vector a = whole(s.known), b = whole(s.change), f = load(s.load);
