@@ -151,9 +151,9 @@ void check_range(const ast::Param& param, const ScriptUnits& units, Diagnostics&
   const auto* range = param.range ? std::get_if<ast::List>(&param.range->node) : nullptr;
   if (!own || range == nullptr) return;
   const auto shown = [&](const Dimension& dimension) {
-    const std::string words = in_words(dimension);
+    const std::string kind = in_words(dimension);
     return fmt::format("`[{}]`{}", units.system.name(dimension),
-                       words.empty() ? "" : fmt::format(" ({})", words));
+                       kind.empty() ? "" : fmt::format(" ({})", kind));
   };
   for (const ast::Expr& bound : range->items) {
     const auto of = of_literal(bound, units);
