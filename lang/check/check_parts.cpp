@@ -128,7 +128,7 @@ std::optional<RegionSpec> Checker::region_path(const ast::Expr& path) {
         return mesh_member(path, *mesh, object->name, m->member);
       error("E0303", m->member.span,
             fmt::format("{} has no member `{}`", describe(value), m->member.text),
-            "sides belong to a mesh: `slab.top`");
+            fmt::format("sides belong to a mesh: `{}.{}`", mesh_name_, m->member.text));
       return std::nullopt;
     }
   }
@@ -186,7 +186,9 @@ std::optional<RegionSpec> Checker::mesh_group(const ast::Expr& path, const ast::
   if (!std::holds_alternative<MeshValue>(value) || m.member.text != "group") {
     error("E0303", m.member.span,
           fmt::format("{} has no member `{}` to be called", describe(value), m.member.text),
-          "`slab.group(\"roof\")` is a group of a mesh");
+          edit_distance(m.member.text, "group") <= 2
+              ? "did you mean `group`?"
+              : "`slab.group(\"roof\")` is a group of a mesh");
     return std::nullopt;
   }
   auto args = match(path, call, "group", {"name"}, 1);

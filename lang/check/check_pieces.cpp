@@ -134,7 +134,8 @@ std::string Checker::group_named(const MeshValue& mesh, const std::string& name,
   if (known(name) || found.empty()) return name;
   if (found.size() == 1) return found.front();
   error("E0440", span, fmt::format("`{}` is in several pieces of `{}`", name, mesh_name_),
-        fmt::format("write {}, or their sum", fmt::join(found, ", ")));
+        fmt::format("write `{}`, or their sum `{}`", fmt::join(found, "`, `"),
+                    fmt::join(found, " + ")));
   return {};
 }
 

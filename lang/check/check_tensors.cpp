@@ -280,7 +280,7 @@ Value Checker::isotropic_call(const ast::Expr& e, const ast::Call& c, const Scop
   if (b->is_constant() && !(b->value() > -1.0 && b->value() < 0.5)) {
     error("E0504", (*args)[3]->span,
           fmt::format("poisson = {} is outside (-1, 0.5): the tensor is not elliptic", b->value()),
-          b->value() == 0.5 ? "an incompressible body needs a mixed method; take 0.4999 with P2"
+          b->value() == 0.5 ? "an incompressible body needs a mixed method; take `0.4999` with P2"
                             : "");
     return Poison{};
   }

@@ -48,6 +48,13 @@ def changed(block, folder):
     return name, "\n".join(line for plain in text.split("\n") for line in marked_line(plain))
 
 
+def scripts(folder):
+    """Name and text of each wrong script."""
+    for path in sorted(folder.glob("*.txt")):
+        for block in path.read_text().split("\n---\n"):
+            yield changed(block, folder)
+
+
 def main():
     program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
     with tempfile.TemporaryDirectory() as temporary:
@@ -57,14 +64,13 @@ def main():
             if path.suffix in (".csv", ".msh", ".geo"):
                 shutil.copy(path, output)
         names = set()
-        for path in sorted(folder.glob("*.txt")):
-            for block in path.read_text().split("\n---\n"):
-                name, text = changed(block, folder)
-                assert name not in names, f"{name} is there twice"
-                names.add(name)
-                (output / f"{name}.hvi").write_text(text)
+        for name, text in scripts(folder):
+            assert name not in names, f"{name} is there twice"
+            names.add(name)
+            (output / f"{name}.hvi").write_text(text)
         judge = pathlib.Path(__file__).with_name("check_errors.py")
         sys.exit(subprocess.run([sys.executable, judge, program, output]).returncode)
 
 
-main()
+if __name__ == "__main__":
+    main()
