@@ -67,8 +67,10 @@ struct ShiftedInverse {
 };
 
 /// The eigenvalue next above sigma, where K - sigma G is positive definite (sigma itself, a lower
-/// bound, if the iteration does not converge); nothing where it is not.
-std::optional<double> least_above(const GramForm& gram, const SparseMatrix& k, double sigma) {
+/// bound, if the iteration does not converge); nothing where it is not. `error`: relative, of the
+/// eigenvalue of the inverse; that of the distance to sigma.
+std::optional<double> least_above(const GramForm& gram, const SparseMatrix& k, double sigma,
+                                  double error) {
   const SparseMatrix shifted = k - sigma * gram.matrix();
   const Eigen::Index n = k.rows();
   try {
@@ -80,8 +82,7 @@ std::optional<double> least_above(const GramForm& gram, const SparseMatrix& k, d
         op, g, 1, static_cast<int>(std::min<Eigen::Index>(n, 40)), sigma);
     const Vector start = Vector::LinSpaced(n, 1.0, 2.0);
     solver.init(start.data());
-    // Of the inverse's eigenvalue, whose relative error the closeness of sigma divides by 1e5.
-    solver.compute(Spectra::SortRule::LargestAlge, 300, 1e-5);
+    solver.compute(Spectra::SortRule::LargestAlge, 300, error);
     if (solver.info() == Spectra::CompInfo::Successful) return solver.eigenvalues()[0];
     if (sigma > 0.0) return sigma;
   } catch (const Failure&) {            // not positive definite
@@ -107,6 +108,24 @@ std::optional<double> extreme(const GramForm& gram, F&& apply, Spectra::SortRule
   }
   if (solver.info() != Spectra::CompInfo::Successful) return std::nullopt;
   return solver.eigenvalues()[0];
+}
+
+/// The least eigenvalue of a K that is not positive definite. It may be far smaller than the
+/// largest one (a form that couples unknowns of different units), where Lanczos' method alone needs
+/// thousands of steps. A shift between it and a thousand times it is found by trying Cholesky's
+/// factorisation; a second one lies beside it.
+std::optional<double> least_negative(const GramForm& gram, const SparseMatrix& k) {
+  const Vector of_k = k.diagonal(), of_g = gram.matrix().diagonal();
+  const double scale = (of_k.array() / of_g.array()).abs().maxCoeff();
+  constexpr double rounding = 1e-12, apart = 1e3;
+  for (double size = rounding * scale; size <= apart * scale; size *= apart) {
+    const auto rough = least_above(gram, k, -size, 1e-5); // an error of a hundredth at most
+    if (!rough) continue;
+    if (size == rounding * scale) return std::abs(*rough) <= size ? 0.0 : *rough;
+    const auto sharp = least_above(gram, k, *rough - 0.02 * std::abs(*rough), 1e-8);
+    return sharp ? sharp : rough;
+  }
+  return std::nullopt;
 }
 
 /// All eigenvalues, in small spaces.
@@ -156,7 +175,8 @@ std::optional<double> GramForm::least(const SparseMatrix& k, double below) const
   const SparseMatrix s = symmetric_part(k);
   if (s.rows() <= dense_size) return dense_spectrum(s, g_)[0];
   for (const double sigma : {below * (1.0 - 1e-5), 0.0})
-    if (const auto value = least_above(*this, s, sigma)) return value;
+    if (const auto value = least_above(*this, s, sigma, 1e-5)) return value;
+  if (const auto value = least_negative(*this, s)) return value;
   return extreme(
       *this, [&](const Vector& x) -> Vector { return s * x; }, Spectra::SortRule::SmallestAlge);
 }

@@ -29,7 +29,8 @@ public:
   /// k-step Arnoldi method, SIAM J. Matrix Anal. Appl. 13 (1992) 357-385); in small spaces by the
   /// dense solver. Nothing when the iteration does not converge.
   /// `below`: a lower bound of the least one where it is known (0: K may be positive definite).
-  /// Just under it K is shifted and inverted, so that clusters at the bound converge at once.
+  /// Just under it K is shifted and inverted, so that clusters at the bound converge at once; a
+  /// negative one is bracketed by powers of a thousand first.
   std::optional<double> least(const SparseMatrix& k, double below = 0.0) const;
   std::optional<double> largest(const SparseMatrix& k) const;
   /// ||E|| as an operator from V to its dual: sqrt of the largest eigenvalue of E^T G^-1 E.

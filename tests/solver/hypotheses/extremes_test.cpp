@@ -43,6 +43,29 @@ TEST(Extremes, AChainHasItsSprings) {
   }
 }
 
+/// Analytic: pairs of unknowns [a c; c d] of two units, whose least eigenvalue is negative and up
+/// to 1e-12 times the largest one; at 0, the least one is that of a body that nothing holds.
+TEST(Extremes, NegativeOnesOfAnySize) {
+  const int n = 300;
+  for (const double c : {0.0, 1e-3, 0.3, 20.0, 1e5}) {
+    SparseMatrix k(2 * n, 2 * n), g(2 * n, 2 * n);
+    g.setIdentity();
+    double least = 0.0;
+    for (int i = 0; i < n; ++i) {
+      const double a = 1e6 * (1.0 + 0.5 * std::sin(0.37 * i)), d = i == n / 2 ? 0.0 : 1.0 + i;
+      k.insert(2 * i, 2 * i) = a;
+      k.insert(2 * i, 2 * i + 1) = k.insert(2 * i + 1, 2 * i) = c;
+      k.insert(2 * i + 1, 2 * i + 1) = d;
+      // The smaller root of l^2 - (a + d) l + a d - c^2, without cancellation.
+      const double root = 0.5 * ((a + d) + std::hypot(a - d, 2.0 * c));
+      least = std::min(least, (a * d - c * c) / root);
+    }
+    const GramForm gram(g);
+    ASSERT_TRUE(gram.least(k)) << c;
+    EXPECT_NEAR(*gram.least(k), least, 1e-7 * std::abs(least) + 1e-12 * 1.5e6) << c;
+  }
+}
+
 /// Analytic: the end of a chain of n unit springs moves by n for a unit force: ||M||^2 = n.
 TEST(Extremes, TheTraceOfAChain) {
   const int n = 300;
