@@ -113,6 +113,7 @@ RunRequest request_of(const Session& session, const Options& options, ProgressLi
   settings.stop = &stop_flag();
   settings.warn = warn_of_file;
   settings.monitors = options.monitors || options.report;
+  settings.condition = options.report || !options.json.empty();
   if (!options.no_files) {
     settings.output_folder = output_folder(session.script, options);
     settings.checkpoint_every = options.checkpoint;

@@ -14,10 +14,16 @@ bool respond(const InequalityState& state, std::span<const Vector> r, Position& 
   at.load(from);
   SparseMatrix h = pattern.zero();
   pattern.assemble(at.places.d, h);
-  if (!factor.make_other(h)) return false;
+  // A state that is not stable has a tangent, too: its matrix is not positive definite.
+  std::unique_ptr<ReducedOperator> indefinite;
+  if (!factor.make_other(h)) {
+    indefinite = factor.op().unsymmetric();
+    if (!indefinite || !indefinite->factor(h, {})) return false;
+  }
+  const ReducedOperator& op = indefinite ? *indefinite : factor.op();
   change_c.resize(r.size()), change_xi.resize(r.size());
   for (std::size_t k = 0; k < r.size(); ++k) {
-    factor.op().estimate(r[k], change_c[k]);
+    op.estimate(r[k], change_c[k]);
     const Vector dz = points.g * change_c[k];
     change_xi[k].resize(points.rows);
     for (int p = 0; p < points.size(); ++p)
