@@ -107,7 +107,10 @@ void Reporter::prepare_fields(const Discretisation& d, const RunState& run,
 
 void Reporter::record(const RunState& run, bool last) {
   const int step = run.evolution.step();
-  if (step == last_recorded_) return;
+  if (step == last_recorded_) {
+    if (last && !ended_) now_.take(run, true); // a run that ends early: its errors are those here
+    return;
+  }
   range_.note(run);
   const bool row = base_every_ > 0 && due(base_every_, step, last);
   const bool any_fields = std::ranges::any_of(

@@ -38,6 +38,10 @@ def main():
             routes = [[h["route"] for h in one["plan"]["history"]] for one in (foretold, ran)]
             assert routes[0] == routes[1], (name, routes)
             assert ran["plan"]["sweeps"] / 3 <= foretold["plan"]["sweeps"] <= 3 * ran["plan"]["sweeps"], (name, foretold["plan"]["sweeps"], ran["plan"]["sweeps"])
+        late = pathlib.Path(folder) / "late.hvi"  # the first steps end before the first row
+        late.write_text((source / "examples" / "together.hvi").read_text().replace("every 4 steps", "every 40 steps"))
+        done = subprocess.run([program, "plan", str(late)], capture_output=True, text=True)
+        assert done.returncode == 0, done
         refused = call("plan", "slab", "--json", "/dev/full")
         assert refused.returncode == 3 and "E0702" in refused.stderr, refused
     print(f"{len(CASES)} plans")
