@@ -96,9 +96,10 @@ draw::CurvePlot panel_of(const solver::GraphSpec& graph, const solver::TimeSpec&
                                         "it reads of the solution",
                                         graph.name));
   } else {
-    curve.points = kernel_curve(std::get<solver::KernelSpec>(graph.of), t0, t);
+    const auto& kernel = std::get<solver::KernelSpec>(graph.of);
+    curve.points = kernel_curve(kernel, t0, t);
     out.x_name = "t \u2212 s" + units.behind("t");
-    out.y_name = "q";
+    out.y_name = "q" + (kernel.name == graph.name ? units.of_kernel(graph.name) : "");
   }
   out.curves.push_back(std::move(curve));
   return out;

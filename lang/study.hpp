@@ -5,6 +5,7 @@
 
 #include "lang/check/model.hpp"
 #include "lang/pictures.hpp"
+#include "solver/output/table.hpp"
 #include "solver/study/cea.hpp"
 
 #include <nlohmann/json_fwd.hpp>
@@ -38,6 +39,8 @@ struct Study {
   std::string script, reference;    ///< the reference in words
   bool sweep = false;               ///< there is none: the columns are what is asked for
   std::vector<std::string> columns; ///< of the tables
+  /// Of parameters and columns by their names; none for scripts without units.
+  std::map<std::string, std::string> units;
   std::vector<StudyLadder> ladders;
   std::vector<std::string> unknowns; ///< where there are several
   std::optional<std::size_t> in;     ///< which of them the error is of; none: of all together
@@ -59,9 +62,13 @@ void judge(Study& study, bool richardson);
 /// Text for a terminal; CSV; schema hvi-study/1.
 std::string study_table(const Study& study);
 std::string study_csv(const Study& study);
+/// Of the same table, with what they are in.
+std::vector<solver::CsvColumn> study_columns(const Study& study);
 nlohmann::ordered_json study_json(const Study& study);
 /// Every varied parameter, ladder by ladder.
 std::vector<std::string> varied(const Study& study);
+/// "force [N]"; the name alone where there is no unit to tell.
+std::string with_unit(const Study& study, const std::string& name);
 /// Of a sweep: the columns at the end, setting by setting.
 std::string sweep_table(const Study& study);
 /// Curves of a column at the end over the first parameter with numbers; empty: there is none.

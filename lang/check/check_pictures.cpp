@@ -67,6 +67,13 @@ Symbol as_declared(const Symbol& factor, const Field& kernel, const std::vector<
   return factor;
 }
 
+/// A number that changes in time alone is drawn itself; memories know its factor of time only.
+bool is_of_time(const Field& kernel) {
+  return kernel.rank == 0 && std::ranges::all_of(kernel.components[0].slots(), [](solver::Slot s) {
+           return s == slot::t || s == slot::lag;
+         });
+}
+
 } // namespace
 
 /// One graph of a picture: a law of the inequality, or the kernel of a memory.
@@ -89,10 +96,13 @@ bool Checker::graph(const ast::Expr& e, solver::GraphsSpec& out) {
   for (const ModelHistory& history : model_.histories)
     if (history.name == name) {
       const auto declared = kernel_field(e, Scope{});
-      const Symbol drawn =
-          declared ? as_declared(history.kernel, *declared, model_.time.grid) : history.kernel;
+      const bool itself = declared && is_of_time(*declared);
+      const Symbol drawn = itself     ? declared->components[0]
+                           : declared ? as_declared(history.kernel, *declared, model_.time.grid)
+                                      : history.kernel;
       out.graphs.push_back(
-          {name, solver::KernelSpec{name, model_.origin(history.span), drawn, {}}});
+          {name, solver::KernelSpec{
+                     itself ? name : "factor of " + name, model_.origin(history.span), drawn, {}}});
       found = true;
     }
   if (!found)

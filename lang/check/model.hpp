@@ -39,12 +39,15 @@ struct ModelUnits {
   std::map<std::string, std::string> of_laws;      ///< of their multipliers
   std::map<std::string, std::string> of_arguments; ///< of laws
   std::map<std::string, std::string> of_tensors;
+  std::map<std::string, std::string> of_kernels; ///< of those that a memory has
+  std::map<std::string, std::string> of_tests;   ///< test functions
 
   bool used() const { return !system.empty(); }
   /// " [mm]" for `tip`; nothing where the unit is not known or is 1.
   std::string behind(const std::string& name) const { return behind(of, name); }
   std::string of_argument(const std::string& law) const { return behind(of_arguments, law); }
   std::string of_multiplier(const std::string& law) const { return behind(of_laws, law); }
+  std::string of_kernel(const std::string& kernel) const { return behind(of_kernels, kernel); }
   static std::string bracketed(const std::string& unit) {
     return unit.empty() || unit == "1" ? "" : " [" + unit + "]";
   }

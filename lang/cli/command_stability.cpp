@@ -59,7 +59,16 @@ std::string verdict(const Stability& s) {
   return fmt::format("stable: every step has one solution and is certified; {}", answer);
 }
 
-void print_report(const Stability& s) {
+/// What energies and times are in; nothing for scripts without units.
+struct Units {
+  std::string energy, time;
+};
+Units units_of(const Script& script) {
+  const auto& report = script.model->report;
+  return {ModelUnits::bracketed(report.unit_of_energy), ModelUnits::bracketed(report.unit_of_time)};
+}
+
+void print_report(const Stability& s, const Units& units) {
   const auto& r = s.base.result;
   const auto& c = r.certificate;
   const auto row = [](const char* name, const std::string& text) { say("{:<14}{}\n", name, text); };
@@ -85,18 +94,19 @@ void print_report(const Stability& s) {
   row("solver", fmt::format("{} Newton iterations, {} steps by the globally convergent method",
                             r.work.newton, r.work.fallback_steps));
   row("energy",
-      fmt::format("{:.6g} at the end; work {:.6g} = stored {:.6g} + viscous {:.6g} + memory "
+      fmt::format("{:.6g}{} at the end; work {:.6g} = stored {:.6g} + viscous {:.6g} + memory "
                   "{:.6g} + lost {:.6g} + what was stored at the start; balance to {:.1e}",
-                  last(s, "energy"), last(s, "work"), last(s, "elastic") + last(s, "contact"),
-                  last(s, "viscous"), last(s, "memory"), last(s, "lost"),
-                  r.monitors->balance_error));
+                  last(s, "energy"), units.energy, last(s, "work"),
+                  last(s, "elastic") + last(s, "contact"), last(s, "viscous"), last(s, "memory"),
+                  last(s, "lost"), r.monitors->balance_error));
   row("lemma 3.2", fmt::format("max|u| {:.6g}, sum|du|^2 {:.6g}, max|xi| {:.6g}, sum k|du/k|^2 "
                                "{:.6g}",
                                last(s, "lemma_u"), last(s, "lemma_jumps"), last(s, "lemma_xi"),
                                last(s, "lemma_rate")));
   for (const auto& note : r.notes)
     if (note.step > 0)
-      row("event", fmt::format("step {} (t = {:.6g}): {}", note.step, note.t, note.what));
+      row("event",
+          fmt::format("step {} (t = {:.6g}{}): {}", note.step, note.t, units.time, note.what));
   for (const auto& v : s.variations)
     row(v.of_input ? "input" : "choice",
         v.change ? fmt::format("{}: the answer moves by {:.1e}", v.what, *v.change)
@@ -119,28 +129,32 @@ nlohmann::ordered_json report_json(const Stability& s, const Script& script) {
                           {"failure", v.failure}});
   for (const auto& note : r.notes)
     if (note.step > 0) events.push_back({{"step", note.step}, {"t", note.t}, {"what", note.what}});
-  return {{"schema", "hvi-stability/1"},
-          {"script", script.path},
-          {"verdict", verdict(s)},
-          {"unique", r.unique},
-          {"condition", s.condition > 0 ? number(s.condition) : Json(nullptr)},
-          {"forward_error", number(r.forward_error.worst())},
-          {"margins", s.theory ? Json{{"step", number(s.theory->margins.step)},
-                                      {"split", number(s.theory->margins.split)},
-                                      {"against_B", number(s.theory->margins.against_b)},
-                                      {"largest", number(s.theory->margins.largest)},
-                                      {"paper", number(s.theory->margins.paper)}}
-                               : Json(nullptr)},
-          {"certificate",
-           {{"inclusion", number(r.certificate.inclusion)},
-            {"inclusion_step", r.certificate.inclusion_step},
-            {"equilibrium", number(r.certificate.equilibrium)},
-            {"equilibrium_step", r.certificate.equilibrium_step},
-            {"tolerance", r.certificate.tolerance}}},
-          {"balance_error", number(r.monitors->balance_error)},
-          {"events", events},
-          {"variations", variations},
-          {"monitors", monitors}};
+  Json out{{"schema", "hvi-stability/1"},
+           {"script", script.path},
+           {"verdict", verdict(s)},
+           {"unique", r.unique},
+           {"condition", s.condition > 0 ? number(s.condition) : Json(nullptr)},
+           {"forward_error", number(r.forward_error.worst())},
+           {"margins", s.theory ? Json{{"step", number(s.theory->margins.step)},
+                                       {"split", number(s.theory->margins.split)},
+                                       {"against_B", number(s.theory->margins.against_b)},
+                                       {"largest", number(s.theory->margins.largest)},
+                                       {"paper", number(s.theory->margins.paper)}}
+                                : Json(nullptr)},
+           {"certificate",
+            {{"inclusion", number(r.certificate.inclusion)},
+             {"inclusion_step", r.certificate.inclusion_step},
+             {"equilibrium", number(r.certificate.equilibrium)},
+             {"equilibrium_step", r.certificate.equilibrium_step},
+             {"tolerance", r.certificate.tolerance}}},
+           {"balance_error", number(r.monitors->balance_error)},
+           {"events", events},
+           {"variations", variations},
+           {"monitors", monitors}};
+  if (script.model->units.used())
+    out["units"] = {{"t", script.model->report.unit_of_time},
+                    {"energy", script.model->report.unit_of_energy}};
+  return out;
 }
 
 std::string picture_name(const Script& script) { return script.model->title + "_stability.png"; }
@@ -171,7 +185,7 @@ void draw(const Stability& s, const Script& script, const Options& options) {
            "plot $d using 1:2 with linespoints pt 7 ps 0.4 lc rgb '#004488' title 'inclusion', $d "
            "using "
            "1:3 with linespoints pt 7 ps 0.4 lc rgb '#ddaa33' title 'equilibrium'\n"
-           "unset logscale y\nset format y '%g'\nset title 'energy'\nset xlabel 't'\n"
+           "unset logscale y\nset format y '%g'\nset title {}\nset xlabel {}\n"
            "plot $d using 1:4 with lines lw 2 lc rgb '#004488' title 'energy', $d using 1:5 with "
            "lines "
            "lc "
@@ -182,7 +196,8 @@ void draw(const Stability& s, const Script& script, const Options& options) {
            quoted(script.model->title + ": " +
                   (s.base.result.unique ? "every step has one solution"
                                         : "uniqueness is not guaranteed")),
-           lines, s.base.result.certificate.tolerance),
+           lines, s.base.result.certificate.tolerance, quoted("energy" + units_of(script).energy),
+           quoted("t" + units_of(script).time)),
        folder / picture_name(script), {.height = 800});
 }
 
@@ -221,7 +236,7 @@ Exit report_on(Session& session, const Options& options, HeldOutputs& outputs) {
       parts.stability = report_json(*found, script);
       write_page(output_folder(script, options), script.model->title, parts);
     });
-  if (!json_only(options) && !options.quiet) print_report(*found);
+  if (!json_only(options) && !options.quiet) print_report(*found, units_of(script));
   if (!names.empty()) write_pictures(session, *found, options);
   return code;
 }

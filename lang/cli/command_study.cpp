@@ -9,7 +9,6 @@
 #include "solver/common/clock.hpp"
 #include "solver/common/memory_room.hpp"
 #include "solver/common/read_file.hpp"
-#include "solver/output/file.hpp"
 #include "solver/study/ladder.hpp"
 #include "solver/time/checkpoint.hpp"
 #include "solver/time/shared_work.hpp"
@@ -82,6 +81,7 @@ public:
       return exit_usage;
     }
     plan_rows(*script.model);
+    if (script.model->units.used()) study_.units = units_told(script);
     auto names = files_of_study(study_);
     names.push_back(journal_.name());
     if (options_.report) names.push_back(std::string("study") + report_ending);
@@ -405,8 +405,7 @@ int report_study(const std::string& path, const Study& study, const std::string&
     }
   };
   attempt([&] {
-    solver::write_atomically(fs::path(folder) / "study.csv", study_csv(study));
-    files.emplace_back("study.csv");
+    files = solver::write_csv(folder, "study.csv", study_csv(study), study_columns(study));
   });
   attempt([&] {
     if (!options.json.empty()) write_json(options, study_json(study));

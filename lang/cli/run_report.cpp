@@ -32,15 +32,16 @@ solver::ReportTable table_of(const solver::RunResult& result, const ModelUnits& 
   return table;
 }
 
-/// The last values of the energies, and the quantities of Lemma 3.2.
-void print_monitors(const solver::MonitorTable& m) {
+/// The last values of the energies, with their unit if there is one, and the quantities of Lemma
+/// 3.2.
+void print_monitors(const solver::MonitorTable& m, const std::string& unit) {
   if (m.times.empty()) return;
   const auto last = [&](const char* name) {
     const auto at = std::find(m.names.begin(), m.names.end(), name) - m.names.begin();
     return m.columns[static_cast<std::size_t>(at)].back();
   };
   const bool moves = std::ranges::find(m.names, "kinetic") != m.names.end();
-  say("energy: {:.9g} = {}elastic {:.9g} + contact {:.9g} - load\n", last("energy"),
+  say("energy{}: {:.9g} = {}elastic {:.9g} + contact {:.9g} - load\n", unit, last("energy"),
       moves ? fmt::format("kinetic {:.9g} + ", last("kinetic")) : std::string(), last("elastic"),
       last("contact"));
   std::string of_laws;
@@ -48,7 +49,7 @@ void print_monitors(const solver::MonitorTable& m) {
     if (name.starts_with("friction_"))
       of_laws +=
           fmt::format(", of it `{}` {:.6g}", name.substr(name.find('_') + 1), last(name.c_str()));
-  say("work: {:.9g}; viscous {:.6g}, memory {:.6g}, lost {:.6g}{} (balance to {:.1e})\n",
+  say("work{}: {:.9g}; viscous {:.6g}, memory {:.6g}, lost {:.6g}{} (balance to {:.1e})\n", unit,
       last("work"), last("viscous"), last("memory"), last("lost"), of_laws, m.balance_error);
   say("lemma 3.2: max|u| {:.6g}, sum|du|^2 {:.6g}, max|xi| {:.6g}, sum k|du/k|^2 {:.6g}\n",
       last("lemma_u"), last("lemma_jumps"), last("lemma_xi"), last("lemma_rate"));
@@ -89,15 +90,19 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
         r.work.unfollowed_steps);
   if (r.work.fallback_steps > 0)
     say("steps that only the globally convergent method solved: {}\n", r.work.fallback_steps);
-  if (r.monitors) print_monitors(*r.monitors);
+  const auto& report = script.model->report;
+  const std::string unit = ModelUnits::bracketed(report.unit_of_energy);
+  if (r.monitors) print_monitors(*r.monitors, unit);
   print_memory(script.plan->problem, r.histories);
   for (const solver::StepNote& note : r.notes) {
     const int line = line_of(script, note.origin);
-    const std::string when =
-        note.step > 0 ? fmt::format("step {} (t = {:.6g}): ", note.step, note.t) : std::string();
+    const std::string when = note.step > 0
+                                 ? fmt::format("step {} (t = {:.6g}{}): ", note.step, note.t,
+                                               ModelUnits::bracketed(report.unit_of_time))
+                                 : std::string();
     say("note: {}{}{}\n", when, note.what, line > 0 ? fmt::format(" (line {})", line) : "");
   }
-  if (r.energy) say("energy of this branch at the end: {:.9g}\n", *r.energy);
+  if (r.energy) say("energy of this branch at the end: {:.9g}{}\n", *r.energy, unit);
 }
 
 /// Phases, counted work, and the lower limit of the triangular solves: one read of the factor each.

@@ -26,7 +26,7 @@ std::string cell(std::optional<double> v, const char* format) {
 
 std::vector<std::string> headings(const Study& study) {
   std::vector<std::string> out;
-  out = varied(study);
+  for (const std::string& name : varied(study)) out.push_back(with_unit(study, name));
   for (const char* name : {"unknowns", "V error", "at the end", "relative", "order", "L2 error",
                            "CPU s", "wall s", "peak MB", "Newton", "front"})
     out.emplace_back(name);
@@ -163,7 +163,7 @@ std::string triangles(double left, double right, double top) {
 std::string order_picture(const Study& study, std::size_t along) {
   const std::string& parameter = study.ladders[along].parameter;
   std::string text = heading(study, "order in " + parameter) +
-                     fmt::format("set xlabel {} noenhanced\n", quoted(parameter)),
+                     fmt::format("set xlabel {} noenhanced\n", quoted(with_unit(study, parameter))),
               plots;
   const auto place = [&](const StudyRow& row) { return on_axis(row.values.at(parameter)); };
   const auto value = [&](const StudyRow& row) { return place(row).value_or(0.0); };
@@ -213,7 +213,8 @@ std::string probe_table(const Study& study) {
   std::string out;
   if (!study.finest) return out;
   for (const auto& [probe, finest] : study.rows[*study.finest].probes) {
-    fmt::format_to(std::back_inserter(out), "`{}` at the end:\n", probe);
+    fmt::format_to(std::back_inserter(out), "`{}` at the end{}:\n", probe,
+                   with_unit(study, probe).substr(probe.size()));
     for (const StudyRow& row : study.rows) {
       const auto value = row.probes.find(probe);
       if (value == row.probes.end()) continue;
@@ -278,6 +279,11 @@ std::vector<std::string> varied(const Study& study) {
   return out;
 }
 
+std::string with_unit(const Study& study, const std::string& name) {
+  const auto unit = study.units.find(name);
+  return name + (unit == study.units.end() ? "" : ModelUnits::bracketed(unit->second));
+}
+
 std::string study_table(const Study& study) {
   if (study.sweep) return sweep_table(study);
   std::vector<std::vector<std::string>> grid = {headings(study)};
@@ -302,53 +308,6 @@ std::string study_table(const Study& study) {
     }
   out += unknowns_table(study) + probe_table(study) + cea_table(study) + shared_line(study);
   return out + fmt::format("{}; * = no other setting is both cheaper and closer\n", study.machine);
-}
-
-std::string study_csv(const Study& study) {
-  std::string out;
-  std::vector<std::string> probes;
-  if (study.finest)
-    for (const auto& [name, value] : study.rows[*study.finest].probes) probes.push_back(name);
-  if (study.sweep) probes = study.columns;
-  for (const std::string& name : varied(study)) out += name + ",";
-  out += "unknowns,steps,v_max,v_final,l2_max,l2_final,relative,order,cpu,wall,peak_bytes,newton,"
-         "front,cea_interpolation,cea_interpolation_rate,cea_trace,cea_residual,cea_rate,cea_start,"
-         "cea_step,cea_constant";
-  for (const std::string& u : study.unknowns) out += fmt::format(",v_max_{0},l2_max_{0}", u);
-  for (const std::string& probe : probes) out += "," + probe + "," + probe + "_error";
-  out += ",failure\n";
-  const auto number = [](std::optional<double> v) {
-    return v && std::isfinite(*v) ? fmt::format("{:.17g}", *v) : std::string();
-  };
-  for (const StudyRow& row : study.rows) {
-    for (const std::string& name : varied(study)) out += row.values.at(name) + ",";
-    const auto& e = row.error;
-    const auto of = [&](double v) { return e ? number(v) : std::string(); };
-    const solver::StudyError none, &error = e ? *e : none;
-    std::string failure = row.failure;
-    std::replace(failure.begin(), failure.end(), '"', '\'');
-    std::string terms = ",,,,,,,";
-    if (const auto& c = row.cea; c && e)
-      terms = fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}",
-                          c->interpolation, c->interpolation_rate, c->trace, c->residual, c->rate,
-                          c->start, c->step, error.v_max * error.v_max / c->bound());
-    std::string columns;
-    for (std::size_t u = 0; u < study.unknowns.size(); ++u)
-      columns += u < row.errors.size()
-                     ? "," + number(row.errors[u].v_max) + "," + number(row.errors[u].l2_max)
-                     : std::string(",,");
-    for (const std::string& probe : probes) {
-      const auto value = row.probes.find(probe), off = row.probe_errors.find(probe);
-      columns += "," + (value == row.probes.end() ? "" : number(value->second));
-      columns += "," + (off == row.probe_errors.end() ? "" : number(off->second));
-    }
-    out +=
-        fmt::format("{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.0f},{},{},{}{},\"{}\"\n",
-                    row.unknowns, row.steps, of(error.v_max), of(error.v_final), of(error.l2_max),
-                    of(error.l2_final), of(error.relative()), number(row.order), row.cpu, row.wall,
-                    row.peak_bytes, row.newton, row.front ? 1 : 0, terms, columns, failure);
-  }
-  return out;
 }
 
 nlohmann::ordered_json study_json(const Study& study) {
@@ -394,22 +353,25 @@ nlohmann::ordered_json study_json(const Study& study) {
     if (!row.failure.empty()) out["failure"] = row.failure;
     rows.push_back(out);
   }
-  return {{"schema", "hvi-study/1"},
-          {"script", study.script},
-          {"reference", study.reference},
-          {"machine", study.machine},
-          {"shared",
-           {{"meshes", study.shared.meshes},
-            {"matrices", study.shared.matrices},
-            {"orders", study.shared.orders},
-            {"factors", study.shared.factors},
-            {"seconds", study.shared.seconds}}},
-          {"rows", rows},
-          {"best", best ? Json(*best) : Json(nullptr)}};
+  Json out{{"schema", "hvi-study/1"},
+           {"script", study.script},
+           {"reference", study.reference},
+           {"machine", study.machine},
+           {"shared",
+            {{"meshes", study.shared.meshes},
+             {"matrices", study.shared.matrices},
+             {"orders", study.shared.orders},
+             {"factors", study.shared.factors},
+             {"seconds", study.shared.seconds}}},
+           {"rows", rows},
+           {"best", best ? Json(*best) : Json(nullptr)}};
+  if (!study.units.empty()) out["units"] = study.units;
+  return out;
 }
 
 std::vector<std::string> files_of_study(const Study& study) {
   std::vector<std::string> out = {"study.csv"};
+  if (!study.units.empty()) out.push_back(solver::metadata_file("study.csv"));
   for (const std::string& name : names_of_pictures(study))
     for (const char* kind : kinds) out.push_back(fmt::format("{}.{}", name, kind));
   return out;

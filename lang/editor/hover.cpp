@@ -3,10 +3,14 @@
 
 #include "lang/check/builtins.hpp"
 #include "lang/editor/words_of_statements.hpp"
+#include "lang/units/units.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
 
 namespace hvi::lang {
 
@@ -19,6 +23,16 @@ Json shown(const EditorPlace& place, const Span& span, const std::string& text) 
 std::string describe(const BuiltIn& built_in) {
   return code_block(built_in.usage) + "\n" + std::string(built_in.doc);
 }
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> quantities = {
+    {{"t", "the time"},
+     {"x", "the first coordinate of the place; the distance from the axis of a body of revolution"},
+     {"y", "the second coordinate of the place"},
+     {"z", "the third coordinate of the place"},
+     {"pi", "3.14159..."},
+     {"lag", "t - s, the time that has passed, in a kernel"},
+     {"normal", "the outward unit normal"},
+     {"sigma", "the stress: what stands before `: eps(v)` in the forms, memories included"}}};
 
 /// Where each argument stands in "f(a, b = 1)": between the first bracket and the last one, at
 /// commas that lie in no other bracket.
@@ -74,28 +88,97 @@ std::string heading_of(const Analysis& analysis, const Definition& d) {
                             : d.name);
 }
 
-/// "[GPa]" of what a script with units declares; empty where there is none to tell.
+namespace {
+
+std::string in_brackets(const std::string& unit) {
+  return unit.empty() || unit == "1" ? "" : " [" + unit + "]";
+}
+
+std::string found_in(const std::map<std::string, std::string>& units, const std::string& name) {
+  const auto found = units.find(name);
+  return found == units.end() ? "" : in_brackets(found->second);
+}
+
+/// `grow(a [a]) [a/s]` of a function or a law, in the dimensions of its arguments; or nothing.
+std::string signature_in_units(const Analysis& analysis, const std::string& name) {
+  const Script& script = analysis.script();
+  if (!script.model || !script.model->units.used()) return {};
+  for (std::string& one : units::signatures(script.programs, *script.model))
+    if (one.starts_with(name + "(")) return std::move(one);
+  return {};
+}
+
+/// " [p/r]" of an argument in such a signature.
+std::string unit_in_signature(const std::string& signature, const std::string& argument) {
+  for (const char* before : {"(", ", "}) {
+    const auto found = signature.find(before + argument + " [");
+    if (found == std::string::npos) continue;
+    const auto begin = signature.find(" [", found + 1);
+    return signature.substr(begin, signature.find(']', begin) + 1 - begin);
+  }
+  return {};
+}
+
+std::string unit_of_quantity(const std::optional<Model>& model, const std::string& name) {
+  if (!model || !model->units.used()) return {};
+  if (name == "x" || name == "y" || name == "z") return in_brackets(model->report.unit_of_length);
+  return found_in(model->units.of, name == "lag" ? "t" : name);
+}
+
+std::string unit_of_parameter(const Model& model, const std::string& name) {
+  const auto p = std::ranges::find(model.params, name, &ModelParam::name);
+  if (p == model.params.end()) return {};
+  return p->times == p->over || !std::holds_alternative<double>(p->value)
+             ? in_brackets(p->unit)
+             : fmt::format(" in units of {}: {}{}", model.units.system,
+                           p->as_declared(std::get<double>(p->value)), in_brackets(p->unit));
+}
+
+/// What an argument is called with: its own where the inequality or the kernel tells, else in the
+/// dimensions of the others.
+std::string unit_of_argument(const Analysis& analysis, const Definition& d) {
+  const Model& model = *analysis.script().model;
+  const auto owner = std::ranges::find_if(analysis.names.definitions, [&](const Definition& one) {
+    return one.name == d.owner && one.kind != NameKind::argument;
+  });
+  if (owner == analysis.names.definitions.end()) return {};
+  if (owner->kind == NameKind::kernel) return found_in(model.units.of, "t");
+  const std::string signature = signature_in_units(analysis, d.owner);
+  const auto seen = model.units.of_arguments.find(d.owner);
+  if (seen != model.units.of_arguments.end() && signature.starts_with(d.owner + "(" + d.name + " "))
+    return in_brackets(seen->second);
+  return unit_in_signature(signature, d.name);
+}
+
+} // namespace
+
+/// " [GPa]" of what a script with units declares; empty where there is none to tell.
 std::string unit_of(const Analysis& analysis, const Definition& d) {
   const auto& model = analysis.script().model;
   if (!model || !model->units.used()) return {};
-  const auto in_brackets = [](const std::string& unit) {
-    return unit.empty() || unit == "1" ? "" : "[" + unit + "]";
+  const ModelUnits& units = model->units;
+  const auto behind = [](const std::string& word, const std::string& unit) {
+    return unit.empty() ? "" : fmt::format(" {}{}", word, unit);
   };
-  if (d.kind == NameKind::parameter)
-    for (const ModelParam& p : model->params)
-      if (p.name == d.name)
-        return p.times == p.over || !std::holds_alternative<double>(p.value)
-                   ? in_brackets(p.unit)
-                   : fmt::format("in units of {}: {} {}", model->units.system,
-                                 p.as_declared(std::get<double>(p.value)), in_brackets(p.unit));
-  const auto& of = d.kind == NameKind::tensor           ? model->units.of_tensors
-                   : d.kind == NameKind::superpotential ? model->units.of_laws
-                                                        : model->units.of;
-  const auto found = of.find(d.name);
-  if (found == of.end()) return {};
-  return d.kind == NameKind::superpotential
-             ? fmt::format("multiplier in {}", in_brackets(found->second))
-             : in_brackets(found->second);
+  switch (d.kind) {
+  case NameKind::parameter:
+    return unit_of_parameter(*model, d.name);
+  case NameKind::argument:
+    return unit_of_argument(analysis, d);
+  case NameKind::mesh:
+    return behind("with lengths in", in_brackets(model->report.unit_of_length));
+  case NameKind::tensor:
+    return found_in(units.of_tensors, d.name);
+  case NameKind::kernel:
+    return behind("with values in", units.of_kernel(d.name));
+  case NameKind::superpotential:
+    return behind("of an argument in", units.of_argument(d.name)) +
+           behind("with its multiplier in", units.of_multiplier(d.name));
+  case NameKind::test_function:
+    return found_in(units.of_tests, d.name);
+  default:
+    return found_in(units.of, d.name);
+  }
 }
 
 std::string describe(const Analysis& analysis, const Definition& d) {
@@ -103,15 +186,17 @@ std::string describe(const Analysis& analysis, const Definition& d) {
                      d.kind != NameKind::column && d.kind != NameKind::argument;
   std::string out = code_block(whole ? analysis.text(d.statement) : heading_of(analysis, d));
   if (const NameFacts* facts = analysis.facts_of(d)) {
-    out += "\n" + facts->what;
+    out += "\n" + facts->what + unit_of(analysis, d);
     if (!facts->groups.empty())
       out += fmt::format("; its parts: {}", fmt::join(facts->groups, ", "));
   } else if (d.kind == NameKind::argument) {
-    out += fmt::format("\nan argument of `{}`", d.owner);
+    out += fmt::format("\nan argument of `{}`{}", d.owner, unit_of(analysis, d));
   } else {
-    out += fmt::format("\n{}", word(d.kind));
+    out += fmt::format("\n{}{}", word(d.kind), unit_of(analysis, d));
   }
-  if (const std::string unit = unit_of(analysis, d); !unit.empty()) out += " " + unit;
+  const bool called = d.kind == NameKind::function || d.kind == NameKind::superpotential;
+  if (const auto signature = called ? signature_in_units(analysis, d.name) : ""; !signature.empty())
+    out += fmt::format("\n\nunits: `{}`", signature);
   const std::string comment = comment_of(analysis, d);
   if (whole && !comment.empty()) out += "\n\n" + comment;
   const std::string& file = analysis.script().sources.file(d.span.file).path();
@@ -130,6 +215,10 @@ Json hover(const EditorPlace& place) {
     if (const BuiltIn* built_in = find_built_in(text))
       return shown(place, token.span, describe(*built_in));
   }
+  for (const auto& [name, what] : quantities)
+    if (token.kind == TokenKind::name && name == text)
+      return shown(place, token.span,
+                   fmt::format("{}{}", what, unit_of_quantity(a.script().model, text)));
   const std::string_view said = word_of_statement(text);
   return said.empty() ? Json(nullptr) : shown(place, token.span, std::string(said));
 }
@@ -143,6 +232,8 @@ Json signature(const EditorPlace& place) {
     usage = built_in->usage, doc = built_in->doc;
   } else if (const auto* d = place.analysis.names.visible(call->callee, bracket.span)) {
     usage = heading_of(place.analysis, *d), doc = comment_of(place.analysis, *d);
+    const std::string in_units = signature_in_units(place.analysis, d->name);
+    if (!in_units.empty()) doc += fmt::format("{}units: `{}`", doc.empty() ? "" : "\n\n", in_units);
   }
   const auto arguments = arguments_in(usage);
   if (arguments.empty()) return nullptr;

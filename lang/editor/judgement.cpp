@@ -1,6 +1,8 @@
 // See judgement.hpp.
 #include "lang/editor/judgement.hpp"
 
+#include "lang/forecast.hpp"
+#include "solver/common/memory_room.hpp"
 #include "solver/hypotheses/hypotheses.hpp"
 
 #include <fmt/format.h>
@@ -29,6 +31,9 @@ std::string judgement_of(Session& session, const std::atomic<bool>& stop) {
   const auto report = solver::check_hypotheses(*session.script.plan, session.discretisation, false);
   if (std::isfinite(report.margins.step))
     out += fmt::format(", step margin {:.3g}", report.margins.step);
+  const Forecast cost = forecast(*session.script.plan, session.discretisation, &stop);
+  out += fmt::format(", predicted {:.2g} s and {}", cost.seconds(),
+                     solver::bytes_text(cost.most_bytes));
   return out + ": " + report.discrete_verdict;
 }
 

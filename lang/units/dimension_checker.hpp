@@ -147,6 +147,7 @@ private:
   Dimension of_form_; ///< of every integral of the inequality
   std::map<std::string, Dimension> of_state_, of_multiplier_, of_measure_, of_column_;
   std::map<std::string, Dimension> of_argument_;                ///< of laws
+  std::map<std::string, Dimension> of_kernel_;                  ///< their values
   std::map<std::pair<int, std::uint32_t>, Dimension> of_field_; ///< by file and place
   std::vector<Span> calls_; ///< of functions and laws whose bodies are read
   std::set<int> library_;   ///< files of the standard library

@@ -214,6 +214,7 @@ Measured DimensionChecker::history(const ast::Call& c, const Locals& locals) {
   const Measured body = value(kernel->value, times);
   calls_.pop_back();
   if (!body.dimension) return {};
+  of_kernel_.insert_or_assign(r->name, *body.dimension);
   return {*body.dimension * duration() * *of.dimension, {}};
 }
 

@@ -74,6 +74,9 @@ void DimensionChecker::tell_model() {
       tell(out.of_tensors, name, *named.value->dimension);
   for (const auto& [name, dimension] : of_multiplier_) tell(out.of_laws, name, dimension);
   for (const auto& [name, dimension] : of_argument_) tell(out.of_arguments, name, dimension);
+  for (const auto& [name, dimension] : of_kernel_) tell(out.of_kernels, name, dimension);
+  for (std::size_t b = 0; b < of_test_.size(); ++b)
+    tell(out.of_tests, find_->unknowns[b].test.text, of_test_[b]);
   if (const Measured sigma = built_in_name("sigma"); sigma.dimension)
     tell(out.of, "sigma", *sigma.dimension);
   tell_params();

@@ -29,16 +29,8 @@ std::string DimensionChecker::shown_by(const Signature& names, const Dimension& 
     if (name == names.end()) return "";
     factors.emplace_back(name->first, power);
   }
-  const Dimension rest(known.powers());
-  const std::string one = units_.system.name(rest);
-  if (factors.empty()) return fmt::format(" [{}]", one);
-  if (one.find_first_of("/*^") == std::string::npos) {
-    if (!rest.is_one()) factors.emplace_back(one, 1);
-  } else {
-    for (std::size_t i = 0; i < n_base; ++i)
-      factors.emplace_back(units_.system.name(Dimension::base(static_cast<int>(i))),
-                           known.powers()[i]);
-  }
+  for (const auto& factor : units_.system.product(Dimension(known.powers())))
+    factors.push_back(factor);
   return fmt::format(" [{}]", product_text(factors));
 }
 

@@ -186,9 +186,13 @@ std::string System::named(const Powers& powers) const {
 }
 
 std::string System::name(const Dimension& dimension) const {
+  return product_text(product(dimension));
+}
+
+Product System::product(const Dimension& dimension) const {
   const Powers& powers = dimension.powers();
-  if (dimension.is_one()) return "1";
-  if (std::string one = named(powers); !one.empty()) return one;
+  if (dimension.is_one()) return {};
+  if (std::string one = named(powers); !one.empty()) return {{std::move(one), 1}};
   Product best;
   for (const auto& [lead, alone] : leads) {
     const Powers of_lead = powers_of(lead);
@@ -218,14 +222,14 @@ std::string System::name(const Dimension& dimension) const {
     }
     if (all && (best.empty() || cost(product) < cost(best))) best = std::move(product);
   }
-  if (!best.empty()) return product_text(best);
+  if (!best.empty()) return best;
   Product by_own; // units that nothing named is coherent with, `units inch, lbf, s`
   for (std::size_t i = 0; i < n_base; ++i) {
     Rational power;
     for (std::size_t b = 0; b < n_base; ++b) power = power + powers[b] * in_own_[b][i];
     by_own.emplace_back(own_[i], power);
   }
-  return product_text(by_own);
+  return by_own;
 }
 
 } // namespace hvi::lang::units

@@ -27,6 +27,8 @@ public:
   [[nodiscard]] UnitFactor factor(const Unit& unit) const;
   /// The coherent unit of a dimension, as short as names allow: "MPa", "N/m^3", "1".
   [[nodiscard]] std::string name(const Dimension& dimension) const;
+  /// Its factors; none of a number.
+  [[nodiscard]] Product product(const Dimension& dimension) const;
   /// "SI"; "mm, N, s".
   [[nodiscard]] const std::string& text() const { return text_; }
 

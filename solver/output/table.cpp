@@ -92,27 +92,26 @@ bool is_own_metadata(const std::filesystem::path& file) {
 
 std::string metadata_file(const std::string& file) { return file + "-metadata.json"; }
 
-std::string csv_metadata(const std::string& file, const ReportTable& table) {
-  const auto told = [](const std::string& unit) { return !unit.empty(); };
-  if (std::ranges::none_of(table.units, told)) return {};
+std::string csv_metadata(const std::string& file, const std::vector<CsvColumn>& columns) {
+  if (std::ranges::all_of(columns, [](const CsvColumn& c) { return c.unit.empty(); })) return {};
   using Json = nlohmann::ordered_json;
-  Json columns = Json::array();
-  for (std::size_t c = 0; c < table.names.size(); ++c) {
-    Json column{{"titles", table.names[c]}, {"datatype", "double"}};
-    if (told(table.units[c])) column["schema:unitText"] = table.units[c];
-    columns.push_back(std::move(column));
+  Json described = Json::array();
+  for (const CsvColumn& column : columns) {
+    Json one{{"titles", column.name}, {"datatype", column.number ? "double" : "string"}};
+    if (!column.unit.empty()) one["schema:unitText"] = column.unit;
+    described.push_back(std::move(one));
   }
   const Json out{{"@context", "http://www.w3.org/ns/csvw"},
                  {"dc:creator", metadata_creator},
                  {"url", std::filesystem::path(file).filename().string()},
-                 {"tableSchema", {{"columns", columns}}}};
+                 {"tableSchema", {{"columns", described}}}};
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::vector<std::string> write_table(const std::filesystem::path& folder, const std::string& file,
-                                     const ReportTable& table) {
-  write_atomically(folder / file, csv_text(table));
-  const std::string about = metadata_file(file), metadata = csv_metadata(file, table);
+std::vector<std::string> write_csv(const std::filesystem::path& folder, const std::string& file,
+                                   const std::string& text, const std::vector<CsvColumn>& columns) {
+  write_atomically(folder / file, text);
+  const std::string about = metadata_file(file), metadata = csv_metadata(file, columns);
   if (!metadata.empty()) {
     write_atomically(folder / about, metadata);
     return {file, about};
@@ -120,6 +119,14 @@ std::vector<std::string> write_table(const std::filesystem::path& folder, const 
   std::error_code none;
   if (is_own_metadata(folder / about)) std::filesystem::remove(folder / about, none);
   return {file};
+}
+
+std::vector<std::string> write_table(const std::filesystem::path& folder, const std::string& file,
+                                     const ReportTable& table) {
+  std::vector<CsvColumn> columns;
+  for (std::size_t c = 0; c < table.names.size(); ++c)
+    columns.push_back({table.names[c], c < table.units.size() ? table.units[c] : ""});
+  return write_csv(folder, file, csv_text(table), columns);
 }
 
 std::string aligned_text(const ReportTable& table, std::size_t most_rows) {

@@ -20,14 +20,22 @@ std::string csv_text(const ReportTable& table);
 /// The same without the line of names.
 std::string csv_rows(const ReportTable& table);
 
+/// What is told of a column beside the table.
+struct CsvColumn {
+  std::string name;
+  std::string unit;   ///< "" where nobody knows
+  bool number = true; ///< else words
+};
 /// What the columns are in, as JSON beside the table: "Metadata Vocabulary for Tabular Data" (J.
 /// Tennison, G. Kellogg, editors; W3C Recommendation, 17 December 2015), with `unitText` of
 /// schema.org. Empty where no unit is known.
-std::string csv_metadata(const std::string& file, const ReportTable& table);
+std::string csv_metadata(const std::string& file, const std::vector<CsvColumn>& columns);
 /// Where those who read the table look for it.
 std::string metadata_file(const std::string& file);
-/// Both into a folder; where no unit is known there is one file, and metadata of an earlier run
-/// are removed. The names of the files. Throws Failure(output).
+/// A table as text and its metadata into a folder; where no unit is known there is one file, and
+/// metadata of an earlier run are removed. The names of the files. Throws Failure(output).
+std::vector<std::string> write_csv(const std::filesystem::path& folder, const std::string& file,
+                                   const std::string& text, const std::vector<CsvColumn>& columns);
 std::vector<std::string> write_table(const std::filesystem::path& folder, const std::string& file,
                                      const ReportTable& table);
 

@@ -9,6 +9,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -145,15 +146,49 @@ def renames(client, uri):
     assert library is None or library["uri"].endswith("stdlib/friction.hvi")
 
 
+MEASURED = """units mm, N, s
+import contact
+param E = 70 [GPa] in [10, 300] [GPa]
+mesh slab = rectangle(2 [cm], 10 [mm], cells = [4, 2])
+part left = slab.left
+part ground = slab.bottom
+tensor B = isotropic(young = E, poisson = 0.3)
+kernel C(lag) = -0.25/(3 [s])*exp(-lag/(3 [s]))*B
+fn grow(time) = time/(10 [s])
+superpotential layer(r, k = 100 [MPa/mm]) = normal_compliance(r, stiffness = k, power = 1)
+state wear on ground with rate 1e-3 [mm/s] from wear = 0 [mm]
+space V = vector P1 on slab, zero on left
+find u in V for t in [0, 10] [s] by 4 steps from u = 0
+such that for all v in V
+    integral(slab, B : eps(u) : eps(v)) + integral(slab, history(C, eps(u)) : eps(v)) + integral(ground, layer^0(u.nu; v.nu))
+ >= integral(slab, dot([0, -78.5 [kN/m^3]*grow(t)*x/(1 [mm])], v))
+report
+  table tip = u.y at [20, 10] [mm], s = sigma.yy at [10, 5] [mm], most = largest(slab, mises(sigma)), w = integral(ground, wear)
+"""
+
+
 def measured(client):
-    """What a script with units declares is told with its unit."""
-    uri, text = uri_of(ROOT / "examples/units.hvi"), (ROOT / "examples/units.hvi").read_text()
+    """What a script with units declares is told with its unit, as `hvi-run params` and `dump --units` tell it."""
+    uri, text = uri_of(ROOT / "examples/none_measured.hvi"), MEASURED
     client.open(uri, text)
-    last = lambda where: client.at("textDocument/hover", uri, place_of(text, where))["contents"]["value"].split("```")[-1].strip().split("\n")[0]
-    for where, said in (("param |young", "the number 6 [MPa]"), ("param |nu", "the number 0.4"), ("param |height", "the number 50 in units of mm, N, s: 5 [cm]"),
-                        ("tensor |B", "a fourth-order tensor [MPa]"), ("superpotential |layer", "a superpotential multiplier in [MPa]"),
-                        ("find |u in", "unknown [mm]"), ("table |top_sinks", "column of the table [mm]")):
-        assert last(where) == said, (where, last(where))
+    assert not client.found(uri), client.found(uri)
+    whole_of = lambda where: client.at("textDocument/hover", uri, place_of(text, where))["contents"]["value"].split("```")[-1].strip()
+    law = "a superpotential of an argument in [mm] with its multiplier in [MPa]\n\nunits: `layer(r [r], k [p/r]) [p]`"
+    library = "units: `normal_compliance(r [r], stiffness [p/r], power [1]) [p]`"
+    for where, said in (("param |E", "the number 70000 in units of mm, N, s: 70 [GPa]"), ("mesh |slab", "a mesh with lengths in [mm]; its parts: bottom, left, right, top"),
+                        ("tensor |B", "a fourth-order tensor [MPa]"), ("kernel |C", "a kernel with values in [MPa/s]"), ("C(|lag)", "an argument of `C` [s]"),
+                        ("fn |grow", "a function\n\nunits: `grow(time [time]) [time/s]`"), ("grow(|time)", "an argument of `grow` [time]"),
+                        ("superpotential |layer", law), ("layer(|r", "an argument of `layer` [mm]"), ("layer(r, |k", "an argument of `layer` [p/r]"),
+                        ("= |normal_compliance", library), ("state |wear", "a scalar [mm]"), ("find |u in", "unknown [mm]"),
+                        ("table |tip", "column of the table [mm]"), ("|most =", "column of the table [MPa]"), ("= |sigma.yy", "[MPa]"), ("grow(|t)*x", "the time [s]"),
+                        ("*|x/", "[mm]")):
+        found = whole_of(where)
+        assert found == said or said in found and said in ("[MPa]", "[mm]", library), (where, found)
+    help_ = client.at("textDocument/signatureHelp", uri, place_of(text, "compliance(r|, stiff"))
+    assert "stiffness [p/r]" in help_["signatures"][0]["documentation"]["value"], help_
+    # Nothing of it in a script without units.
+    client.change(uri, [{"text": SCRIPT}])
+    assert "units" not in client.at("textDocument/hover", uri, place_of(SCRIPT, "superpotential |layer"))["contents"]["value"]
 
 
 def units():
@@ -254,7 +289,7 @@ def lenses(client):
             while not found and client.refreshed == before:
                 client.read()
         [lens] = found
-        assert lens["range"]["start"]["line"] == 12 and "one solution" in lens["command"]["title"], lens
+        assert lens["range"]["start"]["line"] == 12 and re.search(r"step margin 1, predicted \S+ s and \S+ MB: .*one solution", lens["command"]["title"]), lens
 
 
 def main():

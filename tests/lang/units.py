@@ -496,6 +496,10 @@ def named():
         done = subprocess.run([PROGRAM, "params", str(WORK / "script.hvi")], capture_output=True, text=True)
         if f"p = 2 [{force}/{length}^2]" not in done.stdout:
             failures.append(f"params: {done.stdout}{done.stderr}")
+    (WORK / "script.hvi").write_text("units mm, N, s\nfn bed(r) = 5 [N/mm^3]*r\nfn rate(time) = 1 [mm]/time^2\n" + REST)
+    done = subprocess.run([PROGRAM, "dump", "--units", str(WORK / "script.hvi")], capture_output=True, text=True)
+    if done.stdout != "bed(r [r]) [r*N/mm^3]\nrate(time [time]) [mm/time^2]\n":
+        failures.append(f"dump --units: {done.stdout}{done.stderr}")
     free = REST.replace("1 [1/m^2]*v", "0*v").replace("\nspace", "\nfn first() = exp(u)\nfn second() = u + 1 [km]\nspace")
     (WORK / "script.hvi").write_text("units SI\n" + free)
     done = subprocess.run([PROGRAM, "dump", "--units", str(WORK / "script.hvi")], capture_output=True, text=True)

@@ -20,11 +20,12 @@ mesh slab = rectangle(20 [mm], 10 [mm], cells = [4, 2])
 part left = slab.left
 part ground = slab.bottom
 tensor B = isotropic(young = E, poisson = 0.3)
+kernel fading(lag) = -0.5 [MPa/(mm*s)]*exp(-lag/(4 [s]))
 superpotential layer(r) = normal_compliance(r, stiffness = 100 [MPa/mm], power = 1)
 space V = vector P1 on slab, zero on left
 find u in V for t in [0, 10] [s] by 2 steps from u = 0
 such that for all v in V
-    integral(slab, B : eps(u) : eps(v)) + integral(slab, 1 [GPa*s]*(eps(u') : eps(v))) + integral(ground, layer^0(u.nu; v.nu))
+    integral(slab, B : eps(u) : eps(v)) + integral(slab, 1 [GPa*s]*(eps(u') : eps(v))) + integral(ground, dot(history(fading, u), v)) + integral(ground, layer^0(u.nu; v.nu))
  >= integral(slab, dot([0, -78.5 [kN/m^3]*t/(1 [s])], v))
 report
   table tip = u.y at [20, 10] [mm], s = sigma.yy at [10, 5] [mm], R = reaction(left), N = norm(u), ratio = u.y/x at [20, 10] [mm]
@@ -33,9 +34,10 @@ report
   line u, sigma.yy from [0, 5] [mm] to [20, 5] [mm] by 3 points
   picture sigma to "stress.svg"
   picture u' at t = 5 [s] to "rate.svg"
-  picture layer to "law.svg"
+  picture layer, fading to "law.svg"
+study vary E in [70, 80] [GPa]
 """
-PLAIN = [(" [mm]", ""), (" [s]", ""), ("70 [GPa]", "70e3"), ("100 [MPa/mm]", "100"), ("-78.5 [kN/m^3]*t/(1)", "-78.5e-6*t"), ("1 [GPa*s]", "1e3")]
+PLAIN = [(" [mm]", ""), (" [s]", ""), ("70 [GPa]", "70e3"), ("100 [MPa/mm]", "100"), ("-78.5 [kN/m^3]*t/(1)", "-78.5e-6*t"), ("1 [GPa*s]", "1e3"), ("0.5 [MPa/(mm*s)]", "0.5"), ("[70, 80] [GPa]", "[70e3, 80e3]")]
 TABLE = {"t": "s", "tip": "mm", "s": "MPa", "R_x": "N/mm", "R_y": "N/mm", "N": None, "ratio": "1"}
 LINE = {"distance": "mm", "x": "mm", "y": "mm", "u.x": "mm", "u.y": "mm", "sigma.yy": "MPa"}
 FIELDS = {"u": "mm", "sigma": "MPa", "eps_u": "1", "u_rate": "mm/s", "TimeValue": "s", "Points": "mm", "layer.xi": "MPa"}
@@ -110,6 +112,7 @@ def with_units(out, result):
     check("a picture's bar and axes", all(word in stress for word in ("|sigma| [MPa]", "x [mm]", "y [mm]")))
     check("a picture of a rate, and its time", "|u_rate| [mm/s], t = 5 s" in rate)
     check("the graph of a law", "z [mm]" in law and "[MPa]" in law)
+    check("the graph of a kernel", "s [s]" in law and "q [mW/mm^4]" in law and ">\u22120.5<" in law, re.findall(r">([^<\n]+)<", law))
     page = report(out)
     check("the report's units", page["units"] == {"columns": {**{name: f" [{unit}]" if unit and unit != "1" else "" for name, unit in TABLE.items() if name != "t"}, "depth": " [mm]"},
                                                   "time": " [s]", "length": " [mm]", "energy": " [N]"}, page["units"])
@@ -130,6 +133,37 @@ def without(out, result):
     check("no units in the report", report(out)["units"] == {} and {a["unit"] for a in report(out)["fields"]["arrays"]} == {""})
     check("no units in pictures", not any("[" in re.sub(r"<[^>]*>", "", (out / name).read_text()) for name in ("stress.svg", "rate.svg", "law.svg")))
     check("nothing of it is told", not any("metadata" in name for name in result["files"]), result["files"])
+
+
+def studied(folder, text):
+    """The head of a study's table, and study.csv with its metadata."""
+    (folder / "slab.hvi").write_text(text)
+    done = subprocess.run([PROGRAM, "study", "--quiet", "-o", "study", "--json", "study.json", "slab.hvi"], cwd=folder, capture_output=True, text=True)
+    check("the study ends well", done.returncode == 0, done.stderr)
+    return done.stdout.split("\n")[1].split("  "), json.loads((folder / "study.json").read_text()), folder / "study"
+
+
+def studies(folder):
+    head, result, out = studied(folder, SCRIPT)
+    check("heads of a study", [name.strip() for name in head if name][:6] == ["E [GPa]", "tip [mm]", "s [MPa]", "R_x [N/mm]", "R_y [N/mm]", "N"], head)
+    units = {name: unit for name, unit in told(out / "study.csv").items() if unit}
+    columns = {**{name: unit for name, unit in TABLE.items() if name != "t" and unit}, "depth": "mm"}
+    check("units of study.csv", units == {"E": "GPa", "cpu": "s", "wall": "s", **columns, **{name + "_error": unit for name, unit in columns.items()}}, units)
+    check("units in its JSON", result["units"]["E"] == "GPa" and result["units"]["tip"] == "mm", result.get("units"))
+    check("axes of its pictures", ">E [GPa]<" in (out / "sweep_tip.svg").read_text() and ">tip [mm]<" in (out / "sweep_tip.svg").read_text())
+    head, result, out = studied(folder, plain())
+    check("heads of a study without units", not any("[" in name for name in head), head)
+    check("no metadata of a study without units", not list(out.glob("*-metadata.json")) and "units" not in result)
+
+
+def stable(folder):
+    """Energies of the report of stability."""
+    for text, energy in ((SCRIPT, r"energy +-?[\d.e+-]+ \[N\] at the end"), (plain(), r"energy +-?[\d.e+-]+ at the end")):
+        (folder / "slab.hvi").write_text(text)
+        done = subprocess.run([PROGRAM, "stability", "-o", "stability", "--json", "stability.json", "slab.hvi"], cwd=folder, capture_output=True, text=True)
+        check("the report of stability", done.returncode == 0 and re.search(energy, done.stdout), done.stdout + done.stderr)
+        units = json.loads((folder / "stability.json").read_text()).get("units")
+        check("its units", units == ({"t": "s", "energy": "N"} if text == SCRIPT else None), units)
 
 
 def several(folder):
@@ -153,6 +187,8 @@ with tempfile.TemporaryDirectory() as place:
     FOLDER = pathlib.Path(place)
     with_units(*run(FOLDER, SCRIPT))
     without(*run(FOLDER, plain()))
+    studies(FOLDER)
+    stable(FOLDER)
     several(FOLDER)
     overwritten(FOLDER)
 print("units told:", "ok" if not failures else "\n".join(failures))

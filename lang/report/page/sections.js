@@ -121,7 +121,8 @@ function studySection() {
   const s = report.study;
   if (!s) return;
   const numbers = (row) => Object.entries(row).filter(([, v]) => v === null || typeof v !== "object");
-  const rows = s.rows.map((row) => ({ ...Object.fromEntries(numbers(row)), ...Object.fromEntries(Object.entries(row.error || {}).map(([k, v]) => [`error ${k}`, v])) }));
+  const named = (values) => Object.fromEntries(Object.entries(values).map(([k, v]) => [s.units && s.units[k] && s.units[k] !== "1" ? `${k} [${s.units[k]}]` : k, v]));
+  const rows = s.rows.map((row) => ({ ...named(row.params), ...named(row.probes), ...Object.fromEntries(numbers(row)), ...Object.fromEntries(Object.entries(row.error || {}).map(([k, v]) => [`error ${k}`, v])) }));
   const heads = [...new Set(rows.flatMap(Object.keys))];
   const out = section("study", "What accuracy costs", element("p", {}, `Errors against ${s.reference}.`),
     table(heads, rows.map((row) => heads.map((h) => row[h] === undefined ? "" : text(row[h])))));

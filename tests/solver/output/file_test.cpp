@@ -195,12 +195,18 @@ TEST(Table, UnitsLieBesideItAndItsNamesStay) {
   const auto folder = fresh_folder("units");
   EXPECT_EQ(write_table(folder, "f.csv", table),
             (std::vector<std::string>{"f.csv", "f.csv-metadata.json"}));
-  const auto about = nlohmann::json::parse(csv_metadata("below/f.csv", table));
+  const std::vector<CsvColumn> told{{"t", "s"}, {"a,b", "N/mm"}, {"n", "", false}};
+  const auto about = nlohmann::json::parse(csv_metadata("below/f.csv", told));
+  std::ifstream written(folder / "f.csv-metadata.json");
+  EXPECT_EQ(nlohmann::json::parse(written)["tableSchema"]["columns"][1],
+            about["tableSchema"]["columns"][1]);
   EXPECT_EQ(about["url"], "f.csv");
   const auto& columns = about["tableSchema"]["columns"];
   EXPECT_EQ(columns[1]["titles"], "a,b");
   EXPECT_EQ(columns[1]["schema:unitText"], "N/mm");
   EXPECT_FALSE(columns[2].contains("schema:unitText"));
+  EXPECT_EQ(columns[1]["datatype"], "double");
+  EXPECT_EQ(columns[2]["datatype"], "string");
   table.units = {"", "", ""};
   EXPECT_EQ(write_table(folder, "f.csv", table), std::vector<std::string>{"f.csv"});
   EXPECT_FALSE(std::filesystem::exists(folder / "f.csv-metadata.json"));
@@ -209,8 +215,7 @@ TEST(Table, UnitsLieBesideItAndItsNamesStay) {
     write_table(folder, "f.csv", table);
     EXPECT_TRUE(std::filesystem::exists(folder / "f.csv-metadata.json")) << text;
   }
-  table.units.clear();
-  EXPECT_EQ(csv_metadata("f.csv", table), "");
+  EXPECT_EQ(csv_metadata("f.csv", {{"t", ""}}), "");
 }
 
 TEST(Table, AlignsAndShortens) {
