@@ -5,9 +5,13 @@
 #include "solver/time/certificate.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hvi::solver {
 namespace {
+
+/// Of the terms of a right-hand side: what their sum is known to.
+constexpr double rounding = 1e-15;
 
 /// Matrices are stored once more, for products that read half, when a run has so many steps.
 constexpr int worth_halving = 12;
@@ -113,6 +117,30 @@ EquationResidual Balance::residual(const StepEquation& equation, StepMatrix& mat
   }
   out.error = equilibrium_error(matrix.k(), d, trial.gap, scale_, contact.reactions(), xi);
   return out;
+}
+
+void Balance::add_terms(const StepEquation& equation, double factor, Vector& out) {
+  const Operators& operators = formulation_.operators();
+  load.find(equation.n, product_);
+  out += factor * product_.cwiseAbs();
+  for (int b = 0; b < operators.n_bases(); ++b) {
+    if (!evolution_.known_part(equation.n, operators.weights, b, !operators.changes(b),
+                               equation.known, state_))
+      continue;
+    const SparseMatrix& base = operators.bases[static_cast<std::size_t>(b)];
+    for (int i = 0; i < base.rows(); ++i)
+      for (SparseMatrix::InnerIterator it(base, i); it; ++it)
+        out[i] += factor * std::abs(it.value() * state_[it.col()]);
+  }
+}
+
+double Balance::error_beside_rounding(const StepEquation& equation, const StepMatrix& matrix,
+                                      const Vector& xi, const Trial& trial, double tolerance) {
+  Vector gap(equation.rhs.size());
+  gap_and_scale(matrix.k(), trial.d, equation.rhs, gap, scale_);
+  add_terms(equation, rounding / tolerance, scale_);
+  return equilibrium_error(matrix.k(), trial.d, trial.gap, scale_,
+                           formulation_.contact().reactions(), xi);
 }
 
 InteriorEquilibrium::Question Balance::question(int n, const Vector& d, const Vector& xi) const {

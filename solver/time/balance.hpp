@@ -57,6 +57,10 @@ public:
   /// Sets kd and gap of trial.d.
   EquationResidual residual(const StepEquation& equation, StepMatrix& matrix, const Vector& xi,
                             Trial& trial);
+  /// The error of that residual where what rounding leaves of the terms of the right-hand side is no
+  /// part of it: of an unknown that is at rest beside others all increments are such rounding.
+  double error_beside_rounding(const StepEquation& equation, const StepMatrix& matrix,
+                               const Vector& xi, const Trial& trial, double tolerance);
   /// What a check of step n on all rows is asked, its increment being d.
   InteriorEquilibrium::Question question(int n, const Vector& d, const Vector& xi) const;
   /// The base matrices once more for products, in half the memory; empty: not used.
@@ -66,6 +70,10 @@ public:
   int products = 0; ///< with matrices, so far
 
 private:
+  /// Adds |f_n| + sum_b |T_b| |what is known on base matrix b|: the right-hand side before its terms
+  /// cancel.
+  void add_terms(const StepEquation& equation, double factor, Vector& out);
+
   const Formulation& formulation_;
   const Evolution& evolution_;
   ImposedValues imposed_;

@@ -96,7 +96,12 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
     const bool free = matrix.free_body() != nullptr;
     const bool early = contact.change && out.corrections <= corrections_of_joined;
     const bool slow = !early && out.equilibrium > (free ? slow_when_free : slow_contraction) * last;
-    if (slow && equation.exact()) break;
+    if (slow && equation.exact()) {
+      if (out.equilibrium > tolerance_ && !free)
+        out.equilibrium =
+            balance_.error_beside_rounding(equation, matrix, now.xi, trial, tolerance_);
+      break;
+    }
     if (slow && out.equilibrium <= tolerance_) break; // at the rounding of the products
     last = out.equilibrium;
     if (!slow) continue;
