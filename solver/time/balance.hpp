@@ -57,8 +57,8 @@ public:
   /// Sets kd and gap of trial.d.
   EquationResidual residual(const StepEquation& equation, StepMatrix& matrix, const Vector& xi,
                             Trial& trial);
-  /// The error of that residual where what rounding leaves of the terms of the right-hand side is no
-  /// part of it: of an unknown that is at rest beside others all increments are such rounding.
+  /// The error of that residual where what rounding leaves of the terms of the right-hand side is
+  /// no part of it: of an unknown that is at rest beside others all increments are such rounding.
   double error_beside_rounding(const StepEquation& equation, const StepMatrix& matrix,
                                const Vector& xi, const Trial& trial, double tolerance);
   /// What a check of step n on all rows is asked, its increment being d.
@@ -70,8 +70,8 @@ public:
   int products = 0; ///< with matrices, so far
 
 private:
-  /// Adds |f_n| + sum_b |T_b| |what is known on base matrix b|: the right-hand side before its terms
-  /// cancel.
+  /// Adds |f_n| + sum_b |T_b| |what is known on base matrix b|: the right-hand side before its
+  /// terms cancel.
   void add_terms(const StepEquation& equation, double factor, Vector& out);
 
   const Formulation& formulation_;
