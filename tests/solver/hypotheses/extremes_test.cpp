@@ -66,6 +66,18 @@ TEST(Extremes, NegativeOnesOfAnySize) {
   }
 }
 
+/// Analytic: pairs [0 c; c 0], a form between two unknowns alone, whose diagonal is zero: -c.
+TEST(Extremes, AFormBetweenUnknownsAlone) {
+  const int n = 300;
+  SparseMatrix k(2 * n, 2 * n), g(2 * n, 2 * n);
+  g.setIdentity();
+  for (int i = 0; i < n; ++i)
+    k.insert(2 * i, 2 * i + 1) = k.insert(2 * i + 1, 2 * i) = i == n / 3 ? 3.0 : 1.0 / (1.0 + i);
+  const GramForm gram(g);
+  ASSERT_TRUE(gram.least(k));
+  EXPECT_NEAR(*gram.least(k), -3.0, 1e-6);
+}
+
 /// Analytic: the end of a chain of n unit springs moves by n for a unit force: ||M||^2 = n.
 TEST(Extremes, TheTraceOfAChain) {
   const int n = 300;
