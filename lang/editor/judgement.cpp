@@ -37,9 +37,16 @@ std::string judgement_of(Session& session, const std::atomic<bool>& stop) {
   return out + ": " + report.discrete_verdict;
 }
 
+Judgement::Judgement(std::function<void()> ready)
+    : ready_(std::move(ready)), thread_([this] { work(); }) {}
+
 Judgement::~Judgement() {
-  stop_ = true;
-  if (thread_.joinable()) thread_.join();
+  {
+    const std::scoped_lock lock(mutex_);
+    over_ = stop_ = true;
+  }
+  asked_.notify_one();
+  thread_.join();
 }
 
 void Judgement::ask(const std::string& path, const std::string& text,
@@ -47,16 +54,34 @@ void Judgement::ask(const std::string& path, const std::string& text,
   {
     const std::scoped_lock lock(mutex_);
     if (path == path_ && text == text_) return;
-    path_ = path, text_ = text, result_.reset();
+    path_ = path, text_ = text, settings_ = settings, result_.reset();
+    settings_.on_name = nullptr;
+    waits_ = stop_ = true;
   }
-  stop_ = true;
-  if (thread_.joinable()) thread_.join();
-  stop_ = false;
-  thread_ = std::thread([this, path, text, settings] { judge(path, text, settings); });
+  asked_.notify_one();
 }
 
-void Judgement::judge(const std::string& path, const std::string& text, CompileSettings settings) {
-  settings.on_name = nullptr;
+void Judgement::work() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    asked_.wait(lock, [&] { return waits_ || over_; });
+    if (over_) return;
+    waits_ = stop_ = false;
+    const std::string path = path_, text = text_;
+    CompileSettings settings = settings_;
+    lock.unlock();
+    std::string found = judged(path, text, std::move(settings));
+    lock.lock();
+    if (stop_ || found.empty()) continue;
+    result_ = std::move(found);
+    lock.unlock();
+    ready_();
+    lock.lock();
+  }
+}
+
+std::string Judgement::judged(const std::string& path, const std::string& text,
+                              CompileSettings settings) {
   std::string found;
   try {
     Session session(path, std::move(settings), text);
@@ -64,12 +89,7 @@ void Judgement::judge(const std::string& path, const std::string& text, CompileS
   } catch (const std::exception& error) {
     found = error.what(); // out of memory: the editor goes on
   }
-  if (stop_ || found.empty()) return;
-  {
-    const std::scoped_lock lock(mutex_);
-    result_ = std::move(found);
-  }
-  ready_();
+  return found;
 }
 
 std::optional<std::string> Judgement::of(const std::string& path) const {

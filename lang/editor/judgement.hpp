@@ -5,6 +5,7 @@
 #include "lang/session.hpp"
 
 #include <atomic>
+#include <condition_variable>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -20,25 +21,31 @@ inline constexpr int most_unknowns_judged = 3000;
 class Judgement {
 public:
   /// `ready` is called from the other thread when there is something new to show.
-  explicit Judgement(std::function<void()> ready) : ready_(std::move(ready)) {}
+  explicit Judgement(std::function<void()> ready);
   ~Judgement();
   Judgement(const Judgement&) = delete;
   Judgement& operator=(const Judgement&) = delete;
 
-  /// Begins unless this very text was judged last.
+  /// Unless this very text was judged last. Returns at once: what is being judged is asked to end,
+  /// which it does after its step.
   void ask(const std::string& path, const std::string& text, const CompileSettings& settings);
   /// What was found of a script, if it is the last one that was asked for.
   [[nodiscard]] std::optional<std::string> of(const std::string& path) const;
 
 private:
-  void judge(const std::string& path, const std::string& text, CompileSettings settings);
+  void work();
+  std::string judged(const std::string& path, const std::string& text, CompileSettings settings);
 
   std::function<void()> ready_;
   mutable std::mutex mutex_;
-  std::string path_, text_;           ///< asked for
-  std::optional<std::string> result_; ///< of these
+  std::condition_variable asked_;
+  std::string path_, text_; ///< asked for
+  CompileSettings settings_;
+  bool waits_ = false;                ///< is there anything to judge?
+  bool over_ = false;                 ///< the server ends
+  std::optional<std::string> result_; ///< of what was asked for
   std::atomic<bool> stop_ = false;
-  std::thread thread_;
+  std::thread thread_; ///< last: it uses the others
 };
 
 /// One line: unknowns, steps, margin and verdict; the first mistake where there is one.

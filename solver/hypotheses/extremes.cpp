@@ -117,7 +117,8 @@ std::optional<double> extreme(const GramForm& gram, F&& apply, Spectra::SortRule
 std::optional<double> least_negative(const GramForm& gram, const SparseMatrix& k) {
   const Vector of_k = k.diagonal(), of_g = gram.matrix().diagonal();
   const double scale = (of_k.array() / of_g.array()).abs().maxCoeff();
-  if (!(scale > 0.0)) return std::nullopt; // a form between unknowns alone: its diagonal says nothing
+  if (!(scale > 0.0))
+    return std::nullopt; // a form between unknowns alone: its diagonal says nothing
   constexpr double rounding = 1e-12, apart = 1e3;
   for (double size = rounding * scale; size <= apart * scale; size *= apart) {
     const auto rough = least_above(gram, k, -size, 1e-5); // an error of a hundredth at most
