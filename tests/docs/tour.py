@@ -33,8 +33,10 @@ def run(block):
 
 
 def rounded(text):
-    """Eight digits of every number, and 0 for rounding errors: the rest depends on the compiler."""
-    return re.sub(r"\d+\.\d+(e[-+]\d+)?", lambda m: "0" if abs(float(m[0])) < 1e-11 else f"{float(m[0]):.8g}", text)
+    """Eight digits of every number, and 0 for rounding errors: the rest depends on the compiler and the processor, and so does
+    the width of columns."""
+    text = re.sub(r"\d+\.\d+(e[-+]\d+)?", lambda m: "0" if abs(float(m[0])) < 1e-11 else f"{float(m[0]):.8g}", text)
+    return re.sub(" +", " ", text)
 
 
 made = re.sub(r"```console\n(.*?)\n```", run, page, flags=re.S)
