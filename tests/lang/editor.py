@@ -10,6 +10,7 @@ import os
 import pathlib
 import random
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -213,6 +214,9 @@ def actions(client):
     slips = [("isotropic(young", "isotropc(young"), ("slab.top", "slab.tp"), ("layer^0(u.nu", "layr^0(u.nu"),
              (">= integral", "= integral"), ("zero on roof", "zero on rof"), ("poisson = 0.3", "poison = 0.3"), ("import friction", "import fricton")]
     texts = [SCRIPT.replace(a, b, 1) for a, b in slips] + [SCRIPT + "param unused = 3\n"]
+    rate = (ROOT / "examples/block_on_table.hvi").read_text()  # the direction of a law on the rate has no prime
+    texts.append(rate.replace("slip^0(u'.tau; v.tau)", "slip^0(u'.tau; v)"))
+    assert texts[-1] != rate
     for i, text in enumerate(texts):
         uri = uri_of(ROOT / f"tests/lang/errors/action_{i}.hvi")
         client.open(uri, text)
@@ -258,6 +262,59 @@ def random_edits(client, n, seed):
             client.tell("textDocument/didClose", {"textDocument": {"uri": copy}})
 
 
+def mesh_files(client):
+    """Groups of a mesh file and the files themselves are offered."""
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copy(ROOT / "tests/lang/wrong/groups.msh", folder)
+        pathlib.Path(folder, "table.csv").write_text("0,0\n1,1\n")
+        path = pathlib.Path(folder, "own.hvi")
+        text = 'mesh m = gmsh("groups.msh")\npart ground = m.group("")\npart side = m.ground\n'
+        path.write_text(text)
+        uri = uri_of(path)
+        client.open(uri, text)
+        assert "ground" in labels(client, uri, text, 'm.group("|")')
+        assert "ground" in labels(client, uri, text, "= m.|ground")
+        assert labels(client, uri, text, 'gmsh("|groups') == {"groups.msh"}
+        assert labels(client, uri, text + 'fn f(s) = table("", s)', 'table("|"') == {"table.csv"}
+
+
+def uses(client, uri):
+    """Places of a name: with and without its declaration, in this file alone where an editor marks them."""
+    client.change(uri, [{"text": SCRIPT}])
+    places = lambda method, **more: [(u.get("uri", uri), u["range"]["start"]["line"]) for u in client.at(method, uri, place_of(SCRIPT, "part |roof"), **more)]
+    assert places("textDocument/references", context={"includeDeclaration": True}) == [(uri, 4), (uri, 11)]
+    assert places("textDocument/references", context={"includeDeclaration": False}) == [(uri, 11)]
+    marked = client.at("textDocument/documentHighlight", uri, place_of(SCRIPT, "|tresca(xi"))
+    assert [m["range"]["start"]["line"] for m in marked] == [10], marked  # not where the library declares it
+    symbols = {s["name"]: s["kind"] for s in client.ask("textDocument/documentSymbol", {"textDocument": {"uri": uri}})}
+    assert (symbols["n"], symbols["slab"], symbols["roof"], symbols["layer"], symbols["B"]) == (14, 5, 3, 12, 13), symbols
+    legend = client.capabilities["semanticTokensProvider"]["legend"]["tokenTypes"]
+    data, line, at, painted = client.ask("textDocument/semanticTokens/full", {"textDocument": {"uri": uri}})["data"], 0, 0, {}
+    for down, along, length, kind, _ in zip(*[iter(data)] * 5):
+        line, at = line + down, along if down else at + along
+        painted[line, at] = legend[kind]
+    kinds = {"superpotential |layer": "function", "|mesh slab": "keyword", "mesh |slab": "type", "layer(|r": "parameter", "slab.|top": "property", "u.|nu": "property",
+             "= |4 in": "number", "|# a slab": "comment", "|isotropic": "function", '|"cells': "string"}
+    for where, kind in kinds.items():
+        assert painted[place_of(SCRIPT, where)] == kind, (where, painted.get(place_of(SCRIPT, where)))
+    nested = SCRIPT + "fn both(a) = isotropic(young = 2*max(a, 3), poisson = 0.3)\ntensor D = voigt([[3, 1, 0], [1, 3, 0], [0, 0, 1]])\npart p = point(slab, [0, 0])\n"
+    client.change(uri, [{"text": nested}])
+    help_ = client.at("textDocument/signatureHelp", uri, place_of(nested, "point(slab, [0|, 0]"))
+    label, parameters = help_["signatures"][0]["label"], help_["signatures"][0]["parameters"]
+    assert [label[b:e] for b, e in (p["label"] for p in parameters)] == ["mesh", "[x, y]"], (label, parameters)
+
+
+def closed(client):
+    """A script that is closed has no messages any more."""
+    uri = uri_of(ROOT / "examples/closed.hvi")
+    client.open(uri, "param n = \n")
+    assert client.found(uri)
+    client.tell("textDocument/didClose", {"textDocument": {"uri": uri}})
+    while client.diagnostics[uri][1]:
+        client.read()
+    client.diagnostics.pop(uri)
+
+
 def wrong_messages(client):
     assert client.answer("textDocument/hover", {})["error"]["code"] == -32602
     assert client.answer("no/such", {})["error"]["code"] == -32601
@@ -289,6 +346,11 @@ def lenses(client):
             while not found and client.refreshed == before:
                 client.read()
         [lens] = found
+        client.change(uri, [{"text": SCRIPT.replace("n = 4 in", "n = 5 in")}])
+        client.tell("textDocument/didSave", {"textDocument": {"uri": uri}})
+        while not (again := client.ask("textDocument/codeLens", {"textDocument": {"uri": uri}})) or again == found:
+            client.read()
+        assert again[0]["command"]["title"].startswith("132 values"), again
         assert lens["range"]["start"]["line"] == 12 and re.search(r"step margin 1, predicted \S+ s and \S+ MB: .*one solution", lens["command"]["title"]), lens
 
 
@@ -303,6 +365,9 @@ def main():
     hovers(client, uri)
     measured(client)
     renames(client, uri)
+    uses(client, uri)
+    mesh_files(client)
+    closed(client)
     wrong_messages(client)
     lenses(client)
     offered = actions(client)

@@ -84,6 +84,13 @@ class Runs(unittest.TestCase):
         self.assertEqual(result.grid.cell_type, "triangle6")
         corners, middles = result.points[result.cells[:, :3]], result.points[result.cells[:, 3:]]
         np.testing.assert_allclose(middles, (corners + np.roll(corners, -1, axis=1)) / 2, atol=1e-15)
+        try:
+            drawn = result.grid.triangulation()
+        except ImportError:
+            return  # matplotlib is an extra
+        x, y = (drawn.x[drawn.triangles], drawn.y[drawn.triangles])
+        areas = 0.5 * ((x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0]))
+        np.testing.assert_allclose(areas, np.full(4 * len(result.cells), 2 / (4 * len(result.cells))), rtol=1e-12)
 
     def test_an_unknown_on_a_part_has_values_there_alone(self):
         """A temperature in the left half of a body in P2, in P1 and in P2: linear in the height, so that the middles of edges are known."""
@@ -146,6 +153,9 @@ report table a = p at [0.5, 0]""").run()
         result = hvi.load(EXAMPLES / "slab.hvi").run(accuracy=0.05, accuracy_of="reaction")
         self.assertTrue(result.certified)
         self.assertIn("accuracy", result.raw)
+        with self.assertRaises(hvi.Error) as caught:
+            hvi.load(EXAMPLES / "slab.hvi").run(accuracy=1e-6, accuracy_of="reaction", budget=1e-6)
+        self.assertIn("budget=SECONDS", str(caught.exception))
 
     def test_parameters(self):
         model = hvi.load(EXAMPLES / "slab.hvi", n=np.int64(3))

@@ -63,9 +63,11 @@ class Steps(unittest.TestCase):
 
     def test_a_step_without_certificate(self):
         text = (EXAMPLES / "slab.hvi").read_text().replace("from u = 0\n", "from u = 0 using tolerance = 1e-30\n", 1)
+        steps = hvi.loads(text, n=2, N=4).steps()
         with self.assertRaises(hvi.SolveError) as caught:
-            list(hvi.loads(text, n=2, N=4).steps())
+            list(steps)
         self.assertEqual(caught.exception.code, "E0701")
+        self.assertIsNone(steps.advance())  # it has ended
 
     def test_mistakes(self):
         with self.assertRaises(hvi.ScriptError):

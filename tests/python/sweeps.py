@@ -1,7 +1,9 @@
 """Sweeps over processes.
 
 usage: sweeps.py SOURCE_FOLDER, with the package on PYTHONPATH"""
+import os
 import pathlib
+import subprocess
 import sys
 import unittest
 
@@ -30,10 +32,33 @@ class Sweeps(unittest.TestCase):
         self.assertEqual([type(error) for error in found.errors], [type(None), hvi.SolveError, type(None)])
         self.assertEqual(found.errors[1].code, "E0701")
         self.assertIsNone(found.results[1])
+        self.assertTrue(found.seconds[0] > 0 and np.isnan(found.seconds[1]) and found.seconds[2] > 0, found.seconds)
         self.assertEqual(found.results[0].fields["u"].shape, (15, 2))
         self.assertTrue(np.isnan(found["reaction"][1]) and np.isfinite(found["reaction"][2]))
         with self.assertRaises(KeyError):
             found["weight"]
+
+    def test_a_bar_on_a_terminal(self):
+        code = f"import hvi; hvi.load({str(EXAMPLES / 'slab.hvi')!r}, N=2).sweep(n=[2, 3, 4], processes=1)"
+        master, slave = os.openpty()
+        process = subprocess.Popen([sys.executable, "-c", code], stderr=slave)
+        os.close(slave)
+        shown = b""
+        while True:
+            try:
+                piece = os.read(master, 4096)
+            except OSError:  # nobody writes any more
+                break
+            shown += piece
+            if not piece:
+                break
+        os.close(master)
+        self.assertEqual(process.wait(timeout=60), 0)
+        bars = shown.decode().replace("\x1b[K", "").strip("\r\n").split("\r")
+        self.assertEqual(bars[0].rstrip(), "[" + 30 * "." + "] 0 of 3")
+        self.assertEqual(bars[-1].rstrip(), "[" + 30 * "#" + "] 3 of 3")
+        quiet = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        self.assertEqual(quiet.stderr + quiet.stdout, "")
 
     def test_mistakes_are_told(self):
         found = hvi.load(EXAMPLES / "slab.hvi", N=2).sweep(n=[2, 0], progress=False)
