@@ -11,7 +11,7 @@ namespace hvi::solver {
 namespace {
 
 /// Of the terms of a right-hand side: what their sum is known to.
-constexpr double rounding = 1e-15;
+constexpr double rounding_of_terms = 1e-15;
 
 /// Matrices are stored once more, for products that read half, when a run has so many steps.
 constexpr int worth_halving = 12;
@@ -138,7 +138,7 @@ double Balance::error_beside_rounding(const StepEquation& equation, const StepMa
                                       const Vector& xi, const Trial& trial, double tolerance) {
   Vector gap(equation.rhs.size());
   gap_and_scale(matrix.k(), trial.d, equation.rhs, gap, scale_);
-  add_terms(equation, rounding / tolerance, scale_);
+  add_terms(equation, rounding_of_terms / tolerance, scale_);
   return equilibrium_error(matrix.k(), trial.d, trial.gap, scale_,
                            formulation_.contact().reactions(), xi);
 }
