@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <span>
 
 namespace hvi::lang {
 
@@ -47,6 +48,23 @@ void write_picture(const solver::PictureSpec& spec, const std::vector<solver::Fi
     return draw::body_sheet(frames[i], picture_of(spec, frames[i].t, report), window);
   };
   draw::write_sheets(frames.size(), sheet, frame_milliseconds, path);
+}
+
+/// Pictures side by side. Those of one field are in one window and have the same colours.
+void write_row(std::span<const solver::PictureSpec> specs,
+               std::span<const std::vector<solver::FieldFrame>> frames,
+               const solver::ReportSpec& report, const std::filesystem::path& path) {
+  std::vector<draw::Sheet> sheets;
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    std::vector<solver::FieldFrame> of_field;
+    for (std::size_t j = 0; j < specs.size(); ++j)
+      if (specs[j].field.name == specs[i].field.name) of_field.push_back(frames[j].front());
+    draw::BodyPicture picture = picture_of(specs[i], specs[i].time, report);
+    picture.widest = 400.0, picture.highest = 300.0;
+    sheets.push_back(
+        draw::body_sheet(frames[i].front(), picture, draw::window_of(of_field, picture)));
+  }
+  draw::write_sheet(draw::sheets_in_rows(sheets), path);
 }
 
 /// A column of the run's tables, or its times.
@@ -118,7 +136,9 @@ std::string picture_file(const solver::Problem& problem, const solver::PictureSp
   if (!picture.file.empty()) return picture.file;
   return fmt::format("{}_{}{}{}.png", problem.title, picture.field.name,
                      picture.deformed != 0.0 ? "_deformed" : "",
-                     picture.time ? fmt::format("_t{:g}", *picture.time) : "");
+                     picture.in_row > 1 ? "_row"
+                     : picture.time     ? fmt::format("_t{:g}", *picture.time)
+                                        : "");
 }
 
 std::string plot_file(const solver::Plan& plan, std::size_t i) {
@@ -151,8 +171,14 @@ std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::RunResu
   for (std::size_t i = 0; i < shown.pictures.size(); ++i) {
     const auto& picture = plan.report.pictures[i];
     const auto& frames = shown.pictures[i];
-    add(picture.origin, picture_file(plan.problem, picture), !picture.file.empty(),
-        [&](const auto& path) { write_picture(picture, frames, plan.report, path); });
+    const auto n = static_cast<std::size_t>(picture.in_row);
+    if (n > 0)
+      add(picture.origin, picture_file(plan.problem, picture), !picture.file.empty(),
+          [&](const auto& path) {
+            if (n == 1) return write_picture(picture, frames, plan.report, path);
+            write_row(std::span(plan.report.pictures).subspan(i, n),
+                      std::span(shown.pictures).subspan(i, n), plan.report, path);
+          });
   }
   for (std::size_t i = 0; i < plan.report.plots.size(); ++i) {
     const auto& spec = plan.report.plots[i];

@@ -90,10 +90,16 @@ bool Checker::mesh_of_call(const ast::Mesh& m, const ast::Call& call, const std:
   return false;
 }
 
-/// A list of `dim` numbers, where it is written. `wrong`: of a list of another length.
+/// A list of `dim` numbers, in 1D the number alone, too, where it is written. `wrong`: of a list of
+/// another length.
 bool Checker::coordinates(const ast::Expr* written, int dim, const std::string& what,
                           const std::string& wrong, solver::Point& out) {
   if (!written) return true;
+  if (dim == 1 && !std::holds_alternative<ast::List>(written->node)) {
+    const auto number = constant(*written, what);
+    out[0] = number.value_or(0.0);
+    return number.has_value();
+  }
   const auto list = constant_list(*written, what);
   if (list && static_cast<int>(list->size()) != dim) error("E0307", written->span, wrong);
   if (!list || static_cast<int>(list->size()) != dim) return false;

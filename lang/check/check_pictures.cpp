@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace hvi::lang {
 
@@ -30,7 +31,7 @@ std::optional<solver::FieldSpec> Checker::drawn_field(const ast::Expr& e, const 
 
 namespace {
 
-std::vector<const ast::Expr*> graphs_of(const ast::PictureItem& item) {
+std::vector<const ast::Expr*> shown_by(const ast::PictureItem& item) {
   std::vector<const ast::Expr*> out{&item.field};
   for (const ast::Expr& e : item.more) out.push_back(&e);
   return out;
@@ -117,10 +118,10 @@ void Checker::graphs(const ast::PictureItem& item) {
   spec.origin = model_.origin(item.span);
   auto file = output_name(item.to);
   bool good = file.has_value();
-  for (const ast::Expr* e : graphs_of(item)) {
+  for (const ast::Expr* e : shown_by(item)) {
     if (!is_graph(*e)) {
-      error("E0450", e->span, "fields of the body have a picture each",
-            "only laws and kernels are drawn beside each other");
+      error("E0450", e->span, "a field of the body does not stand beside a law or a kernel",
+            "laws and kernels have a picture, fields another one");
       good = false;
     } else {
       good = graph(*e, spec) && good;
@@ -142,35 +143,62 @@ void Checker::graphs(const ast::PictureItem& item) {
   model_.report.graphs.push_back(std::move(spec));
 }
 
+/// `at t = 0.5`, or `at t = [0.2, 0.5]` for one picture beside the other; none: the end.
+bool Checker::picture_times(const ast::PictureItem& item, std::vector<std::optional<double>>& out) {
+  out.clear();
+  if (!item.time) {
+    out.emplace_back();
+    return true;
+  }
+  if (const auto* list = std::get_if<ast::List>(&item.time->node))
+    for (const ast::Expr& e : list->items) out.push_back(report_time(e));
+  else
+    out.push_back(report_time(*item.time));
+  return std::ranges::all_of(out, [](const auto& t) { return t.has_value(); });
+}
+
+bool Checker::picture_factor(const ast::PictureItem& item, double& out) {
+  if (!item.deformed) return true;
+  const auto factor = constant(*item.deformed, "how many times the displacement is drawn");
+  if (!factor) return false;
+  if (!model_.space.vector || components_of(0) != model_.dim) {
+    error("E0306", item.deformed->span,
+          fmt::format("`{}` is no displacement by which the body could be deformed",
+                      model_.space.unknown),
+          "leave out `deformed`");
+    return false;
+  }
+  out = *factor;
+  return true;
+}
+
+/// A field of the body; of several fields, or times, one picture beside the other.
 void Checker::picture(const ast::PictureItem& item) {
-  if (!item.more.empty() || is_graph(item.field)) return graphs(item);
-  solver::PictureSpec spec;
-  spec.origin = model_.origin(item.span);
-  auto file = output_name(item.to);
-  auto f = output_field(item.field);
-  if (item.time) spec.time = report_time(*item.time);
-  if (item.to && item.to->text.ends_with(".apng") && (item.time || !model_.has_time)) {
+  const auto all = shown_by(item);
+  if (std::ranges::any_of(all, [&](const ast::Expr* e) { return is_graph(*e); }))
+    return graphs(item);
+  const auto file = output_name(item.to);
+  std::vector<std::optional<solver::FieldSpec>> fields;
+  for (const ast::Expr* e : all) fields.push_back(output_field(*e));
+  std::vector<std::optional<double>> times;
+  double deformed = 0.0;
+  const bool timely = picture_times(item, times);
+  if (item.to && item.to->text.ends_with(".apng") &&
+      (item.time || !model_.has_time || all.size() > 1)) {
     error("E0412", item.to->span,
-          item.time ? "a picture at one time does not move" : "a static problem does not move",
+          item.time          ? "a picture at one time does not move"
+          : !model_.has_time ? "a static problem does not move"
+                             : "pictures side by side do not move",
           "a picture that stands still is a `.png` or an `.svg`");
     return;
   }
-  if (item.deformed) {
-    const auto factor = constant(*item.deformed, "how many times the displacement is drawn");
-    if (!factor) return;
-    if (!model_.space.vector || components_of(0) != model_.dim) {
-      error("E0306", item.deformed->span,
-            fmt::format("`{}` is no displacement by which the body could be deformed",
-                        model_.space.unknown),
-            "leave out `deformed`");
-      return;
-    }
-    spec.deformed = *factor;
-  }
-  if (!file || !f) return;
-  spec.field = std::move(*f);
-  spec.file = *file;
-  model_.report.pictures.push_back(std::move(spec));
+  if (!picture_factor(item, deformed) || !timely || !file) return;
+  if (!std::ranges::all_of(fields, [](const auto& f) { return f.has_value(); })) return;
+  int in_row = static_cast<int>(fields.size() * times.size());
+  for (const auto& f : fields)
+    for (const auto& time : times)
+      model_.report.pictures.push_back(
+          {model_.origin(item.span), *f, time, *file, deformed, std::exchange(in_row, 0)});
 }
 
 bool Checker::place(const ast::Expr& e, solver::Point& out) {

@@ -400,6 +400,8 @@ private:
   void fields(const ast::FieldsItem& item);
   bool from_start(const Span& words);
   void picture(const ast::PictureItem& item);
+  bool picture_times(const ast::PictureItem& item, std::vector<std::optional<double>>& out);
+  bool picture_factor(const ast::PictureItem& item, double& out);
   bool is_graph(const ast::Expr& e) const;
   void graphs(const ast::PictureItem& item);
   bool graph(const ast::Expr& e, solver::GraphsSpec& out);

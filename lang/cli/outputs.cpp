@@ -110,7 +110,7 @@ Outputs outputs_of_run(const Script& script, const Options& options) {
       names.push_back(series.back() + ".pvd");
     }
     for (const auto& picture : report.pictures)
-      names.push_back(picture_file(script.plan->problem, picture));
+      if (picture.in_row > 0) names.push_back(picture_file(script.plan->problem, picture));
     for (std::size_t i = 0; i < report.lines.size(); ++i)
       names.push_back(solver::line_file(report, i, title));
     for (std::size_t i = 0; i < report.plots.size(); ++i)

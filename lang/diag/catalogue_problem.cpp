@@ -385,7 +385,8 @@ find u in V, theta in W for t in [0, 1] by 8 steps from u = static, theta = stat
     {"E0450", "graphs of laws and kernels",
      R"(
 `picture layer, slip, C` shows laws and kernels of the inequality as graphs, one beside the other, jumps
-as vertical lines. They have no deformation and no time. A field of the body has a picture of its own.)",
+as vertical lines. They have no deformation and no time. Fields of the body stand beside each other in
+another picture: `picture sigma.xx, u.y`, or one at several times: `picture u.y at t = [0.2, 0.5, 1]`.)",
      R"(
 report picture layer deformed = 10)",
      R"(

@@ -246,9 +246,9 @@ Sheet scene_sheet(const Scene& scene, const BodyPicture& picture, const View& vi
                   const BodyWindow& bounds, const ColourMap& colours) {
   const bool flat = scene.dim == 2;
   const double left = flat ? 78.0 : 24.0, top = 56.0, below = flat ? 52.0 : 24.0, beside = 130.0;
-  constexpr double most_wide = 690.0, most_high = 470.0, least_high = 90.0;
+  constexpr double least_high = 90.0;
   const double wide = bounds.right - bounds.left, high = bounds.top - bounds.bottom;
-  const double scale = std::min(most_wide / wide, most_high / high);
+  const double scale = std::min(picture.widest / wide, picture.highest / high);
   Sheet sheet;
   const double panel_wide = std::ceil(scale * wide) + 4.0,
                panel_high = std::ceil(scale * high) + 4.0;

@@ -15,6 +15,7 @@ struct BodyPicture {
   std::string label;            ///< over the bar
   std::string unit_of_length{}; ///< " [mm]", behind the names of the axes
   double deformed = 0.0;        ///< the body is moved by this multiple of the displacement
+  double widest = 690.0, highest = 470.0; ///< of the panel with the body
 };
 
 /// What several sheets have in common.

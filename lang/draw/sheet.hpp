@@ -58,4 +58,7 @@ struct Sheet {
   void words(Words text) { marks.emplace_back(std::move(text)); }
 };
 
+/// Side by side, as many as find room, and below each other.
+Sheet sheets_in_rows(const std::vector<Sheet>& sheets);
+
 } // namespace hvi::lang::draw

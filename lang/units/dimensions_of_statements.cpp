@@ -214,7 +214,12 @@ void DimensionChecker::report(const ast::Report& r) {
                           },
                           [&](const ast::PictureItem& one) {
                             field(one.field);
-                            at_time(one.time);
+                            for (const ast::Expr& e : one.more) field(e);
+                            const auto* times =
+                                one.time ? std::get_if<ast::List>(&one.time->node) : nullptr;
+                            if (times == nullptr) at_time(one.time);
+                            for (std::size_t i = 0; times && i < times->items.size(); ++i)
+                              wants_each(times->items[i], duration(), "the time");
                             if (one.deformed)
                               wants_number(*one.deformed, value(*one.deformed, {}),
                                            "the factor of a deformed picture");

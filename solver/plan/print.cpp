@@ -311,7 +311,7 @@ private:
         line("  `{}` = {}", field.name, expressions(field.components));
     }
     for (const auto& picture : r.pictures)
-      line("picture `{}`{}{}{}", picture.field.name,
+      line("{} `{}`{}{}{}", picture.in_row > 0 ? "picture" : "  beside it", picture.field.name,
            picture.deformed != 0.0 ? " deformed " + number(picture.deformed) : "",
            at_time(picture.time), to_file(picture.file));
     for (const auto& l : r.lines) {

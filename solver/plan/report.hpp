@@ -57,6 +57,9 @@ struct PictureSpec {
   std::optional<double> time;
   std::string file;
   double deformed = 0.0; ///< so many times the displacement is added to the places
+  /// So many pictures, this one and those behind it, stand side by side in its file; 0: it stands
+  /// beside one before.
+  int in_row = 1;
 };
 /// Expressions at places of equal distances on a segment, at the last step or at a time.
 struct LineSpec {

@@ -184,6 +184,25 @@ report
     assert "lie above each other" in said, said
 
 
+
+def unlike(folder):
+    """Parts of different sizes, and of the same size with other nodes, are told as what they are."""
+    text = """mesh lower = rectangle({wide}, 1, cells = [4, 2])
+mesh upper = rectangle(1, 1, cells = [2, 2], at = [0, 2])
+mesh both = lower + upper
+part low = lower.bottom
+part high = upper.top
+part feet = upper.bottom + lower.top
+space V = scalar P1 on both, zero on feet, periodic low = high
+find u in V such that for all v in V
+    integral(lower, dot(grad(u), grad(v))) + integral(upper, dot(grad(u), grad(v))) = integral(both, v)
+report table a = u at [0.5, 0]
+"""
+    for wide, words in ((1.25, "the periodic parts differ in size"), (1, "the first part has 5 nodes, the second one 3")):
+        said = run(folder, text.format(wide=wide), fails=True)
+        assert "E0423" in said and words in said, said
+
+
 def routes(folder):
     """Every way to the memory, and a kernel that ages."""
     parts = dict(next(parts for name, parts in cells() if name == "P2, memory"))
@@ -321,7 +340,7 @@ report
 def main():
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
-        for check in (layers, revolution, one_and_two, routes, resumed, free_motions, mixed, components, orders):
+        for check in (layers, revolution, unlike, one_and_two, routes, resumed, free_motions, mixed, components, orders):
             check(folder)
             print(f"{check.__name__}: ok")
 

@@ -345,6 +345,43 @@ TEST(Body, IsDeformedByAFactor) {
   EXPECT_EQ(window.top, 2.0);
 }
 
+// Arrows of forces have their tips where the points of the law are, moved as the body is.
+TEST(Body, ForcesMoveWithTheirPoints) {
+  auto frame = two_cells();
+  VtuGrid points;
+  points.cell = VtkCell::vertex;
+  points.points = {{0.5, 0, 0}};
+  points.connectivity = {0};
+  points.point_data = {{std::string(solver::displacement_array), 3, {0, -0.5, 0}},
+                       {std::string(solver::force_array), 3, {0, 3, 0}}};
+  frame.grids.push_back({"layer", std::move(points)});
+  BodyPicture picture;
+  picture.field = "layer.xi";
+  picture.deformed = 4.0;
+  const BodyWindow window = window_of({&frame, 1}, picture);
+  EXPECT_EQ(window.most, 3.0);
+  EXPECT_NEAR(window.bottom, -2.0 - 0.16 * std::sqrt(2.0), 1e-12); // of the tail; the tip is at -2
+  EXPECT_EQ(window.top, 1.0);
+}
+
+// Side by side while there is room, then below; what is on them moves with them.
+TEST(Sheet, StandInRows) {
+  Sheet one;
+  one.width = 800.0, one.height = 300.0;
+  one.line({{1, 2}, {3, 4}}, black);
+  one.words({{5, 6}, "a"});
+  one.marks.emplace_back(Panel{{7, 8}, 9, 10, {}});
+  Sheet high = one;
+  high.height = 400.0;
+  const Sheet all = sheets_in_rows({one, high, one});
+  EXPECT_EQ(all.width, 1600.0);
+  EXPECT_EQ(all.height, 700.0);
+  ASSERT_EQ(all.marks.size(), 9u);
+  EXPECT_EQ(std::get<Stroke>(all.marks[3]).line[1], (Spot{803, 4}));
+  EXPECT_EQ(std::get<Words>(all.marks[4]).at, (Spot{805, 6}));
+  EXPECT_EQ(std::get<Panel>(all.marks[8]).at, (Spot{7, 408}));
+}
+
 // Frames of a picture that moves have one size and one range of colours.
 TEST(Body, FramesShareTheirWindow) {
   std::vector<solver::FieldFrame> frames{two_cells(), two_cells()};
