@@ -12,7 +12,7 @@ namespace hvi::lang {
 std::string describe_parts(const Script& script, const solver::Discretisation& discretisation);
 /// Draws cells (in 3D the surface that is seen) in grey and the script's parts in colours: pieces
 /// of the body as areas, parts of its boundary as lines or areas, points as dots. Throws
-/// Failure(output); Failure(bad_value) for a mesh in 1D.
+/// Failure(output).
 void draw_mesh(const Script& script, const solver::Discretisation& discretisation,
                const std::filesystem::path& picture);
 

@@ -149,7 +149,7 @@ int mesh_of_script(const std::string& path, const Options& options) {
                              describe_parts(session.script, session.discretisation);
     std::fputs(text.c_str(), stdout);
   }
-  if (code == exit_ok && !options.no_files && session.discretisation.mesh.dim > 1)
+  if (code == exit_ok && !options.no_files)
     code = session.attempt([&] {
       for (const char* kind : {"_mesh.png", "_mesh.svg"}) {
         const auto picture =

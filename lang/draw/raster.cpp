@@ -151,6 +151,13 @@ void Raster::line(const Point& from, const Point& to, Colour colour, double thic
     }
 }
 
+std::array<std::uint8_t, 4> Raster::sample(double right, double up) const {
+  const double scale = samples_a_side * frame_.scale;
+  const double x = (right - frame_.left) * scale, y = high_ - (up - frame_.bottom) * scale;
+  if (!(x >= 0.0 && x < wide_ && y >= 0.0 && y < high_)) return {};
+  return samples_[static_cast<std::size_t>(y) * wide_ + static_cast<std::size_t>(x)];
+}
+
 Image Raster::image() const {
   Image out{frame_.width, frame_.height, {}};
   out.rgba.reserve(4 * static_cast<std::size_t>(out.width) * out.height);

@@ -39,6 +39,8 @@ public:
                const std::vector<std::array<Point, 3>>& normals, Colour colour);
   /// A line of this many pixels, in front of surfaces it lies on.
   void line(const Point& from, const Point& to, Colour colour, double thick, double opacity = 1.0);
+  /// What was drawn at a point of the plane of the view; all zero: nothing.
+  std::array<std::uint8_t, 4> sample(double right, double up) const;
   /// The mean of the samples; clear where nothing was drawn.
   Image image() const;
 
