@@ -7,9 +7,10 @@ const lineColours = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56
 function curvesFigure(plot) {
   const wide = 640, high = 300, left = 78, right = 16, top = 14, bottom = 44;
   const shown = plot.curves.map(() => true);
-  const picture = svg("svg", { viewBox: `0 0 ${wide} ${high}`, role: "img", tabindex: "0",
-    "aria-label": `${plot.label}: ${plot.curves.map((c) => c.name).join(", ")} against ${plot.xName}; left and right arrows move the cursor` });
-  const values = element("output", { class: "values", "aria-live": "polite" });
+  // To a reader of screens a slider, which moves the cursor and tells the values there.
+  const picture = svg("svg", { viewBox: `0 0 ${wide} ${high}`, role: "slider", tabindex: "0", "aria-valuemin": 1, "aria-valuemax": plot.x.length, "aria-valuenow": 1,
+    "aria-valuetext": "no value is read yet", "aria-label": `${plot.label}: ${plot.curves.map((c) => c.name).join(", ")} against ${plot.xName}` });
+  const values = element("output", { class: "values", "aria-live": "off" });
   const value = (y) => plot.log ? (y > 0 ? Math.log10(y) : NaN) : y;
   let at = -1, place = null;
 
@@ -24,7 +25,7 @@ function curvesFigure(plot) {
     yLow -= air, yHigh += air;
     place = (x, y) => [left + (wide - left - right) * (x - xLow) / (xHigh - xLow),
       top + (high - top - bottom) * (yHigh - y) / (yHigh - yLow)];
-    for (const x of ticks(xLow, xHigh, 6)) {
+    for (const x of ticksAcross(xLow, xHigh, 6, wide - left - right, 5)) {
       const [px] = place(x, yLow);
       picture.append(svg("line", { x1: px, x2: px, y1: top, y2: high - bottom, class: "grid" }),
         svg("text", { x: px, y: high - bottom + 16, "text-anchor": "middle" }, text(x, 5)));
@@ -64,6 +65,8 @@ function curvesFigure(plot) {
     });
     values.textContent = `${plot.xName} = ${text(plot.x[at], 6)}:  ` + plot.curves
       .filter((_, i) => shown[i]).map((c) => `${c.name} = ${text(c.y[at], 6)}`).join(",  ");
+    picture.setAttribute("aria-valuenow", at + 1);
+    picture.setAttribute("aria-valuetext", values.textContent);
   }
 
   function moveTo(i) {
@@ -127,7 +130,7 @@ function graphFigure(label, xName, yName, points, note = "") {
   const place = (x, y) => [left + (wide - left - right) * (x - xLow) / (xHigh - xLow),
     top + (high - top - bottom) * (yHigh - y) / (yHigh - yLow)];
   const picture = svg("svg", { viewBox: `0 0 ${wide} ${high}`, role: "img", "aria-label": `${label}: ${yName} against ${xName}` });
-  for (const x of ticks(xLow, xHigh, 4)) {
+  for (const x of ticksAcross(xLow, xHigh, 4, wide - left - right)) {
     const [px] = place(x, 0);
     picture.append(svg("line", { x1: px, x2: px, y1: top, y2: high - bottom, class: "grid" }),
       svg("text", { x: px, y: high - bottom + 14, "text-anchor": "middle" }, text(x)));

@@ -26,8 +26,9 @@ const svg = (name, attributes, ...children) =>
 
 /** ["mi", "u"] as MathML. */
 function mathematics(node, block = false) {
+  const isCases = (n) => n[0] === "mrow" && n.length === 3 && n[1][1] === "{" && n[2][0] === "mtable"; // no brace grows without a font for it
   const make = (n) => typeof n === "string" ? n
-    : elementOf("http://www.w3.org/1998/Math/MathML", n[0], {}, ...n.slice(1).map(make));
+    : elementOf("http://www.w3.org/1998/Math/MathML", n[0], isCases(n) ? { class: "cases" } : {}, ...n.slice(1).map(make));
   return elementOf("http://www.w3.org/1998/Math/MathML", "math",
     block ? { display: "block" } : {}, make(node));
 }
@@ -62,4 +63,13 @@ function ticks(low, high, wanted) {
   const out = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) out.push(k * step);
   return out;
+}
+/** As many of them, at most `wanted`, as find room side by side with their numbers of so many digits. */
+function ticksAcross(low, high, wanted, room, digits = 4) {
+  const letter = 7.5, air = 14; // pixels
+  for (let n = wanted; n > 1; --n) {
+    const out = ticks(low, high, n), widest = Math.max(...out.map((x) => text(x, digits).length));
+    if (out.length * (letter * widest + air) <= room) return out;
+  }
+  return ticks(low, high, 1);
 }

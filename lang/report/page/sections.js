@@ -124,8 +124,9 @@ function studySection() {
   const named = (values) => Object.fromEntries(Object.entries(values).map(([k, v]) => [s.units && s.units[k] && s.units[k] !== "1" ? `${k} [${s.units[k]}]` : k, v]));
   const rows = s.rows.map((row) => ({ ...named(row.params), ...named(row.probes), ...Object.fromEntries(numbers(row)), ...Object.fromEntries(Object.entries(row.error || {}).map(([k, v]) => [`error ${k}`, v])) }));
   const heads = [...new Set(rows.flatMap(Object.keys))];
+  const words = { cpu: "CPU seconds", wall: "seconds", order: "observed order" };
   const out = section("study", "What accuracy costs", element("p", {}, `Errors against ${s.reference}.`),
-    table(heads, rows.map((row) => heads.map((h) => row[h] === undefined ? "" : text(row[h])))));
+    table(heads.map((h) => words[h] || h.replaceAll("_", " ")), rows.map((row) => heads.map((h) => row[h] === undefined ? "" : text(row[h])))));
   const points = rows.filter((r) => r.cpu > 0 && r["error V_max"] > 0).map((r) => [Math.log10(r.cpu), Math.log10(r["error V_max"])]).sort((a, b) => a[0] - b[0]);
   if (points.length > 1) out.append(graphFigure("Error in V against CPU seconds", "log₁₀ seconds", "log₁₀ error", points));
 }

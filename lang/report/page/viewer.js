@@ -258,7 +258,7 @@ class Viewer {
 
   build() {
     const { fields, state } = this, frames = fields.frames.length;
-    this.canvas = element("canvas", { tabindex: "0", role: "img" });
+    this.canvas = element("canvas", { tabindex: "0", role: "application", "aria-roledescription": "body that can be turned" });
     this.bar = element("canvas", { "aria-hidden": "true" });
     this.numbers = element("div", { class: "numbers" });
     this.barName = element("div", {});
@@ -273,10 +273,10 @@ class Viewer {
     this.play = element("button", { id: "play", type: "button", onclick: () => this.toggle() }, "play");
     const factor = element("input", { type: "number", id: "factor", step: "any", value: state.factor, onchange: (e) => set({ factor: Number(e.target.value) || 0 }) });
     const cutAt = element("input", { type: "range", id: "cut-at", min: 0, max: 1, step: 0.005, value: state.cutAt, "aria-label": "where the cut is", oninput: (e) => set({ cutAt: Number(e.target.value) }) });
-    const coordinates = Array.from({ length: fields.dim }, (_, k) => element("input", { type: "number", step: "any", value: (this.box[k][0] + this.box[k][1]) / 2, "aria-label": "xyz"[k] }));
+    const coordinates = Array.from({ length: fields.dim }, (_, k) => element("input", { type: "number", step: "any", value: (this.box[k][0] + this.box[k][1]) / 2, "aria-label": `${"xyz"[k]} of the place that is read` }));
     const group = (legend, ...content) => element("fieldset", {}, element("legend", {}, legend), ...content);
     const panel = element("div", { class: "panel" },
-      group("Field", choose("quantity", this.quantities.map((q, i) => [String(i), q.name]), String(state.quantity), (v) => set({ quantity: Number(v) })),
+      group("Field", element("label", {}, "colours ", choose("quantity", this.quantities.map((q, i) => [String(i), q.name]), String(state.quantity), (v) => set({ quantity: Number(v) }))),
         check("colours of all times", "fixed", "fixed"),
         element("label", {}, "contours ", choose("contours", [["0", "none"], ["8", "8"], ["16", "16"], ["32", "32"]], "0", (v) => set({ contours: Number(v) })))),
       group("Shape", this.moves < 0 ? null : element("label", {}, "deformed, times", factor),

@@ -52,6 +52,7 @@ def check(what, good, more=""):
     if not good:
         failures += 1
         print("FAIL", what, more)
+    return good
 
 
 def compare(browser, name, looks):
@@ -137,6 +138,101 @@ def viewer(browser, looks):
     browser.run("document.getElementById('reset').click()")
 
 
+def geometry(browser):
+    """What viewer and pictures stand on: a cut of a linear field is that field, whatever cells it goes through, so its contours are straight; arrows."""
+    off = browser.run("""(() => { const v = document.body.viewer, f = (p, i) => 2 * p[i] - 3 * p[i + 1] + 0.5 * p[i + 2] + 1, values = new Float32Array(v.points.length / 3);
+        values.forEach((_, i) => { values[i] = f(v.points, 3 * i); });
+        const worst = [];
+        for (const [normal, at] of [[[1, 0, 0], 0.61], [[0, 1, 0], 0.37], [[0.6, 0, 0.8], 0.9]]) {
+          const cut = cutThrough(v.cells, v.points, values, normal, at), p = cut.points;
+          let area = 0, off = 0;
+          for (let t = 0; t < p.length; t += 9) {
+            const u = [0, 1, 2].map((k) => p[t + 3 + k] - p[t + k]), w = [0, 1, 2].map((k) => p[t + 6 + k] - p[t + k]);
+            area += Math.hypot(u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]) / 2;
+          }
+          cut.values.forEach((value, i) => { off = Math.max(off, Math.abs(value - f(p, 3 * i)), Math.abs(p[3 * i] * normal[0] + p[3 * i + 1] * normal[1] + p[3 * i + 2] * normal[2] - at)); });
+          worst.push([area, off]);
+        }
+        return worst; })()""")
+    for (area, wrong), wanted in zip(off, (1, 2, 5 / 3)):  # of the block 2 x 1 x 1; the slanted cut goes from (1/6, 1) to (3/2, 0)
+        check("cuts", wrong < 1e-5 and abs(area - wanted) < 1e-4, (area, wanted, wrong))
+    for length, thick, head in ((1.0, 0.05, 0.2), (0.2, 0.2, 0.1)):  # four times as long as the shaft is thick, but at most half of the arrow
+        along, wide = browser.run(f"""(() => {{ const points = [], normals = []; addArrow(points, normals, [1, 2, 3], [1, 2 + {length}, 3], {thick});
+            const at = new Map(); for (let i = 0; i < points.length; i += 3) {{ const y = Math.round(1e6 * (points[i + 1] - 2)) / 1e6, r = Math.hypot(points[i] - 1, points[i + 2] - 3);
+              at.set(y, Math.max(at.get(y) || 0, r)); }}
+            return [[...at.keys()].sort((a, b) => a - b), [...at].sort((a, b) => a[0] - b[0]).map((e) => e[1])]; }})()""")
+        check("arrows", all(abs(a - b) < 1e-5 for a, b in zip(along, (0, length - head, length))) and len(along) == 3, (along, head))
+        check("arrows are wide at their heads", all(abs(a - b) < 1e-5 for a, b in zip(wide, (thick / 2, 1.4 * thick, 0))), wide)
+
+
+def tab(browser, back=False):
+    for kind in ("rawKeyDown", "keyUp"):
+        browser("Input.dispatchKeyEvent", type=kind, key="Tab", code="Tab", windowsVirtualKeyCode=9, modifiers=8 if back else 0)
+
+
+HERE = """(() => { const e = document.activeElement, all = window.stops, b = e.getBoundingClientRect(), style = getComputedStyle(e);
+    const covered = document.querySelector("nav").getBoundingClientRect().bottom;
+    return { at: all.indexOf(e), seen: b.width > 0 && b.bottom > 0 && b.top < innerHeight, free: e.closest("nav, .skip") !== null || b.top >= covered - 4 || b.height > innerHeight - covered || b.bottom > covered + 60,
+             ring: style.outlineStyle !== "none" && parseFloat(style.outlineWidth) >= 2, what: e.outerHTML.slice(0, 80) }; })()"""
+
+
+def keyboard(browser):
+    """Tab goes through all that can be used, in the order of the page, and out of it again; what has the focus is seen, below the menu, with a ring."""
+    browser("Page.reload")
+    browser.wait("!window.stops && document.body && document.body.dataset.ready === 'yes'")
+    browser.run("""window.stops = [...document.querySelectorAll("a[href], button, input, select, summary, [tabindex='0']")].filter((e) => e.getClientRects().length && !e.disabled);
+""")
+    n = browser.run("window.stops.length")
+    check("there is something to walk through", n > 40, n)
+    for k in range(n):
+        tab(browser)
+        here = browser.run(HERE)
+        if not check(f"Tab {k} is at its place, seen and marked", here["at"] == k and here["seen"] and here["free"] and here["ring"], here):
+            break
+    tab(browser)
+    check("Tab leaves the page at its end", browser.run("window.stops.indexOf(document.activeElement)") in (-1, 0), browser.run(HERE))
+    browser.run("window.stops[5].focus()")
+    tab(browser, back=True)
+    check("shift and Tab go back", browser.run(HERE)["at"] == 4, browser.run(HERE))
+    browser.run("document.querySelector('.skip').focus()")
+    check("the link to the content is seen when it has the focus", browser.run("document.activeElement.getBoundingClientRect().left") >= 0)
+    browser.key("Enter")
+    browser.wait("document.activeElement.id === 'content'")
+    tab(browser)
+    check("behind it Tab goes on in the content", browser.run("document.querySelector('main').contains(document.activeElement)"))
+    browser.run("document.getElementById('play').focus()")
+    for _ in range(2):  # plays, stops
+        before = browser.run("document.body.viewer.playing || false")
+        browser.key("Enter")
+        check("Enter plays and stops", browser.run("document.body.viewer.playing") != before)
+    browser.run("document.getElementById('time').focus(); document.body.viewer.show(2)")
+    browser("Input.dispatchKeyEvent", type="rawKeyDown", key="ArrowRight", code="ArrowRight", windowsVirtualKeyCode=39)
+    browser.wait("document.body.viewer.state.frame === 3")
+
+
+ROLES = {"button", "slider", "checkbox", "combobox", "spinbutton", "link", "image", "application", "textbox", "region", "navigation", "table", "DisclosureTriangle", "figure"}
+
+
+def screen_reader(browser):
+    """What a reader of screens is given: every part has a role and a name, landmarks and headings are in order, values of curves are told."""
+    browser("Accessibility.enable")
+    nodes = [node for node in browser("Accessibility.getFullAXTree")["nodes"] if not node.get("ignored")]
+    role = lambda node: node.get("role", {}).get("value", "")
+    name = lambda node: (node.get("name", {}).get("value") or "").strip()
+    unnamed = [role(node) for node in nodes if role(node) in ROLES - {"table", "figure"} and not name(node)]
+    check("everything that can be used has a name", not unnamed, unnamed)
+    roles = {role(node) for node in nodes}
+    check("landmarks", {"banner", "navigation", "main", "heading", "application", "slider", "checkbox", "combobox", "spinbutton", "button", "table"} <= roles, roles)
+    levels = [next(p["value"]["value"] for p in node["properties"] if p["name"] == "level") for node in nodes if role(node) == "heading"]
+    check("headings go down by one", levels[0] == 1 and levels.count(1) == 1 and all(b <= a + 1 for a, b in zip(levels, levels[1:])), levels)
+    check("the language is said", browser.run("document.documentElement.lang") == "en")
+    browser.run("document.querySelector('#tables svg').focus()")
+    browser.key("End")
+    told = browser.run("document.querySelector('#tables svg').getAttribute('aria-valuetext')")
+    check("a curve tells its values", "t = 1" in told and "a = " in told, told)
+    browser("Accessibility.disable")
+
+
 def curves(browser):
     first = "document.querySelector('#tables svg')"
     browser.run(f"{first}.focus()")
@@ -195,6 +291,9 @@ def main():
             browser.shot("report", whole=True)
             viewer(browser, looks)
             curves(browser)
+            geometry(browser)
+            keyboard(browser)
+            screen_reader(browser)
             units(browser, folder)
             check("no error, no request", not browser.errors, browser.errors)
         finally:

@@ -80,7 +80,7 @@ class Browser:
             time.sleep(0.05)
 
     def key(self, key):
-        text = {"text": key} if len(key) == 1 else {}
+        text = {"text": "\r", "windowsVirtualKeyCode": 13} if key == "Enter" else {"text": key} if len(key) == 1 else {}
         self("Input.dispatchKeyEvent", type="keyDown", key=key, **text)
         self("Input.dispatchKeyEvent", type="keyUp", key=key)
 
