@@ -16,16 +16,26 @@ namespace slot = solver::slot;
 std::optional<solver::FieldSpec> Checker::drawn_field(const ast::Expr& e, const std::string& what) {
   auto f = output_field(e);
   if (!f) return std::nullopt;
-  for (const Symbol& c : f->components)
-    if (c.depends_on_any(slot::first_multiplier, slot::first_inside) ||
-        c.depends_on_any(slot::first_state, slot::first_probe)) {
-      error("E0306", e.span,
-            fmt::format("`{}` lives at the points of a law: {} shows what every point of the body "
-                        "has",
-                        f->name, what),
-            "write it with `fields` and open the VTU file");
-      return std::nullopt;
-    }
+  const auto reads = [&](int first, int past) {
+    return std::ranges::any_of(f->components,
+                               [&](const Symbol& c) { return c.depends_on_any(first, past); });
+  };
+  if (reads(slot::first_multiplier, slot::first_inside)) {
+    error("E0306", e.span,
+          fmt::format("`{}` lives at the points of a law: {} shows what every point of the body "
+                      "has",
+                      f->name, what),
+          "write it with `fields` and open the VTU file");
+    return std::nullopt;
+  }
+  if (reads(slot::first_state, slot::first_probe)) {
+    error("E0306", e.span,
+          fmt::format("`{}` reads a state, or a coefficient that changes in time: {} does not",
+                      f->name, what),
+          "columns of a table do, at points: `a = sigma.xx at [0.5, 0.5]`; so do `fields` and "
+          "`picture`");
+    return std::nullopt;
+  }
   return f;
 }
 

@@ -273,10 +273,13 @@ Sheet scene_sheet(const Scene& scene, const BodyPicture& picture, const View& vi
   add_bar(sheet, colours, sheet.width - beside + 10.0, top + 14.0, std::min(box_high - 14.0, 320.0),
           picture.label);
   const Spot below_bar{sheet.width - beside + 10.0, sheet.height - 14.0};
-  sheet.words({{below_bar[0], below_bar[1] - 15.0},
-               number_text(colours.low()) + " to " + number_text(colours.high()),
+  const std::string range = number_text(colours.low()) + " to " + number_text(colours.high());
+  constexpr std::size_t most_letters = 19; // of the size 11 that stand below the bar
+  const bool fits = range.size() <= most_letters;
+  sheet.words({{fits ? below_bar[0] : sheet.width - 6.0, below_bar[1] - 15.0},
+               range,
                11.0,
-               0.0,
+               fits ? 0.0 : 1.0,
                grey});
   if (scene.numbers.of_cells) sheet.words({below_bar, "cell by cell", 11.0, 0.0, grey});
   return sheet;

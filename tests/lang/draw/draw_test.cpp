@@ -311,6 +311,24 @@ TEST(Body, ValuesOfCellsAreDrawnCellByCell) {
   EXPECT_TRUE(said);
 }
 
+// Numbers of many digits do not run out of the sheet.
+TEST(Body, TheRangeOfColoursIsOnTheSheet) {
+  auto frame = two_cells();
+  frame.grids[0].grid.cell_data[0].values = {-0.033512345, 5.2441e-05};
+  BodyPicture picture;
+  picture.field = "s";
+  const Sheet sheet = body_sheet(frame, picture);
+  int found = 0;
+  for (const Mark& mark : sheet.marks)
+    if (const auto* words = std::get_if<Words>(&mark);
+        words != nullptr && words->text.find(" to ") != std::string::npos) {
+      const double width = 0.6 * words->size * static_cast<double>(words->text.size());
+      EXPECT_LE(words->at[0] + (1.0 - words->anchor) * width, sheet.width);
+      ++found;
+    }
+  EXPECT_EQ(found, 1);
+}
+
 // The largest number stands above the least one, and so do their colours.
 TEST(Axes, BarsGrowUpward) {
   Sheet sheet;
