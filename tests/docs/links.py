@@ -1,4 +1,4 @@
-"""Links of the Markdown pages lead to files and headings that exist, and README leads to every page.  usage: links.py SOURCE_FOLDER"""
+"""Links of the Markdown pages lead to files and headings that exist, README leads to every page, and every picture is shown.  usage: links.py SOURCE_FOLDER"""
 import pathlib
 import re
 import sys
@@ -29,6 +29,9 @@ for page in pages:
         if not target.exists() or anchor and anchor not in anchors(target):
             wrong.append(f"{page.relative_to(source)}: {link}")
         linked[page] |= set(target.glob("*.md")) if target.is_dir() else {target}
+for picture in sorted((source / "docs/pictures").iterdir()):
+    assert any(picture in targets for targets in linked.values()), f"no page shows {picture.name}"
+    assert picture.stat().st_size < 90_000, f"{picture.name} is too large for the repository"
 readme = source / "README.md"
 missing = [page for page in pages if page != readme and page not in linked[readme]]
 assert not wrong, "\n".join(wrong)
