@@ -19,7 +19,7 @@ constexpr std::array<draw::Colour, 8> colours{{{0.0, 0.447, 0.698},
                                                {0.337, 0.706, 0.914},
                                                {0.941, 0.894, 0.259},
                                                {0.69, 0.58, 0.85}}};
-constexpr draw::Colour edges{0.45, 0.45, 0.45};
+constexpr draw::Colour edges_in_space{0.45, 0.45, 0.45};
 constexpr double fine = 2.0; ///< pixels of the image to one of the sheet
 
 draw::Triangle triangle_of(std::span<const std::int32_t> nodes) {
@@ -130,7 +130,7 @@ draw::Panel patches_panel(const solver::Mesh& mesh, const std::vector<Patch>& al
     for (const Patch& patch : all)
       for (std::size_t k = 0; k < 3; ++k)
         raster.line(mesh.nodes[static_cast<std::size_t>(patch.nodes[k])],
-                    mesh.nodes[static_cast<std::size_t>(patch.nodes[(k + 1) % 3])], edges,
+                    mesh.nodes[static_cast<std::size_t>(patch.nodes[(k + 1) % 3])], edges_in_space,
                     0.4 * fine);
   const draw::Image image = raster.image();
   return {{plane.left, plane.top}, image.width / fine, image.height / fine, image};
