@@ -1,13 +1,16 @@
-"""The language server driven by Neovim's own client, headless: diagnostics as one types, hover, completion, rename, format, a quick fix.
+"""The language server driven by Neovim's own client, headless: diagnostics as one types, hover, completion, rename, format, a quick fix;
+and started by what docs/editor.md says to write into init.lua.
 
 usage: neovim.py HVI_RUN EXAMPLES"""
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import textwrap
 
 LUA = """
 local program, out = os.getenv("HVI_RUN"), {}
@@ -61,6 +64,35 @@ vim.fn.writefile({vim.fn.json_encode(out)}, os.getenv("OUT"))
 """
 
 
+# Two scripts in one window: one server, which answers for both.
+AS_THE_PAGE_SAYS = """
+vim.cmd("edit second.hvi")
+assert(vim.bo.filetype == "hvi" and vim.bo.commentstring == "# %s")
+assert(vim.wait(20000, function() return vim.lsp.buf.server_ready() end, 5), "the server does not answer")
+assert(#vim.lsp.get_active_clients() == 1, "clients: " .. #vim.lsp.get_active_clients())
+assert(vim.wait(20000, function() return #vim.diagnostic.get(0) > 0 end, 5), "no message")
+vim.fn.writefile({vim.diagnostic.get(0)[1].code}, os.getenv("OUT"))
+"""
+
+
+def by_the_page(program, examples, folder):
+    page = (examples.parent / "docs" / "editor.md").read_text()
+    written = re.search(r"In `init.lua`[^\n]*\n\n((?:    .*\n|\n)+)", page)
+    script, start, lua, out = (folder / name for name in ("slab.hvi", "init.lua", "page.lua", "page.txt"))
+    (folder / "second.hvi").write_text("param n = m\n")
+    start.write_text(textwrap.dedent(written[1]))
+    lua.write_text(guarded(AS_THE_PAGE_SAYS))
+    (folder / "hvi-run").symlink_to(program)
+    path = f"{folder}:{os.environ['PATH']}"
+    done = subprocess.run(["nvim", "--headless", "-u", str(start), "-c", f"luafile {lua}", str(script)], capture_output=True, text=True,
+                          timeout=120, cwd=folder, env={**os.environ, "PATH": path, "OUT": str(out), "HOME": str(folder), "XDG_STATE_HOME": str(folder)})
+    assert out.is_file() and out.read_text().startswith("E0"), done.stdout + done.stderr
+
+
+def guarded(lua):
+    return f"local good, said = xpcall(function()\n{lua}\nend, debug.traceback)\nif not good then io.stderr:write(said) end\nvim.cmd('qall!')\n"
+
+
 def main():
     program, examples = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
     if not shutil.which("nvim"):
@@ -69,19 +101,19 @@ def main():
         folder = pathlib.Path(temporary)
         script, lua, out = folder / "slab.hvi", folder / "drive.lua", folder / "out.json"
         script.write_text((examples / "slab.hvi").read_text())
-        guard = f"local good, said = xpcall(function()\n{LUA}\nend, debug.traceback)\nif not good then io.stderr:write(said) end\nvim.cmd('qall!')\n"
-        lua.write_text(guard)
+        lua.write_text(guarded(LUA))
         done = subprocess.run(["nvim", "--headless", "--clean", "-c", f"luafile {lua}", str(script)], capture_output=True, text=True, timeout=120,
                               cwd=folder, env={**os.environ, "HVI_RUN": str(program), "OUT": str(out), "HOME": temporary, "XDG_STATE_HOME": temporary})
         assert out.is_file(), done.stdout + done.stderr
         found = json.loads(out.read_text())
+        by_the_page(program, examples.resolve(), folder)
     assert "isotropic" in found["hover"] or "tensor" in found["hover"], found["hover"]
     assert found["diagnostic"][0] == "E0301", found["diagnostic"]
     assert any("isotropic" in title for title in found["actions"]), found["actions"]
     assert {"top", "bottom", "left", "right"} <= set(found["completion"]), found["completion"]
     assert "roof" not in found["renamed"].split("report")[0].replace("proof", "") and "zero on ceiling" in found["renamed"]
     assert found["formatted"] == "param extra = 1", found["formatted"]
-    print("Neovim: hover, diagnostics, quick fix, completion, rename, format")
+    print("Neovim: hover, diagnostics, quick fix, completion, rename, format; the page's init.lua")
 
 
 main()
