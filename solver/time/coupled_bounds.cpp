@@ -6,7 +6,7 @@ namespace {
 
 /// The fixed point of coupled bounds goes on while so many passes make its error so much smaller.
 constexpr int passes_to_judge = 8;
-constexpr double contracts = 0.1;
+constexpr double falls_by_passes = 0.1;
 
 } // namespace
 
@@ -32,7 +32,7 @@ void couple_bounds(EquationSolver& solver, double tolerance, StepMatrix& matrix,
   for (int pass = 1; out.inequality.converged; ++pass) {
     if (again(CorrectionStart::again) && out.inequality.converged) return;
     if (pass % passes_to_judge != 0) continue;
-    if (!(error < contracts * before)) break; // infinite ones do not fall, either
+    if (!(error < falls_by_passes * before)) break; // infinite ones do not fall, either
     before = error;
   }
   if (!again(CorrectionStart::again_with_bounds) && out.inequality.verdict.empty())

@@ -15,7 +15,7 @@ constexpr double rounding_unit = std::numeric_limits<double>::epsilon();
 constexpr double nearly_rounding = 1e3 * rounding_unit;
 constexpr int most_expansions = 200;
 constexpr int most_bisections = 200;
-constexpr int most_newton = 60;
+constexpr int most_local_newton = 60;
 constexpr int most_sweeps = 400;
 constexpr double shortest_step = 1.0 / 1024.0;
 
@@ -127,7 +127,7 @@ public:
     rescale();
     double error = residual(r);
     if (!std::isfinite(error)) return false;
-    for (int k = 0; k < most_newton && error > 2.0 * rounding_unit; ++k) {
+    for (int k = 0; k < most_local_newton && error > 2.0 * rounding_unit; ++k) {
       const Vector step = solve_square(jacobian(), r);
       if (!step.allFinite()) return false;
       const double after = shorten(step, error, r);

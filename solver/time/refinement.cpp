@@ -14,7 +14,7 @@
 namespace hvi::solver {
 namespace {
 
-constexpr int most_passes = 60;
+constexpr int most_refinements = 60;
 /// A correction of this relative size is the rounding of the state itself.
 constexpr double smallest_correction = 4e-16;
 /// Corrections that shrink slower than this have come to their end.
@@ -82,7 +82,7 @@ void Refinement::refine(const StepMatrix& matrix, const StepEquation& equation,
   auto moved_by = state.head(total.size());
   const int iterations = out.inequality.iterations, events = out.inequality.events;
   double last = std::numeric_limits<double>::infinity();
-  for (int pass = 0; pass < most_passes; ++pass) {
+  for (int pass = 0; pass < most_refinements; ++pass) {
     precise.gap(matrix, total, laws.xi, trial.gap);
     moved_by = equation.known.head(total.size()) + total;
     step_laws.prepare(n, state, &total);
