@@ -19,7 +19,7 @@ namespace hvi::lang {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr double unit = std::numeric_limits<double>::epsilon();
+constexpr double rounding_unit = std::numeric_limits<double>::epsilon();
 double worst(const Stability& s, bool of_input) {
   double out = 0;
   for (const auto& v : s.variations)
@@ -169,8 +169,8 @@ void draw(const Stability& s, const Script& script, const Options& options) {
   std::string data, lines;
   for (std::size_t i = 0; i < m.times.size(); ++i) {
     data += fmt::format("{:.9g} {:.3g} {:.3g} {:.9g} {:.9g} {:.9g} {:.9g}\n", m.times[i],
-                        std::max(column("inclusion")[i], unit / 16),
-                        std::max(column("equilibrium")[i], unit / 16), column("energy")[i],
+                        std::max(column("inclusion")[i], rounding_unit / 16),
+                        std::max(column("equilibrium")[i], rounding_unit / 16), column("energy")[i],
                         column("elastic")[i], column("contact")[i], column("lost")[i]);
     if (column("events")[i] > 0 || column("snap")[i] > 0)
       lines += fmt::format("set arrow from {0:.9g}, graph 0 to {0:.9g}, graph 1 nohead lc rgb "
