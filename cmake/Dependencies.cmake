@@ -95,8 +95,10 @@ target_include_directories(hvi_options INTERFACE
   $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/hvi>)
 target_compile_features(hvi_options INTERFACE cxx_std_20)
 set(warnings -Wall -Wextra -Wpedantic -Wconversion -Wno-sign-conversion)
-if(NOT CMAKE_UNITY_BUILD OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
-  list(APPEND warnings -Wshadow) # Clang sees the names of the other files of a bundle
+if(NOT CMAKE_UNITY_BUILD)
+  list(APPEND warnings -Wshadow)
+elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU") # a bundle shows a file the names of others; which ones changes with every file
+  list(APPEND warnings -Wshadow=local)
 endif()
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND warnings -Wno-subobject-linkage) # it takes the files of a bundle for headers
