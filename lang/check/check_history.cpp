@@ -178,9 +178,12 @@ std::optional<Checker::KernelParts> Checker::parts_of_kernel(const Field& kernel
       if (of_x.is(0.0) || of_time.is(0.0)) continue;
       auto known = known_history(of_time);
       if (!known) {
-        model_.histories.push_back({name, span, of_time, {}});
+        model_.histories.push_back({name, span, of_time, {}, {}});
         if (kernel.series) model_.histories.back().series = kernel.series->series;
         known = {static_cast<int>(model_.histories.size()) - 1, 1.0};
+      } else if (ModelHistory& shared = model_.histories[static_cast<std::size_t>(known->first)];
+                 shared.name != name && std::ranges::find(shared.also, name) == shared.also.end()) {
+        shared.also.push_back(name);
       }
       auto& t = parts[known->first];
       t.resize(kernel.components.size(), Symbol(0.0));

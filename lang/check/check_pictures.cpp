@@ -105,7 +105,7 @@ bool Checker::graph(const ast::Expr& e, solver::GraphsSpec& out) {
     return found;
   }
   for (const ModelHistory& history : model_.histories)
-    if (history.name == name) {
+    if (history.name == name || std::ranges::find(history.also, name) != history.also.end()) {
       const auto declared = kernel_field(e, Scope{});
       const bool itself = declared && is_of_time(*declared);
       const Symbol drawn = itself     ? declared->components[0]

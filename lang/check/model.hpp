@@ -85,6 +85,7 @@ struct ModelHistory {
   Span span;
   Symbol kernel;
   std::optional<solver::PronySeries> series; ///< where it was written as one
+  std::vector<std::string> also;             ///< other kernels that have this factor of time
 };
 
 struct ModelLaw {

@@ -118,11 +118,12 @@ superpotential wall(r) with slope | r < 0.5 -> 2*pos(r) | otherwise -> 1e300
 kernel C(lag) = -exp(-lag/0.3)/0.3
 kernel D(t, s) = sin(t)*exp(s - t)
 kernel E(lag) = -2.5*exp(-lag/0.7)
+kernel F(lag) = 0.5*exp(-lag/0.7)
 """
-    terms = (" + integral(m, history(C, grad(p)).x*grad(q).x) + integral(m, history(D, grad(p)).x*grad(q).x) + integral(m, 0.01*history(E, p)*q)"
+    terms = (" + integral(m, history(C, grad(p)).x*grad(q).x) + integral(m, history(D, grad(p)).x*grad(q).x) + integral(m, 0.01*history(E, p)*q + 0.01*history(F, p)*q)"
              " + integral(r, layer^0(p; q) + twice^0(p; q) + wall^0(p; q))")
-    found = {p["title"]: p for p in picture(declarations, terms, "layer, twice, wall, C, D, E", end=2)}
-    assert list(found) == ["layer", "twice", "wall", "C", "D", "E"], list(found)
+    found = {p["title"]: p for p in picture(declarations, terms, "layer, twice, wall, C, D, E, F", end=2)}
+    assert list(found) == ["layer", "twice", "wall", "C", "D", "E", "F"], list(found)
 
     def layer(r):
         return 0 if r < 0 else 100 * r if r < 0.02 else -1 - 20 * (r - 0.02) if r < 0.05 else 3
@@ -132,6 +133,7 @@ kernel E(lag) = -2.5*exp(-lag/0.7)
     kernels(found["C"], lambda lag: -math.exp(-lag / 0.3) / 0.3, 2)
     kernels(found["D"], lambda lag: math.sin(2) * math.exp(-lag), 2)
     kernels(found["E"], lambda lag: -2.5 * math.exp(-lag / 0.7), 2)
+    kernels(found["F"], lambda lag: 0.5 * math.exp(-lag / 0.7), 2)  # one memory with E's
     with_vector = SCENE.replace("mesh m = interval(1, cells = 4)", "mesh m = rectangle(1, 1, cells = [2, 2])").replace("scalar", "vector") \
         .replace("dot(grad(p'), grad(q))", "A : eps(p') : eps(q)").replace("dot(grad(p), grad(q))", "A : eps(p) : eps(q)").replace("0.01*t*q", "0.01*t*q.x") \
         .replace("p at [1]", "p.x at [1, 1]").replace("{declarations}", "tensor A = isotropic(lambda = 1, mu = 1)\n{declarations}")
