@@ -139,8 +139,8 @@ double Balance::error_beside_rounding(const StepEquation& equation, const StepMa
   Vector gap(equation.rhs.size());
   gap_and_scale(matrix.k(), trial.d, equation.rhs, gap, scale_);
   add_terms(equation, rounding_of_terms / tolerance, scale_);
-  return equilibrium_error(matrix.k(), trial.d, trial.gap, scale_,
-                           formulation_.contact().reactions(), xi);
+  return equilibrium_error(matrix.k(), trial.d, gap, scale_, formulation_.contact().reactions(),
+                           xi);
 }
 
 InteriorEquilibrium::Question Balance::question(int n, const Vector& d, const Vector& xi) const {

@@ -287,7 +287,7 @@ def main():
           f"in 3D {refused_in[3]}")
     print(f"family orientation: scenes {sum(scenes_in.values())}, certified {certified}, wrong {wrong}, "
           f"refused {refused}")
-    good = wrong == 0 and refused_in[2] == 0 and refused_in[3] <= REFUSED_3D * scenes_in[3] and skipped <= max(1, UNJUDGED * options.scenes)
+    good = wrong == 0 and refused_in[2] == 0 and refused_in[3] <= REFUSED_3D * scenes_in[3] and skipped <= UNJUDGED * options.scenes
     return 0 if good else 1
 
 
