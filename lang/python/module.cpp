@@ -55,7 +55,7 @@ void define_model(py::module_& module) {
              return answered(watch, py::none(), [&] { return model.plan(defines, watch); });
            })
       .def("steps", [](const Model& model, const Defines& defines) {
-        return std::make_shared<Stepping>(model.session(defines));
+        return std::make_shared<Stepping>(model, defines);
       });
 }
 
@@ -73,6 +73,10 @@ void define_stepping(py::module_& module) {
                return std::move(found);
              });
              return py::make_tuple(answer, more);
+           })
+      .def("set",
+           [](Stepping& of, const Defines& defines) {
+             return answered(of.watch(), py::none(), [&] { return of.set(defines); });
            })
       .def("conclude",
            [](Stepping& of) {

@@ -1,6 +1,7 @@
 // See stepping.hpp.
 #include "lang/python/stepping.hpp"
 
+#include "lang/mesh_values.hpp"
 #include "lang/python/fields.hpp"
 #include "lang/python/results.hpp"
 
@@ -16,8 +17,31 @@ Answer Stepping::start() {
     out.exit = session_->attempt([&] {
       own_pictures_ = show_fields(*session_->script.plan);
       run_.emplace(*session_->script.plan, session_->discretisation, &watch_.stop());
+      out.data = description_of(session_->script);
     });
   add_diagnostics(*session_, out);
+  return out;
+}
+
+Answer Stepping::set(const Defines& defines) {
+  Answer out;
+  const auto next = model_.session(defines);
+  // The file may be another one by now.
+  next->script.text = std::string(session_->script.sources.file(0).text());
+  out.exit = next->compile();
+  if (out.exit == lang::exit_ok)
+    out.exit =
+        next->attempt([&] { lang::check_materials(next->script, session_->discretisation); });
+  if (out.exit == lang::exit_ok)
+    out.exit = next->attempt([&] {
+      show_fields(*next->script.plan);
+      run_->change(*next->script.plan);
+      session_->script = std::move(next->script);
+    });
+  if (out.exit == lang::exit_ok)
+    out.data = description_of(session_->script);
+  else
+    add_diagnostics(*next, out);
   return out;
 }
 

@@ -1,8 +1,7 @@
 // A run that Python takes step by step.
 #pragma once
 
-#include "lang/python/answer.hpp"
-#include "lang/python/watched.hpp"
+#include "lang/python/model.hpp"
 #include "solver/time/stepped_run.hpp"
 
 #include <memory>
@@ -14,12 +13,15 @@ namespace hvi::python {
 
 class Stepping {
 public:
-  explicit Stepping(std::shared_ptr<lang::Session> session) : session_(std::move(session)) {}
+  Stepping(Model model, const Defines& defines)
+      : model_(std::move(model)), session_(model_.session(defines)) {}
 
   /// Mesh, space and the first matrices.
   Answer start();
   /// The next step, and whether there was one.
   std::pair<Answer, bool> advance();
+  /// The steps from the next one on have these values of parameters; refused, nothing changes.
+  Answer set(const Defines& defines);
   /// What is known after the steps so far; once only.
   Answer conclude();
 
@@ -33,6 +35,7 @@ public:
   Grid grid() const;
 
 private:
+  Model model_;
   std::shared_ptr<lang::Session> session_;
   Watch watch_;
   std::size_t own_pictures_ = 0;

@@ -279,13 +279,8 @@ void OneRun::go_on(const std::string& saved) {
                 [&] { ended_ = restore(in); });
 }
 
-void OneRun::checkpoint() {
-  std::ostringstream out;
-  out.exceptions(std::ios::badbit); // memory that runs out is no shorter state
+void OneRun::save_findings(std::ostream& out) const {
   StateWriter w(out);
-  restarts_.save(w);
-  w.put(static_cast<std::uint8_t>(monitor_.has_value()));
-  stepper_.save(out);
   reporter_.save(out);
   w.put(result_.certificate.inclusion);
   w.put(result_.certificate.equilibrium);
@@ -297,6 +292,16 @@ void OneRun::checkpoint() {
   Timing timing;
   account(work, timing);
   w.put(grown(work));
+}
+
+void OneRun::checkpoint() {
+  std::ostringstream out;
+  out.exceptions(std::ios::badbit); // memory that runs out is no shorter state
+  StateWriter w(out);
+  restarts_.save(w);
+  w.put(static_cast<std::uint8_t>(monitor_.has_value()));
+  stepper_.save(out);
+  save_findings(out);
   if (monitor_) {
     w.put(monitor_times_);
     monitor_->save(out);
@@ -307,12 +312,8 @@ void OneRun::checkpoint() {
   });
 }
 
-std::optional<HorizonEnd> OneRun::restore(std::istream& in) {
+void OneRun::restore_findings(std::istream& in) {
   StateReader r(in, {});
-  Restarts().restore(r, plan_.problem.histories.size()); // read before: they decide the plan
-  if ((r.get<std::uint8_t>() != 0) != monitor_.has_value())
-    r.fail(monitor_ ? "was saved without monitors" : "was saved with monitors");
-  if (auto end = stepper_.restore(in)) return end;
   reporter_.restore(in, state_);
   result_.certificate.inclusion = r.get<double>();
   result_.certificate.equilibrium = r.get<double>();
@@ -328,6 +329,15 @@ std::optional<HorizonEnd> OneRun::restore(std::istream& in) {
   stepper_.account(now, timing);
   const auto saved = r.get_counts<9>(), here = grown(now);
   for (std::size_t i = 0; i < saved.size(); ++i) grown_before_[i] = saved[i] - here[i];
+}
+
+std::optional<HorizonEnd> OneRun::restore(std::istream& in) {
+  StateReader r(in, {});
+  Restarts().restore(r, plan_.problem.histories.size()); // read before: they decide the plan
+  if ((r.get<std::uint8_t>() != 0) != monitor_.has_value())
+    r.fail(monitor_ ? "was saved without monitors" : "was saved with monitors");
+  if (auto end = stepper_.restore(in)) return end;
+  restore_findings(in);
   if (monitor_) {
     monitor_times_ = r.get_vector<double>();
     monitor_->restore(in, monitor_times_.size(), state_);

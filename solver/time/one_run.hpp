@@ -35,6 +35,15 @@ public:
   int steps() const { return state_.evolution.grid().steps(); }
   /// The probes at the last recorded step; NaN where the time of one has not come.
   std::span<const double> values() const { return reporter_.values(); }
+  /// Do states hold the contact unknowns only?
+  bool reduced() const { return state_.formulation->reduced(); }
+  /// Do they hold imposed values?
+  bool imposed() const { return state_.formulation->imposed(); }
+  /// Writes the accepted state, with all that it remembers, and what has been found so far.
+  void hand_over(std::ostream& out) const;
+  /// In the place of a run of another plan, which wrote this, before any step: the same unknowns at
+  /// the same times, with memories of the same kernels. Set: a memory cannot go on.
+  std::optional<HorizonEnd> take_over(std::istream& in);
   /// Puts everything known so far into the result and writes the tables, unless a check that was
   /// put off fails.
   RunOutcome conclude();
@@ -65,6 +74,9 @@ private:
   void checkpoint();
   /// Set: a memory cannot go on from there.
   std::optional<HorizonEnd> restore(std::istream& in);
+  /// Rows of tables, the certificate, notes and counters.
+  void save_findings(std::ostream& out) const;
+  void restore_findings(std::istream& in);
 
   const Plan& plan_;
   const Restarts& restarts_;

@@ -35,6 +35,9 @@ public:
   void save(std::ostream& out) const;
   /// Set: a memory cannot go on from there, and what was read is not to be used.
   std::optional<HorizonEnd> restore(std::istream& in);
+  /// Of these what does not depend on the matrices and laws of the plan (hand_over.cpp).
+  void hand_over(std::ostream& out) const;
+  std::optional<HorizonEnd> take_over(std::istream& in);
 
 private:
   StepResult attempt(int n, StepMatrix& matrix);

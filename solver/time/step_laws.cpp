@@ -101,7 +101,7 @@ void check_states(const Contact& contact, const std::vector<int>& states, const 
 
 } // namespace
 
-void StepLaws::restore(StateReader& r) {
+void StepLaws::read(StateReader& r) {
   get_vector(r, now.c, now.c.size());
   get_vector(r, now.xi, contact_.n_rows());
   now.state = r.get_vector<int>();
@@ -112,7 +112,17 @@ void StepLaws::restore(StateReader& r) {
     solver::read_solution(contact_, evolution_.t(), fields, now.xi);
     solver::prepare(contact_, problem_, evolution_.t(), fields, now.xi);
   }
+}
+
+void StepLaws::restore(StateReader& r) {
+  read(r);
   check_states(contact_, now.state, r);
+  accepted_ = now;
+}
+
+void StepLaws::take_over(StateReader& r) {
+  read(r);
+  now.state.clear();
   accepted_ = now;
 }
 

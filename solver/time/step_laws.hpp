@@ -55,8 +55,12 @@ public:
 
   void save(StateWriter& w) const;
   void restore(StateReader& r);
+  /// The same, saved by a run whose laws may have been other ones: the pieces that points are on
+  /// are found again.
+  void take_over(StateReader& r);
 
 private:
+  void read(StateReader& r);
   void refuse_impossible(double t) const;
 
   const Problem& problem_;

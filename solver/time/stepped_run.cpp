@@ -1,13 +1,19 @@
 // See stepped_run.hpp.
 #include "solver/time/stepped_run.hpp"
 
+#include "solver/time/later_plan.hpp"
 #include "solver/time/one_run.hpp"
+#include "solver/time/shared_work.hpp"
 #include "solver/time/start_state.hpp"
 #include "solver/time/trust.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <sstream>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace hvi::solver {
 
@@ -22,12 +28,37 @@ public:
   /// Takes steps until this one has been taken.
   void go_to(int step) {
     LapClock<> clock;
-    while (run_->step() < step)
+    while (run_->step() < step) {
+      if (changed_ < changes_.size() && changes_[changed_].after == run_->step())
+        go_on_as(changes_[changed_++].plan);
       if (const auto restart = run_->take_step(clock)) {
         restarts_.take(*restart, false);
         start();
       }
+    }
     if (run_->at_end()) run_->certify();
+  }
+
+  /// The steps from the next one on are those of this plan.
+  void change(const Plan& plan) {
+    const int step = run_->step();
+    require_same_evolution(changes_.empty() ? of_.plan_ : changes_.back().plan, plan,
+                           of_.discretisation_);
+    std::vector<Change> before = changes_;
+    if (!changes_.empty() && changes_.back().after == step) changes_.pop_back();
+    changes_.push_back({step, plan});
+    try {
+      if (run_->reduced() || (!of_.discretisation_.dofs.homogeneous && !run_->imposed())) {
+        start(); // states hold more from now on
+        go_to(step);
+      }
+      go_on_as(plan);
+      changed_ = changes_.size();
+    } catch (...) {
+      changes_ = std::move(before);
+      changed_ = changes_.size();
+      throw;
+    }
   }
 
   const OneRun& run() const { return *run_; }
@@ -43,29 +74,76 @@ public:
   }
 
 private:
+  struct Change {
+    int after; ///< this step
+    Plan plan;
+  };
+
+  Plan applied(const Plan& plan) const {
+    Plan out = restarts_.applied(plan);
+    if (!changes_.empty()) out.options.proportional_path = false; // loads are no modes of the state
+    return out;
+  }
+
   void start() {
+    changed_ = 0;
+    make(applied(of_.plan_));
+  }
+
+  void make(Plan plan) {
     run_.reset(); // reads the plan
-    plan_.emplace(restarts_.applied(of_.plan_));
+    plan_.emplace(std::move(plan));
     run_.emplace(*plan_, of_.discretisation_, of_.settings_, restarts_, nullptr);
+  }
+
+  void make_after(Plan plan, int step, const std::string& state) {
+    make(std::move(plan));
+    if (step == 0) return;
+    std::istringstream in(state);
+    if (const auto end = run_->take_over(in)) restarts_.take(*end, false);
+  }
+
+  /// From the accepted state; where that fails the run is what it was.
+  void go_on_as(const Plan& plan) {
+    const int step = run_->step();
+    std::ostringstream out;
+    out.exceptions(std::ios::badbit); // memory that runs out is no shorter state
+    run_->hand_over(out);
+    const std::string state = std::move(out).str();
+    const Plan before = *plan_;
+    try {
+      make_after(applied(plan), step, state);
+    } catch (const Failure&) {
+      make_after(before, step, state);
+      throw;
+    }
   }
 
   const SteppedRun& of_;
   Restarts restarts_;
+  std::vector<Change> changes_;
+  std::size_t changed_ = 0; ///< so many of them hold
   std::optional<Plan> plan_;
   std::optional<OneRun> run_;
 };
 
-SteppedRun::SteppedRun(const Plan& plan, const Discretisation& discretisation,
+SteppedRun::SteppedRun(const Plan& plan, Discretisation& discretisation,
                        const std::atomic<bool>* stop)
-    : plan_(plan), discretisation_(discretisation) {
-  plan_.report.fields.clear();
-  for (TableSpec& table : plan_.report.tables) table.every = 1;
+    : plan_(as_run(plan)), discretisation_(discretisation) {
   settings_.stop = stop;
   if (plan_.start) plan_ = with_start_solved(plan_, discretisation, settings_, start_notes_);
   settings_.on_step = [this](int, double t, const Vector& u, const Vector& xi) {
     t_ = t, u_ = u, xi_ = xi;
   };
   tried_ = std::make_unique<Tried>(*this);
+}
+
+/// Every step is looked at, and no files are written.
+Plan SteppedRun::as_run(const Plan& plan) {
+  Plan out = plan;
+  out.report.fields.clear();
+  for (TableSpec& table : out.report.tables) table.every = 1;
+  return out;
 }
 
 SteppedRun::~SteppedRun() = default;
@@ -77,6 +155,20 @@ bool SteppedRun::advance() {
   tried_->go_to(step_ + 1);
   ++step_;
   return true;
+}
+
+void SteppedRun::change(const Plan& plan) {
+  if (tried_->run().at_end())
+    throw Failure(FailureKind::bad_value, {}, "the last step has been taken",
+                  "change values before it");
+  Plan next = as_run(plan);
+  next.start.reset(); // is behind it
+  next.problem.time.start = plan_.problem.time.start;
+  if (std::ranges::any_of(next.problem.space.dirichlet,
+                          [](const DirichletSpec& imposed) { return !imposed.value.empty(); }))
+    discretisation_.dofs.homogeneous = false;
+  if (!discretisation_.shared) discretisation_.shared = std::make_shared<SharedWork>();
+  tried_->change(next);
 }
 
 double SteppedRun::value(std::string_view column) const {

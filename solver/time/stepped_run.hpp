@@ -13,12 +13,19 @@ namespace hvi::solver {
 class SteppedRun {
 public:
   /// `discretisation`, and what `stop` points to, outlive it.
-  SteppedRun(const Plan& plan, const Discretisation& discretisation,
+  SteppedRun(const Plan& plan, Discretisation& discretisation,
              const std::atomic<bool>* stop = nullptr);
   SteppedRun(const SteppedRun&) = delete;
   SteppedRun& operator=(const SteppedRun&) = delete;
   ~SteppedRun();
 
+  /// The steps from the next one on are those of this plan, which differs in numbers only
+  /// (later_plan.hpp): loads, imposed values, laws, coefficients. The past stays what it was; with
+  /// schemes that look back the equation of the next step holds the new plan at its beginning, too.
+  /// States then hold all unknowns and imposed values: where they held the contact unknowns only,
+  /// or where all imposed values were zero, the steps are taken again, once. Forms and factors that
+  /// stay as they are are kept in the discretisation. Throws Failure, and goes on as before then.
+  void change(const Plan& plan);
   /// Takes the next step; false: the last one has been taken. A run that has to start again in
   /// another way (run.cpp) does so up to this step. Throws as run() does, and can go no further
   /// then.
@@ -37,8 +44,10 @@ public:
 private:
   class Tried;
 
+  static Plan as_run(const Plan& plan);
+
   Plan plan_;
-  const Discretisation& discretisation_;
+  Discretisation& discretisation_;
   RunSettings settings_;
   std::vector<StepNote> start_notes_; ///< of the problem that it starts from
   std::unique_ptr<Tried> tried_;

@@ -24,12 +24,17 @@ Value = Union[int, float, str]
 Progress = Callable[[int, int, float], None]  #: step, steps, CPU seconds so far
 
 
-def as_given(value: Value) -> str:
+def as_given(name: str, value: Value) -> str:
     """A value of a parameter as a script reads it, with all its digits."""
     if isinstance(value, str):
         return value
-    number = value.item() if hasattr(value, "item") else value  # of NumPy
-    return repr(int(number)) if isinstance(number, (bool, int)) else repr(float(number))
+    number = value.item() if getattr(value, "size", 0) == 1 else value  # of NumPy
+    if isinstance(number, (bool, int)):
+        return repr(int(number))
+    try:
+        return repr(float(number))
+    except TypeError:
+        raise TypeError(f"the parameter {name!r} is a number or a word, not {value!r}") from None
 
 
 @dataclass(frozen=True)
@@ -90,7 +95,7 @@ class Model:
         return f"<hvi.Model {self.path}{values}>"
 
     def _defines(self, params: Optional[Mapping[str, Value]] = None) -> dict[str, str]:
-        return {name: as_given(value) for name, value in {**self._given, **(params or {})}.items()}
+        return {name: as_given(name, value) for name, value in {**self._given, **(params or {})}.items()}
 
     @property
     def params(self) -> dict[str, Parameter]:
@@ -138,7 +143,8 @@ class Model:
 
     def steps(self, **params: Value) -> Steps:
         """A run that is taken step by step: `for step in model.steps(): ...`"""
-        return Steps(self._model.steps(self._defines(params)))
+        defines = self._defines(params)
+        return Steps(self._model.steps(defines), defines)
 
     def check(self, **params: Value) -> Check:
         """Judges the hypotheses of the theorem for these parameters."""
@@ -213,16 +219,42 @@ class Step:
 
 class Steps:
     """The steps of a run, one after the other: the next one is computed when it is asked for, so that another program can use each
-    before the next. What a script states does not change on the way. A loop that is left early leaves the run where it is:
-    it can go on, or be concluded.
+    before the next, and answer with `set`. A loop that is left early leaves the run where it is: it can go on, or be concluded.
     """
 
-    def __init__(self, stepping: Any):
+    def __init__(self, stepping: Any, defines: Mapping[str, str]):
         self._stepping = stepping
+        self._defines = dict(defines)
         self._failed = False
         self._result: Optional[Result] = None
-        refuse(stepping.start())
+        self._described = stepping.start()
+        refuse(self._described)
         self.grid: Grid = grid_from(stepping.grid())  #: of all fields
+
+    @property
+    def params(self) -> dict[str, Parameter]:
+        """Parameters by name, with the values that the next step has."""
+        return {p["name"]: Parameter(**p) for p in self._described["data"]["params"]}
+
+    def set(self, **params: Value) -> None:
+        """Values of parameters from the next step on, each in the unit in which the script declares it: `steps.set(load=2.5)`. Others
+        stay as they are.
+
+        Free to change is what enters loads, imposed values, bounds and other numbers of laws, coefficients of forms, and rates of
+        states. The past stays what it was: displacements, states, and what memories have summed up. Certificates judge each step with
+        the values it had. Where only loads or imposed values change, matrices and factors are kept.
+
+        Raises ScriptError, and changes nothing, where the script has no such parameter (with the names of those it has), where a value
+        is no value of its kind or out of its range, and where it would change what a run cannot change on its way: the mesh, the
+        unknowns, the times, initial values, a memory's kernel. Set before the first step where a parameter will be set at all: a run
+        that held its contact unknowns only takes its steps once more.
+        """
+        if self._failed or self._result is not None:
+            raise ValueError("the run has ended: begin another with model.steps()")
+        given = {**self._defines, **{name: as_given(name, value) for name, value in params.items()}}
+        answer = self._stepping.set(given)
+        refuse(answer)
+        self._defines, self._described = given, answer
 
     def __len__(self) -> int:
         """How many steps the run has."""

@@ -43,5 +43,56 @@ TEST(SteppedRun, MayEndEarly) {
   EXPECT_FALSE(result.certificate.certified);
 }
 
+/// The states of a run whose loads are three times as large after step `n`; 0: never.
+std::vector<Vector> pulled_harder(const Plan& plan, int n) {
+  Discretisation d;
+  EXPECT_TRUE(discretise(plan, d).empty());
+  Plan harder = plan;
+  for (LoadTerm& load : harder.problem.loads)
+    for (auto& entry : load.entries) entry.value = 3.0 * entry.value;
+  SteppedRun stepped(plan, d);
+  std::vector<Vector> out;
+  while (stepped.advance()) {
+    out.push_back(stepped.u());
+    if (stepped.step() == n) stepped.change(harder);
+  }
+  EXPECT_TRUE(stepped.conclude().certificate.certified);
+  return out;
+}
+
+TEST(SteppedRun, GoesOnAsAnotherPlan) {
+  Plan plan = slab(3, 8);
+  const auto states = pulled_harder(plan, 5), others = pulled_harder(plan, 0);
+  const Expr factor = select(less(var(slot::t), Expr(0.65)), Expr(1.0), Expr(3.0));
+  for (LoadTerm& load : plan.problem.loads)
+    for (auto& entry : load.entries) entry.value = factor * entry.value;
+  const auto expected = pulled_harder(plan, 0);
+  for (std::size_t n = 0; n < states.size(); ++n)
+    EXPECT_LT((states[n] - expected[n]).norm(), 1e-12 * expected[n].norm()) << n;
+  EXPECT_GT((states[6] - others[6]).norm(), 0.1 * others[6].norm());
+}
+
+TEST(SteppedRun, RefusesAPlanThatIsNoLaterOne) {
+  const Plan plan = slab(2, 4);
+  Discretisation d;
+  ASSERT_TRUE(discretise(plan, d).empty());
+  SteppedRun stepped(plan, d);
+  ASSERT_TRUE(stepped.advance());
+  Plan other = plan;
+  other.problem.histories[0].kernel.expression = exponential_kernel(0.7).expression;
+  EXPECT_THROW(stepped.change(other), Failure);
+  EXPECT_THROW(stepped.change(slab(2, 8)), Failure);
+  EXPECT_THROW(stepped.change(slab(3, 4)), Failure);
+  EXPECT_THROW(stepped.change(slab(2, 4, 2, true)), Failure);
+  const Vector before = stepped.u();
+  while (stepped.advance()) {
+  }
+  EXPECT_THROW(stepped.change(plan), Failure); // no step follows
+  Discretisation alone;
+  ASSERT_TRUE(discretise(plan, alone).empty());
+  EXPECT_EQ(stepped.u(), run(plan, alone, {}).u);
+  EXPECT_NE(stepped.u(), before);
+}
+
 } // namespace
 } // namespace hvi::solver
