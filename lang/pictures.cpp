@@ -117,7 +117,10 @@ draw::CurvePlot panel_of(const solver::GraphSpec& graph, const solver::TimeSpec&
     const auto& kernel = std::get<solver::KernelSpec>(graph.of);
     curve.points = kernel_curve(kernel, t0, t);
     out.x_name = "t \u2212 s" + units.behind("t");
-    out.y_name = "q" + (kernel.name == graph.name ? units.of_kernel(graph.name) : "");
+    const bool itself = kernel.name == graph.name;
+    if (!kernel.name.empty() && !itself)
+      out.title += " = q " + kernel.name + units.of_kernel(graph.name);
+    out.y_name = itself ? "q" + units.of_kernel(graph.name) : "q, the factor of time";
   }
   out.curves.push_back(std::move(curve));
   return out;

@@ -1,12 +1,15 @@
 // What a report shows of the body and of its tables: pictures, lines, plots. See checker.hpp.
 #include "lang/check/checker.hpp"
+#include "lang/check/tensor_words.hpp"
 #include "lang/diag/suggest.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
+#include <vector>
 
 namespace hvi::lang {
 
@@ -16,26 +19,21 @@ namespace slot = solver::slot;
 std::optional<solver::FieldSpec> Checker::drawn_field(const ast::Expr& e, const std::string& what) {
   auto f = output_field(e);
   if (!f) return std::nullopt;
-  const auto reads = [&](int first, int past) {
-    return std::ranges::any_of(f->components,
-                               [&](const Symbol& c) { return c.depends_on_any(first, past); });
+  const auto on_facets = [&](solver::Slot s) {
+    if (!slot::is_state(s)) return slot::is_multiplier(s);
+    const auto& state = model_.states[static_cast<std::size_t>(s - slot::first_state)];
+    return model_.parts[static_cast<std::size_t>(state.spec.part)].kind !=
+           solver::Group::Kind::cells;
   };
-  if (reads(slot::first_multiplier, slot::first_inside)) {
-    error("E0306", e.span,
-          fmt::format("`{}` lives at the points of a law: {} shows what every point of the body "
-                      "has",
-                      f->name, what),
-          "write it with `fields` and open the VTU file");
-    return std::nullopt;
-  }
-  if (reads(slot::first_state, slot::first_probe)) {
-    error("E0306", e.span,
-          fmt::format("`{}` reads a state, or a coefficient that changes in time: {} does not",
-                      f->name, what),
-          "columns of a table do, at points: `a = sigma.xx at [0.5, 0.5]`; so do `fields` and "
-          "`picture`");
-    return std::nullopt;
-  }
+  for (const Symbol& component : f->components)
+    if (std::ranges::any_of(component.slots(), on_facets)) {
+      error("E0306", e.span,
+            fmt::format("`{}` lives at the points of a law: {} shows what every point of the body "
+                        "has",
+                        f->name, what),
+            "write it with `fields` and open the VTU file");
+      return std::nullopt;
+    }
   return f;
 }
 
@@ -61,17 +59,27 @@ bool Checker::is_graph(const ast::Expr& e) const {
 
 namespace {
 
+using Variables = std::function<double(solver::Slot)>;
+
+/// Some times, of the run and before it, at which a kernel may be looked at.
+std::vector<Variables> times_within(const std::vector<double>& grid) {
+  std::vector<Variables> out;
+  if (grid.empty()) return out;
+  const double end = grid.back(), length = end - grid.front();
+  for (const double share : {0.5, 0.25, 0.9})
+    out.emplace_back([=](solver::Slot s) {
+      return s == slot::lag ? share * length : s == slot::t ? end : 0.0;
+    });
+  return out;
+}
+
 /// A factor of time with the sign of the kernel that it is of: memories of K and -K are one. Of a
 /// tensor the first entry that is not zero tells.
-Symbol as_declared(const Symbol& factor, const Field& kernel, const std::vector<double>& grid) {
+Symbol as_declared(const Symbol& factor, const Field& kernel, const std::vector<Variables>& times) {
   const auto first =
       std::ranges::find_if(kernel.components, [](const Symbol& c) { return !c.is(0.0); });
-  if (first == kernel.components.end() || grid.empty()) return factor;
-  const double end = grid.back(), length = end - grid.front();
-  for (const double share : {0.5, 0.25, 0.9}) {
-    const auto at = [&](solver::Slot s) {
-      return s == slot::lag ? share * length : s == slot::t ? end : 0.0;
-    };
+  if (first == kernel.components.end()) return factor;
+  for (const Variables& at : times) {
     const double both = solver::evaluate(*first, at) * solver::evaluate(factor, at);
     if (std::isfinite(both) && both != 0.0) return both < 0.0 ? -factor : factor;
   }
@@ -108,12 +116,15 @@ bool Checker::graph(const ast::Expr& e, solver::GraphsSpec& out) {
     if (history.name == name || std::ranges::find(history.also, name) != history.also.end()) {
       const auto declared = kernel_field(e, Scope{});
       const bool itself = declared && is_of_time(*declared);
+      const auto times = times_within(model_.time.grid);
       const Symbol drawn = itself     ? declared->components[0]
-                           : declared ? as_declared(history.kernel, *declared, model_.time.grid)
+                           : declared ? as_declared(history.kernel, *declared, times)
                                       : history.kernel;
+      const std::string tensor =
+          declared && !itself ? tensor_beside(*declared, drawn, times) : std::string();
       out.graphs.push_back(
-          {name, solver::KernelSpec{
-                     itself ? name : "factor of " + name, model_.origin(history.span), drawn, {}}});
+          {name,
+           solver::KernelSpec{itself ? name : tensor, model_.origin(history.span), drawn, {}}});
       found = true;
     }
   if (!found)

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace hvi::lang {
 
@@ -98,6 +99,9 @@ std::optional<Model> Checker::run() {
   if (!diagnostics_.has_errors()) check_unused();
   if (options_.on_name) tell_facts();
   if (diagnostics_.has_errors() || !find_) return std::nullopt;
+  // They were evaluated when something asked for them.
+  std::ranges::sort(model_.params, {},
+                    [](const ModelParam& p) { return std::pair(p.span.file, p.span.begin); });
   return std::move(model_);
 }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
@@ -40,24 +41,46 @@ std::vector<std::string> columns_of(const FieldSpec& field) {
   return out;
 }
 
-LineValues::LineValues(const LineSpec& spec, const Discretisation& d, const CellLocator& locator)
+LineValues::LineValues(const LineSpec& spec, const Problem& problem, const Discretisation& d,
+                       const Contact& contact, const CellLocator& locator)
     : spec_(&spec), dim_(d.mesh.dim), places_(places_of(spec)) {
   for (const auto& field : spec.fields)
     for (auto& name : columns_of(field)) names_.push_back(std::move(name));
+  const auto value_at = [&](const Expr& component, const Point& at, int cell,
+                            std::array<double, 4> in) -> Value {
+    Expr expression = component;
+    if (reads_multiplier(component)) {
+      try {
+        auto found = LawSampler::at(problem, d, contact, component, spec.origin, at);
+        if (found) return std::move(*found);
+      } catch (const Failure&) { // a state that does not live there
+        return std::monostate();
+      }
+      expression = away_from_states(problem, component);
+    }
+    const int its = cell_that_reads(d, expression, at, cell, in);
+    if (its < 0) return std::monostate();
+    return PointValue(d.space, expression, its, in);
+  };
   std::array<double, 4> barycentric{};
   for (const Point& at : places_) {
     auto& here = values_.emplace_back();
     const int cell = locator.find(at, barycentric);
     if (cell < 0) continue;
     for (const auto& field : spec.fields)
-      for (const Expr& component : field.components) {
-        auto in = barycentric;
-        const int its = cell_that_reads(d, component, at, cell, in);
-        here.push_back(its < 0
-                           ? std::optional<PointValue>()
-                           : std::optional<PointValue>(std::in_place, d.space, component, its, in));
-      }
+      for (const Expr& component : field.components)
+        here.push_back(value_at(component, at, cell, barycentric));
   }
+  refuse_elsewhere();
+}
+
+void LineValues::refuse_elsewhere() const {
+  for (std::size_t c = 0; c < names_.size(); ++c)
+    if (std::ranges::all_of(values_, [&](const auto& here) {
+          return here.empty() || std::holds_alternative<std::monostate>(here[c]);
+        }))
+      throw Failure(FailureKind::bad_value, spec_->origin,
+                    fmt::format("no point of the line lies where `{}` lives", names_[c]));
 }
 
 void LineValues::name_columns() {
@@ -78,16 +101,20 @@ void LineValues::restore(StateReader& r) {
   for (auto& column : table_.columns) column = r.get_vector<double>(places_.size());
 }
 
-void LineValues::take(const Snapshot& snapshot) {
+void LineValues::take(const Contact& contact, const Snapshot& snapshot) {
   name_columns();
+  const auto number = [&](Value& value) {
+    if (auto* inside = std::get_if<PointValue>(&value)) return (*inside)(snapshot.values());
+    if (auto* sampler = std::get_if<LawSampler>(&value))
+      return sampler->integral(contact, snapshot);
+    return std::nan("");
+  };
   for (std::size_t k = 0; k < places_.size(); ++k) {
     auto column = table_.columns.begin();
     (column++)->push_back(distance_between(places_[k], places_[0]));
     for (int i = 0; i < dim_; ++i) (column++)->push_back(places_[k][static_cast<std::size_t>(i)]);
     for (std::size_t c = 0; c < names_.size(); ++c)
-      (column++)->push_back(values_[k].empty() || !values_[k][c]
-                                ? std::nan("")
-                                : (*values_[k][c])(snapshot.values()));
+      (column++)->push_back(values_[k].empty() ? std::nan("") : number(values_[k][c]));
   }
 }
 

@@ -4,30 +4,35 @@
 #include "solver/common/stream.hpp"
 #include "solver/mesh/mesh.hpp"
 #include "solver/output/table.hpp"
-#include "solver/time/fields.hpp"
+#include "solver/time/law_sampler.hpp"
 
-#include <optional>
+#include <variant>
 #include <vector>
 
 namespace hvi::solver {
 
-struct Discretisation;
-
-/// The fields of one `line` item at its places. Where the mesh has no such place the values are
-/// NaN.
+/// The fields of one `line` item at its places, as probes have them there. Where the mesh has no
+/// such place the values are NaN.
 class LineValues {
 public:
-  LineValues(const LineSpec& spec, const Discretisation& d, const CellLocator& locator);
+  LineValues(const LineSpec& spec, const Problem& problem, const Discretisation& d,
+             const Contact& contact, const CellLocator& locator);
 
   const LineSpec& spec() const { return *spec_; }
   /// Columns: the distance from the first place, the coordinates, the fields.
-  void take(const Snapshot& snapshot);
+  void take(const Contact& contact, const Snapshot& snapshot);
   bool taken() const { return !table_.columns.empty(); }
   const ReportTable& table() const { return table_; }
   void save(StateWriter& w) const;
   void restore(StateReader& r);
 
 private:
+  /// Of an expression at a place; of one that reads states, at the points where they live. The
+  /// first: what it reads does not live there.
+  using Value = std::variant<std::monostate, PointValue, LawSampler>;
+
+  /// Throws Failure(bad_value) for a column without values.
+  void refuse_elsewhere() const;
   void name_columns();
 
   const LineSpec* spec_;
@@ -35,7 +40,7 @@ private:
   std::vector<std::string> names_;
   std::vector<Point> places_;
   /// By place, then component; none where the mesh has no such place.
-  std::vector<std::vector<std::optional<PointValue>>> values_; ///< none where no unknown lives
+  std::vector<std::vector<Value>> values_;
   ReportTable table_;
 };
 

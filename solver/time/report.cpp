@@ -56,7 +56,8 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, const RunState& ru
   std::size_t places = 0;
   for (const auto& line : plan.report.lines) places += static_cast<std::size_t>(line.points);
   const CellLocator locator(d.mesh, places);
-  for (const auto& line : plan.report.lines) lines_.emplace_back(line, d, locator);
+  for (const auto& line : plan.report.lines)
+    lines_.emplace_back(line, plan.problem, d, contact_, locator);
   columns_.resize(values_.size());
 }
 
@@ -189,7 +190,7 @@ void Reporter::read_between_steps(const RunState& run) {
     const auto& at = line.spec().time;
     if (!at || *at > to || *at < from || (*at == from && !first)) continue;
     go_to(*at);
-    line.take(between_);
+    line.take(contact_, between_);
   }
 }
 
@@ -206,7 +207,7 @@ void Reporter::show_at_end() {
   for (std::size_t i = 0; i < pictures_.size(); ++i)
     if (!plan_.report.pictures[i].time) show(i, now_);
   for (LineValues& line : lines_)
-    if (!line.spec().time) line.take(now_);
+    if (!line.spec().time) line.take(contact_, now_);
 }
 
 /// What holds for a step is affine between the ends of two; where it is of the step as a whole,

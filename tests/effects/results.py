@@ -368,6 +368,48 @@ def check_lines(folder):
         assert [bool(r["u.y"]) for r in outside] == [True, True, False], outside
 
 
+# Damage of one of two bodies, and stiffness that grows in time.
+CHANGING = """
+param N = 8
+mesh body = rectangle(2, 1, cells = [8, 4])
+part soft = body where x < 1
+part stiff = body - soft
+part floor = body.bottom
+part roof = body.top
+tensor B = isotropic(young = 70, poisson = 0.3)
+state d on soft with rate 5*norm(eps(u)) from d = 0 in [0, 0.95]
+space V = vector {element} on body, zero on floor
+find u in V for t in [0, 1] by N steps from u = 0
+such that for all v in V
+    integral(soft, (1 + 0.2*t)*(1 - d)*B : eps(u) : eps(v)) + integral(stiff, (1 + 0.2*t)*B : eps(u) : eps(v))
+ = integral(roof, dot([0.8*t, 0.4*t], v))
+report
+  {report}
+"""
+
+
+def check_lines_of_what_changes(folder):
+    """Stresses that read the time and a state, and the state itself: the bits of columns at the same places, in cells and between."""
+    places = [((13 + 22 * k) / 128, (109 - 8 * k) / 128) for k in range(9)]  # sums of them have no rounding
+    begin, end = list(places[0]), list(places[-1])
+    for element in ("P1", "P2"):
+        for when in ("", " at t = 0.55"):
+            columns = ", ".join(f"s{k} = sigma.xx at [{x!r}, {y!r}]{when}, m{k} = mises(sigma) at [{x!r}, {y!r}]{when}"
+                                + (f", d{k} = d at [{x!r}, {y!r}]{when}" if x < 1 else "") for k, (x, y) in enumerate(places))
+            run(folder, CHANGING.format(element=element, report=f"""table {columns}
+  line sigma.xx, mises(sigma), u.y from {begin} to {end} by 9 points{when} to "along.csv"
+  line d from {begin} to {end} by 9 points{when} to "damage.csv" """))
+            table, line, damage = rows(folder)[-1], rows(folder, "along"), rows(folder, "damage")
+            assert max(d.get("d", 0) for d in damage) > 0.01
+            for k, (x, y) in enumerate(places):
+                assert (line[k]["x"], line[k]["y"]) == (x, y)
+                assert (line[k]["sigma.xx"], line[k]["mises_sigma"]) == (table[f"s{k}"], table[f"m{k}"])
+                assert damage[k].get("d") == table.get(f"d{k}"), (k, damage[k])  # none beyond the soft part
+    (folder / "away.hvi").write_text(CHANGING.format(element="P1", report="line d from [1.2, 0.5] to [1.8, 0.5] by 3 points"))
+    done = subprocess.run([HVI_RUN, str(folder / "away.hvi"), "-o", str(folder / "out")], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 1 and "no point of the line lies where `d` lives" in done.stderr, done.stderr
+
+
 def check_sweep(folder):
     text = PLATE.replace("mesh plate", "param k = 1\nparam degree = P1\nmesh plate").replace("sin(2*t)", "k*sin(2*t)").format(
         tensor=ISOTROPIC, element="degree", report="table tip = u.y at [1, 1], held = reaction(wall)\nstudy vary k in [1, 2, 3] and degree in [P1, P2]")
@@ -451,7 +493,7 @@ def check_resume(folder):
 
 
 def main():
-    for check in (check_motion, check_pairs, check_extremes, check_mises, check_lines, check_sweep, check_pictures, check_resume):
+    for check in (check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_sweep, check_pictures, check_resume):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
     check_examples()

@@ -34,6 +34,15 @@ TEST(Mistakes, WhatDependsOnAWrongThingIsSilent) {
   EXPECT_EQ(script.errors, Codes{"E0305"});
 }
 
+TEST(Mistakes, ParametersStandInTheOrderOfTheScript) {
+  const auto script = checked(problem(2, "param a = 2*c\nparam b = 1\nparam c = b\n" + tensor, left,
+                                      "integral(body, a*v.y)"));
+  ASSERT_TRUE(script.model);
+  std::string names;
+  for (const auto& p : script.model->params) names += p.name;
+  EXPECT_EQ(names, "abc");
+}
+
 TEST(Mistakes, ParametersAreOverriddenWithinTheirRange) {
   const std::string text =
       problem(2, "param k = 2 in [1, 3]\n" + tensor, left, "integral(body, k*v.y)");
