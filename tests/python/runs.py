@@ -294,6 +294,9 @@ class Process(unittest.TestCase):
         hvi.load(EXAMPLES / "slab.hvi").run(n=24, N=1024, progress=lambda *now: seen.append(now))
         self.assertEqual(seen[-1][:2], (1024, 1024))
         self.assertEqual(seen, sorted(seen))
+        short = []  # a run that is over before anybody has looked
+        hvi.load(EXAMPLES / "slab.hvi").run(n=2, N=3, progress=lambda *now: short.append(now))
+        self.assertEqual(short[-1][:2], (3, 3))
 
     def test_what_a_callback_throws_ends_the_run(self):
         def refuse(step, steps, seconds):

@@ -200,6 +200,15 @@ def keyboard(browser):
     browser.wait("document.activeElement.id === 'content'")
     tab(browser)
     check("behind it Tab goes on in the content", browser.run("document.querySelector('main').contains(document.activeElement)"))
+    hidden = browser.run("""(() => { const out = [];
+        for (const link of document.querySelectorAll("nav a")) {
+          link.click();
+          const heading = document.querySelector(link.hash).querySelector("h2") || document.querySelector(link.hash);
+          const top = heading.getBoundingClientRect().top, below = document.querySelector("nav").getBoundingClientRect().bottom;
+          if (!(top >= below && top < innerHeight)) out.push([link.hash, top, below]);
+        }
+        return out; })()""")
+    check("a link of the menu shows its heading, below the menu", not hidden, hidden)
     browser.run("document.getElementById('play').focus()")
     for _ in range(2):  # plays, stops
         before = browser.run("document.body.viewer.playing || false")
