@@ -101,7 +101,7 @@ void InequalityEngine::solve_at_once(Methods methods, InequalityState& io,
     outcome = components_.solve_branch(at_, methods, report);
     certify(at_, options_.tolerance, report);
   }
-  if (!report.converged && outcome == MethodOutcome::solved && report.used_fallback)
+  if (!report.converged && outcome != MethodOutcome::indefinite && report.used_fallback)
     certify(at_, options_.tolerance, report, options_.tolerance);
   if (at_.idle && report.iterations == 1 && at_.xi.isZero(0.0)) report.iterations = 0;
   at_.store(io);

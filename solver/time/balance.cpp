@@ -10,7 +10,7 @@
 namespace hvi::solver {
 namespace {
 
-/// Of the terms of a right-hand side: what their sum is known to.
+/// Of the terms of a sum: what it is known to.
 constexpr double rounding_of_terms = 1e-15;
 
 /// Matrices are stored once more, for products that read half, when a run has so many steps.
@@ -48,6 +48,7 @@ Vector Balance::coefficients(int n) const {
 
 void Balance::known_state(int n, Vector& out) {
   out = evolution_.u();
+  note_largest(out);
   if (formulation_.imposed()) imposed_.put(evolution_.grid().t(n), out);
 }
 
@@ -134,11 +135,43 @@ void Balance::add_terms(const StepEquation& equation, double factor, Vector& out
   }
 }
 
+int Balance::unknown_of(Eigen::Index row) const {
+  const auto& of_unknown = formulation_.contact().of_unknown;
+  return of_unknown.empty() ? 0 : of_unknown[static_cast<std::size_t>(row)];
+}
+
+void Balance::note_largest(const Vector& state) {
+  for (Eigen::Index i = 0; i < formulation_.layout().n_unknowns; ++i) {
+    double& largest = largest_[unknown_of(i)];
+    largest = std::max(largest, std::abs(state[i]));
+  }
+}
+
+std::array<double, slot::most_unknowns> Balance::rounding_of_largest() const {
+  auto out = largest_;
+  for (double& value : out) value *= rounding_of_terms;
+  return out;
+}
+
+bool Balance::is_rounding(const Vector& change) const {
+  const auto known_to = rounding_of_largest();
+  for (Eigen::Index i = 0; i < change.size(); ++i)
+    if (!(std::abs(change[i]) <= known_to[unknown_of(i)])) return false;
+  return true;
+}
+
+void Balance::add_past(const SparseMatrix& k, double factor, Vector& out) const {
+  for (int i = 0; i < k.rows(); ++i)
+    for (SparseMatrix::InnerIterator it(k, i); it; ++it)
+      out[i] += factor * std::abs(it.value()) * largest_[unknown_of(it.col())];
+}
+
 double Balance::error_beside_rounding(const StepEquation& equation, const StepMatrix& matrix,
                                       const Vector& xi, const Trial& trial, double tolerance) {
   Vector gap(equation.rhs.size());
   gap_and_scale(matrix.k(), trial.d, equation.rhs, gap, scale_);
   add_terms(equation, rounding_of_terms / tolerance, scale_);
+  add_past(matrix.k(), rounding_of_terms / tolerance, scale_);
   return equilibrium_error(matrix.k(), trial.d, gap, scale_, formulation_.contact().reactions(),
                            xi);
 }
@@ -153,6 +186,15 @@ InteriorEquilibrium::Question Balance::question(int n, const Vector& d, const Ve
   load.find(n, out.load);
   out.xi = xi;
   return out;
+}
+
+void Balance::save(StateWriter& w) const {
+  for (const double largest : largest_) w.put(largest);
+}
+
+void Balance::restore(StateReader& r) {
+  for (double& largest : largest_)
+    if (largest = r.get<double>(); !(largest >= 0.0)) r.fail("is inconsistent");
 }
 
 void take_back_change(const Operators& operators, StepEquation& equation) {

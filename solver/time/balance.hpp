@@ -1,10 +1,15 @@
 // The balance of forces of a step: its equation, and what an increment leaves of it.
 #pragma once
 
+#include "solver/common/stream.hpp"
+#include "solver/kernel/slot.hpp"
 #include "solver/linear/symmetric_blocks.hpp"
 #include "solver/time/evolution.hpp"
 #include "solver/time/imposed_values.hpp"
 #include "solver/time/step_load.hpp"
+
+#include <array>
+#include <vector>
 
 namespace hvi::solver {
 
@@ -57,12 +62,19 @@ public:
   /// Sets kd and gap of trial.d.
   EquationResidual residual(const StepEquation& equation, StepMatrix& matrix, const Vector& xi,
                             Trial& trial);
-  /// The error of that residual where what rounding leaves of the terms of the right-hand side is
-  /// no part of it: of an unknown that is at rest beside others all increments are such rounding.
+  /// The error of that residual where what rounding leaves of the terms of the right-hand side, and
+  /// of the largest values so far, is no part of it: of an unknown that is at rest beside others
+  /// all increments are such rounding, and of one that went back to zero its values, too.
   double error_beside_rounding(const StepEquation& equation, const StepMatrix& matrix,
                                const Vector& xi, const Trial& trial, double tolerance);
+  /// By unknown.
+  std::array<double, slot::most_unknowns> rounding_of_largest() const;
+  /// Is a change of the unknowns rounding of the largest values so far, each of its own?
+  bool is_rounding(const Vector& change) const;
   /// What a check of step n on all rows is asked, its increment being d.
   InteriorEquilibrium::Question question(int n, const Vector& d, const Vector& xi) const;
+  void save(StateWriter& w) const;
+  void restore(StateReader& r);
   /// The base matrices once more for products, in half the memory; empty: not used.
   const std::vector<SymmetricBlocks>& halves() const { return halves_; }
 
@@ -73,12 +85,17 @@ private:
   /// Adds |f_n| + sum_b |T_b| |what is known on base matrix b|: the right-hand side before its
   /// terms cancel.
   void add_terms(const StepEquation& equation, double factor, Vector& out);
+  /// Adds |K| |the largest values so far of the unknown of each column|.
+  void add_past(const SparseMatrix& k, double factor, Vector& out) const;
+  void note_largest(const Vector& state);
+  int unknown_of(Eigen::Index row) const;
 
   const Formulation& formulation_;
   const Evolution& evolution_;
   ImposedValues imposed_;
   std::vector<SymmetricBlocks> halves_;
-  Vector state_, scale_, product_; ///< room within a call
+  std::array<double, slot::most_unknowns> largest_{}; ///< |values| so far, by unknown
+  Vector state_, scale_, product_;                    ///< room within a call
 };
 
 /// K_n is the factored matrix from now on: what was moved goes back.

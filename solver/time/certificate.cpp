@@ -196,7 +196,8 @@ void find_reach(const Vector& diagonal, const Vector& kd, const Vector& d, const
     most = std::max(most, contact.reach[i]);
   }
   for (const int i : contact.loaded)
-    contact.reach[i] += part_of_largest_reach * largest[contact.unknown_of(i)];
+    contact.reach[i] += part_of_largest_reach * largest[contact.unknown_of(i)] +
+                        contact.least_reach[contact.unknown_of(i)];
 }
 
 namespace {

@@ -285,7 +285,7 @@ LawTime law_time(const Contact& contact, const ContactTerm& term, int p, double 
 } // namespace
 
 void prepare(Contact& contact, const Problem& problem, double t, const LawFields& known,
-             const Vector& xi) {
+             const Vector& xi, const Vector* moved) {
   auto read = contact.readings.begin();
   for (auto& term : contact.terms) {
     const auto& spec = problem.law_terms[term.points.law_term];
@@ -311,8 +311,15 @@ void prepare(Contact& contact, const Problem& problem, double t, const LawFields
     for (int row = term.first_row; row < term.first_row + term.n_rows(); ++row)
       term.for_seen((row - term.first_row) % term.points.rows, [&](int field, double times) {
         const Vector& values = known[field];
-        for (SparseMatrix::InnerIterator it(contact.g, row); it; ++it)
-          size[row] += std::abs(times * it.value() * values[it.col()]);
+        const double factor = known.factor(field);
+        for (SparseMatrix::InnerIterator it(contact.g, row); it; ++it) {
+          double all = std::abs(values[it.col()]);
+          if (it.col() < contact.force.rows()) // no imposed value
+            all += std::abs(factor) * contact.least_reach[contact.unknown_of(it.col())];
+          if (moved != nullptr && it.col() < moved->size())
+            all += std::abs(factor * (*moved)[it.col()]);
+          size[row] += std::abs(times * it.value()) * all;
+        }
       });
 }
 

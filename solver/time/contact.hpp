@@ -16,6 +16,7 @@
 #include "solver/time/state.hpp"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -97,6 +98,9 @@ struct Contact {
   std::vector<LawReadings> readings; ///< of the terms whose laws read the solution
   Vector offset;                     ///< of the argument at the time of the last `prepare`
   Vector reach; ///< of states, 0 but on `unknowns`: a displacement each (find_reach)
+  /// Of several unknowns each, at least: where one went back to zero its values are rounding of its
+  /// largest ones.
+  std::array<double, slot::most_unknowns> least_reach{};
   std::vector<int> other_fields; ///< that laws act on, or read, besides u
   std::vector<StateGroup> state_groups;
   std::vector<int> first_state;  ///< of each state of the plan in state_values; -1: no group has it
@@ -142,9 +146,10 @@ bool put_at_rest(const SparseMatrix& k, const Contact& contact, const Vector& rh
 void read_solution(Contact& contact, double t, const LawFields& fields, const Vector& xi);
 
 /// Sets offset, graphs of laws that change in time or with states, and the reduced problem's known
-/// part. `xi`: the multipliers that coupled laws read.
+/// part. `xi`: the multipliers that coupled laws read. `moved`: an increment that `known` has
+/// already, whose size is in that of the arguments, too, where the two cancel.
 void prepare(Contact& contact, const Problem& problem, double t, const LawFields& known,
-             const Vector& xi);
+             const Vector& xi, const Vector* moved = nullptr);
 
 /// Offsets of a term's arguments at time t with these states.
 void offsets_of(const Contact& contact, const Problem& problem, const ContactTerm& term, double t,

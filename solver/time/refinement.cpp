@@ -98,11 +98,13 @@ void Refinement::refine(const StepMatrix& matrix, const StepEquation& equation,
     if (correction <= smallest_correction) break;
   }
   out.inequality.iterations += iterations, out.inequality.events += events;
+  const bool at_rest = balance_.is_rounding(trial.d);
   trial.d = total;
   contact_part(formulation_.contact(), trial.d, laws.c);
   step_laws.prepare(n, equation.known);
   out.equilibrium = precise.gap(matrix, trial.d, laws.xi, trial.gap);
   trial.kd.noalias() = matrix.k() * trial.d;
+  if (at_rest) return;
   last_correction_ = std::max(last_correction_, last);
   if (!(last <= largest_last) && matrix.free_body() == nullptr)
     too_ill_conditioned(problem_, n, last);

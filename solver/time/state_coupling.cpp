@@ -154,10 +154,25 @@ private:
     }
     for (int k = 0; k < most_newton; ++k) {
       before = error_;
-      if (!newton()) return error_ <= tolerance_ && usable();
+      if (!newton()) break;
       if (near()) return true;
-      if (error_ <= tolerance_ && error_ > 0.25 * before) return true; // rounding is left
+      if (error_ <= tolerance_ && error_ > 0.25 * before) break; // rounding is left
     }
+    return holds_with_wanted() || (error_ <= tolerance_ && usable());
+  }
+
+  /// What rounding leaves of multipliers that depend on each other, or of arguments that cancel, is
+  /// another one in each pass, and states that read it find no rest. Does the last solution hold
+  /// with the states that follow from it? They are taken if so.
+  bool holds_with_wanted() {
+    if (!usable() || wanted_.size() == 0) return false;
+    const Here place = here();
+    contact_.state_values = wanted_;
+    Vector z;
+    const double left = solver_.laws.settle_bounds(equation_.n, equation_.known, trial_.d, z);
+    judge();
+    if (left <= tolerance_ && error_ <= tolerance_) return true;
+    go(place);
     return false;
   }
 

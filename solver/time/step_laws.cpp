@@ -44,7 +44,7 @@ void StepLaws::refuse_impossible(double t) const {
 void StepLaws::prepare(int n, const Vector& u, const Vector* d) {
   if (contact_.none()) return;
   const auto fields = evolution_.law_fields(n, contact_.other_fields, u, d);
-  solver::prepare(contact_, problem_, evolution_.grid().t(n), fields, now.xi);
+  solver::prepare(contact_, problem_, evolution_.grid().t(n), fields, now.xi, d);
 }
 
 void StepLaws::read_solution(int n, const Vector& u, const Vector* d) {

@@ -38,6 +38,9 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   StepLaws& laws = equations.laws;
   equation.n = n;
   balance_.known_state(n, equation.known);
+  const double tolerance = plan_.options.tolerance;
+  contact.least_reach = balance_.rounding_of_largest();
+  for (double& reach : contact.least_reach) reach /= tolerance;
   equations.warm_start.find_change(n, balance_.coefficients(n), matrix, equation, trial.d);
   // Where a branch ends, K_n itself has to say.
   if (formulation_.changes() || (follow && !equation.exact())) {
@@ -55,7 +58,6 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
     laws.start_path(n);
     if (contact.coupled || !contact.readings.empty() || !laws.states.none()) path_start = laws.now;
   }
-  const double tolerance = plan_.options.tolerance;
   const auto* const start = path_start ? &*path_start : nullptr;
   const auto solve = [&](CorrectionStart from) {
     auto result = equations.solve(matrix, from, equation, trial);
@@ -74,6 +76,9 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   if (too_far && out.inequality.converged) refinement.begin();
   if (refinement.on()) {
     refinement.refine(matrix, equation, equations.corrector, laws, trial, out);
+    if (out.equilibrium > tolerance && equation.exact())
+      out.equilibrium =
+          balance_.error_beside_rounding(equation, matrix, laws.now.xi, trial, tolerance);
     if (!contact.readings.empty()) {
       laws.read_solution(n, equation.known, &trial.d);
       laws.prepare(n, equation.known);
@@ -123,12 +128,14 @@ void StepSolver::accept(int n, StepMatrix& matrix, const StepResult& result, Tri
 void StepSolver::save(std::ostream& out) const {
   equations.save(out);
   StateWriter w(out);
+  balance_.save(w);
   refinement.save(w);
 }
 
 void StepSolver::restore(std::istream& in) {
   equations.restore(in);
   StateReader r(in, {});
+  balance_.restore(r);
   refinement.restore(r);
 }
 

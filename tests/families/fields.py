@@ -113,6 +113,8 @@ class FieldTerm(orientation.Term):
 
 
 class Scene:
+    load_of_u = load_of_p = "t"  # their factors of time
+
     def __init__(self, random):
         self.random = random
         self.dim = 2 if random.random() < 0.75 else 3
@@ -255,11 +257,14 @@ class Scene:
         a, m = (matrix[np.ix_(self.free, self.free)] for matrix in (self.a, self.m))
         return self.steps * (a @ last) + m @ (self.steps ** 2 * last + self.steps * velocity)
 
+    def load_at(self, n):
+        return self.load * (n / self.steps)
+
     def reference(self):
         states, velocity = [np.zeros(len(self.free))], np.zeros(len(self.free))
         for n in range(1, self.steps + 1):
             step = Step(self.k, self.law_points(states[-1]))
-            new = step.solve(self.load * (n / self.steps) + self.known(states[-1], velocity), rates.TURNS)
+            new = step.solve(self.load_at(n) + self.known(states[-1], velocity), rates.TURNS)
             if new is None:
                 return None
             velocity = self.steps * (new - states[-1])
@@ -277,14 +282,16 @@ class Scene:
         where = "patch" if self.mesh.patch else "body"
         parts = sorted({"bottom", "right", str(self.clamped), str(self.given)} | ({"patch"} if self.mesh.patch else set()))
         lines = ['mesh body = gmsh("body.msh")'] + [f'part {name} = body.group("{name}")' for name in parts]
-        lines += ["tensor B = isotropic(lambda = {}, mu = {})".format(*map(number, self.elastic)),
-                  "tensor A = isotropic(lambda = {}, mu = {})".format(*map(number, self.viscous))]
+        tensors = {"B": (self.elastic, "u"), "A": (self.viscous, "u'")}
+        tensors = {name: of for name, of in tensors.items() if any(of[0])}
+        lines += [f"tensor {name} = isotropic(lambda = {number(values[0])}, mu = {number(values[1])})"
+                  for name, (values, _) in tensors.items()]
         lines += [declaration for declaration, _ in texts]
         lines += [f"space V = vector P{self.order} on body, zero on {self.clamped}",
                   f"space Q = scalar P{self.scalar.order} on {where}{zero_p}",
                   f"find u in V, p in Q for t in [0, 1] by {self.steps} steps from u = 0, p = 0",
                   "such that for all v in V, q in Q",
-                  "    integral(body, B : eps(u) : eps(v)) + integral(body, A : eps(u') : eps(v))",
+                  "    " + " + ".join(f"integral(body, {name} : eps({of}) : eps(v))" for name, (_, of) in tensors.items()),
                   f"  - integral({where}, {number(self.to_u / p)}*p*div(v))"]
         if self.density:  # a mass by length in the scene's units
             lines.append(f"  + integral(body, {number(self.density / scale ** 2)}*dot(u'', v))")
@@ -293,9 +300,9 @@ class Scene:
             if factor != 0.0:
                 lines.append(f"  + integral({where}, {number(factor)}*{what})")
         lines += [form for _, form in texts]
-        lines.append(f" >= integral(body, t * dot({vector(self.force / scale)}, v))")
-        lines.append(f"  + integral(right, t * dot({vector(self.traction)}, v))")
-        lines.append(f"  + integral({where}, t * {number(self.source * row)} * q)")
+        lines.append(f" >= integral(body, {self.load_of_u} * dot({vector(self.force / scale)}, v))")
+        lines.append(f"  + integral(right, {self.load_of_u} * dot({vector(self.traction)}, v))")
+        lines.append(f"  + integral({where}, {self.load_of_p} * {number(self.source * row)} * q)")
         lines.append("report\n  table size = norm(u), other = norm(p)\n  fields u, p")
         return "\n".join(lines) + "\n"
 

@@ -3,11 +3,19 @@
 
 #include <petscblaslapack.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numeric>
 #include <utility>
 
 namespace hvi::petsc_module {
+namespace {
+
+/// Of a column of N^T A N: what elimination leaves of it where A takes the motion to 0.
+constexpr double rounding = 1e-14;
+
+} // namespace
 
 FreeMotions::FreeMotions(std::vector<double> motions, int count)
     : size_(motions.size() / static_cast<std::size_t>(count)), count_(count),
@@ -44,10 +52,23 @@ bool FreeMotions::factor(Mat a) {
     const std::vector<double> column = products(motions_, moved_.data() + first);
     small_.insert(small_.end(), column.begin(), column.end());
   }
+  const std::vector<double> given = small_;
   pivots_.resize(static_cast<std::size_t>(count_));
   PetscBLASInt n = count_, info = 0;
   LAPACKgetrf_(&n, &n, small_.data(), &n, pivots_.data(), &info);
-  return info == 0;
+  return info == 0 && !any_pivot_is_rounding(given);
+}
+
+/// A pivot that is rounding of its column: the laws do not see this motion.
+bool FreeMotions::any_pivot_is_rounding(const std::vector<double>& given) const {
+  for (std::ptrdiff_t m = 0; m < count_; ++m) {
+    const auto column = given.begin() + m * count_;
+    const double largest = std::abs(*std::max_element(
+        column, column + count_, [](double a, double b) { return std::abs(a) < std::abs(b); }));
+    const double pivot = std::abs(small_[static_cast<std::size_t>(m * (count_ + 1))]);
+    if (!(pivot > rounding * largest)) return true;
+  }
+  return false;
 }
 
 void FreeMotions::solve(std::vector<double>& right) const {

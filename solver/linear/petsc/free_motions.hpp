@@ -21,7 +21,7 @@ public:
   /// `motions`: `count` columns as long as a vector.
   FreeMotions(std::vector<double> motions, int count);
   int count() const { return count_; }
-  /// N^T A N of this A. False: it is singular, and they are left to the iterations.
+  /// N^T A N of this A. False: it is singular, to rounding.
   bool factor(Mat a);
   /// out = r - A Q r, and what `add` takes as N^T A N's answer.
   PetscErrorCode remove(Vec r, Vec out);
@@ -30,6 +30,7 @@ public:
   double bytes() const;
 
 private:
+  bool any_pivot_is_rounding(const std::vector<double>& given) const;
   void solve(std::vector<double>& right) const;
   std::vector<double> products(const std::vector<double>& columns, const double* x) const;
   void add_columns(const std::vector<double>& columns, const std::vector<double>& by, double factor,

@@ -219,6 +219,14 @@ void Krylov::prepare() {
 
 HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
   prepare();
+  if (free_ && !free_known_) {
+    std::fill_n(x, given_.rows, 0.0);
+    HviPetscAnswer none{};
+    none.reason = "the laws leave a motion of the body free";
+    none.reduction = 1.0;
+    none.outcome = hvi_petsc_indefinite;
+    return none;
+  }
   double* to = nullptr;
   check(VecGetArrayWrite(b_.get(), &to));
   if (numbering_.same())

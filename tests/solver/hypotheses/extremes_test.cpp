@@ -113,5 +113,103 @@ TEST(Extremes, AgreeWithTheDenseSolver) {
               1e-6 * scaled.jacobiSvd().singularValues()[0]);
 }
 
+/// A random sparse form in a space of two unknowns with units of their own.
+class RandomForm {
+public:
+  RandomForm(unsigned seed) : random_(seed), n_(121 + 2 * whole(40)), units_(2) {
+    for (double& unit : units_) unit = decades(3.0);
+    std::vector<double> springs(n_);
+    for (double& s : springs) s = decades(1.0);
+    gram = with_units(chain(springs));
+    k = with_units(form(static_cast<Kind>(whole(6)))) * decades(8.0);
+  }
+  SparseMatrix gram, k;
+
+private:
+  enum class Kind { definite, semidefinite, indefinite, saddle, between, unsymmetric };
+
+  int whole(int below) { return std::uniform_int_distribution<int>(0, below - 1)(random_); }
+  double decades(double most) {
+    return std::pow(10.0, std::uniform_real_distribution<double>(-most, most)(random_));
+  }
+  double normal() { return std::normal_distribution<double>()(random_); }
+  SparseMatrix entries(const std::vector<Eigen::Triplet<double>>& list) const {
+    SparseMatrix out(n_, n_);
+    out.setFromTriplets(list.begin(), list.end());
+    return out;
+  }
+  /// Every other number belongs to the second unknown.
+  SparseMatrix with_units(const SparseMatrix& form) const {
+    Vector factors(n_);
+    for (int i = 0; i < n_; ++i) factors[i] = units_[i % 2];
+    return factors.asDiagonal() * form * factors.asDiagonal();
+  }
+  /// The sum of squares of this many differences.
+  SparseMatrix squares(int count) {
+    std::vector<Eigen::Triplet<double>> list;
+    for (int row = 0; row < count; ++row) {
+      const int i = whole(n_), j = whole(n_);
+      const double a = normal(), b = normal();
+      list.insert(list.end(), {{i, i, a * a}, {j, j, b * b}, {i, j, a * b}, {j, i, a * b}});
+    }
+    return entries(list);
+  }
+  /// Couplings of the two unknowns, the same both ways or not.
+  SparseMatrix couplings(double back) {
+    std::vector<Eigen::Triplet<double>> list;
+    for (int i = 0; i + 1 < n_; i += 2) {
+      const int j = 2 * whole(n_ / 2) + 1;
+      const double c = normal();
+      list.insert(list.end(), {{i, j, c}, {j, i, back * c}});
+    }
+    return entries(list);
+  }
+  SparseMatrix form(Kind kind) {
+    switch (kind) {
+    case Kind::definite:
+      return squares(3 * n_) + chain(std::vector<double>(n_, decades(2.0)));
+    case Kind::semidefinite:
+      return squares(n_ / 2);
+    case Kind::indefinite:
+      return squares(n_) - decades(2.0) * squares(n_);
+    case Kind::saddle:
+      return couplings(1.0) * decades(2.0) + first_alone(squares(3 * n_));
+    case Kind::between:
+      return couplings(1.0);
+    case Kind::unsymmetric:
+      return squares(3 * n_) + couplings(-1.0) + couplings(0.0);
+    }
+    return {};
+  }
+  /// Without the rows and columns of the second unknown.
+  SparseMatrix first_alone(const SparseMatrix& form) const {
+    Vector first = Vector::Zero(n_);
+    for (int i = 0; i < n_; i += 2) first[i] = 1.0;
+    return first.asDiagonal() * form * first.asDiagonal();
+  }
+
+  std::mt19937 random_;
+  int n_;
+  std::vector<double> units_;
+};
+
+/// Independent: Eigen's dense solver on 300 random forms, definite or not.
+TEST(Extremes, RandomFormsAgreeWithTheDenseSolver) {
+  for (unsigned seed = 1; seed <= 300; ++seed) {
+    const RandomForm scene(seed);
+    const GramForm gram(scene.gram);
+    const DenseMatrix k(scene.k);
+    const Vector spectrum = Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix>(
+                                DenseMatrix(0.5 * (k + k.transpose())), DenseMatrix(scene.gram))
+                                .eigenvalues();
+    const double low = spectrum[0], high = spectrum[spectrum.size() - 1];
+    const double rounding = 1e-11 * std::max(std::abs(low), std::abs(high));
+    const auto least = gram.least(scene.k), largest = gram.largest(scene.k);
+    ASSERT_TRUE(least && largest) << seed;
+    EXPECT_NEAR(*least, low, 1e-6 * std::abs(low) + rounding) << seed;
+    EXPECT_NEAR(*largest, high, 1e-6 * std::abs(high) + rounding) << seed;
+  }
+}
+
 } // namespace
 } // namespace hvi::solver
