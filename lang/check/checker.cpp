@@ -1,0 +1,134 @@
+#include "lang/check/checker.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace hvi::lang {
+
+namespace {
+
+/// The first one of the script; null: it has none.
+const ast::Find* find_of(const std::vector<ast::Program>& programs) {
+  if (programs.empty()) return nullptr;
+  for (const ast::Statement& statement : programs[0].statements)
+    if (const auto* find = std::get_if<ast::Find>(&statement)) return find;
+  return nullptr;
+}
+
+} // namespace
+
+Checker::Checker(const std::vector<ast::Program>& programs, const CheckOptions& options,
+                 Diagnostics& diagnostics)
+    : Evaluator(mistakes_, names_), programs_(programs), options_(options),
+      find_(find_of(programs)), mistakes_(programs, diagnostics),
+      names_(programs, find_, mistakes_), unknowns_(find_, model_), limits_(programs, mistakes_) {}
+
+std::optional<Model> Checker::run() {
+  names_.collect();
+  parameters_.check_defines();
+  check_finds();
+  locate_pieces();
+  const bool readable = find_ && statement_.read(*find_);
+  check_declarations();
+  if (readable) {
+    if (unknowns_.known) report_.read(programs_[0]);
+    expectations_.read(programs_[0]);
+    studies_.read(programs_[0]);
+  }
+  if (!mistakes_.has_errors()) tensors_.check_locking();
+  if (!mistakes_.has_errors()) check_unused();
+  if (options_.on_name) tell_facts();
+  if (mistakes_.has_errors() || !find_) return std::nullopt;
+  // They were evaluated when something asked for them.
+  std::ranges::sort(model_.params, {},
+                    [](const ModelParam& p) { return std::pair(p.span.file, p.span.begin); });
+  return std::move(model_);
+}
+
+/// Those that nothing uses, too: a wrong line is an error even then.
+void Checker::check_declarations() {
+  for (int i = 0; i < names_.size(); ++i) {
+    Declaration& d = names_[i];
+    if (d.program != 0) continue;
+    const bool used = d.used;
+    const bool other_mesh = std::holds_alternative<ast::Mesh>(*d.statement) && find_;
+    if (d.state == Declaration::State::untouched && !other_mesh) value_of(i, d.span);
+    if (std::holds_alternative<ast::Superpotential>(*d.statement)) laws_.check_alone(i);
+    if (std::holds_alternative<ast::Kernel>(*d.statement) && !used) {
+      ast::Expr callee;
+      callee.span = d.span;
+      callee.node = ast::Reference{d.name};
+      memories_.kernel_field(callee, Scope{});
+    }
+    d.used = used;
+  }
+}
+
+/// A script has one find statement, its imports have none.
+void Checker::check_finds() {
+  for (const ast::Program& program : programs_)
+    for (const ast::Statement& statement : program.statements) {
+      const auto* find = std::get_if<ast::Find>(&statement);
+      if (!find) continue;
+      if (&program != &programs_[0]) {
+        mistakes_.error("E0405", find->keyword,
+                        "an imported file declares; it cannot have a find statement");
+        continue;
+      }
+      if (find != find_) {
+        mistakes_.add(diagnose("E0405", find->keyword, "a script has one find statement")
+                          .with_secondary(find_->keyword, "the first one"));
+      }
+    }
+  if (!find_ && !programs_.empty() && !mistakes_.has_errors())
+    mistakes_.error("E0404", Span{programs_[0].file, 0, 0}, "the script has no find statement",
+                    "state the inequality: `find u in V ... such that for all v in V ... >= ...`");
+}
+
+/// The mesh that is put together comes first: the others are its pieces then.
+void Checker::locate_pieces() {
+  for (int i = 0; i < names_.size(); ++i) {
+    const auto* mesh = std::get_if<ast::Mesh>(names_[i].statement);
+    if (mesh == nullptr || !std::holds_alternative<ast::Binary>(mesh->value.node)) continue;
+    const bool used = names_[i].used;
+    value_of(i, mesh->name.span);
+    names_[i].used = used;
+    return;
+  }
+}
+
+void Checker::check_unused() {
+  for (const Declaration& d : names_.all()) {
+    if (d.used || d.program != 0) continue;
+    if (std::holds_alternative<ast::Mesh>(*d.statement) && !groups_.mesh_name.empty()) {
+      meshes_.report_second(d.span);
+      continue;
+    }
+    mistakes_.add(diagnose("W0101", d.span, fmt::format("`{}` is never used", d.name))
+                      .with_help(std::holds_alternative<ast::Fn>(*d.statement)
+                                     ? "remove it, or use it in the inequality; its body is "
+                                       "checked where it is called"
+                                     : "remove it, or use it in the inequality"));
+  }
+}
+
+void Checker::tell_facts() const {
+  for (const Declaration& d : names_.all()) {
+    if (d.state != Declaration::State::done || is_poison(d.value)) continue;
+    const auto* mesh = std::get_if<MeshValue>(&d.value);
+    const auto* field = std::get_if<Field>(&d.value);
+    const bool number = field && field->rank == 0 && is_constant(*field);
+    options_.on_name(
+        {d.span, number ? fmt::format("the number {}", field->scalar().value()) : describe(d.value),
+         mesh ? groups_.of(*mesh) : std::vector<std::string>{}});
+  }
+}
+
+std::optional<Model> check(const std::vector<ast::Program>& programs, const CheckOptions& options,
+                           Diagnostics& diagnostics) {
+  return Checker(programs, options, diagnostics).run();
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,47 @@
+#include "lang/check/expectations.hpp"
+
+#include "lang/diag/suggest.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace hvi::lang {
+
+using solver::Probe;
+
+void Expectations::read(const ast::Program& script) {
+  std::vector<std::string> names;
+  for (const Probe& p : model_.report.probes)
+    if (!p.name.empty()) names.push_back(p.name);
+  for (const ast::Statement& statement : script.statements) {
+    const auto* e = std::get_if<ast::Expect>(&statement);
+    if (!e) continue;
+    Expectation out;
+    out.span = e->span;
+    out.probe = e->probe.text;
+    if (std::find(names.begin(), names.end(), out.probe) == names.end() && !mistakes_.has_errors())
+      mistakes_.error("E0319", e->probe.span, fmt::format("no table has a column `{}`", out.probe),
+                      did_you_mean(out.probe, names));
+    if (e->time) out.time = results_.report_time(*e->time);
+    auto value = evaluator_.constant(e->value, "an expected value");
+    auto tolerance = evaluator_.constant(e->tolerance, "a tolerance");
+    if (tolerance && *tolerance < 0.0)
+      mistakes_.error("E0408", e->tolerance.span, "a tolerance is not negative");
+    out.relative = e->relative;
+    if (e->when) {
+      Scope scope;
+      scope.what = "the condition of an expectation";
+      auto when = evaluator_.condition(*e->when, scope);
+      out.active = when && when->value() != 0.0; // the scope has no name that varies
+    }
+    if (e->source) out.source = e->source->text;
+    if (!value || !tolerance) continue;
+    out.value = *value;
+    out.tolerance = *tolerance;
+    model_.expectations.push_back(std::move(out));
+  }
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,26 @@
+// The expect statements of a script.
+#pragma once
+
+#include "lang/check/context.hpp"
+#include "lang/check/results.hpp"
+
+#include <string>
+
+namespace hvi::lang {
+
+class Expectations {
+public:
+  Expectations(const Context& context, Results& results)
+      : mistakes_(context.mistakes), model_(context.model), evaluator_(context.evaluator),
+        results_(results) {}
+
+  void read(const ast::Program& script);
+
+private:
+  Mistakes& mistakes_;
+  Model& model_;
+  Evaluator& evaluator_;
+  Results& results_;
+};
+
+} // namespace hvi::lang

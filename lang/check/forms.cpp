@@ -1,0 +1,176 @@
+#include "lang/check/forms.hpp"
+
+#include "lang/diag/suggest.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace hvi::lang {
+
+namespace slot = solver::slot;
+using solver::Group;
+using solver::Rule;
+
+void Forms::read(const ast::Find& find) {
+  std::vector<std::pair<const ast::FormTerm*, bool>> sources; // wait until all laws are known
+  const auto take = [&](const std::vector<ast::FormTerm>& terms, bool right) {
+    for (const ast::FormTerm& term : terms) {
+      at_hand_.reads_multiplier = false;
+      form_term(term, right, false);
+      if (at_hand_.reads_multiplier) sources.emplace_back(&term, right);
+    }
+  };
+  take(find.left.terms, false);
+  take(find.right.terms, true);
+  for (const auto& [term, right] : sources) form_term(*term, right, true);
+}
+
+std::optional<Symbol> Forms::form_factors(const ast::FormTerm& term) {
+  Symbol factor = term.minus ? -1.0 : 1.0;
+  bool good = true;
+  for (const ast::Expr& e : term.factors) {
+    auto v = evaluator_.constant(e, "a factor before an integral");
+    good = good && v;
+    if (v) factor = factor * Symbol(*v);
+  }
+  return good ? std::optional(factor) : std::nullopt;
+}
+
+void Forms::form_term(const ast::FormTerm& term, bool right, bool source) {
+  auto factor = form_factors(term);
+  if (!term.integral) return;
+  const ast::Integral& integral = *term.integral;
+  auto part = parts_.index_of(integral.domain);
+  Scope scope;
+  scope.what = right ? "a load" : "a form";
+  scope.position = scope.time = scope.unknown = scope.test = true;
+  scope.source = source;
+  const auto kind = part ? model_.parts[*part].kind : std::nullopt;
+  scope.normal = part && (!kind || *kind == Group::Kind::facets);
+  if (part && !scope.normal) scope.what = "an integral over cells";
+  scope.states = source || (!right && part && model_.parts[*part].kind == Group::Kind::cells);
+  ModelTerm out;
+  for (const ast::Setting& option : integral.options) {
+    if (option.name.text != "rule") {
+      mistakes_.error("E0304", option.name.span,
+                      fmt::format("`integral` has no argument `{}`", option.name.text),
+                      did_you_mean(option.name.text, std::vector<std::string>{"rule"}));
+      continue;
+    }
+    auto w = evaluator_.word(option.value, "rule", {"exact", "nodal", "midpoint", "gauss"});
+    if (!w) continue;
+    out.rule_given = true;
+    out.rule = *w == "nodal"      ? Rule::nodal
+               : *w == "midpoint" ? Rule::midpoint
+               : *w == "gauss"    ? Rule::gauss
+                                  : Rule::exact;
+  }
+  at_hand_.normal_missed = false;
+  if (!part) scope.normal = true; // its kind is unknown: no second complaint about u.nu
+  at_hand_.part = part.value_or(-1);
+  at_hand_.gap = -1;
+  auto integrand = evaluator_.field(integral.integrand, scope);
+  at_hand_.part = -1;
+  if (!factor || !part || !integrand) return;
+  if (!pairs_.take_jumps(integral.integrand.span, integrand->components, *part)) return;
+  if (!source && !integrand->scalar().is(0.0) &&
+      pairs_.refuse(*part, integral.integrand.span, "a form or load"))
+    return;
+  out.span = integral.span;
+  out.factor_span =
+      term.factors.empty() ? (term.minus ? term.sign : integral.span) : term.factors.front().span;
+  out.part = *part;
+  out.right = right;
+  out.factor = *factor;
+  out.integrand = std::move(*integrand);
+  if (source && (!check_integrand(out, term, true) || !sources_.take(out, integral.integrand.span)))
+    return;
+  if (!out.integrand.laws.empty() && !out.rule_given) out.rule = Rule::nodal;
+  if (!states_.take_time(out, integral.integrand.span) || !check_integrand(out, term, false) ||
+      !states_.states_of_form(out, integral.integrand.span))
+    return;
+  law_factors(out, term);
+  model_.terms.push_back(std::move(out));
+}
+
+bool Forms::check_integrand(const ModelTerm& term, const ast::FormTerm& written, bool source) {
+  const ast::Expr& e = written.integral->integrand;
+  const Field& f = term.integrand;
+  if (f.rank != 0) {
+    mistakes_.error("E0306", e.span, fmt::format("an integrand is a scalar, not {}", describe(f)),
+                    "contract it with the test function: `... : eps(v)` or `dot(..., v)`");
+    return false;
+  }
+  if (f.scalar().is(0.0)) return true; // folds to zero: dropped, and the plan says so
+  if (f.test == Degree::none) {
+    mistakes_.error(
+        "E0402", e.span,
+        fmt::format("this does not contain the test function {}", unknowns_.names_of_tests()),
+        "every integral of the inequality is linear in the test function");
+    return false;
+  }
+  if (f.test != Degree::linear) {
+    mistakes_.error("E0401", e.span,
+                    fmt::format("this is not linear in {}", unknowns_.names_of_tests()));
+    return false;
+  }
+  if (!source && term.right && f.trial != Degree::none) {
+    mistakes_.error("E0403", e.span,
+                    fmt::format("the right side contains the unknown {}", unknowns_.names()),
+                    "bring the term to the left of >=");
+    return false;
+  }
+  if (!find_->time && f.scalar().depends_on(slot::t)) {
+    mistakes_.error("E0412", e.span, "a static problem has no time `t`",
+                    "add `for t in [0, T] by N steps from u = 0` to the find statement");
+    return false;
+  }
+  return true;
+}
+
+void Forms::law_factors(ModelTerm& term, const ast::FormTerm&) {
+  for (LawUse& use : term.integrand.laws) {
+    if (term.right) {
+      mistakes_.error("E0410", use.span, "a superpotential stands on the left of >=",
+                      "bring it to the left; its sign there is +");
+      continue;
+    }
+    const Symbol factor = term.factor * use.factor;
+    const Span place = use.factor_span.valid() ? use.factor_span : term.factor_span;
+    if (factor.depends_on(slot::gap)) {
+      mistakes_.error("E0441", place, fmt::format("a gap in the factor before `{}^0`", use.name),
+                      "it stands in the argument of a law");
+      use.factor = 1.0;
+      continue;
+    }
+    if (factor.depends_on_any(slot::first_state, slot::first_probe)) {
+      mistakes_.error("E0309", place,
+                      fmt::format("a state stands in the factor before `{}^0`", use.name),
+                      "let the superpotential itself depend on it");
+      use.factor = 1.0;
+      continue;
+    }
+    if (factor.depends_on_any(slot::first_field, slot::first_multiplier)) {
+      mistakes_.error("E0403", place,
+                      fmt::format("the factor before `{}^0` depends on the unknown {}", use.name,
+                                  unknowns_.names()),
+                      "what depends on the unknown stands in the superpotential itself");
+      use.factor = 1.0; // no second complaint on the mesh
+      continue;
+    }
+    if (factor.is_constant() && !(factor.value() > 0.0)) {
+      if (factor.value() == 0.0) continue; // dropped: the effect folds to zero
+      mistakes_.error("E0409", place, fmt::format("a negative factor before `{}^0`", use.name),
+                      "j^0 is a directional derivative: -j^0 is not one. Change the sign in the "
+                      "superpotential");
+      continue;
+    }
+    if (factor.depends_on(slot::t))
+      mistakes_.error("E0413", place,
+                      fmt::format("the factor before `{}^0` depends on time", use.name),
+                      "let the superpotential itself depend on t");
+  }
+}
+
+} // namespace hvi::lang

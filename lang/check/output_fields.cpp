@@ -1,0 +1,95 @@
+#include "lang/check/output_fields.hpp"
+
+#include "lang/check/pairs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+namespace hvi::lang {
+
+namespace slot = solver::slot;
+
+std::optional<solver::FieldSpec> OutputFields::output_field(const ast::Expr& e) {
+  Scope scope = report_scope();
+  auto f = evaluator_.field(e, scope);
+  if (!f) return std::nullopt;
+  for (const Symbol& c : f->components)
+    if (has_jumps(c) || c.depends_on(slot::gap)) {
+      mistakes_.error(
+          "E0441", e.span, "a jump or a gap is written at points, not as a field",
+          "probe it (`jump(u).nu at [..]`) or integrate it; `layer.xi` of a law on the pair is a "
+          "field");
+      return std::nullopt;
+    }
+  if (f->rank > 2 || f->law_vector) {
+    mistakes_.error("E0306", e.span, fmt::format("{} cannot be written as a field", describe(*f)));
+    return std::nullopt;
+  }
+  for (const Symbol& c : f->components)
+    if (c.depends_on_any(slot::first_probe, slot::first_probe + 100000)) {
+      mistakes_.error("E0306", e.span, "an integral is a number, not a field",
+                      "put it into a `table`");
+      return std::nullopt;
+    }
+  solver::FieldSpec spec;
+  spec.origin = model_.origin(e.span);
+  spec.components = f->components;
+  // The text of the script without the blanks is the field's name: u, sigma, layer.xi, u.x
+  std::function<std::string(const ast::Expr&)> name = [&](const ast::Expr& part) -> std::string {
+    if (const auto* r = std::get_if<ast::Reference>(&part.node)) return r->name;
+    if (const auto* m = std::get_if<ast::Member>(&part.node))
+      return name(*m->object) + "." + m->member.text;
+    if (const auto* p = std::get_if<ast::Prime>(&part.node)) {
+      const auto* inner = std::get_if<ast::Prime>(&p->operand->node);
+      return inner ? name(*inner->operand) + "_acceleration" : name(*p->operand) + "_rate";
+    }
+    if (const auto* c = std::get_if<ast::Call>(&part.node))
+      return c->arguments.empty() ? name(*c->callee)
+                                  : name(*c->callee) + "_" + name(c->arguments[0].value);
+    return fmt::format("field{}", model_.report.fields.size());
+  };
+  spec.name = name(e);
+  return spec;
+}
+
+void OutputFields::read(const ast::FieldsItem& item) {
+  solver::FieldsSpec spec;
+  spec.origin = model_.origin(item.span);
+  if (item.every)
+    if (auto n = evaluator_.positive_integer(*item.every, "`every`")) spec.every = *n;
+  spec.from_start = results_.from_start(item.from_start);
+  auto file = results_.output_name(item.to);
+  for (const ast::Expr& e : item.fields)
+    if (auto f = output_field(e)) spec.fields.push_back(std::move(*f));
+  if (!file) return;
+  spec.file = *file;
+  model_.report.fields.push_back(std::move(spec));
+}
+
+/// A field that has a value at every point of the body.
+std::optional<solver::FieldSpec> OutputFields::drawn_field(const ast::Expr& e,
+                                                           const std::string& what) {
+  auto f = output_field(e);
+  if (!f) return std::nullopt;
+  const auto on_facets = [&](solver::Slot s) {
+    if (!slot::is_state(s)) return slot::is_multiplier(s);
+    const auto& state = model_.states[static_cast<std::size_t>(s - slot::first_state)];
+    return model_.parts[static_cast<std::size_t>(state.spec.part)].kind !=
+           solver::Group::Kind::cells;
+  };
+  for (const Symbol& component : f->components)
+    if (std::ranges::any_of(component.slots(), on_facets)) {
+      mistakes_.error("E0306", e.span,
+                      fmt::format("`{}` lives at the points of a law: {} shows what every point of "
+                                  "the body has",
+                                  f->name, what),
+                      "write it with `fields` and open the VTU file");
+      return std::nullopt;
+    }
+  return f;
+}
+
+} // namespace hvi::lang

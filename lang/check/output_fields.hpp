@@ -1,0 +1,29 @@
+// Fields of a report, written for every point of the body or drawn.
+#pragma once
+
+#include "lang/check/context.hpp"
+#include "lang/check/results.hpp"
+
+#include <optional>
+#include <string>
+
+namespace hvi::lang {
+
+class OutputFields {
+public:
+  OutputFields(const Context& context, Results& results)
+      : mistakes_(context.mistakes), model_(context.model), evaluator_(context.evaluator),
+        results_(results) {}
+
+  std::optional<solver::FieldSpec> output_field(const ast::Expr& e);
+  std::optional<solver::FieldSpec> drawn_field(const ast::Expr& e, const std::string& what);
+  void read(const ast::FieldsItem& item);
+
+private:
+  Mistakes& mistakes_;
+  Model& model_;
+  Evaluator& evaluator_;
+  Results& results_;
+};
+
+} // namespace hvi::lang

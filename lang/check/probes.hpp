@@ -1,0 +1,49 @@
+// Numbers of a report: integrals, extremes and reactions of parts.
+#pragma once
+
+#include "lang/check/context.hpp"
+#include "lang/check/multipliers.hpp"
+#include "lang/check/pairs.hpp"
+#include "lang/check/parts.hpp"
+#include "lang/check/states.hpp"
+
+#include <optional>
+#include <string>
+
+namespace hvi::lang {
+
+class Probes {
+public:
+  Probes(const Context& context, Parts& parts, Pairs& pairs, Multipliers& multipliers,
+         States& states)
+      : mistakes_(context.mistakes), names_(context.names), model_(context.model),
+        unknowns_(context.unknowns), evaluator_(context.evaluator), at_hand_(context.at_hand),
+        parts_(parts), pairs_(pairs), multipliers_(multipliers), states_(states) {}
+
+  Value integral_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  Value extreme_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
+                     const Scope& scope);
+  Value reaction_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  int add(solver::Probe probe);
+
+private:
+  std::optional<int> reported_part(const ast::Expr& e, const std::string& what);
+  std::optional<solver::Probe> probe_on_part(const ast::Expr& e, const std::string& what,
+                                             const ast::Expr& part, const ast::Expr& of,
+                                             const Scope& scope);
+  Value number_of(solver::Probe probe);
+  std::optional<int> unknown_given(const ast::Expr& e, const std::string& what);
+
+  Mistakes& mistakes_;
+  Names& names_;
+  Model& model_;
+  Unknowns& unknowns_;
+  Evaluator& evaluator_;
+  AtHand& at_hand_;
+  Parts& parts_;
+  Pairs& pairs_;
+  Multipliers& multipliers_;
+  States& states_;
+};
+
+} // namespace hvi::lang

@@ -1,0 +1,32 @@
+// What a name stands for where it is used.
+#pragma once
+
+#include "lang/check/context.hpp"
+
+#include <optional>
+#include <string>
+
+namespace hvi::lang {
+
+class References {
+public:
+  explicit References(const Context& context)
+      : mistakes_(context.mistakes), names_(context.names), find_(context.find),
+        model_(context.model), unknowns_(context.unknowns), evaluator_(context.evaluator) {}
+
+  Value reference(const ast::Expr& expr, const std::string& name, const Scope& scope);
+
+private:
+  std::optional<Value> built_in_name(const ast::Expr& expr, const std::string& name,
+                                     const Scope& scope);
+  Value hidden_state(const Span& span, int declaration, const Scope& scope);
+
+  Mistakes& mistakes_;
+  Names& names_;
+  const ast::Find* const find_;
+  Model& model_;
+  Unknowns& unknowns_;
+  Evaluator& evaluator_;
+};
+
+} // namespace hvi::lang

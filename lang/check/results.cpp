@@ -1,0 +1,68 @@
+#include "lang/check/results.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace hvi::lang {
+
+Scope report_scope() {
+  Scope scope;
+  scope.what = "a report";
+  scope.position = scope.time = scope.unknown = scope.report = scope.states = true;
+  return scope;
+}
+
+std::optional<double> Results::report_time(const ast::Expr& e) {
+  auto t = evaluator_.constant(e, "a time");
+  if (!t) return std::nullopt;
+  if (!model_.has_time) {
+    mistakes_.error("E0412", e.span, "a static problem has no times");
+    return std::nullopt;
+  }
+  const auto& grid = model_.time.grid;
+  if (grid.empty()) return std::nullopt;
+  if (*t < grid.front() || *t > grid.back()) {
+    mistakes_.error("E0422", e.span,
+                    fmt::format("t = {} is outside [{}, {}]", *t, grid.front(), grid.back()));
+    return std::nullopt;
+  }
+  return t;
+}
+
+std::optional<std::string> Results::output_name(const std::optional<ast::Text>& to) {
+  if (!to) return std::string();
+  const std::filesystem::path path(to->text);
+  const bool plain = !to->text.empty() && path == path.filename() && to->text[0] != '.';
+  if (plain && !outputs_.insert(to->text).second)
+    mistakes_.error("E0302", to->span, fmt::format("two results go to `{}`", to->text),
+                    "give each its own name");
+  if (plain) return to->text;
+  mistakes_.error("E0604", to->span, fmt::format("`{}` is not a plain file name", to->text),
+                  "results go into " + options_.words.output_folder);
+  return std::nullopt;
+}
+
+/// `from start`, which is of problems in time.
+bool Results::from_start(const Span& words) {
+  if (!words.valid()) return false;
+  if (!model_.has_time)
+    mistakes_.error("E0412", words, "a static problem does not start",
+                    "add `for t in [0, T] by N steps from u = 0` to the find statement");
+  return model_.has_time;
+}
+
+bool Results::place(const ast::Expr& e, solver::Point& out) {
+  const auto at = evaluator_.constant_list(e, "a point");
+  if (!at) return false;
+  if (static_cast<int>(at->size()) != model_.dim) {
+    mistakes_.error("E0307", e.span,
+                    fmt::format("a point in {0}D has {0} coordinates", model_.dim));
+    return false;
+  }
+  std::ranges::copy(*at, out.begin());
+  return true;
+}
+
+} // namespace hvi::lang

@@ -1,0 +1,34 @@
+// What all results of a report have: a file, times, places.
+#pragma once
+
+#include "lang/check/context.hpp"
+
+#include <optional>
+#include <set>
+#include <string>
+
+namespace hvi::lang {
+
+/// Of every expression of a report.
+Scope report_scope();
+
+class Results {
+public:
+  explicit Results(const Context& context)
+      : options_(context.options), mistakes_(context.mistakes), model_(context.model),
+        evaluator_(context.evaluator) {}
+
+  std::optional<double> report_time(const ast::Expr& e);
+  std::optional<std::string> output_name(const std::optional<ast::Text>& to);
+  bool from_start(const Span& words);
+  bool place(const ast::Expr& e, solver::Point& out);
+
+private:
+  const CheckOptions& options_;
+  Mistakes& mistakes_;
+  Model& model_;
+  Evaluator& evaluator_;
+  std::set<std::string> outputs_; ///< names of files given with `to`
+};
+
+} // namespace hvi::lang
