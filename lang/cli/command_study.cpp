@@ -4,6 +4,7 @@
 #include "lang/cli/outputs.hpp"
 #include "lang/cli/say.hpp"
 #include "lang/cli/study_journal.hpp"
+#include "lang/cli/study_outputs.hpp"
 #include "lang/discretisation_key.hpp"
 #include "lang/study.hpp"
 #include "solver/common/clock.hpp"
@@ -16,7 +17,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <sys/utsname.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -25,7 +25,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <thread>
 #include <utility>
 
 namespace hvi::lang {
@@ -44,22 +43,6 @@ constexpr double short_run = 0.3; ///< CPU seconds below which a run is timed th
 
 /// Resets the peak of solver::memory_peak() to what is held now (Linux).
 void forget_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
-
-std::string machine_line() {
-  utsname name{};
-  uname(&name);
-  std::ifstream cpu("/proc/cpuinfo");
-  std::string model = "unknown processor";
-  for (std::string line; std::getline(cpu, line);)
-    if (line.starts_with("model name")) {
-      model = line.substr(line.find(':') + 2);
-      break;
-    }
-  return fmt::format("{}, {} threads, {} {}, one thread used; hvi-run {}, g++ {}, Eigen {}.{}.{}",
-                     model, std::thread::hardware_concurrency(), name.sysname, name.release,
-                     version, __VERSION__, EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
-                     EIGEN_MINOR_VERSION);
-}
 
 /// Runs the settings one after the other; knows what has been done before.
 class Studying {
@@ -385,52 +368,6 @@ private:
   HeldOutputs outputs_;
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
 };
-
-} // namespace
-
-namespace {
-
-/// Files, then the table, then pictures: what fails takes nothing with it that came before.
-int report_study(const std::string& path, const Study& study, const std::string& folder,
-                 const Options& options) {
-  int code = exit_ok;
-  std::vector<std::string> files;
-  const auto attempt = [&](const auto& write) {
-    try {
-      write();
-    } catch (const solver::Failure& failure) {
-      const Ending ending = ending_of(failure.kind);
-      tell("error[{}]: {}\n", ending.code, failure.what());
-      code = ending.exit;
-    }
-  };
-  attempt([&] {
-    files = solver::write_csv(folder, "study.csv", study_csv(study), study_columns(study));
-  });
-  attempt([&] {
-    if (!options.json.empty()) write_json(options, study_json(study));
-  });
-  if (options.report)
-    attempt([&] {
-      Session session(path, compile_settings(options));
-      session.compile();
-      ReportParts parts{session.script};
-      parts.study = study_json(study);
-      write_page(folder, "study", parts);
-      files.emplace_back(std::string("study") + report_ending);
-    });
-  if (!json_only(options)) say("{}", study_table(study));
-  std::fflush(stdout);
-  for (const Drawn& picture : draw_study(study, folder)) {
-    if (!picture.failure)
-      files.push_back(picture.file);
-    else
-      tell("warning[W0601]: {}\n", picture.failure->what());
-  }
-  if (!options.quiet && !json_only(options))
-    say("files: {} in {}/\n", fmt::join(files, ", "), folder);
-  return code;
-}
 
 } // namespace
 

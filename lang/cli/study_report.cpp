@@ -1,9 +1,8 @@
-// A study as table, CSV, JSON and pictures (study.hpp).
+// A study as table and pictures (study.hpp).
 #include "lang/gnuplot.hpp"
 #include "lang/study.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -17,7 +16,6 @@ namespace hvi::lang {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 std::string cell(std::optional<double> v, const char* format) {
@@ -308,65 +306,6 @@ std::string study_table(const Study& study) {
     }
   out += unknowns_table(study) + probe_table(study) + cea_table(study) + shared_line(study);
   return out + fmt::format("{}; * = no other setting is both cheaper and closer\n", study.machine);
-}
-
-nlohmann::ordered_json study_json(const Study& study) {
-  Json rows = Json::array();
-  std::optional<std::size_t> best;
-  for (std::size_t i = 0; i < study.rows.size(); ++i) {
-    const StudyRow& row = study.rows[i];
-    Json out = {{"params", row.values}};
-    const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
-    if (const auto& e = row.error) {
-      out["error"] = {{"V_max", number(e->v_max)},
-                      {"V_final", number(e->v_final)},
-                      {"L2", number(e->l2_max)},
-                      {"L2_final", number(e->l2_final)},
-                      {"relative", number(e->relative())}};
-      if (!best || e->v_max < study.rows[*best].error->v_max) best = i;
-    }
-    for (std::size_t u = 0; u < row.errors.size(); ++u) {
-      const auto& e = row.errors[u];
-      out["unknown_errors"][study.unknowns[u]] = {{"V_max", number(e.v_max)},
-                                                  {"V_final", number(e.v_final)},
-                                                  {"L2", number(e.l2_max)},
-                                                  {"L2_final", number(e.l2_final)},
-                                                  {"relative", number(e.relative())}};
-    }
-    if (out.contains("error"))
-      for (const auto& [name, value] : row.probe_errors) out["error"][name] = number(value);
-    out["probes"] = row.probes;
-    out["cpu"] = row.cpu, out["wall"] = row.wall, out["peak_bytes"] = row.peak_bytes;
-    out["unknowns"] = row.unknowns, out["steps"] = row.steps, out["newton"] = row.newton;
-    out["order"] = row.order ? number(*row.order) : Json(nullptr);
-    out["front"] = row.front;
-    if (const auto& c = row.cea; c && row.error)
-      out["cea"] = {{"interpolation", c->interpolation},
-                    {"interpolation_rate", c->interpolation_rate},
-                    {"trace", c->trace},
-                    {"residual", c->residual},
-                    {"largest_residual", c->largest_residual},
-                    {"rate", c->rate},
-                    {"start", c->start},
-                    {"step", c->step},
-                    {"constant", row.error->v_max * row.error->v_max / c->bound()}};
-    if (!row.failure.empty()) out["failure"] = row.failure;
-    rows.push_back(out);
-  }
-  Json out{{"schema", "hvi-study/1"},
-           {"script", study.script},
-           {"reference", study.reference},
-           {"machine", study.machine},
-           {"shared",
-            {{"meshes", study.shared.meshes},
-             {"matrices", study.shared.matrices},
-             {"orders", study.shared.orders},
-             {"factors", study.shared.factors},
-             {"seconds", study.shared.seconds}}},
-           {"rows", rows},
-           {"best", best ? Json(*best) : Json(nullptr)}};
-  if (!study.units.empty()) out["units"] = study.units;
-  return out;
 }
 
 std::vector<std::string> files_of_study(const Study& study) {

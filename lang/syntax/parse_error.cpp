@@ -1,7 +1,7 @@
 // What the parser says when it does not find what it expects, and where it picks up again. One
-// mistake gives one message: a statement is left at its first error. See parser_impl.hpp.
+// mistake gives one message: a statement is left at its first error. See cursor.hpp.
 #include "lang/diag/suggest.hpp"
-#include "lang/syntax/parser_impl.hpp"
+#include "lang/syntax/cursor.hpp"
 
 #include <algorithm>
 #include <array>
@@ -30,7 +30,7 @@ bool is_last_word(std::string_view word) { return word == "steps" || word == "re
 
 } // namespace
 
-void Parser::report(Diagnostic diagnostic) {
+void Cursor::report(Diagnostic diagnostic) {
   // A lexical error left something out of this statement: what is missing now is that. Behind a
   // statement word the damage counts from there, else from the end of the statement before.
   const Token& first = tokens_[statement_begin_];
@@ -43,12 +43,12 @@ void Parser::report(Diagnostic diagnostic) {
   diagnostics_.add(std::move(diagnostic));
 }
 
-void Parser::fail(Diagnostic diagnostic) {
+void Cursor::fail(Diagnostic diagnostic) {
   report(std::move(diagnostic));
   throw Abandoned{};
 }
 
-std::string Parser::found(const Token& token) const {
+std::string Cursor::found(const Token& token) const {
   if (token.kind == TokenKind::end) return "but the file ends";
   if (begins_statement(static_cast<std::size_t>(&token - tokens_.data())) && token.first_on_line)
     return "but the statement ends";
@@ -56,26 +56,26 @@ std::string Parser::found(const Token& token) const {
   return "found `" + std::string(text(token)) + "`";
 }
 
-Span Parser::missing_place() const {
+Span Cursor::missing_place() const {
   if (at_ > 0 && (at(TokenKind::end) || (peek().first_on_line && begins_statement(at_))))
     return after(previous().span);
   return peek().span;
 }
 
-void Parser::fail_expected(std::string_view what) {
+void Cursor::fail_expected(std::string_view what) {
   fail_on_known_slip();
   const std::string expected(what);
   fail(diagnose("E0201", missing_place(), "expected " + expected + ", " + found(peek()))
            .with_label("expected " + expected));
 }
 
-void Parser::fail_at_line_end(std::string_view what) {
+void Cursor::fail_at_line_end(std::string_view what) {
   const std::string expected(what);
   fail(diagnose("E0201", after(previous().span), "expected " + expected + ", but the line ends")
            .with_label("expected " + expected));
 }
 
-bool Parser::at_clause_word() const {
+bool Cursor::at_clause_word() const {
   const TokenKind next = peek(1).kind;
   const bool word =
       next == TokenKind::name && !is_clause_word(text(peek(1))) && !is_last_word(text(peek(1)));
@@ -84,7 +84,7 @@ bool Parser::at_clause_word() const {
   return at(TokenKind::name) && operand && !peek(1).first_on_line && is_clause_word(text(peek()));
 }
 
-void Parser::fail_unclosed(const Token& open, TokenKind close) {
+void Cursor::fail_unclosed(const Token& open, TokenKind close) {
   const std::string wanted = "`" + std::string(info(close).spelling) + "`";
   const bool line_ends = peek().first_on_line || at(TokenKind::end);
   if (!line_ends) fail_on_known_slip();
@@ -100,18 +100,18 @@ void Parser::fail_unclosed(const Token& open, TokenKind close) {
            .with_secondary(open.span, "opened here"));
 }
 
-void Parser::fail_not_closed(const Token& open, TokenKind close) {
+void Cursor::fail_not_closed(const Token& open, TokenKind close) {
   fail(diagnose("E0204", after(previous().span), "this bracket is not closed")
            .with_label("expected `" + std::string(info(close).spelling) + "`")
            .with_secondary(open.span, "opened here"));
 }
 
-bool Parser::at_decimal_comma() const {
+bool Cursor::at_decimal_comma() const {
   return at(TokenKind::comma) && at_ > 0 && previous().kind == TokenKind::number &&
          peek(1).kind == TokenKind::number && glued(previous(), peek()) && glued(peek(), peek(1));
 }
 
-void Parser::fail_decimal_comma() {
+void Cursor::fail_decimal_comma() {
   const std::string whole(text(previous()));
   const std::string rest(text(peek(1)));
   // 1,000 may be a thousand; 0,5 and 1,25 are not.
@@ -121,7 +121,7 @@ void Parser::fail_decimal_comma() {
            .with_help("write `" + whole + "." + rest + "`" + thousands));
 }
 
-void Parser::fail_on_known_slip() {
+void Cursor::fail_on_known_slip() {
   const Token& token = peek();
   if (at_decimal_comma()) fail_decimal_comma();
   if (is_closing(token.kind) && open_.empty())
@@ -142,7 +142,7 @@ void Parser::fail_on_known_slip() {
 
 // Every statement word is followed by a name or a text; anything else means that the word is meant
 // as a name (`mesh.top`, `part = ...`), unless the line begins with it.
-bool Parser::begins_statement(std::size_t index) const {
+bool Cursor::begins_statement(std::size_t index) const {
   if (!is_statement_word(tokens_[index].kind)) return false;
   const TokenKind before = index > 0 ? tokens_[index - 1].kind : TokenKind::end;
   if (before == TokenKind::dot) return false;
@@ -165,16 +165,29 @@ bool Parser::begins_statement(std::size_t index) const {
 }
 
 // A line that begins with a misspelt statement word: `tensr A = ...`.
-bool Parser::at_misspelt_statement() const {
+bool Cursor::at_misspelt_statement() const {
   const TokenKind third = peek(2).kind;
   return peek().first_on_line && at(TokenKind::name) && peek(1).kind == TokenKind::name &&
          (third == TokenKind::equal || third == TokenKind::open_paren) &&
          suggest(text(peek()), statement_words()).has_value();
 }
 
-void Parser::recover() {
+void Cursor::recover() {
   if (at_ == statement_begin_) take();
   while (!at(TokenKind::end) && !begins_statement(at_) && !at_misspelt_statement()) take();
+}
+
+void Cursor::fail_operator_missing(const std::string& otherwise) {
+  fail(diagnose("E0224", peek().span,
+                "an operator is missing before `" + std::string(text(peek())) + "`")
+           .with_label("expected an operator or " + otherwise)
+           .with_help("a product is written with `*`"));
+}
+
+void Cursor::check_decimal_comma_before() {
+  --at_;
+  if (at_decimal_comma()) fail_decimal_comma();
+  ++at_;
 }
 
 } // namespace hvi::lang

@@ -1,123 +1,145 @@
-// Entry of the parser, its cursor, and the loop over statements. See parser.hpp.
+// Entry of the parser and the loop over statements. See parser.hpp.
 #include "lang/syntax/parser.hpp"
 
+#include "lang/diag/suggest.hpp"
 #include "lang/syntax/lexer.hpp"
 #include "lang/syntax/parser_impl.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace hvi::lang {
 
-Parser::Parser(const SourceFile& source, TokenStream stream, Diagnostics& diagnostics)
-    : source_(source), diagnostics_(diagnostics), tokens_(std::move(stream.tokens)),
-      damage_(std::move(stream.damage)) {
-  find_grouped_conditions();
-}
+namespace {
 
-const Token& Parser::peek(std::size_t ahead) const {
-  return tokens_[std::min(at_ + ahead, tokens_.size() - 1)];
-}
+/// After so many errors the rest of a file is not read: it is no script.
+constexpr int max_syntax_errors = 200;
 
-const Token& Parser::previous() const { return tokens_[at_ > 0 ? at_ - 1 : 0]; }
-
-std::string_view Parser::text(const Token& token) const { return source_.text(token.span); }
-
-bool Parser::at_word(std::string_view word, std::size_t ahead) const {
-  return peek(ahead).kind == TokenKind::name && text(peek(ahead)) == word;
-}
-
-bool Parser::glued(const Token& left, const Token& right) const {
-  return left.span.end == right.span.begin;
-}
-
-Token Parser::take() {
-  const Token token = peek();
-  if (token.kind != TokenKind::end) ++at_;
-  return token;
-}
-
-bool Parser::accept(TokenKind kind) {
-  if (!at(kind)) return false;
-  take();
-  return true;
-}
-
-bool Parser::accept_word(std::string_view word) {
-  if (!at_word(word)) return false;
-  take();
-  return true;
-}
-
-Token Parser::expect(TokenKind kind, std::string_view what) {
-  if (at(kind)) return take();
-  const std::string sign = "`" + std::string(info(kind).spelling) + "`";
-  if (what.empty()) what = sign;
-  if (kind == TokenKind::equal && peek().first_on_line) fail_at_line_end(what);
-  fail_expected(what);
-}
-
-Token Parser::expect_word(std::string_view word) {
-  const std::string what = "`" + std::string(word) + "`";
-  if (peek().first_on_line && !at(TokenKind::name)) fail_at_line_end(what);
-  if (!at_word(word)) fail_expected(what);
-  return take();
-}
-
-Parser::Level::Level(Parser& parser) : parser_(parser) {
-  if (parser_.nesting_ >= max_nesting)
-    parser_.fail(diagnose("E0216", parser_.peek().span, "this is nested too deeply")
-                     .with_note("at most " + std::to_string(max_nesting) + " levels are read")
-                     .with_help("give parts of it a name with `fn` or `tensor`"));
-  ++parser_.nesting_;
-}
+} // namespace
 
 // script = { statement } ;
 ast::Program Parser::program() {
   ast::Program program;
   program.file = source_.id();
   program.size = source_.text().size();
-  while (!at(TokenKind::end) && n_errors_ < max_syntax_errors) {
-    statement_begin_ = at_;
-    declared_.clear();
-    open_.clear();
-    in_integral_ = false;
-    spoilt_ = false;
+  expressions_.find_grouped_conditions();
+  while (!cursor_.at(TokenKind::end) && cursor_.n_errors() < max_syntax_errors) {
+    cursor_.begin_statement();
+    names_.forget_declared();
+    expressions_.in_integral = false;
     try {
       if (auto read = statement()) program.statements.push_back(std::move(*read));
     } catch (const Abandoned&) {
-      const TokenKind kind = tokens_[statement_begin_].kind;
+      const TokenKind kind = cursor_.statement_word();
+      const std::vector<ast::Name>& declared = names_.declared();
       const bool declares = is_statement_word(kind) && kind != TokenKind::report &&
                             kind != TokenKind::expect && kind != TokenKind::study;
-      names_lost_ = names_lost_ || kind == TokenKind::import_ || (declares && declared_.empty());
-      program.broken.insert(program.broken.end(), declared_.begin(), declared_.end());
-      recover();
+      names_lost_ = names_lost_ || kind == TokenKind::import_ || (declares && declared.empty());
+      program.broken.insert(program.broken.end(), declared.begin(), declared.end());
+      cursor_.recover();
     }
   }
   program.names_lost = names_lost_;
-  program.units = std::move(units_);
+  program.units = expressions_.take_units();
   return program;
-}
-
-std::optional<ast::Expr> Parser::whole_expression() {
-  try {
-    ast::Expr result = expr();
-    if (!at(TokenKind::end)) fail_expected("the end of the expression");
-    return result;
-  } catch (const Abandoned&) {
-    return std::nullopt;
-  }
 }
 
 ast::Program parse(const SourceFile& source, Diagnostics& diagnostics) {
   return Parser(source, lex(source, diagnostics), diagnostics).program();
 }
 
-std::optional<ast::Expr> parse_expression(const SourceFile& source, Diagnostics& diagnostics) {
-  const std::size_t errors_before = diagnostics.n_errors();
-  TokenStream stream = lex(source, diagnostics);
-  auto result = Parser(source, std::move(stream), diagnostics).whole_expression();
-  if (diagnostics.n_errors() > errors_before) return std::nullopt;
+// statement = import | units | param | mesh | part | tensor | kernel | superpotential | state | fn
+// | space | find | report | expect | study ;
+std::optional<ast::Statement> Parser::statement() {
+  const auto read = [this]() -> ast::Statement {
+    switch (cursor_.peek().kind) {
+    case TokenKind::import_:
+      return declarations_.import_statement();
+    case TokenKind::units:
+      return declarations_.units();
+    case TokenKind::param:
+      return declarations_.param();
+    case TokenKind::mesh:
+      return declarations_.mesh();
+    case TokenKind::part:
+      return regions_.part();
+    case TokenKind::tensor:
+      return declarations_.tensor();
+    case TokenKind::kernel:
+      return declarations_.kernel();
+    case TokenKind::superpotential:
+      return declarations_.superpotential();
+    case TokenKind::state:
+      return declarations_.state();
+    case TokenKind::fn:
+      return declarations_.fn();
+    case TokenKind::space:
+      return declarations_.space();
+    case TokenKind::find:
+      return find_.find();
+    case TokenKind::report:
+      return report_.report_statement();
+    case TokenKind::expect:
+      return report_.expect_statement();
+    case TokenKind::study:
+      return report_.study();
+    default:
+      fail_no_statement();
+    }
+  };
+  ast::Statement result = read();
+  end_of_statement();
   return result;
+}
+
+// What follows must be the next statement. A new line is left to statement(), which knows better.
+void Parser::end_of_statement() {
+  if (cursor_.at(TokenKind::semicolon)) {
+    cursor_.report(
+        diagnose("E0217", cursor_.peek().span, "statements have no `;`").with_help("leave it out"));
+    cursor_.take();
+  }
+  if (cursor_.at(TokenKind::end) || cursor_.peek().first_on_line || cursor_.at_statement()) return;
+  if (cursor_.at(TokenKind::equal))
+    cursor_.fail(
+        diagnose("E0201", cursor_.peek().span, "expected the end of the statement, found `=`"));
+  cursor_.fail_on_known_slip();
+  const TokenKind next = cursor_.peek().kind;
+  if ((next == TokenKind::name && !cursor_.at_clause_word()) || next == TokenKind::number ||
+      next == TokenKind::open_paren)
+    cursor_.fail_operator_missing("the end of the statement");
+  cursor_.fail_expected("the end of the statement");
+}
+
+void Parser::fail_no_statement() {
+  const Token& token = cursor_.peek();
+  if (token.kind == TokenKind::semicolon) {
+    cursor_.fail(diagnose("E0217", token.span, "statements have no `;`").with_help("leave it out"));
+  }
+  if (token.kind != TokenKind::name) cursor_.fail_on_known_slip();
+  const std::string_view written = cursor_.text(token);
+  constexpr std::array<std::string_view, 5> imports{"include", "use", "using", "require", "from"};
+  const bool imports_something =
+      std::find(imports.begin(), imports.end(), written) != imports.end();
+  names_lost_ = names_lost_ || imports_something || suggest(written, statement_words()) == "import";
+  // Its name is not unknown to the lines below, whatever the statement was meant to be.
+  if (cursor_.peek(1).kind == TokenKind::name)
+    names_.note_declared({std::string(cursor_.text(cursor_.peek(1))), cursor_.peek(1).span});
+  std::string help = did_you_mean(cursor_.text(token), statement_words());
+  if (help.empty()) {
+    help = "statements begin with";
+    for (const std::string_view word : statement_words())
+      help.append(word == "import" ? " `" : ", `").append(word).append("`");
+  }
+  cursor_.report(diagnose("E0202", token.span, "expected a statement, " + cursor_.found(token))
+                     .with_label("no statement begins like this")
+                     .with_help(std::move(help)));
+  // `from friction import tresca`: what follows on the line belongs to it.
+  if (imports_something) {
+    do cursor_.take();
+    while (!cursor_.at(TokenKind::end) && !cursor_.peek().first_on_line);
+  }
+  throw Abandoned{};
 }
 
 } // namespace hvi::lang

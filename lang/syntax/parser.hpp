@@ -6,17 +6,10 @@
 #include "lang/diag/source.hpp"
 #include "lang/syntax/ast.hpp"
 
-#include <optional>
-
 namespace hvi::lang {
 
 /// Lexes and parses a whole file. Reports every lexical and syntax error, one per mistake, and
 /// goes on at the next statement word; statements with errors are left out of the program.
 [[nodiscard]] ast::Program parse(const SourceFile& source, Diagnostics& diagnostics);
-
-/// Reads the text as one expression (the value that a parameter is given from outside, ...).
-/// Nothing after an error.
-[[nodiscard]] std::optional<ast::Expr> parse_expression(const SourceFile& source,
-                                                        Diagnostics& diagnostics);
 
 } // namespace hvi::lang

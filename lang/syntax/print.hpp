@@ -19,9 +19,6 @@ namespace hvi::lang {
 [[nodiscard]] std::string print_ast(const ast::Program& program,
                                     const SourceFile* source = nullptr);
 
-/// One expression in the same form.
-[[nodiscard]] std::string print_ast(const ast::Expr& expr, const SourceFile* source = nullptr);
-
 /// The script in the canonical layout: the same tokens and comments in the same order, other
 /// blanks. Formatting the result again changes nothing. Nothing when the script has syntax errors,
 /// which are reported.

@@ -79,11 +79,12 @@ TEST(Expressions, CasesAnywhereInParentheses) {
 
 TEST(Expressions, SpansIncludeTheirParentheses) {
   Diagnostics diagnostics;
-  const SourceFile source(0, "a.hvi", "((a + b))*c");
-  const auto expr = parse_expression(source, diagnostics);
-  ASSERT_TRUE(expr.has_value());
-  const auto& product = std::get<ast::Binary>(expr->node);
-  EXPECT_EQ(source.text(expr->span), "((a + b))*c");
+  const SourceFile source(0, "a.hvi", "param p = ((a + b))*c");
+  const ast::Program program = parse(source, diagnostics);
+  ASSERT_EQ(program.statements.size(), 1U);
+  const ast::Expr& value = std::get<ast::Param>(program.statements.front()).value;
+  const auto& product = std::get<ast::Binary>(value.node);
+  EXPECT_EQ(source.text(value.span), "((a + b))*c");
   EXPECT_EQ(source.text(product.left->span), "((a + b))");
   EXPECT_EQ(source.text(product.op_span), "*");
   EXPECT_EQ(product.left->parens, 2);
@@ -91,8 +92,8 @@ TEST(Expressions, SpansIncludeTheirParentheses) {
 }
 
 TEST(Expressions, TheWholeTextMustBeOne) {
-  EXPECT_EQ(expression_tree("1 + 2 3"), "E0201 1:7-8");
-  EXPECT_EQ(expression_tree(""), "E0201 1:1-1");
+  EXPECT_EQ(errors_of("param p = 1 + 2 3"), "E0201 1:17-18");
+  EXPECT_EQ(errors_of("param p ="), "E0201 1:10-10");
 }
 
 TEST(Conditions, ParenthesesAroundSumsAndConditions) {

@@ -44,12 +44,13 @@ inline std::string tree_of(const std::string& script) {
   return diagnostics.size() > 0 ? places(diagnostics, source) : print_ast(program);
 }
 
-/// The tree of an expression.
+/// The tree of an expression: of a parameter's value, without the line of the parameter.
 inline std::string expression_tree(const std::string& text) {
-  Diagnostics diagnostics;
-  const SourceFile source(0, "script.hvi", text);
-  const auto expr = parse_expression(source, diagnostics);
-  return expr ? print_ast(*expr) : places(diagnostics, source);
+  std::istringstream lines(tree_of("param p = " + text));
+  std::string out, line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) out += line.substr(2) + "\n";
+  return out;
 }
 
 /// The formatted script, or its errors.
