@@ -6,6 +6,7 @@
 // u.tau becomes one scalar row, 3D friction two.
 #include "solver/assembly/assembly.hpp"
 #include "solver/assembly/pairing.hpp"
+#include "solver/assembly/range.hpp"
 
 #include <fmt/format.h>
 
@@ -20,7 +21,6 @@ namespace {
 /// Normals and rows closer than this are the same; far from the origin their own rounding adds to
 /// it.
 constexpr double as_one = 1e-12;
-constexpr double rank_tolerance = 1e-10;
 
 /// One point before merging. rows: R, arguments x components.
 struct RawPoint {
@@ -197,40 +197,6 @@ std::vector<RawPoint> merge(std::vector<RawPoint> raw) {
     kept.push_back(std::move(point));
   }
   return kept;
-}
-
-/// Orthonormal columns spanning the range of `rows`, then more of them up to rows.rows(). Gram and
-/// Schmidt with the longest column first, so that equal rows give equal frames; `rank` is set.
-DenseMatrix basis_of_range(const DenseMatrix& rows, int& rank) {
-  const Eigen::Index n = rows.rows();
-  DenseMatrix candidates(n, rows.cols() + n);
-  candidates << rows, DenseMatrix::Identity(n, n);
-  DenseMatrix basis(n, 0);
-  rank = 0;
-  const double scale = rows.cwiseAbs().maxCoeff();
-  // Columns of `rows` while they are independent, unit vectors afterwards.
-  for (Eigen::Index from = 0, count = rows.cols(); basis.cols() < n;) {
-    Eigen::Index longest = 0;
-    const auto norms = candidates.middleCols(from, count).colwise().norm();
-    const double length = norms.maxCoeff();
-    // The first of (nearly) equal columns: rounding must not choose.
-    while (norms(longest) < length * (1.0 - 1e-6)) {
-      ++longest;
-    }
-    if (from == 0 && length <= rank_tolerance * scale) {
-      from = rows.cols();
-      count = n;
-      continue;
-    }
-    rank += from == 0 ? 1 : 0;
-    basis.conservativeResize(n, basis.cols() + 1);
-    Eigen::VectorXd q = candidates.col(from + longest).normalized();
-    q -= basis.leftCols(basis.cols() - 1) * (basis.leftCols(basis.cols() - 1).transpose() * q);
-    q.normalize();
-    basis.col(basis.cols() - 1) = q;
-    candidates -= q * (q.transpose() * candidates);
-  }
-  return basis;
 }
 
 /// Bases of the range of these rows at every point, with one common number of columns: the largest
@@ -417,72 +383,6 @@ LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& 
     out.offset_depends_on_t = out.offset_depends_on_t || row.offset.depends_on(slot::t);
   }
   return out;
-}
-
-PointBlock as_block(const LawPoints& points) {
-  PointBlock block;
-  for (std::size_t p = 0; p < points.x.size(); ++p) {
-    for (int j = 0; j < 3; ++j) {
-      block.x[j].push_back(points.x[p][j]);
-      block.normal[j].push_back(points.normal[p][j]);
-    }
-  }
-  block.weight = points.weight;
-  block.cell = points.cell;
-  block.entity = points.facet;
-  block.kind = points.kind;
-  block.indicators = points.indicators;
-  block.gap = points.gap;
-  return block;
-}
-
-namespace {
-
-/// The offset of point p in the rows of G.
-Vector reduced_offset(const LawPoints& points, const LawTerm& term, std::size_t p,
-                      const Vector& offset) {
-  if (points.frames.empty()) {
-    return offset;
-  }
-  const DenseMatrix& frame = points.frames[p];
-  const Vector reduced = frame.transpose() * offset;
-  if ((offset - frame * reduced).norm() > 1e-9 * offset.norm()) {
-    throw Failure(FailureKind::bad_value, term.origin,
-                  fmt::format("the argument of the law `{}` at {} is moved by a vector that u "
-                              "cannot reach",
-                              term.name, describe_point(points.x[p], points.dim)),
-                  "project the offset as u is projected, for example on the tangent plane");
-  }
-  return reduced;
-}
-
-} // namespace
-
-void law_offsets(const LawPoints& points, const LawTerm& term, double t, Vector& out,
-                 const std::function<const double*(Slot)>& more) {
-  const std::size_t n = points.x.size(), n_args = term.rows.size();
-  out.setZero(static_cast<Eigen::Index>(n) * points.rows);
-  std::vector<Expr> offsets;
-  for (const auto& row : term.rows) {
-    offsets.push_back(row.offset);
-  }
-  if (std::all_of(offsets.begin(), offsets.end(), [](const Expr& e) { return e.is(0.0); })) {
-    return;
-  }
-  std::vector<double> values(n * n_args);
-  Pointwise(offsets).evaluate(as_block(points), t, term.origin, values, more);
-  Vector offset(static_cast<Eigen::Index>(n_args));
-  for (std::size_t p = 0; p < n; ++p) {
-    for (std::size_t c = 0; c < n_args; ++c) {
-      offset[Eigen::Index(c)] = values[c * n + p];
-    }
-    if (!offset.allFinite()) {
-      throw_not_finite(term.origin, "the argument of the law", offset.sum(), points.x[p],
-                       points.dim, &t);
-    }
-    out.segment(static_cast<Eigen::Index>(p) * points.rows, points.rows) =
-        reduced_offset(points, term, p, offset);
-  }
 }
 
 } // namespace hvi::solver

@@ -159,12 +159,6 @@ std::vector<Expr> factors(const Expr& e) {
   return found;
 }
 
-Expr product_of(const std::vector<Expr>& terms) {
-  Expr total = 1.0;
-  for (const Expr& term : terms) total = total * term;
-  return total;
-}
-
 std::optional<std::pair<Expr, Expr>> affine_in(const Expr& e, Slot slot) {
   if (Affine found = affine_as_written(e, slot)) return found;
   const Expr expanded = expand(e); // (1 + s)^2 - s^2

@@ -19,7 +19,6 @@ Expr sum_of(const std::vector<Expr>& terms);
 /// e = product of the factors: a sign is the factor -1, a quotient a/b gives the factors of a and
 /// the reciprocals of those of b, a whole power of a product the powers of its factors. 1 has none.
 std::vector<Expr> factors(const Expr& e);
-Expr product_of(const std::vector<Expr>& terms);
 
 /// Products distributed over sums, whole powers of sums multiplied out, quotients split at the
 /// numerator, like terms collected, equal factors cancelled. Arguments of functions stay. Parts

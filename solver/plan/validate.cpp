@@ -1,7 +1,7 @@
 #include "solver/plan/validate.hpp"
 
-#include "solver/kernel/slot.hpp"
 #include "solver/plan/tensor_form.hpp"
+#include "solver/plan/validation.hpp"
 
 #include <fmt/format.h>
 
@@ -13,40 +13,7 @@
 namespace hvi::solver {
 namespace {
 
-/// Which variables an expression may have.
-struct Allowed {
-  bool place = false;       ///< x, and whether it lies in a part
-  bool normal = false;      ///< the unit normal
-  bool time = false;        ///< t
-  bool lag = false;         ///< t - s
-  bool argument = false;    ///< of a law
-  bool coupled = false;     ///< the multiplier a law's bound stands for
-  int readings = 0;         ///< what a law reads of the solution
-  bool fields = false;      ///< u, u', memories and their derivatives
-  bool multipliers = false; ///< of law terms
-  int law_states = 0;       ///< that a law reads
-  bool states = false;      ///< of the plan
-  bool gap = false;         ///< between the sides of a pair
-  int probes = 0;           ///< those before this one
-};
-constexpr Allowed of_place{.place = true};
-constexpr Allowed of_facet{.place = true, .normal = true};
-constexpr Allowed of_form{.place = true, .normal = true, .states = true};
-constexpr Allowed of_load{.place = true, .normal = true, .time = true};
-constexpr Allowed of_argument{
-    .place = true, .normal = true, .time = true, .states = true, .gap = true};
-constexpr Allowed of_report{.place = true,
-                            .normal = true,
-                            .time = true,
-                            .fields = true,
-                            .multipliers = true,
-                            .states = true,
-                            .gap = true};
-
-template <class T>
-int count(const std::vector<T>& items) {
-  return static_cast<int>(items.size());
-}
+using namespace allowed;
 
 /// Is this the series, at lags from none to beyond all relaxation times?
 bool is_series(const Expr& kernel, const PronySeries& series) {
@@ -65,13 +32,11 @@ bool is_series(const Expr& kernel, const PronySeries& series) {
   });
 }
 
-class Validation {
+class ProblemValidation : private Validation {
 public:
-  Validation(const Problem& problem, int dim)
-      : problem_(problem), dim_(dim), components_(components_of(problem.space, dim)),
-        n_fields_(count_fields(problem)) {}
+  ProblemValidation(const Problem& problem, int dim) : Validation(problem, dim) {}
 
-  std::vector<Failure> of_problem() && {
+  std::vector<Failure> failures() && {
     for (const auto& part : problem_.parts) region(part.region, part.origin);
     space();
     for (const auto& tensor : problem_.tensors) this->tensor(tensor);
@@ -84,97 +49,10 @@ public:
     for (const auto& term : problem_.law_terms) law_term(term);
     for (const auto& state : problem_.states) this->state(state);
     time();
-    return std::move(out_);
-  }
-
-  std::vector<Failure> of(const ReportSpec& report) && {
-    for (int i = 0; i < count(report.probes); ++i)
-      probe(report.probes[static_cast<std::size_t>(i)], i);
-    for (const auto& table : report.tables) {
-      every(table.every, table.origin);
-      for (const int i : table.probes)
-        index(i, count(report.probes), table.origin, "a table", "probe");
-    }
-    for (const auto& fields : report.fields) {
-      every(fields.every, fields.origin);
-      for (const auto& one : fields.fields) field(one, fields.origin);
-    }
-    for (const auto& picture : report.pictures) field(picture.field, picture.origin);
-    for (const auto& line : report.lines) {
-      for (const auto& of : line.fields) field(of, line.origin);
-      if (line.points < 2) wrong(line.origin, "a line has two points or more");
-    }
-    return std::move(out_);
+    return take();
   }
 
 private:
-  void wrong(Origin origin, const std::string& message) {
-    out_.emplace_back(FailureKind::bad_value, origin, message);
-  }
-
-  /// 0 <= index < n.
-  bool index(int i, int n, Origin origin, std::string_view what, std::string_view of) {
-    if (i >= 0 && i < n) return true;
-    wrong(origin, fmt::format("{} names {} {}, of {}", what, of, i, n));
-    return false;
-  }
-  bool part(int i, Origin origin, std::string_view what) {
-    return index(i, count(problem_.parts), origin, what, "part");
-  }
-
-  bool derivative(int i) const {
-    const auto unknowns = unknowns_of(problem_.space);
-    const int b = slot::unknown_of(i);
-    if (i < 0 || b >= count(unknowns)) return false;
-    const int own = i % slot::own_derivatives;
-    const int components = components_of(unknowns[static_cast<std::size_t>(b)], dim_);
-    if (slot::is_value(own)) return own < components;
-    if (own == slot::hoop && problem_.mesh.axisymmetric) return components > 1;
-    return (own - 3) / 3 < components && (own - 3) % 3 < dim_;
-  }
-  void derivative(int i, Origin origin, std::string_view what) {
-    if (!derivative(i))
-      wrong(origin, fmt::format("{} has the derivative {} of a function with {} component{} in "
-                                "{} dimension{}",
-                                what, i, components_, components_ == 1 ? "" : "s", dim_,
-                                dim_ == 1 ? "" : "s"));
-  }
-
-  bool known(Slot s, const Allowed& allowed) const {
-    if (s >= slot::x(0) && s <= slot::x(2)) return allowed.place;
-    if (s == slot::gap) return allowed.gap;
-    if (s == slot::t) return allowed.time;
-    if (s == slot::lag) return allowed.lag;
-    if (s >= slot::normal(0) && s <= slot::normal(2)) return allowed.normal;
-    if (s == slot::argument(0)) return allowed.argument;
-    if (s == slot::coupled) return allowed.coupled;
-    if (s >= slot::reading(0) && s < slot::reading(slot::most_readings))
-      return s < slot::reading(allowed.readings);
-    if (s >= slot::law_state(0) && s < slot::law_state(slot::most_law_states))
-      return s - slot::law_state(0) < allowed.law_states;
-    if (slot::is_state(s)) return allowed.states && s - slot::first_state < count(problem_.states);
-    if (s < slot::first_field) return false;
-    if (s < slot::first_multiplier) {
-      const int field = slot::field_of(s);
-      return allowed.fields && field < n_fields_ && (!is_rate(field) || !problem_.time.is_static) &&
-             (field != field_of_u(2) || in_motion(problem_)) && derivative(slot::derivative_of(s));
-    }
-    if (s < slot::first_inside) {
-      const int term = slot::term_of(s), row = slot::row_of(s);
-      return allowed.multipliers && term < count(problem_.law_terms) &&
-             row < count(problem_.law_terms[static_cast<std::size_t>(term)].rows);
-    }
-    if (s < slot::first_probe)
-      return allowed.place && s - slot::first_inside < count(problem_.parts);
-    return s - slot::first_probe < allowed.probes;
-  }
-
-  void variables(const Expr& e, const Allowed& allowed, Origin origin, std::string_view what) {
-    for (const Slot s : e.slots())
-      if (!known(s, allowed))
-        wrong(origin, fmt::format("{} has the variable {}, which it cannot have", what, s));
-  }
-
   void region(const RegionSpec& spec, Origin origin) {
     using Kind = RegionSpec::Kind;
     if (spec.kind == Kind::where) variables(spec.predicate, of_place, origin, "a part's condition");
@@ -182,15 +60,6 @@ private:
       region(child, origin);
       if (child.kind == Kind::pair) wrong(origin, "a pair is no part of another part");
     }
-  }
-
-  bool is_pair(int i) const {
-    return i >= 0 && i < count(problem_.parts) &&
-           problem_.parts[static_cast<std::size_t>(i)].region.kind == RegionSpec::Kind::pair;
-  }
-  /// On a pair there are laws.
-  void no_pair(int i, Origin origin, std::string_view what) {
-    if (is_pair(i)) wrong(origin, fmt::format("{} stands on a pair, where laws act", what));
   }
 
   void space() {
@@ -419,7 +288,33 @@ private:
     for (const auto& value : *time.velocity)
       variables(value, of_place, time.velocity_origin, "the initial velocity");
   }
+};
 
+class ReportValidation : private Validation {
+public:
+  ReportValidation(const Problem& problem, int dim) : Validation(problem, dim) {}
+
+  std::vector<Failure> failures(const ReportSpec& report) && {
+    for (int i = 0; i < count(report.probes); ++i)
+      probe(report.probes[static_cast<std::size_t>(i)], i);
+    for (const auto& table : report.tables) {
+      every(table.every, table.origin);
+      for (const int i : table.probes)
+        index(i, count(report.probes), table.origin, "a table", "probe");
+    }
+    for (const auto& fields : report.fields) {
+      every(fields.every, fields.origin);
+      for (const auto& one : fields.fields) field(one, fields.origin);
+    }
+    for (const auto& picture : report.pictures) field(picture.field, picture.origin);
+    for (const auto& line : report.lines) {
+      for (const auto& of : line.fields) field(of, line.origin);
+      if (line.points < 2) wrong(line.origin, "a line has two points or more");
+    }
+    return take();
+  }
+
+private:
   void field(const FieldSpec& field, Origin origin) {
     const int n = count(field.components);
     const bool tensor = n == dim_ * dim_ || (n == 9 && problem_.mesh.axisymmetric);
@@ -444,16 +339,12 @@ private:
         probe.kind == Kind::combination ? Allowed{.time = true, .probes = i} : of_report;
     variables(probe.expression, allowed, probe.origin, fmt::format("`{}`", probe.name));
   }
-
-  const Problem& problem_;
-  int dim_, components_, n_fields_;
-  std::vector<Failure> out_;
 };
 
 } // namespace
 
 std::vector<Failure> validate(const Problem& problem, int dim) {
-  return Validation(problem, dim).of_problem();
+  return ProblemValidation(problem, dim).failures();
 }
 
 std::vector<Failure> validate(const SolverOptions& options) {
@@ -472,7 +363,7 @@ std::vector<Failure> validate(const SolverOptions& options) {
 }
 
 std::vector<Failure> validate(const ReportSpec& report, const Problem& problem, int dim) {
-  return Validation(problem, dim).of(report);
+  return ReportValidation(problem, dim).failures(report);
 }
 
 std::vector<Failure> validate(const Plan& plan, int dim) {

@@ -122,18 +122,14 @@ private:
   std::map<std::pair<std::int32_t, int>, std::vector<double>> sums_;
 };
 
-/// int_K |G - D u|^2 by cell, and int |D u|^2.
-struct Indicator {
-  std::vector<double> cells;
-  double size = 0.0;
-};
+} // namespace
 
-Indicator indicator_of(const Space& space, const Vector& u, std::span<const int> kind,
-                       int unknown) {
+RecoveryIndicator recovery_indicator(const Space& space, const Vector& u, std::span<const int> kind,
+                                     int unknown) {
   const Recovery recovery(space, u, kind, unknown);
   Strain strain(space, unknown);
   const Quadrature rule = simplex_rule(space.mesh->dim, 2 * strain.order());
-  Indicator out{std::vector<double>(space.mesh->cells.size(), 0.0)};
+  RecoveryIndicator out{std::vector<double>(space.mesh->cells.size(), 0.0)};
   std::vector<double> here(strain.size());
   for (std::size_t cell = 0; cell < out.cells.size(); ++cell) {
     const int c = static_cast<int>(cell);
@@ -157,6 +153,8 @@ Indicator indicator_of(const Space& space, const Vector& u, std::span<const int>
   }
   return out;
 }
+
+namespace {
 
 /// Numbers for the sets of parts of cells that forms act on: materials may change between them.
 std::vector<int> kinds_of_cells(const Problem& problem, const Discretisation& d) {
@@ -197,14 +195,14 @@ public:
   Indicators(const Problem& problem, const Discretisation& d, std::span<const int> kinds)
       : space_(d.space), kinds_(kinds), pressures_(multipliers_of(problem)),
         largest_(pressures_.size()) {
-    for (Indicator& one : largest_) one.cells.assign(d.mesh.cells.size(), 0.0);
+    for (RecoveryIndicator& one : largest_) one.cells.assign(d.mesh.cells.size(), 0.0);
   }
 
   void take(const Vector& u) {
     for (std::size_t b = 0; b < largest_.size(); ++b) {
       if (left_out(b)) continue;
-      const Indicator now = indicator_of(space_, u, kinds_, static_cast<int>(b));
-      Indicator& all = largest_[b];
+      const RecoveryIndicator now = recovery_indicator(space_, u, kinds_, static_cast<int>(b));
+      RecoveryIndicator& all = largest_[b];
       std::ranges::transform(all.cells, now.cells, all.cells.begin(),
                              [](double x, double y) { return std::max(x, y); });
       all.size = std::max(all.size, now.size);
@@ -229,7 +227,7 @@ private:
   const Space& space_;
   std::span<const int> kinds_;
   std::vector<char> pressures_;
-  std::vector<Indicator> largest_;
+  std::vector<RecoveryIndicator> largest_;
 };
 
 /// Largest indicator of each cell over the steps of a trial run.
@@ -259,11 +257,6 @@ std::vector<double> look(const Plan& plan, const Mesh& mesh, const std::atomic<b
 }
 
 } // namespace
-
-std::vector<double> recovery_indicator(const Space& space, const Vector& u,
-                                       std::span<const int> kind, int unknown) {
-  return indicator_of(space, u, kind, unknown).cells;
-}
 
 std::vector<std::int32_t> marked_cells(std::span<const double> indicators, double part) {
   std::vector<std::int32_t> order(indicators.size());

@@ -18,12 +18,18 @@
 
 namespace hvi::solver {
 
+/// By cell int_K |G - D u|^2, and int |D u|^2.
+struct RecoveryIndicator {
+  std::vector<double> cells;
+  double size = 0.0;
+};
+
 /// For each cell int_K |G - D u|^2, D u the symmetric gradient of a vector, the gradient of a
 /// scalar, G its average at each node over the cells of the same kind. `kind`: cells of different
 /// numbers have different materials, where D u may jump; empty: all alike. Of several unknowns: of
 /// this one.
-std::vector<double> recovery_indicator(const Space& space, const Vector& u,
-                                       std::span<const int> kind = {}, int unknown = 0);
+RecoveryIndicator recovery_indicator(const Space& space, const Vector& u,
+                                     std::span<const int> kind = {}, int unknown = 0);
 
 /// The fewest cells whose indicators add up to `bulk` of the sum of all, largest first.
 std::vector<std::int32_t> marked_cells(std::span<const double> indicators, double bulk);

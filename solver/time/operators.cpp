@@ -5,7 +5,7 @@
 #include "solver/common/parallel.hpp"
 #include "solver/linear/dense.hpp"
 #include "solver/linear/mirror_pairs.hpp"
-#include "solver/linear/spmv.hpp"
+#include "solver/linear/same_pattern.hpp"
 #include "solver/plan/couplings.hpp"
 #include "solver/time/body_states.hpp"
 #include "solver/time/inertia.hpp"

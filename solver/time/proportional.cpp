@@ -1,7 +1,7 @@
 // Which forms are multiples of one another; used by operators.cpp.
 #include "solver/time/proportional.hpp"
 
-#include "solver/linear/spmv.hpp"
+#include "solver/linear/same_pattern.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -43,6 +43,12 @@ Separated check_split(const Expr& e) {
 
 } // namespace
 
+Expr product_of(const std::vector<Expr>& terms) {
+  Expr total = 1.0;
+  for (const Expr& term : terms) total = total * term;
+  return total;
+}
+
 TEST(Algebra, AddendsAndFactors) {
   const std::vector<Expr> parts = addends(x - (y - t)), want{x, -y, t};
   EXPECT_TRUE(std::ranges::is_permutation(parts, want));
