@@ -223,7 +223,8 @@ int Laws::add(ModelLaw law, bool reads_jumps) {
 
 std::optional<int> Laws::made(int declaration, bool of_vector) const {
   const auto found = law_index_.find({declaration, of_vector});
-  return found == law_index_.end() ? std::nullopt : std::optional(found->second);
+  return found == law_index_.end() || found->second < 0 ? std::nullopt
+                                                        : std::optional(found->second);
 }
 
 void Laws::note_cases(LawCases cases) {

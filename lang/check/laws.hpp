@@ -57,7 +57,7 @@ private:
   AtHand& at_hand_;
   Limits& limits_;
   States& states_;
-  std::map<std::pair<int, bool>, int> law_index_; ///< of declarations, of a scalar or a vector
+  std::map<std::pair<int, bool>, int> law_index_; ///< by declaration, of a vector or not; -1: wrong
   std::vector<LawCases> law_cases_;               ///< of the law being checked, inner ones first
   std::string coupled_;          ///< the law whose multiplier the law being checked reads
   std::set<int> laws_at_hand_;   ///< whose bodies are being read
