@@ -34,7 +34,7 @@ private:
 
   Mistakes& mistakes_;
   Names& names_;
-  Unknowns& unknowns_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
   Limits& limits_;
   PairCalls& pair_calls_;

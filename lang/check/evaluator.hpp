@@ -13,11 +13,13 @@ namespace hvi::lang {
 class Evaluator {
 public:
   virtual Value expr(const ast::Expr& e, const Scope& scope) = 0;
+  /// Of a name where it stands as an expression.
   virtual Value reference(const ast::Expr& e, const std::string& name, const Scope& scope) = 0;
   virtual std::optional<Symbol> condition(const ast::Condition& c, const Scope& scope) = 0;
   /// Of a declaration: evaluated when it is first used.
   virtual Value& value_of(int declaration, const Span& use) = 0;
 
+  // Nothing where the expression is something else (reported).
   std::optional<Field> field(const ast::Expr& e, const Scope& scope);
   std::optional<Field> scalar(const ast::Expr& e, const Scope& scope);
   std::optional<double> constant(const ast::Expr& e, const std::string& what);
@@ -37,7 +39,7 @@ protected:
 
 private:
   Mistakes& mistakes_;
-  Names& names_;
+  const Names& names_;
 };
 
 /// The place of the i-th entry of a list as written; the whole expression when it is not a list.

@@ -42,10 +42,10 @@ private:
 
   const CheckOptions& options_;
   Mistakes& mistakes_;
-  Names& names_;
+  const Names& names_;
   const ast::Find* const find_;
-  Model& model_;
-  Unknowns& unknowns_;
+  const Model& model_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
   AtHand& at_hand_;
   Limits& limits_;

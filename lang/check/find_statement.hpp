@@ -37,9 +37,9 @@ private:
   bool check_names(const ast::Find& find);
 
   Mistakes& mistakes_;
-  Names& names_;
+  const Names& names_;
   Model& model_;
-  Unknowns& unknowns_;
+  const Unknowns& unknowns_;
   MaterialPlaces& places_;
   Series& series_;
   Memories& memories_;

@@ -44,7 +44,6 @@ bool has_initial_state(const ast::Find& find, const std::string& unknown) {
 
 } // namespace
 
-/// Has each unknown an equation, and what that asks for?
 void FormChecks::check_clauses(const ast::Find& find) {
   Occurrences found;
   for (const ModelTerm& term : model_.terms) found.add(term);
@@ -201,8 +200,6 @@ bool symmetric(const Symbol& f, int field) {
 
 } // namespace
 
-/// W0103 where the forms on one part, summed for u and for u', are not symmetric: compared at a few
-/// places and values by their second derivatives, a(w, v) against a(v, w).
 void FormChecks::check_symmetry() {
   for (const int which : {solver::field_of_u(0), solver::field_of_u(1), solver::field_of_u(2)}) {
     std::map<int, std::pair<Symbol, Span>> sums;

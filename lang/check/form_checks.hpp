@@ -11,13 +11,16 @@ namespace hvi::lang {
 
 class FormChecks {
 public:
-  FormChecks(const Context& context, Pairs& pairs)
+  FormChecks(const Context& context, const Pairs& pairs)
       : mistakes_(context.mistakes), model_(context.model), unknowns_(context.unknowns),
         pairs_(pairs) {}
 
   void check_relation(const ast::Find& find);
+  /// W0103 where the forms on one part, summed for u and for u', are not symmetric: compared at a
+  /// few places and values by their second derivatives, a(w, v) against a(v, w).
   void check_symmetry();
   void check_one_law_per_part();
+  /// Has each unknown an equation, and what that asks for?
   void check_clauses(const ast::Find& find);
 
 private:
@@ -25,9 +28,9 @@ private:
   void of_one_unknown();
 
   Mistakes& mistakes_;
-  Model& model_;
-  Unknowns& unknowns_;
-  Pairs& pairs_;
+  const Model& model_;
+  const Unknowns& unknowns_;
+  const Pairs& pairs_;
 };
 
 } // namespace hvi::lang

@@ -29,7 +29,7 @@ private:
   Mistakes& mistakes_;
   const ast::Find* const find_;
   Model& model_;
-  Unknowns& unknowns_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
   AtHand& at_hand_;
   Parts& parts_;

@@ -31,7 +31,7 @@ private:
   Value mises_call(const ast::Expr& e, const Span& span, const Field& f, const Scope& scope);
 
   Mistakes& mistakes_;
-  Model& model_;
+  const Model& model_;
   Evaluator& evaluator_;
   Operators& operators_;
 };

@@ -14,7 +14,7 @@ namespace hvi::lang {
 
 class ImposedValues {
 public:
-  ImposedValues(const Context& context, MeshGroups& groups, Parts& parts, Pairs& pairs)
+  ImposedValues(const Context& context, const MeshGroups& groups, Parts& parts, Pairs& pairs)
       : mistakes_(context.mistakes), find_(context.find), model_(context.model),
         unknowns_(context.unknowns), evaluator_(context.evaluator), groups_(groups), parts_(parts),
         pairs_(pairs) {}
@@ -34,9 +34,9 @@ private:
   Mistakes& mistakes_;
   const ast::Find* const find_;
   Model& model_;
-  Unknowns& unknowns_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
-  MeshGroups& groups_;
+  const MeshGroups& groups_;
   Parts& parts_;
   Pairs& pairs_;
 };

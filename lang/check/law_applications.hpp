@@ -37,10 +37,10 @@ private:
   bool is_of_no_mean(const ast::Clarke& c, const Field& at, const Field& direction);
 
   Mistakes& mistakes_;
-  Names& names_;
+  const Names& names_;
   const ast::Find* const find_;
-  Model& model_;
-  Unknowns& unknowns_;
+  const Model& model_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
   AtHand& at_hand_;
   Pairs& pairs_;

@@ -53,8 +53,6 @@ private:
 
 } // namespace
 
-/// The law as an expression of its argument and of what it reads of the solution. False (reported)
-/// when it reads what it cannot.
 bool Laws::take_readings(const std::string& name, const Span& span, const Symbol& body,
                          bool on_pair, solver::LawSpec& spec) {
   const auto is_value = [&](solver::Slot s) { // or, on a pair, a mean

@@ -231,7 +231,6 @@ void Laws::note_cases(LawCases cases) {
   if (laws_at_hand_.size() == 1) law_cases_.push_back(std::move(cases));
 }
 
-/// False (reported at the argument) when a law that reads well for a scalar is given a vector.
 bool Laws::is_law_of_vectors(int declaration, const ast::Expr& argument, const Field& at) {
   if (law_index_.count({declaration, true})) return true;
   // `xi` says that a vector was meant: then the law itself is wrong, and law_for says where.

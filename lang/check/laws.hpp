@@ -26,7 +26,9 @@ public:
         unknowns_(context.unknowns), evaluator_(context.evaluator), at_hand_(context.at_hand),
         limits_(limits), states_(states) {}
 
+  /// In the body of another law.
   Value call(const ast::Expr& e, const ast::Call& call, int declaration, const Scope& scope);
+  /// `layer.xi`.
   Value member(const ast::Member& member, int declaration, const Scope& scope);
   /// The law that a declaration has become where it was applied to a scalar or a vector.
   std::optional<int> made(int declaration, bool of_vector) const;
@@ -35,10 +37,15 @@ public:
   bool reads_jumps(int law) const { return laws_of_jumps_.contains(law); }
   /// Of the body that is read; those of the laws it calls are not looked at.
   void note_cases(LawCases cases);
+  /// The law as an expression of its argument and of what it reads of the solution. False
+  /// (reported) when it reads what it cannot.
   bool take_readings(const std::string& name, const Span& span, const Symbol& body, bool on_pair,
                      solver::LawSpec& spec);
+  /// Its index in the model, made when it is first applied; nothing (reported) where it is wrong.
   std::optional<int> law_for(int declaration, bool radial, const Span& use);
+  /// False (reported at the argument) when a law that reads well for a scalar is given a vector.
   bool is_law_of_vectors(int declaration, const ast::Expr& argument, const Field& at);
+  /// One that nothing applies.
   void check_alone(int declaration);
 
 private:
@@ -50,9 +57,9 @@ private:
   void warn_of_unreached_cases(bool radial);
 
   Mistakes& mistakes_;
-  Names& names_;
+  const Names& names_;
   Model& model_;
-  Unknowns& unknowns_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
   AtHand& at_hand_;
   Limits& limits_;

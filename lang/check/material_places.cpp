@@ -21,7 +21,6 @@ void MaterialPlaces::note(const Span& span, const Field& value, bool elliptic) {
   owners_.push_back(at_hand_.declaration);
 }
 
-/// Gives every material the parts on which its declaration is used, directly or through others.
 void MaterialPlaces::place_all() {
   for (std::size_t i = 0; i < owners_.size(); ++i) {
     std::vector<int> open;

@@ -19,6 +19,7 @@ public:
   void note(const Span& span, const Field& value, bool elliptic);
   /// A declaration is used where we are.
   void note_use(int declaration);
+  /// Gives every material the parts on which its declaration is used, directly or through others.
   void place_all();
 
 private:

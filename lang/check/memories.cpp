@@ -107,9 +107,6 @@ std::optional<std::pair<int, double>> Memories::known_history(const Symbol& kern
   return std::nullopt;
 }
 
-/// E0502 where a kernel of t and s is not finite between the times of the problem. Kernels of the
-/// lag alone are integrated by the engine, which knows their singularity at lag 0, and so are those
-/// that are infinite at the start of the run only: integrable, or refused with their place.
 void Memories::check_kernels_in_time() {
   const std::vector<double>& grid = model_.time.grid;
   const std::size_t stride = std::max<std::size_t>(1, grid.size() / 200);

@@ -20,8 +20,12 @@ public:
         model_(context.model), unknowns_(context.unknowns), evaluator_(context.evaluator),
         tensors_(tensors) {}
 
+  /// The kernel as a value of lag and t; nothing (reported) where it is none.
   std::optional<Field> kernel_field(const ast::Expr& callee, const Scope& scope);
   Value history_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  /// E0502 where a kernel of t and s is not finite between the times of the problem. Kernels of the
+  /// lag alone are integrated by the engine, which knows their singularity at lag 0, and so are
+  /// those that are infinite at the start of the run only: integrable, or refused with their place.
   void check_kernels_in_time();
 
 private:
@@ -39,10 +43,10 @@ private:
                                         const KernelParts& memories) const;
 
   Mistakes& mistakes_;
-  Names& names_;
+  const Names& names_;
   const ast::Find* const find_;
   Model& model_;
-  Unknowns& unknowns_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
   Tensors& tensors_;
 };

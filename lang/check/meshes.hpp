@@ -19,6 +19,7 @@ public:
         model_(context.model), evaluator_(context.evaluator), groups_(groups) {}
 
   Value mesh(const ast::Mesh& mesh);
+  /// A script has one mesh.
   void report_second(const Span& span);
 
 private:

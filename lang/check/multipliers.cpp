@@ -9,7 +9,6 @@ namespace hvi::lang {
 
 namespace slot = solver::slot;
 
-/// `layer.xi` meant the first application of the law; here it is the one on this part.
 bool Multipliers::take_on_part(const Span& span, int part, Symbol& expression) {
   std::vector<std::pair<std::string, int>> applications; // law, part
   for (const ModelTerm& term : model_.terms)
@@ -34,7 +33,6 @@ bool Multipliers::take_on_part(const Span& span, int part, Symbol& expression) {
   return true;
 }
 
-/// The multiplier of a law on this very part: `layer.xi` meant the first one found by name.
 void Multipliers::name_on_part(int part, Symbol& expression) const {
   int application = 0;
   std::vector<std::pair<solver::Slot, Symbol>> rename;

@@ -46,6 +46,7 @@ public:
   bool is_silent(const std::string& name) const;
   /// Could every statement that declares a name be read?
   bool all_readable() const { return silenced_.empty(); }
+  /// Poison; reported unless its mistake was.
   Value report_unknown(const Span& span, const std::string& name, const Scope& scope);
 
 private:

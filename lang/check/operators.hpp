@@ -29,6 +29,7 @@ public:
                              const Scope& scope);
   std::optional<Field> dot(const Span& span, const Field& left, const Field& right,
                            const Scope& scope);
+  /// False (reported) for a constant that is not a finite number.
   bool check_finite(const Span& span, const Field& result);
 
 private:
@@ -39,8 +40,8 @@ private:
                                       const Scope& scope);
 
   Mistakes& mistakes_;
-  Model& model_;
-  Unknowns& unknowns_;
+  const Model& model_;
+  const Unknowns& unknowns_;
 };
 
 } // namespace hvi::lang

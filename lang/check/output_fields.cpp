@@ -69,7 +69,6 @@ void OutputFields::read(const ast::FieldsItem& item) {
   model_.report.fields.push_back(std::move(spec));
 }
 
-/// A field that has a value at every point of the body.
 std::optional<solver::FieldSpec> OutputFields::drawn_field(const ast::Expr& e,
                                                            const std::string& what) {
   auto f = output_field(e);

@@ -16,6 +16,7 @@ public:
         results_(results) {}
 
   std::optional<solver::FieldSpec> output_field(const ast::Expr& e);
+  /// A field that has a value at every point of the body.
   std::optional<solver::FieldSpec> drawn_field(const ast::Expr& e, const std::string& what);
   void read(const ast::FieldsItem& item);
 

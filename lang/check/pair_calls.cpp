@@ -9,7 +9,6 @@ namespace hvi::lang {
 namespace slot = solver::slot;
 using slot::is_field, slot::is_test;
 
-/// jump(u), jump(u'), jump(v), jump(history(q, u)), and the same of mean: of values.
 Value PairCalls::jump_call(const ast::Expr& e, const ast::Call& c, const std::string& name,
                            const Scope& scope) {
   const auto args = evaluator_.match(e, c, name, {"u"}, 1);

@@ -11,10 +11,11 @@ namespace hvi::lang {
 
 class PairCalls {
 public:
-  PairCalls(const Context& context, Parts& parts, Pairs& pairs)
+  PairCalls(const Context& context, Parts& parts, const Pairs& pairs)
       : mistakes_(context.mistakes), evaluator_(context.evaluator), at_hand_(context.at_hand),
         parts_(parts), pairs_(pairs) {}
 
+  /// jump(u), jump(u'), jump(v), jump(history(q, u)), and the same of mean: of values.
   Value jump_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                   const Scope& scope);
   Value gap_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
@@ -24,7 +25,7 @@ private:
   Evaluator& evaluator_;
   AtHand& at_hand_;
   Parts& parts_;
-  Pairs& pairs_;
+  const Pairs& pairs_;
 };
 
 } // namespace hvi::lang

@@ -93,7 +93,6 @@ bool Pairs::is_pair(int part) const {
          model_.parts[static_cast<std::size_t>(part)].region.kind == RegionSpec::Kind::pair;
 }
 
-/// True (reported) where the part is a pair.
 bool Pairs::refuse(int part, const Span& span, const std::string& what) {
   if (!is_pair(part)) return false;
   mistakes_.error(
@@ -103,8 +102,6 @@ bool Pairs::refuse(int part, const Span& span, const std::string& what) {
   return true;
 }
 
-/// Of an expression on a part (-1: unknown): on a pair jumps become values; jumps elsewhere, values
-/// on a pair and gaps of others are reported.
 bool Pairs::take_jumps(const Span& span, std::vector<Symbol>& components, int part) {
   const Reads reads = reads_of(components);
   const std::string& u = unknowns_.name_of(0);
@@ -137,7 +134,6 @@ bool Pairs::take_jumps(const Span& span, std::vector<Symbol>& components, int pa
   return true;
 }
 
-/// Of a probe at a point: on the pair that has the point.
 bool Pairs::take_jumps_at_point(const Span& span, Symbol& expression, solver::Probe& probe) {
   const Reads reads = reads_of({expression});
   if (!reads.jumps && !reads.gap) return true;

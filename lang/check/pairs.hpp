@@ -28,14 +28,18 @@ public:
         at_hand_(context.at_hand) {}
 
   bool is_pair(int part) const;
+  /// Of an expression on a part (-1: unknown): on a pair jumps become values; jumps elsewhere,
+  /// values on a pair and gaps of others are reported.
   bool take_jumps(const Span& span, std::vector<Symbol>& components, int part);
+  /// Of a probe at a point: on the pair that has the point.
   bool take_jumps_at_point(const Span& span, Symbol& expression, solver::Probe& probe);
+  /// True (reported) where the part is a pair.
   bool refuse(int part, const Span& span, const std::string& what);
 
 private:
   Mistakes& mistakes_;
-  Model& model_;
-  Unknowns& unknowns_;
+  const Model& model_;
+  const Unknowns& unknowns_;
   AtHand& at_hand_;
 };
 

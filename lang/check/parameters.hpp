@@ -23,7 +23,7 @@ private:
 
   const CheckOptions& options_;
   Mistakes& mistakes_;
-  Names& names_;
+  const Names& names_;
   Model& model_;
   Evaluator& evaluator_;
   Operators& operators_;

@@ -16,6 +16,7 @@ public:
       : mistakes_(context.mistakes), names_(context.names), model_(context.model),
         evaluator_(context.evaluator), groups_(groups) {}
 
+  /// Of `slab.top`, `slab.group("roof")`, a part by its name; nothing where it is wrong (reported).
   std::optional<solver::RegionSpec> region_path(const ast::Expr& path);
   /// Of `part roof = ...`.
   Value part(const ast::Part& part);

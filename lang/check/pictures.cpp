@@ -175,7 +175,6 @@ bool Pictures::picture_factor(const ast::PictureItem& item, double& out) {
   return true;
 }
 
-/// A field of the body; of several fields, or times, one picture beside the other.
 void Pictures::read(const ast::PictureItem& item) {
   const auto all = shown_by(item);
   if (std::ranges::any_of(all, [&](const ast::Expr* e) { return is_graph(*e); }))

@@ -20,6 +20,7 @@ public:
         unknowns_(context.unknowns), evaluator_(context.evaluator), memories_(memories),
         laws_(laws), results_(results), fields_(fields) {}
 
+  /// A field of the body; of several fields, or times, one picture beside the other.
   void read(const ast::PictureItem& item);
 
 private:
@@ -30,9 +31,9 @@ private:
   bool picture_factor(const ast::PictureItem& item, double& out);
 
   Mistakes& mistakes_;
-  Names& names_;
+  const Names& names_;
   Model& model_;
-  Unknowns& unknowns_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
   Memories& memories_;
   Laws& laws_;

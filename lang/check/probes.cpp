@@ -46,7 +46,6 @@ Value Probes::number_of(Probe p) {
   return out;
 }
 
-/// integral(part, expression) in a report.
 Value Probes::integral_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
   if (!scope.report) {
     mistakes_.error("E0306", e.span, "an integral stands in the inequality or in a report");
@@ -70,7 +69,6 @@ Value Probes::integral_call(const ast::Expr& e, const ast::Call& c, const Scope&
   return number_of(std::move(*p));
 }
 
-/// largest(part, expression), smallest(part, expression).
 Value Probes::extreme_call(const ast::Expr& e, const ast::Call& c, const std::string& name,
                            const Scope& scope) {
   if (!scope.report) {
@@ -97,7 +95,6 @@ std::optional<int> Probes::unknown_given(const ast::Expr& e, const std::string& 
   return std::nullopt;
 }
 
-/// reaction(part), reaction(part, theta): a probe for each component of the unknown.
 Value Probes::reaction_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
   if (!scope.report) {
     mistakes_.error("E0309", e.span,

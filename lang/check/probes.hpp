@@ -14,16 +14,20 @@ namespace hvi::lang {
 
 class Probes {
 public:
-  Probes(const Context& context, Parts& parts, Pairs& pairs, Multipliers& multipliers,
+  Probes(const Context& context, Parts& parts, Pairs& pairs, const Multipliers& multipliers,
          States& states)
       : mistakes_(context.mistakes), names_(context.names), model_(context.model),
         unknowns_(context.unknowns), evaluator_(context.evaluator), at_hand_(context.at_hand),
         parts_(parts), pairs_(pairs), multipliers_(multipliers), states_(states) {}
 
+  /// integral(part, expression) in a report.
   Value integral_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  /// largest(part, expression), smallest(part, expression).
   Value extreme_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                      const Scope& scope);
+  /// reaction(part), reaction(part, theta): a probe for each component of the unknown.
   Value reaction_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  /// Into the report; returns its index there.
   int add(solver::Probe probe);
 
 private:
@@ -35,14 +39,14 @@ private:
   std::optional<int> unknown_given(const ast::Expr& e, const std::string& what);
 
   Mistakes& mistakes_;
-  Names& names_;
+  const Names& names_;
   Model& model_;
-  Unknowns& unknowns_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
   AtHand& at_hand_;
   Parts& parts_;
   Pairs& pairs_;
-  Multipliers& multipliers_;
+  const Multipliers& multipliers_;
   States& states_;
 };
 

@@ -24,8 +24,8 @@ private:
   Mistakes& mistakes_;
   Names& names_;
   const ast::Find* const find_;
-  Model& model_;
-  Unknowns& unknowns_;
+  const Model& model_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
 };
 

@@ -44,7 +44,6 @@ std::optional<std::string> Results::output_name(const std::optional<ast::Text>& 
   return std::nullopt;
 }
 
-/// `from start`, which is of problems in time.
 bool Results::from_start(const Span& words) {
   if (!words.valid()) return false;
   if (!model_.has_time)

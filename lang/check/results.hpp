@@ -18,15 +18,19 @@ public:
       : options_(context.options), mistakes_(context.mistakes), model_(context.model),
         evaluator_(context.evaluator) {}
 
+  /// A time within the run.
   std::optional<double> report_time(const ast::Expr& e);
+  /// The file of a result, "": none is given; nothing where it is wrong (reported).
   std::optional<std::string> output_name(const std::optional<ast::Text>& to);
+  /// `from start`, which is of problems in time.
   bool from_start(const Span& words);
+  /// A point; false: reported.
   bool place(const ast::Expr& e, solver::Point& out);
 
 private:
   const CheckOptions& options_;
   Mistakes& mistakes_;
-  Model& model_;
+  const Model& model_;
   Evaluator& evaluator_;
   std::set<std::string> outputs_; ///< names of files given with `to`
 };

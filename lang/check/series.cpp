@@ -120,9 +120,6 @@ Field Series::prony_through(const solver::Table& table, const Symbol& at, const 
   return series_field(fit.series, at);
 }
 
-/// prony(weights, times) = sum_i weights[i] exp(-lag/times[i]). prony_relaxation(weights, times) is
-/// the derivative of that sum: what a relaxation modulus with these weights is as a kernel of
-/// eps(u), sigma = G(0) eps + int_0^t G'(t - s) eps(s) ds.
 Value Series::prony_call(const ast::Expr& e, const ast::Call& c, const std::string& name,
                          const Scope& scope) {
   const bool slope = name == "prony_relaxation";
@@ -161,7 +158,6 @@ Value Series::prony_call(const ast::Expr& e, const ast::Call& c, const std::stri
   return numbers ? series_field(series, at->scalar()) : scalar_field(sum);
 }
 
-/// derivative(a): by the lag in kernels, by t elsewhere. Of a Prony series it is one.
 Value Series::derivative_call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
   auto args = evaluator_.match(e, c, "derivative", {"of"}, 1);
   if (!args) return Poison{};
@@ -192,7 +188,6 @@ Value Series::derivative_call(const ast::Expr& e, const ast::Call& c, const Scop
   return operators_.check_finite(e.span, *f) ? Value(*f) : Value(Poison{});
 }
 
-/// E0423 where a table of the time alone is asked for a value outside its range at a grid time.
 void Series::check_tables() {
   for (const TableUse& use : table_uses_) {
     const auto slots = solver::slots_of(use.at);

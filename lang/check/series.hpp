@@ -16,9 +16,14 @@ public:
         evaluator_(context.evaluator), operators_(operators) {}
 
   Value table_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  /// prony(weights, times) = sum_i weights[i] exp(-lag/times[i]). prony_relaxation(weights, times)
+  /// is the derivative of that sum: what a relaxation modulus with these weights is as a kernel of
+  /// eps(u), sigma = G(0) eps + int_0^t G'(t - s) eps(s) ds.
   Value prony_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                    const Scope& scope);
+  /// derivative(a): by the lag in kernels, by t elsewhere. Of a Prony series it is one.
   Value derivative_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
+  /// E0423 where a table of the time alone is asked for a value outside its range at a grid time.
   void check_tables();
 
 private:

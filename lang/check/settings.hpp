@@ -30,7 +30,7 @@ private:
 
   Mistakes& mistakes_;
   Model& model_;
-  Unknowns& unknowns_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
 };
 

@@ -43,8 +43,6 @@ int Sources::take_rule(ModelTerm& source, const Symbol& integrand) const {
   return 0;
 }
 
-/// The term, whose integrand reads multipliers and is linear in test functions, becomes laws: one
-/// for each component of a test function. False: reported.
 bool Sources::take(ModelTerm& term, const Span& span) {
   Symbol integrand =
       (term.right ? Symbol(-1.0) : Symbol(1.0)) * term.factor * term.integrand.scalar();

@@ -14,11 +14,13 @@ namespace hvi::lang {
 
 class Sources {
 public:
-  Sources(const Context& context, Pairs& pairs, Multipliers& multipliers, States& states,
+  Sources(const Context& context, const Pairs& pairs, Multipliers& multipliers, States& states,
           Laws& laws)
       : mistakes_(context.mistakes), model_(context.model), unknowns_(context.unknowns),
         pairs_(pairs), multipliers_(multipliers), states_(states), laws_(laws) {}
 
+  /// The term, whose integrand reads multipliers and is linear in test functions, becomes laws: one
+  /// for each component of a test function. False: reported.
   bool take(ModelTerm& term, const Span& span);
 
 private:
@@ -28,8 +30,8 @@ private:
 
   Mistakes& mistakes_;
   Model& model_;
-  Unknowns& unknowns_;
-  Pairs& pairs_;
+  const Unknowns& unknowns_;
+  const Pairs& pairs_;
   Multipliers& multipliers_;
   States& states_;
   Laws& laws_;

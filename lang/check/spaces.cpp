@@ -99,7 +99,6 @@ bool Spaces::space_domain(const ast::Name& written, int declaration, solver::Spa
   return true;
 }
 
-/// Its index in spaces_.
 std::optional<int> Spaces::space(const ast::Space& s) {
   solver::SpaceSpec spec;
   spec.name = s.name.text;

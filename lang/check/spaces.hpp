@@ -19,6 +19,7 @@ public:
       : mistakes_(context.mistakes), names_(context.names), model_(context.model),
         unknowns_(context.unknowns), evaluator_(context.evaluator), parts_(parts), pairs_(pairs) {}
 
+  /// Its index in spaces_.
   std::optional<int> space(const ast::Space& space);
   /// Into the model: the space of the unknown, or the product of those of all.
   void take_unknowns(const ast::Find& find);

@@ -27,7 +27,6 @@ std::string out_of_reach(solver::Slot s, bool in_body, bool on_pair) {
 
 } // namespace
 
-/// The value at a point; rate, initial value and range are read when all laws are known.
 Value States::state(int declaration) {
   const auto& written = std::get<ast::State>(*names_[declaration].statement);
   const auto part = parts_.index_of(written.part);
@@ -43,7 +42,6 @@ Value States::state(int declaration) {
   return scalar_field(Symbol::variable(slot::state(static_cast<int>(model_.states.size()) - 1)));
 }
 
-/// Those that nothing reads, too. Rates may read states that were not met before.
 void States::read_rates() {
   for (int i = 0; i < names_.size(); ++i) {
     if (!std::holds_alternative<ast::State>(*names_[i].statement)) continue;
@@ -138,8 +136,6 @@ void States::state_initial(ModelState& state) {
                                 v, state.spec.low, state.spec.high));
 }
 
-/// Without the states of bodies that are known wherever a report reads them on a part: those of the
-/// whole body, and those that stand behind the membership in their own part.
 Symbol States::without_states_known(Symbol expression, int part) const {
   if (model_.parts[part].kind != solver::Group::Kind::cells) return expression;
   for (const solver::Slot s : solver::slots_of(Symbol(expression))) {
@@ -152,7 +148,6 @@ Symbol States::without_states_known(Symbol expression, int part) const {
   return expression;
 }
 
-/// False (reported) where an expression on one part reads a state of another.
 bool States::reads_states_of(const Span& span, const Symbol& expression, int part,
                              const std::string& who) {
   for (const solver::Slot s : solver::slots_of(expression)) {
@@ -168,7 +163,6 @@ bool States::reads_states_of(const Span& span, const Symbol& expression, int par
   return true;
 }
 
-/// The states that a law reads: its expression gets their numbers among them.
 std::optional<std::vector<int>> States::take_states(Symbol& expression, const Span& span) {
   std::vector<int> out;
   std::vector<std::pair<solver::Slot, Symbol>> rename;
@@ -195,7 +189,6 @@ bool States::lives_in_body(int part) const {
          });
 }
 
-/// States in the coefficients of a form.
 bool States::states_of_form(const ModelTerm& term, const Span& span) {
   const Symbol integrand = term.integrand.scalar();
   if (!integrand.depends_on_any(slot::first_state, slot::first_probe)) return true;
@@ -236,7 +229,6 @@ Symbol States::clock_on(int part) {
   return Symbol::variable(slot::state(known->second));
 }
 
-/// A form in a body whose coefficients depend on t is one that a state changes, the time itself.
 bool States::take_time(ModelTerm& term, const Span& span) {
   if (term.integrand.rank != 0 || !find_->time) return true;
   const Symbol integrand = term.integrand.scalar();
@@ -272,7 +264,6 @@ bool States::take_time(ModelTerm& term, const Span& span) {
   return true;
 }
 
-/// Laws and forms read states of their own part; states live where a law acts, or in a body.
 void States::check_states_of_laws() {
   std::set<int> with_laws;
   for (const ModelTerm& term : model_.terms) {

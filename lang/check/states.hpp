@@ -21,14 +21,23 @@ public:
         model_(context.model), unknowns_(context.unknowns), evaluator_(context.evaluator),
         at_hand_(context.at_hand), parts_(parts), pairs_(pairs), multipliers_(multipliers) {}
 
+  /// The value at a point; rate, initial value and range are read when all laws are known.
   Value state(int declaration);
+  /// Those that nothing reads, too. Rates may read states that were not met before.
   void read_rates();
+  /// Without the states of bodies that are known wherever a report reads them on a part: those of
+  /// the whole body, and those that stand behind the membership in their own part.
   Symbol without_states_known(Symbol expression, int part) const;
+  /// False (reported) where an expression on one part reads a state of another.
   bool reads_states_of(const Span& span, const Symbol& expression, int part,
                        const std::string& who);
+  /// The states that a law reads: its expression gets their numbers among them.
   std::optional<std::vector<int>> take_states(Symbol& expression, const Span& span);
+  /// States in the coefficients of a form.
   bool states_of_form(const ModelTerm& term, const Span& span);
+  /// A form in a body whose coefficients depend on t is one that a state changes, the time itself.
   bool take_time(ModelTerm& term, const Span& span);
+  /// Laws and forms read states of their own part; states live where a law acts, or in a body.
   void check_states_of_laws();
 
 private:
@@ -43,7 +52,7 @@ private:
   Names& names_;
   const ast::Find* const find_;
   Model& model_;
-  Unknowns& unknowns_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
   AtHand& at_hand_;
   Parts& parts_;

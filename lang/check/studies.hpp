@@ -25,9 +25,9 @@ private:
   void norm_of_study(const ast::Name& space, ModelStudy& study);
 
   Mistakes& mistakes_;
-  Names& names_;
+  const Names& names_;
   Model& model_;
-  Unknowns& unknowns_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
 };
 

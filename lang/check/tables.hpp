@@ -18,7 +18,6 @@ public:
         evaluator_(context.evaluator), at_hand_(context.at_hand), pairs_(pairs), probes_(probes),
         results_(results) {}
 
-  bool column(const ast::Binding& binding, solver::Probe probe, solver::TableSpec& table);
   void read(const ast::TableItem& item);
 
 private:
@@ -26,11 +25,12 @@ private:
   void binding(const ast::Binding& binding, solver::TableSpec& table);
   std::optional<Field> column_value(const ast::Binding& binding);
   bool has_one_value(const ast::Binding& binding, const Field& value);
+  bool column(const ast::Binding& binding, solver::Probe probe, solver::TableSpec& table);
   void take_at_its_time(std::size_t first, solver::Probe& p);
 
   Mistakes& mistakes_;
   Model& model_;
-  Unknowns& unknowns_;
+  const Unknowns& unknowns_;
   Evaluator& evaluator_;
   AtHand& at_hand_;
   Pairs& pairs_;

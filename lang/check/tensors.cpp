@@ -95,8 +95,6 @@ Value Tensors::tensor_call(const ast::Expr& e, const ast::Call& c, const std::st
   return Poison{};
 }
 
-/// E0442 for a fourth-order tensor of an axisymmetric body that couples strains in the section with
-/// shears out of it: a load in the section would twist the body.
 bool Tensors::twists(const Span& span, const Field& tensor) {
   if (!model_.mesh.axisymmetric || tensor.rank != 4) return false;
   double largest = 0.0;
@@ -116,8 +114,6 @@ bool Tensors::twists(const Span& span, const Field& tensor) {
   return false;
 }
 
-/// W0104 for every nearly incompressible tensor in a space of P1 vectors. Crossed triangles do not
-/// lock in the plane: the divergence of P1 on them leaves enough freedom (tests/convergence).
 void Tensors::check_locking() {
   const bool free = model_.mesh.crossed && !model_.mesh.axisymmetric;
   if (!model_.space.vector || model_.space.order != 1 || free) return;
@@ -150,7 +146,6 @@ int Tensors::add_tensor(solver::TensorSpec spec) {
   return static_cast<int>(known.size()) - 1;
 }
 
-/// A declared tensor: one of the library, a multiple of a declared one, or a tensor of its own.
 void Tensors::name_tensor(Field& value, const ast::Name& name) {
   using Kind = solver::TensorSpec::Kind;
   if (value.materials.size() != 1)

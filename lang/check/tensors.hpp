@@ -21,9 +21,15 @@ public:
 
   Value tensor_call(const ast::Expr& e, const ast::Call& call, const std::string& name,
                     const Scope& scope);
+  /// E0442 for a fourth-order tensor of an axisymmetric body that couples strains in the section
+  /// with shears out of it: a load in the section would twist the body.
   bool twists(const Span& span, const Field& tensor);
+  /// W0104 for every nearly incompressible tensor in a space of P1 vectors. Crossed triangles do
+  /// not lock in the plane: the divergence of P1 on them leaves enough freedom (tests/convergence).
   void check_locking();
+  /// Its index in the model, where it is known already or not.
   int add_tensor(solver::TensorSpec spec);
+  /// A declared tensor: one of the library, a multiple of a declared one, or a tensor of its own.
   void name_tensor(Field& value, const ast::Name& name);
 
 private:

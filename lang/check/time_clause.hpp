@@ -24,7 +24,7 @@ private:
   std::optional<std::vector<Symbol>> initial_value(const ast::InitialValue& initial, int unknown);
 
   Mistakes& mistakes_;
-  Names& names_;
+  const Names& names_;
   Model& model_;
   Unknowns& unknowns_;
   Evaluator& evaluator_;

@@ -49,7 +49,6 @@ bool Unknowns::is_vector(int unknown) const {
   return unknowns_of(model_.space)[static_cast<std::size_t>(unknown)].vector;
 }
 
-/// Of the values of the b-th unknown.
 int Unknowns::components_of(int unknown) const {
   return solver::components_of(unknowns_of(model_.space)[static_cast<std::size_t>(unknown)],
                                model_.dim);

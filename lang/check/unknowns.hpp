@@ -25,6 +25,7 @@ public:
   /// Are the spaces of all known? Before, nothing below is.
   bool known = false;
   bool is_vector(int unknown) const;
+  /// Of the values of the b-th unknown.
   int components_of(int unknown) const;
   /// The first unknown that is a vector, else the first.
   int first_vector() const;
