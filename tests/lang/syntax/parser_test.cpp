@@ -92,7 +92,7 @@ TEST(Expressions, SpansIncludeTheirParentheses) {
 }
 
 TEST(Expressions, TheWholeTextMustBeOne) {
-  EXPECT_EQ(errors_of("param p = 1 + 2 3"), "E0201 1:17-18");
+  EXPECT_EQ(errors_of("param p = 1 + 2 3"), "E0224 1:17-18");
   EXPECT_EQ(errors_of("param p ="), "E0201 1:10-10");
 }
 
