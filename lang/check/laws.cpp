@@ -307,6 +307,7 @@ Value Laws::member(const ast::Member& m, int declaration, const Scope& scope) {
         const auto& spec = model_.laws[use.law].spec;
         const int n = spec.radial ? static_cast<int>(use.rows.size()) : 1;
         std::vector<Symbol> xi;
+        xi.reserve(static_cast<std::size_t>(n));
         for (int c = 0; c < n; ++c)
           xi.push_back(Symbol::variable(slot::multiplier(application, c)));
         Field f = spec.radial ? vector_field(xi) : scalar_field(xi[0]);

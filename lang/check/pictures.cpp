@@ -181,6 +181,7 @@ void Pictures::read(const ast::PictureItem& item) {
     return graphs(item);
   const auto file = results_.output_name(item.to);
   std::vector<std::optional<solver::FieldSpec>> fields;
+  fields.reserve(all.size());
   for (const ast::Expr* e : all) fields.push_back(fields_.output_field(*e));
   std::vector<std::optional<double>> times;
   double deformed = 0.0;

@@ -33,7 +33,7 @@ Vector reduced_offset(const LawPoints& points, const LawTerm& term, std::size_t 
     return offset;
   }
   const DenseMatrix& frame = points.frames[p];
-  const Vector reduced = frame.transpose() * offset;
+  Vector reduced = frame.transpose() * offset;
   if ((offset - frame * reduced).norm() > 1e-9 * offset.norm()) {
     throw Failure(FailureKind::bad_value, term.origin,
                   fmt::format("the argument of the law `{}` at {} is moved by a vector that u "
