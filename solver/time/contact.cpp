@@ -315,7 +315,8 @@ void prepare(Contact& contact, const Problem& problem, double t, const LawFields
         for (SparseMatrix::InnerIterator it(contact.g, row); it; ++it) {
           double all = std::abs(values[it.col()]);
           if (it.col() < contact.force.rows()) // no imposed value
-            all += std::abs(factor) * contact.least_reach[contact.unknown_of(it.col())];
+            all += std::abs(factor) *
+                   contact.least_reach[contact.unknown_of(static_cast<int>(it.col()))];
           if (moved != nullptr && it.col() < moved->size())
             all += std::abs(factor * (*moved)[it.col()]);
           size[row] += std::abs(times * it.value()) * all;
