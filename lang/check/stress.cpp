@@ -1,11 +1,30 @@
 #include "lang/check/stress.hpp"
 
 #include "lang/check/across.hpp"
+#include "solver/kernel/algebra.hpp"
+
+#include <utility>
+#include <vector>
 
 namespace hvi::lang {
 
 namespace slot = solver::slot;
 using solver::Group;
+
+namespace {
+
+/// With t in the place of states that are t: a report knows the time everywhere.
+void put_time(const Model& model, Field& out) {
+  std::vector<std::pair<solver::Slot, Symbol>> times;
+  for (std::size_t i = 0; i < model.states.size(); ++i)
+    if (model.states[i].declaration < 0)
+      times.emplace_back(slot::state(static_cast<int>(i)), Symbol::variable(slot::t));
+  if (times.empty()) return;
+  for (auto* all : {&out.components, &out.across})
+    for (Symbol& entry : *all) entry = substitute(entry, times);
+}
+
+} // namespace
 
 Field stress(const Model& model, const Unknowns& unknowns) {
   const int unknown = unknowns.first_vector();
@@ -42,6 +61,7 @@ Field stress(const Model& model, const Unknowns& unknowns) {
     out.columns = 1;
   }
   out.trial = Degree::linear;
+  put_time(model, out);
   return out;
 }
 

@@ -137,13 +137,29 @@ Field Tensors::tensor_value(solver::TensorSpec spec) {
   return out;
 }
 
+namespace {
+
+/// The same for tensors that are the same, whatever they are called.
+std::size_t hash_of(const solver::TensorSpec& spec) {
+  auto out = static_cast<std::size_t>(spec.kind);
+  for (const Symbol& constant : spec.constants) out = 31 * out + constant.hash();
+  return out;
+}
+
+} // namespace
+
 int Tensors::add_tensor(solver::TensorSpec spec) {
   auto& known = model_.tensors;
-  const auto same = std::ranges::find_if(
-      known, [&](const solver::TensorSpec& other) { return same_tensor(spec, other); });
-  if (same != known.end()) return static_cast<int>(same - known.begin());
+  const std::size_t hash = hash_of(spec);
+  const auto [first, past] = index_.equal_range(hash);
+  const auto same = std::find_if(first, past, [&](const auto& other) {
+    return same_tensor(spec, known[static_cast<std::size_t>(other.second)]);
+  });
+  if (same != past) return same->second;
   known.push_back(std::move(spec));
-  return static_cast<int>(known.size()) - 1;
+  const int index = static_cast<int>(known.size()) - 1;
+  index_.emplace(hash, index);
+  return index;
 }
 
 void Tensors::name_tensor(Field& value, const ast::Name& name) {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <utility>
 
 namespace hvi::lang {
@@ -54,6 +55,7 @@ private:
   Model& model_;
   Evaluator& evaluator_;
   MaterialPlaces& places_;
+  std::unordered_multimap<std::size_t, int> index_; ///< of the model's tensors, by their hashes
   std::map<std::size_t, std::pair<Span, double>> locking_; ///< nearly incompressible tensors
 };
 

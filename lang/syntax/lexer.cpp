@@ -266,7 +266,7 @@ void Lexer::sign() {
   for (const std::size_t length : {std::size_t{2}, std::size_t{1}}) {
     const std::string_view candidate = text_.substr(at_, length);
     for (const TokenInfo& entry : token_table()) {
-      if (entry.spelling != candidate) continue;
+      if (!entry.spelling.starts_with(candidate.front()) || entry.spelling != candidate) continue;
       const std::size_t begin = at_;
       at_ += length;
       return emit(entry.kind, begin);

@@ -75,6 +75,7 @@ const TokenInfo& info(TokenKind kind) { return kinds[static_cast<std::size_t>(ki
 std::optional<TokenKind> reserved_word(std::string_view text) {
   for (const TokenInfo& entry : kinds) {
     if (!is_reserved(entry.kind)) break;
+    if (!text.starts_with(entry.spelling.front())) continue; // most are out with one letter
     if (entry.spelling == text && entry.kind != state && entry.kind != units) return entry.kind;
   }
   return std::nullopt;

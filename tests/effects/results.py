@@ -410,6 +410,42 @@ def check_lines_of_what_changes(folder):
     assert done.returncode == 1 and "no point of the line lies where `d` lives" in done.stderr, done.stderr
 
 
+GROWING = """
+mesh body = rectangle(2, 1, cells = [6, 3])
+part floor = body.bottom
+part roof = body.top
+part half = body where x < 1
+tensor B = isotropic(young = 70, poisson = 0.3)
+space V = vector P2 on body, zero on floor
+find u in V for t in [0, 1] by 4 steps from u = 0
+such that for all v in V
+    integral(body, {factor}B : eps(u) : eps(v)) = integral(roof, dot([2*t, -t], v))
+report
+  table most = largest(roof, sigma.yy), least = smallest(roof, mises(sigma)), whole = integral(roof, sigma.xy), cells = integral(half, sigma.xx),
+    inside = largest(half, sigma.xy), here = sigma.yy at [1.3, 0.4], early = mises(sigma) at [1.3, 0.4] at t = 0.6, held = reaction(floor), tip = u.y at [2, 1]
+  line sigma from [0.1, 0.5] to [1.9, 0.5] by 7 points to "along.csv"
+  fields sigma
+  picture mises(sigma) to "grown.svg"
+"""
+
+
+def check_stiffness_that_grows(folder):
+    """The stress does not know by which number of the time a whole material is multiplied, wherever it is asked for; the displacement does."""
+    found = []
+    for factor in ("", "(1 + 0.5*t^2)*"):
+        run(folder, GROWING.format(factor=factor))
+        found.append((rows(folder)[-1], rows(folder, "along"), meshio.read(folder / "out" / "scene_sigma_00004.vtu")))
+    (plain, line, field), (grown, grown_line, grown_field) = found
+    for name in plain.keys() - {"tip", "early"}:
+        close(plain[name], grown[name], 1e-12, abs(plain["most"]))
+    close(plain["tip"], 1.5 * grown["tip"], 1e-12)
+    for a, b in zip(line, grown_line):
+        for name in a:
+            close(a[name], b[name], 1e-11, abs(plain["most"]))
+    (a,), (b,) = field.cell_data["sigma"], grown_field.cell_data["sigma"]
+    assert abs(a - b).max() < 1e-11 * abs(a).max()
+
+
 def check_sweep(folder):
     text = PLATE.replace("mesh plate", "param k = 1\nparam degree = P1\nmesh plate").replace("sin(2*t)", "k*sin(2*t)").format(
         tensor=ISOTROPIC, element="degree", report="table tip = u.y at [1, 1], held = reaction(wall)\nstudy vary k in [1, 2, 3] and degree in [P1, P2]")
@@ -493,7 +529,7 @@ def check_resume(folder):
 
 
 def main():
-    for check in (check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_sweep, check_pictures, check_resume):
+    for check in (check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_stiffness_that_grows, check_sweep, check_pictures, check_resume):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
     check_examples()
