@@ -80,9 +80,7 @@ private:
 
 DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
   const StateLayout layout = make_layout(d.space, d.dofs);
-  LoadAssembler loads(d.space, d.parts, plan.problem.loads);
-  loads.restrict_to({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)},
-                    layout.links);
+  LoadAssembler loads = loads_on(plan.problem, d, layout);
   Vector initial = initial_state(plan.problem, d, layout);
   Operators operators = assemble_operators(plan.problem, d, layout, plan.options.threads);
   if (plan.options.solver == LinearSolver::iterative)
@@ -143,6 +141,13 @@ std::unique_ptr<Formulation> condensed(DiscreteProblem& all) {
 }
 
 } // namespace
+
+LoadAssembler loads_on(const Problem& problem, const Discretisation& d, const StateLayout& layout) {
+  LoadAssembler out(d.space, d.parts, problem.loads);
+  out.restrict_to({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)},
+                  layout.links);
+  return out;
+}
 
 std::unique_ptr<Formulation> formulate(const Plan& plan, const Discretisation& discretisation) {
   DiscreteProblem all = on_all_unknowns(plan, discretisation);

@@ -9,8 +9,10 @@
 #include "solver/time/step_matrix.hpp"
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 namespace hvi::solver {
 
@@ -40,7 +42,9 @@ public:
   void take_states() {
     problem_.changing.take(problem_.contact, problem_.layout, problem_.operators);
   }
-  const LoadAssembler& loads() const { return problem_.loads; }
+  const LoadAssembler& loads() const { return later_loads_ ? *later_loads_ : problem_.loads; }
+  /// Other ones take their place. Only where states hold all unknowns.
+  void take_loads(LoadAssembler&& loads) { later_loads_.emplace(std::move(loads)); }
   const Vector& initial() const { return problem_.initial; }
   bool imposed() const { return layout().n_state > layout().n_unknowns; }
   /// Factors leave room for so many bytes that a run will take besides them.
@@ -75,7 +79,12 @@ public:
 
 private:
   DiscreteProblem problem_;
+  std::optional<LoadAssembler> later_loads_;
 };
+
+/// The loads of a problem on these unknowns.
+LoadAssembler loads_on(const Problem& problem, const Discretisation& discretisation,
+                       const StateLayout& layout);
 
 /// On the contact unknowns where that is possible (reduce.hpp), else on all unknowns.
 std::unique_ptr<Formulation> formulate(const Plan& plan, const Discretisation& discretisation);

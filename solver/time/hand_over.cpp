@@ -1,5 +1,6 @@
 // A run goes on as that of another plan: what does not depend on its matrices and laws is handed
-// over, the rest is made anew. Called by SteppedRun::change.
+// over, the rest is made anew. Or, where loads alone have changed, these. Called by
+// SteppedRun::change.
 #include "solver/time/one_run.hpp"
 #include "solver/time/saved_state.hpp"
 
@@ -20,6 +21,15 @@ std::optional<HorizonEnd> Stepper::take_over(std::istream& in) {
   state_.solver.equations.laws.take_over(r);
   state_.balance.load.note_multipliers(state_.xi());
   return std::nullopt;
+}
+
+void Stepper::take_loads(const Discretisation& d) {
+  state_.formulation->take_loads(loads_on(plan_.problem, d, state_.formulation->layout()));
+}
+
+void OneRun::take_loads() {
+  stepper_.take_loads(discretisation_);
+  reporter_.take_loads();
 }
 
 void OneRun::hand_over(std::ostream& out) const {

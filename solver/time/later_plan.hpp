@@ -12,4 +12,9 @@ namespace hvi::solver {
 void require_same_evolution(const Plan& now, const Plan& next,
                             const Discretisation& discretisation);
 
+/// Can a run of `now` take over loads and imposed values of `next`, and all else stays?
+bool only_loads_differ(const Plan& now, const Plan& next);
+/// It does: nothing else of the problem moves, not in memory either.
+void take_loads_of(const Plan& next, Problem& problem);
+
 } // namespace hvi::solver

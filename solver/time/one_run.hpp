@@ -44,6 +44,8 @@ public:
   /// In the place of a run of another plan, which wrote this, before any step: the same unknowns at
   /// the same times, with memories of the same kernels. Set: a memory cannot go on.
   std::optional<HorizonEnd> take_over(std::istream& in);
+  /// The plan has other loads than before.
+  void take_loads();
   /// Puts everything known so far into the result and writes the tables, unless a check that was
   /// put off fails.
   RunOutcome conclude();

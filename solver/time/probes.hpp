@@ -15,6 +15,8 @@ public:
   ProbeSet(const Plan& plan, const Discretisation& discretisation, const RunState& run);
 
   int size() const { return static_cast<int>(probes_.size()); }
+  /// The problem has other loads than before.
+  void take_loads() { reactions_.take_loads(); }
   /// Expressions the probes read fields from (u itself for norms, what reactions are made of).
   std::vector<Expr> expressions() const;
   /// Values at a snapshot into `values`; probes with a time of their own keep what stands there,

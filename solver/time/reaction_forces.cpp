@@ -166,6 +166,12 @@ ReactionForces::ReactionForces(const Problem& problem, const Discretisation& dis
   make_rows(run.states());
 }
 
+void ReactionForces::take_loads() {
+  if (!loads_) return;
+  loads_.emplace(d_.space, d_.parts, problem_.loads);
+  load_step_ = -1;
+}
+
 /// What laws do to the dofs that the part holds is carried by the support.
 void ReactionForces::add_supports(const Reaction& of, std::vector<double>& of_rows) const {
   const std::set<int> held(of.held.begin(), of.held.end());

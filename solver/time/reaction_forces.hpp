@@ -35,6 +35,8 @@ public:
   /// the sum of |nodal forces|, of those on the dofs that its reactions are made of, of those of
   /// laws, and of the loads. Assembles matrices.
   double scale(int unknown, const Snapshot& now, const Snapshot& before);
+  /// The problem has other loads than before.
+  void take_loads();
 
 private:
   /// A few entries of a vector: sum_k weight[k] v[at[k]].

@@ -45,6 +45,8 @@ public:
   /// known at the initial time is NaN: rates of problems without u'', multipliers and reactions,
   /// unless the run starts in a balance of forces.
   void begin(const RunState& run);
+  /// The problem has other loads than before.
+  void take_loads() { probes_.take_loads(); }
   /// Records an accepted step: rows and files that are due (`last`: all of them).
   void record(const RunState& run, bool last);
   /// By probe, at the last step that had a row; NaN where the time of one has not come.

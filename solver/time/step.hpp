@@ -38,6 +38,8 @@ public:
   /// Of these what does not depend on the matrices and laws of the plan (hand_over.cpp).
   void hand_over(std::ostream& out) const;
   std::optional<HorizonEnd> take_over(std::istream& in);
+  /// The plan has other loads than before.
+  void take_loads(const Discretisation& discretisation);
 
 private:
   StepResult attempt(int n, StepMatrix& matrix);

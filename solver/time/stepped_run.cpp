@@ -30,7 +30,7 @@ public:
     LapClock<> clock;
     while (run_->step() < step) {
       if (changed_ < changes_.size() && changes_[changed_].after == run_->step())
-        go_on_as(changes_[changed_++].plan);
+        take(changes_[changed_++].plan);
       if (const auto restart = run_->take_step(clock)) {
         restarts_.take(*restart, false);
         start();
@@ -42,23 +42,33 @@ public:
   /// The steps from the next one on are those of this plan.
   void change(const Plan& plan) {
     const int step = run_->step();
-    require_same_evolution(changes_.empty() ? of_.plan_ : changes_.back().plan, plan,
-                           of_.discretisation_);
-    std::vector<Change> before = changes_;
-    if (!changes_.empty() && changes_.back().after == step) changes_.pop_back();
-    changes_.push_back({step, plan});
+    const Plan& last = changes_.empty() ? of_.plan_ : changes_.back().plan;
+    require_same_evolution(last, plan, of_.discretisation_);
+    // Plans of a run that changes in each step have most of their expressions in common.
+    Change next{step, plan};
+    if (only_loads_differ(last, plan)) {
+      next.plan = last;
+      take_loads_of(plan, next.plan.problem);
+    }
+    std::optional<Change> replaced;
+    if (!changes_.empty() && changes_.back().after == step) {
+      replaced = std::move(changes_.back());
+      changes_.pop_back();
+    }
+    changes_.push_back(std::move(next));
     try {
       if (run_->reduced() || (!of_.discretisation_.dofs.homogeneous && !run_->imposed())) {
         start(); // states hold more from now on
         go_to(step);
       }
-      go_on_as(plan);
-      changed_ = changes_.size();
+      take(changes_.back().plan);
     } catch (...) {
-      changes_ = std::move(before);
+      changes_.pop_back();
+      if (replaced) changes_.push_back(*std::move(replaced));
       changed_ = changes_.size();
       throw;
     }
+    changed_ = changes_.size();
   }
 
   const OneRun& run() const { return *run_; }
@@ -104,6 +114,19 @@ private:
   }
 
   /// From the accepted state; where that fails the run is what it was.
+  void take(const Plan& plan) {
+    const Plan next = applied(plan);
+    if (!only_loads_differ(*plan_, next)) return go_on_as(next);
+    const Plan before = *plan_;
+    take_loads_of(next, plan_->problem);
+    try {
+      run_->take_loads();
+    } catch (const Failure&) {
+      take_loads_of(before, plan_->problem);
+      throw;
+    }
+  }
+
   void go_on_as(const Plan& plan) {
     const int step = run_->step();
     std::ostringstream out;
@@ -112,7 +135,7 @@ private:
     const std::string state = std::move(out).str();
     const Plan before = *plan_;
     try {
-      make_after(applied(plan), step, state);
+      make_after(plan, step, state);
     } catch (const Failure&) {
       make_after(before, step, state);
       throw;
