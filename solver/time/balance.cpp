@@ -12,6 +12,8 @@ namespace {
 
 /// Of the terms of a sum: what it is known to.
 constexpr double rounding_of_terms = 1e-15;
+/// Who asks for less asks for rounding: then nothing is beside it.
+constexpr double least_tolerance = 1e-13;
 
 /// Matrices are stored once more, for products that read half, when a run has so many steps.
 constexpr int worth_halving = 12;
@@ -170,8 +172,10 @@ double Balance::error_beside_rounding(const StepEquation& equation, const StepMa
                                       const Vector& xi, const Trial& trial, double tolerance) {
   Vector gap(equation.rhs.size());
   gap_and_scale(matrix.k(), trial.d, equation.rhs, gap, scale_);
-  add_terms(equation, rounding_of_terms / tolerance, scale_);
-  add_past(matrix.k(), rounding_of_terms / tolerance, scale_);
+  if (tolerance >= least_tolerance) {
+    add_terms(equation, rounding_of_terms / tolerance, scale_);
+    add_past(matrix.k(), rounding_of_terms / tolerance, scale_);
+  }
   return equilibrium_error(matrix.k(), trial.d, gap, scale_, formulation_.contact().reactions(),
                            xi);
 }
