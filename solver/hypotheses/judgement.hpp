@@ -4,6 +4,7 @@
 #include "solver/hypotheses/hypotheses.hpp"
 #include "solver/hypotheses/numbers.hpp"
 #include "solver/hypotheses/tensors.hpp"
+#include "solver/hypotheses/variation.hpp"
 #include "solver/hypotheses/verdicts.hpp"
 #include "solver/time/step_weights.hpp"
 
@@ -77,6 +78,10 @@ private:
   void judge_laws();
   /// Lipschitz constants of the rates, by the state itself and by what they read.
   void judge_states();
+  /// Those of a law by the states, the values and the multiplier that it reads.
+  void judge_readings(const TermConstants& law, const LawTerm& term);
+  void judge_variation(const char* name, const std::string& what, const Variation& found,
+                       const Origin& origin);
   Origin law_on_memory() const;
   Origin law_origin(int field) const;
   /// The law that softens most: it decides (H0).

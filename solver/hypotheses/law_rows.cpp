@@ -98,6 +98,7 @@ void Judgement::judge_laws() {
       descents.normal = Bracket::exactly(infinity);
     else
       judge_law(law, term, descents);
+    judge_readings(law, term);
   }
   c().m_J = c().m_nu + c().m_tau;
   c().m_J_known = descents.normal + descents.tangential;
@@ -113,20 +114,42 @@ void Judgement::judge_states() {
           "they change with states: what is said of it holds at their initial values");
   for (const auto& state : problem_.states) {
     const RateConstants found = rate_constants(problem_, d_.mesh, state);
-    const auto one = [&](const std::string& by, const RateConstant& l) {
-      const double everywhere = l.everywhere.value();
-      auto& made =
-          row("H(state)", fmt::format("the rate of `{}` is Lipschitz in {}", state.name, by),
-              everywhere, std::isfinite(everywhere) ? Answer::holds : Answer::open, state.origin,
-              std::isfinite(everywhere)
-                  ? ""
-                  : fmt::format("on bounded sets only: {} for inputs up to 1 in size",
-                                with_word(l.near.value(), l.near)));
-      if (std::isfinite(everywhere)) made.known = l.everywhere;
-    };
-    one(found.other_states ? "the states" : "the state", found.by_states);
-    if (found.reads_inputs) one("its inputs", found.by_inputs);
+    const auto rate = fmt::format("the rate of `{}` is Lipschitz in ", state.name);
+    judge_variation("H(state)", rate + (found.other_states ? "the states" : "the state"),
+                    found.by_states, state.origin);
+    if (found.reads_inputs)
+      judge_variation("H(state)", rate + "its inputs", found.by_inputs, state.origin);
   }
+}
+
+void Judgement::judge_variation(const char* name, const std::string& what, const Variation& found,
+                                const Origin& origin) {
+  const double everywhere = found.everywhere.value();
+  const bool finite = std::isfinite(everywhere);
+  std::string note;
+  if (found.jumps != Jumps::none)
+    note = found.jumps == Jumps::found ? "it jumps" : "where it does not jump, which is not known";
+  else if (!finite)
+    note = fmt::format("on bounded sets only: {} for inputs up to 1 in size",
+                       with_word(found.near.value(), found.near));
+  const Answer answer = note.empty() ? Answer::holds : Answer::open;
+  auto& made = row(name, what, everywhere, answer, origin, std::move(note));
+  if (finite) made.known = found.everywhere;
+}
+
+void Judgement::judge_readings(const TermConstants& law, const LawTerm& term) {
+  const SlopeConstants found = slope_constants(problem_, d_.mesh, term, law.lipschitz);
+  const auto& coupled = problem_.laws[static_cast<std::size_t>(term.law)].coupled;
+  if (found.reads_states)
+    judge_variation("H(state)",
+                    fmt::format("`{}` is Lipschitz in the states that it reads", term.name),
+                    found.by_states, term.origin);
+  if (found.reads)
+    judge_variation("H(J)",
+                    fmt::format("`{}` is Lipschitz in {}", term.name,
+                                coupled.empty() ? "what it reads"
+                                                : fmt::format("the multiplier of `{}`", coupled)),
+                    found.by_readings, term.origin);
 }
 
 Origin Judgement::law_on_memory() const {

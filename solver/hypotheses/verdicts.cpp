@@ -13,6 +13,14 @@ namespace {
 /// A margin is one beyond what eigenvalues are found to.
 constexpr double least_margin = 1e-9;
 
+// Whom theorems and proofs are due to; docs/theory.md has the titles.
+constexpr const char* paper = "S. Migorski, S. Zeng 2019";
+constexpr const char* of_static = "W. Han, M. Sofonea 2019";
+constexpr const char* of_histories = "J. Ogorzaly 2016; S. Migorski, Y. Bai, S. Zeng 2023";
+constexpr const char* of_rates = "M. Sofonea, A. Matei 2011; S. Migorski, Y. Bai, S. Zeng 2023";
+constexpr const char* of_memories = "M. Sofonea, F. Patrulescu 2014";
+constexpr const char* of_motion = "A. Kulig 2013";
+
 class Verdicts {
 public:
   Verdicts(const VerdictFacts& facts, HypothesisReport& report) : facts_(facts), out_(report) {}
@@ -47,6 +55,7 @@ public:
     else
       refuse("A is not coercive (H(A)), neither in V nor in H: the theory asks for it");
     if (facts_.has_memory_laws && out_.continuous) with_memory_laws();
+    if (out_.continuous && !due_.empty()) out_.continuous_verdict += fmt::format(" ({})", due_);
     theorem_rows();
   }
 
@@ -120,7 +129,8 @@ private:
   /// Says no where one of these fails, or the constants of the laws are not proved.
   bool refused(std::initializer_list<const char*> needed) {
     if (facts_.states) {
-      refuse("it knows no states; what is said of a step on this mesh stands");
+      refuse("it knows no states (for a bonding field there is one: O. Chau, J. R. Fernandez, M. "
+             "Shillor, M. Sofonea 2003); what is said of a step on this mesh stands");
       return true;
     }
     const auto missing = failing(needed);
@@ -148,11 +158,12 @@ private:
                     "is, and its certificate stands");
     refuse("the forms alone are not coercive (semi-coercive: laws hold the body). For convex laws "
            "there is a solution where the load presses into them, <f, v> < J_inf(M v) for all free "
-           "motions v, which each step is asked; strains are then unique, motions need not be");
+           "motions v (C. Baiocchi, F. Gastaldi, F. Tomarelli 1986), which each step is asked; "
+           "strains are then unique, motions need not be");
   }
 
   void at_one_time() {
-    theorem_ = "static: B coercive and (H0)";
+    theorem_ = "static: B coercive and (H0)", due_ = of_static;
     if (refused({"H(B)", "H(J)", "H(M)", "H(f)"})) return;
     if (h0_as_a_whole())
       accept(fmt::format("the static theorem applies: B is coercive and (H0) holds, one solution{}",
@@ -170,6 +181,7 @@ private:
     theorem_ = facts_.has_memory ? "static at each t, Banach's fixed point for the memory: B "
                                    "coercive and (H0)"
                                  : "static at each t: B coercive and (H0)";
+    due_ = facts_.has_memory ? of_histories : of_static;
     regularity_failed_ = "there is no term with u': u is as regular in time as f, in C([0, T]; V) "
                          "where f is continuous";
     order_failed_ = "its proof needs A coercive in V; `study` measures the orders";
@@ -196,8 +208,8 @@ private:
   std::string sharper() const { return h0_split() ? "the split condition" : "its form against B"; }
 
   void in_v() {
-    theorem_ = "Theorem 3.2";
-    order_ = "for smooth solutions: the last theorem of the paper";
+    theorem_ = "Theorem 3.2", due_ = paper;
+    order_ = fmt::format("for smooth solutions: the last theorem of {}", paper);
     if (refused({"H(A)", "H(E)", "H(q)", "H(J)", "H(M)", "H(f)"})) return;
     const bool b = failing({"H(B)"}).empty();
     if (b && h0_as_a_whole())
@@ -218,6 +230,7 @@ private:
   /// They are a part of the history, which the paper's estimate knows as a linear one.
   void with_memory_laws() {
     theorem_ += ", the laws on memories being a part of the history";
+    due_ += due_.empty() ? of_memories : fmt::format("; {}", of_memories);
     if (order_failed_.empty())
       order_failed_ = "the paper's estimate is for laws on u; `study` measures the orders";
   }
@@ -225,6 +238,7 @@ private:
   void on_rates() {
     theorem_ = "the problem for u' with its history: A coercive in V, m_A > m_J ||M||^2 of the "
                "laws on u', Banach's fixed point";
+    due_ = of_rates;
     order_failed_ = "the paper's estimate is for laws on u; `study` measures the orders";
     if (out_.rate_form != RateForm::in_v)
       return refuse("a law acts on u', and no form A coercive in V does: of the continuous problem "
@@ -242,6 +256,7 @@ private:
 
   void in_motion() {
     theorem_ = "the problem for u' with its history: a mass coercive in H = L2, A coercive in V";
+    due_ = of_motion;
     order_failed_ = "the paper's estimate is for problems without inertia; `study` measures the "
                     "orders";
     if (out_.rate_form != RateForm::in_v)
@@ -259,7 +274,8 @@ private:
   }
 
   void in_h() {
-    theorem_ = "parabolic: A coercive in H = L2, B in V";
+    theorem_ = "parabolic: A coercive in H = L2, B in V, by the proof of Theorem 3.2 in H";
+    due_ = paper;
     regularity_failed_ = "u in L2(0, T; V), u' in L2(0, T; V*) only: A is coercive in H, not in V";
     order_failed_ = "its proof needs A coercive in V; `study` measures the orders";
     if (refused({"H(B)", "H(E)", "H(q)", "H(J)", "H(M)", "H(f)"})) return;
@@ -281,7 +297,10 @@ private:
   }
 
   void theorem_rows() {
-    row("one solution", out_.continuous, out_.continuous ? theorem_ : std::string());
+    row("one solution", out_.continuous,
+        !out_.continuous ? std::string()
+        : due_.empty()   ? theorem_
+                         : fmt::format("{} ({})", theorem_, due_));
     if (facts_.is_static || !out_.continuous) return;
     row("u in H1(0, T; V)", regularity_failed_.empty(), regularity_failed_);
     row("error O(h + k) in V", order_failed_.empty(),
@@ -290,7 +309,7 @@ private:
 
   const VerdictFacts& facts_;
   HypothesisReport& out_;
-  std::string theorem_, regularity_failed_, order_, order_failed_;
+  std::string theorem_, due_, regularity_failed_, order_, order_failed_; ///< due_: to whom
 };
 
 } // namespace

@@ -1,4 +1,5 @@
-// By how much an expression jumps where one of its comparisons turns. Internal to solver/law.
+// By how much an expression jumps where one of its comparisons turns: for laws, and for what they
+// and states read (solver/hypotheses).
 #pragma once
 
 #include "solver/law/switches.hpp"

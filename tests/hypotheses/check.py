@@ -203,3 +203,57 @@ report
 with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
     file.write(convex), file.flush()
     assert check(file.name, "--strict")["constants"]["step_margin"] == 1
+
+# States: the rates' constants and those of the laws, analytic; what jumps is not Lipschitz.
+AGED = """mesh bar = interval(1, cells = 2)
+part left = bar.left
+part right = bar.right
+superpotential soft(r) with slope SLOPE
+state beta on right with rate RATE from beta = 0 in [0, 1]
+space V = scalar P1 on bar, zero on left
+find u in V for t in [0, 1] by 4 steps from u = 0
+such that for all v in V
+    integral(bar, dot(grad(u'), grad(v))) + integral(right, soft^0(u - SHIFT*beta; v))
+ >= integral(right, 0.1*v)
+report
+  table end = u at [1]
+"""
+FADES = "| r < 0 -> 0 | r < 2 -> (1 - 0.5*beta)*r | otherwise -> 2 - beta"  # by beta: 0.5 r, at most 1; by r: at beta = 0 at most 1
+
+
+def aged(rate="0", slope=FADES, shift=0.2):
+    with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+        file.write(AGED.replace("RATE", rate).replace("SLOPE", slope).replace("SHIFT", str(shift))), file.flush()
+        return check(file.name)
+
+
+report = aged("3*u - 2*beta")
+close(says(report, "H(state)", "the rate of `beta` is Lipschitz in the state")["value"], 2)
+close(says(report, "H(state)", "the rate of `beta` is Lipschitz in its inputs")["value"], 3)
+close(says(report, "H(state)", "`soft` is Lipschitz in the states")["value"], 1 + 0.2 * 1)
+assert "O. Chau, J. R. Fernandez, M. Shillor, M. Sofonea 2003" in report["verdict"]["continuous"]["says"]
+assert "with its states held, every step has exactly one solution" in report["verdict"]["discrete"]["says"]
+for rate, what, jumps in (("| u > 0.1 -> 5*(u - 0.1) | otherwise -> 0", "its inputs", False),
+                          ("| u > 0.1 -> 1 | otherwise -> 0", "its inputs", True),
+                          ("| beta < 0.5 -> 1 | otherwise -> 0", "the state", True),
+                          ("| u > 5*beta -> beta | otherwise -> 0.2*u", "its inputs", False),
+                          ("| u > 5*beta -> beta | otherwise -> 0.3*u", "the state", True)):
+    row = says(aged(rate), "H(state)", f"the rate of `beta` is Lipschitz in {what}")
+    assert (row["note"] == "it jumps", row["holds"]) == ((True, None) if jumps else (False, True)), (rate, row)
+row = says(aged("u^2"), "H(state)", "the rate of `beta` is Lipschitz in its inputs")
+assert row["holds"] is None and "on bounded sets only: 2 " in row["note"], row
+for slope, note in (("beta^2*r", "on bounded sets only: 2 "), ("| r < beta -> 0 | otherwise -> 1", "it jumps"),
+                    ("| beta < 0.5 -> r | otherwise -> 0", "it jumps")):
+    row = says(aged(slope=slope, shift=0), "H(state)", "`soft` is Lipschitz in the states")
+    assert row["holds"] is None and row["note"].startswith(note), (slope, row)
+
+# Laws that read: Coulomb's bound changes with the multiplier by the coefficient of friction.
+row = says(check(root / "tests/published/coulomb_patch.hvi"), "H(J)", "`grip` is Lipschitz in the multiplier")
+close(row["value"], 1)
+
+# A verdict of the continuous problem says to whom its theorem is due.
+for report, authors in ((bar(B, time=""), "W. Han, M. Sofonea 2019"), (bar(f"{viscous} + {B}"), "S. Migorski, S. Zeng 2019"),
+                        (bar(f"integral(bar, u''*v) + {viscous} + {B}"), "A. Kulig 2013"),
+                        (bar(B), "W. Han, M. Sofonea 2019")):
+    for text in (report["verdict"]["continuous"]["says"], says(report, "theorem", "one solution")["note"]):
+        assert authors in text, text
