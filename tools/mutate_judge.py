@@ -56,7 +56,7 @@ class Court:
         """Digest of what the test is made of, the program under test left out."""
         source, total = self.tree.source, hashlib.sha1(json.dumps(test).encode())
         if program := re.search(r"/test_(solver|lang)_(\w+)$", test["command"][0]):
-            files = sorted((source / "tests" / program.group(1) / program.group(2)).iterdir())
+            files = sorted(p for p in (source / "tests" / program.group(1) / program.group(2)).rglob("*") if p.is_file())
         else:
             files = [p for p in map(pathlib.Path, test["command"]) if source in p.parents and p.is_file()
                      and self.tree.build_folder not in p.parents]
