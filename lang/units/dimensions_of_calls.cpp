@@ -1,6 +1,7 @@
-// Dimensions of calls: of functions, laws and what is built in.
+#include "lang/units/dimensions_of_calls.hpp"
+
 #include "lang/check/builtins.hpp"
-#include "lang/units/dimension_checker.hpp"
+#include "lang/units/dimensions_of_values.hpp"
 
 #include <fmt/format.h>
 
@@ -10,9 +11,12 @@
 
 namespace hvi::lang::units {
 
+namespace {
+
+using Arguments = std::vector<const ast::Expr*>;
+
 /// The arguments in the order of `names`, by position or by name; null where one is left out.
-DimensionChecker::Arguments DimensionChecker::matched(const ast::Call& c,
-                                                      const std::vector<std::string>& names) {
+Arguments matched(const ast::Call& c, const std::vector<std::string>& names) {
   Arguments out(names.size(), nullptr);
   std::size_t next = 0;
   for (const ast::Argument& a : c.arguments) {
@@ -26,27 +30,32 @@ DimensionChecker::Arguments DimensionChecker::matched(const ast::Call& c,
   return out;
 }
 
-Measured DimensionChecker::call(const ast::Expr& e, const ast::Call& c, const Locals& locals) {
+} // namespace
+
+Measured DimensionsOfCalls::value(const ast::Expr& e, const Locals& locals) {
+  return values_.value(e, locals);
+}
+
+Measured DimensionsOfCalls::call(const ast::Expr& e, const ast::Call& c, const Locals& locals) {
   const auto* r = std::get_if<ast::Reference>(&c.callee->node);
   if (r == nullptr) return {};
   const BuiltIn* built_in = find_built_in(r->name);
-  const auto found = named_.find(r->name);
-  if (found != named_.end()) {
-    const auto* law = std::get_if<ast::Superpotential>(found->second.statement);
-    if (law == nullptr || reads_law_ || built_in == nullptr)
-      return call_declared(e, c, found->second, locals);
+  if (const MeasuredDeclaration* found = names_.declaration(r->name)) {
+    const bool law = std::holds_alternative<ast::Superpotential>(*found->statement);
+    if (!law || reads_law_ || built_in == nullptr)
+      return call_declared(e, c, *found->statement, locals);
   }
   return built_in ? call_built_in(c, r->name, locals) : Measured{};
 }
 
-Measured DimensionChecker::call_declared(const ast::Expr& e, const ast::Call& c, Named& named,
-                                         const Locals& locals) {
+Measured DimensionsOfCalls::call_declared(const ast::Expr& e, const ast::Call& c,
+                                          const ast::Statement& statement, const Locals& locals) {
   Measured out;
-  if (const auto* law = std::get_if<ast::Superpotential>(named.statement)) {
-    calls_.push_back(e.span);
+  if (const auto* law = std::get_if<ast::Superpotential>(&statement)) {
+    mistakes_.enter_call(e.span);
     out = call_law(c, *law, locals);
-    calls_.pop_back();
-  } else if (const auto* fn = std::get_if<ast::Fn>(named.statement)) {
+    mistakes_.leave_call();
+  } else if (const auto* fn = std::get_if<ast::Fn>(&statement)) {
     std::vector<std::string> names;
     for (const ast::Name& p : fn->parameters) names.push_back(p.text);
     const Arguments given = matched(c, names);
@@ -55,16 +64,16 @@ Measured DimensionChecker::call_declared(const ast::Expr& e, const ast::Call& c,
       if (given[i] == nullptr) return {};
       inner[names[i]] = value(*given[i], locals);
     }
-    calls_.push_back(e.span);
+    mistakes_.enter_call(e.span);
     out = value(fn->value, inner);
-    calls_.pop_back();
+    mistakes_.leave_call();
   }
   return out;
 }
 
 /// Inside the body of another law: its potential, whichever way it is written.
-Measured DimensionChecker::call_law(const ast::Call& c, const ast::Superpotential& law,
-                                    const Locals& locals) {
+Measured DimensionsOfCalls::call_law(const ast::Call& c, const ast::Superpotential& law,
+                                     const Locals& locals) {
   std::vector<std::string> names{law.argument.text};
   for (const ast::LawParameter& p : law.parameters) names.push_back(p.name.text);
   const Arguments given = matched(c, names);
@@ -83,7 +92,7 @@ Measured DimensionChecker::call_law(const ast::Call& c, const ast::Superpotentia
 }
 
 /// Arguments that all have one dimension: it.
-Measured DimensionChecker::all_same(const ast::Call& c, const Locals& locals) {
+Measured DimensionsOfCalls::all_same(const ast::Call& c, const Locals& locals) {
   Measured first;
   const ast::Expr* place = nullptr;
   const std::string name = std::get<ast::Reference>(c.callee->node).name;
@@ -92,14 +101,15 @@ Measured DimensionChecker::all_same(const ast::Call& c, const Locals& locals) {
     if (!now.dimension) return {};
     if (place == nullptr)
       first = now, place = &a.value;
-    else if (!same({&first, place}, {&now, &a.value}, fmt::format("the arguments of `{}`", name)))
+    else if (!mistakes_.same({&first, place}, {&now, &a.value},
+                             fmt::format("the arguments of `{}`", name)))
       return {};
   }
   return {first.dimension, {}};
 }
 
-Measured DimensionChecker::call_built_in(const ast::Call& c, const std::string& name,
-                                         const Locals& locals) {
+Measured DimensionsOfCalls::call_built_in(const ast::Call& c, const std::string& name,
+                                          const Locals& locals) {
   const auto argument = [&](std::size_t i) {
     return i < c.arguments.size() ? value(c.arguments[i].value, locals) : Measured{};
   };
@@ -133,8 +143,8 @@ Measured DimensionChecker::call_built_in(const ast::Call& c, const std::string& 
   return {};
 }
 
-Measured DimensionChecker::pointwise(const ast::Call& c, const std::string& name,
-                                     const Locals& locals) {
+Measured DimensionsOfCalls::pointwise(const ast::Call& c, const std::string& name,
+                                      const Locals& locals) {
   if (name == "max" || name == "min") return all_same(c, locals);
   if (name == "atan2") {
     const Measured of = all_same(c, locals);
@@ -153,13 +163,14 @@ Measured DimensionChecker::pointwise(const ast::Call& c, const std::string& name
             number ? std::optional(std::sqrt(*number)) : std::nullopt};
   if (name == "sign") return {Dimension{}, {}};
   for (std::size_t i = 0; i < given.size(); ++i)
-    if (!wants_number(c.arguments[i].value, given[i], fmt::format("the argument of `{}`", name)))
+    if (!mistakes_.wants_number(c.arguments[i].value, given[i],
+                                fmt::format("the argument of `{}`", name)))
       return {};
   return {Dimension{}, {}};
 }
 
 /// Moduli, ratios and axes: their names say which.
-Measured DimensionChecker::material(const ast::Call& c, const Locals& locals) {
+Measured DimensionsOfCalls::material(const ast::Call& c, const Locals& locals) {
   Measured modulus;
   const ast::Expr* place = nullptr;
   for (const ast::Argument& a : c.arguments) {
@@ -167,21 +178,21 @@ Measured DimensionChecker::material(const ast::Call& c, const Locals& locals) {
     const Measured now = value(a.value, locals);
     if (name == "axis" || name == "axes") continue;
     if (name.starts_with("poisson") || name.starts_with("nu")) {
-      if (!wants_number(a.value, now, "a Poisson's ratio")) return {};
+      if (!mistakes_.wants_number(a.value, now, "a Poisson's ratio")) return {};
       continue;
     }
     if (!now.dimension) return {};
     if (place == nullptr)
       modulus = now, place = &a.value;
-    else if (!same({&modulus, place}, {&now, &a.value}, "the moduli of a material"))
+    else if (!mistakes_.same({&modulus, place}, {&now, &a.value}, "the moduli of a material"))
       return {};
   }
   return {modulus.dimension, {}};
 }
 
 /// prony, prony_relaxation, derivative, table.
-Measured DimensionChecker::series(const ast::Call& c, const std::string& name,
-                                  const Locals& locals) {
+Measured DimensionsOfCalls::series(const ast::Call& c, const std::string& name,
+                                   const Locals& locals) {
   if (name == "table") { // the file has numbers in the units of the script
     for (const ast::Argument& a : c.arguments) value(a.value, locals);
     return {Dimension{}, {}};
@@ -194,75 +205,76 @@ Measured DimensionChecker::series(const ast::Call& c, const std::string& name,
   if (given[0] == nullptr || given[1] == nullptr) return {};
   const Measured weights = value(*given[0], locals), times = value(*given[1], locals);
   if (!times.dimension || !weights.dimension ||
-      !wants({&times, given[1]}, duration(), "the times of a Prony series"))
+      !mistakes_.wants({&times, given[1]}, duration(), "the times of a Prony series"))
     return {};
   return {name == "prony" ? *weights.dimension : *weights.dimension / duration(), {}};
 }
 
 /// int_0^t C(t - s) w(s) ds
-Measured DimensionChecker::history(const ast::Call& c, const Locals& locals) {
+Measured DimensionsOfCalls::history(const ast::Call& c, const Locals& locals) {
   if (c.arguments.size() < 2) return {};
   const auto* r = std::get_if<ast::Reference>(&c.arguments[0].value.node);
-  const auto found = r ? named_.find(r->name) : named_.end();
   const Measured of = value(c.arguments[1].value, locals);
-  if (found == named_.end() || !of.dimension) return {};
-  const auto* kernel = std::get_if<ast::Kernel>(found->second.statement);
-  if (kernel == nullptr) return {};
+  const auto* kernel = r ? names_.declared_as<ast::Kernel>(r->name) : nullptr;
+  if (kernel == nullptr || !of.dimension) return {};
   Locals times;
   for (const ast::Name& p : kernel->parameters) times[p.text] = {duration(), {}};
-  calls_.push_back(c.arguments[0].span);
+  mistakes_.enter_call(c.arguments[0].span);
   const Measured body = value(kernel->value, times);
-  calls_.pop_back();
+  mistakes_.leave_call();
   if (!body.dimension) return {};
-  of_kernel_.insert_or_assign(r->name, *body.dimension);
+  names_.of_kernel.insert_or_assign(r->name, *body.dimension);
   return {*body.dimension * duration() * *of.dimension, {}};
 }
 
-Measured DimensionChecker::over_region(const ast::Call& c, const std::string& name,
-                                       const Locals& locals) {
+Measured DimensionsOfCalls::over_region(const ast::Call& c, const std::string& name,
+                                        const Locals& locals) {
   const auto part = [&]() -> std::string {
     const auto* r =
         c.arguments.empty() ? nullptr : std::get_if<ast::Reference>(&c.arguments[0].value.node);
     return r ? r->name : "";
   };
   if (name == "reaction") {
-    std::size_t of = 0;
-    const auto unknowns = solver::unknowns_of(model_.space);
-    while (of + 1 < unknowns.size() && !unknowns[of].vector) ++of;
+    std::size_t of = names_.vector_unknown();
     for (const ast::Argument& a : c.arguments)
       if (const auto* r = std::get_if<ast::Reference>(&a.value.node);
           a.name && a.name->text == "of" && r)
-        of = unknown_named(r->name).value_or(of);
-    return of < of_unknown_.size() ? Measured{force(of), {}} : Measured{};
+        of = names_.unknown(r->name).value_or(of);
+    return of < names_.of_unknown.size() ? Measured{names_.force(of), {}} : Measured{};
   }
   if (c.arguments.size() < 2) return {};
   const Measured of = value(c.arguments[1].value, locals);
   if (!of.dimension) return {};
-  return {name == "integral" ? *of.dimension * measure_of(part()) : *of.dimension, {}};
+  return {name == "integral" ? *of.dimension * names_.measure_of(part()) : *of.dimension, {}};
 }
 
-/// Of a part by its name, of the cells without one: in 2D volumes are areas, so that forces are for
-/// one unit of thickness; circles of an axisymmetric mesh count as the length that they are.
-Dimension DimensionChecker::measure_of(const std::string& part) {
-  const int around = model_.mesh.axisymmetric ? 1 : 0;
-  const int dim = model_.dim + around;
-  if (part.empty()) return length().to(dim);
-  using Kind = solver::Group::Kind;
-  for (const ModelPart& known : model_.parts) {
-    if (known.name != part || !known.kind) continue;
-    return length().to(*known.kind == Kind::cells    ? dim
-                       : *known.kind == Kind::facets ? dim - 1
-                                                     : 0);
-  }
-  const auto found = named_.find(part);
-  if (found != named_.end() && std::holds_alternative<ast::Mesh>(*found->second.statement))
-    return length().to(dim);
-  return of_measure_.try_emplace(part, inference_.fresh()).first->second;
+/// j^0(r; s) is the potential's change along s: of the dimension j s/r.
+Measured DimensionsOfCalls::clarke(const ast::Clarke& c, const Locals& locals) {
+  const Measured at = value(*c.at, locals), direction = value(*c.direction, locals);
+  const auto* r = std::get_if<ast::Reference>(&c.law->node);
+  const auto* law = r ? names_.declared_as<ast::Superpotential>(r->name) : nullptr;
+  if (law == nullptr || !at.dimension || !direction.dimension) return {};
+  mistakes_.enter_call(c.law->span);
+  Locals parameters;
+  for (const ast::LawParameter& p : law->parameters)
+    if (p.value) parameters[p.name.text] = value(*p.value, parameters);
+  const Dimension slope = potential(*law, at, std::move(parameters)) / *at.dimension;
+  mistakes_.leave_call();
+  inference_.unify(names_.multiplier(r->name), slope);
+  names_.of_argument[r->name] = *at.dimension;
+  return {slope * *direction.dimension, {}};
 }
 
-/// What an unknown's equation is in: every integral over its test function.
-Dimension DimensionChecker::force(std::size_t unknown) const {
-  return of_form_ / of_test_[unknown];
+/// Of a law's potential: its body, or its slope times its argument.
+Dimension DimensionsOfCalls::potential(const ast::Superpotential& law, const Measured& argument,
+                                       Locals parameters) {
+  parameters[law.argument.text] = {argument.dimension, {}};
+  const bool outer = reads_law_;
+  reads_law_ = true;
+  const Measured body = value(law.value, parameters);
+  reads_law_ = outer;
+  if (!body.dimension) return inference_.fresh();
+  return law.by_slope ? *body.dimension * *argument.dimension : *body.dimension;
 }
 
 } // namespace hvi::lang::units

@@ -1,5 +1,4 @@
-// Dimensions of statements: each has places whose dimension is known.
-#include "lang/units/dimension_checker.hpp"
+#include "lang/units/dimensions_of_statements.hpp"
 
 #include <fmt/format.h>
 
@@ -8,44 +7,25 @@
 
 namespace hvi::lang::units {
 
-DimensionChecker::DimensionChecker(const std::vector<ast::Program>& programs,
-                                   const ScriptUnits& units, Model& model, Diagnostics& diagnostics)
-    : programs_(programs), units_(units), model_(model), diagnostics_(diagnostics) {
-  for (const ast::Program& program : programs_) {
-    if (program.library) library_.insert(program.file);
-    for (const ast::Statement& statement : program.statements) {
-      if (const auto* f = std::get_if<ast::Find>(&statement)) find_ = f;
-      const std::string name = std::visit(
-          [](const auto& s) -> std::string {
-            if constexpr (requires { s.name.text; })
-              return s.name.text;
-            else
-              return {};
-          },
-          statement);
-      if (name.empty()) continue;
-      const auto [known, fresh] = named_.try_emplace(name, Named{&statement, program.library});
-      if (!fresh && known->second.library && !program.library)
-        known->second = Named{&statement, false}; // the script's own names win
-    }
+bool DimensionsOfStatements::wants_each(const ast::Expr& e, const Dimension& dimension,
+                                        const std::string& what) {
+  const auto* list = std::get_if<ast::List>(&e.node);
+  if (list == nullptr) {
+    const Measured given = values_.value(e, {});
+    return mistakes_.wants({&given, &e}, dimension, what);
   }
-  of_form_ = inference_.fresh();
+  for (const ast::Expr& item : list->items)
+    if (!wants_each(item, dimension, what)) return false;
+  return true;
 }
 
-void DimensionChecker::run() {
-  const auto unknowns = solver::unknowns_of(model_.space);
-  for (std::size_t b = 0; find_ != nullptr && b < find_->unknowns.size(); ++b) {
-    const auto& declared = find_->unknowns[b].unit;
-    const auto unit = declared ? units_.read.find(declared->text) : units_.read.end();
-    // A vector is a displacement unless the script says otherwise; of a scalar its forms tell.
-    const bool displacement = b < unknowns.size() && unknowns[b].vector;
-    of_unknown_.push_back(unit != units_.read.end() ? unit->second.dimension
-                          : displacement            ? length()
-                                                    : inference_.fresh());
-    of_test_.push_back(inference_.fresh());
-  }
+void DimensionsOfStatements::wants_number(const ast::Expr& e, const std::string& what) {
+  mistakes_.wants_number(e, values_.value(e, {}), what);
+}
+
+void DimensionsOfStatements::run() {
   declarations();
-  if (find_ != nullptr) find(*find_);
+  if (names_.find != nullptr) find(*names_.find);
   for (const ast::Statement& statement : programs_.front().statements) {
     if (const auto* s = std::get_if<ast::State>(&statement)) state(*s);
     if (const auto* r = std::get_if<ast::Report>(&statement)) report(*r);
@@ -54,35 +34,33 @@ void DimensionChecker::run() {
     if (const auto* e = std::get_if<ast::Expect>(&statement)) expect(*e);
     if (const auto* s = std::get_if<ast::Study>(&statement)) study(*s);
   }
-  if (!diagnostics_.has_errors()) tell_model();
 }
 
-void DimensionChecker::declarations() {
+void DimensionsOfStatements::declarations() {
   for (const ast::Program& program : programs_)
     for (const ast::Statement& statement : program.statements) {
       if (const auto* p = std::get_if<ast::Param>(&statement); p && !program.library) param(*p);
       if (const auto* m = std::get_if<ast::Mesh>(&statement); m && !program.library) mesh(m->value);
       if (const auto* part = std::get_if<ast::Part>(&statement)) region(part->region);
       if (const auto* t = std::get_if<ast::Tensor>(&statement))
-        if (const auto found = named_.find(t->name.text); found->second.statement == &statement)
-          declared(found->second);
+        if (auto* own = names_.declaration(t->name.text); own->statement == &statement)
+          values_.declared(*own);
     }
 }
 
-void DimensionChecker::param(const ast::Param& p) {
-  const auto found = named_.find(p.name.text);
-  const Measured own = declared(found->second);
+void DimensionsOfStatements::param(const ast::Param& p) {
+  const Measured own = values_.declared(*names_.declaration(p.name.text));
   if (!own.dimension) return;
   if (const auto set = units_.of_defines.find(p.name.text);
       set != units_.of_defines.end() && !inference_.unify(*own.dimension, set->second))
-    report_mistake(
-        diagnose("E0331", p.value.span,
-                 fmt::format("`{}` is declared in {} and set in {}", p.name.text,
-                             shown_with_words(*own.dimension), shown_with_words(set->second))));
+    mistakes_.report(diagnose("E0331", p.value.span,
+                              fmt::format("`{}` is declared in {} and set in {}", p.name.text,
+                                          mistakes_.shown_with_words(*own.dimension),
+                                          mistakes_.shown_with_words(set->second))));
   if (p.range) wants_each(*p.range, *own.dimension, fmt::format("the range of `{}`", p.name.text));
 }
 
-void DimensionChecker::mesh(const ast::Expr& e) {
+void DimensionsOfStatements::mesh(const ast::Expr& e) {
   if (const auto* sum = std::get_if<ast::Binary>(&e.node)) {
     mesh(*sum->left), mesh(*sum->right);
     return;
@@ -96,7 +74,7 @@ void DimensionChecker::mesh(const ast::Expr& e) {
   }
 }
 
-void DimensionChecker::region(const ast::Region& r) {
+void DimensionsOfStatements::region(const ast::Region& r) {
   for (const ast::RegionTerm& term : r.terms) {
     if (const auto* inner = std::get_if<Box<ast::Region>>(&term.term)) region(**inner);
     const auto* e = std::get_if<ast::Expr>(&term.term);
@@ -108,27 +86,27 @@ void DimensionChecker::region(const ast::Region& r) {
       if (a.name && a.name->text == "reach") wants_each(a.value, length(), "the reach of a pair");
     }
   }
-  if (r.where) condition(*r.where, {});
+  if (r.where) values_.condition(*r.where, {});
 }
 
-void DimensionChecker::state(const ast::State& s) {
-  const auto found = named_.find(s.name.text);
-  if (found == named_.end()) return;
-  const Measured own = declared(found->second);
+void DimensionsOfStatements::state(const ast::State& s) {
+  MeasuredDeclaration* found = names_.declaration(s.name.text);
+  if (found == nullptr) return;
+  const Measured own = values_.declared(*found);
   if (!own.dimension) return;
   const std::string what = fmt::format("the state `{}`", s.name.text);
   wants_each(s.initial.value, *own.dimension, what);
-  const Measured rate = value(s.rate, {});
+  const Measured rate = values_.value(s.rate, {});
   if (rate.dimension)
-    wants({&rate, &s.rate}, *own.dimension / duration(),
-          fmt::format("the rate of the state `{}`", s.name.text));
+    mistakes_.wants({&rate, &s.rate}, *own.dimension / duration(),
+                    fmt::format("the rate of the state `{}`", s.name.text));
   if (s.range) wants_each(*s.range, *own.dimension, what);
 }
 
-void DimensionChecker::find(const ast::Find& f) {
+void DimensionsOfStatements::find(const ast::Find& f) {
   const auto of = [&](const ast::Name& unknown) {
-    const auto b = unknown_named(unknown.text);
-    return b ? of_unknown_[*b] : inference_.fresh();
+    const auto b = names_.unknown(unknown.text);
+    return b ? names_.of_unknown[*b] : inference_.fresh();
   };
   for (const ast::ImposedValue& imposed : f.imposed)
     wants_each(imposed.value, of(imposed.unknown),
@@ -147,21 +125,21 @@ void DimensionChecker::find(const ast::Find& f) {
   forms(f);
 }
 
-void DimensionChecker::time(const ast::TimeClause& clause) {
+void DimensionsOfStatements::time(const ast::TimeClause& clause) {
   wants_each(clause.range, duration(), "the time");
   if (!clause.by_steps) wants_each(clause.steps, duration(), "the time");
 }
 
 /// All integrals of an inequality are of one dimension: that of a force times the test function.
 /// Where most do not fit the first, it is the first that is wrong.
-void DimensionChecker::forms(const ast::Find& f) {
+void DimensionsOfStatements::forms(const ast::Find& f) {
   std::vector<Term> fit, misfits;
   for (const ast::Form* form : {&f.left, &f.right})
     for (const ast::FormTerm& term : form->terms) {
       if (!term.integral) continue;
       const auto own = of_term(term);
       if (!own) continue;
-      (inference_.unify(*own, of_form_) ? fit : misfits).push_back({&*term.integral, *own});
+      (inference_.unify(*own, names_.of_form) ? fit : misfits).push_back({&*term.integral, *own});
     }
   if (misfits.empty() || fit.empty()) return;
   if (fit.size() == 1 && misfits.size() > 1)
@@ -170,11 +148,11 @@ void DimensionChecker::forms(const ast::Find& f) {
     for (const Term& wrong : misfits) tell_misfit(wrong, fit.front(), "those before it are");
 }
 
-std::optional<Dimension> DimensionChecker::of_term(const ast::FormTerm& term) {
-  Dimension own = measure_of(term.integral->domain.text);
+std::optional<Dimension> DimensionsOfStatements::of_term(const ast::FormTerm& term) {
+  Dimension own = names_.measure_of(term.integral->domain.text);
   bool known = true;
   const auto times = [&](const ast::Expr& e) {
-    const Measured factor = value(e, {});
+    const Measured factor = values_.value(e, {});
     known = known && factor.dimension;
     if (known) own = own * *factor.dimension;
   };
@@ -183,27 +161,28 @@ std::optional<Dimension> DimensionChecker::of_term(const ast::FormTerm& term) {
   return known ? std::optional(own) : std::nullopt;
 }
 
-void DimensionChecker::tell_misfit(const Term& wrong, const Term& other, const char* others) {
-  Diagnostic out = diagnose("E0331", wrong.integral->integrand.span,
-                            fmt::format("this integral is {}, and {} {}", shown(wrong.dimension),
-                                        others, shown(other.dimension)))
-                       .with_secondary(other.integral->span, "one of them")
-                       .with_help(fmt::format(
-                           "over cells loads are N/m^3, over boundaries N/m^2, beside stresses in "
-                           "Pa{}",
-                           model_.dim == 2 && !model_.mesh.axisymmetric
-                               ? "; in 2D all is for one unit of thickness"
-                               : ""));
+void DimensionsOfStatements::tell_misfit(const Term& wrong, const Term& other, const char* others) {
+  Diagnostic out =
+      diagnose("E0331", wrong.integral->integrand.span,
+               fmt::format("this integral is {}, and {} {}", mistakes_.shown(wrong.dimension),
+                           others, mistakes_.shown(other.dimension)))
+          .with_secondary(other.integral->span, "one of them")
+          .with_help(
+              fmt::format("over cells loads are N/m^3, over boundaries N/m^2, beside stresses in "
+                          "Pa{}",
+                          model_.dim == 2 && !model_.mesh.axisymmetric
+                              ? "; in 2D all is for one unit of thickness"
+                              : ""));
   const auto unknowns = solver::unknowns_of(model_.space);
   for (std::size_t b = 0; b < unknowns.size(); ++b)
-    if (unknowns[b].vector && !find_->unknowns[b].unit)
+    if (unknowns[b].vector && !names_.find->unknowns[b].unit)
       out.notes.push_back(fmt::format(
           "a vector is a displacement unless its unit is declared: `find {} [m/s] in {}`",
-          find_->unknowns[b].unknown.text, find_->unknowns[b].space.text));
-  report_mistake(std::move(out));
+          names_.find->unknowns[b].unknown.text, names_.find->unknowns[b].space.text));
+  mistakes_.report(std::move(out));
 }
 
-void DimensionChecker::report(const ast::Report& r) {
+void DimensionsOfStatements::report(const ast::Report& r) {
   const auto at_time = [&](const std::optional<ast::Expr>& t) {
     if (t) wants_each(*t, duration(), "the time");
   };
@@ -221,8 +200,7 @@ void DimensionChecker::report(const ast::Report& r) {
                             for (std::size_t i = 0; times && i < times->items.size(); ++i)
                               wants_each(times->items[i], duration(), "the time");
                             if (one.deformed)
-                              wants_number(*one.deformed, value(*one.deformed, {}),
-                                           "the factor of a deformed picture");
+                              wants_number(*one.deformed, "the factor of a deformed picture");
                           },
                           [&](const ast::LineItem& one) {
                             line(one);
@@ -232,12 +210,12 @@ void DimensionChecker::report(const ast::Report& r) {
                item);
 }
 
-void DimensionChecker::field(const ast::Expr& e) {
-  const Measured of = value(e, {});
-  if (of.dimension) of_field_[{e.span.file, e.span.begin}] = *of.dimension;
+void DimensionsOfStatements::field(const ast::Expr& e) {
+  const Measured of = values_.value(e, {});
+  if (of.dimension) names_.of_field[{e.span.file, e.span.begin}] = *of.dimension;
 }
 
-void DimensionChecker::table(const ast::TableItem& item) {
+void DimensionsOfStatements::table(const ast::TableItem& item) {
   for (const ast::Binding& b : item.columns) {
     const auto* c = std::get_if<ast::Call>(&b.value.node);
     const auto* callee = c ? std::get_if<ast::Reference>(&c->callee->node) : nullptr;
@@ -245,49 +223,49 @@ void DimensionChecker::table(const ast::TableItem& item) {
     const auto* of = callee && callee->name == "norm" && !b.point && c->arguments.size() == 1
                          ? std::get_if<ast::Reference>(&c->arguments[0].value.node)
                          : nullptr;
-    const bool norm_of_space = of != nullptr && unknown_named(of->name).has_value();
-    const Measured now = value(b.value, {});
-    if (now.dimension && !norm_of_space) of_column_[b.name.text] = *now.dimension;
+    const bool norm_of_space = of != nullptr && names_.unknown(of->name).has_value();
+    const Measured now = values_.value(b.value, {});
+    if (now.dimension && !norm_of_space) names_.of_column[b.name.text] = *now.dimension;
     if (b.point) wants_each(*b.point, length(), "the coordinates of a point");
     if (b.time) wants_each(*b.time, duration(), "the time");
   }
 }
 
-void DimensionChecker::line(const ast::LineItem& item) {
+void DimensionsOfStatements::line(const ast::LineItem& item) {
   for (const ast::Expr& e : item.fields) field(e);
   wants_each(item.from, length(), "the coordinates of a point");
   wants_each(item.end, length(), "the coordinates of a point");
 }
 
-void DimensionChecker::expect(const ast::Expect& e) {
+void DimensionsOfStatements::expect(const ast::Expect& e) {
   if (e.time) wants_each(*e.time, duration(), "the time");
-  if (e.when) condition(*e.when, {});
-  if (e.relative) wants_number(e.tolerance, value(e.tolerance, {}), "a relative tolerance");
-  const auto column = of_column(e.probe.text);
+  if (e.when) values_.condition(*e.when, {});
+  if (e.relative) wants_number(e.tolerance, "a relative tolerance");
+  const auto column = names_.column(e.probe.text);
   if (!column) return;
   wants_each(e.value, *column, fmt::format("the column `{}`", e.probe.text));
   if (!e.relative)
     wants_each(e.tolerance, *column, fmt::format("the tolerance of `{}`", e.probe.text));
 }
 
-void DimensionChecker::study(const ast::Study& s) {
+void DimensionsOfStatements::study(const ast::Study& s) {
   for (const ast::Ladder& ladder : s.ladders) rungs(ladder);
   if (!s.exact) return;
   const auto* several = std::get_if<ast::List>(&s.exact->node);
-  for (std::size_t b = 0; b < of_unknown_.size(); ++b) {
-    const bool listed = of_unknown_.size() > 1 && several && b < several->items.size();
-    wants_each(listed ? several->items[b] : *s.exact, of_unknown_[b],
-               fmt::format("the exact `{}`", find_->unknowns[b].unknown.text));
+  for (std::size_t b = 0; b < names_.of_unknown.size(); ++b) {
+    const bool listed = names_.of_unknown.size() > 1 && several && b < several->items.size();
+    wants_each(listed ? several->items[b] : *s.exact, names_.of_unknown[b],
+               fmt::format("the exact `{}`", names_.find->unknowns[b].unknown.text));
   }
 }
 
-void DimensionChecker::rungs(const ast::Ladder& ladder) {
+void DimensionsOfStatements::rungs(const ast::Ladder& ladder) {
   std::vector<const ast::Name*> names{&ladder.parameter};
   for (const ast::Name& name : ladder.more) names.push_back(&name);
   const auto* list = std::get_if<ast::List>(&ladder.values.node);
   for (std::size_t k = 0; list != nullptr && k < names.size(); ++k) {
-    const auto found = named_.find(names[k]->text);
-    const Measured own = found == named_.end() ? Measured{} : declared(found->second);
+    MeasuredDeclaration* found = names_.declaration(names[k]->text);
+    const Measured own = found ? values_.declared(*found) : Measured{};
     for (const ast::Expr& item : list->items) {
       const auto* rung = std::get_if<ast::List>(&item.node);
       const ast::Expr& one = rung && k < rung->items.size() ? rung->items[k] : item;

@@ -1,6 +1,4 @@
-// Of functions and laws, the most general dimensions of their arguments and of what they give: each
-// argument starts as an unknown, and what the body asks of it is all that becomes known.
-#include "lang/units/dimension_checker.hpp"
+#include "lang/units/signatures.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,8 +16,8 @@ constexpr const char* multiplier = "p";
 
 /// By the names of the arguments whose own it is: "[stiffness*r]"; nothing where it depends on the
 /// number that an exponent will be.
-std::string DimensionChecker::shown_by(const Signature& names, const Dimension& dimension) const {
-  const Dimension known = resolved(dimension);
+std::string Signatures::shown_by(const Names& names, const Dimension& dimension) const {
+  const Dimension known = inference_.resolved(dimension);
   Product factors;
   for (const auto& [which, power] : known.unknowns()) {
     const auto name =
@@ -34,24 +32,14 @@ std::string DimensionChecker::shown_by(const Signature& names, const Dimension& 
   return fmt::format(" [{}]", product_text(factors));
 }
 
-/// Whatever an exponent is, a number has numbers for powers, and only a number does for each of
-/// them.
-void DimensionChecker::settle_powers() {
-  for (std::size_t round = 0; round < powers_.size(); ++round)
-    for (const auto& [base, power] : powers_)
-      if (resolved(base).is_one() || resolved(power).is_one())
-        inference_.unify(base, {}), inference_.unify(power, {});
-  powers_.clear();
-}
-
 /// Empty where the body is wrong for any arguments.
-std::string DimensionChecker::signature(const ast::Fn& fn) {
-  Signature names;
+std::string Signatures::signature(const ast::Fn& fn) {
+  Names names;
   Locals inner;
   for (const ast::Name& p : fn.parameters)
     inner[p.text] = {names.emplace_back(p.text, inference_.fresh()).second, {}};
-  const Measured out = value(fn.value, inner);
-  settle_powers();
+  const Measured out = values_.value(fn.value, inner);
+  values_.settle_powers();
   if (!out.dimension) return {};
   std::vector<std::string> shown;
   for (const auto& [name, dimension] : names) shown.push_back(name + shown_by(names, dimension));
@@ -60,49 +48,41 @@ std::string DimensionChecker::signature(const ast::Fn& fn) {
 }
 
 /// With the values that its parameters have where none are given: exponents among them count.
-std::string DimensionChecker::signature(const ast::Superpotential& law) {
-  Signature names;
+std::string Signatures::signature(const ast::Superpotential& law) {
+  Names names;
   // Unknowns made first are kept: parameters are told by the argument and the multiplier.
   const Dimension argument = names.emplace_back(law.argument.text, inference_.fresh()).second;
   const Dimension slope = names.emplace_back(multiplier, inference_.fresh()).second;
   Locals parameters;
   for (const ast::LawParameter& p : law.parameters) {
     Measured of{names.emplace_back(p.name.text, inference_.fresh()).second, {}};
-    if (p.value) of.number = value(*p.value, {}).number;
+    if (p.value) of.number = values_.value(*p.value, {}).number;
     parameters[p.name.text] = of;
   }
-  if (!inference_.unify(potential(law, {argument, {}}, std::move(parameters)) / argument, slope))
+  if (!inference_.unify(values_.potential(law, {argument, {}}, std::move(parameters)) / argument,
+                        slope))
     return {};
-  settle_powers();
+  values_.settle_powers();
   std::vector<std::string> shown;
   for (const auto& [name, dimension] : names)
     if (name != multiplier) shown.push_back(name + shown_by(names, dimension));
   return fmt::format("{}({}){}", law.name.text, fmt::join(shown, ", "), shown_by(names, slope));
 }
 
-std::vector<std::string> DimensionChecker::signatures() {
-  run();
-  general_ = true;
+std::vector<std::string> Signatures::all() {
+  values_.be_general();
   std::vector<std::string> out;
   for (const ast::Program& program : programs_)
     for (const ast::Statement& statement : program.statements) {
       const Inference before = inference_;
-      const std::size_t mistakes = diagnostics_.size();
+      const std::size_t mistakes = mistakes_.count();
       std::string one;
       if (const auto* fn = std::get_if<ast::Fn>(&statement)) one = signature(*fn);
       if (const auto* law = std::get_if<ast::Superpotential>(&statement)) one = signature(*law);
-      if (!one.empty() && diagnostics_.size() == mistakes) out.push_back(std::move(one));
+      if (!one.empty() && mistakes_.count() == mistakes) out.push_back(std::move(one));
       inference_.forget_since(before); // what one body asks of a name is nothing to the next
     }
   return out;
-}
-
-std::vector<std::string> signatures(const std::vector<ast::Program>& programs, const Model& model) {
-  CheckOptions options;
-  Diagnostics none;
-  Model unchanged = model;
-  const ScriptUnits units = read_units(programs, options, none);
-  return DimensionChecker(programs, units, unchanged, none).signatures();
 }
 
 } // namespace hvi::lang::units
