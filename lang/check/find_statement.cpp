@@ -14,7 +14,7 @@ FindStatement::FindStatement(const Context& context, const FindParts& with)
       memories_(with.memories), states_(with.states), spaces_(with.spaces),
       imposed_(context, with.groups, with.parts, with.pairs), time_(context),
       forms_(context, with.parts, with.pairs, with.states, with.sources), settings_(context),
-      form_checks_(context, with.pairs) {}
+      form_checks_(context) {}
 
 bool FindStatement::read(const ast::Find& find) {
   spaces_.take_unknowns(find);

@@ -65,10 +65,7 @@ void FormChecks::check_clauses(const ast::Find& find) {
                       fmt::format("a problem with `{}'` needs the initial state", u),
                       fmt::format("add `from {} = 0`", u));
   }
-  if (find.unknowns.size() > 1) {
-    of_one_unknown();
-    pairs_of_elements(find);
-  }
+  if (find.unknowns.size() > 1) pairs_of_elements(find);
   if (!find.time || has_second_derivative(model_)) return;
   for (const ast::InitialValue& initial : find.time->initial)
     if (initial.rate)
@@ -125,29 +122,6 @@ void FormChecks::pairs_of_elements(const ast::Find& find) {
                       all[p].name, all[p].order, all[u].name, all[u].order, all[u].name),
           fmt::format("take P2 for `{}` and P1 for `{}` (Taylor and Hood)", all[u].name,
                       all[p].name));
-    }
-}
-
-/// What is known for one unknown alone.
-void FormChecks::of_one_unknown() {
-  const auto all = unknowns_of(model_.space);
-  int highest = 1;
-  for (const auto& u : all) highest = std::max(highest, u.order);
-  const auto is_low = [&](int b) { return all[static_cast<std::size_t>(b)].order < highest; };
-  const auto reads_low = [&](const Symbol& reading) {
-    return std::ranges::any_of(solver::slots_of(reading), [&](solver::Slot s) {
-      return slot::is_field(s) && is_low(slot::unknown_of(slot::derivative_of(s)));
-    });
-  };
-  for (const ModelTerm& term : model_.terms)
-    for (const LawUse& use : term.integrand.laws) {
-      if (!pairs_.is_pair(term.part)) continue;
-      const auto& law = model_.laws[static_cast<std::size_t>(use.law)].spec;
-      if (is_low(use.unknown) || std::ranges::any_of(law.readings, reads_low))
-        mistakes_.error(
-            "E0445", use.span,
-            "a law on a pair acts on an unknown in P1 beside others in P2, or reads one",
-            "take one order for all of them");
     }
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "lang/check/context.hpp"
-#include "lang/check/pairs.hpp"
 
 #include <string>
 
@@ -11,9 +10,8 @@ namespace hvi::lang {
 
 class FormChecks {
 public:
-  FormChecks(const Context& context, const Pairs& pairs)
-      : mistakes_(context.mistakes), model_(context.model), unknowns_(context.unknowns),
-        pairs_(pairs) {}
+  explicit FormChecks(const Context& context)
+      : mistakes_(context.mistakes), model_(context.model), unknowns_(context.unknowns) {}
 
   void check_relation(const ast::Find& find);
   /// W0103 where the forms on one part, summed for u and for u', are not symmetric: compared at a
@@ -25,12 +23,10 @@ public:
 
 private:
   void pairs_of_elements(const ast::Find& find);
-  void of_one_unknown();
 
   Mistakes& mistakes_;
   const Model& model_;
   const Unknowns& unknowns_;
-  const Pairs& pairs_;
 };
 
 } // namespace hvi::lang

@@ -313,20 +313,6 @@ an unknown and of its own test function.)",
 ... integral(ground, layer^0(u.nu + p; v.nu)))",
      R"(
 ... integral(ground, layer^0(u.nu; v.nu)) + integral(ground, p*v.nu))"},
-    {"E0445", "elements of two orders on a pair",
-     R"(
-A law on a pair acts on an unknown whose element has the highest order of all unknowns, and reads such
-unknowns only: the points of a pair are those of that element.)",
-     R"(
-space V = vector P2 on both, zero on base
-space W = scalar P1 on both, zero on base
-find u in V, theta in W ...
-  + integral(seam, film^0(jump(theta); jump(eta))))",
-     R"(
-space V = vector P1 on both, zero on base
-space W = scalar P1 on both, zero on base
-find u in V, theta in W ...
-  + integral(seam, film^0(jump(theta); jump(eta))))"},
     {"E0446", "a pair of elements that is not stable",
      R"(
 An unknown without a form of its own, such as the pressure of an incompressible body or flow, is known

@@ -2,6 +2,7 @@
 #include "lang/lower/lower.hpp"
 
 #include "lang/lower/at_rest.hpp"
+#include "lang/lower/common_points.hpp"
 #include "lang/lower/effects.hpp"
 
 #include <fmt/format.h>
@@ -49,6 +50,7 @@ public:
     }
     for (const ModelTerm& term : model_.terms) lower_term(term);
     rename_report();
+    give_common_points(plan_.problem);
     keep_used_tensors();
     plan_.problem.effects = effects(model_, plan_.problem);
     return std::move(plan_);

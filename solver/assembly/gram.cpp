@@ -106,25 +106,38 @@ SparseMatrix mass(const Space& space) {
 
 namespace {
 
-/// sum_p w_p [u].N[v] on a pair, N = nu nu^T, 1 - nu nu^T or 1.
-SparseMatrix pair_mass(const Space& space, const Region& region, Trace trace) {
-  const Pairing pairing = make_pairing(space, region);
-  std::vector<Eigen::Triplet<double>> entries;
+/// Adds sum_p w_p [u].N[v] of one unknown, N = nu nu^T, 1 - nu nu^T or 1.
+void add_pair_mass(const Space& space, const SpaceBlock& block, const Pairing& pairing,
+                   const SparseMatrix& jump, Trace trace,
+                   std::vector<Eigen::Triplet<double>>& entries) {
+  const auto entry = [&](std::size_t p, int i, int j) {
+    if (trace == Trace::full) return i == j ? 1.0 : 0.0;
+    const double normal = pairing.normal[p][static_cast<std::size_t>(i)] *
+                          pairing.normal[p][static_cast<std::size_t>(j)];
+    return trace == Trace::normal ? normal : (i == j ? 1.0 : 0.0) - normal;
+  };
   for (std::size_t p = 0; p < pairing.x.size(); ++p) {
-    const auto entry = [&](int i, int j) {
-      const double normal = pairing.normal[p][static_cast<std::size_t>(i)] *
-                            pairing.normal[p][static_cast<std::size_t>(j)];
-      return trace == Trace::normal ? normal
-                                    : (i == j ? 1.0 : 0.0) - (trace == Trace::full ? 0.0 : normal);
-    };
     const auto row = static_cast<Eigen::Index>(p);
-    for (SparseMatrix::InnerIterator a(pairing.jump, row); a; ++a)
-      for (SparseMatrix::InnerIterator b(pairing.jump, row); b; ++b)
-        for (int i = 0; i < space.components; ++i)
-          for (int j = 0; j < space.components; ++j)
-            entries.emplace_back(space.dof(static_cast<int>(a.col()), i),
-                                 space.dof(static_cast<int>(b.col()), j),
-                                 pairing.weight[p] * a.value() * b.value() * entry(i, j));
+    for (SparseMatrix::InnerIterator a(jump, row); a; ++a)
+      for (SparseMatrix::InnerIterator b(jump, row); b; ++b)
+        for (int i = 0; i < block.components; ++i)
+          for (int j = 0; j < block.components; ++j)
+            entries.emplace_back(space.dof(static_cast<int>(a.col()), block.first + i),
+                                 space.dof(static_cast<int>(b.col()), block.first + j),
+                                 pairing.weight[p] * a.value() * b.value() * entry(p, i, j));
+  }
+}
+
+/// On a pair; with several unknowns Trace::normal and tangential are of the first one.
+SparseMatrix pair_mass(const Space& space, const Region& region, Trace trace) {
+  const Pairing pairing = make_pairing(space, region, space.order);
+  const SparseMatrix straight =
+      space.is_mixed() ? straightened(space, pairing.jump) : SparseMatrix();
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const SpaceBlock& block : space.blocks) {
+    const SparseMatrix& jump = block.order < space.order ? straight : pairing.jump;
+    add_pair_mass(space, block, pairing, jump, trace, entries);
+    if (trace != Trace::full) break;
   }
   SparseMatrix out(space.n_dofs(), space.n_dofs());
   out.setFromTriplets(entries.begin(), entries.end());

@@ -56,6 +56,11 @@ const SpaceBlock& block_of(const Space& space, const LawTerm& term) {
   return space.blocks[static_cast<std::size_t>(term.unknown)];
 }
 
+/// Of the elements that the term's points are of.
+int order_of_points(const Space& space, const LawTerm& term) {
+  return space.blocks[static_cast<std::size_t>(term.rule_of.value_or(term.unknown))].order;
+}
+
 void check_shape(const SpaceBlock& block, const LawTerm& term, bool radial) {
   const bool scalar = !radial && term.rows.size() == 1;
   if (!scalar && !(radial && !term.rows.empty() && term.rows.size() <= 3)) {
@@ -79,8 +84,7 @@ void check_shape(const SpaceBlock& block, const LawTerm& term, bool radial) {
 class Collector {
 public:
   Collector(const Space& space, const Region& region, const LawTerm& term)
-      : space_(space), block_(block_of(space, term)),
-        order_(space.blocks[static_cast<std::size_t>(term.rule_of.value_or(term.unknown))].order),
+      : space_(space), block_(block_of(space, term)), order_(order_of_points(space, term)),
         region_(region), term_(term), tape_(expressions(term)) {}
 
   std::vector<RawPoint> collect(const Pairing& pairing) {
@@ -322,7 +326,7 @@ std::vector<RawPoint> raw_points(const Space& space, const Region& region, const
         FailureKind::bad_value, term.origin,
         fmt::format("the law `{}` acts on a pair, at the nodes of its first side", term.name),
         "leave out `rule`");
-  Pairing pairing = make_pairing(space, region);
+  Pairing pairing = make_pairing(space, region, order_of_points(space, term));
   auto raw = collector.collect(pairing);
   out.gap = std::move(pairing.gap);
   out.jump = std::make_shared<const SparseMatrix>(std::move(pairing.jump));

@@ -2,7 +2,6 @@
 #include "solver/assembly/pairing.hpp"
 
 #include "solver/assembly/segments.hpp"
-#include "solver/fem/element.hpp"
 #include "solver/fem/geometry.hpp"
 #include "solver/mesh/vectors.hpp"
 
@@ -172,8 +171,9 @@ LocalDuals make_duals(int dim, int order, const std::vector<Meeting>& meetings) 
 /// Adds up facet by facet.
 class Mortar {
 public:
-  Mortar(const Space& space, const Region& region)
-      : space_(space), mesh_(*space.mesh), region_(region), first_(space, region.entities),
+  Mortar(const Space& space, const Region& region, int order)
+      : space_(space), mesh_(*space.mesh), region_(region), order_(order),
+        first_(space, region.entities),
         second_(mesh_, region.second, first_.up(), reach_of(region)),
         rule_(simplex_rule(mesh_.dim - 1, 2 * space.order + (mesh_.axisymmetric ? 1 : 0))),
         weight_(static_cast<std::size_t>(first_.size()), 0.0),
@@ -261,7 +261,8 @@ private:
     // On triangles, and on parts of intervals, the corners' shape functions of order 2 are not
     // positive on average.
     const bool all = covered > 1.0 - whole;
-    const int order = mesh_.dim == 2 && all && !revolve(facet, meetings) ? space_.order : 1;
+    const bool at_axis = revolve(facet, meetings);
+    const int order = mesh_.dim == 2 && all && !at_axis ? order_ : 1;
     const LocalDuals duals = make_duals(mesh_.dim - 1, order, meetings);
     for (std::size_t k = 0; k < space_.nodes_of_facet(facet).size(); ++k)
       met_[static_cast<std::size_t>(first_.point_of(f, k))] = true;
@@ -335,6 +336,7 @@ private:
   const Space& space_;
   const Mesh& mesh_;
   const Region& region_;
+  const int order_; ///< of the q_i, where these are positive on average
   FirstSide first_;
   SecondSide second_;
   Quadrature rule_;
@@ -355,47 +357,9 @@ void check_sides(const Mesh& mesh, const Region& region) {
 
 } // namespace
 
-Pairing make_pairing(const Space& space, const Region& region) {
+Pairing make_pairing(const Space& space, const Region& region, int order) {
   check_sides(*space.mesh, region);
-  return Mortar(space, region).take();
-}
-
-PointBlock as_block(const Space& space, const Pairing& pairing) {
-  PointBlock block;
-  for (std::size_t p = 0; p < pairing.x.size(); ++p)
-    for (std::size_t j = 0; j < 3; ++j) {
-      block.x[j].push_back(pairing.x[p][j]);
-      block.normal[j].push_back(pairing.normal[p][j]);
-    }
-  block.weight = pairing.weight;
-  block.gap = pairing.gap;
-  block.cell = pairing.cell;
-  block.entity = pairing.facet;
-  block.kind = Group::Kind::facets;
-  block.indicators = space.indicators;
-  return block;
-}
-
-SparseMatrix straightened(const Space& space, const SparseMatrix& jump) {
-  std::vector<std::array<int, 2>> ends(space.nodes.size());
-  for (std::size_t n = 0; n < ends.size(); ++n) ends[n].fill(static_cast<int>(n));
-  const auto& edges = simplex_edges(space.mesh->dim - 1);
-  const auto corners = static_cast<std::size_t>(space.mesh->dim);
-  for (std::size_t f = 0; space.order == 2 && f < space.mesh->facets.size(); ++f) {
-    const auto nodes = space.nodes_of_facet(static_cast<int>(f));
-    for (std::size_t e = 0; e < edges.size(); ++e)
-      ends[static_cast<std::size_t>(nodes[corners + e])] = {
-          nodes[static_cast<std::size_t>(edges[e][0])],
-          nodes[static_cast<std::size_t>(edges[e][1])]};
-  }
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Eigen::Index row = 0; row < jump.rows(); ++row)
-    for (SparseMatrix::InnerIterator it(jump, row); it; ++it)
-      for (const int end : ends[static_cast<std::size_t>(it.col())])
-        entries.emplace_back(static_cast<int>(row), end, it.value() / 2);
-  SparseMatrix out(jump.rows(), jump.cols());
-  out.setFromTriplets(entries.begin(), entries.end());
-  return out;
+  return Mortar(space, region, order).take();
 }
 
 } // namespace hvi::solver

@@ -30,15 +30,17 @@ struct Pairing {
   Point first_alone{}; ///< one of them
 };
 
-/// `region`: of a pair. Throws Failure(bad_value) where no point of the first side has a partner,
-/// where the second side lies over the first one twice, and where the sides share facets.
-Pairing make_pairing(const Space& space, const Region& region);
+/// `region`: of a pair. `order`: of the unknown whose laws act there; of a lower one than the
+/// space's the points are the corners and the q_i their hats. Throws Failure(bad_value) where no
+/// point of the first side has a partner, where the second side lies over the first one twice, and
+/// where the sides share facets.
+Pairing make_pairing(const Space& space, const Region& region, int order);
 
 /// Its points, for expressions of place, normal, time, gap and parts.
 PointBlock as_block(const Space& space, const Pairing& pairing);
 
 /// `jump` for an unknown of lower order than the space's, without functions at the middles of
-/// edges: its value there is the mean of the ends.
+/// edges: its value there is the mean of the ends. Entries that are rounding are left out.
 SparseMatrix straightened(const Space& space, const SparseMatrix& jump);
 
 } // namespace hvi::solver

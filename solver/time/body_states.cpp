@@ -1,6 +1,8 @@
 // See body_states.hpp. Called where a run's equations are made, and by its steps.
 #include "solver/time/body_states.hpp"
 
+#include "solver/fem/highest_order.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,8 +24,9 @@ bool reads_values(const StateTerm& state) {
       slots, [](Slot s) { return slot::is_field(s) && !slot::is_field_gradient(s); });
 }
 
-Rule rule_of(const Problem& problem, int part) {
-  if (problem.space.order > 1) return Rule::gauss;
+/// Of points in a body, when no unknown has a higher order than this.
+Rule rule_of(const Problem& problem, int order, int part) {
+  if (order > 1) return Rule::gauss;
   const bool values =
       std::ranges::any_of(problem.forms,
                           [&](const FormTerm& form) {
@@ -83,7 +86,8 @@ std::shared_ptr<const BodyPoints> make_body_points(const Problem& problem, const
   term.origin = state.origin;
   term.name = state.name;
   term.part = state.part;
-  term.rule = rule_of(problem, state.part);
+  term.rule = rule_of(problem, d.space.order, state.part);
+  term.rule_of = unknown_of_highest_order(d.space);
   term.rows.resize(1);
   term.rows.front().u[0] = 1.0;
   out->points =

@@ -42,20 +42,25 @@ std::vector<int> states_read(const Problem& problem, const LawTerm& term) {
   return out;
 }
 
-bool reads(const Problem& problem, const LawTerm& term, const StateTerm& state) {
-  const auto all = states_read(problem, term);
-  return std::ranges::any_of(
-      all, [&](int i) { return &problem.states[static_cast<std::size_t>(i)] == &state; });
+/// Does the term read states, or a rate of a state of its part its multiplier?
+bool is_of_states(const Problem& problem, int l) {
+  const LawTerm& term = problem.law_terms[static_cast<std::size_t>(l)];
+  const Slot first = slot::multiplier(l, 0);
+  return !states_read(problem, term).empty() ||
+         std::ranges::any_of(problem.states, [&](const StateTerm& state) {
+           return state.part == term.part &&
+                  state.rate.depends_on_any(first, first + slot::rows_of_multiplier);
+         });
 }
 
-/// The first law term on the part that reads the state, else the first one there; -1: none.
-int host_of(const Problem& problem, const StateTerm& state) {
+/// The first law term on the part that has to do with a state there, else the first one there; -1:
+/// none.
+int host_of(const Problem& problem, int part) {
   int out = -1;
-  for (std::size_t l = 0; l < problem.law_terms.size(); ++l) {
-    const auto& term = problem.law_terms[l];
-    if (term.part != state.part) continue;
-    if (reads(problem, term, state)) return static_cast<int>(l);
-    if (out < 0) out = static_cast<int>(l);
+  for (int l = 0; l < std::ssize(problem.law_terms); ++l) {
+    if (problem.law_terms[static_cast<std::size_t>(l)].part != part) continue;
+    if (is_of_states(problem, l)) return l;
+    if (out < 0) out = l;
   }
   return out;
 }
@@ -70,7 +75,7 @@ StateGroup& group_of(const Problem& problem, const Discretisation& d, const Stat
   if (known != contact.state_groups.end()) return *known;
   StateGroup group;
   group.part = state.part;
-  group.host = host_of(problem, state);
+  group.host = host_of(problem, state.part);
   if (group.host < 0) {
     if (d.parts[static_cast<std::size_t>(state.part)].kind != Group::Kind::cells)
       throw Failure(FailureKind::bad_value, state.origin,
@@ -139,7 +144,9 @@ SparseMatrix values_at(const Problem& problem, const Discretisation& d, const St
   LawTerm term;
   term.origin = problem.states[static_cast<std::size_t>(group.states.front())].origin;
   term.part = group.part;
-  term.rule = problem.law_terms[group.host].rule;
+  const LawTerm& host = problem.law_terms[group.host];
+  term.rule = host.rule;
+  term.rule_of = host.rule_of.value_or(host.unknown);
   term.rows.resize(1);
   term.unknown = slot::unknown_of(derivative);
   term.mean = !slot::is_value(derivative);

@@ -95,7 +95,7 @@ void check_pairs(const Problem& problem, Discretisation& out, std::vector<Failur
   for (std::size_t i = 0; i < out.parts.size(); ++i) {
     if (!out.parts[i].is_pair()) continue;
     try {
-      const Pairing pairing = make_pairing(out.space, out.parts[i]);
+      const Pairing pairing = make_pairing(out.space, out.parts[i], out.space.order);
       if (pairing.alone > 0)
         out.alone.push_back({static_cast<int>(i), pairing.alone, pairing.first_alone});
     } catch (const Failure& failure) {

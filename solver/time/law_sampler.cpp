@@ -2,6 +2,7 @@
 #include "solver/time/law_sampler.hpp"
 
 #include "solver/assembly/point_form.hpp"
+#include "solver/fem/highest_order.hpp"
 #include "solver/plan/membership.hpp"
 
 #include <fmt/format.h>
@@ -49,9 +50,10 @@ const LawTerm& term_at(const Problem& problem, const Contact& contact, int place
   return body != nullptr ? body->term : problem.law_terms[static_cast<std::size_t>(place)];
 }
 
-/// A law that does nothing, to have the points of a part.
-LawTerm no_law(Origin origin) {
+/// A law that does nothing, to have the points of a part: those of the highest order.
+LawTerm no_law(Origin origin, const Space& space) {
   LawTerm out;
+  out.rule_of = unknown_of_highest_order(space);
   out.origin = origin;
   out.part = -1;
   out.rows.resize(1);
@@ -106,7 +108,7 @@ LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Co
       })) {
   for (const int place : places_of(contact, expressions_.inputs()))
     if (place_ < 0 || term_at(problem, contact, place).part == part) place_ = place;
-  const LawTerm none = no_law(origin);
+  const LawTerm none = no_law(origin, d.space);
   const auto& term = place_ < 0 ? none : term_at(problem, contact, place_);
   part_ = part >= 0 ? part : term.part;
   in_body_ = place_ >= 0 && body_at(contact, place_) != nullptr;
@@ -161,7 +163,7 @@ void LawSampler::take_place(const Discretisation& d, const Contact& contact,
 
 LawSampler LawSampler::at_pair(const Problem& problem, const Discretisation& d,
                                const Contact& contact, const Probe& probe) {
-  LawTerm none = no_law(probe.origin);
+  LawTerm none = no_law(probe.origin, d.space);
   std::optional<LawSampler> out;
   for (int part = 0; part < static_cast<int>(d.parts.size()); ++part) {
     const Region& region = d.parts[static_cast<std::size_t>(part)];

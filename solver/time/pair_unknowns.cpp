@@ -28,16 +28,18 @@ struct JumpPoint {
   std::vector<std::pair<const ContactTerm*, int>> rows; ///< of all terms: their rows of G
 };
 
-/// Points of the first term on each pair; those of other terms there are the same.
+/// Points of the first term on each pair; those of other terms there are the same, but for terms of
+/// unknowns of another order.
 std::vector<JumpPoint> points_of_pairs(const Problem& problem, const Contact& contact,
                                        std::vector<int>& point_of_row) {
   std::vector<JumpPoint> out;
-  std::map<int, int> first_of_part;
+  std::map<std::pair<int, std::size_t>, int> first_of; ///< by part and number of points
   point_of_row.assign(static_cast<std::size_t>(contact.n_rows()), more_than_one);
   for (const auto& term : contact.terms) {
     const LawTerm& spec = problem.law_terms[static_cast<std::size_t>(term.points.law_term)];
     if (!term.points.jump || spec.mean) continue;
-    const auto [known, fresh] = first_of_part.try_emplace(spec.part, static_cast<int>(out.size()));
+    const auto [known, fresh] = first_of.try_emplace(std::pair(spec.part, term.points.x.size()),
+                                                     static_cast<int>(out.size()));
     for (int p = 0; p < term.n_points(); ++p) {
       if (fresh) out.push_back({&term, p, {}});
       const int index = known->second + p;

@@ -206,8 +206,8 @@ superpotential soil(r) with slope | r < 0 -> 0 | r < 0.05 -> 20*r | otherwise ->
 def reads():
     """A state whose rate reads the other unknown, and a law that reads a memory of it: sums of the implicit Euler method."""
     n = 40
-    for worn, kernel, state in (("worn", "", "state worn on tip with rate 2*theta from worn = 0"),
-                                ("history(q, theta)", "kernel q(lag) = 2*exp(-lag)", "")):
+    known = (("worn", "", "state worn on tip with rate 2*theta from worn = 0"), ("history(q, theta)", "kernel q(lag) = 2*exp(-lag)", ""))
+    for orders, (worn, kernel, state) in [(o, k) for o in ((1, 1), (2, 1), (1, 2)) for k in known]:
         found = table(f"""
 mesh bar = rectangle(1, 1, cells = [2, 2])
 part tip = bar.right
@@ -217,8 +217,8 @@ tensor B = isotropic(young = 8, poisson = 0)
 {kernel}
 superpotential glue(r) = 0.5*(1 + {worn})*r^2
 {state}
-space V = vector P1 on bar, zero.x on held, zero.y on flanks
-space W = scalar P1 on bar, zero on held
+space V = vector P{orders[0]} on bar, zero.x on held, zero.y on flanks
+space W = scalar P{orders[1]} on bar, zero on held
 find u in V, theta in W with theta = 3*t on held for t in [0, 1] by {n} steps from u = 0, theta = 0
 such that for all v in V, eta in W
     integral(bar, B : eps(u) : eps(v)) + integral(bar, dot(grad(theta), grad(eta))) + integral(tip, glue^0(u.nu; v.nu))
@@ -233,7 +233,75 @@ report
         else:
             ends = np.arange(1, n + 1) / n
             expected = np.array([sum(6 * s * (np.exp(s - at) - np.exp(s - 1 / n - at)) for s in ends if s < at + 1e-9) for at in t])
-        below(np.abs(found["u"] - 5 / (9 + expected))[1:].max(), 1e-10, worn)
+        below(np.abs(found["u"] - 5 / (9 + expected))[1:].max(), 1e-10, f"{worn}, P{orders[0]}/P{orders[1]}")
+
+
+def two_orders():
+    """A column in P2 with its heat in P1, or the other way round, on a ground and on a second one: the heat that goes across grows
+    with the pressure and with a state that both laws read. All is uniform, so that springs and films in series say what comes out."""
+    steps, young, poisson, spring, film, conducts = 4, 100.0, 0.3, 500.0, 0.2, 3.0
+    stiff = young / (1 - poisson ** 2)  # one side is free
+    for dim, orders, two in [(d, o, t) for d in (2, 3) for o in ((2, 1), (1, 2)) for t in (False, True)]:
+        kind, size, cells = ("rectangle", "1, 1", "3, 2") if dim == 2 else ("box", "1, 1, 1", "2, 2, 1")
+        other = "2, 3" if dim == 2 else "3, 1, 2"
+        at = "[0, 1]" if dim == 2 else "[0, 1, 0]"
+        jump = (lambda w: f"jump({w})") if two else (lambda w: w)
+        mesh = (f"mesh upper = {kind}({size}, cells = [{cells}], at = {at})\nmesh lower = {kind}({size}, cells = [{other}])\n"
+                "mesh body = upper + lower\npart foot = lower.bottom\npart roof = upper.top\npart seam = pair(upper.bottom, lower.top)\n"
+                "part sides = upper.left + lower.left" if two else
+                f"mesh body = {kind}({size}, cells = [{cells}])\npart roof = body.top\npart seam = body.bottom\npart sides = body.left")
+        if dim == 3:
+            mesh += "\npart ends = " + (" + ".join(f"{b}.{s}" for b in (("upper", "lower") if two else ("body",)) for s in ("front", "back")))
+        zeros = ", zero.x on sides" + (", zero.z on ends" if dim == 3 else "") + (", zero.y on foot" if two else "")
+        found = table(f"""
+{mesh}
+tensor B = isotropic(young = {young}, poisson = {poisson})
+superpotential press(r) = {spring / 2}*(1 + worn)*r^2
+superpotential heat(s) = {film / 2}*press.xi*(1 + worn)*s^2
+state worn on seam with rate 0.1*press.xi from worn = 0
+space V = vector P{orders[0]} on body{zeros}, zero.y on roof
+space W = scalar P{orders[1]} on body, zero on roof{", zero on foot" if two else ""}
+find u in V, theta in W with u.y = -0.1*t on roof, theta = 10*t on roof for t in [0, 1] by {steps} steps from u = 0, theta = 0
+such that for all v in V, eta in W
+    integral(body, B : eps(u) : eps(v)) + integral(body, {conducts}*dot(grad(theta), grad(eta)))
+  + integral(seam, press^0({jump("u")}.nu; {jump("v")}.nu) + heat^0({jump("theta")}; {jump("eta")})) >= 0
+report
+  table p = integral(seam, press.xi), q = integral(seam, heat.xi), worn = integral(seam, worn), x = largest(seam, worn)
+""")
+        t, bodies = found["t"], 2 if two else 1
+        pressed = lambda at, w: 0.1 * at / (1 / (spring * (1 + w)) + bodies / stiff)
+        worn = np.zeros(steps + 1)
+        for n in range(1, steps + 1):
+            for _ in range(100):
+                worn[n] = worn[n - 1] + 0.1 * pressed(n / steps, worn[n]) / steps
+        worn = worn[1:]
+        pressure = pressed(t, worn)
+        heat = 10 * t / (bodies / conducts + 1 / (film * pressure * (1 + worn)))
+        said = f"{dim}D P{orders[0]}/P{orders[1]}, {'two bodies' if two else 'on a ground'}"
+        for name, expected in (("p", pressure), ("q", heat), ("worn", worn), ("x", worn)):
+            below(np.abs(found[name] / expected - 1).max(), 1e-9, f"{said}: {name}")
+
+
+def either_first():
+    """Which unknown is named first makes no difference, with a state in the body that reads both, one in P1 and one in P2."""
+    def found(unknowns, tests):
+        return table(f"""
+mesh body = rectangle(1, 1, cells = [3, 2])
+part roof = body.top
+part base = body.bottom
+tensor B = isotropic(young = 100, poisson = 0.3)
+state d on body with rate 3*(1 + theta)*dot(u, u) from d = 0 in [0, 0.9]
+space V = vector P2 on body, zero on base, zero on roof
+space W = scalar P1 on body, zero on base, zero on roof
+find {unknowns} with u = [0.1*t, -0.1*t*x] on roof, theta = (10 + x)*t on roof for t in [0, 1] by 4 steps from u = 0, theta = 0
+such that for all {tests}
+    integral(body, (1 - d)*B : eps(u) : eps(v)) + integral(body, dot(grad(theta), grad(eta))) = 0
+report
+  table lost = integral(body, d), size = norm(u)
+""")
+    one, other = found("u in V, theta in W", "v in V, eta in W"), found("theta in W, u in V", "eta in W, v in V")
+    for name in ("lost", "size"):
+        close(other[name][-1], one[name][-1], 1e-11, name)
 
 
 def verdicts():
@@ -304,4 +372,4 @@ report
             below(np.abs(found["warm"] / alone - 1).max(), 1e-10, "heat")
 
 
-sys.exit(judge([tube, apart, units, resumed, heat_between, at_rest, hoop, reads, verdicts, on_springs]))
+sys.exit(judge([tube, apart, units, resumed, heat_between, at_rest, hoop, reads, two_orders, either_first, verdicts, on_springs]))

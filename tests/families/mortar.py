@@ -140,9 +140,18 @@ def duals(order, found):
     return sizes, q
 
 
-def pair_points(solid, first, second):
-    """The points of pair(first, second), facets by their vertices, and how many nodes have no partner."""
-    dim, side = solid.dim, Side(solid, first)
+def revolved(x, found):
+    """Meetings of a facet with these radii x of its ends, their weights times 2 pi x."""
+    return [(b, other, its, w * 2 * np.pi * np.dot(b, x), distance) for b, other, its, w, distance in found]
+
+
+def pair_points(solid, first, second, trace=None, rings=False):
+    """The points of pair(first, second), facets by their vertices, and how many nodes have no partner.
+
+    The points are those of the solid's order, the rows those of its functions, or of the functions of another one, `trace`.
+    `rings`: of bodies of revolution about x = 0.
+    """
+    dim, side, trace = solid.dim, Side(solid, first), trace or solid
     corners = solid.mesh.points[sorted({int(v) for f in first for v in f})]
     reach = float(np.linalg.norm(corners.max(0) - corners.min(0)))
     weight, jump, gap, met = {}, {}, {}, set()
@@ -154,16 +163,20 @@ def pair_points(solid, first, second):
         met |= set(side.keys[k])
         covered = sum(m[3] for m in found)
         assert covered < 1 + 1e-6
-        order = solid.order if dim == 2 and covered > 1 - 1e-9 else 1
+        radii = solid.mesh.points[list(facet)][:, 0]
+        at_axis = rings and radii.min() == 0.0
+        if rings:
+            found = revolved(radii, found)
+        order = solid.order if dim == 2 and covered > 1 - 1e-9 and not at_axis else 1
         sizes, psi = duals(order, found)
         for i in range(psi.shape[1]):
             key = side.keys[k][i]
             weight[key] = weight.get(key, 0.0) + side.sizes[k] * sizes[i]
-            row = jump.setdefault(key, np.zeros(solid.n // dim))
+            row = jump.setdefault(key, np.zeros(trace.n // dim))
             for p, (own, other, its, w, distance) in zip(psi[:, i], found):
                 share = side.sizes[k] * w * p
-                row[solid.nodes(facet)] += share * shapes(solid.order, own)
-                row[solid.nodes(other)] -= share * shapes(solid.order, its)
+                row[trace.nodes(facet)] += share * shapes(trace.order, own)
+                row[trace.nodes(other)] -= share * shapes(trace.order, its)
                 gap[key] = gap.get(key, 0.0) + share * distance * direction
     out = []
     for key, w in weight.items():

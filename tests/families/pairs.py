@@ -95,19 +95,29 @@ class Scene(rates.Scene):
         if random.random() < 0.3:
             shift[0] = 0.0
         upper.points += shift
+        self.place(upper, lower)
         self.upper, self.lower = upper, lower
         self.mesh = together(upper, lower)
-        self.solid = Solid(self.mesh, self.order)
+        self.solid = self.solid_of_bodies()
         self.one_file = random.random() < 0.4
         self.sides = ("u_bottom", "l_top") if random.random() < 0.6 else ("l_top", "u_bottom")
         self.clamped = "held"
         self.mesh.facets["held"] = self.mesh.facets["u_top"] + self.mesh.facets["l_bottom"]
-        points, self.alone = pair_points(self.solid, *(self.mesh.facets[s] for s in self.sides))
+        points, self.alone = self.pair_points(*(self.mesh.facets[s] for s in self.sides))
         self.solid.pairing = points
         self.mesh.facets["right"] = self.mesh.facets["u_right"]
         self.mesh.facets["bottom"] = self.mesh.facets[self.sides[0]]  # for sizes
         if not points:
             self.choose_bodies()
+
+    def place(self, upper, lower):
+        """Moves both to where they are."""
+
+    def solid_of_bodies(self):
+        return Solid(self.mesh, self.order)
+
+    def pair_points(self, first, second):
+        return pair_points(self.solid, first, second)
 
     def choose_laws(self):
         super().choose_laws()

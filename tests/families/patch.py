@@ -5,7 +5,7 @@ usage: patch.py HVI_RUN [--scenes N] [--seed S] [--only K,K,..] [--keep FOLDER]
 Two blocks of one width whose meshes do not match, in 2D and 3D, P1 and P2, turned by a random rotation, touch on a
 plane. A spring law on jump(u), the same along and across, holds them together. With u = F x below and F x + c above,
 c = -sigma nu / k, nu out of the first side, the stress is constant and balances the law. It is imposed on all other
-sides, and must be found inside and on the pair. Then the body rests on a rigid block in place of a law of its own
+sides, and must be found inside and on the pair; so must a scalar in P1 or P2 beside u, whose own spring law acts on its jump. Then the body rests on a rigid block in place of a law of its own
 ground: one and two sides give the same answer to rounding.
 """
 import pathlib
@@ -39,15 +39,16 @@ def sides(dim):
     return ["left", "right", "back", "front"][:2 * (dim - 1)]
 
 
+def affine(row, c):
+    return " + ".join(f"({number(v)})*{x}" for v, x in zip(row, "xyz")) + f" + ({number(c)})"
+
+
 def linear(matrix, offset):
-    rows = []
-    for row, c in zip(matrix, offset):
-        rows.append(" + ".join(f"({number(v)})*{x}" for v, x in zip(row, "xyz")) + f" + ({number(c)})")
-    return "[" + ", ".join(rows) + "]"
+    return "[" + ", ".join(affine(row, c) for row, c in zip(matrix, offset)) + "]"
 
 
-def script(random, dim, order, turn):
-    """The script and u above and below as (matrix, offset)."""
+def script(random, dim, order, of_scalar, turn):
+    """The script; u and the scalar, a last component, above and below as (matrix, offset)."""
     slope = random.normal(size=(dim, dim))
     lam, mu, spring = random.uniform(1, 5), random.uniform(1, 5), 10 ** random.uniform(-1, 3)
     strain = (slope + slope.T) / 2
@@ -57,6 +58,8 @@ def script(random, dim, order, turn):
     jump = -stress @ (-up if first_up else up) / spring
     offset = jump if first_up else -jump
     pair = "upper.bottom, lower.top" if first_up else "lower.top, upper.bottom"
+    rise, conductance, film = random.normal(size=dim), random.uniform(1, 5), 10 ** random.uniform(-1, 3)
+    step = conductance * rise @ up / film  # what the film leaves between the sides: above less below
     around = lambda piece, end: " + ".join(f"{piece}.{name}" for name in [*sides(dim), end])
     text = f"""mesh upper = gmsh("upper.msh")
 mesh lower = gmsh("lower.msh")
@@ -66,15 +69,20 @@ part below = {around("lower", "bottom")}
 part seam = pair({pair})
 tensor B = isotropic(lambda = {number(lam)}, mu = {number(mu)})
 superpotential spring(xi) = {number(spring / 2)}*norm(xi)^2
+superpotential film(s) = {number(film / 2)}*s^2
 space V = vector P{order} on both, zero on above, zero on below
-find u in V with u = {linear(slope, offset)} on above, u = {linear(slope, 0 * offset)} on below
-such that for all v in V
-  integral(both, B : eps(u) : eps(v)) + integral(seam, spring^0(jump(u); jump(v))) >= 0
+space W = scalar P{of_scalar} on both, zero on above, zero on below
+find u in V, theta in W with u = {linear(slope, offset)} on above, u = {linear(slope, 0 * offset)} on below,
+  theta = {affine(rise, step)} on above, theta = {affine(rise, 0.0)} on below
+such that for all v in V, eta in W
+  integral(both, B : eps(u) : eps(v)) + integral(both, {number(conductance)}*dot(grad(theta), grad(eta)))
+  + integral(seam, spring^0(jump(u); jump(v)) + film^0(jump(theta); jump(eta))) >= 0
 report
   table size = integral(seam, norm(jump(u)))
-  fields u
+  fields u, theta
 """
-    return text, (slope, offset), (slope, 0 * offset)
+    both = np.vstack([slope, rise])
+    return text, (both, np.append(offset, step)), (both, np.zeros(dim + 1))
 
 
 def rested(random, dim, order, two, laws):
@@ -105,7 +113,7 @@ report
 
 
 def solve(program, folder, text, upper, lower):
-    """u at the nodes of the upper and of the lower body."""
+    """u, and the scalar where there is one, at the nodes of the upper and of the lower body."""
     import meshio
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -120,7 +128,8 @@ def solve(program, folder, text, upper, lower):
     above = np.zeros(len(grid.points), bool)
     above[grid.cells[0].data[:len(upper.cells)].ravel()] = True
     dim = upper.dim
-    return grid.points[:, :dim], grid.point_data["u"][:, :dim], above
+    fields = [grid.point_data["u"][:, :dim], *(grid.point_data[name][:, None] for name in ("theta",) if name in grid.point_data)]
+    return grid.points[:, :dim], np.hstack(fields), above
 
 
 def main():
@@ -128,10 +137,10 @@ def main():
     worst_patch = worst_rest = 0.0
     for k in range(options.scenes) if options.only is None else options.only:
         random = np.random.default_rng([options.seed, k])
-        dim, order = 2 + k % 2, 1 + k // 2 % 2
+        dim, order, of_scalar = 2 + k % 2, 1 + k // 2 % 2, 1 + k // 4 % 2
         turn = turning(random, dim)
         upper, lower = (mesh.moved(turn, 1.0, 0.0) for mesh in two_blocks(random, dim, order))
-        text, over, under = script(random, dim, order, turn)
+        text, over, under = script(random, dim, order, of_scalar, turn)
         with tempfile.TemporaryDirectory() as temporary:
             folder = (options.keep or pathlib.Path(temporary)) / str(k)
             x, u, above = solve(options.program, folder / "patch", text, upper, lower)
@@ -139,7 +148,7 @@ def main():
             error = float(np.abs(u - expected).max() / np.abs(expected).max())
             worst_patch = max(worst_patch, error)
             if error > BOUND:
-                print(f"scene {k}: {dim}D P{order}: patch off by {error:.1e}", file=sys.stderr)
+                print(f"scene {k}: {dim}D P{order}/P{of_scalar}: patch off by {error:.1e}", file=sys.stderr)
             if dim == 3 and order == 2:
                 continue  # the pair's points are corners there, those of a ground middles of edges
             laws = [number(random.uniform(0, 3)), number(-random.uniform(0, 0.5)),

@@ -18,6 +18,7 @@ import pairs
 import rates
 import warm
 from brute import Point, Unilateral
+from mortar import pair_points
 from orientation import number
 from solids import Solid
 
@@ -26,9 +27,13 @@ OF_U = ["abs(jump(u).nu)", "norm(jump(u).tau)", "norm(jump(u))"]
 
 
 class PairTerm(warm.WarmTerm):
+    def places_of(self, scene):
+        """Points of the order of what the law sees, with the rows of the scalar's jump and mean there."""
+        return scene.places[scene.scalar.order if self.sees == "p" else scene.order]
+
     def points_of(self, scene):
         out = []
-        for p, (jump, _) in zip(scene.solid.pairing, scene.of_scalar):
+        for p, jump, _ in self.places_of(scene):
             if self.sees == "p":
                 rows = np.concatenate([np.zeros(scene.solid.n), jump])[None, :]
             else:
@@ -40,7 +45,7 @@ class PairTerm(warm.WarmTerm):
     def factors(self, scene, full):
         """Of every point, from the values of all unknowns."""
         u, scalar, out = full[:scene.solid.n], full[scene.solid.n:], []
-        for p, (jump, mean) in zip(scene.solid.pairing, scene.of_scalar):
+        for p, jump, mean in self.places_of(scene):
             w = p.jump @ u
             along = p.normal * (p.normal @ w)
             m = [mean @ scalar, jump @ scalar, along, w - along, w][(OF_P + OF_U).index(self.what)]
@@ -61,21 +66,16 @@ class PairTerm(warm.WarmTerm):
 
 
 class Scene(warm.Scene):
-    choose_bodies = pairs.Scene.choose_bodies
+    choose_bodies, place = pairs.Scene.choose_bodies, pairs.Scene.place
+    solid_of_bodies, pair_points = pairs.Scene.solid_of_bodies, pairs.Scene.pair_points
 
     def __init__(self, random):
         self.random, self.kind = random, "coupled"
         self.dim = 2 if random.random() < 0.75 else 3
         self.order = 2 if random.random() < 0.35 else 1
         self.choose_bodies()
-        self.scalar = fields.Scalar(self.mesh, self.order)
-        second = self.solid.on(self.sides[1])
-        self.of_scalar = []  # by point: rows of the scalar's jump and mean
-        for p in self.solid.pairing:
-            jump = p.jump[0, ::self.dim]
-            mean = jump / 2
-            mean[second] = -jump[second] / 2
-            self.of_scalar.append((jump, mean))
+        self.scalar = fields.Scalar(self.mesh, self.order_of_scalar())
+        self.places = {order: self.places_of_order(order) for order in {self.order, self.scalar.order}}
         self.given = "held"
         self.steps = int(random.integers(1, 4))
         self.density = 10 ** random.uniform(-2, 2) if random.random() < 0.2 else 0.0
@@ -84,6 +84,20 @@ class Scene(warm.Scene):
         self.assemble()
         self.choose_loads()
         self.choose_laws()
+
+    def order_of_scalar(self):
+        return self.order
+
+    def places_of_order(self, order):
+        """Points of the pair with rows of u; rows of the scalar's jump and of its mean there."""
+        sides, out = [self.mesh.facets[s] for s in self.sides], []
+        second = self.scalar.solid.on(self.sides[1])
+        for p, q in zip(*(pair_points(Solid(self.mesh, order), *sides, trace)[0] for trace in (self.solid, self.scalar.solid))):
+            jump = q.jump[0, ::self.dim]
+            mean = jump / 2
+            mean[second] = -jump[second] / 2
+            out.append((p, jump, mean))
+        return out
 
     def choose_laws(self):
         super().choose_laws()
@@ -104,12 +118,12 @@ class Scene(warm.Scene):
             return out[self.free]
         law, n = self.heats.law, self.solid.n
         u, rate = full[:n], self.steps * (full - before)[:n]
-        for p, rows, factor in zip(self.solid.pairing, self.of_scalar, self.heats.factors(self, full)):
+        for (p, jump, mean), factor in zip(self.heats.places_of(self), self.heats.factors(self, full)):
             w = p.jump @ (rate if self.heats.sees == "rate" else u)
             z = p.normal @ w
             slip = np.linalg.norm(w - p.normal * z)
             g = law.slope(slip) * slip if law.radial else law.slope(law.solve(z, 0.0)[1][1], z)
-            out[n:] -= p.weight * self.h * factor * g * (rows[1] + self.share * rows[0])
+            out[n:] -= p.weight * self.h * factor * g * (mean + self.share * jump)
         return out[self.free]
 
     def script(self, turn, scale):

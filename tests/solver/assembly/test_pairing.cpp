@@ -94,7 +94,7 @@ SparseMatrix means_of(const Pairing& pairing) {
 TEST_P(Pairs, PassThePatchTest) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     make(1.0, 0.0, seed);
-    const Pairing pairing = make_pairing(space_, region_);
+    const Pairing pairing = make_pairing(space_, region_, space_.order);
     EXPECT_EQ(pairing.alone, 0);
     Vector linear(static_cast<Eigen::Index>(space_.nodes.size()));
     for (std::size_t i = 0; i < space_.nodes.size(); ++i) {
@@ -117,7 +117,7 @@ TEST_P(Pairs, PassThePatchTest) {
 TEST_P(Pairs, SeeTheirOwnNode) {
   if (GetParam().dim == 3 && GetParam().order == 2) return; // points at corners: hats
   make(1.0, 0.0, 3);
-  const Pairing pairing = make_pairing(space_, region_);
+  const Pairing pairing = make_pairing(space_, region_, space_.order);
   const auto own = nodes_on(space_, {Group::Kind::facets, region_.entities, 0});
   EXPECT_EQ(pairing.x.size(), own.size());
   for (int p = 0; p < static_cast<int>(pairing.x.size()); ++p) {
@@ -135,7 +135,7 @@ TEST_P(Pairs, SeeTheirOwnNode) {
 /// Where only a part of the first side has partners, that part carries the integral.
 TEST_P(Pairs, IntegrateOverWhatTheyShare) {
   make(0.57, 0.25, 5);
-  const Pairing pairing = make_pairing(space_, region_);
+  const Pairing pairing = make_pairing(space_, region_, space_.order);
   EXPECT_NEAR(weights(pairing).sum(), 0.57, 1e-13);
   const Vector force = jumps_of(pairing).transpose() * weights(pairing);
   const auto narrow = integrals(upper_);
@@ -149,9 +149,9 @@ TEST_P(Pairs, IntegrateOverWhatTheyShare) {
       EXPECT_NEAR(n[static_cast<std::size_t>(a)], up * turn_(a, 1), 1e-14);
   EXPECT_EQ(pairing.alone > 0, !GetParam().upper_first);
   region_.reach = 0.2;
-  EXPECT_THROW(make_pairing(space_, region_), Failure);
+  EXPECT_THROW(make_pairing(space_, region_, space_.order), Failure);
   region_.second = region_.entities;
-  EXPECT_THROW(make_pairing(space_, region_), Failure);
+  EXPECT_THROW(make_pairing(space_, region_, space_.order), Failure);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Pairs,
@@ -170,12 +170,12 @@ TEST(PairsOfSides, LieOverEachOtherOnce) {
   const Space space = make_space(mesh, 1, 2);
   Region region{Group::Kind::facets, mesh.groups.at("a.bottom").entities, 0,
                 mesh.groups.at("b.top").entities, 3.0};
-  EXPECT_EQ(make_pairing(space, region).alone, 0);
+  EXPECT_EQ(make_pairing(space, region, space.order).alone, 0);
   const auto& under = mesh.groups.at("c.top").entities;
   region.second.insert(region.second.end(), under.begin(), under.end());
-  EXPECT_THROW(make_pairing(space, region), Failure);
+  EXPECT_THROW(make_pairing(space, region, space.order), Failure);
   region.reach = 0.5;
-  EXPECT_EQ(make_pairing(space, region).x.size(), 3u);
+  EXPECT_EQ(make_pairing(space, region, space.order).x.size(), 3u);
 }
 
 /// A corner is a point of each of its sides, with the normal of that side.
@@ -196,7 +196,7 @@ TEST(PairsOfSides, KeepNormalsAtCreases) {
   };
   const Region region{Group::Kind::facets, both("body.left", "body.bottom"), 0,
                       both("wall.right", "floor.top"), 0.0};
-  const Pairing pairing = make_pairing(space, region);
+  const Pairing pairing = make_pairing(space, region, space.order);
   EXPECT_EQ(pairing.x.size(), 6u);
   for (std::size_t p = 0; p < 6; ++p) {
     const double largest = std::max(std::abs(pairing.normal[p][0]), std::abs(pairing.normal[p][1]));
@@ -217,7 +217,7 @@ TEST(PairsOfSides, AreBoundedOnSmallParts) {
     const Space space = make_space(mesh, 1, 2);
     const Region region{Group::Kind::facets, mesh.groups.at("wide.bottom").entities, 0,
                         mesh.groups.at("narrow.top").entities, 0.0};
-    const Pairing pairing = make_pairing(space, region);
+    const Pairing pairing = make_pairing(space, region, space.order);
     double sum = 0.0, largest = 0.0;
     for (const double w : pairing.weight) sum += w;
     for (int e = 0; e < pairing.jump.nonZeros(); ++e)
