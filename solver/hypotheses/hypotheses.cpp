@@ -122,6 +122,12 @@ void Judgement::judge_rate() {
     out_.rate_form = RateForm::in_v;
     return;
   }
+  if (facts_.moves && c().m_1 > 0.0) { // rigid motions are free, and have mass
+    out_.rate_form = RateForm::in_v;
+    answer.answer = Answer::holds;
+    answer.note += "; with m_1 times the mass of H it is (Korn), which is enough beside inertia";
+    return;
+  }
   const double in_h = numbers_.coercivity_in_h(field_of_u(1));
   const double in_h_finer = m_h_finer_.value_or(in_h);
   const bool in_l2 = numbers_.free_body() == nullptr && in_h > 0.0 && in_h_finer > 0.7 * in_h;

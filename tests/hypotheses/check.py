@@ -247,6 +247,26 @@ for slope, note in (("beta^2*r", "on bounded sets only: 2 "), ("| r < beta -> 0 
     row = says(aged(slope=slope, shift=0), "H(state)", "`soft` is Lipschitz in the states")
     assert row["holds"] is None and row["note"].startswith(note), (slope, row)
 
+# Inertia: rigid motions may be free of A, they have mass. Not without it, and not where A leaves out a part of the body.
+for mass, part, holds in (("u''", "bar", True), ("u'", "bar", True), ("u''", "half", False)):
+    text = f"""mesh bar = interval(1, cells = 4)
+part right = bar.right
+part half = bar where x < 0.5
+superpotential soft(r) with slope | r < 1 -> 0.5*r | otherwise -> 1 - 0.5*min(r, 2)
+space V = scalar P1 on bar
+find u in V for t in [0, 1] by 10 steps from u = 0
+such that for all v in V
+    integral(bar, {mass}*v) + integral({part}, dot(grad(u'), grad(v))) + integral(right, soft^0(u; v))
+ >= integral(right, 0.1*v)
+report
+  table end = u at [1]
+"""
+    with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+        file.write(text), file.flush()
+        report = check(file.name)
+    assert report["verdict"]["continuous"]["holds"] is holds, (mass, part, report["verdict"])
+    assert says(report, "H(A)", "A is coercive in V")["holds"] is holds
+
 # Laws that read: Coulomb's bound changes with the multiplier by the coefficient of friction.
 row = says(check(root / "tests/published/coulomb_patch.hvi"), "H(J)", "`grip` is Lipschitz in the multiplier")
 close(row["value"], 1)
