@@ -1,10 +1,16 @@
 """Headless Chromium by the DevTools protocol: what the test of reports and tools/bench drive it with."""
 import base64
+import fcntl
 import json
 import os
+import select
 import shutil
+import signal
 import subprocess
 import time
+
+
+SILENCE = 300  # seconds without an answer, on a machine that is busy, too
 
 
 def chromium():
@@ -20,15 +26,15 @@ class Browser:
         to_read, self.write = os.pipe()
         self.read, to_write = os.pipe()
 
-        def take():  # its numbers for the pipes are 3 and 4
-            for fd, place in ((to_read, 13), (to_write, 14)):
-                os.dup2(fd, place)
-            os.dup2(13, 3), os.dup2(14, 4)
+        def take():  # its numbers for the pipes are 3 and 4, whatever numbers they and other files have here
+            ends = [fcntl.fcntl(fd, fcntl.F_DUPFD_CLOEXEC, 10) for fd in (to_read, to_write)]
+            for end, place in zip(ends, (3, 4)):
+                os.dup2(end, place)
 
         self.process = subprocess.Popen(
-            [program, "--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--use-gl=angle", "--use-angle=swiftshader",
-             "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--hide-scrollbars", "--window-size=1200,900", f"--user-data-dir={profile}", "about:blank"],
-            preexec_fn=take, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            [program, "--headless=new", "--no-sandbox", "--no-first-run", "--disable-dev-shm-usage", "--remote-debugging-pipe", "--use-gl=angle",
+             "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--hide-scrollbars", "--window-size=1200,900", f"--user-data-dir={profile}", "about:blank"],
+            preexec_fn=take, close_fds=False, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(to_read), os.close(to_write)
         self.number, self.kept, self.session, self.errors = 0, b"", None, []
         target = next(t for t in self("Target.getTargets")["targetInfos"] if t["type"] == "page")
@@ -52,6 +58,7 @@ class Browser:
 
     def message(self):
         while b"\0" not in self.kept:
+            assert select.select([self.read], [], [], SILENCE)[0], f"the browser says nothing for {SILENCE} s"
             more = os.read(self.read, 1 << 20)
             assert more, "the browser ended"
             self.kept += more
@@ -111,5 +118,21 @@ class Browser:
         (self.shots / f"{name}.png").write_bytes(base64.b64decode(self("Page.captureScreenshot", **parts)["data"]))
 
     def close(self):
-        self("Browser.close") if self.process.poll() is None else None
-        self.process.wait(30)
+        """Its processes have ended then, and write no more into the profile."""
+        try:
+            self("Browser.close") if self.process.poll() is None else None
+            self.process.wait(30)
+        finally:
+            end = time.monotonic() + 10
+            while self.lives():
+                self.lives(signal.SIGKILL if time.monotonic() > end else 0)
+                time.sleep(0.02)
+            os.close(self.read), os.close(self.write)
+
+    def lives(self, send=0):
+        self.process.poll()
+        try:
+            os.killpg(self.process.pid, send)
+        except ProcessLookupError:
+            return False
+        return True
