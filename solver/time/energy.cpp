@@ -27,14 +27,6 @@ enum Sum {
 /// Increments below this part of u are taken for rounding in the scale of the balance.
 constexpr double rounding_of_rest = 1e-8;
 
-double asymmetry(const SparseMatrix& k) {
-  const SparseMatrix skew = SparseMatrix(k - SparseMatrix(k.transpose()));
-  double size = 0, off = 0;
-  for (int e = 0; e < k.nonZeros(); ++e) size = std::max(size, std::abs(k.valuePtr()[e]));
-  for (int e = 0; e < skew.nonZeros(); ++e) off = std::max(off, std::abs(skew.valuePtr()[e]));
-  return size > 0 ? off / size : 0.0;
-}
-
 /// The column of a law that stores nothing, or not all of its work.
 std::string column_of_work(const Problem& problem, const LawTerm& term) {
   const bool rubs = term.seen.empty() && !is_memory(term.field);
@@ -53,11 +45,9 @@ bool is_energy(std::string_view column) {
 }
 
 EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, const RunState& run)
-    : problem_(problem), d_(d), inertia_(inertia_matrix(problem, d)),
+    : problem_(problem), d_(d), stored_(problem, d, run), inertia_(inertia_matrix(problem, d)),
       rate_(matrix_of_field(problem, d, field_of_u(1))),
-      elastic_(matrix_of_field(problem, d, field_of_u(0))),
-      gram_(gram_v(d.space, d.dofs.needs_mass())), load_transfer_(load_transfer(problem, d)),
-      loads_(d.space, d.parts, problem.loads),
+      gram_(gram_v(d.space, d.dofs.needs_mass())),
       released_(problem, run), names_{"energy",      "elastic",    "contact",    "work",
                                       "viscous",     "memory",     "lost",       "lemma_u",
                                       "lemma_jumps", "lemma_xi",   "lemma_rate", "inclusion",
@@ -76,23 +66,17 @@ EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, co
   columns_.resize(names_.size());
   for (std::size_t m = 0; m < problem.histories.size(); ++m)
     memory_.push_back(matrix_of_field(problem, d, field_of_memory(static_cast<int>(m))));
-  symmetric_ = asymmetry(elastic_) <= 1e-12;
-  potentials_ = std::ranges::all_of(problem.law_terms, [&](const LawTerm& term) {
-    const LawSpec& law = problem.laws[static_cast<std::size_t>(term.law)];
-    return law.coupled.empty() && law.readings.empty() && term.seen.empty();
-  });
   for (Vector* v : {&u_, &before_, &d_u_, &work_}) *v = Vector::Zero(d.space.n_dofs());
   for (Forces* forces : {&now_, &last_, &acting_})
     for (const auto force : all_forces) forces->*force = Vector::Zero(d.space.n_dofs());
-  z_ = Vector::Zero(run.contact().n_rows());
   run.formulation->scatter(run.evolution.u(), u_);
   take_states(run);
-  elastic_energy_ = 0.5 * u_.dot(elastic_ * u_);
-  contact_energy_ = contact_energy(run, u_);
+  elastic_energy_ = stored_.elastic(u_);
+  contact_energy_ = stored_.contact(run, u_);
   kinetic_energy_ = kinetic_energy(run);
   if (!looks_back_) return;
   last_xi_ = run.xi();
-  load(run);
+  stored_.load(run, now_.load);
   forces(run);
 }
 
@@ -102,7 +86,8 @@ void EnergyMonitor::take_states(const RunState& run) {
   const auto now = [&](int field) {
     return matrix_of_field(problem_, d_, field, run.contact(), run.states());
   };
-  rate_ = now(field_of_u(1)), elastic_ = now(field_of_u(0));
+  stored_.take_states(run);
+  rate_ = now(field_of_u(1));
   for (std::size_t m = 0; m < memory_.size(); ++m)
     memory_[m] = now(field_of_memory(static_cast<int>(m)));
 }
@@ -114,47 +99,11 @@ double EnergyMonitor::kinetic_energy(const RunState& run) {
   return 0.5 * work_.dot(inertia_ * work_);
 }
 
-/// sum_p w_p j(z_p) of the laws on u with the laws and offsets of the run's time.
-double EnergyMonitor::contact_energy(const RunState& run, const Vector& u) {
-  const Contact& contact = run.contact();
-  z_ = contact.offset;
-  double sum = 0;
-  for (const auto& term : contact.terms) {
-    if (term.field != field_of_u(0)) continue;
-    z_.segment(term.first_row, term.n_rows()) += term.points.g * u;
-    for (int p = 0; p < term.n_points(); ++p) {
-      const auto& point = contact.problem.points[term.first_point + p];
-      const auto& graph = contact.problem.graphs[point.graph];
-      const auto z = z_.segment(point.first_row, point.rows);
-      const Law& law = *contact.laws[point.law];
-      sum += point.weight * potential_at(law, graph, law.spec().radial ? z.norm() : z[0]);
-    }
-  }
-  return sum;
-}
-
-void EnergyMonitor::load(const RunState& run) {
-  const auto& grid = run.evolution.grid();
-  const int n = run.evolution.step();
-  now_.load.setZero();
-  if (problem_.time.sampling == LoadSampling::average && !grid.is_static() && n > 0)
-    loads_.add_mean(grid.t(n - 1), grid.t(n), now_.load);
-  else
-    loads_.add(grid.t(n), now_.load);
-  if (load_transfer_.nonZeros() > 0) now_.load = load_transfer_ * now_.load;
-}
-
-double EnergyMonitor::energy(const RunState& run) {
-  run.formulation->scatter(run.evolution.u(), work_);
-  load(run);
-  return 0.5 * work_.dot(elastic_ * work_) + contact_energy(run, work_) - now_.load.dot(work_);
-}
-
 /// M u'', A u', B u, sum_m E_m w_m and G^T W xi at the run's time.
 void EnergyMonitor::forces(const RunState& run) {
   const Formulation& formulation = *run.formulation;
   const Evolution& evolution = run.evolution;
-  now_.elastic.noalias() = elastic_ * u_;
+  now_.elastic.noalias() = stored_.matrix() * u_;
   now_.inertia.setZero(), now_.viscous.setZero(), now_.memory.setZero(), now_.contact.setZero();
   if (!run.evolution.grid().is_static()) {
     evolution.derivative(1, state_);
@@ -224,13 +173,13 @@ void EnergyMonitor::take_forces(const RunState& run) {
   d_u_ = u_ - before_;
   if (looks_back_) std::swap(now_, last_);
   const auto of_forms = [&] {
-    return 0.5 * (released_.of_mean_forces() ? u_ : before_).dot(elastic_ * before_);
+    return 0.5 * (released_.of_mean_forces() ? u_ : before_).dot(stored_.matrix() * before_);
   };
   const double stored = released_.of_forms() ? of_forms() : 0.0;
   take_states(run);
   if (released_.of_forms()) released_.add_forms(stored - of_forms());
   released_.add_laws(run, before_);
-  load(run);
+  stored_.load(run, now_.load);
   forces(run);
   acting_xi_ = run.xi();
   if (looks_back_) mix_steps(run.evolution.scheme()), last_xi_ = run.xi();
@@ -261,7 +210,7 @@ double EnergyMonitor::reaction_work(const Forces& acting) {
 void EnergyMonitor::add_sums(const RunState& run, const Forces& acting, double reaction) {
   const double viscous = acting.viscous.dot(d_u_), memory = acting.memory.dot(d_u_);
   const double work = acting.load.dot(d_u_) + reaction, elastic = 0.5 * now_.elastic.dot(u_),
-               contact = contact_energy(run, u_), kinetic = kinetic_energy(run);
+               contact = stored_.contact(run, u_), kinetic = kinetic_energy(run);
   const double k = run.evolution.grid().length(run.evolution.step()), jump = norm_squared(d_u_);
   double xi = 0;
   for (const auto& point : run.contact().problem.points)
@@ -326,7 +275,7 @@ void EnergyMonitor::restore(std::istream& in, std::size_t rows, const RunState& 
   largest_error_ = numbers[3], largest_size_ = numbers[4];
   if (looks_back_)
     for (const auto force : all_forces) get_vector(r, now_.*force, u_.size());
-  if (looks_back_) get_vector(r, last_xi_, z_.size());
+  if (looks_back_) get_vector(r, last_xi_, run.contact().n_rows());
   sums_ = r.get_vector<double>(sums_.size());
   friction_ = r.get_vector<double>(friction_.size());
   released_.restore(r);

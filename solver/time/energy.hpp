@@ -18,6 +18,7 @@
 #pragma once
 
 #include "solver/time/released_energy.hpp"
+#include "solver/time/stored_energy.hpp"
 
 #include <array>
 #include <iosfwd>
@@ -37,12 +38,6 @@ public:
 
   /// Takes an accepted step. `outcome`: its certificate and iterations go into the columns.
   void take(const RunState& run, const StepResult& outcome);
-  /// Of the run's state: elastic + contact - <f, u>.
-  double energy(const RunState& run);
-  /// Is the energy one (B symmetric, and no law that reads the solution or a multiplier, as
-  /// Coulomb's bound does), and is it what a state of rest makes least?
-  bool has_energy() const { return symmetric_ && potentials_ && !moves_; }
-
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<std::vector<double>>& columns() const { return columns_; }
   /// The worst |work identity| of a step by the largest sum of its parts' sizes: rounding.
@@ -54,11 +49,9 @@ public:
 
 private:
   double norm_squared(const Vector& v) const { return v.dot(gram_ * v); }
-  double contact_energy(const RunState& run, const Vector& u);
   void take_states(const RunState& run);
   double kinetic_energy(const RunState& run);
   void add_friction(const RunState& run);
-  void load(const RunState& run);
   /// What does work in a step: vectors on all dofs.
   struct Forces {
     Vector inertia, viscous, elastic, memory, contact, load;
@@ -74,18 +67,16 @@ private:
 
   const Problem& problem_;
   const Discretisation& d_;
-  SparseMatrix inertia_, rate_, elastic_, gram_; ///< M, A, B, the Gram matrix of V on all dofs
-  SparseMatrix load_transfer_;                   ///< of loads to where the mass is (inertia.hpp)
-  std::vector<SparseMatrix> memory_;             ///< E_m
-  LoadAssembler loads_;
-  ReleasedEnergy released_; ///< by states
-  bool symmetric_ = true, potentials_ = true;
+  StoredEnergy stored_;
+  SparseMatrix inertia_, rate_, gram_; ///< M, A, the Gram matrix of V on all dofs
+  std::vector<SparseMatrix> memory_;   ///< E_m
+  ReleasedEnergy released_;            ///< by states
 
   Vector u_, before_, d_u_, work_, state_; ///< full vectors
   Forces now_, last_, acting_;             ///< at t_n, at t_{n-1}; what the step's equation has
   bool moves_, looks_back_;                ///< is there inertia; do earlier forces act in a step
   double energy_scale_ = 1.0;              ///< the equation was divided by it
-  Vector z_, acting_xi_, last_xi_;         ///< of laws: arguments; multipliers as forces are
+  Vector acting_xi_, last_xi_;             ///< multipliers as forces are
   double elastic_energy_ = 0, contact_energy_ = 0, kinetic_energy_ = 0, largest_error_ = 0,
          largest_size_ = 0;
   std::vector<std::string> names_;

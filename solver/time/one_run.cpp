@@ -241,10 +241,8 @@ void OneRun::tell_choice() {
                          ? sentence(plan_.options.branch)
                          : "each step's solution is sought from the last step's"),
          plan_.problem.law_terms.empty() ? Origin{} : plan_.problem.law_terms.front().origin});
-  std::optional<EnergyMonitor> own;
-  EnergyMonitor& monitor =
-      monitor_ ? *monitor_ : own.emplace(plan_.problem, discretisation_, state_);
-  if (monitor.has_energy()) result_.energy = monitor.energy(state_);
+  StoredEnergy stored(plan_.problem, discretisation_, state_);
+  if (stored.is_least_at_rest()) result_.energy = stored.energy(state_);
 }
 
 void OneRun::finish_monitors() {

@@ -212,8 +212,9 @@ void take_apart(const Couplings& couplings, const Space& space, const StateLayou
   }
 }
 
-/// Symmetric on the unknowns to rounding of the assembly.
-bool is_symmetric(const SparseMatrix& matrix) {
+} // namespace
+
+bool symmetric_to_rounding(const SparseMatrix& matrix) {
   const double largest =
       Eigen::Map<const Vector>(matrix.valuePtr(), matrix.nonZeros()).lpNorm<Eigen::Infinity>();
   return all_mirror_pairs(matrix, [&](int, int, double left, double right) {
@@ -221,17 +222,19 @@ bool is_symmetric(const SparseMatrix& matrix) {
   });
 }
 
-} // namespace
-
 SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& discretisation,
                              int field) {
   const int n = discretisation.space.n_dofs();
   SparseMatrix out(n, n);
-  for (const auto& form : problem.forms)
-    if (form.field == field)
-      out = SparseMatrix(
-          out + assemble_form(discretisation.space, discretisation.parts[form.part],
-                              reads_states(form) ? at_initial_states(problem, form) : form));
+  for (const auto& form : problem.forms) {
+    if (form.field != field) continue;
+    SparseMatrix one = assemble_form(discretisation.space, discretisation.parts[form.part],
+                                     reads_states(form) ? at_initial_states(problem, form) : form);
+    if (out.nonZeros() == 0)
+      out.swap(one);
+    else
+      out = SparseMatrix(out + one);
+  }
   return out;
 }
 
@@ -269,7 +272,8 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
   out.weights.resize(n_fields, static_cast<Eigen::Index>(matrices.size()));
   for (std::size_t b = 0; b < matrices.size(); ++b) {
     out.weights.col(static_cast<Eigen::Index>(b)) = distinct.weights[b];
-    out.symmetric = out.symmetric && (symmetric || out.mirrored || is_symmetric(matrices[b]));
+    out.symmetric =
+        out.symmetric && (symmetric || out.mirrored || symmetric_to_rounding(matrices[b]));
   }
   out.coupled = couples_unknowns(couplings);
   out.symmetric = out.symmetric && !out.coupled;

@@ -59,6 +59,9 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
 std::optional<Vector> as_combination(const Operators& operators,
                                      const Discretisation& discretisation, const FormTerm& form);
 
+/// Symmetric to 1e-12 of its largest entry, the rounding of an assembly.
+bool symmetric_to_rounding(const SparseMatrix& matrix);
+
 /// The sum of the plan's forms on one field, on all dofs, with the initial states.
 SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& discretisation,
                              int field);

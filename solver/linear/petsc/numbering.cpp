@@ -21,7 +21,12 @@ Numbering::Numbering(const HviPetscUnknowns& of, int n)
 }
 
 Rows Numbering::rows_of(const HviPetscMatrix& a, double diagonal) const {
+  const std::size_t n_entries = static_cast<std::size_t>(a.start[a.rows]) +
+                                (diagonal != 0.0 ? static_cast<std::size_t>(size() - a.rows) : 0);
   Rows out;
+  out.start.reserve(static_cast<std::size_t>(size()) + 1);
+  out.column.reserve(n_entries);
+  out.value.reserve(n_entries);
   std::vector<std::pair<int, double>> row;
   for (int p = 0; p < size(); ++p) {
     const int i = same_ ? p : unknown_[p];
