@@ -19,6 +19,8 @@ namespace {
 constexpr double part_of_tolerance = 1e-3;
 /// Plain passes go on where each leaves less than this of the error.
 constexpr double contracts = 0.1;
+/// Less where each has its own factor: Newton's method takes few of them.
+constexpr double contracts_in_forms = 1e-3;
 constexpr int most_newton = 40;
 constexpr int most_plain = 400;
 constexpr int most_mixed = 100;
@@ -32,11 +34,11 @@ constexpr double smallest_share = 1e-4;
 class StateCoupling {
 public:
   StateCoupling(const Problem& problem, EquationSolver& solver, Contact& contact, double tolerance,
-                StepMatrix& matrix, const InequalityState* path_start,
+                StepMatrix& matrix, const InequalityState* path_start, BodyTangent* body,
                 const std::function<void()>& renew, StepEquation& equation, Trial& trial,
                 StepResult& out)
       : problem_(problem), solver_(solver), states_(solver.laws.states), contact_(contact),
-        tolerance_(tolerance), matrix_(matrix), path_start_(path_start), renew_(renew),
+        tolerance_(tolerance), matrix_(matrix), path_start_(path_start), body_(body), renew_(renew),
         equation_(equation), trial_(trial), out_(out) {}
 
   void run() {
@@ -71,7 +73,7 @@ private:
   }
 
   /// Do forms depend on states?
-  bool in_forms() const { return std::ranges::any_of(problem_.forms, reads_states); }
+  bool in_forms() const { return body_ != nullptr; }
 
   struct Here {
     Vector values, wanted;
@@ -140,25 +142,25 @@ private:
   /// Plain passes while they contract, then Newton's method, or Anderson's. False: none gets there.
   bool settle() {
     double before = infinity;
-    while (!near() && error_ < contracts * before) {
+    const double enough = in_forms() ? contracts_in_forms : contracts;
+    while (!near() && error_ < enough * before) {
       before = error_;
       solve_with(Vector(wanted_));
     }
     if (near()) return true;
     if (!std::isfinite(error_)) return false;
-    if (in_forms()) {
-      const Here place = here();
-      if (settle_by_mixing()) return true;
-      go(place);
-      return settle_by_parts();
-    }
     for (int k = 0; k < most_newton; ++k) {
       before = error_;
       if (!newton()) break;
       if (near()) return true;
       if (error_ <= tolerance_ && error_ > 0.25 * before) break; // rounding is left
     }
-    return holds_with_wanted() || (error_ <= tolerance_ && usable());
+    if (!in_forms()) return holds_with_wanted() || (error_ <= tolerance_ && usable());
+    if (error_ <= tolerance_ && usable()) return true;
+    const Here place = here();
+    if (settle_by_mixing()) return true;
+    go(place);
+    return settle_by_parts();
   }
 
   /// What rounding leaves of multipliers that depend on each other, or of arguments that cancel, is
@@ -211,10 +213,8 @@ private:
 
   /// One step, halved until the error falls. False: it does not, and the place is as it was.
   bool newton() {
-    Vector z, change, next;
-    arguments(z);
-    StateTangent tangent(problem_, contact_, states_, matrix_);
-    if (!tangent.step({solver_.laws.now, z, inputs_.values, wanted_, share_}, change)) return false;
+    Vector change, next;
+    if (!(in_forms() ? step_of_body(change) : step_of_laws(change))) return false;
     const Here start = here();
     for (double t = 1.0; t >= shortest_newton; t /= 2.0) {
       const Vector inputs = start.inputs.values + t * change;
@@ -225,6 +225,19 @@ private:
       go(start);
     }
     return false;
+  }
+
+  bool step_of_laws(Vector& change) {
+    Vector z;
+    arguments(z);
+    StateTangent tangent(problem_, contact_, states_, matrix_);
+    return tangent.step({solver_.laws.now, z, inputs_.values, wanted_, share_}, change);
+  }
+
+  bool step_of_body(Vector& change) {
+    return wanted_.size() > 0 && body_->step({equation_.n, state_, trial_.d, solver_.laws.now,
+                                              inputs_.values, wanted_, share_},
+                                             matrix_, change);
   }
 
   void arguments(Vector& z) {
@@ -292,6 +305,7 @@ private:
   double tolerance_;
   StepMatrix& matrix_;
   const InequalityState* path_start_;
+  BodyTangent* body_; ///< null where no form reads states
   const std::function<void()>& renew_;
   StepEquation& equation_;
   Trial& trial_;
@@ -306,10 +320,10 @@ private:
 
 void couple_states(const Problem& problem, EquationSolver& solver, Contact& contact,
                    double tolerance, StepMatrix& matrix, const InequalityState* path_start,
-                   const std::function<void()>& renew, StepEquation& equation, Trial& trial,
-                   StepResult& out) {
-  StateCoupling(problem, solver, contact, tolerance, matrix, path_start, renew, equation, trial,
-                out)
+                   BodyTangent* body, const std::function<void()>& renew, StepEquation& equation,
+                   Trial& trial, StepResult& out) {
+  StateCoupling(problem, solver, contact, tolerance, matrix, path_start, body, renew, equation,
+                trial, out)
       .run();
 }
 

@@ -15,7 +15,10 @@ StepSolver::StepSolver(const Plan& plan, const Discretisation& discretisation,
                        std::unique_ptr<CorrectionSolves> solves)
     : equations(plan, discretisation, formulation, evolution, balance, std::move(solves)),
       refinement(plan.problem, formulation, evolution, balance), plan_(plan), evolution_(evolution),
-      formulation_(formulation), balance_(balance) {}
+      formulation_(formulation), balance_(balance) {
+  if (formulation.changes())
+    body_.emplace(discretisation, formulation, evolution, equations.laws.states);
+}
 
 /// Forms that states change begin at the last ones; then every step has its own factor.
 StepMatrix& StepSolver::matrix_for(int n) {
@@ -65,7 +68,7 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
       couple_bounds(equations, tolerance, matrix, start, equation, trial, result);
     if (!laws.states.none())
       couple_states(
-          plan_.problem, equations, contact, tolerance, matrix, start,
+          plan_.problem, equations, contact, tolerance, matrix, start, body_ ? &*body_ : nullptr,
           [&] { renew(n, matrix, equation, trial); }, equation, trial, result);
     return result;
   };

@@ -1,6 +1,7 @@
 // The solution of one step: an increment and multipliers from the last accepted state.
 #pragma once
 
+#include "solver/time/body_tangent.hpp"
 #include "solver/time/equation_solver.hpp"
 #include "solver/time/refinement.hpp"
 
@@ -36,6 +37,7 @@ private:
   const Evolution& evolution_;
   Formulation& formulation_;
   Balance& balance_;
+  std::optional<BodyTangent> body_; ///< where states change forms
 };
 
 } // namespace hvi::solver
