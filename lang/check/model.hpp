@@ -109,13 +109,6 @@ struct ModelMaterial {
   std::set<int> parts;
 };
 
-struct ModelImposed {
-  Span span;
-  int part = 0;
-  int component = -1;
-  std::vector<Symbol> value;
-};
-
 struct Expectation {
   Span span;
   std::string probe;

@@ -75,9 +75,8 @@ struct KernelTraits {
   bool finite = true;             ///< finite on (0, horizon]
   std::string description;        ///< "2 real exponentials", "singular, lag^-0.5", ...
 };
-KernelTraits kernel_traits(const Expr& expression, double horizon);
-/// The same for times t0 < t <= t0 + horizon, of a kernel as it is stated: what came as a series is
-/// not looked for in the expression.
+/// For times t0 < t <= t0 + horizon, of a kernel as it is stated: what came as a series is not
+/// looked for in the expression.
 KernelTraits kernel_traits(const KernelSpec& kernel, double horizon, double t0 = 0);
 /// sup |q|, the Lipschitz constant in t of H(q), int_0^T |q| for hypotheses (inf where infinite).
 struct KernelNorms {

@@ -176,10 +176,6 @@ std::optional<VerifiedTerms> verified_terms(const Expr& expression, double horiz
   return verified(exponential_terms(expression), samples_of(q, positive_horizon(horizon), t0));
 }
 
-KernelTraits kernel_traits(const Expr& expression, double horizon) {
-  return kernel_traits(expression, horizon, 0.0);
-}
-
 KernelTraits kernel_traits(const Expr& expression, double horizon, double t0) {
   return kernel_traits(KernelSpec{{}, {}, expression, {}}, horizon, t0);
 }

@@ -5,8 +5,6 @@
 #include "solver/kernel/node.hpp"
 #include "solver/kernel/table.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -68,29 +66,8 @@ private:
   std::map<Key, std::int32_t> known_;
 };
 
-std::string describe(const Tape& tape, const Instruction& i) {
-  if (i.op == Op::constant) return fmt::format("{}", i.value);
-  if (i.op == Op::slot)
-    return to_string(Expr::variable(tape.inputs[static_cast<std::size_t>(i.a)]));
-  std::string text = fmt::format("{}(", op_name(i.op));
-  const bool one_register = i.op == Op::table || i.op == Op::table_slope; // c is the table
-  for (const std::int32_t r : {i.a, i.b, one_register ? -1 : i.c})
-    if (r >= 0) text += fmt::format("{}r{}", text.ends_with('(') ? "" : ", ", r);
-  if (one_register) text += ", " + tape.tables[static_cast<std::size_t>(i.c)]->name();
-  return text + ")";
-}
-
 } // namespace
 
 Tape compile(std::span<const Expr> expressions) { return Compiler().compile(expressions); }
-
-std::string to_string(const Tape& tape) {
-  std::string text;
-  for (std::size_t r = 0; r < tape.code.size(); ++r)
-    text += fmt::format("r{} = {}\n", r, describe(tape, tape.code[r]));
-  for (std::size_t o = 0; o < tape.outputs.size(); ++o)
-    text += fmt::format("out{} = r{}\n", o, tape.outputs[o]);
-  return text;
-}
 
 } // namespace hvi::solver

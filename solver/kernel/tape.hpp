@@ -6,7 +6,6 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace hvi::solver {
@@ -27,7 +26,6 @@ struct Tape {
 
 /// Compiles expressions, sharing common subexpressions.
 Tape compile(std::span<const Expr> expressions);
-std::string to_string(const Tape& tape);
 
 /// Scratch memory of an evaluation, reused between calls: no allocation once grown.
 struct TapeWorkspace {

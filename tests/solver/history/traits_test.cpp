@@ -94,7 +94,7 @@ TEST(Recognition, SeesOneExponentialHoweverWritten) {
       exp(Expr(-2.0) * t) * exp(Expr(2.0) * s),
       exp(Expr(-2.0) * l) * (pow(call(Op::sin, l), Expr(2.0)) + pow(call(Op::cos, l), Expr(2.0)))};
   for (const Expr& way : ways) {
-    const auto traits = kernel_traits(way, 2);
+    const auto traits = kernel_traits(way, 2, 0);
     EXPECT_TRUE(traits.exponential_sum) << to_string(way);
     EXPECT_TRUE(traits.convolution) << to_string(way);
     EXPECT_EQ(traits.description, "1 real exponential") << to_string(way);
@@ -123,10 +123,10 @@ TEST(Recognition, SeesPairsPolynomialsAndProducts) {
 
 TEST(Traits, FindSingularitiesAndBreaks) {
   const Expr l = lag();
-  EXPECT_DOUBLE_EQ(kernel_traits(pow(l, Expr(-0.25)) * exp(-l), 2).singular_exponent, 0.25);
-  EXPECT_NEAR(kernel_traits(Expr(1.0) / sqrt(l + l * l), 2).singular_exponent, 0.5, 1e-9);
-  EXPECT_EQ(kernel_traits(call(Op::log, l), 2).singular_exponent, 0);
-  const auto hat = kernel_traits(kernel_case("hat").expression, 20);
+  EXPECT_DOUBLE_EQ(kernel_traits(pow(l, Expr(-0.25)) * exp(-l), 2, 0).singular_exponent, 0.25);
+  EXPECT_NEAR(kernel_traits(Expr(1.0) / sqrt(l + l * l), 2, 0).singular_exponent, 0.5, 1e-9);
+  EXPECT_EQ(kernel_traits(call(Op::log, l), 2, 0).singular_exponent, 0);
+  const auto hat = kernel_traits(kernel_case("hat").expression, 20, 0);
   ASSERT_EQ(hat.breaks.size(), 3u);
   EXPECT_NEAR(hat.breaks[0], 0.2, 1e-12);
   EXPECT_NEAR(hat.breaks[1], 0.5, 1e-12);
