@@ -1,5 +1,5 @@
 # cmake -DOUT=file.cpp -DFOLDER=lang/report/page -P EmbedPage.cmake: the page of reports as strings; its scripts one behind the other
-set(scripts data curves colours geometry gl quantities viewer sections main)
+set(scripts data curves colours geometry gl quantities viewer bar sections main)
 file(READ ${FOLDER}/page.html html)
 file(READ ${FOLDER}/style.css style)
 set(code "")

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <span>
@@ -18,17 +20,32 @@ namespace {
 
 constexpr int frame_milliseconds = 100; ///< of pictures that move
 
-/// What the colours stand for.
-std::string label_of(const solver::FieldSpec& field) {
-  return field.components.size() > 1 ? fmt::format("|{}|", field.name) : field.name;
+constexpr std::size_t longest_title = 60, longest_label = 15; ///< letters of a field
+
+/// A field as the script writes it, on one line; long ones, and those with a comment, by their
+/// name.
+std::string words_of(const Script& script, const solver::FieldSpec& field) {
+  std::string out;
+  for (const char c : script.sources.text(span_of(script, field.origin)))
+    if (std::isspace(static_cast<unsigned char>(c)) == 0)
+      out += c;
+    else if (!out.empty() && out.back() != ' ')
+      out += ' ';
+  if (out.empty() || out.size() > longest_title || out.find('#') != std::string::npos)
+    return field.name;
+  return out;
 }
 
-draw::BodyPicture picture_of(const solver::PictureSpec& spec, std::optional<double> time,
-                             const solver::ReportSpec& report) {
+draw::BodyPicture picture_of(const Script& script, const solver::PictureSpec& spec,
+                             std::optional<double> time) {
+  const solver::ReportSpec& report = script.plan->report;
   draw::BodyPicture out;
   out.field = spec.field.name;
-  out.label = label_of(spec.field) + ModelUnits::bracketed(spec.field.unit);
-  out.title = out.label;
+  const std::string words = words_of(script, spec.field),
+                    unit_of_field = ModelUnits::bracketed(spec.field.unit);
+  const std::string shown = spec.field.components.size() > 1 ? fmt::format("|{}|", words) : words;
+  out.title = shown + unit_of_field;
+  out.label = shown.size() <= longest_label ? out.title : spec.field.unit;
   const std::string& unit = report.unit_of_time;
   if (time) out.title += fmt::format(", t = {:g}{}{}", *time, unit.empty() ? "" : " ", unit);
   if (spec.deformed != 0.0) out.title += fmt::format(", deformed {:g} times", spec.deformed);
@@ -38,28 +55,29 @@ draw::BodyPicture picture_of(const solver::PictureSpec& spec, std::optional<doub
 }
 
 /// One picture, or one that moves: its frames are in one window and have the same colours.
-void write_picture(const solver::PictureSpec& spec, const std::vector<solver::FieldFrame>& frames,
-                   const solver::ReportSpec& report, const std::filesystem::path& path) {
+void write_picture(const Script& script, const solver::PictureSpec& spec,
+                   const std::vector<solver::FieldFrame>& frames,
+                   const std::filesystem::path& path) {
   if (!solver::moves(spec))
-    return draw::write_sheet(draw::body_sheet(frames.front(), picture_of(spec, spec.time, report)),
+    return draw::write_sheet(draw::body_sheet(frames.front(), picture_of(script, spec, spec.time)),
                              path);
-  const auto window = draw::window_of(frames, picture_of(spec, {}, report));
+  const auto window = draw::window_of(frames, picture_of(script, spec, {}));
   const auto sheet = [&](std::size_t i) {
-    return draw::body_sheet(frames[i], picture_of(spec, frames[i].t, report), window);
+    return draw::body_sheet(frames[i], picture_of(script, spec, frames[i].t), window);
   };
   draw::write_sheets(frames.size(), sheet, frame_milliseconds, path);
 }
 
 /// Pictures side by side. Those of one field are in one window and have the same colours.
-void write_row(std::span<const solver::PictureSpec> specs,
+void write_row(const Script& script, std::span<const solver::PictureSpec> specs,
                std::span<const std::vector<solver::FieldFrame>> frames,
-               const solver::ReportSpec& report, const std::filesystem::path& path) {
+               const std::filesystem::path& path) {
   std::vector<draw::Sheet> sheets;
   for (std::size_t i = 0; i < specs.size(); ++i) {
     std::vector<solver::FieldFrame> of_field;
     for (std::size_t j = 0; j < specs.size(); ++j)
       if (specs[j].field.name == specs[i].field.name) of_field.push_back(frames[j].front());
-    draw::BodyPicture picture = picture_of(specs[i], specs[i].time, report);
+    draw::BodyPicture picture = picture_of(script, specs[i], specs[i].time);
     picture.widest = 400.0, picture.highest = 300.0;
     sheets.push_back(
         draw::body_sheet(frames[i].front(), picture, draw::window_of(of_field, picture)));
@@ -135,13 +153,22 @@ draw::Sheet sheet_of(const solver::GraphsSpec& spec, const solver::TimeSpec& tim
 
 } // namespace
 
-std::string picture_file(const solver::Problem& problem, const solver::PictureSpec& picture) {
-  if (!picture.file.empty()) return picture.file;
-  return fmt::format("{}_{}{}{}.png", problem.title, picture.field.name,
-                     picture.deformed != 0.0 ? "_deformed" : "",
-                     picture.in_row > 1 ? "_row"
-                     : picture.time     ? fmt::format("_t{:g}", *picture.time)
-                                        : "");
+std::string picture_file(const solver::Plan& plan, std::size_t i) {
+  const auto& pictures = plan.report.pictures;
+  if (!pictures[i].file.empty()) return pictures[i].file;
+  const auto stem = [&](const solver::PictureSpec& picture) {
+    return fmt::format("{}_{}{}{}", plan.problem.title, picture.field.name,
+                       picture.deformed != 0.0 ? "_deformed" : "",
+                       picture.in_row > 1 ? "_row"
+                       : picture.time     ? fmt::format("_t{:g}", *picture.time)
+                                          : "");
+  };
+  const std::string own = stem(pictures[i]);
+  const auto before =
+      std::ranges::count_if(std::span(pictures).first(i), [&](const solver::PictureSpec& other) {
+        return other.in_row > 0 && other.file.empty() && stem(other) == own;
+      });
+  return own + (before > 0 ? fmt::format("_{}.png", before + 1) : ".png");
 }
 
 std::string plot_file(const solver::Plan& plan, std::size_t i) {
@@ -158,9 +185,10 @@ std::string graphs_file(const solver::Plan& plan, std::size_t i) {
   return out + ".png";
 }
 
-std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::RunResult& result,
-                                 const solver::Shown& shown, const ModelUnits& units,
-                                 const std::string& folder) {
+std::vector<Drawn> draw_pictures(const Script& script, const solver::RunResult& result,
+                                 const solver::Shown& shown, const std::string& folder) {
+  const solver::Plan& plan = *script.plan;
+  const ModelUnits& units = script.model->units;
   std::vector<Drawn> out;
   const auto add = [&](solver::Origin origin, const std::string& file, bool named,
                        const auto& write) {
@@ -174,14 +202,13 @@ std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::RunResu
   for (std::size_t i = 0; i < shown.pictures.size(); ++i) {
     const auto& picture = plan.report.pictures[i];
     const auto& frames = shown.pictures[i];
-    const auto n = static_cast<std::size_t>(picture.in_row);
+    const auto n = static_cast<std::size_t>(std::max(picture.in_row, 0));
     if (n > 0)
-      add(picture.origin, picture_file(plan.problem, picture), !picture.file.empty(),
-          [&](const auto& path) {
-            if (n == 1) return write_picture(picture, frames, plan.report, path);
-            write_row(std::span(plan.report.pictures).subspan(i, n),
-                      std::span(shown.pictures).subspan(i, n), plan.report, path);
-          });
+      add(picture.origin, picture_file(plan, i), !picture.file.empty(), [&](const auto& path) {
+        if (n == 1) return write_picture(script, picture, frames, path);
+        write_row(script, std::span(plan.report.pictures).subspan(i, n),
+                  std::span(shown.pictures).subspan(i, n), path);
+      });
   }
   for (std::size_t i = 0; i < plan.report.plots.size(); ++i) {
     const auto& spec = plan.report.plots[i];

@@ -2,7 +2,7 @@
 // the tables' columns.
 #pragma once
 
-#include "lang/check/model.hpp"
+#include "lang/script.hpp"
 #include "solver/plan/plan.hpp"
 #include "solver/time/shown.hpp"
 
@@ -12,8 +12,8 @@
 
 namespace hvi::lang {
 
-/// The name of a picture's file in the output folder.
-std::string picture_file(const solver::Problem& problem, const solver::PictureSpec& picture);
+/// The name of the i-th picture's file in the output folder: the script's, or one of its own.
+std::string picture_file(const solver::Plan& plan, std::size_t i);
 
 /// Of the i-th plot.
 std::string plot_file(const solver::Plan& plan, std::size_t i);
@@ -30,9 +30,9 @@ struct Drawn {
 };
 
 /// Draws every `picture`, every `plot` and every graph of the plan into `folder` (PNG, or SVG by
-/// the file's name). Vectors and tensors are shown by their Euclidean norm.
-std::vector<Drawn> draw_pictures(const solver::Plan& plan, const solver::RunResult& result,
-                                 const solver::Shown& shown, const ModelUnits& units,
-                                 const std::string& folder);
+/// the file's name). Vectors and tensors are shown by their Euclidean norm; titles are the script's
+/// words.
+std::vector<Drawn> draw_pictures(const Script& script, const solver::RunResult& result,
+                                 const solver::Shown& shown, const std::string& folder);
 
 } // namespace hvi::lang

@@ -67,7 +67,15 @@ void ask_for_stress(ast::Program& program) {
   program.statements.emplace_back(std::move(report));
 }
 
-/// What `ask_for_stress` asked for goes from the plan to what is shown, with the unknowns.
+/// Does it live at the points of a law alone?
+bool of_laws(const solver::FieldSpec& field) {
+  return std::ranges::any_of(field.components, [](const solver::Expr& e) {
+    return e.depends_on_any(solver::slot::first_multiplier, solver::slot::first_inside);
+  });
+}
+
+/// The unknowns, what `ask_for_stress` asked for, which goes from the plan, and the script's own
+/// fields of the body.
 solver::Shown shown_of(solver::Plan& plan, const Model& model) {
   solver::Shown out;
   out.fields = solver::unknown_fields(plan.problem, model.dim);
@@ -76,6 +84,13 @@ solver::Shown shown_of(solver::Plan& plan, const Model& model) {
       out.fields[b].unit = unit->second;
   for (auto& field : plan.report.fields.back().fields) out.fields.push_back(std::move(field));
   plan.report.fields.pop_back();
+  for (const auto& files : plan.report.fields)
+    for (const auto& field : files.fields) {
+      const auto known = [&](const solver::FieldSpec& other) {
+        return other.name == field.name || other.components == field.components;
+      };
+      if (!of_laws(field) && std::ranges::none_of(out.fields, known)) out.fields.push_back(field);
+    }
   return out;
 }
 

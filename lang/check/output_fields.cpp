@@ -37,7 +37,13 @@ std::optional<solver::FieldSpec> OutputFields::output_field(const ast::Expr& e) 
   solver::FieldSpec spec;
   spec.origin = model_.origin(e.span);
   spec.components = f->components;
-  // The text of the script without the blanks is the field's name: u, sigma, layer.xi, u.x
+  spec.name = name_of(e, f->components);
+  return spec;
+}
+
+/// A name for files and arrays: u, layer.xi, u_rate, mises_sigma, field0. What is another field
+/// gets another one: max_u.x_2.
+std::string OutputFields::name_of(const ast::Expr& e, const std::vector<Symbol>& components) {
   std::function<std::string(const ast::Expr&)> name = [&](const ast::Expr& part) -> std::string {
     if (const auto* r = std::get_if<ast::Reference>(&part.node)) return r->name;
     if (const auto* m = std::get_if<ast::Member>(&part.node))
@@ -51,8 +57,14 @@ std::optional<solver::FieldSpec> OutputFields::output_field(const ast::Expr& e) 
                                   : name(*c->callee) + "_" + name(c->arguments[0].value);
     return fmt::format("field{}", model_.report.fields.size());
   };
-  spec.name = name(e);
-  return spec;
+  const std::string first = name(e);
+  std::string out = first;
+  for (int k = 2;; ++k) {
+    const auto known = std::ranges::find(named_, out, [](const auto& one) { return one.first; });
+    if (known == named_.end()) return named_.emplace_back(out, components).first;
+    if (known->second == components) return out;
+    out = fmt::format("{}_{}", first, k);
+  }
 }
 
 void OutputFields::read(const ast::FieldsItem& item) {

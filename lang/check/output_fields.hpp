@@ -6,6 +6,8 @@
 
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace hvi::lang {
 
@@ -21,10 +23,13 @@ public:
   void read(const ast::FieldsItem& item);
 
 private:
+  std::string name_of(const ast::Expr& e, const std::vector<Symbol>& components);
+
   Mistakes& mistakes_;
   Model& model_;
   Evaluator& evaluator_;
   Results& results_;
+  std::vector<std::pair<std::string, std::vector<Symbol>>> named_;
 };
 
 } // namespace hvi::lang

@@ -33,8 +33,8 @@ std::optional<Probe> Probes::probe_on_part(const ast::Expr& e, const std::string
   out.part = *part;
   out.expression = value->scalar();
   multipliers_.name_on_part(*part, out.expression);
-  if (!states_.reads_states_of(e.span, states_.without_states_known(out.expression, *part), *part,
-                               what))
+  if (!states_.reads_states_of(e.span, states_.without_states_of_bodies(out.expression, *part),
+                               *part, what))
     return std::nullopt;
   return out;
 }

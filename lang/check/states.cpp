@@ -136,15 +136,12 @@ void States::state_initial(ModelState& state) {
                                 v, state.spec.low, state.spec.high));
 }
 
-Symbol States::without_states_known(Symbol expression, int part) const {
-  if (model_.parts[part].kind != solver::Group::Kind::cells) return expression;
-  for (const solver::Slot s : solver::slots_of(Symbol(expression))) {
-    if (!slot::is_state(s)) continue;
-    const int home = model_.states[static_cast<std::size_t>(s - slot::first_state)].spec.part;
-    const bool whole = model_.parts[home].region.kind == solver::RegionSpec::Kind::all_cells;
-    if (lives_in_body(home) && (whole || !solver::away_from(expression, home).depends_on(s)))
+Symbol States::without_states_of_bodies(Symbol expression, int part) const {
+  if (pairs_.is_pair(part)) return expression;
+  for (const solver::Slot s : solver::slots_of(Symbol(expression)))
+    if (slot::is_state(s) &&
+        lives_in_body(model_.states[static_cast<std::size_t>(s - slot::first_state)].spec.part))
       expression = substitute(expression, std::array{std::pair{s, Symbol(0.0)}});
-  }
   return expression;
 }
 
@@ -154,10 +151,11 @@ bool States::reads_states_of(const Span& span, const Symbol& expression, int par
     if (!slot::is_state(s)) continue;
     const auto& state = model_.states[static_cast<std::size_t>(s - slot::first_state)].spec;
     if (state.part == part) continue;
-    mistakes_.error("E0429", span,
-                    fmt::format("{} on `{}` reads the state `{}` of `{}`", who,
-                                model_.parts[part].name, state.name, model_.parts[state.part].name),
-                    "a state is known on its own part only");
+    mistakes_.error(
+        "E0429", span,
+        fmt::format("{} on `{}` reads the state `{}` of `{}`", who, model_.parts[part].name,
+                    state.name, model_.parts[state.part].name),
+        fmt::format("a state is known on its own part only: `{}`", model_.parts[state.part].name));
     return false;
   }
   return true;

@@ -25,9 +25,9 @@ public:
   Value state(int declaration);
   /// Those that nothing reads, too. Rates may read states that were not met before.
   void read_rates();
-  /// Without the states of bodies that are known wherever a report reads them on a part: those of
-  /// the whole body, and those that stand behind the membership in their own part.
-  Symbol without_states_known(Symbol expression, int part) const;
+  /// Without the states of bodies: a report may read them on any part of cells, facets or points,
+  /// and the mesh says whether they live there (LawSampler).
+  Symbol without_states_of_bodies(Symbol expression, int part) const;
   /// False (reported) where an expression on one part reads a state of another.
   bool reads_states_of(const Span& span, const Symbol& expression, int part,
                        const std::string& who);

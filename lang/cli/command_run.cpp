@@ -160,9 +160,8 @@ void write_result(Session& session, const Options& options, double bandwidth, in
 /// files.
 void add_pictures(Session& session, const Options& options, double bandwidth, int& code) {
   bool any = false;
-  for (const Drawn& picture :
-       draw_pictures(*session.script.plan, session.result, session.shown,
-                     session.script.model->units, output_folder(session.script, options))) {
+  for (const Drawn& picture : draw_pictures(session.script, session.result, session.shown,
+                                            output_folder(session.script, options))) {
     if (!picture.failure) {
       session.result.files.push_back(picture.file);
       any = true;

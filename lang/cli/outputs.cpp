@@ -109,8 +109,8 @@ Outputs outputs_of_run(const Script& script, const Options& options) {
       series.push_back(solver::fields_stem(report, i, title));
       names.push_back(series.back() + ".pvd");
     }
-    for (const auto& picture : report.pictures)
-      if (picture.in_row > 0) names.push_back(picture_file(script.plan->problem, picture));
+    for (std::size_t i = 0; i < report.pictures.size(); ++i)
+      if (report.pictures[i].in_row > 0) names.push_back(picture_file(*script.plan, i));
     for (std::size_t i = 0; i < report.lines.size(); ++i)
       names.push_back(solver::line_file(report, i, title));
     for (std::size_t i = 0; i < report.plots.size(); ++i)

@@ -219,7 +219,8 @@ state wear on ground with rate 0.1*abs(layer.xi)*norm(u'.tau) from wear = 0)"},
     {"E0429", "state of another part",
      R"(
 A state lives at the points of its part, and nowhere else: superpotentials and forms that read it, rates
-and integrals are on the same part.)",
+and integrals are on the same part. Reports read the states of a body, those that no law has at its
+points, on boundaries and pieces of the body, too: on a boundary that of the cell behind it.)",
      R"(
 state beta on glue with rate -beta from beta = 1
 superpotential bond(r) = 0.5*beta^2*r^2

@@ -18,8 +18,7 @@ using solver::norm;
 using solver::VtuGrid;
 
 constexpr double fine = 2.0; ///< pixels of the panel to one of the sheet
-constexpr Colour plain{0.80, 0.82, 0.84}, edge_colour{0.13, 0.13, 0.15},
-    rest_colour{0.6, 0.6, 0.62};
+constexpr Colour edge_colour{0.13, 0.13, 0.15}, rest_colour{0.6, 0.6, 0.62};
 constexpr double longest_arrow = 0.16; ///< of the body's size
 constexpr double visible_arrow = 0.02; ///< of the longest: shorter ones are left out
 
@@ -195,18 +194,18 @@ void add_triad(Sheet& sheet, const View& view, Spot at) {
 
 /// Values of one grid that the colours stand for.
 void add_values(std::vector<double>& out, const FieldFrame& frame, const std::string& field) {
+  const auto add = [&](double value) {
+    if (!std::isnan(value)) out.push_back(value);
+  };
   const auto body = numbers_of(body_of(frame), field).values;
-  out.insert(out.end(), body.begin(), body.end());
+  std::ranges::for_each(body, add);
   if (!body.empty()) return;
   const std::size_t before = out.size();
   for (std::size_t g = 1; g < frame.grids.size(); ++g)
-    for (const Point& f : nodal_vectors(frame.grids[g].grid, solver::force_array))
-      out.push_back(norm(f));
+    for (const Point& f : nodal_vectors(frame.grids[g].grid, solver::force_array)) add(norm(f));
   if (out.size() != before) return;
-  for (std::size_t g = 1; g < frame.grids.size(); ++g) {
-    const auto more = numbers_of(frame.grids[g].grid, field).values;
-    out.insert(out.end(), more.begin(), more.end());
-  }
+  for (std::size_t g = 1; g < frame.grids.size(); ++g)
+    std::ranges::for_each(numbers_of(frame.grids[g].grid, field).values, add);
 }
 
 /// A 1D body: the field over it, constant in each cell where it is one of cells.
@@ -218,6 +217,7 @@ Sheet curve_sheet(const FieldFrame& frame, const BodyPicture& picture, const Bod
     const auto stride = static_cast<std::size_t>(nodes_of(body.cell));
     std::vector<std::array<double, 3>> cells; // begin, end, value
     for (std::size_t c = 0; c < numbers.values.size(); ++c) {
+      if (std::isnan(numbers.values[c])) continue;
       const double a = body.points[body.connectivity[c * stride]][0],
                    b = body.points[body.connectivity[c * stride + 1]][0];
       cells.push_back({std::min(a, b), std::max(a, b), numbers.values[c]});

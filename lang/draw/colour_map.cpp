@@ -38,6 +38,7 @@ ColourMap::ColourMap(double low, double high) : low_(low), high_(high) {
 }
 
 Colour ColourMap::operator()(double value) const {
+  if (std::isnan(value)) return plain;
   if (both_signs_) {
     const double size = std::max(-low_, high_);
     return along(blue_white_red, 0.5 + 0.5 * value / size);

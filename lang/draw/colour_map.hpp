@@ -5,9 +5,13 @@
 
 namespace hvi::lang::draw {
 
+/// Of what has no value.
+inline constexpr Colour plain{0.80, 0.82, 0.84};
+
 /// From the least to the largest value of a field. Of one sign: viridis (S. van der Walt, N. Smith,
 /// 2015, CC0), whose lightness grows evenly. Of both: blue, white at zero, red (ColorBrewer's RdBu,
-/// C. Brewer, M. Harrower), the same amount of colour for the same size on both sides.
+/// C. Brewer, M. Harrower), the same amount of colour for the same size on both sides. NaN is
+/// plain.
 class ColourMap {
 public:
   ColourMap(double low, double high);

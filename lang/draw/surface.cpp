@@ -182,6 +182,7 @@ NodalArray nodal_array(const VtuGrid& grid, const std::string& name) {
   std::vector<double> weights(grid.points.size(), 0.0);
   for (std::size_t c = 0; c * stride < grid.connectivity.size(); ++c) {
     const std::int64_t* const cell = grid.connectivity.data() + c * stride;
+    if (std::isnan(a->values[c * n])) continue; // a cell without a value
     const double volume = volume_of(grid, cell, corners);
     for (int k = 0; k < stride; ++k) {
       weights[cell[k]] += volume;
@@ -189,7 +190,7 @@ NodalArray nodal_array(const VtuGrid& grid, const std::string& name) {
     }
   }
   for (std::size_t p = 0; p < weights.size(); ++p)
-    for (int i = 0; i < n && weights[p] > 0.0; ++i) out.values[p * n + i] /= weights[p];
+    for (int i = 0; i < n; ++i) out.values[p * n + i] /= weights[p]; // without any: NaN
   return out;
 }
 

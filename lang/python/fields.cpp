@@ -106,9 +106,9 @@ std::size_t show_fields(solver::Plan& plan) {
   const std::size_t before = report.pictures.size();
   for (const solver::FieldsSpec& files : report.fields)
     for (const solver::FieldSpec& field : files.fields) {
-      if (std::ranges::any_of(field.components, solver::reads_multiplier)) continue;
       solver::PictureSpec picture;
       picture.field = field;
+      picture.in_row = -1;
       report.pictures.push_back(std::move(picture));
     }
   return before;
@@ -120,7 +120,7 @@ std::vector<Array> shown_fields(const solver::Plan& plan, std::size_t first,
   for (std::size_t i = first; i < plan.report.pictures.size() && i < result.pictures.size(); ++i) {
     const auto& field = plan.report.pictures[i].field;
     const auto& values = result.pictures[i].values;
-    if (values.empty()) continue; // the run ended before
+    if (values.empty()) continue; // it lives at the points of a law, or the run ended before
     const auto components = field.components.size();
     out.push_back(
         {field.name, shape_of(values.size() / components, static_cast<int>(components)), values});

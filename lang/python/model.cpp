@@ -77,8 +77,8 @@ Exit take_folder(lang::HeldOutputs& held, Session& session, const RunAsked& how)
 void draw(Session& session, const RunAsked& how, std::size_t own_pictures, Answer& answer) {
   solver::Shown shown = std::move(session.shown);
   shown.pictures.resize(std::min(shown.pictures.size(), own_pictures));
-  for (const lang::Drawn& drawn : lang::draw_pictures(*session.script.plan, session.result, shown,
-                                                      session.script.model->units, how.output)) {
+  for (const lang::Drawn& drawn :
+       lang::draw_pictures(session.script, session.result, shown, how.output)) {
     if (!drawn.failure)
       session.result.files.push_back(drawn.file);
     else if (drawn.asked_by_name)

@@ -68,6 +68,8 @@ Json law_points_json(const solver::FieldFrame& frame, Blocks& blocks) {
   Json out = Json::array();
   for (std::size_t g = 1; g < frame.grids.size(); ++g) {
     const VtuGrid& grid = frame.grids[g].grid;
+    const auto is_multiplier = [](const VtuArray& a) { return a.name == solver::multiplier_array; };
+    if (std::ranges::none_of(grid.point_data, is_multiplier)) continue; // no law
     std::vector<double> flat;
     for (const auto& p : grid.points) flat.insert(flat.end(), p.begin(), p.end());
     Json law{{"name", frame.grids[g].name}, {"points", blocks.add(flat)}};

@@ -58,7 +58,7 @@ struct PictureSpec {
   std::string file;
   double deformed = 0.0; ///< so many times the displacement is added to the places
   /// So many pictures, this one and those behind it, stand side by side in its file; 0: it stands
-  /// beside one before.
+  /// beside one before; -1: no picture is drawn, its values at the nodes are asked for.
   int in_row = 1;
 };
 /// Expressions at places of equal distances on a segment, at the last step or at a time.

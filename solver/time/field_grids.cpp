@@ -109,13 +109,19 @@ std::vector<FieldSpec> unknown_fields(const Problem& problem, int dim) {
 }
 
 FieldGrids::FieldGrids(const Problem& problem, const Discretisation& d, const Contact& contact,
-                       std::span<const FieldSpec> fields)
+                       std::span<const FieldSpec> fields, OfStates of_states)
     : space_(d.space), contact_(contact), n_fields_(count_fields(problem)) {
+  const auto on_mesh = [&](const FieldSpec& field) {
+    return of_states == OfStates::on_the_mesh && StateField::is_one(problem, contact, field);
+  };
   for (const auto& field : fields)
     if (std::ranges::none_of(field.components, reads_multiplier)) body_.push_back(field);
-  if (!body_.empty()) grids_.push_back({{}, body_grid(space_)});
   for (const auto& field : fields)
-    if (std::ranges::any_of(field.components, reads_multiplier)) add_parts(problem, d, field);
+    if (on_mesh(field)) of_states_.emplace_back(problem, d, contact, field);
+  if (!body_.empty() || !of_states_.empty()) grids_.push_back({{}, body_grid(space_)});
+  for (const auto& field : fields)
+    if (std::ranges::any_of(field.components, reads_multiplier) && !on_mesh(field))
+      add_parts(problem, d, field);
 }
 
 /// On the part of a law, or on every part whose states it reads.
@@ -156,8 +162,11 @@ std::vector<Expr> FieldGrids::expressions() const {
   std::vector<Expr> out;
   for (const auto& field : body_)
     out.insert(out.end(), field.components.begin(), field.components.end());
-  for (const auto& part : contact_parts_)
-    out.insert(out.end(), part.field.components.begin(), part.field.components.end());
+  const auto add = [&](const FieldSpec& field) {
+    out.insert(out.end(), field.components.begin(), field.components.end());
+  };
+  for (const auto& part : contact_parts_) add(part.field);
+  for (const auto& one : of_states_) add(one.field());
   return out;
 }
 
@@ -170,6 +179,14 @@ void FieldGrids::add_body_array(const FieldSpec& field, const Snapshot& snapshot
                                : nodal_values(space_, field.components, snapshot.values());
   auto& data = on_cells ? grid.cell_data : grid.point_data;
   data.push_back(vtk_array(field.name, n, values));
+  data.back().unit = field.unit;
+}
+
+void FieldGrids::add_state_array(StateField& one, const Snapshot& snapshot) {
+  const FieldSpec& field = one.field();
+  auto& data = grids_.front().grid.cell_data;
+  data.push_back(
+      vtk_array(field.name, static_cast<int>(field.components.size()), one.of_cells(snapshot)));
   data.back().unit = field.unit;
 }
 
@@ -202,11 +219,12 @@ void FieldGrids::fill_contact(OnContact& part, VtuGrid& grid, const Snapshot& sn
 const std::vector<FieldGrid>& FieldGrids::fill(const Snapshot& snapshot) {
   for (FieldGrid& one : grids_) one.grid.time = snapshot.t();
   std::size_t next = 0;
-  if (!body_.empty()) {
+  if (!body_.empty() || !of_states_.empty()) {
     VtuGrid& grid = grids_[next++].grid;
     grid.point_data.clear();
     grid.cell_data.clear();
     for (const auto& field : body_) add_body_array(field, snapshot);
+    for (StateField& one : of_states_) add_state_array(one, snapshot);
   }
   for (auto& part : contact_parts_) fill_contact(part, grids_[next++].grid, snapshot);
   return grids_;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "solver/output/field_frame.hpp"
-#include "solver/time/law_sampler.hpp"
+#include "solver/time/state_field.hpp"
 
 #include <span>
 
@@ -13,8 +13,11 @@ namespace hvi::solver {
 /// data when the law's rule is nodal, else the quadrature points.
 class FieldGrids {
 public:
+  /// Fields that read states of bodies: each part of the states has a grid of its own, or they are
+  /// cell data of the body's grid.
+  enum class OfStates : std::uint8_t { by_parts, on_the_mesh };
   FieldGrids(const Problem& problem, const Discretisation& discretisation, const Contact& contact,
-             std::span<const FieldSpec> fields);
+             std::span<const FieldSpec> fields, OfStates of_states = OfStates::by_parts);
 
   std::vector<Expr> expressions() const;
   /// The body's grid first, where there are fields of the body; until the next call.
@@ -30,12 +33,14 @@ private:
   void add_on_contact(const Problem& problem, const Discretisation& d, const FieldSpec& field,
                       int on, const std::string& name);
   void add_body_array(const FieldSpec& field, const Snapshot& snapshot);
+  void add_state_array(StateField& one, const Snapshot& snapshot);
   void fill_contact(OnContact& part, VtuGrid& grid, const Snapshot& snapshot) const;
 
   const Space& space_;
   const Contact& contact_;
   int n_fields_;
   std::vector<FieldSpec> body_;
+  std::vector<StateField> of_states_; ///< on the mesh
   std::vector<OnContact> contact_parts_;
   std::vector<FieldGrid> grids_;
 };

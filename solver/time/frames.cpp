@@ -117,7 +117,7 @@ FieldGrid LawGrid::at(const Snapshot& snapshot, const RunState* run) {
 
 FrameMaker::FrameMaker(const Problem& problem, const Discretisation& d, const Contact& contact,
                        std::span<const FieldSpec> fields, std::span<const int> law_terms)
-    : fields_(problem, d, contact, fields) {
+    : fields_(problem, d, contact, fields, FieldGrids::OfStates::on_the_mesh) {
   for (const int term : law_terms) laws_.emplace_back(problem, d, contact, term);
 }
 

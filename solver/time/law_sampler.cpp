@@ -61,6 +61,21 @@ LawTerm no_law(Origin origin, const Space& space) {
   return out;
 }
 
+/// Of a body's points a midpoint may be enough; a boundary has values of u, too.
+LawTerm on_boundary(LawTerm body, const Region& region) {
+  if (region.kind == Group::Kind::facets) body.rule = Rule::gauss;
+  return body;
+}
+
+/// First and last (exclusive) of a body's points in a cell: they stand cell by cell.
+std::pair<int, int> points_in(const LawPoints& body, std::int32_t cell) {
+  const auto [first, last] = std::equal_range(body.cell.begin(), body.cell.end(), cell);
+  return {static_cast<int>(first - body.cell.begin()), static_cast<int>(last - body.cell.begin())};
+}
+bool has_cell(const LawPoints& body, std::int32_t cell) {
+  return std::binary_search(body.cell.begin(), body.cell.end(), cell);
+}
+
 double distance(const Point& a, const Point& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
@@ -100,6 +115,11 @@ std::vector<int> parts_of_states(const Problem& problem, const Contact& contact,
   return out;
 }
 
+bool lives_in_bodies(const Contact& contact, std::span<const Expr> expressions) {
+  return std::ranges::all_of(places_of(contact, Pointwise(expressions).inputs()),
+                             [&](int place) { return body_at(contact, place) != nullptr; });
+}
+
 LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Contact& contact,
                        std::vector<Expr> expressions, Origin origin, int part)
     : expressions_(expressions), origin_(origin),
@@ -116,8 +136,8 @@ LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Co
   if (place_ < 0)
     other = assemble_law(d.space, d.parts[part], term, -1, false);
   else if (part_ != term.part)
-    other = assemble_law(d.space, d.parts[part], term, place_,
-                         !points_at(contact, place_).frames.empty());
+    other = assemble_law(d.space, d.parts[part], in_body_ ? on_boundary(term, d.parts[part]) : term,
+                         place_, !points_at(contact, place_).frames.empty());
   const auto& points = other.x.empty() ? points_at(contact, place_) : other;
   std::vector<int> all(points.x.size());
   std::iota(all.begin(), all.end(), 0);
@@ -215,10 +235,34 @@ void LawSampler::take_points(const LawPoints& points, const LawTerm& term,
 
 /// All that our expressions read, at our points.
 void LawSampler::match_all(const Discretisation& d, const Contact& contact) {
-  for (const int place : places_of(contact, expressions_.inputs()))
-    match(contact, place, d.mesh.dim);
+  const auto places = places_of(contact, expressions_.inputs());
+  for (const int place : places)
+    if (body_at(contact, place) != nullptr) go_to_cells(d.mesh, points_at(contact, place));
+  for (const int place : places) match(contact, place, d.mesh.dim);
   for (const auto s : expressions_.inputs())
     if (slot::is_field(s)) prepare_field(d.space, s);
+}
+
+/// Facets within the mesh whose cell has no states of the body are read from the other side.
+void LawSampler::go_to_cells(const Mesh& mesh, const LawPoints& body) {
+  if (block_.kind != Group::Kind::facets || guarded_) return;
+  for (std::size_t p = 0; p < block_.size(); ++p) {
+    const std::int32_t other = mesh.facets[static_cast<std::size_t>(block_.entity[p])].other;
+    if (!has_cell(body, block_.cell[p]) && has_cell(body, other)) block_.cell[p] = other;
+  }
+}
+
+/// The nearest point of a body in the cell of ours, where ours is on a boundary; else -1.
+int LawSampler::match_in_cell(const Contact& contact, int place, std::size_t p) const {
+  if (block_.kind == Group::Kind::cells || body_at(contact, place) == nullptr) return -1;
+  const auto& theirs = points_at(contact, place);
+  const auto [first, last] = points_in(theirs, block_.cell[p]);
+  int nearest = -1;
+  for (int q = first; q < last; ++q)
+    if (nearest < 0 ||
+        distance(theirs.x[q], block_.point(p)) < distance(theirs.x[nearest], block_.point(p)))
+      nearest = q;
+  return nearest;
 }
 
 /// Finds for each of our points the one of another place where it is, with the same normal; -1:
@@ -237,15 +281,25 @@ void LawSampler::match(const Contact& contact, int place, int dim) {
       for (const int candidate : there->second)
         if (found.size() == p && distance(theirs.normal[candidate], normal) <= 1e-9)
           found.push_back(candidate);
-    if (found.size() == p && guarded_ && !std::ranges::binary_search(cells, block_.cell[p]))
-      found.push_back(-1);
-    if (found.size() == p)
-      throw Failure(FailureKind::bad_value, origin_,
-                    fmt::format("what lives at the points of a law is not known at {}",
-                                describe_point(block_.point(p), dim)),
-                    "integrate a multiplier over the part where its law acts");
+    if (found.size() > p) continue;
+    const int near = match_in_cell(contact, place, p);
+    if (near < 0 && !(guarded_ && !std::ranges::binary_search(cells, block_.cell[p])))
+      refuse(contact, place, p, dim);
+    found.push_back(near);
   }
   point_of_[place] = std::move(found);
+}
+
+void LawSampler::refuse(const Contact& contact, int place, std::size_t p, int dim) const {
+  const std::string where = describe_point(block_.point(p), dim);
+  if (const BodyPoints* const body = body_at(contact, place))
+    throw Failure(
+        FailureKind::bad_value, origin_,
+        fmt::format("the state `{}` does not live in the cell at {}", body->term.name, where),
+        "ask inside its part, or on a boundary of it");
+  throw Failure(FailureKind::bad_value, origin_,
+                fmt::format("what lives at the points of a law is not known at {}", where),
+                "integrate a multiplier over the part where its law acts");
 }
 
 /// Rows that take a full vector to the values of a field's derivative at our points.

@@ -13,15 +13,19 @@ namespace hvi::solver {
 
 /// Expressions of x, t, normal, fields, multipliers and states at the points of the first one of
 /// the last two that they read (of the first that lives on the part, if one is given). States of
-/// bodies may be read behind the membership in their parts, and count as 0 elsewhere. The weights
+/// bodies may be read behind the membership in their parts, and count as 0 elsewhere. On facets and
+/// at points a state of a body is that of its point nearest by in the cell behind the facet, where
+/// gradients are read, too; on the other side of a facet within the mesh where it lives there only:
+/// all is read there then. The weights
 /// are the law's quadrature weights *without* the factor before the law: xi is in dj, and the
 /// factor stands outside. Multipliers of other terms must have their points at the same places
 /// (normal law and friction on one part do).
 class LawSampler {
 public:
   /// On the law's part (part = -1), or on another part whose points are among the law's: the law's
-  /// rule is set up there. Expressions that read neither multiplier nor state: at the points of a
-  /// pair. Throws Failure(bad_value) when a point has no multiplier.
+  /// rule is set up there, on facets that read a body's states Gauss's rule. Expressions that read
+  /// neither multiplier nor state: at the points of a pair. Throws Failure(bad_value) when a point
+  /// has no multiplier.
   LawSampler(const Problem& problem, const Discretisation& discretisation, const Contact& contact,
              std::vector<Expr> expressions, Origin origin, int part = -1);
   /// At one place: the law's points there, or those of a body's cells there, weights adding up
@@ -45,7 +49,10 @@ public:
 
 private:
   void take_points(const LawPoints& points, const LawTerm& term, const std::vector<int>& chosen);
+  void go_to_cells(const Mesh& mesh, const LawPoints& body);
   void match(const Contact& contact, int place, int dim);
+  int match_in_cell(const Contact& contact, int place, std::size_t p) const;
+  [[noreturn]] void refuse(const Contact& contact, int place, std::size_t p, int dim) const;
   void match_all(const Discretisation& discretisation, const Contact& contact);
   void take_place(const Discretisation& discretisation, const Contact& contact,
                   const LawPoints& points, const LawTerm& term, const Point& place,
@@ -68,6 +75,8 @@ private:
 /// The parts of the bodies whose states an expression reads, where there are several.
 std::vector<int> parts_of_states(const Problem& problem, const Contact& contact,
                                  std::span<const Expr> expressions);
+/// Do they read nothing that lives at the points of a law?
+bool lives_in_bodies(const Contact& contact, std::span<const Expr> expressions);
 /// An expression away from the parts of all the states that it reads.
 Expr away_from_states(const Problem& problem, Expr expression);
 

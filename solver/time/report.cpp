@@ -39,10 +39,10 @@ bool shows_events(const RunResult& result) {
 
 Reporter::Reporter(const Plan& plan, const Discretisation& d, const RunState& run,
                    const RunSettings& settings, Shown* shown)
-    : plan_(plan), space_(d.space), contact_(run.contact()), folder_(settings.output_folder),
-      writes_(!settings.output_folder.empty()), probes_(plan, d, run),
-      range_(plan.problem.law_terms.size()), found_(found_effects(plan.problem, d, run)),
-      warn_(settings.warn) {
+    : plan_(plan), discretisation_(d), space_(d.space), contact_(run.contact()),
+      folder_(settings.output_folder), writes_(!settings.output_folder.empty()),
+      probes_(plan, d, run), range_(plan.problem.law_terms.size()),
+      found_(found_effects(plan.problem, d, run)), warn_(settings.warn) {
   if (shown != nullptr) shown_.emplace(plan, d, contact_, *shown);
   prepare_tables(settings.name);
   prepare_fields(d, run, settings);
@@ -195,11 +195,20 @@ void Reporter::read_between_steps(const RunState& run) {
 }
 
 void Reporter::show(std::size_t picture, const Snapshot& snapshot) {
-  const auto& field = plan_.report.pictures[picture].field;
-  // Frames have all that is shown; what lives on the contact is shown by them alone.
-  if (shown_ || std::ranges::any_of(field.components, reads_multiplier)) return;
-  pictures_[picture] = {snapshot.field(field_of_u(0)),
-                        nodal_values(space_, field.components, snapshot.values())};
+  const auto& spec = plan_.report.pictures[picture];
+  const auto& components = spec.field.components;
+  const bool at_points = std::ranges::any_of(components, reads_multiplier);
+  // Frames have all that is drawn; what lives at points is drawn from them alone.
+  if (spec.in_row >= 0 && (shown_ || at_points)) return;
+  PictureValues out{snapshot.field(field_of_u(0)), {}};
+  if (!at_points)
+    out.values = nodal_values(space_, components, snapshot.values());
+  else if (StateField::is_one(plan_.problem, contact_, spec.field))
+    out.values =
+        StateField(plan_.problem, discretisation_, contact_, spec.field).of_nodes(snapshot);
+  else
+    return;
+  pictures_[picture] = std::move(out);
 }
 
 /// Pictures and lines without a time.

@@ -101,7 +101,8 @@ private:
   void add_row(const RunState& run);
 
   const Plan& plan_;
-  const Space& space_;
+  const Discretisation& discretisation_;
+  const Space& space_; ///< of it
   const Contact& contact_;
   std::string name_; ///< of files without a name of their own
   std::filesystem::path folder_;

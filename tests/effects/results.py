@@ -8,6 +8,7 @@
 - line: against columns of a table at the same places.
 - The sweep of a parameter, against runs one by one; plots and pictures are there.
 """
+import base64
 import csv
 import json
 import math
@@ -16,6 +17,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import zlib
 
 import meshio
 import numpy as np
@@ -472,6 +474,84 @@ def check_pictures(folder):
     check_row(folder)
 
 
+def check_words(folder):
+    """Titles are the script's words, files and arrays have names; what is another picture or field has another name."""
+    run(folder, PLATE.format(tensor=ISOTROPIC, element="P1", report="""table most = largest(plate, u.y)
+  picture mises(sigma), u'.y,  2*u.x +
+     u.y to "titles.svg"
+  picture mises(sigma)
+  picture max(u.x, u.y)
+  picture max(u.x, -u.y)
+  picture u deformed = 3
+  picture u deformed = 5
+  picture 2*u.x
+  picture 3*u.x
+  fields mises(sigma), 2*u.x, 3*u.x"""))
+    svg = (folder / "out" / "titles.svg").read_text()
+    titles = [t.replace("&apos;", "'").replace("&#39;", "'") for t in re.findall(r'font-size="15"[^>]*>([^<]*)</text>', svg)]
+    assert titles == ["mises(sigma)", "u'.y", "2*u.x + u.y"], titles
+    assert svg.count(">mises(sigma)<") == 2 and svg.count("2*u.x + u.y") == 2, "over the bar, too"
+    images = [f"scene_{name}.png" for name in ("mises_sigma", "max_u.x", "max_u.x_2", "u_deformed", "u_deformed_2", "field0_2", "field0_3")]
+    assert sorted(p.name for p in (folder / "out").glob("scene_*.png")) == sorted(images), sorted(p.name for p in (folder / "out").glob("*.png"))
+    assert len({(folder / "out" / name).read_bytes() for name in images}) == len(images)
+    mesh = meshio.read(max((folder / "out").glob("scene_0*.vtu")))
+    assert list(mesh.cell_data) == ["mises_sigma"] and list(mesh.point_data) == ["field0_2", "field0_3"], (mesh.cell_data.keys(), mesh.point_data.keys())
+
+
+def check_pictures_of_states(folder):
+    """A damage that does not grow, on a part or on all, changes no picture of the stress; the damage itself is drawn on the moved body."""
+    found = {}
+    for name, state, form in (("none", "", "integral(body, B : eps(u) : eps(v))"),
+                              ("all", "state d on body with rate 0*norm(eps(u)) from d = 0", "integral(body, (1 - d)*B : eps(u) : eps(v))"),
+                              ("half", "state d on soft with rate 0*norm(eps(u)) from d = 0",
+                               "integral(soft, (1 - d)*B : eps(u) : eps(v)) + integral(stiff, B : eps(u) : eps(v))")):
+        for mesh, space in (("rectangle(2, 1, cells = [6, 3])", "vector"), ("interval(2, cells = 6)", "scalar")):
+            plane = space == "vector"
+            stress, force = ("sigma.xx", "dot([t, t], v)") if plane else ("(1-d)*grad(u).x" if state else "grad(u).x", "t*v")
+            if not plane:
+                form = form.replace("B : eps(u) : eps(v)", "dot(grad(u), grad(v))").replace("B : ", "")
+                state = state.replace("norm(eps(u))", "abs(grad(u).x)")
+            if name == "half" and not plane:
+                continue  # the expression is nothing on the other half
+            run(folder, f"""mesh body = {mesh}
+part soft = body where x < 1
+part stiff = body where x > 1
+part wall = body.left
+tensor B = isotropic(young = 70, poisson = 0.3)
+{state}
+space V = {space} P1 on body, zero on wall
+find u in V for t in [0, 1] by 2 steps from u = 0
+such that for all v in V
+  {form} = integral(body, {force})
+report
+  picture {stress}{" deformed = 4" if plane else ""} to "stress.svg"
+""")
+            svg = (folder / "out" / "stress.svg").read_text().replace("(1-d)*", "")
+            texts = re.findall(r">([^<>]+)</text>", svg)
+            assert found.setdefault(space, texts) == texts, (found[space], texts)
+            shapes = re.sub(r'href="[^"]*"', "", svg)
+            assert found.setdefault(space + " shapes", shapes) == shapes, name
+            if plane:
+                pixels = pixels_of(svg)
+                assert abs(found.setdefault("pixels", pixels) - pixels).max() <= 2 and pixels.std() > 10, abs(found["pixels"] - pixels).max()
+
+
+def pixels_of(svg):
+    """The body's image, an embedded PNG with eight bits a colour."""
+    data = base64.b64decode(re.search(r'href="data:image/png;base64,([^"]*)"', svg)[1])
+    at, packed, wide, high = 8, b"", 0, 0
+    while at < len(data):
+        size, kind = int.from_bytes(data[at:at + 4], "big"), data[at + 4:at + 8]
+        if kind == b"IHDR":
+            wide, high = (int.from_bytes(data[at + 8 + 4 * k:at + 12 + 4 * k], "big") for k in range(2))
+            each = {2: 3, 6: 4}[data[at + 17]]
+        packed += data[at + 8:at + 8 + size] if kind == b"IDAT" else b""
+        at += size + 12
+    lines = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(high, 1 + wide * each)
+    assert (lines[:, 0] == 2).all(), "each line is a difference to the one above"
+    return np.cumsum(lines[:, 1:], axis=0, dtype=np.uint8).astype(int)
+
+
 def check_row(folder):
     """Several fields, or one at several times, side by side; of one field the same colours at all times and the same window."""
     run(folder, PLATE.format(tensor=ISOTROPIC, element="P1", report="""table most = largest(plate, u.y)
@@ -529,7 +609,7 @@ def check_resume(folder):
 
 
 def main():
-    for check in (check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_stiffness_that_grows, check_sweep, check_pictures, check_resume):
+    for check in (check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_stiffness_that_grows, check_sweep, check_pictures, check_words, check_pictures_of_states, check_resume):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
     check_examples()

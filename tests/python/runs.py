@@ -113,6 +113,47 @@ report table a = p at [0.5, 0]""").run()
             np.testing.assert_allclose(result.fields["p"][x <= 1], (1 - y)[x <= 1], atol=1e-12)
             self.assertFalse(np.isnan(result.fields["u"]).any())
 
+    def test_fields_of_a_body_with_damage(self):
+        """In the damaged half, and nowhere else; with files and step by step, too. A mean at a node is that of the column there."""
+        text = """
+mesh bar = rectangle(2, 1, cells = [8, 4])
+part worn = bar where x < 1
+part rest = bar where x > 1
+part wall = bar.left
+part grip = bar.right
+tensor A = isotropic(young = 1, poisson = 0.3)
+tensor B = isotropic(young = 100, poisson = 0.3)
+state d on worn with rate max(0, norm(eps(u))/0.02 - 1) from d = 0.1*x in [0, 0.95]
+space V = vector P1 on bar, zero on wall
+find u in V for t in [0, 1] by 4 steps from u = 0
+such that for all v in V
+    integral(bar, A : eps(u') : eps(v)) + integral(worn, (1 - d)*B : eps(u) : eps(v)) + integral(rest, B : eps(u) : eps(v))
+ = integral(grip, dot([3*t, 0], v))
+report
+  table s = sigma.xx at [0.5, 0.5], most = largest(worn, d), e = eps(u).xx at [0.1, 0.1]
+  fields u, d, sigma, eps(u)
+"""
+        plain = hvi.loads(text).run()
+        with tempfile.TemporaryDirectory() as folder:
+            written = hvi.loads(text).run(output=folder)
+        steps = hvi.loads(text).steps()
+        for _ in steps:
+            pass
+        for result in (plain, written, steps.result()):
+            self.assertEqual(set(result.fields), {"u", "d", "sigma", "eps_u"})
+            x = result.points[:, 0]
+            np.testing.assert_array_equal(np.isnan(result.fields["d"]), x > 1)
+            self.assertFalse(np.isnan(result.fields["sigma"]).any())
+            np.testing.assert_array_equal(result.fields["d"], plain.fields["d"])
+            strains = [np.linalg.solve(np.column_stack([result.points[cell], np.ones(3)]), result.fields["u"][cell, 0])[0] for cell in result.cells]
+            corner = int(np.flatnonzero((result.points == [0, 0]).all(axis=1))[0])
+            around = [strain for strain, cell in zip(strains, result.cells) if corner in cell]
+            self.assertAlmostEqual(result.fields["eps_u"][corner, 0], np.mean(around), places=13)
+            self.assertLess(np.nanmax(result.fields["d"]), plain.final["most"] + 1e-15)
+            self.assertGreater(np.nanmax(result.fields["d"]), 0.6 * plain.final["most"])
+            at = int(np.flatnonzero((result.points == [0.5, 0.5]).all(axis=1))[0])
+            self.assertAlmostEqual(result.fields["sigma"][at, 0], plain.final["s"], places=12)
+
     def test_kept_steps(self):
         result = hvi.load(EXAMPLES / "slab.hvi").run(n=2, N=8, keep_every=4)
         np.testing.assert_allclose(result.kept_times, [0.5, 1.0])

@@ -17,8 +17,18 @@ const lookup = Object.fromEntries(Object.entries(colourLists).map(([name, list])
   return [name, out];
 }));
 
+/** The least and the largest number; what has no value (NaN) does not count. */
+function rangeOf(values, [low, high] = [Infinity, -Infinity]) {
+  for (const v of values) {
+    if (v < low) low = v;
+    if (v > high) high = v;
+  }
+  return [low, high];
+}
+
 /** { low, high, list, from, to }: values from `from` to `to` run through the whole list. */
 function colourScale(low, high) {
+  if (low > high) low = high = 0; // of no number
   const size = Math.max(-low, high), both = Math.min(-low, high) > 0.15 * size;
   return both ? { low, high, list: "diverging", from: -size, to: size }
     : { low, high, list: "viridis", from: low, to: high > low ? high : low + 1 };

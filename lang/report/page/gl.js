@@ -22,8 +22,8 @@ void main() {
   vec3 own = flat_colour.rgb;
   if (flat_colour.a == 0.0) {
     float at = (seen_value - range.x) / (range.y - range.x);
-    own = texture(colours, vec2(clamp(at, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
-    if (contours > 0.0) {
+    own = isnan(at) ? vec3(0.80, 0.82, 0.84) : texture(colours, vec2(clamp(at, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
+    if (contours > 0.0 && !isnan(at)) {
       float level = at * contours, width = fwidth(level);
       float away = abs(fract(level - 0.5) - 0.5);
       if (width < 0.7) own = mix(own, vec3(0.1), 0.75 * (1.0 - smoothstep(0.6 * width, 1.5 * width, away)));

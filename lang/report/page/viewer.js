@@ -55,7 +55,7 @@ class Viewer {
   async update() {
     const turn = this.turnNumber = (this.turnNumber || 0) + 1, frame = this.state.frame;
     const [values, moved] = await Promise.all([this.valuesOf(frame), this.movedPoints(frame)]);
-    const range = this.state.fixed ? await this.rangeOfAll() : values.reduce((r, v) => [Math.min(r[0], v), Math.max(r[1], v)], [Infinity, -Infinity]);
+    const range = this.state.fixed ? await this.rangeOfAll() : rangeOf(values);
     const laws = this.state.forces || this.state.dots ? await this.lawsAt(frame) : [];
     if (turn !== this.turnNumber) return;
     this.now = { values, moved, scale: colourScale(...range), laws };
@@ -72,7 +72,7 @@ class Viewer {
     if (!this.ranges.has(this.state.quantity)) {
       let range = [Infinity, -Infinity];
       for (let f = 0; f < this.fields.frames.length; ++f)
-        range = (await this.valuesOf(f)).reduce((r, v) => [Math.min(r[0], v), Math.max(r[1], v)], range);
+        range = rangeOf(await this.valuesOf(f), range);
       this.ranges.set(this.state.quantity, range);
     }
     return this.ranges.get(this.state.quantity);
@@ -379,17 +379,4 @@ async function fieldsSection() {
   } catch (problem) {
     out.append(element("p", { class: "bad" }, `The fields cannot be shown: ${problem.message}.`));
   }
-}
-
-/** A bar: its fields over its length at the last time. */
-async function barFigure(fields, points) {
-  const order = Array.from({ length: points.length / 3 }, (_, i) => i).sort((a, b) => points[3 * a] - points[3 * b]);
-  const plots = element("div", { class: "plots" });
-  for (const [a, array] of fields.arrays.entries()) {
-    const data = await floats(fields.frames.at(-1).data[a]);
-    const name = array.name + array.unit;
-    plots.append(curvesFigure({ label: `${name} at the end`, xName: "x" + unitOf("length"), x: order.map((i) => points[3 * i]),
-      curves: [{ name, y: order.map((i) => data[array.components * i]) }] }));
-  }
-  return plots;
 }

@@ -45,6 +45,29 @@ such that for all v in V
 report
   table tip = u.y at [20, 10] [mm], pressed = layer.xi at [20, 0] [mm]
 """
+BAR = """mesh bar = interval(1, cells = 8)
+part left = bar.left
+part right = bar.right
+space V = scalar P1 on bar, zero on left
+superpotential spring(r) = 0.5*r^2
+find u in V for t in [0, 2] by 4 steps from u = 0 such that for all v in V
+  integral(bar, grad(u).x*grad(v).x) + integral(bar, 0.1*grad(u').x*grad(v).x) + integral(right, spring^0(u; v)) >= integral(bar, t*v)
+report
+  table a = u at [1]
+"""
+WORN = """mesh body = box(2, 1, 1, cells = [6, 3, 3])
+part wall = body.left
+part soft = body where x < 1
+part hard = body where x > 1
+tensor B = isotropic(lambda = 40, mu = 30)
+state d on soft with rate 5*norm(eps(u)) from d = 0.1*y in [0, 0.95]
+space V = vector P1 on body, zero on wall
+find u in V for t in [0, 1] by 3 steps from u = 0
+such that for all v in V
+    integral(soft, (1 - d)*B : eps(u) : eps(v)) + integral(hard, B : eps(u) : eps(v)) = integral(body, dot([0.8*t, 0.4*t, 0], v))
+report
+  fields d
+"""
 failures = 0
 
 
@@ -342,6 +365,57 @@ def units(browser, folder):
     check("nothing undefined with units", not re.search(r"\[object|undefined|NaN", shown))
 
 
+def bar(browser, folder):
+    """A body in one dimension: curves over its length at the time of a slider, which plays."""
+    (folder / "bar.hvi").write_text(BAR)
+    done = subprocess.run([PROGRAM, "report", "bar.hvi", "-o", "out"], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    browser("Page.navigate", url=(folder / "out/bar_report.html").as_uri())
+    browser.wait("document.title === 'bar: report' && document.body.dataset.ready === 'yes'")
+    end = """(() => { const svg = document.querySelector('#fields svg'); svg.focus(); svg.dispatchEvent(new KeyboardEvent("keydown", { key: "End" }));
+        return [document.querySelector("#fields figcaption").textContent, svg.getAttribute("aria-valuetext")]; })()"""
+    told = browser.run("report.result.table")
+    title, value = browser.run(end)
+    last = told["a"][-1]
+    check("a bar at its last time", title == "u at t = 2" and abs(float(value.split("u = ")[1].replace("\u2212", "-")) - last) < 1e-5 * abs(last), (title, value, last))
+    browser.run("""(() => { const e = document.getElementById("time"); e.value = 1; e.dispatchEvent(new Event("input", { bubbles: true })); })()""")
+    browser.wait("document.querySelector('#fields figcaption').textContent === 'u at t = 1'")
+    title, value = browser.run(end)
+    check("a bar at a time that is chosen", abs(float(value.split("u = ")[1].replace("\u2212", "-")) - told["a"][1]) < 1e-5 * abs(last), (title, value, told["a"]))
+    browser.run("document.getElementById('play').click()")
+    browser.wait("document.querySelector('#fields figcaption').textContent === 'u at t = 2'")
+    browser.run("document.getElementById('play').click()")
+    check("it stops", browser.run("document.getElementById('play').textContent") == "play")
+
+
+def worn(browser, folder):
+    """A field that a part alone has: grey elsewhere, in the range of what there is; a click says so."""
+    (folder / "worn.hvi").write_text(WORN)
+    done = subprocess.run([PROGRAM, "report", "worn.hvi", "-o", "out"], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    browser("Page.navigate", url=(folder / "out/worn_report.html").as_uri())
+    browser.wait("document.title === 'worn: report' && document.body.dataset.ready === 'yes'")
+    at = browser.run("document.body.viewer.quantities.findIndex((q) => q.name === 'd')")
+    browser.set("quantity", at)
+    low, high = browser.run("[document.body.viewer.now.scale.low, document.body.viewer.now.scale.high]")
+    check("the range of a field of a part", 0 <= low < high <= 0.95, (low, high))
+    browser.set("contours", 16)
+    grey = browser.run("""(() => { const v = document.body.viewer, small = document.createElement("canvas"); small.width = v.canvas.width; small.height = v.canvas.height;
+        const c = small.getContext("2d"); c.drawImage(v.canvas, 0, 0); const d = c.getImageData(0, 0, small.width, small.height).data; let grey = 0, coloured = 0;
+        for (let i = 0; i < d.length; i += 4) { const s = Math.max(d[i], d[i + 1], d[i + 2]) - Math.min(d[i], d[i + 1], d[i + 2]);
+          if (s > 60) ++coloured; else if (s < 14 && d[i] > 90 && d[i] < 240) ++grey; }
+        return [grey, coloured]; })()""")
+    check("grey where there is no value, colours where there is", min(grey) > 0.25 * max(grey), grey)
+    browser.run("document.body.viewer.probeAt([2, 1, 1])")
+    check("a probe says that there is no value", browser.run("document.body.viewer.probed.textContent").endswith("d = \u2013"), browser.run("document.body.viewer.probed.textContent"))
+    browser.set("cut", "z")
+    check("a cut of it", browser.run("document.body.viewer.cap.count") > 0)
+    browser.set("fixed", True)
+    check("colours of all times of it", browser.run("Number.isFinite(document.body.viewer.now.scale.low)"))
+    browser.run("document.getElementById('fields').scrollIntoView()")
+    browser.shot("worn")
+
+
 def main():
     program = chromium()
     if program is None:
@@ -368,6 +442,8 @@ def main():
             keyboard(browser)
             screen_reader(browser)
             units(browser, folder)
+            bar(browser, folder)
+            worn(browser, folder)
             check("no error, no request", not browser.errors, browser.errors)
         finally:
             browser.close()

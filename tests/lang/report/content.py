@@ -47,6 +47,22 @@ report
   table a = u.y at [0, 0, 0]
   fields u, sigma, floor.xi
 """
+WORN = """mesh body = rectangle(2, 1, cells = [8, 4])
+part wall = body.left
+part grip = body.right
+part soft = body where x < 1
+part hard = body where x > 1
+tensor B = isotropic(lambda = 40, mu = 30)
+state d on soft with rate 5*norm(eps(u)) from d = 0.1*y in [0, 0.95]
+superpotential pad(r) = 10*r^2
+space V = vector P1 on body, zero on wall
+find u in V for t in [0, 1] by 4 steps from u = 0
+such that for all v in V
+    integral(soft, (1 - d)*B : eps(u) : eps(v)) + integral(hard, B : eps(u) : eps(v)) + integral(grip, pad^0(u.nu; v.nu))
+ >= integral(body, dot([0.8*t, 0.4*t], v))
+report
+  fields u, eps(u), d, 2*d - 1, pad.xi
+"""
 BAR = """mesh bar = interval(1, cells = 8)
 part left = bar.left
 part right = bar.right
@@ -168,6 +184,35 @@ def fields(folder, script, stem="scene", laws=()):
     return page
 
 
+def states(folder):
+    """Fields that read the states of a part: on the body, with what the stress is away from it; what is nothing there has no value."""
+    out, page, _ = run(folder, WORN)
+    data = page.data["fields"]
+    check("the script's own fields are there", [a["name"] for a in data["arrays"]] == ["displacement", "eps_u", "sigma", "d", "field0"], data["arrays"])
+    check("states are no laws", [law["name"] for law in data["frames"][-1]["laws"]] == ["pad"])
+    mesh = meshio.read(out / "scene_00004.vtu")
+    part = meshio.read(out / "scene_d_00004.vtu")
+    shown = {array["name"]: page.numbers(block).astype(float) for array, block in zip(data["arrays"], data["frames"][-1]["data"])}
+    middles = lambda m: m.points[m.cells[0].data].mean(axis=1)
+    worn = np.full(len(mesh.cells[0].data), np.nan)
+    for middle, value in zip(middles(part), part.cell_data["d"][0]):
+        worn[np.argmin(np.linalg.norm(middles(mesh) - middle, axis=1))] = value
+    eps = mesh.cell_data["eps_u"][0].reshape(-1, 3, 3)
+    stress = (1 - np.nan_to_num(worn))[:, None, None] * (40 * (eps[:, 0, 0] + eps[:, 1, 1])[:, None, None] * np.eye(3) + 60 * eps)
+    wanted = at_nodes(mesh, stress.reshape(-1, 9))
+    for k in (0, 1, 3, 4):
+        same("stress of a damaged body", shown["sigma"].reshape(-1, 9)[:, k], wanted[:, k])
+    soft = mesh.points[:, 0] <= 1
+    check("a state has no value away from its part", (np.isnan(shown["d"]) == ~soft).all())
+    inside = np.flatnonzero(~np.isnan(worn))
+    sums, weights = np.zeros(len(mesh.points)), np.zeros(len(mesh.points))
+    for cell in inside:  # all cells have one size
+        np.add.at(sums, mesh.cells[0].data[cell], worn[cell])
+        np.add.at(weights, mesh.cells[0].data[cell], 1.0)
+    same("damage", shown["d"][soft], (sums[soft] / weights[soft]))
+    same("an expression of the damage", shown["field0"][soft], 2 * (sums[soft] / weights[soft]) - 1)
+
+
 VOLUME = {"scene": 2.0, "block": 1.0}
 
 
@@ -188,6 +233,9 @@ def judge_branches(law, xi, branch, force):
 
 def main():
     with tempfile.TemporaryDirectory() as place:
+        folder = pathlib.Path(place) / "worn"
+        folder.mkdir()
+        states(folder)
         for k, element in enumerate(("P1", "P2")):
             folder = pathlib.Path(place) / f"plane{k}"
             folder.mkdir()
