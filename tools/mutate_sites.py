@@ -22,7 +22,7 @@ OPERATIONS = {"+": "-", "-": "+", "*": "/", "/": "*"}
 LOGIC = {"&&", "||"}
 # Calls that make text for people, or room in memory ahead of need: no number of a result depends on their arguments.
 TEXT_AND_ROOM = {"format", "format_to", "print", "reserve", "shrink_to_fit", "prefetch", "release_pages"}
-TIMING = re.compile(rb"\b(PhaseClock|cpu_seconds|seconds_of|wall_seconds|Stopwatch|profile\w*)\b")
+TIMING = re.compile(rb"\b(PhaseClock|cpu_seconds|seconds_of|wall_seconds|Stopwatch|clock\.charge|profile\w*)\b")
 PRINTING = re.compile(r"solver/plan/print\.cpp|lang/check/print_model\.cpp|solver/time/clock\.hpp")
 ASSIGNMENTS = {"=", "+=", "-=", "*=", "/="}
 

@@ -3,6 +3,7 @@
 
 #include "solver/time/inertia.hpp"
 #include "solver/time/operators.hpp"
+#include "solver/time/released_energy.hpp"
 
 #include <algorithm>
 

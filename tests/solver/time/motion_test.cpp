@@ -250,10 +250,11 @@ TEST(Motion, FrictionAtRestHoldsOrLetsGo) {
 /// 2 u'' is what the load leaves over, and both schemes are exact.
 TEST(Motion, ForcesAtTheStartAreOnTheSideOfTheMotion) {
   const Expr r = var(slot::argument(0)), t = var(slot::t);
-  LawSpec sides, ball = tresca(0.5), harder;
-  sides.name = harder.name = "law";
-  sides.by_slope = harder.by_slope = harder.radial = true;
+  LawSpec sides, pulls, ball = tresca(0.5), harder;
+  sides.name = pulls.name = harder.name = "law";
+  sides.by_slope = pulls.by_slope = harder.by_slope = harder.radial = true;
   sides.expression = select(less(r, 0.0), -0.5, 0.7);
+  pulls.expression = select(less(r, 0.0), -0.5, 0.0);
   harder.expression = select(less(r, 0.4), 0.5, 0.9);
   struct Case {
     LawSpec law;
@@ -263,6 +264,7 @@ TEST(Motion, ForcesAtTheStartAreOnTheSideOfTheMotion) {
   const Case cases[] = {{sides, -0.5 * t, {0.3, 0.0}, {-0.5, 0.0}},
                         {sides, 0.0, {0.3, 0.0}, {0.7, 0.0}},
                         {sides, -0.3 * t, {0.3, 0.0}, {0.6, 0.0}}, // all of the load
+                        {pulls, -0.3 * t, {0.3, 0.0}, {-0.3, 0.0}, {-0.3, 0.0}},
                         {ball, 0.0, {0.3, -0.4}, {0.3, -0.4}, {0.6, -0.8}},
                         {harder, 0.4, {0.3, 0.0}, {0.9, 0.0}},
                         {harder, 0.4, {-0.3, 0.0}, {0.5, 0.0}}};
