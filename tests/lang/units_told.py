@@ -1,6 +1,7 @@
 """Units beside numbers: in the metadata of tables, in VTU files, in pictures, in the data of reports. Names in the files stay those of
 the script, and a script without units gets none of it.  usage: units_told.py HVI_RUN"""
 import csv
+import html
 import json
 import pathlib
 import re
@@ -110,13 +111,14 @@ def with_units(out, result):
     check("the files are told", metadata <= set(result["files"]), result["files"])
     stress, rate, law = ((out / name).read_text() for name in ("stress.svg", "rate.svg", "law.svg"))
     check("a picture's bar and axes", all(word in stress for word in ("|sigma| [MPa]", "x [mm]", "y [mm]")))
-    check("a picture of a rate, and its time", "|u_rate| [mm/s], t = 5 s" in rate)
+    check("a picture of a rate, and its time", "|u'| [mm/s], t = 5 s" in html.unescape(rate))
     check("the graph of a law", "z [mm]" in law and "[MPa]" in law)
     check("the graph of a kernel", "s [s]" in law and "q [mW/mm^4]" in law and ">\u22120.5<" in law, re.findall(r">([^<\n]+)<", law))
     page = report(out)
     check("the report's units", page["units"] == {"columns": {**{name: f" [{unit}]" if unit and unit != "1" else "" for name, unit in TABLE.items() if name != "t"}, "depth": " [mm]"},
                                                   "time": " [s]", "length": " [mm]", "energy": " [N]"}, page["units"])
-    check("the report's fields", {a["name"]: a["unit"] for a in page["fields"]["arrays"]} == {"displacement": " [mm]", "sigma": " [MPa]"}, page["fields"]["arrays"])
+    check("the report's fields", {a["name"]: a["unit"] for a in page["fields"]["arrays"]} == {"displacement": " [mm]", "u_rate": " [mm/s]", "sigma": " [MPa]", "eps_u": ""},
+          page["fields"]["arrays"])
     check("the report's laws", [(l["argument"], l["multiplier"]) for l in page["model"]["laws"]] == [("r [mm]", "ξ [MPa]")], page["model"]["laws"][0])
 
 
