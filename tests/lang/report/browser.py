@@ -206,6 +206,14 @@ def told(browser):
         }
         return [all, worst]; })()""")
     check("the points of laws are on the moved body", off[0] > 50 and off[1] < 1e-5, off)
+    drawn, counted = browser.run("""(() => { const v = document.body.viewer, { painter } = v, { thing, draw } = painter, sizes = new Map(), out = {}, counts = {};
+        painter.thing = (kind, p, ...more) => { const made = thing.call(painter, kind, p, ...more); if (kind === "dots") sizes.set(made, p.length / 3); return made; };
+        painter.draw = (what, how, ...more) => { if (sizes.has(what)) out[how.colour.map((x) => Math.round(255 * x).toString(16).padStart(2, "0")).join("")] = sizes.get(what); return draw.call(painter, what, how, ...more); };
+        v.now.laws[0].branch = v.now.laws[0].branch.map((_, i) => i % 3);
+        v.makeLaws(); v.draw(); Object.assign(painter, { thing, draw });
+        for (const law of v.now.laws) for (const b of law.branch || []) { const colour = branches[b][1].slice(1); counts[colour] = (counts[colour] || 0) + 1; }
+        return [out, counts]; })()""")
+    check("every branch has its colour and its points", drawn == counted and len(drawn) > 1, (drawn, counted))
     numbers_of = lambda words: [float(x.replace("\u2212", "-")) for x in re.findall(r"[\u2212-]?\d[\d.]*(?:e[\u2212+-]?\d+)?", words)]
     browser.run("(() => { const v = document.body.viewer; v.now.values = v.now.values.map((_, i) => 2 * v.points[3 * i] - 3 * v.points[3 * i + 1] + 0.5 * v.points[3 * i + 2]); })()")
     box = browser.run("(({ x, y, width, height }) => ({ x, y, width, height }))(document.body.viewer.canvas.getBoundingClientRect())")
@@ -215,6 +223,8 @@ def told(browser):
         words = browser.run("document.body.viewer.probed.textContent")
         x, y, z, value = (numbers_of(words) + 4 * [1e9])[:3] + [numbers_of(words)[-1]]
         check("a click tells the place on the body at rest and the value there", abs(2 * x - 3 * y + 0.5 * z - value) < 2e-3 and words.startswith("at ("), words)
+    weights = browser.run("hit([0, 1, 2], Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0), 0.2, 0.3).weights")
+    check("a place in a triangle is what its corners make of it", all(abs(a - b) < 1e-6 for a, b in zip(weights, (0.5, 0.2, 0.3), strict=True)), weights)
     for place in ((2, 0, 1), (0, 1, 0), (1, 0, 0.5)):
         browser.run(f"document.body.viewer.probeAt({list(place)})")
         found = numbers_of(browser.run("document.body.viewer.probed.textContent"))
