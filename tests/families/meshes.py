@@ -23,7 +23,7 @@ import numpy as np
 from solids import Mesh, block, turning
 
 KINDS = ["good", "split", "crack", "apart", "overlap", "whole_cells", "inside", "beside", "curved", "straight", "flat", "hinge"]
-TWO_BODIES = {"disc_brake.msh": {"W0605"}}  # what is said of them
+TWO_BODIES = {"disc_brake.msh": {"W0605"}, "rounds.msh": {"W0603", "W0605"}}  # what is said of them; the round ones touch in a point
 
 
 def joined(a, b):
