@@ -13,7 +13,8 @@ import sys
 import tempfile
 
 MOST = {8: 6, 16: 6, 32: 5}  # steps: passes
-LOST = 0.0217915309  # with 32 steps
+# With 32 steps; regression value of a second algorithm: plain passes and mixing, the program before it had a tangent.
+LOST = 0.02179153086761
 
 
 def main():
@@ -26,7 +27,7 @@ def main():
                 sys.exit(done.stderr)
             result = json.loads(done.stdout)
             passes = [int(n) for n in result["monitors"]["iterations"]]
-            right = max(passes) <= most and (steps != 32 or abs(result["final"]["lost"] / LOST - 1) < 1e-8)
+            right = max(passes) <= most and (steps != 32 or abs(result["final"]["lost"] / LOST - 1) < 1e-10)
             print(f"{'ok    ' if right else 'WRONG '} {steps} steps: passes {passes}")
             good = good and right
     return 0 if good else 1
