@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 
-ALIKE, OF_QUADRATURE, NOTHING = 1e-7, 3e-3, 1e-6
+ALIKE, OF_QUADRATURE, NOTHING = 1e-11, 3e-3, 1e-6
 
 
 def script(dim, revolved, order, of_heat, pair, rule, heat_first):
