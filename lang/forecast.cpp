@@ -22,8 +22,11 @@ double Forecast::history() const {
 
 double Forecast::seconds() const {
   if (taken >= steps) return result.timing.mesh + last;
-  // In the first steps everything sticks; those with slip cost about half as much again.
-  const double later = friction ? 1.5 * each : each;
+  // In the first steps everything sticks; those with slip cost about half as much again. Iterations
+  // differ from step to step: the mean of all but the first, which sets the multigrid up.
+  const bool iterative = result.solver.solver == solver::LinearSolver::iterative;
+  const double of_each = iterative && taken > 1 ? (last - first) / (taken - 1) : each;
+  const double later = friction ? 1.5 * of_each : of_each;
   return result.timing.mesh + last + later * (steps - taken) + history();
 }
 
@@ -37,6 +40,7 @@ Forecast forecast(const solver::Plan& plan, const solver::Discretisation& discre
   settings.stop = &stop;
   settings.progress = [&](const solver::Progress& p) {
     if (p.step > 1) out.each = std::min(out.each, p.seconds - out.last);
+    if (p.step == 1) out.first = p.seconds;
     out.last = p.seconds, out.taken = p.step, out.steps = p.steps;
     const bool asked = interrupted != nullptr && interrupted->load();
     stop = asked || p.step >= std::clamp(p.steps / 50, 8, 24);

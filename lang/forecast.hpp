@@ -18,7 +18,7 @@ namespace hvi::lang {
 struct Forecast {
   solver::RunResult result;
   solver::MemoryForecast memory;
-  double last = 0;                                       ///< CPU seconds after the last step taken
+  double first = 0, last = 0; ///< CPU seconds after the first step, and the last one taken
   double each = std::numeric_limits<double>::infinity(); ///< of the cheapest: first ones prepare
   double most_bytes = 0; ///< the most that is held, of the steps not taken too
   int taken = 0, steps = 0;

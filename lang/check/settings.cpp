@@ -105,7 +105,10 @@ void Settings::setting(const ast::Setting& s) {
             {"least_energy", Branch::least_energy}},
            options.branch);
   } else if (name == "solver") {
-    choose(s, "solver", {{"direct", LinearSolver::direct}, {"iterative", LinearSolver::iterative}},
+    choose(s, "solver",
+           {{"direct", LinearSolver::direct},
+            {"iterative", LinearSolver::iterative},
+            {"automatic", LinearSolver::automatic}},
            options.solver);
   } else if (name == "memory") {
     choose(s, "memory route",

@@ -26,6 +26,7 @@ void print_forecast(const Forecast& f) {
                                     ? "contact unknowns: all tensors are multiples of one tensor"
                                     : "all unknowns: " + r.path;
   say("evolution on {}\n", evolution);
+  print_solver(r.solver);
   say("{} unknowns, {} of them in contact laws; {} {}, {} analys{}, {} factorisation{}\n",
       r.unknowns, r.contact_unknowns, w.matrices, w.matrices == 1 ? "matrix" : "matrices",
       w.analyses, w.analyses == 1 ? "is" : "es", w.factorisations,

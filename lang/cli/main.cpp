@@ -59,8 +59,9 @@ void add_common(CLI::App& app, Options& options, std::vector<std::string>& defin
   app.add_flag("--both-sides", options.both_sides,
                "keep the contact unknowns of both sides of a pair, also where jumps would do");
   app.add_flag("--allow-geo", options.allow_geo, "read .geo files (they can run programs)");
-  app.add_option("--solver", options.solver, "of the linear systems: direct or iterative")
-      ->check(CLI::IsMember({"direct", "iterative"}));
+  app.add_option("--solver", options.solver,
+                 "of the linear systems: direct, iterative or automatic")
+      ->check(CLI::IsMember({"direct", "iterative", "automatic"}));
   app.add_option("--threads", options.threads, "threads of our own loops")
       ->check(CLI::Range(1, 256));
   app.add_flag_callback(

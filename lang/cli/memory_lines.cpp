@@ -1,4 +1,4 @@
-// Lines on the memory for run and plan.
+// Lines on the memory and the solver for run and plan.
 #include "lang/cli/memory_lines.hpp"
 
 #include "lang/cli/say.hpp"
@@ -30,6 +30,12 @@ void print_memory(const solver::Problem& problem,
   for (std::size_t m = 0; m < reports.size(); ++m)
     say("memory `{}`: {} ({}): {}\n", problem.histories[m].kernel.name, reports[m].route,
         figures(reports[m]), reports[m].why);
+}
+
+void print_solver(const solver::ChosenSolver& chosen) {
+  if (chosen.why.empty()) return;
+  const bool iterative = chosen.solver == solver::LinearSolver::iterative;
+  say("linear systems: {}: {}\n", iterative ? "iterations" : "a factor", chosen.why);
 }
 
 } // namespace hvi::lang

@@ -1,8 +1,10 @@
-// What the terminal shows of the memory: one line for each kernel.
+// What the terminal shows of a run and of a plan: a line for each kernel, and how the linear
+// systems are solved.
 #pragma once
 
 #include "solver/history/history.hpp"
 #include "solver/plan/problem.hpp"
+#include "solver/time/run.hpp"
 
 namespace hvi::lang {
 
@@ -10,5 +12,8 @@ namespace hvi::lang {
 /// of a report that a run has not filled in yet are left out.
 void print_memory(const solver::Problem& problem,
                   const std::vector<solver::HistoryReport>& reports);
+
+/// Which solver the run chose and why; nothing where it was asked for.
+void print_solver(const solver::ChosenSolver& chosen);
 
 } // namespace hvi::lang

@@ -94,6 +94,7 @@ void print_certificate(const solver::RunResult& r, const Script& script) {
   const std::string unit = ModelUnits::bracketed(report.unit_of_energy);
   if (r.monitors) print_monitors(*r.monitors, unit);
   print_memory(script.plan->problem, r.histories);
+  print_solver(r.solver);
   for (const solver::StepNote& note : r.notes) {
     const int line = line_of(script, note.origin);
     const std::string when = note.step > 0

@@ -59,6 +59,9 @@ public:
   virtual const IterativeStatistics& statistics() const = 0;
 };
 
+/// Can the module libhvi_petsc be loaded? It is, then.
+bool petsc_is_there();
+
 /// Of PETSc, from the module libhvi_petsc, which is opened now. `k` is kept by reference: its
 /// arrays stay where they are. Throws Failure(missing_file) where the module cannot be loaded.
 std::unique_ptr<IterativeSolver> petsc_solver(const SparseMatrix& k, bool symmetric,

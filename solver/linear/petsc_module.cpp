@@ -118,6 +118,15 @@ private:
 
 } // namespace
 
+bool petsc_is_there() {
+  try {
+    static_cast<void>(Bridge());
+    return true;
+  } catch (const Failure&) {
+    return false;
+  }
+}
+
 std::unique_ptr<IterativeSolver> petsc_solver(const SparseMatrix& k, bool symmetric,
                                               const UnknownsOfNodes& unknowns) {
   return std::make_unique<PetscSolver>(k, symmetric, unknowns);

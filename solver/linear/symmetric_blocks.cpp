@@ -208,6 +208,48 @@ BlockRows upper_blocks(const SparseMatrix& a, int size) {
   return out;
 }
 
+/// Where the rows of the whole matrix begin; those of a block have one length.
+std::vector<int> starts_of_rows(const BlockRows& a) {
+  std::vector<int> length(static_cast<std::size_t>(a.rows), a.size); // with the diagonal block
+  for (int i = 0; i < a.rows; ++i)
+    for (int at = a.start[i]; at < a.start[i + 1]; ++at)
+      length[i] += a.size, length[a.column[at]] += a.size;
+  std::vector<int> out{0};
+  out.reserve(static_cast<std::size_t>(a.size) * length.size() + 1);
+  for (const int one : length)
+    for (int r = 0; r < a.size; ++r) out.push_back(out.back() + one);
+  return out;
+}
+
+/// Blocks on both sides of the diagonal. Rows are filled from above, so that the mirror images of
+/// the blocks of the rows before come first, in their order.
+SparseMatrix both_triangles(const BlockRows& a) {
+  const int size = a.size, n = a.rows * size;
+  const std::vector<int> start = starts_of_rows(a);
+  SparseMatrix out(n, n);
+  out.resizeNonZeros(start.back());
+  std::copy(start.begin(), start.end(), out.outerIndexPtr());
+  std::vector<int> next(static_cast<std::size_t>(a.rows), 0); // within a row
+  const auto put = [&](int i, int j, const double* block, int down, int right) {
+    for (int r = 0; r < size; ++r)
+      for (int c = 0; c < size; ++c) {
+        const int at = start[size * i + r] + next[i] + c;
+        out.innerIndexPtr()[at] = size * j + c;
+        out.valuePtr()[at] = block[down * r + right * c];
+      }
+    next[i] += size;
+  };
+  for (int i = 0; i < a.rows; ++i) {
+    put(i, i, a.diagonal.data() + size * size * i, size, 1);
+    for (int at = a.start[i]; at < a.start[i + 1]; ++at) {
+      const double* block = a.upper.data() + static_cast<std::ptrdiff_t>(size * size) * at;
+      put(i, a.column[at], block, size, 1);
+      put(a.column[at], i, block, 1, size);
+    }
+  }
+  return out;
+}
+
 bool same_pattern(const BlockRows& a, const BlockRows& b) {
   return a.size == b.size && a.rows == b.rows && a.start == b.start && a.column == b.column;
 }
@@ -261,6 +303,17 @@ double SymmetricBlocks::energy(const Vector& x) const {
   if (blocks_.size == 1) return energy_of_blocks<1>(a, x.data());
   if (blocks_.size == 2) return energy_of_blocks<2>(a, x.data());
   return energy_of_blocks<3>(a, x.data());
+}
+
+SparseMatrix SymmetricBlocks::by_rows() const {
+  if (dense_.size() == 0) return both_triangles(blocks_);
+  SparseMatrix out(dense_.rows(), dense_.cols());
+  out.reserve(Eigen::VectorXi::Constant(dense_.rows(), static_cast<int>(dense_.cols())));
+  for (int i = 0; i < dense_.rows(); ++i)
+    for (int j = 0; j < dense_.cols(); ++j)
+      out.insert(i, j) = dense_(std::max(i, j), std::min(i, j)); // the half that products read
+  out.makeCompressed();
+  return out;
 }
 
 double SymmetricBlocks::bytes() const {

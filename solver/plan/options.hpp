@@ -11,19 +11,22 @@ namespace hvi::solver {
 
 /// How the linear systems of steps are solved.
 enum class LinearSolver {
-  direct,   ///< a factor of the matrix, condensed to the contact unknowns
-  iterative ///< conjugate gradients with multigrid, on all unknowns
+  direct,           ///< a factor of the matrix, condensed to the contact unknowns
+  iterative,        ///< conjugate gradients with multigrid, on all unknowns
+  automatic,        ///< which of both is predicted to take less time, of those that fit
+  direct_if_it_fits ///< iterative where a factor does not fit into the memory
 };
 
-/// "direct" or "iterative"; nothing: no such word.
+/// "direct", "iterative" or "automatic"; nothing: no such word.
 inline std::optional<LinearSolver> linear_solver_of(std::string_view word) {
   if (word == "direct") return LinearSolver::direct;
   if (word == "iterative") return LinearSolver::iterative;
+  if (word == "automatic") return LinearSolver::automatic;
   return std::nullopt;
 }
 
 struct SolverOptions {
-  LinearSolver solver = LinearSolver::direct;
+  LinearSolver solver = LinearSolver::direct_if_it_fits;
   double tolerance = 1e-10; ///< certificate
   double memory_tolerance = 1e-8;
   HistoryRoute route = HistoryRoute::automatic;

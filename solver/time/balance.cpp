@@ -1,8 +1,8 @@
 // The balance of forces of a step; see balance.hpp. Called by the StepSolver.
 #include "solver/time/balance.hpp"
 
-#include "solver/common/parallel.hpp"
 #include "solver/time/certificate.hpp"
+#include "solver/time/halved_bases.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,16 +17,6 @@ constexpr double least_tolerance = 1e-13;
 
 /// Matrices are stored once more, for products that read half, when a run has so many steps.
 constexpr int worth_halving = 12;
-
-/// Empty where one of them has no such form.
-std::vector<SymmetricBlocks> halved(const Operators& operators, int threads) {
-  std::vector<SymmetricBlocks> out(operators.bases.size());
-  for_each_piece(operators.n_bases(), threads,
-                 [&](int b) { out[b] = SymmetricBlocks(operators.bases[b], operators.mirrored); });
-  if (std::any_of(out.begin(), out.end(), [](const auto& half) { return half.empty(); }))
-    out.clear();
-  return out;
-}
 
 } // namespace
 
@@ -75,11 +65,11 @@ void Balance::find_right_hand_side(StepEquation& equation) {
     if (!any && change != 0.0) state_.setZero(), any = true;
     if (change != 0.0) state_ -= change * equation.expected;
     if (!any || state_.isZero(0.0)) continue;
-    if (halves_.empty()) {
+    if (halves().empty()) {
       state_ = -state_;
       subtract_product(operators.bases[b], state_, equation.rhs);
     } else {
-      halves_[b].add_product(state_, equation.rhs);
+      halves()[static_cast<std::size_t>(b)].add_product(state_, equation.rhs);
     }
     ++products;
   }
@@ -112,7 +102,7 @@ EquationResidual Balance::residual(const StepEquation& equation, StepMatrix& mat
   EquationResidual out;
   for (int b = 0; b < operators.n_bases(); ++b) {
     if (equation.change[b] == 0.0) continue;
-    product_.noalias() = operators.bases[b] * state_;
+    product_of_base(operators, b, state_, product_);
     product_ *= equation.change[b];
     trial.gap += product_;
     out.mismatch += (product_.array().abs() / scale_.array().max(1e-300)).maxCoeff();
@@ -124,13 +114,14 @@ EquationResidual Balance::residual(const StepEquation& equation, StepMatrix& mat
 
 void Balance::add_terms(const StepEquation& equation, double factor, Vector& out) {
   const Operators& operators = formulation_.operators();
+  SparseMatrix room;
   load.find(equation.n, product_);
   out += factor * product_.cwiseAbs();
   for (int b = 0; b < operators.n_bases(); ++b) {
     if (!evolution_.known_part(equation.n, operators.weights, b, !operators.changes(b),
                                equation.known, state_))
       continue;
-    const SparseMatrix& base = operators.bases[static_cast<std::size_t>(b)];
+    const SparseMatrix& base = base_by_rows(operators, b, room);
     for (int i = 0; i < base.rows(); ++i)
       for (SparseMatrix::InnerIterator it(base, i); it; ++it)
         out[i] += factor * std::abs(it.value() * state_[it.col()]);
@@ -204,7 +195,7 @@ void Balance::restore(StateReader& r) {
 void take_back_change(const Operators& operators, StepEquation& equation) {
   for (int b = 0; b < operators.n_bases(); ++b)
     if (equation.change[b] != 0.0)
-      equation.rhs.noalias() += equation.change[b] * (operators.bases[b] * equation.expected);
+      add_product_of_base(operators, b, equation.change[b], equation.expected, equation.rhs);
   equation.change.setZero();
 }
 
@@ -220,7 +211,7 @@ double bytes_of(const Operators& operators, std::span<const SymmetricBlocks> hal
   for (const auto& base : operators.bases)
     out += static_cast<double>(base.nonZeros()) * (sizeof(double) + sizeof(int));
   for (const auto& half : halves) out += half.bytes();
-  return out;
+  return out; // halves in the place of the matrices are those of the balance
 }
 
 } // namespace hvi::solver

@@ -9,6 +9,7 @@
 #include "solver/time/step_load.hpp"
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace hvi::solver {
@@ -76,7 +77,10 @@ public:
   void save(StateWriter& w) const;
   void restore(StateReader& r);
   /// The base matrices once more for products, in half the memory; empty: not used.
-  const std::vector<SymmetricBlocks>& halves() const { return halves_; }
+  std::span<const SymmetricBlocks> halves() const {
+    const auto& instead = formulation_.operators().halves;
+    return instead.empty() ? halves_ : instead;
+  }
 
   StepLoad load;
   int products = 0; ///< with matrices, so far

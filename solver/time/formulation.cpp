@@ -2,11 +2,13 @@
 #include "solver/time/formulation.hpp"
 
 #include "solver/time/field_recovery.hpp"
+#include "solver/time/halved_bases.hpp"
 #include "solver/time/interior.hpp"
 #include "solver/time/nodes_of_unknowns.hpp"
 #include "solver/time/pair_unknowns.hpp"
 #include "solver/time/reduce.hpp"
 #include "solver/time/rounding.hpp"
+#include "solver/time/solver_choice.hpp"
 
 namespace hvi::solver {
 namespace {
@@ -21,8 +23,15 @@ public:
   void observe(std::span<const int>) override {}
   void scatter_observed(const Vector& state, Vector& full) const override { scatter(state, full); }
   const StateLayout& whole_layout() const override { return layout(); }
-  const SparseMatrix& whole_base(int b) const override { return operators().bases[b]; }
   const Vector& whole_state(const Vector& state, Vector&) const override { return state; }
+  void add_rounding_of_base(int b, const Vector& values, double unit, RoundingForces& forces,
+                            Vector& size) const override {
+    const auto at = static_cast<std::size_t>(b);
+    if (operators().halves.empty())
+      add_rounding(operators().bases[at], values, unit, forces, size);
+    else
+      add_rounding(operators().halves[at], values, unit, forces, size);
+  }
   bool respond(std::span<const Vector> forces, StepMatrix& matrix, const Vector&,
                const InequalityState& at, std::vector<Vector>& x,
                std::vector<Vector>& xi) const override {
@@ -53,10 +62,13 @@ public:
     fields_.scatter_observed(state, full);
   }
   const StateLayout& whole_layout() const override { return interior_->layout; }
-  const SparseMatrix& whole_base(int) const override { return interior_->t; }
   const Vector& whole_state(const Vector& state, Vector& room) const override {
     expand(*interior_, state, room);
     return room;
+  }
+  void add_rounding_of_base(int, const Vector& values, double unit, RoundingForces& forces,
+                            Vector& size) const override {
+    add_rounding(interior_->t, values, unit, forces, size);
   }
   bool respond(std::span<const Vector> forces, StepMatrix& matrix, const Vector& gamma,
                const InequalityState& at, std::vector<Vector>& x,
@@ -83,12 +95,17 @@ DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
   LoadAssembler loads = loads_on(plan.problem, d, layout);
   Vector initial = initial_state(plan.problem, d, layout);
   Operators operators = assemble_operators(plan.problem, d, layout, plan.options.threads);
-  if (plan.options.solver == LinearSolver::iterative)
+  const bool asked = plan.options.solver == LinearSolver::iterative;
+  Contact contact = make_contact(plan.problem, d, layout, asked);
+  operators.chosen = choose_solver(plan, d, layout, operators, contact);
+  if (operators.chosen.solver == LinearSolver::iterative) {
     operators.iterative = nodes_of_unknowns(plan.problem, d, layout);
-  Contact contact = make_contact(plan.problem, d, layout, operators.iterative != nullptr);
-  if (operators.iterative) refuse_rigid_pairs(plan.problem, contact);
+    refuse_rigid_pairs(plan.problem, contact);
+    if (!asked) contact = make_contact(plan.problem, d, layout, true);
+  }
   ChangingForms changing(plan.problem, d, contact, operators);
   changing.take(contact, layout, operators);
+  if (operators.iterative) keep_halves(operators, plan.options.threads);
   return {layout,           std::move(operators), std::move(contact),
           std::move(loads), std::move(initial),   std::move(changing)};
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "solver/time/body_states.hpp"
+#include "solver/time/rounding.hpp"
 #include "solver/time/row_checks.hpp"
 #include "solver/time/step_matrix.hpp"
 
@@ -60,11 +61,13 @@ public:
   virtual void observe(std::span<const int> dofs) = 0;
   virtual void scatter_observed(const Vector& state, Vector& full) const = 0;
 
-  /// Of the problem on all its unknowns: the layout, the base matrices, the values of a state on
-  /// their columns (in `room`, or the state itself).
+  /// Of the problem on all its unknowns: the layout, the values of a state on the columns of its
+  /// base matrices (in `room`, or the state itself), and add_rounding (rounding.hpp) of such a
+  /// matrix and such values.
   virtual const StateLayout& whole_layout() const = 0;
-  virtual const SparseMatrix& whole_base(int b) const = 0;
   virtual const Vector& whole_state(const Vector& state, Vector& room) const = 0;
+  virtual void add_rounding_of_base(int b, const Vector& values, double unit,
+                                    RoundingForces& forces, Vector& size) const = 0;
   /// respond (step_matrix.hpp) of the matrix on all unknowns; `matrix` is that of a step with these
   /// coefficients.
   virtual bool respond(std::span<const Vector> forces, StepMatrix& matrix, const Vector& gamma,

@@ -6,6 +6,8 @@
 #include "solver/time/run.hpp"
 #include "solver/time/state.hpp"
 
+#include <string>
+
 namespace hvi::solver {
 
 /// Nodes, components and rigid motions of the unknowns. Throws Failure(bad_value) where there are
@@ -13,6 +15,10 @@ namespace hvi::solver {
 std::shared_ptr<const UnknownsOfNodes> nodes_of_unknowns(const Problem& problem,
                                                          const Discretisation& discretisation,
                                                          const StateLayout& layout);
+
+/// Why a problem cannot be solved by iterations at all; empty: it can.
+std::string obstacle_to_iterations(const Problem& problem, const Discretisation& discretisation,
+                                   const Contact& contact);
 
 /// Throws Failure(bad_value) where a law keeps the sides of a pair apart with slopes without bound:
 /// the unknowns of both sides are in each of its points, whose places then take hundreds of inexact

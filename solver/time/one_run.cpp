@@ -37,6 +37,7 @@ OneRun::OneRun(const Plan& plan, const Discretisation& discretisation, const Run
   result_.timing.mesh = discretisation.seconds;
   result_.unknowns = state_.formulation->whole_layout().n_unknowns;
   result_.path = state_.formulation->obstacle();
+  result_.solver = state_.formulation->operators().chosen;
   if (result_.path.empty())
     result_.certificate.mode =
         fmt::format("contact rows every step; all rows at outputs, at the last step and at {} "
@@ -241,7 +242,7 @@ void OneRun::tell_choice() {
                          ? sentence(plan_.options.branch)
                          : "each step's solution is sought from the last step's"),
          plan_.problem.law_terms.empty() ? Origin{} : plan_.problem.law_terms.front().origin});
-  StoredEnergy stored(plan_.problem, discretisation_, state_);
+  StoredEnergy stored(plan_.problem, discretisation_, state_, false);
   if (stored.is_least_at_rest()) result_.energy = stored.energy(state_);
 }
 

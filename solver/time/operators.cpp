@@ -317,7 +317,20 @@ SparseMatrix on_unknowns(const SparseMatrix& base, int n_unknowns) {
   return base.cols() == n_unknowns ? base : SparseMatrix(base.leftCols(n_unknowns));
 }
 
+namespace {
+
+SparseMatrix combine_halves(std::span<const SymmetricBlocks> halves, const Vector& gamma) {
+  if (const auto sum = SymmetricBlocks::sum(halves, gamma); !sum.empty()) return sum.by_rows();
+  SparseMatrix sum = gamma[0] * halves[0].by_rows();
+  for (std::size_t b = 1; b < halves.size(); ++b)
+    sum = SparseMatrix(sum + gamma[static_cast<Eigen::Index>(b)] * halves[b].by_rows());
+  return sum;
+}
+
+} // namespace
+
 SparseMatrix combine(const Operators& operators, const Vector& gamma) {
+  if (!operators.halves.empty()) return combine_halves(operators.halves, gamma);
   SparseMatrix sum = on_unknowns(operators.bases[0], operators.n_unknowns);
   sum.coeffs() *= gamma[0];
   // Eigen keeps the union of the patterns, entries times zero included: one analysis serves all.

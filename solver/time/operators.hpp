@@ -6,6 +6,7 @@
 #pragma once
 
 #include "solver/linear/iterative_solver.hpp"
+#include "solver/linear/symmetric_blocks.hpp"
 #include "solver/plan/problem.hpp"
 #include "solver/time/run.hpp"
 #include "solver/time/state.hpp"
@@ -19,9 +20,12 @@ namespace hvi::solver {
 
 struct Operators {
   std::vector<SparseMatrix> bases; ///< unknowns x state
-  DenseMatrix weights;             ///< fields (slot::field numbering) x bases
-  bool symmetric = true;           ///< all of them, on the unknowns
-  bool mirrored = true;            ///< and by their coefficients already
+  /// If not empty, of the base matrices the upper halves are kept only (halved_bases.hpp), and
+  /// `bases` has empty ones in their places.
+  std::vector<SymmetricBlocks> halves;
+  DenseMatrix weights;   ///< fields (slot::field numbering) x bases
+  bool symmetric = true; ///< all of them, on the unknowns
+  bool mirrored = true;  ///< and by their coefficients already
   /// Unknowns that act on each other: pivots of K are chosen by size, its symmetry is not used.
   bool coupled = false;
   int n_unknowns = 0;
@@ -34,6 +38,7 @@ struct Operators {
   /// the others with none.
   std::optional<int> separate;
   SharedWork* shared = nullptr; ///< of the discretisation; factors may be had from there
+  ChosenSolver chosen;
   /// Set: systems are solved by iterations on all unknowns, which are these.
   std::shared_ptr<const UnknownsOfNodes> iterative;
   double memory_to_come = 0.0; ///< bytes that a run will take besides its factors

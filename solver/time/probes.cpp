@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace hvi::solver {
 namespace {
@@ -28,8 +27,8 @@ Match(F...) -> Match<F...>;
 
 ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const RunState& run)
     : space_(d.space), parts_(d.parts), layout_(run.formulation->layout()), contact_(run.contact()),
-      probes_(plan.report.probes), n_fields_(count_fields(plan.problem)),
-      reactions_(plan.problem, d, run, probes_) {
+      operators_(run.formulation->operators()), probes_(plan.report.probes),
+      n_fields_(count_fields(plan.problem)), reactions_(plan.problem, d, run, probes_) {
   const CellLocator locator(d.mesh, probes_.size());
   for (const auto& probe : probes_)
     evaluators_.push_back(make(probe, plan.problem, d, run, locator));
@@ -84,14 +83,17 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
 void ProbeSet::make_gram(const Discretisation& d, const RunState& run, int unknown) {
   const auto b = static_cast<std::size_t>(unknown);
   grams_.resize(space_.blocks.size());
-  if (!grams_[b].matrix.empty()) return;
+  Gram& gram = grams_[b];
+  if (gram.known()) return;
   // Without imposed values the seminorm of a scalar space is no norm.
   const bool add_mass = space_.blocks[b].components == 1 && d.dofs.held_of[b] == 0;
-  if (!add_mass)
-    grams_[b].matrix = from_bases(run.balance, *run.formulation, d, strain_form(space_, unknown));
-  grams_[b].on_states = !grams_[b].matrix.empty();
-  if (!grams_[b].on_states)
-    grams_[b].matrix = SymmetricBlocks(gram_of_unknown(space_, unknown, add_mass), true);
+  if (!add_mass && !operators_.halves.empty())
+    gram.of_halves = as_combination(operators_, d, strain_form(space_, unknown));
+  else if (!add_mass)
+    gram.matrix = from_bases(run.balance, *run.formulation, d, strain_form(space_, unknown));
+  gram.on_states = gram.known();
+  if (!gram.on_states)
+    gram.matrix = SymmetricBlocks(gram_of_unknown(space_, unknown, add_mass), true);
   else if (state_.size() == 0)
     state_ = Vector::Zero(layout_.n_state);
 }
@@ -100,7 +102,11 @@ void ProbeSet::make_gram(const Discretisation& d, const RunState& run, int unkno
 double ProbeSet::norm(const Vector& u, int unknown) {
   const Gram& gram = grams_[static_cast<std::size_t>(unknown)];
   if (gram.on_states) layout_.gather(u, state_);
-  return std::sqrt(std::max(gram.matrix.energy(gram.on_states ? state_ : u), 0.0));
+  double square = 0.0;
+  if (!gram.of_halves) square = gram.matrix.energy(gram.on_states ? state_ : u);
+  for (std::size_t b = 0; gram.of_halves && b < operators_.halves.size(); ++b)
+    square += (*gram.of_halves)[static_cast<Eigen::Index>(b)] * operators_.halves[b].energy(state_);
+  return std::sqrt(std::max(square, 0.0));
 }
 
 std::vector<Expr> ProbeSet::expressions() const {

@@ -6,6 +6,7 @@
 #include "solver/time/law_sampler.hpp"
 #include "solver/time/reaction_forces.hpp"
 
+#include <optional>
 #include <variant>
 
 namespace hvi::solver {
@@ -76,14 +77,19 @@ private:
   const std::vector<Region>& parts_;
   const StateLayout& layout_;
   const Contact& contact_;
+  const Operators& operators_;
   std::vector<Probe> probes_;
   int n_fields_;
   ReactionForces reactions_;
   std::vector<Evaluator> evaluators_;
   std::vector<double> room_; ///< within a call
+  /// Of states, a combination of the halves of the base matrices, if those alone are kept; else a
+  /// matrix of its own.
   struct Gram {
     SymmetricBlocks matrix;
+    std::optional<Vector> of_halves;
     bool on_states = false;
+    bool known() const { return of_halves || !matrix.empty(); }
   };
   std::vector<Gram> grams_; ///< by unknown, of its space, when a norm asks for it
   Vector state_;            ///< u, where a Gram matrix is one of states; else empty

@@ -3,6 +3,7 @@
 
 #include "solver/linear/double_double.hpp"
 #include "solver/time/certificate.hpp"
+#include "solver/time/halved_bases.hpp"
 #include "solver/time/rounding.hpp"
 
 #include <fmt/format.h>
@@ -49,6 +50,7 @@ double PreciseEquation::gap(const StepMatrix& matrix, const Vector& d, const Vec
                             Vector& gap) {
   const Operators& operators = formulation_.operators();
   Vector load, state;
+  SparseMatrix room;
   balance_.load.find(step_, load);
   Vector scale = load.cwiseAbs();
   std::vector<DoubleDouble> sums(static_cast<std::size_t>(d.size()));
@@ -57,7 +59,7 @@ double PreciseEquation::gap(const StepMatrix& matrix, const Vector& d, const Vec
   for (int b = 0; b < operators.n_bases(); ++b) {
     state = -known_[static_cast<std::size_t>(b)];
     state.head(d.size()) += gamma[b] * d;
-    subtract_product(operators.bases[b], state, sums, scale);
+    subtract_product(base_by_rows(operators, b, room), state, sums, scale);
     ++balance_.products;
   }
   for (Eigen::Index i = 0; i < d.size(); ++i) gap[i] = sums[static_cast<std::size_t>(i)].value();

@@ -28,6 +28,22 @@ double growth_of(double answer, Eigen::Index size) {
   return std::isfinite(growth) ? growth : std::numeric_limits<double>::infinity();
 }
 
+/// s_ij with its sign, and random integers that e_ij is made of.
+struct RoundedEntry {
+  double size;
+  std::array<std::int16_t, n_samples> draws;
+};
+
+/// `sizes`: sqrt(|A_ii A_jj|); a_ij is not 0.
+RoundedEntry rounded(double a_ij, double sizes, double unit) {
+  const double value = std::abs(a_ij), least = std::min(value / unit, sizes);
+  return {std::copysign(std::max(value, least), a_ij),
+          std::bit_cast<std::array<std::int16_t, n_samples>>(
+              mixed(std::bit_cast<std::uint64_t>(value) + golden))};
+}
+
+constexpr double of_draws = 0x1p-15;
+
 } // namespace
 
 double random_unit(std::uint64_t of, std::uint64_t sample) {
@@ -37,25 +53,34 @@ double random_unit(std::uint64_t of, std::uint64_t sample) {
 
 void add_rounding(const SparseMatrix& a, const Vector& v, double unit, RoundingForces& forces,
                   Vector& size) {
-  const double scale = unit * 0x1p-15;
+  const double scale = unit * of_draws;
   const Vector size_of = a.diagonal().cwiseAbs().cwiseSqrt();
   for (int i = 0; i < a.rows(); ++i) {
     std::array<double, n_samples> sums{};
     double all = 0.0;
     for (SparseMatrix::InnerIterator it(a, i); it; ++it) {
-      const double value = std::abs(it.value());
-      if (!(value > 0.0)) continue;
+      if (!(std::abs(it.value()) > 0.0)) continue;
       const double other = size_of[it.col() < size_of.size() ? it.col() : i]; // imposed: no row
-      const double least = std::min(value / unit, size_of[i] * other);
-      const double term = std::copysign(std::max(value, least), it.value()) * v[it.col()];
-      const auto draws = std::bit_cast<std::array<std::int16_t, n_samples>>(
-          mixed(std::bit_cast<std::uint64_t>(value) + golden));
+      const auto [s_ij, draws] = rounded(it.value(), size_of[i] * other, unit);
+      const double term = s_ij * v[it.col()];
       for (std::size_t s = 0; s < n_samples; ++s) sums[s] += draws[s] * term;
       all += std::abs(it.value() * v[it.col()]);
     }
     for (std::size_t s = 0; s < n_samples; ++s) forces[s][i] += scale * sums[s];
     size[i] += all;
   }
+}
+
+void add_rounding(const SymmetricBlocks& a, const Vector& v, double unit, RoundingForces& forces,
+                  Vector& size) {
+  const Vector size_of = a.diagonal().cwiseAbs().cwiseSqrt();
+  a.for_entries([&](int i, int j, double a_ij) {
+    if (!(std::abs(a_ij) > 0.0)) return;
+    const auto [s_ij, draws] = rounded(a_ij, size_of[i] * size_of[j], unit);
+    const double term = unit * of_draws * s_ij * v[j];
+    for (std::size_t s = 0; s < n_samples; ++s) forces[s][i] += draws[s] * term;
+    size[i] += std::abs(a_ij * v[j]);
+  });
 }
 
 Vector growth_probe(const SparseMatrix& k) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/linear/factorisation.hpp"
+#include "solver/linear/symmetric_blocks.hpp"
 
 #include <array>
 #include <cstdint>
@@ -35,6 +36,8 @@ double random_unit(std::uint64_t of, std::uint64_t sample);
 /// did: |s_ij| is sqrt(|A_ii A_jj|) there, and |e_ij s_ij| at most |A_ij|. size_i += sum_j
 /// |A_ij v_j|.
 void add_rounding(const SparseMatrix& a, const Vector& v, double unit, RoundingForces& forces,
+                  Vector& size);
+void add_rounding(const SymmetricBlocks& a, const Vector& v, double unit, RoundingForces& forces,
                   Vector& size);
 
 /// About eps times the condition number of K in the 2-norm, by one or two triangular solves: with

@@ -132,8 +132,8 @@ std::vector<Vector> RoundingEstimate::forces(double backward_error) const {
   Vector room, load, size = Vector::Zero(n);
   for (int b = 0; b < formulation_.operators().n_bases(); ++b) {
     const Vector& acting = largest_.on_base[static_cast<std::size_t>(b)];
-    add_rounding(formulation_.whole_base(b), formulation_.whole_state(acting, room), unit, random,
-                 size);
+    formulation_.add_rounding_of_base(b, formulation_.whole_state(acting, room), unit, random,
+                                      size);
   }
   if (!reduced) balance_.load.find(largest_.step, load);
   for (std::size_t s = 0; s < n_samples; ++s)

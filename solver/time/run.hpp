@@ -123,8 +123,15 @@ struct PictureValues {
   std::vector<double> values; ///< at the nodes of the space, components of a node side by side
 };
 
+/// Direct or iterative.
+struct ChosenSolver {
+  LinearSolver solver = LinearSolver::direct;
+  std::string why; ///< empty: it was asked for, or nothing was
+};
+
 struct RunResult {
   std::string script;
+  ChosenSolver solver;
   std::string path; ///< why states hold all unknowns; empty: the contact unknowns (reduce.hpp)
   int unknowns = 0, contact_unknowns = 0, steps = 0;
   std::vector<double> times;                          ///< of the table's rows

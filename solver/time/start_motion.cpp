@@ -2,6 +2,7 @@
 #include "solver/time/start_motion.hpp"
 
 #include "solver/plan/couplings.hpp"
+#include "solver/time/halved_bases.hpp"
 #include "solver/time/leading_forms.hpp"
 #include "solver/time/rigid.hpp"
 #include "solver/time/step_load.hpp"
@@ -213,12 +214,13 @@ Vector forces_at_start(const Formulation& formulation, const Evolution& evolutio
                        const Vector& velocity, const Vector& imposed) {
   const Operators& operators = formulation.operators();
   Vector out = Vector::Zero(operators.n_unknowns);
+  SparseMatrix room;
   formulation.loads().add(evolution.grid().t(0), out);
   for (int b = 0; b < operators.n_bases(); ++b) {
     const auto weight = operators.weights.col(b);
     const Vector state = weight[field_of_u(0)] * evolution.u() + weight[field_of_u(1)] * velocity +
                          weight[field_of_u(2)] * imposed;
-    subtract_product(operators.bases[static_cast<std::size_t>(b)], state, out);
+    subtract_product(base_by_rows(operators, b, room), state, out);
   }
   return out;
 }

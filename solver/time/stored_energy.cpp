@@ -9,8 +9,10 @@
 
 namespace hvi::solver {
 
-StoredEnergy::StoredEnergy(const Problem& problem, const Discretisation& d, const RunState& run)
-    : problem_(problem), d_(d), elastic_(matrix_of_field(problem, d, field_of_u(0))),
+StoredEnergy::StoredEnergy(const Problem& problem, const Discretisation& d, const RunState& run,
+                           bool own)
+    : problem_(problem), d_(d), own_(own || run.formulation->operators().halves.empty()),
+      elastic_(own_ ? matrix_of_field(problem, d, field_of_u(0)) : SparseMatrix()),
       load_transfer_(load_transfer(problem, d)), loads_(d.space, d.parts, problem.loads),
       symmetric_(symmetric_to_rounding(elastic_)), moves_(in_motion(problem)) {
   potentials_ = std::ranges::all_of(problem.law_terms, [&](const LawTerm& term) {
@@ -29,7 +31,17 @@ double StoredEnergy::energy(const RunState& run) {
   Vector u = Vector::Zero(d_.space.n_dofs()), force = u;
   run.formulation->scatter(run.evolution.u(), u);
   load(run, force);
-  return elastic(u) + contact(run, u) - force.dot(u);
+  const double elastic_energy = own_ ? elastic(u) : elastic_by_halves(run);
+  return elastic_energy + contact(run, u) - force.dot(u);
+}
+
+double StoredEnergy::elastic_by_halves(const RunState& run) {
+  const Operators& operators = run.formulation->operators();
+  double sum = 0.0;
+  for (int b = 0; b < operators.n_bases(); ++b)
+    sum += operators.weights(field_of_u(0), b) *
+           operators.halves[static_cast<std::size_t>(b)].energy(run.evolution.u());
+  return 0.5 * sum;
 }
 
 double StoredEnergy::contact(const RunState& run, const Vector& u) {

@@ -2,8 +2,9 @@
 //
 //   elastic = <B u, u>/2,   contact = sum_p w_p j(z_p) of the laws on u,   load = <f, u>
 //
-// on full vectors, with a matrix B of its own, so that it also checks the steps. elastic + contact
-// - load is what a stable state makes least.
+// on full vectors, with a matrix B of its own, so that it also checks the steps, or by the halves
+// of the base matrices where they alone are kept. elastic + contact - load is what a stable state
+// makes least.
 #pragma once
 
 #include "solver/time/run_state.hpp"
@@ -12,7 +13,9 @@ namespace hvi::solver {
 
 class StoredEnergy {
 public:
-  StoredEnergy(const Problem& problem, const Discretisation& discretisation, const RunState& run);
+  /// `own`: a matrix B of its own in any case.
+  StoredEnergy(const Problem& problem, const Discretisation& discretisation, const RunState& run,
+               bool own = true);
 
   /// Is it what a state of rest makes least? B is symmetric, nothing moves, and no law reads the
   /// solution or a multiplier, as Coulomb's bound does.
@@ -22,16 +25,19 @@ public:
   /// B where states change it.
   void take_states(const RunState& run);
 
-  const SparseMatrix& matrix() const { return elastic_; } ///< B on all dofs
-  double elastic(const Vector& u) const { return 0.5 * u.dot(elastic_ * u); }
+  const SparseMatrix& matrix() const { return elastic_; }                     ///< B on all dofs
+  double elastic(const Vector& u) const { return 0.5 * u.dot(elastic_ * u); } ///< by that
   /// With the laws and offsets of the run's time.
   double contact(const RunState& run, const Vector& u);
   /// f of the run's time, on all dofs.
   void load(const RunState& run, Vector& out) const;
 
 private:
+  static double elastic_by_halves(const RunState& run);
+
   const Problem& problem_;
   const Discretisation& d_;
+  bool own_;
   SparseMatrix elastic_;
   SparseMatrix load_transfer_; ///< of loads to where the mass is (inertia.hpp)
   LoadAssembler loads_;

@@ -104,7 +104,8 @@ def call(program, command, limit=None):
             "done = subprocess.run(sys.argv[1:])\n"
             "print('PEAK', resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024, file=sys.stderr)\n"
             "sys.exit(done.returncode)")
-    done = subprocess.run([sys.executable, "-c", code, program, command, "scene.hvi", *(["--no-files"] if command == "run" else [])],
+    done = subprocess.run([sys.executable, "-c", code, program, command, "scene.hvi", "--solver", "direct",
+                           *(["--no-files"] if command == "run" else [])],
                           capture_output=True, text=True, preexec_fn=limited)
     return done, float(re.search(r"PEAK (\d+)", done.stderr)[1])
 

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace hvi::solver::test {
 namespace {
 
@@ -77,6 +79,23 @@ TEST(SymmetricBlocks, AddUpToTheBlocksOfASum) {
   }
   const SymmetricBlocks strangers[] = {SymmetricBlocks(slab(5).k), SymmetricBlocks(slab(4).k)};
   EXPECT_TRUE(SymmetricBlocks::sum(strangers, Vector{{1.0, 1.0}}).empty());
+}
+
+/// Entry by entry what was halved; zeros in blocks are no others.
+TEST(SymmetricBlocks, GiveTheMatrixBackByRows) {
+  for (const SparseMatrix& k : {grid_laplacian(9), random_definite(61, 0.1, 5), slab(5).k,
+                                cube(3).k, random_definite(37, 0.9, 2)}) {
+    const SparseMatrix back = SymmetricBlocks(k).by_rows();
+    EXPECT_TRUE(back.isCompressed());
+    EXPECT_EQ((DenseMatrix(back) - DenseMatrix(k.triangularView<Eigen::Upper>()) -
+               DenseMatrix(SparseMatrix(k.transpose()).triangularView<Eigen::StrictlyLower>()))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              0.0);
+    for (int i = 0; i < back.rows(); ++i)
+      EXPECT_TRUE(std::is_sorted(back.innerIndexPtr() + back.outerIndexPtr()[i],
+                                 back.innerIndexPtr() + back.outerIndexPtr()[i + 1]));
+  }
 }
 
 TEST(SymmetricBlocks, AreEmptyWhereHalfWouldNotDo) {
