@@ -78,9 +78,11 @@ class Tree:
             put(self.source / "hvi_mutant.hpp", HEADER.encode())
             self.stamp.write_text(self.digest())
 
-    def configure(self):
+    def configure(self, several_at_once=True):
+        """Sources without mutants are compiled eight at once; the list of commands has a line for each only without that."""
+        unity = ["-DCMAKE_UNITY_BUILD=" + ("ON" if several_at_once else "OFF"), "-DCMAKE_UNITY_BUILD_BATCH_SIZE=8"]
         done = subprocess.run(["cmake", "-S", self.source, "-B", self.build_folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
-                               "-DHVI_BENCH=OFF", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"], capture_output=True, text=True)
+                               "-DHVI_BENCH=OFF", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", *unity], capture_output=True, text=True)
         if done.returncode != 0:
             sys.exit(done.stdout + done.stderr)
 
@@ -195,7 +197,7 @@ def compile_mutants(tree, chosen):
     cpp = " ".join(sorted(f"${{CMAKE_SOURCE_DIR}}/{f}" for f in clean if f.endswith(".cpp")))
     top = tree.source / "CMakeLists.txt"
     put(top, (ROOT / "CMakeLists.txt").read_bytes() + f"\nset_source_files_properties({cpp} DIRECTORY solver lang PROPERTIES "
-        f"COMPILE_OPTIONS \"-O1;-w\")\n".encode())
+        f"COMPILE_OPTIONS \"-O1;-w\" SKIP_UNITY_BUILD_INCLUSION ON)\n".encode())
     tree.configure()
     alive = list(chosen)
     while True:

@@ -119,7 +119,8 @@ class Court:
 
 
 def groups_of(covering, file):
-    """(command, folder, seconds, name): the file's own tests first, then by time; cases of one program run in one process."""
+    """(command, folder, seconds, name): the file's own tests first, then by time, those of the language's text last for a fault in
+    solver/; cases of one program run in one process."""
     start_up = 0.02
     programs, out = collections.defaultdict(list), []
     for test in covering:
@@ -135,4 +136,5 @@ def groups_of(covering, file):
             out.append(([program, f"--gtest_filter={filters}", "--gtest_fail_fast"],
                         part[0]["folder"], sum(max(0.001, c["seconds"] - start_up) for c in part), f"{pathlib.Path(program).name}"))
     own = "test_" + "_".join(file.split("/")[:2])
-    return sorted(out, key=lambda group: (0.1 if group[3] == own else 1) * group[2])
+    elsewhere = re.compile(r"lang[:/]|test_lang_" if file.startswith("solver/") else "$^")
+    return sorted(out, key=lambda group: (0.1 if group[3] == own else 30 if elsewhere.match(group[3]) else 1) * group[2])

@@ -31,8 +31,13 @@ double read_bandwidth(int megabytes) {
   double checksum = 0.0;
   for (int pass = 0; pass < 3; ++pass) {
     const double start = cpu_seconds(); // what other programs take is not counted
-    checksum += sum(array);
-    best = std::min(best, cpu_seconds() - start);
+    double seconds = 0.0;
+    int times = 0; // a clock that ticks every 10 ms may show nothing of one
+    for (; seconds == 0.0; ++times) {
+      checksum += sum(array);
+      seconds = cpu_seconds() - start;
+    }
+    best = std::min(best, seconds / times);
   }
   // The sum is used, so that the passes cannot be left out.
   return checksum > 0.0 ? 8.0 * static_cast<double>(count) / best : 0.0;

@@ -16,7 +16,7 @@
 namespace hvi::solver {
 namespace {
 
-constexpr std::uint32_t format_version = 18;
+constexpr std::uint32_t format_version = 19;
 constexpr std::array<char, 8> magic{'h', 'v', 'i', '-', 's', 't', 'e', 'p'};
 
 struct Header {

@@ -115,7 +115,7 @@ std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples, 
   std::vector<double> largest(values_.size());
   for (std::size_t i = 0; i < values_.size(); ++i) {
     largest[i] = std::abs(values_[i]);
-    for (const double value : columns_[i]) largest[i] = std::max(largest[i], std::abs(value));
+    for (const double value : tables_.column(i)) largest[i] = std::max(largest[i], std::abs(value));
     out[i].name = plan_.report.probes[i].name;
     out[i].absolute =
         safety * std::sqrt(squares[i]) + std::numeric_limits<double>::epsilon() * largest[i];
@@ -125,7 +125,8 @@ std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples, 
     const double xi = now_.xi().size() > 0 ? std::max(now_.xi().lpNorm<Eigen::Infinity>(),
                                                       scale.nothing_of_multipliers)
                                            : 0.0;
-    for (const auto& motion : reference_motions(space_, samples.front(), u, scale, xi)) {
+    for (const auto& motion :
+         reference_motions(discretisation_.space, samples.front(), u, scale, xi)) {
       const auto change = change_along(motion, small_step);
       for (std::size_t i = 0; i < change.size(); ++i) floors[i] += std::abs(change[i]);
     }

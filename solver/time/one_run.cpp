@@ -96,7 +96,7 @@ RunOutcome OneRun::conclude() {
   tell_choice();
   reporter_.finish(result_);
   if (monitor_) finish_monitors();
-  reporter_.tell_unwritten(result_);
+  result_.unwritten = reporter_.files().unwritten();
   clock.charge(result_.timing.output);
   account(result_.work, result_.timing);
   result_.histories = state_.evolution.memory().reports();
@@ -258,7 +258,7 @@ void OneRun::finish_monitors() {
     table.units.push_back(is_energy(name) ? plan_.report.unit_of_energy : "");
   }
   const auto file = settings_.name + "_monitors.csv";
-  reporter_.attempt([&] {
+  reporter_.files().attempt([&] {
     for (const std::string& one : write_table(settings_.output_folder, file, table))
       result_.files.push_back(one);
   });
@@ -305,7 +305,7 @@ void OneRun::checkpoint() {
     w.put(monitor_times_);
     monitor_->save(out);
   }
-  reporter_.attempt([&] {
+  reporter_.files().attempt([&] {
     write_checkpoint(checkpoint_path(settings_.output_folder, settings_.name), fingerprint_,
                      out.view());
   });

@@ -10,8 +10,8 @@
 #pragma once
 
 #include "solver/common/stream.hpp"
-#include "solver/kernel/tape.hpp"
 #include "solver/time/evolution.hpp"
+#include "solver/time/state_rates.hpp"
 
 namespace hvi::solver {
 
@@ -25,33 +25,6 @@ struct StateError {
 /// a body that sticks, is known up to a part of the scale only (certificate.hpp, inclusion_error).
 struct StateInputs {
   Vector values, scales;
-};
-
-/// The rates of a group's states, compiled with their derivatives.
-class StateRates {
-public:
-  StateRates(const Problem& problem, const StateGroup& group, const LawPoints& points);
-
-  /// Of point p at time t: rates and, where they are asked for, their derivatives by the states
-  /// (row by row) and by the inputs. `z`, `inputs`: the point's own.
-  void rates(int p, double t, std::span<const double> z, std::span<const double> inputs,
-             std::span<double> out) const;
-  void derivatives(int p, double t, std::span<const double> z, std::span<const double> inputs,
-                   std::span<double> by_state, std::span<double> by_input) const;
-
-private:
-  struct Source {
-    enum class Kind { place, normal, time, state, input, inside } kind;
-    int index = 0;
-  };
-  std::vector<Source> sources(const Tape& tape, const StateGroup& group) const;
-  void run(const Tape& tape, const std::vector<Source>& sources, int p, double t,
-           std::span<const double> z, std::span<const double> inputs, std::span<double> out) const;
-
-  int n_ = 0;
-  const LawPoints& points_;
-  Tape rates_, derivatives_;
-  std::vector<Source> of_rates_, of_derivatives_;
 };
 
 class PointStates {

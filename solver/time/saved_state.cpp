@@ -117,65 +117,29 @@ void FieldFiles::restore(std::istream& in) {
   resumed_ = true;
 }
 
-/// More points than a body has; sums of two counts are still numbers.
-constexpr int most_events = 1 << 30;
-
 void Reporter::save(std::ostream& out) const {
   StateWriter w(out);
   w.put(values_);
-  w.put(rows_);
-  w.put(times_);
-  for (const auto& column : columns_) w.put(column);
+  tables_.save(w);
   range_.save(out);
   w.put(last_recorded_);
-  w.put(events_);
-  w.put(pending_events_);
-  w.put(static_cast<std::uint64_t>(written_.size()));
-  for (const auto& name : written_) put_text(w, name);
+  w.put(static_cast<std::uint64_t>(files_.names().size()));
+  for (const auto& name : files_.names()) put_text(w, name);
   for (const auto& series : fields_) series.files.save(out);
-  for (const auto& [u, values] : pictures_) {
-    w.put(static_cast<std::uint8_t>(u.size() > 0));
-    if (u.size() == 0) continue;
-    put_vector(w, u);
-    w.put(values);
-  }
-  for (const LineValues& line : lines_) line.save(w);
-  w.put(static_cast<std::uint8_t>(shown_.has_value()));
-  if (shown_) shown_->save(out);
+  pictures_.save(out);
 }
 
 void Reporter::restore(std::istream& in, const RunState& run) {
   StateReader r(in, {});
   values_ = r.get_vector<double>(values_.size());
-  rows_ = r.get_vector<int>();
-  const bool initial = std::ranges::any_of(tables_, [](const auto& t) { return t.from_start; });
-  if (!rows_.empty() && (rows_.front() < (initial ? 0 : 1) || rows_.back() > run.evolution.step() ||
-                         std::ranges::adjacent_find(rows_, std::greater_equal{}) != rows_.end()))
-    r.fail("is inconsistent");
-  times_ = r.get_vector<double>(rows_.size());
-  for (auto& column : columns_) column = r.get_vector<double>(rows_.size());
+  tables_.restore(r, run.evolution.step());
   range_.restore(in);
   last_recorded_ = r.get_between(0, run.evolution.step());
-  events_ = r.get_vector<int>(rows_.size());
-  pending_events_ = r.get<int>();
-  const auto no_count = [](int events) { return events < -1 || events > most_events; };
-  if (std::ranges::any_of(events_, no_count) || no_count(pending_events_))
-    r.fail("is inconsistent");
-  written_.clear();
-  for (auto left = r.get<std::uint64_t>(); left > 0; --left) written_.push_back(get_text(r));
+  files_.names().clear();
+  for (auto left = r.get<std::uint64_t>(); left > 0; --left) files_.names().push_back(get_text(r));
   for (auto& series : fields_) series.files.restore(in);
-  for (std::size_t i = 0; i < pictures_.size(); ++i) {
-    if (r.get<std::uint8_t>() == 0) continue;
-    get_vector(r, pictures_[i].u, space_.n_dofs());
-    pictures_[i].values = r.get_vector<double>(space_.nodes.size() *
-                                               plan_.report.pictures[i].field.components.size());
-  }
-  for (LineValues& line : lines_) line.restore(r);
   now_.take(run);
-  const bool with_frames = r.get<std::uint8_t>() != 0;
-  if (with_frames != shown_.has_value())
-    r.fail(shown_ ? "was saved without pictures" : "was saved with pictures");
-  if (shown_) shown_->restore(in, now_);
+  pictures_.restore(in, now_);
   if (keeps_before_) before_ = now_;
 }
 

@@ -48,6 +48,9 @@ def nodal(order, a, b):
 class Ring(Solid):
     """A solid whose first coordinate is the distance from the axis."""
 
+    def rule(self):
+        return triangle_rule(4) if self.order == 1 else radon()
+
     def stiffness(self, *elastic):
         matrix = voigt(elastic[0] if len(elastic) == 1 else elastic)
         k = np.zeros((self.n, self.n))
@@ -57,7 +60,7 @@ class Ring(Solid):
             inner = np.linalg.inv(edges)
             barycentric = np.vstack([-inner.sum(0), inner])
             dofs = self.dofs(self.nodes(cell))
-            for b, weight in triangle_rule(4) if self.order == 1 else radon():
+            for b, weight in self.rule():
                 g, v, r = slopes(self.order, b) @ barycentric, shapes(self.order, b), np.dot(b, x[:, 0])
                 strain = np.zeros((4, len(dofs)))
                 strain[0, 0::2], strain[1, 1::2], strain[2, 0::2] = g[:, 0], g[:, 1], v / r

@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 
+NEAR = [1e-9, 1e-11, 1e-13]  # a break, relative to displacements, where the states are those of an answer
 ROUNDING = 1e-9  # of displacements and multipliers in the last check, relative to the scene's own
 
 
@@ -107,6 +108,17 @@ def ratio(inverse, points):
     return float(np.linalg.eigvalsh(g @ inverse @ g.T).max())
 
 
+def state_at(law, z, as_one):
+    """As in `solve` of a law: where a jump holds z, else the piece that z lies in."""
+    if law.radial:
+        return ("origin",) if np.linalg.norm(z) <= as_one else ("slip",)
+    for i, at in enumerate(law.breaks):
+        low, high = law.limits(i)
+        if abs(z[0] - at) <= as_one and high > low:
+            return "at", i
+    return "in", sum(z[0] > at for at in law.breaks)
+
+
 class Step:
     """One step's equations condensed to the rows of the points."""
 
@@ -156,6 +168,16 @@ class Step:
             if u is not None:
                 return u
         return None
+
+    def accepts(self, f, u):
+        """Is u, found elsewhere, a solution: has every point a multiplier on its law there, and do they balance the forces?"""
+        self.scale = float(np.abs(self.inverse @ f).max()) or 1.0
+        z = self.g @ u + self.offset
+        for as_one in NEAR:
+            self.states = [state_at(p.law, z[rows], as_one * self.scale) for p, rows in zip(self.points, self.rows)]
+            if self.holds(u, f):
+                return True
+        return False
 
     def polish(self, f):
         """Newton on the equations of the states, from u of the sweeps; None where they do not hold."""

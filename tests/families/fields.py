@@ -44,6 +44,10 @@ class Scalar:
         self.n = len(self.solid.points)
         self.rule = triangle_rule(4) if mesh.dim == 2 else tetrahedron_rule()
 
+    def points_in(self, cell):
+        """Barycentric coordinates and weights as shares of the cell."""
+        return self.rule
+
     def cells(self):
         for cell in self.own_cells:
             x = self.mesh.points[cell]
@@ -59,7 +63,7 @@ class Scalar:
         mass, stiffness = np.zeros((2, self.n, self.n))
         for cell, volume, barycentric in self.cells():
             nodes = self.solid.nodes(cell)
-            for b, weight in self.rule:
+            for b, weight in self.points_in(cell):
                 v, g = shapes(self.order, b), slopes(self.order, b) @ barycentric
                 mass[np.ix_(nodes, nodes)] += weight * volume * np.outer(v, v)
                 stiffness[np.ix_(nodes, nodes)] += weight * volume * g @ g.T
@@ -70,10 +74,14 @@ class Scalar:
         out = np.zeros((self.n, body.n))
         for cell, volume, barycentric in self.cells():
             nodes, dofs = self.solid.nodes(cell), body.dofs(body.nodes(cell))
-            for b, weight in self.rule:
-                g = slopes(body.order, b) @ barycentric
-                out[np.ix_(nodes, dofs)] += weight * volume * np.outer(shapes(self.order, b), g.ravel())
+            for b, weight in self.points_in(cell):
+                div = self.divergences(body, cell, barycentric, b)
+                out[np.ix_(nodes, dofs)] += weight * volume * np.outer(shapes(self.order, b), div)
         return out
+
+    def divergences(self, body, cell, barycentric, b):
+        """Of the body's functions at a point of a cell."""
+        return (slopes(body.order, b) @ barycentric).ravel()
 
     def law_points(self, name, rule):
         """(weight, row of values)"""
@@ -166,7 +174,7 @@ class Scene:
         self.diffusion = 10 ** random.uniform(-3, 1)
 
     def assemble(self):
-        solid, scalar, k = self.solid, self.scalar, 1 / self.steps
+        solid, scalar = self.solid, self.scalar
         n, m = solid.n, scalar.n
         mass, stiffness = scalar.mass_and_stiffness()
         div = scalar.divergence(solid)
@@ -178,12 +186,17 @@ class Scene:
         held = [solid.dofs(solid.on(self.clamped)), n + scalar.missing()]
         if self.kind != "incompressible":
             held.append(n + np.array(scalar.solid.on(self.given)))
-        self.free = np.setdiff1d(np.arange(n + m), np.concatenate(held))
-        self.of_p = self.free >= n
         self.m = np.zeros_like(self.a)
         if self.density:
-            self.m[:n, :n] = self.density * mass_of(solid)
-        self.k = (self.m / k ** 2 + self.a / k + self.b)[np.ix_(self.free, self.free)]
+            self.m[:n, :n] = self.density * self.mass()
+        self.leave_free(np.setdiff1d(np.arange(n + m), np.concatenate(held)))
+
+    def mass(self):
+        return mass_of(self.solid)
+
+    def leave_free(self, free):
+        self.free, self.of_p, k = free, free >= self.solid.n, 1 / self.steps
+        self.k = (self.m / k ** 2 + self.a / k + self.b)[np.ix_(free, free)]
 
     def weight(self):
         """Of the scalar's equation, with which the couplings cancel."""
@@ -198,7 +211,8 @@ class Scene:
         of_u = solid.body_load(self.force) + solid.facet_load("right", self.traction)
         of_p = np.zeros(scalar.n)
         for cell, volume, _ in scalar.cells():
-            of_p[scalar.solid.nodes(cell)] += self.source * volume * sum(w * shapes(scalar.order, b) for b, w in scalar.rule)
+            values = sum(w * shapes(scalar.order, b) for b, w in scalar.points_in(cell))
+            of_p[scalar.solid.nodes(cell)] += self.source * volume * values
         self.load = np.concatenate([of_u, of_p])[self.free]
 
     def choose_laws(self):
@@ -208,15 +222,16 @@ class Scene:
         reaches = {"u": float(np.abs(free[~self.of_p]).max()) or 1.0, "p": float(np.abs(free[self.of_p]).max()) or 1.0}
         self.reaches = dict(reaches, rate=reaches["u"] * self.steps)
         pressures = {"u": float(np.abs(self.load[~self.of_p]).sum()) / area, "p": float(np.abs(self.load[self.of_p]).sum()) / area}
+        pressures["p"] = pressures["p"] or reaches["u"]  # of an incompressible body: what flows out
         pressures = {key: v or 1.0 for key, v in dict(pressures, rate=pressures["u"]).items()}
         self.terms = []
         for name in ("first", "second", "third")[:1 + int(random.integers(3))]:
-            sees = str(random.choice(["u", "rate"] if self.kind == "incompressible" else ["u", "rate", "p"]))
+            sees = self.seen_by_a_law()
             self.reach, self.pressure = self.reaches[sees], pressures[sees]
             rubs = any(isinstance(t.law, Friction) for t in self.terms)
             if sees == "p":
                 law, argument = orientation.Scene.normal_law(self), ""
-                while isinstance(law, Unilateral):  # nothing is known to hold p there
+                while not self.may_act_on_p(law):
                     law = orientation.Scene.normal_law(self)
             elif rubs or random.random() < 0.6:
                 law, argument = orientation.Scene.normal_law(self), ".nu"
@@ -229,6 +244,12 @@ class Scene:
                 return
             orientation.Scene.soften(self, 0.5)
         raise AssertionError("no convex step")
+
+    def seen_by_a_law(self):
+        return str(self.random.choice(["u", "rate"] if self.kind == "incompressible" else ["u", "rate", "p"]))
+
+    def may_act_on_p(self, law):
+        return not isinstance(law, Unilateral)  # nothing is known to hold p there
 
     def law_points(self, before=None):
         """Of a step: rows on the free unknowns; `before`: those of the last one."""
@@ -246,7 +267,7 @@ class Scene:
         """Of softening to stiffness, in the form that the weight of the scalar's equation makes of the couplings."""
         weights = np.where(self.of_p, self.weight(), 1.0)
         k = (weights[:, None] * self.k + (weights[:, None] * self.k).T) / 2
-        seen = ~self.of_p if self.kind == "incompressible" else np.ones(len(k), bool)
+        seen = np.ones(len(k), bool) if self.capacity or self.diffusion else ~self.of_p
         points = self.law_points()
         for p in points:
             p.rows, p.weight = p.rows[:, seen], p.weight * (self.weight() if p.of_p else 1.0)

@@ -68,13 +68,15 @@ class PairTerm(warm.WarmTerm):
 class Scene(warm.Scene):
     choose_bodies, place = pairs.Scene.choose_bodies, pairs.Scene.place
     solid_of_bodies, pair_points = pairs.Scene.solid_of_bodies, pairs.Scene.pair_points
+    rings = False  # bodies of revolution
 
     def __init__(self, random):
-        self.random, self.kind = random, "coupled"
+        self.random = random
         self.dim = 2 if random.random() < 0.75 else 3
         self.order = 2 if random.random() < 0.35 else 1
+        self.choose_kind()
         self.choose_bodies()
-        self.scalar = fields.Scalar(self.mesh, self.order_of_scalar())
+        self.scalar = self.make_scalar(self.order_of_scalar())
         self.places = {order: self.places_of_order(order) for order in {self.order, self.scalar.order}}
         self.given = "held"
         self.steps = int(random.integers(1, 4))
@@ -85,14 +87,21 @@ class Scene(warm.Scene):
         self.choose_loads()
         self.choose_laws()
 
+    def choose_kind(self):
+        self.kind = "coupled"
+
     def order_of_scalar(self):
         return self.order
+
+    def make_scalar(self, order):
+        return fields.Scalar(self.mesh, order)
 
     def places_of_order(self, order):
         """Points of the pair with rows of u; rows of the scalar's jump and of its mean there."""
         sides, out = [self.mesh.facets[s] for s in self.sides], []
         second = self.scalar.solid.on(self.sides[1])
-        for p, q in zip(*(pair_points(Solid(self.mesh, order), *sides, trace)[0] for trace in (self.solid, self.scalar.solid))):
+        for p, q in zip(*(pair_points(Solid(self.mesh, order), *sides, trace, self.rings)[0]
+                          for trace in (self.solid, self.scalar.solid))):
             jump = q.jump[0, ::self.dim]
             mean = jump / 2
             mean[second] = -jump[second] / 2

@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <string>
+#include <vector>
 
 namespace hvi::solver {
 namespace {
@@ -77,6 +80,156 @@ TEST(Verdicts, AMarginThatIsRoundingProvesNothing) {
   EXPECT_FALSE(unique(5e-10));
   EXPECT_FALSE(unique(0.0));
   EXPECT_FALSE(unique(-std::numeric_limits<double>::infinity()));
+}
+
+/// A kind of problem for which a theorem is claimed.
+struct Kind {
+  const char* name;
+  VerdictFacts facts;
+  RateForm rate_form;
+  const char* due; ///< a part of whom the theorem is due to
+  /// Of H(A), H(B), H(E), H(q), H(J), H(M), H(f), H(rho): what it needs.
+  std::vector<std::string> needs;
+  bool regular, first_order; ///< u in H1(0, T; V); the error O(h + k)
+};
+
+std::vector<Kind> kinds() {
+  VerdictFacts plain;
+  plain.whole = plain.split = plain.against_b = plain.rate_against_a = 0.1, plain.steps_margin = 1;
+  const auto with = [&](auto change) {
+    VerdictFacts facts = plain;
+    change(facts);
+    return facts;
+  };
+  return {
+      {"static",
+       with([](VerdictFacts& f) { f.is_static = true; }),
+       RateForm::none,
+       "",
+       {"H(B)", "H(J)", "H(M)", "H(f)"},
+       true,
+       true},
+      {"springs",
+       with([](VerdictFacts& f) { f.is_static = f.semi_coercive = f.springs_hold = true; }),
+       RateForm::none,
+       "",
+       {"H(J)", "H(f)"},
+       true,
+       true},
+      {"at each t",
+       plain,
+       RateForm::none,
+       "",
+       {"H(B)", "H(E)", "H(J)", "H(M)", "H(f)"},
+       false,
+       false},
+      {"with memory",
+       with([](VerdictFacts& f) { f.has_memory = true; }),
+       RateForm::none,
+       "",
+       {"H(B)", "H(E)", "H(J)", "H(M)", "H(f)"},
+       false,
+       false},
+      {"in V",
+       plain,
+       RateForm::in_v,
+       "",
+       {"H(A)", "H(E)", "H(q)", "H(J)", "H(M)", "H(f)"},
+       true,
+       true},
+      {"in H",
+       plain,
+       RateForm::in_h,
+       "",
+       {"H(B)", "H(E)", "H(q)", "H(J)", "H(M)", "H(f)"},
+       false,
+       false},
+      {"on rates",
+       with([](VerdictFacts& f) { f.has_rate_laws = true; }),
+       RateForm::in_v,
+       "Matei 2011",
+       {"H(A)", "H(E)", "H(J)", "H(M)", "H(f)"},
+       true,
+       false},
+      {"on memories",
+       with([](VerdictFacts& f) { f.has_memory_laws = true; }),
+       RateForm::in_v,
+       "Patrulescu 2014",
+       {"H(A)", "H(E)", "H(q)", "H(J)", "H(M)", "H(f)"},
+       true,
+       false},
+      {"in motion",
+       with([](VerdictFacts& f) { f.moves = true; }),
+       RateForm::in_v,
+       "Kulig 2013",
+       {"H(rho)", "H(A)", "H(E)", "H(J)", "H(M)", "H(f)"},
+       true,
+       false},
+  };
+}
+
+HypothesisReport judged(const Kind& kind, const std::string& failing = "") {
+  HypothesisReport report;
+  report.rate_form = kind.rate_form;
+  report.margins = {-1, -1, -1, -1, -1};
+  for (const char* name : {"H(A)", "H(B)", "H(E)", "H(q)", "H(J)", "H(M)", "H(f)", "H(rho)"}) {
+    Hypothesis row;
+    row.name = name;
+    row.answer = name == failing ? Answer::fails : Answer::holds;
+    report.hypotheses.push_back(row);
+  }
+  give_verdicts(kind.facts, report);
+  return report;
+}
+
+const Hypothesis* claim(const HypothesisReport& report, const std::string& what) {
+  for (const Hypothesis& row : report.hypotheses)
+    if (row.name == "theorem" && row.what == what) return &row;
+  return nullptr;
+}
+
+/// Each theorem is claimed where what it needs holds, not where one of that fails, and says to whom
+/// it is due; what falls away of the paper's claims says why.
+TEST(Verdicts, EveryTheoremNeedsItsHypothesesAndNoOthers) {
+  for (const Kind& kind : kinds()) {
+    SCOPED_TRACE(kind.name);
+    const auto report = judged(kind);
+    EXPECT_TRUE(report.continuous) << report.continuous_verdict;
+    EXPECT_TRUE(has(report.continuous_verdict, kind.due)) << report.continuous_verdict;
+    ASSERT_NE(claim(report, "one solution"), nullptr);
+    EXPECT_EQ(claim(report, "one solution")->answer, Answer::holds);
+    EXPECT_TRUE(has(claim(report, "one solution")->note, kind.due));
+    const Hypothesis *regular = claim(report, "u in H1(0, T; V)"),
+                     *order = claim(report, "error O(h + k) in V");
+    ASSERT_EQ(regular == nullptr, kind.facts.is_static);
+    if (regular != nullptr) {
+      EXPECT_EQ(regular->answer == Answer::holds, kind.regular) << regular->note;
+      EXPECT_EQ(regular->note.empty(), kind.regular) << regular->note;
+      EXPECT_EQ(order->answer == Answer::holds, kind.first_order) << order->note;
+      EXPECT_FALSE(order->note.empty()); // for whom, or why not
+    }
+    for (const Hypothesis& row : report.hypotheses) {
+      if (row.name == "theorem") continue;
+      const bool needed = std::ranges::find(kind.needs, row.name) != kind.needs.end();
+      const auto without = judged(kind, row.name);
+      EXPECT_EQ(without.continuous, !needed) << row.name << ": " << without.continuous_verdict;
+    }
+  }
+}
+
+/// Laws on u' may not soften faster than A; the estimate on ever finer meshes counts where there is
+/// one.
+TEST(Verdicts, LawsOnRatesNeedAMargin) {
+  for (const double of_mesh : {-0.1, 0.1})
+    for (const std::optional<double>& finer : {std::optional<double>(), {0.0}, {0.1}}) {
+      VerdictFacts facts;
+      facts.has_rate_laws = true;
+      facts.rate_against_a = finer;
+      Margins margins{};
+      margins.rate_against_a = of_mesh;
+      const auto report = judged(facts, RateForm::in_v, margins);
+      EXPECT_EQ(report.continuous, finer.value_or(of_mesh) > 0.0) << report.continuous_verdict;
+    }
 }
 
 } // namespace

@@ -49,6 +49,26 @@ TEST(RigidMotions, AreThoseThatImposedValuesAllow) {
   EXPECT_THAT(about.describe(vector({1.0})), HasSubstr("the body turns about (0, 1)"));
 }
 
+/// A box held at two corners turns about the line through them, which does not meet its centre.
+TEST(RigidMotions, OfABoxHeldAtTwoCornersTurnAboutTheirLine) {
+  auto plan = slab(2, 1, 3);
+  PartSpec corner{"corner", {}, {}};
+  corner.region.kind = RegionSpec::Kind::point;
+  const auto about = [&](const Point& a, const Point& b) {
+    auto held = plan;
+    for (const Point& x : {a, b}) {
+      corner.region.point = x;
+      held.problem.parts.push_back(corner);
+    }
+    Discretisation d;
+    const auto motions = motions_of(held, {clamp(4), clamp(5)}, d);
+    return motions.count() == 1 ? motions.describe(vector({1.0})) : "not one motion";
+  };
+  EXPECT_THAT(about({0, 0, 0}, {0, 1, 0}), HasSubstr("turns about the line through (0, 0.5, 0)"));
+  EXPECT_THAT(about({0, 1, 1}, {2, 1, 1}), HasSubstr("turns about the line through (1, 1, 1)"));
+  EXPECT_THAT(about({2, 1, 0}, {2, 1, 1}), HasSubstr("turns about the line through (2, 1, 0.5)"));
+}
+
 /// Rigid: no strain in any cell, whatever the amplitudes.
 TEST(RigidMotions, StrainNothing) {
   Discretisation d;

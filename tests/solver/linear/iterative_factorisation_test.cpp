@@ -1,0 +1,68 @@
+#include "solver/common/failure.hpp"
+#include "solver/linear/iterative_factorisation.hpp"
+
+#include <gtest/gtest.h>
+
+namespace hvi::solver::test {
+namespace {
+
+/// Divides by the diagonal 1, 2, .., n, and says of every solve what it is told to.
+class Diagonal final : public IterativeSolver {
+public:
+  explicit Diagonal(IterativeAnswer::Outcome outcome = IterativeAnswer::Outcome::solved)
+      : outcome_(outcome) {}
+  void matrix_changed() override {}
+  void set_free_motions(const DenseMatrix&) override {}
+  bool set_laws(const SparseMatrix&, bool) override { return true; }
+  const SparseMatrix* laws() const override { return nullptr; }
+  IterativeAnswer solve(const Vector& b, double, Vector& x) override {
+    x = b;
+    for (Eigen::Index i = 0; i < b.size(); ++i) x[i] /= static_cast<double>(i + 1);
+    IterativeAnswer answer;
+    answer.outcome = outcome_;
+    return answer;
+  }
+  const IterativeStatistics& statistics() const override { return statistics_; }
+
+private:
+  IterativeAnswer::Outcome outcome_;
+  IterativeStatistics statistics_;
+};
+
+SparseMatrix identity(int n) {
+  SparseMatrix out(n, n);
+  out.setIdentity();
+  return out;
+}
+
+TEST(IterativeFactorisation, SolvesSeveralRightHandSidesSideBySide) {
+  Diagonal solver;
+  constexpr int n = 3, count = 2;
+  const auto factorisation = iterative_factorisation(solver, n);
+  DenseMatrix rows(RightHandSides::stride_of(count), n); // a column for each unknown
+  for (Eigen::Index i = 0; i < rows.size(); ++i) rows.data()[i] = static_cast<double>(i + 1);
+  DenseMatrix expected = rows;
+  for (int i = 0; i < n; ++i) expected.col(i).head(count) /= i + 1;
+  factorisation->back(RightHandSides(rows, count), Columns::interior);
+  EXPECT_TRUE(rows.isApprox(expected, 1e-15)) << rows;
+}
+
+TEST(IterativeFactorisation, KeepsTheOrderOfTheUnknowns) {
+  Diagonal solver;
+  const auto factorisation = iterative_factorisation(solver, 4);
+  EXPECT_EQ(factorisation->order().interior, 4);
+  for (int i = 0; i < 4; ++i)
+    EXPECT_EQ(factorisation->order().unknown[static_cast<std::size_t>(i)], i);
+}
+
+TEST(IterativeFactorisation, SaysWhyItDoesNotSolve) {
+  Diagonal indefinite(IterativeAnswer::Outcome::indefinite);
+  EXPECT_THROW(iterative_factorisation(indefinite, 2)->factor(identity(2)), NotFactorable);
+  Diagonal stagnated(IterativeAnswer::Outcome::stagnated);
+  EXPECT_THROW(iterative_factorisation(stagnated, 2)->factor(identity(2)), Failure);
+  Diagonal solver;
+  EXPECT_NO_THROW(iterative_factorisation(solver, 2)->factor(identity(2)));
+}
+
+} // namespace
+} // namespace hvi::solver::test
