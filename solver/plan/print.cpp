@@ -34,6 +34,10 @@ std::string to_string(Branch branch) {
   return name_of(std::array{"continuing", "release", "least energy"}, branch);
 }
 
+std::string to_string(LinearSolver solver) {
+  return name_of(std::array{"direct", "iterative", "automatic", "direct if it fits"}, solver);
+}
+
 /// Numbers with all their digits, the same on every machine.
 std::string number(double value) { return fmt::format("{}", value); }
 
@@ -266,8 +270,9 @@ private:
   }
 
   void print(const SolverOptions& o) {
-    line("options tolerance {}, memory {} (route {}), branch {}, threads {}", number(o.tolerance),
-         number(o.memory_tolerance), to_string(o.route), to_string(o.branch), o.threads);
+    line("options tolerance {}, memory {} (route {}), branch {}, solver {}, threads {}", number(o.tolerance),
+         number(o.memory_tolerance), to_string(o.route), to_string(o.branch), to_string(o.solver),
+         o.threads);
   }
 
   void probe(std::size_t i, const Probe& p) {

@@ -16,7 +16,7 @@
 namespace hvi::solver {
 namespace {
 
-constexpr std::uint32_t format_version = 19;
+constexpr std::uint32_t format_version = 20;
 constexpr std::array<char, 8> magic{'h', 'v', 'i', '-', 's', 't', 'e', 'p'};
 
 struct Header {
@@ -146,6 +146,7 @@ std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh) {
   Plan same = plan; // what may differ between two places or machines is left out
   same.problem.mesh.path.clear();
   same.options.threads = 1;
+  same.options.solver = {}; // memory may choose it: saved state
   same.problem.time.grid.clear(); // a run may go on beyond its end: the state knows the steps taken
   for (auto& history : same.problem.histories)
     history.route.reset(); // audits choose it: saved state

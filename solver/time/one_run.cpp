@@ -37,7 +37,7 @@ OneRun::OneRun(const Plan& plan, const Discretisation& discretisation, const Run
   result_.timing.mesh = discretisation.seconds;
   result_.unknowns = state_.formulation->whole_layout().n_unknowns;
   result_.path = state_.formulation->obstacle();
-  result_.solver = state_.formulation->operators().chosen;
+  result_.solver = restarts.solver.value_or(state_.formulation->operators().chosen);
   if (result_.path.empty())
     result_.certificate.mode =
         fmt::format("contact rows every step; all rows at outputs, at the last step and at {} "
@@ -297,7 +297,7 @@ void OneRun::checkpoint() {
   std::ostringstream out;
   out.exceptions(std::ios::badbit); // memory that runs out is no shorter state
   StateWriter w(out);
-  restarts_.save(w);
+  restarts_.save(w, result_.solver);
   w.put(static_cast<std::uint8_t>(monitor_.has_value()));
   stepper_.save(out);
   save_findings(out);
@@ -332,7 +332,7 @@ void OneRun::restore_findings(std::istream& in) {
 
 std::optional<HorizonEnd> OneRun::restore(std::istream& in) {
   StateReader r(in, {});
-  Restarts().restore(r, plan_.problem.histories.size()); // read before: they decide the plan
+  Restarts().restore(r, plan_); // read before: they decide the plan
   if ((r.get<std::uint8_t>() != 0) != monitor_.has_value())
     r.fail(monitor_ ? "was saved without monitors" : "was saved with monitors");
   if (auto end = stepper_.restore(in)) return end;

@@ -33,6 +33,7 @@ public:
   /// All steps have been taken, each with its certificate.
   void certify() { result_.certificate.certified = true; }
   int steps() const { return state_.evolution.grid().steps(); }
+  const ChosenSolver& solver() const { return result_.solver; }
   /// The probes at the last recorded step; NaN where the time of one has not come.
   std::span<const double> values() const { return reporter_.values(); }
   /// Do states hold the contact unknowns only?

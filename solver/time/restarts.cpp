@@ -63,21 +63,32 @@ Plan Restarts::applied(const Plan& plan) const {
   for (std::size_t m = 0; m < routes.size(); ++m)
     if (routes[m] >= 0) out.problem.histories[m].route = static_cast<HistoryRoute>(routes[m]);
   if (both_sides) out.options.jumps_as_unknowns = false;
+  if (solver) out.options.solver = solver->solver;
   return out;
 }
 
-void Restarts::save(StateWriter& w) const {
+void Restarts::save(StateWriter& w, const ChosenSolver& chosen) const {
   w.put(static_cast<std::uint8_t>(both_sides));
   w.put(routes);
   put_notes(w, notes);
+  w.put(static_cast<std::uint8_t>(chosen.solver));
+  put_text(w, chosen.why);
 }
 
-void Restarts::restore(StateReader& r, std::size_t n_histories) {
+void Restarts::restore(StateReader& r, const Plan& plan) {
   both_sides = r.get<std::uint8_t>() != 0;
-  routes = r.get_vector<int>(n_histories);
+  routes = r.get_vector<int>(plan.problem.histories.size());
   for (const int route : routes)
     if (route < -1 || route > static_cast<int>(HistoryRoute::direct)) r.fail("is inconsistent");
   notes = get_notes(r);
+  const auto number = r.get<std::uint8_t>();
+  if (number > static_cast<std::uint8_t>(LinearSolver::iterative)) r.fail("is inconsistent");
+  solver = {static_cast<LinearSolver>(number), get_text(r)};
+  const LinearSolver asked = plan.options.solver;
+  if ((asked == LinearSolver::direct || asked == LinearSolver::iterative) &&
+      asked != solver->solver)
+    r.fail(asked == LinearSolver::direct ? "was written by a run with `solver = iterative`"
+                                         : "was written by a run with `solver = direct`");
 }
 
 void with_its_name(const std::filesystem::path& file, const std::function<void()>& read) {

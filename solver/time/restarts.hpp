@@ -16,12 +16,14 @@ namespace hvi::solver {
 void put_notes(StateWriter& w, const std::vector<StepNote>& notes);
 std::vector<StepNote> get_notes(StateReader& r);
 
-/// What earlier tries have changed so far: the routes of memories, the unknowns of pairs, and the
-/// notes on them.
+/// What earlier tries have changed or chosen so far: the routes of memories, the unknowns of pairs,
+/// the linear solver, and the notes on them.
 struct Restarts {
   std::vector<int> routes;     ///< by history; -1: the plan's own
   bool checks_at_once = false; ///< a check that was put off has failed before
   bool both_sides = false;     ///< jumps across pairs are no unknowns any more
+  /// Of the state that is gone on from: it has that solver's unknowns.
+  std::optional<ChosenSolver> solver;
   std::vector<StepNote> notes;
 
   void take(const MemoryMistrust& mistrust);
@@ -34,8 +36,10 @@ struct Restarts {
   /// What has changed in a run that has ended well, and which routes its memories took.
   void add_notes(const Plan& plan, RunResult& result) const;
 
-  void save(StateWriter& w) const;
-  void restore(StateReader& r, std::size_t n_histories);
+  /// `chosen`: by the run that is saved.
+  void save(StateWriter& w, const ChosenSolver& chosen) const;
+  /// Throws Failure(bad_checkpoint) where the plan asks for another solver than the saved one.
+  void restore(StateReader& r, const Plan& plan);
 };
 
 /// Reads a saved state: any error found in it names the file. Throws Failure(bad_checkpoint).

@@ -79,7 +79,7 @@ RunResult run_all(const Plan& plan, const Discretisation& discretisation,
     std::istringstream in(*saved);
     StateReader r(in, {});
     with_its_name(checkpoint_path(settings.output_folder, settings.name),
-                  [&] { restarts.restore(r, plan.problem.histories.size()); });
+                  [&] { restarts.restore(r, plan); });
   }
   for (;;) {
     const Plan tried = restarts.applied(plan);

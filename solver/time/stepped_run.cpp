@@ -115,6 +115,7 @@ private:
 
   /// From the accepted state; where that fails the run is what it was.
   void take(const Plan& plan) {
+    restarts_.solver = run_->solver(); // its unknowns are those of the state
     const Plan next = applied(plan);
     if (!only_loads_differ(*plan_, next)) return go_on_as(next);
     const Plan before = *plan_;

@@ -45,7 +45,7 @@ TEST(PrintPlan, ReadsAsThePlan) {
                 " * v.x\n"
                 "static\n"
                 "options tolerance 1e-10, memory 1e-08 (route automatic), branch continuing, "
-                "threads 1\n");
+                "solver direct if it fits, threads 1\n");
 }
 
 TEST(PrintPlan, LawsMemoryTimeAndReport) {
