@@ -1,4 +1,5 @@
 // The command line, and nothing else.
+#include "lang/cli/among_processes.hpp"
 #include "lang/cli/commands.hpp"
 #include "lang/cli/heap.hpp"
 #include "lang/cli/no_memory.hpp"
@@ -283,5 +284,5 @@ int main(int argc, char** argv) {
   open_standard_streams();
   std::signal(SIGXFSZ, SIG_IGN); // a file beyond a limit is a failed write, with a message
   std::signal(SIGPIPE, SIG_IGN); // and so is a pipe that nobody reads
-  return flushed(run_program(argc, argv));
+  return hvi::lang::among_processes([&] { return flushed(run_program(argc, argv)); });
 }

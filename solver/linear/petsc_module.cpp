@@ -5,6 +5,9 @@
 #include "solver/common/out_of_memory.hpp"
 #include "solver/linear/iterative_solver.hpp"
 #include "solver/linear/petsc/bridge.h"
+#include "solver/linear/processes.hpp"
+
+#include <cstdlib>
 
 namespace hvi::solver {
 namespace {
@@ -117,6 +120,39 @@ private:
 };
 
 } // namespace
+
+Processes started_processes() {
+  const auto number = [](const char* name) {
+    const char* text = std::getenv(name);
+    return text == nullptr ? -1 : std::atoi(text);
+  };
+  for (const auto& [rank, count] : {std::pair("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"),
+                                    std::pair("PMI_RANK", "PMI_SIZE")})
+    if (number(rank) >= 0 && number(count) > number(rank)) return {number(rank), number(count)};
+  return {};
+}
+
+void lead(const Processes& processes) {
+  std::string message(2000, '\0');
+  const int status = module_function<HviPetscLead>(petsc_module, "hvi_petsc_lead")(
+      processes.count, message.data(), message.size());
+  if (status == hvi_petsc_no_memory) throw OutOfMemory("no memory for the iterative solver");
+  if (status != 0)
+    throw Failure(FailureKind::not_certified, {}, message.c_str(),
+                  "start hvi-run by the mpirun of the MPI that PETSc is built with");
+}
+
+int dismiss(int exit_code) {
+  return module_function<HviPetscDismiss>(petsc_module, "hvi_petsc_dismiss")(exit_code);
+}
+
+int serve(const Processes& processes) {
+  try {
+    return module_function<HviPetscServe>(petsc_module, "hvi_petsc_serve")(processes.count);
+  } catch (const Failure&) {
+    return 0;
+  }
+}
 
 bool petsc_is_there() {
   try {

@@ -1,14 +1,21 @@
 // The entry points of libhvi_petsc.so.
 #include "solver/linear/petsc/bridge.h"
 
+#include "solver/linear/petsc/commands.hpp"
 #include "solver/linear/petsc/krylov.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <new>
+#include <string>
 
-struct HviPetscSolver : hvi::petsc_module::Krylov {
-  using Krylov::Krylov;
+struct HviPetscSolver {
+  HviPetscSolver(int number_of_it, const HviPetscMatrix& k, bool symmetric,
+                 const HviPetscUnknowns& unknowns)
+      : number(number_of_it), krylov(k, symmetric, unknowns) {}
+  int number; ///< by which the other processes know it
+  hvi::petsc_module::Krylov krylov;
 };
 
 namespace hvi::petsc_module {
@@ -28,55 +35,109 @@ int guarded(F&& f, char* message, std::size_t capacity) {
   try {
     return f();
   } catch (const std::bad_alloc&) {
+    give_up();
     return hvi_petsc_no_memory;
   } catch (const std::exception& e) {
+    give_up();
     return report(e.what(), message, capacity);
   } catch (...) {
+    give_up();
     return report("an unknown error in PETSc", message, capacity);
   }
 }
 
+/// Have all the processes that the launcher started found each other?
+bool complete(int expected) { return processes() == expected; }
+
+int solvers = 0; // so far
+
 } // namespace
 } // namespace hvi::petsc_module
+
+using namespace hvi::petsc_module;
 
 extern "C" {
 int hvi_petsc_open(const HviPetscMatrix* k, int symmetric, const HviPetscUnknowns* unknowns,
                    HviPetscSolver** solver, char* message, std::size_t capacity) {
-  return hvi::petsc_module::guarded(
+  return guarded(
       [&] {
-        hvi::petsc_module::start();
-        *solver = new HviPetscSolver(*k, symmetric != 0, *unknowns);
+        start();
+        const int number = ++solvers;
+        announce({Command::open, number, symmetric});
+        *solver = new HviPetscSolver(number, *k, symmetric != 0, *unknowns);
         return 0;
       },
       message, capacity);
 }
 
 int hvi_petsc_changed(HviPetscSolver* solver, char* message, std::size_t capacity) {
-  return hvi::petsc_module::guarded([&] { return solver->matrix_changed(), 0; }, message, capacity);
+  return guarded(
+      [&] {
+        announce({Command::changed, solver->number});
+        solver->krylov.matrix_changed();
+        return 0;
+      },
+      message, capacity);
 }
 
 int hvi_petsc_free(HviPetscSolver* solver, const double* motions, int count, char* message,
                    std::size_t capacity) {
-  return hvi::petsc_module::guarded([&] { return solver->set_free_motions(motions, count), 0; },
-                                    message, capacity);
+  return guarded(
+      [&] {
+        announce({Command::free, solver->number, count});
+        solver->krylov.set_free_motions(motions, count);
+        return 0;
+      },
+      message, capacity);
 }
 
 int hvi_petsc_laws(HviPetscSolver* solver, const HviPetscMatrix* h, int symmetric, char* message,
                    std::size_t capacity) {
-  return hvi::petsc_module::guarded(
-      [&] { return solver->set_laws(*h, symmetric != 0) ? 0 : hvi_petsc_no_factor; }, message,
-      capacity);
+  return guarded(
+      [&] {
+        announce({Command::laws, solver->number, symmetric});
+        return solver->krylov.set_laws(*h, symmetric != 0) ? 0 : hvi_petsc_no_factor;
+      },
+      message, capacity);
 }
 
 int hvi_petsc_solve(HviPetscSolver* solver, const double* b, double reduction, double* x,
                     HviPetscAnswer* answer, char* message, std::size_t capacity) {
-  return hvi::petsc_module::guarded([&] { return *answer = solver->solve(b, reduction, x), 0; },
-                                    message, capacity);
+  return guarded(
+      [&] {
+        announce({Command::solve, solver->number, 0, reduction});
+        *answer = solver->krylov.solve(b, reduction, x);
+        return 0;
+      },
+      message, capacity);
 }
 
 void hvi_petsc_count(const HviPetscSolver* solver, HviPetscCounts* counts) {
-  *counts = solver->counts();
+  *counts = solver->krylov.counts();
 }
 
-void hvi_petsc_close(HviPetscSolver* solver) { delete solver; }
+void hvi_petsc_close(HviPetscSolver* solver) {
+  if (solver == nullptr) return;
+  // Where the others wait in a call that failed, nothing that belongs to all can be freed.
+  if (announced({Command::close, solver->number})) delete solver;
+}
+
+int hvi_petsc_lead(int expected, char* message, std::size_t capacity) {
+  return guarded(
+      [&] {
+        start_together();
+        std::atexit([] { dismiss(1); }); // where the program ends in another way
+        if (complete(expected)) return 0;
+        throw PetscFailure("the launcher has started " + std::to_string(expected) +
+                           " processes, and MPI finds " + std::to_string(processes()));
+      },
+      message, capacity);
+}
+
+int hvi_petsc_serve(int expected) {
+  start_together();
+  return complete(expected) ? serve() : 0; // the first one says what is wrong
+}
+
+int hvi_petsc_dismiss(int exit_code) { return dismiss(exit_code); }
 }

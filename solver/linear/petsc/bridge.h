@@ -54,4 +54,12 @@ using HviPetscSolve = int (*)(HviPetscSolver* solver, const double* b, double re
                               HviPetscAnswer* answer, char* message, std::size_t capacity);
 using HviPetscCount = void (*)(const HviPetscSolver* solver, HviPetscCounts* counts);
 using HviPetscClose = void (*)(HviPetscSolver* solver);
+
+/* Several processes. The first of the `processes` that a launcher started leads, before it opens a
+   solver, and dismisses the others at its end; each of them serves, and returns the exit code it
+   was dismissed with. Where nobody leads, a process is alone. */
+using HviPetscLead = int (*)(int processes, char* message, std::size_t capacity);
+using HviPetscServe = int (*)(int processes);
+/* Returns how many solvers were opened. */
+using HviPetscDismiss = int (*)(int exit_code);
 }

@@ -17,9 +17,9 @@ constexpr double rounding = 1e-14;
 
 } // namespace
 
-FreeMotions::FreeMotions(std::vector<double> motions, int count)
-    : size_(motions.size() / static_cast<std::size_t>(count)), count_(count),
-      motions_(std::move(motions)), moved_(motions_.size()) {}
+FreeMotions::FreeMotions(const Distribution& distribution, std::vector<double> motions, int count)
+    : distribution_(distribution), size_(motions.size() / static_cast<std::size_t>(count)),
+      count_(count), motions_(std::move(motions)), moved_(motions_.size()) {}
 
 std::vector<double> FreeMotions::products(const std::vector<double>& columns,
                                           const double* x) const {
@@ -28,6 +28,7 @@ std::vector<double> FreeMotions::products(const std::vector<double>& columns,
     const double* column = columns.data() + static_cast<std::size_t>(m) * size_;
     out.push_back(std::inner_product(column, column + size_, x, 0.0));
   }
+  distribution_.add_up(out.data(), count_);
   return out;
 }
 
@@ -45,9 +46,8 @@ bool FreeMotions::factor(Mat a) {
   for (int m = 0; m < count_; ++m) {
     const std::size_t first = static_cast<std::size_t>(m) * size_;
     Owned<Vec> from, to;
-    const PetscInt n = static_cast<PetscInt>(size_);
-    check(VecCreateSeqWithArray(PETSC_COMM_SELF, 1, n, motions_.data() + first, from.put()));
-    check(VecCreateSeqWithArray(PETSC_COMM_SELF, 1, n, moved_.data() + first, to.put()));
+    distribution_.make(motions_.data() + first, from);
+    distribution_.make(moved_.data() + first, to);
     check(MatMult(a, from.get(), to.get()));
     const std::vector<double> column = products(motions_, moved_.data() + first);
     small_.insert(small_.end(), column.begin(), column.end());

@@ -10,7 +10,7 @@
 // left out.
 #pragma once
 
-#include "solver/linear/petsc/session.hpp"
+#include "solver/linear/petsc/distribution.hpp"
 
 #include <vector>
 
@@ -18,8 +18,8 @@ namespace hvi::petsc_module {
 
 class FreeMotions {
 public:
-  /// `motions`: `count` columns as long as a vector.
-  FreeMotions(std::vector<double> motions, int count);
+  /// `motions`: `count` columns, each process's rows of them. `distribution` is kept by reference.
+  FreeMotions(const Distribution& distribution, std::vector<double> motions, int count);
   int count() const { return count_; }
   /// N^T A N of this A. False: it is singular, to rounding.
   bool factor(Mat a);
@@ -27,7 +27,7 @@ public:
   PetscErrorCode remove(Vec r, Vec out);
   /// z += Q r; `project`: z -= Q A z before.
   PetscErrorCode add(bool project, Vec z);
-  double bytes() const;
+  double bytes() const; ///< of this process
 
 private:
   bool any_pivot_is_rounding(const std::vector<double>& given) const;
@@ -36,6 +36,7 @@ private:
   void add_columns(const std::vector<double>& columns, const std::vector<double>& by, double factor,
                    double* x) const;
 
+  const Distribution& distribution_;
   std::size_t size_;
   int count_;
   std::vector<double> motions_, moved_; ///< N, A N

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace hvi::petsc_module {
 namespace {
@@ -42,21 +43,24 @@ const char* in_words(KSPConvergedReason reason) {
 } // namespace
 
 Krylov::Krylov(const HviPetscMatrix& k, bool symmetric, const HviPetscUnknowns& unknowns)
-    : given_(k), numbering_(unknowns, k.rows), diagonal_(typical_diagonal()), k_(k),
-      symmetric_k_(symmetric), symmetric_(symmetric) {
+    : given_(k), numbering_(unknowns, k.rows, partition_of(k, unknowns, processes())),
+      distribution_(numbering_), diagonal_(typical_diagonal()), k_(k), symmetric_k_(symmetric),
+      symmetric_(symmetric) {
   make_matrix();
-  multigrid_.emplace(matrix_.get(), in_own_numbering(unknowns.motions, unknowns.n_motions),
-                     unknowns.n_motions);
+  const int n_motions = distribution_.of_first(unknowns.n_motions);
+  multigrid_.emplace(matrix_.get(), in_own_numbering(unknowns.motions, n_motions), n_motions);
   h_.start.assign(static_cast<std::size_t>(numbering_.size()) + 1, 0);
-  const PetscInt n = numbering_.size();
-  check(MatCreateShell(PETSC_COMM_SELF, n, n, n, n, this, shell_.put()));
+  const PetscInt n = distribution_.rows(), all = distribution_.all_rows();
+  check(MatCreateShell(distribution_.comm(), n, n, all, all, this, shell_.put()));
   check(MatShellSetOperation(shell_.get(), MATOP_MULT,
                              reinterpret_cast<void (*)()>(&Krylov::apply_matrix)));
   check(MatCreateVecs(matrix_.get(), b_.put(), x_.put()));
   check(VecDuplicate(b_.get(), work_.put()));
   check(VecDuplicate(b_.get(), rest_.put()));
   check(VecDuplicate(b_.get(), unbalanced_.put()));
+  all_.emplace(distribution_, b_.get());
   choose_method();
+  count();
 }
 
 std::vector<double> Krylov::in_own_numbering(const double* columns, int count) const {
@@ -65,12 +69,9 @@ std::vector<double> Krylov::in_own_numbering(const double* columns, int count) c
   for (int m = 0; m < count; ++m) {
     const double* from = columns + static_cast<std::ptrdiff_t>(m) * given_.rows;
     double* to = out.data() + static_cast<std::ptrdiff_t>(m) * numbering_.size();
-    if (numbering_.same())
-      std::copy_n(from, given_.rows, to);
-    else
-      numbering_.spread(from, to);
+    numbering_.spread(from, to);
   }
-  return out;
+  return distribution_.deal(std::move(out), count);
 }
 
 double Krylov::typical_diagonal() const {
@@ -86,28 +87,27 @@ void Krylov::make_matrix() {
     own_ = numbering_.rows_of(given_, diagonal_);
     k_ = {own_.size(), own_.start.data(), own_.column.data(), own_.value.data()};
   }
-  check(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, k_.rows, k_.rows, const_cast<int*>(k_.start),
-                                  const_cast<int*>(k_.column), const_cast<double*>(k_.value),
-                                  matrix_.put()));
-  check(MatSetBlockSize(matrix_.get(), numbering_.components()));
+  distribution_.make(distribution_.deal(k_, mine_), matrix_);
   check(MatSetOption(matrix_.get(), symmetric_k_ ? MAT_SPD : MAT_SYMMETRIC,
                      symmetric_k_ ? PETSC_TRUE : PETSC_FALSE));
 }
 
 void Krylov::matrix_changed() {
   if (!numbering_.same()) numbering_.refresh(given_, diagonal_, own_);
-  values_changed(matrix_.get());
+  distribution_.refresh(distribution_.deal(k_, mine_), matrix_.get());
   changed_ = free_stale_ = true;
 }
 
 void Krylov::set_free_motions(const double* motions, int count) {
-  free_ = std::make_unique<FreeMotions>(in_own_numbering(motions, count), count);
+  free_ = std::make_unique<FreeMotions>(distribution_, in_own_numbering(motions, count), count);
   free_stale_ = true;
+  this->count();
 }
 
 bool Krylov::stiff() const {
   const Rows& h = h_;
-  for (const int i : law_rows_) {
+  for (int i = 0; i < h.size(); ++i) {
+    if (h.start[i] == h.start[i + 1]) continue;
     double own = 0.0, law = 0.0;
     for (int e = k_.start[i]; e < k_.start[i + 1]; ++e)
       if (k_.column[e] == i) own = std::abs(k_.value[e]);
@@ -121,20 +121,27 @@ bool Krylov::set_laws(const HviPetscMatrix& h, bool symmetric) {
   const bool other_method = symmetric_ != (symmetric && symmetric_k_);
   symmetric_ = symmetric && symmetric_k_;
   h_ = numbering_.rows_of(h, 0.0);
-  law_rows_.clear();
-  for (int i = 0; i < h_.size(); ++i)
-    if (h_.start[i] < h_.start[i + 1]) law_rows_.push_back(i);
+  law_rows_.set(distribution_, b_.get(), h_.view());
   free_stale_ = true;
   if (other_method) choose_method();
-  in_layers_ = stiff();
+  in_layers_ = distribution_.of_first(stiff());
   if (!in_layers_) return true;
-  if (!layers_ || !layers_->fit(h_)) layers_ = std::make_unique<Layers>(k_, h_);
-  ++local_factors_;
-  return in_layers_ = layers_->factor(h_, symmetric_, free_ ? layer_shift : 0.0);
+  if (distribution_.of_first(!layers_ || !layers_->fit(h_))) see_layers();
+  const bool done = layers_->factor(h_, symmetric_, free_ ? layer_shift : 0.0);
+  in_layers_ = distribution_.of_first(done);
+  ++counts_.local_factors;
+  count();
+  return in_layers_;
+}
+
+void Krylov::see_layers() {
+  layers_ = std::make_unique<Layers>(k_, h_);
+  for (std::optional<View>* view : {&right_, &left_, &to_})
+    view->emplace(distribution_, b_.get(), layers_->touched());
 }
 
 void Krylov::choose_method() {
-  check(KSPCreate(PETSC_COMM_SELF, ksp_.put()));
+  check(KSPCreate(distribution_.comm(), ksp_.put()));
   check(KSPSetOperators(ksp_.get(), shell_.get(), shell_.get()));
   check(KSPSetType(ksp_.get(), symmetric_ ? KSPCG : KSPGMRES));
   if (!symmetric_) {
@@ -154,17 +161,7 @@ PetscErrorCode Krylov::apply_matrix(Mat shell, Vec x, Vec y) {
   PetscCall(MatShellGetContext(shell, &self));
   const Krylov& of = *static_cast<const Krylov*>(self);
   PetscCall(MatMult(of.matrix_.get(), x, y));
-  if (of.h_.column.empty()) return 0;
-  const double* from = nullptr;
-  double* to = nullptr;
-  PetscCall(VecGetArrayRead(x, &from));
-  PetscCall(VecGetArray(y, &to));
-  for (const int i : of.law_rows_)
-    for (int e = of.h_.start[i]; e < of.h_.start[i + 1]; ++e)
-      to[i] += of.h_.value[e] * from[of.h_.column[e]];
-  PetscCall(VecRestoreArray(y, &to));
-  PetscCall(VecRestoreArrayRead(x, &from));
-  return 0;
+  return of.law_rows_.add_product(x, y);
 }
 
 PetscErrorCode Krylov::apply_preconditioner(PC shell, Vec r, Vec z) {
@@ -188,22 +185,22 @@ PetscErrorCode Krylov::precondition(Vec r, Vec z) const {
   PetscCall(VecCopy(r, rest));
   const double* right = nullptr;
   double *to = nullptr, *left = nullptr;
-  PetscCall(VecGetArrayRead(r, &right));
-  PetscCall(VecGetArray(z, &to));
+  PetscCall(right_->read(r, &right));
+  PetscCall(to_->change(z, &to));
   PetscCall(layers_->solve(right, to));
-  PetscCall(VecGetArray(rest, &left));
+  PetscCall(left_->change(rest, &left));
   layers_->subtract_product(h_, to, left);
-  PetscCall(VecRestoreArray(rest, &left));
-  PetscCall(VecRestoreArray(z, &to));
+  PetscCall(left_->put(rest, &left));
+  PetscCall(to_->put(z, &to));
   PetscCall(multigrid_->apply(rest, work));
   PetscCall(VecAXPY(z, 1.0, work));
-  PetscCall(VecGetArray(z, &to));
-  PetscCall(VecGetArray(rest, &left));
+  PetscCall(to_->change(z, &to));
+  PetscCall(left_->write(rest, &left));
   layers_->residual_inside(h_, right, to, left);
   PetscCall(layers_->solve(left, to));
-  PetscCall(VecRestoreArray(rest, &left));
-  PetscCall(VecRestoreArray(z, &to));
-  PetscCall(VecRestoreArrayRead(r, &right));
+  PetscCall(left_->put(rest, &left));
+  PetscCall(to_->put(z, &to));
+  PetscCall(right_->done(r, &right));
   return 0;
 }
 
@@ -212,6 +209,7 @@ void Krylov::prepare() {
   if (multigrid_->setups == 0 || (changed_ && last_effort_ > too_slow * best_effort_)) {
     multigrid_->set_up();
     changed_ = false, best_effort_ = last_effort_ = 0.0;
+    count();
   }
   if (free_stale_) free_known_ = free_ && free_->factor(shell_.get());
   free_stale_ = false;
@@ -228,12 +226,9 @@ HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
     return none;
   }
   double* to = nullptr;
-  check(VecGetArrayWrite(b_.get(), &to));
-  if (numbering_.same())
-    std::copy_n(b, k_.rows, to);
-  else
-    numbering_.spread(b, to);
-  check(VecRestoreArrayWrite(b_.get(), &to));
+  check(all_->write(b_.get(), &to));
+  numbering_.spread(b, to);
+  check(all_->put(b_.get(), &to));
   double size = 0.0; // squares of sizes may be beyond any number
   check(VecNorm(b_.get(), NORM_INFINITY, &size));
   if (size > 0.0) check(VecScale(b_.get(), 1.0 / size));
@@ -241,17 +236,19 @@ HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
   check(KSPSolve(ksp_.get(), b_.get(), x_.get()));
   check(VecScale(x_.get(), size));
   const double* found = nullptr;
-  check(VecGetArrayRead(x_.get(), &found));
-  if (numbering_.same())
-    std::copy_n(found, k_.rows, x);
-  else
-    numbering_.collect(found, x);
-  check(VecRestoreArrayRead(x_.get(), &found));
+  check(all_->read(x_.get(), &found));
+  numbering_.collect(found, x);
+  check(all_->done(x_.get(), &found));
+  const HviPetscAnswer out = answer_of_method();
+  note(out);
+  return out;
+}
 
+HviPetscAnswer Krylov::answer_of_method() const {
   HviPetscAnswer out{};
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   PetscInt iterations = 0;
-  double left = 0.0;
+  double left = 0.0, size = 0.0;
   check(KSPGetConvergedReason(ksp_.get(), &reason));
   out.reason = in_words(reason);
   check(KSPGetIterationNumber(ksp_.get(), &iterations));
@@ -262,7 +259,6 @@ HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
   out.outcome = reason > 0                              ? hvi_petsc_solved
                 : reason == KSP_DIVERGED_INDEFINITE_MAT ? hvi_petsc_indefinite
                                                         : hvi_petsc_stagnated;
-  note(out);
   return out;
 }
 
@@ -273,12 +269,15 @@ void Krylov::note(const HviPetscAnswer& answer) {
   if (best_effort_ == 0.0 || !changed_) best_effort_ = std::max(best_effort_, last_effort_);
 }
 
-HviPetscCounts Krylov::counts() const {
-  double bytes =
-      multigrid_->bytes() + 12.0 * static_cast<double>(own_.column.size()) + 8.0 * 12.0 * k_.rows;
+/// Bytes of all processes, seconds of this one.
+void Krylov::count() {
+  double bytes = multigrid_->bytes() + 12.0 * static_cast<double>(own_.column.size()) +
+                 12.0 * static_cast<double>(mine_.column.size()) +
+                 8.0 * 12.0 * distribution_.rows();
   if (layers_) bytes += layers_->bytes();
   if (free_) bytes += free_->bytes();
-  return {multigrid_->setups, local_factors_, bytes, multigrid_->seconds};
+  counts_.bytes = distribution_.sum(bytes);
+  counts_.setups = multigrid_->setups, counts_.seconds_setup = multigrid_->seconds;
 }
 
 } // namespace hvi::petsc_module

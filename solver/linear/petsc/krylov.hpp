@@ -1,7 +1,11 @@
 // Conjugate gradients, or GMRES where a matrix is not symmetric, for (K + H) x = b.
+//
+// Each process has one of each solver, and all make the same calls. Only the first one is given K,
+// H and b; the others give empty ones.
 #pragma once
 
 #include "solver/linear/petsc/free_motions.hpp"
+#include "solver/linear/petsc/law_rows.hpp"
 #include "solver/linear/petsc/layers.hpp"
 #include "solver/linear/petsc/multigrid.hpp"
 
@@ -19,7 +23,7 @@ public:
   /// False: the layers at the contact have no factor.
   bool set_laws(const HviPetscMatrix& h, bool symmetric);
   HviPetscAnswer solve(const double* b, double reduction, double* x);
-  HviPetscCounts counts() const;
+  HviPetscCounts counts() const { return counts_; }
 
 private:
   static PetscErrorCode apply_matrix(Mat shell, Vec x, Vec y);
@@ -28,7 +32,10 @@ private:
   PetscErrorCode balanced(Vec r, Vec z);
   std::vector<double> in_own_numbering(const double* columns, int count) const;
   void prepare();
+  HviPetscAnswer answer_of_method() const;
   void make_matrix();
+  void see_layers();
+  void count();
   void choose_method();
   void note(const HviPetscAnswer& answer);
   double typical_diagonal() const;
@@ -36,20 +43,24 @@ private:
 
   HviPetscMatrix given_; ///< K as the caller numbers it
   Numbering numbering_;
+  Distribution distribution_;
   double diagonal_;  ///< of rows without an unknown
   Rows own_;         ///< K, where PETSc numbers it otherwise
-  HviPetscMatrix k_; ///< in PETSc's numbering
-  Rows h_;
-  std::vector<int> law_rows_; ///< with entries of H
+  HviPetscMatrix k_; ///< in PETSc's numbering, whole
+  Rows mine_;        ///< of K, where there are several processes
+  Rows h_;           ///< whole
+  LawRows law_rows_;
   bool symmetric_k_, symmetric_ = true;
   Owned<Mat> matrix_, shell_;
   std::optional<Multigrid> multigrid_;
   std::unique_ptr<Layers> layers_;
+  /// How the first process sees a residual, the same when it is kept up, and a solution.
+  std::optional<View> all_, right_, left_, to_;
   std::unique_ptr<FreeMotions> free_; ///< null: K holds the body
   bool free_known_ = false;           ///< are they solved exactly, for the laws at hand?
   bool free_stale_ = false;           ///< has A changed since?
   bool in_layers_ = false;            ///< are the layers solved exactly?
-  int local_factors_ = 0;
+  HviPetscCounts counts_{};
   Owned<KSP> ksp_;
   Owned<Vec> b_, x_, work_, rest_, unbalanced_;
   /// Iterations for each digit, since the multigrid was set up and of the last solve.

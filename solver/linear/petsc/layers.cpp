@@ -67,6 +67,7 @@ void Layers::assemble(const Rows& h, double shift) {
 }
 
 bool Layers::factor(const Rows& h, bool symmetric, double shift) {
+  if (size() == 0) return true;
   assemble(h, shift);
   if (symmetric != symmetric_) factor_.reset();
   symmetric_ = symmetric;
@@ -105,6 +106,7 @@ double Layers::bytes() const {
 }
 
 PetscErrorCode Layers::solve(const double* r, double* z) const {
+  if (inside_.empty()) return 0;
   double* values = nullptr;
   PetscCall(VecGetArrayWrite(right_.get(), &values));
   for (std::size_t p = 0; p < inside_.size(); ++p) values[p] = r[inside_[p]];

@@ -7,6 +7,7 @@
 //
 // (multiplicative Schwarz with X first and last, so that it is symmetric where A is: B. Smith,
 // P. Bjorstad, W. Gropp, Domain decomposition, Cambridge University Press, 1996).
+// With several processes the first one does this, and the others have no layers.
 #pragma once
 
 #include "solver/linear/petsc/numbering.hpp"
@@ -18,8 +19,8 @@ namespace hvi::petsc_module {
 
 class Layers {
 public:
-  /// `k` is kept by reference; X: the rows where `h` has entries, and their neighbours. `h` and `k`
-  /// in PETSc's numbering.
+  /// The arrays of `k` are kept by reference; X: the rows where `h` has entries, and their
+  /// neighbours. `h` and `k` in PETSc's numbering.
   Layers(const HviPetscMatrix& k, const Rows& h);
   /// Are these the layers of an h of this pattern?
   bool fit(const Rows& h) const { return h.start == start_ && h.column == column_; }
@@ -27,6 +28,8 @@ public:
   /// factor.
   bool factor(const Rows& h, bool symmetric, double shift);
   int size() const { return static_cast<int>(inside_.size()); }
+  /// X and its neighbours.
+  const std::vector<int>& touched() const { return touched_; }
   double bytes() const;
 
   /// z += A_XX^-1 r on X.
@@ -40,7 +43,7 @@ private:
   void assemble(const Rows& h, double shift);
   double product(const Rows& h, int row, const double* z) const;
 
-  const HviPetscMatrix& k_;
+  HviPetscMatrix k_;
   std::vector<int> start_, column_; ///< pattern of h
   std::vector<int> inside_;         ///< X, increasing
   std::vector<int> position_;       ///< in X, or -1

@@ -37,7 +37,7 @@ double bytes_of(Mat a) {
 
 Multigrid::Multigrid(Mat k, const std::vector<double>& motions, int n_motions) : k_(k) {
   PetscInt n = 0;
-  check(MatGetSize(k, &n, nullptr));
+  check(MatGetLocalSize(k, &n, nullptr));
   if (n_motions > 0) {
     std::vector<Vec> columns(static_cast<std::size_t>(n_motions));
     check(MatCreateVecs(k, &columns[0], nullptr));
@@ -59,7 +59,7 @@ Multigrid::Multigrid(Mat k, const std::vector<double>& motions, int n_motions) :
       check(VecNormalize(columns[m], nullptr));
     }
     MatNullSpace space = nullptr;
-    check(MatNullSpaceCreate(PETSC_COMM_SELF, PETSC_FALSE, n_motions, columns.data(), &space));
+    check(MatNullSpaceCreate(world(), PETSC_FALSE, n_motions, columns.data(), &space));
     check(MatSetNearNullSpace(k, space));
     check(MatNullSpaceDestroy(&space));
     for (Vec& column : columns) check(VecDestroy(&column));
@@ -69,7 +69,7 @@ Multigrid::Multigrid(Mat k, const std::vector<double>& motions, int n_motions) :
 void Multigrid::set_up() {
   const double begin = cpu_now();
   set_options();
-  check(PCCreate(PETSC_COMM_SELF, pc_.put()));
+  check(PCCreate(world(), pc_.put()));
   check(PCSetType(pc_.get(), PCGAMG));
   check(PCSetOptionsPrefix(pc_.get(), "hvi_"));
   check(PCSetOperators(pc_.get(), k_, k_));

@@ -11,11 +11,11 @@ namespace hvi::petsc_module {
 
 class Multigrid {
 public:
-  /// `motions`: a column for each, as long as K; K keeps them.
+  /// `motions`: a column for each, of this process's rows; K keeps them.
   Multigrid(Mat k, const std::vector<double>& motions, int n_motions);
   void set_up(); ///< for the entries that K has now
   PetscErrorCode apply(Vec r, Vec z) const { return PCApply(pc_.get(), r, z); }
-  double bytes() const; ///< of all levels but K
+  double bytes() const; ///< of all levels but K, on this process
   int setups = 0;
   double seconds = 0.0;
 

@@ -5,11 +5,14 @@
 
 namespace hvi::petsc_module {
 
-Numbering::Numbering(const HviPetscUnknowns& of, int n)
-    : nodes_(of.nodes), components_(of.components), same_(n == of.nodes * of.components) {
+Numbering::Numbering(const HviPetscUnknowns& of, int n, const Partition& partition)
+    : nodes_(of.nodes), components_(of.components), same_(n == of.nodes * of.components),
+      counts_(partition.counts) {
+  for (int& count : counts_) count *= components_;
   place_.resize(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i) {
-    place_[i] = of.node[i] * components_ + of.component[i];
+    const int node = partition.place.empty() ? of.node[i] : partition.place[of.node[i]];
+    place_[i] = node * components_ + of.component[i];
     same_ = same_ && place_[i] == i;
   }
   if (same_) {
@@ -50,10 +53,18 @@ void Numbering::refresh(const HviPetscMatrix& a, double diagonal, Rows& rows) co
 }
 
 void Numbering::spread(const double* x, double* out) const {
+  if (same_) {
+    std::copy_n(x, size(), out);
+    return;
+  }
   for (int p = 0; p < size(); ++p) out[p] = unknown_[p] < 0 ? 0.0 : x[unknown_[p]];
 }
 
 void Numbering::collect(const double* x, double* out) const {
+  if (same_) {
+    std::copy_n(x, size(), out);
+    return;
+  }
   for (int p = 0; p < size(); ++p)
     if (unknown_[p] >= 0) out[unknown_[p]] = x[p];
 }

@@ -8,6 +8,8 @@ namespace hvi::petsc_module {
 namespace {
 
 std::string said; // by the last call that failed
+MPI_Comm shared = MPI_COMM_SELF;
+int own_rank = 0, all_processes = 1;
 
 /// Keeps the words of the innermost call.
 PetscErrorCode note_error(MPI_Comm, int, const char*, const char*, PetscErrorCode error,
@@ -21,26 +23,17 @@ void end() {
   MPI_Finalize();
 }
 
-} // namespace
-
-void check(PetscErrorCode error) {
-  if (error == 0) return;
-  if (error == PETSC_ERR_MEM) throw std::bad_alloc();
-  throw PetscFailure(said.empty() ? "error " + std::to_string(static_cast<int>(error)) : said);
-}
-
-void start() {
+bool is_started() {
   PetscBool started = PETSC_FALSE;
   static_cast<void>(PetscInitialized(&started));
-  if (started) return;
-  // One process, which starts no other one and looks for no network.
-  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
-  setenv("OMPI_MCA_btl", "self", 0);
-  setenv("OMPI_MCA_pml", "ob1", 0);
+  return started == PETSC_TRUE;
+}
+
+void start_petsc(MPI_Comm together) {
+  shared = PETSC_COMM_WORLD = together;
+  MPI_Comm_rank(shared, &own_rank);
+  MPI_Comm_size(shared, &all_processes);
   setenv("PETSC_OPTIONS", "", 1);
-  int running = 0;
-  MPI_Initialized(&running);
-  if (running == 0) MPI_Init(nullptr, nullptr);
   const char* words[] = {"hvi-run", "-no_signal_handler", "-skip_petscrc", nullptr};
   int count = 3;
   char** given = const_cast<char**>(words);
@@ -52,6 +45,41 @@ void start() {
   check(PetscOptionsSetValue(nullptr, "-mat_cholmod_print", "0"));
   std::atexit(end);
 }
+
+void start_mpi() {
+  int running = 0;
+  MPI_Initialized(&running);
+  if (running == 0) MPI_Init(nullptr, nullptr);
+}
+
+} // namespace
+
+void check(PetscErrorCode error) {
+  if (error == 0) return;
+  if (error == PETSC_ERR_MEM) throw std::bad_alloc();
+  throw PetscFailure(said.empty() ? "error " + std::to_string(static_cast<int>(error)) : said);
+}
+
+void start() {
+  if (is_started()) return;
+  // One process, which starts no other one and looks for no network.
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+  setenv("OMPI_MCA_btl", "self", 0);
+  setenv("OMPI_MCA_pml", "ob1", 0);
+  start_mpi();
+  start_petsc(MPI_COMM_SELF);
+}
+
+void start_together() {
+  start_mpi();
+  start_petsc(MPI_COMM_WORLD);
+}
+
+MPI_Comm world() { return shared; }
+
+int rank() { return own_rank; }
+
+int processes() { return all_processes; }
 
 void values_changed(Mat matrix) {
   double* values = nullptr;

@@ -18,8 +18,17 @@ struct PetscFailure : std::runtime_error {
 void check(PetscErrorCode error);
 
 /// Starts MPI and PETSc at the first call: quiet, without the options of the user's environment,
-/// without handlers of signals. They end with the program.
+/// without handlers of signals. They end with the program. The process is alone, whoever started
+/// it.
 void start();
+
+/// The same with all processes that mpirun started.
+void start_together();
+
+/// The processes that share the work.
+MPI_Comm world();
+int rank();
+int processes();
 
 /// Tells PETSc that the arrays which a matrix was made of have other values.
 void values_changed(Mat matrix);
@@ -41,6 +50,18 @@ inline PetscErrorCode destroy(PC* object) {
 template <>
 inline PetscErrorCode destroy(KSP* object) {
   return KSPDestroy(object);
+}
+template <>
+inline PetscErrorCode destroy(IS* object) {
+  return ISDestroy(object);
+}
+template <>
+inline PetscErrorCode destroy(VecScatter* object) {
+  return VecScatterDestroy(object);
+}
+template <>
+inline PetscErrorCode destroy(MatPartitioning* object) {
+  return MatPartitioningDestroy(object);
 }
 
 /// An object of PETSc that ends with its owner.

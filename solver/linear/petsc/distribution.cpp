@@ -1,0 +1,119 @@
+// See distribution.hpp.
+#include "solver/linear/petsc/distribution.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+
+namespace hvi::petsc_module {
+namespace {
+
+std::vector<int> starts_of(const std::vector<int>& counts) {
+  std::vector<int> out(counts.size() + 1, 0);
+  std::partial_sum(counts.begin(), counts.end(), out.begin() + 1);
+  return out;
+}
+
+} // namespace
+
+Distribution::Distribution(const Numbering& numbering) : comm_(world()), rank_(rank()) {
+  components_ = of_first(numbering.components());
+  std::vector<int> counts = numbering.counts();
+  counts.resize(static_cast<std::size_t>(processes()), 0);
+  MPI_Bcast(counts.data(), static_cast<int>(counts.size()), MPI_INT, 0, comm_);
+  first_ = starts_of(counts);
+}
+
+int Distribution::of_first(int value) const {
+  MPI_Bcast(&value, 1, MPI_INT, 0, comm_);
+  return value;
+}
+
+void Distribution::add_up(double* values, int count) const {
+  MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_SUM, comm_);
+}
+
+double Distribution::sum(double value) const {
+  add_up(&value, 1);
+  return value;
+}
+
+bool Distribution::any(bool here) const {
+  int value = here ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_INT, MPI_MAX, comm_);
+  return value != 0;
+}
+
+std::vector<int> Distribution::counts(int times) const {
+  std::vector<int> out;
+  for (std::size_t p = 0; p + 1 < first_.size(); ++p)
+    out.push_back((first_[p + 1] - first_[p]) * times);
+  return out;
+}
+
+template <class T>
+void Distribution::scatter(const T* whole, const std::vector<int>& counts, std::vector<T>& mine,
+                           MPI_Datatype type) const {
+  const std::vector<int> starts = starts_of(counts);
+  mine.resize(static_cast<std::size_t>(counts[rank_]));
+  MPI_Scatterv(whole, counts.data(), starts.data(), type, mine.data(), counts[rank_], type, 0,
+               comm_);
+}
+
+HviPetscMatrix Distribution::deal(const HviPetscMatrix& whole, Rows& mine) const {
+  if (alone()) return whole;
+  std::vector<int> ends; // of the rows
+  scatter(is_first() ? whole.start + 1 : nullptr, counts(), ends, MPI_INT);
+  std::vector<int> entries; // of each process
+  for (std::size_t p = 0; is_first() && p + 1 < first_.size(); ++p)
+    entries.push_back(whole.start[first_[p + 1]] - whole.start[first_[p]]);
+  entries.resize(first_.size() - 1, 0);
+  MPI_Bcast(entries.data(), static_cast<int>(entries.size()), MPI_INT, 0, comm_);
+  scatter(whole.column, entries, mine.column, MPI_INT);
+  scatter(whole.value, entries, mine.value, MPI_DOUBLE);
+  const int before = starts_of(entries)[rank_];
+  mine.start.assign(1, 0);
+  for (const int end : ends) mine.start.push_back(end - before);
+  return mine.view();
+}
+
+std::vector<double> Distribution::deal(std::vector<double> columns, int count) const {
+  if (alone()) return columns;
+  std::vector<double> out, column;
+  for (int m = 0; m < count; ++m) {
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(m) * all_rows();
+    scatter(is_first() ? columns.data() + first : nullptr, counts(), column, MPI_DOUBLE);
+    out.insert(out.end(), column.begin(), column.end());
+  }
+  return out;
+}
+
+void Distribution::make(const HviPetscMatrix& mine, Owned<Mat>& matrix) const {
+  if (alone()) {
+    check(MatCreateSeqAIJWithArrays(comm_, mine.rows, mine.rows, const_cast<int*>(mine.start),
+                                    const_cast<int*>(mine.column), const_cast<double*>(mine.value),
+                                    matrix.put()));
+    check(MatSetBlockSize(matrix.get(), components_));
+    return;
+  }
+  check(MatCreate(comm_, matrix.put()));
+  check(MatSetSizes(matrix.get(), rows(), rows(), all_rows(), all_rows()));
+  check(MatSetType(matrix.get(), MATMPIAIJ));
+  check(MatSetBlockSize(matrix.get(), components_));
+  check(MatMPIAIJSetPreallocationCSR(matrix.get(), mine.start, mine.column, mine.value));
+}
+
+void Distribution::refresh(const HviPetscMatrix& mine, Mat matrix) const {
+  if (alone())
+    values_changed(matrix);
+  else
+    check(MatUpdateMPIAIJWithArray(matrix, mine.value));
+}
+
+void Distribution::make(double* values, Owned<Vec>& vector) const {
+  check(alone() ? VecCreateSeqWithArray(comm_, 1, rows(), values, vector.put())
+                : VecCreateMPIWithArray(comm_, 1, rows(), all_rows(), values, vector.put()));
+}
+
+} // namespace hvi::petsc_module

@@ -1,0 +1,100 @@
+// See views.hpp.
+#include "solver/linear/petsc/views.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace hvi::petsc_module {
+namespace {
+
+std::vector<int> all_of(const Distribution& distribution) {
+  std::vector<int> out(
+      static_cast<std::size_t>(distribution.is_first() ? distribution.all_rows() : 0));
+  std::iota(out.begin(), out.end(), 0);
+  return out;
+}
+
+/// From entries of vectors like this one to those of `here`; null places: one after the other.
+void connect(Vec like, const std::vector<int>& from, const std::vector<int>* places, Vec here,
+             Owned<VecScatter>& scatter) {
+  Owned<IS> there, to;
+  const PetscInt n = static_cast<PetscInt>(from.size());
+  check(ISCreateGeneral(PETSC_COMM_SELF, n, from.data(), PETSC_USE_POINTER, there.put()));
+  if (places != nullptr)
+    check(ISCreateGeneral(PETSC_COMM_SELF, n, places->data(), PETSC_USE_POINTER, to.put()));
+  else
+    check(ISCreateStride(PETSC_COMM_SELF, n, 0, 1, to.put()));
+  check(VecScatterCreate(like, there.get(), here, to.get(), scatter.put()));
+}
+
+} // namespace
+
+View::View(const Distribution& distribution, Vec like)
+    : View(distribution, like, all_of(distribution)) {}
+
+View::View(const Distribution& distribution, Vec like, const std::vector<int>& wanted) {
+  if (distribution.alone()) return;
+  const PetscInt n = distribution.is_first() ? distribution.all_rows() : 0;
+  check(VecCreateSeq(PETSC_COMM_SELF, n, whole_.put()));
+  connect(like, wanted, &wanted, whole_.get(), scatter_);
+}
+
+PetscErrorCode View::fetch(Vec x) const {
+  PetscCall(VecScatterBegin(scatter_.get(), x, whole_.get(), INSERT_VALUES, SCATTER_FORWARD));
+  return VecScatterEnd(scatter_.get(), x, whole_.get(), INSERT_VALUES, SCATTER_FORWARD);
+}
+
+PetscErrorCode View::read(Vec x, const double** values) const {
+  if (!whole_) return VecGetArrayRead(x, values);
+  PetscCall(fetch(x));
+  return VecGetArrayRead(whole_.get(), values);
+}
+
+PetscErrorCode View::done(Vec x, const double** values) const {
+  return VecRestoreArrayRead(whole_ ? whole_.get() : x, values);
+}
+
+PetscErrorCode View::change(Vec x, double** values) const {
+  if (!whole_) return VecGetArray(x, values);
+  PetscCall(fetch(x));
+  return VecGetArray(whole_.get(), values);
+}
+
+PetscErrorCode View::write(Vec x, double** values) const {
+  return VecGetArray(whole_ ? whole_.get() : x, values);
+}
+
+PetscErrorCode View::put(Vec x, double** values) const {
+  if (!whole_) return VecRestoreArray(x, values);
+  PetscCall(VecRestoreArray(whole_.get(), values));
+  PetscCall(VecScatterBegin(scatter_.get(), whole_.get(), x, INSERT_VALUES, SCATTER_REVERSE));
+  return VecScatterEnd(scatter_.get(), whole_.get(), x, INSERT_VALUES, SCATTER_REVERSE);
+}
+
+void Halo::want(const Distribution& distribution, Vec like, std::vector<int>& columns) {
+  if (distribution.alone()) return;
+  std::vector<int> wanted = columns;
+  std::sort(wanted.begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  if (distribution.any(!here_ || wanted != wanted_)) {
+    wanted_ = std::move(wanted);
+    check(VecCreateSeq(PETSC_COMM_SELF, static_cast<PetscInt>(wanted_.size()), here_.put()));
+    connect(like, wanted_, nullptr, here_.get(), scatter_);
+  }
+  for (int& column : columns)
+    column = static_cast<int>(std::lower_bound(wanted_.begin(), wanted_.end(), column) -
+                              wanted_.begin());
+}
+
+PetscErrorCode Halo::read(Vec x, const double** values) const {
+  if (!here_) return VecGetArrayRead(x, values);
+  PetscCall(VecScatterBegin(scatter_.get(), x, here_.get(), INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(scatter_.get(), x, here_.get(), INSERT_VALUES, SCATTER_FORWARD));
+  return VecGetArrayRead(here_.get(), values);
+}
+
+PetscErrorCode Halo::done(Vec x, const double** values) const {
+  return VecRestoreArrayRead(here_ ? here_.get() : x, values);
+}
+
+} // namespace hvi::petsc_module
