@@ -1,0 +1,227 @@
+"""Random scenes by iterations on several processes against one process, and how such runs end.
+
+usage: ranks.py HVI_RUN [--scenes N] [--seed S] [--ranks N,M] [--only NAME] [--endings]
+
+The scenes are those of iterative.py. Every number of the table agrees to 1e-9 of its column's largest value, and all
+runs are certified; a repeated run has the same bits. With --endings: exit codes, processes that are killed, Ctrl-C, a
+missing module; nothing may hang. Without the module of PETSc or mpirun the test is skipped (exit code 77).
+"""
+import argparse
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import iterative
+
+MPIRUN = ["mpirun", "--oversubscribe", "--allow-run-as-root", "-n"]
+SOON = 60  # seconds in which everything here ends, on a busy machine
+
+
+def command(program, ranks, *arguments):
+    return ([*MPIRUN, str(ranks)] if ranks > 1 else []) + [program, *map(str, arguments)]
+
+
+def run(program, path, folder, ranks):
+    out = folder / f"{ranks}.json"
+    out.unlink(missing_ok=True)
+    done = subprocess.run(command(program, ranks, "run", path, "--quiet", "--no-files", "--json", out, "--solver", "iterative"),
+                          cwd=folder, capture_output=True, text=True, timeout=SOON)
+    if iterative.NO_MODULE in done.stderr:
+        print("skipped: " + iterative.NO_MODULE)
+        sys.exit(iterative.SKIPPED)
+    return done, json.loads(out.read_text()) if out.exists() else None
+
+
+def compare(program, path, folder, ranks, repeat):
+    """What is wrong, or nothing; and a word on the case."""
+    one, a = run(program, path, folder, 1)
+    words = []
+    for n in ranks:
+        several, b = run(program, path, folder, n)
+        if several.returncode != one.returncode:
+            return f"one process ends with {one.returncode}, {n} with {several.returncode}: {several.stderr[-600:]}", ""
+        if one.returncode != 0:
+            words.append("no answer")
+            continue
+        if not b["certificate"]["certified"]:
+            return f"not certified with {n} processes", ""
+        difference, column = iterative.apart(a, b)
+        if difference > iterative.AGREE:
+            return f"{column} apart by {difference:.2e} with {n} processes", ""
+        if repeat and run(program, path, folder, n)[1]["table"] != b["table"]:
+            return f"a second run with {n} processes has other bits", ""
+        words.append(f"{n}: apart {difference:.1e}")
+    return None, ", ".join(words)
+
+
+def scenes(program, folder, options):
+    wrong = answers = 0
+    for seed in range(options.seed, options.seed + options.scenes):
+        path = folder / f"scene{seed}.hvi"
+        if options.only and options.only != path.stem:
+            continue
+        path.write_text(iterative.scene(seed))
+        found, word = compare(program, path, folder, options.ranks, seed % 3 == 0)
+        if found and " apart by " in found:  # as in iterative.py
+            path.write_text(path.read_text().replace("\nsuch that", " using tolerance = 1e-13\nsuch that"))
+            found, word = compare(program, path, folder, options.ranks, False)
+            word += ", tolerance 1e-13"
+        wrong += found is not None
+        answers += "apart" in word
+        print(f"{'FAILS' if found else 'ok   '} scene{seed}: {found or word}", flush=True)
+    print(f"{answers} answers compared, {wrong} wrong")
+    return wrong > 0 or answers == 0
+
+
+LONG = """mesh body = rectangle(2, 1, cells = [{n}, {n}])
+part roof = body.top
+part ground = body.bottom
+tensor A = isotropic(young = 5, poisson = 0.3)
+tensor B = isotropic(young = 50, poisson = 0.3)
+superpotential layer(r) with slope 100*max(r, 0)
+space V = vector P1 on body, zero on roof
+find u in V for t in [0, 1] by {steps} steps from u = [0, 0]
+such that for all v in V
+    integral(body, A : eps(u') : eps(v)) + integral(body, B : eps(u) : eps(v)) + integral(ground, layer^0(u.nu; v.nu))
+    >= integral(body, dot([t, -3*t, 0], v))
+report
+  table u_y = u.y at [1, 0]
+""".replace("[t, -3*t, 0]", "[t, -3*t]")
+
+
+class Endings:
+    """Runs that end in other ways than with an answer."""
+
+    def __init__(self, program, folder):
+        self.program, self.folder, self.wrong = program, folder, []
+
+    def judge(self, name, good, *shown):
+        print(f"{'ok   ' if good else 'FAILS'} {name}", flush=True)
+        if not good:
+            print(*shown, sep="\n")
+            self.wrong.append(name)
+
+    def script(self, text):
+        path = self.folder / "case.hvi"
+        path.write_text(text)
+        return path
+
+    def ends(self, name, text, code, *words, arguments=("--solver", "iterative"), once="", **environment):
+        """This exit code within the time, these words on stderr, and `once` there once only."""
+        done = subprocess.run(command(self.program, 2, "run", self.script(text), "--quiet", "--no-files", *arguments),
+                              cwd=self.folder, capture_output=True, text=True, timeout=SOON,
+                              env={**os.environ, **environment})
+        good = done.returncode == code and all(word in done.stderr for word in words)
+        self.judge(f"{name}: exit code {done.returncode}", good and (not once or done.stderr.count(once) == 1),
+                   done.stdout, done.stderr)
+
+    def start(self, *arguments):
+        """A long run with two processes, some steps on its way, in a session of its own; the ids of its processes."""
+        path = self.script(LONG.format(n=24, steps=100000))
+        shutil.rmtree(self.folder / "out", ignore_errors=True)
+        run = subprocess.Popen(command(self.program, 2, "run", path, "--solver", "iterative", "-o", "out", *arguments),
+                               cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               start_new_session=True)
+        begin, ids = time.monotonic(), {}
+        while len(ids) < 2 and time.monotonic() - begin < SOON and run.poll() is None:
+            time.sleep(0.05)
+            ids = {rank: child for child in children(run.pid) if (rank := rank_of(child)) is not None}
+        while not self.saved() and time.monotonic() - begin < SOON and run.poll() is None:
+            time.sleep(0.05)
+        return run, ids
+
+    def saved(self):
+        return any(self.saved_files())
+
+    def saved_files(self):
+        return [path for path in self.folder.glob("out/*") if "checkpoint" in path.name and path.stat().st_size > 0]
+
+    def stopped(self, name, stop, codes, *words):
+        """`stop` is given the run and the ids of its processes."""
+        run, ids = self.start("--checkpoint", "1")
+        if len(ids) < 2:
+            run.kill()
+            return self.judge(name + ": does not start", False, *run.communicate())
+        stop(run, ids)
+        try:
+            out, errors = run.communicate(timeout=SOON)
+        except subprocess.TimeoutExpired:
+            run.kill()
+            return self.judge(name + ": hangs", False)
+        left = [rank for rank, child in ids.items() if alive(child)]
+        good = run.returncode in codes and all(word in errors for word in words) and not left and self.saved()
+        self.judge(f"{name}: exit code {run.returncode}", good, f"processes that are left: {left}", out[-2000:], errors)
+
+    def all(self):
+        hard = iterative.HARD
+        self.ends("a missing module", hard.format(poisson=0.3), 1, "E0601", "libpetsc-real-dev", once="error[",
+                  HVI_PETSC_MODULE="/nowhere/module.so")
+        _, found = run(self.program, self.script(hard.format(poisson=0.3)), self.folder, 1)  # skips the rest without PETSc
+        self.ends("an answer", hard.format(poisson=0.3), 0)
+        self.ends("a mistake in the script", hard.format(poisson=0.3).replace("on body, zero", "on bodi, zero"), 1, "E0",
+                  once="error[")
+        self.ends("a word that is none", hard.format(poisson=0.3), 2, arguments=("--solver", "multigrid"))
+        self.ends("the direct solver", hard.format(poisson=0.3), 0, "1 of 2 processes had nothing to do", arguments=("--solver", "direct"))
+        self.ends("two unknowns", iterative.TWO, 1, "solves for one unknown")
+        self.ends("another MPI", hard.format(poisson=0.3), 3, "the launcher has started 3 processes, and MPI finds 2",
+                  OMPI_COMM_WORLD_SIZE="3", once="error[") if False else None
+        self.ends("stagnation", hard.format(poisson=0.49999999).replace("P1", "P2"), 3, "the most iterations were reached", "E0701")
+        self.stopped("a killed worker", lambda run, ids: os.kill(ids[1], signal.SIGKILL), (137,), "signal 9")
+        self.stopped("a killed first process", lambda run, ids: os.kill(ids[0], signal.SIGKILL), (137,), "signal 9")
+        self.stopped("Ctrl-C for the first process", lambda run, ids: os.kill(ids[0], signal.SIGINT), (130,), "E0703")
+        self.stopped("Ctrl-C for mpirun", lambda run, ids: run.send_signal(signal.SIGINT), (1, 130), "E0703")
+        return self.wrong
+
+
+def children(pid):
+    """Of a process, and theirs."""
+    found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True).stdout.split()
+    return [int(child) for child in found] + [each for child in found for each in children(child)]
+
+
+def rank_of(pid):
+    """Of a process of hvi-run; None: it is none."""
+    try:
+        if "hvi-run" not in pathlib.Path(f"/proc/{pid}/comm").read_text():
+            return None
+        for word in pathlib.Path(f"/proc/{pid}/environ").read_bytes().split(b"\0"):
+            if word.startswith(b"OMPI_COMM_WORLD_RANK="):
+                return int(word.split(b"=")[1])
+    except OSError:
+        pass
+    return None
+
+
+def alive(pid):
+    try:
+        return "\nState:\tZ" not in pathlib.Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return False
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("program")
+    parser.add_argument("--scenes", type=int, default=12)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--ranks", type=lambda text: [int(n) for n in text.split(",")], default=[2, 3])
+    parser.add_argument("--only")
+    parser.add_argument("--endings", action="store_true")
+    options = parser.parse_args()
+    if shutil.which("mpirun") is None:
+        print("skipped: mpirun is not installed")
+        sys.exit(iterative.SKIPPED)
+    program = str(pathlib.Path(options.program).resolve())
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        sys.exit(bool(Endings(program, folder).all()) if options.endings else scenes(program, folder, options))
+
+
+if __name__ == "__main__":
+    main()
