@@ -111,6 +111,8 @@ void Distribution::refresh(const HviPetscMatrix& mine, Mat matrix) const {
     check(MatUpdateMPIAIJWithArray(matrix, mine.value));
 }
 
+double Distribution::copied_bytes(Mat matrix) const { return alone() ? 0.0 : bytes_of(matrix); }
+
 void Distribution::make(double* values, Owned<Vec>& vector) const {
   check(alone() ? VecCreateSeqWithArray(comm_, 1, rows(), values, vector.put())
                 : VecCreateMPIWithArray(comm_, 1, rows(), all_rows(), values, vector.put()));

@@ -36,6 +36,8 @@ public:
   /// once more.
   void make(const HviPetscMatrix& mine, Owned<Mat>& matrix) const;
   void refresh(const HviPetscMatrix& mine, Mat matrix) const;
+  /// Of this process's part of a matrix, where its entries were copied.
+  double copied_bytes(Mat matrix) const;
   /// A vector of these values.
   void make(double* values, Owned<Vec>& vector) const;
 

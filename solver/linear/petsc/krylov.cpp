@@ -87,14 +87,16 @@ void Krylov::make_matrix() {
     own_ = numbering_.rows_of(given_, diagonal_);
     k_ = {own_.size(), own_.start.data(), own_.column.data(), own_.value.data()};
   }
-  distribution_.make(distribution_.deal(k_, mine_), matrix_);
+  Rows mine;
+  distribution_.make(distribution_.deal(k_, mine), matrix_);
   check(MatSetOption(matrix_.get(), symmetric_k_ ? MAT_SPD : MAT_SYMMETRIC,
                      symmetric_k_ ? PETSC_TRUE : PETSC_FALSE));
 }
 
 void Krylov::matrix_changed() {
   if (!numbering_.same()) numbering_.refresh(given_, diagonal_, own_);
-  distribution_.refresh(distribution_.deal(k_, mine_), matrix_.get());
+  Rows mine;
+  distribution_.refresh(distribution_.deal(k_, mine), matrix_.get());
   changed_ = free_stale_ = true;
 }
 
@@ -272,8 +274,7 @@ void Krylov::note(const HviPetscAnswer& answer) {
 /// Bytes of all processes, seconds of this one.
 void Krylov::count() {
   double bytes = multigrid_->bytes() + 12.0 * static_cast<double>(own_.column.size()) +
-                 12.0 * static_cast<double>(mine_.column.size()) +
-                 8.0 * 12.0 * distribution_.rows();
+                 distribution_.copied_bytes(matrix_.get()) + 8.0 * 12.0 * distribution_.rows();
   if (layers_) bytes += layers_->bytes();
   if (free_) bytes += free_->bytes();
   counts_.bytes = distribution_.sum(bytes);

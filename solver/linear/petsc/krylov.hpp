@@ -47,7 +47,6 @@ private:
   double diagonal_;  ///< of rows without an unknown
   Rows own_;         ///< K, where PETSc numbers it otherwise
   HviPetscMatrix k_; ///< in PETSc's numbering, whole
-  Rows mine_;        ///< of K, where there are several processes
   Rows h_;           ///< whole
   LawRows law_rows_;
   bool symmetric_k_, symmetric_ = true;

@@ -27,12 +27,6 @@ void set_options() {
   option("-hvi_mg_levels_pc_type", "jacobi");
 }
 
-double bytes_of(Mat a) {
-  MatInfo info{};
-  if (a == nullptr || MatGetInfo(a, MAT_LOCAL, &info) != 0) return 0.0;
-  return info.nz_used * (sizeof(double) + sizeof(int));
-}
-
 } // namespace
 
 Multigrid::Multigrid(Mat k, const std::vector<double>& motions, int n_motions) : k_(k) {

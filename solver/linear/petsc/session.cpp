@@ -85,6 +85,12 @@ int rank() { return own_rank; }
 
 int processes() { return all_processes; }
 
+double bytes_of(Mat a) {
+  MatInfo info{};
+  if (a == nullptr || MatGetInfo(a, MAT_LOCAL, &info) != 0) return 0.0;
+  return info.nz_used * (sizeof(double) + sizeof(int));
+}
+
 void values_changed(Mat matrix) {
   double* values = nullptr;
   check(MatSeqAIJGetArray(matrix, &values));

@@ -33,6 +33,9 @@ int processes();
 /// Tells PETSc that the arrays which a matrix was made of have other values.
 void values_changed(Mat matrix);
 
+/// Of the entries that this process has.
+double bytes_of(Mat a);
+
 template <class T>
 PetscErrorCode destroy(T* object);
 template <>
