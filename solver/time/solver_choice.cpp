@@ -12,15 +12,16 @@
 namespace hvi::solver {
 namespace {
 
-// Measured with bench/slab3d.hvi and its likes, on one processor of 2024 (docs/scale.md); only
+// Measured by `tools/bench solvers` and `scale` on one processor of 2024 (docs/scale.md); only
 // their ratios decide.
-constexpr double seconds_of_a_flop = 1.0 / 1.6e10, seconds_of_an_entry = 1.0 / 1.5e9;
+constexpr double seconds_of_a_flop = 1.0 / 4.5e10, seconds_of_an_entry = 1.0 / 1.5e9;
 constexpr double reads_of_a_step = 6.0;        ///< of the factor
 constexpr double seconds_of_ordering = 1.2e-7; ///< an entry of K
 /// Of K in an iteration: it is read by smoothers, interpolations and products.
-constexpr double seconds_of_iterated_entry = 1.1e-8, setup_in_iterations = 25.0;
-constexpr double iterations_of_a_step = 25.0, iterations_of_friction = 70.0;
-constexpr double newton_with_friction = 8.0;
+constexpr double seconds_of_iterated_entry = 9e-9, seconds_of_set_up_entry = 1e-6;
+constexpr double seconds_of_start = 0.15; ///< of PETSc
+constexpr double iterations_of_a_step = 12.0, iterations_of_friction = 60.0;
+constexpr double factors_of_friction = 1.0; ///< of the condensed matrix, in a step
 
 /// Bytes of an entry by rows, and as part of a half.
 constexpr double by_rows = 12.0, by_halves = 4.7;
@@ -39,7 +40,7 @@ SolverCost direct_cost(const StepSizes& s) {
   SolverCost out;
   out.bytes = 8.0 * sides * s.factor.nonzeros + (2 + s.matrices) * by_rows * s.entries +
               2.0 * sizeof(double) * c * c;
-  const double laws = s.rubs ? newton_with_friction * c * c * c / 3.0 : 0.0;
+  const double laws = s.rubs ? factors_of_friction * c * c * c / 3.0 : 0.0;
   const double solves = s.one_matrix ? c * c : reads_of_a_step * sides * s.factor.nonzeros;
   out.seconds = seconds_of_ordering * s.entries + seconds_of_a_flop * sides * s.factor.flops +
                 s.steps * (seconds_of_a_flop * laws + seconds_of_an_entry * solves);
@@ -52,7 +53,8 @@ SolverCost iterative_cost(const StepSizes& s) {
   out.bytes = s.entries * (by_rows + multigrid + matrices * s.matrices) +
               sizeof(double) * vectors * s.unknowns * (s.symmetric ? 1.0 : 2.0);
   const double each = s.rubs ? iterations_of_friction : iterations_of_a_step;
-  out.seconds = seconds_of_iterated_entry * s.entries * (setup_in_iterations + s.steps * each);
+  out.seconds = seconds_of_start +
+                s.entries * (seconds_of_set_up_entry + s.steps * each * seconds_of_iterated_entry);
   return out;
 }
 
