@@ -28,6 +28,9 @@ constexpr double by_rows = 12.0, by_halves = 4.7;
 /// Bytes of the multigrid for an entry of K, set-up included, and vectors of an iteration.
 constexpr double multigrid = 19.0, vectors = 60.0;
 
+/// So much more memory than predicted has to be there.
+constexpr double spare = 1.15;
+
 /// No factor of a mesh is larger than this many times unknowns^(4/3) entries.
 constexpr double most_of_any_factor = 60.0;
 
@@ -66,7 +69,8 @@ SolverCosts predicted_costs(const StepSizes& sizes) {
 
 ChosenSolver choose_solver(LinearSolver asked, const SolverCosts& costs,
                            const std::string& obstacle, const MemoryRoom& room) {
-  const bool fits = costs.direct.bytes <= room.bytes, other = costs.iterative.bytes <= room.bytes;
+  const bool fits = spare * costs.direct.bytes <= room.bytes,
+             other = spare * costs.iterative.bytes <= room.bytes;
   ChosenSolver out{LinearSolver::direct, ""};
   if (asked == LinearSolver::direct || asked == LinearSolver::iterative) {
     out.solver = asked;
@@ -97,7 +101,7 @@ bool fits_in_any_case(LinearSolver asked, const StateLayout& layout) {
   if (asked == LinearSolver::direct || asked == LinearSolver::iterative) return true;
   if (asked == LinearSolver::automatic) return false;
   const double most = 8.0 * most_of_any_factor * std::pow(layout.n_unknowns, 4.0 / 3.0);
-  return most < little_memory || most < memory_room().bytes;
+  return most < little_memory || spare * most < memory_room().bytes;
 }
 
 } // namespace
@@ -105,15 +109,14 @@ bool fits_in_any_case(LinearSolver asked, const StateLayout& layout) {
 StepSizes sizes_of_steps(const Plan& plan, const Discretisation& d, const StateLayout& layout,
                          const Operators& operators, const Contact& contact) {
   const Space& space = d.space;
-  std::vector<int> unknowns(space.nodes.size(), 0);
-  std::vector<char> last(space.nodes.size(), 0);
+  std::vector<int> unknowns(space.nodes.size(), 0), last(space.nodes.size(), 0);
   const auto node = [&](int i) {
     return static_cast<std::size_t>(layout.dof_of[static_cast<std::size_t>(i)] / space.components);
   };
   for (int i = 0; i < layout.n_unknowns; ++i) ++unknowns[node(i)];
   StepSizes out;
   if (!contact.whole) {
-    for (const int i : contact.unknowns) last[node(i)] = 1;
+    for (const int i : contact.unknowns) ++last[node(i)];
     out.contact = static_cast<double>(contact.unknowns.size());
   }
   out.unknowns = layout.n_unknowns;

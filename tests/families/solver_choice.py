@@ -91,8 +91,10 @@ class Scenes:
                 difference, _ = apart(whole, result)
                 self.say(told and result["certificate"]["certified"] and difference <= ALIKE,
                          f"{asked}, {megabytes} MB: {taken[-1]}, apart {difference:.1e}")
-            order = ["neither", "iterative", "direct"]
-            self.say("iterative" in taken and taken == sorted(taken, key=order.index), f"{asked}: {' '.join(taken)}")
+            # near the edge it depends on what libraries reserve of addresses whether a run ends in an error
+            ran = [solver for solver in taken if solver != "neither"]
+            self.say(taken[0] == "neither" and "iterative" in ran and ran[-1] == "direct" and ran == sorted(ran, reverse=True),
+                     f"{asked}: {' '.join(taken)}")
 
     def resumed(self):
         """Stopped on its way with one solver, gone on with by another word."""
