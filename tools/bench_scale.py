@@ -12,7 +12,7 @@ GROWTH = 1.4  # of iterations a step at a doubling
 
 
 def run_of(measured, sizes, script, n, solver):
-    result = measured(script, *sizes(n=n, N=STEPS), "--no-files", "--solver", solver)
+    result = measured(script, *sizes(n=n, N=STEPS), "--solver", solver)
     work = result["plan"]
     print(f"    {script} n={n} {solver}: {result['unknowns']} unknowns, {result['seconds']:.1f} s, {result['megabytes']:.0f} MB, "
           f"{work['newton'] / STEPS:.1f} Newton and {work.get('iterations', 0) / STEPS:.1f} iterations a step, equilibrium "

@@ -14,8 +14,9 @@ using Nodes = std::span<int>;
 
 class Dissection {
 public:
-  Dissection(std::span<const Point> points, const NodeGraph& graph, std::span<const int> unknowns)
-      : points_(points), graph_(graph), unknowns_(unknowns), domain_(points.size(), 0),
+  Dissection(std::span<const Point> points, const NodeGraph& graph, std::span<const int> unknowns,
+             std::span<const int> last)
+      : points_(points), graph_(graph), unknowns_(unknowns), last_(last), domain_(points.size(), 0),
         seen_(points.size(), 0) {}
 
   /// Columns of so many unknowns, which `outside` further ones see.
@@ -61,20 +62,24 @@ private:
 
   double unknowns_in(Nodes nodes) const {
     double sum = 0.0;
-    for (const int node : nodes) sum += unknowns_[static_cast<std::size_t>(node)];
+    for (const int node : nodes) sum += inner(static_cast<std::size_t>(node));
     return sum;
   }
 
-  /// Of the latest domain's neighbours, which are all eliminated later.
+  int inner(std::size_t node) const { return unknowns_[node] - last_[node]; }
+
+  /// Of the latest domain's neighbours, which are all eliminated later, and its own last ones.
   double unknowns_outside(Nodes nodes) {
     double sum = 0.0;
-    for (const int node : nodes)
+    for (const int node : nodes) {
+      sum += last_[static_cast<std::size_t>(node)];
       for (const int other : neighbours(node)) {
         const auto at = static_cast<std::size_t>(other);
         if (domain_[at] == domains_ || seen_[at] == domains_) continue;
         seen_[at] = domains_;
         sum += unknowns_[at];
       }
+    }
     return sum;
   }
 
@@ -108,7 +113,7 @@ private:
 
   std::span<const Point> points_;
   const NodeGraph& graph_;
-  std::span<const int> unknowns_;
+  std::span<const int> unknowns_, last_;
   std::vector<int> domain_, seen_; ///< by node: the latest it was in, or next to
   int domains_ = 0;
   FactorEstimate found_;
@@ -117,15 +122,13 @@ private:
 } // namespace
 
 FactorEstimate estimate_factor(std::span<const Point> nodes, const NodeGraph& graph,
-                               std::span<const int> unknowns, std::span<const char> last) {
-  Dissection dissection(nodes, graph, unknowns);
+                               std::span<const int> unknowns, std::span<const int> last) {
+  Dissection dissection(nodes, graph, unknowns, last);
   std::vector<int> inside;
   double contact = 0.0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (last[i] != 0)
-      contact += unknowns[i];
-    else if (unknowns[i] > 0)
-      inside.push_back(static_cast<int>(i));
+    contact += last[i];
+    if (unknowns[i] > last[i]) inside.push_back(static_cast<int>(i));
   }
   dissection.eliminate(contact, 0.0);
   dissection.cut(inside);

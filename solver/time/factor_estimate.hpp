@@ -14,9 +14,9 @@ struct FactorEstimate {
   double nonzeros = 0, flops = 0; ///< of L
 };
 
-/// `unknowns`: how many each node has; `last`: nodes whose unknowns are eliminated last, as those
-/// of the contact are.
+/// How many unknowns each node has, and how many of those are eliminated last, as those of the
+/// contact are.
 FactorEstimate estimate_factor(std::span<const Point> nodes, const NodeGraph& graph,
-                               std::span<const int> unknowns, std::span<const char> last);
+                               std::span<const int> unknowns, std::span<const int> last);
 
 } // namespace hvi::solver

@@ -87,8 +87,10 @@ void Restarts::restore(StateReader& r, const Plan& plan) {
   const LinearSolver asked = plan.options.solver;
   if ((asked == LinearSolver::direct || asked == LinearSolver::iterative) &&
       asked != solver->solver)
-    r.fail(asked == LinearSolver::direct ? "was written by a run with `solver = iterative`"
-                                         : "was written by a run with `solver = direct`");
+    throw Failure(FailureKind::bad_checkpoint, {},
+                  asked == LinearSolver::direct
+                      ? "it was written by a run with `solver = iterative`"
+                      : "it was written by a run with `solver = direct`");
 }
 
 void with_its_name(const std::filesystem::path& file, const std::function<void()>& read) {

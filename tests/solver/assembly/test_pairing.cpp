@@ -8,6 +8,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numeric>
 #include <random>
 
 namespace hvi::solver {
@@ -202,6 +204,40 @@ TEST(PairsOfSides, KeepNormalsAtCreases) {
     const double largest = std::max(std::abs(pairing.normal[p][0]), std::abs(pairing.normal[p][1]));
     EXPECT_NEAR(largest, 1.0, 1e-14);
     EXPECT_NEAR(pairing.gap[p], 0.0, 1e-14);
+  }
+}
+
+/// Sides at 60 degrees to each other, which go through each other where x < 0.2/slope: gaps are the
+/// distances along the normal of the first side, negative there, and linear fields jump by them. A
+/// facet has partners where its middle is within reach, not its nearest corner.
+TEST(PairsOfSides, MayBeSlanted) {
+  const double slope = std::sqrt(3.0);
+  for (const int dim : {2, 3}) {
+    const auto depth = dim == 3 ? uniform_coordinates(0, 1, 2) : std::vector<double>{};
+    std::vector<Mesh> meshes{
+        structured_mesh(dim, {uniform_coordinates(0, 1, 4), uniform_coordinates(0, 1, 1), depth}),
+        structured_mesh(dim, {uniform_coordinates(0, 1, 4), uniform_coordinates(-4, 0, 1), depth})};
+    for (Point& x : meshes[1].nodes) x[1] += (0.2 - slope * x[0]) * (1.0 + x[1] / 4.0);
+    const std::vector<std::string> names{"flat", "slanted"};
+    const Mesh mesh = side_by_side(meshes, names);
+    const Space space = make_space(mesh, 1, dim);
+    Region region{Group::Kind::facets, mesh.groups.at("flat.bottom").entities, 0,
+                  mesh.groups.at("slanted.top").entities, 3.0};
+    const Pairing pairing = make_pairing(space, region, space.order);
+    Vector height(static_cast<Eigen::Index>(space.nodes.size()));
+    for (std::size_t i = 0; i < space.nodes.size(); ++i)
+      height[static_cast<Eigen::Index>(i)] = space.nodes[i][1];
+    const Vector jumps = jumps_of(pairing) * height;
+    EXPECT_EQ(pairing.alone, 0);
+    for (std::size_t p = 0; p < pairing.x.size(); ++p) {
+      const double apart = slope * pairing.x[p][0] - 0.2;
+      EXPECT_NEAR(pairing.gap[p], apart, 1e-13);
+      EXPECT_NEAR(jumps[static_cast<Eigen::Index>(p)], apart, 1e-13);
+    }
+    if (dim == 3) continue; // pieces are triangles
+    region.reach = 1.2;     // from the last facet: 1.1 to 1.53
+    const Pairing near = make_pairing(space, region, space.order);
+    EXPECT_NEAR(std::accumulate(near.weight.begin(), near.weight.end(), 0.0), 0.75, 1e-14);
   }
 }
 
