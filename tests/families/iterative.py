@@ -1,17 +1,19 @@
 """Random scenes, and all examples, by the iterative solver against the direct one.
 
-usage: iterative.py HVI_RUN [--scenes N] [--seed S] [--examples FOLDER] [--only NAME] [--failures]
+usage: iterative.py HVI_RUN [--scenes N] [--seed S] [--examples FOLDER] [--only NAME] [--failures] [--processes N]
 
 Every number of the table agrees to 1e-9 of its column's largest value, and both runs are certified. Scenes: 2D and 3D,
 P1 and P2, flat cells, regions whose stiffnesses differ by up to 1e4, softening, unilateral, adhesive and jumping laws,
 friction of scalars and vectors on u and on u', Coulomb, memories, moving supports, static and in motion, matrices that
-are not symmetric. Without the module of PETSc the test is skipped (exit code 77).
+are not symmetric. With --processes the iterations are those of N processes. Without the module of PETSc, or mpirun where
+it is needed, the test is skipped (exit code 77).
 """
 import argparse
 import json
 import os
 import pathlib
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -102,10 +104,20 @@ def scene(seed):
     return "\n".join(lines) + "\n"
 
 
-def run(program, path, folder, solver, arguments=()):
-    out = folder / f"{solver}.json"
+def launcher(processes):
+    """The words that start so many processes of a program."""
+    if processes == 1:
+        return []
+    if shutil.which("mpirun") is None:
+        print("skipped: mpirun is not installed")
+        sys.exit(SKIPPED)
+    return ["mpirun", "--oversubscribe", "--bind-to", "none", "--allow-run-as-root", "-n", str(processes)]
+
+
+def run(program, path, folder, solver, arguments=(), processes=1):
+    out = folder / f"{solver}{processes}.json"
     out.unlink(missing_ok=True)
-    done = subprocess.run([program, "run", str(path), "--quiet", "--no-files", "--json", str(out), "--solver", solver,
+    done = subprocess.run([*launcher(processes), program, "run", str(path), "--quiet", "--no-files", "--json", str(out), "--solver", solver,
                            *arguments], cwd=folder, capture_output=True, text=True, timeout=600)
     if NO_MODULE in done.stderr:
         print("skipped: " + NO_MODULE)
@@ -129,10 +141,10 @@ def apart(a, b):
     return worst
 
 
-def compare(program, path, folder, arguments=()):
+def compare(program, path, folder, arguments=(), processes=1):
     """What is wrong, or nothing; and a word on the case."""
     direct, a = run(program, path, folder, "direct", arguments)
-    iterative, b = run(program, path, folder, "iterative", arguments)
+    iterative, b = run(program, path, folder, "iterative", arguments, processes)
     if direct.returncode != 0:  # the same verdict, whatever its words
         same = iterative.returncode == direct.returncode
         return None if same else f"direct ends with {direct.returncode}, iterative with {iterative.returncode}", "no answer"
@@ -219,6 +231,7 @@ def main():
     parser.add_argument("--examples", type=pathlib.Path)
     parser.add_argument("--only")
     parser.add_argument("--failures", action="store_true")
+    parser.add_argument("--processes", type=int, default=1)
     options = parser.parse_args()
     program, wrong, answers = str(pathlib.Path(options.program).resolve()), 0, 0
     with tempfile.TemporaryDirectory() as temporary:
@@ -236,11 +249,11 @@ def main():
         for name, path in cases:
             if options.only and options.only != name:
                 continue
-            found, word = compare(program, path, folder, ARGUMENTS.get(name, []) if options.examples else [])
+            found, word = compare(program, path, folder, ARGUMENTS.get(name, []) if options.examples else [], options.processes)
             if found and " apart by " in found and not options.examples:
                 # A softening law multiplies what the tolerance leaves: both are asked for three digits more.
                 path.write_text(path.read_text().replace("\nsuch that", " using tolerance = 1e-13\nsuch that"))
-                found, word = compare(program, path, folder)
+                found, word = compare(program, path, folder, processes=options.processes)
                 word += ", tolerance 1e-13"
             answers += word.startswith("apart")
             wrong += found is not None
