@@ -270,9 +270,9 @@ private:
   }
 
   void print(const SolverOptions& o) {
-    line("options tolerance {}, memory {} (route {}), branch {}, solver {}, threads {}", number(o.tolerance),
-         number(o.memory_tolerance), to_string(o.route), to_string(o.branch), to_string(o.solver),
-         o.threads);
+    line("options tolerance {}, memory {} (route {}), branch {}, solver {}, threads {}",
+         number(o.tolerance), number(o.memory_tolerance), to_string(o.route), to_string(o.branch),
+         to_string(o.solver), o.threads);
   }
 
   void probe(std::size_t i, const Probe& p) {
