@@ -100,7 +100,9 @@ measured curves.")
 set(CPACK_DEBIAN_PETSC_PACKAGE_NAME hvi-petsc)
 set(CPACK_DEBIAN_PETSC_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PETSC_PACKAGE_DEPENDS "hvi-run (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_PETSC_PACKAGE_RECOMMENDS "openmpi-bin")
 set(CPACK_DEBIAN_PETSC_DESCRIPTION "iterative solvers for hvi-run, by PETSc
 The module that hvi-run opens where a script or the command asks for an
-iterative solver: for models of up to millions of unknowns in 3D.")
+iterative solver: for models of up to millions of unknowns in 3D, on one or,
+by mpirun, on several processes.")
 include(CPack)
