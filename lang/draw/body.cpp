@@ -250,8 +250,9 @@ Sheet scene_sheet(const Scene& scene, const BodyPicture& picture, const View& vi
   const double wide = bounds.right - bounds.left, high = bounds.top - bounds.bottom;
   const double scale = std::min(picture.widest / wide, picture.highest / high);
   Sheet sheet;
-  const double panel_wide = std::ceil(scale * wide) + 4.0,
-               panel_high = std::ceil(scale * high) + 4.0;
+  constexpr double rounding = 1e-6; // of a pixel: the side that fills its space is a whole number
+  const double panel_wide = std::ceil(scale * wide - rounding) + 4.0,
+               panel_high = std::ceil(scale * high - rounding) + 4.0;
   const double box_high = std::max(panel_high, least_high);
   sheet.width = std::max(left + panel_wide + 28.0 + beside, 360.0);
   sheet.height = top + box_high + below;

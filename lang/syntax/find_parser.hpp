@@ -34,6 +34,7 @@ private:
   void check_after_integral();
   ast::Expr factor();
   [[noreturn]] void fail_no_integral(const Span& term);
+  [[noreturn]] void fail_no_integrand();
 
   Cursor& cursor_;
   NameParser& names_;

@@ -309,6 +309,15 @@ void FindParser::fail_no_integral(const Span& term) {
           .with_help("every term is an integral over a part, or 0"));
 }
 
+void FindParser::fail_no_integrand() {
+  const bool side = cursor_.at(TokenKind::dot); // integral(body.top, ...)
+  cursor_.fail(diagnose("E0201", cursor_.missing_place(),
+                        "expected `,` and the integrand, " + cursor_.found(cursor_.peek()))
+                   .with_label("expected `,`")
+                   .with_help(side ? "name the part first, as in `part roof = body.top`"
+                                   : "an integral is written `integral(part, integrand)`"));
+}
+
 ast::Integral FindParser::integral() {
   ast::Integral result;
   result.word = cursor_.take().span;
@@ -316,12 +325,7 @@ ast::Integral FindParser::integral() {
   const Token open = cursor_.take();
   cursor_.opened(open);
   result.domain = names_.name("the part to integrate over");
-  if (!cursor_.at(TokenKind::comma)) {
-    cursor_.fail(diagnose("E0201", cursor_.missing_place(),
-                          "expected `,` and the integrand, " + cursor_.found(cursor_.peek()))
-                     .with_label("expected `,`")
-                     .with_help("an integral is written `integral(part, integrand)`"));
-  }
+  if (!cursor_.at(TokenKind::comma)) fail_no_integrand();
   cursor_.take();
   expressions_.in_integral = true;
   result.integrand = expressions_.expr();

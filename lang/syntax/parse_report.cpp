@@ -125,6 +125,13 @@ ast::PlotItem ReportParser::plot_item() {
 ast::Binding ReportParser::binding() {
   ast::Binding result;
   result.name = names_.name("the name of a column");
+  if (cursor_.at(TokenKind::dot)) { // table u.y
+    cursor_.fail(
+        diagnose("E0201", cursor_.peek().span,
+                 "expected `=` and what the column shows, " + cursor_.found(cursor_.peek()))
+            .with_label("expected `=`")
+            .with_help("a column has a name, as in `height = u.y`"));
+  }
   cursor_.expect(TokenKind::equal, "`=` and what the column shows");
   result.value = expressions_.expr();
   if (cursor_.at_word("at") && !at_time()) {

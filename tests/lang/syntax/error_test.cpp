@@ -218,6 +218,9 @@ TEST(SyntaxErrors, HelpNamesTheWayOut) {
   EXPECT_EQ(help("find u in V fro t in [0, 1]"), "did you mean `for`?");
   EXPECT_EQ(help(head + " integral(s, layer(u; v)) >= 0"),
             "the generalised directional derivative is written `layer^0(u; v)`");
+  EXPECT_EQ(help(head + " integral(s.top, u*v) >= 0"),
+            "name the part first, as in `part roof = body.top`");
+  EXPECT_EQ(help("report\n  table u.y"), "a column has a name, as in `height = u.y`");
 }
 
 // `inner` with n times `open` before it and n times `close` behind it.
