@@ -16,6 +16,8 @@ constexpr int free_passes = 15;
 constexpr double dependent = 1e-10;
 /// A gap that grows by so much: what was kept is of another piece of the map.
 constexpr double another_piece = 10.0;
+/// Passes in a row with one sign of a component's gap after which its other end is out of date.
+constexpr int one_sided = 5;
 
 } // namespace
 
@@ -49,11 +51,16 @@ void Mixing::note_bracket(const Vector& x, const Vector& gap) {
   if (low_.size() != x.size()) {
     low_ = Vector::Constant(x.size(), -infinity);
     high_ = Vector::Constant(x.size(), infinity);
+    same_side_.assign(static_cast<std::size_t>(x.size()), 0);
   }
   for (Eigen::Index i = 0; i < x.size(); ++i) {
-    (gap[i] > 0.0 ? low_ : high_)[i] = x[i];
-    if (low_[i] < high_[i]) continue; // else the other components have moved this one's fixed point
-    (gap[i] > 0.0 ? high_ : low_)[i] = gap[i] > 0.0 ? infinity : -infinity;
+    const bool above = gap[i] > 0.0; // is the fixed point
+    int& passes = same_side_[static_cast<std::size_t>(i)];
+    passes = above == (passes > 0) ? passes + (above ? 1 : -1) : (above ? 1 : -1);
+    (above ? low_ : high_)[i] = x[i];
+    if (low_[i] < high_[i] && std::abs(passes) < one_sided) continue;
+    // The other components have moved this one's fixed point.
+    (above ? high_ : low_)[i] = above ? infinity : -infinity;
   }
 }
 

@@ -15,7 +15,7 @@ namespace hvi::solver {
 /// combination of the last ones whose g(x) - x is the least. Of linear maps it finds the fixed
 /// point in as many passes as there are unknowns, contraction or not. Where that takes long, as
 /// with maps that are steep on a short range only, components stay between the last arguments
-/// where g(x) - x was positive and negative.
+/// where g(x) - x was positive and negative, as long as both are found again.
 class Mixing {
 public:
   /// `kinds`: of each component, from 0 on. Components of one kind are of one unit; gaps are
@@ -34,7 +34,8 @@ private:
   std::vector<int> kinds_;
   std::vector<double> sizes_; ///< of the kinds, from the first pass in which they are not zero
   int passes_ = 0;
-  Vector low_, high_; ///< g(x) - x was positive there, and negative
+  Vector low_, high_;          ///< g(x) - x was positive there, and negative
+  std::vector<int> same_side_; ///< passes in a row with g(x) - x > 0; negative: below or at 0
   std::deque<Vector> changes_of_images_, changes_of_gaps_; ///< gaps by their sizes
   Vector last_image_, last_gap_;
 };

@@ -69,8 +69,8 @@ private:
 /// The first process may wait for this one, so all of them end.
 [[noreturn]] void abandon(const char* why) {
   std::fprintf(stderr,
-               "hvi-run: process %d of %d cannot go on: %s; take fewer processes, or `--solver "
-               "direct` with one\n",
+               "hvi-run: process %d of %d cannot go on: %s; take fewer processes, or the direct "
+               "solver with one\n",
                rank() + 1, processes(), why);
   constexpr int solve_failed = 3; // as hvi-run ends without memory, or where PETSc fails
   MPI_Abort(world(), solve_failed);

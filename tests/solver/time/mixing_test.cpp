@@ -46,5 +46,21 @@ TEST(Mixing, ComparesGapsByTheSizesOfTheirKinds) {
   }
 }
 
+/// A component that falls steeply at a place which another one moves late: between the ends that
+/// were found before there is no fixed point any more.
+TEST(Mixing, FindsFixedPointsThatOtherComponentsHaveMoved) {
+  for (const double late : {0.02, -0.02, 0.3, -0.3}) {
+    double place = 0.5;
+    const auto map = [&](double x) { return place - std::tanh((x - place) / 1e-3); };
+    Mixing mixing({0});
+    Vector x = Vector::Constant(1, 0.9);
+    for (int pass = 0; pass < 90; ++pass) {
+      if (pass == 40) place += late;
+      x = mixing.next(x, Vector::Constant(1, map(x[0])));
+    }
+    EXPECT_NEAR(x[0], place, 1e-10) << late;
+  }
+}
+
 } // namespace
 } // namespace hvi::solver
