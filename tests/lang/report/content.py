@@ -174,6 +174,8 @@ def fields(folder, script, stem="scene", laws=()):
             order = [int(np.argmin(np.linalg.norm(of_law.points - p, axis=1))) for p in points]
             same("multipliers", xi, of_law.point_data[f"{law['name']}.xi"][order])
             judge_branches(law, xi, page.numbers(law["branch"]), page.numbers(law["force"]).reshape(-1, 3))
+            if law["name"] == "slip":
+                judge_slip(page.numbers(law["branch"]), points, mesh)
     cells = page.numbers(data["cells"], "<u4").reshape(-1, data["dim"] + 1)
     x = page.numbers(data["points"]).reshape(-1, 3)[cells].astype(float)
     edges = (x[:, 1:] - x[:, :1])[:, :, :data["dim"]]
@@ -229,6 +231,14 @@ def judge_branches(law, xi, branch, force):
         check("stick below it", (size[branch == 4] <= 0.05 * (1 + 1e-6)).all() and set(branch) <= {4, 5})
     if law["name"] == "floor":
         check("held where it presses", ((branch == 3) == (xi > 0)).all() and (branch == 3).any())
+
+
+def judge_slip(branch, points, mesh):
+    """What slides has moved along the ground; corners of cells alone are in the file."""
+    away = np.linalg.norm(mesh.points[None, :, :] - points[:, None, :], axis=2)
+    known = away.min(axis=1) < 1e-6
+    slid = np.abs(mesh.point_data["u"][away.argmin(axis=1), 0])
+    check("stick where nothing slid", known.sum() > 3 and ((branch == 5) == (slid > 1e-9 * slid.max()))[known].all() and (branch == 5).any(), (branch, slid))
 
 
 def main():
