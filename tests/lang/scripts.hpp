@@ -17,6 +17,7 @@ namespace hvi::lang::testing_scripts {
 struct Checked {
   std::optional<Model> model;
   std::vector<std::string> errors; ///< their codes, in the order of the script
+  std::vector<std::string> helps;  ///< what each of them proposes
 };
 
 inline Checked checked(const std::string& text, std::map<std::string, std::string> defines = {}) {
@@ -25,9 +26,9 @@ inline Checked checked(const std::string& text, std::map<std::string, std::strin
   const std::vector<ast::Program> programs{parse(source, diagnostics)};
   CheckOptions options;
   options.defines = std::move(defines);
-  Checked out{check(programs, options, diagnostics), {}};
+  Checked out{check(programs, options, diagnostics), {}, {}};
   for (const auto& d : diagnostics.sorted())
-    if (d.severity == Severity::error) out.errors.push_back(d.code);
+    if (d.severity == Severity::error) out.errors.push_back(d.code), out.helps.push_back(d.help);
   return out;
 }
 

@@ -34,6 +34,14 @@ TEST(Mistakes, WhatDependsOnAWrongThingIsSilent) {
   EXPECT_EQ(script.errors, Codes{"E0305"});
 }
 
+TEST(Mistakes, AStrainOfAScalarIsToldToBeAGradient) {
+  const auto script = checked(problem(2, tensor, left,
+                                      "integral(body, eps(x) : eps(v)) + integral(body, B : "
+                                      "eps([x, y, x]) : eps(v))"));
+  EXPECT_EQ(script.errors, (Codes{"E0308", "E0308"}));
+  EXPECT_EQ(script.helps, (Codes{"use `grad` of a scalar", ""}));
+}
+
 TEST(Mistakes, ParametersStandInTheOrderOfTheScript) {
   const auto script = checked(problem(2, "param a = 2*c\nparam b = 1\nparam c = b\n" + tensor, left,
                                       "integral(body, a*v.y)"));
