@@ -1,6 +1,7 @@
 // Weights where rules that compare two formulas are easily fooled, and memories that do not start
 // at time 0. References: closed forms, and the brute-force sums of cases.hpp.
 #include "cases.hpp"
+#include "solver/history/fields.hpp"
 #include "solver/history/kernel_function.hpp"
 #include "solver/history/pole_fit.hpp"
 #include "solver/history/proved_quadrature.hpp"
@@ -58,6 +59,50 @@ TEST(Weights, OfBellsOfAnyWidthAreExactToRounding) {
       EXPECT_NEAR(panels[0], exact, 1e-13 * exact) << c;
     }
   }
+}
+
+/// Panels that grow fourfold from 0 fill the whole interval, wherever it begins. (Closed form.)
+TEST(Weights, GradedPanelsFillTheInterval) {
+  for (const double a : {0.0, 1e-9, 0.01, 0.2, 0.5, 0.9}) {
+    const auto sum =
+        integrate_graded<1>([](double x) -> Values<1> { return {std::exp(-x)}; }, a, 1.0);
+    const double exact = std::exp(-a) - std::exp(-1.0);
+    EXPECT_NEAR(sum[0], exact, 1e-14 * exact) << a;
+  }
+}
+
+/// A kernel a million times as large is as well resolved by the same panels.
+TEST(Weights, ResolvedPanelsDoNotDependOnTheUnitOfTheKernel) {
+  const Expr x = (lag() - Expr(0.37)) / Expr(0.01);
+  const Expr bell = Expr(1.0) / (Expr(1.0) + x * x);
+  const auto edges = [&](double size) {
+    std::vector<double> out;
+    KernelFunction(Expr(size) * bell, {}).resolved_edges(1.0, 0.0, 1.0, out);
+    return out;
+  };
+  const auto as_written = edges(1.0);
+  EXPECT_GT(as_written.size(), 4U);
+  for (const double size : {1e-6, 1e-3, 1e3, 1e6}) EXPECT_EQ(edges(size), as_written) << size;
+}
+
+/// Columns of weights times fields, against loops; also where there is nothing to add.
+TEST(Weights, SumsOfColumnsAreTheDefinition) {
+  for (const std::size_t n : {0U, 1U, 3U})
+    for (const std::size_t count : {0U, 2U, 5U}) {
+      constexpr std::size_t columns = 4;
+      std::vector<double> weights, fields, out(n * columns, 0.5);
+      for (std::size_t i = 0; i < columns * count; ++i)
+        weights.push_back(std::sin(1.0 + static_cast<double>(i)));
+      for (std::size_t i = 0; i < n * count; ++i)
+        fields.push_back(std::cos(2.0 + static_cast<double>(i)));
+      auto expected = out;
+      for (std::size_t c = 0; c < columns; ++c)
+        for (std::size_t k = 0; k < count; ++k)
+          for (std::size_t i = 0; i < n; ++i)
+            expected[c * n + i] += weights[c * count + k] * fields[k * n + i];
+      add_columns(weights, fields.data(), count, n, out);
+      for (std::size_t i = 0; i < out.size(); ++i) EXPECT_NEAR(out[i], expected[i], 1e-14);
+    }
 }
 
 /// A ripple that two rules of few points see as much and as wrongly as each other. (Closed form.)
