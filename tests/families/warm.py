@@ -124,6 +124,38 @@ class Scene(fields.Scene):
             out[n:] -= weight * self.h * g * row
         return out[self.free]
 
+    def told_besides(self, folder, turn, scale):
+        """The scalar at its nodes after every step."""
+        import meshio
+
+        out = []
+        for file in sorted((folder / "out").glob("scene_[0-9]*.vtu")):
+            grid = meshio.read(file)
+            at = grid.points[:, :self.dim] @ turn / scale
+            nearest = [int(np.argmin(((at - x) ** 2).sum(1))) for x in self.scalar.solid.points]
+            out.append((grid.point_data["p"].ravel() / self.unit)[nearest])
+        return out
+
+    def is_solution(self, u, p, bound):
+        """Laws that read what they change may have several solutions: is this one? With the factors and sources of the answer
+        itself, and the answers of the steps before, a step has one solution; brute force finds it in the answer."""
+        old, velocity = np.zeros(len(self.load_of_all())), np.zeros(len(self.free))
+        for n in range(1, self.steps + 1):
+            answer = np.concatenate([np.ravel(u[n - 1]), p[n - 1]])
+            points = self.law_points(old[self.free])
+            for point, factor in zip(points, [f for term in self.terms for f in term.factors(self, answer)]):
+                point.law = times(point.law, factor)
+            f = self.load * (n / self.steps) + self.known(old[self.free], velocity)
+            new = Step(self.k, points).solve(f + self.sources(answer, old), rates.TURNS)
+            if new is None:
+                return False
+            off, of_u = np.abs(new - answer[self.free]), self.free < self.solid.n
+            for part, size in ((of_u, self.reaches["u"]), (~of_u, self.reaches["p"])):
+                if off[part].max(initial=0.0) > bound * max(size, np.abs(new[part]).max(initial=0.0)):
+                    return False
+            velocity, old = self.steps * (answer - old)[self.free], answer
+        return True
+
     def reference(self):
         states = [np.zeros(len(self.load_of_all()))]
         velocity = np.zeros(len(self.free))
