@@ -271,9 +271,10 @@ Sheet scene_sheet(const Scene& scene, const BodyPicture& picture, const View& vi
     add_triad(sheet, view, {46.0, sheet.height - 40.0});
   }
   sheet.words({{left, 26.0}, picture.title, 15.0});
-  add_bar(sheet, colours, sheet.width - beside + 10.0, top + 14.0, std::min(box_high - 14.0, 320.0),
-          picture.label);
   const Spot below_bar{sheet.width - beside + 10.0, sheet.height - 14.0};
+  const double room = below_bar[1] - 15.0 - 21.0 - (top + 14.0); // above the range, which is told
+  add_bar(sheet, colours, below_bar[0], top + 14.0, std::min({box_high - 14.0, room, 320.0}),
+          picture.label);
   const std::string range = number_text(colours.low()) + " to " + number_text(colours.high());
   constexpr std::size_t most_letters = 19; // of the size 11 that stand below the bar
   const bool fits = range.size() <= most_letters;

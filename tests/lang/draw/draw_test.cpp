@@ -329,6 +329,39 @@ TEST(Body, TheRangeOfColoursIsOnTheSheet) {
   EXPECT_EQ(found, 1);
 }
 
+/// A long thin body in 3D: low pictures have little room for the bar.
+solver::FieldFrame long_body() {
+  solver::FieldFrame frame;
+  VtuGrid grid;
+  grid.cell = VtkCell::tetra;
+  grid.points = {{0, 0, 0}, {10, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  grid.connectivity = {0, 1, 2, 3};
+  grid.point_data = {{"s", 1, {-0.0009366, 0.061, 0.0, 0.0}}};
+  frame.grids.push_back({"", std::move(grid)});
+  return frame;
+}
+
+TEST(Body, TheRangeOfColoursStandsBelowTheBar) {
+  const std::vector<solver::FieldFrame> frames{two_cells(), long_body()};
+  for (const solver::FieldFrame& frame : frames)
+    for (const double high : {20.0, 150.0, 700.0}) {
+      BodyPicture picture;
+      picture.field = "s";
+      picture.highest = high;
+      const Sheet sheet = body_sheet(frame, picture);
+      double bar = 0.0, range = 0.0;
+      for (const Mark& mark : sheet.marks) {
+        if (const auto* panel = std::get_if<Panel>(&mark); panel != nullptr && panel->width == 16.0)
+          bar = panel->at[1] + panel->height;
+        const auto* words = std::get_if<Words>(&mark);
+        if (words != nullptr && words->text.find(" to ") != std::string::npos)
+          range = words->at[1] - words->size;
+      }
+      EXPECT_GT(bar, 90.0);
+      EXPECT_GE(range, bar + 8.0) << high; // half of the bar's lowest number, and some
+    }
+}
+
 // The largest number stands above the least one, and so do their colours.
 TEST(Axes, BarsGrowUpward) {
   Sheet sheet;
