@@ -2,6 +2,7 @@
 #include "solver/hypotheses/numbers.hpp"
 
 #include "solver/common/numbers.hpp"
+#include "solver/hypotheses/multiplier_norm.hpp"
 #include "solver/linear/general_lu.hpp"
 #include "solver/plan/couplings.hpp"
 #include "solver/time/time_scheme.hpp"
@@ -68,13 +69,12 @@ SparseMatrix saddle_point(const SparseMatrix& gram, const SparseMatrix& coupling
 
 } // namespace
 
-std::optional<double> Numbers::inf_sup(int unknown) const {
+std::optional<InfSup> Numbers::inf_sup(int unknown) const {
   SparseMatrix couplings(layout_.n_unknowns, layout_.n_unknowns);
   for (const int field : {field_of_u(0), field_of_u(1)}) couplings += of_field(field);
   const auto form = product_form(couplings);
   if (!form || !form->is_multiplier(unknown)) return std::nullopt;
-  const SparseMatrix l2 =
-      restrict_rows(mass(discretisation_.space), layout_).leftCols(layout_.n_unknowns);
+  const MultiplierNorm norm(problem_, discretisation_, layout_, unknown);
   const auto own = [&](Vector& x) {
     for (Eigen::Index i = 0; i < x.size(); ++i)
       if (contact_.of_unknown[static_cast<std::size_t>(i)] != unknown) x[i] = 0.0;
@@ -85,7 +85,7 @@ std::optional<double> Numbers::inf_sup(int unknown) const {
     factor = general_factor(k, {});
     factor->factor(k);
   } catch (const NotFactorable&) {
-    return 0.0;
+    return InfSup{0.0, norm.leaves_out_means()};
   }
   // Inverse iteration: the other part of the solution for [0; M p] is (C G^-1 C^T)^-1 M p.
   constexpr int passes = 2000;
@@ -96,14 +96,14 @@ std::optional<double> Numbers::inf_sup(int unknown) const {
   own(p);
   double squared = 0.0;
   for (int pass = 0; pass < passes; ++pass) {
-    p /= std::sqrt(p.dot(l2 * p));
-    solve(*factor, l2 * p, x);
+    p /= std::sqrt(p.dot(norm.times(p)));
+    solve(*factor, norm.times(p), x);
     own(x);
-    const double before = std::exchange(squared, 1.0 / std::sqrt(x.dot(l2 * x)));
+    const double before = std::exchange(squared, 1.0 / std::sqrt(x.dot(norm.times(x))));
     p = x;
     if (std::abs(squared - before) <= settled * squared) break;
   }
-  return std::sqrt(squared);
+  return InfSup{std::sqrt(squared), norm.leaves_out_means()};
 }
 
 SparseMatrix Numbers::of_field(int field) const {

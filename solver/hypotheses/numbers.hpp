@@ -13,6 +13,12 @@
 
 namespace hvi::solver {
 
+/// How well the others see an unknown that has no form of its own.
+struct InfSup {
+  double constant = 0.0;
+  bool without_means = false; ///< no other unknown sees its constants (multiplier_norm.hpp)
+};
+
 class Numbers {
 public:
   Numbers(const Plan& plan, const Discretisation& d);
@@ -30,8 +36,9 @@ public:
   /// The same against the mass matrix: coercivity in H = L2.
   double coercivity_in_h(int field) const;
   /// Of an unknown p without a form of its own: the least of  sup_v c(v, p) / |v|_V  over p of size
-  /// 1 in L2, c its couplings; 0 where some p is not seen at all. Nothing for other unknowns.
-  std::optional<double> inf_sup(int unknown) const;
+  /// 1 (multiplier_norm.hpp), c its couplings; 0 where some p is not seen at all. Nothing for other
+  /// unknowns.
+  std::optional<InfSup> inf_sup(int unknown) const;
   double memory_norm(int m) const;     ///< ||E|| of memory m; NaN when not found
   double asymmetry(int field) const;   ///< max |K_ij - K_ji| / max |K_ij|
   double script_norm(int field) const; ///< ||M||^2 of the arguments of all laws on a field
