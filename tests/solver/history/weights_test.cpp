@@ -1,6 +1,7 @@
 // Weights where rules that compare two formulas are easily fooled, and memories that do not start
 // at time 0. References: closed forms, and the brute-force sums of cases.hpp.
 #include "cases.hpp"
+#include "solver/history/fields.hpp"
 #include "solver/history/kernel_function.hpp"
 #include "solver/history/pole_fit.hpp"
 #include "solver/history/proved_quadrature.hpp"
@@ -178,6 +179,23 @@ TEST(Tree, HoldsForWhatComesLater) {
       }
       EXPECT_LT(worst, 2e-8) << at << " " << width;
     }
+}
+
+/// A field without values, of a part where everything is imposed: its sums are as empty.
+TEST(Tree, KeepsFieldsWithoutValues) {
+  std::vector<double> times;
+  for (int n = 0; n <= 200; ++n) times.push_back(0.01 * n);
+  const auto tree =
+      make_history({"q", {}, call(Op::log, lag())}, 0, options_of(times, HistoryRoute::tree, 0));
+  std::vector<double> nothing;
+  tree->start(0.0, nothing);
+  for (std::size_t n = 1; n < times.size(); ++n) {
+    tree->rhs(times[n], nothing);
+    tree->commit(times[n], nothing);
+  }
+  const double weight = 2.0; // of one field, for one sum
+  add_columns({&weight, 1}, nullptr, 1, 0, nothing);
+  EXPECT_TRUE(nothing.empty());
 }
 
 TEST(PoleFit, CountsTheFieldsOfItsPoles) {
