@@ -199,6 +199,22 @@ report
 """
 
 
+GRADED = """mesh body = rectangle(1, 1, cells = [4, 4])
+part roof = body.top
+part ground = body.bottom
+tensor B = isotropic(young = 10, poisson = 0.3)
+superpotential layer(r) = 50*max(0, r)^2
+space V = vector P1 on body, zero on roof
+find u in V for t in [0, {end}] at graded({steps}, 2) from u = 0
+  using solver = iterative
+such that for all v in V
+    integral(body, B : eps(u') : eps(v)) + integral(body, B : eps(u) : eps(v)) + integral(ground, layer^0(u.nu; v.nu))
+ >= integral(body, dot([0, -10*t], v))
+report
+  table a = u.y at [1, 0]
+"""
+
+
 def failures(program, folder):
     """How it ends where it cannot solve: what is wrong of that."""
     path, wrong = folder / "hard.hvi", []
@@ -220,7 +236,17 @@ def failures(program, folder):
     ends("a word that is none", HARD.format(poisson=0.3).replace("in V\nsuch", "in V using solver = multigrid\nsuch"), 1, "E0")
     ends("a pair that is kept apart", RIGID, 1, "E0423", "keeps two bodies apart", "using solver = direct")
     ends("stagnation", HARD.format(poisson=0.49999999).replace("P1", "P2"), 3, "the most iterations were reached", "E0701", "the iterative solver of", "iterations", "using solver = direct")
-    return wrong
+
+    def iterations(steps):
+        """Of the first steps of one graded grid; each has a matrix of its own."""
+        path.write_text(GRADED.format(end=(steps / 6)**2, steps=steps))
+        subprocess.run([program, "run", str(path), "--quiet", "--no-files", "--json", "graded.json"], cwd=folder, check=True)
+        return json.loads((folder / "graded.json").read_text())["plan"]["iterations"]
+
+    one, all_steps = iterations(1), iterations(6)
+    good = all_steps >= 3 * one > 0
+    print(f"{'ok   ' if good else 'FAILS'} iterations of all steps are counted: {all_steps} of 6, {one} of the first")
+    return wrong if good else [*wrong, "iterations"]
 
 
 def main():

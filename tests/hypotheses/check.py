@@ -74,6 +74,11 @@ assert constants["margin"] < 0 < constants["margin_split"] <= constants["m_B"]
 assert report["verdict"]["discrete"]["holds"] and report["verdict"]["continuous"]["holds"]
 assert "split condition" in report["verdict"]["continuous"]["says"]
 
+# On ever finer meshes: as far again as the refined mesh is from this one.
+finer = slab_traces(16)[2]
+(row,) = [h for h in report["hypotheses"] if h["bound"].startswith("||M||^2 on ever finer meshes")]
+close(row["value"], 2 * finer - full)
+
 # Without friction the normal trace alone counts, as the theorem for it says.
 report = check(root / "examples/slab.hvi", "-D", "n=8")
 close(report["constants"]["norm_M2"]["script"], normal)
@@ -266,6 +271,68 @@ report
         report = check(file.name)
     assert report["verdict"]["continuous"]["holds"] is holds, (mass, part, report["verdict"])
     assert says(report, "H(A)", "A is coercive in V")["holds"] is holds
+
+# Laws on u' may not soften faster than A, on ever finer meshes either: the norm of the tangential traces grows with n.
+coarse, finer = (slab_traces(n)[1] for n in (2, 4))
+for m in (0.99 / (2 * finer - coarse), 1.01 / (2 * finer - coarse)):
+    text = f"""mesh slab = rectangle(2, 1, cells = [4, 2])
+part roof = slab.top
+part ground = slab.bottom
+tensor A = isotropic(young = 1, poisson = 0)
+superpotential soft(w) with slope | w < 0.1 -> 5*w | w < 1 -> 0.5 - {m}*(w - 0.1) | otherwise -> 0.5 - 0.9*{m}
+space V = vector P1 on slab, zero on roof
+find u in V for t in [0, 1] by 10 steps from u = 0
+such that for all v in V
+    integral(slab, A : eps(u') : eps(v)) + integral(slab, A : eps(u) : eps(v)) + integral(ground, soft^0(u'.x; v.x))
+ >= integral(slab, dot([0, -10*t], v))
+report
+  table end = u.y at [1, 0]
+"""
+    with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+        file.write(text), file.flush()
+        report = check(file.name)
+    close(report["constants"]["margin_rates"], 1 - m * coarse)
+    assert report["verdict"]["continuous"]["holds"] == (m * (2 * finer - coarse) < 1), (m, report["verdict"])
+
+# Pointwise A sees one direction only: it is coercive on each mesh, less on each finer one.
+def one_way(n):
+    text = f"""mesh body = rectangle(1, 1, cells = [{n}, {n}])
+part left = body.left
+space V = scalar P1 on body, zero on left
+find u in V for t in [0, 1] by 10 steps from u = 0
+such that for all v in V
+    integral(body, dot([1, 0], grad(u'))*dot([1, 0], grad(v))) + integral(body, dot(grad(u), grad(v)))
+  = integral(body, v)
+report
+  table end = u at [1, 0]
+"""
+    with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+        file.write(text), file.flush()
+        return says(check(file.name), "H(A)", "A is coercive in V")
+
+
+row, finer = one_way(4), one_way(8)
+assert not row["holds"] and 0 < finer["value"] < 0.3 * row["value"]
+assert f"pointwise m_1 = 0; on this mesh only, {finer['value']:.6g} on the refined" in row["note"], row
+
+# Laws that read another unknown have its initial values: softening 0.1*(1 + 2) against a bar of stiffness 1.
+text = """mesh bar = interval(1, cells = 4)
+part left = bar.left
+part right = bar.right
+superpotential soft(r) with slope | r < 0.1 -> 5*r | otherwise -> 0.5 - 0.1*(1 + theta)*min(r - 0.1, 1)
+space V = scalar P1 on bar, zero on left
+space W = scalar P1 on bar, zero on left
+find u in V, theta in W for t in [0, 1] by 10 steps from u = 0, theta = 2*x
+such that for all v in V, eta in W
+    integral(bar, dot(grad(u'), grad(v))) + integral(bar, dot(grad(u), grad(v)))
+  + integral(bar, theta'*eta) + integral(bar, dot(grad(theta), grad(eta))) + integral(right, soft^0(u; v))
+ >= integral(right, 0.1*v)
+report
+  table end = u at [1]
+"""
+with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+    file.write(text), file.flush()
+    close(check(file.name)["constants"]["margin_against_B"], 1 - 0.1 * (1 + 2))
 
 # Laws that read: Coulomb's bound changes with the multiplier by the coefficient of friction.
 row = says(check(root / "tests/published/coulomb_patch.hvi"), "H(J)", "`grip` is Lipschitz in the multiplier")

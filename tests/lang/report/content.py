@@ -63,6 +63,18 @@ such that for all v in V
 report
   fields u, eps(u), d, 2*d - 1, pad.xi
 """
+PULLED = """mesh strip = rectangle(1, 0.01, cells = [8, 1], grading = [11, 1])
+part left = strip.left
+part right = strip.right
+part ground = strip.bottom
+tensor B = isotropic(young = 1, poisson = 0)
+superpotential slip(w) = 1e-9 * norm(w)
+space V = vector P1 on strip, zero.x on left, zero.y on ground
+find u in V such that for all v in V
+    integral(strip, B : eps(u) : eps(v)) + integral(ground, slip^0(u.tau; v.tau)) >= integral(right, dot([0.001, 0], v))
+report
+  table a = u.x at [1, 0]
+"""
 BAR = """mesh bar = interval(1, cells = 8)
 part left = bar.left
 part right = bar.right
@@ -241,11 +253,23 @@ def judge_slip(branch, points, mesh):
     check("stick where nothing slid", known.sum() > 3 and ((branch == 5) == (slid > 1e-9 * slid.max()))[known].all() and (branch == 5).any(), (branch, slid))
 
 
+def pulled(folder):
+    """A strip that is pulled along a ground that hardly holds it, u = x/1000: what has moved by 2e-7 of the largest slips, too."""
+    _, page, _ = run(folder, PULLED)
+    (law,) = page.data["fields"]["frames"][-1]["laws"]
+    points, branch = page.numbers(law["points"]).reshape(-1, 3), page.numbers(law["branch"])
+    near = (points[:, 0] > 0) & (points[:, 0] < 1e-6)
+    check("stick at the end that is held", near.any() and ((branch == 5) == (points[:, 0] > 0)).all(), (points, branch))
+
+
 def main():
     with tempfile.TemporaryDirectory() as place:
         folder = pathlib.Path(place) / "worn"
         folder.mkdir()
         states(folder)
+        folder = pathlib.Path(place) / "pulled"
+        folder.mkdir()
+        pulled(folder)
         for k, element in enumerate(("P1", "P2")):
             folder = pathlib.Path(place) / f"plane{k}"
             folder.mkdir()

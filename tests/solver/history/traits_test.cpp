@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace hvi::solver::test {
 namespace {
@@ -164,6 +165,19 @@ TEST(Integral, AgreesWithClosedForms) {
               1e-15);
   const Expr jump = select(less(lag(), Expr(0.123)), Expr(1.0), Expr(5.0));
   EXPECT_NEAR(interval_integral(jump, 3, 0.1, 0.2, 0), 0.023 + 5 * 0.077, 1e-15);
+}
+
+/// sqrt(x) J_1/2(x) = sqrt(2/pi) sin x: of Bessel functions of a broken order nothing is proved.
+TEST(Integral, OfAFunctionThatNothingBounds) {
+  const Expr q = sqrt(lag()) * call(Op::bessel_j, Expr(0.5), lag());
+  const double factor = std::sqrt(2 / std::numbers::pi);
+  for (const auto& [low, high] : {std::pair(0.1, 0.2), std::pair(0.1, 2.0), std::pair(1e-3, 2.5)}) {
+    const double zero = factor * (std::cos(low) - std::cos(high)), length = high - low;
+    const double one = // of (x - low) / length
+        factor * (std::sin(high) - std::sin(low) - length * std::cos(high)) / length;
+    EXPECT_NEAR(interval_integral(q, 3, low, high, 0), zero, 1e-13) << low;
+    EXPECT_NEAR(interval_integral(q, 3, low, high, 1), one, 1e-13) << low;
+  }
 }
 
 /// E_r(z) = int_0^1 x^r e^{z x} dx: series for small z, closed form of r = 1 for large z.

@@ -86,21 +86,23 @@ TEST(Inequality, ReleasesAtADownwardJumpAndReturnsLater) {
   const auto op = dense_operator(setup.s, true);
   InequalitySolver solver(setup.problem, *op, {});
   InequalityState state;
-  int events = 0;
+  int events = 0, reattached = 0;
   const auto step = [&](double force, double expected) {
     const auto report = solver.solve(Vector::Constant(1, force), state);
     ASSERT_TRUE(report.converged) << force << report.verdict;
     EXPECT_NEAR(state.c[0], expected, 1e-14) << force;
-    events += report.events;
+    events += report.events, reattached += report.reattached;
   };
   for (double f = 0.0; f <= 12.5; f += 0.25) step(f, f / 25);
   EXPECT_EQ(events, 0);
   step(12.75, (12.75 - 4) / 9);
   EXPECT_EQ(events, 1);
+  EXPECT_EQ(reattached, 0); // from 12 down to 8
   for (double f = 12.75; f >= 8.5; f -= 0.25) step(f, (f - 4) / 9);
   EXPECT_EQ(events, 1);
   step(8.25, 8.25 / 25);
   EXPECT_EQ(events, 2);
+  EXPECT_EQ(reattached, 1); // and back to the larger force
 }
 
 TEST(Inequality, BranchesOfABistableSpring) {

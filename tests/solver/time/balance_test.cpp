@@ -63,12 +63,18 @@ TEST_F(FirstStep, TheRightHandSideIsTheLoadLessWhatIsKnown) {
 
 TEST_F(FirstStep, AChangeOfTheMatrixGoesOverAndComesBack) {
   const Vector before = equation.rhs;
-  move_change();
-  EXPECT_GT((equation.rhs - before).norm(), 1e-3 * before.norm());
-  EXPECT_FALSE(equation.exact());
-  take_back_change(operators(), equation);
-  EXPECT_LT((equation.rhs - before).norm(), 1e-13 * before.norm());
-  EXPECT_TRUE(equation.exact());
+  for (const bool by_one : {false, true}) {
+    move_change();
+    if (by_one) {
+      equation.change.setOnes();
+      balance->find_right_hand_side(equation);
+    }
+    EXPECT_GT((equation.rhs - before).norm(), 1e-3 * before.norm());
+    EXPECT_FALSE(equation.exact());
+    take_back_change(operators(), equation);
+    EXPECT_LT((equation.rhs - before).norm(), 1e-13 * before.norm()) << by_one;
+    EXPECT_TRUE(equation.exact());
+  }
 }
 
 TEST_F(FirstStep, TheResidualIsThatOfTheChangedMatrix) {
@@ -86,6 +92,45 @@ TEST_F(FirstStep, TheResidualIsThatOfTheChangedMatrix) {
     EXPECT_LT((trial.gap - (plain - k_d)).norm(), 1e-12 * k_d.norm()) << changed;
     EXPECT_LT((trial.kd - matrix.k() * trial.d).norm(), 1e-12 * k_d.norm()) << changed;
   }
+}
+
+/// Beside 1e-15 of the terms of the equation's sums, by the tolerance, and of K times the largest
+/// values yet; for a tolerance of rounding beside nothing.
+TEST_F(FirstStep, ErrorsAreMeasuredBesideTheRoundingOfTerms) {
+  StepMatrix matrix(operators(), formulation->contact(), {});
+  matrix.factor(balance->coefficients(1));
+  const auto n = equation.rhs.size();
+  const Vector xi = Vector::Zero(formulation->contact().n_rows());
+  Trial trial{any(n), Vector::Zero(n), Vector::Zero(n), {}, {}};
+  const DenseMatrix size = DenseMatrix(matrix.k()).cwiseAbs();
+  Vector load, terms, gap(n), scale(n);
+  balance->load.find(1, load);
+  const Vector& u0 = evolution->u();
+  terms = load.cwiseAbs();
+  for (int b = 0; b < operators().n_bases(); ++b) {
+    const auto weight = operators().weights.col(b);
+    const Vector known = weight[field_of_u(0)] * u0 +
+                         weight[field_of_memory(0)] *
+                             (evolution->memory().w0(0) * u0 + evolution->memory().known(0));
+    terms += DenseMatrix(operators().bases[b]).cwiseAbs() * known.cwiseAbs();
+  }
+  terms += size * Vector::Constant(n, u0.head(n).lpNorm<Eigen::Infinity>());
+  gap_and_scale(matrix.k(), trial.d, equation.rhs, gap, scale);
+  for (const double tolerance : {1e-8, 1e-15, 1e-12, 3e-14}) {
+    Vector beside = scale;
+    if (tolerance >= 1e-13) beside += 1e-15 / tolerance * terms;
+    const double expected =
+        equilibrium_error(matrix.k(), trial.d, gap, beside, formulation->contact().reactions(), xi);
+    EXPECT_NEAR(balance->error_beside_rounding(equation, matrix, xi, trial, tolerance), expected,
+                1e-12 * expected)
+        << tolerance;
+  }
+}
+
+TEST_F(FirstStep, MatricesTakeAValueAndAColumnPerEntry) {
+  double entries = 0.0;
+  for (const auto& base : operators().bases) entries += static_cast<double>(base.nonZeros());
+  EXPECT_EQ(bytes_of(operators(), {}), 12.0 * entries);
 }
 
 TEST_F(FirstStep, ResidualsInExtendedPrecisionAreTheSame) {

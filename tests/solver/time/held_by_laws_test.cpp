@@ -69,6 +69,32 @@ TEST(RigidMotions, OfABoxHeldAtTwoCornersTurnAboutTheirLine) {
   EXPECT_THAT(about({2, 1, 0}, {2, 1, 1}), HasSubstr("turns about the line through (2, 1, 0.5)"));
 }
 
+/// Of two pieces the lower one is free: it is told by its name, or by where its middle is.
+TEST(RigidMotions, OfPiecesAreToldByNameOrPlace) {
+  Discretisation d;
+  const auto named = motions_of(two_blocks(2, 1, 2), {clamp(roof)}, d);
+  ASSERT_EQ(named.count(), 3);
+  d.mesh.groups.erase("lower");
+  const RigidMotions placed(d, 0);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_THAT(named.describe(Vector::Unit(3, i)), HasSubstr("the piece `lower`"));
+    EXPECT_THAT(placed.describe(Vector::Unit(3, i)), HasSubstr("the piece around (1, -0.5)"));
+  }
+}
+
+/// An unknown that lives on the upper of two pieces has no motions of the lower one.
+TEST(RigidMotions, OfAnUnknownAreThoseOfItsPieces) {
+  auto plan = two_blocks(2, 1, 2);
+  plan.problem.parts.push_back(group("above", "upper"));
+  plan.problem.space.more = {{"theta", "W", {}, false, 1, 5}};
+  Discretisation d;
+  ASSERT_EQ(motions_of(plan, {}, d).count(), 6);
+  const RigidMotions of_theta(d, 1);
+  ASSERT_EQ(of_theta.count(), 1);
+  EXPECT_THAT(of_theta.describe(vector({1.0})),
+              HasSubstr("a constant is added to the piece `upper`"));
+}
+
 /// Rigid: no strain in any cell, whatever the amplitudes.
 TEST(RigidMotions, StrainNothing) {
   Discretisation d;

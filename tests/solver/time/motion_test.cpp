@@ -292,6 +292,47 @@ TEST(Motion, ForcesAtTheStartAreOnTheSideOfTheMotion) {
     }
 }
 
+/// A block that moves across the direction that a law sees: by rounding alone its arguments move,
+/// at every point another way, and the law holds what the load is.
+TEST(Motion, ArgumentsThatMoveByRoundingRest) {
+  LawSpec sides;
+  sides.name = "law";
+  sides.by_slope = true;
+  sides.expression = select(less(var(slot::argument(0)), 0.0), -0.5, 0.7);
+  for (const auto& [angle, speed] :
+       {std::pair(0.5, 0.3), std::pair(0.7, 0.1), std::pair(1.0, 0.7)}) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    Plan plan = block(2, 1, 2, Scheme::newmark, 0.01);
+    plan.problem.laws = {sides};
+    plan.problem.law_terms = {tangential_term(0, body, 2)};
+    plan.problem.law_terms[0].rows = {{{c, s}}};
+    plan.problem.loads = {force(body, {Expr(0.3 * c), Expr(0.3 * s)})};
+    plan.problem.time.velocity = {Expr(-speed * s), Expr(speed * c)};
+    for (int i = 0; i < 2; ++i)
+      plan.report.probes.push_back(at_point(i == 0 ? "x" : "y", u_value(i), {1, 0.5, 0}));
+    const auto final = solve(plan).final;
+    EXPECT_NEAR(final.at("x"), -0.01 * speed * s, 1e-15) << angle;
+    EXPECT_NEAR(final.at("y"), 0.01 * speed * c, 1e-15) << angle;
+  }
+}
+
+/// What a law reads of the velocity is known at the initial time: the bound 0.5 u'_y holds the
+/// pull.
+TEST(Motion, BoundsThatReadVelocitiesHoldAtTheStart) {
+  Plan plan = block(2, 1, 2, Scheme::newmark, 0.01);
+  LawSpec slip = tresca(0.5);
+  slip.expression = var(slot::reading(0)) * slip.expression;
+  slip.readings = {var(slot::field(field_of_u(1), slot::value(1)))};
+  plan.problem.laws = {slip};
+  plan.problem.law_terms = {tangential_term(0, body, 2)};
+  plan.problem.law_terms[0].field = field_of_u(1);
+  plan.problem.law_terms[0].rows = {{{1.0, 0.0}}, {{0.0, 0.0}}};
+  plan.problem.loads = {force(body, {Expr(0.3)})};
+  plan.problem.time.velocity = {Expr(0.0), Expr(1.0)};
+  plan.report.probes = {at_point("u", u_value(0), {1, 0.5, 0})};
+  EXPECT_NEAR(solve(plan).final.at("u"), 0.0, 1e-15);
+}
+
 /// Above the ground a block falls as every body does, with and without mass at its lower nodes.
 TEST(Motion, FallsAsAWhole) {
   for (const int dim : {2, 3})

@@ -87,6 +87,27 @@ Plan turned_slab(const Expr& factor) {
   return plan;
 }
 
+// However many forms: what stands beside u alone is one matrix, their sum.
+TEST(Operators, FormsOfOneFieldShareAMatrix) {
+  FormTerm springs, slides;
+  springs.part = slides.part = body;
+  springs.field = slides.field = field_of_u(0);
+  springs.entries.push_back({slot::value(0), slot::value(0), Expr(2.0)});
+  slides.entries.push_back({slot::value(1), slot::gradient(0, 0), Expr(3.0)});
+  const Operators operators = operators_of(warm_slab({springs, slides}));
+  ASSERT_EQ(operators.n_bases(), 1);
+  SparseMatrix sum;
+  for (const FormTerm& form : warm_slab({springs, slides}).problem.forms) {
+    auto plan = warm_slab({});
+    plan.problem.forms = {form};
+    const Operators one = operators_of(plan);
+    sum = sum.size() == 0 ? SparseMatrix(one.weights(field_of_u(0), 0) * one.bases[0])
+                          : SparseMatrix(sum + one.weights(field_of_u(0), 0) * one.bases[0]);
+  }
+  EXPECT_LT((operators.weights(field_of_u(0), 0) * operators.bases[0] - sum).norm(),
+            1e-14 * sum.norm());
+}
+
 // With factors that no entry shows: x is no product of the two, and sums do not cancel.
 TEST(Operators, FormsOfOneTensorAreMultiplesAsWritten) {
   const Expr place = 1.0 + var(slot::x(0));
