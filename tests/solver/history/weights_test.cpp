@@ -61,16 +61,6 @@ TEST(Weights, OfBellsOfAnyWidthAreExactToRounding) {
   }
 }
 
-/// Panels that grow fourfold from 0 fill the whole interval, wherever it begins. (Closed form.)
-TEST(Weights, GradedPanelsFillTheInterval) {
-  for (const double a : {0.0, 1e-9, 0.01, 0.2, 0.5, 0.9}) {
-    const auto sum =
-        integrate_graded<1>([](double x) -> Values<1> { return {std::exp(-x)}; }, a, 1.0);
-    const double exact = std::exp(-a) - std::exp(-1.0);
-    EXPECT_NEAR(sum[0], exact, 1e-14 * exact) << a;
-  }
-}
-
 /// A kernel a million times as large is as well resolved by the same panels.
 TEST(Weights, ResolvedPanelsDoNotDependOnTheUnitOfTheKernel) {
   const Expr x = (lag() - Expr(0.37)) / Expr(0.01);

@@ -57,19 +57,6 @@ Operators operators_of(const Plan& plan) {
   return assemble_operators(plan.problem, d, make_layout(d.space, d.dofs), 1);
 }
 
-/// Terms of u that are no multiples of each other, all with the factor of u: one matrix.
-TEST(Operators, FormsThatEnterTheFieldsInOneRatioShareAMatrix) {
-  auto plan = slab(3, 2);
-  plan.problem.histories.clear();
-  plan.report = {};
-  plan.problem.forms.clear();
-  for (const Lame& m : {Lame{1, 1}, Lame{2, 1}, Lame{1, 3}, Lame{5, 1}})
-    plan.problem.forms.push_back(elastic(2, body, field_of_u(0), m));
-  EXPECT_EQ(operators_of(plan).n_bases(), 1);
-  plan.problem.forms.push_back(elastic(2, body, field_of_u(1), {1, 2}));
-  EXPECT_EQ(operators_of(plan).n_bases(), 2);
-}
-
 /// An orthotropic body, its axes turned in the plane: its entries are symmetric to rounding only.
 Plan turned_slab(const Expr& factor) {
   auto plan = slab(3, 2);
