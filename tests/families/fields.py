@@ -349,6 +349,10 @@ class Scene:
             worst = max(worst, float(np.abs(grid.point_data["p"].ravel()[:n] / self.unit - p[:n]).max()) / size)
         return worst
 
+    def told_besides(self, folder, turn, scale):
+        """As in rates.py."""
+        return None
+
     def told(self):
         laws = [(t.name, t.sees, t.argument, t.rule, type(t.law).__name__) for t in self.terms]
         besides = (" in a patch" if self.mesh.patch else "") + (" with mass" if self.density else "")
