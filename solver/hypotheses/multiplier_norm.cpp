@@ -11,7 +11,7 @@ namespace hvi::solver {
 namespace {
 
 /// What the others see of a constant, beside the parts that cancel.
-constexpr double rounding = 1e-10;
+constexpr double cancels = 1e-10;
 
 /// Of the dofs of one unknown: the number of their piece, those that share a cell in one; -1 of
 /// others.
@@ -52,7 +52,7 @@ std::vector<char> seen_constants(const SparseMatrix& couplings, const StateLayou
         if (entry < 0 || entry >= layout.n_unknowns) continue;
         seen[entry] += it.value(), size[entry] += std::abs(it.value());
       }
-    out.push_back(seen.lpNorm<Eigen::Infinity>() > rounding * size.lpNorm<Eigen::Infinity>());
+    out.push_back(seen.lpNorm<Eigen::Infinity>() > cancels * size.lpNorm<Eigen::Infinity>());
   }
   return out;
 }
