@@ -108,6 +108,28 @@ TEST(Coercivity, RigidMotionsAreNamed) {
   EXPECT_THAT(failure.what(), HasSubstr("the body turns about (0, 1)"));
 }
 
+/// More pieces than are asked one by one, of which the first alone is held.
+TEST(Coercivity, MotionsOfManyPiecesAreToldTogether) {
+  auto plan = slab(1, 4);
+  MeshSpec piece = std::exchange(plan.problem.mesh, {});
+  piece.cells = {1, 1, 1};
+  plan.problem.mesh.kind = MeshSpec::Kind::pieces;
+  for (int i = 0; i < 62; ++i) {
+    piece.name = "p" + std::to_string(i);
+    piece.low[0] = 3.0 * i, piece.high[0] = piece.low[0] + 2.0;
+    plan.problem.mesh.pieces.push_back(piece);
+  }
+  plan.problem.parts = {all_cells("all"), group("roof", "p0.top")};
+  plan.problem.forms = {elastic(2, body, field_of_u(0), from_young(70, 0.3))};
+  plan.problem.histories.clear();
+  plan.problem.laws.clear(), plan.problem.law_terms.clear();
+  plan.problem.loads = {force(body, {Expr(0.0), Expr(-1.0)})};
+  plan.report = {};
+  const auto failure = failure_of(plan);
+  EXPECT_EQ(failure.kind, FailureKind::not_coercive);
+  EXPECT_THAT(failure.what(), HasSubstr("leave a motion free that strains no cell"));
+}
+
 TEST(Coercivity, NegativeStiffnessIsRefused) {
   auto plan = slab(4, 4);
   plan.problem.forms = {elastic(2, body, field_of_u(0), {1, 1}, -1.0)};
