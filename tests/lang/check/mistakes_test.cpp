@@ -42,6 +42,28 @@ TEST(Mistakes, AStrainOfAScalarIsToldToBeAGradient) {
   EXPECT_EQ(script.helps, (Codes{"use `grad` of a scalar", ""}));
 }
 
+/// Any number of cells asks for it, also less than the piece has.
+TEST(Mistakes, PiecesAreAdaptedAllTogetherOrNoneIs) {
+  const auto errors = [](const std::string& upper, const std::string& lower) {
+    return checked(
+               "mesh upper = rectangle(2, 1, cells = [2, 1]" + upper +
+               ")\nmesh lower = rectangle(2, 1, cells = [3, 1], origin = [0, -1]" + lower +
+               ")\nmesh both = upper + lower\npart roof = upper.top\npart base = "
+               "lower.bottom\n" +
+               tensor +
+               "space V = vector P1 on both, zero on roof, zero on base\nfind u in V\nsuch that "
+               "for all v in V\n    integral(both, B : eps(u) : eps(v))\n  = integral(both, "
+               "v.y)\n")
+        .errors;
+  };
+  const std::string one = ", adapted = 1", many = ", adapted = 100";
+  EXPECT_EQ(errors("", ""), Codes{});
+  EXPECT_EQ(errors(one, one), Codes{});
+  EXPECT_EQ(errors(one, many), Codes{});
+  EXPECT_EQ(errors("", one), Codes{"E0440"});
+  EXPECT_EQ(errors(many, ""), Codes{"E0440"});
+}
+
 TEST(Mistakes, ParametersStandInTheOrderOfTheScript) {
   const auto script = checked(problem(2, "param a = 2*c\nparam b = 1\nparam c = b\n" + tensor, left,
                                       "integral(body, a*v.y)"));
