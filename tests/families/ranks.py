@@ -127,7 +127,7 @@ class Endings:
         return any(self.saved_files())
 
     def saved_files(self):
-        return [path for path in self.folder.glob("out/*") if "checkpoint" in path.name and path.stat().st_size > 0]
+        return [path for path in self.folder.glob("out/*") if path.suffix == ".checkpoint" and path.stat().st_size > 0]
 
     def stopped(self, name, stop, codes, *words):
         """`stop` is given the run and the ids of its processes."""
@@ -164,7 +164,8 @@ class Endings:
         self.stopped("a killed worker", lambda run, ids: os.kill(ids[1], signal.SIGKILL), (137,), "signal 9")
         self.stopped("a killed first process", lambda run, ids: os.kill(ids[0], signal.SIGKILL), (137,), "signal 9")
         self.stopped("Ctrl-C for the first process", lambda run, ids: os.kill(ids[0], signal.SIGINT), (130,), "E0703")
-        self.stopped("Ctrl-C for mpirun", lambda run, ids: run.send_signal(signal.SIGINT), (1, 130), "E0703")
+        # After a second mpirun kills what has not ended by itself, also before it has said so.
+        self.stopped("Ctrl-C for mpirun", lambda run, ids: run.send_signal(signal.SIGINT), (1, 130, 137))
         return self.wrong
 
 
