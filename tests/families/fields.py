@@ -349,9 +349,8 @@ class Scene:
             worst = max(worst, float(np.abs(grid.point_data["p"].ravel()[:n] / self.unit - p[:n]).max()) / size)
         return worst
 
-    def told_besides(self, folder, turn, scale):
-        """As in rates.py."""
-        return None
+    nodes_in = rates.Scene.nodes_in
+    told_besides = rates.Scene.told_besides
 
     def told(self):
         laws = [(t.name, t.sees, t.argument, t.rule, type(t.law).__name__) for t in self.terms]

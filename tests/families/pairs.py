@@ -71,6 +71,9 @@ def on_two_bodies(scene, text):
 class Scene(rates.Scene):
     term_type = PairTerm
 
+    def nodes_in(self, grid, turn, scale, solid):
+        return nodes_in(self, grid, turn, scale, solid)
+
     def assemble(self):
         self.choose_bodies()
         super().assemble()
@@ -180,28 +183,20 @@ def with_both(program, folder, scene, turn, scale, options, text):
                               capture_output=True, text=True, timeout=120)
         if done.returncode != 0:
             return None, f"exit {done.returncode}: " + " ".join(done.stderr.split())[:400], 0.0
-        out.append(displacements(folder, scene, turn, scale))
+        out.append(rates.displacements(folder, scene, turn, scale))
     size = max(float(np.abs(u).max()) for u in out[0])
     return out[0], "", max(float(np.abs(u - v).max()) for u, v in zip(*out)) / size
 
 
-def displacements(folder, scene, turn, scale):
-    import meshio
-
-    split, out = len(scene.upper.cells), []
-    ours = np.zeros(len(scene.solid.points), bool)
+def nodes_in(scene, grid, turn, scale, solid):
+    """As in rates.py; the bodies touch, and their nodes are told apart."""
+    split, ours = len(scene.upper.cells), np.zeros(len(solid.points), bool)
     for cell in scene.mesh.cells[:split]:
-        ours[scene.solid.nodes(cell)] = True
-    for file in sorted((folder / "out").glob("scene_[0-9]*.vtu")):
-        grid = meshio.read(file)
-        theirs = np.zeros(len(grid.points), bool)
-        theirs[grid.cells[0].data[:split].ravel()] = True
-        at = grid.points[:, :scene.dim] @ turn / scale
-        apart = np.where(theirs, 1e3, 0.0)  # the bodies touch: their nodes are told apart
-        nearest = [int(np.argmin(((at - x) ** 2).sum(1) + np.abs(apart - (1e3 if mine else 0.0))))
-                   for x, mine in zip(scene.solid.points, ours)]
-        out.append((grid.point_data["u"][:, :scene.dim] @ turn / scale)[nearest])
-    return out
+        ours[solid.nodes(cell)] = True
+    theirs = np.zeros(len(grid.points), bool)
+    theirs[grid.cells[0].data[:split].ravel()] = True
+    at = grid.points[:, :scene.dim] @ turn / scale
+    return [int(np.argmin(((at - x) ** 2).sum(1) + 1e3 * (theirs != mine))) for x, mine in zip(solid.points, ours)]
 
 
 if __name__ == "__main__":

@@ -240,6 +240,9 @@ class Scene(orientation.Scene):
         """The largest error of what else the run in a folder has told, compared with AGREES."""
         return 0.0
 
+    def nodes_in(self, grid, turn, scale, solid):
+        return nodes_in(self, grid, turn, scale, solid)
+
     def told_besides(self, folder, turn, scale):
         """What `is_solution` needs besides u, or None where a scene has one solution."""
         return None
@@ -250,10 +253,27 @@ class Scene(orientation.Scene):
                 f"{', memory' if self.memory else ''}{', moved' if self.moves is not None else ''}, {laws}")
 
 
-def run(program, folder, scene, turn, scale, options):
-    """u at the reference's nodes after every step, or what was said instead."""
+def written(folder):
+    """What a run wrote after every step."""
     import meshio
 
+    return [meshio.read(file) for file in sorted((folder / "out").glob("scene_[0-9]*.vtu"))]
+
+
+def nodes_in(scene, grid, turn, scale, solid):
+    """Of each node of a solid: which one it is of a file."""
+    at = grid.points[:, :scene.dim] @ turn / scale
+    return [int(np.argmin(((at - x) ** 2).sum(1))) for x in solid.points]
+
+
+def displacements(folder, scene, turn, scale):
+    """u at the reference's nodes after every step."""
+    return [(grid.point_data["u"][:, :scene.dim] @ turn / scale)[scene.nodes_in(grid, turn, scale, scene.solid)]
+            for grid in written(folder)]
+
+
+def run(program, folder, scene, turn, scale, options):
+    """u at the reference's nodes after every step, or what was said instead."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "body.msh").write_text(scene.mesh.moved(turn, scale, 0.0).msh())
     (folder / "scene.hvi").write_text(scene.script(turn, scale))
@@ -261,13 +281,7 @@ def run(program, folder, scene, turn, scale, options):
                           capture_output=True, text=True, timeout=120)
     if done.returncode != 0:
         return None, f"exit {done.returncode}: " + " ".join(done.stderr.split())[:300]
-    out = []
-    for file in sorted((folder / "out").glob("scene_[0-9]*.vtu")):
-        grid = meshio.read(file)
-        at = grid.points[:, :scene.dim] @ turn / scale
-        nearest = [int(np.argmin(((at - x) ** 2).sum(1))) for x in scene.solid.points]
-        out.append((grid.point_data["u"][:, :scene.dim] @ turn / scale)[nearest])
-    return out, ""
+    return displacements(folder, scene, turn, scale), ""
 
 
 def judge(name, make_scene, without_reference=WITHOUT_REFERENCE, turning=turning, run=run):

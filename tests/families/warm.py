@@ -126,15 +126,8 @@ class Scene(fields.Scene):
 
     def told_besides(self, folder, turn, scale):
         """The scalar at its nodes after every step."""
-        import meshio
-
-        out = []
-        for file in sorted((folder / "out").glob("scene_[0-9]*.vtu")):
-            grid = meshio.read(file)
-            at = grid.points[:, :self.dim] @ turn / scale
-            nearest = [int(np.argmin(((at - x) ** 2).sum(1))) for x in self.scalar.solid.points]
-            out.append((grid.point_data["p"].ravel() / self.unit)[nearest])
-        return out
+        return [(grid.point_data["p"].ravel() / self.unit)[self.nodes_in(grid, turn, scale, self.scalar.solid)]
+                for grid in rates.written(folder)]
 
     def is_solution(self, u, p, bound):
         """Laws that read what they change may have several solutions: is this one? With the factors and sources of the answer

@@ -67,7 +67,7 @@ class PairTerm(warm.WarmTerm):
 
 class Scene(warm.Scene):
     choose_bodies, place = pairs.Scene.choose_bodies, pairs.Scene.place
-    solid_of_bodies, pair_points = pairs.Scene.solid_of_bodies, pairs.Scene.pair_points
+    solid_of_bodies, pair_points, nodes_in = pairs.Scene.solid_of_bodies, pairs.Scene.pair_points, pairs.Scene.nodes_in
     rings = False  # bodies of revolution
 
     def __init__(self, random):
