@@ -35,6 +35,11 @@ struct Product {
   }
 };
 
+/// y = S^-1 x for Spectra.
+struct Inverse : Product<LinearMap> {
+  void set_shift(double) {} // none
+};
+
 /// Products with G and its inverse for Spectra.
 struct GramOp {
   using Scalar = double;
@@ -210,6 +215,31 @@ std::optional<double> GramForm::norm(const SparseMatrix& e) const {
       Spectra::SortRule::LargestAlge);
   if (!square) return std::nullopt;
   return std::sqrt(std::max(*square, 0.0));
+}
+
+std::optional<double> least_by_inverse(Eigen::Index n, const LinearMap& s_inverse,
+                                       const LinearMap& m) {
+  if (n <= dense_size) { // the largest of M S^-1 M x = (1/l) M x
+    DenseMatrix metric(n, n), square(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      metric.col(i) = m(Vector::Unit(n, i));
+      square.col(i) = m(s_inverse(metric.col(i)));
+    }
+    return 1.0 / generalised_eigenvalues(square, metric)[n - 1];
+  }
+  Inverse inverse{{n, s_inverse}};
+  Product<LinearMap> product{n, m};
+  Spectra::SymGEigsShiftSolver<Inverse, Product<LinearMap>, Spectra::GEigsMode::ShiftInvert> solver(
+      inverse, product, 1, 40, 0.0);
+  const Vector start = Vector::LinSpaced(n, 1.0, 2.0);
+  try {
+    solver.init(start.data());
+    solver.compute(Spectra::SortRule::LargestAlge, 300, tolerance);
+  } catch (const std::runtime_error&) { // a Krylov space that ends early
+    return std::nullopt;
+  }
+  if (solver.info() != Spectra::CompInfo::Successful) return std::nullopt;
+  return solver.eigenvalues()[0];
 }
 
 } // namespace hvi::solver

@@ -5,6 +5,7 @@
 #include "solver/linear/factorisation.hpp"
 #include "solver/linear/sparse.hpp"
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -40,5 +41,11 @@ private:
   SparseMatrix g_;
   std::unique_ptr<Factorisation> factorisation_;
 };
+
+/// The least eigenvalue of S p = l M p, to 1e-9, by S^-1 and M as maps on n numbers, both symmetric
+/// and positive definite; by the same method. Nothing when the iteration does not converge.
+using LinearMap = std::function<Vector(const Vector&)>;
+std::optional<double> least_by_inverse(Eigen::Index n, const LinearMap& s_inverse,
+                                       const LinearMap& m);
 
 } // namespace hvi::solver

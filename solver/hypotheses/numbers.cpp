@@ -75,35 +75,35 @@ std::optional<InfSup> Numbers::inf_sup(int unknown) const {
   const auto form = product_form(couplings);
   if (!form || !form->is_multiplier(unknown)) return std::nullopt;
   const MultiplierNorm norm(problem_, discretisation_, layout_, unknown);
-  const auto own = [&](Vector& x) {
-    for (Eigen::Index i = 0; i < x.size(); ++i)
-      if (contact_.of_unknown[static_cast<std::size_t>(i)] != unknown) x[i] = 0.0;
+  std::vector<int> own;
+  for (int i = 0; i < layout_.n_unknowns; ++i)
+    if (contact_.of_unknown[static_cast<std::size_t>(i)] == unknown) own.push_back(i);
+  if (own.empty()) return std::nullopt;
+  const auto of_all = [&](const Vector& p) {
+    Vector out = Vector::Zero(layout_.n_unknowns);
+    out(own) = p;
+    return out;
   };
+  InfSup out{0.0, norm.leaves_out_means()};
   const SparseMatrix k = saddle_point(gram_.matrix(), couplings, contact_.of_unknown, unknown);
   std::unique_ptr<Factorisation> factor;
   try {
     factor = general_factor(k, {});
     factor->factor(k);
   } catch (const NotFactorable&) {
-    return InfSup{0.0, norm.leaves_out_means()};
+    return out;
   }
-  // Inverse iteration: the other part of the solution for [0; M p] is (C G^-1 C^T)^-1 M p.
-  constexpr int passes = 2000;
-  constexpr double settled = 1e-10;
-  Vector p(layout_.n_unknowns), x;
-  for (Eigen::Index i = 0; i < p.size(); ++i)
-    p[i] = 1.0 + 0.5 * std::sin(1.7 * static_cast<double>(i));
-  own(p);
-  double squared = 0.0;
-  for (int pass = 0; pass < passes; ++pass) {
-    p /= std::sqrt(p.dot(norm.times(p)));
-    solve(*factor, norm.times(p), x);
-    own(x);
-    const double before = std::exchange(squared, 1.0 / std::sqrt(x.dot(norm.times(x))));
-    p = x;
-    if (std::abs(squared - before) <= settled * squared) break;
-  }
-  return InfSup{std::sqrt(squared), norm.leaves_out_means()};
+  // Of the solution for [0; p] the other part is -S^-1 p, S = C G^-1 C^T.
+  const auto s_inverse = [&](const Vector& p) -> Vector {
+    Vector x;
+    solve(*factor, of_all(p), x);
+    return -x(own);
+  };
+  const auto squared =
+      least_by_inverse(static_cast<Eigen::Index>(own.size()), s_inverse,
+                       [&](const Vector& p) -> Vector { return norm.times(of_all(p))(own); });
+  out.constant = squared ? std::sqrt(std::max(*squared, 0.0)) : not_a_number;
+  return out;
 }
 
 SparseMatrix Numbers::of_field(int field) const {
