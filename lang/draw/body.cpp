@@ -272,13 +272,14 @@ Sheet scene_sheet(const Scene& scene, const BodyPicture& picture, const View& vi
   }
   sheet.words({{left, 26.0}, picture.title, 15.0});
   const Spot below_bar{sheet.width - beside + 10.0, sheet.height - 14.0};
-  const double room = below_bar[1] - 15.0 - 21.0 - (top + 14.0); // above the range, which is told
+  constexpr double range_above = 15.0; // the last line, and below half of the bar's lowest number
+  const double room = below_bar[1] - range_above - 21.0 - (top + 14.0);
   add_bar(sheet, colours, below_bar[0], top + 14.0, std::min({box_high - 14.0, room, 320.0}),
           picture.label);
   const std::string range = number_text(colours.low()) + " to " + number_text(colours.high());
   constexpr std::size_t most_letters = 19; // of the size 11 that stand below the bar
   const bool fits = range.size() <= most_letters;
-  sheet.words({{fits ? below_bar[0] : sheet.width - 6.0, below_bar[1] - 15.0},
+  sheet.words({{fits ? below_bar[0] : sheet.width - 6.0, below_bar[1] - range_above},
                range,
                11.0,
                fits ? 0.0 : 1.0,

@@ -55,8 +55,9 @@ void Mixing::note_bracket(const Vector& x, const Vector& gap) {
   }
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     const bool above = gap[i] > 0.0; // is the fixed point
+    const int side = above ? 1 : -1;
     int& passes = same_side_[static_cast<std::size_t>(i)];
-    passes = above == (passes > 0) ? passes + (above ? 1 : -1) : (above ? 1 : -1);
+    passes = side * passes > 0 ? passes + side : side;
     (above ? low_ : high_)[i] = x[i];
     if (low_[i] < high_[i] && std::abs(passes) < one_sided) continue;
     // The other components have moved this one's fixed point.

@@ -15,7 +15,8 @@ namespace hvi::solver {
 /// combination of the last ones whose g(x) - x is the least. Of linear maps it finds the fixed
 /// point in as many passes as there are unknowns, contraction or not. Where that takes long, as
 /// with maps that are steep on a short range only, components stay between the last arguments
-/// where g(x) - x was positive and negative, as long as both are found again.
+/// where g(x) - x was positive and negative; an end that is not found again for some passes is
+/// forgotten, for the other components move the fixed point of one.
 class Mixing {
 public:
   /// `kinds`: of each component, from 0 on. Components of one kind are of one unit; gaps are

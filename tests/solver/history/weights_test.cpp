@@ -215,23 +215,6 @@ TEST(Tree, HoldsForWhatComesLater) {
     }
 }
 
-/// A field without values, of a part where everything is imposed: its sums are as empty.
-TEST(Tree, KeepsFieldsWithoutValues) {
-  std::vector<double> times;
-  for (int n = 0; n <= 200; ++n) times.push_back(0.01 * n);
-  const auto tree =
-      make_history({"q", {}, call(Op::log, lag())}, 0, options_of(times, HistoryRoute::tree, 0));
-  std::vector<double> nothing;
-  tree->start(0.0, nothing);
-  for (std::size_t n = 1; n < times.size(); ++n) {
-    tree->rhs(times[n], nothing);
-    tree->commit(times[n], nothing);
-  }
-  const double weight = 2.0; // of one field, for one sum
-  add_columns({&weight, 1}, nullptr, 1, 0, nothing);
-  EXPECT_TRUE(nothing.empty());
-}
-
 TEST(PoleFit, CountsTheFieldsOfItsPoles) {
   EXPECT_EQ(fields_of({{1.0, 0.0}}), 1U);
   EXPECT_EQ(fields_of({{1.0, 0.0}, {2.0, 3.0}, {0.5, 0.0}}), 4U);
