@@ -6,6 +6,7 @@
 #include "lang/diag/unreadable.hpp"
 #include "lang/stdlib.hpp"
 #include "lang/syntax/parser.hpp"
+#include "solver/common/joined.hpp"
 
 #include <fmt/format.h>
 
@@ -38,7 +39,7 @@ std::optional<int> load_import(Script& script, const ast::Import& import,
     const std::string near = did_you_mean(name->text, known);
     failed = true;
     report(script, "E0318", name->span, fmt::format("there is no module `{}`", name->text),
-           near.empty() ? fmt::format("modules: {}", fmt::join(known, ", ")) : near);
+           near.empty() ? fmt::format("modules: {}", solver::joined(known)) : near);
     return std::nullopt;
   }
   const auto& text = std::get<ast::Text>(import.module);

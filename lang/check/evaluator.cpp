@@ -1,6 +1,7 @@
 #include "lang/check/evaluator.hpp"
 
 #include "lang/diag/suggest.hpp"
+#include "solver/common/joined.hpp"
 
 #include <fmt/format.h>
 
@@ -94,13 +95,13 @@ std::optional<std::string> Evaluator::word(const ast::Expr& e, const std::string
     text = s->text;
   } else {
     mistakes_.error("E0316", e.span,
-                    fmt::format("{} is one of: {}", what, fmt::join(allowed, ", ")));
+                    fmt::format("{} is one of: {}", what, solver::joined(allowed)));
     return std::nullopt;
   }
   if (std::find(allowed.begin(), allowed.end(), text) != allowed.end()) return text;
   const std::string near = did_you_mean(text, allowed);
   mistakes_.error("E0316", e.span, fmt::format("unknown {} `{}`", what, text),
-                  near.empty() ? fmt::format("one of: {}", fmt::join(allowed, ", ")) : near);
+                  near.empty() ? fmt::format("one of: {}", solver::joined(allowed)) : near);
   return std::nullopt;
 }
 
@@ -119,7 +120,7 @@ Evaluator::match(const ast::Expr& e, const ast::Call& call, const std::string& c
         const std::string near = did_you_mean(argument.name->text, names);
         mistakes_.error("E0304", argument.name->span,
                         fmt::format("`{}` has no argument `{}`", callee, argument.name->text),
-                        near.empty() ? fmt::format("its arguments: {}", fmt::join(names, ", "))
+                        near.empty() ? fmt::format("its arguments: {}", solver::joined(names))
                                      : near);
         good = false;
         continue;

@@ -1,10 +1,10 @@
 // What is said of a mesh that was read from a file; see mesh_findings.hpp.
 #include "lang/check/mesh_findings.hpp"
 
+#include "solver/common/joined.hpp"
 #include "solver/mesh/inspect.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -36,7 +36,7 @@ std::string named(const std::vector<std::string>& groups) {
   std::vector<std::string> first(
       groups.begin(),
       groups.begin() + static_cast<std::ptrdiff_t>(std::min(most_named, groups.size())));
-  return fmt::format(" (groups: {}{})", fmt::join(first, ", "),
+  return fmt::format(" (groups: {}{})", solver::joined(first),
                      groups.size() > most_named ? ", ..." : "");
 }
 

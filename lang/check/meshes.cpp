@@ -5,6 +5,7 @@
 #include "lang/diag/failures.hpp"
 #include "lang/diag/suggest.hpp"
 #include "lang/diag/unreadable.hpp"
+#include "solver/common/joined.hpp"
 #include "solver/common/read_file.hpp"
 #include "solver/mesh/generate.hpp"
 #include "solver/mesh/gmsh_module.hpp"
@@ -73,7 +74,7 @@ bool Meshes::mesh_of_call(const ast::Mesh& m, const ast::Call& call, const std::
   for (const auto& g : known) candidates.push_back(g.name);
   const std::string near = did_you_mean(name, candidates);
   mistakes_.error("E0301", call.callee->span, fmt::format("there is no mesh `{}`", name),
-                  near.empty() ? fmt::format("meshes: {}", fmt::join(candidates, ", ")) : near);
+                  near.empty() ? fmt::format("meshes: {}", solver::joined(candidates)) : near);
   return false;
 }
 

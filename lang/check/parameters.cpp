@@ -2,6 +2,7 @@
 
 #include "lang/check/builtins.hpp"
 #include "lang/diag/suggest.hpp"
+#include "solver/common/joined.hpp"
 
 #include <fmt/format.h>
 
@@ -20,7 +21,7 @@ void Parameters::check_defines() {
                     fmt::format("{}{}={}: the script has no parameter `{}`", options_.words.define,
                                 name, text, name),
                     known.empty()  ? "the script declares no `param`"
-                    : near.empty() ? fmt::format("its parameters: {}", fmt::join(known, ", "))
+                    : near.empty() ? fmt::format("its parameters: {}", solver::joined(known))
                                    : near);
   }
 }

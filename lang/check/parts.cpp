@@ -1,6 +1,7 @@
 #include "lang/check/parts.hpp"
 
 #include "lang/diag/suggest.hpp"
+#include "solver/common/joined.hpp"
 
 #include <fmt/format.h>
 
@@ -177,7 +178,7 @@ std::optional<RegionSpec> Parts::mesh_member(const ast::Expr& path, const MeshVa
     mistakes_.error(
         structured ? "E0303" : "E0602", name.span,
         fmt::format("the mesh `{}` has no {} `{}`", mesh, structured ? "side" : "group", name.text),
-        near.empty() ? fmt::format("there are: {}", fmt::join(known, ", ")) : near);
+        near.empty() ? fmt::format("there are: {}", solver::joined(known)) : near);
     return std::nullopt;
   }
   return group_region(spec.name, path.span);
@@ -219,7 +220,7 @@ std::optional<RegionSpec> Parts::mesh_group(const ast::Expr& path, const ast::Ca
                     fmt::format("the mesh `{}` has no group \"{}\"", object->name, name->text),
                     near.empty()
                         ? (known.empty() ? std::string("it has no groups")
-                                         : fmt::format("there are: {}", fmt::join(known, ", ")))
+                                         : fmt::format("there are: {}", solver::joined(known)))
                         : near);
     return std::nullopt;
   }
@@ -283,8 +284,8 @@ std::string Parts::group_named(const MeshValue& mesh, const std::string& name, c
   if (found.size() == 1) return found.front();
   mistakes_.error("E0440", span,
                   fmt::format("`{}` is in several pieces of `{}`", name, groups_.mesh_name),
-                  fmt::format("write `{}`, or their sum `{}`", fmt::join(found, "`, `"),
-                              fmt::join(found, " + ")));
+                  fmt::format("write `{}`, or their sum `{}`", solver::joined(found, "`, `"),
+                              solver::joined(found, " + ")));
   return {};
 }
 

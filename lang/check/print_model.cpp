@@ -62,42 +62,39 @@ std::string text_of(const LawUse& use, const Model& model) {
 std::string to_string(const Model& model) {
   std::string out =
       fmt::format("model in {}D{}\n", model.dim, model.mesh.axisymmetric ? ", axisymmetric" : "");
-  auto line = std::back_inserter(out);
   for (const ModelParam& p : model.params)
-    fmt::format_to(line, "param {} = {}{}\n", p.name, text_of(p), p.overridden ? " (set)" : "");
-  for (const ModelPart& p : model.parts)
-    fmt::format_to(line, "part {}: {}\n", p.name, word(p.kind));
+    out += fmt::format("param {} = {}{}\n", p.name, text_of(p), p.overridden ? " (set)" : "");
+  for (const ModelPart& p : model.parts) out += fmt::format("part {}: {}\n", p.name, word(p.kind));
   for (const solver::UnknownSpec& unknown : unknowns_of(model.space))
-    fmt::format_to(line, "space {}: {} P{}, {} conditions\n", unknown.space,
-                   unknown.vector ? "vector" : "scalar", unknown.order,
-                   model.space.dirichlet.size());
+    out += fmt::format("space {}: {} P{}, {} conditions\n", unknown.space,
+                       unknown.vector ? "vector" : "scalar", unknown.order,
+                       model.space.dirichlet.size());
   for (const ModelLaw& law : model.laws)
-    fmt::format_to(line, "law {} ({}, by {}): {}\n", law.name,
-                   law.spec.radial ? "radial" : "scalar", law.spec.by_slope ? "slope" : "potential",
-                   to_string(law.spec.expression));
+    out += fmt::format("law {} ({}, by {}): {}\n", law.name, law.spec.radial ? "radial" : "scalar",
+                       law.spec.by_slope ? "slope" : "potential", to_string(law.spec.expression));
   for (const ModelState& state : model.states)
-    fmt::format_to(line, "state {} on {}: {} from {} in [{}, {}]\n", state.spec.name,
-                   model.parts[state.spec.part].name, to_string(state.spec.rate),
-                   to_string(state.spec.initial), state.spec.low, state.spec.high);
+    out += fmt::format("state {} on {}: {} from {} in [{}, {}]\n", state.spec.name,
+                       model.parts[state.spec.part].name, to_string(state.spec.rate),
+                       to_string(state.spec.initial), state.spec.low, state.spec.high);
   for (std::size_t i = 0; i < model.histories.size(); ++i)
-    fmt::format_to(line, "memory w{} of {}: {}\n", i, model.histories[i].name,
-                   to_string(model.histories[i].kernel));
+    out += fmt::format("memory w{} of {}: {}\n", i, model.histories[i].name,
+                       to_string(model.histories[i].kernel));
   for (const ModelTerm& term : model.terms) {
-    fmt::format_to(line, "{} over {} ({}), factor {}\n    {}", term.right ? "right" : "left",
-                   model.parts[term.part].name, word(term.rule), to_string(term.factor),
-                   to_string(term.integrand.scalar()));
+    out += fmt::format("{} over {} ({}), factor {}\n    {}", term.right ? "right" : "left",
+                       model.parts[term.part].name, word(term.rule), to_string(term.factor),
+                       to_string(term.integrand.scalar()));
     for (const LawUse& use : term.integrand.laws) out += text_of(use, model);
     out += "\n";
   }
   if (model.has_time && !model.time.grid.empty())
-    fmt::format_to(line, "time [{}, {}] in {} steps\n", model.time.grid.front(),
-                   model.time.grid.back(), model.time.grid.size() - 1);
+    out += fmt::format("time [{}, {}] in {} steps\n", model.time.grid.front(),
+                       model.time.grid.back(), model.time.grid.size() - 1);
   for (const solver::Probe& p : model.report.probes)
-    fmt::format_to(line, "probe {}: {}\n", p.name.empty() ? "(inner)" : p.name,
-                   p.kind == solver::Probe::Kind::norm_v ? "V norm" : to_string(p.expression));
+    out += fmt::format("probe {}: {}\n", p.name.empty() ? "(inner)" : p.name,
+                       p.kind == solver::Probe::Kind::norm_v ? "V norm" : to_string(p.expression));
   for (const Expectation& e : model.expectations)
-    fmt::format_to(line, "expect {} = {} within {}{}{}\n", e.probe, e.value, e.tolerance,
-                   e.relative ? " relative" : "", e.active ? "" : " (skipped)");
+    out += fmt::format("expect {} = {} within {}{}{}\n", e.probe, e.value, e.tolerance,
+                       e.relative ? " relative" : "", e.active ? "" : " (skipped)");
   return out;
 }
 

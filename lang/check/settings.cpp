@@ -4,6 +4,7 @@
 #include "lang/check/builtins.hpp"
 #include "lang/check/inertia.hpp"
 #include "lang/diag/suggest.hpp"
+#include "solver/common/joined.hpp"
 
 #include <fmt/format.h>
 
@@ -137,7 +138,7 @@ void Settings::read(const ast::Find& find) {
     if (std::ranges::find(known, name) == known.end()) {
       const std::string near = did_you_mean(name, known);
       mistakes_.error("E0316", s.name.span, fmt::format("there is no setting `{}`", name),
-                      near.empty() ? fmt::format("settings: {}", fmt::join(known, ", ")) : near);
+                      near.empty() ? fmt::format("settings: {}", solver::joined(known)) : near);
     } else if (std::ranges::find(seen, name) != seen.end()) {
       mistakes_.error("E0302", s.name.span, fmt::format("the setting `{}` is given twice", name));
     } else {

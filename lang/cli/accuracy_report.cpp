@@ -70,28 +70,26 @@ std::string accuracy_text(const AccuracyResult& result) {
                                 "distance  to\n",
                                 of(result), "setting", width);
   for (const auto& r : result.runs)
-    fmt::format_to(std::back_inserter(out), "  {:<{}}  {:>8}  {:>8.3g}  {:>8}  {}\n", r.text, width,
-                   r.unknowns, r.cpu, r.distance ? fmt::format("{:.2e}", *r.distance) : "-",
-                   r.failure.empty() ? r.against : "failed: " + r.failure);
+    out += fmt::format("  {:<{}}  {:>8}  {:>8.3g}  {:>8}  {}\n", r.text, width, r.unknowns, r.cpu,
+                       r.distance ? fmt::format("{:.2e}", *r.distance) : "-",
+                       r.failure.empty() ? r.against : "failed: " + r.failure);
   for (const auto& t : result.tries)
-    fmt::format_to(std::back_inserter(out),
-                   "chosen: {}: {} unknowns, {:.3g} CPU s (predicted {:.3g}); error predicted "
-                   "{:.2e}, estimated {:.2e}\n  = space {:.2e} (order {:.2f}) + time {:.2e} (order "
-                   "{:.2f})\n",
-                   t.text, t.unknowns, t.cpu, t.predicted_cpu, t.predicted_error, t.estimate,
-                   t.space_error, t.space_order, t.time_error, t.time_order);
+    out += fmt::format(
+        "chosen: {}: {} unknowns, {:.3g} CPU s (predicted {:.3g}); error predicted "
+        "{:.2e}, estimated {:.2e}\n  = space {:.2e} (order {:.2f}) + time {:.2e} (order "
+        "{:.2f})\n",
+        t.text, t.unknowns, t.cpu, t.predicted_cpu, t.predicted_error, t.estimate, t.space_error,
+        t.space_order, t.time_error, t.time_order);
   if (result.reached)
-    fmt::format_to(
-        std::back_inserter(out),
+    out += fmt::format(
         "accuracy: estimated relative error {} {:.2e}, times {} within the wanted {:.1e}; "
         "{:.3g} CPU s in all\n",
         of(result), result.tries.back().estimate, solver::accuracy_safety, result.request.wanted,
         result.cpu);
   if (const auto& s = result.spared; s.matrices > 0)
-    fmt::format_to(std::back_inserter(out),
-                   "shared between runs: {} assembled matrices, {} orders of elimination, {} "
-                   "factors; {:.2g} CPU s not spent again\n",
-                   s.matrices, s.orders, s.factors, s.seconds());
+    out += fmt::format("shared between runs: {} assembled matrices, {} orders of elimination, {} "
+                       "factors; {:.2g} CPU s not spent again\n",
+                       s.matrices, s.orders, s.factors, s.seconds());
   return out;
 }
 

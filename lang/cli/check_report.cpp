@@ -75,10 +75,10 @@ std::string hypotheses_text(const Script& script, const solver::HypothesisReport
     const int line = line_of(script, h.origin);
     const std::string answer =
         colour ? fmt::format("{}{}\033[0m", tint(h.answer), word(h.answer)) : word(h.answer);
-    fmt::format_to(std::back_inserter(out), "{:<6} {:<{}}  {:>12}  {}{}{}\n",
-                   h.name == last ? "" : h.name, h.what, what_width, number(h.value), answer,
-                   line > 0 ? fmt::format("  line {}", line) : "",
-                   h.known ? "  " + provenance(h.known) : "");
+    out += fmt::format("{:<6} {:<{}}  {:>12}  {}{}{}\n", h.name == last ? "" : h.name, h.what,
+                       what_width, number(h.value), answer,
+                       line > 0 ? fmt::format("  line {}", line) : "",
+                       h.known ? "  " + provenance(h.known) : "");
     if (!h.note.empty()) out += folded(h.note, 9, 100);
     last = h.name;
   }

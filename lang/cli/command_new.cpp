@@ -3,6 +3,7 @@
 #include "lang/cli/say.hpp"
 #include "lang/cli/starts.hpp"
 #include "lang/diag/suggest.hpp"
+#include "solver/common/joined.hpp"
 #include "solver/output/file.hpp"
 
 #include <filesystem>
@@ -48,7 +49,7 @@ int new_command(const std::string& kind, const std::string& file) {
   }
   const std::string near = did_you_mean(kind, kinds);
   tell("hvi-run: there is no script of the kind `{}`{}{}; kinds: {}\n", kind,
-       near.empty() ? "" : ", ", near, fmt::join(kinds, ", "));
+       near.empty() ? "" : ", ", near, solver::joined(kinds));
   return exit_usage;
 }
 

@@ -5,6 +5,7 @@
 #include "lang/cli/no_memory.hpp"
 #include "lang/cli/say.hpp"
 #include "lang/diag/suggest.hpp"
+#include "solver/common/joined.hpp"
 #include "solver/common/out_of_memory.hpp"
 #include "solver/linear/blas_memory.hpp"
 #include "solver/linear/one_blas_thread.hpp"
@@ -81,7 +82,7 @@ void no_command(std::string_view word, CLI::App& app) {
   const std::string meant = hvi::lang::did_you_mean(word, commands);
   tell("hvi-run: `{}` is neither a command nor a script (FILE.hvi){}{}\n", word,
        meant.empty() ? "" : ": ", meant);
-  tell("commands: {}; --help says more\n", fmt::join(commands, ", "));
+  tell("commands: {}; --help says more\n", hvi::solver::joined(commands));
 }
 
 /// What the command line says, apart from the options of runs.

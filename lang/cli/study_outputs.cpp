@@ -3,9 +3,9 @@
 #include "lang/cli/commands.hpp"
 #include "lang/cli/outputs.hpp"
 #include "lang/cli/say.hpp"
+#include "solver/common/joined.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <sys/utsname.h>
@@ -69,7 +69,7 @@ int report_study(const std::string& path, const Study& study, const std::string&
       tell("warning[W0601]: {}\n", picture.failure->what());
   }
   if (!options.quiet && !json_only(options))
-    say("files: {} in {}/\n", fmt::join(files, ", "), folder);
+    say("files: {} in {}/\n", solver::joined(files), folder);
   return code;
 }
 

@@ -86,7 +86,7 @@ std::string data_block(const std::string& name, const std::vector<const StudyRow
                        const std::function<double(const StudyRow&)>& x) {
   std::string out = fmt::format("${} << HVI_END\n", name);
   for (const StudyRow* row : rows)
-    fmt::format_to(std::back_inserter(out), "{:.8g} {:.8g}\n", x(*row), row->error->v_max);
+    out += fmt::format("{:.8g} {:.8g}\n", x(*row), row->error->v_max);
   return out + "HVI_END\n";
 }
 
@@ -147,8 +147,7 @@ std::string triangles(double left, double right, double top) {
   std::string out;
   for (int order = 1; order <= 2; ++order) {
     const double low = top * std::pow(left / right, order);
-    fmt::format_to(
-        std::back_inserter(out),
+    out += fmt::format(
         "$slope{0} << HVI_END\n{1:.8g} {3:.8g}\n{2:.8g} {4:.8g}\n{1:.8g} {4:.8g}\n{1:.8g} "
         "{3:.8g}\nHVI_END\nset label {5} '{0}' at {6:.8g},{4:.8g} offset 0,0.6 tc rgb "
         "'gray30'\n",
@@ -190,17 +189,17 @@ std::string order_picture(const Study& study, std::size_t along) {
 std::string unknowns_table(const Study& study) {
   std::string out;
   for (std::size_t u = 0; u < study.unknowns.size(); ++u) {
-    fmt::format_to(std::back_inserter(out), "`{}` in its own norm:\n", study.unknowns[u]);
+    out += fmt::format("`{}` in its own norm:\n", study.unknowns[u]);
     for (const StudyRow& row : study.rows) {
       if (u >= row.errors.size()) continue;
       for (const std::string& name : varied(study))
-        fmt::format_to(std::back_inserter(out), "  {} = {}", name, row.values.at(name));
+        out += fmt::format("  {} = {}", name, row.values.at(name));
       const auto& e = row.errors[u];
       const auto order = u < row.orders.size() ? row.orders[u] : std::nullopt;
-      fmt::format_to(std::back_inserter(out),
-                     ": V error {}, at the end {}, relative {}, order {}, L2 error {}\n",
-                     cell(e.v_max, "{:.3e}"), cell(e.v_final, "{:.3e}"),
-                     cell(e.relative(), "{:.2e}"), cell(order, "{:.2f}"), cell(e.l2_max, "{:.3e}"));
+      out += fmt::format(": V error {}, at the end {}, relative {}, order {}, L2 error {}\n",
+                         cell(e.v_max, "{:.3e}"), cell(e.v_final, "{:.3e}"),
+                         cell(e.relative(), "{:.2e}"), cell(order, "{:.2f}"),
+                         cell(e.l2_max, "{:.3e}"));
     }
   }
   return out;
@@ -211,19 +210,19 @@ std::string probe_table(const Study& study) {
   std::string out;
   if (!study.finest) return out;
   for (const auto& [probe, finest] : study.rows[*study.finest].probes) {
-    fmt::format_to(std::back_inserter(out), "`{}` at the end{}:\n", probe,
-                   with_unit(study, probe).substr(probe.size()));
+    out += fmt::format("`{}` at the end{}:\n", probe, with_unit(study, probe).substr(probe.size()));
     for (const StudyRow& row : study.rows) {
       const auto value = row.probes.find(probe);
       if (value == row.probes.end()) continue;
       for (const std::string& name : varied(study))
-        fmt::format_to(std::back_inserter(out), "  {} = {}", name, row.values.at(name));
+        out += fmt::format("  {} = {}", name, row.values.at(name));
       const auto of = [&](const std::map<std::string, double>& map) {
         const auto at = map.find(value->first);
         return at == map.end() ? std::nullopt : std::optional(at->second);
       };
-      fmt::format_to(std::back_inserter(out), ": {:.9g}, off by {}, order {}\n", value->second,
-                     cell(of(row.probe_errors), "{:.2e}"), cell(of(row.probe_orders), "{:.2f}"));
+      out +=
+          fmt::format(": {:.9g}, off by {}, order {}\n", value->second,
+                      cell(of(row.probe_errors), "{:.2e}"), cell(of(row.probe_orders), "{:.2f}"));
     }
   }
   return out;
@@ -247,18 +246,16 @@ std::string cea_table(const Study& study) {
       out = "Cea inequality: max|e|^2 <= C (max|u-v|^2 + k sum|d(u-v)|^2 + k sum|M(u-v)| + k "
             "sum|S| + "
             "k sum|du-u'|^2 + |e_0|^2 + k^2), v the interpolant of u\n";
-      for (const std::string& name : varied(study))
-        fmt::format_to(std::back_inserter(out), "{:>6}  ", name);
-      fmt::format_to(std::back_inserter(out),
-                     "{:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}\n", "|e|^2",
-                     "|u-v|^2", "|d(u-v)|", "|M(u-v)|", "|S|", "|du-u'|^2", "|e_0|^2", "k^2", "C");
+      for (const std::string& name : varied(study)) out += fmt::format("{:>6}  ", name);
+      out +=
+          fmt::format("{:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}\n", "|e|^2",
+                      "|u-v|^2", "|d(u-v)|", "|M(u-v)|", "|S|", "|du-u'|^2", "|e_0|^2", "k^2", "C");
     }
     for (const std::string& name : varied(study))
-      fmt::format_to(std::back_inserter(out), "{:>6}  ", row.values.at(name));
+      out += fmt::format("{:>6}  ", row.values.at(name));
     const auto& c = *row.cea;
     const double square = row.error->v_max * row.error->v_max;
-    fmt::format_to(
-        std::back_inserter(out),
+    out += fmt::format(
         "{:9.2e}  {:9.2e}  {:9.2e}  {:9.2e}  {:9.2e}  {:9.2e}  {:9.2e}  {:9.2e}  {:9.2e}\n", square,
         c.interpolation, c.interpolation_rate, c.trace, c.residual, c.rate, c.start, c.step,
         square / c.bound());
@@ -295,7 +292,7 @@ std::string study_table(const Study& study) {
                                            : std::string(", relative, of all unknowns together"));
   for (const auto& line : grid) {
     for (std::size_t c = 0; c < line.size(); ++c)
-      fmt::format_to(std::back_inserter(out), "{}{:>{}}", c ? "  " : "", line[c], widths[c]);
+      out += fmt::format("{}{:>{}}", c ? "  " : "", line[c], widths[c]);
     out += "\n";
   }
   for (const StudyRow& row : study.rows)

@@ -68,7 +68,7 @@ std::string sweep_table(const Study& study) {
   std::string out = fmt::format("{}: the columns at the end\n", study.script);
   for (const auto& line : grid) {
     for (std::size_t c = 0; c < line.size(); ++c)
-      fmt::format_to(std::back_inserter(out), "{}{:>{}}", c > 0 ? "  " : "", line[c], widths[c]);
+      out += fmt::format("{}{:>{}}", c > 0 ? "  " : "", line[c], widths[c]);
     out += "\n";
   }
   for (const StudyRow& row : study.rows) {

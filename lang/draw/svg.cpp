@@ -24,7 +24,7 @@ std::string hex(const Colour& c) {
 
 std::string svg_points(const std::vector<Spot>& line) {
   std::string out;
-  for (const Spot& p : line) fmt::format_to(std::back_inserter(out), "{:.2f},{:.2f} ", p[0], p[1]);
+  for (const Spot& p : line) out += fmt::format("{:.2f},{:.2f} ", p[0], p[1]);
   return out;
 }
 
@@ -38,32 +38,29 @@ struct SvgWriter {
   std::string out;
 
   void operator()(const Stroke& s) {
-    fmt::format_to(std::back_inserter(out),
-                   "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" "
-                   "stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n",
-                   svg_points(s.line), hex(s.colour), s.width);
+    out += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" "
+                       "stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n",
+                       svg_points(s.line), hex(s.colour), s.width);
   }
   void operator()(const Fill& f) {
-    fmt::format_to(std::back_inserter(out), "<polygon points=\"{}\" fill=\"{}\"/>\n",
-                   svg_points(f.outline), hex(f.colour));
+    out +=
+        fmt::format("<polygon points=\"{}\" fill=\"{}\"/>\n", svg_points(f.outline), hex(f.colour));
   }
   void operator()(const Words& w) {
     const char* const anchor = w.anchor < 0.25 ? "start" : w.anchor < 0.75 ? "middle" : "end";
     const std::string turned =
         w.upwards ? fmt::format(" transform=\"rotate(-90 {:.2f} {:.2f})\"", w.at[0], w.at[1]) : "";
-    fmt::format_to(std::back_inserter(out),
-                   "<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:g}\" text-anchor=\"{}\" "
-                   "fill=\"{}\"{}>{}</text>\n",
-                   w.at[0], w.at[1], w.size, anchor, hex(w.colour), turned,
-                   solver::xml_escaped(printable(w.text)));
+    out += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:g}\" text-anchor=\"{}\" "
+                       "fill=\"{}\"{}>{}</text>\n",
+                       w.at[0], w.at[1], w.size, anchor, hex(w.colour), turned,
+                       solver::xml_escaped(printable(w.text)));
   }
   void operator()(const Panel& p) {
     const std::string bytes = png_bytes(p.image);
-    fmt::format_to(std::back_inserter(out),
-                   "<image x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
-                   "href=\"data:image/png;base64,{}\"/>\n",
-                   p.at[0], p.at[1], p.width, p.height,
-                   solver::base64(std::as_bytes(std::span(bytes))));
+    out += fmt::format("<image x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
+                       "href=\"data:image/png;base64,{}\"/>\n",
+                       p.at[0], p.at[1], p.width, p.height,
+                       solver::base64(std::as_bytes(std::span(bytes))));
   }
 };
 

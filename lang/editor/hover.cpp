@@ -4,6 +4,7 @@
 #include "lang/check/builtins.hpp"
 #include "lang/editor/words_of_statements.hpp"
 #include "lang/units/units.hpp"
+#include "solver/common/joined.hpp"
 
 #include <fmt/format.h>
 
@@ -188,7 +189,7 @@ std::string describe(const Analysis& analysis, const Definition& d) {
   if (const NameFacts* facts = analysis.facts_of(d)) {
     out += "\n" + facts->what + unit_of(analysis, d);
     if (!facts->groups.empty())
-      out += fmt::format("; its parts: {}", fmt::join(facts->groups, ", "));
+      out += fmt::format("; its parts: {}", solver::joined(facts->groups));
   } else if (d.kind == NameKind::argument) {
     out += fmt::format("\nan argument of `{}`{}", d.owner, unit_of(analysis, d));
   } else {

@@ -1,7 +1,8 @@
 #include "lang/units/signatures.hpp"
 
+#include "solver/common/joined.hpp"
+
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -43,7 +44,7 @@ std::string Signatures::signature(const ast::Fn& fn) {
   if (!out.dimension) return {};
   std::vector<std::string> shown;
   for (const auto& [name, dimension] : names) shown.push_back(name + shown_by(names, dimension));
-  return fmt::format("{}({}){}", fn.name.text, fmt::join(shown, ", "),
+  return fmt::format("{}({}){}", fn.name.text, solver::joined(shown),
                      shown_by(names, *out.dimension));
 }
 
@@ -66,7 +67,7 @@ std::string Signatures::signature(const ast::Superpotential& law) {
   std::vector<std::string> shown;
   for (const auto& [name, dimension] : names)
     if (name != multiplier) shown.push_back(name + shown_by(names, dimension));
-  return fmt::format("{}({}){}", law.name.text, fmt::join(shown, ", "), shown_by(names, slope));
+  return fmt::format("{}({}){}", law.name.text, solver::joined(shown), shown_by(names, slope));
 }
 
 std::vector<std::string> Signatures::all() {

@@ -1,6 +1,7 @@
 // Parts of the mesh: from the tree of a plan (groups, unions, differences, predicates) to entities.
 #include "solver/fem/region.hpp"
 
+#include "solver/common/joined.hpp"
 #include "solver/kernel/tape.hpp"
 
 #include <fmt/format.h>
@@ -29,7 +30,7 @@ const char* kind_name(Group::Kind kind) {
 }
 
 std::string shown(const Mesh& mesh, const Point& p) {
-  return fmt::format("({:.9g})", fmt::join(p.begin(), p.begin() + mesh.dim, ", "));
+  return fmt::format("({})", joined(p, mesh.dim, 9));
 }
 
 /// Levenshtein distance, for "did you mean" (R. A. Wagner, M. J. Fischer, The string-to-string

@@ -1,6 +1,7 @@
 // Nodes and connectivity of P1 and P2 spaces.
 #include "solver/fem/space.hpp"
 
+#include "solver/common/joined.hpp"
 #include "solver/fem/element.hpp"
 
 #include <fmt/format.h>
@@ -277,7 +278,7 @@ std::vector<std::int32_t> nodes_on(const Space& space, const Region& region) {
 }
 
 std::string describe_point(const Point& point, int dim) {
-  return fmt::format("({:.6g})", fmt::join(point.begin(), point.begin() + dim, ", "));
+  return fmt::format("({})", joined(point, dim, 6));
 }
 
 std::string describe_dof(const Space& space, int dof) {

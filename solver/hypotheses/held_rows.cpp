@@ -1,8 +1,8 @@
 // Rows of what forms do not hold by themselves: rigid motions, and multipliers; see hypotheses.hpp.
+#include "solver/common/joined.hpp"
 #include "solver/hypotheses/judgement.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -37,9 +37,7 @@ void Judgement::judge_free_body() {
   const auto unseen = unseen_motions(*body, numbers_.contact());
   facts_.semi_coercive = true;
   facts_.springs_hold = c().m_J == 0.0 && held_strongly(*body, numbers_.contact());
-  const auto words = [](const std::vector<std::string>& motions) {
-    return fmt::format("{}", fmt::join(motions, "; "));
-  };
+  const auto words = [](const std::vector<std::string>& motions) { return joined(motions, "; "); };
   const std::string springs = facts_.springs_hold
                                   ? ", by slopes that rise everywhere: coercive with the laws"
                                   : ": semi-coercive";

@@ -1,8 +1,9 @@
 // Which theorem applies, and what it claims; see verdicts.hpp.
 #include "solver/hypotheses/verdicts.hpp"
 
+#include "solver/common/joined.hpp"
+
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -135,8 +136,7 @@ private:
     }
     const auto missing = failing(needed);
     if (!missing.empty())
-      refuse(fmt::format("{} above {}", fmt::join(missing, ", "),
-                         missing.size() == 1 ? "fails" : "fail"));
+      refuse(fmt::format("{} above {}", joined(missing), missing.size() == 1 ? "fails" : "fail"));
     else if (!facts_.proved)
       refuse("m_J of the laws is sampled, not proved");
     return !missing.empty() || !facts_.proved;

@@ -1,6 +1,7 @@
 // From cells to facets: which are on the boundary, which lie between two cells. Between the mesh
 // sources (generate, read_msh, gmsh) and everything that integrates over a boundary.
 #include "solver/common/failure.hpp"
+#include "solver/common/joined.hpp"
 #include "solver/mesh/facet_table.hpp"
 #include "solver/mesh/mesh.hpp"
 
@@ -17,8 +18,7 @@ std::string place(const Mesh& mesh, const std::array<std::int32_t, 3>& nodes) {
   std::string text;
   for (int i = 0; i < mesh.nodes_per_facet(); ++i) {
     const auto& p = mesh.nodes[nodes[i]];
-    text +=
-        fmt::format("{}({:.6g})", i ? ", " : "", fmt::join(p.begin(), p.begin() + mesh.dim, ", "));
+    text += fmt::format("{}({})", i ? ", " : "", joined(p, mesh.dim, 6));
   }
   return text;
 }

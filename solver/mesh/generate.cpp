@@ -2,6 +2,7 @@
 #include "solver/mesh/generate.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/common/joined.hpp"
 #include "solver/mesh/facet_table.hpp"
 #include "solver/mesh/limits.hpp"
 
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace hvi::solver {
 namespace {
@@ -128,7 +130,8 @@ std::string describe(const Grid& g, const std::array<std::vector<double>, 3>& li
   std::string text = fmt::format("{} ", kinds[g.dim - 1]);
   for (int a = 0; a < g.dim; ++a)
     text += fmt::format("{}({:.6g}, {:.6g})", a ? " x " : "", lines[a].front(), lines[a].back());
-  text += fmt::format(", cells = [{}]", fmt::join(g.cells.begin(), g.cells.begin() + g.dim, ", "));
+  text += fmt::format(", cells = [{}]",
+                      joined(std::span(g.cells).first(static_cast<std::size_t>(g.dim))));
   return g.crossed ? text + ", crossed" : text;
 }
 

@@ -2,6 +2,7 @@
 #include "solver/mesh/geometries.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/common/joined.hpp"
 #include "solver/mesh/limits.hpp"
 
 #include <fmt/format.h>
@@ -39,7 +40,7 @@ const Condition conditions[] = {
 
 Failure bad(const GeometryInfo& info, const std::string& what) {
   return Failure(FailureKind::bad_value, {},
-                 fmt::format("{}({}): {}", info.name, fmt::join(info.parameters, ", "), what));
+                 fmt::format("{}({}): {}", info.name, joined(info.parameters), what));
 }
 
 bool is_centre(const std::string& parameter) { return parameter == "cx" || parameter == "cy"; }

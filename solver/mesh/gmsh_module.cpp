@@ -2,6 +2,7 @@
 #include "solver/mesh/gmsh_module.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/common/joined.hpp"
 #include "solver/common/open_module.hpp"
 #include "solver/common/out_of_memory.hpp"
 #include "solver/common/read_file.hpp"
@@ -10,7 +11,6 @@
 #include "solver/mesh/raw_mesh.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -88,7 +88,7 @@ constexpr std::size_t message_size = 2000;
 
 Mesh generate_geometry(const std::string& name, const std::vector<double>& given) {
   std::vector<double> numbers = complete_numbers(geometry_info(name), given);
-  const std::string description = fmt::format("{}({})", name, fmt::join(numbers, ", "));
+  const std::string description = fmt::format("{}({})", name, joined(numbers));
   Collector collector;
   collector.scale = length_scale(numbers);
   for (double& x : numbers) x /= collector.scale;
@@ -120,7 +120,7 @@ std::string commands(const std::string& path, const GeoConstants& constants) {
                                 std::filesystem::path(path).filename().string(), name),
                     known.empty()
                         ? fmt::format("in the file: DefineConstant[ {} = {} ];", name, value)
-                        : fmt::format("it defines {}", fmt::join(known, ", ")));
+                        : fmt::format("it defines {}", joined(known)));
     out += fmt::format("{} = {:.17g};\n", name, value);
   }
   if (path.find_first_of("\"\n") != std::string::npos)

@@ -2,6 +2,7 @@
 #include "solver/mesh/raw_mesh.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/common/joined.hpp"
 #include "solver/mesh/facet_table.hpp"
 #include "solver/mesh/generate.hpp"
 #include "solver/mesh/limits.hpp"
@@ -152,8 +153,7 @@ private:
     std::string corners;
     for (int k = 0; k <= mesh_.dim; ++k) {
       const auto& p = mesh_.nodes[mesh_.cells[c][k]];
-      corners += fmt::format("{}({:.6g})", k ? ", " : "",
-                             fmt::join(p.begin(), p.begin() + mesh_.dim, ", "));
+      corners += fmt::format("{}({})", k ? ", " : "", joined(p, mesh_.dim, 6));
     }
     return fmt::format("{} with corners {}", text, corners);
   }

@@ -1,8 +1,8 @@
 // The plan as text: what `hvi-run dump --plan` shows. Stable: golden files compare it.
+#include "solver/common/joined.hpp"
 #include "solver/plan/plan.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace hvi::solver {
 namespace {
@@ -43,13 +43,13 @@ std::string number(double value) { return fmt::format("{}", value); }
 
 template <class Range>
 std::string numbers(const Range& values) {
-  return fmt::format("[{}]", fmt::join(values, ", "));
+  return fmt::format("[{}]", joined(values));
 }
 
 std::string expressions(const std::vector<Expr>& values) {
   std::vector<std::string> texts;
   for (const auto& value : values) texts.push_back(to_string(value));
-  return fmt::format("[{}]", fmt::join(texts, ", "));
+  return fmt::format("[{}]", joined(texts));
 }
 
 /// A function and its derivatives: 0..2 components, 3 + 3 i + j the derivative of i along j.
@@ -326,11 +326,11 @@ private:
         line("  `{}` = {}", field.name, expressions(field.components));
     }
     for (const auto& plot : r.plots)
-      line("plot {} against {}{}", fmt::join(plot.columns, ", "), plot.against, to_file(plot.file));
+      line("plot {} against {}{}", joined(plot.columns), plot.against, to_file(plot.file));
     for (const auto& graphs : r.graphs) {
       std::vector<std::string> names;
       for (const auto& graph : graphs.graphs) names.push_back(graph.name);
-      line("graph {}{}", fmt::join(names, ", "), to_file(graphs.file));
+      line("graph {}{}", joined(names), to_file(graphs.file));
     }
   }
 

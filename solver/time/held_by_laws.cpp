@@ -1,12 +1,12 @@
 // See held_by_laws.hpp.
 #include "solver/time/held_by_laws.hpp"
 
+#include "solver/common/joined.hpp"
 #include "solver/common/numbers.hpp"
 #include "solver/law/slope_bounds.hpp"
 #include "solver/time/nearest_point.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -242,7 +242,7 @@ std::string FreeBody::describe(const Vector& combination) const {
     at += mine.size();
     if (mine.norm() > not_told * combination.norm()) out.push_back(part.describe(mine));
   }
-  return fmt::format("{}", fmt::join(out, " and "));
+  return joined(out, " and ");
 }
 
 namespace {
@@ -290,7 +290,7 @@ void refuse_free(const std::vector<std::string>& motions, const std::string& whe
   if (motions.empty()) return;
   throw Failure(FailureKind::not_coercive, origin,
                 fmt::format("nothing holds the body{}, neither values nor forms nor laws: {}", when,
-                            fmt::join(motions, "; ")),
+                            joined(motions, "; ")),
                 "impose a value, or add a law or a term that resists the motion");
 }
 

@@ -1,6 +1,7 @@
 // Why a matrix has no factor, in the user's words; see rigid.hpp.
 #include "solver/time/rigid.hpp"
 
+#include "solver/common/joined.hpp"
 #include "solver/fem/geometry.hpp"
 #include "solver/linear/dense.hpp"
 #include "solver/time/rounding.hpp"
@@ -9,7 +10,6 @@
 #include "solver/time/whole_time.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <optional>
 
@@ -140,7 +140,7 @@ void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& 
       throw Failure(FailureKind::not_coercive, origin,
                     fmt::format("the forms and boundary values together leave rigid motions free: "
                                 "{}",
-                                fmt::join(left, "; ")),
+                                joined(left, "; ")),
                     "clamp a part (`zero on ...`), or add a term that resists the motion");
     const SparseMatrix k = matrix.k();
     blame_memory(matrix, of, problem);

@@ -1,11 +1,11 @@
 // See rigid_motions.hpp.
 #include "solver/time/rigid_motions.hpp"
 
+#include "solver/common/joined.hpp"
 #include "solver/fem/geometry.hpp"
 #include "solver/time/strain.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -92,7 +92,7 @@ std::string direction(const Vector& v) {
       return fmt::format("{}{}", unit[i] < 0.0 ? "-" : "", axes[i]);
   std::vector<double> rounded;
   for (const double x : unit) rounded.push_back(std::abs(x) < not_told ? 0.0 : x);
-  return fmt::format("[{:.4g}]", fmt::join(rounded, ", "));
+  return fmt::format("[{}]", joined(rounded, static_cast<int>(rounded.size()), 4));
 }
 
 /// A coordinate that is zero but for rounding.
@@ -294,7 +294,7 @@ std::string RigidMotions::describe(const Vector& motion) const {
                                      : pieces_[k].name + " " + words(pieces_[k], a));
   }
   const std::string of = space_->is_product() ? fmt::format("`{}`: ", block_.name) : std::string();
-  return fmt::format("{}{}", of, fmt::join(out, " and "));
+  return of + joined(out, " and ");
 }
 
 std::vector<RigidMotions> motions_of_unknowns(const Discretisation& d) {
