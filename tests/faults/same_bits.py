@@ -1,5 +1,6 @@
-"""Watching a run changes nothing: with checkpoints, monitors, both, and more threads, every example gives the same bits in tables,
-fields and JSON (but for seconds, bytes in use, counted sweeps and the monitors' own).  usage: same_bits.py HVI_RUN EXAMPLES"""
+"""Watching a run changes nothing: with checkpoints, monitors and more threads at once, and without files, every example gives the
+same bits in tables, fields and JSON (but for seconds, bytes in use, counted sweeps and the monitors' own).
+usage: same_bits.py HVI_RUN EXAMPLES"""
 import json
 import pathlib
 import subprocess
@@ -7,8 +8,7 @@ import sys
 import tempfile
 
 program, examples = pathlib.Path(sys.argv[1]).resolve(), sorted(pathlib.Path(sys.argv[2]).resolve().glob("*.hvi"))
-WAYS = {"plain": [], "monitors": ["--monitors"], "checkpoints": ["--checkpoint", "3"], "both": ["--monitors", "--checkpoint", "5"],
-        "threads": ["--threads", "3"], "no files": ["--no-files"]}
+WAYS = {"plain": [], "watched": ["--monitors", "--checkpoint", "3", "--threads", "3"], "no files": ["--no-files"]}
 # What is counted and timed may differ: watching takes work. Monitors have a file and a key of their own.
 OWN = {"timing", "monitors", "plan", "files"}
 
