@@ -14,7 +14,7 @@
 #include "lang/session.hpp"
 #include "solver/common/clock.hpp"
 #include "solver/linear/factorisation.hpp"
-#include "solver/time/step.hpp"
+#include "solver/step/step.hpp"
 
 #include <Eigen/CholmodSupport>
 #include <fmt/format.h>

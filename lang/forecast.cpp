@@ -2,9 +2,9 @@
 #include "lang/forecast.hpp"
 
 #include "solver/common/memory_room.hpp"
+#include "solver/discrete/memory.hpp"
 #include "solver/linear/bandwidth.hpp"
-#include "solver/time/memory.hpp"
-#include "solver/time/result_json.hpp"
+#include "solver/results/result_json.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lang/script.hpp"
-#include "solver/time/rehearsal.hpp"
+#include "solver/discrete/rehearsal.hpp"
 #include "solver/time/run.hpp"
 
 #include <nlohmann/json_fwd.hpp>

@@ -2,7 +2,7 @@
 #include "lang/nudge.hpp"
 
 #include "lang/syntax/lexer.hpp"
-#include "solver/time/rounding.hpp"
+#include "solver/discrete/rounding.hpp"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 
 #include "lang/script.hpp"
 #include "solver/plan/plan.hpp"
-#include "solver/time/shown.hpp"
+#include "solver/results/shown.hpp"
 
 #include <optional>
 #include <string>

@@ -6,7 +6,7 @@
 #include "lang/diag/source.hpp"
 #include "lang/syntax/ast.hpp"
 #include "solver/plan/plan.hpp"
-#include "solver/time/result_json.hpp"
+#include "solver/results/result_json.hpp"
 
 #include <map>
 #include <optional>

@@ -7,8 +7,8 @@
 #include "lang/mesh_values.hpp"
 #include "lang/stdlib.hpp"
 #include "lang/units/units.hpp"
-#include "solver/time/field_grids.hpp"
-#include "solver/time/step.hpp"
+#include "solver/results/field_grids.hpp"
+#include "solver/step/step.hpp"
 
 #include <fmt/format.h>
 

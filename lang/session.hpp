@@ -14,9 +14,9 @@
 #include "lang/diag/failures.hpp"
 #include "lang/diag/words.hpp"
 #include "lang/script.hpp"
+#include "solver/results/shown.hpp"
 #include "solver/study/accuracy.hpp"
 #include "solver/time/run.hpp"
-#include "solver/time/shown.hpp"
 
 #include <atomic>
 #include <functional>

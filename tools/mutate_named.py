@@ -16,7 +16,7 @@ NAMED = [
      "expression"),
     ("a checkpoint written as any other file", "solver/time/checkpoint.cpp", "write_atomically(path, bytes, Durability::synced)",
      "write_atomically(path, bytes, Durability::ordinary)", "expression"),
-    ("memories of a run start at 0", "solver/time/memory.cpp", "history->start(t0, view(u0))", "history->start(0.0, view(u0))",
+    ("memories of a run start at 0", "solver/discrete/memory.cpp", "history->start(t0, view(u0))", "history->start(0.0, view(u0))",
      "expression"),
     ("memories start at 0", "solver/history/steps.hpp", "t0, t0, 0, 0, 1", "0, 0, 0, 0, 1", "list"),
     ("the friction secant not clamped", "solver/inequality/points.cpp", "std::min(s / hit.z, q.penalty)", "s / hit.z",

@@ -6,7 +6,7 @@
 #include "lang/cli/say.hpp"
 #include "lang/forecast.hpp"
 #include "solver/common/memory_room.hpp"
-#include "solver/time/memory.hpp"
+#include "solver/discrete/memory.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -10,7 +10,7 @@
 #include "lang/pictures.hpp"
 #include "lang/report/page.hpp"
 #include "solver/linear/bandwidth.hpp"
-#include "solver/time/result_json.hpp"
+#include "solver/results/result_json.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -10,9 +10,9 @@
 #include "solver/common/clock.hpp"
 #include "solver/common/memory_room.hpp"
 #include "solver/common/read_file.hpp"
+#include "solver/discrete/shared_work.hpp"
 #include "solver/study/ladder.hpp"
 #include "solver/time/checkpoint.hpp"
-#include "solver/time/shared_work.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -5,10 +5,10 @@
 #include "lang/pictures.hpp"
 #include "lang/report/page.hpp"
 #include "solver/output/file.hpp"
+#include "solver/results/line_values.hpp"
+#include "solver/results/report.hpp"
+#include "solver/results/result_json.hpp"
 #include "solver/time/checkpoint.hpp"
-#include "solver/time/line_values.hpp"
-#include "solver/time/report.hpp"
-#include "solver/time/result_json.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -5,7 +5,7 @@
 #include "lang/cli/memory_lines.hpp"
 #include "lang/cli/say.hpp"
 #include "solver/output/table.hpp"
-#include "solver/time/report.hpp"
+#include "solver/results/report.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 #include "lang/python/fields.hpp"
 
 #include "solver/fem/element.hpp"
-#include "solver/time/field_files.hpp"
+#include "solver/results/field_files.hpp"
 
 #include <algorithm>
 #include <array>

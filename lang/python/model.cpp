@@ -11,8 +11,8 @@
 #include "lang/pictures.hpp"
 #include "lang/python/fields.hpp"
 #include "lang/python/results.hpp"
-#include "solver/time/memory.hpp"
-#include "solver/time/shared_work.hpp"
+#include "solver/discrete/memory.hpp"
+#include "solver/discrete/shared_work.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -3,8 +3,8 @@
 
 #include "lang/diag/render.hpp"
 #include "lang/python/fields.hpp"
-#include "solver/time/report.hpp"
-#include "solver/time/result_json.hpp"
+#include "solver/results/report.hpp"
+#include "solver/results/result_json.hpp"
 
 #include <algorithm>
 #include <variant>

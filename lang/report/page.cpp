@@ -5,7 +5,7 @@
 #include "lang/report/fields.hpp"
 #include "lang/report/mathematics.hpp"
 #include "lang/report/page_files.hpp"
-#include "solver/time/energy.hpp"
+#include "solver/results/energy.hpp"
 
 #include <fmt/format.h>
 

@@ -4,12 +4,12 @@
 //
 // Paper: H(A), H(B), H(E), H(q), H(J), H(M), H(f), (H0), Theorem existencetheorem, Lemma lem3.1.
 #include "solver/common/numbers.hpp"
+#include "solver/discrete/proportional.hpp"
 #include "solver/fem/periodic.hpp"
 #include "solver/history/norm_proofs.hpp"
 #include "solver/hypotheses/judgement.hpp"
 #include "solver/hypotheses/load_time.hpp"
 #include "solver/plan/couplings.hpp"
-#include "solver/time/proportional.hpp"
 
 #include <fmt/format.h>
 

@@ -1,12 +1,12 @@
 // The rows of a report of hypotheses, one after the other; internal to solver/hypotheses.
 #pragma once
 
+#include "solver/formulation/step_weights.hpp"
 #include "solver/hypotheses/hypotheses.hpp"
 #include "solver/hypotheses/numbers.hpp"
 #include "solver/hypotheses/tensors.hpp"
 #include "solver/hypotheses/variation.hpp"
 #include "solver/hypotheses/verdicts.hpp"
-#include "solver/time/step_weights.hpp"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
 // Rows of laws and their states, and the smallness condition (H0) on them; see hypotheses.hpp.
 #include "solver/common/numbers.hpp"
+#include "solver/discrete/body_states.hpp"
 #include "solver/hypotheses/judgement.hpp"
 #include "solver/hypotheses/states.hpp"
-#include "solver/time/body_states.hpp"
 
 #include <fmt/format.h>
 

@@ -2,8 +2,8 @@
 #include "solver/hypotheses/laws.hpp"
 
 #include "solver/assembly/assembly.hpp"
+#include "solver/discrete/contact_states.hpp"
 #include "solver/law/known_constants.hpp"
-#include "solver/time/contact_states.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "solver/common/bracket.hpp"
+#include "solver/discrete/contact.hpp"
 #include "solver/hypotheses/extremes.hpp"
-#include "solver/time/contact.hpp"
 #include "solver/time/run.hpp"
 
 #include <vector>

@@ -2,7 +2,7 @@
 #include "solver/hypotheses/multiplier_norm.hpp"
 
 #include "solver/assembly/assembly.hpp"
-#include "solver/time/operators.hpp"
+#include "solver/discrete/operators.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,10 +2,10 @@
 #include "solver/hypotheses/numbers.hpp"
 
 #include "solver/common/numbers.hpp"
+#include "solver/discrete/time_scheme.hpp"
 #include "solver/hypotheses/multiplier_norm.hpp"
 #include "solver/linear/general_lu.hpp"
 #include "solver/plan/couplings.hpp"
-#include "solver/time/time_scheme.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,12 @@
 // The matrices of a problem on one mesh, and the constants of the theory they give.
 #pragma once
 
+#include "solver/discrete/held_by_laws.hpp"
+#include "solver/discrete/operators.hpp"
+#include "solver/discrete/product_form.hpp"
+#include "solver/formulation/uniqueness.hpp"
 #include "solver/hypotheses/extremes.hpp"
 #include "solver/hypotheses/laws.hpp"
-#include "solver/time/held_by_laws.hpp"
-#include "solver/time/operators.hpp"
-#include "solver/time/product_form.hpp"
-#include "solver/time/uniqueness.hpp"
 
 #include <optional>
 #include <vector>

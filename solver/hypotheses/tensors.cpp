@@ -1,10 +1,10 @@
 // The tensor behind a form, point by point; see tensors.hpp.
 #include "solver/hypotheses/tensors.hpp"
 
+#include "solver/discrete/body_states.hpp"
 #include "solver/fem/geometry.hpp"
 #include "solver/kernel/algebra.hpp"
 #include "solver/linear/dense.hpp"
-#include "solver/time/body_states.hpp"
 
 #include <algorithm>
 #include <array>

@@ -91,7 +91,7 @@ double ForceBalance::worst_ratio(const Errors& of, const Vector& c, const Vector
   return all_rows_ != nullptr ? worst_of_all_rows(of, c, xi) : solver::worst_ratio(of);
 }
 
-/// As the certificate of a step has it (solver/time/certificate.cpp): each row against its own
+/// As the certificate of a step has it (solver/discrete/certificate.cpp): each row against its own
 /// size, and a part of what it has in axes that are turned.
 double ForceBalance::worst_of_all_rows(const Errors& of, const Vector& c, const Vector& xi) const {
   constexpr double least_part = 0.01;

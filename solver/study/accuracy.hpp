@@ -2,10 +2,10 @@
 // -> its run -> a check of it against runs of half the resolution; again where that says no.
 #pragma once
 
+#include "solver/discrete/shared_work.hpp"
+#include "solver/results/shown.hpp"
 #include "solver/study/predict.hpp"
 #include "solver/time/run.hpp"
-#include "solver/time/shared_work.hpp"
-#include "solver/time/shown.hpp"
 
 #include <functional>
 #include <memory>

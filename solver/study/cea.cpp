@@ -1,10 +1,10 @@
 // The terms of the Cea type inequality; see cea.hpp.
 #include "solver/study/cea.hpp"
 
+#include "solver/discrete/contact.hpp"
+#include "solver/discrete/operators.hpp"
 #include "solver/history/history.hpp"
 #include "solver/mesh/generate.hpp"
-#include "solver/time/contact.hpp"
-#include "solver/time/operators.hpp"
 
 #include <algorithm>
 #include <cmath>

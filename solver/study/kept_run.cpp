@@ -2,8 +2,8 @@
 #include "solver/study/kept_run.hpp"
 
 #include "solver/common/clock.hpp"
+#include "solver/discrete/shared_work.hpp"
 #include "solver/study/reference.hpp"
-#include "solver/time/shared_work.hpp"
 
 #include <algorithm>
 #include <cmath>

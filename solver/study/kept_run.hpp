@@ -1,10 +1,10 @@
 // Runs that are kept to be compared: states at some of the steps, columns of the probes, seconds.
 #pragma once
 
+#include "solver/discrete/shared_work.hpp"
+#include "solver/results/shown.hpp"
 #include "solver/study/predict.hpp"
 #include "solver/time/run.hpp"
-#include "solver/time/shared_work.hpp"
-#include "solver/time/shown.hpp"
 
 #include <map>
 #include <memory>

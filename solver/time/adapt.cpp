@@ -1,9 +1,13 @@
 // Adapted meshes; see adapt.hpp.
 #include "solver/time/adapt.hpp"
 
+#include "solver/discrete/discretisation.hpp"
 #include "solver/fem/geometry.hpp"
 #include "solver/mesh/bisect.hpp"
 #include "solver/plan/couplings.hpp"
+#include "solver/results/run_settings.hpp"
+#include "solver/time/discretise.hpp"
+#include "solver/time/run.hpp"
 
 #include <fmt/format.h>
 

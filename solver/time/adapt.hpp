@@ -10,7 +10,8 @@
 // Poisson's equation, SIAM J. Numer. Anal. 33 (1996) 1106-1124.
 #pragma once
 
-#include "solver/time/run.hpp"
+#include "solver/fem/space.hpp"
+#include "solver/plan/plan.hpp"
 
 #include <atomic>
 #include <span>

@@ -1,6 +1,7 @@
 // The file a run can go on from; see checkpoint.hpp. Called by the loop in run.cpp.
 #include "solver/time/checkpoint.hpp"
 
+#include "solver/common/hash.hpp"
 #include "solver/common/read_file.hpp"
 #include "solver/kernel/table.hpp"
 #include "solver/output/file.hpp"
@@ -26,13 +27,9 @@ struct Header {
   std::uint64_t fingerprint = 0, size = 0, state_hash = 0, header_hash = 0;
 };
 
-std::uint64_t hash_of_bytes(const void* bytes, std::size_t size) {
-  return XXH3_64bits(bytes, size);
-}
-
 /// Of all before the hash itself.
 std::uint64_t header_hash(const Header& header) {
-  return hash_of_bytes(&header, offsetof(Header, header_hash));
+  return hash_of({reinterpret_cast<const char*>(&header), offsetof(Header, header_hash)});
 }
 
 /// A hash that grows piece by piece.
@@ -139,8 +136,6 @@ void add_mesh(const Mesh& mesh, Hash& hash) {
 
 } // namespace
 
-std::uint64_t hash_of(std::string_view bytes) { return hash_of_bytes(bytes.data(), bytes.size()); }
-
 std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh) {
   Hash hash;
   Plan same = plan; // what may differ between two places or machines is left out
@@ -169,7 +164,7 @@ void write_checkpoint(const std::filesystem::path& path, std::uint64_t fingerpri
   Header header;
   header.fingerprint = fingerprint;
   header.size = state.size();
-  header.state_hash = hash_of_bytes(state.data(), state.size());
+  header.state_hash = hash_of(state);
   header.header_hash = header_hash(header);
   std::string bytes(sizeof header, '\0');
   std::memcpy(bytes.data(), &header, sizeof header);
@@ -193,8 +188,7 @@ std::string read_checkpoint(const std::filesystem::path& path, std::uint64_t fin
     refuse_checkpoint(path, fmt::format("has format {}, this program reads format {}",
                                         header.version, format_version));
   if (header.header_hash != header_hash(header) || header.size != bytes.size() - sizeof header ||
-      header.state_hash !=
-          hash_of_bytes(bytes.data() + sizeof header, bytes.size() - sizeof header))
+      header.state_hash != hash_of(std::string_view(bytes).substr(sizeof header)))
     refuse_checkpoint(path, "is damaged: its hash does not fit its content");
   if (header.fingerprint != fingerprint)
     refuse_checkpoint(path, "belongs to another problem: the script, its parameters or its mesh "

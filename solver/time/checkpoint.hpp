@@ -1,4 +1,4 @@
-// The file a run can be resumed from: header, hashes, and the state as bytes (saved_state.cpp).
+// The file a run can be resumed from: header, hashes, and the state as bytes.
 #pragma once
 
 #include "solver/plan/plan.hpp"
@@ -15,11 +15,8 @@ namespace hvi::solver {
 
 /// A hash of everything that decides the numbers of a run: forms, laws, kernels, loads, tables,
 /// options, report, mesh. Neither paths nor the number of threads are in it, nor the time grid: a
-/// state can be continued when its steps are the first ones of the grid (saved_state.cpp).
+/// state can be continued when its steps are the first ones of the grid (restarts.cpp).
 std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh);
-
-/// The hash of the bytes of a field file, which a checkpoint holds.
-std::uint64_t hash_of(std::string_view bytes);
 
 /// Where the checkpoint of a run stands.
 std::filesystem::path checkpoint_path(const std::string& folder, const std::string& name);

@@ -3,16 +3,15 @@
 #include "solver/assembly/pairing.hpp"
 #include "solver/common/clock.hpp"
 #include "solver/common/memory_room.hpp"
+#include "solver/discrete/axis_parts.hpp"
+#include "solver/discrete/domains.hpp"
+#include "solver/discrete/overlaps.hpp"
 #include "solver/plan/validate.hpp"
+#include "solver/results/law_sampler.hpp"
+#include "solver/results/line_values.hpp"
+#include "solver/results/reaction_forces.hpp"
+#include "solver/step/start_motion.hpp"
 #include "solver/time/adapt.hpp"
-#include "solver/time/axis_parts.hpp"
-#include "solver/time/domains.hpp"
-#include "solver/time/law_sampler.hpp"
-#include "solver/time/line_values.hpp"
-#include "solver/time/overlaps.hpp"
-#include "solver/time/reaction_forces.hpp"
-#include "solver/time/run.hpp"
-#include "solver/time/start_motion.hpp"
 
 #include <fmt/format.h>
 

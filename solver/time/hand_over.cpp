@@ -1,8 +1,10 @@
 // A run goes on as that of another plan: what does not depend on its matrices and laws is handed
 // over, the rest is made anew. Or, where loads alone have changed, these. Called by
 // SteppedRun::change.
+#include "solver/discrete/discretisation.hpp"
+#include "solver/linear/vector_stream.hpp"
+#include "solver/step/work.hpp"
 #include "solver/time/one_run.hpp"
-#include "solver/time/saved_state.hpp"
 
 #include <variant>
 

@@ -1,10 +1,10 @@
 // See later_plan.hpp.
 #include "solver/time/later_plan.hpp"
 
+#include "solver/discrete/domains.hpp"
+#include "solver/discrete/law_readings.hpp"
 #include "solver/plan/validate.hpp"
 #include "solver/time/checkpoint.hpp"
-#include "solver/time/domains.hpp"
-#include "solver/time/law_readings.hpp"
 
 #include <algorithm>
 #include <tuple>

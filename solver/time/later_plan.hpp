@@ -1,7 +1,8 @@
 // The plan of a run whose numbers change between two steps.
 #pragma once
 
-#include "solver/time/run.hpp"
+#include "solver/discrete/discretisation.hpp"
+#include "solver/plan/plan.hpp"
 
 namespace hvi::solver {
 

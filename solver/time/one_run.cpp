@@ -1,8 +1,8 @@
 // See one_run.hpp.
 #include "solver/time/one_run.hpp"
 
+#include "solver/formulation/reduce.hpp"
 #include "solver/output/file.hpp"
-#include "solver/time/reduce.hpp"
 #include "solver/time/step_notes.hpp"
 
 #include <fmt/format.h>

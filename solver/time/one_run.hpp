@@ -3,11 +3,17 @@
 #pragma once
 
 #include "solver/common/clock.hpp"
-#include "solver/time/energy.hpp"
-#include "solver/time/report.hpp"
+#include "solver/discrete/chosen_solver.hpp"
+#include "solver/discrete/discretisation.hpp"
+#include "solver/discrete/shared_work.hpp"
+#include "solver/plan/plan.hpp"
+#include "solver/results/energy.hpp"
+#include "solver/results/report.hpp"
+#include "solver/results/run_result.hpp"
+#include "solver/results/run_settings.hpp"
+#include "solver/step/step.hpp"
+#include "solver/step/work.hpp"
 #include "solver/time/restarts.hpp"
-#include "solver/time/shared_work.hpp"
-#include "solver/time/step.hpp"
 
 namespace hvi::solver {
 

@@ -1,8 +1,8 @@
 // See restarts.hpp.
 #include "solver/time/restarts.hpp"
 
+#include "solver/discrete/memory.hpp"
 #include "solver/output/file.hpp"
-#include "solver/time/memory.hpp"
 
 namespace hvi::solver {
 namespace {

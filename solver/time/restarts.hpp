@@ -1,10 +1,14 @@
 // How often a run has started again and why, and the state a run is resumed from. Used by run.cpp.
 #pragma once
 
+#include "solver/discrete/chosen_solver.hpp"
+#include "solver/discrete/discretisation.hpp"
+#include "solver/linear/vector_stream.hpp"
+#include "solver/plan/plan.hpp"
+#include "solver/results/run_result.hpp"
+#include "solver/results/run_settings.hpp"
+#include "solver/step/step_result.hpp"
 #include "solver/time/checkpoint.hpp"
-#include "solver/time/run.hpp"
-#include "solver/time/saved_state.hpp"
-#include "solver/time/step_result.hpp"
 
 #include <functional>
 #include <optional>

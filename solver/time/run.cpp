@@ -12,11 +12,12 @@
 // and keeps the last good state when it has to stop.
 #include "solver/time/run.hpp"
 
+#include "solver/discrete/discretisation.hpp"
+#include "solver/results/trust.hpp"
 #include "solver/time/checkpoint.hpp"
 #include "solver/time/one_run.hpp"
 #include "solver/time/restarts.hpp"
 #include "solver/time/start_state.hpp"
-#include "solver/time/trust.hpp"
 
 #include <optional>
 #include <sstream>

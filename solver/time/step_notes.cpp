@@ -1,7 +1,7 @@
 // See step_notes.hpp.
 #include "solver/time/step_notes.hpp"
 
-#include "solver/time/contact_states.hpp"
+#include "solver/discrete/contact_states.hpp"
 
 #include <fmt/format.h>
 

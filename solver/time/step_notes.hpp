@@ -2,8 +2,9 @@
 // Called by the loop in run.cpp.
 #pragma once
 
-#include "solver/time/run.hpp"
-#include "solver/time/run_state.hpp"
+#include "solver/plan/plan.hpp"
+#include "solver/results/run_result.hpp"
+#include "solver/step/run_state.hpp"
 
 namespace hvi::solver {
 

@@ -1,11 +1,11 @@
 // See stepped_run.hpp.
 #include "solver/time/stepped_run.hpp"
 
+#include "solver/discrete/shared_work.hpp"
+#include "solver/results/trust.hpp"
 #include "solver/time/later_plan.hpp"
 #include "solver/time/one_run.hpp"
-#include "solver/time/shared_work.hpp"
 #include "solver/time/start_state.hpp"
-#include "solver/time/trust.hpp"
 
 #include <algorithm>
 #include <cmath>

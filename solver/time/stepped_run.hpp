@@ -2,7 +2,10 @@
 // coupled to it, or Python.
 #pragma once
 
-#include "solver/time/run.hpp"
+#include "solver/discrete/discretisation.hpp"
+#include "solver/plan/plan.hpp"
+#include "solver/results/run_result.hpp"
+#include "solver/results/run_settings.hpp"
 
 #include <memory>
 #include <string_view>

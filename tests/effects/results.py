@@ -155,7 +155,7 @@ def check_examples():
 
 
 def momenta(points, cells, massless, rho):
-    """Weights m with sum_i m_i v_i the momentum of velocities v: the integral of rho P v, P as solver/time/inertia.hpp says, P1 in the plane. At nodes
+    """Weights m with sum_i m_i v_i the momentum of velocities v: the integral of rho P v, P as solver/discrete/inertia.hpp says, P1 in the plane. At nodes
     without mass P is the shortest combination of the others around that is exact for affine functions."""
     mass, around = np.zeros(len(points)), [set() for _ in points]
     for cell in cells:

@@ -3,7 +3,7 @@
 
 usage: newton.py HVI_RUN EXAMPLES
 
-Property: with the consistent tangent (solver/time/body_tangent.hpp) the states of a body settle as Newton's method does. damage.hvi took 9 to
+Property: with the consistent tangent (solver/step/body_tangent.hpp) the states of a body settle as Newton's method does. damage.hvi took 9 to
 13 passes a step by plain passes and mixing; the answer is the same.
 """
 import json

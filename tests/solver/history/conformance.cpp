@@ -11,20 +11,20 @@
 namespace hvi::solver::test {
 namespace {
 
-struct Case {
+struct ConformanceCase {
   std::string kernel;
   HistoryRoute route;
   Grid grid;
   int order;
 };
 
-std::string name_of(const Case& c) {
+std::string name_of(const ConformanceCase& c) {
   const char* routes[] = {"automatic", "recursion", "fit", "tree", "direct"};
   const char* grids[] = {"uniform", "graded", "listed"};
   return c.kernel + "_" + routes[static_cast<int>(c.route)] + "_" +
          grids[static_cast<int>(c.grid)] + "_order" + std::to_string(c.order);
 }
-std::ostream& operator<<(std::ostream& out, const Case& c) { return out << name_of(c); }
+std::ostream& operator<<(std::ostream& out, const ConformanceCase& c) { return out << name_of(c); }
 
 bool accepts(HistoryRoute route, const KernelCase& kernel) {
   switch (route) {
@@ -37,8 +37,8 @@ bool accepts(HistoryRoute route, const KernelCase& kernel) {
   }
 }
 
-std::vector<Case> all_cases() {
-  std::vector<Case> cases;
+std::vector<ConformanceCase> all_conformance_cases() {
+  std::vector<ConformanceCase> cases;
   for (const KernelCase& kernel : kernel_cases()) {
     for (const HistoryRoute route :
          {HistoryRoute::recursion, HistoryRoute::fit, HistoryRoute::tree, HistoryRoute::direct}) {
@@ -51,16 +51,16 @@ std::vector<Case> all_cases() {
   return cases;
 }
 
-constexpr double tolerance = 1e-8;
+constexpr double wanted_error = 1e-8;
 
-class Conformance : public testing::TestWithParam<Case> {
+class Conformance : public testing::TestWithParam<ConformanceCase> {
 protected:
   const KernelCase& kernel() const { return kernel_case(GetParam().kernel); }
   std::unique_ptr<History> make(const std::vector<double>& times) const {
     HistoryOptions options;
     options.route = GetParam().route;
     options.order = GetParam().order;
-    options.tolerance = tolerance;
+    options.tolerance = wanted_error;
     options.horizon = times.back();
     options.shortest_step = shortest_step(times);
     options.steps = static_cast<std::int64_t>(times.size()) - 1;
@@ -72,7 +72,7 @@ protected:
     const double l1 = std::max(1e-3, std::abs(reference_integral(kernel(), 2.0, 0, 2.0, 0)));
     const bool exact =
         GetParam().route == HistoryRoute::recursion || GetParam().route == HistoryRoute::direct;
-    return l1 * 3.0 * (exact ? 2e-12 : tolerance);
+    return l1 * 3.0 * (exact ? 2e-12 : wanted_error);
   }
 };
 
@@ -151,7 +151,7 @@ TEST_P(Conformance, ATruncatedStateIsAnError) {
   EXPECT_THROW(history->restore(half), Failure);
 }
 
-INSTANTIATE_TEST_SUITE_P(Routes, Conformance, testing::ValuesIn(all_cases()),
+INSTANTIATE_TEST_SUITE_P(Routes, Conformance, testing::ValuesIn(all_conformance_cases()),
                          [](const auto& param) { return name_of(param.param); });
 
 } // namespace

@@ -32,7 +32,7 @@ Bench line(int n, const std::vector<std::string>& laws, bool shared) {
 }
 
 /// Grows, falls and grows again, harder at one end: points cross the pieces to and fro.
-Vector load(int n, double t) {
+Vector load_at(int n, double t) {
   Vector r(n);
   for (int i = 0; i < n; ++i)
     r[i] = 14.0 * (std::sin(4.0 * t) + 0.3 * t) * (0.2 + std::exp(-3.0 * i / n));
@@ -52,7 +52,7 @@ public:
       state.c_guess = 3.0 * (c_[n - 1] - c_[n - 2]) + c_[n - 3];
       state.xi_guess = 2.0 * xi_[n - 1] - xi_[n - 2];
     }
-    const auto report = solver_.solve(load(static_cast<int>(setup_.s.rows()), time(k)), state);
+    const auto report = solver_.solve(load_at(static_cast<int>(setup_.s.rows()), time(k)), state);
     c_.push_back(state.c), xi_.push_back(state.xi);
     state.c_guess.resize(0), state.xi_guess.resize(0);
     return report;
@@ -81,7 +81,7 @@ Counts expect_cold_starts(Bench& setup, const std::vector<std::string>& laws, in
   Steps steps(setup, count);
   for (int k = 1; k <= count; ++k) {
     const auto before = steps.state.state;
-    setup.r = load(static_cast<int>(setup.s.rows()), steps.time(k));
+    setup.r = load_at(static_cast<int>(setup.s.rows()), steps.time(k));
     const auto report = steps.step(k);
     EXPECT_TRUE(report.converged) << k << ": " << report.verdict;
     const auto found = recompute(setup, known, steps.state);

@@ -13,12 +13,6 @@
 namespace hvi::solver::test {
 namespace {
 
-Vector random_vector(Eigen::Index n, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> value(-1.0, 1.0);
-  return Vector::NullaryExpr(n, [&] { return value(random); });
-}
-
 /// Pairs of unknowns are replaced by mixtures of themselves and of unknowns that stay, as where a
 /// node's displacements become jumps.
 struct Change {

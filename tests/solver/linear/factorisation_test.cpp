@@ -13,12 +13,6 @@
 namespace hvi::solver::test {
 namespace {
 
-Vector random_vector(Eigen::Index n, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> value(-1.0, 1.0);
-  return Vector::NullaryExpr(n, [&] { return value(random); });
-}
-
 /// K_cc - K_cI K_II^-1 K_Ic by dense LU, and what reduce must return for b.
 struct DenseReduction {
   DenseMatrix s;

@@ -1,4 +1,5 @@
 // Factors with pivots by size: against dense algebra, on random saddle points in any units.
+#include "matrices.hpp"
 #include "solver/linear/general_lu.hpp"
 
 #include <Eigen/LU>
@@ -34,10 +35,6 @@ struct SaddlePoint {
   }
 };
 
-double error(const Vector& a, const Vector& b) {
-  return (a - b).cwiseQuotient(b).lpNorm<Eigen::Infinity>();
-}
-
 TEST(GeneralLu, SolvesAndCondensesSaddlePointsInAnyUnits) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(0.5, 1.0);
@@ -51,14 +48,14 @@ TEST(GeneralLu, SolvesAndCondensesSaddlePointsInAnyUnits) {
     const Vector wanted = any.cwiseProduct(k.units), other = any.cwiseProduct(k.units_of_rows);
     Vector x, y, r;
     solve(*factor, k.dense * wanted, x);
-    EXPECT_LT(error(x, wanted), 1e-9);
+    EXPECT_LT(test::largest_error(x, wanted), 1e-9);
     solve(*factor, k.dense.transpose() * other, x, Columns::transposed);
-    EXPECT_LT(error(x, other), 1e-9);
+    EXPECT_LT(test::largest_error(x, other), 1e-9);
     forward(*factor, k.dense * wanted, y, r);
     const Vector at_contact = wanted(contact);
-    EXPECT_LT(error(factor->schur() * at_contact, r), 1e-8);
+    EXPECT_LT(test::largest_error(factor->schur() * at_contact, r), 1e-8);
     back(*factor, at_contact, y, x);
-    EXPECT_LT(error(x, wanted), 1e-8);
+    EXPECT_LT(test::largest_error(x, wanted), 1e-8);
   }
 }
 

@@ -1,5 +1,6 @@
 // L D L^T of matrices with several unknowns: against dense algebra, on random saddle points in any
 // units, and where only pivots by size, or nothing, will do.
+#include "matrices.hpp"
 #include "solver/linear/indefinite.hpp"
 
 #include <Eigen/LU>
@@ -45,10 +46,6 @@ struct TwoUnknowns {
   }
 };
 
-double error(const Vector& a, const Vector& b) {
-  return (a - b).cwiseQuotient(b).lpNorm<Eigen::Infinity>();
-}
-
 void check(const DenseMatrix& dense, const Vector& sizes, const Vector& sizes_of_rows,
            const Units& of_unknown, const std::vector<int>& contact, const std::string& ordering) {
   std::mt19937 random(3);
@@ -62,14 +59,14 @@ void check(const DenseMatrix& dense, const Vector& sizes, const Vector& sizes_of
     const Vector wanted = any.cwiseProduct(sizes), other = any.cwiseProduct(sizes_of_rows);
     Vector x, y, r;
     solve(*factor, dense * wanted, x);
-    EXPECT_LT(error(x, wanted), 1e-8);
+    EXPECT_LT(test::largest_error(x, wanted), 1e-8);
     solve(*factor, dense.transpose() * other, x, Columns::transposed);
-    EXPECT_LT(error(x, other), 1e-8);
+    EXPECT_LT(test::largest_error(x, other), 1e-8);
     forward(*factor, dense * wanted, y, r);
     const Vector at_contact = wanted(contact);
-    EXPECT_LT(error(factor->schur() * at_contact, r), 1e-8);
+    EXPECT_LT(test::largest_error(factor->schur() * at_contact, r), 1e-8);
     back(*factor, at_contact, y, x);
-    EXPECT_LT(error(x, wanted), 1e-8);
+    EXPECT_LT(test::largest_error(x, wanted), 1e-8);
     auto next = factor->another();
     next->factor(sparse);
     factor = std::move(next);

@@ -147,4 +147,14 @@ SparseMatrix side_by_side(const SparseMatrix& a, const SparseMatrix& b) {
   return build(shift + static_cast<int>(b.rows()), entries);
 }
 
+Vector random_vector(Eigen::Index n, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> value(-1.0, 1.0);
+  return Vector::NullaryExpr(n, [&] { return value(random); });
+}
+
+double largest_error(const Vector& a, const Vector& b) {
+  return (a - b).cwiseQuotient(b).lpNorm<Eigen::Infinity>();
+}
+
 } // namespace hvi::solver::test

@@ -33,4 +33,10 @@ SparseMatrix with_skew_part(const SparseMatrix& k, double factor, unsigned seed)
 /// Block diagonal of two matrices.
 SparseMatrix side_by_side(const SparseMatrix& a, const SparseMatrix& b);
 
+/// n numbers in [-1, 1].
+Vector random_vector(Eigen::Index n, unsigned seed);
+
+/// max_i |a_i - b_i| / |b_i|
+double largest_error(const Vector& a, const Vector& b);
+
 } // namespace hvi::solver::test

@@ -26,7 +26,7 @@ int python(const fs::path& folder, const std::string& program) {
   return std::system(("/usr/bin/python3 '" + script.string() + "'").c_str());
 }
 
-fs::path fresh_folder(const std::string& name) {
+fs::path folder_of_fields(const std::string& name) {
   auto folder = fs::path(testing::TempDir()) / ("hvi_" + name);
   fs::remove_all(folder);
   fs::create_directories(folder);
@@ -51,7 +51,7 @@ TEST(Vtu, PaddingPutsTensorsRowByRow) {
 }
 
 TEST(Vtu, MeshioReadsWhatWasWritten) {
-  const auto folder = fresh_folder("vtu");
+  const auto folder = folder_of_fields("vtu");
   VtuGrid grid;
   grid.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   grid.connectivity = {0, 1, 2, 0, 2, 3};
@@ -75,7 +75,7 @@ assert units == {"sigma": (*key, "N/mm^2"), "TimeValue": (*key, "s"), "Points": 
 }
 
 TEST(Vtu, ManyBlocksAndQuadraticCells) {
-  const auto folder = fresh_folder("vtu_large");
+  const auto folder = folder_of_fields("vtu_large");
   VtuGrid grid; // 60,000 quadratic triangles side by side: several compressed blocks per array
   grid.cell = VtkCell::quadratic_triangle;
   const int n = 60000;
@@ -101,7 +101,7 @@ assert (f == 3 * m.points[:, 0] + m.points[:, 1]).all()
 }
 
 TEST(Vtu, PvdIsXmlWithTheTimes) {
-  const auto folder = fresh_folder("pvd");
+  const auto folder = folder_of_fields("pvd");
   write_atomically(folder / "a.pvd", pvd_bytes({{0.5, 0, "a<1>.vtu"}, {1.0, 1, "b.vtu"}}));
   EXPECT_EQ(0, python(folder, R"(
 import os, xml.etree.ElementTree as E

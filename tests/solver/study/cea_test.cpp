@@ -1,5 +1,6 @@
 // The terms of the Cea type inequality, each from its formula for a function that is no solution:
 // sums by hand over the steps, laws in closed form, the memory by a quadrature of its own.
+#include "solver/assembly/assembly.hpp"
 #include "solver/mesh/generate.hpp"
 #include "solver/study/cea.hpp"
 #include "tests/solver/time/plans.hpp"

@@ -1,9 +1,9 @@
 // The error indicator against known recoveries, adapted meshes, and what runs share.
-#include "plans.hpp"
+#include "solver/discrete/shared_work.hpp"
 #include "solver/fem/pointwise.hpp"
 #include "solver/mesh/bisect.hpp"
 #include "solver/time/adapt.hpp"
-#include "solver/time/shared_work.hpp"
+#include "tests/solver/time/plans.hpp"
 
 #include <cmath>
 #include <numeric>

@@ -1,7 +1,7 @@
 // What a checkpoint is good for: the same problem only, whole on the disk before it has its name.
-#include "plans.hpp"
 #include "solver/kernel/table.hpp"
 #include "solver/time/checkpoint.hpp"
+#include "tests/solver/time/plans.hpp"
 
 #include <sys/syscall.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // Runs whose discrete solution is known in closed form, or computed here another way.
-#include "solver/time/time_scheme.hpp"
+#include "solver/discrete/time_scheme.hpp"
 #include "tests/solver/time/plans.hpp"
 
 #include <cmath>

@@ -1,9 +1,9 @@
 // Checkpoints that somebody edited, with hashes that fit: each is refused in words, or it is
 // another state of the same problem, from which the run goes on. HVI_EDITS sets the number for each
 // scene.
-#include "plans.hpp"
+#include "solver/discrete/memory.hpp"
 #include "solver/time/checkpoint.hpp"
-#include "solver/time/memory.hpp"
+#include "tests/solver/time/plans.hpp"
 
 #include <cstdlib>
 #include <cstring>
@@ -15,24 +15,26 @@ namespace {
 
 using namespace testing_plans;
 
-struct Scene {
+struct EditedScene {
   std::string name;
   Plan plan;
   bool monitors = false;
 };
 
-Scene with_route(HistoryRoute route, std::string name) {
-  Scene scene{std::move(name), slab(2, 22)};
+EditedScene edited_with_route(HistoryRoute route, std::string name) {
+  EditedScene scene{std::move(name), slab(2, 22)};
   scene.plan.problem.histories[0].route = route;
   return scene;
 }
 
-std::vector<Scene> scenes() {
-  std::vector<Scene> out{
-      {"recursion", slab(3, 10), true},           {"friction", slab(2, 10, 2, true)},
-      {"friction in space", slab(2, 7, 3, true)}, with_route(HistoryRoute::fit, "fit"),
-      with_route(HistoryRoute::tree, "tree"),     with_route(HistoryRoute::direct, "direct"),
-      {"graded", slab(2, 9, 2, true), true}};
+std::vector<EditedScene> edited_scenes() {
+  std::vector<EditedScene> out{{"recursion", slab(3, 10), true},
+                               {"friction", slab(2, 10, 2, true)},
+                               {"friction in space", slab(2, 7, 3, true)},
+                               edited_with_route(HistoryRoute::fit, "fit"),
+                               edited_with_route(HistoryRoute::tree, "tree"),
+                               edited_with_route(HistoryRoute::direct, "direct"),
+                               {"graded", slab(2, 9, 2, true), true}};
   auto& graded = out.back().plan.problem.time;
   for (double& t : graded.grid) t *= t;
   graded.scheme = Scheme::bdf2;
@@ -87,7 +89,7 @@ private:
 /// chosen.
 class EditedExtent {
 public:
-  explicit EditedExtent(HistoryRoute route) : plan_(with_route(route, "").plan) {
+  explicit EditedExtent(HistoryRoute route) : plan_(edited_with_route(route, "").plan) {
     settings_.output_folder = folder_.string();
     settings_.checkpoint_every = 100;
     for (const auto& mistake : discretise(plan_, d_)) throw mistake;
@@ -160,7 +162,7 @@ TEST(EditedCheckpoint, IsRefusedOrIsAnotherState) {
   const int edits = asked != nullptr ? std::atoi(asked) : 60;
   const auto folder = std::filesystem::path(testing::TempDir()) / "hvi_edited";
   unsigned seed = 7;
-  for (const auto& scene : scenes()) {
+  for (const auto& scene : edited_scenes()) {
     SCOPED_TRACE(scene.name);
     RunSettings settings;
     settings.output_folder = folder.string();

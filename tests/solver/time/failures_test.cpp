@@ -1,5 +1,5 @@
 // What cannot be computed is refused, with the plan item that is to blame.
-#include "solver/time/trust.hpp"
+#include "solver/results/trust.hpp"
 #include "tests/solver/time/plans.hpp"
 
 #include <gmock/gmock.h>

@@ -1,9 +1,9 @@
 // Inertia: the schemes against their own recurrences, energies, initial accelerations, masses of
 // nodes in contact.
-#include "plans.hpp"
+#include "solver/discrete/inertia.hpp"
 #include "solver/linear/dense.hpp"
 #include "solver/plan/validate.hpp"
-#include "solver/time/inertia.hpp"
+#include "tests/solver/time/plans.hpp"
 
 #include <algorithm>
 #include <cmath>

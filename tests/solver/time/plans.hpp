@@ -1,6 +1,7 @@
 // Plans for the tests of the run: written by hand, as a C++ user would.
 #pragma once
 
+#include "solver/assembly/assembly.hpp"
 #include "solver/time/run.hpp"
 
 #include <gtest/gtest.h>

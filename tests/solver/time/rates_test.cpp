@@ -1,6 +1,6 @@
 // Laws on u': what friction dissipates, sticking that does not creep, resumed runs, both paths.
-#include "plans.hpp"
 #include "solver/plan/validate.hpp"
+#include "tests/solver/time/plans.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,15 +28,15 @@ Plan joint(int n, int steps, double cycles, double pull, int dim = 2) {
   return plan;
 }
 
-struct Recorded {
+struct RecordedRates {
   RunResult result;
   std::vector<Vector> states, multipliers;
 };
 
-Recorded record(const Plan& plan, bool monitors = true) {
+RecordedRates record_rates(const Plan& plan, bool monitors = true) {
   Discretisation d;
   for (const auto& mistake : discretise(plan, d)) throw mistake;
-  Recorded out;
+  RecordedRates out;
   out.states.push_back(Vector::Zero(d.space.n_dofs()));
   RunSettings settings;
   settings.monitors = monitors;
@@ -48,7 +48,7 @@ Recorded record(const Plan& plan, bool monitors = true) {
   return out;
 }
 
-std::vector<double> column(const Recorded& run, const std::string& name) {
+std::vector<double> column(const RecordedRates& run, const std::string& name) {
   const auto& table = *run.result.monitors;
   const auto at = std::find(table.names.begin(), table.names.end(), name);
   return table.columns.at(static_cast<std::size_t>(at - table.names.begin()));
@@ -59,7 +59,7 @@ std::vector<double> column(const Recorded& run, const std::string& name) {
 TEST(Rates, DissipationIsTheBoundTimesThePath) {
   constexpr int n = 2;
   const Plan plan = joint(n, 2000, 100.0, 60.0);
-  const auto run = record(plan);
+  const auto run = record_rates(plan);
   Discretisation d;
   ASSERT_TRUE(discretise(plan, d).empty());
   double path = 0.0;
@@ -84,7 +84,7 @@ TEST(Rates, EveryApplicationHasItsColumn) {
   Plan plan = joint(2, 4, 1.0, 6.0);
   plan.problem.law_terms.push_back(plan.problem.law_terms.back());
   plan.problem.law_terms.back().part = flank;
-  const auto names = record(plan).result.monitors->names;
+  const auto names = record_rates(plan).result.monitors->names;
   EXPECT_EQ(std::vector<std::string>(names.end() - 2, names.end()),
             (std::vector<std::string>{"friction_slip_ground", "friction_slip_flank"}));
 }
@@ -93,7 +93,7 @@ TEST(Rates, EveryApplicationHasItsColumn) {
 TEST(Rates, StickingDoesNotCreep) {
   Plan plan = joint(2, 10000, 50.0, 0.1);
   plan.problem.loads[0] = force(body, {0.0, 0.0});
-  const auto run = record(plan, false);
+  const auto run = record_rates(plan, false);
   Discretisation d;
   ASSERT_TRUE(discretise(plan, d).empty());
   double moved = 0.0, size = 0.0;
@@ -119,7 +119,7 @@ TEST(Rates, WhatStopsStays) {
       std::erase_if(plan.problem.forms, [](const FormTerm& f) { return is_memory(f.field); });
       const Expr pull = select(less(var(slot::t), 5.0), 6.0, 5.8);
       plan.problem.loads = {force(body, {pull, -10.0})};
-      const auto run = record(plan, false);
+      const auto run = record_rates(plan, false);
       Discretisation d;
       ASSERT_TRUE(discretise(plan, d).empty());
       const auto ground_of = [&](std::size_t step) {
@@ -152,9 +152,9 @@ TEST(Rates, BothPathsGiveTheSame) {
       for (double& t : plan.problem.time.grid) t = t * (2 + t) / 3; // every step has its own length
       const auto b = from_young(70, 0.3);
       plan.problem.forms[0] = elastic(dim, body, field_of_u(1), b, 0.2); // multiples of one tensor
-      const auto reduced = record(plan, false);
+      const auto reduced = record_rates(plan, false);
       plan.options.proportional_path = false;
-      const auto all = record(plan, false);
+      const auto all = record_rates(plan, false);
       double size = 0.0, apart = 0.0;
       for (std::size_t m = 0; m < all.states.size(); ++m) {
         size = std::max(size, all.states[m].lpNorm<Eigen::Infinity>());
@@ -171,7 +171,7 @@ TEST(Rates, LawsSeeMemoriesThatArePositiveAtLagZero) {
   Plan plan = slab(2, 4);
   plan.problem.histories.push_back({{}, exponential_kernel(0.1)});
   plan.problem.law_terms[0].field = field_of_memory(1);
-  EXPECT_TRUE(record(plan, false).result.certificate.certified);
+  EXPECT_TRUE(record_rates(plan, false).result.certificate.certified);
   auto& kernel = plan.problem.histories.back().kernel;
   kernel.expression = -1.0 * kernel.expression;
   try {
@@ -204,11 +204,11 @@ TEST(Rates, BoundsReadMemoriesOfTheSameState) {
   for (const int dim : {2, 3})
     for (const Scheme scheme : {Scheme::backward_euler, Scheme::bdf2}) {
       Plan plan = remembering(100.0, 12, dim, scheme);
-      const auto reduced = record(plan, false);
+      const auto reduced = record_rates(plan, false);
       plan.options.proportional_path = false;
-      const auto all = record(plan, false);
+      const auto all = record_rates(plan, false);
       plan.problem.laws.back().readings = {0.0};
-      const auto without = record(plan, false);
+      const auto without = record_rates(plan, false);
       double size = 0.0, apart = 0.0, changed = 0.0;
       for (std::size_t m = 0; m < all.states.size(); ++m) {
         size = std::max(size, all.states[m].lpNorm<Eigen::Infinity>());
@@ -222,7 +222,7 @@ TEST(Rates, BoundsReadMemoriesOfTheSameState) {
 
 /// Readings that the step's own solution moves by more than they moved it are found, too.
 TEST(Rates, ReadingsNeedNotContract) {
-  const auto run = record(remembering(1e6, 2, 2, Scheme::backward_euler), false);
+  const auto run = record_rates(remembering(1e6, 2, 2, Scheme::backward_euler), false);
   EXPECT_TRUE(run.result.certificate.certified);
   EXPECT_LE(run.result.certificate.inclusion, 1e-10);
 }

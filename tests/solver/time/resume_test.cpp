@@ -1,7 +1,7 @@
 // A run that is stopped after any step and goes on from its checkpoint is the run that was never
 // stopped: the same numbers, notes and counters, and in the end the same checkpoint, bit for bit.
-#include "plans.hpp"
 #include "solver/time/checkpoint.hpp"
+#include "tests/solver/time/plans.hpp"
 
 #include <atomic>
 #include <filesystem>

@@ -1,6 +1,6 @@
 // A run whose steps are taken one by one has the steps of a run, bit for bit.
-#include "plans.hpp"
 #include "solver/time/stepped_run.hpp"
+#include "tests/solver/time/plans.hpp"
 
 #include <cmath>
 

@@ -9,11 +9,11 @@
 namespace hvi::solver {
 namespace {
 
-constexpr double tolerance = 1e-10;
+constexpr double asked = 1e-10;
 const double unpredicted = std::numeric_limits<double>::infinity();
 
 TEST(PrecisionChoice, IsFullUntilAStepWasPredicted) {
-  PrecisionChoice choice(tolerance);
+  PrecisionChoice choice(asked);
   choice.note_moved(unpredicted);
   EXPECT_FALSE(choice.worthwhile(100));
   EXPECT_EQ(choice.limits(true).forward, FactorPrecision::full);
@@ -30,7 +30,7 @@ TEST(PrecisionChoice, IsFullUntilAStepWasPredicted) {
 
 // The larger the error of a rounded backward solve, the less contact unknowns may move in the next.
 TEST(PrecisionChoice, LearnsFromTheErrorsLeft) {
-  PrecisionChoice choice(tolerance);
+  PrecisionChoice choice(asked);
   choice.note_moved(1e-4);
   const double before = choice.limits(true).most_single;
   choice.learn(FactorPrecision::single, FactorPrecision::single, 2 * choice.target());
@@ -49,7 +49,7 @@ TEST(PrecisionChoice, LearnsFromTheErrorsLeft) {
 }
 
 TEST(PrecisionChoice, GoesOnFromASavedOne) {
-  PrecisionChoice choice(tolerance), again(tolerance);
+  PrecisionChoice choice(asked), again(asked);
   choice.note_moved(1e-4);
   choice.learn(FactorPrecision::single, FactorPrecision::single, 1e-11);
   choice.learn(FactorPrecision::single, FactorPrecision::fine, 1e-11);

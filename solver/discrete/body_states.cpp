@@ -1,0 +1,141 @@
+// See body_states.hpp. Called where a run's equations are made, and by its steps.
+#include "solver/discrete/body_states.hpp"
+
+#include "solver/fem/highest_order.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace hvi::solver {
+namespace {
+
+using slot::is_value;
+
+bool reads_values(const FormTerm& form) {
+  return std::ranges::any_of(form.entries, [](const FormTerm::Entry& entry) {
+    return is_value(entry.test) || is_value(entry.trial);
+  });
+}
+
+bool reads_values(const StateTerm& state) {
+  const auto slots = state.rate.slots();
+  return std::ranges::any_of(
+      slots, [](Slot s) { return slot::is_field(s) && !slot::is_field_gradient(s); });
+}
+
+/// Of points in a body, when no unknown has a higher order than this.
+Rule rule_of(const Problem& problem, int order, int part) {
+  if (order > 1) return Rule::gauss;
+  const bool values =
+      std::ranges::any_of(problem.forms,
+                          [&](const FormTerm& form) {
+                            return form.part == part && reads_states(form) && reads_values(form);
+                          }) ||
+      std::ranges::any_of(problem.states, [&](const StateTerm& state) {
+        return state.part == part && reads_values(state);
+      });
+  return values ? Rule::gauss : Rule::midpoint;
+}
+
+/// The group whose states a form reads.
+const StateGroup& group_of(const Problem& problem, const Contact& contact, const FormTerm& form) {
+  const auto group = std::ranges::find(contact.state_groups, form.part, &StateGroup::part);
+  if (group != contact.state_groups.end() && group->body) return *group;
+  throw Failure(FailureKind::bad_value, form.origin,
+                fmt::format("a form on `{}` reads a state that lives at the points of a law",
+                            problem.parts[static_cast<std::size_t>(form.part)].name),
+                "give the law a part of its own, or the form's coefficient a state of its own");
+}
+
+/// The columns of states at the points of their group, for coefficients.
+Pointwise::Columns columns_of(const Contact& contact, const Vector& states) {
+  return [&](Slot s) -> const double* {
+    if (!slot::is_state(s)) return nullptr;
+    return states.data() + contact.first_state[static_cast<std::size_t>(s - slot::first_state)];
+  };
+}
+
+PointForm point_form(const Problem& problem, const Discretisation& d, const Contact& contact,
+                     const FormTerm& form) {
+  return {d.space, as_block(group_of(problem, contact, form).body->points), form};
+}
+
+} // namespace
+
+bool reads_states(const FormTerm& form) {
+  return std::ranges::any_of(form.entries, [](const FormTerm::Entry& entry) {
+    return entry.coefficient.depends_on_any(slot::first_state, slot::first_probe);
+  });
+}
+
+FormTerm at_initial_states(const Problem& problem, const FormTerm& form) {
+  std::vector<std::pair<Slot, Expr>> initial;
+  for (std::size_t i = 0; i < problem.states.size(); ++i)
+    initial.emplace_back(slot::state(static_cast<int>(i)), problem.states[i].initial);
+  FormTerm out = form;
+  out.tensor.reset(); // whose constants may read states, too
+  for (auto& entry : out.entries) entry.coefficient = substitute(entry.coefficient, initial);
+  return out;
+}
+
+std::shared_ptr<const BodyPoints> make_body_points(const Problem& problem, const Discretisation& d,
+                                                   const StateTerm& state) {
+  auto out = std::make_shared<BodyPoints>();
+  LawTerm& term = out->term;
+  term.origin = state.origin;
+  term.name = state.name;
+  term.part = state.part;
+  term.rule = rule_of(problem, d.space.order, state.part);
+  term.rule_of = unknown_of_highest_order(d.space);
+  term.rows.resize(1);
+  term.rows.front().u[0] = 1.0;
+  out->points =
+      assemble_law(d.space, d.parts[static_cast<std::size_t>(state.part)], term, -1, false);
+  out->points.g.resize(0, 0);
+  return out;
+}
+
+void add_body_trace(const Discretisation& d, const StateLayout& layout, const StateGroup& group,
+                    std::vector<Eigen::Triplet<double>>& entries) {
+  const PointBlock points = as_block(group.body->points);
+  for (std::size_t f = 0; f < group.fields.size(); ++f) {
+    const int index = slot::derivative_of(group.fields[f]);
+    const SparseMatrix rows =
+        restrict_columns(derivative_rows(d.space, points, index, group.body->term.origin), layout);
+    const int first = group.first_input + static_cast<int>(f) * group.n_points;
+    for (int p = 0; p < group.n_points; ++p)
+      for (SparseMatrix::InnerIterator it(rows, p); it; ++it)
+        entries.emplace_back(first + p, static_cast<int>(it.col()), it.value());
+  }
+}
+
+ChangingForms::ChangingForms(const Problem& problem, const Discretisation& d,
+                             const Contact& contact, const Operators& operators) {
+  for (const auto& [base, form] : operators.changing)
+    forms_.push_back({base, point_form(problem, d, contact, *form)});
+}
+
+void ChangingForms::take(const Contact& contact, const StateLayout& layout, Operators& operators) {
+  const DofSelection dofs{layout.entry_of, layout.n_unknowns, layout.n_state};
+  for (auto& [base, form] : forms_)
+    form.assemble(dofs, columns_of(contact, contact.state_values),
+                  operators.bases[static_cast<std::size_t>(base)]);
+}
+
+SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& d, int field,
+                             const Contact& contact, const Vector& states) {
+  SparseMatrix out(d.space.n_dofs(), d.space.n_dofs());
+  for (const auto& form : problem.forms) {
+    if (form.field != field) continue;
+    SparseMatrix of_form =
+        assemble_form(d.space, d.parts[static_cast<std::size_t>(form.part)],
+                      reads_states(form) ? at_initial_states(problem, form) : form);
+    if (reads_states(form))
+      point_form(problem, d, contact, form).assemble({}, columns_of(contact, states), of_form);
+    out = SparseMatrix(out + of_form);
+  }
+  return out;
+}
+
+} // namespace hvi::solver

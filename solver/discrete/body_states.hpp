@@ -1,0 +1,52 @@
+// States at quadrature points inside bodies, and the forms whose coefficients they change: damage,
+// ageing, swelling stiffness.
+//
+// With one point in each cell where P1 forms and rates read gradients only (these are constant in a
+// cell), else with the Gauss rule of the forms. A form's matrix is that of the states at hand.
+#pragma once
+
+#include "solver/assembly/point_form.hpp"
+#include "solver/discrete/contact.hpp"
+#include "solver/discrete/discretisation.hpp"
+#include "solver/discrete/operators.hpp"
+
+namespace hvi::solver {
+
+/// Do its coefficients depend on states?
+bool reads_states(const FormTerm& form);
+/// The form with the initial states, which are functions of x.
+FormTerm at_initial_states(const Problem& problem, const FormTerm& form);
+
+/// Where the states of a part of cells live, on which no law acts.
+std::shared_ptr<const BodyPoints> make_body_points(const Problem& problem, const Discretisation& d,
+                                                   const StateTerm& state);
+/// Adds the rows that take a state of the run to the inputs of a group's rates.
+void add_body_trace(const Discretisation& d, const StateLayout& layout, const StateGroup& group,
+                    std::vector<Eigen::Triplet<double>>& entries);
+
+/// The base matrices that change with states.
+class ChangingForms {
+public:
+  ChangingForms() = default;
+  /// Of the operators' forms that do; none: nothing is kept. Throws Failure(bad_value) where the
+  /// states of a form live at the points of a law.
+  ChangingForms(const Problem& problem, const Discretisation& d, const Contact& contact,
+                const Operators& operators);
+
+  bool none() const { return forms_.empty(); }
+  /// Sets the operators' matrices to those of contact.state_values.
+  void take(const Contact& contact, const StateLayout& layout, Operators& operators);
+
+private:
+  struct Changing {
+    int base = 0;
+    PointForm form;
+  };
+  std::vector<Changing> forms_;
+};
+
+/// matrix_of_field (operators.hpp) with the states at hand.
+SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& d, int field,
+                             const Contact& contact, const Vector& states);
+
+} // namespace hvi::solver

@@ -1,0 +1,105 @@
+// See nodes_of_unknowns.hpp.
+#include "solver/discrete/nodes_of_unknowns.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+/// Translations, or constants, and turns of vectors in their own space, about the middle of the
+/// nodes. Whatever the values imposed and the pieces: parts of the mesh move so at little cost.
+DenseMatrix motions(const Space& space, const StateLayout& layout) {
+  const int components = space.components;
+  const bool turns = components > 1 && components == space.mesh->dim;
+  const int n_turns = !turns ? 0 : components == 2 ? 1 : 3;
+  Point low = space.nodes.front(), high = low;
+  for (const Point& x : space.nodes)
+    for (std::size_t a = 0; a < 3; ++a)
+      low[a] = std::min(low[a], x[a]), high[a] = std::max(high[a], x[a]);
+  double size = 0.0;
+  for (std::size_t a = 0; a < 3; ++a) size = std::max(size, high[a] - low[a]);
+  DenseMatrix out = DenseMatrix::Zero(layout.n_unknowns, components + n_turns);
+  for (int i = 0; i < layout.n_unknowns; ++i) {
+    const int c = layout.dof_of[static_cast<std::size_t>(i)] % components;
+    const Point& x = space.nodes[static_cast<std::size_t>(
+        layout.dof_of[static_cast<std::size_t>(i)] / components)];
+    const auto arm = [&](int a) {
+      const auto k = static_cast<std::size_t>(a);
+      return (x[k] - 0.5 * (low[k] + high[k])) / size;
+    };
+    out(i, c) = 1.0;
+    if (n_turns == 1) out(i, 2) = c == 0 ? -arm(1) : arm(0);
+    if (n_turns == 3) { // axis x arm
+      out(i, 3 + (c + 1) % 3) = arm((c + 2) % 3);
+      out(i, 3 + (c + 2) % 3) = -arm((c + 1) % 3);
+    }
+  }
+  return out;
+}
+
+bool is_rigid(const Law& law, const Point& x, double t) {
+  if (law.reads() || law.reads_states()) return false;
+  const LawGraph graph = law.graph(x, LawTime(t, 0.0));
+  for (std::size_t i = 0; i < graph.breaks.size(); ++i)
+    if (std::abs(graph.left[i]) >= unbounded_slope || std::abs(graph.right[i]) >= unbounded_slope)
+      return true;
+  return false;
+}
+
+/// The first law that keeps the sides of a pair apart without giving way, or null.
+const LawTerm* rigid_on_pair(const Problem& problem, const Contact& contact) {
+  for (const ContactTerm& term : contact.terms) {
+    const LawTerm& of = problem.law_terms[static_cast<std::size_t>(term.points.law_term)];
+    const RegionSpec& region = problem.parts[static_cast<std::size_t>(of.part)].region;
+    if (region.kind != RegionSpec::Kind::pair || term.points.x.empty()) continue;
+    if (is_rigid(*contact.laws[static_cast<std::size_t>(of.law)], term.points.x.front(), 0.0))
+      return &of;
+  }
+  return nullptr;
+}
+
+} // namespace
+
+std::string obstacle_to_iterations(const Problem& problem, const Discretisation& d,
+                                   const Contact& contact) {
+  if (d.space.is_product()) return "there are several unknowns";
+  if (const LawTerm* const of = rigid_on_pair(problem, contact))
+    return fmt::format("the law `{}` keeps two bodies apart without giving way", of->name);
+  return {};
+}
+
+void refuse_rigid_pairs(const Problem& problem, const Contact& contact) {
+  const LawTerm* const of = rigid_on_pair(problem, contact);
+  if (of == nullptr) return;
+  throw Failure(FailureKind::bad_value, of->origin,
+                fmt::format("the law `{}` keeps two bodies apart without giving way, which the "
+                            "iterative solver does not do",
+                            of->name),
+                "take `using solver = direct`, or a law that gives way (`normal_compliance`)");
+}
+
+std::shared_ptr<const UnknownsOfNodes>
+nodes_of_unknowns(const Problem& problem, const Discretisation& d, const StateLayout& layout) {
+  if (d.space.is_product())
+    throw Failure(FailureKind::bad_value, problem.space.origin,
+                  "the iterative solver solves for one unknown, and here are several",
+                  "take `using solver = direct`");
+  auto out = std::make_shared<UnknownsOfNodes>();
+  const int components = d.space.components;
+  out->components = components;
+  std::vector<std::int32_t> number(d.space.nodes.size(), -1);
+  for (int i = 0; i < layout.n_unknowns; ++i) {
+    const auto dof = layout.dof_of[static_cast<std::size_t>(i)];
+    auto& of_node = number[static_cast<std::size_t>(dof / components)];
+    if (of_node < 0) of_node = out->nodes++;
+    out->node.push_back(of_node);
+    out->component.push_back(dof % components);
+  }
+  out->motions = motions(d.space, layout);
+  return out;
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,28 @@
+// What iterative solvers are told of the unknowns of a run.
+#pragma once
+
+#include "solver/discrete/contact.hpp"
+#include "solver/discrete/discretisation.hpp"
+#include "solver/discrete/state.hpp"
+#include "solver/linear/iterative_solver.hpp"
+
+#include <string>
+
+namespace hvi::solver {
+
+/// Nodes, components and rigid motions of the unknowns. Throws Failure(bad_value) where there are
+/// several unknown fields, for which there is no iterative solver.
+std::shared_ptr<const UnknownsOfNodes> nodes_of_unknowns(const Problem& problem,
+                                                         const Discretisation& discretisation,
+                                                         const StateLayout& layout);
+
+/// Why a problem cannot be solved by iterations at all; empty: it can.
+std::string obstacle_to_iterations(const Problem& problem, const Discretisation& discretisation,
+                                   const Contact& contact);
+
+/// Throws Failure(bad_value) where a law keeps the sides of a pair apart with slopes without bound:
+/// the unknowns of both sides are in each of its points, whose places then take hundreds of inexact
+/// steps to settle.
+void refuse_rigid_pairs(const Problem& problem, const Contact& contact);
+
+} // namespace hvi::solver

@@ -1,0 +1,350 @@
+// The bilinear forms of a plan as few matrices as possible; see operators.hpp.
+#include "solver/discrete/operators.hpp"
+
+#include "solver/assembly/assembly.hpp"
+#include "solver/common/parallel.hpp"
+#include "solver/discrete/body_states.hpp"
+#include "solver/discrete/inertia.hpp"
+#include "solver/discrete/proportional.hpp"
+#include "solver/discrete/shared_work.hpp"
+#include "solver/linear/dense.hpp"
+#include "solver/linear/mirror_pairs.hpp"
+#include "solver/linear/same_pattern.hpp"
+#include "solver/plan/couplings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+#include <utility>
+
+namespace hvi::solver {
+namespace {
+
+/// Distinct matrices and, per field, their coefficients.
+struct Distinct {
+  std::vector<const FormTerm*> terms;
+  std::vector<Vector> weights; ///< per distinct term, one entry per field
+};
+
+/// Of the forms that `chosen` chooses.
+template <class F>
+Distinct distinct_terms(const Problem& problem, int n_fields, F chosen) {
+  Distinct out;
+  for (const auto& term : problem.forms) {
+    if (!chosen(term)) continue;
+    std::size_t known = 0;
+    double ratio = 1.0;
+    for (; known < out.terms.size(); ++known)
+      if (const auto r = symbolic_ratio(term, *out.terms[known])) {
+        ratio = *r;
+        break;
+      }
+    if (known == out.terms.size()) {
+      out.terms.push_back(&term);
+      out.weights.push_back(Vector::Zero(n_fields));
+    }
+    out.weights[known][term.field] += ratio;
+  }
+  return out;
+}
+
+/// A matrix that is a multiple of an earlier one hands its weights over and goes.
+void merge_equal_values(std::vector<SparseMatrix>& matrices, std::vector<Vector>& weights) {
+  for (std::size_t j = 1; j < matrices.size(); ++j)
+    for (std::size_t i = 0; i < j; ++i) {
+      const auto ratio = numeric_ratio(matrices[j], matrices[i]);
+      if (!ratio) continue;
+      weights[i] += *ratio * weights[j];
+      matrices.erase(matrices.begin() + j);
+      weights.erase(weights.begin() + j);
+      --j;
+      break;
+    }
+}
+
+/// T_i and T_j that enter every field in one ratio become T_i + ratio T_j.
+void merge_equal_weights(std::vector<SparseMatrix>& matrices, std::vector<Vector>& weights) {
+  for (std::size_t j = 1; j < matrices.size(); ++j)
+    for (std::size_t i = 0; i < j; ++i) {
+      const auto ratio = column_ratio(weights[j], weights[i]);
+      if (!ratio) continue;
+      matrices[i] = SparseMatrix(matrices[i] + *ratio * matrices[j]);
+      matrices.erase(matrices.begin() + j);
+      weights.erase(weights.begin() + j);
+      --j;
+      break;
+    }
+}
+
+/// Terms in groups that are assembled in one pass: those on the same cells; each other one alone.
+std::vector<std::vector<int>> in_passes(const Discretisation& discretisation,
+                                        std::span<const FormTerm* const> terms) {
+  std::vector<std::vector<int>> passes;
+  for (int i = 0; i < static_cast<int>(terms.size()); ++i) {
+    const auto same = std::find_if(passes.begin(), passes.end(), [&](const auto& pass) {
+      const int part = terms[i]->part;
+      return terms[pass.front()]->part == part &&
+             discretisation.parts[part].kind == Group::Kind::cells;
+    });
+    if (same != passes.end())
+      same->push_back(i);
+    else
+      passes.push_back({i});
+  }
+  return passes;
+}
+
+std::vector<SparseMatrix> assemble_distinct(const Discretisation& discretisation,
+                                            const StateLayout& layout,
+                                            std::span<const FormTerm* const> terms, int threads) {
+  std::vector<SparseMatrix> matrices(terms.size());
+  // Rows of periodic parts are added up afterwards.
+  const bool linked = !layout.links.empty();
+  const DofSelection dofs =
+      linked ? DofSelection{} : DofSelection{layout.entry_of, layout.n_unknowns, layout.n_state};
+  // What runs have in common is taken and put there one by one.
+  if (discretisation.shared || threads > 1) {
+    const int at_once = discretisation.shared ? 1 : threads;
+    for_each_piece(static_cast<int>(terms.size()), at_once, [&](int i) {
+      const auto assemble = [&] {
+        SparseMatrix whole = assemble_form(discretisation.space,
+                                           discretisation.parts[terms[i]->part], *terms[i], dofs);
+        return linked ? restrict_rows(whole, layout) : whole;
+      };
+      SparseMatrix made =
+          discretisation.shared ? discretisation.shared->form(*terms[i], assemble) : assemble();
+      matrices[i].swap(made); // Eigen 3.4 copies what is moved
+    });
+    return matrices;
+  }
+  for (const auto& pass : in_passes(discretisation, terms)) {
+    std::vector<const FormTerm*> chosen;
+    for (const int i : pass) chosen.push_back(terms[i]);
+    auto made = assemble_forms(discretisation.space, discretisation.parts[chosen.front()->part],
+                               chosen, dofs);
+    for (std::size_t k = 0; k < pass.size(); ++k) {
+      if (linked) made[k] = restrict_rows(made[k], layout);
+      matrices[pass[k]].swap(made[k]);
+    }
+  }
+  return matrices;
+}
+
+bool is_constant(const FormTerm& term) {
+  return std::all_of(term.entries.begin(), term.entries.end(),
+                     [](const auto& entry) { return entry.coefficient.is_constant(); });
+}
+
+/// What its kind says of the tensor of a form, where it was written with one.
+bool is_of_kind(const Problem& problem, const FormTerm& term, auto says) {
+  return term.tensor && says(problem.tensors[static_cast<std::size_t>(term.tensor->index)].kind);
+}
+
+/// Constant coefficients C that stay when test and trial function change places: whatever the mesh,
+/// the matrix is symmetric.
+bool is_mirrored(const Problem& problem, const FormTerm& term) {
+  if (!is_constant(term)) return false;
+  if (is_of_kind(problem, term, [](auto kind) { return kind == TensorSpec::Kind::isotropic; }))
+    return true; // other materials in axes of their own: to rounding only
+  std::map<std::pair<int, int>, double> c;
+  for (const auto& entry : term.entries) c[{entry.test, entry.trial}] += entry.coefficient.value();
+  return std::all_of(c.begin(), c.end(), [&](const auto& one) {
+    const auto mirror = c.find({one.first.second, one.first.first});
+    return mirror != c.end() ? mirror->second == one.second : one.second == 0.0;
+  });
+}
+
+/// The same of coefficients that change.
+bool stays_mirrored(const FormTerm& term) {
+  std::map<std::pair<int, int>, Expr> c;
+  for (const auto& entry : term.entries) {
+    const auto [at, fresh] = c.try_emplace({entry.test, entry.trial}, entry.coefficient);
+    if (!fresh) at->second = at->second + entry.coefficient;
+  }
+  return std::all_of(c.begin(), c.end(), [&](const auto& one) {
+    const auto mirror = c.find({one.first.second, one.first.first});
+    return mirror != c.end() ? mirror->second == one.second : one.second.is(0.0);
+  });
+}
+
+/// Appends the forms that read states, each kind with a base matrix of its own.
+void add_changing(const Problem& problem, const Discretisation& discretisation,
+                  const StateLayout& layout, int threads, Operators& operators) {
+  const auto distinct = distinct_terms(problem, operators.n_fields(), reads_states);
+  if (distinct.terms.empty()) return;
+  std::vector<FormTerm> initial(distinct.terms.size());
+  std::vector<const FormTerm*> terms(distinct.terms.size());
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    initial[i] = at_initial_states(problem, *distinct.terms[i]);
+    terms[i] = &initial[i];
+  }
+  auto matrices = assemble_distinct(discretisation, layout, terms, threads);
+  const auto before = operators.weights.cols();
+  operators.weights.conservativeResize(Eigen::NoChange,
+                                       before + static_cast<Eigen::Index>(terms.size()));
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    operators.weights.col(before + static_cast<Eigen::Index>(i)) = distinct.weights[i];
+    operators.changing.emplace_back(operators.n_bases(), distinct.terms[i]);
+    operators.bases.push_back(std::move(matrices[i]));
+    const bool mirrored = stays_mirrored(*distinct.terms[i]);
+    const bool symmetric = is_of_kind(problem, *distinct.terms[i], has_major_symmetry);
+    operators.symmetric = operators.symmetric && (mirrored || symmetric);
+    operators.mirrored = operators.mirrored && mirrored;
+  }
+  operators.terms.clear();
+  operators.shared = nullptr; // these factors are of one moment
+}
+
+/// Unknowns that no form couples have no entries in common: they are apart in memory and factors.
+void take_apart(const Couplings& couplings, const Space& space, const StateLayout& layout,
+                std::vector<SparseMatrix>& matrices) {
+  if (!space.is_product()) return;
+  std::vector<std::size_t> of;
+  for (const auto dof : layout.dof_of)
+    of.push_back(static_cast<std::size_t>(space.block_of(dof % space.components)));
+  for (SparseMatrix& matrix : matrices) {
+    matrix.prune([&](Eigen::Index i, Eigen::Index j, double) {
+      const std::size_t a = of[static_cast<std::size_t>(i)], b = of[static_cast<std::size_t>(j)];
+      return a == b || couplings[a][b] || couplings[b][a];
+    });
+    matrix.makeCompressed();
+  }
+}
+
+} // namespace
+
+bool symmetric_to_rounding(const SparseMatrix& matrix) {
+  const double largest =
+      Eigen::Map<const Vector>(matrix.valuePtr(), matrix.nonZeros()).lpNorm<Eigen::Infinity>();
+  return all_mirror_pairs(matrix, [&](int, int, double left, double right) {
+    return std::abs(left - right) <= 1e-12 * largest;
+  });
+}
+
+SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& discretisation,
+                             int field) {
+  const int n = discretisation.space.n_dofs();
+  SparseMatrix out(n, n);
+  for (const auto& form : problem.forms) {
+    if (form.field != field) continue;
+    SparseMatrix one = assemble_form(discretisation.space, discretisation.parts[form.part],
+                                     reads_states(form) ? at_initial_states(problem, form) : form);
+    if (out.nonZeros() == 0)
+      out.swap(one);
+    else
+      out = SparseMatrix(out + one);
+  }
+  return out;
+}
+
+Operators assemble_operators(const Problem& problem, const Discretisation& discretisation,
+                             const StateLayout& layout, int threads) {
+  if (problem.forms.empty())
+    throw Failure(FailureKind::bad_value, problem.space.origin,
+                  "nothing resists: the plan has no form");
+  const int n_fields = count_fields(problem);
+  const bool plain_inertia = !takes_mass_off_contact(problem);
+  auto distinct = distinct_terms(problem, n_fields, [&](const FormTerm& term) {
+    return (plain_inertia || term.field != field_of_u(2)) && !reads_states(term);
+  });
+  auto matrices = assemble_distinct(discretisation, layout, distinct.terms, threads);
+  if (!plain_inertia) {
+    matrices.push_back(restrict_rows(inertia_matrix(problem, discretisation), layout));
+    distinct.weights.push_back(Vector::Unit(n_fields, field_of_u(2)));
+  }
+  const Couplings couplings = couplings_of(problem);
+  take_apart(couplings, discretisation.space, layout, matrices);
+  merge_equal_values(matrices, distinct.weights);
+  merge_equal_weights(matrices, distinct.weights);
+
+  Operators out;
+  out.shared = discretisation.shared.get();
+  out.n_unknowns = layout.n_unknowns;
+  out.mirrored = // sums of rows and columns are made in an order of their own
+      layout.links.empty() && std::ranges::all_of(distinct.terms, [&](const FormTerm* term) {
+        return is_mirrored(problem, *term);
+      });
+  const bool symmetric =
+      plain_inertia && std::ranges::all_of(distinct.terms, [&](const FormTerm* term) {
+        return is_of_kind(problem, *term, has_major_symmetry) || is_mirrored(problem, *term);
+      });
+  out.weights.resize(n_fields, static_cast<Eigen::Index>(matrices.size()));
+  for (std::size_t b = 0; b < matrices.size(); ++b) {
+    out.weights.col(static_cast<Eigen::Index>(b)) = distinct.weights[b];
+    out.symmetric =
+        out.symmetric && (symmetric || out.mirrored || symmetric_to_rounding(matrices[b]));
+  }
+  out.coupled = couples_unknowns(couplings);
+  out.symmetric = out.symmetric && !out.coupled;
+  if (matrices.size() == distinct.terms.size()) out.terms = std::move(distinct.terms);
+  out.bases = std::move(matrices);
+  add_changing(problem, discretisation, layout, threads, out);
+  return out;
+}
+
+std::optional<Vector> as_combination(const Operators& operators,
+                                     const Discretisation& discretisation, const FormTerm& form) {
+  constexpr int derivatives = slot::field_stride;
+  constexpr double largest_factor = 1e3; // what rounding of a base may grow by
+  const auto column_of = [](const FormTerm& term) {
+    Vector column = Vector::Zero(derivatives * derivatives);
+    for (const auto& entry : term.entries)
+      column[entry.test * derivatives + entry.trial] += entry.coefficient.value();
+    return column;
+  };
+  DenseMatrix columns(derivatives * derivatives, static_cast<Eigen::Index>(operators.terms.size()));
+  for (std::size_t b = 0; b < operators.terms.size(); ++b) {
+    const FormTerm& term = *operators.terms[b];
+    const Region& region = discretisation.parts[term.part];
+    const bool plain = is_constant(term) && term.rule == form.rule &&
+                       region.kind == Group::Kind::cells &&
+                       region.entities.size() == discretisation.mesh.cells.size();
+    if (!plain) return {};
+    columns.col(static_cast<Eigen::Index>(b)) = column_of(term);
+  }
+  if (columns.cols() == 0 || !is_constant(form)) return {};
+  const Vector wanted = column_of(form);
+  const Vector factors = least_squares(columns, wanted);
+  const double size = wanted.norm();
+  const double grown = factors.cwiseAbs().dot(columns.colwise().norm());
+  const bool good = grown <= largest_factor * size && // false for NaN
+                    (columns * factors - wanted).norm() <= 1e-14 * grown;
+  return good ? std::optional(factors) : std::nullopt;
+}
+
+SparseMatrix on_unknowns(const SparseMatrix& base, int n_unknowns) {
+  return base.cols() == n_unknowns ? base : SparseMatrix(base.leftCols(n_unknowns));
+}
+
+namespace {
+
+SparseMatrix combine_halves(std::span<const SymmetricBlocks> halves, const Vector& gamma) {
+  if (const auto sum = SymmetricBlocks::sum(halves, gamma); !sum.empty()) return sum.by_rows();
+  SparseMatrix sum = gamma[0] * halves[0].by_rows();
+  for (std::size_t b = 1; b < halves.size(); ++b)
+    sum = SparseMatrix(sum + gamma[static_cast<Eigen::Index>(b)] * halves[b].by_rows());
+  return sum;
+}
+
+} // namespace
+
+SparseMatrix combine(const Operators& operators, const Vector& gamma) {
+  if (!operators.halves.empty()) return combine_halves(operators.halves, gamma);
+  SparseMatrix sum = on_unknowns(operators.bases[0], operators.n_unknowns);
+  sum.coeffs() *= gamma[0];
+  // Eigen keeps the union of the patterns, entries times zero included: one analysis serves all.
+  for (int b = 1; b < operators.n_bases(); ++b) {
+    const SparseMatrix& base = operators.bases[b];
+    const bool whole = base.cols() == operators.n_unknowns;
+    const SparseMatrix cut = whole ? SparseMatrix() : on_unknowns(base, operators.n_unknowns);
+    const SparseMatrix& part = whole ? base : cut;
+    if (same_pattern(sum, part))
+      sum.coeffs() += gamma[b] * part.coeffs();
+    else
+      sum = SparseMatrix(sum + gamma[b] * part);
+  }
+  return sum;
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,81 @@
+// The bilinear forms of a plan as few matrices as possible.
+//
+// Every form belongs to a field: u' (A), u (B) or w_m (E_m). Each field's operator is a combination
+// of the same base matrices T_b,   A = sum_b weight(1, b) T_b,  B = sum_b weight(0, b) T_b, ...
+// so proportional tensors share one matrix, and a product with B and E together reads it once.
+#pragma once
+
+#include "solver/discrete/chosen_solver.hpp"
+#include "solver/discrete/discretisation.hpp"
+#include "solver/discrete/state.hpp"
+#include "solver/linear/iterative_solver.hpp"
+#include "solver/linear/symmetric_blocks.hpp"
+#include "solver/plan/problem.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace hvi::solver {
+
+struct Operators {
+  std::vector<SparseMatrix> bases; ///< unknowns x state
+  /// If not empty, of the base matrices the upper halves are kept only (halved_bases.hpp), and
+  /// `bases` has empty ones in their places.
+  std::vector<SymmetricBlocks> halves;
+  DenseMatrix weights;   ///< fields (slot::field numbering) x bases
+  bool symmetric = true; ///< all of them, on the unknowns
+  bool mirrored = true;  ///< and by their coefficients already
+  /// Unknowns that act on each other: pivots of K are chosen by size, its symmetry is not used.
+  bool coupled = false;
+  int n_unknowns = 0;
+  /// Base matrices whose forms read states, with these: they are those of the states at hand
+  /// (body_states.hpp).
+  std::vector<std::pair<int, const FormTerm*>> changing;
+  /// Of the base matrices; empty where some were merged.
+  std::vector<const FormTerm*> terms;
+  /// If set, the number of contact unknowns, which come first: they are coupled with no others, and
+  /// the others with none.
+  std::optional<int> separate;
+  SharedWork* shared = nullptr; ///< of the discretisation; factors may be had from there
+  ChosenSolver chosen;
+  /// Set: systems are solved by iterations on all unknowns, which are these.
+  std::shared_ptr<const UnknownsOfNodes> iterative;
+  double memory_to_come = 0.0; ///< bytes that a run will take besides its factors
+
+  /// Is this the matrix of a form that reads states?
+  bool changes(int b) const {
+    return std::ranges::any_of(changing, [b](const auto& form) { return form.first == b; });
+  }
+  int n_bases() const { return static_cast<int>(bases.size()); }
+  int n_fields() const { return static_cast<int>(weights.rows()); }
+  /// Does any form act on this field?
+  bool acts_on(int field) const { return !weights.row(field).isZero(0.0); }
+};
+
+/// Assembles what is distinct: terms with the same part, rule and proportional coefficients are
+/// assembled once, equal patterns are compared by value, and bases that always occur in the same
+/// ratio (the same material law on two parts) are added up. `threads`: so many terms at a time.
+Operators assemble_operators(const Problem& problem, const Discretisation& discretisation,
+                             const StateLayout& layout, int threads);
+
+/// The c with sum_b c_b T_b = the form on all cells, if its constant coefficients show that there
+/// is one: eps(u) : eps(v) is a combination of two isotropic tensors.
+std::optional<Vector> as_combination(const Operators& operators,
+                                     const Discretisation& discretisation, const FormTerm& form);
+
+/// Symmetric to 1e-12 of its largest entry, the rounding of an assembly.
+bool symmetric_to_rounding(const SparseMatrix& matrix);
+
+/// The sum of the plan's forms on one field, on all dofs, with the initial states.
+SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& discretisation,
+                             int field);
+
+/// The columns of a base matrix that belong to unknowns.
+SparseMatrix on_unknowns(const SparseMatrix& base, int n_unknowns);
+
+/// sum_b gamma_b T_b on the unknowns; its pattern does not depend on gamma.
+SparseMatrix combine(const Operators& operators, const Vector& gamma);
+
+} // namespace hvi::solver

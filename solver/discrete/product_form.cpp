@@ -1,0 +1,79 @@
+// See product_form.hpp. Used by uniqueness.cpp and the hypotheses.
+#include "solver/discrete/product_form.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvi::solver {
+namespace {
+
+/// Sums over the entries of K with row in a and column in b.
+struct BlockSums {
+  using Table = std::array<std::array<double, slot::most_unknowns>, slot::most_unknowns>;
+  Table squares{}, mirrored{}; ///< K_ij^2, K_ij K_ji
+  std::array<double, slot::most_unknowns> diagonal{};
+};
+
+BlockSums sums_of(const SparseMatrix& k, std::span<const std::uint8_t> of_unknown) {
+  BlockSums out;
+  const SparseMatrix transposed = k.transpose();
+  const SparseMatrix products = k.cwiseProduct(transposed);
+  const auto add = [&](const SparseMatrix& m, BlockSums::Table& to, auto value) {
+    for (int i = 0; i < m.rows(); ++i)
+      for (SparseMatrix::InnerIterator it(m, i); it; ++it)
+        to[of_unknown[i]][of_unknown[it.col()]] += value(it.value());
+  };
+  add(k, out.squares, [](double v) { return v * v; });
+  add(products, out.mirrored, [](double v) { return v; });
+  for (int i = 0; i < k.rows(); ++i) out.diagonal[of_unknown[i]] += k.coeff(i, i);
+  return out;
+}
+
+} // namespace
+
+ProductForm::ProductForm(const SparseMatrix& k, std::span<const std::uint8_t> of_unknown,
+                         std::span<const char> with_laws)
+    : of_unknown_(of_unknown) {
+  weights_.fill(1.0);
+  const BlockSums sums = sums_of(k, of_unknown);
+  for (std::size_t b = 0; b < with_laws.size(); ++b) {
+    multiplier_[b] = sums.squares[b][b] == 0.0 && with_laws[b] == 0;
+    if (b == 0) continue;
+    double above = 0.0, below = 0.0; // of the least squares
+    for (std::size_t a = 0; a < b; ++a) {
+      above -= weights_[a] * sums.mirrored[a][b];
+      below += sums.squares[b][a];
+    }
+    double weight = below > 0.0 ? above / below : 0.0;
+    if (weight == 0.0) weight = sums.diagonal[b] < 0.0 ? -1.0 : 1.0;
+    weights_[b] = with_laws[b] != 0 && weight < 0.0 ? 1.0 : weight;
+  }
+  for (int i = 0; i < k.rows(); ++i)
+    for (SparseMatrix::InnerIterator it(k, i); it; ++it)
+      size_ = std::max(size_, std::abs(weights_[of_unknown[i]] * it.value()));
+}
+
+SparseMatrix ProductForm::weighted(const SparseMatrix& form) const {
+  SparseMatrix out = form;
+  for (int i = 0; i < out.rows(); ++i)
+    for (SparseMatrix::InnerIterator it(out, i); it; ++it)
+      it.valueRef() *= weights_[of_unknown_[i]];
+  return 0.5 * (out + SparseMatrix(out.transpose()));
+}
+
+SparseMatrix ProductForm::symmetric_part(const SparseMatrix& form) const {
+  constexpr double rounding = 1e-13, large = 1e3;
+  SparseMatrix out = weighted(form), diagonal(form.rows(), form.cols());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < out.rows(); ++i) {
+    const bool own = multiplier_[of_unknown_[i]];
+    if (own) entries.emplace_back(i, i, large * size_);
+    for (SparseMatrix::InnerIterator it(out, i); it; ++it)
+      if ((own || multiplier_[of_unknown_[it.col()]]) && std::abs(it.value()) <= rounding * size_)
+        it.valueRef() = 0.0;
+  }
+  diagonal.setFromTriplets(entries.begin(), entries.end());
+  return entries.empty() ? out : SparseMatrix(out + diagonal);
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,156 @@
+// See factored_matrix.hpp.
+#include "solver/formulation/factored_matrix.hpp"
+
+#include "solver/inequality/iterative_operator.hpp"
+#include "solver/linear/changed_unknowns.hpp"
+#include "solver/linear/condition_estimate.hpp"
+#include "solver/linear/indefinite.hpp"
+#include "solver/linear/iterative_factorisation.hpp"
+#include "solver/linear/separate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace hvi::solver {
+namespace {
+
+SharedFactor own(std::unique_ptr<Factorisation> factor) {
+  return {std::move(factor), false, false};
+}
+
+/// Not factored yet.
+std::unique_ptr<Factorisation> analyse_changed(const Operators& operators, const Contact& contact,
+                                               const SparseMatrix& k) {
+  const SparseMatrix changed = contact.change->congruent(k);
+  return with_changed_unknowns(operators.coupled
+                                   ? coupled_factor(changed, contact.unknowns, contact.of_unknown)
+                                   : analyse(changed, contact.unknowns, operators.symmetric),
+                               contact.change);
+}
+
+/// Of K. `shared`: may have it already; `like`: shares its analysis; both may be null.
+SharedFactor make_factor(const Operators& operators, const Contact& contact, const SparseMatrix& k,
+                         SharedWork* shared, const FactoredMatrix* like) {
+  if (operators.separate) {
+    auto out = own(separate_factor(*operators.separate, operators.n_unknowns));
+    out->factor(k);
+    return out;
+  }
+  if (operators.coupled && !contact.change) {
+    auto out = own(coupled_factor(k, contact.unknowns, contact.of_unknown));
+    factor_where_it_fits(*out, k, contact.unknowns.size(), operators.memory_to_come);
+    return out;
+  }
+  if (shared == nullptr && like != nullptr && like->factorisation()) {
+    auto out = own(like->factorisation()->another());
+    factor_where_it_fits(*out, k, contact.unknowns.size(), 0.0);
+    return out;
+  }
+  if (contact.change) {
+    auto out = own(analyse_changed(operators, contact, k));
+    factor_where_it_fits(*out, k, contact.unknowns.size(), operators.memory_to_come);
+    return out;
+  }
+  return take_factor(shared, k, contact.unknowns, operators.symmetric, operators.memory_to_come);
+}
+
+} // namespace
+
+/// The first factor may be shared with another run, and is then replaced by one of this run; a
+/// factor of this run is made anew in its place.
+void FactoredMatrix::factor(const Vector& gamma) {
+  if (gamma.size() != operators_.n_bases())
+    throw std::invalid_argument("a coefficient for each base matrix is needed");
+  gamma_ = gamma;
+  SparseMatrix k = combine(operators_, gamma);
+  set_matrix(k);
+  half_ = {};
+  free_ = motions_.empty() ? nullptr : find_free_body(motions_, k_, *layout_);
+  if (operators_.iterative) return prepare_iterations();
+  if (contact_.whole) return;
+  const SparseMatrix instead = free_ ? held() : SparseMatrix();
+  const SparseMatrix& matrix = free_ ? instead : k_;
+  if (factorisation_ && !factorisation_.is_shared()) {
+    factorisation_->factor(matrix);
+    return;
+  }
+  auto* const shared = factorisation_ ? nullptr : operators_.shared;
+  factorisation_ = make_factor(operators_, contact_, matrix, shared, std::exchange(like_, nullptr));
+}
+
+/// Iterations know the matrix by where its entries are.
+void FactoredMatrix::set_matrix(SparseMatrix& k) {
+  if (iterations_ && k.nonZeros() == k_.nonZeros())
+    std::copy_n(k.valuePtr(), k.nonZeros(), k_.valuePtr());
+  else
+    k_.swap(k), iterations_.reset(); // Eigen 3.4 copies what is moved
+}
+
+void FactoredMatrix::prepare_iterations() {
+  if ((held_.rows() > 0) != (free_ != nullptr)) iterations_.reset(), held_ = {};
+  if (free_) {
+    SparseMatrix now = held();
+    if (held_.nonZeros() == now.nonZeros())
+      std::copy_n(now.valuePtr(), now.nonZeros(), held_.valuePtr());
+    else
+      held_.swap(now), iterations_.reset();
+  }
+  if (iterations_)
+    iterations_->matrix_changed();
+  else
+    iterations_ = petsc_solver(free_ ? held_ : k_, operators_.symmetric, *operators_.iterative);
+  if (free_) iterations_->set_free_motions(free_->on_unknowns);
+  if (!contact_.none()) return;
+  factorisation_ = own(iterative_factorisation(*iterations_, operators_.n_unknowns));
+  factorisation_->factor(k_);
+}
+
+std::unique_ptr<ReducedOperator> FactoredMatrix::reduced_operator() const {
+  const bool symmetric = operators_.symmetric && !contact_.mixed;
+  if (iterations_)
+    return std::make_unique<IterativeOperator>(free_ ? held_ : k_, symmetric, *iterations_);
+  if (contact_.whole) return sparse_operator(free_ ? held() : k_, symmetric);
+  return dense_operator(factorisation_->schur(), symmetric);
+}
+
+FactorStatistics FactoredMatrix::statistics() const {
+  if (!iterations_) return factorisation_.statistics();
+  const IterativeStatistics& of = iterations_->statistics();
+  FactorStatistics out;
+  out.bytes = of.bytes;
+  out.seconds_factor = of.seconds_setup;
+  out.factorisations = of.setups, out.iterations = of.iterations;
+  return out;
+}
+
+SparseMatrix FactoredMatrix::held() const {
+  SparseMatrix out = k_;
+  const SparseMatrix& force = contact_.force; // of those that no law sees iterations keep nothing
+  for (const int i : contact_.loaded)
+    if (!operators_.iterative || force.outerIndexPtr()[i] < force.outerIndexPtr()[i + 1])
+      out.coeffRef(i, i) += hold * std::abs(k_.coeff(i, i));
+  return out;
+}
+
+const SymmetricBlocks& FactoredMatrix::half(std::span<const SymmetricBlocks> bases) {
+  if (half_.empty() && !bases.empty()) half_ = SymmetricBlocks::sum(bases, gamma_);
+  if (half_.empty() && !bases.empty()) half_ = SymmetricBlocks(k_);
+  return half_;
+}
+
+double FactoredMatrix::bytes() const {
+  return static_cast<double>(k_.nonZeros()) * (sizeof(double) + sizeof(int)) + half_.bytes();
+}
+
+double condition(const FactoredMatrix& matrix, const Operators& operators) {
+  if (matrix.free_body() != nullptr || operators.iterative) return 0.0;
+  if (matrix.factorisation()) return estimate_condition(matrix.k(), *matrix.factorisation());
+  const auto factor = operators.coupled ? coupled_factor(matrix.k(), {}, {})
+                                        : analyse(matrix.k(), {}, operators.symmetric);
+  factor->factor(matrix.k());
+  return estimate_condition(matrix.k(), *factor);
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,75 @@
+// The matrix of a step, K = sum_b gamma_b T_b, with its factor.
+#pragma once
+
+#include "solver/discrete/contact.hpp"
+#include "solver/discrete/held_by_laws.hpp"
+#include "solver/discrete/operators.hpp"
+#include "solver/discrete/shared_work.hpp"
+#include "solver/inequality/inequality.hpp"
+#include "solver/linear/symmetric_blocks.hpp"
+
+namespace hvi::solver {
+
+class FactoredMatrix {
+public:
+  /// Keeps references to operators and contact. `like`: one for another step size, whose analysis
+  /// is taken over; it must outlive the first `factor`.
+  FactoredMatrix(const Operators& operators, const Contact& contact,
+                 const FactoredMatrix* like = nullptr)
+      : operators_(operators), contact_(contact), like_(like) {}
+
+  /// Numeric factorisation for these coefficients; the pattern is analysed the first time only.
+  /// Throws Failure(not_coercive).
+  void factor(const Vector& gamma);
+
+  /// From the next `factor` on K may leave such motions free, which laws hold (held_by_laws.hpp).
+  /// Then what is factored is K + hold D on the contact unknowns, D = diag K: corrections with it
+  /// are steps of the proximal point method (R. T. Rockafellar, Monotone operators and the proximal
+  /// point algorithm, SIAM J. Control Optim. 14 (1976) 877-898), whose limit solves the equation of
+  /// K itself. `motions` and `layout` are kept by reference.
+  void may_be_free(std::span<const RigidMotions> motions, const StateLayout& layout) {
+    motions_ = motions, layout_ = &layout;
+  }
+  static constexpr double hold = 1e-8;
+  /// What K leaves free; null: nothing, and K itself is factored.
+  const FreeBody* free_body() const { return free_.get(); }
+  /// What is factored, where that is not K.
+  SparseMatrix held() const;
+
+  /// S as the laws' problem uses it: the Schur complement, or what is solved where all unknowns are
+  /// contact unknowns.
+  std::unique_ptr<ReducedOperator> reduced_operator() const;
+  /// Of the factor, or of the iterations in its place.
+  FactorStatistics statistics() const;
+
+  const Vector& gamma() const { return gamma_; }
+  const SparseMatrix& k() const { return k_; }
+  /// Absent where all unknowns are contact unknowns, so that nothing is condensed.
+  const SharedFactor& factorisation() const { return factorisation_; }
+  /// K once more for products, in half the memory, from such matrices of the T_b; empty without
+  /// those, or if K is not symmetric. Made at the first call.
+  const SymmetricBlocks& half(std::span<const SymmetricBlocks> bases);
+  double bytes() const; ///< held besides the factorisation
+
+private:
+  void set_matrix(SparseMatrix& k);
+  void prepare_iterations();
+
+  const Operators& operators_;
+  const Contact& contact_;
+  const FactoredMatrix* like_;
+  std::span<const RigidMotions> motions_;
+  const StateLayout* layout_ = nullptr;
+  std::shared_ptr<const FreeBody> free_;
+  Vector gamma_;
+  SparseMatrix k_, held_; ///< the second one for iterations, where motions are free
+  SymmetricBlocks half_;
+  SharedFactor factorisation_;
+  std::unique_ptr<IterativeSolver> iterations_; ///< instead of a factor; reads k_ or held_
+};
+
+/// The condition number of K, estimated; factors K where there is no factor of it. 0: K has a free
+/// body, and there is none.
+double condition(const FactoredMatrix& matrix, const Operators& operators);
+
+} // namespace hvi::solver

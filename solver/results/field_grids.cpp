@@ -1,0 +1,234 @@
+// See field_grids.hpp.
+#include "solver/results/field_grids.hpp"
+
+#include "solver/discrete/fields_read.hpp"
+#include "solver/fem/element.hpp"
+
+#include <algorithm>
+
+namespace hvi::solver {
+namespace {
+
+/// VTK's order of the edge nodes of a quadratic simplex.
+const std::vector<std::array<int, 2>>& vtk_edges(int dim) {
+  static const std::vector<std::array<int, 2>> edges[] = {
+      {}, {{0, 1}}, {{0, 1}, {1, 2}, {0, 2}}, {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+  return edges[dim];
+}
+
+VtkCell vtk_simplex(int dim, int order) {
+  static constexpr VtkCell linear[] = {VtkCell::vertex, VtkCell::line, VtkCell::triangle,
+                                       VtkCell::tetra};
+  static constexpr VtkCell quadratic[] = {VtkCell::vertex, VtkCell::quadratic_edge,
+                                          VtkCell::quadratic_triangle, VtkCell::quadratic_tetra};
+  return order == 2 ? quadratic[dim] : linear[dim];
+}
+
+/// Which local node of ours is VTK's node i.
+std::vector<int> vtk_order(int dim, int order) {
+  std::vector<int> out;
+  for (int v = 0; v <= dim; ++v) out.push_back(v);
+  if (order == 1) return out;
+  const auto& ours = simplex_edges(dim);
+  for (const auto& edge : vtk_edges(dim))
+    out.push_back(dim + 1 +
+                  static_cast<int>(std::find(ours.begin(), ours.end(), edge) - ours.begin()));
+  return out;
+}
+
+void append_simplex(VtuGrid& grid, std::span<const std::int32_t> nodes,
+                    const std::vector<int>& order, const std::vector<std::int64_t>& point_of_node) {
+  for (const int local : order) grid.connectivity.push_back(point_of_node[nodes[local]]);
+}
+
+/// Entities of a nodal law: facets (or cells) with the nodes they use.
+VtuGrid entity_grid(const Space& space, const Region& region,
+                    std::vector<std::int64_t>& point_of_node) {
+  VtuGrid grid;
+  point_of_node.assign(space.nodes.size(), -1);
+  for (const auto node : nodes_on(space, region)) {
+    point_of_node[node] = static_cast<std::int64_t>(grid.points.size());
+    grid.points.push_back(space.nodes[node]);
+  }
+  const bool facets = region.kind == Group::Kind::facets;
+  const int dim = space.mesh->dim - (facets ? 1 : 0);
+  if (region.kind == Group::Kind::points || dim == 0) {
+    grid.cell = VtkCell::vertex;
+    for (std::size_t p = 0; p < grid.points.size(); ++p)
+      grid.connectivity.push_back(static_cast<std::int64_t>(p));
+    return grid;
+  }
+  grid.cell = vtk_simplex(dim, space.order);
+  const auto order = vtk_order(dim, space.order);
+  for (const auto e : region.entities)
+    append_simplex(grid, facets ? space.nodes_of_facet(e) : space.nodes_of_cell(e), order,
+                   point_of_node);
+  return grid;
+}
+
+/// A vertex per quadrature point.
+VtuGrid point_grid(const PointBlock& points) {
+  VtuGrid grid;
+  grid.cell = VtkCell::vertex;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    grid.points.push_back(points.point(p));
+    grid.connectivity.push_back(static_cast<std::int64_t>(p));
+  }
+  return grid;
+}
+
+} // namespace
+
+VtuGrid body_grid(const Space& space) {
+  VtuGrid grid;
+  grid.points = space.nodes;
+  grid.cell = vtk_simplex(space.mesh->dim, space.order);
+  const auto order = vtk_order(space.mesh->dim, space.order);
+  std::vector<std::int64_t> same(space.nodes.size());
+  for (std::size_t i = 0; i < same.size(); ++i) same[i] = static_cast<std::int64_t>(i);
+  grid.connectivity.reserve(space.cell_nodes.size());
+  for (int c = 0; c < static_cast<int>(space.mesh->cells.size()); ++c)
+    append_simplex(grid, space.nodes_of_cell(c), order, same);
+  return grid;
+}
+
+std::vector<FieldSpec> unknown_fields(const Problem& problem, int dim) {
+  std::vector<FieldSpec> out;
+  bool moved = false;
+  const auto all = unknowns_of(problem.space);
+  for (int k = 0; k < static_cast<int>(all.size()); ++k) {
+    const UnknownSpec& unknown = all[static_cast<std::size_t>(k)];
+    FieldSpec field;
+    field.name = unknown.vector && !moved ? displacement_array : unknown.name;
+    moved = moved || unknown.vector;
+    for (int i = 0; i < components_of(unknown, dim); ++i)
+      field.components.push_back(
+          Expr::variable(slot::field(field_of_u(0), slot::of_unknown(k, slot::value(i)))));
+    out.push_back(std::move(field));
+  }
+  return out;
+}
+
+FieldGrids::FieldGrids(const Problem& problem, const Discretisation& d, const Contact& contact,
+                       std::span<const FieldSpec> fields, OfStates of_states)
+    : space_(d.space), contact_(contact), n_fields_(count_fields(problem)) {
+  const auto on_mesh = [&](const FieldSpec& field) {
+    return of_states == OfStates::on_the_mesh && StateField::is_one(problem, contact, field);
+  };
+  for (const auto& field : fields)
+    if (std::ranges::none_of(field.components, reads_multiplier)) body_.push_back(field);
+  for (const auto& field : fields)
+    if (on_mesh(field)) of_states_.emplace_back(problem, d, contact, field);
+  if (!body_.empty() || !of_states_.empty()) grids_.push_back({{}, body_grid(space_)});
+  for (const auto& field : fields)
+    if (std::ranges::any_of(field.components, reads_multiplier) && !on_mesh(field))
+      add_parts(problem, d, field);
+}
+
+/// On the part of a law, or on every part whose states it reads.
+void FieldGrids::add_parts(const Problem& problem, const Discretisation& d,
+                           const FieldSpec& field) {
+  const auto parts = parts_of_states(problem, contact_, field.components);
+  if (parts.size() < 2) return add_on_contact(problem, d, field, -1, field.name);
+  for (const int part : parts)
+    add_on_contact(problem, d, field, part,
+                   field.name + "_" + problem.parts[static_cast<std::size_t>(part)].name);
+}
+
+void FieldGrids::add_on_contact(const Problem& problem, const Discretisation& d,
+                                const FieldSpec& field, int on, const std::string& name) {
+  LawSampler sampler(problem, d, contact_, field.components, field.origin, on);
+  const Region& region = d.parts[static_cast<std::size_t>(sampler.part())];
+  OnContact part{field, std::move(sampler), {}};
+  VtuGrid grid;
+  const auto& nodes = part.sampler.nodes();
+  std::vector<std::int64_t> point_of_node;
+  if (part.sampler.in_body()) {
+    grid = entity_grid(d.space, region, point_of_node);
+    for (const auto cell : part.sampler.points().cell)
+      part.grid_point.push_back(std::ranges::lower_bound(region.entities, cell) -
+                                region.entities.begin());
+  } else if (std::ranges::all_of(nodes, [](auto node) { return node >= 0; })) {
+    grid = entity_grid(d.space, region, point_of_node);
+    for (const auto node : nodes) part.grid_point.push_back(point_of_node[node]);
+  } else {
+    grid = point_grid(part.sampler.points());
+    for (std::int64_t p = 0; p < part.sampler.size(); ++p) part.grid_point.push_back(p);
+  }
+  contact_parts_.push_back(std::move(part));
+  grids_.push_back({name, std::move(grid)});
+}
+
+std::vector<Expr> FieldGrids::expressions() const {
+  std::vector<Expr> out;
+  for (const auto& field : body_)
+    out.insert(out.end(), field.components.begin(), field.components.end());
+  const auto add = [&](const FieldSpec& field) {
+    out.insert(out.end(), field.components.begin(), field.components.end());
+  };
+  for (const auto& part : contact_parts_) add(part.field);
+  for (const auto& one : of_states_) add(one.field());
+  return out;
+}
+
+void FieldGrids::add_body_array(const FieldSpec& field, const Snapshot& snapshot) {
+  VtuGrid& grid = grids_.front().grid;
+  const auto n = static_cast<int>(field.components.size());
+  const bool on_cells = std::any_of(field.components.begin(), field.components.end(),
+                                    [&](const Expr& e) { return reads_gradient(e, n_fields_); });
+  const auto values = on_cells ? cell_values(space_, field.components, snapshot.values())
+                               : nodal_values(space_, field.components, snapshot.values());
+  auto& data = on_cells ? grid.cell_data : grid.point_data;
+  data.push_back(vtk_array(field.name, n, values));
+  data.back().unit = field.unit;
+}
+
+void FieldGrids::add_state_array(StateField& one, const Snapshot& snapshot) {
+  const FieldSpec& field = one.field();
+  auto& data = grids_.front().grid.cell_data;
+  data.push_back(
+      vtk_array(field.name, static_cast<int>(field.components.size()), one.of_cells(snapshot)));
+  data.back().unit = field.unit;
+}
+
+/// Where several points share a grid point (a corner with two normals) or a cell: their weighted
+/// mean.
+void FieldGrids::fill_contact(OnContact& part, VtuGrid& grid, const Snapshot& snapshot) const {
+  auto& sampler = part.sampler;
+  const auto n = static_cast<std::size_t>(part.field.components.size());
+  const auto size = static_cast<std::size_t>(sampler.size());
+  const bool in_body = sampler.in_body();
+  const std::size_t places =
+      in_body ? grid.connectivity.size() / nodes_of(grid.cell) : grid.points.size();
+  std::vector<double> at_points(n * size), weights(places, 0.0);
+  sampler.evaluate(contact_, snapshot, at_points);
+  std::vector<double> values(n * places, 0.0);
+  for (std::size_t p = 0; p < size; ++p) {
+    const double weight = sampler.points().weight[p];
+    weights[part.grid_point[p]] += weight;
+    for (std::size_t c = 0; c < n; ++c)
+      values[part.grid_point[p] * n + c] += weight * at_points[c * size + p];
+  }
+  for (std::size_t g = 0; g < weights.size(); ++g)
+    for (std::size_t c = 0; c < n; ++c)
+      if (weights[g] > 0) values[g * n + c] /= weights[g];
+  auto& data = in_body ? grid.cell_data : grid.point_data;
+  data.assign(1, vtk_array(part.field.name, static_cast<int>(n), values));
+  data.back().unit = part.field.unit;
+}
+
+const std::vector<FieldGrid>& FieldGrids::fill(const Snapshot& snapshot) {
+  for (FieldGrid& one : grids_) one.grid.time = snapshot.t();
+  std::size_t next = 0;
+  if (!body_.empty() || !of_states_.empty()) {
+    VtuGrid& grid = grids_[next++].grid;
+    grid.point_data.clear();
+    grid.cell_data.clear();
+    for (const auto& field : body_) add_body_array(field, snapshot);
+    for (StateField& one : of_states_) add_state_array(one, snapshot);
+  }
+  for (auto& part : contact_parts_) fill_contact(part, grids_[next++].grid, snapshot);
+  return grids_;
+}
+
+} // namespace hvi::solver

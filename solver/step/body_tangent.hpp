@@ -1,0 +1,71 @@
+// Newton's method on a step whose forms read states: the states are eliminated point by point.
+//
+// With U(z) the solution for given states, Z(a) what the states' equations make of their inputs a =
+// R U, a step asks for z = Z(R U(z)). Forces of the forms change by Q dz, the solution by
+// dU = - (K + G^T W D G)^-1 Q dz, where points keep their places on their graphs, and so
+//
+//   (1 + S R (K + G^T W D G)^-1 Q) dz = Z - z,
+//
+// S the slopes of the local solutions. Solved by minimal residuals (generalised conjugate
+// residuals, as in whole_time.hpp): a direction is a forward and backward solve with the factor at
+// hand.
+#pragma once
+
+#include "solver/discrete/discretisation.hpp"
+#include "solver/fem/pointwise.hpp"
+#include "solver/formulation/step_matrix.hpp"
+#include "solver/step/point_states.hpp"
+
+namespace hvi::solver {
+
+class Formulation;
+
+/// A solution of step n for given states, and what the states' equations make of it.
+struct BodyPass {
+  int n = 0;
+  const Vector& u; ///< the state, with the increment
+  const Vector& d;
+  const InequalityState& laws;
+  const Vector& inputs;   ///< a
+  const Vector& solution; ///< Z
+  double share = 1.0;     ///< of the step (PointStates::solve)
+};
+
+class BodyTangent {
+public:
+  /// Keeps references to all of them.
+  BodyTangent(const Discretisation& d, const Formulation& formulation, const Evolution& evolution,
+              const PointStates& states);
+  /// The change da of the inputs. False: laws have states, too, or nothing was found.
+  bool step(const BodyPass& pass, const StepMatrix& matrix, Vector& change);
+
+private:
+  /// How one entry of a form changes with one state: dC/dz D_trial(y) at the points, on the rows
+  /// D_test(v).
+  struct Part {
+    int base = 0, first = 0; ///< of the operators; of the state's values
+    Origin origin;
+    const PointBlock* points = nullptr;
+    SparseMatrix test, trial; ///< points x state
+    Pointwise coefficient;
+  };
+  struct Direction {
+    Vector vector, image, inputs; ///< dz, its image, da; the images are orthonormal
+  };
+  void add_form(int base, const FormTerm& form);
+  Vector in_equation(const BodyPass& pass, int base) const;
+  void find_q(const BodyPass& pass);
+  void find_r(const BodyPass& pass);
+  bool add_direction(const Vector& v, const StepMatrix& matrix, const InequalityState& at);
+
+  const Discretisation& d_;
+  const Formulation& formulation_;
+  const Evolution& evolution_;
+  const PointStates& states_;
+  std::vector<std::unique_ptr<PointBlock>> blocks_; ///< by group of states
+  std::vector<Part> parts_;
+  std::vector<Direction> directions_;
+  SparseMatrix q_, r_, s_;
+};
+
+} // namespace hvi::solver

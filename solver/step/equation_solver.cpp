@@ -1,0 +1,140 @@
+// See equation_solver.hpp.
+#include "solver/step/equation_solver.hpp"
+
+#include "solver/common/numbers.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace hvi::solver {
+namespace {
+
+constexpr int most_changes = 40;
+/// A factor of another matrix (q(t, s) changes it) is kept while it gains three digits a
+/// correction.
+constexpr double slow_contraction = 1e-3;
+/// A body that laws alone hold (held_by_laws.hpp) is corrected while that gains anything.
+constexpr double slow_when_free = 0.9;
+/// Where T^T K T joins bodies, rounding of the one is all that a correction leaves in another one
+/// that hardly moves. Each correction takes 16 digits off it, but a row's error is by its own size.
+constexpr int corrections_of_joined = 4;
+/// With such a factor corrections go on until what it does not know is rounding: that error would
+/// pile up over the steps.
+constexpr double refined = 1e-13;
+
+/// What the corrections of a step did together; of the rest the last one tells.
+class Together {
+public:
+  void add(const InequalityReport& of, std::vector<double>& branch_ends) {
+    sum_.iterations += of.iterations;
+    sum_.events += of.events, sum_.reattached += of.reattached;
+    sum_.inner_steps += of.inner_steps;
+    if (of.least_gap >= 0.0) sum_.least_gap = of.least_gap;
+    sum_.not_followed = sum_.not_followed || of.not_followed;
+    branch_ends.insert(branch_ends.end(), of.branch_ends.begin(), of.branch_ends.end());
+  }
+  void tell(InequalityReport& last) const {
+    last.iterations = sum_.iterations;
+    last.events = sum_.events, last.reattached = sum_.reattached;
+    last.inner_steps = sum_.inner_steps;
+    last.least_gap = sum_.least_gap;
+    last.not_followed = sum_.not_followed;
+  }
+
+private:
+  InequalityReport sum_;
+};
+
+} // namespace
+
+EquationSolver::EquationSolver(const Plan& plan, const Discretisation& discretisation,
+                               Formulation& formulation, const Evolution& evolution,
+                               Balance& balance, std::unique_ptr<CorrectionSolves> solves_)
+    : laws(plan.problem, plan.options.tolerance, evolution, formulation.contact()),
+      matrices(plan, discretisation, formulation, evolution.scheme()),
+      warm_start(evolution, formulation.contact()),
+      corrector(formulation.contact(), formulation.operators().separate.has_value()),
+      solves(std::move(solves_)), tolerance_(plan.options.tolerance), formulation_(formulation),
+      evolution_(evolution), balance_(balance) {}
+
+StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, StepEquation& equation,
+                                 Trial& trial) {
+  StepResult out;
+  Contact& contact = formulation_.contact();
+  auto& now = laws.now;
+  if (start != CorrectionStart::predicted) warm_start.begin_at(trial.d, now);
+  const bool guessed =
+      start != CorrectionStart::predicted || warm_start.predict(matrix, equation, trial, now);
+  const double target = solves->begin(matrix.k(), guessed);
+  const bool with_bounds = start == CorrectionStart::again_with_bounds;
+  now.c.setZero(); // the path to the new state starts at the last one
+  const Vector* const right = equation.exact() ? &equation.rhs : nullptr;
+  Together together;
+  double last = infinity;
+  while (out.corrections < most_changes) {
+    const bool first = out.corrections++ == 0;
+    Correction made;
+    if (first && !guessed)
+      made.report = corrector.start(matrix, equation.rhs, now, trial.d);
+    else
+      made = corrector.correct(matrix, trial.gap, right, with_bounds, *solves, now, trial.d);
+    warm_start.drop_guess(now);
+    out.inequality = std::move(made.report);
+    together.add(out.inequality, out.branch_ends);
+    auto left = balance_.residual(equation, matrix, now.xi, trial);
+    if (contact.change && left.error > tolerance_ && matrix.free_body() == nullptr &&
+        put_at_rest(matrix.k(), contact, equation.rhs, now.xi, trial.d))
+      left = balance_.residual(equation, matrix, now.xi, trial);
+    out.equilibrium = left.error;
+    if (const FreeBody* const body = matrix.free_body())
+      out.equilibrium = std::max(left.error, balance_error(*body, contact, equation.rhs, now.xi));
+    if (!contact.none())
+      find_reach(matrix.contact_diagonal(), trial.kd, trial.d, equation.rhs, contact);
+    solves->judge(made.moved, out.equilibrium, equation.exact());
+    const bool exact = equation.exact() || left.mismatch <= refined;
+    if (!out.inequality.converged || (exact && out.equilibrium <= target)) break;
+    const bool free = matrix.free_body() != nullptr;
+    const bool early = contact.change && out.corrections <= corrections_of_joined;
+    const bool slow = !early && out.equilibrium > (free ? slow_when_free : slow_contraction) * last;
+    if (slow && equation.exact()) {
+      if (out.equilibrium > tolerance_ && !free)
+        out.equilibrium =
+            balance_.error_beside_rounding(equation, matrix, now.xi, trial, tolerance_);
+      break;
+    }
+    if (slow && out.equilibrium <= tolerance_) break; // at the rounding of the products
+    last = out.equilibrium;
+    if (!slow) continue;
+    take_back_change(formulation_.operators(), equation);
+    matrices.factor(equation.n, evolution_.factors(equation.n), matrix);
+    // The error is measured anew: what was moved with the change may have been most of its scale.
+    last = infinity;
+  }
+  together.tell(out.inequality);
+  return out;
+}
+
+void EquationSolver::account(WorkCounters& work, Timing& timing) const {
+  matrices.account(work, timing);
+  charge(solves->statistics(), work, timing);
+  timing.inequality += corrector.seconds_inequality;
+  timing.triangular_solves += corrector.seconds_triangular;
+}
+
+void EquationSolver::save(std::ostream& out) const {
+  StateWriter w(out);
+  laws.save(w);
+  matrices.save(out);
+  warm_start.save(out);
+  solves->save(out, matrices.all());
+}
+
+void EquationSolver::restore(std::istream& in) {
+  StateReader r(in, {});
+  laws.restore(r);
+  matrices.restore(in);
+  warm_start.restore(in, formulation_.layout().n_unknowns);
+  solves->restore(in, matrices.all());
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,330 @@
+// See state_coupling.hpp. Called by the StepSolver.
+#include "solver/step/state_coupling.hpp"
+
+#include "solver/common/numbers.hpp"
+#include "solver/step/coupled_bounds.hpp"
+#include "solver/step/mixing.hpp"
+#include "solver/step/state_tangent.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace hvi::solver {
+namespace {
+
+/// States are moved on while they still come closer, down to this part of the tolerance.
+constexpr double part_of_tolerance = 1e-3;
+/// Plain passes go on where each leaves less than this of the error.
+constexpr double contracts = 0.1;
+/// Less where each has its own factor: Newton's method takes few of them.
+constexpr double contracts_in_forms = 1e-3;
+constexpr int most_newton = 40;
+constexpr int most_plain = 400;
+constexpr int most_mixed = 100;
+constexpr double least_part = 0.05;
+/// From one step of a march to the next.
+constexpr double longer = 1.2;
+constexpr double shortest_newton = 1.0 / 64.0;
+/// A path ends where the step would have to grow by less than this part.
+constexpr double smallest_share = 1e-4;
+
+class StateCoupling {
+public:
+  StateCoupling(const Problem& problem, EquationSolver& solver, Contact& contact, double tolerance,
+                StepMatrix& matrix, const InequalityState* path_start, BodyTangent* body,
+                const std::function<void()>& renew, StepEquation& equation, Trial& trial,
+                StepResult& out)
+      : problem_(problem), solver_(solver), states_(solver.laws.states), contact_(contact),
+        tolerance_(tolerance), matrix_(matrix), path_start_(path_start), body_(body), renew_(renew),
+        equation_(equation), trial_(trial), out_(out) {}
+
+  void run() {
+    judge();
+    if (!usable()) return; // the inequality itself has no solution: its verdict stands
+    if (wanted_.size() > 0 && !read() && !in_forms()) { // a wear that is only told
+      contact_.state_values = wanted_;
+      return;
+    }
+    const Here first = here();
+    if (settle()) return;
+    go(first);
+    if (!in_forms()) {
+      if (settle_by_marching()) return;
+      go(first);
+      if (settle_on_path()) return;
+    }
+    if (out_.inequality.converged && error_ <= tolerance_) return;
+    out_.inequality.converged = false;
+    out_.inequality.verdict = fmt::format(
+        "the state `{}` and the solution do not settle on each other: the step is too long for "
+        "what it does there, or there is no solution near the last one",
+        problem_.states[static_cast<std::size_t>(std::max(worst_, 0))].name);
+  }
+
+private:
+  /// Does a law depend on a state?
+  bool read() const {
+    return std::ranges::any_of(contact_.terms, [](const ContactTerm& term) {
+      return !term.first_states.empty() || term.offset_of_states;
+    });
+  }
+
+  /// Do forms depend on states?
+  bool in_forms() const { return body_ != nullptr; }
+
+  struct Here {
+    Vector values, wanted;
+    StateInputs inputs;
+    double error;
+    Trial trial;
+    InequalityState now;
+    StepResult out;
+  };
+  Here here() const {
+    return {contact_.state_values, wanted_, inputs_, error_, trial_, solver_.laws.now, out_};
+  }
+  void go(const Here& place) {
+    const int iterations = out_.inequality.iterations, corrections = out_.corrections;
+    contact_.state_values = place.values;
+    inputs_ = place.inputs, wanted_ = place.wanted, error_ = place.error;
+    trial_ = place.trial, solver_.laws.now = place.now, out_ = place.out;
+    out_.inequality.iterations = iterations, out_.corrections = corrections;
+    if (in_forms()) renew_();
+    solver_.laws.prepare(equation_.n, equation_.known);
+  }
+
+  /// Is there a solution for the states at hand?
+  bool usable() const { return out_.inequality.converged && trial_.d.allFinite(); }
+
+  /// What the states' equations make of the solution, and how far that is from them.
+  void judge() {
+    error_ = infinity;
+    wanted_.resize(0);
+    if (!usable()) return;
+    state_ = equation_.known;
+    state_.head(trial_.d.size()) += trial_.d;
+    states_.inputs(state_, &trial_.d, solver_.laws.now.xi, inputs_);
+    if (!states_.solve(inputs_.values, share_, wanted_)) return;
+    const StateError left = states_.distance(wanted_, inputs_);
+    error_ = left.worst, worst_ = left.state;
+  }
+
+  /// The solution for these states.
+  void solve_with(const Vector& values) {
+    const int iterations = out_.inequality.iterations, corrections = out_.corrections;
+    contact_.state_values = values;
+    auto& now = solver_.laws.now;
+    try {
+      renew_();
+      solver_.laws.prepare(equation_.n, equation_.known);
+    } catch (const Failure& failure) {
+      if (failure.kind != FailureKind::bad_law && failure.kind != FailureKind::not_coercive) throw;
+      error_ = infinity; // states for which there is no law, or no stiffness
+      return;
+    }
+    if (path_start_ != nullptr) {
+      now.z_before = path_start_->z_before;
+      now.xi_before = path_start_->xi, now.state_before = path_start_->state;
+    }
+    out_ = solver_.solve(matrix_, CorrectionStart::again, equation_, trial_);
+    if (contact_.coupled && usable())
+      couple_bounds(solver_, tolerance_, matrix_, path_start_, equation_, trial_, out_);
+    out_.inequality.iterations += iterations;
+    out_.corrections += corrections;
+    judge();
+  }
+
+  bool near() const { return error_ <= part_of_tolerance * tolerance_; }
+
+  /// Plain passes while they contract, then Newton's method, or Anderson's. False: none gets there.
+  bool settle() {
+    double before = infinity;
+    const double enough = in_forms() ? contracts_in_forms : contracts;
+    while (!near() && error_ < enough * before) {
+      before = error_;
+      solve_with(Vector(wanted_));
+    }
+    if (near()) return true;
+    if (!std::isfinite(error_)) return false;
+    for (int k = 0; k < most_newton; ++k) {
+      before = error_;
+      if (!newton()) break;
+      if (near()) return true;
+      if (error_ <= tolerance_ && error_ > 0.25 * before) break; // rounding is left
+    }
+    if (!in_forms()) return holds_with_wanted() || (error_ <= tolerance_ && usable());
+    if (error_ <= tolerance_ && usable()) return true;
+    const Here place = here();
+    if (settle_by_mixing()) return true;
+    go(place);
+    return settle_by_parts();
+  }
+
+  /// What rounding leaves of multipliers that depend on each other, or of arguments that cancel, is
+  /// another one in each pass, and states that read it find no rest. Does the last solution hold
+  /// with the states that follow from it? They are taken if so.
+  bool holds_with_wanted() {
+    if (!usable() || wanted_.size() == 0) return false;
+    const Here place = here();
+    contact_.state_values = wanted_;
+    Vector z;
+    const double left = solver_.laws.settle_bounds(equation_.n, equation_.known, trial_.d, z);
+    judge();
+    if (left <= tolerance_ && error_ <= tolerance_) return true;
+    go(place);
+    return false;
+  }
+
+  std::vector<int> kinds_of_states() const {
+    std::vector<int> out(static_cast<std::size_t>(contact_.state_values.size()), 0);
+    for (const auto& group : contact_.state_groups)
+      for (const int i : group.states)
+        std::fill_n(out.begin() + contact_.first_state[static_cast<std::size_t>(i)], group.n_points,
+                    i);
+    return out;
+  }
+
+  bool settle_by_mixing() {
+    Mixing mixing(kinds_of_states());
+    double best = error_;
+    for (int k = 0; k < most_mixed && std::isfinite(error_); ++k) {
+      solve_with(states_.kept(mixing.next(contact_.state_values, wanted_)));
+      if (near()) return true;
+      if (error_ <= tolerance_ && error_ > 0.5 * best) return true; // rounding is left
+      best = std::min(best, error_);
+    }
+    return false;
+  }
+
+  /// Passes that go a part of the way, less where the error does not fall.
+  bool settle_by_parts() {
+    double part = 1.0, before = error_;
+    for (int k = 0; k < most_plain && std::isfinite(error_); ++k) {
+      solve_with(states_.kept(contact_.state_values + part * (wanted_ - contact_.state_values)));
+      if (near()) return true;
+      if (error_ > 0.9 * before) part = std::max(least_part, 0.7 * part);
+      before = error_;
+    }
+    return error_ <= tolerance_;
+  }
+
+  /// One step, halved until the error falls. False: it does not, and the place is as it was.
+  bool newton() {
+    Vector change, next;
+    if (!(in_forms() ? step_of_body(change) : step_of_laws(change))) return false;
+    const Here start = here();
+    for (double t = 1.0; t >= shortest_newton; t /= 2.0) {
+      const Vector inputs = start.inputs.values + t * change;
+      if (states_.solve(inputs, share_, next)) {
+        solve_with(next);
+        if (error_ < start.error) return true;
+      }
+      go(start);
+    }
+    return false;
+  }
+
+  bool step_of_laws(Vector& change) {
+    Vector z;
+    arguments(z);
+    StateTangent tangent(problem_, contact_, states_, matrix_);
+    return tangent.step({solver_.laws.now, z, inputs_.values, wanted_, share_}, change);
+  }
+
+  bool step_of_body(Vector& change) {
+    return wanted_.size() > 0 && body_->step({equation_.n, state_, trial_.d, solver_.laws.now,
+                                              inputs_.values, wanted_, share_},
+                                             matrix_, change);
+  }
+
+  void arguments(Vector& z) {
+    z = contact_.problem.offset;
+    const auto& factors = matrix_.law_factors();
+    const Vector moved = contact_.problem.g * solver_.laws.now.c;
+    for (const auto& term : contact_.terms)
+      for (int row = 0; row < term.n_rows(); ++row)
+        z[term.first_row + row] +=
+            (factors.empty() ? 1.0
+                             : factors[static_cast<std::size_t>(3 * term.points.law_term +
+                                                                row % term.points.rows)]) *
+            moved[term.first_row + row];
+  }
+
+  /// Where what a state does makes it go on, as a bond that breaks, the states go after it: by ever
+  /// longer steps while these keep their direction, and there it is looked for a solution.
+  bool settle_by_marching() {
+    Vector before;
+    double stride = 1.0, best = error_;
+    for (int pass = 0; pass < most_plain && wanted_.size() > 0 && !near(); ++pass) {
+      const Vector direction = wanted_ - contact_.state_values;
+      const bool onward = before.size() == 0 || direction.dot(before) > 0.0;
+      if (!onward || error_ < contracts * best) {
+        best = std::min(best, error_);
+        const Here place = here();
+        if (settle()) return true;
+        go(place);
+      }
+      stride = onward ? longer * stride : std::max(1.0, stride / 8.0);
+      before = direction;
+      solve_with(states_.kept(contact_.state_values + stride * direction));
+      if (!std::isfinite(error_)) return false;
+    }
+    return near() && usable();
+  }
+
+  /// Steps that grow from nothing to the full one.
+  bool settle_on_path() {
+    Here last = here();
+    double reached = 0.0, step = 0.25;
+    while (reached < 1.0) {
+      share_ = std::min(1.0, reached + step);
+      judge();
+      if (std::isfinite(error_) && settle()) {
+        reached = share_, last = here();
+        step *= 2.0;
+        continue;
+      }
+      go(last);
+      step /= 4.0;
+      if (step < smallest_share) {
+        share_ = 1.0;
+        judge();
+        return false;
+      }
+    }
+    return usable();
+  }
+
+  const Problem& problem_;
+  EquationSolver& solver_;
+  const PointStates& states_;
+  Contact& contact_;
+  double tolerance_;
+  StepMatrix& matrix_;
+  const InequalityState* path_start_;
+  BodyTangent* body_; ///< null where no form reads states
+  const std::function<void()>& renew_;
+  StepEquation& equation_;
+  Trial& trial_;
+  StepResult& out_;
+  double share_ = 1.0, error_ = infinity;
+  int worst_ = -1; ///< the state that is farthest off
+  StateInputs inputs_;
+  Vector wanted_, state_;
+};
+
+} // namespace
+
+void couple_states(const Problem& problem, EquationSolver& solver, Contact& contact,
+                   double tolerance, StepMatrix& matrix, const InequalityState* path_start,
+                   BodyTangent* body, const std::function<void()>& renew, StepEquation& equation,
+                   Trial& trial, StepResult& out) {
+  StateCoupling(problem, solver, contact, tolerance, matrix, path_start, body, renew, equation,
+                trial, out)
+      .run();
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,180 @@
+// How the state of a run advances; see step.hpp. Called by the loop in run.cpp.
+#include "solver/step/step.hpp"
+
+#include "solver/common/clock.hpp"
+#include "solver/formulation/uniqueness.hpp"
+#include "solver/linear/vector_stream.hpp"
+#include "solver/step/snap.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace hvi::solver {
+namespace {
+
+/// The clock runs while the state is made.
+RunState make_state(const Plan& plan, const Discretisation& d, Timing& timing) {
+  const PhaseClock<> clock(timing.assembly);
+  return {plan, d};
+}
+
+StepResult start_again(Restart why) {
+  StepResult out;
+  out.restart = std::move(why);
+  return out;
+}
+
+/// Why not every step is sure to have one solution, asked at the first step with its matrix.
+std::string obstacle_to_uniqueness(const Problem& problem, const RunState& state,
+                                   StepMatrix& matrix) {
+  Uniqueness uniqueness(problem, state.formulation->operators(), state.contact());
+  if (const FreeBody* const body = matrix.free_body()) {
+    if (!uniqueness.holds()) return uniqueness.obstacle();
+    return uniqueness.settled() && held_strongly(*body, state.contact())
+               ? std::string()
+               : "laws alone hold the body";
+  }
+  if (!uniqueness.settled() && state.formulation->operators().iterative)
+    return "a law softens, and iterations do not prove that the body is stiffer";
+  if (!uniqueness.settled()) {
+    // Not in a restored run: asking would change the solver, and its later numbers.
+    if (uniqueness.condensed() && state.evolution.step() == 0)
+      uniqueness.judge(matrix.laws() == nullptr || matrix.laws()->convex());
+    else
+      uniqueness.judge_all(matrix.factorisation().get());
+  }
+  return uniqueness.obstacle();
+}
+
+bool is_certified(const StepResult& step, double tolerance) {
+  return step.inequality.converged && step.equilibrium <= tolerance &&
+         step.inclusion.worst <= tolerance && step.states.worst <= tolerance;
+}
+
+void count(const InequalityReport& inequality, WorkCounters& counted) {
+  counted.inner_steps += inequality.inner_steps;
+  counted.unfollowed_steps += inequality.not_followed ? 1 : 0;
+  counted.followed_steps += inequality.inner_steps > 0 && !inequality.not_followed ? 1 : 0;
+}
+
+/// Did a certified step that was not followed cross unstable states?
+bool is_snap(RunState& state, const StepResult& step) {
+  const bool guess = step.inequality.inner_steps == 0 || step.inequality.not_followed;
+  if (!guess || !state.formulation->operators().symmetric || state.contact().none()) return false;
+  Trial& trial = state.trial;
+  return is_snap(state.contact(), state.solver.equations.laws.now.c, trial.kd.dot(trial.d),
+                 trial.dz);
+}
+
+} // namespace
+
+/// Of laws that are coupled or read states only those that soften need it: their bounds are found
+/// by passes of their own. A law that reads the solution may soften with any of its values.
+bool follows_branches(const std::string& not_unique, const Contact& contact) {
+  return !not_unique.empty() &&
+         ((!contact.coupled && contact.state_groups.empty()) || !contact.readings.empty() ||
+          std::ranges::any_of(contact.softening, [](double m) { return m != 0.0; }));
+}
+
+Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
+    : plan_(plan), timing_(timing), state_(make_state(plan, d, timing)) {}
+
+/// From the last accepted state to u_n, with its certificate; nothing is accepted.
+StepResult Stepper::attempt(int n, StepMatrix& matrix) {
+  auto out = state_.solver.attempt(n, matrix, follows_branches(not_unique(), state_.contact()),
+                                   state_.equation, state_.trial);
+  counted_.newton += out.inequality.iterations;
+  counted_.fallback_steps += out.inequality.used_fallback ? 1 : 0;
+  if (state_.checks && state_.checks->at_once(n)) {
+    const auto error = state_.checks->error(
+        n, state_.balance.question(n, state_.trial.d, state_.xi()), state_.equation.known);
+    if (!error) return start_again(LateCheck());
+    out.equilibrium = std::max(out.equilibrium, *error);
+  }
+  out.certified = is_certified(out, plan_.options.tolerance);
+  return out;
+}
+
+StepResult Stepper::advance(int n) {
+  {
+    const PhaseClock<wall_seconds> clock(timing_.history);
+    if (auto stop = state_.evolution.begin_step(n))
+      return std::visit([](auto& why) { return start_again(std::move(why)); }, *stop);
+  }
+  auto& matrix = state_.solver.matrix_for(n);
+  if (!std::exchange(uniqueness_.judged, true))
+    uniqueness_.obstacle = obstacle_to_uniqueness(plan_.problem, state_, matrix);
+  auto out = attempt(n, matrix);
+  if (!out.restart && !out.certified && state_.solver.can_begin_anew()) out = attempt(n, matrix);
+  if (out.restart) return out;
+  if (!out.certified && state_.contact().change) return start_again(JumpsRefused());
+  if (!out.branch_ends.empty())
+    out.snap = true;
+  else if (out.certified)
+    out.snap = is_snap(state_, out);
+  if (!out.certified)
+    state_.solver.equations.laws.give_up();
+  else if (!accept(n, matrix, out))
+    return start_again(LateCheck());
+  else if (auto end = state_.evolution.memory().ended())
+    return start_again(*std::move(end));
+  return out;
+}
+
+/// False: a check that was put off failed, and nothing is accepted.
+bool Stepper::accept(int n, StepMatrix& matrix, const StepResult& result) {
+  Trial& trial = state_.trial;
+  count(result.inequality, counted_);
+  if (auto* const checks = state_.checks.get()) {
+    if (checks->later(n)) checks->put_off(n, state_.balance.question(n, trial.d, state_.xi()));
+    if (!checks->settle_in_time(n)) return false;
+  }
+  state_.solver.accept(n, matrix, result, trial);
+  {
+    const PhaseClock<wall_seconds> clock(timing_.history);
+    state_.evolution.accept(n, state_.equation.known, trial.d);
+  }
+  state_.balance.load.note_multipliers(state_.xi());
+  state_.rounding.note(result.equilibrium, trial.gap, state_.xi(), state_.equation.known);
+  return true;
+}
+
+void Stepper::account(WorkCounters& work, Timing& timing) const {
+  work.matrices = state_.formulation->operators().n_bases();
+  work.products = state_.balance.products;
+  work.newton = counted_.newton;
+  work.fallback_steps = counted_.fallback_steps;
+  work.followed_steps = counted_.followed_steps;
+  work.inner_steps = counted_.inner_steps;
+  work.unfollowed_steps = counted_.unfollowed_steps;
+  work.field_reads = state_.evolution.field_reads();
+  for (const auto& report : state_.evolution.memory().reports()) {
+    work.history_fields += static_cast<int>(report.fields);
+    work.bytes += report.bytes;
+  }
+  charge(state_.formulation->statistics(), work, timing);
+  work.bytes += bytes_of(state_.formulation->operators(), state_.balance.halves());
+  state_.solver.equations.account(work, timing);
+}
+
+void Stepper::save(std::ostream& out) const {
+  StateWriter w(out);
+  state_.evolution.save(out);
+  put_text(w, not_unique());
+  state_.solver.save(out);
+  state_.rounding.save(w);
+}
+
+std::optional<HorizonEnd> Stepper::restore(std::istream& in) {
+  StateReader r(in, {});
+  auto same_end = state_.evolution.restore(in);
+  if (auto* end = std::get_if<HorizonEnd>(&same_end)) return std::move(*end);
+  uniqueness_.judged = std::get<bool>(same_end); // a run to another end has other steps to judge
+  uniqueness_.obstacle = get_text(r);
+  state_.solver.restore(in);
+  state_.balance.load.note_multipliers(state_.xi());
+  state_.rounding.restore(r);
+  return std::nullopt;
+}
+
+} // namespace hvi::solver
