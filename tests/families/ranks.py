@@ -141,6 +141,9 @@ class Endings:
         except subprocess.TimeoutExpired:
             run.kill()
             return self.judge(name + ": hangs", False)
+        end = time.monotonic() + 10.0  # mpirun kills the others and may end before they are gone
+        while any(map(alive, ids.values())) and time.monotonic() < end:
+            time.sleep(0.05)
         left = [rank for rank, child in ids.items() if alive(child)]
         good = run.returncode in codes and all(word in errors for word in words) and not left and self.saved()
         self.judge(f"{name}: exit code {run.returncode}", good, f"processes that are left: {left}", out[-2000:], errors)
