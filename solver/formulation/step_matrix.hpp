@@ -29,6 +29,7 @@ public:
   const Vector& contact_diagonal() const { return contact_diagonal_; }
   double bytes() const; ///< held besides the factorisation
 
+  /// Its coefficients, of which factor and Schur complement are functions, bit for bit.
   void save(std::ostream& out) const;
   /// Factors again for the saved coefficients.
   void restore(std::istream& in);
