@@ -69,23 +69,36 @@ void Multigrid::set_up() {
   check(PCSetOperators(pc_.get(), k_, k_));
   check(PCSetFromOptions(pc_.get()));
   check(PCSetUp(pc_.get()));
+  check(PCSetReusePreconditioner(pc_.get(), PETSC_TRUE)); // until the next call, whatever K becomes
+  single_.clear();
+  read_less();
   ++setups;
   seconds += cpu_now() - begin;
 }
 
-double Multigrid::bytes() const {
+/// The matrices of all levels but the coarsest in single precision; those that PETSc made end.
+void Multigrid::read_less() {
   PetscInt levels = 0;
-  if (!pc_) return 0.0;
-  if (PCMGGetLevels(pc_.get(), &levels) != 0) return 0.0;
-  double out = 0.0;
-  for (PetscInt l = 0; l < levels; ++l) {
+  check(PCMGGetLevels(pc_.get(), &levels));
+  for (PetscInt l = 1; l < levels; ++l) {
     KSP smoother = nullptr;
     Mat a = nullptr, p = nullptr;
-    if (PCMGGetSmoother(pc_.get(), l, &smoother) == 0 &&
-        KSPGetOperators(smoother, &a, nullptr) == 0 && l + 1 < levels)
-      out += bytes_of(a);
-    if (l > 0 && PCMGGetInterpolation(pc_.get(), l, &p) == 0) out += bytes_of(p);
+    check(PCMGGetSmoother(pc_.get(), l, &smoother));
+    check(KSPGetOperators(smoother, &a, nullptr));
+    check(PCMGGetInterpolation(pc_.get(), l, &p));
+    if (a != k_) check(MatProductClear(a)); // what P^T A P was formed with
+    const Mat single_a = single_.emplace_back(std::make_unique<SingleMatrix>(a))->shell();
+    const Mat single_p = single_.emplace_back(std::make_unique<SingleMatrix>(p))->shell();
+    check(KSPSetOperators(smoother, single_a, single_a));
+    check(PCMGSetResidual(pc_.get(), l, PCMGResidualDefault, single_a));
+    check(PCMGSetInterpolation(pc_.get(), l, single_p));
+    check(PCMGSetRestriction(pc_.get(), l, single_p));
   }
+}
+
+double Multigrid::bytes() const {
+  double out = 0.0;
+  for (const auto& matrix : single_) out += matrix->bytes();
   return out;
 }
 

@@ -4,7 +4,9 @@
 #pragma once
 
 #include "solver/linear/petsc/session.hpp"
+#include "solver/linear/petsc/single_precision.hpp"
 
+#include <memory>
 #include <vector>
 
 namespace hvi::petsc_module {
@@ -15,12 +17,15 @@ public:
   Multigrid(Mat k, const std::vector<double>& motions, int n_motions);
   void set_up(); ///< for the entries that K has now
   PetscErrorCode apply(Vec r, Vec z) const { return PCApply(pc_.get(), r, z); }
-  double bytes() const; ///< of all levels but K, on this process
+  double bytes() const; ///< of all levels, on this process
   int setups = 0;
   double seconds = 0.0;
 
 private:
+  void read_less();
+
   Mat k_;
+  std::vector<std::unique_ptr<SingleMatrix>> single_; ///< of the levels; before what uses them ends
   Owned<PC> pc_;
 };
 

@@ -110,6 +110,20 @@ TEST(Iterative, SolvesWithLawsFromSoftToHeld) {
   EXPECT_EQ(solver->statistics().setups, 1);
 }
 
+/// Cycles have matrices in single precision, whose numbers end at 1e38; several levels.
+TEST(Iterative, EntriesOfAnySize) {
+  for (const double size : {1.0, 1e60, 1e-60}) {
+    const SparseMatrix k = springs(60, 10.0) * size;
+    OPEN(solver, k, true, nodes_of(60));
+    const Vector b = random_vector(k.rows());
+    Vector x;
+    const IterativeAnswer answer = solver->solve(b, 1e-12, x);
+    EXPECT_TRUE(answer.solved()) << answer.reason;
+    EXPECT_LT(answer.iterations, 30) << size;
+    EXPECT_LT((k * x - b).norm(), 1e-11 * b.norm()) << size;
+  }
+}
+
 TEST(Iterative, NodesWithoutAllTheirComponents) {
   const SparseMatrix whole = springs(12, 10.0);
   const UnknownsOfNodes all = nodes_of(12);

@@ -1,0 +1,59 @@
+// A matrix whose entries are kept in single precision, for a cycle of multigrid: a preconditioner
+// needs few digits, and a cycle takes the time of reading its matrices. Products are summed in
+// double precision.
+#pragma once
+
+#include "solver/linear/petsc/session.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace hvi::petsc_module {
+
+/// A matrix of one process, by dense blocks of one size.
+class SingleBlocks {
+public:
+  /// Blocks that no product is compiled for are taken entry by entry.
+  SingleBlocks(Mat sequential, int block_rows, int block_columns);
+  void add_product(const double* x, double* y) const;    ///< y += A x
+  void add_transposed(const double* x, double* y) const; ///< y += A^T x
+  double bytes() const;
+
+private:
+  struct Block;
+  void read(Mat sequential, int rows, int columns);
+
+  int block_rows_ = 1, block_columns_ = 1;
+  std::vector<int> start_, column_; ///< of block rows, of blocks
+  std::vector<float> value_;        ///< of a block column by column; times scale_
+  double scale_ = 1.0;              ///< so that no entry is beyond the range of single precision
+};
+
+/// The rows that this process has of a matrix of all processes, and a matrix of PETSc's that
+/// multiplies by them.
+class SingleMatrix {
+public:
+  explicit SingleMatrix(Mat a);
+  SingleMatrix(const SingleMatrix&) = delete;
+  SingleMatrix& operator=(const SingleMatrix&) = delete;
+  Mat shell() const { return shell_.get(); }
+  double bytes() const { return own_->bytes() + (others_ ? others_->bytes() : 0.0); }
+
+private:
+  template <bool transpose>
+  static PetscErrorCode product(Mat shell, Vec x, Vec before, Vec y);
+  template <bool transpose>
+  static PetscErrorCode product_alone(Mat shell, Vec x, Vec y);
+  static PetscErrorCode diagonal(Mat shell, Vec d);
+  PetscErrorCode add_product(Vec x, Vec y) const;
+  PetscErrorCode add_transposed(Vec x, Vec y) const;
+  void make_shell(Mat a);
+
+  std::unique_ptr<SingleBlocks> own_, others_; ///< whose columns this process has, and has not
+  Owned<VecScatter> halo_;
+  Owned<Vec> ghosts_;
+  Owned<Vec> diagonal_; ///< of a square matrix
+  Owned<Mat> shell_;
+};
+
+} // namespace hvi::petsc_module
