@@ -3,8 +3,12 @@
 
 #include "solver/linear/petsc/session.hpp"
 
+#include <metis.h>
+
 #include <algorithm>
+#include <new>
 #include <numeric>
+#include <type_traits>
 
 namespace hvi::petsc_module {
 namespace {
@@ -37,30 +41,15 @@ Graph graph_of(const HviPetscMatrix& k, const HviPetscUnknowns& unknowns) {
   return out;
 }
 
-/// PETSc frees it.
-PetscInt* given_away(const std::vector<int>& values) {
-  PetscInt* out = nullptr;
-  check(PetscMalloc1(values.size() + 1, &out));
-  std::copy(values.begin(), values.end(), out);
-  return out;
-}
-
-std::vector<int> parts_by_scotch(const Graph& graph, int parts) {
-  const PetscInt nodes = static_cast<PetscInt>(graph.start.size()) - 1;
-  Owned<Mat> edges;
-  Owned<MatPartitioning> search;
-  Owned<IS> found;
-  check(MatCreateMPIAdj(PETSC_COMM_SELF, nodes, nodes, given_away(graph.start),
-                        given_away(graph.neighbour), nullptr, edges.put()));
-  check(MatPartitioningCreate(PETSC_COMM_SELF, search.put()));
-  check(MatPartitioningSetAdjacency(search.get(), edges.get()));
-  check(MatPartitioningSetType(search.get(), MATPARTITIONINGPTSCOTCH));
-  check(MatPartitioningSetNParts(search.get(), parts));
-  check(MatPartitioningApply(search.get(), found.put()));
-  const PetscInt* part = nullptr;
-  check(ISGetIndices(found.get(), &part));
-  std::vector<int> out(part, part + nodes);
-  check(ISRestoreIndices(found.get(), &part));
+/// By METIS, of one thread: Scotch's threads find other parts each time.
+std::vector<int> parts_by_metis(Graph graph, int parts) {
+  static_assert(std::is_same_v<idx_t, int>);
+  int nodes = static_cast<int>(graph.start.size()) - 1, constraints = 1, cut = 0;
+  std::vector<int> out(static_cast<std::size_t>(nodes));
+  if (METIS_PartGraphKway(&nodes, &constraints, graph.start.data(), graph.neighbour.data(), nullptr,
+                          nullptr, nullptr, &parts, nullptr, nullptr, nullptr, &cut,
+                          out.data()) != METIS_OK)
+    throw std::bad_alloc(); // the only thing that it lacks
   return out;
 }
 
@@ -78,7 +67,7 @@ Partition partition_of(const HviPetscMatrix& k, const HviPetscUnknowns& unknowns
   if (parts == 1 || nodes == 0) return {{}, {nodes}};
   const std::vector<int> part = nodes < few_nodes * parts
                                     ? parts_in_order(nodes, parts)
-                                    : parts_by_scotch(graph_of(k, unknowns), parts);
+                                    : parts_by_metis(graph_of(k, unknowns), parts);
   Partition out;
   out.counts.assign(static_cast<std::size_t>(parts), 0);
   for (const int p : part) ++out.counts[p];

@@ -12,9 +12,9 @@ struct Partition {
   std::vector<int> counts; ///< of nodes, for each process
 };
 
-/// Parts of alike size with few entries of K between them (F. Pellegrini, J. Roman, Scotch: a
-/// software package for static mapping by dual recursive bipartitioning, HPCN 1996). The same K
-/// has the same parts.
+/// Parts of alike size with few entries of K between them (G. Karypis, V. Kumar, A fast and high
+/// quality multilevel scheme for partitioning irregular graphs, SIAM J. Sci. Comput. 20 (1998)
+/// 359-392). The same K has the same parts.
 Partition partition_of(const HviPetscMatrix& k, const HviPetscUnknowns& unknowns, int parts);
 
 } // namespace hvi::petsc_module

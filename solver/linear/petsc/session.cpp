@@ -76,7 +76,7 @@ void start_together() {
   if (all_processes == 1) return;
   // The coarse matrices by sums in the order of the processes, not of their messages: as many
   // processes have the same bits each time.
-  check(PetscOptionsSetValue(nullptr, "-matptap_via", "allatonce"));
+  check(PetscOptionsSetValue(nullptr, "-matptap_via", "backend"));
 }
 
 MPI_Comm world() { return shared; }

@@ -62,11 +62,6 @@ template <>
 inline PetscErrorCode destroy(VecScatter* object) {
   return VecScatterDestroy(object);
 }
-template <>
-inline PetscErrorCode destroy(MatPartitioning* object) {
-  return MatPartitioningDestroy(object);
-}
-
 /// An object of PETSc that ends with its owner.
 template <class T>
 class Owned {
