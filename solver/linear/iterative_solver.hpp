@@ -39,6 +39,7 @@ struct IterativeStatistics {
   int setups = 0, solves = 0, iterations = 0;
   int local_factors = 0; ///< of the layers at the contact
   double bytes = 0.0, seconds_setup = 0.0;
+  double bytes_of_others = 0.0; ///< the most that another process of the run has held
 };
 
 class IterativeSolver {

@@ -110,6 +110,7 @@ private:
     bridge_.count(solver_, &counts);
     statistics_.setups = counts.setups, statistics_.local_factors = counts.local_factors;
     statistics_.bytes = counts.bytes, statistics_.seconds_setup = counts.seconds_setup;
+    statistics_.bytes_of_others = counts.bytes_of_others;
   }
 
   Bridge bridge_;

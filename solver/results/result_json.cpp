@@ -161,6 +161,7 @@ Json what_was_done(const RunResult& result, const Problem& problem, const Result
            {"bytes", work.bytes},
            {"seconds", result.timing.total}};
   if (work.iterations > 0) out["iterations"] = work.iterations;
+  if (work.bytes_of_others > 0) out["bytes_of_others"] = work.bytes_of_others;
   if (!result.solver.why.empty()) {
     out["solver"] = result.solver.solver == LinearSolver::iterative ? "iterative" : "direct";
     out["solver_why"] = result.solver.why;

@@ -23,6 +23,7 @@ struct WorkCounters {
   int iterations = 0;           ///< of iterative solvers
   std::int64_t field_reads = 0; ///< of stored history fields
   double bytes = 0;
+  double bytes_of_others = 0; ///< the most that another process of the run has held
 };
 
 } // namespace hvi::solver

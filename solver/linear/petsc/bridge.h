@@ -33,6 +33,7 @@ struct HviPetscAnswer {
 struct HviPetscCounts {
   int setups, local_factors;
   double bytes, seconds_setup;
+  double bytes_of_others; /* the most that another process has held */
 };
 
 struct HviPetscSolver;

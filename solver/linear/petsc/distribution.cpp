@@ -39,6 +39,11 @@ double Distribution::sum(double value) const {
   return value;
 }
 
+double Distribution::largest(double value) const {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  return value;
+}
+
 bool Distribution::any(bool here) const {
   int value = here ? 1 : 0;
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_INT, MPI_MAX, comm_);

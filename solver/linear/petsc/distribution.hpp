@@ -25,6 +25,7 @@ public:
   int of_first(int value) const;
   void add_up(double* values, int count) const; ///< over all processes
   double sum(double value) const;
+  double largest(double value) const;
   bool any(bool here) const;
 
   /// Each process's rows of `whole`; `mine` holds them where they are not all.

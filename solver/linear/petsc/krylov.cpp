@@ -278,6 +278,7 @@ void Krylov::count() {
   if (layers_) bytes += layers_->bytes();
   if (free_) bytes += free_->bytes();
   counts_.bytes = distribution_.sum(bytes);
+  counts_.bytes_of_others = distribution_.largest(distribution_.is_first() ? 0.0 : most_held());
   counts_.setups = multigrid_->setups, counts_.seconds_setup = multigrid_->seconds;
 }
 

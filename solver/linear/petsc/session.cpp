@@ -1,6 +1,8 @@
 // See session.hpp.
 #include "solver/linear/petsc/session.hpp"
 
+#include <sys/resource.h>
+
 #include <cstdlib>
 #include <new>
 
@@ -95,6 +97,12 @@ void values_changed(Mat matrix) {
   double* values = nullptr;
   check(MatSeqAIJGetArray(matrix, &values));
   check(MatSeqAIJRestoreArray(matrix, &values));
+}
+
+double most_held() {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  return 1024.0 * static_cast<double>(used.ru_maxrss);
 }
 
 } // namespace hvi::petsc_module

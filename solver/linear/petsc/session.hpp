@@ -36,6 +36,9 @@ void values_changed(Mat matrix);
 /// Of the entries that this process has.
 double bytes_of(Mat a);
 
+/// Bytes of memory at the highest.
+double most_held();
+
 template <class T>
 PetscErrorCode destroy(T* object);
 template <>
