@@ -76,19 +76,36 @@ void Multigrid::set_up() {
   seconds += cpu_now() - begin;
 }
 
-/// The matrices of all levels but the coarsest in single precision; those that PETSc made end.
-void Multigrid::read_less() {
+/// Of the rows of each level: products of several processes forget them, interpolations do not.
+std::vector<PetscInt> Multigrid::block_sizes() const {
   PetscInt levels = 0;
   check(PCMGGetLevels(pc_.get(), &levels));
+  std::vector<PetscInt> out(static_cast<std::size_t>(levels), 1);
+  check(MatGetBlockSize(k_, &out.back()));
   for (PetscInt l = 1; l < levels; ++l) {
+    Mat p = nullptr;
+    check(PCMGGetInterpolation(pc_.get(), l, &p));
+    check(MatGetBlockSizes(p, nullptr, &out[l - 1]));
+  }
+  return out;
+}
+
+/// The matrices of all levels but the coarsest in single precision; those that PETSc made end.
+void Multigrid::read_less() {
+  const std::vector<PetscInt> block = block_sizes();
+  const auto keep = [&](Mat matrix, PetscInt rows, PetscInt columns) {
+    return single_.emplace_back(std::make_unique<SingleMatrix>(matrix, rows, columns))->shell();
+  };
+  for (std::size_t level = 1; level < block.size(); ++level) {
+    const PetscInt l = static_cast<PetscInt>(level);
     KSP smoother = nullptr;
     Mat a = nullptr, p = nullptr;
     check(PCMGGetSmoother(pc_.get(), l, &smoother));
     check(KSPGetOperators(smoother, &a, nullptr));
     check(PCMGGetInterpolation(pc_.get(), l, &p));
     if (a != k_) check(MatProductClear(a)); // what P^T A P was formed with
-    const Mat single_a = single_.emplace_back(std::make_unique<SingleMatrix>(a))->shell();
-    const Mat single_p = single_.emplace_back(std::make_unique<SingleMatrix>(p))->shell();
+    const Mat single_a = keep(a, block[level], block[level]);
+    const Mat single_p = keep(p, block[level], block[level - 1]);
     check(KSPSetOperators(smoother, single_a, single_a));
     check(PCMGSetResidual(pc_.get(), l, PCMGResidualDefault, single_a));
     check(PCMGSetInterpolation(pc_.get(), l, single_p));

@@ -22,6 +22,7 @@ public:
   double seconds = 0.0;
 
 private:
+  std::vector<PetscInt> block_sizes() const;
   void read_less();
 
   Mat k_;

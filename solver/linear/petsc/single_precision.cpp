@@ -55,6 +55,15 @@ bool with_sizes(int rows, int columns, const Product& of) {
   return true;
 }
 
+/// Whether these columns, ascending, are whole blocks.
+bool are_blocks(const PetscInt* columns, PetscInt count, int size) {
+  if (count % size != 0) return false;
+  for (PetscInt c = 0; c < count; ++c)
+    if (columns[c] % size != c % size || columns[c] - c % size != columns[c - c % size])
+      return false;
+  return true;
+}
+
 struct NoProduct {
   template <int rows, int columns>
   void operator()() const {}
@@ -152,9 +161,8 @@ double SingleBlocks::bytes() const {
                              sizeof(int) * (start_.size() + column_.size()));
 }
 
-SingleMatrix::SingleMatrix(Mat a) {
-  PetscInt block_rows = 1, block_columns = 1, rows = 0, columns = 0;
-  check(MatGetBlockSizes(a, &block_rows, &block_columns));
+SingleMatrix::SingleMatrix(Mat a, int block_rows, int block_columns) {
+  PetscInt rows = 0, columns = 0;
   Mat own = a, others = nullptr;
   const PetscInt* ghosts = nullptr;
   PetscBool of_several = PETSC_FALSE;
@@ -162,9 +170,11 @@ SingleMatrix::SingleMatrix(Mat a) {
   if (of_several == PETSC_TRUE) check(MatMPIAIJGetSeqAIJ(a, &own, &others, &ghosts));
   own_ = std::make_unique<SingleBlocks>(own, block_rows, block_columns);
   if (others != nullptr) {
-    others_ = std::make_unique<SingleBlocks>(others, 1, 1);
     PetscInt count = 0;
     check(MatGetSize(others, nullptr, &count));
+    const bool blocks = are_blocks(ghosts, count, block_columns);
+    others_ =
+        std::make_unique<SingleBlocks>(others, blocks ? block_rows : 1, blocks ? block_columns : 1);
     Owned<IS> wanted;
     Owned<Vec> whole;
     check(ISCreateGeneral(PETSC_COMM_SELF, count, ghosts, PETSC_COPY_VALUES, wanted.put()));

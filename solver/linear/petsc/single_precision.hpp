@@ -33,7 +33,7 @@ private:
 /// multiplies by them.
 class SingleMatrix {
 public:
-  explicit SingleMatrix(Mat a);
+  SingleMatrix(Mat a, int block_rows, int block_columns);
   SingleMatrix(const SingleMatrix&) = delete;
   SingleMatrix& operator=(const SingleMatrix&) = delete;
   Mat shell() const { return shell_.get(); }
