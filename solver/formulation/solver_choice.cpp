@@ -18,7 +18,7 @@ constexpr double seconds_of_a_flop = 1.0 / 4.5e10, seconds_of_an_entry = 1.0 / 1
 constexpr double reads_of_a_step = 6.0;        ///< of the factor
 constexpr double seconds_of_ordering = 1.2e-7; ///< an entry of K
 /// Of K in an iteration: it is read by smoothers, interpolations and products.
-constexpr double seconds_of_iterated_entry = 9e-9, seconds_of_set_up_entry = 1e-6;
+constexpr double seconds_of_iterated_entry = 6e-9, seconds_of_set_up_entry = 1e-6;
 constexpr double seconds_of_start = 0.15; ///< of PETSc
 constexpr double iterations_of_a_step = 12.0, iterations_of_friction = 60.0;
 constexpr double factors_of_friction = 1.0; ///< of the condensed matrix, in a step
