@@ -3,8 +3,9 @@
 usage: ranks.py HVI_RUN [--scenes N] [--seed S] [--ranks N,M] [--only NAME] [--endings]
 
 The scenes are those of iterative.py. Every number of the table agrees to 1e-9 of its column's largest value, and all
-runs are certified; a repeated run has the same bits, also a larger body, which is dealt out with more choice. With --endings: exit codes, processes that are killed, Ctrl-C, a
-missing module; nothing may hang. Without the module of PETSc or mpirun the test is skipped (exit code 77).
+runs are certified; a repeated run has the same bits. Larger bodies, which are dealt out with more choice, have the same
+bits, too, and not many more iterations than with one process. With --endings: exit codes, processes that are killed,
+Ctrl-C, a missing module; nothing may hang. Without the module of PETSc or mpirun the test is skipped (exit code 77).
 """
 import argparse
 import os
@@ -78,18 +79,62 @@ report
   table u_y = u.y at [1, 0, 0.5]
 """
 
+# Closed and sticking points below, 1e13 times as stiff as the body.
+CONTACT = "import contact\nimport friction\n" + BODY.replace("part roof = body.top\n", """part roof = body.top
+part ground = body.bottom
+superpotential wall(r) = unilateral(r)
+superpotential slip(s) = tresca(s, bound = 0.3)
+""").replace("eps(v)) >=", "eps(v)) + integral(ground, wall^0(u.nu - 0.001; v.nu) + slip^0(u.tau; v.tau)) >=")
 
-def same_bits(program, folder, options):
-    path, wrong = folder / "body.hvi", 0
-    path.write_text(BODY)
-    for n in options.ranks:
-        answers = [run(program, path, folder, n)[1] for _ in range(REPEATED)]
-        same = all(answer["table"] == answers[0]["table"] for answer in answers)
-        # What another process holds: its part of a body of 7,600 unknowns, and PETSc.
-        same = same and 2e7 < answers[0]["plan"]["bytes_of_others"] < 2e8
-        print(f"{'ok   ' if same else 'FAILS'} {REPEATED} runs of a larger body with {n} processes: the same bits, memory told", flush=True)
-        wrong += not same
-    return wrong > 0
+# Two bodies that stiff springs join.
+JOINED = """mesh lower = box(2, 1, 1, cells = [14, 7, 7])
+mesh upper = box(2, 1, 1, cells = [16, 8, 8], at = [0, 1, 0])
+mesh both = lower + upper
+part base = lower.bottom
+part roof = upper.top
+part seam = pair(upper.bottom, lower.top)
+tensor B = isotropic(young = 50, poisson = 0.3)
+superpotential glue(r) = 5e5*r^2
+space V = vector P1 on both, zero on base, zero on roof
+find u in V
+such that for all v in V
+    integral(both, B : eps(u) : eps(v)) + integral(seam, glue^0(jump(u).nu; jump(v).nu))
+ >= integral(upper, dot([1, -3, 0.5], v))
+report
+  table u_y = u.y at [1, 1.5, 0.5]
+"""
+
+BODIES = {"held": BODY, "in contact": CONTACT, "joined by springs": JOINED}
+MORE = 1.4  # times the iterations of one process, at most
+
+
+def larger(program, folder, options):
+    """Bodies of 4,000 to 8,000 unknowns: the same bits, iterations, and what another process is told to hold."""
+    wrong = []
+
+    def judge(good, words):
+        print(f"{'ok   ' if good else 'FAILS'} {words}", flush=True)
+        if not good:
+            wrong.append(words)
+
+    for name, text in BODIES.items():
+        path = folder / "body.hvi"
+        path.write_text(text)
+        alone = run(program, path, folder, 1)[1]["plan"]["iterations"]
+        for n in options.ranks:
+            of = f"a larger body, {name}, with {n} processes"
+            runs = [run(program, path, folder, n) for _ in range(REPEATED)]
+            failed = [done.stderr[-600:] for done, _ in runs if done.returncode != 0]
+            judge(not failed, "\n".join([f"{of}: {len(failed)} of {REPEATED} runs fail", *failed[:1]]))
+            if failed:
+                continue
+            answers = [answer for _, answer in runs]
+            judge(all(answer["table"] == answers[0]["table"] for answer in answers), f"{of}: the same bits each time")
+            times = answers[0]["plan"]["iterations"] / alone
+            judge(times <= MORE, f"{of}: {times:.2f} times the iterations of one")
+            held = answers[0]["plan"]["bytes_of_others"]  # its part, and PETSc
+            judge(2e7 < held < 2e8, f"{of}: another process holds {held / 1e6:.0f} MB")
+    return bool(wrong)
 
 
 LONG = """mesh body = rectangle(2, 1, cells = [{n}, {n}])
@@ -238,7 +283,7 @@ def main():
         folder = pathlib.Path(temporary)
         if options.endings:
             sys.exit(bool(Endings(program, folder).all()))
-        sys.exit(scenes(program, folder, options) | same_bits(program, folder, options))
+        sys.exit(scenes(program, folder, options) | larger(program, folder, options))
 
 
 if __name__ == "__main__":

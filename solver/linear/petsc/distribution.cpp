@@ -17,12 +17,18 @@ std::vector<int> starts_of(const std::vector<int>& counts) {
 
 } // namespace
 
-Distribution::Distribution(const Numbering& numbering) : comm_(world()), rank_(rank()) {
+Distribution::Distribution(const Numbering& numbering) : Distribution(world(), numbering.counts()) {
   components_ = of_first(numbering.components());
-  std::vector<int> counts = numbering.counts();
+}
+
+Distribution::Distribution(MPI_Comm comm, std::vector<int> counts) : comm_(comm), rank_(rank()) {
   counts.resize(static_cast<std::size_t>(processes()), 0);
   MPI_Bcast(counts.data(), static_cast<int>(counts.size()), MPI_INT, 0, comm_);
   first_ = starts_of(counts);
+}
+
+int Distribution::process_of(int row) const {
+  return static_cast<int>(std::upper_bound(first_.begin(), first_.end(), row) - first_.begin()) - 1;
 }
 
 int Distribution::of_first(int value) const {
@@ -81,6 +87,12 @@ HviPetscMatrix Distribution::deal(const HviPetscMatrix& whole, Rows& mine) const
   mine.start.assign(1, 0);
   for (const int end : ends) mine.start.push_back(end - before);
   return mine.view();
+}
+
+std::vector<int> Distribution::deal(const std::vector<int>& whole) const {
+  std::vector<int> mine;
+  scatter(whole.data(), counts(), mine, MPI_INT);
+  return mine;
 }
 
 std::vector<double> Distribution::deal(std::vector<double> columns, int count) const {

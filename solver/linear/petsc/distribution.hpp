@@ -14,11 +14,15 @@ class Distribution {
 public:
   /// What the first process has been told of: components of a node, rows of each process.
   explicit Distribution(const Numbering& numbering);
+  /// Of other rows: how many each process has.
+  Distribution(MPI_Comm comm, std::vector<int> counts);
   MPI_Comm comm() const { return comm_; }
   bool alone() const { return first_.size() == 2; }
   int components() const { return components_; }
   int rows() const { return first_[rank_ + 1] - first_[rank_]; }
+  int first_row() const { return first_[rank_]; }
   int all_rows() const { return first_.back(); }
+  int process_of(int row) const;
   bool is_first() const { return rank_ == 0; }
 
   /// What the first process says.
@@ -30,6 +34,7 @@ public:
 
   /// Each process's rows of `whole`; `mine` holds them where they are not all.
   HviPetscMatrix deal(const HviPetscMatrix& whole, Rows& mine) const;
+  std::vector<int> deal(const std::vector<int>& whole) const;
   /// Of columns one after the other.
   std::vector<double> deal(std::vector<double> columns, int count) const;
 
@@ -50,7 +55,7 @@ private:
 
   MPI_Comm comm_;
   int rank_;
-  int components_;
+  int components_ = 1;
   std::vector<int> first_; ///< row of each process, and the end
 };
 

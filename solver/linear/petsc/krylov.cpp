@@ -97,6 +97,7 @@ void Krylov::matrix_changed() {
   if (!numbering_.same()) numbering_.refresh(given_, diagonal_, own_);
   Rows mine;
   distribution_.refresh(distribution_.deal(k_, mine), matrix_.get());
+  if (layers_) layers_->matrix_changed(b_.get());
   changed_ = free_stale_ = true;
 }
 
@@ -128,18 +129,12 @@ bool Krylov::set_laws(const HviPetscMatrix& h, bool symmetric) {
   if (other_method) choose_method();
   in_layers_ = distribution_.of_first(stiff());
   if (!in_layers_) return true;
-  if (distribution_.of_first(!layers_ || !layers_->fit(h_))) see_layers();
-  const bool done = layers_->factor(h_, symmetric_, free_ ? layer_shift : 0.0);
-  in_layers_ = distribution_.of_first(done);
+  if (distribution_.of_first(!layers_ || !layers_->fit(h_)))
+    layers_ = std::make_unique<Layers>(distribution_, b_.get(), k_, h_);
+  in_layers_ = layers_->factor(h_, symmetric_, free_ ? layer_shift : 0.0);
   ++counts_.local_factors;
   count();
   return in_layers_;
-}
-
-void Krylov::see_layers() {
-  layers_ = std::make_unique<Layers>(k_, h_);
-  for (std::optional<View>* view : {&right_, &left_, &to_})
-    view->emplace(distribution_, b_.get(), layers_->touched());
 }
 
 void Krylov::choose_method() {
@@ -163,7 +158,7 @@ PetscErrorCode Krylov::apply_matrix(Mat shell, Vec x, Vec y) {
   PetscCall(MatShellGetContext(shell, &self));
   const Krylov& of = *static_cast<const Krylov*>(self);
   PetscCall(MatMult(of.matrix_.get(), x, y));
-  return of.law_rows_.add_product(x, y);
+  return of.law_rows_.add_product(1.0, x, y);
 }
 
 PetscErrorCode Krylov::apply_preconditioner(PC shell, Vec r, Vec z) {
@@ -184,26 +179,19 @@ PetscErrorCode Krylov::precondition(Vec r, Vec z) const {
   if (!in_layers_) return multigrid_->apply(r, z);
   const Vec rest = rest_.get(), work = work_.get();
   PetscCall(VecSet(z, 0.0));
-  PetscCall(VecCopy(r, rest));
-  const double* right = nullptr;
-  double *to = nullptr, *left = nullptr;
-  PetscCall(right_->read(r, &right));
-  PetscCall(to_->change(z, &to));
-  PetscCall(layers_->solve(right, to));
-  PetscCall(left_->change(rest, &left));
-  layers_->subtract_product(h_, to, left);
-  PetscCall(left_->put(rest, &left));
-  PetscCall(to_->put(z, &to));
+  PetscCall(layers_->add_solved(r, z));
+  PetscCall(rest_near_laws(r, z));
   PetscCall(multigrid_->apply(rest, work));
   PetscCall(VecAXPY(z, 1.0, work));
-  PetscCall(to_->change(z, &to));
-  PetscCall(left_->write(rest, &left));
-  layers_->residual_inside(h_, right, to, left);
-  PetscCall(layers_->solve(left, to));
-  PetscCall(left_->put(rest, &left));
-  PetscCall(to_->put(z, &to));
-  PetscCall(right_->done(r, &right));
-  return 0;
+  PetscCall(rest_near_laws(r, z));
+  return layers_->add_solved(rest, z);
+}
+
+/// r - (K + H) z, right where laws act and next to it.
+PetscErrorCode Krylov::rest_near_laws(Vec r, Vec z) const {
+  PetscCall(VecCopy(r, rest_.get()));
+  PetscCall(layers_->subtract_product(z, rest_.get()));
+  return law_rows_.add_product(-1.0, z, rest_.get());
 }
 
 /// The multigrid is set up when it is asked for, and again when it has become too old.
@@ -273,7 +261,8 @@ void Krylov::note(const HviPetscAnswer& answer) {
 
 /// Bytes of all processes, seconds of this one.
 void Krylov::count() {
-  double bytes = multigrid_->bytes() + 12.0 * static_cast<double>(own_.column.size()) +
+  double bytes = multigrid_->bytes() + law_rows_.bytes() +
+                 12.0 * static_cast<double>(own_.column.size()) +
                  distribution_.copied_bytes(matrix_.get()) + 8.0 * 12.0 * distribution_.rows();
   if (layers_) bytes += layers_->bytes();
   if (free_) bytes += free_->bytes();

@@ -4,8 +4,8 @@
 // H and b; the others give empty ones.
 #pragma once
 
+#include "solver/linear/petsc/few_rows.hpp"
 #include "solver/linear/petsc/free_motions.hpp"
-#include "solver/linear/petsc/law_rows.hpp"
 #include "solver/linear/petsc/layers.hpp"
 #include "solver/linear/petsc/multigrid.hpp"
 
@@ -29,12 +29,12 @@ private:
   static PetscErrorCode apply_matrix(Mat shell, Vec x, Vec y);
   static PetscErrorCode apply_preconditioner(PC shell, Vec r, Vec z);
   PetscErrorCode precondition(Vec r, Vec z) const;
+  PetscErrorCode rest_near_laws(Vec r, Vec z) const;
   PetscErrorCode balanced(Vec r, Vec z);
   std::vector<double> in_own_numbering(const double* columns, int count) const;
   void prepare();
   HviPetscAnswer answer_of_method() const;
   void make_matrix();
-  void see_layers();
   void count();
   void choose_method();
   void note(const HviPetscAnswer& answer);
@@ -48,13 +48,12 @@ private:
   Rows own_;         ///< K, where PETSc numbers it otherwise
   HviPetscMatrix k_; ///< in PETSc's numbering, whole
   Rows h_;           ///< whole
-  LawRows law_rows_;
+  FewRows law_rows_;
   bool symmetric_k_, symmetric_ = true;
   Owned<Mat> matrix_, shell_;
   std::optional<Multigrid> multigrid_;
   std::unique_ptr<Layers> layers_;
-  /// How the first process sees a residual, the same when it is kept up, and a solution.
-  std::optional<View> all_, right_, left_, to_;
+  std::optional<View> all_;           ///< how the first process sees right-hand sides and solutions
   std::unique_ptr<FreeMotions> free_; ///< null: K holds the body
   bool free_known_ = false;           ///< are they solved exactly, for the laws at hand?
   bool free_stale_ = false;           ///< has A changed since?

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace hvi::petsc_module {
 namespace {
@@ -22,26 +24,100 @@ std::vector<int> marked(const std::vector<char>& in) {
   return out;
 }
 
-} // namespace
+bool has_entries(const Rows& h, int row) { return h.start[row] < h.start[row + 1]; }
 
-Layers::Layers(const HviPetscMatrix& k, const Rows& h) : k_(k), start_(h.start), column_(h.column) {
-  std::vector<char> in(static_cast<std::size_t>(k.rows), 0);
+/// For each row the first one that h couples it with, over any number of others.
+std::vector<int> first_coupled(const Rows& h) {
+  std::vector<int> parent(static_cast<std::size_t>(h.size()));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
   for (int i = 0; i < h.size(); ++i)
-    if (h.start[i] < h.start[i + 1]) in[i] = 1;
-  add_neighbours(k, in);
-  inside_ = marked(in);
-  position_.assign(in.size(), -1);
-  for (std::size_t p = 0; p < inside_.size(); ++p) position_[inside_[p]] = static_cast<int>(p);
-  add_neighbours(k, in);
-  touched_ = marked(in);
+    for (int e = h.start[i]; e < h.start[i + 1]; ++e) {
+      const int a = root(i), b = root(h.column[e]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  for (int i = 0; i < h.size(); ++i) parent[i] = root(i);
+  return parent;
 }
 
-/// K_XX + H_XX; the pattern is the union of both.
-void Layers::assemble(const Rows& h, double shift) {
-  Rows next;
+/// The rows that are named, and none of the others.
+Rows only(const HviPetscMatrix& k, const std::vector<int>& named) {
+  Rows out;
+  out.start.assign(static_cast<std::size_t>(k.rows) + 1, 0);
+  for (const int i : named) out.start[i + 1] = k.start[i + 1] - k.start[i];
+  std::partial_sum(out.start.begin(), out.start.end(), out.start.begin());
+  for (const int i : named) {
+    out.column.insert(out.column.end(), k.column + k.start[i], k.column + k.start[i + 1]);
+    out.value.insert(out.value.end(), k.value + k.start[i], k.value + k.start[i + 1]);
+  }
+  return out;
+}
+
+} // namespace
+
+Layers::Layers(const Distribution& distribution, Vec like, const HviPetscMatrix& k, const Rows& h)
+    : distribution_(distribution), k_(k), start_(h.start), column_(h.column) {
+  const std::vector<int> counts = find(h);
+  parts_.emplace(distribution.comm(), counts);
+  matrix_changed(like);
+  const std::vector<int> mine = parts_->deal(inside_);
+  const PetscInt n = parts_->rows();
+  check(VecCreateSeq(PETSC_COMM_SELF, n, right_.put()));
+  check(VecCreateSeq(PETSC_COMM_SELF, n, left_.put()));
+  connect(like, mine, nullptr, right_.get(), scatter_);
+}
+
+/// X and what is beside it; how many rows of X each process has.
+std::vector<int> Layers::find(const Rows& h) {
+  std::vector<char> in(static_cast<std::size_t>(k_.rows), 0);
+  for (int i = 0; i < h.size(); ++i)
+    if (has_entries(h, i)) in[i] = 1;
+  add_neighbours(k_, in);
+  inside_ = marked(in);
+  add_neighbours(k_, in);
+  beside_ = marked(in);
+  part_ = parts_of(h);
+  std::stable_sort(inside_.begin(), inside_.end(),
+                   [&](int a, int b) { return part_[a] < part_[b]; });
+  position_.assign(in.size(), -1);
+  for (std::size_t p = 0; p < inside_.size(); ++p) position_[inside_[p]] = static_cast<int>(p);
+  std::vector<int> counts(static_cast<std::size_t>(processes()), 0);
+  for (const int i : inside_) ++counts[part_[i]];
+  return counts;
+}
+
+/// Which process has each row of X: what h couples is with its first row, and a neighbour of it
+/// with the first one that it neighbours.
+std::vector<int> Layers::parts_of(const Rows& h) const {
+  std::vector<int> out(static_cast<std::size_t>(k_.rows), 0);
+  if (distribution_.alone()) return out;
+  const std::vector<int> with = first_coupled(h);
+  for (const int i : inside_) {
+    int law = i;
+    for (int e = k_.start[i]; !has_entries(h, law) && e < k_.start[i + 1]; ++e)
+      if (has_entries(h, k_.column[e])) law = k_.column[e];
+    out[i] = distribution_.process_of(with[law]);
+  }
+  return out;
+}
+
+void Layers::matrix_changed(Vec like) {
+  near_rows_ = only(k_, beside_);
+  near_.set(distribution_, like, near_rows_.view());
+  if (!distribution_.alone()) near_rows_ = {}; // each process has its own
+}
+
+/// K_XX + H_XX without the entries between parts; the pattern is the union of both.
+Rows Layers::assembled(const Rows& h, double shift) const {
+  Rows out;
   for (const int i : inside_) {
     int a = k_.start[i], b = h.start[i];
     const int end_a = k_.start[i + 1], end_b = h.start[i + 1];
+    std::size_t diagonal = 0;
+    double left_out = 0.0;
     while (a < end_a || b < end_b) {
       const int column =
           std::min(a < end_a ? k_.column[a] : k_.rows, b < end_b ? h.column[b] : k_.rows);
@@ -52,42 +128,59 @@ void Layers::assemble(const Rows& h, double shift) {
       }
       if (b < end_b && h.column[b] == column) value += h.value[b++];
       if (position_[column] < 0) continue;
-      next.column.push_back(position_[column]);
-      next.value.push_back(value);
+      if (part_[column] != part_[i]) {
+        left_out += std::abs(value);
+        continue;
+      }
+      if (column == i) diagonal = out.value.size();
+      out.column.push_back(position_[column]);
+      out.value.push_back(value);
     }
-    next.start.push_back(static_cast<int>(next.column.size()));
+    out.value[diagonal] += 0.5 * left_out;
+    out.start.push_back(static_cast<int>(out.column.size()));
   }
-  if (next.start == local_.start && next.column == local_.column) {
-    std::copy(next.value.begin(), next.value.end(), local_.value.begin()); // PETSc reads these
+  return out;
+}
+
+/// This process's part, in numbers of its own.
+void Layers::take(Rows whole) {
+  Rows mine;
+  parts_->deal(whole.view(), mine);
+  if (parts_->alone()) mine = std::move(whole);
+  for (int& column : mine.column) column -= parts_->first_row();
+  if (mine.start == local_.start && mine.column == local_.column) {
+    std::copy(mine.value.begin(), mine.value.end(), local_.value.begin()); // PETSc reads these
     return;
   }
   matrix_.reset();
   factor_.reset();
-  local_ = std::move(next);
+  local_ = std::move(mine);
 }
 
 bool Layers::factor(const Rows& h, bool symmetric, double shift) {
-  if (size() == 0) return true;
-  assemble(h, shift);
+  take(assembled(h, shift));
   if (symmetric != symmetric_) factor_.reset();
   symmetric_ = symmetric;
-  const PetscInt n = size();
-  if (!matrix_) {
+  return !distribution_.any(!factored());
+}
+
+bool Layers::factored() {
+  const PetscInt n = local_.size();
+  if (n == 0) return true;
+  if (!matrix_)
     check(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, n, n, local_.start.data(),
                                     local_.column.data(), local_.value.data(), matrix_.put()));
-    check(MatCreateVecs(matrix_.get(), right_.put(), left_.put()));
-  }
   values_changed(matrix_.get());
-  check(MatSetOption(matrix_.get(), MAT_SYMMETRIC, symmetric ? PETSC_TRUE : PETSC_FALSE));
+  check(MatSetOption(matrix_.get(), MAT_SYMMETRIC, symmetric_ ? PETSC_TRUE : PETSC_FALSE));
   MatFactorInfo info{};
   check(MatFactorInfoInitialize(&info));
   if (!factor_) {
-    check(MatGetFactor(matrix_.get(), symmetric ? MATSOLVERCHOLMOD : MATSOLVERUMFPACK,
-                       symmetric ? MAT_FACTOR_CHOLESKY : MAT_FACTOR_LU, factor_.put()));
-    check(symmetric ? MatCholeskyFactorSymbolic(factor_.get(), matrix_.get(), nullptr, &info)
-                    : MatLUFactorSymbolic(factor_.get(), matrix_.get(), nullptr, nullptr, &info));
+    check(MatGetFactor(matrix_.get(), symmetric_ ? MATSOLVERCHOLMOD : MATSOLVERUMFPACK,
+                       symmetric_ ? MAT_FACTOR_CHOLESKY : MAT_FACTOR_LU, factor_.put()));
+    check(symmetric_ ? MatCholeskyFactorSymbolic(factor_.get(), matrix_.get(), nullptr, &info)
+                     : MatLUFactorSymbolic(factor_.get(), matrix_.get(), nullptr, nullptr, &info));
   }
-  const PetscErrorCode error = symmetric
+  const PetscErrorCode error = symmetric_
                                    ? MatCholeskyFactorNumeric(factor_.get(), matrix_.get(), &info)
                                    : MatLUFactorNumeric(factor_.get(), matrix_.get(), &info);
   MatFactorError found = MAT_FACTOR_NOERROR;
@@ -99,39 +192,22 @@ bool Layers::factor(const Rows& h, bool symmetric, double shift) {
 
 double Layers::bytes() const {
   MatInfo info{};
-  double out = static_cast<double>(local_.column.size()) * (sizeof(double) + sizeof(int));
+  double out =
+      near_.bytes() + static_cast<double>(local_.column.size() + near_rows_.column.size()) *
+                          (sizeof(double) + sizeof(int));
   if (factor_ && MatGetInfo(factor_.get(), MAT_LOCAL, &info) == 0)
     out += info.nz_used * sizeof(double);
   return out;
 }
 
-PetscErrorCode Layers::solve(const double* r, double* z) const {
-  if (inside_.empty()) return 0;
-  double* values = nullptr;
-  PetscCall(VecGetArrayWrite(right_.get(), &values));
-  for (std::size_t p = 0; p < inside_.size(); ++p) values[p] = r[inside_[p]];
-  PetscCall(VecRestoreArrayWrite(right_.get(), &values));
-  PetscCall(MatSolve(factor_.get(), right_.get(), left_.get()));
-  const double* found = nullptr;
-  PetscCall(VecGetArrayRead(left_.get(), &found));
-  for (std::size_t p = 0; p < inside_.size(); ++p) z[inside_[p]] += found[p];
-  PetscCall(VecRestoreArrayRead(left_.get(), &found));
-  return 0;
-}
-
-double Layers::product(const Rows& h, int row, const double* z) const {
-  double sum = 0.0;
-  for (int e = k_.start[row]; e < k_.start[row + 1]; ++e) sum += k_.value[e] * z[k_.column[e]];
-  for (int e = h.start[row]; e < h.start[row + 1]; ++e) sum += h.value[e] * z[h.column[e]];
-  return sum;
-}
-
-void Layers::subtract_product(const Rows& h, const double* z, double* r) const {
-  for (const int i : touched_) r[i] -= product(h, i, z);
-}
-
-void Layers::residual_inside(const Rows& h, const double* r, const double* z, double* out) const {
-  for (const int i : inside_) out[i] = r[i] - product(h, i, z);
+PetscErrorCode Layers::add_solved(Vec r, Vec z) const {
+  const VecScatter scatter = scatter_.get();
+  const Vec right = right_.get(), left = left_.get();
+  PetscCall(VecScatterBegin(scatter, r, right, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(scatter, r, right, INSERT_VALUES, SCATTER_FORWARD));
+  if (local_.size() > 0) PetscCall(MatSolve(factor_.get(), right, left));
+  PetscCall(VecScatterBegin(scatter, left, z, ADD_VALUES, SCATTER_REVERSE));
+  return VecScatterEnd(scatter, left, z, ADD_VALUES, SCATTER_REVERSE);
 }
 
 } // namespace hvi::petsc_module

@@ -3,54 +3,65 @@
 // H is stiff where contact is closed or sticks, and no cycle of K knows it. With X the unknowns
 // that laws touch and their neighbours in K, the preconditioner M of K becomes, for A = K + H,
 //
-//   z = A_XX^-1 r,   z += M (r - A z),   z += A_XX^-1 (r - A z)
+//   z = S r,   z += M (r - A z),   z += S (r - A z),   S = A_XX^-1
 //
 // (multiplicative Schwarz with X first and last, so that it is symmetric where A is: B. Smith,
 // P. Bjorstad, W. Gropp, Domain decomposition, Cambridge University Press, 1996).
-// With several processes the first one does this, and the others have no layers.
+//
+// With several processes X is divided among them, so that what H couples is with one of them, and S
+// solves with each part. Half the sum of the sizes of the entries between parts, N, which are left
+// out, is added to the diagonal of their rows: with D what S inverts, 2 D - A_XX is then at least
+// the parts themselves, as the sums of sizes are at least N, and the preconditioner is positive
+// definite where A is (such sums: A. Baker, R. Falgout, T. Kolev, U. Yang, Multigrid smoothers for
+// ultraparallel computing, SIAM J. Sci. Comput. 33 (2011) 2864-2887).
 #pragma once
 
-#include "solver/linear/petsc/numbering.hpp"
-#include "solver/linear/petsc/session.hpp"
+#include "solver/linear/petsc/few_rows.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace hvi::petsc_module {
 
 class Layers {
 public:
-  /// The arrays of `k` are kept by reference; X: the rows where `h` has entries, and their
-  /// neighbours. `h` and `k` in PETSc's numbering.
-  Layers(const HviPetscMatrix& k, const Rows& h);
+  /// X: the rows where `h` has entries, and their neighbours in `k`. Both are whole, in PETSc's
+  /// numbering, and of the first process; `k` is kept by reference.
+  Layers(const Distribution& distribution, Vec like, const HviPetscMatrix& k, const Rows& h);
   /// Are these the layers of an h of this pattern?
   bool fit(const Rows& h) const { return h.start == start_ && h.column == column_; }
+  /// K has other entries.
+  void matrix_changed(Vec like);
   /// Factors A_XX, with `shift` of the size of K's diagonal added to its own. False: it has no
   /// factor.
   bool factor(const Rows& h, bool symmetric, double shift);
-  int size() const { return static_cast<int>(inside_.size()); }
-  /// X and its neighbours.
-  const std::vector<int>& touched() const { return touched_; }
-  double bytes() const;
+  double bytes() const; ///< of this process
 
-  /// z += A_XX^-1 r on X.
-  PetscErrorCode solve(const double* r, double* z) const;
-  /// r -= A z on the rows that X touches, for a z that is 0 outside of X.
-  void subtract_product(const Rows& h, const double* z, double* r) const;
-  /// (r - A z) on X only, for any z; the other entries of `out` are left.
-  void residual_inside(const Rows& h, const double* r, const double* z, double* out) const;
+  PetscErrorCode add_solved(Vec r, Vec z) const; ///< z += S r
+  /// r -= K z in X and next to it: everywhere for a z that is 0 outside of X.
+  PetscErrorCode subtract_product(Vec z, Vec r) const { return near_.add_product(-1.0, z, r); }
 
 private:
-  void assemble(const Rows& h, double shift);
-  double product(const Rows& h, int row, const double* z) const;
+  std::vector<int> find(const Rows& h);
+  std::vector<int> parts_of(const Rows& h) const;
+  Rows assembled(const Rows& h, double shift) const;
+  void take(Rows whole);
+  bool factored();
 
+  const Distribution& distribution_;
   HviPetscMatrix k_;
-  std::vector<int> start_, column_; ///< pattern of h
-  std::vector<int> inside_;         ///< X, increasing
-  std::vector<int> position_;       ///< in X, or -1
-  std::vector<int> touched_;        ///< X and its neighbours
-  Rows local_;                      ///< A_XX
+  std::vector<int> start_, column_;   ///< pattern of h
+  std::vector<int> inside_;           ///< X, one part after the other
+  std::vector<int> position_;         ///< in X, or -1
+  std::vector<int> part_;             ///< of X: the process that solves with it
+  std::vector<int> beside_;           ///< X and its neighbours
+  std::optional<Distribution> parts_; ///< of X
+  Rows near_rows_;                    ///< K's rows of X and its neighbours, if all are here
+  FewRows near_;
+  Rows local_; ///< what is factored here
   Owned<Mat> matrix_, factor_;
-  Owned<Vec> right_, left_;
+  Owned<Vec> right_, left_; ///< of this part
+  Owned<VecScatter> scatter_;
   bool symmetric_ = true;
 };
 

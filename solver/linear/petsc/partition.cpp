@@ -46,10 +46,11 @@ std::vector<int> parts_by_metis(Graph graph, int parts) {
   static_assert(std::is_same_v<idx_t, int>);
   int nodes = static_cast<int>(graph.start.size()) - 1, constraints = 1, cut = 0;
   std::vector<int> out(static_cast<std::size_t>(nodes));
-  if (METIS_PartGraphKway(&nodes, &constraints, graph.start.data(), graph.neighbour.data(), nullptr,
-                          nullptr, nullptr, &parts, nullptr, nullptr, nullptr, &cut,
-                          out.data()) != METIS_OK)
-    throw std::bad_alloc(); // the only thing that it lacks
+  const int answer =
+      METIS_PartGraphKway(&nodes, &constraints, graph.start.data(), graph.neighbour.data(), nullptr,
+                          nullptr, nullptr, &parts, nullptr, nullptr, nullptr, &cut, out.data());
+  if (answer == METIS_ERROR_MEMORY) throw std::bad_alloc();
+  if (answer != METIS_OK) throw PetscFailure("METIS finds no parts of the graph of K");
   return out;
 }
 

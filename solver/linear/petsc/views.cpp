@@ -14,7 +14,8 @@ std::vector<int> all_of(const Distribution& distribution) {
   return out;
 }
 
-/// From entries of vectors like this one to those of `here`; null places: one after the other.
+} // namespace
+
 void connect(Vec like, const std::vector<int>& from, const std::vector<int>* places, Vec here,
              Owned<VecScatter>& scatter) {
   Owned<IS> there, to;
@@ -27,37 +28,22 @@ void connect(Vec like, const std::vector<int>& from, const std::vector<int>* pla
   check(VecScatterCreate(like, there.get(), here, to.get(), scatter.put()));
 }
 
-} // namespace
-
-View::View(const Distribution& distribution, Vec like)
-    : View(distribution, like, all_of(distribution)) {}
-
-View::View(const Distribution& distribution, Vec like, const std::vector<int>& wanted) {
+View::View(const Distribution& distribution, Vec like) {
   if (distribution.alone()) return;
-  const PetscInt n = distribution.is_first() ? distribution.all_rows() : 0;
-  check(VecCreateSeq(PETSC_COMM_SELF, n, whole_.put()));
-  connect(like, wanted, &wanted, whole_.get(), scatter_);
-}
-
-PetscErrorCode View::fetch(Vec x) const {
-  PetscCall(VecScatterBegin(scatter_.get(), x, whole_.get(), INSERT_VALUES, SCATTER_FORWARD));
-  return VecScatterEnd(scatter_.get(), x, whole_.get(), INSERT_VALUES, SCATTER_FORWARD);
+  const std::vector<int> all = all_of(distribution);
+  check(VecCreateSeq(PETSC_COMM_SELF, static_cast<PetscInt>(all.size()), whole_.put()));
+  connect(like, all, nullptr, whole_.get(), scatter_);
 }
 
 PetscErrorCode View::read(Vec x, const double** values) const {
   if (!whole_) return VecGetArrayRead(x, values);
-  PetscCall(fetch(x));
+  PetscCall(VecScatterBegin(scatter_.get(), x, whole_.get(), INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(scatter_.get(), x, whole_.get(), INSERT_VALUES, SCATTER_FORWARD));
   return VecGetArrayRead(whole_.get(), values);
 }
 
 PetscErrorCode View::done(Vec x, const double** values) const {
   return VecRestoreArrayRead(whole_ ? whole_.get() : x, values);
-}
-
-PetscErrorCode View::change(Vec x, double** values) const {
-  if (!whole_) return VecGetArray(x, values);
-  PetscCall(fetch(x));
-  return VecGetArray(whole_.get(), values);
 }
 
 PetscErrorCode View::write(Vec x, double** values) const {

@@ -8,23 +8,21 @@
 
 namespace hvi::petsc_module {
 
-/// What the first process sees, and may change: entries at their places in the whole vector. The
-/// others see nothing.
+/// From these entries of vectors like this one to those of `here`; null places: one after the
+/// other.
+void connect(Vec like, const std::vector<int>& from, const std::vector<int>* places, Vec here,
+             Owned<VecScatter>& scatter);
+
+/// The whole vector, as the first process sees it, and may write it. The others see nothing.
 class View {
 public:
-  /// Of all entries.
-  explicit View(const Distribution& distribution, Vec like);
-  /// Of those that the first process wants.
-  View(const Distribution& distribution, Vec like, const std::vector<int>& wanted);
+  View(const Distribution& distribution, Vec like);
   PetscErrorCode read(Vec x, const double** values) const;
   PetscErrorCode done(Vec x, const double** values) const;
-  PetscErrorCode change(Vec x, double** values) const;
   PetscErrorCode write(Vec x, double** values) const; ///< whatever they were
-  PetscErrorCode put(Vec x, double** values) const;   ///< ends `change` and `write`
+  PetscErrorCode put(Vec x, double** values) const;   ///< ends `write`
 
 private:
-  PetscErrorCode fetch(Vec x) const;
-
   Owned<Vec> whole_; ///< null: alone
   Owned<VecScatter> scatter_;
 };
