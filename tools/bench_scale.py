@@ -1,7 +1,15 @@
 """tools/bench scale: large bodies by the iterative solver, and against the direct one.
 
---quick: up to n = 16 only. The largest runs take a quarter of an hour and 6 GiB.
+--quick: up to n = 16 only. The largest runs take a quarter of an hour and 6 GiB. Wall times of two processes mean something on an
+idle machine with two processors only.
 """
+import pathlib
+import statistics
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "families"))
+import iterative as family  # noqa: E402  which knows how to start several processes
+
 FAMILIES = {  # scripts in 3D, and what n = 64 must stay below: CPU seconds and GiB
     "slab3d": ("bench/slab3d.hvi", (240, 6), (120, 4)),
     "slab3d with friction": ("bench/slab3d_friction.hvi", (900, 6), (400, 6)),
@@ -9,12 +17,16 @@ FAMILIES = {  # scripts in 3D, and what n = 64 must stay below: CPU seconds and 
 STEPS = 16
 AGAINST = {"slab3d": (1.0, 0.5), "slab3d with friction": (1.2, 0.5)}  # CPU over the direct one's at n = 32: must, aim
 GROWTH = 1.4  # of iterations a step at a doubling
+PAIRS = 3  # of runs, of which the median counts
+FASTER = (1.6, 1.8)  # two processes over one: must, aim
+WEAK = {1: 20, 2: 25, 4: 32, 8: 40}  # n for each number of processes: 50,000 unknowns each
+EVEN = (1.2, 1.1)  # iterations of eight over one
 
 
-def run_of(measured, sizes, script, n, solver):
-    result = measured(script, *sizes(n=n, N=STEPS), "--solver", solver)
+def run_of(measured, sizes, script, n, solver, processes=1):
+    result = measured(script, *sizes(n=n, N=STEPS), "--solver", solver, launcher=family.launcher(processes))
     work = result["plan"]
-    print(f"    {script} n={n} {solver}: {result['unknowns']} unknowns, {result['seconds']:.1f} s, {result['megabytes']:.0f} MB, "
+    print(f"    {script} n={n} {solver}, processes {processes}: {result['unknowns']} unknowns, {result['seconds']:.1f} s, wall {result['wall']:.1f}, {result['megabytes']:.0f} MB, "
           f"{work['newton'] / STEPS:.1f} Newton and {work.get('iterations', 0) / STEPS:.1f} iterations a step, equilibrium "
           f"{result['certificate']['equilibrium']:.1e}, inclusion {result['certificate']['inclusion']:.1e}", flush=True)
     return result
@@ -41,6 +53,27 @@ def largest(row, rows, name, result):
     row(rows, f"{figures}: peak memory", used, room, aim_room, "GiB", certified and used <= room)
 
 
+def two_processes(row, rows, measured, sizes, name, n):
+    """Wall time of one process over two, in pairs of runs."""
+    script = FAMILIES[name][0]
+    pairs = [[run_of(measured, sizes, script, n, "iterative", processes)["wall"] for processes in (1, 2)] for _ in range(PAIRS)]
+    times = statistics.median(one / two for one, two in pairs)
+    row(rows, f"{name} n={n}: wall time, one process over two", times, *FASTER, "times", times >= FASTER[0])
+
+
+def weak(row, rows, measured, sizes, name, most):
+    """As many unknowns for each process: iterations and the memory of the others."""
+    script = FAMILIES[name][0]
+    plans = {processes: run_of(measured, sizes, script, n, "iterative", processes)["plan"] for processes, n in WEAK.items() if processes <= most}
+    counts = {processes: plan["iterations"] / STEPS for processes, plan in plans.items()}
+    grown = counts[most] / counts[1]
+    told = ", ".join(f"{count:.0f}" for count in counts.values())
+    row(rows, f"{name}, 50,000 unknowns a process: iterations ({told})", grown, *EVEN, "times", grown <= EVEN[0])
+    held = {processes: plan["bytes_of_others"] for processes, plan in plans.items() if processes > 1}
+    grown = held[most] / held[2]
+    row(rows, f"the same: memory of another process, {most} over 2 ({held[most] / 1e6:.0f} MB)", grown, *EVEN, "times", grown <= EVEN[0])
+
+
 def scale(quick, row, measured, sizes):
     rows = []
     for name, (script, _, _) in FAMILIES.items():
@@ -56,4 +89,6 @@ def scale(quick, row, measured, sizes):
             growth = a_step[n] / a_step[n // 2]
             row(rows, f"{name}: iterations a step, n={n} over n={n // 2} ({a_step[n]:.0f}, {a_step[n // 2]:.0f})", growth, GROWTH,
                 1, "times", growth <= GROWTH)
+        two_processes(row, rows, measured, sizes, name, 16 if quick else 32)
+        weak(row, rows, measured, sizes, name, 2 if quick else max(WEAK))
     return rows
