@@ -67,7 +67,7 @@ Layers::Layers(const Distribution& distribution, Vec like, const HviPetscMatrix&
   const PetscInt n = parts_->rows();
   check(VecCreateSeq(PETSC_COMM_SELF, n, right_.put()));
   check(VecCreateSeq(PETSC_COMM_SELF, n, left_.put()));
-  connect(like, mine, nullptr, right_.get(), scatter_);
+  connect(like, mine, right_.get(), scatter_);
 }
 
 /// X and what is beside it; how many rows of X each process has.
@@ -93,7 +93,6 @@ std::vector<int> Layers::find(const Rows& h) {
 /// with the first one that it neighbours.
 std::vector<int> Layers::parts_of(const Rows& h) const {
   std::vector<int> out(static_cast<std::size_t>(k_.rows), 0);
-  if (distribution_.alone()) return out;
   const std::vector<int> with = first_coupled(h);
   for (const int i : inside_) {
     int law = i;
@@ -110,7 +109,8 @@ void Layers::matrix_changed(Vec like) {
   if (!distribution_.alone()) near_rows_ = {}; // each process has its own
 }
 
-/// K_XX + H_XX without the entries between parts; the pattern is the union of both.
+/// K_XX + H_XX without the entries between parts; the pattern is the union of both, and K has all
+/// its diagonal.
 Rows Layers::assembled(const Rows& h, double shift) const {
   Rows out;
   for (const int i : inside_) {

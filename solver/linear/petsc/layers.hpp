@@ -8,12 +8,12 @@
 // (multiplicative Schwarz with X first and last, so that it is symmetric where A is: B. Smith,
 // P. Bjorstad, W. Gropp, Domain decomposition, Cambridge University Press, 1996).
 //
-// With several processes X is divided among them, so that what H couples is with one of them, and S
-// solves with each part. Half the sum of the sizes of the entries between parts, N, which are left
-// out, is added to the diagonal of their rows: with D what S inverts, 2 D - A_XX is then at least
-// the parts themselves, as the sums of sizes are at least N, and the preconditioner is positive
-// definite where A is (such sums: A. Baker, R. Falgout, T. Kolev, U. Yang, Multigrid smoothers for
-// ultraparallel computing, SIAM J. Sci. Comput. 33 (2011) 2864-2887).
+// With several processes X is divided into parts, one for each, so that what H couples is in one
+// part, and a process solves with its own. Be D the entries within the parts and N those between
+// them, A_XX = D + N. With L the diagonal of the sums of the sizes of N's rows, S = (D + L / 2)^-1,
+// so that 2 S^-1 - A_XX = D + (L - N) >= D: the preconditioner is positive definite where A is,
+// with any number of parts (such sums: A. Baker, R. Falgout, T. Kolev, U. Yang, Multigrid smoothers
+// for ultraparallel computing, SIAM J. Sci. Comput. 33 (2011) 2864-2887).
 #pragma once
 
 #include "solver/linear/petsc/few_rows.hpp"

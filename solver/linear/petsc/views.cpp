@@ -16,15 +16,11 @@ std::vector<int> all_of(const Distribution& distribution) {
 
 } // namespace
 
-void connect(Vec like, const std::vector<int>& from, const std::vector<int>* places, Vec here,
-             Owned<VecScatter>& scatter) {
+void connect(Vec like, const std::vector<int>& from, Vec here, Owned<VecScatter>& scatter) {
   Owned<IS> there, to;
   const PetscInt n = static_cast<PetscInt>(from.size());
   check(ISCreateGeneral(PETSC_COMM_SELF, n, from.data(), PETSC_USE_POINTER, there.put()));
-  if (places != nullptr)
-    check(ISCreateGeneral(PETSC_COMM_SELF, n, places->data(), PETSC_USE_POINTER, to.put()));
-  else
-    check(ISCreateStride(PETSC_COMM_SELF, n, 0, 1, to.put()));
+  check(ISCreateStride(PETSC_COMM_SELF, n, 0, 1, to.put()));
   check(VecScatterCreate(like, there.get(), here, to.get(), scatter.put()));
 }
 
@@ -32,7 +28,7 @@ View::View(const Distribution& distribution, Vec like) {
   if (distribution.alone()) return;
   const std::vector<int> all = all_of(distribution);
   check(VecCreateSeq(PETSC_COMM_SELF, static_cast<PetscInt>(all.size()), whole_.put()));
-  connect(like, all, nullptr, whole_.get(), scatter_);
+  connect(like, all, whole_.get(), scatter_);
 }
 
 PetscErrorCode View::read(Vec x, const double** values) const {
@@ -65,7 +61,7 @@ void Halo::want(const Distribution& distribution, Vec like, std::vector<int>& co
   if (distribution.any(!here_ || wanted != wanted_)) {
     wanted_ = std::move(wanted);
     check(VecCreateSeq(PETSC_COMM_SELF, static_cast<PetscInt>(wanted_.size()), here_.put()));
-    connect(like, wanted_, nullptr, here_.get(), scatter_);
+    connect(like, wanted_, here_.get(), scatter_);
   }
   for (int& column : columns)
     column = static_cast<int>(std::lower_bound(wanted_.begin(), wanted_.end(), column) -

@@ -8,10 +8,8 @@
 
 namespace hvi::petsc_module {
 
-/// From these entries of vectors like this one to those of `here`; null places: one after the
-/// other.
-void connect(Vec like, const std::vector<int>& from, const std::vector<int>* places, Vec here,
-             Owned<VecScatter>& scatter);
+/// From these entries of vectors like this one to those of `here`, one after the other.
+void connect(Vec like, const std::vector<int>& from, Vec here, Owned<VecScatter>& scatter);
 
 /// The whole vector, as the first process sees it, and may write it. The others see nothing.
 class View {
