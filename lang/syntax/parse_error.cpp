@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace hvi::lang {
 namespace {
@@ -27,6 +30,18 @@ bool is_clause_word(std::string_view word) {
 
 // Words that end a clause.
 bool is_last_word(std::string_view word) { return word == "steps" || word == "relative"; }
+
+// What stands between backquotes in a sentence: "`table` or `fields`" has two.
+std::vector<std::string_view> quoted(std::string_view sentence) {
+  std::vector<std::string_view> words;
+  for (std::size_t open = sentence.find('`'); open != sentence.npos;) {
+    const std::size_t close = sentence.find('`', open + 1);
+    if (close == sentence.npos) break;
+    words.push_back(sentence.substr(open + 1, close - open - 1));
+    open = sentence.find('`', close + 1);
+  }
+  return words;
+}
 
 } // namespace
 
@@ -65,8 +80,12 @@ Span Cursor::missing_place() const {
 void Cursor::fail_expected(std::string_view what) {
   fail_on_known_slip();
   const std::string expected(what);
-  fail(diagnose("E0201", missing_place(), "expected " + expected + ", " + found(peek()))
-           .with_label("expected " + expected));
+  auto diagnostic =
+      diagnose("E0201", missing_place(), "expected " + expected + ", " + found(peek()))
+          .with_label("expected " + expected);
+  const std::string nearest =
+      at(TokenKind::name) ? did_you_mean(text(peek()), quoted(what)) : std::string();
+  fail(nearest.empty() ? std::move(diagnostic) : std::move(diagnostic).with_help(nearest));
 }
 
 void Cursor::fail_at_line_end(std::string_view what) {

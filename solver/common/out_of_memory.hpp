@@ -1,7 +1,7 @@
 // Memory that a library asked for and did not get.
 #pragma once
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <array>
 #include <new>
@@ -13,12 +13,13 @@ namespace hvi::solver {
 class OutOfMemory : public std::bad_alloc {
 public:
   template <class... Arguments>
-  explicit OutOfMemory(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-    fmt::format_to_n(text_.data(), text_.size() - 1, format, std::forward<Arguments>(arguments)...);
-  }
+  explicit OutOfMemory(fmt::format_string<Arguments...> format, const Arguments&... arguments)
+      : OutOfMemory(format, fmt::format_args(fmt::make_format_args(arguments...))) {}
   const char* what() const noexcept override { return text_.data(); }
 
 private:
+  OutOfMemory(fmt::string_view format, fmt::format_args arguments);
+
   std::array<char, 128> text_{};
 };
 

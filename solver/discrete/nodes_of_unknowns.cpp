@@ -1,8 +1,6 @@
 // See nodes_of_unknowns.hpp.
 #include "solver/discrete/nodes_of_unknowns.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -40,45 +38,10 @@ DenseMatrix motions(const Space& space, const StateLayout& layout) {
   return out;
 }
 
-bool is_rigid(const Law& law, const Point& x, double t) {
-  if (law.reads() || law.reads_states()) return false;
-  const LawGraph graph = law.graph(x, LawTime(t, 0.0));
-  for (std::size_t i = 0; i < graph.breaks.size(); ++i)
-    if (std::abs(graph.left[i]) >= unbounded_slope || std::abs(graph.right[i]) >= unbounded_slope)
-      return true;
-  return false;
-}
-
-/// The first law that keeps the sides of a pair apart without giving way, or null.
-const LawTerm* rigid_on_pair(const Problem& problem, const Contact& contact) {
-  for (const ContactTerm& term : contact.terms) {
-    const LawTerm& of = problem.law_terms[static_cast<std::size_t>(term.points.law_term)];
-    const RegionSpec& region = problem.parts[static_cast<std::size_t>(of.part)].region;
-    if (region.kind != RegionSpec::Kind::pair || term.points.x.empty()) continue;
-    if (is_rigid(*contact.laws[static_cast<std::size_t>(of.law)], term.points.x.front(), 0.0))
-      return &of;
-  }
-  return nullptr;
-}
-
 } // namespace
 
-std::string obstacle_to_iterations(const Problem& problem, const Discretisation& d,
-                                   const Contact& contact) {
-  if (d.space.is_product()) return "there are several unknowns";
-  if (const LawTerm* const of = rigid_on_pair(problem, contact))
-    return fmt::format("the law `{}` keeps two bodies apart without giving way", of->name);
-  return {};
-}
-
-void refuse_rigid_pairs(const Problem& problem, const Contact& contact) {
-  const LawTerm* const of = rigid_on_pair(problem, contact);
-  if (of == nullptr) return;
-  throw Failure(FailureKind::bad_value, of->origin,
-                fmt::format("the law `{}` keeps two bodies apart without giving way, which the "
-                            "iterative solver does not do",
-                            of->name),
-                "take `using solver = direct`, or a law that gives way (`normal_compliance`)");
+std::string obstacle_to_iterations(const Discretisation& d) {
+  return d.space.is_product() ? "there are several unknowns" : std::string();
 }
 
 std::shared_ptr<const UnknownsOfNodes>

@@ -1,7 +1,6 @@
 // What iterative solvers are told of the unknowns of a run.
 #pragma once
 
-#include "solver/discrete/contact.hpp"
 #include "solver/discrete/discretisation.hpp"
 #include "solver/discrete/state.hpp"
 #include "solver/linear/iterative_solver.hpp"
@@ -17,12 +16,6 @@ std::shared_ptr<const UnknownsOfNodes> nodes_of_unknowns(const Problem& problem,
                                                          const StateLayout& layout);
 
 /// Why a problem cannot be solved by iterations at all; empty: it can.
-std::string obstacle_to_iterations(const Problem& problem, const Discretisation& discretisation,
-                                   const Contact& contact);
-
-/// Throws Failure(bad_value) where a law keeps the sides of a pair apart with slopes without bound:
-/// the unknowns of both sides are in each of its points, whose places then take hundreds of inexact
-/// steps to settle.
-void refuse_rigid_pairs(const Problem& problem, const Contact& contact);
+std::string obstacle_to_iterations(const Discretisation& discretisation);
 
 } // namespace hvi::solver

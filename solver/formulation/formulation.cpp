@@ -100,7 +100,6 @@ DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
   operators.chosen = choose_solver(plan, d, layout, operators, contact);
   if (operators.chosen.solver == LinearSolver::iterative) {
     operators.iterative = nodes_of_unknowns(plan.problem, d, layout);
-    refuse_rigid_pairs(plan.problem, contact);
     if (!asked) contact = make_contact(plan.problem, d, layout, true);
   }
   ChangingForms changing(plan.problem, d, contact, operators);

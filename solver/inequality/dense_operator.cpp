@@ -256,6 +256,7 @@ private:
   /// the matrix is positive definite.
   bool factor_rounded() const {
     const int n = static_cast<int>(free_.size());
+    if (n == 0) return false; // LAPACK takes no matrix without rows
     gather_free();
     const auto stride = static_cast<std::size_t>(n) + 1;
     before_.resize(free_.size());

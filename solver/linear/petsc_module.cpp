@@ -5,6 +5,7 @@
 #include "solver/common/out_of_memory.hpp"
 #include "solver/linear/iterative_solver.hpp"
 #include "solver/linear/petsc/bridge.h"
+#include "solver/linear/pieces.hpp"
 #include "solver/linear/processes.hpp"
 
 #include <cstdlib>
@@ -51,7 +52,7 @@ void require(int status, const std::string& message) {
 
 class PetscSolver final : public IterativeSolver {
 public:
-  PetscSolver(const SparseMatrix& k, bool symmetric, const UnknownsOfNodes& unknowns) {
+  PetscSolver(const SparseMatrix& k, bool symmetric, const UnknownsOfNodes& unknowns) : pieces_(k) {
     const HviPetscMatrix matrix = rows_of(k);
     const HviPetscUnknowns of{unknowns.node.data(),    unknowns.component.data(),
                               unknowns.nodes,          unknowns.components,
@@ -77,6 +78,7 @@ public:
 
   bool set_laws(const SparseMatrix& h, bool symmetric) override {
     laws_ = &h;
+    pieces_.join(h);
     const HviPetscMatrix matrix = rows_of(h);
     const int status = bridge_.laws(solver_, &matrix, symmetric, message_.data(), message_.size());
     if (status == hvi_petsc_no_factor) return false;
@@ -92,6 +94,7 @@ public:
                           message_.size()),
             message_);
     count();
+    pieces_.leave_at_rest(b, x);
     ++statistics_.solves;
     statistics_.iterations += answer.iterations;
     using Outcome = IterativeAnswer::Outcome;
@@ -115,6 +118,7 @@ private:
 
   Bridge bridge_;
   HviPetscSolver* solver_ = nullptr;
+  Pieces pieces_;
   const SparseMatrix* laws_ = nullptr;
   std::string message_ = std::string(2000, '\0');
   IterativeStatistics statistics_;

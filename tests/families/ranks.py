@@ -44,9 +44,10 @@ def compare(program, path, folder, ranks, repeat):
         difference, column = iterative.apart(a, b)
         if difference > iterative.AGREE:
             return f"{column} apart by {difference:.2e} with {n} processes", ""
+        times = (b["plan"]["iterations"] + 10) / (a["plan"]["iterations"] + 10)
         if repeat and run(program, path, folder, n)[1]["table"] != b["table"]:
             return f"a second run with {n} processes has other bits", ""
-        words.append(f"{n}: apart {difference:.1e}")
+        words.append(f"{n}: apart {difference:.1e}, {times:.2f} times the iterations")
     return None, ", ".join(words)
 
 

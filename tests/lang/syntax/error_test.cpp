@@ -216,6 +216,10 @@ TEST(SyntaxErrors, HelpNamesTheWayOut) {
   EXPECT_EQ(help("param n = 1,000"), "write `1.000` or `1000`");
   EXPECT_EQ(help("param k = 2x"), "a product is written `2*x`");
   EXPECT_EQ(help("find u in V fro t in [0, 1]"), "did you mean `for`?");
+  EXPECT_EQ(help("report\n  tabel y = u.y at [0, 0]"), "did you mean `table`?");
+  EXPECT_EQ(help("report\n  table y = u.y at [0, 0]\n  pictur u"), "did you mean `picture`?");
+  EXPECT_EQ(help("space V = vectr P1 on slab"), "did you mean `vector`?");
+  EXPECT_EQ(help("space V = 3 P1 on slab"), "");
   EXPECT_EQ(help(head + " integral(s, layer(u; v)) >= 0"),
             "the generalised directional derivative is written `layer^0(u; v)`");
   EXPECT_EQ(help(head + " integral(s.top, u*v) >= 0"),

@@ -5,7 +5,9 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <random>
+#include <vector>
 
 namespace hvi::solver {
 namespace {
@@ -82,6 +84,23 @@ TEST(DenseOperator, SolvesWithAndWithoutHeldUnknowns) {
           EXPECT_NEAR(x[i] * d[i], exact[i] * d[i], 1e-2 * b.lpNorm<Eigen::Infinity>());
       }
     }
+}
+
+// Nothing is left for a factor, and LAPACK would complain about a matrix without rows.
+TEST(DenseOperator, HoldsAllUnknowns) {
+  const int n = 450;
+  const DenseMatrix s = stiffness(n, 1.0);
+  std::vector<int> all(n);
+  std::iota(all.begin(), all.end(), 0);
+  const Vector d = 1e13 * s.diagonal();
+  const auto op = dense_operator(s, true);
+  testing::internal::CaptureStderr();
+  ASSERT_TRUE(op->factor(diagonal(d), all));
+  const Vector b = random_vector(n, 3);
+  Vector x;
+  op->solve(b, x);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_LT((d.cwiseProduct(x) - b).norm(), 1e-9 * b.norm());
 }
 
 TEST(DenseOperator, RefusesWhatIsNotDefinite) {

@@ -1,0 +1,29 @@
+// Unknowns that no entries of a matrix couple.
+#pragma once
+
+#include "solver/linear/sparse.hpp"
+
+#include <vector>
+
+namespace hvi::solver {
+
+/// The pieces of K + H: connected components of the graph of its entries. A piece without a
+/// right-hand side has the solution 0. Iterations on all pieces at once leave rounding of the
+/// others there, and rows that hold rounding alone have no accuracy of their own.
+class Pieces {
+public:
+  explicit Pieces(const SparseMatrix& k);
+  /// The entries of H that are not 0 join pieces of K; those of the last H no longer do.
+  void join(const SparseMatrix& h);
+  /// x = 0 on the pieces of K + H on which b is 0.
+  void leave_at_rest(const Vector& b, Vector& x) const;
+
+  int count() const { return count_; } ///< of K alone
+
+private:
+  std::vector<int> piece_;  ///< of K, by unknown
+  std::vector<int> joined_; ///< by piece of K: one that stands for all it is joined to
+  int count_ = 0;
+};
+
+} // namespace hvi::solver
