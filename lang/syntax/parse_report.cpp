@@ -1,7 +1,17 @@
 // What comes out: reports, expectations and studies. See report_parser.hpp.
+#include "lang/diag/suggest.hpp"
 #include "lang/syntax/report_parser.hpp"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 namespace hvi::lang {
+namespace {
+
+constexpr std::array<std::string_view, 5> item_words{"table", "fields", "picture", "line", "plot"};
+
+} // namespace
 
 // report = "report" report-item { report-item } ;
 ast::Report ReportParser::report_statement() {
@@ -13,7 +23,7 @@ ast::Report ReportParser::report_statement() {
     } catch (const Abandoned&) {
       recover_in_report();
     }
-  } while (at_report_item());
+  } while (at_report_item() || at_misspelt_item());
   if (cursor_.spoilt()) throw Abandoned{};
   result.span = cursor_.span_from(result.keyword);
   return result;
@@ -31,8 +41,13 @@ void ReportParser::recover_in_report() {
 }
 
 bool ReportParser::at_report_item() const {
-  return cursor_.at_word("table") || cursor_.at_word("fields") || cursor_.at_word("picture") ||
-         cursor_.at_word("line") || cursor_.at_word("plot");
+  return std::ranges::any_of(item_words, [&](auto word) { return cursor_.at_word(word); });
+}
+
+// No statement begins with a name that is none of its words: `pictur u` is an item.
+bool ReportParser::at_misspelt_item() const {
+  return cursor_.at(TokenKind::name) && cursor_.peek().first_on_line &&
+         suggest(cursor_.text(cursor_.peek()), item_words).has_value();
 }
 
 // report-item = "table" binding { "," binding } [ "every" expr "steps" ] [ "from" "start" ]

@@ -23,6 +23,7 @@ private:
   void recover_in_report();
   ast::ReportItem report_item();
   [[nodiscard]] bool at_report_item() const;
+  [[nodiscard]] bool at_misspelt_item() const;
   Span from_start();
   ast::TableItem table_item();
   ast::FieldsItem fields_item();

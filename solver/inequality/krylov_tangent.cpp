@@ -12,6 +12,9 @@ namespace {
 
 /// Of the residual while points still change their places, and at least where they do not.
 constexpr double while_changing = 1e-2, when_settled = 1e-2, most_at_once = 1e-9;
+/// Of points that rest and share their unknowns, as two bodies on each other do: slender ones turn
+/// by what a hundredth of the forces leaves open, and their points change places again.
+constexpr double while_resting_together = 1e-4;
 /// And where stiffnesses that stand for infinite ones are most of it.
 constexpr double most_of_penalties = 1e-12;
 /// Of the target: norms fall about as fast as the worst row.
@@ -19,27 +22,30 @@ constexpr double below_target = 0.1;
 
 } // namespace
 
-/// The part of the residual's norm that is left without the forces which take points that have come
-/// to rest to their breaks: a step has to be exact beside the other ones.
-double KrylovTangent::without_penalties(const Position& at, const Vector& residual) const {
+/// Of the residual's norm, while points change their places. The forces which take points that have
+/// come to rest to their breaks do not count: a step has to be exact beside the other ones.
+double KrylovTangent::reduction_while_changing(const Position& at, const Vector& residual) const {
   Vector penalties = Vector::Zero(at.points.rows);
+  bool together = false;
   for (int p = 0; p < at.points.size(); ++p) {
     const PointData& q = at.points[p];
     if (q.single || !at.places.resting(p)) continue;
+    together = true;
     for (int row = q.first; row < q.first + q.rows; ++row)
       penalties[row] = at.xi[row] - at.places.xi_hat[row];
   }
+  if (!together) return while_changing;
   const double all = residual.lpNorm<Eigen::Infinity>();
-  if (penalties.isZero(0.0) || !(all > 0.0)) return 1.0;
+  if (penalties.isZero(0.0) || !(all > 0.0)) return while_resting_together;
   const Vector others = residual + at.points.force_of * penalties;
-  return std::clamp(others.lpNorm<Eigen::Infinity>() / all, most_of_penalties / while_changing,
-                    1.0);
+  return std::clamp(while_resting_together * others.lpNorm<Eigen::Infinity>() / all,
+                    most_of_penalties, while_resting_together);
 }
 
 /// What is left of the residual's norm after a step: while points change their places two digits
 /// are lost in the next step anyway; then one step may go as far as the target.
 double KrylovTangent::reduction(const Position& at, const Vector& residual, bool settled) const {
-  if (!settled) return while_changing * without_penalties(at, residual);
+  if (!settled) return reduction_while_changing(at, residual);
   const double worst = at.balance.worst_of(residual, at.c, at.xi);
   if (!(worst > 0.0)) return when_settled;
   return std::clamp(below_target * at.balance.target() / worst, most_at_once, when_settled);

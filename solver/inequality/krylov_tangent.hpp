@@ -15,7 +15,7 @@ public:
              TangentStep& out) override;
 
 private:
-  double without_penalties(const Position& at, const Vector& residual) const;
+  double reduction_while_changing(const Position& at, const Vector& residual) const;
   double reduction(const Position& at, const Vector& residual, bool settled) const;
 
   const StiffnessPattern& pattern_;

@@ -26,7 +26,7 @@ SKIPPED = 77
 ARGUMENTS = {"contact_conductance": ["-D", "N=60"]}
 # And with several processes: 100,000 iterations on 338 unknowns, in which they wait for each other.
 SHORTER = {"block_on_table": ["-D", "N=4"]}
-LONG = ()  # examples that take more than a few seconds
+LONG = ("laminate",)  # slender plies that rest on each other: 80,000 iterations, 50 s
 NO_MODULE = "the module that has the iterative solvers of PETSc cannot be loaded"
 
 NORMAL = {  # name: (law, how far the answers of a step may be apart by the law's own softening)
