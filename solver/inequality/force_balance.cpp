@@ -118,6 +118,22 @@ const Vector& ForceBalance::residual(const Vector& xi) {
   return errors_.left;
 }
 
+void ForceBalance::leave_at_rest(const Vector& xi, Vector& c) {
+  if (all_rows_ != nullptr) return;
+  force_.noalias() = points_.force_of * xi;
+  force_ = load_ - force_;
+  bool rounding = false;
+  for (Eigen::Index i = 0; i < c.size() && !rounding; ++i)
+    rounding = force_[i] == 0.0 && c[i] != 0.0;
+  if (!rounding) return;
+  if (!pieces_)
+    pieces_ =
+        std::make_unique<const Pieces>(static_cast<int>(c.size()), [&](int j, Vector& entries) {
+          product.op().column(j, entries.data());
+        });
+  pieces_->leave_at_rest(force_, c);
+}
+
 /// First against |r| + |S_ii c_i| + |(S c)_i - S_ii c_i| + |G^T W x|, which bounds the ratio from
 /// above; |S||c| only where that could decide, as it gains two digits at the most: it costs another
 /// pass over S.

@@ -2,6 +2,9 @@
 #pragma once
 
 #include "solver/inequality/points.hpp"
+#include "solver/linear/pieces.hpp"
+
+#include <memory>
 
 namespace hvi::solver {
 
@@ -9,6 +12,7 @@ namespace hvi::solver {
 class KeptProduct {
 public:
   explicit KeptProduct(const ReducedOperator& s);
+  const ReducedOperator& op() const { return op_; }
   const Vector& value() const { return s_c_; }
   void update(const Vector& c);                  ///< S c, unless c is what it was
   void take(const Vector& c, const Vector& s_c); ///< as the caller computed it
@@ -49,6 +53,9 @@ public:
   const Errors& errors(const Vector& c, const Vector& xi);
   /// The worst ratio of this residual, from above; for iterations on all rows.
   double worst_of(const Vector& residual, const Vector& c, const Vector& xi) const;
+  /// c = 0 on the pieces of S on which neither loads nor multipliers act: what is there is rounding
+  /// of other pieces. Iterations have done so.
+  void leave_at_rest(const Vector& xi, Vector& c);
 
   KeptProduct product;
 
@@ -60,7 +67,8 @@ private:
   const IterativeOperator* all_rows_; ///< null: the rows are condensed
   double target_;
   Vector load_, force_;
-  Errors errors_; ///< room for what is returned
+  std::unique_ptr<const Pieces> pieces_; ///< of S, once they are asked for
+  Errors errors_;                        ///< room for what is returned
 };
 
 } // namespace hvi::solver

@@ -25,6 +25,21 @@ Pieces::Pieces(const SparseMatrix& k) : piece_(each_alone(static_cast<int>(k.row
   for (int i = 0; i < k.outerSize(); ++i)
     for (SparseMatrix::InnerIterator it(k, i); it; ++it)
       piece_[root(piece_, static_cast<int>(it.row()))] = root(piece_, static_cast<int>(it.col()));
+  number();
+}
+
+Pieces::Pieces(int n, const std::function<void(int, Vector&)>& column) : piece_(each_alone(n)) {
+  Vector entries(n);
+  for (int j = 0; j < n; ++j) {
+    column(j, entries);
+    for (int i = 0; i < n; ++i)
+      if (entries[i] != 0.0) piece_[root(piece_, i)] = root(piece_, j);
+  }
+  number();
+}
+
+/// Roots become numbers without gaps.
+void Pieces::number() {
   for (int& piece : piece_) piece = root(piece_, piece);
   std::vector<int> number(piece_.size(), -1);
   for (int& piece : piece_) {

@@ -3,6 +3,7 @@
 
 #include "solver/linear/sparse.hpp"
 
+#include <functional>
 #include <vector>
 
 namespace hvi::solver {
@@ -13,6 +14,8 @@ namespace hvi::solver {
 class Pieces {
 public:
   explicit Pieces(const SparseMatrix& k);
+  /// Of a symmetric pattern of n rows, given column by column.
+  Pieces(int n, const std::function<void(int, Vector&)>& column);
   /// The entries of H that are not 0 join pieces of K; those of the last H no longer do.
   void join(const SparseMatrix& h);
   /// x = 0 on the pieces of K + H on which b is 0.
@@ -21,6 +24,8 @@ public:
   int count() const { return count_; } ///< of K alone
 
 private:
+  void number();
+
   std::vector<int> piece_;  ///< of K, by unknown
   std::vector<int> joined_; ///< by piece of K: one that stands for all it is joined to
   int count_ = 0;

@@ -120,7 +120,7 @@ def pair_scene(seed):
     draw = random.Random(seed)
     dim, order = draw.choice((2, 3)), draw.choice((1, 1, 2))
     cells = (2, 3, 5) if dim == 2 and order == 1 else (1, 2, 3) if order == 1 or dim == 2 else (1, 2)
-    height, gap = draw.uniform(0.3, 1.5), draw.choice((0.0, 0.004, -0.004))
+    height, gap = draw.uniform(0.3, 1.5), draw.choice((0.0, 0.004, -0.004, 0.02))
     left, width = draw.uniform(0.0, 0.5), draw.uniform(0.6, 1.4)
     rub = draw.choice([None, *sorted(FRICTION_ON_PAIRS)])
     static = draw.random() < 0.25

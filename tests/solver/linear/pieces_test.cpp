@@ -41,6 +41,8 @@ TEST(Pieces, LeavesAtRestWhatNoForceReaches) {
     for (int i = 0; i < n; ++i)
       for (SparseMatrix::InnerIterator it(k, i); it; ++it) stored(i, it.col()) = 1.0;
     Pieces pieces(k);
+    const Pieces by_columns(n, [&](int j, Vector& column) { column = stored.col(j); });
+    EXPECT_EQ(by_columns.count(), pieces.count());
     for (const int more : {0, 2, 5}) {
       const SparseMatrix h = random_symmetric(n, more, random);
       pieces.join(h);
