@@ -1,6 +1,6 @@
 """Wrong scripts made by changing right ones: each gives exactly the errors that are marked.
 
-usage: wrong.py HVI_RUN FOLDER [OUTPUT]
+usage: wrong.py HVI_RUN FOLDER [OUTPUT] [--part K/N]
 FOLDER holds right scripts (NAME.hvi) and changes to them (*.txt), separated by lines `---`:
 
     name_of_the_wrong_script NAME
@@ -8,8 +8,10 @@ FOLDER holds right scripts (NAME.hvi) and changes to them (*.txt), separated by 
 
 Further changes of one script are separated by `&&`. `\\n` is a line break; `<<E0204|~>>` marks a place where something is
 missing, `<<W0604,W0605|...>>` two codes, `<<E0229/>>` a bar and `<<E0213|GT>>` a `>`. The scripts are written with comment lines below the marked places, and
-check_errors.py compares. With OUTPUT they are kept there.
+check_errors.py compares. With OUTPUT they are kept there, with --part every N-th is
+tried, from the K-th on.
 """
+import argparse
 import pathlib
 import re
 import shutil
@@ -56,9 +58,16 @@ def scripts(folder):
 
 
 def main():
-    program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+    parser = argparse.ArgumentParser()
+    parser.add_argument("program")
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("output", nargs="?")
+    parser.add_argument("--part", default="1/1")
+    options = parser.parse_args()
+    program, folder = options.program, options.folder
+    first, step = map(int, options.part.split("/"))
     with tempfile.TemporaryDirectory() as temporary:
-        output = pathlib.Path(sys.argv[3] if len(sys.argv) > 3 else temporary)
+        output = pathlib.Path(options.output or temporary)
         output.mkdir(exist_ok=True)
         for path in folder.iterdir():
             if path.suffix in (".csv", ".msh", ".geo"):
@@ -67,7 +76,8 @@ def main():
         for name, text in scripts(folder):
             assert name not in names, f"{name} is there twice"
             names.add(name)
-            (output / f"{name}.hvi").write_text(text)
+            if (len(names) - first) % step == 0:
+                (output / f"{name}.hvi").write_text(text)
         judge = pathlib.Path(__file__).with_name("check_errors.py")
         sys.exit(subprocess.run([sys.executable, judge, program, output]).returncode)
 
