@@ -7,7 +7,6 @@ namespace hvi::solver {
 
 void certify(Position& at, double tolerance, InequalityReport& report, double snap) {
   const ContactPoints& points = at.points;
-  at.balance.leave_at_rest(at.xi, at.c);
   at.update_arguments();
   at.balance.product.update(at.c);
   at.snap.update(at.c, at.balance, snap);

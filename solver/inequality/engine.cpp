@@ -87,6 +87,12 @@ void InequalityEngine::solve_and_follow(InequalityState& io, InequalityReport& r
     report.not_followed = report.not_followed || lost;
 }
 
+/// The certificate of what was found, with what nothing acts on at rest.
+void InequalityEngine::certify_found(InequalityReport& report, double snap) {
+  at_.balance.leave_at_rest(at_.xi, at_.c);
+  certify(at_, options_.tolerance, report, snap);
+}
+
 /// Without a look at other branches.
 void InequalityEngine::solve_at_once(Methods methods, InequalityState& io,
                                      InequalityReport& report) {
@@ -94,15 +100,15 @@ void InequalityEngine::solve_at_once(Methods methods, InequalityState& io,
   at_.load(io);
   at_.idle = is_idle(at_);
   MethodOutcome outcome = components_.solve_branch(at_, methods, report);
-  certify(at_, options_.tolerance, report);
+  certify_found(report);
   if (!report.converged && io.c_guess.size() > 0) { // the guess may have been a bad start
     io.c_guess.resize(0), io.xi_guess.resize(0), io.s_c_guess.resize(0);
     at_.load(io);
     outcome = components_.solve_branch(at_, methods, report);
-    certify(at_, options_.tolerance, report);
+    certify_found(report);
   }
   if (!report.converged && outcome != MethodOutcome::indefinite && report.used_fallback)
-    certify(at_, options_.tolerance, report, options_.tolerance);
+    certify_found(report, options_.tolerance);
   if (at_.idle && report.iterations == 1 && at_.xi.isZero(0.0)) report.iterations = 0;
   at_.store(io);
   if (!report.converged) report.verdict = verdict(outcome, report, options_.tolerance);

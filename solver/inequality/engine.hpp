@@ -35,6 +35,7 @@ public:
 private:
   void solve_at_once(Methods methods, InequalityState& io, InequalityReport& report);
   void solve_and_follow(InequalityState& io, InequalityReport& report);
+  void certify_found(InequalityReport& report, double snap = Snap::certificate);
   void search_coupled(const Vector& r, InequalityState& io, InequalityReport& report);
 
   const InequalityOptions options_;

@@ -1,5 +1,4 @@
 // The order of methods for coupled laws (engine.hpp).
-#include "solver/inequality/certificate.hpp"
 #include "solver/inequality/coupled_path.hpp"
 #include "solver/inequality/engine.hpp"
 
@@ -44,7 +43,7 @@ void InequalityEngine::search_coupled(const Vector& r, InequalityState& io,
         !newton.raise_share())
       SharePath(at_, bounds, tangent, newton, report).follow();
   }
-  certify(at_, options_.tolerance, report);
+  certify_found(report);
   count_events(at_, components, report);
   at_.store(io);
   report.not_followed = may_leave && may_have_left(points_, start_, io);
