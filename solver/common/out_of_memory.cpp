@@ -1,3 +1,4 @@
+// See out_of_memory.hpp: fmt is called here alone, so that no other file makes its templates.
 #include "solver/common/out_of_memory.hpp"
 
 #include <fmt/format.h>

@@ -41,9 +41,9 @@ Pieces::Pieces(int n, const std::function<void(int, Vector&)>& column) : piece_(
 /// Roots become numbers without gaps.
 void Pieces::number() {
   for (int& piece : piece_) piece = root(piece_, piece);
-  std::vector<int> number(piece_.size(), -1);
+  std::vector<int> number_of(piece_.size(), -1);
   for (int& piece : piece_) {
-    int& of_root = number[piece];
+    int& of_root = number_of[piece];
     if (of_root < 0) of_root = count_++;
     piece = of_root;
   }

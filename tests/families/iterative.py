@@ -7,8 +7,9 @@ Every number of the table agrees to 1e-9 of its column's largest value, and both
 P1 and P2, flat cells, regions whose stiffnesses differ by up to 1e4, softening, unilateral, adhesive and jumping laws,
 friction of scalars and vectors on u and on u', Coulomb, memories, moving supports, static and in motion, matrices that
 are not symmetric. With --pairs: two bodies whose meshes do not match, apart, touching, pressed in, one of them perhaps
-at rest or on weak springs; rigid, jumping and compliant laws, friction, stiffnesses up to 1e4 apart. With --processes the iterations are those of N processes. Without the module of PETSc, or mpirun where
-it is needed, the test is skipped (exit code 77).
+at rest or held by springs; rigid, jumping and compliant laws, friction, stiffnesses up to 1e4 apart (pairs.py turns and
+scales them). With --processes the iterations are those of N processes. Without the module of PETSc, or mpirun where it
+is needed, the test is skipped (exit code 77).
 """
 import argparse
 import json
@@ -125,7 +126,7 @@ def pair_scene(seed):
     rub = draw.choice([None, *sorted(FRICTION_ON_PAIRS)])
     static = draw.random() < 0.25
     rate = not static and draw.random() < 0.5
-    loose = draw.random() < 0.25  # the upper body lies on weak springs and the lower one alone
+    loose = draw.random() < 0.25  # the upper body has springs in place of a support
     law = "unilateral" if draw.random() < 0.6 else draw.choice(sorted(ON_PAIRS))
     numbers = {"k": repr(10 ** draw.uniform(1, 5)), "p": draw.choice((1, 2)), "a": repr(draw.uniform(0.0, 0.004)),
                "b": repr(draw.uniform(0.05, 1.0))}
@@ -157,7 +158,7 @@ def pair_scene(seed):
     if not static:
         terms.append("integral(both, A : eps(u') : eps(v))")
     if loose:
-        terms.append("integral(upper, 0.5*dot(u, v))")
+        terms.append("integral(upper, 20*dot(u, v))")
     contact = "layer^0(jump(u).nu - gap(seam); jump(v).nu)"
     if rub:
         contact += f" + slip^0(jump({'u' + chr(39) if rate else 'u'}).tau; jump(v).tau)"

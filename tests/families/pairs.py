@@ -6,7 +6,8 @@ Each scene is two viscoelastic blocks in 2D or 3D, P1 or P2, whose meshes do not
 narrower, with a gap, touching or pressed in, in 2D sometimes with uneven sides; as two files or as two groups of one;
 turned and scaled. One to three laws act on the jump of u, of u' or of a memory, some with the gap, whose steps are
 strictly convex. A step is solved again by a dense brute force (brute.py) with a mortar of its own (mortar.py), and by
-the program with the contact unknowns of both sides, where it would take jumps for them (`--both-sides`).
+the program with the contact unknowns of both sides, where it would take jumps for them (`--both-sides`), and by iterations,
+where their module is there.
 """
 import re
 import subprocess
@@ -14,6 +15,7 @@ import sys
 
 import numpy as np
 
+import iterative
 import rates
 from brute import Point
 from mortar import pair_points
@@ -152,8 +154,10 @@ class Scene(rates.Scene):
                 f"{'one file' if self.one_file else 'two files'}, gaps {[t.with_gap for t in self.terms]}")
 
 
-ALIKE = 1e-10  # of both sets of unknowns: as much as certificates leave; where slip weakens they may leave more, and then
-FINER = "tolerance = 1e-13"  # both are solved to this
+WAYS = [], ["--both-sides"], ["--solver", "iterative"]
+NO_ITERATIONS = "solves for one unknown", iterative.NO_MODULE
+ALIKE = 1e-10  # of all ways: as much as certificates leave; where slip weakens they may leave more, and then
+FINER = "tolerance = 1e-13"  # all are solved to this
 
 
 def run(program, folder, scene, turn, scale, options):
@@ -165,27 +169,29 @@ def run(program, folder, scene, turn, scale, options):
     (folder / "upper.msh").write_text(move(scene.upper).msh())
     (folder / "lower.msh").write_text(move(scene.lower).msh())
     text = scene.script(turn, scale)
-    first, said, off = with_both(program, folder, scene, turn, scale, options, text)
+    first, said, off = in_all_ways(program, folder, scene, turn, scale, options, text)
     if first is not None and off > ALIKE:
         using = ", " if " using " in text else " using "
-        finer, said, off = with_both(program, folder, scene, turn, scale, options, re.sub(r"\s+such that", f"{using}{FINER} such that", text))
+        finer, said, off = in_all_ways(program, folder, scene, turn, scale, options, re.sub(r"\s+such that", f"{using}{FINER} such that", text))
         if finer is not None and off > ALIKE:
-            said = f"jumps as unknowns and both sides differ by {off:.1e}"
+            said = f"jumps as unknowns, both sides and iterations differ by {off:.1e}"
     return (None, said) if said else (first, "")
 
 
-def with_both(program, folder, scene, turn, scale, options, text):
-    """u with jumps as unknowns, or None; what was said instead; how far from it u with both sides is."""
+def in_all_ways(program, folder, scene, turn, scale, options, text):
+    """u with jumps as unknowns, or None; what was said instead; how far from it u is that was found in other ways."""
     (folder / "scene.hvi").write_text(text)
     out = []
-    for more in ([], ["--both-sides"]):
+    for more in WAYS:
         done = subprocess.run([program, "run", "scene.hvi", "--quiet", "-o", "out", *options, *more], cwd=folder,
                               capture_output=True, text=True, timeout=120)
+        if done.returncode != 0 and any(words in done.stderr for words in NO_ITERATIONS):
+            continue
         if done.returncode != 0:
-            return None, f"exit {done.returncode}: " + " ".join(done.stderr.split())[:400], 0.0
+            return None, f"exit {done.returncode}{' '.join(['', *more])}: " + " ".join(done.stderr.split())[:400], 0.0
         out.append(rates.displacements(folder, scene, turn, scale))
     size = max(float(np.abs(u).max()) for u in out[0])
-    return out[0], "", max(float(np.abs(u - v).max()) for u, v in zip(*out)) / size
+    return out[0], "", max(float(np.abs(u - v).max()) for other in out[1:] for u, v in zip(out[0], other)) / size
 
 
 def nodes_in(scene, grid, turn, scale, solid):
