@@ -111,9 +111,11 @@ PointBlock as_block(const LawPoints& points);
 /// Trace::normal and tangential are of the first one.
 SparseMatrix gram_v(const Space& space, std::span<const char> with_mass);
 SparseMatrix gram_of_unknown(const Space& space, int unknown, bool with_mass);
-/// The form eps : eps or grad . grad of `gram_v`, without a part.
-FormTerm strain_form(const Space& space, int unknown = 0);
 SparseMatrix mass(const Space& space);
+/// The integral of eps(u) : eps(u), or of |grad u|^2, on these cells of a body that is no body of
+/// revolution. Exact, and several times as fast as an Integrator, which takes any expression.
+double squares_of_strain(const Space& space, const SpaceBlock& block, const Region& cells,
+                         const Vector& u);
 /// int_region  (u . nu)(v . nu)  |  u_tau . v_tau  |  u . v; of jumps on a pair.
 enum class Trace { normal, tangential, full };
 SparseMatrix boundary_mass(const Space& space, const Region& region, Rule rule, Trace trace);

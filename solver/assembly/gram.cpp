@@ -26,8 +26,6 @@ void add_mass(const Space& space, FormTerm& term) {
   for (int b = 0; b < n_unknowns(space); ++b) add_mass(space, b, term);
 }
 
-} // namespace
-
 /// eps(u) : eps(v) = 1/2 sum_ij (d_j u_i d_j v_i + d_i u_j d_j v_i); scalar: grad u . grad v.
 /// Axisymmetric: with u_x v_x / x^2.
 FormTerm strain_form(const Space& space, int unknown) {
@@ -51,8 +49,6 @@ FormTerm strain_form(const Space& space, int unknown) {
   if (has_hoop(space, block)) add(slot::hoop, slot::hoop, 1.0);
   return term;
 }
-
-namespace {
 
 SparseMatrix gram_of(const Space& space, const Region& cells, const FormTerm& strains,
                      const FormTerm& masses) {

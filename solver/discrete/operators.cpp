@@ -192,7 +192,6 @@ void add_changing(const Problem& problem, const Discretisation& discretisation,
     operators.symmetric = operators.symmetric && (mirrored || symmetric);
     operators.mirrored = operators.mirrored && mirrored;
   }
-  operators.terms.clear();
   operators.shared = nullptr; // these factors are of one moment
 }
 
@@ -277,40 +276,9 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
   }
   out.coupled = couples_unknowns(couplings);
   out.symmetric = out.symmetric && !out.coupled;
-  if (matrices.size() == distinct.terms.size()) out.terms = std::move(distinct.terms);
   out.bases = std::move(matrices);
   add_changing(problem, discretisation, layout, threads, out);
   return out;
-}
-
-std::optional<Vector> as_combination(const Operators& operators,
-                                     const Discretisation& discretisation, const FormTerm& form) {
-  constexpr int derivatives = slot::field_stride;
-  constexpr double largest_factor = 1e3; // what rounding of a base may grow by
-  const auto column_of = [](const FormTerm& term) {
-    Vector column = Vector::Zero(derivatives * derivatives);
-    for (const auto& entry : term.entries)
-      column[entry.test * derivatives + entry.trial] += entry.coefficient.value();
-    return column;
-  };
-  DenseMatrix columns(derivatives * derivatives, static_cast<Eigen::Index>(operators.terms.size()));
-  for (std::size_t b = 0; b < operators.terms.size(); ++b) {
-    const FormTerm& term = *operators.terms[b];
-    const Region& region = discretisation.parts[term.part];
-    const bool plain = is_constant(term) && term.rule == form.rule &&
-                       region.kind == Group::Kind::cells &&
-                       region.entities.size() == discretisation.mesh.cells.size();
-    if (!plain) return {};
-    columns.col(static_cast<Eigen::Index>(b)) = column_of(term);
-  }
-  if (columns.cols() == 0 || !is_constant(form)) return {};
-  const Vector wanted = column_of(form);
-  const Vector factors = least_squares(columns, wanted);
-  const double size = wanted.norm();
-  const double grown = factors.cwiseAbs().dot(columns.colwise().norm());
-  const bool good = grown <= largest_factor * size && // false for NaN
-                    (columns * factors - wanted).norm() <= 1e-14 * grown;
-  return good ? std::optional(factors) : std::nullopt;
 }
 
 SparseMatrix on_unknowns(const SparseMatrix& base, int n_unknowns) {

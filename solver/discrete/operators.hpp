@@ -33,8 +33,6 @@ struct Operators {
   /// Base matrices whose forms read states, with these: they are those of the states at hand
   /// (body_states.hpp).
   std::vector<std::pair<int, const FormTerm*>> changing;
-  /// Of the base matrices; empty where some were merged.
-  std::vector<const FormTerm*> terms;
   /// If set, the number of contact unknowns, which come first: they are coupled with no others, and
   /// the others with none.
   std::optional<int> separate;
@@ -59,11 +57,6 @@ struct Operators {
 /// ratio (the same material law on two parts) are added up. `threads`: so many terms at a time.
 Operators assemble_operators(const Problem& problem, const Discretisation& discretisation,
                              const StateLayout& layout, int threads);
-
-/// The c with sum_b c_b T_b = the form on all cells, if its constant coefficients show that there
-/// is one: eps(u) : eps(v) is a combination of two isotropic tensors.
-std::optional<Vector> as_combination(const Operators& operators,
-                                     const Discretisation& discretisation, const FormTerm& form);
 
 /// Symmetric to 1e-12 of its largest entry, the rounding of an assembly.
 bool symmetric_to_rounding(const SparseMatrix& matrix);

@@ -27,17 +27,14 @@ Match(F...) -> Match<F...>;
 } // namespace
 
 ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const RunState& run)
-    : space_(d.space), parts_(d.parts), layout_(run.formulation->layout()), contact_(run.contact()),
-      operators_(run.formulation->operators()), probes_(plan.report.probes),
+    : space_(d.space), parts_(d.parts), contact_(run.contact()), probes_(plan.report.probes),
       n_fields_(count_fields(plan.problem)), reactions_(plan.problem, d, run, probes_) {
   const CellLocator locator(d.mesh, probes_.size());
-  for (const auto& probe : probes_)
-    evaluators_.push_back(make(probe, plan.problem, d, run, locator));
+  for (const auto& probe : probes_) evaluators_.push_back(make(probe, plan.problem, d, locator));
 }
 
 ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
-                                   const Discretisation& d, const RunState& run,
-                                   const CellLocator& locator) {
+                                   const Discretisation& d, const CellLocator& locator) {
   const auto at_law_points = [&] {
     return reads_multiplier(probe.expression) ||
            d.parts[static_cast<std::size_t>(probe.part)].is_pair();
@@ -57,8 +54,7 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
   case Probe::Kind::combination:
     return Combination{};
   case Probe::Kind::norm_v:
-    make_gram(d, run, probe.unknown);
-    return NormV{probe.unknown};
+    return SpaceNorm(d, probe.unknown);
   case Probe::Kind::integral:
     if (at_law_points()) return on_law();
     return Integrator(space_, d.parts[probe.part], probe.rule, {probe.expression});
@@ -81,35 +77,6 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
   return AtPoint{cell, barycentric, PointValue(space_, expression, cell, barycentric)};
 }
 
-void ProbeSet::make_gram(const Discretisation& d, const RunState& run, int unknown) {
-  const auto b = static_cast<std::size_t>(unknown);
-  grams_.resize(space_.blocks.size());
-  Gram& gram = grams_[b];
-  if (gram.known()) return;
-  // Without imposed values the seminorm of a scalar space is no norm.
-  const bool add_mass = space_.blocks[b].components == 1 && d.dofs.held_of[b] == 0;
-  if (!add_mass && !operators_.halves.empty())
-    gram.of_halves = as_combination(operators_, d, strain_form(space_, unknown));
-  else if (!add_mass)
-    gram.matrix = from_bases(run.balance, *run.formulation, d, strain_form(space_, unknown));
-  gram.on_states = gram.known();
-  if (!gram.on_states)
-    gram.matrix = SymmetricBlocks(gram_of_unknown(space_, unknown, add_mass), true);
-  else if (state_.size() == 0)
-    state_ = Vector::Zero(layout_.n_state);
-}
-
-/// sqrt(u^T G u); roundoff cannot make it NaN.
-double ProbeSet::norm(const Vector& u, int unknown) {
-  const Gram& gram = grams_[static_cast<std::size_t>(unknown)];
-  if (gram.on_states) layout_.gather(u, state_);
-  double square = 0.0;
-  if (!gram.of_halves) square = gram.matrix.energy(gram.on_states ? state_ : u);
-  for (std::size_t b = 0; gram.of_halves && b < operators_.halves.size(); ++b)
-    square += (*gram.of_halves)[static_cast<Eigen::Index>(b)] * operators_.halves[b].energy(state_);
-  return std::sqrt(std::max(square, 0.0));
-}
-
 std::vector<Expr> ProbeSet::expressions() const {
   std::vector<Expr> out;
   for (const auto& probe : probes_)
@@ -124,28 +91,29 @@ std::vector<Expr> ProbeSet::expressions() const {
 }
 
 double ProbeSet::value(int i, const Snapshot& snapshot, const Snapshot& before) {
-  return std::visit(
-      Match{[&](AtPoint& at) { return at.value(snapshot.values()); },
-            [&](const Integrator& integrator) {
-              double out = 0;
-              integrator.integrate(snapshot.values(), {&out, 1});
-              return out;
-            },
-            [&](LawSampler& sampler) { return sampler.integral(contact_, snapshot); },
-            [&](const OnRegion& on) {
-              return extreme_value(space_, parts_[static_cast<std::size_t>(on.part)],
-                                   probes_[static_cast<std::size_t>(i)].expression,
-                                   snapshot.values(), on.which);
-            },
-            [&](OnLaw& on) {
-              room_.resize(static_cast<std::size_t>(on.sampler.size()));
-              on.sampler.evaluate(contact_, snapshot, room_);
-              return extreme_of(room_, on.which);
-            },
-            [&](const OfSteps&) { return reactions_.value(i, snapshot, before); },
-            [&](const NormV& of) { return norm(snapshot.field(field_of_u(0)), of.unknown); },
-            [](const Combination&) { return std::nan(""); }},
-      evaluators_[i]);
+  return std::visit(Match{[&](AtPoint& at) { return at.value(snapshot.values()); },
+                          [&](const Integrator& integrator) {
+                            double out = 0;
+                            integrator.integrate(snapshot.values(), {&out, 1});
+                            return out;
+                          },
+                          [&](LawSampler& sampler) { return sampler.integral(contact_, snapshot); },
+                          [&](const OnRegion& on) {
+                            return extreme_value(space_, parts_[static_cast<std::size_t>(on.part)],
+                                                 probes_[static_cast<std::size_t>(i)].expression,
+                                                 snapshot.values(), on.which);
+                          },
+                          [&](OnLaw& on) {
+                            room_.resize(static_cast<std::size_t>(on.sampler.size()));
+                            on.sampler.evaluate(contact_, snapshot, room_);
+                            return extreme_of(room_, on.which);
+                          },
+                          [&](const OfSteps&) { return reactions_.value(i, snapshot, before); },
+                          [&](const SpaceNorm& norm) {
+                            return norm.value(snapshot.field(field_of_u(0)), snapshot.values());
+                          },
+                          [](const Combination&) { return std::nan(""); }},
+                    evaluators_[i]);
 }
 
 void ProbeSet::evaluate(const Snapshot& snapshot, const Snapshot& before,

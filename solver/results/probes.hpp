@@ -3,10 +3,10 @@
 #pragma once
 
 #include "solver/discrete/discretisation.hpp"
-#include "solver/linear/symmetric_blocks.hpp"
 #include "solver/plan/plan.hpp"
 #include "solver/results/law_sampler.hpp"
 #include "solver/results/reaction_forces.hpp"
+#include "solver/results/space_norm.hpp"
 
 #include <optional>
 #include <variant>
@@ -53,9 +53,6 @@ private:
     std::array<double, 4> barycentric;
     PointValue value;
   };
-  struct NormV {
-    int unknown;
-  };
   struct OnRegion {
     Extreme which;
     int part;
@@ -66,35 +63,21 @@ private:
   };
   struct OfSteps {}; ///< a reaction
   struct Combination {};
-  using Evaluator =
-      std::variant<AtPoint, Integrator, LawSampler, OnRegion, OnLaw, NormV, OfSteps, Combination>;
+  using Evaluator = std::variant<AtPoint, Integrator, LawSampler, OnRegion, OnLaw, SpaceNorm,
+                                 OfSteps, Combination>;
 
   Evaluator make(const Probe& probe, const Problem& problem, const Discretisation& discretisation,
-                 const RunState& run, const CellLocator& locator);
-  void make_gram(const Discretisation& discretisation, const RunState& run, int unknown);
-  double norm(const Vector& u, int unknown);
+                 const CellLocator& locator);
   void combine(double t, std::span<double> values) const;
 
   const Space& space_;
   const std::vector<Region>& parts_;
-  const StateLayout& layout_;
   const Contact& contact_;
-  const Operators& operators_;
   std::vector<Probe> probes_;
   int n_fields_;
   ReactionForces reactions_;
   std::vector<Evaluator> evaluators_;
   std::vector<double> room_; ///< within a call
-  /// Of states, a combination of the halves of the base matrices, if those alone are kept; else a
-  /// matrix of its own.
-  struct Gram {
-    SymmetricBlocks matrix;
-    std::optional<Vector> of_halves;
-    bool on_states = false;
-    bool known() const { return of_halves || !matrix.empty(); }
-  };
-  std::vector<Gram> grams_; ///< by unknown, of its space, when a norm asks for it
-  Vector state_;            ///< u, where a Gram matrix is one of states; else empty
 };
 
 } // namespace hvi::solver

@@ -199,13 +199,6 @@ void take_back_change(const Operators& operators, StepEquation& equation) {
   equation.change.setZero();
 }
 
-SymmetricBlocks from_bases(const Balance& balance, const Formulation& formulation,
-                           const Discretisation& discretisation, const FormTerm& form) {
-  if (balance.halves().empty() || formulation.reduced()) return {};
-  const auto factors = as_combination(formulation.operators(), discretisation, form);
-  return factors ? SymmetricBlocks::sum(balance.halves(), *factors) : SymmetricBlocks();
-}
-
 double bytes_of(const Operators& operators, std::span<const SymmetricBlocks> halves) {
   double out = 0.0;
   for (const auto& base : operators.bases)

@@ -106,10 +106,6 @@ private:
 
 /// K_n is the factored matrix from now on: what was moved goes back.
 void take_back_change(const Operators& operators, StepEquation& equation);
-/// The matrix of a form on all cells and on states, if it comes from the halves of the base
-/// matrices at the price of adding them; else empty.
-SymmetricBlocks from_bases(const Balance& balance, const Formulation& formulation,
-                           const Discretisation& discretisation, const FormTerm& form);
 /// Of base matrices and of their halves.
 double bytes_of(const Operators& operators, std::span<const SymmetricBlocks> halves);
 

@@ -159,7 +159,7 @@ def pair_scene(seed):
         terms.append("integral(both, A : eps(u') : eps(v))")
     if loose:
         terms.append("integral(upper, 20*dot(u, v))")
-    # Of the upper body. No norm: of a body that all but moves rigidly it is the root of rounding.
+    # Of the upper body. No norm: where the body all but moves rigidly, that is what the solver's error strains it by.
     shown, corner = "u.x + 2*u.y", [left + width, height + gap + 0.7] + [0.4] * (dim - 2)
     contact = "layer^0(jump(u).nu - gap(seam); jump(v).nu)"
     if rub:
