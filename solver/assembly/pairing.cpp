@@ -2,8 +2,8 @@
 #include "solver/assembly/pairing.hpp"
 
 #include "solver/assembly/segments.hpp"
+#include "solver/common/triples.hpp"
 #include "solver/fem/geometry.hpp"
-#include "solver/mesh/vectors.hpp"
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 // b). In them the first facet is the unit simplex, and a facet of the second side is clipped to it.
 #include "solver/assembly/segments.hpp"
 
-#include "solver/mesh/vectors.hpp"
+#include "solver/common/triples.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -17,11 +17,11 @@ namespace hvi::solver {
 namespace {
 
 template <int rows, int columns>
-using Small = Eigen::Matrix<double, rows, columns>;
+using Fixed = Eigen::Matrix<double, rows, columns>;
 
 /// sym grad u of a vector, grad u of a scalar.
 template <int n, int dim>
-Small<n, dim> strain(const Small<n, dim>& slope) {
+Fixed<n, dim> strain(const Fixed<n, dim>& slope) {
   if constexpr (n == dim && n > 1)
     return 0.5 * (slope + slope.transpose());
   else
@@ -40,7 +40,7 @@ public:
 
   double square_p1(int cell) {
     go_to(cell);
-    Small<n, dim> moved;
+    Fixed<n, dim> moved;
     for (int b = 0; b < dim; ++b) moved.col(b) = value(b + 1) - value(0);
     return measure_ * strain<n, dim>(moved * g_).squaredNorm();
   }
@@ -50,9 +50,9 @@ public:
   double square_p2(int cell) {
     go_to(cell);
     double squares = 0.0;
-    Small<n, dim> all = Small<n, dim>::Zero();
+    Fixed<n, dim> all = Fixed<n, dim>::Zero();
     for (int k = 0; k <= dim; ++k) {
-      const Small<n, dim> here = strain<n, dim>(slope_at(k));
+      const Fixed<n, dim> here = strain<n, dim>(slope_at(k));
       squares += here.squaredNorm();
       all += here;
     }
@@ -62,7 +62,7 @@ public:
 private:
   void go_to(int cell) {
     nodes_ = space_.nodes_of_cell(cell).data();
-    Small<dim, dim> edges;
+    Fixed<dim, dim> edges;
     for (int i = 0; i < dim; ++i)
       for (int b = 0; b < dim; ++b)
         edges(i, b) = space_.nodes[nodes_[b + 1]][i] - space_.nodes[nodes_[0]][i];
@@ -73,16 +73,16 @@ private:
     measure_ = std::abs(determinant) / simplices_in_a_box[dim];
   }
 
-  Eigen::Map<const Small<n, 1>> value(int i) const {
-    return Eigen::Map<const Small<n, 1>>(u_ +
+  Eigen::Map<const Fixed<n, 1>> value(int i) const {
+    return Eigen::Map<const Fixed<n, 1>>(u_ +
                                          static_cast<Eigen::Index>(nodes_[i]) * space_.components);
   }
 
-  Small<n, dim> slope_at(int k) const {
-    Small<n, dim> moved = Small<n, dim>::Zero(); // by b - 1
+  Fixed<n, dim> slope_at(int k) const {
+    Fixed<n, dim> moved = Fixed<n, dim>::Zero(); // by b - 1
     for (int b = 0; b <= dim; ++b) {
       if (b == k) continue;
-      const Small<n, 1> change = 4.0 * (value(edge_[k][b]) - value(k)) - (value(b) - value(k));
+      const Fixed<n, 1> change = 4.0 * (value(edge_[k][b]) - value(k)) - (value(b) - value(k));
       if (b == 0)
         moved.colwise() -= change; // g_0 is less the sum of the others
       else
@@ -96,7 +96,7 @@ private:
   std::array<std::array<int, dim + 1>, dim + 1> edge_{};
   const std::int32_t* nodes_ = nullptr;
   double measure_ = 0.0;
-  Small<dim, dim> g_ = Small<dim, dim>::Zero(); ///< of the vertices 1 .. dim, a row each
+  Fixed<dim, dim> g_ = Fixed<dim, dim>::Zero(); ///< of the vertices 1 .. dim, a row each
 };
 
 template <int n, int dim>

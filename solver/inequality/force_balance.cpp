@@ -78,6 +78,15 @@ void for_rows(const SparseMatrix& a, const Vector& x, const Row& row) {
 
 } // namespace
 
+namespace {
+
+Pieces pieces_of(const ReducedOperator& s) {
+  if (const auto* all_rows = s.iterative()) return Pieces(all_rows->matrix());
+  return Pieces(s.size(), [&](int j, Vector& entries) { s.column(j, entries.data()); });
+}
+
+} // namespace
+
 double ForceBalance::worst_of(const Vector& residual, const Vector& c, const Vector& xi) const {
   const Vector own = points_.diagonal.cwiseProduct(c);
   const Vector size = load_.cwiseAbs() + own.cwiseAbs() + (product.value() - own).cwiseAbs();
@@ -118,20 +127,15 @@ const Vector& ForceBalance::residual(const Vector& xi) {
   return errors_.left;
 }
 
-void ForceBalance::leave_at_rest(const Vector& xi, Vector& c) {
-  if (all_rows_ != nullptr) return;
+bool ForceBalance::leave_at_rest(const Vector& xi, Vector& c) {
   force_.noalias() = points_.force_of * xi;
   force_ = load_ - force_;
   bool rounding = false;
   for (Eigen::Index i = 0; i < c.size() && !rounding; ++i)
     rounding = force_[i] == 0.0 && c[i] != 0.0;
-  if (!rounding) return;
-  if (!pieces_)
-    pieces_ =
-        std::make_unique<const Pieces>(static_cast<int>(c.size()), [&](int j, Vector& entries) {
-          product.op().column(j, entries.data());
-        });
-  pieces_->leave_at_rest(force_, c);
+  if (!rounding) return false;
+  if (!pieces_) pieces_ = std::make_unique<const Pieces>(pieces_of(product.op()));
+  return pieces_->leave_at_rest(force_, c);
 }
 
 /// First against |r| + |S_ii c_i| + |(S c)_i - S_ii c_i| + |G^T W x|, which bounds the ratio from

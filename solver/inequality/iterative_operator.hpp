@@ -32,6 +32,7 @@ public:
   int patience() const override { return 12; }
   double bytes() const override { return solver_.statistics().bytes; }
 
+  const SparseMatrix& matrix() const { return k_; } ///< K
   /// |K_ii| max |c_j| over row i: the size of the row's terms in axes that are turned.
   double whole_scale(int i, const Vector& c) const;
 

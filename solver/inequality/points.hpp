@@ -2,24 +2,20 @@
 // scales, and their laws, prepared. Every part of the solver reads it.
 #pragma once
 
+#include "solver/common/triples.hpp"
 #include "solver/inequality/inequality.hpp"
 #include "solver/inequality/prepared_law.hpp"
 
 #include <array>
-#include <cmath>
 #include <vector>
 
 namespace hvi::solver {
 
 /// A vector on the rows of a point; what is beyond them is 0.
-using Small = std::array<double, 3>;
+using Small = Triple;
 /// A matrix on them, row by row.
 using SmallMatrix = std::array<double, 9>;
 
-inline double norm(const Small& v) { return std::hypot(v[0], v[1], v[2]); }
-inline double dot(const Small& a, const Small& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 /// v / |v|, or the second choice, or the first axis, when v is 0.
 Small direction_of(const Small& v, const Small& otherwise);
 /// The argument that a law's graph is asked at: z of a scalar law, |z| of a radial one.

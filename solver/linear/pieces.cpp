@@ -60,13 +60,18 @@ void Pieces::join(const SparseMatrix& h) {
   for (int& piece : joined_) piece = root(joined_, piece);
 }
 
-void Pieces::leave_at_rest(const Vector& b, Vector& x) const {
-  if (count_ < 2) return;
+bool Pieces::leave_at_rest(const Vector& b, Vector& x) const {
+  if (count_ < 2) return false;
   std::vector<char> loaded(count_, 0);
   for (int i = 0; i < b.size(); ++i)
     if (b[i] != 0.0) loaded[joined_[piece_[i]]] = 1;
-  for (int i = 0; i < x.size(); ++i)
-    if (!loaded[joined_[piece_[i]]]) x[i] = 0.0;
+  bool moved = false;
+  for (int i = 0; i < x.size(); ++i) {
+    if (loaded[joined_[piece_[i]]]) continue;
+    moved = moved || x[i] != 0.0;
+    x[i] = 0.0;
+  }
+  return moved;
 }
 
 } // namespace hvi::solver

@@ -1,8 +1,8 @@
 // Seams and pieces of a mesh; see inspect.hpp.
 #include "solver/mesh/inspect.hpp"
 
+#include "solver/common/triples.hpp"
 #include "solver/mesh/box_tree.hpp"
-#include "solver/mesh/vectors.hpp"
 
 #include <algorithm>
 #include <cmath>

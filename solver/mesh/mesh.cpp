@@ -1,7 +1,7 @@
 // Measures, normals and quality of a mesh.
 #include "solver/mesh/mesh.hpp"
 
-#include "solver/mesh/vectors.hpp"
+#include "solver/common/triples.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,9 +3,9 @@
 // Two convex bodies are apart if and only if their projections on one of a few axes are: the
 // normals of their facets and, in 3D, the products of their edges (S. Gottschalk, M. C. Lin, D.
 // Manocha, OBBTree: a hierarchical structure for rapid interference detection, 1996).
+#include "solver/common/triples.hpp"
 #include "solver/mesh/box_tree.hpp"
 #include "solver/mesh/inspect.hpp"
-#include "solver/mesh/vectors.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,6 +9,7 @@ import tempfile
 
 program, examples = pathlib.Path(sys.argv[1]).resolve(), sorted(pathlib.Path(sys.argv[2]).resolve().glob("*.hvi"))
 WAYS = {"plain": [], "watched": ["--monitors", "--checkpoint", "3", "--threads", "3"], "no files": ["--no-files"]}
+LONG = {"disc_brake", "laminate"}  # not without files
 # What is counted and timed may differ: watching takes work. Monitors have a file and a key of their own.
 OWN = {"timing", "monitors", "plan", "files"}
 
@@ -24,6 +25,8 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             folder = pathlib.Path(folder)
             for way, words in WAYS.items():
+                if way == "no files" and example.stem in LONG:
+                    continue
                 out = [] if way == "no files" else ["-o", folder / way]
                 subprocess.run([program, "run", example, "--quiet", "--json", folder / f"{way}.json", *out, *words], cwd=example.parent, check=True,
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -38,7 +38,8 @@ def main():
         call(cmake, "--build", folder / "own")
         assert re.search(r"reaction = 3\.680214391.*certified true", call(folder / "own/slab_cpp"), re.S)
         if shutil.which("dpkg-shlibdeps"):
-            call(pathlib.Path(cmake).with_name("cpack"), "--config", build / "CPackConfig.cmake", "-G", "DEB", "-B", folder / "deb")
+            call(pathlib.Path(cmake).with_name("cpack"), "--config", build / "CPackConfig.cmake", "-G", "DEB", "-B", folder / "deb",
+                 "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip")  # faster than xz; nobody keeps it
             packages = {package.name.split("_")[0]: package for package in (folder / "deb").glob("*.deb")}
             assert {"hvi-run", "libhvi-dev"} <= set(packages), packages
             needed = call("dpkg-deb", "-f", packages["hvi-run"], "Depends")
