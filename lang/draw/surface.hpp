@@ -1,7 +1,7 @@
 // What is seen of a grid: the triangles of its skin, their normals and the edges that matter.
 #pragma once
 
-#include "solver/mesh/vectors.hpp"
+#include "solver/common/triples.hpp"
 #include "solver/output/vtu.hpp"
 
 #include <array>
