@@ -107,10 +107,6 @@ bool CoupledNewton::finish(double snap_factor, double& ratio) {
   for (int p = 0; p < at_.points.size(); ++p) at_.places.settle(p, at_.c);
   at_.update_arguments();
   ratio = multipliers(snap_factor);
-  if (ratio > at_.balance.target() && at_.balance.leave_at_rest(trial_, at_.c)) {
-    at_.update_arguments();
-    ratio = multipliers(snap_factor);
-  }
   if (ratio <= at_.balance.target()) {
     at_.xi = trial_;
     return true;

@@ -127,15 +127,15 @@ const Vector& ForceBalance::residual(const Vector& xi) {
   return errors_.left;
 }
 
-bool ForceBalance::leave_at_rest(const Vector& xi, Vector& c) {
+void ForceBalance::leave_at_rest(const Vector& xi, Vector& c) {
   force_.noalias() = points_.force_of * xi;
   force_ = load_ - force_;
   bool rounding = false;
   for (Eigen::Index i = 0; i < c.size() && !rounding; ++i)
     rounding = force_[i] == 0.0 && c[i] != 0.0;
-  if (!rounding) return false;
+  if (!rounding) return;
   if (!pieces_) pieces_ = std::make_unique<const Pieces>(pieces_of(product.op()));
-  return pieces_->leave_at_rest(force_, c);
+  pieces_->leave_at_rest(force_, c);
 }
 
 /// First against |r| + |S_ii c_i| + |(S c)_i - S_ii c_i| + |G^T W x|, which bounds the ratio from

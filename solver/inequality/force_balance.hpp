@@ -54,8 +54,9 @@ public:
   /// The worst ratio of this residual, from above; for iterations on all rows.
   double worst_of(const Vector& residual, const Vector& c, const Vector& xi) const;
   /// c = 0 on the pieces of S on which neither loads nor multipliers act: what Newton's method left
-  /// there is rounding of earlier multipliers. Says whether that changed anything.
-  bool leave_at_rest(const Vector& xi, Vector& c);
+  /// there is rounding of earlier multipliers. (Iterations do the same within each solve:
+  /// PetscSolver.)
+  void leave_at_rest(const Vector& xi, Vector& c);
 
   KeptProduct product;
 

@@ -60,18 +60,13 @@ void Pieces::join(const SparseMatrix& h) {
   for (int& piece : joined_) piece = root(joined_, piece);
 }
 
-bool Pieces::leave_at_rest(const Vector& b, Vector& x) const {
-  if (count_ < 2) return false;
+void Pieces::leave_at_rest(const Vector& b, Vector& x) const {
+  if (count_ < 2) return;
   std::vector<char> loaded(count_, 0);
   for (int i = 0; i < b.size(); ++i)
     if (b[i] != 0.0) loaded[joined_[piece_[i]]] = 1;
-  bool moved = false;
-  for (int i = 0; i < x.size(); ++i) {
-    if (loaded[joined_[piece_[i]]]) continue;
-    moved = moved || x[i] != 0.0;
-    x[i] = 0.0;
-  }
-  return moved;
+  for (int i = 0; i < x.size(); ++i)
+    if (!loaded[joined_[piece_[i]]]) x[i] = 0.0;
 }
 
 } // namespace hvi::solver

@@ -18,8 +18,8 @@ public:
   Pieces(int n, const std::function<void(int, Vector&)>& column);
   /// The entries of H that are not 0 join pieces of K; those of the last H no longer do.
   void join(const SparseMatrix& h);
-  /// x = 0 on the pieces of K + H on which b is 0. Says whether one of them had moved.
-  bool leave_at_rest(const Vector& b, Vector& x) const;
+  /// x = 0 on the pieces of K + H on which b is 0.
+  void leave_at_rest(const Vector& b, Vector& x) const;
 
   int count() const { return count_; } ///< of K alone
 
