@@ -76,10 +76,6 @@ void for_rows(const SparseMatrix& a, const Vector& x, const Row& row) {
   }
 }
 
-} // namespace
-
-namespace {
-
 Pieces pieces_of(const ReducedOperator& s) {
   if (const auto* all_rows = s.iterative()) return Pieces(all_rows->matrix());
   return Pieces(s.size(), [&](int j, Vector& entries) { s.column(j, entries.data()); });

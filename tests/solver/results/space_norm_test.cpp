@@ -13,6 +13,7 @@ struct Scene {
   Discretisation d;
   int unknown = 0;
   bool held = false;
+  double size = 1.0; ///< of the body
 
   int draw(int below) { return static_cast<int>(random() % static_cast<unsigned>(below)); }
   double number() { return std::uniform_real_distribution<double>(-1, 1)(random); }
@@ -22,12 +23,21 @@ struct Scene {
     const int dim = 1 + draw(3);
     d.mesh = test::skew_mesh(dim, 1 + draw(dim == 3 ? 2 : 4), seed);
     d.mesh.axisymmetric = dim == 2 && draw(3) == 0;
-    for (auto& node : d.mesh.nodes) node[0] += 0.5; // off the axis
+    size = std::pow(10.0, draw(7) - 3);
+    for (auto& node : d.mesh.nodes) {
+      node[0] += 0.5; // off the axis
+      for (double& x : node) x *= size;
+    }
+    d.parts.push_back(test::all_cells(d.mesh));
+    std::erase_if(d.parts.front().entities, [&](int cell) { return cell > 0 && draw(2) == 0; });
     SpaceSpec spec;
     spec.vector = dim > 1 && draw(2) == 0;
     spec.order = 1 + draw(2);
-    if (draw(2) == 0) spec.more.push_back({"p", "W", {}, dim > 1 && draw(2) == 0, 1 + draw(2), -1});
-    d.space = make_space(d.mesh, spec);
+    spec.domain = draw(3) == 0 ? 0 : -1;
+    if (draw(2) == 0)
+      spec.more.push_back(
+          {"p", "W", {}, dim > 1 && draw(2) == 0, 1 + draw(2), draw(3) == 0 ? 0 : -1});
+    d.space = make_space(d.mesh, spec, d.parts);
     unknown = draw(static_cast<int>(d.space.blocks.size()));
     held = draw(2) == 0;
     d.dofs.held_of.assign(d.space.blocks.size(), static_cast<char>(held));
@@ -65,7 +75,7 @@ TEST(SpaceNorm, IsThatOfTheGramMatrixOnRandomSpaces) {
   }
 }
 
-/// A motion of the size 1 without strains, and strains of 1e-7 on it.
+/// A motion of the size of the body without strains, and strains of 1e-7 on it.
 TEST(SpaceNorm, SeesSmallStrainsUnderMotionsOfTheBody) {
   int seen = 0;
   for (unsigned seed = 1; seed <= 300; ++seed) {
@@ -74,7 +84,7 @@ TEST(SpaceNorm, SeesSmallStrainsUnderMotionsOfTheBody) {
     const int dim = scene.d.mesh.dim;
     const bool ring = scene.d.mesh.axisymmetric && scene.block().components > 1;
     std::array<double, 3> shift{}, turn{};
-    for (int c = 0; c < 3; ++c) shift[c] = ring && c != 1 ? 0.0 : scene.number();
+    for (int c = 0; c < 3; ++c) shift[c] = ring && c != 1 ? 0.0 : scene.size * scene.number();
     if (dim == 3) turn = {scene.number(), scene.number(), scene.number()};
     if (dim == 2 && !ring) turn[2] = scene.number();
     if (scene.block().components == 1) turn = {};
@@ -82,7 +92,8 @@ TEST(SpaceNorm, SeesSmallStrainsUnderMotionsOfTheBody) {
       const int a = (c + 1) % 3, b = (c + 2) % 3;
       return shift[c] + turn[a] * p[b] - turn[b] * p[a];
     };
-    const Vector strained = scene.field([&](const Point&, int) { return 1e-7 * scene.number(); });
+    const Vector strained =
+        scene.field([&](const Point&, int) { return 1e-7 * scene.size * scene.number(); });
     const double expected = scene.by_matrix(strained);
     Scene same(seed);
     Vector u = strained;
