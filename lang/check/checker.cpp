@@ -33,7 +33,7 @@ std::optional<Model> Checker::run() {
   const bool readable = find_ && statement_.read(*find_);
   check_declarations();
   if (readable) {
-    if (unknowns_.known) report_.read(programs_[0]);
+    if (unknowns_.known || meshes_are_good()) report_.read(programs_[0]);
     expectations_.read(programs_[0]);
     studies_.read(programs_[0]);
   }
@@ -45,6 +45,13 @@ std::optional<Model> Checker::run() {
   std::ranges::sort(model_.params, {},
                     [](const ModelParam& p) { return std::pair(p.span.file, p.span.begin); });
   return std::move(model_);
+}
+
+/// Else the number of coordinates is not known, and what is said of places may be wrong.
+bool Checker::meshes_are_good() const {
+  return std::ranges::none_of(names_.all(), [](const Declaration& d) {
+    return std::holds_alternative<ast::Mesh>(*d.statement) && is_poison(d.value);
+  });
 }
 
 /// Those that nothing uses, too: a wrong line is an error even then.

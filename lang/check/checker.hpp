@@ -63,6 +63,7 @@ private:
 
   void check_finds();
   void locate_pieces();
+  bool meshes_are_good() const;
   void check_declarations();
   void check_unused();
   void tell_facts() const;
