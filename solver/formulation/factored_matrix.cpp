@@ -88,6 +88,11 @@ void FactoredMatrix::set_matrix(SparseMatrix& k) {
     k_.swap(k), iterations_.reset(); // Eigen 3.4 copies what is moved
 }
 
+/// Several unknowns are solved for one after the other by iterations, which is not symmetric.
+bool FactoredMatrix::symmetric() const {
+  return operators_.symmetric && !(operators_.iterative && operators_.iterative->several());
+}
+
 void FactoredMatrix::prepare_iterations() {
   if ((held_.rows() > 0) != (free_ != nullptr)) iterations_.reset(), held_ = {};
   if (free_) {
@@ -100,7 +105,7 @@ void FactoredMatrix::prepare_iterations() {
   if (iterations_)
     iterations_->matrix_changed();
   else
-    iterations_ = petsc_solver(free_ ? held_ : k_, operators_.symmetric, *operators_.iterative);
+    iterations_ = petsc_solver(free_ ? held_ : k_, symmetric(), *operators_.iterative);
   if (free_) iterations_->set_free_motions(free_->on_unknowns);
   if (!contact_.none()) return;
   factorisation_ = own(iterative_factorisation(*iterations_, operators_.n_unknowns));
@@ -108,9 +113,10 @@ void FactoredMatrix::prepare_iterations() {
 }
 
 std::unique_ptr<ReducedOperator> FactoredMatrix::reduced_operator() const {
-  const bool symmetric = operators_.symmetric && !contact_.mixed;
+  const bool symmetric = this->symmetric() && !contact_.mixed;
   if (iterations_)
-    return std::make_unique<IterativeOperator>(free_ ? held_ : k_, symmetric, *iterations_);
+    return std::make_unique<IterativeOperator>(free_ ? held_ : k_, symmetric, *iterations_,
+                                               contact_.of_unknown);
   if (contact_.whole) return sparse_operator(free_ ? held() : k_, symmetric);
   return dense_operator(factorisation_->schur(), symmetric);
 }

@@ -52,6 +52,7 @@ public:
   double bytes() const; ///< held besides the factorisation
 
 private:
+  bool symmetric() const;
   void set_matrix(SparseMatrix& k);
   void prepare_iterations();
 

@@ -99,7 +99,7 @@ DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
   Contact contact = make_contact(plan.problem, d, layout, asked);
   operators.chosen = choose_solver(plan, d, layout, operators, contact);
   if (operators.chosen.solver == LinearSolver::iterative) {
-    operators.iterative = nodes_of_unknowns(plan.problem, d, layout);
+    operators.iterative = nodes_of_unknowns(d, layout);
     if (!asked) contact = make_contact(plan.problem, d, layout, true);
   }
   ChangingForms changing(plan.problem, d, contact, operators);

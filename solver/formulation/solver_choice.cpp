@@ -1,7 +1,6 @@
 // See solver_choice.hpp.
 #include "solver/formulation/solver_choice.hpp"
 
-#include "solver/discrete/nodes_of_unknowns.hpp"
 #include "solver/formulation/reduce.hpp"
 
 #include <fmt/format.h>
@@ -137,7 +136,7 @@ ChosenSolver choose_solver(const Plan& plan, const Discretisation& d, const Stat
   if (fits_in_any_case(asked, layout)) return choose_solver(asked, {}, "", {});
   const SolverCosts costs = predicted_costs(sizes_of_steps(plan, d, layout, operators, contact));
   const MemoryRoom room = memory_room();
-  const auto chosen = choose_solver(asked, costs, obstacle_to_iterations(d), room);
+  const auto chosen = choose_solver(asked, costs, "", room);
   if (chosen.solver == LinearSolver::direct || petsc_is_there()) return chosen;
   return choose_solver(asked, costs, "the package hvi-petsc is not installed", room);
 }

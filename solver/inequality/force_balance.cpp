@@ -83,10 +83,37 @@ Pieces pieces_of(const ReducedOperator& s) {
 
 } // namespace
 
-double ForceBalance::worst_of(const Vector& residual, const Vector& c, const Vector& xi) const {
+/// What each row is made of, from below.
+Vector ForceBalance::sizes(const Vector& c) const {
+  Vector out = load_.cwiseAbs();
+  if (sums_cancel()) {
+    Vector magnitude;
+    product.op().apply_magnitude(c, magnitude);
+    return out + magnitude;
+  }
   const Vector own = points_.diagonal.cwiseProduct(c);
-  const Vector size = load_.cwiseAbs() + own.cwiseAbs() + (product.value() - own).cwiseAbs();
-  return worst_ratio({residual, size, 0.0}, c, xi);
+  return out + own.cwiseAbs() + (product.value() - own).cwiseAbs();
+}
+
+double ForceBalance::worst_of(const Vector& residual, const Vector& c, const Vector& xi) const {
+  return worst_ratio({residual, sizes(c), 0.0}, c, xi);
+}
+
+Vector ForceBalance::beyond(double ratio, const Vector& residual, const Vector& c,
+                            const Vector& xi) const {
+  Vector out = residual;
+  const Vector size = sizes(c);
+  const double largest = largest_multiplier(xi);
+  for (Eigen::Index i = 0; i < out.size(); ++i)
+    if (std::abs(out[i]) <= ratio * size[i] ||
+        std::abs(out[i]) <= ratio * (size[i] + turned_size(i, c, largest)))
+      out[i] = 0.0;
+  return out;
+}
+
+/// The row of a pressure has no diagonal, and its sum is what is left.
+bool ForceBalance::sums_cancel() const {
+  return all_rows_ != nullptr && all_rows_->several_unknowns();
 }
 
 ForceBalance::ForceBalance(const ContactPoints& points, const ReducedOperator& s, double target)
@@ -96,20 +123,29 @@ double ForceBalance::worst_ratio(const Errors& of, const Vector& c, const Vector
   return all_rows_ != nullptr ? worst_of_all_rows(of, c, xi) : solver::worst_ratio(of);
 }
 
-/// As the certificate of a step has it (solver/discrete/certificate.cpp): each row against its own
-/// size, and a part of what it has in axes that are turned.
-double ForceBalance::worst_of_all_rows(const Errors& of, const Vector& c, const Vector& xi) const {
+/// A part of what row i has in axes that are turned, as the certificate of a step has it
+/// (solver/discrete/certificate.cpp).
+double ForceBalance::turned_size(Eigen::Index i, const Vector& c, double largest_xi) const {
   constexpr double least_part = 0.01;
-  const double largest_xi = xi.size() > 0 ? xi.lpNorm<Eigen::Infinity>() : 0.0;
+  double weight = 0.0;
+  for (SparseMatrix::InnerIterator it(points_.force_of, i); it; ++it)
+    weight += std::abs(it.value());
+  return least_part * (all_rows_->whole_scale(static_cast<int>(i), c) + weight * largest_xi);
+}
+
+/// Of several unknowns each has multipliers of its own, which are in the rows' sizes.
+double ForceBalance::largest_multiplier(const Vector& xi) const {
+  return all_rows_->several_unknowns() || xi.size() == 0 ? 0.0 : xi.lpNorm<Eigen::Infinity>();
+}
+
+/// Each row against its own size.
+double ForceBalance::worst_of_all_rows(const Errors& of, const Vector& c, const Vector& xi) const {
+  const double largest_xi = largest_multiplier(xi);
   double worst = 0.0;
   for (Eigen::Index i = 0; i < of.left.size(); ++i) {
     const double error = std::abs(of.left[i]);
     if (error <= worst * of.size[i]) continue;
-    double weight = 0.0;
-    for (SparseMatrix::InnerIterator it(points_.force_of, i); it; ++it)
-      weight += std::abs(it.value());
-    const double scale = all_rows_->whole_scale(static_cast<int>(i), c) + weight * largest_xi;
-    const double size = of.size[i] + least_part * scale;
+    const double size = of.size[i] + turned_size(i, c, largest_xi);
     if (error <= worst * size) continue;
     worst = error / size;
     if (std::isnan(worst)) return std::numeric_limits<double>::infinity();
@@ -147,7 +183,8 @@ const Errors& ForceBalance::errors(const Vector& c, const Vector& xi) {
     out.size[i] = std::abs(load_[i]) + std::abs(own) + std::abs(s_c[i] - own) + force_size;
   });
   out.worst = worst_ratio(out, c, xi);
-  if (!(out.worst > target_) || out.worst > 1e2 * target_) return out;
+  const bool far = out.worst > 1e2 * target_ && !sums_cancel();
+  if (!(out.worst > target_) || far) return out;
   const Vector& magnitude = product.magnitude(c);
   for_rows(points_.force_of, xi, [&](int i, double, double force_size) {
     out.size[i] = std::abs(load_[i]) + magnitude[i] + force_size;

@@ -53,6 +53,8 @@ public:
   const Errors& errors(const Vector& c, const Vector& xi);
   /// The worst ratio of this residual, from above; for iterations on all rows.
   double worst_of(const Vector& residual, const Vector& c, const Vector& xi) const;
+  /// The same residual where it is more than `ratio` of its row's size; 0 in the other rows.
+  Vector beyond(double ratio, const Vector& residual, const Vector& c, const Vector& xi) const;
   /// c = 0 on the pieces of S on which neither loads nor multipliers act: what Newton's method left
   /// there is rounding of earlier multipliers. (Iterations do the same within each solve:
   /// PetscSolver.)
@@ -61,6 +63,10 @@ public:
   KeptProduct product;
 
 private:
+  bool sums_cancel() const;
+  Vector sizes(const Vector& c) const;
+  double turned_size(Eigen::Index i, const Vector& c, double largest_xi) const;
+  double largest_multiplier(const Vector& xi) const;
   double worst_ratio(const Errors& of, const Vector& c, const Vector& xi) const;
   double worst_of_all_rows(const Errors& of, const Vector& c, const Vector& xi) const;
 

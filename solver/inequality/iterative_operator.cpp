@@ -20,6 +20,7 @@ void IterativeOperator::apply_magnitude(const Vector& c, Vector& out) const {
 double IterativeOperator::whole_scale(int i, const Vector& c) const {
   double own = 0.0, largest = 0.0;
   for (SparseMatrix::InnerIterator it(k_, i); it; ++it) {
+    if (several_unknowns() && of_unknown_[it.col()] != of_unknown_[i]) continue;
     if (it.col() == i) own = std::abs(it.value());
     largest = std::max(largest, std::abs(c[it.col()]));
   }
@@ -43,9 +44,15 @@ bool IterativeOperator::factor(const SparseMatrix& h, std::span<const int>) {
   return solver_.set_laws(h_, symmetric_);
 }
 
+IterativeAnswer IterativeOperator::answer_to(const Vector& b, double reduction, Vector& x) const {
+  if (use_laws()) return solver_.solve(b, reduction, x);
+  IterativeAnswer none;
+  none.outcome = IterativeAnswer::Outcome::indefinite;
+  return none;
+}
+
 bool IterativeOperator::solve_to(const Vector& b, double reduction, Vector& x) const {
-  if (!use_laws()) return false;
-  const IterativeAnswer answer = solver_.solve(b, reduction, x);
+  const IterativeAnswer answer = answer_to(b, reduction, x);
   if (answer.outcome == IterativeAnswer::Outcome::stagnated)
     throw Failure(FailureKind::not_certified, {},
                   fmt::format("the iterative solver of {} unknowns stopped after {} iterations, "
@@ -62,9 +69,10 @@ void IterativeOperator::solve_or_refuse(const Vector& b, double reduction, Vecto
 }
 
 /// Conjugate gradients from a random force come across directions of negative energy, which are at
-/// the end of the spectrum; laws that add stiffness only leave nothing to ask.
+/// the end of the spectrum; laws that add stiffness only leave nothing to ask. Where the sum is not
+/// symmetric neither iterations nor a factor can tell.
 bool IterativeOperator::definite() {
-  if (!symmetric_) return false;
+  if (!symmetric_) return true;
   bool adds_only = true;
   for (int i = 0; i < h_.rows() && adds_only; ++i)
     for (SparseMatrix::InnerIterator it(h_, i); it; ++it)

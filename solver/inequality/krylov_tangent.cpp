@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hvi::solver {
 
@@ -35,6 +36,8 @@ double KrylovTangent::reduction_while_changing(const Position& at, const Vector&
       penalties[row] = at.xi[row] - at.places.xi_hat[row];
   }
   if (!together) return while_changing;
+  // Residuals of several unknowns are weighed by what motions cost, these stiffnesses included.
+  if (factor_.op().iterative()->several_unknowns()) return while_resting_together;
   const double all = residual.lpNorm<Eigen::Infinity>();
   if (penalties.isZero(0.0) || !(all > 0.0)) return while_resting_together;
   const Vector others = residual + at.points.force_of * penalties;
@@ -51,11 +54,29 @@ double KrylovTangent::reduction(const Position& at, const Vector& residual, bool
   return std::clamp(below_target * at.balance.target() / worst, most_at_once, when_settled);
 }
 
+/// Rows may be as small as rounding of others, far from where anything acts: where those that do
+/// not hold yet are beyond what the norm of all rows sees, they are solved for without the others.
+Vector KrylovTangent::rows_unseen(const Position& at, const Vector& residual,
+                                  double accuracy) const {
+  Vector left = at.balance.beyond(below_target * at.balance.target(), residual, at.c, at.xi);
+  const double largest = left.lpNorm<Eigen::Infinity>();
+  return largest > 0.0 && largest <= accuracy * residual.norm() ? left : Vector();
+}
+
 bool KrylovTangent::solve(const Position& at, const Vector& residual, bool settled,
                           InequalityReport& report, TangentStep& out) {
   if (!factor_.make(at.places.d, report)) return false;
   const IterativeOperator& op = *factor_.op().iterative();
-  if (!op.solve_to(residual, reduction(at, residual, settled), out.dc)) return false;
+  const double accuracy = reduction(at, residual, settled);
+  const Vector unseen = settled ? rows_unseen(at, residual, accuracy) : Vector();
+  using Outcome = IterativeAnswer::Outcome;
+  const Outcome outcome =
+      op.answer_to(unseen.size() > 0 ? unseen : residual, accuracy, out.dc).outcome;
+  if (outcome == Outcome::indefinite) return false;
+  if (outcome == Outcome::stagnated) { // another method may come where it does not
+    out.dc.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return true;
+  }
   pattern_.assemble(at.places.d, h_);
   finish_inexact(at, op, h_, residual, out);
   // Early steps are large and rough: sums of products would keep rounding of their size.

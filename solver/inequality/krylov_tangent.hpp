@@ -17,6 +17,7 @@ public:
 private:
   double reduction_while_changing(const Position& at, const Vector& residual) const;
   double reduction(const Position& at, const Vector& residual, bool settled) const;
+  Vector rows_unseen(const Position& at, const Vector& residual, double accuracy) const;
 
   const StiffnessPattern& pattern_;
   LastFactor& factor_;

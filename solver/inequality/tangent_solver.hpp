@@ -16,7 +16,7 @@ class TangentSolver {
 public:
   virtual ~TangentSolver() = default;
   /// `settled`: no point changed its place in the last step of Newton's, so that digits pay.
-  /// False: S + H is not (positive definite and) regular.
+  /// False: S + H is not (positive definite and) regular. dc is not finite where no step was found.
   virtual bool solve(const Position& at, const Vector& residual, bool settled,
                      InequalityReport& report, TangentStep& out) = 0;
 };

@@ -17,9 +17,11 @@ struct UnknownsOfNodes {
   std::vector<std::int32_t> node;      ///< of each unknown; numbered from 0 without gaps
   std::vector<std::int32_t> component; ///< of each unknown
   int nodes = 0;
-  /// A column each: motions that cost no energy but where values are imposed (translations and
-  /// turns, constants). Multigrid has to keep them on every level.
+  std::vector<std::int32_t> first_component{0}; ///< of each of several unknowns u, theta, ...
+  /// A column each, of one unknown: motions that cost no energy but where values are imposed
+  /// (translations and turns, constants). Multigrid has to keep them on every level.
   DenseMatrix motions;
+  bool several() const { return first_component.size() > 1; }
 };
 
 struct IterativeAnswer {

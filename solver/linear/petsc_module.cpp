@@ -54,9 +54,14 @@ class PetscSolver final : public IterativeSolver {
 public:
   PetscSolver(const SparseMatrix& k, bool symmetric, const UnknownsOfNodes& unknowns) : pieces_(k) {
     const HviPetscMatrix matrix = rows_of(k);
-    const HviPetscUnknowns of{unknowns.node.data(),    unknowns.component.data(),
-                              unknowns.nodes,          unknowns.components,
-                              unknowns.motions.data(), static_cast<int>(unknowns.motions.cols())};
+    const HviPetscUnknowns of{unknowns.node.data(),
+                              unknowns.component.data(),
+                              unknowns.nodes,
+                              unknowns.components,
+                              unknowns.first_component.data(),
+                              static_cast<int>(unknowns.first_component.size()),
+                              unknowns.motions.data(),
+                              static_cast<int>(unknowns.motions.cols())};
     const int status =
         bridge_.open(&matrix, symmetric, &of, &solver_, message_.data(), message_.size());
     require(status, message_);

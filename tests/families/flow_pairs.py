@@ -10,6 +10,7 @@ of warm_pairs.py: a dense brute force with a mortar of its own.
 """
 import sys
 
+import orientation
 import pairs
 import rates
 import warm_pairs
@@ -17,6 +18,8 @@ from brute import Unilateral
 
 
 class Scene(warm_pairs.Scene):
+    may_stop_iterations = True
+
     def choose_kind(self):
         self.kind, self.order = "incompressible", 2
         self.leaks, self.stores = self.random.random() < 0.75, self.random.random() < 0.4
@@ -44,5 +47,12 @@ class Scene(warm_pairs.Scene):
         return super().told() + (", leaking" if self.leaks else "") + (", storing" if self.stores else "")
 
 
+def some_stopped(scenes):
+    """Iterations may stop, with E0701, in a sixth of them."""
+    for said in pairs.STOPPED:
+        print(f"iterations stopped: {said}", file=sys.stderr)
+    return len(pairs.STOPPED) > scenes / 6
+
+
 if __name__ == "__main__":
-    sys.exit(rates.judge("flow_pairs", Scene, run=pairs.run))
+    sys.exit(rates.judge("flow_pairs", Scene, run=pairs.run) or some_stopped(orientation.asked_for().scenes))

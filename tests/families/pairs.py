@@ -155,7 +155,7 @@ class Scene(rates.Scene):
 
 
 WAYS = [], ["--both-sides"], ["--solver", "iterative"]
-NO_ITERATIONS = "solves for one unknown", iterative.NO_MODULE
+STOPPED = []  # what was said where iterations did not get to the end, of scenes that may have it so
 ALIKE = 1e-10  # of all ways: as much as certificates leave; where slip weakens they may leave more, and then
 FINER = "tolerance = 1e-13"  # all are solved to this
 
@@ -185,7 +185,10 @@ def in_all_ways(program, folder, scene, turn, scale, options, text):
     for more in WAYS:
         done = subprocess.run([program, "run", "scene.hvi", "--quiet", "-o", "out", *options, *more], cwd=folder,
                               capture_output=True, text=True, timeout=120)
-        if done.returncode != 0 and any(words in done.stderr for words in NO_ITERATIONS):
+        if done.returncode != 0 and iterative.NO_MODULE in done.stderr:
+            continue
+        if done.returncode == 3 and "iterative" in more and getattr(scene, "may_stop_iterations", False):
+            STOPPED.append(" ".join(done.stderr.split())[-300:])
             continue
         if done.returncode != 0:
             return None, f"exit {done.returncode}{' '.join(['', *more])}: " + " ".join(done.stderr.split())[:400], 0.0

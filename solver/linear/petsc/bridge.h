@@ -18,6 +18,8 @@ struct HviPetscUnknowns {
   const int* node;
   const int* component;
   int nodes, components;
+  const int* first_component; /* of each of several unknowns u, theta, ... */
+  int unknowns;
   const double* motions; /* rows numbers for each, one after the other */
   int n_motions;
 };

@@ -17,11 +17,11 @@ std::vector<int> starts_of(const std::vector<int>& counts) {
 
 } // namespace
 
-Distribution::Distribution(const Numbering& numbering) : Distribution(world(), numbering.counts()) {
-  components_ = of_first(numbering.components());
-}
+Distribution::Distribution(const Numbering& numbering)
+    : Distribution(world(), numbering.counts(), numbering.components()) {}
 
-Distribution::Distribution(MPI_Comm comm, std::vector<int> counts) : comm_(comm), rank_(rank()) {
+Distribution::Distribution(MPI_Comm comm, std::vector<int> counts, int components)
+    : comm_(comm), rank_(rank()), components_(of_first(components)) {
   counts.resize(static_cast<std::size_t>(processes()), 0);
   MPI_Bcast(counts.data(), static_cast<int>(counts.size()), MPI_INT, 0, comm_);
   first_ = starts_of(counts);

@@ -15,7 +15,7 @@ public:
   /// What the first process has been told of: components of a node, rows of each process.
   explicit Distribution(const Numbering& numbering);
   /// Of other rows: how many each process has.
-  Distribution(MPI_Comm comm, std::vector<int> counts);
+  Distribution(MPI_Comm comm, std::vector<int> counts, int components = 1);
   MPI_Comm comm() const { return comm_; }
   bool alone() const { return first_.size() == 2; }
   int components() const { return components_; }

@@ -11,8 +11,6 @@ namespace {
 constexpr int most_iterations = 1000;
 /// GMRES keeps a vector for each iteration until it begins anew.
 constexpr int restart = 60;
-/// Laws whose stiffness is beyond this part of the body's are solved exactly with their layers.
-constexpr double stiff_part = 0.5;
 /// An old multigrid is given up when it takes so many times the iterations for a digit.
 constexpr double too_slow = 1.5;
 /// The layers of a body that laws alone hold are almost singular: of K's diagonal, added to it.
@@ -44,23 +42,42 @@ const char* in_words(KSPConvergedReason reason) {
 
 Krylov::Krylov(const HviPetscMatrix& k, bool symmetric, const HviPetscUnknowns& unknowns)
     : given_(k), numbering_(unknowns, k.rows, partition_of(k, unknowns, processes())),
-      distribution_(numbering_), diagonal_(typical_diagonal()), k_(k), symmetric_k_(symmetric),
-      symmetric_(symmetric) {
+      distribution_(numbering_), diagonal_(typical_diagonal()), k_(k),
+      symmetric_k_(symmetric && distribution_.of_first(unknowns.unknowns) == 1),
+      symmetric_(symmetric_k_) {
   make_matrix();
-  const int n_motions = distribution_.of_first(unknowns.n_motions);
-  multigrid_.emplace(matrix_.get(), in_own_numbering(unknowns.motions, n_motions), n_motions);
   h_.start.assign(static_cast<std::size_t>(numbering_.size()) + 1, 0);
-  const PetscInt n = distribution_.rows(), all = distribution_.all_rows();
-  check(MatCreateShell(distribution_.comm(), n, n, all, all, this, shell_.put()));
-  check(MatShellSetOperation(shell_.get(), MATOP_MULT,
-                             reinterpret_cast<void (*)()>(&Krylov::apply_matrix)));
+  make_shell(&Krylov::apply_matrix, shell_);
   check(MatCreateVecs(matrix_.get(), b_.put(), x_.put()));
-  check(VecDuplicate(b_.get(), work_.put()));
-  check(VecDuplicate(b_.get(), rest_.put()));
   check(VecDuplicate(b_.get(), unbalanced_.put()));
   all_.emplace(distribution_, b_.get());
+  make_preconditioner(unknowns);
   choose_method();
   count();
+}
+
+void Krylov::make_shell(PetscErrorCode (*product)(Mat, Vec, Vec), Owned<Mat>& shell) {
+  const PetscInt n = distribution_.rows(), all = distribution_.all_rows();
+  check(MatCreateShell(distribution_.comm(), n, n, all, all, this, shell.put()));
+  check(MatShellSetOperation(shell.get(), MATOP_MULT, reinterpret_cast<void (*)()>(product)));
+}
+
+void Krylov::make_preconditioner(const HviPetscUnknowns& unknowns) {
+  const int n_motions = distribution_.of_first(unknowns.n_motions);
+  const std::vector<double> motions = in_own_numbering(unknowns.motions, n_motions);
+  if (distribution_.of_first(unknowns.unknowns) == 1) {
+    preconditioner_ = std::make_unique<Cycle>(distribution_, k_, matrix_.get(), motions, n_motions);
+    return;
+  }
+  std::vector<int> first(unknowns.first_component, unknowns.first_component + unknowns.unknowns);
+  first.push_back(unknowns.components);
+  auto several = std::make_unique<SeveralCycles>(distribution_, numbering_, first, k_, shell_.get(),
+                                                 motions, n_motions);
+  several_ = several.get();
+  preconditioner_ = std::move(several);
+  make_shell(&Krylov::apply_weighted, weighted_);
+  check(VecDuplicate(b_.get(), weights_.put()));
+  check(VecDuplicate(b_.get(), unweighted_.put()));
 }
 
 std::vector<double> Krylov::in_own_numbering(const double* columns, int count) const {
@@ -97,7 +114,7 @@ void Krylov::matrix_changed() {
   if (!numbering_.same()) numbering_.refresh(given_, diagonal_, own_);
   Rows mine;
   distribution_.refresh(distribution_.deal(k_, mine), matrix_.get());
-  if (layers_) layers_->matrix_changed(b_.get());
+  preconditioner_->matrix_changed();
   changed_ = free_stale_ = true;
 }
 
@@ -107,19 +124,6 @@ void Krylov::set_free_motions(const double* motions, int count) {
   this->count();
 }
 
-bool Krylov::stiff() const {
-  const Rows& h = h_;
-  for (int i = 0; i < h.size(); ++i) {
-    if (h.start[i] == h.start[i + 1]) continue;
-    double own = 0.0, law = 0.0;
-    for (int e = k_.start[i]; e < k_.start[i + 1]; ++e)
-      if (k_.column[e] == i) own = std::abs(k_.value[e]);
-    for (int e = h.start[i]; e < h.start[i + 1]; ++e) law += std::abs(h.value[e]);
-    if (law > stiff_part * own) return true;
-  }
-  return false;
-}
-
 bool Krylov::set_laws(const HviPetscMatrix& h, bool symmetric) {
   const bool other_method = symmetric_ != (symmetric && symmetric_k_);
   symmetric_ = symmetric && symmetric_k_;
@@ -127,20 +131,17 @@ bool Krylov::set_laws(const HviPetscMatrix& h, bool symmetric) {
   law_rows_.set(distribution_, b_.get(), h_.view());
   free_stale_ = true;
   if (other_method) choose_method();
-  in_layers_ = distribution_.of_first(stiff());
-  if (!in_layers_) return true;
-  if (distribution_.of_first(!layers_ || !layers_->fit(h_)))
-    layers_ = std::make_unique<Layers>(distribution_, b_.get(), k_, h_);
-  in_layers_ = layers_->factor(h_, symmetric_, free_ ? layer_shift : 0.0);
-  ++counts_.local_factors;
+  const bool there =
+      preconditioner_->set_laws(h_, law_rows_, symmetric_, free_ ? layer_shift : 0.0);
   count();
-  return in_layers_;
+  return there;
 }
 
 void Krylov::choose_method() {
   check(KSPCreate(distribution_.comm(), ksp_.put()));
-  check(KSPSetOperators(ksp_.get(), shell_.get(), shell_.get()));
-  check(KSPSetType(ksp_.get(), symmetric_ ? KSPCG : KSPGMRES));
+  const Mat matrix = several_ != nullptr ? weighted_.get() : shell_.get();
+  check(KSPSetOperators(ksp_.get(), matrix, matrix));
+  check(KSPSetType(ksp_.get(), symmetric_ ? KSPCG : several_ != nullptr ? KSPFGMRES : KSPGMRES));
   if (!symmetric_) {
     check(KSPGMRESSetRestart(ksp_.get(), restart));
     check(KSPSetPCSide(ksp_.get(), PC_RIGHT));
@@ -161,43 +162,34 @@ PetscErrorCode Krylov::apply_matrix(Mat shell, Vec x, Vec y) {
   return of.law_rows_.add_product(1.0, x, y);
 }
 
+PetscErrorCode Krylov::apply_weighted(Mat shell, Vec x, Vec y) {
+  PetscCall(apply_matrix(shell, x, y));
+  void* self = nullptr;
+  PetscCall(MatShellGetContext(shell, &self));
+  return VecPointwiseMult(y, y, static_cast<const Krylov*>(self)->weights_.get());
+}
+
 PetscErrorCode Krylov::apply_preconditioner(PC shell, Vec r, Vec z) {
   void* self = nullptr;
   PetscCall(PCShellGetContext(shell, &self));
-  return static_cast<Krylov*>(self)->balanced(r, z);
+  Krylov& of = *static_cast<Krylov*>(self);
+  if (of.several_ == nullptr) return of.balanced(r, z);
+  PetscCall(VecPointwiseDivide(of.unweighted_.get(), r, of.weights_.get())); // 0 / 0 = 0
+  return of.balanced(of.unweighted_.get(), z);
 }
 
 PetscErrorCode Krylov::balanced(Vec r, Vec z) {
-  if (!free_known_) return precondition(r, z);
+  if (!free_known_) return preconditioner_->apply(r, z);
   PetscCall(free_->remove(r, unbalanced_.get()));
-  PetscCall(precondition(unbalanced_.get(), z));
+  PetscCall(preconditioner_->apply(unbalanced_.get(), z));
   return free_->add(symmetric_, z);
-}
-
-/// As in layers.hpp.
-PetscErrorCode Krylov::precondition(Vec r, Vec z) const {
-  if (!in_layers_) return multigrid_->apply(r, z);
-  const Vec rest = rest_.get(), work = work_.get();
-  PetscCall(VecSet(z, 0.0));
-  PetscCall(layers_->add_solved(r, z));
-  PetscCall(rest_near_laws(r, z));
-  PetscCall(multigrid_->apply(rest, work));
-  PetscCall(VecAXPY(z, 1.0, work));
-  PetscCall(rest_near_laws(r, z));
-  return layers_->add_solved(rest, z);
-}
-
-/// r - (K + H) z, right where laws act and next to it.
-PetscErrorCode Krylov::rest_near_laws(Vec r, Vec z) const {
-  PetscCall(VecCopy(r, rest_.get()));
-  PetscCall(layers_->subtract_product(z, rest_.get()));
-  return law_rows_.add_product(-1.0, z, rest_.get());
 }
 
 /// The multigrid is set up when it is asked for, and again when it has become too old.
 void Krylov::prepare() {
-  if (multigrid_->setups == 0 || (changed_ && last_effort_ > too_slow * best_effort_)) {
-    multigrid_->set_up();
+  if (counts_.setups == 0 || (changed_ && last_effort_ > too_slow * best_effort_)) {
+    preconditioner_->set_up();
+    ++counts_.setups;
     changed_ = false, best_effort_ = last_effort_ = 0.0;
     count();
   }
@@ -222,6 +214,10 @@ HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
   double size = 0.0; // squares of sizes may be beyond any number
   check(VecNorm(b_.get(), NORM_INFINITY, &size));
   if (size > 0.0) check(VecScale(b_.get(), 1.0 / size));
+  if (several_ != nullptr) {
+    several_->weigh(b_.get(), weights_.get());
+    check(VecPointwiseMult(b_.get(), b_.get(), weights_.get()));
+  }
   check(KSPSetTolerances(ksp_.get(), reduction, 1e-300, 1e30, most_iterations));
   check(KSPSolve(ksp_.get(), b_.get(), x_.get()));
   check(VecScale(x_.get(), size));
@@ -261,14 +257,13 @@ void Krylov::note(const HviPetscAnswer& answer) {
 
 /// Bytes of all processes, seconds of this one.
 void Krylov::count() {
-  double bytes = multigrid_->bytes() + law_rows_.bytes() +
-                 12.0 * static_cast<double>(own_.column.size()) +
+  const Effort effort = preconditioner_->effort();
+  double bytes = effort.bytes + law_rows_.bytes() + 12.0 * static_cast<double>(own_.column.size()) +
                  distribution_.copied_bytes(matrix_.get()) + 8.0 * 12.0 * distribution_.rows();
-  if (layers_) bytes += layers_->bytes();
   if (free_) bytes += free_->bytes();
   counts_.bytes = distribution_.sum(bytes);
   counts_.bytes_of_others = distribution_.largest(distribution_.is_first() ? 0.0 : most_held());
-  counts_.setups = multigrid_->setups, counts_.seconds_setup = multigrid_->seconds;
+  counts_.seconds_setup = effort.seconds_setup, counts_.local_factors = effort.local_factors;
 }
 
 } // namespace hvi::petsc_module

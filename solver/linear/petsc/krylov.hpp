@@ -4,10 +4,8 @@
 // H and b; the others give empty ones.
 #pragma once
 
-#include "solver/linear/petsc/few_rows.hpp"
 #include "solver/linear/petsc/free_motions.hpp"
-#include "solver/linear/petsc/layers.hpp"
-#include "solver/linear/petsc/multigrid.hpp"
+#include "solver/linear/petsc/several.hpp"
 
 #include <memory>
 #include <optional>
@@ -27,19 +25,19 @@ public:
 
 private:
   static PetscErrorCode apply_matrix(Mat shell, Vec x, Vec y);
+  static PetscErrorCode apply_weighted(Mat shell, Vec x, Vec y);
   static PetscErrorCode apply_preconditioner(PC shell, Vec r, Vec z);
-  PetscErrorCode precondition(Vec r, Vec z) const;
-  PetscErrorCode rest_near_laws(Vec r, Vec z) const;
   PetscErrorCode balanced(Vec r, Vec z);
   std::vector<double> in_own_numbering(const double* columns, int count) const;
   void prepare();
   HviPetscAnswer answer_of_method() const;
   void make_matrix();
+  void make_shell(PetscErrorCode (*product)(Mat, Vec, Vec), Owned<Mat>& shell);
+  void make_preconditioner(const HviPetscUnknowns& unknowns);
   void count();
   void choose_method();
   void note(const HviPetscAnswer& answer);
   double typical_diagonal() const;
-  bool stiff() const;
 
   HviPetscMatrix given_; ///< K as the caller numbers it
   Numbering numbering_;
@@ -50,17 +48,17 @@ private:
   Rows h_;           ///< whole
   FewRows law_rows_;
   bool symmetric_k_, symmetric_ = true;
-  Owned<Mat> matrix_, shell_;
-  std::optional<Multigrid> multigrid_;
-  std::unique_ptr<Layers> layers_;
+  Owned<Mat> matrix_;
+  Owned<Mat> shell_, weighted_; ///< A, and W A, W the weights
+  std::unique_ptr<Preconditioner> preconditioner_;
+  SeveralCycles* several_ = nullptr;  ///< the same; null: there is one unknown
   std::optional<View> all_;           ///< how the first process sees right-hand sides and solutions
   std::unique_ptr<FreeMotions> free_; ///< null: K holds the body
   bool free_known_ = false;           ///< are they solved exactly, for the laws at hand?
   bool free_stale_ = false;           ///< has A changed since?
-  bool in_layers_ = false;            ///< are the layers solved exactly?
   HviPetscCounts counts_{};
   Owned<KSP> ksp_;
-  Owned<Vec> b_, x_, work_, rest_, unbalanced_;
+  Owned<Vec> b_, x_, weights_, unweighted_, unbalanced_;
   /// Iterations for each digit, since the multigrid was set up and of the last solve.
   double best_effort_ = 0.0, last_effort_ = 0.0;
   bool changed_ = false; ///< has K changed since the multigrid was set up?

@@ -72,7 +72,6 @@ void Multigrid::set_up() {
   check(PCSetReusePreconditioner(pc_.get(), PETSC_TRUE)); // until the next call, whatever K becomes
   single_.clear();
   read_less();
-  ++setups;
   seconds += cpu_now() - begin;
 }
 

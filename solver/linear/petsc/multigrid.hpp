@@ -18,7 +18,6 @@ public:
   void set_up(); ///< for the entries that K has now
   PetscErrorCode apply(Vec r, Vec z) const { return PCApply(pc_.get(), r, z); }
   double bytes() const; ///< of all levels, on this process
-  int setups = 0;
   double seconds = 0.0;
 
 private:

@@ -25,6 +25,7 @@ public:
   int components() const { return components_; }
   /// Are the unknowns numbered so already?
   bool same() const { return same_; }
+  bool is_unknown(int row) const { return same_ || unknown_[row] >= 0; }
   int operator[](int unknown) const { return same_ ? unknown : place_[unknown]; }
 
   /// The matrix in this numbering. `diagonal`: of rows that are no unknown's; 0: without an entry.

@@ -26,7 +26,7 @@ Graph graph_of(const HviPetscMatrix& k, const HviPetscUnknowns& unknowns) {
   for (int i = 0; i < k.rows; ++i)
     for (int e = k.start[i]; e < k.start[i + 1]; ++e) {
       const int a = unknowns.node[i], b = unknowns.node[k.column[e]];
-      if (a == b || unknowns.component[k.column[e]] != 0) continue;
+      if (a == b || (e > k.start[i] && unknowns.node[k.column[e - 1]] == b)) continue;
       of[a].push_back(b);
       of[b].push_back(a);
     }

@@ -68,6 +68,8 @@ void start() {
   setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
   setenv("OMPI_MCA_btl", "self", 0);
   setenv("OMPI_MCA_pml", "ob1", 0);
+  setenv("OMPI_MCA_orte_create_session_dirs", "0",
+         0); // another run may end and remove them meanwhile
   start_mpi();
   start_petsc(MPI_COMM_SELF);
 }

@@ -2,6 +2,7 @@
 // not installed.
 #include "solver/common/failure.hpp"
 #include "solver/linear/dense.hpp"
+#include "solver/linear/iterative_factorisation.hpp"
 #include "solver/linear/iterative_solver.hpp"
 
 #include <Eigen/LU>
@@ -200,6 +201,108 @@ TEST(Iterative, FindsThatASumIsNotPositiveDefinite) {
   ASSERT_TRUE(solver->set_laws(slight, true));
   ASSERT_LT(symmetric_eigenvalues(DenseMatrix(k + slight))[0], 0.0);
   EXPECT_EQ(solver->solve(b, 1e-8, x).outcome, IterativeAnswer::Outcome::indefinite);
+}
+
+/// Springs of two components with pressures that make differences along the grid from node to node,
+/// each `stiff` of its own, in units `unit` times those of the springs; by nodes.
+struct Coupled {
+  SparseMatrix k;
+  UnknownsOfNodes unknowns;
+};
+Coupled with_pressures(int n, const std::vector<double>& stiff, double unit, double back) {
+  const SparseMatrix u = springs(n, 10.0);
+  const int pressures = static_cast<int>(stiff.size()), all = 2 + pressures;
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto place = [&](int node, int c) { return node * all + c; };
+  for (int i = 0; i < u.rows(); ++i)
+    for (SparseMatrix::InnerIterator it(u, i); it; ++it)
+      entries.emplace_back(place(i / 2, i % 2),
+                           place(static_cast<int>(it.col() / 2), static_cast<int>(it.col() % 2)),
+                           it.value());
+  for (int p = 0; p < pressures; ++p)
+    for (int i = 0; i < n * n; ++i) {
+      entries.emplace_back(place(i, 2 + p), place(i, 2 + p), unit * unit * stiff[p]);
+      for (const int c : {0, 1}) {
+        const int next = c == 0 ? i + 1 : i + n;
+        if (next >= n * n || (c == 0 && next % n == 0)) continue;
+        const double pull = unit * (1.0 + 0.5 * p);
+        entries.emplace_back(place(next, c), place(i, 2 + p), -pull);
+        entries.emplace_back(place(i, c), place(i, 2 + p), pull);
+        entries.emplace_back(place(i, 2 + p), place(next, c), back * pull);
+        entries.emplace_back(place(i, 2 + p), place(i, c), -back * pull);
+      }
+    }
+  Coupled out;
+  out.k.resize(all * n * n, all * n * n);
+  out.k.setFromTriplets(entries.begin(), entries.end());
+  out.unknowns.components = all, out.unknowns.nodes = n * n;
+  for (int p = 0; p < pressures; ++p) out.unknowns.first_component.push_back(2 + p);
+  out.unknowns.motions = DenseMatrix::Zero(out.k.rows(), all);
+  for (int i = 0; i < out.k.rows(); ++i) {
+    out.unknowns.node.push_back(i / all), out.unknowns.component.push_back(i % all);
+    out.unknowns.motions(i, i % all) = 1.0;
+  }
+  return out;
+}
+
+/// Each row by what it is made of.
+double worst_row(const SparseMatrix& k, const Vector& b, const Vector& x) {
+  double out = 0.0;
+  for (int i = 0; i < k.rows(); ++i) {
+    double left = b[i], size = std::abs(b[i]);
+    for (SparseMatrix::InnerIterator it(k, i); it; ++it)
+      left -= it.value() * x[it.col()], size += std::abs(it.value() * x[it.col()]);
+    out = std::max(out, size > 0.0 ? std::abs(left) / size : 0.0);
+  }
+  return out;
+}
+
+/// One way and both, with and without forms of their own, in any units; two pressures that make
+/// the same forces but for a factor, of which the first one hardly gives way.
+TEST(Iterative, SeveralUnknowns) {
+  for (const std::vector<double>& stiff :
+       {std::vector<double>{1.0}, {1e-6}, {1e3}, {1e-6, 1.0}, {0.1, 1e-4}})
+    for (const double unit : {1.0, 1e-6, 1e6})
+      for (const double back : {0.0, 1.0, 0.2}) {
+        const auto [k, unknowns] = with_pressures(10, stiff, unit, back);
+        OPEN(solver, k, false, unknowns);
+        const Vector b = random_vector(k.rows());
+        Vector x = Vector::Zero(k.rows()), more;
+        int most = 0;
+        for (int round = 0; round < 4; ++round) {
+          const IterativeAnswer answer = solver->solve(b - k * x, 1e-9, more);
+          ASSERT_TRUE(answer.solved()) << answer.reason;
+          most = std::max(most, answer.iterations);
+          x += more;
+        }
+        EXPECT_LT(worst_row(k, b, x), 1e-10) << unit << " " << back;
+        EXPECT_LT(most, 150) << stiff.size() << " " << stiff[0] << " " << unit << " " << back;
+      }
+}
+
+/// Each unknown's number is 1e-3 of that before it: the norm of a residual sees a few of them.
+TEST(Iterative, RowsAsSmallAsRoundingOfOthers) {
+  constexpr int n = 60;
+  SparseMatrix k(n, n);
+  UnknownsOfNodes unknowns;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, 1.0);
+    if (i > 0) entries.insert(entries.end(), {{i, i - 1, -1e-3}, {i - 1, i, -1e-3}});
+    unknowns.node.push_back(i), unknowns.component.push_back(0);
+  }
+  k.setFromTriplets(entries.begin(), entries.end());
+  unknowns.nodes = n;
+  unknowns.motions = DenseMatrix::Ones(n, 1);
+  OPEN(solver, k, true, unknowns);
+  const auto factor = iterative_factorisation(*solver, n);
+  factor->factor(k);
+  Vector x = Vector::Zero(n);
+  x[0] = 1.0;
+  const Vector b = x;
+  factor->back(x, Columns::interior);
+  EXPECT_LT(worst_row(k, b, x), 1e-9);
+  EXPECT_NEAR(x[n / 2] / x[n / 2 - 1], 1e-3, 1e-8); // analytic, but for 1e-9 of it
 }
 
 /// Springs that nothing holds, under a force that no displacement balances.

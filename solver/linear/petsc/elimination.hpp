@@ -1,0 +1,36 @@
+// In which order several unknowns u, theta, ... are solved for, and what those before it leave of
+// each of them.
+//
+// An unknown that does not read another one comes before it. Of those that read each other vectors
+// come before scalars: what the elimination of a displacement leaves of a pressure is all but a
+// mass, whatever the mesh, while a pressure leaves next to nothing of displacements that keep their
+// volume (M. Benzi, G. Golub, J. Liesen, Numerical solution of saddle point problems, Acta Numerica
+// 14 (2005) 1-137). Scalars whose form has more of a mass come later, for the same reason.
+//
+// What is eliminated is taken for diagonal: S_b = K_bb - diag(sum_a K_ba D_a^-1 K_ab), a the
+// unknowns before b, D_a the diagonal of S_a. Of a pore pressure it is the fixed-stress split.
+#pragma once
+
+#include "solver/linear/petsc/numbering.hpp"
+
+#include <vector>
+
+namespace hvi::petsc_module {
+
+/// Which rows of the whole are of which unknown.
+struct UnknownRows {
+  std::vector<int> turn;       ///< of each row the unknown's place in the order; -1: of none
+  std::vector<int> components; ///< of each unknown, in the order
+};
+
+/// `first_component`: of each unknown as they are given, and the number of all components.
+UnknownRows order_of_unknowns(const HviPetscMatrix& k, const Numbering& numbering,
+                              const std::vector<int>& first_component);
+
+/// By row, the diagonals of all S_b.
+std::vector<double> eliminate(const HviPetscMatrix& k, const UnknownRows& unknowns);
+
+/// 0 where there is none.
+double entry(const HviPetscMatrix& k, int row, int column);
+
+} // namespace hvi::petsc_module
