@@ -19,7 +19,8 @@ constexpr double seconds_of_ordering = 1.2e-7; ///< an entry of K
 /// Of K in an iteration: it is read by smoothers, interpolations and products.
 constexpr double seconds_of_iterated_entry = 6e-9, seconds_of_set_up_entry = 1e-6;
 constexpr double seconds_of_start = 0.15; ///< of PETSc
-constexpr double iterations_of_a_step = 12.0, iterations_of_friction = 60.0;
+constexpr double iterations_of_a_step = 12.0, iterations_of_friction = 60.0,
+                 iterations_of_several = 170.0;
 constexpr double factors_of_friction = 1.0; ///< of the condensed matrix, in a step
 
 /// Bytes of an entry by rows, and as part of a half.
@@ -54,7 +55,9 @@ SolverCost iterative_cost(const StepSizes& s) {
   const double matrices = s.symmetric ? by_halves : by_rows;
   out.bytes = s.entries * (by_rows + multigrid + matrices * s.matrices) +
               sizeof(double) * vectors * s.unknowns * (s.symmetric ? 1.0 : 2.0);
-  const double each = s.rubs ? iterations_of_friction : iterations_of_a_step;
+  const double each = s.several ? iterations_of_several
+                      : s.rubs  ? iterations_of_friction
+                                : iterations_of_a_step;
   out.seconds = seconds_of_start +
                 s.entries * (seconds_of_set_up_entry + s.steps * each * seconds_of_iterated_entry);
   return out;
@@ -126,6 +129,7 @@ StepSizes sizes_of_steps(const Plan& plan, const Discretisation& d, const StateL
   out.steps = plan.problem.time.is_static ? 1 : static_cast<int>(plan.problem.time.grid.size()) - 1;
   out.symmetric = operators.symmetric && !contact.mixed;
   out.one_matrix = operators.n_bases() == 1 && !contact.none() && out.steps > 1;
+  out.several = space.is_product();
   out.rubs = std::ranges::any_of(plan.problem.laws, [](const LawSpec& law) { return law.radial; });
   return out;
 }

@@ -21,6 +21,7 @@ struct StepSizes {
   bool symmetric = true;
   bool one_matrix = false; ///< the steps are solved for the contact unknowns alone
   bool rubs = false;       ///< friction: points stick and slip
+  bool several = false;    ///< unknowns
 };
 
 struct SolverCost {

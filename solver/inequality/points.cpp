@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <set>
-#include <vector>
 
 namespace hvi::solver {
 
@@ -126,23 +124,11 @@ ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperat
   force_of.setFromTriplets(weights.begin(), weights.end());
 }
 
-namespace {
-
-/// Which of several unknowns laws act on; one that there is alone is number 0.
-std::set<std::uint8_t> unknowns_of_laws(const SparseMatrix& g,
-                                        const std::vector<std::uint8_t>& of_unknown) {
-  if (of_unknown.empty()) return {0};
-  std::set<std::uint8_t> out;
-  for (int row = 0; row < g.rows(); ++row)
-    for (SparseMatrix::InnerIterator it(g, row); it; ++it) out.insert(of_unknown[it.col()]);
-  return out;
-}
-
-} // namespace
-
-/// The diagonal of S^-1 by probes with entries +-1 (Hutchinson, Bekas): the size is all that
-/// matters. Of several unknowns each is probed by itself, for their units differ.
-Vector ContactPoints::flexibilities(const ReducedOperator& s) const {
+/// How far the body gives way at the point when nothing else is held. With a smaller gamma, points
+/// that slip overshoot the range where they would stick. The diagonal of S^-1 by eight probes with
+/// entries +-1 (Hutchinson, Bekas): the size is all that matters.
+void ContactPoints::estimate_compliance(ReducedOperator& s, const SparseMatrix& zero) {
+  if (size() == 0 || !s.factor(zero, {})) return;
   // Where all unknowns are here, those that no law sees would only add noise.
   const bool all = by_iterations;
   const int probes = all ? 2 : 8;
@@ -150,26 +136,18 @@ Vector ContactPoints::flexibilities(const ReducedOperator& s) const {
   if (all)
     for (int row = 0; row < rows; ++row)
       for (SparseMatrix::InnerIterator it(g, row); it; ++it) seen[it.col()] = 1;
-  Vector probe(unknowns), answer(unknowns), out = Vector::Zero(unknowns);
+  Vector probe(unknowns), answer(unknowns), flexibility = Vector::Zero(unknowns);
   std::uint32_t random = 12345;
-  for (const std::uint8_t unknown : unknowns_of_laws(g, problem.of_unknown))
-    for (int k = 0; k < probes; ++k) {
-      for (int i = 0; i < unknowns; ++i) {
-        random = random * 1664525u + 1013904223u;
-        const bool other = !problem.of_unknown.empty() && problem.of_unknown[i] != unknown;
-        probe[i] = other || seen[i] == 0 ? 0.0 : random >> 31 ? 1.0 : -1.0;
-      }
-      s.estimate(probe, answer);
-      out += probe.cwiseProduct(answer) / probes;
+  for (int k = 0; k < probes; ++k) {
+    for (double& v : probe) {
+      random = random * 1664525u + 1013904223u;
+      v = random >> 31 ? 1.0 : -1.0;
     }
-  return out;
-}
-
-/// How far the body gives way at the point when nothing else is held. With a smaller gamma, points
-/// that slip overshoot the range where they would stick.
-void ContactPoints::estimate_compliance(ReducedOperator& s, const SparseMatrix& zero) {
-  if (size() == 0 || !s.factor(zero, {})) return;
-  const Vector flexibility = flexibilities(s);
+    for (int i = 0; i < unknowns; ++i)
+      if (seen[i] == 0) probe[i] = 0.0;
+    s.estimate(probe, answer);
+    flexibility += probe.cwiseProduct(answer) / probes;
+  }
   if (!flexibility.allFinite()) return;
   for (PointData& q : data) {
     double compliance = 0.0;

@@ -91,9 +91,6 @@ struct ContactPoints {
   std::vector<PointData> data;
   SparseMatrix force_of; ///< G^T W: unknowns by rows
   bool by_iterations;    ///< S has no factor
-
-private:
-  Vector flexibilities(const ReducedOperator& s) const;
 };
 
 } // namespace hvi::solver

@@ -22,7 +22,6 @@ struct SeveralCycles::Unknown {
   std::vector<int> mine;     ///< this process's rows, by their places among its rows of the whole
   Rows k, h;
   FewRows h_rows;
-  double typical = 0.0; ///< entry of the diagonal
   /// Of this process's rows: the sizes of the diagonals of S_b, and of that and H.
   std::vector<double> diagonal, stiffness;
   std::unique_ptr<Distribution> distribution;
@@ -63,11 +62,11 @@ struct SeveralCycles::Unknown {
 
   /// With this diagonal of the whole in place of its own. Rows that are not solved for have a
   /// typical one.
-  Rows block_of(const HviPetscMatrix& a, const std::vector<double>& of_whole) {
+  Rows block_of(const HviPetscMatrix& a, const std::vector<double>& of_whole) const {
     double sum = 0.0, count = 0.0;
     for (std::size_t p = 0; p < rows.size(); ++p)
       if (solved[p] != 0) sum += std::abs(of_whole[rows[p]]), ++count;
-    typical = sum > 0.0 ? sum / count : 1.0;
+    const double typical = sum > 0.0 ? sum / count : 1.0;
     Rows out;
     for (std::size_t p = 0; p < rows.size(); ++p) {
       const int row = rows[p];
