@@ -56,17 +56,17 @@ private:
   /// The norm of a residual does not see rows that are as small as rounding of others, which have
   /// an accuracy of their own: they are solved for once more, without the others.
   const Vector& solve(const Vector& b) {
-    norms_of(b, x_);
+    solve_by_norm(b, x_);
     Vector left = b, more;
     for (int round = 1; round < most_rounds && k_ != nullptr; ++round) {
       if (!rows_that_do_not_hold(b, left)) break;
-      norms_of(left, more);
+      solve_by_norm(left, more);
       x_ += more;
     }
     return x_;
   }
 
-  void norms_of(const Vector& b, Vector& x) {
+  void solve_by_norm(const Vector& b, Vector& x) {
     const IterativeAnswer answer = solver_.solve(b, gain_of_solve, x);
     if (answer.outcome == IterativeAnswer::Outcome::indefinite)
       throw NotFactorable(-1, std::numeric_limits<double>::quiet_NaN(),
@@ -79,7 +79,8 @@ private:
                     "take `using solver = direct`");
   }
 
-  /// left = b - K x in rows where it is most of what they are made of, else 0. Are there any?
+  /// left = b - K x in rows where it is more than `gain_of_row` of what they are made of, 0 in the
+  /// others. Are there any?
   bool rows_that_do_not_hold(const Vector& b, Vector& left) const {
     bool any = false;
     for (int i = 0; i < b.size(); ++i) {

@@ -47,12 +47,12 @@ class Scene(warm_pairs.Scene):
         return super().told() + (", leaking" if self.leaks else "") + (", storing" if self.stores else "")
 
 
-def some_stopped(scenes):
-    """Iterations may stop, with E0701, in a sixth of them."""
+def too_many_stopped(part):
+    """Iterations may stop, with E0701, in such a part of the scenes."""
     for said in pairs.STOPPED:
         print(f"iterations stopped: {said}", file=sys.stderr)
-    return len(pairs.STOPPED) > scenes / 6
+    return len(pairs.STOPPED) > part * orientation.asked_for().scenes
 
 
 if __name__ == "__main__":
-    sys.exit(rates.judge("flow_pairs", Scene, run=pairs.run) or some_stopped(orientation.asked_for().scenes))
+    sys.exit(rates.judge("flow_pairs", Scene, run=pairs.run) or too_many_stopped(1 / 7))

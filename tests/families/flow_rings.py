@@ -9,7 +9,6 @@ import sys
 import numpy as np
 
 import flow_pairs
-import orientation
 import pairs
 import rates
 import warm_rings
@@ -21,4 +20,4 @@ class Scene(warm_rings.OfRings, flow_pairs.Scene):
 
 if __name__ == "__main__":
     code = rates.judge("flow_rings", Scene, without_reference=0.2, turning=lambda random, dim: np.eye(dim), run=pairs.run)
-    sys.exit(code or flow_pairs.some_stopped(orientation.asked_for().scenes))
+    sys.exit(code or flow_pairs.too_many_stopped(1 / 24))

@@ -176,111 +176,158 @@ def pair_scene(seed):
     return "\n".join(lines) + "\n"
 
 
-def several_scene(seed):
+class Several:
     """Several unknowns that act on each other: heat and a pore pressure in a body, a fluid, a field in a body that it
     strains, scalars that make each other; one way or both, units up to 1e12 apart, with laws on any of them."""
-    draw = random.Random(seed)
-    kind = draw.choice(("heat", "heat", "pore", "heat in pores", "fluid", "field", "scalars"))
-    dim = draw.choice((2, 2, 3))
-    order = 2 if kind in ("pore", "heat in pores", "fluid") else draw.choice((1, 1, 2))
-    mesh, height = mesh_of(draw, dim, order)
-    stiff, hot = (10 ** draw.uniform(-6, 6) for _ in range(2))  # sizes of the forms of each
-    static = kind in ("fluid", "field") or draw.random() < 0.15 and kind != "heat in pores"
-    steps, end = draw.choice((2, 3, 5)), 10 ** draw.uniform(-3, 0)
-    rate = "" if static else "'"
-    normal = draw.choice(("compliance", "unilateral", "winkler"))
-    numbers = {"k": repr(stiff * 10 ** draw.uniform(-1, 3)), "p": draw.choice((1, 1, 2)), "a": repr(draw.uniform(0.005, 0.05)),
-               "b": repr(stiff * draw.uniform(0.01, 0.3))}
-    rub = draw.choice([None, "tresca", "coulomb", "bounded"])
-    expansion = draw.uniform(0.1, 1.0)  # of the stress that the other unknown makes
-    spaces, finds, tests, values = [], [], [], []
 
-    def unknown(name, test, space, held, begins):
-        spaces.append(f"space S{name} = {space} on body{held}")
-        finds.append(f"{name} in S{name}")
-        tests.append(f"{test} in S{name}")
-        values.append(f"{name} = {begins}")
+    def __init__(self, seed):
+        self.draw = draw = random.Random(seed)
+        self.kind = draw.choice(("heat", "heat", "pore", "heat in pores", "fluid", "field", "scalars", "spreading"))
+        self.dim = draw.choice((2, 2, 3))
+        self.order = 2 if self.kind in ("pore", "heat in pores", "fluid") else draw.choice((1, 1, 2))
+        self.mesh, self.height = self.bar() if self.kind == "spreading" else mesh_of(draw, self.dim, self.order)
+        self.stiff, self.hot = (10 ** draw.uniform(-6, 6) for _ in range(2))  # sizes of the forms of each
+        self.between = (self.stiff * self.hot) ** 0.5
+        timeless = self.kind in ("heat", "pore", "scalars") and draw.random() < 0.15
+        self.static = self.kind in ("fluid", "field") or timeless
+        self.steps, self.end = draw.choice((2, 3, 5)), 10 ** draw.uniform(-3, 0)
+        self.unknowns, self.terms, self.laws, self.loads, self.shown = [], [], [], [], []
+        self.declared = []
+        self.below, self.end_of_roof = [[1, 0] + [0.5] * (self.dim - 2), [2, 0] + [1] * (self.dim - 2)]
+        if self.kind in ("scalars", "spreading"):
+            self.scalars()
+        else:
+            self.body()
 
-    if kind != "scalars":
-        unknown("u", "v", f"vector P{order}", ", zero on roof" + (", zero on ground" if kind == "fluid" and draw.random() < 0.3 else ""), vector(dim, 0, 0))
-    terms, loads, shown = [], [], []
-    if kind == "fluid":
-        terms = [f"integral(body, {2 * stiff!r}*(eps(u) : eps(v)) - p*div(v) + q*div(u))"]
-        unknown("p", "q", "scalar P1", "", 0)
-        loads = [f"integral(flank, dot({vector(dim, -stiff, 0)}, v))"]
-        shown = [f"p at {[0, height] + [1] * (dim - 2)}"]
-    elif kind == "field":
-        terms = ["integral(body, B : eps(u) : eps(v))",
-                 f"integral(body, {hot!r}*dot(grad(p), grad(q)))",
-                 f"integral(body, {expansion * (stiff * hot) ** 0.5!r}*(grad(q).x*eps(u).yy - grad(p).x*eps(v).yy))"]
-        unknown("p", "q", f"scalar P{draw.choice((1, order))}", ", zero on roof", 0)
-        loads = [f"integral(body, {(stiff * hot) ** 0.5!r}*q)"]
-        shown = [f"p at {[1, 0] + [0.5] * (dim - 2)}"]
-    elif kind == "scalars":
-        held = ", zero on roof"
-        unknown("p", "q", f"scalar P{order}", held, 0)
-        unknown("s", "r", f"scalar P{draw.choice((1, order))}", held if draw.random() < 0.5 else "", 0)
+    def bar(self):
+        long, thick = self.draw.randint(30, 60), self.draw.choice((1, 2))
+        if self.dim == 2:
+            return f"mesh body = rectangle(2, 0.1, cells = [{long}, {thick}])", 0.1
+        return f"mesh body = box(2, 0.1, 1, cells = [{long}, {thick}, 1])", 0.1
+
+    def unknown(self, name, test, space, held="", begins=0):
+        self.unknowns.append((name, test, f"{space} on body{held}", begins))
+
+    def scalar(self):
+        return f"scalar P{self.draw.choice((1, self.order))}"
+
+    def film(self, name, test, size, part):
+        self.declared.append(f"superpotential film(r) = {size!r}*r^2 + {0.2 * size!r}*abs(r)")
+        self.laws.append(f"integral({part}, film^0({name}; {test}))")
+
+    def scalars(self):
+        """Of each other; or of one that spreads so little from the flank that the rest is rounding of it."""
+        draw, stiff, hot = self.draw, self.stiff, self.hot
+        spreads = self.kind == "spreading"
+        held = "" if spreads else draw.choice(("", ", zero on roof"))
+        part = "flank" if spreads or held else draw.choice(("edge", "flank"))
+        self.unknown("p", "q", f"scalar P{self.order}", held)
+        self.unknown("s", "r", self.scalar(), draw.choice(("", ", zero on roof")))
         back = draw.choice((0, -1, 1)) * draw.uniform(0.1, 0.5)
-        terms = [f"integral(body, {stiff!r}*dot(grad(p), grad(q)) + {hot!r}*(dot(grad(s), grad(r)) + s*r))",
-                 f"integral(body, {0.5 * (stiff * hot) ** 0.5!r}*(s*q + {back!r}*p*r))"]
-        if not static:
-            terms.append(f"integral(body, {stiff!r}*p'*q + {hot!r}*s'*r)")
-            if draw.random() < 0.3:
-                end *= 1e-3  # little has come far from where it begins
-        loads = [f"integral(body, {stiff!r}*q + {hot!r}*r)"]
-        shown = [f"p at {[1, 0] + [0.5] * (dim - 2)}", f"s at {[1, 0] + [0.5] * (dim - 2)}"]
-    else:
-        terms = ["integral(body, B : eps(u) : eps(v))"]
+        self.terms = [f"integral(body, {stiff!r}*dot(grad(p), grad(q)) + {hot!r}*(dot(grad(s), grad(r)) + s*r))",
+                      f"integral(body, {0.5 * self.between!r}*(s*q + {back!r}*p*r))"]
+        self.loads = [f"integral({'flank' if spreads else 'body'}, {stiff!r}*q + {hot!r}*r)"]
+        if not self.static:
+            self.terms.append(f"integral(body, {stiff!r}*p'*q + {hot!r}*s'*r)")
+        if spreads:
+            self.end *= 1e-3
+        if not spreads or draw.random() < 0.7:
+            self.film("p", "q", stiff, part)
+        at = [2, 0] + [0.5] * (self.dim - 2) if spreads else self.below
+        self.shown = [f"p at {at}", f"s at {at}"]
+
+    def body(self):
+        draw, kind = self.draw, self.kind
+        held = ", zero on roof" + (", zero on ground" if kind == "fluid" and draw.random() < 0.3 else "")
+        self.unknown("u", "v", f"vector P{self.order}", held, vector(self.dim, 0, 0))
+        if kind == "fluid":
+            self.fluid()
+        else:
+            self.declared.append(f"tensor B = isotropic(young = {self.stiff!r}, poisson = {draw.choice((0.0, 0.3, 0.45))})")
+            self.terms.append("integral(body, B : eps(u) : eps(v))")
+            self.loads.append(f"integral(body, dot({vector(self.dim, 0, -0.3 * self.stiff)}, v))")
+        if kind == "field":
+            self.field()
         if "pore" in kind:
-            unknown("p", "q", "scalar P1", ", zero on flank", 0)
-            terms += ["integral(body, - p*div(v))", f"integral(body, {10 ** draw.uniform(-3, 0) / stiff!r}*dot(grad(p), grad(q)))",
-                      f"integral(body, div(u{rate})*q)"]
-            shown.append(f"p at {[1, 0] + [0.5] * (dim - 2)}")
+            self.pores()
         if "heat" in kind:
-            unknown("theta", "eta", f"scalar P{draw.choice((1, order))}", draw.choice(("", ", zero on roof")) if not static else ", zero on roof", 0)
-            terms += [f"integral(body, - {expansion * (stiff * hot) ** 0.5!r}*theta*div(v))",
-                      f"integral(body, {hot * 10 ** draw.uniform(-2, 0)!r}*dot(grad(theta), grad(eta)))"]
-            if not static:
-                terms.append(f"integral(body, {hot!r}*theta'*eta)")
-                if draw.random() < 0.5:
-                    terms.append(f"integral(body, {expansion * (stiff * hot) ** 0.5!r}*div(u')*eta)")
-            loads.append(f"integral(ground, {(stiff * hot) ** 0.5!r}*eta)")
-            shown.append(f"theta at {[1, 0] + [0.5] * (dim - 2)}")
-    lines = ["import contact", "import friction", mesh, "part roof = body.top", "part ground = body.bottom", "part flank = body.right",
-             "part edge = roof + flank", f"tensor B = isotropic(young = {stiff!r}, poisson = {draw.choice((0.0, 0.3, 0.45))})"]
-    laws, on = [], "ground"
-    if kind == "scalars" or draw.random() < 0.3:
-        which = "p, q" if kind == "scalars" else "theta, eta" if "heat" in kind else None
-        if which:
-            name, test = which.split(", ")
-            size = stiff if kind == "scalars" else hot
-            lines.append(f"superpotential film(r) = {size!r}*r^2 + {0.2 * size!r}*abs(r)")
-            laws.append(f"integral(edge, film^0({name}; {test}))" if draw.random() < 0.5 else f"integral(flank, film^0({name}; {test}))")
-    if kind == "fluid":
-        rub = rub or "tresca"
-        if rub == "coulomb":
-            rub = "bounded"
-        lines.append(FRICTION[rub].format(**numbers))
-        laws.append("integral(flank, slip^0(u.tau; v.tau))")
-    elif kind != "scalars":
-        lines.append(NORMAL[normal].format(**numbers))
+            self.heat()
+        self.touch()
+        self.shown += [f"u.x at {self.end_of_roof}", f"u.y at {self.below}"]
+
+    def fluid(self):
+        self.unknown("p", "q", "scalar P1")
+        self.terms.append(f"integral(body, {2 * self.stiff!r}*(eps(u) : eps(v)) - p*div(v) + q*div(u))")
+        self.loads.append(f"integral(flank, dot({vector(self.dim, -self.stiff, 0)}, v))")
+        self.shown.append(f"p at {[0, self.height] + [1] * (self.dim - 2)}")
+
+    def field(self):
+        coupling = self.draw.uniform(0.1, 1.0) * self.between
+        self.unknown("p", "q", self.scalar(), ", zero on roof")
+        self.terms += [f"integral(body, {self.hot!r}*dot(grad(p), grad(q)))",
+                       f"integral(body, {coupling!r}*(grad(q).x*eps(u).yy - grad(p).x*eps(v).yy))"]
+        self.loads.append(f"integral(body, {self.between!r}*q)")
+        self.shown.append(f"p at {self.below}")
+
+    def pores(self):
+        self.unknown("p", "q", "scalar P1", ", zero on flank")
+        permeability = 10 ** self.draw.uniform(-3, 0) / self.stiff
+        self.terms += ["integral(body, - p*div(v))", f"integral(body, {permeability!r}*dot(grad(p), grad(q)))",
+                       f"integral(body, div(u{'' if self.static else chr(39)})*q)"]
+        self.shown.append(f"p at {self.below}")
+
+    def heat(self):
+        draw, hot = self.draw, self.hot
+        coupling = draw.uniform(0.1, 1.0) * self.between
+        held = ", zero on roof" if self.static else draw.choice(("", ", zero on roof"))
+        self.unknown("theta", "eta", self.scalar(), held)
+        self.terms += [f"integral(body, - {coupling!r}*theta*div(v))",
+                       f"integral(body, {hot * 10 ** draw.uniform(-2, 0)!r}*dot(grad(theta), grad(eta)))"]
+        if not self.static:
+            self.terms.append(f"integral(body, {hot!r}*theta'*eta)")
+            if draw.random() < 0.5:
+                self.terms.append(f"integral(body, {coupling!r}*div(u')*eta)")
+        self.loads.append(f"integral(ground, {self.between!r}*eta)")
+        if draw.random() < 0.4:
+            self.film("theta", "eta", hot, "flank" if held else draw.choice(("edge", "flank")))
+        self.shown.append(f"theta at {self.below}")
+
+    def touch(self):
+        """Contact and friction of the body, or friction of the fluid."""
+        draw = self.draw
+        numbers = {"k": repr(self.stiff * 10 ** draw.uniform(-1, 3)), "p": draw.choice((1, 1, 2)),
+                   "a": repr(draw.uniform(0.005, 0.05)), "b": repr(self.stiff * draw.uniform(0.01, 0.3))}
+        if self.kind == "fluid":
+            self.declared.append(FRICTION[draw.choice(("tresca", "bounded"))].format(**numbers))
+            self.laws.append("integral(flank, slip^0(u.tau; v.tau))")
+            return
+        if draw.random() < 0.15:
+            return
+        self.declared.append(NORMAL[draw.choice(("compliance", "unilateral", "winkler"))].format(**numbers))
         contact = "layer^0(u.nu; v.nu)"
-        if rub:
-            lines.append(FRICTION[rub].format(**numbers))
+        if rub := draw.choice([None, "tresca", "coulomb", "bounded"]):
+            self.declared.append(FRICTION[rub].format(**numbers))
             contact += " + slip^0(u.tau; v.tau)"
-        if draw.random() < 0.85:
-            laws.append(f"integral({on}, {contact})")
-    if kind not in ("scalars", "fluid"):
-        loads.append(f"integral(body, dot({vector(dim, 0, -0.3 * stiff)}, v))")
-    if kind != "scalars":
-        shown += [f"u.x at {[2, 0] + [1] * (dim - 2)}", f"u.y at {[1, 0] + [0.5] * (dim - 2)}"]
-    find = "find " + ", ".join(finds)
-    if not static:
-        find += f" for t in [0, {end!r}] by {steps} steps from " + ", ".join(values)
-    lines += [*spaces, find, "such that for all " + ", ".join(tests), "    " + "\n  + ".join(terms + laws),
-              (" >= " if laws else "  = ") + "\n  + ".join(loads), "", "report",
-              "  table " + ", ".join(f"c{i} = {one}" for i, one in enumerate(shown))]
-    return "\n".join(lines) + "\n"
+        self.laws.append(f"integral(ground, {contact})")
+
+    def script(self):
+        names = [name for name, _, _, _ in self.unknowns]
+        find = "find " + ", ".join(f"{name} in S{name}" for name in names)
+        if not self.static:
+            begins = ", ".join(f"{name} = {at}" for name, _, _, at in self.unknowns)
+            find += f" for t in [0, {self.end!r}] by {self.steps} steps from {begins}"
+        lines = ["import contact", "import friction", self.mesh, "part roof = body.top", "part ground = body.bottom",
+                 "part flank = body.right", "part edge = roof + flank", *self.declared,
+                 *(f"space S{name} = {space}" for name, _, space, _ in self.unknowns), find,
+                 "such that for all " + ", ".join(f"{test} in S{name}" for name, test, _, _ in self.unknowns),
+                 "    " + "\n  + ".join(self.terms + self.laws),
+                 (" >= " if self.laws else "  = ") + "\n  + ".join(self.loads), "", "report",
+                 "  table " + ", ".join(f"c{i} = {one}" for i, one in enumerate(self.shown))]
+        return "\n".join(lines) + "\n"
+
+
+def several_scene(seed):
+    return Several(seed).script()
 
 
 def launcher(processes):
@@ -324,6 +371,8 @@ def compare(program, path, folder, arguments=(), processes=1):
     """What is wrong, or nothing; and a word on the case."""
     direct, a = run(program, path, folder, "direct", arguments)
     iterative, b = run(program, path, folder, "iterative", arguments, processes)
+    if direct.returncode == 1:
+        return f"the script is wrong: {direct.stderr[-400:]}", ""
     if direct.returncode != 0:  # the same verdict, whatever its words
         same = iterative.returncode == direct.returncode
         return None if same else f"direct ends with {direct.returncode}, iterative with {iterative.returncode}", "no answer"
@@ -381,6 +430,7 @@ def failures(program, folder):
     ends("a missing module", HARD.format(poisson=0.3), 1, "E0601", "/nowhere/module.so: not there", "libpetsc-real-dev",
          HVI_PETSC_MODULE="/nowhere/module.so")
     run(program, path, folder, "iterative")  # skips the rest without PETSc
+    ends("nowhere to write to", HARD.format(poisson=0.3), 0, TMPDIR="/dev/null/none")  # no place even for root
     ends("a word that is none", HARD.format(poisson=0.3).replace("in V\nsuch", "in V using solver = multigrid\nsuch"), 1, "E0")
     ends("stagnation", HARD.format(poisson=0.49999999).replace("P1", "P2"), 3, "the most iterations were reached", "E0701", "the iterative solver of", "iterations", "using solver = direct")
 
