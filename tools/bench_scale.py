@@ -10,6 +10,8 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "families"))
 import iterative as family  # noqa: E402  which knows how to start several processes
 
+from bench_scale_model import on_paper  # noqa: E402
+
 FAMILIES = {  # scripts in 3D, and what n = 64 must stay below: CPU seconds and GiB
     "slab3d": ("bench/slab3d.hvi", (240, 6), (120, 4)),
     "slab3d with friction": ("bench/slab3d_friction.hvi", (900, 6), (400, 6)),
@@ -64,7 +66,8 @@ def two_processes(row, rows, measured, sizes, name, n):
 def weak(row, rows, measured, sizes, name, most):
     """As many unknowns for each process: iterations and the memory of the others."""
     script = FAMILIES[name][0]
-    plans = {processes: run_of(measured, sizes, script, n, "iterative", processes)["plan"] for processes, n in WEAK.items() if processes <= most}
+    runs = {processes: run_of(measured, sizes, script, n, "iterative", processes) for processes, n in WEAK.items() if processes <= most}
+    plans = {processes: run["plan"] for processes, run in runs.items()}
     counts = {processes: plan["iterations"] / STEPS for processes, plan in plans.items()}
     grown = counts[most] / counts[1]
     told = ", ".join(f"{count:.0f}" for count in counts.values())
@@ -72,6 +75,8 @@ def weak(row, rows, measured, sizes, name, most):
     held = {processes: plan["bytes_of_others"] for processes, plan in plans.items() if processes > 1}
     grown = held[most] / held[2]
     row(rows, f"the same: memory of another process, {most} over 2 ({held[most] / 1e6:.0f} MB)", grown, *EVEN, "times", grown <= EVEN[0])
+    if most == max(WEAK):
+        on_paper(plans, runs[1]["timing"]["inequality"] / plans[1]["iterations"])
 
 
 def scale(quick, row, measured, sizes):

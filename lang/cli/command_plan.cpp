@@ -43,8 +43,9 @@ void print_forecast(const Forecast& f) {
   const double more = f.most_bytes - solver::memory_held();
   say("memory: {} at most{}\n", solver::bytes_text(f.most_bytes),
       more > room.bytes ? fmt::format(", MORE than {} leaves", room.from) : "");
-  if (w.bytes_of_others > 0)
-    say("memory of each other process: {} at most\n", solver::bytes_text(w.bytes_of_others));
+  if (w.iterative.bytes_of_others > 0)
+    say("memory of each other process: {} at most\n",
+        solver::bytes_text(w.iterative.bytes_of_others));
 }
 
 std::string count(std::size_t number, const char* what) {

@@ -129,9 +129,9 @@ void print_profile(const solver::RunResult& r, double bandwidth) {
        "triangular solves, {} products, {} Newton, {} fields read {} times\n",
        r.unknowns, r.steps, w.matrices, w.analyses, w.factorisations, w.triangular_solves,
        w.products, w.newton, w.history_fields, w.field_reads);
-  if (w.iterations > 0)
-    tell("counted: {} iterations of the iterative solver, {:.3g} a step\n", w.iterations,
-         w.iterations / steps);
+  if (w.iterative.iterations > 0)
+    tell("counted: {} iterations of the iterative solver, {:.3g} a step\n", w.iterative.iterations,
+         w.iterative.iterations / steps);
   tell("the limit: every triangular solve reads its factor once, {:.3g} MB in all, at the {:.3g} "
        "GB/s "
        "measured on this machine\nheld: {:.3g} MB (factors, matrices, memory)\n",

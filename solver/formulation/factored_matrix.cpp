@@ -125,9 +125,9 @@ FactorStatistics FactoredMatrix::statistics() const {
   if (!iterations_) return factorisation_.statistics();
   const IterativeStatistics& of = iterations_->statistics();
   FactorStatistics out;
-  out.bytes = of.bytes, out.bytes_of_others = of.bytes_of_others;
+  out.bytes = of.bytes, out.iterative = of.work;
   out.seconds_factor = of.seconds_setup;
-  out.factorisations = of.setups, out.iterations = of.iterations;
+  out.factorisations = of.setups;
   return out;
 }
 

@@ -99,16 +99,21 @@ double ForceBalance::worst_of(const Vector& residual, const Vector& c, const Vec
   return worst_ratio({residual, sizes(c), 0.0}, c, xi);
 }
 
-Vector ForceBalance::beyond(double ratio, const Vector& residual, const Vector& c,
+Vector ForceBalance::beyond(double ratio, double seen, const Vector& residual, const Vector& c,
                             const Vector& xi) const {
-  Vector out = residual;
   const Vector size = sizes(c);
   const double largest = largest_multiplier(xi);
-  for (Eigen::Index i = 0; i < out.size(); ++i)
-    if (std::abs(out[i]) <= ratio * size[i] ||
-        std::abs(out[i]) <= ratio * (size[i] + turned_size(i, c, largest)))
-      out[i] = 0.0;
-  return out;
+  const auto holds = [&](Eigen::Index i) {
+    const double error = std::abs(residual[i]);
+    return error <= ratio * size[i] || error <= ratio * (size[i] + turned_size(i, c, largest));
+  };
+  for (Eigen::Index i = 0; i < residual.size(); ++i)
+    if (std::abs(residual[i]) > seen && !holds(i)) return {};
+  Vector out = Vector::Zero(residual.size());
+  bool any = false;
+  for (Eigen::Index i = 0; i < residual.size(); ++i)
+    if (std::abs(residual[i]) <= seen && !holds(i)) out[i] = residual[i], any = true;
+  return any ? out : Vector();
 }
 
 /// The row of a pressure has no diagonal, and its sum is what is left.

@@ -54,7 +54,9 @@ public:
   /// The worst ratio of this residual, from above; for iterations on all rows.
   double worst_of(const Vector& residual, const Vector& c, const Vector& xi) const;
   /// The same residual where it is more than `ratio` of its row's size; 0 in the other rows.
-  Vector beyond(double ratio, const Vector& residual, const Vector& c, const Vector& xi) const;
+  /// Nothing where no row is, or one with more than `seen` among them.
+  Vector beyond(double ratio, double seen, const Vector& residual, const Vector& c,
+                const Vector& xi) const;
   /// c = 0 on the pieces of S on which neither loads nor multipliers act: what Newton's method left
   /// there is rounding of earlier multipliers. (Iterations do the same within each solve:
   /// PetscSolver.)

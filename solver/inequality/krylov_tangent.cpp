@@ -58,9 +58,8 @@ double KrylovTangent::reduction(const Position& at, const Vector& residual, bool
 /// not hold yet are beyond what the norm of all rows sees, they are solved for without the others.
 Vector KrylovTangent::rows_unseen(const Position& at, const Vector& residual,
                                   double accuracy) const {
-  Vector left = at.balance.beyond(below_target * at.balance.target(), residual, at.c, at.xi);
-  const double largest = left.lpNorm<Eigen::Infinity>();
-  return largest > 0.0 && largest <= accuracy * residual.norm() ? left : Vector();
+  return at.balance.beyond(below_target * at.balance.target(), accuracy * residual.norm(), residual,
+                           at.c, at.xi);
 }
 
 bool KrylovTangent::solve(const Position& at, const Vector& residual, bool settled,

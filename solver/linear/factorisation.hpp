@@ -10,6 +10,7 @@
 
 #include "solver/common/failure.hpp"
 #include "solver/linear/elimination_order.hpp"
+#include "solver/linear/iteration_work.hpp"
 
 #include <memory>
 #include <span>
@@ -27,11 +28,10 @@ struct FactorStatistics {
   double bytes = 0;    ///< held: the factor and its copies, S; before a factorisation: predicted
   double seconds_analyse = 0, seconds_factor = 0;
   int analyses = 0, factorisations = 0,
-      triangular_solves = 0;  ///< work counters; each solve, forward or backward, reads the factor
-  double bytes_read = 0;      ///< of the factor, by all triangular solves
-  int iterations = 0;         ///< where they stand in for a factor
-  double bytes_of_others = 0; ///< the most that another process of the run has held
-  std::string ordering;       ///< "METIS", "CAMD", ...
+      triangular_solves = 0; ///< work counters; each solve, forward or backward, reads the factor
+  double bytes_read = 0;     ///< of the factor, by all triangular solves
+  IterationWork iterative;   ///< where iterations stand in for a factor
+  std::string ordering;      ///< "METIS", "CAMD", ...
 };
 
 /// The matrix has no (safe) factor: a rigid motion is left, or it is not positive definite.

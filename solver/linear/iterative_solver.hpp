@@ -2,6 +2,7 @@
 // laws at hand add to few of its rows.
 #pragma once
 
+#include "solver/linear/iteration_work.hpp"
 #include "solver/linear/sparse.hpp"
 
 #include <cstdint>
@@ -38,10 +39,10 @@ struct IterativeAnswer {
 };
 
 struct IterativeStatistics {
-  int setups = 0, solves = 0, iterations = 0;
+  int setups = 0, solves = 0;
   int local_factors = 0; ///< of the layers at the contact
   double bytes = 0.0, seconds_setup = 0.0;
-  double bytes_of_others = 0.0; ///< the most that another process of the run has held
+  IterationWork work;
 };
 
 class IterativeSolver {

@@ -101,7 +101,7 @@ public:
     count();
     pieces_.leave_at_rest(b, x);
     ++statistics_.solves;
-    statistics_.iterations += answer.iterations;
+    statistics_.work.iterations += answer.iterations;
     using Outcome = IterativeAnswer::Outcome;
     const auto outcome = answer.outcome == hvi_petsc_solved       ? Outcome::solved
                          : answer.outcome == hvi_petsc_indefinite ? Outcome::indefinite
@@ -118,7 +118,13 @@ private:
     bridge_.count(solver_, &counts);
     statistics_.setups = counts.setups, statistics_.local_factors = counts.local_factors;
     statistics_.bytes = counts.bytes, statistics_.seconds_setup = counts.seconds_setup;
-    statistics_.bytes_of_others = counts.bytes_of_others;
+    IterationWork& work = statistics_.work;
+    work.bytes_of_others = counts.bytes_of_others;
+    work.messages = counts.messages, work.bytes_sent = counts.bytes_sent;
+    work.reductions = counts.reductions;
+    work.levels.clear();
+    for (int l = 0; l < counts.levels; ++l)
+      work.levels.push_back({counts.level[l].rows, counts.level[l].entries});
   }
 
   Bridge bridge_;

@@ -130,6 +130,19 @@ Json histories(const RunResult& result, const Problem& problem) {
   return out;
 }
 
+/// Nothing where a factor solved.
+Json of_iterations(const IterationWork& work) {
+  Json out = Json::object();
+  if (work.iterations > 0) out["iterations"] = work.iterations;
+  for (const MultigridLevel& level : work.levels)
+    out["multigrid"].push_back({{"rows", level.rows}, {"entries", level.entries}});
+  if (work.bytes_of_others > 0) out["bytes_of_others"] = work.bytes_of_others;
+  if (work.messages > 0)
+    out["communication"] = {
+        {"messages", work.messages}, {"bytes", work.bytes_sent}, {"reductions", work.reductions}};
+  return out;
+}
+
 Json what_was_done(const RunResult& result, const Problem& problem, const ResultContext& context) {
   const auto line_of = [&](Origin origin) {
     return context.line_of && origin.id >= 0 ? context.line_of(origin) : 0;
@@ -160,8 +173,7 @@ Json what_was_done(const RunResult& result, const Problem& problem, const Result
            {"history", histories(result, problem)},
            {"bytes", work.bytes},
            {"seconds", result.timing.total}};
-  if (work.iterations > 0) out["iterations"] = work.iterations;
-  if (work.bytes_of_others > 0) out["bytes_of_others"] = work.bytes_of_others;
+  out.update(of_iterations(work.iterative));
   if (!result.solver.why.empty()) {
     out["solver"] = result.solver.solver == LinearSolver::iterative ? "iterative" : "direct";
     out["solver_why"] = result.solver.why;
@@ -200,10 +212,14 @@ Json result_json(const RunResult& result, const Problem& problem, const ResultCo
 Json plan_json(const RunResult& first_steps, const Problem& problem, const ResultContext& context,
                const PredictedWork& predicted) {
   Json work = what_was_done(first_steps, problem, context);
+  const auto of_all_steps = [&](Json& counted) {
+    counted =
+        std::llround(counted.get<double>() * predicted.steps / std::max(1, predicted.first_steps));
+  };
   for (const char* counted : {"sweeps", "products", "newton", "iterations"})
-    if (work.contains(counted))
-      work[counted] = std::llround(work[counted].get<double>() * predicted.steps /
-                                   std::max(1, predicted.first_steps));
+    if (work.contains(counted)) of_all_steps(work[counted]);
+  if (work.contains("communication"))
+    for (Json& counted : work["communication"]) of_all_steps(counted);
   for (const char* of_a_run :
        {"fallback_steps", "followed_steps", "inner_steps", "unfollowed_steps", "field_reads"})
     work.erase(of_a_run);

@@ -95,8 +95,7 @@ void charge(const FactorStatistics& factor, WorkCounters& work, Timing& timing) 
   work.factorisations += factor.factorisations;
   work.triangular_solves += factor.triangular_solves;
   work.bytes += factor.bytes;
-  work.iterations += factor.iterations;
-  work.bytes_of_others = std::max(work.bytes_of_others, factor.bytes_of_others);
+  work.iterative.add(factor.iterative);
   timing.ordering += factor.seconds_analyse;
   timing.factor += factor.seconds_factor;
   timing.factor_bytes_read += factor.bytes_read;

@@ -1,6 +1,8 @@
 // What a run costs, by the clock and counted.
 #pragma once
 
+#include "solver/linear/iteration_work.hpp"
+
 #include <cstdint>
 
 namespace hvi::solver {
@@ -20,10 +22,9 @@ struct WorkCounters {
   /// Steps whose branch was followed from the last state, the inner steps that took, and steps
   /// where that could not be done.
   int followed_steps = 0, inner_steps = 0, unfollowed_steps = 0;
-  int iterations = 0;           ///< of iterative solvers
   std::int64_t field_reads = 0; ///< of stored history fields
   double bytes = 0;
-  double bytes_of_others = 0; ///< the most that another process of the run has held
+  IterationWork iterative;
 };
 
 } // namespace hvi::solver

@@ -138,6 +138,11 @@ def larger(program, folder, options):
             judge(all(answer["table"] == answers[0]["table"] for answer in answers), f"{of}: the same bits each time")
             times = answers[0]["plan"]["iterations"] / alone
             judge(times <= MORE, f"{of}: {times:.2f} times the iterations of one")
+            sent, all_of = answers[0]["plan"]["communication"], answers[0]["plan"]["iterations"]
+            judge(2 * all_of < sent["reductions"] < 4 * all_of and sent["messages"] > 10 * all_of and sent["bytes"] > 100 * sent["messages"],
+                  f"{of}: an iteration sends {sent['messages'] / all_of:.0f} messages, {sent['reductions'] / all_of:.1f} reductions")
+            rows = [level["rows"] for level in answers[0]["plan"]["multigrid"]]
+            judge(rows == sorted(rows, reverse=True) and rows[0] >= answers[0]["unknowns"], f"{of}: levels of {rows}")
             held = answers[0]["plan"]["bytes_of_others"]  # its part, and PETSc
             judge(2e7 < held < 2e8, f"{of}: another process holds {held / 1e6:.0f} MB")
     return bool(wrong)

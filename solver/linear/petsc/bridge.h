@@ -32,10 +32,18 @@ struct HviPetscAnswer {
   const char* reason; /* words that live as long as the module */
 };
 
+struct HviPetscLevel {
+  double rows, entries;
+};
+
 struct HviPetscCounts {
   int setups, local_factors;
   double bytes, seconds_setup;
   double bytes_of_others; /* the most that another process has held */
+  /* Of the iterations, by the process that sent most. */
+  double messages, bytes_sent, reductions;
+  int levels; /* of the multigrid, the finest one first; of several unknowns, the sum at each */
+  const HviPetscLevel* level; /* lives as long as the solver */
 };
 
 struct HviPetscSolver;

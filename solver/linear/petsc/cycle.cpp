@@ -66,7 +66,7 @@ PetscErrorCode Cycle::rest_near_laws(Vec r, Vec z) const {
 
 Effort Cycle::effort() const {
   const double layers = layers_ ? layers_->bytes() : 0.0;
-  return {multigrid_.bytes() + layers, multigrid_.seconds, local_factors_};
+  return {multigrid_.bytes() + layers, multigrid_.seconds, local_factors_, multigrid_.levels()};
 }
 
 } // namespace hvi::petsc_module

@@ -45,8 +45,12 @@ double Distribution::sum(double value) const {
   return value;
 }
 
+void Distribution::largest(double* values, int count) const {
+  MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_MAX, comm_);
+}
+
 double Distribution::largest(double value) const {
-  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  largest(&value, 1);
   return value;
 }
 

@@ -30,6 +30,7 @@ public:
   void add_up(double* values, int count) const; ///< over all processes
   double sum(double value) const;
   double largest(double value) const;
+  void largest(double* values, int count) const; ///< each one, over all processes
   bool any(bool here) const;
 
   /// Each process's rows of `whole`; `mine` holds them where they are not all.

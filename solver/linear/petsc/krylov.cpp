@@ -219,7 +219,7 @@ HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
     check(VecPointwiseMult(b_.get(), b_.get(), weights_.get()));
   }
   check(KSPSetTolerances(ksp_.get(), reduction, 1e-300, 1e30, most_iterations));
-  check(KSPSolve(ksp_.get(), b_.get(), x_.get()));
+  iterate();
   check(VecScale(x_.get(), size));
   const double* found = nullptr;
   check(all_->read(x_.get(), &found));
@@ -228,6 +228,16 @@ HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
   const HviPetscAnswer out = answer_of_method();
   note(out);
   return out;
+}
+
+void Krylov::iterate() {
+  const std::array<double, 3> before = sent();
+  check(KSPSolve(ksp_.get(), b_.get(), x_.get()));
+  const std::array<double, 3> after = sent();
+  for (std::size_t i = 0; i < sent_.size(); ++i) sent_[i] += after[i] - before[i];
+  std::array<double, 3> most = sent_;
+  distribution_.largest(most.data(), static_cast<int>(most.size()));
+  counts_.messages = most[0], counts_.bytes_sent = most[1], counts_.reductions = most[2];
 }
 
 HviPetscAnswer Krylov::answer_of_method() const {
@@ -264,6 +274,13 @@ void Krylov::count() {
   counts_.bytes = distribution_.sum(bytes);
   counts_.bytes_of_others = distribution_.largest(distribution_.is_first() ? 0.0 : most_held());
   counts_.seconds_setup = effort.seconds_setup, counts_.local_factors = effort.local_factors;
+  levels_ = effort.levels;
+}
+
+HviPetscCounts Krylov::counts() const {
+  HviPetscCounts out = counts_;
+  out.levels = static_cast<int>(levels_.size()), out.level = levels_.data();
+  return out;
 }
 
 } // namespace hvi::petsc_module

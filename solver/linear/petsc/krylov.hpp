@@ -7,8 +7,10 @@
 #include "solver/linear/petsc/free_motions.hpp"
 #include "solver/linear/petsc/several.hpp"
 
+#include <array>
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace hvi::petsc_module {
 
@@ -21,7 +23,7 @@ public:
   /// False: the layers at the contact have no factor.
   bool set_laws(const HviPetscMatrix& h, bool symmetric);
   HviPetscAnswer solve(const double* b, double reduction, double* x);
-  HviPetscCounts counts() const { return counts_; }
+  HviPetscCounts counts() const;
 
 private:
   static PetscErrorCode apply_matrix(Mat shell, Vec x, Vec y);
@@ -30,6 +32,7 @@ private:
   PetscErrorCode balanced(Vec r, Vec z);
   std::vector<double> in_own_numbering(const double* columns, int count) const;
   void prepare();
+  void iterate();
   HviPetscAnswer answer_of_method() const;
   void make_matrix();
   void make_shell(PetscErrorCode (*product)(Mat, Vec, Vec), Owned<Mat>& shell);
@@ -57,6 +60,8 @@ private:
   bool free_known_ = false;           ///< are they solved exactly, for the laws at hand?
   bool free_stale_ = false;           ///< has A changed since?
   HviPetscCounts counts_{};
+  std::vector<HviPetscLevel> levels_;
+  std::array<double, 3> sent_{}; ///< by this process, of all iterations
   Owned<KSP> ksp_;
   Owned<Vec> b_, x_, weights_, unweighted_, unbalanced_;
   /// Iterations for each digit, since the multigrid was set up and of the last solve.

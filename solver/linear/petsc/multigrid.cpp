@@ -71,8 +71,26 @@ void Multigrid::set_up() {
   check(PCSetUp(pc_.get()));
   check(PCSetReusePreconditioner(pc_.get(), PETSC_TRUE)); // until the next call, whatever K becomes
   single_.clear();
+  measure();
   read_less();
   seconds += cpu_now() - begin;
+}
+
+void Multigrid::measure() {
+  PetscInt count = 0;
+  check(PCMGGetLevels(pc_.get(), &count));
+  levels_.clear();
+  for (PetscInt l = count - 1; l >= 0; --l) {
+    KSP smoother = nullptr;
+    Mat a = nullptr;
+    PetscInt rows = 0;
+    MatInfo info{};
+    check(PCMGGetSmoother(pc_.get(), l, &smoother));
+    check(KSPGetOperators(smoother, &a, nullptr));
+    check(MatGetSize(a, &rows, nullptr));
+    check(MatGetInfo(a, MAT_GLOBAL_SUM, &info));
+    levels_.push_back({static_cast<double>(rows), info.nz_used});
+  }
 }
 
 /// Of the rows of each level: products of several processes forget them, interpolations do not.

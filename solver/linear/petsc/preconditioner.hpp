@@ -6,12 +6,16 @@
 
 #include "solver/linear/petsc/few_rows.hpp"
 
+#include <vector>
+
 namespace hvi::petsc_module {
 
 /// Of this process.
 struct Effort {
   double bytes = 0.0, seconds_setup = 0.0;
   int local_factors = 0; ///< of the layers at the contact
+  /// Of all processes, the finest one first.
+  std::vector<HviPetscLevel> levels;
 };
 
 class Preconditioner {

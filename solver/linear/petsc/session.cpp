@@ -107,4 +107,8 @@ double most_held() {
   return 1024.0 * static_cast<double>(used.ru_maxrss);
 }
 
+std::array<double, 3> sent() {
+  return {petsc_send_ct + petsc_isend_ct, petsc_send_len + petsc_isend_len, petsc_allreduce_ct};
+}
+
 } // namespace hvi::petsc_module

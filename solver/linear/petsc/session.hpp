@@ -3,6 +3,7 @@
 
 #include <petscksp.h>
 
+#include <array>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -38,6 +39,9 @@ double bytes_of(Mat a);
 
 /// Bytes of memory at the highest.
 double most_held();
+
+/// What this process has sent to others, as PETSc counts it: messages, their bytes, reductions.
+std::array<double, 3> sent();
 
 template <class T>
 PetscErrorCode destroy(T* object);

@@ -220,6 +220,11 @@ Effort SeveralCycles::effort() const {
                  one->h_rows.bytes();
     out.seconds_setup += of.seconds_setup;
     out.local_factors += of.local_factors;
+    out.levels.resize(std::max(out.levels.size(), of.levels.size()));
+    for (std::size_t l = 0; l < of.levels.size(); ++l) {
+      out.levels[l].rows += of.levels[l].rows;
+      out.levels[l].entries += of.levels[l].entries;
+    }
   }
   return out;
 }
