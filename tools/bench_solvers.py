@@ -1,13 +1,14 @@
 """tools/bench solvers: a factor against iterations, what `plan` predicts of each, and which one `automatic` takes.
 
-Twelve scenes around the sizes where one takes over from the other: cubes, bars and plates, P1 and P2, with and without
-friction, in 2D and 3D. The choice must not cost more than 1.5 times the better one, predictions must be within a factor
+Fifteen scenes around the sizes where one takes over from the other: cubes, bars and plates, P1 and P2, with and without
+friction, in 2D and 3D, of one unknown and of two. The choice must not cost more than 1.5 times the better one, predictions must be within a factor
 of 2.
 """
 import re
 import subprocess
 
 SLAB, FRICTION, PLANE = "bench/slab3d.hvi", "bench/slab3d_friction.hvi", "bench/slab.hvi"
+WARM, CHANNEL = "bench/warm3d_friction.hvi", "examples/channel.hvi"
 BOX = "box(2, 1, 1, cells = [2*n, n, n])"
 CUBE = {}
 BAR = {BOX: "box(20, 1, 1, cells = [20*n, n, n])"}
@@ -17,7 +18,8 @@ SCENES = (  # name, script, what is other in it, n, steps
     ("plane", PLANE, CUBE, 96, 16), ("block", SLAB, CUBE, 8, 16), ("block", SLAB, CUBE, 14, 16), ("block", SLAB, CUBE, 20, 16),
     ("block, 2 steps", SLAB, CUBE, 14, 2), ("block, 128 steps", SLAB, CUBE, 12, 128), ("bar", SLAB, BAR, 8, 16),
     ("plate", SLAB, PLATE, 3, 16), ("block, P2", SLAB, ORDER, 6, 16), ("block, friction", FRICTION, CUBE, 8, 16),
-    ("block, friction", FRICTION, CUBE, 14, 16), ("block, friction", FRICTION, CUBE, 20, 16))
+    ("block, friction", FRICTION, CUBE, 14, 16), ("block, friction", FRICTION, CUBE, 20, 16),
+    ("warm block", WARM, CUBE, 8, 4), ("warm block", WARM, CUBE, 16, 4), ("flow", CHANNEL, CUBE, 48, None))
 DEAREST = 1.5  # CPU of the choice over the better one's
 WITHIN = 2.0
 
@@ -47,7 +49,7 @@ def solvers(quick, row, measured, sizes, root, build):
     rows = []
     for name, script, changes, n, steps in SCENES[1:3] if quick else SCENES:
         path = changed_script(root, script, changes)
-        arguments, cost = sizes(n=n, N=steps), {}
+        arguments, cost = sizes(n=n) if steps is None else sizes(n=n, N=steps), {}
         for solver in ("direct", "iterative"):
             asked = [*arguments, "--solver", solver]
             cost[solver] = measured(path, *asked)

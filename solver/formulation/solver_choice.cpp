@@ -20,13 +20,18 @@ constexpr double seconds_of_ordering = 1.2e-7; ///< an entry of K
 constexpr double seconds_of_iterated_entry = 6e-9, seconds_of_set_up_entry = 1e-6;
 constexpr double seconds_of_start = 0.15; ///< of PETSc
 constexpr double iterations_of_a_step = 12.0, iterations_of_friction = 60.0,
-                 iterations_of_several = 170.0;
-constexpr double factors_of_friction = 1.0; ///< of the condensed matrix, in a step
+                 iterations_of_several = 170.0, iterations_of_several_that_rub = 270.0;
+/// Of the condensed matrix, in a step of friction: Cholesky's, of which some columns change, or LU
+/// in each of Newton's steps, which cost two of the former.
+constexpr double factors_of_friction = 1.0, factors_of_friction_by_lu = 50.0;
+constexpr double reads_of_friction_by_lu = 50.0; ///< of the factor, in such a step
 
 /// Bytes of an entry by rows, and as part of a half.
 constexpr double by_rows = 12.0, by_halves = 4.7;
 /// Bytes of the multigrid for an entry of K, set-up included, and vectors of an iteration.
 constexpr double multigrid = 19.0, vectors = 60.0;
+/// More of both with several unknowns: each has a part of K, and GMRES keeps its directions.
+constexpr double parts = 2.0 * by_rows, directions = 80.0;
 
 /// So much more memory than predicted has to be there.
 constexpr double spare = 1.15;
@@ -43,8 +48,11 @@ SolverCost direct_cost(const StepSizes& s) {
   SolverCost out;
   out.bytes = 8.0 * sides * s.factor.nonzeros + (2 + s.matrices) * by_rows * s.entries +
               2.0 * sizeof(double) * c * c;
-  const double laws = s.rubs ? factors_of_friction * c * c * c / 3.0 : 0.0;
-  const double solves = s.one_matrix ? c * c : reads_of_a_step * sides * s.factor.nonzeros;
+  const bool by_lu = s.rubs && !s.symmetric;
+  const double factors = by_lu ? factors_of_friction_by_lu : s.rubs ? factors_of_friction : 0.0;
+  const double laws = factors * c * c * c / 3.0;
+  const double reads = by_lu ? reads_of_friction_by_lu : reads_of_a_step;
+  const double solves = s.one_matrix ? c * c : reads * sides * s.factor.nonzeros;
   out.seconds = seconds_of_ordering * s.entries + seconds_of_a_flop * sides * s.factor.flops +
                 s.steps * (seconds_of_a_flop * laws + seconds_of_an_entry * solves);
   return out;
@@ -52,12 +60,14 @@ SolverCost direct_cost(const StepSizes& s) {
 
 SolverCost iterative_cost(const StepSizes& s) {
   SolverCost out;
-  const double matrices = s.symmetric ? by_halves : by_rows;
-  out.bytes = s.entries * (by_rows + multigrid + matrices * s.matrices) +
-              sizeof(double) * vectors * s.unknowns * (s.symmetric ? 1.0 : 2.0);
-  const double each = s.several ? iterations_of_several
-                      : s.rubs  ? iterations_of_friction
-                                : iterations_of_a_step;
+  const double matrices = (s.symmetric ? by_halves : by_rows) * s.matrices;
+  out.bytes = s.entries * (by_rows + multigrid + matrices + (s.several ? parts : 0.0)) +
+              sizeof(double) * (vectors + (s.several ? directions : 0.0)) * s.unknowns *
+                  (s.symmetric ? 1.0 : 2.0);
+  const double each = s.several && s.rubs ? iterations_of_several_that_rub
+                      : s.several         ? iterations_of_several
+                      : s.rubs            ? iterations_of_friction
+                                          : iterations_of_a_step;
   out.seconds = seconds_of_start +
                 s.entries * (seconds_of_set_up_entry + s.steps * each * seconds_of_iterated_entry);
   return out;

@@ -9,12 +9,19 @@ namespace hvi::petsc_module {
 namespace {
 
 constexpr int most_iterations = 1000;
-/// GMRES keeps a vector for each iteration until it begins anew.
-constexpr int restart = 60;
+/// GMRES keeps two vectors for each iteration until it begins anew: as many as this memory of a
+/// process holds, but at least and at most so many.
+constexpr double bytes_of_vectors = 1e8;
+constexpr int least_restart = 60, most_restart = 300;
 /// An old multigrid is given up when it takes so many times the iterations for a digit.
 constexpr double too_slow = 1.5;
 /// The layers of a body that laws alone hold are almost singular: of K's diagonal, added to it.
 constexpr double layer_shift = 1e-6;
+
+int restart_of(double rows) {
+  const double fit = bytes_of_vectors / (2.0 * sizeof(double) * std::max(rows, 1.0));
+  return static_cast<int>(std::clamp<double>(fit, least_restart, most_restart));
+}
 
 /// PETSc's reason, and what it means.
 const char* in_words(KSPConvergedReason reason) {
@@ -143,7 +150,10 @@ void Krylov::choose_method() {
   check(KSPSetOperators(ksp_.get(), matrix, matrix));
   check(KSPSetType(ksp_.get(), symmetric_ ? KSPCG : several_ != nullptr ? KSPFGMRES : KSPGMRES));
   if (!symmetric_) {
-    check(KSPGMRESSetRestart(ksp_.get(), restart));
+    const double rows = 1.0 * distribution_.all_rows() / processes();
+    check(KSPGMRESSetRestart(ksp_.get(), restart_of(rows)));
+    // Once is too little where hundreds of vectors are kept: they are no longer at right angles.
+    check(KSPGMRESSetCGSRefinementType(ksp_.get(), KSP_GMRES_CGS_REFINE_IFNEEDED));
     check(KSPSetPCSide(ksp_.get(), PC_RIGHT));
   }
   check(KSPSetNormType(ksp_.get(), KSP_NORM_UNPRECONDITIONED));
