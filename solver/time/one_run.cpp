@@ -21,6 +21,16 @@ constexpr double negligible_share = 1e-8;
 /// The condition number of a problem that takes less memory than this costs almost nothing.
 constexpr double cheap_bytes = 1e5;
 
+/// Unknowns that laws act on: iterations keep the others, too.
+int touched_by_laws(const Contact& contact) {
+  if (!contact.whole) return static_cast<int>(contact.unknowns.size());
+  const SparseMatrix& force = contact.force;
+  int out = 0;
+  for (int i = 0; i < force.rows(); ++i)
+    out += force.outerIndexPtr()[i] < force.outerIndexPtr()[i + 1];
+  return out;
+}
+
 /// The counters that grow with the steps.
 std::array<int, 9> grown(const WorkCounters& w) {
   return {w.analyses,       w.factorisations, w.triangular_solves, w.products,        w.newton,
@@ -43,7 +53,7 @@ OneRun::OneRun(const Plan& plan, const Discretisation& discretisation, const Run
         fmt::format("contact rows every step; all rows at outputs, at the last step and at {} "
                     "random steps",
                     random_checks);
-  result_.contact_unknowns = static_cast<int>(state_.contact().unknowns.size());
+  result_.contact_unknowns = touched_by_laws(state_.contact());
   result_.certificate.tolerance = plan.options.tolerance;
   note_choices(plan, state_.contact(), result_);
   if (settings.monitors) monitor_.emplace(plan.problem, discretisation, state_);

@@ -9,6 +9,7 @@ together. With --endings: exit codes, processes that are killed, Ctrl-C, a missi
 module of PETSc or mpirun the test is skipped (exit code 77).
 """
 import argparse
+import json
 import os
 import pathlib
 import shutil
@@ -18,6 +19,8 @@ import subprocess
 import sys
 import tempfile
 import time
+
+import jsonschema
 
 import iterative
 
@@ -114,8 +117,22 @@ BODIES = {"held": BODY, "in contact": CONTACT, "joined by springs": JOINED}
 MORE = 1.4  # times the iterations of one process, at most
 
 
+def fits(name, answer):
+    """Whether a JSON has its schema."""
+    schema = json.loads((pathlib.Path(__file__).resolve().parents[2] / f"docs/schema/hvi-{name}-1.schema.json").read_text())
+    return jsonschema.Draft202012Validator(schema).is_valid(answer)
+
+
+def foretold(program, path, judge):
+    """`plan` by two processes of what was run last."""
+    done = subprocess.run([*iterative.launcher(2), program, "plan", path, "--solver", "iterative", "--json", "-"], capture_output=True, text=True, timeout=300)
+    answer = json.loads(done.stdout)
+    judge(fits("plan", answer) and answer["plan"]["communication"]["messages"] > 0, "plan by two processes: the JSON has its schema")
+    judge(0 < answer["contact_unknowns"] < answer["unknowns"], f"{answer['contact_unknowns']} of {answer['unknowns']} unknowns are in laws")
+
+
 def larger(program, folder, options):
-    """Bodies of 4,000 to 8,000 unknowns: the same bits, iterations, and what another process is told to hold."""
+    """Bodies of 4,000 to 8,000 unknowns: the same bits, iterations, what is sent, and what another process is told to hold."""
     wrong = []
 
     def judge(good, words):
@@ -135,6 +152,7 @@ def larger(program, folder, options):
             if failed:
                 continue
             answers = [answer for _, answer in runs]
+            judge(fits("result", answers[0]), f"{of}: the JSON has its schema")
             judge(all(answer["table"] == answers[0]["table"] for answer in answers), f"{of}: the same bits each time")
             times = answers[0]["plan"]["iterations"] / alone
             judge(times <= MORE, f"{of}: {times:.2f} times the iterations of one")
@@ -145,6 +163,7 @@ def larger(program, folder, options):
             judge(rows == sorted(rows, reverse=True) and rows[0] >= answers[0]["unknowns"], f"{of}: levels of {rows}")
             held = answers[0]["plan"]["bytes_of_others"]  # its part, and PETSc
             judge(2e7 < held < 2e8, f"{of}: another process holds {held / 1e6:.0f} MB")
+    foretold(program, path, judge)
     return bool(wrong)
 
 
