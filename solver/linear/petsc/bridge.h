@@ -43,7 +43,7 @@ struct HviPetscCounts {
   /* Of the iterations, by the process that sent most. */
   double messages, bytes_sent, reductions;
   int levels; /* of the multigrid, the finest one first; of several unknowns, the sum at each */
-  const HviPetscLevel* level; /* lives as long as the solver */
+  const HviPetscLevel* level; /* until the next call */
 };
 
 struct HviPetscSolver;
