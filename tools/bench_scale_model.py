@@ -2,14 +2,14 @@
 
 Assumed: every process has as many unknowns as those measured, and memory as fast as theirs; 64 processes to a computer, which
 share a network of 25 GB/s; 2 microseconds for a message; a reduction takes log2(P) messages one after the other. A part of a large body
-has some 15 neighbours and six faces; the largest part measured, of P = 8, has seven and three. Levels of the multigrid have one 25th
-of the rows of the last one. Iterations grow by as many for each doubling of P as they do in what is measured.
+has some 15 neighbours and six faces; the largest part measured, of P = 8, has seven and three. Levels of the multigrid get
+smaller as those measured do. Iterations grow by as many for each doubling of P as they do in what is measured.
 """
 import math
 
 LATENCY, BANDWIDTH = 2e-6, 25e9 / 64  # seconds; bytes a second
-NEIGHBOURS, FACES, COARSER = 15 / 7, 6 / 3, 25
-FIRST_ALONE = 0.15  # of a run of one process: what the first process does alone (perf, n = 24 and 32)
+NEIGHBOURS, FACES = 15 / 7, 6 / 3
+FIRST_ALONE = 0.15  # of a run of one process: what the first process does alone (a profile of slab3d, n = 24)
 PROCESSES = (8, 100, 1_000, 10_000, 100_000)
 
 
@@ -21,13 +21,14 @@ class Model:
         self.seconds = seconds
         sent, iterations = plans[self.most]["communication"], plans[self.most]["iterations"]
         self.messages, self.bytes, self.reductions = (sent[what] / iterations for what in ("messages", "bytes", "reductions"))
-        self.levels = len(plans[self.most]["multigrid"])
+        rows = [level["rows"] for level in plans[self.most]["multigrid"]]
+        self.levels, self.coarser = len(rows), (rows[0] / rows[-1]) ** (1 / (len(rows) - 1))
         self.growth = (iterations / plans[1]["iterations"] - 1) / math.log2(self.most)
 
     def iteration(self, processes):
         """Seconds of arithmetic, messages, bytes, reductions."""
         many = processes > self.most
-        levels = 1 + max(0.0, math.log(processes / self.most) / math.log(COARSER)) / self.levels
+        levels = 1 + max(0.0, math.log(processes / self.most) / math.log(self.coarser)) / self.levels
         messages = self.messages * levels * (NEIGHBOURS if many else 1)
         sent = self.bytes * (FACES if many else 1)  # coarse levels send little
         return self.seconds, messages * LATENCY, sent / BANDWIDTH, self.reductions * math.log2(processes) * LATENCY
