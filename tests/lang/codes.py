@@ -70,8 +70,9 @@ def main():
             check(f"imposed values and an obstacle, gap {gap}", good, done)
 
         command = [program, "run", "slab.hvi", "-D", "n=8", "-D", "N=1000000", "-o", "long", "--checkpoint", "50"]
+        saved = pathlib.Path(folder) / "long" / "slab.checkpoint"  # its temporary file is there before the run begins
         with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-            while process.poll() is None and not list(pathlib.Path(folder).glob("long/*checkpoint*")):
+            while process.poll() is None and not saved.exists():
                 time.sleep(0.01)
             process.send_signal(signal.SIGINT)
             out, err = process.communicate()
