@@ -19,7 +19,7 @@ constexpr double seconds_of_ordering = 1.2e-7; ///< an entry of K
 /// Of K in an iteration: it is read by smoothers, interpolations and products.
 constexpr double seconds_of_iterated_entry = 6e-9, seconds_of_set_up_entry = 1e-6;
 constexpr double seconds_of_start = 0.15; ///< of PETSc
-constexpr double iterations_of_a_step = 12.0, iterations_of_friction = 60.0,
+constexpr double iterations_of_a_step = 12.0, iterations_of_friction = 48.0,
                  iterations_of_several = 170.0, iterations_of_several_that_rub = 270.0;
 /// Of the condensed matrix, in a step of friction: Cholesky's, of which some columns change, or LU
 /// in each of Newton's steps, which cost two of the former.

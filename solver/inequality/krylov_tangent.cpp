@@ -12,7 +12,10 @@ namespace hvi::solver {
 namespace {
 
 /// Of the residual while points still change their places, and at least where they do not.
-constexpr double while_changing = 1e-2, when_settled = 1e-2, most_at_once = 1e-9;
+constexpr double while_changing = 1e-1, when_settled = 1e-2, most_at_once = 1e-9;
+/// Of what curved laws are expected to leave, which the first step after the last change has ten
+/// to a hundred times too large.
+constexpr double below_curves = 0.03;
 /// Of points that rest and share their unknowns, as two bodies on each other do: slender ones turn
 /// by what a hundredth of the forces leaves open, and their points change places again.
 constexpr double while_resting_together = 1e-4;
@@ -45,13 +48,27 @@ double KrylovTangent::reduction_while_changing(const Position& at, const Vector&
                     most_of_penalties, while_resting_together);
 }
 
-/// What is left of the residual's norm after a step: while points change their places two digits
-/// are lost in the next step anyway; then one step may go as far as the target.
-double KrylovTangent::reduction(const Position& at, const Vector& residual, bool settled) const {
+/// What curved laws will leave of the residual, however well the step is solved: what they left of
+/// the last one beyond its solve, times the length of this step over the last one's, for Newton's
+/// method converges quadratically. 0: straight laws.
+double KrylovTangent::left_by_curves(const Vector& residual, const TangentStep& last) {
+  if (!(last.before > 0.0) || last.rest.size() != residual.size()) return 0.0;
+  const auto beyond_solve = (residual.cwiseAbs() - last.rest.cwiseAbs()).cwiseMax(0.0);
+  return beyond_solve.matrix().norm() / last.before * (residual.norm() / last.before);
+}
+
+/// What is left of the residual's norm after a step: while points change their places a digit or
+/// two are lost in the next step anyway; then one step may go as far as the target, or as curves
+/// let it (S. C. Eisenstat, H. F. Walker, Choosing the forcing terms in an inexact Newton method,
+/// SIAM J. Sci. Comput. 17 (1996) 16-32).
+double KrylovTangent::reduction(const Position& at, const Vector& residual, bool settled,
+                                const TangentStep& last) const {
   if (!settled) return reduction_while_changing(at, residual);
   const double worst = at.balance.worst_of(residual, at.c, at.xi);
   if (!(worst > 0.0)) return when_settled;
-  return std::clamp(below_target * at.balance.target() / worst, most_at_once, when_settled);
+  const double of_target = below_target * at.balance.target() / worst;
+  return std::clamp(std::max(of_target, below_curves * left_by_curves(residual, last)),
+                    most_at_once, when_settled);
 }
 
 /// Rows may be as small as rounding of others, far from where anything acts: where those that do
@@ -66,7 +83,8 @@ bool KrylovTangent::solve(const Position& at, const Vector& residual, bool settl
                           InequalityReport& report, TangentStep& out) {
   if (!factor_.make(at.places.d, report)) return false;
   const IterativeOperator& op = *factor_.op().iterative();
-  const double accuracy = reduction(at, residual, settled);
+  const double accuracy = reduction(at, residual, settled, out);
+  out.before = residual.norm();
   const Vector unseen = settled ? rows_unseen(at, residual, accuracy) : Vector();
   using Outcome = IterativeAnswer::Outcome;
   const Outcome outcome =

@@ -16,7 +16,9 @@ public:
 
 private:
   double reduction_while_changing(const Position& at, const Vector& residual) const;
-  double reduction(const Position& at, const Vector& residual, bool settled) const;
+  static double left_by_curves(const Vector& residual, const TangentStep& last);
+  double reduction(const Position& at, const Vector& residual, bool settled,
+                   const TangentStep& last) const;
   Vector rows_unseen(const Position& at, const Vector& residual, double accuracy) const;
 
   const StiffnessPattern& pattern_;
