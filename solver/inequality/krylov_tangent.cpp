@@ -21,8 +21,9 @@ constexpr double below_curves = 0.03;
 constexpr double while_resting_together = 1e-4;
 /// And where stiffnesses that stand for infinite ones are most of it.
 constexpr double most_of_penalties = 1e-12;
-/// Of the target: norms fall about as fast as the worst row.
-constexpr double below_target = 0.1;
+/// Of the target: norms fall about as fast as the worst row, and a body may move by what the last
+/// digits of a residual say (a tenth left 2e-8 of a pressure, a hundredth 5e-10).
+constexpr double below_target = 0.01;
 
 } // namespace
 
