@@ -30,7 +30,7 @@ public:
   void solve_rough(const Vector& b, Vector& x) const override { solve_or_refuse(b, 1e-6, x); }
   void estimate(const Vector& b, Vector& x) const override { solve_or_refuse(b, 1e-3, x); }
   bool definite() override;
-  double aim() const override { return 0.3; }
+  double aim() const override { return 0.1; }
   const IterativeOperator* iterative() const override { return this; }
   std::unique_ptr<ReducedOperator> unsymmetric() const override {
     return std::make_unique<IterativeOperator>(k_, false, solver_, of_unknown_);

@@ -474,11 +474,15 @@ def failures(program, folder):
 
 
 def too_many(program, folder):
-    """Newton's steps of curved laws are solved no further than curves let them be (460 iterations where all are solved to the target)."""
-    example = pathlib.Path(__file__).resolve().parents[2] / "examples" / "slab3d_friction.hvi"
-    taken = run(program, example, folder, "iterative")[1]["plan"]["iterations"]
-    print(f"{'ok   ' if taken < 400 else 'FAILS'} {taken} iterations of {example.name}")
-    return [] if taken < 400 else ["too many iterations"]
+    """Newton's steps of curved laws are solved no further than curves let them be (some 100 more where all are solved to the target),
+    and all levels of the multigrid know what laws hold (without: 370 iterations, and 190,000 of a body that rests on another)."""
+    wrong = []
+    for name, most in (("slab3d_friction", 330), ("block_on_table", 20000)):
+        example = pathlib.Path(__file__).resolve().parents[2] / "examples" / f"{name}.hvi"
+        taken = run(program, example, folder, "iterative")[1]["plan"]["iterations"]
+        print(f"{'ok   ' if taken < most else 'FAILS'} {taken} iterations of {example.name}")
+        wrong += ["too many iterations"] * (taken >= most)
+    return wrong
 
 
 def main():

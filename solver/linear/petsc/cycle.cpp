@@ -1,12 +1,14 @@
 // See cycle.hpp.
 #include "solver/linear/petsc/cycle.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hvi::petsc_module {
 namespace {
 
-/// Laws whose stiffness is beyond this part of the body's are solved exactly with their layers.
+/// Laws whose stiffness is beyond this part of the body's are solved exactly with their layers, and
+/// the multigrid has no more of them: what is rigid would hold whatever interpolates from there.
 constexpr double stiff_part = 0.5;
 
 } // namespace
@@ -24,17 +26,45 @@ void Cycle::matrix_changed() {
 bool Cycle::stiff(const Rows& h) const {
   for (int i = 0; i < h.size(); ++i) {
     if (h.start[i] == h.start[i + 1]) continue;
-    double own = 0.0, law = 0.0;
-    for (int e = k_.start[i]; e < k_.start[i + 1]; ++e)
-      if (k_.column[e] == i) own = std::abs(k_.value[e]);
+    double law = 0.0;
     for (int e = h.start[i]; e < h.start[i + 1]; ++e) law += std::abs(h.value[e]);
-    if (law > stiff_part * own) return true;
+    if (law > stiff_part * std::abs(entry(k_, i, i))) return true;
   }
   return false;
 }
 
+/// S H S, S_ii^2 = stiff_part K_ii / H_ii where H is stiffer than that, and 1 where it is not.
+/// Where H is not symmetric, entries with H_ij^2 > |H_ii H_jj| are left out: they might outweigh
+/// all others.
+Rows Cycle::not_stiffer(const Rows& h, bool symmetric) const {
+  std::vector<double> law(static_cast<std::size_t>(h.size())), scale(law.size(), 1.0);
+  for (int i = 0; i < h.size(); ++i) {
+    if (h.start[i] == h.start[i + 1]) continue;
+    law[i] = entry(h.view(), i, i);
+    const double most = stiff_part * std::abs(entry(k_, i, i));
+    if (law[i] > most) scale[i] = std::sqrt(most / law[i]);
+  }
+  Rows out = h;
+  for (int i = 0; i < h.size(); ++i)
+    for (int e = h.start[i]; e < h.start[i + 1]; ++e) {
+      const int j = h.column[e];
+      const double root = std::sqrt(std::abs(law[i])) * std::sqrt(std::abs(law[j]));
+      const bool left_out = !symmetric && i != j && std::abs(h.value[e]) > root;
+      out.value[e] = left_out ? 0.0 : scale[i] * h.value[e] * scale[j];
+    }
+  return out;
+}
+
+void Cycle::give_to_multigrid(const Rows& h) {
+  Rows mine;
+  multigrid_.set_laws(distribution_, distribution_.deal(h.view(), mine));
+}
+
+bool Cycle::leave_laws() { return multigrid_.leave_laws(); }
+
 bool Cycle::set_laws(const Rows& h, const FewRows& rows, bool symmetric, double shift) {
   law_rows_ = &rows;
+  give_to_multigrid(not_stiffer(h, symmetric));
   in_layers_ = distribution_.of_first(stiff(h));
   if (!in_layers_) return true;
   if (distribution_.of_first(!layers_ || !layers_->fit(h)))

@@ -1,5 +1,6 @@
-// The preconditioner of one unknown: the multigrid of K, and the layers at the contact before and
-// after it where H is stiff there (layers.hpp).
+// The preconditioner of one unknown: the multigrid of K and of what laws add where they are not
+// stiffer than the body, and the layers at the contact before and after it where H is stiff there
+// (layers.hpp).
 #pragma once
 
 #include "solver/linear/petsc/layers.hpp"
@@ -19,6 +20,7 @@ public:
         const std::vector<double>& motions, int n_motions);
   void matrix_changed() override;
   bool set_laws(const Rows& h, const FewRows& rows, bool symmetric, double shift) override;
+  bool leave_laws() override;
   void set_up() override { multigrid_.set_up(); }
   PetscErrorCode apply(Vec r, Vec z) override;
   Effort effort() const override;
@@ -26,6 +28,8 @@ public:
 private:
   PetscErrorCode rest_near_laws(Vec r, Vec z) const;
   bool stiff(const Rows& h) const;
+  Rows not_stiffer(const Rows& h, bool symmetric) const;
+  void give_to_multigrid(const Rows& h);
 
   const Distribution& distribution_;
   HviPetscMatrix k_;

@@ -95,12 +95,6 @@ std::vector<int> unknown_of_rows(const Numbering& numbering, const std::vector<i
 
 } // namespace
 
-double entry(const HviPetscMatrix& k, int row, int column) {
-  const int *begin = k.column + k.start[row], *end = k.column + k.start[row + 1];
-  const int* at = std::lower_bound(begin, end, column);
-  return at != end && *at == column ? k.value[at - k.column] : 0.0;
-}
-
 UnknownRows order_of_unknowns(const HviPetscMatrix& k, const Numbering& numbering,
                               const std::vector<int>& first) {
   UnknownRows out;

@@ -30,7 +30,4 @@ UnknownRows order_of_unknowns(const HviPetscMatrix& k, const Numbering& numberin
 /// By row, the diagonals of all S_b.
 std::vector<double> eliminate(const HviPetscMatrix& k, const UnknownRows& unknowns);
 
-/// 0 where there is none.
-double entry(const HviPetscMatrix& k, int row, int column);
-
 } // namespace hvi::petsc_module

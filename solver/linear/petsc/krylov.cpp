@@ -230,13 +230,19 @@ HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
   }
   check(KSPSetTolerances(ksp_.get(), reduction, 1e-300, 1e30, most_iterations));
   iterate();
+  int before = 0;
+  if (reason() == KSP_DIVERGED_INDEFINITE_PC && preconditioner_->leave_laws()) {
+    before = iterations();
+    iterate();
+  }
   check(VecScale(x_.get(), size));
   const double* found = nullptr;
   check(all_->read(x_.get(), &found));
   numbering_.collect(found, x);
   check(all_->done(x_.get(), &found));
-  const HviPetscAnswer out = answer_of_method();
+  HviPetscAnswer out = answer_of_method();
   note(out);
+  out.iterations += before;
   return out;
 }
 
@@ -250,17 +256,26 @@ void Krylov::iterate() {
   counts_.messages = most[0], counts_.bytes_sent = most[1], counts_.reductions = most[2];
 }
 
+KSPConvergedReason Krylov::reason() const {
+  KSPConvergedReason out = KSP_CONVERGED_ITERATING;
+  check(KSPGetConvergedReason(ksp_.get(), &out));
+  return out;
+}
+
+int Krylov::iterations() const {
+  PetscInt out = 0;
+  check(KSPGetIterationNumber(ksp_.get(), &out));
+  return out;
+}
+
 HviPetscAnswer Krylov::answer_of_method() const {
   HviPetscAnswer out{};
-  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
-  PetscInt iterations = 0;
+  const KSPConvergedReason reason = this->reason();
   double left = 0.0, size = 0.0;
-  check(KSPGetConvergedReason(ksp_.get(), &reason));
   out.reason = in_words(reason);
-  check(KSPGetIterationNumber(ksp_.get(), &iterations));
   check(KSPGetResidualNorm(ksp_.get(), &left));
   check(VecNorm(b_.get(), NORM_2, &size));
-  out.iterations = iterations;
+  out.iterations = iterations();
   out.reduction = size > 0.0 ? left / size : 0.0;
   out.outcome = reason > 0                              ? hvi_petsc_solved
                 : reason == KSP_DIVERGED_INDEFINITE_MAT ? hvi_petsc_indefinite

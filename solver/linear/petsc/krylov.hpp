@@ -33,6 +33,8 @@ private:
   std::vector<double> in_own_numbering(const double* columns, int count) const;
   void prepare();
   void iterate();
+  KSPConvergedReason reason() const;
+  int iterations() const;
   HviPetscAnswer answer_of_method() const;
   void make_matrix();
   void make_shell(PetscErrorCode (*product)(Mat, Vec, Vec), Owned<Mat>& shell);

@@ -71,8 +71,10 @@ void Multigrid::set_up() {
   check(PCSetUp(pc_.get()));
   check(PCSetReusePreconditioner(pc_.get(), PETSC_TRUE)); // until the next call, whatever K becomes
   single_.clear();
+  laws_.forget_levels();
   measure();
   read_less();
+  spread_laws();
   seconds += cpu_now() - begin;
 }
 
@@ -110,10 +112,7 @@ std::vector<PetscInt> Multigrid::block_sizes() const {
 /// The matrices of all levels but the coarsest in single precision; those that PETSc made end.
 void Multigrid::read_less() {
   const std::vector<PetscInt> block = block_sizes();
-  const auto keep = [&](Mat matrix, PetscInt rows, PetscInt columns) {
-    return single_.emplace_back(std::make_unique<SingleMatrix>(matrix, rows, columns))->shell();
-  };
-  for (std::size_t level = 1; level < block.size(); ++level) {
+  for (std::size_t level = block.size() - 1; level > 0; --level) {
     const PetscInt l = static_cast<PetscInt>(level);
     KSP smoother = nullptr;
     Mat a = nullptr, p = nullptr;
@@ -121,18 +120,46 @@ void Multigrid::read_less() {
     check(KSPGetOperators(smoother, &a, nullptr));
     check(PCMGGetInterpolation(pc_.get(), l, &p));
     if (a != k_) check(MatProductClear(a)); // what P^T A P was formed with
-    const Mat single_a = keep(a, block[level], block[level]);
-    const Mat single_p = keep(p, block[level], block[level - 1]);
-    check(KSPSetOperators(smoother, single_a, single_a));
-    check(PCMGSetResidual(pc_.get(), l, PCMGResidualDefault, single_a));
-    check(PCMGSetInterpolation(pc_.get(), l, single_p));
-    check(PCMGSetRestriction(pc_.get(), l, single_p));
+    const SingleLevel& single = single_.emplace_back(
+        SingleLevel{std::make_unique<SingleMatrix>(a, block[level], block[level]),
+                    std::make_unique<SingleMatrix>(p, block[level], block[level - 1])});
+    const Mat matrix = single.matrix->shell(), interpolation = single.interpolation->shell();
+    check(KSPSetOperators(smoother, matrix, matrix));
+    check(PCMGSetResidual(pc_.get(), l, PCMGResidualDefault, matrix));
+    check(PCMGSetInterpolation(pc_.get(), l, interpolation));
+    check(PCMGSetRestriction(pc_.get(), l, interpolation));
   }
+  KSP smoother = nullptr;
+  Mat a = nullptr;
+  check(PCMGGetSmoother(pc_.get(), 0, &smoother));
+  check(KSPGetOperators(smoother, &a, nullptr));
+  check(MatDuplicate(a, MAT_COPY_VALUES, coarsest_.put()));
+}
+
+void Multigrid::set_laws(const Distribution& distribution, const HviPetscMatrix& h) {
+  laws_.set(distribution, h);
+  if (pc_) spread_laws();
+}
+
+bool Multigrid::leave_laws() {
+  if (!laws_.leave()) return false;
+  spread_laws();
+  return true;
+}
+
+void Multigrid::spread_laws() {
+  const Mat h = laws_.spread(single_);
+  check(MatDuplicate(coarsest_.get(), MAT_COPY_VALUES, coarsest_with_laws_.put()));
+  if (h != nullptr) check(MatAXPY(coarsest_with_laws_.get(), 1.0, h, DIFFERENT_NONZERO_PATTERN));
+  KSP solver = nullptr;
+  check(PCMGGetSmoother(pc_.get(), 0, &solver));
+  check(KSPSetOperators(solver, coarsest_with_laws_.get(), coarsest_with_laws_.get()));
 }
 
 double Multigrid::bytes() const {
-  double out = 0.0;
-  for (const auto& matrix : single_) out += matrix->bytes();
+  double out = laws_.bytes();
+  for (const SingleLevel& level : single_)
+    out += level.matrix->bytes() + level.interpolation->bytes();
   return out;
 }
 

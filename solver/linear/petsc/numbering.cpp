@@ -5,6 +5,12 @@
 
 namespace hvi::petsc_module {
 
+double entry(const HviPetscMatrix& a, int row, int column) {
+  const int *begin = a.column + a.start[row], *end = a.column + a.start[row + 1];
+  const int* at = std::lower_bound(begin, end, column);
+  return at != end && *at == column ? a.value[at - a.column] : 0.0;
+}
+
 Numbering::Numbering(const HviPetscUnknowns& of, int n, const Partition& partition)
     : nodes_(of.nodes), components_(of.components), same_(n == of.nodes * of.components),
       counts_(partition.counts) {

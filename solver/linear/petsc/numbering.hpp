@@ -17,6 +17,9 @@ struct Rows {
   HviPetscMatrix view() const { return {size(), start.data(), column.data(), value.data()}; }
 };
 
+/// 0 where there is none.
+double entry(const HviPetscMatrix& a, int row, int column);
+
 class Numbering {
 public:
   /// `n` unknowns, whose nodes are where the partition has them.

@@ -26,6 +26,9 @@ public:
   /// H from now on, whole and by process; both are kept by reference. `shift`: of the diagonal of
   /// K, added where A may be singular near the contact. False: A has no factor there.
   virtual bool set_laws(const Rows& h, const FewRows& rows, bool symmetric, double shift) = 0;
+  /// With the softening of laws it may not be positive definite: has none of them on its levels
+  /// until others are set. False: it had none.
+  virtual bool leave_laws() = 0;
   /// For the entries that K has now; what was set up before serves until then.
   virtual void set_up() = 0;
   virtual PetscErrorCode apply(Vec r, Vec z) = 0;

@@ -76,6 +76,7 @@ public:
   Owned() = default;
   Owned(const Owned&) = delete;
   Owned& operator=(const Owned&) = delete;
+  Owned(Owned&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
   ~Owned() { reset(); }
   void reset() {
     if (object_ != nullptr) static_cast<void>(destroy(&object_));

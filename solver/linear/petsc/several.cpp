@@ -191,6 +191,9 @@ bool SeveralCycles::set_laws(const Rows& h, const FewRows&, bool symmetric, doub
   return out;
 }
 
+/// Iterations on several unknowns do not ask for a preconditioner that is positive definite.
+bool SeveralCycles::leave_laws() { return false; }
+
 void SeveralCycles::set_up() {
   for (const auto& one : unknowns_) one->cycle->set_up();
 }

@@ -27,6 +27,7 @@ public:
   ~SeveralCycles() override;
   void matrix_changed() override;
   bool set_laws(const Rows& h, const FewRows& rows, bool symmetric, double shift) override;
+  bool leave_laws() override;
   void set_up() override;
   PetscErrorCode apply(Vec r, Vec z) override;
   Effort effort() const override;

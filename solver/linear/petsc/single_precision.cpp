@@ -1,11 +1,16 @@
 // See single_precision.hpp.
 #include "solver/linear/petsc/single_precision.hpp"
 
+#include "solver/linear/petsc/numbering.hpp"
+
 #include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 namespace hvi::petsc_module {
 namespace {
@@ -62,6 +67,22 @@ bool are_blocks(const PetscInt* columns, PetscInt count, int size) {
     if (columns[c] % size != c % size || columns[c] - c % size != columns[c - c % size])
       return false;
   return true;
+}
+
+/// To the entries of `rows`, the sums of the sizes in those rows.
+void add_sizes(Mat a, const std::vector<int>& rows, Vec to) {
+  PetscInt first = 0;
+  double* sums = nullptr;
+  check(MatGetOwnershipRange(a, &first, nullptr));
+  check(VecGetArray(to, &sums));
+  for (const int i : rows) {
+    PetscInt count = 0;
+    const double* value = nullptr;
+    check(MatGetRow(a, first + i, &count, nullptr, &value));
+    for (PetscInt e = 0; e < count; ++e) sums[i] += std::abs(value[e]);
+    check(MatRestoreRow(a, first + i, &count, nullptr, &value));
+  }
+  check(VecRestoreArray(to, &sums));
 }
 
 struct NoProduct {
@@ -156,6 +177,17 @@ void SingleBlocks::add_transposed(const double* x, double* y) const {
   with_sizes(block_rows_, block_columns_, Block{*this, x, y, true});
 }
 
+template <class Take>
+void SingleBlocks::read_row(int i, const Take& take) const {
+  const int block = i / block_rows_, within = i % block_rows_;
+  for (int e = start_[block]; e < start_[block + 1]; ++e)
+    for (int c = 0; c < block_columns_; ++c) {
+      const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(e) * block_columns_ + c;
+      const float value = value_[static_cast<std::size_t>(place * block_rows_ + within)];
+      if (value != 0.0F) take(column_[e] * block_columns_ + c, scale_ * value);
+    }
+}
+
 double SingleBlocks::bytes() const {
   return static_cast<double>(sizeof(float) * value_.size() +
                              sizeof(int) * (start_.size() + column_.size()));
@@ -172,6 +204,7 @@ SingleMatrix::SingleMatrix(Mat a, int block_rows, int block_columns) {
   if (others != nullptr) {
     PetscInt count = 0;
     check(MatGetSize(others, nullptr, &count));
+    columns_.assign(ghosts, ghosts + count);
     const bool blocks = are_blocks(ghosts, count, block_columns);
     others_ =
         std::make_unique<SingleBlocks>(others, blocks ? block_rows : 1, blocks ? block_columns : 1);
@@ -184,10 +217,52 @@ SingleMatrix::SingleMatrix(Mat a, int block_rows, int block_columns) {
   }
   check(MatGetSize(a, &rows, &columns));
   if (rows == columns) {
-    check(MatCreateVecs(a, nullptr, diagonal_.put()));
-    check(MatGetDiagonal(a, diagonal_.get()));
+    check(MatCreateVecs(a, own_diagonal_.put(), diagonal_.put()));
+    check(MatGetDiagonal(a, own_diagonal_.get()));
+    check(VecCopy(own_diagonal_.get(), diagonal_.get()));
   }
   make_shell(a);
+}
+
+void SingleMatrix::add(Mat few, const std::vector<int>& rows) {
+  if (few == nullptr && few_ == nullptr) return;
+  few_ = few;
+  check(VecCopy(own_diagonal_.get(), diagonal_.get()));
+  if (few != nullptr) add_sizes(few, rows, diagonal_.get());
+  // Whoever asked for the diagonal asks again.
+  check(MatAssemblyBegin(shell_.get(), MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(shell_.get(), MAT_FINAL_ASSEMBLY));
+}
+
+void SingleMatrix::only(const std::vector<int>& rows, Owned<Mat>& out) const {
+  PetscInt count = 0, columns = 0, all_rows = 0, all_columns = 0, first = 0;
+  check(MatGetLocalSize(shell_.get(), &count, &columns));
+  check(MatGetSize(shell_.get(), &all_rows, &all_columns));
+  check(MatGetOwnershipRangeColumn(shell_.get(), &first, nullptr));
+  Rows kept;
+  kept.start.assign(static_cast<std::size_t>(count) + 1, 0);
+  std::vector<std::pair<int, double>> row;
+  for (const int i : rows) {
+    row.clear();
+    own_->read_row(i, [&](int column, double value) { row.emplace_back(first + column, value); });
+    if (others_)
+      others_->read_row(i, [&](int column, double value) {
+        row.emplace_back(columns_[static_cast<std::size_t>(column)], value);
+      });
+    std::sort(row.begin(), row.end());
+    for (const auto& [column, value] : row) {
+      kept.column.push_back(column);
+      kept.value.push_back(value);
+    }
+    kept.start[i + 1] = static_cast<int>(row.size());
+  }
+  std::partial_sum(kept.start.begin(), kept.start.end(), kept.start.begin());
+  check(MatCreate(PetscObjectComm(reinterpret_cast<PetscObject>(shell_.get())), out.put()));
+  check(MatSetSizes(out.get(), count, columns, all_rows, all_columns));
+  check(MatSetType(out.get(), MATAIJ));
+  const HviPetscMatrix of = kept.view();
+  check(MatSeqAIJSetPreallocationCSR(out.get(), of.start, of.column, of.value));
+  check(MatMPIAIJSetPreallocationCSR(out.get(), of.start, of.column, of.value));
 }
 
 /// y = before + A x, or + A^T x; nothing before.
@@ -244,7 +319,8 @@ PetscErrorCode SingleMatrix::add_product(Vec x, Vec y) const {
     PetscCall(VecRestoreArrayRead(ghosts_.get(), &ghosts));
   }
   PetscCall(VecRestoreArray(y, &to));
-  return VecRestoreArrayRead(x, &from);
+  PetscCall(VecRestoreArrayRead(x, &from));
+  return few_ == nullptr ? 0 : MatMultAdd(few_, x, y, y);
 }
 
 PetscErrorCode SingleMatrix::add_transposed(Vec x, Vec y) const {

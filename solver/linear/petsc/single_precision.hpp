@@ -17,6 +17,9 @@ public:
   SingleBlocks(Mat sequential, int block_rows, int block_columns);
   void add_product(const double* x, double* y) const;    ///< y += A x
   void add_transposed(const double* x, double* y) const; ///< y += A^T x
+  /// Calls `take` with each column and entry of a row that is not 0.
+  template <class Take>
+  void read_row(int i, const Take& take) const;
   double bytes() const;
 
 private:
@@ -37,6 +40,14 @@ public:
   SingleMatrix(const SingleMatrix&) = delete;
   SingleMatrix& operator=(const SingleMatrix&) = delete;
   Mat shell() const { return shell_.get(); }
+  /// From now on of a square matrix the sum of it and `few`, which is kept by reference and has
+  /// entries in these rows of this process only; null: the matrix alone. Of `few` the diagonal that
+  /// is asked for has the sums of the sizes of rows, so that diagonal - few >= 0 and smoothers made
+  /// for the matrix serve (such sums: A. Baker, R. Falgout, T. Kolev, U. Yang, Multigrid smoothers
+  /// for ultraparallel computing, SIAM J. Sci. Comput. 33 (2011) 2864-2887).
+  void add(Mat few, const std::vector<int>& rows);
+  /// The same matrix with these rows of this process alone, ascending.
+  void only(const std::vector<int>& rows, Owned<Mat>& out) const;
   double bytes() const { return own_->bytes() + (others_ ? others_->bytes() : 0.0); }
 
 private:
@@ -50,9 +61,11 @@ private:
   void make_shell(Mat a);
 
   std::unique_ptr<SingleBlocks> own_, others_; ///< whose columns this process has, and has not
+  std::vector<PetscInt> columns_;              ///< of `others_`, among those of all processes
   Owned<VecScatter> halo_;
   Owned<Vec> ghosts_;
-  Owned<Vec> diagonal_; ///< of a square matrix
+  Mat few_ = nullptr;
+  Owned<Vec> own_diagonal_, diagonal_; ///< of a square matrix: of itself, of the sum
   Owned<Mat> shell_;
 };
 
