@@ -87,9 +87,10 @@ bool KrylovTangent::solve(const Position& at, const Vector& residual, bool settl
   const double accuracy = reduction(at, residual, settled, out);
   out.before = residual.norm();
   const Vector unseen = settled ? rows_unseen(at, residual, accuracy) : Vector();
+  out.of_small_rows = unseen.size() > 0;
   using Outcome = IterativeAnswer::Outcome;
   const Outcome outcome =
-      op.answer_to(unseen.size() > 0 ? unseen : residual, accuracy, out.dc).outcome;
+      op.answer_to(out.of_small_rows ? unseen : residual, accuracy, out.dc).outcome;
   if (outcome == Outcome::indefinite) return false;
   if (outcome == Outcome::stagnated) { // another method may come where it does not
     out.dc.setConstant(std::numeric_limits<double>::quiet_NaN());

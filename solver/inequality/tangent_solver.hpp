@@ -11,6 +11,7 @@ struct TangentStep {
   Vector s_dc; ///< S dc, where it is known
   double before = 0.0; ///< |residual|, of solves by iterations
   bool product_known = false;
+  bool of_small_rows = false; ///< was solved for the rows that the norm of all does not see
 };
 
 class TangentSolver {

@@ -431,6 +431,19 @@ report
   table a = theta at [1, 0], b = u.y at [400, 0]
 """
 
+# Steps so short that each cell has a thousandth of what the last one has: nine digits of 170 are seen at once.
+SHORT = """mesh body = rectangle(2, 0.1, cells = [59, 2])
+part flank = body.right
+superpotential film(r) = 0.2*r^2 + 0.04*abs(r)
+space Sp = scalar P1 on body
+find p in Sp for t in [0, 4e-4] by 5 steps from p = 0
+such that for all q in Sp
+    integral(body, 0.2*dot(grad(p), grad(q)) + 0.2*p'*q) + integral(flank, film^0(p; q))
+ >= integral(flank, 0.2*q)
+report
+  table c = p at [2, 0], d = p at [1, 0]
+"""
+
 
 def failures(program, folder):
     """How it ends where it cannot solve: what is wrong of that."""
@@ -460,6 +473,13 @@ def failures(program, folder):
     print(f"{'ok   ' if good else 'FAILS'} a slender beam that warms up, known to {known:.1e}: {done.stderr or b['final']['b']}")
     if not good:
         wrong.append("a slender beam")
+
+    path.write_text(SHORT)  # refused once: Newton's method took its passes for a circle
+    (_, a), (done, b) = run(program, path, folder, "direct"), run(program, path, folder, "iterative")
+    good = done.returncode == 0 and apart(a, b)[0] <= AGREE
+    print(f"{'ok   ' if good else 'FAILS'} steps that spread over less than a cell: {done.stderr or b['final']['d']}")
+    if not good:
+        wrong.append("short steps")
 
     def iterations(steps):
         """Of the first steps of one graded grid; each has a matrix of its own."""
