@@ -497,7 +497,7 @@ def too_many(program, folder):
     """Newton's steps of curved laws are solved no further than curves let them be (some 100 more where all are solved to the target),
     and all levels of the multigrid know what laws hold (without: 370 iterations, and 190,000 of a body that rests on another)."""
     wrong = []
-    for name, most in (("slab3d_friction", 330), ("block_on_table", 20000)):
+    for name, most in (("slab3d_friction", 330), ("block_on_table", 40000)):
         example = pathlib.Path(__file__).resolve().parents[2] / "examples" / f"{name}.hvi"
         taken = run(program, example, folder, "iterative")[1]["plan"]["iterations"]
         print(f"{'ok   ' if taken < most else 'FAILS'} {taken} iterations of {example.name}")
