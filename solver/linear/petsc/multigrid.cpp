@@ -120,9 +120,9 @@ void Multigrid::read_less() {
     check(KSPGetOperators(smoother, &a, nullptr));
     check(PCMGGetInterpolation(pc_.get(), l, &p));
     if (a != k_) check(MatProductClear(a)); // what P^T A P was formed with
-    const SingleLevel& single = single_.emplace_back(
-        SingleLevel{std::make_unique<SingleMatrix>(a, block[level], block[level]),
-                    std::make_unique<SingleMatrix>(p, block[level], block[level - 1])});
+    SingleLevel& single = single_.emplace_back();
+    single.matrix = std::make_unique<SingleMatrix>(a, block[level], block[level]);
+    single.interpolation = std::make_unique<SingleMatrix>(p, block[level], block[level - 1]);
     const Mat matrix = single.matrix->shell(), interpolation = single.interpolation->shell();
     check(KSPSetOperators(smoother, matrix, matrix));
     check(PCMGSetResidual(pc_.get(), l, PCMGResidualDefault, matrix));
