@@ -89,7 +89,8 @@ MethodOutcome ActiveSetNewton::solve(Position& at, int limit, InequalityReport& 
       at.xi = trial_;
       return MethodOutcome::solved;
     }
-    // Rows that are solved for one size after the other have no smaller error before the last one.
+    // While ever smaller rows are solved for, one step for each size, the worst error stays that of
+    // the smallest: no sign that the iteration goes round.
     const bool round = ratio > 0.5 * best && !step_.of_small_rows;
     if (round && ++seen[hash_of(at.places.state, at.places.xi_hat)] > 1) {
       if (tries == static_cast<int>(std::size(other_scales))) return MethodOutcome::failed;

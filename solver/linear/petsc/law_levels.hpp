@@ -1,7 +1,7 @@
 // What laws add to a matrix, on the levels of its multigrid.
 //
 // No cycle of K knows where contact is closed or sticks: bodies that are held there move on all
-// levels as if they were free. With H of the finest level (as stiff as the cells around, not more:
+// levels as if they were free. With H of the finest level (no stiffer than a part of the body:
 // cycle.hpp) and P the interpolations, the levels have H, P^T H P, ... beside K, P^T K P, ...
 // Entries are in few rows of each, those that interpolate from the rows where laws act.
 #pragma once
@@ -28,8 +28,8 @@ public:
   bool leave() { return std::exchange(any_, false); }
   /// The levels will have other interpolations.
   void forget_levels() { levels_.clear(); }
-  /// Adds to each of the levels, the finest one first, what it has of H; null at the coarsest
-  /// level, which has no matrix among these: nothing.
+  /// Adds to each of the levels, the finest one first, what it has of H. Returns what the coarsest
+  /// one has, which is not among them; null: nothing.
   Mat spread(const std::vector<SingleLevel>& levels);
   double bytes() const; ///< of this process
 
