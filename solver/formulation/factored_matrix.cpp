@@ -131,13 +131,22 @@ FactorStatistics FactoredMatrix::statistics() const {
   return out;
 }
 
-SparseMatrix FactoredMatrix::held() const {
-  SparseMatrix out = k_;
+template <class Held>
+void FactoredMatrix::for_held(const Held& held) const {
   const SparseMatrix& force = contact_.force; // of those that no law sees iterations keep nothing
   for (const int i : contact_.loaded)
     if (!operators_.iterative || force.outerIndexPtr()[i] < force.outerIndexPtr()[i + 1])
-      out.coeffRef(i, i) += hold * std::abs(k_.coeff(i, i));
+      held(i, hold * std::abs(k_.coeff(i, i)));
+}
+
+SparseMatrix FactoredMatrix::held() const {
+  SparseMatrix out = k_;
+  for_held([&](int i, double more) { out.coeffRef(i, i) += more; });
   return out;
+}
+
+void FactoredMatrix::add_held(const Vector& x, Vector& out) const {
+  if (free_) for_held([&](int i, double more) { out[i] += more * x[i]; });
 }
 
 const SymmetricBlocks& FactoredMatrix::half(std::span<const SymmetricBlocks> bases) {

@@ -35,6 +35,8 @@ public:
   const FreeBody* free_body() const { return free_.get(); }
   /// What is factored, where that is not K.
   SparseMatrix held() const;
+  /// out += (held() - K) x, for all unknowns; nothing where K itself is factored.
+  void add_held(const Vector& x, Vector& out) const;
 
   /// S as the laws' problem uses it: the Schur complement, or what is solved where all unknowns are
   /// contact unknowns.
@@ -55,6 +57,8 @@ private:
   bool symmetric() const;
   void set_matrix(SparseMatrix& k);
   void prepare_iterations();
+  template <class Held> // held(i, hold K_ii)
+  void for_held(const Held& held) const;
 
   const Operators& operators_;
   const Contact& contact_;

@@ -25,4 +25,17 @@ void certify(Position& at, double tolerance, InequalityReport& report, double sn
   report.converged = report.residual <= tolerance && report.inclusion <= tolerance;
 }
 
+bool drop_rounding(Position& at, double part) {
+  at.balance.product.update(at.c);
+  const double most = part * at.balance.errors(at.c, at.xi).size.lpNorm<Eigen::Infinity>();
+  bool any = false;
+  for (const PointData& q : at.points.data) {
+    const Small xi = q.of(at.xi);
+    if (xi == Small{} || q.weight * norm(xi) > most) continue;
+    q.put(at.xi, {});
+    any = true;
+  }
+  return any;
+}
+
 } // namespace hvi::solver

@@ -11,5 +11,8 @@ namespace hvi::solver {
 /// on it.
 void certify(Position& at, double tolerance, InequalityReport& report,
              double snap = Snap::certificate);
+/// Multipliers whose forces are at most `part` of the largest terms of any equation become 0.
+/// False: there were none. Whether their laws allow that says the certificate.
+bool drop_rounding(Position& at, double part);
 
 } // namespace hvi::solver

@@ -19,6 +19,8 @@
 
 namespace hvi::solver {
 
+class CoupledBounds;
+
 class InequalityEngine {
 public:
   InequalityEngine(const ReducedProblem& problem, ReducedOperator& s, InequalityOptions options,
@@ -37,6 +39,7 @@ private:
   void solve_and_follow(InequalityState& io, InequalityReport& report);
   void certify_found(InequalityReport& report, double snap = Snap::certificate);
   void search_coupled(const Vector& r, InequalityState& io, InequalityReport& report);
+  void try_without_rounding(CoupledBounds& bounds, InequalityReport& report);
 
   const InequalityOptions options_;
   ContactPoints points_;

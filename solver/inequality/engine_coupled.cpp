@@ -8,6 +8,8 @@ namespace hvi::solver {
 
 namespace {
 constexpr int most_coupled = 60;
+/// Multipliers with so small a part of the largest forces, times the tolerance, are rounding.
+constexpr double rounding_of_target = 1e-2;
 } // namespace
 
 InequalityReport InequalityEngine::solve_coupled(const Vector& r, InequalityState& io) {
@@ -44,6 +46,7 @@ void InequalityEngine::search_coupled(const Vector& r, InequalityState& io,
       SharePath(at_, bounds, tangent, newton, report).follow();
   }
   certify_found(report);
+  if (!report.converged) try_without_rounding(bounds, report);
   count_events(at_, components, report);
   at_.store(io);
   report.not_followed = may_leave && may_have_left(points_, start_, io);
@@ -56,6 +59,25 @@ void InequalityEngine::search_coupled(const Vector& r, InequalityState& io,
                     "a solution may not exist, "
                     "or not near the last one; take smaller steps",
                     bounds.share());
+}
+
+/// Where bodies only just touch, what they press is rounding of the forces elsewhere, which nothing
+/// can balance. Asks for the certificate without it.
+void InequalityEngine::try_without_rounding(CoupledBounds& bounds, InequalityReport& report) {
+  const Vector c = at_.c, xi = at_.xi;
+  const double share = bounds.share();
+  if (!drop_rounding(at_, rounding_of_target * options_.tolerance)) return;
+  bounds.set_share(1.0);
+  for (CoupledBound& b : bounds.all) bounds.set(b, at_.xi[points_[b.normal].first]);
+  InequalityReport without = report;
+  certify_found(without);
+  if (without.converged) {
+    report = without;
+    return;
+  }
+  at_.c = c, at_.xi = xi;
+  bounds.set_share(share);
+  at_.update_arguments();
 }
 
 } // namespace hvi::solver

@@ -69,10 +69,13 @@ Correction Corrector::solve(const StepMatrix& matrix, const Vector& gap, const V
 void Corrector::add_part_of(const Vector& c, const StepMatrix& matrix, const Vector& gap,
                             const Vector* rhs, InequalityState& state) {
   if (c.isZero(0.0)) return;
-  if (separate_ && rhs != nullptr) // gap = rhs - K d
+  const bool whole = !matrix.factorisation();
+  if (rhs != nullptr && (separate_ || whole)) { // gap = rhs - K d
     product_ = rhs->head(c.size()) - gap.head(c.size());
-  else
+    if (whole) matrix.add_held(c, product_); // of a piece that nothing acts on exactly 0
+  } else {
     matrix.reduced()->apply(c, product_);
+  }
   r_ += product_;
   if (state.c_guess.size() == c.size() && state.c_guess == c) state.s_c_guess.swap(product_);
 }
