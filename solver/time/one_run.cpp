@@ -131,6 +131,7 @@ std::optional<Restart> OneRun::step(int n) {
   if (outcome.restart) return outcome.restart;
   if (!outcome.certified) refuse_step(outcome, n, state_, plan_);
   note_step(outcome, n, state_.evolution.t(), state_.evolution.grid(), plan_, result_);
+  note_negative_bounds(state_, n, plan_, result_);
   reporter_.mark(outcome);
   if (monitor_) {
     monitor_->take(state_, outcome);

@@ -59,6 +59,14 @@ std::string what_happened(const StepResult& step, int n, const TimeGrid& grid, B
   return out + "; on with the next stable state of the equilibrium curve at that load";
 }
 
+/// The force against the smallest motion: the slope to the right of 0.
+double force_at_zero(const Law& law, const LawGraph& graph) {
+  if (law.spec().radial) return law.slope(graph, 0, 0.0);
+  for (std::size_t i = 0; i < graph.breaks.size(); ++i)
+    if (graph.breaks[i] == 0.0) return graph.right[i];
+  return 0.0;
+}
+
 /// The law term to blame: of the worst point, else the first.
 Origin blamed(const StepResult& step, const Problem& problem, const Contact& contact) {
   if (step.inclusion.worst_term >= 0) return problem.law_terms[step.inclusion.worst_term].origin;
@@ -122,6 +130,36 @@ void note_step(const StepResult& step, int n, double t, const TimeGrid& grid, co
     result.notes.push_back({n, t, what, origin});
   if (const auto what = what_is_below(step.inequality.least_gap); !what.empty())
     result.notes.push_back({n, t, what, origin});
+}
+
+void note_negative_bounds(const RunState& run, int n, const Plan& plan, RunResult& result) {
+  const Contact& contact = run.contact();
+  if (!contact.coupled) return;
+  const ReducedProblem& problem = contact.problem;
+  const double rounding = plan.options.tolerance * run.xi().lpNorm<Eigen::Infinity>();
+  std::vector<double> least(plan.problem.law_terms.size(), -rounding);
+  for (const CoupledPoint& q : problem.coupled) {
+    const ContactPoint& point = problem.points[q.point];
+    const Law& law = *problem.laws[point.law];
+    const double bound = force_at_zero(law, problem.graphs[point.graph]);
+    auto& of_term = least[point.application];
+    of_term = std::min(of_term, bound);
+  }
+  for (std::size_t i = 0; i < least.size(); ++i) {
+    if (!(least[i] < -rounding)) continue;
+    const LawTerm& term = plan.problem.law_terms[i];
+    const LawSpec& law = contact.laws[term.law]->spec();
+    const auto what =
+        fmt::format("the bound of `{}` is below 0 where `{}` pulls", law.name, law.coupled);
+    const auto said = [&](const auto& note) { return note.what.starts_with(what); };
+    if (std::ranges::any_of(result.notes, said)) continue;
+    result.notes.push_back(
+        {n, run.evolution.t(),
+         fmt::format("{} (to {:.3g}): it pushes the way it slides, and other solutions are likely; "
+                     "a bound such as max({}.xi, 0) does not",
+                     what, least[i], law.coupled),
+         term.origin});
+  }
 }
 
 void note_proofs(const Plan& plan, RunResult& result) {

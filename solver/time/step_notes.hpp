@@ -14,6 +14,8 @@ void note_choices(const Plan& plan, const Contact& contact, RunResult& result);
 /// Worst numbers over the steps, releases, ends of branches and snaps of step n.
 void note_step(const StepResult& step, int n, double t, const TimeGrid& grid, const Plan& plan,
                RunResult& result);
+/// Bounds of coupled laws that are below 0 in step n: of each law the first time.
+void note_negative_bounds(const RunState& run, int n, const Plan& plan, RunResult& result);
 /// With `least_energy`: in how many steps that is proved. Each of the others has its note.
 void note_proofs(const Plan& plan, RunResult& result);
 /// Throws Failure(not_certified) with the law to blame.

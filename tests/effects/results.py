@@ -617,8 +617,33 @@ def check_resume(folder):
     assert int.from_bytes(frames[at:at + 4], "big") == 8 and frames.count(b"fcTL") == 8
 
 
+def check_negative_bounds(folder):
+    """A layer of springs under a body that is lifted pulls, and friction with its multiplier for a bound pushes. This is said once."""
+    for slip, argument in (("norm(w)", "u.tau"), ("abs(w)", "u.x")):
+        for pull, bound, expected in ((1, "layer.xi", 1), (1, "max(layer.xi, 0)", 0), (1, "abs(layer.xi)", 0), (-1, "layer.xi", 0)):
+            text = f"""import contact
+mesh body = rectangle(1, 1, cells = [2, 2])
+part ground = body.bottom
+part roof = body.top
+tensor B = isotropic(young = 100, poisson = 0.2)
+superpotential layer(r) = winkler(r, stiffness = 50)
+superpotential slip(w) = 0.3*{bound}*{slip}
+space V = vector P1 on body, zero on roof
+find u in V for t in [0, 1] by 3 steps from u = 0
+such that for all v in V
+    integral(body, B : eps(u) : eps(v)) + integral(ground, layer^0(u.nu; v.nu) + slip^0({argument}; {argument.replace('u.', 'v.')}))
+ >= integral(body, dot([0.1*t, {pull}*t], v))
+report
+  table a = u.y at [0, 0]
+"""
+            run(folder, text, "--json", folder / "told.json")
+            notes = json.loads((folder / "told.json").read_text())["notes"]
+            said = [note["step"] for note in notes if note["what"].startswith("the bound of `slip` is below 0 where `layer` pulls")]
+            assert said == [1] * expected, (slip, pull, bound, notes)
+
+
 def main():
-    for check in (check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_stiffness_that_grows, check_sweep, check_pictures, check_words, check_pictures_of_states, check_resume):
+    for check in (check_negative_bounds, check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_stiffness_that_grows, check_sweep, check_pictures, check_words, check_pictures_of_states, check_resume):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
     check_examples()

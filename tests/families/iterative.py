@@ -45,9 +45,14 @@ NORMAL = {  # name: (law, how far the answers of a step may be apart by the law'
 FRICTION = {
     "tresca": "superpotential slip(w) = tresca(w, bound = {b})",
     "weakening": "superpotential slip(w) = slip_weakening(w, static = {b}, sliding = 0.6*{b}, decay = 3)",
-    "coulomb": "superpotential slip(w) = 0.3*layer.xi*norm(w)",
+    "coulomb": "superpotential slip(w) = 0.3*{bound}*norm(w)",
     "bounded": "superpotential slip(w) = bounded_friction(w, bound = {b}, range = 0.01)",
 }
+
+
+def bound_by(law):
+    """A layer of springs pulls, too: with a bound below 0 there would be other solutions."""
+    return "max(layer.xi, 0)" if law == "winkler" else "layer.xi"
 
 
 def mesh_of(draw, dim, order):
@@ -74,7 +79,7 @@ def scene(seed):
     rate = draw.random() < 0.4
     static = not rate and draw.random() < 0.2
     numbers = {"k": repr(10 ** draw.uniform(0, 4)), "p": draw.choice((1, 1, 2)), "a": repr(draw.uniform(0.005, 0.05)),
-               "b": repr(draw.uniform(0.1, 1.5))}
+               "b": repr(draw.uniform(0.1, 1.5)), "bound": bound_by(law)}
     moving = not static and draw.random() < 0.3
     unsymmetric = draw.random() < 0.15
     memory = not static and draw.random() < 0.6
@@ -135,7 +140,7 @@ def pair_scene(seed):
     loose = draw.random() < 0.25  # the upper body has springs in place of a support
     law = "unilateral" if draw.random() < 0.6 else draw.choice(sorted(ON_PAIRS))
     numbers = {"k": repr(10 ** draw.uniform(1, 5)), "p": draw.choice((1, 2)), "a": repr(draw.uniform(0.0, 0.004)),
-               "b": repr(draw.uniform(0.05, 1.0))}
+               "b": repr(draw.uniform(0.05, 1.0)), "bound": bound_by(law)}
 
     def block(name, size, at):
         n = [draw.choice(cells) for _ in range(dim)]
@@ -304,7 +309,9 @@ class Several:
             return
         if draw.random() < 0.15:
             return
-        self.declared.append(NORMAL[draw.choice(("compliance", "unilateral", "winkler"))].format(**numbers))
+        law = draw.choice(("compliance", "unilateral", "winkler"))
+        numbers["bound"] = bound_by(law)
+        self.declared.append(NORMAL[law].format(**numbers))
         contact = "layer^0(u.nu; v.nu)"
         if rub := draw.choice([None, "tresca", "coulomb", "bounded"]):
             self.declared.append(FRICTION[rub].format(**numbers))
