@@ -3,6 +3,7 @@
 
 usage: closed_forms.py HVI_RUN
 """
+import functools
 import json
 import math
 import pathlib
@@ -170,6 +171,9 @@ SLOPES = {"threshold": "0.6 + 0.02*log(1 + norm(xi)/0.001) + 0.03*log(1 + 0.1*th
           "regularised": "regularised(norm(xi), theta, 0.6, 0.02, 0.03, 0.001, L)"}
 
 
+L = 0.01  # the length over which the state forgets
+
+
 def speed_at(slope, tau, theta):
     """The slip rate that bears the traction tau."""
     if slope == "regularised":
@@ -181,28 +185,34 @@ def speed_at(slope, tau, theta):
 def fault_reference(law, slope, stiff, last):
     """x and theta at the last time: the slider's speed follows from the balance at every moment; classical Runge-Kutta, with the start
     of sliding and the jump of the pull at ends of steps."""
-    L = 0.01
+    y, _ = slide(law, slope, stiff, (0.0, L), 0.0, 1.0, 1.0, 200000)
+    y, peak = slide(law, slope, stiff, y, 1.0, last, 3.0, 20000)
+    return *y, peak
 
-    def rate(t, y, pull):
+
+@functools.cache
+def slide(law, slope, stiff, y, start, end, speed, steps):
+    """x and theta at the end, and the largest pull, where the pull's end moves from `start` on with that speed."""
+    h, peak = (end - start) / steps, 0.0
+
+    def pull(t):
+        return start + speed * (t - start)
+
+    def rate(t, y):
         x, theta = y
         v = speed_at(slope, stiff * (pull(t) - x), theta)
         q = v * theta / L
         return v, (1 - q if law == "ageing" else -q * math.log(max(q, 1e-200)))
 
-    y, peak = (0.0, L), 0.0
-    for start, end, pull in ((0.0, 1.0, lambda t: t), (1.0, last, lambda t: 1 + 3 * (t - 1))):
-        steps = 200000 if end == 1.0 else 20000
-        h = (end - start) / steps
-        for j in range(steps):
-            t = start + j * h
-            k1 = rate(t, y, pull)
-            k2 = rate(t + h / 2, [a + h / 2 * b for a, b in zip(y, k1)], pull)
-            k3 = rate(t + h / 2, [a + h / 2 * b for a, b in zip(y, k2)], pull)
-            k4 = rate(t + h, [a + h * b for a, b in zip(y, k3)], pull)
-            y = [a + h / 6 * (p + 2 * q + 2 * r + s) for a, p, q, r, s in zip(y, k1, k2, k3, k4)]
-            if start == 1.0:
-                peak = max(peak, stiff * (pull(t + h) - y[0]))
-    return *y, peak
+    for j in range(steps):
+        t = start + j * h
+        k1 = rate(t, y)
+        k2 = rate(t + h / 2, [a + h / 2 * b for a, b in zip(y, k1)])
+        k3 = rate(t + h / 2, [a + h / 2 * b for a, b in zip(y, k2)])
+        k4 = rate(t + h, [a + h * b for a, b in zip(y, k3)])
+        y = [a + h / 6 * (p + 2 * q + 2 * r + s) for a, p, q, r, s in zip(y, k1, k2, k3, k4)]
+        peak = max(peak, stiff * (pull(t + h) - y[0]))
+    return tuple(y), peak
 
 
 def after_the_jump(steps):
