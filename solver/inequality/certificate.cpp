@@ -25,14 +25,12 @@ void certify(Position& at, double tolerance, InequalityReport& report, double sn
   report.converged = report.residual <= tolerance && report.inclusion <= tolerance;
 }
 
-bool drop_rounding(Position& at, double part) {
-  at.balance.product.update(at.c);
-  const double most = part * at.balance.errors(at.c, at.xi).size.lpNorm<Eigen::Infinity>();
+bool drop_rounding(const ReducedProblem& problem, double most, Vector& xi) {
   bool any = false;
-  for (const PointData& q : at.points.data) {
-    const Small xi = q.of(at.xi);
-    if (xi == Small{} || q.weight * norm(xi) > most) continue;
-    q.put(at.xi, {});
+  for (const ContactPoint& point : problem.points) {
+    auto of_point = xi.segment(point.first_row, point.rows);
+    if (of_point.isZero(0.0) || point.weight * of_point.norm() > most) continue;
+    of_point.setZero();
     any = true;
   }
   return any;

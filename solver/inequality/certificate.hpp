@@ -11,8 +11,11 @@ namespace hvi::solver {
 /// on it.
 void certify(Position& at, double tolerance, InequalityReport& report,
              double snap = Snap::certificate);
-/// Multipliers whose forces are at most `part` of the largest terms of any equation become 0.
-/// False: there were none. Whether their laws allow that says the certificate.
-bool drop_rounding(Position& at, double part);
+/// Forces of multipliers below this part of the tolerance, times the largest force anywhere, are
+/// rounding of the latter.
+constexpr double rounding_of_tolerance = 1e-2;
+/// Multipliers whose forces are at most `most` become 0. False: there were none. Whether laws and
+/// equations allow that says a certificate.
+bool drop_rounding(const ReducedProblem& problem, double most, Vector& xi);
 
 } // namespace hvi::solver

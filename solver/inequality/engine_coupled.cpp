@@ -1,4 +1,5 @@
 // The order of methods for coupled laws (engine.hpp).
+#include "solver/inequality/certificate.hpp"
 #include "solver/inequality/coupled_path.hpp"
 #include "solver/inequality/engine.hpp"
 
@@ -8,8 +9,6 @@ namespace hvi::solver {
 
 namespace {
 constexpr int most_coupled = 60;
-/// Multipliers with so small a part of the largest forces, times the tolerance, are rounding.
-constexpr double rounding_of_target = 1e-2;
 } // namespace
 
 InequalityReport InequalityEngine::solve_coupled(const Vector& r, InequalityState& io) {
@@ -46,6 +45,7 @@ void InequalityEngine::search_coupled(const Vector& r, InequalityState& io,
       SharePath(at_, bounds, tangent, newton, report).follow();
   }
   certify_found(report);
+  report.converged = report.converged && bounds.share() == 1.0;
   if (!report.converged) try_without_rounding(bounds, report);
   count_events(at_, components, report);
   at_.store(io);
@@ -66,7 +66,10 @@ void InequalityEngine::search_coupled(const Vector& r, InequalityState& io,
 void InequalityEngine::try_without_rounding(CoupledBounds& bounds, InequalityReport& report) {
   const Vector c = at_.c, xi = at_.xi;
   const double share = bounds.share();
-  if (!drop_rounding(at_, rounding_of_target * options_.tolerance)) return;
+  at_.balance.product.update(at_.c);
+  const double largest = at_.balance.errors(at_.c, at_.xi).size.lpNorm<Eigen::Infinity>();
+  const double most = rounding_of_tolerance * options_.tolerance * largest;
+  if (!drop_rounding(points_.problem, most, at_.xi)) return;
   bounds.set_share(1.0);
   for (CoupledBound& b : bounds.all) bounds.set(b, at_.xi[points_[b.normal].first]);
   InequalityReport without = report;

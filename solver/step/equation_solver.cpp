@@ -2,8 +2,10 @@
 #include "solver/step/equation_solver.hpp"
 
 #include "solver/common/numbers.hpp"
+#include "solver/inequality/certificate.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace hvi::solver {
@@ -85,6 +87,8 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
     if (contact.change && left.error > tolerance_ && matrix.free_body() == nullptr &&
         put_at_rest(matrix.k(), contact, equation.rhs, now.xi, trial.d))
       left = balance_.residual(equation, matrix, now.xi, trial);
+    if (left.error > tolerance_ && out.inequality.converged && matrix.free_body() == nullptr)
+      left = without_rounding(matrix, equation, trial, left);
     out.equilibrium = left.error;
     if (const FreeBody* const body = matrix.free_body())
       out.equilibrium = std::max(left.error, balance_error(*body, contact, equation.rhs, now.xi));
@@ -112,6 +116,25 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
   }
   together.tell(out.inequality);
   return out;
+}
+
+/// Where bodies only just touch, what they press is rounding of the forces elsewhere, which nothing
+/// can balance: without it, where the equation holds so. The laws are asked at the end of the step.
+EquationResidual EquationSolver::without_rounding(StepMatrix& matrix, const StepEquation& equation,
+                                                  Trial& trial, const EquationResidual& left) {
+  const Contact& contact = formulation_.contact();
+  Vector& xi = laws.now.xi;
+  const Vector before = xi, d = trial.d;
+  double largest = equation.rhs.lpNorm<Eigen::Infinity>(); // terms, which may cancel in sums
+  for (Eigen::Index c = 0; c < matrix.contact_diagonal().size(); ++c)
+    largest = std::max(largest, std::abs(matrix.contact_diagonal()[c] * d[contact.loaded[c]]));
+  if (!drop_rounding(contact.problem, rounding_of_tolerance * tolerance_ * largest, xi))
+    return left;
+  put_at_rest(matrix.k(), contact, equation.rhs, xi, trial.d);
+  const auto without = balance_.residual(equation, matrix, xi, trial);
+  if (without.error <= tolerance_) return without;
+  xi = before, trial.d = d;
+  return balance_.residual(equation, matrix, xi, trial);
 }
 
 void EquationSolver::account(WorkCounters& work, Timing& timing) const {

@@ -42,6 +42,9 @@ public:
   std::unique_ptr<CorrectionSolves> solves; ///< never null
 
 private:
+  EquationResidual without_rounding(StepMatrix& matrix, const StepEquation& equation, Trial& trial,
+                                    const EquationResidual& left);
+
   double tolerance_;
   Formulation& formulation_;
   const Evolution& evolution_;

@@ -269,7 +269,7 @@ class Step:
 def constrained(k, rhs, held, values):
     """K u = rhs on the subspace where the held rows have their values; None where they cannot."""
     if not held:
-        return np.linalg.solve(k, rhs)
+        return solved(k, rhs)
     a, b = np.vstack(held), np.concatenate(values)
     left, sizes, right = np.linalg.svd(a)
     rank = int((sizes > 1e-9 * sizes[0]).sum())
@@ -279,4 +279,13 @@ def constrained(k, rhs, held, values):
     basis = right[rank:].T
     if basis.shape[1] == 0:
         return u0
-    return u0 + basis @ np.linalg.solve(basis.T @ k @ basis, basis.T @ (rhs - k @ u0))
+    inside = solved(basis.T @ k @ basis, basis.T @ (rhs - k @ u0))
+    return None if inside is None else u0 + basis @ inside
+
+
+def solved(k, rhs):
+    """None where laws soften by just as much as K has."""
+    try:
+        return np.linalg.solve(k, rhs)
+    except np.linalg.LinAlgError:
+        return None

@@ -17,6 +17,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -230,6 +231,8 @@ class Several:
         self.unknown("p", "q", f"scalar P{self.order}", held)
         self.unknown("s", "r", self.scalar(), draw.choice(("", ", zero on roof")))
         back = draw.choice((0, -1, 1)) * draw.uniform(0.1, 0.5)
+        if self.static and not held and back == 0:
+            back = 0.3  # p would be held by its law alone, and s acts on its balance: refused, with direct solves, too
         self.terms = [f"integral(body, {stiff!r}*dot(grad(p), grad(q)) + {hot!r}*(dot(grad(s), grad(r)) + s*r))",
                       f"integral(body, {0.5 * self.between!r}*(s*q + {back!r}*p*r))"]
         self.loads = [f"integral({'flank' if spreads else 'body'}, {stiff!r}*q + {hot!r}*r)"]
@@ -465,7 +468,7 @@ def touching_scene(seed):
         return f"mesh {name} = {kind}({', '.join(map(repr, sizes[:size]))}, cells = {cells[:size]}, at = {at[:size]})"
 
     slides = draw.choice(("u", "u'"))
-    return "\n".join([
+    text = "\n".join([
         "import contact", "import friction", block("lower", [2.0, height, 1.0], [0.0, 0.0, 0.0], [draw.choice((4, 6)), draw.choice((1, 3)), draw.choice((1, 2))]),
         block("upper", [width, 0.7, draw.uniform(0.5, 1.0)], [draw.uniform(0.0, 0.5), height + gap, draw.uniform(0.0, 0.2)], [draw.choice((2, 4)), draw.choice((2, 3)), 2]),
         "mesh both = lower + upper", "part base = lower.bottom", f"part seam = pair(upper.bottom, lower.top, reach = {0.1 + 2 * gap!r})",
@@ -477,6 +480,9 @@ def touching_scene(seed):
         f"  + integral(seam, layer^0(jump(u).nu - gap(seam); jump(v).nu) + slip^0(jump({slides}).tau; jump(v).tau))",
         f" >= integral(upper, dot({vector(dim, repr(draw.uniform(0, 0.3) * load) + '*t', repr(-load) + '*t')}, v))",
         "report", f"  table c = u.y at {[1.0, height, 0.3][:dim]}, d = integral(seam, layer.xi)", ""])
+    if draw.random() < 0.25:
+        text = re.sub(r"superpotential slip.*\n| \+ slip\^0\(.*?\)\.tau; jump\(v\)\.tau\)|import friction\n", "", text)
+    return text
 
 
 def failures(program, folder):
@@ -508,9 +514,9 @@ def failures(program, folder):
     if not good:
         wrong.append("a slender beam")
 
-    # Refused once: Newton's method took its passes for a circle, and nothing balances rounding that is pressed.
+    # Refused once: Newton's method took its passes for a circle, and nothing balances rounding that is pressed (with direct solves, too).
     scenes = [("steps that spread over less than a cell", SHORT)]
-    scenes += [(f"bodies that just touch, {seed}", touching_scene(seed)) for seed in range(TOUCHING)]
+    scenes += [(f"bodies that just touch, {seed}", touching_scene(seed)) for seed in range(1000, 1000 + TOUCHING)]
     for name, text in scenes:
         path.write_text(text)
         (_, a), (done, b) = run(program, path, folder, "direct"), run(program, path, folder, "iterative")
