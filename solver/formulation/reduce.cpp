@@ -77,6 +77,8 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
                                   const Contact& contact, const LoadAssembler& loads,
                                   const StateLayout& layout) {
   if (!plan.options.proportional_path) return "it was asked for";
+  if (plan.options.rows_refused)
+    return "a step on the contact unknowns was not certified on all rows";
   if (operators.iterative) return "the solver is iterative";
   if (plan.problem.time.is_static) return "a static problem has one step";
   if (contact.none()) return "there is no contact law";

@@ -33,6 +33,7 @@ struct SolverOptions {
   Branch branch = Branch::continuing;
   int threads = 1;
   bool proportional_path = true; ///< the evolution on contact unknowns where it is possible
+  bool rows_refused = false;     ///< a run has tried that: a step was not certified on all rows
   bool jumps_as_unknowns = true; ///< across pairs, where that is possible
   bool reduced_precision = true; ///< the factor with fewer bits an entry where that is enough
   bool audit = true;             ///< replay a few scalars of the memory against the direct sum

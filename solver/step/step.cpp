@@ -108,6 +108,8 @@ StepResult Stepper::advance(int n) {
   if (!out.restart && !out.certified && state_.solver.can_begin_anew()) out = attempt(n, matrix);
   if (out.restart) return out;
   if (!out.certified && state_.contact().change) return start_again(JumpsRefused());
+  if (!out.certified && out.inequality.converged && state_.checks)
+    return start_again(RowsRefused());
   if (!out.branch_ends.empty())
     out.snap = true;
   else if (out.certified)

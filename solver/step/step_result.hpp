@@ -18,8 +18,12 @@ struct LateCheck {};
 /// rests, while another one moves gets rounding of the other from a factor that joins them. A run
 /// starts again with the contact unknowns of both sides.
 struct JumpsRefused {};
+/// A step on the contact unknowns was not certified on all rows: those of a body that is at rest,
+/// or back where it was, hold rounding, which only increments of all unknowns tell from errors. A
+/// run starts again on all unknowns.
+struct RowsRefused {};
 /// Why nothing that was computed so far is a result: the run starts again in another way.
-using Restart = std::variant<MemoryMistrust, HorizonEnd, LateCheck, JumpsRefused>;
+using Restart = std::variant<MemoryMistrust, HorizonEnd, LateCheck, JumpsRefused, RowsRefused>;
 
 struct StepResult {
   double equilibrium = 0.0; ///< componentwise backward error

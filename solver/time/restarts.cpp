@@ -63,12 +63,13 @@ Plan Restarts::applied(const Plan& plan) const {
   for (std::size_t m = 0; m < routes.size(); ++m)
     if (routes[m] >= 0) out.problem.histories[m].route = static_cast<HistoryRoute>(routes[m]);
   if (both_sides) out.options.jumps_as_unknowns = false;
+  out.options.rows_refused = all_unknowns;
   if (solver) out.options.solver = solver->solver;
   return out;
 }
 
 void Restarts::save(StateWriter& w, const ChosenSolver& chosen) const {
-  w.put(static_cast<std::uint8_t>(both_sides));
+  w.put(static_cast<std::uint8_t>((both_sides ? 1 : 0) + (all_unknowns ? 2 : 0)));
   w.put(routes);
   put_notes(w, notes);
   w.put(static_cast<std::uint8_t>(chosen.solver));
@@ -76,7 +77,9 @@ void Restarts::save(StateWriter& w, const ChosenSolver& chosen) const {
 }
 
 void Restarts::restore(StateReader& r, const Plan& plan) {
-  both_sides = r.get<std::uint8_t>() != 0;
+  const auto refused = r.get<std::uint8_t>();
+  if (refused > 3) r.fail("is inconsistent");
+  both_sides = (refused & 1) != 0, all_unknowns = (refused & 2) != 0;
   routes = r.get_vector<int>(plan.problem.histories.size());
   for (const int route : routes)
     if (route < -1 || route > static_cast<int>(HistoryRoute::direct)) r.fail("is inconsistent");

@@ -26,6 +26,7 @@ struct Restarts {
   std::vector<int> routes;     ///< by history; -1: the plan's own
   bool checks_at_once = false; ///< a check that was put off has failed before
   bool both_sides = false;     ///< jumps across pairs are no unknowns any more
+  bool all_unknowns = false;   ///< steps are not solved on the contact unknowns any more
   /// Of the state that is gone on from: it has that solver's unknowns.
   std::optional<ChosenSolver> solver;
   std::vector<StepNote> notes;
@@ -34,6 +35,7 @@ struct Restarts {
   void take(const HorizonEnd& end);
   void take(const LateCheck&) { checks_at_once = true; }
   void take(const JumpsRefused&) { both_sides = true; }
+  void take(const RowsRefused&) { all_unknowns = true; }
   /// Throws Failure(limit) where a memory ends before the run does and nothing was `resumed`.
   void take(const Restart& why, bool resumed);
   Plan applied(const Plan& plan) const;

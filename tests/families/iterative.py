@@ -482,6 +482,9 @@ def touching_scene(seed):
         "report", f"  table c = u.y at {[1.0, height, 0.3][:dim]}, d = integral(seam, layer.xi)", ""])
     if draw.random() < 0.25:
         text = re.sub(r"superpotential slip.*\n| \+ slip\^0\(.*?\)\.tau; jump\(v\)\.tau\)|import friction\n", "", text)
+    if draw.random() < 0.3:  # elastic, up and down: on the contact unknowns, where all go back to zero
+        text = re.sub(r"tensor A.*\n| \+ A : eps\(u'\) : eps\(v\)", "", text).replace("u'", "u").replace(f"by {steps} steps", f"by {2 * steps} steps")
+        text = re.sub(r"(-?[\d.e+-]+)\*t\b", r"\1*min(2*t, 2 - 2*t)", text)
     return text
 
 
