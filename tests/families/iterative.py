@@ -29,9 +29,9 @@ TOUCHING = 24  # scenes of touching_scene
 # Examples with other arguments: a branch of this one ends exactly at a step, where rounding decides.
 ARGUMENTS = {"contact_conductance": ["-D", "N=60"], "disc_brake": ["-D", "N=4"]}
 # And fewer steps or cells of what takes seconds, but with --whole.
-SHORTER = {"asperities": ["-D", "n=24"], "block_on_table": ["-D", "N=2"], "bounce": ["-D", "N=100"], "brake": ["-D", "N=6"],
+SHORTER = {"asperities": ["-D", "n=24"], "block_on_table": ["-D", "N=2"], "bounce": ["-D", "N=100"], "brake": ["-D", "N=10"],
            "cantilever": ["-D", "N=2"], "consolidation": ["-D", "N=15"], "hot_slider": ["-D", "N=12"], "joint": ["-D", "N=24"],
-           "lap_joint": ["-D", "N=3"], "peel": ["-D", "N=10"], "seal": ["-D", "N=2"]}
+           "lap_joint": ["-D", "N=6"], "peel": ["-D", "N=10"], "seal": ["-D", "N=2"]}
 # With --whole only: slender plies that rest on each other (20,000 iterations, 12 s), and a flat lining of soft felt on
 # iron, hot (some 40,000 in 4 steps, a minute).
 LONG = ("laminate", "disc_brake")
