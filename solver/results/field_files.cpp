@@ -47,6 +47,7 @@ void FieldFiles::write_vtu(const VtuGrid& grid, int part, const std::string& nam
 }
 
 void FieldFiles::write(const Snapshot& snapshot, std::vector<std::string>& written) {
+  const bool first = entries_.empty();
   int number = 0;
   for (const FieldGrid& one : grids_.fill(snapshot)) {
     const bool body = one.name.empty();
@@ -55,7 +56,9 @@ void FieldFiles::write(const Snapshot& snapshot, std::vector<std::string>& writt
                           snapshot.step()),
               snapshot.t(), written);
   }
-  write_atomically(folder_ / (stem_ + ".pvd"), pvd_bytes(entries_));
+  const std::string collection = stem_ + ".pvd";
+  write_atomically(folder_ / collection, pvd_bytes(entries_));
+  if (first) written.push_back(collection);
 }
 
 void FieldFiles::write_collection() const {

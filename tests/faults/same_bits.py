@@ -1,5 +1,6 @@
 """Watching a run changes nothing: with checkpoints, monitors and more threads at once, and without files, every example gives the
-same bits in tables, fields and JSON (but for seconds, bytes in use, counted sweeps and the monitors' own).
+same bits in tables, fields and JSON (but for seconds, bytes in use, counted sweeps and the monitors' own). The files in its folder are
+those that it tells.
 usage: same_bits.py HVI_RUN EXAMPLES"""
 import json
 import pathlib
@@ -32,6 +33,11 @@ def main():
                 subprocess.run([program, "run", example, "--quiet", "--json", folder / f"{way}.json", *out, *words, *SHORTER.get(example.stem, [])], cwd=example.parent, check=True,
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
                 compared += 1
+                told = set(json.loads((folder / f"{way}.json").read_text())["files"])
+                there = {path.name for path in (folder / way).iterdir() if path.suffix != ".checkpoint"} if out else set()
+                if told != there:
+                    wrong += 1
+                    print(f"{example.name} with {way}: told are not the files there: {sorted(told ^ there)}")
                 first, here = numbers(folder / "plain.json"), numbers(folder / f"{way}.json")
                 bad = [key for key in first if here.get(key) != first[key]]
                 for path in (folder / "plain").iterdir() if out else ():
