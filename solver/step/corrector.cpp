@@ -72,7 +72,7 @@ void Corrector::add_part_of(const Vector& c, const StepMatrix& matrix, const Vec
   const bool whole = !matrix.factorisation();
   if (rhs != nullptr && (separate_ || whole)) { // gap = rhs - K d
     product_ = rhs->head(c.size()) - gap.head(c.size());
-    if (whole) matrix.add_held(c, product_); // of a piece that nothing acts on exactly 0
+    if (whole) matrix.add_held(c, product_); // r_ is exactly 0 on a piece that nothing acts on
   } else {
     matrix.reduced()->apply(c, product_);
   }

@@ -59,7 +59,7 @@ std::string what_happened(const StepResult& step, int n, const TimeGrid& grid, B
   return out + "; on with the next stable state of the equilibrium curve at that load";
 }
 
-/// The force against the smallest motion: the slope to the right of 0.
+/// The force against the smallest motion: the slope to the right of 0. Of friction its bound.
 double force_at_zero(const Law& law, const LawGraph& graph) {
   if (law.spec().radial) return law.slope(graph, 0, 0.0);
   for (std::size_t i = 0; i < graph.breaks.size(); ++i)
@@ -137,7 +137,7 @@ void note_negative_bounds(const RunState& run, int n, const Plan& plan, RunResul
   if (!contact.coupled) return;
   const ReducedProblem& problem = contact.problem;
   const double rounding = plan.options.tolerance * run.xi().lpNorm<Eigen::Infinity>();
-  std::vector<double> least(plan.problem.law_terms.size(), -rounding);
+  std::vector<double> least(plan.problem.law_terms.size(), 0.0);
   for (const CoupledPoint& q : problem.coupled) {
     const ContactPoint& point = problem.points[q.point];
     const Law& law = *problem.laws[point.law];
@@ -155,9 +155,9 @@ void note_negative_bounds(const RunState& run, int n, const Plan& plan, RunResul
     if (std::ranges::any_of(result.notes, said)) continue;
     result.notes.push_back(
         {n, run.evolution.t(),
-         fmt::format("{} (to {:.3g}): it pushes the way it slides, and other solutions are likely; "
-                     "a bound such as max({}.xi, 0) does not",
-                     what, least[i], law.coupled),
+         fmt::format("{} (down to {:.3g}): friction drives what slides there, and there may be "
+                     "other solutions; `max({}.xi, 0)` in place of `{}.xi` avoids it",
+                     what, least[i], law.coupled, law.coupled),
          term.origin});
   }
 }
