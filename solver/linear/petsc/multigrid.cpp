@@ -27,6 +27,22 @@ void set_options() {
   option("-hvi_mg_levels_pc_type", "jacobi");
 }
 
+/// From the third level on a step of the smoother more on each than on the one before it. These
+/// levels are small, and with the same number of steps on all iterations grow with the number of
+/// levels (J. H. Bramble, J. E. Pasciak and J. Xu, The analysis of multigrid algorithms for
+/// nonsymmetric and indefinite elliptic problems, 1988: the variable V-cycle).
+void smooth_small_levels_more(PC multigrid) {
+  PetscInt levels = 0, steps = 0;
+  check(PCMGGetLevels(multigrid, &levels));
+  for (PetscInt l = levels - 3; l > 0; --l) {
+    KSP before = nullptr, smoother = nullptr;
+    check(PCMGGetSmoother(multigrid, l + 1, &before));
+    check(PCMGGetSmoother(multigrid, l, &smoother));
+    check(KSPGetTolerances(before, nullptr, nullptr, nullptr, &steps));
+    check(KSPSetTolerances(smoother, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, steps + 1));
+  }
+}
+
 } // namespace
 
 Multigrid::Multigrid(Mat k, const std::vector<double>& motions, int n_motions) : k_(k) {
@@ -69,6 +85,7 @@ void Multigrid::set_up() {
   check(PCSetOperators(pc_.get(), k_, k_));
   check(PCSetFromOptions(pc_.get()));
   check(PCSetUp(pc_.get()));
+  smooth_small_levels_more(pc_.get());
   check(PCSetReusePreconditioner(pc_.get(), PETSC_TRUE)); // until the next call, whatever K becomes
   single_.clear();
   laws_.forget_levels();
