@@ -110,8 +110,9 @@ TEST(Files, MeshioReadsTheFieldsOfARun) {
     settings.output_folder = folder.string();
     settings.name = "slab";
     const auto result = solve(slab_with_fields(order), settings);
-    // Steps 3, 6 and the last: body, two multipliers; and the table.
-    EXPECT_EQ(result.files.size(), 3u * 3u + 1u);
+    // Steps 3, 6 and the last: body, two multipliers; the collection of them; and the table.
+    EXPECT_EQ(result.files.size(), 3u * 3u + 1u + 1u);
+    for (const std::string& file : result.files) EXPECT_TRUE(fs::exists(folder / file)) << file;
     std::ofstream(folder / "expected.py")
         << "u_y = " << std::hexfloat << '"' << result.final.at("u_y") << '"' << "\nreaction = \""
         << result.final.at("reaction") << "\"\norder = " << order;
