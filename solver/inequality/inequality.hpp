@@ -33,6 +33,8 @@ public:
   /// out_i = sum_j |S_ij c_j|: the scale of rounding in (S c)_i.
   virtual void apply_magnitude(const Vector& c, Vector& out) const = 0;
   virtual Vector diagonal() const = 0;
+  /// How stiff the body is at each unknown, about; 0: it is not.
+  virtual Vector own_stiffness() const { return diagonal().cwiseAbs(); }
   virtual void column(int j, double* out) const = 0; ///< S e_j, size() doubles
   /// Factors S + H for a symmetric H = sum_p w_p G_p^T D_p G_p given as a sparse matrix with a
   /// pattern inside that of G^T G. `held`, in ascending order: unknowns with a row of H that is a

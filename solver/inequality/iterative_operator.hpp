@@ -3,6 +3,7 @@
 #pragma once
 
 #include "solver/inequality/inequality.hpp"
+#include "solver/inequality/own_stiffness.hpp"
 #include "solver/linear/iterative_solver.hpp"
 
 #include <cstdint>
@@ -24,6 +25,7 @@ public:
   void apply(const Vector& c, Vector& out) const override { out.noalias() = k_ * c; }
   void apply_magnitude(const Vector& c, Vector& out) const override;
   Vector diagonal() const override { return k_.diagonal(); }
+  Vector own_stiffness() const override { return hvi::solver::own_stiffness(k_); }
   void column(int j, double* out) const override;
   bool factor(const SparseMatrix& h, std::span<const int> held) override;
   void solve(const Vector& b, Vector& x) const override { solve_or_refuse(b, 1e-12, x); }

@@ -53,12 +53,13 @@ void PreparedLaws::look_for_softening() {
 
 namespace {
 
-/// Stiffness of the body felt at a point, sum S_ii G_i^2 / (sum G_i^2)^2 averaged over its rows,
-/// sets both scales: gamma = w / k, penalty = kappa k / w. Where a row touches one unknown only,
-/// the penalty stands on the diagonal and cannot spoil the factor; else it costs digits.
-/// `users`: how many rows touch each unknown; `typical`: a stiffness for points that feel none.
+/// Stiffness k of the body felt at a point, sum s_i G_i^2 / (sum G_i^2)^2 averaged over its rows,
+/// s_i that at each unknown (ReducedOperator::own_stiffness), sets both scales: gamma = w / k,
+/// penalty = kappa k / w. Where a row touches one unknown only, the penalty stands on the diagonal
+/// and cannot spoil the factor; else it costs digits. `users`: how many rows touch each unknown;
+/// `typical`: a stiffness for points that feel none.
 PointData point_data(const SparseMatrix& g, const ContactPoint& in, double weight,
-                     const Vector& diagonal, const std::vector<int>& users, double typical) {
+                     const Vector& stiffness, const std::vector<int>& users, double typical) {
   double k = 0.0;
   bool single = true, exclusive = true;
   for (int row = in.first_row; row < in.first_row + in.rows; ++row) {
@@ -66,7 +67,7 @@ PointData point_data(const SparseMatrix& g, const ContactPoint& in, double weigh
     int entries = 0;
     for (SparseMatrix::InnerIterator it(g, row); it; ++it) {
       sum += it.value() * it.value();
-      weighted += std::abs(diagonal[it.col()]) * it.value() * it.value();
+      weighted += stiffness[it.col()] * it.value() * it.value();
       entries += it.value() != 0.0;
       exclusive = exclusive && users[it.col()] == 1 && it.value() != 0.0;
     }
@@ -99,7 +100,8 @@ ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperat
       force_of(unknowns, rows), by_iterations(s.iterative() != nullptr) {
   if (g.cols() != unknowns && rows > 0)
     throw Failure(FailureKind::bad_value, {}, "the contact matrix does not fit the operator");
-  const double typical = unknowns > 0 ? diagonal.cwiseAbs().maxCoeff() : 1.0;
+  const Vector stiffness = s.own_stiffness();
+  const double typical = unknowns > 0 ? stiffness.maxCoeff() : 1.0;
   std::vector<int> users(unknowns, 0);
   for (int row = 0; row < rows; ++row)
     for (SparseMatrix::InnerIterator it(g, row); it; ++it) users[it.col()] += it.value() != 0.0;
@@ -112,7 +114,7 @@ ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperat
     if (!factors.empty()) std::copy_n(factors.begin() + 3 * in.application, 3, factor.begin());
     scale_rows(g, in, factor);
     const double weight = in.weight / factor[0];
-    data.push_back(point_data(g, in, weight, diagonal, users, typical));
+    data.push_back(point_data(g, in, weight, stiffness, users, typical));
     data.back().law = laws.of_graph(in.graph);
     for (int k = 0; k < in.rows; ++k) {
       const double share = data.back().share[k] = factor[0] / factor[k];

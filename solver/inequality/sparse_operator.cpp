@@ -1,5 +1,6 @@
 // The sparse operator of the reduced inequality, by Eigen (inequality.hpp).
 #include "solver/inequality/inequality.hpp"
+#include "solver/inequality/own_stiffness.hpp"
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
@@ -18,6 +19,7 @@ public:
   int size() const override { return static_cast<int>(k_.rows()); }
   bool symmetric() const override { return symmetric_; }
   Vector diagonal() const override { return k_.diagonal(); }
+  Vector own_stiffness() const override { return hvi::solver::own_stiffness(k_); }
   /// Preconditioners ask for it, which symmetric matrices alone have: row j is column j.
   void column(int j, double* out) const override {
     std::fill_n(out, size(), 0.0);

@@ -155,7 +155,6 @@ class Scene(rates.Scene):
 
 
 WAYS = [], ["--both-sides"], ["--solver", "iterative"]
-STOPPED = []  # what was said where iterations did not get to the end, of scenes that may have it so
 ALIKE = 1e-10  # of all ways: as much as certificates leave; where slip weakens they may leave more, and then
 FINER = "tolerance = 1e-13"  # all are solved to this
 
@@ -186,9 +185,6 @@ def in_all_ways(program, folder, scene, turn, scale, options, text):
         done = subprocess.run([program, "run", "scene.hvi", "--quiet", "-o", "out", *options, *more], cwd=folder,
                               capture_output=True, text=True, timeout=120)
         if done.returncode != 0 and iterative.NO_MODULE in done.stderr:
-            continue
-        if done.returncode == 3 and "iterative" in more and getattr(scene, "may_stop_iterations", False):
-            STOPPED.append(" ".join(done.stderr.split())[-300:])
             continue
         if done.returncode != 0:
             return None, f"exit {done.returncode}{' '.join(['', *more])}: " + " ".join(done.stderr.split())[:400], 0.0

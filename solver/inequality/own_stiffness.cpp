@@ -1,0 +1,20 @@
+// See own_stiffness.hpp.
+#include "solver/inequality/own_stiffness.hpp"
+
+#include <cmath>
+
+namespace hvi::solver {
+
+Vector own_stiffness(const SparseMatrix& k) {
+  const Vector diagonal = k.diagonal().cwiseAbs();
+  Vector out = diagonal;
+  for (int i = 0; i < k.rows(); ++i) {
+    if (diagonal[i] > 0.0) continue;
+    for (SparseMatrix::InnerIterator it(k, i); it; ++it)
+      if (const double of_other = diagonal[it.col()]; of_other > 0.0)
+        out[i] += std::abs(it.value() * k.coeff(static_cast<int>(it.col()), i)) / of_other;
+  }
+  return out;
+}
+
+} // namespace hvi::solver
