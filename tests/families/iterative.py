@@ -36,6 +36,8 @@ SHORTER = {"asperities": ["-D", "n=24"], "block_on_table": ["-D", "N=2"], "bounc
 # With --whole only: slender plies that rest on each other (20,000 iterations, 12 s), and a flat lining of soft felt on
 # iron, hot (some 40,000 in 4 steps, a minute).
 LONG = ("laminate", "disc_brake")
+# Slender plies have a condition number of 5e8, so that double precision leaves fewer digits: as many as the run says.
+AS_SAID = ("laminate",)
 NO_MODULE = "the module that has the iterative solvers of PETSc cannot be loaded"
 
 NORMAL = {  # name: (law, how far the answers of a step may be apart by the law's own softening)
@@ -395,7 +397,10 @@ def compare(program, path, folder, arguments=(), processes=1):
         return "not certified", ""
     difference, column = apart(a, b)
     word = f"apart {difference:.1e}, equilibrium {b['certificate']['equilibrium']:.1e}"
-    return f"{column} apart by {difference:.2e}" if difference > AGREE else None, word
+    allowed = AGREE
+    if path.stem in AS_SAID and difference > AGREE:
+        allowed = a["forward_error"]["columns"][column]["absolute"] / max(map(abs, a["table"][column]))
+    return f"{column} apart by {difference:.2e}" if difference > allowed else None, word
 
 
 HARD = """mesh body = box(2, 1, 1, cells = [6, 3, 3])
