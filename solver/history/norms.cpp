@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <utility>
 
 namespace hvi::solver {
@@ -29,7 +30,7 @@ bool single_decaying(const ExponentialTerms& terms) {
 }
 
 /// Mean of |q| over the lags of a piece on which q changes its sign very often: there would be many
-/// breaks, and a norm needs no more than three digits. Multiples of the golden ratio modulo 1 as
+/// breaks, and a norm needs two or three digits. Multiples of the golden ratio modulo 1 as
 /// sample points are in phase with no oscillation.
 double sampled_mean(const KernelFunction& q, double t, double from, double to) {
   constexpr int samples = 4096;
@@ -42,13 +43,17 @@ double sampled_mean(const KernelFunction& q, double t, double from, double to) {
   return sum / samples;
 }
 
-/// Does q change its sign so often between these lags that a few samples see it all the time?
+/// Does q change its sign so often between these lags that a few samples see it all the time? Each
+/// is somewhere in its part of the piece: evenly spaced ones meet an oscillation of nearly as many
+/// periods to a part in phase.
 bool oscillates_fast(const KernelFunction& q, double t, double from, double to) {
   constexpr int samples = 64, often = 16;
   int changes = 0;
   double last = 0.0;
-  for (int i = 1; i < samples; ++i) {
-    const double value = q(t, from + (to - from) * i / samples);
+  std::minstd_rand random(1);
+  for (int i = 0; i < samples; ++i) {
+    const double place = (i + static_cast<double>(random()) / std::minstd_rand::max()) / samples;
+    const double value = q(t, from + (to - from) * place);
     changes += value * last < 0.0 ? 1 : 0;
     last = value;
   }

@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 namespace hvi::solver::test {
 namespace {
@@ -289,6 +290,20 @@ TEST(Norms, OfAPronySeriesAreThoseOfTheQuadrature) {
     const auto found = verified_terms(other, 7);
     ASSERT_TRUE(found);
     EXPECT_FALSE(prony_integral(found->terms, 7));
+  }
+}
+
+/// int_0^1 |cos(w s)| ds, w from some turns to as many as samples of a piece are in phase with.
+TEST(Norms, OfOscillationsInPhaseWithTheSamples) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> near(0.98, 1.02), decades(1.0, 7.0);
+  for (int i = 0; i < 80; ++i) {
+    const double in_phase = 64.0 * 64.0 * 2.0 * M_PI * (1 + i / 8);
+    const double w = i % 2 == 0 ? in_phase * near(random) : std::pow(10.0, decades(random));
+    const double halves = std::floor(w / M_PI + 0.5), rest = w - halves * M_PI;
+    const double exact = (2.0 * halves + std::sin(rest)) / w; // from -pi/2 to pi/2 the sine adds
+    const double found = absolute_integral(call(Op::cos, Expr(w) * lag()), 0, 1, 1);
+    EXPECT_NEAR(found, exact, 3e-3 * exact) << w; // of a few thousand samples
   }
 }
 
