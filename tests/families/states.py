@@ -152,8 +152,8 @@ class Scene(rates.Scene):
             v = [values @ rate for _, values, _ in points]
             slip = np.array([np.linalg.norm(x - (normal @ x) * normal) for x, (_, _, normal) in zip(v, points)])
             a = {"nu": nu / self.reach, "slip": slip / (self.reach * self.wave), "xi": told["xi"][n] / self.force_size}
-            # Points that stick under large multipliers: a slip of rounding's size wears them here.
-            rounding = 4 * EPS * s * max(np.abs(u).max() for u in us[:n + 1])
+            # Points that stick under large multipliers: a slip of the size of what u is known to wears them here.
+            rounding = max(4 * EPS, self.known_to) * s * max(np.abs(u).max() for u in us[:n + 1])
             rounded = {**a, "slip": a["slip"] + rounding / (self.reach * self.wave)}
             for i, state in enumerate(self.states):
                 z, other = told[state.name][n], told[names[1 - i]][n] if len(names) > 1 else None
@@ -222,12 +222,13 @@ def judge(name, make_scene):
             folder = (options.keep or pathlib.Path(temporary)) / str(k)
             more = ["--full"] if k % 3 == 0 else []
             u, said = rates.run(options.program, folder, scene, turn, scale, [*more, "--json", "out.json"])
-            columns = json.loads((folder / "out.json").read_text())["table"] if u is not None else None
+            result = json.loads((folder / "out.json").read_text()) if u is not None else None
         if u is None:
             refused += 1
             print(f"scene {k}: refused ({scene.told()}): {said}", file=sys.stderr)
             continue
-        told = scene.told_states(columns)
+        told = scene.told_states(result["table"])
+        scene.known_to = result["forward_error"]["solution"]  # of the largest u
         expected = scene.replay(told)
         if expected is None:
             skipped += 1
