@@ -3,6 +3,7 @@
 
 #include "solver/step/coupled_bounds.hpp"
 #include "solver/step/coupled_readings.hpp"
+#include "solver/step/load_in_parts.hpp"
 #include "solver/step/state_coupling.hpp"
 
 #include <optional>
@@ -62,8 +63,12 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
     if (contact.coupled || !contact.readings.empty() || !laws.states.none()) path_start = laws.now;
   }
   const auto* const start = path_start ? &*path_start : nullptr;
+  std::optional<InequalityState> held;
+  if (matrix.free_body() != nullptr) held = laws.now;
   const auto solve = [&](CorrectionStart from) {
     auto result = equations.solve(matrix, from, equation, trial);
+    if (held && from == CorrectionStart::predicted)
+      put_load_on_in_parts(equations, contact, balance_, matrix, *held, equation, trial, result);
     if (contact.coupled)
       couple_bounds(equations, tolerance, matrix, start, equation, trial, result);
     if (!laws.states.none())
