@@ -15,8 +15,8 @@ namespace hvi::solver {
 class InteriorEquilibrium {
 public:
   /// Keeps a reference to `interior`, whose modes are all known; `force`: G^T W on all unknowns.
-  InteriorEquilibrium(const Interior& interior, SparseMatrix force)
-      : interior_(interior), force_(std::move(force)) {}
+  InteriorEquilibrium(const Interior& interior, const SparseMatrix& force)
+      : interior_(interior), force_(force) {}
 
   /// What is asked of one step.
   struct Question {
