@@ -25,11 +25,22 @@ void certify(Position& at, double tolerance, InequalityReport& report, double sn
   report.converged = report.residual <= tolerance && report.inclusion <= tolerance;
 }
 
-bool drop_rounding(const ReducedProblem& problem, double most, Vector& xi) {
+namespace {
+
+/// Which of several unknowns a point's law acts on.
+std::size_t acts_on(const ReducedProblem& problem, const ContactPoint& point) {
+  const SparseMatrix::InnerIterator first(problem.g, point.first_row);
+  return problem.of_unknown.empty() || !first ? 0 : problem.of_unknown[first.col()];
+}
+
+} // namespace
+
+bool drop_rounding(const ReducedProblem& problem, const ByUnknown& most, Vector& xi) {
   bool any = false;
   for (const ContactPoint& point : problem.points) {
     auto of_point = xi.segment(point.first_row, point.rows);
-    if (of_point.isZero(0.0) || point.weight * of_point.norm() > most) continue;
+    if (of_point.isZero(0.0) || point.weight * of_point.norm() > most[acts_on(problem, point)])
+      continue;
     of_point.setZero();
     any = true;
   }

@@ -3,6 +3,8 @@
 
 #include "solver/inequality/position.hpp"
 
+#include <array>
+
 namespace hvi::solver {
 
 /// inclusion = max_p dist(xi_p, dj_p(z_p)) / max(|xi|_inf, slope scale of p's law)
@@ -11,11 +13,13 @@ namespace hvi::solver {
 /// on it.
 void certify(Position& at, double tolerance, InequalityReport& report,
              double snap = Snap::certificate);
-/// Forces of multipliers below this part of the tolerance, times the largest force anywhere, are
-/// rounding of the latter.
+/// Forces of multipliers below this part of the tolerance, times the largest force on the same of
+/// several unknowns, are rounding of the latter.
 constexpr double rounding_of_tolerance = 1e-2;
+/// Of each of several unknowns; forces have units of their own.
+using ByUnknown = std::array<double, slot::most_unknowns>;
 /// Multipliers whose forces are at most `most` become 0. False: there were none. Whether laws and
 /// equations allow that says a certificate.
-bool drop_rounding(const ReducedProblem& problem, double most, Vector& xi);
+bool drop_rounding(const ReducedProblem& problem, const ByUnknown& most, Vector& xi);
 
 } // namespace hvi::solver

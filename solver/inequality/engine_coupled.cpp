@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace hvi::solver {
 
 namespace {
@@ -67,8 +69,13 @@ void InequalityEngine::try_without_rounding(CoupledBounds& bounds, InequalityRep
   const Vector c = at_.c, xi = at_.xi;
   const double share = bounds.share();
   at_.balance.product.update(at_.c);
-  const double largest = at_.balance.errors(at_.c, at_.xi).size.lpNorm<Eigen::Infinity>();
-  const double most = rounding_of_tolerance * options_.tolerance * largest;
+  const Vector& size = at_.balance.errors(at_.c, at_.xi).size;
+  const auto& of_unknown = points_.problem.of_unknown;
+  ByUnknown most{};
+  for (Eigen::Index i = 0; i < size.size(); ++i) {
+    double& of = most[of_unknown.empty() ? 0 : of_unknown[static_cast<std::size_t>(i)]];
+    of = std::max(of, rounding_of_tolerance * options_.tolerance * size[i]);
+  }
   if (!drop_rounding(points_.problem, most, at_.xi)) return;
   bounds.set_share(1.0);
   for (CoupledBound& b : bounds.all) bounds.set(b, at_.xi[points_[b.normal].first]);

@@ -125,11 +125,15 @@ EquationResidual EquationSolver::without_rounding(StepMatrix& matrix, const Step
   const Contact& contact = formulation_.contact();
   Vector& xi = laws.now.xi;
   const Vector before = xi, d = trial.d;
-  double largest = equation.rhs.lpNorm<Eigen::Infinity>(); // terms, which may cancel in sums
+  ByUnknown most{}; // of terms, which may cancel in sums
+  const auto note = [&](int i, double force) {
+    double& of = most[contact.unknown_of(i)];
+    of = std::max(of, rounding_of_tolerance * tolerance_ * std::abs(force));
+  };
+  for (int i = 0; i < equation.rhs.size(); ++i) note(i, equation.rhs[i]);
   for (Eigen::Index c = 0; c < matrix.contact_diagonal().size(); ++c)
-    largest = std::max(largest, std::abs(matrix.contact_diagonal()[c] * d[contact.loaded[c]]));
-  if (!drop_rounding(contact.problem, rounding_of_tolerance * tolerance_ * largest, xi))
-    return left;
+    note(contact.loaded[c], matrix.contact_diagonal()[c] * d[contact.loaded[c]]);
+  if (!drop_rounding(contact.problem, most, xi)) return left;
   put_at_rest(matrix.k(), contact, equation.rhs, xi, trial.d);
   const auto without = balance_.residual(equation, matrix, xi, trial);
   if (without.error <= tolerance_) return without;
