@@ -28,7 +28,7 @@ void put_load_on_in_parts(EquationSolver& solver, const Contact& contact, Balanc
   solver.laws.now = start;
   InequalityState last = start;
   Vector d = Vector::Zero(trial.d.size());
-  StepResult result;
+  StepResult result = out; // whose iterations count
   for (double on = 0.0, part = first_part; on < 1.0;) {
     const double next = std::min(on + part, 1.0);
     equation.rhs = held + next * (whole - held);

@@ -21,6 +21,7 @@ import sys
 import tempfile
 
 SPRING = 1e-7  # of the reference, by the stiffness of the block
+SPRING_OF_GLUE = 3e-5  # of a static one, which softer springs would let tear; 1e-4 of the values are allowed for it
 
 
 class Heat:
@@ -153,10 +154,12 @@ class Scene:
         u, v, du = ("jump(u)", "jump(v)", "jump(u')") if self.pair else ("u", "v", "u'")
         clamp = ", zero on base" if self.pair else ""
         lines.append(f"space V = vector {self.order} on {where}{clamp}")
-        t = "" if self.time == "static" else "min(1, 2*t)*"
+        static = self.time == "static"
+        slowly = springs and static and self.normal == "glue"  # at once, the search may tear it, and the springs carry all
+        t = "t*" if slowly else "" if static else "min(1, 2*t)*"
         more, starts, tests = (", theta in W", ", theta = 0", ", eta in W") if self.heat else ("", "", "")
         lines += self.heat.declare(self) if self.heat else []
-        lines.append(f"find u in V{more}" if self.time == "static" else
+        lines.append(f"find u in V{more} for t in [0, 1] by 20 steps from u = 0{starts}" if slowly else f"find u in V{more}" if static else
                      f"find u in V{more} for t in [0, 1] by 4 steps from u = 0{starts}" + (" using scheme = bdf2" if self.time == "bdf2" else ""))
         minus = "-" if self.normal == "glue" else ""
         slip = du if self.tangent == "rate" else u
@@ -166,7 +169,7 @@ class Scene:
         if self.memory:
             terms.append("integral(block, history(C, eps(u)) : eps(v))")
         if springs:
-            terms.append(f"integral(block, {SPRING * e / s ** 2!r}*dot(u, v))")
+            terms.append(f"integral(block, {(SPRING_OF_GLUE if slowly else SPRING) * e / s ** 2!r}*dot(u, v))")
         if self.heat:
             terms += [f"- integral({where}, {1e-4 * e!r}*theta*div(v))", *self.heat.terms(self)]
         terms.append(f"integral(ground, across^0({minus}{u}.nu; {minus}{v}.nu) + along^0({slip}.tau; {v}.tau))")
@@ -220,8 +223,6 @@ def judge(scene, program, folder):
     if scene.tangent == "coulomb":
         return ""  # several solutions
     code, weak, said = run(program, folder, scene.script(springs=True))
-    if "E0706" in said or scene.normal == "glue" and code == 0 and abs(weak["press"] - press) > 0.5 * abs(press):
-        return ""  # too soft to be solved, or it was found where the glue has torn and the springs carry all
     if code != 0:
         return f"reference not solved: {said}"
     moved = [(of["v1"] - of["v0"], of["v2"] - of["v0"], of["v3"] - of["v0"]) for of in (final, weak)]
