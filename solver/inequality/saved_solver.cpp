@@ -10,20 +10,20 @@ namespace hvi::solver {
 
 void InequalityEngine::save(std::ostream& out) const {
   StateWriter w(out);
-  const Preconditioner& preconditioner = tangent_.preconditioner();
-  w.put(static_cast<std::uint8_t>(factor_.made()));
-  w.put(tangent_.last_iterations());
+  const Preconditioner& preconditioner = parts_.tangent.preconditioner();
+  w.put(static_cast<std::uint8_t>(parts_.factor.made()));
+  w.put(parts_.tangent.last_iterations());
   w.put(preconditioner.served());
-  w.put(at_.snap.factor);
-  w.put(factor_.stiffnesses());
+  w.put(parts_.at.snap.factor);
+  w.put(parts_.factor.stiffnesses());
   // Columns are solved for in groups: their bits depend on them.
   w.put(static_cast<std::uint64_t>(preconditioner.columns().size()));
   for (const auto& [unknown, column] : preconditioner.columns()) {
     w.put(unknown);
     w.put(std::vector<double>(column.data(), column.data() + column.size()));
   }
-  inverse_.save(w);
-  const auto convex = follower_.convexity();
+  parts_.inverse.save(w);
+  const auto convex = parts_.follower.convexity();
   w.put(convex ? static_cast<std::uint8_t>(*convex) : std::uint8_t{2}); // 2: not known
 }
 
@@ -32,24 +32,24 @@ void InequalityEngine::restore(std::istream& in) {
   StateReader r(in, {});
   const bool was_factored = r.get<std::uint8_t>() != 0;
   const auto [last_iterations, served] = r.get_counts<2>();
-  at_.snap.factor = r.get_finite();
+  parts_.at.snap.factor = r.get_finite();
   auto stiffnesses = r.get_vector<SmallMatrix>();
   for (const SmallMatrix& block : stiffnesses)
     for (const double v : block)
       if (!std::isfinite(v)) r.fail("is inconsistent");
   FarColumns columns;
   for (auto left = r.get<std::uint64_t>(); left > 0; --left) {
-    const int unknown = r.get_between(0, points_.unknowns - 1);
-    const auto values = r.get_vector<double>(static_cast<std::size_t>(points_.unknowns));
-    columns[unknown] = Eigen::Map<const Vector>(values.data(), points_.unknowns);
+    const int unknown = r.get_between(0, parts_.points.unknowns - 1);
+    const auto values = r.get_vector<double>(static_cast<std::size_t>(parts_.points.unknowns));
+    columns[unknown] = Eigen::Map<const Vector>(values.data(), parts_.points.unknowns);
   }
-  inverse_.restore(r);
+  parts_.inverse.restore(r);
   const int convex = r.get_between<std::uint8_t>(0, 2);
-  follower_.restore(convex == 2 ? std::nullopt : std::optional(convex == 1));
-  if (was_factored && static_cast<int>(stiffnesses.size()) != points_.size())
+  parts_.follower.restore(convex == 2 ? std::nullopt : std::optional(convex == 1));
+  if (was_factored && static_cast<int>(stiffnesses.size()) != parts_.points.size())
     r.fail("has another number of contact points");
-  factor_.remake(std::move(stiffnesses), was_factored);
-  tangent_.restore(last_iterations, std::move(columns), was_factored ? served : 0);
+  parts_.factor.remake(std::move(stiffnesses), was_factored);
+  parts_.tangent.restore(last_iterations, std::move(columns), was_factored ? served : 0);
 }
 
 } // namespace hvi::solver
