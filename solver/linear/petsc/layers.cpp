@@ -1,6 +1,8 @@
 // See layers.hpp.
 #include "solver/linear/petsc/layers.hpp"
 
+#include "solver/linear/petsc/partition.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -89,17 +91,33 @@ std::vector<int> Layers::find(const Rows& h) {
   return counts;
 }
 
-/// Which process has each row of X: what h couples is with its first row, and a neighbour of it
-/// with the first one that it neighbours.
+/// Which process solves for each row of X: parts of alike size, with what h couples in one, and a
+/// neighbour of it with the first one that it neighbours. Whose rows of K they are does not matter:
+/// a process far from the contact would wait for those which are there.
 std::vector<int> Layers::parts_of(const Rows& h) const {
   std::vector<int> out(static_cast<std::size_t>(k_.rows), 0);
+  if (distribution_.alone()) return out;
   const std::vector<int> with = first_coupled(h);
+  std::vector<int> vertex(out.size(), -1), weight; // of the graph of what is coupled
+  std::vector<int> of(out.size(), -1);             // the vertex of each row of X
   for (const int i : inside_) {
     int law = i;
     for (int e = k_.start[i]; !has_entries(h, law) && e < k_.start[i + 1]; ++e)
       if (has_entries(h, k_.column[e])) law = k_.column[e];
-    out[i] = distribution_.process_of(with[law]);
+    int& number = vertex[with[law]];
+    if (number < 0) number = static_cast<int>(weight.size()), weight.push_back(0);
+    ++weight[of[i] = number];
   }
+  std::vector<std::vector<int>> neighbours(weight.size());
+  for (const int i : inside_)
+    for (int e = k_.start[i]; e < k_.start[i + 1]; ++e)
+      if (const int other = of[k_.column[e]]; other >= 0 && other != of[i]) {
+        neighbours[of[i]].push_back(other);
+        neighbours[other].push_back(of[i]);
+      }
+  const std::vector<int> part =
+      petsc_module::parts_of(Graph(std::move(neighbours)), std::move(weight), processes());
+  for (const int i : inside_) out[i] = part[of[i]];
   return out;
 }
 

@@ -16,11 +16,7 @@ namespace {
 /// Fewer nodes than this for each process are not worth a search.
 constexpr int few_nodes = 8;
 
-/// Nodes that share an entry of K, both ways and each once.
-struct Graph {
-  std::vector<int> start{0}, neighbour;
-};
-
+/// Nodes that share an entry of K.
 Graph graph_of(const HviPetscMatrix& k, const HviPetscUnknowns& unknowns) {
   std::vector<std::vector<int>> of(static_cast<std::size_t>(unknowns.nodes));
   for (int i = 0; i < k.rows; ++i)
@@ -30,28 +26,7 @@ Graph graph_of(const HviPetscMatrix& k, const HviPetscUnknowns& unknowns) {
       of[a].push_back(b);
       of[b].push_back(a);
     }
-  Graph out;
-  for (std::vector<int>& nodes : of) {
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    out.neighbour.insert(out.neighbour.end(), nodes.begin(), nodes.end());
-    out.start.push_back(static_cast<int>(out.neighbour.size()));
-    nodes = {};
-  }
-  return out;
-}
-
-/// By METIS, of one thread: Scotch's threads find other parts each time.
-std::vector<int> parts_by_metis(Graph graph, int parts) {
-  static_assert(std::is_same_v<idx_t, int>);
-  int nodes = static_cast<int>(graph.start.size()) - 1, constraints = 1, cut = 0;
-  std::vector<int> out(static_cast<std::size_t>(nodes));
-  const int answer =
-      METIS_PartGraphKway(&nodes, &constraints, graph.start.data(), graph.neighbour.data(), nullptr,
-                          nullptr, nullptr, &parts, nullptr, nullptr, nullptr, &cut, out.data());
-  if (answer == METIS_ERROR_MEMORY) throw std::bad_alloc();
-  if (answer != METIS_OK) throw PetscFailure("METIS finds no parts of the graph of K");
-  return out;
+  return Graph(std::move(of));
 }
 
 std::vector<int> parts_in_order(int nodes, int parts) {
@@ -63,12 +38,34 @@ std::vector<int> parts_in_order(int nodes, int parts) {
 
 } // namespace
 
+Graph::Graph(std::vector<std::vector<int>> noted) {
+  for (std::vector<int>& of : noted) {
+    std::sort(of.begin(), of.end());
+    of.erase(std::unique(of.begin(), of.end()), of.end());
+    neighbour.insert(neighbour.end(), of.begin(), of.end());
+    start.push_back(static_cast<int>(neighbour.size()));
+    of = {};
+  }
+}
+
+std::vector<int> parts_of(Graph graph, std::vector<int> weights, int parts) {
+  static_assert(std::is_same_v<idx_t, int>);
+  int vertices = graph.vertices(), constraints = 1, cut = 0;
+  if (vertices < few_nodes * parts) return parts_in_order(vertices, parts);
+  std::vector<int> out(static_cast<std::size_t>(vertices));
+  const int answer =
+      METIS_PartGraphKway(&vertices, &constraints, graph.start.data(), graph.neighbour.data(),
+                          weights.empty() ? nullptr : weights.data(), nullptr, nullptr, &parts,
+                          nullptr, nullptr, nullptr, &cut, out.data());
+  if (answer == METIS_ERROR_MEMORY) throw std::bad_alloc();
+  if (answer != METIS_OK) throw PetscFailure("METIS finds no parts of the graph of K");
+  return out;
+}
+
 Partition partition_of(const HviPetscMatrix& k, const HviPetscUnknowns& unknowns, int parts) {
   const int nodes = unknowns.nodes;
   if (parts == 1 || nodes == 0) return {{}, {nodes}};
-  const std::vector<int> part = nodes < few_nodes * parts
-                                    ? parts_in_order(nodes, parts)
-                                    : parts_by_metis(graph_of(k, unknowns), parts);
+  const std::vector<int> part = parts_of(graph_of(k, unknowns), {}, parts);
   Partition out;
   out.counts.assign(static_cast<std::size_t>(parts), 0);
   for (const int p : part) ++out.counts[p];
