@@ -111,6 +111,7 @@ if(HVI_WERROR)
 endif()
 target_compile_options(hvi_options INTERFACE "$<BUILD_INTERFACE:${warnings};-fno-math-errno>")
 if(HVI_SANITIZE)
+  target_compile_definitions(hvi_options INTERFACE $<BUILD_INTERFACE:HVI_SANITIZE>) # GCC and clang have no name in common
   target_compile_options(hvi_options INTERFACE -fsanitize=address,undefined
     -fno-sanitize-recover=undefined -fno-omit-frame-pointer
     $<$<CXX_COMPILER_ID:Clang>:-fno-sanitize=pointer-overflow>) # Eigen 3.4 adds to the null pointer of an empty block

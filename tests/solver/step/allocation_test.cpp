@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__GLIBC__) && !defined(HVI_SANITIZE)
 
 namespace {
 
