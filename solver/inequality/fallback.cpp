@@ -2,9 +2,12 @@
 // inside.
 //
 // The laws are those of augmented_laws.hpp with the largest theta of a few that keeps the problem
-// convex; the rest of the concave part is linearised at z_ref, which is moved along (difference of
-// convex functions: the energy does not rise). For fixed multipliers Newton with an exact line
-// search converges from anywhere; then they are updated. gamma shrinks.
+// convex; the rest of the concave part is linearised at z_ref, which is moved along, and the energy
+// does not rise (Pham Dinh Tao, Le Thi Hoai An, Convex analysis approach to d.c. programming:
+// theory, algorithms and applications, Acta Math. Vietnam. 22 (1997) 289-355). For fixed
+// multipliers Newton with an exact line search converges from anywhere; then they are updated
+// (R. T. Rockafellar, Augmented Lagrangians and applications of the proximal point algorithm in
+// convex programming, Math. Oper. Res. 1 (1976) 97-116). gamma shrinks.
 #include "solver/inequality/fallback.hpp"
 
 #include "solver/inequality/augmented_laws.hpp"
