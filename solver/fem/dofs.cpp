@@ -58,7 +58,7 @@ void check_spec(const Space& space, const DirichletSpec& entry) {
   if (entry.component >= block.components) {
     throw Failure(
         FailureKind::bad_value, entry.origin,
-        fmt::format("component {} of a field with {}", entry.component + 1, block.components));
+        fmt::format("component {} of a field with {}", entry.component + 1LL, block.components));
   }
   if (!entry.value.empty() && entry.value.size() != imposed) {
     throw Failure(FailureKind::bad_value, entry.origin,

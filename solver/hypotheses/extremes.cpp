@@ -115,24 +115,55 @@ std::optional<double> extreme(const GramForm& gram, F&& apply, Spectra::SortRule
   return solver.eigenvalues()[0];
 }
 
+bool definite_above(const GramForm& gram, const SparseMatrix& k, double sigma) {
+  const SparseMatrix shifted = k - sigma * gram.matrix();
+  try {
+    analyse(shifted, {}, true)->factor(shifted);
+    return true;
+  } catch (const Failure&) {
+    return false;
+  }
+}
+
+/// Negative numbers with the least eigenvalue between them: K - sigma G is positive definite for
+/// `below`, and not for `above`.
+struct ShiftRange {
+  double below, above;
+  /// Halves the logarithm of below / above until that is at most `most`.
+  void narrow(const GramForm& gram, const SparseMatrix& k, double most) {
+    while (below / above > most) {
+      const double middle = -std::sqrt(below * above);
+      if (!(middle > below && middle < above)) return;
+      (definite_above(gram, k, middle) ? below : above) = middle;
+    }
+  }
+};
+
 /// The least eigenvalue of a K that is not positive definite. It may be far smaller than the
 /// largest one (a form that couples unknowns of different units), where Lanczos' method alone needs
-/// thousands of steps. A shift between it and a thousand times it is found by trying Cholesky's
-/// factorisation; a second one lies beside it.
+/// thousands of steps, and among many eigenvalues that look alike from a shift far away it may come
+/// to another one than the least. So Cholesky's factorisation says between which shifts it lies,
+/// and beside it the method converges at once; where it does not, the factorisation goes on.
 std::optional<double> least_negative(const GramForm& gram, const SparseMatrix& k) {
   const Vector of_k = k.diagonal(), of_g = gram.matrix().diagonal();
   const double scale = (of_k.array() / of_g.array()).abs().maxCoeff();
   if (!(scale > 0.0))
     return std::nullopt; // a form between unknowns alone: its diagonal says nothing
-  constexpr double rounding = 1e-12, apart = 1e3;
-  for (double size = rounding * scale; size <= apart * scale; size *= apart) {
-    const auto rough = least_above(gram, k, -size, 1e-5); // an error of a hundredth at most
-    if (!rough) continue;
-    if (size == rounding * scale) return std::abs(*rough) <= size ? 0.0 : *rough;
-    const auto sharp = least_above(gram, k, *rough - 0.02 * std::abs(*rough), 1e-8);
-    return sharp ? sharp : rough;
+  constexpr double rounding = 1e-12, apart = 1e3, beside = 1.02;
+  const double least_size = rounding * scale;
+  double size = least_size;
+  while (!definite_above(gram, k, -size))
+    if ((size *= apart) > apart * scale) return std::nullopt;
+  if (size == least_size) {
+    const auto rough = least_above(gram, k, -size, 1e-5);
+    return !rough || std::abs(*rough) <= size ? 0.0 : *rough;
   }
-  return std::nullopt;
+  ShiftRange range{-size, -size / apart};
+  range.narrow(gram, k, beside);
+  const auto sharp = least_above(gram, k, range.below, 1e-8);
+  if (sharp && *sharp <= range.above) return sharp;
+  range.narrow(gram, k, 1.0 + tolerance);
+  return range.below;
 }
 
 /// All eigenvalues, in small spaces.
@@ -194,8 +225,11 @@ std::optional<double> GramForm::largest(const SparseMatrix& k) const {
   if (s.rows() <= dense_size) return dense_spectrum(s, g_)[s.rows() - 1];
   if (const auto on = support(s); static_cast<int>(on.size()) <= dense_size)
     return std::max(0.0, largest_on(*this, s, on));
-  return extreme(
+  const auto direct = extreme(
       *this, [&](const Vector& x) -> Vector { return s * x; }, Spectra::SortRule::LargestAlge);
+  if (direct) return direct;
+  const auto opposite = least_negative(*this, -s); // it may be far smaller than the others
+  return opposite ? std::optional(-*opposite) : std::nullopt;
 }
 
 std::optional<double> GramForm::norm(const SparseMatrix& e) const {

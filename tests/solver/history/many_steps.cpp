@@ -334,7 +334,8 @@ TEST(Audit, IntegralsAreTheSameInEveryUnit) {
 /// A record that no run can have written is refused.
 TEST(Audit, RefusesARecordThatCannotBe) {
   const KernelSpec spec{"q", {}, kernel_case("stretched").expression};
-  const auto options = options_for(grid(Grid::uniform, 30), HistoryRoute::fit, 1);
+  const std::vector<double> times = grid(Grid::uniform, 30);
+  const auto options = options_for(times, HistoryRoute::fit, 1);
   const double begin = 3.0; // not 0: the time that has gone by is not the time
   const auto one = make_audited_history(spec, field_size, options, 2);
   one->start(begin, sample_field(0));

@@ -183,7 +183,8 @@ TEST(Proportional, ACheckThatFailsLateMakesTheRunBeginAgain) {
       const std::string named = fmt::format("step {} ", partial.steps + 1);
       EXPECT_NE(std::string(failure.what()).find(named), std::string::npos) << failure.what();
     }
-    EXPECT_LE(starts, 2) << tolerance;
+    // On the contact unknowns, the same with each check in its step, on all unknowns.
+    EXPECT_LE(starts, 3) << tolerance;
     begun_again += starts > 1 ? 1 : 0;
   }
   EXPECT_GT(begun_again, 0);
