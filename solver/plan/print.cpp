@@ -52,11 +52,15 @@ std::string expressions(const std::vector<Expr>& values) {
   return fmt::format("[{}]", joined(texts));
 }
 
-/// A function and its derivatives: 0..2 components, 3 + 3 i + j the derivative of i along j.
-std::string derivative_name(const char* function, int index) {
-  constexpr const char* axes = "xyz";
-  if (index < 3) return fmt::format("{}.{}", function, axes[index]);
-  return fmt::format("d{}.{}/d{}", function, axes[(index - 3) / 3], axes[(index - 3) % 3]);
+/// A function or one of its derivatives, by derivative index (slot.hpp); `u[1]` is the part of u
+/// that is the second of several unknowns.
+std::string derivative_name(const std::string& function, int index) {
+  constexpr std::array axes{'x', 'y', 'z'};
+  const int unknown = slot::unknown_of(index), own = index % slot::own_derivatives;
+  const std::string of = unknown == 0 ? function : fmt::format("{}[{}]", function, unknown);
+  const char component = axes.at(static_cast<std::size_t>(slot::component_of(index)));
+  if (slot::is_value(index)) return fmt::format("{}.{}", of, component);
+  return fmt::format("d{}.{}/d{}", of, component, axes.at(static_cast<std::size_t>(own % 3)));
 }
 
 std::string field_name(int field) {
@@ -200,7 +204,7 @@ private:
            term.tensor->unknown == 0 ? "" : fmt::format(", unknown {}", term.tensor->unknown));
     for (const auto& e : term.entries)
       line("  {} {} * {}", to_string(e.coefficient),
-           derivative_name(field_name(term.field).c_str(), e.trial), derivative_name("v", e.test));
+           derivative_name(field_name(term.field), e.trial), derivative_name("v", e.test));
   }
 
   void load(const LoadTerm& term) {

@@ -48,6 +48,18 @@ TEST(PrintPlan, ReadsAsThePlan) {
                 "solver direct if it fits, threads 1\n");
 }
 
+TEST(PrintPlan, SeveralUnknowns) {
+  auto plan = small_plan();
+  const auto second = [](int derivative) { return slot::of_unknown(1, derivative); };
+  plan.problem.forms[0].entries = {{second(slot::gradient(0, 1)), slot::value(1), 2.5},
+                                   {slot::of_unknown(2, slot::hoop), second(slot::value(0)), 3.0}};
+  plan.problem.loads[0].entries = {{second(slot::gradient(0, 2)), 1.0}};
+  const std::string text = to_string(plan);
+  EXPECT_THAT(text, HasSubstr("  2.5 u.y * dv[1].x/dy\n"));
+  EXPECT_THAT(text, HasSubstr("  3 u[1].x * dv[2].z/dz\n"));
+  EXPECT_THAT(text, HasSubstr("  1 * dv[1].x/dz\n"));
+}
+
 TEST(PrintPlan, LawsMemoryTimeAndReport) {
   auto plan = small_plan();
   plan.problem.histories = {{{}, {"C", {}, exp(-Expr::variable(slot::lag))}}};
