@@ -38,6 +38,7 @@ DenseMatrix solve_lower(const DenseMatrix& g, const DenseMatrix& b) {
 DenseMatrix solve_positive(const DenseMatrix& g, const DenseMatrix& b) { return g.llt().solve(b); }
 
 DenseMatrix solve_square(const DenseMatrix& a, const DenseMatrix& b) {
+  if (b.size() == 0) return b; // Eigen 3.4 makes a reference to no number
   return a.partialPivLu().solve(b);
 }
 
