@@ -186,7 +186,7 @@ double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Ve
 void find_reach(const Vector& diagonal, const Vector& kd, const Vector& d, const Vector& b,
                 Contact& contact) {
   contact.reach.setZero(contact.g.cols());
-  std::array<double, slot::most_unknowns> largest{};
+  ByUnknown largest{};
   for (Eigen::Index c = 0; c < diagonal.size(); ++c) {
     const int i = contact.loaded[static_cast<std::size_t>(c)];
     const double own = std::abs(diagonal[c]);

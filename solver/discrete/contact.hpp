@@ -100,7 +100,7 @@ struct Contact {
   Vector reach; ///< of states, 0 but on `unknowns`: a displacement each (find_reach)
   /// Of several unknowns each, at least: where one went back to zero its values are rounding of its
   /// largest ones.
-  std::array<double, slot::most_unknowns> least_reach{};
+  ByUnknown least_reach{};
   std::vector<int> other_fields; ///< that laws act on, or read, besides u
   std::vector<StateGroup> state_groups;
   std::vector<int> first_state;  ///< of each state of the plan in state_values; -1: no group has it

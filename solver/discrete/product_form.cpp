@@ -9,9 +9,9 @@ namespace {
 
 /// Sums over the entries of K with row in a and column in b.
 struct BlockSums {
-  using Table = std::array<std::array<double, slot::most_unknowns>, slot::most_unknowns>;
+  using Table = std::array<ByUnknown, slot::most_unknowns>;
   Table squares{}, mirrored{}; ///< K_ij^2, K_ij K_ji
-  std::array<double, slot::most_unknowns> diagonal{};
+  ByUnknown diagonal{};
 };
 
 BlockSums sums_of(const SparseMatrix& k, std::span<const std::uint8_t> of_unknown) {

@@ -3,7 +3,6 @@
 
 #include "solver/inequality/position.hpp"
 
-#include <array>
 
 namespace hvi::solver {
 
@@ -16,8 +15,6 @@ void certify(Position& at, double tolerance, InequalityReport& report,
 /// Forces of multipliers below this part of the tolerance, times the largest force on the same of
 /// several unknowns, are rounding of the latter.
 constexpr double rounding_of_tolerance = 1e-2;
-/// Of each of several unknowns; forces have units of their own.
-using ByUnknown = std::array<double, slot::most_unknowns>;
 /// Multipliers whose forces are at most `most` become 0. False: there were none. Whether laws and
 /// equations allow that says a certificate.
 bool drop_rounding(const ReducedProblem& problem, const ByUnknown& most, Vector& xi);

@@ -28,7 +28,7 @@ void Snap::update(const Vector& c, const ForceBalance& balance, double factor_) 
     if (points_.unknowns > 0) reach_.array() += part_of_largest_reach * reach_.maxCoeff();
     return;
   }
-  std::array<double, slot::most_unknowns> largest{};
+  ByUnknown largest{};
   for (int i = 0; i < points_.unknowns; ++i)
     largest[of_unknown[i]] = std::max(largest[of_unknown[i]], reach_[i]);
   for (int i = 0; i < points_.unknowns; ++i)

@@ -1,6 +1,8 @@
 // The variables a pointwise expression may depend on, as numbered slots.
 #pragma once
 
+#include <array>
+
 namespace hvi::solver {
 
 using Slot = int;
@@ -99,5 +101,8 @@ inline constexpr int order_key(Slot s) {
   return s >= test(own_derivatives) ? beyond + s : s;
 }
 } // namespace slot
+
+/// A number of each of several unknowns, which have units of their own.
+using ByUnknown = std::array<double, slot::most_unknowns>;
 
 } // namespace hvi::solver

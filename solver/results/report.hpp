@@ -29,7 +29,7 @@ struct SolutionSize {
   double size = 0.0;
   double nothing = 0.0;
   /// Of several unknowns, what is rounding of each.
-  std::array<double, slot::most_unknowns> nothing_of{};
+  ByUnknown nothing_of{};
   double nothing_of_multipliers = 0.0;
 };
 

@@ -71,9 +71,13 @@ public:
   double error_beside_rounding(const StepEquation& equation, const StepMatrix& matrix,
                                const Vector& xi, const Trial& trial, double tolerance);
   /// By unknown.
-  std::array<double, slot::most_unknowns> rounding_of_largest() const;
+  ByUnknown rounding_of_largest() const;
   /// Is a change of the unknowns rounding of the largest values so far, each of its own?
   bool is_rounding(const Vector& change) const;
+  /// The same with what rounding of the others moves each unknown by: that of the force of a
+  /// pressure of 20 moves a body at rest by 1e-15 of the force over its stiffness, however small
+  /// its own displacements were.
+  bool is_rounding_of_all(const SparseMatrix& k, const Vector& change) const;
   /// What a check of step n on all rows is asked, its increment being d.
   InteriorEquilibrium::Question question(int n, const Vector& d, const Vector& xi) const;
   void save(StateWriter& w) const;
@@ -95,13 +99,14 @@ private:
   void add_past(const SparseMatrix& k, double factor, Vector& out) const;
   void note_largest(const Vector& state);
   int unknown_of(Eigen::Index row) const;
+  bool is_within(const ByUnknown& known_to, const Vector& change) const;
 
   const Formulation& formulation_;
   const Evolution& evolution_;
   ImposedValues imposed_;
   std::vector<SymmetricBlocks> halves_;
-  std::array<double, slot::most_unknowns> largest_{}; ///< |values| so far, by unknown
-  Vector state_, scale_, product_;                    ///< room within a call
+  ByUnknown largest_{};            ///< |values| so far, by unknown
+  Vector state_, scale_, product_; ///< room within a call
 };
 
 /// K_n is the factored matrix from now on: what was moved goes back.

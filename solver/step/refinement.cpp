@@ -100,7 +100,9 @@ void Refinement::refine(const StepMatrix& matrix, const StepEquation& equation,
     if (correction <= smallest_correction) break;
   }
   out.inequality.iterations += iterations, out.inequality.events += events;
-  const bool at_rest = balance_.is_rounding(trial.d);
+  const bool at_rest =
+      balance_.is_rounding(trial.d) ||
+      (!(last <= largest_last) && balance_.is_rounding_of_all(matrix.k(), trial.d));
   trial.d = total;
   contact_part(formulation_.contact(), trial.d, laws.c);
   step_laws.prepare(n, equation.known);

@@ -220,8 +220,8 @@ double OneRun::nothing_of_multipliers(const StepMatrix* matrix) const {
   return out;
 }
 
-std::array<double, slot::most_unknowns> OneRun::nothing_of_each(const StepMatrix* matrix) const {
-  std::array<double, slot::most_unknowns> out{};
+ByUnknown OneRun::nothing_of_each(const StepMatrix* matrix) const {
+  ByUnknown out{};
   const auto& of_unknown = state_.contact().of_unknown;
   if (matrix == nullptr || of_unknown.empty()) return out;
   const Vector& u = state_.evolution.u();

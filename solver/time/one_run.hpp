@@ -69,7 +69,7 @@ private:
   void estimate_forward_error();
   /// Of several unknowns: parts of how far the forces in its rows would move each of them, which
   /// may cancel (a fluid at rest under its pressure).
-  std::array<double, slot::most_unknowns> nothing_of_each(const StepMatrix* matrix) const;
+  ByUnknown nothing_of_each(const StepMatrix* matrix) const;
   /// A part of the multipliers that would hold the forces in their rows, which may cancel (a side
   /// along which a body moves).
   double nothing_of_multipliers(const StepMatrix* matrix) const;
