@@ -3,7 +3,6 @@
 
 #include "solver/inequality/position.hpp"
 
-
 namespace hvi::solver {
 
 /// inclusion = max_p dist(xi_p, dj_p(z_p)) / max(|xi|_inf, slope scale of p's law)

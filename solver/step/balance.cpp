@@ -146,30 +146,11 @@ ByUnknown Balance::rounding_of_largest() const {
   return out;
 }
 
-bool Balance::is_within(const ByUnknown& known_to, const Vector& change) const {
-  for (Eigen::Index i = 0; i < change.size(); ++i)
-    if (!(std::abs(change[i]) <= known_to[unknown_of(i)])) return false;
+bool Balance::is_rounding(const Vector& values) const {
+  const auto known_to = rounding_of_largest();
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    if (!(std::abs(values[i]) <= known_to[unknown_of(i)])) return false;
   return true;
-}
-
-bool Balance::is_rounding(const Vector& change) const {
-  return is_within(rounding_of_largest(), change);
-}
-
-bool Balance::is_rounding_of_all(const SparseMatrix& k, const Vector& change) const {
-  auto known_to = rounding_of_largest();
-  const auto own = known_to;
-  for (int i = 0; i < k.rows(); ++i) {
-    const int unknown = unknown_of(i);
-    double stiffness = 0.0, of_others = 0.0;
-    for (SparseMatrix::InnerIterator it(k, i); it; ++it) {
-      if (it.col() == i) stiffness = std::abs(it.value());
-      const int other = unknown_of(it.col());
-      if (other != unknown) of_others += std::abs(it.value()) * own[other];
-    }
-    if (stiffness > 0.0) known_to[unknown] = std::max(known_to[unknown], of_others / stiffness);
-  }
-  return is_within(known_to, change);
 }
 
 void Balance::add_past(const SparseMatrix& k, double factor, Vector& out) const {

@@ -72,12 +72,9 @@ public:
                                const Vector& xi, const Trial& trial, double tolerance);
   /// By unknown.
   ByUnknown rounding_of_largest() const;
-  /// Is a change of the unknowns rounding of the largest values so far, each of its own?
-  bool is_rounding(const Vector& change) const;
-  /// The same with what rounding of the others moves each unknown by: that of the force of a
-  /// pressure of 20 moves a body at rest by 1e-15 of the force over its stiffness, however small
-  /// its own displacements were.
-  bool is_rounding_of_all(const SparseMatrix& k, const Vector& change) const;
+  /// Are values, or a change, of the unknowns rounding of the largest values so far, each of its
+  /// own?
+  bool is_rounding(const Vector& values) const;
   /// What a check of step n on all rows is asked, its increment being d.
   InteriorEquilibrium::Question question(int n, const Vector& d, const Vector& xi) const;
   void save(StateWriter& w) const;
@@ -99,7 +96,6 @@ private:
   void add_past(const SparseMatrix& k, double factor, Vector& out) const;
   void note_largest(const Vector& state);
   int unknown_of(Eigen::Index row) const;
-  bool is_within(const ByUnknown& known_to, const Vector& change) const;
 
   const Formulation& formulation_;
   const Evolution& evolution_;

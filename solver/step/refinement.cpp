@@ -100,9 +100,9 @@ void Refinement::refine(const StepMatrix& matrix, const StepEquation& equation,
     if (correction <= smallest_correction) break;
   }
   out.inequality.iterations += iterations, out.inequality.events += events;
-  const bool at_rest =
-      balance_.is_rounding(trial.d) ||
-      (!(last <= largest_last) && balance_.is_rounding_of_all(matrix.k(), trial.d));
+  moved_by = equation.known.head(total.size()) + total;
+  // Of what is at rest a last correction says nothing: both are rounding.
+  const bool at_rest = balance_.is_rounding(trial.d) || balance_.is_rounding(moved_by);
   trial.d = total;
   contact_part(formulation_.contact(), trial.d, laws.c);
   step_laws.prepare(n, equation.known);
