@@ -115,12 +115,13 @@ std::optional<double> extreme(const GramForm& gram, F&& apply, Spectra::SortRule
   return solver.eigenvalues()[0];
 }
 
+/// Is K - sigma G positive definite, so that all eigenvalues are above sigma?
 bool definite_above(const GramForm& gram, const SparseMatrix& k, double sigma) {
   const SparseMatrix shifted = k - sigma * gram.matrix();
   try {
     analyse(shifted, {}, true)->factor(shifted);
     return true;
-  } catch (const Failure&) {
+  } catch (const NotFactorable&) {
     return false;
   }
 }
@@ -156,7 +157,7 @@ std::optional<double> least_negative(const GramForm& gram, const SparseMatrix& k
     if ((size *= apart) > apart * scale) return std::nullopt;
   if (size == least_size) {
     const auto rough = least_above(gram, k, -size, 1e-5);
-    return !rough || std::abs(*rough) <= size ? 0.0 : *rough;
+    return rough && std::abs(*rough) <= size ? 0.0 : rough;
   }
   ShiftRange range{-size, -size / apart};
   range.narrow(gram, k, beside);
