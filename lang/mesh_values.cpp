@@ -2,8 +2,8 @@
 #include "lang/mesh_values.hpp"
 
 #include "solver/fem/pointwise.hpp"
+#include "solver/linear/dense.hpp"
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ bool is_elliptic(int d, const std::vector<double>& c) {
   for (int i = 0; i < d; ++i)
     for (int j = i + 1; j < d; ++j) pairs.emplace_back(i, j);
   const int n = static_cast<int>(pairs.size());
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> mandel(n, n);
+  solver::DenseMatrix mandel(n, n);
   for (int a = 0; a < n; ++a)
     for (int b = 0; b < n; ++b) {
       const auto [i, j] = pairs[a];
@@ -33,8 +33,7 @@ bool is_elliptic(int d, const std::vector<double>& c) {
       const double weight = (i == j ? 1.0 : std::sqrt(2.0)) * (k == l ? 1.0 : std::sqrt(2.0));
       mandel(a, b) = weight * c[((i * d + j) * d + k) * d + l];
     }
-  const Eigen::LLT<decltype(mandel)> factor((0.5 * (mandel + mandel.transpose())).eval());
-  return factor.info() == Eigen::Success;
+  return solver::DenseCholesky(0.5 * (mandel + mandel.transpose())).positive();
 }
 
 /// What is wrong with a material at the points of a block; empty: nothing.

@@ -34,8 +34,11 @@ void define_model(py::module_& module) {
   py::class_<Shared, std::shared_ptr<Shared>>(module, "Shared").def(py::init<>());
   py::class_<Model>(module, "Model")
       .def(py::init<std::string, std::optional<std::string>, bool>())
-      .def("describe", [](const Model& model,
-                          const Defines& defines) { return to_dict(model.describe(defines)); })
+      .def("describe",
+           [](const Model& model, const Defines& defines) {
+             Watch watch;
+             return answered(watch, py::none(), [&] { return model.describe(defines); });
+           })
       .def("run",
            [](const Model& model, const Defines& defines, const py::dict& how,
               const py::object& progress, const std::shared_ptr<Shared>& shared) {

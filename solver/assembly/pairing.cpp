@@ -4,8 +4,8 @@
 #include "solver/assembly/segments.hpp"
 #include "solver/common/triples.hpp"
 #include "solver/fem/geometry.hpp"
+#include "solver/linear/dense.hpp"
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -157,7 +157,7 @@ LocalDuals make_duals(int dim, int order, const std::vector<Meeting>& meetings) 
   }
   const Vector down = scale.cwiseInverse();
   const DenseMatrix scaled = down.asDiagonal() * mass * down.asDiagonal();
-  const DenseMatrix inverse = scaled.ldlt().solve(DenseMatrix::Identity(q.cols(), q.cols()));
+  const DenseMatrix inverse = solve_positive(scaled, DenseMatrix::Identity(q.cols(), q.cols()));
   const DenseMatrix duals =
       out.weights.cwiseProduct(down).asDiagonal() * inverse * down.asDiagonal();
   // int psi_i^2 = duals(i, i) int q_i: integrals do not depend on how the common part is cut up.

@@ -64,8 +64,7 @@ private:
       ++column;
     }
     std::vector<double> out(atoms_.size(), 0.0);
-    const Vector found =
-        column > 0 ? least_squares(q, Vector(b - atoms_[origin].q)) : Vector(Vector::Zero(0));
+    const Vector found = least_squares(q, b - atoms_[origin].q);
     double left = 1.0;
     for (std::size_t i = 0, k = 0; i < atoms_.size(); ++i) {
       if (i == origin) continue;

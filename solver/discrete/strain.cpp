@@ -2,8 +2,7 @@
 #include "solver/discrete/strain.hpp"
 
 #include "solver/fem/geometry.hpp"
-
-#include <Eigen/LU>
+#include "solver/linear/dense.hpp"
 
 namespace hvi::solver {
 namespace {
@@ -29,7 +28,8 @@ DenseMatrix cell_strain(const Space& space, const SpaceBlock& block, const Vecto
     for (int c = 0; c < n; ++c)
       moved(c, j) =
           u[space.dof(nodes[j + 1], block.first + c)] - u[space.dof(nodes[0], block.first + c)];
-  const DenseMatrix gradient = moved * edges_of(space, cell).inverse();
+  const DenseMatrix gradient =
+      solve_square(edges_of(space, cell).transpose(), moved.transpose()).transpose();
   if (n != dim) return gradient;
   DenseMatrix strain = 0.5 * (gradient + gradient.transpose());
   if (!has_hoop(space, block)) return strain;

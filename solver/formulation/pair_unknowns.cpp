@@ -1,7 +1,7 @@
 // See pair_unknowns.hpp.
 #include "solver/formulation/pair_unknowns.hpp"
 
-#include <Eigen/LU>
+#include "solver/linear/dense.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -118,7 +118,8 @@ public:
 
   /// Rows of T and T^-1: x = M u_own + N u_others, so u_own = M^-1 (x - N u_others).
   void add(const Exchange& of) {
-    const DenseMatrix back = of.of_own.inverse();
+    const DenseMatrix back =
+        solve_square(of.of_own, DenseMatrix::Identity(of.of_own.rows(), of.of_own.cols()));
     const auto n = static_cast<Eigen::Index>(of.own.size());
     for (Eigen::Index i = 0; i < n; ++i) {
       Rows& here = by_unknown_[of.own[static_cast<std::size_t>(i)]];

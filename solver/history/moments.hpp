@@ -4,7 +4,7 @@
 
 #include "solver/history/kernel_function.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include <span>
 #include <vector>

@@ -4,7 +4,7 @@
 #include "solver/history/kernel_samples.hpp"
 #include "solver/history/recognise.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include <optional>
 #include <string>

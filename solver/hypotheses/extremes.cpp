@@ -236,7 +236,7 @@ std::optional<double> GramForm::largest(const SparseMatrix& k) const {
 std::optional<double> GramForm::norm(const SparseMatrix& e) const {
   const SparseMatrix transposed = e.transpose();
   if (e.rows() <= dense_size) { // the iteration wants two unknowns at least
-    const DenseMatrix dense(g_), half = solve_lower(dense, DenseMatrix(e));
+    const DenseMatrix dense(g_), half = DenseCholesky(dense).solve_lower(DenseMatrix(e));
     const DenseMatrix square = half.transpose() * half; // E^T G^-1 E
     return std::sqrt(std::max(0.0, generalised_eigenvalues(square, dense)[e.rows() - 1]));
   }

@@ -2,8 +2,7 @@
 #include "solver/inequality/curve_equations.hpp"
 
 #include "solver/common/numbers.hpp"
-
-#include <Eigen/LU>
+#include "solver/linear/dense.hpp"
 
 #include <cmath>
 
@@ -35,7 +34,7 @@ std::optional<CurveTangent> CurveEquations::tangent(const CurveState& at) const 
   DenseMatrix jacobian(n, n);
   fill_jacobian(at, jacobian);
   CurveTangent out;
-  out.way = jacobian.partialPivLu().solve(db_);
+  out.way = DenseLu(jacobian).solve(db_);
   const double length = std::hypot(out.way.norm() / (size_ * std::sqrt(1.0 * n)), 1.0);
   out.way /= length, out.load = 1.0 / length;
   if (!out.way.allFinite() || !std::isfinite(length)) return std::nullopt;
@@ -63,7 +62,7 @@ Vector CurveEquations::correction(const CurveState& at, const CurveTangent& tang
   Vector right(n + 1);
   right.head(n) = -error;
   right[n] = 0.0;
-  return bordered.partialPivLu().solve(right);
+  return DenseLu(bordered).solve(right);
 }
 
 bool CurveEquations::correct(CurveState& at, const CurveTangent& tangent) const {

@@ -2,8 +2,7 @@
 #include "solver/inequality/equilibrium_curve.hpp"
 
 #include "solver/inequality/curve_walk.hpp"
-
-#include <Eigen/Cholesky>
+#include "solver/linear/dense.hpp"
 
 #include <algorithm>
 
@@ -21,7 +20,7 @@ EquilibriumCurve::EquilibriumCurve(DenseMatrix compliance, std::vector<CurvePoin
     : problem_(std::move(compliance), std::move(points)) {
   DenseMatrix c = 0.5 * (problem_.compliance + problem_.compliance.transpose());
   c.diagonal().array() += 1e-13 * c.diagonal().maxCoeff();
-  root_ = c.llt().matrixL();
+  root_ = DenseCholesky(c).lower();
 }
 
 /// Is S + H positive definite, upright points held? That is the same of 1 + L^T H L.
@@ -36,7 +35,7 @@ bool EquilibriumCurve::stable(const CurveState& at) const {
   }
   DenseMatrix m = root_.transpose() * stiffness.asDiagonal() * root_;
   m.diagonal().array() += 1.0;
-  return m.llt().info() == Eigen::Success;
+  return DenseCholesky(m).positive();
 }
 
 /// On along the curve until it is stable at this load again.

@@ -131,18 +131,14 @@ bool FreedUnknowns::prepare(const std::vector<int>& freed, const FarColumns& col
   for (Eigen::Index b = 0; b < m; ++b)
     for (Eigen::Index a = std::max<Eigen::Index>(0, b - 2); a < std::min(b + 3, m); ++a)
       c(a, b) += h.coeff(freed[a], freed[b]) / unit_;
-  factor_.compute(c);
-  return m == 0 || factor_.info() == Eigen::Success;
+  factor_ = DenseCholesky(c);
+  return factor_.positive();
 }
 
-Vector FreedUnknowns::displaced(const Vector& t) const {
-  Vector x = t / unit_;
-  factor_.solveInPlace(x);
-  return x;
-}
+Vector FreedUnknowns::displaced(const Vector& t) const { return factor_.solve(Vector(t / unit_)); }
 
 DenseMatrix FreedUnknowns::compliance(const DenseMatrix& y_rows) const {
-  return y_rows * factor_.solve(y_rows.transpose()) / unit_;
+  return y_rows * factor_.solve(DenseMatrix(y_rows.transpose())) / unit_;
 }
 
 void ChangedUnknowns::prepare(const FarPoints& far, const FarColumns& columns,
@@ -158,7 +154,7 @@ void ChangedUnknowns::prepare(const FarPoints& far, const FarColumns& columns,
   if (!far.freed.empty()) g += freed.compliance(y_rows_);
   DenseMatrix w = DenseMatrix::Identity(k, k);
   for (const auto& e : far.delta) w.row(e.row) += e.value * g.row(e.column);
-  factor_.compute(w);
+  factor_ = DenseLu(w);
 }
 
 Vector ChangedUnknowns::forces(const FarPoints& far, const FreedUnknowns& freed, const Vector& x,

@@ -3,9 +3,7 @@
 #pragma once
 
 #include "solver/inequality/last_factor.hpp"
-
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include "solver/linear/dense.hpp"
 
 #include <unordered_map>
 
@@ -48,10 +46,10 @@ public:
 private:
   void make_block(const FarColumns& columns, const ReducedOperator& s);
 
-  std::vector<int> unknowns_;      ///< of y and block
-  DenseMatrix y_, block_;          ///< Y with its rows R set to 0, S_RR - S_RF Y over `unit_`
-  Eigen::LLT<DenseMatrix> factor_; ///< of C over `unit_`
-  double unit_ = 1.0;              ///< the body's own stiffness: over it no unit system overflows
+  std::vector<int> unknowns_; ///< of y and block
+  DenseMatrix y_, block_;     ///< Y with its rows R set to 0, S_RR - S_RF Y over `unit_`
+  DenseCholesky factor_;      ///< of C over `unit_`
+  double unit_ = 1.0;         ///< the body's own stiffness: over it no unit system overflows
 };
 
 /// Q: Z and 1 + Delta G.
@@ -64,7 +62,7 @@ public:
 
 private:
   DenseMatrix z_, y_rows_; ///< Z, Y_Q
-  Eigen::PartialPivLU<DenseMatrix> factor_;
+  DenseLu factor_;
 };
 
 } // namespace hvi::solver

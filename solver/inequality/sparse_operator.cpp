@@ -1,9 +1,9 @@
-// The sparse operator of the reduced inequality, by Eigen (inequality.hpp).
+// The sparse operator of the reduced inequality, by Eigen and UMFPACK (inequality.hpp).
 #include "solver/inequality/inequality.hpp"
 #include "solver/inequality/own_stiffness.hpp"
+#include "solver/linear/sparse_lu.hpp"
 
 #include <Eigen/SparseCholesky>
-#include <Eigen/SparseLU>
 
 #include <algorithm>
 #include <cmath>
@@ -28,9 +28,7 @@ public:
   std::unique_ptr<ReducedOperator> unsymmetric() const override {
     return std::make_unique<SparseOperator>(k_, false);
   }
-  int determinant_sign() const override {
-    return symmetric_ || lu_.info() != Eigen::Success ? 0 : static_cast<int>(lu_.signDeterminant());
-  }
+  int determinant_sign() const override { return lu_.determinant_sign(); }
   int patience() const override { return 12; }
   double bytes() const override { // the factor: at least as much as the sum
     return static_cast<double>(k_.nonZeros() + 2 * sum_.nonZeros()) *
@@ -47,16 +45,11 @@ public:
 
   bool factor(const SparseMatrix& h, std::span<const int>) override {
     sum_ = k_ + h; // the pattern is the union: the same as long as h keeps its own
-    const bool same = analysed_ && sum_.nonZeros() == analysed_nonzeros_;
-    if (symmetric_) {
-      if (!same) cholesky_.analyzePattern(sum_);
-      cholesky_.factorize(sum_);
-    } else {
-      if (!same) lu_.analyzePattern(sum_);
-      lu_.factorize(sum_);
-    }
+    if (!symmetric_) return lu_.factor(sum_);
+    if (!analysed_ || sum_.nonZeros() != analysed_nonzeros_) cholesky_.analyzePattern(sum_);
+    cholesky_.factorize(sum_);
     analysed_ = true, analysed_nonzeros_ = sum_.nonZeros();
-    return (symmetric_ ? cholesky_.info() : lu_.info()) == Eigen::Success;
+    return cholesky_.info() == Eigen::Success;
   }
 
   void solve(const Vector& b, Vector& x) const override {
@@ -67,13 +60,11 @@ public:
   }
 
 private:
-  using ColumnMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
-  SparseMatrix k_;
-  ColumnMatrix sum_;
+  SparseMatrix k_, sum_;
   bool symmetric_, analysed_ = false;
   Eigen::Index analysed_nonzeros_ = 0;
-  Eigen::SimplicialLLT<ColumnMatrix> cholesky_;
-  mutable Eigen::SparseLU<ColumnMatrix> lu_; // signDeterminant is not const
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> cholesky_;
+  SparseLu lu_;
 };
 
 } // namespace

@@ -1,7 +1,7 @@
 // What the laws take from the body (split_energy.hpp).
 #include "solver/inequality/split_energy.hpp"
 
-#include <Eigen/Cholesky>
+#include "solver/linear/dense.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -37,13 +37,13 @@ std::optional<SplitEnergy> split_energy(const DenseMatrix& c, std::vector<PointE
   for (int tries = 0; tries < 40; ++tries, part *= 0.95) {
     DenseMatrix rest = -part * m;
     rest.diagonal().array() += 0.5 * (1.0 + most_given);
-    if (Eigen::LLT<DenseMatrix>(rest).info() != Eigen::Success) continue;
+    if (!DenseCholesky(rest).positive()) continue;
     rest.diagonal().array() += 0.5 * (1.0 - most_given);
-    const Eigen::LLT<DenseMatrix> factor(rest);
+    const DenseCholesky factor(rest);
     const Vector root = std::sqrt(part) * shares;
     SplitEnergy out;
     out.d = root.cwiseAbs2();
-    out.compliance = root.cwiseInverse().asDiagonal() * factor.solve(DenseMatrix(part * m)).eval() *
+    out.compliance = root.cwiseInverse().asDiagonal() * factor.solve(DenseMatrix(part * m)) *
                      root.cwiseInverse().asDiagonal();
     out.compliance = (0.5 * (out.compliance + out.compliance.transpose())).eval();
     if (!out.compliance.allFinite()) return std::nullopt;

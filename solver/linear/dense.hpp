@@ -1,8 +1,11 @@
-// Decompositions of small dense matrices, by Eigen. They take seconds to compile: once here, not in
-// each file that needs one.
+// Decompositions of dense matrices, by LAPACK. What has no answer (a matrix that is not finite, not
+// positive definite where it has to be; an iteration that did not end) gives NaN, and what is
+// singular what is not finite.
 #pragma once
 
 #include "solver/linear/sparse.hpp"
+
+#include <vector>
 
 namespace hvi::solver {
 
@@ -27,20 +30,51 @@ struct LeftSingular {
 };
 LeftSingular left_singular(const DenseMatrix& a);
 
-/// L^-1 b and (L L^T)^-1 b with g = L L^T, g symmetric and positive definite.
-DenseMatrix solve_lower(const DenseMatrix& g, const DenseMatrix& b);
+/// g = L L^T, g symmetric.
+class DenseCholesky {
+public:
+  DenseCholesky() = default;
+  explicit DenseCholesky(const DenseMatrix& g);
+  bool positive() const { return positive_; } ///< definite; else there is no L
+  DenseMatrix lower() const;                  ///< L
+  Vector solve(const Vector& b) const;        ///< g^-1 b
+  DenseMatrix solve(const DenseMatrix& b) const;
+  DenseMatrix solve_lower(const DenseMatrix& b) const; ///< L^-1 b
+
+private:
+  DenseMatrix lower_; ///< and what was above its diagonal
+  bool positive_ = true;
+};
+
+/// a = P L U with row pivoting, a square.
+class DenseLu {
+public:
+  DenseLu() = default;
+  explicit DenseLu(const DenseMatrix& a);
+  Vector solve(const Vector& b, bool transposed = false) const; ///< a^-1 b, or a^-T b
+  DenseMatrix solve(const DenseMatrix& b) const;
+  Vector pivots() const { return factor_.diagonal().cwiseAbs(); }
+  /// An estimate of 1 / (|a| |a^-1|) with the norm of the largest column.
+  double inverse_condition() const;
+
+private:
+  void solve_in_place(double* b, Eigen::Index columns, char transposed) const;
+
+  DenseMatrix factor_;
+  std::vector<int> rows_; ///< swapped, counted from 1
+  double norm_ = 0.0;     ///< of a
+};
+
+/// g^-1 b, g symmetric and positive definite.
 DenseMatrix solve_positive(const DenseMatrix& g, const DenseMatrix& b);
 
-/// a^-1 b, a square and regular, by LU with row pivoting.
+/// a^-1 b, a square and regular.
 DenseMatrix solve_square(const DenseMatrix& a, const DenseMatrix& b);
 
 /// The shortest x of least |a x - b|: singular values below `dependent` of the largest count as
-/// zero (a complete orthogonal decomposition, whose pivots stand for them).
-Vector shortest_least_squares(const DenseMatrix& a, const Vector& b, double dependent);
-
-/// The shortest-residual x of a x = b, by Householder QR with column pivoting: a may have dependent
-/// columns.
-Vector least_squares(const DenseMatrix& a, const Vector& b);
+/// zero (a complete orthogonal decomposition, whose leading triangles stand for them). Without
+/// `dependent`: those that are rounding.
+DenseMatrix least_squares(const DenseMatrix& a, const DenseMatrix& b, double dependent);
 DenseMatrix least_squares(const DenseMatrix& a, const DenseMatrix& b);
 
 struct QrSolution {

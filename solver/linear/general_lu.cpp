@@ -12,10 +12,9 @@
 #include "solver/common/clock.hpp"
 #include "solver/common/out_of_memory.hpp"
 #include "solver/linear/cholmod_session.hpp"
+#include "solver/linear/dense.hpp"
 #include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/umfpack_objects.hpp"
-
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
@@ -136,7 +135,7 @@ private:
   SparseMatrix pulls_, pulled_; ///< K_cI, and the transpose of K_Ic
   DenseMatrix schur_;
   Vector schur_rows_, schur_columns_; ///< of its scaling
-  Eigen::PartialPivLU<DenseMatrix> schur_factor_;
+  DenseLu schur_factor_;
   FactorStatistics statistics_;
 };
 
@@ -238,12 +237,12 @@ void GeneralLu::make_schur() {
 /// pressure in small units has large couplings, and its inverse as far above.
 void GeneralLu::check_schur() {
   auto [rows, columns] = DenseScaling(schur_);
-  schur_factor_.compute(rows.asDiagonal() * schur_ * columns.asDiagonal());
+  schur_factor_ = DenseLu(rows.asDiagonal() * schur_ * columns.asDiagonal());
   schur_rows_ = std::move(rows), schur_columns_ = std::move(columns);
-  const double condition = schur_factor_.rcond();
+  const double condition = schur_factor_.inverse_condition();
   if (condition > smallest_condition) return;
   Eigen::Index at = 0;
-  schur_factor_.matrixLU().diagonal().cwiseAbs().minCoeff(&at);
+  schur_factor_.pivots().minCoeff(&at);
   throw NotFactorable(contact_[static_cast<std::size_t>(at)], condition,
                       "the matrix is singular: the elimination breaks down");
 }
@@ -301,10 +300,7 @@ void GeneralLu::solve_interior(Vector& x, bool transposed) {
 Vector GeneralLu::solve_contact(const Vector& r, bool transposed) const {
   const Vector& in = transposed ? schur_columns_ : schur_rows_;
   const Vector& out = transposed ? schur_rows_ : schur_columns_;
-  const Vector scaled = in.cwiseProduct(r);
-  const Vector x = transposed ? Vector(schur_factor_.transpose().solve(scaled))
-                              : Vector(schur_factor_.solve(scaled));
-  return out.cwiseProduct(x);
+  return out.cwiseProduct(schur_factor_.solve(Vector(in.cwiseProduct(r)), transposed));
 }
 
 /// y_I = K_II^-1 b_I, y_c = r; with all columns y_c = S^-1 r. Transposed: of K^T.

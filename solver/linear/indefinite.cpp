@@ -6,12 +6,11 @@
 #include "solver/common/clock.hpp"
 #include "solver/common/open_module.hpp"
 #include "solver/common/out_of_memory.hpp"
+#include "solver/linear/dense.hpp"
 #include "solver/linear/general_lu.hpp"
 #include "solver/linear/mumps/bridge.h"
 #include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
-
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -122,7 +121,7 @@ private:
   SparseMatrix of_contact_;            ///< rows of K, without the contact columns
   EliminationOrder order_;
   DenseMatrix schur_;
-  Eigen::PartialPivLU<DenseMatrix> schur_factor_;
+  DenseLu schur_factor_;
   FactorStatistics statistics_;
 };
 
@@ -210,11 +209,11 @@ void Ldl::factor(const SparseMatrix& k) {
 /// S = D_c^-1 s_c^-1 S_M s_c^-1. Throws NotFactorable where S is singular.
 void Ldl::take_schur() {
   if (contact_.empty()) return;
-  schur_factor_.compute(schur_);
-  const Vector pivots = schur_factor_.matrixLU().diagonal().cwiseAbs();
+  schur_factor_ = DenseLu(schur_);
+  const Vector pivots = schur_factor_.pivots();
   // Entries of M are near 1: what is left of them may be rounding as a whole.
-  const double least =
-      std::min(pivots.minCoeff() / std::max(1.0, pivots.maxCoeff()), schur_factor_.rcond());
+  const double least = std::min(pivots.minCoeff() / std::max(1.0, pivots.maxCoeff()),
+                                schur_factor_.inverse_condition());
   if (!(least > smallest_pivot)) throw NotFactorable(-1, least, "the matrix is singular");
   const Vector s = scale_(contact_).cwiseInverse(), d = rows_(contact_).cwiseInverse();
   schur_ = d.cwiseProduct(s).asDiagonal() * schur_ * s.asDiagonal();

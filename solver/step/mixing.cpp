@@ -88,7 +88,7 @@ Vector Mixing::mixed(const Vector& image, const Vector& gap) {
     gaps.col(k) = changes_of_gaps_[static_cast<std::size_t>(k)];
     images.col(k) = changes_of_images_[static_cast<std::size_t>(k)];
   }
-  return image - images * shortest_least_squares(gaps, gap, dependent);
+  return image - images * least_squares(gaps, gap, dependent);
 }
 
 } // namespace hvi::solver

@@ -1,7 +1,7 @@
 // See state_tangent.hpp. Called by couple_states.
 #include "solver/step/state_tangent.hpp"
 
-#include <Eigen/SparseLU>
+#include "solver/linear/sparse_lu.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -202,14 +202,13 @@ bool StateTangent::step(const StatePass& pass, Vector& change) {
   SparseMatrix z_by_c = s * inputs_by_c;
   Vector left = pass.solution - contact_.state_values;
   if (phi.nonZeros() > 0) {
-    using ColumnMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
-    ColumnMatrix within(s.rows(), s.rows());
+    SparseMatrix within(s.rows(), s.rows());
     within.setIdentity();
-    within -= ColumnMatrix(SparseMatrix(s * phi) * x_);
-    Eigen::SparseLU<ColumnMatrix> lu(within);
-    if (lu.info() != Eigen::Success) return false;
-    z_by_c = SparseMatrix(ColumnMatrix(lu.solve(ColumnMatrix(z_by_c))));
-    left = lu.solve(left).eval();
+    within = SparseMatrix(within - SparseMatrix(SparseMatrix(s * phi) * x_));
+    SparseLu lu;
+    if (!lu.factor(within)) return false;
+    z_by_c = lu.solve(z_by_c);
+    left = lu.solve(left);
   }
   const SparseMatrix h = force_ * SparseMatrix(a_ + SparseMatrix(x_ * z_by_c));
   if (!lu_->factor(h, {})) return false;
