@@ -204,7 +204,6 @@ DenseMatrix solve_square(const DenseMatrix& a, const DenseMatrix& b) { return De
 
 DenseMatrix least_squares(const DenseMatrix& a, const DenseMatrix& b, double dependent) {
   const int m = to_int(a.rows()), n = to_int(a.cols()), count = to_int(b.cols()), lda = stride(a);
-  if (m == 0 || n == 0 || count == 0) return DenseMatrix::Zero(n, count);
   if (!a.allFinite() || !b.allFinite()) return no_answer(n, count);
   DenseMatrix used = a, x = DenseMatrix::Zero(std::max(m, n), count);
   x.topRows(m) = b;

@@ -147,6 +147,19 @@ TEST_F(Dense, LeastSquaresAreTheShortest) {
   }
 }
 
+/// Two columns 1e-11 apart count as two, unless what is that small is asked to count as nothing.
+TEST_F(Dense, WhatIsSmallCountsUnlessItIsRounding) {
+  for (int i = 0; i < scenes; ++i) {
+    const Eigen::HouseholderQR<DenseMatrix> random(matrix(6, 6));
+    const DenseMatrix q = random.householderQ();
+    DenseMatrix a(6, 2);
+    a << q.col(0), q.col(0) + 1e-11 * q.col(1);
+    const Vector b = -1e-11 * q.col(1), expected = Eigen::Vector2d(1.0, -1.0);
+    expect_near(least_squares(a, b), expected, 1e-3);
+    EXPECT_LE(largest(least_squares(a, b, 1e-6)), 1e-7);
+  }
+}
+
 TEST_F(Dense, QrSolves) {
   for (int i = 0; i < scenes; ++i) {
     const int columns = size(1, 15), rows = size(columns, 40);
