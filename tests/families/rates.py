@@ -223,7 +223,10 @@ class Scene(orientation.Scene):
         return text
 
     def bound(self):
-        """Of displacements: certified residuals reach them through the matrix; softening and earlier steps add to that."""
+        """Of displacements: certified residuals reach them through the matrix; softening and earlier steps add to that. Of laws that
+        soften faster than the body is stiff, of which brute force finds a solution all the same, nothing less is known."""
+        if self.ratio() >= 1:
+            return AGREES
         steps = range(1, len(self.grid))
         of_matrices = sum(np.linalg.cond(self.matrix(n)) for n in steps)
         return min(AGREES, 10 * TOLERANCE * of_matrices / (1 - self.ratio()))
