@@ -162,6 +162,7 @@ Exit Session::compile() {
   script.plan = lower(*script.model);
   if (settings_.keep_fields) shown = shown_of(*script.plan, *script.model);
   if (settings_.solver) script.plan->options.solver = *settings_.solver;
+  if (settings_.factor) script.plan->options.factor = *settings_.factor;
   if (settings_.all_unknowns) script.plan->options.proportional_path = false;
   if (settings_.both_sides) script.plan->options.jumps_as_unknowns = false;
   return exit_ok;

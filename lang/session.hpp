@@ -33,7 +33,8 @@ struct CompileSettings {
   bool keep_fields = false;  ///< the result holds the unknowns and the stress of many times
   bool all_unknowns = false; ///< in every step, also where the contact unknowns would do
   bool both_sides = false;   ///< of pairs: their contact unknowns, also where jumps would do
-  std::optional<solver::LinearSolver> solver = {}; ///< whatever the script says
+  std::optional<solver::LinearSolver> solver = {};  ///< whatever the script says
+  std::optional<solver::FactorEntries> factor = {}; ///< the same
   int threads = 1;
   Words words;
   std::function<void(const NameFacts&)> on_name = nullptr; ///< of each declaration, for editors

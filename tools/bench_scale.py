@@ -18,6 +18,7 @@ FAMILIES = {  # scripts in 3D, and what n = 64 must stay below: CPU seconds and 
 }
 STEPS = 16
 AGAINST = {"slab3d": (1.0, 0.5), "slab3d with friction": (1.2, 0.5)}  # CPU over the direct one's at n = 32: must, aim
+SINGLE = {"slab3d": (20, 2.1), "slab3d with friction": (20, 3.0)}  # CPU seconds and GiB at n = 32: half the memory of a factor of 2026
 GROWTH = 1.4  # of iterations a step at a doubling
 PAIRS = 3  # of runs, of which the median counts
 FASTER = (1.6, 1.8)  # two processes over one: must, aim
@@ -25,13 +26,32 @@ WEAK = {1: 20, 2: 25, 4: 32, 8: 40}  # n for each number of processes: 50,000 un
 EVEN = (1.2, 1.1)  # iterations of eight over one
 
 
-def run_of(measured, sizes, script, n, solver, processes=1):
-    result = measured(script, *sizes(n=n, N=STEPS), "--solver", solver, launcher=family.launcher(processes))
+def run_of(measured, sizes, script, n, solver, processes=1, more=()):
+    result = measured(script, *sizes(n=n, N=STEPS), "--solver", solver, *more, launcher=family.launcher(processes))
     work = result["plan"]
-    print(f"    {script} n={n} {solver}, processes {processes}: {result['unknowns']} unknowns, {result['seconds']:.1f} s, wall {result['wall']:.1f}, {result['megabytes']:.0f} MB, "
+    print(f"    {script} n={n} {' '.join([solver, *more])}, processes {processes}: {result['unknowns']} unknowns, {result['seconds']:.1f} s, wall {result['wall']:.1f}, {result['megabytes']:.0f} MB, "
           f"{work['newton'] / STEPS:.1f} Newton and {work.get('iterations', 0) / STEPS:.1f} iterations a step, equilibrium "
           f"{result['certificate']['equilibrium']:.1e}, inclusion {result['certificate']['inclusion']:.1e}", flush=True)
     return result
+
+
+def answers_apart(a, b):
+    """Of two runs: the largest difference of a column, in 1e-9 of its largest value."""
+    return 1e9 * max(abs(x - y) / max(map(abs, a["table"][column]))
+                     for column in a["table"] if any(a["table"][column]) for x, y in zip(a["table"][column], b["table"][column]))
+
+
+def in_single_precision(row, rows, name, double, single):
+    """The factor with half the bits: CPU seconds and GiB must be below these of the direct path at its best."""
+    seconds, room = SINGLE[name]
+    figures = f"{name} n=32, a factor in single precision"
+    certified = single["certificate"]["certified"] and single["plan"].get("factor") == "single"
+    row(rows, f"{figures}: CPU", single["seconds"], seconds, "-", "s", certified and single["seconds"] <= seconds)
+    used = single["megabytes"] / 1024
+    row(rows, f"{figures}: peak memory", used, room, "-", "GiB", certified and used <= room)
+    row(rows, f"{figures}: CPU, over double precision", single["seconds"] / double["seconds"], 1, "-", "times", single["seconds"] <= double["seconds"])
+    apart = answers_apart(double, single)
+    row(rows, f"{figures}: answers apart, in 1e-9", apart, 1, "-", "", apart <= 1)
 
 
 def against_direct(row, rows, name, direct, iterative):
@@ -40,10 +60,8 @@ def against_direct(row, rows, name, direct, iterative):
     row(rows, f"{name} n=32: CPU, iterative over direct", figure, must, aim, "times", figure <= must)
     saved = direct["megabytes"] / iterative["megabytes"]
     row(rows, f"{name} n=32: memory, direct over iterative", saved, 5, "-", "times", saved >= 5)
-    apart = max(abs(a - b) / max(map(abs, direct["table"][column]))
-                for column in direct["table"] if any(direct["table"][column])
-                for a, b in zip(direct["table"][column], iterative["table"][column]))
-    row(rows, f"{name} n=32: answers apart, in 1e-9", 1e9 * apart, 1, "-", "", apart <= 1e-9)
+    apart = answers_apart(direct, iterative)
+    row(rows, f"{name} n=32: answers apart, in 1e-9", apart, 1, "-", "", apart <= 1)
 
 
 def largest(row, rows, name, result):
@@ -87,7 +105,9 @@ def scale(quick, row, measured, sizes):
             result = run_of(measured, sizes, script, n, "iterative")
             a_step[n] = result["plan"]["iterations"] / STEPS
             if n == 32:
-                against_direct(row, rows, name, run_of(measured, sizes, script, n, "direct"), result)
+                direct = run_of(measured, sizes, script, n, "direct")
+                against_direct(row, rows, name, direct, result)
+                in_single_precision(row, rows, name, direct, run_of(measured, sizes, script, n, "direct", more=("--factor", "single")))
             if n == 64:
                 largest(row, rows, name, result)
         for n in list(a_step)[1:]:

@@ -119,10 +119,10 @@ bool is_word(std::string_view name) {
 std::span<const std::string_view> words() { return word_table; }
 
 std::span<const std::string_view> setting_names() {
-  static constexpr std::array<std::string_view, 13> names = {
+  static constexpr std::array<std::string_view, 14> names = {
       "scheme",           "load",      "quadrature", "tolerance",   "branch",
       "memory_tolerance", "memory",    "accuracy",   "accuracy_of", "threads",
-      "interpolant",      "hht_alpha", "solver"};
+      "interpolant",      "hht_alpha", "solver",     "factor"};
   return names;
 }
 

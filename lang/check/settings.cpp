@@ -78,8 +78,8 @@ void Settings::set_accuracy_of(const ast::Setting& setting) {
 }
 
 void Settings::setting(const ast::Setting& s) {
-  using solver::Branch, solver::HistoryRoute, solver::Interpolant, solver::LinearSolver,
-      solver::LoadSampling;
+  using solver::Branch, solver::FactorEntries, solver::HistoryRoute, solver::Interpolant,
+      solver::LinearSolver, solver::LoadSampling;
   const std::string& name = s.name.text;
   solver::SolverOptions& options = model_.options;
   if (name == "scheme") {
@@ -111,6 +111,10 @@ void Settings::setting(const ast::Setting& s) {
             {"iterative", LinearSolver::iterative},
             {"automatic", LinearSolver::automatic}},
            options.solver);
+  } else if (name == "factor") {
+    choose(s, "precision of a factor",
+           {{"double", FactorEntries::doubles}, {"single", FactorEntries::singles}},
+           options.factor);
   } else if (name == "memory") {
     choose(s, "memory route",
            {{"automatic", HistoryRoute::automatic},

@@ -27,10 +27,10 @@ void print_forecast(const Forecast& f) {
                                     : "all unknowns: " + r.path;
   say("evolution on {}\n", evolution);
   print_solver(r.solver);
-  say("{} unknowns, {} of them in contact laws; {} {}, {} analys{}, {} factorisation{}\n",
+  say("{} unknowns, {} of them in contact laws; {} {}, {} analys{}, {} factorisation{}{}\n",
       r.unknowns, r.contact_unknowns, w.matrices, w.matrices == 1 ? "matrix" : "matrices",
-      w.analyses, w.analyses == 1 ? "is" : "es", w.factorisations,
-      w.factorisations == 1 ? "" : "s");
+      w.analyses, w.analyses == 1 ? "is" : "es", w.factorisations, w.factorisations == 1 ? "" : "s",
+      w.singles ? " in single precision" : "");
   const double per_step = f.taken > 0 ? 1.0 / f.taken : 0.0;
   say("a step: {:.3g} triangular solves, {:.3g} products, {:.3g} Newton iterations; {:.3g} MB "
       "held\n",

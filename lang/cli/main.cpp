@@ -64,6 +64,8 @@ void add_common(CLI::App& app, Options& options, std::vector<std::string>& defin
   app.add_option("--solver", options.solver,
                  "of the linear systems: direct, iterative or automatic")
       ->check(CLI::IsMember({"direct", "iterative", "automatic"}));
+  app.add_option("--factor", options.factor, "of a matrix in single or double precision")
+      ->check(CLI::IsMember({"single", "double"}));
   app.add_option("--threads", options.threads, "threads of our own loops")
       ->check(CLI::Range(1, 256));
   app.add_flag_callback(
@@ -218,8 +220,8 @@ std::vector<char*> with_command(int argc, char** argv, std::string& word) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view text = argv[i];
     if (text == "-D" || text == "-o" || text == "--json" || text == "--threads" ||
-        text == "--solver" || text == "--checkpoint" || text == "--accuracy" || text == "--of" ||
-        text == "--budget") {
+        text == "--solver" || text == "--factor" || text == "--checkpoint" ||
+        text == "--accuracy" || text == "--of" || text == "--budget") {
       ++i;
       continue;
     }

@@ -52,6 +52,7 @@ CompileSettings compile_settings(const Options& options) {
           .all_unknowns = options.full,
           .both_sides = options.both_sides,
           .solver = solver::linear_solver_of(options.solver),
+          .factor = solver::factor_entries_of(options.factor),
           .threads = options.threads,
           .words = option_words()};
 }

@@ -26,6 +26,7 @@ struct Options {
   bool full = false;       ///< all unknowns at every step, also where the contact unknowns would do
   bool both_sides = false; ///< of pairs: their contact unknowns, also where jumps would do
   std::string solver;      ///< a word of `using solver`; empty: the script's
+  std::string factor;      ///< a word of `using factor`; empty: the script's
   int threads = 1;
   int checkpoint = 0; ///< every so many steps; 0: never
   bool resume = false;

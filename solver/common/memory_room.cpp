@@ -106,8 +106,9 @@ double own(const std::string& name) {
 }
 
 constexpr const char* what_helps =
-    "fewer cells or P1 need less; so do fewer steps with `memory = direct`, and another route for "
-    "it; several tensors that are multiples of one need one matrix";
+    "fewer cells or P1 need less; so do iterations (`using solver = iterative`) and a factor in "
+    "single precision (`using factor = single`); fewer steps with `memory = direct`, and another "
+    "route for it; several tensors that are multiples of one need one matrix";
 
 } // namespace
 

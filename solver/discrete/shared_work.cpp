@@ -71,23 +71,23 @@ SparseMatrix SharedWork::form(const FormTerm& term, const std::function<SparseMa
 }
 
 SharedFactor SharedWork::factored(const SparseMatrix& k, std::span<const int> contact,
-                                  bool symmetric, double to_come) {
+                                  bool symmetric, double to_come, FactorEntries entries) {
   for (const Factor& known : factors_) {
     const bool free = known.factor.use_count() == 1; // what a forward solve keeps is for one user
-    if (!free || known.symmetric != symmetric || !std::ranges::equal(known.contact, contact) ||
-        !same(known.k, k))
+    if (!free || known.symmetric != symmetric || known.entries != entries ||
+        !std::ranges::equal(known.contact, contact) || !same(known.k, k))
       continue;
     ++spared_.factors;
     spared_.seconds_factors += known.seconds;
     return {known.factor, true, true};
   }
   const double start = cpu_seconds();
-  std::shared_ptr<Factorisation> made = analyse(k, contact, symmetric, orders_.get());
+  std::shared_ptr<Factorisation> made = analyse(k, contact, symmetric, orders_.get(), entries);
   factor_where_it_fits(*made, k, contact.size(), to_come);
   const double seconds = cpu_seconds() - start + orders_->seconds_of_last();
   if (made->statistics().bytes > most_bytes) return {made, false, false};
   if (factors_.size() == most_kept) factors_.erase(factors_.begin());
-  factors_.push_back({k, {contact.begin(), contact.end()}, symmetric, made, seconds});
+  factors_.push_back({k, {contact.begin(), contact.end()}, symmetric, entries, made, seconds});
   return {made, true, false};
 }
 
@@ -115,9 +115,9 @@ void factor_where_it_fits(Factorisation& factorisation, const SparseMatrix& k,
 }
 
 SharedFactor take_factor(SharedWork* shared, const SparseMatrix& k, std::span<const int> contact,
-                         bool symmetric, double to_come) {
-  if (shared != nullptr) return shared->factored(k, contact, symmetric, to_come);
-  std::shared_ptr<Factorisation> made = analyse(k, contact, symmetric);
+                         bool symmetric, double to_come, FactorEntries entries) {
+  if (shared != nullptr) return shared->factored(k, contact, symmetric, to_come, entries);
+  std::shared_ptr<Factorisation> made = analyse(k, contact, symmetric, nullptr, entries);
   factor_where_it_fits(*made, k, contact.size(), to_come);
   return {made, false, false};
 }

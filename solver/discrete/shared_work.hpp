@@ -54,7 +54,7 @@ public:
   /// K factored, contact unknowns last. Throws Failure(not_coercive), and Failure(too_large) where
   /// the factor and `to_come` more bytes do not fit.
   SharedFactor factored(const SparseMatrix& k, std::span<const int> contact, bool symmetric,
-                        double to_come = 0.0);
+                        double to_come = 0.0, FactorEntries entries = FactorEntries::doubles);
   Spared spared() const;
 
 private:
@@ -67,6 +67,7 @@ private:
     SparseMatrix k;
     std::vector<int> contact;
     bool symmetric;
+    FactorEntries entries; ///< that were asked for
     std::shared_ptr<Factorisation> factor;
     double seconds;
   };
@@ -78,7 +79,8 @@ private:
 
 /// From `shared`, or made for this run alone when it is null.
 SharedFactor take_factor(SharedWork* shared, const SparseMatrix& k, std::span<const int> contact,
-                         bool symmetric, double to_come = 0.0);
+                         bool symmetric, double to_come = 0.0,
+                         FactorEntries entries = FactorEntries::doubles);
 /// factorisation.factor(k) where it fits; throws Failure(too_large) where it does not.
 void factor_where_it_fits(Factorisation& factorisation, const SparseMatrix& k,
                           std::size_t n_contact, double to_come);

@@ -22,17 +22,17 @@ SharedFactor own(std::unique_ptr<Factorisation> factor) {
 
 /// Not factored yet.
 std::unique_ptr<Factorisation> analyse_changed(const Operators& operators, const Contact& contact,
-                                               const SparseMatrix& k) {
+                                               const SparseMatrix& k, FactorEntries entries) {
   const SparseMatrix changed = contact.change->congruent(k);
-  return with_changed_unknowns(operators.coupled
-                                   ? coupled_factor(changed, contact.unknowns, contact.of_unknown)
-                                   : analyse(changed, contact.unknowns, operators.symmetric),
-                               contact.change);
+  return with_changed_unknowns(
+      operators.coupled ? coupled_factor(changed, contact.unknowns, contact.of_unknown)
+                        : analyse(changed, contact.unknowns, operators.symmetric, nullptr, entries),
+      contact.change);
 }
 
 /// Of K. `shared`: may have it already; `like`: shares its analysis; both may be null.
 SharedFactor make_factor(const Operators& operators, const Contact& contact, const SparseMatrix& k,
-                         SharedWork* shared, const FactoredMatrix* like) {
+                         SharedWork* shared, const FactoredMatrix* like, FactorEntries entries) {
   if (operators.separate) {
     auto out = own(separate_factor(*operators.separate, operators.n_unknowns));
     out->factor(k);
@@ -49,11 +49,12 @@ SharedFactor make_factor(const Operators& operators, const Contact& contact, con
     return out;
   }
   if (contact.change) {
-    auto out = own(analyse_changed(operators, contact, k));
+    auto out = own(analyse_changed(operators, contact, k, entries));
     factor_where_it_fits(*out, k, contact.unknowns.size(), operators.memory_to_come);
     return out;
   }
-  return take_factor(shared, k, contact.unknowns, operators.symmetric, operators.memory_to_come);
+  return take_factor(shared, k, contact.unknowns, operators.symmetric, operators.memory_to_come,
+                     entries);
 }
 
 } // namespace
@@ -77,7 +78,8 @@ void FactoredMatrix::factor(const Vector& gamma) {
     return;
   }
   auto* const shared = factorisation_ ? nullptr : operators_.shared;
-  factorisation_ = make_factor(operators_, contact_, matrix, shared, std::exchange(like_, nullptr));
+  factorisation_ =
+      make_factor(operators_, contact_, matrix, shared, std::exchange(like_, nullptr), entries_);
 }
 
 /// Iterations know the matrix by where its entries are.
@@ -153,6 +155,10 @@ const SymmetricBlocks& FactoredMatrix::half(std::span<const SymmetricBlocks> bas
   if (half_.empty() && !bases.empty()) half_ = SymmetricBlocks::sum(bases, gamma_);
   if (half_.empty() && !bases.empty()) half_ = SymmetricBlocks(k_);
   return half_;
+}
+
+bool FactoredMatrix::in_singles() const {
+  return factorisation_ && factorisation_->statistics().entries == FactorEntries::singles;
 }
 
 double FactoredMatrix::bytes() const {

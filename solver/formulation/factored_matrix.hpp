@@ -18,6 +18,8 @@ public:
                  const FactoredMatrix* like = nullptr)
       : operators_(operators), contact_(contact), like_(like) {}
 
+  /// Of the factors that are made from now on. Whoever takes singles has to correct what he solves.
+  void set_entries(FactorEntries entries) { entries_ = entries; }
   /// Numeric factorisation for these coefficients; the pattern is analysed the first time only.
   /// Throws Failure(not_coercive).
   void factor(const Vector& gamma);
@@ -48,6 +50,8 @@ public:
   const SparseMatrix& k() const { return k_; }
   /// Absent where all unknowns are contact unknowns, so that nothing is condensed.
   const SharedFactor& factorisation() const { return factorisation_; }
+  /// Is the factor one of singles? Then corrections leave a hundredth of an error, at most.
+  bool in_singles() const;
   /// K once more for products, in half the memory, from such matrices of the T_b; empty without
   /// those, or if K is not symmetric. Made at the first call.
   const SymmetricBlocks& half(std::span<const SymmetricBlocks> bases);
@@ -63,6 +67,7 @@ private:
   const Operators& operators_;
   const Contact& contact_;
   const FactoredMatrix* like_;
+  FactorEntries entries_ = FactorEntries::doubles;
   std::span<const RigidMotions> motions_;
   const StateLayout* layout_ = nullptr;
   std::shared_ptr<const FreeBody> free_;

@@ -80,6 +80,7 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
   if (plan.options.rows_refused)
     return "a step on the contact unknowns was not certified on all rows";
   if (operators.iterative) return "the solver is iterative";
+  if (plan.options.factor == FactorEntries::singles) return "the factor is in single precision";
   if (plan.problem.time.is_static) return "a static problem has one step";
   if (contact.none()) return "there is no contact law";
   if (in_motion(plan.problem)) return "there is inertia";

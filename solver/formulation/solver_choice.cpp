@@ -45,15 +45,17 @@ std::string cost_text(const SolverCost& cost) {
 
 SolverCost direct_cost(const StepSizes& s) {
   const double sides = s.symmetric ? 1.0 : 2.0, c = s.contact;
+  const double entry = s.singles ? 0.5 : 1.0; // of a double
   SolverCost out;
-  out.bytes = 8.0 * sides * s.factor.nonzeros + (2 + s.matrices) * by_rows * s.entries +
+  out.bytes = 8.0 * entry * sides * s.factor.nonzeros + (2 + s.matrices) * by_rows * s.entries +
               2.0 * sizeof(double) * c * c;
   const bool by_lu = s.rubs && !s.symmetric;
   const double factors = by_lu ? factors_of_friction_by_lu : s.rubs ? factors_of_friction : 0.0;
   const double laws = factors * c * c * c / 3.0;
   const double reads = by_lu ? reads_of_friction_by_lu : reads_of_a_step;
   const double solves = s.one_matrix ? c * c : reads * sides * s.factor.nonzeros;
-  out.seconds = seconds_of_ordering * s.entries + seconds_of_a_flop * sides * s.factor.flops +
+  out.seconds = seconds_of_ordering * s.entries +
+                seconds_of_a_flop * entry * sides * s.factor.flops +
                 s.steps * (seconds_of_a_flop * laws + seconds_of_an_entry * solves);
   return out;
 }
@@ -140,6 +142,8 @@ StepSizes sizes_of_steps(const Plan& plan, const Discretisation& d, const StateL
   out.symmetric = operators.symmetric && !contact.mixed;
   out.one_matrix = operators.n_bases() == 1 && !contact.none() && out.steps > 1;
   out.several = space.is_product();
+  out.singles =
+      plan.options.factor == FactorEntries::singles && operators.symmetric && !operators.coupled;
   out.rubs = std::ranges::any_of(plan.problem.laws, [](const LawSpec& law) { return law.radial; });
   return out;
 }

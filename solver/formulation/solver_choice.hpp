@@ -22,6 +22,7 @@ struct StepSizes {
   bool one_matrix = false; ///< the steps are solved for the contact unknowns alone
   bool rubs = false;       ///< friction: points stick and slip
   bool several = false;    ///< unknowns
+  bool singles = false;    ///< the factor is in single precision
 };
 
 struct SolverCost {

@@ -27,10 +27,10 @@ void check_contact(const SparseMatrix& k, std::span<const int> contact) {
 } // namespace
 
 std::unique_ptr<Factorisation> analyse(const SparseMatrix& k, std::span<const int> contact,
-                                       bool symmetric, OrderStore* known) {
+                                       bool symmetric, OrderStore* known, FactorEntries entries) {
   check_matrix(k);
   check_contact(k, contact);
-  return symmetric ? analyse_cholesky(k, contact, known) : analyse_lu(k, contact);
+  return symmetric ? analyse_cholesky(k, contact, entries, known) : analyse_lu(k, contact);
 }
 
 } // namespace hvi::solver

@@ -6,58 +6,94 @@
 #include "solver/linear/cholesky.hpp"
 
 #include "solver/common/clock.hpp"
+#include "solver/common/memory_room.hpp"
 #include "solver/linear/changed_unknowns.hpp"
 #include "solver/linear/cholesky_factor.hpp"
+#include "solver/linear/dense_blocks.hpp"
 #include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
 
-#include <cblas.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
 #include <stdexcept>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
 
+/// Of an error a correction with a factor of singles leaves at most this part, or doubles are
+/// taken: steps converge in a few corrections more.
+constexpr double most_left = 0.01;
+/// The range of singles, whose squares are formed.
+constexpr double least_single = 1e-15, most_single = 1e15;
+
 /// L L^T for a lower triangle, by columns of blocks: a block column of the product takes only the
 /// columns of L up to its end. OpenBLAS, as Eigen's own product is compiled for any processor.
-DenseMatrix times_transpose(const DenseMatrix& l) {
+template <class Entry>
+DenseMatrix times_transpose(const SquareOf<Entry>& l) {
   const OneBlasThread one_thread;
   constexpr int block = 128;
   const int size = static_cast<int>(l.rows());
-  DenseMatrix product(size, size);
+  SquareOf<Entry> columns(size, std::min(block, size));
+  DenseMatrix out(size, size);
   for (int first = 0; first < size; first += block) {
-    const int columns = std::min(block, size - first);
-    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, size - first, columns, first + columns,
-                1.0, &l(first, 0), size, &l(first, 0), size, 0.0, &product(first, first), size);
+    const int count = std::min(block, size - first);
+    dense_blocks::product(size - first, count, first + count, &l(first, 0), &l(first, 0), size,
+                          columns.data(), size);
+    out.block(first, first, size - first, count) =
+        columns.topLeftCorner(size - first, count).template cast<double>();
   }
-  product.triangularView<Eigen::StrictlyUpper>() = product.transpose();
-  return product;
+  out.triangularView<Eigen::StrictlyUpper>() = out.transpose();
+  return out;
 }
 
 /// L22 of the contact unknowns, and S = L22 L22^T.
 class ContactFactor {
 public:
-  void take_from(const CholeskyFactor& l) {
-    l.take_trailing_block(l22_);
-    schur_.resize(0, 0);
+  void take_from(CholeskyFactor& l) {
+    doubles_.resize(0, 0), singles_.resize(0, 0), schur_.resize(0, 0);
+    if (l.entries() == FactorEntries::singles)
+      l.take_trailing_block(singles_);
+    else
+      l.take_trailing_block(doubles_);
   }
   const DenseMatrix& schur() const {
-    if (schur_.size() < l22_.size()) schur_ = times_transpose(l22_);
+    if (schur_.size() > 0) return schur_;
+    schur_ = singles_.size() > 0 ? times_transpose(singles_) : times_transpose(doubles_);
     return schur_;
   }
   /// In place, for one right-hand side.
-  void forward(double* y_c) const {
-    l22_.triangularView<Eigen::Lower>().solveInPlace(entries(y_c));
+  void forward(double* y) const {
+    if (singles_.size() > 0) return forward_with_singles(y);
+    dense_blocks::solve(static_cast<int>(doubles_.rows()), doubles_.data(), CblasNoTrans, y);
   }
-  void back(double* y_c) const {
-    l22_.transpose().triangularView<Eigen::Upper>().solveInPlace(entries(y_c));
+  void back(double* y) const {
+    if (singles_.size() > 0) return back_with_singles(y);
+    dense_blocks::solve(static_cast<int>(doubles_.rows()), doubles_.data(), CblasTrans, y);
   }
 
 private:
-  Eigen::Map<Vector> entries(double* y_c) const { return {y_c, l22_.rows()}; }
+  void forward_with_singles(double* y) const {
+    const Eigen::Index n = singles_.rows();
+    for (Eigen::Index j = 0; j < n; ++j) {
+      y[j] /= double{singles_(j, j)};
+      for (Eigen::Index i = j + 1; i < n; ++i) y[i] -= double{singles_(i, j)} * y[j];
+    }
+  }
+  void back_with_singles(double* y) const {
+    const Eigen::Index n = singles_.rows();
+    for (Eigen::Index j = n - 1; j >= 0; --j) {
+      for (Eigen::Index i = j + 1; i < n; ++i) y[j] -= double{singles_(i, j)} * y[i];
+      y[j] /= double{singles_(j, j)};
+    }
+  }
 
-  DenseMatrix l22_;
+  SquareOf<double> doubles_; ///< L22 is the one of both that is not empty
+  SquareOf<float> singles_;
   mutable DenseMatrix schur_; ///< made at the first use after a factorisation
 };
 
@@ -65,19 +101,20 @@ private:
 /// all that CHOLMOD stores of them.
 void count_solve(const CholeskyFactor& l, const LowerFactor& lower, RightHandSides y,
                  FactorStatistics& statistics) {
-  if (lower.values == nullptr) throw std::logic_error("a solve before a factorisation");
   ++statistics.triangular_solves;
   const double contacts = l.order().contacts();
   const double entries = y.stride == 1
                              ? static_cast<double>(l.structure().xsize) - contacts * contacts
                              : lower.structure.nonzeros();
-  statistics.bytes_read += entries * sizeof(double);
+  const bool singles = l.entries() == FactorEntries::singles;
+  statistics.bytes_read += entries * (singles ? sizeof(float) : sizeof(double));
 }
 
 class Cholesky final : public Factorisation {
 public:
   /// `start`: of the analysis, in cpu_seconds().
-  Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known, double start);
+  Cholesky(const SparseMatrix& k, std::span<const int> contact, FactorEntries entries,
+           OrderStore* known, double start);
   Cholesky(const Cholesky& analysed, double start);
 
   std::unique_ptr<Factorisation> another() const override {
@@ -92,8 +129,13 @@ public:
   const LowerFactor* lower() const { return lower_.values != nullptr ? &lower_ : nullptr; }
 
 private:
+  void take_factor(const SparseMatrix& k);
+  bool singles_will_do(const SparseMatrix& k);
+  double left_by_a_correction(const SparseMatrix& k);
+
   FactorStatistics statistics_; // the factor writes into it
   CholeskyFactor l_;
+  bool factored_ = false;
   LowerFactor lower_;
   ContactFactor contact_;
 };
@@ -105,10 +147,11 @@ LowerFactor without_values(const CholeskyFactor& l) {
           std::vector<double>(static_cast<std::size_t>(interior))};
 }
 
-Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, OrderStore* known,
-                   double start)
-    : l_(k, contact, known, statistics_), lower_(without_values(l_)) {
+Cholesky::Cholesky(const SparseMatrix& k, std::span<const int> contact, FactorEntries entries,
+                   OrderStore* known, double start)
+    : l_(k, contact, known, entries, statistics_), lower_(without_values(l_)) {
   statistics_.bytes = l_.bytes();
+  statistics_.entries = entries;
   statistics_.analyses = 1;
   statistics_.seconds_analyse =
       cpu_seconds() - start + (known != nullptr ? known->seconds_of_last() : 0.0);
@@ -119,38 +162,89 @@ Cholesky::Cholesky(const Cholesky& analysed, double start)
   statistics_.nonzeros = analysed.statistics_.nonzeros;
   statistics_.flops = analysed.statistics_.flops;
   statistics_.bytes = l_.bytes();
+  statistics_.entries = l_.entries();
   statistics_.ordering = analysed.statistics_.ordering;
   statistics_.seconds_analyse = cpu_seconds() - start;
 }
 
-void Cholesky::factor(const SparseMatrix& k) {
-  const double start = cpu_seconds();
-  lower_.values = nullptr;
+void Cholesky::take_factor(const SparseMatrix& k) {
   l_.compute(k);
   ++statistics_.factorisations;
   l_.take_diagonal(lower_.inverse_diagonal);
   contact_.take_from(l_);
+  factored_ = true;
+}
+
+/// The norm of 1 - (L L^T)^-1 K, by three steps of the power method.
+double Cholesky::left_by_a_correction(const SparseMatrix& k) {
+  std::minstd_rand random; // of a fixed seed
+  Vector error(k.rows()), x;
+  for (double& entry : error) entry = (random() & 64U) != 0U ? 1.0 : -1.0;
+  double size = error.norm(), out = 0.0;
+  for (int pass = 0; pass < 3 && size > 0.0; ++pass) {
+    solve(*this, k * error, x);
+    error -= x;
+    const double before = std::exchange(size, error.norm());
+    if (!std::isfinite(size)) return std::numeric_limits<double>::infinity();
+    out = size / before;
+  }
+  return out;
+}
+
+/// Factors K in singles. False: its numbers are beyond them, or they say too little of it.
+bool Cholesky::singles_will_do(const SparseMatrix& k) {
+  const auto diagonal = k.diagonal().cwiseAbs();
+  if (!(diagonal.minCoeff() >= least_single && diagonal.maxCoeff() <= most_single)) return false;
+  try {
+    take_factor(k);
+  } catch (const NotFactorable&) {
+    return false;
+  }
+  return left_by_a_correction(k) <= most_left;
+}
+
+void Cholesky::factor(const SparseMatrix& k) {
+  const double start = cpu_seconds();
+  factored_ = false, lower_.values = nullptr;
+  if (l_.entries() == FactorEntries::singles && !singles_will_do(k)) {
+    factored_ = false;
+    l_.take_doubles();
+    statistics_.entries = l_.entries(), statistics_.bytes = l_.bytes();
+    require_memory(l_.bytes(),
+                   fmt::format("the factor of a matrix of {} unknowns in double precision, as "
+                               "single precision is too little for it",
+                               k.rows()));
+  }
+  if (l_.entries() == FactorEntries::doubles) {
+    take_factor(k);
+    lower_.values = l_.values<double>();
+  }
   statistics_.seconds_factor = cpu_seconds() - start;
-  lower_.values = l_.values();
 }
 
 void Cholesky::forward(RightHandSides y, Columns columns) {
+  if (!factored_) throw std::logic_error("a solve before a factorisation");
   count_solve(l_, lower_, y, statistics_);
-  lower_.structure.forward(lower_.values, lower_.inverse_diagonal.data(), y);
+  l_.with_values([&](const auto* values) {
+    lower_.structure.forward(values, lower_.inverse_diagonal.data(), y);
+  });
   if (columns != Columns::interior) contact_.forward(y.only() + order().interior);
 }
 
 void Cholesky::back(RightHandSides y, Columns columns) {
+  if (!factored_) throw std::logic_error("a solve before a factorisation");
   count_solve(l_, lower_, y, statistics_);
   if (columns != Columns::interior) contact_.back(y.only() + order().interior);
-  lower_.structure.backward(lower_.values, lower_.inverse_diagonal.data(), y);
+  l_.with_values([&](const auto* values) {
+    lower_.structure.backward(values, lower_.inverse_diagonal.data(), y);
+  });
 }
 
 } // namespace
 
 std::unique_ptr<Factorisation> analyse_cholesky(const SparseMatrix& k, std::span<const int> contact,
-                                                OrderStore* known) {
-  return std::make_unique<Cholesky>(k, contact, known, cpu_seconds());
+                                                FactorEntries entries, OrderStore* known) {
+  return std::make_unique<Cholesky>(k, contact, entries, known, cpu_seconds());
 }
 
 const LowerFactor* lower_factor(const Factorisation& of) {

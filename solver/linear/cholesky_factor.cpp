@@ -18,7 +18,9 @@
 namespace hvi::solver {
 
 CholeskyFactor::CholeskyFactor(const SparseMatrix& k, std::span<const int> contact,
-                               OrderStore* known, FactorStatistics& statistics) {
+                               OrderStore* known, FactorEntries entries,
+                               FactorStatistics& statistics)
+    : entries_(entries) {
   CholmodSession& session = factor_.session;
   {
     auto order = known != nullptr ? known->order(k, contact, session)
@@ -38,29 +40,49 @@ CholeskyFactor::CholeskyFactor(const SparseMatrix& k, std::span<const int> conta
   a_ = PermutedLower(k, order_.unknown);
 }
 
+CholeskyFactor::CholeskyFactor(const CholeskyFactor& analysed)
+    : entries_(analysed.entries_), factor_(analysed.factor_), a_(analysed.a_),
+      order_(analysed.order_) {}
+
 double CholeskyFactor::bytes() const {
   const cholmod_factor& l = structure();
   const double contacts = order_.contacts(); // L22 and S
-  return static_cast<double>(l.xsize) * sizeof(double) +
+  const std::size_t entry = entries_ == FactorEntries::singles ? sizeof(float) : sizeof(double);
+  return static_cast<double>(l.xsize) * static_cast<double>(entry) +
          static_cast<double>(l.ssize) * (sizeof(Long) + sizeof(int)) +
-         2.0 * contacts * contacts * sizeof(double);
+         contacts * contacts * static_cast<double>(entry + sizeof(double));
+}
+
+void CholeskyFactor::take_doubles() {
+  entries_ = FactorEntries::doubles;
+  LargeVector<float>().swap(singles_);
+}
+
+void CholeskyFactor::make_room() {
+  cholmod_factor* l = factor_.l;
+  if (entries_ == FactorEntries::singles) {
+    singles_.resize(l->xsize);
+    return;
+  }
+  cholmod_common* common = factor_.session.common();
+  if (l->xtype != CHOLMOD_PATTERN) return;
+  if (cholmod_l_change_factor(CHOLMOD_REAL, true, true, true, true, l, common) == 0) {
+    const auto size = order_.size();
+    refuse_too_large(*common, size);
+    throw OutOfMemory("no memory to factor a matrix of {} unknowns ({:.2g} bytes)", size, bytes());
+  }
+  advise_large_pages(l->x, l->xsize * sizeof(double));
 }
 
 void CholeskyFactor::compute(const SparseMatrix& k) {
   const OneBlasThread one_thread;
   a_.assign(k);
+  make_room();
   cholmod_factor* l = factor_.l;
-  cholmod_common* common = factor_.session.common();
-  if (l->xtype == CHOLMOD_PATTERN) {
-    if (cholmod_l_change_factor(CHOLMOD_REAL, true, true, true, true, l, common) == 0) {
-      const auto size = order_.size();
-      refuse_too_large(*common, size);
-      throw OutOfMemory("no memory to factor a matrix of {} unknowns ({:.2g} bytes)", size,
-                        bytes());
-    }
-    advise_large_pages(l->x, l->xsize * sizeof(double));
-  }
-  l->minor = static_cast<std::size_t>(factor_left_looking(a_, *l));
+  const Long failed = entries_ == FactorEntries::singles
+                          ? factor_left_looking(a_, *l, singles_.data())
+                          : factor_left_looking(a_, *l, static_cast<double*>(l->x));
+  l->minor = static_cast<std::size_t>(failed);
 }
 
 /// Reads the diagonal, which lies scattered in memory, once; then nothing but L is kept.
@@ -72,7 +94,8 @@ void CholeskyFactor::take_diagonal(std::vector<double>& inverse) {
   for (std::size_t s = 0; s < factor_.l->nsuper; ++s) {
     const Long stride = row_start[s + 1] - row_start[s];
     for (Long position = super[s]; position < super[s + 1]; ++position) {
-      const double entry = values()[value_start[s] + (position - super[s]) * (stride + 1)];
+      const std::size_t at = value_start[s] + (position - super[s]) * (stride + 1);
+      const double entry = with_values([&](const auto* values) { return double{values[at]}; });
       const double pivot = entry * entry / a_.diagonal()[position];
       if (!std::isfinite(pivot)) fail_at(static_cast<int>(position), pivot);
       if (pivot < least) {
@@ -93,7 +116,8 @@ void CholeskyFactor::fail_at(int position, double pivot) const {
 }
 
 /// Gathers the contact columns, which lie in one or several supernodes, into a dense L22.
-void CholeskyFactor::take_trailing_block(DenseMatrix& l22) const {
+template <class Entry>
+void CholeskyFactor::take_trailing_block(SquareOf<Entry>& l22) {
   const auto contacts = order_.contacts();
   l22.setZero(contacts, contacts);
   const auto [super, row_start, value_start, row] = arrays_of(structure());
@@ -102,8 +126,18 @@ void CholeskyFactor::take_trailing_block(DenseMatrix& l22) const {
     for (Long column = std::max<Long>(super[s], order_.interior); column < super[s + 1]; ++column)
       for (Long i = column - super[s]; i < stride; ++i)
         l22(row[row_start[s] + i] - order_.interior, column - order_.interior) =
-            values()[value_start[s] + (column - super[s]) * stride + i];
+            values<Entry>()[value_start[s] + (column - super[s]) * stride + i];
   }
+  if (contacts == 0) return;
+  const auto last = std::upper_bound(super, super + factor_.l->nsuper, Long{order_.interior}) - 1;
+  const auto s = last - super; // whose columns from the first contact one on stand at the end
+  const auto kept = static_cast<std::size_t>(
+      value_start[s] + (order_.interior - *last) * (row_start[s + 1] - row_start[s]));
+  give_back_pages(const_cast<Entry*>(values<Entry>()) + kept,
+                  (factor_.l->xsize - kept) * sizeof(Entry));
 }
+
+template void CholeskyFactor::take_trailing_block(SquareOf<double>&);
+template void CholeskyFactor::take_trailing_block(SquareOf<float>&);
 
 } // namespace hvi::solver

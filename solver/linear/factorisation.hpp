@@ -8,6 +8,7 @@
 //   back       y, y_c = c  ->  y = x, the full solution whose contact part is c
 #pragma once
 
+#include "solver/common/factor_entries.hpp"
 #include "solver/common/failure.hpp"
 #include "solver/linear/elimination_order.hpp"
 #include "solver/linear/iteration_work.hpp"
@@ -32,6 +33,7 @@ struct FactorStatistics {
   double bytes_read = 0;     ///< of the factor, by all triangular solves
   IterationWork iterative;   ///< where iterations stand in for a factor
   std::string ordering;      ///< "METIS", "CAMD", ...
+  FactorEntries entries = FactorEntries::doubles;
 };
 
 /// The matrix has no (safe) factor: a rigid motion is left, or it is not positive definite.
@@ -84,8 +86,10 @@ class OrderStore;
 
 /// Analyses the pattern of K (symmetric pattern; `symmetric`: Cholesky through CHOLMOD, contact
 /// unknowns last; else UMFPACK). `contact` lists the contact unknowns, in the order of r and c.
-/// Cholesky takes the order of elimination from `known`, if given, or puts it there.
+/// Cholesky takes the order of elimination from `known`, if given, or puts it there. `entries`: of
+/// a Cholesky factor; where those of singles would leave much of an error they become doubles.
 std::unique_ptr<Factorisation> analyse(const SparseMatrix& k, std::span<const int> contact,
-                                       bool symmetric, OrderStore* known = nullptr);
+                                       bool symmetric, OrderStore* known = nullptr,
+                                       FactorEntries entries = FactorEntries::doubles);
 
 } // namespace hvi::solver

@@ -28,6 +28,17 @@ inline void advise_large_pages([[maybe_unused]] void* start, [[maybe_unused]] st
 #endif
 }
 
+/// The system takes the whole large pages of [start, start + bytes) back; what they hold is lost,
+/// and they can be written again. Does nothing on systems that know no such advice.
+inline void give_back_pages([[maybe_unused]] void* start, [[maybe_unused]] std::size_t bytes) {
+#if defined(__linux__)
+  auto* const first = static_cast<char*>(start);
+  const std::size_t skip = -reinterpret_cast<std::size_t>(first) % large_page;
+  if (bytes < skip + large_page) return;
+  madvise(first + skip, (bytes - skip) / large_page * large_page, MADV_DONTNEED);
+#endif
+}
+
 /// Large allocations begin at a large page, small ones at a cache line. Elements are left as they
 /// are by `resize`: what is written once need not be cleared first.
 template <class T>

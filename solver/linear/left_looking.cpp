@@ -7,9 +7,7 @@
 // Cholesky factorization and update/downdate, ACM Trans. Math. Softw. 35 (2008).
 #include "solver/linear/left_looking.hpp"
 
-#include "solver/linear/lapack.hpp"
-
-#include <cblas.h>
+#include "solver/linear/dense_blocks.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -18,12 +16,13 @@
 namespace hvi::solver {
 namespace {
 
+template <class Entry>
 class LeftLooking {
 public:
-  LeftLooking(const PermutedLower& a, cholmod_factor& l)
-      : a_(a), of_(arrays_of(l)), x_(static_cast<double*>(l.x)), supernode_(l.n), place_(l.n),
+  LeftLooking(const PermutedLower& a, const cholmod_factor& l, Entry* values)
+      : a_(a), of_(arrays_of(l)), x_(values), supernode_(l.n), place_(l.n),
         first_waiting_(l.nsuper, none), next_waiting_(l.nsuper, none), taken_(l.nsuper, 0),
-        product_(std::make_unique_for_overwrite<double[]>(l.maxcsize)) {
+        product_(std::make_unique_for_overwrite<Entry[]>(l.maxcsize)) {
     for (std::size_t s = 0; s < l.nsuper; ++s)
       std::fill(supernode_.begin() + of_.super[s], supernode_.begin() + of_.super[s + 1],
                 static_cast<int>(s));
@@ -40,13 +39,11 @@ public:
       wait(d, block(d));
       d = next;
     }
-    int info = 0;
-    dpotrf_("L", &own.columns, own.value, &own.rows, &info);
+    const int info = dense_blocks::cholesky(own.columns, own.value, own.rows);
     if (info != 0) return own.first + info - 1;
     if (own.rows == own.columns) return -1;
-    cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit,
-                own.rows - own.columns, own.columns, 1.0, own.value, own.rows,
-                own.value + own.columns, own.rows);
+    dense_blocks::solve_below(own.rows - own.columns, own.columns, own.value,
+                              own.value + own.columns, own.rows);
     taken_[s] = own.columns;
     wait(s, own);
     return -1;
@@ -60,7 +57,7 @@ private:
     Long first;
     int columns, rows;
     const Long* row;
-    double* value;
+    Entry* value;
   };
 
   Block block(int s) const {
@@ -78,12 +75,12 @@ private:
   }
 
   void take_matrix(int s, const Block& own) {
-    std::fill_n(own.value, static_cast<std::ptrdiff_t>(own.rows) * own.columns, 0.0);
+    std::fill_n(own.value, static_cast<std::ptrdiff_t>(own.rows) * own.columns, Entry{0});
     const Pattern& pattern = a_.pattern();
     for (Long j = own.first; j < of_.super[s + 1]; ++j) {
-      double* const column = own.value + (j - own.first) * own.rows;
+      Entry* const column = own.value + (j - own.first) * own.rows;
       for (Long at = pattern.start[j]; at < pattern.start[j + 1]; ++at)
-        column[place_[pattern.row[at]]] = a_.values()[at];
+        column[place_[pattern.row[at]]] = static_cast<Entry>(a_.values()[at]);
     }
   }
 
@@ -96,13 +93,12 @@ private:
     int columns = 0;
     while (columns < rows && row[columns] < end) ++columns;
     taken_[d] += columns;
-    const double* const l = other.value + from;
-    double* const c = product_.get();
-    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, columns, other.columns, 1.0, l, other.rows,
-                0.0, c, rows);
+    const Entry* const l = other.value + from;
+    Entry* const c = product_.get();
+    dense_blocks::self_product(columns, other.columns, l, other.rows, c, rows);
     if (rows > columns)
-      cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, rows - columns, columns, other.columns,
-                  1.0, l + columns, other.rows, l, other.rows, 0.0, c + columns, rows);
+      dense_blocks::product(rows - columns, columns, other.columns, l + columns, l, other.rows,
+                            c + columns, rows);
     subtract(row, rows, columns, own);
   }
 
@@ -115,34 +111,38 @@ private:
     int together = rows;
     while (together > 0 && place[rows - 1] - place[together - 1] == rows - together) --together;
     for (int j = 0; j < columns; ++j) {
-      const double* const from = product_.get() + static_cast<std::ptrdiff_t>(j) * rows;
-      double* const to = own.value + static_cast<std::ptrdiff_t>(place[j]) * own.rows;
+      const Entry* const from = product_.get() + static_cast<std::ptrdiff_t>(j) * rows;
+      Entry* const to = own.value + static_cast<std::ptrdiff_t>(place[j]) * own.rows;
       int i = j;
       for (; i < together; ++i) to[place[i]] -= from[i];
       if (i == rows) continue;
-      double* const end = to + place[i] - i;
+      Entry* const end = to + place[i] - i;
       for (; i < rows; ++i) end[i] -= from[i];
     }
   }
 
   const PermutedLower& a_;
   SupernodalArrays of_;
-  double* x_;
+  Entry* x_;
   std::vector<int> supernode_; ///< of a column
   std::vector<int> place_;     ///< of a row in the block of the supernode at hand
   std::vector<int> first_waiting_, next_waiting_;
   std::vector<int> taken_; ///< rows of a supernode that other ones had
-  std::unique_ptr<double[]> product_;
+  std::unique_ptr<Entry[]> product_;
   std::vector<int> place_of_row_;
 };
 
 } // namespace
 
-Long factor_left_looking(const PermutedLower& a, cholmod_factor& l) {
-  LeftLooking work(a, l);
+template <class Entry>
+Long factor_left_looking(const PermutedLower& a, const cholmod_factor& l, Entry* values) {
+  LeftLooking work(a, l, values);
   for (int s = 0; s < static_cast<int>(l.nsuper); ++s)
     if (const Long failed = work.factor(s); failed >= 0) return failed;
   return static_cast<Long>(l.n);
 }
+
+template Long factor_left_looking(const PermutedLower&, const cholmod_factor&, double*);
+template Long factor_left_looking(const PermutedLower&, const cholmod_factor&, float*);
 
 } // namespace hvi::solver

@@ -6,12 +6,13 @@
 
 namespace hvi::solver {
 
-/// Fills the values of `l`, which has the structure of the factor of `a` and room for values. Takes
+/// Fills `values`, doubles or floats, of the factor of `a`, which has the structure of `l`. Takes
 /// each supernode once, subtracts what the ones before it contribute and factors its dense block:
 /// the operations of cholmod_l_super_numeric in their order: the same factor to rounding.
 /// CHOLMOD's own makes a parallel region, with a system call at its end, for every loop over a few
 /// rows, and reads the clock twice for every dense product: an eighth of its time in 2D.
 /// Returns the column whose pivot is not positive, or the number of columns: there is none.
-Long factor_left_looking(const PermutedLower& a, cholmod_factor& l);
+template <class Entry>
+Long factor_left_looking(const PermutedLower& a, const cholmod_factor& l, Entry* values);
 
 } // namespace hvi::solver

@@ -1,6 +1,7 @@
 // The kernels of supernodes.cpp: one right-hand side, or several that are interleaved, through the
-// panels of a factor. They take four columns of a panel at a time, so that the right-hand side,
-// which stays in the first cache, is read once for four columns of L from memory.
+// panels of a factor, whose entries are doubles or singles; the arithmetic is double. They take
+// four columns of a panel at a time, so that the right-hand side, which stays in the first cache,
+// is read once for four columns of L from memory.
 #pragma once
 
 #include "solver/linear/instruction_set.hpp"
@@ -18,14 +19,15 @@ constexpr int ahead = 1024;
 
 /// Into the second cache: the first one waits for few lines at a time, and with all of them taken
 /// by what comes later a solve takes a third longer.
-HVI_INLINE void fetch(const double* entry) {
+template <class Entry>
+HVI_INLINE void fetch(const Entry* entry) {
   constexpr int read = 0, second_cache = 2;
   __builtin_prefetch(entry, read, second_cache);
 }
 
 /// w[i..) -= sum_a column_a[i..) t[a], as many whole packs as fit before count; returns the end.
-template <int Lanes, int Width>
-HVI_INLINE int subtract_packs(const double* column, std::size_t stride, int i, int count,
+template <int Lanes, int Width, class Entry>
+HVI_INLINE int subtract_packs(const Entry* column, std::size_t stride, int i, int count,
                               const double* t, double* w) {
   for (; i + Lanes <= count; i += Lanes) {
     Pack<Lanes> sum, entry;
@@ -41,8 +43,8 @@ HVI_INLINE int subtract_packs(const double* column, std::size_t stride, int i, i
 }
 
 /// w[0..count) -= sum_a column_a[0..count) t[a]
-template <int Width>
-HVI_INLINE void subtract_columns(const double* column, std::size_t stride, int count,
+template <int Width, class Entry>
+HVI_INLINE void subtract_columns(const Entry* column, std::size_t stride, int count,
                                  const double* t, double* w) {
   int i = subtract_packs<8, Width>(column, stride, 0, count, t, w);
   i = subtract_packs<4, Width>(column, stride, i, count, t, w);
@@ -51,8 +53,8 @@ HVI_INLINE void subtract_columns(const double* column, std::size_t stride, int c
 }
 
 /// t[a] -= column_a[0..count) . w[0..count)
-template <int Width>
-HVI_INLINE void subtract_products(const double* column, std::size_t stride, int count,
+template <int Width, class Entry>
+HVI_INLINE void subtract_products(const Entry* column, std::size_t stride, int count,
                                   const double* w, double* t) {
   Pack<8> sum[Width] = {};
   int i = 0;
@@ -85,10 +87,10 @@ HVI_INLINE void subtract_products(const double* column, std::size_t stride, int 
 }
 
 /// One block of `Width` columns from `j` on: solves with its triangle, updates the rows below.
-template <int Width>
-HVI_INLINE void forward_block(const double* l, std::size_t stride, int j, int rows,
+template <int Width, class Entry>
+HVI_INLINE void forward_block(const Entry* l, std::size_t stride, int j, int rows,
                               const double* inverse, double* w) {
-  const double* column = l + static_cast<std::size_t>(j) * stride;
+  const Entry* column = l + static_cast<std::size_t>(j) * stride;
   double t[Width];
   for (int a = 0; a < Width; ++a) {
     double value = w[j + a];
@@ -99,10 +101,10 @@ HVI_INLINE void forward_block(const double* l, std::size_t stride, int j, int ro
   subtract_columns<Width>(column + j + Width, stride, rows - j - Width, t, w + j + Width);
 }
 
-template <int Width>
-HVI_INLINE void backward_block(const double* l, std::size_t stride, int j, int rows,
+template <int Width, class Entry>
+HVI_INLINE void backward_block(const Entry* l, std::size_t stride, int j, int rows,
                                const double* inverse, double* w) {
-  const double* column = l + static_cast<std::size_t>(j) * stride;
+  const Entry* column = l + static_cast<std::size_t>(j) * stride;
   double* t = w + j;
   subtract_products<Width>(column + j + Width, stride, rows - j - Width, w + j + Width, t);
   for (int a = Width - 1; a >= 0; --a) {
@@ -114,7 +116,8 @@ HVI_INLINE void backward_block(const double* l, std::size_t stride, int j, int r
 constexpr int width = 4;
 
 /// Forward through one panel; w is its part of the right-hand side with zeros below.
-HVI_INLINE void forward_panel(const double* l, const Panel& panel, const double* inverse,
+template <class Entry>
+HVI_INLINE void forward_panel(const Entry* l, const Panel& panel, const double* inverse,
                               double* w) {
   const auto stride = static_cast<std::size_t>(panel.stride);
   int j = 0;
@@ -123,7 +126,8 @@ HVI_INLINE void forward_panel(const double* l, const Panel& panel, const double*
   for (; j < panel.columns; ++j) forward_block<1>(l, stride, j, panel.rows, inverse, w);
 }
 
-HVI_INLINE void backward_panel(const double* l, const Panel& panel, const double* inverse,
+template <class Entry>
+HVI_INLINE void backward_panel(const Entry* l, const Panel& panel, const double* inverse,
                                double* w) {
   const auto stride = static_cast<std::size_t>(panel.stride);
   int j = panel.columns;
@@ -132,15 +136,17 @@ HVI_INLINE void backward_panel(const double* l, const Panel& panel, const double
 }
 
 /// The data of a triangular solve.
+template <class Entry>
 struct TriangularSolve {
   std::span<const Panel> panels;
   const int* below;
-  const double* values;
+  const Entry* values;
   const double* inverse_diagonal;
   double* work;
 };
 
-HVI_INLINE void forward_solve(const TriangularSolve& solve, double* y) {
+template <class Entry>
+HVI_INLINE void forward_solve(const TriangularSolve<Entry>& solve, double* y) {
   for (const Panel& panel : solve.panels) {
     double* w = solve.work;
     const int beneath = panel.rows - panel.columns;
@@ -156,7 +162,8 @@ HVI_INLINE void forward_solve(const TriangularSolve& solve, double* y) {
   }
 }
 
-HVI_INLINE void backward_solve(const TriangularSolve& solve, double* x) {
+template <class Entry>
+HVI_INLINE void backward_solve(const TriangularSolve<Entry>& solve, double* x) {
   for (auto panel = solve.panels.rbegin(); panel != solve.panels.rend(); ++panel) {
     double* w = solve.work;
     const int beneath = panel->rows - panel->columns;
@@ -168,15 +175,15 @@ HVI_INLINE void backward_solve(const TriangularSolve& solve, double* x) {
   }
 }
 
-template <int Width>
-HVI_INLINE void prefetch(const double* column, std::size_t stride) {
+template <int Width, class Entry>
+HVI_INLINE void prefetch(const Entry* column, std::size_t stride) {
 #pragma GCC unroll 4
   for (int a = 0; a < Width; ++a) fetch(column + a * stride);
 }
 
 /// t[a][g] -= sum_i column_a[i] w[i][g] for Packs packs g of rows that are `row` numbers wide.
-template <int Width, int Packs, int Lanes>
-HVI_INLINE void subtract_all(const double* column, std::size_t stride, int count, const double* w,
+template <int Width, int Packs, int Lanes, class Entry>
+HVI_INLINE void subtract_all(const Entry* column, std::size_t stride, int count, const double* w,
                              int row, double* t) {
   Pack<Lanes> sum[Width][Packs];
 #pragma GCC unroll 4
@@ -191,7 +198,8 @@ HVI_INLINE void subtract_all(const double* column, std::size_t stride, int count
 #pragma GCC unroll 4
     for (int a = 0; a < Width; ++a)
 #pragma GCC unroll 2
-      for (int g = 0; g < Packs; ++g) sum[a][g] -= column[a * stride + i] * other[g];
+      for (int g = 0; g < Packs; ++g)
+        sum[a][g] -= static_cast<double>(column[a * stride + i]) * other[g];
   }
 #pragma GCC unroll 4
   for (int a = 0; a < Width; ++a)
@@ -201,8 +209,8 @@ HVI_INLINE void subtract_all(const double* column, std::size_t stride, int count
 }
 
 /// w[i][g] -= sum_a column_a[i] t[a][g], shaped like that.
-template <int Width, int Packs, int Lanes>
-HVI_INLINE void subtract_from_all(const double* column, std::size_t stride, int count,
+template <int Width, int Packs, int Lanes, class Entry>
+HVI_INLINE void subtract_from_all(const Entry* column, std::size_t stride, int count,
                                   const double* t, int row, double* w) {
   Pack<Lanes> known[Width][Packs];
 #pragma GCC unroll 4
@@ -216,16 +224,17 @@ HVI_INLINE void subtract_from_all(const double* column, std::size_t stride, int 
       Pack<Lanes> sum;
       load<Lanes>(w + i * row + g * Lanes, sum);
 #pragma GCC unroll 4
-      for (int a = 0; a < Width; ++a) sum -= column[a * stride + i] * known[a][g];
+      for (int a = 0; a < Width; ++a)
+        sum -= static_cast<double>(column[a * stride + i]) * known[a][g];
       std::memcpy(w + i * row + g * Lanes, &sum, sizeof sum);
     }
   }
 }
 
-template <int Width, int Packs, int Lanes>
-HVI_INLINE void forward_block_all(const double* l, std::size_t stride, int j, int rows,
+template <int Width, int Packs, int Lanes, class Entry>
+HVI_INLINE void forward_block_all(const Entry* l, std::size_t stride, int j, int rows,
                                   const double* inverse, int row, double* w) {
-  const double* column = l + static_cast<std::size_t>(j) * stride;
+  const Entry* column = l + static_cast<std::size_t>(j) * stride;
   double* t = w + j * row;
   for (int a = 0; a < Width; ++a)
     for (int g = 0; g < Packs; ++g) {
@@ -233,7 +242,7 @@ HVI_INLINE void forward_block_all(const double* l, std::size_t stride, int j, in
       load<Lanes>(t + a * row + g * Lanes, own);
       for (int b = 0; b < a; ++b) {
         load<Lanes>(t + b * row + g * Lanes, other);
-        own -= column[b * stride + j + a] * other;
+        own -= static_cast<double>(column[b * stride + j + a]) * other;
       }
       own *= inverse[j + a];
       std::memcpy(t + a * row + g * Lanes, &own, sizeof own);
@@ -242,8 +251,8 @@ HVI_INLINE void forward_block_all(const double* l, std::size_t stride, int j, in
                                          t + Width * row);
 }
 
-template <int Packs, int Lanes>
-HVI_INLINE void forward_panel_all(const double* l, const Panel& panel, const double* inverse,
+template <int Packs, int Lanes, class Entry>
+HVI_INLINE void forward_panel_all(const Entry* l, const Panel& panel, const double* inverse,
                                   int row, double* w) {
   const auto stride = static_cast<std::size_t>(panel.stride);
   int j = 0;
@@ -254,15 +263,15 @@ HVI_INLINE void forward_panel_all(const double* l, const Panel& panel, const dou
 }
 
 /// `Packs` of `Lanes` are what the registers hold; a panel is in the cache when the next ones come.
-template <int Packs, int Lanes>
-HVI_INLINE void forward_solve_all(const TriangularSolve& solve, int row, double* y) {
+template <int Packs, int Lanes, class Entry>
+HVI_INLINE void forward_solve_all(const TriangularSolve<Entry>& solve, int row, double* y) {
   const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(row);
   for (const Panel& panel : solve.panels) {
     double* w = solve.work;
     double* own = y + static_cast<std::ptrdiff_t>(panel.first) * row;
     const int beneath = panel.rows - panel.columns;
     const int* place = solve.below + panel.below;
-    const double* l = solve.values + panel.values;
+    const Entry* l = solve.values + panel.values;
     const double* inverse = solve.inverse_diagonal + panel.first;
     std::memcpy(w, own, bytes * static_cast<std::size_t>(panel.columns));
     std::memset(w + panel.columns * row, 0, bytes * static_cast<std::size_t>(beneath));
@@ -285,10 +294,10 @@ HVI_INLINE void forward_solve_all(const TriangularSolve& solve, int row, double*
   }
 }
 
-template <int Width, int Packs, int Lanes>
-HVI_INLINE void backward_block_all(const double* l, std::size_t stride, int j, int rows,
+template <int Width, int Packs, int Lanes, class Entry>
+HVI_INLINE void backward_block_all(const Entry* l, std::size_t stride, int j, int rows,
                                    const double* inverse, int row, double* w) {
-  const double* column = l + static_cast<std::size_t>(j) * stride;
+  const Entry* column = l + static_cast<std::size_t>(j) * stride;
   double* t = w + j * row;
   subtract_all<Width, Packs, Lanes>(column + j + Width, stride, rows - j - Width, t + Width * row,
                                     row, t);
@@ -298,7 +307,7 @@ HVI_INLINE void backward_block_all(const double* l, std::size_t stride, int j, i
       load<Lanes>(t + a * row + g * Lanes, own);
       for (int b = a + 1; b < Width; ++b) {
         load<Lanes>(t + b * row + g * Lanes, other);
-        own -= column[a * stride + j + b] * other;
+        own -= static_cast<double>(column[a * stride + j + b]) * other;
       }
       own *= inverse[j + a];
       std::memcpy(t + a * row + g * Lanes, &own, sizeof own);
@@ -306,8 +315,8 @@ HVI_INLINE void backward_block_all(const double* l, std::size_t stride, int j, i
 }
 
 /// Through one panel, `Packs` packs of the right-hand sides.
-template <int Packs, int Lanes>
-HVI_INLINE void backward_panel_all(const double* l, const Panel& panel, const double* inverse,
+template <int Packs, int Lanes, class Entry>
+HVI_INLINE void backward_panel_all(const Entry* l, const Panel& panel, const double* inverse,
                                    int row, double* w) {
   const auto stride = static_cast<std::size_t>(panel.stride);
   int j = panel.columns;
@@ -318,15 +327,15 @@ HVI_INLINE void backward_panel_all(const double* l, const Panel& panel, const do
 }
 
 /// `Packs` of `Lanes` are what the registers hold; a panel is in the cache when the next ones come.
-template <int Packs, int Lanes>
-HVI_INLINE void backward_solve_all(const TriangularSolve& solve, int row, double* x) {
+template <int Packs, int Lanes, class Entry>
+HVI_INLINE void backward_solve_all(const TriangularSolve<Entry>& solve, int row, double* x) {
   const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(row);
   for (auto panel = solve.panels.rbegin(); panel != solve.panels.rend(); ++panel) {
     double* w = solve.work;
     double* own = x + static_cast<std::ptrdiff_t>(panel->first) * row;
     const int beneath = panel->rows - panel->columns;
     const int* place = solve.below + panel->below;
-    const double* l = solve.values + panel->values;
+    const Entry* l = solve.values + panel->values;
     const double* inverse = solve.inverse_diagonal + panel->first;
     std::memcpy(w, own, bytes * static_cast<std::size_t>(panel->columns));
     for (int i = 0; i < beneath; ++i) {
@@ -347,13 +356,13 @@ HVI_INLINE void backward_solve_all(const TriangularSolve& solve, int row, double
 }
 
 /// One right-hand side, or several with packs of 4, or of 8.
-template <int Lanes>
-HVI_INLINE void forward_any(const TriangularSolve& s, int stride, double* y) {
+template <int Lanes, class Entry>
+HVI_INLINE void forward_any(const TriangularSolve<Entry>& s, int stride, double* y) {
   if (stride == 1) return forward_solve(s, y);
   forward_solve_all<2, Lanes>(s, stride, y);
 }
-template <int Lanes>
-HVI_INLINE void backward_any(const TriangularSolve& s, int stride, double* x) {
+template <int Lanes, class Entry>
+HVI_INLINE void backward_any(const TriangularSolve<Entry>& s, int stride, double* x) {
   if (stride == 1) return backward_solve(s, x);
   backward_solve_all<2, Lanes>(s, stride, x);
 }

@@ -11,16 +11,20 @@ namespace {
 using supernode_kernels::TriangularSolve, supernode_kernels::forward_any,
     supernode_kernels::backward_any;
 
-HVI_AVX2 void forward_avx2(const TriangularSolve& s, int stride, double* y) {
+template <class Entry>
+HVI_AVX2 void forward_avx2(const TriangularSolve<Entry>& s, int stride, double* y) {
   forward_any<4>(s, stride, y);
 }
-HVI_AVX512 void forward_avx512(const TriangularSolve& s, int stride, double* y) {
+template <class Entry>
+HVI_AVX512 void forward_avx512(const TriangularSolve<Entry>& s, int stride, double* y) {
   forward_any<8>(s, stride, y);
 }
-HVI_AVX2 void backward_avx2(const TriangularSolve& s, int stride, double* x) {
+template <class Entry>
+HVI_AVX2 void backward_avx2(const TriangularSolve<Entry>& s, int stride, double* x) {
   backward_any<4>(s, stride, x);
 }
-HVI_AVX512 void backward_avx512(const TriangularSolve& s, int stride, double* x) {
+template <class Entry>
+HVI_AVX512 void backward_avx512(const TriangularSolve<Entry>& s, int stride, double* x) {
   backward_any<8>(s, stride, x);
 }
 
@@ -54,8 +58,10 @@ double* Supernodes::work_for(int stride) {
   return work_.data();
 }
 
-void Supernodes::forward(const double* values, const double* inverse_diagonal, RightHandSides y) {
-  const TriangularSolve solve{panels_, below_.data(), values, inverse_diagonal, work_for(y.stride)};
+template <class Entry>
+void Supernodes::forward(const Entry* values, const double* inverse_diagonal, RightHandSides y) {
+  const TriangularSolve<Entry> solve{panels_, below_.data(), values, inverse_diagonal,
+                                     work_for(y.stride)};
   switch (instruction_set()) {
   case InstructionSet::avx512:
     return forward_avx512(solve, y.stride, y.values);
@@ -66,8 +72,10 @@ void Supernodes::forward(const double* values, const double* inverse_diagonal, R
   }
 }
 
-void Supernodes::backward(const double* values, const double* inverse_diagonal, RightHandSides x) {
-  const TriangularSolve solve{panels_, below_.data(), values, inverse_diagonal, work_for(x.stride)};
+template <class Entry>
+void Supernodes::backward(const Entry* values, const double* inverse_diagonal, RightHandSides x) {
+  const TriangularSolve<Entry> solve{panels_, below_.data(), values, inverse_diagonal,
+                                     work_for(x.stride)};
   switch (instruction_set()) {
   case InstructionSet::avx512:
     return backward_avx512(solve, x.stride, x.values);
@@ -77,5 +85,10 @@ void Supernodes::backward(const double* values, const double* inverse_diagonal, 
     return backward_any<4>(solve, x.stride, x.values);
   }
 }
+
+template void Supernodes::forward(const double*, const double*, RightHandSides);
+template void Supernodes::forward(const float*, const double*, RightHandSides);
+template void Supernodes::backward(const double*, const double*, RightHandSides);
+template void Supernodes::backward(const float*, const double*, RightHandSides);
 
 } // namespace hvi::solver

@@ -28,10 +28,12 @@ public:
   Supernodes(const cholmod_factor& l, int interior);
 
   /// Forward solve: y_I := L_II^-1 y_I, then y_c := y_c - L_cI y_I. `inverse_diagonal` has an entry
-  /// per interior column.
-  void forward(const double* values, const double* inverse_diagonal, RightHandSides y);
+  /// per interior column. `values` are doubles or floats.
+  template <class Entry>
+  void forward(const Entry* values, const double* inverse_diagonal, RightHandSides y);
   /// x_I := L_II^-T (y_I - L_cI^T x_c), with y_I where x_I is to stand, and x_c given.
-  void backward(const double* values, const double* inverse_diagonal, RightHandSides x);
+  template <class Entry>
+  void backward(const Entry* values, const double* inverse_diagonal, RightHandSides x);
 
   std::span<const Panel> panels() const { return panels_; }
   std::span<const int> below() const { return below_; } ///< row indices of all panels
@@ -50,7 +52,7 @@ private:
 /// L of K = L L^T on the columns of the interior: for those who copy it.
 struct LowerFactor {
   Supernodes structure;
-  const double* values = nullptr; ///< null: there is none yet
+  const double* values = nullptr; ///< null: there is none yet, or it has singles
   std::vector<double> inverse_diagonal;
 };
 

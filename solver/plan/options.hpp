@@ -1,6 +1,7 @@
 // How a problem is solved.
 #pragma once
 
+#include "solver/common/factor_entries.hpp"
 #include "solver/kernel/kernel_spec.hpp"
 #include "solver/law/branch.hpp"
 
@@ -25,9 +26,17 @@ inline std::optional<LinearSolver> linear_solver_of(std::string_view word) {
   return std::nullopt;
 }
 
+/// "double" or "single"; nothing: no such word.
+inline std::optional<FactorEntries> factor_entries_of(std::string_view word) {
+  if (word == "double") return FactorEntries::doubles;
+  if (word == "single") return FactorEntries::singles;
+  return std::nullopt;
+}
+
 struct SolverOptions {
   LinearSolver solver = LinearSolver::direct_if_it_fits;
-  double tolerance = 1e-10; ///< certificate
+  FactorEntries factor = FactorEntries::doubles; ///< of symmetric matrices of one unknown
+  double tolerance = 1e-10;                      ///< certificate
   double memory_tolerance = 1e-8;
   HistoryRoute route = HistoryRoute::automatic;
   Branch branch = Branch::continuing;

@@ -277,6 +277,7 @@ private:
     line("options tolerance {}, memory {} (route {}), branch {}, solver {}, threads {}",
          number(o.tolerance), number(o.memory_tolerance), to_string(o.route), to_string(o.branch),
          to_string(o.solver), o.threads);
+    if (o.factor == FactorEntries::singles) line("factor in single precision");
   }
 
   void probe(std::size_t i, const Probe& p) {

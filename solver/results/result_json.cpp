@@ -173,6 +173,7 @@ Json what_was_done(const RunResult& result, const Problem& problem, const Result
            {"history", histories(result, problem)},
            {"bytes", work.bytes},
            {"seconds", result.timing.total}};
+  if (work.singles) out["factor"] = "single";
   out.update(of_iterations(work.iterative));
   if (!result.solver.why.empty()) {
     out["solver"] = result.solver.solver == LinearSolver::iterative ? "iterative" : "direct";

@@ -23,6 +23,10 @@ constexpr int corrections_of_joined = 4;
 /// With such a factor corrections go on until what it does not know is rounding: that error would
 /// pile up over the steps.
 constexpr double refined = 1e-13;
+/// A factor of singles leaves up to a hundredth of an error, laws more of it.
+constexpr double slow_of_singles = 0.5;
+/// With it corrections go on to what a factor of doubles leaves at once: rounding of the products.
+constexpr double left_by_doubles = 1e-14;
 
 /// What the corrections of a step did together; of the rest the last one tells.
 class Together {
@@ -67,7 +71,9 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
   if (start != CorrectionStart::predicted) warm_start.begin_at(trial.d, now);
   const bool guessed =
       start != CorrectionStart::predicted || warm_start.predict(matrix, equation, trial, now);
-  const double target = solves->begin(matrix.k(), guessed);
+  const bool singles = matrix.in_singles();
+  const double target =
+      std::min(solves->begin(matrix.k(), guessed), singles ? left_by_doubles : infinity);
   const bool with_bounds = start == CorrectionStart::again_with_bounds;
   now.c.setZero(); // the path to the new state starts at the last one
   const Vector* const right = equation.exact() ? &equation.rhs : nullptr;
@@ -99,7 +105,8 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
     if (!out.inequality.converged || (exact && out.equilibrium <= target)) break;
     const bool free = matrix.free_body() != nullptr;
     const bool early = contact.change && out.corrections <= corrections_of_joined;
-    const bool slow = !early && out.equilibrium > (free ? slow_when_free : slow_contraction) * last;
+    const double least_gain = free ? slow_when_free : singles ? slow_of_singles : slow_contraction;
+    const bool slow = !early && out.equilibrium > least_gain * last;
     if (slow && equation.exact()) {
       if (out.equilibrium > tolerance_ && !free)
         out.equilibrium =

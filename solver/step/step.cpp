@@ -36,6 +36,9 @@ std::string obstacle_to_uniqueness(const Problem& problem, const RunState& state
   }
   if (!uniqueness.settled() && state.formulation->operators().iterative)
     return "a law softens, and iterations do not prove that the body is stiffer";
+  if (!uniqueness.settled() && matrix.in_singles())
+    return "a law softens, and a factor in single precision does not prove that the body is "
+           "stiffer";
   if (!uniqueness.settled()) {
     // Not in a restored run: asking would change the solver, and its later numbers.
     if (uniqueness.condensed() && state.evolution.step() == 0)
@@ -107,6 +110,7 @@ StepResult Stepper::advance(int n) {
   auto out = attempt(n, matrix);
   if (!out.restart && !out.certified && state_.solver.can_begin_anew()) out = attempt(n, matrix);
   if (out.restart) return out;
+  if (!out.certified && matrix.in_singles()) return start_again(SinglesRefused());
   if (!out.certified && state_.contact().change) return start_again(JumpsRefused());
   if (!out.certified && out.inequality.converged && state_.checks)
     return start_again(RowsRefused());

@@ -24,6 +24,7 @@ std::unique_ptr<StepMatrix> new_matrix(const SolverOptions& options, const Formu
   of_laws.branch = options.branch;
   auto out =
       std::make_unique<StepMatrix>(formulation.operators(), formulation.contact(), of_laws, like);
+  out->set_entries(options.factor);
   if (!motions.empty()) out->may_be_free(motions, formulation.layout());
   return out;
 }
@@ -95,6 +96,7 @@ void charge(const FactorStatistics& factor, WorkCounters& work, Timing& timing) 
   work.factorisations += factor.factorisations;
   work.triangular_solves += factor.triangular_solves;
   work.bytes += factor.bytes;
+  work.singles = work.singles || factor.entries == FactorEntries::singles;
   work.iterative.add(factor.iterative);
   timing.ordering += factor.seconds_analyse;
   timing.factor += factor.seconds_factor;

@@ -22,8 +22,12 @@ struct JumpsRefused {};
 /// or back where it was, hold rounding, which only increments of all unknowns tell from errors. A
 /// run starts again on all unknowns.
 struct RowsRefused {};
+/// A step was not certified with a factor in single precision: a run starts again with one in
+/// double precision.
+struct SinglesRefused {};
 /// Why nothing that was computed so far is a result: the run starts again in another way.
-using Restart = std::variant<MemoryMistrust, HorizonEnd, LateCheck, JumpsRefused, RowsRefused>;
+using Restart =
+    std::variant<MemoryMistrust, HorizonEnd, LateCheck, JumpsRefused, RowsRefused, SinglesRefused>;
 
 struct StepResult {
   double equilibrium = 0.0; ///< componentwise backward error

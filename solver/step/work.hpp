@@ -24,6 +24,7 @@ struct WorkCounters {
   int followed_steps = 0, inner_steps = 0, unfollowed_steps = 0;
   std::int64_t field_reads = 0; ///< of stored history fields
   double bytes = 0;
+  bool singles = false; ///< a factor is in single precision
   IterationWork iterative;
 };
 

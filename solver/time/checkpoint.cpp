@@ -142,6 +142,7 @@ std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh) {
   same.problem.mesh.path.clear();
   same.options.threads = 1;
   same.options.solver = {};       // memory may choose it: saved state
+  same.options.factor = {};       // a step that is not certified changes it: saved state
   same.problem.time.grid.clear(); // a run may go on beyond its end: the state knows the steps taken
   for (auto& history : same.problem.histories)
     history.route.reset(); // audits choose it: saved state

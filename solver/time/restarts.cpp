@@ -56,6 +56,11 @@ void Restarts::add_notes(const Plan& plan, RunResult& result) const {
   for (const auto& sentence : route_notes(plan, result.histories))
     if (notes.empty()) result.notes.push_back({0, 0.0, sentence, Origin{}});
   result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
+  if (doubles)
+    result.notes.push_back({0, 0.0,
+                            "a step was not certified with the factor in single precision: started "
+                            "again in double precision",
+                            Origin{}});
 }
 
 Plan Restarts::applied(const Plan& plan) const {
@@ -64,12 +69,14 @@ Plan Restarts::applied(const Plan& plan) const {
     if (routes[m] >= 0) out.problem.histories[m].route = static_cast<HistoryRoute>(routes[m]);
   if (both_sides) out.options.jumps_as_unknowns = false;
   out.options.rows_refused = all_unknowns;
+  if (doubles) out.options.factor = FactorEntries::doubles;
   if (solver) out.options.solver = solver->solver;
   return out;
 }
 
 void Restarts::save(StateWriter& w, const ChosenSolver& chosen) const {
-  w.put(static_cast<std::uint8_t>((both_sides ? 1 : 0) + (all_unknowns ? 2 : 0)));
+  w.put(
+      static_cast<std::uint8_t>((both_sides ? 1 : 0) + (all_unknowns ? 2 : 0) + (doubles ? 4 : 0)));
   w.put(routes);
   put_notes(w, notes);
   w.put(static_cast<std::uint8_t>(chosen.solver));
@@ -78,8 +85,9 @@ void Restarts::save(StateWriter& w, const ChosenSolver& chosen) const {
 
 void Restarts::restore(StateReader& r, const Plan& plan) {
   const auto refused = r.get<std::uint8_t>();
-  if (refused > 3) r.fail("is inconsistent");
+  if (refused > 7) r.fail("is inconsistent");
   both_sides = (refused & 1) != 0, all_unknowns = (refused & 2) != 0;
+  doubles = (refused & 4) != 0;
   routes = r.get_vector<int>(plan.problem.histories.size());
   for (const int route : routes)
     if (route < -1 || route > static_cast<int>(HistoryRoute::direct)) r.fail("is inconsistent");

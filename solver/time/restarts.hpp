@@ -27,6 +27,7 @@ struct Restarts {
   bool checks_at_once = false; ///< a check that was put off has failed before
   bool both_sides = false;     ///< jumps across pairs are no unknowns any more
   bool all_unknowns = false;   ///< steps are not solved on the contact unknowns any more
+  bool doubles = false;        ///< the factor is no longer in single precision
   /// Of the state that is gone on from: it has that solver's unknowns.
   std::optional<ChosenSolver> solver;
   std::vector<StepNote> notes;
@@ -36,6 +37,7 @@ struct Restarts {
   void take(const LateCheck&) { checks_at_once = true; }
   void take(const JumpsRefused&) { both_sides = true; }
   void take(const RowsRefused&) { all_unknowns = true; }
+  void take(const SinglesRefused&) { doubles = true; }
   /// Throws Failure(limit) where a memory ends before the run does and nothing was `resumed`.
   void take(const Restart& why, bool resumed);
   Plan applied(const Plan& plan) const;

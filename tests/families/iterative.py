@@ -1,7 +1,7 @@
 """Random scenes, and all examples, by the iterative solver against the direct one.
 
 usage: iterative.py HVI_RUN [--pairs | --several] [--scenes N] [--seed S] [--examples FOLDER [--whole]] [--only NAME] [--failures]
-                   [--processes N]
+                   [--processes N] [--single]
 
 Every number of the table agrees to 1e-9 of its column's largest value, and both runs are certified. Scenes: 2D and 3D,
 P1 and P2, flat cells, regions whose stiffnesses differ by up to 1e4, softening, unilateral, adhesive and jumping laws,
@@ -10,6 +10,7 @@ are not symmetric. With --pairs: two bodies whose meshes do not match, apart, to
 at rest or held by springs; rigid, jumping and compliant laws, friction, stiffnesses up to 1e4 apart (pairs.py turns and
 scales them). With --several: heat, pore pressures, fluids, fields and scalars that act on each other, and what spreads
 so little that far from its source there is rounding alone. With --processes the iterations are those of N processes.
+With --single a factor in single precision takes the place of iterations.
 Without the module of PETSc, or mpirun where it is needed, the test is skipped (exit code 77).
 """
 import argparse
@@ -382,10 +383,13 @@ def apart(a, b):
     return worst
 
 
-def compare(program, path, folder, arguments=(), processes=1):
+def compare(program, path, folder, arguments=(), processes=1, single=False):
     """What is wrong, or nothing; and a word on the case."""
     direct, a = run(program, path, folder, "direct", arguments)
-    iterative, b = run(program, path, folder, "iterative", arguments, processes)
+    if single:
+        iterative, b = run(program, path, folder, "direct", [*arguments, "--factor", "single"])
+    else:
+        iterative, b = run(program, path, folder, "iterative", arguments, processes)
     if direct.returncode == 1:
         return f"the script is wrong: {direct.stderr[-400:]}", ""
     if direct.returncode != 0:  # the same verdict, whatever its words
@@ -396,7 +400,7 @@ def compare(program, path, folder, arguments=(), processes=1):
     if not (a["certificate"]["certified"] and b["certificate"]["certified"]):
         return "not certified", ""
     difference, column = apart(a, b)
-    word = f"apart {difference:.1e}, equilibrium {b['certificate']['equilibrium']:.1e}"
+    word = f"apart {difference:.1e}, equilibrium {b['certificate']['equilibrium']:.1e}" + ", single" * ("factor" in b["plan"])
     allowed = AGREE
     if path.stem in AS_SAID and difference > AGREE:
         allowed = a["forward_error"]["columns"][column]["absolute"] / max(map(abs, a["table"][column]))
@@ -571,8 +575,9 @@ def main():
     parser.add_argument("--pairs", action="store_true", help="scenes of two bodies")
     parser.add_argument("--several", action="store_true", help="scenes of several unknowns")
     parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--single", action="store_true", help="a factor in single precision instead of iterations")
     options = parser.parse_args()
-    program, wrong, answers = str(pathlib.Path(options.program).resolve()), 0, 0
+    program, wrong, answers, single = str(pathlib.Path(options.program).resolve()), 0, 0, 0
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         if options.failures:
@@ -591,11 +596,11 @@ def main():
             own = folder / name
             own.mkdir()
             arguments = (ARGUMENTS | ({} if options.whole else SHORTER)).get(name, []) if options.examples else []
-            found, word = compare(program, path, own, arguments, options.processes)
+            found, word = compare(program, path, own, arguments, options.processes, options.single)
             if found and " apart by " in found and not options.examples:
                 # A softening law multiplies what the tolerance leaves: both are asked for three digits more.
                 path.write_text(path.read_text().replace("\nsuch that", " using tolerance = 1e-13\nsuch that"))
-                found, word = compare(program, path, own, processes=options.processes)
+                found, word = compare(program, path, own, (), options.processes, options.single)
                 word += ", tolerance 1e-13"
             return name, found, word
 
@@ -604,9 +609,10 @@ def main():
             for name, found, word in pool.map(judged, cases):
                 answers += word.startswith("apart")
                 wrong += found is not None
+                single += ", single" in word
                 print(f"{'FAILS' if found else 'ok   '} {name}: {found or word}", flush=True)
-    print(f"{answers} answers compared, {wrong} wrong")
-    sys.exit(wrong > 0 or (answers == 0 and not options.only))
+    print(f"{answers} answers compared, {wrong} wrong" + f", {single} with factors in single precision" * options.single)
+    sys.exit(wrong > 0 or (answers == 0 and not options.only) or (options.single and single == 0))
 
 
 if __name__ == "__main__":

@@ -103,6 +103,18 @@ TEST(SolverChoice, IsAFactorWhereIterationsCannotOrNothingFits) {
   }
 }
 
+TEST(SolverChoice, AFactorInSinglePrecisionTakesHalfOfTheFactor) {
+  StepSizes sizes;
+  sizes.unknowns = 2e5, sizes.entries = 9e6, sizes.contact = 2e3;
+  sizes.factor = {3e8, 1e12};
+  const SolverCosts doubles = predicted_costs(sizes);
+  sizes.singles = true;
+  const SolverCosts singles = predicted_costs(sizes);
+  EXPECT_NEAR(doubles.direct.bytes - singles.direct.bytes, 4.0 * 3e8, 1.0);
+  EXPECT_GT(doubles.direct.seconds - singles.direct.seconds, 0.4 * doubles.direct.seconds);
+  EXPECT_EQ(doubles.iterative.bytes, singles.iterative.bytes);
+}
+
 /// bench/slab3d.hvi by its sizes: a factor's work grows like unknowns^2, that of iterations like
 /// unknowns.
 TEST(SolverChoice, CostsCrossOnceAsBodiesGrow) {

@@ -49,7 +49,7 @@ double distance(const cholmod_factor& a, const cholmod_factor& b) {
 /// Compares them, and the column where both break down; returns that one.
 std::size_t compare(const SparseMatrix& k, const std::vector<int>& contact) {
   FactorStatistics statistics;
-  CholeskyFactor ours(k, contact, nullptr, statistics);
+  CholeskyFactor ours(k, contact, nullptr, FactorEntries::doubles, statistics);
   ours.compute(k);
   CholmodSession session;
   cholmod_factor* theirs =

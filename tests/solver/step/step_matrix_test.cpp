@@ -74,6 +74,24 @@ TEST_F(MatrixOfASlab, LeavesAFactorOfOtherRunsAsItIs) {
   EXPECT_LT((2.0 * half - x).norm(), 1e-10 * x.norm());
 }
 
+TEST_F(MatrixOfASlab, SharesFactorsOfOnePrecisionOnly) {
+  SharedWork work;
+  Operators shared = operators();
+  shared.shared = &work;
+  const auto factored = [&](FactorEntries entries) {
+    FactoredMatrix matrix(shared, contact());
+    matrix.set_entries(entries);
+    matrix.factor(gamma(1.0));
+    EXPECT_EQ(matrix.in_singles(), entries == FactorEntries::singles);
+  };
+  factored(FactorEntries::doubles);
+  factored(FactorEntries::singles);
+  EXPECT_EQ(work.spared().factors, 0);
+  factored(FactorEntries::singles);
+  factored(FactorEntries::doubles);
+  EXPECT_EQ(work.spared().factors, 2);
+}
+
 TEST_F(MatrixOfASlab, ItsHalfIsThatOfTheLastCoefficients) {
   std::vector<SymmetricBlocks> bases;
   for (const auto& base : operators().bases) bases.emplace_back(base, operators().mirrored);
