@@ -51,7 +51,8 @@ def killed_and_resumed(program, folder):
             break
         out = f"cut{i}"
         with started(program, folder, out) as process:
-            time.sleep((0.1 + 0.085 * (i % 10)) * length)
+            part = 0.1 + 0.085 * i if i < 10 else 0.618 * i % 1  # anywhere, up to the end
+            time.sleep(part * length)
             process.send_signal(signal.SIGKILL)
         with started(program, folder, out, "--resume") as process:
             said = process.communicate()[0]
