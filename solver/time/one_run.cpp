@@ -112,6 +112,7 @@ RunOutcome OneRun::conclude() {
   result_.histories = state_.evolution.memory().reports();
   result_.steps = state_.evolution.step();
   note_proofs(plan_, result_);
+  note_precision(plan_, state_, result_);
   result_.u = Vector::Zero(discretisation_.space.n_dofs());
   state_.formulation->scatter(state_.evolution.u(), result_.u);
   if (state_.evolution.step() > 0) estimate_forward_error();

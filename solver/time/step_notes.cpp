@@ -174,6 +174,18 @@ void note_proofs(const Plan& plan, RunResult& result) {
        plan.problem.law_terms.front().origin});
 }
 
+void note_precision(const Plan& plan, const RunState& run, RunResult& result) {
+  if (plan.options.factor != FactorEntries::singles || result.work.singles) return;
+  const Operators& operators = run.formulation->operators();
+  const char* const why = operators.iterative    ? "iterations have none"
+                          : run.contact().whole  ? "the laws act on most of the unknowns"
+                          : operators.coupled    ? "unknowns act on each other"
+                          : !operators.symmetric ? "the matrix is not symmetric"
+                                                 : "that is too little for the matrix";
+  result.notes.push_back(
+      {0, 0.0, fmt::format("the factor is not in single precision: {}", why), Origin{}});
+}
+
 void refuse_step(const StepResult& step, int n, const RunState& run, const Plan& plan) {
   const auto& grid = run.evolution.grid();
   const auto place = grid.is_static() ? std::string("the static problem")

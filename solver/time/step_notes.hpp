@@ -18,6 +18,8 @@ void note_step(const StepResult& step, int n, double t, const TimeGrid& grid, co
 void note_negative_bounds(const RunState& run, int n, const Plan& plan, RunResult& result);
 /// With `least_energy`: in how many steps that is proved. Each of the others has its note.
 void note_proofs(const Plan& plan, RunResult& result);
+/// Why no factor is in single precision where that was asked for.
+void note_precision(const Plan& plan, const RunState& run, RunResult& result);
 /// Throws Failure(not_certified) with the law to blame.
 [[noreturn]] void refuse_step(const StepResult& step, int n, const RunState& run, const Plan& plan);
 

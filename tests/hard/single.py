@@ -95,9 +95,27 @@ def where_it_says_too_little(runs):
         print(f"nu = {nu}: {'single' if 'factor' in single['plan'] else 'double'}, {single['final']}, {double['final']}")
         assert ("factor" in single["plan"]) == enough and "factor" not in double["plan"]
         assert single["plan"]["factorisations"] == (1 if enough else 2)
+        assert any("not in single precision: that is too little for the matrix" in what for what in told(single)) != enough
+        assert not any("not in single precision" in what for what in told(double))
         apart = max(abs(a - b) for a, b in zip(single["table"]["u_y"], double["table"]["u_y"]))
         assert apart == 0 if not enough else 0 < apart < 1e-12 * abs(double["final"]["u_y"])
         assert single["plan"]["bytes"] < double["plan"]["bytes"] if enough else True
+
+
+SKEW = """
+mesh body = rectangle(1, 1, cells = [3, 3])
+part left = body.left
+space S = scalar P1 on body, zero on left
+find c in S for t in [0, 1] by 2 steps from c = 0 using factor = single
+such that for all d in S
+    integral(body, c'*d + dot(grad(c), grad(d)) + dot([3, 1], grad(c))*d) = integral(body, d)
+report table a = norm(c)
+"""
+
+
+def where_there_is_none(runs):
+    runs.script("skew", SKEW)
+    assert any(what == "the factor is not in single precision: the matrix is not symmetric" for what in told(runs("skew", "--no-files")))
 
 
 def in_words(runs):
@@ -116,6 +134,7 @@ def main():
         runs = Runs(str(pathlib.Path(sys.argv[1]).resolve()), folder)
         near_the_end_of_a_branch(runs)
         where_it_says_too_little(runs)
+        where_there_is_none(runs)
         in_words(runs)
 
 
