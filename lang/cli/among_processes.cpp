@@ -4,13 +4,14 @@
 #include "lang/cli/say.hpp"
 #include "lang/diag/failures.hpp"
 #include "solver/linear/processes.hpp"
+#include "solver/results/piece_files.hpp"
 
 namespace hvi::lang {
 
 int among_processes(const std::function<int()>& program) {
   const solver::Processes processes = solver::started_processes();
   if (!processes.several()) return program();
-  if (processes.rank > 0) return solver::serve(processes);
+  if (processes.rank > 0) return solver::serve(processes, solver::write_piece);
   try {
     solver::lead(processes);
   } catch (const solver::Failure& failure) {

@@ -10,6 +10,7 @@
 #include "lang/pictures.hpp"
 #include "lang/report/page.hpp"
 #include "solver/linear/bandwidth.hpp"
+#include "solver/linear/processes.hpp"
 #include "solver/results/result_json.hpp"
 
 #include <fmt/format.h>
@@ -118,6 +119,7 @@ RunRequest request_of(const Session& session, const Options& options, ProgressLi
     settings.output_folder = output_folder(session.script, options);
     settings.checkpoint_every = options.checkpoint;
     settings.resume = options.resume;
+    settings.processes = solver::started_processes().count;
   }
   if (progress.enabled()) settings.progress = [&](const solver::Progress& p) { progress(p); };
   out.accuracy = options.accuracy;

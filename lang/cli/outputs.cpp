@@ -52,7 +52,8 @@ std::vector<fs::path> inputs_of(const Script& script) {
 
 bool in_series(const fs::path& input, const fs::path& stem) {
   const auto name = input.filename().string();
-  return input.parent_path() == stem.parent_path() && input.extension() == ".vtu" &&
+  return input.parent_path() == stem.parent_path() &&
+         (input.extension() == ".vtu" || input.extension() == ".pvtu") &&
          name.starts_with(stem.filename().string() + "_");
 }
 

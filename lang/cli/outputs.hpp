@@ -18,7 +18,7 @@ namespace hvi::lang {
 struct Outputs {
   std::string folder;                        ///< empty: nothing goes into a folder
   std::vector<std::filesystem::path> files;  ///< in the folder and elsewhere (JSON)
-  std::vector<std::filesystem::path> series; ///< stems of NAME_00001.vtu, ...
+  std::vector<std::filesystem::path> series; ///< stems of NAME_00001.vtu, NAME_00001.pvtu, ...
 };
 
 /// Of a run: tables, fields, pictures, checkpoint, monitors, JSON.

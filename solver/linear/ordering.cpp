@@ -4,9 +4,9 @@
 #include "solver/common/clock.hpp"
 #include "solver/common/failure.hpp"
 #include "solver/common/out_of_memory.hpp"
+#include "solver/linear/metis_turn.hpp"
 
 #include <algorithm>
-#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -78,13 +78,6 @@ std::optional<std::vector<Long>> camd_order(VertexGraph& graph, cholmod_common* 
   flops = common->fl * block * block * block;
   std::erase_if(order, [&](Long vertex) { return graph.member[vertex] != 0; });
   return order;
-}
-
-/// METIS draws from the C library's random numbers, which the process has once: one at a time, so
-/// that two runs in two threads get the same orders as one after the other.
-std::mutex& metis_turn() {
-  static std::mutex only;
-  return only;
 }
 
 /// METIS's nested dissection of the interior's graph (G. Karypis, V. Kumar, A fast and high quality
@@ -187,6 +180,11 @@ ContactLastOrder of_unknowns(const VertexGraph& graph, const Links& links,
 }
 
 } // namespace
+
+std::mutex& metis_turn() {
+  static std::mutex only;
+  return only;
+}
 
 EliminationOrder elimination_order(const ContactLastOrder& order, std::span<const int> contact) {
   EliminationOrder out{{order.permutation.begin(), order.permutation.end()}, 0};

@@ -9,6 +9,9 @@
 #include "solver/linear/processes.hpp"
 
 #include <cstdlib>
+#include <exception>
+#include <new>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
@@ -49,6 +52,34 @@ void require(int status, const std::string& message) {
                 "PETSc cannot solve for the unknowns of a step: " + std::string(message.c_str()),
                 "take `using solver = direct`");
 }
+
+/// For what a call of the module has to say.
+std::string room_for_message() { return std::string(2000, '\0'); }
+
+/// The same of a call that only talks with the other processes.
+void require_others(int status, const std::string& message) {
+  if (status == hvi_petsc_no_memory) throw OutOfMemory("no memory for the other processes");
+  if (status == 0) return;
+  throw Failure(FailureKind::not_certified, {},
+                "the other processes cannot be reached: " + std::string(message.c_str()),
+                "take one process");
+}
+
+/// What another process does besides iterations.
+struct Helper {
+  Task task;
+  std::string said;
+
+  static HviPetscBytes answer(void* context, HviPetscBytes message) {
+    Helper& helper = *static_cast<Helper*>(context);
+    try {
+      helper.said = helper.task({message.bytes, message.size});
+      return {helper.said.data(), helper.said.size()};
+    } catch (const std::bad_alloc&) {
+      return {nullptr, 0};
+    }
+  }
+};
 
 class PetscSolver final : public IterativeSolver {
 public:
@@ -131,7 +162,7 @@ private:
   HviPetscSolver* solver_ = nullptr;
   Pieces pieces_;
   const SparseMatrix* laws_ = nullptr;
-  std::string message_ = std::string(2000, '\0');
+  std::string message_ = room_for_message();
   IterativeStatistics statistics_;
 };
 
@@ -149,7 +180,7 @@ Processes started_processes() {
 }
 
 void lead(const Processes& processes) {
-  std::string message(2000, '\0');
+  std::string message = room_for_message();
   const int status = module_function<HviPetscLead>(petsc_module, "hvi_petsc_lead")(
       processes.count, message.data(), message.size());
   if (status == hvi_petsc_no_memory) throw OutOfMemory("no memory for the iterative solver");
@@ -162,12 +193,37 @@ int dismiss(int exit_code) {
   return module_function<HviPetscDismiss>(petsc_module, "hvi_petsc_dismiss")(exit_code);
 }
 
-int serve(const Processes& processes) {
+int serve(const Processes& processes, Task task) {
   try {
-    return module_function<HviPetscServe>(petsc_module, "hvi_petsc_serve")(processes.count);
+    Helper helper{std::move(task), {}};
+    return module_function<HviPetscServe>(petsc_module, "hvi_petsc_serve")(
+        processes.count, &Helper::answer, &helper);
   } catch (const Failure&) {
     return 0;
   }
+}
+
+std::vector<std::string> deal_out(std::span<const std::string> messages, const Task& task) {
+  std::vector<HviPetscBytes> bytes;
+  for (const std::string& one : messages) bytes.push_back({one.data(), one.size()});
+  std::string message = room_for_message();
+  require_others(module_function<HviPetscHandOut>(petsc_module, "hvi_petsc_hand_out")(
+                     bytes.data() + 1, message.data(), message.size()),
+                 message);
+  std::vector<std::string> out;
+  std::exception_ptr failed; // the others answer all the same
+  try {
+    out.push_back(task(messages.front()));
+  } catch (...) {
+    failed = std::current_exception();
+  }
+  require_others(module_function<HviPetscTakeIn>(petsc_module, "hvi_petsc_take_in")(
+                     bytes.data() + 1, message.data(), message.size()),
+                 message);
+  if (failed) std::rethrow_exception(failed);
+  for (const HviPetscBytes& answer : std::span(bytes).subspan(1))
+    out.emplace_back(answer.bytes, answer.size);
+  return out;
 }
 
 bool petsc_is_there() {

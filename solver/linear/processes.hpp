@@ -1,6 +1,12 @@
 // Several processes of one run, which mpirun started: the first one runs the program, and the
-// others take their part in iterations (petsc/commands.hpp).
+// others take their part in iterations (petsc/commands.hpp) and in what it deals out.
 #pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace hvi::solver {
 
@@ -8,6 +14,9 @@ struct Processes {
   int rank = 0, count = 1;
   bool several() const { return count > 1; }
 };
+
+/// The answer to a message. Makes its failures a part of the answer: only memory may be missing.
+using Task = std::function<std::string(std::string_view message)>;
 
 /// As the environment of the launcher says; one where there is none. MPI is not asked.
 Processes started_processes();
@@ -19,8 +28,12 @@ void lead(const Processes& processes);
 /// The first one at its end. Returns how many iterative solvers there were.
 int dismiss(int exit_code);
 
-/// Any other process. Returns the exit code of the first one; 0 where the module cannot be loaded,
-/// which the first one says.
-int serve(const Processes& processes);
+/// Any other process: `task` answers what `deal_out` of the first one sends. Returns the exit code
+/// of the first one; 0 where the module cannot be loaded, which the first one says.
+int serve(const Processes& processes, Task task);
+
+/// The first one after `lead`: sends a message to every process and does the first of them itself.
+/// The answers, in the order of the processes. Throws Failure where they cannot be reached.
+std::vector<std::string> deal_out(std::span<const std::string> messages, const Task& task);
 
 } // namespace hvi::solver

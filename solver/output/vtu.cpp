@@ -40,11 +40,16 @@ std::string unit_label(std::string_view unit) {
 
 /// Readers take NumberOfComponents="1" for a matrix of one column, so scalars leave it out.
 template <class T>
+std::string type_and_name(std::string_view name, int components) {
+  const auto shape = components == 1 ? "" : fmt::format(" NumberOfComponents=\"{}\"", components);
+  return fmt::format("type=\"{}\" Name=\"{}\"{}", vtk_type<T>(), xml_escaped(name), shape);
+}
+
+template <class T>
 std::string data_array(std::string_view name, int components, std::span<const T> values,
                        std::string_view unit = {}) {
-  const auto shape = components == 1 ? "" : fmt::format(" NumberOfComponents=\"{}\"", components);
-  return fmt::format("<DataArray type=\"{}\" Name=\"{}\"{} format=\"binary\">{}{}</DataArray>\n",
-                     vtk_type<T>(), xml_escaped(name), shape, vtk_compressed(std::as_bytes(values)),
+  return fmt::format("<DataArray {} format=\"binary\">{}{}</DataArray>\n",
+                     type_and_name<T>(name, components), vtk_compressed(std::as_bytes(values)),
                      unit_label(unit));
 }
 
@@ -139,6 +144,11 @@ std::string vtu_bytes(const VtuGrid& grid, const VtuUnits& units) {
   out += data_section("PointData", grid.point_data, grid.points.size());
   out += data_section("CellData", grid.cell_data, n_cells);
   return out + "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+}
+
+std::string array_without_values(const VtuArray& array) {
+  return fmt::format("<PDataArray {}>{}</PDataArray>\n",
+                     type_and_name<double>(array.name, array.components), unit_label(array.unit));
 }
 
 std::string pvd_bytes(const std::vector<PvdEntry>& entries) {

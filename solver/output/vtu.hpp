@@ -49,6 +49,9 @@ struct VtuUnits {
 /// Throws Failure(output) when an array does not have one entry per point or cell.
 std::string vtu_bytes(const VtuGrid& grid, const VtuUnits& units = {});
 
+/// An array as the file of a grid in pieces names it: its type, name, shape and unit.
+std::string array_without_values(const VtuArray& array);
+
 /// One file of a collection.
 struct PvdEntry {
   double time = 0.0;

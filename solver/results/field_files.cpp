@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
@@ -32,65 +33,90 @@ std::string what_is_wrong(const std::filesystem::path& path, std::uint64_t hash)
 
 FieldFiles::FieldFiles(const Problem& problem, const Discretisation& d, const Contact& contact,
                        const FieldsSpec& spec, VtuUnits units, std::filesystem::path folder,
-                       std::string stem, Durability durability)
+                       std::string stem, Durability durability, int processes)
     : grids_(problem, d, contact, spec.fields), units_(std::move(units)),
-      folder_(std::move(folder)), stem_(std::move(stem)), durability_(durability) {}
+      folder_(std::move(folder)), stem_(std::move(stem)), durability_(durability) {
+  if (processes > 1) pieces_.emplace(d.space, processes);
+}
+
+void FieldFiles::note(const std::string& name, std::uint64_t hash, int part, double t,
+                      std::vector<std::string>& written) {
+  const auto inside = std::filesystem::path(name).filename().string();
+  files_.push_back({{t, part, inside}, hash}); // the collection stands beside its files
+  written.push_back(name);
+}
 
 void FieldFiles::write_vtu(const VtuGrid& grid, int part, const std::string& name, double t,
                            std::vector<std::string>& written) {
   const std::string bytes = vtu_bytes(grid, units_);
-  write_atomically(folder_ / name, bytes, durability_);
-  const auto inside = std::filesystem::path(name).filename().string();
-  entries_.push_back({t, part, inside}); // the collection stands beside its files
-  hashes_.push_back(hash_of(bytes));
-  written.push_back(name);
+  write_atomically(folder_ / (name + ".vtu"), bytes, durability_);
+  note(name + ".vtu", hash_of(bytes), part, t, written);
+}
+
+void FieldFiles::write_pieces(const VtuGrid& grid, const std::string& name, double t,
+                              std::vector<std::string>& written) {
+  const auto hashes = pieces_->write(grid, units_, folder_, name, durability_);
+  std::vector<std::string> beside; // as the file that names them sees them
+  for (std::size_t p = 0; p < hashes.size(); ++p) {
+    note(name_of_piece(name, p), hashes[p], -1, t, written);
+    beside.push_back(files_.back().entry.file);
+  }
+  const std::string bytes = pvtu_bytes(grid, units_, beside);
+  write_atomically(folder_ / (name + ".pvtu"), bytes, durability_);
+  note(name + ".pvtu", hash_of(bytes), 0, t, written);
+}
+
+std::string FieldFiles::collection() const {
+  std::vector<PvdEntry> entries;
+  for (const Written& file : files_)
+    if (file.entry.part >= 0) entries.push_back(file.entry);
+  return pvd_bytes(entries);
 }
 
 void FieldFiles::write(const Snapshot& snapshot, std::vector<std::string>& written) {
-  const bool first = entries_.empty();
+  const bool first = files_.empty();
   int number = 0;
   for (const FieldGrid& one : grids_.fill(snapshot)) {
     const bool body = one.name.empty();
-    write_vtu(one.grid, body ? 0 : ++number,
-              fmt::format("{}_{}{:05}.vtu", stem_, body ? "" : safe_name(one.name) + "_",
-                          snapshot.step()),
-              snapshot.t(), written);
+    const std::string name =
+        fmt::format("{}_{}{:05}", stem_, body ? "" : safe_name(one.name) + "_", snapshot.step());
+    if (body && pieces_)
+      write_pieces(one.grid, name, snapshot.t(), written);
+    else
+      write_vtu(one.grid, body ? 0 : ++number, name, snapshot.t(), written);
   }
-  const std::string collection = stem_ + ".pvd";
-  write_atomically(folder_ / collection, pvd_bytes(entries_));
-  if (first) written.push_back(collection);
+  write_atomically(folder_ / (stem_ + ".pvd"), collection());
+  if (first) written.push_back(stem_ + ".pvd");
 }
 
 void FieldFiles::write_collection() const {
-  if (resumed_ && !entries_.empty())
-    write_atomically(folder_ / (stem_ + ".pvd"), pvd_bytes(entries_));
+  if (resumed_ && !files_.empty()) write_atomically(folder_ / (stem_ + ".pvd"), collection());
 }
 
 void FieldFiles::save(std::ostream& out) const {
   StateWriter w(out);
-  w.put(static_cast<std::uint64_t>(entries_.size()));
-  for (const auto& entry : entries_) {
-    w.put(entry.time);
-    w.put(entry.part);
-    put_text(w, entry.file);
+  w.put(static_cast<std::uint64_t>(files_.size()));
+  for (const Written& file : files_) {
+    w.put(file.entry.time);
+    w.put(file.entry.part);
+    put_text(w, file.entry.file);
+    w.put(file.hash);
   }
-  w.put(hashes_);
 }
 
 void FieldFiles::restore(std::istream& in) {
   StateReader r(in, {});
-  entries_.clear();
+  files_.clear();
   for (auto left = r.get<std::uint64_t>(); left > 0; --left) {
     const double time = r.get<double>();
     const int part = r.get<int>();
-    entries_.push_back({time, part, get_text(r)});
+    std::string name = get_text(r);
+    files_.push_back({{time, part, std::move(name)}, r.get<std::uint64_t>()});
   }
-  hashes_ = r.get_vector<std::uint64_t>();
-  if (hashes_.size() != entries_.size()) r.fail("names files without their content");
   const auto beside = (folder_ / stem_).parent_path();
-  for (std::size_t i = 0; i < entries_.size(); ++i) {
-    const auto path = beside / std::filesystem::path(entries_[i].file).filename();
-    if (const auto wrong = what_is_wrong(path, hashes_[i]); !wrong.empty())
+  for (const Written& file : files_) {
+    const auto path = beside / std::filesystem::path(file.entry.file).filename();
+    if (const auto wrong = what_is_wrong(path, file.hash); !wrong.empty())
       r.fail("counts on the file `" + path.string() + "`, which " + wrong);
   }
   resumed_ = true;

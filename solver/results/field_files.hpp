@@ -1,22 +1,26 @@
-// The VTU and PVD files of one `fields` item.
+// The VTU, PVTU and PVD files of one `fields` item.
 #pragma once
 
 #include "solver/discrete/discretisation.hpp"
 #include "solver/output/file.hpp"
 #include "solver/output/vtu.hpp"
 #include "solver/results/field_grids.hpp"
+#include "solver/results/piece_files.hpp"
 
 #include <filesystem>
+#include <optional>
 
 namespace hvi::solver {
 
-/// One VTU per written step for the body, and one for every multiplier (FieldGrids).
+/// One VTU per written step for the body, and one for every multiplier (FieldGrids). Where several
+/// processes share the work the body has a PVTU, and a VTU of each process.
 class FieldFiles {
 public:
-  /// `stem`: file name without extension inside `folder`.
+  /// `stem`: file name without extension inside `folder`; `processes`: of which each writes a
+  /// piece.
   FieldFiles(const Problem& problem, const Discretisation& discretisation, const Contact& contact,
              const FieldsSpec& spec, VtuUnits units, std::filesystem::path folder, std::string stem,
-             Durability durability);
+             Durability durability, int processes);
 
   std::vector<Expr> expressions() const { return grids_.expressions(); }
   /// Writes the files of a step and the collection so far; file names are added to `written`.
@@ -29,15 +33,25 @@ public:
   void restore(std::istream& in);
 
 private:
+  /// A file of this run. `part`: in the collection (PvdEntry); -1: not there.
+  struct Written {
+    PvdEntry entry;
+    std::uint64_t hash;
+  };
+  void note(const std::string& name, std::uint64_t hash, int part, double t,
+            std::vector<std::string>& written);
   void write_vtu(const VtuGrid& grid, int part, const std::string& name, double t,
                  std::vector<std::string>& written);
+  void write_pieces(const VtuGrid& grid, const std::string& name, double t,
+                    std::vector<std::string>& written);
+  std::string collection() const;
 
   FieldGrids grids_;
   VtuUnits units_;
   std::filesystem::path folder_;
   std::string stem_;
-  std::vector<PvdEntry> entries_;
-  std::vector<std::uint64_t> hashes_; ///< of the entries' files
+  std::vector<Written> files_;
+  std::optional<PieceFiles> pieces_;
   Durability durability_;
   bool resumed_ = false;
 };

@@ -46,6 +46,8 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, const RunState& ru
 void Reporter::prepare_fields(const RunState& run, const RunSettings& settings) {
   // What a checkpoint counts on is on the disk before it is.
   const auto durability = settings.checkpoint_every > 0 ? Durability::synced : Durability::ordinary;
+  // A run that does not iterate has nothing to do for the others.
+  const int processes = run.formulation->operators().iterative ? settings.processes : 1;
   auto expressions = probes_.expressions();
   const auto add = [&](const std::vector<Expr>& more) {
     expressions.insert(expressions.end(), more.begin(), more.end());
@@ -55,7 +57,7 @@ void Reporter::prepare_fields(const RunState& run, const RunSettings& settings) 
     fields_.push_back({std::max(spec.every, 1), spec.from_start,
                        FieldFiles(plan_.problem, discretisation_, contact_, spec,
                                   {plan_.report.unit_of_time, plan_.report.unit_of_length}, folder_,
-                                  fields_stem(plan_.report, i, name_), durability)});
+                                  fields_stem(plan_.report, i, name_), durability, processes)});
     add(fields_.back().files.expressions());
   }
   add(pictures_.expressions());

@@ -27,6 +27,8 @@ struct RunSettings {
   /// 0: never. `resume`: goes on from that file when it is there, with the same bits.
   int checkpoint_every = 0;
   bool resume = false;
+  /// Which mpirun started and `lead` leads: each writes a piece of a body's fields.
+  int processes = 1;
   bool condition =
       false; ///< always fill ForwardError::condition, else where it costs next to nothing
   bool monitors = false; ///< fill RunResult::monitors and write <name>_monitors.csv

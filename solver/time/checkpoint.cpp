@@ -17,7 +17,7 @@
 namespace hvi::solver {
 namespace {
 
-constexpr std::uint32_t format_version = 20;
+constexpr std::uint32_t format_version = 21;
 constexpr std::array<char, 8> magic{'h', 'v', 'i', '-', 's', 't', 'e', 'p'};
 
 struct Header {

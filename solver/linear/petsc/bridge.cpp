@@ -9,6 +9,7 @@
 #include <cstring>
 #include <new>
 #include <string>
+#include <vector>
 
 struct HviPetscSolver {
   HviPetscSolver(int number_of_it, const HviPetscMatrix& k, bool symmetric,
@@ -50,6 +51,7 @@ int guarded(F&& f, char* message, std::size_t capacity) {
 bool complete(int expected) { return processes() == expected; }
 
 int solvers = 0; // so far
+std::vector<std::string> taken_in;
 
 } // namespace
 } // namespace hvi::petsc_module
@@ -134,9 +136,29 @@ int hvi_petsc_lead(int expected, char* message, std::size_t capacity) {
       message, capacity);
 }
 
-int hvi_petsc_serve(int expected) {
+int hvi_petsc_serve(int expected, HviPetscTask task, void* context) {
   start_together();
-  return complete(expected) ? serve() : 0; // the first one says what is wrong
+  return complete(expected) ? serve({task, context}) : 0; // the first one says what is wrong
+}
+
+int hvi_petsc_hand_out(const HviPetscBytes* messages, char* message, std::size_t capacity) {
+  return guarded(
+      [&] {
+        announce({Command::task});
+        hand_out(messages);
+        return 0;
+      },
+      message, capacity);
+}
+
+int hvi_petsc_take_in(HviPetscBytes* answers, char* message, std::size_t capacity) {
+  return guarded(
+      [&] {
+        taken_in = take_in();
+        for (const std::string& answer : taken_in) *answers++ = {answer.data(), answer.size()};
+        return 0;
+      },
+      message, capacity);
 }
 
 int hvi_petsc_dismiss(int exit_code) { return dismiss(exit_code); }

@@ -46,6 +46,14 @@ struct HviPetscCounts {
   const HviPetscLevel* level; /* until the next call */
 };
 
+struct HviPetscBytes {
+  const char* bytes;
+  std::size_t size;
+};
+
+/* The answer to a message, until the next call; no bytes: there is no memory. */
+using HviPetscTask = HviPetscBytes (*)(void* context, HviPetscBytes message);
+
 struct HviPetscSolver;
 
 /* All return 0, or 1 after writing a message of at most `capacity` bytes to `message`, or one of
@@ -70,7 +78,12 @@ using HviPetscClose = void (*)(HviPetscSolver* solver);
    solver, and dismisses the others at its end; each of them serves, and returns the exit code it
    was dismissed with. Where nobody leads, a process is alone. */
 using HviPetscLead = int (*)(int processes, char* message, std::size_t capacity);
-using HviPetscServe = int (*)(int processes);
+using HviPetscServe = int (*)(int processes, HviPetscTask task, void* context);
+/* Of the first process: a message for each of the others, which they answer by `task`. The answers
+   are taken in before any other call; they live until the next ones. */
+using HviPetscHandOut = int (*)(const HviPetscBytes* messages, char* message,
+                                std::size_t capacity);
+using HviPetscTakeIn = int (*)(HviPetscBytes* answers, char* message, std::size_t capacity);
 /* Returns how many solvers were opened. */
 using HviPetscDismiss = int (*)(int exit_code);
 }

@@ -43,12 +43,16 @@ Command next_command() {
 
 class Worker {
 public:
+  explicit Worker(Helper helper) : helper_(helper) {}
+
   void obey(const Command& command) {
     if (command.what == Command::open)
       solvers_[command.solver] = std::make_unique<Krylov>(
           HviPetscMatrix{0, &none_, nullptr, nullptr}, command.number != 0, HviPetscUnknowns{});
     else if (command.what == Command::close)
       solvers_.erase(command.solver);
+    else if (command.what == Command::task)
+      helper_.answer();
     else
       call(*solvers_.at(command.solver), command);
   }
@@ -62,6 +66,7 @@ private:
     if (command.what == Command::solve) solver.solve(nullptr, command.reduction, nullptr);
   }
 
+  Helper helper_;
   int none_ = 0; ///< where rows of no matrix start
   std::map<int, std::unique_ptr<Krylov>> solvers_;
 };
@@ -103,11 +108,11 @@ int dismiss(int exit_code) {
   return opened;
 }
 
-int serve() {
+int serve(Helper helper) {
   // What asks the run to stop is for the first process, which ends the others.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
   try {
-    Worker worker;
+    Worker worker(helper);
     for (;;) {
       const Command command = next_command();
       if (command.what == Command::end) return command.number;

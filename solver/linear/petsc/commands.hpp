@@ -2,10 +2,12 @@
 // to them, and they make it too.
 #pragma once
 
+#include "solver/linear/petsc/tasks.hpp"
+
 namespace hvi::petsc_module {
 
 struct Command {
-  enum What : int { open, changed, free, laws, solve, close, end };
+  enum What : int { open, changed, free, laws, solve, close, task, end };
   What what = end;
   int solver = 0;         ///< its number
   int number = 0;         ///< open and laws: symmetric? free: columns; end: the exit code
@@ -24,7 +26,8 @@ void give_up();
 /// The others end with this exit code, and so does this process. Returns solvers that were opened.
 int dismiss(int exit_code);
 
-/// Of every other process: makes the calls until the first one ends. Returns its exit code.
-int serve();
+/// Of every other process: makes the calls until the first one ends, and does tasks by `helper`.
+/// Returns the exit code of the first one.
+int serve(Helper helper);
 
 } // namespace hvi::petsc_module
