@@ -120,4 +120,7 @@ private:
   Origin origin_;
 };
 
+void put_text(StateWriter& w, const std::string& text);
+std::string get_text(StateReader& r);
+
 } // namespace hvi::solver

@@ -3,8 +3,8 @@
 
 #include "solver/common/clock.hpp"
 #include "solver/common/failure.hpp"
+#include "solver/common/metis_turn.hpp"
 #include "solver/common/out_of_memory.hpp"
-#include "solver/linear/metis_turn.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -180,11 +180,6 @@ ContactLastOrder of_unknowns(const VertexGraph& graph, const Links& links,
 }
 
 } // namespace
-
-std::mutex& metis_turn() {
-  static std::mutex only;
-  return only;
-}
 
 EliminationOrder elimination_order(const ContactLastOrder& order, std::span<const int> contact) {
   EliminationOrder out{{order.permutation.begin(), order.permutation.end()}, 0};

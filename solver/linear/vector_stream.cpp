@@ -12,18 +12,9 @@ void get_vector(StateReader& r, Vector& v) {
   v = Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
-void put_text(StateWriter& w, const std::string& text) {
-  w.put(std::vector<char>(text.begin(), text.end()));
-}
-
 void get_vector(StateReader& r, Vector& v, Eigen::Index size) {
   get_vector(r, v);
   if (v.size() != size || !v.allFinite()) r.fail("is inconsistent");
-}
-
-std::string get_text(StateReader& r) {
-  const auto letters = r.get_vector<char>();
-  return {letters.begin(), letters.end()};
 }
 
 } // namespace hvi::solver

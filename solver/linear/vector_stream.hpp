@@ -1,10 +1,8 @@
-// Vectors and texts in the bytes of a checkpoint.
+// Vectors in the bytes of a checkpoint.
 #pragma once
 
 #include "solver/common/stream.hpp"
 #include "solver/linear/sparse.hpp"
-
-#include <string>
 
 namespace hvi::solver {
 
@@ -12,7 +10,5 @@ void put_vector(StateWriter& w, const Vector& v);
 void get_vector(StateReader& r, Vector& v);
 /// Finite numbers, as many as there must be.
 void get_vector(StateReader& r, Vector& v, Eigen::Index size);
-void put_text(StateWriter& w, const std::string& text);
-std::string get_text(StateReader& r);
 
 } // namespace hvi::solver

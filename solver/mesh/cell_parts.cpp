@@ -2,7 +2,7 @@
 #include "solver/mesh/cell_parts.hpp"
 
 #include "solver/common/failure.hpp"
-#include "solver/linear/metis_turn.hpp"
+#include "solver/common/metis_turn.hpp"
 
 #include <metis.h>
 

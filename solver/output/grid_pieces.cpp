@@ -1,8 +1,6 @@
 // See grid_pieces.hpp.
 #include "solver/output/grid_pieces.hpp"
 
-#include "solver/linear/vector_stream.hpp"
-
 #include <fmt/format.h>
 
 #include <string_view>

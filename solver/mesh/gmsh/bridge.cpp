@@ -22,18 +22,23 @@ namespace {
 /// program: it is put back. gmsh has one session in a process: threads wait for each other.
 class Session {
 public:
-  Session() {
+  Session() { begin(); }
+  ~Session() { gmsh::finalize(); }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  void begin_again() {
+    gmsh::finalize();
+    begin();
+  }
+
+private:
+  void begin() {
     gmsh::initialize(0, nullptr, false);
     std::setlocale(LC_ALL, locale_.c_str());
     gmsh::option::setNumber("General.Terminal", 0);
     gmsh::option::setNumber("General.NumThreads", 1);
     gmsh::option::setNumber("Mesh.RandomSeed", 1);
   }
-  ~Session() { gmsh::finalize(); }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-
-private:
   static std::mutex& turn() {
     static std::mutex only;
     return only;
@@ -176,9 +181,29 @@ void open_behind(const std::string& before, const std::string& path) {
   gmsh::open(file.path());
 }
 
+/// What gmsh has not read of a file with a mistake it reads at the beginning of the next one, in
+/// other sessions, too. Here that is a file without a statement.
+void read_the_rest(Session& session) {
+  constexpr int most = 100; // mistakes, each of which ends a reading
+  const UnnamedFile nothing("\n");
+  for (int i = 0; i < most; ++i) {
+    session.begin_again();
+    try {
+      return gmsh::open(nothing.path());
+    } catch (...) {
+      continue;
+    }
+  }
+}
+
 void mesh_file(const std::string& path, const std::string& before, const HviGmshSink& sink) {
-  const Session session;
-  open_behind(before, path);
+  Session session;
+  try {
+    open_behind(before, path);
+  } catch (...) {
+    read_the_rest(session);
+    throw;
+  }
   gmsh::vectorpair groups;
   gmsh::model::getPhysicalGroups(groups);
   int dim = groups.empty() ? gmsh::model::getDimension() : 0;

@@ -186,6 +186,49 @@ TEST(GeoFile, IsMeshedWithItsGroups) {
   EXPECT_EQ(failure_of([&] { mesh_geo_file(path); }).kind, FailureKind::missing_file);
 }
 
+/// gmsh keeps what it has not read of a file with a mistake for the next one.
+TEST(GeoFile, AMistakeIsThatOfItsFileOnly) {
+  const auto path = std::filesystem::temp_directory_path() / "hvi_test_mistakes.geo";
+  const std::string right = "w = 2; Point(1) = {0, 0, 0, .5}; Point(2) = {w, 0, 0, .5};\n"
+                            "Point(3) = {w, 1, 0, .5}; Point(4) = {0, 1, 0, .5};\n"
+                            "Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4};\n"
+                            "Line(4) = {4, 1}; Curve Loop(1) = {1, 2, 3, 4};\n"
+                            "Plane Surface(1) = {1}; Physical Surface(\"block\") = {1};\n";
+  for (const std::string mistake : {"Point(1) = {0, 0 this is no geometry",
+                                    "a = ",
+                                    "a = (1 + 2",
+                                    "b = \"not closed",
+                                    "/* no end",
+                                    "If (1)\nc = 1;",
+                                    "If (0)\nc = 1;",
+                                    "For i In {1:3}\n",
+                                    "Macro m\n",
+                                    "Point(1) = {0, 0, 0};;;",
+                                    "= = = = = = = = = =",
+                                    "a b c d e f g\nh i j k l m\nn o p",
+                                    "Error(\"stop\");",
+                                    "Line(1) = {7, 8};",
+                                    "Merge \"nowhere.geo\";",
+                                    "Abort;",
+                                    "Return\n",
+                                    "EndIf\n",
+                                    "}}}}",
+                                    "DefineConstant[ r = ];"}) {
+    std::ofstream(path) << mistake;
+    try {
+      mesh_geo_file(path);
+    } catch (const Failure&) { // some mistakes are none
+    }
+    std::ofstream(path) << right;
+    for (int twice = 0; twice < 2; ++twice)
+      EXPECT_NEAR(group_measure(mesh_geo_file(path), "block"), 2, 1e-12) << mistake;
+    std::ofstream(path) << "DefineConstant[ w = 1 ];\n" << right.substr(right.find("Point"));
+    EXPECT_NEAR(group_measure(mesh_geo_file(path, nullptr, {{"w", 3.0}}), "block"), 3, 1e-12)
+        << mistake;
+  }
+  std::filesystem::remove(path);
+}
+
 TEST(GeoFile, ConstantsAreSetForOneMeshOnly) {
   const auto path = std::filesystem::temp_directory_path() / "hvi_test_constants.geo";
   std::ofstream(path) << "// DefineConstant[ old = 1 ];\n"
