@@ -39,4 +39,9 @@ function(hvi_tests folder label)
   file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/tmp) # of this build: another one may be tested at once
   gtest_discover_tests(${program} TEST_PREFIX "${folder}:" DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS "${label}" ENVIRONMENT "TEST_TMPDIR=${CMAKE_BINARY_DIR}/tmp;TMPDIR=${CMAKE_BINARY_DIR}/tmp")
+  # And all of them in one process, in another order: what a run leaves behind meets the next one, as in Python and in editors.
+  set(together ${CMAKE_BINARY_DIR}/tmp/${program})
+  file(MAKE_DIRECTORY ${together})
+  add_test(NAME ${folder}:together COMMAND ${program} --gtest_shuffle --gtest_random_seed=1 --gtest_brief=1)
+  set_tests_properties(${folder}:together PROPERTIES LABELS "${label}" ENVIRONMENT "TEST_TMPDIR=${together};TMPDIR=${together}")
 endfunction()
