@@ -150,7 +150,8 @@ def scenes(program, options):
     return wrong > 0 or answers == 0
 
 
-LONG = ranks.LONG.format(n=12, steps=300) + "  fields u every 10 steps\n"
+STEPS, FIELDS = 1500, 150
+LONG = ranks.LONG.format(n=12, steps=STEPS) + "  fields u every 10 steps\n"
 
 
 def interrupted(program, path, folder):
@@ -176,7 +177,7 @@ def resumed(program, judge):
         path.write_text(LONG)
         code, stopped = interrupted(program, path, folder)
         written = len(list(stopped.glob("*.pvtu")))
-        judge(code == 130 and 3 <= written < 30, f"stopped after {written} fields of 30: exit code {code}")
+        judge(code == 130 and 3 <= written < FIELDS, f"stopped after {written} fields of {FIELDS}: exit code {code}")
         for n in (1, 3):
             shutil.rmtree(folder / f"out{n}", ignore_errors=True)
             shutil.copytree(stopped, folder / f"out{n}")
@@ -189,7 +190,7 @@ def resumed(program, judge):
             done, out, answer = run(program, path, folder, n, "--resume", "--checkpoint", "10")
             judge(done.returncode == 0 and answer["certificate"]["certified"], f"resumed by {n}: exit code {done.returncode}")
             files = [file for _, _, file in collection(out)]
-            endings = [".pvtu"] * written + [".vtu" if n == 1 else ".pvtu"] * (30 - written)
+            endings = [".pvtu"] * written + [".vtu" if n == 1 else ".pvtu"] * (FIELDS - written)
             judge([pathlib.Path(file).suffix for file in files] == endings, f"resumed by {n}: {len(files)} files in the collection")
             judge(all((out / file).exists() for file in files), f"resumed by {n}: all of them are there")
             tables.append(answer)
@@ -201,7 +202,7 @@ def refused(program, judge):
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         path = folder / "case.hvi"
-        path.write_text(LONG.replace("by 300 steps", "by 30 steps"))
+        path.write_text(LONG.replace(f"by {STEPS} steps", "by 30 steps"))
         for process in (0, 1):
             out = folder / "out2"
             shutil.rmtree(out, ignore_errors=True)
