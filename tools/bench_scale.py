@@ -19,6 +19,7 @@ FAMILIES = {  # scripts in 3D, and what n = 64 must stay below: CPU seconds and 
 STEPS = 16
 AGAINST = {"slab3d": (1.0, 0.5), "slab3d with friction": (1.2, 0.5)}  # CPU over the direct one's at n = 32: must, aim
 SINGLE = {"slab3d": (20, 2.1), "slab3d with friction": (20, 3.0)}  # CPU seconds and GiB at n = 32: half the memory of a factor of 2026
+WORTH = {"double": 1.3, "single": 1.1}  # what two threads of OpenBLAS have to gain with such a factor
 GROWTH = 1.4  # of iterations a step at a doubling
 PAIRS = 3  # of runs, of which the median counts
 FASTER = (1.6, 1.8)  # two processes over one: must, aim
@@ -51,6 +52,18 @@ def in_single_precision(row, rows, name, double, single):
     row(rows, f"{figures}: peak memory", used, room, "-", "GiB", certified and used <= room)
     row(rows, f"{figures}: CPU, over double precision", single["seconds"] / double["seconds"], 1, "-", "times", single["seconds"] <= double["seconds"])
     apart = answers_apart(double, single)
+    row(rows, f"{figures}: answers apart, in 1e-9", apart, 1, "-", "", apart <= 1)
+
+
+def with_threads(row, rows, name, one, two, factor):
+    """Two threads of OpenBLAS: wall time. Its serial build takes one, and has the same bits."""
+    if one["table"] == two["table"]:
+        print(f"    {name} n=32: OpenBLAS is its serial build here; with LD_LIBRARY_PATH=/usr/lib/x86_64-linux-gnu/openblas-pthread two threads are measured")
+        return
+    times = one["wall"] / two["wall"]
+    figures = f"{name} n=32, a factor in {factor} precision, two threads of OpenBLAS ({one['wall']:.1f} and {two['wall']:.1f} s)"
+    row(rows, f"{figures}: wall time, one over two", times, WORTH[factor], "-", "times", times >= WORTH[factor])
+    apart = answers_apart(one, two)
     row(rows, f"{figures}: answers apart, in 1e-9", apart, 1, "-", "", apart <= 1)
 
 
@@ -107,7 +120,11 @@ def scale(quick, row, measured, sizes):
             if n == 32:
                 direct = run_of(measured, sizes, script, n, "direct")
                 against_direct(row, rows, name, direct, result)
-                in_single_precision(row, rows, name, direct, run_of(measured, sizes, script, n, "direct", more=("--factor", "single")))
+                single = run_of(measured, sizes, script, n, "direct", more=("--factor", "single"))
+                in_single_precision(row, rows, name, direct, single)
+                threads = ("--blas-threads", "2")
+                with_threads(row, rows, name, direct, run_of(measured, sizes, script, n, "direct", more=threads), "double")
+                with_threads(row, rows, name, single, run_of(measured, sizes, script, n, "direct", more=("--factor", "single", *threads)), "single")
             if n == 64:
                 largest(row, rows, name, result)
         for n in list(a_step)[1:]:

@@ -8,7 +8,7 @@
 #include "solver/common/joined.hpp"
 #include "solver/common/out_of_memory.hpp"
 #include "solver/linear/blas_memory.hpp"
-#include "solver/linear/one_blas_thread.hpp"
+#include "solver/linear/blas_threads.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -67,6 +67,9 @@ void add_common(CLI::App& app, Options& options, std::vector<std::string>& defin
   app.add_option("--factor", options.factor, "of a matrix in single or double precision")
       ->check(CLI::IsMember({"single", "double"}));
   app.add_option("--threads", options.threads, "threads of our own loops")
+      ->check(CLI::Range(1, 256));
+  app.add_option("--blas-threads", options.blas_threads,
+                 "threads of OpenBLAS, for large factors: other last digits")
       ->check(CLI::Range(1, 256));
   app.add_flag_callback(
       "--no-color", [&] { options.colour = options.colour_out = false; }, "no colours");
@@ -176,6 +179,13 @@ int perform(const std::string& command, const CommandLine& line) {
   return hvi::lang::dump_command(files[0], line.phase.empty() ? "plan" : line.phase, options);
 }
 
+void tell_of_serial_blas(const Options& options) {
+  if (options.blas_threads > 1 && !hvi::solver::blas_is_made_for_threads())
+    tell(
+        "note: OpenBLAS is its serial build here and takes one thread: libopenblas0-pthread is the "
+        "one for threads\n");
+}
+
 int dispatch(int argc, char** argv) {
   CommandLine line;
   line.options.colour = isatty(STDERR_FILENO) && !std::getenv("NO_COLOR");
@@ -210,6 +220,8 @@ int dispatch(int argc, char** argv) {
       return hvi::lang::exit_usage;
     }
   line.options.report = line.options.report || command == "report";
+  tell_of_serial_blas(line.options);
+  const hvi::solver::BlasThreads blas_threads(line.options.blas_threads);
   return perform(command, line);
 }
 
@@ -220,8 +232,8 @@ std::vector<char*> with_command(int argc, char** argv, std::string& word) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view text = argv[i];
     if (text == "-D" || text == "-o" || text == "--json" || text == "--threads" ||
-        text == "--solver" || text == "--factor" || text == "--checkpoint" ||
-        text == "--accuracy" || text == "--of" || text == "--budget") {
+        text == "--blas-threads" || text == "--solver" || text == "--factor" ||
+        text == "--checkpoint" || text == "--accuracy" || text == "--of" || text == "--budget") {
       ++i;
       continue;
     }

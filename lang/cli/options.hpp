@@ -28,6 +28,7 @@ struct Options {
   std::string solver;      ///< a word of `using solver`; empty: the script's
   std::string factor;      ///< a word of `using factor`; empty: the script's
   int threads = 1;
+  int blas_threads = 1;
   int checkpoint = 0; ///< every so many steps; 0: never
   bool resume = false;
   bool monitors = false;

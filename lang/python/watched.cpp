@@ -3,7 +3,7 @@
 
 #include "solver/common/out_of_memory.hpp"
 #include "solver/linear/blas_memory.hpp"
-#include "solver/linear/one_blas_thread.hpp"
+#include "solver/linear/blas_threads.hpp"
 
 #include <chrono>
 #include <condition_variable>

@@ -7,10 +7,10 @@
 
 #include "solver/common/clock.hpp"
 #include "solver/common/memory_room.hpp"
+#include "solver/linear/blas_threads.hpp"
 #include "solver/linear/changed_unknowns.hpp"
 #include "solver/linear/cholesky_factor.hpp"
 #include "solver/linear/dense_blocks.hpp"
-#include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
 
 #include <fmt/format.h>

@@ -5,9 +5,9 @@
 #include "solver/linear/cholesky_factor.hpp"
 
 #include "solver/common/out_of_memory.hpp"
+#include "solver/linear/blas_threads.hpp"
 #include "solver/linear/large_pages.hpp"
 #include "solver/linear/left_looking.hpp"
-#include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
 #include "solver/linear/symbolic.hpp"
 

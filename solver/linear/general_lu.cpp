@@ -11,9 +11,9 @@
 
 #include "solver/common/clock.hpp"
 #include "solver/common/out_of_memory.hpp"
+#include "solver/linear/blas_threads.hpp"
 #include "solver/linear/cholmod_session.hpp"
 #include "solver/linear/dense.hpp"
-#include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/umfpack_objects.hpp"
 
 #include <algorithm>

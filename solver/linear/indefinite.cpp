@@ -6,10 +6,10 @@
 #include "solver/common/clock.hpp"
 #include "solver/common/open_module.hpp"
 #include "solver/common/out_of_memory.hpp"
+#include "solver/linear/blas_threads.hpp"
 #include "solver/linear/dense.hpp"
 #include "solver/linear/general_lu.hpp"
 #include "solver/linear/mumps/bridge.h"
-#include "solver/linear/one_blas_thread.hpp"
 #include "solver/linear/ordering.hpp"
 
 #include <algorithm>

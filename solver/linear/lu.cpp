@@ -9,7 +9,7 @@
 
 #include "solver/common/clock.hpp"
 #include "solver/common/out_of_memory.hpp"
-#include "solver/linear/one_blas_thread.hpp"
+#include "solver/linear/blas_threads.hpp"
 #include "solver/linear/ordering.hpp"
 #include "solver/linear/umfpack_objects.hpp"
 

@@ -1,6 +1,6 @@
-// See one_blas_thread.hpp. OpenBLAS has one number of threads for the whole process, OpenMP one for
+// See blas_threads.hpp. OpenBLAS has one number of threads for the whole process, OpenMP one for
 // each thread.
-#include "solver/linear/one_blas_thread.hpp"
+#include "solver/linear/blas_threads.hpp"
 
 #include <omp.h>
 
@@ -45,6 +45,14 @@ OneBlasThread::~OneBlasThread() {
   const std::scoped_lock lock(one.guard);
   if (--one.by == 0 && one.before != 1) openblas_set_num_threads(one.before);
   omp_set_max_active_levels(levels_before_);
+}
+
+BlasThreads::BlasThreads(int threads) : before_(openblas_get_num_threads()) {
+  if (threads != before_ && blas_is_made_for_threads()) openblas_set_num_threads(threads);
+}
+
+BlasThreads::~BlasThreads() {
+  if (openblas_get_num_threads() != before_) openblas_set_num_threads(before_);
 }
 
 bool blas_is_made_for_threads() { return openblas_get_parallel() != 0; }

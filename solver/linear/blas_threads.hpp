@@ -1,4 +1,4 @@
-// One thread for BLAS and OpenMP.
+// How many threads BLAS and OpenMP have: one, but where more are asked for.
 #pragma once
 
 namespace hvi::solver {
@@ -15,6 +15,20 @@ public:
 
 private:
   int levels_before_;
+};
+
+/// So many threads for OpenBLAS while it lives, in a program that has one run at a time, and inside
+/// a OneBlasThread: products of large dense blocks take them. Sums are then in another order for
+/// each number of threads. None but one where OpenBLAS is its serial build.
+class BlasThreads {
+public:
+  explicit BlasThreads(int threads);
+  ~BlasThreads();
+  BlasThreads(const BlasThreads&) = delete;
+  BlasThreads& operator=(const BlasThreads&) = delete;
+
+private:
+  int before_;
 };
 
 /// Whether OpenBLAS may be called by two threads at once. Its serial build may not: both work in
