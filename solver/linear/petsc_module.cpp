@@ -44,25 +44,25 @@ HviPetscMatrix rows_of(const SparseMatrix& a) {
   return {static_cast<int>(a.rows()), a.outerIndexPtr(), a.innerIndexPtr(), a.valuePtr()};
 }
 
+/// For what a call of the module has to say, up to the first zero.
+std::string room_for_message() { return std::string(2000, '\0'); }
+std::string words_of(const std::string& message) { return message.substr(0, message.find('\0')); }
+
 /// Throws what a call that ended with this status has to say.
 void require(int status, const std::string& message) {
   if (status == 0) return;
   if (status == hvi_petsc_no_memory) throw OutOfMemory("no memory for the iterative solver");
   throw Failure(FailureKind::not_certified, {},
-                "PETSc cannot solve for the unknowns of a step: " + std::string(message.c_str()),
+                "PETSc cannot solve for the unknowns of a step: " + words_of(message),
                 "take `using solver = direct`");
 }
 
-/// For what a call of the module has to say.
-std::string room_for_message() { return std::string(2000, '\0'); }
-
 /// The same of a call that only talks with the other processes.
 void require_others(int status, const std::string& message) {
-  if (status == hvi_petsc_no_memory) throw OutOfMemory("no memory for the other processes");
   if (status == 0) return;
+  if (status == hvi_petsc_no_memory) throw OutOfMemory("no memory for the other processes");
   throw Failure(FailureKind::not_certified, {},
-                "the other processes cannot be reached: " + std::string(message.c_str()),
-                "take one process");
+                "the other processes cannot be reached: " + words_of(message), "take one process");
 }
 
 /// What another process does besides iterations.
@@ -185,7 +185,7 @@ void lead(const Processes& processes) {
       processes.count, message.data(), message.size());
   if (status == hvi_petsc_no_memory) throw OutOfMemory("no memory for the iterative solver");
   if (status != 0)
-    throw Failure(FailureKind::not_certified, {}, message.c_str(),
+    throw Failure(FailureKind::not_certified, {}, words_of(message),
                   "start hvi-run by the mpirun of the MPI that PETSc is built with");
 }
 
