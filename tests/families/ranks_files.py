@@ -39,8 +39,8 @@ def run(program, path, folder, processes, *arguments):
     out = folder / f"out{processes}"
     answer = folder / f"{processes}.json"
     answer.unlink(missing_ok=True)
-    done = subprocess.run([*iterative.launcher(processes), program, "run", path, "--quiet", "-o", out, "--json", answer, "--solver", "iterative",
-                                 *arguments], cwd=folder, capture_output=True, text=True, timeout=300)
+    done = subprocess.run([*iterative.launcher(processes), program, "run", path, "--quiet", "-o", out, "--json", answer,
+                                 *(arguments if "--solver" in arguments else ("--solver", "iterative", *arguments))], cwd=folder, capture_output=True, text=True, timeout=300)
     if iterative.NO_MODULE in done.stderr:
         print("skipped: " + iterative.NO_MODULE)
         sys.exit(iterative.SKIPPED)
@@ -215,6 +215,17 @@ def refused(program, judge):
             judge([file for _, _, file in collection(out)] == ["case_00020.pvtu", "case_00030.pvtu"], "the other fields are there")
 
 
+def without_iterations(program, judge):
+    """A run that does not iterate is the first process's alone, and so are its files."""
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        path = folder / "case.hvi"
+        path.write_text(LONG.replace(f"by {STEPS} steps", "by 30 steps"))
+        done = [run(program, path, folder, n, "--solver", "direct") for n in (1, 2)]
+        names = [{file.name: file.read_bytes() for file in out.iterdir() if file.suffix in (".vtu", ".pvtu", ".pvd")} for _, out, _ in done]
+        judge(names[0] == names[1] and len(names[0]) == 4, "the direct solver: the same files with two processes as with one")
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program")
@@ -235,6 +246,7 @@ def main():
     if not options.only:
         resumed(program, judge)
         refused(program, judge)
+        without_iterations(program, judge)
     sys.exit(failed or bool(wrong))
 
 
