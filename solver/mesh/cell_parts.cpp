@@ -36,8 +36,7 @@ std::vector<std::int32_t> parts_of_cells(const Mesh& mesh, int parts) {
                          &wanted, nullptr, options.data(), &cut, part.data(), part_of_node.data());
   if (answer == METIS_ERROR_MEMORY) throw std::bad_alloc();
   if (answer != METIS_OK)
-    throw Failure(FailureKind::output, {}, "METIS finds no parts of the mesh",
-                  "take one process");
+    throw Failure(FailureKind::output, {}, "METIS finds no parts of the mesh", "take one process");
   std::copy(part.begin(), part.end(), out.begin());
   return out;
 }
