@@ -70,6 +70,7 @@ TEST(GridPieces, HaveEveryCellOnceWithAllThatIsKnownOfIt) {
     ASSERT_EQ(pieces.count(), random.parts);
     std::vector<std::size_t> next(static_cast<std::size_t>(random.parts), 0);
     std::vector<VtuGrid> grids;
+    grids.reserve(static_cast<std::size_t>(pieces.count()));
     for (int p = 0; p < pieces.count(); ++p) grids.push_back(pieces.piece(random.grid, p));
     for (std::size_t c = 0; c < random.part.size(); ++c) {
       const auto p = static_cast<std::size_t>(random.part[c]);
