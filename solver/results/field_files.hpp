@@ -16,8 +16,8 @@ namespace hvi::solver {
 /// processes share the work the body has a PVTU, and a VTU of each process.
 class FieldFiles {
 public:
-  /// `stem`: file name without extension inside `folder`; `processes`: of which each writes a
-  /// piece.
+  /// `stem`: file name without extension inside `folder`; `processes`: so many write a piece
+  /// of the body each.
   FieldFiles(const Problem& problem, const Discretisation& discretisation, const Contact& contact,
              const FieldsSpec& spec, VtuUnits units, std::filesystem::path folder, std::string stem,
              Durability durability, int processes);

@@ -3,7 +3,6 @@
 
 #include "solver/common/hash.hpp"
 #include "solver/linear/processes.hpp"
-#include "solver/linear/vector_stream.hpp"
 #include "solver/mesh/cell_parts.hpp"
 
 #include <fmt/format.h>
