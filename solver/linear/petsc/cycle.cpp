@@ -13,7 +13,7 @@ constexpr double stiff_part = 0.5;
 
 } // namespace
 
-Cycle::Cycle(const Distribution& distribution, const HviPetscMatrix& k, Mat matrix,
+Cycle::Cycle(const Distribution& distribution, const WholeMatrix& k, Mat matrix,
              const std::vector<double>& motions, int n_motions)
     : distribution_(distribution), k_(k), multigrid_(matrix, motions, n_motions) {
   check(MatCreateVecs(matrix, work_.put(), rest_.put()));
@@ -28,7 +28,7 @@ bool Cycle::stiff(const Rows& h) const {
     if (h.start[i] == h.start[i + 1]) continue;
     double law = 0.0;
     for (int e = h.start[i]; e < h.start[i + 1]; ++e) law += std::abs(h.value[e]);
-    if (law > stiff_part * std::abs(entry(k_, i, i))) return true;
+    if (law > stiff_part * std::abs(k_.entry(i, i))) return true;
   }
   return false;
 }
@@ -41,7 +41,7 @@ Rows Cycle::not_stiffer(const Rows& h, bool symmetric) const {
   for (int i = 0; i < h.size(); ++i) {
     if (h.start[i] == h.start[i + 1]) continue;
     law[i] = entry(h.view(), i, i);
-    const double most = stiff_part * std::abs(entry(k_, i, i));
+    const double most = stiff_part * std::abs(k_.entry(i, i));
     if (law[i] > most) scale[i] = std::sqrt(most / law[i]);
   }
   Rows out = h;

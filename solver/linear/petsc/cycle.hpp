@@ -14,9 +14,9 @@ namespace hvi::petsc_module {
 
 class Cycle final : public Preconditioner {
 public:
-  /// `k`: whole, in the numbering of `distribution`; `matrix`: this process's rows of it, as are
-  /// the `n_motions` columns of `motions`. All but these are kept by reference.
-  Cycle(const Distribution& distribution, const HviPetscMatrix& k, Mat matrix,
+  /// `k` in the numbering of `distribution`; `matrix`: this process's rows of it, as are the
+  /// `n_motions` columns of `motions`. All but these are kept by reference.
+  Cycle(const Distribution& distribution, const WholeMatrix& k, Mat matrix,
         const std::vector<double>& motions, int n_motions);
   void matrix_changed() override;
   bool set_laws(const Rows& h, const FewRows& rows, bool symmetric, double shift) override;
@@ -32,7 +32,7 @@ private:
   void give_to_multigrid(const Rows& h);
 
   const Distribution& distribution_;
-  HviPetscMatrix k_;
+  const WholeMatrix& k_;
   Multigrid multigrid_;
   const FewRows* law_rows_ = nullptr;
   std::unique_ptr<Layers> layers_;

@@ -76,20 +76,33 @@ void Distribution::scatter(const T* whole, const std::vector<int>& counts, std::
                comm_);
 }
 
-HviPetscMatrix Distribution::deal(const HviPetscMatrix& whole, Rows& mine) const {
-  if (alone()) return whole;
-  std::vector<int> ends; // of the rows
-  scatter(is_first() ? whole.start + 1 : nullptr, counts(), ends, MPI_INT);
-  std::vector<int> entries; // of each process
-  for (std::size_t p = 0; is_first() && p + 1 < first_.size(); ++p)
-    entries.push_back(whole.start[first_[p + 1]] - whole.start[first_[p]]);
-  entries.resize(first_.size() - 1, 0);
-  MPI_Bcast(entries.data(), static_cast<int>(entries.size()), MPI_INT, 0, comm_);
-  scatter(whole.column, entries, mine.column, MPI_INT);
-  scatter(whole.value, entries, mine.value, MPI_DOUBLE);
-  const int before = starts_of(entries)[rank_];
-  mine.start.assign(1, 0);
-  for (const int end : ends) mine.start.push_back(end - before);
+void Distribution::send(const Rows& part, int to) const {
+  const int entries = part.start.back();
+  MPI_Send(part.start.data(), part.size() + 1, MPI_INT, to, 0, comm_);
+  MPI_Send(part.column.data(), entries, MPI_INT, to, 0, comm_);
+  MPI_Send(part.value.data(), entries, MPI_DOUBLE, to, 0, comm_);
+}
+
+void Distribution::receive(Rows& mine) const {
+  mine.start.resize(static_cast<std::size_t>(rows()) + 1);
+  MPI_Recv(mine.start.data(), rows() + 1, MPI_INT, 0, 0, comm_, MPI_STATUS_IGNORE);
+  const int entries = mine.start.back();
+  mine.column.resize(static_cast<std::size_t>(entries));
+  mine.value.resize(static_cast<std::size_t>(entries));
+  MPI_Recv(mine.column.data(), entries, MPI_INT, 0, 0, comm_, MPI_STATUS_IGNORE);
+  MPI_Recv(mine.value.data(), entries, MPI_DOUBLE, 0, 0, comm_, MPI_STATUS_IGNORE);
+}
+
+/// The first process makes one part after the other, so that it never has a second copy of all.
+HviPetscMatrix Distribution::deal(const WholeMatrix& whole, Rows& mine) const {
+  if (alone() && whole.as_it_is() != nullptr) return *whole.as_it_is();
+  if (!is_first()) {
+    receive(mine);
+    return mine.view();
+  }
+  for (int p = 1; p + 1 < static_cast<int>(first_.size()); ++p)
+    send(whole.part(first_[p], first_[p + 1]), p);
+  mine = whole.part(first_[0], first_[1]);
   return mine.view();
 }
 

@@ -33,8 +33,11 @@ public:
   void largest(double* values, int count) const; ///< each one, over all processes
   bool any(bool here) const;
 
-  /// Each process's rows of `whole`; `mine` holds them where they are not all.
-  HviPetscMatrix deal(const HviPetscMatrix& whole, Rows& mine) const;
+  /// Each process's rows of `whole`; `mine` holds them where they are not those that it has.
+  HviPetscMatrix deal(const WholeMatrix& whole, Rows& mine) const;
+  HviPetscMatrix deal(const HviPetscMatrix& whole, Rows& mine) const {
+    return deal(WholeMatrix(whole), mine);
+  }
   std::vector<int> deal(const std::vector<int>& whole) const;
   /// Of columns one after the other.
   std::vector<double> deal(std::vector<double> columns, int count) const;
@@ -49,6 +52,8 @@ public:
   void make(double* values, Owned<Vec>& vector) const;
 
 private:
+  void send(const Rows& part, int to) const;
+  void receive(Rows& mine) const;
   template <class T>
   void scatter(const T* whole, const std::vector<int>& counts, std::vector<T>& mine,
                MPI_Datatype type) const;

@@ -19,7 +19,7 @@ struct Traits {
 };
 
 /// `unknown`: of each row, -1: none.
-Traits traits_of(const HviPetscMatrix& k, const std::vector<int>& unknown, int rows_of_node,
+Traits traits_of(const WholeMatrix& k, const std::vector<int>& unknown, int rows_of_node,
                  const std::vector<int>& first) {
   Traits out;
   const std::size_t count = first.size() - 1;
@@ -27,17 +27,19 @@ Traits traits_of(const HviPetscMatrix& k, const std::vector<int>& unknown, int r
   out.mass.assign(count, 0.0);
   out.reads.assign(count, std::vector<char>(count, 0));
   std::vector<double> diagonals(out.mass);
-  for (int i = 0; i < k.rows; ++i) {
+  WholeMatrix::Room room;
+  for (int i = 0; i < k.rows(); ++i) {
     const int u = unknown[i];
     if (u < 0) continue;
+    const WholeMatrix::Row row = k.row(i, room);
     double sum = 0.0;
-    for (int e = k.start[i]; e < k.start[i + 1]; ++e) {
-      const int j = k.column[e], other = unknown[j];
-      if (other == u && j % rows_of_node == i % rows_of_node) sum += k.value[e];
-      if (other >= 0 && other != u && k.value[e] != 0.0) out.reads[u][other] = 1;
+    for (int e = 0; e < row.size; ++e) {
+      const int j = row.column[e], other = unknown[j];
+      if (other == u && j % rows_of_node == i % rows_of_node) sum += row.value[e];
+      if (other >= 0 && other != u && row.value[e] != 0.0) out.reads[u][other] = 1;
     }
     out.mass[u] += std::abs(sum);
-    diagonals[u] += std::abs(entry(k, i, i));
+    diagonals[u] += std::abs(k.entry(i, i));
   }
   for (std::size_t u = 0; u < count; ++u)
     out.mass[u] =
@@ -95,7 +97,7 @@ std::vector<int> unknown_of_rows(const Numbering& numbering, const std::vector<i
 
 } // namespace
 
-UnknownRows order_of_unknowns(const HviPetscMatrix& k, const Numbering& numbering,
+UnknownRows order_of_unknowns(const WholeMatrix& k, const Numbering& numbering,
                               const std::vector<int>& first) {
   UnknownRows out;
   const int rows_of_node = numbering.components();
@@ -111,17 +113,19 @@ UnknownRows order_of_unknowns(const HviPetscMatrix& k, const Numbering& numberin
   return out;
 }
 
-std::vector<double> eliminate(const HviPetscMatrix& k, const UnknownRows& unknowns) {
+std::vector<double> eliminate(const WholeMatrix& k, const UnknownRows& unknowns) {
   const std::vector<int>& turn = unknowns.turn;
-  std::vector<double> out(static_cast<std::size_t>(k.rows), 0.0);
+  std::vector<double> out(static_cast<std::size_t>(k.rows()), 0.0);
+  WholeMatrix::Room room;
   for (int t = 0; t < static_cast<int>(unknowns.components.size()); ++t)
-    for (int i = 0; i < k.rows; ++i) {
+    for (int i = 0; i < k.rows(); ++i) {
       if (turn[i] != t) continue;
-      out[i] = entry(k, i, i);
-      for (int e = k.start[i]; e < k.start[i + 1]; ++e) {
-        const int j = k.column[e];
+      const WholeMatrix::Row row = k.row(i, room);
+      out[i] = k.entry(i, i);
+      for (int e = 0; e < row.size; ++e) {
+        const int j = row.column[e];
         if (turn[j] < 0 || turn[j] >= t || out[j] == 0.0) continue;
-        out[i] -= k.value[e] * entry(k, j, i) / out[j];
+        out[i] -= row.value[e] * k.entry(j, i) / out[j];
       }
     }
   return out;

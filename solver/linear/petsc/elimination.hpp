@@ -24,10 +24,10 @@ struct UnknownRows {
 };
 
 /// `first_component`: of each unknown as they are given, and the number of all components.
-UnknownRows order_of_unknowns(const HviPetscMatrix& k, const Numbering& numbering,
+UnknownRows order_of_unknowns(const WholeMatrix& k, const Numbering& numbering,
                               const std::vector<int>& first_component);
 
 /// By row, the diagonals of all S_b.
-std::vector<double> eliminate(const HviPetscMatrix& k, const UnknownRows& unknowns);
+std::vector<double> eliminate(const WholeMatrix& k, const UnknownRows& unknowns);
 
 } // namespace hvi::petsc_module

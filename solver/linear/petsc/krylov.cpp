@@ -49,7 +49,7 @@ const char* in_words(KSPConvergedReason reason) {
 
 Krylov::Krylov(const HviPetscMatrix& k, bool symmetric, const HviPetscUnknowns& unknowns)
     : given_(k), numbering_(unknowns, k.rows, partition_of(k, unknowns, processes())),
-      distribution_(numbering_), diagonal_(typical_diagonal()), k_(k),
+      distribution_(numbering_), diagonal_(typical_diagonal()), k_(k, numbering_, diagonal_),
       symmetric_k_(symmetric && distribution_.of_first(unknowns.unknowns) == 1),
       symmetric_(symmetric_k_) {
   make_matrix();
@@ -106,21 +106,27 @@ double Krylov::typical_diagonal() const {
   return most > 0.0 ? most : 1.0;
 }
 
+/// This process's rows of K, in `room` where PETSc copies them.
+HviPetscMatrix Krylov::deal_matrix(Rows& room) {
+  const HviPetscMatrix mine = distribution_.deal(k_, room);
+  if (!distribution_.alone() || k_.as_it_is() != nullptr) return mine;
+  if (mine_.size() == mine.rows) // PETSc reads these arrays
+    std::copy(room.value.begin(), room.value.end(), mine_.value.begin());
+  else
+    mine_ = std::move(room);
+  return mine_.view();
+}
+
 void Krylov::make_matrix() {
-  if (!numbering_.same()) {
-    own_ = numbering_.rows_of(given_, diagonal_);
-    k_ = {own_.size(), own_.start.data(), own_.column.data(), own_.value.data()};
-  }
-  Rows mine;
-  distribution_.make(distribution_.deal(k_, mine), matrix_);
+  Rows room;
+  distribution_.make(deal_matrix(room), matrix_);
   check(MatSetOption(matrix_.get(), symmetric_k_ ? MAT_SPD : MAT_SYMMETRIC,
                      symmetric_k_ ? PETSC_TRUE : PETSC_FALSE));
 }
 
 void Krylov::matrix_changed() {
-  if (!numbering_.same()) numbering_.refresh(given_, diagonal_, own_);
-  Rows mine;
-  distribution_.refresh(distribution_.deal(k_, mine), matrix_.get());
+  Rows room;
+  distribution_.refresh(deal_matrix(room), matrix_.get());
   preconditioner_->matrix_changed();
   changed_ = free_stale_ = true;
 }
@@ -134,7 +140,7 @@ void Krylov::set_free_motions(const double* motions, int count) {
 bool Krylov::set_laws(const HviPetscMatrix& h, bool symmetric) {
   const bool other_method = symmetric_ != (symmetric && symmetric_k_);
   symmetric_ = symmetric && symmetric_k_;
-  h_ = numbering_.rows_of(h, 0.0);
+  h_ = WholeMatrix(h, numbering_, 0.0).part(0, numbering_.size());
   law_rows_.set(distribution_, b_.get(), h_.view());
   free_stale_ = true;
   if (other_method) choose_method();
@@ -293,7 +299,8 @@ void Krylov::note(const HviPetscAnswer& answer) {
 /// Bytes of all processes, seconds of this one.
 void Krylov::count() {
   const Effort effort = preconditioner_->effort();
-  double bytes = effort.bytes + law_rows_.bytes() + 12.0 * static_cast<double>(own_.column.size()) +
+  double bytes = effort.bytes + law_rows_.bytes() +
+                 12.0 * static_cast<double>(mine_.column.size()) +
                  distribution_.copied_bytes(matrix_.get()) + 8.0 * 12.0 * distribution_.rows();
   if (free_) bytes += free_->bytes();
   counts_.bytes = distribution_.sum(bytes);

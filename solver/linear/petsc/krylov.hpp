@@ -36,6 +36,7 @@ private:
   KSPConvergedReason reason() const;
   int iterations() const;
   HviPetscAnswer answer_of_method() const;
+  HviPetscMatrix deal_matrix(Rows& room);
   void make_matrix();
   void make_shell(PetscErrorCode (*product)(Mat, Vec, Vec), Owned<Mat>& shell);
   void make_preconditioner(const HviPetscUnknowns& unknowns);
@@ -47,10 +48,10 @@ private:
   HviPetscMatrix given_; ///< K as the caller numbers it
   Numbering numbering_;
   Distribution distribution_;
-  double diagonal_;  ///< of rows without an unknown
-  Rows own_;         ///< K, where PETSc numbers it otherwise
-  HviPetscMatrix k_; ///< in PETSc's numbering, whole
-  Rows h_;           ///< whole
+  double diagonal_; ///< of rows without an unknown
+  WholeMatrix k_;
+  Rows mine_; ///< of K; a process that is alone gives PETSc these arrays
+  Rows h_;    ///< whole
   FewRows law_rows_;
   bool symmetric_k_, symmetric_ = true;
   Owned<Mat> matrix_;

@@ -12,11 +12,14 @@ namespace hvi::petsc_module {
 namespace {
 
 /// Marks the neighbours of what is marked.
-void add_neighbours(const HviPetscMatrix& k, std::vector<char>& in) {
+void add_neighbours(const WholeMatrix& k, std::vector<char>& in) {
   const std::vector<char> before = in;
-  for (int i = 0; i < k.rows; ++i)
-    if (before[i] != 0)
-      for (int e = k.start[i]; e < k.start[i + 1]; ++e) in[k.column[e]] = 1;
+  WholeMatrix::Room room;
+  for (int i = 0; i < k.rows(); ++i)
+    if (before[i] != 0) {
+      const WholeMatrix::Row row = k.row(i, room);
+      for (int e = 0; e < row.size; ++e) in[row.column[e]] = 1;
+    }
 }
 
 std::vector<int> marked(const std::vector<char>& in) {
@@ -46,25 +49,27 @@ std::vector<int> first_coupled(const Rows& h) {
 }
 
 /// The rows that are named, and none of the others.
-Rows only(const HviPetscMatrix& k, const std::vector<int>& named) {
+Rows only(const WholeMatrix& k, const std::vector<int>& named) {
   Rows out;
-  out.start.assign(static_cast<std::size_t>(k.rows) + 1, 0);
-  for (const int i : named) out.start[i + 1] = k.start[i + 1] - k.start[i];
-  std::partial_sum(out.start.begin(), out.start.end(), out.start.begin());
+  out.start.assign(static_cast<std::size_t>(k.rows()) + 1, 0);
+  WholeMatrix::Room room;
   for (const int i : named) {
-    out.column.insert(out.column.end(), k.column + k.start[i], k.column + k.start[i + 1]);
-    out.value.insert(out.value.end(), k.value + k.start[i], k.value + k.start[i + 1]);
+    const WholeMatrix::Row row = k.row(i, room);
+    out.start[i + 1] = row.size;
+    out.column.insert(out.column.end(), row.column, row.column + row.size);
+    out.value.insert(out.value.end(), row.value, row.value + row.size);
   }
+  std::partial_sum(out.start.begin(), out.start.end(), out.start.begin());
   return out;
 }
 
 } // namespace
 
-Layers::Layers(const Distribution& distribution, Vec like, const HviPetscMatrix& k, const Rows& h)
+Layers::Layers(const Distribution& distribution, Vec like, const WholeMatrix& k, const Rows& h)
     : distribution_(distribution), k_(k), start_(h.start), column_(h.column) {
   const std::vector<int> counts = find(h);
   parts_.emplace(distribution.comm(), counts);
-  matrix_changed(like);
+  near_.set(distribution_, like, near_rows_.view());
   const std::vector<int> mine = parts_->deal(inside_);
   const PetscInt n = parts_->rows();
   check(VecCreateSeq(PETSC_COMM_SELF, n, right_.put()));
@@ -74,13 +79,14 @@ Layers::Layers(const Distribution& distribution, Vec like, const HviPetscMatrix&
 
 /// X and what is beside it; how many rows of X each process has.
 std::vector<int> Layers::find(const Rows& h) {
-  std::vector<char> in(static_cast<std::size_t>(k_.rows), 0);
+  std::vector<char> in(static_cast<std::size_t>(k_.rows()), 0);
   for (int i = 0; i < h.size(); ++i)
     if (has_entries(h, i)) in[i] = 1;
   add_neighbours(k_, in);
   inside_ = marked(in);
   add_neighbours(k_, in);
   beside_ = marked(in);
+  near_rows_ = only(k_, beside_);
   part_ = parts_of(h);
   std::stable_sort(inside_.begin(), inside_.end(),
                    [&](int a, int b) { return part_[a] < part_[b]; });
@@ -95,23 +101,24 @@ std::vector<int> Layers::find(const Rows& h) {
 /// neighbour of it with the first one that it neighbours. Whose rows of K they are does not matter:
 /// a process far from the contact would wait for those which are there.
 std::vector<int> Layers::parts_of(const Rows& h) const {
-  std::vector<int> out(static_cast<std::size_t>(k_.rows), 0);
+  const HviPetscMatrix k = near_rows_.view();
+  std::vector<int> out(static_cast<std::size_t>(k.rows), 0);
   if (distribution_.alone()) return out;
   const std::vector<int> with = first_coupled(h);
   std::vector<int> vertex(out.size(), -1), weight; // of the graph of what is coupled
   std::vector<int> of(out.size(), -1);             // the vertex of each row of X
   for (const int i : inside_) {
     int law = i;
-    for (int e = k_.start[i]; !has_entries(h, law) && e < k_.start[i + 1]; ++e)
-      if (has_entries(h, k_.column[e])) law = k_.column[e];
+    for (int e = k.start[i]; !has_entries(h, law) && e < k.start[i + 1]; ++e)
+      if (has_entries(h, k.column[e])) law = k.column[e];
     int& number = vertex[with[law]];
     if (number < 0) number = static_cast<int>(weight.size()), weight.push_back(0);
     ++weight[of[i] = number];
   }
   std::vector<std::vector<int>> neighbours(weight.size());
   for (const int i : inside_)
-    for (int e = k_.start[i]; e < k_.start[i + 1]; ++e)
-      if (const int other = of[k_.column[e]]; other >= 0 && other != of[i]) {
+    for (int e = k.start[i]; e < k.start[i + 1]; ++e)
+      if (const int other = of[k.column[e]]; other >= 0 && other != of[i]) {
         neighbours[of[i]].push_back(other);
         neighbours[other].push_back(of[i]);
       }
@@ -124,24 +131,24 @@ std::vector<int> Layers::parts_of(const Rows& h) const {
 void Layers::matrix_changed(Vec like) {
   near_rows_ = only(k_, beside_);
   near_.set(distribution_, like, near_rows_.view());
-  if (!distribution_.alone()) near_rows_ = {}; // each process has its own
 }
 
 /// K_XX + H_XX without the entries between parts; the pattern is the union of both, and K has all
 /// its diagonal.
 Rows Layers::assembled(const Rows& h, double shift) const {
+  const HviPetscMatrix k = near_rows_.view();
   Rows out;
   for (const int i : inside_) {
-    int a = k_.start[i], b = h.start[i];
-    const int end_a = k_.start[i + 1], end_b = h.start[i + 1];
+    int a = k.start[i], b = h.start[i];
+    const int end_a = k.start[i + 1], end_b = h.start[i + 1];
     std::size_t diagonal = 0;
     double left_out = 0.0;
     while (a < end_a || b < end_b) {
       const int column =
-          std::min(a < end_a ? k_.column[a] : k_.rows, b < end_b ? h.column[b] : k_.rows);
+          std::min(a < end_a ? k.column[a] : k.rows, b < end_b ? h.column[b] : k.rows);
       double value = 0.0;
-      if (a < end_a && k_.column[a] == column) {
-        value += k_.value[a] + (column == i ? shift * std::abs(k_.value[a]) : 0.0);
+      if (a < end_a && k.column[a] == column) {
+        value += k.value[a] + (column == i ? shift * std::abs(k.value[a]) : 0.0);
         ++a;
       }
       if (b < end_b && h.column[b] == column) value += h.value[b++];

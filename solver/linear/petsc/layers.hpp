@@ -27,7 +27,7 @@ class Layers {
 public:
   /// X: the rows where `h` has entries, and their neighbours in `k`. Both are whole, in PETSc's
   /// numbering, and of the first process; `k` is kept by reference.
-  Layers(const Distribution& distribution, Vec like, const HviPetscMatrix& k, const Rows& h);
+  Layers(const Distribution& distribution, Vec like, const WholeMatrix& k, const Rows& h);
   /// Are these the layers of an h of this pattern?
   bool fit(const Rows& h) const { return h.start == start_ && h.column == column_; }
   /// K has other entries.
@@ -49,14 +49,14 @@ private:
   bool factored();
 
   const Distribution& distribution_;
-  HviPetscMatrix k_;
+  const WholeMatrix& k_;
   std::vector<int> start_, column_;   ///< pattern of h
   std::vector<int> inside_;           ///< X, one part after the other
   std::vector<int> position_;         ///< in X, or -1
   std::vector<int> part_;             ///< of X: the process that solves with it
   std::vector<int> beside_;           ///< X and its neighbours
   std::optional<Distribution> parts_; ///< of X
-  Rows near_rows_;                    ///< K's rows of X and its neighbours, if all are here
+  Rows near_rows_;                    ///< K's rows of X and its neighbours, of the first process
   FewRows near_;
   Rows local_; ///< what is factored here
   Owned<Mat> matrix_, factor_;

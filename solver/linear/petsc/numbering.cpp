@@ -29,35 +29,6 @@ Numbering::Numbering(const HviPetscUnknowns& of, int n, const Partition& partiti
   for (int i = 0; i < n; ++i) unknown_[place_[i]] = i;
 }
 
-Rows Numbering::rows_of(const HviPetscMatrix& a, double diagonal) const {
-  const std::size_t n_entries = static_cast<std::size_t>(a.start[a.rows]) +
-                                (diagonal != 0.0 ? static_cast<std::size_t>(size() - a.rows) : 0);
-  Rows out;
-  out.start.reserve(static_cast<std::size_t>(size()) + 1);
-  out.column.reserve(n_entries);
-  out.value.reserve(n_entries);
-  std::vector<std::pair<int, double>> row;
-  for (int p = 0; p < size(); ++p) {
-    const int i = same_ ? p : unknown_[p];
-    row.clear();
-    if (i < 0 && diagonal != 0.0) row.emplace_back(p, diagonal);
-    for (int e = i < 0 ? 0 : a.start[i]; i >= 0 && e < a.start[i + 1]; ++e)
-      row.emplace_back((*this)[a.column[e]], a.value[e]);
-    std::sort(row.begin(), row.end());
-    for (const auto& [column, value] : row) {
-      out.column.push_back(column);
-      out.value.push_back(value);
-    }
-    out.start.push_back(static_cast<int>(out.column.size()));
-  }
-  return out;
-}
-
-void Numbering::refresh(const HviPetscMatrix& a, double diagonal, Rows& rows) const {
-  const Rows now = rows_of(a, diagonal);
-  std::copy(now.value.begin(), now.value.end(), rows.value.begin());
-}
-
 void Numbering::spread(const double* x, double* out) const {
   if (same_) {
     std::copy_n(x, size(), out);
@@ -73,6 +44,50 @@ void Numbering::collect(const double* x, double* out) const {
   }
   for (int p = 0; p < size(); ++p)
     if (unknown_[p] >= 0) out[unknown_[p]] = x[p];
+}
+
+WholeMatrix::Row WholeMatrix::row(int i, Room& room) const {
+  const int own = numbering_ == nullptr ? i : numbering_->unknown_of(i);
+  const int first = own < 0 ? 0 : a_.start[own], end = own < 0 ? 0 : a_.start[own + 1];
+  if (numbering_ == nullptr) return {a_.column + first, a_.value + first, end - first};
+  room.entries.clear();
+  if (own < 0 && diagonal_ != 0.0) room.entries.emplace_back(i, diagonal_);
+  for (int e = first; e < end; ++e)
+    room.entries.emplace_back((*numbering_)[a_.column[e]], a_.value[e]);
+  std::sort(room.entries.begin(), room.entries.end());
+  room.column.clear(), room.value.clear();
+  for (const auto& [column, value] : room.entries) {
+    room.column.push_back(column);
+    room.value.push_back(value);
+  }
+  return {room.column.data(), room.value.data(), static_cast<int>(room.column.size())};
+}
+
+double WholeMatrix::entry(int i, int j) const {
+  if (numbering_ == nullptr) return petsc_module::entry(a_, i, j);
+  const int row = numbering_->unknown_of(i), column = numbering_->unknown_of(j);
+  if (row < 0 || column < 0) return i == j ? diagonal_ : 0.0;
+  return petsc_module::entry(a_, row, column);
+}
+
+int WholeMatrix::entries_of(int i) const {
+  const int own = numbering_ == nullptr ? i : numbering_->unknown_of(i);
+  return own < 0 ? (diagonal_ != 0.0 ? 1 : 0) : a_.start[own + 1] - a_.start[own];
+}
+
+Rows WholeMatrix::part(int first, int end) const {
+  Rows out;
+  out.start.reserve(static_cast<std::size_t>(end - first) + 1);
+  for (int i = first; i < end; ++i) out.start.push_back(out.start.back() + entries_of(i));
+  out.column.reserve(static_cast<std::size_t>(out.start.back()));
+  out.value.reserve(static_cast<std::size_t>(out.start.back()));
+  Room room;
+  for (int i = first; i < end; ++i) {
+    const Row own = row(i, room);
+    out.column.insert(out.column.end(), own.column, own.column + own.size);
+    out.value.insert(out.value.end(), own.value, own.value + own.size);
+  }
+  return out;
 }
 
 } // namespace hvi::petsc_module

@@ -5,6 +5,7 @@
 
 #include "solver/linear/petsc/partition.hpp"
 
+#include <utility>
 #include <vector>
 
 namespace hvi::petsc_module {
@@ -28,13 +29,11 @@ public:
   int components() const { return components_; }
   /// Are the unknowns numbered so already?
   bool same() const { return same_; }
-  bool is_unknown(int row) const { return same_ || unknown_[row] >= 0; }
+  bool is_unknown(int row) const { return unknown_of(row) >= 0; }
   int operator[](int unknown) const { return same_ ? unknown : place_[unknown]; }
 
-  /// The matrix in this numbering. `diagonal`: of rows that are no unknown's; 0: without an entry.
-  Rows rows_of(const HviPetscMatrix& a, double diagonal) const;
-  /// Its entries once more, where the pattern is the same.
-  void refresh(const HviPetscMatrix& a, double diagonal, Rows& rows) const;
+  /// -1 where a row is no unknown's.
+  int unknown_of(int row) const { return same_ ? row : unknown_[row]; }
   void spread(const double* x, double* out) const; ///< 0 where there is no unknown
   void collect(const double* x, double* out) const;
   /// Rows of each process.
@@ -45,6 +44,46 @@ private:
   bool same_;
   std::vector<int> counts_;
   std::vector<int> place_, unknown_; ///< of each unknown, and back; -1: none
+};
+
+/// A matrix of the first process in PETSc's numbering, row by row: where it is numbered otherwise,
+/// no second copy of it is kept.
+class WholeMatrix {
+public:
+  /// Entries in ascending columns.
+  struct Row {
+    const int* column;
+    const double* value;
+    int size;
+  };
+  /// Of a row that is numbered anew.
+  struct Room {
+    std::vector<std::pair<int, double>> entries;
+    std::vector<int> column;
+    std::vector<double> value;
+  };
+
+  /// As it is numbered. Its arrays are kept by reference.
+  explicit WholeMatrix(const HviPetscMatrix& a) : a_(a) {}
+  /// Of unknowns. Both are kept by reference. `diagonal`: of rows that are no unknown's; 0: without
+  /// an entry.
+  WholeMatrix(const HviPetscMatrix& a, const Numbering& numbering, double diagonal)
+      : a_(a), numbering_(numbering.same() ? nullptr : &numbering), diagonal_(diagonal) {}
+
+  int rows() const { return numbering_ == nullptr ? a_.rows : numbering_->size(); }
+  /// The matrix itself; null: it is numbered otherwise.
+  const HviPetscMatrix* as_it_is() const { return numbering_ == nullptr ? &a_ : nullptr; }
+  /// Until the next call with this room.
+  Row row(int i, Room& room) const;
+  double entry(int i, int j) const;    ///< 0 where there is none
+  Rows part(int first, int end) const; ///< these rows
+
+private:
+  int entries_of(int i) const;
+
+  HviPetscMatrix a_;
+  const Numbering* numbering_ = nullptr;
+  double diagonal_ = 0.0;
 };
 
 } // namespace hvi::petsc_module

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace hvi::petsc_module {
@@ -21,6 +22,7 @@ struct SeveralCycles::Unknown {
   std::vector<char> solved;  ///< is each of `rows` solved for?
   std::vector<int> mine;     ///< this process's rows, by their places among its rows of the whole
   Rows k, h;
+  std::optional<WholeMatrix> whole_k; ///< of `k`
   FewRows h_rows;
   /// Of this process's rows: the sizes of the diagonals of S_b, and of that and H.
   std::vector<double> diagonal, stiffness;
@@ -62,24 +64,26 @@ struct SeveralCycles::Unknown {
 
   /// With this diagonal of the whole in place of its own. Rows that are not solved for have a
   /// typical one.
-  Rows block_of(const HviPetscMatrix& a, const std::vector<double>& of_whole) const {
+  Rows block_of(const WholeMatrix& a, const std::vector<double>& of_whole) const {
     double sum = 0.0, count = 0.0;
     for (std::size_t p = 0; p < rows.size(); ++p)
       if (solved[p] != 0) sum += std::abs(of_whole[rows[p]]), ++count;
     const double typical = sum > 0.0 ? sum / count : 1.0;
     Rows out;
+    WholeMatrix::Room room;
     for (std::size_t p = 0; p < rows.size(); ++p) {
       const int row = rows[p];
+      const WholeMatrix::Row entries = a.row(row, room);
       const double own = solved[p] != 0 && of_whole[row] != 0.0 ? of_whole[row] : typical;
       bool to_come = true;
       const auto put = [&](int column, double value) {
         out.column.push_back(column);
         out.value.push_back(value);
       };
-      for (int e = a.start[row]; e < a.start[row + 1]; ++e) {
-        const int column = position[a.column[e]];
-        if (to_come && a.column[e] >= row) put(static_cast<int>(p), own), to_come = false;
-        if (column >= 0 && a.column[e] != row) put(column, a.value[e]);
+      for (int e = 0; e < entries.size; ++e) {
+        const int j = entries.column[e], column = position[j];
+        if (to_come && j >= row) put(static_cast<int>(p), own), to_come = false;
+        if (column >= 0 && j != row) put(column, entries.value[e]);
       }
       if (to_come) put(static_cast<int>(p), own);
       out.start.push_back(static_cast<int>(out.column.size()));
@@ -108,11 +112,12 @@ struct SeveralCycles::Unknown {
     return out;
   }
 
-  void set_matrix(const HviPetscMatrix& whole, const std::vector<double>& of_whole) {
+  void set_matrix(const WholeMatrix& whole, const std::vector<double>& of_whole) {
     Rows now = block_of(whole, of_whole), dealt;
     stiffness = diagonal = deal_diagonal(now);
     if (!matrix) {
       k = std::move(now);
+      whole_k.emplace(k.view());
       distribution->make(distribution->deal(k.view(), dealt), matrix);
       check(MatCreateVecs(matrix.get(), r.put(), z.put()));
       return;
@@ -134,7 +139,7 @@ struct SeveralCycles::Unknown {
       for (const int row : mine) own.push_back(whole[row]);
       ++count;
     }
-    cycle = std::make_unique<Cycle>(*distribution, k.view(), matrix.get(), own, count);
+    cycle = std::make_unique<Cycle>(*distribution, *whole_k, matrix.get(), own, count);
   }
 
   PetscErrorCode take(Vec whole) const {
@@ -159,7 +164,7 @@ struct SeveralCycles::Unknown {
 };
 
 SeveralCycles::SeveralCycles(const Distribution& distribution, const Numbering& numbering,
-                             const std::vector<int>& first_component, const HviPetscMatrix& k,
+                             const std::vector<int>& first_component, const WholeMatrix& k,
                              Mat product, const std::vector<double>& motions, int n_motions)
     : distribution_(distribution), k_(k), product_(product) {
   check(MatCreateVecs(product, moved_.put(), rest_.put()));
