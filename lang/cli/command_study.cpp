@@ -115,7 +115,7 @@ private:
   /// Everything that decides a row: the program, the script and its imports, the parameters, and
   /// for each setting the plan with the values of its tables and the content of its mesh file.
   std::string what_decides(const Script& script) const {
-    std::string all = fmt::format("journal 2, hvi-run {}\n", version);
+    std::string all = fmt::format("journal 3, hvi-run {}\n", version);
     for (const auto& program : script.programs) all += script.sources.file(program.file).text();
     for (const auto& [name, value] : options_.defines) all += name + "=" + value + ";";
     std::map<std::string, std::string> meshes;
@@ -123,7 +123,10 @@ private:
       const auto setting = compile_row(row);
       const auto& plan = setting->script.plan;
       if (!plan) continue; // said when its turn comes
-      all += fmt::format("{:016x};", solver::fingerprint(*plan, {}));
+      // A run's state leaves out what a run may choose anew; a row is of one choice.
+      all += fmt::format("{:016x} {} {};", solver::fingerprint(*plan, {}),
+                         static_cast<int>(plan->options.solver),
+                         static_cast<int>(plan->options.factor));
       std::vector<const solver::MeshSpec*> used{&plan->problem.mesh};
       for (const auto& piece : plan->problem.mesh.pieces) used.push_back(&piece);
       for (const auto* mesh : used)

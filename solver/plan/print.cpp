@@ -163,16 +163,29 @@ private:
     return {};
   }
 
+  bool several() const { return !problem_.space.more.empty(); }
+
+  std::string name_of_unknown(int unknown) const {
+    const auto all = unknowns_of(problem_.space);
+    const bool known = unknown >= 0 && unknown < static_cast<int>(all.size());
+    return known ? all[unknown].name : fmt::format("unknown {}", unknown);
+  }
+  /// " of `theta`" where there are several.
+  std::string of_unknown(int unknown) const {
+    return several() ? fmt::format(" of `{}`", name_of_unknown(unknown)) : std::string();
+  }
+
   void space() {
     const auto& s = problem_.space;
     for (const auto& unknown : unknowns_of(s))
-      line("space `{}` {} P{}{}", unknown.space, unknown.vector ? "vector" : "scalar",
-           unknown.order, unknown.domain < 0 ? std::string() : " on " + part(unknown.domain));
+      line("space `{}` {} P{}{}{}", unknown.space, unknown.vector ? "vector" : "scalar",
+           unknown.order, several() ? fmt::format(" of `{}`", unknown.name) : std::string(),
+           unknown.domain < 0 ? std::string() : " on " + part(unknown.domain));
     for (const auto& d : s.dirichlet)
-      line("  on {} {} = {}", part(d.part),
+      line("  on {} {}{} = {}", part(d.part),
            d.component < 0 ? std::string("all components")
                            : fmt::format("component {}", d.component),
-           d.value.empty() ? "0" : expressions(d.value));
+           of_unknown(d.unknown), d.value.empty() ? "0" : expressions(d.value));
     for (const auto& p : s.periodic)
       line("  periodic {} = {}{}{}", part(p.first), part(p.second),
            p.unknown == 0 ? std::string() : fmt::format(" unknown {}", p.unknown),
@@ -217,6 +230,7 @@ private:
     const auto& spec = problem_.laws[l];
     line("law {} `{}`{} {} = {}", l, spec.name, spec.radial ? " radial" : "",
          spec.by_slope ? "slope" : "potential", to_string(spec.expression));
+    if (!spec.coupled.empty()) line("  its bound reads the multiplier of `{}`", spec.coupled);
     for (std::size_t i = 0; i < spec.readings.size(); ++i)
       line("  reads {} = {}", to_string(Expr::variable(slot::reading(static_cast<int>(i)))),
            to_string(spec.readings[i]));
@@ -241,8 +255,12 @@ private:
 
   void law_term(std::size_t l) {
     const auto& term = problem_.law_terms[l];
-    line("law term {} {} * `{}` over {}, {}, rule {}", l, to_string(term.factor), term.name,
-         part(term.part), to_string(term.effect), to_string(term.rule));
+    line("law term {} {} * `{}` over {}{}, {}, rule {}{}", l, to_string(term.factor), term.name,
+         part(term.part), of_unknown(term.unknown), to_string(term.effect), to_string(term.rule),
+         term.rule_of ? " of the elements" + of_unknown(*term.rule_of) : std::string());
+    const bool known = term.law >= 0 && term.law < static_cast<int>(problem_.laws.size());
+    if (!known || problem_.laws[term.law].name != term.name) line("  by law {}", term.law);
+    if (term.mean) line("  of the mean of both sides");
     for (std::size_t c = 0; c < term.rows.size(); ++c) {
       const auto& row = term.rows[c];
       line("  argument {} . {} + {}", expressions({row.u.begin(), row.u.end()}), seen_by(term, c),
@@ -284,8 +302,8 @@ private:
     const auto when = p.time ? " at t = " + number(*p.time) : std::string();
     switch (p.kind) {
     case Probe::Kind::at_point:
-      line("probe {} `{}` = {} at {}{}", i, p.name, to_string(p.expression), numbers(p.point),
-           when);
+      line("probe {} `{}` = {} at {}{}{}", i, p.name, to_string(p.expression), numbers(p.point),
+           p.on_pair ? " of " + part(p.part) : std::string(), when);
       break;
     case Probe::Kind::integral:
       line("probe {} `{}` = integral over {} of {}, rule {}{}", i, p.name, part(p.part),
@@ -298,11 +316,12 @@ private:
            to_string(p.expression), when);
       break;
     case Probe::Kind::reaction:
-      line("probe {} `{}` = reaction of {}, component {}{}", i, p.name, part(p.part), p.component,
-           when);
+      line("probe {} `{}` = reaction of {}{}, component {}{}", i, p.name, part(p.part),
+           of_unknown(p.unknown), p.component, when);
       break;
     case Probe::Kind::norm_v:
-      line("probe {} `{}` = norm of u{}", i, p.name, when);
+      line("probe {} `{}` = norm of {}{}", i, p.name, several() ? name_of_unknown(p.unknown) : "u",
+           when);
       break;
     case Probe::Kind::combination:
       line("probe {} `{}` = {}", i, p.name, to_string(p.expression));

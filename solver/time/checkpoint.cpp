@@ -5,6 +5,7 @@
 #include "solver/common/read_file.hpp"
 #include "solver/kernel/table.hpp"
 #include "solver/output/file.hpp"
+#include "solver/plan/fields.hpp"
 
 #define XXH_INLINE_ALL
 #include <fmt/format.h>
@@ -12,12 +13,14 @@
 #include <xxhash.h>
 
 #include <cstring>
-#include <set>
+#include <memory>
+#include <type_traits>
+#include <unordered_map>
 
 namespace hvi::solver {
 namespace {
 
-constexpr std::uint32_t format_version = 21;
+constexpr std::uint32_t format_version = 22;
 constexpr std::array<char, 8> magic{'h', 'v', 'i', '-', 's', 't', 'e', 'p'};
 
 struct Header {
@@ -56,65 +59,83 @@ private:
   XXH3_state_t state_{};
 };
 
-/// The values of tables: an expression's text holds only their names.
-class TableVisitor {
+/// Adds every field of a plan, and whatever it is made of.
+class PlanHash {
 public:
-  explicit TableVisitor(Hash& hash) : hash_(hash) {}
-  void visit(const Expr& e) {
-    if (!seen_.insert(e.id()).second) return;
-    if (e.op() == Op::table || e.op() == Op::table_slope) {
-      const Table& table = *e.table();
-      hash_.add_number(static_cast<int>(table.interpolation()));
-      hash_.add_all(table.abscissae());
-      for (const double x : table.abscissae()) hash_.add_number(table.value(x));
-    }
-    for (const Expr& a : e.args()) visit(a);
+  explicit PlanHash(Hash& hash) : hash_(hash) {}
+
+  template <class T>
+  void add(const T& value) {
+    if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>)
+      hash_.add_number(value);
+    else
+      std::apply([&](const auto&... field) { (add(field), ...); }, fields_of(value));
   }
-  void visit(const std::vector<Expr>& all) {
-    for (const Expr& e : all) visit(e);
+  void add(const std::string& text) { hash_.add(text); }
+  void add(const Expr& expression) { hash_.add_number(hash_of_tree(expression)); }
+  template <class T>
+  void add(const std::vector<T>& all) {
+    hash_.add_number(all.size());
+    for (const T& one : all) add(one);
   }
-  void visit(const RegionSpec& region) {
-    visit(region.predicate);
-    for (const auto& child : region.children) visit(child);
+  template <class T, std::size_t N>
+  void add(const std::array<T, N>& all) {
+    for (const T& one : all) add(one);
+  }
+  template <class T>
+  void add(const std::optional<T>& value) {
+    hash_.add_number(value.has_value());
+    if (value) add(*value);
+  }
+  template <class A, class B>
+  void add(const std::pair<A, B>& both) {
+    add(both.first), add(both.second);
+  }
+  template <class... T>
+  void add(const std::variant<T...>& value) {
+    hash_.add_number(value.index());
+    std::visit([&](const auto& one) { add(one); }, value);
+  }
+  void add(const std::shared_ptr<const Plan>& plan) {
+    hash_.add_number(plan != nullptr);
+    if (plan) add(*plan);
   }
 
 private:
-  Hash& hash_;
-  std::set<const void*> seen_;
-};
-
-void add_tables(const Plan& plan, Hash& hash) {
-  TableVisitor tables(hash);
-  for (const auto& part : plan.problem.parts) tables.visit(part.region);
-  for (const auto& d : plan.problem.space.dirichlet) tables.visit(d.value);
-  for (const auto& form : plan.problem.forms)
-    for (const auto& entry : form.entries) tables.visit(entry.coefficient);
-  for (const auto& load : plan.problem.loads)
-    for (const auto& entry : load.entries) tables.visit(entry.value);
-  for (const auto& history : plan.problem.histories) tables.visit(history.kernel.expression);
-  for (const auto& law : plan.problem.laws) {
-    tables.visit(law.expression);
-    tables.visit(law.readings);
-  }
-  for (const auto& term : plan.problem.law_terms) {
-    tables.visit(term.factor);
-    for (const auto& row : term.rows) {
-      tables.visit(row.offset);
-      for (const auto& c : row.u) tables.visit(c);
+  /// Of a tree, whichever of its parts it shares with itself: first of the parts. Trees are deeper
+  /// than a stack of calls.
+  std::uint64_t hash_of_tree(const Expr& root) {
+    std::vector<const Expr*> todo{&root};
+    while (!todo.empty()) {
+      const Expr& e = *todo.back();
+      const std::size_t waiting = todo.size();
+      for (const Expr& part : e.args())
+        if (!known_.contains(part.id())) todo.push_back(&part);
+      if (todo.size() > waiting) continue;
+      known_.emplace(e.id(), hash_of_node(e));
+      todo.pop_back();
     }
+    return known_.at(root.id());
   }
-  for (const auto& state : plan.problem.states) {
-    tables.visit(state.rate);
-    tables.visit(state.initial);
+
+  /// Of tables the values.
+  std::uint64_t hash_of_node(const Expr& e) const {
+    Hash own;
+    own.add_number(e.op());
+    if (e.op() == Op::constant) own.add_number(e.value());
+    if (e.op() == Op::slot) own.add_number(e.slot());
+    if (const auto& table = e.table()) {
+      own.add_number(table->interpolation());
+      own.add_all(table->abscissae());
+      for (const double x : table->abscissae()) own.add_number(table->value(x));
+    }
+    for (const Expr& part : e.args()) own.add_number(known_.at(part.id()));
+    return own.value();
   }
-  tables.visit(plan.problem.time.initial);
-  for (const auto& probe : plan.report.probes) tables.visit(probe.expression);
-  for (const auto& fields : plan.report.fields)
-    for (const auto& field : fields.fields) tables.visit(field.components);
-  for (const auto& picture : plan.report.pictures) tables.visit(picture.field.components);
-  for (const auto& line : plan.report.lines)
-    for (const auto& field : line.fields) tables.visit(field.components);
-}
+
+  Hash& hash_;
+  std::unordered_map<const void*, std::uint64_t> known_;
+};
 
 void add_mesh(const Mesh& mesh, Hash& hash) {
   hash.add_number(mesh.dim);
@@ -134,24 +155,26 @@ void add_mesh(const Mesh& mesh, Hash& hash) {
   }
 }
 
+/// Without what may differ between two places or machines, or is saved with a state.
+Plan decisive(Plan plan) {
+  plan.problem.mesh.path.clear();
+  plan.problem.mesh.allow_geo = false;
+  plan.options.threads = 1;
+  plan.options.solver = {}; // memory may choose it
+  plan.options.factor = {}; // a step that is not certified changes it, and this
+  plan.options.rows_refused = false;
+  plan.problem.time.grid.clear(); // a run may go on beyond its end: the state knows the steps taken
+  for (auto& history : plan.problem.histories) history.route.reset(); // audits choose it
+  if (plan.start) plan.start = std::make_shared<const Plan>(decisive(*plan.start));
+  return plan;
+}
+
 } // namespace
 
 std::uint64_t fingerprint(const Plan& plan, const Mesh& mesh) {
+  const Plan of = decisive(plan); // trees are known by where they are, as long as this lives
   Hash hash;
-  Plan same = plan; // what may differ between two places or machines is left out
-  same.problem.mesh.path.clear();
-  same.options.threads = 1;
-  same.options.solver = {};       // memory may choose it: saved state
-  same.options.factor = {};       // a step that is not certified changes it: saved state
-  same.problem.time.grid.clear(); // a run may go on beyond its end: the state knows the steps taken
-  for (auto& history : same.problem.histories)
-    history.route.reset(); // audits choose it: saved state
-  hash.add(to_string(same));
-  hash.add_number(plan.options.proportional_path);
-  hash.add_number(plan.options.jumps_as_unknowns);
-  hash.add_number(plan.options.reduced_precision);
-  hash.add_number(plan.options.audit);
-  add_tables(plan, hash);
+  PlanHash(hash).add(of);
   add_mesh(mesh, hash);
   return hash.value();
 }

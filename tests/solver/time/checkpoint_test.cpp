@@ -94,6 +94,60 @@ TEST(Fingerprint, ChangesWithEachIngredient) {
     EXPECT_TRUE(seen.contains(changed(same)));
 }
 
+/// What a slab does not have, as the plan alone says it.
+TEST(Fingerprint, ChangesWithWhatFewPlansHave) {
+  const auto changed = [](const std::function<void(Plan&)>& change) {
+    Plan plan = slab(3, 4, 2, true);
+    plan.problem.space.more.push_back({"theta", "W", {}});
+    change(plan);
+    return fingerprint(plan, {});
+  };
+  using Change = std::function<void(Plan&)>;
+  const std::vector<Change> changes = {
+      [](Plan&) {},
+      [](Plan& p) { p.problem.space.dirichlet[0].unknown = 1; },
+      [](Plan& p) { p.problem.law_terms[0].unknown = 1; },
+      [](Plan& p) { p.problem.law_terms[0].law = 1; },
+      [](Plan& p) { p.problem.law_terms[0].mean = true; },
+      [](Plan& p) { p.problem.law_terms[0].rule_of = 1; },
+      [](Plan& p) { p.report.probes[0].unknown = 1; },
+      [](Plan& p) { p.report.probes[0].on_pair = true; },
+      [](Plan& p) {
+        p.problem.time.velocity = {{tabulated(7.0), 0.0}};
+      },
+      [](Plan& p) {
+        p.problem.time.velocity = {{tabulated(8.0), 0.0}};
+      },
+      [](Plan& p) { p.problem.space.unknown = "w"; },
+      [](Plan& p) { p.problem.laws[0].coupled = "bed"; },
+      [](Plan& p) { p.problem.laws[0].coupled = "wall"; },
+      [](Plan& p) { p.problem.law_terms[0].name = "another"; },
+      [](Plan& p) { p.report.probes[0].component = 1; },
+      [](Plan& p) { p.start = std::make_shared<const Plan>(p); },
+      [](Plan& p) {
+        Plan start = p;
+        start.problem.law_terms[0].factor = 2.0;
+        p.start = std::make_shared<const Plan>(std::move(start));
+      },
+  };
+  std::set<std::uint64_t> seen;
+  for (std::size_t i = 0; i < changes.size(); ++i)
+    EXPECT_TRUE(seen.insert(changed(changes[i])).second) << "change " << i << " is not seen";
+}
+
+/// Its text is cut off somewhere, and a walk by calls in calls would need more stack than there is.
+TEST(Fingerprint, SeesTheDeepestPartOfALongExpression) {
+  const auto with = [](double first) {
+    Expr sum = first * sin(var(slot::lag));
+    for (int i = 1; i < 60000; ++i) sum = sum + exp(-static_cast<double>(i) * var(slot::lag));
+    Plan plan;
+    plan.problem.histories.emplace_back().kernel.expression = sum;
+    return fingerprint(plan, {});
+  };
+  EXPECT_EQ(with(1.0), with(1.0));
+  EXPECT_NE(with(1.0), with(2.0));
+}
+
 TEST(CheckpointFile, IsOnTheDiskBeforeItHasItsName) {
   const auto path = std::filesystem::path(testing::TempDir()) / "hvi_synced" / "a.checkpoint";
   synced = 0;
