@@ -67,21 +67,23 @@ std::optional<Variation> moved_parameter(const Script& given, const CompileSetti
                                          const ModelParam& param, const First& first) {
   const auto* value = std::get_if<double>(&param.value);
   if (value == nullptr || *value == 0.0 || !std::isfinite(*value)) return std::nullopt;
-  Variation out;
+  std::optional<Variation> failed; // says why, where neither way gives a script that runs
   for (const double towards : {HUGE_VAL, -HUGE_VAL}) { // the other way at the end of its range
     const double next = std::nextafter(*value, towards);
     CompileSettings other = settings;
     other.defines[param.name] = fmt::format("{:.17g}", param.as_declared(next));
     Session session(given.path, other, text_of(given));
     if (!session.compile_variation()) continue;
+    Variation out;
+    out.what = fmt::format("`{}` by one unit in the last place", param.name);
+    out.moved = std::abs((next - *value) / *value);
     const solver::Plan& plan = *session.script.plan;
     auto& d = session.discretisation;
     if (const auto failures = solver::discretise(plan, d); !failures.empty()) {
       take_failure(failures.front(), out);
+      failed = out;
       continue;
     }
-    out.what = fmt::format("`{}` by one unit in the last place", param.name);
-    out.moved = std::abs((next - *value) / *value);
     try {
       out.change = distance(first.trace, traced(plan, d, false, first.stop));
     } catch (const solver::Failure& failure) {
@@ -89,7 +91,7 @@ std::optional<Variation> moved_parameter(const Script& given, const CompileSetti
     }
     return out;
   }
-  return std::nullopt;
+  return failed;
 }
 
 /// A run of a script or a mesh with other numbers, against the first.

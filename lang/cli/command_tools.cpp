@@ -32,7 +32,8 @@ bool rewritten(const std::string& path, const std::string& text) {
     solver::rewrite_file(path, text);
     return true;
   } catch (const solver::Failure& failure) {
-    tell("error[E0610]: {}\n  = help: {}\n", failure.what(), option_words().help_for(failure));
+    tell("error[{}]: {}\n  = help: {}\n", ending_of(failure.kind).code, failure.what(),
+         option_words().help_for(failure));
     return false;
   }
 }
@@ -169,8 +170,9 @@ int mesh_command(const std::string& path, const Options& options) {
     if (std::filesystem::path(path).extension() == ".hvi") return mesh_of_script(path, options);
     const bool geo = std::filesystem::path(path).extension() == ".geo";
     if (geo && !options.allow_geo) {
-      tell("error[E0606]: a `.geo` file can run programs; allow it with --allow-geo\n");
-      return exit_script;
+      const Ending ending = ending_of(solver::FailureKind::unasked_geometry);
+      tell("error[{}]: a `.geo` file can run programs; allow it with --allow-geo\n", ending.code);
+      return ending.exit;
     }
     solver::Straightening lost;
     const solver::Mesh mesh =

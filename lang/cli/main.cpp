@@ -103,14 +103,11 @@ CLI::Option* add_report(CLI::App& command, Options& options) {
   return command.add_flag("--report", options.report, "write a page to read in a browser");
 }
 
+/// Of a run, whether it writes a page or not.
 void add_run(CLI::App& run, Options& options) {
   run.add_option("--checkpoint", options.checkpoint, "save the state every N steps")
       ->check(CLI::PositiveNumber);
   run.add_flag("--resume", options.resume, "go on from the last checkpoint");
-  auto* no_files = run.add_flag("--no-files", options.no_files, "print only, write nothing")
-                       ->excludes("--checkpoint", "--resume");
-  no_files->excludes(add_report(run, options));
-  if (auto* folder = run.get_option_no_throw("-o")) no_files->excludes(folder);
   run.add_option("--accuracy", options.accuracy,
                  "find the cheapest setting with this relative error")
       ->check(positive);
@@ -120,6 +117,13 @@ void add_run(CLI::App& run, Options& options) {
   run.add_option("--budget", options.budget, "CPU seconds a run for --accuracy may take")
       ->check(positive);
   run.add_flag("--monitors", options.monitors, "energies and a-priori bounds, step by step");
+}
+
+void add_what_is_written(CLI::App& run, Options& options) {
+  auto* no_files = run.add_flag("--no-files", options.no_files, "print only, write nothing")
+                       ->excludes("--checkpoint", "--resume");
+  no_files->excludes(add_report(run, options));
+  if (auto* folder = run.get_option_no_throw("-o")) no_files->excludes(folder);
 }
 
 /// All commands; options of scripts for the one that is `given`, or for all where none is.
@@ -133,8 +137,10 @@ void add_commands(CLI::App& app, std::string_view given, CommandLine& line) {
     if (!many) option->expected(1);
     return sub;
   };
-  add_run(*command("run", "solve a script"), line.options);
-  command("report", "solve a script and write a page to read in a browser");
+  CLI::App* const run = command("run", "solve a script");
+  add_run(*run, line.options);
+  add_what_is_written(*run, line.options);
+  add_run(*command("report", "solve a script and write a page to read in a browser"), line.options);
   auto* check = command("check", "check scripts without solving", true);
   add_report(*check, line.options);
   check->add_flag("--script-only", line.options.script_only, "without the mesh");
@@ -225,22 +231,30 @@ int dispatch(int argc, char** argv) {
   return perform(command, line);
 }
 
+/// The first word that is neither an option of a run nor a value of one; 0: there is none.
+int first_word(int argc, char** argv) {
+  if (argc < 2) return 0;
+  if (argv[1][0] != '-') return 1; // as mostly: options cost time to make
+  CommandLine line;
+  CLI::App run;
+  add_common(run, line.options, line.defines);
+  add_run(run, line.options);
+  add_what_is_written(run, line.options);
+  for (int i = 1; i < argc; ++i) {
+    if (argv[i][0] != '-') return i;
+    const auto* const option = run.get_option_no_throw(argv[i]);
+    if (option != nullptr && option->get_items_expected_min() > 0) ++i;
+  }
+  return 0;
+}
+
 /// `hvi-run FILE ...` is `hvi-run run FILE ...`: the word is put in when the first word that is no
 /// option names a script.
 std::vector<char*> with_command(int argc, char** argv, std::string& word) {
   std::vector<char*> out(argv, argv + argc);
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view text = argv[i];
-    if (text == "-D" || text == "-o" || text == "--json" || text == "--threads" ||
-        text == "--blas-threads" || text == "--solver" || text == "--factor" ||
-        text == "--checkpoint" || text == "--accuracy" || text == "--of" || text == "--budget") {
-      ++i;
-      continue;
-    }
-    if (text.starts_with("-")) continue;
-    if (text.ends_with(".hvi")) out.insert(out.begin() + 1, word.data());
-    break;
-  }
+  const int first = first_word(argc, argv);
+  if (first > 0 && std::string_view(argv[first]).ends_with(".hvi"))
+    out.insert(out.begin() + 1, word.data());
   return out;
 }
 

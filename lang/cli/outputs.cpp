@@ -4,6 +4,7 @@
 #include "lang/diag/real_path.hpp"
 #include "lang/pictures.hpp"
 #include "lang/report/page.hpp"
+#include "solver/common/hash.hpp"
 #include "solver/output/file.hpp"
 #include "solver/results/line_values.hpp"
 #include "solver/results/report.hpp"
@@ -16,7 +17,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
-#include <functional>
 
 namespace hvi::lang {
 
@@ -176,8 +176,7 @@ std::string output_folder(const std::string& path, const Options& options,
   for (const auto& [name, value] : options.defines) parameters += "-" + name + "=" + value;
   constexpr std::size_t longest = 100;
   if (const std::string name = as_name(parameters); name != parameters || name.size() > longest)
-    parameters =
-        fmt::format("{}-{:016x}", name.substr(0, longest), std::hash<std::string>{}(parameters));
+    parameters = fmt::format("{}-{:016x}", name.substr(0, longest), solver::hash_of(parameters));
   return fs::path(path).stem().string() + ending + parameters;
 }
 

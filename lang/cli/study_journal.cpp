@@ -2,6 +2,7 @@
 #include "lang/cli/study_journal.hpp"
 
 #include "lang/cli/say.hpp"
+#include "solver/common/hash.hpp"
 #include "solver/output/file.hpp"
 
 #include <fmt/format.h>
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <functional>
 #include <utility>
 
 namespace hvi::lang {
@@ -17,7 +17,7 @@ namespace hvi::lang {
 namespace {
 
 std::string checksum(const std::string& text) {
-  return fmt::format("{:016x}", std::hash<std::string>{}(text));
+  return fmt::format("{:016x}", solver::hash_of(text));
 }
 
 nlohmann::json numbers(const solver::StudyError& e) {
@@ -25,6 +25,7 @@ nlohmann::json numbers(const solver::StudyError& e) {
 }
 solver::StudyError error_from(const nlohmann::json& e) { return {e[0], e[1], e[2], e[3], e[4]}; }
 
+/// Throws where a number is none: JSON has no infinite ones.
 void restore(const nlohmann::json& entry, StudyRow& row) {
   if (entry.contains("error")) row.error = error_from(entry["error"]);
   if (entry.contains("errors")) {
@@ -55,7 +56,13 @@ void StudyJournal::read(const std::string& deciding, std::vector<StudyRow>& rows
     if (written != checksum(entry.dump())) continue;
     for (StudyRow& row : rows)
       if (entry.value("values", std::map<std::string, std::string>{}) == row.values) {
-        restore(entry, row);
+        StudyRow known = row;
+        try {
+          restore(entry, known);
+        } catch (const nlohmann::json::exception&) {
+          continue; // it is run again
+        }
+        row = std::move(known);
         done_.push_back(row.values);
       }
   }

@@ -5,44 +5,28 @@
 #include "lang/draw/png.hpp"
 #include "lang/draw/svg.hpp"
 #include "solver/common/failure.hpp"
+#include "solver/common/open_module.hpp"
 #include "solver/common/out_of_memory.hpp"
 #include "solver/output/file.hpp"
-
-#include <fmt/format.h>
-
-#include <dlfcn.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <memory>
-#include <system_error>
 
 namespace hvi::lang::draw {
 namespace {
 
-/// Beside the program (build tree), one folder up (test programs), or where it is installed. The
-/// variable HVI_DRAW_MODULE names another file; the tests use it.
-std::vector<std::filesystem::path> places() {
-  if (const char* other = std::getenv("HVI_DRAW_MODULE")) return {other};
-  std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (error) return {};
-  const auto folder = program.parent_path();
-  const char* const file = "libhvi_draw.so";
-  return {folder / file, folder.parent_path() / "lib" / "hvi" / file, folder.parent_path() / file};
-}
+constexpr solver::ModuleFile draw_module{
+    "libhvi_draw.so", "HVI_DRAW_MODULE", "draws PNG pictures",
+    "it needs the package libcairo2; SVG pictures are drawn without it"};
 
+/// Throws Failure(output): the results that are there are not lost for a picture.
 const HviCanvasFunctions& functions() {
-  std::string tried;
-  for (const auto& path : places()) {
-    void* const module = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-    void* const entry = module ? dlsym(module, "hvi_canvas_functions") : nullptr;
-    if (entry) return *reinterpret_cast<HviCanvasEntry>(entry)();
-    tried += fmt::format("\n  {}", dlerror());
+  try {
+    return *solver::module_function<HviCanvasEntry>(draw_module, "hvi_canvas_functions")();
+  } catch (const solver::Failure& failure) {
+    throw solver::Failure(solver::FailureKind::output, {}, failure.what(), failure.help);
   }
-  throw solver::Failure(solver::FailureKind::output, {},
-                        "the module that draws PNG pictures cannot be loaded:" + tried,
-                        "it needs the package libcairo2; SVG pictures are drawn without it");
 }
 
 struct Painter {

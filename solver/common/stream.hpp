@@ -1,4 +1,4 @@
-// The state of a history as bytes: exact bits out, exact bits in.
+// States as bytes: exact bits out, exact bits in.
 #pragma once
 
 #include "solver/common/failure.hpp"
@@ -109,7 +109,7 @@ public:
     if (!(get<T>() == value)) fail("was saved with another " + what);
   }
   [[noreturn]] void fail(const std::string& what) const {
-    throw Failure(FailureKind::broken_file, origin_, "the saved state of the memory " + what);
+    throw Failure(FailureKind::broken_file, origin_, "the saved state " + what);
   }
 
 private:

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace hvi::solver {
@@ -328,7 +329,8 @@ double balance_error(const FreeBody& body, const Contact& contact, const Vector&
                       (r.cwiseAbs() + contact.force.cwiseAbs() * xi.cwiseAbs());
   double worst = 0.0;
   for (Eigen::Index i = 0; i < left.size(); ++i)
-    if (left[i] != 0.0) worst = std::max(worst, std::abs(left[i]) / size[i]);
+    if (const double error = std::abs(left[i]) / size[i]; left[i] != 0.0 && !(error <= worst))
+      worst = std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
   return worst;
 }
 

@@ -145,7 +145,10 @@ public:
       return;
     }
     if (!exact_ && refine(b, x)) return;
-    if (!exact_) factor_exactly();
+    if (!exact_ && !factor_exactly()) {
+      x.setConstant(b.size(), std::numeric_limits<double>::quiet_NaN());
+      return;
+    }
     x = b;
     const int n = size(), one = 1;
     int info = 0;

@@ -219,7 +219,7 @@ void Cholesky::factor(const SparseMatrix& k) {
     take_factor(k);
     lower_.values = l_.values<double>();
   }
-  statistics_.seconds_factor = cpu_seconds() - start;
+  statistics_.seconds_factor += cpu_seconds() - start;
 }
 
 void Cholesky::forward(RightHandSides y, Columns columns) {

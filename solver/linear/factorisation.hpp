@@ -56,8 +56,8 @@ public:
   virtual ~Factorisation() = default;
   /// Another one for matrices of the same pattern, not factored yet, which shares the analysis.
   virtual std::unique_ptr<Factorisation> another() const = 0;
-  /// Numeric factorisation of a matrix with the analysed pattern. Throws Failure(not_coercive)
-  /// with the offending unknown in the message when K is not positive definite / singular.
+  /// Numeric factorisation of a matrix with the analysed pattern. Throws NotFactorable, which knows
+  /// the unknown, where K is not positive definite or singular.
   virtual void factor(const SparseMatrix& k) = 0;
   /// Forward solve, in place. What it leaves in y_I is linear in b; of a Cholesky factor it is
   /// L_II^-1 b_I, so that y_I(a) . y_I(b) = a_I^T K_II^-1 b_I.

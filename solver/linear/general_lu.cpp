@@ -191,7 +191,7 @@ void GeneralLu::check_pivots() const {
     throw OutOfMemory("no memory for a factor of {} unknowns", n);
   Eigen::Index at = 0;
   const double least = pivots.cwiseAbs().minCoeff(&at), most = pivots.cwiseAbs().maxCoeff();
-  if (least > smallest_pivot * most) return; // false for NaN
+  if (pivots.allFinite() && least > smallest_pivot * most) return; // Eigen's bounds pass over NaN
   throw NotFactorable(order_.unknown[static_cast<std::size_t>(order[static_cast<std::size_t>(at)])],
                       least / most, "the matrix is singular: the elimination breaks down");
 }

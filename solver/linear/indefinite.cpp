@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -212,16 +213,20 @@ void Ldl::take_schur() {
   schur_factor_ = DenseLu(schur_);
   const Vector pivots = schur_factor_.pivots();
   // Entries of M are near 1: what is left of them may be rounding as a whole.
-  const double least = std::min(pivots.minCoeff() / std::max(1.0, pivots.maxCoeff()),
-                                schur_factor_.inverse_condition());
-  if (!(least > smallest_pivot)) throw NotFactorable(-1, least, "the matrix is singular");
+  const double left = schur_factor_.inverse_condition(),
+               least = std::min(pivots.minCoeff() / std::max(1.0, pivots.maxCoeff()), left);
+  const bool numbers = pivots.allFinite() && std::isfinite(left); // bounds pass over NaN
+  if (!(numbers && least > smallest_pivot))
+    throw NotFactorable(-1, least, "the matrix is singular");
   const Vector s = scale_(contact_).cwiseInverse(), d = rows_(contact_).cwiseInverse();
   schur_ = d.cwiseProduct(s).asDiagonal() * schur_ * s.asDiagonal();
 }
 
 void Ldl::solve_interior(Vector& x) {
   x = scale_.cwiseProduct(rows_).cwiseProduct(x);
-  bridge_.solve(solver_, x.data());
+  const int status = bridge_.solve(solver_, x.data());
+  if (status == hvi_mumps_no_memory) throw OutOfMemory("no memory for a solve with the factor");
+  if (status != hvi_mumps_ok) x.setConstant(std::numeric_limits<double>::quiet_NaN());
   x = scale_.cwiseProduct(x);
   statistics_.triangular_solves += 2;
   statistics_.bytes_read += statistics_.bytes;

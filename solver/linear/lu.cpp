@@ -244,7 +244,7 @@ void Lu::factor(const SparseMatrix& k) {
   statistics_.bytes = statistics_.nonzeros * (sizeof(double) + sizeof(int));
   factor_.check_pivots(k, order());
   factor_.take_trailing_blocks(order().interior);
-  statistics_.seconds_factor = cpu_seconds() - start;
+  statistics_.seconds_factor += cpu_seconds() - start;
   factored_ = true;
 }
 

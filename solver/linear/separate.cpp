@@ -75,7 +75,7 @@ public:
     if (info != 0 || least.value < smallest_pivot)
       throw NotFactorable(least.unknown, least.value,
                           "the matrix is not positive definite: the elimination breaks down");
-    statistics_.seconds_factor = cpu_seconds() - start;
+    statistics_.seconds_factor += cpu_seconds() - start;
     factored_ = true;
   }
 

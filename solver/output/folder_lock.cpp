@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
                 fmt::format("cannot write into the folder `{}`: {}", folder.string(), reason));
 }
 
-/// "process 4711 on host since 2026-01-31 12:00:00 UTC"
+/// "process 4711 on host, begun 2026-01-31 12:00:00 UTC"
 std::string ourselves() {
   std::array<char, 256> host{};
   if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '?';
@@ -60,6 +60,15 @@ FolderLock::FolderLock(fs::path folder)
   std::error_code error;
   made_ = fs::create_directories(folder_, error);
   if (error) refuse(folder_, error.message());
+  try {
+    hold();
+  } catch (const Failure&) {
+    leave();
+    throw;
+  }
+}
+
+void FolderLock::hold() {
   while (!take()) {
   }
   const std::string text = fmt::format("{}\n", ourselves());
@@ -99,10 +108,15 @@ bool FolderLock::take() {
   return false;
 }
 
+/// Only where it is empty.
+void FolderLock::leave() const {
+  if (made_) ::rmdir(folder_.c_str());
+}
+
 FolderLock::~FolderLock() {
   ::unlink(name_.c_str());
   ::close(descriptor_);
-  if (made_) ::rmdir(folder_.c_str());
+  leave();
 }
 
 } // namespace hvi::solver

@@ -20,7 +20,9 @@ public:
   ~FolderLock();
 
 private:
+  void hold();
   bool take();
+  void leave() const;
 
   std::filesystem::path folder_, name_;
   bool made_ = false;

@@ -1,4 +1,5 @@
-// VTU and PVD writers: grids of the reporter (solver/time) become XML. Last stage of the pipeline.
+// VTU and PVD writers: grids of the results (solver/results) become XML. Last stage of the
+// pipeline.
 #include "solver/output/vtu.hpp"
 
 #include "solver/common/failure.hpp"

@@ -74,7 +74,6 @@ std::string FieldFiles::collection() const {
 }
 
 void FieldFiles::write(const Snapshot& snapshot, std::vector<std::string>& written) {
-  const bool first = files_.empty();
   int number = 0;
   for (const FieldGrid& one : grids_.fill(snapshot)) {
     const bool body = one.name.empty();
@@ -86,7 +85,7 @@ void FieldFiles::write(const Snapshot& snapshot, std::vector<std::string>& writt
       write_vtu(one.grid, body ? 0 : ++number, name, snapshot.t(), written);
   }
   write_atomically(folder_ / (stem_ + ".pvd"), collection());
-  if (first) written.push_back(stem_ + ".pvd");
+  if (!std::exchange(collected_, true)) written.push_back(stem_ + ".pvd");
 }
 
 void FieldFiles::write_collection() const {
@@ -119,7 +118,7 @@ void FieldFiles::restore(std::istream& in) {
     if (const auto wrong = what_is_wrong(path, file.hash); !wrong.empty())
       r.fail("counts on the file `" + path.string() + "`, which " + wrong);
   }
-  resumed_ = true;
+  resumed_ = true, collected_ = !files_.empty();
 }
 
 } // namespace hvi::solver

@@ -54,6 +54,7 @@ private:
   std::optional<PieceFiles> pieces_;
   Durability durability_;
   bool resumed_ = false;
+  bool collected_ = false; ///< has the collection been written, and told?
 };
 
 } // namespace hvi::solver

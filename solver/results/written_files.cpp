@@ -3,14 +3,17 @@
 
 namespace hvi::solver {
 
-void WrittenFiles::attempt(const std::function<void()>& write) {
+bool WrittenFiles::attempt(const std::function<void()>& write) {
   try {
     write();
+    return true;
   } catch (const Failure& failure) {
     if (!concerns_output(failure.kind)) throw;
-    if (unwritten_) return;
-    unwritten_ = failure;
-    if (warn_) warn_(failure.what());
+    if (!unwritten_) {
+      unwritten_ = failure;
+      if (warn_) warn_(failure.what());
+    }
+    return false;
   }
 }
 

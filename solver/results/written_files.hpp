@@ -14,8 +14,8 @@ class WrittenFiles {
 public:
   explicit WrittenFiles(std::function<void(const std::string&)> warn) : warn_(std::move(warn)) {}
 
-  /// Writes something. What cannot be written is told once, and the run goes on.
-  void attempt(const std::function<void()>& write);
+  /// Writes something. What cannot be written is told once, and the run goes on. Is it written?
+  bool attempt(const std::function<void()>& write);
   void add(const std::vector<std::string>& files) {
     names_.insert(names_.end(), files.begin(), files.end());
   }

@@ -77,12 +77,7 @@ std::optional<Restart> OneRun::march() {
 std::optional<Restart> OneRun::take_step(LapClock<>& clock) {
   const int steps = state_.evolution.grid().steps();
   const int n = state_.evolution.step() + 1;
-  if (settings_.stop != nullptr && settings_.stop->load()) {
-    if (settings_.checkpoint_every > 0 && state_.evolution.step() > 0) checkpoint();
-    throw Failure(settings_.checkpoint_every > 0 ? FailureKind::suspended
-                                                 : FailureKind::interrupted,
-                  {}, fmt::format("interrupted before step {}", n));
-  }
+  if (settings_.stop != nullptr && settings_.stop->load()) stop_before(n);
   if (n == 1) reporter_.begin(state_);
   if (auto restart = step(n)) return restart;
   clock.charge(result_.timing.steps);
@@ -92,6 +87,15 @@ std::optional<Restart> OneRun::take_step(LapClock<>& clock) {
     checkpoint();
   clock.charge(result_.timing.output);
   return std::nullopt;
+}
+
+/// The user asked for it.
+void OneRun::stop_before(int step) {
+  const std::string what = fmt::format("interrupted before step {}", step);
+  if (settings_.checkpoint_every == 0 || step == 1)
+    throw Failure(FailureKind::interrupted, {}, what);
+  if (checkpoint()) throw Failure(FailureKind::suspended, {}, what);
+  throw Failure(FailureKind::interrupted, {}, what + "; its state could not be saved");
 }
 
 bool OneRun::at_end() const { return state_.evolution.step() == state_.evolution.grid().steps(); }
@@ -305,7 +309,7 @@ void OneRun::save_findings(std::ostream& out) const {
   w.put(grown(work));
 }
 
-void OneRun::checkpoint() {
+bool OneRun::checkpoint() {
   std::ostringstream out;
   out.exceptions(std::ios::badbit); // memory that runs out is no shorter state
   StateWriter w(out);
@@ -317,7 +321,7 @@ void OneRun::checkpoint() {
     w.put(monitor_times_);
     monitor_->save(out);
   }
-  reporter_.files().attempt([&] {
+  return reporter_.files().attempt([&] {
     write_checkpoint(checkpoint_path(settings_.output_folder, settings_.name), fingerprint_,
                      out.view());
   });

@@ -80,7 +80,8 @@ private:
   void finish_monitors();
   void account(WorkCounters& work, Timing& timing) const;
   void go_on(const std::string& saved);
-  void checkpoint();
+  bool checkpoint(); ///< is it written?
+  [[noreturn]] void stop_before(int step);
   /// Set: a memory cannot go on from there.
   std::optional<HorizonEnd> restore(std::istream& in);
   /// Rows of tables, the certificate, notes and counters.

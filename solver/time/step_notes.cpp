@@ -15,7 +15,7 @@ namespace {
 std::string crossings(const InequalityReport& report) {
   const int back = report.reattached, off = report.events - back;
   std::string out;
-  if (off > 0) out = fmt::format("{} points released", off);
+  if (off > 0) out = fmt::format("{} point{} released", off, off == 1 ? "" : "s");
   if (back > 0) out += fmt::format("{}{} points re-attached", off > 0 ? ", " : "", back);
   return out + " (downward jump)";
 }

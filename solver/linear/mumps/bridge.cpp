@@ -32,7 +32,7 @@ std::mutex& turn() {
 struct Solver {
   DMUMPS_STRUC_C mumps{};
   std::vector<MUMPS_INT> row, column, position, last;
-  std::vector<double> value, schur;
+  std::vector<double> value;
 
   Solver() {
     mumps.sym = general_symmetric, mumps.par = 1, mumps.comm_fortran = this_process;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <new>
 #include <string>
 #include <vector>
@@ -30,9 +31,16 @@ int report(const char* text, char* message, std::size_t capacity) {
   return 1;
 }
 
+/// PETSc and MPI keep things of the whole process: of several threads one calls at a time.
+std::mutex& turn() {
+  static std::mutex only;
+  return only;
+}
+
 /// No exception leaves the module.
 template <class F>
 int guarded(F&& f, char* message, std::size_t capacity) {
+  const std::scoped_lock lock(turn());
   try {
     return f();
   } catch (const std::bad_alloc&) {
@@ -115,11 +123,13 @@ int hvi_petsc_solve(HviPetscSolver* solver, const double* b, double reduction, d
 }
 
 void hvi_petsc_count(const HviPetscSolver* solver, HviPetscCounts* counts) {
+  const std::scoped_lock lock(turn());
   *counts = solver->krylov.counts();
 }
 
 void hvi_petsc_close(HviPetscSolver* solver) {
   if (solver == nullptr) return;
+  const std::scoped_lock lock(turn());
   // Where the others wait in a call that failed, nothing that belongs to all can be freed.
   if (announced({Command::close, solver->number})) delete solver;
 }

@@ -60,10 +60,9 @@ bool Distribution::any(bool here) const {
   return value != 0;
 }
 
-std::vector<int> Distribution::counts(int times) const {
+std::vector<int> Distribution::counts() const {
   std::vector<int> out;
-  for (std::size_t p = 0; p + 1 < first_.size(); ++p)
-    out.push_back((first_[p + 1] - first_[p]) * times);
+  for (std::size_t p = 0; p + 1 < first_.size(); ++p) out.push_back(first_[p + 1] - first_[p]);
   return out;
 }
 

@@ -57,7 +57,7 @@ private:
   template <class T>
   void scatter(const T* whole, const std::vector<int>& counts, std::vector<T>& mine,
                MPI_Datatype type) const;
-  std::vector<int> counts(int times = 1) const;
+  std::vector<int> counts() const;
 
   MPI_Comm comm_;
   int rank_;

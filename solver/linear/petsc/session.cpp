@@ -26,6 +26,7 @@ struct LeaksAllowed {
 std::string said; // by the last call that failed
 MPI_Comm shared = MPI_COMM_SELF;
 int own_rank = 0, all_processes = 1;
+bool mpi_is_ours = false; ///< it was started here
 
 /// Keeps the words of the innermost call.
 PetscErrorCode note_error(MPI_Comm, int, const char*, const char*, PetscErrorCode error,
@@ -34,10 +35,14 @@ PetscErrorCode note_error(MPI_Comm, int, const char*, const char*, PetscErrorCod
   return error;
 }
 
+/// Another library of the process may have started MPI, and ended it: mpi4py does.
 void end() {
   const LeaksAllowed here;
+  int ended = 0;
+  MPI_Finalized(&ended);
+  if (ended != 0) return;
   static_cast<void>(PetscFinalize());
-  MPI_Finalize();
+  if (mpi_is_ours) MPI_Finalize();
 }
 
 bool is_started() {
@@ -66,9 +71,12 @@ void start_petsc(MPI_Comm together) {
 
 void start_mpi() {
   const LeaksAllowed here;
-  int running = 0;
+  int running = 0, given = 0;
   MPI_Initialized(&running);
-  if (running == 0) MPI_Init(nullptr, nullptr);
+  if (running != 0) return;
+  // Threads of a Python program take turns (bridge.cpp).
+  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &given);
+  mpi_is_ours = true;
 }
 
 } // namespace

@@ -2,6 +2,7 @@
 // contact sets.
 #include "matrices.hpp"
 #include "solver/linear/factorisation.hpp"
+#include "solver/linear/separate.hpp"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -236,6 +237,27 @@ TEST(Factorisation, CondensesUnderNestedDissection) {
   EXPECT_LT((reaction(space.contact) - expected).norm(), 1e-12 * expected.norm());
   reaction(space.contact).setZero();
   EXPECT_LT(reaction.norm(), 1e-12 * expected.norm());
+}
+
+// That time passes is all that is asked: of the last one alone it would be less now and then.
+TEST(Factorisation, AddsUpTheTimeOfAllItsFactors) {
+  const Problem plane = slab(12);
+  SparseMatrix diagonal(plane.k.rows(), plane.k.cols());
+  diagonal.setIdentity();
+  const int contacts = 5, all = static_cast<int>(plane.k.rows());
+  const std::pair<std::unique_ptr<Factorisation>, const SparseMatrix*> made[] = {
+      {analyse(plane.k, plane.contact, true), &plane.k},
+      {analyse(plane.k, plane.contact, false), &plane.k},
+      {separate_factor(contacts, all), &diagonal}};
+  for (const auto& [factor, matrix] : made) {
+    double before = 0.0;
+    for (int pass = 0; pass < 20; ++pass) {
+      factor->factor(*matrix);
+      const double now = factor->statistics().seconds_factor;
+      EXPECT_GE(now, before);
+      before = now;
+    }
+  }
 }
 
 TEST(Factorisation, CholeskyAndLuAgree) {
