@@ -26,6 +26,11 @@ Bdf2Weights bdf2_at(const TimeGrid& grid, int n);
 /// numerical dissipation for time integration algorithms in structural dynamics, Earthquake Eng.
 /// Struct. Dyn. 5 (1977) 283-292).
 ///
+/// Of imposed values no equation damps what these formulas carry from step to step: with d_n given,
+/// a_n = ... - a_{n-1} answers each kink, and each rounding, for ever. Their v_n are the BDF2
+/// differences of the values and their a_n those of the v_n (in the first step 2 d_1 / k - v_0, and
+/// so on): as accurate, and a kink is forgotten after two steps.
+///
 /// midpoint: M (v_n - v_{n-1}) / k + A d_n / k + (F_n + F_{n-1}) / 2 + G^T W xi_n = 0,
 ///   (v_n + v_{n-1}) / 2 = d_n / k, which is u'(t_n) to forms, laws and reports; F: forms in u and
 ///   in memories, loads. Laws on u are taken at t_n and laws on u' at d_n / k, so that a convex

@@ -60,6 +60,9 @@ public:
   /// In motion: the velocity at the end of the last step, of which kinetic energy is made; null at
   /// rest.
   virtual const Vector* velocity() const { return nullptr; }
+  /// Before step n of a state whose entries from `first` on are imposed: d, a state, has what they
+  /// move by. A scheme that carries velocities takes theirs from their values alone.
+  virtual void impose(int /*n*/, Eigen::Index /*first*/, const Vector& /*d*/) {}
   /// Step n has the increment d, a state. Takes it and leaves any vector of its size in its place.
   virtual void accept(int n, Vector& d);
   /// d_n and d_{n-1} after step n.

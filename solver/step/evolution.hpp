@@ -46,6 +46,11 @@ public:
 
   /// The memories find what they know of step n, unless that is not right.
   [[nodiscard]] std::optional<MemoryStop> begin_step(int n);
+  /// `known`: the accepted state with the values that are imposed at t_n, of which `n_unknowns` are
+  /// unknowns. After begin_step.
+  void impose(int n, Eigen::Index n_unknowns, const Vector& known) {
+    scheme_->impose(n, n_unknowns, known - u_);
+  }
   /// What laws see of the state u that step n, which was begun, may end in: u and `others`. `d`:
   /// its increment on the unknowns; null: they have not moved.
   LawFields law_fields(int n, std::span<const int> others, const Vector& u, const Vector* d) const;

@@ -23,13 +23,25 @@ constexpr double settled = 1e-12;
 /// A set of slopes smaller than this, by the largest of them, is one slope.
 constexpr double one_slope = 1e-13;
 
-/// The function of t is differentiated so many times in every imposed value.
+/// Of the first step: so far behind the initial time a function that may have a kink there is
+/// looked at. Of the largest rate in that step: a change that no smooth function makes so soon.
+constexpr double behind = 1e-9, by_a_kink = 1e-6;
+
+/// The function of t is differentiated so many times in every imposed value. At a kink it is the
+/// rate with which the motion begins: `ramp` from the initial time on has one.
 Vector imposed_rate(const Problem& problem, const Discretisation& d, int times, Vector out) {
   SpaceSpec rates = problem.space;
   for (auto& entry : rates.dirichlet)
     for (auto& value : entry.value)
       for (int i = 0; i < times; ++i) value = derivative(value, slot::t);
-  impose(d.space, rates, d.dofs, problem.time.grid.front(), out);
+  const double t = problem.time.grid.front(), end = problem.time.grid[1];
+  impose(d.space, rates, d.dofs, t, out);
+  Vector later = out, at_end = out;
+  impose(d.space, rates, d.dofs, t + behind * (end - t), later);
+  impose(d.space, rates, d.dofs, end, at_end);
+  const Vector largest = later.cwiseAbs().cwiseMax(out.cwiseAbs()).cwiseMax(at_end.cwiseAbs());
+  for (Eigen::Index i = 0; i < out.size(); ++i)
+    if (std::abs(later[i] - out[i]) > by_a_kink * largest[i]) out[i] = later[i];
   return out;
 }
 

@@ -104,6 +104,10 @@ StepResult Stepper::advance(int n) {
     if (auto stop = state_.evolution.begin_step(n))
       return std::visit([](auto& why) { return start_again(std::move(why)); }, *stop);
   }
+  if (state_.formulation->imposed() && in_motion(plan_.problem)) {
+    state_.balance.known_state(n, state_.equation.known);
+    state_.evolution.impose(n, state_.formulation->layout().n_unknowns, state_.equation.known);
+  }
   auto& matrix = state_.solver.matrix_for(n);
   if (!std::exchange(uniqueness_.judged, true))
     uniqueness_.obstacle = obstacle_to_uniqueness(plan_.problem, state_, matrix);

@@ -466,6 +466,61 @@ TEST(Motion, ImposedValuesHaveTheirRates) {
   }
 }
 
+/// A bar with viscosity whose end is moved by `value`; at the end of time its force, u' and u''.
+Plan moved_bar(Scheme scheme, std::vector<double> grid, const Expr& value) {
+  Plan plan = Oscillator{}.plan(scheme, std::move(grid));
+  auto& problem = plan.problem;
+  problem.parts.push_back(group("left", "left"));
+  problem.parts.push_back(group("right", "right"));
+  problem.space.dirichlet = {clamp(1), clamp(2, -1, {value})};
+  problem.forms = {products(1, 0, field_of_u(2), 1.0), diffusion(1, 0, field_of_u(1), 2.0),
+                   diffusion(1, 0, field_of_u(0))};
+  problem.loads.clear();
+  problem.time.initial.clear();
+  problem.time.velocity.reset();
+  plan.report.probes = {at_point("rate", var(slot::field(field_of_u(1), 0)), {1, 0, 0}),
+                        at_point("second", var(slot::field(field_of_u(2), 0)), {1, 0, 0})};
+  auto& force = plan.report.probes.emplace_back();
+  force.name = "force", force.kind = Probe::Kind::reaction, force.part = 2;
+  return plan;
+}
+
+/// The end stops at t = 1.0025, inside a step or at its end; what is left at t = 20 is the force of
+/// a bar at rest. Formulas that carry velocities on would answer the kink with +-v for ever.
+TEST(Motion, AKinkOfImposedValuesIsForgotten) {
+  const Expr ramp = 0.1 * min(var(slot::t) / Expr(1.0025), Expr(1.0));
+  for (const Scheme scheme : all_schemes)
+    for (const int steps : {400, 401, 8000}) {
+      const auto final = solve(moved_bar(scheme, uniform_grid(20.0, steps), ramp)).final;
+      EXPECT_NEAR(final.at("force"), 0.1, 1e-6) << name_of(scheme) << ", " << steps;
+      EXPECT_NEAR(final.at("rate"), 0.0, 1e-12) << name_of(scheme) << ", " << steps;
+      EXPECT_NEAR(final.at("second"), 0.0, 1e-9) << name_of(scheme) << ", " << steps;
+    }
+}
+
+/// u = t^3 has u''(1) = 6, whether the number of steps is even or odd.
+TEST(Motion, AccelerationsOfImposedValuesConverge) {
+  const Expr t = var(slot::t);
+  for (const Scheme scheme : {Scheme::newmark, Scheme::bdf2})
+    for (const int steps : {200, 201}) {
+      const auto final = solve(moved_bar(scheme, uniform_grid(1.0, steps), t * t * t)).final;
+      EXPECT_NEAR(final.at("rate"), 3.0, 1e-4) << name_of(scheme) << ", " << steps;
+      EXPECT_NEAR(final.at("second"), 6.0, 2e-2) << name_of(scheme) << ", " << steps;
+    }
+}
+
+/// Functions that are t from t = 0 on move the end as t does.
+TEST(Motion, AKinkAtTheStartIsNoRest) {
+  const Expr t = var(slot::t);
+  for (const Scheme scheme : all_schemes) {
+    const auto grid = uniform_grid(1.0, 50);
+    const double expected = solve(moved_bar(scheme, grid, t)).final.at("force");
+    for (const Expr& same : {max(t, Expr(0.0)), abs(t), select(less_equal(t, 0.0), 0.0, t)})
+      EXPECT_NEAR(solve(moved_bar(scheme, grid, same)).final.at("force"), expected, 1e-12)
+          << name_of(scheme);
+  }
+}
+
 /// u = x (.3 t + .7 t^2): what is imposed accelerates from the start, and one step is exact.
 TEST(Motion, ImposedValuesAccelerateFromTheStart) {
   const Expr t = var(slot::t), x = var(slot::x(0));
