@@ -33,14 +33,17 @@ void let_rest(LawUse& use) {
     if (use.field != solver::field_of_u(0)) use.factor = 0.0;
     return;
   }
-  bool any = false;
+  bool any = false, once = true;
   for (std::size_t c = 0; c < use.rows.size(); ++c) {
     const double times = times_u(use.seen[c]);
     any = any || times != 0.0;
-    for (Symbol& coefficient : use.rows[c].u) coefficient = Symbol(times) * coefficient;
+    once = once && (times == 0.0 || times == 1.0);
+    use.seen[c] = {{solver::field_of_u(0), times != 0.0 ? times : 1.0}};
+    if (times == 0.0) // its force, too: the row's coefficients are the force's direction
+      for (Symbol& coefficient : use.rows[c].u) coefficient = Symbol(0.0);
   }
   if (!any) use.factor = 0.0;
-  use.seen.clear();
+  if (!any || once) use.seen.clear();
   use.field = solver::field_of_u(0);
 }
 

@@ -220,7 +220,8 @@ Contact make_contact(const Problem& problem, const Discretisation& d, const Stat
 }
 
 std::vector<double> law_factors(const Contact& contact, const Vector& of_fields) {
-  if (contact.other_fields.empty()) return {};
+  const auto sees_u_once = [](const ContactTerm& term) { return term.points.seen.empty(); };
+  if (contact.other_fields.empty() && std::ranges::all_of(contact.terms, sees_u_once)) return {};
   std::vector<double> out;
   for (const auto& term : contact.terms)
     for (int row = 0; row < 3; ++row) {

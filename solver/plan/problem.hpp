@@ -280,7 +280,9 @@ inline constexpr double default_hht_alpha = -0.1;
 struct StartState {
   std::vector<double> u;  ///< of all degrees of freedom
   std::vector<int> terms; ///< the law terms whose multipliers are known,
-  std::vector<double> xi; ///< and these, term by term
+  /// and these, term by term and point by point: a component for each row of the term where the law
+  /// is radial.
+  std::vector<double> xi;
 };
 
 struct TimeSpec {

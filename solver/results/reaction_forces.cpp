@@ -163,7 +163,7 @@ ReactionForces::ReactionForces(const Problem& problem, const Discretisation& dis
   if (reactions_.empty()) return;
   loads_.emplace(d_.space, d_.parts, problem_.loads);
   load_transfer_ = load_transfer(problem_, d_);
-  make_rows(run.states());
+  rows_ = rows_with(run.states());
 }
 
 void ReactionForces::take_loads() {
@@ -203,47 +203,58 @@ SparseMatrix ReactionForces::matrix_at(int field, const Vector& states) const {
 }
 
 /// The rows of the forms' matrices that belong to held dofs, added up.
-void ReactionForces::make_rows(const Vector& states) {
-  states_ = states;
+ReactionForces::FormRows ReactionForces::rows_with(const Vector& states) const {
   const int n_fields = count_fields(problem_);
-  for (auto& reaction : reactions_) reaction.fields.assign(static_cast<std::size_t>(n_fields), {});
+  FormRows out{states, {}};
+  out.of.assign(reactions_.size(), std::vector<Row>(static_cast<std::size_t>(n_fields)));
   for (int field = 0; field < n_fields; ++field) {
     const bool any = std::ranges::any_of(problem_.forms,
                                          [&](const FormTerm& form) { return form.field == field; });
     if (!any) continue;
     const SparseMatrix k = matrix_at(field, states);
-    for (auto& reaction : reactions_) {
+    for (std::size_t i = 0; i < reactions_.size(); ++i) {
       Vector sum = Vector::Zero(d_.space.n_dofs());
       std::set<int> touched;
-      for (const int dof : reaction.held)
+      for (const int dof : reactions_[i].held)
         for (SparseMatrix::InnerIterator it(k, dof); it; ++it) {
           sum[it.col()] += it.value();
           touched.insert(static_cast<int>(it.col()));
         }
       for (const int dof : touched)
-        reaction.fields[static_cast<std::size_t>(field)].add(dof, sum[dof]);
+        out.of[i][static_cast<std::size_t>(field)].add(dof, sum[dof]);
     }
   }
+  return out;
+}
+
+/// What of the step before acts in this one has the forms of the states that it ended with.
+void ReactionForces::take_states(const Snapshot& now, const Snapshot& before) {
+  if (!changes_) return;
+  if (look_back() && (past_rows_.of.empty() || before.states() != past_rows_.states))
+    past_rows_ = before.states() == rows_.states ? rows_ : rows_with(before.states());
+  if (now.states() != rows_.states) rows_ = rows_with(now.states());
 }
 
 std::vector<bool> ReactionForces::fields() const {
   std::vector<bool> out(static_cast<std::size_t>(count_fields(problem_)), false);
-  for (const auto& reaction : reactions_)
+  for (const auto& of_reaction : rows_.of)
     for (std::size_t field = 0; field < out.size(); ++field)
-      if (!reaction.fields[field].at.empty()) out[field] = true;
+      if (!of_reaction[field].at.empty()) out[field] = true;
   return out;
 }
 
 /// All but the load: what acts now, or what of the step before acts in this one.
-double ReactionForces::forces(const Reaction& of, const Snapshot& at, bool past) const {
+double ReactionForces::forces(std::size_t reaction, const Snapshot& at, bool past) const {
+  const auto& rows = (past && changes_ ? past_rows_ : rows_).of[reaction];
   double out = 0.0;
-  for (int field = 0; field < std::ssize(of.fields); ++field) {
-    const Row& row = of.fields[static_cast<std::size_t>(field)];
+  for (int field = 0; field < std::ssize(rows); ++field) {
+    const Row& row = rows[static_cast<std::size_t>(field)];
     const int order = order_of_field(field);
     const double share = past ? scheme_.past(order) : scheme_.present(order);
     if (!row.at.empty() && share != 0.0) out += share * row(at.field(field));
   }
-  return out + (past ? scheme_.past_of_laws() : 1.0) * of.multipliers(at.xi());
+  return out +
+         (past ? scheme_.past_of_laws() : 1.0) * reactions_[reaction].multipliers(at.xi());
 }
 
 /// The load in the equation of a step.
@@ -257,12 +268,12 @@ const Vector& ReactionForces::load(int step) {
 }
 
 double ReactionForces::value(int i, const Snapshot& now, const Snapshot& before) {
-  if (changes_ && now.states() != states_) make_rows(now.states());
-  const Reaction& of = reactions_[static_cast<std::size_t>(index_[static_cast<std::size_t>(i)])];
-  double out = forces(of, now, false);
-  if (look_back()) out += forces(of, before, true);
+  take_states(now, before);
+  const auto reaction = static_cast<std::size_t>(index_[static_cast<std::size_t>(i)]);
+  double out = forces(reaction, now, false);
+  if (look_back()) out += forces(reaction, before, true);
   const Vector& f = load(now.step());
-  for (const int dof : of.held) out -= f[dof];
+  for (const int dof : reactions_[reaction].held) out -= f[dof];
   return out / (scheme_.present(0) + scheme_.past(0));
 }
 

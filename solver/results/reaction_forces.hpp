@@ -50,16 +50,21 @@ private:
   };
   struct Reaction {
     int unknown = 0;
-    std::vector<int> held;   ///< dofs
-    std::vector<Row> fields; ///< by field
-    Row multipliers;         ///< of xi: the supports' share and that of the laws
+    std::vector<int> held; ///< dofs
+    Row multipliers;       ///< of xi: the supports' share and that of the laws
+  };
+  /// Of the matrices of the forms, which may be those of states.
+  struct FormRows {
+    Vector states;
+    std::vector<std::vector<Row>> of; ///< by reaction and field
   };
   void add_supports(const Reaction& of, std::vector<double>& of_rows) const;
   void add_laws(const Probe& probe, std::vector<double>& of_rows) const;
-  void make_rows(const Vector& states);
+  FormRows rows_with(const Vector& states) const;
+  void take_states(const Snapshot& now, const Snapshot& before);
   SparseMatrix matrix_at(int field, const Vector& states) const;
   void add_nodal(const Snapshot& at, bool past, Vector& of_fields, Vector& of_laws) const;
-  double forces(const Reaction& of, const Snapshot& at, bool past) const;
+  double forces(std::size_t reaction, const Snapshot& at, bool past) const;
   const Vector& load(int step);
 
   const Problem& problem_;
@@ -71,7 +76,7 @@ private:
   SparseMatrix load_transfer_;
   std::vector<int> index_; ///< by probe; -1: it is no reaction
   std::vector<Reaction> reactions_;
-  Vector states_; ///< that the rows are made with, where states change forms
+  FormRows rows_, past_rows_; ///< the second ones where states change forms and the step looks back
   Vector load_;
   int load_step_ = -1; ///< whose load that is
 };

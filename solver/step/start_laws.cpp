@@ -39,6 +39,24 @@ void require_no_force(const Problem& problem, const Contact& contact, int l) {
   }
 }
 
+/// The multipliers of a term from what is written from `from` on; returns where that ends.
+Eigen::Index take_rows(const ContactTerm& term, const std::vector<double>& written,
+                       Eigen::Index from, Vector& xi) {
+  const int rows = term.points.rows;
+  for (int p = 0; p < term.n_points(); ++p) {
+    auto own = xi.segment(term.first_row + p * rows, rows);
+    if (term.points.frames.empty()) {
+      own = Eigen::Map<const Vector>(written.data() + from, rows);
+      from += rows;
+      continue;
+    }
+    const DenseMatrix& frame = term.points.frames[static_cast<std::size_t>(p)];
+    own = frame.transpose() * Eigen::Map<const Vector>(written.data() + from, frame.rows());
+    from += frame.rows();
+  }
+  return from;
+}
+
 } // namespace
 
 void take_start(const Problem& problem, RunState& run) {
@@ -52,10 +70,7 @@ void take_start(const Problem& problem, RunState& run) {
       require_no_force(problem, contact, l);
       continue;
     }
-    const ContactTerm& term = contact.terms[static_cast<std::size_t>(l)];
-    xi.segment(term.first_row, term.n_rows()) =
-        Eigen::Map<const Vector>(start.xi.data() + taken, term.n_rows());
-    taken += term.n_rows();
+    taken = take_rows(contact.terms[static_cast<std::size_t>(l)], start.xi, taken, xi);
   }
   run.solver.equations.laws.start(xi);
   run.balance.load.note_multipliers(xi);

@@ -1,6 +1,8 @@
 // See start_state.hpp. Called by run.cpp.
 #include "solver/time/start_state.hpp"
 
+#include "solver/assembly/assembly.hpp"
+
 #include "solver/time/run.hpp"
 
 #include <fmt/format.h>
@@ -19,6 +21,26 @@ std::vector<int> shared_terms(const Problem& problem, const Problem& start) {
           return other.name == term.name && other.part == term.part;
         }))
       out.push_back(l);
+  }
+  return out;
+}
+
+/// Multipliers of a problem by the rows of its terms as they are written: of a radial law the engine
+/// has a basis of the range of its rows, which may be smaller where rates are at rest.
+std::vector<double> by_written_rows(const Problem& problem, const Discretisation& d,
+                                    const std::vector<double>& xi) {
+  std::vector<double> out;
+  Eigen::Index taken = 0;
+  for (int l = 0; l < static_cast<int>(problem.law_terms.size()); ++l) {
+    const LawTerm& term = problem.law_terms[static_cast<std::size_t>(l)];
+    const bool radial = problem.laws[static_cast<std::size_t>(term.law)].radial;
+    const LawPoints points =
+        assemble_law(d.space, d.parts[static_cast<std::size_t>(term.part)], term, l, radial);
+    for (std::size_t p = 0; p < points.x.size(); ++p, taken += points.rows) {
+      const Eigen::Map<const Vector> own(xi.data() + taken, points.rows);
+      const Vector written = points.frames.empty() ? Vector(own) : Vector(points.frames[p] * own);
+      out.insert(out.end(), written.begin(), written.end());
+    }
   }
   return out;
 }
@@ -54,6 +76,7 @@ Plan with_start_solved(const Plan& plan, const Discretisation& discretisation,
                   failure.help);
   }
   state->terms = shared_terms(plan.problem, rest.problem);
+  state->xi = by_written_rows(rest.problem, discretisation, state->xi);
   Plan out = plan;
   out.start.reset();
   out.problem.time.start = std::move(state);

@@ -2,6 +2,8 @@
 """start.py HVI_RUN: how runs begin, and forms that change in time.
 
 - `from u = static`, random scenes: the first row against the static problem as a script of its own; reactions against loads.
+- The same where laws see sums of u and its rate, and vectors of which some components move: the force against the law's slope at the argument that is printed, and against the load.
+- Reactions where forms change in time, in every scheme with mass: with loads and inertia they add up to zero.
 - What follows a static start: creep with a memory against the scalar equation it is, rest where nothing changes, with mass too.
 - Tables and fields `from start`: the rows of the steps are the same bytes, what is not known is empty, resumed runs are the same.
 - Stiffness and viscosity that change in time, random scenes: each step against a script without time.
@@ -119,6 +121,75 @@ def check_rest(folder):
         near(row["a"], still[0]["a"], abs(still[0]["a"]), "rest", 1e-9)
         near(row["rate"], 0, abs(still[0]["a"]), "rate at rest", 1e-7)
         near(row.get("force", 0), 0, abs(still[0]["a"]), "acceleration at rest", 1e-5)
+
+
+SUM = """mesh body = rectangle(2, 1, cells = [{cells}, {cells}])
+part roof = body.top
+part ground = body.bottom
+tensor B = isotropic(young = {young}, poisson = 0.3)
+tensor A = isotropic(lambda = 5, mu = 10)
+superpotential bed(r) = {stiff}*r^2
+superpotential rub(w) = {friction}*norm(w) + {stiff}*norm(w)^2
+space V = vector P1 on body, zero on roof
+find u in V for t in [0, 1] by 3 steps from u = static
+such that for all v in V
+    integral(body, A : eps(u') : eps(v)) + integral(body, B : eps(u) : eps(v))
+  + integral(ground, bed^0({times}*u.nu + 0.1*u'.nu; v.nu) + rub^0([{first}, {second}]; [v.x, v.y]))
+ >= integral(ground, dot([{pull}, {load}], v))
+report
+  table u = u at [1, 0], bed = bed.xi at [1, 0], rub = rub.xi at [1, 0], roof = reaction(roof), ground = reaction(ground) from start
+"""
+
+
+def check_sums(folder, scenes=30):
+    rng = random.Random(29)
+    for scene in range(scenes):
+        some = {"cells": 2 * rng.randint(1, 3), "young": 10 ** rng.uniform(0, 3), "times": rng.choice([0.3, 1, 2, 5]), "pull": rng.uniform(-1, 1), "load": rng.uniform(-3, -1)}
+        some |= {"stiff": some["young"] * 10 ** rng.uniform(-1, 1), "friction": 0.1 * rng.random()}
+        moves = [rng.choice([("u'", 0), ("u", 1)]) for _ in range(2)]
+        some |= {"first": moves[0][0] + ".x", "second": moves[1][0] + ".y"}
+        run(folder, SUM.format(**some))
+        row = rows(folder)[0]
+        at = [row["u_x"], row["u_y"]]
+        size = abs(some["load"]) + some["stiff"] * sum(map(abs, at))
+        near(row["bed"], -2 * some["stiff"] * some["times"] * at[1], size, f"scene {scene}, bed")
+        seen = [moves[i][1] * at[i] for i in range(2)]
+        norm = math.hypot(*seen)
+        for i, name in enumerate(("rub_x", "rub_y")):
+            slope = seen[i] * (some["friction"] / norm + 2 * some["stiff"]) if norm > 0 else 0
+            near(row[name], slope, size, f"scene {scene}, {name}")
+        for i, axis in enumerate("xy"):
+            near(row["roof_" + axis] + row["ground_" + axis] + 2 * (some["pull"], some["load"])[i], 0, size, f"scene {scene}, balance along {axis}", 1e-8)
+
+
+MOVING = """mesh body = rectangle(1, 1, cells = [2, 2])
+part roof = body.top
+tensor B = isotropic(lambda = {lame}, mu = 5)
+tensor A = isotropic(lambda = 0, mu = 0.5)
+space V = vector P1 on body, {held} on roof
+find u in V for t in [0, 1] by {steps} steps from u = 0 using scheme = {scheme}
+such that for all v in V
+    integral(body, dot(u'', v)) + integral(body, (1 + {faster}*t)*B : eps(u) : eps(v)) + integral(body, (2 - t)*A : eps(u') : eps(v))
+  = integral(body, dot([0.3*t, -1], v))
+report
+  table held = reaction(roof), x = integral(body, u''.x), y = integral(body, u''.y)
+"""
+
+
+def check_changing_reactions(folder, scenes=25):
+    rng = random.Random(31)
+    for scene in range(scenes):
+        scheme = rng.choice(["newmark", "hht", "bdf2", "backward_euler"])
+        some = {"lame": rng.uniform(0, 9), "held": "zero", "steps": rng.randint(2, 9), "scheme": scheme + (", hht_alpha = -0.3" if scheme == "hht" else ""), "faster": rng.uniform(-0.9, 5)}
+        run(folder, MOVING.format(**some))
+        step, before = 1 / some["steps"], [0.0, -1.0]
+        for row in rows(folder):
+            now = [0.3 * row["t"], -1.0]
+            share = -0.3 if scheme == "hht" else 0.0
+            for i, axis in enumerate("xy"):
+                load = (1 + share) * now[i] - share * before[i]
+                near(row["held_" + axis] + load - row[axis], 0, 10, f"scene {scene}, {scheme} at {row['t']}, {axis}")
+            before = now
 
 
 def check_refusals(folder):
@@ -262,7 +333,7 @@ def check_notes_of_changing_forms(folder):
 
 
 def main():
-    for check in (check_static_start, check_creep, check_rest, check_refusals, check_rows, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
+    for check in (check_changing_reactions, check_static_start, check_sums, check_creep, check_rest, check_refusals, check_rows, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
             print("ok", check.__name__)
