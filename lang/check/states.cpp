@@ -285,8 +285,15 @@ void States::check_states_of_laws() {
                       "a state lives inside a body or at the points of a law: put one on its part");
 }
 
+/// Time is the same at all points, whichever they are.
 void States::check_changing_form(const ModelTerm& term) {
-  if (lives_in_body(term.part)) return;
+  const auto slots = solver::slots_of(term.integrand.scalar());
+  const bool time_alone = std::ranges::all_of(slots, [&](solver::Slot s) {
+    return !slot::is_state(s) ||
+           model_.states[static_cast<std::size_t>(s - slot::first_state)].declaration < 0;
+  });
+  const bool on_cells = model_.parts[term.part].kind == solver::Group::Kind::cells;
+  if (lives_in_body(term.part) || (time_alone && on_cells)) return;
   mistakes_.error(
       "E0430", term.span,
       fmt::format("this form reads a state that lives at the points of the laws on `{}`",

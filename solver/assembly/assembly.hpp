@@ -27,6 +27,8 @@ struct DofSelection {
 /// Throws Failure(bad_value) naming the point where a coefficient is not finite.
 SparseMatrix assemble_form(const Space& space, const Region& region, const FormTerm& term,
                            const DofSelection& dofs = {});
+/// Of the rule `exact` for a form; states count as constants.
+int degree_of(const Space& space, const FormTerm& term);
 /// Several forms on one region: they share the pattern and, where they can, the pass over the
 /// cells. The matrices have the same bits as one by one.
 std::vector<SparseMatrix> assemble_forms(const Space& space, const Region& region,

@@ -255,4 +255,6 @@ SparseMatrix assemble_form(const Space& space, const Region& region, const FormT
   return matrix;
 }
 
+int degree_of(const Space& space, const FormTerm& term) { return sort_entries(space, term).degree; }
+
 } // namespace hvi::solver

@@ -24,11 +24,12 @@ void shapes_at(const Space& space, const PointBlock& points, std::size_t p, Shap
                   barycentric_in_cell(*space.mesh, cell, x), true, shapes);
 }
 
-/// into(row, column) += value, which is in its pattern.
+/// into(row, column) += value, which is in its pattern or rounding of a shape that is 0 there.
 void add_to(SparseMatrix& into, int row, int column, double value) {
   const int* const begin = into.innerIndexPtr() + into.outerIndexPtr()[row];
   const int* const end = into.innerIndexPtr() + into.outerIndexPtr()[row + 1];
-  into.valuePtr()[std::lower_bound(begin, end, column) - into.innerIndexPtr()] += value;
+  const int* const at = std::lower_bound(begin, end, column);
+  if (at != end && *at == column) into.valuePtr()[at - into.innerIndexPtr()] += value;
 }
 
 /// into += the rows and columns of one cell.

@@ -20,6 +20,7 @@ public:
   /// points of slots besides x and the indicators of parts. Throws Failure(bad_value) naming the
   /// point where a coefficient is not finite.
   void assemble(const DofSelection& dofs, const Pointwise::Columns& more, SparseMatrix& into);
+  std::size_t points() const { return points_.size(); }
 
 private:
   struct Entry {

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <vector>
 
 namespace hvi::solver {
 namespace {
@@ -48,17 +50,43 @@ const StateGroup& group_of(const Problem& problem, const Contact& contact, const
                 "give the law a part of its own, or the form's coefficient a state of its own");
 }
 
-/// The columns of states at the points of their group, for coefficients.
-Pointwise::Columns columns_of(const Contact& contact, const Vector& states) {
-  return [&](Slot s) -> const double* {
-    if (!slot::is_state(s)) return nullptr;
-    return states.data() + contact.first_state[static_cast<std::size_t>(s - slot::first_state)];
-  };
+/// The same everywhere at every time, as time itself is: begun with one value and changed by one.
+bool is_uniform(const StateTerm& state) {
+  return state.rate.is_constant() && state.initial.is_constant();
+}
+
+bool reads_uniform_states_only(const Problem& problem, const FormTerm& form) {
+  return std::ranges::all_of(form.entries, [&](const FormTerm::Entry& entry) {
+    return std::ranges::all_of(entry.coefficient.slots(), [&](Slot s) {
+      return !slot::is_state(s) ||
+             is_uniform(problem.states[static_cast<std::size_t>(s - slot::first_state)]);
+    });
+  });
 }
 
 PointForm point_form(const Problem& problem, const Discretisation& d, const Contact& contact,
                      const FormTerm& form) {
-  return {d.space, as_block(group_of(problem, contact, form).body->points), form};
+  if (!reads_uniform_states_only(problem, form))
+    return {d.space, as_block(group_of(problem, contact, form).body->points), form};
+  const RegionPoints points(d.space, d.parts[static_cast<std::size_t>(form.part)], form.rule,
+                            degree_of(d.space, form));
+  PointBlock all;
+  points.fill(0, points.entities(), all);
+  return {d.space, std::move(all), form};
+}
+
+/// Assembles a form for these states: at the points of their group, or anywhere.
+void assemble(const Problem& problem, const Contact& contact, const Vector& states,
+              const FormTerm& term, const DofSelection& dofs, PointForm& form, SparseMatrix& into) {
+  const bool uniform = reads_uniform_states_only(problem, term);
+  std::map<Slot, std::vector<double>> everywhere;
+  const auto column = [&](Slot s) -> const double* {
+    if (!slot::is_state(s)) return nullptr;
+    const auto index = static_cast<std::size_t>(s - slot::first_state);
+    const double* const own = states.data() + contact.first_state[index];
+    return uniform ? everywhere.try_emplace(s, form.points(), *own).first->second.data() : own;
+  };
+  form.assemble(dofs, column, into);
 }
 
 } // namespace
@@ -111,16 +139,17 @@ void add_body_trace(const Discretisation& d, const StateLayout& layout, const St
 }
 
 ChangingForms::ChangingForms(const Problem& problem, const Discretisation& d,
-                             const Contact& contact, const Operators& operators) {
+                             const Contact& contact, const Operators& operators)
+    : problem_(&problem) {
   for (const auto& [base, form] : operators.changing)
-    forms_.push_back({base, point_form(problem, d, contact, *form)});
+    forms_.push_back({base, form, point_form(problem, d, contact, *form)});
 }
 
 void ChangingForms::take(const Contact& contact, const StateLayout& layout, Operators& operators) {
   const DofSelection dofs{layout.entry_of, layout.n_unknowns, layout.n_state};
-  for (auto& [base, form] : forms_)
-    form.assemble(dofs, columns_of(contact, contact.state_values),
-                  operators.bases[static_cast<std::size_t>(base)]);
+  for (auto& [base, term, form] : forms_)
+    assemble(*problem_, contact, contact.state_values, *term, dofs, form,
+             operators.bases[static_cast<std::size_t>(base)]);
 }
 
 SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& d, int field,
@@ -131,8 +160,10 @@ SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& d, in
     SparseMatrix of_form =
         assemble_form(d.space, d.parts[static_cast<std::size_t>(form.part)],
                       reads_states(form) ? at_initial_states(problem, form) : form);
-    if (reads_states(form))
-      point_form(problem, d, contact, form).assemble({}, columns_of(contact, states), of_form);
+    if (reads_states(form)) {
+      PointForm at_points = point_form(problem, d, contact, form);
+      assemble(problem, contact, states, form, {}, at_points, of_form);
+    }
     out = SparseMatrix(out + of_form);
   }
   return out;

@@ -2,7 +2,8 @@
 // ageing, swelling stiffness.
 //
 // With one point in each cell where P1 forms and rates read gradients only (these are constant in a
-// cell), else with the Gauss rule of the forms. A form's matrix is that of the states at hand.
+// cell), else with the Gauss rule of the forms. A form's matrix is that of the states at hand. Forms
+// that read states only which are the same everywhere, as time is, are integrated by their own rule.
 #pragma once
 
 #include "solver/assembly/point_form.hpp"
@@ -40,8 +41,10 @@ public:
 private:
   struct Changing {
     int base = 0;
+    const FormTerm* term = nullptr;
     PointForm form;
   };
+  const Problem* problem_ = nullptr;
   std::vector<Changing> forms_;
 };
 

@@ -4,6 +4,7 @@
 - `from u = static`, random scenes: the first row against the static problem as a script of its own; reactions against loads.
 - The same where laws see sums of u and its rate, and vectors of which some components move: the force against the law's slope at the argument that is printed, and against the load.
 - Reactions where forms change in time, in every scheme with mass: with loads and inertia they add up to zero.
+- Forms that change in time against the same ones without time, with coefficients that vary in space, and laws on the same cells.
 - What follows a static start: creep with a memory against the scalar equation it is, rest where nothing changes, with mass too.
 - Tables and fields `from start`: the rows of the steps are the same bytes, what is not known is empty, resumed runs are the same.
 - Stiffness and viscosity that change in time, random scenes: each step against a script without time.
@@ -192,6 +193,34 @@ def check_changing_reactions(folder, scenes=25):
             before = now
 
 
+SHAPES = """mesh body = {mesh}
+part wall = body.left
+tensor B = isotropic(lambda = 1, mu = 2)
+superpotential bed(r) = 2*r^2
+space V = vector {element} on body, zero on wall
+find u in V {time}
+such that for all v in V
+    integral(body, {factor}*({shape})*B : eps(u) : eps(v)) + integral(body, {factor}*x^{power}*dot(u, v)) + integral(body, bed^0(u.x; v.x))
+ >= integral(body, dot([1, -1], v))
+report
+  table a = u at [1, 1], size = norm(u)
+"""
+
+
+def check_changing_quadrature(folder, scenes=20):
+    """A form that changes in time is integrated as it is without time; a law may act on the same cells."""
+    rng = random.Random(37)
+    for scene in range(scenes):
+        mesh = rng.choice(["rectangle(1, 1, cells = [2, 2])", "rectangle(1, 1, cells = [3, 4])"])
+        some = {"mesh": mesh, "element": rng.choice(["P1", "P2"]), "power": rng.randint(0, 6), "shape": f"{rng.uniform(0.1, 1)} + {rng.uniform(0, 3)}*x^{rng.randint(1, 4)}*y"}
+        run(folder, SHAPES.format(**some, factor="3", time=""))
+        expected = rows(folder)[-1]
+        run(folder, SHAPES.format(**some, factor="(1 + t)", time="for t in [0, 2] by 2 steps from u = 0"))
+        found = rows(folder)[-1]
+        for name in ("a_x", "a_y", "size"):
+            near(found[name], expected[name], abs(expected["size"]), f"scene {scene}, {name}: {some}")
+
+
 def check_refusals(folder):
     belt = SCENE.format(t0=0, cells=3, young=100, stiff=100, friction=1, pull=0, load=1, element="P1", rates=RATES, t="t", start="",
                         time="for t in [0, 1] by 2 steps from u = static", slides=" + rub^0(u'.tau - [0.1, 0]; v.tau)").replace(" + rub^0(u.tau; v.tau)", "")
@@ -333,7 +362,7 @@ def check_notes_of_changing_forms(folder):
 
 
 def main():
-    for check in (check_changing_reactions, check_static_start, check_sums, check_creep, check_rest, check_refusals, check_rows, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
+    for check in (check_changing_reactions, check_changing_quadrature, check_static_start, check_sums, check_creep, check_rest, check_refusals, check_rows, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
             print("ok", check.__name__)
