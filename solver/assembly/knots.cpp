@@ -2,6 +2,7 @@
 
 #include "solver/kernel/table.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace hvi::solver {
@@ -13,11 +14,10 @@ void add_crossing(const Expr& argument, double value, Knots& knots) {
   const Expr slope = derivative(argument, slot::t);
   const std::pair<Slot, Expr> at_zero{slot::t, Expr(0.0)};
   const Expr offset = substitute(argument, {&at_zero, 1});
-  if (slope.is_constant() && !slope.is(0.0) && offset.is_constant()) {
+  if (slope.is_constant() && !slope.is(0.0) && offset.is_constant())
     knots.times.push_back((value - offset.value()) / slope.value());
-  } else {
-    knots.hidden = true;
-  }
+  else if (std::ranges::all_of(argument.slots(), [](Slot s) { return s == slot::t; }))
+    knots.signs.push_back(argument - value);
 }
 
 } // namespace

@@ -9,11 +9,11 @@ namespace hvi::solver {
 
 struct Knots {
   std::vector<double> times;
-  bool hidden = false; ///< there are others, at times that no formula gives
+  std::vector<Expr> signs; ///< functions of t, which has others where they change their sign
 };
 
 /// Knots of tables of t, and where comparisons, min, max, abs and sign of t change sides: the mean
-/// is exact between them.
+/// is that of a smooth function between them.
 void collect_knots(const Expr& expression, Knots& knots);
 
 } // namespace hvi::solver

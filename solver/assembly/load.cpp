@@ -133,6 +133,17 @@ Lazy make_lazy(const Space& space, const Region& region, const LoadTerm& term,
 
 bool is_time(Slot slot) { return slot == slot::t; }
 
+/// Means of functions of time: in so many pieces of a step changes of sign are looked for, and
+/// pieces are cut in two so often before two values that are alike are believed, and at most. What
+/// is shorter than a hundredth of a step may be missed.
+constexpr int looks_for_signs = 100;
+constexpr int least_cuts = 5, most_cuts = 75;
+/// Not in halves: a jump near the middle leaves the sums of a symmetric rule what they are.
+constexpr double first_part = 0.381966011250105;
+/// Of functions of time and place, whose values cost more.
+constexpr int most_cuts_of_fields = 5;
+constexpr double field_tolerance = 1e-12;
+
 } // namespace
 
 struct LoadAssembler::Impl {
@@ -145,14 +156,21 @@ struct LoadAssembler::Impl {
   Knots knots;                                ///< sorted
   IntervalRule rule = gauss_jacobi(4, 0);     ///< degree 7
 
+  std::optional<Pointwise> signs; ///< Knots::signs
+
+  std::vector<double> knots_between(double t0, double t1);
+  bool change_sign(std::size_t k, double t0, double t1);
   void add_term(const Space& space, const Region& region, const LoadTerm& term);
   void add_mode(const Expr& time_factor, Vector f, Origin origin);
   void evaluate_factors(double t);
   double integral(std::size_t m, double begin, double end);
-  double halved(std::size_t m, double begin, double end, double whole, double most, int depth);
+  double cut(std::size_t m, double begin, double end, double whole, double most, int depth);
   void integrate_factors(double begin, double end);
   void add_modes(double scale, Vector& out) const;
+  void evaluate(Lazy& part, double t) const;
   void add_lazy(double t, double scale, Vector& out);
+  Vector integral(Lazy& part, double begin, double end) const;
+  Vector cut(Lazy& part, double begin, double end, const Vector& whole, int depth) const;
 };
 
 void LoadAssembler::Impl::add_term(const Space& space, const Region& region, const LoadTerm& term) {
@@ -228,16 +246,16 @@ double LoadAssembler::Impl::integral(std::size_t m, double begin, double end) {
   return sum;
 }
 
-/// The same on halved intervals until halving changes less than `most`, which isolates kinks and
-/// jumps. (The tolerance is the same at every depth. Boost's adaptive rules divide it, and never
-/// end once it is below rounding.)
-double LoadAssembler::Impl::halved(std::size_t m, double begin, double end, double whole,
-                                   double most, int depth) {
-  const double middle = begin + (end - begin) / 2;
+/// The same on the parts of intervals until cutting changes less than `most`, which isolates kinks
+/// and jumps. (The tolerance is the same at every depth. Boost's adaptive rules divide it, and
+/// never end once it is below rounding.)
+double LoadAssembler::Impl::cut(std::size_t m, double begin, double end, double whole, double most,
+                                int depth) {
+  const double middle = begin + first_part * (end - begin);
   const double left = integral(m, begin, middle), right = integral(m, middle, end);
-  if (depth == 0 || std::abs(left + right - whole) <= most) return left + right;
-  return halved(m, begin, middle, left, most, depth - 1) +
-         halved(m, middle, end, right, most, depth - 1);
+  const bool told = depth >= least_cuts && std::abs(left + right - whole) <= most;
+  if (depth == most_cuts || told) return left + right;
+  return cut(m, begin, middle, left, most, depth + 1) + cut(m, middle, end, right, most, depth + 1);
 }
 
 /// g_values = the integral of each g over [begin, end].
@@ -246,7 +264,7 @@ void LoadAssembler::Impl::integrate_factors(double begin, double end) {
   for (std::size_t m = 0; m < modes.size(); ++m) {
     const double whole = integral(m, begin, end);
     const double size = std::abs(whole) + (end - begin) * std::abs(g_values[m]);
-    integrals[m] = halved(m, begin, end, whole, 1e-15 * size, 48);
+    integrals[m] = cut(m, begin, end, whole, 1e-15 * size, 0);
   }
   g_values = std::move(integrals);
 }
@@ -263,15 +281,76 @@ void LoadAssembler::Impl::add_modes(double scale, Vector& out) const {
   }
 }
 
-/// The parts that do not separate, at t.
+/// Sets the values of a part that does not separate, at t.
+void LoadAssembler::Impl::evaluate(Lazy& part, double t) const {
+  part.values.resize(part.weights.cols());
+  const std::span<double> values(part.values.data(), std::size_t(part.values.size()));
+  part.tape.evaluate(part.points, t, part.origin, values);
+  check_finite(part.points, values, part.origin, dim, &t);
+}
+
 void LoadAssembler::Impl::add_lazy(double t, double scale, Vector& out) {
   for (Lazy& part : lazy) {
-    part.values.resize(part.weights.cols());
-    const std::span<double> values(part.values.data(), std::size_t(part.values.size()));
-    part.tape.evaluate(part.points, t, part.origin, values);
-    check_finite(part.points, values, part.origin, dim, &t);
+    evaluate(part, t);
     out += scale * (part.weights * part.values);
   }
+}
+
+/// Of its values over [begin, end].
+Vector LoadAssembler::Impl::integral(Lazy& part, double begin, double end) const {
+  Vector sum = Vector::Zero(part.weights.cols());
+  for (std::size_t q = 0; q < rule.points.size(); ++q) {
+    evaluate(part, begin + rule.points[q] * (end - begin));
+    sum += rule.weights[q] * (end - begin) * part.values;
+  }
+  return sum;
+}
+
+/// On parts of intervals, as above. A jump that moves through the body is in all of them: they end
+/// soon.
+Vector LoadAssembler::Impl::cut(Lazy& part, double begin, double end, const Vector& whole,
+                                int depth) const {
+  const double middle = begin + first_part * (end - begin);
+  const Vector left = integral(part, begin, middle), right = integral(part, middle, end);
+  const double change = (left + right - whole).lpNorm<Eigen::Infinity>();
+  const double size = (end - begin) * part.values.lpNorm<Eigen::Infinity>();
+  if (depth == most_cuts_of_fields ||
+      change <= field_tolerance * std::max(size, whole.lpNorm<Eigen::Infinity>()))
+    return left + right;
+  return cut(part, begin, middle, left, depth + 1) + cut(part, middle, end, right, depth + 1);
+}
+
+/// Has function k of `signs` another sign at t1 than at t0?
+bool LoadAssembler::Impl::change_sign(std::size_t k, double t0, double t1) {
+  std::vector<double> values(knots.signs.size());
+  const auto positive = [&](double t) {
+    const auto columns = [&](Slot slot) { return is_time(slot) ? &t : nullptr; };
+    signs->evaluate(1, columns, {}, values);
+    return values[k] > 0.0;
+  };
+  return positive(t0) != positive(t1);
+}
+
+/// The knots inside a step, increasing.
+std::vector<double> LoadAssembler::Impl::knots_between(double t0, double t1) {
+  std::vector<double> out;
+  const double margin = 1e-12 * (t1 - t0);
+  for (const double knot : knots.times)
+    if (knot > t0 + margin && knot < t1 - margin) out.push_back(knot);
+  if (!knots.signs.empty() && !signs) signs.emplace(knots.signs);
+  for (std::size_t k = 0; k < knots.signs.size(); ++k)
+    for (int i = 0; i < looks_for_signs; ++i) {
+      double low = t0 + (t1 - t0) * i / looks_for_signs;
+      double high = t0 + (t1 - t0) * (i + 1) / looks_for_signs;
+      if (!change_sign(k, low, high)) continue;
+      while (high - low > margin) {
+        const double middle = 0.5 * (low + high);
+        (change_sign(k, low, middle) ? high : low) = middle;
+      }
+      if (low > t0 + margin && high < t1 - margin) out.push_back(0.5 * (low + high));
+    }
+  std::sort(out.begin(), out.end());
+  return out;
 }
 
 LoadAssembler::LoadAssembler(const Space& space, std::span<const Region> parts,
@@ -300,32 +379,18 @@ void LoadAssembler::add(double t, Vector& out) const {
 }
 
 void LoadAssembler::add_mean(double t0, double t1, Vector& out) const {
-  // Gauss with four points, degree 7, between the knots.
-  const IntervalRule& rule = impl_->rule;
   const double length = t1 - t0;
-  const bool halve = impl_->knots.hidden && !impl_->modes.empty();
   double begin = t0;
   const auto add_piece = [&](double end) {
-    for (std::size_t q = 0; q < rule.points.size(); ++q) {
-      const double t = begin + rule.points[q] * (end - begin);
-      const double weight = rule.weights[q] * (end - begin) / length;
-      impl_->add_lazy(t, weight, out);
-      if (halve) continue;
-      impl_->evaluate_factors(t);
-      impl_->add_modes(weight, out);
-    }
-    if (halve) {
-      impl_->integrate_factors(begin, end);
-      impl_->add_modes(1.0 / length, out);
+    impl_->integrate_factors(begin, end);
+    impl_->add_modes(1.0 / length, out);
+    for (Lazy& part : impl_->lazy) {
+      const Vector whole = impl_->integral(part, begin, end);
+      out += 1.0 / length * (part.weights * impl_->cut(part, begin, end, whole, 0));
     }
     begin = end;
   };
-  const double margin = 1e-12 * length;
-  for (const double knot : impl_->knots.times) {
-    if (knot > begin + margin && knot < t1 - margin) {
-      add_piece(knot);
-    }
-  }
+  for (const double knot : impl_->knots_between(t0, t1)) add_piece(knot);
   add_piece(t1);
 }
 

@@ -2,8 +2,9 @@
 // ageing, swelling stiffness.
 //
 // With one point in each cell where P1 forms and rates read gradients only (these are constant in a
-// cell), else with the Gauss rule of the forms. A form's matrix is that of the states at hand. Forms
-// that read states only which are the same everywhere, as time is, are integrated by their own rule.
+// cell), else with the Gauss rule of the forms. A form's matrix is that of the states at hand.
+// Forms that read states only which are the same everywhere, as time is, are integrated by their
+// own rule.
 #pragma once
 
 #include "solver/assembly/point_form.hpp"

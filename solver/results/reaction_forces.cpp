@@ -220,8 +220,7 @@ ReactionForces::FormRows ReactionForces::rows_with(const Vector& states) const {
           sum[it.col()] += it.value();
           touched.insert(static_cast<int>(it.col()));
         }
-      for (const int dof : touched)
-        out.of[i][static_cast<std::size_t>(field)].add(dof, sum[dof]);
+      for (const int dof : touched) out.of[i][static_cast<std::size_t>(field)].add(dof, sum[dof]);
     }
   }
   return out;
@@ -253,8 +252,7 @@ double ReactionForces::forces(std::size_t reaction, const Snapshot& at, bool pas
     const double share = past ? scheme_.past(order) : scheme_.present(order);
     if (!row.at.empty() && share != 0.0) out += share * row(at.field(field));
   }
-  return out +
-         (past ? scheme_.past_of_laws() : 1.0) * reactions_[reaction].multipliers(at.xi());
+  return out + (past ? scheme_.past_of_laws() : 1.0) * reactions_[reaction].multipliers(at.xi());
 }
 
 /// The load in the equation of a step.

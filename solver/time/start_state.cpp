@@ -2,7 +2,6 @@
 #include "solver/time/start_state.hpp"
 
 #include "solver/assembly/assembly.hpp"
-
 #include "solver/time/run.hpp"
 
 #include <fmt/format.h>
@@ -25,8 +24,8 @@ std::vector<int> shared_terms(const Problem& problem, const Problem& start) {
   return out;
 }
 
-/// Multipliers of a problem by the rows of its terms as they are written: of a radial law the engine
-/// has a basis of the range of its rows, which may be smaller where rates are at rest.
+/// Multipliers of a problem by the rows of its terms as they are written: of a radial law the
+/// engine has a basis of the range of its rows, which may be smaller where rates are at rest.
 std::vector<double> by_written_rows(const Problem& problem, const Discretisation& d,
                                     const std::vector<double>& xi) {
   std::vector<double> out;

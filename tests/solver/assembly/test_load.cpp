@@ -171,6 +171,30 @@ TEST_F(LoadCase, MeansSplitWhereTheLoadJumpsOrBends) {
   EXPECT_NEAR(mean(select(less(sin(wave), Expr(0.0)), Expr(2.0), t)), 1.0 + 0.105 + 0.22, 1e-12);
 }
 
+// What four points of a rule do not see, alone and together with x.
+TEST_F(LoadCase, MeansOfWhatIsFasterThanTheStep) {
+  const Vector unit = at(assembler({load(0, {{slot::value(0), Expr(1.0)}})}), 0);
+  const auto mean = [&](const Expr& g) {
+    Vector out = Vector::Zero(space.n_dofs());
+    assembler({load(0, {{slot::value(0), g}})}).add_mean(0.2, 1.2, out);
+    return Vector(out);
+  };
+  const auto number = [&](const Expr& g) { return mean(g).dot(unit) / unit.squaredNorm(); };
+  EXPECT_NEAR(number(sin(200.0 * t)), (std::cos(40.0) - std::cos(240.0)) / 200, 1e-13);
+  EXPECT_NEAR(number(exp(-200.0 * (t - 0.2))), (1 - std::exp(-200.0)) / 200, 1e-14);
+  EXPECT_NEAR(number(sqrt(t - 0.2)), 2.0 / 3, 1e-12);
+  EXPECT_NEAR(number(1.0 / (1.0 + exp((0.37 - t) * 1000.0))), 0.83, 1e-6);
+  const Expr square = select(less(sin(20.0 * t), Expr(0.0)), Expr(-1.0), Expr(1.0));
+  double sum = 0.0;
+  for (int i = 0; i < 1000000; ++i) sum += std::sin(20 * (0.2 + (i + 0.5) * 1e-6)) < 0 ? -1 : 1;
+  EXPECT_NEAR(number(square), sum / 1e6, 2e-6);
+  // cos(40 (x + t)), whose mean is another function of x.
+  const auto moving = [&](double s) { return sin(40.0 * (x + s)); };
+  const Vector expected =
+      at(assembler({load(0, {{slot::value(0), (moving(1.2) - moving(0.2)) / 40.0}})}), 0);
+  EXPECT_LT((mean(apply(Op::cos, 40.0 * (x + t))) - expected).norm(), 1e-12);
+}
+
 TEST_F(LoadCase, TimeIndependent) {
   const auto weight = load(0, {{slot::value(1), Expr(-9.81) * x}});
   auto a = assembler({weight});
