@@ -151,6 +151,14 @@ std::optional<Field> Memories::history_argument(const ast::Expr& e, const ast::E
                     fmt::format("`history` takes an expression linear in {}", unknowns_.names()));
     return std::nullopt;
   }
+  if (std::ranges::any_of(of->components,
+                          [](const Symbol& one) { return one.depends_on(slot::t); })) {
+    mistakes_.error("E0309", argument.span,
+                    "`t` inside `history` may mean the present, or the time of what is remembered",
+                    "put a factor of the present before it, `t^2*history(q, u)`, and one of the "
+                    "past into the kernel, `kernel q(t, s) = exp(-(t - s))*s^2`");
+    return std::nullopt;
+  }
   if (kernel.rank == 4 && (of->rank != 2 || of->rows != tensor_dim(model_))) {
     mistakes_.error(
         "E0308", argument.span,

@@ -7,7 +7,10 @@
 namespace hvi::solver {
 namespace {
 
-constexpr int largest_degree = 16; ///< beyond: as good as not polynomial
+/// Rules have no higher degree: what they leave of a polynomial beyond it is small.
+constexpr int largest_degree = 30;
+/// A power beyond is as good as no polynomial.
+constexpr int largest_power = 1000;
 
 int slot_degree(Slot slot, int order) {
   if (slot <= slot::x(2)) {
@@ -25,7 +28,7 @@ std::optional<int> power_degree(const Expr& expression, int base) {
     return std::nullopt;
   }
   const double exponent = expression.args()[1].value();
-  if (exponent < 0 || exponent > largest_degree || exponent != std::floor(exponent)) {
+  if (exponent < 0 || exponent > largest_power || exponent != std::floor(exponent)) {
     return std::nullopt;
   }
   return base * static_cast<int>(exponent);
@@ -77,10 +80,7 @@ std::optional<int> polynomial_degree(const Expr& expression, int order) {
 
 int exact_degree(const Expr& coefficient, int shapes, int order) {
   const auto degree = polynomial_degree(coefficient, order);
-  if (degree && *degree + shapes <= largest_degree) {
-    return *degree + shapes;
-  }
-  return 2 * (order + 1);
+  return degree ? std::min(*degree + shapes, largest_degree) : 2 * (order + 1);
 }
 
 } // namespace hvi::solver

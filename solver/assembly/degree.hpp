@@ -15,8 +15,9 @@ std::optional<int> polynomial_degree(const Expr& expression, int order);
 /// Polynomial degree of the shape functions behind a derivative index.
 int shape_degree(int derivative_index, int order);
 
-/// The degree of the rule `exact` for  coefficient x shapes of degree `shapes`: exact where the
-/// coefficient is a polynomial (of a reasonable degree), else 2 (order + 1).
+/// The degree of the rule `exact` for  coefficient x shapes of degree `shapes`: exact where both
+/// together are a polynomial of degree 30 at most, of this degree for others of higher degree;
+/// where the coefficient is no polynomial 2 (order + 1).
 int exact_degree(const Expr& coefficient, int shapes, int order);
 
 } // namespace hvi::solver
