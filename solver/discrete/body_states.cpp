@@ -50,11 +50,6 @@ const StateGroup& group_of(const Problem& problem, const Contact& contact, const
                 "give the law a part of its own, or the form's coefficient a state of its own");
 }
 
-/// The same everywhere at every time, as time itself is: begun with one value and changed by one.
-bool is_uniform(const StateTerm& state) {
-  return state.rate.is_constant() && state.initial.is_constant();
-}
-
 bool reads_uniform_states_only(const Problem& problem, const FormTerm& form) {
   return std::ranges::all_of(form.entries, [&](const FormTerm::Entry& entry) {
     return std::ranges::all_of(entry.coefficient.slots(), [&](Slot s) {
@@ -90,6 +85,10 @@ void assemble(const Problem& problem, const Contact& contact, const Vector& stat
 }
 
 } // namespace
+
+bool is_uniform(const StateTerm& state) {
+  return state.rate.is_constant() && state.initial.is_constant();
+}
 
 bool reads_states(const FormTerm& form) {
   return std::ranges::any_of(form.entries, [](const FormTerm::Entry& entry) {

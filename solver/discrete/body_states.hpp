@@ -14,6 +14,8 @@
 
 namespace hvi::solver {
 
+/// The same everywhere at every time, as time itself is: begun with one value and changed by one.
+bool is_uniform(const StateTerm& state);
 /// Do its coefficients depend on states?
 bool reads_states(const FormTerm& form);
 /// The form with the initial states, which are functions of x.

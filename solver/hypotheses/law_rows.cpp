@@ -108,11 +108,15 @@ void Judgement::judge_laws() {
 
 void Judgement::judge_states() {
   facts_.states = !problem_.states.empty();
+  facts_.only_time = facts_.states && std::ranges::all_of(problem_.states, is_uniform);
   for (const auto& form : problem_.forms)
     if (reads_states(form))
       row("H(state)", "a form keeps its coefficients", std::nullopt, Answer::open, form.origin,
-          "they change with states: what is said of it holds at their initial values");
+          facts_.only_time
+              ? "they change in time: what is said of it holds at the initial time"
+              : "they change with states: what is said of it holds at their initial values");
   for (const auto& state : problem_.states) {
+    if (is_uniform(state)) continue; // time: nothing of the solution is in it
     const RateConstants found = rate_constants(problem_, d_.mesh, state);
     const auto rate = fmt::format("the rate of `{}` is Lipschitz in ", state.name);
     judge_variation("H(state)", rate + (found.other_states ? "the states" : "the state"),

@@ -35,7 +35,9 @@ void Judgement::judge_steps() {
   out_.margins.step = 1.0 - (worst.within_budget ? std::max(worst.ratio, 0.0) : worst.bound);
   out_.worst_step = worst.step;
   facts_.steps_margin = 1.0 - bound;
-  std::string note = problem_.time.is_static ? "K = B" : "all steps have one matrix";
+  std::string note = problem_.time.is_static ? "K = B"
+                     : facts_.states         ? "with the forms of the initial time and states"
+                                             : "all steps have one matrix";
   if (steps_.steps.size() > 1)
     note = fmt::format("K of step {} (t = {:.6g}), the worst of {} different ones{}", n,
                        problem_.time.grid[n], steps_.steps.size(),

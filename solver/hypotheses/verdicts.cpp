@@ -89,11 +89,16 @@ private:
       out_.discrete_verdict = "uniqueness is not guaranteed: a law reads the solution";
     else if (facts_.states)
       out_.discrete_verdict =
-          positive ? "with its states held, every step has exactly one solution; of both together "
-                     "this is not shown, but for steps that are short against the Lipschitz "
-                     "constants H(state)"
-                   : "uniqueness is not guaranteed: a step may have several solutions, and laws "
-                     "change with states";
+          !positive ? std::string("uniqueness is not guaranteed: a step may have several "
+                                  "solutions, and laws or forms change with states")
+          : facts_.only_time
+              ? std::string("with the forms of the initial time a step has exactly one solution; "
+                            "they change in time, and of later steps nothing is said here: a run "
+                            "says where it is not guaranteed")
+              : std::string("with the initial states held, a step has exactly one solution; laws "
+                            "or forms change with states, and of other states, or of both "
+                            "together, nothing is said here: a run says where it is not "
+                            "guaranteed");
     else if (positive && !facts_.proved)
       out_.discrete_verdict =
           fmt::format("uniqueness is not guaranteed: m_J is sampled, not proved (with it {} would "
@@ -129,6 +134,11 @@ private:
   }
   /// Says no where one of these fails, or the constants of the laws are not proved.
   bool refused(std::initializer_list<const char*> needed) {
+    if (facts_.only_time) {
+      refuse("it knows no forms that change in time; what is said of a step holds for those of the "
+             "initial time");
+      return true;
+    }
     if (facts_.states) {
       refuse("it knows no states (for a bonding field there is one: O. Chau, J. R. Fernandez, M. "
              "Shillor, M. Sofonea 2003); what is said of a step on this mesh stands");

@@ -17,7 +17,8 @@ struct VerdictFacts {
   bool proved = true;         ///< m_J of the laws is bounded by proof, not sampled
   bool coupled = false;       ///< a law's bound is another law's multiplier
   bool reads = false;         ///< a law without such a bound reads the solution
-  bool states = false;        ///< laws act with states at their points
+  bool states = false;        ///< laws or forms change with states
+  bool only_time = false;     ///< with none but time
   bool semi_coercive = false; ///< no form and no value holds the body, laws do
   bool springs_hold = false;  ///< and these have slopes that rise everywhere, and do not soften
   bool multipliers = false;   ///< an unknown has no form of its own
