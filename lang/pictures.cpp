@@ -5,6 +5,7 @@
 #include "lang/draw/curves.hpp"
 #include "lang/draw/paint.hpp"
 #include "lang/law_curves.hpp"
+#include "solver/plan/result_files.hpp"
 
 #include <fmt/format.h>
 
@@ -153,41 +154,10 @@ draw::Sheet sheet_of(const solver::GraphsSpec& spec, const solver::TimeSpec& tim
 
 } // namespace
 
-std::string picture_file(const solver::Plan& plan, std::size_t i) {
-  const auto& pictures = plan.report.pictures;
-  if (!pictures[i].file.empty()) return pictures[i].file;
-  const auto stem = [&](const solver::PictureSpec& picture) {
-    return fmt::format("{}_{}{}{}", plan.problem.title, picture.field.name,
-                       picture.deformed != 0.0 ? "_deformed" : "",
-                       picture.in_row > 1 ? "_row"
-                       : picture.time     ? fmt::format("_t{:g}", *picture.time)
-                                          : "");
-  };
-  const std::string own = stem(pictures[i]);
-  const auto before =
-      std::ranges::count_if(std::span(pictures).first(i), [&](const solver::PictureSpec& other) {
-        return other.in_row > 0 && other.file.empty() && stem(other) == own;
-      });
-  return own + (before > 0 ? fmt::format("_{}.png", before + 1) : ".png");
-}
-
-std::string plot_file(const solver::Plan& plan, std::size_t i) {
-  const std::string& given = plan.report.plots[i].file;
-  if (!given.empty()) return given;
-  return plan.problem.title + (i == 0 ? "_plot.svg" : fmt::format("_plot{}.svg", i + 1));
-}
-
-std::string graphs_file(const solver::Plan& plan, std::size_t i) {
-  const solver::GraphsSpec& spec = plan.report.graphs[i];
-  if (!spec.file.empty()) return spec.file;
-  std::string out = plan.problem.title;
-  for (const auto& graph : spec.graphs) out += "_" + graph.name;
-  return out + ".png";
-}
-
 std::vector<Drawn> draw_pictures(const Script& script, const solver::RunResult& result,
                                  const solver::Shown& shown, const std::string& folder) {
   const solver::Plan& plan = *script.plan;
+  const std::string& title = plan.problem.title;
   const ModelUnits& units = script.model->units;
   std::vector<Drawn> out;
   const auto add = [&](solver::Origin origin, const std::string& file, bool named,
@@ -204,23 +174,26 @@ std::vector<Drawn> draw_pictures(const Script& script, const solver::RunResult& 
     const auto& frames = shown.pictures[i];
     const auto n = static_cast<std::size_t>(std::max(picture.in_row, 0));
     if (n > 0)
-      add(picture.origin, picture_file(plan, i), !picture.file.empty(), [&](const auto& path) {
-        if (n == 1) return write_picture(script, picture, frames, path);
-        write_row(script, std::span(plan.report.pictures).subspan(i, n),
-                  std::span(shown.pictures).subspan(i, n), path);
-      });
+      add(picture.origin, solver::picture_file(plan.report, i, title), !picture.file.empty(),
+          [&](const auto& path) {
+            if (n == 1) return write_picture(script, picture, frames, path);
+            write_row(script, std::span(plan.report.pictures).subspan(i, n),
+                      std::span(shown.pictures).subspan(i, n), path);
+          });
   }
   for (std::size_t i = 0; i < plan.report.plots.size(); ++i) {
     const auto& spec = plan.report.plots[i];
-    add(spec.origin, plot_file(plan, i), !spec.file.empty(), [&](const auto& path) {
-      draw::write_sheet(draw::curves_sheet(plot_of(spec, result, units)), path);
-    });
+    add(spec.origin, solver::plot_file(plan.report, i, title), !spec.file.empty(),
+        [&](const auto& path) {
+          draw::write_sheet(draw::curves_sheet(plot_of(spec, result, units)), path);
+        });
   }
   for (std::size_t i = 0; i < plan.report.graphs.size(); ++i) {
     const auto& spec = plan.report.graphs[i];
-    add(spec.origin, graphs_file(plan, i), !spec.file.empty(), [&](const auto& path) {
-      draw::write_sheet(sheet_of(spec, plan.problem.time, units), path);
-    });
+    add(spec.origin, solver::graphs_file(plan.report, i, title), !spec.file.empty(),
+        [&](const auto& path) {
+          draw::write_sheet(sheet_of(spec, plan.problem.time, units), path);
+        });
   }
   return out;
 }

@@ -12,15 +12,6 @@
 
 namespace hvi::lang {
 
-/// The name of the i-th picture's file in the output folder: the script's, or one of its own.
-std::string picture_file(const solver::Plan& plan, std::size_t i);
-
-/// Of the i-th plot.
-std::string plot_file(const solver::Plan& plan, std::size_t i);
-
-/// Of the i-th graphs of laws and kernels.
-std::string graphs_file(const solver::Plan& plan, std::size_t i);
-
 /// A picture, or why there is none.
 struct Drawn {
   solver::Origin origin;

@@ -146,6 +146,7 @@ Exit Session::compile() {
   CheckOptions options;
   options.defines = settings_.defines;
   options.folder = (fs::path(script.path).parent_path() / ".").lexically_normal().string();
+  options.title = fs::path(script.path).stem().string();
   options.allow_geo = settings_.allow_geo;
   options.words = settings_.words;
   options.on_name = settings_.on_name;
@@ -157,7 +158,6 @@ Exit Session::compile() {
     propose_imports(script);
     return exit_script;
   }
-  script.model->title = fs::path(script.path).stem().string();
   script.model->options.threads = settings_.threads;
   script.plan = lower(*script.model);
   if (settings_.keep_fields) shown = shown_of(*script.plan, *script.model);

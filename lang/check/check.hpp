@@ -31,6 +31,7 @@ struct UnitFactor {
 struct CheckOptions {
   std::map<std::string, std::string> defines; ///< parameter -> value
   std::string folder = ".";                   ///< of the script: what it may read lies below
+  std::string title; ///< what names of files begin with that it does not give
   bool allow_geo = false;
   Words words;
   std::map<std::string, UnitFactor> units; ///< by the text that stands in the script

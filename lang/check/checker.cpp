@@ -26,6 +26,7 @@ Checker::Checker(const std::vector<ast::Program>& programs, const CheckOptions& 
       names_(programs, find_, mistakes_), unknowns_(find_, model_), limits_(programs, mistakes_) {}
 
 std::optional<Model> Checker::run() {
+  model_.title = options_.title;
   names_.collect();
   parameters_.check_defines();
   check_finds();

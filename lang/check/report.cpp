@@ -13,6 +13,7 @@ void Report::read(const ast::Program& script) {
   each([&](const ast::ReportItem& item) {
     if (const auto* plot = std::get_if<ast::PlotItem>(&item)) curves_.plot(*plot);
   });
+  results_.check_files();
 }
 
 void Report::read_item(const ast::ReportItem& item) {

@@ -1,5 +1,7 @@
 #include "lang/check/results.hpp"
 
+#include "solver/plan/result_files.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,13 +37,41 @@ std::optional<std::string> Results::output_name(const std::optional<ast::Text>& 
   if (!to) return std::string();
   const std::filesystem::path path(to->text);
   const bool plain = !to->text.empty() && path == path.filename() && to->text[0] != '.';
-  if (plain && !outputs_.insert(to->text).second)
-    mistakes_.error("E0302", to->span, fmt::format("two results go to `{}`", to->text),
-                    "give each its own name");
-  if (plain) return to->text;
+  if (plain) {
+    names_given_.push_back(to->span);
+    return to->text;
+  }
   mistakes_.error("E0604", to->span, fmt::format("`{}` is not a plain file name", to->text),
                   "results go into " + options_.words.output_folder);
   return std::nullopt;
+}
+
+/// The name that a result is given; the result itself where it has a name of its own.
+Span Results::name_within(const Span& item) const {
+  const auto given = std::ranges::find_if(names_given_, [&](const Span& name) {
+    return item.begin <= name.begin && name.end <= item.end;
+  });
+  return given == names_given_.end() ? item : *given;
+}
+
+void Results::check_files() {
+  auto results = solver::result_files(model_.report, options_.title);
+  const auto place = [&](const solver::ResultFiles& result) {
+    return model_.origins[static_cast<std::size_t>(result.origin.id)];
+  };
+  // What is asked for beside the script stands nowhere in it.
+  std::erase_if(results, [&](const auto& result) { return !place(result).valid(); });
+  std::ranges::sort(results, {}, [&](const auto& result) { return place(result).begin; });
+  for (std::size_t i = 0; i < results.size(); ++i)
+    for (std::size_t before = 0; before < i; ++before) {
+      const std::string file = solver::shared_file(results[before], results[i]);
+      if (file.empty()) continue;
+      mistakes_.add(diagnose("E0302", name_within(place(results[i])),
+                             fmt::format("two results go to `{}`", file))
+                        .with_secondary(name_within(place(results[before])), "the first one")
+                        .with_help("give each a name of its own: `to \"NAME\"`"));
+      break;
+    }
 }
 
 bool Results::from_start(const Span& words) {

@@ -4,8 +4,8 @@
 #include "lang/check/context.hpp"
 
 #include <optional>
-#include <set>
 #include <string>
+#include <vector>
 
 namespace hvi::lang {
 
@@ -22,17 +22,21 @@ public:
   std::optional<double> report_time(const ast::Expr& e);
   /// The file of a result, "": none is given; nothing where it is wrong (reported).
   std::optional<std::string> output_name(const std::optional<ast::Text>& to);
+  /// E0302 where two results are written to one file. After all are read.
+  void check_files();
   /// `from start`, which is of problems in time.
   bool from_start(const Span& words);
   /// A point; false: reported.
   bool place(const ast::Expr& e, solver::Point& out);
 
 private:
+  Span name_within(const Span& item) const;
+
   const CheckOptions& options_;
   Mistakes& mistakes_;
   const Model& model_;
   Evaluator& evaluator_;
-  std::set<std::string> outputs_; ///< names of files given with `to`
+  std::vector<Span> names_given_; ///< of files, with `to`
 };
 
 } // namespace hvi::lang

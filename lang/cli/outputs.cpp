@@ -2,12 +2,11 @@
 #include "lang/cli/outputs.hpp"
 
 #include "lang/diag/real_path.hpp"
-#include "lang/pictures.hpp"
 #include "lang/report/page.hpp"
 #include "solver/common/hash.hpp"
 #include "solver/output/file.hpp"
-#include "solver/results/line_values.hpp"
-#include "solver/results/report.hpp"
+#include "solver/output/table.hpp"
+#include "solver/plan/result_files.hpp"
 #include "solver/results/result_json.hpp"
 #include "solver/time/checkpoint.hpp"
 
@@ -17,6 +16,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <set>
 
 namespace hvi::lang {
 
@@ -50,24 +50,36 @@ std::vector<fs::path> inputs_of(const Script& script) {
   return out;
 }
 
-bool in_series(const fs::path& input, const fs::path& stem) {
-  const auto name = input.filename().string();
-  return input.parent_path() == stem.parent_path() &&
-         (input.extension() == ".vtu" || input.extension() == ".pvtu") &&
-         name.starts_with(stem.filename().string() + "_");
+std::vector<fs::path> places_of(const std::vector<fs::path>& paths) {
+  std::vector<fs::path> out;
+  for (const auto& path : paths) out.push_back(place_of(path));
+  return out;
+}
+
+bool is_in_one_of(const fs::path& place, const std::vector<fs::path>& series) {
+  return std::ranges::any_of(series, [&](const fs::path& stem) {
+    return place.parent_path() == stem.parent_path() &&
+           solver::in_series(place.filename().string(), stem.filename().string());
+  });
 }
 
 /// The input that one of the outputs would overwrite; empty: none.
 fs::path overwritten(const Outputs& outputs, const std::vector<fs::path>& inputs) {
-  std::vector<fs::path> files, series;
-  for (const auto& file : outputs.files) files.push_back(place_of(file));
-  for (const auto& stem : outputs.series) series.push_back(place_of(stem));
-  for (const fs::path& input : inputs) {
-    for (const fs::path& place : {place_of(input), real_path(input)}) {
-      if (std::ranges::find(files, place) != files.end()) return input;
-      for (const auto& stem : series)
-        if (in_series(place, stem)) return input;
-    }
+  const auto files = places_of(outputs.files), series = places_of(outputs.series);
+  for (const fs::path& input : inputs)
+    for (const fs::path& place : {place_of(input), real_path(input)})
+      if (std::ranges::find(files, place) != files.end() || is_in_one_of(place, series))
+        return input;
+  return {};
+}
+
+/// A file that two of the outputs would be written to; empty: none.
+fs::path written_twice(const Outputs& outputs) {
+  const auto series = places_of(outputs.series);
+  std::set<fs::path> before;
+  for (const fs::path& file : outputs.files) {
+    const fs::path place = place_of(file);
+    if (!before.insert(place).second || is_in_one_of(place, series)) return file;
   }
   return {};
 }
@@ -100,32 +112,20 @@ void write_page(const std::string& folder, const std::string& title, const Repor
 }
 
 Outputs outputs_of_run(const Script& script, const Options& options) {
-  const auto& report = script.plan->report;
   const std::string& title = script.model->title;
+  const bool units = script.model->units.used();
   std::vector<std::string> names, series;
   if (!options.no_files) {
-    for (std::size_t i = 0; i < report.tables.size(); ++i)
-      names.push_back(solver::table_stem(report, i, title) + ".csv");
-    for (std::size_t i = 0; i < report.fields.size(); ++i) {
-      series.push_back(solver::fields_stem(report, i, title));
-      names.push_back(series.back() + ".pvd");
+    for (const solver::ResultFiles& result : solver::result_files(script.plan->report, title)) {
+      names.push_back(result.file);
+      if (result.columns && units) names.push_back(solver::metadata_file(result.file));
+      series.insert(series.end(), result.series.begin(), result.series.end());
     }
-    for (std::size_t i = 0; i < report.pictures.size(); ++i)
-      if (report.pictures[i].in_row > 0) names.push_back(picture_file(*script.plan, i));
-    for (std::size_t i = 0; i < report.lines.size(); ++i)
-      names.push_back(solver::line_file(report, i, title));
-    for (std::size_t i = 0; i < report.plots.size(); ++i)
-      names.push_back(plot_file(*script.plan, i));
-    for (std::size_t i = 0; i < report.graphs.size(); ++i)
-      names.push_back(graphs_file(*script.plan, i));
     if (options.checkpoint > 0 || options.resume)
       names.push_back(solver::checkpoint_path("", title).string());
     if (options.monitors || options.report) names.push_back(title + "_monitors.csv");
     if (options.report) names.push_back(title + report_ending);
   }
-  if (script.model->units.used())
-    for (std::size_t i = 0, n = names.size(); i < n; ++i)
-      if (names[i].ends_with(".csv")) names.push_back(solver::metadata_file(names[i]));
   Outputs out = outputs_in(output_folder(script, options), names, options);
   for (const auto& stem : series) out.series.push_back(fs::path(out.folder) / stem);
   return out;
@@ -147,6 +147,9 @@ Exit HeldOutputs::take(const Outputs& outputs, const Options& options, Session& 
                   fmt::format("a result would take the place of `{}`, which the script reads",
                               input.string()),
                   "choose another output folder (-o) or file");
+  if (const auto file = written_twice(outputs); !file.empty())
+    return refuse("E0609", fmt::format("two results would be written to `{}`", file.string()),
+                  "give each a file of its own");
   return session.attempt([&] {
     if (!outputs.folder.empty()) lock_.emplace(outputs.folder);
     std::vector<fs::path> folders;

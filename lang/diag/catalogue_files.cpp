@@ -71,7 +71,8 @@ folder would mix their results. The lock ends with the run that holds it, also w
      "result in the place of an input",
      R"(
 A file that would be written is one that the script reads: the script itself, an import, a table or a
-mesh. Nothing was computed and nothing written.)",
+mesh; or another result would be written to it, as where the JSON is given the name of a table. Nothing was
+computed and nothing written.)",
      {},
      {}},
     {"E0610",

@@ -19,7 +19,8 @@ tensor B = isotropic(young = young, poisson = 0.3))"},
     {"E0302", "declared twice",
      R"(
 Every name is declared once. Reading order does not matter, so a second declaration would be
-ambiguous.)",
+ambiguous. Columns have names of their own, beside `t`, and two results do not go to one file:
+tables end in `.csv`, fields in `.pvd` with `NAME_00001.vtu` and the like.)",
      R"(
 param n = 8
 param n = 16)",

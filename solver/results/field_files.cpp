@@ -4,20 +4,14 @@
 #include "solver/common/hash.hpp"
 #include "solver/common/read_file.hpp"
 #include "solver/linear/vector_stream.hpp"
+#include "solver/plan/result_files.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <utility>
 
 namespace hvi::solver {
 namespace {
-
-std::string safe_name(std::string name) {
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
-  return name;
-}
 
 /// "" when the file holds the bytes it was written with.
 std::string what_is_wrong(const std::filesystem::path& path, std::uint64_t hash) {
@@ -77,8 +71,7 @@ void FieldFiles::write(const Snapshot& snapshot, std::vector<std::string>& writt
   int number = 0;
   for (const FieldGrid& one : grids_.fill(snapshot)) {
     const bool body = one.name.empty();
-    const std::string name =
-        fmt::format("{}_{}{:05}", stem_, body ? "" : safe_name(one.name) + "_", snapshot.step());
+    const std::string name = fmt::format("{}_{:05}", series_stem(stem_, one.name), snapshot.step());
     if (body && pieces_)
       write_pieces(one.grid, name, snapshot.t(), written);
     else

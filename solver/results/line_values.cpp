@@ -143,10 +143,4 @@ std::vector<std::string> line_units(const ReportSpec& report, std::size_t i, int
   return out;
 }
 
-std::string line_file(const ReportSpec& report, std::size_t i, const std::string& name) {
-  const std::string& given = report.lines[i].file;
-  if (!given.empty()) return given;
-  return i == 0 ? name + "_line.csv" : fmt::format("{}_line{}.csv", name, i + 1);
-}
-
 } // namespace hvi::solver

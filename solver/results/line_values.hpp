@@ -47,8 +47,6 @@ private:
 
 /// Lines that meet the mesh nowhere.
 std::vector<Failure> lines_outside(const ReportSpec& report, const Mesh& mesh);
-/// The name of its file, in the output folder.
-std::string line_file(const ReportSpec& report, std::size_t i, const std::string& name);
 /// Of its columns.
 std::vector<std::string> line_units(const ReportSpec& report, std::size_t i, int dim);
 /// "sigma.xx" and the like: the fields of a line as columns.

@@ -4,30 +4,12 @@
 #include "solver/discrete/fields_read.hpp"
 #include "solver/formulation/reduce.hpp"
 #include "solver/linear/vector_stream.hpp"
-
-#include <fmt/format.h>
+#include "solver/plan/result_files.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace hvi::solver {
-namespace {
-
-std::string stem_of(const std::string& file, const std::string& fallback) {
-  if (file.empty()) return fallback;
-  const std::filesystem::path path(file);
-  return (path.parent_path() / path.stem()).string();
-}
-
-} // namespace
-
-std::string table_stem(const ReportSpec& report, std::size_t i, const std::string& name) {
-  return stem_of(report.tables[i].file, i == 0 ? name : fmt::format("{}_table{}", name, i + 1));
-}
-
-std::string fields_stem(const ReportSpec& report, std::size_t i, const std::string& name) {
-  return stem_of(report.fields[i].file, i == 0 ? name : fmt::format("{}_fields{}", name, i + 1));
-}
 
 Reporter::Reporter(const Plan& plan, const Discretisation& d, const RunState& run,
                    const RunSettings& settings, Shown* shown)

@@ -20,10 +20,6 @@
 
 namespace hvi::solver {
 
-/// Names without extension, in the output folder, of the i-th table and of the i-th fields.
-std::string table_stem(const ReportSpec& report, std::size_t i, const std::string& name);
-std::string fields_stem(const ReportSpec& report, std::size_t i, const std::string& name);
-
 /// What displacements are compared with: the largest |u| of the run, and what is rounding of it.
 struct SolutionSize {
   double size = 0.0;

@@ -4,6 +4,7 @@
 #include "solver/assembly/assembly.hpp"
 #include "solver/discrete/fields_read.hpp"
 #include "solver/linear/vector_stream.hpp"
+#include "solver/plan/result_files.hpp"
 #include "solver/results/state_field.hpp"
 #include "solver/results/written_files.hpp"
 

@@ -2,6 +2,7 @@
 #include "solver/results/run_tables.hpp"
 
 #include "solver/output/file.hpp"
+#include "solver/plan/result_files.hpp"
 #include "solver/results/report.hpp"
 
 #include <algorithm>
@@ -31,8 +32,8 @@ RunTables::RunTables(const ReportSpec& report, const std::string& name,
     : report_(report), folder_(std::move(folder)), columns_(report.probes.size()) {
   for (std::size_t i = 0; i < report.tables.size(); ++i) {
     const auto& spec = report.tables[i];
-    files_.push_back({spec.probes, std::max(spec.every, 1), spec.from_start,
-                      table_stem(report, i, name) + ".csv"});
+    files_.push_back(
+        {spec.probes, std::max(spec.every, 1), spec.from_start, table_file(report, i, name)});
     every_ = std::gcd(every_, files_.back().every);
   }
 }

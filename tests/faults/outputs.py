@@ -361,6 +361,10 @@ def inputs(place):
     place.write(load='table("deep/s_00002.vtu", t)', more=FIELDS)
     done = place.call("-o", "deep")
     check("inputs: a table with the name of a field file", done.returncode == 1 and "E0609" in done.stderr, done.stderr)
+    for words in (("--json", "out/s.csv"), ("--json", "out/s_00002.vtu"), ("--json", "out/s_monitors.csv", "--monitors"), ("--json", "here/out/s.csv")):
+        done = place.call("-o", "out", *words)
+        check(f"inputs: two results in one file, {' '.join(words)}", done.returncode == 1 and "E0609" in done.stderr and not (place.folder / "out").exists(),
+              (done.returncode, done.stderr))
     check("inputs: another folder will do", place.call("-o", "out").returncode == 0)
     os.symlink("../s.csv", place.folder / "out/s_link")
     place.write(load='table("s.csv", t)')
