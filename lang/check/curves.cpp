@@ -33,6 +33,11 @@ void Curves::line(const ast::LineItem& item) {
   }
   for (const ast::Expr& e : item.fields) {
     auto f = fields_.drawn_field(e, "a line");
+    if (f && f->name == "distance") {
+      mistakes_.error("E0302", e.span, "the first column of a line is the distance along it",
+                      "give this field another name");
+      f.reset();
+    }
     if (f) spec.fields.push_back(std::move(*f));
     good = good && f;
   }

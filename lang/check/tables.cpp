@@ -100,6 +100,11 @@ bool Tables::has_one_value(const ast::Binding& b, const Field& value) {
 }
 
 bool Tables::column(const ast::Binding& b, Probe p, solver::TableSpec& table) {
+  if (p.name == "t") {
+    mistakes_.error("E0302", b.name.span, "the first column of every table is `t`, the time",
+                    "give this one another name");
+    return false;
+  }
   for (const Probe& known : model_.report.probes)
     if (known.name == p.name) {
       mistakes_.error("E0302", b.name.span, fmt::format("the column `{}` is there twice", p.name));
