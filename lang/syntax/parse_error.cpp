@@ -28,8 +28,13 @@ bool is_clause_word(std::string_view word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-// Words that end a clause.
-bool is_last_word(std::string_view word) { return word == "steps" || word == "relative"; }
+// Words that stand behind an expression, which may be a name that is a clause word: `by on points`.
+bool follows_expression(std::string_view word) {
+  constexpr std::array<std::string_view, 10> words{"against", "deformed", "fields", "line",
+                                                   "picture", "plot",     "points", "relative",
+                                                   "steps",   "table"};
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
 
 // What stands between backquotes in a sentence: "`table` or `fields`" has two.
 std::vector<std::string_view> quoted(std::string_view sentence) {
@@ -96,10 +101,12 @@ void Cursor::fail_at_line_end(std::string_view what) {
 
 bool Cursor::at_clause_word() const {
   const TokenKind next = peek(1).kind;
-  const bool word =
-      next == TokenKind::name && !is_clause_word(text(peek(1))) && !is_last_word(text(peek(1)));
-  const bool operand = word || next == TokenKind::number || next == TokenKind::string ||
-                       next == TokenKind::open_bracket;
+  const bool word = next == TokenKind::name && !is_clause_word(text(peek(1))) &&
+                    !follows_expression(text(peek(1)));
+  // Elsewhere a text stands behind a value: `param a = to "what it is"`.
+  const bool file =
+      next == TokenKind::string && at_word("to") && statement_word() == TokenKind::report;
+  const bool operand = word || file || next == TokenKind::number || next == TokenKind::open_bracket;
   return at(TokenKind::name) && operand && !peek(1).first_on_line && is_clause_word(text(peek()));
 }
 

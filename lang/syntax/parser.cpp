@@ -99,7 +99,13 @@ void Parser::end_of_statement() {
         diagnose("E0217", cursor_.peek().span, "statements have no `;`").with_help("leave it out"));
     cursor_.take();
   }
-  if (cursor_.at(TokenKind::end) || cursor_.peek().first_on_line || cursor_.at_statement()) return;
+  // `param a = on param b = 2`: what has been read is whole, so that `on` is a name.
+  const bool another =
+      is_statement_word(cursor_.peek().kind) &&
+      (cursor_.peek(1).kind == TokenKind::name || cursor_.peek(1).kind == TokenKind::string);
+  if (cursor_.at(TokenKind::end) || cursor_.peek().first_on_line || cursor_.at_statement() ||
+      another)
+    return;
   if (cursor_.at(TokenKind::equal))
     cursor_.fail(
         diagnose("E0201", cursor_.peek().span, "expected the end of the statement, found `=`"));

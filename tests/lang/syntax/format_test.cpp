@@ -150,6 +150,30 @@ TEST(Format, EverySnippetOfTheCatalogue) {
   EXPECT_GT(n_checked, 40U);
 }
 
+// Words of the grammar may be names, wherever lines end.
+TEST(Format, ClauseWordsAsValues) {
+  for (const std::string word : {"at", "by", "every", "for", "from", "in", "on", "such", "to",
+                                 "using", "when", "where", "with", "within", "steps", "points"}) {
+    const std::string script =
+        "param a = W \"doc\" param b = W in [W, 2] \"doc\" fn f(W) = W units mm, N, s "
+        "superpotential g(r, k = W) = | r < W -> W | otherwise -> W mesh m = W + W param c = W^W "
+        "state xi on m with rate W from xi = W in [0, W] space V = vector P1 on W "
+        "find u in V with u = W on W for t in [0, W] by W steps from u = W using W = W "
+        "such that for all v in V W * integral(W, W) = 0 "
+        "report table q = W, r = W at [W, 0] at t = W every W steps to \"x\" fields W, W "
+        "picture W deformed = W at t = W picture W, W deformed = 2 line W from [0, 0] to [W, 0] "
+        "by W points table s = W fields W to \"y\" plot W against W plot W against W "
+        "expect q = W within W \"source\" expect q at t = W = W within W relative when W == W "
+        "\"source\" study vary n in [W, 2] against exact W in V";
+    std::string text, lines;
+    for (const char c : script) text += c == 'W' ? word : std::string(1, c);
+    for (const char c : text) lines += c == ' ' ? '\n' : c;
+    EXPECT_EQ(errors_of(text), "") << text;
+    EXPECT_EQ(tree_of(lines), tree_of(text)) << word;
+    check_round_trip(text);
+  }
+}
+
 // Blanks, line ends and comments strewn between the tokens of real scripts.
 TEST(Format, ScriptsInWildLayout) {
   std::mt19937 random(7);
