@@ -147,6 +147,8 @@ private:
       const Definition& d = index_.definitions[i];
       if (d.kind == NameKind::argument)
         arguments_[d.owner + "(" + d.name].push_back(i);
+      else if (d.kind == NameKind::column)
+        columns_.try_emplace(d.name, i);
       else
         globals_.try_emplace(d.name, i);
       index_.uses.push_back({d.span, i});
@@ -180,6 +182,19 @@ private:
     const auto found = meaning(name, inside);
     const Span place = bare(name, span);
     if (found && place.valid()) index_.uses.push_back({place, *found});
+    if (!found) index_.words.insert(name);
+  }
+
+  /// Of a vector each component is a column: `force_x`.
+  void use_column(const std::string& name, const Span& span) {
+    Span place = bare(name, span);
+    auto found = columns_.find(name);
+    const bool component = name.ends_with("_x") || name.ends_with("_y") || name.ends_with("_z");
+    if (found == columns_.end() && component) {
+      found = columns_.find(name.substr(0, name.size() - 2));
+      place.end -= 2;
+    }
+    if (found != columns_.end() && place.valid()) index_.uses.push_back({place, found->second});
   }
 
   void use_all(const ast::Program& program) {
@@ -197,6 +212,7 @@ private:
   void use_tree(const ast::Statement& statement, const std::string& inside) {
     visit_names(statement,
                 {[&](const std::string& name, const Span& span) { use(name, span, inside); },
+                 [&](const std::string& name, const Span& span) { use_column(name, span); },
                  [&](const std::string& callee, const ast::Name& argument) {
                    if (const auto found = argument_of(callee, argument.text))
                      index_.uses.push_back({argument.span, *found});
@@ -204,16 +220,19 @@ private:
   }
 
   void use_tokens(const Statement& s, const std::string& inside) {
-    for (std::size_t i = 1; i < s.size(); ++i)
-      if (s[i].kind == TokenKind::name && s[i - 1].kind != TokenKind::dot)
-        if (const auto found = meaning(text(s[i]), inside))
-          index_.uses.push_back({s[i].span, *found});
+    for (std::size_t i = 1; i < s.size(); ++i) {
+      if (s[i].kind != TokenKind::name || s[i - 1].kind == TokenKind::dot) continue;
+      if (const auto found = meaning(text(s[i]), inside))
+        index_.uses.push_back({s[i].span, *found});
+      else
+        use_column(text(s[i]), s[i].span);
+    }
   }
 
   const Script& script_;
   const Tokens& tokens_;
   NameIndex index_;
-  std::unordered_map<std::string, std::size_t> globals_;
+  std::unordered_map<std::string, std::size_t> globals_, columns_;
   std::unordered_map<std::string, std::vector<std::size_t>> arguments_; ///< "owner(name"
 };
 

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -42,7 +43,8 @@ struct Definition {
   std::string owner; ///< of an argument: what is called with it
 };
 
-/// A name where it stands, the place of its declaration included.
+/// A name where it stands, the place of its declaration included. In `force_x`, a component of the
+/// column `force`, it is the part before the `_`.
 struct NameUse {
   Span span;
   std::size_t definition = 0; ///< index into NameIndex::definitions
@@ -50,7 +52,8 @@ struct NameUse {
 
 struct NameIndex {
   std::vector<Definition> definitions;
-  std::vector<NameUse> uses; ///< by file, then place
+  std::vector<NameUse> uses;   ///< by file, then place
+  std::set<std::string> words; ///< that stand for a value and are not declared: P1, gauss
 
   /// The use that covers a byte of a file, its end included.
   [[nodiscard]] const NameUse* at(int file, std::uint32_t offset) const;

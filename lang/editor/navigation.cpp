@@ -40,6 +40,15 @@ bool is_own(const EditorPlace& place, const Definition& d) {
   return !programs[static_cast<std::size_t>(d.span.file)].library;
 }
 
+/// Where the name stands the other one has another meaning: null, or what it is there.
+const Definition* in_the_way(const EditorPlace& place, const std::string& name) {
+  const Definition* out = nullptr;
+  for_each_use(place, [&](const NameUse& use) {
+    if (!out) out = place.analysis.names.visible(name, use.span);
+  });
+  return out;
+}
+
 /// Why a name cannot be given; empty where it can.
 std::string why_not(const EditorPlace& place, const Definition& d, const std::string& name) {
   if (!is_own(place, d)) return fmt::format("`{}` is a name of the standard library", d.name);
@@ -47,8 +56,14 @@ std::string why_not(const EditorPlace& place, const Definition& d, const std::st
     return fmt::format("`{}` is no name: letters, digits and _, the first a letter", name);
   if (reserved_word(name) || is_reserved_builtin(name))
     return fmt::format("`{}` is a word of the language", name);
-  if (name != d.name && place.analysis.names.visible(name, d.span))
-    return fmt::format("there is a `{}` already", name);
+  if (name == d.name) return {};
+  if (const Definition* other = in_the_way(place, name))
+    return other->kind == NameKind::argument
+               ? fmt::format("`{}` is an argument of `{}`, where `{}` stands", name, other->owner,
+                             d.name)
+               : fmt::format("there is a `{}` already", name);
+  if (d.kind != NameKind::column && place.analysis.names.words.contains(name))
+    return fmt::format("`{}` stands in the script for something else", name);
   return {};
 }
 

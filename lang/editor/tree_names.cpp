@@ -29,7 +29,7 @@ public:
     visit(s.part), visit(s.rate), visit(s.initial), visit(s.range);
   }
   void operator()(const ast::Space& s) {
-    visit(s.domain);
+    visit(s.element), visit(s.domain);
     for (const ast::ZeroCondition& zero : s.zero) visit(zero.part);
     for (const ast::PeriodicCondition& p : s.periodic) visit(p.first), visit(p.second);
   }
@@ -41,7 +41,13 @@ public:
       visit(s.time->range), visit(s.time->steps);
       for (const ast::InitialValue& initial : s.time->initial) visit(initial);
     }
-    for (const ast::Setting& setting : s.settings) visit(setting.value);
+    for (const ast::Setting& setting : s.settings) {
+      const auto* name = std::get_if<ast::Reference>(&setting.value.node);
+      if (setting.name.text == "accuracy_of" && name)
+        visitor_.column(name->name, setting.value.span);
+      else
+        visit(setting.value);
+    }
     visit(s.left), visit(s.right);
   }
   void operator()(const ast::Report& s) {
@@ -64,11 +70,12 @@ public:
     visit(item.from), visit(item.end), visit(item.points), visit(item.time);
   }
   void operator()(const ast::PlotItem& item) {
-    for (const ast::Name& column : item.columns) visit(column);
-    visit(item.against);
+    for (const ast::Name& column : item.columns) visitor_.column(column.text, column.span);
+    visitor_.column(item.against.text, item.against.span);
   }
   void operator()(const ast::Expect& s) {
-    visit(s.probe), visit(s.time), visit(s.value), visit(s.tolerance), visit(s.when);
+    visitor_.column(s.probe.text, s.probe.span);
+    visit(s.time), visit(s.value), visit(s.tolerance), visit(s.when);
   }
   void operator()(const ast::Study& s) {
     for (const ast::Ladder& ladder : s.ladders) {

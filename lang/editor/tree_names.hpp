@@ -12,6 +12,8 @@ namespace hvi::lang {
 /// What a walk meets. Spans of references may include parentheses around them.
 struct NameVisitor {
   std::function<void(const std::string& name, const Span& span)> use;
+  /// A column of a table, which is another thing than what is declared under its name.
+  std::function<void(const std::string& name, const Span& span)> column;
   /// `name =` in a call of `callee`.
   std::function<void(const std::string& callee, const ast::Name& argument)> argument;
 };

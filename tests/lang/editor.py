@@ -142,6 +142,26 @@ def renames(client, uri):
     assert "library" in refused("|tresca(xi", "mine")
     change = client.at("textDocument/rename", uri, place_of(SCRIPT, "-> |k*r"), newName="stiff")["changes"][uri]
     assert edited(SCRIPT, change) == SCRIPT.replace("k = 100", "stiff = 100").replace("k*r", "stiff*r")
+    measured = (SCRIPT.replace("param n", "fn pull(s) = s*n\nparam order = P1\nparam n").replace("[0, -10]", "[0, -pull(3)]").replace("k = 100", "k = n")
+                .replace("vector P1", "vector order")
+                + "  table force = reaction(roof), n = u.x at [1, 0]\n  plot force_x, n against force_y\nexpect force_x = 0 within 1\nexpect n = 0 within 1\n")
+    client.change(uri, [{"text": measured}])
+    rename = lambda where, name: edited(measured, client.at("textDocument/rename", uri, place_of(measured, where), newName=name)["changes"][uri])
+    not_renamed = lambda where, name: client.answer("textDocument/rename", {
+        "textDocument": {"uri": uri}, "newName": name, "position": dict(zip(("line", "character"), place_of(measured, where)))})["error"]["message"]
+    # What has the name in a function or a law, where the renamed one is used, would be meant there.
+    assert "argument of `pull`" in not_renamed("param |n", "s")
+    assert "argument of `layer`" in not_renamed("param |n", "r") and "argument of `layer`" in not_renamed("param |n", "k")
+    assert "already" in not_renamed("fn pull(|s)", "n")
+    assert "something else" in not_renamed("param |n", "P1")
+    assert rename("vector |order", "degree") == measured.replace("order", "degree")
+    # Components of columns go with them; a column is not the parameter of its name.
+    assert rename("table |force", "pulled") == measured.replace("force", "pulled")
+    assert rename("expect |force_x", "pulled") == measured.replace("force", "pulled")
+    assert rename("expect |n =", "gap") == measured.replace(", n = u.x", ", gap = u.x").replace("force_x, n", "force_x, gap").replace("expect n", "expect gap")
+    assert rename("param |n", "cells") == (measured.replace("s*n", "s*cells").replace("param n", "param cells").replace("k = n", "k = cells")
+                                           .replace("[2*n, n]", "[2*cells, cells]"))
+    client.change(uri, [{"text": SCRIPT}])
     # A place behind characters of two, three and four bytes: UTF-16 counts one, one and two.
     library = client.at("textDocument/definition", uri, place_of(SCRIPT, "|tresca(xi"))
     assert library is None or library["uri"].endswith("stdlib/friction.hvi")
