@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 namespace hvi::lang {
@@ -15,6 +16,17 @@ const ast::Find* find_of(const std::vector<ast::Program>& programs) {
   for (const ast::Statement& statement : programs[0].statements)
     if (const auto* find = std::get_if<ast::Find>(&statement)) return find;
   return nullptr;
+}
+
+/// The word of a statement that only a script itself has; nothing of a declaration.
+std::optional<std::pair<std::string_view, Span>> word_of_a_script(const ast::Statement& statement) {
+  if (const auto* find = std::get_if<ast::Find>(&statement)) return {{"find", find->keyword}};
+  if (const auto* report = std::get_if<ast::Report>(&statement))
+    return {{"report", report->keyword}};
+  if (const auto* expect = std::get_if<ast::Expect>(&statement))
+    return {{"expect", expect->keyword}};
+  if (const auto* study = std::get_if<ast::Study>(&statement)) return {{"study", study->keyword}};
+  return std::nullopt;
 }
 
 } // namespace
@@ -74,18 +86,21 @@ void Checker::check_declarations() {
   }
 }
 
-/// A script has one find statement, its imports have none.
+/// A script has one find statement; its imports have none, and ask for no results.
 void Checker::check_finds() {
   for (const ast::Program& program : programs_)
     for (const ast::Statement& statement : program.statements) {
-      const auto* find = std::get_if<ast::Find>(&statement);
-      if (!find) continue;
+      const auto word = word_of_a_script(statement);
+      if (!word) continue;
       if (&program != &programs_[0]) {
-        mistakes_.error("E0405", find->keyword,
-                        "an imported file declares; it cannot have a find statement");
+        mistakes_.error(
+            "E0405", word->second,
+            fmt::format("an imported file declares; it cannot have a {} statement", word->first),
+            "move it to the script");
         continue;
       }
-      if (find != find_) {
+      const auto* find = std::get_if<ast::Find>(&statement);
+      if (find != nullptr && find != find_) {
         mistakes_.add(diagnose("E0405", find->keyword, "a script has one find statement")
                           .with_secondary(find_->keyword, "the first one"));
       }

@@ -37,7 +37,8 @@ mesh slab = rectangle(1, 1, cells = [2, 2]))",
 find u in V such that for all v in V ...)"},
     {"E0405", "two find statements",
      R"(
-A script states one inequality; imported files state none.)",
+A script states one inequality; imported files state none, and ask for nothing: `report`, `expect` and
+`study` stand in the script.)",
      R"(
 find u in V ...
 find w in V ...)",

@@ -55,6 +55,9 @@ def main():
         (folder / "evil.GEO").write_text(geo)
         (folder / "a.hvi").write_text('import "b.hvi"\nfn fa(r) = r\n')
         (folder / "b.hvi").write_text('import "a.hvi"\nfn fb(r) = r\n')
+        for word, rest in {"find": " w in V such that for all z in V integral(slab, w.x*z.x) = 0", "report": " fields u", "expect": " a = 0 within 1",
+                           "study": " vary n in [2, 4] against finest in V"}.items():
+            (folder / f"{word}.hvi").write_text(f"param of_{word} = 1\n{word}{rest}\n")
         slab = lambda **changes: SLAB.format(**{**PLAIN, **changes})
         nested = lambda n: slab(load="(" * n + "1" + ")" * n)
         cases = {
@@ -73,6 +76,7 @@ def main():
             "an output above": (slab(to=' to "../a.csv"'), "E0604"),
             "an output of the system": (slab(to=' to "/etc/a.csv"'), "E0604"),
             "files that import each other": ('import "a.hvi"\n' + slab(load="-fa(fb(1))"), None),
+            **{f"an import with a {word}": (f'import "{word}.hvi"\n' + slab(), "E0405") for word in ("find", "report", "expect", "study")},
             "200 levels": (nested(200), None),
             "100,000 levels": (nested(100_000), "E0216"),
             "a sum of 100,000": (slab(load="1" + " + 1" * 100_000), "E0216"),
