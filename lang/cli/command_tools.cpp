@@ -2,6 +2,7 @@
 #include "lang/check/mesh_findings.hpp"
 #include "lang/cli/commands.hpp"
 #include "lang/cli/example_calls.hpp"
+#include "lang/cli/outputs.hpp"
 #include "lang/cli/say.hpp"
 #include "lang/diag/catalogue.hpp"
 #include "lang/diag/render.hpp"
@@ -142,19 +143,25 @@ namespace {
 
 /// The mesh of a script with its parts; drawn into SCRIPT_mesh.png and .svg.
 int mesh_of_script(const std::string& path, const Options& options) {
+  HeldOutputs outputs;
   Session session(path, compile_settings(options));
   Exit code = session.compile();
+  std::vector<std::string> pictures;
+  if (code == exit_ok) {
+    for (const char* kind : {"_mesh.png", "_mesh.svg"})
+      pictures.push_back(session.script.model->title + kind);
+    code = outputs.take(outputs_in(options.output_folder, pictures, options), options, session);
+  }
   if (code == exit_ok) code = session.discretise();
   if (code == exit_ok) {
     const std::string text = solver::describe_mesh(session.discretisation.mesh) +
                              describe_parts(session.script, session.discretisation);
     std::fputs(text.c_str(), stdout);
   }
-  if (code == exit_ok && !options.no_files)
+  if (code == exit_ok)
     code = session.attempt([&] {
-      for (const char* kind : {"_mesh.png", "_mesh.svg"}) {
-        const auto picture =
-            std::filesystem::path(options.output_folder) / (session.script.model->title + kind);
+      for (const std::string& name : pictures) {
+        const auto picture = std::filesystem::path(options.output_folder) / name;
         draw_mesh(session.script, session.discretisation, picture);
         say("drawn: {}\n", picture.string());
       }

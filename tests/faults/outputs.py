@@ -358,6 +358,13 @@ def inputs(place):
             done = place.call(command, "s.hvi", *words)
             check(f"inputs: {command} {' '.join(words)}", done.returncode == 1 and "E0609" in done.stderr, (done.returncode, done.stderr))
     check("inputs: as they were", place.text("s.csv") == table and place.text("law.hvi") == "fn one() = 1\n")
+    place.write(load='table("s_mesh.png", t)')
+    (place.folder / "s_mesh.png").write_text(table)
+    for words in ((), ("-o", ".")):
+        done = place.call("mesh", "s.hvi", *words)
+        check(f"inputs: mesh {' '.join(words)}", done.returncode == 1 and "E0609" in done.stderr and place.text("s_mesh.png") == table, (done.returncode, done.stderr))
+    check("inputs: mesh elsewhere", place.call("mesh", "s.hvi", "-o", "out").returncode == 0)
+    shutil.rmtree(place.folder / "out")
     place.write(load='table("deep/s_00002.vtu", t)', more=FIELDS)
     done = place.call("-o", "deep")
     check("inputs: a table with the name of a field file", done.returncode == 1 and "E0609" in done.stderr, done.stderr)
