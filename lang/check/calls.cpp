@@ -80,7 +80,7 @@ Value Calls::call_function(const ast::Expr& e, const ast::Call& c, int declarati
     return Poison{};
   }
   functions_at_hand_.push_back(declaration);
-  mistakes_.enter_call(e.span);
+  mistakes_.enter_call(e.span, fn.value.span);
   Value out = evaluator_.expr(fn.value, inner);
   mistakes_.leave_call();
   functions_at_hand_.pop_back();

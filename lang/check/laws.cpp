@@ -107,7 +107,7 @@ Value Laws::call(const ast::Expr& e, const ast::Call& c, int declaration, const 
     if (!is_law_parameter(v, *given)) return Poison{};
     parameters[names[i]] = std::move(v);
   }
-  mistakes_.enter_call(e.span);
+  mistakes_.enter_call(e.span, law.value.span);
   auto body = body_of(declaration, *argument, parameters, c.callee->span);
   mistakes_.leave_call();
   return body ? Value(*body) : Value(Poison{});

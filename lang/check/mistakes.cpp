@@ -9,13 +9,28 @@ void Mistakes::error(std::string_view code, const Span& span, std::string messag
                      std::string label) {
   Span place = span;
   if (in_library(span))
-    for (const Span& call : calls_)
-      if (!in_library(call)) place = call;
+    for (const OpenCall& open : calls_)
+      if (!in_library(open.call)) place = open.call;
   Diagnostic d = diagnose(code, place, std::move(message));
   if (place.file != span.file) d.secondary.push_back({span, "met here"});
+  tell_calls(place, d);
   d.help = std::move(help);
   d.label = std::move(label);
   diagnostics_.add(std::move(d));
+}
+
+/// What a function is given may be what is wrong in it: the call, and the calls that lead to it.
+void Mistakes::tell_calls(const Span& place, Diagnostic& diagnostic) const {
+  constexpr std::size_t most_calls = 3;
+  Span inside = place;
+  for (auto open = calls_.rbegin(); open != calls_.rend(); ++open) {
+    const Span& body = open->body;
+    const bool leads_there =
+        body.file == inside.file && body.begin <= inside.begin && inside.end <= body.end;
+    if (!leads_there || diagnostic.secondary.size() >= most_calls) continue;
+    diagnostic.secondary.push_back({open->call, "called here"});
+    inside = open->call;
+  }
 }
 
 bool Mistakes::in_library(const Span& place) const {

@@ -1,5 +1,5 @@
 // What the checker has to say about a script. What goes wrong within the library is said of the
-// script's call that leads there.
+// script's call that leads there; of what goes wrong in a function of the script the call is told.
 #pragma once
 
 #include "lang/diag/diagnostic.hpp"
@@ -29,16 +29,20 @@ public:
   /// What `work` would say; nothing of it is said.
   Diagnostics said_by(const std::function<void()>& work);
 
-  /// Around the evaluation of a function or a law that is called.
-  void enter_call(const Span& call) { calls_.push_back(call); }
+  /// Around the evaluation of a function or a law that is called: the call, and what is evaluated.
+  void enter_call(const Span& call, const Span& body) { calls_.push_back({call, body}); }
   void leave_call() { calls_.pop_back(); }
 
 private:
+  struct OpenCall {
+    Span call, body;
+  };
+  void tell_calls(const Span& place, Diagnostic& diagnostic) const;
   bool in_library(const Span& place) const;
 
   const std::vector<ast::Program>& programs_;
   Diagnostics& diagnostics_;
-  std::vector<Span> calls_; ///< of functions and laws that are being evaluated
+  std::vector<OpenCall> calls_; ///< of functions and laws that are being evaluated
 };
 
 } // namespace hvi::lang

@@ -42,6 +42,23 @@ TEST(Mistakes, AStrainOfAScalarIsToldToBeAGradient) {
   EXPECT_EQ(script.helps, (Codes{"use `grad` of a scalar", ""}));
 }
 
+TEST(Mistakes, WhatGoesWrongInAFunctionIsToldWithTheCallsThatLeadThere) {
+  const auto script = checked(problem(
+      2, tensor + "fn pull(s) = [0, s.x]\nfn twice(s) = 2*pull(s)\nfn once(n) = n*twice(3)\n", left,
+      "integral(body, dot(once(1), v)) + integral(body, dot(grad(x), eps(y)))"));
+  EXPECT_EQ(script.errors, (Codes{"E0303", "E0308"}));
+  EXPECT_EQ(script.beside,
+            (std::vector<std::string>{"called here: pull(s)", "called here: twice(3)",
+                                      "called here: once(1)"}));
+}
+
+TEST(Mistakes, ADeclarationThatAFunctionReadsIsNotItsBody) {
+  const auto script = checked(
+      problem(2, tensor + "tensor C = 2 : 3\nfn f(s) = s*C\n", left, "integral(body, v.y*f(2))"));
+  EXPECT_EQ(script.errors, Codes{"E0308"});
+  EXPECT_EQ(script.beside, std::vector<std::string>{});
+}
+
 /// Any number of cells asks for it, also less than the piece has.
 TEST(Mistakes, PiecesAreAdaptedAllTogetherOrNoneIs) {
   const auto errors = [](const std::string& upper, const std::string& lower) {
