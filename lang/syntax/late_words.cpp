@@ -19,9 +19,9 @@ void find_states(const SourceFile& source, std::vector<Token>& tokens) {
 }
 
 /// `units mm, N, s` likewise: before a name that ends the statement or that another unit follows.
-/// `every units steps` and `by units points` are older.
+/// `every units steps` and `by units points` are older. From the end, as what follows tells.
 void find_units(const SourceFile& source, std::vector<Token>& tokens) {
-  for (std::size_t i = 0; i + 2 < tokens.size(); ++i) {
+  for (std::size_t i = tokens.size() < 3 ? 0 : tokens.size() - 2; i-- > 0;) {
     const auto text = [&](std::size_t at) { return source.text(tokens[at].span); };
     const TokenKind next = tokens[i + 2].kind;
     const bool ends = next == TokenKind::end || next == TokenKind::comma ||

@@ -216,6 +216,7 @@ WRONG = [
     ("a system of dependent units", "units mm, N, s", "units mm, N, MPa", "MPa", "E0333"),
     ("a system of a number", "units mm, N, s", "units mm, N, rad", "rad", "E0333"),
     ("two systems", "units mm, N, s\n", "units mm, N, s\nunits SI\n", "units SI", "E0333"),
+    ("two systems, the short one first", "units mm, N, s\n", "units SI\nunits mm, N, s\n", "units mm, N, s", "E0333"),
     ("a system with an unknown unit", "units mm, N, s", "units mm, Newton, s", "Newton", "E0330"),
     ("a velocity for a displacement", "find u in V", "find u [mm/s] in V", "slip^0", "E0331+"),
 ]
