@@ -7,6 +7,7 @@
 #include "lang/mesh_values.hpp"
 #include "lang/stdlib.hpp"
 #include "lang/units/units.hpp"
+#include "solver/common/joined.hpp"
 #include "solver/results/field_grids.hpp"
 #include "solver/step/step.hpp"
 
@@ -40,11 +41,12 @@ std::optional<solver::AccuracyRequest> accuracy_wanted(const Script& script,
   const auto& probes = script.plan->report.probes;
   const auto is_it = [&](const solver::Probe& p) { return p.name == out.probe; };
   if (!out.probe.empty() && std::none_of(probes.begin(), probes.end(), is_it)) {
-    std::string names;
-    for (const auto& p : probes) names += (names.empty() ? "" : ", ") + p.name;
+    std::vector<std::string> names;
+    for (const auto& p : probes) // parts of other columns have no name
+      if (!p.name.empty()) names.push_back(p.name);
     throw solver::Failure(solver::FailureKind::bad_value, {},
                           "no column `" + out.probe + "` whose accuracy could be asked for",
-                          "the report has: " + names);
+                          "the report has: " + solver::joined(names));
   }
   return out;
 }

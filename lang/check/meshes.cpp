@@ -179,7 +179,7 @@ bool Meshes::cells_of_mesh(const ast::Expr& cells, const ast::Expr* pattern, int
     total *= spec.cells[a];
   }
   if (pattern) {
-    const auto chosen = evaluator_.word(*pattern, "the pattern", {"diagonal", "crossed"});
+    const auto chosen = evaluator_.word(*pattern, "pattern", {"diagonal", "crossed"});
     good = good && chosen;
     spec.crossed = chosen == "crossed";
   }
@@ -338,9 +338,8 @@ bool Meshes::file_mesh(const ast::Mesh& m, const ast::Call& written) {
   } catch (const solver::Failure& failure) {
     const bool missing = failure.kind == solver::FailureKind::missing_file;
     mistakes_.error(ending_of(failure.kind).code, (*args)[0]->span,
-                    missing && !solver::read_file(*full)
-                        ? why_unreadable(*full, path->text)
-                        : fmt::format("`{}`: {}", path->text, failure.what()),
+                    missing && !solver::read_file(*full) ? why_unreadable(*full, path->text)
+                                                         : said_of_file(path->text, failure.what()),
                     failure.help);
     return false;
   }

@@ -92,7 +92,7 @@ Value Series::table_call(const ast::Expr& e, const ast::Call& c, const Scope& sc
     out.components = {prony ? series.scalar() : Symbol::tabulated(table, where)};
     if (prony) out.series = series.series;
   } catch (const std::invalid_argument& problem) {
-    mistakes_.error("E0605", (*args)[0]->span, fmt::format("`{}`: {}", path->text, problem.what()),
+    mistakes_.error("E0605", (*args)[0]->span, said_of_file(path->text, problem.what()),
                     "a table is two columns of numbers, the first increasing");
     return Poison{};
   }

@@ -25,4 +25,9 @@ std::string why_unreadable(const std::string& path, const std::string& name) {
   return fmt::format("`{}` cannot be read: {}", name, reason);
 }
 
+std::string said_of_file(const std::string& name, const std::string& what) {
+  const std::string last = std::filesystem::path(name).filename().string();
+  return what.find(last) == std::string::npos ? fmt::format("`{}`: {}", name, what) : what;
+}
+
 } // namespace hvi::lang

@@ -1,4 +1,4 @@
-// Why a file gave nothing.
+// Why a file gave nothing, or nothing of use.
 #pragma once
 
 #include <string>
@@ -7,5 +7,8 @@ namespace hvi::lang {
 
 /// Why `read_text` gave nothing for a path, as a message; `name`: what the user calls it.
 [[nodiscard]] std::string why_unreadable(const std::string& path, const std::string& name);
+
+/// What is wrong in a file, with its name unless that is in it.
+[[nodiscard]] std::string said_of_file(const std::string& name, const std::string& what);
 
 } // namespace hvi::lang

@@ -53,6 +53,17 @@ def main():
             done = call(command, "slab.hvi", "-D", "n=banana")
             check(f"{command}: E0321 of what is no number", told(done, "E0321", exit_code, "`banana`"), done)
 
+        done = call("run", "slab.hvi", "--no-files", "--accuracy", "1e-2", "--of", "nothing")
+        check("the columns whose accuracy can be asked for", told(done, "E0423", 1, "has: u_y, u_x, strain, reaction\n"), done)
+        write("old.msh", "$MeshFormat\n1 0 8\n$EndMeshFormat\n")
+        write("old.hvi", slab.replace("rectangle(2, 1, cells = [2*n, n])", 'gmsh("old.msh")'))
+        write("short.csv", "0,1\n1\n")
+        write("short.hvi", slab.replace("[0, -10*t]", '[0, -table("short.csv", t)]'))
+        for name, code, file in (("old.hvi", "E0603", "old.msh"), ("short.hvi", "E0605", "short.csv")):
+            done = call("check", name)
+            said = done.stderr.split("\n")[0]
+            check(f"{code} names its file once", told(done, code, 1) and said.count(file) == 1, done)
+
         # A file of the system that has no size and refuses to be read is no empty script.
         for command in ("check", "run", "fmt"):
             done = call(command, "/proc/self/mem")
