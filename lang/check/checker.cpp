@@ -141,11 +141,8 @@ void Checker::tell_facts() const {
   for (const Declaration& d : names_.all()) {
     if (d.state != Declaration::State::done || is_poison(d.value)) continue;
     const auto* mesh = std::get_if<MeshValue>(&d.value);
-    const auto* field = std::get_if<Field>(&d.value);
-    const bool number = field && field->rank == 0 && is_constant(*field);
-    options_.on_name(
-        {d.span, number ? fmt::format("the number {}", field->scalar().value()) : describe(d.value),
-         mesh ? groups_.of(*mesh) : std::vector<std::string>{}});
+    options_.on_name({d.span, describe_with_number(d.value),
+                      mesh ? groups_.of(*mesh) : std::vector<std::string>{}});
   }
 }
 

@@ -82,14 +82,17 @@ std::optional<std::vector<double>> Evaluator::constant_list(const ast::Expr& e,
 
 std::optional<std::string> Evaluator::word(const ast::Expr& e, const std::string& what,
                                            const std::vector<std::string>& allowed) {
-  std::string text;
+  std::string text, declared_as;
   if (const auto* r = std::get_if<ast::Reference>(&e.node)) {
     const int index = names_.find(r->name);
     text = r->name;
     if (index >= 0) {
       const Value& value = value_of(index, e.span);
-      if (const auto* w = std::get_if<Word>(&value)) text = w->text;
       if (is_poison(value)) return std::nullopt;
+      if (const auto* w = std::get_if<Word>(&value))
+        text = w->text;
+      else
+        declared_as = ", which is " + describe_with_number(value);
     }
   } else if (const auto* s = std::get_if<ast::String>(&e.node)) {
     text = s->text;
@@ -100,7 +103,7 @@ std::optional<std::string> Evaluator::word(const ast::Expr& e, const std::string
   }
   if (std::find(allowed.begin(), allowed.end(), text) != allowed.end()) return text;
   const std::string near = did_you_mean(text, allowed);
-  mistakes_.error("E0316", e.span, fmt::format("unknown {} `{}`", what, text),
+  mistakes_.error("E0316", e.span, fmt::format("unknown {} `{}`{}", what, text, declared_as),
                   near.empty() ? fmt::format("one of: {}", solver::joined(allowed)) : near);
   return std::nullopt;
 }

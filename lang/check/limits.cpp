@@ -44,9 +44,10 @@ bool Limits::may_go_deeper(const Span& span, int depth) {
   constexpr int deepest = 2000;
   if (depth < deepest) return true;
   if (!complained())
-    mistakes_.error("E0216", span,
-                    fmt::format("more than {} values stand inside each other", deepest),
-                    "shorten the chain of names or functions that leads here");
+    mistakes_.error(
+        "E0216", span,
+        fmt::format("more than {} names and operations lead from one to the next", deepest),
+        "shorten the chain of names or functions that leads here");
   return false;
 }
 

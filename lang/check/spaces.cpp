@@ -42,7 +42,9 @@ std::optional<int> Spaces::component_of_space(const std::optional<ast::Name>& wr
         "E0315", written->span,
         vector ? fmt::format("there is no component `{}` in {}D", written->text, model_.dim)
                : "a scalar space has no components",
-        "components are x, y, z");
+        vector
+            ? fmt::format("components are {}", std::string("x, y, z").substr(0, 3 * model_.dim - 2))
+            : "");
   return c;
 }
 

@@ -68,6 +68,12 @@ std::string describe(const Value& value) {
       value);
 }
 
+std::string describe_with_number(const Value& value) {
+  const auto* field = std::get_if<Field>(&value);
+  const bool number = field && field->rank == 0 && is_constant(*field);
+  return number ? fmt::format("the number {}", field->scalar().value()) : describe(value);
+}
+
 bool same_shape(const Field& a, const Field& b) {
   return a.rank == b.rank && a.rows == b.rows && a.columns == b.columns;
 }

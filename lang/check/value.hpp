@@ -138,6 +138,8 @@ Field tensor_field(int dim, std::vector<Symbol> components);
 /// "a scalar", "a vector of 2", "a 2 x 2 matrix", "a fourth-order tensor".
 std::string describe(const Field& field);
 std::string describe(const Value& value);
+/// The same; of a number that is known the number: "the number 3".
+std::string describe_with_number(const Value& value);
 bool same_shape(const Field& a, const Field& b);
 /// Neither x, t, lag, u nor v in it.
 bool is_constant(const Field& field);

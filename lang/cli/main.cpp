@@ -41,7 +41,7 @@ bool add_define(const std::string& text, Options& options) {
   return true;
 }
 
-/// CLI11's own check of positive numbers lets NaN pass.
+/// CLI11's own check of positive numbers lets NaN pass, and tells the largest one with 300 digits.
 std::string positive(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
@@ -106,7 +106,7 @@ CLI::Option* add_report(CLI::App& command, Options& options) {
 /// Of a run, whether it writes a page or not.
 void add_run(CLI::App& run, Options& options) {
   run.add_option("--checkpoint", options.checkpoint, "save the state every N steps")
-      ->check(CLI::PositiveNumber);
+      ->check(positive);
   run.add_flag("--resume", options.resume, "go on from the last checkpoint");
   run.add_option("--accuracy", options.accuracy,
                  "find the cheapest setting with this relative error")

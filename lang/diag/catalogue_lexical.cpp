@@ -35,7 +35,7 @@ param lambda = 5)"},
     {"E0104", "malformed number",
      R"(
 A letter, a digit group or a second decimal point is glued to a number. A product is written with
-`*`; the language has no units, no digit separators and no hexadecimal numbers.)",
+`*`, a unit stands in brackets (`2 [mm]`); there are no digit separators and no hexadecimal numbers.)",
      R"(
 param width = 2n)",
      R"(

@@ -17,7 +17,7 @@ param n 4)",
 param n = 4)"},
     {"E0202", "not a statement",
      R"(
-Every statement begins with one of the words import, param, mesh, part, tensor, kernel,
+Every statement begins with one of the words import, units, param, mesh, part, tensor, kernel,
 superpotential, state, fn, space, find, report, expect, study. What stands here is none of them, and does not
 continue the statement before.)",
      R"(
@@ -144,7 +144,8 @@ find u in V such that for all v in V
      R"(
 Brackets stand within each other more than 400 times, or more than 1200 operations build on each
 other in one formula. Name parts of it with `fn` or `tensor`. Names and functions that lead from one
-to the next may build 2000 operations upon each other; functions call one another 100 levels deep at
+to the next may be 2000 levels deep: a name is one and each operation of its value is another, so that
+a chain of names alone, each the value of the one before, has 1000; functions call one another 100 levels deep at
 most, a part is put together of 1200 places, a superpotential of 256 cases.)",
      R"(
 fn f(x) = ((( ... 1000 brackets ... ))))",

@@ -18,6 +18,7 @@ struct Checked {
   std::optional<Model> model;
   std::vector<std::string> errors; ///< their codes, in the order of the script
   std::vector<std::string> helps;  ///< what each of them proposes
+  std::vector<std::string> messages;
   std::vector<std::string> beside; ///< the other places they tell: "called here: pull(3)"
 };
 
@@ -27,10 +28,11 @@ inline Checked checked(const std::string& text, std::map<std::string, std::strin
   const std::vector<ast::Program> programs{parse(source, diagnostics)};
   CheckOptions options;
   options.defines = std::move(defines);
-  Checked out{check(programs, options, diagnostics), {}, {}, {}};
+  Checked out{check(programs, options, diagnostics), {}, {}, {}, {}};
   for (const auto& d : diagnostics.sorted()) {
     if (d.severity != Severity::error) continue;
     out.errors.push_back(d.code), out.helps.push_back(d.help);
+    out.messages.push_back(d.message);
     for (const auto& label : d.secondary)
       out.beside.push_back(label.text + ": " + std::string(source.text(label.span)));
   }

@@ -12,6 +12,8 @@ CASES = [
     (["check", "--bogus", "a.hvi"], ["--bogus"]),
     (["a.hvi", "-D", "n"], ["-D takes name=value", "`n`"]),
     (["a.hvi", "--threads", "none"], ["--threads"]),
+    (["a.hvi", "--checkpoint", "0"], ["--checkpoint: not a positive number: 0\n"]),
+    (["a.hvi", "--checkpoint", "1.5"], ["--checkpoint"]),
     *[(["a.hvi", option, value], [option, value]) for option in ("--accuracy", "--budget") for value in ("nan", "inf", "0", "-1", "1e-2x")],
     (["explain"], ["explain takes a code"]),
 ]

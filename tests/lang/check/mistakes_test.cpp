@@ -59,6 +59,20 @@ TEST(Mistakes, ADeclarationThatAFunctionReadsIsNotItsBody) {
   EXPECT_EQ(script.beside, std::vector<std::string>{});
 }
 
+TEST(Mistakes, AWordThatIsADeclaredNumberIsToldWithIt) {
+  const auto with_order = [](const std::string& order) {
+    return checked(
+        "param order = P1\nmesh body = rectangle(2, 1, cells = [2, 1])\npart roof = body.top\n" +
+            tensor +
+            "space V = vector order on body, zero.z on roof\nfind u in V\nsuch that for all v in "
+            "V\n    " +
+            left + "\n  = " + right + "\n",
+        {{"order", order}});
+  };
+  EXPECT_EQ(with_order("3").messages.at(0), "unknown element `order`, which is the number 3");
+  EXPECT_EQ(with_order("P2").helps, std::vector<std::string>{"components are x, y"});
+}
+
 /// Any number of cells asks for it, also less than the piece has.
 TEST(Mistakes, PiecesAreAdaptedAllTogetherOrNoneIs) {
   const auto errors = [](const std::string& upper, const std::string& lower) {
