@@ -1,6 +1,7 @@
 #include "lang/check/output_fields.hpp"
 
 #include "lang/check/pairs.hpp"
+#include "lang/check/probes.hpp"
 
 #include <fmt/format.h>
 
@@ -29,7 +30,7 @@ std::optional<solver::FieldSpec> OutputFields::output_field(const ast::Expr& e) 
     return std::nullopt;
   }
   for (const Symbol& c : f->components)
-    if (c.depends_on_any(slot::first_probe, slot::first_probe + 100000)) {
+    if (has_probes(c)) {
       mistakes_.error("E0306", e.span, "an integral is a number, not a field",
                       "put it into a `table`");
       return std::nullopt;

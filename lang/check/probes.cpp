@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <utility>
 
 namespace hvi::lang {
@@ -9,6 +10,10 @@ namespace hvi::lang {
 namespace slot = solver::slot;
 using solver::Group;
 using solver::Probe;
+
+bool has_probes(const Symbol& value) {
+  return value.depends_on_any(slot::first_probe, std::numeric_limits<solver::Slot>::max());
+}
 
 std::optional<int> Probes::reported_part(const ast::Expr& e, const std::string& what) {
   const auto* name = std::get_if<ast::Reference>(&e.node);
@@ -28,6 +33,14 @@ std::optional<Probe> Probes::probe_on_part(const ast::Expr& e, const std::string
   at_hand_.gap = -1;
   auto value = evaluator_.scalar(of, inner);
   if (!part || !value || !pairs_.take_jumps(of.span, value->components, *part)) return std::nullopt;
+  if (has_probes(value->scalar())) {
+    mistakes_.error("E0306", of.span,
+                    fmt::format("{} is of what has a value at every point: an integral, an extreme "
+                                "and a reaction are one number",
+                                what),
+                    "a number stands in front: `reaction(wall).x * integral(body, y)`");
+    return std::nullopt;
+  }
   Probe out;
   out.origin = model_.origin(e.span);
   out.part = *part;

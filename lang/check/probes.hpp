@@ -12,6 +12,9 @@
 
 namespace hvi::lang {
 
+/// Is the value made of integrals, extremes or reactions, which are numbers of a whole row?
+bool has_probes(const Symbol& value);
+
 class Probes {
 public:
   Probes(const Context& context, Parts& parts, Pairs& pairs, const Multipliers& multipliers,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace hvi::lang {
@@ -74,12 +75,19 @@ void Tables::binding(const ast::Binding& b, solver::TableSpec& table) {
   }
 }
 
-/// A number, or a vector.
+/// A number, or a vector; at a point, what has a value there.
 std::optional<Field> Tables::column_value(const ast::Binding& b) {
   auto value = evaluator_.field(b.value, report_scope());
-  if (!value || (value->rank <= 1 && !value->law_vector)) return value;
-  mistakes_.error("E0306", b.value.span,
-                  fmt::format("a column is a scalar or a vector, not {}", describe(*value)));
+  if (!value) return value;
+  const bool column = value->rank <= 1 && !value->law_vector;
+  if (column && !(b.point && std::ranges::any_of(value->components, has_probes))) return value;
+  if (column)
+    mistakes_.error("E0306", b.value.span,
+                    "an integral, an extreme and a reaction are one number, which is at no point",
+                    "leave out `at`");
+  else
+    mistakes_.error("E0306", b.value.span,
+                    fmt::format("a column is a scalar or a vector, not {}", describe(*value)));
   return std::nullopt;
 }
 

@@ -144,6 +144,7 @@ void FactoredMatrix::for_held(const Held& held) const {
 SparseMatrix FactoredMatrix::held() const {
   SparseMatrix out = k_;
   for_held([&](int i, double more) { out.coeffRef(i, i) += more; });
+  out.makeCompressed(); // unknowns in no form had no entry
   return out;
 }
 

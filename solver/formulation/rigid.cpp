@@ -28,6 +28,7 @@ std::optional<Vector> softest_motion(const SparseMatrix& k) {
   const Vector diagonal = k.diagonal();
   for (int i = 0; i < shifted.rows(); ++i)
     shifted.coeffRef(i, i) += energy_of_rounding * diagonal[i];
+  shifted.makeCompressed(); // unknowns in no form had no entry
   try {
     const auto factor = analyse(shifted, {}, true);
     factor->factor(shifted);
