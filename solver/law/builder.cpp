@@ -253,6 +253,23 @@ double GraphBuilder::limit(int function, double at, double inner, const Point& x
        "the slope must stay bounded near every argument");
 }
 
+/// A law of a vector is asked at 0 itself, where a limit is no help.
+void GraphBuilder::check_origin(const LawGraph& graph, double inner) const {
+  limit(graph.functions[0], 0.0, inner, graph.x, graph.t);
+  const SmoothFunction& first = functions_[graph.functions[0]];
+  if (!spec_.by_slope)
+    check_number(first.potential(0.0, graph.x, graph.t), "potential", 0.0, graph);
+  check_number(first.slope(0.0, graph.x, graph.t), "slope", 0.0, graph);
+}
+
+void GraphBuilder::check_number(double value, const char* of, double at,
+                                const LawGraph& graph) const {
+  if (std::isfinite(value)) return;
+  fail(spec_, at, graph.x, graph.t,
+       fmt::format("its {} is no number at {}", of, where(at, spec_, graph.x, graph.t)),
+       "write it without the division, root or logarithm that has no value there, or by cases");
+}
+
 void GraphBuilder::set_limits(LawGraph& graph) const {
   const int n = graph.pieces();
   const auto inner = [&](int piece) {
@@ -263,7 +280,7 @@ void GraphBuilder::set_limits(LawGraph& graph) const {
     graph.left.push_back(limit(graph.functions[i], b, inner(i), graph.x, graph.t));
     graph.right.push_back(limit(graph.functions[i + 1], b, inner(i + 1), graph.x, graph.t));
   }
-  if (spec_.radial) limit(graph.functions[0], 0.0, inner(0), graph.x, graph.t);
+  if (spec_.radial) check_origin(graph, inner(0));
   close_rounding_gaps(graph);
 }
 
@@ -317,6 +334,7 @@ void GraphBuilder::check_potential(const LawGraph& graph) const {
     const double b = graph.breaks[i];
     const double l = functions_[graph.functions[i]].potential(b, graph.x, graph.t);
     const double r = functions_[graph.functions[i + 1]].potential(b, graph.x, graph.t);
+    for (const double value : {l, r}) check_number(value, "potential", b, graph);
     const double size = std::max(
         {std::abs(l), std::abs(r), std::abs(b * graph.left[i]), std::abs(b * graph.right[i])});
     if (!(std::abs(r - l) <= 1e-9 * size))

@@ -199,6 +199,13 @@ TEST(Law, RefusesWhatIsNotLocallyLipschitz) {
   expect_bad(Expr(1.0) / (r - Expr(3.0)), true, "at |xi| = 3", true);
 }
 
+TEST(Law, RefusesWhatIsNoNumberWhereItIsAsked) {
+  const Expr r = arg();
+  expect_bad(r * r / r, false, "its potential is no number at r = 0");
+  expect_bad(r * r / r, false, "its potential is no number at |xi| = 0", true);
+  expect_bad(Expr::make(Op::sin, {r}) / r, true, "its slope is no number at |xi| = 0", true);
+}
+
 TEST(Law, AcceptsRemovableSingularities) {
   const Expr r = arg();
   const Law law = slope_law("sinc", Expr::make(Op::sin, {r}) / r);
