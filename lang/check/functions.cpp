@@ -6,12 +6,43 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 namespace hvi::lang {
 
 using solver::Op;
 namespace slot = solver::slot;
+
+/// Of a Bessel function.
+bool Functions::is_order(const Span& place, const Symbol& order) {
+  constexpr double largest = 1000.0;
+  const bool number = order.is_constant();
+  if (number && std::abs(order.value()) <= largest && order.value() == std::trunc(order.value()))
+    return true;
+  mistakes_.error("E0408", place,
+                  fmt::format("the order of `bessel_j` is a whole number from -{0} to {0}{1}",
+                              largest,
+                              number ? fmt::format(", not {}", order.value())
+                                     : ", the same everywhere and at all times"));
+  return false;
+}
+
+/// Of mittag_leffler; those that change with place or time are looked at where they are used.
+bool Functions::are_parameters(const ast::Call& c, const Symbol& alpha, const Symbol& beta) {
+  constexpr double largest_beta = 100.0;
+  const bool alpha_wrong = alpha.is_constant() && !(alpha.value() > 0.0 && alpha.value() <= 2.0);
+  const bool beta_wrong = beta.is_constant() && !(std::abs(beta.value()) <= largest_beta);
+  if (alpha_wrong)
+    mistakes_.error(
+        "E0408", c.arguments[0].value.span,
+        fmt::format("alpha of `mittag_leffler` is above 0 and at most 2, not {}", alpha.value()));
+  if (beta_wrong)
+    mistakes_.error("E0408", c.arguments[1].value.span,
+                    fmt::format("beta of `mittag_leffler` lies between -{0} and {0}, not {1}",
+                                largest_beta, beta.value()));
+  return !alpha_wrong && !beta_wrong;
+}
 
 Value Functions::pointwise(const ast::Expr& e, const ast::Call& c, const std::string& name,
                            const Scope& scope) {
@@ -62,6 +93,8 @@ Value Functions::pointwise(const ast::Expr& e, const ast::Call& c, const std::st
     return out;
   }
   if (mittag_leffler && given == 2) symbols.insert(symbols.begin() + 1, Symbol(1.0));
+  if (name == "bessel_j" && !is_order(c.arguments[0].value.span, symbols[0])) return Poison{};
+  if (mittag_leffler && !are_parameters(c, symbols[0], symbols[1])) return Poison{};
   Symbol result = Symbol::make(pointwise_op(name), {symbols.begin(), symbols.begin() + wanted});
   if (variadic)
     for (std::size_t i = 2; i < symbols.size(); ++i)

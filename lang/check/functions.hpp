@@ -24,6 +24,8 @@ public:
                   const Scope& scope);
 
 private:
+  bool is_order(const Span& place, const Symbol& order);
+  bool are_parameters(const ast::Call& call, const Symbol& alpha, const Symbol& beta);
   std::optional<Field> total_gradient(const Span& span, const Field& f);
   Field with_hoop(const Field& gradient, const Field& f) const;
   Value identity_call(const ast::Expr& e, const ast::Call& call);

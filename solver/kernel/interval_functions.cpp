@@ -163,7 +163,7 @@ Bounds special(Op op, std::span<const Bounds> args) {
     const Bounds& n = args[0];
     const bool whole = is_point(n) && n.low == std::trunc(n.low);
     result = whole || n.low >= 0.0 ? Bounds{-1.0, 1.0, x.known, x.defined} : anything(x);
-    if (!whole && x.low < 0.0) result.defined = false;
+    if (!whole) result.defined = false;
   }
   }
   for (const Bounds& parameter : args.first(args.size() - 1)) {

@@ -33,8 +33,12 @@ double or_nan(F f) {
 
 } // namespace
 
+/// Boost recurs from the order down, which takes seconds for large ones, and from 2^31 on its
+/// orders overflow.
 double bessel_j(double order, double x) {
-  if (!std::isfinite(order) || !std::isfinite(x)) return not_a_number;
+  constexpr double largest_order = 1e4;
+  if (!std::isfinite(x) || !(std::abs(order) <= largest_order) || order != std::trunc(order))
+    return not_a_number;
   return or_nan([=] { return boost::math::cyl_bessel_j(order, x, Quiet()); });
 }
 

@@ -157,7 +157,7 @@ TEST(Derivative, OfSpecialFunctions) {
     expect_slope(derivative(Expr::make(Op::gamma, {x}), 0), at);
     expect_slope(Expr::make(Op::polygamma, {0.0, x}), at);
     expect_slope(Expr::make(Op::bessel_j, {0.0, 3.0 * x}), at);
-    expect_slope(Expr::make(Op::bessel_j, {1.5, x}), at);
+    expect_slope(Expr::make(Op::bessel_j, {2.0, x}), at);
     expect_slope(pow(x, 0.7), at);
     expect_slope(pow(1.3, x), at);
     expect_slope(pow(x, x), at);
