@@ -165,6 +165,14 @@ std::optional<std::pair<Expr, Expr>> affine_in(const Expr& e, Slot slot) {
   return expanded == e ? Affine() : affine_as_written(expanded, slot);
 }
 
+std::vector<Expr> table_readings(const Expr& e) {
+  std::vector<Expr> found;
+  postorder(e, [&](const Expr& node) {
+    if (node.op() == Op::table || node.op() == Op::table_slope) found.push_back(node);
+  });
+  return found;
+}
+
 bool is_nonnegative(const Expr& e) {
   NodeMap<bool> done;
   postorder(e, [&](const Expr& node) { done.emplace(node.id(), nonnegative_node(node, done)); });

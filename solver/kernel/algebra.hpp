@@ -28,6 +28,9 @@ Expr expand(const Expr& e);
 /// (a, b) with e = a + b * slot and a, b free of the slot; nothing when e is not affine in it.
 std::optional<std::pair<Expr, Expr>> affine_in(const Expr& e, Slot slot);
 
+/// The tables that e reads, and their slopes: nodes whose argument may be outside their range.
+std::vector<Expr> table_readings(const Expr& e);
+
 /// Is e >= 0 wherever it is defined, as far as its form shows? (The lag is never negative.)
 bool is_nonnegative(const Expr& e);
 

@@ -115,9 +115,12 @@ std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples, 
   bool small = true;
   std::vector<double> largest(values_.size());
   for (std::size_t i = 0; i < values_.size(); ++i) {
-    largest[i] = std::abs(values_[i]);
-    for (const double value : tables_.column(i)) largest[i] = std::max(largest[i], std::abs(value));
     out[i].name = plan_.report.probes[i].name;
+    out[i].absolute = std::nan("");
+    if (!std::isfinite(values_[i])) continue; // what is no number has no digits to lose
+    largest[i] = std::abs(values_[i]);
+    for (const double value : tables_.column(i))
+      if (std::isfinite(value)) largest[i] = std::max(largest[i], std::abs(value));
     out[i].absolute =
         safety * std::sqrt(squares[i]) + std::numeric_limits<double>::epsilon() * largest[i];
     small = small && out[i].absolute <= ForwardError::small * largest[i];
@@ -134,7 +137,7 @@ std::vector<ColumnError> Reporter::errors(std::span<const ErrorSample> samples, 
     probes_.add_scales_of_reactions(now_, before_, values_, floors);
   }
   for (std::size_t i = 0; i < values_.size(); ++i) {
-    const double by = std::max(largest[i], floors[i]);
+    const double by = std::isfinite(values_[i]) ? std::max(largest[i], floors[i]) : 0.0;
     out[i].relative = by > 0.0 ? out[i].absolute / by : 0.0;
   }
   std::erase_if(out, [](const ColumnError& column) { return column.name.empty(); }); // parts

@@ -26,11 +26,12 @@ Match(F...) -> Match<F...>;
 
 } // namespace
 
-ProbeSet::ProbeSet(const Plan& plan, const Discretisation& d, const RunState& run)
-    : space_(d.space), parts_(d.parts), contact_(run.contact()), probes_(plan.report.probes),
-      n_fields_(count_fields(plan.problem)), reactions_(plan.problem, d, run, probes_) {
+ProbeSet::ProbeSet(const Problem& problem, std::vector<Probe> probes, const Discretisation& d,
+                   const RunState& run)
+    : space_(d.space), parts_(d.parts), contact_(run.contact()), probes_(std::move(probes)),
+      n_fields_(count_fields(problem)), reactions_(problem, d, run, probes_) {
   const CellLocator locator(d.mesh, probes_.size());
-  for (const auto& probe : probes_) evaluators_.push_back(make(probe, plan.problem, d, locator));
+  for (const auto& probe : probes_) evaluators_.push_back(make(probe, problem, d, locator));
 }
 
 ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
@@ -160,13 +161,15 @@ void ProbeSet::add_scales_of_reactions(const Snapshot& snapshot, const Snapshot&
 
 /// A combination may read combinations that stand before it.
 void ProbeSet::combine(double t, std::span<double> values) const {
-  for (int i = 0; i < size(); ++i) {
-    if (probes_[i].kind != Probe::Kind::combination) continue;
-    values[i] = solver::evaluate(probes_[i].expression, [&](Slot s) {
-      if (s == slot::t) return t;
-      return s >= slot::first_probe ? values[s - slot::first_probe] : std::nan("");
-    });
-  }
+  for (int i = 0; i < size(); ++i)
+    if (probes_[i].kind == Probe::Kind::combination) values[i] = combined(i, t, values);
+}
+
+double ProbeSet::combined(int i, double t, std::span<const double> values) const {
+  return solver::evaluate(probes_[i].expression, [&](Slot s) {
+    if (s == slot::t) return t;
+    return s >= slot::first_probe ? values[s - slot::first_probe] : std::nan("");
+  });
 }
 
 std::vector<int> ProbeSet::timed(double from, double to, bool first) const {

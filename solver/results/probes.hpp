@@ -15,7 +15,8 @@ namespace hvi::solver {
 
 class ProbeSet {
 public:
-  ProbeSet(const Plan& plan, const Discretisation& discretisation, const RunState& run);
+  ProbeSet(const Problem& problem, std::vector<Probe> probes, const Discretisation& discretisation,
+           const RunState& run);
 
   int size() const { return static_cast<int>(probes_.size()); }
   /// The problem has other loads than before.
@@ -42,6 +43,8 @@ public:
   /// Dofs that the probes at points read: those whose shape functions do not vanish there, or all
   /// of the cell where gradients are read.
   std::vector<int> dofs_read() const;
+  /// A combination of these values.
+  double combined(int i, double t, std::span<const double> values) const;
   /// One probe that is no combination.
   double value(int i, const Snapshot& snapshot, const Snapshot& before);
   /// Is it one that holds for a step, and is not made of the fields of one time?

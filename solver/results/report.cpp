@@ -14,7 +14,8 @@ namespace hvi::solver {
 Reporter::Reporter(const Plan& plan, const Discretisation& d, const RunState& run,
                    const RunSettings& settings, Shown* shown)
     : plan_(plan), discretisation_(d), contact_(run.contact()), name_(settings.name),
-      folder_(settings.output_folder), probes_(plan, d, run), files_(settings.warn),
+      folder_(settings.output_folder), probes_(plan.problem, plan.report.probes, d, run),
+      tables_read_(plan.problem, plan.report.probes, d, run), files_(settings.warn),
       tables_(plan.report, name_, folder_), pictures_(plan, d, contact_, shown),
       range_(plan.problem.law_terms.size()), found_(found_effects(plan.problem, d, run)) {
   prepare_fields(run, settings);
@@ -67,6 +68,7 @@ void Reporter::record(const RunState& run, bool last) {
   if (keeps_before_) read_between_steps(run);
   if (row || last) {
     probes_.evaluate(now_, before_, values_);
+    tables_read_.refuse_outside(now_, before_, values_);
     add_row(run);
   }
   for (FieldSeries& series : fields_)
@@ -93,6 +95,7 @@ void Reporter::begin(const RunState& run) {
   if (row) {
     const bool balance = run.solver.equations.laws.start_known();
     probes_.evaluate_start(now_, balance, values_);
+    tables_read_.refuse_outside(now_, now_, values_);
     add_row(run);
   }
   for (FieldSeries& series : fields_)
@@ -116,6 +119,7 @@ void Reporter::read_between_steps(const RunState& run) {
       continue;
     }
     values_[i] = probes_.value(i, state_at(at), before_);
+    tables_read_.refuse_outside(i, between_, before_, values_);
   }
   pictures_.take_between(from, to, first, state_at);
 }

@@ -10,6 +10,7 @@
 #include "solver/results/run_result.hpp"
 #include "solver/results/run_settings.hpp"
 #include "solver/results/run_tables.hpp"
+#include "solver/results/table_ranges.hpp"
 #include "solver/results/written_files.hpp"
 
 #include <array>
@@ -81,6 +82,7 @@ private:
   std::string name_; ///< of files without a name of their own
   std::filesystem::path folder_;
   ProbeSet probes_;
+  TableRanges tables_read_;
   WrittenFiles files_;
   RunTables tables_;
   std::vector<FieldSeries> fields_;

@@ -5,7 +5,10 @@
 #include "solver/plan/result_files.hpp"
 #include "solver/results/report.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <numeric>
@@ -106,6 +109,23 @@ ReportTable RunTables::rows_of(const File& file, std::size_t first, std::size_t 
   return out;
 }
 
+/// The first row in which a probe that is due has no value, and how many more there are.
+void RunTables::note_missing(std::size_t probe, RunResult& result) const {
+  const auto& spec = report_.probes[probe];
+  std::vector<std::size_t> rows;
+  for (std::size_t r = 0; r < steps_.size(); ++r)
+    if (steps_[r] > 0 && !(spec.time && times_[r] < *spec.time) &&
+        !std::isfinite(columns_[probe][r]))
+      rows.push_back(r);
+  if (rows.empty()) return;
+  const std::string where =
+      rows.size() == 1 ? " in this row"
+                       : fmt::format(" in {} rows, of which this is the first", rows.size());
+  result.notes.push_back({steps_[rows.front()], times_[rows.front()],
+                          fmt::format("`{}` has no finite value{}", spec.name, where),
+                          spec.origin});
+}
+
 void RunTables::finish(RunResult& result, WrittenFiles& files) const {
   std::set<int> shown;
   for (const auto& file : files_)
@@ -113,7 +133,10 @@ void RunTables::finish(RunResult& result, WrittenFiles& files) const {
       if (shown.insert(probe).second) result.column_order.push_back(report_.probes[probe].name);
   result.times = times_;
   result.events = events_;
-  for (const int probe : shown) result.columns[report_.probes[probe].name] = columns_[probe];
+  for (const int probe : shown) {
+    result.columns[report_.probes[probe].name] = columns_[probe];
+    note_missing(static_cast<std::size_t>(probe), result);
+  }
   if (folder_.empty() || steps_.empty()) return;
   const bool with_events = shows_events(result);
   for (const auto& file : files_)

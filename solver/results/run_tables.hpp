@@ -66,6 +66,7 @@ private:
   /// in it.
   ReportTable rows_of(const File& file, std::size_t first, std::size_t end, bool with_events,
                       bool ends) const;
+  void note_missing(std::size_t probe, RunResult& result) const;
   void stream_file(File& file, std::size_t rows, bool with_events) const;
 
   const ReportSpec& report_;

@@ -80,6 +80,19 @@ def main():
             good = done.returncode == 0 if allowed else told(done, "E0701", 3, "t = 1", "imposed values", "`wall` to 0.04")
             check(f"imposed values and an obstacle, gap {gap}", good, done)
 
+        write("ramp.csv", "t,force\n0,0\n1,2\n")
+        for column in ("table(\"ramp.csv\", t + 0.6)", "table(\"ramp.csv\", t + 0.6) at [1, 0]", "integral(slab, table(\"ramp.csv\", x))",
+                       "1 + largest(slab, table(\"ramp.csv\", x))", "table(\"ramp.csv\", 4*t) at [1, 0] at t = 0.75"):
+            write("column.hvi", slab.replace("report\n", f"report table late = {column}\nreport\n"))
+            done = call("run", "column.hvi", "-D", "n=2", "-D", "N=4", "--no-files")
+            check(f"a table outside its range: {column}", told(done, "E0423", 1, "`ramp.csv` outside its range [0, 1]"), done)
+        for column, where in (("1/(t - 0.5)", "step 2 (t = 0.5): `late` has no finite value in this row"),
+                              ("sqrt(u.x - 1) at [1, 0]", "`late` has no finite value in 4 rows"), ("table(\"ramp.csv\", t)", None)):
+            write("column.hvi", slab.replace("report\n", f"report table late = {column}\nreport\n"))
+            done = call("run", "column.hvi", "-D", "n=2", "-D", "N=4", "--no-files")
+            said = where in done.stdout if where else "finite" not in done.stdout
+            check(f"a value that is no number: {column}", done.returncode == 0 and said, done)
+
         command = [program, "run", "slab.hvi", "-D", "n=8", "-D", "N=1000000", "-o", "long", "--checkpoint", "50"]
         saved = pathlib.Path(folder) / "long" / "slab.checkpoint"  # its temporary file is there before the run begins
         with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
