@@ -80,19 +80,30 @@ Value Tensors::tensor_call(const ast::Expr& e, const ast::Call& c, const std::st
   if (material && twists(e.span, *material)) return Poison{};
   // A Voigt matrix may be part of a memory kernel, which need not be elliptic.
   if (!material || name == "voigt") return value;
+  const Field solid = solid_tensor(*material);
   if (!is_constant(*material)) {
-    places_.note(e.span, *material, true);
+    places_.note(e.span, solid, true);
     return value;
   }
-  const Eigen::MatrixXd mandel = mandel_matrix(tensor_dim(model_), *material);
-  const double least = solver::symmetric_eigenvalues(mandel)[0];
-  if (least > 0.0 && model_.dim > 1)
-    if (const double ratio = volume_over_shape(tensor_dim(model_), mandel); ratio > locking)
+  const double least = solver::symmetric_eigenvalues(mandel_matrix(solid.rows, solid))[0];
+  if (least > 0.0 && model_.dim > 1) {
+    const int dim = tensor_dim(model_);
+    if (const double ratio = volume_over_shape(dim, mandel_matrix(dim, *material)); ratio > locking)
       locking_.insert_or_assign(e.span.begin, std::pair(e.span, ratio));
+  }
   if (least > 0.0) return value;
   mistakes_.error("E0504", e.span,
                   fmt::format("the tensor is not elliptic: its least eigenvalue is {:.6g}", least));
   return Poison{};
+}
+
+/// What has to be elliptic. Constants by direction are those of a solid: a material with a negative
+/// modulus across the plane is none in plane strain either, whose stiffness may hide that.
+Field Tensors::solid_tensor(const Field& material) const {
+  using Kind = solver::TensorSpec::Kind;
+  const auto& spec = model_.tensors[static_cast<std::size_t>(*material.materials.front().tensor)];
+  if (spec.kind != Kind::orthotropic && spec.kind != Kind::transverse) return material;
+  return tensor_field(3, solver::components(spec, 3));
 }
 
 bool Tensors::twists(const Span& span, const Field& tensor) {

@@ -24,6 +24,7 @@ public:
                     const Scope& scope);
   /// E0442 for a fourth-order tensor of an axisymmetric body that couples strains in the section
   /// with shears out of it: a load in the section would twist the body.
+  Field solid_tensor(const Field& material) const;
   bool twists(const Span& span, const Field& tensor);
   /// W0104 for every nearly incompressible tensor in a space of P1 vectors. Crossed triangles do
   /// not lock in the plane: the divergence of P1 on them leaves enough freedom (tests/convergence).
