@@ -1,5 +1,8 @@
 #include "lang/units/named_dimensions.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace hvi::lang::units {
 
 NamedDimensions::NamedDimensions(const std::vector<ast::Program>& programs,
@@ -57,6 +60,20 @@ std::size_t NamedDimensions::vector_unknown() const {
   return b;
 }
 
+namespace {
+
+/// Points on the axis of a body of revolution are points; those away from it stand for circles.
+/// Groups of a mesh file are taken for the latter.
+bool is_on_axis(const solver::RegionSpec& region) {
+  using Kind = solver::RegionSpec::Kind;
+  constexpr double rounding = 1e-10;
+  if (region.kind == Kind::point)
+    return std::abs(region.point[0]) <= rounding * std::abs(region.point[1]);
+  return !region.children.empty() && std::ranges::all_of(region.children, is_on_axis);
+}
+
+} // namespace
+
 /// In 2D volumes are areas, so that forces are for one unit of thickness; circles of an
 /// axisymmetric mesh count as the length that they are.
 Dimension NamedDimensions::measure_of(const std::string& part) {
@@ -68,7 +85,8 @@ Dimension NamedDimensions::measure_of(const std::string& part) {
     if (known.name != part || !known.kind) continue;
     return length().to(*known.kind == Kind::cells    ? dim
                        : *known.kind == Kind::facets ? dim - 1
-                                                     : 0);
+                       : is_on_axis(known.region)    ? 0
+                                                     : around);
   }
   if (declared_as<ast::Mesh>(part)) return length().to(dim);
   return of_measure_.try_emplace(part, inference_.fresh()).first->second;

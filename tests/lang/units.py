@@ -64,6 +64,11 @@ PLAIN = [("units mm, N, s\n", ""), ("70 [GPa] in", "70e3 in"), ("[10, 300] [GPa]
 # (name, [(text of BASE, with units, in plain numbers)])
 RIGHT = [
     ("the base itself", []),
+    ("circles and the axis", [("rectangle(20 [mm], 10 [mm], cells = [2*n, n])", "rectangle(20 [mm], 10 [mm], cells = [2*n, n], axisymmetric = true)",
+                               "rectangle(20, 10, cells = [2*n, n], axisymmetric = true)"),
+                              ("part roof = slab.top", "part roof = slab.top\npart rim = point(slab, [20, 10] [mm])\npart pole = point(slab, [0, 10] [mm])",
+                               "part roof = slab.top\npart rim = point(slab, [20, 10])\npart pole = point(slab, [0, 10])"),
+                              ("integral(slab, dot([0, -78.5 [kN/m^3]], v))", "integral(rim, -0.2 [kN/m]*v.y) + integral(pole, -3 [N]*v.y)", "integral(rim, -0.2*v.y) + integral(pole, -3*v.y)")]),
     ("MPa for GPa", [("70 [GPa] in", "70000 [MPa] in", "70e3 in")]),
     ("Pa", [("70 [GPa] in", "70e9 [Pa] in", "70e3 in")]),
     ("N/mm^2", [("70 [GPa] in", "70e3 [N/mm^2] in", "70e3 in")]),
