@@ -104,11 +104,40 @@ void report_alone(Script& script, const solver::Discretisation& d) {
   }
 }
 
+/// Conditions that cut cells or sides: what is cut is left out, and the part is smaller. Not of a
+/// side chosen by a thin band, `x > 1.99`, which cuts the sides around it by that little, nor of a
+/// curved side that ends within a small facet.
+void report_cut(Script& script, const solver::Discretisation& d) {
+  constexpr double little = 0.1;
+  for (std::size_t i = 0; i < d.parts.size(); ++i) {
+    const solver::Region& region = d.parts[i];
+    if (region.cut.count == 0) continue;
+    const double kept = solver::region_measure(d.mesh, region), whole = kept + region.cut.lost;
+    if (region.cut.lost <= little * whole) continue;
+    const auto& part = script.model->parts[i];
+    const bool cells = region.kind == Group::Kind::cells, one = region.cut.count == 1;
+    const int dim = d.mesh.dim - (cells ? 0 : 1);
+    script.diagnostics.add(
+        diagnose("W0608", part.span,
+                 fmt::format("the condition of `{}` cuts {} {}{}, which {} left out: the part has "
+                             "the {} {:.4g} instead of {:.4g}",
+                             part.name, region.cut.count, cells ? "cell" : "side", one ? "" : "s",
+                             one ? "is" : "are",
+                             dim == 1   ? "length"
+                             : dim == 2 ? "area"
+                                        : "volume",
+                             kept, whole))
+            .with_help("a part has whole cells and sides: let the mesh follow the condition, by "
+                       "the number of its cells or an edge in its geometry"));
+  }
+}
+
 } // namespace
 
 void report_misfits(Script& script, const solver::Discretisation& d) {
   const solver::Problem& problem = script.plan->problem;
   report_alone(script, d);
+  report_cut(script, d);
   if (problem.mesh.kind != solver::MeshSpec::Kind::file) return;
   const Span span = script.model->origins[static_cast<std::size_t>(problem.mesh.origin.id)];
   const auto add = [&](const MeshFinding& f) {

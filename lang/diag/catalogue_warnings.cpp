@@ -108,6 +108,16 @@ part seam = pair(upper.bottom, lower.top, reach = 0.01))",
      R"(
 part over = upper.bottom where x < 1
 part seam = pair(over, lower.top))"},
+    {"W0608", "condition that cuts cells",
+     R"(
+A part that a condition selects has whole cells, or whole sides: those that lie partly inside are left
+out, and the part is smaller than the condition says. Said where that is more than a tenth of it.)",
+     R"(
+mesh bar = rectangle(1, 1, cells = [4, 4])
+part top = bar.top where x < 0.6)",
+     R"(
+mesh bar = rectangle(1, 1, cells = [5, 4])
+part top = bar.top where x < 0.6)"},
 });
 
 } // namespace

@@ -112,6 +112,39 @@ Samples sample(const Mesh& mesh, Group::Kind kind, std::span<const std::int32_t>
   return s;
 }
 
+/// The centres of the small simplices that an entity is divided into, those with its own
+/// orientation: their share inside is that of the entity, about.
+Samples sample_inside(const Mesh& mesh, Group::Kind kind, std::span<const std::int32_t> entities) {
+  constexpr std::array<int, 5> divisions = {0, 1, 100, 20, 10}; // by number of corners
+  Samples s;
+  for (const std::int32_t& e : entities) {
+    const auto nodes = corners(mesh, kind, e);
+    const int n = static_cast<int>(nodes.size()), m = divisions[nodes.size()];
+    std::array<int, 4> at{};
+    const auto add = [&] {
+      for (int a = 0; a < 3; ++a) {
+        double x = 0.0;
+        for (int i = 0; i < n; ++i) x += mesh.nodes[nodes[i]][a] * (at[i] + 1.0 / n) / m;
+        s.x[a].push_back(x);
+      }
+    };
+    const auto visit = [&](const auto& self, int corner, int left) -> void {
+      if (corner == n - 1) return at[corner] = left, add();
+      for (at[corner] = 0; at[corner] <= left; ++at[corner])
+        self(self, corner + 1, left - at[corner]);
+    };
+    visit(visit, 0, m - 1);
+  }
+  s.per_entity = entities.empty() ? 0 : s.x[0].size() / entities.size();
+  return s;
+}
+
+double measure_of_entity(const Mesh& mesh, Group::Kind kind, std::int32_t e) {
+  return kind == Group::Kind::cells    ? cell_measure(mesh, e)
+         : kind == Group::Kind::facets ? facet_measure(mesh, e)
+                                       : 0.0;
+}
+
 /// A predicate compiled once, run on batches of entities.
 class Predicate {
 public:
@@ -129,16 +162,10 @@ public:
     }
   }
 
-  /// Appends the entities that are inside to `region`, counts those cut in two.
+  /// Appends the entities that are inside to `region`, keeps those cut in two.
   void select(std::span<const std::int32_t> entities, Region& region) {
     const Samples s = sample(mesh_, kind_, entities, needs_normal_);
-    const std::size_t n = s.x[0].size();
-    values_.resize(n);
-    std::vector<const double*> inputs;
-    for (const Slot slot : tape_.inputs)
-      inputs.push_back(slot <= slot::x(2) ? s.x[slot].data()
-                                          : s.normal[slot - slot::normal(0)].data());
-    evaluate(tape_, inputs, n, values_, workspace_);
+    run(s);
     for (std::size_t i = 0; i < entities.size(); ++i) {
       std::size_t inside = 0;
       for (std::size_t k = i * s.per_entity; k < (i + 1) * s.per_entity; ++k) {
@@ -151,16 +178,50 @@ public:
       if (inside == s.per_entity)
         region.entities.push_back(entities[i]);
       else if (inside > 0)
-        ++region.straddling;
+        cut_.push_back(entities[i]);
     }
   }
 
+  /// How many entities were cut in two so far.
+  int straddling() const { return static_cast<int>(cut_.size()); }
+
+  /// What they have inside. A condition that reads normals cuts nothing flat by these.
+  CutEntities cut() {
+    CutEntities out;
+    if (needs_normal_) return out;
+    constexpr std::size_t batch = 64;
+    for (std::size_t first = 0; first < cut_.size(); first += batch) {
+      const auto some = std::span(cut_).subspan(first, std::min(batch, cut_.size() - first));
+      const Samples s = sample_inside(mesh_, kind_, some);
+      run(s);
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        const auto values = std::span(values_).subspan(i * s.per_entity, s.per_entity);
+        const auto inside = std::ranges::count_if(
+            values, [](double value) { return !std::isnan(value) && value != 0.0; });
+        const double share = static_cast<double>(inside) / static_cast<double>(s.per_entity);
+        out.lost += share * measure_of_entity(mesh_, kind_, some[i]);
+        out.count += share >= 0.1 ? 1 : 0;
+      }
+    }
+    return out;
+  }
+
 private:
+  void run(const Samples& s) {
+    values_.resize(s.x[0].size());
+    std::vector<const double*> inputs;
+    for (const Slot slot : tape_.inputs)
+      inputs.push_back(slot <= slot::x(2) ? s.x[slot].data()
+                                          : s.normal[slot - slot::normal(0)].data());
+    evaluate(tape_, inputs, values_.size(), values_, workspace_);
+  }
+
   const Mesh& mesh_;
   const RegionSpec& spec_;
   Group::Kind kind_;
   Tape tape_;
   bool needs_normal_ = false;
+  Entities cut_;
   std::vector<double> values_;
   TapeWorkspace workspace_;
 };
@@ -245,6 +306,8 @@ Region where(const Mesh& mesh, const RegionSpec& spec) {
   const std::span<const std::int32_t> entities(all.entities);
   for (std::size_t i = 0; i < entities.size(); i += batch)
     predicate.select(entities.subspan(i, std::min(batch, entities.size() - i)), out);
+  out.straddling += predicate.straddling();
+  out.cut = predicate.cut();
   return out;
 }
 
@@ -259,6 +322,7 @@ Region pair(const Mesh& mesh, const RegionSpec& spec) {
                   fmt::format("a pair is of two sides, not of {} and {}", kind_name(out.kind),
                               kind_name(second.kind)));
   out.straddling += second.straddling;
+  out.cut = {}; // said of the sides
   out.second = second.entities;
   out.reach = spec.reach;
   return out;
@@ -308,6 +372,12 @@ std::vector<std::int32_t> common(const Region& a, const Region& b) {
   if (a.kind == b.kind)
     std::set_intersection(a.entities.begin(), a.entities.end(), b.entities.begin(),
                           b.entities.end(), std::back_inserter(out));
+  return out;
+}
+
+double region_measure(const Mesh& mesh, const Region& region) {
+  double out = 0.0;
+  for (const std::int32_t e : region.entities) out += measure_of_entity(mesh, region.kind, e);
   return out;
 }
 

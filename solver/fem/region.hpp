@@ -11,14 +11,21 @@ namespace hvi::solver {
 /// Throws Failure with the origin of the mesh statement, whatever goes wrong.
 Mesh make_mesh(const MeshSpec& spec);
 
+/// What a condition leaves out, since only whole entities are selected.
+struct CutEntities {
+  int count = 0;     ///< entities of which a tenth or more is inside
+  double lost = 0.0; ///< length, area or volume inside all that are cut, about
+};
+
 /// A resolved part.
 struct Region {
   Group::Kind kind = Group::Kind::cells;
   std::vector<std::int32_t> entities; ///< cells, facets or nodes (for points), sorted, unique
-  int straddling = 0;                 ///< entities a predicate cut in two (left out); for a warning
+  int straddling = 0;                 ///< entities a predicate cut in two (left out)
   /// Of a pair, whose `entities` are its first side: the second side, and RegionSpec::reach.
   std::vector<std::int32_t> second{};
   double reach = 0.0;
+  CutEntities cut{}; ///< by the part's own condition
   bool is_pair() const { return !second.empty(); }
 };
 
@@ -31,6 +38,9 @@ Region resolve(const Mesh& mesh, const RegionSpec& spec);
 
 /// The entities two regions share, sorted; none for regions of different kinds.
 std::vector<std::int32_t> common(const Region& a, const Region& b);
+
+/// Length, area or volume; of points 0.
+double region_measure(const Mesh& mesh, const Region& region);
 
 /// The nodes of a region's entities, sorted, unique.
 std::vector<std::int32_t> nodes_of(const Mesh& mesh, const Region& region);

@@ -119,9 +119,12 @@ TEST(Region, PredicatesSelectWholeEntities) {
   const Region half = resolve(mesh, where(part(Kind::all_cells), less(x, 0.5)));
   EXPECT_NEAR(measure_of(mesh, half), 0.5, 1e-14) << "corners on the line do not matter";
   EXPECT_EQ(half.straddling, 0);
+  EXPECT_EQ(half.cut.count, 0);
   const Region some = resolve(mesh, where(part(Kind::boundary), less(x, 0.3)));
   EXPECT_NEAR(measure_of(mesh, some), 1 + 2 * 0.25, 1e-14);
   EXPECT_EQ(some.straddling, 2) << "one edge at the top, one at the bottom";
+  EXPECT_EQ(some.cut.count, 2);
+  EXPECT_NEAR(some.cut.lost, 2 * 0.05, 1e-12);
   // A tiny disk in the middle of a cell touches neither centroid nor corners of others.
   const Region chain = resolve(mesh, where(where(group("top"), less(x, 0.5)), less(0.25, x)));
   EXPECT_NEAR(measure_of(mesh, chain), 0.25, 1e-14);
