@@ -48,6 +48,7 @@ std::optional<Model> Checker::run() {
   if (readable) {
     if (unknowns_.known || meshes_are_good()) report_.read(programs_[0]);
     expectations_.read(programs_[0]);
+    expectations_.read_accuracy(*find_);
     studies_.read(programs_[0]);
   }
   if (!mistakes_.has_errors()) tensors_.check_locking();

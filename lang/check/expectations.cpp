@@ -11,19 +11,29 @@ namespace hvi::lang {
 
 using solver::Probe;
 
-void Expectations::read(const ast::Program& script) {
+void Expectations::require_column(const std::string& name, const Span& place) {
   std::vector<std::string> names;
   for (const Probe& p : model_.report.probes)
     if (!p.name.empty()) names.push_back(p.name);
+  if (std::ranges::find(names, name) == names.end() && !mistakes_.has_errors())
+    mistakes_.error("E0319", place, fmt::format("no table has a column `{}`", name),
+                    did_you_mean(name, names));
+}
+
+void Expectations::read_accuracy(const ast::Find& find) {
+  for (const ast::Setting& setting : find.settings)
+    if (setting.name.text == "accuracy_of" && !model_.accuracy_of.empty())
+      require_column(model_.accuracy_of, setting.value.span);
+}
+
+void Expectations::read(const ast::Program& script) {
   for (const ast::Statement& statement : script.statements) {
     const auto* e = std::get_if<ast::Expect>(&statement);
     if (!e) continue;
     Expectation out;
     out.span = e->span;
     out.probe = e->probe.text;
-    if (std::find(names.begin(), names.end(), out.probe) == names.end() && !mistakes_.has_errors())
-      mistakes_.error("E0319", e->probe.span, fmt::format("no table has a column `{}`", out.probe),
-                      did_you_mean(out.probe, names));
+    require_column(out.probe, e->probe.span);
     if (e->time) out.time = results_.report_time(*e->time);
     auto value = evaluator_.constant(e->value, "an expected value");
     auto tolerance = evaluator_.constant(e->tolerance, "a tolerance");

@@ -4,8 +4,6 @@
 #include "lang/check/context.hpp"
 #include "lang/check/results.hpp"
 
-#include <string>
-
 namespace hvi::lang {
 
 class Expectations {
@@ -15,8 +13,12 @@ public:
         results_(results) {}
 
   void read(const ast::Program& script);
+  /// Of which column an accuracy is asked for.
+  void read_accuracy(const ast::Find& find);
 
 private:
+  void require_column(const std::string& name, const Span& place);
+
   Mistakes& mistakes_;
   Model& model_;
   Evaluator& evaluator_;

@@ -120,10 +120,13 @@ void Studies::norm_of_study(const ast::Name& space, ModelStudy& study) {
   const auto unknowns = unknowns_of(model_.space);
   for (std::size_t b = 0; b < unknowns.size() && unknowns.size() > 1; ++b)
     if (unknowns[b].space == space.text && !study.unknown) study.unknown = b;
-  if (unknowns.size() > 1 && !study.unknown)
-    mistakes_.error("E0306", space.span,
-                    fmt::format("`{}` is not the space of an unknown", space.text),
-                    "errors of several unknowns are those of all together, or `in V`, of one");
+  const bool one = unknowns.size() == 1;
+  if (one ? !unknowns_.known || unknowns[0].space == space.text : study.unknown.has_value()) return;
+  mistakes_.error(
+      "E0306", space.span,
+      fmt::format("`{}` is not the space of {} unknown", space.text, one ? "the" : "an"),
+      one ? fmt::format("write `in {}`", unknowns[0].space)
+          : "errors of several unknowns are those of all together, or `in V`, of one");
 }
 
 void Studies::read(const ast::Program& script) {

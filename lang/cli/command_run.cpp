@@ -130,9 +130,19 @@ RunRequest request_of(const Session& session, const Options& options, ProgressLi
   return out;
 }
 
+/// Is something said of an accuracy that nothing asks for?
+bool lacks_accuracy(const Script& script, const Options& options) {
+  if (options.accuracy > 0.0 || script.model->accuracy) return false;
+  if (options.accuracy_of.empty() && !options.as_written) return false;
+  tell("hvi-run: {} goes with --accuracy, or with `using accuracy` in the script\n",
+       options.as_written ? "--as-written" : "--of");
+  return true;
+}
+
 /// The common part of run and test: the phases, each with what the options ask of it.
 Exit solve(Session& session, const Options& options, HeldOutputs& outputs) {
   if (const Exit code = session.compile(); code != exit_ok) return code;
+  if (lacks_accuracy(session.script, options)) return exit_usage;
   const Outputs wanted = outputs_of_run(session.script, options);
   if (const Exit code = outputs.take(wanted, options, session); code != exit_ok) return code;
   if (const Exit code = session.discretise(&stop_flag()); code != exit_ok) return code;

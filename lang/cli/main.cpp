@@ -33,13 +33,17 @@ using hvi::solver::FailureKind;
 
 constexpr int no_memory_exit = hvi::lang::ending_of(FailureKind::too_large).exit;
 
-/// -D name=value
-bool add_define(const std::string& text, Options& options) {
+/// -D name=value; what is wrong with it, or empty.
+std::string add_define(const std::string& text, Options& options) {
   const auto equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) return false;
-  options.defines[text.substr(0, equals)] = text.substr(equals + 1);
-  return true;
+  if (equals == std::string::npos || equals == 0)
+    return fmt::format("-D takes name=value, not `{}`", text);
+  const std::string name = text.substr(0, equals);
+  const bool first = options.defines.emplace(name, text.substr(equals + 1)).second;
+  return first ? "" : fmt::format("-D gives `{}` twice", name);
 }
+
+std::string named(const std::string& text) { return text.empty() ? "an empty name" : ""; }
 
 /// CLI11's own check of positive numbers lets NaN pass, and tells the largest one with 300 digits.
 std::string positive(const std::string& text) {
@@ -51,8 +55,10 @@ std::string positive(const std::string& text) {
 
 void add_common(CLI::App& app, Options& options, std::vector<std::string>& defines) {
   app.add_option("-D", defines, "set a parameter: -D n=64")->allow_extra_args(false);
-  app.add_option("-o", options.output_folder, "output folder (default: named after the script)");
-  app.add_option("--json", options.json, "write the result as JSON; `-`: to the standard output");
+  app.add_option("-o", options.output_folder, "output folder (default: named after the script)")
+      ->check(named);
+  app.add_option("--json", options.json, "write the result as JSON; `-`: to the standard output")
+      ->check(named);
   app.add_flag("--quiet", options.quiet, "the table only");
   app.add_flag("--strict", options.strict, "refuse where the theorem does not apply");
   app.add_flag("--profile", options.profile, "where the time went");
@@ -221,8 +227,8 @@ int dispatch(int argc, char** argv) {
     return hvi::lang::exit_usage;
   }
   for (const std::string& define : line.defines)
-    if (!add_define(define, line.options)) {
-      tell("hvi-run: -D takes name=value, not `{}`\n", define);
+    if (const std::string wrong = add_define(define, line.options); !wrong.empty()) {
+      tell("hvi-run: {}\n", wrong);
       return hvi::lang::exit_usage;
     }
   line.options.report = line.options.report || command == "report";
