@@ -4,6 +4,8 @@
 #include "lang/check/context.hpp"
 #include "lang/check/results.hpp"
 
+#include <string>
+
 namespace hvi::lang {
 
 class Expectations {

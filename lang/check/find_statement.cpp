@@ -37,6 +37,7 @@ bool FindStatement::read(const ast::Find& find) {
   if (!mistakes_.has_errors()) {
     form_checks_.check_clauses(find);
     form_checks_.check_one_law_per_part();
+    form_checks_.check_multipliers_read();
     states_.check_states_of_laws();
     form_checks_.check_symmetry();
   }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <utility>
 
 namespace hvi::lang {
@@ -217,6 +218,20 @@ void FormChecks::check_one_law_per_part() {
                         .with_secondary(found->second, "first here")
                         .with_help("one law on one part; a factor before the integral doubles it"));
     }
+}
+
+void FormChecks::check_multipliers_read() {
+  std::set<std::string> of_vectors, said;
+  for (const ModelTerm& term : model_.terms)
+    for (const LawUse& use : term.integrand.laws)
+      if (model_.laws[static_cast<std::size_t>(use.law)].spec.radial) of_vectors.insert(use.name);
+  for (const ModelLaw& law : model_.laws)
+    if (of_vectors.contains(law.spec.coupled) && said.insert(law.name).second)
+      mistakes_.error("E0432", law.reads_multiplier,
+                      fmt::format("`{}` is a law of a vector: a law reads the multiplier of a "
+                                  "scalar one",
+                                  law.spec.coupled),
+                      "take that of a law of `u.nu` or of another component");
 }
 
 } // namespace hvi::lang

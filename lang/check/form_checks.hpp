@@ -18,6 +18,8 @@ public:
   /// few places and values by their second derivatives, a(w, v) against a(v, w).
   void check_symmetry();
   void check_one_law_per_part();
+  /// What laws read of other laws is one number.
+  void check_multipliers_read();
   /// Has each unknown an equation, and what that asks for?
   void check_clauses(const ast::Find& find);
 

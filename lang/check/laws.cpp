@@ -211,7 +211,7 @@ std::optional<int> Laws::law_for(int declaration, bool radial, const Span& use) 
     return std::nullopt;
   }
   warn_of_unreached_cases(radial);
-  return law_index_[key] = add({law.name.text, law.name.span, spec}, of_jumps);
+  return law_index_[key] = add({law.name.text, law.name.span, spec, coupled_place_}, of_jumps);
 }
 
 int Laws::add(ModelLaw law, bool reads_jumps) {
@@ -273,7 +273,13 @@ void Laws::check_alone(int declaration) {
 /// `other.xi` in a superpotential: the multiplier of a scalar law at the same point.
 Value Laws::coupled_multiplier(const ast::Member& m, int declaration) {
   const std::string& law = names_[declaration].name;
-  if (coupled_.empty()) coupled_ = law;
+  if (laws_at_hand_.contains(declaration)) {
+    mistakes_.error("E0313", m.object->span,
+                    fmt::format("`{}` is defined by its own multiplier", law),
+                    "a law reads the multiplier of another one");
+    return Poison{};
+  }
+  if (coupled_.empty()) coupled_ = law, coupled_place_ = m.object->span;
   if (coupled_ == law) return scalar_field(Symbol::variable(slot::coupled));
   mistakes_.error("E0309", m.member.span,
                   fmt::format("a law reads one other law's multiplier, not those of `{}` and `{}`",

@@ -67,6 +67,7 @@ private:
   std::map<std::pair<int, bool>, int> law_index_; ///< by declaration, of a vector or not; -1: wrong
   std::vector<LawCases> law_cases_;               ///< of the law being checked, inner ones first
   std::string coupled_;          ///< the law whose multiplier the law being checked reads
+  Span coupled_place_;           ///< and where
   std::set<int> laws_at_hand_;   ///< whose bodies are being read
   std::set<int> laws_in_circle_; ///< reported: they are defined by themselves
   std::set<int> laws_of_jumps_;  ///< of model_.laws: their bodies read jumps

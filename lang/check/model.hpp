@@ -92,6 +92,7 @@ struct ModelLaw {
   std::string name;
   Span span;
   solver::LawSpec spec;
+  Span reads_multiplier{}; ///< where its body reads another law's
 };
 
 /// A state of the points of a part.

@@ -256,7 +256,7 @@ find u in V for t in [0, 1] by 8 steps from u = 0, u' = [0, -1] such that for al
 A bound or coefficient of a law may depend on the solution at the law's point: on unknowns, their
 rates and memories, by components, by the normal and the tangential part, not on derivatives. A law
 reads up to four such quantities; what depends on the solution alone is one of them, however long
-its expression.)",
+its expression. The multiplier that it reads of another law is that of a law of a scalar.)",
      R"(
 superpotential rub(w) = (1 + abs(div(history(q, u)))) * norm(w))",
      R"(
