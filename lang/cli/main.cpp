@@ -33,14 +33,13 @@ using hvi::solver::FailureKind;
 
 constexpr int no_memory_exit = hvi::lang::ending_of(FailureKind::too_large).exit;
 
-/// -D name=value; what is wrong with it, or empty.
-std::string add_define(const std::string& text, Options& options) {
+/// -D name=value; of one name the last one counts, so that a command of somebody else's can be
+/// added to.
+bool add_define(const std::string& text, Options& options) {
   const auto equals = text.find('=');
-  if (equals == std::string::npos || equals == 0)
-    return fmt::format("-D takes name=value, not `{}`", text);
-  const std::string name = text.substr(0, equals);
-  const bool first = options.defines.emplace(name, text.substr(equals + 1)).second;
-  return first ? "" : fmt::format("-D gives `{}` twice", name);
+  if (equals == std::string::npos || equals == 0) return false;
+  options.defines[text.substr(0, equals)] = text.substr(equals + 1);
+  return true;
 }
 
 std::string named(const std::string& text) { return text.empty() ? "an empty name" : ""; }
@@ -54,7 +53,8 @@ std::string positive(const std::string& text) {
 }
 
 void add_common(CLI::App& app, Options& options, std::vector<std::string>& defines) {
-  app.add_option("-D", defines, "set a parameter: -D n=64")->allow_extra_args(false);
+  app.add_option("-D", defines, "set a parameter: -D n=64; of one name the last one counts")
+      ->allow_extra_args(false);
   app.add_option("-o", options.output_folder, "output folder (default: named after the script)")
       ->check(named);
   app.add_option("--json", options.json, "write the result as JSON; `-`: to the standard output")
@@ -227,8 +227,8 @@ int dispatch(int argc, char** argv) {
     return hvi::lang::exit_usage;
   }
   for (const std::string& define : line.defines)
-    if (const std::string wrong = add_define(define, line.options); !wrong.empty()) {
-      tell("hvi-run: {}\n", wrong);
+    if (!add_define(define, line.options)) {
+      tell("hvi-run: -D takes name=value, not `{}`\n", define);
       return hvi::lang::exit_usage;
     }
   line.options.report = line.options.report || command == "report";

@@ -183,7 +183,7 @@ void Judgement::judge_memory() {
         "H(q)", fmt::format("`{}` is Lipschitz in t: its constant", kernel.name), slope,
         yes(lipschitz), problem_.histories[m].origin,
         fmt::format("sup |q| = {}, int |q| = {}{}", with_word(sup, known.sup),
-                    with_word(norms.l1, known.l1),
+                    with_word(known.l1.value(), known.l1),
                     lipschitz ? ""
                               : "; singular: the continuous theorem and the bounds tau_0 do not "
                                 "apply, each step's problem and its certificate do"));

@@ -16,6 +16,7 @@ double scalar_distance(const Law& law, const LawGraph& graph, double r, double x
   double best = std::numeric_limits<double>::infinity();
   if (!(std::abs(xi) < unbounded_slope)) return best;
   const auto try_interval = [&](double a, double b) {
+    if (std::isnan(a) || std::isnan(b)) return;
     best = std::min(best, std::max({0.0, std::min(a, b) - xi, xi - std::max(a, b)}));
   };
   const int piece = piece_of(graph, r);
@@ -35,6 +36,12 @@ double scalar_distance(const Law& law, const LawGraph& graph, double r, double x
         reached && std::isfinite(there))
       try_interval(s, there);
   return best;
+}
+
+/// How far a number is above 0; what is no number is infinitely far.
+double above_zero(double x) {
+  if (x <= 0.0) return 0.0;
+  return std::isnan(x) ? std::numeric_limits<double>::infinity() : x;
 }
 
 } // namespace
@@ -74,7 +81,7 @@ double inclusion_distance(const Law& law, const LawGraph& graph, const double* z
   };
   const double r = norm(z);
   double best = std::numeric_limits<double>::infinity();
-  if (r <= snap) best = std::max(0.0, norm(xi) - std::abs(law.slope(graph, 0, 0.0)));
+  if (r <= snap) best = above_zero(norm(xi) - std::abs(law.slope(graph, 0, 0.0)));
   if (r == 0.0) return best;
   // Split xi along and across z: the graph has no part across.
   double along = 0.0;
@@ -82,7 +89,7 @@ double inclusion_distance(const Law& law, const LawGraph& graph, const double* z
   double across[3]{};
   for (int k = 0; k < rows; ++k) across[k] = xi[k] - along * (z[k] / r);
   // The direction of z is known up to snap / r.
-  const double sideways = std::max(0.0, norm(across) - std::abs(along) * snap / r);
+  const double sideways = above_zero(norm(across) - std::abs(along) * snap / r);
   return std::min(best, std::hypot(scalar_distance(law, graph, r, along, snap, 0.0), sideways));
 }
 

@@ -18,7 +18,7 @@ void require_no_force(const Problem& problem, const Contact& contact, int l) {
   const Law& law = *contact.laws[static_cast<std::size_t>(spec.law)];
   const double t0 = problem.time.grid.front();
   Vector at;
-  law_offsets(term.points, spec, t0, at);
+  offsets_of(contact, problem, term, t0, contact.state_values, at);
   auto times = initial_law_times(problem, law, term.points, t0, term.first_readings);
   const std::vector<double> none(static_cast<std::size_t>(term.points.rows), 0.0);
   for (int p = 0; p < term.n_points(); ++p) {

@@ -6,6 +6,7 @@
 #include "solver/discrete/axis_parts.hpp"
 #include "solver/discrete/domains.hpp"
 #include "solver/discrete/overlaps.hpp"
+#include "solver/plan/couplings.hpp"
 #include "solver/plan/validate.hpp"
 #include "solver/results/law_sampler.hpp"
 #include "solver/results/line_values.hpp"
@@ -163,7 +164,8 @@ void check_initial(const Problem& problem, const Discretisation& d) {
   }
 }
 
-/// A given u'(t0) must be the rate of imposed values on eliminated dofs.
+/// A given u'(t0) must be the rate of imposed values on eliminated dofs. Of several unknowns it is
+/// asked of those with a form in their second derivative: others begin with their values alone.
 void check_velocity(const Problem& problem, const Discretisation& d) {
   const auto& time = problem.time;
   if (time.is_static || time.grid.empty() || !time.velocity) return;
@@ -172,7 +174,10 @@ void check_velocity(const Problem& problem, const Discretisation& d) {
   check_repeats(problem, d, given, "the initial velocity", time.velocity_origin);
   const Vector imposed = starting_velocity(problem, d);
   const double scale = std::max(given.lpNorm<Eigen::Infinity>(), imposed.lpNorm<Eigen::Infinity>());
+  const std::vector<int> orders = orders_in_time(problem);
   for (const auto& e : d.dofs.eliminated) {
+    const int unknown = d.space.block_of(e.dof % d.space.components);
+    if (orders[static_cast<std::size_t>(unknown)] < highest_derivative) continue;
     if (std::abs(imposed[e.dof] - given[e.dof]) <= 1e-9 * scale) continue;
     throw Failure(FailureKind::bad_value, time.velocity_origin,
                   fmt::format("the imposed value has the rate {:.6g} at t = {}, the initial "

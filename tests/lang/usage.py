@@ -11,7 +11,6 @@ CASES = [
     (["run"], ["FILE is required"]),
     (["check", "--bogus", "a.hvi"], ["--bogus"]),
     (["a.hvi", "-D", "n"], ["-D takes name=value", "`n`"]),
-    (["a.hvi", "-D", "n=2", "-D", "N=4", "-D", "n=4"], ["-D gives `n` twice"]),
     (["a.hvi", "-o", ""], ["-o", "an empty name"]),
     (["a.hvi", "--json", ""], ["--json", "an empty name"]),
     (["a.hvi", "--threads", "none"], ["--threads"]),

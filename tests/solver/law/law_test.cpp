@@ -132,6 +132,23 @@ INSTANTIATE_TEST_SUITE_P(Laws, EveryLaw, testing::ValuesIn(known_laws()), [](con
   return name;
 });
 
+// A certificate must not take what is no number for a multiplier of the law.
+TEST(Law, WhatIsNoNumberIsFarFromEveryGraph) {
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  LawSpec friction, spring;
+  friction.radial = true, friction.expression = 0.3 * Expr::variable(slot::r);
+  spring.expression = 2.0 * Expr::variable(slot::r) * Expr::variable(slot::r);
+  const double still[] = {0.0, 0.0}, moved[] = {0.1, 0.0}, one[] = {none, 0.0},
+               both[] = {none, none};
+  for (const LawSpec& spec : {friction, spring}) {
+    const Law law(spec);
+    const LawGraph g = law.graph({}, 0.0);
+    for (const double* z : {still, moved})
+      for (const double* xi : {one, both})
+        EXPECT_GT(inclusion_distance(law, g, z, xi, spec.radial ? 2 : 1, 0.1), 1e300);
+  }
+}
+
 TEST(Law, BallAtTheOriginOfARadialLaw) {
   const Law law = slope_law("weakening", Expr(0.5) + Expr(0.2) * exp(Expr(-20.0) * arg()), true);
   const LawGraph g = law.graph({}, 0.0);
