@@ -30,6 +30,7 @@ Trace traced(const solver::Plan& plan, const solver::Discretisation& d, bool mon
   settings.on_step = [&](int n, double, const solver::Vector& u, const solver::Vector&) {
     if (n % stride == 0 || n == steps) out.states.push_back(u);
   };
+  settings.on_restart = [&] { out.states.clear(); };
   out.result = solver::run(plan, d, settings);
   return out;
 }
@@ -40,16 +41,22 @@ struct First {
   const std::atomic<bool>* stop;
 };
 
-/// max_n |u_n - v_n| / max_n |u_n|
-std::optional<double> distance(const Trace& a, const Trace& b) {
-  if (a.states.size() != b.states.size()) return std::nullopt;
+/// max_n |u_n - v_n| / max_n |u_n|, or why there is none.
+void take_distance(const Trace& a, const Trace& b, Variation& out) {
+  if (a.states.size() != b.states.size()) {
+    out.failure = "it has another number of steps";
+    return;
+  }
   double off = 0, size = 0;
   for (std::size_t i = 0; i < a.states.size(); ++i) {
-    if (a.states[i].size() != b.states[i].size()) return std::nullopt;
+    if (a.states[i].size() != b.states[i].size()) {
+      out.failure = "it has another number of unknowns";
+      return;
+    }
     off = std::max(off, (a.states[i] - b.states[i]).lpNorm<Eigen::Infinity>());
     size = std::max(size, a.states[i].lpNorm<Eigen::Infinity>());
   }
-  return size > 0 ? off / size : off;
+  out.change = size > 0 ? off / size : off;
 }
 
 /// A run with other numbers has failed: says why, or throws where the numbers are not the reason.
@@ -85,7 +92,7 @@ std::optional<Variation> moved_parameter(const Script& given, const CompileSetti
       continue;
     }
     try {
-      out.change = distance(first.trace, traced(plan, d, false, first.stop));
+      take_distance(first.trace, traced(plan, d, false, first.stop), out);
     } catch (const solver::Failure& failure) {
       take_failure(failure, out);
     }
@@ -99,7 +106,7 @@ Variation compared(const std::string& what, const First& first,
                    const std::function<Trace()>& other) {
   Variation out{what, true, unit, {}, {}};
   try {
-    out.change = distance(first.trace, other());
+    take_distance(first.trace, other(), out);
   } catch (const solver::Failure& failure) {
     take_failure(failure, out);
   }
@@ -179,7 +186,7 @@ Variation chosen(const std::string& what, const solver::Plan& plan, const solver
                  const First& first) {
   Variation out{what, false, 0, {}, {}};
   try {
-    out.change = distance(first.trace, traced(plan, d, false, first.stop));
+    take_distance(first.trace, traced(plan, d, false, first.stop), out);
   } catch (const solver::Failure& failure) {
     take_failure(failure, out);
   }

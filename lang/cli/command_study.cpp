@@ -299,6 +299,19 @@ private:
       row.error = study_.in ? row.errors[*study_.in] : solver::together(row.errors);
   }
 
+  /// The initial state alone, where there is one.
+  static void begin_trajectory(const solver::Plan& plan, solver::Trajectory& trajectory) {
+    const auto& time = plan.problem.time;
+    const solver::Space& space = trajectory.discretisation->space;
+    trajectory.times.clear(), trajectory.states.clear();
+    if (time.is_static) return;
+    trajectory.times.push_back(time.grid.front());
+    trajectory.states.push_back(
+        time.initial.empty()
+            ? solver::Vector(solver::Vector::Zero(space.n_dofs()))
+            : solver::interpolate(space, time.initial, time.grid.front(), time.origin));
+  }
+
   void measure(const Script& script, const std::shared_ptr<solver::Discretisation>& d,
                StudyRow& row, bool keeps) {
     const auto gauge = gauge_for(script, *d, keeps);
@@ -316,14 +329,11 @@ private:
       watching_wall +=
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     };
-    if (keeps && !plan.problem.time.is_static) {
-      trajectory->times.push_back(plan.problem.time.grid.front());
-      trajectory->states.push_back(plan.problem.time.initial.empty()
-                                       ? solver::Vector(solver::Vector::Zero(d->space.n_dofs()))
-                                       : solver::interpolate(d->space, plan.problem.time.initial,
-                                                             plan.problem.time.grid.front(),
-                                                             plan.problem.time.origin));
-    }
+    settings.on_restart = [&] {
+      if (keeps) begin_trajectory(plan, *trajectory);
+      if (gauge) gauge->forget();
+    };
+    if (keeps) begin_trajectory(plan, *trajectory);
     const auto start = std::chrono::steady_clock::now();
     const auto result = solver::run(plan, *d, settings);
     row.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -

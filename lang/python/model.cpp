@@ -145,11 +145,13 @@ Answer Model::run(const Defines& defines, const RunAsked& how, Watch& watch, Sha
     const std::size_t pictures = show_fields(*one->script.plan);
     lang::RunRequest request = request_of(*one, how, watch);
     const auto& d = shared != nullptr ? shared->discretisation() : one->discretisation;
-    if (how.keep_every > 0)
+    if (how.keep_every > 0) {
       request.settings.on_step = [&](int n, double t, const solver::Vector& u,
                                      const solver::Vector&) {
         if (n % how.keep_every == 0) keep(d.space, t, u, out);
       };
+      request.settings.on_restart = [&] { out.kept_times.clear(), out.kept.clear(); };
+    }
     out.exit = solve(*one, request, shared);
     if (out.exit == lang::exit_ok && one->result.unwritten)
       out.exit = one->refuse(*one->result.unwritten);

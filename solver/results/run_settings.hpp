@@ -19,6 +19,11 @@ struct RunSettings {
   std::function<void(const Progress&)> progress;
   /// Called after every accepted step with (n, t, u, xi of all law points).
   std::function<void(int, double, const Vector&, const Vector&)> on_step;
+  /// Called when the run starts again (a memory by another route, for one): what `on_step` has been
+  /// told so far is of no run, and its steps come anew.
+  std::function<void()> on_restart;
+  /// Probes are read after every step, not only where a table has a row.
+  bool every_value = false;
   /// Told at once when a file cannot be written. The run goes on: see RunResult::unwritten.
   std::function<void(const std::string&)> warn;
   const std::atomic<bool>* stop = nullptr; ///< set by Ctrl-C: ends with Failure(interrupted), or

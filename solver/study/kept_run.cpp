@@ -106,6 +106,7 @@ KeptRun Runner::make(const Setting& setting, const RunSettings& settings, bool f
     if (!keeps_step(n, setting.steps, stride)) return;
     out.steps.push_back(n), out.states.push_back(u);
   };
+  here.on_restart = [&] { out.steps.clear(), out.states.clear(); };
   if (!final) {
     out.plan.report.fields.clear(), out.plan.report.pictures.clear();
     out.plan.report.lines.clear(), out.plan.report.plots.clear();

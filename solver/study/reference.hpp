@@ -30,13 +30,15 @@ std::vector<UnknownNorm> norms_of(const Problem& problem, const Discretisation& 
 /// relative errors, of size 1 (L2: nan). Of one its own.
 StudyError together(std::span<const StudyError> errors);
 
-/// Is shown every step of a run, through RunSettings::on_step, and keeps the errors.
+/// Is shown every step of a run, through RunSettings::on_step, and keeps the errors. A run that
+/// starts again is shown to it from its first step on, after `forget`.
 class Gauge {
 public:
   explicit Gauge(std::vector<UnknownNorm> norms)
       : errors_(norms.size()), norms_(std::move(norms)) {}
   virtual ~Gauge() = default;
   virtual void step(double t, const Vector& u) = 0;
+  void forget() { errors_.assign(errors_.size(), {}); }
   const std::vector<StudyError>& errors() const { return errors_; } ///< by unknown
   StudyError error() const { return together(errors_); }
 

@@ -199,7 +199,14 @@ public:
   Indicators(const Problem& problem, const Discretisation& d, std::span<const int> kinds)
       : space_(d.space), kinds_(kinds), pressures_(multipliers_of(problem)),
         largest_(pressures_.size()) {
-    for (RecoveryIndicator& one : largest_) one.cells.assign(d.mesh.cells.size(), 0.0);
+    forget();
+  }
+
+  void forget() {
+    for (RecoveryIndicator& one : largest_) {
+      one = {};
+      one.cells.assign(space_.mesh->cells.size(), 0.0);
+    }
   }
 
   void take(const Vector& u) {
@@ -246,6 +253,7 @@ std::vector<double> look(const Plan& plan, const Mesh& mesh, const std::atomic<b
     RunSettings settings;
     settings.stop = stop;
     settings.on_step = [&](int, double, const Vector& u, const Vector&) { seen.take(u); };
+    settings.on_restart = [&] { seen.forget(); };
     try {
       run(trial(plan, steps), d, settings);
       return seen.by_cell();

@@ -89,6 +89,7 @@ RunResult run_all(const Plan& plan, const Discretisation& discretisation,
     if (const auto* restart = std::get_if<Restart>(&outcome)) {
       restarts.take(*restart, saved.has_value());
       if (!std::holds_alternative<LateCheck>(*restart)) saved.reset();
+      if (settings.on_restart) settings.on_restart();
       continue;
     }
     auto result = std::get<RunResult>(std::move(outcome));

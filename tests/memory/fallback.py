@@ -66,6 +66,24 @@ def killed_and_resumed(program, folder):
     return after
 
 
+def seen_once(program, folder):
+    """What looks at the steps of a run sees those of the run that ends well: stability compares it with others, a study with its own
+    direct sum."""
+    script = kernels.write(folder, "spike", "by N steps", "automatic")
+    said = subprocess.run([program, "stability", script, "-D", "N=1000", "-o", pathlib.Path(folder) / "moved"], check=True, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT).stdout
+    assert "no answer" not in said and "memory by the direct sum" in said, said
+    vary, errors = "study vary N in [500, 1000] against finest", []
+    for route in ("automatic", "direct"):
+        path = kernels.write(folder, "spike", "by N steps", route)
+        path.write_text(path.read_text() + vary)
+        result = pathlib.Path(folder) / "study.json"
+        subprocess.run([program, "study", path, "-o", pathlib.Path(folder) / route, "--json", result, "--quiet"], check=True,
+                       stdout=subprocess.DEVNULL)
+        errors.append(json.loads(result.read_text())["rows"][0]["error"]["V_max"])
+    assert errors[0] == errors[1], errors
+
+
 def main():
     program = pathlib.Path(sys.argv[1]).resolve()
     kernels.KERNELS["spike"] = (SPIKE, [])
@@ -74,6 +92,7 @@ def main():
         found = run(program, folder, "spike", "automatic")
         aging = run(program, folder, "aging", "fit")
         after = killed_and_resumed(program, folder)
+        seen_once(program, folder)
     said = [note["what"] for note in found["notes"] if "off the direct sum" in note["what"]]
     print("\n".join(said))
     print("killed, resumed after steps", *after)

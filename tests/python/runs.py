@@ -160,6 +160,27 @@ report
         np.testing.assert_array_equal(result.kept["u"][-1], result.fields["u"])
         self.assertEqual(result.kept["u"].shape, (2, 15, 2))
 
+    def test_a_run_that_starts_again_keeps_its_own_steps(self):
+        """A spike that the first route of the memory misses: an audit finds it in the middle of the run."""
+        text = (EXAMPLES / "slab.hvi").read_text()
+        spike = text.replace("kernel C(lag) = -exp(-lag/0.5) * B",
+                             "kernel C(lag) = -(exp(-lag) + 1000*exp(-((lag - 0.30025)/0.000001)^2)) * B")
+        self.assertNotEqual(spike, text)
+        result = hvi.loads(spike, n=2, N=2000).run(keep_every=100)
+        self.assertTrue(any("started again" in note["what"] or "off the direct sum" in note["what"] for note in result.notes), result.notes)
+        np.testing.assert_allclose(result.kept_times, np.arange(1, 21) / 20)
+        self.assertEqual(len(result.kept["u"]), 20)
+
+    def test_words_of_a_run_that_are_none(self):
+        model = hvi.load(EXAMPLES / "slab.hvi", n=2, N=2)
+        for wrong in ({"keep_every": 2.5}, {"keep_every": "x"}, {"accuracy": "x"}, {"accuracy_of": 3}, {"progress": 3}):
+            with self.assertRaisesRegex(TypeError, next(iter(wrong))):
+                model.run(**wrong)
+        for wrong in ({"keep_every": -1}, {"accuracy": -1}, {"accuracy": float("nan")}, {"budget": 0}):
+            with self.assertRaisesRegex(ValueError, next(iter(wrong))):
+                model.run(**wrong)
+        self.assertEqual(len(model.run(keep_every=np.int64(1)).kept_times), 2)
+
     def test_files_and_energies(self):
         with tempfile.TemporaryDirectory() as folder:
             result = hvi.load(EXAMPLES / "slab.hvi").run(n=2, N=16, output=folder, monitors=True)
