@@ -168,8 +168,11 @@ void Reporter::restore(std::istream& in, const RunState& run) {
   files_.names().clear();
   for (auto left = r.get<std::uint64_t>(); left > 0; --left) files_.names().push_back(get_text(r));
   for (auto& series : fields_) series.files.restore(in);
-  now_.take(run);
+  // A run that is over takes no step that would be shown.
+  ended_ = last_recorded_ == run.evolution.grid().steps();
+  now_.take(run, ended_);
   pictures_.restore(in, now_);
+  if (ended_) pictures_.keep_end(now_, run);
   if (keeps_before_) before_ = now_;
 }
 

@@ -31,6 +31,10 @@ public:
   /// Are frames of the step kept?
   bool keeps(int step, bool last) const { return shown_ && shown_->keeps(step, last); }
   void keep(const Snapshot& now, const RunState& run, bool last) { shown_->keep(now, run, last); }
+  /// The frame of the end alone, of a run that is restored there.
+  void keep_end(const Snapshot& end, const RunState& run) {
+    if (shown_) shown_->keep_end(end, run);
+  }
   /// Those whose time lies in the step from `from` to `to`, which is the first one or is not.
   void take_between(double from, double to, bool first, const StateAt& at);
   /// Those without a time.

@@ -56,6 +56,10 @@ void ShownFrames::keep(const Snapshot& now, const RunState& run, bool last) {
     if (due(moving_[i], now.step(), last)) taken_[i].push_back(pictures_[i].at(now, nullptr));
 }
 
+void ShownFrames::keep_end(const Snapshot& now, const RunState& run) {
+  if (kept_) out_.frames.push_back(kept_->at(now, &run));
+}
+
 std::vector<Expr> ShownFrames::expressions() const {
   std::vector<Expr> out;
   const auto add = [&](const FrameMaker& maker) {

@@ -46,6 +46,8 @@ public:
   bool keeps(int step, bool last) const;
   /// `now` is that step.
   void keep(const Snapshot& now, const RunState& run, bool last);
+  /// `now` is the last step, of a run that is restored there: what moves has it already.
+  void keep_end(const Snapshot& now, const RunState& run);
   /// Picture i at its own time.
   void take(std::size_t i, const Snapshot& then) { taken_[i] = {pictures_[i].at(then, nullptr)}; }
   void finish(const Snapshot& end);

@@ -172,6 +172,7 @@ void Stepper::save(std::ostream& out) const {
   state_.evolution.save(out);
   put_text(w, not_unique());
   state_.solver.save(out);
+  put_vector(w, state_.trial.z); // the branches of the laws, where a report asks for them
   state_.rounding.save(w);
 }
 
@@ -182,6 +183,7 @@ std::optional<HorizonEnd> Stepper::restore(std::istream& in) {
   uniqueness_.judged = std::get<bool>(same_end); // a run to another end has other steps to judge
   uniqueness_.obstacle = get_text(r);
   state_.solver.restore(in);
+  get_vector(r, state_.trial.z, state_.contact().n_rows());
   state_.balance.load.note_multipliers(state_.xi());
   state_.rounding.restore(r);
   return std::nullopt;

@@ -1,5 +1,6 @@
 // A run that is stopped after any step and goes on from its checkpoint is the run that was never
 // stopped: the same numbers, notes and counters, and in the end the same checkpoint, bit for bit.
+#include "solver/results/shown.hpp"
 #include "solver/time/checkpoint.hpp"
 #include "tests/solver/time/plans.hpp"
 
@@ -260,6 +261,47 @@ TEST(Resume, AfterAnyStepGoesOnWithTheSameBits) {
       expect_same(whole.result, parts.result);
       EXPECT_TRUE(whole.state == parts.state) << "the last checkpoints differ";
     }
+  }
+}
+
+std::vector<double> numbers_of(const FieldFrame& frame) {
+  std::vector<double> out{frame.t, static_cast<double>(frame.step)};
+  for (const auto& one : frame.grids) {
+    for (const auto& array : one.grid.point_data)
+      out.insert(out.end(), array.values.begin(), array.values.end());
+    for (const auto& array : one.grid.cell_data)
+      out.insert(out.end(), array.values.begin(), array.values.end());
+  }
+  return out;
+}
+
+/// No step is left that would be shown.
+TEST(Resume, AfterTheEndShowsTheSame) {
+  for (const bool proportional : {true, false}) {
+    Scene scene = rich();
+    scene.plan.options.proportional_path = proportional;
+    const FieldSpec u = scene.plan.report.pictures[0].field;
+    scene.plan.report.pictures.push_back({{}, u, {}, "moves.apng"});
+    Discretisation d;
+    for (const auto& mistake : discretise(scene.plan, d)) throw mistake;
+    RunSettings settings;
+    settings.output_folder = folder_of("shown").string();
+    settings.checkpoint_every = 1000;
+    settings.monitors = scene.monitors;
+    Shown whole, again;
+    whole.fields = again.fields = {u};
+    const RunResult first = run_shown(scene.plan, d, settings, whole);
+    settings.resume = true;
+    expect_same(first, run_shown(scene.plan, d, settings, again));
+    ASSERT_EQ(again.pictures.size(), 3U);
+    ASSERT_EQ(whole.pictures.size(), 3U);
+    for (std::size_t i = 0; i < 3; ++i) {
+      ASSERT_EQ(again.pictures[i].size(), whole.pictures[i].size());
+      for (std::size_t k = 0; k < whole.pictures[i].size(); ++k)
+        EXPECT_EQ(numbers_of(again.pictures[i][k]), numbers_of(whole.pictures[i][k]));
+    }
+    ASSERT_EQ(again.frames.size(), 1U); // the one from there on
+    EXPECT_EQ(numbers_of(again.frames.back()), numbers_of(whole.frames.back()));
   }
 }
 
