@@ -208,7 +208,11 @@ std::string read_checkpoint(const std::filesystem::path& path, std::uint64_t fin
   if (bytes.size() < sizeof header) refuse_checkpoint(path, "ends too early");
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.magic_word != magic) refuse_checkpoint(path, "is no checkpoint");
-  if (header.version != format_version || header.byte_order != Header{}.byte_order)
+  if (header.byte_order == __builtin_bswap32(Header{}.byte_order))
+    refuse_checkpoint(path, "was written on a machine with another order of bytes");
+  if (header.byte_order != Header{}.byte_order)
+    refuse_checkpoint(path, "is damaged: it has no order of bytes");
+  if (header.version != format_version)
     refuse_checkpoint(path, fmt::format("has format {}, this program reads format {}",
                                         header.version, format_version));
   if (header.header_hash != header_hash(header) || header.size != bytes.size() - sizeof header ||

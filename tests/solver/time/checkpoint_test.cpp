@@ -1,11 +1,16 @@
 // What a checkpoint is good for: the same problem only, whole on the disk before it has its name.
+#include "solver/common/read_file.hpp"
 #include "solver/kernel/table.hpp"
+#include "solver/output/file.hpp"
 #include "solver/time/checkpoint.hpp"
 #include "tests/solver/time/plans.hpp"
+
+#include <gmock/gmock.h>
 
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <functional>
 #include <set>
 
@@ -160,6 +165,32 @@ TEST(CheckpointFile, IsOnTheDiskBeforeItHasItsName) {
   } catch (const Failure& failure) {
     EXPECT_EQ(failure.kind, FailureKind::bad_checkpoint);
   }
+}
+
+/// A field of the header that is not what it was is told as what it is.
+TEST(CheckpointFile, TellsWhatIsWrongWithItsHeader) {
+  const auto path = std::filesystem::path(testing::TempDir()) / "hvi_header" / "a.checkpoint";
+  write_checkpoint(path, 42, "state");
+  const std::string whole = *read_file(path);
+  const auto refused_with = [&](std::size_t at, std::string_view bytes) -> std::string {
+    std::string changed = whole;
+    changed.replace(at, bytes.size(), bytes);
+    write_atomically(path, changed, Durability::ordinary);
+    try {
+      (void)read_checkpoint(path, 42);
+    } catch (const Failure& failure) {
+      return failure.what();
+    }
+    return "read";
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(refused_with(0, "other"), HasSubstr("is no checkpoint"));
+  EXPECT_THAT(refused_with(11, "\x7f"), HasSubstr("has format 2130706"));
+  EXPECT_THAT(refused_with(13, "\x7f"), HasSubstr("is damaged"));
+  std::string swapped = whole.substr(12, 4);
+  std::ranges::reverse(swapped);
+  EXPECT_THAT(refused_with(12, swapped), HasSubstr("another order of bytes"));
+  EXPECT_THAT(refused_with(20, "\x7f"), HasSubstr("is damaged"));
 }
 
 } // namespace
