@@ -2,6 +2,7 @@
 #include "lang/check/across.hpp"
 
 #include <algorithm>
+#include <set>
 
 namespace hvi::lang {
 
@@ -29,11 +30,26 @@ std::vector<Symbol> scaled(const Symbol& by, std::vector<Symbol> across) {
 
 } // namespace
 
+Symbol strain_across(int unknown) {
+  return Symbol::variable(slot::test(slot::of_unknown(unknown, slot::hoop)));
+}
+
 std::vector<Symbol> across_of_scalar(const Field& f) {
   if (!f.across.empty() || f.rank != 0) return f.across;
+  std::set<int> open;
   for (const solver::Slot s : solver::slots_of(f.scalar()))
-    if (is_gradient_of_test(s)) return {};
-  return {Symbol(0.0)};
+    if (is_gradient_of_test(s)) open.insert(slot::unknown_of(s - slot::test(0)));
+  Symbol out = 0.0;
+  for (const int unknown : open) out = out + strain_across(unknown) * strain_across(unknown);
+  return {out};
+}
+
+std::vector<Symbol> stress_across(const Field& f, int unknown) {
+  const Symbol out =
+      derivative(across_of_scalar(f)[0], slot::test(slot::of_unknown(unknown, slot::hoop)));
+  for (const solver::Slot s : solver::slots_of(out))
+    if (slot::is_test(s)) return {};
+  return {out};
 }
 
 std::vector<Symbol> across_of_sum(const Field& left, const Field& right, double sign) {
@@ -64,7 +80,9 @@ std::vector<Symbol> across_of_contraction(const Field& left, const Field& right)
 
 std::vector<Symbol> across_of_strain(const Field& f) {
   if (f.test == Degree::none) return {Symbol(0.0)};
-  if (is_test_function(f)) return {Symbol(1.0)};
+  if (is_test_function(f))
+    return {strain_across(
+        slot::unknown_of(*solver::slots_of(f.components[0]).begin() - slot::test(0)))};
   return {};
 }
 

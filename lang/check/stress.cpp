@@ -45,7 +45,7 @@ Field stress(const Model& model, const Unknowns& unknowns) {
         out.components[i * model.dim + j] =
             out.components[i * model.dim + j] + term.factor * where * entry;
       }
-    const auto across = across_of_scalar(term.integrand);
+    const auto across = stress_across(term.integrand, unknown);
     if (across.empty()) out.across.clear();
     if (!out.across.empty()) out.across[0] = out.across[0] + term.factor * where * across[0];
     if (ring)

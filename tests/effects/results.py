@@ -333,6 +333,27 @@ report table m = mises(sigma) at {at}, zz = sigma.zz at {at}, xx = sigma.xx at {
             close(plane[name], space[name], 1e-10, space["m"] if name != "t" else None)
         xx, yy, zz, xy = (plane[k] for k in ("xx", "yy", "zz", "xy"))
         close(plane["m"], math.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy ** 2), 1e-12)
+    # Other unknowns beside u, whose gradients stand in integrals of their own or in one with those of u, change nothing.
+    alone = """
+mesh body = rectangle(1, 1, cells = [3, 3])
+part floor = body.bottom
+tensor B = isotropic(young = 70, poisson = 0.3)
+space V = vector P1 on body, zero on floor
+space W = {space} P1 on body, zero on floor
+find u in V{find} such that for all v in V{test}
+  {beside}integral(body, B : eps(u) : eps(v){within}) = integral(body, dot([1, -2], v){load})
+report table m = mises(sigma) at [0.4, 0.3], zz = sigma.zz at [0.4, 0.3]
+"""
+    nothing = {"space": "scalar", "find": "", "test": "", "beside": "", "within": "", "load": ""}
+    run(folder, alone.format(**nothing))
+    expected = rows(folder)[-1]
+    scalar = {"find": ", T in W", "test": ", q in W", "load": " + q"}
+    vector = {"space": "vector", "find": ", w in W", "test": ", q in W", "load": " + dot([3, 1], q)"}
+    for other in ({**scalar, "beside": "integral(body, dot(grad(T), grad(q))) + "}, {**scalar, "within": " + dot(grad(T), grad(q))"},
+                  {**vector, "beside": "integral(body, B : eps(w) : eps(q)) + "}, {**vector, "within": " + B : eps(w) : eps(q)"}):
+        run(folder, alone.format(**{**nothing, **other}))
+        for name, value in expected.items():
+            close(rows(folder)[-1][name], value, 1e-9)
     ring = """
 mesh tube = rectangle(1, 1, at = [1, 0], cells = [2, 2], axisymmetric = true)
 part inner = tube.left
