@@ -102,10 +102,8 @@ private:
 void count_solve(const CholeskyFactor& l, const LowerFactor& lower, RightHandSides y,
                  FactorStatistics& statistics) {
   ++statistics.triangular_solves;
-  const double contacts = l.order().contacts();
-  const double entries = y.stride == 1
-                             ? static_cast<double>(l.structure().xsize) - contacts * contacts
-                             : lower.structure.nonzeros();
+  const double entries =
+      y.stride == 1 ? static_cast<double>(l.interior_entries()) : lower.structure.nonzeros();
   const bool singles = l.entries() == FactorEntries::singles;
   statistics.bytes_read += entries * (singles ? sizeof(float) : sizeof(double));
 }

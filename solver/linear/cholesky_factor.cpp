@@ -53,6 +53,16 @@ double CholeskyFactor::bytes() const {
          contacts * contacts * static_cast<double>(entry + sizeof(double));
 }
 
+std::size_t CholeskyFactor::interior_entries() const {
+  const cholmod_factor& l = structure();
+  if (order_.contacts() == 0) return l.xsize;
+  const auto [super, row_start, value_start, row] = arrays_of(l);
+  const auto last = std::upper_bound(super, super + l.nsuper, Long{order_.interior}) - 1;
+  const auto s = last - super; // whose columns from the first contact one on stand at the end
+  return static_cast<std::size_t>(value_start[s] +
+                                  (order_.interior - *last) * (row_start[s + 1] - row_start[s]));
+}
+
 void CholeskyFactor::take_doubles() {
   entries_ = FactorEntries::doubles;
   LargeVector<float>().swap(singles_);
@@ -129,10 +139,7 @@ void CholeskyFactor::take_trailing_block(SquareOf<Entry>& l22) {
             values<Entry>()[value_start[s] + (column - super[s]) * stride + i];
   }
   if (contacts == 0) return;
-  const auto last = std::upper_bound(super, super + factor_.l->nsuper, Long{order_.interior}) - 1;
-  const auto s = last - super; // whose columns from the first contact one on stand at the end
-  const auto kept = static_cast<std::size_t>(
-      value_start[s] + (order_.interior - *last) * (row_start[s + 1] - row_start[s]));
+  const std::size_t kept = interior_entries();
   give_back_pages(const_cast<Entry*>(values<Entry>()) + kept,
                   (factor_.l->xsize - kept) * sizeof(Entry));
 }

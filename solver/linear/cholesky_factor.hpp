@@ -51,6 +51,8 @@ public:
     return entries_ == FactorEntries::singles ? f(values<float>()) : f(values<double>());
   }
   double bytes() const; ///< with L22 and S
+  /// All that CHOLMOD stores of the columns of the interior.
+  std::size_t interior_entries() const;
 
 private:
   [[noreturn]] void fail_at(int position, double pivot) const;

@@ -260,6 +260,24 @@ TEST(Factorisation, AddsUpTheTimeOfAllItsFactors) {
   }
 }
 
+/// A solve reads what is stored of the columns of the interior, none where all are in contact.
+TEST(Factorisation, CountsWhatItsSolvesRead) {
+  const SparseMatrix k = grid_laplacian(20, 1.0);
+  const int n = static_cast<int>(k.rows());
+  double read = 0.0;
+  for (const int contacts : {0, 20, 200, 390, n}) {
+    std::vector<int> contact(static_cast<std::size_t>(contacts));
+    std::iota(contact.begin(), contact.end(), 0);
+    const auto factor = analyse(k, contact, true);
+    factor->factor(k);
+    Vector y, r;
+    forward(*factor, random_vector(n, 3), y, r);
+    read = factor->statistics().bytes_read;
+    EXPECT_EQ(read > 0.0, contacts < n) << contacts << ": " << read;
+  }
+  EXPECT_EQ(read, 0.0);
+}
+
 TEST(Factorisation, CholeskyAndLuAgree) {
   const Problem plane = slab(12);
   const auto cholesky = analyse(plane.k, plane.contact, true);
