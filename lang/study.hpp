@@ -7,6 +7,7 @@
 #include "lang/pictures.hpp"
 #include "solver/output/table.hpp"
 #include "solver/study/cea.hpp"
+#include "solver/study/ladder.hpp"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -24,7 +25,10 @@ struct StudyRow {
   std::optional<solver::StudyError> error;   ///< absent: failed, or the finest run itself
   std::vector<solver::StudyError> errors;    ///< of several unknowns: of each, in its own norm
   std::vector<std::optional<double>> orders; ///< of each of them
-  std::map<std::string, double> probes;      ///< final values
+  /// Against `richardson`, on the diagonal: how far the next coarser run there is from this one, by
+  /// unknown.
+  std::vector<solver::StudyError> below;
+  std::map<std::string, double> probes; ///< final values
   /// Their distances to the finest run's (extrapolated: errors), and the orders seen.
   std::map<std::string, double> probe_errors, probe_orders;
   std::optional<solver::CeaTerms> cea; ///< backward Euler only, which the theorem is about
@@ -33,6 +37,13 @@ struct StudyRow {
   std::optional<double> order; ///< against the setting one rung lower on every ladder
   bool front = false;          ///< no other setting is both cheaper and closer
   std::string failure;         ///< empty when certified
+};
+
+/// What a study has made of the distances of one kind to the finest run.
+struct StudyExtrapolation {
+  std::string of; ///< "V error", a probe, ...
+  /// Absent: no order is seen, and the distances stand as they are.
+  std::optional<solver::Richardson> law;
 };
 
 struct Study {
@@ -53,7 +64,11 @@ struct Study {
   } shared;
   /// Probes are judged by the finest run; absent when it failed.
   std::optional<std::size_t> finest;
+  std::vector<StudyExtrapolation> extrapolated; ///< where errors are
 };
+
+/// Is a row on the diagonal of the ladders of numbers, which gives orders, below the finest run?
+bool below_finest(const Study& study, const StudyRow& row);
 
 /// From the rows as they were run: distances of the probes to the finest run, orders, the front;
 /// with `richardson` the errors are extrapolated from the distances.

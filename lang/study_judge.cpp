@@ -3,6 +3,7 @@
 #include "lang/study.hpp"
 #include "solver/study/ladder.hpp"
 
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -10,97 +11,188 @@ namespace hvi::lang {
 
 namespace {
 
-/// A ladder's rung as a number; words have none.
-std::optional<double> number_of(const StudyLadder& ladder, int rung) {
+using solver::Richardson;
+using solver::StudyError;
+
+/// A rung as a number; words have none.
+std::optional<double> number_of(const std::string& rung) {
   try {
-    return std::stod(ladder.values[rung]);
+    return std::stod(rung);
   } catch (const std::logic_error&) { // no number, or beyond any
     return std::nullopt;
   }
 }
 
-/// Rows below the finest along the diagonal of the ladders, and their parameters relative to the
-/// finest run's; empty where the first ladder has no numbers.
-std::pair<std::vector<std::size_t>, std::vector<double>> diagonal_of(const Study& study) {
-  std::pair<std::vector<std::size_t>, std::vector<double>> out;
-  const auto finest_value = number_of(study.ladders[0], study.rows.back().rungs[0]);
-  if (!finest_value) return out;
+/// Of a ladder: the values of its first parameter whose numbers change from rung to rung; null for
+/// a ladder of words (schemes, elements), which refines nothing.
+const std::vector<std::string>* numbers_of(const StudyLadder& ladder) {
+  const auto refines = [](const std::vector<std::string>& values) {
+    return number_of(values.front()) && values.front() != values.back();
+  };
+  if (refines(ladder.values)) return &ladder.values;
+  for (const auto& [name, values] : ladder.more)
+    if (refines(values)) return &values;
+  return nullptr;
+}
+
+/// How much finer the second of two rows is than the first, by the first ladder of numbers; those
+/// of mesh sizes and time steps fall.
+std::optional<double> ratio_of(const Study& study, const StudyRow& coarse, const StudyRow& fine) {
+  for (std::size_t l = 0; l < study.ladders.size(); ++l) {
+    const auto* const values = numbers_of(study.ladders[l]);
+    if (values == nullptr) continue;
+    const auto at = [&](const StudyRow& row) {
+      return number_of((*values)[static_cast<std::size_t>(row.rungs[l])]);
+    };
+    const auto a = at(coarse), b = at(fine);
+    if (!a || !b) return std::nullopt;
+    const bool falls = *number_of(values->back()) < *number_of(values->front());
+    return falls ? *a / *b : *b / *a;
+  }
+  return std::nullopt;
+}
+
+/// By how many rungs a row is lower than another, the same number on every ladder of numbers, on
+/// the same rungs of the others; 0 where it is not.
+int rungs_below(const Study& study, const StudyRow& row, const StudyRow& other) {
+  std::optional<int> out;
+  for (std::size_t l = 0; l < row.rungs.size(); ++l) {
+    const int lowered = other.rungs[l] - row.rungs[l];
+    if (numbers_of(study.ladders[l]) == nullptr) {
+      if (lowered != 0) return 0;
+    } else if (out.value_or(lowered) != lowered) {
+      return 0;
+    } else {
+      out = lowered;
+    }
+  }
+  return out.value_or(0);
+}
+
+/// Rows below the finest along the diagonal of the ladders of numbers, and their resolutions
+/// relative to the finest run's.
+struct Diagonal {
+  std::vector<std::size_t> rows;
+  std::vector<double> scales;
+};
+Diagonal diagonal_of(const Study& study) {
+  Diagonal out;
+  const StudyRow& finest = study.rows.back();
   for (std::size_t i = 0; i + 1 < study.rows.size(); ++i) {
     const StudyRow& row = study.rows[i];
-    int lowered = study.rows.back().rungs[0] - row.rungs[0];
-    for (std::size_t l = 0; l < row.rungs.size(); ++l)
-      if (study.rows.back().rungs[l] - row.rungs[l] != lowered) lowered = 0;
-    const auto value = number_of(study.ladders[0], row.rungs[0]);
-    if (lowered == 0 || !row.error || !value) continue;
-    out.first.push_back(i);
-    out.second.push_back(*value / *finest_value);
+    if (!row.error || rungs_below(study, row, finest) <= 0) continue;
+    const auto ratio = ratio_of(study, row, finest);
+    if (!ratio) continue;
+    out.rows.push_back(i);
+    out.scales.push_back(1.0 / *ratio);
   }
   return out;
 }
 
-/// Which of the errors of a row: the one it is judged by, or that of an unknown.
+/// Which of the errors of a row: that of an unknown, or of the only one.
 using Which = std::optional<std::size_t>;
-solver::StudyError& error_of(StudyRow& row, Which unknown) {
+StudyError& error_of(StudyRow& row, Which unknown) {
   return unknown ? row.errors[*unknown] : *row.error;
 }
 
-/// Errors of a study against its finest run, extrapolated along the diagonal of the ladders.
-void extrapolate(Study& study, Which unknown) {
-  const auto [diagonal, scales] = diagonal_of(study);
-  std::vector<double> distances;
-  for (const std::size_t i : diagonal) distances.push_back(error_of(study.rows[i], unknown).v_max);
-  const auto fit = solver::richardson(scales, distances);
-  if (!fit) return;
-  for (std::size_t k = 0; k < diagonal.size(); ++k) {
-    auto& error = error_of(study.rows[diagonal[k]], unknown);
-    const double factor = fit->errors[k] / error.v_max;
-    error.v_final *= factor, error.l2_max *= factor, error.l2_final *= factor;
-    error.v_max = fit->errors[k];
+constexpr std::array norms = {&StudyError::v_max, &StudyError::v_final, &StudyError::l2_max,
+                              &StudyError::l2_final};
+
+/// Errors from the distances in one norm, of all rows; that of the finest is NaN where no order is
+/// seen.
+std::optional<Richardson> extrapolate_norm(Study& study, const Diagonal& diagonal, Which unknown,
+                                           double StudyError::*norm) {
+  const std::size_t u = unknown.value_or(0);
+  std::vector<solver::RungDistance> distances;
+  for (std::size_t k = 0; k < diagonal.rows.size(); ++k) {
+    StudyRow& row = study.rows[diagonal.rows[k]];
+    distances.push_back({diagonal.scales[k], 1.0, error_of(row, unknown).*norm});
+    if (k > 0 && u < row.below.size())
+      distances.push_back({diagonal.scales[k - 1], diagonal.scales[k], row.below[u].*norm});
   }
-  solver::StudyError last;
-  last.v_max = last.v_final = fit->errors.back();
-  last.l2_max = last.l2_final = std::nan("");
-  last.size = error_of(study.rows[diagonal.back()], unknown).size;
-  StudyRow& finest = study.rows.back();
-  if (unknown)
-    finest.errors[*unknown] = last;
-  else
-    finest.error = last;
+  const auto law = solver::richardson(distances, solver::Measured::norm);
+  for (std::size_t i = 0; law && i + 1 < study.rows.size(); ++i)
+    if (study.rows[i].error) {
+      double& error = error_of(study.rows[i], unknown).*norm;
+      // What a run beside the diagonal has in common with the finest one is not known.
+      error =
+          below_finest(study, study.rows[i]) ? law->error(error) : std::hypot(error, law->finest);
+    }
+  error_of(study.rows.back(), unknown).*norm = law ? law->finest : std::nan("");
+  return law;
 }
 
-/// Distances of the probes to the finest run's; with `richardson` the diagonal has errors.
+/// Errors of one unknown against the finest run, from the distances to it.
+void extrapolate(Study& study, const Diagonal& diagonal, Which unknown) {
+  if (!diagonal.rows.empty())
+    error_of(study.rows.back(), unknown).size =
+        error_of(study.rows[diagonal.rows.front()], unknown).size;
+  for (const auto norm : norms) {
+    const auto law = extrapolate_norm(study, diagonal, unknown, norm);
+    const std::string of = unknown ? " of `" + study.unknowns[*unknown] + "`" : std::string();
+    if (norm == &StudyError::v_max) study.extrapolated.push_back({"V error" + of, law});
+    if (norm == &StudyError::l2_max) study.extrapolated.push_back({"L2 error" + of, law});
+  }
+}
+
+/// Errors of a study against its finest run. What rows are judged by is made of the unknowns'.
+void extrapolate_errors(Study& study) {
+  const Diagonal diagonal = diagonal_of(study);
+  StudyRow& finest = study.rows.back();
+  finest.error = StudyError{};
+  if (study.unknowns.empty()) return extrapolate(study, diagonal, std::nullopt);
+  finest.errors.assign(study.unknowns.size(), {});
+  for (std::size_t u = 0; u < study.unknowns.size(); ++u) extrapolate(study, diagonal, u);
+  for (StudyRow& row : study.rows)
+    if (row.error) row.error = study.in ? row.errors[*study.in] : solver::together(row.errors);
+}
+
+/// Where a probe's values on the diagonal go. They are numbers: the errors of all runs have one
+/// sign where there is an order.
+std::optional<Richardson> law_of_probe(const Study& study, const Diagonal& diagonal,
+                                       const std::string& name, double finest) {
+  std::vector<solver::RungDistance> distances;
+  double side = 0.0;
+  for (std::size_t k = 0; k < diagonal.rows.size(); ++k) {
+    const StudyRow& row = study.rows[diagonal.rows[k]];
+    const auto value = row.probes.find(name);
+    if (value == row.probes.end()) return std::nullopt;
+    const double off = value->second - finest;
+    if (off * side < 0.0) return std::nullopt;
+    side = off;
+    distances.push_back({diagonal.scales[k], 1.0, std::abs(off)});
+  }
+  return solver::richardson(distances, solver::Measured::number);
+}
+
+/// How much larger a probe is in the coarsest run of the diagonal than in the finest.
+double first_off(const Study& study, const Diagonal& diagonal, const std::string& name,
+                 double finest) {
+  return study.rows[diagonal.rows.front()].probes.at(name) - finest;
+}
+
+/// Distances of the probes to the finest run's; with `richardson` to where they go.
 void judge_probes(Study& study, bool richardson) {
   if (!study.finest) return;
+  const Diagonal diagonal = richardson ? diagonal_of(study) : Diagonal{};
   const StudyRow finest = study.rows[*study.finest];
   for (const auto& [name, value] : finest.probes) {
+    const auto law =
+        richardson ? law_of_probe(study, diagonal, name, value) : std::optional<Richardson>();
+    const double limit =
+        law ? value - std::copysign(law->finest, first_off(study, diagonal, name, value)) : value;
     for (std::size_t i = 0; i < study.rows.size(); ++i)
       if (const auto mine = study.rows[i].probes.find(name);
-          i != *study.finest && mine != study.rows[i].probes.end())
-        study.rows[i].probe_errors[name] = std::abs(mine->second - value);
-    if (!richardson) continue;
-    const auto [diagonal, scales] = diagonal_of(study);
-    std::vector<double> distances;
-    for (const std::size_t i : diagonal) distances.push_back(study.rows[i].probe_errors[name]);
-    const auto fit = solver::richardson(scales, distances);
-    if (!fit) continue;
-    for (std::size_t k = 0; k < diagonal.size(); ++k)
-      study.rows[diagonal[k]].probe_errors[name] = fit->errors[k];
-    study.rows[*study.finest].probe_errors[name] = fit->errors.back();
+          mine != study.rows[i].probes.end() && (law || i != *study.finest))
+        study.rows[i].probe_errors[name] = std::abs(mine->second - limit);
+    if (richardson) study.extrapolated.push_back({"`" + name + "`", law});
   }
 }
 
-/// The row one rung lower on every ladder of numbers, the same on ladders of words (schemes,
-/// elements), which refine nothing; -1 for none.
+/// The row one rung lower on every ladder of numbers, the same on ladders of words; -1 for none.
 int coarser_row(const Study& study, std::size_t of) {
-  std::vector<int> lower = study.rows[of].rungs;
-  bool moved = false;
-  for (std::size_t l = 0; l < lower.size(); ++l) {
-    if (!number_of(study.ladders[l], 0)) continue;
-    if (lower[l]-- == 0) return -1;
-    moved = true;
-  }
-  for (std::size_t i = 0; moved && i < study.rows.size(); ++i)
-    if (study.rows[i].rungs == lower) return static_cast<int>(i);
+  for (std::size_t i = 0; i < study.rows.size(); ++i)
+    if (rungs_below(study, study.rows[i], study.rows[of]) == 1) return static_cast<int>(i);
   return -1;
 }
 
@@ -112,38 +204,34 @@ void compare_neighbours(Study& study) {
     error.push_back(row.error ? row.error->v_max : std::nan(""));
   }
   const auto front = solver::pareto_front(cost, error);
-  std::size_t first = 0; // the ladder whose numbers stand for the resolution
-  while (first + 1 < study.ladders.size() && !number_of(study.ladders[first], 0)) ++first;
   for (std::size_t i = 0; i < study.rows.size(); ++i) {
     StudyRow& row = study.rows[i];
     row.front = front[i];
     const int before = coarser_row(study, i);
     if (before < 0) continue;
-    const auto a = number_of(study.ladders[first], study.rows[before].rungs[first]);
-    const auto b = number_of(study.ladders[first], row.rungs[first]);
-    if (!a || !b) continue;
-    row.order = solver::observed_order(error[before], error[i], *b / *a);
+    const auto ratio = ratio_of(study, study.rows[static_cast<std::size_t>(before)], row);
+    if (!ratio) continue;
+    row.order = solver::observed_order(error[before], error[i], *ratio);
     const auto& coarser = study.rows[static_cast<std::size_t>(before)].errors;
     for (std::size_t u = 0; u < std::min(coarser.size(), row.errors.size()); ++u)
-      row.orders.push_back(solver::observed_order(coarser[u].v_max, row.errors[u].v_max, *b / *a));
+      row.orders.push_back(solver::observed_order(coarser[u].v_max, row.errors[u].v_max, *ratio));
     for (const auto& [name, off] : row.probe_errors)
       if (const auto coarse = study.rows[before].probe_errors.find(name);
           coarse != study.rows[before].probe_errors.end())
-        if (const auto p = solver::observed_order(coarse->second, off, *b / *a))
+        if (const auto p = solver::observed_order(coarse->second, off, *ratio))
           row.probe_orders[name] = *p;
   }
 }
 
 } // namespace
 
+bool below_finest(const Study& study, const StudyRow& row) {
+  return rungs_below(study, row, study.rows.back()) > 0;
+}
+
 void judge(Study& study, bool richardson) {
+  if (richardson) extrapolate_errors(study);
   judge_probes(study, richardson);
-  if (richardson) {
-    extrapolate(study, std::nullopt);
-    const double none = std::nan(""); // where no order is seen
-    study.rows.back().errors.assign(study.unknowns.size(), {none, none, none, none, none});
-    for (std::size_t u = 0; u < study.unknowns.size(); ++u) extrapolate(study, u);
-  }
   compare_neighbours(study);
 }
 

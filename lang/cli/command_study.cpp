@@ -115,7 +115,7 @@ private:
   /// Everything that decides a row: the program, the script and its imports, the parameters, and
   /// for each setting the plan with the values of its tables and the content of its mesh file.
   std::string what_decides(const Script& script) const {
-    std::string all = fmt::format("journal 3, hvi-run {}\n", version);
+    std::string all = fmt::format("journal 4, hvi-run {}\n", version);
     for (const auto& program : script.programs) all += script.sources.file(program.file).text();
     for (const auto& [name, value] : options_.defines) all += name + "=" + value + ";";
     std::map<std::string, std::string> meshes;
@@ -164,10 +164,27 @@ private:
       StudyRow& row = study_.rows[i];
       if (journal_.has(row)) continue;
       tell_progress(i);
+      if (const int code = make_coarser(i); code != exit_ok) return code;
       if (const int code = run_row(row, false); code != exit_ok) return code;
     }
     if (!options_.quiet && isatty(STDERR_FILENO)) tell("\r\033[K");
     while (!meshes_.empty()) forget(meshes_.begin());
+    return exit_ok;
+  }
+
+  bool is_rung(const StudyRow& row) const {
+    return kind_ == ModelStudy::Reference::richardson && below_finest(study_, row);
+  }
+
+  /// A study that is continued has no steps of the coarser run that a rung is compared with: it is
+  /// run again.
+  int make_coarser(std::size_t i) {
+    if (!is_rung(study_.rows[i])) return exit_ok;
+    for (std::size_t k = i; k-- > 0;) {
+      StudyRow again = study_.rows[k];
+      if (!is_rung(again) || !again.failure.empty()) continue;
+      return coarser_values_ == again.values ? exit_ok : try_row(again, false);
+    }
     return exit_ok;
   }
 
@@ -251,6 +268,13 @@ private:
 
   /// One setting; `keeps`: its steps become the reference.
   Exit run_row(StudyRow& row, bool keeps) {
+    if (const Exit code = try_row(row, keeps); code != exit_ok) return code;
+    journal_.keep(row);
+    done_weight_ += weight(row);
+    return exit_ok;
+  }
+
+  Exit try_row(StudyRow& row, bool keeps) {
     const auto session = compile_row(row);
     Script& script = session->script;
     if (!script.plan) {
@@ -274,8 +298,6 @@ private:
       }
       row.failure = failure.what();
     }
-    journal_.keep(row);
-    done_weight_ += weight(row);
     return exit_ok;
   }
 
@@ -317,6 +339,7 @@ private:
     const auto gauge = gauge_for(script, *d, keeps);
     auto trajectory = std::make_shared<solver::Trajectory>();
     trajectory->discretisation = d;
+    const bool rung = is_rung(row), kept = keeps || rung;
     double watching = 0.0, watching_wall = 0.0;
     const auto& plan = *script.plan;
     solver::RunSettings settings;
@@ -324,16 +347,16 @@ private:
     settings.on_step = [&](int, double t, const solver::Vector& u, const solver::Vector&) {
       const solver::PhaseClock<> clock(watching);
       const auto start = std::chrono::steady_clock::now();
-      if (keeps) trajectory->times.push_back(t), trajectory->states.push_back(u);
+      if (kept) trajectory->times.push_back(t), trajectory->states.push_back(u);
       if (gauge) gauge->step(t, u);
       watching_wall +=
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     };
     settings.on_restart = [&] {
-      if (keeps) begin_trajectory(plan, *trajectory);
+      if (kept) begin_trajectory(plan, *trajectory);
       if (gauge) gauge->forget();
     };
-    if (keeps) begin_trajectory(plan, *trajectory);
+    if (kept) begin_trajectory(plan, *trajectory);
     const auto start = std::chrono::steady_clock::now();
     const auto result = solver::run(plan, *d, settings);
     row.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
@@ -349,7 +372,22 @@ private:
       if (std::isfinite(value) && !name.empty()) row.probes[name] = value; // parts have no name
     if (gauge) take_errors(*gauge, row);
     if (keeps) reference_ = trajectory, reference_problem_ = plan.problem;
+    if (rung) take_below(plan, trajectory, row);
     if (row.cpu < short_run) repeat(plan, *d, row);
+  }
+
+  /// How far the next coarser run on the diagonal is from this one.
+  void take_below(const solver::Plan& plan, const std::shared_ptr<const solver::Trajectory>& now,
+                  StudyRow& row) {
+    if (coarser_) {
+      const auto& d = *coarser_->discretisation;
+      const auto gauge = solver::trajectory_gauge(now, d, solver::norms_of(plan.problem, d));
+      const std::size_t begin = plan.problem.time.is_static ? 0 : 1; // all begin alike
+      for (std::size_t i = begin; i < coarser_->states.size(); ++i)
+        gauge->step(coarser_->times[i], coarser_->states[i]);
+      row.below = gauge->errors();
+    }
+    coarser_ = now, coarser_values_ = row.values;
   }
 
   /// Short runs three times: the median.
@@ -373,6 +411,8 @@ private:
   ModelStudy::Reference kind_ = ModelStudy::Reference::finest;
   std::shared_ptr<const solver::Trajectory> reference_;
   std::optional<solver::Problem> reference_problem_;
+  std::shared_ptr<const solver::Trajectory> coarser_; ///< of the last run on the diagonal
+  std::map<std::string, std::string> coarser_values_;
   std::vector<KnownMesh> meshes_;
   double resident_ = 0.0; ///< bytes before a row
   solver::FineSolution fine_;

@@ -33,6 +33,9 @@ void restore(const nlohmann::json& entry, StudyRow& row) {
     for (const auto& e : entry["errors"]) row.errors.push_back(error_from(e));
     if (!entry.contains("error")) row.error = solver::together(row.errors);
   }
+  row.below.clear();
+  if (entry.contains("below"))
+    for (const auto& e : entry["below"]) row.below.push_back(error_from(e));
   if (entry.contains("cea")) {
     const auto& c = entry["cea"];
     row.cea = solver::CeaTerms{c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]};
@@ -88,6 +91,7 @@ void StudyJournal::keep(const StudyRow& row) {
     for (const auto& e : row.errors) entry["errors"].push_back(numbers(e));
   else if (const auto& e = row.error)
     entry["error"] = numbers(*e);
+  for (const auto& e : row.below) entry["below"].push_back(numbers(e));
   if (const auto& c = row.cea)
     entry["cea"] = {c->interpolation,
                     c->interpolation_rate,

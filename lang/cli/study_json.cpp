@@ -48,6 +48,15 @@ nlohmann::ordered_json row_json(const Study& study, const StudyRow& row) {
   return out;
 }
 
+nlohmann::ordered_json extrapolation_json(const std::string& of,
+                                          const std::optional<solver::Richardson>& law) {
+  nlohmann::ordered_json out{{"of", of}, {"order", nullptr}};
+  if (!law) return out;
+  out["order"] = law->order, out["finest"] = law->finest;
+  out["along"] = law->along;
+  return out;
+}
+
 } // namespace
 
 nlohmann::ordered_json study_json(const Study& study) {
@@ -72,6 +81,8 @@ nlohmann::ordered_json study_json(const Study& study) {
                                {"seconds", study.shared.seconds}}},
                              {"rows", rows},
                              {"best", best}};
+  for (const auto& [of, law] : study.extrapolated)
+    out["extrapolated"].push_back(extrapolation_json(of, law));
   if (!study.units.empty()) out["units"] = study.units;
   return out;
 }

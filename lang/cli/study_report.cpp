@@ -185,6 +185,21 @@ std::string order_picture(const Study& study, std::size_t along) {
                      plots);
 }
 
+/// How the errors of a study were made from distances.
+std::string extrapolation_text(const Study& study) {
+  std::string seen, none;
+  for (const auto& [of, law] : study.extrapolated) {
+    std::string& list = law ? seen : none;
+    list += (list.empty() ? "" : ", ") + of;
+    if (law) list += fmt::format(" (order {:.2f})", law->order);
+  }
+  std::string out;
+  if (!seen.empty()) out += "extrapolated from distances: " + seen + "\n";
+  if (!none.empty())
+    out += "no order is seen, distances to the finest run as they are: " + none + "\n";
+  return out;
+}
+
 /// Of several unknowns: the errors of each in its own norm.
 std::string unknowns_table(const Study& study) {
   std::string out;
@@ -301,7 +316,8 @@ std::string study_table(const Study& study) {
       for (const auto& [name, value] : row.values) out += fmt::format(" {} = {}", name, value);
       out += ": " + row.failure + "\n";
     }
-  out += unknowns_table(study) + probe_table(study) + cea_table(study) + shared_line(study);
+  out += extrapolation_text(study) + unknowns_table(study) + probe_table(study) + cea_table(study) +
+         shared_line(study);
   return out + fmt::format("{}; * = no other setting is both cheaper and closer\n", study.machine);
 }
 

@@ -2,6 +2,7 @@
 #include "solver/study/ladder.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -41,40 +42,77 @@ std::vector<bool> pareto_front(std::span<const double> cost, std::span<const dou
 
 namespace {
 
-/// The best constant for an order, and the squared misfit of the logarithms it leaves. `power`:
-/// 1 for errors that add up, 2 for orthogonal ones.
-double misfit(std::span<const double> scales, std::span<const double> distances, double p,
-              double power, double& log_c) {
-  std::vector<double> off;
-  for (std::size_t i = 0; i < distances.size(); ++i)
-    off.push_back(std::log(distances[i]) - std::log(std::pow(scales[i], -p * power) - 1.0) / power);
-  log_c = 0.0;
-  for (const double v : off) log_c += v / static_cast<double>(off.size());
-  double sum = 0.0;
-  for (const double v : off) sum += (v - log_c) * (v - log_c);
-  return sum;
+constexpr double least_order = 0.05, most_order = 6.0;
+constexpr double most_misfit = 0.25; ///< of the squares of distances, relative
+
+/// The squares of a and b that fit best for an order, and what they leave open.
+struct Fit {
+  double order = 0.0, aa = 0.0, bb = 0.0;
+  double misfit = std::numeric_limits<double>::infinity(); ///< root of the mean square
+};
+
+/// Least squares of aa A + bb B = 1, A and B relative to the square of each distance.
+Fit fit_of(double p, std::span<const RungDistance> distances, Measured measured) {
+  std::vector<std::array<double, 2>> rows;
+  double AA = 0.0, AB = 0.0, BB = 0.0, A = 0.0, B = 0.0;
+  for (const RungDistance& d : distances) {
+    const double x = std::pow(d.coarse, -p), y = std::pow(d.fine, -p),
+                 square = d.distance * d.distance;
+    const double a = (x * x - y * y) / square, b = (x - y) * (x - y) / square;
+    rows.push_back({a, b});
+    AA += a * a, AB += a * b, BB += b * b, A += a, B += b;
+  }
+  const auto with = [&](double aa, double bb) {
+    Fit out{p, aa, bb, 0.0};
+    for (const auto& [a, b] : rows) out.misfit += std::pow(aa * a + bb * b - 1.0, 2);
+    out.misfit = std::sqrt(out.misfit / static_cast<double>(rows.size()));
+    return out;
+  };
+  Fit best = with(0.0, B / BB);
+  if (measured == Measured::number) return best;
+  const double det = AA * BB - AB * AB;
+  for (const Fit& other :
+       {with(A / AA, 0.0), with((A * BB - B * AB) / det, (B * AA - A * AB) / det)})
+    if (other.aa >= 0.0 && other.bb >= 0.0 && other.misfit < best.misfit) best = other;
+  return best;
+}
+
+/// Steps of a hundredth find the valley, those of a ten thousandth its ground.
+Fit best_fit(std::span<const RungDistance> distances, Measured measured) {
+  Fit best;
+  const auto search = [&](double from, double to, double step) {
+    for (int k = 0; from + k * step <= to; ++k)
+      if (const Fit here = fit_of(from + k * step, distances, measured); here.misfit < best.misfit)
+        best = here;
+  };
+  search(least_order, most_order, 0.01);
+  const double near = best.order;
+  search(std::max(near - 0.01, least_order), near + 0.01, 1e-4);
+  return best;
 }
 
 } // namespace
 
+double Richardson::error(double distance) const {
+  return std::sqrt(distance * distance + finest * finest + 2.0 * along * finest * distance);
+}
+
 /// After L. F. Richardson, The approximate arithmetical solution by finite differences of physical
 /// problems involving differential equations, Phil. Trans. R. Soc. A 210 (1911) 307-357.
-std::optional<Richardson> richardson(std::span<const double> scales,
-                                     std::span<const double> distances) {
-  if (distances.size() < 2 || scales.size() != distances.size()) return std::nullopt;
-  for (std::size_t i = 0; i < distances.size(); ++i)
-    if (!(distances[i] > 0.0) || !(scales[i] > 0.0) || !(scales[i] < 1.0)) return std::nullopt;
-  Richardson best;
-  double log_c = 0.0, least = std::numeric_limits<double>::infinity();
-  for (const double power : {1.0, 2.0})
-    for (int k = 5; k <= 600; ++k) { // orders to two digits: no data of a study say more
-      double c = 0.0;
-      const double p = 0.01 * k, here = misfit(scales, distances, p, power, c);
-      if (here < least) least = here, best.order = p, log_c = c;
-    }
-  for (const double s : scales) best.errors.push_back(std::exp(log_c) * std::pow(s, -best.order));
-  best.errors.push_back(std::exp(log_c));
-  return best;
+std::optional<Richardson> richardson(std::span<const RungDistance> distances, Measured measured) {
+  if (distances.size() < (measured == Measured::number ? 2U : 3U)) return std::nullopt;
+  double nearest = 0.0;
+  for (const RungDistance& d : distances) {
+    if (!(d.distance > 0.0) || !(d.coarse > 0.0) || !(d.coarse < d.fine)) return std::nullopt;
+    nearest = std::max(nearest, d.coarse);
+  }
+  const Fit fit = best_fit(distances, measured);
+  if (!(fit.misfit < most_misfit) || !(fit.order > least_order) || !(fit.order < most_order))
+    return std::nullopt;
+  const double x = std::pow(nearest, -fit.order);
+  const double in_b = fit.bb * (x - 1.0), in_all = in_b + fit.aa * (x + 1.0);
+  const double finest = std::sqrt(fit.aa + fit.bb);
+  return Richardson{fit.order, finest, std::sqrt(fit.bb * in_b / in_all) / finest};
 }
 
 } // namespace hvi::solver

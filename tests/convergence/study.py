@@ -45,6 +45,41 @@ with tempfile.TemporaryDirectory() as folder:
     guessed = study(folder, "richardson")
     for a, b in zip(diagonal(exact), diagonal(guessed)):
         assert abs(a["error"]["V_max"] / b["error"]["V_max"] - 1) < 0.05, (a, b)
+    # Three runs, each norm by itself: errors of slopes are orthogonal to the distances, those of values add up.
+    written = script
+    ladder = "n, N in [[8, 8], [16, 16], [32, 32]]"
+    script = script.replace("n in [4, 8, 16, 32] and N in [4, 8, 16, 32]", ladder)
+    known, guessed = study(folder, "exact t * phi()"), study(folder, "richardson")
+    for a, b in zip(known["rows"], guessed["rows"]):
+        assert abs(a["error"]["V_max"] / b["error"]["V_max"] - 1) < 0.05, (a, b)
+        for norm in ("V_final", "L2", "L2_final"):
+            assert abs(a["error"][norm] / b["error"][norm] - 1) < 0.25, (norm, a, b)
+    said = {entry["of"]: entry for entry in guessed["extrapolated"]}
+    assert said["V error"]["along"] < 0.3 and said["L2 error"]["along"] > 0.7, said
+    # Steps alone: errors in time add up. Against many steps, which leave the error of the mesh out.
+    times = script.replace(ladder, "N in [4, 8, 16, 512]").replace("param n = ", "param n = 4 # ")
+    script = times
+    known = study(folder, "finest")
+    script = times.replace("[4, 8, 16, 512]", "[4, 8, 16]")
+    guessed = study(folder, "richardson")
+    for a, b in zip(known["rows"][:3], guessed["rows"]):
+        assert abs(a["error"]["V_max"] / b["error"]["V_max"] - 1) < 0.1, (a, b)
+    # A ladder of words refines nothing: every element has its orders, and the rows of both are corrected.
+    script = written.replace("n in [4, 8, 16, 32] and N in [4, 8, 16, 32]", ladder + " and element in [P1, P2]")
+    script = script.replace("vector P1", "vector element").replace("param n", "param element = P1\nparam n", 1)
+    known, guessed = study(folder, "exact t * phi()"), study(folder, "richardson")
+    for a, b in zip(known["rows"], guessed["rows"]):
+        off = abs(a["error"]["V_max"] / b["error"]["V_max"] - 1) # P1 beside the diagonal, by the mix of errors on it
+        assert off < (0.05 if a["params"]["element"] == "P2" else 0.2), (a, b)
+        assert (b["order"] is None) == (b["params"]["n"] == "8"), b
+    # Continued without the rows of a rung that others are compared with: the same errors.
+    journal = pathlib.Path(folder) / "out/study.jsonl"
+    lines = journal.read_text().splitlines()
+    kept = [line for line in lines if json.loads(line)["values"] == {"n": "8", "N": "8", "element": "P2"}]
+    journal.write_text(kept[-1] + "\n")
+    for a, b in zip(guessed["rows"], study(folder, "richardson")["rows"]):
+        assert a["error"] == b["error"], (a, b)
+    script = written
     finest = study(folder, "finest")
     assert "error" not in finest["rows"][-1]
 # Stopped by Ctrl-C after some settings: a second call goes on with the others.
