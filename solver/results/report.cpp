@@ -18,6 +18,7 @@ Reporter::Reporter(const Plan& plan, const Discretisation& d, const RunState& ru
       tables_read_(plan.problem, plan.report.probes, d, run), files_(settings.warn),
       tables_(plan.report, name_, folder_), pictures_(plan, d, contact_, shown),
       range_(plan.problem.law_terms.size()), found_(found_effects(plan.problem, d, run)) {
+  every_value_ = settings.every_value;
   prepare_fields(run, settings);
   const int n_fields = count_fields(plan.problem);
   for (const auto& probe : plan.report.probes)
@@ -63,14 +64,15 @@ void Reporter::record(const RunState& run, bool last) {
   const bool any_fields = std::ranges::any_of(
       fields_, [&](const FieldSeries& series) { return is_due(series.every, step, last); });
   const bool shows = pictures_.keeps(step, last);
-  const bool whole = any_fields || shows || last || (row && rows_read_interior_);
-  if (row || whole || keeps_before_) now_.take(run, whole);
+  const bool whole = any_fields || shows || last || ((row || every_value_) && rows_read_interior_);
+  const bool reads = row || last || every_value_;
+  if (reads || whole || keeps_before_) now_.take(run, whole);
   if (keeps_before_) read_between_steps(run);
-  if (row || last) {
+  if (reads) {
     probes_.evaluate(now_, before_, values_);
     tables_read_.refuse_outside(now_, before_, values_);
-    add_row(run);
   }
+  if (row || last) add_row(run);
   for (FieldSeries& series : fields_)
     if (is_due(series.every, step, last)) write_fields(series);
   if (last) pictures_.take_at_end(now_);

@@ -44,7 +44,8 @@ public:
   void take_loads() { probes_.take_loads(); }
   /// Records an accepted step: rows and files that are due (`last`: all of them).
   void record(const RunState& run, bool last);
-  /// By probe, at the last step that had a row; NaN where the time of one has not come.
+  /// By probe, at the last step that had a row, or with RunSettings::every_value the last one; NaN
+  /// where the time of one has not come.
   std::span<const double> values() const { return values_; }
   /// Notes the events of a step: the next row counts those since the last one.
   void mark(const StepResult& outcome) { tables_.mark(outcome); }
@@ -88,7 +89,7 @@ private:
   std::vector<FieldSeries> fields_;
   RunPictures pictures_;
   Snapshot now_, before_, between_;
-  bool keeps_before_ = false, rows_read_interior_ = false;
+  bool keeps_before_ = false, rows_read_interior_ = false, every_value_ = false;
   std::vector<double> values_; ///< by probe
   bool ended_ = false;         ///< the last step is recorded
   int last_recorded_ = -1;

@@ -155,6 +155,7 @@ SteppedRun::SteppedRun(const Plan& plan, Discretisation& discretisation,
                        const std::atomic<bool>* stop)
     : plan_(as_run(plan)), discretisation_(discretisation) {
   settings_.stop = stop;
+  settings_.every_value = true;
   if (plan_.start) plan_ = with_start_solved(plan_, discretisation, settings_, start_notes_);
   settings_.on_step = [this](int, double t, const Vector& u, const Vector& xi) {
     t_ = t, u_ = u, xi_ = xi;
@@ -162,11 +163,10 @@ SteppedRun::SteppedRun(const Plan& plan, Discretisation& discretisation,
   tried_ = std::make_unique<Tried>(*this);
 }
 
-/// Every step is looked at, and no files are written.
+/// No files are written.
 Plan SteppedRun::as_run(const Plan& plan) {
   Plan out = plan;
   out.report.fields.clear();
-  for (TableSpec& table : out.report.tables) table.every = 1;
   return out;
 }
 

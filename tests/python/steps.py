@@ -68,6 +68,21 @@ class Steps(unittest.TestCase):
             list(steps)
         self.assertEqual(caught.exception.code, "E0701")
         self.assertIsNone(steps.advance())  # it has ended
+        with self.assertRaises(hvi.SolveError) as again:
+            steps.result()
+        self.assertEqual((again.exception.code, str(again.exception)), ("E0701", str(caught.exception)))
+
+    def test_a_table_has_the_rows_that_it_asks_for(self):
+        text = (EXAMPLES / "slab.hvi").read_text()
+        seldom = text.replace("reaction = integral(ground, layer.xi)", "reaction = integral(ground, layer.xi) every 3 steps")
+        self.assertNotEqual(seldom, text)
+        model = hvi.loads(seldom, n=2, N=8)
+        steps = model.steps()
+        values = [step["reaction"] for step in steps]
+        found, expected = steps.result(), model.run()
+        np.testing.assert_array_equal(found["t"], expected["t"])
+        np.testing.assert_array_equal(found["reaction"], expected["reaction"])
+        self.assertEqual(values, list(hvi.loads(text, n=2, N=8).run()["reaction"]))  # each step has its values
 
     def test_mistakes(self):
         with self.assertRaises(hvi.ScriptError):

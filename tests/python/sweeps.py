@@ -26,6 +26,10 @@ class Sweeps(unittest.TestCase):
         self.assertEqual(told[-1], (6, 6))
         self.assertEqual(told, sorted(told))
 
+    def test_single_values(self):
+        found = hvi.load(EXAMPLES / "slab.hvi").sweep(n=np.int64(2), N=np.float64(4), processes=1, progress=False)
+        self.assertEqual((found.params, found.errors), ([{"n": 2, "N": 4.0}], [None]))
+
     def test_results_and_failures(self):
         text = (EXAMPLES / "slab.hvi").read_text().replace("mesh slab", "param tol = 1e-10\nmesh slab", 1).replace("from u = 0\n", "from u = 0 using tolerance = tol\n", 1)
         found = hvi.loads(text, n=2, N=2).sweep(tol=[1e-10, 1e-30, 1e-9], results=True, processes=2, progress=False)

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 import pathlib
 import shutil
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, Optional, Union
 
 from . import _hvi
-from ._errors import EXIT_SCRIPT, Error, ScriptError, SolveError, diagnostics_from, refuse
+from ._errors import EXIT_INTERRUPTED, EXIT_SCRIPT, Error, ScriptError, SolveError, diagnostics_from, refuse
 from ._result import Array, Grid, Result, grid_from, result_from
 
 if TYPE_CHECKING:
@@ -35,6 +36,34 @@ def as_given(name: str, value: Value) -> str:
         return repr(float(number))
     except TypeError:
         raise TypeError(f"the parameter {name!r} is a number or a word, not {value!r}") from None
+
+
+def as_count(name: str, value: Any) -> int:
+    """A number of steps; 0: none."""
+    try:
+        count = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is a whole number of steps, not {value!r}") from None
+    if not 0 <= count < 2**31:
+        raise ValueError(f"{name} is a number of steps, not {value!r}")
+    return count
+
+
+def as_positive(name: str, value: Any) -> float:
+    """A number above zero."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} is a number, not {value!r}") from None
+    if not number > 0.0:
+        raise ValueError(f"{name} is a number above 0, not {value!r}")
+    return number
+
+
+def as_name(name: str, value: Any) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{name} is a name, not {value!r}")
+    return value
 
 
 @dataclass(frozen=True)
@@ -131,10 +160,11 @@ class Model:
 
     def _run(self, params: Mapping[str, Value], progress: Optional[Progress] = None, output: Any = None, monitors: bool = False,
              keep_every: int = 0, accuracy: float = 0.0, accuracy_of: str = "", budget: float = 3600.0, shared: Any = None) -> Result:
-        if keep_every < 0:
-            raise ValueError("keep_every is a number of steps")
-        how = {"output": os.fspath(output) if output is not None else "", "monitors": monitors, "keep_every": keep_every,
-               "accuracy": accuracy, "accuracy_of": accuracy_of, "budget": budget}
+        if progress is not None and not callable(progress):
+            raise TypeError(f"progress is a function of (step, steps, seconds), not {progress!r}")
+        how = {"output": os.fsdecode(output) if output is not None else "", "monitors": bool(monitors),
+               "keep_every": as_count("keep_every", keep_every), "accuracy": as_positive("accuracy", accuracy) if accuracy != 0 else 0.0,
+               "accuracy_of": as_name("accuracy_of", accuracy_of), "budget": as_positive("budget", budget)}
         answer = self._model.run(self._defines(params), how, progress, shared)
         result = result_from(answer, answer["data"].get("params", {}) if answer["data"] else {})
         refuse(answer, result)
@@ -226,6 +256,7 @@ class Steps:
         self._stepping = stepping
         self._defines = dict(defines)
         self._failed = False
+        self._error: Optional[Error] = None
         self._result: Optional[Result] = None
         self._described = stepping.start()
         refuse(self._described)
@@ -272,9 +303,15 @@ class Steps:
             answer, more = self._stepping.advance()
             if answer["exit"] != 0:
                 self._failed = True
-                refuse(answer, self._conclude()[1])
+                so_far = self._conclude()[1]
+                if answer["exit"] == EXIT_INTERRUPTED:
+                    self._result = so_far
+                refuse(answer, so_far)
         except KeyboardInterrupt:
             self._failed = True
+            raise
+        except Error as error:
+            self._error = error
             raise
         if not more:
             return None
@@ -285,7 +322,10 @@ class Steps:
         return answer, result_from(answer, answer["data"].get("params", {}) if answer["data"] else {})
 
     def result(self) -> Result:
-        """What is known after the steps so far, as of Model.run; no step can be taken after it. Certified where all were taken."""
+        """What is known after the steps so far, as of Model.run; no step can be taken after it. Certified where all were taken. Raises
+        what a step has failed with."""
+        if self._error is not None:
+            raise self._error
         if self._result is None:
             answer, found = self._conclude()
             refuse(answer, found)

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import itertools
+import numbers
 import os
 import pathlib
 import pickle
@@ -104,7 +105,10 @@ class _Processes:
 
 
 def combinations(ladders: dict[str, Iterable[Value]]) -> list[dict[str, Value]]:
-    values = {name: [one] if isinstance(one, (str, int, float)) else list(one) for name, one in ladders.items()}
+    def is_one(value: Any) -> bool:
+        return isinstance(value, (str, numbers.Number)) or getattr(value, "ndim", None) == 0  # of NumPy
+
+    values = {name: [one] if is_one(one) else list(one) for name, one in ladders.items()}
     return [dict(zip(values, chosen)) for chosen in itertools.product(*values.values())]
 
 
