@@ -41,6 +41,14 @@ constexpr double most_dofs_kept = 5e5; ///< of meshes (with factors) for setting
 
 constexpr double short_run = 0.3; ///< CPU seconds below which a run is timed three times
 
+/// Of a script whose values give no problem.
+std::string first_mistake(const Script& script) {
+  for (const Diagnostic& mistake : script.diagnostics.sorted())
+    if (mistake.severity == Severity::error)
+      return fmt::format("{}: {}", mistake.code, mistake.message);
+  return "no problem";
+}
+
 /// Resets the peak of solver::memory_peak() to what is held now (Linux).
 void forget_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 
@@ -277,9 +285,13 @@ private:
   Exit try_row(StudyRow& row, bool keeps) {
     const auto session = compile_row(row);
     Script& script = session->script;
-    if (!script.plan) {
+    if (!script.plan && keeps) { // nothing can be compared with it
       show_diagnostics(script, options_);
       return exit_script;
+    }
+    if (!script.plan) {
+      row.failure = first_mistake(script);
+      return exit_ok;
     }
     script.plan->report.fields.clear(), script.plan->report.pictures.clear();
     script.plan->report.lines.clear(), script.plan->report.plots.clear();

@@ -79,6 +79,11 @@ with tempfile.TemporaryDirectory() as folder:
     journal.write_text(kept[-1] + "\n")
     for a, b in zip(guessed["rows"], study(folder, "richardson")["rows"]):
         assert a["error"] == b["error"], (a, b)
+    # A value that the script refuses is a setting that fails.
+    script = written.replace("n in [4, 8, 16, 32] and N in [4, 8, 16, 32]", "n in [1, 4, 8] and N in [4]")
+    rows = study(folder, "finest")["rows"]
+    assert rows[0]["failure"].startswith("E0") and "`n`" in rows[0]["failure"], rows[0]
+    assert all("failure" not in row for row in rows[1:]) and rows[2]["order"] is None
     script = written
     finest = study(folder, "finest")
     assert "error" not in finest["rows"][-1]
