@@ -16,14 +16,16 @@ int components_of_xi(const ContactTerm& term, const LawTerm& spec) {
 
 /// xi, the coefficients of every row, u: what the points of a law are shown with.
 std::vector<Expr> shown_at_points(const LawTerm& spec, int law_term, int n_xi, int dim,
-                                  bool with_u) {
+                                  bool on_pair) {
   std::vector<Expr> out;
   for (int c = 0; c < n_xi; ++c) out.push_back(Expr::variable(slot::multiplier(law_term, c)));
   for (const auto& row : spec.rows)
     for (int i = 0; i < dim; ++i) out.push_back(row.u[static_cast<std::size_t>(i)]);
-  for (int i = 0; with_u && i < dim; ++i)
-    out.push_back(
-        Expr::variable(slot::field(field_of_u(0), slot::of_unknown(spec.unknown, slot::value(i)))));
+  const auto u = [&](int derivative) {
+    return Expr::variable(slot::field(field_of_u(0), slot::of_unknown(spec.unknown, derivative)));
+  };
+  for (int i = 0; i < dim; ++i) // of a pair its first side, on which the forces act
+    out.push_back(on_pair ? u(slot::mean(i)) + 0.5 * u(slot::value(i)) : u(slot::value(i)));
   return out;
 }
 
@@ -77,8 +79,8 @@ LawGrid::LawGrid(const Problem& problem, const Discretisation& d, const Contact&
                                                                                       : 0),
       n_xi_(components_of_xi(contact.terms[static_cast<std::size_t>(law_term)], term_)),
       law_term_(law_term),
-      moves_(dim_ > 0 && !d.parts[static_cast<std::size_t>(term_.part)].is_pair()),
-      expressions_(shown_at_points(term_, law_term, n_xi_, dim_, moves_)),
+      expressions_(shown_at_points(term_, law_term, n_xi_, dim_,
+                                   d.parts[static_cast<std::size_t>(term_.part)].is_pair())),
       sampler_(problem, d, contact, expressions_, term_.origin) {}
 
 FieldGrid LawGrid::at(const Snapshot& snapshot, const RunState* run) {
@@ -101,12 +103,14 @@ FieldGrid LawGrid::at(const Snapshot& snapshot, const RunState* run) {
       double sum = 0.0;
       for (int c = 0; c < n_xi_; ++c) sum -= value(c, p) * value(n_xi_ + c * dim_ + i, p);
       force.push_back(sum);
-      if (moves_) moved.push_back(value(first_u + i, p));
+      moved.push_back(value(first_u + i, p));
     }
   }
   grid.point_data.push_back(vtk_array(multiplier_array, n_xi_, xi));
-  if (dim_ > 0) grid.point_data.push_back(vtk_array(force_array, dim_, force));
-  if (moves_) grid.point_data.push_back(vtk_array(displacement_array, dim_, moved));
+  if (dim_ > 0) {
+    grid.point_data.push_back(vtk_array(force_array, dim_, force));
+    grid.point_data.push_back(vtk_array(displacement_array, dim_, moved));
+  }
   if (run == nullptr) return out;
   std::vector<double> kinds;
   for (const BranchKind kind : branches_of(*run, law_term_))

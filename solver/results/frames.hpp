@@ -10,8 +10,8 @@
 
 namespace hvi::solver {
 
-/// The points of a law as vertices: `xi`, `force` = -M^T xi (vector unknowns), `displacement` (no
-/// pair) and, where a run is at a step, `branch`.
+/// The points of a law as vertices: `xi`, `force` = -M^T xi (vector unknowns), `displacement` (the
+/// same; of a pair that of its first side) and, where a run is at a step, `branch`.
 class LawGrid {
 public:
   LawGrid(const Problem& problem, const Discretisation& discretisation, const Contact& contact,
@@ -25,7 +25,6 @@ private:
   const LawTerm& term_;
   std::string name_;
   int dim_, n_xi_, law_term_;
-  bool moves_ = false; ///< has a displacement of its own
   std::vector<Expr> expressions_;
   LawSampler sampler_;
 };

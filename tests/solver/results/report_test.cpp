@@ -2,15 +2,19 @@
 #include "solver/fem/geometry.hpp"
 #include "solver/output/file.hpp"
 #include "solver/results/result_json.hpp"
+#include "solver/results/shown.hpp"
 #include "solver/results/trust.hpp"
 #include "tests/solver/time/plans.hpp"
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <map>
 
 namespace hvi::solver {
 namespace {
@@ -288,6 +292,42 @@ TEST(Pictures, AtATimeShowTheStateThen) {
     EXPECT_EQ(result.pictures[3].u, states[7]);
     EXPECT_EQ(result.pictures[4].u, result.u);
   }
+}
+
+/// u at a place of the lower side of the first piece, which is affine between nodes.
+double on_first_side(const Discretisation& d, const Vector& u, double x, int component) {
+  std::map<double, double> values; // by x
+  for (int cell = 0; cell < d.mesh.pieces[1]; ++cell)
+    for (const auto node : d.mesh.cells[static_cast<std::size_t>(cell)])
+      if (const Point& p = d.mesh.nodes[static_cast<std::size_t>(node)]; p[1] == 0.0)
+        values[p[0]] = u[d.space.dof(node, component)];
+  auto after = values.lower_bound(x);
+  if (after == values.begin()) ++after;
+  const auto before = std::prev(after);
+  const double part = (x - before->first) / (after->first - before->first);
+  return (1.0 - part) * before->second + part * after->second;
+}
+
+/// The points of a law on a pair go with its first side, on which the forces act.
+TEST(Pictures, ForcesOnAPairMoveWithTheBody) {
+  Plan plan = two_blocks(4, 2, 2);
+  plan.report.pictures = {{{}, {"xi", {}, {var(slot::multiplier(0, 0))}}, {}, ""}};
+  Discretisation d;
+  for (const auto& mistake : discretise(plan, d)) throw mistake;
+  Shown shown;
+  const RunResult result = run_shown(plan, d, {}, shown);
+  const VtuGrid& law = shown.pictures.at(0).at(0).grids.back().grid;
+  const auto moved = std::ranges::find(law.point_data, displacement_array, &VtuArray::name);
+  ASSERT_NE(moved, law.point_data.end());
+  ASSERT_FALSE(law.points.empty());
+  double largest = 0.0;
+  for (std::size_t p = 0; p < law.points.size(); ++p)
+    for (int i = 0; i < 2; ++i) {
+      const double here = moved->values[3 * p + static_cast<std::size_t>(i)];
+      EXPECT_NEAR(here, on_first_side(d, result.u, law.points[p][0], i), 1e-12);
+      largest = std::max(largest, std::abs(here));
+    }
+  EXPECT_GT(largest, 1e-3);
 }
 
 TEST(Pictures, OutsideTheTimeIntervalAreRefused) {
