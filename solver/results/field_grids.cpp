@@ -3,6 +3,7 @@
 
 #include "solver/discrete/fields_read.hpp"
 #include "solver/fem/element.hpp"
+#include "solver/results/absent.hpp"
 
 #include <algorithm>
 
@@ -111,7 +112,8 @@ std::vector<FieldSpec> unknown_fields(const Problem& problem, int dim) {
 
 FieldGrids::FieldGrids(const Problem& problem, const Discretisation& d, const Contact& contact,
                        std::span<const FieldSpec> fields, OfStates of_states)
-    : space_(d.space), contact_(contact), n_fields_(count_fields(problem)) {
+    : space_(d.space), contact_(contact), n_fields_(count_fields(problem)),
+      grey_(of_states == OfStates::on_the_mesh) {
   const auto on_mesh = [&](const FieldSpec& field) {
     return of_states == OfStates::on_the_mesh && StateField::is_one(problem, contact, field);
   };
@@ -176,8 +178,10 @@ void FieldGrids::add_body_array(const FieldSpec& field, const Snapshot& snapshot
   const auto n = static_cast<int>(field.components.size());
   const bool on_cells = std::any_of(field.components.begin(), field.components.end(),
                                     [&](const Expr& e) { return reads_gradient(e, n_fields_); });
-  const auto values = on_cells ? cell_values(space_, field.components, snapshot.values())
-                               : nodal_values(space_, field.components, snapshot.values());
+  auto values = on_cells ? cell_values(space_, field.components, snapshot.values())
+                         : nodal_values(space_, field.components, snapshot.values());
+  if (grey_ && field.name != displacement_array) // by which bodies are deformed
+    forget_where_absent(space_, field, on_cells, values);
   auto& data = on_cells ? grid.cell_data : grid.point_data;
   data.push_back(vtk_array(field.name, n, values));
   data.back().unit = field.unit;

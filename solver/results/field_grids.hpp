@@ -40,6 +40,7 @@ private:
   const Space& space_;
   const Contact& contact_;
   int n_fields_;
+  bool grey_; ///< what has no value is NaN, for pictures; files have 0 there
   std::vector<FieldSpec> body_;
   std::vector<StateField> of_states_; ///< on the mesh
   std::vector<OnContact> contact_parts_;

@@ -5,6 +5,7 @@
 #include "solver/discrete/fields_read.hpp"
 #include "solver/linear/vector_stream.hpp"
 #include "solver/plan/result_files.hpp"
+#include "solver/results/absent.hpp"
 #include "solver/results/state_field.hpp"
 #include "solver/results/written_files.hpp"
 
@@ -69,13 +70,15 @@ void RunPictures::show(std::size_t picture, const Snapshot& snapshot) {
   // Frames have all that is drawn; what lives at points is drawn from them alone.
   if (spec.in_row >= 0 && (shown_ || at_points)) return;
   PictureValues out{snapshot.field(field_of_u(0)), {}};
-  if (!at_points)
+  if (!at_points) {
     out.values = nodal_values(discretisation_.space, components, snapshot.values());
-  else if (StateField::is_one(plan_.problem, contact_, spec.field))
+    forget_where_absent(discretisation_.space, spec.field, false, out.values);
+  } else if (StateField::is_one(plan_.problem, contact_, spec.field)) {
     out.values =
         StateField(plan_.problem, discretisation_, contact_, spec.field).of_nodes(snapshot);
-  else
+  } else {
     return;
+  }
   pictures_[picture] = std::move(out);
 }
 

@@ -493,6 +493,7 @@ def check_pictures(folder):
         assert (folder / "out" / name).read_bytes()[-8:-4] == b"IEND", name
     check_bar(folder)
     check_row(folder)
+    check_pictures_of_a_part(folder)
 
 
 def check_words(folder):
@@ -516,7 +517,31 @@ def check_words(folder):
     assert sorted(p.name for p in (folder / "out").glob("scene_*.png")) == sorted(images), sorted(p.name for p in (folder / "out").glob("*.png"))
     assert len({(folder / "out" / name).read_bytes() for name in images}) == len(images)
     mesh = meshio.read(max((folder / "out").glob("scene_0*.vtu")))
-    assert list(mesh.cell_data) == ["mises_sigma"] and list(mesh.point_data) == ["field0_2", "field0_3"], (mesh.cell_data.keys(), mesh.point_data.keys())
+    assert list(mesh.cell_data) == ["mises_sigma"] and list(mesh.point_data) == ["2_times_u.x", "3_times_u.x"], (mesh.cell_data.keys(), mesh.point_data.keys())
+
+
+def check_pictures_of_a_part(folder):
+    """An unknown that lives on one piece has no value elsewhere: the bar begins with its own least value."""
+    run(folder, """
+mesh upper = rectangle(1, 1, at = [0, 1], cells = [2, 2])
+mesh lower = rectangle(1, 1, cells = [2, 2])
+mesh both  = upper + lower
+part roof = upper.top
+part foot = upper.bottom
+part floor = lower.bottom
+space S = scalar P1 on both, zero on roof, zero on floor
+space W = scalar P1 on upper, zero on roof, zero on foot
+find s in S, T in W with T = 2 on roof, T = 1 on foot
+such that for all q in S, w in W
+  integral(both, dot(grad(s), grad(q))) + integral(upper, dot(grad(T), grad(w))) = integral(both, q)
+report
+  table most = largest(upper, T)
+  picture T to "values.svg"
+  picture grad(T) to "slopes.svg"
+""")
+    for name, least in (("values", "1 to 2"), ("slopes", "1 to 1")):
+        svg = (folder / "out" / f"{name}.svg").read_text()
+        assert f">{least}<" in svg, name
 
 
 def check_pictures_of_states(folder):
