@@ -13,6 +13,28 @@ namespace hvi::lang {
 
 namespace slot = solver::slot;
 
+namespace {
+
+const char* word_of(ast::BinaryOp op) {
+  switch (op) {
+  case ast::BinaryOp::add:
+    return "plus";
+  case ast::BinaryOp::subtract:
+    return "minus";
+  case ast::BinaryOp::multiply:
+    return "times";
+  case ast::BinaryOp::divide:
+    return "over";
+  case ast::BinaryOp::contract:
+    return "with";
+  case ast::BinaryOp::power:
+    return "to";
+  }
+  return "";
+}
+
+} // namespace
+
 std::optional<solver::FieldSpec> OutputFields::output_field(const ast::Expr& e) {
   Scope scope = report_scope();
   auto f = evaluator_.field(e, scope);
@@ -42,7 +64,7 @@ std::optional<solver::FieldSpec> OutputFields::output_field(const ast::Expr& e) 
   return spec;
 }
 
-/// A name for files and arrays: u, layer.xi, u_rate, mises_sigma, field0. What is another field
+/// A name for files and arrays: u, layer.xi, u_rate, mises_sigma, 2_times_u. What is another field
 /// gets another one: max_u.x_2.
 std::string OutputFields::name_of(const ast::Expr& e, const std::vector<Symbol>& components) {
   std::function<std::string(const ast::Expr&)> name = [&](const ast::Expr& part) -> std::string {
@@ -56,7 +78,17 @@ std::string OutputFields::name_of(const ast::Expr& e, const std::vector<Symbol>&
     if (const auto* c = std::get_if<ast::Call>(&part.node))
       return c->arguments.empty() ? name(*c->callee)
                                   : name(*c->callee) + "_" + name(c->arguments[0].value);
-    return fmt::format("field{}", model_.report.fields.size());
+    if (const auto* n = std::get_if<ast::Number>(&part.node)) return fmt::format("{}", n->value);
+    if (const auto* q = std::get_if<ast::Quantity>(&part.node)) return name(*q->value);
+    if (const auto* n = std::get_if<ast::Negate>(&part.node)) return "minus_" + name(*n->operand);
+    if (const auto* b = std::get_if<ast::Binary>(&part.node))
+      return fmt::format("{}_{}_{}", name(*b->left), word_of(b->op), name(*b->right));
+    if (const auto* l = std::get_if<ast::List>(&part.node)) {
+      std::string out;
+      for (const ast::Expr& item : l->items) out += (out.empty() ? "" : "_") + name(item);
+      return out;
+    }
+    return "field"; // cases, which have no short name
   };
   const std::string first = name(e);
   std::string out = first;

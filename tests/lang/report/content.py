@@ -202,7 +202,7 @@ def states(folder):
     """Fields that read the states of a part: on the body, with what the stress is away from it; what is nothing there has no value."""
     out, page, _ = run(folder, WORN)
     data = page.data["fields"]
-    check("the script's own fields are there", [a["name"] for a in data["arrays"]] == ["displacement", "eps_u", "sigma", "d", "field0"], data["arrays"])
+    check("the script's own fields are there", [a["name"] for a in data["arrays"]] == ["displacement", "eps_u", "sigma", "d", "2_times_d_minus_1"], data["arrays"])
     check("states are no laws", [law["name"] for law in data["frames"][-1]["laws"]] == ["pad"])
     mesh = meshio.read(out / "scene_00004.vtu")
     part = meshio.read(out / "scene_d_00004.vtu")
@@ -224,7 +224,7 @@ def states(folder):
         np.add.at(sums, mesh.cells[0].data[cell], worn[cell])
         np.add.at(weights, mesh.cells[0].data[cell], 1.0)
     same("damage", shown["d"][soft], (sums[soft] / weights[soft]))
-    same("an expression of the damage", shown["field0"][soft], 2 * (sums[soft] / weights[soft]) - 1)
+    same("an expression of the damage", shown["2_times_d_minus_1"][soft], 2 * (sums[soft] / weights[soft]) - 1)
 
 
 VOLUME = {"scene": 2.0, "block": 1.0}
