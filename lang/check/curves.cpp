@@ -50,7 +50,12 @@ void Curves::line(const ast::LineItem& item) {
 void Curves::plot(const ast::PlotItem& item) {
   solver::PlotSpec spec;
   spec.origin = model_.origin(item.span);
-  auto file = results_.output_name(item.to);
+  auto file = results_.picture_name(item.to);
+  if (item.to && item.to->text.ends_with(".apng")) {
+    mistakes_.error("E0412", item.to->span, "a plot does not move",
+                    "a picture that stands still is a `.png` or an `.svg`");
+    return;
+  }
   if (!model_.has_time) {
     mistakes_.error("E0412", item.span, "a static problem has one row: there is no curve to plot");
     return;

@@ -116,7 +116,7 @@ bool Pictures::graph(const ast::Expr& e, solver::GraphsSpec& out) {
 void Pictures::graphs(const ast::PictureItem& item) {
   solver::GraphsSpec spec;
   spec.origin = model_.origin(item.span);
-  auto file = results_.output_name(item.to);
+  auto file = results_.picture_name(item.to);
   bool good = file.has_value();
   for (const ast::Expr* e : shown_by(item)) {
     if (!is_graph(*e)) {
@@ -179,7 +179,7 @@ void Pictures::read(const ast::PictureItem& item) {
   const auto all = shown_by(item);
   if (std::ranges::any_of(all, [&](const ast::Expr* e) { return is_graph(*e); }))
     return graphs(item);
-  const auto file = results_.output_name(item.to);
+  const auto file = results_.picture_name(item.to);
   std::vector<std::optional<solver::FieldSpec>> fields;
   fields.reserve(all.size());
   for (const ast::Expr* e : all) fields.push_back(fields_.output_field(*e));

@@ -74,6 +74,16 @@ void Results::check_files() {
     }
 }
 
+std::optional<std::string> Results::picture_name(const std::optional<ast::Text>& to) {
+  auto out = output_name(to);
+  if (!out) return out;
+  const std::string ending = std::filesystem::path(*out).extension().string();
+  if (ending.empty() || ending == ".png" || ending == ".svg" || ending == ".apng") return out;
+  mistakes_.error("E0604", to->span, fmt::format("no picture is written as `{}`", ending),
+                  "pictures are `.png`, `.svg` or, where they move, `.apng`");
+  return std::nullopt;
+}
+
 bool Results::from_start(const Span& words) {
   if (!words.valid()) return false;
   if (!model_.has_time)

@@ -24,6 +24,8 @@ public:
   std::optional<std::string> output_name(const std::optional<ast::Text>& to);
   /// E0302 where two results are written to one file. After all are read.
   void check_files();
+  /// The same of a picture, which is written as its ending says.
+  std::optional<std::string> picture_name(const std::optional<ast::Text>& to);
   /// `from start`, which is of problems in time.
   bool from_start(const Span& words);
   /// A point; false: reported.

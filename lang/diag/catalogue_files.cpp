@@ -31,7 +31,8 @@ mesh m = gmsh("notes.txt"))",
 mesh m = gmsh("part.msh"))"},
     {"E0604", "forbidden path",
      R"(
-A script reads files beside it or below it, and writes into the output folder only.)",
+A script reads files beside it or below it, and writes into the output folder only. A picture is written as its
+name ends: `.png`, `.svg`, or `.apng` where it moves.)",
      R"(
 import "../other/laws.hvi")",
      R"(
