@@ -298,8 +298,8 @@ TEST(Pictures, AtATimeShowTheStateThen) {
 double on_first_side(const Discretisation& d, const Vector& u, double x, int component) {
   std::map<double, double> values; // by x
   for (int cell = 0; cell < d.mesh.pieces[1]; ++cell)
-    for (const auto node : d.mesh.cells[static_cast<std::size_t>(cell)])
-      if (const Point& p = d.mesh.nodes[static_cast<std::size_t>(node)]; p[1] == 0.0)
+    for (const auto node : d.space.nodes_of_cell(cell))
+      if (const Point& p = d.space.nodes[static_cast<std::size_t>(node)]; p[1] == 0.0)
         values[p[0]] = u[d.space.dof(node, component)];
   auto after = values.lower_bound(x);
   if (after == values.begin()) ++after;
