@@ -33,8 +33,8 @@ bool rewritten(const std::string& path, const std::string& text) {
     solver::rewrite_file(path, text);
     return true;
   } catch (const solver::Failure& failure) {
-    tell("error[{}]: {}\n  = help: {}\n", ending_of(failure.kind).code, failure.what(),
-         option_words().help_for(failure));
+    // Not the code of results: it is the user's own file.
+    tell("error[E0610]: {}\n  = help: {}\n", failure.what(), option_words().help_for(failure));
     return false;
   }
 }

@@ -138,6 +138,8 @@ bool is_time(Slot slot) { return slot == slot::t; }
 /// is shorter than a hundredth of a step may be missed.
 constexpr int looks_for_signs = 100;
 constexpr int least_cuts = 5, most_cuts = 75;
+/// Of a time: in shorter pieces the points of a rule are their ends, where a load may be infinite.
+constexpr double shortest = 1e-12;
 /// Not in halves: a jump near the middle leaves the sums of a symmetric rule what they are.
 constexpr double first_part = 0.381966011250105;
 /// Of functions of time and place, whose values cost more.
@@ -254,7 +256,8 @@ double LoadAssembler::Impl::cut(std::size_t m, double begin, double end, double 
   const double middle = begin + first_part * (end - begin);
   const double left = integral(m, begin, middle), right = integral(m, middle, end);
   const bool told = depth >= least_cuts && std::abs(left + right - whole) <= most;
-  if (depth == most_cuts || told) return left + right;
+  const bool tiny = end - begin <= shortest * std::max(std::abs(begin), std::abs(end));
+  if (depth == most_cuts || tiny || told) return left + right;
   return cut(m, begin, middle, left, most, depth + 1) + cut(m, middle, end, right, most, depth + 1);
 }
 
