@@ -2,6 +2,7 @@
 #include "solver/step/point_states.hpp"
 
 #include "solver/common/numbers.hpp"
+#include "solver/discrete/body_states.hpp"
 #include "solver/discrete/certificate.hpp"
 #include "solver/linear/dense.hpp"
 #include "solver/linear/vector_stream.hpp"
@@ -35,6 +36,20 @@ void PointStates::begin(int n) {
   known_ = accepted_;
   for (const auto& [factor, of] : scheme_->known(n, 1))
     if (of != nullptr) known_ -= factor_ * factor * *of;
+  move_time();
+}
+
+/// Of states whose rates are numbers nothing has to be solved for.
+void PointStates::move_time() {
+  for (const auto& group : contact_.state_groups)
+    for (const int i : group.states) {
+      const StateTerm& state = problem_.states[static_cast<std::size_t>(i)];
+      if (!is_uniform(state)) continue;
+      const int first = contact_.first_state[static_cast<std::size_t>(i)];
+      for (int at = first; at < first + group.n_points; ++at)
+        contact_.state_values[at] =
+            std::clamp(known_[at] + factor_ * state.rate.value(), state.low, state.high);
+    }
 }
 
 void PointStates::inputs(const Vector& u, const Vector* d, const Vector& xi,

@@ -36,7 +36,8 @@ public:
   int n_inputs() const { return static_cast<int>(contact_.trace.rows()); }
   double t() const { return t_; } ///< of the step
 
-  /// Step n starts at the accepted values.
+  /// Step n starts at the accepted values, those that are the same everywhere, as time is, at the
+  /// values of its end.
   void begin(int n);
   /// What the rates read at the state u of step n (increment d, where u has it already) with the
   /// multipliers xi.
@@ -70,6 +71,7 @@ public:
   void restore(StateReader& r);
 
 private:
+  void move_time();
   std::vector<double> of_point(const StateGroup& group, int p, const Vector& values) const;
   std::vector<double> inputs_of_point(const StateGroup& group, int p, const Vector& inputs) const;
   std::vector<double> sizes(const StateInputs& inputs) const;

@@ -21,12 +21,16 @@ StepSolver::StepSolver(const Plan& plan, const Discretisation& discretisation,
     body_.emplace(discretisation, formulation, evolution, equations.laws.states);
 }
 
-/// Forms that states change begin at the last ones; then every step has its own factor.
+/// Forms that states change begin at the last ones, and at the time of the step; then every step
+/// has its own factor.
 StepMatrix& StepSolver::matrix_for(int n) {
   if (formulation_.changes()) {
-    equations.laws.states.begin(n);
-    formulation_.take_states();
-    if (evolution_.scheme().looks_back()) balance_.note_past();
+    if (evolution_.scheme().looks_back()) {
+      equations.laws.states.give_up(); // what the step before has left
+      formulation_.take_states();
+      balance_.note_past();
+    }
+    take_first_states(n);
   }
   const auto [matrix, fresh] = equations.matrices.find(n, evolution_.factors(n));
   if (fresh && !formulation_.reduced() && refinement.begins_with(matrix)) {
@@ -34,6 +38,11 @@ StepMatrix& StepSolver::matrix_for(int n) {
     equations.warm_start.clear();
   }
   return matrix;
+}
+
+void StepSolver::take_first_states(int n) {
+  equations.laws.states.begin(n);
+  formulation_.take_states();
 }
 
 StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquation& equation,
@@ -46,6 +55,7 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   contact.least_reach = balance_.rounding_of_largest();
   for (double& reach : contact.least_reach) reach /= tolerance;
   equations.warm_start.find_change(n, balance_.coefficients(n), matrix, equation, trial.d);
+  if (formulation_.changes()) take_first_states(n); // another attempt left others
   // Where a branch ends, K_n itself has to say.
   if (formulation_.changes() || (follow && !equation.exact())) {
     equations.matrices.factor(n, evolution_.factors(n), matrix);

@@ -34,6 +34,8 @@ public:
 
 private:
   void renew(int n, StepMatrix& matrix, StepEquation& equation, Trial& trial);
+  /// Forms become those of the states that step n begins with.
+  void take_first_states(int n);
 
   const Plan& plan_;
   const Evolution& evolution_;
