@@ -4,6 +4,7 @@
 // g_m. What does not separate becomes a sparse matrix P from values at quadrature points to dofs,
 // and a time step runs the tape and multiplies.
 #include "solver/assembly/assembly.hpp"
+#include "solver/assembly/cut_integral.hpp"
 #include "solver/assembly/degree.hpp"
 #include "solver/assembly/knots.hpp"
 #include "solver/fem/pointwise.hpp"
@@ -133,18 +134,10 @@ Lazy make_lazy(const Space& space, const Region& region, const LoadTerm& term,
 
 bool is_time(Slot slot) { return slot == slot::t; }
 
-/// Means of functions of time: in so many pieces of a step changes of sign are looked for, and
-/// pieces are cut in two so often before two values that are alike are believed, and at most. What
-/// is shorter than a hundredth of a step may be missed.
+/// In so many pieces of a step changes of sign are looked for.
 constexpr int looks_for_signs = 100;
-constexpr int least_cuts = 5, most_cuts = 75;
-/// Of a time: in shorter pieces the points of a rule are their ends, where a load may be infinite.
-constexpr double shortest = 1e-12;
-/// Not in halves: a jump near the middle leaves the sums of a symmetric rule what they are.
-constexpr double first_part = 0.381966011250105;
-/// Of functions of time and place, whose values cost more.
-constexpr int most_cuts_of_fields = 5;
-constexpr double field_tolerance = 1e-12;
+/// Functions of time, and of time and place, whose values cost more.
+constexpr CutLimits of_time{5, 75, 1e-15}, of_fields{0, 5, 1e-12};
 
 } // namespace
 
@@ -165,14 +158,10 @@ struct LoadAssembler::Impl {
   void add_term(const Space& space, const Region& region, const LoadTerm& term);
   void add_mode(const Expr& time_factor, Vector f, Origin origin);
   void evaluate_factors(double t);
-  double integral(std::size_t m, double begin, double end);
-  double cut(std::size_t m, double begin, double end, double whole, double most, int depth);
   void integrate_factors(double begin, double end);
   void add_modes(double scale, Vector& out) const;
   void evaluate(Lazy& part, double t) const;
   void add_lazy(double t, double scale, Vector& out);
-  Vector integral(Lazy& part, double begin, double end) const;
-  Vector cut(Lazy& part, double begin, double end, const Vector& whole, int depth) const;
 };
 
 void LoadAssembler::Impl::add_term(const Space& space, const Region& region, const LoadTerm& term) {
@@ -238,36 +227,15 @@ void LoadAssembler::Impl::evaluate_factors(double t) {
   }
 }
 
-/// Sum of w_q g(t_q) over [begin, end] for mode m.
-double LoadAssembler::Impl::integral(std::size_t m, double begin, double end) {
-  double sum = 0.0;
-  for (std::size_t q = 0; q < rule.points.size(); ++q) {
-    evaluate_factors(begin + rule.points[q] * (end - begin));
-    sum += rule.weights[q] * (end - begin) * g_values[m];
-  }
-  return sum;
-}
-
-/// The same on the parts of intervals until cutting changes less than `most`, which isolates kinks
-/// and jumps. (The tolerance is the same at every depth. Boost's adaptive rules divide it, and
-/// never end once it is below rounding.)
-double LoadAssembler::Impl::cut(std::size_t m, double begin, double end, double whole, double most,
-                                int depth) {
-  const double middle = begin + first_part * (end - begin);
-  const double left = integral(m, begin, middle), right = integral(m, middle, end);
-  const bool told = depth >= least_cuts && std::abs(left + right - whole) <= most;
-  const bool tiny = end - begin <= shortest * std::max(std::abs(begin), std::abs(end));
-  if (depth == most_cuts || tiny || told) return left + right;
-  return cut(m, begin, middle, left, most, depth + 1) + cut(m, middle, end, right, most, depth + 1);
-}
-
 /// g_values = the integral of each g over [begin, end].
 void LoadAssembler::Impl::integrate_factors(double begin, double end) {
   std::vector<double> integrals(modes.size());
   for (std::size_t m = 0; m < modes.size(); ++m) {
-    const double whole = integral(m, begin, end);
-    const double size = std::abs(whole) + (end - begin) * std::abs(g_values[m]);
-    integrals[m] = cut(m, begin, end, whole, 1e-15 * size, 0);
+    const auto g = [&](double t) {
+      evaluate_factors(t);
+      return g_values[m];
+    };
+    integrals[m] = cut_integral(of_time, rule, g, begin, end);
   }
   g_values = std::move(integrals);
 }
@@ -297,30 +265,6 @@ void LoadAssembler::Impl::add_lazy(double t, double scale, Vector& out) {
     evaluate(part, t);
     out += scale * (part.weights * part.values);
   }
-}
-
-/// Of its values over [begin, end].
-Vector LoadAssembler::Impl::integral(Lazy& part, double begin, double end) const {
-  Vector sum = Vector::Zero(part.weights.cols());
-  for (std::size_t q = 0; q < rule.points.size(); ++q) {
-    evaluate(part, begin + rule.points[q] * (end - begin));
-    sum += rule.weights[q] * (end - begin) * part.values;
-  }
-  return sum;
-}
-
-/// On parts of intervals, as above. A jump that moves through the body is in all of them: they end
-/// soon.
-Vector LoadAssembler::Impl::cut(Lazy& part, double begin, double end, const Vector& whole,
-                                int depth) const {
-  const double middle = begin + first_part * (end - begin);
-  const Vector left = integral(part, begin, middle), right = integral(part, middle, end);
-  const double change = (left + right - whole).lpNorm<Eigen::Infinity>();
-  const double size = (end - begin) * part.values.lpNorm<Eigen::Infinity>();
-  if (depth == most_cuts_of_fields ||
-      change <= field_tolerance * std::max(size, whole.lpNorm<Eigen::Infinity>()))
-    return left + right;
-  return cut(part, begin, middle, left, depth + 1) + cut(part, middle, end, right, depth + 1);
 }
 
 /// Has function k of `signs` another sign at t1 than at t0?
@@ -388,8 +332,12 @@ void LoadAssembler::add_mean(double t0, double t1, Vector& out) const {
     impl_->integrate_factors(begin, end);
     impl_->add_modes(1.0 / length, out);
     for (Lazy& part : impl_->lazy) {
-      const Vector whole = impl_->integral(part, begin, end);
-      out += 1.0 / length * (part.weights * impl_->cut(part, begin, end, whole, 0));
+      const auto values = [&](double t) -> const Vector& {
+        impl_->evaluate(part, t);
+        return part.values;
+      };
+      out +=
+          1.0 / length * (part.weights * cut_integral(of_fields, impl_->rule, values, begin, end));
     }
     begin = end;
   };

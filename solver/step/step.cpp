@@ -112,7 +112,7 @@ StepResult Stepper::advance(int n) {
   if (!std::exchange(uniqueness_.judged, true))
     uniqueness_.obstacle = obstacle_to_uniqueness(plan_.problem, state_, matrix);
   auto out = attempt(n, matrix);
-  if (!out.restart && !out.certified && state_.solver.can_begin_anew()) out = attempt(n, matrix);
+  if (!out.restart && !out.certified && state_.solver.begin_anew(n)) out = attempt(n, matrix);
   if (out.restart) return out;
   if (!out.certified && matrix.in_singles()) return start_again(SinglesRefused());
   if (!out.certified && state_.contact().change) return start_again(JumpsRefused());

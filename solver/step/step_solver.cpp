@@ -55,7 +55,6 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   contact.least_reach = balance_.rounding_of_largest();
   for (double& reach : contact.least_reach) reach /= tolerance;
   equations.warm_start.find_change(n, balance_.coefficients(n), matrix, equation, trial.d);
-  if (formulation_.changes()) take_first_states(n); // another attempt left others
   // Where a branch ends, K_n itself has to say.
   if (formulation_.changes() || (follow && !equation.exact())) {
     equations.matrices.factor(n, evolution_.factors(n), matrix);
@@ -122,10 +121,11 @@ void StepSolver::renew(int n, StepMatrix& matrix, StepEquation& equation, Trial&
   balance_.residual(equation, matrix, equations.laws.now.xi, trial);
 }
 
-bool StepSolver::can_begin_anew() {
+bool StepSolver::begin_anew(int n) {
   if (!equations.warm_start.ready()) return false;
   equations.warm_start.clear();
   equations.laws.give_up();
+  if (formulation_.changes()) take_first_states(n); // the attempt left others
   return true;
 }
 

@@ -22,7 +22,7 @@ public:
   StepResult attempt(int n, StepMatrix& matrix, bool follow, StepEquation& equation, Trial& trial);
   /// After an attempt that failed: did it begin with an extrapolation, so that another one without
   /// it may succeed? Then the extrapolation is dropped.
-  bool can_begin_anew();
+  bool begin_anew(int n);
   /// The attempt ends the step. Takes trial.kd and leaves any vector in its place.
   void accept(int n, StepMatrix& matrix, const StepResult& result, Trial& trial);
 
