@@ -37,6 +37,18 @@ std::vector<std::string> sides(int dim) {
 
 } // namespace
 
+std::vector<std::string> mesh_arguments(const std::string& name) {
+  if (name == "gmsh") return {"file", "refinements", "adapted", "at", "split", "axisymmetric"};
+  std::vector<std::string> names;
+  if (name == "interval") names = {"width", "cells", "origin", "grading"};
+  if (name == "rectangle") names = {"width", "height", "cells", "origin", "grading", "pattern"};
+  if (name == "box") names = {"width", "height", "depth", "cells", "origin", "grading"};
+  for (const auto& geometry : solver::geometries())
+    if (geometry.name == name) names = geometry.parameters;
+  if (!names.empty()) names.insert(names.end(), {"at", "adapted", "axisymmetric"});
+  return names;
+}
+
 void Meshes::report_second(const Span& span) {
   if (!names_.all_readable()) return; // what puts them together may be what cannot be read
   mistakes_.error(
@@ -215,11 +227,7 @@ bool Meshes::grading_of_mesh(const ast::Expr* written, int dim, MeshSpec& spec) 
 
 bool Meshes::structured_mesh(const ast::Mesh& m, const ast::Call& call, const std::string& name) {
   const int dim = name == "interval" ? 1 : name == "rectangle" ? 2 : 3;
-  std::vector<std::string> names = {"width", "height", "depth"};
-  names.resize(dim);
-  names.insert(names.end(), {"cells", "origin", "grading"});
-  if (dim == 2) names.push_back("pattern");
-  names.insert(names.end(), {"at", "adapted", "axisymmetric"});
+  const auto names = mesh_arguments(name);
   const auto args = evaluator_.match(m.value, call, name, names, dim + 1);
   if (!args) return false;
   const auto argument = [&](std::string_view wanted) -> const ast::Expr* {
@@ -286,8 +294,7 @@ bool Meshes::constants_of_geometry(ast::Call& call, const std::vector<std::strin
 }
 
 bool Meshes::file_mesh(const ast::Mesh& m, const ast::Call& written) {
-  const std::vector<std::string> names{"file", "refinements", "adapted",
-                                       "at",   "split",       "axisymmetric"};
+  const auto names = mesh_arguments("gmsh");
   ast::Call call = written;
   MeshSpec spec;
   if (is_geometry_file(call) && !constants_of_geometry(call, names, spec.constants)) return false;
@@ -351,8 +358,7 @@ bool Meshes::geometry_mesh(const ast::Mesh& m, const ast::Call& call, const std:
   const auto& known = solver::geometries();
   const auto& info =
       *std::find_if(known.begin(), known.end(), [&](const auto& g) { return g.name == name; });
-  auto names = info.parameters;
-  names.insert(names.end(), {"at", "adapted", "axisymmetric"});
+  const auto names = mesh_arguments(name);
   auto args = evaluator_.match(m.value, call, name, names, 0);
   if (!args) return false;
   MeshSpec spec;

@@ -12,6 +12,10 @@
 
 namespace hvi::lang {
 
+/// What the arguments of `rectangle`, `gmsh`, `disk`, ... are called, in their order; none: there
+/// is no such mesh.
+std::vector<std::string> mesh_arguments(const std::string& name);
+
 class Meshes {
 public:
   Meshes(const Context& context, MeshGroups& groups)

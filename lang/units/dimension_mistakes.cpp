@@ -146,7 +146,9 @@ bool DimensionMistakes::wants_number(const ast::Expr& e, const Measured& given,
   if (inference_.unify(*given.dimension, Dimension{})) return true;
   report(diagnose("E0331", e.span,
                   fmt::format("{} is a number, not {}", what, shown_with_words(*given.dimension)))
-             .with_help("divide it by a quantity of the same kind"));
+             .with_help(std::holds_alternative<ast::Quantity>(e.node)
+                            ? "leave its unit out, or divide it by a quantity of the same kind"
+                            : "divide it by a quantity of the same kind"));
   return false;
 }
 

@@ -1,5 +1,7 @@
 #include "lang/units/dimensions_of_statements.hpp"
 
+#include "lang/check/meshes.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,8 +21,12 @@ bool DimensionsOfStatements::wants_each(const ast::Expr& e, const Dimension& dim
   return true;
 }
 
+/// Counts, ratios, tolerances: a number, or each of a list of them.
 void DimensionsOfStatements::wants_number(const ast::Expr& e, const std::string& what) {
-  mistakes_.wants_number(e, values_.value(e, {}), what);
+  if (const auto* list = std::get_if<ast::List>(&e.node))
+    for (const ast::Expr& item : list->items) wants_number(item, what);
+  else
+    mistakes_.wants_number(e, values_.value(e, {}), what);
 }
 
 void DimensionsOfStatements::run() {
@@ -66,12 +72,30 @@ void DimensionsOfStatements::mesh(const ast::Expr& e) {
     return;
   }
   const auto* c = std::get_if<ast::Call>(&e.node);
-  if (c == nullptr) return;
-  constexpr std::array lengths{"width", "height", "depth", "length", "origin", "at"};
+  const auto* callee = c ? std::get_if<ast::Reference>(&c->callee->node) : nullptr;
+  if (callee == nullptr) return;
+  const auto names = mesh_arguments(callee->name);
+  std::size_t next = 0;
   for (const ast::Argument& a : c->arguments) {
-    const bool is_length = !a.name || std::ranges::find(lengths, a.name->text) != lengths.end();
-    if (is_length) wants_each(a.value, length(), "a length of a mesh");
+    const std::size_t at =
+        a.name ? static_cast<std::size_t>(std::ranges::find(names, a.name->text) - names.begin())
+               : next++;
+    // Constants of a geometry file have names of their own, and may be anything.
+    if (at < names.size()) mesh_argument(names[at], a.value);
   }
+}
+
+void DimensionsOfStatements::mesh_argument(const std::string& name, const ast::Expr& e) {
+  constexpr std::array words{"pattern", "axisymmetric", "file", "split"};
+  constexpr std::array<std::pair<std::string_view, const char*>, 4> numbers{
+      {{"cells", "the number of cells"},
+       {"adapted", "the number of cells"},
+       {"refinements", "the number of refinements"},
+       {"grading", "the grading of a mesh"}}};
+  if (std::ranges::find(words, name) != words.end()) return;
+  for (const auto& [number, what] : numbers)
+    if (name == number) return wants_number(e, what);
+  wants_each(e, length(), "a length of a mesh");
 }
 
 void DimensionsOfStatements::region(const ast::Region& r) {
@@ -111,6 +135,7 @@ void DimensionsOfStatements::find(const ast::Find& f) {
   for (const ast::ImposedValue& imposed : f.imposed)
     wants_each(imposed.value, of(imposed.unknown),
                fmt::format("the value of `{}`", imposed.unknown.text));
+  for (const ast::Setting& s : f.settings) setting(s);
   if (f.time) {
     time(*f.time);
     for (const ast::InitialValue& initial : f.time->initial) {
@@ -127,7 +152,17 @@ void DimensionsOfStatements::find(const ast::Find& f) {
 
 void DimensionsOfStatements::time(const ast::TimeClause& clause) {
   wants_each(clause.range, duration(), "the time");
-  if (!clause.by_steps) wants_each(clause.steps, duration(), "the time");
+  if (clause.by_steps) return wants_number(clause.steps, "the number of steps");
+  const auto* graded = std::get_if<ast::Call>(&clause.steps.node); // graded(N, power)
+  if (graded == nullptr) return void(wants_each(clause.steps, duration(), "the time"));
+  for (const ast::Argument& a : graded->arguments) wants_number(a.value, "an argument of `graded`");
+}
+
+/// The words among them have no unit.
+void DimensionsOfStatements::setting(const ast::Setting& s) {
+  constexpr std::array numbers{"hht_alpha", "tolerance", "memory_tolerance", "accuracy", "threads"};
+  if (std::ranges::find(numbers, s.name.text) != numbers.end())
+    wants_number(s.value, fmt::format("the setting `{}`", s.name.text));
 }
 
 /// All integrals of an inequality are of one dimension: that of a force times the test function.
@@ -186,10 +221,17 @@ void DimensionsOfStatements::report(const ast::Report& r) {
   const auto at_time = [&](const std::optional<ast::Expr>& t) {
     if (t) wants_each(*t, duration(), "the time");
   };
+  const auto every = [&](const std::optional<ast::Expr>& steps) {
+    if (steps) wants_number(*steps, "the number of steps behind `every`");
+  };
   for (const ast::ReportItem& item : r.items)
-    std::visit(Overloaded{[&](const ast::TableItem& one) { table(one); },
+    std::visit(Overloaded{[&](const ast::TableItem& one) {
+                            table(one);
+                            every(one.every);
+                          },
                           [&](const ast::FieldsItem& one) {
                             for (const ast::Expr& e : one.fields) field(e);
+                            every(one.every);
                           },
                           [&](const ast::PictureItem& one) {
                             field(one.field);
@@ -235,6 +277,7 @@ void DimensionsOfStatements::line(const ast::LineItem& item) {
   for (const ast::Expr& e : item.fields) field(e);
   wants_each(item.from, length(), "the coordinates of a point");
   wants_each(item.end, length(), "the coordinates of a point");
+  wants_number(item.points, "the number of points");
 }
 
 void DimensionsOfStatements::expect(const ast::Expect& e) {

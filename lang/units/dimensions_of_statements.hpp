@@ -19,11 +19,13 @@ public:
 private:
   void declarations();
   void mesh(const ast::Expr& e);
+  void mesh_argument(const std::string& name, const ast::Expr& e);
   void region(const ast::Region& r);
   void param(const ast::Param& p);
   void state(const ast::State& s);
   void find(const ast::Find& f);
   void time(const ast::TimeClause& clause);
+  void setting(const ast::Setting& s);
   /// An integral of the inequality.
   struct Term {
     const ast::Integral* integral = nullptr;

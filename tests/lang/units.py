@@ -136,6 +136,7 @@ RIGHT = [
     ("an initial value", [("from u = 0\n", "from u = [0 [mm], 0]\n", "from u = [0, 0]\n")]),
     ("a bare zero in a range", [("[10, 300] [GPa]", "[0, 300 [GPa]]", "[0, 300e3]")]),
     ("every time", [("[0, 10] [s] by 4 steps", "[0, 10] [s] at [1, 2, 5, 10] [s]", "[0, 10] at [1, 2, 5, 10]")]),
+    ("counts that are ratios", [("by 4 steps", "by 4 [s]/(1 [s]) steps", "by 4 steps"), ("cells = [2*n, n]", "[2*n, 2 [mm]/(1 [mm])]", "cells = [2*n, n]")]),
     ("kilonewtons and metres", [("units mm, N, s", "units mm, MPa, s", "")]),
 ]
 
@@ -223,6 +224,24 @@ WRONG = [
     ("two systems", "units mm, N, s\n", "units mm, N, s\nunits SI\n", "units SI", "E0333"),
     ("two systems, the short one first", "units mm, N, s\n", "units SI\nunits mm, N, s\n", "units mm, N, s", "E0333"),
     ("a system with an unknown unit", "units mm, N, s", "units mm, Newton, s", "Newton", "E0330"),
+    ("a number of steps", "by 4 steps", "by 4 [s] steps", "4 [s]", "E0331"),
+    ("a number of steps by a parameter", "by 4 steps", "by load steps", "load", "E0331"),
+    ("steps of a grading", "by 4 steps", "at graded(4 [s], 2)", "4 [s]", "E0331"),
+    ("the power of a grading", "by 4 steps", "at graded(4, power = 2 [s])", "2 [s]", "E0331"),
+    ("a tolerance of a step", "from u = 0\n", "from u = 0 using tolerance = 1e-10 [mm]\n", "1e-10 [mm]", "E0331"),
+    ("a tolerance of a memory", "from u = 0\n", "from u = 0 using memory_tolerance = 1e-8 [1/s]\n", "1e-8 [1/s]", "E0331"),
+    ("a wanted accuracy", "from u = 0\n", "from u = 0 using accuracy = 1 [um]\n", "1 [um]", "E0331"),
+    ("threads", "from u = 0\n", "from u = 0 using threads = 1 [s]\n", "1 [s]", "E0331"),
+    ("a number of cells", "cells = [2*n, n]", "cells = [2 [mm], n]", "2 [mm]", "E0331"),
+    ("a number of cells of an adapted mesh", "cells = [2*n, n]", "cells = [2*n, n], adapted = 40 [mm]", "40 [mm]", "E0331"),
+    ("the grading of a mesh", "cells = [2*n, n]", "cells = [2*n, n], grading = [1, 2 [mm]]", "2 [mm]", "E0331"),
+    ("a radius", "rectangle(20 [mm], 10 [mm], cells = [2*n, n])", "disk(radius = 20 [s], size = 8 [mm])", "20 [s]", "E0331",
+     None, ("slab.left", "slab.rim"), ("slab.bottom", "slab.rim"), ("slab.top", "slab.rim")),
+    ("a bare size", "rectangle(20 [mm], 10 [mm], cells = [2*n, n])", "disk(radius = 20 [mm], size = 8)", "8", "E0332",
+     None, ("slab.left", "slab.rim"), ("slab.bottom", "slab.rim"), ("slab.top", "slab.rim")),
+    ("rows of a table", "N = norm(u)", "N = norm(u) every 2 [s] steps", "2 [s]", "E0331"),
+    ("fields", "N = norm(u)", "N = norm(u)\n  fields u every 2 [s] steps", "2 [s]", "E0331"),
+    ("points of a line", "N = norm(u)", "N = norm(u)\n  line u from [0, 5] [mm] to [20, 5] [mm] by 3 [mm] points", "3 [mm]", "E0331"),
     ("a velocity for a displacement", "find u in V", "find u [mm/s] in V", "slip^0", "E0331+"),
 ]
 
@@ -272,10 +291,12 @@ def told(text):
     return [r for r in rows if r["code"].startswith("E")]
 
 
-def wrong(name, old, new, bad, code, more=None):
-    """`more`: another change, with what is underlined then."""
+def wrong(name, old, new, bad, code, more=None, *other):
+    """`more`: another change, with what is underlined then. `other`: changes that make it a script but for the mistake."""
     assert BASE.count(old) == 1, (name, old)
     text = BASE.replace(old, new)
+    for change in other:
+        text = text.replace(*change)
     if more:
         assert not told(text), (name, told(text))
         text, bad = text.replace(*more[:2]), more[2]
