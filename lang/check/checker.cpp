@@ -1,5 +1,7 @@
 #include "lang/check/checker.hpp"
 
+#include "lang/syntax/tree_names.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,6 +29,15 @@ std::optional<std::pair<std::string_view, Span>> word_of_a_script(const ast::Sta
     return {{"expect", expect->keyword}};
   if (const auto* study = std::get_if<ast::Study>(&statement)) return {{"study", study->keyword}};
   return std::nullopt;
+}
+
+/// Does it stand there?
+bool has_name(const ast::Expr& e, const std::string& name) {
+  bool found = false;
+  NameVisitor visitor;
+  visitor.use = [&](const std::string& used, const Span&) { found = found || used == name; };
+  visit_names(e, visitor);
+  return found;
 }
 
 } // namespace
@@ -125,7 +136,11 @@ void Checker::locate_pieces() {
 
 void Checker::check_unused() {
   for (const Declaration& d : names_.all()) {
-    if (d.used || d.program != 0) continue;
+    if (d.program != 0) continue;
+    if (d.used) {
+      warn_of_unused_arguments(*d.statement);
+      continue;
+    }
     if (std::holds_alternative<ast::Mesh>(*d.statement) && !groups_.mesh_name.empty()) {
       meshes_.report_second(d.span);
       continue;
@@ -135,6 +150,30 @@ void Checker::check_unused() {
                                      ? "remove it, or use it in the inequality; its body is "
                                        "checked where it is called"
                                      : "remove it, or use it in the inequality"));
+  }
+}
+
+/// Arguments of functions, parameters of laws. What a kernel is a function of, and a law, is the
+/// language's choice.
+void Checker::warn_of_unused_arguments(const ast::Statement& statement) {
+  const auto tell = [&](const ast::Name& argument, const ast::Name& of) {
+    mistakes_.add(
+        diagnose("W0101", argument.span,
+                 fmt::format("the argument `{}` of `{}` is never used", argument.text, of.text))
+            .with_help("remove it, here and where it is given, or use it"));
+  };
+  if (const auto* fn = std::get_if<ast::Fn>(&statement))
+    for (const ast::Name& argument : fn->parameters)
+      if (!has_name(fn->value, argument.text)) tell(argument, fn->name);
+  const auto* law = std::get_if<ast::Superpotential>(&statement);
+  for (std::size_t i = 0; law != nullptr && i < law->parameters.size(); ++i) {
+    const ast::Name& own = law->parameters[i].name;
+    const auto reads = [&](const ast::LawParameter& later) {
+      return later.value && has_name(*later.value, own.text);
+    };
+    const auto behind = law->parameters.begin() + static_cast<std::ptrdiff_t>(i) + 1;
+    if (!has_name(law->value, own.text) && std::none_of(behind, law->parameters.end(), reads))
+      tell(own, law->name);
   }
 }
 

@@ -66,6 +66,7 @@ private:
   bool meshes_are_good() const;
   void check_declarations();
   void check_unused();
+  void warn_of_unused_arguments(const ast::Statement& statement);
   void tell_facts() const;
 
   const std::vector<ast::Program>& programs_;

@@ -38,8 +38,8 @@ void Curves::line(const ast::LineItem& item) {
                       "give this field another name");
       f.reset();
     }
+    good = good && f && fields_.is_new(*f, spec.fields);
     if (f) spec.fields.push_back(std::move(*f));
-    good = good && f;
   }
   if (!file || !points || !good) return;
   spec.points = *points;
@@ -77,6 +77,10 @@ void Curves::plot(const ast::PlotItem& item) {
   bool good = column(item.against);
   for (const ast::Name& name : item.columns) {
     good = column(name) && good;
+    if (std::ranges::find(spec.columns, name.text) != spec.columns.end()) {
+      mistakes_.error("E0302", name.span, fmt::format("`{}` is drawn twice", name.text));
+      good = false;
+    }
     spec.columns.push_back(name.text);
   }
   if (!file || !good) return;

@@ -100,6 +100,19 @@ std::string OutputFields::name_of(const ast::Expr& e, const std::vector<Symbol>&
   }
 }
 
+/// Other fields have other names.
+bool OutputFields::is_new(const solver::FieldSpec& field,
+                          const std::vector<solver::FieldSpec>& before) {
+  const auto same = std::ranges::find(before, field.name, &solver::FieldSpec::name);
+  if (same == before.end()) return true;
+  const auto place = [&](const solver::FieldSpec& of) {
+    return model_.origins[static_cast<std::size_t>(of.origin.id)];
+  };
+  mistakes_.add(diagnose("E0302", place(field), fmt::format("`{}` is there twice", field.name))
+                    .with_secondary(place(*same), "the first one"));
+  return false;
+}
+
 void OutputFields::read(const ast::FieldsItem& item) {
   solver::FieldsSpec spec;
   spec.origin = model_.origin(item.span);
@@ -108,7 +121,8 @@ void OutputFields::read(const ast::FieldsItem& item) {
   spec.from_start = results_.from_start(item.from_start);
   auto file = results_.output_name(item.to);
   for (const ast::Expr& e : item.fields)
-    if (auto f = output_field(e)) spec.fields.push_back(std::move(*f));
+    if (auto f = output_field(e); f && is_new(*f, spec.fields))
+      spec.fields.push_back(std::move(*f));
   if (!file) return;
   spec.file = *file;
   model_.report.fields.push_back(std::move(spec));

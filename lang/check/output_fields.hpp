@@ -22,6 +22,9 @@ public:
   std::optional<solver::FieldSpec> drawn_field(const ast::Expr& e, const std::string& what);
   void read(const ast::FieldsItem& item);
 
+  /// False (reported) where one of `before` is the same field: one result would have it twice.
+  bool is_new(const solver::FieldSpec& field, const std::vector<solver::FieldSpec>& before);
+
 private:
   std::string name_of(const ast::Expr& e, const std::vector<Symbol>& components);
 

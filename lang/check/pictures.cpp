@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -118,11 +119,16 @@ void Pictures::graphs(const ast::PictureItem& item) {
   spec.origin = model_.origin(item.span);
   auto file = results_.picture_name(item.to);
   bool good = file.has_value();
+  std::set<std::string> drawn;
   for (const ast::Expr* e : shown_by(item)) {
     if (!is_graph(*e)) {
       mistakes_.error("E0450", e->span,
                       "a field of the body does not stand beside a law or a kernel",
                       "laws and kernels have a picture, fields another one");
+      good = false;
+    } else if (!drawn.insert(std::get<ast::Reference>(e->node).name).second) {
+      mistakes_.error("E0302", e->span,
+                      fmt::format("`{}` is there twice", std::get<ast::Reference>(e->node).name));
       good = false;
     } else {
       good = graph(*e, spec) && good;
@@ -182,7 +188,12 @@ void Pictures::read(const ast::PictureItem& item) {
   const auto file = results_.picture_name(item.to);
   std::vector<std::optional<solver::FieldSpec>> fields;
   fields.reserve(all.size());
-  for (const ast::Expr* e : all) fields.push_back(fields_.output_field(*e));
+  std::vector<solver::FieldSpec> side_by_side;
+  for (const ast::Expr* e : all) {
+    fields.push_back(fields_.output_field(*e));
+    const auto& field = fields.back();
+    if (field && fields_.is_new(*field, side_by_side)) side_by_side.push_back(*field);
+  }
   std::vector<std::optional<double>> times;
   double deformed = 0.0;
   const bool timely = picture_times(item, times);

@@ -8,6 +8,28 @@
 
 namespace hvi::lang {
 
+namespace {
+
+bool is_of_same_parts(const solver::DirichletSpec& a, const solver::DirichletSpec& b) {
+  return a.part == b.part;
+}
+
+bool is_of_same_parts(const solver::PeriodicSpec& a, const solver::PeriodicSpec& b) {
+  return std::minmax(a.first, a.second) == std::minmax(b.first, b.second);
+}
+
+/// The first one that says what this one says, of a component at least: `zero on p, zero.x on p`.
+template <class Condition>
+const Condition* said_before(const Condition& now, const std::vector<Condition>& before) {
+  const auto found = std::ranges::find_if(before, [&](const Condition& one) {
+    const bool both = one.component == now.component || one.component < 0 || now.component < 0;
+    return both && is_of_same_parts(one, now);
+  });
+  return found == before.end() ? nullptr : &*found;
+}
+
+} // namespace
+
 std::optional<int> component_index(const ast::Name& name, int dim) {
   if (name.text.size() != 1) return std::nullopt;
   const int i = name.text[0] - 'x';
@@ -79,6 +101,16 @@ Spaces::periodic_condition(const ast::PeriodicCondition& periodic, bool vector) 
   return good ? std::optional(out) : std::nullopt;
 }
 
+/// E0302 at the second one.
+void Spaces::refuse_again(const char* what, solver::Origin now, solver::Origin before) {
+  const auto place = [&](solver::Origin of) {
+    return model_.origins[static_cast<std::size_t>(of.id)];
+  };
+  mistakes_.add(diagnose("E0302", place(now), fmt::format("{} is stated twice", what))
+                    .with_secondary(place(before), "first stated here")
+                    .with_help("without a component, as in `zero on part`, all are meant"));
+}
+
 /// The mesh, a piece of it or a part of its cells.
 bool Spaces::space_domain(const ast::Name& written, int declaration, solver::SpaceSpec& spec) {
   const Value domain = evaluator_.value_of(declaration, written.span);
@@ -121,11 +153,19 @@ std::optional<int> Spaces::space(const ast::Space& s) {
   for (const ast::ZeroCondition& zero : s.zero) {
     auto d = zero_condition(zero, s.vector);
     good = good && d;
+    if (const auto* before = d ? said_before(*d, spec.dirichlet) : nullptr) {
+      refuse_again("this zero value", d->origin, before->origin);
+      good = false;
+    }
     if (d) spec.dirichlet.push_back(std::move(*d));
   }
   for (const ast::PeriodicCondition& periodic : s.periodic) {
     const auto p = periodic_condition(periodic, s.vector);
     good = good && p;
+    if (const auto* before = p ? said_before(*p, spec.periodic) : nullptr) {
+      refuse_again("this periodic condition", p->origin, before->origin);
+      good = false;
+    }
     if (p) spec.periodic.push_back(*p);
   }
   if (!good) return std::nullopt;

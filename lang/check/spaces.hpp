@@ -29,6 +29,7 @@ private:
   std::optional<int> component_of_space(const std::optional<ast::Name>& written, bool vector);
   std::optional<solver::PeriodicSpec> periodic_condition(const ast::PeriodicCondition& periodic,
                                                          bool vector);
+  void refuse_again(const char* what, solver::Origin now, solver::Origin before);
   bool space_domain(const ast::Name& written, int declaration, solver::SpaceSpec& spec);
 
   Mistakes& mistakes_;

@@ -63,7 +63,7 @@ std::optional<StudyLadder> Studies::study_ladder(const ast::Ladder& ladder,
   }
   for (const ast::Expr& item : list->items) {
     if (out.more.empty()) {
-      study_value(item, out.values);
+      if (study_value(item, out.values)) climbs(item, out);
       continue;
     }
     const auto* rung = std::get_if<ast::List>(&item.node);
@@ -76,9 +76,27 @@ std::optional<StudyLadder> Studies::study_ladder(const ast::Ladder& ladder,
     good = study_value(rung->items[0], out.values);
     for (std::size_t k = 0; k < out.more.size(); ++k)
       good = study_value(rung->items[k + 1], out.more[k].second) && good;
-    if (!good) return std::nullopt;
+    if (!good || !climbs(item, out)) return std::nullopt;
   }
   return out;
+}
+
+/// False (reported at `item`) where the last rung is one of those before it.
+bool Studies::climbs(const ast::Expr& item, const StudyLadder& ladder) {
+  const std::size_t last = ladder.values.size() - 1;
+  const auto same = [&](std::size_t rung) {
+    const auto is_last = [&](const auto& values) { return values[rung] == values[last]; };
+    return is_last(ladder.values) && std::ranges::all_of(ladder.more, [&](const auto& other) {
+             return is_last(other.second);
+           });
+  };
+  for (std::size_t rung = 0; rung < last; ++rung) {
+    if (!same(rung)) continue;
+    mistakes_.error("E0302", item.span, "this rung stands on the ladder already",
+                    "each setting is run once");
+    return false;
+  }
+  return true;
 }
 
 /// By component of all unknowns; of several: a list with a solution for each.

@@ -21,6 +21,7 @@ private:
   bool varies(const ast::Name& name, std::vector<std::string>& known);
   bool study_value(const ast::Expr& item, std::vector<std::string>& out);
   std::optional<StudyLadder> study_ladder(const ast::Ladder& ladder, const ModelStudy& study);
+  bool climbs(const ast::Expr& item, const StudyLadder& ladder);
   std::vector<Symbol> exact_solution(const ast::Expr& written);
   void norm_of_study(const ast::Name& space, ModelStudy& study);
 

@@ -20,7 +20,8 @@ tensor B = isotropic(young = young, poisson = 0.3))"},
      R"(
 Every name is declared once. Reading order does not matter, so a second declaration would be
 ambiguous. Columns have names of their own, beside `t`, and two results do not go to one file:
-tables end in `.csv`, fields in `.pvd` with `NAME_00001.vtu` and the like.)",
+tables end in `.csv`, fields in `.pvd` with `NAME_00001.vtu` and the like. Nothing is said twice:
+`zero on p` and `zero.x on p` of one space, `fields u, u`, `vary n in [2, 2]`.)",
      R"(
 param n = 8
 param n = 16)",

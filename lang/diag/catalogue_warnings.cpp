@@ -10,7 +10,8 @@ constexpr auto warnings_entries = std::to_array<CatalogueEntry>({
     {"W0101", "never used",
      R"(
 A declaration that nothing uses. It is checked all the same, but for the body of a function: what
-stands there is checked where the function is called, with what it is given.)",
+stands there is checked where the function is called, with what it is given. Of what is used, an argument
+of a function or a parameter of a superpotential that its body does not read.)",
      R"(
 param spare = 1)",
      R"(

@@ -103,6 +103,7 @@ private:
     const NameUse* const use = a_.names.at(0, d_.primary.begin);
     if (!use) return;
     const Definition& definition = a_.names.definitions[use->definition];
+    if (definition.kind == NameKind::argument) return; // it goes from every call, too
     add({lines_of(a_, definition), ""}, fmt::format("remove `{}`", definition.name));
   }
 

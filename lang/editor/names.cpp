@@ -1,8 +1,8 @@
 // Declarations first, then uses; see names.hpp.
 #include "lang/editor/names.hpp"
 
-#include "lang/editor/tree_names.hpp"
 #include "lang/syntax/lexer.hpp"
+#include "lang/syntax/tree_names.hpp"
 
 #include <algorithm>
 #include <array>

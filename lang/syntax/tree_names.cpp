@@ -1,5 +1,5 @@
 // One function for each node that holds names; see tree_names.hpp.
-#include "lang/editor/tree_names.hpp"
+#include "lang/syntax/tree_names.hpp"
 
 #include <optional>
 #include <variant>
@@ -105,7 +105,8 @@ public:
     const auto* callee = std::get_if<ast::Reference>(&node.callee->node);
     visit(*node.callee);
     for (const ast::Argument& argument : node.arguments) {
-      if (argument.name && callee) visitor_.argument(callee->name, *argument.name);
+      if (argument.name && callee && visitor_.argument)
+        visitor_.argument(callee->name, *argument.name);
       visit(argument.value);
     }
   }
@@ -124,14 +125,15 @@ public:
     for (const ast::Condition& one : node.operands) visit(one);
   }
 
-private:
-  void visit(const ast::Name& name) { visitor_.use(name.text, name.span); }
   void visit(const ast::Expr& e) {
     const Span outer = here_;
     here_ = e.span;
     std::visit(*this, e.node);
     here_ = outer;
   }
+
+private:
+  void visit(const ast::Name& name) { visitor_.use(name.text, name.span); }
   void visit(const ast::Condition& condition) { std::visit(*this, condition.node); }
   void visit(const ast::InitialValue& initial) { visit(initial.unknown), visit(initial.value); }
   void visit(const ast::Region& region) {
@@ -162,6 +164,10 @@ private:
 
 void visit_names(const ast::Statement& statement, const NameVisitor& visitor) {
   std::visit(Walk(visitor), statement);
+}
+
+void visit_names(const ast::Expr& expression, const NameVisitor& visitor) {
+  Walk(visitor).visit(expression);
 }
 
 } // namespace hvi::lang

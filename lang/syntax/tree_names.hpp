@@ -1,5 +1,4 @@
-// Walks a statement and tells of each name that stands for something declared. Part of index_names
-// (names.hpp).
+// Walks a statement or an expression and tells of each name that stands for something declared.
 #pragma once
 
 #include "lang/syntax/ast.hpp"
@@ -19,5 +18,7 @@ struct NameVisitor {
 };
 
 void visit_names(const ast::Statement& statement, const NameVisitor& visitor);
+/// What `visitor` has for columns and arguments may be left out.
+void visit_names(const ast::Expr& expression, const NameVisitor& visitor);
 
 } // namespace hvi::lang
