@@ -195,6 +195,13 @@ Exit Session::take_first_step() {
   });
 }
 
+Exit Session::try_out(const std::atomic<bool>* stop, int most_unknowns) {
+  const Exit code = discretise(stop);
+  const bool stopped = stop != nullptr && *stop;
+  if (code != exit_ok || stopped || discretisation.space.n_dofs() > most_unknowns) return code;
+  return take_first_step();
+}
+
 void Session::solve(const RunRequest& request) {
   const bool shows = !request.settings.output_folder.empty();
   if (const auto wanted = accuracy_wanted(script, request)) {

@@ -20,6 +20,7 @@
 
 #include <atomic>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -72,6 +73,10 @@ public:
   Exit discretise(const std::atomic<bool>* stop = nullptr);
   /// The matrix of the first step, which tells whether all forms together determine the unknown.
   Exit take_first_step();
+  /// Both: what `check` and editors look for behind the plan. A first step of more than
+  /// `most_unknowns` is not taken.
+  Exit try_out(const std::atomic<bool>* stop = nullptr,
+               int most_unknowns = std::numeric_limits<int>::max());
   /// All steps, of the plan or, where an accuracy is wanted, of the cheapest plan that has it. What
   /// is known where a run fails is in `result` and `accuracy`.
   Exit run(const RunRequest& request);

@@ -37,8 +37,7 @@ Exit look_for_mistakes(Session& session, const Options& options, HeldOutputs& ou
                                         : outputs_in("", {}, options);
   if (const Exit code = outputs.take(wanted, options, session); code != exit_ok) return code;
   if (options.script_only) return exit_ok;
-  if (const Exit code = session.discretise(); code != exit_ok) return code;
-  return session.take_first_step();
+  return session.try_out();
 }
 
 int check_one(const std::string& path, const Options& options) {

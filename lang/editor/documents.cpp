@@ -60,6 +60,11 @@ std::unique_ptr<Analysis> Documents::analyse(const std::string& uri, std::string
                                     std::move(text));
 }
 
+void Documents::publish_again(const std::string& path) {
+  for (auto& [uri, document] : open_)
+    if (path_of(uri) == path) document.published = false;
+}
+
 void Documents::for_each_unpublished(
     const std::function<void(const std::string& uri, const Json& version)>& publish) {
   for (auto& [uri, document] : open_)

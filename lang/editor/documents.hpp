@@ -24,6 +24,8 @@ public:
   [[nodiscard]] std::string text(const std::string& uri) const;
   [[nodiscard]] std::unique_ptr<Analysis> analyse(const std::string& uri, std::string text) const;
 
+  /// There is more to tell of this script.
+  void publish_again(const std::string& path);
   /// Of each script whose diagnostics the editor does not have yet.
   void for_each_unpublished(
       const std::function<void(const std::string& uri, const Json& version)>& publish);

@@ -1,6 +1,7 @@
 // See judgement.hpp.
 #include "lang/editor/judgement.hpp"
 
+#include "lang/editor/protocol.hpp"
 #include "lang/forecast.hpp"
 #include "solver/common/memory_room.hpp"
 #include "solver/hypotheses/hypotheses.hpp"
@@ -8,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 namespace hvi::lang {
 
@@ -19,23 +21,34 @@ std::string size_of(const Session& session) {
                      steps > 0 ? fmt::format(", {} steps", steps) : "");
 }
 
-} // namespace
-
-std::string judgement_of(Session& session, const std::atomic<bool>& stop) {
-  if (session.compile() != exit_ok) return {};
-  if (session.discretise(&stop) != exit_ok) return "the mesh does not fit the script";
-  std::string out = size_of(session);
-  if (session.discretisation.space.n_dofs() > most_unknowns_judged)
-    return out + "; `hvi-run check` has the numbers";
-  if (stop || session.take_first_step() != exit_ok) return out;
+std::string numbers_of(const Session& session, const std::atomic<bool>& stop) {
   const auto report = solver::check_hypotheses(*session.script.plan, session.discretisation, false);
+  std::string out;
   if (std::isfinite(report.margins.step))
     out += fmt::format(", step margin {:.3g}", report.margins.step);
   const Forecast cost = forecast(*session.script.plan, session.discretisation, &stop);
-  out += fmt::format(", predicted {:.2g} s and {}", cost.seconds(),
-                     solver::bytes_text(cost.most_bytes));
-  return out + ": " + report.discrete_verdict;
+  return out + fmt::format(", predicted {:.2g} s and {}: {}", cost.seconds(),
+                           solver::bytes_text(cost.most_bytes), report.discrete_verdict);
 }
+
+/// One line: unknowns, steps, margin and verdict. Empty where there is no plan.
+std::string judgement_of(Session& session, const std::atomic<bool>& stop) {
+  if (!session.script.plan) return {};
+  const Exit tried = session.try_out(&stop, most_unknowns_judged);
+  if (session.discretisation.space.n_dofs() == 0) return "the mesh does not fit the script";
+  std::string out = size_of(session);
+  if (tried != exit_ok) return out;
+  if (session.discretisation.space.n_dofs() > most_unknowns_judged)
+    return out + "; `hvi-run check` has the numbers";
+  if (stop) return out;
+  try {
+    return out + numbers_of(session, stop);
+  } catch (const solver::Failure& failure) { // no mistake of the script: `check` has none either
+    return out + "; the hypotheses cannot be judged: " + failure.what();
+  }
+}
+
+} // namespace
 
 Judgement::Judgement(std::function<void()> ready)
     : ready_(std::move(ready)), thread_([this] { work(); }) {}
@@ -50,51 +63,84 @@ Judgement::~Judgement() {
 }
 
 void Judgement::ask(const std::string& path, const std::string& text,
-                    const CompileSettings& settings) {
+                    const CompileSettings& settings, CharacterUnit unit) {
   {
     const std::scoped_lock lock(mutex_);
-    if (path == path_ && text == text_) return;
-    path_ = path, text_ = text, settings_ = settings, result_.reset();
-    settings_.on_name = nullptr;
-    waits_ = stop_ = true;
+    if (path == at_hand_ && text == text_at_hand_ && !dropped_) return;
+    std::erase_if(waiting_, [&](const Request& one) { return one.path == path; });
+    waiting_.push_back({path, text, settings, unit});
+    waiting_.back().settings.on_name = nullptr;
+    stop_ = true;
+    dropped_ = dropped_ || path == at_hand_;
   }
   asked_.notify_one();
+}
+
+void Judgement::forget(const std::string& path) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(waiting_, [&](const Request& one) { return one.path == path; });
+  found_.erase(path);
+  if (path == at_hand_) dropped_ = stop_ = true;
 }
 
 void Judgement::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    asked_.wait(lock, [&] { return waits_ || over_; });
+    asked_.wait(lock, [&] { return !waiting_.empty() || over_; });
     if (over_) return;
-    waits_ = stop_ = false;
-    const std::string path = path_, text = text_;
-    CompileSettings settings = settings_;
+    stop_ = dropped_ = false;
+    Request request = std::move(waiting_.back());
+    waiting_.pop_back();
+    at_hand_ = request.path, text_at_hand_ = request.text;
     lock.unlock();
-    std::string found = judged(path, text, std::move(settings));
+    Found found = judged(request);
     lock.lock();
-    if (stop_ || found.empty()) continue;
-    result_ = std::move(found);
+    at_hand_.clear();
+    if (dropped_) continue;
+    if (stop_) { // something else came first
+      waiting_.insert(waiting_.empty() ? waiting_.end() : waiting_.end() - 1, std::move(request));
+      continue;
+    }
+    newly_found_.push_back(request.path);
+    found_[request.path] = std::move(found);
     lock.unlock();
     ready_();
     lock.lock();
   }
 }
 
-std::string Judgement::judged(const std::string& path, const std::string& text,
-                              CompileSettings settings) {
-  std::string found;
+Judgement::Found Judgement::judged(const Request& request) const {
+  Found found{request.text, {}, nullptr};
   try {
-    Session session(path, std::move(settings), text);
-    session.attempt([&] { found = judgement_of(session, stop_); });
+    Analysis analysis(request.path, request.settings, request.text);
+    Session& session = analysis.session;
+    session.attempt([&] { found.numbers = judgement_of(session, stop_); });
+    found.messages = diagnostics_json({analysis, 0, request.unit});
   } catch (const std::exception& error) {
-    found = error.what(); // out of memory: the editor goes on
+    found.numbers = error.what(); // out of memory: the editor goes on
   }
   return found;
 }
 
-std::optional<std::string> Judgement::of(const std::string& path) const {
+std::optional<std::string> Judgement::numbers_of(const std::string& path) const {
   const std::scoped_lock lock(mutex_);
-  return path == path_ ? result_ : std::nullopt;
+  const auto known = found_.find(path);
+  if (known == found_.end() || known->second.numbers.empty()) return std::nullopt;
+  return known->second.numbers;
+}
+
+std::optional<nlohmann::json> Judgement::messages_of(const std::string& path,
+                                                     const std::string& text) const {
+  const std::scoped_lock lock(mutex_);
+  const auto known = found_.find(path);
+  const bool of_text = known != found_.end() && known->second.text == text;
+  if (!of_text || known->second.messages.is_null()) return std::nullopt;
+  return known->second.messages;
+}
+
+std::vector<std::string> Judgement::newly_judged() {
+  const std::scoped_lock lock(mutex_);
+  return std::exchange(newly_found_, {});
 }
 
 } // namespace hvi::lang

@@ -1,23 +1,29 @@
-// The numbers of `check` while a script is edited: found beside the editing, on a thread of their
-// own, for problems that are small.
+// What `check` finds behind the plan while a script is edited: mistakes that show on the mesh and
+// in the first step, and numbers. Found beside the editing, on a thread of their own.
 #pragma once
 
+#include "lang/editor/positions.hpp"
 #include "lang/session.hpp"
+
+#include <nlohmann/json.hpp>
 
 #include <atomic>
 #include <condition_variable>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace hvi::lang {
 
-/// Beyond so many unknowns `check` may take long: then it is not asked for.
+/// Beyond so many unknowns `check` may take long: then the first step and the numbers are left to
+/// it.
 inline constexpr int most_unknowns_judged = 3000;
 
-/// One script at a time; what is asked for later takes the place of what waits.
+/// Scripts one after the other, those asked for last first.
 class Judgement {
 public:
   /// `ready` is called from the other thread when there is something new to show.
@@ -26,29 +32,45 @@ public:
   Judgement(const Judgement&) = delete;
   Judgement& operator=(const Judgement&) = delete;
 
-  /// Unless this very text was judged last. Returns at once: what is being judged is asked to end,
-  /// which it does after its step.
-  void ask(const std::string& path, const std::string& text, const CompileSettings& settings);
-  /// What was found of a script, if it is the last one that was asked for.
-  [[nodiscard]] std::optional<std::string> of(const std::string& path) const;
+  /// Returns at once: what is being judged is asked to end, which it does after its step, and
+  /// begins again later.
+  void ask(const std::string& path, const std::string& text, const CompileSettings& settings,
+           CharacterUnit unit);
+  /// A script that is closed.
+  void forget(const std::string& path);
+  /// The numbers of a script, of the text that was judged last.
+  [[nodiscard]] std::optional<std::string> numbers_of(const std::string& path) const;
+  /// The scripts that have been judged since this was asked last.
+  [[nodiscard]] std::vector<std::string> newly_judged();
+  /// All messages of a script, if this is the text that was judged.
+  [[nodiscard]] std::optional<nlohmann::json> messages_of(const std::string& path,
+                                                          const std::string& text) const;
 
 private:
+  struct Request {
+    std::string path, text;
+    CompileSettings settings;
+    CharacterUnit unit = CharacterUnit::utf16;
+  };
+  struct Found {
+    std::string text; ///< that was judged
+    std::string numbers;
+    nlohmann::json messages; ///< null: not known
+  };
   void work();
-  std::string judged(const std::string& path, const std::string& text, CompileSettings settings);
+  [[nodiscard]] Found judged(const Request& request) const;
 
   std::function<void()> ready_;
   mutable std::mutex mutex_;
   std::condition_variable asked_;
-  std::string path_, text_; ///< asked for
-  CompileSettings settings_;
-  bool waits_ = false;                ///< is there anything to judge?
-  bool over_ = false;                 ///< the server ends
-  std::optional<std::string> result_; ///< of what was asked for
+  std::vector<Request> waiting_;       ///< the next one last
+  std::string at_hand_, text_at_hand_; ///< of what is being judged: its path and its text
+  bool dropped_ = false;               ///< nobody wants that any more
+  bool over_ = false;                  ///< the server ends
+  std::map<std::string, Found> found_; ///< by path
+  std::vector<std::string> newly_found_;
   std::atomic<bool> stop_ = false;
   std::thread thread_; ///< last: it uses the others
 };
-
-/// One line: unknowns, steps, margin and verdict; the first mistake where there is one.
-[[nodiscard]] std::string judgement_of(Session& session, const std::atomic<bool>& stop);
 
 } // namespace hvi::lang

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
 
@@ -82,6 +83,34 @@ bool MessageReader::more_waits() const {
   if (!buffer_.empty()) return true;
   pollfd one{input_, POLLIN, 0};
   return ::poll(&one, 1, 0) > 0 && (one.revents & POLLIN) != 0;
+}
+
+bool MessageReader::comes_before(const Bell& bell) const {
+  if (!buffer_.empty()) return true;
+  std::array<pollfd, 2> both{{{input_, POLLIN, 0}, {bell.to_wait_for(), POLLIN, 0}}};
+  while (::poll(both.data(), both.size(), -1) < 0 && errno == EINTR) {
+  }
+  return both[0].revents != 0 || both[1].revents == 0;
+}
+
+Bell::Bell() {
+  if (::pipe2(ends_.data(), O_CLOEXEC | O_NONBLOCK) != 0) ends_ = {-1, -1}; // poll passes over it
+}
+
+Bell::~Bell() {
+  for (const int end : ends_)
+    if (end >= 0) ::close(end);
+}
+
+void Bell::ring() const {
+  const char one = 0;
+  [[maybe_unused]] const auto n = ::write(ends_[1], &one, 1); // full: it rings
+}
+
+void Bell::silence() const {
+  std::array<char, 64> rung{};
+  while (::read(ends_[0], rung.data(), rung.size()) > 0) {
+  }
 }
 
 bool write_message(int output, const nlohmann::json& message) {

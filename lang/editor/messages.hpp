@@ -4,10 +4,27 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <array>
 #include <optional>
 #include <string>
 
 namespace hvi::lang {
+
+/// What one thread rings and another one waits for.
+class Bell {
+public:
+  Bell();
+  ~Bell();
+  Bell(const Bell&) = delete;
+  Bell& operator=(const Bell&) = delete;
+
+  void ring() const;
+  void silence() const;
+  [[nodiscard]] int to_wait_for() const { return ends_[0]; }
+
+private:
+  std::array<int, 2> ends_{-1, -1}; ///< of a pipe
+};
 
 /// Reads from a file descriptor.
 class MessageReader {
@@ -19,6 +36,8 @@ public:
   std::optional<std::string> next();
   /// Whether a part of another message has arrived: what is asked may be out of date.
   [[nodiscard]] bool more_waits() const;
+  /// Waits for a message, or its end, unless `bell` rings first: false.
+  [[nodiscard]] bool comes_before(const Bell& bell) const;
 
 private:
   bool fill();

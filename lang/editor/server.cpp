@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <map>
-#include <mutex>
 
 namespace hvi::lang {
 
@@ -33,11 +32,15 @@ class Server {
 public:
   Server(int input, int output, const CompileSettings& settings, const char* version)
       : settings_(settings), version_(version), reader_(input), output_(output),
-        documents_(settings), judgement_([this] { refresh_lenses(); }) {}
+        documents_(settings), judgement_([this] { judged_.ring(); }) {}
 
   int run() {
     while (!done_) {
       if (!reader_.more_waits()) publish();
+      if (!reader_.comes_before(judged_)) {
+        show_judged();
+        continue;
+      }
       const auto content = reader_.next();
       if (!content) break;
       take(*content);
@@ -104,7 +107,6 @@ private:
   }
 
   void send(const Json& message) {
-    const std::scoped_lock lock(writing_);
     if (!write_message(output_, message)) done_ = true;
   }
   void answer_error(const Json& id, const RequestError& error) {
@@ -180,24 +182,36 @@ private:
   }
   Json did_close(const Json& parameters) {
     documents_.close(uri_in(parameters));
+    if (const auto path = path_of(uri_in(parameters))) judgement_.forget(*path);
     send_diagnostics(uri_in(parameters), nullptr, Json::array());
     return nullptr;
   }
 
   void judge(const std::string& uri) {
-    if (const auto path = path_of(uri)) judgement_.ask(*path, documents_.text(uri), settings_);
+    if (const auto path = path_of(uri))
+      judgement_.ask(*path, documents_.text(uri), settings_, unit_);
   }
-  void refresh_lenses() {
+  /// What shows behind the plan, and the numbers.
+  void show_judged() {
+    judged_.silence();
+    for (const std::string& path : judgement_.newly_judged()) documents_.publish_again(path);
+    publish();
     if (refreshes_)
       send({{"jsonrpc", "2.0"}, {"id", "lenses"}, {"method", "workspace/codeLens/refresh"}});
   }
 
   void publish() {
     documents_.for_each_unpublished([&](const std::string& uri, const Json& version) {
-      const Analysis* const analysis = documents_.analysis(uri);
-      const Json all = analysis ? diagnostics_json({*analysis, 0, unit_}) : Json::array();
-      send_diagnostics(uri, version, all);
+      send_diagnostics(uri, version, messages_of(uri));
     });
+  }
+  /// As far as they are known: those behind the plan come when the text has been judged.
+  Json messages_of(const std::string& uri) {
+    if (const auto path = path_of(uri))
+      if (auto judged = judgement_.messages_of(*path, documents_.text(uri)))
+        return *std::move(judged);
+    const Analysis* const analysis = documents_.analysis(uri);
+    return analysis ? diagnostics_json({*analysis, 0, unit_}) : Json::array();
   }
   void send_diagnostics(const std::string& uri, const Json& version, const Json& all) {
     Json parameters = {{"uri", uri}, {"diagnostics", all}};
@@ -254,7 +268,7 @@ private:
   /// The numbers of `check` above the find statement.
   Json lenses(const Json& parameters) {
     const Analysis& analysis = open_script(parameters);
-    const auto said = judgement_.of(analysis.script().path);
+    const auto said = judgement_.numbers_of(analysis.script().path);
     Json out = Json::array();
     for (const ast::Statement& statement : analysis.script().programs[0].statements)
       if (const auto* find = std::get_if<ast::Find>(&statement); find && said)
@@ -270,8 +284,8 @@ private:
   Documents documents_;
   CharacterUnit unit_ = CharacterUnit::utf16;
   bool initialised_ = false, shut_down_ = false, refreshes_ = false;
-  std::atomic<bool> done_ = false;
-  std::mutex writing_;
+  bool done_ = false;
+  Bell judged_;
   Judgement judgement_; ///< last: its thread uses the others
 };
 
