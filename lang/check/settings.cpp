@@ -58,6 +58,20 @@ void Settings::set_positive(const ast::Setting& setting, double& out) {
   if (v && *v > 0.0) out = *v;
 }
 
+/// A relative error. Beyond that of which a run is certified it would say nothing.
+void Settings::set_tolerance(const ast::Setting& setting, double& out) {
+  constexpr double largest = 1e-2;
+  double given = 0.0;
+  set_positive(setting, given);
+  if (given > largest)
+    mistakes_.error("E0408", setting.value.span,
+                    fmt::format("`{}` is a relative error of at most {}, not {}", setting.name.text,
+                                largest, given),
+                    fmt::format("left out, it is {}", out));
+  else if (given > 0.0)
+    out = given;
+}
+
 /// The rule of all laws that bring none.
 void Settings::set_quadrature(const ast::Setting& setting) {
   using solver::Rule;
@@ -96,9 +110,9 @@ void Settings::setting(const ast::Setting& s) {
   } else if (name == "quadrature") {
     set_quadrature(s);
   } else if (name == "tolerance") {
-    set_positive(s, options.tolerance);
+    set_tolerance(s, options.tolerance);
   } else if (name == "memory_tolerance") {
-    set_positive(s, options.memory_tolerance);
+    set_tolerance(s, options.memory_tolerance);
   } else if (name == "branch") {
     choose(s, "branch",
            {{"continuing", Branch::continuing},

@@ -24,6 +24,7 @@ private:
   void choose(const ast::Setting& setting, const std::string& what,
               const std::vector<std::pair<std::string, T>>& choices, T& out);
   void set_positive(const ast::Setting& setting, double& out);
+  void set_tolerance(const ast::Setting& setting, double& out);
   void set_quadrature(const ast::Setting& setting);
   void set_accuracy_of(const ast::Setting& setting);
   void setting(const ast::Setting& setting);

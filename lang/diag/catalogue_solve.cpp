@@ -51,7 +51,8 @@ steps differ from the exact ones by a unit in the last place, and that changes t
 column by more than a hundredth of its size, or the matrix is singular to double precision though the
 script is right. Such a run is not certified; refinement with residuals in extended precision was tried and
 did not help. Bodies a thousand times longer than thick, Poisson's ratios within 1e-7 of 1/2 and stiffnesses
-many decades apart cause this; a mesh of better shaped cells or a softer contrast helps.)",
+many decades apart cause this; a mesh of better shaped cells or a softer contrast helps. Where a large
+`tolerance` lets steps leave more of their equations than rounding does, the message says that instead.)",
      R"(
 mesh beam = rectangle(100000, 1, cells = [8, 1]))",
      R"(

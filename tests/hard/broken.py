@@ -1,4 +1,6 @@
 """Hard cases: broken input met while running. A message that says what and where, never a wrong answer."""
+import pathlib
+
 from suite import case, judge
 
 
@@ -100,6 +102,7 @@ def broken(suite):
     script(young="-70")
     refused(suite, name, "a negative stiffness", [], code="E0504")
     beam(suite, name)
+    roughly(suite, name)
     disk(suite, name)
     memory(suite, name)
 
@@ -125,6 +128,16 @@ def beam(suite, name):
         refused(suite, name, what, [], code="E0706", exit_=3)
         done = suite.call("broken.hvi", command="stability")
         judge(name, f"{what}: `stability` calls it stable (0: no)", done.returncode != 3 or "stable" in done.stdout, 0)
+
+
+def roughly(suite, name):
+    """Steps that a large tolerance leaves unsolved: said to be that, not rounding. With the largest one that is asked for here the run is one."""
+    text = (pathlib.Path(__file__).resolve().parents[2] / "examples/bounce.hvi").read_text()
+    for tolerance, code in (("1e-2", 3), ("1e-3", 0)):
+        (suite.folder / "broken.hvi").write_text(text.replace("using scheme", f"using tolerance = {tolerance}, scheme"))
+        done = suite.call("broken.hvi", "--no-files")
+        judge(name, f"the tolerance {tolerance}: exit code is {code} (0: yes)", done.returncode != code, 0)
+        judge(name, f"the tolerance {tolerance} is named (0: yes)", ("with the tolerance 1e-02" not in done.stderr or "`tolerance`" not in done.stderr) and code, 0)
 
 
 def memory(suite, name):
