@@ -103,10 +103,22 @@ int line_of(const Script& script, solver::Origin origin) {
   return span.valid() && span.file == 0 ? script.sources.begin(span).line : 0;
 }
 
-std::map<std::string, std::string> units_told(const Script& script) {
-  std::map<std::string, std::string> out = script.model->units.of;
+std::map<std::string, solver::UnitsByName> units_by_kind(const Script& script) {
+  const ModelUnits& units = script.model->units;
+  if (!units.used()) return {};
+  std::map<std::string, solver::UnitsByName> out{
+      {"params", {}}, {"variables", units.of}, {"columns", units.of_columns}};
   for (const ModelParam& p : script.model->params)
-    if (!p.unit.empty()) out[p.name] = p.unit;
+    if (!p.unit.empty()) out["params"][p.name] = p.unit;
+  return out;
+}
+
+solver::UnitsByName units_told(const Script& script) {
+  solver::UnitsByName out;
+  const auto by_kind = units_by_kind(script);
+  for (const char* kind : {"variables", "columns", "params"}) // what a name means most of all last
+    if (const auto of_kind = by_kind.find(kind); of_kind != by_kind.end())
+      for (const auto& [name, unit] : of_kind->second) out[name] = unit;
   return out;
 }
 
@@ -115,6 +127,7 @@ solver::ResultContext json_context(const Script& script) {
   for (const ModelParam& p : script.model->params)
     if (const auto* v = std::get_if<double>(&p.value)) context.params[p.name] = p.as_declared(*v);
   context.units = units_told(script);
+  context.units_by_kind = units_by_kind(script);
   context.line_of = [&](solver::Origin origin) { return line_of(script, origin); };
   return context;
 }

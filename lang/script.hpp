@@ -35,7 +35,10 @@ Span span_of(const Script& script, solver::Origin origin);
 int line_of(const Script& script, solver::Origin origin);
 /// Of t, columns, unknowns, sigma, states and parameters by their names, as far as the script
 /// tells.
-std::map<std::string, std::string> units_told(const Script& script);
+/// Where a parameter and a column have one name, that of the parameter.
+solver::UnitsByName units_told(const Script& script);
+/// The same apart: of "params", "variables" (t, unknowns, sigma, states) and "columns".
+std::map<std::string, solver::UnitsByName> units_by_kind(const Script& script);
 /// Parameters and lines for the JSON of a script, which must outlive it.
 solver::ResultContext json_context(const Script& script);
 

@@ -6,6 +6,7 @@
 #include "lang/check/model.hpp"
 #include "lang/pictures.hpp"
 #include "solver/output/table.hpp"
+#include "solver/results/result_json.hpp"
 #include "solver/study/cea.hpp"
 #include "solver/study/ladder.hpp"
 
@@ -51,7 +52,9 @@ struct Study {
   bool sweep = false;               ///< there is none: the columns are what is asked for
   std::vector<std::string> columns; ///< of the tables
   /// Of parameters and columns by their names; none for scripts without units.
-  std::map<std::string, std::string> units;
+  solver::UnitsByName units;
+  /// The same of "params", "variables" and "columns", which may have names in common.
+  std::map<std::string, solver::UnitsByName> units_by_kind;
   std::vector<StudyLadder> ladders;
   std::vector<std::string> unknowns; ///< where there are several
   std::optional<std::size_t> in;     ///< which of them the error is of; none: of all together
@@ -83,7 +86,10 @@ nlohmann::ordered_json study_json(const Study& study);
 /// Every varied parameter, ladder by ladder.
 std::vector<std::string> varied(const Study& study);
 /// "force [N]"; the name alone where there is no unit to tell.
-std::string with_unit(const Study& study, const std::string& name);
+std::string with_parameter_unit(const Study& study, const std::string& name);
+std::string with_column_unit(const Study& study, const std::string& name);
+/// "mm" of `name`, which is one of "params", "variables" or "columns"; "" where it is not known.
+std::string unit_in(const Study& study, const char* kind, const std::string& name);
 /// Of a sweep: the columns at the end, setting by setting.
 std::string sweep_table(const Study& study);
 /// Curves of a column at the end over the first parameter with numbers; empty: there is none.

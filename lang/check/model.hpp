@@ -34,8 +34,9 @@ struct ModelParam {
 /// What numbers are in, for a script with units.
 struct ModelUnits {
   std::string system; ///< "mm, N, s"; empty: the script has no units
-  /// Of t, unknowns, states, sigma and columns; "1": no dimension.
+  /// Of t, unknowns, states and sigma; "1": no dimension.
   std::map<std::string, std::string> of;
+  std::map<std::string, std::string> of_columns;   ///< of tables, and of t beside them
   std::map<std::string, std::string> of_laws;      ///< of their multipliers
   std::map<std::string, std::string> of_arguments; ///< of laws
   std::map<std::string, std::string> of_tensors;
@@ -43,8 +44,8 @@ struct ModelUnits {
   std::map<std::string, std::string> of_tests;   ///< test functions
 
   bool used() const { return !system.empty(); }
-  /// " [mm]" for `tip`; nothing where the unit is not known or is 1.
-  std::string behind(const std::string& name) const { return behind(of, name); }
+  /// " [mm]" for the column `tip`; nothing where the unit is not known or is 1.
+  std::string behind(const std::string& column) const { return behind(of_columns, column); }
   std::string of_argument(const std::string& law) const { return behind(of_arguments, law); }
   std::string of_multiplier(const std::string& law) const { return behind(of_laws, law); }
   std::string of_kernel(const std::string& kernel) const { return behind(of_kernels, kernel); }

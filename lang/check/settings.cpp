@@ -164,6 +164,20 @@ void Settings::read(const ast::Find& find) {
       setting(s);
     }
   }
+  check_accuracy_of(find);
+}
+
+/// It says of which column the accuracy is that is asked for beside it.
+void Settings::check_accuracy_of(const ast::Find& find) {
+  const auto given = [&](const char* name) {
+    return std::ranges::find_if(find.settings,
+                                [&](const ast::Setting& s) { return s.name.text == name; });
+  };
+  const auto of = given("accuracy_of");
+  if (of == find.settings.end() || given("accuracy") != find.settings.end()) return;
+  mistakes_.error("E0412", of->name.span, "`accuracy_of` without an `accuracy`: none is asked for",
+                  "say how large the error of the column may be: `accuracy = 1e-3, accuracy_of = "
+                  "...`");
 }
 
 } // namespace hvi::lang

@@ -27,6 +27,7 @@ private:
   void set_tolerance(const ast::Setting& setting, double& out);
   void set_quadrature(const ast::Setting& setting);
   void set_accuracy_of(const ast::Setting& setting);
+  void check_accuracy_of(const ast::Find& find);
   void setting(const ast::Setting& setting);
 
   Mistakes& mistakes_;

@@ -72,6 +72,7 @@ public:
       return exit_usage;
     }
     plan_rows(*script.model);
+    study_.units_by_kind = units_by_kind(script);
     if (script.model->units.used()) study_.units = units_told(script);
     auto names = files_of_study(study_);
     names.push_back(journal_.name());

@@ -28,15 +28,11 @@ bool is_number(const std::string& value) {
 } // namespace
 
 std::vector<solver::CsvColumn> study_columns(const Study& study) {
-  const auto unit = [&](const std::string& name) {
-    const auto found = study.units.find(name);
-    return found == study.units.end() ? std::string() : found->second;
-  };
   std::vector<solver::CsvColumn> out;
   for (const std::string& name : varied(study)) {
     const bool numbers = std::ranges::all_of(
         study.rows, [&](const StudyRow& row) { return is_number(row.values.at(name)); });
-    out.push_back({name, unit(name), numbers});
+    out.push_back({name, unit_in(study, "params", name), numbers});
   }
   for (const char* name :
        {"unknowns", "steps", "v_max", "v_final", "l2_max", "l2_final", "relative", "order"})
@@ -49,7 +45,8 @@ std::vector<solver::CsvColumn> study_columns(const Study& study) {
   for (const std::string& u : study.unknowns)
     for (const char* norm : {"v_max_", "l2_max_"}) out.push_back({norm + u, ""});
   for (const std::string& probe : probes_of(study))
-    for (const char* what : {"", "_error"}) out.push_back({probe + what, unit(probe)});
+    for (const char* what : {"", "_error"})
+      out.push_back({probe + what, unit_in(study, "columns", probe)});
   out.push_back({"failure", "", false});
   return out;
 }

@@ -84,6 +84,7 @@ nlohmann::ordered_json study_json(const Study& study) {
   for (const auto& [of, law] : study.extrapolated)
     out["extrapolated"].push_back(extrapolation_json(of, law));
   if (!study.units.empty()) out["units"] = study.units;
+  if (!study.units_by_kind.empty()) out["units_by_kind"] = study.units_by_kind;
   return out;
 }
 

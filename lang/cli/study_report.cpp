@@ -24,7 +24,7 @@ std::string cell(std::optional<double> v, const char* format) {
 
 std::vector<std::string> headings(const Study& study) {
   std::vector<std::string> out;
-  for (const std::string& name : varied(study)) out.push_back(with_unit(study, name));
+  for (const std::string& name : varied(study)) out.push_back(with_parameter_unit(study, name));
   for (const char* name : {"unknowns", "V error", "at the end", "relative", "order", "L2 error",
                            "CPU s", "wall s", "peak MB", "Newton", "front"})
     out.emplace_back(name);
@@ -160,7 +160,8 @@ std::string triangles(double left, double right, double top) {
 std::string order_picture(const Study& study, std::size_t along) {
   const std::string& parameter = study.ladders[along].parameter;
   std::string text = heading(study, "order in " + parameter) +
-                     fmt::format("set xlabel {} noenhanced\n", quoted(with_unit(study, parameter))),
+                     fmt::format("set xlabel {} noenhanced\n",
+                                 quoted(with_parameter_unit(study, parameter))),
               plots;
   const auto place = [&](const StudyRow& row) { return on_axis(row.values.at(parameter)); };
   const auto value = [&](const StudyRow& row) { return place(row).value_or(0.0); };
@@ -225,7 +226,8 @@ std::string probe_table(const Study& study) {
   std::string out;
   if (!study.finest) return out;
   for (const auto& [probe, finest] : study.rows[*study.finest].probes) {
-    out += fmt::format("`{}` at the end{}:\n", probe, with_unit(study, probe).substr(probe.size()));
+    out += fmt::format("`{}` at the end{}:\n", probe,
+                       with_column_unit(study, probe).substr(probe.size()));
     for (const StudyRow& row : study.rows) {
       const auto value = row.probes.find(probe);
       if (value == row.probes.end()) continue;
@@ -289,9 +291,19 @@ std::vector<std::string> varied(const Study& study) {
   return out;
 }
 
-std::string with_unit(const Study& study, const std::string& name) {
-  const auto unit = study.units.find(name);
-  return name + (unit == study.units.end() ? "" : ModelUnits::bracketed(unit->second));
+std::string unit_in(const Study& study, const char* kind, const std::string& name) {
+  const auto of_kind = study.units_by_kind.find(kind);
+  if (of_kind == study.units_by_kind.end()) return {};
+  const auto unit = of_kind->second.find(name);
+  return unit == of_kind->second.end() ? std::string() : unit->second;
+}
+
+std::string with_parameter_unit(const Study& study, const std::string& name) {
+  return name + ModelUnits::bracketed(unit_in(study, "params", name));
+}
+
+std::string with_column_unit(const Study& study, const std::string& name) {
+  return name + ModelUnits::bracketed(unit_in(study, "columns", name));
 }
 
 std::string study_table(const Study& study) {

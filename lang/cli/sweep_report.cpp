@@ -49,8 +49,8 @@ std::string others(const Study& study, const StudyRow& row, std::size_t along) {
 
 std::string sweep_table(const Study& study) {
   std::vector<std::vector<std::string>> grid(1);
-  for (const auto& name : varied(study)) grid[0].push_back(with_unit(study, name));
-  for (const auto& name : study.columns) grid[0].push_back(with_unit(study, name));
+  for (const auto& name : varied(study)) grid[0].push_back(with_parameter_unit(study, name));
+  for (const auto& name : study.columns) grid[0].push_back(with_column_unit(study, name));
   for (const char* name : {"unknowns", "CPU s"}) grid[0].emplace_back(name);
   for (const StudyRow& row : study.rows) {
     auto& line = grid.emplace_back();
@@ -101,7 +101,8 @@ std::string sweep_picture(const Study& study, const std::string& column) {
   return fmt::format("{}set title {} noenhanced\nset grid\nset key outside right top\n"
                      "set xlabel {} noenhanced\nset ylabel {} noenhanced\nplot {}\n",
                      data, quoted(std::filesystem::path(study.script).filename().string()),
-                     quoted(with_unit(study, parameter)), quoted(with_unit(study, column)), plots);
+                     quoted(with_parameter_unit(study, parameter)),
+                     quoted(with_column_unit(study, column)), plots);
 }
 
 } // namespace hvi::lang

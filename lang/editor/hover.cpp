@@ -177,6 +177,8 @@ std::string unit_of(const Analysis& analysis, const Definition& d) {
            behind("with its multiplier in", units.of_multiplier(d.name));
   case NameKind::test_function:
     return found_in(units.of_tests, d.name);
+  case NameKind::column:
+    return found_in(units.of_columns, d.name);
   default:
     return found_in(units.of, d.name);
   }

@@ -51,12 +51,13 @@ void UnitsOfResults::tell_model() {
     if (const std::string unit = unit_of(dimension); !unit.empty()) in[name] = unit;
   };
   tell(out.of, "t", duration());
+  tell(out.of_columns, "t", duration());
   for (std::size_t b = 0; b < names_.of_unknown.size(); ++b)
     tell(out.of, names_.find->unknowns[b].unknown.text, names_.of_unknown[b]);
   for (const auto& [name, dimension] : names_.of_state) tell(out.of, name, dimension);
   tell_report();
   for (const auto& probe : model_.report.probes)
-    if (!probe.unit.empty()) out.of[probe.name] = probe.unit;
+    if (!probe.unit.empty()) out.of_columns[probe.name] = probe.unit;
   for (const auto& [name, named] : names_.declarations)
     if (std::holds_alternative<ast::Tensor>(*named.statement) && named.value &&
         named.value->dimension)

@@ -206,6 +206,7 @@ Json result_json(const RunResult& result, const Problem& problem, const ResultCo
            {"notes", notes},
            {"files", result.files}};
   if (!context.units.empty()) out["units"] = context.units;
+  if (!context.units_by_kind.empty()) out["units_by_kind"] = context.units_by_kind;
   if (result.monitors) out["monitors"] = monitors(*result.monitors);
   return out;
 }
@@ -240,6 +241,7 @@ Json plan_json(const RunResult& first_steps, const Problem& problem, const Resul
            {"first_steps", predicted.first_steps},
            {"plan", work}};
   if (!context.units.empty()) out["units"] = context.units;
+  if (!context.units_by_kind.empty()) out["units_by_kind"] = context.units_by_kind;
   return out;
 }
 

@@ -12,11 +12,14 @@
 
 namespace hvi::solver {
 
+using UnitsByName = std::map<std::string, std::string>;
+
 /// What only the caller knows of a run.
 struct ResultContext {
   std::map<std::string, double> params;
-  std::map<std::string, std::string> units; ///< of parameters, times and columns; often none
-  std::function<int(Origin)> line_of;       ///< 1-based line of an origin; 0: none
+  UnitsByName units; ///< of parameters, times and columns; often none
+  std::map<std::string, UnitsByName> units_by_kind; ///< the same of "params", "columns", ...
+  std::function<int(Origin)> line_of;               ///< 1-based line of an origin; 0: none
   double bandwidth = 0.0; ///< bytes a second that this machine reads; 0: not measured
 };
 

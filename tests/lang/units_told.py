@@ -177,6 +177,26 @@ def several(folder):
     check("each column has its own", told(out / "slab.csv")["warmth"] == "K" and told(out / "slab.csv")["tip"] == "mm")
 
 
+def same_names(folder):
+    """Columns may be called as a parameter, an unknown or a state is: each has its own unit."""
+    text = SCRIPT.replace("tip = u.y", "E = u.y").replace("norm(u)", "norm(u), u = integral(ground, u.y), wear = layer.xi at [10 [mm], 0]")
+    text = text.replace("space V", "state wear on ground with rate 0.01 [1/(MPa*s)]*layer.xi*u.y from wear = 0 [mm]\nspace V")
+    text = text.replace("fields u,", "plot u, wear against E\n  fields u,")
+    out, result = run(folder, text)
+    names = {"E": "mm", "u": "mm^2", "wear": "MPa"}
+    by_kind = result["units_by_kind"]
+    check("units of columns", {name: by_kind["columns"][name] for name in names} == names, by_kind)
+    check("units of what they are called as", (by_kind["params"]["E"], by_kind["variables"]["u"], by_kind["variables"]["wear"], by_kind["variables"]["t"]) == ("GPa", "mm", "mm", "s"), by_kind)
+    check("units by name alone are there, too", (result["units"]["E"], result["units"]["s"]) == ("GPa", "MPa"), result["units"])
+    check("units of the table", {name: told(out / "slab.csv")[name] for name in names} == names, told(out / "slab.csv"))
+    check("the axis of the plot", ">E [mm]<" in (out / "slab_plot.svg").read_text(), re.findall(r">([^<\n]+)<", (out / "slab_plot.svg").read_text()))
+    page = report(out)
+    check("the unknown in the report", {a["name"]: a["unit"] for a in page["fields"]["arrays"]}["displacement"] == " [mm]", page["fields"]["arrays"])
+    head, study, folder = studied(folder, text)
+    check("heads of its study", [name.strip() for name in head if name][:2] == ["E [GPa]", "E [mm]"], head)
+    check("units of its JSON", study["units_by_kind"] == by_kind, study["units_by_kind"])
+
+
 def overwritten(folder):
     """The metadata of a table would take the place of a file that the script reads."""
     (folder / "slab.csv-metadata.json").write_text("0,0\n1,1\n")
@@ -192,6 +212,7 @@ with tempfile.TemporaryDirectory() as place:
     studies(FOLDER)
     stable(FOLDER)
     several(FOLDER)
+    same_names(FOLDER)
     overwritten(FOLDER)
 print("units told:", "ok" if not failures else "\n".join(failures))
 sys.exit(bool(failures))
