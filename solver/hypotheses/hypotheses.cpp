@@ -39,6 +39,7 @@ HypothesisReport Judgement::report(bool extrapolate) {
   judge_free_body();
   judge_states();
   judge_loads();
+  judge_given();
   judge_smallness();
   judge_steps();
   if (extrapolate) refine_norms();
@@ -253,6 +254,45 @@ void Judgement::judge_loads() {
   } catch (const Failure& failure) {
     row("H(f)", "f is finite at the grid's times", std::nullopt, Answer::fails, failure.origin,
         failure.what());
+  }
+}
+
+namespace {
+
+bool reads_state(const Expr& offset) {
+  return std::ranges::any_of(offset.slots(), [](Slot s) { return slot::is_state(s); });
+}
+
+} // namespace
+
+/// Imposed values and offsets of laws: those of the first step are known by now. What states bring
+/// into an offset is known in a run only.
+void Judgement::judge_given() {
+  const auto moves = [](const Expr& e) { return e.depends_on(slot::t); };
+  const bool values = std::ranges::any_of(problem_.space.dirichlet, [&](const DirichletSpec& d) {
+    return std::ranges::any_of(d.value, moves);
+  });
+  std::vector<const ContactTerm*> offsets;
+  for (const ContactTerm& term : numbers_.contact().terms) {
+    const auto& rows = problem_.law_terms[static_cast<std::size_t>(term.points.law_term)].rows;
+    if (std::ranges::any_of(rows, [&](const auto& r) { return moves(r.offset); }) &&
+        std::ranges::none_of(rows, [](const auto& r) { return reads_state(r.offset); }))
+      offsets.push_back(&term);
+  }
+  const auto& grid = problem_.time.grid;
+  const std::size_t stride = std::max<std::size_t>(1, grid.size() / most_load_times);
+  Vector u = Vector::Zero(d_.space.n_dofs()), moved;
+  try {
+    for (std::size_t n = 0; n < grid.size(); n += stride) {
+      if (values) impose(d_.space, problem_.space, d_.dofs, grid[n], u);
+      for (const ContactTerm* term : offsets)
+        law_offsets(term->points,
+                    problem_.law_terms[static_cast<std::size_t>(term->points.law_term)], grid[n],
+                    moved);
+    }
+  } catch (const Failure& failure) {
+    row("given", "offsets and imposed values are finite at the grid's times", std::nullopt,
+        Answer::fails, failure.origin, failure.what());
   }
 }
 

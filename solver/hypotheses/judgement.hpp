@@ -53,6 +53,7 @@ private:
   /// How many times B is E: where one is no multiple of the other, by their traces.
   double memory_against_elasticity(int m) const;
   void judge_loads();
+  void judge_given();
   /// Whether a load was found that is not bounded in time: then it must be square integrable.
   bool judge_load_times();
   Origin form_origin(int field) const;

@@ -37,7 +37,38 @@ def row(name, start="", **given):
     return found[0] if found else None
 
 
+GIVEN = """mesh bar = rectangle(1, 1, cells = [4, 2])
+part left = bar.left
+part low = bar.bottom
+superpotential layer(r) = 20*pos(r)^2
+space V = scalar P1 on bar, zero on left
+find u in V with u = {value} on left for t in [0, 1] by 8 steps from u = 0
+such that for all v in V
+    integral(bar, dot(grad(u'), grad(v))) + integral(bar, dot(grad(u), grad(v))) + integral(low, layer^0(u - {offset}; v))
+ >= integral(bar, v)
+report
+  table m = u at [1, 0]
+"""
+
+
+def given():
+    """What a run says of an offset or an imposed value that is no number at a later time, `check` says, too."""
+    for value, offset, bad in (("0", "0.1*sqrt(0.5 - t)", True), ("0", "log(1 - t + x)", True), ("sqrt(0.7 - t) - sqrt(0.7)", "0.1*t", True),
+                               ("t/(y + 1 - t)", "0", True), ("t", "0.1*sqrt(1 - t)", False), ("0", "x*t", False)):
+        with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+            file.write(GIVEN.format(value=value, offset=offset)), file.flush()
+            checked = subprocess.run([sys.argv[1], "check", file.name, "--json", "-"], capture_output=True, text=True)
+            done = subprocess.run([sys.argv[1], "run", file.name, "--no-files", "--diagnostics", "json"], capture_output=True, text=True)
+        assert checked.returncode == 0, checked.stderr
+        ours = [r for r in json.loads(checked.stdout)["hypotheses"] if r["name"] == "given"]
+        said = [json.loads(line) for line in done.stderr.splitlines() if line.startswith("{")]
+        wrong = [d["message"] for d in said if d["severity"] == "error"]
+        assert [r["note"] for r in ours] == wrong and all(r["holds"] is False for r in ours), (value, offset, ours, wrong)
+        assert bool(ours) == bad, (value, offset, ours)
+
+
 def main():
+    given()
     rng = random.Random(4)
     for _ in range(12):
         a = rng.choice([rng.uniform(0.05, 0.45), rng.uniform(0.55, 0.95)])
