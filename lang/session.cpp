@@ -8,6 +8,7 @@
 #include "lang/stdlib.hpp"
 #include "lang/units/units.hpp"
 #include "solver/common/joined.hpp"
+#include "solver/hypotheses/load_time.hpp"
 #include "solver/results/field_grids.hpp"
 #include "solver/step/step.hpp"
 
@@ -96,6 +97,16 @@ solver::Shown shown_of(solver::Plan& plan, const Model& model) {
   return out;
 }
 
+/// The place in time of a load that has no integral there; nothing where none is found.
+std::optional<solver::TimeSingularity> pole_of(const solver::LoadTerm& load,
+                                               const std::vector<double>& grid) {
+  for (const auto& entry : load.entries)
+    if (const auto found = solver::time_singularity(entry.value, grid.front(), grid.back());
+        found && found->exponent >= 1.0)
+      return found;
+  return std::nullopt;
+}
+
 /// Does a module of the library declare this name? `superpotential winkler(...)`, `mesh unit_square
 /// = ...`
 bool declares(std::string_view module, std::string_view name) {
@@ -162,12 +173,25 @@ Exit Session::compile() {
   }
   script.model->options.threads = settings_.threads;
   script.plan = lower(*script.model);
+  warn_of_poles();
   if (settings_.keep_fields) shown = shown_of(*script.plan, *script.model);
   if (settings_.solver) script.plan->options.solver = *settings_.solver;
   if (settings_.factor) script.plan->options.factor = *settings_.factor;
   if (settings_.all_unknowns) script.plan->options.proportional_path = false;
   if (settings_.both_sides) script.plan->options.jumps_as_unknowns = false;
   return exit_ok;
+}
+
+void Session::warn_of_poles() {
+  const solver::Problem& problem = script.plan->problem;
+  if (problem.time.grid.size() < 2) return;
+  for (const solver::LoadTerm& load : problem.loads)
+    if (const auto pole = pole_of(load, problem.time.grid))
+      script.diagnostics.add(
+          diagnose("W0108", span_of(script, load.origin),
+                   fmt::format("the load grows like |t - {:.6g}|^-{:.4g}, which has no integral",
+                               pole->at, pole->exponent))
+              .with_help("its values at the grid's times say nothing of what it is between them"));
 }
 
 bool Session::compile_variation() {

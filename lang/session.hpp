@@ -110,6 +110,8 @@ public:
 
 private:
   void solve(const RunRequest& request);
+  /// Of loads within the time of the run, W0108.
+  void warn_of_poles();
 
   CompileSettings settings_;
 };

@@ -54,6 +54,15 @@ not what was meant.)",
 superpotential layer(r) with slope | r < 0.08 -> 100*r | r < 0.02 -> 50*r | otherwise -> 8)",
      R"(
 superpotential layer(r) with slope | r < 0.02 -> 50*r | r < 0.08 -> 100*r - 1 | otherwise -> 7)"},
+    {"W0108", "load without an integral",
+     R"(
+Within the time of the run the load is infinite, and grows so fast that it has no integral over time: what
+the run gives depends on how near the grid's times come. With `load = average`, where the mean over a step
+is asked for, the run ends (E0423).)",
+     R"(
+find u in V for t in [0, 1] by 5 steps from u = 0 such that ... = integral(body, 1/(t - 0.5)*v))",
+     R"(
+find u in V for t in [0, 1] by 5 steps from u = 0 such that ... = integral(body, 1/(t + 0.5)*v))"},
     {"W0601",
      "picture not drawn",
      R"(

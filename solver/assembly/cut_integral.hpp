@@ -39,20 +39,30 @@ Value by_rule(const IntervalRule& rule, const F& f, double begin, double end) {
 }
 
 /// The tolerance `alike` is the same at every depth: one that is divided falls below rounding.
+/// `unsettled` grows by how far apart the sums are where there is no further cut.
 template <class Value, class F>
 Value cut(const CutLimits& limits, const IntervalRule& rule, const F& f, double begin, double end,
-          const Value& whole, double alike, int depth) {
+          const Value& whole, double alike, int depth, double& unsettled) {
   const double middle = begin + first_part * (end - begin);
   const Value left = by_rule<Value>(rule, f, begin, middle),
               right = by_rule<Value>(rule, f, middle, end), both = left + right;
   const bool told = depth >= limits.least && size_of(Value(both - whole)) <= alike;
   const bool tiny = end - begin <= shortest * std::max(std::abs(begin), std::abs(end));
-  if (depth == limits.most || tiny || told) return both;
-  return cut(limits, rule, f, begin, middle, left, alike, depth + 1) +
-         cut(limits, rule, f, middle, end, right, alike, depth + 1);
+  if (depth == limits.most || tiny || told) {
+    if (!told) unsettled += size_of(Value(both - whole));
+    return both;
+  }
+  return cut(limits, rule, f, begin, middle, left, alike, depth + 1, unsettled) +
+         cut(limits, rule, f, middle, end, right, alike, depth + 1, unsettled);
 }
 
 } // namespace cut_integral_parts
+
+template <class Value>
+struct CutIntegral {
+  Value value;
+  double unsettled; ///< how far sums were apart at the last cuts, as a part of the integral's size
+};
 
 /// int f over [begin, end], f(t) a number or a vector of them.
 template <class F>
@@ -64,7 +74,10 @@ auto cut_integral(const CutLimits& limits, const IntervalRule& rule, const F& f,
   const double size =
       parts::size_of(whole) +
       (end - begin) * parts::size_of(Value(f(end - rule.points[0] * (end - begin))));
-  return Value(parts::cut(limits, rule, f, begin, end, whole, limits.tolerance * size, 0));
+  double unsettled = 0.0;
+  const Value value =
+      parts::cut(limits, rule, f, begin, end, whole, limits.tolerance * size, 0, unsettled);
+  return CutIntegral<Value>{value, unsettled > 0.0 ? unsettled / size : 0.0};
 }
 
 } // namespace hvi::solver

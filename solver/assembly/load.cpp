@@ -138,6 +138,8 @@ bool is_time(Slot slot) { return slot == slot::t; }
 constexpr int looks_for_signs = 100;
 /// Functions of time, and of time and place, whose values cost more.
 constexpr CutLimits of_time{5, 75, 1e-15}, of_fields{0, 5, 1e-12};
+/// Of the integral's size: |t - c|^-a leaves more from a = 2/3 on, 1/(t - c) a tenth.
+constexpr double most_unsettled = 1e-4;
 
 } // namespace
 
@@ -235,7 +237,14 @@ void LoadAssembler::Impl::integrate_factors(double begin, double end) {
       evaluate_factors(t);
       return g_values[m];
     };
-    integrals[m] = cut_integral(of_time, rule, g, begin, end);
+    const auto found = cut_integral(of_time, rule, g, begin, end);
+    if (found.unsettled > most_unsettled)
+      throw Failure(FailureKind::bad_value, modes[m].origin,
+                    fmt::format("the load has no mean from t = {:.6g} to {:.6g} that could be "
+                                "found: its factor is {}",
+                                begin, end, to_string(modes[m].g)),
+                    "where it is infinite it grows too fast for an integral");
+    integrals[m] = found.value;
   }
   g_values = std::move(integrals);
 }
@@ -336,8 +345,8 @@ void LoadAssembler::add_mean(double t0, double t1, Vector& out) const {
         impl_->evaluate(part, t);
         return part.values;
       };
-      out +=
-          1.0 / length * (part.weights * cut_integral(of_fields, impl_->rule, values, begin, end));
+      out += 1.0 / length *
+             (part.weights * cut_integral(of_fields, impl_->rule, values, begin, end).value);
     }
     begin = end;
   };

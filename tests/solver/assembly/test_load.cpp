@@ -196,6 +196,32 @@ TEST_F(LoadCase, MeansOfWhatIsFasterThanTheStep) {
   EXPECT_LT((mean(apply(Op::cos, 40.0 * (x + t))) - expected).norm(), 1e-12);
 }
 
+// |t - c|^-a has the mean (c^(1-a) + (1-c)^(1-a)) / (1-a) over [0, 1] for a < 1, and none beyond.
+TEST_F(LoadCase, MeansThatDoNotExistAreRefused) {
+  const auto mean = [&](const Expr& g) {
+    Vector out = Vector::Zero(space.n_dofs());
+    assembler({load(0, {{slot::value(0), g}})}).add_mean(0.0, 1.0, out);
+    return out.sum();
+  };
+  const double area = mean(Expr(1.0));
+  for (const double c : {0.0, 0.31, 0.5, 1.0}) {
+    const Expr distance = abs(t - c);
+    for (const double a : {0.3, 0.5, 0.6}) {
+      const double exact = (std::pow(c, 1 - a) + std::pow(1 - c, 1 - a)) / (1 - a);
+      EXPECT_NEAR(mean(pow(distance, Expr(-a))) / area, exact, 1e-4 * exact) << c << " " << a;
+    }
+    EXPECT_NEAR(mean(log(distance)) / area,
+                (c > 0 ? c * std::log(c) : 0.0) + (c < 1 ? (1 - c) * std::log(1 - c) : 0.0) - 1,
+                1e-9)
+        << c;
+    for (const Expr& none : {Expr(1.0) / (t - c), 1.0 / distance, pow(distance, Expr(-1.5)),
+                             Expr(1.0) / (distance * distance), 3.0 + t / (t - c) / distance}) {
+      SCOPED_TRACE(c);
+      EXPECT_THROW(mean(none), Failure);
+    }
+  }
+}
+
 TEST_F(LoadCase, TimeIndependent) {
   const auto weight = load(0, {{slot::value(1), Expr(-9.81) * x}});
   auto a = assembler({weight});
