@@ -3,9 +3,15 @@
 
 #include "solver/discrete/fields_read.hpp"
 #include "solver/fem/element.hpp"
+#include "solver/kernel/algebra.hpp"
 #include "solver/results/absent.hpp"
+#include "solver/results/table_ranges.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 namespace hvi::solver {
 namespace {
@@ -180,11 +186,33 @@ void FieldGrids::add_body_array(const FieldSpec& field, const Snapshot& snapshot
                                     [&](const Expr& e) { return reads_gradient(e, n_fields_); });
   auto values = on_cells ? cell_values(space_, field.components, snapshot.values())
                          : nodal_values(space_, field.components, snapshot.values());
+  refuse_outside_tables(field, on_cells, values, snapshot);
   if (grey_ && field.name != displacement_array) // by which bodies are deformed
     forget_where_absent(space_, field, on_cells, values);
   auto& data = on_cells ? grid.cell_data : grid.point_data;
   data.push_back(vtk_array(field.name, n, values));
   data.back().unit = field.unit;
+}
+
+/// Where the field has no value because a table has none there. What an unknown has not is no
+/// place.
+void FieldGrids::refuse_outside_tables(const FieldSpec& field, bool on_cells,
+                                       std::span<const double> values,
+                                       const Snapshot& snapshot) const {
+  const std::size_t n = field.components.size();
+  for (std::size_t c = 0; c < n; ++c)
+    for (const Expr& reading : table_readings(field.components[c])) {
+      const std::array outside{is_outside(reading)};
+      auto found = on_cells ? cell_values(space_, outside, snapshot.values())
+                            : nodal_values(space_, outside, snapshot.values());
+      FieldSpec one = field;
+      one.components = {field.components[c]};
+      forget_where_absent(space_, one, on_cells, found);
+      for (std::size_t k = 0; k < found.size(); ++k)
+        if (found[k] > 0.0 && !std::isfinite(values[k * n + c]))
+          refuse_reading(field.origin, fmt::format("the field `{}`", field.name), *reading.table(),
+                         snapshot.t());
+    }
 }
 
 void FieldGrids::add_state_array(StateField& one, const Snapshot& snapshot) {

@@ -34,6 +34,8 @@ private:
   void add_on_contact(const Problem& problem, const Discretisation& d, const FieldSpec& field,
                       int on, const std::string& name);
   void add_body_array(const FieldSpec& field, const Snapshot& snapshot);
+  void refuse_outside_tables(const FieldSpec& field, bool on_cells, std::span<const double> values,
+                             const Snapshot& snapshot) const;
   void add_state_array(StateField& one, const Snapshot& snapshot);
   void fill_contact(OnContact& part, VtuGrid& grid, const Snapshot& snapshot) const;
 

@@ -3,6 +3,8 @@
 
 #include "solver/discrete/domains.hpp"
 #include "solver/discrete/fields_read.hpp"
+#include "solver/kernel/algebra.hpp"
+#include "solver/results/table_ranges.hpp"
 
 #include <fmt/format.h>
 
@@ -66,13 +68,32 @@ LineValues::LineValues(const LineSpec& spec, const Problem& problem, const Discr
   std::array<double, 4> barycentric{};
   for (const Point& at : places_) {
     auto& here = values_.emplace_back();
+    readings_.emplace_back();
     const int cell = locator.find(at, barycentric);
     if (cell < 0) continue;
     for (const auto& field : spec.fields)
-      for (const Expr& component : field.components)
+      for (const Expr& component : field.components) {
         here.push_back(value_at(component, at, cell, barycentric));
+        if (std::holds_alternative<PointValue>(here.back()))
+          read_tables(d, here.size() - 1, component, cell, barycentric);
+      }
   }
   refuse_elsewhere();
+}
+
+void LineValues::read_tables(const Discretisation& d, std::size_t column, const Expr& component,
+                             int cell, const std::array<double, 4>& in) {
+  for (const Expr& reading : table_readings(component))
+    readings_.back().push_back(
+        {column, reading.table(), PointValue(d.space, is_outside(reading), cell, in)});
+}
+
+void LineValues::refuse_outside_tables(std::size_t place, std::size_t column,
+                                       const Snapshot& snapshot) {
+  for (Reading& reading : readings_[place])
+    if (reading.column == column && reading.outside(snapshot.values()) > 0.0)
+      refuse_reading(spec_->origin, fmt::format("the line of `{}`", names_[column]), *reading.table,
+                     snapshot.t());
 }
 
 void LineValues::refuse_elsewhere() const {
@@ -114,8 +135,11 @@ void LineValues::take(const Contact& contact, const Snapshot& snapshot) {
     auto column = table_.columns.begin();
     (column++)->push_back(distance_between(places_[k], places_[0]));
     for (int i = 0; i < dim_; ++i) (column++)->push_back(places_[k][static_cast<std::size_t>(i)]);
-    for (std::size_t c = 0; c < names_.size(); ++c)
-      (column++)->push_back(values_[k].empty() ? std::nan("") : number(values_[k][c]));
+    for (std::size_t c = 0; c < names_.size(); ++c) {
+      const double found = values_[k].empty() ? std::nan("") : number(values_[k][c]);
+      if (!std::isfinite(found)) refuse_outside_tables(k, c, snapshot);
+      (column++)->push_back(found);
+    }
   }
 }
 

@@ -3,10 +3,13 @@
 
 #include "solver/common/stream.hpp"
 #include "solver/discrete/discretisation.hpp"
+#include "solver/kernel/table.hpp"
 #include "solver/mesh/mesh.hpp"
 #include "solver/output/table.hpp"
 #include "solver/results/law_sampler.hpp"
 
+#include <array>
+#include <memory>
 #include <variant>
 #include <vector>
 
@@ -32,6 +35,16 @@ private:
   /// first: what it reads does not live there.
   using Value = std::variant<std::monostate, PointValue, LawSampler>;
 
+  /// A table that a column reads at a place: positive where its argument is outside its range.
+  struct Reading {
+    std::size_t column;
+    std::shared_ptr<const Table> table;
+    PointValue outside;
+  };
+
+  void read_tables(const Discretisation& d, std::size_t column, const Expr& component, int cell,
+                   const std::array<double, 4>& in);
+  void refuse_outside_tables(std::size_t place, std::size_t column, const Snapshot& snapshot);
   /// Throws Failure(bad_value) for a column without values.
   void refuse_elsewhere() const;
   void name_columns();
@@ -42,6 +55,7 @@ private:
   std::vector<Point> places_;
   /// By place, then component; none where the mesh has no such place.
   std::vector<std::vector<Value>> values_;
+  std::vector<std::vector<Reading>> readings_; ///< by place
   ReportTable table_;
 };
 

@@ -8,16 +8,20 @@
 #include <cmath>
 
 namespace hvi::solver {
-namespace {
 
-/// 1 where the argument of the table is outside its range, else 0.
 Expr is_outside(const Expr& reading) {
   const Expr& at = reading.args()[0];
   const Expr above = select(less(Expr(reading.table()->last()), at), 1.0, 0.0);
   return select(less(at, Expr(reading.table()->first())), 1.0, above);
 }
 
-} // namespace
+void refuse_reading(Origin origin, const std::string& what, const Table& table, double t) {
+  throw Failure(FailureKind::bad_value, origin,
+                fmt::format("{} reads the table `{}` outside its range [{}, {}], at t = {:.6g}",
+                            what, table.name(), table.first(), table.last(), t),
+                "a table is not extrapolated: its file needs the range, or limit the argument, "
+                "as in `min(t, 1)`");
+}
 
 std::vector<TableRanges::Reading> TableRanges::readings_in(std::span<const Probe> probes) {
   std::vector<Reading> out;
@@ -57,14 +61,9 @@ void TableRanges::refuse_outside(int i, const Snapshot& snapshot, const Snapshot
                                ? outside_.combined(at, snapshot.t(), values)
                                : outside_.value(at, snapshot, before);
     if (!(outside > 0.0)) continue;
-    const Table& table = *readings_[k].table;
-    throw Failure(
-        FailureKind::bad_value, probe.origin,
-        fmt::format("{} reads the table `{}` outside its range [{}, {}], at t = {:.6g}",
-                    probe.name.empty() ? "a column" : fmt::format("the column `{}`", probe.name),
-                    table.name(), table.first(), table.last(), snapshot.t()),
-        "a table is not extrapolated: its file needs the range, or limit the argument, "
-        "as in `min(t, 1)`");
+    refuse_reading(probe.origin,
+                   probe.name.empty() ? "a column" : fmt::format("the column `{}`", probe.name),
+                   *readings_[k].table, snapshot.t());
   }
 }
 

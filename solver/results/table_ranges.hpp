@@ -1,4 +1,4 @@
-// Tables that columns of a report read: they are not extrapolated.
+// Tables that columns, fields and lines of a report read: they are not extrapolated.
 #pragma once
 
 #include "solver/kernel/table.hpp"
@@ -6,9 +6,16 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace hvi::solver {
+
+/// 1 where the argument of a reading (table_readings) is outside the range of its table, else 0.
+Expr is_outside(const Expr& reading);
+/// Throws Failure(bad_value): `what` reads it there.
+[[noreturn]] void refuse_reading(Origin origin, const std::string& what, const Table& table,
+                                 double t);
 
 /// For each table that a probe reads a probe of the same kind, which is positive where the table's
 /// argument is outside its range: asked only where the probe itself has no value.

@@ -1,5 +1,6 @@
 """Codes that no script alone gives: options, files of the system, tolerances out of reach, interruptions.  usage: codes.py HVI_RUN SLAB"""
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -89,6 +90,21 @@ def main():
             write("column.hvi", slab.replace("report\n", f"report table late = {column}\nreport\n"))
             done = call("run", "column.hvi", "-D", "n=2", "-D", "N=4", "--no-files")
             check(f"a table outside its range: {column}", told(done, "E0423", 1, "`ramp.csv` outside its range [0, 1]"), done)
+        shown = {"line {}, u.y from [0, 0] to [2, 0] by 5 points": "u.y*table(\"ramp.csv\", x)", "line u.y, {} from [0, 0] to [2, 0] by 5 points at t = 0.75": "table(\"ramp.csv\", 1.5*t)*u",
+                 "fields {}": "table(\"ramp.csv\", x)*u", "fields u, {} every 2 steps": "sigma*table(\"ramp.csv\", x)", "fields {} from start": "table(\"ramp.csv\", t - 0.1)*u.x",
+                 "picture {} to \"a.svg\"": "table(\"ramp.csv\", t + x)*u.x", "picture u.x, {} at t = [0.1, 0.75] to \"a.svg\"": "table(\"ramp.csv\", 1.5*t)*sigma.xx"}
+        for item, wrong in shown.items():
+            inside = re.sub(r"\"ramp.csv\", (.*?)\)", r'"ramp.csv", max(0, min(\1, 1)))', wrong)
+            for field, range_ in ((wrong, 1), (inside, 0)):
+                write("shown.hvi", slab.replace("report\n", f"report {item.format(field)}\nreport\n"))
+                done = call("run", "shown.hvi", "-D", "n=2", "-D", "N=4", "-o", "shown")
+                check(f"a table outside its range, shown: {item.format(field)}", told(done, "E0423", 1, "`ramp.csv` outside its range [0, 1]") if range_ else done.returncode == 0, done)
+        # Where the table is not asked for, or the mesh has no such place, its range does not matter.
+        for item in ("line (| x < 1 -> table(\"ramp.csv\", x) | otherwise -> 0)*u.x from [0, 0] to [2, 0] by 5 points", "fields (| x < 1 -> table(\"ramp.csv\", x) | otherwise -> 0)*u",
+                     "line table(\"ramp.csv\", x)*u.x from [0, 0.5] to [-2, 0.5] by 5 points"):
+            write("shown.hvi", slab.replace("report\n", f"report {item}\nreport\n"))
+            done = call("run", "shown.hvi", "-D", "n=2", "-D", "N=4", "-o", "shown")
+            check(f"a table within its range, shown: {item}", done.returncode == 0, done)
         for column, where in (("1/(t - 0.5)", "step 2 (t = 0.5): `late` has no finite value in this row"),
                               ("sqrt(u.x - 1) at [1, 0]", "`late` has no finite value in 4 rows"), ("table(\"ramp.csv\", t)", None)):
             write("column.hvi", slab.replace("report\n", f"report table late = {column}\nreport\n"))
