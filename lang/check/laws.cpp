@@ -1,5 +1,6 @@
 #include "lang/check/laws.hpp"
 
+#include "lang/check/bounds.hpp"
 #include "solver/law/law.hpp"
 #include "solver/law/law_failure.hpp"
 #include "solver/law/reach.hpp"
@@ -22,6 +23,13 @@ Field law_argument(bool radial) {
   f.law_vector = radial;
   if (radial) f.rank = 1;
   return f;
+}
+
+/// The slope in the outer argument, of a law that is applied to a number: by the chain rule, and of
+/// a friction bound with the sign of the number, as the slope of `bound*norm(xi)` has it.
+Symbol slope_of_number(const ast::Superpotential& law, const Symbol& slope, const Field& argument) {
+  const Symbol along = slope * derivative(argument.scalar(), slot::argument(0));
+  return is_bound(law) ? select(less(argument.scalar(), 0.0), -along, along) : along;
 }
 
 } // namespace
@@ -67,11 +75,7 @@ std::optional<Field> Laws::body_of(int declaration, const Field& argument,
     return std::nullopt;
   }
   if (law.by_slope) {
-    // Chain rule: the slope in the outer argument.
-    if (!argument.law_vector) {
-      const Symbol inner = derivative(argument.scalar(), slot::argument(0));
-      f->components[0] = f->scalar() * inner;
-    }
+    if (!argument.law_vector) f->components[0] = slope_of_number(law, f->scalar(), argument);
     f->by_slope = true;
   }
   return f;
