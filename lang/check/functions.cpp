@@ -3,9 +3,11 @@
 #include "lang/check/across.hpp"
 #include "lang/check/builtins.hpp"
 #include "lang/check/material_use.hpp"
+#include "solver/plan/tensor.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -291,6 +293,14 @@ Value Functions::mises_call(const ast::Expr& e, const Span& span, const Field& f
         n == 1 ? "of a bar under uniaxial stress it is `abs(sigma.xx)`"
                : "it is known of `isotropic`, `orthotropic` and `transverse` tensors on `eps(u)`, "
                  "of sums of such stresses, and of `p*div(v)`");
+    return Poison{};
+  }
+  if (n == 2 && std::ranges::any_of(model_.tensors, solver::shears_across)) {
+    mistakes_.error("E0448", span,
+                    "a tensor here makes shears across the plane of strains in it, which `mises` "
+                    "needs and a tensor of the plane does not have",
+                    "they are zero where one of the material's axes stands across the plane; in "
+                    "3D all stresses are known");
     return Poison{};
   }
   const auto entry = [&](int i, int j) -> Symbol {

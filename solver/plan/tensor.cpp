@@ -1,6 +1,8 @@
 // Components of materials; see tensor.hpp.
 #include "solver/plan/tensor.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace hvi::solver {
@@ -86,6 +88,25 @@ std::vector<Expr> along_axes(const TensorSpec& tensor) {
   return orthotropic({c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]});
 }
 
+constexpr double rounding = 1e-12; ///< of axes and of moduli, relative
+
+/// Is the section a mirror of the material, whatever its constants? It is where one of the axes
+/// stands across it; of a transverse one also where its third axis lies in it.
+bool mirrored_by_section(const TensorSpec& tensor) {
+  const auto across = [](const Point& axis) { return std::hypot(axis[0], axis[1]) <= rounding; };
+  const Point& third = tensor.axes[2];
+  if (tensor.kind == TensorSpec::Kind::transverse)
+    return across(third) || std::abs(third[2]) <= rounding;
+  return std::ranges::any_of(tensor.axes, across);
+}
+
+double largest_constant(const std::vector<Expr>& entries) {
+  double largest = 0.0;
+  for (const Expr& c : entries)
+    if (c.is_constant()) largest = std::max(largest, std::abs(c.value()));
+  return largest;
+}
+
 /// Index of the pair (i, j) in Voigt order: xx yy xy in 2D, xx yy zz yz xz xy in 3D.
 int voigt_index(int d, int i, int j) {
   if (i == j) return i;
@@ -147,6 +168,19 @@ std::vector<Expr> components_across(const TensorSpec& tensor) {
   for (int k = 0; k < 2; ++k)
     for (int l = 0; l < 2; ++l) out.push_back(rotated(material, tensor.axes, 2, 2, k, l));
   return out;
+}
+
+bool shears_across(const TensorSpec& tensor) {
+  using Kind = TensorSpec::Kind;
+  if (tensor.kind == Kind::isotropic || tensor.kind == Kind::general) return false;
+  if (mirrored_by_section(tensor)) return false;
+  const std::vector<Expr> material = along_axes(tensor);
+  const double scale = largest_constant(material);
+  for (int in_plane = 0; in_plane < 8; ++in_plane) {
+    const Expr c = rotated(material, tensor.axes, in_plane / 4, 2, in_plane / 2 % 2, in_plane % 2);
+    if (!c.is_constant() || std::abs(c.value()) > rounding * scale) return true;
+  }
+  return false;
 }
 
 bool same_tensor(const TensorSpec& a, const TensorSpec& b) {

@@ -38,6 +38,8 @@ std::vector<Expr> components(const TensorSpec& tensor, int dim);
 
 /// C_zzkl of a section, row-major in k, l: what the strains in it do across it. Empty: not known.
 std::vector<Expr> components_across(const TensorSpec& tensor);
+/// Do strains in a section make shears across it, xz or yz? Of a general tensor it is not known.
+bool shears_across(const TensorSpec& tensor);
 
 /// The tensor whose matrix on Voigt stresses and engineering strains is m, row-major; order: xx,
 /// yy, xy and xx, yy, zz, yz, xz, xy.

@@ -120,6 +120,26 @@ TEST(TensorForm, KindsWithMajorSymmetryHaveIt) {
   }
 }
 
+TEST(Tensor, ShearsAcrossASectionAreThoseOfTheSolid) {
+  int n_with = 0, n_turned_without = 0;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    const TensorSpec tensor = Drawn(seed).problem.tensors[0];
+    if (tensor.kind == Kind::general) continue;
+    const auto c = components(tensor, 3);
+    double largest = 0.0, across = 0.0;
+    for (int at = 0; at < 81; ++at) {
+      const double size = std::abs(value(c[at]));
+      const int i = at / 27, j = at / 9 % 3, k = at / 3 % 3, l = at % 3;
+      largest = std::max(largest, size);
+      if (i < 2 && j == 2 && k < 2 && l < 2) across = std::max(across, size);
+    }
+    EXPECT_EQ(shears_across(tensor), across > 1e-9 * largest) << seed;
+    (across > 1e-9 * largest ? n_with : n_turned_without) += tensor.axes[0][0] != 1;
+  }
+  EXPECT_GT(n_with, 10);
+  EXPECT_GT(n_turned_without, 10);
+}
+
 // Every wrong hint is seen: other constants, another factor, kind or unknown, an entry too many.
 TEST(TensorForm, AnotherTensorIsNotBelieved) {
   for (unsigned seed = 0; seed < 200; ++seed) {
