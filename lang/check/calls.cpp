@@ -44,9 +44,11 @@ Value Calls::call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
   if (const auto* fn = std::get_if<FunctionValue>(&value))
     return call_function(e, c, fn->declaration, scope);
   if (const auto* law = std::get_if<LawValue>(&value)) {
-    // A superpotential called `jump`, as in the module `contact`, leaves jump(u) its meaning.
-    if (!scope.law && find_built_in(r->name) != nullptr) return call_built_in(e, c, r->name, scope);
-    return laws_.call(e, c, law->declaration, scope);
+    if (find_built_in(r->name) == nullptr) return laws_.call(e, c, law->declaration, scope);
+    const auto built_in = leaves_meaning(c, scope);
+    if (!built_in) return Poison{};
+    return *built_in ? call_built_in(e, c, r->name, scope)
+                     : laws_.call(e, c, law->declaration, scope);
   }
   if (is_poison(value)) return Poison{};
   std::string help;
@@ -54,6 +56,18 @@ Value Calls::call(const ast::Expr& e, const ast::Call& c, const Scope& scope) {
   mistakes_.error("E0310", c.callee->span,
                   fmt::format("`{}` is {} and cannot be called", r->name, describe(value)), help);
   return Poison{};
+}
+
+/// A superpotential called `jump`, as in the module `contact`, leaves jump(u) its meaning, also in
+/// the body of another law, which calls it with what is made of its argument. Nothing: reported.
+std::optional<bool> Calls::leaves_meaning(const ast::Call& c, const Scope& scope) {
+  if (!scope.law) return true;
+  if (c.arguments.size() != 1 || c.arguments[0].name) return false;
+  const auto of = evaluator_.field(c.arguments[0].value, scope);
+  if (!of) return std::nullopt;
+  return of->read && std::ranges::none_of(of->components, [](const Symbol& component) {
+           return component.depends_on(solver::slot::argument(0));
+         });
 }
 
 Value Calls::call_function(const ast::Expr& e, const ast::Call& c, int declaration,

@@ -11,6 +11,7 @@
 #include "lang/check/series.hpp"
 #include "lang/check/tensors.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ public:
   Value call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
 
 private:
+  std::optional<bool> leaves_meaning(const ast::Call& call, const Scope& scope);
   Value call_function(const ast::Expr& e, const ast::Call& call, int declaration,
                       const Scope& scope);
   Value call_built_in(const ast::Expr& e, const ast::Call& call, const std::string& name,
