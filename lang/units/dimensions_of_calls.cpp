@@ -212,14 +212,15 @@ Measured DimensionsOfCalls::series(const ast::Call& c, const std::string& name,
 
 /// int_0^t C(t - s) w(s) ds
 Measured DimensionsOfCalls::history(const ast::Call& c, const Locals& locals) {
-  if (c.arguments.size() < 2) return {};
-  const auto* r = std::get_if<ast::Reference>(&c.arguments[0].value.node);
-  const Measured of = value(c.arguments[1].value, locals);
+  const Arguments given = matched(c, {"kernel", "of"});
+  if (given[0] == nullptr || given[1] == nullptr) return {};
+  const auto* r = std::get_if<ast::Reference>(&given[0]->node);
+  const Measured of = value(*given[1], locals);
   const auto* kernel = r ? names_.declared_as<ast::Kernel>(r->name) : nullptr;
   if (kernel == nullptr || !of.dimension) return {};
   Locals times;
   for (const ast::Name& p : kernel->parameters) times[p.text] = {duration(), {}};
-  mistakes_.enter_call(c.arguments[0].span);
+  mistakes_.enter_call(given[0]->span);
   const Measured body = value(kernel->value, times);
   mistakes_.leave_call();
   if (!body.dimension) return {};
@@ -229,23 +230,21 @@ Measured DimensionsOfCalls::history(const ast::Call& c, const Locals& locals) {
 
 Measured DimensionsOfCalls::over_region(const ast::Call& c, const std::string& name,
                                         const Locals& locals) {
-  const auto part = [&]() -> std::string {
-    const auto* r =
-        c.arguments.empty() ? nullptr : std::get_if<ast::Reference>(&c.arguments[0].value.node);
-    return r ? r->name : "";
+  const Arguments given = matched(c, {"part", "of"});
+  const auto word = [](const ast::Expr* e) {
+    return e == nullptr ? nullptr : std::get_if<ast::Reference>(&e->node);
   };
   if (name == "reaction") {
     std::size_t of = names_.vector_unknown();
-    for (const ast::Argument& a : c.arguments)
-      if (const auto* r = std::get_if<ast::Reference>(&a.value.node);
-          a.name && a.name->text == "of" && r)
-        of = names_.unknown(r->name).value_or(of);
+    if (const auto* r = word(given[1])) of = names_.unknown(r->name).value_or(of);
     return of < names_.of_unknown.size() ? Measured{names_.force(of), {}} : Measured{};
   }
-  if (c.arguments.size() < 2) return {};
-  const Measured of = value(c.arguments[1].value, locals);
+  if (given[1] == nullptr) return {};
+  const Measured of = value(*given[1], locals);
   if (!of.dimension) return {};
-  return {name == "integral" ? *of.dimension * names_.measure_of(part()) : *of.dimension, {}};
+  if (name != "integral") return {*of.dimension, {}};
+  const auto* part = word(given[0]);
+  return {*of.dimension * names_.measure_of(part ? part->name : ""), {}};
 }
 
 /// j^0(r; s) is the potential's change along s: of the dimension j s/r.

@@ -172,8 +172,11 @@ def several(folder):
     """Unknowns whose energies are of two kinds have no sum with a unit."""
     warm = SCRIPT.replace("space V", "space W = scalar P1 on slab, zero on left\nspace V").replace("find u in V", "find u in V, theta [K] in W").replace("for all v in V", "for all v in V, q in W")
     warm = warm.replace("    integral(slab, B", "    integral(slab, 1 [W/(m*K)]*dot(grad(theta), grad(q))) + integral(slab, B")
-    out, _ = run(folder, warm.replace("norm(u)", "norm(u), warmth = theta at [10, 5] [mm]"))
+    out, _ = run(folder, warm.replace("norm(u)", "norm(u), warmth = theta at [10, 5] [mm], flow = reaction(left, theta), again = reaction(of = theta, part = left), "
+                                                  "heat = integral(of = theta, part = left), force = reaction(left, u)"))
     check("no unit of energies of two kinds", report(out)["units"]["energy"] == "" and "N" not in told(out / "slab_monitors.csv").values(), report(out)["units"])
+    units = told(out / "slab.csv")
+    check("by position and by name", [units[c] for c in ("flow", "again", "heat", "force_x")] == ["mW/mm", "mW/mm", "mm*K", "N/mm"], units)
     check("each column has its own", told(out / "slab.csv")["warmth"] == "K" and told(out / "slab.csv")["tip"] == "mm")
 
 
