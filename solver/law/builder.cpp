@@ -46,15 +46,77 @@ bool is_read(const LawSpec& spec, Slot s) {
   return s >= slot::law_state(0) && s < slot::law_state(static_cast<int>(spec.states.size()));
 }
 
-/// Sum of the sizes of the terms of a sum.
-double size_of_terms(const Expr& e, double r, const Point& x, const LawTime& t) {
-  if (e.op() == Op::neg) return size_of_terms(e.args()[0], r, x, t);
-  if (e.op() == Op::add)
-    return size_of_terms(e.args()[0], r, x, t) + size_of_terms(e.args()[1], r, x, t);
-  const double v =
-      std::abs(evaluate(e, [&](Slot s) { return s == slot::argument(0) ? r : t.value(s, x); }));
-  return std::isfinite(v) ? v : 0.0;
+/// A value and the size of what it was made of: its rounding is that size times a few units in the
+/// last place.
+struct Rounded {
+  double value = 0.0, size = 0.0;
+};
+
+/// f(a) with the derivative d there. An a that is rounding is 0 (the end of a root), and exact.
+Rounded through(double value, double d, const Rounded& a) {
+  const bool exact = std::abs(a.value) <= 1e-14 * a.size;
+  return {value, std::max(std::abs(value), exact ? 0.0 : std::abs(d) * a.size)};
 }
+
+/// Of e at one argument, by the rules for sums, products and the usual functions; others count by
+/// their value.
+class RoundingOf {
+public:
+  RoundingOf(double r, const Point& x, const LawTime& t) : r_(r), x_(x), t_(t) {}
+
+  Rounded operator()(const Expr& e) const {
+    const auto args = e.args();
+    switch (e.op()) {
+    case Op::neg: {
+      const Rounded a = (*this)(args[0]);
+      return {-a.value, a.size};
+    }
+    case Op::add: {
+      const Rounded a = (*this)(args[0]), b = (*this)(args[1]);
+      return {a.value + b.value, a.size + b.size};
+    }
+    case Op::mul: {
+      const Rounded a = (*this)(args[0]), b = (*this)(args[1]);
+      return {a.value * b.value, a.size * std::abs(b.value) + std::abs(a.value) * b.size};
+    }
+    case Op::div: {
+      const Rounded a = (*this)(args[0]), b = (*this)(args[1]);
+      const double v = a.value / b.value;
+      return {v, (a.size + std::abs(v) * b.size) / std::abs(b.value)};
+    }
+    case Op::pow: {
+      if (!args[1].is_constant()) break;
+      const Rounded a = (*this)(args[0]);
+      const double v = std::pow(a.value, args[1].value());
+      return through(v, v * args[1].value() / a.value, a);
+    }
+    case Op::exp: {
+      const Rounded a = (*this)(args[0]);
+      const double v = std::exp(a.value);
+      return through(v, v, a);
+    }
+    case Op::log: {
+      const Rounded a = (*this)(args[0]);
+      return through(std::log(a.value), 1.0 / a.value, a);
+    }
+    case Op::sqrt: {
+      const Rounded a = (*this)(args[0]);
+      const double v = std::sqrt(a.value);
+      return through(v, 0.5 / v, a);
+    }
+    default:
+      break;
+    }
+    const double v =
+        evaluate(e, [&](Slot s) { return s == slot::argument(0) ? r_ : t_.value(s, x_); });
+    return {v, std::abs(v)};
+  }
+
+private:
+  double r_;
+  const Point& x_;
+  const LawTime& t_;
+};
 
 [[noreturn]] void turns_too_often(const LawSpec& spec, const Switch& s) {
   LawFailure failure(
@@ -157,11 +219,30 @@ std::vector<double> GraphBuilder::candidates(const Point& x, LawTime t) const {
     done[i] = 1;
   }
   std::sort(breaks.begin(), breaks.end());
-  const auto same = [](double a, double b) {
-    return b - a <= 8.0 * 0x1p-52 * std::max(std::abs(a), std::abs(b));
+  return without_doubles(breaks, x, t);
+}
+
+/// Of roots that differ by rounding one stays: that at which most of the functions are exactly 0.
+/// sqrt(2*(r - 0.1)) in the case r > 0.1 has no value at the root of 2*r - 0.2 below 0.1.
+std::vector<double> GraphBuilder::without_doubles(const std::vector<double>& sorted, const Point& x,
+                                                  LawTime t) const {
+  const auto zeros = [&](double r) {
+    thread_local std::vector<double> values;
+    values.resize(switches_.size());
+    values_(r, x, t, values);
+    return std::count(values.begin(), values.end(), 0.0);
   };
-  breaks.erase(std::unique(breaks.begin(), breaks.end(), same), breaks.end());
-  return breaks;
+  std::vector<double> kept;
+  for (const double b : sorted) {
+    const bool same =
+        !kept.empty() &&
+        b - kept.back() <= 8.0 * 0x1p-52 * std::max(std::abs(kept.back()), std::abs(b));
+    if (!same)
+      kept.push_back(b);
+    else if (b != kept.back() && zeros(b) > zeros(kept.back()))
+      kept.back() = b;
+  }
+  return kept;
 }
 
 int GraphBuilder::function_for(const Signature& signature) const {
@@ -235,17 +316,30 @@ LawGraph GraphBuilder::build(const Point& x, LawTime t) const {
 }
 
 /// The slope's limit at `at` from the side of `inner`. Where the expression itself is undefined
-/// there (sin(r)/r) two-point extrapolations must agree, else the limit does not exist.
+/// there (sin(r)/r, or a root of what rounding makes negative) extrapolations from points that come
+/// ever closer must agree, else the limit does not exist. What is left of a power of the distance
+/// falls by one ratio each time it is halved, which tells the limit (A. C. Aitken, 1926).
 double GraphBuilder::limit(int function, double at, double inner, const Point& x, LawTime t) const {
   const SmoothFunction& f = functions_[function];
   const double direct = f.slope(at, x, t);
   if (std::isfinite(direct)) return direct;
-  double h = inner - at, last = infinity, best = infinity, value = 0.0;
-  for (int k = 0; k < 40; ++k, h /= 2.0) {
-    const double guess = 2.0 * f.slope(at + h / 2.0, x, t) - f.slope(at + h, x, t);
+  double best = infinity, value = 0.0;
+  const auto try_guess = [&](double guess, double last) {
     const double error = std::abs(guess - last) / std::max(std::abs(guess), 1e-300);
     if (error < best) best = error, value = guess;
+  };
+  double h = inner - at, last = infinity, last_of_power = infinity;
+  for (int k = 0; k < 40; ++k, h /= 2.0) {
+    const double far = f.slope(at + h, x, t), middle = f.slope(at + h / 2.0, x, t),
+                 near = f.slope(at + h / 4.0, x, t), step = near - middle;
+    const double guess = 2.0 * middle - far, ratio = step / (middle - far);
+    try_guess(guess, last);
     last = guess;
+    // A ratio near 1 is that of a logarithm, which has no limit.
+    const double of_power = ratio > 0.0 && ratio < 0.99 ? near + step * ratio / (1.0 - ratio)
+                                                         : std::nan("");
+    try_guess(of_power, last_of_power);
+    last_of_power = of_power;
   }
   if (best <= 1e-8) return value;
   fail(spec_, inner, x, t,
@@ -285,23 +379,25 @@ void GraphBuilder::set_limits(LawGraph& graph) const {
 }
 
 /// Pieces that are meant to be continuous (2 - 15 (.08 - .02) and 1.1) differ by rounding: no jump.
+/// What other pieces and breaks do does not count: beside a wall, or a stiff ground, jumps are jumps.
 void GraphBuilder::close_rounding_gaps(LawGraph& graph) const {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < graph.breaks.size(); ++i)
-    largest = std::max({largest, std::abs(graph.left[i]), std::abs(graph.right[i])});
   const auto terms = [&](std::size_t piece, double r) { // size of what was added up
     const auto& p = graph.smooth[piece];
-    if (p.degree < 0 && graph.left != graph.right)
-      return std::max(largest, size_of_terms(functions_[graph.functions[piece]].slope_expression(),
-                                             r, graph.x, graph.t));
+    if (p.degree < 0) {
+      const RoundingOf rounding(r, graph.x, graph.t);
+      const double size = rounding(functions_[graph.functions[piece]].slope_expression()).size;
+      return std::isfinite(size) ? size : 0.0;
+    }
     double sum = 0.0, power = 1.0;
     for (int k = 0; k <= p.degree; ++k, power *= std::abs(r - p.centre))
       sum += std::abs(p.a[k]) * power;
-    return p.degree >= 0 ? sum : largest;
+    return sum;
   };
   for (std::size_t i = 0; i < graph.breaks.size(); ++i) {
-    const double b = graph.breaks[i], size = std::max(terms(i, b), terms(i + 1, b));
-    if (std::abs(graph.left[i] - graph.right[i]) <= 1e-14 * size) graph.right[i] = graph.left[i];
+    const double b = graph.breaks[i], gap = std::abs(graph.left[i] - graph.right[i]);
+    if (gap == 0.0) continue;
+    const double size = std::max({terms(i, b), terms(i + 1, b), std::abs(graph.left[i])});
+    if (gap <= 1e-14 * size) graph.right[i] = graph.left[i];
   }
 }
 

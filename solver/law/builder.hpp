@@ -25,6 +25,8 @@ private:
     int function;
   };
   std::vector<double> candidates(const Point& x, LawTime t) const;
+  std::vector<double> without_doubles(const std::vector<double>& sorted, const Point& x,
+                                      LawTime t) const;
   void add_roots(int i, const Signature& prefix, const Point& x, LawTime t, double low, double high,
                  std::vector<double>& roots) const;
   const RootFinder& finder(int i, const Signature& prefix) const;

@@ -223,6 +223,41 @@ TEST(Law, RefusesWhatIsNoNumberWhereItIsAsked) {
   expect_bad(Expr::make(Op::sin, {r}) / r, true, "its slope is no number at |xi| = 0", true);
 }
 
+/// What a wall or a stiff ground far away does is no size for the rounding of a jump beside it.
+TEST(Law, KeepsJumpsBesideAWall) {
+  const Expr r = arg();
+  for (const double wall : {1e300, 1e20})
+    for (const double jump : {2.0, -2.0}) {
+      const Expr curved = -sqrt(Expr(1.0) - r);
+      const Law law = slope_law("walled", select(less(r, Expr(1.0)), curved,
+                                                 select(less(r, Expr(2.0)), Expr(jump), Expr(wall))));
+      const LawGraph g = law.graph(here, now);
+      EXPECT_EQ(g.breaks, (std::vector<double>{1.0, 2.0}));
+      EXPECT_EQ(g.left, (std::vector<double>{0.0, jump}));
+      EXPECT_EQ(g.right, (std::vector<double>{jump, wall}));
+    }
+}
+
+/// The root of 5.99 r - 5.99 a is the number before a, where the square root is none.
+TEST(Law, RootsThatRoundingMissesHaveTheirLimit) {
+  const double a = 0.023150638877541447, k = 5.997951875695963;
+  const Expr r = arg(), root = sqrt((r - Expr(a)) * Expr(k));
+  const Law cases = slope_law("cases", select(less(r, Expr(a)), Expr(0.0), root + Expr(1.0)));
+  EXPECT_EQ(cases.graph(here, now).breaks, (std::vector<double>{a}));
+  EXPECT_NEAR(cases.graph(here, now).right[0], 1.0, 1e-9);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any(0.1, 10.0);
+  for (int k2 = 0; k2 < 200; ++k2) {
+    const double b = any(random), c = any(random), power = any(random) / 10.1;
+    const Expr inner = Expr(c) * r - Expr(b);
+    const Law law = slope_law("power", select(less(inner, Expr(0.0)), Expr(0.0),
+                                              Expr(2.0) + pow(inner, Expr(power))));
+    const LawGraph g = law.graph(here, now);
+    ASSERT_EQ(g.breaks.size(), 1u);
+    EXPECT_NEAR(g.right[0], 2.0, std::pow(1e-15, power) + 1e-7) << b << ' ' << c << ' ' << power;
+  }
+}
+
 TEST(Law, AcceptsRemovableSingularities) {
   const Expr r = arg();
   const Law law = slope_law("sinc", Expr::make(Op::sin, {r}) / r);
