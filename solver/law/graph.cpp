@@ -38,6 +38,20 @@ double scalar_distance(const Law& law, const LawGraph& graph, double r, double x
   return best;
 }
 
+/// The largest slope of a radial law at arguments up to `near`: a law that rises as a root does is
+/// far from its value at 0 there.
+double largest_near_origin(const Law& law, const LawGraph& graph, double near) {
+  double out = std::abs(law.slope(graph, 0, 0.0));
+  const auto take = [&](double s) {
+    if (std::abs(s) < unbounded_slope) out = std::max(out, std::abs(s));
+  };
+  if (!(near > 0.0)) return out;
+  take(law.slope(graph, piece_of(graph, near), near));
+  for (std::size_t i = 0; i < graph.breaks.size() && graph.breaks[i] <= near; ++i)
+    take(graph.left[i]), take(graph.right[i]);
+  return out;
+}
+
 /// How far a number is above 0; what is no number is infinitely far.
 double above_zero(double x) {
   if (x <= 0.0) return 0.0;
@@ -81,7 +95,8 @@ double inclusion_distance(const Law& law, const LawGraph& graph, const double* z
   };
   const double r = norm(z);
   double best = std::numeric_limits<double>::infinity();
-  if (r <= snap) best = above_zero(norm(xi) - std::abs(law.slope(graph, 0, 0.0)));
+  // Resting, or slipping the way of xi by less than is known of z.
+  if (r <= snap) best = above_zero(norm(xi) - largest_near_origin(law, graph, snap - r));
   if (r == 0.0) return best;
   // Split xi along and across z: the graph has no part across.
   double along = 0.0;

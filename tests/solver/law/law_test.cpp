@@ -157,6 +157,26 @@ TEST(Law, BallAtTheOriginOfARadialLaw) {
   EXPECT_NEAR(inclusion_distance(law, g, z, outside, 2, 0.0), 0.2, 1e-15);
 }
 
+/// Friction that begins as a root: a slip below the rounding of z moves it visibly, and z = 0 is as
+/// near to it as a law of a number that rises in the same way finds.
+TEST(Law, AsMuchIsKnownOfARestingVectorAsOfANumber) {
+  const Expr bound = Expr(1.0) + sqrt(arg());
+  const Law radial = slope_law("radial", bound, true);
+  const Law scalar = slope_law("scalar", select(less(arg(), Expr(0.0)), Expr(-1.0), bound));
+  const double near = 1e-12, still[2] = {0.0, 0.0};
+  for (const double part : {0.0, 0.3, 0.9, 1.1, 4.0}) {
+    const double size = 1.0 + std::sqrt(part * near), xi[2] = {0.6 * size, -0.8 * size};
+    const double of_number = inclusion_distance(scalar, scalar.graph({}, 0.0), still, &size, 1, near);
+    EXPECT_NEAR(inclusion_distance(radial, radial.graph({}, 0.0), still, xi, 2, near), of_number,
+                1e-15);
+    EXPECT_EQ(of_number > 1e-15, part > 1.0);
+  }
+  const Law rises = slope_law("rises", select(less(arg(), Expr(near / 2)), Expr(1.0), Expr(2.0)), true);
+  const double between[2] = {1.5, 0.0}, most[2] = {2.5, 0.0};
+  EXPECT_EQ(inclusion_distance(rises, rises.graph({}, 0.0), still, between, 2, near), 0.0);
+  EXPECT_EQ(inclusion_distance(rises, rises.graph({}, 0.0), still, most, 2, near), 0.5);
+}
+
 TEST(Law, DropsFalseBreaks) {
   const Expr r = arg();
   const Law law = slope_law("seam", select(less(r, Expr(1.0)), r * Expr(2.0), r * Expr(2.0)) +
