@@ -5,8 +5,9 @@
 
 namespace hvi::solver {
 
-/// Outcome of a method on fixed components.
-enum class MethodOutcome { solved, failed, indefinite };
+/// Outcome of a method on fixed components; `left`: there is no solution on them, for points run
+/// ever farther beyond the ends of theirs.
+enum class MethodOutcome { solved, failed, indefinite, left };
 
 class ActiveSetNewton {
 public:

@@ -174,7 +174,7 @@ bool CoupledNewton::newton_with_scales(int limit) {
 bool CoupledNewton::solve(int limit) {
   for (int round = 0; round <= 20 * at_.points.size() + 100; ++round) {
     if (!newton_with_scales(limit)) return false;
-    if (release_next(at_, round < 40 ? 1e-9 : 0.02 * (round - 39)) == 0) return true;
+    if (release_next(at_, round < 40 ? 1e-9 : 0.02 * (round - 39)).moved == 0) return true;
     at_.z_start = at_.z;
   }
   return false;

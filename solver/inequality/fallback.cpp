@@ -28,6 +28,9 @@ constexpr double smallest_gamma = 1e-16, step_of_gamma = 10.0;
 /// Below this residual, so many steps that do not halve it show that rounding is all that is left.
 constexpr double nearly_solved = 1e-6;
 constexpr int patience = 10;
+/// Outer steps; beyond the first number only as long as each takes so much of the error.
+constexpr int long_enough = 80, longest = 400;
+constexpr double still_falls = 0.97;
 
 /// The convex problem of one outer step.
 class AugmentedProblem {
@@ -144,6 +147,47 @@ bool AugmentedProblem::choose_theta(InequalityReport& report) {
   return false;
 }
 
+/// Beyond its end a component goes on along its tangent. Where that falls faster than the body is
+/// stiff, the energy has no lower bound, and points run away: by ever longer strides, while on the
+/// way to a solution they become shorter.
+class RunningAway {
+public:
+  explicit RunningAway(const Position& at) : at_(at), tracks_(at.points.size()) {}
+
+  /// Did a point make longer strides outwards than before, several times in a row?
+  bool look() {
+    bool away = false;
+    for (int p = 0; p < at_.points.size(); ++p) {
+      Track& track = tracks_[p];
+      const double far = beyond_falling_end(p), stride = far - track.far;
+      const bool longer =
+          track.far > 0.0 && track.stride > 0.0 && stride > longer_by * track.stride;
+      track = {far, stride, longer ? track.times + 1 : 0};
+      away = away || track.times >= in_a_row;
+    }
+    return away;
+  }
+
+private:
+  struct Track {
+    double far = 0.0, stride = 0.0;
+    int times = 0;
+  };
+  double beyond_falling_end(int p) const {
+    const PreparedLaw& law = at_.points.law(p);
+    if (law.components() == 1) return 0.0;
+    const LawComponent& k = law.component(at_.places.component[p]);
+    const double r = size_of(law, at_.points[p].of(at_.z));
+    if (r > k.high && k.high_d < 0.0) return r - k.high;
+    return r < k.low && k.low_d < 0.0 ? k.low - r : 0.0;
+  }
+
+  static constexpr double longer_by = 1.01;
+  static constexpr int in_a_row = 3;
+  const Position& at_;
+  std::vector<Track> tracks_;
+};
+
 } // namespace
 
 MethodOutcome solve_globally(Position& at, LastFactor& factor, ActiveSetNewton& newton,
@@ -154,9 +198,15 @@ MethodOutcome solve_globally(Position& at, LastFactor& factor, ActiveSetNewton& 
   if (!f.choose_theta(report)) return MethodOutcome::indefinite;
   double least = smallest_gamma;
   Vector trial;
-  for (int outer = 0; outer < 80; ++outer) {
+  RunningAway running(at);
+  double last = std::numeric_limits<double>::infinity();
+  for (int outer = 0; outer < longest; ++outer) {
     const auto inner = f.minimise(options.max_iterations, report);
     if (inner == MethodOutcome::indefinite && f.laws.shrink >= 1.0) return inner;
+    if (running.look()) return MethodOutcome::left;
+    const double error = at.balance.errors(at.c, at.xi).worst;
+    if (outer >= long_enough && !(error <= still_falls * last)) break;
+    last = error;
     f.update_multipliers();
     const Vector kept_c = at.c;
     f.laws.hand_over(at);

@@ -14,7 +14,7 @@
 
 namespace hvi::solver {
 
-int release_next(Position& at, double window) {
+Release release_next(Position& at, double window) {
   struct Crossing {
     double when;
     int point, step;
@@ -43,7 +43,7 @@ int release_next(Position& at, double window) {
     at.places.enter(x.point, at.z, at.xi);
     ++moved;
   }
-  return moved;
+  return {moved, std::min(first, 1.0)};
 }
 
 void count_events(const Position& at, const std::vector<int>& before, InequalityReport& report) {
@@ -96,12 +96,19 @@ MethodOutcome ComponentSearch::solve(Position& at, Methods methods, InequalityRe
   int moves = 0;
   for (int round = 0;; ++round) {
     const auto outcome = solve_here(at, methods, report);
-    if (outcome != MethodOutcome::solved) return outcome;
+    const bool left = outcome == MethodOutcome::left;
+    if (outcome != MethodOutcome::solved && !left) return outcome;
     // One by one at first, as under a rising load; in growing groups where many points follow.
-    const int moved = release_next(at, round < 40 ? 1e-9 : 0.02 * (round - 39));
+    const auto [moved, when] = release_next(at, round < 40 ? 1e-9 : 0.02 * (round - 39));
+    if (moved == 0 && left) return MethodOutcome::failed;
     if (moved == 0) break;
     moves += moved;
     if (moves > cap) return MethodOutcome::failed;
+    if (left) { // points ran far: no farther than to where the first one left its component
+      at.c = c_start_ + when * (at.c - c_start_);
+      at.update_arguments();
+      at.enter_states();
+    }
     at.z_start = at.z;
   }
   count_events(at, component_start_, report);

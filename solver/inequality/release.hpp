@@ -6,9 +6,13 @@
 
 namespace hvi::solver {
 
+struct Release {
+  int moved = 0;     ///< points
+  double when = 1.0; ///< the part of the way after which the first one leaves
+};
 /// Moves the points that leave their component first on the way from z_start to z: those within
-/// `window` of the earliest. Returns their number.
-int release_next(Position& at, double window);
+/// `window` of the earliest.
+Release release_next(Position& at, double window);
 /// Counts in `report` the jumps between a component and the one that the point stands on now, and
 /// which way they were crossed.
 void count_crossings(const Position& at, int p, int before, InequalityReport& report);

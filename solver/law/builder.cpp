@@ -336,8 +336,8 @@ double GraphBuilder::limit(int function, double at, double inner, const Point& x
     try_guess(guess, last);
     last = guess;
     // A ratio near 1 is that of a logarithm, which has no limit.
-    const double of_power = ratio > 0.0 && ratio < 0.99 ? near + step * ratio / (1.0 - ratio)
-                                                         : std::nan("");
+    const double of_power =
+        ratio > 0.0 && ratio < 0.99 ? near + step * ratio / (1.0 - ratio) : std::nan("");
     try_guess(of_power, last_of_power);
     last_of_power = of_power;
   }
@@ -379,7 +379,8 @@ void GraphBuilder::set_limits(LawGraph& graph) const {
 }
 
 /// Pieces that are meant to be continuous (2 - 15 (.08 - .02) and 1.1) differ by rounding: no jump.
-/// What other pieces and breaks do does not count: beside a wall, or a stiff ground, jumps are jumps.
+/// What other pieces and breaks do does not count: beside a wall, or a stiff ground, jumps are
+/// jumps.
 void GraphBuilder::close_rounding_gaps(LawGraph& graph) const {
   const auto terms = [&](std::size_t piece, double r) { // size of what was added up
     const auto& p = graph.smooth[piece];

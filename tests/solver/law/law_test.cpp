@@ -166,12 +166,14 @@ TEST(Law, AsMuchIsKnownOfARestingVectorAsOfANumber) {
   const double near = 1e-12, still[2] = {0.0, 0.0};
   for (const double part : {0.0, 0.3, 0.9, 1.1, 4.0}) {
     const double size = 1.0 + std::sqrt(part * near), xi[2] = {0.6 * size, -0.8 * size};
-    const double of_number = inclusion_distance(scalar, scalar.graph({}, 0.0), still, &size, 1, near);
+    const double of_number =
+        inclusion_distance(scalar, scalar.graph({}, 0.0), still, &size, 1, near);
     EXPECT_NEAR(inclusion_distance(radial, radial.graph({}, 0.0), still, xi, 2, near), of_number,
                 1e-15);
     EXPECT_EQ(of_number > 1e-15, part > 1.0);
   }
-  const Law rises = slope_law("rises", select(less(arg(), Expr(near / 2)), Expr(1.0), Expr(2.0)), true);
+  const Law rises =
+      slope_law("rises", select(less(arg(), Expr(near / 2)), Expr(1.0), Expr(2.0)), true);
   const double between[2] = {1.5, 0.0}, most[2] = {2.5, 0.0};
   EXPECT_EQ(inclusion_distance(rises, rises.graph({}, 0.0), still, between, 2, near), 0.0);
   EXPECT_EQ(inclusion_distance(rises, rises.graph({}, 0.0), still, most, 2, near), 0.5);
@@ -249,8 +251,9 @@ TEST(Law, KeepsJumpsBesideAWall) {
   for (const double wall : {1e300, 1e20})
     for (const double jump : {2.0, -2.0}) {
       const Expr curved = -sqrt(Expr(1.0) - r);
-      const Law law = slope_law("walled", select(less(r, Expr(1.0)), curved,
-                                                 select(less(r, Expr(2.0)), Expr(jump), Expr(wall))));
+      const Law law =
+          slope_law("walled", select(less(r, Expr(1.0)), curved,
+                                     select(less(r, Expr(2.0)), Expr(jump), Expr(wall))));
       const LawGraph g = law.graph(here, now);
       EXPECT_EQ(g.breaks, (std::vector<double>{1.0, 2.0}));
       EXPECT_EQ(g.left, (std::vector<double>{0.0, jump}));
@@ -270,8 +273,8 @@ TEST(Law, RootsThatRoundingMissesHaveTheirLimit) {
   for (int k2 = 0; k2 < 200; ++k2) {
     const double b = any(random), c = any(random), power = any(random) / 10.1;
     const Expr inner = Expr(c) * r - Expr(b);
-    const Law law = slope_law("power", select(less(inner, Expr(0.0)), Expr(0.0),
-                                              Expr(2.0) + pow(inner, Expr(power))));
+    const Law law = slope_law(
+        "power", select(less(inner, Expr(0.0)), Expr(0.0), Expr(2.0) + pow(inner, Expr(power))));
     const LawGraph g = law.graph(here, now);
     ASSERT_EQ(g.breaks.size(), 1u);
     EXPECT_NEAR(g.right[0], 2.0, std::pow(1e-15, power) + 1e-7) << b << ' ' << c << ' ' << power;
